@@ -1,0 +1,53 @@
+# A module is include/threewe/<module> and src/<module>, built as the library threewe_<module> of its own;
+# libthreewe is all of their objects in one.
+
+# Defines the library of one module. Files are found by themselves; a module without sources is its headers.
+function(threewe_module module)
+  cmake_parse_arguments(ARG "" "" "USES" ${ARGN})
+  string(REPLACE "/" "_" name ${module})
+  set(target threewe_${name})
+
+  file(GLOB sources CONFIGURE_DEPENDS "${PROJECT_SOURCE_DIR}/src/${module}/*.cpp")
+  if(sources)
+    add_library(${target} STATIC ${sources})
+    target_include_directories(${target} PRIVATE "${PROJECT_SOURCE_DIR}/src")
+    target_link_libraries(${target} PRIVATE $<BUILD_INTERFACE:threewe_warnings>)
+    set(scope PUBLIC)
+    set_property(GLOBAL APPEND PROPERTY threewe_objects $<TARGET_OBJECTS:${target}>)
+  else()
+    add_library(${target} INTERFACE)
+    set(scope INTERFACE)
+  endif()
+
+  string(REPLACE "/" "_" uses "${ARG_USES}")
+  list(TRANSFORM uses PREPEND threewe_)
+  target_link_libraries(${target} ${scope} threewe_flags ${THREEWE_DEPENDENCIES} ${uses})
+  set_property(GLOBAL APPEND PROPERTY threewe_modules ${module})
+endfunction()
+
+# Defines libthreewe and how it, its headers, its assets and its CMake package are installed.
+function(threewe_library)
+  get_property(objects GLOBAL PROPERTY threewe_objects)
+  add_library(threewe ${objects})
+  add_library(threewe::threewe ALIAS threewe)
+  set_target_properties(threewe PROPERTIES LINKER_LANGUAGE CXX VERSION ${PROJECT_VERSION})
+  target_link_libraries(threewe PUBLIC threewe_flags ${THREEWE_DEPENDENCIES})
+
+  # where assets are: beside the sources while developing, else where they are installed
+  set(assets "${CMAKE_INSTALL_FULL_DATADIR}/threewe/assets")
+  if(THREEWE_DEVELOPER)
+    set(assets "${PROJECT_SOURCE_DIR}/assets")
+  endif()
+  set_source_files_properties("${PROJECT_SOURCE_DIR}/src/core/assets.cpp"
+                              PROPERTIES COMPILE_DEFINITIONS "THREEWE_ASSET_DIR=\"${assets}\"")
+
+  include(CMakePackageConfigHelpers)
+  set(package "${CMAKE_INSTALL_LIBDIR}/cmake/threewe")
+  write_basic_package_version_file(threewe-config-version.cmake COMPATIBILITY SameMinorVersion)
+  install(TARGETS threewe threewe_flags EXPORT threewe)
+  install(EXPORT threewe DESTINATION ${package} NAMESPACE threewe:: FILE threewe-targets.cmake)
+  install(FILES "${PROJECT_SOURCE_DIR}/cmake/threewe-config.cmake" "${PROJECT_SOURCE_DIR}/cmake/dependencies.cmake"
+                "${CMAKE_CURRENT_BINARY_DIR}/threewe-config-version.cmake" DESTINATION ${package})
+  install(DIRECTORY "${PROJECT_SOURCE_DIR}/include/" DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
+  install(DIRECTORY "${PROJECT_SOURCE_DIR}/assets" DESTINATION ${CMAKE_INSTALL_DATADIR}/threewe OPTIONAL)
+endfunction()
