@@ -1,0 +1,92 @@
+// The whole of what a backend is: it keeps time, delivers samples, takes a body velocity.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "threewe/core/samples.hpp"
+#include "threewe/hardware/profile.hpp"
+
+namespace threewe::scene {
+class TruthView;
+}
+
+namespace threewe::backend {
+
+/// One sensor of a robot, as it is known before connecting.
+struct SensorInfo {
+  std::string name;  ///< "lidar", "imu", "odometry", "battery"; unique on a robot
+  SensorType type{};
+  double rate = 0.0;  ///< [Hz]
+};
+
+/// What a robot can do, readable before connecting.
+struct Features {
+  std::vector<SensorInfo> sensors;
+  Kinematics kinematics{};
+  bool lockstep = false;       ///< time advances only when it is told to
+  bool deterministic = false;  ///< the same seed and commands give the same samples, to the bit
+  bool can_reset = false;
+  bool can_save = false;
+  bool external_localization = false;
+  bool external_navigation = false;
+};
+
+/// One robot in a world.
+class RobotPort {
+ public:
+  virtual ~RobotPort() = default;
+
+  virtual const Features& features() const = 0;
+  virtual const RobotProfile& profile() const = 0;
+  /// Throws ConnectionError when the robot cannot be reached. Connecting twice does nothing.
+  virtual void connect() = 0;
+  virtual void disconnect() = 0;
+  /// The samples that arrived since the last call, in order of arrival, `received` set to now.
+  /// Throws ConnectionError before `connect` and after `disconnect`.
+  virtual std::vector<Sample> poll() = 0;
+  /// The body velocity to keep until `valid_until`, when the port itself brings the robot to a stop.
+  /// Throws ContractError on a velocity that is not finite or that the base cannot drive.
+  virtual void command(const Velocity& velocity, Time valid_until) = 0;
+  /// The truth about this robot in a simulated world; null on a real one.
+  virtual const scene::TruthView* truth() const { return nullptr; }
+};
+
+/// How a world begins anew.
+struct ResetOptions {
+  std::uint64_t seed = 0;
+  /// Where each robot starts, in the scene's frame; the scene's own start poses where empty.
+  std::vector<Pose2D> poses;
+};
+
+/// A world that keeps its own time. Time begins at 0 and returns there on reset.
+class World {
+ public:
+  virtual ~World() = default;
+
+  virtual std::size_t robot_count() const = 0;
+  virtual RobotPort& robot(std::size_t index) = 0;
+  virtual Time now() const = 0;
+  /// Lockstep: simulates until `now() == t`. Real time: returns when the clock has reached `t`.
+  virtual void advance_to(Time t) = 0;
+  /// Throws ContractError where `can_reset` is false, ConfigError when a robot would start inside an obstacle.
+  virtual void reset(const ResetOptions& options);
+  /// Everything that the future depends on. Throws ContractError where `can_save` is false.
+  virtual std::vector<std::byte> save() const;
+  virtual void restore(const std::vector<std::byte>& state);
+};
+
+/// How a world is made.
+struct WorldOptions {
+  std::string scene = "office_v2";
+  std::vector<std::string> robots = {"3we_standard_v2"};  ///< one hardware profile per robot
+  NoiseLevel noise = NoiseLevel::realistic;
+  std::uint64_t seed = 0;
+  std::vector<Pose2D> poses;  ///< as in ResetOptions
+};
+
+}  // namespace threewe::backend

@@ -1,0 +1,35 @@
+// The robot's outline on the floor.
+#pragma once
+
+#include <vector>
+
+#include "threewe/core/pose.hpp"
+
+namespace threewe {
+
+/// A convex polygon around the base, counter-clockwise [m].
+class Footprint {
+ public:
+  Footprint() = default;
+  /// Throws ConfigError unless `corners` is a convex, counter-clockwise polygon that contains the base.
+  explicit Footprint(std::vector<Vec2> corners);
+  /// A rectangle centred on the base, `length` along x and `width` along y [m].
+  static Footprint rectangle(double length, double width);
+
+  const std::vector<Vec2>& corners() const { return corners_; }
+  /// Radius of the largest disc around the base inside the outline [m].
+  double inscribed_radius() const { return inscribed_radius_; }
+  /// Radius of the smallest disc around the base that holds the outline [m].
+  double circumscribed_radius() const { return circumscribed_radius_; }
+  bool contains(Vec2 point_in_base) const;
+  /// Distance from a point to the outline [m], negative inside.
+  double signed_distance(Vec2 point_in_base) const;
+  friend bool operator==(const Footprint&, const Footprint&) = default;
+
+ private:
+  std::vector<Vec2> corners_;
+  double inscribed_radius_ = 0.0;
+  double circumscribed_radius_ = 0.0;
+};
+
+}  // namespace threewe

@@ -1,0 +1,110 @@
+// What a robot is: its body, its limits, its sensors and how well they measure. Read from assets/robots/NAME.yaml.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "threewe/core/footprint.hpp"
+#include "threewe/core/kinematics.hpp"
+#include "threewe/core/pose.hpp"
+#include "threewe/core/time.hpp"
+
+namespace threewe {
+
+/// Bounds on a body velocity and on how fast it may change.
+struct Limits {
+  double linear = 0.0;                ///< [m/s], of the vector (vx, vy)
+  double angular = 0.0;               ///< [rad/s]
+  double linear_acceleration = 0.0;   ///< [m/s^2], speeding up
+  double linear_braking = 0.0;        ///< [m/s^2], slowing down
+  double angular_acceleration = 0.0;  ///< [rad/s^2], both ways
+  friend bool operator==(const Limits&, const Limits&) = default;
+};
+
+/// The body and its drive.
+struct Body {
+  Footprint footprint;
+  double height = 0.0;            ///< [m]
+  double mass = 0.0;              ///< [kg]
+  double inertia = 0.0;           ///< [kg m^2] about the vertical axis
+  WheelGeometry wheels;
+  double friction = 0.0;          ///< coefficient between wheel and floor
+  double lateral_efficiency = 1.0;  ///< the share of a sideways command that mecanum rollers turn into motion
+  double stall_torque = 0.0;      ///< [N m] of one wheel's motor at the wheel
+  double no_load_speed = 0.0;     ///< [rad/s] of one wheel at nominal voltage
+  Duration motor_lag{};           ///< time constant of the speed loop
+};
+
+/// A lidar that turns, and the scan that is made of its turn.
+struct LidarSpec {
+  Pose2D base_from_lidar;
+  double height = 0.0;       ///< [m] of the scan plane above the floor
+  int points_per_turn = 0;   ///< measured by the device
+  bool clockwise = false;    ///< how the device turns; the scan is always counter-clockwise
+  int beams = 0;             ///< in the scan that is delivered
+  Duration turn{};           ///< of one revolution
+  double range_min = 0.0;    ///< [m]
+  double range_max = 0.0;    ///< [m]
+  double sigma = 0.0;        ///< [m] of each range
+  double bias = 0.0;         ///< [m], each unit's constant offset lies in [-bias, bias]
+  double dropout = 0.0;      ///< probability that a point is invalid
+  Duration latency{};        ///< from the end of a turn to its arrival
+};
+
+struct IMUSpec {
+  Duration period{};
+  double gyro_sigma = 0.0;         ///< [rad/s] of each sample
+  double gyro_bias = 0.0;          ///< [rad/s], the bias at the start lies in [-gyro_bias, gyro_bias]
+  double gyro_bias_walk = 0.0;     ///< [rad/s/sqrt(s)]
+  double accelerometer_sigma = 0.0;  ///< [m/s^2]
+  double accelerometer_bias = 0.0;   ///< [m/s^2]
+  Duration latency{};
+};
+
+struct OdometrySpec {
+  Duration period{};
+  double wheel_scale = 0.0;        ///< each wheel's radius is off by a factor in 1 +- this, per episode
+  double lateral_scale_min = 1.0;  ///< sideways motion is multiplied by a factor from here ...
+  double lateral_scale_max = 1.0;  ///< ... to here, per episode
+  int ticks_per_turn = 0;          ///< encoder counts of one wheel turn
+  Duration latency{};
+};
+
+struct BatterySpec {
+  double capacity = 0.0;         ///< [Wh]
+  double voltage_full = 0.0;     ///< [V]
+  double voltage_empty = 0.0;    ///< [V]
+  double idle_power = 0.0;       ///< [W]
+  Duration period{};
+};
+
+/// A robot, complete. Sensors it lacks are empty.
+struct RobotProfile {
+  std::string name;
+  std::string description;
+  Body body;
+  Limits hardware_limits;   ///< what the drive can do
+  Limits operating_limits;  ///< what it is asked to do by default
+  Duration command_latency{};
+  std::optional<LidarSpec> lidar;
+  std::optional<IMUSpec> imu;
+  OdometrySpec odometry;
+  std::optional<BatterySpec> battery;
+
+  Kinematics kinematics() const { return body.wheels.kinematics; }
+};
+
+/// Reads assets/robots/NAME.yaml, or the file itself where `name` ends in .yaml. Throws ConfigError.
+RobotProfile load_profile(std::string_view name);
+/// The names of all profiles.
+std::vector<std::string> profile_names();
+
+/// "realistic": every imperfection on. "ideal": each switched off, the sensors themselves left on.
+enum class NoiseLevel : std::uint8_t { realistic, ideal };
+/// Throws ConfigError naming the nearest right one.
+NoiseLevel noise_level(std::string_view name);
+
+}  // namespace threewe

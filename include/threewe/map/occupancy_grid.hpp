@@ -1,0 +1,46 @@
+// A map of what is free, occupied and unknown.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "threewe/core/pose.hpp"
+
+namespace threewe::map {
+
+/// Indices of a cell: column along x, row along y.
+struct Cell {
+  int x = 0;
+  int y = 0;
+  friend bool operator==(const Cell&, const Cell&) = default;
+};
+
+/// A grid of occupancy values as ROS defines them (nav_msgs/OccupancyGrid): -1 unknown, 0 free to 100 occupied.
+/// Row-major, shape (height, width); cell (0, 0) has its lower left corner at `origin`, axes along the map frame's.
+struct OccupancyGrid {
+  int width = 0;
+  int height = 0;
+  double resolution = 0.05;  ///< [m] a cell
+  Vec2 origin;               ///< [m], of the corner of cell (0, 0)
+  std::vector<std::int8_t> data;
+
+  bool contains(Cell c) const { return c.x >= 0 && c.y >= 0 && c.x < width && c.y < height; }
+  std::size_t index(Cell c) const {
+    return static_cast<std::size_t>(c.y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(c.x);
+  }
+  /// The value at a cell; unknown outside the grid.
+  std::int8_t at(Cell c) const { return contains(c) ? data[index(c)] : kUnknown; }
+  Cell cell(Vec2 point) const;
+  Vec2 center(Cell c) const;
+
+  static constexpr std::int8_t kUnknown = -1;
+  static constexpr std::int8_t kFree = 0;
+  static constexpr std::int8_t kOccupied = 100;
+  /// At or above this a cell counts as occupied (ROS map_server's default).
+  static constexpr std::int8_t kOccupiedThreshold = 65;
+  /// At or below this, and not unknown, a cell counts as free.
+  static constexpr std::int8_t kFreeThreshold = 25;
+  friend bool operator==(const OccupancyGrid&, const OccupancyGrid&) = default;
+};
+
+}  // namespace threewe::map

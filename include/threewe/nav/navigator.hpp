@@ -1,0 +1,85 @@
+// From a goal to velocities. The runtime knows this interface alone, so that an external navigation can stand in.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <span>
+#include <string_view>
+#include <variant>
+#include <vector>
+
+#include "threewe/core/pose.hpp"
+#include "threewe/core/time.hpp"
+#include "threewe/map/occupancy_grid.hpp"
+#include "threewe/slam/localizer.hpp"
+
+namespace threewe::nav {
+
+/// How a motion ends, and why.
+enum class Reason : std::uint8_t { running, reached, no_path, blocked, timeout, cancelled, estop, lost, fault };
+std::string_view to_string(Reason reason);
+
+/// Drive to a position in `map`, and turn to a heading where one is given.
+struct MoveTo {
+  Vec2 goal;
+  std::optional<double> theta;   ///< [rad]
+  double tolerance = 0.25;       ///< [m]
+  double angle_tolerance = 0.1;  ///< [rad]
+};
+/// Turn on the spot by `angle` [rad], counter-clockwise; may exceed a full turn.
+struct Rotate {
+  double angle = 0.0;
+};
+/// Drive straight ahead by `distance` [m], backwards when negative.
+struct MoveForward {
+  double distance = 0.0;
+};
+/// Drive along a polyline in `map`.
+struct FollowPath {
+  std::vector<Vec2> path;
+  double tolerance = 0.25;
+};
+/// Map everything that can be reached.
+struct Explore {};
+
+using Goal = std::variant<MoveTo, Rotate, MoveForward, FollowPath, Explore>;
+
+/// What the navigator sees at one tick.
+struct Observation {
+  Time now{};
+  slam::PoseEstimate pose;
+  const map::OccupancyGrid& map;
+  std::uint64_t map_version = 0;
+  /// Where the newest scan hit something: points in the `odom` frame, deskewed.
+  std::span<const Vec2> obstacles;
+};
+
+struct Progress {
+  double distance_left = 0.0;   ///< [m] along the path
+  double distance_driven = 0.0;  ///< [m] since the start of the motion
+  Pose2D pose;                  ///< in `map`
+};
+
+/// What the navigator wants.
+struct Decision {
+  Velocity velocity;
+  Reason reason = Reason::running;
+  std::string_view detail;  ///< a constant text that says more about a failure; may be empty
+};
+
+/// Planning and control of one robot. It sees estimates and scans, never the truth.
+class Navigator {
+ public:
+  virtual ~Navigator() = default;
+
+  /// Begins a motion; the one before is forgotten.
+  virtual void start(const Goal& goal, const Observation& observation) = 0;
+  /// One control period of the motion.
+  virtual Decision step(const Observation& observation) = 0;
+  virtual Progress progress() const = 0;
+  /// The path being followed, in `map`, from the robot to its goal; empty between motions.
+  virtual std::span<const Vec2> path() const = 0;
+  virtual std::unique_ptr<Navigator> clone() const = 0;
+};
+
+}  // namespace threewe::nav

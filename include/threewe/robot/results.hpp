@@ -1,0 +1,42 @@
+// How motions are followed and how they end.
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "threewe/core/pose.hpp"
+#include "threewe/core/time.hpp"
+#include "threewe/nav/navigator.hpp"
+
+namespace threewe {
+
+using nav::Progress;
+using nav::Reason;
+
+/// How a motion ended. `map` frame.
+struct MoveResult {
+  bool success = false;
+  Reason reason = Reason::running;
+  std::string detail;             ///< says more about a failure; may be empty
+  Pose2D pose;                    ///< where the robot believes it is
+  double distance_to_goal = 0.0;  ///< [m], by its own belief
+  double distance = 0.0;          ///< [m] driven, by its own belief
+  double duration = 0.0;          ///< [s] of robot time
+
+  /// Throws the error that matches `reason`; does nothing after success.
+  void raise_for_failure() const;
+};
+
+/// How an exploration ended.
+struct ExploreResult {
+  bool success = false;  ///< nothing that can be reached is left to see
+  Reason reason = Reason::running;
+  std::string detail;
+  double explored_area = 0.0;  ///< [m^2] known to be free
+  double distance = 0.0;       ///< [m]
+  double duration = 0.0;       ///< [s] of robot time
+
+  void raise_for_failure() const;
+};
+
+}  // namespace threewe

@@ -1,0 +1,33 @@
+// The truth about a simulated world. Robots never see it; tests, metrics and rewards do.
+#pragma once
+
+#include <cstdint>
+
+#include "threewe/core/pose.hpp"
+#include "threewe/core/time.hpp"
+
+namespace threewe::scene {
+
+class Scene;
+
+/// Ground truth of one robot in a simulated world. All poses are in the scene's frame.
+class TruthView {
+ public:
+  virtual ~TruthView() = default;
+
+  virtual const Scene& scene() const = 0;
+  virtual Pose2D true_pose() const = 0;
+  virtual Velocity true_velocity() const = 0;
+  /// Where the robot stood at the last reset: the origin of its `map` frame, unless it was given a map.
+  virtual Pose2D start_pose() const = 0;
+  /// The fastest approach [m/s] of the robot's own motion into an obstacle at contact since the last reset.
+  virtual double max_collision_speed() const = 0;
+  /// Distance [m] driven since the last reset.
+  virtual double distance_driven() const = 0;
+  /// A pose where the footprint and 5 cm around it are free: a pure function of the seed.
+  virtual Pose2D sample_free_pose(std::uint64_t seed) const = 0;
+  /// Length [m] of the shortest path for the robot's footprint; infinity where there is none.
+  virtual double geodesic(Vec2 a, Vec2 b) const = 0;
+};
+
+}  // namespace threewe::scene

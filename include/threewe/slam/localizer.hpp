@@ -1,0 +1,43 @@
+// Where the robot is and what its surroundings look like. The runtime knows this interface alone, so that an external
+// localisation can stand in for ours.
+#pragma once
+
+#include <array>
+#include <memory>
+
+#include "threewe/core/pose.hpp"
+#include "threewe/core/samples.hpp"
+#include "threewe/map/occupancy_grid.hpp"
+
+namespace threewe::slam {
+
+/// What is known about the robot's pose at one moment.
+struct PoseEstimate {
+  Time stamp{};
+  Pose2D odom_from_base;                ///< smooth: wheels and gyro, never jumps
+  Pose2D map_from_odom;                 ///< moves when a scan or a loop closure corrects the drift
+  Velocity velocity;                    ///< in the body frame
+  std::array<double, 9> covariance{};   ///< of map_from_base (x, y, theta), row-major
+  bool lost = false;
+
+  Pose2D map_from_base() const { return map_from_odom * odom_from_base; }
+};
+
+/// Localisation and mapping of one robot. It sees samples and nothing else.
+class Localizer {
+ public:
+  virtual ~Localizer() = default;
+
+  /// One sample, in order of arrival. Sensors it has no use for are ignored.
+  virtual void add(const Sample& sample) = 0;
+  /// The best estimate for time `now`, extrapolated from the newest samples.
+  virtual PoseEstimate estimate(Time now) const = 0;
+  /// The map so far, in the `map` frame. The reference stays valid until the next `add`.
+  virtual const map::OccupancyGrid& map() const = 0;
+  /// Counts the changes of the map: equal numbers mean equal maps.
+  virtual std::uint64_t map_version() const = 0;
+  /// A copy that lives on independently, for saving and restoring.
+  virtual std::unique_ptr<Localizer> clone() const = 0;
+};
+
+}  // namespace threewe::slam

@@ -1,0 +1,131 @@
+#include "threewe/core/config.hpp"
+
+#include <algorithm>
+#include <fstream>
+#include <sstream>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "threewe/core/errors.hpp"
+#include "threewe/core/names.hpp"
+
+namespace threewe {
+
+ConfigNode::ConfigNode(YAML::Node node, std::string file, std::string path)
+    : node_(std::move(node)), file_(std::move(file)), path_(std::move(path)) {}
+
+ConfigNode ConfigNode::load(const std::filesystem::path& file) {
+  std::ifstream stream(file);
+  if (!stream) throw ConfigError(fmt::format("{}: cannot be read", file.string()));
+  std::ostringstream text;
+  text << stream.rdbuf();
+  return parse(text.str(), file.string());
+}
+
+ConfigNode ConfigNode::parse(const std::string& text, const std::string& name) {
+  try {
+    return {YAML::Load(text), name, ""};
+  } catch (const YAML::ParserException& error) {
+    throw ConfigError(fmt::format("{}:{}: malformed YAML: {}", name, error.mark.line + 1, error.msg));
+  }
+}
+
+void ConfigNode::fail(const std::string& what) const {
+  const std::string where = path_.empty() ? "" : fmt::format("{}: ", path_);
+  throw ConfigError(fmt::format("{}:{}: {}{}", file_, node_.Mark().line + 1, where, what));
+}
+
+void ConfigNode::know(std::string_view field) {
+  if (!node_.IsMap()) fail("expected a mapping");
+  if (std::ranges::find(known_, field) == known_.end()) known_.emplace_back(field);
+}
+
+bool ConfigNode::has(std::string_view field) {
+  know(field);
+  return node_[std::string(field)].IsDefined();
+}
+
+ConfigNode ConfigNode::at(std::string_view field) {
+  if (!has(field)) fail(fmt::format("missing field '{}'", field));
+  return {node_[std::string(field)], file_, path_.empty() ? std::string(field) : fmt::format("{}.{}", path_, field)};
+}
+
+std::vector<ConfigNode> ConfigNode::items() const {
+  if (!node_.IsSequence()) fail("expected a list");
+  std::vector<ConfigNode> items;
+  for (std::size_t i = 0; i < node_.size(); ++i) {
+    items.push_back(ConfigNode(node_[i], file_, fmt::format("{}[{}]", path_, i)));
+  }
+  return items;
+}
+
+std::vector<std::pair<std::string, ConfigNode>> ConfigNode::fields() {
+  if (!node_.IsMap()) fail("expected a mapping");
+  std::vector<std::pair<std::string, ConfigNode>> fields;
+  for (const auto& entry : node_) {
+    const auto name = entry.first.as<std::string>();
+    fields.emplace_back(name, at(name));
+  }
+  return fields;
+}
+
+double ConfigNode::number() const {
+  double value = 0.0;
+  if (!node_.IsScalar() || !YAML::convert<double>::decode(node_, value)) fail("expected a number");
+  if (!std::isfinite(value)) fail("expected a finite number");
+  return value;
+}
+
+std::int64_t ConfigNode::integer() const {
+  std::int64_t value = 0;
+  if (!node_.IsScalar() || !YAML::convert<std::int64_t>::decode(node_, value)) fail("expected a whole number");
+  return value;
+}
+
+bool ConfigNode::boolean() const {
+  bool value = false;
+  if (!node_.IsScalar() || !YAML::convert<bool>::decode(node_, value)) fail("expected true or false");
+  return value;
+}
+
+std::string ConfigNode::text() const {
+  if (!node_.IsScalar()) fail("expected text");
+  return node_.Scalar();
+}
+
+Vec2 ConfigNode::vec2() const {
+  const auto values = items();
+  if (values.size() != 2) fail("expected [x, y]");
+  return {values[0].number(), values[1].number()};
+}
+
+Pose2D ConfigNode::pose() const {
+  const auto values = items();
+  if (values.size() != 2 && values.size() != 3) fail("expected [x, y, theta]");
+  return {values[0].number(), values[1].number(), values.size() == 3 ? wrap_angle(values[2].number()) : 0.0};
+}
+
+double ConfigNode::number_in(std::string_view field, double low, double high) {
+  const ConfigNode node = at(field);
+  const double value = node.number();
+  if (value < low || value > high) node.fail(fmt::format("{} is outside [{}, {}]", value, low, high));
+  return value;
+}
+
+std::string ConfigNode::choice(std::string_view field, const std::vector<std::string>& choices) {
+  const ConfigNode node = at(field);
+  const std::string value = node.text();
+  if (std::ranges::find(choices, value) == choices.end()) node.fail(unknown_name(field, value, choices));
+  return value;
+}
+
+void ConfigNode::finish() const {
+  for (const auto& entry : node_) {
+    const auto name = entry.first.as<std::string>();
+    if (std::ranges::find(known_, name) != known_.end()) continue;
+    ConfigNode(entry.first, file_, path_).fail(unknown_name("field", name, known_));
+  }
+}
+
+}  // namespace threewe

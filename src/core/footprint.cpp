@@ -1,0 +1,55 @@
+#include "threewe/core/footprint.hpp"
+
+#include <algorithm>
+#include <limits>
+#include <utility>
+
+#include "threewe/core/errors.hpp"
+
+namespace threewe {
+namespace {
+
+double distance_to_segment(Vec2 p, Vec2 a, Vec2 b) {
+  const Vec2 ab = b - a;
+  const double t = std::clamp(dot(p - a, ab) / dot(ab, ab), 0.0, 1.0);
+  return distance(p, a + t * ab);
+}
+
+}  // namespace
+
+Footprint::Footprint(std::vector<Vec2> corners) : corners_(std::move(corners)) {
+  const std::size_t n = corners_.size();
+  if (n < 3) throw ConfigError("footprint needs at least 3 corners");
+  inscribed_radius_ = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < n; ++i) {
+    const Vec2 a = corners_[i];
+    const Vec2 b = corners_[(i + 1) % n];
+    const Vec2 c = corners_[(i + 2) % n];
+    if (!(cross(b - a, c - b) > 0.0)) throw ConfigError("footprint must be convex, its corners counter-clockwise");
+    if (!(cross(b - a, Vec2{} - a) > 0.0)) throw ConfigError("footprint must contain the base (0, 0)");
+    inscribed_radius_ = std::min(inscribed_radius_, distance_to_segment({}, a, b));
+    circumscribed_radius_ = std::max(circumscribed_radius_, norm(a));
+  }
+}
+
+Footprint Footprint::rectangle(double length, double width) {
+  const double x = 0.5 * length;
+  const double y = 0.5 * width;
+  return Footprint({{x, -y}, {x, y}, {-x, y}, {-x, -y}});
+}
+
+bool Footprint::contains(Vec2 point_in_base) const { return signed_distance(point_in_base) <= 0.0; }
+
+double Footprint::signed_distance(Vec2 point_in_base) const {
+  bool inside = true;
+  double nearest = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < corners_.size(); ++i) {
+    const Vec2 a = corners_[i];
+    const Vec2 b = corners_[(i + 1) % corners_.size()];
+    inside = inside && cross(b - a, point_in_base - a) >= 0.0;
+    nearest = std::min(nearest, distance_to_segment(point_in_base, a, b));
+  }
+  return inside ? -nearest : nearest;
+}
+
+}  // namespace threewe

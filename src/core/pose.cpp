@@ -1,0 +1,54 @@
+#include "threewe/core/pose.hpp"
+
+namespace threewe {
+
+double wrap_angle(double angle) {
+  constexpr double kTwoPi = 2.0 * exact::kPi;
+  if (angle > -exact::kPi && angle <= exact::kPi) return angle;
+  const double wrapped = angle - kTwoPi * std::ceil((angle - exact::kPi) / kTwoPi);
+  return wrapped <= -exact::kPi ? exact::kPi : wrapped;
+}
+
+Vec2 rotate(Vec2 v, double angle) {
+  const auto [s, c] = exact::sincos(angle);
+  return {c * v.x - s * v.y, s * v.x + c * v.y};
+}
+
+Pose2D operator*(const Pose2D& a_from_b, const Pose2D& b_from_c) {
+  const Vec2 p = a_from_b * b_from_c.position();
+  return {p.x, p.y, wrap_angle(a_from_b.theta + b_from_c.theta)};
+}
+
+Vec2 operator*(const Pose2D& a_from_b, Vec2 point_in_b) {
+  return a_from_b.position() + rotate(point_in_b, a_from_b.theta);
+}
+
+Pose2D inverse(const Pose2D& a_from_b) {
+  const Vec2 p = rotate({-a_from_b.x, -a_from_b.y}, -a_from_b.theta);
+  return {p.x, p.y, wrap_angle(-a_from_b.theta)};
+}
+
+Pose2D interpolate(const Pose2D& a, const Pose2D& b, double t) {
+  return {a.x + t * (b.x - a.x), a.y + t * (b.y - a.y), wrap_angle(a.theta + t * wrap_angle(b.theta - a.theta))};
+}
+
+bool is_finite(const Velocity& v) { return std::isfinite(v.vx) && std::isfinite(v.vy) && std::isfinite(v.omega); }
+bool is_finite(const Pose2D& p) { return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.theta); }
+
+Pose2D integrate(const Pose2D& pose, const Velocity& velocity, double seconds) {
+  const double turn = velocity.omega * seconds;
+
+  // along an arc the chord is shorter by sin(a)/a and turned by (1 - cos a)/a, with their series near 0
+  double along = 1.0 - turn * turn / 6.0;
+  double across = 0.5 * turn;
+  if (std::fabs(turn) > 1e-4) {
+    const auto [s, c] = exact::sincos(turn);
+    along = s / turn;
+    across = (1.0 - c) / turn;
+  }
+  const double dx = velocity.vx * seconds;
+  const double dy = velocity.vy * seconds;
+  return pose * Pose2D{along * dx - across * dy, across * dx + along * dy, turn};
+}
+
+}  // namespace threewe

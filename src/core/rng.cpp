@@ -1,0 +1,137 @@
+#include "threewe/core/rng.hpp"
+
+#include "threewe/core/exact.hpp"
+
+namespace threewe {
+namespace {
+
+struct WordPair {
+  std::uint32_t high;
+  std::uint32_t low;
+};
+
+WordPair multiply(std::uint32_t a, std::uint32_t b) {
+  const std::uint64_t product = std::uint64_t{a} * b;
+  return {static_cast<std::uint32_t>(product >> 32), static_cast<std::uint32_t>(product)};
+}
+
+// Ten rounds of Philox4x32 with the published multipliers and Weyl increments.
+std::array<std::uint32_t, 4> philox(std::array<std::uint32_t, 4> c, std::uint32_t k0, std::uint32_t k1) {
+  for (int round = 0; round < 10; ++round) {
+    const WordPair p0 = multiply(0xD2511F53U, c[0]);
+    const WordPair p1 = multiply(0xCD9E8D57U, c[2]);
+    c = {p1.high ^ c[1] ^ k0, p1.low, p0.high ^ c[3] ^ k1, p0.low};
+    k0 += 0x9E3779B9U;
+    k1 += 0xBB67AE85U;
+  }
+  return c;
+}
+
+}  // namespace
+
+std::array<std::uint32_t, 4> random_bits(const RngKey& key, std::uint64_t sample, std::uint32_t lane) {
+  // the seed is the key; everything else is spread over the counter, each field in bits of its own:
+  // sample 48, lane 16, episode 32, robot 12, sensor 12, stream 8
+  const auto place = static_cast<std::uint32_t>((key.robot & 0xFFFU) << 20 | (key.sensor & 0xFFFU) << 8 |
+                                                (static_cast<std::uint32_t>(key.stream) & 0xFFU));
+  const auto high = static_cast<std::uint32_t>((sample >> 32 & 0xFFFFU) << 16 | (lane & 0xFFFFU));
+  return philox({static_cast<std::uint32_t>(sample), high, key.episode, place}, static_cast<std::uint32_t>(key.seed),
+                static_cast<std::uint32_t>(key.seed >> 32));
+}
+
+double uniform(const RngKey& key, std::uint64_t sample, std::uint32_t lane) {
+  const auto bits = random_bits(key, sample, lane);
+  const std::uint64_t wide = std::uint64_t{bits[0]} << 32 | bits[1];
+  return static_cast<double>(wide >> 11) * 0x1p-53;
+}
+
+double uniform(const RngKey& key, std::uint64_t sample, std::uint32_t lane, double low, double high) {
+  return low + (high - low) * uniform(key, sample, lane);
+}
+
+double normal(const RngKey& key, std::uint64_t sample, std::uint32_t lane) {
+  // half a step away from 0, so that the quantile is finite
+  return normal_quantile(uniform(key, sample, lane) + 0x1p-54);
+}
+
+double normal_quantile(double p) {
+  const double q = p - 0.5;
+
+  // the middle 85 %
+  if (q <= 0.425 && q >= -0.425) {
+    const double r = 0.180625 - q * q;
+    const double numerator =
+        ((((((2509.0809287301226727 * r + 33430.575583588128105) * r + 67265.770927008700853) * r + 45921.953931549871457) *
+               r +
+           13731.693765509461125) *
+              r +
+          1971.5909503065514427) *
+             r +
+         133.14166789178437745) *
+            r +
+        3.387132872796366608;
+    const double denominator =
+        ((((((5226.495278852545925 * r + 28729.085735721942674) * r + 39307.89580009271061) * r + 21213.794301586595867) *
+               r +
+           5394.1960214247511077) *
+              r +
+          687.1870074920579083) *
+             r +
+         42.313330701600911252) *
+            r +
+        1.0;
+    return q * numerator / denominator;
+  }
+
+  // the tails
+  double r = exact::sqrt(-exact::log(q < 0.0 ? p : 1.0 - p));
+  double value = 0.0;
+  if (r <= 5.0) {
+    r -= 1.6;
+    value = (((((((7.7454501427834140764e-4 * r + 0.0227238449892691845833) * r + 0.24178072517745061177) * r +
+                 1.27045825245236838258) *
+                    r +
+                3.64784832476320460504) *
+                   r +
+               5.7694972214606914055) *
+                  r +
+              4.6303378461565452959) *
+                 r +
+             1.42343711074968357734) /
+            (((((((1.05075007164441684324e-9 * r + 5.475938084995344946e-4) * r + 0.0151986665636164571966) * r +
+                 0.14810397642748007459) *
+                    r +
+                0.68976733498510000455) *
+                   r +
+               1.6763848301838038494) *
+                  r +
+              2.05319162663775882187) *
+                 r +
+             1.0);
+  } else {
+    r -= 5.0;
+    value = (((((((2.01033439929228813265e-7 * r + 2.71155556874348757815e-5) * r + 0.0012426609473880784386) * r +
+                 0.026532189526576123093) *
+                    r +
+                0.29656057182850489123) *
+                   r +
+               1.7848265399172913358) *
+                  r +
+              5.4637849111641143699) *
+                 r +
+             6.6579046435011037772) /
+            (((((((2.04426310338993978564e-15 * r + 1.4215117583164458887e-7) * r + 1.8463183175100546818e-5) * r +
+                 7.868691311456132591e-4) *
+                    r +
+                0.0148753612908506148525) *
+                   r +
+               0.13692988092273580531) *
+                  r +
+              0.59983220655588793769) *
+                 r +
+             1.0);
+  }
+  return q < 0.0 ? -value : value;
+}
+
+}  // namespace threewe
