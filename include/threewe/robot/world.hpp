@@ -61,9 +61,17 @@ class World {
 
   /// Becomes done at the first tick at or after now + `duration`.
   WaitHandle sleep(Duration duration);
+  /// The same, but time does not advance for its sake (`has_pending` ignores it): a limit on what others wait for.
+  WaitHandle alarm(Duration duration);
+  /// Nobody waits for it any more: a sleep or an alarm is dropped and never done. A motion is not affected.
+  void forget(const WaitHandle& wait);
   /// The waits that were done since the last call, by (deadline, creation).
   std::vector<WaitHandle> take_finished();
   bool has_pending() const;
+  /// True when time goes by on its own: a real-time backend, or a lockstep one that is paced to the wall clock.
+  bool realtime() const;
+  /// [wall] until the next tick is due, during which `tick` would block; zero in lockstep and when late.
+  Duration due() const;
 
   /// While a hold is open, robot time stands still (`thinking`). Closing it charges `charge` of robot time, which the
   /// next ticks work off before anything else resumes.
