@@ -1,0 +1,22 @@
+// The mind of a robot, made from its profile. It stands here because `slam` knows nothing of profiles.
+#pragma once
+
+#include <memory>
+
+#include "threewe/hardware/profile.hpp"
+#include "threewe/nav/navigator.hpp"
+#include "threewe/slam/localizer.hpp"
+
+namespace threewe::slam {
+
+/// Localisation and mapping by lidar, gyro and wheels; by wheels and gyro alone where there is no lidar.
+std::unique_ptr<Localizer> make_localizer(const RobotProfile& profile);
+
+}  // namespace threewe::slam
+
+namespace threewe::nav {
+
+/// Planning and control for the profile's kinematics, footprint and operating limits.
+std::unique_ptr<Navigator> make_navigator(const RobotProfile& profile);
+
+}  // namespace threewe::nav
