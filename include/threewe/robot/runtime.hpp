@@ -1,11 +1,12 @@
 // The mind, the gate and the port of one robot: the only place where they meet.
 #pragma once
 
+#include <array>
 #include <functional>
 #include <memory>
-#include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 
 #include "threewe/backend/world.hpp"
 #include "threewe/nav/navigator.hpp"
@@ -16,19 +17,20 @@
 
 namespace threewe {
 
-/// A motion in progress.
+/// A motion in progress. The handle may outlive the robot.
 class Motion : public Wait {
  public:
   const Progress& progress() const { return progress_; }
-  /// Ends the motion with `cancelled` and commands zero in the next period. Does nothing once done.
+  /// Ends the motion with `cancelled` at once and commands zero in the next period. Does nothing once done.
   void cancel();
   /// Throws ContractError before `done()`.
   const MoveResult& result() const;
+  /// The same for an exploration.
   ExploreResult explore_result() const;
 
  private:
   friend class Runtime;
-  Runtime* runtime_ = nullptr;
+  Runtime* runtime_ = nullptr;  // while in progress
   Progress progress_;
   MoveResult result_;
   double explored_area_ = 0.0;
@@ -38,10 +40,10 @@ using MotionHandle = std::shared_ptr<Motion>;
 /// What an observer sees at the end of every tick. References are valid during the call only.
 struct TickView {
   Time now{};
-  std::span<const Sample> samples;       ///< that arrived in this tick
+  std::span<const Sample> samples;      ///< that arrived in this tick
   const slam::PoseEstimate& pose;
-  const Velocity& requested;             ///< before the gate
-  const safety::GateOutput& commanded;   ///< after it
+  const Velocity& requested;            ///< before the gate
+  const safety::GateOutput& commanded;  ///< after it
   const Runtime& robot;
 };
 using Observer = std::function<void(const TickView&)>;
@@ -50,48 +52,76 @@ using Observer = std::function<void(const TickView&)>;
 class Runtime {
  public:
   struct Options {
-    std::unique_ptr<slam::Localizer> localizer;  ///< ours by default
-    std::unique_ptr<nav::Navigator> navigator;   ///< ours by default
+    std::unique_ptr<slam::Localizer> localizer;
+    std::unique_ptr<nav::Navigator> navigator;
   };
   Runtime(World& world, backend::RobotPort& port, Options options);
   ~Runtime();
 
+  /// Connects the port and clears a fault. Throws ConnectionError. The first samples arrive within a few ticks: wait for
+  /// `ready` before reading.
   void connect();
+  /// Ends a motion as `cancelled` and stops the robot.
   void disconnect();
   bool connected() const;
+  /// Becomes done when every sensor has delivered, or 2 s later.
+  WaitHandle ready();
+  /// Why the robot failed; empty while it is healthy.
+  const std::string& fault() const;
   const RobotProfile& profile() const;
   const backend::Features& features() const;
+  /// The truth about this robot in a simulated world, for metrics and drawings; null on a real one.
+  const scene::TruthView* truth() const;
 
-  // Readings: what arrived last. They never advance time. HardwareError where the sensor is missing.
+  // Readings: what arrived last. They never advance time. Throw ConnectionError when not connected, HardwareError naming
+  // the sensor that is missing or has not delivered yet.
   const LaserScan& lidar_scan() const;
   const IMUData& imu() const;
   const Odometry& odometry() const;
   const BatteryState& battery() const;
+  /// The newest sample of a kind of sensor, with its stamps.
+  const Sample& sample(SensorType type) const;
   const slam::PoseEstimate& pose() const;
   const map::OccupancyGrid& map() const;
+  std::uint64_t map_version() const;
+  /// The path being followed, in `map`.
   std::span<const Vec2> path() const;
+  /// `target_from_source` among `map`, `odom`, `base` and the sensors' names. Throws ContractError naming the nearest.
+  Pose2D transform(std::string_view target, std::string_view source) const;
+  /// What was asked of the gate in the last tick, and what it let through.
+  const Velocity& requested() const;
+  const safety::GateOutput& commanded() const;
 
-  /// Drives at `velocity` for at most `hold`. Throws ContractError on a velocity that is not finite or that the base
-  /// cannot drive, EmergencyStopError while the stop is latched, SafetyError while a motion owns the robot.
+  /// Drives at `velocity` for at most `hold`, which then stops the robot and warns once. Throws ContractError on a
+  /// velocity that is not finite or that the base cannot drive, EmergencyStopError while the stop is latched,
+  /// SafetyError while a motion owns the robot.
   void set_velocity(const Velocity& velocity, Duration hold);
+  /// One control step: `action` in [-1, 1] is clamped and scaled to the operating limits and held for `period`, when the
+  /// wait is done. `commanded()` then tells what was executed. Throws as `set_velocity`.
+  WaitHandle execute_action(const std::array<double, 3>& action, Duration period);
+  /// Ends a motion as `cancelled` and brings the robot to a stand-still. Always allowed.
   void stop();
-  /// Begins a motion. `timeout` of 0 takes the default. Refuses a second owner with SafetyError.
+  /// Begins a motion. A `timeout` of 0 takes the default: 30 s + 4 x what it takes at the speed limit, for an exploration
+  /// 600 s. Throws ContractError on a goal that is not finite, EmergencyStopError, SafetyError while another motion owns
+  /// the robot, HardwareError for an exploration without a lidar.
   MotionHandle start(const nav::Goal& goal, Duration timeout);
-  /// Latches the emergency stop.
+  /// The motion in progress, or null.
+  MotionHandle motion() const;
+  /// Latches the emergency stop and ends a motion with `estop`. Always allowed.
   void estop();
   void release_estop();
   bool estopped() const;
-  /// Ends every motion with `fault` and keeps the robot still until `connect` is called again.
+  /// Ends a motion with `fault` and keeps the robot still until `connect` is called again.
   void fail(const std::string& what);
 
+  /// Calls `observer` at the end of every tick. Observers may add and remove observers. What an observer throws comes out
+  /// of `World::tick` once the tick is complete.
   std::uint64_t observe(Observer observer);
   void unobserve(std::uint64_t id);
 
-  // The two halves of a tick, called by World.
-  void act(Time now);
-  void sense(Time now);
-
  private:
+  friend class World;
+  friend class Motion;
   struct Impl;
   std::unique_ptr<Impl> impl_;
 };

@@ -8,6 +8,7 @@
 
 #include "threewe/backend/world.hpp"
 #include "threewe/core/time.hpp"
+#include "threewe/robot/mind.hpp"
 
 namespace threewe {
 
@@ -20,6 +21,7 @@ class Wait {
   bool done() const { return done_; }
   /// When it was due: the time slept until, or the tick at which the motion ended.
   Time deadline() const { return deadline_; }
+  /// Counts the waits of one world in the order in which they were made.
   std::uint64_t creation() const { return creation_; }
 
  private:
@@ -38,28 +40,43 @@ using WaitHandle = std::shared_ptr<Wait>;
 ///   advance the backend moves time on by one period
 ///   sense   poll, localise, tell the observers, end what has ended
 /// so that a command given between two ticks takes effect in the very next one.
+///
+/// A robot that fails ends its motions with `fault` and the others go on. A backend whose `advance_to` throws fails
+/// every robot, and `tick`, `run` and `wait` throw ConnectionError from then on until `reset` or `restore`.
 class World {
  public:
   struct Options : backend::WorldOptions {
     std::string backend = "mock";
     bool realtime = false;  ///< pace a lockstep world to the wall clock
+    Mind mind;
+    /// Where each robot starts in its `map` frame, the origin where left out.
+    std::vector<Pose2D> initial_poses;
   };
   explicit World(const Options& options);
-  World(std::unique_ptr<backend::World> backend, bool realtime);
+  explicit World(std::unique_ptr<backend::World> backend, bool realtime = false, const Mind& mind = {},
+                 const std::vector<Pose2D>& initial_poses = {});
   ~World();
 
   std::size_t robot_count() const;
   Runtime& robot(std::size_t index);
+  const Runtime& robot(std::size_t index) const;
   Time now() const;
 
-  /// One control period. Never blocks on anything but the backend.
+  /// One control period. Never blocks on anything but the backend and, when paced, the clock. Throws ContractError
+  /// while a hold is open.
   void tick();
-  /// Ticks until a pending wait is done, no wait is pending, or `wall` has passed. True when a wait was done.
+  /// Ticks until a wait is done, none is pending (where time does not go by on its own), or `wall` has passed. True when
+  /// a wait was done. Returns false at once while a hold is open.
   bool run(Duration wall);
-  /// Ticks until `wait` is done (C++ programs; Python waits through its pump).
+  /// Ticks until `wait` is done (C++ programs; Python waits through its pump). Throws instead of waiting for what cannot
+  /// happen: ContractError while a hold is open or when the wait is not of this world, ConnectionError when no robot is
+  /// connected.
   void wait(const WaitHandle& wait);
+  /// Ticks until every connected robot is `ready` (see Runtime).
+  void settle();
 
-  /// Becomes done at the first tick at or after now + `duration`.
+  /// Becomes done at the first tick at or after now + `duration`, at once when that is now. Throws ContractError on a
+  /// negative duration.
   WaitHandle sleep(Duration duration);
   /// The same, but time does not advance for its sake (`has_pending` ignores it): a limit on what others wait for.
   WaitHandle alarm(Duration duration);
@@ -67,26 +84,33 @@ class World {
   void forget(const WaitHandle& wait);
   /// The waits that were done since the last call, by (deadline, creation).
   std::vector<WaitHandle> take_finished();
+  /// True while a sleep has not ended or a motion is in progress.
   bool has_pending() const;
   /// True when time goes by on its own: a real-time backend, or a lockstep one that is paced to the wall clock.
   bool realtime() const;
   /// [wall] until the next tick is due, during which `tick` would block; zero in lockstep and when late.
   Duration due() const;
 
-  /// While a hold is open, robot time stands still (`thinking`). Closing it charges `charge` of robot time, which the
-  /// next ticks work off before anything else resumes.
+  /// While a hold is open, robot time stands still, so that thinking takes none. Closing it returns a wait that ends
+  /// `charge` later: as if the thought had taken just so long while the robot went on. Holds that overlap stand for
+  /// thoughts at the same time: time stands still until the last one closes, and their charges run side by side.
+  /// A wait begun inside a hold by the one who opened it can never end; `wait` throws there.
+  /// Real-time backends cannot stand still: there a hold changes nothing and closing it charges nothing.
   void open_hold();
   WaitHandle close_hold(Duration charge);
   bool held() const;
 
+  /// Begins anew at time 0 with fresh minds: motions end as `cancelled`, sleeps and alarms are done at once, holds stay
+  /// open. Throws ContractError where the backend cannot reset.
   void reset(const backend::ResetOptions& options);
   /// Everything the future depends on: the backend and every robot's mind and gate. Throws ContractError while a
-  /// motion is in progress.
+  /// motion is in progress. Restoring ends sleeps and alarms as `reset` does.
   struct Snapshot;
   std::shared_ptr<const Snapshot> save() const;
   void restore(const std::shared_ptr<const Snapshot>& snapshot);
 
  private:
+  friend class Runtime;
   struct Impl;
   std::unique_ptr<Impl> impl_;
 };
