@@ -1,0 +1,38 @@
+// The contract of a backend as checks that run against any of them, ours or a stranger's.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "threewe/backend/registry.hpp"
+
+namespace threewe::backend {
+
+/// How a check ended. A feature that the backend does not claim makes its checks `not_applicable`.
+enum class Outcome : std::uint8_t { passed, failed, not_applicable };
+std::string_view to_string(Outcome outcome);
+
+/// What one check found.
+struct CheckResult {
+  std::string name;
+  Outcome outcome{};
+  std::string detail;  ///< what was wrong, or why the check does not apply; empty when passed
+
+  /// False only for a failure.
+  bool passed() const { return outcome != Outcome::failed; }
+};
+
+/// The names of all checks, in the order in which they run.
+std::vector<std::string> check_names();
+
+/// Runs every check, each on a world of its own, made by `make(options)` with other seeds where a check needs them.
+///
+/// A check sees what a runtime sees: the `World` and its first `RobotPort`. It drives the robot, so the start pose needs
+/// 1.5 m of free floor ahead and 0.6 m to the left. Never throws: a world that cannot be made, or that throws, fails.
+std::vector<CheckResult> check_backend(const WorldFactory& make, const WorldOptions& options = {});
+/// Runs one check. Throws ConfigError naming the nearest right check.
+CheckResult check_backend(const WorldFactory& make, const WorldOptions& options, std::string_view check);
+
+}  // namespace threewe::backend

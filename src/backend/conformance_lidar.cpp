@@ -1,0 +1,192 @@
+// The form of a scan, and whether it sees the robot move the way it moved.
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "backend/conformance_bench.hpp"
+#include "threewe/core/exact.hpp"
+
+namespace threewe::backend::conformance {
+
+namespace {
+
+constexpr double kTurn = 2.0 * exact::kPi;
+constexpr double kRangeTolerance = 1e-4;  // [m], of a range kept as a float
+
+Bench with_lidar(const Context& context) {
+  Bench bench = context.connected();
+  applies_if(bench.has(SensorType::lidar), "the robot has no lidar");
+  expect(bench.profile().lidar.has_value(), "features() lists a lidar that the profile lacks");
+  return bench;
+}
+
+/// The scans of a few seconds, at rest and turning.
+std::vector<Sample> some_scans(Bench& bench) {
+  bench.drive({}, 1s);
+  bench.drive({0.0, 0.0, bench.turning()}, 1s);
+  std::vector<Sample> scans = bench.of(SensorType::lidar);
+  expect(!scans.empty(), "no scan arrived within 2 s");
+  return scans;
+}
+
+void scan_has_the_profiles_beams(const Context& context) {
+  Bench bench = with_lidar(context);
+  for (const Sample& sample : some_scans(bench)) {
+    const std::size_t beams = std::get<LaserScan>(sample.data).ranges.size();
+    expect(beams == static_cast<std::size_t>(bench.profile().lidar->beams), "a scan of {} beams; the profile has {}",
+           beams, bench.profile().lidar->beams);
+  }
+}
+
+void scan_limits_are_the_profiles(const Context& context) {
+  Bench bench = with_lidar(context);
+  const LidarSpec& spec = *bench.profile().lidar;
+  for (const Sample& sample : some_scans(bench)) {
+    const auto& scan = std::get<LaserScan>(sample.data);
+    expect(scan.range_min == spec.range_min && scan.range_max == spec.range_max,
+           "a scan from {} to {} m; the profile has {} to {} m", scan.range_min, scan.range_max, spec.range_min,
+           spec.range_max);
+  }
+}
+
+void scan_ranges_are_valid(const Context& context) {
+  Bench bench = with_lidar(context);
+  for (const Sample& sample : some_scans(bench)) {
+    const auto& scan = std::get<LaserScan>(sample.data);
+    for (std::size_t i = 0; i < scan.ranges.size(); ++i) {
+      const double range = static_cast<double>(scan.ranges[i]);
+      const bool within = range >= scan.range_min - kRangeTolerance && range <= scan.range_max + kRangeTolerance;
+      expect(range == 0.0 || within, "beam {}: {} m is neither 0 (invalid) nor within {} to {} m", i, range,
+             scan.range_min, scan.range_max);
+    }
+  }
+}
+
+void scan_angles_cover_the_turn(const Context& context) {
+  Bench bench = with_lidar(context);
+  for (const Sample& sample : some_scans(bench)) {
+    const auto& scan = std::get<LaserScan>(sample.data);
+    const double covered = scan.angle_increment * static_cast<double>(scan.ranges.size());
+    expect(std::abs(covered - kTurn) <= 1e-6, "{} beams of {} rad cover {} rad, not one turn counter-clockwise",
+           scan.ranges.size(), scan.angle_increment, covered);
+    expect(std::abs(scan.angle_min) <= kTurn / 2 + 1e-6, "angle_min is {} rad, outside [-pi, pi]", scan.angle_min);
+  }
+}
+
+void scan_times_fit_the_turn(const Context& context) {
+  Bench bench = with_lidar(context);
+  const double turn = to_seconds(bench.profile().lidar->turn);
+  for (const Sample& sample : some_scans(bench)) {
+    const auto& scan = std::get<LaserScan>(sample.data);
+    const double span = scan.time_increment * static_cast<double>(scan.ranges.size());
+    expect(span == 0.0 || std::abs(std::abs(span) - turn) <= 0.02 * turn,
+           "the beams span {} s; a turn takes {} s (0 for a scan taken at one moment)", span, turn);
+    const Time last = sample.measured + from_seconds(span - scan.time_increment);
+    expect(std::max(sample.measured, last) <= sample.received, "a beam measured at {} s was received at {} s",
+           to_seconds(std::max(sample.measured, last)), to_seconds(sample.received));
+  }
+}
+
+void scan_turns_as_the_device_does(const Context& context) {
+  Bench bench = with_lidar(context);
+  const bool clockwise = bench.profile().lidar->clockwise;
+  for (const Sample& sample : some_scans(bench)) {
+    const double increment = std::get<LaserScan>(sample.data).time_increment;
+    expect(increment == 0.0 || (increment < 0.0) == clockwise,
+           "time_increment is {} s, but the device turns {}clockwise", increment, clockwise ? "" : "counter-");
+  }
+}
+
+/// Where the beams hit something, in the base frame.
+std::vector<Vec2> hits(const LaserScan& scan, const Pose2D& base_from_lidar) {
+  std::vector<Vec2> points;
+  for (std::size_t i = 0; i < scan.ranges.size(); ++i) {
+    const double range = static_cast<double>(scan.ranges[i]);
+    if (range <= 0.0 || range >= scan.range_max - kRangeTolerance) continue;
+    const auto [sin, cos] = exact::sincos(scan.angle_min + static_cast<double>(i) * scan.angle_increment);
+    points.push_back(base_from_lidar * Vec2{range * cos, range * sin});
+  }
+  return points;
+}
+
+/// How badly `after`, moved by `before_from_after`, fits `before`: the mean distance of its points to the nearest one
+/// [m], each counted as at most 0.3 m so that what came into view does not matter much.
+double misfit(const std::vector<Vec2>& before, const std::vector<Vec2>& after, const Pose2D& before_from_after) {
+  double sum = 0.0;
+  for (const Vec2 point : after) {
+    const Vec2 moved = before_from_after * point;
+    double nearest = 0.3;
+    for (const Vec2 other : before) nearest = std::min(nearest, distance(moved, other));
+    sum += nearest;
+  }
+  return sum / static_cast<double>(after.size());
+}
+
+/// The best misfit over headings near that of `guess`, which odometry knows least well.
+double best_misfit(const std::vector<Vec2>& before, const std::vector<Vec2>& after, const Pose2D& guess) {
+  double best = std::numeric_limits<double>::infinity();
+  for (int step = -8; step <= 8; ++step) {
+    best = std::min(best, misfit(before, after, {guess.x, guess.y, guess.theta + 0.02 * step}));
+  }
+  return best;
+}
+
+/// What the lidar and the odometry say about one motion.
+struct Witnesses {
+  std::vector<Vec2> before;
+  std::vector<Vec2> after;
+  Pose2D motion;  ///< by odometry
+};
+
+Witnesses watch(Bench& bench, const Velocity& velocity, double seconds) {
+  const Pose2D base_from_lidar = bench.profile().lidar->base_from_lidar;
+  Witnesses seen;
+  seen.before = hits(bench.next_scan(), base_from_lidar);
+  const Pose2D start = bench.odometry().pose;
+  bench.drive_and_stop(velocity, from_seconds(seconds));
+  seen.after = hits(bench.next_scan(), base_from_lidar);
+  seen.motion = inverse(start) * bench.odometry().pose;
+  applies_if(std::min(seen.before.size(), seen.after.size()) >= 20, "fewer than 20 beams hit something here");
+  return seen;
+}
+
+void lidar_sees_the_robot_drive_forward(const Context& context) {
+  Bench bench = with_lidar(context);
+  const Witnesses seen = watch(bench, {bench.cruise(), 0.0, 0.0}, 1.0 / bench.cruise());
+  const double forward = best_misfit(seen.before, seen.after, seen.motion);
+  const double none = best_misfit(seen.before, seen.after, {});
+  const double backward = best_misfit(seen.before, seen.after, inverse(seen.motion));
+  expect(forward < std::min(none, backward) && forward < 0.15,
+         "scans before and after driving forward by {:.2f} m differ by {:.3f} m; by {:.3f} m had it stood still, by "
+         "{:.3f} m had it driven backward",
+         seen.motion.x, forward, none, backward);
+}
+
+void lidar_sees_the_robot_turn_left(const Context& context) {
+  Bench bench = with_lidar(context);
+  const Witnesses seen = watch(bench, {0.0, 0.0, bench.turning()}, 0.6 / bench.turning());
+  const double left = best_misfit(seen.before, seen.after, seen.motion);
+  const double none = best_misfit(seen.before, seen.after, {});
+  const double right = best_misfit(seen.before, seen.after, inverse(seen.motion));
+  expect(left < std::min(none, right) && left < 0.15,
+         "scans before and after turning left by {:.2f} rad differ by {:.3f} m; by {:.3f} m had it stood still, by "
+         "{:.3f} m had it turned right",
+         seen.motion.theta, left, none, right);
+}
+
+constexpr Check kChecks[] = {
+    {"scan_has_the_profiles_beams", scan_has_the_profiles_beams},
+    {"scan_limits_are_the_profiles", scan_limits_are_the_profiles},
+    {"scan_ranges_are_valid", scan_ranges_are_valid},
+    {"scan_angles_cover_the_turn", scan_angles_cover_the_turn},
+    {"scan_times_fit_the_turn", scan_times_fit_the_turn},
+    {"scan_turns_as_the_device_does", scan_turns_as_the_device_does},
+    {"lidar_sees_the_robot_drive_forward", lidar_sees_the_robot_drive_forward},
+    {"lidar_sees_the_robot_turn_left", lidar_sees_the_robot_turn_left},
+};
+
+}  // namespace
+
+std::span<const Check> lidar_checks() { return kChecks; }
+
+}  // namespace threewe::backend::conformance
