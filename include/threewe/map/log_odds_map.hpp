@@ -1,0 +1,76 @@
+// A map that grows from scans: for each cell the evidence that it is occupied, and where in it the hits were.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "threewe/core/pose.hpp"
+#include "threewe/map/occupancy_grid.hpp"
+
+namespace threewe::map {
+
+/// One measured line of sight.
+struct Beam {
+  Vec2 origin;  ///< [m] where the sensor was
+  Vec2 end;     ///< [m] the hit, or how far the beam is known to be free
+  bool hit = false;
+};
+
+/// The hits in one cell: their sum, so that surfaces are known much finer than the cell is wide.
+struct CellHits {
+  std::int16_t sum_x = 0;  ///< [cell/256] of the offsets from the cell's middle
+  std::int16_t sum_y = 0;
+  std::int16_t count = 0;
+  std::int8_t from_x = 0;  ///< the direction towards the sensor at the newest hit, times 100
+  std::int8_t from_y = 0;
+  friend bool operator==(const CellHits&, const CellHits&) = default;
+};
+
+/// The map. Evidence is an integer of a tenth of a unit of log odds, so that it is the same on every machine.
+class LogOddsMap {
+ public:
+  struct Settings {
+    double resolution = 0.05;      ///< [m]
+    double free_range = 8.0;       ///< [m] beams clear nothing beyond
+    std::int8_t hit = 25;          ///< evidence of one scan that hit a cell
+    std::int8_t pass = -11;        ///< evidence of one scan that looked through it
+    std::int8_t max = 75;
+    std::int8_t min = -50;
+  };
+
+  LogOddsMap() : LogOddsMap(Settings{}) {}
+  explicit LogOddsMap(const Settings& settings);
+
+  /// Adds one scan. A cell changes once: where any beam hit it, it counts as hit, whatever passed through it.
+  void insert(std::span<const Beam> beams);
+
+  /// The map as others see it. A copy of the evidence that is kept up to date cell by cell.
+  const OccupancyGrid& grid() const { return grid_; }
+  /// Counts the insertions.
+  std::uint64_t version() const { return version_; }
+  /// Evidence at a cell of `grid()`: > 0 occupied, < 0 free, 0 unknown.
+  std::int8_t log_odds(Cell c) const { return grid_.contains(c) ? log_odds_[grid_.index(c)] : std::int8_t{0}; }
+  /// Hits at a cell, shape as `grid().data`.
+  const std::vector<CellHits>& hits() const { return hits_; }
+  /// The mean [m] of the hits in a cell that has some.
+  Vec2 surface(Cell c) const;
+
+ private:
+  enum class Mark : std::uint8_t { none, pass, hit };
+
+  void grow_to_hold(std::span<const Beam> beams);
+  void add_hit(Cell c, const Beam& beam);
+  void mark_free(const Beam& beam);
+  void apply(std::size_t index);
+
+  Settings settings_;
+  OccupancyGrid grid_;
+  std::vector<std::int8_t> log_odds_;
+  std::vector<CellHits> hits_;
+  std::vector<Mark> marks_;             // what the present scan saw; all `none` between scans
+  std::vector<std::uint32_t> touched_;  // the cells it saw
+  std::uint64_t version_ = 0;
+};
+
+}  // namespace threewe::map

@@ -1,0 +1,25 @@
+// Localisation and mapping by wheels, gyro and lidar.
+#pragma once
+
+#include <memory>
+
+#include "threewe/core/pose.hpp"
+#include "threewe/slam/localizer.hpp"
+
+namespace threewe::slam {
+
+/// How good the sensors are.
+struct SensorModel {
+  Pose2D base_from_lidar;
+  double gyro_sigma = 0.002;       ///< [rad/s] of one sample
+  double gyro_bias = 0.01;         ///< [rad/s], the bias at the start lies in [-gyro_bias, gyro_bias]
+  double gyro_bias_walk = 1e-4;    ///< [rad/s/sqrt(s)]
+  double forward_scale_sigma = 0.01;  ///< of true over measured motion ahead
+  double lateral_scale = 1.0;      ///< expected true over measured motion sideways
+  double lateral_scale_sigma = 0.0;
+};
+
+/// Scan-to-map localisation on top of dead reckoning, see `src/slam/scan_matching_localizer.cpp` for the story.
+std::unique_ptr<Localizer> make_scan_matching_localizer(const SensorModel& sensors);
+
+}  // namespace threewe::slam

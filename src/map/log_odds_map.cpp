@@ -1,0 +1,155 @@
+#include "threewe/map/log_odds_map.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include "threewe/map/traversal.hpp"
+
+namespace threewe::map {
+namespace {
+
+constexpr int kChunk = 64;          // the map grows by so many cells
+constexpr int kSubcells = 256;      // steps of a hit's place within its cell
+constexpr std::int16_t kMaxHits = 64;  // older hits fade beyond this
+
+// The occupancy [%] for each value of the evidence, known cells only.
+const std::array<std::int8_t, 256>& occupancy_table() {
+  static const std::array<std::int8_t, 256> table = [] {
+    std::array<std::int8_t, 256> t{};
+    for (int i = 0; i < 256; ++i) {
+      const double odds = exact::exp(-(i - 128) * 0.1);
+      t[static_cast<std::size_t>(i)] = static_cast<std::int8_t>(std::floor(100.0 / (1.0 + odds) + 0.5));
+    }
+    t[128] = OccupancyGrid::kUnknown;
+    return t;
+  }();
+  return table;
+}
+
+int floor_to_chunk(double cells) { return kChunk * static_cast<int>(std::floor(cells / kChunk)); }
+
+// The old contents of a grid of `size` in a larger one, `offset` cells further in.
+template <class T>
+std::vector<T> moved_into(const std::vector<T>& old, int old_width, Cell offset, int width, int height, T fill) {
+  std::vector<T> wider(static_cast<std::size_t>(width) * static_cast<std::size_t>(height), fill);
+  const auto row = static_cast<std::size_t>(old_width);
+  for (std::size_t y = 0; row != 0 && y < old.size() / row; ++y) {
+    const auto target = (y + static_cast<std::size_t>(offset.y)) * static_cast<std::size_t>(width) +
+                        static_cast<std::size_t>(offset.x);
+    std::copy_n(old.begin() + static_cast<std::ptrdiff_t>(y * row), row,
+                wider.begin() + static_cast<std::ptrdiff_t>(target));
+  }
+  return wider;
+}
+
+}  // namespace
+
+LogOddsMap::LogOddsMap(const Settings& settings) : settings_(settings) { grid_.resolution = settings.resolution; }
+
+void LogOddsMap::insert(std::span<const Beam> beams) {
+  grow_to_hold(beams);
+  for (const Beam& beam : beams) {
+    if (beam.hit) add_hit(grid_.cell(beam.end), beam);
+  }
+  for (const Beam& beam : beams) mark_free(beam);
+  for (const std::uint32_t index : touched_) apply(index);
+  touched_.clear();
+  ++version_;
+}
+
+Vec2 LogOddsMap::surface(Cell c) const {
+  const CellHits& h = hits_[grid_.index(c)];
+  const double scale = grid_.resolution / (kSubcells * static_cast<double>(h.count));
+  return grid_.center(c) + scale * Vec2{static_cast<double>(h.sum_x), static_cast<double>(h.sum_y)};
+}
+
+void LogOddsMap::grow_to_hold(std::span<const Beam> beams) {
+  if (beams.empty()) return;
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  Vec2 low{kInfinity, kInfinity};
+  Vec2 high{-kInfinity, -kInfinity};
+  for (const Beam& beam : beams) {
+    for (const Vec2 p : {beam.origin, beam.end}) {
+      low = {std::min(low.x, p.x), std::min(low.y, p.y)};
+      high = {std::max(high.x, p.x), std::max(high.y, p.y)};
+    }
+  }
+
+  // whole chunks, and at least two cells more than needed so that neighbours can be read unchecked
+  const double r = grid_.resolution;
+  const bool first = grid_.data.empty();
+  const int old_x = first ? floor_to_chunk(low.x / r) : static_cast<int>(std::floor(grid_.origin.x / r + 0.5));
+  const int old_y = first ? floor_to_chunk(low.y / r) : static_cast<int>(std::floor(grid_.origin.y / r + 0.5));
+  const int x0 = std::min(old_x, floor_to_chunk(low.x / r - 2));
+  const int y0 = std::min(old_y, floor_to_chunk(low.y / r - 2));
+  const int x1 = std::max(old_x + grid_.width, floor_to_chunk(high.x / r + 2) + kChunk);
+  const int y1 = std::max(old_y + grid_.height, floor_to_chunk(high.y / r + 2) + kChunk);
+  if (x1 - x0 == grid_.width && y1 - y0 == grid_.height) return;
+
+  const Cell offset{old_x - x0, old_y - y0};
+  const int width = x1 - x0;
+  const int height = y1 - y0;
+  log_odds_ = moved_into(log_odds_, grid_.width, offset, width, height, std::int8_t{0});
+  hits_ = moved_into(hits_, grid_.width, offset, width, height, CellHits{});
+  grid_.data = moved_into(grid_.data, grid_.width, offset, width, height, OccupancyGrid::kUnknown);
+  marks_.assign(grid_.data.size(), Mark::none);
+  grid_.width = width;
+  grid_.height = height;
+  grid_.origin = {x0 * r, y0 * r};
+}
+
+void LogOddsMap::add_hit(Cell c, const Beam& beam) {
+  const std::size_t index = grid_.index(c);
+  if (marks_[index] == Mark::none) touched_.push_back(static_cast<std::uint32_t>(index));
+  marks_[index] = Mark::hit;
+
+  CellHits& h = hits_[index];
+  if (h.count >= kMaxHits) {
+    h.sum_x = static_cast<std::int16_t>(h.sum_x / 2);
+    h.sum_y = static_cast<std::int16_t>(h.sum_y / 2);
+    h.count = static_cast<std::int16_t>(h.count / 2);
+  }
+  const Vec2 offset = (kSubcells / grid_.resolution) * (beam.end - grid_.center(c));
+  h.sum_x = static_cast<std::int16_t>(h.sum_x + static_cast<int>(std::floor(offset.x + 0.5)));
+  h.sum_y = static_cast<std::int16_t>(h.sum_y + static_cast<int>(std::floor(offset.y + 0.5)));
+  ++h.count;
+
+  const Vec2 back = beam.origin - beam.end;
+  const double length = std::max(norm(back), 1e-6);
+  h.from_x = static_cast<std::int8_t>(100.0 * back.x / length);
+  h.from_y = static_cast<std::int8_t>(100.0 * back.y / length);
+}
+
+void LogOddsMap::mark_free(const Beam& beam) {
+  // no further than beams are trusted to be free
+  const Vec2 d = beam.end - beam.origin;
+  const double length = norm(d);
+  const Vec2 end = length > settings_.free_range ? beam.origin + (settings_.free_range / length) * d : beam.end;
+
+  const double cells = 1.0 / grid_.resolution;
+  traverse(cells * (beam.origin - grid_.origin), cells * (end - grid_.origin), [this](Cell c) {
+    const std::size_t index = grid_.index(c);
+    if (marks_[index] == Mark::none) {
+      marks_[index] = Mark::pass;
+      touched_.push_back(static_cast<std::uint32_t>(index));
+    }
+    return true;
+  });
+}
+
+void LogOddsMap::apply(std::size_t index) {
+  const bool hit = marks_[index] == Mark::hit;
+  int value = log_odds_[index] + (hit ? settings_.hit : settings_.pass);
+  if (value == 0) value = hit ? 1 : -1;  // 0 is for cells that were never seen
+  value = std::clamp<int>(value, settings_.min, settings_.max);
+  log_odds_[index] = static_cast<std::int8_t>(value);
+  grid_.data[index] = occupancy_table()[static_cast<std::size_t>(value + 128)];
+  marks_[index] = Mark::none;
+
+  // what is seen through has no surface any more
+  if (value < 0) hits_[index] = CellHits{};
+}
+
+}  // namespace threewe::map

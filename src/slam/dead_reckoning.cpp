@@ -1,0 +1,78 @@
+#include "slam/dead_reckoning.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace threewe::slam {
+namespace {
+
+constexpr double kMaxGyroAge = 0.1;       // [s] a gyro sample stands for no longer than this
+constexpr double kMaxExtrapolation = 0.3;  // [s]
+
+}  // namespace
+
+void DeadReckoning::add_gyro(Time stamp, double rate) {
+  if (has_gyro_) {
+    const double seconds = std::clamp(to_seconds(stamp - gyro_stamp_), 0.0, kMaxGyroAge);
+    heading_ += seconds * (0.5 * (rate + gyro_rate_) - calibration_.gyro_bias);
+  }
+  has_gyro_ = true;
+  gyro_stamp_ = stamp;
+  gyro_rate_ = rate;
+}
+
+void DeadReckoning::add_odometry(Time stamp, const Odometry& odometry) {
+  TrackPoint next;
+  next.stamp = stamp;
+  next.gyro_rate = gyro_rate_;
+  const double heading = gyro_heading(stamp);
+  const bool gyro_fresh = has_gyro_ && std::fabs(to_seconds(stamp - gyro_stamp_)) <= kMaxGyroAge;
+  const double rate = gyro_fresh ? gyro_rate_ - calibration_.gyro_bias : odometry.velocity.omega;
+  next.velocity = {calibration_.forward_scale * odometry.velocity.vx, calibration_.lateral_scale * odometry.velocity.vy,
+                   rate};
+
+  if (count_ > 0) {
+    const TrackPoint& last = point(0);
+    if (stamp <= last.stamp) return;
+    next.seconds = to_seconds(stamp - last.stamp);
+
+    // the wheels' own chord, seen from half way through their turn, is what they rolled
+    const Pose2D moved = inverse(wheels_.pose) * odometry.pose;
+    const Vec2 rolled = rotate(moved.position(), -0.5 * moved.theta);
+    next.step = {calibration_.forward_scale * rolled.x, calibration_.lateral_scale * rolled.y};
+    next.turn = gyro_fresh ? heading - heading_used_ : moved.theta;
+    next.standing = moved == Pose2D{} ? last.standing + 1 : 0;
+
+    const double middle = last.odom_from_base.theta + 0.5 * next.turn;
+    const Vec2 position = last.odom_from_base.position() + rotate(next.step, middle);
+    next.odom_from_base = {position.x, position.y, wrap_angle(last.odom_from_base.theta + next.turn)};
+  }
+  heading_used_ = heading;
+  wheels_ = odometry;
+  points_[count_ % kCapacity] = next;
+  ++count_;
+}
+
+Pose2D DeadReckoning::at(Time stamp) const {
+  if (count_ == 0) return {};
+  const TrackPoint& newest = point(0);
+  if (stamp >= newest.stamp) {
+    const double ahead = std::min(to_seconds(stamp - newest.stamp), kMaxExtrapolation);
+    return integrate(newest.odom_from_base, newest.velocity, ahead);
+  }
+  for (std::size_t age = 1; age < size(); ++age) {
+    const TrackPoint& before = point(age);
+    if (stamp < before.stamp) continue;
+    const TrackPoint& after = point(age - 1);
+    const double t = to_seconds(stamp - before.stamp) / to_seconds(after.stamp - before.stamp);
+    return interpolate(before.odom_from_base, after.odom_from_base, t);
+  }
+  return point(size() - 1).odom_from_base;
+}
+
+double DeadReckoning::gyro_heading(Time stamp) const {
+  const double ahead = std::clamp(to_seconds(stamp - gyro_stamp_), -kMaxGyroAge, kMaxGyroAge);
+  return heading_ + ahead * (gyro_rate_ - calibration_.gyro_bias);
+}
+
+}  // namespace threewe::slam

@@ -1,0 +1,70 @@
+// Where wheels and gyro say the robot went.
+#pragma once
+
+#include <array>
+#include <cstddef>
+
+#include "threewe/core/pose.hpp"
+#include "threewe/core/samples.hpp"
+#include "threewe/core/time.hpp"
+
+namespace threewe::slam {
+
+/// Systematic errors of wheels and gyro, as far as they are known.
+struct Calibration {
+  double gyro_bias = 0.0;      ///< [rad/s], true rate = measured - bias
+  double forward_scale = 1.0;  ///< true motion = measured * scale
+  double lateral_scale = 1.0;
+  friend bool operator==(const Calibration&, const Calibration&) = default;
+};
+
+/// The robot at the stamp of one odometry sample, and how it came there from the sample before.
+struct TrackPoint {
+  Time stamp{};
+  Pose2D odom_from_base;
+  Velocity velocity;        ///< body frame, calibrated
+  Vec2 step;                ///< [m] moved, in the body frame half way through the turn
+  double turn = 0.0;        ///< [rad] turned
+  double seconds = 0.0;     ///< [s] since the sample before
+  double gyro_rate = 0.0;   ///< [rad/s] of the newest gyro sample, as measured
+  int standing = 0;         ///< for so many samples the wheels have not turned
+};
+
+/// Integrates wheel translation and gyro rotation into the `odom` frame, which never jumps, and remembers the last
+/// second. Heading comes from the wheels while there is no gyro.
+class DeadReckoning {
+ public:
+  explicit DeadReckoning(const Calibration& calibration) : calibration_(calibration) {}
+
+  void add_gyro(Time stamp, double rate);
+  void add_odometry(Time stamp, const Odometry& odometry);
+
+  const Calibration& calibration() const { return calibration_; }
+  /// Takes effect from now on: what was integrated stays as it is.
+  void calibrate(const Calibration& calibration) { calibration_ = calibration; }
+
+  bool empty() const { return count_ == 0; }
+  bool has_gyro() const { return has_gyro_; }
+  /// How many points are remembered; `point(0)` is the newest.
+  std::size_t size() const { return count_ < kCapacity ? count_ : kCapacity; }
+  const TrackPoint& point(std::size_t age) const { return points_[(count_ - 1 - age) % kCapacity]; }
+  /// odom_from_base at a time: interpolated, extrapolated from the newest point by at most 0.3 s, held before the
+  /// oldest. Identity while there is no point.
+  Pose2D at(Time stamp) const;
+
+ private:
+  double gyro_heading(Time stamp) const;
+
+  static constexpr std::size_t kCapacity = 64;
+  Calibration calibration_;
+  std::array<TrackPoint, kCapacity> points_{};
+  std::size_t count_ = 0;
+  Odometry wheels_;             // the newest odometry sample
+  bool has_gyro_ = false;
+  Time gyro_stamp_{};
+  double gyro_rate_ = 0.0;      // as measured
+  double heading_ = 0.0;        // integral of the gyro up to gyro_stamp_
+  double heading_used_ = 0.0;   // gyro heading at the newest point
+};
+
+}  // namespace threewe::slam

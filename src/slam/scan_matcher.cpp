@@ -1,0 +1,167 @@
+#include "slam/scan_matcher.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include <Eigen/LU>
+
+namespace threewe::slam {
+namespace {
+
+// Every beam of a scan shares the errors of map and deskewing, so that a scan knows less than its beams together: the
+// deviation of one residual is set so that the posterior is honest, not to the lidar's 1 cm.
+constexpr double kSigma = 0.06;          // [m]
+constexpr double kRobustWidth = 0.06;    // [m] residuals well beyond this count little
+constexpr double kSpotSize = 0.015;      // [m] hits spread less than this in every direction make a spot
+constexpr double kAgreement = 0.10;      // [m] a hit this near to a surface lies on it
+constexpr int kMaxIterations = 6;
+constexpr double kMaxCellWeight = 12.0;  // hits in one cell beyond this add nothing to its weight
+
+double square(double x) { return x * x; }
+
+struct NormalEquations {
+  Matrix3 h = Matrix3::Zero();
+  Vector3 g = Vector3::Zero();
+  int on_surface = 0;
+  int in_free_space = 0;
+
+  void add(const Residual& r, double weight) {
+    h.noalias() += weight * r.jacobian * r.jacobian.transpose();
+    g.noalias() += (weight * r.value) * r.jacobian;
+  }
+};
+
+NormalEquations linearize(const map::LogOddsMap& map, std::span<const map::Beam> beams, const Pose2D& pose) {
+  NormalEquations sum;
+  const auto [s, c] = exact::sincos(pose.theta);
+  const auto in_map = [&](Vec2 p) { return Vec2{pose.x + c * p.x - s * p.y, pose.y + s * p.x + c * p.y}; };
+  for (const map::Beam& beam : beams) {
+    if (!beam.hit) continue;
+    const Vec2 point = in_map(beam.end);
+    const std::optional<Surface> surface = surface_at(map, point, in_map(beam.origin));
+    if (!surface) {
+      sum.in_free_space += map.log_odds(map.grid().cell(point)) < 0 ? 1 : 0;
+      continue;
+    }
+    const auto add = [&](Vec2 direction) {
+      const double d = dot(direction, point - surface->mean);
+      const Vec2 arm = point - pose.position();
+      const Residual r{d, {direction.x, direction.y, cross(arm, direction)}};
+      const double variance = square(kSigma) + surface->spread;
+      sum.add(r, 1.0 / (variance * square(1.0 + square(d / kRobustWidth))));
+      return std::fabs(d) < kAgreement;
+    };
+    bool agrees = add(surface->normal);
+    if (!surface->line) agrees = add({-surface->normal.y, surface->normal.x}) && agrees;
+    ++(agrees ? sum.on_surface : sum.in_free_space);
+  }
+  return sum;
+}
+
+}  // namespace
+
+std::optional<Surface> surface_at(const map::LogOddsMap& map, Vec2 point, Vec2 sensor) {
+  const map::OccupancyGrid& grid = map.grid();
+  const map::Cell middle = grid.cell(point);
+  if (middle.x < 1 || middle.y < 1 || middle.x >= grid.width - 1 || middle.y >= grid.height - 1) return {};
+
+  // sums over the cells that were seen from this side, around the middle cell, in cells
+  const Vec2 back = sensor - point;
+  double w = 0.0, x = 0.0, y = 0.0, xx = 0.0, xy = 0.0, yy = 0.0;
+  for (int dy = -1; dy <= 1; ++dy) {
+    const map::CellHits* row = &map.hits()[grid.index({middle.x, middle.y + dy})];
+    for (int dx = -1; dx <= 1; ++dx) {
+      const map::CellHits& h = row[dx];
+      if (h.count == 0 || h.from_x * back.x + h.from_y * back.y <= 0.0) continue;
+      const double scale = 1.0 / (256.0 * h.count);
+      const double px = dx + scale * h.sum_x;
+      const double py = dy + scale * h.sum_y;
+      const double weight = std::min<double>(h.count, kMaxCellWeight);
+      w += weight, x += weight * px, y += weight * py;
+      xx += weight * px * px, xy += weight * px * py, yy += weight * py * py;
+    }
+  }
+  if (w == 0.0) return {};
+
+  // the line through them: the smaller eigenvalue of their covariance and its direction
+  const double mx = x / w;
+  const double my = y / w;
+  const double cxx = xx / w - mx * mx;
+  const double cxy = xy / w - mx * my;
+  const double cyy = yy / w - my * my;
+  const double half_trace = 0.5 * (cxx + cyy);
+  const double root = exact::hypot(0.5 * (cxx - cyy), cxy);
+  const double large = half_trace + root;
+  const double small = std::max(half_trace - root, 0.0);
+
+  Surface surface;
+  const double r = grid.resolution;
+  surface.mean = grid.center(middle) + r * Vec2{mx, my};
+  surface.spread = small * r * r;
+  surface.line = large * r * r > square(kSpotSize);
+  // (c - small I) has rows along the other eigenvector; the longer one is the better conditioned
+  Vec2 along = cxx >= cyy ? Vec2{cxx - small, cxy} : Vec2{cxy, cyy - small};
+  const double length = norm(along);
+  surface.normal = length > 0.0 ? Vec2{-along.y / length, along.x / length} : Vec2{1.0, 0.0};
+  return surface;
+}
+
+Residual residual(const Surface& surface, Vec2 direction, const Pose2D& pose, Vec2 point_in_base) {
+  const Vec2 arm = rotate(point_in_base, pose.theta);
+  const Vec2 error = pose.position() + arm - surface.mean;
+  return {dot(direction, error), {direction.x, direction.y, cross(arm, direction)}};
+}
+
+Match match_scan(const map::LogOddsMap& map, std::span<const map::Beam> beams, const Pose2D& prior,
+                 const Matrix3& prior_information, const Pose2D& start) {
+  Match match;
+  match.pose = start;
+  for (int i = 0; i < kMaxIterations; ++i) {
+    const NormalEquations scan = linearize(map, beams, match.pose);
+    const Vector3 off{match.pose.x - prior.x, match.pose.y - prior.y, wrap_angle(match.pose.theta - prior.theta)};
+    match.information = scan.h + prior_information;
+    match.known_hits = scan.on_surface + scan.in_free_space;
+    match.agreement = match.known_hits > 0 ? static_cast<double>(scan.on_surface) / match.known_hits : 1.0;
+
+    const Vector3 step = -match.information.inverse() * (scan.g + prior_information * off);
+    match.pose = {match.pose.x + step(0), match.pose.y + step(1), wrap_angle(match.pose.theta + step(2))};
+    if (std::fabs(step(0)) + std::fabs(step(1)) < 2e-4 && std::fabs(step(2)) < 1e-4) break;
+  }
+  return match;
+}
+
+Pose2D search_pose(const map::LogOddsMap& map, std::span<const map::Beam> beams, const Pose2D& center,
+                   const SearchWindow& window) {
+  constexpr double kHeadingStep = exact::kPi / 180.0;
+  constexpr std::size_t kEvery = 3;  // beams tried
+  const map::OccupancyGrid& grid = map.grid();
+  const int headings = static_cast<int>(window.heading / kHeadingStep);
+  const int cells = static_cast<int>(window.position / grid.resolution);
+
+  Pose2D best = center;
+  int best_score = -1;
+  int best_distance = 0;
+  std::vector<map::Cell> hits;
+  for (int turn = -headings; turn <= headings; ++turn) {
+    const Pose2D turned{center.x, center.y, wrap_angle(center.theta + turn * kHeadingStep)};
+    hits.clear();
+    for (std::size_t i = 0; i < beams.size(); i += kEvery) {
+      if (beams[i].hit) hits.push_back(grid.cell(turned * beams[i].end));
+    }
+    for (int dy = -cells; dy <= cells; ++dy) {
+      for (int dx = -cells; dx <= cells; ++dx) {
+        int score = 0;
+        for (const map::Cell c : hits) score += map.log_odds({c.x + dx, c.y + dy}) > 0 ? 1 : 0;
+        const int distance = dx * dx + dy * dy + turn * turn;
+        if (score < best_score || (score == best_score && distance >= best_distance)) continue;
+        best_score = score;
+        best_distance = distance;
+        best = {turned.x + dx * grid.resolution, turned.y + dy * grid.resolution, turned.theta};
+      }
+    }
+  }
+  return best;
+}
+
+}  // namespace threewe::slam

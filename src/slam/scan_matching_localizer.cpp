@@ -1,0 +1,238 @@
+#include "threewe/slam/scan_matching_localizer.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include <Eigen/LU>
+
+#include "slam/dead_reckoning.hpp"
+#include "slam/pose_filter.hpp"
+#include "slam/scan_matcher.hpp"
+#include "threewe/map/log_odds_map.hpp"
+
+namespace threewe::slam {
+namespace {
+
+constexpr double kKeyframeDistance = 0.08;  // [m] the map takes a scan after so much motion ...
+constexpr double kKeyframeTurn = 0.07;      // [rad] ... or turning ...
+constexpr Duration kKeyframeAge = 1s;       // ... or time
+constexpr std::uint64_t kFirstScans = 3;    // all of these make the first map
+constexpr double kPoorAgreement = 0.6;      // below this the scan seems to be elsewhere
+constexpr double kGoodAgreement = 0.7;
+constexpr int kFewHits = 30;                // fewer hits in known space tell nothing
+constexpr Duration kLostAfter = 2s;
+constexpr int kStandingSamples = 10;        // wheels at rest for so many samples: the robot stands
+constexpr double kFreeNoReturn = 4.0;       // [m] a beam without return clears so much: dark surfaces return nothing
+
+class ScanMatchingLocalizer final : public Localizer {
+ public:
+  explicit ScanMatchingLocalizer(const SensorModel& sensors)
+      : sensors_(sensors), track_({0.0, 1.0, sensors.lateral_scale}), filter_(sensors) {}
+
+  void add(const Sample& sample) override {
+    if (const auto* imu = std::get_if<IMUData>(&sample.data)) track_.add_gyro(sample.measured, imu->angular_velocity[2]);
+    if (const auto* odometry = std::get_if<Odometry>(&sample.data)) track_.add_odometry(sample.measured, *odometry);
+    if (const auto* scan = std::get_if<LaserScan>(&sample.data)) add_scan(sample.measured, *scan);
+  }
+
+  PoseEstimate estimate(Time now) const override;
+  const map::OccupancyGrid& map() const override { return map_.grid(); }
+  std::uint64_t map_version() const override { return map_.version(); }
+  std::span<const Vec2> obstacles() const override { return obstacles_; }
+  std::unique_ptr<Localizer> clone() const override { return std::make_unique<ScanMatchingLocalizer>(*this); }
+
+ private:
+  void add_scan(Time measured, const LaserScan& scan);
+  Time deskew(Time measured, const LaserScan& scan);
+  void predict_to(Time stamp);
+  void correct(Time stamp);
+  void shift(const Vector6& by, const Pose2D& map_from_base, const Pose2D& odom_from_base);
+  void judge(Time stamp, const Match& match);
+  void extend_map(Time stamp);
+
+  SensorModel sensors_;
+  DeadReckoning track_;
+  PoseFilter filter_;
+  Time filter_stamp_{};      // the filter stands at the newest scan
+  Pose2D map_from_odom_;
+  map::LogOddsMap map_;
+  Pose2D keyframe_;          // map_from_base when the map last took a scan
+  Time keyframe_stamp_{};
+  bool agrees_ = true;       // the newest scan fits the map
+  Time agreed_{};            // when a scan last did
+  bool lost_ = false;
+
+  std::vector<map::Beam> beams_;   // the newest scan, in the base frame at the end of its turn
+  std::vector<Vec2> obstacles_;    // its hits in odom
+};
+
+// One scan: undo the motion during its turn, carry the belief there, fit it to the map, let the map grow.
+void ScanMatchingLocalizer::add_scan(Time measured, const LaserScan& scan) {
+  const Time stamp = deskew(measured, scan);
+  predict_to(stamp);
+  correct(stamp);
+  extend_map(stamp);
+}
+
+// Beams as if all were measured when the turn ended. Returns that time.
+Time ScanMatchingLocalizer::deskew(Time measured, const LaserScan& scan) {
+  const auto beam_time = [&](std::size_t i) {
+    return measured + from_seconds(static_cast<double>(i) * scan.time_increment);
+  };
+  const std::size_t n = scan.ranges.size();
+  const Time end = std::max(measured, n > 0 ? beam_time(n - 1) : measured);
+  const Pose2D odom_from_base = track_.at(end);
+  const Pose2D base_from_odom = inverse(odom_from_base);
+
+  beams_.clear();
+  obstacles_.clear();
+  constexpr std::size_t kBlock = 8;  // beams between poses that are computed, less than 3 ms
+  Pose2D base_from_lidar;
+  Pose2D next = base_from_odom * track_.at(beam_time(0)) * sensors_.base_from_lidar;
+  Pose2D last;
+  for (std::size_t i = 0; i < n; ++i) {
+    if (i % kBlock == 0) {
+      last = next;
+      next = base_from_odom * track_.at(beam_time(i + kBlock)) * sensors_.base_from_lidar;
+    }
+    base_from_lidar = interpolate(last, next, static_cast<double>(i % kBlock) / kBlock);
+
+    const double range = static_cast<double>(scan.ranges[i]);
+    if (!(range >= scan.range_min) || range <= 0.0) continue;
+    const bool hit = range < scan.range_max;
+    const double length = hit ? range : std::min(kFreeNoReturn, scan.range_max);
+    const double angle = base_from_lidar.theta + scan.angle_min + static_cast<double>(i) * scan.angle_increment;
+    const Vec2 origin = base_from_lidar.position();
+    beams_.push_back({origin, origin + rotate({length, 0.0}, angle), hit});
+    if (hit) obstacles_.push_back(odom_from_base * beams_.back().end);
+  }
+  return end;
+}
+
+// The belief at the time of the scan, from the odometry since the scan before.
+void ScanMatchingLocalizer::predict_to(Time stamp) {
+  int standing = 0;
+  int steps = 0;
+  double rate = 0.0;
+  for (std::size_t age = track_.size(); age-- > 0;) {
+    const TrackPoint& p = track_.point(age);
+    if (p.stamp <= filter_stamp_ || p.stamp > stamp) continue;
+    const double heading = map_from_odom_.theta + p.odom_from_base.theta - 0.5 * p.turn;
+    filter_.predict(heading, p.step, p.turn, p.seconds, track_.has_gyro());
+    rate += p.gyro_rate;
+    standing += p.standing >= kStandingSamples ? 1 : 0;
+    ++steps;
+  }
+  filter_stamp_ = std::max(filter_stamp_, stamp);
+
+  // while the robot stands the gyro shows its bias
+  if (steps == 0 || standing < steps || !track_.has_gyro()) return;
+  const double error = rate / steps - track_.calibration().gyro_bias;
+  const double variance = sensors_.gyro_sigma * sensors_.gyro_sigma / steps + 1e-7;
+  const Pose2D odom_from_base = track_.at(stamp);
+  shift(filter_.observe_gyro_bias(error, variance), map_from_odom_ * odom_from_base, odom_from_base);
+}
+
+// Fits the scan to the map; far away first, if it does not fit where it should.
+void ScanMatchingLocalizer::correct(Time stamp) {
+  if (map_.version() == 0) {
+    agreed_ = stamp;
+    return;
+  }
+  const Pose2D odom_from_base = track_.at(stamp);
+  const Pose2D predicted = map_from_odom_ * odom_from_base;
+  filter_.widen(0.0005, 0.0002);  // deskewing and stamps are never perfect; also keeps the covariance invertible
+  Match match = match_scan(map_, beams_, predicted, filter_.pose_covariance().inverse(), predicted);
+
+  if (match.agreement < kPoorAgreement && match.known_hits >= kFewHits) {
+    const SearchWindow window = lost_ ? SearchWindow{0.6, 0.35} : SearchWindow{};
+    const Pose2D found = search_pose(map_, beams_, predicted, window);
+    PoseFilter wide = filter_;
+    wide.widen(0.5 * window.position, 0.5 * window.heading);
+    const Match other = match_scan(map_, beams_, predicted, wide.pose_covariance().inverse(), found);
+    if (other.agreement > match.agreement + 0.15) {
+      match = other;
+      filter_ = wide;
+    }
+  }
+  judge(stamp, match);
+  if (!agrees_) return;
+
+  const Vector3 moved{match.pose.x - predicted.x, match.pose.y - predicted.y,
+                      wrap_angle(match.pose.theta - predicted.theta)};
+  shift(filter_.condition_on_pose(moved, match.information.inverse()), predicted, odom_from_base);
+}
+
+// Moves the estimate: the pose by moving map_from_odom, the calibration for the steps to come.
+void ScanMatchingLocalizer::shift(const Vector6& by, const Pose2D& map_from_base, const Pose2D& odom_from_base) {
+  const Pose2D moved{map_from_base.x + by(0), map_from_base.y + by(1), wrap_angle(map_from_base.theta + by(2))};
+  map_from_odom_ = moved * inverse(odom_from_base);
+  Calibration c = track_.calibration();
+  c.gyro_bias += by(3);
+  c.forward_scale *= 1.0 + by(4);
+  c.lateral_scale *= 1.0 + by(5);
+  track_.calibrate(c);
+}
+
+// Is this scan where we think it is? Lost, when it has not been for long.
+void ScanMatchingLocalizer::judge(Time stamp, const Match& match) {
+  agrees_ = match.known_hits < kFewHits || match.agreement >= kPoorAgreement - (lost_ ? 0.0 : 0.15);
+  if (agrees_) agreed_ = stamp;
+  if (match.agreement >= kGoodAgreement) lost_ = false;
+  if (stamp - agreed_ > kLostAfter) lost_ = true;
+}
+
+void ScanMatchingLocalizer::extend_map(Time stamp) {
+  if (!agrees_ || lost_) return;
+  const Pose2D map_from_base = map_from_odom_ * track_.at(stamp);
+  const Pose2D since = inverse(keyframe_) * map_from_base;
+  const bool due = map_.version() < kFirstScans || norm(since.position()) > kKeyframeDistance ||
+                   std::fabs(since.theta) > kKeyframeTurn || stamp - keyframe_stamp_ >= kKeyframeAge;
+  if (!due) return;
+
+  std::vector<map::Beam> in_map(beams_.size());
+  const auto [s, c] = exact::sincos(map_from_base.theta);
+  const auto moved = [&](Vec2 p) {
+    return Vec2{map_from_base.x + c * p.x - s * p.y, map_from_base.y + s * p.x + c * p.y};
+  };
+  for (std::size_t i = 0; i < beams_.size(); ++i) {
+    in_map[i] = {moved(beams_[i].origin), moved(beams_[i].end), beams_[i].hit};
+  }
+  map_.insert(in_map);
+  keyframe_ = map_from_base;
+  keyframe_stamp_ = stamp;
+}
+
+PoseEstimate ScanMatchingLocalizer::estimate(Time now) const {
+  PoseEstimate e;
+  e.stamp = now;
+  e.odom_from_base = track_.at(now);
+  e.map_from_odom = map_from_odom_;
+  if (!track_.empty()) e.velocity = track_.point(0).velocity;
+  e.lost = lost_;
+
+  // what odometry added since the scan that the filter stands at
+  PoseFilter filter = filter_;
+  for (std::size_t age = track_.size(); age-- > 0;) {
+    const TrackPoint& p = track_.point(age);
+    if (p.stamp <= filter_stamp_) continue;
+    const double heading = map_from_odom_.theta + p.odom_from_base.theta - 0.5 * p.turn;
+    filter.predict(heading, p.step, p.turn, p.seconds, track_.has_gyro());
+  }
+  const Matrix3 covariance = filter.pose_covariance();
+  for (int row = 0; row < 3; ++row) {
+    for (int column = 0; column < 3; ++column) {
+      e.covariance[static_cast<std::size_t>(3 * row + column)] = covariance(row, column);
+    }
+  }
+  return e;
+}
+
+}  // namespace
+
+std::unique_ptr<Localizer> make_scan_matching_localizer(const SensorModel& sensors) {
+  return std::make_unique<ScanMatchingLocalizer>(sensors);
+}
+
+}  // namespace threewe::slam
