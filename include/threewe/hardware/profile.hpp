@@ -32,7 +32,7 @@ struct Body {
   double inertia = 0.0;           ///< [kg m^2] about the vertical axis
   WheelGeometry wheels;
   double friction = 0.0;          ///< coefficient between wheel and floor
-  double lateral_efficiency = 1.0;  ///< the share of a sideways command that mecanum rollers turn into motion
+  double rolling_resistance = 0.0;  ///< the share of the weight that opposes rolling; it costs energy alone
   double stall_torque = 0.0;      ///< [N m] of one wheel's motor at the wheel
   double no_load_speed = 0.0;     ///< [rad/s] of one wheel at nominal voltage
   Duration motor_lag{};           ///< time constant of the speed loop
@@ -52,6 +52,7 @@ struct LidarSpec {
   double bias = 0.0;         ///< [m], each unit's constant offset lies in [-bias, bias]
   double dropout = 0.0;      ///< probability that a point is invalid
   Duration latency{};        ///< from the end of a turn to its arrival
+  bool rolling = true;       ///< points are taken one after the other during the turn, not all at its end
 };
 
 struct IMUSpec {
@@ -66,10 +67,10 @@ struct IMUSpec {
 
 struct OdometrySpec {
   Duration period{};
-  double wheel_scale = 0.0;        ///< each wheel's radius is off by a factor in 1 +- this, per episode
-  double lateral_scale_min = 1.0;  ///< sideways motion is multiplied by a factor from here ...
-  double lateral_scale_max = 1.0;  ///< ... to here, per episode
-  int ticks_per_turn = 0;          ///< encoder counts of one wheel turn
+  double wheel_scale = 0.0;        ///< the radius assumed of each wheel is off by a factor in 1 +- this, per episode
+  double lateral_scale_min = 1.0;  ///< of what the wheels roll sideways, the body moves a share from here ...
+  double lateral_scale_max = 1.0;  ///< ... to here, per episode; odometry does not know
+  int ticks_per_turn = 0;          ///< encoder counts of one wheel turn; 0 = a perfect encoder
   Duration latency{};
 };
 
@@ -77,7 +78,9 @@ struct BatterySpec {
   double capacity = 0.0;         ///< [Wh]
   double voltage_full = 0.0;     ///< [V]
   double voltage_empty = 0.0;    ///< [V]
-  double idle_power = 0.0;       ///< [W]
+  double resistance = 0.0;       ///< [ohm], makes the voltage sag under load
+  double idle_power = 0.0;       ///< [W] of everything but the drive
+  double drive_efficiency = 1.0;  ///< mechanical power over electrical power of the drive
   Duration period{};
 };
 
@@ -106,5 +109,8 @@ std::vector<std::string> profile_names();
 enum class NoiseLevel : std::uint8_t { realistic, ideal };
 /// Throws ConfigError naming the nearest right one.
 NoiseLevel noise_level(std::string_view name);
+/// The profile with the imperfections of its sensors and of its link switched off where `noise` is ideal. What the
+/// body obeys (motor lag, torque, friction) stays.
+RobotProfile with_noise(RobotProfile profile, NoiseLevel noise);
 
 }  // namespace threewe

@@ -1,0 +1,236 @@
+#include "threewe/hardware/profile.hpp"
+
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "threewe/core/assets.hpp"
+#include "threewe/core/config.hpp"
+#include "threewe/core/errors.hpp"
+#include "threewe/core/names.hpp"
+
+namespace threewe {
+namespace {
+
+constexpr double kGravity = 9.80665;  // [m/s^2]
+
+// Bounds that no robot of this kind leaves: they catch wrong units, such as millimetres or degrees.
+constexpr double kMaxLength = 5.0;        // [m]
+constexpr double kMaxMass = 1000.0;       // [kg]
+constexpr double kMaxSpeed = 20.0;        // [m/s] and [rad/s]
+constexpr double kMaxAcceleration = 200.0;  // [m/s^2] and [rad/s^2]
+constexpr double kSmall = 1e-6;           // stands for "more than zero"
+
+Duration duration_in(ConfigNode& node, std::string_view field, double low, double high) {
+  return from_seconds(node.number_in(field, low, high));
+}
+
+int count_in(ConfigNode& node, std::string_view field, int low, int high) {
+  const ConfigNode value = node.at(field);
+  const std::int64_t count = value.integer();
+  if (count < low || count > high) value.fail(fmt::format("{} is outside [{}, {}]", count, low, high));
+  return static_cast<int>(count);
+}
+
+Footprint read_footprint(ConfigNode node) {
+  try {
+    if (node.has("corners")) {
+      std::vector<Vec2> corners;
+      for (const ConfigNode& corner : node.at("corners").items()) corners.push_back(corner.vec2());
+      node.finish();
+      return Footprint(std::move(corners));
+    }
+    const double length = node.number_in("length", kSmall, kMaxLength);
+    const double width = node.number_in("width", kSmall, kMaxLength);
+    node.finish();
+    return Footprint::rectangle(length, width);
+  } catch (const ConfigError& error) {
+    // what the footprint itself refuses does not know its file yet
+    if (std::string_view(error.what()).starts_with("footprint")) node.fail(error.what());
+    throw;
+  }
+}
+
+WheelGeometry read_wheels(ConfigNode node) {
+  WheelGeometry wheels;
+  const bool holonomic = node.choice("kinematics", {"holonomic", "differential"}) == "holonomic";
+  wheels.kinematics = holonomic ? Kinematics::holonomic : Kinematics::differential;
+  wheels.radius = node.number_in("radius", 0.001, 1.0);
+  wheels.half_length = holonomic ? node.number_in("half_length", 0.001, kMaxLength) : node.number_in("half_length", 0.0, 0.0);
+  wheels.half_width = node.number_in("half_width", 0.001, kMaxLength);
+  node.finish();
+  return wheels;
+}
+
+Body read_body(ConfigNode node) {
+  Body body;
+  body.footprint = read_footprint(node.at("footprint"));
+  body.height = node.number_in("height", 0.01, kMaxLength);
+  body.mass = node.number_in("mass", 0.01, kMaxMass);
+  body.inertia = node.number_in("inertia", kSmall, kMaxMass);
+  body.wheels = read_wheels(node.at("wheels"));
+  body.friction = node.number_in("friction", 0.01, 5.0);
+  body.rolling_resistance = node.number_in("rolling_resistance", 0.0, 1.0);
+  body.stall_torque = node.number_in("stall_torque", 0.001, 1000.0);
+  body.no_load_speed = node.number_in("no_load_speed", 0.1, 1000.0);
+  body.motor_lag = duration_in(node, "motor_lag", 0.001, 1.0);
+  node.finish();
+  return body;
+}
+
+Limits read_limits(ConfigNode node) {
+  Limits limits;
+  limits.linear = node.number_in("linear", 0.01, kMaxSpeed);
+  limits.angular = node.number_in("angular", 0.01, kMaxSpeed);
+  limits.linear_acceleration = node.number_in("linear_acceleration", 0.01, kMaxAcceleration);
+  limits.linear_braking = node.number_in("linear_braking", 0.01, kMaxAcceleration);
+  limits.angular_acceleration = node.number_in("angular_acceleration", 0.01, kMaxAcceleration);
+  node.finish();
+  return limits;
+}
+
+LidarSpec read_lidar(ConfigNode node) {
+  LidarSpec lidar;
+  lidar.base_from_lidar = node.at("base_from_lidar").pose();
+  lidar.height = node.number_in("height", 0.0, kMaxLength);
+  lidar.points_per_turn = count_in(node, "points_per_turn", 4, 100'000);
+  lidar.clockwise = node.at("clockwise").boolean();
+  lidar.beams = count_in(node, "beams", 4, 100'000);
+  lidar.turn = duration_in(node, "turn", 0.001, 10.0);
+  lidar.range_min = node.number_in("range_min", 0.0, 1000.0);
+  lidar.range_max = node.number_in("range_max", 0.1, 1000.0);
+  lidar.sigma = node.number_in("sigma", 0.0, 1.0);
+  lidar.bias = node.number_in("bias", 0.0, 1.0);
+  lidar.dropout = node.number_in("dropout", 0.0, 1.0);
+  lidar.latency = duration_in(node, "latency", 0.0, 1.0);
+  node.finish();
+  if (lidar.beams > lidar.points_per_turn) {
+    node.at("beams").fail(fmt::format("{} beams cannot be made of {} points a turn", lidar.beams, lidar.points_per_turn));
+  }
+  if (lidar.range_min >= lidar.range_max) node.at("range_min").fail("must be below range_max");
+  return lidar;
+}
+
+IMUSpec read_imu(ConfigNode node) {
+  IMUSpec imu;
+  imu.period = duration_in(node, "period", 0.001, 1.0);
+  imu.gyro_sigma = node.number_in("gyro_sigma", 0.0, 1.0);
+  imu.gyro_bias = node.number_in("gyro_bias", 0.0, 1.0);
+  imu.gyro_bias_walk = node.number_in("gyro_bias_walk", 0.0, 1.0);
+  imu.accelerometer_sigma = node.number_in("accelerometer_sigma", 0.0, 10.0);
+  imu.accelerometer_bias = node.number_in("accelerometer_bias", 0.0, 10.0);
+  imu.latency = duration_in(node, "latency", 0.0, 1.0);
+  node.finish();
+  return imu;
+}
+
+OdometrySpec read_odometry(ConfigNode node) {
+  OdometrySpec odometry;
+  odometry.period = duration_in(node, "period", 0.001, 1.0);
+  odometry.wheel_scale = node.number_in("wheel_scale", 0.0, 0.5);
+  const ConfigNode scale = node.at("lateral_scale");
+  const Vec2 range = scale.vec2();
+  if (!(range.x > 0.0 && range.x <= range.y && range.y <= 1.0)) scale.fail("expected [low, high] within (0, 1]");
+  odometry.lateral_scale_min = range.x;
+  odometry.lateral_scale_max = range.y;
+  odometry.ticks_per_turn = count_in(node, "ticks_per_turn", 4, 10'000'000);
+  odometry.latency = duration_in(node, "latency", 0.0, 1.0);
+  node.finish();
+  return odometry;
+}
+
+BatterySpec read_battery(ConfigNode node) {
+  BatterySpec battery;
+  battery.capacity = node.number_in("capacity", 0.1, 1e5);
+  battery.voltage_full = node.number_in("voltage_full", 1.0, 1000.0);
+  battery.voltage_empty = node.number_in("voltage_empty", 1.0, 1000.0);
+  battery.resistance = node.number_in("resistance", 0.0, 10.0);
+  battery.idle_power = node.number_in("idle_power", 0.0, 1e5);
+  battery.drive_efficiency = node.number_in("drive_efficiency", 0.01, 1.0);
+  battery.period = duration_in(node, "period", 0.01, 3600.0);
+  node.finish();
+  if (battery.voltage_empty > battery.voltage_full) node.at("voltage_empty").fail("must not exceed voltage_full");
+  return battery;
+}
+
+// What is asked of the robot must be within what its drive can do.
+void check_limits(const RobotProfile& profile, ConfigNode limits) {
+  const Body& body = profile.body;
+  const Limits& hardware = profile.hardware_limits;
+  const Limits& operating = profile.operating_limits;
+  const double top_speed = body.no_load_speed * body.wheels.radius;
+  if (hardware.linear > top_speed) {
+    limits.at("hardware").at("linear").fail(
+        fmt::format("{} m/s is beyond the motors' {:.3f} m/s without load", hardware.linear, top_speed));
+  }
+  const double grip = body.friction * kGravity;
+  if (hardware.linear_braking > grip) {
+    limits.at("hardware").at("linear_braking").fail(
+        fmt::format("{} m/s^2 is beyond the {:.2f} m/s^2 that friction gives", hardware.linear_braking, grip));
+  }
+  const auto within = [&](std::string_view field, double asked, double possible) {
+    if (asked <= possible) return;
+    limits.at("operating").at(field).fail(fmt::format("{} is beyond the hardware limit of {}", asked, possible));
+  };
+  within("linear", operating.linear, hardware.linear);
+  within("angular", operating.angular, hardware.angular);
+  within("linear_acceleration", operating.linear_acceleration, hardware.linear_acceleration);
+  within("linear_braking", operating.linear_braking, hardware.linear_braking);
+  within("angular_acceleration", operating.angular_acceleration, hardware.angular_acceleration);
+}
+
+}  // namespace
+
+RobotProfile load_profile(std::string_view name) {
+  const auto file = find_asset("robots", name);
+  ConfigNode root = ConfigNode::load(file);
+
+  RobotProfile profile;
+  profile.name = file.stem().string();
+  profile.description = root.text("description");
+  profile.body = read_body(root.at("body"));
+
+  ConfigNode limits = root.at("limits");
+  profile.hardware_limits = read_limits(limits.at("hardware"));
+  profile.operating_limits = read_limits(limits.at("operating"));
+  limits.finish();
+  check_limits(profile, limits);
+  profile.command_latency = duration_in(root, "command_latency", 0.0, 0.5);
+
+  ConfigNode sensors = root.at("sensors");
+  if (sensors.has("lidar")) profile.lidar = read_lidar(sensors.at("lidar"));
+  if (sensors.has("imu")) profile.imu = read_imu(sensors.at("imu"));
+  profile.odometry = read_odometry(sensors.at("odometry"));
+  sensors.finish();
+  if (root.has("battery")) profile.battery = read_battery(root.at("battery"));
+  root.finish();
+  return profile;
+}
+
+std::vector<std::string> profile_names() { return asset_names("robots"); }
+
+NoiseLevel noise_level(std::string_view name) {
+  if (name == "realistic") return NoiseLevel::realistic;
+  if (name == "ideal") return NoiseLevel::ideal;
+  const std::vector<std::string> levels = {"realistic", "ideal"};
+  throw ConfigError(unknown_name("noise", name, levels));
+}
+
+RobotProfile with_noise(RobotProfile profile, NoiseLevel noise) {
+  if (noise == NoiseLevel::realistic) return profile;
+
+  profile.command_latency = Duration::zero();
+  if (profile.lidar) {
+    LidarSpec& lidar = *profile.lidar;
+    lidar.points_per_turn = lidar.beams;  // one point in the middle of each beam
+    lidar.sigma = lidar.bias = lidar.dropout = 0.0;
+    lidar.latency = Duration::zero();
+    lidar.rolling = false;
+  }
+  if (profile.imu) *profile.imu = {.period = profile.imu->period};
+  profile.odometry = {.period = profile.odometry.period};
+  if (profile.battery) profile.battery->resistance = 0.0;
+  return profile;
+}
+
+}  // namespace threewe
