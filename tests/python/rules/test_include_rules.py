@@ -1,0 +1,121 @@
+"""What may include what: the table below is the whole of it."""
+
+import re
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[3]
+
+# Every module may use itself, and of the others only these. "scene/truth_view" is that one header.
+MAY_USE = {
+    "core": [],
+    "hardware": ["core"],
+    "scene": ["core"],
+    "models": ["core", "hardware"],
+    "map": ["core"],
+    "slam": ["core", "map"],
+    "nav": ["core", "hardware", "map", "slam"],
+    "sim": ["core", "scene", "hardware", "models"],
+    "backend": ["core", "hardware", "scene/truth_view"],
+    "backend/mock": ["backend", "core", "hardware", "scene", "models", "sim"],
+    "safety": ["core", "hardware"],
+    "robot": ["core", "backend", "safety", "slam", "nav", "map", "hardware"],
+    "export": ["core", "scene", "hardware", "map"],
+    "task": ["core", "hardware", "scene"],
+    "env": ["core", "hardware", "scene", "task", "sim", "models", "safety"],
+    "benchmark": ["core", "robot", "task", "env"],
+    "record": ["core", "robot", "task", "env"],
+}
+
+# The robot's mind never sees, through however many includes, what only a simulator knows.
+MIND = ["map", "slam", "nav"]
+HIDDEN_FROM_THE_MIND = ["scene", "sim", "backend"]
+
+
+def test_every_include_is_allowed() -> None:
+    wrong = [
+        f"{file.relative_to(ROOT)}:{line}: {module_of(file)} may not include {target.relative_to(ROOT)}"
+        for file in sources()
+        for line, target in includes(file)
+        if not allowed(module_of(file), target)
+    ]
+    assert not wrong, "\n".join(wrong)
+
+
+def test_the_mind_sees_no_truth() -> None:
+    seen = {file: reachable(file) for file in sources() if module_of(file) in MIND}
+    wrong = [
+        f"{file.relative_to(ROOT)} sees {target.relative_to(ROOT)}"
+        for file, targets in seen.items()
+        for target in targets
+        if module_of(target).split("/")[0] in HIDDEN_FROM_THE_MIND
+    ]
+    assert not wrong, "\n".join(wrong)
+
+
+def test_every_folder_is_a_known_module() -> None:
+    unknown = {module_of(file) for file in sources()} - set(MAY_USE)
+    assert not unknown
+
+
+@pytest.mark.parametrize(
+    ("module", "header", "expected"),
+    [
+        ("nav", "map/occupancy_grid.hpp", True),
+        ("nav", "scene/scene.hpp", False),
+        ("backend", "scene/truth_view.hpp", True),
+        ("backend", "scene/scene.hpp", False),
+        ("backend", "backend/mock/mock.hpp", False),
+        ("backend/mock", "sim/batch.hpp", True),
+        ("core", "hardware/profile.hpp", False),
+    ],
+)
+def test_the_rules_can_tell(module: str, header: str, expected: bool) -> None:
+    assert allowed(module, ROOT / "include/threewe" / header) == expected
+
+
+def allowed(module: str, target: Path) -> bool:
+    """Whether a file of the module may include the target."""
+    rules = MAY_USE.get(module, [])
+    return module_of(target) in [module, *rules] or f"{module_of(target)}/{target.stem}" in rules
+
+
+def sources() -> list[Path]:
+    """All headers and sources of the modules."""
+    found = [path for folder in ("include/threewe", "src") for path in (ROOT / folder).glob("*/**/*.[ch]pp")]
+    assert found
+    return sorted(found)
+
+
+def module_of(file: Path) -> str:
+    """The module whose file this is: its folder under include/threewe or src."""
+    folder = file.parent
+    base = next(ROOT / top for top in ("include/threewe", "src") if folder.is_relative_to(ROOT / top))
+    return folder.relative_to(base).as_posix()
+
+
+def includes(file: Path) -> Iterator[tuple[int, Path]]:
+    """The files of ours that a file includes, with the line."""
+    for line, text in enumerate(file.read_text().splitlines(), 1):
+        if match := re.match(r'\s*#\s*include\s*[<"]([^">]+)[">]', text):
+            name = match[1]
+            candidates = [ROOT / "include" / name, ROOT / "src" / name, file.parent / name]
+            target = next((path.resolve() for path in candidates if path.is_file()), None)
+            if target:
+                yield line, target
+            else:
+                assert not name.startswith("threewe/"), f"{file}:{line}: there is no {name}"
+
+
+def reachable(file: Path) -> set[Path]:
+    """All files of ours that come in with a file."""
+    seen: set[Path] = set()
+    waiting = [file]
+    while waiting:
+        for _, target in includes(waiting.pop()):
+            if target not in seen:
+                seen.add(target)
+                waiting.append(target)
+    return seen
