@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <fstream>
+#include <map>
 #include <sstream>
 #include <utility>
 
@@ -11,14 +12,22 @@
 #include "threewe/core/names.hpp"
 
 namespace threewe {
+namespace {
+
+// An empty document stands nowhere.
+int line_of(const YAML::Node& node) { return std::max(node.Mark().line, 0) + 1; }
+
+}  // namespace
 
 ConfigNode::ConfigNode(YAML::Node node, std::string file, std::string path)
     : node_(std::move(node)), file_(std::move(file)), path_(std::move(path)) {}
 
 ConfigNode ConfigNode::load(const std::filesystem::path& file) {
   std::ifstream stream(file);
-  if (!stream) throw ConfigError(fmt::format("{}: cannot be read", file.string()));
   std::ostringstream text;
+  if (!std::filesystem::is_regular_file(file) || !stream) {
+    throw ConfigError(fmt::format("{}: cannot be read", file.string()));
+  }
   text << stream.rdbuf();
   return parse(text.str(), file.string());
 }
@@ -26,14 +35,14 @@ ConfigNode ConfigNode::load(const std::filesystem::path& file) {
 ConfigNode ConfigNode::parse(const std::string& text, const std::string& name) {
   try {
     return {YAML::Load(text), name, ""};
-  } catch (const YAML::ParserException& error) {
+  } catch (const YAML::Exception& error) {
     throw ConfigError(fmt::format("{}:{}: malformed YAML: {}", name, error.mark.line + 1, error.msg));
   }
 }
 
 void ConfigNode::fail(const std::string& what) const {
   const std::string where = path_.empty() ? "" : fmt::format("{}: ", path_);
-  throw ConfigError(fmt::format("{}:{}: {}{}", file_, node_.Mark().line + 1, where, what));
+  throw ConfigError(fmt::format("{}:{}: {}{}", file_, line_of(node_), where, what));
 }
 
 void ConfigNode::know(std::string_view field) {
@@ -43,7 +52,7 @@ void ConfigNode::know(std::string_view field) {
 
 bool ConfigNode::has(std::string_view field) {
   know(field);
-  return node_[std::string(field)].IsDefined();
+  return std::as_const(node_)[std::string(field)].IsDefined();
 }
 
 ConfigNode ConfigNode::at(std::string_view field) {
@@ -64,7 +73,7 @@ std::vector<std::pair<std::string, ConfigNode>> ConfigNode::fields() {
   if (!node_.IsMap()) fail("expected a mapping");
   std::vector<std::pair<std::string, ConfigNode>> fields;
   for (const auto& entry : node_) {
-    const auto name = entry.first.as<std::string>();
+    const std::string name = field_name(entry.first);
     fields.emplace_back(name, at(name));
   }
   return fields;
@@ -121,11 +130,20 @@ std::string ConfigNode::choice(std::string_view field, const std::vector<std::st
 }
 
 void ConfigNode::finish() const {
+  if (!node_.IsMap()) fail("expected a mapping");
+  std::map<std::string, int> lines;
   for (const auto& entry : node_) {
-    const auto name = entry.first.as<std::string>();
-    if (std::ranges::find(known_, name) != known_.end()) continue;
-    ConfigNode(entry.first, file_, path_).fail(unknown_name("field", name, known_));
+    const std::string name = field_name(entry.first);
+    const ConfigNode field(entry.first, file_, path_);
+    const auto [first, is_new] = lines.emplace(name, line_of(entry.first));
+    if (!is_new) field.fail(fmt::format("field '{}' stands twice, first in line {}", name, first->second));
+    if (std::ranges::find(known_, name) == known_.end()) field.fail(unknown_name("field", name, known_));
   }
+}
+
+std::string ConfigNode::field_name(const YAML::Node& key) const {
+  if (!key.IsScalar()) ConfigNode(key, file_, path_).fail("a field's name must be text");
+  return key.Scalar();
 }
 
 }  // namespace threewe

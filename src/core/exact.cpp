@@ -7,10 +7,12 @@
 namespace threewe::exact {
 namespace {
 
-// pi/4 in three parts of decreasing size, so that multiples up to 2^24 subtract without error (Cephes, sin.c).
+// pi/4 in four parts of decreasing size, the first three so short that their multiples up to 2^24 are exact: even next
+// to a multiple of pi the remainder keeps all of its digits (the method of Cephes, sin.c, with one part more).
 constexpr double kQuarterPi1 = 7.85398125648498535156e-1;
 constexpr double kQuarterPi2 = 3.77489470793079817668e-8;
-constexpr double kQuarterPi3 = 2.69515142907905952645e-15;
+constexpr double kQuarterPi3 = 2.69515142379756e-15;
+constexpr double kQuarterPi4 = 5.281499533493714e-24;
 
 // Minimax polynomials on [-pi/4, pi/4] (Cephes, sin.c).
 double sin_polynomial(double z) {
@@ -74,7 +76,7 @@ SinCos sincos(double angle) {
   auto octant = static_cast<std::int64_t>(magnitude / (kPi / 4));
   octant += octant & 1;
   const auto n = static_cast<double>(octant);
-  const double z = ((magnitude - n * kQuarterPi1) - n * kQuarterPi2) - n * kQuarterPi3;
+  const double z = (((magnitude - n * kQuarterPi1) - n * kQuarterPi2) - n * kQuarterPi3) - n * kQuarterPi4;
 
   // every second quadrant swaps the two polynomials
   const double s = sin_polynomial(z);

@@ -1,6 +1,7 @@
 #include "threewe/core/footprint.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <utility>
 
@@ -24,8 +25,11 @@ Footprint::Footprint(std::vector<Vec2> corners) : corners_(std::move(corners)) {
   for (std::size_t i = 0; i < n; ++i) {
     const Vec2 a = corners_[i];
     const Vec2 b = corners_[(i + 1) % n];
-    const Vec2 c = corners_[(i + 2) % n];
-    if (!(cross(b - a, c - b) > 0.0)) throw ConfigError("footprint must be convex, its corners counter-clockwise");
+    if (!std::isfinite(a.x) || !std::isfinite(a.y)) throw ConfigError("footprint must have finite corners");
+    for (std::size_t k = 2; k < n; ++k) {  // every other corner lies to the left of a -> b
+      const Vec2 c = corners_[(i + k) % n];
+      if (!(cross(b - a, c - b) > 0.0)) throw ConfigError("footprint must be convex, its corners counter-clockwise");
+    }
     if (!(cross(b - a, Vec2{} - a) > 0.0)) throw ConfigError("footprint must contain the base (0, 0)");
     inscribed_radius_ = std::min(inscribed_radius_, distance_to_segment({}, a, b));
     circumscribed_radius_ = std::max(circumscribed_radius_, norm(a));

@@ -43,6 +43,7 @@ std::string nearest_name(std::string_view name, std::span<const std::string> can
 std::string unknown_name(std::string_view kind, std::string_view name, std::span<const std::string> candidates) {
   const std::string nearest = nearest_name(name, candidates);
   if (!nearest.empty()) return fmt::format("unknown {} '{}'; did you mean '{}'?", kind, name, nearest);
+  if (candidates.empty()) return fmt::format("unknown {} '{}'; there are none", kind, name);
   return fmt::format("unknown {} '{}'; known: {}", kind, name, fmt::join(candidates, ", "));
 }
 

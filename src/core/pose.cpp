@@ -6,7 +6,7 @@ double wrap_angle(double angle) {
   constexpr double kTwoPi = 2.0 * exact::kPi;
   if (angle > -exact::kPi && angle <= exact::kPi) return angle;
   const double wrapped = angle - kTwoPi * std::ceil((angle - exact::kPi) / kTwoPi);
-  return wrapped <= -exact::kPi ? exact::kPi : wrapped;
+  return wrapped > -exact::kPi && wrapped <= exact::kPi ? wrapped : exact::kPi;  // rounding may end a hair outside
 }
 
 Vec2 rotate(Vec2 v, double angle) {

@@ -27,6 +27,11 @@ std::array<std::uint32_t, 4> philox(std::array<std::uint32_t, 4> c, std::uint32_
   return c;
 }
 
+std::uint64_t random_word(const RngKey& key, std::uint64_t sample, std::uint32_t lane) {
+  const auto bits = random_bits(key, sample, lane);
+  return std::uint64_t{bits[0]} << 32 | bits[1];
+}
+
 }  // namespace
 
 std::array<std::uint32_t, 4> random_bits(const RngKey& key, std::uint64_t sample, std::uint32_t lane) {
@@ -40,9 +45,7 @@ std::array<std::uint32_t, 4> random_bits(const RngKey& key, std::uint64_t sample
 }
 
 double uniform(const RngKey& key, std::uint64_t sample, std::uint32_t lane) {
-  const auto bits = random_bits(key, sample, lane);
-  const std::uint64_t wide = std::uint64_t{bits[0]} << 32 | bits[1];
-  return static_cast<double>(wide >> 11) * 0x1p-53;
+  return static_cast<double>(random_word(key, sample, lane) >> 11) * 0x1p-53;
 }
 
 double uniform(const RngKey& key, std::uint64_t sample, std::uint32_t lane, double low, double high) {
@@ -50,8 +53,8 @@ double uniform(const RngKey& key, std::uint64_t sample, std::uint32_t lane, doub
 }
 
 double normal(const RngKey& key, std::uint64_t sample, std::uint32_t lane) {
-  // half a step away from 0, so that the quantile is finite
-  return normal_quantile(uniform(key, sample, lane) + 0x1p-54);
+  // the middles of 2^52 equal steps: none is rounded to 0 or 1, where the quantile is infinite
+  return normal_quantile((static_cast<double>(random_word(key, sample, lane) >> 12) + 0.5) * 0x1p-52);
 }
 
 double normal_quantile(double p) {

@@ -45,7 +45,7 @@ class ConfigNode {
   /// One of `choices`, or ConfigError with the nearest of them.
   std::string choice(std::string_view field, const std::vector<std::string>& choices);
 
-  /// Throws ConfigError when the mapping has a field that nobody asked for, naming the nearest known one.
+  /// Throws ConfigError when the mapping has a field that nobody asked for, naming the nearest known one, or one twice.
   void finish() const;
   /// Throws ConfigError at this node's place.
   [[noreturn]] void fail(const std::string& what) const;
@@ -57,6 +57,7 @@ class ConfigNode {
   std::string path_;
   std::vector<std::string> known_;  // fields that `at` or `has` was asked for
   void know(std::string_view field);
+  std::string field_name(const YAML::Node& key) const;
 };
 
 }  // namespace threewe

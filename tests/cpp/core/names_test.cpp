@@ -1,0 +1,42 @@
+#include "threewe/core/names.hpp"
+
+#include <doctest/doctest.h>
+
+#include <string>
+#include <vector>
+
+namespace threewe {
+namespace {
+
+const std::vector<std::string> kScenes{"office_v2", "apartment_v1", "corridor_v1", "warehouse_v1", "outdoor_v1"};
+
+TEST_CASE("the nearest name is the one that was meant") {
+  CHECK(nearest_name("ofice_v2", kScenes) == "office_v2");
+  CHECK(nearest_name("office", kScenes) == "office_v2");
+  CHECK(nearest_name("office_v1", kScenes) == "office_v2");
+  CHECK(nearest_name("coridor_v1", kScenes) == "corridor_v1");
+  CHECK(nearest_name("wharehouse_v1", kScenes) == "warehouse_v1");
+  CHECK(nearest_name("office_v2", kScenes) == "office_v2");
+}
+
+TEST_CASE("nothing is offered when nothing is near") {
+  CHECK(nearest_name("zzzzzzzzzz", kScenes).empty());
+  CHECK(nearest_name("q", kScenes).empty());
+  CHECK(nearest_name("", kScenes).empty());
+  CHECK(nearest_name("office_v2", {}).empty());
+}
+
+TEST_CASE("of two equally near the first is offered") {
+  const std::vector<std::string> names{"left", "lift"};
+  CHECK(nearest_name("lft", names) == "left");
+}
+
+TEST_CASE("messages") {
+  CHECK(unknown_name("scene", "ofice_v2", kScenes) == "unknown scene 'ofice_v2'; did you mean 'office_v2'?");
+  CHECK(unknown_name("scene", "zzzzzzzzzz", kScenes) ==
+        "unknown scene 'zzzzzzzzzz'; known: office_v2, apartment_v1, corridor_v1, warehouse_v1, outdoor_v1");
+  CHECK(unknown_name("scene", "anything", {}) == "unknown scene 'anything'; there are none");
+}
+
+}  // namespace
+}  // namespace threewe
