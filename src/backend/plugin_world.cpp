@@ -1,0 +1,167 @@
+#include <algorithm>
+#include <cstring>
+#include <thread>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "threewe/backend/plugin.hpp"
+#include "threewe/core/errors.hpp"
+
+namespace threewe::backend {
+
+namespace {
+
+using Call = PluginRequest::Call;
+using Bytes = std::vector<std::byte>;
+
+/// The velocity with its direction kept, no faster than the drive can go.
+Velocity limited(const Velocity& v, const Limits& limits) {
+  const double speed = norm({v.vx, v.vy});
+  const double scale = speed > limits.linear ? limits.linear / speed : 1.0;
+  return {v.vx * scale, v.vy * scale, std::clamp(v.omega, -limits.angular, limits.angular)};
+}
+
+template <typename T>
+void put(Bytes& bytes, const T& value) {
+  const auto* begin = reinterpret_cast<const std::byte*>(&value);
+  bytes.insert(bytes.end(), begin, begin + sizeof value);
+}
+
+template <typename T>
+void get(const Bytes& bytes, std::size_t& at, T& value) {
+  if (bytes.size() - at < sizeof value) throw ContractError("restore(): the state is cut short");
+  std::memcpy(&value, bytes.data() + at, sizeof value);
+  at += sizeof value;
+}
+
+}  // namespace
+
+PluginWorld::PluginWorld(std::shared_ptr<PluginLink> link) : link_(std::move(link)) {}
+
+PluginWorld::~PluginWorld() {
+  const PluginLink::Lock lock(link_->mutex_);
+  link_->quit_ = true;
+  link_->changed_.notify_all();
+}
+
+RobotPort& PluginWorld::robot(std::size_t index) {
+  if (index != 0) throw ContractError(fmt::format("robot {} of a world with one robot", index));
+  return *this;
+}
+
+Time PluginWorld::now() const {
+  const PluginLink::Lock lock(link_->mutex_);
+  return link_->now();
+}
+
+void PluginWorld::advance_to(Time t) {
+  PluginLink::Lock lock(link_->mutex_);
+  if (!link_->features_.lockstep) {
+    const auto until = link_->origin_ + t;
+    lock.unlock();
+    std::this_thread::sleep_until(until);
+    return;
+  }
+  while (link_->lockstep_now_ < t) {
+    // a step ends with the period, or where the command expires
+    const Time now = link_->lockstep_now_;
+    Time end = std::min(t, now + kControlPeriod);
+    if (const Time expiry = link_->command_.valid_until; expiry > now) end = std::min(end, expiry);
+
+    // what goes wrong in it shows in the next poll, to the robot that it concerns
+    if (link_->connected_ && !link_->fault_) {
+      link_->exchange(lock, {.call = Call::step, .t = end, .velocity = link_->velocity_at(now)});
+    }
+    link_->lockstep_now_ = end;
+  }
+}
+
+void PluginWorld::connect() {
+  PluginLink::Lock lock(link_->mutex_);
+  if (link_->connected_ && !link_->fault_) return;
+  link_->connected_ = false;
+  if (!link_->wait_until_idle(lock)) link_->throw_if_faulty();
+  link_->fault_.reset();
+  link_->arrived_.clear();
+  link_->command_ = {};
+  link_->next_step_ = link_->now();
+  link_->ask(lock, {.call = Call::connect});
+  link_->connected_ = true;
+}
+
+void PluginWorld::disconnect() {
+  PluginLink::Lock lock(link_->mutex_);
+  if (!link_->connected_) return;
+  link_->connected_ = false;
+  link_->command_ = {};
+  if (!link_->fault_) link_->ask(lock, {.call = Call::disconnect});
+}
+
+std::vector<Sample> PluginWorld::poll() {
+  const PluginLink::Lock lock(link_->mutex_);
+  if (!link_->connected_) throw ConnectionError(fmt::format("backend '{}': poll() while not connected", link_->name_));
+  link_->notice_hanging();
+  link_->throw_if_faulty();
+  std::vector<Sample> samples = std::exchange(link_->arrived_, {});
+  for (Sample& sample : samples) sample.received = link_->now();
+  return samples;
+}
+
+void PluginWorld::command(const Velocity& velocity, Time valid_until) {
+  if (!is_finite(velocity)) throw ContractError("the velocity is not finite");
+  if (velocity.vy != 0.0 && link_->profile_.kinematics() == Kinematics::differential) {
+    throw ContractError(fmt::format("vy is {} m/s; a differential base cannot drive sideways", velocity.vy));
+  }
+  const PluginLink::Lock lock(link_->mutex_);
+  if (!link_->connected_) throw ConnectionError(fmt::format("backend '{}': command() while not connected", link_->name_));
+  link_->notice_hanging();
+  link_->throw_if_faulty();
+  link_->command_ = {limited(velocity, link_->profile_.hardware_limits), valid_until};
+}
+
+void PluginWorld::reset(const ResetOptions& options) {
+  if (!link_->features_.can_reset) World::reset(options);
+  PluginLink::Lock lock(link_->mutex_);
+  PluginRequest request{.call = Call::reset, .seed = options.seed};
+  if (!options.poses.empty()) request.pose = options.poses.front();
+  link_->ask(lock, std::move(request));
+}
+
+std::vector<std::byte> PluginWorld::save() const {
+  if (!link_->features_.can_save) return World::save();
+  PluginLink::Lock lock(link_->mutex_);
+  if (!link_->arrived_.empty()) throw ContractError("save() while samples wait to be polled");
+  Bytes bytes;
+  put(bytes, link_->lockstep_now_);
+  put(bytes, link_->command_);
+  for (const std::uint64_t sequence : link_->sequence_) put(bytes, sequence);
+  for (const Time stamp : link_->newest_) put(bytes, stamp);
+  const PluginReply reply = link_->ask(lock, {.call = Call::save});
+  bytes.insert(bytes.end(), reply.state.begin(), reply.state.end());
+  return bytes;
+}
+
+void PluginWorld::restore(const std::vector<std::byte>& state) {
+  if (!link_->features_.can_save) World::restore(state);
+  PluginLink::Lock lock(link_->mutex_);
+  Time now{};
+  PluginLink::Command command;
+  std::vector<std::uint64_t> sequence(link_->sequence_.size());
+  std::vector<Time> newest(link_->newest_.size());
+  std::size_t at = 0;
+  get(state, at, now);
+  get(state, at, command);
+  for (std::uint64_t& number : sequence) get(state, at, number);
+  for (Time& stamp : newest) get(state, at, stamp);
+  link_->ask(lock, {.call = Call::restore, .state = Bytes(state.begin() + static_cast<std::ptrdiff_t>(at), state.end())});
+
+  // only now, so that a failure leaves nothing half restored
+  link_->begin_anew();
+  link_->lockstep_now_ = now;
+  link_->command_ = command;
+  link_->sequence_ = std::move(sequence);
+  link_->newest_ = std::move(newest);
+}
+
+}  // namespace threewe::backend
