@@ -19,8 +19,8 @@ int line_of(const YAML::Node& node) { return std::max(node.Mark().line, 0) + 1; 
 
 }  // namespace
 
-ConfigNode::ConfigNode(YAML::Node node, std::string file, std::string path)
-    : node_(std::move(node)), file_(std::move(file)), path_(std::move(path)) {}
+ConfigNode::ConfigNode(YAML::Node node, std::string file, std::string path, int line)
+    : node_(std::move(node)), file_(std::move(file)), path_(std::move(path)), line_(line) {}
 
 ConfigNode ConfigNode::load(const std::filesystem::path& file) {
   std::ifstream stream(file);
@@ -34,7 +34,8 @@ ConfigNode ConfigNode::load(const std::filesystem::path& file) {
 
 ConfigNode ConfigNode::parse(const std::string& text, const std::string& name) {
   try {
-    return {YAML::Load(text), name, ""};
+    const YAML::Node node = YAML::Load(text);
+    return {node, name, "", line_of(node)};
   } catch (const YAML::Exception& error) {
     throw ConfigError(fmt::format("{}:{}: malformed YAML: {}", name, error.mark.line + 1, error.msg));
   }
@@ -42,7 +43,7 @@ ConfigNode ConfigNode::parse(const std::string& text, const std::string& name) {
 
 void ConfigNode::fail(const std::string& what) const {
   const std::string where = path_.empty() ? "" : fmt::format("{}: ", path_);
-  throw ConfigError(fmt::format("{}:{}: {}{}", file_, line_of(node_), where, what));
+  throw ConfigError(fmt::format("{}:{}: {}{}", file_, line_, where, what));
 }
 
 void ConfigNode::know(std::string_view field) {
@@ -57,14 +58,24 @@ bool ConfigNode::has(std::string_view field) {
 
 ConfigNode ConfigNode::at(std::string_view field) {
   if (!has(field)) fail(fmt::format("missing field '{}'", field));
-  return {node_[std::string(field)], file_, path_.empty() ? std::string(field) : fmt::format("{}.{}", path_, field)};
+  const std::string path = path_.empty() ? std::string(field) : fmt::format("{}.{}", path_, field);
+  const YAML::Node value = std::as_const(node_)[std::string(field)];
+  if (!value.IsNull()) return {value, file_, path, line_of(value)};
+
+  // the parser places a value that was left out where the next field begins
+  int line = line_;
+  for (const auto& entry : node_) {
+    if (entry.first.IsScalar() && entry.first.Scalar() == field) line = line_of(entry.first);
+  }
+  return {value, file_, path, line};
 }
 
 std::vector<ConfigNode> ConfigNode::items() const {
   if (!node_.IsSequence()) fail("expected a list");
   std::vector<ConfigNode> items;
   for (std::size_t i = 0; i < node_.size(); ++i) {
-    items.push_back(ConfigNode(node_[i], file_, fmt::format("{}[{}]", path_, i)));
+    const YAML::Node item = node_[i];
+    items.push_back(ConfigNode(item, file_, fmt::format("{}[{}]", path_, i), line_of(item)));
   }
   return items;
 }
@@ -134,7 +145,7 @@ void ConfigNode::finish() const {
   std::map<std::string, int> lines;
   for (const auto& entry : node_) {
     const std::string name = field_name(entry.first);
-    const ConfigNode field(entry.first, file_, path_);
+    const ConfigNode field(entry.first, file_, path_, line_of(entry.first));
     const auto [first, is_new] = lines.emplace(name, line_of(entry.first));
     if (!is_new) field.fail(fmt::format("field '{}' stands twice, first in line {}", name, first->second));
     if (std::ranges::find(known_, name) == known_.end()) field.fail(unknown_name("field", name, known_));
@@ -142,7 +153,7 @@ void ConfigNode::finish() const {
 }
 
 std::string ConfigNode::field_name(const YAML::Node& key) const {
-  if (!key.IsScalar()) ConfigNode(key, file_, path_).fail("a field's name must be text");
+  if (!key.IsScalar()) ConfigNode(key, file_, path_, line_of(key)).fail("a field's name must be text");
   return key.Scalar();
 }
 

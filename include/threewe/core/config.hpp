@@ -51,10 +51,11 @@ class ConfigNode {
   [[noreturn]] void fail(const std::string& what) const;
 
  private:
-  ConfigNode(YAML::Node node, std::string file, std::string path);
+  ConfigNode(YAML::Node node, std::string file, std::string path, int line);
   YAML::Node node_;
   std::string file_;
   std::string path_;
+  int line_;
   std::vector<std::string> known_;  // fields that `at` or `has` was asked for
   void know(std::string_view field);
   std::string field_name(const YAML::Node& key) const;
