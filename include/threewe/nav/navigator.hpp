@@ -64,7 +64,7 @@ struct Progress {
 struct Decision {
   Velocity velocity;
   Reason reason = Reason::running;
-  std::string_view detail;  ///< a constant text that says more about a failure; may be empty
+  std::string_view detail{};  ///< a constant text that says more about a failure; may be empty
 };
 
 /// Planning and control of one robot. It sees estimates and scans, never the truth.

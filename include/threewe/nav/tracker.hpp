@@ -1,0 +1,71 @@
+// From a path to velocities: regulated pursuit that looks ahead along its own motion and never drives into what the
+// lidar sees.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "threewe/core/pose.hpp"
+#include "threewe/hardware/profile.hpp"
+#include "threewe/map/costmap.hpp"
+
+namespace threewe::nav {
+
+/// A robot's outline as half planes, for quick tests of many points.
+class Outline {
+ public:
+  explicit Outline(const Footprint& footprint);
+  /// A lower bound on the signed distance [m] from a point in the base frame to the outline, exact next to an edge.
+  double clearance(Vec2 point_in_base) const;
+
+ private:
+  struct Edge {
+    Vec2 normal;
+    double offset = 0.0;
+  };
+  std::vector<Edge> edges_;
+};
+
+/// How far a constant velocity leads before something is hit.
+struct Sweep {
+  double seconds = 0.0;    ///< [s] until contact, at most the horizon
+  bool free = false;       ///< nothing within the horizon
+};
+
+/// Follows paths. Without memory of its own but for the direction of a turn that has begun.
+class Tracker {
+ public:
+  explicit Tracker(const RobotProfile& profile);
+
+  /// What is near: points in the base frame [m].
+  void see(std::span<const Vec2> obstacles_in_base);
+
+  /// The velocity for following `path` (in `map`) from `pose`, to a stop at its end.
+  Velocity follow(std::span<const Vec2> path, const map::Costmap& costmap, const Pose2D& pose);
+  /// The velocity for turning by `angle` [rad] on the spot.
+  Velocity turn(double angle);
+  /// The velocity for driving along the base's x axis by `distance` [m], off the line by `offset` [m] (positive: the
+  /// line is to the left) and by `heading` [rad] (positive: the line points to the left).
+  Velocity straight(double distance, double offset, double heading);
+  /// A slow motion into the direction with most room, away from what is near.
+  Velocity most_room() const;
+  /// `wanted`, slowed down so that the robot can stop before it touches anything; zero when it cannot move at all.
+  Velocity safe(const Velocity& wanted) const;
+
+ private:
+  Velocity towards(Vec2 target_in_base, double speed_limit);
+  Sweep sweep(const Velocity& velocity, double horizon) const;
+  double allowed_fraction(const Velocity& velocity) const;
+  double speed_before(double distance) const;
+  double turn_rate_before(double angle) const;
+
+  Limits limits_;
+  Kinematics kinematics_;
+  Outline outline_;
+  double reach_ = 0.0;             // [m] points farther away do not matter
+  std::vector<Vec2> near_;
+  std::vector<double> least_;      // [m] how near each point may come
+  bool turning_ = false;
+};
+
+}  // namespace threewe::nav

@@ -1,0 +1,237 @@
+#include "threewe/nav/tracker.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+namespace threewe::nav {
+namespace {
+
+constexpr double kReaction = 0.12;       // [s] from a command to its effect
+constexpr double kMargin = 0.04;         // [m] kept free around the outline, more than the safety gate keeps
+constexpr double kNotNearer = 0.005;     // [m] what is nearer than the margin may come so much nearer, no more
+constexpr double kHorizon = 1.2;         // [s] looked ahead along a motion
+constexpr double kStep = 0.02;           // [m] or 0.1 rad between the poses that are tried
+constexpr double kLookahead = 0.45;      // [m]
+constexpr double kMinLookahead = 0.10;   // [m]
+constexpr double kSlowest = 0.04;        // [m/s] towards the goal
+constexpr double kTurnFirst = 0.8;       // [rad] differential: beyond this turn on the spot ...
+constexpr double kTurnDone = 0.2;        // [rad] ... until the target is this straight ahead
+
+// Deviations from the straight way to the target that are tried when it is not free [rad].
+constexpr std::array<double, 12> kFan = {0.2, -0.2, 0.4, -0.4, 0.6, -0.6, 0.9, -0.9, 1.2, -1.2, 1.6, -1.6};
+
+Velocity scaled(const Velocity& v, double s) { return {s * v.vx, s * v.vy, s * v.omega}; }
+
+// The point of a polyline nearest to `p`: which piece, and where on it.
+struct Projection {
+  std::size_t piece = 0;
+  Vec2 point;
+};
+Projection project(std::span<const Vec2> path, Vec2 p) {
+  Projection best{0, path[0]};
+  double best_distance = distance(p, path[0]);
+  for (std::size_t i = 0; i + 1 < path.size(); ++i) {
+    const Vec2 d = path[i + 1] - path[i];
+    const double length_squared = dot(d, d);
+    const double t = length_squared > 0.0 ? std::clamp(dot(p - path[i], d) / length_squared, 0.0, 1.0) : 0.0;
+    const Vec2 q = path[i] + t * d;
+    if (const double there = distance(p, q); there < best_distance) best = {i, q}, best_distance = there;
+  }
+  return best;
+}
+
+// The point `ahead` [m] further along the polyline.
+Vec2 advance(std::span<const Vec2> path, const Projection& from, double ahead) {
+  Vec2 here = from.point;
+  for (std::size_t i = from.piece; i + 1 < path.size(); ++i) {
+    const double length = distance(here, path[i + 1]);
+    if (length >= ahead) return here + (ahead / length) * (path[i + 1] - here);
+    ahead -= length;
+    here = path[i + 1];
+  }
+  return path.back();
+}
+
+}  // namespace
+
+Outline::Outline(const Footprint& footprint) {
+  const std::vector<Vec2>& corners = footprint.corners();
+  for (std::size_t i = 0; i < corners.size(); ++i) {
+    const Vec2 d = corners[(i + 1) % corners.size()] - corners[i];
+    const double length = norm(d);
+    const Vec2 normal{d.y / length, -d.x / length};
+    edges_.push_back({normal, dot(normal, corners[i])});
+  }
+}
+
+double Outline::clearance(Vec2 p) const {
+  double most = -std::numeric_limits<double>::infinity();
+  for (const Edge& e : edges_) most = std::max(most, dot(e.normal, p) - e.offset);
+  return most;
+}
+
+Tracker::Tracker(const RobotProfile& profile)
+    : limits_(profile.operating_limits),
+      kinematics_(profile.kinematics()),
+      outline_(profile.body.footprint),
+      reach_(profile.body.footprint.circumscribed_radius() + kMargin + kHorizon * profile.operating_limits.linear) {}
+
+void Tracker::see(std::span<const Vec2> obstacles_in_base) {
+  near_.clear();
+  least_.clear();
+  for (const Vec2 p : obstacles_in_base) {
+    if (dot(p, p) > reach_ * reach_) continue;
+    near_.push_back(p);
+    least_.push_back(std::min(kMargin, outline_.clearance(p) - kNotNearer));
+  }
+}
+
+Velocity Tracker::follow(std::span<const Vec2> path, const map::Costmap& costmap, const Pose2D& pose) {
+  if (path.empty()) return {};
+  const Projection here = project(path, pose.position());
+  double left = distance(here.point, path[std::min(here.piece + 1, path.size() - 1)]);
+  for (std::size_t i = here.piece + 1; i + 1 < path.size(); ++i) left += distance(path[i], path[i + 1]);
+
+  // as far ahead as a straight line to the path stays clear of obstacles
+  Vec2 target = path.back();
+  for (double ahead = kLookahead; ahead >= kMinLookahead - 1e-9; ahead -= 0.05) {
+    target = advance(path, here, ahead);
+    if (std::isfinite(costmap.line_cost(pose.position(), target))) break;
+  }
+  const Vec2 in_base = inverse(pose) * target;
+  return towards(in_base, std::max(kSlowest, speed_before(left)));
+}
+
+// Straight to the target where that is free, else along the direction of the fan that brings most.
+Velocity Tracker::towards(Vec2 target, double speed_limit) {
+  const double bearing = exact::atan2(target.y, target.x);
+  const double away = norm(target);
+  const double speed = std::min(speed_limit, limits_.linear);
+
+  const auto velocity_along = [&](double direction) -> Velocity {
+    const double rate = std::clamp(2.5 * direction, -limits_.angular, limits_.angular);
+    if (kinematics_ == Kinematics::holonomic) {
+      // sideways motion is the least certain, so it is slow while the robot turns into its path
+      const double share = std::clamp(1.3 - std::fabs(direction) / 1.2, 0.35, 1.0);
+      return {share * speed * exact::cos(direction), share * speed * exact::sin(direction), rate};
+    }
+    const double curvature = 2.0 * exact::sin(direction) / std::max(away, 0.15);
+    const double slow = std::min(speed, 0.9 * limits_.angular / std::max(std::fabs(curvature), 1e-6));
+    const double omega = std::clamp(slow * curvature, -limits_.angular, limits_.angular);
+    return {slow * std::max(exact::cos(direction), 0.0), 0.0, omega};
+  };
+
+  // differential: face the target first
+  if (kinematics_ == Kinematics::differential) {
+    if (std::fabs(bearing) > kTurnFirst) turning_ = true;
+    if (std::fabs(bearing) < kTurnDone) turning_ = false;
+    if (turning_) {
+      const Velocity v{0.0, 0.0, bearing > 0.0 ? turn_rate_before(bearing) : -turn_rate_before(-bearing)};
+      if (allowed_fraction(v) > 0.3) return safe(v);
+      if (allowed_fraction(scaled(v, -1.0)) > 0.3) return safe(scaled(v, -1.0));
+      return safe({0.3 * limits_.linear, 0.0, 0.0});
+    }
+  }
+
+  const Velocity direct = velocity_along(bearing);
+  const double direct_share = allowed_fraction(direct);
+  if (direct_share >= 0.9) return scaled(direct, direct_share);
+
+  Velocity best = scaled(direct, direct_share);
+  double best_gain = direct_share * 1.1;
+  for (const double deviation : kFan) {
+    const Velocity v = velocity_along(wrap_angle(bearing + deviation));
+    const double share = allowed_fraction(v);
+    const double gain = share * exact::cos(deviation);
+    if (gain > best_gain) best_gain = gain, best = scaled(v, share);
+  }
+  return best;
+}
+
+Velocity Tracker::turn(double angle) {
+  const double rate = std::max(0.08, turn_rate_before(std::fabs(angle)));
+  return safe({0.0, 0.0, angle >= 0.0 ? rate : -rate});
+}
+
+Velocity Tracker::straight(double distance, double offset, double heading) {
+  const double speed = std::max(kSlowest, speed_before(std::fabs(distance)));
+  const double forward = distance >= 0.0 ? speed : -speed;
+  if (kinematics_ == Kinematics::holonomic) {
+    const double aside = std::clamp(1.5 * offset, -0.1, 0.1);
+    return safe({forward, aside, std::clamp(2.0 * heading, -0.5, 0.5)});
+  }
+  const double omega = 2.0 * heading + 4.0 * (forward >= 0.0 ? offset : -offset) * std::min(1.0, speed / 0.1);
+  return safe({forward, 0.0, std::clamp(omega, -0.5, 0.5)});
+}
+
+Velocity Tracker::most_room() const {
+  const double speed = 0.3 * limits_.linear;
+  std::vector<Velocity> tries = {{-speed, 0.0, 0.0}, {speed, 0.0, 0.0}};
+  if (kinematics_ == Kinematics::holonomic) {
+    const double diagonal = speed * exact::sqrt(0.5);
+    tries = {{-speed, 0.0, 0.0},           {0.0, speed, 0.0},           {0.0, -speed, 0.0},
+             {-diagonal, diagonal, 0.0},   {-diagonal, -diagonal, 0.0}, {speed, 0.0, 0.0},
+             {diagonal, diagonal, 0.0},    {diagonal, -diagonal, 0.0}};
+  } else {
+    tries.push_back({-0.5 * speed, 0.0, 0.5 * limits_.angular});
+    tries.push_back({-0.5 * speed, 0.0, -0.5 * limits_.angular});
+  }
+  Velocity best;
+  double most = 0.0;
+  for (const Velocity& v : tries) {
+    if (const Sweep s = sweep(v, kHorizon); s.seconds > most + 1e-9) most = s.seconds, best = v;
+  }
+  return safe(best);
+}
+
+Velocity Tracker::safe(const Velocity& wanted) const { return scaled(wanted, allowed_fraction(wanted)); }
+
+// Slower along the same curve, until the robot can stop before contact.
+double Tracker::allowed_fraction(const Velocity& v) const {
+  const Sweep s = sweep(v, kHorizon);
+  if (s.free) return 1.0;
+
+  // at a fraction f contact comes after seconds / f; stopping takes reaction + f * braking
+  const double speed = exact::hypot(v.vx, v.vy);
+  const double braking = std::max(0.5 * speed / (0.6 * limits_.linear_braking),
+                                  0.5 * std::fabs(v.omega) / (0.6 * limits_.angular_acceleration));
+  // f * reaction + f^2 * braking = seconds
+  const double root = exact::sqrt(kReaction * kReaction + 4.0 * braking * s.seconds);
+  const double f = braking > 1e-9 ? (root - kReaction) / (2.0 * braking) : 1.0;
+  return f < 0.03 ? 0.0 : std::min(f, 1.0);
+}
+
+Sweep Tracker::sweep(const Velocity& v, double horizon) const {
+  const double speed = exact::hypot(v.vx, v.vy);
+  const double pace = std::max(speed / kStep, std::fabs(v.omega) / 0.1);
+  if (pace <= 0.0 || near_.empty()) return {horizon, true};
+  const double dt = 1.0 / pace;
+  const Pose2D step = integrate({}, v, dt);
+  Pose2D pose;
+  for (double t = dt; t <= horizon; t += dt) {
+    pose = pose * step;
+    const auto [s, c] = exact::sincos(pose.theta);
+    for (std::size_t i = 0; i < near_.size(); ++i) {
+      const Vec2 d = near_[i] - pose.position();
+      if (outline_.clearance({c * d.x + s * d.y, c * d.y - s * d.x}) < least_[i]) return {t - dt, false};
+    }
+  }
+  return {horizon, true};
+}
+
+// The speed from which the robot comes to rest within `distance`, reacting late and braking gently.
+double Tracker::speed_before(double distance) const {
+  const double b = std::min(0.4 * limits_.linear_braking, 0.8);
+  const double v = b * (exact::sqrt(kReaction * kReaction + 2.0 * std::max(distance, 0.0) / b) - kReaction);
+  return std::min(v, limits_.linear);
+}
+
+double Tracker::turn_rate_before(double angle) const {
+  const double b = std::min(0.4 * limits_.angular_acceleration, 2.0);
+  const double w = b * (exact::sqrt(kReaction * kReaction + 2.0 * std::max(angle, 0.0) / b) - kReaction);
+  return std::min(w, limits_.angular);
+}
+
+}  // namespace threewe::nav
