@@ -408,7 +408,7 @@ std::string_view to_string(Reason reason) {
 
 namespace threewe::slam {
 
-std::unique_ptr<Localizer> make_localizer(const RobotProfile& profile) {
+std::unique_ptr<Localizer> make_localizer(const RobotProfile& profile, const Pose2D& map_from_start) {
   SensorModel sensors;
   if (profile.lidar) sensors.base_from_lidar = profile.lidar->base_from_lidar;
   if (profile.imu) {
@@ -420,7 +420,7 @@ std::unique_ptr<Localizer> make_localizer(const RobotProfile& profile) {
   sensors.forward_scale_sigma = wheels.wheel_scale;
   sensors.lateral_scale = 0.5 * (wheels.lateral_scale_min + wheels.lateral_scale_max);
   sensors.lateral_scale_sigma = 0.5 * (wheels.lateral_scale_max - wheels.lateral_scale_min);
-  return make_scan_matching_localizer(sensors);
+  return make_scan_matching_localizer(sensors, map_from_start);
 }
 
 }  // namespace threewe::slam

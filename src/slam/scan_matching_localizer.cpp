@@ -27,8 +27,11 @@ constexpr double kFreeNoReturn = 4.0;       // [m] a beam without return clears 
 
 class ScanMatchingLocalizer final : public Localizer {
  public:
-  explicit ScanMatchingLocalizer(const SensorModel& sensors)
-      : sensors_(sensors), track_({0.0, 1.0, sensors.lateral_scale}), filter_(sensors) {}
+  ScanMatchingLocalizer(const SensorModel& sensors, const Pose2D& map_from_start)
+      : sensors_(sensors),
+        track_({0.0, 1.0, sensors.lateral_scale}),
+        filter_(sensors),
+        map_from_odom_(map_from_start) {}
 
   void add(const Sample& sample) override {
     if (const auto* imu = std::get_if<IMUData>(&sample.data)) track_.add_gyro(sample.measured, imu->angular_velocity[2]);
@@ -231,8 +234,8 @@ PoseEstimate ScanMatchingLocalizer::estimate(Time now) const {
 
 }  // namespace
 
-std::unique_ptr<Localizer> make_scan_matching_localizer(const SensorModel& sensors) {
-  return std::make_unique<ScanMatchingLocalizer>(sensors);
+std::unique_ptr<Localizer> make_scan_matching_localizer(const SensorModel& sensors, const Pose2D& map_from_start) {
+  return std::make_unique<ScanMatchingLocalizer>(sensors, map_from_start);
 }
 
 }  // namespace threewe::slam

@@ -55,7 +55,7 @@ class Runtime {
     std::unique_ptr<slam::Localizer> localizer;
     std::unique_ptr<nav::Navigator> navigator;
   };
-  Runtime(World& world, backend::RobotPort& port, Options options);
+  Runtime(World& world, backend::RobotPort& port, Options mind);
   ~Runtime();
 
   /// Connects the port and clears a fault. Throws ConnectionError. The first samples arrive within a few ticks: wait for
@@ -122,7 +122,17 @@ class Runtime {
  private:
   friend class World;
   friend class Motion;
+  struct State;
   struct Impl;
+
+  // The two halves of a tick, and beginning anew.
+  void act(Time now);
+  void sense(Time now);
+  void tell(const TickView& view);
+  std::shared_ptr<const State> save() const;
+  void restore(const State& state);
+  void restart();
+
   std::unique_ptr<Impl> impl_;
 };
 

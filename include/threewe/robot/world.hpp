@@ -13,6 +13,7 @@
 namespace threewe {
 
 class Runtime;
+class WaitList;
 
 /// Something that becomes true at a tick: a point in robot time, or the end of a motion.
 class Wait {
@@ -25,8 +26,7 @@ class Wait {
   std::uint64_t creation() const { return creation_; }
 
  private:
-  friend class World;
-  friend class Runtime;
+  friend class WaitList;
   bool done_ = false;
   Time deadline_{};
   std::uint64_t creation_ = 0;

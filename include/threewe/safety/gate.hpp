@@ -2,6 +2,7 @@
 // Model and plain State, so that a whole batch can run it.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <span>
 #include <string_view>
@@ -22,28 +23,45 @@ struct GateModel {
   Limits limits;
   Kinematics kinematics{};
   Footprint footprint;
-  bool collision_monitor = true;   ///< off for robots without a lidar and for `gate="limits"`
-  Duration sensor_timeout = 500ms; ///< no scan for this long: stop
-  double margin = 0.02;            ///< [m] kept free around the footprint
-  Duration reaction = 120ms;       ///< from a command to the first effect: command latency, motor lag, one period
+  bool collision_monitor = true;    ///< and watchdog; off for robots without a lidar and for `gate="limits"`
+  Duration sensor_timeout = 500ms;  ///< no scan for this long: stop
+  double margin = 0.02;             ///< [m] kept free around the footprint
+  Duration reaction = 120ms;        ///< from a command to its effect: command latency, motor lag, one period
 };
+
+/// The gate of a robot: its operating limits and its reaction time; a collision monitor where it has a lidar.
+GateModel make_gate_model(const RobotProfile& profile);
+
+/// The longest reaction that the gate can look ahead over.
+inline constexpr Duration kMaxReaction = 320ms;
 
 /// What changes. Plain data.
 struct GateState {
-  Velocity last;             ///< the command of the period before
-  Time last_scan{};          ///< `received` of the newest scan
+  /// The commands of the periods before, newest first: those that the robot has yet to obey.
+  std::array<Velocity, kMaxReaction / kControlPeriod> recent{};
+  Time last_scan{};        ///< `received` of the newest scan
   bool scan_seen = false;
-  bool estop = false;        ///< latched until released
+  bool estop = false;      ///< latched until released
   friend bool operator==(const GateState&, const GateState&) = default;
+
+  /// The command of the period before.
+  const Velocity& last() const { return recent.front(); }
 };
 
 struct GateOutput {
   Velocity command;
   Intervention intervention = Intervention::none;
+  friend bool operator==(const GateOutput&, const GateOutput&) = default;
 };
 
 /// One period. `obstacles` are lidar hits in the *current* base frame [m]. Throws nothing: a request that is not finite
 /// becomes a stop.
+///
+/// The speed of the body, |(vx, vy)|, grows by at most `linear_acceleration` and its vector changes by at most
+/// `linear_braking`; the greater of the two where a profile brakes more gently than it speeds up.
+/// A command passes the collision monitor when the robot, having obeyed it for one period, can still brake along its
+/// arc and keep `margin` free. Where that is lost already (something moved, a scan was wrong), it passes if it comes no
+/// nearer than braking at once would: a robot can always drive out of a tight place.
 GateOutput gate(const GateModel& model, GateState& state, const Velocity& requested, std::span<const Vec2> obstacles,
                 Time now);
 

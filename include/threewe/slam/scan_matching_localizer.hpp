@@ -19,7 +19,9 @@ struct SensorModel {
   double lateral_scale_sigma = 0.0;
 };
 
-/// Scan-to-map localisation on top of dead reckoning, see `src/slam/scan_matching_localizer.cpp` for the story.
-std::unique_ptr<Localizer> make_scan_matching_localizer(const SensorModel& sensors);
+/// Scan-to-map localisation on top of dead reckoning, see `src/slam/scan_matching_localizer.cpp` for the story. `map_from_start`: where the
+/// robot starts in its map frame.
+std::unique_ptr<Localizer> make_scan_matching_localizer(const SensorModel& sensors,
+                                                        const Pose2D& map_from_start = {});
 
 }  // namespace threewe::slam

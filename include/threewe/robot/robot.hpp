@@ -1,0 +1,109 @@
+// The robot as its users know it. The same names as in Python; where Python awaits, C++ waits on a handle:
+//
+//   threewe::Robot robot;
+//   threewe::MoveResult result = robot.wait(robot.move_to(2.0, 1.0));
+#pragma once
+
+#include <array>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "threewe/robot/runtime.hpp"
+#include "threewe/robot/simulation.hpp"
+#include "threewe/robot/world.hpp"
+
+namespace threewe {
+
+/// An exploration in progress: a motion whose result is an ExploreResult.
+struct ExplorationHandle {
+  MotionHandle motion;
+};
+
+/// One connected robot. Robot time advances only inside `wait`, `sleep`, `thinking` and `execute_action`.
+class Robot {
+ public:
+  struct Options {
+    std::string backend = "mock";
+    std::string hardware = "3we_standard_v2";
+    std::string scene = "office_v2";
+    NoiseLevel noise = NoiseLevel::realistic;
+    std::uint64_t seed = 0;
+    bool realtime = false;
+    /// Where the robot starts in its `map` frame; the origin where empty.
+    std::optional<Pose2D> initial_pose;
+    /// Where it starts in the scene's frame, for simulated worlds; the scene's own start pose where empty.
+    std::optional<Pose2D> start_pose;
+    Mind mind;  ///< ours by default
+  };
+  /// A robot in a world of its own, connected and with every sensor's first sample at hand.
+  Robot();
+  explicit Robot(const Options& options);
+  /// A robot of a world that others share; the world must outlive it.
+  explicit Robot(World& world, std::size_t index = 0);
+  ~Robot();
+  Robot(Robot&&) noexcept;
+  Robot& operator=(Robot&&) noexcept;
+
+  void connect();
+  void disconnect();
+
+  // Readings: what arrived last. They never advance robot time.
+  const LaserScan& get_lidar_scan() const;
+  const IMUData& get_imu() const;
+  Pose2D get_pose() const;          ///< in `map`, as the robot believes
+  const Odometry& get_odometry() const;
+  Velocity get_velocity() const;
+  const map::OccupancyGrid& get_map() const;
+  const BatteryState& get_battery_state() const;
+  /// `target_from_source` among `map`, `odom`, `base` and the sensors' names.
+  Pose2D get_transform(std::string_view target, std::string_view source) const;
+
+  /// Drives at (vx, vy, omega) [m/s, m/s, rad/s] for at most `hold` [s].
+  void set_velocity(double vx, double vy, double omega, double hold = 0.5);
+  /// One control step: `action` in [-1, 1] scaled to the operating limits, held for `period` [s]; the velocity executed.
+  Velocity execute_action(const std::array<double, 3>& action, double period = 0.02);
+  void stop();
+
+  struct MoveOptions {
+    std::optional<double> theta;    ///< [rad] final heading
+    std::string frame = "map";      ///< of the goal: `map`, `odom` or `base`
+    double tolerance = 0.25;        ///< [m]
+    std::optional<double> timeout;  ///< [s]; 30 s + 4 x straight distance / speed limit where empty
+  };
+  // Motions begin at once and are driven by `wait`.
+  [[nodiscard]] MotionHandle move_to(double x, double y);
+  [[nodiscard]] MotionHandle move_to(double x, double y, const MoveOptions& options);
+  [[nodiscard]] MotionHandle move_forward(double distance, std::optional<double> timeout = std::nullopt);
+  [[nodiscard]] MotionHandle rotate(double angle, std::optional<double> timeout = std::nullopt);
+  [[nodiscard]] MotionHandle follow_path(const std::vector<Vec2>& path, double tolerance = 0.25,
+                                         std::optional<double> timeout = std::nullopt);
+  [[nodiscard]] ExplorationHandle explore(std::optional<double> timeout = std::nullopt);
+
+  /// Lets robot time go by until the motion has ended.
+  MoveResult wait(const MotionHandle& motion);
+  ExploreResult wait(const ExplorationHandle& exploration);
+  /// Lets `seconds` of robot time go by.
+  void sleep(double seconds);
+  /// Runs `work` while robot time stands still, then lets the `seconds` that it stands for go by.
+  void thinking(double seconds, const std::function<void()>& work);
+
+  void emergency_stop();
+  void release_emergency_stop();
+
+  /// The truth, in a simulated world; null on a real robot.
+  Simulation* simulation();
+  Runtime& runtime() { return *runtime_; }
+  World& world() { return *world_; }
+
+ private:
+  std::unique_ptr<World> owned_;
+  World* world_ = nullptr;
+  Runtime* runtime_ = nullptr;
+  std::optional<Simulation> simulation_;
+};
+
+}  // namespace threewe

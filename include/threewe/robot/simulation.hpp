@@ -1,0 +1,46 @@
+// The truth about a robot in a simulated world, and the power to begin anew: for tests, metrics and training.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+
+#include "threewe/robot/world.hpp"
+#include "threewe/scene/truth_view.hpp"
+
+namespace threewe {
+
+/// One robot of a simulated world. All poses are in the scene's frame.
+class Simulation {
+ public:
+  Simulation(World& world, std::size_t robot) : world_(&world), robot_(robot) {}
+
+  const scene::Scene& scene() const { return truth().scene(); }
+  Pose2D true_pose() const { return truth().true_pose(); }
+  /// In the body frame.
+  Velocity true_velocity() const { return truth().true_velocity(); }
+  /// Where the robot stood at the last reset: the origin of its `map` frame, unless it was given a map.
+  Pose2D start_pose() const { return truth().start_pose(); }
+  /// The fastest approach [m/s] of the robot's own motion into an obstacle since the last reset.
+  double max_collision_speed() const { return truth().max_collision_speed(); }
+  /// Distance [m] driven since the last reset.
+  double distance_driven() const { return truth().distance_driven(); }
+  /// A pose where the robot fits with 5 cm to spare: a pure function of the seed.
+  Pose2D sample_free_pose(std::uint64_t seed) const { return truth().sample_free_pose(seed); }
+  /// Length [m] of the shortest path for the robot's footprint; infinity where there is none.
+  double geodesic(Vec2 a, Vec2 b) const { return truth().geodesic(a, b); }
+
+  /// Begins anew at time 0 and waits until every sensor has delivered. The robot starts at `pose`, others where they
+  /// started before; at the scene's own start poses without it. Throws ConfigError when that is inside an obstacle.
+  void reset(std::uint64_t seed, const std::optional<Pose2D>& pose = std::nullopt);
+  std::shared_ptr<const World::Snapshot> save() const { return world_->save(); }
+  void restore(const std::shared_ptr<const World::Snapshot>& snapshot) { world_->restore(snapshot); }
+
+  const scene::TruthView& truth() const;
+
+ private:
+  World* world_;
+  std::size_t robot_;
+};
+
+}  // namespace threewe

@@ -1,0 +1,101 @@
+#include "goals.hpp"
+
+#include <cmath>
+#include <string>
+
+#include "threewe/core/errors.hpp"
+
+namespace threewe {
+namespace {
+
+constexpr double kGrace = 30.0;            // [s]
+constexpr double kPatience = 4.0;          // times what the straight way takes
+constexpr double kExploration = 600.0;     // [s]
+
+template <class... Visitors>
+struct Overloaded : Visitors... {
+  using Visitors::operator()...;
+};
+
+void require_finite(double value, const char* what) {
+  if (!std::isfinite(value)) throw ContractError(std::string(what) + " must be finite, not " + std::to_string(value));
+}
+
+void require_positive(double value, const char* what) {
+  require_finite(value, what);
+  if (value <= 0.0) throw ContractError(std::string(what) + " must be positive, not " + std::to_string(value));
+}
+
+double length_of(const std::vector<Vec2>& path, Vec2 start) {
+  double length = 0.0;
+  for (const Vec2 point : path) {
+    length += distance(start, point);
+    start = point;
+  }
+  return length;
+}
+
+}  // namespace
+
+void check_goal(const nav::Goal& goal) {
+  std::visit(Overloaded{
+                 [](const nav::MoveTo& g) {
+                   require_finite(g.goal.x, "goal x");
+                   require_finite(g.goal.y, "goal y");
+                   if (g.theta) require_finite(*g.theta, "goal theta");
+                   require_positive(g.tolerance, "tolerance");
+                   require_positive(g.angle_tolerance, "angle tolerance");
+                 },
+                 [](const nav::Rotate& g) { require_finite(g.angle, "angle"); },
+                 [](const nav::MoveForward& g) { require_finite(g.distance, "distance"); },
+                 [](const nav::FollowPath& g) {
+                   if (g.path.empty()) throw ContractError("path must have at least one point");
+                   for (const Vec2 p : g.path) {
+                     require_finite(p.x, "path x");
+                     require_finite(p.y, "path y");
+                   }
+                   require_positive(g.tolerance, "tolerance");
+                 },
+                 [](const nav::Explore&) {},
+             },
+             goal);
+}
+
+void check_velocity(const RobotProfile& profile, const Velocity& velocity) {
+  require_finite(velocity.vx, "vx");
+  require_finite(velocity.vy, "vy");
+  require_finite(velocity.omega, "omega");
+  if (velocity.vy != 0.0 && profile.kinematics() == Kinematics::differential) {
+    throw ContractError("vy must be 0 on the differential base of '" + profile.name + "'");
+  }
+}
+
+Duration default_timeout(const RobotProfile& profile, const nav::Goal& goal, const Pose2D& map_from_base) {
+  const Limits& limits = profile.operating_limits;
+  const Vec2 here = map_from_base.position();
+  const double least = std::visit(
+      Overloaded{
+          [&](const nav::MoveTo& g) { return distance(here, g.goal) / limits.linear; },
+          [&](const nav::Rotate& g) { return std::abs(g.angle) / limits.angular; },
+          [&](const nav::MoveForward& g) { return std::abs(g.distance) / limits.linear; },
+          [&](const nav::FollowPath& g) { return length_of(g.path, here) / limits.linear; },
+          [&](const nav::Explore&) { return (kExploration - kGrace) / kPatience; },
+      },
+      goal);
+  constexpr double kLongest = 1e8;  // [s], three years: beyond, nanoseconds would overflow
+  return from_seconds(std::min(kGrace + kPatience * least, kLongest));
+}
+
+double distance_to_goal(const nav::Goal& goal, const Pose2D& map_from_base, const nav::Progress& progress) {
+  const Vec2 here = map_from_base.position();
+  return std::visit(Overloaded{
+                        [&](const nav::MoveTo& g) { return distance(here, g.goal); },
+                        [&](const nav::FollowPath& g) { return distance(here, g.path.back()); },
+                        [](const nav::Explore&) { return 0.0; },
+                        [](const nav::Rotate&) { return 0.0; },
+                        [&](const nav::MoveForward&) { return progress.distance_left; },
+                    },
+                    goal);
+}
+
+}  // namespace threewe

@@ -1,0 +1,18 @@
+// What may be asked of a robot.
+#pragma once
+
+#include "threewe/hardware/profile.hpp"
+#include "threewe/nav/navigator.hpp"
+
+namespace threewe {
+
+/// Throws ContractError unless every number of a goal is finite and makes sense.
+void check_goal(const nav::Goal& goal);
+/// Throws ContractError unless a velocity is finite and the base can drive it.
+void check_velocity(const RobotProfile& profile, const Velocity& velocity);
+/// 30 s + 4 x what the goal takes along the straight way at the speed limit; 600 s for an exploration.
+Duration default_timeout(const RobotProfile& profile, const nav::Goal& goal, const Pose2D& map_from_base);
+/// [m] from where the robot believes it is to where it should be.
+double distance_to_goal(const nav::Goal& goal, const Pose2D& map_from_base, const nav::Progress& progress);
+
+}  // namespace threewe

@@ -1,0 +1,82 @@
+// What a robot tells when it is asked.
+#include <algorithm>
+#include <string>
+#include <vector>
+
+#include "runtime_state.hpp"
+#include "threewe/core/errors.hpp"
+#include "threewe/core/names.hpp"
+#include "threewe/robot/warning.hpp"
+
+namespace threewe {
+namespace {
+
+constexpr int kManyReads = 1000;  // at one stamp: somebody waits for time to go by
+
+}  // namespace
+
+const LaserScan& Runtime::lidar_scan() const { return std::get<LaserScan>(sample(SensorType::lidar).data); }
+const IMUData& Runtime::imu() const { return std::get<IMUData>(sample(SensorType::imu).data); }
+const Odometry& Runtime::odometry() const { return std::get<Odometry>(sample(SensorType::odometry).data); }
+const BatteryState& Runtime::battery() const { return std::get<BatteryState>(sample(SensorType::battery).data); }
+
+const Sample& Runtime::sample(SensorType type) const {
+  return impl_->reading().senses.newest(features(), profile(), type);
+}
+
+const slam::PoseEstimate& Runtime::pose() const { return impl_->reading().estimate; }
+
+const map::OccupancyGrid& Runtime::map() const {
+  const State& state = impl_->reading();
+  if (impl_->has_sensor(SensorType::lidar)) return state.localizer->map();
+  throw HardwareError("robot '" + profile().name + "' has no sensor 'lidar', which a map needs");
+}
+
+std::uint64_t Runtime::map_version() const { return impl_->state->localizer->map_version(); }
+
+std::span<const Vec2> Runtime::path() const {
+  return impl_->motion ? impl_->state->navigator->path() : std::span<const Vec2>();
+}
+
+const Velocity& Runtime::requested() const { return impl_->state->requested; }
+const safety::GateOutput& Runtime::commanded() const { return impl_->state->commanded; }
+
+Pose2D Runtime::transform(std::string_view target, std::string_view source) const {
+  const slam::PoseEstimate& estimate = impl_->reading().estimate;
+  const auto odom_from = [&](std::string_view frame) -> Pose2D {
+    if (frame == "map") return inverse(estimate.map_from_odom);
+    if (frame == "odom") return {};
+    if (frame == "base") return estimate.odom_from_base;
+    std::vector<std::string> frames = {"map", "odom", "base"};
+    for (const backend::SensorInfo& sensor : features().sensors) {
+      if (sensor.name != frame) {
+        frames.push_back(sensor.name);
+      } else {
+        const bool mounted = sensor.type == SensorType::lidar && profile().lidar;
+        return estimate.odom_from_base * (mounted ? profile().lidar->base_from_lidar : Pose2D{});
+      }
+    }
+    throw ContractError(unknown_name("frame", frame, frames));
+  };
+  if (target == source) return odom_from(target), Pose2D{};
+  return inverse(odom_from(target)) * odom_from(source);
+}
+
+bool Runtime::Impl::has_sensor(SensorType type) const {
+  const auto& sensors = port.features().sensors;
+  return std::any_of(sensors.begin(), sensors.end(), [type](const auto& sensor) { return sensor.type == type; });
+}
+
+// In lockstep a loop that only reads would never see anything new.
+const Runtime::State& Runtime::Impl::reading() const {
+  require_healthy();
+  if (reads_stamp != now()) reads = 0;
+  reads_stamp = now();
+  if (++reads >= kManyReads && !warned_of_reads && !world.realtime()) {
+    warned_of_reads = true;
+    warn("1,000 readings at one moment: reading does not let time go by; wait with robot.sleep(...) in between");
+  }
+  return *state;
+}
+
+}  // namespace threewe

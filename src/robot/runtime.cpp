@@ -1,0 +1,216 @@
+#include "threewe/robot/runtime.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <exception>
+#include <utility>
+
+#include "goals.hpp"
+#include "runtime_state.hpp"
+#include "threewe/core/errors.hpp"
+#include "threewe/robot/warning.hpp"
+
+namespace threewe {
+namespace {
+
+constexpr Duration kPatienceAtStart = 2s;  // for the first sample of every sensor
+
+void require_positive(Duration duration, const char* what) {
+  if (duration <= Duration::zero()) throw ContractError(std::string(what) + " must be positive");
+}
+
+}  // namespace
+
+Runtime::Impl::Impl(World& w, backend::RobotPort& p, Options mind)
+    : world(w),
+      port(p),
+      gate_model(safety::make_gate_model(p.profile())),
+      fresh(std::move(mind), p.features().sensors.size()),
+      state(std::make_unique<State>(fresh)) {}
+
+Runtime::Runtime(World& world, backend::RobotPort& port, Options mind)
+    : impl_(std::make_unique<Impl>(world, port, std::move(mind))) {}
+
+Runtime::~Runtime() {
+  if (impl_->motion) impl_->motion->handle->runtime_ = nullptr;
+}
+
+void Runtime::connect() {
+  if (impl_->healthy()) return;
+  impl_->port.connect();
+  impl_->connected = true;
+  impl_->connected_at = impl_->now();
+  impl_->fault.clear();
+
+  // what was seen before is old by now, but an emergency stop stays latched
+  State& state = *impl_->state;
+  state.senses = impl_->fresh.senses;
+  state.gate = {.estop = state.gate.estop};
+  state.estimate = state.localizer->estimate(impl_->now());
+}
+
+void Runtime::disconnect() {
+  if (!impl_->connected) return;
+  impl_->state->held.reset();
+  impl_->end_motion(Reason::cancelled, "disconnected");
+  impl_->end_ready();
+  try {
+    impl_->port.command({}, impl_->now() + kCommandLifetime);
+  } catch (const std::exception&) {
+    // a port that cannot be reached stops the robot by itself when its last command expires
+  }
+  impl_->connected = false;
+  impl_->port.disconnect();
+}
+
+bool Runtime::connected() const { return impl_->connected; }
+const std::string& Runtime::fault() const { return impl_->fault; }
+const RobotProfile& Runtime::profile() const { return impl_->port.profile(); }
+const backend::Features& Runtime::features() const { return impl_->port.features(); }
+const scene::TruthView* Runtime::truth() const { return impl_->port.truth(); }
+
+WaitHandle Runtime::ready() {
+  impl_->require_healthy();
+  if (impl_->state->senses.complete()) return impl_->world.sleep(Duration::zero());
+  return impl_->ready.emplace_back(impl_->world.sleep(kPatienceAtStart));
+}
+
+void Runtime::set_velocity(const Velocity& velocity, Duration hold) {
+  impl_->require_healthy();
+  check_velocity(profile(), velocity);
+  require_positive(hold, "hold");
+  impl_->require_free();
+  impl_->state->held = HeldVelocity{velocity, impl_->now() + hold, false};
+}
+
+WaitHandle Runtime::execute_action(const std::array<double, 3>& action, Duration period) {
+  impl_->require_healthy();
+  for (const double a : action) {
+    if (!std::isfinite(a)) throw ContractError("action must be finite");
+  }
+  const Limits& limits = profile().operating_limits;
+  const auto scaled = [&](std::size_t i, double limit) { return std::clamp(action[i], -1.0, 1.0) * limit; };
+  const Velocity velocity{scaled(0, limits.linear), scaled(1, limits.linear), scaled(2, limits.angular)};
+  check_velocity(profile(), velocity);
+  require_positive(period, "period");
+  impl_->require_free();
+  impl_->state->held = HeldVelocity{velocity, impl_->now() + period, true};
+  return impl_->world.sleep(period);
+}
+
+void Runtime::stop() {
+  impl_->state->held.reset();
+  impl_->end_motion(Reason::cancelled, "stopped");
+}
+
+MotionHandle Runtime::start(const nav::Goal& goal, Duration timeout) {
+  impl_->require_healthy();
+  check_goal(goal);
+  if (timeout < Duration::zero()) throw ContractError("timeout must not be negative");
+  if (std::holds_alternative<nav::Explore>(goal) && !impl_->has_sensor(SensorType::lidar)) {
+    throw HardwareError("robot '" + profile().name + "' has no sensor 'lidar', which exploring needs");
+  }
+  impl_->require_free();
+
+  State& state = *impl_->state;
+  state.navigator->start(goal, impl_->observation());
+  state.held.reset();
+  if (timeout == Duration::zero()) timeout = default_timeout(profile(), goal, state.estimate.map_from_base());
+
+  auto handle = std::make_shared<Motion>();
+  handle->runtime_ = this;
+  handle->progress_ = state.navigator->progress();
+  const Time now = impl_->now();
+  impl_->motion = OpenMotion{handle, goal, now, now + timeout, 0.0, {}};
+  impl_->shared().waits.add(handle, WaitList::Kind::motion, now + timeout);
+  return handle;
+}
+
+MotionHandle Runtime::motion() const { return impl_->motion ? impl_->motion->handle : nullptr; }
+
+void Runtime::estop() {
+  State& state = *impl_->state;
+  state.gate.estop = true;
+  state.held.reset();
+  impl_->end_motion(Reason::estop, "the emergency stop was pressed");
+  if (!impl_->healthy()) return;
+  try {
+    // at once, not at the next tick: in real time that may be a period away
+    impl_->port.command({}, impl_->now() + kCommandLifetime);
+  } catch (const std::exception& error) {
+    fail(error.what());
+  }
+}
+
+void Runtime::release_estop() { impl_->state->gate.estop = false; }
+bool Runtime::estopped() const { return impl_->state->gate.estop; }
+
+void Runtime::fail(const std::string& what) {
+  if (!impl_->healthy()) return;
+  impl_->fault = what.empty() ? "unknown fault" : what;
+  impl_->state->held.reset();
+  impl_->end_motion(Reason::fault, impl_->fault);
+  impl_->end_ready();
+  try {
+    impl_->port.command({}, impl_->now() + kCommandLifetime);
+  } catch (const std::exception&) {
+    // the port stops the robot by itself when its last command expires
+  }
+  warn("robot '" + profile().name + "' failed and stands still: " + impl_->fault);
+}
+
+std::uint64_t Runtime::observe(Observer observer) {
+  const std::uint64_t id = ++impl_->observers_made;
+  impl_->observers.emplace_back(id, std::make_shared<const Observer>(std::move(observer)));
+  return id;
+}
+
+void Runtime::unobserve(std::uint64_t id) {
+  std::erase_if(impl_->observers, [id](const auto& entry) { return entry.first == id; });
+}
+
+std::shared_ptr<const Runtime::State> Runtime::save() const {
+  if (impl_->motion) throw ContractError("a motion is in progress: save before it or after it");
+  return std::make_shared<const State>(*impl_->state);
+}
+
+void Runtime::restore(const State& state) {
+  impl_->end_motion(Reason::cancelled, "the world was restored");
+  impl_->end_ready();
+  impl_->state = std::make_unique<State>(state);
+  impl_->fault.clear();
+}
+
+void Runtime::restart() {
+  impl_->end_motion(Reason::cancelled, "the world was reset");
+  impl_->end_ready();
+  impl_->state = std::make_unique<State>(impl_->fresh);
+  impl_->connected_at = {};
+  impl_->fault.clear();
+}
+
+void Runtime::Impl::require_healthy() const {
+  if (!connected) throw ConnectionError("robot '" + port.profile().name + "' is not connected; call connect() first");
+  if (!fault.empty()) throw ConnectionError("robot '" + port.profile().name + "' failed: " + fault + "; call connect()");
+}
+
+void Runtime::Impl::require_free() const {
+  if (state->gate.estop) throw EmergencyStopError("the emergency stop is latched; call release_emergency_stop() first");
+  if (motion) throw SafetyError("a motion owns the robot; call stop() or cancel it first");
+}
+
+void Motion::cancel() {
+  if (runtime_ != nullptr) runtime_->impl_->end_motion(Reason::cancelled, "");
+}
+
+const MoveResult& Motion::result() const {
+  if (!done()) throw ContractError("the motion is still in progress");
+  return result_;
+}
+
+ExploreResult Motion::explore_result() const {
+  const MoveResult& r = result();
+  return {r.success, r.reason, r.detail, explored_area_, r.distance, r.duration};
+}
+
+}  // namespace threewe

@@ -1,0 +1,107 @@
+// What a runtime keeps: the state that its future depends on, and the bookkeeping around it.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "senses.hpp"
+#include "threewe/robot/runtime.hpp"
+#include "world_state.hpp"
+
+namespace threewe {
+
+/// A velocity that was asked for, and until when.
+struct HeldVelocity {
+  Velocity velocity;
+  Time until{};
+  bool quiet = false;  // part of a control step: its end is no surprise
+};
+
+/// Everything about one robot that its future depends on. Copying clones the mind.
+struct Runtime::State {
+  std::unique_ptr<slam::Localizer> localizer;
+  std::unique_ptr<nav::Navigator> navigator;
+  Senses senses;
+  slam::PoseEstimate estimate;
+  std::optional<HeldVelocity> held;
+  safety::GateState gate;
+  Velocity requested;
+  safety::GateOutput commanded;
+
+  State(Options mind, std::size_t sensors)
+      : localizer(std::move(mind.localizer)), navigator(std::move(mind.navigator)), senses(sensors) {}
+  State(const State& other)
+      : localizer(other.localizer->clone()),
+        navigator(other.navigator->clone()),
+        senses(other.senses),
+        estimate(other.estimate),
+        held(other.held),
+        gate(other.gate),
+        requested(other.requested),
+        commanded(other.commanded) {}
+  State& operator=(const State&) = delete;
+};
+
+/// A motion in progress and what decides its end.
+struct OpenMotion {
+  MotionHandle handle;
+  nav::Goal goal;
+  Time began{};
+  Time times_out{};
+  double distance = 0.0;   // [m] driven, by the robot's own belief
+  nav::Decision decision;  // the navigator's latest
+};
+
+struct Runtime::Impl {
+  Impl(World& world, backend::RobotPort& port, Options mind);
+
+  // what may be done now
+  bool healthy() const { return connected && fault.empty(); }
+  void require_healthy() const;
+  void require_free() const;
+  bool has_sensor(SensorType type) const;
+  const State& reading() const;
+
+  // act
+  Velocity request();
+  Velocity steer();
+  Velocity held_velocity();
+  nav::Observation observation() const;
+
+  // sense
+  std::vector<Sample> perceive();
+  void end_motion_if_over();
+  void end_motion(Reason reason, const std::string& detail);
+  void end_ready();
+
+  std::string silent_sensor(Duration patience) const;
+  World::Impl& shared() const { return *world.impl_; }
+  Time now() const { return world.now(); }
+
+  World& world;
+  backend::RobotPort& port;
+  const safety::GateModel gate_model;
+  const State fresh;  // as it was before anything happened
+  std::unique_ptr<State> state;
+  bool connected = false;
+  Time connected_at{};
+  std::string fault;
+  std::optional<OpenMotion> motion;
+  std::vector<WaitHandle> ready;  // those who wait for first samples
+
+  std::vector<std::pair<std::uint64_t, std::shared_ptr<const Observer>>> observers;
+  std::uint64_t observers_made = 0;
+
+  bool warned_of_expiry = false;
+  mutable bool warned_of_reads = false;
+  mutable int reads = 0;  // at one stamp
+  mutable Time reads_stamp{};
+};
+
+/// A port stops the robot when the runtime falls silent for so long.
+inline constexpr Duration kCommandLifetime = 200ms;
+
+}  // namespace threewe

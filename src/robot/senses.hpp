@@ -1,0 +1,32 @@
+// What a robot has perceived last.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "threewe/backend/world.hpp"
+#include "threewe/core/samples.hpp"
+
+namespace threewe {
+
+/// Throws ContractError unless a sample is of a sensor the robot has, of its type, finite and not from the future.
+void check_sample(const backend::Features& features, const Sample& sample);
+
+/// The newest samples. Plain data.
+class Senses {
+ public:
+  explicit Senses(std::size_t sensors) : newest_(sensors) {}
+
+  void remember(const Sample& sample) { newest_[sample.sensor] = sample; }
+  /// The newest sample of the first sensor of a type. Throws HardwareError where there is none.
+  const Sample& newest(const backend::Features& features, const RobotProfile& profile, SensorType type) const;
+  /// When a sensor last delivered; 0 before it did.
+  Time last_received(std::size_t sensor) const { return newest_[sensor] ? newest_[sensor]->received : Time{}; }
+  /// True when every sensor has delivered.
+  bool complete() const;
+
+ private:
+  std::vector<std::optional<Sample>> newest_;  // by sensor
+};
+
+}  // namespace threewe

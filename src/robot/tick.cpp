@@ -1,0 +1,167 @@
+// The two halves of a tick: act and sense.
+#include <algorithm>
+#include <exception>
+
+#include "goals.hpp"
+#include "runtime_state.hpp"
+#include "threewe/robot/warning.hpp"
+
+namespace threewe {
+namespace {
+
+constexpr Duration kSilence = 500ms;          // without odometry or scans the robot stops ...
+constexpr Duration kHopelessSilence = 2s;     // ... and a motion fails
+
+std::vector<Vec2> transformed(const Pose2D& a_from_b, std::span<const Vec2> points_in_b) {
+  const auto [s, c] = exact::sincos(a_from_b.theta);
+  std::vector<Vec2> points;
+  points.reserve(points_in_b.size());
+  for (const Vec2 p : points_in_b) points.push_back({c * p.x - s * p.y + a_from_b.x, s * p.x + c * p.y + a_from_b.y});
+  return points;
+}
+
+double free_area(const map::OccupancyGrid& grid) {
+  const auto free = std::count_if(grid.data.begin(), grid.data.end(), [](std::int8_t value) {
+    return value != map::OccupancyGrid::kUnknown && value <= map::OccupancyGrid::kFreeThreshold;
+  });
+  return static_cast<double>(free) * grid.resolution * grid.resolution;
+}
+
+std::string in_seconds(Duration d) {
+  const auto text = std::to_string(to_seconds(d));
+  return text.substr(0, text.find('.') + 3) + " s";
+}
+
+}  // namespace
+
+void Runtime::act(Time now) {
+  if (!impl_->healthy()) return;
+  try {
+    State& state = *impl_->state;
+    state.requested = impl_->request();
+    const auto obstacles = transformed(inverse(state.estimate.odom_from_base), state.localizer->obstacles());
+    state.commanded = safety::gate(impl_->gate_model, state.gate, state.requested, obstacles, now);
+    impl_->port.command(state.commanded.command, now + kCommandLifetime);
+  } catch (const std::exception& error) {
+    fail(error.what());
+  }
+}
+
+void Runtime::sense(Time now) {
+  if (!impl_->healthy()) return;
+  std::vector<Sample> samples;
+  try {
+    samples = impl_->perceive();
+  } catch (const std::exception& error) {
+    return fail(error.what());
+  }
+  tell({now, samples, impl_->state->estimate, impl_->state->requested, impl_->state->commanded, *this});
+  impl_->end_motion_if_over();
+}
+
+// A motion owns the robot; without one, a velocity that was asked for holds until it expires.
+Velocity Runtime::Impl::request() {
+  const Velocity wanted = motion ? steer() : held_velocity();
+  return silent_sensor(kSilence).empty() ? wanted : Velocity{};
+}
+
+Velocity Runtime::Impl::steer() {
+  motion->decision = state->navigator->step(observation());
+  motion->handle->progress_ = state->navigator->progress();
+  return motion->decision.reason == Reason::running ? motion->decision.velocity : Velocity{};
+}
+
+Velocity Runtime::Impl::held_velocity() {
+  if (!state->held) return {};
+  const HeldVelocity held = *state->held;
+  if (now() < held.until) return held.velocity;
+
+  state->held.reset();
+  if (held.velocity != Velocity{} && !held.quiet && !warned_of_expiry) {
+    warned_of_expiry = true;
+    warn("a velocity held longer than its `hold` allows: the robot stops; call set_velocity again in time to go on");
+  }
+  return {};
+}
+
+nav::Observation Runtime::Impl::observation() const {
+  const slam::Localizer& localizer = *state->localizer;
+  return {now(), state->estimate, localizer.map(), localizer.map_version(), localizer.obstacles()};
+}
+
+std::vector<Sample> Runtime::Impl::perceive() {
+  std::vector<Sample> samples = port.poll();
+  for (const Sample& sample : samples) {
+    check_sample(port.features(), sample);
+    state->senses.remember(sample);
+    state->localizer->add(sample);
+    if (port.features().sensors[sample.sensor].type == SensorType::lidar) {
+      state->gate.last_scan = sample.received;
+      state->gate.scan_seen = true;
+    }
+  }
+  const Vec2 before = state->estimate.odom_from_base.position();
+  state->estimate = state->localizer->estimate(now());
+  if (motion) motion->distance += distance(before, state->estimate.odom_from_base.position());
+  if (state->senses.complete()) end_ready();
+  return samples;
+}
+
+void Runtime::tell(const TickView& view) {
+  // a copy, since observers may come and go meanwhile
+  const auto observers = impl_->observers;
+  for (const auto& [id, observer] : observers) {
+    const auto is_this = [id = id](const auto& entry) { return entry.first == id; };
+    if (std::none_of(impl_->observers.begin(), impl_->observers.end(), is_this)) continue;
+    try {
+      (*observer)(view);
+    } catch (...) {
+      if (!impl_->shared().observer_error) impl_->shared().observer_error = std::current_exception();
+    }
+  }
+}
+
+void Runtime::Impl::end_motion_if_over() {
+  if (!motion) return;
+  const auto& [reason, detail] = std::pair(motion->decision.reason, motion->decision.detail);
+  if (reason != Reason::running) return end_motion(reason, std::string(detail));
+  if (now() >= motion->times_out) return end_motion(Reason::timeout, "after " + in_seconds(now() - motion->began));
+  const std::string silent = silent_sensor(kHopelessSilence);
+  if (!silent.empty()) {
+    end_motion(Reason::fault, "sensor '" + silent + "' has been silent for " + in_seconds(kHopelessSilence));
+  }
+}
+
+void Runtime::Impl::end_motion(Reason reason, const std::string& detail) {
+  if (!motion) return;
+  const OpenMotion ended = *std::exchange(motion, std::nullopt);
+  const Pose2D pose = state->estimate.map_from_base();
+
+  Motion& handle = *ended.handle;
+  handle.runtime_ = nullptr;
+  handle.explored_area_ = free_area(state->localizer->map());
+  handle.result_ = {.success = reason == Reason::reached,
+                    .reason = reason,
+                    .detail = detail,
+                    .pose = pose,
+                    .distance_to_goal = distance_to_goal(ended.goal, pose, handle.progress_),
+                    .distance = ended.distance,
+                    .duration = to_seconds(now() - ended.began)};
+  shared().waits.end(ended.handle, now());
+}
+
+void Runtime::Impl::end_ready() {
+  for (const WaitHandle& wait : std::exchange(ready, {})) shared().waits.end(wait, now());
+}
+
+// A sensor the mind cannot do without that has said nothing for too long; empty when there is none.
+std::string Runtime::Impl::silent_sensor(Duration patience) const {
+  const auto& sensors = port.features().sensors;
+  for (std::size_t i = 0; i < sensors.size(); ++i) {
+    if (sensors[i].type != SensorType::lidar && sensors[i].type != SensorType::odometry) continue;
+    if (now() - std::max(connected_at, state->senses.last_received(i)) > patience) return sensors[i].name;
+  }
+  return {};
+}
+
+}  // namespace threewe

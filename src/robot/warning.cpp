@@ -1,0 +1,33 @@
+#include "threewe/robot/warning.hpp"
+
+#include <cstdio>
+#include <mutex>
+#include <utility>
+
+namespace threewe {
+namespace {
+
+std::mutex handler_mutex;
+WarningHandler handler;
+
+}  // namespace
+
+WarningHandler set_warning_handler(WarningHandler new_handler) {
+  const std::lock_guard lock(handler_mutex);
+  return std::exchange(handler, std::move(new_handler));
+}
+
+void warn(const std::string& message) {
+  WarningHandler current;
+  {
+    const std::lock_guard lock(handler_mutex);
+    current = handler;
+  }
+  if (current) {
+    current(message);
+  } else {
+    std::fprintf(stderr, "threewe: warning: %s\n", message.c_str());
+  }
+}
+
+}  // namespace threewe

@@ -1,0 +1,180 @@
+#include "threewe/robot/world.hpp"
+
+#include <algorithm>
+#include <exception>
+#include <utility>
+
+#include "threewe/backend/registry.hpp"
+#include "threewe/core/errors.hpp"
+#include "threewe/nav/mind.hpp"
+#include "world_state.hpp"
+
+namespace threewe {
+namespace {
+
+Runtime::Options make_mind(const Mind& mind, const RobotProfile& profile, const Pose2D& map_from_start) {
+  return {mind.localizer ? mind.localizer(profile, map_from_start) : slam::make_localizer(profile, map_from_start),
+          mind.navigator ? mind.navigator(profile) : nav::make_navigator(profile)};
+}
+
+}  // namespace
+
+struct World::Snapshot {
+  Time now{};
+  std::vector<std::byte> backend;
+  std::vector<std::shared_ptr<const Runtime::State>> robots;
+};
+
+World::World(const Options& options)
+    : World(backend::make_world(options.backend, options), options.realtime, options.mind, options.initial_poses) {}
+
+World::World(std::unique_ptr<backend::World> backend, bool realtime, const Mind& mind,
+             const std::vector<Pose2D>& initial_poses)
+    : impl_(std::make_unique<Impl>()) {
+  impl_->backend = std::move(backend);
+  impl_->now = impl_->backend->now();
+  impl_->paced = realtime;
+  for (std::size_t i = 0; i < impl_->backend->robot_count(); ++i) {
+    backend::RobotPort& port = impl_->backend->robot(i);
+    impl_->lockstep = impl_->lockstep && port.features().lockstep;
+    const Pose2D map_from_start = i < initial_poses.size() ? initial_poses[i] : Pose2D{};
+    if (!is_finite(map_from_start)) throw ContractError("initial_pose must be finite");
+    impl_->robots.push_back(std::make_unique<Runtime>(*this, port, make_mind(mind, port.profile(), map_from_start)));
+  }
+}
+
+World::~World() = default;
+
+std::size_t World::robot_count() const { return impl_->robots.size(); }
+
+Runtime& World::robot(std::size_t index) { return const_cast<Runtime&>(std::as_const(*this).robot(index)); }
+
+const Runtime& World::robot(std::size_t index) const {
+  if (index < robot_count()) return *impl_->robots[index];
+  throw ContractError("no robot " + std::to_string(index) + " in a world of " + std::to_string(robot_count()));
+}
+
+Time World::now() const { return impl_->now; }
+
+void World::tick() {
+  if (held()) throw ContractError("robot time stands still while a `thinking` block is open");
+  if (!impl_->broken.empty()) throw ConnectionError(impl_->broken);
+  if (impl_->paced && impl_->lockstep) impl_->pace.wait(now());
+
+  for (const auto& robot : impl_->robots) robot->act(now());
+  impl_->advance();
+  for (const auto& robot : impl_->robots) robot->sense(now());
+  impl_->waits.end_due(now());
+
+  if (impl_->observer_error) std::rethrow_exception(std::exchange(impl_->observer_error, nullptr));
+}
+
+// One period in lockstep; in real time the next multiple of it, so that a late tick does not make all later ones late.
+void World::Impl::advance() {
+  Time next = now + kControlPeriod;
+  try {
+    if (!lockstep) next = std::max(next, backend->now() / kControlPeriod * kControlPeriod);
+    backend->advance_to(next);
+  } catch (const std::exception& error) {
+    broken = std::string("the world stopped: ") + error.what();
+    for (const auto& robot : robots) robot->fail(broken);
+    throw ConnectionError(broken);
+  }
+  now = next;
+}
+
+bool World::run(Duration wall) {
+  const auto end = Pace::Clock::now() + wall;
+  do {
+    if (impl_->waits.has_finished()) return true;
+    if (held() || !(has_pending() || realtime())) return false;
+    const Duration left = std::chrono::duration_cast<Duration>(end - Pace::Clock::now());
+    if (due() > left) {
+      std::this_thread::sleep_for(left);
+      return false;
+    }
+    tick();
+  } while (Pace::Clock::now() < end);
+  return impl_->waits.has_finished();
+}
+
+void World::wait(const WaitHandle& wait) {
+  while (!wait->done()) {
+    if (!impl_->waits.contains(wait)) throw ContractError("this wait is of another world, or was forgotten");
+    if (held()) throw ContractError("a wait inside a `thinking` block can never end: wait after the block");
+    if (std::none_of(impl_->robots.begin(), impl_->robots.end(), [](const auto& r) { return r->connected(); })) {
+      throw ConnectionError("no robot of this world is connected; call connect() first");
+    }
+    tick();
+  }
+  impl_->waits.take(wait);
+}
+
+void World::settle() {
+  for (const auto& robot : impl_->robots) {
+    if (robot->connected()) wait(robot->ready());
+  }
+}
+
+WaitHandle World::sleep(Duration duration) { return impl_->begin(duration, WaitList::Kind::sleep); }
+WaitHandle World::alarm(Duration duration) { return impl_->begin(duration, WaitList::Kind::alarm); }
+
+WaitHandle World::Impl::begin(Duration duration, WaitList::Kind kind) {
+  if (duration < Duration::zero()) throw ContractError("a wait cannot take a negative time");
+  auto wait = std::make_shared<Wait>();
+  waits.add(wait, kind, now + duration);
+  waits.end_due(now);
+  return wait;
+}
+
+void World::forget(const WaitHandle& wait) { impl_->waits.forget(wait); }
+std::vector<WaitHandle> World::take_finished() { return impl_->waits.take_all(); }
+bool World::has_pending() const { return impl_->waits.has_pending(); }
+bool World::realtime() const { return impl_->paced || !impl_->lockstep; }
+
+Duration World::due() const {
+  if (impl_->lockstep) return impl_->paced ? impl_->pace.due(now()) : Duration::zero();
+  return std::max(Duration::zero(), now() + kControlPeriod - impl_->backend->now());
+}
+
+void World::open_hold() { ++impl_->holds; }
+
+WaitHandle World::close_hold(Duration charge) {
+  if (impl_->holds == 0) throw ContractError("no hold is open");
+  if (charge < Duration::zero()) throw ContractError("thinking cannot take a negative time");
+  --impl_->holds;
+  return sleep(impl_->lockstep ? charge : Duration::zero());
+}
+
+bool World::held() const { return impl_->holds > 0 && impl_->lockstep; }
+
+// Time jumped: sleeps and alarms of before mean nothing any more.
+void World::Impl::begin_anew_at(Time time) {
+  now = time;
+  waits.end_all();
+  pace.forget();
+  broken.clear();
+}
+
+void World::reset(const backend::ResetOptions& options) {
+  impl_->backend->reset(options);
+  for (const auto& robot : impl_->robots) robot->restart();
+  impl_->begin_anew_at(impl_->backend->now());
+}
+
+std::shared_ptr<const World::Snapshot> World::save() const {
+  auto snapshot = std::make_shared<Snapshot>();
+  for (const auto& robot : impl_->robots) snapshot->robots.push_back(robot->save());
+  snapshot->backend = impl_->backend->save();
+  snapshot->now = now();
+  return snapshot;
+}
+
+void World::restore(const std::shared_ptr<const Snapshot>& snapshot) {
+  if (!snapshot || snapshot->robots.size() != robot_count()) throw ContractError("the snapshot is of another world");
+  impl_->backend->restore(snapshot->backend);
+  for (std::size_t i = 0; i < robot_count(); ++i) impl_->robots[i]->restore(*snapshot->robots[i]);
+  impl_->begin_anew_at(snapshot->now);
+}
+
+}  // namespace threewe

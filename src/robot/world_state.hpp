@@ -1,0 +1,32 @@
+// What a world keeps, for itself and for the runtimes of its robots.
+#pragma once
+
+#include <exception>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "pace.hpp"
+#include "threewe/robot/runtime.hpp"
+#include "wait_list.hpp"
+
+namespace threewe {
+
+struct World::Impl {
+  std::unique_ptr<backend::World> backend;
+  std::vector<std::unique_ptr<Runtime>> robots;
+  Time now{};            // the tick that begins next
+  WaitList waits;
+  int holds = 0;
+  bool lockstep = true;  // time advances only when it is told to
+  bool paced = false;    // to the wall clock
+  Pace pace;
+  std::string broken;    // why time cannot go on; empty while it can
+  std::exception_ptr observer_error;  // the first of this tick
+
+  WaitHandle begin(Duration duration, WaitList::Kind kind);
+  void advance();
+  void begin_anew_at(Time time);
+};
+
+}  // namespace threewe

@@ -1,0 +1,153 @@
+#include "collision_monitor.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+namespace threewe::safety {
+namespace {
+
+constexpr double kPeriod = to_seconds(kControlPeriod);
+constexpr double kSweepStep = 0.005;   // [m], the longest way of any corner between two poses of a sweep
+constexpr double kRounding = 1e-9;     // [m]
+constexpr double kStandStill = 1e-3;   // [m/s] and [rad/s], slower than this is not worth creeping
+constexpr int kBisections = 10;        // the speed is found to a thousandth
+
+Velocity scaled(double s, const Velocity& v) { return {s * v.vx, s * v.vy, s * v.omega}; }
+
+Velocity blend(const Velocity& a, const Velocity& b, double t) {
+  return {a.vx + t * (b.vx - a.vx), a.vy + t * (b.vy - a.vy), a.omega + t * (b.omega - a.omega)};
+}
+
+// [s] to stand-still when all components shrink together, so that braking keeps to the arc.
+double stopping_time(const Limits& limits, const Velocity& v) {
+  return std::max(exact::hypot(v.vx, v.vy) / limits.linear_braking,
+                  std::abs(v.omega) / limits.angular_acceleration);
+}
+
+// One period of braking along the arc.
+Velocity braked(const Limits& limits, const Velocity& v) {
+  if (v == Velocity{}) return v;
+  const double time = stopping_time(limits, v);
+  return time <= kPeriod ? Velocity{} : scaled(1.0 - kPeriod / time, v);
+}
+
+// Follows the footprint over the floor and keeps, for each obstacle, how near it comes.
+class Sweep {
+ public:
+  Sweep(const GateModel& model, std::span<const Vec2> obstacles)
+      : model_(model), obstacles_(obstacles), nearest_(obstacles.size(), std::numeric_limits<double>::infinity()) {}
+
+  void drive(const Velocity& v) {
+    if (v == Velocity{}) return;
+    const double way = (exact::hypot(v.vx, v.vy) + std::abs(v.omega) * radius()) * kPeriod;
+    const int steps = std::max(1, static_cast<int>(std::ceil(way / kSweepStep)));
+    for (int i = 0; i < steps; ++i) {
+      pose_ = integrate(pose_, v, kPeriod / steps);
+      look();
+    }
+  }
+
+  void brake(Velocity v) {
+    for (v = braked(model_.limits, v); v != Velocity{}; v = braked(model_.limits, v)) drive(v);
+  }
+
+  void look() {
+    const double sight = radius() + model_.margin;
+    const auto [s, c] = exact::sincos(pose_.theta);
+    for (std::size_t i = 0; i < obstacles_.size(); ++i) {
+      const Vec2 d = obstacles_[i] - pose_.position();
+      if (dot(d, d) > sight * sight) continue;  // farther than the margin
+      const Vec2 in_base{c * d.x + s * d.y, c * d.y - s * d.x};
+      nearest_[i] = std::min(nearest_[i], model_.footprint.signed_distance(in_base));
+    }
+  }
+
+  void forget() { std::fill(nearest_.begin(), nearest_.end(), std::numeric_limits<double>::infinity()); }
+  const Pose2D& pose() const { return pose_; }
+  void place(const Pose2D& pose) { pose_ = pose; }
+  /// [m] the least clearance of each obstacle; infinity beyond the margin.
+  const std::vector<double>& nearest() const { return nearest_; }
+
+ private:
+  double radius() const { return model_.footprint.circumscribed_radius(); }
+  const GateModel& model_;
+  std::span<const Vec2> obstacles_;
+  std::vector<double> nearest_;
+  Pose2D pose_;  // in the present base frame
+};
+
+// [m] that the base can travel before it stands still, whatever is decided now.
+double reach(const GateModel& model, const GateState& state, std::size_t pending, const Velocity& command) {
+  double way = 0.0;
+  for (std::size_t i = 0; i < pending; ++i) way += exact::hypot(state.recent[i].vx, state.recent[i].vy) * kPeriod;
+  for (const Velocity& v : {command, state.last()}) {
+    const double speed = exact::hypot(v.vx, v.vy);
+    way += speed * (kPeriod + 0.5 * stopping_time(model.limits, v));
+  }
+  return way;
+}
+
+std::vector<Vec2> within(std::span<const Vec2> points, double radius) {
+  std::vector<Vec2> near;
+  for (const Vec2 p : points) {
+    if (dot(p, p) <= radius * radius) near.push_back(p);
+  }
+  return near;
+}
+
+// The clearance that each obstacle must keep: the margin, but never more than braking at once would leave. What lies
+// inside the outline already may come no deeper, and never licenses touching something else.
+std::vector<double> required_clearance(double margin, const std::vector<double>& when_braking) {
+  const double least = *std::min_element(when_braking.begin(), when_braking.end());
+  const double common = std::clamp(least, 0.0, margin);
+  std::vector<double> required;
+  for (const double d : when_braking) required.push_back(std::min(d, common) - kRounding);
+  return required;
+}
+
+}  // namespace
+
+Velocity clear_of_obstacles(const GateModel& model, const GateState& state, const Velocity& command,
+                            std::span<const Vec2> obstacles) {
+  const auto pending = static_cast<std::size_t>((model.reaction + kControlPeriod - 1ns) / kControlPeriod);
+  const double sight = model.footprint.circumscribed_radius() + model.margin + reach(model, state, pending, command);
+  const std::vector<Vec2> near = within(obstacles, sight);
+  if (near.empty()) return command;
+
+  // the robot will first obey what it was told before
+  Sweep sweep(model, near);
+  sweep.look();
+  for (std::size_t i = pending; i-- > 0;) sweep.drive(state.recent[i]);
+  const Pose2D turning_point = sweep.pose();
+
+  // braking at once is always allowed, and the measure of what else is
+  const Velocity fallback = braked(model.limits, state.last());
+  sweep.brake(state.last());
+  const std::vector<double> required = required_clearance(model.margin, sweep.nearest());
+  const auto keeps_clear = [&](const Velocity& v) {
+    sweep.place(turning_point);
+    sweep.forget();
+    sweep.drive(v);
+    sweep.brake(v);
+    for (std::size_t i = 0; i < near.size(); ++i) {
+      if (sweep.nearest()[i] < required[i]) return false;
+    }
+    return true;
+  };
+  if (keeps_clear(command)) return command;
+
+  // the largest step from braking towards the command that keeps clear
+  double safe = 0.0;
+  double unsafe = 1.0;
+  for (int i = 0; i < kBisections; ++i) {
+    const double middle = 0.5 * (safe + unsafe);
+    (keeps_clear(blend(fallback, command, middle)) ? safe : unsafe) = middle;
+  }
+  const Velocity slowed = blend(fallback, command, safe);
+  const bool creeping = exact::hypot(slowed.vx, slowed.vy) < kStandStill && std::abs(slowed.omega) < kStandStill;
+  return creeping && fallback == Velocity{} ? Velocity{} : slowed;
+}
+
+}  // namespace threewe::safety

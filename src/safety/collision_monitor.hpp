@@ -1,0 +1,15 @@
+// Keeps the footprint clear of what the lidar sees.
+#pragma once
+
+#include <span>
+
+#include "threewe/safety/gate.hpp"
+
+namespace threewe::safety {
+
+/// The command nearest to `command`, on the way from braking along the present arc, after which the robot can still
+/// stop with the margin free. `command` is within reach of the period before; so is what comes back.
+Velocity clear_of_obstacles(const GateModel& model, const GateState& state, const Velocity& command,
+                            std::span<const Vec2> obstacles);
+
+}  // namespace threewe::safety
