@@ -1,0 +1,36 @@
+// Backends by name, and what a robot can do.
+#include "bindings.hpp"
+#include "threewe/backend/registry.hpp"
+#include "threewe/backend/world.hpp"
+
+using namespace threewe;
+using backend::Features, backend::SensorInfo;
+
+void init_backend(nb::module_& m) {
+  nb::class_<SensorInfo>(m, "SensorInfo", "One sensor of a robot, as it is known before connecting.")
+      .def(nb::init<std::string, SensorType, double>(), "name"_a, "type"_a, "rate"_a)
+      .def_ro("name", &SensorInfo::name, "unique on a robot; also the name of its frame")
+      .def_ro("type", &SensorInfo::type)
+      .def_ro("rate", &SensorInfo::rate, "[Hz]")
+      .def("__repr__", [](const SensorInfo& s) { return fmt::format("SensorInfo('{}', {} Hz)", s.name, s.rate); });
+
+  nb::class_<Features>(m, "Features", "What a robot can do, readable before connecting.")
+      .def(
+          "__init__",
+          [](Features* self, std::vector<SensorInfo> sensors, Kinematics kinematics, bool lockstep, bool deterministic,
+             bool can_reset, bool can_save, bool external_localization, bool external_navigation) {
+            new (self) Features{std::move(sensors), kinematics, lockstep, deterministic,
+                                can_reset, can_save, external_localization, external_navigation};
+          },
+          "sensors"_a, "kinematics"_a, nb::kw_only(), "lockstep"_a = false, "deterministic"_a = false, "can_reset"_a = false,
+          "can_save"_a = false, "external_localization"_a = false, "external_navigation"_a = false)
+      .def_ro("sensors", &Features::sensors)
+      .def_ro("kinematics", &Features::kinematics)
+      .def_ro("lockstep", &Features::lockstep, "Time advances only when it is told to.")
+      .def_ro("deterministic", &Features::deterministic, "The same seed and commands give the same samples, to the bit.")
+      .def_ro("can_reset", &Features::can_reset)
+      .def_ro("can_save", &Features::can_save)
+      .def_ro("external_localization", &Features::external_localization)
+      .def_ro("external_navigation", &Features::external_navigation);
+  m.def("backend_names", &backend::backend_names, "The names of all backends.");
+}

@@ -1,0 +1,164 @@
+// Poses, velocities, sensor samples, assets.
+#include <nanobind/operators.h>
+#include <nanobind/stl/array.h>
+#include <nanobind/stl/filesystem.h>
+#include <nanobind/stl/variant.h>
+
+#include <fmt/ranges.h>
+
+#include "bindings.hpp"
+#include "threewe/core/assets.hpp"
+#include "threewe/core/kinematics.hpp"
+#include "threewe/core/names.hpp"
+#include "threewe/core/samples.hpp"
+
+namespace {
+
+using namespace threewe;
+
+std::string repr(const Pose2D& p) { return fmt::format("Pose2D(x={:.3f}, y={:.3f}, theta={:.3f})", p.x, p.y, p.theta); }
+std::string repr(const Velocity& v) {
+  return fmt::format("Velocity(vx={:.3f}, vy={:.3f}, omega={:.3f})", v.vx, v.vy, v.omega);
+}
+std::string unknown(std::string_view kind, std::string_view name, const std::vector<std::string>& candidates) {
+  return unknown_name(kind, name, candidates);
+}
+
+nb::object iterate(const nb::tuple& values) { return nb::steal(PyObject_GetIter(values.ptr())); }
+
+void bind_poses(nb::module_& m) {
+  nb::class_<Pose2D>(m, "Pose2D",
+                     "A pose in the plane: position [m] and heading [rad] in (-pi, pi], X forward, Y left.\n\n"
+                     "A transform is a pose too: `map_from_base * base_from_lidar` is `map_from_lidar`.")
+      .def(
+          "__init__",
+          [](Pose2D* self, double x, double y, double theta) { new (self) Pose2D{x, y, wrap_angle(theta)}; }, "x"_a = 0.0,
+          "y"_a = 0.0, "theta"_a = 0.0)
+      .def_ro("x", &Pose2D::x, "[m]")
+      .def_ro("y", &Pose2D::y, "[m]")
+      .def_ro("theta", &Pose2D::theta, "[rad], counter-clockwise, in (-pi, pi]")
+      .def("__mul__", [](const Pose2D& a, const Pose2D& b) { return a * b; }, "b_from_c"_a, nb::is_operator())
+      .def("transform", [](const Pose2D& a, Vec2 point) { return a * point; }, "point"_a,
+           "The point (x, y) [m] of this pose's frame, seen from outside.")
+      .def("inverse", [](const Pose2D& pose) { return inverse(pose); }, "`b_from_a` of `a_from_b`.")
+      .def("distance", [](const Pose2D& a, const Pose2D& b) { return distance(a.position(), b.position()); }, "other"_a,
+           "Between the positions [m].")
+      .def("__iter__", [](const Pose2D& p) { return iterate(nb::make_tuple(p.x, p.y, p.theta)); },
+           nb::sig("def __iter__(self) -> collections.abc.Iterator[float]"), "x, y, theta")
+      .def(nb::self == nb::self)
+      .def("__hash__", [](const Pose2D& p) { return nb::hash(nb::make_tuple(p.x, p.y, p.theta)); })
+      .def("__repr__", [](const Pose2D& pose) { return repr(pose); });
+
+  nb::class_<Velocity>(m, "Velocity", "A velocity in the body frame: forward, left [m/s] and counter-clockwise [rad/s].")
+      .def(nb::init<double, double, double>(), "vx"_a = 0.0, "vy"_a = 0.0, "omega"_a = 0.0)
+      .def_ro("vx", &Velocity::vx, "[m/s], forward")
+      .def_ro("vy", &Velocity::vy, "[m/s], to the left")
+      .def_ro("omega", &Velocity::omega, "[rad/s], counter-clockwise")
+      .def("__iter__", [](const Velocity& v) { return iterate(nb::make_tuple(v.vx, v.vy, v.omega)); },
+           nb::sig("def __iter__(self) -> collections.abc.Iterator[float]"), "vx, vy, omega")
+      .def(nb::self == nb::self)
+      .def("__hash__", [](const Velocity& v) { return nb::hash(nb::make_tuple(v.vx, v.vy, v.omega)); })
+      .def("__repr__", [](const Velocity& velocity) { return repr(velocity); });
+}
+
+void bind_samples(nb::module_& m) {
+  nb::class_<LaserScan>(m, "LaserScan",
+                        "One turn of a planar lidar.\n\n"
+                        "Beam i points along `angle_min + i * angle_increment`, counter-clockwise, in the sensor's frame, and was\n"
+                        "measured `i * time_increment` seconds after beam 0 (before it, where that is negative).")
+      .def(
+          "__init__",
+          [](LaserScan* self, const nb::ndarray<const float, nb::ndim<1>, nb::c_contig, nb::device::cpu>& ranges,
+             double angle_min, double angle_increment, double range_min, double range_max, double time_increment) {
+            new (self) LaserScan{angle_min, angle_increment, time_increment, range_min, range_max,
+                                 std::vector<float>(ranges.data(), ranges.data() + ranges.size())};
+          },
+          "ranges"_a, "angle_min"_a, "angle_increment"_a, "range_min"_a, "range_max"_a, "time_increment"_a = 0.0)
+      .def_prop_ro(
+          "ranges",
+          [](const LaserScan& scan) { return ArrayView<float, nb::ndim<1>>(scan.ranges.data(), {scan.ranges.size()}); },
+          nb::rv_policy::reference_internal, "(N,) float32 [m]; no return = range_max, invalid = 0.0")
+      .def_ro("angle_min", &LaserScan::angle_min, "[rad], of beam 0")
+      .def_ro("angle_increment", &LaserScan::angle_increment, "[rad], positive")
+      .def_ro("time_increment", &LaserScan::time_increment, "[s], negative for a device that turns clockwise")
+      .def_ro("range_min", &LaserScan::range_min, "[m]")
+      .def_ro("range_max", &LaserScan::range_max, "[m]")
+      .def("__repr__", [](const LaserScan& scan) {
+        std::size_t hits = 0;
+        for (const float range : scan.ranges) hits += range > 0.0F && range < static_cast<float>(scan.range_max) ? 1 : 0;
+        return fmt::format("LaserScan({} beams, {} hits, range_max={:.1f} m)", scan.ranges.size(), hits, scan.range_max);
+      });
+
+  nb::class_<IMUData>(m, "IMUData", "One reading of the inertial unit, in the robot's base frame.")
+      .def(nb::init<std::array<double, 3>, std::array<double, 3>>(), "angular_velocity"_a, "linear_acceleration"_a)
+      .def_prop_ro(
+          "angular_velocity",
+          [](const IMUData& imu) { return ArrayView<double, nb::shape<3>>(imu.angular_velocity.data(), {3}); },
+          nb::rv_policy::reference_internal, "(3,) float64 [rad/s] about x, y, z")
+      .def_prop_ro(
+          "linear_acceleration",
+          [](const IMUData& imu) { return ArrayView<double, nb::shape<3>>(imu.linear_acceleration.data(), {3}); },
+          nb::rv_policy::reference_internal, "(3,) float64 [m/s^2] along x, y, z, with gravity: +9.81 on z at rest")
+      .def("__repr__", [](const IMUData& imu) {
+        return fmt::format("IMUData(angular_velocity=[{:.4f}], linear_acceleration=[{:.3f}])",
+                           fmt::join(imu.angular_velocity, ", "), fmt::join(imu.linear_acceleration, ", "));
+      });
+
+  nb::class_<Odometry>(m, "Odometry", "Where the wheels alone say that the robot is, and how fast it moves.")
+      .def(nb::init<Pose2D, Velocity>(), "pose"_a, "velocity"_a)
+      .def_ro("pose", &Odometry::pose, "in the `odom` frame")
+      .def_ro("velocity", &Odometry::velocity, "in the body frame")
+      .def("__repr__", [](const Odometry& odometry) {
+        return "Odometry(pose=" + repr(odometry.pose) + ", velocity=" + repr(odometry.velocity) + ")";
+      });
+
+  nb::class_<BatteryState>(m, "BatteryState", "The state of the battery.")
+      .def(nb::init<double, double, double>(), "voltage"_a, "current"_a, "charge"_a)
+      .def_ro("voltage", &BatteryState::voltage, "[V]")
+      .def_ro("current", &BatteryState::current, "[A], positive when discharging")
+      .def_ro("charge", &BatteryState::charge, "the fraction left, 0 to 1")
+      .def("__repr__", [](const BatteryState& battery) {
+        return fmt::format("BatteryState({:.0f} %, {:.2f} V, {:.2f} A)", 100.0 * battery.charge, battery.voltage,
+                           battery.current);
+      });
+
+  nb::enum_<SensorType>(m, "SensorType", "The kinds of sensor that the contract knows.")
+      .value("lidar", SensorType::lidar)
+      .value("imu", SensorType::imu)
+      .value("odometry", SensorType::odometry)
+      .value("battery", SensorType::battery);
+
+  nb::class_<Sample>(m, "Sample", "A reading with its stamps.")
+      .def(
+          "__init__",
+          [](Sample* self, std::uint16_t sensor, std::uint64_t sequence, Time measured, SampleData data) {
+            new (self) Sample{sensor, sequence, measured, Time{}, std::move(data)};
+          },
+          "sensor"_a, "sequence"_a, "measured"_a, "data"_a)
+      .def_ro("sensor", &Sample::sensor, "Index into `Features.sensors`.")
+      .def_ro("sequence", &Sample::sequence, "Counts each sensor's samples from 0, without gaps.")
+      .def_ro("measured", &Sample::measured, "[s] of robot time; for a scan, of beam 0 of the array")
+      .def_ro("received", &Sample::received, "[s] of robot time")
+      .def_ro("data", &Sample::data)
+      .def("__repr__", [](const Sample& sample) {
+        constexpr std::array kTypes = {"LaserScan", "IMUData", "Odometry", "BatteryState"};
+        return fmt::format("Sample({} {} of sensor {}, measured {:.3f} s, received {:.3f} s)", kTypes[sample.data.index()],
+                           sample.sequence, sample.sensor, to_seconds(sample.measured), to_seconds(sample.received));
+      });
+}
+
+void bind_assets(nb::module_& m) {
+  m.def("add_asset_directory", &add_asset_directory, "directory"_a,
+        "Adds a folder with `scenes/`, `objects/` or `robots/`, searched before those installed with 3we.");
+  m.def("asset_directories", &asset_directories, "The folders that are searched, first match wins.");
+  m.def("unknown_name", &unknown, "kind"_a, "name"_a, "candidates"_a,
+        "\"unknown scene 'ofice_v2'; did you mean 'office_v2'?\"");
+}
+
+}  // namespace
+
+void init_core(nb::module_& m) {
+  bind_poses(m);
+  bind_samples(m);
+  bind_assets(m);
+}

@@ -1,0 +1,75 @@
+// Robot profiles.
+#include "threewe/hardware/profile.hpp"
+
+#include "bindings.hpp"
+
+namespace {
+
+using namespace threewe;
+
+void bind_sensors(nb::module_& m) {
+  nb::class_<LidarSpec>(m, "LidarSpec", "A lidar that turns, and the scan that is made of its turn.")
+      .def_ro("base_from_lidar", &LidarSpec::base_from_lidar)
+      .def_ro("height", &LidarSpec::height, "[m] of the scan plane above the floor")
+      .def_ro("points_per_turn", &LidarSpec::points_per_turn, "measured by the device")
+      .def_ro("clockwise", &LidarSpec::clockwise, "how the device turns; scans are always counter-clockwise")
+      .def_ro("beams", &LidarSpec::beams, "in the scan that is delivered")
+      .def_ro("turn", &LidarSpec::turn, "[s] of one revolution")
+      .def_ro("range_min", &LidarSpec::range_min, "[m]")
+      .def_ro("range_max", &LidarSpec::range_max, "[m]")
+      .def_ro("sigma", &LidarSpec::sigma, "[m] of each range")
+      .def_ro("latency", &LidarSpec::latency, "[s] from the end of a turn to its arrival");
+  nb::class_<IMUSpec>(m, "IMUSpec", "An inertial unit.")
+      .def_ro("period", &IMUSpec::period, "[s]")
+      .def_ro("gyro_sigma", &IMUSpec::gyro_sigma, "[rad/s] of each sample")
+      .def_ro("gyro_bias", &IMUSpec::gyro_bias, "[rad/s] at most, at the start")
+      .def_ro("accelerometer_sigma", &IMUSpec::accelerometer_sigma, "[m/s^2]")
+      .def_ro("latency", &IMUSpec::latency, "[s]");
+  nb::class_<BatterySpec>(m, "BatterySpec", "A battery.")
+      .def_ro("capacity", &BatterySpec::capacity, "[Wh]")
+      .def_ro("voltage_full", &BatterySpec::voltage_full, "[V]")
+      .def_ro("voltage_empty", &BatterySpec::voltage_empty, "[V]")
+      .def_ro("period", &BatterySpec::period, "[s]");
+}
+
+}  // namespace
+
+void init_hardware(nb::module_& m) {
+  nb::enum_<Kinematics>(m, "Kinematics", "How the wheels move the body.")
+      .value("holonomic", Kinematics::holonomic, "any direction")
+      .value("differential", Kinematics::differential, "ahead and turning, never sideways");
+
+  nb::class_<Limits>(m, "Limits", "Bounds on a body velocity and on how fast it may change.")
+      .def_ro("linear", &Limits::linear, "[m/s], of the vector (vx, vy)")
+      .def_ro("angular", &Limits::angular, "[rad/s]")
+      .def_ro("linear_acceleration", &Limits::linear_acceleration, "[m/s^2], speeding up")
+      .def_ro("linear_braking", &Limits::linear_braking, "[m/s^2], slowing down")
+      .def_ro("angular_acceleration", &Limits::angular_acceleration, "[rad/s^2]")
+      .def("__repr__", [](const Limits& l) { return fmt::format("Limits({:.2f} m/s, {:.2f} rad/s)", l.linear, l.angular); });
+
+  bind_sensors(m);
+
+  nb::class_<RobotProfile>(m, "RobotProfile", "What a robot is: its body, its limits, its sensors. Sensors it lacks are None.")
+      .def_static("load", &load_profile, "name"_a,
+                  "Reads a profile by name, or from a file that ends in .yaml. Raises ConfigError naming the nearest right name.")
+      .def_ro("name", &RobotProfile::name)
+      .def_ro("description", &RobotProfile::description)
+      .def_prop_ro("kinematics", &RobotProfile::kinematics)
+      .def_prop_ro("footprint", [](const RobotProfile& p) { return p.body.footprint.corners(); },
+                   "The corners of the outline around the base, counter-clockwise [m].")
+      .def_prop_ro("footprint_radius", [](const RobotProfile& p) { return p.body.footprint.circumscribed_radius(); },
+                   "[m], of the smallest disc around the base that holds the outline")
+      .def_prop_ro("height", [](const RobotProfile& p) { return p.body.height; }, "[m]")
+      .def_prop_ro("mass", [](const RobotProfile& p) { return p.body.mass; }, "[kg]")
+      .def_ro("hardware_limits", &RobotProfile::hardware_limits, "What the drive can do.")
+      .def_ro("operating_limits", &RobotProfile::operating_limits, "What it is asked to do.")
+      .def_ro("lidar", &RobotProfile::lidar)
+      .def_ro("imu", &RobotProfile::imu)
+      .def_ro("battery", &RobotProfile::battery)
+      .def("__repr__", [](const RobotProfile& p) {
+        const char* kinematics = p.kinematics() == Kinematics::holonomic ? "holonomic" : "differential";
+        return fmt::format("RobotProfile('{}', {}, {:.2f} m/s, {:.2f} rad/s)", p.name, kinematics, p.operating_limits.linear,
+                           p.operating_limits.angular);
+      });
+  m.def("profile_names", &profile_names, "The names of all robot profiles.");
+}

@@ -1,0 +1,50 @@
+// Maps.
+#include <nanobind/stl/pair.h>
+
+#include "bindings.hpp"
+#include "threewe/map/occupancy_grid.hpp"
+
+using namespace threewe;
+using map::Cell, map::OccupancyGrid;
+
+void init_map(nb::module_& m) {
+  nb::class_<OccupancyGrid>(m, "OccupancyGrid",
+                            "What is free, occupied and unknown, as ROS defines it: -1 unknown, 0 free to 100 occupied.\n\n"
+                            "Row-major; cell (0, 0) has its lower left corner at `origin`, axes along the map frame's.")
+      .def(
+          "__init__",
+          [](OccupancyGrid* self,
+             const nb::ndarray<const std::int8_t, nb::ndim<2>, nb::c_contig, nb::device::cpu>& data, double resolution,
+             Vec2 origin) {
+            new (self) OccupancyGrid{static_cast<int>(data.shape(1)), static_cast<int>(data.shape(0)), resolution, origin,
+                                     std::vector<std::int8_t>(data.data(), data.data() + data.size())};
+          },
+          "data"_a, "resolution"_a = 0.05, "origin"_a = Vec2{})
+      .def_prop_ro(
+          "data",
+          [](const OccupancyGrid& grid) {
+            return ArrayView<std::int8_t, nb::ndim<2>>(
+                grid.data.data(), {static_cast<std::size_t>(grid.height), static_cast<std::size_t>(grid.width)});
+          },
+          nb::rv_policy::reference_internal, "(H, W) int8: -1 unknown, 0 free to 100 occupied; row 0 is the lowest y")
+      .def_ro("width", &OccupancyGrid::width, "cells along x")
+      .def_ro("height", &OccupancyGrid::height, "cells along y")
+      .def_ro("resolution", &OccupancyGrid::resolution, "[m] a cell")
+      .def_ro("origin", &OccupancyGrid::origin, "(x, y) [m] of the corner of cell (0, 0)")
+      .def(
+          "cell",
+          [](const OccupancyGrid& grid, Vec2 point) {
+            const Cell cell = grid.cell(point);
+            return std::pair(cell.y, cell.x);
+          },
+          "point"_a, "(row, column) of the cell that holds the point (x, y) [m]; may lie outside the grid.")
+      .def("at", [](const OccupancyGrid& grid, Vec2 point) { return grid.at(grid.cell(point)); }, "point"_a,
+           "The value at a point (x, y) [m]; -1 outside the grid.")
+      .def("__repr__", [](const OccupancyGrid& grid) {
+        std::size_t known = 0;
+        for (const std::int8_t value : grid.data) known += value != OccupancyGrid::kUnknown ? 1 : 0;
+        const double area = static_cast<double>(known) * grid.resolution * grid.resolution;
+        return fmt::format("OccupancyGrid({} x {} cells of {:.2f} m, {:.1f} m^2 known)", grid.width, grid.height,
+                           grid.resolution, area);
+      });
+}

@@ -1,0 +1,13 @@
+// threewe._core: the C++ library as Python sees it.
+#include "bindings.hpp"
+
+NB_MODULE(_core, m) {
+  m.doc() = "The C++ core of 3we. Use it through `threewe`, which adds what Python can do better.";
+  init_errors(m);
+  init_core(m);
+  init_hardware(m);
+  init_scene(m);
+  init_map(m);
+  init_backend(m);
+  init_robot(m);
+}

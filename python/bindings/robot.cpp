@@ -1,0 +1,296 @@
+// Worlds, robots, motions and robot time.
+#include <memory>
+
+#include <nanobind/stl/array.h>
+#include <nanobind/stl/function.h>
+#include <nanobind/stl/shared_ptr.h>
+#include <nanobind/stl/variant.h>
+
+#include "bindings.hpp"
+#include "threewe/robot/runtime.hpp"
+#include "threewe/robot/simulation.hpp"
+#include "threewe/robot/warning.hpp"
+#include "threewe/robot/world.hpp"
+#include "threewe/scene/scene.hpp"
+
+namespace {
+
+using namespace threewe;
+using safety::Intervention;
+using slam::PoseEstimate;
+
+/// What an observer sees, copied, so that it may keep it.
+struct Tick {
+  double now = 0.0;
+  std::vector<Sample> samples;
+  PoseEstimate pose;
+  Velocity requested;
+  Velocity commanded;
+  Intervention intervention{};
+
+  explicit Tick(const TickView& view)
+      : now(to_seconds(view.now)),
+        samples(view.samples.begin(), view.samples.end()),
+        pose(view.pose),
+        requested(view.requested),
+        commanded(view.commanded.command),
+        intervention(view.commanded.intervention) {}
+};
+
+/// The state of a world.
+struct Snapshot {
+  std::shared_ptr<const World::Snapshot> state;
+};
+
+/// The duration of a motion; None and 0 stand for the default.
+Duration timeout_of(std::optional<double> timeout) {
+  if (timeout && *timeout == 0.0) throw ContractError("timeout must be a finite number of seconds > 0, got 0");
+  return timeout ? seconds("timeout", *timeout) : Duration{};
+}
+
+void bind_results(nb::module_& m) {
+  nb::enum_<Reason>(m, "Reason", "How a motion ends, and why.")
+      .value("running", Reason::running, "It has not ended.")
+      .value("reached", Reason::reached, "Success.")
+      .value("no_path", Reason::no_path, "No way leads there: the goal is in a wall, outside the world or cut off.")
+      .value("blocked", Reason::blocked, "Something in the way did not go away.")
+      .value("timeout", Reason::timeout, "Robot time ran out.")
+      .value("cancelled", Reason::cancelled, "Somebody stopped it.")
+      .value("estop", Reason::estop, "The emergency stop was latched.")
+      .value("lost", Reason::lost, "The robot no longer knows where it is.")
+      .value("fault", Reason::fault, "The robot or its backend failed.");
+
+  nb::enum_<Intervention>(m, "Intervention", "Why the safety gate changed a command.")
+      .value("none", Intervention::none)
+      .value("limited", Intervention::limited)
+      .value("slowed_for_obstacle", Intervention::slowed_for_obstacle)
+      .value("stopped_for_obstacle", Intervention::stopped_for_obstacle)
+      .value("stale_sensors", Intervention::stale_sensors)
+      .value("estop", Intervention::estop);
+
+  nb::class_<Progress>(m, "Progress", "How far a motion has come.")
+      .def_ro("distance_left", &Progress::distance_left, "[m] along the path")
+      .def_ro("distance_driven", &Progress::distance_driven, "[m] since the start of the motion")
+      .def_ro("pose", &Progress::pose, "in `map`")
+      .def("__repr__", [](const Progress& p) {
+        return fmt::format("Progress({:.2f} m left, {:.2f} m driven)", p.distance_left, p.distance_driven);
+      });
+
+  nb::class_<MoveResult>(m, "MoveResult", "How a motion ended. `map` frame.")
+      .def_ro("success", &MoveResult::success)
+      .def_ro("reason", &MoveResult::reason)
+      .def_ro("detail", &MoveResult::detail, "says more about a failure; may be empty")
+      .def_ro("pose", &MoveResult::pose, "where the robot believes it is")
+      .def_ro("distance_to_goal", &MoveResult::distance_to_goal, "[m], by its own belief")
+      .def_ro("distance", &MoveResult::distance, "[m] driven, by its own belief")
+      .def_ro("duration", &MoveResult::duration, "[s] of robot time")
+      .def("raise_for_failure", &MoveResult::raise_for_failure, "Raises the error that matches `reason`; nothing after success.")
+      .def("__bool__", [](const MoveResult& r) { return r.success; })
+      .def("__repr__", [](const MoveResult& r) {
+        return fmt::format("MoveResult({}{}, {:.2f} m to the goal, {:.2f} m driven in {:.2f} s)", nav::to_string(r.reason),
+                           r.detail.empty() ? "" : ": " + r.detail, r.distance_to_goal, r.distance, r.duration);
+      });
+
+  nb::class_<ExploreResult>(m, "ExploreResult", "How an exploration ended.")
+      .def_ro("success", &ExploreResult::success, "nothing that can be reached is left to see")
+      .def_ro("reason", &ExploreResult::reason)
+      .def_ro("detail", &ExploreResult::detail, "says more about a failure; may be empty")
+      .def_ro("explored_area", &ExploreResult::explored_area, "[m^2] known to be free")
+      .def_ro("distance", &ExploreResult::distance, "[m] driven, by its own belief")
+      .def_ro("duration", &ExploreResult::duration, "[s] of robot time")
+      .def("raise_for_failure", &ExploreResult::raise_for_failure, "Raises the error that matches `reason`; nothing after success.")
+      .def("__bool__", [](const ExploreResult& r) { return r.success; })
+      .def("__repr__", [](const ExploreResult& r) {
+        return fmt::format("ExploreResult({}{}, {:.1f} m^2 free, {:.2f} m driven in {:.2f} s)", nav::to_string(r.reason),
+                           r.detail.empty() ? "" : ": " + r.detail, r.explored_area, r.distance, r.duration);
+      });
+}
+
+void bind_views(nb::module_& m) {
+  nb::class_<PoseEstimate>(m, "PoseEstimate", "What is known about the robot's pose at one moment.")
+      .def_ro("stamp", &PoseEstimate::stamp, "[s] of robot time")
+      .def_ro("odom_from_base", &PoseEstimate::odom_from_base, "smooth: wheels and gyro, never jumps")
+      .def_ro("map_from_odom", &PoseEstimate::map_from_odom, "moves when a scan or a loop closure corrects the drift")
+      .def_prop_ro("map_from_base", &PoseEstimate::map_from_base)
+      .def_ro("velocity", &PoseEstimate::velocity, "in the body frame")
+      .def_prop_ro(
+          "covariance",
+          [](const PoseEstimate& pose) { return ArrayView<double, nb::shape<3, 3>>(pose.covariance.data(), {3, 3}); },
+          nb::rv_policy::reference_internal, "(3, 3) float64, of map_from_base: x, y [m], theta [rad]")
+      .def_ro("lost", &PoseEstimate::lost);
+
+  nb::class_<Tick>(m, "TickView", "What an observer sees at the end of every tick.")
+      .def_ro("now", &Tick::now, "[s] of robot time")
+      .def_ro("samples", &Tick::samples, "that arrived in this tick")
+      .def_ro("pose", &Tick::pose)
+      .def_ro("requested", &Tick::requested, "before the safety gate")
+      .def_ro("commanded", &Tick::commanded, "after it")
+      .def_ro("intervention", &Tick::intervention, "why it changed the command")
+      .def("__repr__", [](const Tick& t) { return fmt::format("TickView({:.2f} s, {} samples)", t.now, t.samples.size()); });
+}
+
+void bind_time(nb::module_& m) {
+  nb::class_<Wait>(m, "Wait", "Something that becomes true at a tick.")
+      .def_prop_ro("done", &Wait::done)
+      .def_prop_ro("deadline", &Wait::deadline, "[s] when it was due")
+      .def_prop_ro("creation", &Wait::creation, "counts the waits of one world");
+
+  nb::class_<Motion, Wait>(m, "Motion", "A motion in progress.")
+      .def_prop_ro("progress", &Motion::progress, nb::rv_policy::copy)
+      .def("cancel", &Motion::cancel, "Ends it with `cancelled` and commands zero in the next period.")
+      .def("result", &Motion::result, nb::rv_policy::copy)
+      .def("explore_result", &Motion::explore_result);
+
+  nb::class_<Snapshot>(m, "Snapshot", "Everything the future of a world depends on.");
+
+  nb::class_<World>(m, "World", "A backend world with a runtime for each of its robots. One thread at a time may use it.")
+      .def(
+          "__init__",
+          [](World* self, std::string backend, std::string scene, std::vector<std::string> robots, std::string_view noise,
+             std::uint64_t seed, bool realtime, std::vector<Pose2D> start_poses, std::vector<Pose2D> initial_poses) {
+            World::Options options;
+            options.backend = std::move(backend);
+            options.scene = std::move(scene);
+            options.robots = std::move(robots);
+            options.noise = noise_level(noise);
+            options.seed = seed;
+            options.realtime = realtime;
+            options.poses = std::move(start_poses);
+            options.initial_poses = std::move(initial_poses);
+            const nb::gil_scoped_release other_threads_run;
+            new (self) World(options);
+          },
+          nb::kw_only(), "backend"_a, "scene"_a, "robots"_a, "noise"_a, "seed"_a, "realtime"_a, "start_poses"_a,
+          "initial_poses"_a)
+      .def_prop_ro("robot_count", &World::robot_count)
+      .def("robot", nb::overload_cast<std::size_t>(&World::robot), "index"_a, nb::rv_policy::reference_internal)
+      .def_prop_ro("now", &World::now, "[s] of robot time")
+      .def("tick", &World::tick, WithoutGil(), "One control period.")
+      .def("run", [](World& world, double wall) { return world.run(seconds("wall", wall)); }, "wall"_a, WithoutGil(),
+           "Ticks until a wait is done, none is pending, or `wall` seconds have passed. True when a wait was done.")
+      .def("sleep", [](World& world, double s) { return world.sleep(seconds("seconds", s)); }, "seconds"_a)
+      .def("alarm", [](World& world, double s) { return world.alarm(seconds("seconds", s)); }, "seconds"_a)
+      .def("forget", &World::forget, "wait"_a)
+      .def("take_finished", &World::take_finished)
+      .def("has_pending", &World::has_pending)
+      .def_prop_ro("realtime", &World::realtime)
+      .def("due", &World::due, "[wall s] until the next tick is due")
+      .def("open_hold", &World::open_hold)
+      .def("close_hold", [](World& world, double charge) { return world.close_hold(seconds("seconds", charge)); }, "charge"_a)
+      .def_prop_ro("held", &World::held)
+      .def("save", [](const World& world) { return Snapshot{world.save()}; }, WithoutGil());
+}
+
+void bind_runtime(nb::module_& m) {
+  nb::class_<Runtime>(m, "Runtime", "One robot of a world: mind, gate and port.")
+      .def("connect", &Runtime::connect, WithoutGil())
+      .def("disconnect", &Runtime::disconnect, WithoutGil())
+      .def_prop_ro("connected", &Runtime::connected)
+      .def("ready", &Runtime::ready)
+      .def_prop_ro("fault", &Runtime::fault)
+      .def_prop_ro("profile", &Runtime::profile)
+      .def_prop_ro("features", &Runtime::features)
+      .def_prop_ro("simulated", [](const Runtime& robot) { return robot.truth() != nullptr; })
+      .def("lidar_scan", &Runtime::lidar_scan, nb::rv_policy::copy)
+      .def("imu", &Runtime::imu, nb::rv_policy::copy)
+      .def("odometry", &Runtime::odometry, nb::rv_policy::copy)
+      .def("battery", &Runtime::battery, nb::rv_policy::copy)
+      .def("sample", &Runtime::sample, "type"_a, nb::rv_policy::copy)
+      .def("pose", &Runtime::pose, nb::rv_policy::copy)
+      .def("map", &Runtime::map, nb::rv_policy::copy)
+      .def("map_version", &Runtime::map_version)
+      .def("path", [](const Runtime& robot) {
+        const std::span<const Vec2> path = robot.path();
+        return std::vector<Vec2>(path.begin(), path.end());
+      })
+      .def("transform", &Runtime::transform, "target"_a, "source"_a)
+      .def("commanded", [](const Runtime& robot) { return robot.commanded().command; })
+      .def("set_velocity",
+           [](Runtime& robot, double vx, double vy, double omega, double hold) {
+             robot.set_velocity({vx, vy, omega}, seconds("hold", hold));
+           },
+           "vx"_a, "vy"_a, "omega"_a, "hold"_a)
+      .def("execute_action",
+           [](Runtime& robot, const std::array<double, 3>& action, double period) {
+             return robot.execute_action(action, seconds("period", period));
+           },
+           "action"_a, "period"_a)
+      .def("stop", &Runtime::stop)
+      .def("estop", &Runtime::estop)
+      .def("release_estop", &Runtime::release_estop)
+      .def_prop_ro("estopped", &Runtime::estopped)
+      .def("motion", &Runtime::motion)
+      .def("move_to",
+           [](Runtime& robot, Vec2 goal, std::optional<double> theta, double tolerance, std::optional<double> timeout) {
+             nav::MoveTo move{.goal = goal, .theta = theta};
+             move.tolerance = tolerance;
+             return robot.start(move, timeout_of(timeout));
+           },
+           "goal"_a, "theta"_a.none(), "tolerance"_a, "timeout"_a.none(), "`goal` in `map` [m], `theta` [rad].")
+      .def("move_forward",
+           [](Runtime& robot, double distance, std::optional<double> timeout) {
+             return robot.start(nav::MoveForward{distance}, timeout_of(timeout));
+           },
+           "distance"_a, "timeout"_a.none())
+      .def("rotate",
+           [](Runtime& robot, double angle, std::optional<double> timeout) {
+             return robot.start(nav::Rotate{angle}, timeout_of(timeout));
+           },
+           "angle"_a, "timeout"_a.none())
+      .def("follow_path",
+           [](Runtime& robot, std::vector<Vec2> path, double tolerance, std::optional<double> timeout) {
+             return robot.start(nav::FollowPath{std::move(path), tolerance}, timeout_of(timeout));
+           },
+           "path"_a, "tolerance"_a, "timeout"_a.none())
+      .def("explore",
+           [](Runtime& robot, std::optional<double> timeout) { return robot.start(nav::Explore{}, timeout_of(timeout)); },
+           "timeout"_a.none())
+      .def("observe",
+           [](Runtime& robot, std::function<void(const Tick&)> observer) {
+             return robot.observe([observer = std::move(observer)](const TickView& view) { observer(Tick(view)); });
+           },
+           "observer"_a)
+      .def("unobserve", &Runtime::unobserve, "id"_a);
+}
+
+void bind_simulation(nb::module_& m) {
+  nb::class_<Simulation>(m, "Simulation",
+                         "The truth about a robot in a simulated world, for metrics, drawings and training.\n\n"
+                         "All poses are in the scene's frame. Robots never see it.")
+      .def(nb::init<World&, std::size_t>(), "world"_a, "robot"_a, nb::keep_alive<1, 2>())
+      .def_prop_ro("scene", &Simulation::scene)
+      .def("true_pose", &Simulation::true_pose)
+      .def("true_velocity", &Simulation::true_velocity, "In the body frame.")
+      .def("start_pose", &Simulation::start_pose, "Where the robot stood at the last reset: the origin of its `map` frame.")
+      .def("max_collision_speed", &Simulation::max_collision_speed,
+           "The fastest approach [m/s] of the robot's own motion into an obstacle since the last reset.")
+      .def("distance_driven", &Simulation::distance_driven, "[m] since the last reset.")
+      .def("sample_free_pose", &Simulation::sample_free_pose, "seed"_a,
+           "A pose where the robot fits with 5 cm to spare: a pure function of the seed.")
+      .def("geodesic", &Simulation::geodesic, "a"_a, "b"_a,
+           "Length [m] of the shortest path between (x, y) points for the robot's footprint; infinity where there is none.")
+      .def("reset", &Simulation::reset, nb::kw_only(), "seed"_a = 0, "pose"_a = nb::none(), WithoutGil(),
+           "Begins anew at time 0. The robot starts at `pose`, or at the scene's own start pose without it.\n\n"
+           "Raises ConfigError when that is inside an obstacle.")
+      .def("save", [](const Simulation& simulation) { return Snapshot{simulation.save()}; }, WithoutGil(),
+           "Everything the future depends on. Raises ContractError while a motion is in progress.")
+      .def("restore", [](Simulation& simulation, const Snapshot& snapshot) { simulation.restore(snapshot.state); },
+           "snapshot"_a, WithoutGil(), "Goes on from where `save` was called.");
+}
+
+/// Warnings go to Python's logging, from whichever thread.
+void log_warning(std::string_view message) {
+  const nb::gil_scoped_acquire python_runs;
+  nb::module_::import_("logging").attr("getLogger")("threewe").attr("warning")("%s", message);
+}
+
+}  // namespace
+
+void init_robot(nb::module_& m) {
+  bind_results(m);
+  bind_views(m);
+  bind_time(m);
+  bind_runtime(m);
+  bind_simulation(m);
+  set_warning_handler(log_warning);
+}

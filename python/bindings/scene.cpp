@@ -1,0 +1,95 @@
+// Scenes, as data for drawing and for choosing goals.
+#include "threewe/scene/scene.hpp"
+
+#include <array>
+
+#include "bindings.hpp"
+#include "threewe/core/exact.hpp"
+
+namespace {
+
+using namespace threewe;
+using scene::Door, scene::Object, scene::Prism, scene::Room, scene::Scene, scene::Wall;
+
+/// The corners of a prism, seen from above, in the frame of its object.
+std::vector<Vec2> outline(const Prism& prism) {
+  constexpr int kCorners = 24;
+  std::vector<Vec2> corners;
+  if (prism.shape == Prism::Shape::box) {
+    const double x = prism.length / 2;
+    const double y = prism.width / 2;
+    for (const Vec2 corner : {Vec2{x, -y}, Vec2{x, y}, Vec2{-x, y}, Vec2{-x, -y}}) corners.push_back(prism.pose * corner);
+  } else {
+    for (int i = 0; i < kCorners; ++i) {
+      corners.push_back(prism.pose * rotate({prism.radius, 0.0}, 2 * exact::kPi * i / kCorners));
+    }
+  }
+  return corners;
+}
+
+void bind_parts(nb::module_& m) {
+  nb::class_<Prism> prism(m, "Prism", "A vertical prism over a rectangle or a disc, in the frame of its object.");
+  nb::enum_<Prism::Shape>(prism, "Shape").value("box", Prism::Shape::box).value("cylinder", Prism::Shape::cylinder);
+  prism.def_ro("shape", &Prism::shape)
+      .def_ro("pose", &Prism::pose, "of its middle")
+      .def_ro("length", &Prism::length, "[m] along x, of a box")
+      .def_ro("width", &Prism::width, "[m] along y, of a box")
+      .def_ro("radius", &Prism::radius, "[m], of a cylinder")
+      .def_ro("z_min", &Prism::z_min, "[m]")
+      .def_ro("z_max", &Prism::z_max, "[m]")
+      .def_ro("material", &Prism::material)
+      .def("outline", &outline, "Its corners seen from above, counter-clockwise [m]; a disc has 24.");
+  nb::class_<Wall>(m, "Wall", "A straight wall of some thickness: the piece between two doorways.")
+      .def_ro("a", &Wall::a, "(x, y) [m]")
+      .def_ro("b", &Wall::b, "(x, y) [m]")
+      .def_ro("thickness", &Wall::thickness, "[m]")
+      .def_ro("height", &Wall::height, "[m]");
+  nb::class_<Door>(m, "Door", "A doorway in a wall.")
+      .def_ro("name", &Door::name)
+      .def_ro("center", &Door::center, "(x, y) [m]")
+      .def_ro("width", &Door::width, "[m]");
+  nb::class_<Room>(m, "Room", "A named room: an axis-aligned rectangle.")
+      .def_ro("name", &Room::name)
+      .def_ro("min", &Room::min, "(x, y) [m]")
+      .def_ro("max", &Room::max, "(x, y) [m]")
+      .def_ro("floor", &Room::floor, "its material")
+      .def_ro("anchor", &Room::anchor, "(x, y) [m] where a robot can stand")
+      .def("__repr__", [](const Room& room) {
+        return fmt::format("Room('{}', anchor=({:.2f}, {:.2f}))", room.name, room.anchor.x, room.anchor.y);
+      });
+  nb::class_<Object>(m, "Object", "A piece of furniture.")
+      .def_ro("name", &Object::name, "unique in its scene, such as `chair_3`")
+      .def_ro("category", &Object::category, "such as `chair`")
+      .def_ro("pose", &Object::pose)
+      .def_ro("prisms", &Object::prisms)
+      .def("__repr__", [](const Object& object) {
+        return fmt::format("Object('{}', {} at ({:.2f}, {:.2f}))", object.name, object.category, object.pose.x, object.pose.y);
+      });
+}
+
+}  // namespace
+
+void init_scene(nb::module_& m) {
+  bind_parts(m);
+  nb::class_<Scene>(m, "Scene", "Walls, doors, named rooms and furniture. Its origin is its start pose; x along the start heading.")
+      .def_static("load", &Scene::load, "name"_a,
+                  "Reads a scene by name, or from a file that ends in .yaml. Raises ConfigError with file and line.")
+      .def_ro("name", &Scene::name)
+      .def_ro("description", &Scene::description)
+      .def_ro("min", &Scene::min, "(x, y) [m] of the box around all walls")
+      .def_ro("max", &Scene::max, "(x, y) [m]")
+      .def_ro("walls", &Scene::walls)
+      .def_ro("doors", &Scene::doors)
+      .def_ro("rooms", &Scene::rooms)
+      .def_ro("objects", &Scene::objects)
+      .def_ro("starts", &Scene::starts, "Where robots start; the first is the origin.")
+      .def("room", &Scene::room, "name"_a, nb::rv_policy::reference_internal,
+           "A room by name. Raises ConfigError naming the nearest right one.")
+      .def("room_at", &Scene::room_at, "point"_a, nb::rv_policy::reference_internal,
+           "The room that holds a point (x, y), or None.")
+      .def("__repr__", [](const Scene& scene) {
+        return fmt::format("Scene('{}', {:.0f} x {:.0f} m, {} rooms, {} objects)", scene.name, scene.max.x - scene.min.x,
+                           scene.max.y - scene.min.y, scene.rooms.size(), scene.objects.size());
+      });
+  m.def("scene_names", &scene::scene_names, "The names of all scenes.");
+}

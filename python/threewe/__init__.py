@@ -1,0 +1,98 @@
+"""3we: one robot program, on simulators and on the robot."""
+
+from importlib.metadata import PackageNotFoundError
+from importlib.metadata import version as _version
+
+from threewe._core import (
+    BatteryState,
+    ExploreResult,
+    Features,
+    IMUData,
+    Intervention,
+    Kinematics,
+    LaserScan,
+    Limits,
+    MoveResult,
+    OccupancyGrid,
+    Odometry,
+    Pose2D,
+    PoseEstimate,
+    Progress,
+    Reason,
+    RobotProfile,
+    Sample,
+    Scene,
+    SensorInfo,
+    SensorType,
+    Snapshot,
+    TickView,
+    Velocity,
+    add_asset_directory,
+    asset_directories,
+    backend_names,
+    profile_names,
+    scene_names,
+)
+from threewe.errors import (
+    ConfigError,
+    ConnectionError,
+    ContractError,
+    EmergencyStopError,
+    HardwareError,
+    NavigationError,
+    SafetyError,
+    ThreeweError,
+    TimeoutError,
+)
+from threewe.robot import Robot
+from threewe.simulation import Simulation
+from threewe.world import World
+
+try:
+    __version__ = _version("threewe")
+except PackageNotFoundError:  # run from the source tree
+    __version__ = "0+unknown"
+
+__all__ = [
+    "BatteryState",
+    "ConfigError",
+    "ConnectionError",
+    "ContractError",
+    "EmergencyStopError",
+    "ExploreResult",
+    "Features",
+    "HardwareError",
+    "IMUData",
+    "Intervention",
+    "Kinematics",
+    "LaserScan",
+    "Limits",
+    "MoveResult",
+    "NavigationError",
+    "OccupancyGrid",
+    "Odometry",
+    "Pose2D",
+    "PoseEstimate",
+    "Progress",
+    "Reason",
+    "Robot",
+    "RobotProfile",
+    "SafetyError",
+    "Sample",
+    "Scene",
+    "SensorInfo",
+    "SensorType",
+    "Simulation",
+    "Snapshot",
+    "ThreeweError",
+    "TickView",
+    "TimeoutError",
+    "Velocity",
+    "World",
+    "__version__",
+    "add_asset_directory",
+    "asset_directories",
+    "backend_names",
+    "profile_names",
+    "scene_names",
+]

@@ -1,0 +1,467 @@
+"""One robot, the same on every backend."""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+import threading
+import weakref
+from collections.abc import Callable, Sequence
+from types import TracebackType
+from typing import Never, Self, SupportsFloat
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from threewe import _core
+from threewe._core import (
+    BatteryState,
+    ExploreResult,
+    Features,
+    IMUData,
+    LaserScan,
+    Motion,
+    MoveResult,
+    OccupancyGrid,
+    Odometry,
+    Pose2D,
+    Progress,
+    RobotProfile,
+    TickView,
+    Velocity,
+)
+from threewe._options import known_options
+from threewe._time import RobotTime, Thinking, Timeout
+from threewe.errors import ContractError, HardwareError
+from threewe.simulation import Simulation
+
+logger = logging.getLogger("threewe")
+
+READS_AT_ONE_STAMP = 1000
+"""Reads while robot time stands still, after which the likely mistake is reported."""
+
+OnProgress = Callable[[Progress], object]
+PoseLike = Pose2D | Sequence[float]
+
+
+class Robot:
+    """A robot in a world of its own.
+
+    Use it as `async with Robot(...) as robot:`, or `robot = await Robot(...).connect()` in a notebook. Coroutines let
+    robot time go by; everything else returns at once. In lockstep backends (the simulators) robot time stands still
+    whenever no task waits for it.
+
+    Args:
+        backend: where the robot is: `mock` is the embedded simulator; see `threewe.backend_names()`.
+        hardware: the robot profile, see `threewe.profile_names()`, or a file that ends in .yaml.
+        scene: the simulated place, see `threewe.scene_names()`, or a file that ends in .yaml.
+        map: a map to localise in; the robot draws its own without.
+        initial_pose: where the robot starts in its `map` frame: a Pose2D or (x, y, theta) [m, m, rad].
+        noise: `realistic`, or `ideal` for sensors and wheels without any imperfection.
+        seed: of all noise. The same seed and program give the same run, to the bit.
+        realtime: pace a simulator to the wall clock.
+        start_pose: where a simulated robot starts in its scene; the scene's own start where left out.
+
+    Raises:
+        ConfigError: an unknown backend, profile, scene or option (with the nearest right name), or a start in a wall.
+    """
+
+    @known_options
+    def __init__(
+        self,
+        backend: str = "mock",
+        hardware: str = "3we_standard_v2",
+        scene: str = "office_v2",
+        map: OccupancyGrid | None = None,
+        initial_pose: PoseLike | None = None,
+        noise: str = "realistic",
+        seed: int = 0,
+        realtime: bool = False,
+        *,
+        start_pose: PoseLike | None = None,
+    ) -> None:
+        if map is not None:
+            raise ContractError("map: localising in a given map is not there yet; leave it out, and the robot draws its own")
+        world = _core.World(
+            backend=backend,
+            scene=scene,
+            robots=[hardware],
+            noise=noise,
+            seed=seed,
+            realtime=realtime,
+            start_poses=[] if start_pose is None else [as_pose("start_pose", start_pose)],
+            initial_poses=[] if initial_pose is None else [as_pose("initial_pose", initial_pose)],
+        )
+        self._set_up(world, RobotTime(world), 0)
+
+    @classmethod
+    def _of_world(cls, world: _core.World, robot_time: RobotTime, index: int) -> Self:
+        """A robot of a world that others share."""
+        robot = cls.__new__(cls)
+        robot._set_up(world, robot_time, index)
+        return robot
+
+    def _set_up(self, world: _core.World, robot_time: RobotTime, index: int) -> None:
+        self._world = world
+        self._time = robot_time
+        self._runtime = world.robot(index)
+        self._simulation = Simulation(world, index, robot_time) if self._runtime.simulated else None
+        self._map: tuple[int, OccupancyGrid] | None = None
+        self._observers: dict[int, Callable[[TickView], object]] = {}
+        self._tap: int | None = None
+        self._read_at = (-1.0, 0)
+
+    def __repr__(self) -> str:
+        state = "connected" if self.connected else "not connected"
+        return f"Robot({self.profile.name!r}, {state}, robot time {self.now:.2f} s)"
+
+    # Connecting
+
+    async def connect(self) -> Self:
+        """Connects and waits until every sensor has delivered. Raises ConnectionError. Connecting twice does nothing."""
+        self._time.start()
+        self._runtime.connect()
+        await self._time.wait(self._runtime.ready())
+        return self
+
+    async def disconnect(self) -> None:
+        """Ends a motion as `cancelled`, stops the robot and lets go of it."""
+        self._time.check_thread()
+        self._runtime.disconnect()
+        if not any(self._world.robot(i).connected for i in range(self._world.robot_count)):
+            self._time.stop()
+
+    async def __aenter__(self) -> Self:
+        return await self.connect()
+
+    async def __aexit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, traceback: TracebackType | None
+    ) -> None:
+        await self.disconnect()
+
+    @property
+    def connected(self) -> bool:
+        """True between `connect` and `disconnect`."""
+        return self._runtime.connected
+
+    @property
+    def profile(self) -> RobotProfile:
+        """What the robot is: its body, limits and sensors."""
+        return self._runtime.profile
+
+    @property
+    def features(self) -> Features:
+        """What the robot can do on this backend, readable before connecting."""
+        return self._runtime.features
+
+    @property
+    def simulation(self) -> Simulation | None:
+        """The truth, in a simulated world; None on a real robot."""
+        return self._simulation
+
+    # Robot time
+
+    @property
+    def now(self) -> float:
+        """Robot time [s]."""
+        return self._time.now
+
+    async def sleep(self, seconds: float) -> None:
+        """Lets `seconds` of robot time go by."""
+        await self._time.sleep(seconds)
+
+    def timeout(self, seconds: float) -> Timeout:
+        """`async with robot.timeout(seconds):` raises TimeoutError after `seconds` of robot time."""
+        return self._time.timeout(seconds)
+
+    def thinking(self, seconds: float | None = None) -> Thinking:
+        """`async with robot.thinking(seconds=x):` for waits other than robot time: a model, the network, a thread.
+
+        Robot time stands still inside, then `x` seconds of it go by; without `x` as many as the wall clock counted,
+        and runs are no longer repeatable.
+        """
+        return self._time.thinking(seconds)
+
+    # Motions: they return why they ended, and raise only when they cannot begin
+
+    @known_options
+    async def move_to(
+        self,
+        x: float,
+        y: float,
+        theta: float | None = None,
+        *,
+        frame: str = "map",
+        tolerance: float = 0.25,
+        timeout: float | None = None,
+        on_progress: OnProgress | None = None,
+    ) -> MoveResult:
+        """Drives to a position, and turns to a heading where one is given.
+
+        Args:
+            x: [m] in `frame`.
+            y: [m] in `frame`.
+            theta: final heading [rad] in `frame`; any where left out.
+            frame: `map`, `odom` or `base`.
+            tolerance: [m] from the goal that counts as reached.
+            timeout: [s] of robot time; 30 s + 4 x straight distance / speed limit where left out.
+            on_progress: called with a Progress every 0.1 s of robot time; what it raises ends the motion.
+
+        Returns:
+            The result with `success` and `reason`: `reached no_path blocked timeout cancelled estop lost fault`.
+
+        Raises:
+            ContractError: a goal that is not finite, or an unknown frame.
+            EmergencyStopError: the emergency stop is latched.
+            SafetyError: another motion owns the robot.
+            ConnectionError: not connected.
+        """
+        self._time.check_thread()
+        goal = self._runtime.transform("map", frame) * Pose2D(x, y, 0.0 if theta is None else theta)
+        heading = None if theta is None else goal.theta
+        motion = self._runtime.move_to((goal.x, goal.y), heading, tolerance, timeout)
+        return await self._result(motion, on_progress)
+
+    @known_options
+    async def move_forward(
+        self, distance: float, *, timeout: float | None = None, on_progress: OnProgress | None = None
+    ) -> MoveResult:
+        """Drives straight ahead by `distance` [m], backwards when negative. See `move_to`."""
+        self._time.check_thread()
+        return await self._result(self._runtime.move_forward(distance, timeout), on_progress)
+
+    @known_options
+    async def rotate(
+        self, angle: float, *, timeout: float | None = None, on_progress: OnProgress | None = None
+    ) -> MoveResult:
+        """Turns on the spot by `angle` [rad], counter-clockwise; may exceed a full turn. See `move_to`."""
+        self._time.check_thread()
+        return await self._result(self._runtime.rotate(angle, timeout), on_progress)
+
+    @known_options
+    async def follow_path(
+        self,
+        path: ArrayLike,
+        *,
+        tolerance: float = 0.25,
+        timeout: float | None = None,
+        on_progress: OnProgress | None = None,
+    ) -> MoveResult:
+        """Drives along a polyline in `map`: (N, 2) positions [m]. See `move_to`."""
+        self._time.check_thread()
+        points = as_array("path", path, (None, 2))
+        motion = self._runtime.follow_path([(x, y) for x, y in points.tolist()], tolerance, timeout)
+        return await self._result(motion, on_progress)
+
+    @known_options
+    async def explore(
+        self, *, timeout: float | None = None, on_progress: OnProgress | None = None
+    ) -> ExploreResult:
+        """Maps everything that can be reached, for at most `timeout` (600) seconds of robot time. Needs a lidar."""
+        self._time.check_thread()
+        motion = self._runtime.explore(timeout)
+        await self._time.wait_for_motion(motion, on_progress)
+        return motion.explore_result()
+
+    async def _result(self, motion: Motion, on_progress: OnProgress | None) -> MoveResult:
+        await self._time.wait_for_motion(motion, on_progress)
+        return motion.result()
+
+    @known_options
+    async def execute_action(self, action: ArrayLike, period: float = 0.02) -> Velocity:
+        """One control step: (3,) in [-1, 1], scaled to the operating limits and held for `period` [s].
+
+        Returns the velocity that the safety gate let through.
+        """
+        self._time.check_thread()
+        vx, vy, omega = as_array("action", action, (3,)).tolist()
+        await self._time.wait(self._runtime.execute_action([vx, vy, omega], period))
+        return self._runtime.commanded()
+
+    # Commands that return at once
+
+    @known_options
+    def set_velocity(self, vx: float = 0.0, vy: float = 0.0, omega: float = 0.0, *, hold: float = 0.5) -> None:
+        """Drives at a body velocity [m/s, m/s, rad/s] for at most `hold` [s] of robot time, then stops.
+
+        Raises:
+            ContractError: a velocity that is not finite, or `vy` on a differential base.
+            EmergencyStopError: the emergency stop is latched.
+            SafetyError: a motion owns the robot.
+        """
+        self._time.check_thread()
+        self._runtime.set_velocity(vx, vy, omega, hold)
+
+    def stop(self) -> None:
+        """Ends a motion as `cancelled` and brings the robot to a stand-still. Always allowed."""
+        self._time.check_thread()
+        self._runtime.stop()
+        self._time.wake()
+
+    def emergency_stop(self) -> None:
+        """Stops at once, beyond the acceleration limit, and stays stopped. Always allowed, from any thread."""
+        loop = self._time.loop
+        if loop is not None and not self._time.on_own_thread():
+            loop.call_soon_threadsafe(self.emergency_stop)
+            return
+        self._runtime.estop()
+        self._time.wake()
+
+    def release_emergency_stop(self) -> None:
+        """Lets the robot move again."""
+        self._time.check_thread()
+        self._runtime.release_estop()
+
+    @property
+    def emergency_stopped(self) -> bool:
+        """True while the emergency stop is latched."""
+        return self._runtime.estopped
+
+    # Readings: what arrived last. They never let time go by.
+
+    def get_lidar_scan(self) -> LaserScan:
+        """The newest scan. Raises HardwareError without a lidar."""
+        return self._read().lidar_scan()
+
+    def get_imu(self) -> IMUData:
+        """The newest reading of the inertial unit. Raises HardwareError without one."""
+        return self._read().imu()
+
+    def get_odometry(self) -> Odometry:
+        """Where the wheels alone say that the robot is, in `odom`."""
+        return self._read().odometry()
+
+    def get_battery_state(self) -> BatteryState:
+        """The state of the battery. Raises HardwareError without one."""
+        return self._read().battery()
+
+    def get_pose(self) -> Pose2D:
+        """Where the robot believes it is, in `map`."""
+        return self._read().pose().map_from_base
+
+    def get_velocity(self) -> Velocity:
+        """The body velocity, as the robot estimates it."""
+        return self._read().pose().velocity
+
+    def get_transform(self, target: str, source: str) -> Pose2D:
+        """`target_from_source` among `map`, `odom`, `base` and the sensors' names."""
+        return self._read().transform(target, source)
+
+    def get_map(self) -> OccupancyGrid:
+        """The map so far: the same object until it changes, which never changes itself."""
+        runtime = self._read()
+        version = runtime.map_version()
+        if self._map is None or self._map[0] != version:
+            self._map = version, runtime.map()
+        return self._map[1]
+
+    def get_path(self) -> NDArray[np.float64]:
+        """The path being followed, from the robot to its goal: (N, 2) [m] in `map`; empty between motions."""
+        return np.array(self._read().path(), np.float64).reshape(-1, 2)
+
+    def get_observation(self) -> dict[str, NDArray[np.floating]]:
+        """What the robot knows, as arrays.
+
+        `pose` (3,) in `map`, `velocity` (3,) in the body frame and, with a lidar, `lidar` (N,) float32 [m].
+        """
+        estimate = self._read().pose()
+        observation: dict[str, NDArray[np.floating]] = {
+            "pose": np.array([*estimate.map_from_base]),
+            "velocity": np.array([*estimate.velocity]),
+        }
+        if self.profile.lidar is not None:
+            observation["lidar"] = self.get_lidar_scan().ranges
+        return observation
+
+    def get_camera_image(self) -> Never:
+        """Raises HardwareError: no robot has a camera yet."""
+        raise self._no_camera()
+
+    def get_image(self, name: str = "camera") -> Never:
+        """Raises HardwareError: no robot has a camera yet."""
+        raise self._no_camera()
+
+    def get_rgbd_image(self) -> Never:
+        """Raises HardwareError: no robot has a camera yet."""
+        raise self._no_camera()
+
+    def _no_camera(self) -> HardwareError:
+        sensors = ", ".join(sensor.name for sensor in self.features.sensors)
+        return HardwareError(f"{self.profile.name} has no camera on this backend yet; it has: {sensors}")
+
+    def _read(self) -> _core.Runtime:
+        self._time.check_thread()
+        stamp, reads = self._read_at
+        now = self._world.now
+        self._read_at = now, reads + 1 if now == stamp else 1
+        if self._read_at[1] == READS_AT_ONE_STAMP and not self._world.realtime:
+            logger.warning(
+                "%d readings at robot time %.2f s: it goes by only while you wait for it, with `await robot.sleep(...)`",
+                READS_AT_ONE_STAMP,
+                now,
+            )
+        return self._runtime
+
+    # Observers
+
+    def observe(self, observer: Callable[[TickView], object]) -> int:
+        """Calls `observer` with a TickView at the end of every tick (50 times a second of robot time).
+
+        What it raises goes to the event loop's exception handler. Returns a number for `unobserve`.
+        """
+        self._time.check_thread()
+        if self._tap is None:
+            self._tap = self._runtime.observe(_tap(weakref.ref(self)))
+        number = max(self._observers, default=0) + 1
+        self._observers[number] = observer
+        return number
+
+    def unobserve(self, number: int) -> None:
+        """Stops calling an observer."""
+        self._time.check_thread()
+        self._observers.pop(number, None)
+        if not self._observers and self._tap is not None:
+            self._runtime.unobserve(self._tap)
+            self._tap = None
+
+    def _tell_observers(self, tick: TickView) -> None:
+        for observer in list(self._observers.values()):
+            try:
+                observer(tick)
+            except Exception as error:
+                context = {"message": f"an observer of {self!r} failed", "exception": error}
+                asyncio.get_running_loop().call_exception_handler(context)
+
+
+def _tap(robot: weakref.ref[Robot]) -> Callable[[TickView], None]:
+    """What the C++ side calls. It must not keep the robot alive: Python's garbage collector cannot see into C++."""
+
+    def tell(tick: TickView) -> None:
+        if (alive := robot()) is not None:
+            alive._tell_observers(tick)
+
+    return tell
+
+
+def as_pose(name: str, pose: PoseLike) -> Pose2D:
+    """A Pose2D from one, from (x, y) or from (x, y, theta). Raises ContractError."""
+    if isinstance(pose, Pose2D):
+        return pose
+    numbers = np.asarray(pose, np.float64)
+    if numbers.shape not in ((2,), (3,)):
+        raise ContractError(f"{name} must be a Pose2D, (x, y) or (x, y, theta), got {pose!r}")
+    return Pose2D(*as_array(name, numbers, numbers.shape).tolist())
+
+
+def as_array(name: str, values: ArrayLike, shape: tuple[int | None, ...]) -> NDArray[np.float64]:
+    """A finite array of some shape, where None is any length. Raises ContractError."""
+    try:
+        array = np.asarray(values, np.float64)
+    except (TypeError, ValueError) as error:
+        raise ContractError(f"{name} must hold numbers, got {values!r}") from error
+    if len(array.shape) != len(shape) or any(want not in (None, got) for got, want in zip(array.shape, shape, strict=True)):
+        wanted = ", ".join("N" if length is None else str(length) for length in shape)
+        raise ContractError(f"{name} must have shape ({wanted}), got {array.shape}")
+    if not np.isfinite(array).all():
+        raise ContractError(f"{name} must be finite, got {array.tolist()}")
+    return array

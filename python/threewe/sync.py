@@ -1,0 +1,228 @@
+"""The same robot without `async`, for scripts: every method blocks until it is done.
+
+    from threewe.sync import Robot
+
+    with Robot() as robot:
+        result = robot.move_to(2.0, 1.0)
+"""
+
+from __future__ import annotations
+
+import asyncio
+import functools
+import threading
+import time
+import weakref
+from collections.abc import Callable, Coroutine, Iterator
+from contextlib import contextmanager
+from types import TracebackType
+from typing import Any, Concatenate, ParamSpec, Self, TypeVar
+
+import threewe
+from threewe._core import Features, RobotProfile
+from threewe.errors import ContractError
+
+P = ParamSpec("P")
+R = TypeVar("R")
+Init = Callable[Concatenate["Robot", P], None]
+
+
+class _LoopThread:
+    """A thread that runs an event loop, on which everything about one robot happens."""
+
+    def __init__(self) -> None:
+        self._loop = asyncio.new_event_loop()
+        self._thread = threading.Thread(target=self._run, name="threewe.sync", daemon=True)
+        self._thread.start()
+
+    def _run(self) -> None:
+        asyncio.set_event_loop(self._loop)
+        self._loop.run_forever()
+        self._loop.close()
+
+    def wait(self, work: Callable[[], Coroutine[Any, Any, R]]) -> R:
+        """What the coroutine returns or raises. Ctrl-C cancels it, and with it a motion."""
+        if threading.current_thread() is self._thread:
+            raise ContractError("an observer or on_progress cannot wait for robot time")
+        future = asyncio.run_coroutine_threadsafe(work(), self._loop)
+        try:
+            return future.result()
+        except BaseException:
+            future.cancel()
+            raise
+
+    def call(self, work: Callable[[], R]) -> R:
+        """What a function returns or raises on the loop's thread."""
+        if threading.current_thread() is self._thread:
+            return work()
+
+        async def run() -> R:
+            return work()
+
+        return self.wait(run)
+
+    def close(self) -> None:
+        """Ends the thread."""
+        self._loop.call_soon_threadsafe(self._loop.stop)
+        if threading.current_thread() is not self._thread:
+            self._thread.join()
+
+
+def _options(make: Callable[P, threewe.Robot]) -> Callable[[Callable[[Robot, threewe.Robot], None]], Init[P]]:
+    """Lets a constructor that takes a robot take the options of that robot."""
+
+    def decorate(init: Callable[[Robot, threewe.Robot], None]) -> Init[P]:
+        @functools.wraps(make.__init__)  # type: ignore[misc]
+        def construct(self: Robot, *args: P.args, **options: P.kwargs) -> None:
+            init(self, make(*args, **options))
+
+        return construct
+
+    return decorate
+
+
+class _OnThread:
+    """Something whose methods run on a loop's thread."""
+
+    _thread: _LoopThread
+    _target: Any
+
+
+def _waits(method: Callable[Concatenate[Any, P], Coroutine[Any, Any, R]]) -> Callable[Concatenate[_OnThread, P], R]:
+    """The blocking form of a coroutine."""
+
+    @functools.wraps(method)
+    def call(self: _OnThread, *args: P.args, **options: P.kwargs) -> R:
+        return self._thread.wait(lambda: method(self._target, *args, **options))
+
+    return call
+
+
+def _returns(method: Callable[Concatenate[Any, P], R]) -> Callable[Concatenate[_OnThread, P], R]:
+    """The same method, on the loop's thread."""
+
+    @functools.wraps(method)
+    def call(self: _OnThread, *args: P.args, **options: P.kwargs) -> R:
+        return self._thread.call(lambda: method(self._target, *args, **options))
+
+    return call
+
+
+class Simulation(_OnThread):
+    """`threewe.Simulation` for scripts."""
+
+    def __init__(self, thread: _LoopThread, truth: threewe.Simulation) -> None:
+        self._thread = thread
+        self._target = truth
+        self.scene = truth.scene
+
+    true_pose = _returns(threewe.Simulation.true_pose)
+    true_velocity = _returns(threewe.Simulation.true_velocity)
+    start_pose = _returns(threewe.Simulation.start_pose)
+    max_collision_speed = _returns(threewe.Simulation.max_collision_speed)
+    distance_driven = _returns(threewe.Simulation.distance_driven)
+    sample_free_pose = _returns(threewe.Simulation.sample_free_pose)
+    geodesic = _returns(threewe.Simulation.geodesic)
+    reset = _returns(threewe.Simulation.reset)
+    save = _returns(threewe.Simulation.save)
+    restore = _returns(threewe.Simulation.restore)
+
+
+class Robot(_OnThread):
+    """`threewe.Robot` for scripts: the same options and methods, each of which blocks until it is done.
+
+    The robot lives on an event loop in a thread of its own; robot time stands still between two calls.
+    """
+
+    @_options(threewe.Robot)
+    def __init__(self, robot: threewe.Robot) -> None:
+        self._target = self._robot = robot
+        self._thread = _LoopThread()
+        weakref.finalize(self, self._thread.close)
+
+    def __repr__(self) -> str:
+        return self._thread.call(lambda: f"sync.{self._robot!r}")
+
+    def connect(self) -> Self:
+        """Connects and waits until every sensor has delivered. Raises ConnectionError."""
+        self._thread.wait(self._robot.connect)
+        return self
+
+    def __enter__(self) -> Self:
+        return self.connect()
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, traceback: TracebackType | None
+    ) -> None:
+        self.disconnect()
+
+    @property
+    def connected(self) -> bool:
+        """True between `connect` and `disconnect`."""
+        return self._robot.connected
+
+    @property
+    def profile(self) -> RobotProfile:
+        """What the robot is: its body, limits and sensors."""
+        return self._robot.profile
+
+    @property
+    def features(self) -> Features:
+        """What the robot can do on this backend."""
+        return self._robot.features
+
+    @property
+    def now(self) -> float:
+        """Robot time [s]."""
+        return self._thread.call(lambda: self._robot.now)
+
+    @property
+    def emergency_stopped(self) -> bool:
+        """True while the emergency stop is latched."""
+        return self._thread.call(lambda: self._robot.emergency_stopped)
+
+    @property
+    def simulation(self) -> Simulation | None:
+        """The truth, in a simulated world; None on a real robot."""
+        truth = self._robot.simulation
+        return None if truth is None else Simulation(self._thread, truth)
+
+    @contextmanager
+    def thinking(self, seconds: float | None = None) -> Iterator[None]:
+        """`with robot.thinking(seconds=x):` lets `x` seconds of robot time go by at the end of the block.
+
+        Without `x` as many as the wall clock counted.
+        """
+        began = time.perf_counter()
+        yield
+        if self.features.lockstep:
+            self.sleep(time.perf_counter() - began if seconds is None else seconds)
+
+    disconnect = _waits(threewe.Robot.disconnect)
+    sleep = _waits(threewe.Robot.sleep)
+    move_to = _waits(threewe.Robot.move_to)
+    move_forward = _waits(threewe.Robot.move_forward)
+    rotate = _waits(threewe.Robot.rotate)
+    follow_path = _waits(threewe.Robot.follow_path)
+    explore = _waits(threewe.Robot.explore)
+    execute_action = _waits(threewe.Robot.execute_action)
+
+    set_velocity = _returns(threewe.Robot.set_velocity)
+    stop = _returns(threewe.Robot.stop)
+    emergency_stop = _returns(threewe.Robot.emergency_stop)
+    release_emergency_stop = _returns(threewe.Robot.release_emergency_stop)
+    get_lidar_scan = _returns(threewe.Robot.get_lidar_scan)
+    get_imu = _returns(threewe.Robot.get_imu)
+    get_odometry = _returns(threewe.Robot.get_odometry)
+    get_battery_state = _returns(threewe.Robot.get_battery_state)
+    get_pose = _returns(threewe.Robot.get_pose)
+    get_velocity = _returns(threewe.Robot.get_velocity)
+    get_transform = _returns(threewe.Robot.get_transform)
+    get_map = _returns(threewe.Robot.get_map)
+    get_path = _returns(threewe.Robot.get_path)
+    get_observation = _returns(threewe.Robot.get_observation)
+    get_camera_image = _returns(threewe.Robot.get_camera_image)
+    get_image = _returns(threewe.Robot.get_image)
+    get_rgbd_image = _returns(threewe.Robot.get_rgbd_image)
+    observe = _returns(threewe.Robot.observe)
+    unobserve = _returns(threewe.Robot.unobserve)

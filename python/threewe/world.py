@@ -1,0 +1,97 @@
+"""Several robots in one world."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from types import TracebackType
+from typing import Self
+
+from threewe import _core
+from threewe._options import known_options
+from threewe._time import RobotTime, Thinking, Timeout
+from threewe.robot import PoseLike, Robot, as_pose
+
+
+class World:
+    """A world with several robots, which share its time: `async with World(robots=[...]) as world:`.
+
+    Args:
+        backend: as for Robot.
+        scene: as for Robot.
+        robots: one hardware profile for each robot.
+        noise: as for Robot.
+        seed: as for Robot.
+        realtime: as for Robot.
+        start_poses: where each robot starts in the scene; the scene's own start poses where left out.
+        initial_poses: where each starts in its own `map` frame; the origin where left out.
+
+    Raises:
+        ConfigError: as for Robot.
+    """
+
+    @known_options
+    def __init__(
+        self,
+        backend: str = "mock",
+        scene: str = "office_v2",
+        robots: Sequence[str] = ("3we_standard_v2", "3we_standard_v2"),
+        *,
+        noise: str = "realistic",
+        seed: int = 0,
+        realtime: bool = False,
+        start_poses: Sequence[PoseLike] = (),
+        initial_poses: Sequence[PoseLike] = (),
+    ) -> None:
+        world = _core.World(
+            backend=backend,
+            scene=scene,
+            robots=list(robots),
+            noise=noise,
+            seed=seed,
+            realtime=realtime,
+            start_poses=[as_pose("start_poses", pose) for pose in start_poses],
+            initial_poses=[as_pose("initial_poses", pose) for pose in initial_poses],
+        )
+        self._time = RobotTime(world)
+        self.robots: tuple[Robot, ...] = tuple(
+            Robot._of_world(world, self._time, index) for index in range(world.robot_count)
+        )
+
+    def __repr__(self) -> str:
+        return f"World({', '.join(robot.profile.name for robot in self.robots)}; robot time {self.now:.2f} s)"
+
+    async def connect(self) -> Self:
+        """Connects every robot and waits until all their sensors have delivered."""
+        for robot in self.robots:
+            await robot.connect()
+        return self
+
+    async def disconnect(self) -> None:
+        """Stops every robot and lets go of it."""
+        for robot in self.robots:
+            await robot.disconnect()
+
+    async def __aenter__(self) -> Self:
+        return await self.connect()
+
+    async def __aexit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, traceback: TracebackType | None
+    ) -> None:
+        await self.disconnect()
+
+    @property
+    def now(self) -> float:
+        """Robot time [s]."""
+        return self._time.now
+
+    async def sleep(self, seconds: float) -> None:
+        """Lets `seconds` of robot time go by."""
+        await self._time.sleep(seconds)
+
+    def timeout(self, seconds: float) -> Timeout:
+        """As `Robot.timeout`."""
+        return self._time.timeout(seconds)
+
+    def thinking(self, seconds: float | None = None) -> Thinking:
+        """As `Robot.thinking`."""
+        return self._time.thinking(seconds)
