@@ -8,6 +8,7 @@
 
 #include "threewe/core/pose.hpp"
 #include "threewe/scene/geometry.hpp"
+#include "threewe/scene/solid.hpp"
 
 namespace threewe::scene {
 
@@ -57,6 +58,11 @@ struct Object {
   std::vector<Prism> prisms;  ///< in the object's frame
 };
 
+/// A wall's rectangle.
+Solid solid_of(const Wall& wall);
+/// A prism's outline where its object stands.
+Solid solid_of(const Prism& prism, const Pose2D& scene_from_object, int object);
+
 /// A scene. Its frame has its origin at the `start` pose, x along the start heading.
 class Scene {
  public:
@@ -73,6 +79,10 @@ class Scene {
   std::vector<Object> objects;
   std::vector<Pose2D> starts;  ///< where robots start; the first is (0, 0, 0)
 
+  /// Every wall and every prism of every object, in that order, in the scene's frame.
+  std::vector<Solid> solids() const;
+  /// Those that reach into the slab between the heights.
+  std::vector<Solid> solids_between(double z_min, double z_max) const;
   /// What the plane at height `z` cuts: shapes with z_min <= z < z_max.
   Slice at_height(double z) const;
   /// What stands between the heights: the obstacles of a robot that is `z_max` tall.

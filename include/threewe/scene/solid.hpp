@@ -1,0 +1,44 @@
+// What stands on the floor, seen from above: convex pieces with a height range, and exact tests between them.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "threewe/core/pose.hpp"
+#include "threewe/scene/geometry.hpp"
+
+namespace threewe::scene {
+
+/// A rectangle or a disc in the scene's frame, from `z_min` to `z_max`.
+struct Solid {
+  enum class Shape : std::uint8_t { box, disc };
+  Shape shape{};
+  std::array<Vec2, 4> corners;  ///< of a box, counter-clockwise
+  Vec2 center;
+  double radius = 0.0;  ///< [m] of the disc, or of the circle around the box
+  double z_min = 0.0;   ///< [m]
+  double z_max = 0.0;   ///< [m]
+  int object = -1;      ///< index into `Scene::objects`, -1 for walls
+  friend bool operator==(const Solid&, const Solid&) = default;
+};
+
+/// A rectangle `length` long in direction `theta` and `width` wide. Quarter turns are exact, so that furniture along a
+/// wall is exactly parallel to it.
+Solid make_box(const Pose2D& middle, double length, double width);
+Solid make_disc(Vec2 center, double radius);
+
+/// Distance [m] from a point to a solid, 0 inside.
+double distance_to(const Solid& solid, Vec2 point);
+/// Distance [m] between a solid and a convex, counter-clockwise polygon; 0 where they overlap.
+double distance_to(const Solid& solid, std::span<const Vec2> polygon);
+/// Whether a solid and a convex, counter-clockwise polygon overlap deeper than `depth` [m]; touching is no overlap.
+bool overlaps(const Solid& solid, std::span<const Vec2> polygon, double depth = 0.0);
+/// The same for two solids, seen from above; their heights are not compared.
+bool overlaps(const Solid& a, const Solid& b, double depth = 0.0);
+
+/// The outlines of solids. Of several with one outline, as the boards of a shelf, the first is taken.
+Slice outlines(std::span<const Solid> solids);
+
+}  // namespace threewe::scene
