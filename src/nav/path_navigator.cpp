@@ -332,9 +332,7 @@ PathNavigator::Plan PathNavigator::plan_exploration(const Observation& seen) {
   const map::Cell here = costmap_.cell(progress_.pose.position());
   const SearchResult found = planner_.search().to_any(
       costmap_, here, [&](std::uint32_t index) { return frontiers_[index] >= kMinFrontier; },
-      [&](std::uint32_t index) {
-        return costmap_.unknown({static_cast<int>(index) % costmap_.width(), static_cast<int>(index) / costmap_.width()});
-      });
+      [&](std::uint32_t index) { return costmap_.unknown()[index] != 0; });
   if (!found.found) {
     has_plan_ = false;
     path_.clear();

@@ -55,6 +55,8 @@ class Costmap {
   double clearance(Cell c) const;
   /// Nothing is known about this cell.
   bool unknown(Cell c) const { return !contains(c) || unknown_[index(c)] != 0; }
+  /// 1 for each unknown cell, else 0.
+  const std::vector<std::uint8_t>& unknown() const { return unknown_; }
   /// The cost of a straight line [m times weight]; infinity where it meets a lethal cell.
   double line_cost(Vec2 a, Vec2 b) const;
 
