@@ -1,0 +1,47 @@
+// From a commanded velocity to the motion of the body: motors with lag and limited torque, wheels with limited grip.
+#pragma once
+
+#include "threewe/core/kinematics.hpp"
+#include "threewe/core/pose.hpp"
+#include "threewe/core/time.hpp"
+#include "threewe/hardware/profile.hpp"
+
+namespace threewe::models {
+
+inline constexpr double kGravity = 9.80665;  ///< [m/s^2]
+
+/// What a drive is made of, with everything that depends on the time step worked out beforehand.
+struct Drive {
+  WheelGeometry wheels;
+  Limits limits;                ///< the firmware clamps commands to these
+  double step = 0.0;            ///< [s]
+  double response = 0.0;        ///< the share of a speed error that the speed loop removes in one step
+  double stall_change = 0.0;    ///< [rad/s] that stall torque adds to a wheel's speed in one step
+  double no_load_speed = 0.0;   ///< [rad/s] at nominal voltage
+  double grip_change = 0.0;     ///< [m/s] that friction can add to the body's speed in one step
+  double grip_arm = 0.0;        ///< [m], turns an angular velocity into a speed at the wheels
+  double inertia_arm_squared = 0.0;  ///< [m^2], inertia over mass
+  double mass = 0.0;            ///< [kg]
+  double rolling_resistance = 0.0;
+};
+
+Drive make_drive(const RobotProfile& profile, Duration step);
+
+/// The command as the firmware takes it: within the hardware limits, direction kept.
+Velocity clamp_command(const Limits& limits, const Velocity& command);
+
+/// Wheel speeds after one step of the motors' speed loops towards `setpoints`. `supply` is the battery's voltage over
+/// the nominal one: torque falls from stall to nothing at the no-load speed, both in proportion to it.
+WheelSpeeds drive_motors(const Drive& drive, const WheelSpeeds& speeds, const WheelSpeeds& setpoints, double supply);
+
+/// The body's velocity after one step on wheels that roll at `rolling` (body frame).
+///
+/// The wheels pull the body to their own velocity, with no more force than friction gives: an ellipsoid in
+/// (force, torque), the usual limit surface (Howe and Cutkosky 1996). Implicit, hence stable at any step, and it never
+/// overshoots.
+Velocity grip(const Drive& drive, const Velocity& body, const Velocity& rolling);
+
+/// Mechanical power [W] of a step that changed the velocity from `before` to `after`: acceleration and rolling.
+double drive_power(const Drive& drive, const Velocity& before, const Velocity& after);
+
+}  // namespace threewe::models

@@ -1,0 +1,52 @@
+// What never changes while a simulation runs: the scene, the robots in it, and all that follows from both.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "threewe/core/time.hpp"
+#include "threewe/hardware/profile.hpp"
+#include "threewe/models/drive.hpp"
+#include "threewe/models/lidar.hpp"
+#include "threewe/scene/scene.hpp"
+#include "threewe/sim/contact.hpp"
+#include "threewe/sim/obstacles.hpp"
+#include "threewe/sim/ray_caster.hpp"
+
+namespace threewe::sim {
+
+/// One step of physics; two make a control period.
+inline constexpr Duration kStep = 10ms;
+/// The longest command latency that a state has room for [steps].
+inline constexpr int kMaxLatencySteps = 16;
+/// The most lidar points a turn that a state has room for.
+inline constexpr int kMaxLidarPoints = 512;
+
+/// One robot of a world. Periods and latencies are counted in steps.
+struct RobotModel {
+  RobotProfile profile;
+  models::Drive drive;
+  RigidBody body;
+  std::vector<scene::Solid> solids;            ///< all that stands as high as the robot reaches
+  std::shared_ptr<const Obstacles> obstacles;  ///< the same, as outlines
+  int command_latency = 0;
+  int imu_period = 0;
+  int odometry_period = 0;
+  int battery_period = 0;
+  int turn = 0;                                ///< of the lidar
+  models::ScanPattern pattern;
+  std::shared_ptr<const RayCaster> caster;     ///< null without a lidar
+};
+
+/// A scene and the robots that share it. Const once made; every world and every thread may share one.
+struct Model {
+  std::shared_ptr<const scene::Scene> scene;
+  std::vector<RobotModel> robots;
+};
+
+/// Throws ConfigError where a profile cannot be simulated: a period that is no whole number of steps, or a lidar whose
+/// points do not divide evenly among the steps of a turn.
+std::shared_ptr<const Model> make_model(std::shared_ptr<const scene::Scene> scene, const std::vector<RobotProfile>& robots);
+
+}  // namespace threewe::sim

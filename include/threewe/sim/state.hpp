@@ -1,0 +1,58 @@
+// All that changes while a simulation runs, as plain data: copied, saved, restored and compared as bytes.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <type_traits>
+
+#include "threewe/core/kinematics.hpp"
+#include "threewe/core/pose.hpp"
+#include "threewe/core/rng.hpp"
+#include "threewe/core/samples.hpp"
+#include "threewe/models/imu.hpp"
+#include "threewe/models/odometry.hpp"
+#include "threewe/sim/model.hpp"
+
+namespace threewe::sim {
+
+/// One robot. Every member fills 8 bytes or more, so that no padding hides between them.
+struct RobotState {
+  // which noise it draws
+  std::uint64_t seed = 0;
+  std::uint32_t episode = 0;
+  std::uint32_t robot = 0;
+  std::uint64_t steps = 0;  ///< taken since the reset
+
+  // the body, in the scene's frame
+  Pose2D start;
+  Pose2D pose;
+  Velocity velocity;
+  double max_collision_speed = 0.0;  ///< [m/s] since the reset
+  double distance_driven = 0.0;      ///< [m] since the reset
+
+  // the drive
+  std::array<Velocity, kMaxLatencySteps> commands{};  ///< by the step that obeys them, modulo the array's size
+  WheelSpeeds wheel_speeds{};                         ///< [rad/s]
+  std::array<double, 4> wheel_angles{};               ///< [rad] turned since the reset
+  models::WheelErrors wheel_errors;
+  BatteryState battery;
+
+  // the sensors: their newest readings, and what they carry on
+  IMUData imu;
+  models::IMUState imu_state;
+  models::OdometryState odometry;
+  double lidar_bias = 0.0;                           ///< [m]
+  std::array<float, kMaxLidarPoints> lidar_points{};  ///< [m] of the turn in progress, or of the one that just ended
+
+  RngKey key(Stream stream) const { return {seed, episode, static_cast<std::uint16_t>(robot), 0, stream}; }
+  Time time() const { return static_cast<Duration::rep>(steps) * kStep; }
+};
+
+static_assert(std::is_trivially_copyable_v<RobotState>);
+static_assert(sizeof(RobotState) == 3 * 8 + 3 * sizeof(Pose2D) + 2 * 8 + kMaxLatencySteps * sizeof(Velocity) + 8 * 8 +
+                                        sizeof(models::WheelErrors) + sizeof(BatteryState) + sizeof(IMUData) +
+                                        sizeof(models::IMUState) + sizeof(models::OdometryState) + 8 +
+                                        kMaxLidarPoints * sizeof(float),
+              "a gap between members would hold bytes that nothing sets");
+
+}  // namespace threewe::sim

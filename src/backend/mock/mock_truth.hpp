@@ -1,0 +1,35 @@
+// The truth about one simulated robot.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "threewe/scene/truth_view.hpp"
+#include "threewe/sim/model.hpp"
+#include "threewe/sim/state.hpp"
+
+namespace threewe::backend::mock {
+
+class MockTruth : public scene::TruthView {
+ public:
+  MockTruth(std::shared_ptr<const sim::Model> model, std::size_t index, const std::vector<sim::RobotState>& states)
+      : model_(std::move(model)), index_(index), states_(states) {}
+
+  const scene::Scene& scene() const override { return *model_->scene; }
+  Pose2D true_pose() const override { return state().pose; }
+  Velocity true_velocity() const override { return state().velocity; }
+  Pose2D start_pose() const override { return state().start; }
+  double max_collision_speed() const override { return state().max_collision_speed; }
+  double distance_driven() const override { return state().distance_driven; }
+  Pose2D sample_free_pose(std::uint64_t seed) const override;
+  double geodesic(Vec2 a, Vec2 b) const override;
+
+ private:
+  const sim::RobotState& state() const { return states_[index_]; }
+
+  std::shared_ptr<const sim::Model> model_;
+  std::size_t index_;
+  const std::vector<sim::RobotState>& states_;  // the world's
+};
+
+}  // namespace threewe::backend::mock

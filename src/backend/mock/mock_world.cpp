@@ -1,0 +1,146 @@
+#include "threewe/backend/mock/mock_world.hpp"
+
+#include <array>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "backend/mock/bytes.hpp"
+#include "backend/mock/mock_port.hpp"
+#include "threewe/core/errors.hpp"
+#include "threewe/scene/scene.hpp"
+#include "threewe/sim/placement.hpp"
+#include "threewe/sim/step.hpp"
+
+namespace threewe::backend::mock {
+namespace {
+
+constexpr std::array<char, 8> kSavedAs{'3', 'w', 'e', 'm', 'o', 'c', 'k', '1'};
+
+}  // namespace
+
+MockWorld::MockWorld(const WorldOptions& options) : noise_(options.noise) {
+  if (options.robots.empty()) throw ConfigError("robots: a world needs at least one");
+  std::vector<RobotProfile> profiles;
+  std::vector<RobotProfile> simulated;
+  for (const std::string& name : options.robots) {
+    profiles.push_back(load_profile(name));
+    simulated.push_back(with_noise(profiles.back(), options.noise));
+  }
+  model_ = sim::make_model(std::make_shared<const scene::Scene>(scene::Scene::load(options.scene)), simulated);
+  for (std::size_t i = 0; i < profiles.size(); ++i) {
+    ports_.push_back(std::make_unique<MockPort>(*this, i, std::move(profiles[i])));
+  }
+  reset({options.seed, options.poses});
+}
+
+MockWorld::~MockWorld() = default;
+
+std::size_t MockWorld::robot_count() const { return ports_.size(); }
+
+RobotPort& MockWorld::robot(std::size_t index) { return *ports_.at(index); }
+
+void MockWorld::advance_to(Time t) {
+  if (t < now_) {
+    throw ContractError(fmt::format("advance_to({} s): now is {} s", to_seconds(t), to_seconds(now_)));
+  }
+  while (static_cast<Duration::rep>(steps_ + 1) * sim::kStep <= t) step();
+  now_ = t;
+}
+
+void MockWorld::step() {
+  const Time begin = static_cast<Duration::rep>(steps_) * sim::kStep;
+  for (std::size_t i = 0; i < ports_.size(); ++i) commands_[i] = ports_[i]->command_at(begin);
+  sim::step(*model_, states_, commands_);
+  ++steps_;
+  for (std::size_t i = 0; i < ports_.size(); ++i) ports_[i]->collect(states_[i]);
+}
+
+std::vector<Pose2D> MockWorld::start_poses(const std::vector<Pose2D>& asked) const {
+  const std::vector<Pose2D>& poses = asked.empty() ? model_->scene->starts : asked;
+  if (poses.size() < ports_.size() || (!asked.empty() && poses.size() > ports_.size())) {
+    throw ConfigError(fmt::format("{} start poses for {} robots{}", poses.size(), ports_.size(),
+                                  asked.empty() ? fmt::format(" in scene '{}'", model_->scene->name) : ""));
+  }
+  std::vector<Pose2D> starts;
+  for (std::size_t i = 0; i < ports_.size(); ++i) {
+    const Pose2D& pose = poses[i];
+    const auto fail = [&](const std::string& what) {
+      throw ConfigError(fmt::format("poses[{}]: ({}, {}, {}) {}", i, pose.x, pose.y, pose.theta, what));
+    };
+    if (!is_finite(pose)) fail("is not finite");
+    const scene::Scene& scene = *model_->scene;
+    if (pose.x < scene.min.x || pose.y < scene.min.y || pose.x > scene.max.x || pose.y > scene.max.y) {
+      fail(fmt::format("is outside scene '{}', which reaches from ({}, {}) to ({}, {})", scene.name, scene.min.x,
+                       scene.min.y, scene.max.x, scene.max.y));
+    }
+    if (const auto hit = sim::find_collision(*model_, i, pose)) {
+      fail(fmt::format("is inside {} of scene '{}'", *hit, scene.name));
+    }
+    for (std::size_t other = 0; other < i; ++other) {
+      if (sim::robots_overlap(model_->robots[i], pose, model_->robots[other], starts[other])) {
+        fail(fmt::format("overlaps robot {}", other));
+      }
+    }
+    starts.push_back({pose.x, pose.y, wrap_angle(pose.theta)});
+  }
+  return starts;
+}
+
+void MockWorld::reset(const ResetOptions& options) {
+  const std::vector<Pose2D> starts = start_poses(options.poses);
+  now_ = {};
+  steps_ = 0;
+  states_.clear();
+  for (std::size_t i = 0; i < ports_.size(); ++i) {
+    states_.push_back(sim::begin(*model_, i, starts[i], options.seed));
+    ports_[i]->reset();
+  }
+  commands_.assign(ports_.size(), {});
+}
+
+std::vector<std::byte> MockWorld::save() const {
+  ByteWriter bytes;
+  bytes.put(kSavedAs);
+  bytes.put(model_->scene->name);
+  bytes.put(noise_);
+  bytes.put(std::uint64_t{ports_.size()});
+  for (const auto& port : ports_) bytes.put(port->profile().name);
+  bytes.put(now_);
+  bytes.put(steps_);
+  for (const sim::RobotState& state : states_) bytes.put(state);
+  for (const auto& port : ports_) port->state().save(bytes);
+  return bytes.take();
+}
+
+void MockWorld::restore(const std::vector<std::byte>& state) {
+  ByteReader bytes(state);
+  const auto expect = [&bytes](auto expected, const char* what) {
+    decltype(expected) found{};
+    bytes.get(found);
+    if (found != expected) throw ContractError(fmt::format("restore: saved from a world with another {}", what));
+  };
+  expect(kSavedAs, "format");
+  expect(model_->scene->name, "scene");
+  expect(noise_, "noise");
+  expect(std::uint64_t{ports_.size()}, "number of robots");
+  for (const auto& port : ports_) expect(port->profile().name, "hardware profile");
+
+  // everything is read before anything changes
+  Time now{};
+  std::uint64_t steps = 0;
+  std::vector<sim::RobotState> states(ports_.size());
+  std::vector<PortState> ports(ports_.size());
+  bytes.get(now);
+  bytes.get(steps);
+  for (sim::RobotState& robot : states) bytes.get(robot);
+  for (std::size_t i = 0; i < ports.size(); ++i) ports[i].load(bytes, ports_[i]->features().sensors.size());
+  bytes.finish();
+
+  now_ = now;
+  steps_ = steps;
+  states_ = std::move(states);
+  for (std::size_t i = 0; i < ports.size(); ++i) ports_[i]->restore(std::move(ports[i]));
+}
+
+}  // namespace threewe::backend::mock

@@ -1,0 +1,54 @@
+// Backends by name. The table stands here, above the first implementation, so that it knows that one from the start
+// and `backend` itself need know none.
+#include "threewe/backend/registry.hpp"
+
+#include <map>
+#include <mutex>
+#include <utility>
+
+#include "threewe/backend/mock/mock_world.hpp"
+#include "threewe/core/errors.hpp"
+#include "threewe/core/names.hpp"
+
+namespace threewe::backend {
+namespace {
+
+struct Registry {
+  std::mutex mutex;
+  std::map<std::string, WorldFactory, std::less<>> factories{
+      {"mock", [](const WorldOptions& options) { return std::make_unique<mock::MockWorld>(options); }},
+  };
+};
+
+Registry& registry() {
+  static Registry instance;
+  return instance;
+}
+
+}  // namespace
+
+void register_backend(const std::string& name, WorldFactory factory) {
+  const std::scoped_lock lock(registry().mutex);
+  registry().factories.insert_or_assign(name, std::move(factory));
+}
+
+std::unique_ptr<World> make_world(std::string_view backend, const WorldOptions& options) {
+  // a factory may take long, or register another backend, so that it runs without the lock
+  WorldFactory factory;
+  {
+    const std::scoped_lock lock(registry().mutex);
+    const auto found = registry().factories.find(backend);
+    if (found != registry().factories.end()) factory = found->second;
+  }
+  if (!factory) throw ConfigError(unknown_name("backend", backend, backend_names()));
+  return factory(options);
+}
+
+std::vector<std::string> backend_names() {
+  const std::scoped_lock lock(registry().mutex);
+  std::vector<std::string> names;
+  for (const auto& [name, factory] : registry().factories) names.push_back(name);
+  return names;
+}
+
+}  // namespace threewe::backend

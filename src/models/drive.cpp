@@ -1,0 +1,69 @@
+#include "threewe/models/drive.hpp"
+
+#include <algorithm>
+
+namespace threewe::models {
+
+Drive make_drive(const RobotProfile& profile, Duration step) {
+  const Body& body = profile.body;
+  const double h = to_seconds(step);
+  // each motor accelerates its share of the body
+  const double wheel_mass = body.mass / body.wheels.wheel_count();
+  Drive drive;
+  drive.wheels = body.wheels;
+  drive.limits = profile.hardware_limits;
+  drive.step = h;
+  drive.response = 1.0 - exact::exp(-h / to_seconds(body.motor_lag));
+  drive.stall_change = body.stall_torque / (wheel_mass * body.wheels.radius * body.wheels.radius) * h;
+  drive.no_load_speed = body.no_load_speed;
+  drive.grip_change = body.friction * kGravity * h;
+  drive.grip_arm = exact::hypot(body.wheels.half_length, body.wheels.half_width);
+  drive.inertia_arm_squared = body.inertia / body.mass;
+  drive.mass = body.mass;
+  drive.rolling_resistance = body.rolling_resistance;
+  return drive;
+}
+
+Velocity clamp_command(const Limits& limits, const Velocity& command) {
+  Velocity clamped = command;
+  const double speed = exact::hypot(command.vx, command.vy);
+  if (speed > limits.linear) {
+    clamped.vx = command.vx * limits.linear / speed;
+    clamped.vy = command.vy * limits.linear / speed;
+  }
+  clamped.omega = std::clamp(command.omega, -limits.angular, limits.angular);
+  return clamped;
+}
+
+WheelSpeeds drive_motors(const Drive& drive, const WheelSpeeds& speeds, const WheelSpeeds& setpoints, double supply) {
+  WheelSpeeds next{};
+  for (int i = 0; i < drive.wheels.wheel_count(); ++i) {
+    const auto wheel = static_cast<std::size_t>(i);
+    const double speed = speeds[wheel];
+    const double wanted = drive.response * (setpoints[wheel] - speed);
+    // the torque-speed line, in the direction of the wanted change; the driver's current limit caps it when braking
+    const double along = wanted < 0.0 ? -speed : speed;
+    const double available = drive.stall_change * std::clamp(supply - along / drive.no_load_speed, 0.0, 1.0);
+    next[wheel] = speed + std::clamp(wanted, -available, available);
+  }
+  return next;
+}
+
+Velocity grip(const Drive& drive, const Velocity& body, const Velocity& rolling) {
+  const Velocity change{rolling.vx - body.vx, rolling.vy - body.vy, rolling.omega - body.omega};
+  // a torque is measured by the force that it takes at the wheels
+  const double turning = change.omega * drive.inertia_arm_squared / drive.grip_arm;
+  const double needed = exact::sqrt(change.vx * change.vx + change.vy * change.vy + turning * turning);
+  if (needed <= drive.grip_change) return rolling;
+  const double share = drive.grip_change / needed;
+  return {body.vx + share * change.vx, body.vy + share * change.vy, body.omega + share * change.omega};
+}
+
+double drive_power(const Drive& drive, const Velocity& before, const Velocity& after) {
+  const double accelerating = (after.vx - before.vx) * after.vx + (after.vy - before.vy) * after.vy +
+                              drive.inertia_arm_squared * (after.omega - before.omega) * after.omega;
+  const double rolling = drive.rolling_resistance * kGravity * exact::hypot(after.vx, after.vy);
+  return drive.mass * (accelerating / drive.step + rolling);
+}
+
+}  // namespace threewe::models

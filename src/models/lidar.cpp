@@ -1,0 +1,87 @@
+#include "threewe/models/lidar.hpp"
+
+#include <algorithm>
+
+namespace threewe::models {
+
+ScanPattern scan_pattern(const LidarSpec& spec) {
+  constexpr double kTurn = 2.0 * exact::kPi;
+  // from the edge behind beam 0 (counter-clockwise) or beyond the last beam (clockwise), half a point inwards
+  const double edge = -exact::kPi - 0.5 * kTurn / spec.beams;
+  const double inwards = 0.5 * kTurn / spec.points_per_turn;
+  if (spec.clockwise) return {edge + kTurn - inwards, -kTurn / spec.points_per_turn};
+  return {edge + inwards, kTurn / spec.points_per_turn};
+}
+
+double lidar_bias(const LidarSpec& spec, const RngKey& key) {
+  RngKey episode = key;
+  episode.stream = Stream::episode;
+  return uniform(episode, static_cast<std::uint64_t>(Stream::lidar), 0, -spec.bias, spec.bias);
+}
+
+void measure_ranges(const LidarSpec& spec, const RngKey& key, double bias, std::uint64_t first, std::span<float> ranges) {
+  const auto far = static_cast<float>(spec.range_max);
+  const auto near = static_cast<float>(spec.range_min);
+  const bool noisy = spec.sigma > 0.0 || spec.dropout > 0.0;
+  const double dropout = spec.dropout * 0x1p32;
+  for (std::size_t i = 0; i < ranges.size(); ++i) {
+    float& range = ranges[i];
+    double offset = bias;
+    if (noisy) {
+      // one draw per point: two words for the scatter, one for the dropout
+      const auto bits = random_bits(key, first + i);
+      if (bits[2] < dropout) {
+        range = 0.0F;
+        continue;
+      }
+      const std::uint64_t wide = std::uint64_t{bits[0]} << 32 | bits[1];
+      offset += spec.sigma * normal_quantile(static_cast<double>(wide >> 11) * 0x1p-53 + 0x1p-54);
+    }
+    if (range >= far) {
+      range = far;
+      continue;
+    }
+    range = std::min(static_cast<float>(static_cast<double>(range) + offset), far);
+    if (range < near) range = 0.0F;
+  }
+}
+
+LaserScan make_scan(const LidarSpec& spec, std::span<const float> points) {
+  const auto beams = static_cast<std::size_t>(spec.beams);
+  LaserScan scan;
+  scan.angle_min = -exact::kPi;
+  scan.angle_increment = 2.0 * exact::kPi / spec.beams;
+  scan.time_increment = 0.0;
+  if (spec.rolling) scan.time_increment = (spec.clockwise ? -1.0 : 1.0) * to_seconds(spec.turn) / spec.beams;
+  scan.range_min = spec.range_min;
+  scan.range_max = spec.range_max;
+
+  // 0 beams hold no point yet, or only invalid ones; range_max gives way to any return
+  scan.ranges.assign(beams, 0.0F);
+  for (std::size_t k = 0; k < points.size(); ++k) {
+    const float range = points[k];
+    if (range == 0.0F) continue;
+    // point k sits at (k + 1/2) / points of the turn
+    const std::size_t along = (2 * k + 1) * beams / (2 * points.size());
+    float& beam = scan.ranges[spec.clockwise ? beams - 1 - along : along];
+    if (beam == 0.0F || range < beam) beam = range;
+  }
+  return scan;
+}
+
+Time scan_time(const LidarSpec& spec, Time turn_begin) {
+  if (!spec.rolling) return turn_begin + spec.turn;
+  // beam 0's middle is half a beam from the edge where the turn begins (counter-clockwise) or ends (clockwise), and the
+  // first point, half a point from that edge, is taken as the turn begins
+  const std::int64_t turn = spec.turn.count();
+  const std::int64_t beams = spec.beams;
+  const std::int64_t points = spec.points_per_turn;
+  const std::int64_t half_beams = spec.clockwise ? 2 * beams - 1 : 1;
+  // turn * (half_beams / (2 beams) - 1 / (2 points)), rounded to the nearest nanosecond; never negative, as a turn has
+  // at least as many points as beams
+  const std::int64_t numerator = turn * (half_beams * points - beams);
+  const std::int64_t denominator = 2 * beams * points;
+  return turn_begin + Duration((2 * numerator + denominator) / (2 * denominator));
+}
+
+}  // namespace threewe::models

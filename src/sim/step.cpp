@@ -1,0 +1,173 @@
+#include "threewe/sim/step.hpp"
+
+#include <cassert>
+#include <vector>
+
+#include "threewe/models/battery.hpp"
+
+namespace threewe::sim {
+namespace {
+
+constexpr double kSeconds = 0.01;
+static_assert(kSeconds == to_seconds(kStep));
+
+// Where the robot was as a step began, for the sensors that look back on it.
+struct Before {
+  Pose2D pose;
+  Velocity carried;  // its velocity, seen from the heading that the step begins with
+};
+
+// The command that arrives now is the one sent a latency ago.
+Velocity deliver_command(const RobotModel& robot, RobotState& state, const Velocity& sent) {
+  state.commands[(state.steps + static_cast<std::uint64_t>(robot.command_latency)) % kMaxLatencySteps] = sent;
+  return models::clamp_command(robot.drive.limits, state.commands[state.steps % kMaxLatencySteps]);
+}
+
+double battery_supply(const RobotModel& robot, const RobotState& state) {
+  return robot.profile.battery ? models::supply_ratio(*robot.profile.battery, state.battery) : 1.0;
+}
+
+// Motors turn the wheels, the wheels pull the body, the world holds it back.
+Before move_robot(const RobotModel& robot, std::span<const scene::Segment> others, RobotState& state,
+                  const Velocity& sent) {
+  const models::Drive& drive = robot.drive;
+  const Velocity command = deliver_command(robot, state, sent);
+  state.wheel_speeds = models::drive_motors(drive, state.wheel_speeds, wheel_speeds(drive.wheels, command),
+                                            battery_supply(robot, state));
+  for (std::size_t i = 0; i < 4; ++i) state.wheel_angles[i] += kSeconds * state.wheel_speeds[i];
+
+  // momentum keeps its direction while the body turns beneath it
+  const Vec2 linear = rotate({state.velocity.vx, state.velocity.vy}, -kSeconds * state.velocity.omega);
+  const Before before{state.pose, {linear.x, linear.y, state.velocity.omega}};
+  Velocity rolling = body_velocity(drive.wheels, state.wheel_speeds);
+  rolling.vy *= state.wheel_errors.lateral;
+  const Velocity driven = models::grip(drive, before.carried, rolling);
+
+  const Motion motion =
+      move(robot.body, *robot.obstacles, others, state.pose, driven, before.carried, kSeconds);
+  state.distance_driven += distance(state.pose.position(), motion.pose.position());
+  state.pose = motion.pose;
+  state.velocity = motion.velocity;
+  if (motion.approach_speed > state.max_collision_speed) state.max_collision_speed = motion.approach_speed;
+  if (robot.profile.battery) {
+    models::drain_battery(*robot.profile.battery, models::drive_power(drive, before.carried, driven), kSeconds,
+                          state.battery);
+  }
+  ++state.steps;
+  return before;
+}
+
+// The share of a turn that a step sweeps, from the poses in between; or the whole turn at its end.
+void sweep_lidar(const RobotModel& robot, std::span<const scene::Segment> others, const Pose2D& before,
+                 RobotState& state) {
+  const LidarSpec& lidar = *robot.profile.lidar;
+  const auto points = static_cast<std::uint64_t>(lidar.points_per_turn);
+  const auto turn = static_cast<std::uint64_t>(robot.turn);
+  const std::uint64_t within = (state.steps - 1) % turn;
+  if (!lidar.rolling && within + 1 < turn) return;
+
+  const std::uint64_t share = lidar.rolling ? points / turn : points;
+  const std::uint64_t first = lidar.rolling ? within * share : 0;
+  const std::span<float> ranges = std::span(state.lidar_points).subspan(first, share);
+  const double angle = robot.pattern.first_angle + static_cast<double>(first) * robot.pattern.angle_step;
+  const Pose2D end = state.pose * lidar.base_from_lidar;
+  const Pose2D begin = lidar.rolling ? before * lidar.base_from_lidar : end;
+  robot.caster->cast_rolling(begin, end, angle, robot.pattern.angle_step, ranges, {others, {}});
+
+  const std::uint64_t turns = (state.steps - 1) / turn;
+  models::measure_ranges(lidar, state.key(Stream::lidar), state.lidar_bias, turns * points + first, ranges);
+}
+
+void sense(const RobotModel& robot, std::span<const scene::Segment> others, const Before& before, RobotState& state) {
+  if (imu_ready(robot, state)) {
+    const Vec2 acceleration = (1.0 / kSeconds) * Vec2{state.velocity.vx - before.carried.vx,
+                                                      state.velocity.vy - before.carried.vy};
+    state.imu = models::measure_imu(*robot.profile.imu, state.key(Stream::imu), state.velocity.omega, acceleration,
+                                    state.imu_state);
+  }
+  if (odometry_ready(robot, state)) {
+    models::measure_odometry(robot.profile.odometry, robot.drive.wheels, state.wheel_errors, state.wheel_angles,
+                             state.odometry);
+  }
+  if (robot.caster) sweep_lidar(robot, others, before.pose, state);
+}
+
+void append_outline(const RobotModel& robot, const Pose2D& pose, std::vector<scene::Segment>& segments) {
+  const auto& corners = robot.body.footprint.corners();
+  for (std::size_t i = 0; i < corners.size(); ++i) {
+    segments.push_back({pose * corners[i], pose * corners[(i + 1) % corners.size()], -1});
+  }
+}
+
+// The outlines of all robots but one, as high as `height`, where they are now.
+void outlines_of_others(const Model& model, std::span<const RobotState> world, std::size_t robot, double height,
+                        std::vector<scene::Segment>& segments) {
+  segments.clear();
+  for (std::size_t i = 0; i < world.size(); ++i) {
+    if (i != robot && model.robots[i].profile.body.height > height) {
+      append_outline(model.robots[i], world[i].pose, segments);
+    }
+  }
+}
+
+// Robots move one after the other, each around the others where they are; then all of them look.
+void step_crowd(const Model& model, std::span<RobotState> world, std::span<const Velocity> commands) {
+  std::vector<scene::Segment> others;
+  std::vector<Before> before;
+  for (std::size_t i = 0; i < world.size(); ++i) {
+    outlines_of_others(model, world, i, 0.0, others);
+    before.push_back(move_robot(model.robots[i], others, world[i], commands[i]));
+  }
+  for (std::size_t i = 0; i < world.size(); ++i) {
+    const RobotModel& robot = model.robots[i];
+    outlines_of_others(model, world, i, robot.caster ? robot.profile.lidar->height : 0.0, others);
+    sense(robot, others, before[i], world[i]);
+  }
+}
+
+bool due(int period, const RobotState& state) {
+  return period > 0 && state.steps > 0 && state.steps % static_cast<std::uint64_t>(period) == 0;
+}
+
+}  // namespace
+
+RobotState begin(const Model& model, std::size_t robot, const Pose2D& pose, std::uint64_t seed, std::uint32_t episode) {
+  const RobotProfile& profile = model.robots[robot].profile;
+  RobotState state;
+  state.seed = seed;
+  state.episode = episode;
+  state.robot = static_cast<std::uint32_t>(robot);
+  state.start = pose;
+  state.pose = pose;
+  state.wheel_errors = models::draw_wheel_errors(profile.odometry, state.key(Stream::odometry));
+  if (profile.battery) state.battery = models::start_battery(*profile.battery);
+  if (profile.imu) state.imu_state = models::start_imu(*profile.imu, state.key(Stream::imu));
+  if (profile.lidar) state.lidar_bias = models::lidar_bias(*profile.lidar, state.key(Stream::lidar));
+  return state;
+}
+
+void step(const Model& model, std::span<RobotState> states, std::span<const Velocity> commands) {
+  const std::size_t robots = model.robots.size();
+  assert(states.size() % robots == 0 && states.size() == commands.size());
+  if (robots == 1) {
+    for (std::size_t i = 0; i < states.size(); ++i) {
+      const Before before = move_robot(model.robots[0], {}, states[i], commands[i]);
+      sense(model.robots[0], {}, before, states[i]);
+    }
+    return;
+  }
+  for (std::size_t i = 0; i < states.size(); i += robots) {
+    step_crowd(model, states.subspan(i, robots), commands.subspan(i, robots));
+  }
+}
+
+bool imu_ready(const RobotModel& robot, const RobotState& state) { return due(robot.imu_period, state); }
+bool odometry_ready(const RobotModel& robot, const RobotState& state) { return due(robot.odometry_period, state); }
+bool battery_ready(const RobotModel& robot, const RobotState& state) { return due(robot.battery_period, state); }
+bool scan_ready(const RobotModel& robot, const RobotState& state) { return due(robot.turn, state); }
+
+std::span<const float> scan_points(const RobotModel& robot, const RobotState& state) {
+  return std::span(state.lidar_points).first(static_cast<std::size_t>(robot.profile.lidar->points_per_turn));
+}
+
+}  // namespace threewe::sim
