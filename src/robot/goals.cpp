@@ -1,4 +1,4 @@
-#include "goals.hpp"
+#include "robot/goals.hpp"
 
 #include <cmath>
 #include <string>

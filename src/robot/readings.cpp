@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "runtime_state.hpp"
+#include "robot/runtime_state.hpp"
 #include "threewe/core/errors.hpp"
 #include "threewe/core/names.hpp"
 #include "threewe/robot/warning.hpp"

@@ -5,8 +5,8 @@
 #include <exception>
 #include <utility>
 
-#include "goals.hpp"
-#include "runtime_state.hpp"
+#include "robot/goals.hpp"
+#include "robot/runtime_state.hpp"
 #include "threewe/core/errors.hpp"
 #include "threewe/robot/warning.hpp"
 

@@ -7,9 +7,9 @@
 #include <utility>
 #include <vector>
 
-#include "senses.hpp"
+#include "robot/senses.hpp"
 #include "threewe/robot/runtime.hpp"
-#include "world_state.hpp"
+#include "robot/world_state.hpp"
 
 namespace threewe {
 

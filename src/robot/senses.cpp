@@ -1,4 +1,4 @@
-#include "senses.hpp"
+#include "robot/senses.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -2,8 +2,8 @@
 #include <algorithm>
 #include <exception>
 
-#include "goals.hpp"
-#include "runtime_state.hpp"
+#include "robot/goals.hpp"
+#include "robot/runtime_state.hpp"
 #include "threewe/robot/warning.hpp"
 
 namespace threewe {

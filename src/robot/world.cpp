@@ -7,7 +7,7 @@
 #include "threewe/backend/registry.hpp"
 #include "threewe/core/errors.hpp"
 #include "threewe/nav/mind.hpp"
-#include "world_state.hpp"
+#include "robot/world_state.hpp"
 
 namespace threewe {
 namespace {

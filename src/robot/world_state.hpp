@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "pace.hpp"
+#include "robot/pace.hpp"
 #include "threewe/robot/runtime.hpp"
-#include "wait_list.hpp"
+#include "robot/wait_list.hpp"
 
 namespace threewe {
 

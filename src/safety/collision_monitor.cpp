@@ -1,9 +1,11 @@
-#include "collision_monitor.hpp"
+#include "safety/collision_monitor.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <vector>
+
+#include "safety/limits.hpp"
 
 namespace threewe::safety {
 namespace {
@@ -139,13 +141,16 @@ Velocity clear_of_obstacles(const GateModel& model, const GateState& state, cons
   if (keeps_clear(command)) return command;
 
   // the largest step from braking towards the command that keeps clear
+  const auto between = [&](double t) {
+    return within_acceleration(model.limits, state.last(), blend(fallback, command, t));
+  };
   double safe = 0.0;
   double unsafe = 1.0;
   for (int i = 0; i < kBisections; ++i) {
     const double middle = 0.5 * (safe + unsafe);
-    (keeps_clear(blend(fallback, command, middle)) ? safe : unsafe) = middle;
+    (keeps_clear(between(middle)) ? safe : unsafe) = middle;
   }
-  const Velocity slowed = blend(fallback, command, safe);
+  const Velocity slowed = between(safe);
   const bool creeping = exact::hypot(slowed.vx, slowed.vy) < kStandStill && std::abs(slowed.omega) < kStandStill;
   return creeping && fallback == Velocity{} ? Velocity{} : slowed;
 }

@@ -1,0 +1,146 @@
+#include "threewe/robot/robot.hpp"
+
+#include <cmath>
+#include <utility>
+
+#include "threewe/core/errors.hpp"
+
+namespace threewe {
+namespace {
+
+// [ns] from what a user gave in seconds. Three years are as good as for ever, and nanoseconds still hold them.
+Duration duration(double seconds, const char* what) {
+  constexpr double kLongest = 1e8;
+  if (std::isfinite(seconds) && seconds >= 0.0 && seconds <= kLongest) return from_seconds(seconds);
+  throw ContractError(std::string(what) + " must lie in [0, 1e8] s, not " + std::to_string(seconds));
+}
+
+Duration timeout_of(const std::optional<double>& seconds) {
+  if (!seconds) return Duration::zero();
+  if (*seconds == 0.0) throw ContractError("timeout must be positive");
+  return duration(*seconds, "timeout");
+}
+
+World::Options world_options(const Robot::Options& o) {
+  World::Options options;
+  options.backend = o.backend;
+  options.robots = {o.hardware};
+  options.scene = o.scene;
+  options.noise = o.noise;
+  options.seed = o.seed;
+  options.realtime = o.realtime;
+  options.mind = o.mind;
+  if (o.start_pose) options.poses = {*o.start_pose};
+  if (o.initial_pose) options.initial_poses = {*o.initial_pose};
+  return options;
+}
+
+}  // namespace
+
+Robot::Robot() : Robot(Options{}) {}
+
+Robot::Robot(const Options& options) : owned_(std::make_unique<World>(world_options(options))) {
+  world_ = owned_.get();
+  runtime_ = &world_->robot(0);
+  if (runtime_->truth() != nullptr) simulation_.emplace(*world_, 0);
+  connect();
+}
+
+Robot::Robot(World& world, std::size_t index) : world_(&world), runtime_(&world.robot(index)) {
+  if (runtime_->truth() != nullptr) simulation_.emplace(world, index);
+  connect();
+}
+
+Robot::~Robot() = default;
+Robot::Robot(Robot&&) noexcept = default;
+Robot& Robot::operator=(Robot&&) noexcept = default;
+
+void Robot::connect() {
+  runtime_->connect();
+  world_->wait(runtime_->ready());
+}
+
+void Robot::disconnect() { runtime_->disconnect(); }
+
+const LaserScan& Robot::get_lidar_scan() const { return runtime_->lidar_scan(); }
+const IMUData& Robot::get_imu() const { return runtime_->imu(); }
+Pose2D Robot::get_pose() const { return runtime_->pose().map_from_base(); }
+const Odometry& Robot::get_odometry() const { return runtime_->odometry(); }
+Velocity Robot::get_velocity() const { return runtime_->pose().velocity; }
+const map::OccupancyGrid& Robot::get_map() const { return runtime_->map(); }
+const BatteryState& Robot::get_battery_state() const { return runtime_->battery(); }
+
+Pose2D Robot::get_transform(std::string_view target, std::string_view source) const {
+  return runtime_->transform(target, source);
+}
+
+void Robot::set_velocity(double vx, double vy, double omega, double hold) {
+  runtime_->set_velocity({vx, vy, omega}, duration(hold, "hold"));
+}
+
+Velocity Robot::execute_action(const std::array<double, 3>& action, double period) {
+  world_->wait(runtime_->execute_action(action, duration(period, "period")));
+  return runtime_->commanded().command;
+}
+
+void Robot::stop() { runtime_->stop(); }
+
+MotionHandle Robot::move_to(double x, double y) { return move_to(x, y, MoveOptions{}); }
+
+MotionHandle Robot::move_to(double x, double y, const MoveOptions& options) {
+  nav::MoveTo goal{.goal = {x, y}, .theta = options.theta, .tolerance = options.tolerance};
+  if (options.frame != "map") {
+    const Pose2D map_from_frame = runtime_->transform("map", options.frame);
+    goal.goal = map_from_frame * goal.goal;
+    if (goal.theta) goal.theta = wrap_angle(map_from_frame.theta + *goal.theta);
+  }
+  return runtime_->start(goal, timeout_of(options.timeout));
+}
+
+MotionHandle Robot::move_forward(double distance, std::optional<double> timeout) {
+  return runtime_->start(nav::MoveForward{distance}, timeout_of(timeout));
+}
+
+MotionHandle Robot::rotate(double angle, std::optional<double> timeout) {
+  return runtime_->start(nav::Rotate{angle}, timeout_of(timeout));
+}
+
+MotionHandle Robot::follow_path(const std::vector<Vec2>& path, double tolerance, std::optional<double> timeout) {
+  return runtime_->start(nav::FollowPath{path, tolerance}, timeout_of(timeout));
+}
+
+ExplorationHandle Robot::explore(std::optional<double> timeout) {
+  return {runtime_->start(nav::Explore{}, timeout_of(timeout))};
+}
+
+MoveResult Robot::wait(const MotionHandle& motion) {
+  world_->wait(motion);
+  return motion->result();
+}
+
+ExploreResult Robot::wait(const ExplorationHandle& exploration) {
+  world_->wait(exploration.motion);
+  return exploration.motion->explore_result();
+}
+
+void Robot::sleep(double seconds) {
+  world_->wait(world_->sleep(duration(seconds, "sleep")));
+}
+
+void Robot::thinking(double seconds, const std::function<void()>& work) {
+  const Duration charge = duration(seconds, "thinking");
+  world_->open_hold();
+  try {
+    work();
+  } catch (...) {
+    world_->forget(world_->close_hold(Duration::zero()));
+    throw;
+  }
+  world_->wait(world_->close_hold(charge));
+}
+
+void Robot::emergency_stop() { runtime_->estop(); }
+void Robot::release_emergency_stop() { runtime_->release_estop(); }
+Simulation* Robot::simulation() { return simulation_ ? &*simulation_ : nullptr; }
+
+}  // namespace threewe

@@ -1,0 +1,23 @@
+#include "threewe/robot/simulation.hpp"
+
+#include "threewe/core/errors.hpp"
+#include "threewe/robot/runtime.hpp"
+
+namespace threewe {
+
+const scene::TruthView& Simulation::truth() const { return *world_->robot(robot_).truth(); }
+
+void Simulation::reset(std::uint64_t seed, const std::optional<Pose2D>& pose) {
+  backend::ResetOptions options;
+  options.seed = seed;
+  if (pose) {
+    if (!is_finite(*pose)) throw ContractError("pose must be finite");
+    for (std::size_t i = 0; i < world_->robot_count(); ++i) {
+      options.poses.push_back(i == robot_ ? *pose : world_->robot(i).truth()->start_pose());
+    }
+  }
+  world_->reset(options);
+  world_->settle();
+}
+
+}  // namespace threewe

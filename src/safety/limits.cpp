@@ -1,0 +1,48 @@
+#include "safety/limits.hpp"
+
+#include <algorithm>
+
+namespace threewe::safety {
+namespace {
+
+constexpr double kPeriod = to_seconds(kControlPeriod);
+// what rounding may add, so that a velocity within reach stays as it is
+constexpr double kRounding = 1.0 + 1e-12;
+
+// Moves from `last` straight towards `target`, as far as one period allows: as long as the line comes nearer to
+// stand-still it brakes, beyond that it speeds up with what is left of the period.
+Vec2 approach(Vec2 last, Vec2 target, double braking, double acceleration) {
+  const Vec2 change = target - last;
+  const double length = norm(change);
+  if (length == 0.0) return target;
+
+  const Vec2 direction = (1.0 / length) * change;
+  const double slowing = std::clamp(-dot(last, direction), 0.0, length);  // length of the part that brakes
+  const double braked = braking * kPeriod;
+  if (slowing > braked * kRounding) return last + braked * direction;
+
+  const double reach = slowing + acceleration * kPeriod * std::max(0.0, 1.0 - slowing / braked);
+  return length <= reach * kRounding ? target : last + reach * direction;
+}
+
+}  // namespace
+
+Velocity within_limits(const Limits& limits, Velocity v) {
+  const double speed = exact::hypot(v.vx, v.vy);
+  if (speed > limits.linear * kRounding) {
+    v.vx *= limits.linear / speed;
+    v.vy *= limits.linear / speed;
+  }
+  v.omega = std::clamp(v.omega, -limits.angular, limits.angular);
+  return v;
+}
+
+Velocity within_acceleration(const Limits& limits, const Velocity& last, const Velocity& target) {
+  const Vec2 linear = approach({last.vx, last.vy}, {target.vx, target.vy}, limits.linear_braking,
+                               limits.linear_acceleration);
+  const Vec2 angular = approach({last.omega, 0.0}, {target.omega, 0.0}, limits.angular_acceleration,
+                                limits.angular_acceleration);
+  return {linear.x, linear.y, angular.x};
+}
+
+}  // namespace threewe::safety
