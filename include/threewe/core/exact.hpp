@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <numbers>
+#include <span>
 
 namespace threewe::exact {
 
@@ -30,5 +31,8 @@ double exp(double x);
 double log(double x);
 /// sqrt(x^2 + y^2), without guarding against overflow.
 inline double hypot(double x, double y) { return sqrt(x * x + y * y); }
+
+/// The sum of many numbers, in one fixed order on every machine: 16 partial sums, then a tree.
+float sum(std::span<const float> values);
 
 }  // namespace threewe::exact

@@ -27,8 +27,8 @@ struct Slice {
   std::vector<Circle> circles;
 };
 
-/// Range [m] along a ray to the nearest shape, or `range_max`: every shape is tried. The slow, obvious twin of the
-/// lidar, also used by metrics.
+/// Range [m] along a ray to the nearest shape, or `range_max`: every shape is tried. Shapes are seen from outside: a
+/// ray that begins inside one leaves it unhindered. The slow, obvious twin of the lidar, also used by metrics.
 double cast_ray(const Slice& slice, Vec2 origin, double angle, double range_max);
 
 }  // namespace threewe::scene

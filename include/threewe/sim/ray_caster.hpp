@@ -1,14 +1,17 @@
 // The lidar's rays, exact: no grid, no marching. What each place can see is known beforehand.
 #pragma once
 
-#include <cstdint>
+#include <memory>
 #include <span>
-#include <vector>
 
 #include "threewe/core/pose.hpp"
 #include "threewe/scene/geometry.hpp"
 
 namespace threewe::sim {
+
+namespace kernel {
+struct Sweep;
+}
 
 /// Shapes that are elsewhere at every call: people, other robots. In the frame of the slice.
 struct MovingShapes {
@@ -38,7 +41,12 @@ class RayCaster {
                     std::span<float> ranges, const MovingShapes& moving = {}) const;
 
  private:
+  struct Cell;
+  struct Table;
   double range_max_ = 0.0;
+  std::shared_ptr<const Table> table_;  // copies share it
+
+  void cast_part(const kernel::Sweep& sweep, std::span<float> ranges, const MovingShapes& moving) const;
 };
 
 }  // namespace threewe::sim
