@@ -21,7 +21,7 @@ MAY_USE = {
     "backend": ["core", "hardware", "scene/truth_view"],
     "backend/mock": ["backend", "core", "hardware", "scene", "models", "sim"],
     "safety": ["core", "hardware"],
-    "robot": ["core", "backend", "safety", "slam", "nav", "map", "hardware"],
+    "robot": ["core", "backend", "safety", "slam", "nav", "map", "hardware", "scene/truth_view"],  # robot.simulation
     "export": ["core", "scene", "hardware", "map"],
     "task": ["core", "hardware", "scene"],
     "env": ["core", "hardware", "scene", "task", "sim", "models", "safety"],

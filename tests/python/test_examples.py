@@ -1,0 +1,14 @@
+"""Every Python example runs, in its quick form. (ctest runs the C++ ones.)"""
+
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+EXAMPLES = Path(__file__).resolve().parents[2] / "examples"
+
+
+@pytest.mark.parametrize("name", sorted(path.name for path in EXAMPLES.glob("*.py")))
+def test_example(name: str, tmp_path: Path) -> None:
+    subprocess.run([sys.executable, "-W", "error", EXAMPLES / name, "--quick"], cwd=tmp_path, check=True)

@@ -1,0 +1,81 @@
+"""Every code block of the README and docs/ runs.
+
+`python` blocks of a page run in order in one namespace, as a reader would paste them into a notebook; the lines of a
+`console` block that begin with "$ " run in a shell (but for ./dev, which is running); `cpp` blocks are compiled. Other
+commands and programs are left out only if the line before the block says why: <!-- not run: needs a robot -->.
+"""
+
+import ast
+import asyncio
+import inspect
+import os
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").rglob("*.md"))]
+BLOCK = re.compile(r"(?:<!-- not run: (?P<reason>.+?) -->\n+)?^```(?P<language>\w*)\n(?P<code>.*?)^```$", re.M | re.S)
+
+
+def blocks(page: Path, language: str) -> list[tuple[str, str]]:
+    """(where, code) of the page's blocks in a language."""
+    text = page.read_text()
+    return [
+        (f"{page.relative_to(ROOT)}:{text.count(chr(10), 0, match.start('code'))}", match["code"])
+        for match in BLOCK.finditer(text)
+        if match["language"] == language and not match["reason"]
+    ]
+
+
+def pages_with(language: str) -> list[str]:
+    return [str(page.relative_to(ROOT)) for page in PAGES if blocks(page, language)]
+
+
+@pytest.mark.parametrize("page", pages_with("python"))
+def test_python(page: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+
+    async def paste() -> None:
+        namespace = {"__name__": "__main__"}
+        for where, code in blocks(ROOT / page, "python"):
+            compiled = compile(code, where, "exec", flags=ast.PyCF_ALLOW_TOP_LEVEL_AWAIT)
+            result = eval(compiled, namespace)
+            if inspect.isawaitable(result):
+                await result
+
+    asyncio.run(paste())
+
+
+@pytest.mark.parametrize("page", pages_with("console"))
+def test_console(page: str, tmp_path: Path) -> None:
+    path = f"{Path(sys.executable).parent}:{os.environ['PATH']}"
+    for where, code in blocks(ROOT / page, "console"):
+        commands = [line.removeprefix("$ ") for line in code.splitlines() if line.startswith("$ ")]
+        script = "\n".join(command for command in commands if not command.startswith("./dev"))
+        done = subprocess.run(["bash", "-euc", script], cwd=tmp_path, env={**os.environ, "PATH": path})
+        assert done.returncode == 0, where
+
+
+@pytest.mark.parametrize("page", pages_with("cpp"))
+def test_cpp(page: str, tmp_path: Path) -> None:
+    for number, (where, code) in enumerate(blocks(ROOT / page, "cpp")):
+        source = tmp_path / f"snippet_{number}.cpp"
+        source.write_text(f'#line 1 "{where}"\n{code}')
+        flags = ["-std=c++20", "-fsyntax-only", f"-I{ROOT / 'include'}", "-isystem", "/usr/include/eigen3"]
+        assert subprocess.run(["c++", *flags, source]).returncode == 0, where
+
+
+def test_every_block_is_of_a_kind_that_runs() -> None:
+    wrong = [where for page in PAGES for kind in ("bash", "sh", "shell", "c", "py") for where, _ in blocks(page, kind)]
+    assert not wrong, "write ```console with $ before each command, ```cpp or ```python"
+
+
+def test_every_dev_command_shown_exists() -> None:
+    commands = subprocess.run([ROOT / "dev", "help"], capture_output=True, text=True).stdout
+    for page in PAGES:
+        for command in re.findall(r"\./dev (\w+)", page.read_text()):
+            assert f"./dev {command}" in commands or command == "help", f"{page}: ./dev {command}"

@@ -1,0 +1,243 @@
+"""Runs the cases behind a claim, two at a time, keeps each result, and prints a row per claim."""
+
+import hashlib
+import json
+import math
+import statistics
+import subprocess
+import sys
+import time
+import traceback
+from collections.abc import Callable, Iterator
+from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
+from concurrent.futures.process import BrokenProcessPool
+from dataclasses import dataclass, field
+from multiprocessing import get_context
+from pathlib import Path
+from queue import Queue
+from threading import Lock
+from typing import Any
+
+ROOT = Path(__file__).resolve().parent.parent
+Case = dict[str, Any]
+
+
+@dataclass
+class Verdict:
+    """What a row comes to."""
+
+    figure: str
+    target: str
+    status: str  # "pass", "FAIL" or "not shown"
+    interval: str = ""
+
+
+@dataclass
+class Row:
+    """One claim: `judge(cases, sample)` makes a figure out of the cases and says whether it holds."""
+
+    name: str
+    judge: Callable[[list[Case], bool], Verdict]
+
+
+@dataclass
+class Experiment:
+    """`run(seed, **arguments)` is one case; `rows` are the claims that its cases decide."""
+
+    name: str
+    run: Callable[..., Case]
+    arguments: Case = field(default_factory=dict)
+    cases: int = 1
+    sample: int = 1
+    rows: list[Row] = field(default_factory=list)
+    alone: bool = False  # one case at a time, for those that measure time
+
+    def seeds(self, seed: int, count: int) -> Iterator[int]:
+        """The seeds of its first cases: the same whatever else runs."""
+        for index in range(count):
+            digest = hashlib.sha256(f"{seed}/{self.name}/{index}".encode()).digest()
+            yield int.from_bytes(digest[:4], "little")
+
+
+def share_of(name: str, holds: Callable[[Case], bool], *, at_least: float) -> Row:
+    """The share of cases in which something holds, with its Wilson interval."""
+
+    def judge(cases: list[Case], sample: bool) -> Verdict:
+        hits = sum("error" not in case and holds(case) for case in cases)
+        share = hits / len(cases)
+        low, high = wilson(hits, len(cases))
+        # a sample fails only when it contradicts the claim: four cases cannot show 95 %
+        passed = (high if sample else share) >= at_least
+        figure = f"{hits}/{len(cases)} = {share:.1%}"
+        return Verdict(figure, f">= {at_least:.1%}", "pass" if passed else "FAIL", f"[{low:.1%}, {high:.1%}]")
+
+    return Row(name, judge)
+
+
+def all_of(name: str, holds: Callable[[Case], bool]) -> Row:
+    """Something holds in every case."""
+    return share_of(name, holds, at_least=1.0)
+
+
+def mean_of(name: str, value: Callable[[Case], float], **target: float) -> Row:
+    """The mean over the cases is `at_least` or `at_most` something."""
+    return _figure(name, value, statistics.fmean, "mean", target)
+
+
+def median_of(name: str, value: Callable[[Case], float], **target: float) -> Row:
+    """The median over the cases is `at_least` or `at_most` something."""
+    return _figure(name, value, statistics.median, "median", target)
+
+
+def worst_of(name: str, value: Callable[[Case], float], **target: float) -> Row:
+    """Every case is `at_least` or `at_most` something; the figure is the worst of them."""
+    return _figure(name, value, min if "at_least" in target else max, "worst", target)
+
+
+def _figure(
+    name: str,
+    value: Callable[[Case], float],
+    summary: Callable[[list[float]], float],
+    word: str,
+    target: dict[str, float],
+) -> Row:
+    ((sense, bound),) = target.items()
+    at_least = {"at_least": True, "at_most": False}[sense]
+
+    def judge(cases: list[Case], _sample: bool) -> Verdict:
+        failures = sum("error" in case for case in cases)
+        wanted = f"{'>=' if at_least else '<='} {bound:g}"
+        if failures:
+            return Verdict(f"{failures} of {len(cases)} cases broke", wanted, "FAIL")
+        figure = summary([value(case) for case in cases])
+        holds = figure >= bound if at_least else figure <= bound
+        return Verdict(f"{word} {figure:.4g} of {len(cases)}", wanted, "pass" if holds else "FAIL")
+
+    return Row(name, judge)
+
+
+def wilson(hits: int, count: int, z: float = 1.959964) -> tuple[float, float]:
+    """The 95 % interval of a proportion (E. B. Wilson, 1927)."""
+    share = hits / count
+    middle = share + z * z / (2 * count)
+    spread = z * math.sqrt(share * (1 - share) / count + z * z / (4 * count * count))
+    scale = 1 + z * z / count
+    return max(0.0, (middle - spread) / scale), min(1.0, (middle + spread) / scale)
+
+
+def verify(area: str, experiments: list[Experiment], *, seed: int | None, count: int | None, sample: bool) -> list[str]:
+    """Runs an area's experiments and prints its rows; the status of each."""
+    commit, default_seed = revision()
+    seed = default_seed if seed is None else seed
+    print(f"\nverify {area}: commit {commit}, seed {seed}", flush=True)
+    journal = Journal(ROOT / f"build/verify/{area}-{commit}-{seed}.jsonl")
+    statuses = []
+    for experiment in experiments:
+        cases = run_cases(experiment, seed, count or (experiment.sample if sample else experiment.cases), journal)
+        shown = [case for case in cases if "not_shown" not in case]
+        for row in experiment.rows:
+            verdict = row.judge(shown, sample) if shown else Verdict(cases[0]["not_shown"], "", "not shown")
+            print_row(f"{experiment.name}: {row.name}", verdict)
+            statuses.append(verdict.status)
+    return statuses
+
+
+def print_row(name: str, verdict: Verdict) -> None:
+    """One line: what, figure, target, interval, status."""
+    words = [f"{verdict.status:9}", f"{name:60}", verdict.figure, verdict.target, verdict.interval]
+    print("  ".join(word for word in words if word), flush=True)
+
+
+def run_cases(experiment: Experiment, seed: int, count: int, journal: "Journal") -> list[Case]:
+    """Runs those cases that the journal lacks, each in one of two processes."""
+    processes = 1 if experiment.alone else 2
+    idle: Queue[Worker] = Queue()
+    for _ in range(processes):
+        idle.put(Worker())
+
+    def one(case_seed: int) -> Case:
+        known = journal.find(experiment.name, case_seed)
+        if known is not None:
+            return known
+        start = time.monotonic()
+        worker = idle.get()
+        case = worker.run(experiment.run, case_seed, experiment.arguments)
+        idle.put(worker)
+        journal.add(experiment.name, case_seed, case, time.monotonic() - start)
+        return case
+
+    with ThreadPoolExecutor(processes) as threads:
+        cases = list(threads.map(one, experiment.seeds(seed, count)))
+    while not idle.empty():
+        idle.get().stop()
+    return cases
+
+
+class Worker:
+    """A process that runs cases one after another, replaced when one kills it."""
+
+    def __init__(self) -> None:
+        """A fresh process."""
+        self.pool = ProcessPoolExecutor(1, mp_context=get_context("spawn"))
+
+    def run(self, function: Callable[..., Case], seed: int, arguments: Case) -> Case:
+        """One case; {"error": ...} if it raises or dies."""
+        try:
+            return self.pool.submit(run_case, function, seed, arguments).result()
+        except BrokenProcessPool:
+            self.pool = ProcessPoolExecutor(1, mp_context=get_context("spawn"))
+            return {"error": "its process died"}
+
+    def stop(self) -> None:
+        """Ends the process."""
+        self.pool.shutdown()
+
+
+def run_case(function: Callable[..., Case], seed: int, arguments: Case) -> Case:
+    """Runs one case in this process."""
+    try:
+        return function(seed, **arguments)
+    except Exception:
+        return {"error": traceback.format_exc()}
+
+
+class Journal:
+    """The cases that have finished, one JSON line each. Broken ones are run again next time."""
+
+    def __init__(self, path: Path) -> None:
+        """Reads what there is."""
+        self.path = path
+        self.lock = Lock()
+        self.known: dict[tuple[str, int], Case] = {}
+        path.parent.mkdir(parents=True, exist_ok=True)
+        if path.exists():
+            complete = path.read_text().rpartition("\n")[0]  # the last line may have been cut off
+            path.write_text(complete + "\n" if complete else "")
+            lines = [json.loads(line) for line in complete.splitlines()]
+            finished = [line for line in lines if "error" not in line["case"]]
+            self.known = {(line["experiment"], line["seed"]): line["case"] for line in finished}
+            print(f"{len(self.known)} cases were finished before")
+
+    def find(self, experiment: str, seed: int) -> Case | None:
+        """A finished case."""
+        return self.known.get((experiment, seed))
+
+    def add(self, experiment: str, seed: int, case: Case, seconds: float) -> None:
+        """Writes a case down, and shows what broke."""
+        if "error" in case:
+            print(f"{experiment}, seed {seed}: {case['error']}", file=sys.stderr, flush=True)
+        line = {"experiment": experiment, "seed": seed, "seconds": round(seconds, 3), "case": case}
+        with self.lock, self.path.open("a") as file:
+            file.write(json.dumps(line) + "\n")
+
+
+def revision() -> tuple[str, int]:
+    """The commit, with a hash of what is not committed, and the seed that follows from the commit."""
+
+    def git(*arguments: str) -> str:
+        return subprocess.run(["git", *arguments], cwd=ROOT, capture_output=True, text=True).stdout.strip()
+
+    commit = git("rev-parse", "--short=10", "HEAD") or "0"
+    changes = git("diff", "HEAD") + git("ls-files", "--others", "--exclude-standard")
+    suffix = f"+{hashlib.sha256(changes.encode()).hexdigest()[:6]}" if changes else ""
+    return commit + suffix, int(commit[:8], 16)
