@@ -212,10 +212,9 @@ class SceneReader {
   void find_bounds() {
     scene_.min = scene_.max = scene_.walls.front().a;
     for (const Wall& wall : scene_.walls) {
-      for (const Vec2 corner : solid_of(wall).corners) {
-        scene_.min = {std::min(scene_.min.x, corner.x), std::min(scene_.min.y, corner.y)};
-        scene_.max = {std::max(scene_.max.x, corner.x), std::max(scene_.max.y, corner.y)};
-      }
+      const auto [low, high] = bounds(solid_of(wall));
+      scene_.min = {std::min(scene_.min.x, low.x), std::min(scene_.min.y, low.y)};
+      scene_.max = {std::max(scene_.max.x, high.x), std::max(scene_.max.y, high.y)};
     }
   }
 

@@ -80,6 +80,14 @@ Solid make_disc(Vec2 center, double radius) {
   return solid;
 }
 
+std::pair<Vec2, Vec2> bounds(const Solid& solid) {
+  const Vec2 r{solid.radius, solid.radius};
+  if (solid.shape == Solid::Shape::disc) return {solid.center - r, solid.center + r};
+  const auto x = std::ranges::minmax(solid.corners, {}, &Vec2::x);
+  const auto y = std::ranges::minmax(solid.corners, {}, &Vec2::y);
+  return {{x.min.x, y.min.y}, {x.max.x, y.max.y}};
+}
+
 double distance_to(const Solid& solid, Vec2 point) {
   if (solid.shape == Solid::Shape::disc) return std::max(0.0, distance(solid.center, point) - solid.radius);
   return distance_to_polygon(solid.corners, point);

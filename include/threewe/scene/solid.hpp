@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "threewe/core/pose.hpp"
@@ -29,6 +30,8 @@ struct Solid {
 Solid make_box(const Pose2D& middle, double length, double width);
 Solid make_disc(Vec2 center, double radius);
 
+/// The corners of the smallest rectangle along the scene's axes that holds a solid.
+std::pair<Vec2, Vec2> bounds(const Solid& solid);
 /// Distance [m] from a point to a solid, 0 inside.
 double distance_to(const Solid& solid, Vec2 point);
 /// Distance [m] between a solid and a convex, counter-clockwise polygon; 0 where they overlap.

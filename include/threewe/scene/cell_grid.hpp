@@ -1,0 +1,78 @@
+// A grid over a scene: one value for every square cell.
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "threewe/core/grid_line.hpp"
+#include "threewe/core/pose.hpp"
+
+namespace threewe::scene {
+
+/// Column along x and row along y of a cell.
+struct CellIndex {
+  int x = 0;
+  int y = 0;
+  friend bool operator==(const CellIndex&, const CellIndex&) = default;
+};
+
+/// Where the cells of a grid are. Cell (0, 0) has its lower left corner at `origin`; axes are the scene's.
+struct GridFrame {
+  Vec2 origin;              ///< [m]
+  double resolution = 0.0;  ///< [m], the side of a cell
+  int width = 0;            ///< cells along x
+  int height = 0;           ///< cells along y
+  friend bool operator==(const GridFrame&, const GridFrame&) = default;
+
+  std::size_t size() const { return static_cast<std::size_t>(width) * static_cast<std::size_t>(height); }
+  bool contains(CellIndex c) const { return c.x >= 0 && c.y >= 0 && c.x < width && c.y < height; }
+  std::size_t index(CellIndex c) const {
+    return static_cast<std::size_t>(c.y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(c.x);
+  }
+  CellIndex cell(std::size_t index) const {
+    const auto columns = static_cast<std::size_t>(width);
+    return {static_cast<int>(index % columns), static_cast<int>(index / columns)};
+  }
+  /// The cell that holds a point, which may lie outside the grid. The point's coordinates must be finite.
+  CellIndex cell(Vec2 point) const {
+    return {to_cell((point.x - origin.x) / resolution, width), to_cell((point.y - origin.y) / resolution, height)};
+  }
+  Vec2 center(CellIndex c) const { return {origin.x + (c.x + 0.5) * resolution, origin.y + (c.y + 0.5) * resolution}; }
+
+ private:
+  // far outside is just outside, so that any finite point can be converted
+  static int to_cell(double cells, int count) {
+    if (!(cells >= 0.0)) return -1;
+    return cells < count ? static_cast<int>(cells) : count;
+  }
+};
+
+/// One value for every cell of a frame, row by row.
+template <typename T>
+struct CellGrid {
+  GridFrame frame;
+  std::vector<T> cells;
+
+  CellGrid() = default;
+  CellGrid(const GridFrame& where, T value) : frame(where), cells(where.size(), value) {}
+
+  T& operator[](CellIndex c) { return cells[frame.index(c)]; }
+  const T& operator[](CellIndex c) const { return cells[frame.index(c)]; }
+  /// The value at a cell, `outside` beyond the grid.
+  T value_or(CellIndex c, T outside) const { return frame.contains(c) ? (*this)[c] : outside; }
+  friend bool operator==(const CellGrid&, const CellGrid&) = default;
+};
+
+/// A set of cells: 1 inside, 0 outside.
+using CellSet = CellGrid<unsigned char>;
+
+/// Calls `visit(cell)` for every cell that the straight line from `a` to `b` crosses, in order, while it returns true.
+/// Returns whether all were visited. Cells may lie outside the grid.
+template <typename Visit>
+bool walk_line(const GridFrame& frame, Vec2 a, Vec2 b, Visit visit) {
+  const double scale = 1.0 / frame.resolution;
+  return walk_grid_line(scale * (a - frame.origin), scale * (b - frame.origin),
+                        [&](int x, int y) { return visit(CellIndex{x, y}); });
+}
+
+}  // namespace threewe::scene

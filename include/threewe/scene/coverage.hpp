@@ -1,0 +1,37 @@
+// How much of a place a robot has really seen and mapped.
+#pragma once
+
+#include <functional>
+#include <memory>
+
+#include "threewe/scene/scene_tables.hpp"
+
+namespace threewe::scene {
+
+/// Measures the coverage of an exploration: the share of all reachable 5 cm cells that a noise-free ray from the true
+/// pose crossed within 8 m *and* that the robot's own map marks free within 10 cm. A cell is reachable when no obstacle
+/// reaches into it and the largest disc in the footprint can cover its middle, driving from the first start.
+class CoverageMeter {
+ public:
+  /// `lidar_height` [m]: the plane in which rays are cast.
+  CoverageMeter(std::shared_ptr<const SceneTables> tables, double lidar_height);
+
+  /// Casts 360 rays from the lidar's true place in the scene; the first along its heading.
+  void observe(const Pose2D& scene_from_lidar);
+  /// The share of reachable cells, 0 to 1, that were crossed and are marked free. `is_free` tells whether the robot's
+  /// map marks a point of the scene free.
+  double coverage(const std::function<bool(Vec2)>& is_free) const;
+  /// The share of reachable cells, 0 to 1, that were crossed.
+  double crossed() const;
+
+  const CellSet& reachable_cells() const { return reachable_; }
+  const CellSet& crossed_cells() const { return crossed_; }
+
+ private:
+  std::shared_ptr<const SceneTables> tables_;
+  Slice slice_;
+  CellSet reachable_;
+  CellSet crossed_;
+};
+
+}  // namespace threewe::scene
