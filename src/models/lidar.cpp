@@ -61,9 +61,10 @@ LaserScan make_scan(const LidarSpec& spec, std::span<const float> points) {
   for (std::size_t k = 0; k < points.size(); ++k) {
     const float range = points[k];
     if (range == 0.0F) continue;
-    // point k sits at (k + 1/2) / points of the turn
-    const std::size_t along = (2 * k + 1) * beams / (2 * points.size());
-    float& beam = scan.ranges[spec.clockwise ? beams - 1 - along : along];
+    // point k sits at (k + 1/2) / points of the turn; one on the edge of two beams belongs to the counter-clockwise one
+    const std::size_t place = (2 * k + 1) * beams;
+    const std::size_t turn = 2 * points.size();
+    float& beam = scan.ranges[spec.clockwise ? beams - 1 - (place - 1) / turn : place / turn];
     if (beam == 0.0F || range < beam) beam = range;
   }
   return scan;

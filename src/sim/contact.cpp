@@ -69,7 +69,7 @@ bool overlaps(const Outline& outline, Vec2 center, double radius) {
 // The shapes that a body could meet in this step, around the base's old position.
 class Neighbourhood {
  public:
-  Neighbourhood(const Obstacles& obstacles, std::span<const scene::Segment> others, Vec2 base, double reach) {
+  Neighbourhood(const ShapeIndex& obstacles, std::span<const scene::Segment> others, Vec2 base, double reach) {
     const scene::Slice& slice = obstacles.slice();
     for (const std::uint16_t shape : obstacles.near(base)) {
       if (shape < slice.segments.size()) {
@@ -244,7 +244,7 @@ double contact_reach(const Footprint& footprint, double max_speed, double max_tu
   return footprint.circumscribed_radius() + 2.0 * (travel + kSkin);
 }
 
-Motion move(const RigidBody& body, const Obstacles& obstacles, std::span<const scene::Segment> others,
+Motion move(const RigidBody& body, const ShapeIndex& obstacles, std::span<const scene::Segment> others,
             const Pose2D& pose, const Velocity& velocity, const Velocity& carried, double seconds) {
   const Pose2D free_end = integrate(pose, velocity, seconds);
   if (obstacles.near(pose.position()).empty() && others.empty()) return {free_end, velocity};

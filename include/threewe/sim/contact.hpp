@@ -6,7 +6,7 @@
 #include "threewe/core/footprint.hpp"
 #include "threewe/core/pose.hpp"
 #include "threewe/scene/geometry.hpp"
-#include "threewe/sim/obstacles.hpp"
+#include "threewe/sim/shape_index.hpp"
 
 namespace threewe::sim {
 
@@ -25,7 +25,7 @@ struct Motion {
   double approach_speed = 0.0;  ///< [m/s] at which the body met what it touches now; 0 while it rests against it
 };
 
-/// How far from the base a shape can matter in one step [m]: what `Obstacles` needs for this body.
+/// How far from the base a shape can matter in one step [m]: what `ShapeIndex` needs for this body.
 double contact_reach(const Footprint& footprint, double max_speed, double max_turn_rate, double seconds);
 
 /// Moves a body for `seconds` at `velocity` (body frame) from a pose that is free.
@@ -33,7 +33,7 @@ double contact_reach(const Footprint& footprint, double max_speed, double max_tu
 /// `carried` is its velocity before its own drive pushed it in this step, which is what it meets an obstacle with: so a
 /// robot that leans against a wall does not hit it again at every step. `others` are more shapes, such as other robots.
 /// Contact is inelastic and without friction; it never adds energy. The new pose is free.
-Motion move(const RigidBody& body, const Obstacles& obstacles, std::span<const scene::Segment> others,
+Motion move(const RigidBody& body, const ShapeIndex& obstacles, std::span<const scene::Segment> others,
             const Pose2D& pose, const Velocity& velocity, const Velocity& carried, double seconds);
 
 }  // namespace threewe::sim

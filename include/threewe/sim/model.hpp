@@ -11,7 +11,7 @@
 #include "threewe/models/lidar.hpp"
 #include "threewe/scene/scene.hpp"
 #include "threewe/sim/contact.hpp"
-#include "threewe/sim/obstacles.hpp"
+#include "threewe/sim/shape_index.hpp"
 #include "threewe/sim/ray_caster.hpp"
 
 namespace threewe::sim {
@@ -29,7 +29,7 @@ struct RobotModel {
   models::Drive drive;
   RigidBody body;
   std::vector<scene::Solid> solids;            ///< all that stands as high as the robot reaches
-  std::shared_ptr<const Obstacles> obstacles;  ///< the same, as outlines
+  std::shared_ptr<const ShapeIndex> obstacles;  ///< the same, as outlines
   int command_latency = 0;
   int imu_period = 0;
   int odometry_period = 0;

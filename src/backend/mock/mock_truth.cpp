@@ -1,11 +1,22 @@
 #include "backend/mock/mock_truth.hpp"
 
-#include "threewe/core/errors.hpp"
-
 namespace threewe::backend::mock {
 
-Pose2D MockTruth::sample_free_pose(std::uint64_t) const { throw ContractError("sample_free_pose: not there yet"); }
+const scene::SceneTables& MockTruth::tables() const {
+  if (!tables_) {
+    const RobotProfile& profile = model_->robots[index_].profile;
+    tables_ = std::make_unique<scene::SceneTables>(model_->scene, profile.body.footprint, profile.body.height);
+  }
+  return *tables_;
+}
 
-double MockTruth::geodesic(Vec2, Vec2) const { throw ContractError("geodesic: not there yet"); }
+Pose2D MockTruth::sample_free_pose(std::uint64_t seed) const { return tables().sample_free_pose(seed); }
+
+double MockTruth::geodesic(Vec2 a, Vec2 b) const {
+  if (!field_ || field_->target() != b) {
+    field_ = std::make_unique<scene::GeodesicField>(tables().geodesic_field(b));
+  }
+  return field_->length_from(a);
+}
 
 }  // namespace threewe::backend::mock

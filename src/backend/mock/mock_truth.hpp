@@ -2,8 +2,10 @@
 #pragma once
 
 #include <memory>
+#include <utility>
 #include <vector>
 
+#include "threewe/scene/scene_tables.hpp"
 #include "threewe/scene/truth_view.hpp"
 #include "threewe/sim/model.hpp"
 #include "threewe/sim/state.hpp"
@@ -26,10 +28,14 @@ class MockTruth : public scene::TruthView {
 
  private:
   const sim::RobotState& state() const { return states_[index_]; }
+  const scene::SceneTables& tables() const;
 
   std::shared_ptr<const sim::Model> model_;
   std::size_t index_;
   const std::vector<sim::RobotState>& states_;  // the world's
+  // made when they are first asked for: a world without questions starts faster
+  mutable std::unique_ptr<scene::SceneTables> tables_;
+  mutable std::unique_ptr<scene::GeodesicField> field_;  // to the target asked for last
 };
 
 }  // namespace threewe::backend::mock

@@ -11,11 +11,11 @@
 namespace threewe::sim {
 
 /// The shapes of a slice behind a grid that tells which of them lie near a point. Const once built.
-class Obstacles {
+class ShapeIndex {
  public:
-  Obstacles() = default;
+  ShapeIndex() = default;
   /// `reach` [m] is how far from a point a shape can matter.
-  Obstacles(scene::Slice slice, double reach);
+  ShapeIndex(scene::Slice slice, double reach);
 
   const scene::Slice& slice() const { return slice_; }
 

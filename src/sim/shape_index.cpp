@@ -1,4 +1,4 @@
-#include "threewe/sim/obstacles.hpp"
+#include "threewe/sim/shape_index.hpp"
 
 #include <algorithm>
 #include <limits>
@@ -20,7 +20,7 @@ double distance_to_segment(Vec2 point, const scene::Segment& segment) {
 
 }  // namespace
 
-Obstacles::Obstacles(scene::Slice slice, double reach) : slice_(std::move(slice)) {
+ShapeIndex::ShapeIndex(scene::Slice slice, double reach) : slice_(std::move(slice)) {
   const std::size_t count = slice_.segments.size() + slice_.circles.size();
   if (count > std::numeric_limits<std::uint16_t>::max()) {
     throw ConfigError(fmt::format("the scene has {} edges; at most 65,535 can be simulated", count));
@@ -62,7 +62,7 @@ Obstacles::Obstacles(scene::Slice slice, double reach) : slice_(std::move(slice)
   begins_.push_back(static_cast<std::uint32_t>(shapes_.size()));
 }
 
-std::span<const std::uint16_t> Obstacles::near(Vec2 point) const {
+std::span<const std::uint16_t> ShapeIndex::near(Vec2 point) const {
   const double x = (point.x - origin_.x) * (1.0 / kCell);
   const double y = (point.y - origin_.y) * (1.0 / kCell);
   if (!(x >= 0.0 && y >= 0.0 && x < width_ && y < height_)) return {};
