@@ -124,7 +124,13 @@ ExploreResult Robot::wait(const ExplorationHandle& exploration) {
 }
 
 void Robot::sleep(double seconds) {
-  world_->wait(world_->sleep(duration(seconds, "sleep")));
+  const WaitHandle wait = world_->sleep(duration(seconds, "sleep"));
+  try {
+    world_->wait(wait);
+  } catch (...) {
+    world_->forget(wait);
+    throw;
+  }
 }
 
 void Robot::thinking(double seconds, const std::function<void()>& work) {

@@ -100,14 +100,19 @@ bool World::run(Duration wall) {
 
 void World::wait(const WaitHandle& wait) {
   while (!wait->done()) {
-    if (!impl_->waits.contains(wait)) throw ContractError("this wait is of another world, or was forgotten");
-    if (held()) throw ContractError("a wait inside a `thinking` block can never end: wait after the block");
-    if (std::none_of(impl_->robots.begin(), impl_->robots.end(), [](const auto& r) { return r->connected(); })) {
-      throw ConnectionError("no robot of this world is connected; call connect() first");
-    }
+    impl_->require_possible(wait);
     tick();
   }
   impl_->waits.take(wait);
+}
+
+// Throws for what could only be waited for in vain.
+void World::Impl::require_possible(const WaitHandle& wait) {
+  if (!waits.contains(wait)) throw ContractError("this wait is of another world, or was forgotten");
+  if (holds > 0 && lockstep) throw ContractError("a wait inside a `thinking` block can never end: wait after it");
+  if (std::none_of(robots.begin(), robots.end(), [](const auto& robot) { return robot->connected(); })) {
+    throw ConnectionError("no robot of this world is connected; call connect() first");
+  }
 }
 
 void World::settle() {

@@ -25,6 +25,7 @@ struct World::Impl {
   std::exception_ptr observer_error;  // the first of this tick
 
   WaitHandle begin(Duration duration, WaitList::Kind kind);
+  void require_possible(const WaitHandle& wait);
   void advance();
   void begin_anew_at(Time time);
 };

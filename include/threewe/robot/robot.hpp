@@ -34,10 +34,10 @@ class Robot {
     std::uint64_t seed = 0;
     bool realtime = false;
     /// Where the robot starts in its `map` frame; the origin where empty.
-    std::optional<Pose2D> initial_pose;
+    std::optional<Pose2D> initial_pose = {};
     /// Where it starts in the scene's frame, for simulated worlds; the scene's own start pose where empty.
-    std::optional<Pose2D> start_pose;
-    Mind mind;  ///< ours by default
+    std::optional<Pose2D> start_pose = {};
+    Mind mind = {};  ///< ours by default
   };
   /// A robot in a world of its own, connected and with every sensor's first sample at hand.
   Robot();
@@ -69,10 +69,10 @@ class Robot {
   void stop();
 
   struct MoveOptions {
-    std::optional<double> theta;    ///< [rad] final heading
+    std::optional<double> theta = {};    ///< [rad] final heading
     std::string frame = "map";      ///< of the goal: `map`, `odom` or `base`
     double tolerance = 0.25;        ///< [m]
-    std::optional<double> timeout;  ///< [s]; 30 s + 4 x straight distance / speed limit where empty
+    std::optional<double> timeout = {};  ///< [s]; 30 s + 4 x straight distance / speed limit where empty
   };
   // Motions begin at once and are driven by `wait`.
   [[nodiscard]] MotionHandle move_to(double x, double y);
