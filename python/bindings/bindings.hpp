@@ -27,6 +27,7 @@ void init_hardware(nb::module_& m);
 void init_scene(nb::module_& m);
 void init_map(nb::module_& m);
 void init_backend(nb::module_& m);
+void init_plugin(nb::module_& m);
 void init_robot(nb::module_& m);
 
 /// While C++ works, other Python threads run.

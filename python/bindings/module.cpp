@@ -9,5 +9,6 @@ NB_MODULE(_core, m) {
   init_scene(m);
   init_map(m);
   init_backend(m);
+  init_plugin(m);
   init_robot(m);
 }

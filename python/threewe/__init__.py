@@ -29,10 +29,10 @@ from threewe._core import (
     Velocity,
     add_asset_directory,
     asset_directories,
-    backend_names,
     profile_names,
     scene_names,
 )
+from threewe.backend import backend_names, register_backend
 from threewe.errors import (
     ConfigError,
     ConnectionError,
@@ -94,5 +94,6 @@ __all__ = [
     "asset_directories",
     "backend_names",
     "profile_names",
+    "register_backend",
     "scene_names",
 ]

@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import asyncio
 import logging
-import threading
 import weakref
 from collections.abc import Callable, Sequence
 from types import TracebackType
-from typing import Never, Self, SupportsFloat
+from typing import Never, Self, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -32,6 +31,7 @@ from threewe._core import (
 )
 from threewe._options import known_options
 from threewe._time import RobotTime, Thinking, Timeout
+from threewe.backend import known_backend
 from threewe.errors import ContractError, HardwareError
 from threewe.simulation import Simulation
 
@@ -41,7 +41,7 @@ READS_AT_ONE_STAMP = 1000
 """Reads while robot time stands still, after which the likely mistake is reported."""
 
 OnProgress = Callable[[Progress], object]
-PoseLike = Pose2D | Sequence[float]
+PoseLike: TypeAlias = Pose2D | Sequence[float]
 
 
 class Robot:
@@ -81,9 +81,11 @@ class Robot:
         start_pose: PoseLike | None = None,
     ) -> None:
         if map is not None:
-            raise ContractError("map: localising in a given map is not there yet; leave it out, and the robot draws its own")
+            raise ContractError(
+                "map: localising in a given map is not there yet; leave it out, and the robot draws its own"
+            )
         world = _core.World(
-            backend=backend,
+            backend=known_backend(backend),
             scene=scene,
             robots=[hardware],
             noise=noise,
@@ -254,9 +256,7 @@ class Robot:
         return await self._result(motion, on_progress)
 
     @known_options
-    async def explore(
-        self, *, timeout: float | None = None, on_progress: OnProgress | None = None
-    ) -> ExploreResult:
+    async def explore(self, *, timeout: float | None = None, on_progress: OnProgress | None = None) -> ExploreResult:
         """Maps everything that can be reached, for at most `timeout` (600) seconds of robot time. Needs a lidar."""
         self._time.check_thread()
         motion = self._runtime.explore(timeout)
@@ -459,7 +459,9 @@ def as_array(name: str, values: ArrayLike, shape: tuple[int | None, ...]) -> NDA
         array = np.asarray(values, np.float64)
     except (TypeError, ValueError) as error:
         raise ContractError(f"{name} must hold numbers, got {values!r}") from error
-    if len(array.shape) != len(shape) or any(want not in (None, got) for got, want in zip(array.shape, shape, strict=True)):
+    if len(array.shape) != len(shape) or any(
+        want not in (None, got) for got, want in zip(array.shape, shape, strict=True)
+    ):
         wanted = ", ".join("N" if length is None else str(length) for length in shape)
         raise ContractError(f"{name} must have shape ({wanted}), got {array.shape}")
     if not np.isfinite(array).all():

@@ -9,6 +9,7 @@ from typing import Self
 from threewe import _core
 from threewe._options import known_options
 from threewe._time import RobotTime, Thinking, Timeout
+from threewe.backend import known_backend
 from threewe.robot import PoseLike, Robot, as_pose
 
 
@@ -43,7 +44,7 @@ class World:
         initial_poses: Sequence[PoseLike] = (),
     ) -> None:
         world = _core.World(
-            backend=backend,
+            backend=known_backend(backend),
             scene=scene,
             robots=list(robots),
             noise=noise,

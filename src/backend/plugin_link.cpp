@@ -37,6 +37,12 @@ PluginLink::PluginLink(std::string name, Features features, RobotProfile profile
   begin_anew();
 }
 
+void PluginLink::close() {
+  const Lock lock(mutex_);
+  quit_ = true;
+  changed_.notify_all();
+}
+
 // The plug-in's thread: take, then answer or fail.
 
 std::optional<PluginRequest> PluginLink::take() {

@@ -39,12 +39,6 @@ void get(const Bytes& bytes, std::size_t& at, T& value) {
 
 PluginWorld::PluginWorld(std::shared_ptr<PluginLink> link) : link_(std::move(link)) {}
 
-PluginWorld::~PluginWorld() {
-  const PluginLink::Lock lock(link_->mutex_);
-  link_->quit_ = true;
-  link_->changed_.notify_all();
-}
-
 RobotPort& PluginWorld::robot(std::size_t index) {
   if (index != 0) throw ContractError(fmt::format("robot {} of a world with one robot", index));
   return *this;

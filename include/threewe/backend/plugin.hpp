@@ -56,6 +56,11 @@ class PluginLink {
   /// hardware: 15 times as long). Throws ContractError when the features contradict themselves or the profile.
   PluginLink(std::string name, Features features, RobotProfile profile, Duration patience = 2s);
 
+  const Features& features() const { return features_; }
+  const RobotProfile& profile() const { return profile_; }
+  /// Tells the plug-in to disconnect and its thread to end, and waits for neither.
+  void close();
+
   // For the plug-in's thread, in turn: `take`, then `answer` or one of the failures.
 
   /// Waits for the next request; in real time one to step comes every control period. Empty when the world is gone and
@@ -130,8 +135,7 @@ class PluginLink {
 class PluginWorld : public World, private RobotPort {
  public:
   explicit PluginWorld(std::shared_ptr<PluginLink> link);
-  /// Tells the plug-in to disconnect and end, and waits for neither.
-  ~PluginWorld() override;
+  ~PluginWorld() override { link_->close(); }
   PluginWorld(const PluginWorld&) = delete;
   PluginWorld& operator=(const PluginWorld&) = delete;
 

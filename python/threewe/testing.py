@@ -1,0 +1,70 @@
+"""Does a backend keep the contract? The same checks for ours and for a stranger's."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from rich.console import Console
+from rich.markup import escape
+from rich.progress import track
+from rich.table import Table
+
+from threewe import _core
+from threewe._core import CheckResult, Outcome, check_names
+from threewe.backend import known_backend
+from threewe.errors import ConfigError, ContractError
+
+__all__ = ["CheckResult", "Outcome", "check_backend", "check_names"]
+
+COLORS = {Outcome.passed: "green", Outcome.failed: "bold red", Outcome.not_applicable: "dim"}
+
+
+def check_backend(
+    backend: str,
+    *,
+    hardware: str = "3we_standard_v2",
+    scene: str = "office_v2",
+    noise: str = "realistic",
+    seed: int = 0,
+    checks: Sequence[str] | None = None,
+    show: bool = True,
+    raise_failures: bool = False,
+) -> list[CheckResult]:
+    """Runs the contract's checks against a backend, each on a fresh world, and shows a table.
+
+    The checks drive the robot: it needs 1.5 m of free floor ahead, 0.6 m to the left, and a person who watches it when
+    it is a real one. A check of something that the backend does not claim is `not_applicable`.
+
+    Args:
+        backend: its name.
+        hardware: as for Robot.
+        scene: as for Robot.
+        noise: as for Robot.
+        seed: as for Robot.
+        checks: some of `check_names()`; all of them where None.
+        show: print progress and the table.
+        raise_failures: raise ContractError with all failures, where there are any.
+
+    Raises:
+        ConfigError: an unknown backend or check, with the nearest right name.
+    """
+    if known_backend(backend) not in _core.backend_names():
+        raise ConfigError(_core.unknown_name("backend", backend, _core.backend_names()))
+    results = [
+        _core.run_check(check, backend=backend, scene=scene, hardware=hardware, noise=noise, seed=seed)
+        for check in track(check_names() if checks is None else checks, "checking", disable=not show, transient=True)
+    ]
+    if show:
+        Console().print(_table(backend, results))
+    failures = [f"{result.name}: {result.detail}" for result in results if not result.passed]
+    if failures and raise_failures:
+        raise ContractError("\n  ".join([f"backend '{backend}' fails {len(failures)} of {len(results)} checks:", *failures]))
+    return results
+
+
+def _table(backend: str, results: Sequence[CheckResult]) -> Table:
+    table = Table("check", "outcome", "detail", title=f"backend '{backend}'")
+    for result in results:
+        outcome = result.outcome.name.replace("_", " ")
+        table.add_row(result.name, f"[{COLORS[result.outcome]}]{outcome}[/]", escape(result.detail))
+    return table
