@@ -22,11 +22,11 @@ class Costmap {
   struct Settings {
     double lethal_radius = 0.13;   ///< [m] no path comes so near to an obstacle
     double caution_radius = 0.50;  ///< [m] weights fall to kFree here
-    int near_weight = 80;          ///< added at the lethal radius
-    int unknown_weight = 5;        ///< added where nothing is known: optimistic, but dearer than known to be free
+    int near_weight = 32;          ///< added at the lethal radius
+    int unknown_weight = 2;        ///< added where nothing is known: optimistic, but dearer than known to be free
   };
   using Weight = std::uint16_t;
-  static constexpr Weight kFree = 10;
+  static constexpr Weight kFree = 4;
   static constexpr Weight kLethal = 0xFFFF;
 
   Costmap() : Costmap(Settings{}) {}

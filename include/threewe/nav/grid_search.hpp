@@ -33,7 +33,8 @@ class GridSearch {
 
  private:
   static constexpr std::uint32_t kUnreached = 0xFFFFFFFF;
-  static constexpr std::size_t kBuckets = 8192;  // more than any step, with its change of heuristic, can cost
+  static constexpr std::uint32_t kStartWeight = 100;    // at most, where a search starts in a lethal cell
+  static constexpr std::size_t kBuckets = 2048;  // more than any step, with its change of heuristic, can cost
 
   template <class Heuristic, class IsTarget, class Blocked>
   SearchResult search(const map::Costmap& costmap, map::Cell start, Heuristic heuristic, IsTarget is_target,
@@ -95,7 +96,7 @@ SearchResult GridSearch::search(const map::Costmap& costmap, map::Cell start, He
       const auto index = static_cast<std::uint32_t>(costmap.index(there));
       const std::uint32_t weight = costmap.weights()[index];
       if (weight == map::Costmap::kLethal || blocked(index)) continue;
-      const std::uint32_t cost = entry.cost + (i < 4 ? 5U : 7U) * (std::min(here_weight, 300U) + weight);
+      const std::uint32_t cost = entry.cost + (i < 4 ? 5U : 7U) * (std::min(here_weight, kStartWeight) + weight);
       if (cost >= cost_[index]) continue;
       cost_[index] = cost;
       arrived_by_[index] = static_cast<std::uint8_t>(i);
