@@ -1,5 +1,4 @@
 // Poses, velocities, sensor samples, assets.
-#include <nanobind/operators.h>
 #include <nanobind/stl/array.h>
 #include <nanobind/stl/filesystem.h>
 #include <nanobind/stl/variant.h>
@@ -11,6 +10,7 @@
 #include "threewe/core/kinematics.hpp"
 #include "threewe/core/names.hpp"
 #include "threewe/core/samples.hpp"
+#include "threewe/core/targets.hpp"
 
 namespace {
 
@@ -22,6 +22,13 @@ std::string repr(const Velocity& v) {
 }
 std::string unknown(std::string_view kind, std::string_view name, const std::vector<std::string>& candidates) {
   return unknown_name(kind, name, candidates);
+}
+
+// nanobind answers NotImplemented where the other object is of another type
+constexpr const char* kEqual = "def __eq__(self, other: object) -> bool";
+template <typename T>
+bool equal(const T& a, const T& b) {
+  return a == b;
 }
 
 nb::object iterate(const nb::tuple& values) { return nb::steal(PyObject_GetIter(values.ptr())); }
@@ -45,7 +52,7 @@ void bind_poses(nb::module_& m) {
            "Between the positions [m].")
       .def("__iter__", [](const Pose2D& p) { return iterate(nb::make_tuple(p.x, p.y, p.theta)); },
            nb::sig("def __iter__(self) -> collections.abc.Iterator[float]"), "x, y, theta")
-      .def(nb::self == nb::self)
+      .def("__eq__", equal<Pose2D>, nb::is_operator(), nb::sig(kEqual))
       .def("__hash__", [](const Pose2D& p) { return nb::hash(nb::make_tuple(p.x, p.y, p.theta)); })
       .def("__repr__", [](const Pose2D& pose) { return repr(pose); });
 
@@ -56,7 +63,7 @@ void bind_poses(nb::module_& m) {
       .def_ro("omega", &Velocity::omega, "[rad/s], counter-clockwise")
       .def("__iter__", [](const Velocity& v) { return iterate(nb::make_tuple(v.vx, v.vy, v.omega)); },
            nb::sig("def __iter__(self) -> collections.abc.Iterator[float]"), "vx, vy, omega")
-      .def(nb::self == nb::self)
+      .def("__eq__", equal<Velocity>, nb::is_operator(), nb::sig(kEqual))
       .def("__hash__", [](const Velocity& v) { return nb::hash(nb::make_tuple(v.vx, v.vy, v.omega)); })
       .def("__repr__", [](const Velocity& velocity) { return repr(velocity); });
 }
@@ -147,8 +154,15 @@ void bind_samples(nb::module_& m) {
       });
 }
 
+void bind_targets(nb::module_& m) {
+  m.def("active_target", &active_target, "The vector instructions in use, such as AVX2. Results do not depend on it.");
+  m.def("available_targets", &available_targets, "Those that this machine can run, fastest first.");
+  m.def("force_target", &force_target, "name"_a, "Uses one of them, or the fastest again when `name` is empty.");
+}
+
 void bind_assets(nb::module_& m) {
   m.def("add_asset_directory", &add_asset_directory, "directory"_a,
+        nb::sig("def add_asset_directory(directory: str | pathlib.Path) -> None"),
         "Adds a folder with `scenes/`, `objects/` or `robots/`, searched before those installed with 3we.");
   m.def("asset_directories", &asset_directories, "The folders that are searched, first match wins.");
   m.def("unknown_name", &unknown, "kind"_a, "name"_a, "candidates"_a,
@@ -160,5 +174,6 @@ void bind_assets(nb::module_& m) {
 void init_core(nb::module_& m) {
   bind_poses(m);
   bind_samples(m);
+  bind_targets(m);
   bind_assets(m);
 }

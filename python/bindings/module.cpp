@@ -6,8 +6,8 @@ NB_MODULE(_core, m) {
   init_errors(m);
   init_core(m);
   init_hardware(m);
-  init_scene(m);
   init_map(m);
+  init_scene(m);
   init_backend(m);
   init_plugin(m);
   init_robot(m);

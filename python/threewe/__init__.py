@@ -27,8 +27,11 @@ from threewe._core import (
     Snapshot,
     TickView,
     Velocity,
+    active_target,
     add_asset_directory,
     asset_directories,
+    available_targets,
+    force_target,
     profile_names,
     scene_names,
 )
@@ -45,7 +48,7 @@ from threewe.errors import (
     TimeoutError,
 )
 from threewe.robot import Robot
-from threewe.simulation import Simulation
+from threewe.simulation import CoverageMeter, Simulation
 from threewe.world import World
 
 try:
@@ -58,6 +61,7 @@ __all__ = [
     "ConfigError",
     "ConnectionError",
     "ContractError",
+    "CoverageMeter",
     "EmergencyStopError",
     "ExploreResult",
     "Features",
@@ -90,9 +94,12 @@ __all__ = [
     "Velocity",
     "World",
     "__version__",
+    "active_target",
     "add_asset_directory",
     "asset_directories",
+    "available_targets",
     "backend_names",
+    "force_target",
     "profile_names",
     "register_backend",
     "scene_names",

@@ -81,9 +81,8 @@ class Robot:
         start_pose: PoseLike | None = None,
     ) -> None:
         if map is not None:
-            raise ContractError(
-                "map: localising in a given map is not there yet; leave it out, and the robot draws its own"
-            )
+            raise ContractError("map: localising in a given map is not there yet; without it the robot draws its own")
+        initial = Pose2D() if initial_pose is None else as_pose("initial_pose", initial_pose)
         world = _core.World(
             backend=known_backend(backend),
             scene=scene,
@@ -92,22 +91,22 @@ class Robot:
             seed=seed,
             realtime=realtime,
             start_poses=[] if start_pose is None else [as_pose("start_pose", start_pose)],
-            initial_poses=[] if initial_pose is None else [as_pose("initial_pose", initial_pose)],
+            initial_poses=[initial],
         )
-        self._set_up(world, RobotTime(world), 0)
+        self._set_up(world, RobotTime(world), 0, initial)
 
     @classmethod
-    def _of_world(cls, world: _core.World, robot_time: RobotTime, index: int) -> Self:
+    def _of_world(cls, world: _core.World, robot_time: RobotTime, index: int, initial_pose: Pose2D) -> Self:
         """A robot of a world that others share."""
         robot = cls.__new__(cls)
-        robot._set_up(world, robot_time, index)
+        robot._set_up(world, robot_time, index, initial_pose)
         return robot
 
-    def _set_up(self, world: _core.World, robot_time: RobotTime, index: int) -> None:
+    def _set_up(self, world: _core.World, robot_time: RobotTime, index: int, initial_pose: Pose2D) -> None:
         self._world = world
         self._time = robot_time
         self._runtime = world.robot(index)
-        self._simulation = Simulation(world, index, robot_time) if self._runtime.simulated else None
+        self._simulation = Simulation(world, index, robot_time, initial_pose) if self._runtime.simulated else None
         self._map: tuple[int, OccupancyGrid] | None = None
         self._observers: dict[int, Callable[[TickView], object]] = {}
         self._tap: int | None = None
@@ -120,7 +119,7 @@ class Robot:
     # Connecting
 
     async def connect(self) -> Self:
-        """Connects and waits until every sensor has delivered. Raises ConnectionError. Connecting twice does nothing."""
+        """Connects and waits until every sensor has delivered. Raises ConnectionError. Twice is as good as once."""
         self._time.start()
         self._runtime.connect()
         await self._time.wait(self._runtime.ready())
@@ -377,7 +376,7 @@ class Robot:
         """Raises HardwareError: no robot has a camera yet."""
         raise self._no_camera()
 
-    def get_image(self, name: str = "camera") -> Never:
+    def get_image(self, name: str = "camera") -> Never:  # noqa: ARG002
         """Raises HardwareError: no robot has a camera yet."""
         raise self._no_camera()
 
@@ -396,7 +395,7 @@ class Robot:
         self._read_at = now, reads + 1 if now == stamp else 1
         if self._read_at[1] == READS_AT_ONE_STAMP and not self._world.realtime:
             logger.warning(
-                "%d readings at robot time %.2f s: it goes by only while you wait for it, with `await robot.sleep(...)`",
+                "%d readings at robot time %.2f s, which goes by only while you wait: `await robot.sleep(...)`",
                 READS_AT_ONE_STAMP,
                 now,
             )
@@ -459,9 +458,8 @@ def as_array(name: str, values: ArrayLike, shape: tuple[int | None, ...]) -> NDA
         array = np.asarray(values, np.float64)
     except (TypeError, ValueError) as error:
         raise ContractError(f"{name} must hold numbers, got {values!r}") from error
-    if len(array.shape) != len(shape) or any(
-        want not in (None, got) for got, want in zip(array.shape, shape, strict=True)
-    ):
+    fits = len(array.shape) == len(shape)
+    if not fits or any(want not in (None, got) for got, want in zip(array.shape, shape, strict=True)):
         wanted = ", ".join("N" if length is None else str(length) for length in shape)
         raise ContractError(f"{name} must have shape ({wanted}), got {array.shape}")
     if not np.isfinite(array).all():

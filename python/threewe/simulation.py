@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from threewe import _core
-from threewe._core import Pose2D, Snapshot
+from threewe._core import OccupancyGrid, Pose2D, RobotProfile, Snapshot
 from threewe._time import RobotTime
 
 
@@ -13,9 +13,16 @@ class Simulation(_core.Simulation):
     All poses are in the scene's frame. The robot itself never sees it.
     """
 
-    def __init__(self, world: _core.World, robot: int, robot_time: RobotTime) -> None:
+    def __init__(self, world: _core.World, robot: int, robot_time: RobotTime, initial_pose: Pose2D) -> None:
         super().__init__(world, robot)
+        self.profile: RobotProfile = world.robot(robot).profile
         self._time = robot_time
+        self._map_from_start = initial_pose
+
+    @property
+    def scene_from_map(self) -> Pose2D:
+        """Where the origin of the robot's map truly is. A perfect map drifts from it in nothing."""
+        return self.start_pose() * self._map_from_start.inverse()
 
     def reset(self, *, seed: int = 0, pose: Pose2D | None = None) -> None:
         """Begins anew at time 0: motions end as `cancelled`, sleeps end.
@@ -37,3 +44,25 @@ class Simulation(_core.Simulation):
         self._time.check_thread()
         super().restore(snapshot)
         self._time.wake()
+
+
+class CoverageMeter(_core.CoverageMeter):
+    """Measures an exploration.
+
+    Coverage is the share of reachable 5 cm cells that a noise-free ray from the true pose crossed within 8 m and that
+    the robot's own map marks free within 10 cm.
+    """
+
+    def __init__(self, simulation: Simulation) -> None:
+        super().__init__(simulation.scene, simulation.profile)
+        self._simulation = simulation
+        lidar = simulation.profile.lidar
+        self._base_from_lidar = lidar.base_from_lidar if lidar else Pose2D()
+
+    def observe(self, true_pose: Pose2D) -> None:
+        """Counts what the lidar can see when the robot is at `true_pose` in the scene."""
+        super().observe(true_pose * self._base_from_lidar)
+
+    def coverage(self, map: OccupancyGrid) -> float:  # type: ignore[override]
+        """The share, 0 to 1, that was seen and that the robot's own map marks free."""
+        return super().coverage(map, self._simulation.scene_from_map)

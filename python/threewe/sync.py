@@ -1,9 +1,9 @@
 """The same robot without `async`, for scripts: every method blocks until it is done.
 
-    from threewe.sync import Robot
+from threewe.sync import Robot
 
-    with Robot() as robot:
-        result = robot.move_to(2.0, 1.0)
+with Robot() as robot:
+    result = robot.move_to(2.0, 1.0)
 """
 
 from __future__ import annotations
@@ -72,8 +72,8 @@ def _options(make: Callable[P, threewe.Robot]) -> Callable[[Callable[[Robot, thr
     """Lets a constructor that takes a robot take the options of that robot."""
 
     def decorate(init: Callable[[Robot, threewe.Robot], None]) -> Init[P]:
-        @functools.wraps(make.__init__)  # type: ignore[misc]
-        def construct(self: Robot, *args: P.args, **options: P.kwargs) -> None:
+        @functools.wraps(make.__init__)
+        def construct(self: Robot, /, *args: P.args, **options: P.kwargs) -> None:
             init(self, make(*args, **options))
 
         return construct
@@ -92,7 +92,7 @@ def _waits(method: Callable[Concatenate[Any, P], Coroutine[Any, Any, R]]) -> Cal
     """The blocking form of a coroutine."""
 
     @functools.wraps(method)
-    def call(self: _OnThread, *args: P.args, **options: P.kwargs) -> R:
+    def call(self: _OnThread, /, *args: P.args, **options: P.kwargs) -> R:
         return self._thread.wait(lambda: method(self._target, *args, **options))
 
     return call
@@ -102,7 +102,7 @@ def _returns(method: Callable[Concatenate[Any, P], R]) -> Callable[Concatenate[_
     """The same method, on the loop's thread."""
 
     @functools.wraps(method)
-    def call(self: _OnThread, *args: P.args, **options: P.kwargs) -> R:
+    def call(self: _OnThread, /, *args: P.args, **options: P.kwargs) -> R:
         return self._thread.call(lambda: method(self._target, *args, **options))
 
     return call

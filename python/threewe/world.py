@@ -7,6 +7,7 @@ from types import TracebackType
 from typing import Self
 
 from threewe import _core
+from threewe._core import Pose2D
 from threewe._options import known_options
 from threewe._time import RobotTime, Thinking, Timeout
 from threewe.backend import known_backend
@@ -43,6 +44,8 @@ class World:
         start_poses: Sequence[PoseLike] = (),
         initial_poses: Sequence[PoseLike] = (),
     ) -> None:
+        initial = [as_pose("initial_poses", pose) for pose in initial_poses]
+        initial += [Pose2D()] * (len(robots) - len(initial))
         world = _core.World(
             backend=known_backend(backend),
             scene=scene,
@@ -51,11 +54,11 @@ class World:
             seed=seed,
             realtime=realtime,
             start_poses=[as_pose("start_poses", pose) for pose in start_poses],
-            initial_poses=[as_pose("initial_poses", pose) for pose in initial_poses],
+            initial_poses=initial,
         )
         self._time = RobotTime(world)
         self.robots: tuple[Robot, ...] = tuple(
-            Robot._of_world(world, self._time, index) for index in range(world.robot_count)
+            Robot._of_world(world, self._time, index, initial[index]) for index in range(world.robot_count)
         )
 
     def __repr__(self) -> str:

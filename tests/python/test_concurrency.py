@@ -13,7 +13,6 @@ from pathlib import Path
 import pytest
 from concurrency import PROGRAMS, Transcript, perform
 from fake_world import FakeWorld
-
 from threewe import _core
 from threewe._time import RobotTime
 

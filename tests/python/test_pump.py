@@ -14,7 +14,6 @@ from typing import Any
 import pytest
 from concurrency import PROGRAMS, perform
 from fake_world import PERIOD, FakeWorld
-
 from threewe._pump import Pump, pump_of_running_loop
 from threewe._time import RobotTime
 from threewe.errors import ConnectionError, ContractError, TimeoutError
@@ -93,7 +92,7 @@ def test_ctrl_c_ends_a_long_wait() -> None:
 
 
 def test_a_spinning_task_is_reported_once(caplog: pytest.LogCaptureFixture) -> None:
-    async def body(clock: RobotTime, world: FakeWorld) -> None:
+    async def body(clock: RobotTime, _world: FakeWorld) -> None:
         async def spin() -> None:
             for _ in range(3000):
                 await asyncio.sleep(0)
@@ -112,7 +111,7 @@ def test_a_spinning_task_is_reported_once(caplog: pytest.LogCaptureFixture) -> N
 
 
 def test_999_turns_are_not_reported(caplog: pytest.LogCaptureFixture) -> None:
-    async def body(clock: RobotTime, world: FakeWorld) -> None:
+    async def body(clock: RobotTime, _world: FakeWorld) -> None:
         for _ in range(3):
             other = asyncio.create_task(clock.sleep(0.02))
             for _ in range(998):
@@ -155,7 +154,7 @@ def test_uvloop_works_where_it_is_installed(caplog: pytest.LogCaptureFixture) ->
 
 
 def test_a_world_that_breaks_down_tells_all_who_wait_for_it(caplog: pytest.LogCaptureFixture) -> None:
-    async def body(clock: RobotTime, world: FakeWorld) -> None:
+    async def body(clock: RobotTime, _world: FakeWorld) -> None:
         healthy = RobotTime(FakeWorld())
         healthy.start()
         results = await asyncio.gather(clock.sleep(1.0), clock.sleep(2.0), healthy.sleep(3.0), return_exceptions=True)
@@ -168,7 +167,7 @@ def test_a_world_that_breaks_down_tells_all_who_wait_for_it(caplog: pytest.LogCa
 
 
 def test_disconnecting_ends_waits() -> None:
-    async def body(clock: RobotTime, world: FakeWorld) -> None:
+    async def body(clock: RobotTime, _world: FakeWorld) -> None:
         waiting = asyncio.create_task(clock.sleep(1e8))
         await clock.sleep(0.1)
         clock.stop()
@@ -261,7 +260,7 @@ def test_a_motion_that_somebody_else_ends() -> None:
 def test_progress_is_told_every_tenth_of_a_second() -> None:
     async def body(clock: RobotTime, world: FakeWorld) -> None:
         heard: list[float] = []
-        await clock.wait_for_motion(world.motion(0.5), lambda progress: heard.append(clock.now))
+        await clock.wait_for_motion(world.motion(0.5), lambda _progress: heard.append(clock.now))
         assert [round(now, 3) for now in heard] == [0.1, 0.2, 0.3, 0.4, 0.5]
 
     run(body)
@@ -271,7 +270,7 @@ def test_what_on_progress_raises_ends_the_motion() -> None:
     async def body(clock: RobotTime, world: FakeWorld) -> None:
         motion = world.motion(100.0)
 
-        def fail(progress: object) -> None:
+        def fail(_progress: object) -> None:
             raise LookupError("on purpose")
 
         with pytest.raises(LookupError):
@@ -283,7 +282,7 @@ def test_what_on_progress_raises_ends_the_motion() -> None:
 
 
 def test_use_from_another_thread_is_refused() -> None:
-    async def body(clock: RobotTime, world: FakeWorld) -> None:
+    async def body(clock: RobotTime, _world: FakeWorld) -> None:
         with pytest.raises(ContractError, match="thread"):
             await asyncio.to_thread(clock.check_thread)
 
@@ -355,7 +354,7 @@ def test_closed_loops_are_forgotten() -> None:
     import threewe._pump
 
     for _ in range(5):
-        run(lambda clock, world: clock.sleep(0.1))
+        run(lambda clock, _world: clock.sleep(0.1))
     assert len(threewe._pump._pumps) == 1
 
 

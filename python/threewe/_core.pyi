@@ -1,0 +1,1137 @@
+"""
+The C++ core of 3we. Use it through `threewe`, which adds what Python can do better.
+"""
+
+from collections.abc import Callable, Iterator, Sequence
+import enum
+import pathlib
+from typing import Annotated
+
+import numpy
+from numpy.typing import NDArray
+
+
+class Pose2D:
+    """
+    A pose in the plane: position [m] and heading [rad] in (-pi, pi], X forward, Y left.
+
+    A transform is a pose too: `map_from_base * base_from_lidar` is `map_from_lidar`.
+    """
+
+    def __init__(self, x: float = 0.0, y: float = 0.0, theta: float = 0.0) -> None: ...
+
+    @property
+    def x(self) -> float:
+        """[m]"""
+
+    @property
+    def y(self) -> float:
+        """[m]"""
+
+    @property
+    def theta(self) -> float:
+        """[rad], counter-clockwise, in (-pi, pi]"""
+
+    def __mul__(self, b_from_c: Pose2D) -> Pose2D: ...
+
+    def transform(self, point: tuple[float, float]) -> tuple[float, float]:
+        """The point (x, y) [m] of this pose's frame, seen from outside."""
+
+    def inverse(self) -> Pose2D:
+        """`b_from_a` of `a_from_b`."""
+
+    def distance(self, other: Pose2D) -> float:
+        """Between the positions [m]."""
+
+    def __iter__(self) -> Iterator[float]:
+        """x, y, theta"""
+
+    def __eq__(self, other: object) -> bool: ...
+
+    def __hash__(self) -> int: ...
+
+    def __repr__(self) -> str: ...
+
+class Velocity:
+    """
+    A velocity in the body frame: forward, left [m/s] and counter-clockwise [rad/s].
+    """
+
+    def __init__(self, vx: float = 0.0, vy: float = 0.0, omega: float = 0.0) -> None: ...
+
+    @property
+    def vx(self) -> float:
+        """[m/s], forward"""
+
+    @property
+    def vy(self) -> float:
+        """[m/s], to the left"""
+
+    @property
+    def omega(self) -> float:
+        """[rad/s], counter-clockwise"""
+
+    def __iter__(self) -> Iterator[float]:
+        """vx, vy, omega"""
+
+    def __eq__(self, other: object) -> bool: ...
+
+    def __hash__(self) -> int: ...
+
+    def __repr__(self) -> str: ...
+
+class LaserScan:
+    """
+    One turn of a planar lidar.
+
+    Beam i points along `angle_min + i * angle_increment`, counter-clockwise, in the sensor's frame, and was
+    measured `i * time_increment` seconds after beam 0 (before it, where that is negative).
+    """
+
+    def __init__(self, ranges: Annotated[NDArray[numpy.float32], dict(shape=(None,), order='C', device='cpu', writable=False)], angle_min: float, angle_increment: float, range_min: float, range_max: float, time_increment: float = 0.0) -> None: ...
+
+    @property
+    def ranges(self) -> Annotated[NDArray[numpy.float32], dict(shape=(None,), writable=False)]:
+        """(N,) float32 [m]; no return = range_max, invalid = 0.0"""
+
+    @property
+    def angle_min(self) -> float:
+        """[rad], of beam 0"""
+
+    @property
+    def angle_increment(self) -> float:
+        """[rad], positive"""
+
+    @property
+    def time_increment(self) -> float:
+        """[s], negative for a device that turns clockwise"""
+
+    @property
+    def range_min(self) -> float:
+        """[m]"""
+
+    @property
+    def range_max(self) -> float:
+        """[m]"""
+
+    def __repr__(self) -> str: ...
+
+class IMUData:
+    """One reading of the inertial unit, in the robot's base frame."""
+
+    def __init__(self, angular_velocity: Sequence[float], linear_acceleration: Sequence[float]) -> None: ...
+
+    @property
+    def angular_velocity(self) -> Annotated[NDArray[numpy.float64], dict(shape=(3), writable=False)]:
+        """(3,) float64 [rad/s] about x, y, z"""
+
+    @property
+    def linear_acceleration(self) -> Annotated[NDArray[numpy.float64], dict(shape=(3), writable=False)]:
+        """(3,) float64 [m/s^2] along x, y, z, with gravity: +9.81 on z at rest"""
+
+    def __repr__(self) -> str: ...
+
+class Odometry:
+    """Where the wheels alone say that the robot is, and how fast it moves."""
+
+    def __init__(self, pose: Pose2D, velocity: Velocity) -> None: ...
+
+    @property
+    def pose(self) -> Pose2D:
+        """in the `odom` frame"""
+
+    @property
+    def velocity(self) -> Velocity:
+        """in the body frame"""
+
+    def __repr__(self) -> str: ...
+
+class BatteryState:
+    """The state of the battery."""
+
+    def __init__(self, voltage: float, current: float, charge: float) -> None: ...
+
+    @property
+    def voltage(self) -> float:
+        """[V]"""
+
+    @property
+    def current(self) -> float:
+        """[A], positive when discharging"""
+
+    @property
+    def charge(self) -> float:
+        """the fraction left, 0 to 1"""
+
+    def __repr__(self) -> str: ...
+
+class SensorType(enum.Enum):
+    """The kinds of sensor that the contract knows."""
+
+    lidar = 0
+
+    imu = 1
+
+    odometry = 2
+
+    battery = 3
+
+class Sample:
+    """A reading with its stamps."""
+
+    def __init__(self, sensor: int, sequence: int, measured: float, data: LaserScan | IMUData | Odometry | BatteryState) -> None: ...
+
+    @property
+    def sensor(self) -> int:
+        """Index into `Features.sensors`."""
+
+    @property
+    def sequence(self) -> int:
+        """Counts each sensor's samples from 0, without gaps."""
+
+    @property
+    def measured(self) -> float:
+        """[s] of robot time; for a scan, of beam 0 of the array"""
+
+    @property
+    def received(self) -> float:
+        """[s] of robot time"""
+
+    @property
+    def data(self) -> LaserScan | IMUData | Odometry | BatteryState: ...
+
+    def __repr__(self) -> str: ...
+
+def active_target() -> str:
+    """
+    The vector instructions in use, such as AVX2. Results do not depend on it.
+    """
+
+def available_targets() -> list[str]:
+    """Those that this machine can run, fastest first."""
+
+def force_target(name: str) -> None:
+    """Uses one of them, or the fastest again when `name` is empty."""
+
+def add_asset_directory(directory: str | pathlib.Path) -> None:
+    """
+    Adds a folder with `scenes/`, `objects/` or `robots/`, searched before those installed with 3we.
+    """
+
+def asset_directories() -> list[pathlib.Path]:
+    """The folders that are searched, first match wins."""
+
+def unknown_name(kind: str, name: str, candidates: Sequence[str]) -> str:
+    """"unknown scene 'ofice_v2'; did you mean 'office_v2'?\""""
+
+class Kinematics(enum.Enum):
+    """How the wheels move the body."""
+
+    holonomic = 0
+    """any direction"""
+
+    differential = 1
+    """ahead and turning, never sideways"""
+
+class Limits:
+    """Bounds on a body velocity and on how fast it may change."""
+
+    @property
+    def linear(self) -> float:
+        """[m/s], of the vector (vx, vy)"""
+
+    @property
+    def angular(self) -> float:
+        """[rad/s]"""
+
+    @property
+    def linear_acceleration(self) -> float:
+        """[m/s^2], speeding up"""
+
+    @property
+    def linear_braking(self) -> float:
+        """[m/s^2], slowing down"""
+
+    @property
+    def angular_acceleration(self) -> float:
+        """[rad/s^2]"""
+
+    def __repr__(self) -> str: ...
+
+class LidarSpec:
+    """A lidar that turns, and the scan that is made of its turn."""
+
+    @property
+    def base_from_lidar(self) -> Pose2D: ...
+
+    @property
+    def height(self) -> float:
+        """[m] of the scan plane above the floor"""
+
+    @property
+    def points_per_turn(self) -> int:
+        """measured by the device"""
+
+    @property
+    def clockwise(self) -> bool:
+        """how the device turns; scans are always counter-clockwise"""
+
+    @property
+    def beams(self) -> int:
+        """in the scan that is delivered"""
+
+    @property
+    def turn(self) -> float:
+        """[s] of one revolution"""
+
+    @property
+    def range_min(self) -> float:
+        """[m]"""
+
+    @property
+    def range_max(self) -> float:
+        """[m]"""
+
+    @property
+    def sigma(self) -> float:
+        """[m] of each range"""
+
+    @property
+    def latency(self) -> float:
+        """[s] from the end of a turn to its arrival"""
+
+class IMUSpec:
+    """An inertial unit."""
+
+    @property
+    def period(self) -> float:
+        """[s]"""
+
+    @property
+    def gyro_sigma(self) -> float:
+        """[rad/s] of each sample"""
+
+    @property
+    def gyro_bias(self) -> float:
+        """[rad/s] at most, at the start"""
+
+    @property
+    def accelerometer_sigma(self) -> float:
+        """[m/s^2]"""
+
+    @property
+    def latency(self) -> float:
+        """[s]"""
+
+class BatterySpec:
+    """A battery."""
+
+    @property
+    def capacity(self) -> float:
+        """[Wh]"""
+
+    @property
+    def voltage_full(self) -> float:
+        """[V]"""
+
+    @property
+    def voltage_empty(self) -> float:
+        """[V]"""
+
+    @property
+    def period(self) -> float:
+        """[s]"""
+
+class RobotProfile:
+    """
+    What a robot is: its body, its limits, its sensors. Sensors it lacks are None.
+    """
+
+    @staticmethod
+    def load(name: str) -> RobotProfile:
+        """
+        Reads a profile by name, or from a file that ends in .yaml. Raises ConfigError naming the nearest right name.
+        """
+
+    @property
+    def name(self) -> str: ...
+
+    @property
+    def description(self) -> str: ...
+
+    @property
+    def kinematics(self) -> Kinematics: ...
+
+    @property
+    def footprint(self) -> list[tuple[float, float]]:
+        """The corners of the outline around the base, counter-clockwise [m]."""
+
+    @property
+    def footprint_radius(self) -> float:
+        """[m], of the smallest disc around the base that holds the outline"""
+
+    @property
+    def height(self) -> float:
+        """[m]"""
+
+    @property
+    def mass(self) -> float:
+        """[kg]"""
+
+    @property
+    def hardware_limits(self) -> Limits:
+        """What the drive can do."""
+
+    @property
+    def operating_limits(self) -> Limits:
+        """What it is asked to do."""
+
+    @property
+    def lidar(self) -> LidarSpec | None: ...
+
+    @property
+    def imu(self) -> IMUSpec | None: ...
+
+    @property
+    def battery(self) -> BatterySpec | None: ...
+
+    def __repr__(self) -> str: ...
+
+def profile_names() -> list[str]:
+    """The names of all robot profiles."""
+
+class OccupancyGrid:
+    """
+    What is free, occupied and unknown, as ROS defines it: -1 unknown, 0 free to 100 occupied.
+
+    Row-major; cell (0, 0) has its lower left corner at `origin`, axes along the map frame's.
+    """
+
+    def __init__(self, data: Annotated[NDArray[numpy.int8], dict(shape=(None, None), order='C', device='cpu', writable=False)], resolution: float = 0.05, origin: tuple[float, float] = (0.0, 0.0)) -> None: ...
+
+    @property
+    def data(self) -> Annotated[NDArray[numpy.int8], dict(shape=(None, None), writable=False)]:
+        """(H, W) int8: -1 unknown, 0 free to 100 occupied; row 0 is the lowest y"""
+
+    @property
+    def width(self) -> int:
+        """cells along x"""
+
+    @property
+    def height(self) -> int:
+        """cells along y"""
+
+    @property
+    def resolution(self) -> float:
+        """[m] a cell"""
+
+    @property
+    def origin(self) -> tuple[float, float]:
+        """(x, y) [m] of the corner of cell (0, 0)"""
+
+    def cell(self, point: tuple[float, float]) -> tuple[int, int]:
+        """
+        (row, column) of the cell that holds the point (x, y) [m]; may lie outside the grid.
+        """
+
+    def at(self, point: tuple[float, float]) -> int:
+        """The value at a point (x, y) [m]; -1 outside the grid."""
+
+    def __repr__(self) -> str: ...
+
+class Prism:
+    """
+    A vertical prism over a rectangle or a disc, in the frame of its object.
+    """
+
+    class Shape(enum.Enum):
+        box = 0
+
+        cylinder = 1
+
+    @property
+    def shape(self) -> Prism.Shape: ...
+
+    @property
+    def pose(self) -> Pose2D:
+        """of its middle"""
+
+    @property
+    def length(self) -> float:
+        """[m] along x, of a box"""
+
+    @property
+    def width(self) -> float:
+        """[m] along y, of a box"""
+
+    @property
+    def radius(self) -> float:
+        """[m], of a cylinder"""
+
+    @property
+    def z_min(self) -> float:
+        """[m]"""
+
+    @property
+    def z_max(self) -> float:
+        """[m]"""
+
+    @property
+    def material(self) -> str: ...
+
+    def outline(self) -> list[tuple[float, float]]:
+        """Its corners seen from above, counter-clockwise [m]; a disc has 24."""
+
+class Wall:
+    """A straight wall of some thickness: the piece between two doorways."""
+
+    @property
+    def a(self) -> tuple[float, float]:
+        """(x, y) [m]"""
+
+    @property
+    def b(self) -> tuple[float, float]:
+        """(x, y) [m]"""
+
+    @property
+    def thickness(self) -> float:
+        """[m]"""
+
+    @property
+    def height(self) -> float:
+        """[m]"""
+
+class Door:
+    """A doorway in a wall."""
+
+    @property
+    def name(self) -> str: ...
+
+    @property
+    def center(self) -> tuple[float, float]:
+        """(x, y) [m]"""
+
+    @property
+    def width(self) -> float:
+        """[m]"""
+
+class Room:
+    """A named room: an axis-aligned rectangle."""
+
+    @property
+    def name(self) -> str: ...
+
+    @property
+    def min(self) -> tuple[float, float]:
+        """(x, y) [m]"""
+
+    @property
+    def max(self) -> tuple[float, float]:
+        """(x, y) [m]"""
+
+    @property
+    def floor(self) -> str:
+        """its material"""
+
+    @property
+    def anchor(self) -> tuple[float, float]:
+        """(x, y) [m] where a robot can stand"""
+
+    def __repr__(self) -> str: ...
+
+class Object:
+    """A piece of furniture."""
+
+    @property
+    def name(self) -> str:
+        """unique in its scene, such as `chair_3`"""
+
+    @property
+    def category(self) -> str:
+        """such as `chair`"""
+
+    @property
+    def pose(self) -> Pose2D: ...
+
+    @property
+    def prisms(self) -> list[Prism]: ...
+
+    def __repr__(self) -> str: ...
+
+class Scene:
+    """
+    Walls, doors, named rooms and furniture. Its origin is its start pose; x along the start heading.
+    """
+
+    @staticmethod
+    def load(name: str) -> Scene:
+        """
+        Reads a scene by name, or from a file that ends in .yaml. Raises ConfigError with file and line.
+        """
+
+    @property
+    def name(self) -> str: ...
+
+    @property
+    def description(self) -> str: ...
+
+    @property
+    def min(self) -> tuple[float, float]:
+        """(x, y) [m] of the box around all walls"""
+
+    @property
+    def max(self) -> tuple[float, float]:
+        """(x, y) [m]"""
+
+    @property
+    def walls(self) -> list[Wall]: ...
+
+    @property
+    def doors(self) -> list[Door]: ...
+
+    @property
+    def rooms(self) -> list[Room]: ...
+
+    @property
+    def objects(self) -> list[Object]: ...
+
+    @property
+    def starts(self) -> list[Pose2D]:
+        """Where robots start; the first is the origin."""
+
+    def room(self, name: str) -> Room:
+        """A room by name. Raises ConfigError naming the nearest right one."""
+
+    def room_at(self, point: tuple[float, float]) -> Room:
+        """The room that holds a point (x, y), or None."""
+
+    def __repr__(self) -> str: ...
+
+def scene_names() -> list[str]:
+    """The names of all scenes."""
+
+class CoverageMeter:
+    """
+    Measures an exploration: the share of reachable 5 cm cells that a noise-free ray from the true pose
+    crossed within 8 m and that the robot's own map marks free within 10 cm.
+    """
+
+    def __init__(self, scene: Scene, profile: RobotProfile) -> None: ...
+
+    def observe(self, scene_from_lidar: Pose2D) -> None:
+        """Casts 360 rays from a true pose."""
+
+    def coverage(self, map: OccupancyGrid, scene_from_map: Pose2D = ...) -> float:
+        """The share, 0 to 1, that was crossed and is marked free."""
+
+    def crossed(self) -> float:
+        """The share, 0 to 1, that was crossed."""
+
+class SensorInfo:
+    """One sensor of a robot, as it is known before connecting."""
+
+    def __init__(self, name: str, type: SensorType, rate: float) -> None: ...
+
+    @property
+    def name(self) -> str:
+        """unique on a robot; also the name of its frame"""
+
+    @property
+    def type(self) -> SensorType: ...
+
+    @property
+    def rate(self) -> float:
+        """[Hz]"""
+
+    def __repr__(self) -> str: ...
+
+class Features:
+    """What a robot can do, readable before connecting."""
+
+    def __init__(self, sensors: Sequence[SensorInfo], kinematics: Kinematics, *, lockstep: bool = False, deterministic: bool = False, can_reset: bool = False, can_save: bool = False, external_localization: bool = False, external_navigation: bool = False) -> None: ...
+
+    @property
+    def sensors(self) -> list[SensorInfo]: ...
+
+    @property
+    def kinematics(self) -> Kinematics: ...
+
+    @property
+    def lockstep(self) -> bool:
+        """Time advances only when it is told to."""
+
+    @property
+    def deterministic(self) -> bool:
+        """The same seed and commands give the same samples, to the bit."""
+
+    @property
+    def can_reset(self) -> bool: ...
+
+    @property
+    def can_save(self) -> bool: ...
+
+    @property
+    def external_localization(self) -> bool: ...
+
+    @property
+    def external_navigation(self) -> bool: ...
+
+def backend_names() -> list[str]:
+    """The names of all backends."""
+
+class BackendMailbox:
+    """Between the core and the thread of a backend written in Python."""
+
+    def __init__(self, name: str, features: Features, profile: RobotProfile) -> None: ...
+
+    def take(self) -> tuple[str, tuple[object, ...]] | None:
+        """
+        The next method to call and its arguments; None when the thread shall end.
+        """
+
+    def answer(self, answer: object | None) -> None:
+        """What the method returned."""
+
+    def fail(self, what: str) -> None:
+        """What the method raised."""
+
+    def close(self) -> None:
+        """Tells the backend to disconnect and its thread to end."""
+
+def register_backend(name: str) -> None:
+    """Makes a backend of threewe.backend known to the core."""
+
+class Outcome(enum.Enum):
+    """How a check of a backend ended."""
+
+    passed = 0
+
+    failed = 1
+
+    not_applicable = 2
+    """The backend does not claim the feature."""
+
+class CheckResult:
+    """What one check of a backend found."""
+
+    @property
+    def name(self) -> str: ...
+
+    @property
+    def outcome(self) -> Outcome: ...
+
+    @property
+    def detail(self) -> str:
+        """what was wrong, or why the check does not apply; empty when passed"""
+
+    @property
+    def passed(self) -> bool:
+        """False only for a failure."""
+
+    def __repr__(self) -> str: ...
+
+def check_names() -> list[str]:
+    """The names of all checks of a backend, in the order in which they run."""
+
+def run_check(check: str, *, backend: str, scene: str, hardware: str, noise: str, seed: int) -> CheckResult:
+    """Runs one check on a fresh world."""
+
+class Reason(enum.Enum):
+    """How a motion ends, and why."""
+
+    running = 0
+    """It has not ended."""
+
+    reached = 1
+    """Success."""
+
+    no_path = 2
+    """
+    No way leads there: the goal is in a wall, outside the world or cut off.
+    """
+
+    blocked = 3
+    """Something in the way did not go away."""
+
+    timeout = 4
+    """Robot time ran out."""
+
+    cancelled = 5
+    """Somebody stopped it."""
+
+    estop = 6
+    """The emergency stop was latched."""
+
+    lost = 7
+    """The robot no longer knows where it is."""
+
+    fault = 8
+    """The robot or its backend failed."""
+
+class Intervention(enum.Enum):
+    """Why the safety gate changed a command."""
+
+    none = 0
+
+    limited = 1
+
+    slowed_for_obstacle = 2
+
+    stopped_for_obstacle = 3
+
+    stale_sensors = 4
+
+    estop = 5
+
+class Progress:
+    """How far a motion has come."""
+
+    @property
+    def distance_left(self) -> float:
+        """[m] along the path"""
+
+    @property
+    def distance_driven(self) -> float:
+        """[m] since the start of the motion"""
+
+    @property
+    def pose(self) -> Pose2D:
+        """in `map`"""
+
+    def __repr__(self) -> str: ...
+
+class MoveResult:
+    """How a motion ended. `map` frame."""
+
+    @property
+    def success(self) -> bool: ...
+
+    @property
+    def reason(self) -> Reason: ...
+
+    @property
+    def detail(self) -> str:
+        """says more about a failure; may be empty"""
+
+    @property
+    def pose(self) -> Pose2D:
+        """where the robot believes it is"""
+
+    @property
+    def distance_to_goal(self) -> float:
+        """[m], by its own belief"""
+
+    @property
+    def distance(self) -> float:
+        """[m] driven, by its own belief"""
+
+    @property
+    def duration(self) -> float:
+        """[s] of robot time"""
+
+    def raise_for_failure(self) -> None:
+        """Raises the error that matches `reason`; nothing after success."""
+
+    def __bool__(self) -> bool: ...
+
+    def __repr__(self) -> str: ...
+
+class ExploreResult:
+    """How an exploration ended."""
+
+    @property
+    def success(self) -> bool:
+        """nothing that can be reached is left to see"""
+
+    @property
+    def reason(self) -> Reason: ...
+
+    @property
+    def detail(self) -> str:
+        """says more about a failure; may be empty"""
+
+    @property
+    def explored_area(self) -> float:
+        """[m^2] known to be free"""
+
+    @property
+    def distance(self) -> float:
+        """[m] driven, by its own belief"""
+
+    @property
+    def duration(self) -> float:
+        """[s] of robot time"""
+
+    def raise_for_failure(self) -> None:
+        """Raises the error that matches `reason`; nothing after success."""
+
+    def __bool__(self) -> bool: ...
+
+    def __repr__(self) -> str: ...
+
+class PoseEstimate:
+    """What is known about the robot's pose at one moment."""
+
+    @property
+    def stamp(self) -> float:
+        """[s] of robot time"""
+
+    @property
+    def odom_from_base(self) -> Pose2D:
+        """smooth: wheels and gyro, never jumps"""
+
+    @property
+    def map_from_odom(self) -> Pose2D:
+        """moves when a scan or a loop closure corrects the drift"""
+
+    @property
+    def map_from_base(self) -> Pose2D: ...
+
+    @property
+    def velocity(self) -> Velocity:
+        """in the body frame"""
+
+    @property
+    def covariance(self) -> Annotated[NDArray[numpy.float64], dict(shape=(3, 3), writable=False)]:
+        """(3, 3) float64, of map_from_base: x, y [m], theta [rad]"""
+
+    @property
+    def lost(self) -> bool: ...
+
+class TickView:
+    """What an observer sees at the end of every tick."""
+
+    @property
+    def now(self) -> float:
+        """[s] of robot time"""
+
+    @property
+    def samples(self) -> list[Sample]:
+        """that arrived in this tick"""
+
+    @property
+    def pose(self) -> PoseEstimate: ...
+
+    @property
+    def requested(self) -> Velocity:
+        """before the safety gate"""
+
+    @property
+    def commanded(self) -> Velocity:
+        """after it"""
+
+    @property
+    def intervention(self) -> Intervention:
+        """why it changed the command"""
+
+    def __repr__(self) -> str: ...
+
+class Wait:
+    """Something that becomes true at a tick."""
+
+    @property
+    def done(self) -> bool: ...
+
+    @property
+    def deadline(self) -> float:
+        """[s] when it was due"""
+
+    @property
+    def creation(self) -> int:
+        """counts the waits of one world"""
+
+class Motion(Wait):
+    """A motion in progress."""
+
+    @property
+    def progress(self) -> Progress: ...
+
+    def cancel(self) -> None:
+        """Ends it with `cancelled` and commands zero in the next period."""
+
+    def result(self) -> MoveResult: ...
+
+    def explore_result(self) -> ExploreResult: ...
+
+class Snapshot:
+    """Everything the future of a world depends on."""
+
+class World:
+    """
+    A backend world with a runtime for each of its robots. One thread at a time may use it.
+    """
+
+    def __init__(self, *, backend: str, scene: str, robots: Sequence[str], noise: str, seed: int, realtime: bool, start_poses: Sequence[Pose2D], initial_poses: Sequence[Pose2D]) -> None: ...
+
+    @property
+    def robot_count(self) -> int: ...
+
+    def robot(self, index: int) -> Runtime: ...
+
+    @property
+    def now(self) -> float:
+        """[s] of robot time"""
+
+    def tick(self) -> None:
+        """One control period."""
+
+    def run(self, wall: float) -> bool:
+        """
+        Ticks until a wait is done, none is pending, or `wall` seconds have passed. True when a wait was done.
+        """
+
+    def sleep(self, seconds: float) -> Wait: ...
+
+    def alarm(self, seconds: float) -> Wait: ...
+
+    def forget(self, wait: Wait) -> None: ...
+
+    def take_finished(self) -> list[Wait]: ...
+
+    def has_pending(self) -> bool: ...
+
+    @property
+    def realtime(self) -> bool: ...
+
+    def due(self) -> float:
+        """[wall s] until the next tick is due"""
+
+    def open_hold(self) -> None: ...
+
+    def close_hold(self, charge: float) -> Wait: ...
+
+    @property
+    def held(self) -> bool: ...
+
+    def save(self) -> Snapshot: ...
+
+class Runtime:
+    """One robot of a world: mind, gate and port."""
+
+    def connect(self) -> None: ...
+
+    def disconnect(self) -> None: ...
+
+    @property
+    def connected(self) -> bool: ...
+
+    def ready(self) -> Wait: ...
+
+    @property
+    def fault(self) -> str: ...
+
+    @property
+    def profile(self) -> RobotProfile: ...
+
+    @property
+    def features(self) -> Features: ...
+
+    @property
+    def simulated(self) -> bool: ...
+
+    def lidar_scan(self) -> LaserScan: ...
+
+    def imu(self) -> IMUData: ...
+
+    def odometry(self) -> Odometry: ...
+
+    def battery(self) -> BatteryState: ...
+
+    def sample(self, type: SensorType) -> Sample: ...
+
+    def pose(self) -> PoseEstimate: ...
+
+    def map(self) -> OccupancyGrid: ...
+
+    def map_version(self) -> int: ...
+
+    def path(self) -> list[tuple[float, float]]: ...
+
+    def transform(self, target: str, source: str) -> Pose2D: ...
+
+    def commanded(self) -> Velocity: ...
+
+    def set_velocity(self, vx: float, vy: float, omega: float, hold: float) -> None: ...
+
+    def execute_action(self, action: Sequence[float], period: float) -> Wait: ...
+
+    def stop(self) -> None: ...
+
+    def estop(self) -> None: ...
+
+    def release_estop(self) -> None: ...
+
+    @property
+    def estopped(self) -> bool: ...
+
+    def motion(self) -> Motion: ...
+
+    def move_to(self, goal: tuple[float, float], theta: float | None, tolerance: float, timeout: float | None) -> Motion:
+        """`goal` in `map` [m], `theta` [rad]."""
+
+    def move_forward(self, distance: float, timeout: float | None) -> Motion: ...
+
+    def rotate(self, angle: float, timeout: float | None) -> Motion: ...
+
+    def follow_path(self, path: Sequence[tuple[float, float]], tolerance: float, timeout: float | None) -> Motion: ...
+
+    def explore(self, timeout: float | None) -> Motion: ...
+
+    def observe(self, observer: Callable[[TickView], None]) -> int: ...
+
+    def unobserve(self, id: int) -> None: ...
+
+class Simulation:
+    """
+    The truth about a robot in a simulated world, for metrics, drawings and training.
+
+    All poses are in the scene's frame. Robots never see it.
+    """
+
+    def __init__(self, world: World, robot: int) -> None: ...
+
+    @property
+    def scene(self) -> Scene: ...
+
+    def true_pose(self) -> Pose2D: ...
+
+    def true_velocity(self) -> Velocity:
+        """In the body frame."""
+
+    def start_pose(self) -> Pose2D:
+        """
+        Where the robot stood at the last reset: the origin of its `map` frame.
+        """
+
+    def max_collision_speed(self) -> float:
+        """
+        The fastest approach [m/s] of the robot's own motion into an obstacle since the last reset.
+        """
+
+    def distance_driven(self) -> float:
+        """[m] since the last reset."""
+
+    def sample_free_pose(self, seed: int) -> Pose2D:
+        """
+        A pose where the robot fits with 5 cm to spare: a pure function of the seed.
+        """
+
+    def geodesic(self, a: tuple[float, float], b: tuple[float, float]) -> float:
+        """
+        Length [m] of the shortest path between (x, y) points for the robot's footprint; infinity where there is none.
+        """
+
+    def reset(self, *, seed: int = 0, pose: Pose2D | None = None) -> None:
+        """
+        Begins anew at time 0. The robot starts at `pose`, or at the scene's own start pose without it.
+
+        Raises ConfigError when that is inside an obstacle.
+        """
+
+    def save(self) -> Snapshot:
+        """
+        Everything the future depends on. Raises ContractError while a motion is in progress.
+        """
+
+    def restore(self, snapshot: Snapshot) -> None:
+        """Goes on from where `save` was called."""
