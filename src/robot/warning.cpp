@@ -23,10 +23,14 @@ void warn(const std::string& message) {
     const std::lock_guard lock(handler_mutex);
     current = handler;
   }
-  if (current) {
-    current(message);
-  } else {
+  if (!current) {
     std::fprintf(stderr, "threewe: warning: %s\n", message.c_str());
+    return;
+  }
+  try {
+    current(message);
+  } catch (...) {
+    // what goes wrong with a log line must not stop a robot's tick
   }
 }
 

@@ -57,20 +57,25 @@ const Runtime& World::robot(std::size_t index) const {
 Time World::now() const { return impl_->now; }
 
 void World::tick() {
+  impl_->require_no_tick();
   if (held()) throw ContractError("robot time stands still while a `thinking` block is open");
   if (!impl_->broken.empty()) throw ConnectionError(impl_->broken);
   if (impl_->paced && impl_->lockstep) impl_->pace.wait(now());
 
+  impl_->ticking = true;
   for (const auto& robot : impl_->robots) robot->act(now());
-  impl_->advance();
-  for (const auto& robot : impl_->robots) robot->sense(now());
-  impl_->waits.end_due(now());
+  if (impl_->advance()) {
+    for (const auto& robot : impl_->robots) robot->sense(now());
+    impl_->waits.end_due(now());
+  }
+  impl_->ticking = false;
 
+  if (!impl_->broken.empty()) throw ConnectionError(impl_->broken);
   if (impl_->observer_error) std::rethrow_exception(std::exchange(impl_->observer_error, nullptr));
 }
 
 // One period in lockstep; in real time the next multiple of it, so that a late tick does not make all later ones late.
-void World::Impl::advance() {
+bool World::Impl::advance() {
   Time next = now + kControlPeriod;
   try {
     if (!lockstep) next = std::max(next, backend->now() / kControlPeriod * kControlPeriod);
@@ -78,9 +83,10 @@ void World::Impl::advance() {
   } catch (const std::exception& error) {
     broken = std::string("the world stopped: ") + error.what();
     for (const auto& robot : robots) robot->fail(broken);
-    throw ConnectionError(broken);
+    return false;
   }
   now = next;
+  return true;
 }
 
 bool World::run(Duration wall) {
@@ -88,7 +94,7 @@ bool World::run(Duration wall) {
   do {
     if (impl_->waits.has_finished()) return true;
     if (held() || !(has_pending() || realtime())) return false;
-    const Duration left = std::chrono::duration_cast<Duration>(end - Pace::Clock::now());
+    const Duration left = std::max<Duration>(Duration::zero(), end - Pace::Clock::now());
     if (due() > left) {
       std::this_thread::sleep_for(left);
       return false;
@@ -104,6 +110,11 @@ void World::wait(const WaitHandle& wait) {
     tick();
   }
   impl_->waits.take(wait);
+}
+
+// Time can neither go by nor jump while an observer is told of it.
+void World::Impl::require_no_tick() const {
+  if (ticking) throw ContractError("an observer can neither wait nor reset nor restore");
 }
 
 // Throws for what could only be waited for in vain.
@@ -162,6 +173,7 @@ void World::Impl::begin_anew_at(Time time) {
 }
 
 void World::reset(const backend::ResetOptions& options) {
+  impl_->require_no_tick();
   impl_->backend->reset(options);
   for (const auto& robot : impl_->robots) robot->restart();
   impl_->begin_anew_at(impl_->backend->now());
@@ -176,6 +188,7 @@ std::shared_ptr<const World::Snapshot> World::save() const {
 }
 
 void World::restore(const std::shared_ptr<const Snapshot>& snapshot) {
+  impl_->require_no_tick();
   if (!snapshot || snapshot->robots.size() != robot_count()) throw ContractError("the snapshot is of another world");
   impl_->backend->restore(snapshot->backend);
   for (std::size_t i = 0; i < robot_count(); ++i) impl_->robots[i]->restore(*snapshot->robots[i]);

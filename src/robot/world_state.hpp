@@ -18,6 +18,7 @@ struct World::Impl {
   Time now{};            // the tick that begins next
   WaitList waits;
   int holds = 0;
+  bool ticking = false;  // an observer may be running
   bool lockstep = true;  // time advances only when it is told to
   bool paced = false;    // to the wall clock
   Pace pace;
@@ -25,8 +26,9 @@ struct World::Impl {
   std::exception_ptr observer_error;  // the first of this tick
 
   WaitHandle begin(Duration duration, WaitList::Kind kind);
+  void require_no_tick() const;
   void require_possible(const WaitHandle& wait);
-  void advance();
+  bool advance();  // false when the backend failed
   void begin_anew_at(Time time);
 };
 

@@ -22,17 +22,23 @@ namespace threewe::test {
 class ToyPort final : public backend::RobotPort {
  public:
   static constexpr double kRoom = 4.0;  // [m] from the middle to each wall
-  enum Sensor : std::uint16_t { kLidar, kImu, kOdometry, kBattery };
+  enum Sensor : std::uint16_t { kImu, kOdometry, kBattery, kLidar };
 
+  /// `hardware`: a profile's name, or "blind" for the standard robot without its lidar.
   ToyPort(const std::string& hardware, const Pose2D& start) : pose(start), start_(start) {
-    profile_ = load_profile(hardware);
-    features_ = {.sensors = {{"lidar", SensorType::lidar, 10.0},
-                             {"imu", SensorType::imu, 50.0},
+    profile_ = load_profile(hardware == "blind" ? "3we_standard_v2" : hardware);
+    features_ = {.sensors = {{"imu", SensorType::imu, 50.0},
                              {"odometry", SensorType::odometry, 50.0},
-                             {"battery", SensorType::battery, 10.0}},
+                             {"battery", SensorType::battery, 10.0},
+                             {"lidar", SensorType::lidar, 10.0}},
                  .kinematics = profile_.kinematics(),
                  .lockstep = true,
                  .deterministic = true};
+    if (hardware == "blind") {
+      profile_.name = hardware;
+      profile_.lidar.reset();
+      features_.sensors.pop_back();
+    }
   }
 
   const backend::Features& features() const override { return features_; }
@@ -63,7 +69,7 @@ class ToyPort final : public backend::RobotPort {
       pose = integrate(pose, velocity_, 0.01);
       if (now_ % 20ms == 0ms) deliver(kImu, IMUData{{0.0, 0.0, velocity_.omega}, {0.0, 0.0, 9.81}});
       if (now_ % 20ms == 0ms) deliver(kOdometry, Odometry{inverse(start_) * pose, velocity_});
-      if (now_ % 100ms == 0ms) deliver(kLidar, scan());
+      if (now_ % 100ms == 0ms && profile_.lidar) deliver(kLidar, scan());
       if (now_ % 100ms == 0ms) deliver(kBattery, BatteryState{8.0, 1.0, 0.9});
     }
   }
