@@ -50,8 +50,9 @@ class SceneFromFile {
 
 class SceneReader {
  public:
-  Scene read(ConfigNode root, const std::string& name) {
-    read_header(root, name);
+  Scene read(ConfigNode root) {
+    scene_.name = root.text("name");
+    scene_.description = root.text("description");
     read_starts(root.at("starts"));
     if (root.has("rooms")) read_rooms(root.at("rooms"));
     read_walls(root.at("walls"));
@@ -69,12 +70,6 @@ class SceneReader {
   }
 
  private:
-  void read_header(ConfigNode& root, const std::string& name) {
-    scene_.name = root.text("name");
-    if (scene_.name != name) root.at("name").fail(fmt::format("expected '{}', the name of the file", name));
-    scene_.description = root.text("description");
-  }
-
   void read_starts(const ConfigNode& list) {
     draft_.starts = list.items();
     if (draft_.starts.empty()) list.fail("a scene needs at least one start");
@@ -228,7 +223,16 @@ class SceneReader {
 
 Scene Scene::load(std::string_view name) {
   const std::filesystem::path file = find_asset("scenes", name);
-  return SceneReader().read(ConfigNode::load(file), file.stem().string());
+  ConfigNode root = ConfigNode::load(file);
+  Scene scene = SceneReader().read(root);
+  if (scene.name != file.stem()) {
+    root.at("name").fail(fmt::format("expected '{}', the name of the file", file.stem().string()));
+  }
+  return scene;
+}
+
+Scene Scene::parse(const std::string& text, const std::string& file) {
+  return SceneReader().read(ConfigNode::parse(text, file));
 }
 
 }  // namespace threewe::scene

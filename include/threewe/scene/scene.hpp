@@ -68,6 +68,8 @@ class Scene {
  public:
   /// Reads a scene by name, or from a file that ends in .yaml. Throws ConfigError with file:line.
   static Scene load(std::string_view name);
+  /// Reads a scene from text; `file` stands for its place in messages.
+  static Scene parse(const std::string& text, const std::string& file);
 
   std::string name;
   std::string description;

@@ -1,0 +1,189 @@
+// Every mistake in a scene's file is one error that names the line, what is wrong and what would be right.
+#include <doctest/doctest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <string>
+
+#include "threewe/core/assets.hpp"
+#include "threewe/core/errors.hpp"
+#include "threewe/scene/scene.hpp"
+
+namespace threewe::scene {
+namespace {
+
+// A hall of 6 x 4 m with a wall across it.
+const std::string kHall = R"(name: hall
+description: two rooms
+starts:
+  - [1, 2, 0]
+rooms:
+  - {name: west, min: [0, 0], max: [3, 4], floor: tile, anchor: [1, 2]}
+  - {name: east, min: [3, 0], max: [6, 4], floor: wood}
+walls:
+  - {a: [0, 0], b: [6, 0], thickness: 0.15}
+  - {a: [6, 0], b: [6, 4]}
+  - {a: [6, 4], b: [0, 4]}
+  - {a: [0, 4], b: [0, 0]}
+  - {a: [3, 0], b: [3, 4], doors: [{name: between, at: 2, width: 1}]}
+objects:
+  - {category: table, shape: square, pose: [5, 3.2]}
+  - {category: chair, shape: wooden, pose: [5, 1, 1.5708], name: favourite}
+)";
+
+// The hall with `from` replaced by `to`.
+std::string changed(const std::string& from, const std::string& to) {
+  std::string text = kHall;
+  const auto at = text.find(from);
+  REQUIRE_MESSAGE(at != std::string::npos, from);
+  return text.replace(at, from.size(), to);
+}
+
+void check_fails(const std::string& from, const std::string& to, const std::string& message) {
+  CAPTURE(to);
+  try {
+    Scene::parse(changed(from, to), "hall.yaml");
+    FAIL_CHECK("nothing was thrown");
+  } catch (const ConfigError& error) {
+    const std::string what = error.what();
+    CHECK_MESSAGE(what.find(message) != std::string::npos, what, " does not contain ", message);
+  }
+}
+
+TEST_CASE("a scene is read into the frame of its first start") {
+  const Scene hall = Scene::parse(kHall, "hall.yaml");
+  CHECK(hall.name == "hall");
+  CHECK(hall.starts.front() == Pose2D{0.0, 0.0, 0.0});
+  CHECK(hall.rooms[0].min == Vec2{-1.0, -2.0});
+  CHECK(hall.rooms[1].anchor == Vec2{3.5, 0.0});
+  CHECK(hall.min.x == doctest::Approx(-1.06));
+  CHECK(hall.max.y == doctest::Approx(2.06));
+  CHECK(hall.min.y == doctest::Approx(-2.075));
+  CHECK(hall.walls.size() == 6);
+  CHECK(hall.doors.front().center == Vec2{2.0, 0.0});
+  CHECK(hall.objects[0].name == "table_1");
+  CHECK(hall.objects[1].name == "favourite");
+  CHECK(hall.objects[1].pose == Pose2D{4.0, -1.0, 0.5 * exact::kPi});
+}
+
+TEST_CASE("a start that heads north turns the scene without a rounding") {
+  const Scene hall = Scene::parse(changed("[1, 2, 0]", "[1, 2, 1.5708]"), "hall.yaml");
+  CHECK(hall.starts.front() == Pose2D{0.0, 0.0, 0.0});
+  CHECK(hall.rooms[0].min == Vec2{-2.0, -2.0});
+  CHECK(hall.rooms[0].max == Vec2{2.0, 1.0});
+  CHECK(hall.doors.front().center == Vec2{0.0, -2.0});
+  CHECK(hall.objects[1].pose == Pose2D{-1.0, -4.0, 0.0});
+}
+
+TEST_CASE("walls leave their doorways open and fill their corners") {
+  const Scene hall = Scene::parse(kHall, "hall.yaml");
+  const auto solids = hall.solids_between(0.0, 2.0);
+  const auto inside = [&](Vec2 p) {
+    for (const Solid& s : solids) {
+      if (distance_to(s, p) <= 0.0) return true;
+    }
+    return false;
+  };
+  CHECK_FALSE(inside({2.0, 0.0}));
+  CHECK_FALSE(inside({2.0, 0.49}));
+  CHECK(inside({2.0, 0.51}));
+  for (const Vec2 corner : {Vec2{-1.05, -2.07}, {5.05, -2.07}, {5.05, 2.05}, {-1.05, 2.05}}) CHECK(inside(corner));
+}
+
+TEST_CASE("bad fields name the line and the nearest right name") {
+  check_fails("description:", "descripton:", "hall.yaml:1: missing field 'description'");
+  check_fails("objects:", "extra: 1\nobjects:", "hall.yaml:14: unknown field 'extra'");
+  check_fails("floor: tile", "flor: tile", "hall.yaml:6: rooms[0]: missing field 'floor'");
+  check_fails("floor: tile", "floor: tiles", "did you mean 'tile'");
+  check_fails("floor: wood", "floor: wood, ceiling: low", "hall.yaml:7: rooms[1]: unknown field 'ceiling'");
+  check_fails("thickness: 0.15", "thicknes: 0.15", "did you mean 'thickness'");
+  check_fails("thickness: 0.15", "thickness: thin", "hall.yaml:9: walls[0].thickness: expected a number");
+  check_fails("thickness: 0.15", "thickness: .nan", "hall.yaml:9: walls[0].thickness: expected a finite number");
+  check_fails("width: 1}", "width: 1, angle: 3}", "hall.yaml:13: walls[4].doors[0]: unknown field 'angle'");
+  check_fails("shape: square", "shape: square, color: red", "hall.yaml:15: objects[0]: unknown field 'color'");
+  check_fails("category: table", "category: tabel", "hall.yaml:15: objects[0].category: unknown category 'tabel'; did you mean 'table'");
+  check_fails("shape: square", "shape: sqare", "hall.yaml:15: objects[0].shape: unknown shape 'sqare'; did you mean 'square'");
+  check_fails("[5, 3.2]", "[5]", "hall.yaml:15: objects[0].pose: expected [x, y, theta]");
+  check_fails("rooms:", "rooms: [", "hall.yaml:");
+}
+
+TEST_CASE("rooms must be rectangles that do not overlap") {
+  check_fails("min: [0, 0], max: [3, 4]", "min: [3, 0], max: [0, 4]", "hall.yaml:6: rooms[0]: room 'west' is inside out");
+  check_fails("max: [3, 4]", "max: [3, 0.1]", "hall.yaml:6: rooms[0]: room 'west' is inside out");
+  check_fails("min: [3, 0]", "min: [2.5, 0]", "hall.yaml:7: rooms[1]: room 'east' overlaps room 'west'");
+  check_fails("name: east", "name: west", "hall.yaml:7: rooms[1]: there are two rooms named 'west'");
+  check_fails("anchor: [1, 2]", "anchor: [4, 2]", "hall.yaml:6: rooms[0].anchor: the anchor of 'west' is outside");
+}
+
+TEST_CASE("walls must have a length and not lie in each other") {
+  check_fails("a: [6, 0], b: [6, 4]", "a: [6, 0], b: [6, 0]", "hall.yaml:10: walls[1]: a wall must be longer");
+  check_fails("thickness: 0.15", "thickness: -0.1", "hall.yaml:9: walls[0].thickness: -0.1 is outside");
+  check_fails("a: [6, 4], b: [0, 4]", "a: [5, 0.05], b: [0, 0.05]", "hall.yaml:11: walls[2]: wall 2 overlaps wall 0");
+  check_fails("walls:", "walls: []\nmore:", "hall.yaml:8: walls: a scene needs at least one wall");
+}
+
+TEST_CASE("doors must fit into their wall") {
+  check_fails("width: 1}", "width: 5}", "hall.yaml:13: walls[4].doors[0]: door 'between' is wider than its wall (4.00 m)");
+  check_fails("at: 2", "at: 3.8", "hall.yaml:13: walls[4].doors[0]: door 'between' reaches beyond its wall");
+  check_fails("width: 1}", "width: 0}", "hall.yaml:13: walls[4].doors[0].width: 0 is outside");
+  check_fails("width: 1}", "width: 1}, {name: second, at: 2.9, width: 1}", "door 'second' overlaps another door");
+  check_fails("width: 1}", "width: 1}, {name: between, at: 0.6, width: 1}", "there are two doors named 'between'");
+}
+
+TEST_CASE("objects must stand free") {
+  check_fails("[5, 3.2]", "[5, 3.7]", "hall.yaml:15: objects[0]: 'table_1' overlaps a wall");
+  check_fails("[5, 3.2]", "[5, 8]", "hall.yaml:15: objects[0]: 'table_1' is outside the walls");
+  check_fails("[5, 1, 1.5708]", "[4.6, 2.8, 0]", "hall.yaml:16: objects[1]: 'favourite' overlaps 'table_1'");
+  check_fails("name: favourite", "name: table_1", "hall.yaml:16: objects[1]: there are two objects named 'table_1'");
+}
+
+TEST_CASE("a chair may be pushed under a table") {
+  CHECK_NOTHROW(Scene::parse(changed("[5, 1, 1.5708]", "[5, 2.7, 1.5708]"), "hall.yaml"));
+}
+
+TEST_CASE("robots need room where they start and where they are sent") {
+  check_fails("[1, 2, 0]", "[0.2, 2, 0]", "hall.yaml:4: starts[0]: the start is within 0.25 m of a wall");
+  check_fails("[1, 2, 0]", "[1, 2, 0]\n  - [5, 1, 0]", "hall.yaml:5: starts[1]: the start is within 0.25 m of 'favourite'");
+  check_fails("[1, 2, 0]", "[1, 2, 0.5]", "hall.yaml:4: starts[0]: the first start must head along an axis");
+  check_fails("starts:\n  - [1, 2, 0]", "starts: []", "hall.yaml:3: starts: a scene needs at least one start");
+  check_fails("anchor: [1, 2]", "anchor: [2.9, 1]", "hall.yaml:6: rooms[0]: the anchor of 'west' is within 0.25 m");
+}
+
+TEST_CASE("a file must be named as its scene is") {
+  const auto folder = std::filesystem::temp_directory_path() / "threewe_scene_file_test";
+  std::filesystem::create_directories(folder);
+  std::ofstream(folder / "hall.yaml") << kHall;
+  std::ofstream(folder / "palace.yaml") << kHall;
+  CHECK(Scene::load((folder / "hall.yaml").string()).name == "hall");
+  CHECK_THROWS_WITH_AS(Scene::load((folder / "palace.yaml").string()),
+                       doctest::Contains("palace.yaml:1: name: expected 'palace'"), ConfigError);
+  std::filesystem::remove_all(folder);
+}
+
+TEST_CASE("an unknown scene names the nearest known one") {
+  CHECK_THROWS_WITH_AS(Scene::load("ofice_v2"), doctest::Contains("did you mean 'office_v2'"), ConfigError);
+  CHECK_THROWS_WITH_AS(Scene::load("nowhere/hall.yaml"), doctest::Contains("does not exist"), ConfigError);
+}
+
+TEST_CASE("mistakes in an object's file are reported there") {
+  const auto folder = std::filesystem::temp_directory_path() / "threewe_object_file_test";
+  std::filesystem::create_directories(folder / "objects");
+  add_asset_directory(folder);
+  const auto fails = [&](const std::string& part, const std::string& message) {
+    CAPTURE(part);
+    std::ofstream(folder / "objects/lamp.yaml") << "category: lamp\nshapes:\n  tall:\n    - " << part << "\n";
+    CHECK_THROWS_WITH_AS(Scene::parse(changed("category: table, shape: square", "category: lamp, shape: tall"), "hall.yaml"),
+                         doctest::Contains(message.c_str()), ConfigError);
+  };
+  fails("{box: [0.1], z: [0, 1], material: wood}", "lamp.yaml:4: shapes.tall[0].box: expected [length, width]");
+  fails("{box: [0.1, 0], z: [0, 1], material: wood}", "lamp.yaml:4: shapes.tall[0].box[1]: 0 m is outside");
+  fails("{cylinder: -1, z: [0, 1], material: wood}", "lamp.yaml:4: shapes.tall[0].cylinder: -1 m is outside");
+  fails("{z: [0, 1], material: wood}", "lamp.yaml:4: shapes.tall[0]: expected either 'box' or 'cylinder'");
+  fails("{cylinder: 0.1, z: [1, 0], material: wood}", "lamp.yaml:4: shapes.tall[0].z: expected 0 <= from < to");
+  fails("{cylinder: 0.1, z: [0, 1], material: wod}", "did you mean 'wood'");
+  fails("{cylinder: 0.1, z: [0, 1], material: wood, glow: 1}", "lamp.yaml:4: shapes.tall[0]: unknown field 'glow'");
+  std::filesystem::remove_all(folder);
+}
+
+}  // namespace
+}  // namespace threewe::scene
