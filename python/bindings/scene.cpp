@@ -3,7 +3,8 @@
 
 #include <array>
 #include <memory>
-#include <memory>
+
+#include <nanobind/stl/shared_ptr.h>
 
 #include "bindings.hpp"
 #include "threewe/core/exact.hpp"
@@ -12,14 +13,11 @@
 #include "threewe/scene/coverage.hpp"
 #include "threewe/scene/episodes.hpp"
 #include "threewe/scene/scene_tables.hpp"
-#include "threewe/hardware/profile.hpp"
-#include "threewe/map/occupancy_grid.hpp"
-#include "threewe/scene/coverage.hpp"
 
 namespace {
 
 using namespace threewe;
-using scene::CoverageMeter, scene::Door, scene::Object, scene::Prism, scene::Room, scene::Scene, scene::Wall;
+using scene::Door, scene::Episode, scene::Object, scene::Prism, scene::Room, scene::Scene, scene::SceneTables, scene::Wall;
 
 /// The corners of a prism, seen from above, in the frame of its object.
 std::vector<Vec2> outline(const Prism& prism) {
@@ -77,56 +75,17 @@ void bind_parts(nb::module_& m) {
       });
 }
 
-CoverageMeter make_coverage_meter(const Scene& scene, const RobotProfile& profile) {
-  const auto tables = std::make_shared<scene::SceneTables>(std::make_shared<Scene>(scene), profile.body.footprint,
-                                                           profile.body.height);
-  return CoverageMeter(tables, profile.lidar ? profile.lidar->height : profile.body.height / 2);
+std::shared_ptr<SceneTables> make_tables(const Scene& scene, const RobotProfile& profile) {
+  return std::make_shared<SceneTables>(std::make_shared<const Scene>(scene), profile.body.footprint, profile.body.height);
 }
 
-void bind_coverage(nb::module_& m) {
-  nb::class_<CoverageMeter>(m, "CoverageMeter",
-                            "Measures an exploration: the share of reachable 5 cm cells that a noise-free ray from the true pose\n"
-                            "crossed within 8 m and that the robot's own map marks free within 10 cm.")
-      .def(
-          "__init__",
-          [](CoverageMeter* self, const Scene& scene, const RobotProfile& profile) {
-            new (self) CoverageMeter(make_coverage_meter(scene, profile));
-          },
-          "scene"_a, "profile"_a, WithoutGil())
-      .def("observe", &CoverageMeter::observe, "scene_from_lidar"_a, WithoutGil(), "Casts 360 rays from a true pose.")
-      .def(
-          "coverage",
-          [](const CoverageMeter& meter, const map::OccupancyGrid& grid, const Pose2D& scene_from_map) {
-            const Pose2D map_from_scene = inverse(scene_from_map);
-            return meter.coverage([&](Vec2 point) {
-              const std::int8_t value = grid.at(grid.cell(map_from_scene * point));
-              return value != map::OccupancyGrid::kUnknown && value <= map::OccupancyGrid::kFreeThreshold;
-            });
-          },
-          "map"_a, "scene_from_map"_a = Pose2D{}, WithoutGil(), "The share, 0 to 1, that was crossed and is marked free.")
-      .def("crossed", &CoverageMeter::crossed, WithoutGil(), "The share, 0 to 1, that was crossed.");
-}
-
-std::shared_ptr<const SceneTables> make_tables(std::string_view scene_name, std::string_view hardware) {
-  const RobotProfile profile = load_profile(hardware);
-  return std::make_shared<const SceneTables>(std::make_shared<const Scene>(Scene::load(scene_name)), profile.body.footprint,
-                                             profile.body.height);
-}
-
-Pose2D lidar_mount(std::string_view hardware) {
-  const RobotProfile profile = load_profile(hardware);
-  if (!profile.lidar) throw HardwareError(fmt::format("{} has no lidar, so that its coverage cannot be measured", hardware));
-  return profile.lidar->base_from_lidar;
-}
-
-/// A coverage meter for one robot, told where its base is.
-class RobotCoverageMeter {
+/// A coverage meter that is told where the base is.
+class BaseCoverageMeter {
  public:
-  RobotCoverageMeter(std::string_view scene_name, std::string_view hardware)
-      : base_from_lidar_(lidar_mount(hardware)),
-        meter_(make_tables(scene_name, hardware), load_profile(hardware).lidar->height) {}
+  BaseCoverageMeter(const Scene& scene, const RobotProfile& profile)
+      : base_from_lidar_(spec(profile).base_from_lidar), meter_(make_tables(scene, profile), spec(profile).height) {}
 
-  void observe(const Pose2D& true_pose) { meter_.observe(true_pose * base_from_lidar_); }
+  void observe(const Pose2D& scene_from_base) { meter_.observe(scene_from_base * base_from_lidar_); }
 
   double coverage(const map::OccupancyGrid& grid, const Pose2D& scene_from_map) const {
     const Pose2D map_from_scene = inverse(scene_from_map);
@@ -136,7 +95,14 @@ class RobotCoverageMeter {
     });
   }
 
+  double crossed() const { return meter_.crossed(); }
+
  private:
+  static const LidarSpec& spec(const RobotProfile& profile) {
+    if (!profile.lidar) throw HardwareError(fmt::format("coverage is measured with a lidar, which {} lacks", profile.name));
+    return *profile.lidar;
+  }
+
   Pose2D base_from_lidar_;
   scene::CoverageMeter meter_;
 };
@@ -148,30 +114,28 @@ void bind_measures(nb::module_& m) {
       .def_ro("geodesic", &Episode::geodesic, "[m], from start to goal")
       .def_ro("seed", &Episode::seed, "for all else that is drawn in this episode");
   nb::class_<SceneTables>(m, "SceneTables", "A scene as one robot meets it: where it can be, and how far it is from place to place.")
-      .def(nb::new_([](std::string_view scene_name, std::string_view hardware) {
-             return std::const_pointer_cast<SceneTables>(make_tables(scene_name, hardware));
-           }),
-           "scene"_a, "hardware"_a = "3we_standard_v2")
+      .def(nb::new_(&make_tables), "scene"_a, "profile"_a)
       .def("collides", &SceneTables::collides, "pose"_a, "Whether the footprint touches an obstacle.")
       .def("clearance", &SceneTables::clearance, "pose"_a, "Distance [m] between the footprint and the nearest obstacle.")
       .def("geodesic", &SceneTables::geodesic, "a"_a, "b"_a, "Length [m] of the shortest path for the footprint; infinity where there is none.")
       .def("sample_free_pose", &SceneTables::sample_free_pose, "seed"_a, "A pose with 5 cm to spare around the footprint: a pure function of the seed.")
       .def("sample_episode", &scene::sample_episode, "seed"_a, "index"_a = 0,
            "Start and goal uniform over free cells, 2 to 15 m apart by the shortest path, every fifth with a detour.");
-  nb::class_<RobotCoverageMeter>(m, "CoverageMeter",
-                                 "How much of a scene a robot has really seen and mapped: the share of reachable 5 cm cells that a\n"
-                                 "noise-free ray from the true pose crossed within 8 m and that its own map marks free within 10 cm.")
-      .def(nb::init<std::string_view, std::string_view>(), "scene"_a, "hardware"_a = "3we_standard_v2")
-      .def("observe", &RobotCoverageMeter::observe, "true_pose"_a, "Casts 360 rays from where the lidar is, given the base's true pose.")
-      .def("coverage", &RobotCoverageMeter::coverage, "grid"_a, "scene_from_map"_a = Pose2D{},
-           "The share, 0 to 1, given the robot's own map and where its frame lies in the scene.");
+  nb::class_<BaseCoverageMeter>(m, "CoverageMeter",
+                                "How much of a scene a robot has really seen and mapped: the share of reachable 5 cm cells that a\n"
+                                "noise-free ray from the true pose crossed within 8 m and that its own map marks free within 10 cm.")
+      .def(nb::init<const Scene&, const RobotProfile&>(), "scene"_a, "profile"_a, WithoutGil(),
+           "Raises HardwareError for a robot without a lidar.")
+      .def("observe", &BaseCoverageMeter::observe, "scene_from_base"_a, WithoutGil(), "Casts 360 rays, given the base's true pose.")
+      .def("coverage", &BaseCoverageMeter::coverage, "grid"_a, "scene_from_map"_a = Pose2D{}, WithoutGil(),
+           "The share, 0 to 1, that was crossed and is marked free, given the robot's own map and where its frame lies.")
+      .def("crossed", &BaseCoverageMeter::crossed, WithoutGil(), "The share, 0 to 1, that was crossed.");
 }
 
 }  // namespace
 
 void init_scene(nb::module_& m) {
   bind_parts(m);
-  bind_measures(m);
   nb::class_<Scene>(m, "Scene", "Walls, doors, named rooms and furniture. Its origin is its start pose; x along the start heading.")
       .def_static("load", &Scene::load, "name"_a,
                   "Reads a scene by name, or from a file that ends in .yaml. Raises ConfigError with file and line.")
@@ -193,5 +157,5 @@ void init_scene(nb::module_& m) {
                            scene.max.y - scene.min.y, scene.rooms.size(), scene.objects.size());
       });
   m.def("scene_names", &scene::scene_names, "The names of all scenes.");
-  bind_coverage(m);
+  bind_measures(m);
 }

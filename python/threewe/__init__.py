@@ -5,6 +5,7 @@ from importlib.metadata import version as _version
 
 from threewe._core import (
     BatteryState,
+    Episode,
     ExploreResult,
     Features,
     IMUData,
@@ -22,6 +23,7 @@ from threewe._core import (
     RobotProfile,
     Sample,
     Scene,
+    SceneTables,
     SensorInfo,
     SensorType,
     Snapshot,
@@ -63,6 +65,7 @@ __all__ = [
     "ContractError",
     "CoverageMeter",
     "EmergencyStopError",
+    "Episode",
     "ExploreResult",
     "Features",
     "HardwareError",
@@ -84,6 +87,7 @@ __all__ = [
     "SafetyError",
     "Sample",
     "Scene",
+    "SceneTables",
     "SensorInfo",
     "SensorType",
     "Simulation",

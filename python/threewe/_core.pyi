@@ -610,19 +610,68 @@ class Scene:
 def scene_names() -> list[str]:
     """The names of all scenes."""
 
-class CoverageMeter:
+class Episode:
+    """One task: from a pose to a place, in the scene's frame."""
+
+    @property
+    def start(self) -> Pose2D: ...
+
+    @property
+    def goal(self) -> tuple[float, float]:
+        """(x, y) [m]"""
+
+    @property
+    def geodesic(self) -> float:
+        """[m], from start to goal"""
+
+    @property
+    def seed(self) -> int:
+        """for all else that is drawn in this episode"""
+
+class SceneTables:
     """
-    Measures an exploration: the share of reachable 5 cm cells that a noise-free ray from the true pose
-    crossed within 8 m and that the robot's own map marks free within 10 cm.
+    A scene as one robot meets it: where it can be, and how far it is from place to place.
     """
 
     def __init__(self, scene: Scene, profile: RobotProfile) -> None: ...
 
-    def observe(self, scene_from_lidar: Pose2D) -> None:
-        """Casts 360 rays from a true pose."""
+    def collides(self, pose: Pose2D) -> bool:
+        """Whether the footprint touches an obstacle."""
 
-    def coverage(self, map: OccupancyGrid, scene_from_map: Pose2D = ...) -> float:
-        """The share, 0 to 1, that was crossed and is marked free."""
+    def clearance(self, pose: Pose2D) -> float:
+        """Distance [m] between the footprint and the nearest obstacle."""
+
+    def geodesic(self, a: tuple[float, float], b: tuple[float, float]) -> float:
+        """
+        Length [m] of the shortest path for the footprint; infinity where there is none.
+        """
+
+    def sample_free_pose(self, seed: int) -> Pose2D:
+        """
+        A pose with 5 cm to spare around the footprint: a pure function of the seed.
+        """
+
+    def sample_episode(self, seed: int, index: int = 0) -> Episode:
+        """
+        Start and goal uniform over free cells, 2 to 15 m apart by the shortest path, every fifth with a detour.
+        """
+
+class CoverageMeter:
+    """
+    How much of a scene a robot has really seen and mapped: the share of reachable 5 cm cells that a
+    noise-free ray from the true pose crossed within 8 m and that its own map marks free within 10 cm.
+    """
+
+    def __init__(self, scene: Scene, profile: RobotProfile) -> None:
+        """Raises HardwareError for a robot without a lidar."""
+
+    def observe(self, scene_from_base: Pose2D) -> None:
+        """Casts 360 rays, given the base's true pose."""
+
+    def coverage(self, grid: OccupancyGrid, scene_from_map: Pose2D = ...) -> float:
+        """
+        The share, 0 to 1, that was crossed and is marked free, given the robot's own map and where its frame lies.
+        """
 
     def crossed(self) -> float:
         """The share, 0 to 1, that was crossed."""

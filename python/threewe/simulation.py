@@ -56,13 +56,7 @@ class CoverageMeter(_core.CoverageMeter):
     def __init__(self, simulation: Simulation) -> None:
         super().__init__(simulation.scene, simulation.profile)
         self._simulation = simulation
-        lidar = simulation.profile.lidar
-        self._base_from_lidar = lidar.base_from_lidar if lidar else Pose2D()
 
-    def observe(self, true_pose: Pose2D) -> None:
-        """Counts what the lidar can see when the robot is at `true_pose` in the scene."""
-        super().observe(true_pose * self._base_from_lidar)
-
-    def coverage(self, map: OccupancyGrid) -> float:  # type: ignore[override]
+    def coverage(self, grid: OccupancyGrid) -> float:  # type: ignore[override]
         """The share, 0 to 1, that was seen and that the robot's own map marks free."""
-        return super().coverage(map, self._simulation.scene_from_map)
+        return super().coverage(grid, self._simulation.scene_from_map)
