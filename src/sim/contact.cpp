@@ -66,7 +66,25 @@ bool overlaps(const Outline& outline, Vec2 center, double radius) {
   return inside;
 }
 
-// The shapes that a body could meet in this step, around the base's old position.
+// A segment, or a disc around `a`; seen from the base's old position.
+struct Shape {
+  Vec2 a;
+  Vec2 b;
+  double radius;
+  bool is_circle;
+  bool hit;  // the body would run into it in this step
+};
+
+bool overlaps(const Outline& outline, Vec2 moved, const Shape& shape) {
+  return shape.is_circle ? overlaps(outline, shape.a - moved, shape.radius)
+                         : overlaps(outline, shape.a - moved, shape.b - moved);
+}
+
+bool overlaps_any(const Outline& outline, Vec2 moved, std::span<const Shape> shapes) {
+  return std::ranges::any_of(shapes, [&](const Shape& shape) { return overlaps(outline, moved, shape); });
+}
+
+// The shapes that a body could meet in this step.
 class Neighbourhood {
  public:
   Neighbourhood(const ShapeIndex& obstacles, std::span<const scene::Segment> others, Vec2 base, double reach) {
@@ -81,40 +99,17 @@ class Neighbourhood {
     for (const scene::Segment& segment : others) add(segment, base, reach);
   }
 
-  bool empty() const { return count_ == 0; }
-  template <typename Visit>
-  void for_each(const Visit& visit) const {
-    for (std::size_t i = 0; i < count_; ++i) visit(shapes_[i]);
-  }
-
-  // a segment, or a disc around `a`
-  struct Shape {
-    Vec2 a;
-    Vec2 b;
-    double radius;
-    bool is_circle;
-  };
-
-  bool overlap(const Outline& outline, Vec2 moved) const {
-    for (std::size_t i = 0; i < count_; ++i) {
-      const Shape& shape = shapes_[i];
-      if (shape.is_circle ? overlaps(outline, shape.a - moved, shape.radius)
-                          : overlaps(outline, shape.a - moved, shape.b - moved)) {
-        return true;
-      }
-    }
-    return false;
-  }
+  std::span<Shape> shapes() { return std::span(shapes_).first(count_); }
 
  private:
   void add(const scene::Segment& segment, Vec2 base, double reach) {
     const Vec2 closest = closest_on_segment(base, segment.a, segment.b) - base;
-    if (dot(closest, closest) < reach * reach) push({segment.a - base, segment.b - base, 0.0, false});
+    if (dot(closest, closest) < reach * reach) push({segment.a - base, segment.b - base, 0.0, false, false});
   }
   void add(const scene::Circle& circle, Vec2 base, double reach) {
     const Vec2 center = circle.center - base;
     const double far = reach + circle.radius;
-    if (dot(center, center) < far * far) push({center, center, circle.radius, true});
+    if (dot(center, center) < far * far) push({center, center, circle.radius, true, false});
   }
   void push(const Shape& shape) {
     if (count_ < kMaxShapes) shapes_[count_++] = shape;
@@ -139,43 +134,54 @@ struct Contact {
   double speed(const Twist& twist) const { return dot(normal, twist.linear) + cross(arm, normal) * twist.angular; }
 };
 
+// Visits every pair of near points of a body that has moved and a shape: visit(from shape to body, point of the body
+// around its base, a direction out of the shape). The distance between two convex shapes grows at least as fast as any
+// such pair of points tells, so that keeping all pairs apart to first order keeps the shapes apart.
+template <typename Visit>
+void visit_pairs(const Outline& outline, Vec2 moved, const Shape& shape, const Visit& visit) {
+  const Vec2 a = shape.a - moved;
+  const Vec2 b = shape.b - moved;
+  const Vec2 normal = left_of(b - a);
+  const Vec2 towards_base = dot(normal, a) < 0.0 ? normal : -1.0 * normal;
+  for (std::size_t i = 0; i < outline.count; ++i) {
+    const Vec2 corner = outline.corners[i];
+    visit(corner - (shape.is_circle ? a : closest_on_segment(corner, a, b)), corner, towards_base);
+
+    const Vec2 edge = outline.edge_end(i) - corner;
+    for (const Vec2 end : {a, b}) {
+      const double t = dot(end - corner, edge) / dot(edge, edge);
+      if (t > 0.0 && t < 1.0 && cross(edge, end - corner) <= 0.0) {
+        const Vec2 on_edge = corner + t * edge;
+        visit(on_edge - end, on_edge, left_of(edge));
+      }
+      if (shape.is_circle) break;
+    }
+  }
+}
+
+// Whether a body that has moved overlaps a shape, or has come within half the skin of it.
+bool hits(const Outline& outline, Vec2 moved, const Shape& shape) {
+  if (overlaps(outline, moved, shape)) return true;
+  const double least = shape.radius + 0.5 * kSkin;
+  bool near = false;
+  visit_pairs(outline, moved, shape, [&](Vec2 offset, Vec2, Vec2) { near = near || dot(offset, offset) < least * least; });
+  return near;
+}
+
 struct Contacts {
   std::array<Contact, kMaxContacts> items;
   std::size_t count = 0;
 
-  // `offset` leads from the obstacle to the body's point at `arm`; `outward` stands for it where they coincide
-  void add(Vec2 offset, Vec2 arm, double radius, double within, Vec2 outward) {
-    const double length = norm(offset);
-    if (length - radius > within || count == kMaxContacts) return;
-    const Vec2 normal = length > 1e-9 ? (1.0 / length) * offset : (1.0 / norm(outward)) * outward;
-    items[count++] = {normal, arm, length - radius};
+  // The pairs of a shape that are no further apart than `within`.
+  void add(const Outline& outline, Vec2 moved, const Shape& shape, double within) {
+    visit_pairs(outline, moved, shape, [&](Vec2 offset, Vec2 arm, Vec2 outward) {
+      const double length = norm(offset);
+      if (length - shape.radius > within || count == kMaxContacts) return;
+      const Vec2 normal = length > 1e-9 ? (1.0 / length) * offset : (1.0 / norm(outward)) * outward;
+      items[count++] = {normal, arm, length - shape.radius};
+    });
   }
 };
-
-// The distance between two convex shapes grows at least as fast as any such pair of points tells, so that keeping all
-// pairs apart to first order keeps the shapes apart.
-Contacts find_contacts(const Outline& outline, const Neighbourhood& shapes, double within) {
-  Contacts contacts;
-  shapes.for_each([&](const Neighbourhood::Shape& shape) {
-    for (std::size_t i = 0; i < outline.count; ++i) {
-      const Vec2 corner = outline.corners[i];
-      const Vec2 on_shape = shape.is_circle ? shape.a : closest_on_segment(corner, shape.a, shape.b);
-      const Vec2 normal = left_of(shape.b - shape.a);
-      contacts.add(corner - on_shape, corner, shape.radius, within, dot(normal, shape.a) < 0.0 ? normal : -1.0 * normal);
-
-      const Vec2 edge = outline.edge_end(i) - corner;
-      for (const Vec2 end : {shape.a, shape.b}) {
-        const double t = dot(end - corner, edge) / dot(edge, edge);
-        if (t > 0.0 && t < 1.0 && cross(edge, end - corner) <= 0.0) {
-          const Vec2 on_edge = corner + t * edge;
-          contacts.add(on_edge - end, on_edge, shape.radius, within, left_of(edge));
-        }
-        if (shape.is_circle) break;
-      }
-    }
-  });
-  return contacts;
-}
 
 double energy(const RigidBody& body, const Twist& twist) {
   return body.mass * dot(twist.linear, twist.linear) + body.inertia * twist.angular * twist.angular;
@@ -225,9 +231,10 @@ double approach_speed(const Contacts& contacts, const Twist& carried, const Twis
   return fastest;
 }
 
-// A small step away from everything that is nearer than the skin.
-Vec2 restore_skin(const Outline& outline, const Neighbourhood& shapes) {
-  const Contacts near = find_contacts(outline, shapes, 0.5 * kSkin);
+// A small step away from everything that is nearer than half the skin.
+Vec2 restore_skin(const Outline& outline, Vec2 moved, std::span<const Shape> shapes) {
+  Contacts near;
+  for (const Shape& shape : shapes) near.add(outline, moved, shape, 0.5 * kSkin);
   Vec2 out;
   for (std::size_t i = 0; i < near.count; ++i) {
     const Contact& contact = near.items[i];
@@ -253,46 +260,55 @@ Motion move(const RigidBody& body, const ShapeIndex& obstacles, std::span<const 
   const double radius = body.footprint.circumscribed_radius();
   const double speed = exact::hypot(velocity.vx, velocity.vy) + std::fabs(velocity.omega) * radius;
   const double within = speed * seconds + 2.0 * kSkin;
-  const Neighbourhood shapes(obstacles, others, pose.position(), radius + within);
+  Neighbourhood neighbourhood(obstacles, others, pose.position(), radius + within);
+  const std::span<Shape> shapes = neighbourhood.shapes();
   if (shapes.empty()) return {free_end, velocity};
-  const Outline outline = turn_outline(body.footprint, pose.theta);
-  Contacts contacts = find_contacts(outline, shapes, within);
+
+  // from here on in axes that do not turn; the arc is followed along its chord
+  const auto outline_after = [&](const Twist& twist) {
+    return turn_outline(body.footprint, pose.theta + seconds * twist.angular);
+  };
+  const Twist free{(1.0 / seconds) * (free_end.position() - pose.position()), velocity.omega};
+  Twist twist = free;
+
+  // whatever the motion would run into holds it back, and then perhaps something else that comes into its way
+  Contacts contacts;
+  for (bool found = true; found;) {
+    const Outline there = outline_after(twist);
+    found = false;
+    for (Shape& shape : shapes) {
+      if (shape.hit || !hits(there, seconds * twist.linear, shape)) continue;
+      shape.hit = found = true;
+    }
+    if (!found) break;
+    contacts.count = 0;
+    const Outline outline = turn_outline(body.footprint, pose.theta);
+    for (const Shape& shape : shapes) {
+      if (shape.hit) contacts.add(outline, {}, shape, within);
+    }
+    twist = resolve(body, contacts, free, seconds);
+  }
   if (contacts.count == 0) return {free_end, velocity};
 
-  // the arc's chord, then contact, in axes that do not turn
-  const Twist free{(1.0 / seconds) * (free_end.position() - pose.position()), velocity.omega};
-  const Vec2 met = rotate({carried.vx, carried.vy}, pose.theta);
-  const Twist held = resolve(body, contacts, free, seconds);
+  // turning bends the paths of the corners: where that would overlap after all, a shorter step does not
+  constexpr int kHalvings = 5;
+  for (int i = 0; i <= kHalvings && overlaps_any(outline_after(twist), seconds * twist.linear, shapes); ++i) {
+    const double share = i < kHalvings ? 0.5 : 0.0;
+    twist = {share * twist.linear, share * twist.angular};
+  }
 
-  // turning bends the paths of the corners: where that would touch, a shorter step does not
   Motion motion;
-  double share = 1.0;
-  for (int attempt = 0; attempt < 6; ++attempt) {
-    const Vec2 moved = share * seconds * held.linear;
-    const double turned = share * seconds * held.angular;
-    const Outline there = turn_outline(body.footprint, pose.theta + turned);
-    if (shapes.overlap(there, moved)) {
-      share = attempt == 4 ? 0.0 : 0.5 * share;
-      continue;
-    }
-    motion.pose = {pose.x + moved.x, pose.y + moved.y, wrap_angle(pose.theta + turned)};
-    break;
-  }
-  if (share == 0.0) motion.pose = pose;
+  const Vec2 met = rotate({carried.vx, carried.vy}, pose.theta);
+  motion.approach_speed = approach_speed(contacts, {met, carried.omega}, twist, seconds);
+  motion.touching = true;
+  const Vec2 linear = rotate(twist.linear, -(pose.theta + 0.5 * seconds * twist.angular));
+  motion.velocity = {linear.x, linear.y, twist.angular};
 
-  const Outline there = turn_outline(body.footprint, motion.pose.theta);
-  const Vec2 moved = motion.pose.position() - pose.position();
-  Neighbourhood around(obstacles, others, motion.pose.position(), radius + within);
-  const Vec2 out = restore_skin(there, around);
-  if (!shapes.overlap(there, moved + out)) {
-    motion.pose.x += out.x;
-    motion.pose.y += out.y;
-  }
-
-  const Vec2 linear = rotate(share * held.linear, -(pose.theta + 0.5 * share * seconds * held.angular));
-  motion.velocity = {linear.x, linear.y, share * held.angular};
-  motion.approach_speed = approach_speed(contacts, {met, carried.omega}, held, seconds);
-  for (std::size_t i = 0; i < contacts.count; ++i) motion.touching = motion.touching || contacts.items[i].impulse > 0.0;
+  const Outline there = outline_after(twist);
+  Vec2 moved = seconds * twist.linear;
+  const Vec2 out = restore_skin(there, moved, shapes);
+  if (!overlaps_any(there, moved + out, shapes)) moved = moved + out;
+  motion.pose = {pose.x + moved.x, pose.y + moved.y, wrap_angle(pose.theta + seconds * twist.angular)};
   return motion;
 }
 
