@@ -6,6 +6,7 @@ double wrap_angle(double angle) {
   constexpr double kTwoPi = 2.0 * exact::kPi;
   if (angle > -exact::kPi && angle <= exact::kPi) return angle;
   const double wrapped = angle - kTwoPi * std::ceil((angle - exact::kPi) / kTwoPi);
+  if (std::isnan(wrapped)) return wrapped;
   return wrapped > -exact::kPi && wrapped <= exact::kPi ? wrapped : exact::kPi;  // rounding may end a hair outside
 }
 
