@@ -70,7 +70,7 @@ std::vector<Pose2D> free_poses() {
 }
 
 void report(benchmark::State& state, double rays) {
-  state.counters["ns/ray"] = benchmark::Counter(rays * static_cast<double>(state.iterations()) * 1e-9,
+  state.counters["per_ray"] = benchmark::Counter(rays * static_cast<double>(state.iterations()),
                                                 benchmark::Counter::kIsRate | benchmark::Counter::kInvert);
 }
 

@@ -8,7 +8,9 @@
 #include "sim/ray_caster_kernel.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
+#include <span>
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "sim/ray_caster_kernel.cpp"
@@ -29,11 +31,13 @@ using F = hn::Vec<Floats>;
 using V = hn::Vec<Doubles>;
 
 constexpr float kTwoPi = 6.28318531F;
+// Candidates that are looked at before any is met.
+constexpr int kBatch = 4 * kBlock;
 // Intervals are widened by this much [rad], above all rounding of angles, so that no beam slips between neighbours.
 constexpr float kAngleMargin = 2e-6F;
 // A segment is careful when (its farthest range)^2 / (distance of its line) is above this [m]: single precision would be
-// off by 3e-7 of that.
-constexpr float kSegmentCare = 160.0F;
+// off by 4e-7 of that.
+constexpr float kSegmentCare = 120.0F;
 // A circle is careful when radius * distance is above this [m^2]: near its tangents the error grows with its root.
 constexpr float kCircleCare = 0.6F;
 
@@ -46,11 +50,15 @@ struct Found {
   hn::Mask<Floats> everywhere;  // the sensor may touch it: every beam must try
 };
 
-// The same, sorted out into whole beams.
-struct Intervals {
-  HWY_ALIGN std::int32_t first[kBlock];
-  HWY_ALIGN std::int32_t last[kBlock];
-  std::uint64_t visible = 0;  // one bit per candidate
+// Which beams to try on which candidate.
+struct Task {
+  std::int32_t first;
+  std::int32_t last;
+  std::int32_t place;
+};
+struct Tasks {
+  Task list[3 * kBatch];
+  std::size_t count = 0;
 };
 
 // Constants of a fan for the set-up.
@@ -61,10 +69,14 @@ struct Frame {
   float last_beam;
   float origin_x;  // of the middle of the way, relative to the blocks
   float origin_y;
+  float step_x;  // of the way, per beam
+  float step_y;
   float reach;  // [m] of the way to either side
+  bool moves;
 };
 
-HWY_INLINE void point_beams(Fan& fan) {
+// The directions of all beams, from heads and powers.
+void point(Fan& fan, float nothing) {
   const Floats d;
   const int lanes = static_cast<int>(hn::Lanes(d));
   HWY_ALIGN float power_cos[kBlock];
@@ -81,34 +93,33 @@ HWY_INLINE void point_beams(Fan& fan) {
       const F s = hn::Load(d, power_sin + j);
       hn::Store(hn::Sub(hn::Mul(head_cos, c), hn::Mul(head_sin, s)), d, fan.cos.data() + i + j);
       hn::Store(hn::Add(hn::Mul(head_sin, c), hn::Mul(head_cos, s)), d, fan.sin.data() + i + j);
+      hn::Store(hn::Set(d, nothing), d, fan.inverse_range.data() + i + j);
     }
   }
 }
 
-// Which beams, at a whole number of turns away, lie between `low` and `high`, counted in beams.
-HWY_INLINE void select(F low, F high, F shift, hn::Mask<Floats> visible, const Frame& frame, Intervals& out) {
+// Adds the beams between `low` and `high`, counted in beams.
+HWY_INLINE void add_tasks(F low, F high, int place, hn::Mask<Floats> visible, const Frame& frame, Tasks& tasks) {
   const Floats d;
   const Ints di;
-  const F first = hn::Max(hn::Ceil(hn::Add(low, shift)), hn::Zero(d));
-  const F last = hn::Min(hn::Floor(hn::Add(high, shift)), hn::Set(d, frame.last_beam));
+  const F first = hn::Max(hn::Ceil(low), hn::Zero(d));
+  const F last = hn::Min(hn::Floor(high), hn::Set(d, frame.last_beam));
   const auto some = hn::And(visible, hn::Le(first, last));
-  hn::Store(hn::ConvertTo(di, hn::IfThenElseZero(some, first)), di, out.first);
-  hn::Store(hn::ConvertTo(di, hn::IfThenElseZero(some, last)), di, out.last);
+  HWY_ALIGN std::int32_t firsts[kBlock];
+  HWY_ALIGN std::int32_t lasts[kBlock];
+  hn::Store(hn::ConvertTo(di, hn::IfThenElseZero(some, first)), di, firsts);
+  hn::Store(hn::ConvertTo(di, hn::IfThenElseZero(some, last)), di, lasts);
   std::uint8_t bytes[8] = {};
   hn::StoreMaskBits(d, some, bytes);
-  out.visible = std::uint64_t{bytes[0]} | std::uint64_t{bytes[1]} << 8;
+  for (unsigned bits = bytes[0] | bytes[1] << 8U; bits != 0; bits &= bits - 1) {
+    const int j = std::countr_zero(bits);
+    tasks.list[tasks.count++] = {firsts[j], lasts[j], place + j};
+  }
 }
 
-// Calls `trace(place, first, last)` for every candidate of a vector and every interval of beams that can meet it.
-template <class Trace>
-HWY_INLINE void for_each_interval(const Found& found, const Frame& frame, const Trace& trace) {
+// Turns what a vector of candidates looks like into intervals of beams.
+HWY_INLINE void find_beams(const Found& found, int place, const Frame& frame, Tasks& tasks) {
   const Floats d;
-  const auto visit = [&](const Intervals& intervals) {
-    for (std::uint64_t bits = intervals.visible; bits != 0; bits &= bits - 1) {
-      const auto place = static_cast<std::size_t>(__builtin_ctzll(bits));
-      trace(static_cast<int>(place), intervals.first[place], intervals.last[place]);
-    }
-  };
 
   // angles to beams: the middle of the candidate within half a turn of the middle of the fan
   const F relative = hn::Sub(found.first, hn::Set(d, frame.middle_angle));
@@ -118,25 +129,22 @@ HWY_INLINE void for_each_interval(const Found& found, const Frame& frame, const 
   const F scale = hn::Set(d, frame.beams_per_radian);
   const F end0 = hn::Mul(hn::Sub(nearest, found.slack), scale);
   const F end1 = hn::Mul(hn::Add(hn::Add(nearest, found.width), found.slack), scale);
+  const F zero_angle = hn::Set(d, frame.middle_beam);
   const F all = hn::Set(d, 1e6F);
-  const F low = hn::IfThenElse(found.everywhere, hn::Neg(all), hn::Add(hn::Min(end0, end1), hn::Set(d, frame.middle_beam)));
-  const F high = hn::IfThenElse(found.everywhere, all, hn::Add(hn::Max(end0, end1), hn::Set(d, frame.middle_beam)));
+  const F low = hn::IfThenElse(found.everywhere, hn::Neg(all), hn::Add(hn::Min(end0, end1), zero_angle));
+  const F high = hn::IfThenElse(found.everywhere, all, hn::Add(hn::Max(end0, end1), zero_angle));
+  add_tasks(low, high, place, found.visible, frame, tasks);
 
-  Intervals intervals;
-  select(low, high, hn::Zero(d), found.visible, frame, intervals);
-  visit(intervals);
-
-  // seldom: what lies across the back of a fan of a whole turn is seen from both its ends
+  // what lies across the back of a fan of a whole turn is seen from both its ends
   const F turn = hn::Set(d, kTwoPi * std::fabs(frame.beams_per_radian));
-  const auto wraps_up = hn::And(found.visible, hn::Le(hn::Add(low, turn), hn::Set(d, frame.last_beam)));
-  const auto wraps_down = hn::And(found.visible, hn::Ge(hn::Sub(high, turn), hn::Zero(d)));
-  if (!hn::AllFalse(d, wraps_up)) {
-    select(low, high, turn, hn::AndNot(found.everywhere, wraps_up), frame, intervals);
-    visit(intervals);
-  }
-  if (!hn::AllFalse(d, wraps_down)) {
-    select(low, high, hn::Neg(turn), hn::AndNot(found.everywhere, wraps_down), frame, intervals);
-    visit(intervals);
+  const auto once = hn::AndNot(found.everywhere, found.visible);
+  const F low_after = hn::Add(low, turn);
+  const F high_before = hn::Sub(high, turn);
+  const auto after = hn::Le(low_after, hn::Set(d, frame.last_beam));
+  const auto before = hn::Ge(high_before, hn::Zero(d));
+  if (!hn::AllFalse(d, hn::And(once, hn::Or(after, before)))) {
+    add_tasks(low_after, hn::Add(high, turn), place, once, frame, tasks);
+    add_tasks(hn::Sub(low, turn), high_before, place, once, frame, tasks);
   }
 }
 
@@ -148,13 +156,19 @@ HWY_INLINE void keep_larger(Fan& fan, int first, int last, const InverseRange& i
   const int lanes = static_cast<int>(hn::Lanes(d));
   const auto before = hn::Set(di, first - 1);
   const auto after = hn::Set(di, last + 1);
-  for (int i = first & -lanes; i <= last; i += lanes) {
+  const auto keep = [&](int i) HWY_ATTR {
     const auto beam = hn::Iota(di, i);
     const auto inside = hn::And(hn::Gt(beam, before), hn::Gt(after, beam));
-    const F value = inverse_range(hn::Load(d, fan.cos.data() + i), hn::Load(d, fan.sin.data() + i));
+    const F value = inverse_range(hn::ConvertTo(d, beam), hn::Load(d, fan.cos.data() + i), hn::Load(d, fan.sin.data() + i));
     float* kept = fan.inverse_range.data() + i;
     hn::Store(hn::Max(hn::Load(d, kept), hn::IfThenElseZero(hn::RebindMask(d, inside), value)), d, kept);
-  }
+  };
+  int i = first & -lanes;
+  do {  // two at a time: how often is then easier to foresee for the processor
+    keep(i);
+    keep(i + lanes);
+    i += 2 * lanes;
+  } while (i <= last);
 }
 
 // The same in double precision with each beam's own origin: `inverse_range(x, y, cos, sin)`.
@@ -217,120 +231,197 @@ void meet_carefully(Fan& fan, int first, int last, const scene::Circle& circle) 
   });
 }
 
-void meet_segments(const Shapes& shapes, const Frame& frame, bool moves, Fan& fan) {
+// What the evaluation of a batch of segments needs, by place.
+struct SegmentBatch {
+  HWY_ALIGN float along_x[kBatch];
+  HWY_ALIGN float along_y[kBatch];
+  HWY_ALIGN float height[kBatch];  // of the origin above the line, times length; inverse if the sensor stands still
+  HWY_ALIGN float care[kBatch];    // positive: single precision will not do
+};
+
+// Looks at a vector of segments from the middle of the way.
+HWY_INLINE void see_segments(const SegmentBlock& block, int j, int place, const Frame& frame, SegmentBatch& batch,
+                             Tasks& tasks) {
   const Floats d;
-  const int lanes = static_cast<int>(hn::Lanes(d));
   const F origin_x = hn::Set(d, frame.origin_x);
   const F origin_y = hn::Set(d, frame.origin_y);
-  const F reach = hn::Set(d, frame.reach);
-  HWY_ALIGN float slope_cos[kBlock];
-  HWY_ALIGN float slope_sin[kBlock];
-  HWY_ALIGN float care[kBlock];
+  const F ax = hn::Sub(hn::Load(d, block.a_x + j), origin_x);
+  const F ay = hn::Sub(hn::Load(d, block.a_y + j), origin_y);
+  const F bx = hn::Sub(hn::Load(d, block.b_x + j), origin_x);
+  const F by = hn::Sub(hn::Load(d, block.b_y + j), origin_y);
+  const F along_x = hn::Sub(bx, ax);
+  const F along_y = hn::Sub(by, ay);
+  const F height = hn::Sub(hn::Mul(along_x, ay), hn::Mul(along_y, ax));
+  const F square_a = hn::Add(hn::Mul(ax, ax), hn::Mul(ay, ay));
+  const F square_b = hn::Add(hn::Mul(bx, bx), hn::Mul(by, by));
+  const F square_length = hn::Add(hn::Mul(along_x, along_x), hn::Mul(along_y, along_y));
 
-  for (int i = 0; i < shapes.segment_count; i += lanes) {
-    const SegmentBlock& block = shapes.segment_blocks[static_cast<std::size_t>(i / kBlock)];
-    const int j = i % kBlock;
-    const F normal_x = hn::Load(d, block.normal_x + j);
-    const F normal_y = hn::Load(d, block.normal_y + j);
-    const F along_normal = hn::Add(hn::Mul(normal_x, origin_x), hn::Mul(normal_y, origin_y));
-    const F distance = hn::Sub(hn::Load(d, block.offset + j), along_normal);
-    const F ax = hn::Sub(hn::Load(d, block.a_x + j), origin_x);
-    const F ay = hn::Sub(hn::Load(d, block.a_y + j), origin_y);
-    const F bx = hn::Sub(hn::Load(d, block.b_x + j), origin_x);
-    const F by = hn::Sub(hn::Load(d, block.b_y + j), origin_y);
+  // seen from the free side, a stands to the left of b
+  Found found;
+  found.first = exact::HWY_NAMESPACE::atan2(d, by, bx);
+  const F width = hn::Sub(exact::HWY_NAMESPACE::atan2(d, ay, ax), found.first);
+  const F turned = hn::IfThenElse(hn::Lt(width, hn::Set(d, -1.0F)), hn::Add(width, hn::Set(d, kTwoPi)), width);
+  found.width = hn::Max(turned, hn::Zero(d));
+  found.slack = hn::Set(d, kAngleMargin);
+  F lowest = height;
+  if (frame.moves) {
+    // on the way the line comes nearer by the reach, and each end turns by asin(reach / distance) at most
+    const F reach = hn::Set(d, frame.reach);
+    const F change = hn::Mul(reach, hn::Sqrt(square_length));
+    lowest = hn::Sub(height, change);
+    found.visible = hn::Gt(hn::Add(height, change), hn::Zero(d));
+    const F square = hn::Min(square_a, square_b);
+    found.everywhere = hn::Or(hn::Le(lowest, hn::Zero(d)), hn::Le(square, hn::Mul(reach, reach)));
+    const F sine = hn::Div(reach, hn::Sqrt(hn::Max(square, hn::Set(d, 1e-12F))));
+    found.slack = hn::Add(hn::Mul(sine, hn::Set(d, 1.5708F)), found.slack);
+  } else {
+    found.visible = hn::Gt(height, hn::Zero(d));
+    found.everywhere = hn::Lt(square_length, hn::Zero(d));  // never
+  }
 
-    // seen from the free side a stands to the left of b
-    Found found;
-    const F angle_b = exact::HWY_NAMESPACE::atan2(d, by, bx);
-    const F width = hn::Sub(exact::HWY_NAMESPACE::atan2(d, ay, ax), angle_b);
-    const F turned = hn::IfThenElse(hn::Lt(width, hn::Set(d, -1.0F)), hn::Add(width, hn::Set(d, kTwoPi)), width);
-    found.first = angle_b;
-    found.width = hn::Max(turned, hn::Zero(d));
-    found.slack = hn::Set(d, kAngleMargin);
-    found.visible = hn::Gt(distance, hn::Neg(reach));
-    found.everywhere = hn::Lt(distance, hn::Zero(d));
+  // careful if farthest^2 / distance > kSegmentCare, squared and without the division
+  const F farthest = hn::Max(square_a, square_b);
+  const F near = hn::Mul(hn::Max(lowest, hn::Zero(d)), hn::Set(d, kSegmentCare));
+  hn::Store(hn::Sub(hn::Mul(hn::Mul(farthest, farthest), square_length), hn::Mul(near, near)), d, batch.care + place);
+  hn::Store(along_x, d, batch.along_x + place);
+  hn::Store(along_y, d, batch.along_y + place);
+  const F divisor = hn::IfThenElse(found.visible, height, hn::Set(d, 1.0F));
+  hn::Store(frame.moves ? height : hn::Div(hn::Set(d, 1.0F), divisor), d, batch.height + place);
+  find_beams(found, place, frame, tasks);
+}
 
-    const F square_a = hn::Add(hn::Mul(ax, ax), hn::Mul(ay, ay));
-    const F square_b = hn::Add(hn::Mul(bx, bx), hn::Mul(by, by));
-    if (moves) {
-      // the way turns the view of an end by asin(reach / distance) at most
-      const F square = hn::Min(square_a, square_b);
-      found.everywhere = hn::Or(hn::Le(distance, reach), hn::Le(square, hn::Mul(reach, reach)));
-      const F sine = hn::Div(reach, hn::Sqrt(hn::Max(square, hn::Set(d, 1e-12F))));
-      found.slack = hn::Add(hn::Mul(sine, hn::Set(d, 1.5708F)), hn::Set(d, kAngleMargin));
-    }
-    if (hn::AllFalse(d, found.visible)) continue;
+// From one pose: A cos + B sin of the beam's angle.
+HWY_INLINE void meet_standing(Fan& fan, int first, int last, const SegmentBatch& batch, std::size_t place) {
+  const Floats d;
+  const F a = hn::Set(d, -batch.along_y[place] * batch.height[place]);
+  const F b = hn::Set(d, batch.along_x[place] * batch.height[place]);
+  keep_larger(fan, first, last, [&](F, F c, F s) HWY_ATTR { return hn::Add(hn::Mul(a, c), hn::Mul(b, s)); });
+}
 
-    const F inverse = hn::Div(hn::Set(d, 1.0F), hn::IfThenElse(found.visible, distance, hn::Set(d, 1.0F)));
-    const F farthest = hn::Max(square_a, square_b);
-    hn::Store(hn::Mul(normal_x, inverse), d, slope_cos);
-    hn::Store(hn::Mul(normal_y, inverse), d, slope_sin);
-    hn::Store(hn::Sub(farthest, hn::Mul(distance, hn::Set(d, kSegmentCare))), d, care);
-    for_each_interval(found, frame, [&](int place, int first, int last) HWY_ATTR {
-      if (moves || care[place] > 0.0F) {
-        meet_carefully(fan, first, last, shapes.segments[static_cast<std::size_t>(block.index[j + place])]);
+// On the way: each beam from its own origin, both ends tested.
+HWY_INLINE void meet_moving(Fan& fan, int first, int last, const SegmentBatch& batch, std::size_t place,
+                            const SegmentBlock& block, const Frame& frame) {
+  const Floats d;
+  const std::size_t j = place % kBlock;
+  const float along_x = batch.along_x[place];
+  const float along_y = batch.along_y[place];
+  const F height0 = hn::Set(d, batch.height[place]);
+  const F sinking = hn::Set(d, along_x * frame.step_y - along_y * frame.step_x);
+  const F a_x = hn::Set(d, block.a_x[j] - frame.origin_x);
+  const F a_y = hn::Set(d, block.a_y[j] - frame.origin_y);
+  const F b_x = hn::Set(d, block.b_x[j] - frame.origin_x);
+  const F b_y = hn::Set(d, block.b_y[j] - frame.origin_y);
+  const F step_x = hn::Set(d, frame.step_x);
+  const F step_y = hn::Set(d, frame.step_y);
+  const F middle = hn::Set(d, frame.middle_beam);
+  keep_larger(fan, first, last, [&](F beam, F c, F s) HWY_ATTR {
+    const F i = hn::Sub(beam, middle);
+    const F x = hn::Mul(i, step_x);
+    const F y = hn::Mul(i, step_y);
+    const F height = hn::Sub(height0, hn::Mul(i, sinking));
+    const F approach = hn::Sub(hn::Mul(s, hn::Set(d, along_x)), hn::Mul(c, hn::Set(d, along_y)));
+    const F left = hn::Sub(hn::Mul(c, hn::Sub(a_y, y)), hn::Mul(s, hn::Sub(a_x, x)));
+    const F right = hn::Sub(hn::Mul(c, hn::Sub(b_y, y)), hn::Mul(s, hn::Sub(b_x, x)));
+    const auto between = hn::And(hn::Ge(left, hn::Zero(d)), hn::Le(right, hn::Zero(d)));
+    const auto ahead = hn::And(hn::Gt(height, hn::Zero(d)), hn::Gt(approach, hn::Zero(d)));
+    return hn::IfThenElseZero(hn::And(between, ahead), hn::Div(approach, height));
+  });
+}
+
+void meet_segments(const Shapes& shapes, const Frame& frame, Fan& fan) {
+  const int lanes = static_cast<int>(hn::Lanes(Floats()));
+  for (int start = 0; start < shapes.segment_count; start += kBatch) {
+    SegmentBatch batch;
+    Tasks tasks;
+    const SegmentBlock* blocks = shapes.segment_blocks.data() + start / kBlock;
+    const int count = std::min(kBatch, shapes.segment_count - start);
+    for (int i = 0; i < count; i += lanes) see_segments(blocks[i / kBlock], i % kBlock, i, frame, batch, tasks);
+    for (const Task& task : std::span(tasks.list, tasks.count)) {
+      const auto place = static_cast<std::size_t>(task.place);
+      if (batch.care[place] > 0.0F) {
+        const std::int32_t index = blocks[place / kBlock].index[place % kBlock];
+        meet_carefully(fan, task.first, task.last, shapes.segments[static_cast<std::size_t>(index)]);
+      } else if (frame.moves) {
+        meet_moving(fan, task.first, task.last, batch, place, blocks[place / kBlock], frame);
       } else {
-        const F a = hn::Set(d, slope_cos[place]);
-        const F b = hn::Set(d, slope_sin[place]);
-        keep_larger(fan, first, last,
-                    [&](F c, F s) HWY_ATTR { return hn::Add(hn::Mul(a, c), hn::Mul(b, s)); });
+        meet_standing(fan, task.first, task.last, batch, place);
       }
-    });
+    }
   }
 }
 
-void meet_circles(const Shapes& shapes, const Frame& frame, bool moves, Fan& fan) {
+// What the evaluation of a batch of circles needs, by place.
+struct CircleBatch {
+  HWY_ALIGN float x[kBatch];
+  HWY_ALIGN float y[kBatch];
+  HWY_ALIGN float inverse_power[kBatch];  // of the origin with respect to the circle [1/m^2]
+  HWY_ALIGN float care[kBatch];
+};
+
+HWY_INLINE void see_circles(const CircleBlock& block, int j, int place, const Frame& frame, CircleBatch& batch,
+                            Tasks& tasks) {
   const Floats d;
-  const int lanes = static_cast<int>(hn::Lanes(d));
-  const F reach = hn::Set(d, frame.reach);
-  HWY_ALIGN float center_x[kBlock];
-  HWY_ALIGN float center_y[kBlock];
-  HWY_ALIGN float inverse_power[kBlock];
-  HWY_ALIGN float care[kBlock];
+  const F x = hn::Sub(hn::Load(d, block.x + j), hn::Set(d, frame.origin_x));
+  const F y = hn::Sub(hn::Load(d, block.y + j), hn::Set(d, frame.origin_y));
+  const F radius = hn::Load(d, block.radius + j);
+  const F square = hn::Add(hn::Mul(x, x), hn::Mul(y, y));
+  const F power = hn::Sub(square, hn::Mul(radius, radius));
 
-  for (int i = 0; i < shapes.circle_count; i += lanes) {
-    const CircleBlock& block = shapes.circle_blocks[static_cast<std::size_t>(i / kBlock)];
-    const int j = i % kBlock;
-    const F x = hn::Sub(hn::Load(d, block.x + j), hn::Set(d, frame.origin_x));
-    const F y = hn::Sub(hn::Load(d, block.y + j), hn::Set(d, frame.origin_y));
-    const F radius = hn::Load(d, block.radius + j);
-    const F square = hn::Add(hn::Mul(x, x), hn::Mul(y, y));
-    const F power = hn::Sub(square, hn::Mul(radius, radius));
+  // from anywhere on the way it looks no wider than a circle that is larger by the reach
+  const F wide = hn::Add(radius, hn::Set(d, frame.reach));
+  const F wide_power = hn::Sub(square, hn::Mul(wide, wide));
+  const auto clear = hn::Gt(wide_power, hn::Zero(d));
+  const F tangent = hn::Sqrt(hn::Max(wide_power, hn::Zero(d)));
+  const F half_width = exact::HWY_NAMESPACE::atan2(d, wide, tangent);
+  Found found;
+  found.first = hn::Sub(exact::HWY_NAMESPACE::atan2(d, y, x), half_width);
+  found.width = hn::Add(half_width, half_width);
+  found.slack = hn::Set(d, kAngleMargin);
+  found.visible = hn::Gt(radius, hn::Zero(d));
+  found.everywhere = hn::Not(clear);
 
-    // from anywhere on the way it looks no wider than a circle larger by the way
-    const F wide = hn::Add(radius, reach);
-    const F wide_power = hn::Sub(square, hn::Mul(wide, wide));
-    const auto clear = hn::Gt(wide_power, hn::Zero(d));
-    const F tangent = hn::Sqrt(hn::Max(wide_power, hn::Zero(d)));
-    const F half_width = exact::HWY_NAMESPACE::atan2(d, wide, tangent);
-    Found found;
-    found.first = hn::Sub(exact::HWY_NAMESPACE::atan2(d, y, x), half_width);
-    found.width = hn::Add(half_width, half_width);
-    found.slack = hn::Set(d, kAngleMargin);
-    found.visible = hn::Gt(radius, hn::Zero(d));
-    found.everywhere = hn::Not(clear);
+  const F large = hn::Sub(hn::Mul(square, hn::Mul(radius, radius)), hn::Set(d, kCircleCare * kCircleCare));
+  hn::Store(hn::IfThenElse(clear, large, hn::Set(d, 1.0F)), d, batch.care + place);
+  hn::Store(x, d, batch.x + place);
+  hn::Store(y, d, batch.y + place);
+  hn::Store(hn::Div(hn::Set(d, 1.0F), hn::IfThenElse(clear, power, hn::Set(d, 1.0F))), d, batch.inverse_power + place);
+  find_beams(found, place, frame, tasks);
+}
 
-    hn::Store(x, d, center_x);
-    hn::Store(y, d, center_y);
-    hn::Store(hn::Div(hn::Set(d, 1.0F), hn::IfThenElse(clear, power, hn::Set(d, 1.0F))), d, inverse_power);
-    const F limit = hn::Set(d, kCircleCare * kCircleCare);
-    const F care_of_size = hn::Sub(hn::Mul(square, hn::Mul(radius, radius)), limit);
-    hn::Store(hn::IfThenElse(clear, care_of_size, hn::Set(d, 1.0F)), d, care);
-    for_each_interval(found, frame, [&](int place, int first, int last) HWY_ATTR {
-      const scene::Circle& circle = shapes.circles[static_cast<std::size_t>(block.index[j + place])];
-      if (moves || care[place] > 0.0F) return meet_carefully(fan, first, last, circle);
-      const F cx = hn::Set(d, center_x[place]);
-      const F cy = hn::Set(d, center_y[place]);
-      const F radius_squared = hn::Set(d, block.radius[j + place] * block.radius[j + place]);
-      const F inverse = hn::Set(d, inverse_power[place]);
-      keep_larger(fan, first, last, [&](F c, F s) HWY_ATTR {
-        const F ahead = hn::Add(hn::Mul(c, cx), hn::Mul(s, cy));
-        const F aside = hn::Sub(hn::Mul(c, cy), hn::Mul(s, cx));
-        const F half_chord_squared = hn::Sub(radius_squared, hn::Mul(aside, aside));
-        const F half_chord = hn::Sqrt(hn::Max(half_chord_squared, hn::Zero(d)));
-        return hn::IfThenElseZero(hn::Ge(half_chord_squared, hn::Zero(d)), hn::Mul(hn::Add(ahead, half_chord), inverse));
-      });
-    });
+HWY_INLINE void meet_standing(Fan& fan, int first, int last, const CircleBatch& batch, std::size_t place, float radius) {
+  const Floats d;
+  const F x = hn::Set(d, batch.x[place]);
+  const F y = hn::Set(d, batch.y[place]);
+  const F radius_squared = hn::Set(d, radius * radius);
+  const F inverse_power = hn::Set(d, batch.inverse_power[place]);
+  keep_larger(fan, first, last, [&](F, F c, F s) HWY_ATTR {
+    const F ahead = hn::Add(hn::Mul(c, x), hn::Mul(s, y));
+    const F aside = hn::Sub(hn::Mul(c, y), hn::Mul(s, x));
+    const F half_chord_squared = hn::Sub(radius_squared, hn::Mul(aside, aside));
+    const auto hit = hn::Ge(half_chord_squared, hn::Zero(d));
+    const F half_chord = hn::Sqrt(hn::Max(half_chord_squared, hn::Zero(d)));
+    return hn::IfThenElseZero(hit, hn::Mul(hn::Add(ahead, half_chord), inverse_power));
+  });
+}
+
+void meet_circles(const Shapes& shapes, const Frame& frame, Fan& fan) {
+  const int lanes = static_cast<int>(hn::Lanes(Floats()));
+  for (int start = 0; start < shapes.circle_count; start += kBatch) {
+    CircleBatch batch;
+    Tasks tasks;
+    const CircleBlock* blocks = shapes.circle_blocks.data() + start / kBlock;
+    const int count = std::min(kBatch, shapes.circle_count - start);
+    for (int i = 0; i < count; i += lanes) see_circles(blocks[i / kBlock], i % kBlock, i, frame, batch, tasks);
+    for (const Task& task : std::span(tasks.list, tasks.count)) {
+      const auto place = static_cast<std::size_t>(task.place);
+      const CircleBlock& block = blocks[place / kBlock];
+      if (frame.moves || batch.care[place] > 0.0F) {
+        const auto index = static_cast<std::size_t>(block.index[place % kBlock]);
+        meet_carefully(fan, task.first, task.last, shapes.circles[index]);
+      } else {
+        meet_standing(fan, task.first, task.last, batch, place, block.radius[place % kBlock]);
+      }
+    }
   }
 }
 
@@ -346,13 +437,14 @@ void meet_shapes(const Shapes& shapes, Fan& fan) {
       .last_beam = static_cast<float>(sweep.count - 1),
       .origin_x = static_cast<float>(from_center.x),
       .origin_y = static_cast<float>(from_center.y),
+      .step_x = static_cast<float>(sweep.step.x),
+      .step_y = static_cast<float>(sweep.step.y),
       .reach = moves ? static_cast<float>(middle * norm(sweep.step)) + 1e-5F : 0.0F,
+      .moves = moves,
   };
-  meet_segments(shapes, frame, moves, fan);
-  meet_circles(shapes, frame, moves, fan);
+  meet_segments(shapes, frame, fan);
+  meet_circles(shapes, frame, fan);
 }
-
-void point(Fan& fan) { point_beams(fan); }
 
 void invert(const Fan& fan, float range_max, float* ranges) {
   const Floats d;
@@ -384,12 +476,6 @@ HWY_EXPORT(invert);
 void put(SegmentBlock& block, int place, const scene::Segment& segment, Vec2 center, int index) {
   const Vec2 a = segment.a - center;
   const Vec2 b = segment.b - center;
-  const double length = norm(b - a);
-  if (length == 0.0) return;
-  const Vec2 normal = (1.0 / length) * Vec2{a.y - b.y, b.x - a.x};
-  block.normal_x[place] = static_cast<float>(normal.x);
-  block.normal_y[place] = static_cast<float>(normal.y);
-  block.offset[place] = static_cast<float>(dot(normal, a));
   block.a_x[place] = static_cast<float>(a.x);
   block.a_y[place] = static_cast<float>(a.y);
   block.b_x[place] = static_cast<float>(b.x);
@@ -432,10 +518,9 @@ void begin(const Sweep& sweep, double range_max, Fan& fan) {
     s = s * c16 + c * s16;
     c = next;
   }
-  HWY_DYNAMIC_DISPATCH(point)(fan);
 
-  // beyond the range, yet not infinitely far: nothing divides by zero
-  std::fill_n(fan.inverse_range.begin(), blocks * kBlock, static_cast<float>(0.5 / range_max));
+  // to begin with they have met nothing: beyond the range, yet not infinitely far, so that nothing divides by zero
+  HWY_DYNAMIC_DISPATCH(point)(fan, static_cast<float>(0.5 / range_max));
 }
 
 void meet(const Shapes& shapes, Fan& fan) { HWY_DYNAMIC_DISPATCH(meet_shapes)(shapes, fan); }

@@ -15,11 +15,8 @@ inline constexpr int kBlock = 16;
 /// Beams that are cast at a time.
 inline constexpr int kMaxBeams = 1024;
 
-/// Segments in single precision, relative to a point near the sensor. Unused places stay zero: they face nobody.
+/// Segments in single precision, relative to a point near the sensor. Unused places stay zero: no length, nothing to see.
 struct alignas(64) SegmentBlock {
-  float normal_x[kBlock] = {};  // unit vector from the free side into the solid
-  float normal_y[kBlock] = {};
-  float offset[kBlock] = {};  // normal . point, for the points of the line
   float a_x[kBlock] = {};
   float a_y[kBlock] = {};
   float b_x[kBlock] = {};
@@ -65,9 +62,9 @@ struct Fan {
   alignas(64) std::array<double, kMaxBeams / kBlock> head_sin;
   alignas(64) std::array<double, kBlock> power_cos;
   alignas(64) std::array<double, kBlock> power_sin;
-  alignas(64) std::array<float, kMaxBeams> cos;
-  alignas(64) std::array<float, kMaxBeams> sin;
-  alignas(64) std::array<float, kMaxBeams> inverse_range;
+  alignas(64) std::array<float, kMaxBeams + 2 * kBlock> cos;
+  alignas(64) std::array<float, kMaxBeams + 2 * kBlock> sin;
+  alignas(64) std::array<float, kMaxBeams + 2 * kBlock> inverse_range;
 };
 
 /// Points the beams of a sweep of at most kMaxBeams.

@@ -144,6 +144,14 @@ std::vector<Occluder> occluders_of(const Slice& slice) {
   return occluders;
 }
 
+// An occluder as seen from the middle of a square: between two directions, less than half a turn apart.
+struct View {
+  const Occluder* occluder;
+  Vec2 left;
+  Vec2 right;
+  double narrowness;
+};
+
 struct CellRange {
   int x0, y0, x1, y1;
 };
@@ -223,22 +231,23 @@ class Search {
     occluders_.clear();
     for (const Occluder& occluder : all_occluders_) {
       if (!faces(occluder, square)) continue;
-      double width = 0.0;
-      for (std::size_t i = 0; i < occluder.corner_count; ++i) {
-        for (std::size_t k = 0; k < i; ++k) {
-          const Vec2 p = occluder.corners[i] - middle;
-          const Vec2 q = occluder.corners[k] - middle;
-          width = std::max(width, std::fabs(cross(p, q)) / (dot(p, p) + dot(q, q)));
-        }
+      View view{&occluder, occluder.corners[0] - middle, occluder.corners[0] - middle, 0.0};
+      for (std::size_t i = 1; i < occluder.corner_count; ++i) {
+        const Vec2 corner = occluder.corners[i] - middle;
+        if (cross(view.left, corner) > 0.0) view.left = corner;
+        if (cross(view.right, corner) < 0.0) view.right = corner;
       }
-      occluders_.emplace_back(-width, &occluder);
+      view.narrowness = -cross(view.right, view.left) / (dot(view.left, view.left) + dot(view.right, view.right));
+      occluders_.push_back(view);
     }
-    std::ranges::stable_sort(occluders_, {}, &std::pair<double, const Occluder*>::first);
+    std::ranges::stable_sort(occluders_, {}, &View::narrowness);
   }
 
   bool is_hidden(const Square& square, Vec2 middle, Vec2 target, std::span<const Vec2> points) const {
-    return std::ranges::any_of(occluders_, [&](const auto& entry) {
-      return cuts(*entry.second, middle, target) && hides(*entry.second, square, points);
+    const Vec2 direction = target - middle;
+    return std::ranges::any_of(occluders_, [&](const View& view) {
+      const bool covered = cross(view.right, direction) >= 0.0 && cross(direction, view.left) >= 0.0;
+      return covered && hides(*view.occluder, square, points);
     });
   }
 
@@ -246,7 +255,7 @@ class Search {
   const CellGrid& grid_;
   double range_max_;
   std::vector<Occluder> all_occluders_;
-  std::vector<std::pair<double, const Occluder*>> occluders_;
+  std::vector<View> occluders_;
   std::vector<VisibleSet> sets_;
 };
 
