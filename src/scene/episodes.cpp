@@ -1,5 +1,7 @@
 #include "threewe/scene/episodes.hpp"
 
+#include <array>
+
 #include <fmt/format.h>
 
 #include "threewe/core/errors.hpp"
@@ -7,8 +9,8 @@
 namespace threewe::scene {
 namespace {
 
-constexpr int kStartTries = 64;   // starts tried with, and as many without, the wish for a detour
-constexpr int kGoalTries = 128;   // goals tried for each start
+constexpr int kStartTries = 64;  // starts tried with, and as many without, the wish for a detour
+constexpr int kGoalTries = 128;  // goals tried for each start
 
 // Counts the samples of one episode, so that no draw is used twice.
 class Draws {

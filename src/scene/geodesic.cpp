@@ -13,9 +13,9 @@ constexpr int kBorder = 2;  // cells around the grid that are never known, so th
 // Around the target visible cells get their exact distance: there the front is so curved that differences are poor.
 constexpr int kExactRadius = 12;  // [cells]
 
-// Cells in the order of their lengths, those within a twentieth of a cell as they came: several times as fast as a heap,
-// with an error far below that of the differences (Yatziv, Bartesaghi & Sapiro 2006). A ring of buckets is enough, for
-// no cell is pushed further ahead of the one just popped than the exact cells around the target are.
+// Cells in the order of their lengths, those within a twentieth of a cell as they came: several times as fast as a
+// heap, with an error far below that of the differences (Yatziv, Bartesaghi & Sapiro 2006). A ring of buckets is
+// enough, for no cell is pushed further ahead of the one just popped than the exact cells around the target are.
 class FrontQueue {
  public:
   struct Entry {
@@ -84,7 +84,8 @@ double GeodesicField::length_from(Vec2 point) const {
   return std::max(straight, interpolate(point));
 }
 
-// Gives the cells that see the target their distance. Where the target lies beside the passable cells, those next to it.
+// Gives the cells that see the target their distance. Where the target lies beside the passable cells, those next to
+// it.
 std::vector<std::uint32_t> GeodesicField::cells_around_target() {
   const GridFrame& frame = passable_->frame;
   const CellIndex middle = frame.cell(target_);
@@ -101,7 +102,8 @@ std::vector<std::uint32_t> GeodesicField::cells_around_target() {
   return known;
 }
 
-// Cells become known in the order of their lengths, as in Dijkstra's algorithm; each one solves for its neighbours anew.
+// Cells become known in the order of their lengths, as in Dijkstra's algorithm; each one solves for its neighbours
+// anew.
 void GeodesicField::march(const std::vector<std::uint32_t>& known, double limit) {
   std::vector<double> tentative(length_.size(), -kInfinity);  // nothing is below it: not passable, or known already
   const GridFrame& frame = passable_->frame;

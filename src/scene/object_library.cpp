@@ -10,14 +10,16 @@
 namespace threewe::scene {
 namespace {
 
-const std::vector<std::string> kMaterials = {"wood", "metal", "plastic", "fabric", "leaf", "ceramic", "glass", "stone", "paper"};
+const std::vector<std::string> kMaterials = {"wood",    "metal", "plastic", "fabric", "leaf",
+                                             "ceramic", "glass", "stone",   "paper"};
 
 constexpr double kSmallest = 0.005;  // [m], of any prism in any direction
 constexpr double kLargest = 10.0;    // [m]
 
 double size(const ConfigNode& node, double smallest) {
   const double value = node.number();
-  if (value < smallest || value > kLargest) node.fail(fmt::format("{} m is outside [{}, {}]", value, smallest, kLargest));
+  if (value < smallest || value > kLargest)
+    node.fail(fmt::format("{} m is outside [{}, {}]", value, smallest, kLargest));
   return value;
 }
 

@@ -8,6 +8,9 @@
 namespace threewe::scene {
 namespace {
 
+// A wall that ends where a cell begins, but for rounding, does not overlap it.
+constexpr double kRounding = 1e-9;  // [m]
+
 constexpr float kFar = std::numeric_limits<float>::infinity();
 
 // Marks the cells that one solid overlaps.
@@ -21,8 +24,9 @@ void mark(CellSet& occupied, const Solid& solid) {
     for (int x = std::max(low.x, 0); x <= std::min(high.x, frame.width - 1); ++x) {
       if (occupied[{x, y}]) continue;
       const Vec2 c = frame.center({x, y});
-      const std::array<Vec2, 4> square = {Vec2{c.x - h, c.y - h}, {c.x + h, c.y - h}, {c.x + h, c.y + h}, {c.x - h, c.y + h}};
-      occupied[{x, y}] = overlaps(solid, square) ? 1 : 0;
+      const std::array<Vec2, 4> square = {
+          Vec2{c.x - h, c.y - h}, {c.x + h, c.y - h}, {c.x + h, c.y + h}, {c.x - h, c.y + h}};
+      occupied[{x, y}] = overlaps(solid, square, kRounding) ? 1 : 0;
     }
   }
 }

@@ -15,8 +15,8 @@ namespace {
 
 constexpr double kQuarterTurn = 0.5 * exact::kPi;
 
-constexpr double kSmallestRoom = 0.5;     // [m]
-constexpr double kSmallestPiece = 1e-3;   // [m] of a wall, left over beside a door
+constexpr double kSmallestRoom = 0.5;    // [m]
+constexpr double kSmallestPiece = 1e-3;  // [m] of a wall, left over beside a door
 
 const std::vector<std::string> kFloors = {"wood", "tile", "carpet", "concrete", "vinyl"};
 

@@ -35,7 +35,8 @@ double distance_to_polygon(std::span<const Vec2> polygon, Vec2 p) {
   return inside ? 0.0 : nearest;
 }
 
-// Whether all of `other` lies beyond an edge of `polygon`, or less than `depth` behind it: then that edge separates them.
+// Whether all of `other` lies beyond an edge of `polygon`, or less than `depth` behind it: then that edge separates
+// them.
 bool has_separating_edge(std::span<const Vec2> polygon, std::span<const Vec2> other, double depth) {
   for (std::size_t i = 0; i < polygon.size(); ++i) {
     const Vec2 a = polygon[i];

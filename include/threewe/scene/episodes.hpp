@@ -25,8 +25,8 @@ inline constexpr double kDetour = 1.3;
 inline constexpr double kDetourShare = 0.2;
 
 /// Episode `index` of a seed. Start and goal are uniform over the cells where the footprint and 5 cm around it are free
-/// in every heading, given the bounds above; the start's heading is uniform. A pure function of scene, footprint, seed and index.
-/// In a scene too simple for detours there are none; throws ConfigError where there is no episode at all.
+/// in every heading, given the bounds above; the start's heading is uniform. A pure function of scene, footprint, seed
+/// and index. In a scene too simple for detours there are none; throws ConfigError where there is no episode at all.
 Episode sample_episode(const SceneTables& tables, std::uint64_t seed, std::uint32_t index);
 
 /// A pose in the middle of a uniformly chosen roomy cell, heading anywhere, from the lanes of one sample.

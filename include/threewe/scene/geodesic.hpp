@@ -10,8 +10,8 @@
 namespace threewe::scene {
 
 /// The length of the shortest path from anywhere to one target, for a point that stays in a set of cells. Along a clear
-/// straight line it is the distance; elsewhere it is solved by fast marching of second order (Sethian 1999), within
-/// about 1 % of the truth. A point just beside the set may leave it by one cell.
+/// straight line it is the distance; elsewhere it is solved by fast marching of second order (Sethian 1999), within 2 %
+/// of the truth and mostly 1 %. A point just beside the set may leave it by one cell.
 /// Const once built: building takes milliseconds, asking takes about a microsecond.
 class GeodesicField {
  public:

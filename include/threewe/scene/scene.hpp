@@ -16,12 +16,12 @@ namespace threewe::scene {
 struct Prism {
   enum class Shape : std::uint8_t { box, cylinder };
   Shape shape{};
-  Pose2D pose;         ///< of its middle
+  Pose2D pose;          ///< of its middle
   double length = 0.0;  ///< [m] along x (box)
   double width = 0.0;   ///< [m] along y (box)
   double radius = 0.0;  ///< [m] (cylinder)
-  double z_min = 0.0;  ///< [m]
-  double z_max = 0.0;  ///< [m]
+  double z_min = 0.0;   ///< [m]
+  double z_max = 0.0;   ///< [m]
   std::string material;
 };
 

@@ -41,7 +41,8 @@ TEST_CASE("a cell is occupied when a solid holds a point of it, and only when on
       const std::vector<Vec2> corners = square(kFrame, cell);
       const bool overlap = std::ranges::any_of(solids, [&](const Solid& s) { return overlaps(s, corners); });
       CHECK((occupied.cells[i] != 0) == overlap);
-      if (std::ranges::any_of(solids, [&](const Solid& s) { return holds(s, kFrame.center(cell)); })) CHECK(occupied.cells[i]);
+      if (std::ranges::any_of(solids, [&](const Solid& s) { return holds(s, kFrame.center(cell)); }))
+        CHECK(occupied.cells[i]);
     }
   }
 }
@@ -61,7 +62,8 @@ TEST_CASE("the distance field is the distance to the nearest of all cells") {
     const CellGrid<float> distances = distance_field(set);
     for (std::size_t i = 0; i < frame.size(); ++i) {
       double nearest = std::numeric_limits<double>::infinity();
-      for (const CellIndex m : members) nearest = std::min(nearest, distance(frame.center(m), frame.center(frame.cell(i))));
+      for (const CellIndex m : members)
+        nearest = std::min(nearest, distance(frame.center(m), frame.center(frame.cell(i))));
       if (members.empty()) {
         CHECK(distances.cells[i] == std::numeric_limits<float>::infinity());
       } else {
@@ -77,10 +79,12 @@ TEST_CASE("cells with clearance are those whose middle is far enough from every 
     Dice dice(seed);
     const Obstacles obstacles(random_solids(dice, 6, 1.5));
     const double radius = dice.in(0.05, 0.4);
-    const CellSet clear = cells_with_clearance(obstacles, distance_field(occupied_cells(kFrame, obstacles.solids())), radius);
+    const CellSet clear =
+        cells_with_clearance(obstacles, distance_field(occupied_cells(kFrame, obstacles.solids())), radius);
     for (std::size_t i = 0; i < kFrame.size(); ++i) {
       double nearest = std::numeric_limits<double>::infinity();
-      for (const Solid& s : obstacles.solids()) nearest = std::min(nearest, distance_to(s, kFrame.center(kFrame.cell(i))));
+      for (const Solid& s : obstacles.solids())
+        nearest = std::min(nearest, distance_to(s, kFrame.center(kFrame.cell(i))));
       CHECK((clear.cells[i] != 0) == (nearest >= radius));
     }
   }

@@ -59,7 +59,8 @@ inline std::vector<Vec2> outline_points(const Solid& solid, double spacing) {
   if (solid.shape == Solid::Shape::box) return outline_points(solid.corners, spacing);
   std::vector<Vec2> points;
   const int steps = static_cast<int>(2.0 * exact::kPi * solid.radius / spacing) + 1;
-  for (int k = 0; k < steps; ++k) points.push_back(solid.center + rotate({solid.radius, 0.0}, 2.0 * exact::kPi * k / steps));
+  for (int k = 0; k < steps; ++k)
+    points.push_back(solid.center + rotate({solid.radius, 0.0}, 2.0 * exact::kPi * k / steps));
   return points;
 }
 

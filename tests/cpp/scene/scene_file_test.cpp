@@ -101,14 +101,17 @@ TEST_CASE("bad fields name the line and the nearest right name") {
   check_fails("thickness: 0.15", "thickness: .nan", "hall.yaml:9: walls[0].thickness: expected a finite number");
   check_fails("width: 1}", "width: 1, angle: 3}", "hall.yaml:13: walls[4].doors[0]: unknown field 'angle'");
   check_fails("shape: square", "shape: square, color: red", "hall.yaml:15: objects[0]: unknown field 'color'");
-  check_fails("category: table", "category: tabel", "hall.yaml:15: objects[0].category: unknown category 'tabel'; did you mean 'table'");
-  check_fails("shape: square", "shape: sqare", "hall.yaml:15: objects[0].shape: unknown shape 'sqare'; did you mean 'square'");
+  check_fails("category: table", "category: tabel",
+              "hall.yaml:15: objects[0].category: unknown category 'tabel'; did you mean 'table'");
+  check_fails("shape: square", "shape: sqare",
+              "hall.yaml:15: objects[0].shape: unknown shape 'sqare'; did you mean 'square'");
   check_fails("[5, 3.2]", "[5]", "hall.yaml:15: objects[0].pose: expected [x, y, theta]");
   check_fails("rooms:", "rooms: [", "hall.yaml:");
 }
 
 TEST_CASE("rooms must be rectangles that do not overlap") {
-  check_fails("min: [0, 0], max: [3, 4]", "min: [3, 0], max: [0, 4]", "hall.yaml:6: rooms[0]: room 'west' is inside out");
+  check_fails("min: [0, 0], max: [3, 4]", "min: [3, 0], max: [0, 4]",
+              "hall.yaml:6: rooms[0]: room 'west' is inside out");
   check_fails("max: [3, 4]", "max: [3, 0.1]", "hall.yaml:6: rooms[0]: room 'west' is inside out");
   check_fails("min: [3, 0]", "min: [2.5, 0]", "hall.yaml:7: rooms[1]: room 'east' overlaps room 'west'");
   check_fails("name: east", "name: west", "hall.yaml:7: rooms[1]: there are two rooms named 'west'");
@@ -123,7 +126,8 @@ TEST_CASE("walls must have a length and not lie in each other") {
 }
 
 TEST_CASE("doors must fit into their wall") {
-  check_fails("width: 1}", "width: 5}", "hall.yaml:13: walls[4].doors[0]: door 'between' is wider than its wall (4.00 m)");
+  check_fails("width: 1}", "width: 5}",
+              "hall.yaml:13: walls[4].doors[0]: door 'between' is wider than its wall (4.00 m)");
   check_fails("at: 2", "at: 3.8", "hall.yaml:13: walls[4].doors[0]: door 'between' reaches beyond its wall");
   check_fails("width: 1}", "width: 0}", "hall.yaml:13: walls[4].doors[0].width: 0 is outside");
   check_fails("width: 1}", "width: 1}, {name: second, at: 2.9, width: 1}", "door 'second' overlaps another door");
@@ -143,7 +147,8 @@ TEST_CASE("a chair may be pushed under a table") {
 
 TEST_CASE("robots need room where they start and where they are sent") {
   check_fails("[1, 2, 0]", "[0.2, 2, 0]", "hall.yaml:4: starts[0]: the start is within 0.25 m of a wall");
-  check_fails("[1, 2, 0]", "[1, 2, 0]\n  - [5, 1, 0]", "hall.yaml:5: starts[1]: the start is within 0.25 m of 'favourite'");
+  check_fails("[1, 2, 0]", "[1, 2, 0]\n  - [5, 1, 0]",
+              "hall.yaml:5: starts[1]: the start is within 0.25 m of 'favourite'");
   check_fails("[1, 2, 0]", "[1, 2, 0.5]", "hall.yaml:4: starts[0]: the first start must head along an axis");
   check_fails("starts:\n  - [1, 2, 0]", "starts: []", "hall.yaml:3: starts: a scene needs at least one start");
   check_fails("anchor: [1, 2]", "anchor: [2.9, 1]", "hall.yaml:6: rooms[0]: the anchor of 'west' is within 0.25 m");
@@ -172,8 +177,9 @@ TEST_CASE("mistakes in an object's file are reported there") {
   const auto fails = [&](const std::string& part, const std::string& message) {
     CAPTURE(part);
     std::ofstream(folder / "objects/lamp.yaml") << "category: lamp\nshapes:\n  tall:\n    - " << part << "\n";
-    CHECK_THROWS_WITH_AS(Scene::parse(changed("category: table, shape: square", "category: lamp, shape: tall"), "hall.yaml"),
-                         doctest::Contains(message.c_str()), ConfigError);
+    CHECK_THROWS_WITH_AS(
+        Scene::parse(changed("category: table, shape: square", "category: lamp, shape: tall"), "hall.yaml"),
+        doctest::Contains(message.c_str()), ConfigError);
   };
   fails("{box: [0.1], z: [0, 1], material: wood}", "lamp.yaml:4: shapes.tall[0].box: expected [length, width]");
   fails("{box: [0.1, 0], z: [0, 1], material: wood}", "lamp.yaml:4: shapes.tall[0].box[1]: 0 m is outside");

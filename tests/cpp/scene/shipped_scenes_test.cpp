@@ -87,7 +87,8 @@ TEST_CASE("rooms and doors are named once, and rooms can be asked for by name") 
     CHECK(scene.room(scene.rooms.front().name).name == scene.rooms.front().name);
     CHECK(scene.room_at({1000.0, 0.0}) == nullptr);
   }
-  CHECK_THROWS_WITH_AS(Scene::load("office_v2").room("kitchn"), doctest::Contains("did you mean 'kitchen'"), ConfigError);
+  CHECK_THROWS_WITH_AS(Scene::load("office_v2").room("kitchn"), doctest::Contains("did you mean 'kitchen'"),
+                       ConfigError);
 }
 
 TEST_CASE("categories that robots must recognise come in at least four shapes") {
@@ -131,11 +132,13 @@ TEST_CASE("a slice lists closed outlines, counter-clockwise, each once") {
 
 TEST_CASE("a table is legs to a lidar and a board to what is taller") {
   const Scene scene = Scene::parse(
-      "name: hall\ndescription: one table\nstarts: [[-2, 0]]\nwalls: [{a: [-4, -4], b: [4, -4]}, {a: [4, -4], b: [4, 4]}]\n"
+      "name: hall\ndescription: one table\nstarts: [[-2, 0]]\nwalls: [{a: [-4, -4], b: [4, -4]}, {a: [4, -4], b: [4, "
+      "4]}]\n"
       "objects: [{category: table, shape: square, pose: [0, 0]}]\n",
       "hall.yaml");
   const auto of_table = [](const Slice& slice) {
-    return std::pair(std::ranges::count(slice.segments, 0, &Segment::object), std::ranges::count(slice.circles, 0, &Circle::object));
+    return std::pair(std::ranges::count(slice.segments, 0, &Segment::object),
+                     std::ranges::count(slice.circles, 0, &Circle::object));
   };
   CHECK(of_table(scene.at_height(0.18)) == std::pair<std::ptrdiff_t, std::ptrdiff_t>(0, 4));
   CHECK(of_table(scene.at_height(0.73)) == std::pair<std::ptrdiff_t, std::ptrdiff_t>(4, 0));
