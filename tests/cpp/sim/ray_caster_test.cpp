@@ -12,7 +12,6 @@
 #include <vector>
 
 #include "sim/ray_caster_visibility.hpp"
-#include "threewe/core/errors.hpp"
 #include "threewe/core/targets.hpp"
 
 namespace threewe::sim {
@@ -459,15 +458,6 @@ TEST_CASE("what a wall hides is left out") {
   for (const int i : left.segments) CHECK((i < 4 || i >= 8));
   CHECK(std::ranges::count_if(left.segments, [](int i) { return i < 4; }) == 1);  // one face of the wall
   CHECK(std::ranges::count_if(left.segments, [](int i) { return i >= 8; }) >= 1);
-}
-
-TEST_CASE("targets can be forced by name") {
-  const auto available = available_targets();
-  const auto compiled = compiled_targets();
-  for (const std::string& target : available) CHECK(std::ranges::count(compiled, target) == 1);
-  CHECK(active_target() == available.front());
-  CHECK_THROWS_AS(force_target("AVX9000"), ConfigError);
-  CHECK(active_target() == available.front());
 }
 
 }  // namespace
