@@ -446,10 +446,10 @@ def as_pose(name: str, pose: PoseLike) -> Pose2D:
     """A Pose2D from one, from (x, y) or from (x, y, theta). Raises ContractError."""
     if isinstance(pose, Pose2D):
         return pose
-    numbers = np.asarray(pose, np.float64)
-    if numbers.shape not in ((2,), (3,)):
+    numbers = as_array(name, pose, (None,)).tolist()
+    if len(numbers) not in (2, 3):
         raise ContractError(f"{name} must be a Pose2D, (x, y) or (x, y, theta), got {pose!r}")
-    return Pose2D(*as_array(name, numbers, numbers.shape).tolist())
+    return Pose2D(*numbers)
 
 
 def as_array(name: str, values: ArrayLike, shape: tuple[int | None, ...]) -> NDArray[np.float64]:

@@ -1,0 +1,55 @@
+"""Robots for the tests, and tests that are coroutines."""
+
+from __future__ import annotations
+
+import asyncio
+import inspect
+from contextlib import AsyncExitStack
+from typing import Any
+
+import pytest
+
+import threewe
+
+
+@pytest.fixture(scope="session")
+def the_robot() -> threewe.Robot:
+    """One robot for all tests: making a world takes longer than most tests."""
+    return threewe.Robot(scene="corridor_v1", noise="ideal")
+
+
+@pytest.fixture
+def robot(the_robot: threewe.Robot) -> threewe.Robot:
+    """A holonomic robot without noise in `corridor_v1`; connected and at its start when the test is a coroutine."""
+    return the_robot
+
+
+@pytest.fixture(scope="session")
+def the_differential_robot() -> threewe.Robot:
+    return threewe.Robot(scene="corridor_v1", hardware="turtlebot_like", noise="ideal")
+
+
+@pytest.fixture
+def differential_robot(the_differential_robot: threewe.Robot) -> threewe.Robot:
+    """The same on two driven wheels."""
+    return the_differential_robot
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_pyfunc_call(pyfuncitem: pytest.Function) -> bool | None:
+    """Runs a test that is a coroutine, with its robots connected and at their start."""
+    if not inspect.iscoroutinefunction(pyfuncitem.obj):
+        return None
+    arguments = {name: pyfuncitem.funcargs[name] for name in inspect.signature(pyfuncitem.obj).parameters}
+    asyncio.run(_perform(pyfuncitem.obj, arguments))
+    return True
+
+
+async def _perform(test: Any, arguments: dict[str, Any]) -> None:
+    async with AsyncExitStack() as stack:
+        for robot in arguments.values():
+            if isinstance(robot, threewe.Robot):
+                await stack.enter_async_context(robot)
+                assert robot.simulation is not None
+                robot.simulation.reset()
+        await test(**arguments)

@@ -1,0 +1,253 @@
+"""Every wrong input gets one clear error that says what would be right, or a result that says why; the robot stands."""
+
+from __future__ import annotations
+
+import asyncio
+import builtins
+import math
+from collections.abc import Awaitable, Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import threewe
+from threewe import (
+    ConfigError,
+    ConnectionError,
+    ContractError,
+    EmergencyStopError,
+    HardwareError,
+    NavigationError,
+    Pose2D,
+    Reason,
+    Robot,
+    SafetyError,
+    ThreeweError,
+    TimeoutError,
+)
+
+NAN, INF = math.nan, math.inf
+
+
+def test_errors_are_also_the_built_in_ones() -> None:
+    assert issubclass(ConnectionError, builtins.ConnectionError)
+    assert issubclass(TimeoutError, builtins.TimeoutError)
+    assert issubclass(ContractError, ValueError)
+    assert issubclass(ConfigError, ValueError)
+    assert issubclass(EmergencyStopError, SafetyError)
+    for error in (ConnectionError, HardwareError, NavigationError, SafetyError, TimeoutError, ContractError, ConfigError):
+        assert issubclass(error, ThreeweError)
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"scene": "ofice_v2"}, "unknown scene 'ofice_v2'; did you mean 'office_v2'"),
+        ({"backend": "mok"}, "unknown backend 'mok'; did you mean 'mock'"),
+        ({"hardware": "3we_standart_v2"}, "did you mean '3we_standard_v2'"),
+        ({"noise": "real"}, "noise.*'real'"),
+        ({"noise": "idael"}, "did you mean 'ideal'"),
+        ({"sceen": "office_v2"}, "unknown option 'sceen'; did you mean 'scene'"),
+        ({"scene": "no_such_file.yaml"}, "no_such_file.yaml"),
+        ({"start_pose": (1e3, 0.0)}, "obstacle|outside|inside"),
+    ],
+)
+def test_unknown_names(options: dict[str, object], message: str) -> None:
+    with pytest.raises(ConfigError, match=message):
+        Robot(**options)  # type: ignore[arg-type]
+
+
+def test_a_malformed_scene_is_reported_with_file_and_line(tmp_path: Path) -> None:
+    file = tmp_path / "broken.yaml"
+    file.write_text("name: broken\nwalls: [\n")
+    with pytest.raises(ConfigError, match=r"broken\.yaml:\d+"):
+        Robot(scene=str(file))
+
+
+def test_a_start_inside_a_wall() -> None:
+    wall = threewe.Scene.load("corridor_v1").walls[0]
+    middle = ((wall.a[0] + wall.b[0]) / 2, (wall.a[1] + wall.b[1]) / 2)
+    with pytest.raises(ConfigError):
+        Robot(scene="corridor_v1", start_pose=(*middle, 0.0))
+
+
+@pytest.mark.parametrize("pose", [(1.0,), (1.0, 2.0, 3.0, 4.0), (NAN, 0.0), (0.0, 0.0, INF), "here"])
+def test_impossible_poses(pose: object) -> None:
+    with pytest.raises(ContractError, match="initial_pose"):
+        Robot(initial_pose=pose)  # type: ignore[arg-type]
+
+
+Call = Callable[[Robot], Awaitable[object] | None]
+
+WRONG_CALLS: dict[str, tuple[Call, type[Exception], str]] = {
+    "velocity NaN": (lambda r: r.set_velocity(NAN), ContractError, "finite"),
+    "velocity infinite": (lambda r: r.set_velocity(0.1, 0.0, -INF), ContractError, "finite"),
+    "hold NaN": (lambda r: r.set_velocity(0.1, hold=NAN), ContractError, "hold"),
+    "hold negative": (lambda r: r.set_velocity(0.1, hold=-1.0), ContractError, "hold"),
+    "goal NaN": (lambda r: r.move_to(NAN, 0.0), ContractError, "finite"),
+    "goal infinite": (lambda r: r.move_to(0.0, INF), ContractError, "finite"),
+    "heading NaN": (lambda r: r.move_to(1.0, 0.0, NAN), ContractError, "finite"),
+    "tolerance NaN": (lambda r: r.move_to(1.0, 0.0, tolerance=NAN), ContractError, "tolerance"),
+    "tolerance negative": (lambda r: r.move_to(1.0, 0.0, tolerance=-0.1), ContractError, "tolerance"),
+    "timeout NaN": (lambda r: r.move_to(1.0, 0.0, timeout=NAN), ContractError, "timeout"),
+    "timeout negative": (lambda r: r.move_to(1.0, 0.0, timeout=-1.0), ContractError, "timeout"),
+    "timeout zero": (lambda r: r.move_to(1.0, 0.0, timeout=0.0), ContractError, "timeout"),
+    "frame unknown": (lambda r: r.move_to(1.0, 0.0, frame="mep"), ContractError, "did you mean 'map'"),
+    "option unknown": (
+        lambda r: r.move_to(1.0, 0.0, tolerence=0.1),  # type: ignore[call-arg]
+        ConfigError,
+        "did you mean 'tolerance'",
+    ),
+    "distance NaN": (lambda r: r.move_forward(NAN), ContractError, "finite"),
+    "angle infinite": (lambda r: r.rotate(INF), ContractError, "finite"),
+    "path empty": (lambda r: r.follow_path([]), ContractError, "path"),
+    "path of triples": (lambda r: r.follow_path([(1.0, 2.0, 3.0)]), ContractError, r"shape \(N, 2\)"),
+    "path NaN": (lambda r: r.follow_path([(1.0, NAN)]), ContractError, "finite"),
+    "path of words": (lambda r: r.follow_path(["kitchen"]), ContractError, "numbers"),  # type: ignore[list-item]
+    "action of two": (lambda r: r.execute_action([0.1, 0.2]), ContractError, r"shape \(3\)"),
+    "action NaN": (lambda r: r.execute_action(np.array([0.0, NAN, 0.0])), ContractError, "finite"),
+    "period NaN": (lambda r: r.execute_action([0.1, 0.0, 0.0], NAN), ContractError, "period"),
+    "sleep NaN": (lambda r: r.sleep(NAN), ContractError, "seconds"),
+    "sleep negative": (lambda r: r.sleep(-1.0), ContractError, "seconds"),
+    "transform unknown": (lambda r: r.get_transform("map", "lidra"), ContractError, "did you mean 'lidar'"),  # type: ignore[return-value, arg-type]
+    "camera": (lambda r: r.get_camera_image(), HardwareError, "no camera.*lidar"),
+    "depth camera": (lambda r: r.get_rgbd_image(), HardwareError, "no camera"),
+    "fisheye": (lambda r: r.get_image("fisheye"), HardwareError, "no camera"),
+}
+
+
+async def perform(call: Call, robot: Robot) -> None:
+    result = call(robot)
+    if isinstance(result, Awaitable):
+        await result
+
+
+@pytest.mark.parametrize("name", WRONG_CALLS)
+async def test_wrong_calls(name: str, robot: Robot) -> None:
+    call, error, message = WRONG_CALLS[name]
+    with pytest.raises(error, match=message):
+        await perform(call, robot)
+    await stands_still(robot)
+
+
+async def stands_still(robot: Robot) -> None:
+    assert robot.simulation is not None
+    before = robot.simulation.true_pose()
+    await robot.sleep(0.2)
+    assert robot.simulation.true_pose().distance(before) < 1e-3
+
+
+async def test_sideways_on_a_differential_base(differential_robot: Robot) -> None:
+    with pytest.raises(ContractError, match="vy|sideways"):
+        differential_robot.set_velocity(0.1, 0.1, 0.0)
+    with pytest.raises(ContractError, match="vy|sideways"):
+        await differential_robot.execute_action([0.0, 0.5, 0.0])
+    await stands_still(differential_robot)
+
+
+CALLS: dict[str, Call] = {
+    "move_to": lambda r: r.move_to(1.0, 0.0),
+    "move_forward": lambda r: r.move_forward(1.0),
+    "rotate": lambda r: r.rotate(1.0),
+    "follow_path": lambda r: r.follow_path([(1.0, 0.0)]),
+    "explore": lambda r: r.explore(),
+    "execute_action": lambda r: r.execute_action([0.0, 0.0, 0.0]),
+    "sleep": lambda r: r.sleep(0.1),
+    "set_velocity": lambda r: r.set_velocity(0.1),
+    "get_lidar_scan": lambda r: r.get_lidar_scan(),  # type: ignore[dict-item, return-value]
+    "get_imu": lambda r: r.get_imu(),  # type: ignore[dict-item, return-value]
+    "get_pose": lambda r: r.get_pose(),  # type: ignore[dict-item, return-value]
+    "get_odometry": lambda r: r.get_odometry(),  # type: ignore[dict-item, return-value]
+    "get_velocity": lambda r: r.get_velocity(),  # type: ignore[dict-item, return-value]
+    "get_map": lambda r: r.get_map(),  # type: ignore[dict-item, return-value]
+    "get_battery_state": lambda r: r.get_battery_state(),  # type: ignore[dict-item, return-value]
+    "get_transform": lambda r: r.get_transform("map", "base"),  # type: ignore[dict-item, return-value]
+    "get_observation": lambda r: r.get_observation(),  # type: ignore[dict-item, return-value]
+}
+
+
+@pytest.mark.parametrize("name", CALLS)
+def test_calls_before_connect(name: str, robot: Robot) -> None:
+    assert not robot.connected
+    with pytest.raises(ConnectionError, match="connect"):
+        asyncio.run(perform(CALLS[name], robot))
+
+
+@pytest.mark.parametrize("name", CALLS)
+async def test_calls_after_disconnect(name: str, robot: Robot) -> None:
+    await robot.disconnect()
+    with pytest.raises(ConnectionError, match="connect"):
+        await perform(CALLS[name], robot)
+
+
+async def test_a_goal_in_a_wall_or_outside_the_world_is_no_path(robot: Robot) -> None:
+    assert robot.simulation is not None
+    scene = robot.simulation.scene
+    wall = scene.walls[0]
+    in_a_wall = ((wall.a[0] + wall.b[0]) / 2, (wall.a[1] + wall.b[1]) / 2)
+    for x, y in (in_a_wall, (scene.max[0] + 50.0, 0.0)):
+        result = await robot.move_to(x, y, tolerance=0.05)
+        assert result.reason is Reason.no_path, result
+        assert not result
+        with pytest.raises(NavigationError):
+            result.raise_for_failure()
+    await stands_still(robot)
+
+
+async def test_two_owners(robot: Robot) -> None:
+    moving = asyncio.create_task(robot.move_to(2.0, 0.0))
+    await robot.sleep(0.1)
+    for call in (CALLS["move_to"], CALLS["rotate"], CALLS["explore"], CALLS["set_velocity"], CALLS["execute_action"]):
+        with pytest.raises(SafetyError):
+            await perform(call, robot)
+    result = await moving
+    assert result.success, result
+
+
+async def test_the_emergency_stop_latches(robot: Robot) -> None:
+    moving = asyncio.create_task(robot.move_to(2.0, 0.0))
+    await robot.sleep(1.0)
+    robot.emergency_stop()
+    result = await moving
+    assert result.reason is Reason.estop
+    with pytest.raises(EmergencyStopError):
+        result.raise_for_failure()
+    for call in (CALLS["move_to"], CALLS["set_velocity"], CALLS["explore"]):
+        with pytest.raises(EmergencyStopError):
+            await perform(call, robot)
+    await robot.sleep(0.3)
+    await stands_still(robot)
+    robot.release_emergency_stop()
+    assert (await robot.move_forward(0.2)).success
+
+
+async def test_the_emergency_stop_works_from_any_thread(robot: Robot) -> None:
+    moving = asyncio.create_task(robot.explore())
+    await robot.sleep(1.0)
+    async with robot.thinking(seconds=0.0):
+        await asyncio.to_thread(robot.emergency_stop)
+    assert (await moving).reason is Reason.estop
+
+
+async def test_everything_else_is_refused_on_other_threads(robot: Robot) -> None:
+    for call in (robot.get_pose, robot.stop, robot.set_velocity, robot.get_map):
+        with pytest.raises(ContractError, match="thread"):
+            await asyncio.to_thread(call)
+
+
+async def test_resetting_into_a_wall(robot: Robot) -> None:
+    assert robot.simulation is not None
+    wall = robot.simulation.scene.walls[0]
+    with pytest.raises(ConfigError):
+        robot.simulation.reset(pose=Pose2D(*wall.a, 0.0))
+
+
+async def test_saving_during_a_motion(robot: Robot) -> None:
+    assert robot.simulation is not None
+    moving = asyncio.create_task(robot.move_to(2.0, 0.0))
+    await robot.sleep(0.1)
+    with pytest.raises(ContractError):
+        robot.simulation.save()
+    robot.stop()
+    assert (await moving).reason is Reason.cancelled
