@@ -11,8 +11,8 @@
 namespace {
 
 using namespace threewe;
-using backend::PluginLink, backend::PluginReading, backend::PluginReply, backend::PluginRequest;
 using backend::CheckResult, backend::Outcome, backend::WorldOptions;
+using backend::PluginLink, backend::PluginReading, backend::PluginReply, backend::PluginRequest;
 
 // What Python answers is checked here for its types and shapes, and in C++ for its values.
 
@@ -96,7 +96,8 @@ SampleData data_of(SensorType type, const Field& field, const RobotProfile& prof
 PluginReading to_reading(nb::handle reading, const PluginLink& link) {
   const nb::object base = nb::module_::import_("threewe.backend").attr("Reading");
   if (!nb::isinstance(reading, base)) {
-    throw ContractError(fmt::format("step() must return readings such as OdometryReading, got one {}", kind_of(reading)));
+    throw ContractError(
+        fmt::format("step() must return readings such as OdometryReading, got one {}", kind_of(reading)));
   }
   const nb::object name = reading.attr("sensor");
   if (!nb::isinstance<nb::str>(name)) {
@@ -173,9 +174,8 @@ std::unique_ptr<backend::World> make_python_world(const std::string& name, const
   const nb::gil_scoped_acquire python_runs;
   const nb::object open = nb::module_::import_("threewe.backend").attr("_open");
   const nb::object pose = options.poses.empty() ? nb::none() : nb::cast(options.poses.front());
-  const nb::object mailbox =
-      open(name, options.scene, options.robots.front(), options.noise == NoiseLevel::ideal ? "ideal" : "realistic",
-           options.seed, pose);
+  const nb::object mailbox = open(name, options.scene, options.robots.front(),
+                                  options.noise == NoiseLevel::ideal ? "ideal" : "realistic", options.seed, pose);
   return std::make_unique<backend::PluginWorld>(nb::cast<Mailbox&>(mailbox).link);
 }
 
@@ -190,14 +190,17 @@ void bind_plugins(nb::module_& m) {
       .def("take", &Mailbox::take, nb::sig("def take(self) -> tuple[str, tuple[object, ...]] | None"),
            "The next method to call and its arguments; None when the thread shall end.")
       .def("answer", &Mailbox::answer, "answer"_a.none(), "What the method returned.")
-      .def("fail", [](Mailbox& mailbox, const std::string& what) { mailbox.link->fail(what); }, "what"_a, WithoutGil(),
-           "What the method raised.")
-      .def("close", [](Mailbox& mailbox) { mailbox.link->close(); }, WithoutGil(),
-           "Tells the backend to disconnect and its thread to end.");
+      .def(
+          "fail", [](Mailbox& mailbox, const std::string& what) { mailbox.link->fail(what); }, "what"_a, WithoutGil(),
+          "What the method raised.")
+      .def(
+          "close", [](Mailbox& mailbox) { mailbox.link->close(); }, WithoutGil(),
+          "Tells the backend to disconnect and its thread to end.");
   m.def(
       "register_backend",
       [](const std::string& name) {
-        backend::register_backend(name, [name](const WorldOptions& options) { return make_python_world(name, options); });
+        backend::register_backend(name,
+                                  [name](const WorldOptions& options) { return make_python_world(name, options); });
       },
       "name"_a, "Makes a backend of threewe.backend known to the core.");
 }

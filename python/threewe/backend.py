@@ -13,9 +13,10 @@ A package registers its backends by entry points instead, so that nobody needs t
 
 `threewe.testing.check_backend("toy")` tells whether it keeps the contract.
 
-A backend runs in a thread of its own, and 3we trusts it with nothing: one that raises, answers what breaks the contract,
-or does not come back within 2 s (in real time: before its command expires) stops its robot and ends a motion as `fault`.
-It may block, hold the GIL and call any library, but nothing that it does is fast: no speed figure of ours applies to it.
+A backend runs in a thread of its own, and 3we trusts it with nothing: one that raises, answers what breaks the
+contract, or does not come back within 2 s (in real time: before its command expires) stops its robot and ends a motion
+as `fault`; `connect` makes a new attempt. It may block and call any library, but no speed figure of ours applies to it:
+other busy Python threads can cost it 5 ms a period.
 """
 
 from __future__ import annotations
@@ -236,7 +237,9 @@ def _open(
     """Makes a backend and starts its thread. Called by the core when a world is made."""
     backend = _factories[name](BackendOptions(scene, hardware, noise, seed, start_pose))
     if not isinstance(backend, Backend):
-        raise ContractError(f"backend '{name}': its factory made a {type(backend).__name__}, not a threewe.backend.Backend")
+        raise ContractError(
+            f"backend '{name}': its factory made a {type(backend).__name__}, not a threewe.backend.Backend"
+        )
     features, profile = backend.features, backend.profile
     if not isinstance(features, Features):
         raise ContractError(f"backend '{name}': features must be threewe.Features, got {type(features).__name__}")

@@ -56,14 +56,17 @@ def check_backend(
     ]
     if show:
         Console().print(_table(backend, results))
-    failures = [f"{result.name}: {result.detail}" for result in results if not result.passed]
+    failures = [f"\n  {result.name}: {result.detail}" for result in results if not result.passed]
     if failures and raise_failures:
-        raise ContractError("\n  ".join([f"backend '{backend}' fails {len(failures)} of {len(results)} checks:", *failures]))
+        raise ContractError(f"backend '{backend}' fails {len(failures)} of {len(results)} checks:{''.join(failures)}")
     return results
 
 
 def _table(backend: str, results: Sequence[CheckResult]) -> Table:
-    table = Table("check", "outcome", "detail", title=f"backend '{backend}'")
+    table = Table(title=f"backend '{backend}'")
+    table.add_column("check", no_wrap=True)
+    table.add_column("outcome", no_wrap=True)
+    table.add_column("detail")
     for result in results:
         outcome = result.outcome.name.replace("_", " ")
         table.add_row(result.name, f"[{COLORS[result.outcome]}]{outcome}[/]", escape(result.detail))

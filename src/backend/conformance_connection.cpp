@@ -24,9 +24,9 @@ void features_do_not_change(const Context& context) {
   const auto same_sensor = [](const SensorInfo& a, const SensorInfo& b) {
     return a.name == b.name && a.type == b.type && a.rate == b.rate;
   };
-  expect(std::equal(before.sensors.begin(), before.sensors.end(), after.sensors.begin(), after.sensors.end(),
-                    same_sensor),
-         "connecting changed the list of sensors");
+  expect(
+      std::equal(before.sensors.begin(), before.sensors.end(), after.sensors.begin(), after.sensors.end(), same_sensor),
+      "connecting changed the list of sensors");
   expect(before.kinematics == after.kinematics && before.lockstep == after.lockstep &&
              before.deterministic == after.deterministic && before.can_reset == after.can_reset &&
              before.can_save == after.can_save,

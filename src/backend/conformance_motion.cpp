@@ -81,7 +81,8 @@ void odometry_velocity_fits_its_pose(const Context& context) {
     const auto& last = std::get<Odometry>(odometry[i - 1].data);
     const auto& next = std::get<Odometry>(odometry[i].data);
     path += distance(last.pose.position(), next.pose.position());
-    integral += norm({next.velocity.vx, next.velocity.vy}) * to_seconds(odometry[i].measured - odometry[i - 1].measured);
+    integral +=
+        norm({next.velocity.vx, next.velocity.vy}) * to_seconds(odometry[i].measured - odometry[i - 1].measured);
   }
   expect(std::abs(integral - path) < 0.1 * path + 0.02, "poses moved by {:.3f} m, velocities add up to {:.3f} m", path,
          integral);

@@ -8,9 +8,8 @@ namespace threewe::backend::conformance {
 namespace {
 
 bool same_data(const LaserScan& a, const LaserScan& b) {
-  return a.angle_min == b.angle_min && a.angle_increment == b.angle_increment &&
-         a.time_increment == b.time_increment && a.range_min == b.range_min && a.range_max == b.range_max &&
-         a.ranges == b.ranges;
+  return a.angle_min == b.angle_min && a.angle_increment == b.angle_increment && a.time_increment == b.time_increment &&
+         a.range_min == b.range_min && a.range_max == b.range_max && a.ranges == b.ranges;
 }
 bool same_data(const IMUData& a, const IMUData& b) {
   return a.angular_velocity == b.angular_velocity && a.linear_acceleration == b.linear_acceleration;
@@ -25,8 +24,8 @@ bool same(const Sample& a, const Sample& b) {
       a.data.index() != b.data.index()) {
     return false;
   }
-  return std::visit(
-      [&b](const auto& data) { return same_data(data, std::get<std::decay_t<decltype(data)>>(b.data)); }, a.data);
+  return std::visit([&b](const auto& data) { return same_data(data, std::get<std::decay_t<decltype(data)>>(b.data)); },
+                    a.data);
 }
 
 /// The index of the first difference; the longer one's first extra sample where one merely ends before the other.

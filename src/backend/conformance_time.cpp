@@ -70,12 +70,9 @@ void command_returns_at_once(const Context& context) {
 }
 
 constexpr Check kChecks[] = {
-    {"time_starts_at_zero", time_starts_at_zero},
-    {"advance_is_exact", advance_is_exact},
-    {"time_never_goes_back", time_never_goes_back},
-    {"advance_to_now_does_nothing", advance_to_now_does_nothing},
-    {"time_waits_for_advance", time_waits_for_advance},
-    {"command_returns_at_once", command_returns_at_once},
+    {"time_starts_at_zero", time_starts_at_zero},       {"advance_is_exact", advance_is_exact},
+    {"time_never_goes_back", time_never_goes_back},     {"advance_to_now_does_nothing", advance_to_now_does_nothing},
+    {"time_waits_for_advance", time_waits_for_advance}, {"command_returns_at_once", command_returns_at_once},
 };
 
 }  // namespace

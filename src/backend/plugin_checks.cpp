@@ -22,7 +22,8 @@ struct Reading {
 
   template <typename... Args>
   [[noreturn]] void fail(const char* field, fmt::format_string<Args...> what, Args&&... args) const {
-    throw ContractError(fmt::format("sensor '{}': {} {}", sensor, field, fmt::format(what, std::forward<Args>(args)...)));
+    throw ContractError(
+        fmt::format("sensor '{}': {} {}", sensor, field, fmt::format(what, std::forward<Args>(args)...)));
   }
   void finite(const char* field, double value) const {
     if (!std::isfinite(value)) fail(field, "is {}; it must be finite", value);
@@ -55,7 +56,8 @@ void check(const Reading& reading, const Odometry& odometry, const RobotProfile&
   const Velocity& v = odometry.velocity;
   for (const double value : {v.vx, v.vy, v.omega}) reading.finite("velocity", value);
   const double theta = odometry.pose.theta;
-  if (!(theta > -exact::kPi && theta <= exact::kPi)) reading.fail("pose", "has a heading of {}, outside (-pi, pi]", theta);
+  if (!(theta > -exact::kPi && theta <= exact::kPi))
+    reading.fail("pose", "has a heading of {}, outside (-pi, pi]", theta);
 }
 
 void check(const Reading& reading, const BatteryState& battery, const RobotProfile&) {
@@ -82,9 +84,9 @@ void check_features(const std::string& name, const Features& features, const Rob
     if (!std::isfinite(sensor.rate) || sensor.rate <= 0.0) {
       fail(fmt::format("sensor '{}': rate is {} Hz; it must be positive", sensor.name, sensor.rate));
     }
-    const bool in_profile = sensor.type == SensorType::odometry || (sensor.type == SensorType::lidar && profile.lidar) ||
-                            (sensor.type == SensorType::imu && profile.imu) ||
-                            (sensor.type == SensorType::battery && profile.battery);
+    const bool in_profile =
+        sensor.type == SensorType::odometry || (sensor.type == SensorType::lidar && profile.lidar) ||
+        (sensor.type == SensorType::imu && profile.imu) || (sensor.type == SensorType::battery && profile.battery);
     if (!in_profile) fail(fmt::format("sensor '{}': the profile '{}' has none", sensor.name, profile.name));
   }
 }

@@ -29,10 +29,7 @@ std::string_view to_string(Call call) {
 }
 
 PluginLink::PluginLink(std::string name, Features features, RobotProfile profile, Duration patience)
-    : name_(std::move(name)),
-      features_(std::move(features)),
-      profile_(std::move(profile)),
-      patience_(patience) {
+    : name_(std::move(name)), features_(std::move(features)), profile_(std::move(profile)), patience_(patience) {
   check_features(name_, features_, profile_);
   begin_anew();
 }
@@ -159,8 +156,8 @@ bool PluginLink::wait_until_idle(Lock& lock) {
 
 void PluginLink::notice_hanging() {
   if (features_.lockstep || fault_ || !current_ || now() <= give_up_) return;
-  fault_ = Fault{false, fmt::format("backend '{}': {}() blocks beyond the end of its command", name_,
-                                    to_string(current_->call))};
+  fault_ = Fault{
+      false, fmt::format("backend '{}': {}() blocks beyond the end of its command", name_, to_string(current_->call))};
 }
 
 void PluginLink::throw_if_faulty() const {

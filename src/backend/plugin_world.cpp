@@ -108,7 +108,8 @@ void PluginWorld::command(const Velocity& velocity, Time valid_until) {
     throw ContractError(fmt::format("vy is {} m/s; a differential base cannot drive sideways", velocity.vy));
   }
   const PluginLink::Lock lock(link_->mutex_);
-  if (!link_->connected_) throw ConnectionError(fmt::format("backend '{}': command() while not connected", link_->name_));
+  if (!link_->connected_)
+    throw ConnectionError(fmt::format("backend '{}': command() while not connected", link_->name_));
   link_->notice_hanging();
   link_->throw_if_faulty();
   link_->command_ = {limited(velocity, link_->profile_.hardware_limits), valid_until};
@@ -148,7 +149,8 @@ void PluginWorld::restore(const std::vector<std::byte>& state) {
   get(state, at, command);
   for (std::uint64_t& number : sequence) get(state, at, number);
   for (Time& stamp : newest) get(state, at, stamp);
-  link_->ask(lock, {.call = Call::restore, .state = Bytes(state.begin() + static_cast<std::ptrdiff_t>(at), state.end())});
+  link_->ask(lock,
+             {.call = Call::restore, .state = Bytes(state.begin() + static_cast<std::ptrdiff_t>(at), state.end())});
 
   // only now, so that a failure leaves nothing half restored
   link_->begin_anew();

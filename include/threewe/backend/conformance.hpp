@@ -29,8 +29,9 @@ std::vector<std::string> check_names();
 
 /// Runs every check, each on a world of its own, made by `make(options)` with other seeds where a check needs them.
 ///
-/// A check sees what a runtime sees: the `World` and its first `RobotPort`. It drives the robot, so the start pose needs
-/// 1.5 m of free floor ahead and 0.6 m to the left. Never throws: a world that cannot be made, or that throws, fails.
+/// A check sees what a runtime sees: the `World` and its first `RobotPort`. It drives the robot, so the start pose
+/// needs 1.5 m of free floor ahead and 0.6 m to the left. Never throws: a world that cannot be made, or that throws,
+/// fails.
 std::vector<CheckResult> check_backend(const WorldFactory& make, const WorldOptions& options = {});
 /// Runs one check. Throws ConfigError naming the nearest right check.
 CheckResult check_backend(const WorldFactory& make, const WorldOptions& options, std::string_view check);

@@ -5,8 +5,8 @@
 //   PluginWorld --- PluginLink (mailbox) --- take() ... answer() or fail()
 //
 // Nobody holds a lock while the plug-in runs. A plug-in that raises, answers what breaks the contract, or does not come
-// back is at fault: `poll` and `command` then throw, `advance_to` lets time go by, and the plug-in is told to disconnect
-// as soon as it listens again. `connect` makes a new attempt.
+// back is at fault: `poll` and `command` then throw, `advance_to` lets time go by, and the plug-in is told to
+// disconnect as soon as it listens again. `connect` makes a new attempt.
 #pragma once
 
 #include <chrono>
@@ -28,10 +28,10 @@ namespace threewe::backend {
 struct PluginRequest {
   enum class Call : std::uint8_t { connect, disconnect, step, reset, save, restore };
   Call call{};
-  Time t{};                      ///< step: lockstep simulates until then; in real time it is now
-  Velocity velocity{};           ///< step: to drive at, finite, within the hardware limits, zero once expired
-  std::uint64_t seed = 0;        ///< reset
-  std::optional<Pose2D> pose{};  ///< reset: where to start, in the scene's frame
+  Time t{};                        ///< step: lockstep simulates until then; in real time it is now
+  Velocity velocity{};             ///< step: to drive at, finite, within the hardware limits, zero once expired
+  std::uint64_t seed = 0;          ///< reset
+  std::optional<Pose2D> pose{};    ///< reset: where to start, in the scene's frame
   std::vector<std::byte> state{};  ///< restore
 };
 std::string_view to_string(PluginRequest::Call call);

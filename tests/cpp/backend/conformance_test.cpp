@@ -41,8 +41,8 @@ TEST_CASE("every check catches its broken twins") {
     if (honest.detail.find("no truth") != std::string::npos) continue;  // the mock backend has it: see its own test
     CHECK_MESSAGE(honest.passed(), check << ": " << honest.detail);
     const CheckResult broken = check_backend(testing::with_fault(testing::toy_world, fault), options, check);
-    CHECK_MESSAGE(!broken.passed(), check << " does not catch its twin: " << to_string(broken.outcome) << " "
-                                          << broken.detail);
+    CHECK_MESSAGE(!broken.passed(),
+                  check << " does not catch its twin: " << to_string(broken.outcome) << " " << broken.detail);
   }
 }
 
@@ -55,10 +55,11 @@ TEST_CASE("every check has a twin, and every twin a check") {
 }
 
 TEST_CASE("a backend that claims nothing is not asked for it") {
-  const auto modest = testing::with_fault(testing::toy_world, Fault{
-      .features = [](Features& f, bool) { f.can_reset = f.can_save = f.deterministic = false; },
-      .reset = [](World&, const ResetOptions&) { throw ContractError("cannot be reset"); },
-      .save = [](World&) -> std::vector<std::byte> { throw ContractError("cannot be saved"); }});
+  const auto modest = testing::with_fault(
+      testing::toy_world,
+      Fault{.features = [](Features& f, bool) { f.can_reset = f.can_save = f.deterministic = false; },
+            .reset = [](World&, const ResetOptions&) { throw ContractError("cannot be reset"); },
+            .save = [](World&) -> std::vector<std::byte> { throw ContractError("cannot be saved"); }});
   std::size_t not_applicable = 0;
   for (const CheckResult& result : check_backend(modest)) {
     CHECK_MESSAGE(result.passed(), result.name << ": " << result.detail);

@@ -14,15 +14,15 @@ namespace threewe::backend::testing {
 
 /// What a faulty world does instead. Where a function is empty, it is honest.
 struct Fault {
-  std::function<void(WorldOptions&)> options{};    ///< before the world is made
+  std::function<void(WorldOptions&)> options{};  ///< before the world is made
   std::function<void(Features&, bool connected)> features{};
   std::function<void(RobotPort&)> connect{};
   std::function<void(RobotPort&)> disconnect{};
-  bool polls_unconnected = false;                ///< `poll` gives nothing instead of throwing
+  bool polls_unconnected = false;                               ///< `poll` gives nothing instead of throwing
   std::function<void(std::vector<Sample>&, World&)> samples{};  ///< changes what `poll` gives
   std::function<void(RobotPort&, Velocity, Time valid_until)> command{};
   std::function<Time(Time)> now{};
-  std::function<void(World&, Time)> advance{};     ///< the honest `advance_to` is then the fault's to call
+  std::function<void(World&, Time)> advance{};  ///< the honest `advance_to` is then the fault's to call
   std::function<void(World&, const ResetOptions&)> reset{};
   std::function<std::vector<std::byte>(World&)> save{};
   std::function<void(World&, const std::vector<std::byte>&)> restore{};

@@ -85,7 +85,9 @@ std::unique_ptr<World> misbehaving(Call call, const Handler& bad, Duration patie
   auto honest = std::make_shared<Recorder>();
   return plugin_world(
       std::move(with), standard(),
-      [call, bad, honest](const PluginRequest& request) { return request.call == call ? bad(request) : (*honest)(request); },
+      [call, bad, honest](const PluginRequest& request) {
+        return request.call == call ? bad(request) : (*honest)(request);
+      },
       patience);
 }
 
@@ -337,7 +339,8 @@ TEST_CASE("what a reading may have wrong: one error that names sensor and field"
   CHECK(scan([](LaserScan& s) { s.ranges.resize(359); }) ==
         "backend 'toy': sensor 'lidar': ranges has shape (359,); the profile '3we_standard_v2' has (360,)");
   CHECK(scan([](LaserScan& s) { s.ranges[3] = std::numeric_limits<float>::quiet_NaN(); }) ==
-        "backend 'toy': sensor 'lidar': ranges [3] is nan; it must be 0 (invalid) or within 0.02 to 12 m (no return: 12)");
+        "backend 'toy': sensor 'lidar': ranges [3] is nan; it must be 0 (invalid) or within 0.02 to 12 m (no return: "
+        "12)");
   CHECK(scan([](LaserScan& s) { s.ranges[3] = 13.0F; }).find("ranges [3] is 13") != std::string::npos);
   CHECK(scan([](LaserScan& s) { s.ranges[3] = -1.0F; }).find("ranges [3] is -1") != std::string::npos);
   CHECK(scan([](LaserScan& s) { s.time_increment = kNan; }) ==

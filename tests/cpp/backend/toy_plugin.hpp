@@ -80,18 +80,18 @@ class ToyRobot {
     const Pose2D lidar = state_.pose * spec.base_from_lidar;
     const RngKey key{.seed = state_.seed, .stream = Stream::lidar};
     for (std::size_t i = 0; i < scan.ranges.size(); ++i) {
-      const auto [sin, cos] = exact::sincos(lidar.theta + scan.angle_min + static_cast<double>(i) * scan.angle_increment);
+      const auto [sin, cos] =
+          exact::sincos(lidar.theta + scan.angle_min + static_cast<double>(i) * scan.angle_increment);
       const double to_x = cos == 0.0 ? 1e9 : ((cos > 0.0 ? 4.0 : -2.0) - lidar.x) / cos;
       const double to_y = sin == 0.0 ? 1e9 : ((sin > 0.0 ? 3.0 : -2.0) - lidar.y) / sin;
-      const double noise = sigma_ * normal(key, static_cast<std::uint64_t>(state_.millisecond), static_cast<std::uint32_t>(i));
+      const double noise =
+          sigma_ * normal(key, static_cast<std::uint64_t>(state_.millisecond), static_cast<std::uint32_t>(i));
       scan.ranges[i] = static_cast<float>(std::clamp(std::min(to_x, to_y) + noise, spec.range_min, spec.range_max));
     }
     return scan;
   }
   IMUData imu() const { return {{0.0, 0.0, state_.velocity.omega}, {0.0, 0.0, 9.81}}; }
-  BatteryState battery() const {
-    return {8.0, 1.0, 1.0 - static_cast<double>(state_.millisecond) / 7'200'000.0};
-  }
+  BatteryState battery() const { return {8.0, 1.0, 1.0 - static_cast<double>(state_.millisecond) / 7'200'000.0}; }
   std::vector<std::byte> bytes() const {
     const auto* begin = reinterpret_cast<const std::byte*>(&state_);
     return {begin, begin + sizeof state_};

@@ -53,15 +53,22 @@ inline std::multimap<std::string, Fault> twins() {
   return {
       // connection
       {"features_are_readable_before_connecting",
-       {.features = [](Features&, bool connected) { if (!connected) throw ConnectionError("connect first"); }}},
+       {.features =
+            [](Features&, bool connected) {
+              if (!connected) throw ConnectionError("connect first");
+            }}},
       {"features_are_readable_before_connecting",
-       {.features = [](Features& f, bool connected) { if (!connected) f.sensors.clear(); }}},
+       {.features =
+            [](Features& f, bool connected) {
+              if (!connected) f.sensors.clear();
+            }}},
       {"features_do_not_change", {.features = [](Features& f, bool connected) { f.sensors[0].rate += connected; }}},
       {"features_do_not_change", {.features = [](Features& f, bool connected) { f.can_reset ^= connected; }}},
       {"features_match_the_profile",
-       {.features = [](Features& f, bool) {
-         f.kinematics = f.kinematics == Kinematics::holonomic ? Kinematics::differential : Kinematics::holonomic;
-       }}},
+       {.features =
+            [](Features& f, bool) {
+              f.kinematics = f.kinematics == Kinematics::holonomic ? Kinematics::differential : Kinematics::holonomic;
+            }}},
       {"sensor_names_are_unique", {.features = [](Features& f, bool) { f.sensors[1].name = f.sensors[0].name; }}},
       {"sensor_names_are_unique", {.features = [](Features& f, bool) { f.sensors[1].name = ""; }}},
       {"sensor_rates_are_positive", {.features = [](Features& f, bool) { f.sensors[0].rate = 0.0; }}},
@@ -69,20 +76,23 @@ inline std::multimap<std::string, Fault> twins() {
       {"poll_before_connecting_is_refused", {.polls_unconnected = true}},
       {"poll_after_disconnecting_is_refused", {.polls_unconnected = true}},
       {"connecting_twice_does_nothing",
-       {.connect = [connected = false](RobotPort& port) mutable {
-         if (std::exchange(connected, true)) throw ConnectionError("connected already");
-         port.connect();
-       }}},
+       {.connect =
+            [connected = false](RobotPort& port) mutable {
+              if (std::exchange(connected, true)) throw ConnectionError("connected already");
+              port.connect();
+            }}},
       {"disconnecting_twice_does_nothing",
-       {.disconnect = [connected = true](RobotPort& port) mutable {
-         if (!std::exchange(connected, false)) throw ConnectionError("not connected");
-         port.disconnect();
-       }}},
+       {.disconnect =
+            [connected = true](RobotPort& port) mutable {
+              if (!std::exchange(connected, false)) throw ConnectionError("not connected");
+              port.disconnect();
+            }}},
       {"connecting_again_works",
-       {.connect = [count = 0](RobotPort& port) mutable {
-         if (++count > 1) throw ConnectionError("busy");
-         port.connect();
-       }}},
+       {.connect =
+            [count = 0](RobotPort& port) mutable {
+              if (++count > 1) throw ConnectionError("busy");
+              port.connect();
+            }}},
 
       // time
       {"time_starts_at_zero", {.now = [](Time t) { return t + 5s; }}},
@@ -100,20 +110,21 @@ inline std::multimap<std::string, Fault> twins() {
       {"samples_hold_their_sensors_data", {.samples = every([](Sample& sample) { sample.sensor ^= 1; })}},
       {"samples_hold_their_sensors_data", {.samples = every([](Sample& sample) { sample.sensor += 1; })}},
       {"second_poll_is_empty",
-       {.samples = [last = std::vector<Sample>()](std::vector<Sample>& samples, World&) mutable {
-         if (samples.empty()) samples = last;
-         last = samples;
-       }}},
+       {.samples =
+            [last = std::vector<Sample>()](std::vector<Sample>& samples, World&) mutable {
+              if (samples.empty()) samples = last;
+              last = samples;
+            }}},
       {"samples_arrive_in_order",
        {.samples = [](std::vector<Sample>& samples, World&) { std::reverse(samples.begin(), samples.end()); }}},
-      {"received_is_the_time_of_the_poll", {.samples = every([](Sample& sample) { sample.received = sample.measured - 1ms; })}},
+      {"received_is_the_time_of_the_poll",
+       {.samples = every([](Sample& sample) { sample.received = sample.measured - 1ms; })}},
       {"measured_before_received", {.samples = every([](Sample& sample) { sample.measured += 1s; })}},
       {"samples_are_recent", {.samples = every([](Sample& sample) { sample.measured -= 2s; })}},
       {"sequence_counts_from_zero", {.samples = every([](Sample& sample) { sample.sequence += 1; })}},
       {"sequence_counts_from_zero", {.samples = every([](Sample& sample) { sample.sequence -= sample.sequence % 2; })}},
       {"rates_are_as_listed", {.features = [](Features& f, bool) { f.sensors[0].rate *= 1.25; }}},
-      {"rates_are_as_listed",
-       {.samples = every([](Sample& sample) { sample.measured = sample.measured / 2; })}},
+      {"rates_are_as_listed", {.samples = every([](Sample& sample) { sample.measured = sample.measured / 2; })}},
 
       // lidar
       {"scan_has_the_profiles_beams", {.samples = each<LaserScan>([](LaserScan& scan) { scan.ranges.pop_back(); })}},
@@ -128,21 +139,24 @@ inline std::multimap<std::string, Fault> twins() {
        {.samples = each<LaserScan>([](LaserScan& scan) { scan.angle_increment *= 180.0 / exact::kPi; })}},
       {"scan_times_fit_the_turn", {.samples = each<LaserScan>([](LaserScan& scan) { scan.time_increment = 0.01; })}},
       {"scan_times_fit_the_turn", {.samples = every([](Sample& sample) {
-         if (std::holds_alternative<LaserScan>(sample.data)) sample.measured = sample.received + 1ns;
-       })}},
+                                     if (std::holds_alternative<LaserScan>(sample.data))
+                                       sample.measured = sample.received + 1ns;
+                                   })}},
       {"scan_turns_as_the_device_does", {.samples = each<LaserScan>([](LaserScan& scan) {
-         scan.time_increment = scan.time_increment == 0.0 ? 1e-4 : -scan.time_increment;
-       })}},
+                                           scan.time_increment =
+                                               scan.time_increment == 0.0 ? 1e-4 : -scan.time_increment;
+                                         })}},
+      {"lidar_sees_the_robot_drive_forward",
+       {.samples = each<LaserScan>([](LaserScan& scan) {
+          const auto half = static_cast<std::ptrdiff_t>(scan.ranges.size() / 2);  // front and back swapped
+          std::rotate(scan.ranges.begin(), scan.ranges.begin() + half, scan.ranges.end());
+        })}},
       {"lidar_sees_the_robot_drive_forward", {.samples = each<LaserScan>([](LaserScan& scan) {
-         const auto half = static_cast<std::ptrdiff_t>(scan.ranges.size() / 2);  // front and back swapped
-         std::rotate(scan.ranges.begin(), scan.ranges.begin() + half, scan.ranges.end());
-       })}},
-      {"lidar_sees_the_robot_drive_forward", {.samples = each<LaserScan>([](LaserScan& scan) {
-         for (float& range : scan.ranges) range *= 0.5F;
-       })}},
+                                                for (float& range : scan.ranges) range *= 0.5F;
+                                              })}},
       {"lidar_sees_the_robot_turn_left", {.samples = each<LaserScan>([](LaserScan& scan) {
-         std::reverse(scan.ranges.begin(), scan.ranges.end());  // clockwise
-       })}},
+                                            std::reverse(scan.ranges.begin(), scan.ranges.end());  // clockwise
+                                          })}},
 
       // motion
       {"odometry_starts_at_the_origin", {.samples = each<Odometry>([](Odometry& o) { o.pose.x += 1.0; })}},
@@ -151,43 +165,56 @@ inline std::multimap<std::string, Fault> twins() {
       {"odometry_turns_left", {.samples = each<Odometry>([](Odometry& o) { o.pose.theta *= -1.0; })}},
       {"odometry_turns_left", {.samples = each<Odometry>([](Odometry& o) { o.pose.theta *= 180.0 / exact::kPi; })}},
       {"heading_stays_within_pi", {.samples = each<Odometry>([](Odometry& o) {
-         if (o.pose.theta < 0.0) o.pose.theta += 2.0 * exact::kPi;
-       })}},
+                                     if (o.pose.theta < 0.0) o.pose.theta += 2.0 * exact::kPi;
+                                   })}},
       {"odometry_velocity_is_in_the_body_frame", {.samples = each<Odometry>([](Odometry& o) {
-         const Vec2 in_odom = rotate({o.velocity.vx, o.velocity.vy}, o.pose.theta);
-         o.velocity = {in_odom.x, in_odom.y, o.velocity.omega};
-       })}},
+                                                    const Vec2 in_odom =
+                                                        rotate({o.velocity.vx, o.velocity.vy}, o.pose.theta);
+                                                    o.velocity = {in_odom.x, in_odom.y, o.velocity.omega};
+                                                  })}},
       {"odometry_velocity_fits_its_pose", {.samples = each<Odometry>([](Odometry& o) { o.velocity.vx *= 1.3; })}},
-      {"sideways_is_left", {.command = [](RobotPort& port, Velocity v, Time until) { port.command({v.vx, -v.vy, v.omega}, until); }}},
+      {"sideways_is_left",
+       {.command = [](RobotPort& port, Velocity v, Time until) { port.command({v.vx, -v.vy, v.omega}, until); }}},
       {"gyro_agrees_with_odometry", {.samples = each<IMUData>([](IMUData& imu) { imu.angular_velocity[2] *= -1.0; })}},
       {"gyro_agrees_with_odometry",
        {.samples = each<IMUData>([](IMUData& imu) { imu.angular_velocity[2] *= 180.0 / exact::kPi; })}},
-      {"imu_at_rest_feels_gravity_alone", {.samples = each<IMUData>([](IMUData& imu) { imu.linear_acceleration[2] *= -1.0; })}},
-      {"imu_at_rest_feels_gravity_alone", {.samples = each<IMUData>([](IMUData& imu) { imu.linear_acceleration[2] = 1.0; })}},
-      {"imu_at_rest_feels_gravity_alone", {.samples = each<IMUData>([](IMUData& imu) { imu.angular_velocity[0] += 0.1; })}},
-      {"battery_is_a_fraction_and_never_rises", {.samples = each<BatteryState>([](BatteryState& b) { b.charge *= 100.0; })}},
-      {"battery_is_a_fraction_and_never_rises", {.samples = each<BatteryState>([](BatteryState& b) { b.charge = 1.0 - b.charge; })}},
+      {"imu_at_rest_feels_gravity_alone",
+       {.samples = each<IMUData>([](IMUData& imu) { imu.linear_acceleration[2] *= -1.0; })}},
+      {"imu_at_rest_feels_gravity_alone",
+       {.samples = each<IMUData>([](IMUData& imu) { imu.linear_acceleration[2] = 1.0; })}},
+      {"imu_at_rest_feels_gravity_alone",
+       {.samples = each<IMUData>([](IMUData& imu) { imu.angular_velocity[0] += 0.1; })}},
+      {"battery_is_a_fraction_and_never_rises",
+       {.samples = each<BatteryState>([](BatteryState& b) { b.charge *= 100.0; })}},
+      {"battery_is_a_fraction_and_never_rises",
+       {.samples = each<BatteryState>([](BatteryState& b) { b.charge = 1.0 - b.charge; })}},
 
       // commands
       {"commands_that_are_not_finite_are_refused",
-       {.command = [](RobotPort& port, Velocity v, Time until) { port.command(is_finite(v) ? v : Velocity{}, until); }}},
+       {.command = [](RobotPort& port, Velocity v,
+                      Time until) { port.command(is_finite(v) ? v : Velocity{}, until); }}},
       {"sideways_is_refused",
        {.command = [](RobotPort& port, Velocity v, Time until) { port.command({v.vx, 0.0, v.omega}, until); }}},
       {"a_refused_command_changes_nothing",
-       {.command = [last = Velocity{}](RobotPort& port, Velocity v, Time until) mutable {
-         if (!is_finite(v)) port.command(last, until + 10s);  // the last that moved
-         port.command(v, until);
-         if (v != Velocity{}) last = v;
-       }}},
+       {.command =
+            [last = Velocity{}](RobotPort& port, Velocity v, Time until) mutable {
+              if (!is_finite(v)) port.command(last, until + 10s);  // the last that moved
+              port.command(v, until);
+              if (v != Velocity{}) last = v;
+            }}},
       {"an_expired_command_stops_the_robot", never_expiring()},
       {"a_command_lasts_while_it_is_valid",
        {.command = [](RobotPort& port, Velocity v, Time until) { port.command(v, std::min(until, until - 700ms)); }}},
       {"zero_stops_the_robot",
-       {.command = [](RobotPort& port, Velocity v, Time until) { if (v != Velocity{}) port.command(v, until + 10s); }}},
+       {.command =
+            [](RobotPort& port, Velocity v, Time until) {
+              if (v != Velocity{}) port.command(v, until + 10s);
+            }}},
       {"a_stopped_robot_stands_still", {.samples = creep(0.01)}},
       {"a_robot_stands_still_until_commanded", {.samples = creep(0.01)}},
       {"hardware_limits_hold", {.samples = each<Odometry>([](Odometry& o) { o.pose.x *= 3.0; })}},
-      {"hardware_limits_hold", {.samples = each<Odometry>([](Odometry& o) { o.pose.theta = wrap_angle(2.0 * o.pose.theta); })}},
+      {"hardware_limits_hold",
+       {.samples = each<Odometry>([](Odometry& o) { o.pose.theta = wrap_angle(2.0 * o.pose.theta); })}},
 
       // repeating
       {"the_same_seed_repeats", {.options = [n = 0U](WorldOptions& options) mutable { options.seed += ++n; }}},
@@ -196,31 +223,37 @@ inline std::multimap<std::string, Fault> twins() {
        {.features = [](Features& f, bool) { f.can_reset = false; }, .reset = [](World&, const ResetOptions&) {}}},
       {"reset_begins_anew", {.reset = [](World&, const ResetOptions&) {}}},
       {"reset_forgets_the_command",
-       {.reset = [](World& world, const ResetOptions& options) {
-         world.reset(options);
-         world.robot(0).command({0.3, 0.0, 0.0}, 10s);
-       }}},
+       {.reset =
+            [](World& world, const ResetOptions& options) {
+              world.reset(options);
+              world.robot(0).command({0.3, 0.0, 0.0}, 10s);
+            }}},
       {"reset_with_the_same_seed_repeats",
-       {.reset = [n = 0U](World& world, ResetOptions options) mutable {
-         options.seed += ++n;
-         world.reset(options);
-       }}},
+       {.reset =
+            [n = 0U](World& world, ResetOptions options) mutable {
+              options.seed += ++n;
+              world.reset(options);
+            }}},
       {"saving_without_the_claim_is_refused",
-       {.features = [](Features& f, bool) { f.can_save = false; }, .save = [](World&) { return std::vector<std::byte>(); }}},
+       {.features = [](Features& f, bool) { f.can_save = false; },
+        .save = [](World&) { return std::vector<std::byte>(); }}},
       {"a_restored_world_has_the_same_future", {.restore = [](World&, const std::vector<std::byte>&) {}}},
       {"a_restored_world_has_the_same_future",  // a counter that is not saved
        {.samples = every([n = 0U](Sample& sample) mutable { sample.sequence = n++; })}},
       {"saving_changes_nothing",
-       {.save = [](World& world) {
-         const auto state = world.save();
-         world.reset({});
-         return state;
-       }}},
+       {.save =
+            [](World& world) {
+              const auto state = world.save();
+              world.reset({});
+              return state;
+            }}},
 
       // truth
-      {"truth_begins_at_the_start_pose", {.true_pose = [](Pose2D pose) { return Pose2D{pose.x + 0.5, pose.y, pose.theta}; }}},
+      {"truth_begins_at_the_start_pose",
+       {.true_pose = [](Pose2D pose) { return Pose2D{pose.x + 0.5, pose.y, pose.theta}; }}},
       {"truth_agrees_with_odometry", {.true_pose = [](Pose2D pose) { return Pose2D{pose.x, -pose.y, -pose.theta}; }}},
-      {"true_velocity_is_in_the_body_frame", {.true_velocity = [](Velocity v) { return Velocity{v.vy, v.vx, v.omega}; }}},
+      {"true_velocity_is_in_the_body_frame",
+       {.true_velocity = [](Velocity v) { return Velocity{v.vy, v.vx, v.omega}; }}},
       {"distance_driven_is_counted", {.distance_driven = [](double) { return 0.0; }}},
       {"a_free_drive_has_no_collision", {.collision_speed = [](double) { return 0.1; }}},
       {"free_poses_follow_from_the_seed", {.free_pose = [](Pose2D) { return Pose2D{1.0, 2.0, 3.0}; }}},
