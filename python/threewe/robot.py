@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import asyncio
-import logging
 import weakref
 from collections.abc import Callable, Sequence
 from types import TracebackType
@@ -34,11 +33,6 @@ from threewe._time import RobotTime, Thinking, Timeout
 from threewe.backend import known_backend
 from threewe.errors import ContractError, HardwareError
 from threewe.simulation import Simulation
-
-logger = logging.getLogger("threewe")
-
-READS_AT_ONE_STAMP = 1000
-"""Reads while robot time stands still, after which the likely mistake is reported."""
 
 OnProgress = Callable[[Progress], object]
 PoseLike: TypeAlias = Pose2D | Sequence[float]
@@ -110,7 +104,6 @@ class Robot:
         self._map: tuple[int, OccupancyGrid] | None = None
         self._observers: dict[int, Callable[[TickView], object]] = {}
         self._tap: int | None = None
-        self._read_at = (-1.0, 0)
 
     def __repr__(self) -> str:
         state = "connected" if self.connected else "not connected"
@@ -390,15 +383,6 @@ class Robot:
 
     def _read(self) -> _core.Runtime:
         self._time.check_thread()
-        stamp, reads = self._read_at
-        now = self._world.now
-        self._read_at = now, reads + 1 if now == stamp else 1
-        if self._read_at[1] == READS_AT_ONE_STAMP and not self._world.realtime:
-            logger.warning(
-                "%d readings at robot time %.2f s, which goes by only while you wait: `await robot.sleep(...)`",
-                READS_AT_ONE_STAMP,
-                now,
-            )
         return self._runtime
 
     # Observers

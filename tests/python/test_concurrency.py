@@ -7,7 +7,7 @@ import json
 import random
 import sys
 import threading
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 import pytest
@@ -19,17 +19,22 @@ from threewe._time import RobotTime
 GOLDEN: dict[str, Transcript] = json.loads((Path(__file__).parent / "golden/concurrency.json").read_text())
 
 
-def real_world() -> _core.World:
-    return _core.World(
-        backend="mock",
-        scene="corridor_v1",
-        robots=["3we_standard_v2"],
-        noise="ideal",
-        seed=0,
-        realtime=False,
-        start_poses=[],
-        initial_poses=[],
-    )
+@pytest.fixture(scope="session")
+def worlds() -> list[_core.World]:
+    """Three worlds for all tests: making one takes longer than any program here."""
+    options = {"backend": "mock", "scene": "corridor_v1", "noise": "ideal", "seed": 0, "realtime": False}
+    return [
+        _core.World(robots=["3we_standard_v2"], start_poses=[], initial_poses=[], **options)  # type: ignore[arg-type]
+        for _ in range(3)
+    ]
+
+
+@pytest.fixture
+def real_worlds(worlds: list[_core.World]) -> list[_core.World]:
+    """The same at time 0."""
+    for world in worlds:
+        _core.Simulation(world, 0).reset()
+    return worlds
 
 
 def expected(name: str) -> list[tuple[float, str]]:
@@ -38,8 +43,8 @@ def expected(name: str) -> list[tuple[float, str]]:
     return [(when, event) for when, event in GOLDEN[name]]
 
 
-def transcript(name: str, make_world: Callable[[], FakeWorld | _core.World]) -> Transcript:
-    return asyncio.run(perform(name, [RobotTime(make_world()) for _ in range(3)]))
+def transcript(name: str, worlds: Sequence[FakeWorld | _core.World]) -> Transcript:
+    return asyncio.run(perform(name, [RobotTime(world) for world in worlds]))
 
 
 @pytest.fixture
@@ -64,25 +69,25 @@ def test_the_golden_transcripts_are_complete() -> None:
 
 @pytest.mark.parametrize("name", PROGRAMS)
 def test_in_the_fake_world(name: str) -> None:
-    assert transcript(name, FakeWorld) == expected(name)
+    assert transcript(name, [FakeWorld() for _ in range(3)]) == expected(name)
 
 
 @pytest.mark.parametrize("name", PROGRAMS)
 def test_however_slices_end(name: str) -> None:
     for seed in range(20):
         chance = random.Random(seed)
-        assert transcript(name, lambda: FakeWorld(chance)) == expected(name), f"seed {seed}"  # noqa: B023
+        assert transcript(name, [FakeWorld(chance) for _ in range(3)]) == expected(name), f"seed {seed}"
 
 
 @pytest.mark.parametrize("name", PROGRAMS)
-def test_in_a_real_world(name: str) -> None:
-    assert transcript(name, real_world) == expected(name)
+def test_in_real_worlds(name: str, real_worlds: list[_core.World]) -> None:
+    assert transcript(name, real_worlds) == expected(name)
 
 
 @pytest.mark.parametrize("name", ["gather", "nested", "thinking", "several_worlds", "queues_events_and_locks"])
 @pytest.mark.usefixtures("busy_machine")
-def test_on_a_busy_machine(name: str) -> None:
-    assert transcript(name, real_world) == expected(name)
+def test_on_a_busy_machine(name: str, real_worlds: list[_core.World]) -> None:
+    assert transcript(name, real_worlds) == expected(name)
 
 
 @pytest.mark.parametrize("name", ["gather", "nested", "callbacks"])

@@ -10,7 +10,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-
 import threewe
 from threewe import (
     ConfigError,
@@ -36,7 +35,15 @@ def test_errors_are_also_the_built_in_ones() -> None:
     assert issubclass(ContractError, ValueError)
     assert issubclass(ConfigError, ValueError)
     assert issubclass(EmergencyStopError, SafetyError)
-    for error in (ConnectionError, HardwareError, NavigationError, SafetyError, TimeoutError, ContractError, ConfigError):
+    for error in (
+        ConnectionError,
+        HardwareError,
+        NavigationError,
+        SafetyError,
+        TimeoutError,
+        ContractError,
+        ConfigError,
+    ):
         assert issubclass(error, ThreeweError)
 
 

@@ -7,7 +7,6 @@ import math
 
 import numpy as np
 import pytest
-
 import threewe
 from threewe import LaserScan, OccupancyGrid, Pose2D, Velocity
 

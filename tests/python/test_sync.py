@@ -1,0 +1,120 @@
+"""The robot without `async`."""
+
+from __future__ import annotations
+
+import inspect
+import math
+import os
+import signal
+import threading
+from collections.abc import Iterator
+
+import pytest
+import threewe
+from threewe import ConnectionError, ContractError, Progress, Reason
+from threewe.sync import Robot
+
+
+@pytest.fixture(scope="module")
+def the_sync_robot() -> Robot:
+    return Robot(scene="corridor_v1", noise="ideal")
+
+
+@pytest.fixture
+def robot(the_sync_robot: Robot) -> Iterator[Robot]:
+    with the_sync_robot as robot:
+        assert robot.simulation is not None
+        robot.simulation.reset()
+        yield robot
+
+
+def test_a_script(robot: Robot) -> None:
+    result = robot.move_to(1.5, 0.2)
+    assert result.success
+    assert math.hypot(robot.get_pose().x - 1.5, robot.get_pose().y - 0.2) < 0.3
+    before = robot.now
+    robot.set_velocity(omega=0.5, hold=1.0)
+    robot.sleep(0.5)
+    assert robot.now == pytest.approx(before + 0.5)
+    assert robot.get_velocity().omega == pytest.approx(0.5, abs=0.1)
+
+
+def test_it_has_all_that_the_other_robot_has() -> None:
+    names = {name for name, _ in inspect.getmembers(threewe.Robot) if not name.startswith("_")}
+    mine = {name for name, _ in inspect.getmembers(Robot) if not name.startswith("_")}
+    assert names - mine == {"timeout"}  # motions have their own time limits
+
+
+def test_it_drives_as_the_other_robot_does(robot: Robot) -> None:
+    import asyncio
+
+    async def other() -> threewe.MoveResult:
+        async with threewe.Robot(scene="corridor_v1", noise="ideal") as robot:
+            return await robot.move_to(1.5, 0.2)
+
+    there, here = asyncio.run(other()), robot.move_to(1.5, 0.2)
+    assert (here.pose, here.duration) == (there.pose, there.duration)
+
+
+def test_thinking(robot: Robot) -> None:
+    before = robot.now
+    with robot.thinking(seconds=0.4):
+        assert robot.now == before
+    assert robot.now == pytest.approx(before + 0.4)
+
+
+def test_errors_come_out(robot: Robot) -> None:
+    with pytest.raises(ContractError):
+        robot.set_velocity(math.nan)
+    with pytest.raises(ContractError):
+        robot.move_to(math.nan, 0.0)
+    robot.disconnect()
+    with pytest.raises(ConnectionError):
+        robot.get_pose()
+    with pytest.raises(ConnectionError):
+        robot.move_to(1.0, 0.0)
+
+
+def test_ctrl_c_stops_the_robot(robot: Robot) -> None:
+    assert robot.simulation is not None
+
+    def press(progress: Progress) -> None:
+        if progress.distance_driven > 0.2 and not pressed.is_set():
+            pressed.set()
+            os.kill(os.getpid(), signal.SIGINT)
+
+    pressed = threading.Event()
+    with pytest.raises(KeyboardInterrupt):
+        robot.explore(on_progress=press)
+    robot.sleep(1.0)
+    before = robot.simulation.true_pose()
+    robot.sleep(0.5)
+    assert robot.simulation.true_pose().distance(before) < 1e-3
+    assert robot.move_forward(-0.1).reason is Reason.reached
+
+
+def test_callbacks_read_but_cannot_wait(robot: Robot) -> None:
+    poses: list[threewe.Pose2D] = []
+    robot.move_forward(0.3, on_progress=lambda _: poses.append(robot.get_pose()))
+    assert len(poses) > 3
+    with pytest.raises(ContractError, match="cannot wait"):
+        robot.move_forward(0.3, on_progress=lambda _: robot.sleep(0.1))
+
+
+def test_the_emergency_stop_from_another_thread(robot: Robot) -> None:
+    moving = threading.Event()
+    stopper = threading.Thread(target=lambda: (moving.wait(), robot.emergency_stop()))
+    stopper.start()
+    result = robot.explore(on_progress=lambda _: moving.set())
+    stopper.join()
+    assert result.reason is Reason.estop
+    assert robot.emergency_stopped
+    robot.release_emergency_stop()
+
+
+def test_the_thread_ends_with_the_robot() -> None:
+    before = threading.active_count()
+    robot = Robot(scene="corridor_v1", noise="ideal")
+    assert threading.active_count() == before + 1
+    del robot
+    assert threading.active_count() == before
