@@ -1,0 +1,102 @@
+"""The command `threewe`."""
+
+from __future__ import annotations
+
+import asyncio
+from pathlib import Path
+from typing import Annotated
+
+import typer
+from rich.console import Console
+from rich.table import Table
+
+import threewe
+
+app = typer.Typer(
+    help="3we: one robot program, on simulators and on the robot.", no_args_is_help=True, pretty_exceptions_enable=False
+)
+scenes = typer.Typer(help="The scenes that come with 3we.", no_args_is_help=True)
+app.add_typer(scenes, name="scenes")
+
+console = Console()
+complaints = Console(stderr=True)
+
+
+def main() -> None:
+    """Runs the command line; an error of ours is one line, not a traceback."""
+    try:
+        app()
+    except threewe.ThreeweError as error:
+        complaints.print(f"[bold red]error:[/] {error}", highlight=False)
+        raise SystemExit(2) from None
+
+
+@app.command()
+def demo(
+    scene: Annotated[str, typer.Option(help="Where.")] = "office_v2",
+    hardware: Annotated[str, typer.Option(help="Which robot.")] = "3we_standard_v2",
+    place: Annotated[str, typer.Option(help="The room to drive to in the end.")] = "kitchen",
+    seed: Annotated[int, typer.Option(help="Of all noise.")] = 0,
+    output: Annotated[Path, typer.Option("--output", "-o", help="Folder for the results.")] = Path("demo"),
+) -> None:
+    """Explore a scene, draw its map, drive to a room; leaves map.png, run.gif, run.mp4 and summary.json."""
+    from threewe.demo import run
+
+    summary = asyncio.run(run(scene, hardware, place, seed, output, console))
+    console.print(f"The film is in [bold]{output}/[/]: run.mp4, run.gif, map.png, summary.json")
+    if not summary.arrived:
+        raise typer.Exit(1)
+
+
+@scenes.command("list")
+def list_scenes() -> None:
+    """The scenes, with their sizes and rooms."""
+    table = Table("scene", "size", "rooms", "objects", "description")
+    for name in threewe.scene_names():
+        scene = threewe.Scene.load(name)
+        width, depth = scene.max[0] - scene.min[0], scene.max[1] - scene.min[1]
+        table.add_row(
+            name, f"{width:.0f} x {depth:.0f} m", str(len(scene.rooms)), str(len(scene.objects)), scene.description
+        )
+    console.print(table)
+
+
+@scenes.command("show")
+def show_scene(
+    name: str,
+    output: Annotated[Path | None, typer.Option("--output", "-o", help="The picture; NAME.png by default.")] = None,
+    width: Annotated[int, typer.Option(min=64, max=8192, help="Of the picture, in pixels.")] = 1200,
+) -> None:
+    """Draw a scene from above into a picture, and list its rooms."""
+    from threewe import drawing
+
+    scene = threewe.Scene.load(name)
+    picture = drawing.finish(drawing.draw_scene(scene, drawing.View.of(scene, width)))
+    path = output or Path(f"{name}.png")
+    picture.save(path)
+    table = Table("room", "x", "y", "floor")
+    for room in scene.rooms:
+        table.add_row(room.name, f"{room.anchor[0]:.1f}", f"{room.anchor[1]:.1f}", room.floor)
+    console.print(table)
+    console.print(f"drawn to [bold]{path}[/]")
+
+
+@app.command()
+def doctor() -> None:
+    """What is installed, what works, and what to do about the rest."""
+    from threewe.doctor import examine
+
+    table = Table("part", "state", "what to do")
+    findings = examine()
+    for finding in findings:
+        mark = {"ok": "[green]ok[/]", "missing": "[yellow]missing[/]", "broken": "[bold red]broken[/]"}[finding.state]
+        table.add_row(finding.part, f"{mark} {finding.detail}", finding.remedy)
+    console.print(table)
+    if any(finding.state == "broken" for finding in findings):
+        raise typer.Exit(1)
+
+
+@app.command()
+def version() -> None:
+    """The version of 3we."""
+    console.print(threewe.__version__, highlight=False)
