@@ -146,9 +146,9 @@ async def stands_still(robot: Robot) -> None:
 
 
 async def test_sideways_on_a_differential_base(differential_robot: Robot) -> None:
-    with pytest.raises(ContractError, match="vy|sideways"):
+    with pytest.raises(ContractError, match=r"vy|sideways"):
         differential_robot.set_velocity(0.1, 0.1, 0.0)
-    with pytest.raises(ContractError, match="vy|sideways"):
+    with pytest.raises(ContractError, match=r"vy|sideways"):
         await differential_robot.execute_action([0.0, 0.5, 0.0])
     await stands_still(differential_robot)
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import itertools
 import logging
 import math
 
@@ -137,18 +138,22 @@ async def test_cancelling_commands_zero_within_one_period_and_stands_within_a_qu
     assert ticks[0].requested == Velocity()
     assert ticks[0].commanded.vx < 0.45
     commanded = [tick.commanded.vx for tick in ticks]
-    assert all(b <= a for a, b in zip(commanded, commanded[1:], strict=False))
+    assert all(later <= earlier for earlier, later in itertools.pairwise(commanded))
     assert commanded[math.ceil(0.25 / 0.02)] == 0.0
     assert abs(robot.simulation.true_velocity().vx) < 0.05
 
 
 async def test_a_time_limit_over_several_motions(robot: Robot) -> None:
     began = robot.now
-    with pytest.raises(TimeoutError):
+
+    async def to_and_fro() -> None:
         async with robot.timeout(2.0):
             for _ in range(100):
                 await robot.move_forward(0.2)
                 await robot.move_forward(-0.2)
+
+    with pytest.raises(TimeoutError):
+        await to_and_fro()
     assert robot.now == pytest.approx(began + 2.0)
     assert (await robot.move_forward(0.1)).success  # nobody owns the robot any more
 
@@ -187,11 +192,7 @@ async def test_observers_see_every_tick(robot: Robot) -> None:
     assert ticks[0].requested == Velocity(0.2)
     assert 0.0 < ticks[0].commanded.vx < 0.2
     kinds = {type(sample.data).__name__ for tick in ticks for sample in tick.samples}
-    assert kinds == {"LaserScan", "IMUData", "Odometry", "BatteryState"} or kinds == {
-        "LaserScan",
-        "IMUData",
-        "Odometry",
-    }
+    assert kinds >= {"LaserScan", "IMUData", "Odometry"}
     for tick in ticks:
         assert all(sample.received == tick.now for sample in tick.samples)
 
@@ -200,7 +201,7 @@ async def test_an_observer_that_fails_disturbs_nobody(robot: Robot) -> None:
     heard: list[dict[str, object]] = []
     asyncio.get_running_loop().set_exception_handler(lambda _, context: heard.append(context))
 
-    def fail(tick: TickView) -> None:
+    def fail(_: TickView) -> None:
         raise LookupError("on purpose")
 
     bad, seen = robot.observe(fail), list[float]()
