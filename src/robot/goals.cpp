@@ -8,9 +8,9 @@
 namespace threewe {
 namespace {
 
-constexpr double kGrace = 30.0;            // [s]
-constexpr double kPatience = 4.0;          // times what the straight way takes
-constexpr double kExploration = 600.0;     // [s]
+constexpr double kGrace = 30.0;         // [s]
+constexpr double kPatience = 4.0;       // times what the straight way takes
+constexpr double kExploration = 600.0;  // [s]
 
 template <class... Visitors>
 struct Overloaded : Visitors... {
@@ -73,15 +73,14 @@ void check_velocity(const RobotProfile& profile, const Velocity& velocity) {
 Duration default_timeout(const RobotProfile& profile, const nav::Goal& goal, const Pose2D& map_from_base) {
   const Limits& limits = profile.operating_limits;
   const Vec2 here = map_from_base.position();
-  const double least = std::visit(
-      Overloaded{
-          [&](const nav::MoveTo& g) { return distance(here, g.goal) / limits.linear; },
-          [&](const nav::Rotate& g) { return std::abs(g.angle) / limits.angular; },
-          [&](const nav::MoveForward& g) { return std::abs(g.distance) / limits.linear; },
-          [&](const nav::FollowPath& g) { return length_of(g.path, here) / limits.linear; },
-          [&](const nav::Explore&) { return (kExploration - kGrace) / kPatience; },
-      },
-      goal);
+  const double least = std::visit(Overloaded{
+                                      [&](const nav::MoveTo& g) { return distance(here, g.goal) / limits.linear; },
+                                      [&](const nav::Rotate& g) { return std::abs(g.angle) / limits.angular; },
+                                      [&](const nav::MoveForward& g) { return std::abs(g.distance) / limits.linear; },
+                                      [&](const nav::FollowPath& g) { return length_of(g.path, here) / limits.linear; },
+                                      [&](const nav::Explore&) { return (kExploration - kGrace) / kPatience; },
+                                  },
+                                  goal);
   constexpr double kLongest = 1e8;  // [s], three years: beyond, nanoseconds would overflow
   return from_seconds(std::min(kGrace + kPatience * least, kLongest));
 }

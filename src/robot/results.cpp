@@ -6,8 +6,8 @@ namespace threewe {
 namespace {
 
 void raise(const char* what, Reason reason, const std::string& detail) {
-  const std::string message =
-      std::string(what) + " ended with '" + std::string(to_string(reason)) + "'" + (detail.empty() ? "" : ": " + detail);
+  const std::string message = std::string(what) + " ended with '" + std::string(to_string(reason)) + "'" +
+                              (detail.empty() ? "" : ": " + detail);
   switch (reason) {
     case Reason::running:
     case Reason::reached: return;

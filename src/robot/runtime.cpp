@@ -191,7 +191,8 @@ void Runtime::restart() {
 
 void Runtime::Impl::require_healthy() const {
   if (!connected) throw ConnectionError("robot '" + port.profile().name + "' is not connected; call connect() first");
-  if (!fault.empty()) throw ConnectionError("robot '" + port.profile().name + "' failed: " + fault + "; call connect()");
+  if (!fault.empty())
+    throw ConnectionError("robot '" + port.profile().name + "' failed: " + fault + "; call connect()");
 }
 
 void Runtime::Impl::require_free() const {

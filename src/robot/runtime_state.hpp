@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "robot/senses.hpp"
-#include "threewe/robot/runtime.hpp"
 #include "robot/world_state.hpp"
+#include "threewe/robot/runtime.hpp"
 
 namespace threewe {
 

@@ -9,8 +9,8 @@
 namespace threewe {
 namespace {
 
-constexpr Duration kSilence = 500ms;          // without odometry or scans the robot stops ...
-constexpr Duration kHopelessSilence = 2s;     // ... and a motion fails
+constexpr Duration kSilence = 500ms;       // without odometry or scans the robot stops ...
+constexpr Duration kHopelessSilence = 2s;  // ... and a motion fails
 
 std::vector<Vec2> transformed(const Pose2D& a_from_b, std::span<const Vec2> points_in_b) {
   const auto [s, c] = exact::sincos(a_from_b.theta);

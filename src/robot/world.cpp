@@ -4,10 +4,10 @@
 #include <exception>
 #include <utility>
 
+#include "robot/world_state.hpp"
 #include "threewe/backend/registry.hpp"
 #include "threewe/core/errors.hpp"
 #include "threewe/nav/mind.hpp"
-#include "robot/world_state.hpp"
 
 namespace threewe {
 namespace {

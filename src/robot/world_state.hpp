@@ -7,22 +7,22 @@
 #include <vector>
 
 #include "robot/pace.hpp"
-#include "threewe/robot/runtime.hpp"
 #include "robot/wait_list.hpp"
+#include "threewe/robot/runtime.hpp"
 
 namespace threewe {
 
 struct World::Impl {
   std::unique_ptr<backend::World> backend;
   std::vector<std::unique_ptr<Runtime>> robots;
-  Time now{};            // the tick that begins next
+  Time now{};  // the tick that begins next
   WaitList waits;
   int holds = 0;
   bool ticking = false;  // an observer may be running
   bool lockstep = true;  // time advances only when it is told to
   bool paced = false;    // to the wall clock
   Pace pace;
-  std::string broken;    // why time cannot go on; empty while it can
+  std::string broken;                 // why time cannot go on; empty while it can
   std::exception_ptr observer_error;  // the first of this tick
 
   WaitHandle begin(Duration duration, WaitList::Kind kind);

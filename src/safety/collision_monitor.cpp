@@ -11,10 +11,10 @@ namespace threewe::safety {
 namespace {
 
 constexpr double kPeriod = to_seconds(kControlPeriod);
-constexpr double kSweepStep = 0.005;   // [m], the longest way of any corner between two poses of a sweep
-constexpr double kRounding = 1e-9;     // [m]
-constexpr double kStandStill = 1e-3;   // [m/s] and [rad/s], slower than this is not worth creeping
-constexpr int kBisections = 10;        // the speed is found to a thousandth
+constexpr double kSweepStep = 0.005;  // [m], the longest way of any corner between two poses of a sweep
+constexpr double kRounding = 1e-9;    // [m]
+constexpr double kStandStill = 1e-3;  // [m/s] and [rad/s], slower than this is not worth creeping
+constexpr int kBisections = 10;       // the speed is found to a thousandth
 
 Velocity scaled(double s, const Velocity& v) { return {s * v.vx, s * v.vy, s * v.omega}; }
 
@@ -24,8 +24,7 @@ Velocity blend(const Velocity& a, const Velocity& b, double t) {
 
 // [s] to stand-still when all components shrink together, so that braking keeps to the arc.
 double stopping_time(const Limits& limits, const Velocity& v) {
-  return std::max(exact::hypot(v.vx, v.vy) / limits.linear_braking,
-                  std::abs(v.omega) / limits.angular_acceleration);
+  return std::max(exact::hypot(v.vx, v.vy) / limits.linear_braking, std::abs(v.omega) / limits.angular_acceleration);
 }
 
 // One period of braking along the arc.

@@ -60,7 +60,8 @@ GateModel make_gate_model(const RobotProfile& profile) {
   // a unit that measures everything a little too far away must not touch either
   if (profile.lidar) model.margin += profile.lidar->bias;
   model.reaction = profile.command_latency + profile.body.motor_lag + kControlPeriod;
-  if (model.reaction > kMaxReaction) throw ConfigError("profile '" + profile.name + "': reacts too slowly for the gate");
+  if (model.reaction > kMaxReaction)
+    throw ConfigError("profile '" + profile.name + "': reacts too slowly for the gate");
   return model;
 }
 

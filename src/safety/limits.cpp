@@ -38,10 +38,10 @@ Velocity within_limits(const Limits& limits, Velocity v) {
 }
 
 Velocity within_acceleration(const Limits& limits, const Velocity& last, const Velocity& target) {
-  const Vec2 linear = approach({last.vx, last.vy}, {target.vx, target.vy}, limits.linear_braking,
-                               limits.linear_acceleration);
-  const Vec2 angular = approach({last.omega, 0.0}, {target.omega, 0.0}, limits.angular_acceleration,
-                                limits.angular_acceleration);
+  const Vec2 linear =
+      approach({last.vx, last.vy}, {target.vx, target.vy}, limits.linear_braking, limits.linear_acceleration);
+  const Vec2 angular =
+      approach({last.omega, 0.0}, {target.omega, 0.0}, limits.angular_acceleration, limits.angular_acceleration);
   return {linear.x, linear.y, angular.x};
 }
 

@@ -54,7 +54,7 @@ class Robot {
   // Readings: what arrived last. They never advance robot time.
   const LaserScan& get_lidar_scan() const;
   const IMUData& get_imu() const;
-  Pose2D get_pose() const;          ///< in `map`, as the robot believes
+  Pose2D get_pose() const;  ///< in `map`, as the robot believes
   const Odometry& get_odometry() const;
   Velocity get_velocity() const;
   const map::OccupancyGrid& get_map() const;
@@ -64,14 +64,15 @@ class Robot {
 
   /// Drives at (vx, vy, omega) [m/s, m/s, rad/s] for at most `hold` [s].
   void set_velocity(double vx, double vy, double omega, double hold = 0.5);
-  /// One control step: `action` in [-1, 1] scaled to the operating limits, held for `period` [s]; the velocity executed.
+  /// One control step: `action` in [-1, 1] scaled to the operating limits, held for `period` [s]; the velocity
+  /// executed.
   Velocity execute_action(const std::array<double, 3>& action, double period = 0.02);
   void stop();
 
   struct MoveOptions {
     std::optional<double> theta = {};    ///< [rad] final heading
-    std::string frame = "map";      ///< of the goal: `map`, `odom` or `base`
-    double tolerance = 0.25;        ///< [m]
+    std::string frame = "map";           ///< of the goal: `map`, `odom` or `base`
+    double tolerance = 0.25;             ///< [m]
     std::optional<double> timeout = {};  ///< [s]; 30 s + 4 x straight distance / speed limit where empty
   };
   // Motions begin at once and are driven by `wait`.

@@ -40,7 +40,7 @@ using MotionHandle = std::shared_ptr<Motion>;
 /// What an observer sees at the end of every tick. References are valid during the call only.
 struct TickView {
   Time now{};
-  std::span<const Sample> samples;      ///< that arrived in this tick
+  std::span<const Sample> samples;  ///< that arrived in this tick
   const slam::PoseEstimate& pose;
   const Velocity& requested;            ///< before the gate
   const safety::GateOutput& commanded;  ///< after it
@@ -58,8 +58,8 @@ class Runtime {
   Runtime(World& world, backend::RobotPort& port, Options mind);
   ~Runtime();
 
-  /// Connects the port and clears a fault. Throws ConnectionError. The first samples arrive within a few ticks: wait for
-  /// `ready` before reading.
+  /// Connects the port and clears a fault. Throws ConnectionError. The first samples arrive within a few ticks: wait
+  /// for `ready` before reading.
   void connect();
   /// Ends a motion as `cancelled` and stops the robot.
   void disconnect();
@@ -73,8 +73,8 @@ class Runtime {
   /// The truth about this robot in a simulated world, for metrics and drawings; null on a real one.
   const scene::TruthView* truth() const;
 
-  // Readings: what arrived last. They never advance time. Throw ConnectionError when not connected, HardwareError naming
-  // the sensor that is missing or has not delivered yet.
+  // Readings: what arrived last. They never advance time. Throw ConnectionError when not connected, HardwareError
+  // naming the sensor that is missing or has not delivered yet.
   const LaserScan& lidar_scan() const;
   const IMUData& imu() const;
   const Odometry& odometry() const;
@@ -96,14 +96,14 @@ class Runtime {
   /// velocity that is not finite or that the base cannot drive, EmergencyStopError while the stop is latched,
   /// SafetyError while a motion owns the robot.
   void set_velocity(const Velocity& velocity, Duration hold);
-  /// One control step: `action` in [-1, 1] is clamped and scaled to the operating limits and held for `period`, when the
-  /// wait is done. `commanded()` then tells what was executed. Throws as `set_velocity`.
+  /// One control step: `action` in [-1, 1] is clamped and scaled to the operating limits and held for `period`, when
+  /// the wait is done. `commanded()` then tells what was executed. Throws as `set_velocity`.
   WaitHandle execute_action(const std::array<double, 3>& action, Duration period);
   /// Ends a motion as `cancelled` and brings the robot to a stand-still. Always allowed.
   void stop();
-  /// Begins a motion. A `timeout` of 0 takes the default: 30 s + 4 x what it takes at the speed limit, for an exploration
-  /// 600 s. Throws ContractError on a goal that is not finite, EmergencyStopError, SafetyError while another motion owns
-  /// the robot, HardwareError for an exploration without a lidar.
+  /// Begins a motion. A `timeout` of 0 takes the default: 30 s + 4 x what it takes at the speed limit, for an
+  /// exploration 600 s. Throws ContractError on a goal that is not finite, EmergencyStopError, SafetyError while
+  /// another motion owns the robot, HardwareError for an exploration without a lidar.
   MotionHandle start(const nav::Goal& goal, Duration timeout);
   /// The motion in progress, or null.
   MotionHandle motion() const;
@@ -114,8 +114,8 @@ class Runtime {
   /// Ends a motion with `fault` and keeps the robot still until `connect` is called again.
   void fail(const std::string& what);
 
-  /// Calls `observer` at the end of every tick. Observers may add and remove observers. What an observer throws comes out
-  /// of `World::tick` once the tick is complete.
+  /// Calls `observer` at the end of every tick. Observers may add and remove observers. What an observer throws comes
+  /// out of `World::tick` once the tick is complete.
   std::uint64_t observe(Observer observer);
   void unobserve(std::uint64_t id);
 

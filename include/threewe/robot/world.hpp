@@ -65,12 +65,12 @@ class World {
   /// One control period. Never blocks on anything but the backend and, when paced, the clock. Throws ContractError
   /// while a hold is open.
   void tick();
-  /// Ticks until a wait is done, none is pending (where time does not go by on its own), or `wall` has passed. True when
-  /// a wait was done. Returns false at once while a hold is open.
+  /// Ticks until a wait is done, none is pending (where time does not go by on its own), or `wall` has passed. True
+  /// when a wait was done. Returns false at once while a hold is open.
   bool run(Duration wall);
-  /// Ticks until `wait` is done (C++ programs; Python waits through its pump). Throws instead of waiting for what cannot
-  /// happen: ContractError while a hold is open or when the wait is not of this world, ConnectionError when no robot is
-  /// connected.
+  /// Ticks until `wait` is done (C++ programs; Python waits through its pump). Throws instead of waiting for what
+  /// cannot happen: ContractError while a hold is open or when the wait is not of this world, ConnectionError when no
+  /// robot is connected.
   void wait(const WaitHandle& wait);
   /// Ticks until every connected robot is `ready` (see Runtime).
   void settle();

@@ -15,7 +15,14 @@
 namespace threewe::safety {
 
 /// Why the gate changed a command.
-enum class Intervention : std::uint8_t { none, limited, slowed_for_obstacle, stopped_for_obstacle, stale_sensors, estop };
+enum class Intervention : std::uint8_t {
+  none,
+  limited,
+  slowed_for_obstacle,
+  stopped_for_obstacle,
+  stale_sensors,
+  estop
+};
 std::string_view to_string(Intervention intervention);
 
 /// What never changes while a robot runs.
@@ -39,9 +46,9 @@ inline constexpr Duration kMaxReaction = 320ms;
 struct GateState {
   /// The commands of the periods before, newest first: those that the robot has yet to obey.
   std::array<Velocity, kMaxReaction / kControlPeriod> recent{};
-  Time last_scan{};        ///< `received` of the newest scan
+  Time last_scan{};  ///< `received` of the newest scan
   bool scan_seen = false;
-  bool estop = false;      ///< latched until released
+  bool estop = false;  ///< latched until released
   friend bool operator==(const GateState&, const GateState&) = default;
 
   /// The command of the period before.

@@ -71,8 +71,16 @@ TEST_CASE("samples that break the contract") {
   };
   const std::vector<Case> cases = {
       {"names sensor 9", [](auto& samples) { samples.at(0).sensor = 9; }},
-      {"another type", [](auto& samples) { samples.at(0).data = BatteryState{}; samples.at(0).sensor = ToyPort::kImu; }},
-      {"not finite", [](auto& samples) { samples.at(0).data = IMUData{{NAN, 0.0, 0.0}, {}}; samples.at(0).sensor = ToyPort::kImu; }},
+      {"another type",
+       [](auto& samples) {
+         samples.at(0).data = BatteryState{};
+         samples.at(0).sensor = ToyPort::kImu;
+       }},
+      {"not finite",
+       [](auto& samples) {
+         samples.at(0).data = IMUData{{NAN, 0.0, 0.0}, {}};
+         samples.at(0).sensor = ToyPort::kImu;
+       }},
       {"after it was received", [](auto& samples) { samples.at(0).measured = 1h; }},
   };
   for (const Case& c : cases) {

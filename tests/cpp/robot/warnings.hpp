@@ -10,8 +10,7 @@ namespace threewe::test {
 
 class Warnings {
  public:
-  Warnings()
-      : before_(set_warning_handler([this](std::string_view message) { messages.emplace_back(message); })) {}
+  Warnings() : before_(set_warning_handler([this](std::string_view message) { messages.emplace_back(message); })) {}
   ~Warnings() { set_warning_handler(before_); }
   Warnings(const Warnings&) = delete;
   Warnings& operator=(const Warnings&) = delete;

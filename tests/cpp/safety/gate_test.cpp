@@ -32,8 +32,8 @@ class Draws {
 
 GateModel model(Kinematics kinematics = Kinematics::holonomic) {
   GateModel m;
-  m.limits = {.linear = 0.5, .angular = 1.0, .linear_acceleration = 1.0, .linear_braking = 2.0,
-              .angular_acceleration = 4.0};
+  m.limits = {
+      .linear = 0.5, .angular = 1.0, .linear_acceleration = 1.0, .linear_braking = 2.0, .angular_acceleration = 4.0};
   m.kinematics = kinematics;
   m.footprint = Footprint::rectangle(0.25, 0.22);
   return m;

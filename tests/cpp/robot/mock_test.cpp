@@ -1,0 +1,252 @@
+// The whole path on the embedded simulator: what the robot believes, what is true, and whether it is the same again.
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <tuple>
+#include <utility>
+#include <vector>
+
+#include "threewe/backend/registry.hpp"
+#include "threewe/core/errors.hpp"
+#include "threewe/robot/robot.hpp"
+#include "threewe/scene/scene.hpp"
+
+using namespace threewe;
+
+namespace {
+
+// All that a robot was told and what became of it, tick by tick.
+struct Record {
+  explicit Record(Runtime& robot) : robot_(robot) {
+    id_ = robot.observe([this](const TickView& view) {
+      stamps.push_back(view.now);
+      poses.push_back(view.pose.map_from_base());
+      commands.push_back(view.commanded.command);
+    });
+  }
+  ~Record() { robot_.unobserve(id_); }
+  Record(const Record&) = delete;
+  Record& operator=(const Record&) = delete;
+  friend bool operator==(const Record& a, const Record& b) {
+    return std::tie(a.stamps, a.poses, a.commands) == std::tie(b.stamps, b.poses, b.commands);
+  }
+
+  std::vector<Time> stamps;
+  std::vector<Pose2D> poses;
+  std::vector<Velocity> commands;
+
+ private:
+  Runtime& robot_;
+  std::uint64_t id_ = 0;
+};
+
+// A drive with some of everything.
+void drive(Robot& robot) {
+  robot.set_velocity(0.3, 0.0, 0.5);
+  robot.sleep(0.4);
+  (void)robot.wait(robot.move_to(1.5, 0.5, {.timeout = 15.0}));
+  (void)robot.wait(robot.rotate(1.0));
+  robot.execute_action({0.5, 0.0, -0.5}, 0.1);
+}
+
+// A simulator that claims its robot to be elsewhere. What it delivers and obeys is as it was.
+class ShiftedTruth final : public scene::TruthView {
+ public:
+  explicit ShiftedTruth(const scene::TruthView& truth) : truth_(truth) {}
+  const scene::Scene& scene() const override { return truth_.scene(); }
+  Pose2D true_pose() const override { return shifted(truth_.true_pose()); }
+  Velocity true_velocity() const override { return {}; }
+  Pose2D start_pose() const override { return shifted(truth_.start_pose()); }
+  double max_collision_speed() const override { return 7.0; }
+  double distance_driven() const override { return truth_.distance_driven() + 100.0; }
+  Pose2D sample_free_pose(std::uint64_t seed) const override { return shifted(truth_.sample_free_pose(seed)); }
+  double geodesic(Vec2 a, Vec2 b) const override { return truth_.geodesic(a, b) + 100.0; }
+
+ private:
+  static Pose2D shifted(const Pose2D& p) { return {p.x + 100.0, p.y - 100.0, wrap_angle(p.theta + 2.0)}; }
+  const scene::TruthView& truth_;
+};
+
+class LyingPort final : public backend::RobotPort {
+ public:
+  explicit LyingPort(backend::RobotPort& port) : port_(port), truth_(*port.truth()) {}
+  const backend::Features& features() const override { return port_.features(); }
+  const RobotProfile& profile() const override { return port_.profile(); }
+  void connect() override { port_.connect(); }
+  void disconnect() override { port_.disconnect(); }
+  std::vector<Sample> poll() override { return port_.poll(); }
+  void command(const Velocity& velocity, Time valid_until) override { port_.command(velocity, valid_until); }
+  const scene::TruthView* truth() const override { return &truth_; }
+
+ private:
+  backend::RobotPort& port_;
+  ShiftedTruth truth_;
+};
+
+class LyingWorld final : public backend::World {
+ public:
+  explicit LyingWorld(std::unique_ptr<backend::World> world) : world_(std::move(world)), port_(world_->robot(0)) {}
+  std::size_t robot_count() const override { return 1; }
+  backend::RobotPort& robot(std::size_t) override { return port_; }
+  Time now() const override { return world_->now(); }
+  void advance_to(Time t) override { world_->advance_to(t); }
+
+ private:
+  std::unique_ptr<backend::World> world_;
+  LyingPort port_;
+};
+
+}  // namespace
+
+TEST_CASE("five lines: the goal is reached in truth") {
+  Robot robot;
+  const MoveResult result = robot.wait(robot.move_to(2.0, 1.0));
+  CHECK(result.success);
+  CHECK(distance(robot.simulation()->true_pose().position(), {2.0, 1.0}) <= 0.25);
+  CHECK(robot.simulation()->max_collision_speed() <= 0.05);
+}
+
+TEST_CASE("the same seed gives the same drive to the bit, another seed another") {
+  const auto driven = [](std::uint64_t seed) {
+    Robot robot({.seed = seed});
+    auto record = std::make_unique<Record>(robot.runtime());
+    drive(robot);
+    return std::pair(record->poses, record->commands);
+  };
+  CHECK(driven(3) == driven(3));
+  CHECK(driven(3) != driven(4));
+}
+
+TEST_CASE("a restored world goes on as the one that was saved, to the bit") {
+  for (std::uint64_t seed = 0; seed < 2; ++seed) {
+    CAPTURE(seed);
+    Robot robot({.seed = seed});
+    robot.set_velocity(0.2, 0.0, 0.3, 1.0);
+    robot.sleep(0.5);  // in the middle of a hold
+    const auto snapshot = robot.simulation()->save();
+    const Time saved = robot.world().now();
+
+    Record first(robot.runtime());
+    drive(robot);
+    robot.simulation()->restore(snapshot);
+    CHECK(robot.world().now() == saved);
+    Record second(robot.runtime());
+    drive(robot);
+    CHECK(first.stamps.size() > second.stamps.size());  // the first saw both drives
+    CHECK(std::equal(second.commands.begin(), second.commands.end(), first.commands.begin()));
+    CHECK(std::equal(second.poses.begin(), second.poses.end(), first.poses.begin()));
+
+    Robot other({.seed = seed + 100});
+    other.simulation()->restore(snapshot);
+    Record third(other.runtime());
+    drive(other);
+    CHECK(second == third);
+  }
+}
+
+TEST_CASE("a world that was reset is as good as new") {
+  Robot fresh({.seed = 5});
+  Record expected(fresh.runtime());
+  drive(fresh);
+
+  Robot used({.seed = 9});
+  drive(used);
+  used.emergency_stop();
+  used.simulation()->reset(5);
+  Record record(used.runtime());
+  drive(used);
+  CHECK(record == expected);
+}
+
+TEST_CASE("reset puts the robot where it is told to, and its map frame with it") {
+  Robot robot;
+  const Pose2D start = robot.simulation()->sample_free_pose(12);
+  robot.simulation()->reset(1, start);
+  CHECK(distance(robot.simulation()->true_pose().position(), start.position()) < 0.01);
+  CHECK(distance(robot.get_pose().position(), {}) < 0.01);
+  CHECK(robot.get_lidar_scan().ranges.size() == 360);
+  CHECK_THROWS_AS(robot.simulation()->reset(1, Pose2D{500.0, 0.0, 0.0}), ConfigError);
+}
+
+TEST_CASE("saving needs a robot at rest between motions") {
+  Robot robot;
+  const MotionHandle motion = robot.move_to(2.0, 1.0);
+  CHECK_THROWS_AS(robot.simulation()->save(), ContractError);
+  motion->cancel();
+  CHECK(robot.simulation()->save() != nullptr);
+}
+
+TEST_CASE("motions of several worlds are independent of how they take turns") {
+  const auto goal_of = [](std::uint64_t seed) { return Vec2{1.0 + 0.2 * static_cast<double>(seed), 0.5}; };
+  std::vector<MoveResult> alone;
+  for (std::uint64_t seed = 0; seed < 3; ++seed) {
+    Robot robot({.seed = seed});
+    alone.push_back(robot.wait(robot.move_to(goal_of(seed).x, goal_of(seed).y)));
+  }
+  std::vector<Robot> robots;
+  std::vector<MotionHandle> motions;
+  for (std::uint64_t seed = 0; seed < 3; ++seed) {
+    robots.emplace_back(Robot::Options{.seed = seed});
+    motions.push_back(robots.back().move_to(goal_of(seed).x, goal_of(seed).y));
+  }
+  for (bool busy = true; busy;) {
+    busy = false;
+    for (std::size_t i = 0; i < robots.size(); ++i) {
+      if (motions[i]->done()) continue;
+      robots[i].world().tick();
+      busy = true;
+    }
+  }
+  for (std::size_t i = 0; i < robots.size(); ++i) {
+    CHECK(motions[i]->result().success);
+    CHECK(motions[i]->result().pose == alone[i].pose);
+    CHECK(motions[i]->result().duration == alone[i].duration);
+  }
+}
+
+TEST_CASE("honesty: where the truth is shifted, every command stays the same to the bit") {
+  for (std::uint64_t seed = 0; seed < 3; ++seed) {
+    CAPTURE(seed);
+    backend::WorldOptions options;
+    options.seed = seed;
+    World honest(backend::make_world("mock", options));
+    World lying(std::make_unique<LyingWorld>(backend::make_world("mock", options)));
+    Robot one(honest);
+    Robot other(lying);
+    CHECK(distance(one.simulation()->true_pose().position(), other.simulation()->true_pose().position()) > 100.0);
+    const Record expected(one.runtime());
+    const Record record(other.runtime());
+    const auto errand = [](Robot& robot) {
+      (void)robot.wait(robot.move_to(2.0, 1.0, {.timeout = 20.0}));
+      (void)robot.wait(robot.explore(10.0));
+      drive(robot);
+    };
+    errand(one);
+    errand(other);
+    CHECK(record == expected);
+    CHECK(record.commands.size() > 500);
+  }
+}
+
+TEST_CASE("names that nobody knows are refused with the nearest right one") {
+  const auto message = [](const Robot::Options& options) -> std::string {
+    try {
+      Robot robot(options);
+    } catch (const ConfigError& error) {
+      return error.what();
+    }
+    return "";
+  };
+  CHECK(message({.backend = "mok"}).find("'mock'") != std::string::npos);
+  CHECK(message({.hardware = "3we_standart_v2"}).find("'3we_standard_v2'") != std::string::npos);
+  CHECK(message({.scene = "ofice_v2"}).find("'office_v2'") != std::string::npos);
+}
+
+TEST_CASE("initial_pose shifts the map frame, start_pose the robot") {
+  Robot robot({.initial_pose = Pose2D{1.0, 2.0, 0.5}, .start_pose = Pose2D{0.5, 0.0, 0.0}});
+  CHECK(distance(robot.get_pose().position(), {1.0, 2.0}) < 0.01);
+  CHECK(distance(robot.simulation()->true_pose().position(), {0.5, 0.0}) < 0.01);
+  CHECK_THROWS_AS(Robot({.initial_pose = Pose2D{std::nan(""), 0.0, 0.0}}), ContractError);
+}
