@@ -30,12 +30,12 @@ Slice within_range(const Slice& slice, Vec2 point) {
   return near;
 }
 
-// The cells that the largest disc in the footprint can cover the middle of, without those that are partly obstacle.
+// The cells that a disc of the passing radius can cover the middle of, without those that are partly obstacle.
 CellSet swept_cells(const SceneTables& tables) {
   const CellGrid<float> distance = distance_field(tables.reachable());
   CellSet swept(distance.frame, 0);
   for (std::size_t i = 0; i < swept.cells.size(); ++i) {
-    const bool covered = static_cast<double>(distance.cells[i]) <= tables.footprint().inscribed_radius();
+    const bool covered = static_cast<double>(distance.cells[i]) <= tables.passing_radius();
     swept.cells[i] = covered && !tables.occupied().cells[i] ? 1 : 0;
   }
   return swept;

@@ -32,6 +32,7 @@ struct Draft {
   std::vector<ConfigNode> objects;
 };
 
+/// Whether two walls run in the same or in opposite directions.
 bool parallel(const Wall& a, const Wall& b);
 
 /// Rooms may touch but not overlap; walls may meet and cross but not lie in each other.

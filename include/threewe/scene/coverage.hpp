@@ -10,7 +10,7 @@ namespace threewe::scene {
 
 /// Measures the coverage of an exploration: the share of all reachable 5 cm cells that a noise-free ray from the true
 /// pose crossed within 8 m *and* that the robot's own map marks free within 10 cm. A cell is reachable when no obstacle
-/// reaches into it and the largest disc in the footprint can cover its middle, driving from the first start.
+/// reaches into it and a disc of the robot's passing radius can cover its middle, coming from the first start.
 class CoverageMeter {
  public:
   /// `lidar_height` [m]: the plane in which rays are cast.

@@ -25,7 +25,9 @@ class SceneTables {
 
   /// Cells that an obstacle reaches into.
   const CellSet& occupied() const { return occupied_; }
-  /// Cells where the base can be in at least some heading: the largest disc in the footprint is free.
+  /// Half the width [m] of the narrowest gap that the footprint fits through.
+  double passing_radius() const { return passing_radius_; }
+  /// Cells that the base can pass: at least the passing radius away from all obstacles.
   const CellSet& passable() const { return passable_; }
   /// Passable cells that are connected with the first start.
   const CellSet& reachable() const { return reachable_; }
@@ -35,7 +37,7 @@ class SceneTables {
   bool collides(const Pose2D& pose) const { return obstacles_.collides(footprint_, pose); }
   /// Distance [m] between the footprint and the nearest obstacle.
   double clearance(const Pose2D& pose) const { return obstacles_.clearance(footprint_, pose); }
-  /// The length of the shortest path [m] for the footprint; infinity where there is none. Builds a field: keep
+  /// The length of the shortest path [m] over passable cells; infinity where there is none. Builds a field: keep
   /// `geodesic_field` where one target is asked for often.
   double geodesic(Vec2 from, Vec2 to) const;
   /// Lengths to one target, solved up to `limit` [m]. Refers to these tables.
@@ -47,6 +49,7 @@ class SceneTables {
  private:
   std::shared_ptr<const Scene> scene_;
   Footprint footprint_;
+  double passing_radius_;
   Obstacles obstacles_;
   CellSet occupied_;
   CellSet passable_;

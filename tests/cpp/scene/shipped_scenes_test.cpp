@@ -14,7 +14,8 @@
 namespace threewe::scene {
 namespace {
 
-const std::vector<Footprint> kRobots = {Footprint::rectangle(0.25, 0.22), Footprint::rectangle(0.28, 0.31)};
+const std::vector<Footprint> kRobots = {Footprint::rectangle(0.25, 0.22), Footprint::rectangle(0.28, 0.31),
+                                        Footprint({{0.041, -0.09}, {0.041, 0.09}, {-0.11, 0.09}, {-0.11, -0.09}})};
 
 TEST_CASE("scene_names lists what can be loaded") {
   const auto names = scene_names();
@@ -43,6 +44,12 @@ TEST_CASE("every room, every start and (2, 1) can be reached") {
       }
     }
   }
+}
+
+TEST_CASE("a robot passes gaps as wide as it is, wherever its base is in it") {
+  const auto scene = std::make_shared<const Scene>(Scene::load("office_v2"));
+  CHECK(SceneTables(scene, kRobots[0], 0.2).passing_radius() == doctest::Approx(0.11));
+  CHECK(SceneTables(scene, kRobots[2], 0.2).passing_radius() == doctest::Approx(0.0755));
 }
 
 TEST_CASE("a robot with 25 cm around it still gets into every room") {
