@@ -1,0 +1,63 @@
+"""`threewe.testing.check_backend`: what it shows and raises, and who passes it."""
+
+from __future__ import annotations
+
+import pytest
+import threewe
+from threewe import ConfigError, ContractError
+from threewe.testing import Outcome, check_backend, check_names
+
+from .toy_backend import QuietBackend
+
+
+class LyingBackend(QuietBackend):
+    """Claims a lidar of 10 Hz and odometry of 50 Hz, and delivers both at 50 Hz."""
+
+    rates = (10.0, 50.0, 50.0)
+
+
+def test_the_mock_backend_passes() -> None:
+    results = check_backend("mock", scene="corridor_v1", show=False, raise_failures=True)
+    assert [result.name for result in results] == check_names()
+    assert len(results) >= 25
+
+
+def test_a_backend_in_python_passes() -> None:
+    threewe.register_backend("quiet", QuietBackend)
+    results = check_backend("quiet", show=False)
+    assert (
+        {result.name: result.detail for result in results if not result.passed}
+        == {
+            # where nothing is, the lidar comes at once and more often than a turn of the profile's takes
+        }
+    )
+    assert sum(result.outcome == Outcome.passed for result in results) >= 40
+
+
+def test_a_failure_is_shown_and_raised_with_what_was_wrong(capsys: pytest.CaptureFixture[str]) -> None:
+    threewe.register_backend("lying", LyingBackend)
+    checks = ["sensor_rates_are_positive", "rates_are_as_listed"]
+    with pytest.raises(
+        ContractError, match="backend 'lying' fails 1 of 2 checks:\n  rates_are_as_listed: sensor 'lidar'"
+    ):
+        check_backend("lying", checks=checks, raise_failures=True)
+    shown = capsys.readouterr().out
+    assert "sensor_rates_are_positive" in shown
+    assert "failed" in shown
+    good, bad = check_backend("lying", checks=checks, show=False)
+    assert (good.passed, bad.passed) == (True, False)
+    assert repr(good) == "CheckResult('sensor_rates_are_positive', passed)"
+
+
+def test_unknown_names_are_errors_with_the_nearest_right_one() -> None:
+    with pytest.raises(ConfigError, match="unknown backend 'mok'; did you mean 'mock'"):
+        check_backend("mok", show=False)
+    with pytest.raises(ConfigError, match="unknown check 'time_starts_at_zro'; did you mean 'time_starts_at_zero'"):
+        check_backend("mock", checks=["time_starts_at_zro"], show=False)
+
+
+def test_a_backend_that_cannot_be_made_fails_with_the_reason() -> None:
+    threewe.register_backend("none", lambda _: None)  # type: ignore[arg-type, return-value]
+    (result,) = check_backend("none", checks=["time_starts_at_zero"], show=False)
+    assert not result.passed
+    assert "its factory made a NoneType" in result.detail
