@@ -1,6 +1,10 @@
 #include "threewe/sim/model.hpp"
 
+#include <algorithm>
 #include <cstddef>
+#include <deque>
+#include <mutex>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -19,6 +23,36 @@ int whole_steps(const RobotProfile& profile, const char* field, Duration duratio
 
 void require(const RobotProfile& profile, bool ok, const std::string& what) {
   if (!ok) throw ConfigError(fmt::format("{}: {}", profile.name, what));
+}
+
+bool same(const scene::Slice& a, const scene::Slice& b) {
+  const auto same_segment = [](const scene::Segment& s, const scene::Segment& t) { return s.a == t.a && s.b == t.b; };
+  const auto same_circle = [](const scene::Circle& c, const scene::Circle& d) {
+    return c.center == d.center && c.radius == d.radius;
+  };
+  return std::ranges::equal(a.segments, b.segments, same_segment) &&
+         std::ranges::equal(a.circles, b.circles, same_circle);
+}
+
+// Finding out what can be seen from where takes most of the time of making a model, so that the last few casters are
+// kept, and found again by what they were made of.
+std::shared_ptr<const RayCaster> find_or_make_caster(scene::Slice slice, double range_max) {
+  struct Kept {
+    scene::Slice slice;
+    std::shared_ptr<const RayCaster> caster;
+  };
+  constexpr std::size_t kMostKept = 8;
+  static std::mutex mutex;
+  static std::deque<Kept> kept;
+
+  const std::scoped_lock lock(mutex);
+  for (const Kept& old : kept) {
+    if (old.caster->range_max() == range_max && same(old.slice, slice)) return old.caster;
+  }
+  auto caster = std::make_shared<const RayCaster>(slice, range_max);
+  kept.push_back({std::move(slice), caster});
+  if (kept.size() > kMostKept) kept.pop_front();
+  return caster;
 }
 
 RobotModel make_robot(const scene::Scene& scene, const RobotProfile& profile) {
@@ -51,7 +85,7 @@ RobotModel make_robot(const scene::Scene& scene, const RobotProfile& profile) {
             fmt::format("lidar.points_per_turn: {} points cannot be spread evenly over the {} steps of a turn",
                         lidar.points_per_turn, robot.turn));
     robot.pattern = models::scan_pattern(lidar);
-    robot.caster = std::make_shared<RayCaster>(scene.at_height(lidar.height), lidar.range_max);
+    robot.caster = find_or_make_caster(scene.at_height(lidar.height), lidar.range_max);
   }
   return robot;
 }
