@@ -19,8 +19,8 @@ scene::Slice room() {
   struct Box {
     double x, y, half_length, half_width;
   };
-  std::vector<Box> boxes = {{10, 0, 10, .1},       {10, 15, 10, .1},       {0, 7.5, .1, 7.5},    {20, 7.5, .1, 7.5},
-                            {6.5, 2.25, .1, 2.25}, {6.5, 7.5, .1, 1.0},    {6.5, 13, .1, 2.0},   {13.5, 2.5, .1, 2.5},
+  std::vector<Box> boxes = {{10, 0, 10, .1},       {10, 15, 10, .1},      {0, 7.5, .1, 7.5},   {20, 7.5, .1, 7.5},
+                            {6.5, 2.25, .1, 2.25}, {6.5, 7.5, .1, 1.0},   {6.5, 13, .1, 2.0},  {13.5, 2.5, .1, 2.5},
                             {13.5, 8.5, .1, 1.5},  {13.5, 13.5, .1, 1.5}, {10, 10.5, 2.0, .1}, {10, 4.0, 2.0, .1}};
   std::uint64_t state = 12345;
   const auto random = [&] {
@@ -71,7 +71,7 @@ std::vector<Pose2D> free_poses() {
 
 void report(benchmark::State& state, double rays) {
   state.counters["per_ray"] = benchmark::Counter(rays * static_cast<double>(state.iterations()),
-                                                benchmark::Counter::kIsRate | benchmark::Counter::kInvert);
+                                                 benchmark::Counter::kIsRate | benchmark::Counter::kInvert);
 }
 
 // One turn from one pose.

@@ -12,8 +12,8 @@ double range_to(const Segment& segment, Vec2 origin, Vec2 direction) {
   const Vec2 a = segment.a - origin;
   const Vec2 b = segment.b - origin;
   const Vec2 along = segment.b - segment.a;
-  const double height = cross(along, a);             // of the origin above the line, on its free side, times length
-  const double approach = cross(along, direction);   // how fast the ray comes down, times length
+  const double height = cross(along, a);            // of the origin above the line, on its free side, times length
+  const double approach = cross(along, direction);  // how fast the ray comes down, times length
   const bool between = cross(direction, a) >= 0.0 && cross(direction, b) <= 0.0;
   return height > 0.0 && approach > 0.0 && between ? height / approach : kMiss;
 }

@@ -100,8 +100,10 @@ RayCaster::RayCaster(const scene::Slice& slice, double range_max) : range_max_(r
   table->slice = slice;
   table->grid = covering_grid(slice);
   const auto visible = potentially_visible_sets(slice, table->grid, range_max);
-  for (int i = 0; i < table->grid.count(); ++i) table->add_cell(table->grid.center(i), visible[static_cast<std::size_t>(i)]);
-  const Vec2 size = CellGrid::kSize * Vec2{static_cast<double>(table->grid.width), static_cast<double>(table->grid.height)};
+  for (int i = 0; i < table->grid.count(); ++i)
+    table->add_cell(table->grid.center(i), visible[static_cast<std::size_t>(i)]);
+  const Vec2 size =
+      CellGrid::kSize * Vec2{static_cast<double>(table->grid.width), static_cast<double>(table->grid.height)};
   table->add_cell(table->grid.origin + 0.5 * size, everything(slice));
   table_ = std::move(table);
 }

@@ -35,17 +35,17 @@ constexpr float kTwoPi = 6.28318531F;
 constexpr int kBatch = 4 * kBlock;
 // Intervals are widened by this much [rad], above all rounding of angles, so that no beam slips between neighbours.
 constexpr float kAngleMargin = 2e-6F;
-// A segment is careful when (its farthest range)^2 / (distance of its line) is above this [m]: single precision would be
-// off by 4e-7 of that.
+// A segment is careful when (its farthest range)^2 / (distance of its line) is above this [m]: single precision would
+// be off by 4e-7 of that.
 constexpr float kSegmentCare = 120.0F;
 // A circle is careful when radius * distance is above this [m^2]: near its tangents the error grows with its root.
 constexpr float kCircleCare = 0.6F;
 
 // What the set-up of one vector of candidates finds.
 struct Found {
-  F first;         // angles [rad] relative to the middle of the fan, counter-clockwise
-  F width;         // [rad]
-  F slack;         // [rad] to be added at both ends
+  F first;  // angles [rad] relative to the middle of the fan, counter-clockwise
+  F width;  // [rad]
+  F slack;  // [rad] to be added at both ends
   hn::Mask<Floats> visible;
   hn::Mask<Floats> everywhere;  // the sensor may touch it: every beam must try
 };
@@ -159,7 +159,8 @@ HWY_INLINE void keep_larger(Fan& fan, int first, int last, const InverseRange& i
   const auto keep = [&](int i) HWY_ATTR {
     const auto beam = hn::Iota(di, i);
     const auto inside = hn::And(hn::Gt(beam, before), hn::Gt(after, beam));
-    const F value = inverse_range(hn::ConvertTo(d, beam), hn::Load(d, fan.cos.data() + i), hn::Load(d, fan.sin.data() + i));
+    const F value =
+        inverse_range(hn::ConvertTo(d, beam), hn::Load(d, fan.cos.data() + i), hn::Load(d, fan.sin.data() + i));
     float* kept = fan.inverse_range.data() + i;
     hn::Store(hn::Max(hn::Load(d, kept), hn::IfThenElseZero(hn::RebindMask(d, inside), value)), d, kept);
   };
@@ -257,26 +258,23 @@ HWY_INLINE void see_segments(const SegmentBlock& block, int j, int place, const 
   const F square_length = hn::Add(hn::Mul(along_x, along_x), hn::Mul(along_y, along_y));
 
   // seen from the free side, a stands to the left of b
-  Found found;
-  found.first = exact::HWY_NAMESPACE::atan2(d, by, bx);
-  const F width = hn::Sub(exact::HWY_NAMESPACE::atan2(d, ay, ax), found.first);
+  const F first = exact::HWY_NAMESPACE::atan2(d, by, bx);
+  const F width = hn::Sub(exact::HWY_NAMESPACE::atan2(d, ay, ax), first);
   const F turned = hn::IfThenElse(hn::Lt(width, hn::Set(d, -1.0F)), hn::Add(width, hn::Set(d, kTwoPi)), width);
-  found.width = hn::Max(turned, hn::Zero(d));
-  found.slack = hn::Set(d, kAngleMargin);
+  F slack = hn::Set(d, kAngleMargin);
   F lowest = height;
+  auto visible = hn::Gt(height, hn::Zero(d));
+  auto everywhere = hn::Lt(square_length, hn::Zero(d));  // nowhere, unless the sensor moves
   if (frame.moves) {
     // on the way the line comes nearer by the reach, and each end turns by asin(reach / distance) at most
     const F reach = hn::Set(d, frame.reach);
     const F change = hn::Mul(reach, hn::Sqrt(square_length));
     lowest = hn::Sub(height, change);
-    found.visible = hn::Gt(hn::Add(height, change), hn::Zero(d));
+    visible = hn::Gt(hn::Add(height, change), hn::Zero(d));
     const F square = hn::Min(square_a, square_b);
-    found.everywhere = hn::Or(hn::Le(lowest, hn::Zero(d)), hn::Le(square, hn::Mul(reach, reach)));
+    everywhere = hn::Or(hn::Le(lowest, hn::Zero(d)), hn::Le(square, hn::Mul(reach, reach)));
     const F sine = hn::Div(reach, hn::Sqrt(hn::Max(square, hn::Set(d, 1e-12F))));
-    found.slack = hn::Add(hn::Mul(sine, hn::Set(d, 1.5708F)), found.slack);
-  } else {
-    found.visible = hn::Gt(height, hn::Zero(d));
-    found.everywhere = hn::Lt(square_length, hn::Zero(d));  // never
+    slack = hn::Add(hn::Mul(sine, hn::Set(d, 1.5708F)), slack);
   }
 
   // careful if farthest^2 / distance > kSegmentCare, squared and without the division
@@ -285,9 +283,9 @@ HWY_INLINE void see_segments(const SegmentBlock& block, int j, int place, const 
   hn::Store(hn::Sub(hn::Mul(hn::Mul(farthest, farthest), square_length), hn::Mul(near, near)), d, batch.care + place);
   hn::Store(along_x, d, batch.along_x + place);
   hn::Store(along_y, d, batch.along_y + place);
-  const F divisor = hn::IfThenElse(found.visible, height, hn::Set(d, 1.0F));
+  const F divisor = hn::IfThenElse(visible, height, hn::Set(d, 1.0F));
   hn::Store(frame.moves ? height : hn::Div(hn::Set(d, 1.0F), divisor), d, batch.height + place);
-  find_beams(found, place, frame, tasks);
+  find_beams({first, hn::Max(turned, hn::Zero(d)), slack, visible, everywhere}, place, frame, tasks);
 }
 
 // From one pose: A cos + B sin of the beam's angle.
@@ -373,22 +371,20 @@ HWY_INLINE void see_circles(const CircleBlock& block, int j, int place, const Fr
   const auto clear = hn::Gt(wide_power, hn::Zero(d));
   const F tangent = hn::Sqrt(hn::Max(wide_power, hn::Zero(d)));
   const F half_width = exact::HWY_NAMESPACE::atan2(d, wide, tangent);
-  Found found;
-  found.first = hn::Sub(exact::HWY_NAMESPACE::atan2(d, y, x), half_width);
-  found.width = hn::Add(half_width, half_width);
-  found.slack = hn::Set(d, kAngleMargin);
-  found.visible = hn::Gt(radius, hn::Zero(d));
-  found.everywhere = hn::Not(clear);
+  const F first = hn::Sub(exact::HWY_NAMESPACE::atan2(d, y, x), half_width);
+  const F width = hn::Add(half_width, half_width);
+  const auto visible = hn::Gt(radius, hn::Zero(d));
 
   const F large = hn::Sub(hn::Mul(square, hn::Mul(radius, radius)), hn::Set(d, kCircleCare * kCircleCare));
   hn::Store(hn::IfThenElse(clear, large, hn::Set(d, 1.0F)), d, batch.care + place);
   hn::Store(x, d, batch.x + place);
   hn::Store(y, d, batch.y + place);
   hn::Store(hn::Div(hn::Set(d, 1.0F), hn::IfThenElse(clear, power, hn::Set(d, 1.0F))), d, batch.inverse_power + place);
-  find_beams(found, place, frame, tasks);
+  find_beams({first, width, hn::Set(d, kAngleMargin), visible, hn::Not(clear)}, place, frame, tasks);
 }
 
-HWY_INLINE void meet_standing(Fan& fan, int first, int last, const CircleBatch& batch, std::size_t place, float radius) {
+HWY_INLINE void meet_standing(Fan& fan, int first, int last, const CircleBatch& batch, std::size_t place,
+                              float radius) {
   const Floats d;
   const F x = hn::Set(d, batch.x[place]);
   const F y = hn::Set(d, batch.y[place]);

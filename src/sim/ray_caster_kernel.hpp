@@ -15,7 +15,8 @@ inline constexpr int kBlock = 16;
 /// Beams that are cast at a time.
 inline constexpr int kMaxBeams = 1024;
 
-/// Segments in single precision, relative to a point near the sensor. Unused places stay zero: no length, nothing to see.
+/// Segments in single precision, relative to a point near the sensor. Unused places stay zero: no length, nothing to
+/// see.
 struct alignas(64) SegmentBlock {
   float a_x[kBlock] = {};
   float a_y[kBlock] = {};

@@ -53,9 +53,8 @@ bool cuts(const Occluder& occluder, Vec2 p, Vec2 q) {
 }
 
 bool hides(const Occluder& occluder, const Square& square, std::span<const Vec2> points) {
-  return std::ranges::all_of(points, [&](Vec2 q) {
-    return std::ranges::all_of(square, [&](Vec2 p) { return cuts(occluder, p, q); });
-  });
+  return std::ranges::all_of(
+      points, [&](Vec2 q) { return std::ranges::all_of(square, [&](Vec2 p) { return cuts(occluder, p, q); }); });
 }
 
 // Whether all of the square stands in front of one of its faces.
@@ -76,7 +75,8 @@ Line line_of(const Segment& segment) {
 std::size_t convex_loop(std::span<const Segment> segments, std::size_t first) {
   const std::size_t most = std::min(segments.size() - first, kMaxCorners);
   std::size_t n = 1;
-  while (n < most && segments[first + n - 1].b == segments[first + n].a && segments[first + n - 1].b != segments[first].a)
+  while (n < most && segments[first + n - 1].b == segments[first + n].a &&
+         segments[first + n - 1].b != segments[first].a)
     ++n;
   if (n < 3 || segments[first + n - 1].b != segments[first].a) return 0;
   const auto loop = segments.subspan(first, n);
@@ -91,7 +91,8 @@ std::size_t convex_loop(std::span<const Segment> segments, std::size_t first) {
 // The corner where two neighbouring lines meet.
 Vec2 meeting(const Line& a, const Line& b) {
   const double det = cross(a.normal, b.normal);
-  return (1.0 / det) * Vec2{a.offset * b.normal.y - b.offset * a.normal.y, b.offset * a.normal.x - a.offset * b.normal.x};
+  return (1.0 / det) *
+         Vec2{a.offset * b.normal.y - b.offset * a.normal.y, b.offset * a.normal.x - a.offset * b.normal.x};
 }
 
 Occluder solid(std::span<const Segment> loop) {
@@ -159,7 +160,10 @@ struct CellRange {
 class Search {
  public:
   Search(const Slice& slice, const CellGrid& grid, double range_max)
-      : slice_(slice), grid_(grid), range_max_(range_max), all_occluders_(occluders_of(slice)),
+      : slice_(slice),
+        grid_(grid),
+        range_max_(range_max),
+        all_occluders_(occluders_of(slice)),
         sets_(static_cast<std::size_t>(grid.count())) {}
 
   std::vector<VisibleSet> run() {
@@ -207,7 +211,8 @@ class Search {
       const std::array<Vec2, 2> ends{segment.a, segment.b};
       const Vec2 along = segment.b - segment.a;
       if (std::ranges::all_of(square, [&](Vec2 p) { return cross(along, segment.a - p) <= 0.0; })) continue;
-      if (distance_to(segment, middle) > reach || is_hidden(square, middle, 0.5 * (segment.a + segment.b), ends)) continue;
+      if (distance_to(segment, middle) > reach || is_hidden(square, middle, 0.5 * (segment.a + segment.b), ends))
+        continue;
       visible.segments.push_back(i);
     }
     for (const int i : candidates.circles) {

@@ -8,4 +8,3 @@
 
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
-

@@ -160,8 +160,7 @@ TEST_CASE("a field that stands twice, and a name that is no text") {
   ConfigNode twice = parse("mass: 1\nname: demo\nmass: 2\n");
   CHECK(twice.text("name") == "demo");
   CHECK(twice.has("mass"));
-  CHECK(message([&] { twice.finish(); }) ==
-        "robot.yaml:3: field 'mass' stands twice, first in line 1");
+  CHECK(message([&] { twice.finish(); }) == "robot.yaml:3: field 'mass' stands twice, first in line 1");
   CHECK(message([] { parse("[1, 2]: 3\n").finish(); }) == "robot.yaml:1: a field's name must be text");
   CHECK(message([] { parse("[1, 2]: 3\n").fields(); }) == "robot.yaml:1: a field's name must be text");
 }

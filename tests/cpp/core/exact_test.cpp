@@ -151,7 +151,8 @@ TEST_CASE("exp of special values and where doubles become subnormal") {
   CHECK(std::isnan(exact::exp(kNaN)));
   for (double x = -744.9; x < -708.0; x += 0.37) {
     CAPTURE(x);
-    CHECK(std::fabs(exact::exp(x) - std::exp(x)) <= 2 * std::numeric_limits<double>::denorm_min() + 1e-15 * std::exp(x));
+    CHECK(std::fabs(exact::exp(x) - std::exp(x)) <=
+          2 * std::numeric_limits<double>::denorm_min() + 1e-15 * std::exp(x));
   }
 }
 

@@ -52,8 +52,8 @@ TEST_CASE("wrapping at the ends and just beyond them") {
     for (int step = -3; step <= 3; ++step) {
       double angle = k * kPi;
       for (int i = 0; i < std::abs(step); ++i) {
-        angle = std::nextafter(angle, step < 0 ? -std::numeric_limits<double>::infinity()
-                                               : std::numeric_limits<double>::infinity());
+        angle = std::nextafter(
+            angle, step < 0 ? -std::numeric_limits<double>::infinity() : std::numeric_limits<double>::infinity());
       }
       CAPTURE(angle);
       const double wrapped = wrap_angle(angle);

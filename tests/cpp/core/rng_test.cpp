@@ -33,12 +33,15 @@ TEST_CASE("Philox gives the published answers") {
   using Words = std::array<std::uint32_t, 4>;
   CHECK(random_bits({}, 0, 0) == Words{0x6627e8d5U, 0xe169c58dU, 0xbc57ac4cU, 0x9b00dbd8U});
 
-  const RngKey ones{.seed = ~std::uint64_t{0}, .episode = ~0U, .robot = 0xfff, .sensor = 0xfff,
-                    .stream = static_cast<Stream>(0xffU)};
+  const RngKey ones{
+      .seed = ~std::uint64_t{0}, .episode = ~0U, .robot = 0xfff, .sensor = 0xfff, .stream = static_cast<Stream>(0xffU)};
   CHECK(random_bits(ones, 0xffffffffffffULL, 0xffffU) == Words{0x408f276dU, 0x41c83b0eU, 0xa20bc7c6U, 0x6d5451fdU});
 
   // counter 243f6a88 85a308d3 13198a2e 03707344, key a4093822 299f31d0: the digits of pi
-  const RngKey pi{.seed = 0x299f31d0a4093822ULL, .episode = 0x13198a2eU, .robot = 0x037, .sensor = 0x073,
+  const RngKey pi{.seed = 0x299f31d0a4093822ULL,
+                  .episode = 0x13198a2eU,
+                  .robot = 0x037,
+                  .sensor = 0x073,
                   .stream = static_cast<Stream>(0x44U)};
   CHECK(random_bits(pi, 0x85a3243f6a88ULL, 0x08d3U) == Words{0xd16cfe09U, 0x94fdccebU, 0x5001e420U, 0x24126ea1U});
 }

@@ -270,6 +270,32 @@ TEST_CASE("close to a wall, along a wall, and exactly at corners") {
   MESSAGE(comparison.beams, " beams, ", comparison.grazing, " grazing, worst error ", comparison.worst, " m");
 }
 
+// Single precision alone would be off by millimetres here.
+TEST_CASE("far along a wall that is seen almost edge-on") {
+  const Pose2D corridor{3.0, 4.0, 0.7};  // at an angle: along an axis nothing cancels
+  Slice slice;
+  add_box(slice, corridor * Vec2{0.0, -0.5}, 60.0, 1.0, 0.7);
+  add_box(slice, corridor * Vec2{0.0, 2.5}, 60.0, 1.0, 0.7);
+  add_box(slice, corridor * Vec2{31.0, 1.0}, 1.0, 10.0, 0.7);
+  slice.circles.push_back({corridor * Vec2{0.0, -50.0}, 49.9, -1});
+  const RayCaster caster(slice, 30.0);
+  Comparison comparison;
+  for (std::uint64_t seed = 3500; seed < 3900; ++seed) {
+    Draw draw(seed);
+    const double gap = draw(0.01, 0.5);
+    Sweep sweep{corridor * Pose2D{draw(-20.0, 20.0), gap, 0.0}, {}, 0.0, 0.0, 200};
+    sweep.end = sweep.begin;
+    if (seed % 4 > 1) sweep.end.x += draw(0.0, 0.01), sweep.end.y += draw(0.0, 0.01);
+    sweep.angle_min = -gap / draw(5.0, 15.0);
+    sweep.angle_increment = -sweep.angle_min / 150;
+    if (seed % 2) sweep.angle_min = kPi - sweep.angle_min, sweep.angle_increment = -sweep.angle_increment;
+    comparison.compare(slice, sweep, 30.0, cast(caster, sweep));
+    INFO("seed ", seed, ", ", comparison.first_wrong);
+    REQUIRE(comparison.wrong == 0);
+  }
+  MESSAGE(comparison.beams, " beams, worst error ", comparison.worst, " m");
+}
+
 TEST_CASE("people and robots that move are met like anything else") {
   Comparison comparison;
   for (std::uint64_t seed = 4000; seed < 4100; ++seed) {
@@ -447,10 +473,10 @@ TEST_CASE("nothing that can be seen is missing from a cell's set") {
 
 TEST_CASE("what a wall hides is left out") {
   Slice slice;
-  add_box(slice, {5.0, 5.0}, 0.2, 10.0, 0.0);   // a wall from bottom to top
-  add_box(slice, {9.0, 5.0}, 0.5, 0.5, 0.3);    // a box on the right
+  add_box(slice, {5.0, 5.0}, 0.2, 10.0, 0.0);  // a wall from bottom to top
+  add_box(slice, {9.0, 5.0}, 0.5, 0.5, 0.3);   // a box on the right
   slice.circles.push_back({{8.0, 3.0}, 0.3, -1});
-  add_box(slice, {1.0, 5.0}, 0.5, 0.5, 0.3);    // a box on the left
+  add_box(slice, {1.0, 5.0}, 0.5, 0.5, 0.3);  // a box on the left
   const CellGrid grid = covering_grid(slice);
   const auto sets = potentially_visible_sets(slice, grid, 20.0);
   const VisibleSet& left = sets[static_cast<std::size_t>(grid.cell({3.0, 5.0}))];
