@@ -58,8 +58,9 @@ Pose2D Runtime::transform(std::string_view target, std::string_view source) cons
     }
     throw ContractError(unknown_name("frame", frame, frames));
   };
-  if (target == source) return odom_from(target), Pose2D{};
-  return inverse(odom_from(target)) * odom_from(source);
+  const Pose2D odom_from_target = odom_from(target);
+  if (target == source) return {};  // exactly
+  return inverse(odom_from_target) * odom_from(source);
 }
 
 bool Runtime::Impl::has_sensor(SensorType type) const {
