@@ -11,6 +11,7 @@
 #include "threewe/backend/registry.hpp"
 #include "threewe/core/errors.hpp"
 #include "threewe/core/rng.hpp"
+#include "threewe/core/targets.hpp"
 #include "threewe/scene/scene.hpp"
 #include "threewe/scene/truth_view.hpp"
 
@@ -231,6 +232,26 @@ TEST_CASE("reset begins anew, to the bit") {
   for (const Sample& sample : world->robot(0).poll()) {
     if (const auto* odometry = std::get_if<Odometry>(&sample.data)) CHECK(odometry->pose == Pose2D{});
   }
+}
+
+TEST_CASE("every vector target gives the same world, to the bit") {
+  const std::vector<std::string> targets = available_targets();
+  if (targets.size() < 2) MESSAGE("not shown: only one target, ", targets.front(), ", on this machine");
+  std::vector<std::byte> expected;
+  std::vector<Sample> expected_samples;
+  for (const std::string& target : targets) {
+    CAPTURE(target);
+    force_target(target);
+    const auto world = make({.robots = {"3we_standard_v2", "turtlebot_like"}});
+    const auto samples = drive(*world, 3, 150);
+    if (expected.empty()) {
+      expected = world->save();
+      expected_samples = samples;
+    }
+    CHECK(world->save() == expected);
+    CHECK(same(samples, expected_samples));
+  }
+  force_target("");
 }
 
 TEST_CASE("a world restored anywhere, with samples on their way, goes on to the bit") {
