@@ -21,9 +21,8 @@ async def main() -> None:
             meter.observe(truth.true_pose())
             if robot.now >= told + 5.0:
                 told = robot.now
-                print(
-                    f"{told:5.0f} s: {progress.distance_driven:5.1f} m driven, {meter.coverage(robot.get_map()):4.0%} seen"
-                )
+                coverage = meter.coverage(robot.get_map())
+                print(f"{told:5.0f} s: {progress.distance_driven:5.1f} m driven, {coverage:4.0%} seen")
 
         seen = await robot.explore(timeout=20.0 if QUICK else 600.0, on_progress=look)
         print(f"{seen.reason.name}: {seen.explored_area:.0f} m^2 seen in {seen.duration:.0f} s")
