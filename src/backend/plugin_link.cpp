@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <iterator>
 #include <utility>
 
 #include <fmt/format.h>
@@ -114,10 +115,7 @@ std::optional<PluginLink::Fault> PluginLink::deliver(std::vector<PluginReading> 
     return Fault{true, fmt::format("backend '{}': {}", name_, error.what())};
   }
   newest_ = std::move(newest);
-  for (Sample& sample : samples) {
-    sample.sequence = sequence_[sample.sensor]++;
-    arrived_.push_back(std::move(sample));
-  }
+  std::move(samples.begin(), samples.end(), std::back_inserter(arrived_));
   return std::nullopt;
 }
 

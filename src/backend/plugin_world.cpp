@@ -1,10 +1,10 @@
 #include <algorithm>
-#include <cstring>
 #include <thread>
 #include <utility>
 
 #include <fmt/format.h>
 
+#include "backend/bytes.hpp"
 #include "threewe/backend/plugin.hpp"
 #include "threewe/core/errors.hpp"
 
@@ -13,26 +13,12 @@ namespace threewe::backend {
 namespace {
 
 using Call = PluginRequest::Call;
-using Bytes = std::vector<std::byte>;
 
 /// The velocity with its direction kept, no faster than the drive can go.
 Velocity limited(const Velocity& v, const Limits& limits) {
   const double speed = norm({v.vx, v.vy});
   const double scale = speed > limits.linear ? limits.linear / speed : 1.0;
   return {v.vx * scale, v.vy * scale, std::clamp(v.omega, -limits.angular, limits.angular)};
-}
-
-template <typename T>
-void put(Bytes& bytes, const T& value) {
-  const auto* begin = reinterpret_cast<const std::byte*>(&value);
-  bytes.insert(bytes.end(), begin, begin + sizeof value);
-}
-
-template <typename T>
-void get(const Bytes& bytes, std::size_t& at, T& value) {
-  if (bytes.size() - at < sizeof value) throw ContractError("restore(): the state is cut short");
-  std::memcpy(&value, bytes.data() + at, sizeof value);
-  at += sizeof value;
 }
 
 }  // namespace
@@ -98,7 +84,10 @@ std::vector<Sample> PluginWorld::poll() {
   link_->notice_hanging();
   link_->throw_if_faulty();
   std::vector<Sample> samples = std::exchange(link_->arrived_, {});
-  for (Sample& sample : samples) sample.received = link_->now();
+  for (Sample& sample : samples) {
+    sample.sequence = link_->sequence_[sample.sensor]++;
+    sample.received = link_->now();
+  }
   return samples;
 }
 
@@ -126,15 +115,17 @@ void PluginWorld::reset(const ResetOptions& options) {
 std::vector<std::byte> PluginWorld::save() const {
   if (!link_->features_.can_save) return World::save();
   PluginLink::Lock lock(link_->mutex_);
-  if (!link_->arrived_.empty()) throw ContractError("save() while samples wait to be polled");
-  Bytes bytes;
-  put(bytes, link_->lockstep_now_);
-  put(bytes, link_->command_);
-  for (const std::uint64_t sequence : link_->sequence_) put(bytes, sequence);
-  for (const Time stamp : link_->newest_) put(bytes, stamp);
   const PluginReply reply = link_->ask(lock, {.call = Call::save});
-  bytes.insert(bytes.end(), reply.state.begin(), reply.state.end());
-  return bytes;
+  ByteWriter bytes;
+  bytes.put(link_->lockstep_now_);
+  bytes.put(link_->command_);
+  for (const std::uint64_t sequence : link_->sequence_) bytes.put(sequence);
+  for (const Time stamp : link_->newest_) bytes.put(stamp);
+  bytes.put(std::uint64_t{link_->arrived_.size()});
+  for (const Sample& sample : link_->arrived_) bytes.put(sample);
+  bytes.put(std::uint64_t{reply.state.size()});
+  for (const std::byte byte : reply.state) bytes.put(byte);
+  return bytes.take();
 }
 
 void PluginWorld::restore(const std::vector<std::byte>& state) {
@@ -144,13 +135,22 @@ void PluginWorld::restore(const std::vector<std::byte>& state) {
   PluginLink::Command command;
   std::vector<std::uint64_t> sequence(link_->sequence_.size());
   std::vector<Time> newest(link_->newest_.size());
-  std::size_t at = 0;
-  get(state, at, now);
-  get(state, at, command);
-  for (std::uint64_t& number : sequence) get(state, at, number);
-  for (Time& stamp : newest) get(state, at, stamp);
-  link_->ask(lock,
-             {.call = Call::restore, .state = Bytes(state.begin() + static_cast<std::ptrdiff_t>(at), state.end())});
+  PluginRequest request{.call = Call::restore};
+  ByteReader bytes(state);
+  bytes.get(now);
+  bytes.get(command);
+  for (std::uint64_t& number : sequence) bytes.get(number);
+  for (Time& stamp : newest) bytes.get(stamp);
+  std::vector<Sample> arrived(bytes.get_size());
+  for (Sample& sample : arrived) {
+    bytes.get(sample);
+    if (sample.sensor >= sequence.size())
+      throw ContractError("restore: these bytes are no saved world of this backend");
+  }
+  request.state.resize(bytes.get_size());
+  for (std::byte& byte : request.state) bytes.get(byte);
+  bytes.finish();
+  link_->ask(lock, std::move(request));
 
   // only now, so that a failure leaves nothing half restored
   link_->begin_anew();
@@ -158,6 +158,7 @@ void PluginWorld::restore(const std::vector<std::byte>& state) {
   link_->command_ = command;
   link_->sequence_ = std::move(sequence);
   link_->newest_ = std::move(newest);
+  link_->arrived_ = std::move(arrived);
 }
 
 }  // namespace threewe::backend

@@ -144,7 +144,6 @@ class PluginWorld : public World, private RobotPort {
   Time now() const override;
   void advance_to(Time t) override;
   void reset(const ResetOptions& options) override;
-  /// Throws ContractError also while samples wait to be polled.
   std::vector<std::byte> save() const override;
   void restore(const std::vector<std::byte>& state) override;
 

@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-#include "backend/mock/bytes.hpp"
+#include "backend/bytes.hpp"
 #include "backend/mock/mock_truth.hpp"
 #include "threewe/backend/mock/mock_world.hpp"
 

@@ -5,7 +5,7 @@
 
 #include <fmt/format.h>
 
-#include "backend/mock/bytes.hpp"
+#include "backend/bytes.hpp"
 #include "backend/mock/mock_port.hpp"
 #include "threewe/core/errors.hpp"
 #include "threewe/scene/scene.hpp"

@@ -396,6 +396,26 @@ TEST_CASE("features that contradict themselves or the profile are refused when t
   CHECK(refused([](Features& f) { f.lockstep = false; }) == "backend 'toy': can be saved, but time runs by itself");
 }
 
+TEST_CASE("samples that wait to be polled are part of a saved state") {
+  const auto recorder = std::make_shared<Recorder>();
+  const auto world = recorded(recorder);
+  world->robot(0).connect();
+  world->advance_to(200ms);
+  const std::vector<std::byte> state = world->save();
+  const std::vector<Sample> polled = world->robot(0).poll();
+  world->advance_to(300ms);
+  world->restore(state);
+  const std::vector<Sample> again = world->robot(0).poll();
+  REQUIRE(!polled.empty());
+  REQUIRE(again.size() == polled.size());
+  for (std::size_t i = 0; i < polled.size(); ++i) {
+    CHECK(again[i].sensor == polled[i].sensor);
+    CHECK(again[i].sequence == polled[i].sequence);
+    CHECK(again[i].measured == polled[i].measured);
+    CHECK(again[i].received == 200ms);
+  }
+}
+
 TEST_CASE("a state that is cut short is refused, and nothing is restored") {
   const auto recorder = std::make_shared<Recorder>();
   const auto world = recorded(recorder);

@@ -13,7 +13,7 @@
 #include "threewe/core/errors.hpp"
 #include "threewe/core/samples.hpp"
 
-namespace threewe::backend::mock {
+namespace threewe::backend {
 
 class ByteWriter {
  public:
@@ -103,4 +103,4 @@ class ByteReader {
   std::span<const std::byte> bytes_;
 };
 
-}  // namespace threewe::backend::mock
+}  // namespace threewe::backend
