@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "robot/lying_world.hpp"
 #include "threewe/backend/registry.hpp"
 #include "threewe/core/errors.hpp"
 #include "threewe/robot/robot.hpp"
@@ -50,53 +51,6 @@ void drive(Robot& robot) {
   (void)robot.wait(robot.rotate(1.0));
   robot.execute_action({0.5, 0.0, -0.5}, 0.1);
 }
-
-// A simulator that claims its robot to be elsewhere. What it delivers and obeys is as it was.
-class ShiftedTruth final : public scene::TruthView {
- public:
-  explicit ShiftedTruth(const scene::TruthView& truth) : truth_(truth) {}
-  const scene::Scene& scene() const override { return truth_.scene(); }
-  Pose2D true_pose() const override { return shifted(truth_.true_pose()); }
-  Velocity true_velocity() const override { return {}; }
-  Pose2D start_pose() const override { return shifted(truth_.start_pose()); }
-  double max_collision_speed() const override { return 7.0; }
-  double distance_driven() const override { return truth_.distance_driven() + 100.0; }
-  Pose2D sample_free_pose(std::uint64_t seed) const override { return shifted(truth_.sample_free_pose(seed)); }
-  double geodesic(Vec2 a, Vec2 b) const override { return truth_.geodesic(a, b) + 100.0; }
-
- private:
-  static Pose2D shifted(const Pose2D& p) { return {p.x + 100.0, p.y - 100.0, wrap_angle(p.theta + 2.0)}; }
-  const scene::TruthView& truth_;
-};
-
-class LyingPort final : public backend::RobotPort {
- public:
-  explicit LyingPort(backend::RobotPort& port) : port_(port), truth_(*port.truth()) {}
-  const backend::Features& features() const override { return port_.features(); }
-  const RobotProfile& profile() const override { return port_.profile(); }
-  void connect() override { port_.connect(); }
-  void disconnect() override { port_.disconnect(); }
-  std::vector<Sample> poll() override { return port_.poll(); }
-  void command(const Velocity& velocity, Time valid_until) override { port_.command(velocity, valid_until); }
-  const scene::TruthView* truth() const override { return &truth_; }
-
- private:
-  backend::RobotPort& port_;
-  ShiftedTruth truth_;
-};
-
-class LyingWorld final : public backend::World {
- public:
-  explicit LyingWorld(std::unique_ptr<backend::World> world) : world_(std::move(world)), port_(world_->robot(0)) {}
-  std::size_t robot_count() const override { return 1; }
-  backend::RobotPort& robot(std::size_t) override { return port_; }
-  Time now() const override { return world_->now(); }
-  void advance_to(Time t) override { world_->advance_to(t); }
-
- private:
-  std::unique_ptr<backend::World> world_;
-  LyingPort port_;
-};
 
 }  // namespace
 

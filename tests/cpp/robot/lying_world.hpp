@@ -1,0 +1,63 @@
+// A simulator that lies about its robot, to show that the robot does not listen.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <utility>
+#include <vector>
+
+#include "threewe/backend/world.hpp"
+#include "threewe/scene/truth_view.hpp"
+
+namespace threewe {
+
+/// The truth, moved by 100 m and turned.
+class ShiftedTruth final : public scene::TruthView {
+ public:
+  explicit ShiftedTruth(const scene::TruthView& truth) : truth_(truth) {}
+  const scene::Scene& scene() const override { return truth_.scene(); }
+  Pose2D true_pose() const override { return shifted(truth_.true_pose()); }
+  Velocity true_velocity() const override { return {}; }
+  Pose2D start_pose() const override { return shifted(truth_.start_pose()); }
+  double max_collision_speed() const override { return 7.0; }
+  double distance_driven() const override { return truth_.distance_driven() + 100.0; }
+  Pose2D sample_free_pose(std::uint64_t seed) const override { return shifted(truth_.sample_free_pose(seed)); }
+  double geodesic(Vec2 a, Vec2 b) const override { return truth_.geodesic(a, b) + 100.0; }
+
+ private:
+  static Pose2D shifted(const Pose2D& p) { return {p.x + 100.0, p.y - 100.0, wrap_angle(p.theta + 2.0)}; }
+  const scene::TruthView& truth_;
+};
+
+/// A port whose robot claims to be elsewhere. What it delivers and obeys is as it was.
+class LyingPort final : public backend::RobotPort {
+ public:
+  explicit LyingPort(backend::RobotPort& port) : port_(port), truth_(*port.truth()) {}
+  const backend::Features& features() const override { return port_.features(); }
+  const RobotProfile& profile() const override { return port_.profile(); }
+  void connect() override { port_.connect(); }
+  void disconnect() override { port_.disconnect(); }
+  std::vector<Sample> poll() override { return port_.poll(); }
+  void command(const Velocity& velocity, Time valid_until) override { port_.command(velocity, valid_until); }
+  const scene::TruthView* truth() const override { return &truth_; }
+
+ private:
+  backend::RobotPort& port_;
+  ShiftedTruth truth_;
+};
+
+/// A world of one such robot.
+class LyingWorld final : public backend::World {
+ public:
+  explicit LyingWorld(std::unique_ptr<backend::World> world) : world_(std::move(world)), port_(world_->robot(0)) {}
+  std::size_t robot_count() const override { return 1; }
+  backend::RobotPort& robot(std::size_t) override { return port_; }
+  Time now() const override { return world_->now(); }
+  void advance_to(Time t) override { world_->advance_to(t); }
+
+ private:
+  std::unique_ptr<backend::World> world_;
+  LyingPort port_;
+};
+
+}  // namespace threewe

@@ -1,0 +1,36 @@
+"""Programs that wait for robot time in every way, equal to the tick on each Python."""
+
+import subprocess
+import sys
+from pathlib import Path
+
+from tests.other_pythons import TESTS, VERSIONS, environment, interpreters
+from verify.harness import Case, Experiment, all_of
+
+ROOT = Path(__file__).resolve().parent.parent
+
+
+def transcripts(_seed: int, version: str) -> Case:
+    """The pump's tests on one Python: what each program writes down must be what is kept in golden/."""
+    current = f"{sys.version_info.major}.{sys.version_info.minor}"
+    python = Path(sys.executable)
+    if version != current:
+        found = interpreters()[version]
+        if found is None:
+            return {"not_shown": f"Python {version} is not installed"}
+        python = environment(version, found)
+    tests = [str(path) for pattern in TESTS for path in sorted((ROOT / "tests/python").glob(pattern))]
+    done = subprocess.run([python, "-m", "pytest", "-q", *tests], cwd=ROOT, capture_output=True, text=True)
+    return {"equal": done.returncode == 0, "summary": done.stdout.splitlines()[-1]}
+
+
+EXPERIMENTS = [
+    Experiment(
+        f"Python {version}",
+        transcripts,
+        {"version": version},
+        rows=[all_of("every program's transcript is equal to the tick", lambda case: case["equal"])],
+        alone=True,
+    )
+    for version in VERSIONS
+]

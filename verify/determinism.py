@@ -1,0 +1,42 @@
+"""The same bits on every vector target and processor, fresh and restored."""
+
+from verify.cases.journey import processors, targets
+from verify.harness import Case, Experiment, Row, Verdict, all_of
+
+
+def was_run(target: str, name: str) -> Row:
+    """Whether the machine had that target, so that the claim above includes it."""
+
+    def judge(cases: list[Case], _sample: bool) -> Verdict:
+        runs = sum(target in case.get("targets", []) for case in cases)
+        return Verdict(f"{runs}/{len(cases)} cases", "all", "pass" if runs == len(cases) else "not shown")
+
+    return Row(f"{name} was among them", judge)
+
+
+def several_targets(case: Case) -> bool:
+    """One target is equal to itself: that shows nothing."""
+    return case["equal"] and len(case["targets"]) >= 2
+
+
+EXPERIMENTS = [
+    Experiment(
+        "world, mind and gate",
+        targets,
+        cases=100,
+        sample=4,
+        rows=[
+            all_of("same bits on every target, fresh and restored", several_targets),
+            was_run("AVX3", "AVX-512"),
+            was_run("AVX2", "AVX2"),
+            was_run("SCALAR", "scalar code"),
+        ],
+    ),
+    Experiment(
+        "aarch64, emulated",
+        processors,
+        cases=20,
+        sample=0,
+        rows=[all_of("same bits as on this processor", lambda case: case["equal"])],
+    ),
+]

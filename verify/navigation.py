@@ -1,0 +1,46 @@
+"""Drives to sampled goals in places that the robot has never seen; explores; listens to no simulator's lies."""
+
+from verify.cases.driving import arrived, drive, explore
+from verify.harness import Experiment, all_of, share_of, worst_of
+from verify.cases.journey import lies
+
+ROBOTS = [
+    ("office_v2", "3we_standard_v2"),
+    ("corridor_v1", "3we_standard_v2"),
+    ("office_v2", "turtlebot_like"),
+]
+
+EXPERIMENTS = [
+    *(
+        Experiment(
+            f"move_to, {hardware} in {scene}",
+            drive,
+            {"scene": scene, "hardware": hardware},
+            cases=200,
+            sample=8,
+            rows=[
+                share_of("reached, truly within 0.25 m", arrived, at_least=0.95),
+                worst_of("contact by its own motion [m/s]", lambda case: case["contact_speed"], at_most=0.05),
+            ],
+        )
+        for scene, hardware in ROBOTS
+    ),
+    Experiment(
+        "explore office_v2",
+        explore,
+        {"scene": "office_v2", "seconds": 300.0},
+        cases=20,
+        sample=2,
+        rows=[
+            worst_of("coverage within 300 robot seconds", lambda case: case["coverage"], at_least=0.90),
+            worst_of("contact by its own motion [m/s]", lambda case: case["contact_speed"], at_most=0.05),
+        ],
+    ),
+    Experiment(
+        "honesty",
+        lies,
+        cases=100,
+        sample=4,
+        rows=[all_of("same commands when the truth is shifted by 100 m", lambda case: case["equal"])],
+    ),
+]

@@ -1,0 +1,29 @@
+"""How many times faster than real time one core simulates and thinks. Keep the machine idle."""
+
+import subprocess
+from pathlib import Path
+
+from verify.harness import Case, Experiment, median_of
+
+PROGRAM = Path(__file__).resolve().parent.parent / "build/dev/verify/verify_pace"
+
+
+def pace(seed: int) -> Case:
+    """Robot seconds per CPU second."""
+    output = subprocess.run([PROGRAM, str(seed)], capture_output=True, text=True, check=True).stdout
+    return {name: float(value) for name, value in (line.split() for line in output.splitlines())}
+
+
+EXPERIMENTS = [
+    Experiment(
+        "one robot in office_v2, realistic noise",
+        pace,
+        cases=7,
+        sample=3,
+        rows=[
+            median_of("simulation alone, times real time", lambda case: case["simulation"], at_least=300.0),
+            median_of("localising and mapping, times real time", lambda case: case["mind"], at_least=100.0),
+        ],
+        alone=True,
+    )
+]
