@@ -41,7 +41,8 @@ int block_count(int places) { return (places + kBlock - 1) / kBlock; }
 template <class Block, class Shape>
 void append(std::vector<Block>& blocks, int first, int place, const Shape& shape, Vec2 center, int index) {
   if (place % kBlock == 0) blocks.emplace_back();
-  put(blocks[static_cast<std::size_t>(first + place / kBlock)], place % kBlock, shape, center, index);
+  const int block = first + place / kBlock;
+  put(blocks[static_cast<std::size_t>(block)], place % kBlock, shape, center, index);
 }
 
 VisibleSet everything(const scene::Slice& slice) {

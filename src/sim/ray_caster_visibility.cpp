@@ -11,7 +11,6 @@
 namespace threewe::sim {
 namespace {
 
-using scene::Circle;
 using scene::Segment;
 using scene::Slice;
 
@@ -180,7 +179,8 @@ class Search {
     const int width = range.x1 - range.x0;
     const int height = range.y1 - range.y0;
     if (width == 1 && height == 1) {
-      sets_[static_cast<std::size_t>(range.y0 * grid_.width + range.x0)] = visible;
+      const int cell = range.y0 * grid_.width + range.x0;
+      sets_[static_cast<std::size_t>(cell)] = visible;
       return;
     }
     CellRange low = range;

@@ -17,13 +17,17 @@ struct CellGrid {
   int height = 0;
 
   int count() const { return width * height; }
-  Vec2 center(int cell) const { return origin + kSize * Vec2{cell % width + 0.5, cell / width + 0.5}; }
+  Vec2 center(int cell) const {
+    const int column = cell % width;
+    const int row = cell / width;
+    return origin + kSize * Vec2{column + 0.5, row + 0.5};
+  }
   /// The cell that holds a point, or -1 outside.
   int cell(Vec2 point) const {
     const double x = (point.x - origin.x) / kSize;
     const double y = (point.y - origin.y) / kSize;
-    if (!(x >= 0.0 && y >= 0.0 && x < width && y < height)) return -1;
-    return static_cast<int>(y) * width + static_cast<int>(x);
+    const bool inside = x >= 0.0 && y >= 0.0 && x < width && y < height;
+    return inside ? static_cast<int>(y) * width + static_cast<int>(x) : -1;
   }
 };
 
