@@ -31,8 +31,10 @@ target_include_directories(threewe_flags INTERFACE $<BUILD_INTERFACE:${PROJECT_S
                                                    $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
 
 add_library(threewe_warnings INTERFACE)
-target_compile_options(
-  threewe_warnings
-  INTERFACE -Wall -Wextra -Wpedantic -Wconversion -Wsign-conversion -Wshadow -Wold-style-cast -Wcast-qual
-            -Wnon-virtual-dtor -Woverloaded-virtual -Wdouble-promotion -Wformat=2 -Wnull-dereference
-            -Wimplicit-fallthrough $<$<BOOL:${THREEWE_DEVELOPER}>:-Werror>)
+if(NOT THREEWE_SANITIZE) # what the sanitizers insert would be warned about too
+  target_compile_options(
+    threewe_warnings
+    INTERFACE -Wall -Wextra -Wpedantic -Wconversion -Wsign-conversion -Wshadow -Wold-style-cast -Wcast-qual
+              -Wnon-virtual-dtor -Woverloaded-virtual -Wdouble-promotion -Wformat=2 -Wnull-dereference
+              -Wimplicit-fallthrough $<$<BOOL:${THREEWE_DEVELOPER}>:-Werror>)
+endif()
