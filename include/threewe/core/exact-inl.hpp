@@ -8,6 +8,7 @@
 #endif
 
 #include <cstddef>
+#include <numbers>
 
 HWY_BEFORE_NAMESPACE();
 namespace threewe::exact::HWY_NAMESPACE {
@@ -33,12 +34,12 @@ HWY_INLINE V atan2(D d, V y, V x) {
   V p = hn::Sub(hn::Mul(z, hn::Set(d, 8.05374449538e-2F)), hn::Set(d, 1.38776856032e-1F));
   p = hn::Add(hn::Mul(p, z), hn::Set(d, 1.99777106478e-1F));
   p = hn::Sub(hn::Mul(p, z), hn::Set(d, 3.33329491539e-1F));
-  const V octant = hn::IfThenElseZero(turned, hn::Set(d, 0.78539816F));
+  const V octant = hn::IfThenElseZero(turned, hn::Set(d, std::numbers::pi_v<float> / 4.0F));
   V angle = hn::Add(octant, hn::Add(t, hn::Mul(t, hn::Mul(z, p))));
 
   // back to the quadrant
-  angle = hn::IfThenElse(hn::Gt(abs_y, abs_x), hn::Sub(hn::Set(d, 1.57079633F), angle), angle);
-  angle = hn::IfThenElse(hn::Lt(x, hn::Zero(d)), hn::Sub(hn::Set(d, 3.14159265F), angle), angle);
+  angle = hn::IfThenElse(hn::Gt(abs_y, abs_x), hn::Sub(hn::Set(d, std::numbers::pi_v<float> / 2.0F), angle), angle);
+  angle = hn::IfThenElse(hn::Lt(x, hn::Zero(d)), hn::Sub(hn::Set(d, std::numbers::pi_v<float>), angle), angle);
   return hn::CopySign(angle, y);
 }
 
