@@ -15,11 +15,11 @@ namespace {
 constexpr double kGravity = 9.80665;  // [m/s^2]
 
 // Bounds that no robot of this kind leaves: they catch wrong units, such as millimetres or degrees.
-constexpr double kMaxLength = 5.0;        // [m]
-constexpr double kMaxMass = 1000.0;       // [kg]
-constexpr double kMaxSpeed = 20.0;        // [m/s] and [rad/s]
+constexpr double kMaxLength = 5.0;          // [m]
+constexpr double kMaxMass = 1000.0;         // [kg]
+constexpr double kMaxSpeed = 20.0;          // [m/s] and [rad/s]
 constexpr double kMaxAcceleration = 200.0;  // [m/s^2] and [rad/s^2]
-constexpr double kSmall = 1e-6;           // stands for "more than zero"
+constexpr double kSmall = 1e-6;             // stands for "more than zero"
 
 Duration duration_in(ConfigNode& node, std::string_view field, double low, double high) {
   return from_seconds(node.number_in(field, low, high));
@@ -56,7 +56,8 @@ WheelGeometry read_wheels(ConfigNode node) {
   const bool holonomic = node.choice("kinematics", {"holonomic", "differential"}) == "holonomic";
   wheels.kinematics = holonomic ? Kinematics::holonomic : Kinematics::differential;
   wheels.radius = node.number_in("radius", 0.001, 1.0);
-  wheels.half_length = holonomic ? node.number_in("half_length", 0.001, kMaxLength) : node.number_in("half_length", 0.0, 0.0);
+  wheels.half_length =
+      holonomic ? node.number_in("half_length", 0.001, kMaxLength) : node.number_in("half_length", 0.0, 0.0);
   wheels.half_width = node.number_in("half_width", 0.001, kMaxLength);
   node.finish();
   return wheels;
@@ -105,7 +106,8 @@ LidarSpec read_lidar(ConfigNode node) {
   lidar.latency = duration_in(node, "latency", 0.0, 1.0);
   node.finish();
   if (lidar.beams > lidar.points_per_turn) {
-    node.at("beams").fail(fmt::format("{} beams cannot be made of {} points a turn", lidar.beams, lidar.points_per_turn));
+    node.at("beams").fail(
+        fmt::format("{} beams cannot be made of {} points a turn", lidar.beams, lidar.points_per_turn));
   }
   if (lidar.range_min >= lidar.range_max) node.at("range_min").fail("must be below range_max");
   return lidar;
@@ -160,13 +162,15 @@ void check_limits(const RobotProfile& profile, ConfigNode limits) {
   const Limits& operating = profile.operating_limits;
   const double top_speed = body.no_load_speed * body.wheels.radius;
   if (hardware.linear > top_speed) {
-    limits.at("hardware").at("linear").fail(
-        fmt::format("{} m/s is beyond the motors' {:.3f} m/s without load", hardware.linear, top_speed));
+    limits.at("hardware")
+        .at("linear")
+        .fail(fmt::format("{} m/s is beyond the motors' {:.3f} m/s without load", hardware.linear, top_speed));
   }
   const double grip = body.friction * kGravity;
   if (hardware.linear_braking > grip) {
-    limits.at("hardware").at("linear_braking").fail(
-        fmt::format("{} m/s^2 is beyond the {:.2f} m/s^2 that friction gives", hardware.linear_braking, grip));
+    limits.at("hardware")
+        .at("linear_braking")
+        .fail(fmt::format("{} m/s^2 is beyond the {:.2f} m/s^2 that friction gives", hardware.linear_braking, grip));
   }
   const auto within = [&](std::string_view field, double asked, double possible) {
     if (asked <= possible) return;

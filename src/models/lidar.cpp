@@ -19,7 +19,8 @@ double lidar_bias(const LidarSpec& spec, const RngKey& key) {
   return uniform(episode, static_cast<std::uint64_t>(Stream::lidar), 0, -spec.bias, spec.bias);
 }
 
-void measure_ranges(const LidarSpec& spec, const RngKey& key, double bias, std::uint64_t first, std::span<float> ranges) {
+void measure_ranges(const LidarSpec& spec, const RngKey& key, double bias, std::uint64_t first,
+                    std::span<float> ranges) {
   const auto far = static_cast<float>(spec.range_max);
   const auto near = static_cast<float>(spec.range_min);
   const bool noisy = spec.sigma > 0.0 || spec.dropout > 0.0;

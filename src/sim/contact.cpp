@@ -164,7 +164,8 @@ bool hits(const Outline& outline, Vec2 moved, const Shape& shape) {
   if (overlaps(outline, moved, shape)) return true;
   const double least = shape.radius + 0.5 * kSkin;
   bool near = false;
-  visit_pairs(outline, moved, shape, [&](Vec2 offset, Vec2, Vec2) { near = near || dot(offset, offset) < least * least; });
+  visit_pairs(outline, moved, shape,
+              [&](Vec2 offset, Vec2, Vec2) { near = near || dot(offset, offset) < least * least; });
   return near;
 }
 

@@ -64,8 +64,7 @@ RobotModel make_robot(const scene::Scene& scene, const RobotProfile& profile) {
 
   constexpr double kFloorClearance = 0.01;  // [m], what lies lower is driven over
   const double fastest = robot.drive.no_load_speed * robot.drive.wheels.radius;
-  const double reach =
-      contact_reach(robot.body.footprint, fastest, profile.hardware_limits.angular, to_seconds(kStep));
+  const double reach = contact_reach(robot.body.footprint, fastest, profile.hardware_limits.angular, to_seconds(kStep));
   robot.solids = scene.solids_between(kFloorClearance, profile.body.height);
   robot.obstacles = std::make_shared<ShapeIndex>(scene::outlines(robot.solids), reach);
 

@@ -43,8 +43,7 @@ Before move_robot(const RobotModel& robot, std::span<const scene::Segment> other
   rolling.vy *= state.wheel_errors.lateral;
   const Velocity driven = models::grip(drive, before.carried, rolling);
 
-  const Motion motion =
-      move(robot.body, *robot.obstacles, others, state.pose, driven, before.carried, kSeconds);
+  const Motion motion = move(robot.body, *robot.obstacles, others, state.pose, driven, before.carried, kSeconds);
   state.distance_driven += distance(state.pose.position(), motion.pose.position());
   state.pose = motion.pose;
   state.velocity = motion.velocity;
@@ -80,8 +79,8 @@ void sweep_lidar(const RobotModel& robot, std::span<const scene::Segment> others
 
 void sense(const RobotModel& robot, std::span<const scene::Segment> others, const Before& before, RobotState& state) {
   if (imu_ready(robot, state)) {
-    const Vec2 acceleration = (1.0 / kSeconds) * Vec2{state.velocity.vx - before.carried.vx,
-                                                      state.velocity.vy - before.carried.vy};
+    const Vec2 acceleration =
+        (1.0 / kSeconds) * Vec2{state.velocity.vx - before.carried.vx, state.velocity.vy - before.carried.vy};
     state.imu = models::measure_imu(*robot.profile.imu, state.key(Stream::imu), state.velocity.omega, acceleration,
                                     state.imu_state);
   }

@@ -30,7 +30,8 @@ std::vector<float> slow_resample(const LidarSpec& spec, const std::vector<float>
     bool any_far = false;
     float nearest = 0.0F;
     for (std::size_t k = 0; k < points.size(); ++k) {
-      const double apart = std::remainder(pattern.first_angle + static_cast<double>(k) * pattern.angle_step - angle, 2.0 * M_PI);
+      const double apart =
+          std::remainder(pattern.first_angle + static_cast<double>(k) * pattern.angle_step - angle, 2.0 * M_PI);
       if (apart < -0.5 * increment - 1e-9 || apart >= 0.5 * increment - 1e-9 || points[k] == 0.0F) continue;
       if (points[k] >= static_cast<float>(spec.range_max)) {
         any_far = true;

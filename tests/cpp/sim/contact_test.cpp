@@ -166,8 +166,9 @@ TEST_CASE("contact adds no energy and nothing is entered, among random obstacles
     std::vector<scene::Solid> solids;
     for (std::uint32_t i = 0; i < 12; ++i) {
       const Pose2D middle{uniform(key, i, 0, -0.8, 0.8), uniform(key, i, 1, -0.8, 0.8), uniform(key, i, 2, -3.0, 3.0)};
-      solids.push_back(i % 3 == 0 ? scene::make_disc(middle.position(), uniform(key, i, 3, 0.01, 0.1))
-                                  : scene::make_box(middle, uniform(key, i, 3, 0.02, 0.4), uniform(key, i, 4, 0.02, 0.2)));
+      solids.push_back(i % 3 == 0
+                           ? scene::make_disc(middle.position(), uniform(key, i, 3, 0.01, 0.1))
+                           : scene::make_box(middle, uniform(key, i, 3, 0.02, 0.4), uniform(key, i, 4, 0.02, 0.2)));
     }
     Pose2D pose{0.0, 0.0, uniform(key, 50, 0, -3.0, 3.0)};
     if (inside(solids, body, pose)) continue;

@@ -34,7 +34,9 @@ std::shared_ptr<const scene::Scene> hall() {
   return std::make_shared<const scene::Scene>(scene);
 }
 
-RobotProfile standard(NoiseLevel noise = NoiseLevel::realistic) { return with_noise(load_profile("3we_standard_v2"), noise); }
+RobotProfile standard(NoiseLevel noise = NoiseLevel::realistic) {
+  return with_noise(load_profile("3we_standard_v2"), noise);
+}
 RobotProfile differential(NoiseLevel noise = NoiseLevel::realistic) {
   return with_noise(load_profile("turtlebot_like"), noise);
 }
@@ -64,7 +66,8 @@ void run(const Model& model, RobotState& state, const Velocity& command, Duratio
 bool same(const RobotState& a, const RobotState& b) { return std::memcmp(&a, &b, sizeof(RobotState)) == 0; }
 
 Velocity random_command(const RngKey& key, std::uint64_t i, bool holonomic) {
-  return {uniform(key, i, 0, -1.5, 1.5), holonomic ? uniform(key, i, 1, -1.5, 1.5) : 0.0, uniform(key, i, 2, -3.5, 3.5)};
+  return {uniform(key, i, 0, -1.5, 1.5), holonomic ? uniform(key, i, 1, -1.5, 1.5) : 0.0,
+          uniform(key, i, 2, -3.5, 3.5)};
 }
 
 }  // namespace
@@ -73,10 +76,12 @@ TEST_CASE("a metre driven is a metre: for the truth, the wheels and the lidar") 
   const Model& model = model_of("hall ideal");
   RobotState state = begin(model, 0, {}, 1);
   run(model, state, {}, 100ms);
-  const float ahead_before = models::make_scan(*model.robots[0].profile.lidar, scan_points(model.robots[0], state)).ranges[180];
+  const float ahead_before =
+      models::make_scan(*model.robots[0].profile.lidar, scan_points(model.robots[0], state)).ranges[180];
   run(model, state, {0.5, 0.0, 0.0}, 2s);
   run(model, state, {}, 1s);
-  const float ahead_after = models::make_scan(*model.robots[0].profile.lidar, scan_points(model.robots[0], state)).ranges[180];
+  const float ahead_after =
+      models::make_scan(*model.robots[0].profile.lidar, scan_points(model.robots[0], state)).ranges[180];
 
   // 2 s at 0.5 m/s: the lag at the start is made up for at the end
   CHECK(state.pose.x == doctest::Approx(1.0).epsilon(1e-3));
@@ -223,8 +228,8 @@ TEST_CASE("thousands of random drives through the office enter nothing, and gain
       // anywhere in the building
       Pose2D start;
       for (std::uint64_t i = 0;; ++i) {
-        start = {uniform(key, i, 0, office()->min.x, office()->max.x), uniform(key, i, 1, office()->min.y, office()->max.y),
-                 uniform(key, i, 2, -M_PI, M_PI)};
+        start = {uniform(key, i, 0, office()->min.x, office()->max.x),
+                 uniform(key, i, 1, office()->min.y, office()->max.y), uniform(key, i, 2, -M_PI, M_PI)};
         if (!find_collision(blind, 0, start)) break;
       }
       RobotState state = begin(blind, 0, start, seed);
@@ -326,12 +331,16 @@ TEST_CASE("each noise switch changes its own sensor and no other") {
     return state;
   };
   const RobotState real = drive(standard());
-  const auto same_body = [&](const RobotState& other) { return other.pose == real.pose && other.velocity == real.velocity; };
+  const auto same_body = [&](const RobotState& other) {
+    return other.pose == real.pose && other.velocity == real.velocity;
+  };
   const auto same_imu = [&](const RobotState& other) {
     return other.imu.angular_velocity == real.imu.angular_velocity &&
            other.imu.linear_acceleration == real.imu.linear_acceleration;
   };
-  const auto same_odometry = [&](const RobotState& other) { return other.odometry.reading.pose == real.odometry.reading.pose; };
+  const auto same_odometry = [&](const RobotState& other) {
+    return other.odometry.reading.pose == real.odometry.reading.pose;
+  };
   const auto same_lidar = [&](const RobotState& other) { return other.lidar_points == real.lidar_points; };
 
   RobotProfile profile = standard();
@@ -387,8 +396,8 @@ TEST_CASE("a rolling scan is taken from where the robot was at each of its point
     CAPTURE(k);
     const double t = static_cast<double>(k) / 45.0;
     const auto i = static_cast<std::size_t>(t);
-    const Pose2D sensor = interpolate(poses[i] * lidar.base_from_lidar, poses[i + 1] * lidar.base_from_lidar,
-                                      t - static_cast<double>(i));
+    const Pose2D sensor =
+        interpolate(poses[i] * lidar.base_from_lidar, poses[i + 1] * lidar.base_from_lidar, t - static_cast<double>(i));
     const double angle = sensor.theta + pattern.first_angle + static_cast<double>(k) * pattern.angle_step;
     CHECK(static_cast<double>(points[k]) ==
           doctest::Approx(scene::cast_ray(slice, sensor.position(), angle, lidar.range_max)).epsilon(1e-4));
