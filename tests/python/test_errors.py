@@ -189,12 +189,14 @@ async def test_calls_after_disconnect(name: str, robot: Robot) -> None:
 
 
 async def test_a_goal_in_a_wall_or_outside_the_world_is_no_path(robot: Robot) -> None:
+    """The robot has to see for itself that there is no way, hence the time that it is given."""
     assert robot.simulation is not None
     scene = robot.simulation.scene
-    wall = scene.walls[0]
+    wall = min(scene.walls, key=lambda wall: math.hypot(wall.a[0] + wall.b[0], wall.a[1] + wall.b[1]))
     in_a_wall = ((wall.a[0] + wall.b[0]) / 2, (wall.a[1] + wall.b[1]) / 2)
-    for x, y in (in_a_wall, (scene.max[0] + 50.0, 0.0)):
-        result = await robot.move_to(x, y, tolerance=0.05)
+    outside = (scene.max[0] + 50.0, 0.0)
+    for goal in (in_a_wall, outside):
+        result = await robot.move_to(*goal, tolerance=0.05, timeout=1000.0)
         assert result.reason is Reason.no_path, result
         assert not result
         with pytest.raises(NavigationError):
