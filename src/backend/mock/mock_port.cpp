@@ -68,8 +68,8 @@ void MockPort::command(const Velocity& velocity, Time valid_until) {
                                     velocity.vy, velocity.omega));
   }
   if (profile_.kinematics() == Kinematics::differential && velocity.vy != 0.0) {
-    throw ContractError(fmt::format("{}: vy is {} m/s, but a differential base cannot drive sideways", profile_.name,
-                                    velocity.vy));
+    throw ContractError(
+        fmt::format("{}: vy is {} m/s, but a differential base cannot drive sideways", profile_.name, velocity.vy));
   }
   state_.command = velocity;
   state_.valid_until = valid_until;
