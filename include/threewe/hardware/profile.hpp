@@ -27,39 +27,39 @@ struct Limits {
 /// The body and its drive.
 struct Body {
   Footprint footprint;
-  double height = 0.0;            ///< [m]
-  double mass = 0.0;              ///< [kg]
-  double inertia = 0.0;           ///< [kg m^2] about the vertical axis
+  double height = 0.0;   ///< [m]
+  double mass = 0.0;     ///< [kg]
+  double inertia = 0.0;  ///< [kg m^2] about the vertical axis
   WheelGeometry wheels;
-  double friction = 0.0;          ///< coefficient between wheel and floor
+  double friction = 0.0;            ///< coefficient between wheel and floor
   double rolling_resistance = 0.0;  ///< the share of the weight that opposes rolling; it costs energy alone
-  double stall_torque = 0.0;      ///< [N m] of one wheel's motor at the wheel
-  double no_load_speed = 0.0;     ///< [rad/s] of one wheel at nominal voltage
-  Duration motor_lag{};           ///< time constant of the speed loop
+  double stall_torque = 0.0;        ///< [N m] of one wheel's motor at the wheel
+  double no_load_speed = 0.0;       ///< [rad/s] of one wheel at nominal voltage
+  Duration motor_lag{};             ///< time constant of the speed loop
 };
 
 /// A lidar that turns, and the scan that is made of its turn.
 struct LidarSpec {
   Pose2D base_from_lidar;
-  double height = 0.0;       ///< [m] of the scan plane above the floor
-  int points_per_turn = 0;   ///< measured by the device
-  bool clockwise = false;    ///< how the device turns; the scan is always counter-clockwise
-  int beams = 0;             ///< in the scan that is delivered
-  Duration turn{};           ///< of one revolution
-  double range_min = 0.0;    ///< [m]
-  double range_max = 0.0;    ///< [m]
-  double sigma = 0.0;        ///< [m] of each range
-  double bias = 0.0;         ///< [m], each unit's constant offset lies in [-bias, bias]
-  double dropout = 0.0;      ///< probability that a point is invalid
-  Duration latency{};        ///< from the end of a turn to its arrival
-  bool rolling = true;       ///< points are taken one after the other during the turn, not all at its end
+  double height = 0.0;      ///< [m] of the scan plane above the floor
+  int points_per_turn = 0;  ///< measured by the device
+  bool clockwise = false;   ///< how the device turns; the scan is always counter-clockwise
+  int beams = 0;            ///< in the scan that is delivered
+  Duration turn{};          ///< of one revolution
+  double range_min = 0.0;   ///< [m]
+  double range_max = 0.0;   ///< [m]
+  double sigma = 0.0;       ///< [m] of each range
+  double bias = 0.0;        ///< [m], each unit's constant offset lies in [-bias, bias]
+  double dropout = 0.0;     ///< probability that a point is invalid
+  Duration latency{};       ///< from the end of a turn to its arrival
+  bool rolling = true;      ///< points are taken one after the other during the turn, not all at its end
 };
 
 struct IMUSpec {
   Duration period{};
-  double gyro_sigma = 0.0;         ///< [rad/s] of each sample
-  double gyro_bias = 0.0;          ///< [rad/s], the bias at the start lies in [-gyro_bias, gyro_bias]
-  double gyro_bias_walk = 0.0;     ///< [rad/s/sqrt(s)]
+  double gyro_sigma = 0.0;           ///< [rad/s] of each sample
+  double gyro_bias = 0.0;            ///< [rad/s], the bias at the start lies in [-gyro_bias, gyro_bias]
+  double gyro_bias_walk = 0.0;       ///< [rad/s/sqrt(s)]
   double accelerometer_sigma = 0.0;  ///< [m/s^2]
   double accelerometer_bias = 0.0;   ///< [m/s^2]
   Duration latency{};
@@ -75,11 +75,11 @@ struct OdometrySpec {
 };
 
 struct BatterySpec {
-  double capacity = 0.0;         ///< [Wh]
-  double voltage_full = 0.0;     ///< [V]
-  double voltage_empty = 0.0;    ///< [V]
-  double resistance = 0.0;       ///< [ohm], makes the voltage sag under load
-  double idle_power = 0.0;       ///< [W] of everything but the drive
+  double capacity = 0.0;          ///< [Wh]
+  double voltage_full = 0.0;      ///< [V]
+  double voltage_empty = 0.0;     ///< [V]
+  double resistance = 0.0;        ///< [ohm], makes the voltage sag under load
+  double idle_power = 0.0;        ///< [W] of everything but the drive
   double drive_efficiency = 1.0;  ///< mechanical power over electrical power of the drive
   Duration period{};
 };

@@ -13,15 +13,15 @@ inline constexpr double kGravity = 9.80665;  ///< [m/s^2]
 /// What a drive is made of, with everything that depends on the time step worked out beforehand.
 struct Drive {
   WheelGeometry wheels;
-  Limits limits;                ///< the firmware clamps commands to these
-  double step = 0.0;            ///< [s]
-  double response = 0.0;        ///< the share of a speed error that the speed loop removes in one step
-  double stall_change = 0.0;    ///< [rad/s] that stall torque adds to a wheel's speed in one step
-  double no_load_speed = 0.0;   ///< [rad/s] at nominal voltage
-  double grip_change = 0.0;     ///< [m/s] that friction can add to the body's speed in one step
-  double grip_arm = 0.0;        ///< [m], turns an angular velocity into a speed at the wheels
+  Limits limits;                     ///< the firmware clamps commands to these
+  double step = 0.0;                 ///< [s]
+  double response = 0.0;             ///< the share of a speed error that the speed loop removes in one step
+  double stall_change = 0.0;         ///< [rad/s] that stall torque adds to a wheel's speed in one step
+  double no_load_speed = 0.0;        ///< [rad/s] at nominal voltage
+  double grip_change = 0.0;          ///< [m/s] that friction can add to the body's speed in one step
+  double grip_arm = 0.0;             ///< [m], turns an angular velocity into a speed at the wheels
   double inertia_arm_squared = 0.0;  ///< [m^2], inertia over mass
-  double mass = 0.0;            ///< [kg]
+  double mass = 0.0;                 ///< [kg]
   double rolling_resistance = 0.0;
 };
 

@@ -27,7 +27,8 @@ double lidar_bias(const LidarSpec& spec, const RngKey& key);
 
 /// Makes measurements of true ranges [m], in place: 0 = invalid, range_max = no return. `first` counts points from the
 /// beginning of the episode. `bias` is that of `lidar_bias`.
-void measure_ranges(const LidarSpec& spec, const RngKey& key, double bias, std::uint64_t first, std::span<float> ranges);
+void measure_ranges(const LidarSpec& spec, const RngKey& key, double bias, std::uint64_t first,
+                    std::span<float> ranges);
 
 /// The scan of one turn that began at `turn_begin`, from its points in the order in which they were taken.
 ///

@@ -13,14 +13,14 @@ namespace threewe::models {
 /// How one robot differs from its nominal dimensions, drawn once per episode.
 struct WheelErrors {
   std::array<double, 4> scale{1.0, 1.0, 1.0, 1.0};  ///< assumed radius over true radius of each wheel
-  double lateral = 1.0;  ///< of what the wheels roll sideways, the share that the body moves
+  double lateral = 1.0;                             ///< of what the wheels roll sideways, the share that the body moves
 };
 WheelErrors draw_wheel_errors(const OdometrySpec& spec, const RngKey& key);
 
 /// What an odometer carries from sample to sample. Plain data.
 struct OdometryState {
-  Odometry reading;                 ///< the newest; its pose is in `odom`, which begins at (0, 0, 0)
-  std::array<double, 4> read{};     ///< wheel angles as the encoders gave them at that time [rad]
+  Odometry reading;              ///< the newest; its pose is in `odom`, which begins at (0, 0, 0)
+  std::array<double, 4> read{};  ///< wheel angles as the encoders gave them at that time [rad]
 };
 
 /// Reads the encoders of wheels that have turned by `angles` [rad] since the episode began, and moves the odometer on.

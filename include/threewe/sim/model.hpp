@@ -11,8 +11,8 @@
 #include "threewe/models/lidar.hpp"
 #include "threewe/scene/scene.hpp"
 #include "threewe/sim/contact.hpp"
-#include "threewe/sim/shape_index.hpp"
 #include "threewe/sim/ray_caster.hpp"
+#include "threewe/sim/shape_index.hpp"
 
 namespace threewe::sim {
 
@@ -28,15 +28,15 @@ struct RobotModel {
   RobotProfile profile;
   models::Drive drive;
   RigidBody body;
-  std::vector<scene::Solid> solids;            ///< all that stands as high as the robot reaches
+  std::vector<scene::Solid> solids;             ///< all that stands as high as the robot reaches
   std::shared_ptr<const ShapeIndex> obstacles;  ///< the same, as outlines
   int command_latency = 0;
   int imu_period = 0;
   int odometry_period = 0;
   int battery_period = 0;
-  int turn = 0;                                ///< of the lidar
+  int turn = 0;  ///< of the lidar
   models::ScanPattern pattern;
-  std::shared_ptr<const RayCaster> caster;     ///< null without a lidar
+  std::shared_ptr<const RayCaster> caster;  ///< null without a lidar
 };
 
 /// A scene and the robots that share it. Const once made; every world and every thread may share one.
@@ -47,6 +47,7 @@ struct Model {
 
 /// Throws ConfigError where a profile cannot be simulated: a period that is no whole number of steps, or a lidar whose
 /// points do not divide evenly among the steps of a turn.
-std::shared_ptr<const Model> make_model(std::shared_ptr<const scene::Scene> scene, const std::vector<RobotProfile>& robots);
+std::shared_ptr<const Model> make_model(std::shared_ptr<const scene::Scene> scene,
+                                        const std::vector<RobotProfile>& robots);
 
 }  // namespace threewe::sim

@@ -29,7 +29,7 @@ class ShapeIndex {
   Vec2 origin_;
   int width_ = 0;
   int height_ = 0;
-  std::vector<std::uint32_t> begins_;   // of each cell's part of `shapes_`, and one past the last
+  std::vector<std::uint32_t> begins_;  // of each cell's part of `shapes_`, and one past the last
   std::vector<std::uint16_t> shapes_;
 };
 

@@ -41,7 +41,7 @@ struct RobotState {
   IMUData imu;
   models::IMUState imu_state;
   models::OdometryState odometry;
-  double lidar_bias = 0.0;                           ///< [m]
+  double lidar_bias = 0.0;                            ///< [m]
   std::array<float, kMaxLidarPoints> lidar_points{};  ///< [m] of the turn in progress, or of the one that just ended
 
   RngKey key(Stream stream) const { return {seed, episode, static_cast<std::uint16_t>(robot), 0, stream}; }

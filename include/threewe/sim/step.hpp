@@ -10,7 +10,8 @@
 namespace threewe::sim {
 
 /// A robot that stands at `pose` (scene frame) as an episode begins. `robot` is its place in the model.
-RobotState begin(const Model& model, std::size_t robot, const Pose2D& pose, std::uint64_t seed, std::uint32_t episode = 0);
+RobotState begin(const Model& model, std::size_t robot, const Pose2D& pose, std::uint64_t seed,
+                 std::uint32_t episode = 0);
 
 /// Advances every robot of every world by `kStep`. `states` holds the worlds one after the other, each with the model's
 /// robots in order; `commands` are the body velocities sent at the beginning of the step, one for each state. Worlds do
