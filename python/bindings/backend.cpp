@@ -19,15 +19,17 @@ void init_backend(nb::module_& m) {
           "__init__",
           [](Features* self, std::vector<SensorInfo> sensors, Kinematics kinematics, bool lockstep, bool deterministic,
              bool can_reset, bool can_save, bool external_localization, bool external_navigation) {
-            new (self) Features{std::move(sensors), kinematics, lockstep, deterministic,
-                                can_reset, can_save, external_localization, external_navigation};
+            new (self) Features{std::move(sensors),    kinematics,         lockstep, deterministic, can_reset, can_save,
+                                external_localization, external_navigation};
           },
-          "sensors"_a, "kinematics"_a, nb::kw_only(), "lockstep"_a = false, "deterministic"_a = false, "can_reset"_a = false,
-          "can_save"_a = false, "external_localization"_a = false, "external_navigation"_a = false)
+          "sensors"_a, "kinematics"_a, nb::kw_only(), "lockstep"_a = false, "deterministic"_a = false,
+          "can_reset"_a = false, "can_save"_a = false, "external_localization"_a = false,
+          "external_navigation"_a = false)
       .def_ro("sensors", &Features::sensors)
       .def_ro("kinematics", &Features::kinematics)
       .def_ro("lockstep", &Features::lockstep, "Time advances only when it is told to.")
-      .def_ro("deterministic", &Features::deterministic, "The same seed and commands give the same samples, to the bit.")
+      .def_ro("deterministic", &Features::deterministic,
+              "The same seed and commands give the same samples, to the bit.")
       .def_ro("can_reset", &Features::can_reset)
       .def_ro("can_save", &Features::can_save)
       .def_ro("external_localization", &Features::external_localization)

@@ -39,46 +39,55 @@ void bind_poses(nb::module_& m) {
                      "A transform is a pose too: `map_from_base * base_from_lidar` is `map_from_lidar`.")
       .def(
           "__init__",
-          [](Pose2D* self, double x, double y, double theta) { new (self) Pose2D{x, y, wrap_angle(theta)}; }, "x"_a = 0.0,
-          "y"_a = 0.0, "theta"_a = 0.0)
+          [](Pose2D* self, double x, double y, double theta) { new (self) Pose2D{x, y, wrap_angle(theta)}; },
+          "x"_a = 0.0, "y"_a = 0.0, "theta"_a = 0.0)
       .def_ro("x", &Pose2D::x, "[m]")
       .def_ro("y", &Pose2D::y, "[m]")
       .def_ro("theta", &Pose2D::theta, "[rad], counter-clockwise, in (-pi, pi]")
-      .def("__mul__", [](const Pose2D& a, const Pose2D& b) { return a * b; }, "b_from_c"_a, nb::is_operator())
-      .def("transform", [](const Pose2D& a, Vec2 point) { return a * point; }, "point"_a,
-           "The point (x, y) [m] of this pose's frame, seen from outside.")
-      .def("inverse", [](const Pose2D& pose) { return inverse(pose); }, "`b_from_a` of `a_from_b`.")
-      .def("distance", [](const Pose2D& a, const Pose2D& b) { return distance(a.position(), b.position()); }, "other"_a,
-           "Between the positions [m].")
-      .def("__iter__", [](const Pose2D& p) { return iterate(nb::make_tuple(p.x, p.y, p.theta)); },
-           nb::sig("def __iter__(self) -> collections.abc.Iterator[float]"), "x, y, theta")
+      .def(
+          "__mul__", [](const Pose2D& a, const Pose2D& b) { return a * b; }, "b_from_c"_a, nb::is_operator())
+      .def(
+          "transform", [](const Pose2D& a, Vec2 point) { return a * point; }, "point"_a,
+          "The point (x, y) [m] of this pose's frame, seen from outside.")
+      .def(
+          "inverse", [](const Pose2D& pose) { return inverse(pose); }, "`b_from_a` of `a_from_b`.")
+      .def(
+          "distance", [](const Pose2D& a, const Pose2D& b) { return distance(a.position(), b.position()); }, "other"_a,
+          "Between the positions [m].")
+      .def(
+          "__iter__", [](const Pose2D& p) { return iterate(nb::make_tuple(p.x, p.y, p.theta)); },
+          nb::sig("def __iter__(self) -> collections.abc.Iterator[float]"), "x, y, theta")
       .def("__eq__", equal<Pose2D>, nb::is_operator(), nb::sig(kEqual))
       .def("__hash__", [](const Pose2D& p) { return nb::hash(nb::make_tuple(p.x, p.y, p.theta)); })
       .def("__repr__", [](const Pose2D& pose) { return repr(pose); });
 
-  nb::class_<Velocity>(m, "Velocity", "A velocity in the body frame: forward, left [m/s] and counter-clockwise [rad/s].")
+  nb::class_<Velocity>(m, "Velocity",
+                       "A velocity in the body frame: forward, left [m/s] and counter-clockwise [rad/s].")
       .def(nb::init<double, double, double>(), "vx"_a = 0.0, "vy"_a = 0.0, "omega"_a = 0.0)
       .def_ro("vx", &Velocity::vx, "[m/s], forward")
       .def_ro("vy", &Velocity::vy, "[m/s], to the left")
       .def_ro("omega", &Velocity::omega, "[rad/s], counter-clockwise")
-      .def("__iter__", [](const Velocity& v) { return iterate(nb::make_tuple(v.vx, v.vy, v.omega)); },
-           nb::sig("def __iter__(self) -> collections.abc.Iterator[float]"), "vx, vy, omega")
+      .def(
+          "__iter__", [](const Velocity& v) { return iterate(nb::make_tuple(v.vx, v.vy, v.omega)); },
+          nb::sig("def __iter__(self) -> collections.abc.Iterator[float]"), "vx, vy, omega")
       .def("__eq__", equal<Velocity>, nb::is_operator(), nb::sig(kEqual))
       .def("__hash__", [](const Velocity& v) { return nb::hash(nb::make_tuple(v.vx, v.vy, v.omega)); })
       .def("__repr__", [](const Velocity& velocity) { return repr(velocity); });
 }
 
 void bind_samples(nb::module_& m) {
-  nb::class_<LaserScan>(m, "LaserScan",
-                        "One turn of a planar lidar.\n\n"
-                        "Beam i points along `angle_min + i * angle_increment`, counter-clockwise, in the sensor's frame, and was\n"
-                        "measured `i * time_increment` seconds after beam 0 (before it, where that is negative).")
+  nb::class_<LaserScan>(
+      m, "LaserScan",
+      "One turn of a planar lidar.\n\n"
+      "Beam i points along `angle_min + i * angle_increment`, counter-clockwise, in the sensor's frame, and was\n"
+      "measured `i * time_increment` seconds after beam 0 (before it, where that is negative).")
       .def(
           "__init__",
           [](LaserScan* self, const nb::ndarray<const float, nb::ndim<1>, nb::c_contig, nb::device::cpu>& ranges,
              double angle_min, double angle_increment, double range_min, double range_max, double time_increment) {
-            new (self) LaserScan{angle_min, angle_increment, time_increment, range_min, range_max,
-                                 std::vector<float>(ranges.data(), ranges.data() + ranges.size())};
+            new (self)
+                LaserScan{angle_min, angle_increment, time_increment,
+                          range_min, range_max,       std::vector<float>(ranges.data(), ranges.data() + ranges.size())};
           },
           "ranges"_a, "angle_min"_a, "angle_increment"_a, "range_min"_a, "range_max"_a, "time_increment"_a = 0.0)
       .def_prop_ro(
@@ -92,8 +101,10 @@ void bind_samples(nb::module_& m) {
       .def_ro("range_max", &LaserScan::range_max, "[m]")
       .def("__repr__", [](const LaserScan& scan) {
         std::size_t hits = 0;
-        for (const float range : scan.ranges) hits += range > 0.0F && range < static_cast<float>(scan.range_max) ? 1 : 0;
-        return fmt::format("LaserScan({} beams, {} hits, range_max={:.1f} m)", scan.ranges.size(), hits, scan.range_max);
+        for (const float range : scan.ranges)
+          hits += range > 0.0F && range < static_cast<float>(scan.range_max) ? 1 : 0;
+        return fmt::format("LaserScan({} beams, {} hits, range_max={:.1f} m)", scan.ranges.size(), hits,
+                           scan.range_max);
       });
 
   nb::class_<IMUData>(m, "IMUData", "One reading of the inertial unit, in the robot's base frame.")
@@ -149,8 +160,9 @@ void bind_samples(nb::module_& m) {
       .def_ro("data", &Sample::data)
       .def("__repr__", [](const Sample& sample) {
         constexpr std::array kTypes = {"LaserScan", "IMUData", "Odometry", "BatteryState"};
-        return fmt::format("Sample({} {} of sensor {}, measured {:.3f} s, received {:.3f} s)", kTypes[sample.data.index()],
-                           sample.sequence, sample.sensor, to_seconds(sample.measured), to_seconds(sample.received));
+        return fmt::format("Sample({} {} of sensor {}, measured {:.3f} s, received {:.3f} s)",
+                           kTypes[sample.data.index()], sample.sequence, sample.sensor, to_seconds(sample.measured),
+                           to_seconds(sample.received));
       });
 }
 

@@ -45,22 +45,29 @@ void init_hardware(nb::module_& m) {
       .def_ro("linear_acceleration", &Limits::linear_acceleration, "[m/s^2], speeding up")
       .def_ro("linear_braking", &Limits::linear_braking, "[m/s^2], slowing down")
       .def_ro("angular_acceleration", &Limits::angular_acceleration, "[rad/s^2]")
-      .def("__repr__", [](const Limits& l) { return fmt::format("Limits({:.2f} m/s, {:.2f} rad/s)", l.linear, l.angular); });
+      .def("__repr__",
+           [](const Limits& l) { return fmt::format("Limits({:.2f} m/s, {:.2f} rad/s)", l.linear, l.angular); });
 
   bind_sensors(m);
 
-  nb::class_<RobotProfile>(m, "RobotProfile", "What a robot is: its body, its limits, its sensors. Sensors it lacks are None.")
+  nb::class_<RobotProfile>(m, "RobotProfile",
+                           "What a robot is: its body, its limits, its sensors. Sensors it lacks are None.")
       .def_static("load", &load_profile, "name"_a,
-                  "Reads a profile by name, or from a file that ends in .yaml. Raises ConfigError naming the nearest right name.")
+                  "Reads a profile by name, or from a file that ends in .yaml. Raises ConfigError naming the nearest "
+                  "right name.")
       .def_ro("name", &RobotProfile::name)
       .def_ro("description", &RobotProfile::description)
       .def_prop_ro("kinematics", &RobotProfile::kinematics)
-      .def_prop_ro("footprint", [](const RobotProfile& p) { return p.body.footprint.corners(); },
-                   "The corners of the outline around the base, counter-clockwise [m].")
-      .def_prop_ro("footprint_radius", [](const RobotProfile& p) { return p.body.footprint.circumscribed_radius(); },
-                   "[m], of the smallest disc around the base that holds the outline")
-      .def_prop_ro("height", [](const RobotProfile& p) { return p.body.height; }, "[m]")
-      .def_prop_ro("mass", [](const RobotProfile& p) { return p.body.mass; }, "[kg]")
+      .def_prop_ro(
+          "footprint", [](const RobotProfile& p) { return p.body.footprint.corners(); },
+          "The corners of the outline around the base, counter-clockwise [m].")
+      .def_prop_ro(
+          "footprint_radius", [](const RobotProfile& p) { return p.body.footprint.circumscribed_radius(); },
+          "[m], of the smallest disc around the base that holds the outline")
+      .def_prop_ro(
+          "height", [](const RobotProfile& p) { return p.body.height; }, "[m]")
+      .def_prop_ro(
+          "mass", [](const RobotProfile& p) { return p.body.mass; }, "[kg]")
       .def_ro("hardware_limits", &RobotProfile::hardware_limits, "What the drive can do.")
       .def_ro("operating_limits", &RobotProfile::operating_limits, "What it is asked to do.")
       .def_ro("lidar", &RobotProfile::lidar)
@@ -68,8 +75,8 @@ void init_hardware(nb::module_& m) {
       .def_ro("battery", &RobotProfile::battery)
       .def("__repr__", [](const RobotProfile& p) {
         const char* kinematics = p.kinematics() == Kinematics::holonomic ? "holonomic" : "differential";
-        return fmt::format("RobotProfile('{}', {}, {:.2f} m/s, {:.2f} rad/s)", p.name, kinematics, p.operating_limits.linear,
-                           p.operating_limits.angular);
+        return fmt::format("RobotProfile('{}', {}, {:.2f} m/s, {:.2f} rad/s)", p.name, kinematics,
+                           p.operating_limits.linear, p.operating_limits.angular);
       });
   m.def("profile_names", &profile_names, "The names of all robot profiles.");
 }

@@ -8,16 +8,17 @@ using namespace threewe;
 using map::Cell, map::OccupancyGrid;
 
 void init_map(nb::module_& m) {
-  nb::class_<OccupancyGrid>(m, "OccupancyGrid",
-                            "What is free, occupied and unknown, as ROS defines it: -1 unknown, 0 free to 100 occupied.\n\n"
-                            "Row-major; cell (0, 0) has its lower left corner at `origin`, axes along the map frame's.")
+  nb::class_<OccupancyGrid>(
+      m, "OccupancyGrid",
+      "What is free, occupied and unknown, as ROS defines it: -1 unknown, 0 free to 100 occupied.\n\n"
+      "Row-major; cell (0, 0) has its lower left corner at `origin`, axes along the map frame's.")
       .def(
           "__init__",
           [](OccupancyGrid* self,
              const nb::ndarray<const std::int8_t, nb::ndim<2>, nb::c_contig, nb::device::cpu>& data, double resolution,
              Vec2 origin) {
-            new (self) OccupancyGrid{static_cast<int>(data.shape(1)), static_cast<int>(data.shape(0)), resolution, origin,
-                                     std::vector<std::int8_t>(data.data(), data.data() + data.size())};
+            new (self) OccupancyGrid{static_cast<int>(data.shape(1)), static_cast<int>(data.shape(0)), resolution,
+                                     origin, std::vector<std::int8_t>(data.data(), data.data() + data.size())};
           },
           "data"_a, "resolution"_a = 0.05, "origin"_a = Vec2{})
       .def_prop_ro(
@@ -38,8 +39,9 @@ void init_map(nb::module_& m) {
             return std::pair(cell.y, cell.x);
           },
           "point"_a, "(row, column) of the cell that holds the point (x, y) [m]; may lie outside the grid.")
-      .def("at", [](const OccupancyGrid& grid, Vec2 point) { return grid.at(grid.cell(point)); }, "point"_a,
-           "The value at a point (x, y) [m]; -1 outside the grid.")
+      .def(
+          "at", [](const OccupancyGrid& grid, Vec2 point) { return grid.at(grid.cell(point)); }, "point"_a,
+          "The value at a point (x, y) [m]; -1 outside the grid.")
       .def("__repr__", [](const OccupancyGrid& grid) {
         std::size_t known = 0;
         for (const std::int8_t value : grid.data) known += value != OccupancyGrid::kUnknown ? 1 : 0;

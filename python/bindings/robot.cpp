@@ -84,11 +84,13 @@ void bind_results(nb::module_& m) {
       .def_ro("distance_to_goal", &MoveResult::distance_to_goal, "[m], by its own belief")
       .def_ro("distance", &MoveResult::distance, "[m] driven, by its own belief")
       .def_ro("duration", &MoveResult::duration, "[s] of robot time")
-      .def("raise_for_failure", &MoveResult::raise_for_failure, "Raises the error that matches `reason`; nothing after success.")
+      .def("raise_for_failure", &MoveResult::raise_for_failure,
+           "Raises the error that matches `reason`; nothing after success.")
       .def("__bool__", [](const MoveResult& r) { return r.success; })
       .def("__repr__", [](const MoveResult& r) {
-        return fmt::format("MoveResult({}{}, {:.2f} m to the goal, {:.2f} m driven in {:.2f} s)", nav::to_string(r.reason),
-                           r.detail.empty() ? "" : ": " + r.detail, r.distance_to_goal, r.distance, r.duration);
+        return fmt::format("MoveResult({}{}, {:.2f} m to the goal, {:.2f} m driven in {:.2f} s)",
+                           nav::to_string(r.reason), r.detail.empty() ? "" : ": " + r.detail, r.distance_to_goal,
+                           r.distance, r.duration);
       });
 
   nb::class_<ExploreResult>(m, "ExploreResult", "How an exploration ended.")
@@ -98,11 +100,13 @@ void bind_results(nb::module_& m) {
       .def_ro("explored_area", &ExploreResult::explored_area, "[m^2] known to be free")
       .def_ro("distance", &ExploreResult::distance, "[m] driven, by its own belief")
       .def_ro("duration", &ExploreResult::duration, "[s] of robot time")
-      .def("raise_for_failure", &ExploreResult::raise_for_failure, "Raises the error that matches `reason`; nothing after success.")
+      .def("raise_for_failure", &ExploreResult::raise_for_failure,
+           "Raises the error that matches `reason`; nothing after success.")
       .def("__bool__", [](const ExploreResult& r) { return r.success; })
       .def("__repr__", [](const ExploreResult& r) {
-        return fmt::format("ExploreResult({}{}, {:.1f} m^2 free, {:.2f} m driven in {:.2f} s)", nav::to_string(r.reason),
-                           r.detail.empty() ? "" : ": " + r.detail, r.explored_area, r.distance, r.duration);
+        return fmt::format("ExploreResult({}{}, {:.1f} m^2 free, {:.2f} m driven in {:.2f} s)",
+                           nav::to_string(r.reason), r.detail.empty() ? "" : ": " + r.detail, r.explored_area,
+                           r.distance, r.duration);
       });
 }
 
@@ -126,7 +130,8 @@ void bind_views(nb::module_& m) {
       .def_ro("requested", &Tick::requested, "before the safety gate")
       .def_ro("commanded", &Tick::commanded, "after it")
       .def_ro("intervention", &Tick::intervention, "why it changed the command")
-      .def("__repr__", [](const Tick& t) { return fmt::format("TickView({:.2f} s, {} samples)", t.now, t.samples.size()); });
+      .def("__repr__",
+           [](const Tick& t) { return fmt::format("TickView({:.2f} s, {} samples)", t.now, t.samples.size()); });
 }
 
 void bind_time(nb::module_& m) {
@@ -143,11 +148,13 @@ void bind_time(nb::module_& m) {
 
   nb::class_<Snapshot>(m, "Snapshot", "Everything the future of a world depends on.");
 
-  nb::class_<World>(m, "World", "A backend world with a runtime for each of its robots. One thread at a time may use it.")
+  nb::class_<World>(m, "World",
+                    "A backend world with a runtime for each of its robots. One thread at a time may use it.")
       .def(
           "__init__",
-          [](World* self, std::string backend, std::string scene, std::vector<std::string> robots, std::string_view noise,
-             std::uint64_t seed, bool realtime, std::vector<Pose2D> start_poses, std::vector<Pose2D> initial_poses) {
+          [](World* self, std::string backend, std::string scene, std::vector<std::string> robots,
+             std::string_view noise, std::uint64_t seed, bool realtime, std::vector<Pose2D> start_poses,
+             std::vector<Pose2D> initial_poses) {
             World::Options options;
             options.backend = std::move(backend);
             options.scene = std::move(scene);
@@ -166,17 +173,22 @@ void bind_time(nb::module_& m) {
       .def("robot", nb::overload_cast<std::size_t>(&World::robot), "index"_a, nb::rv_policy::reference_internal)
       .def_prop_ro("now", &World::now, "[s] of robot time")
       .def("tick", &World::tick, WithoutGil(), "One control period.")
-      .def("run", [](World& world, double wall) { return world.run(seconds("wall", wall)); }, "wall"_a, WithoutGil(),
-           "Ticks until a wait is done, none is pending, or `wall` seconds have passed. True when a wait was done.")
-      .def("sleep", [](World& world, double s) { return world.sleep(seconds("seconds", s)); }, "seconds"_a)
-      .def("alarm", [](World& world, double s) { return world.alarm(seconds("seconds", s)); }, "seconds"_a)
+      .def(
+          "run", [](World& world, double wall) { return world.run(seconds("wall", wall)); }, "wall"_a, WithoutGil(),
+          "Ticks until a wait is done, none is pending, or `wall` seconds have passed. True when a wait was done.")
+      .def(
+          "sleep", [](World& world, double s) { return world.sleep(seconds("seconds", s)); }, "seconds"_a)
+      .def(
+          "alarm", [](World& world, double s) { return world.alarm(seconds("seconds", s)); }, "seconds"_a)
       .def("forget", &World::forget, "wait"_a)
       .def("take_finished", &World::take_finished)
       .def("has_pending", &World::has_pending)
       .def_prop_ro("realtime", &World::realtime)
       .def("due", &World::due, "[wall s] until the next tick is due")
       .def("open_hold", &World::open_hold)
-      .def("close_hold", [](World& world, double charge) { return world.close_hold(seconds("seconds", charge)); }, "charge"_a)
+      .def(
+          "close_hold", [](World& world, double charge) { return world.close_hold(seconds("seconds", charge)); },
+          "charge"_a)
       .def_prop_ro("held", &World::held)
       .def("save", [](const World& world) { return Snapshot{world.save()}; }, WithoutGil());
 }
@@ -199,57 +211,68 @@ void bind_runtime(nb::module_& m) {
       .def("pose", &Runtime::pose, nb::rv_policy::copy)
       .def("map", &Runtime::map, nb::rv_policy::copy)
       .def("map_version", &Runtime::map_version)
-      .def("path", [](const Runtime& robot) {
-        const std::span<const Vec2> path = robot.path();
-        return std::vector<Vec2>(path.begin(), path.end());
-      })
+      .def("path",
+           [](const Runtime& robot) {
+             const std::span<const Vec2> path = robot.path();
+             return std::vector<Vec2>(path.begin(), path.end());
+           })
       .def("transform", &Runtime::transform, "target"_a, "source"_a)
       .def("commanded", [](const Runtime& robot) { return robot.commanded().command; })
-      .def("set_velocity",
-           [](Runtime& robot, double vx, double vy, double omega, double hold) {
-             robot.set_velocity({vx, vy, omega}, seconds("hold", hold));
-           },
-           "vx"_a, "vy"_a, "omega"_a, "hold"_a)
-      .def("execute_action",
-           [](Runtime& robot, const std::array<double, 3>& action, double period) {
-             return robot.execute_action(action, seconds("period", period));
-           },
-           "action"_a, "period"_a)
+      .def(
+          "set_velocity",
+          [](Runtime& robot, double vx, double vy, double omega, double hold) {
+            robot.set_velocity({vx, vy, omega}, seconds("hold", hold));
+          },
+          "vx"_a, "vy"_a, "omega"_a, "hold"_a)
+      .def(
+          "execute_action",
+          [](Runtime& robot, const std::array<double, 3>& action, double period) {
+            return robot.execute_action(action, seconds("period", period));
+          },
+          "action"_a, "period"_a)
       .def("stop", &Runtime::stop)
       .def("estop", &Runtime::estop)
       .def("release_estop", &Runtime::release_estop)
       .def_prop_ro("estopped", &Runtime::estopped)
       .def("motion", &Runtime::motion)
-      .def("move_to",
-           [](Runtime& robot, Vec2 goal, std::optional<double> theta, double tolerance, std::optional<double> timeout) {
-             nav::MoveTo move{.goal = goal, .theta = theta};
-             move.tolerance = tolerance;
-             return robot.start(move, timeout_of(timeout));
-           },
-           "goal"_a, "theta"_a.none(), "tolerance"_a, "timeout"_a.none(), "`goal` in `map` [m], `theta` [rad].")
-      .def("move_forward",
-           [](Runtime& robot, double distance, std::optional<double> timeout) {
-             return robot.start(nav::MoveForward{distance}, timeout_of(timeout));
-           },
-           "distance"_a, "timeout"_a.none())
-      .def("rotate",
-           [](Runtime& robot, double angle, std::optional<double> timeout) {
-             return robot.start(nav::Rotate{angle}, timeout_of(timeout));
-           },
-           "angle"_a, "timeout"_a.none())
-      .def("follow_path",
-           [](Runtime& robot, std::vector<Vec2> path, double tolerance, std::optional<double> timeout) {
-             return robot.start(nav::FollowPath{std::move(path), tolerance}, timeout_of(timeout));
-           },
-           "path"_a, "tolerance"_a, "timeout"_a.none())
-      .def("explore",
-           [](Runtime& robot, std::optional<double> timeout) { return robot.start(nav::Explore{}, timeout_of(timeout)); },
-           "timeout"_a.none())
-      .def("observe",
-           [](Runtime& robot, std::function<void(const Tick&)> observer) {
-             return robot.observe([observer = std::move(observer)](const TickView& view) { observer(Tick(view)); });
-           },
-           "observer"_a)
+      .def(
+          "move_to",
+          [](Runtime& robot, Vec2 goal, std::optional<double> theta, double tolerance, std::optional<double> timeout) {
+            nav::MoveTo move{.goal = goal, .theta = theta};
+            move.tolerance = tolerance;
+            return robot.start(move, timeout_of(timeout));
+          },
+          "goal"_a, "theta"_a.none(), "tolerance"_a, "timeout"_a.none(), "`goal` in `map` [m], `theta` [rad].")
+      .def(
+          "move_forward",
+          [](Runtime& robot, double distance, std::optional<double> timeout) {
+            return robot.start(nav::MoveForward{distance}, timeout_of(timeout));
+          },
+          "distance"_a, "timeout"_a.none())
+      .def(
+          "rotate",
+          [](Runtime& robot, double angle, std::optional<double> timeout) {
+            return robot.start(nav::Rotate{angle}, timeout_of(timeout));
+          },
+          "angle"_a, "timeout"_a.none())
+      .def(
+          "follow_path",
+          [](Runtime& robot, std::vector<Vec2> path, double tolerance, std::optional<double> timeout) {
+            return robot.start(nav::FollowPath{std::move(path), tolerance}, timeout_of(timeout));
+          },
+          "path"_a, "tolerance"_a, "timeout"_a.none())
+      .def(
+          "explore",
+          [](Runtime& robot, std::optional<double> timeout) {
+            return robot.start(nav::Explore{}, timeout_of(timeout));
+          },
+          "timeout"_a.none())
+      .def(
+          "observe",
+          [](Runtime& robot, std::function<void(const Tick&)> observer) {
+            return robot.observe([observer = std::move(observer)](const TickView& view) { observer(Tick(view)); });
+          },
+          "observer"_a)
       .def("unobserve", &Runtime::unobserve, "id"_a);
 }
 
@@ -261,21 +284,25 @@ void bind_simulation(nb::module_& m) {
       .def_prop_ro("scene", &Simulation::scene)
       .def("true_pose", &Simulation::true_pose)
       .def("true_velocity", &Simulation::true_velocity, "In the body frame.")
-      .def("start_pose", &Simulation::start_pose, "Where the robot stood at the last reset: the origin of its `map` frame.")
+      .def("start_pose", &Simulation::start_pose,
+           "Where the robot stood at the last reset: the origin of its `map` frame.")
       .def("max_collision_speed", &Simulation::max_collision_speed,
            "The fastest approach [m/s] of the robot's own motion into an obstacle since the last reset.")
       .def("distance_driven", &Simulation::distance_driven, "[m] since the last reset.")
       .def("sample_free_pose", &Simulation::sample_free_pose, "seed"_a,
            "A pose where the robot fits with 5 cm to spare: a pure function of the seed.")
       .def("geodesic", &Simulation::geodesic, "a"_a, "b"_a,
-           "Length [m] of the shortest path between (x, y) points for the robot's footprint; infinity where there is none.")
+           "Length [m] of the shortest path between (x, y) points for the robot's footprint; infinity where there is "
+           "none.")
       .def("reset", &Simulation::reset, nb::kw_only(), "seed"_a = 0, "pose"_a = nb::none(), WithoutGil(),
            "Begins anew at time 0. The robot starts at `pose`, or at the scene's own start pose without it.\n\n"
            "Raises ConfigError when that is inside an obstacle.")
-      .def("save", [](const Simulation& simulation) { return Snapshot{simulation.save()}; }, WithoutGil(),
-           "Everything the future depends on. Raises ContractError while a motion is in progress.")
-      .def("restore", [](Simulation& simulation, const Snapshot& snapshot) { simulation.restore(snapshot.state); },
-           "snapshot"_a, WithoutGil(), "Goes on from where `save` was called.");
+      .def(
+          "save", [](const Simulation& simulation) { return Snapshot{simulation.save()}; }, WithoutGil(),
+          "Everything the future depends on. Raises ContractError while a motion is in progress.")
+      .def(
+          "restore", [](Simulation& simulation, const Snapshot& snapshot) { simulation.restore(snapshot.state); },
+          "snapshot"_a, WithoutGil(), "Goes on from where `save` was called.");
 }
 
 /// Warnings go to Python's logging, from whichever thread.

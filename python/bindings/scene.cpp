@@ -17,7 +17,8 @@
 namespace {
 
 using namespace threewe;
-using scene::Door, scene::Episode, scene::Object, scene::Prism, scene::Room, scene::Scene, scene::SceneTables, scene::Wall;
+using scene::Door, scene::Episode, scene::Object, scene::Prism, scene::Room, scene::Scene, scene::SceneTables,
+    scene::Wall;
 
 /// The corners of a prism, seen from above, in the frame of its object.
 std::vector<Vec2> outline(const Prism& prism) {
@@ -26,7 +27,8 @@ std::vector<Vec2> outline(const Prism& prism) {
   if (prism.shape == Prism::Shape::box) {
     const double x = prism.length / 2;
     const double y = prism.width / 2;
-    for (const Vec2 corner : {Vec2{x, -y}, Vec2{x, y}, Vec2{-x, y}, Vec2{-x, -y}}) corners.push_back(prism.pose * corner);
+    for (const Vec2 corner : {Vec2{x, -y}, Vec2{x, y}, Vec2{-x, y}, Vec2{-x, -y}})
+      corners.push_back(prism.pose * corner);
   } else {
     for (int i = 0; i < kCorners; ++i) {
       corners.push_back(prism.pose * rotate({prism.radius, 0.0}, 2 * exact::kPi * i / kCorners));
@@ -71,12 +73,14 @@ void bind_parts(nb::module_& m) {
       .def_ro("pose", &Object::pose)
       .def_ro("prisms", &Object::prisms)
       .def("__repr__", [](const Object& object) {
-        return fmt::format("Object('{}', {} at ({:.2f}, {:.2f}))", object.name, object.category, object.pose.x, object.pose.y);
+        return fmt::format("Object('{}', {} at ({:.2f}, {:.2f}))", object.name, object.category, object.pose.x,
+                           object.pose.y);
       });
 }
 
 std::shared_ptr<SceneTables> make_tables(const Scene& scene, const RobotProfile& profile) {
-  return std::make_shared<SceneTables>(std::make_shared<const Scene>(scene), profile.body.footprint, profile.body.height);
+  return std::make_shared<SceneTables>(std::make_shared<const Scene>(scene), profile.body.footprint,
+                                       profile.body.height);
 }
 
 /// A coverage meter that is told where the base is.
@@ -99,7 +103,8 @@ class BaseCoverageMeter {
 
  private:
   static const LidarSpec& spec(const RobotProfile& profile) {
-    if (!profile.lidar) throw HardwareError(fmt::format("coverage is measured with a lidar, which {} lacks", profile.name));
+    if (!profile.lidar)
+      throw HardwareError(fmt::format("coverage is measured with a lidar, which {} lacks", profile.name));
     return *profile.lidar;
   }
 
@@ -113,22 +118,29 @@ void bind_measures(nb::module_& m) {
       .def_ro("goal", &Episode::goal, "(x, y) [m]")
       .def_ro("geodesic", &Episode::geodesic, "[m], from start to goal")
       .def_ro("seed", &Episode::seed, "for all else that is drawn in this episode");
-  nb::class_<SceneTables>(m, "SceneTables", "A scene as one robot meets it: where it can be, and how far it is from place to place.")
+  nb::class_<SceneTables>(m, "SceneTables",
+                          "A scene as one robot meets it: where it can be, and how far it is from place to place.")
       .def(nb::new_(&make_tables), "scene"_a, "profile"_a)
       .def("collides", &SceneTables::collides, "pose"_a, "Whether the footprint touches an obstacle.")
-      .def("clearance", &SceneTables::clearance, "pose"_a, "Distance [m] between the footprint and the nearest obstacle.")
-      .def("geodesic", &SceneTables::geodesic, "a"_a, "b"_a, "Length [m] of the shortest path for the footprint; infinity where there is none.")
-      .def("sample_free_pose", &SceneTables::sample_free_pose, "seed"_a, "A pose with 5 cm to spare around the footprint: a pure function of the seed.")
+      .def("clearance", &SceneTables::clearance, "pose"_a,
+           "Distance [m] between the footprint and the nearest obstacle.")
+      .def("geodesic", &SceneTables::geodesic, "a"_a, "b"_a,
+           "Length [m] of the shortest path for the footprint; infinity where there is none.")
+      .def("sample_free_pose", &SceneTables::sample_free_pose, "seed"_a,
+           "A pose with 5 cm to spare around the footprint: a pure function of the seed.")
       .def("sample_episode", &scene::sample_episode, "seed"_a, "index"_a = 0,
            "Start and goal uniform over free cells, 2 to 15 m apart by the shortest path, every fifth with a detour.");
-  nb::class_<BaseCoverageMeter>(m, "CoverageMeter",
-                                "How much of a scene a robot has really seen and mapped: the share of reachable 5 cm cells that a\n"
-                                "noise-free ray from the true pose crossed within 8 m and that its own map marks free within 10 cm.")
+  nb::class_<BaseCoverageMeter>(
+      m, "CoverageMeter",
+      "How much of a scene a robot has really seen and mapped: the share of reachable 5 cm cells that a\n"
+      "noise-free ray from the true pose crossed within 8 m and that its own map marks free within 10 cm.")
       .def(nb::init<const Scene&, const RobotProfile&>(), "scene"_a, "profile"_a, WithoutGil(),
            "Raises HardwareError for a robot without a lidar.")
-      .def("observe", &BaseCoverageMeter::observe, "scene_from_base"_a, WithoutGil(), "Casts 360 rays, given the base's true pose.")
-      .def("coverage", &BaseCoverageMeter::coverage, "grid"_a, "scene_from_map"_a = Pose2D{}, WithoutGil(),
-           "The share, 0 to 1, that was crossed and is marked free, given the robot's own map and where its frame lies.")
+      .def("observe", &BaseCoverageMeter::observe, "scene_from_base"_a, WithoutGil(),
+           "Casts 360 rays, given the base's true pose.")
+      .def(
+          "coverage", &BaseCoverageMeter::coverage, "grid"_a, "scene_from_map"_a = Pose2D{}, WithoutGil(),
+          "The share, 0 to 1, that was crossed and is marked free, given the robot's own map and where its frame lies.")
       .def("crossed", &BaseCoverageMeter::crossed, WithoutGil(), "The share, 0 to 1, that was crossed.");
 }
 
@@ -136,7 +148,8 @@ void bind_measures(nb::module_& m) {
 
 void init_scene(nb::module_& m) {
   bind_parts(m);
-  nb::class_<Scene>(m, "Scene", "Walls, doors, named rooms and furniture. Its origin is its start pose; x along the start heading.")
+  nb::class_<Scene>(m, "Scene",
+                    "Walls, doors, named rooms and furniture. Its origin is its start pose; x along the start heading.")
       .def_static("load", &Scene::load, "name"_a,
                   "Reads a scene by name, or from a file that ends in .yaml. Raises ConfigError with file and line.")
       .def_ro("name", &Scene::name)
@@ -153,8 +166,9 @@ void init_scene(nb::module_& m) {
       .def("room_at", &Scene::room_at, "point"_a, nb::rv_policy::reference_internal,
            "The room that holds a point (x, y), or None.")
       .def("__repr__", [](const Scene& scene) {
-        return fmt::format("Scene('{}', {:.0f} x {:.0f} m, {} rooms, {} objects)", scene.name, scene.max.x - scene.min.x,
-                           scene.max.y - scene.min.y, scene.rooms.size(), scene.objects.size());
+        return fmt::format("Scene('{}', {:.0f} x {:.0f} m, {} rooms, {} objects)", scene.name,
+                           scene.max.x - scene.min.x, scene.max.y - scene.min.y, scene.rooms.size(),
+                           scene.objects.size());
       });
   m.def("scene_names", &scene::scene_names, "The names of all scenes.");
   bind_measures(m);
