@@ -48,21 +48,15 @@ std::vector<T> moved_into(const std::vector<T>& old, int old_width, Cell offset,
 
 LogOddsMap::LogOddsMap(const Settings& settings) : settings_(settings) { grid_.resolution = settings.resolution; }
 
-void LogOddsMap::insert(std::span<const Beam> beams) {
+void LogOddsMap::insert(std::span<const Beam> beams, double range_bias) {
   grow_to_hold(beams);
   for (const Beam& beam : beams) {
-    if (beam.hit) add_hit(grid_.cell(beam.end), beam);
+    if (beam.hit) add_hit(beam, range_bias);
   }
-  for (const Beam& beam : beams) mark_free(beam);
+  for (const Beam& beam : beams) mark_free(beam, range_bias);
   for (const std::uint32_t index : touched_) apply(index);
   touched_.clear();
   ++version_;
-}
-
-Vec2 LogOddsMap::surface(Cell c) const {
-  const CellHits& h = hits_[grid_.index(c)];
-  const double scale = grid_.resolution / (kSubcells * static_cast<double>(h.count));
-  return grid_.center(c) + scale * Vec2{static_cast<double>(h.sum_x), static_cast<double>(h.sum_y)};
 }
 
 void LogOddsMap::grow_to_hold(std::span<const Beam> beams) {
@@ -71,7 +65,7 @@ void LogOddsMap::grow_to_hold(std::span<const Beam> beams) {
   Vec2 low{kInfinity, kInfinity};
   Vec2 high{-kInfinity, -kInfinity};
   for (const Beam& beam : beams) {
-    for (const Vec2 p : {beam.origin, beam.end}) {
+    for (const Vec2 p : {beam.origin, beam.origin + beam.range * beam.direction}) {
       low = {std::min(low.x, p.x), std::min(low.y, p.y)};
       high = {std::max(high.x, p.x), std::max(high.y, p.y)};
     }
@@ -100,33 +94,34 @@ void LogOddsMap::grow_to_hold(std::span<const Beam> beams) {
   grid_.origin = {x0 * r, y0 * r};
 }
 
-void LogOddsMap::add_hit(Cell c, const Beam& beam) {
+void LogOddsMap::add_hit(const Beam& beam, double range_bias) {
+  const Vec2 measured = beam.origin + beam.range * beam.direction;
+  const Cell c = grid_.cell(measured - range_bias * beam.direction);
   const std::size_t index = grid_.index(c);
   if (marks_[index] == Mark::none) touched_.push_back(static_cast<std::uint32_t>(index));
   marks_[index] = Mark::hit;
 
   CellHits& h = hits_[index];
   if (h.count >= kMaxHits) {
-    h.sum_x = static_cast<std::int16_t>(h.sum_x / 2);
-    h.sum_y = static_cast<std::int16_t>(h.sum_y / 2);
-    h.count = static_cast<std::int16_t>(h.count / 2);
+    for (std::int16_t* sum : {&h.sum_x, &h.sum_y, &h.sum_from_x, &h.sum_from_y, &h.count}) {
+      *sum = static_cast<std::int16_t>(*sum / 2);
+    }
   }
-  const Vec2 offset = (kSubcells / grid_.resolution) * (beam.end - grid_.center(c));
-  h.sum_x = static_cast<std::int16_t>(h.sum_x + static_cast<int>(std::floor(offset.x + 0.5)));
-  h.sum_y = static_cast<std::int16_t>(h.sum_y + static_cast<int>(std::floor(offset.y + 0.5)));
+  const auto add = [](std::int16_t& sum, double value) {
+    sum = static_cast<std::int16_t>(sum + static_cast<int>(std::floor(value + 0.5)));
+  };
+  const Vec2 offset = (kSubcells / grid_.resolution) * (measured - grid_.center(c));
+  add(h.sum_x, offset.x);
+  add(h.sum_y, offset.y);
+  add(h.sum_from_x, -100.0 * beam.direction.x);
+  add(h.sum_from_y, -100.0 * beam.direction.y);
   ++h.count;
-
-  const Vec2 back = beam.origin - beam.end;
-  const double length = std::max(norm(back), 1e-6);
-  h.from_x = static_cast<std::int8_t>(100.0 * back.x / length);
-  h.from_y = static_cast<std::int8_t>(100.0 * back.y / length);
 }
 
-void LogOddsMap::mark_free(const Beam& beam) {
+void LogOddsMap::mark_free(const Beam& beam, double range_bias) {
   // no further than beams are trusted to be free
-  const Vec2 d = beam.end - beam.origin;
-  const double length = norm(d);
-  const Vec2 end = length > settings_.free_range ? beam.origin + (settings_.free_range / length) * d : beam.end;
+  const double length = std::clamp(beam.range - (beam.hit ? range_bias : 0.0), 0.0, settings_.free_range);
+  const Vec2 end = beam.origin + length * beam.direction;
 
   const double cells = 1.0 / grid_.resolution;
   traverse(cells * (beam.origin - grid_.origin), cells * (end - grid_.origin), [this](Cell c) {

@@ -4,6 +4,7 @@
 #include <limits>
 #include <vector>
 
+#include "nav/polyline.hpp"
 #include "threewe/nav/frontiers.hpp"
 #include "threewe/nav/mind.hpp"
 #include "threewe/nav/planner.hpp"
@@ -99,6 +100,7 @@ class PathNavigator final : public Navigator {
   bool unplannable_ = false;
   Pose2D last_moved_;              // where and when the robot last got on
   Time last_moved_at_{};
+  std::vector<Vec2> avoided_;      // [m] in `map`: the planner saw a way here, the tracker did not
   int recoveries_ = 0;
   Vec2 recovered_at_;
   Time recovering_until_{};
@@ -127,6 +129,7 @@ void PathNavigator::start(const Goal& goal, const Observation& seen) {
   unplannable_ = false;
   last_moved_ = start_;
   last_moved_at_ = seen.now;
+  avoided_.clear();
   recoveries_ = 0;
   recovering_until_ = seen.now;
   lost_ = false;
@@ -232,7 +235,7 @@ Decision PathNavigator::drive(const Explore&, const Observation& seen) {
     }
   }
   if (!has_plan_) return wait();
-  progress_.distance_left = path_length(path_);
+  progress_.distance_left = length_after(path_, nearest_on_path(path_, progress_.pose.position()));
   return {tracker_.follow(path_, costmap_, progress_.pose)};
 }
 
@@ -252,7 +255,12 @@ Decision PathNavigator::travel(const Observation& seen, Vec2 goal, double tolera
     return recover(seen);
   }
   if (plan_due(seen)) {
-    if (plan_route(seen, tolerance) == Plan::none) {
+    Plan plan = plan_route(seen, tolerance);
+    if (plan == Plan::none && !avoided_.empty()) {
+      avoided_.clear();
+      plan = plan_route(seen, tolerance);
+    }
+    if (plan == Plan::none) {
       if (!unplannable_) unplannable_ = true, unplannable_since_ = seen.now;
       if (seen.now - unplannable_since_ > kProof) return finish(Reason::no_path, "everything within reach was searched");
     } else {
@@ -260,7 +268,7 @@ Decision PathNavigator::travel(const Observation& seen, Vec2 goal, double tolera
     }
   }
   if (!has_plan_) return wait();
-  progress_.distance_left = path_length(path_);
+  progress_.distance_left = length_after(path_, nearest_on_path(path_, progress_.pose.position()));
   return {tracker_.follow(path_, costmap_, progress_.pose)};
 }
 
@@ -277,7 +285,7 @@ bool PathNavigator::plan_due(const Observation& seen) const {
 
 void PathNavigator::renew_costmap(const Observation& seen) {
   // what the lidar sees now counts too, where the map may not have it yet
-  std::vector<Vec2> obstacles;
+  std::vector<Vec2> obstacles = avoided_;
   for (const Vec2 p : seen.obstacles) obstacles.push_back(seen.pose.map_from_odom * p);
   std::vector<Vec2> include = route_;
   include.push_back(progress_.pose.position());
@@ -365,11 +373,16 @@ bool PathNavigator::stuck(const Observation& seen) {
   return seen.now - last_moved_at_ > kStuckAfter;
 }
 
-// Backs off in the direction with most room, then plans anew; gives up after a few times in the same place.
+// Backs off in the direction with most room, then plans another way; gives up after a few times in the same place.
 Decision PathNavigator::recover(const Observation& seen) {
   if (distance(progress_.pose.position(), recovered_at_) > 0.5) recoveries_ = 0;
   recovered_at_ = progress_.pose.position();
   if (++recoveries_ > kMaxRecoveries) return finish(Reason::blocked, "recoveries did not help");
+
+  constexpr double kAhead = 0.25;  // [m]
+  if (has_plan_ && path_length(path_) > kAhead) {
+    avoided_.push_back(point_after(path_, nearest_on_path(path_, progress_.pose.position()), kAhead));
+  }
 
   // stuck for as long again before the next recovery
   last_moved_ = progress_.pose;
@@ -408,16 +421,20 @@ namespace threewe::slam {
 
 std::unique_ptr<Localizer> make_localizer(const RobotProfile& profile, const Pose2D& map_from_start) {
   SensorModel sensors;
-  if (profile.lidar) sensors.base_from_lidar = profile.lidar->base_from_lidar;
+  const double uniform = 1.0 / exact::sqrt(3.0);  // deviation of what is uniform in [-1, 1]
+  if (profile.lidar) {
+    sensors.base_from_lidar = profile.lidar->base_from_lidar;
+    sensors.range_bias_sigma = uniform * profile.lidar->bias;
+  }
   if (profile.imu) {
     sensors.gyro_sigma = profile.imu->gyro_sigma;
-    sensors.gyro_bias = profile.imu->gyro_bias;
+    sensors.gyro_bias_sigma = uniform * profile.imu->gyro_bias;
     sensors.gyro_bias_walk = profile.imu->gyro_bias_walk;
   }
   const OdometrySpec& wheels = profile.odometry;
-  sensors.forward_scale_sigma = wheels.wheel_scale;
+  sensors.forward_scale_sigma = uniform * wheels.wheel_scale;
   sensors.lateral_scale = 0.5 * (wheels.lateral_scale_min + wheels.lateral_scale_max);
-  sensors.lateral_scale_sigma = 0.5 * (wheels.lateral_scale_max - wheels.lateral_scale_min);
+  sensors.lateral_scale_sigma = uniform * 0.5 * (wheels.lateral_scale_max - wheels.lateral_scale_min);
   return make_scan_matching_localizer(sensors, map_from_start);
 }
 

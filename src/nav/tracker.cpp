@@ -5,6 +5,8 @@
 #include <cmath>
 #include <limits>
 
+#include "nav/polyline.hpp"
+
 namespace threewe::nav {
 namespace {
 
@@ -23,36 +25,6 @@ constexpr double kTurnDone = 0.2;        // [rad] ... until the target is this s
 constexpr std::array<double, 12> kFan = {0.2, -0.2, 0.4, -0.4, 0.6, -0.6, 0.9, -0.9, 1.2, -1.2, 1.6, -1.6};
 
 Velocity scaled(const Velocity& v, double s) { return {s * v.vx, s * v.vy, s * v.omega}; }
-
-// The point of a polyline nearest to `p`: which piece, and where on it.
-struct Projection {
-  std::size_t piece = 0;
-  Vec2 point;
-};
-Projection project(std::span<const Vec2> path, Vec2 p) {
-  Projection best{0, path[0]};
-  double best_distance = distance(p, path[0]);
-  for (std::size_t i = 0; i + 1 < path.size(); ++i) {
-    const Vec2 d = path[i + 1] - path[i];
-    const double length_squared = dot(d, d);
-    const double t = length_squared > 0.0 ? std::clamp(dot(p - path[i], d) / length_squared, 0.0, 1.0) : 0.0;
-    const Vec2 q = path[i] + t * d;
-    if (const double there = distance(p, q); there < best_distance) best = {i, q}, best_distance = there;
-  }
-  return best;
-}
-
-// The point `ahead` [m] further along the polyline.
-Vec2 advance(std::span<const Vec2> path, const Projection& from, double ahead) {
-  Vec2 here = from.point;
-  for (std::size_t i = from.piece; i + 1 < path.size(); ++i) {
-    const double length = distance(here, path[i + 1]);
-    if (length >= ahead) return here + (ahead / length) * (path[i + 1] - here);
-    ahead -= length;
-    here = path[i + 1];
-  }
-  return path.back();
-}
 
 }  // namespace
 
@@ -90,14 +62,13 @@ void Tracker::see(std::span<const Vec2> obstacles_in_base) {
 
 Velocity Tracker::follow(std::span<const Vec2> path, const map::Costmap& costmap, const Pose2D& pose) {
   if (path.empty()) return {};
-  const Projection here = project(path, pose.position());
-  double left = distance(here.point, path[std::min(here.piece + 1, path.size() - 1)]);
-  for (std::size_t i = here.piece + 1; i + 1 < path.size(); ++i) left += distance(path[i], path[i + 1]);
+  const PathPoint here = nearest_on_path(path, pose.position());
+  const double left = length_after(path, here);
 
   // as far ahead as a straight line to the path stays clear of obstacles
   Vec2 target = path.back();
   for (double ahead = kLookahead; ahead >= kMinLookahead - 1e-9; ahead -= 0.05) {
-    target = advance(path, here, ahead);
+    target = point_after(path, here, ahead);
     if (std::isfinite(costmap.line_cost(pose.position(), target))) break;
   }
   const Vec2 in_base = inverse(pose) * target;

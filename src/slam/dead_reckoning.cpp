@@ -14,7 +14,7 @@ constexpr double kMaxExtrapolation = 0.3;  // [s]
 void DeadReckoning::add_gyro(Time stamp, double rate) {
   if (has_gyro_) {
     const double seconds = std::clamp(to_seconds(stamp - gyro_stamp_), 0.0, kMaxGyroAge);
-    heading_ += seconds * (0.5 * (rate + gyro_rate_) - calibration_.gyro_bias);
+    heading_ += seconds * (rate - calibration_.gyro_bias);  // a sample is the mean since the one before
   }
   has_gyro_ = true;
   gyro_stamp_ = stamp;

@@ -10,11 +10,12 @@
 
 namespace threewe::slam {
 
-/// Systematic errors of wheels and gyro, as far as they are known.
+/// Systematic errors of the sensors, as far as they are known.
 struct Calibration {
   double gyro_bias = 0.0;      ///< [rad/s], true rate = measured - bias
   double forward_scale = 1.0;  ///< true motion = measured * scale
   double lateral_scale = 1.0;
+  double range_bias = 0.0;     ///< [m], true range = measured - bias
   friend bool operator==(const Calibration&, const Calibration&) = default;
 };
 

@@ -14,15 +14,18 @@ constexpr double kTurnSlip = 0.01;       // [m/sqrt(rad)] the base wanders while
 constexpr double kGyroScale = 0.002;     // [rad/sqrt(rad)]
 constexpr double kWheelTurn = 0.05;      // [rad/sqrt(rad)] when the wheels alone tell the heading
 constexpr double kScaleWalk = 1e-4;      // [1/sqrt(m)]
+constexpr double kRangeWalk = 1e-4;      // [m/sqrt(m)]
+constexpr double kLeastRangeSigma = 1e-6;  // [m] keeps the covariance invertible for a lidar without bias
 
 double square(double x) { return x * x; }
 
 }  // namespace
 
 PoseFilter::PoseFilter(const SensorModel& sensors) : sensors_(sensors) {
-  covariance_(3, 3) = square(sensors.gyro_bias);
-  covariance_(4, 4) = square(sensors.forward_scale_sigma);
-  covariance_(5, 5) = square(sensors.lateral_scale_sigma);
+  covariance_(kRangeBias, kRangeBias) = square(sensors.range_bias_sigma);
+  covariance_(kGyroBias, kGyroBias) = square(sensors.gyro_bias_sigma);
+  covariance_(kForwardScale, kForwardScale) = square(sensors.forward_scale_sigma);
+  covariance_(kLateralScale, kLateralScale) = square(sensors.lateral_scale_sigma);
 }
 
 void PoseFilter::predict(double heading, Vec2 step, double turn, double seconds, bool gyro) {
@@ -30,52 +33,53 @@ void PoseFilter::predict(double heading, Vec2 step, double turn, double seconds,
   const Vec2 moved{c * step.x - s * step.y, s * step.x + c * step.y};
 
   // the step turns with the heading and stretches with the scales; the heading turns back with the bias
-  Matrix6 f = Matrix6::Identity();
-  f(0, 2) = -moved.y;
-  f(1, 2) = moved.x;
-  f(0, 4) = c * step.x;
-  f(1, 4) = s * step.x;
-  f(0, 5) = -s * step.y;
-  f(1, 5) = c * step.y;
-  if (gyro) f(2, 3) = -seconds;
+  Matrix7 f = Matrix7::Identity();
+  f(kX, kTheta) = -moved.y;
+  f(kY, kTheta) = moved.x;
+  f(kX, kForwardScale) = c * step.x;
+  f(kY, kForwardScale) = s * step.x;
+  f(kX, kLateralScale) = -s * step.y;
+  f(kY, kLateralScale) = c * step.y;
+  if (gyro) f(kTheta, kGyroBias) = -seconds;
   covariance_ = (f * covariance_ * f.transpose()).eval();
 
   const double distance = norm(step);
   const double angle = std::fabs(turn);
   const double along = square(kForwardSlip) * distance + square(kTurnSlip) * angle;
   const double across = square(kLateralSlip) * distance + square(kTurnSlip) * angle;
-  covariance_(0, 0) += c * c * along + s * s * across;
-  covariance_(1, 1) += s * s * along + c * c * across;
-  covariance_(0, 1) += c * s * (along - across);
-  covariance_(1, 0) = covariance_(0, 1);
-  covariance_(2, 2) += gyro ? square(kGyroScale) * angle + square(sensors_.gyro_sigma) * 0.01 * seconds
-                            : square(kWheelTurn) * angle;
-  covariance_(3, 3) += square(sensors_.gyro_bias_walk) * seconds;
-  covariance_(4, 4) += square(kScaleWalk) * distance;
-  covariance_(5, 5) += sensors_.lateral_scale_sigma > 0.0 ? square(kScaleWalk) * distance : 0.0;
+  covariance_(kX, kX) += c * c * along + s * s * across;
+  covariance_(kY, kY) += s * s * along + c * c * across;
+  covariance_(kX, kY) += c * s * (along - across);
+  covariance_(kY, kX) = covariance_(kX, kY);
+  covariance_(kTheta, kTheta) += gyro ? square(kGyroScale) * angle + square(sensors_.gyro_sigma) * 0.01 * seconds
+                                      : square(kWheelTurn) * angle;
+  if (sensors_.range_bias_sigma > 0.0) covariance_(kRangeBias, kRangeBias) += square(kRangeWalk) * distance;
+  covariance_(kGyroBias, kGyroBias) += square(sensors_.gyro_bias_walk) * seconds;
+  covariance_(kForwardScale, kForwardScale) += square(kScaleWalk) * distance;
+  if (sensors_.lateral_scale_sigma > 0.0) covariance_(kLateralScale, kLateralScale) += square(kScaleWalk) * distance;
 }
 
-Vector6 PoseFilter::condition_on_pose(const Vector3& shift, const Matrix3& posterior) {
-  // what is correlated with the pose follows it: gain = P_all,pose * P_pose,pose^-1
-  const Matrix3 prior = pose_covariance();
-  const Eigen::Matrix<double, 6, 3> gain = covariance_.leftCols<3>() * prior.inverse();
-  const Vector6 all = gain * shift;
+Vector7 PoseFilter::condition(const Vector4& shift, const Matrix4& posterior) {
+  // what is correlated with the four follows them: gain = P_all,four * P_four,four^-1
+  const Matrix4 prior = scan_covariance();
+  const Eigen::Matrix<double, 7, 4> gain = covariance_.leftCols<4>() * prior.inverse();
   covariance_ -= (gain * (prior - posterior) * gain.transpose()).eval();
   covariance_ = (0.5 * (covariance_ + covariance_.transpose())).eval();
-  return all;
+  return gain * shift;
 }
 
-Vector6 PoseFilter::observe_gyro_bias(double error, double variance) {
-  const Vector6 gain = covariance_.col(3) / (covariance_(3, 3) + variance);
-  covariance_ -= (gain * covariance_.row(3)).eval();
+Vector7 PoseFilter::observe_gyro_bias(double error, double variance) {
+  const Vector7 gain = covariance_.col(kGyroBias) / (covariance_(kGyroBias, kGyroBias) + variance);
+  covariance_ -= (gain * covariance_.row(kGyroBias)).eval();
   covariance_ = (0.5 * (covariance_ + covariance_.transpose())).eval();
   return gain * error;
 }
 
 void PoseFilter::widen(double position_sigma, double heading_sigma) {
-  covariance_(0, 0) += square(position_sigma);
-  covariance_(1, 1) += square(position_sigma);
-  covariance_(2, 2) += square(heading_sigma);
+  covariance_(kX, kX) += square(position_sigma);
+  covariance_(kY, kY) += square(position_sigma);
+  covariance_(kTheta, kTheta) += square(heading_sigma);
+  covariance_(kRangeBias, kRangeBias) += square(kLeastRangeSigma);
 }
 
 }  // namespace threewe::slam

@@ -11,7 +11,7 @@ namespace {
 
 // Every beam of a scan shares the errors of map and deskewing, so that a scan knows less than its beams together: the
 // deviation of one residual is set so that the posterior is honest, not to the lidar's 1 cm.
-constexpr double kSigma = 0.06;          // [m]
+constexpr double kSigma = 0.025;          // [m]
 constexpr double kRobustWidth = 0.06;    // [m] residuals well beyond this count little
 constexpr double kSpotSize = 0.015;      // [m] hits spread less than this in every direction make a spot
 constexpr double kAgreement = 0.10;      // [m] a hit this near to a surface lies on it
@@ -21,8 +21,8 @@ constexpr double kMaxCellWeight = 12.0;  // hits in one cell beyond this add not
 double square(double x) { return x * x; }
 
 struct NormalEquations {
-  Matrix3 h = Matrix3::Zero();
-  Vector3 g = Vector3::Zero();
+  Matrix4 h = Matrix4::Zero();
+  Vector4 g = Vector4::Zero();
   int on_surface = 0;
   int in_free_space = 0;
 
@@ -32,25 +32,33 @@ struct NormalEquations {
   }
 };
 
-NormalEquations linearize(const map::LogOddsMap& map, std::span<const map::Beam> beams, const Pose2D& pose) {
+// The residual of a hit at `point` in `map`, hit by a beam that goes along `ray`, `arm` away from the base.
+Residual residual_in_map(const Surface& surface, Vec2 direction, Vec2 point, Vec2 ray, Vec2 arm, double range_bias) {
+  const double value = dot(direction, point - surface.mean - range_bias * surface.from);
+  // a thin post shows its near side to everyone, just as if ranges were short: it tells nothing about them
+  const double by_bias = surface.line ? -dot(direction, ray + surface.from) : 0.0;
+  return {value, {direction.x, direction.y, cross(arm, direction), by_bias}};
+}
+
+NormalEquations linearize(const map::LogOddsMap& map, std::span<const map::Beam> beams, const Placement& at) {
   NormalEquations sum;
-  const auto [s, c] = exact::sincos(pose.theta);
-  const auto in_map = [&](Vec2 p) { return Vec2{pose.x + c * p.x - s * p.y, pose.y + s * p.x + c * p.y}; };
+  const auto [s, c] = exact::sincos(at.pose.theta);
+  const auto turned = [s = s, c = c](Vec2 p) { return Vec2{c * p.x - s * p.y, s * p.x + c * p.y}; };
   for (const map::Beam& beam : beams) {
     if (!beam.hit) continue;
-    const Vec2 point = in_map(beam.end);
-    const std::optional<Surface> surface = surface_at(map, point, in_map(beam.origin));
+    const Vec2 arm = turned(beam.origin + (beam.range - at.range_bias) * beam.direction);
+    const Vec2 ray = turned(beam.direction);
+    const Vec2 point = at.pose.position() + arm;
+    const std::optional<Surface> surface = surface_at(map, point, -1.0 * ray);
     if (!surface) {
       sum.in_free_space += map.log_odds(map.grid().cell(point)) < 0 ? 1 : 0;
       continue;
     }
     const auto add = [&](Vec2 direction) {
-      const double d = dot(direction, point - surface->mean);
-      const Vec2 arm = point - pose.position();
-      const Residual r{d, {direction.x, direction.y, cross(arm, direction)}};
+      const Residual r = residual_in_map(*surface, direction, point, ray, arm, at.range_bias);
       const double variance = square(kSigma) + surface->spread;
-      sum.add(r, 1.0 / (variance * square(1.0 + square(d / kRobustWidth))));
-      return std::fabs(d) < kAgreement;
+      sum.add(r, 1.0 / (variance * square(1.0 + square(r.value / kRobustWidth))));
+      return std::fabs(r.value) < kAgreement;
     };
     bool agrees = add(surface->normal);
     if (!surface->line) agrees = add({-surface->normal.y, surface->normal.x}) && agrees;
@@ -61,23 +69,24 @@ NormalEquations linearize(const map::LogOddsMap& map, std::span<const map::Beam>
 
 }  // namespace
 
-std::optional<Surface> surface_at(const map::LogOddsMap& map, Vec2 point, Vec2 sensor) {
+std::optional<Surface> surface_at(const map::LogOddsMap& map, Vec2 point, Vec2 back) {
   const map::OccupancyGrid& grid = map.grid();
   const map::Cell middle = grid.cell(point);
   if (middle.x < 1 || middle.y < 1 || middle.x >= grid.width - 1 || middle.y >= grid.height - 1) return {};
 
   // sums over the cells that were seen from this side, around the middle cell, in cells
-  const Vec2 back = sensor - point;
   double w = 0.0, x = 0.0, y = 0.0, xx = 0.0, xy = 0.0, yy = 0.0;
+  Vec2 from;
   for (int dy = -1; dy <= 1; ++dy) {
     const map::CellHits* row = &map.hits()[grid.index({middle.x, middle.y + dy})];
     for (int dx = -1; dx <= 1; ++dx) {
       const map::CellHits& h = row[dx];
-      if (h.count == 0 || h.from_x * back.x + h.from_y * back.y <= 0.0) continue;
+      if (h.count == 0 || h.sum_from_x * back.x + h.sum_from_y * back.y <= 0.0) continue;
       const double scale = 1.0 / (256.0 * h.count);
       const double px = dx + scale * h.sum_x;
       const double py = dy + scale * h.sum_y;
       const double weight = std::min<double>(h.count, kMaxCellWeight);
+      from = from + (weight / (100.0 * h.count)) * Vec2{static_cast<double>(h.sum_from_x), static_cast<double>(h.sum_from_y)};
       w += weight, x += weight * px, y += weight * py;
       xx += weight * px * px, xy += weight * px * py, yy += weight * py * py;
     }
@@ -98,6 +107,7 @@ std::optional<Surface> surface_at(const map::LogOddsMap& map, Vec2 point, Vec2 s
   Surface surface;
   const double r = grid.resolution;
   surface.mean = grid.center(middle) + r * Vec2{mx, my};
+  surface.from = (1.0 / w) * from;
   surface.spread = small * r * r;
   surface.line = large * r * r > square(kSpotSize);
   // (c - small I) has rows along the other eigenvector; the longer one is the better conditioned
@@ -107,25 +117,27 @@ std::optional<Surface> surface_at(const map::LogOddsMap& map, Vec2 point, Vec2 s
   return surface;
 }
 
-Residual residual(const Surface& surface, Vec2 direction, const Pose2D& pose, Vec2 point_in_base) {
-  const Vec2 arm = rotate(point_in_base, pose.theta);
-  const Vec2 error = pose.position() + arm - surface.mean;
-  return {dot(direction, error), {direction.x, direction.y, cross(arm, direction)}};
+Residual residual(const Surface& surface, Vec2 direction, const Placement& at, const map::Beam& beam_in_base) {
+  const Vec2 ray = rotate(beam_in_base.direction, at.pose.theta);
+  const Vec2 arm = rotate(beam_in_base.origin, at.pose.theta) + (beam_in_base.range - at.range_bias) * ray;
+  return residual_in_map(surface, direction, at.pose.position() + arm, ray, arm, at.range_bias);
 }
 
-Match match_scan(const map::LogOddsMap& map, std::span<const map::Beam> beams, const Pose2D& prior,
-                 const Matrix3& prior_information, const Pose2D& start) {
+Match match_scan(const map::LogOddsMap& map, std::span<const map::Beam> beams, const Placement& prior,
+                 const Matrix4& prior_information, const Pose2D& start) {
   Match match;
-  match.pose = start;
+  match.at = {start, prior.range_bias};
   for (int i = 0; i < kMaxIterations; ++i) {
-    const NormalEquations scan = linearize(map, beams, match.pose);
-    const Vector3 off{match.pose.x - prior.x, match.pose.y - prior.y, wrap_angle(match.pose.theta - prior.theta)};
+    const NormalEquations scan = linearize(map, beams, match.at);
+    const Pose2D& pose = match.at.pose;
+    const Vector4 off{pose.x - prior.pose.x, pose.y - prior.pose.y, wrap_angle(pose.theta - prior.pose.theta),
+                      match.at.range_bias - prior.range_bias};
     match.information = scan.h + prior_information;
     match.known_hits = scan.on_surface + scan.in_free_space;
     match.agreement = match.known_hits > 0 ? static_cast<double>(scan.on_surface) / match.known_hits : 1.0;
 
-    const Vector3 step = -match.information.inverse() * (scan.g + prior_information * off);
-    match.pose = {match.pose.x + step(0), match.pose.y + step(1), wrap_angle(match.pose.theta + step(2))};
+    const Vector4 step = -match.information.inverse() * (scan.g + prior_information * off);
+    match.at = {{pose.x + step(0), pose.y + step(1), wrap_angle(pose.theta + step(2))}, match.at.range_bias + step(3)};
     if (std::fabs(step(0)) + std::fabs(step(1)) < 2e-4 && std::fabs(step(2)) < 1e-4) break;
   }
   return match;
@@ -147,7 +159,7 @@ Pose2D search_pose(const map::LogOddsMap& map, std::span<const map::Beam> beams,
     const Pose2D turned{center.x, center.y, wrap_angle(center.theta + turn * kHeadingStep)};
     hits.clear();
     for (std::size_t i = 0; i < beams.size(); i += kEvery) {
-      if (beams[i].hit) hits.push_back(grid.cell(turned * beams[i].end));
+      if (beams[i].hit) hits.push_back(grid.cell(turned * (beams[i].origin + beams[i].range * beams[i].direction)));
     }
     for (int dy = -cells; dy <= cells; ++dy) {
       for (int dx = -cells; dx <= cells; ++dx) {

@@ -14,35 +14,45 @@ namespace threewe::slam {
 
 /// A piece of a mapped surface near a point.
 struct Surface {
-  Vec2 mean;              ///< [m] of the hits around
+  Vec2 mean;              ///< [m] of the hits around, as measured
+  Vec2 from;              ///< mean direction back to the sensor: with a range bias b the surface is at mean + b * from
   Vec2 normal;            ///< unit; of the line through them
   double spread = 0.0;    ///< [m^2] of the hits along the normal
   bool line = false;      ///< false: a spot, known in both directions alike
 };
 
-/// The surface at `point`, from the hits in the 3 x 3 cells around it that were seen from the side of `sensor`; empty
-/// where there are none.
-std::optional<Surface> surface_at(const map::LogOddsMap& map, Vec2 point, Vec2 sensor);
+/// The surface at `point`, from the hits in the 3 x 3 cells around it that were seen from a side that looks back along
+/// `back`; empty where there are none.
+std::optional<Surface> surface_at(const map::LogOddsMap& map, Vec2 point, Vec2 back);
 
-/// The distance [m] of a point from a surface along `direction`, and how it changes with the pose (x, y, theta).
+/// What a scan tells about.
+struct Placement {
+  Pose2D pose;
+  double range_bias = 0.0;  ///< [m] by which all ranges are too long
+};
+
+/// The distance [m] of a beam's hit from a surface along `direction`, and how it changes with (x, y, theta, range
+/// bias). The bias moves the hit and, in the same way, the hits that made the surface: only a surface seen from
+/// elsewhere tells about it.
 struct Residual {
   double value = 0.0;
-  Vector3 jacobian = Vector3::Zero();
+  Vector4 jacobian = Vector4::Zero();
 };
-Residual residual(const Surface& surface, Vec2 direction, const Pose2D& pose, Vec2 point_in_base);
+Residual residual(const Surface& surface, Vec2 direction, const Placement& at, const map::Beam& beam_in_base);
 
 /// Where a scan fits best.
 struct Match {
-  Pose2D pose;
-  Matrix3 information = Matrix3::Zero();  ///< of scan and prior together, at `pose`
+  Placement at;
+  Matrix4 information = Matrix4::Zero();  ///< of scan and prior together
   double agreement = 0.0;  ///< the share of hits in known space that lie on a surface
   int known_hits = 0;      ///< how many hits lie in known space
 };
 
-/// The most likely pose given the scan and a Gaussian belief (mean `prior`, inverse covariance `prior_information`):
-/// Gauss-Newton on robust point-to-surface distances, starting at `start`. `beams`: in the base frame.
-Match match_scan(const map::LogOddsMap& map, std::span<const map::Beam> beams, const Pose2D& prior,
-                 const Matrix3& prior_information, const Pose2D& start);
+/// The most likely placement given the scan and a Gaussian belief (mean `prior`, inverse covariance
+/// `prior_information`): Gauss-Newton on robust point-to-surface distances, starting at `start`. `beams`: in the base
+/// frame.
+Match match_scan(const map::LogOddsMap& map, std::span<const map::Beam> beams, const Placement& prior,
+                 const Matrix4& prior_information, const Pose2D& start);
 
 /// How wide to search.
 struct SearchWindow {

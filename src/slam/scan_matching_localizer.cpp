@@ -29,7 +29,7 @@ class ScanMatchingLocalizer final : public Localizer {
  public:
   ScanMatchingLocalizer(const SensorModel& sensors, const Pose2D& map_from_start)
       : sensors_(sensors),
-        track_({0.0, 1.0, sensors.lateral_scale}),
+        track_({.lateral_scale = sensors.lateral_scale}),
         filter_(sensors),
         map_from_odom_(map_from_start) {}
 
@@ -50,7 +50,7 @@ class ScanMatchingLocalizer final : public Localizer {
   Time deskew(Time measured, const LaserScan& scan);
   void predict_to(Time stamp);
   void correct(Time stamp);
-  void shift(const Vector6& by, const Pose2D& map_from_base, const Pose2D& odom_from_base);
+  void shift(const Vector7& by, const Pose2D& map_from_base, const Pose2D& odom_from_base);
   void judge(Time stamp, const Match& match);
   void extend_map(Time stamp);
 
@@ -107,8 +107,9 @@ Time ScanMatchingLocalizer::deskew(Time measured, const LaserScan& scan) {
     const double length = hit ? range : std::min(kFreeNoReturn, scan.range_max);
     const double angle = base_from_lidar.theta + scan.angle_min + static_cast<double>(i) * scan.angle_increment;
     const Vec2 origin = base_from_lidar.position();
-    beams_.push_back({origin, origin + rotate({length, 0.0}, angle), hit});
-    if (hit) obstacles_.push_back(odom_from_base * beams_.back().end);
+    const Vec2 direction = rotate({1.0, 0.0}, angle);
+    beams_.push_back({origin, direction, length, hit});
+    if (hit) obstacles_.push_back(odom_from_base * (origin + (length - track_.calibration().range_bias) * direction));
   }
   return end;
 }
@@ -146,14 +147,15 @@ void ScanMatchingLocalizer::correct(Time stamp) {
   const Pose2D odom_from_base = track_.at(stamp);
   const Pose2D predicted = map_from_odom_ * odom_from_base;
   filter_.widen(0.0005, 0.0002);  // deskewing and stamps are never perfect; also keeps the covariance invertible
-  Match match = match_scan(map_, beams_, predicted, filter_.pose_covariance().inverse(), predicted);
+  const Placement prior{predicted, track_.calibration().range_bias};
+  Match match = match_scan(map_, beams_, prior, filter_.scan_covariance().inverse(), predicted);
 
   if (match.agreement < kPoorAgreement && match.known_hits >= kFewHits) {
     const SearchWindow window = lost_ ? SearchWindow{0.6, 0.35} : SearchWindow{};
     const Pose2D found = search_pose(map_, beams_, predicted, window);
     PoseFilter wide = filter_;
     wide.widen(0.5 * window.position, 0.5 * window.heading);
-    const Match other = match_scan(map_, beams_, predicted, wide.pose_covariance().inverse(), found);
+    const Match other = match_scan(map_, beams_, prior, wide.scan_covariance().inverse(), found);
     if (other.agreement > match.agreement + 0.15) {
       match = other;
       filter_ = wide;
@@ -162,19 +164,20 @@ void ScanMatchingLocalizer::correct(Time stamp) {
   judge(stamp, match);
   if (!agrees_) return;
 
-  const Vector3 moved{match.pose.x - predicted.x, match.pose.y - predicted.y,
-                      wrap_angle(match.pose.theta - predicted.theta)};
-  shift(filter_.condition_on_pose(moved, match.information.inverse()), predicted, odom_from_base);
+  const Vector4 moved{match.at.pose.x - predicted.x, match.at.pose.y - predicted.y,
+                      wrap_angle(match.at.pose.theta - predicted.theta), match.at.range_bias - prior.range_bias};
+  shift(filter_.condition(moved, match.information.inverse()), predicted, odom_from_base);
 }
 
 // Moves the estimate: the pose by moving map_from_odom, the calibration for the steps to come.
-void ScanMatchingLocalizer::shift(const Vector6& by, const Pose2D& map_from_base, const Pose2D& odom_from_base) {
-  const Pose2D moved{map_from_base.x + by(0), map_from_base.y + by(1), wrap_angle(map_from_base.theta + by(2))};
+void ScanMatchingLocalizer::shift(const Vector7& by, const Pose2D& map_from_base, const Pose2D& odom_from_base) {
+  const Pose2D moved{map_from_base.x + by(kX), map_from_base.y + by(kY), wrap_angle(map_from_base.theta + by(kTheta))};
   map_from_odom_ = moved * inverse(odom_from_base);
   Calibration c = track_.calibration();
-  c.gyro_bias += by(3);
-  c.forward_scale *= 1.0 + by(4);
-  c.lateral_scale *= 1.0 + by(5);
+  c.gyro_bias += by(kGyroBias);
+  c.forward_scale *= 1.0 + by(kForwardScale);
+  c.lateral_scale *= 1.0 + by(kLateralScale);
+  c.range_bias += by(kRangeBias);
   track_.calibrate(c);
 }
 
@@ -194,15 +197,14 @@ void ScanMatchingLocalizer::extend_map(Time stamp) {
                    std::fabs(since.theta) > kKeyframeTurn || stamp - keyframe_stamp_ >= kKeyframeAge;
   if (!due) return;
 
-  std::vector<map::Beam> in_map(beams_.size());
-  const auto [s, c] = exact::sincos(map_from_base.theta);
-  const auto moved = [&](Vec2 p) {
-    return Vec2{map_from_base.x + c * p.x - s * p.y, map_from_base.y + s * p.x + c * p.y};
-  };
-  for (std::size_t i = 0; i < beams_.size(); ++i) {
-    in_map[i] = {moved(beams_[i].origin), moved(beams_[i].end), beams_[i].hit};
+  std::vector<map::Beam> in_map = beams_;
+  const auto [sin, cos] = exact::sincos(map_from_base.theta);
+  const auto turned = [s = sin, c = cos](Vec2 p) { return Vec2{c * p.x - s * p.y, s * p.x + c * p.y}; };
+  for (map::Beam& beam : in_map) {
+    beam.origin = map_from_base.position() + turned(beam.origin);
+    beam.direction = turned(beam.direction);
   }
-  map_.insert(in_map);
+  map_.insert(in_map, track_.calibration().range_bias);
   keyframe_ = map_from_base;
   keyframe_stamp_ = stamp;
 }
@@ -223,7 +225,7 @@ PoseEstimate ScanMatchingLocalizer::estimate(Time now) const {
     const double heading = map_from_odom_.theta + p.odom_from_base.theta - 0.5 * p.turn;
     filter.predict(heading, p.step, p.turn, p.seconds, track_.has_gyro());
   }
-  const Matrix3 covariance = filter.pose_covariance();
+  const Matrix7& covariance = filter.covariance();
   for (int row = 0; row < 3; ++row) {
     for (int column = 0; column < 3; ++column) {
       e.covariance[static_cast<std::size_t>(3 * row + column)] = covariance(row, column);

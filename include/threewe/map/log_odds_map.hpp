@@ -12,18 +12,20 @@ namespace threewe::map {
 
 /// One measured line of sight.
 struct Beam {
-  Vec2 origin;  ///< [m] where the sensor was
-  Vec2 end;     ///< [m] the hit, or how far the beam is known to be free
+  Vec2 origin;          ///< [m] where the sensor was
+  Vec2 direction;       ///< unit
+  double range = 0.0;   ///< [m] as measured; without a hit, how far the beam is known to be free
   bool hit = false;
 };
 
-/// The hits in one cell: their sum, so that surfaces are known much finer than the cell is wide.
+/// The hits in one cell: sums, so that surfaces are known much finer than the cell is wide. Hits are kept as they were
+/// measured, and whence, so that a better knowledge of the lidar's bias mends old ones too.
 struct CellHits {
   std::int16_t sum_x = 0;  ///< [cell/256] of the offsets from the cell's middle
   std::int16_t sum_y = 0;
+  std::int16_t sum_from_x = 0;  ///< of the directions back to the sensor, times 100
+  std::int16_t sum_from_y = 0;
   std::int16_t count = 0;
-  std::int8_t from_x = 0;  ///< the direction towards the sensor at the newest hit, times 100
-  std::int8_t from_y = 0;
   friend bool operator==(const CellHits&, const CellHits&) = default;
 };
 
@@ -42,8 +44,9 @@ class LogOddsMap {
   LogOddsMap() : LogOddsMap(Settings{}) {}
   explicit LogOddsMap(const Settings& settings);
 
-  /// Adds one scan. A cell changes once: where any beam hit it, it counts as hit, whatever passed through it.
-  void insert(std::span<const Beam> beams);
+  /// Adds one scan whose ranges are measured too long by `range_bias` [m]. A cell changes once: where any beam hit it,
+  /// it counts as hit, whatever passed through it.
+  void insert(std::span<const Beam> beams, double range_bias = 0.0);
 
   /// The map as others see it. A copy of the evidence that is kept up to date cell by cell.
   const OccupancyGrid& grid() const { return grid_; }
@@ -53,15 +56,13 @@ class LogOddsMap {
   std::int8_t log_odds(Cell c) const { return grid_.contains(c) ? log_odds_[grid_.index(c)] : std::int8_t{0}; }
   /// Hits at a cell, shape as `grid().data`.
   const std::vector<CellHits>& hits() const { return hits_; }
-  /// The mean [m] of the hits in a cell that has some.
-  Vec2 surface(Cell c) const;
 
  private:
   enum class Mark : std::uint8_t { none, pass, hit };
 
   void grow_to_hold(std::span<const Beam> beams);
-  void add_hit(Cell c, const Beam& beam);
-  void mark_free(const Beam& beam);
+  void add_hit(const Beam& beam, double range_bias);
+  void mark_free(const Beam& beam, double range_bias);
   void apply(std::size_t index);
 
   Settings settings_;

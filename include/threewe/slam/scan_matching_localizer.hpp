@@ -12,8 +12,9 @@ namespace threewe::slam {
 struct SensorModel {
   Pose2D base_from_lidar;
   double gyro_sigma = 0.002;       ///< [rad/s] of one sample
-  double gyro_bias = 0.01;         ///< [rad/s], the bias at the start lies in [-gyro_bias, gyro_bias]
+  double gyro_bias_sigma = 0.005;  ///< [rad/s] of the bias at the start
   double gyro_bias_walk = 1e-4;    ///< [rad/s/sqrt(s)]
+  double range_bias_sigma = 0.017;    ///< [m] of the lidar's constant error
   double forward_scale_sigma = 0.01;  ///< of true over measured motion ahead
   double lateral_scale = 1.0;      ///< expected true over measured motion sideways
   double lateral_scale_sigma = 0.0;

@@ -1,0 +1,55 @@
+// Places on a polyline.
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <span>
+
+#include "threewe/core/pose.hpp"
+
+namespace threewe::nav {
+
+/// A point on piece `piece`, between corners `piece` and `piece + 1`.
+struct PathPoint {
+  std::size_t piece = 0;
+  Vec2 point;
+};
+
+/// The point of a polyline that is nearest to `p`; the first of equals. `path` must not be empty.
+inline PathPoint nearest_on_path(std::span<const Vec2> path, Vec2 p) {
+  PathPoint best{0, path[0]};
+  double best_distance = distance(p, path[0]);
+  for (std::size_t i = 0; i + 1 < path.size(); ++i) {
+    const Vec2 d = path[i + 1] - path[i];
+    const double length_squared = dot(d, d);
+    const double t = length_squared > 0.0 ? std::clamp(dot(p - path[i], d) / length_squared, 0.0, 1.0) : 0.0;
+    const Vec2 q = path[i] + t * d;
+    if (const double there = distance(p, q); there < best_distance) best = {i, q}, best_distance = there;
+  }
+  return best;
+}
+
+/// The point `ahead` [m] further along, at most the end.
+inline Vec2 point_after(std::span<const Vec2> path, const PathPoint& from, double ahead) {
+  Vec2 here = from.point;
+  for (std::size_t i = from.piece; i + 1 < path.size(); ++i) {
+    const double length = distance(here, path[i + 1]);
+    if (length >= ahead && length > 0.0) return here + (ahead / length) * (path[i + 1] - here);
+    ahead -= length;
+    here = path[i + 1];
+  }
+  return path.back();
+}
+
+/// Length [m] from a point on the path to its end.
+inline double length_after(std::span<const Vec2> path, const PathPoint& from) {
+  double sum = 0.0;
+  Vec2 here = from.point;
+  for (std::size_t i = from.piece + 1; i < path.size(); ++i) {
+    sum += distance(here, path[i]);
+    here = path[i];
+  }
+  return sum;
+}
+
+}  // namespace threewe::nav
