@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-#include "threewe/map/traversal.hpp"
+#include "threewe/core/grid_line.hpp"
 
 namespace threewe::map {
 namespace {
@@ -124,8 +124,8 @@ void LogOddsMap::mark_free(const Beam& beam, double range_bias) {
   const Vec2 end = beam.origin + length * beam.direction;
 
   const double cells = 1.0 / grid_.resolution;
-  traverse(cells * (beam.origin - grid_.origin), cells * (end - grid_.origin), [this](Cell c) {
-    const std::size_t index = grid_.index(c);
+  walk_grid_line(cells * (beam.origin - grid_.origin), cells * (end - grid_.origin), [this](int x, int y) {
+    const std::size_t index = grid_.index({x, y});
     if (marks_[index] == Mark::none) {
       marks_[index] = Mark::pass;
       touched_.push_back(static_cast<std::uint32_t>(index));

@@ -379,9 +379,11 @@ Decision PathNavigator::recover(const Observation& seen) {
   recovered_at_ = progress_.pose.position();
   if (++recoveries_ > kMaxRecoveries) return finish(Reason::blocked, "recoveries did not help");
 
+  // the planner shall not try the same way again nor, after a second failure, explore the same place
   constexpr double kAhead = 0.25;  // [m]
   if (has_plan_ && path_length(path_) > kAhead) {
     avoided_.push_back(point_after(path_, nearest_on_path(path_, progress_.pose.position()), kAhead));
+    if (recoveries_ >= 2 && std::holds_alternative<Explore>(goal_)) avoided_.push_back(path_.back());
   }
 
   // stuck for as long again before the next recovery
