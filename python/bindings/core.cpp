@@ -75,7 +75,7 @@ void bind_poses(nb::module_& m) {
       .def("__repr__", [](const Velocity& velocity) { return repr(velocity); });
 }
 
-void bind_samples(nb::module_& m) {
+void bind_scans(nb::module_& m) {
   nb::class_<LaserScan>(
       m, "LaserScan",
       "One turn of a planar lidar.\n\n"
@@ -106,7 +106,9 @@ void bind_samples(nb::module_& m) {
         return fmt::format("LaserScan({} beams, {} hits, range_max={:.1f} m)", scan.ranges.size(), hits,
                            scan.range_max);
       });
+}
 
+void bind_samples(nb::module_& m) {
   nb::class_<IMUData>(m, "IMUData", "One reading of the inertial unit, in the robot's base frame.")
       .def(nb::init<std::array<double, 3>, std::array<double, 3>>(), "angular_velocity"_a, "linear_acceleration"_a)
       .def_prop_ro(
@@ -185,6 +187,7 @@ void bind_assets(nb::module_& m) {
 
 void init_core(nb::module_& m) {
   bind_poses(m);
+  bind_scans(m);
   bind_samples(m);
   bind_targets(m);
   bind_assets(m);

@@ -146,7 +146,8 @@ void bind_time(nb::module_& m) {
       .def("result", &Motion::result, nb::rv_policy::copy)
       .def("explore_result", &Motion::explore_result);
 
-  nb::class_<Snapshot>(m, "Snapshot", "Everything the future of a world depends on.");
+  nb::class_<Snapshot>(m, "Snapshot", "Everything the future of a world depends on.")
+      .def("__repr__", [](const Snapshot&) { return "Snapshot()"; });
 
   nb::class_<World>(m, "World",
                     "A backend world with a runtime for each of its robots. One thread at a time may use it.")
@@ -193,9 +194,8 @@ void bind_time(nb::module_& m) {
       .def("save", [](const World& world) { return Snapshot{world.save()}; }, WithoutGil());
 }
 
-void bind_runtime(nb::module_& m) {
-  nb::class_<Runtime>(m, "Runtime", "One robot of a world: mind, gate and port.")
-      .def("connect", &Runtime::connect, WithoutGil())
+void bind_readings(nb::class_<Runtime>& runtime) {
+  runtime.def("connect", &Runtime::connect, WithoutGil())
       .def("disconnect", &Runtime::disconnect, WithoutGil())
       .def_prop_ro("connected", &Runtime::connected)
       .def("ready", &Runtime::ready)
@@ -217,7 +217,11 @@ void bind_runtime(nb::module_& m) {
              return std::vector<Vec2>(path.begin(), path.end());
            })
       .def("transform", &Runtime::transform, "target"_a, "source"_a)
-      .def("commanded", [](const Runtime& robot) { return robot.commanded().command; })
+      .def("commanded", [](const Runtime& robot) { return robot.commanded().command; });
+}
+
+void bind_commands(nb::class_<Runtime>& runtime) {
+  runtime
       .def(
           "set_velocity",
           [](Runtime& robot, double vx, double vy, double omega, double hold) {
@@ -274,6 +278,12 @@ void bind_runtime(nb::module_& m) {
           },
           "observer"_a)
       .def("unobserve", &Runtime::unobserve, "id"_a);
+}
+
+void bind_runtime(nb::module_& m) {
+  nb::class_<Runtime> runtime(m, "Runtime", "One robot of a world: mind, gate and port.");
+  bind_readings(runtime);
+  bind_commands(runtime);
 }
 
 void bind_simulation(nb::module_& m) {

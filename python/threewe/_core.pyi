@@ -1005,6 +1005,8 @@ class Motion(Wait):
 class Snapshot:
     """Everything the future of a world depends on."""
 
+    def __repr__(self) -> str: ...
+
 class World:
     """
     A backend world with a runtime for each of its robots. One thread at a time may use it.
