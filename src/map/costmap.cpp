@@ -90,8 +90,8 @@ void Costmap::update(const OccupancyGrid& grid, std::span<const Vec2> obstacles,
   std::array<Weight, static_cast<std::size_t>(kMaxDistance) * kMaxDistance + 1> table{};
   for (std::size_t i = 0; i < table.size(); ++i) {
     const double d = resolution_ * exact::sqrt(static_cast<double>(i));
-    const double t = std::clamp((settings_.caution_radius - d) / (settings_.caution_radius - settings_.lethal_radius),
-                                0.0, 1.0);
+    const double t =
+        std::clamp((settings_.caution_radius - d) / (settings_.caution_radius - settings_.lethal_radius), 0.0, 1.0);
     table[i] = d < settings_.lethal_radius ? kLethal : static_cast<Weight>(kFree + settings_.near_weight * t * t);
   }
   weights_.resize(size);

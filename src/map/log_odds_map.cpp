@@ -10,8 +10,8 @@
 namespace threewe::map {
 namespace {
 
-constexpr int kChunk = 64;          // the map grows by so many cells
-constexpr int kSubcells = 256;      // steps of a hit's place within its cell
+constexpr int kChunk = 64;             // the map grows by so many cells
+constexpr int kSubcells = 256;         // steps of a hit's place within its cell
 constexpr std::int16_t kMaxHits = 64;  // older hits fade beyond this
 
 // The occupancy [%] for each value of the evidence, known cells only.
@@ -36,8 +36,8 @@ std::vector<T> moved_into(const std::vector<T>& old, int old_width, Cell offset,
   std::vector<T> wider(static_cast<std::size_t>(width) * static_cast<std::size_t>(height), fill);
   const auto row = static_cast<std::size_t>(old_width);
   for (std::size_t y = 0; row != 0 && y < old.size() / row; ++y) {
-    const auto target = (y + static_cast<std::size_t>(offset.y)) * static_cast<std::size_t>(width) +
-                        static_cast<std::size_t>(offset.x);
+    const auto target =
+        (y + static_cast<std::size_t>(offset.y)) * static_cast<std::size_t>(width) + static_cast<std::size_t>(offset.x);
     std::copy_n(old.begin() + static_cast<std::ptrdiff_t>(y * row), row,
                 wider.begin() + static_cast<std::ptrdiff_t>(target));
   }

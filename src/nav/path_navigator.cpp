@@ -14,21 +14,22 @@
 namespace threewe::nav {
 namespace {
 
-constexpr double kArrived = 0.05;            // [m] near enough to a goal to stop
-constexpr double kTurned = 0.015;            // [rad]
-constexpr Duration kReplanPeriod = 1s;       // plans are renewed so often while the map changes
+constexpr double kArrived = 0.05;       // [m] near enough to a goal to stop
+constexpr double kTurned = 0.015;       // [rad]
+constexpr Duration kReplanPeriod = 1s;  // plans are renewed so often while the map changes
 constexpr Duration kExplorePeriod = 600ms;
-constexpr Duration kStuckAfter = 2500ms;     // without having moved, plan anew with what the lidar sees ...
-constexpr double kMoved = 0.06;              // [m] ... or turned by kMovedTurn
-constexpr double kMovedTurn = 0.3;           // [rad]
-constexpr int kMaxRecoveries = 6;            // recoveries in a row before the motion is given up
-constexpr Duration kRecovery = 1200ms;       // how long to back off
-constexpr Duration kProof = 2500ms;          // for so long no plan may exist before it is believed
+constexpr Duration kStuckAfter = 2500ms;  // without having moved, plan anew with what the lidar sees ...
+constexpr double kMoved = 0.06;           // [m] ... or turned by kMovedTurn
+constexpr double kMovedTurn = 0.3;        // [rad]
+constexpr int kMaxRecoveries = 6;         // recoveries in a row before the motion is given up
+constexpr Duration kRecovery = 1200ms;    // how long to back off
+constexpr Duration kProof = 2500ms;       // for so long no plan may exist before it is believed
 constexpr Duration kLostPatience = 5s;
-constexpr Duration kMapPatience = 1s;        // how long to wait for a first scan
-constexpr double kWaypointPassed = 0.15;     // [m]
-constexpr std::uint16_t kMinFrontier = 8;    // [cells] smaller frontiers are not worth a drive
-constexpr double kBetter = 0.85;             // a new path replaces an open one when it costs less than this share of it
+constexpr Duration kMapPatience = 1s;      // how long to wait for a first scan
+constexpr double kWaypointPassed = 0.15;   // [m]
+constexpr std::uint16_t kMinFrontier = 8;  // [cells] smaller frontiers are not worth a drive
+constexpr double kHorizon = 4.0;             // [m] plans end so far outside of the map: all is unknown there
+constexpr double kBetter = 0.85;           // a new path replaces an open one when it costs less than this share of it
 
 map::Costmap::Settings costmap_settings(const RobotProfile& profile) {
   // robots move along x, so that half their width passes where they pass
@@ -38,6 +39,13 @@ map::Costmap::Settings costmap_settings(const RobotProfile& profile) {
   s.lethal_radius = std::max(profile.body.footprint.inscribed_radius(), half_width) + 0.025;
   s.caution_radius = s.lethal_radius + 0.35;
   return s;
+}
+
+// The point itself or, for one far outside of the map, the nearest within the horizon: beyond it nothing is in the way.
+Vec2 within_horizon(const map::OccupancyGrid& map, Vec2 point) {
+  const Vec2 low = map.origin - Vec2{kHorizon, kHorizon};
+  const Vec2 high = map.origin + Vec2{map.width * map.resolution + kHorizon, map.height * map.resolution + kHorizon};
+  return {std::clamp(point.x, low.x, high.x), std::clamp(point.y, low.y, high.y)};
 }
 
 class PathNavigator final : public Navigator {
@@ -83,24 +91,24 @@ class PathNavigator final : public Navigator {
 
   Goal goal_;
   Progress progress_;
-  Pose2D start_;                   // in `map`, at the start of the motion
+  Pose2D start_;  // in `map`, at the start of the motion
   Time started_{};
   Time now_{};
   std::vector<Vec2> path_;
-  std::vector<Vec2> route_;        // waypoints still to pass, the last is the goal
-  bool straight_legs_ = false;     // follow the straight lines between waypoints where they are free
-  double gap_ = 0.0;               // [m] from the end of the path to the goal
+  std::vector<Vec2> route_;     // waypoints still to pass, the last is the goal
+  bool straight_legs_ = false;  // follow the straight lines between waypoints where they are free
+  double gap_ = 0.0;            // [m] from the end of the path to the goal
   bool turning_to_heading_ = false;
-  double turned_ = 0.0;            // [rad] since the start
+  double turned_ = 0.0;  // [rad] since the start
   bool has_plan_ = false;
   Time planned_{};
   std::uint64_t planned_version_ = 0;
   bool replan_ = true;
   Time unplannable_since_{};
   bool unplannable_ = false;
-  Pose2D last_moved_;              // where and when the robot last got on
+  Pose2D last_moved_;  // where and when the robot last got on
   Time last_moved_at_{};
-  std::vector<Vec2> avoided_;      // [m] in `map`: the planner saw a way here, the tracker did not
+  std::vector<Vec2> avoided_;  // [m] in `map`: the planner saw a way here, the tracker did not
   int recoveries_ = 0;
   Vec2 recovered_at_;
   Time recovering_until_{};
@@ -262,7 +270,8 @@ Decision PathNavigator::travel(const Observation& seen, Vec2 goal, double tolera
     }
     if (plan == Plan::none) {
       if (!unplannable_) unplannable_ = true, unplannable_since_ = seen.now;
-      if (seen.now - unplannable_since_ > kProof) return finish(Reason::no_path, "everything within reach was searched");
+      if (seen.now - unplannable_since_ > kProof)
+        return finish(Reason::no_path, "everything within reach was searched");
     } else {
       unplannable_ = false;
     }
@@ -287,8 +296,8 @@ void PathNavigator::renew_costmap(const Observation& seen) {
   // what the lidar sees now counts too, where the map may not have it yet
   std::vector<Vec2> obstacles = avoided_;
   for (const Vec2 p : seen.obstacles) obstacles.push_back(seen.pose.map_from_odom * p);
-  std::vector<Vec2> include = route_;
-  include.push_back(progress_.pose.position());
+  std::vector<Vec2> include = {progress_.pose.position()};
+  for (const Vec2 waypoint : route_) include.push_back(within_horizon(seen.map, waypoint));
   costmap_.update(seen.map, obstacles, include);
   costmap_.open_around(progress_.pose.position(), body_radius_ + 0.1);
   planned_ = seen.now;
@@ -302,7 +311,8 @@ PathNavigator::Plan PathNavigator::plan_route(const Observation& seen, double to
   // leg by leg; straight where the user drew a line that is free
   std::vector<Vec2> path = {progress_.pose.position()};
   double gap = 0.0;
-  for (const Vec2 waypoint : route_) {
+  for (const Vec2 ordered : route_) {
+    const Vec2 waypoint = within_horizon(seen.map, ordered);
     const bool drawn = straight_legs_ && std::isfinite(costmap_.line_cost(path.back(), waypoint));
     if (drawn) {
       path.push_back(waypoint);

@@ -10,16 +10,16 @@
 namespace threewe::nav {
 namespace {
 
-constexpr double kReaction = 0.12;       // [s] from a command to its effect
-constexpr double kMargin = 0.04;         // [m] kept free around the outline, more than the safety gate keeps
-constexpr double kNotNearer = 0.005;     // [m] what is nearer than the margin may come so much nearer, no more
-constexpr double kHorizon = 1.2;         // [s] looked ahead along a motion
-constexpr double kStep = 0.02;           // [m] or 0.1 rad between the poses that are tried
-constexpr double kLookahead = 0.45;      // [m]
-constexpr double kMinLookahead = 0.10;   // [m]
-constexpr double kSlowest = 0.04;        // [m/s] towards the goal
-constexpr double kTurnFirst = 0.8;       // [rad] differential: beyond this turn on the spot ...
-constexpr double kTurnDone = 0.2;        // [rad] ... until the target is this straight ahead
+constexpr double kReaction = 0.12;      // [s] from a command to its effect
+constexpr double kMargin = 0.04;        // [m] kept free around the outline, more than the safety gate keeps
+constexpr double kNotNearer = 0.005;    // [m] what is nearer than the margin may come so much nearer, no more
+constexpr double kHorizon = 1.2;        // [s] looked ahead along a motion
+constexpr double kStep = 0.02;          // [m] or 0.1 rad between the poses that are tried
+constexpr double kLookahead = 0.45;     // [m]
+constexpr double kMinLookahead = 0.10;  // [m]
+constexpr double kSlowest = 0.04;       // [m/s] towards the goal
+constexpr double kTurnFirst = 0.8;      // [rad] differential: beyond this turn on the spot ...
+constexpr double kTurnDone = 0.2;       // [rad] ... until the target is this straight ahead
 
 // Deviations from the straight way to the target that are tried when it is not free [rad].
 constexpr std::array<double, 12> kFan = {0.2, -0.2, 0.4, -0.4, 0.6, -0.6, 0.9, -0.9, 1.2, -1.2, 1.6, -1.6};
@@ -142,9 +142,8 @@ Velocity Tracker::most_room() const {
   std::vector<Velocity> tries = {{-speed, 0.0, 0.0}, {speed, 0.0, 0.0}};
   if (kinematics_ == Kinematics::holonomic) {
     const double diagonal = speed * exact::sqrt(0.5);
-    tries = {{-speed, 0.0, 0.0},           {0.0, speed, 0.0},           {0.0, -speed, 0.0},
-             {-diagonal, diagonal, 0.0},   {-diagonal, -diagonal, 0.0}, {speed, 0.0, 0.0},
-             {diagonal, diagonal, 0.0},    {diagonal, -diagonal, 0.0}};
+    tries = {{-speed, 0.0, 0.0},          {0.0, speed, 0.0}, {0.0, -speed, 0.0},        {-diagonal, diagonal, 0.0},
+             {-diagonal, -diagonal, 0.0}, {speed, 0.0, 0.0}, {diagonal, diagonal, 0.0}, {diagonal, -diagonal, 0.0}};
   } else {
     tries.push_back({-0.5 * speed, 0.0, 0.5 * limits_.angular});
     tries.push_back({-0.5 * speed, 0.0, -0.5 * limits_.angular});

@@ -6,7 +6,7 @@
 namespace threewe::slam {
 namespace {
 
-constexpr double kMaxGyroAge = 0.1;       // [s] a gyro sample stands for no longer than this
+constexpr double kMaxGyroAge = 0.1;        // [s] a gyro sample stands for no longer than this
 constexpr double kMaxExtrapolation = 0.3;  // [s]
 
 }  // namespace

@@ -15,7 +15,7 @@ struct Calibration {
   double gyro_bias = 0.0;      ///< [rad/s], true rate = measured - bias
   double forward_scale = 1.0;  ///< true motion = measured * scale
   double lateral_scale = 1.0;
-  double range_bias = 0.0;     ///< [m], true range = measured - bias
+  double range_bias = 0.0;  ///< [m], true range = measured - bias
   friend bool operator==(const Calibration&, const Calibration&) = default;
 };
 
@@ -23,12 +23,12 @@ struct Calibration {
 struct TrackPoint {
   Time stamp{};
   Pose2D odom_from_base;
-  Velocity velocity;        ///< body frame, calibrated
-  Vec2 step;                ///< [m] moved, in the body frame half way through the turn
-  double turn = 0.0;        ///< [rad] turned
-  double seconds = 0.0;     ///< [s] since the sample before
-  double gyro_rate = 0.0;   ///< [rad/s] of the newest gyro sample, as measured
-  int standing = 0;         ///< for so many samples the wheels have not turned
+  Velocity velocity;       ///< body frame, calibrated
+  Vec2 step;               ///< [m] moved, in the body frame half way through the turn
+  double turn = 0.0;       ///< [rad] turned
+  double seconds = 0.0;    ///< [s] since the sample before
+  double gyro_rate = 0.0;  ///< [rad/s] of the newest gyro sample, as measured
+  int standing = 0;        ///< for so many samples the wheels have not turned
 };
 
 /// Integrates wheel translation and gyro rotation into the `odom` frame, which never jumps, and remembers the last
@@ -60,12 +60,12 @@ class DeadReckoning {
   Calibration calibration_;
   std::array<TrackPoint, kCapacity> points_{};
   std::size_t count_ = 0;
-  Odometry wheels_;             // the newest odometry sample
+  Odometry wheels_;  // the newest odometry sample
   bool has_gyro_ = false;
   Time gyro_stamp_{};
-  double gyro_rate_ = 0.0;      // as measured
-  double heading_ = 0.0;        // integral of the gyro up to gyro_stamp_
-  double heading_used_ = 0.0;   // gyro heading at the newest point
+  double gyro_rate_ = 0.0;     // as measured
+  double heading_ = 0.0;       // integral of the gyro up to gyro_stamp_
+  double heading_used_ = 0.0;  // gyro heading at the newest point
 };
 
 }  // namespace threewe::slam

@@ -8,13 +8,13 @@ namespace threewe::slam {
 namespace {
 
 // Random errors of dead reckoning beyond its systematic ones; variances grow with the distance and the angle.
-constexpr double kForwardSlip = 0.015;   // [m/sqrt(m)]
-constexpr double kLateralSlip = 0.03;    // [m/sqrt(m)]
-constexpr double kTurnSlip = 0.01;       // [m/sqrt(rad)] the base wanders while it turns
-constexpr double kGyroScale = 0.002;     // [rad/sqrt(rad)]
-constexpr double kWheelTurn = 0.05;      // [rad/sqrt(rad)] when the wheels alone tell the heading
-constexpr double kScaleWalk = 1e-4;      // [1/sqrt(m)]
-constexpr double kRangeWalk = 1e-4;      // [m/sqrt(m)]
+constexpr double kForwardSlip = 0.015;     // [m/sqrt(m)]
+constexpr double kLateralSlip = 0.03;      // [m/sqrt(m)]
+constexpr double kTurnSlip = 0.01;         // [m/sqrt(rad)] the base wanders while it turns
+constexpr double kGyroScale = 0.002;       // [rad/sqrt(rad)]
+constexpr double kWheelTurn = 0.05;        // [rad/sqrt(rad)] when the wheels alone tell the heading
+constexpr double kScaleWalk = 1e-4;        // [1/sqrt(m)]
+constexpr double kRangeWalk = 1e-4;        // [m/sqrt(m)]
 constexpr double kLeastRangeSigma = 1e-6;  // [m] keeps the covariance invertible for a lidar without bias
 
 double square(double x) { return x * x; }
@@ -51,8 +51,8 @@ void PoseFilter::predict(double heading, Vec2 step, double turn, double seconds,
   covariance_(kY, kY) += s * s * along + c * c * across;
   covariance_(kX, kY) += c * s * (along - across);
   covariance_(kY, kX) = covariance_(kX, kY);
-  covariance_(kTheta, kTheta) += gyro ? square(kGyroScale) * angle + square(sensors_.gyro_sigma) * 0.01 * seconds
-                                      : square(kWheelTurn) * angle;
+  covariance_(kTheta, kTheta) +=
+      gyro ? square(kGyroScale) * angle + square(sensors_.gyro_sigma) * 0.01 * seconds : square(kWheelTurn) * angle;
   if (sensors_.range_bias_sigma > 0.0) covariance_(kRangeBias, kRangeBias) += square(kRangeWalk) * distance;
   covariance_(kGyroBias, kGyroBias) += square(sensors_.gyro_bias_walk) * seconds;
   covariance_(kForwardScale, kForwardScale) += square(kScaleWalk) * distance;

@@ -11,10 +11,10 @@ namespace {
 
 // Every beam of a scan shares the errors of map and deskewing, so that a scan knows less than its beams together: the
 // deviation of one residual is set so that the posterior is honest, not to the lidar's 1 cm.
-constexpr double kSigma = 0.025;          // [m]
-constexpr double kRobustWidth = 0.06;    // [m] residuals well beyond this count little
-constexpr double kSpotSize = 0.015;      // [m] hits spread less than this in every direction make a spot
-constexpr double kAgreement = 0.10;      // [m] a hit this near to a surface lies on it
+constexpr double kSigma = 0.025;       // [m]
+constexpr double kRobustWidth = 0.06;  // [m] residuals well beyond this count little
+constexpr double kSpotSize = 0.015;    // [m] hits spread less than this in every direction make a spot
+constexpr double kAgreement = 0.10;    // [m] a hit this near to a surface lies on it
 constexpr int kMaxIterations = 6;
 constexpr double kMaxCellWeight = 12.0;  // hits in one cell beyond this add nothing to its weight
 
@@ -86,7 +86,8 @@ std::optional<Surface> surface_at(const map::LogOddsMap& map, Vec2 point, Vec2 b
       const double px = dx + scale * h.sum_x;
       const double py = dy + scale * h.sum_y;
       const double weight = std::min<double>(h.count, kMaxCellWeight);
-      from = from + (weight / (100.0 * h.count)) * Vec2{static_cast<double>(h.sum_from_x), static_cast<double>(h.sum_from_y)};
+      from = from +
+             (weight / (100.0 * h.count)) * Vec2{static_cast<double>(h.sum_from_x), static_cast<double>(h.sum_from_y)};
       w += weight, x += weight * px, y += weight * py;
       xx += weight * px * px, xy += weight * px * py, yy += weight * py * py;
     }

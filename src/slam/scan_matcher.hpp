@@ -14,11 +14,11 @@ namespace threewe::slam {
 
 /// A piece of a mapped surface near a point.
 struct Surface {
-  Vec2 mean;              ///< [m] of the hits around, as measured
-  Vec2 from;              ///< mean direction back to the sensor: with a range bias b the surface is at mean + b * from
-  Vec2 normal;            ///< unit; of the line through them
-  double spread = 0.0;    ///< [m^2] of the hits along the normal
-  bool line = false;      ///< false: a spot, known in both directions alike
+  Vec2 mean;            ///< [m] of the hits around, as measured
+  Vec2 from;            ///< mean direction back to the sensor: with a range bias b the surface is at mean + b * from
+  Vec2 normal;          ///< unit; of the line through them
+  double spread = 0.0;  ///< [m^2] of the hits along the normal
+  bool line = false;    ///< false: a spot, known in both directions alike
 };
 
 /// The surface at `point`, from the hits in the 3 x 3 cells around it that were seen from a side that looks back along
@@ -44,8 +44,8 @@ Residual residual(const Surface& surface, Vec2 direction, const Placement& at, c
 struct Match {
   Placement at;
   Matrix4 information = Matrix4::Zero();  ///< of scan and prior together
-  double agreement = 0.0;  ///< the share of hits in known space that lie on a surface
-  int known_hits = 0;      ///< how many hits lie in known space
+  double agreement = 0.0;                 ///< the share of hits in known space that lie on a surface
+  int known_hits = 0;                     ///< how many hits lie in known space
 };
 
 /// The most likely placement given the scan and a Gaussian belief (mean `prior`, inverse covariance

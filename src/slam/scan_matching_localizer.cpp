@@ -20,10 +20,10 @@ constexpr Duration kKeyframeAge = 1s;       // ... or time
 constexpr std::uint64_t kFirstScans = 3;    // all of these make the first map
 constexpr double kPoorAgreement = 0.6;      // below this the scan seems to be elsewhere
 constexpr double kGoodAgreement = 0.7;
-constexpr int kFewHits = 30;                // fewer hits in known space tell nothing
+constexpr int kFewHits = 30;  // fewer hits in known space tell nothing
 constexpr Duration kLostAfter = 2s;
-constexpr int kStandingSamples = 10;        // wheels at rest for so many samples: the robot stands
-constexpr double kFreeNoReturn = 4.0;       // [m] a beam without return clears so much: dark surfaces return nothing
+constexpr int kStandingSamples = 10;   // wheels at rest for so many samples: the robot stands
+constexpr double kFreeNoReturn = 4.0;  // [m] a beam without return clears so much: dark surfaces return nothing
 
 class ScanMatchingLocalizer final : public Localizer {
  public:
@@ -34,7 +34,8 @@ class ScanMatchingLocalizer final : public Localizer {
         map_from_odom_(map_from_start) {}
 
   void add(const Sample& sample) override {
-    if (const auto* imu = std::get_if<IMUData>(&sample.data)) track_.add_gyro(sample.measured, imu->angular_velocity[2]);
+    if (const auto* imu = std::get_if<IMUData>(&sample.data))
+      track_.add_gyro(sample.measured, imu->angular_velocity[2]);
     if (const auto* odometry = std::get_if<Odometry>(&sample.data)) track_.add_odometry(sample.measured, *odometry);
     if (const auto* scan = std::get_if<LaserScan>(&sample.data)) add_scan(sample.measured, *scan);
   }
@@ -57,17 +58,17 @@ class ScanMatchingLocalizer final : public Localizer {
   SensorModel sensors_;
   DeadReckoning track_;
   PoseFilter filter_;
-  Time filter_stamp_{};      // the filter stands at the newest scan
+  Time filter_stamp_{};  // the filter stands at the newest scan
   Pose2D map_from_odom_;
   map::LogOddsMap map_;
-  Pose2D keyframe_;          // map_from_base when the map last took a scan
+  Pose2D keyframe_;  // map_from_base when the map last took a scan
   Time keyframe_stamp_{};
-  bool agrees_ = true;       // the newest scan fits the map
-  Time agreed_{};            // when a scan last did
+  bool agrees_ = true;  // the newest scan fits the map
+  Time agreed_{};       // when a scan last did
   bool lost_ = false;
 
-  std::vector<map::Beam> beams_;   // the newest scan, in the base frame at the end of its turn
-  std::vector<Vec2> obstacles_;    // its hits in odom
+  std::vector<map::Beam> beams_;  // the newest scan, in the base frame at the end of its turn
+  std::vector<Vec2> obstacles_;   // its hits in odom
 };
 
 // One scan: undo the motion during its turn, carry the belief there, fit it to the map, let the map grow.

@@ -12,9 +12,9 @@ namespace threewe::map {
 
 /// One measured line of sight.
 struct Beam {
-  Vec2 origin;          ///< [m] where the sensor was
-  Vec2 direction;       ///< unit
-  double range = 0.0;   ///< [m] as measured; without a hit, how far the beam is known to be free
+  Vec2 origin;         ///< [m] where the sensor was
+  Vec2 direction;      ///< unit
+  double range = 0.0;  ///< [m] as measured; without a hit, how far the beam is known to be free
   bool hit = false;
 };
 
@@ -33,10 +33,10 @@ struct CellHits {
 class LogOddsMap {
  public:
   struct Settings {
-    double resolution = 0.05;      ///< [m]
-    double free_range = 8.0;       ///< [m] beams clear nothing beyond
-    std::int8_t hit = 25;          ///< evidence of one scan that hit a cell
-    std::int8_t pass = -11;        ///< evidence of one scan that looked through it
+    double resolution = 0.05;  ///< [m]
+    double free_range = 8.0;   ///< [m] beams clear nothing beyond
+    std::int8_t hit = 25;      ///< evidence of one scan that hit a cell
+    std::int8_t pass = -11;    ///< evidence of one scan that looked through it
     std::int8_t max = 75;
     std::int8_t min = -50;
   };

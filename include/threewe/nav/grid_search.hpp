@@ -13,9 +13,9 @@ namespace threewe::nav {
 
 /// What a search found.
 struct SearchResult {
-  bool found = false;            ///< false: everything that can be reached was searched
-  std::uint32_t cost = 0;        ///< of the path, see `GridSearch`
-  std::vector<map::Cell> path;   ///< from the start to the target or, if not found, to the cell nearest to it
+  bool found = false;           ///< false: everything that can be reached was searched
+  std::uint32_t cost = 0;       ///< of the path, see `GridSearch`
+  std::vector<map::Cell> path;  ///< from the start to the target or, if not found, to the cell nearest to it
 };
 
 /// A* and Dijkstra over a costmap, 8-connected. A step costs 5 (7 diagonally) times the sum of the weights of its two
@@ -33,8 +33,8 @@ class GridSearch {
 
  private:
   static constexpr std::uint32_t kUnreached = 0xFFFFFFFF;
-  static constexpr std::uint32_t kStartWeight = 100;    // at most, where a search starts in a lethal cell
-  static constexpr std::size_t kBuckets = 2048;  // more than any step, with its change of heuristic, can cost
+  static constexpr std::uint32_t kStartWeight = 100;  // at most, where a search starts in a lethal cell
+  static constexpr std::size_t kBuckets = 2048;       // more than any step, with its change of heuristic, can cost
 
   template <class Heuristic, class IsTarget, class Blocked>
   SearchResult search(const map::Costmap& costmap, map::Cell start, Heuristic heuristic, IsTarget is_target,
@@ -46,7 +46,7 @@ class GridSearch {
     std::uint32_t cost;
   };
   std::vector<std::uint32_t> cost_;
-  std::vector<std::uint8_t> arrived_by_;  // direction of the last step, 8 at the start
+  std::vector<std::uint8_t> arrived_by_;               // direction of the last step, 8 at the start
   std::vector<std::vector<Entry>> buckets_{kBuckets};  // entries by cost + heuristic, modulo kBuckets
 };
 

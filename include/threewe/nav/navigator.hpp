@@ -55,9 +55,9 @@ struct Observation {
 };
 
 struct Progress {
-  double distance_left = 0.0;   ///< [m] along the path
+  double distance_left = 0.0;    ///< [m] along the path
   double distance_driven = 0.0;  ///< [m] since the start of the motion
-  Pose2D pose;                  ///< in `map`
+  Pose2D pose;                   ///< in `map`
 };
 
 /// What the navigator wants.

@@ -28,8 +28,8 @@ class Outline {
 
 /// How far a constant velocity leads before something is hit.
 struct Sweep {
-  double seconds = 0.0;    ///< [s] until contact, at most the horizon
-  bool free = false;       ///< nothing within the horizon
+  double seconds = 0.0;  ///< [s] until contact, at most the horizon
+  bool free = false;     ///< nothing within the horizon
 };
 
 /// Follows paths. Without memory of its own but for the direction of a turn that has begun.
@@ -62,9 +62,9 @@ class Tracker {
   Limits limits_;
   Kinematics kinematics_;
   Outline outline_;
-  double reach_ = 0.0;             // [m] points farther away do not matter
+  double reach_ = 0.0;  // [m] points farther away do not matter
   std::vector<Vec2> near_;
-  std::vector<double> least_;      // [m] how near each point may come
+  std::vector<double> least_;  // [m] how near each point may come
   bool turning_ = false;
 };
 

@@ -15,10 +15,10 @@ namespace threewe::slam {
 /// What is known about the robot's pose at one moment.
 struct PoseEstimate {
   Time stamp{};
-  Pose2D odom_from_base;                ///< smooth: wheels and gyro, never jumps
-  Pose2D map_from_odom;                 ///< moves when a scan or a loop closure corrects the drift
-  Velocity velocity;                    ///< in the body frame
-  std::array<double, 9> covariance{};   ///< of map_from_base (x, y, theta), row-major
+  Pose2D odom_from_base;               ///< smooth: wheels and gyro, never jumps
+  Pose2D map_from_odom;                ///< moves when a scan or a loop closure corrects the drift
+  Velocity velocity;                   ///< in the body frame
+  std::array<double, 9> covariance{};  ///< of map_from_base (x, y, theta), row-major
   bool lost = false;
 
   Pose2D map_from_base() const { return map_from_odom * odom_from_base; }

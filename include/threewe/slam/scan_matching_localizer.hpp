@@ -11,18 +11,17 @@ namespace threewe::slam {
 /// How good the sensors are.
 struct SensorModel {
   Pose2D base_from_lidar;
-  double gyro_sigma = 0.002;       ///< [rad/s] of one sample
-  double gyro_bias_sigma = 0.005;  ///< [rad/s] of the bias at the start
-  double gyro_bias_walk = 1e-4;    ///< [rad/s/sqrt(s)]
+  double gyro_sigma = 0.002;          ///< [rad/s] of one sample
+  double gyro_bias_sigma = 0.005;     ///< [rad/s] of the bias at the start
+  double gyro_bias_walk = 1e-4;       ///< [rad/s/sqrt(s)]
   double range_bias_sigma = 0.017;    ///< [m] of the lidar's constant error
   double forward_scale_sigma = 0.01;  ///< of true over measured motion ahead
-  double lateral_scale = 1.0;      ///< expected true over measured motion sideways
+  double lateral_scale = 1.0;         ///< expected true over measured motion sideways
   double lateral_scale_sigma = 0.0;
 };
 
-/// Scan-to-map localisation on top of dead reckoning, see `src/slam/scan_matching_localizer.cpp` for the story. `map_from_start`: where the
-/// robot starts in its map frame.
-std::unique_ptr<Localizer> make_scan_matching_localizer(const SensorModel& sensors,
-                                                        const Pose2D& map_from_start = {});
+/// Scan-to-map localisation on top of dead reckoning, see `src/slam/scan_matching_localizer.cpp` for the story.
+/// `map_from_start`: where the robot starts in its map frame.
+std::unique_ptr<Localizer> make_scan_matching_localizer(const SensorModel& sensors, const Pose2D& map_from_start = {});
 
 }  // namespace threewe::slam

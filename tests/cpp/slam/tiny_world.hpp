@@ -1,4 +1,5 @@
-// The smallest world that a mind can be tested in: walls, one robot, brute-force rays. No simulator of ours is involved.
+// The smallest world that a mind can be tested in: walls, one robot, brute-force rays. No simulator of ours is
+// involved.
 #pragma once
 
 #include <algorithm>
@@ -47,10 +48,10 @@ inline double tiny_range(const std::vector<TinyWall>& walls, Vec2 origin, double
 struct TinyErrors {
   double forward_scale = 1.0;  ///< true over measured motion
   double lateral_scale = 1.0;
-  double gyro_bias = 0.0;      ///< [rad/s]
-  double gyro_sigma = 0.0;     ///< [rad/s]
-  double range_sigma = 0.0;    ///< [m]
-  double range_bias = 0.0;     ///< [m]
+  double gyro_bias = 0.0;    ///< [rad/s]
+  double gyro_sigma = 0.0;   ///< [rad/s]
+  double range_sigma = 0.0;  ///< [m]
+  double range_bias = 0.0;   ///< [m]
 };
 
 /// A robot that drives as it is told, with a first-order lag. 50 Hz odometry, 100 Hz gyro, a clockwise lidar that turns
@@ -103,7 +104,8 @@ class TinyWorld {
     const double gain = kDt / 0.05;
     velocity_ = {velocity_.vx + gain * (command.vx - velocity_.vx), velocity_.vy + gain * (command.vy - velocity_.vy),
                  velocity_.omega + gain * (command.omega - velocity_.omega)};
-    if (command == Velocity{} && std::fabs(velocity_.vx) + std::fabs(velocity_.vy) + std::fabs(velocity_.omega) < 1e-4) {
+    if (command == Velocity{} &&
+        std::fabs(velocity_.vx) + std::fabs(velocity_.vy) + std::fabs(velocity_.omega) < 1e-4) {
       velocity_ = {};
     }
     pose_ = integrate(pose_, velocity_, kDt);
@@ -123,8 +125,8 @@ class TinyWorld {
       double range = tiny_range(walls_, pose_.position(), angle, kRangeMax);
       if (range < kRangeMax) {
         const RngKey key{seed_, 0, 0, 0, Stream::lidar};
-        range += errors_.range_bias +
-                 errors_.range_sigma * normal(key, static_cast<std::uint64_t>(steps_), static_cast<std::uint32_t>(beam));
+        range += errors_.range_bias + errors_.range_sigma * normal(key, static_cast<std::uint64_t>(steps_),
+                                                                   static_cast<std::uint32_t>(beam));
       }
       turn_[static_cast<std::size_t>(beam)] = static_cast<float>(range);
     }
@@ -135,8 +137,8 @@ class TinyWorld {
     if (steps_ % 5 == 0) {
       const RngKey key{seed_, 0, 0, 0, Stream::imu};
       IMUData imu;
-      imu.angular_velocity[2] = velocity_.omega + errors_.gyro_bias +
-                                errors_.gyro_sigma * normal(key, static_cast<std::uint64_t>(steps_));
+      imu.angular_velocity[2] =
+          velocity_.omega + errors_.gyro_bias + errors_.gyro_sigma * normal(key, static_cast<std::uint64_t>(steps_));
       samples.push_back(make(1, now_, imu));
     }
   }

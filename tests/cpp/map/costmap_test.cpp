@@ -1,0 +1,120 @@
+// Distances against brute force, and what costs mean.
+#include "threewe/map/costmap.hpp"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+#include <vector>
+
+namespace threewe::map {
+namespace {
+
+OccupancyGrid random_grid(std::mt19937_64& bits) {
+  OccupancyGrid grid;
+  grid.width = 1 + static_cast<int>(bits() % 60);
+  grid.height = 1 + static_cast<int>(bits() % 60);
+  grid.origin = {-1.0, -2.0};
+  grid.data.resize(static_cast<std::size_t>(grid.width * grid.height));
+  const auto density = bits() % 20;
+  for (std::int8_t& v : grid.data) {
+    v = bits() % 100 < density ? OccupancyGrid::kOccupied
+                               : (bits() % 3 == 0 ? OccupancyGrid::kUnknown : OccupancyGrid::kFree);
+  }
+  return grid;
+}
+
+TEST_CASE("squared distances are those of brute force") {
+  for (std::uint64_t seed = 0; seed < 1000; ++seed) {
+    CAPTURE(seed);
+    std::mt19937_64 bits(seed);
+    const int width = 1 + static_cast<int>(bits() % 45);
+    const int height = 1 + static_cast<int>(bits() % 45);
+    std::vector<std::uint8_t> occupied(static_cast<std::size_t>(width * height));
+    const auto density = 1 + bits() % 60;
+    for (auto& o : occupied) o = bits() % 1000 < density ? 1 : 0;
+
+    std::vector<std::int16_t> squared;
+    squared_distances(occupied, width, height, squared);
+    for (int y = 0; y < height; ++y) {
+      for (int x = 0; x < width; ++x) {
+        int nearest = kMaxDistance * kMaxDistance;
+        for (int v = std::max(0, y - kMaxDistance); v < std::min(height, y + kMaxDistance); ++v) {
+          for (int u = std::max(0, x - kMaxDistance); u < std::min(width, x + kMaxDistance); ++u) {
+            if (occupied[static_cast<std::size_t>(v * width + u)] != 0) {
+              nearest = std::min(nearest, (u - x) * (u - x) + (v - y) * (v - y));
+            }
+          }
+        }
+        REQUIRE(squared[static_cast<std::size_t>(y * width + x)] == nearest);
+      }
+    }
+  }
+}
+
+TEST_CASE("cells are lethal within the radius, dear near it, and unknown ones a little dearer than free ones") {
+  const Costmap::Settings settings;
+  for (std::uint64_t seed = 0; seed < 200; ++seed) {
+    CAPTURE(seed);
+    std::mt19937_64 bits(seed);
+    const OccupancyGrid grid = random_grid(bits);
+    Costmap costmap(settings);
+    costmap.update(grid, {}, {});
+    for (int y = 0; y < costmap.height(); ++y) {
+      for (int x = 0; x < costmap.width(); ++x) {
+        const Cell c{x, y};
+        const double d = costmap.clearance(c);
+        const bool unknown = grid.at(grid.cell(costmap.center(c))) == OccupancyGrid::kUnknown;
+        REQUIRE((costmap.weight(c) == Costmap::kLethal) == (d < settings.lethal_radius));
+        REQUIRE(costmap.unknown(c) == unknown);
+        if (d < settings.lethal_radius) continue;
+        const int extra = unknown ? settings.unknown_weight : 0;
+        REQUIRE(costmap.weight(c) >= Costmap::kFree + extra);
+        REQUIRE(costmap.weight(c) <= Costmap::kFree + settings.near_weight + extra);
+        if (d >= settings.caution_radius) REQUIRE(costmap.weight(c) == Costmap::kFree + extra);
+      }
+    }
+  }
+}
+
+TEST_CASE("a costmap holds what it is asked to, however far, in the raster of the map") {
+  OccupancyGrid grid;
+  grid.width = grid.height = 10;
+  grid.data.assign(100, OccupancyGrid::kFree);
+  Costmap costmap;
+  const std::vector<Vec2> far = {{-7.0, 3.0}, {9.0, -4.0}};
+  costmap.update(grid, {}, far);
+  for (const Vec2 p : far) CHECK(costmap.contains(costmap.cell(p)));
+  const Vec2 middle = grid.center({3, 4});
+  CHECK(distance(costmap.center(costmap.cell(middle)), middle) < 1e-9);
+}
+
+TEST_CASE("points seen by the lidar count as occupied; the robot's own place stays open") {
+  OccupancyGrid grid;
+  grid.width = grid.height = 40;
+  grid.data.assign(1600, OccupancyGrid::kFree);
+  Costmap costmap;
+  const std::vector<Vec2> seen = {{1.0, 1.0}};
+  costmap.update(grid, seen, {});
+  CHECK(costmap.weight(costmap.cell({1.0, 1.0})) == Costmap::kLethal);
+  CHECK(costmap.weight(costmap.cell({1.08, 1.0})) == Costmap::kLethal);
+  CHECK(costmap.line_cost({0.5, 1.0}, {1.5, 1.0}) == std::numeric_limits<double>::infinity());
+
+  costmap.open_around({1.08, 1.0}, 0.2);
+  CHECK(costmap.weight(costmap.cell({1.08, 1.0})) != Costmap::kLethal);
+  CHECK(costmap.weight(costmap.cell({1.0, 1.0})) == Costmap::kLethal);
+}
+
+TEST_CASE("a straight line through free space costs its length") {
+  OccupancyGrid grid;
+  grid.width = grid.height = 80;
+  grid.data.assign(6400, OccupancyGrid::kFree);
+  Costmap costmap;
+  costmap.update(grid, {}, {});
+  CHECK(costmap.line_cost({0.5, 0.5}, {3.5, 2.5}) ==
+        doctest::Approx(Costmap::kFree * distance({0.5, 0.5}, {3.5, 2.5})));
+}
+
+}  // namespace
+}  // namespace threewe::map

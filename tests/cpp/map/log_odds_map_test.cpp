@@ -1,0 +1,222 @@
+// The map against a slow twin that keeps a set of cells, and what a user sees of it.
+#include "threewe/map/log_odds_map.hpp"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <random>
+#include <set>
+#include <utility>
+#include <vector>
+
+namespace threewe::map {
+namespace {
+
+class Draw {
+ public:
+  explicit Draw(std::uint64_t seed) : bits_(seed) {}
+  double operator()(double low, double high) {
+    return low + (high - low) * static_cast<double>(bits_() >> 11) * 0x1p-53;
+  }
+  int whole(int low, int high) { return low + static_cast<int>(bits_() % static_cast<unsigned>(high - low + 1)); }
+
+ private:
+  std::mt19937_64 bits_;
+};
+
+Vec2 unit(double angle) {
+  const auto [s, c] = exact::sincos(angle);
+  return {c, s};
+}
+
+Beam beam(Vec2 origin, double angle, double range, bool hit = true) { return {origin, unit(angle), range, hit}; }
+
+std::vector<Beam> random_scan(Draw& draw) {
+  const Vec2 origin{draw(-6, 6), draw(-6, 6)};
+  std::vector<Beam> beams;
+  const int n = draw.whole(1, 40);
+  for (int i = 0; i < n; ++i) beams.push_back(beam(origin, draw(-3.1, 3.1), draw(0.05, 12.0), draw(0, 1) < 0.8));
+  return beams;
+}
+
+using CellName = std::pair<long, long>;  // counted from the map's origin
+
+CellName name(Vec2 p) { return {static_cast<long>(std::floor(p.x / 0.05)), static_cast<long>(std::floor(p.y / 0.05))}; }
+
+// The evidence of scans, told by points set densely along every beam. Points very near to a border between cells tell
+// nothing, since rounding decides there.
+struct SlowMap {
+  std::map<CellName, int> evidence;
+  std::set<CellName> unsure;
+
+  void insert(const std::vector<Beam>& beams, double bias) {
+    std::set<CellName> hit;
+    std::set<CellName> passed;
+    for (const Beam& b : beams) {
+      const double length = std::max(b.range - (b.hit ? bias : 0.0), 0.0);
+      const Vec2 end = b.origin + (b.range - (b.hit ? bias : 0.0)) * b.direction;
+      if (b.hit) hit.insert(name(end));
+      const double seen = std::min(length, 8.0);
+      const int steps = static_cast<int>(seen / 0.0005) + 1;
+      for (int i = 0; i <= steps; ++i) {
+        passed.insert(name(b.origin + (seen * i / steps) * b.direction));
+        doubt(b.origin + (seen * i / steps) * b.direction);
+      }
+    }
+    for (const CellName& c : hit) add(c, 25);
+    for (const CellName& c : passed) {
+      if (!hit.contains(c)) add(c, -11);
+    }
+  }
+
+ private:
+  void add(const CellName& c, int by) {
+    int& value = evidence[c];
+    value += by;
+    if (value == 0) value = by > 0 ? 1 : -1;
+    value = std::clamp(value, -50, 75);
+  }
+  // near a corner of four cells the line may visit a neighbour for less than a step
+  void doubt(Vec2 p) {
+    const double fx = p.x / 0.05 - std::floor(p.x / 0.05);
+    const double fy = p.y / 0.05 - std::floor(p.y / 0.05);
+    const bool edge_x = std::min(fx, 1 - fx) < 0.02;
+    const bool edge_y = std::min(fy, 1 - fy) < 0.02;
+    if (!edge_x || !edge_y) return;
+    const auto [x, y] = name(p);
+    for (long dy = -1; dy <= 1; ++dy) {
+      for (long dx = -1; dx <= 1; ++dx) unsure.insert({x + dx, y + dy});
+    }
+  }
+};
+
+TEST_CASE("every cell has the evidence that scans give it, cell by cell as a slow twin counts it") {
+  long compared = 0;
+  for (std::uint64_t seed = 0; seed < 60; ++seed) {
+    CAPTURE(seed);
+    Draw draw(seed);
+    LogOddsMap map;
+    SlowMap slow;
+    const double bias = draw(-0.03, 0.03);
+    const int scans = draw.whole(1, 4);
+    for (int i = 0; i < scans; ++i) {
+      const std::vector<Beam> beams = random_scan(draw);
+      map.insert(beams, bias);
+      slow.insert(beams, bias);
+    }
+    const OccupancyGrid& grid = map.grid();
+    int wrong = 0;
+    for (int y = 0; y < grid.height; ++y) {
+      for (int x = 0; x < grid.width; ++x) {
+        const CellName c = name(grid.center({x, y}));
+        if (slow.unsure.contains(c)) continue;
+        const auto found = slow.evidence.find(c);
+        const int expected = found == slow.evidence.end() ? 0 : found->second;
+        wrong += map.log_odds({x, y}) == expected ? 0 : 1;
+        ++compared;
+      }
+    }
+    CHECK(wrong == 0);
+  }
+  CHECK(compared > 1'000'000);
+}
+
+TEST_CASE("the exported grid says the same as the evidence") {
+  Draw draw(1);
+  LogOddsMap map;
+  for (int i = 0; i < 30; ++i) map.insert(random_scan(draw));
+  const OccupancyGrid& grid = map.grid();
+  for (int y = 0; y < grid.height; ++y) {
+    for (int x = 0; x < grid.width; ++x) {
+      const int evidence = map.log_odds({x, y});
+      const int expected =
+          evidence == 0 ? -1 : static_cast<int>(std::floor(100.0 / (1.0 + exact::exp(-0.1 * evidence)) + 0.5));
+      REQUIRE(grid.at({x, y}) == expected);
+    }
+  }
+  CHECK(map.version() == 30);
+}
+
+TEST_CASE("one look tells free from occupied, in the words of ROS") {
+  LogOddsMap map;
+  map.insert(std::vector{beam({0.01, 0.01}, 0.0, 2.0)});
+  const OccupancyGrid& grid = map.grid();
+  CHECK(grid.at(grid.cell({2.01, 0.01})) >= OccupancyGrid::kOccupiedThreshold);
+  CHECK(grid.at(grid.cell({1.0, 0.01})) <= OccupancyGrid::kFreeThreshold);
+  CHECK(grid.at(grid.cell({1.0, 0.01})) >= 0);
+  CHECK(grid.at(grid.cell({1.0, 0.5})) == OccupancyGrid::kUnknown);
+  CHECK(grid.at(grid.cell({2.3, 0.01})) == OccupancyGrid::kUnknown);
+}
+
+TEST_CASE("a cell that one beam hits is not cleared by another beam of the same scan") {
+  LogOddsMap map;
+  map.insert(std::vector{beam({0.01, 0.01}, 0.0, 1.0), beam({0.01, 0.02}, 0.0, 2.0)});
+  CHECK(map.log_odds(map.grid().cell({1.01, 0.01})) > 0);
+}
+
+TEST_CASE("what leaves is forgotten, surface and all") {
+  LogOddsMap map;
+  for (int i = 0; i < 20; ++i) map.insert(std::vector{beam({0.01, 0.01}, 0.0, 1.0)});
+  const Cell gone = map.grid().cell({1.01, 0.01});
+  CHECK(map.log_odds(gone) == 75);
+  for (int i = 0; i < 20; ++i) map.insert(std::vector{beam({0.01, 0.01}, 0.0, 2.0)});
+  CHECK(map.log_odds(gone) == -50);
+  CHECK(map.hits()[map.grid().index(gone)].count == 0);
+}
+
+TEST_CASE("growing keeps what was known where it was") {
+  LogOddsMap map;
+  map.insert(std::vector{beam({0.01, 0.01}, 0.3, 1.0)});
+  const Vec2 place = Vec2{0.01, 0.01} + unit(0.3);
+  const auto before = map.grid().at(map.grid().cell(place));
+  const CellHits hits = map.hits()[map.grid().index(map.grid().cell(place))];
+  const int width = map.grid().width;
+  map.insert(std::vector{beam({-9.0, -7.0}, -2.0, 5.0), beam({12.0, 8.0}, 1.0, 5.0)});
+  CHECK(map.grid().width > width);
+  CHECK(map.grid().at(map.grid().cell(place)) == before);
+  CHECK(map.hits()[map.grid().index(map.grid().cell(place))] == hits);
+}
+
+TEST_CASE("the hits of a cell know the surface within a tenth of a millimetre, the bias still in it") {
+  for (std::uint64_t seed = 0; seed < 300; ++seed) {
+    CAPTURE(seed);
+    Draw draw(seed);
+    LogOddsMap map;
+    const double angle = draw(-3.1, 3.1);
+    const double bias = draw(-0.03, 0.03);
+    const double range = draw(0.5, 6.0);
+    Vec2 mean;
+    const int n = draw.whole(1, 60);
+    for (int i = 0; i < n; ++i) {
+      const Beam b = beam({0.0, 0.0}, angle, range);
+      mean = mean + (1.0 / n) * (b.range * b.direction);
+      map.insert(std::vector{b}, bias);
+    }
+    const Cell c = map.grid().cell((range - bias) * unit(angle));
+    const CellHits& h = map.hits()[map.grid().index(c)];
+    REQUIRE(h.count == n);
+    const Vec2 stored = map.grid().center(c) + (0.05 / (256.0 * h.count)) * Vec2{1.0 * h.sum_x, 1.0 * h.sum_y};
+    CHECK(distance(stored, mean) < 2e-4);
+    CHECK(h.sum_from_x * unit(angle).x + h.sum_from_y * unit(angle).y < 0.0);
+  }
+}
+
+TEST_CASE("a map is the same whatever the order of a scan's beams") {
+  for (std::uint64_t seed = 0; seed < 100; ++seed) {
+    CAPTURE(seed);
+    Draw draw(seed);
+    std::vector<Beam> beams = random_scan(draw);
+    LogOddsMap a;
+    a.insert(beams);
+    std::reverse(beams.begin(), beams.end());
+    LogOddsMap b;
+    b.insert(beams);
+    CHECK(a.grid() == b.grid());
+    CHECK(a.hits() == b.hits());
+  }
+}
+
+}  // namespace
+}  // namespace threewe::map

@@ -1,0 +1,260 @@
+// A* against a plain Dijkstra, and paths that add up.
+#include "threewe/nav/grid_search.hpp"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <limits>
+#include <queue>
+#include <random>
+#include <vector>
+
+#include "threewe/nav/frontiers.hpp"
+#include "threewe/nav/planner.hpp"
+
+namespace threewe::nav {
+namespace {
+
+using map::Cell;
+using map::Costmap;
+using map::OccupancyGrid;
+
+Costmap random_costmap(std::mt19937_64& bits) {
+  OccupancyGrid grid;
+  grid.width = 2 + static_cast<int>(bits() % 70);
+  grid.height = 2 + static_cast<int>(bits() % 70);
+  grid.data.resize(static_cast<std::size_t>(grid.width * grid.height));
+  const auto density = bits() % 8;
+  for (std::int8_t& v : grid.data) {
+    v = bits() % 100 < density ? OccupancyGrid::kOccupied
+                               : (bits() % 4 == 0 ? OccupancyGrid::kUnknown : OccupancyGrid::kFree);
+  }
+  // a wall with or without a door
+  if (bits() % 2 == 0) {
+    const int column = static_cast<int>(bits() % static_cast<unsigned>(grid.width));
+    const int door = static_cast<int>(bits() % static_cast<unsigned>(2 * grid.height));
+    for (int y = 0; y < grid.height; ++y) {
+      if (std::abs(y - door) > 4) grid.data[grid.index({column, y})] = OccupancyGrid::kOccupied;
+    }
+  }
+  Costmap costmap;
+  costmap.update(grid, {}, {}, static_cast<int>(bits() % 3));
+  return costmap;
+}
+
+std::uint32_t step_cost(const Costmap& costmap, Cell from, Cell to) {
+  const std::uint32_t w = std::min<std::uint32_t>(costmap.weight(from), 100);
+  return (from.x == to.x || from.y == to.y ? 5U : 7U) * (w + costmap.weight(to));
+}
+
+// The cost of reaching every cell, by the book.
+std::vector<std::uint32_t> dijkstra(const Costmap& costmap, Cell start) {
+  std::vector<std::uint32_t> cost(costmap.weights().size(), std::numeric_limits<std::uint32_t>::max());
+  using Entry = std::pair<std::uint32_t, std::size_t>;
+  std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue;
+  cost[costmap.index(start)] = 0;
+  queue.emplace(0, costmap.index(start));
+  while (!queue.empty()) {
+    const auto [c, index] = queue.top();
+    queue.pop();
+    if (c > cost[index]) continue;
+    const auto width = static_cast<std::size_t>(costmap.width());
+    const Cell here{static_cast<int>(index % width), static_cast<int>(index / width)};
+    for (int dy = -1; dy <= 1; ++dy) {
+      for (int dx = -1; dx <= 1; ++dx) {
+        const Cell there{here.x + dx, here.y + dy};
+        if ((dx == 0 && dy == 0) || !costmap.contains(there) || costmap.weight(there) == Costmap::kLethal) continue;
+        const std::uint32_t next = c + step_cost(costmap, here, there);
+        if (next >= cost[costmap.index(there)]) continue;
+        cost[costmap.index(there)] = next;
+        queue.emplace(next, costmap.index(there));
+      }
+    }
+  }
+  return cost;
+}
+
+Cell random_cell(const Costmap& costmap, std::mt19937_64& bits) {
+  return {static_cast<int>(bits() % static_cast<unsigned>(costmap.width())),
+          static_cast<int>(bits() % static_cast<unsigned>(costmap.height()))};
+}
+
+TEST_CASE("A* is as cheap as Dijkstra, and its path costs what it says") {
+  GridSearch search;
+  int found = 0;
+  int unreachable = 0;
+  for (std::uint64_t seed = 0; seed < 3000; ++seed) {
+    CAPTURE(seed);
+    std::mt19937_64 bits(seed);
+    const Costmap costmap = random_costmap(bits);
+    const Cell start = random_cell(costmap, bits);
+    const Cell goal = random_cell(costmap, bits);
+    const std::vector<std::uint32_t> costs = dijkstra(costmap, start);
+    const std::uint32_t expected = costs[costmap.index(goal)];
+
+    const SearchResult result = search.to_cell(costmap, start, goal);
+    const bool reachable = expected != std::numeric_limits<std::uint32_t>::max();
+    REQUIRE(result.found == reachable);
+    REQUIRE(result.path.front() == start);
+    ++(reachable ? found : unreachable);
+    if (reachable) {
+      REQUIRE(result.cost == expected);
+      REQUIRE(result.path.back() == goal);
+    } else {
+      // as near as one can get
+      const auto octile = [&](Cell c) {
+        const int dx = std::abs(c.x - goal.x);
+        const int dy = std::abs(c.y - goal.y);
+        return 5 * std::max(dx, dy) + 2 * std::min(dx, dy);
+      };
+      int nearest = octile(start);
+      for (int y = 0; y < costmap.height(); ++y) {
+        for (int x = 0; x < costmap.width(); ++x) {
+          if (costs[costmap.index({x, y})] == std::numeric_limits<std::uint32_t>::max()) continue;
+          nearest = std::min(nearest, octile({x, y}));
+        }
+      }
+      REQUIRE(octile(result.path.back()) == nearest);
+    }
+    std::uint32_t sum = 0;
+    for (std::size_t i = 1; i < result.path.size(); ++i) {
+      const Cell a = result.path[i - 1];
+      const Cell b = result.path[i];
+      REQUIRE(std::max(std::abs(a.x - b.x), std::abs(a.y - b.y)) == 1);
+      REQUIRE(costmap.weight(b) != Costmap::kLethal);
+      sum += step_cost(costmap, a, b);
+    }
+    REQUIRE(sum == result.cost);
+  }
+  CHECK(found > 500);
+  CHECK(unreachable > 500);
+}
+
+TEST_CASE("the nearest of many targets is the cheapest of them") {
+  GridSearch search;
+  for (std::uint64_t seed = 0; seed < 1000; ++seed) {
+    CAPTURE(seed);
+    std::mt19937_64 bits(seed);
+    const Costmap costmap = random_costmap(bits);
+    const Cell start = random_cell(costmap, bits);
+    std::vector<bool> target(costmap.weights().size());
+    for (int i = 0; i < 5; ++i) target[costmap.index(random_cell(costmap, bits))] = true;
+
+    const std::vector<std::uint32_t> costs = dijkstra(costmap, start);
+    std::uint32_t expected = std::numeric_limits<std::uint32_t>::max();
+    for (std::size_t i = 0; i < costs.size(); ++i) {
+      if (target[i]) expected = std::min(expected, costs[i]);
+    }
+    const SearchResult result =
+        search.to_any(costmap, start, [&](std::uint32_t i) { return target[i]; }, [](std::uint32_t) { return false; });
+    REQUIRE(result.found == (expected != std::numeric_limits<std::uint32_t>::max()));
+    if (result.found) REQUIRE(result.cost == expected);
+  }
+}
+
+TEST_CASE("a straightened path is no dearer than the cells, keeps its ends and never meets a lethal cell") {
+  GridSearch search;
+  int paths = 0;
+  for (std::uint64_t seed = 0; seed < 1500; ++seed) {
+    CAPTURE(seed);
+    std::mt19937_64 bits(seed);
+    const Costmap costmap = random_costmap(bits);
+    const Cell start = random_cell(costmap, bits);
+    const Cell goal = random_cell(costmap, bits);
+    if (costmap.weight(start) == Costmap::kLethal) continue;
+    const SearchResult found = search.to_cell(costmap, start, goal);
+    if (!found.found || found.path.size() < 3) continue;
+    ++paths;
+
+    std::vector<Vec2> cells;
+    for (const Cell c : found.path) cells.push_back(costmap.center(c));
+    const std::vector<Vec2> straight = Planner::straighten(costmap, found.path, cells.front(), cells.back());
+    CHECK(straight.front() == cells.front());
+    CHECK(straight.back() == cells.back());
+    CHECK(straight.size() <= cells.size());
+    CHECK(path_cost(costmap, straight) <= path_cost(costmap, cells) + 1e-6);
+    CHECK(path_length(straight) <= path_length(cells) + 1e-6);
+  }
+  CHECK(paths > 300);
+}
+
+TEST_CASE("a goal that is occupied is approached as near as its tolerance allows") {
+  OccupancyGrid grid;
+  grid.width = grid.height = 60;
+  grid.data.assign(3600, OccupancyGrid::kFree);
+  grid.data[grid.index({40, 30})] = OccupancyGrid::kOccupied;
+  Costmap costmap;
+  costmap.update(grid, {}, {});
+  Planner planner;
+  const Vec2 goal = grid.center({40, 30});
+  const PlannedPath path = planner.plan(costmap, {0.5, 1.5}, goal, 0.25);
+  REQUIRE(!path.points.empty());
+  CHECK(path.gap > 0.0);
+  CHECK(path.gap < 0.2);
+  CHECK(distance(path.points.back(), goal) == doctest::Approx(path.gap));
+}
+
+// Candidates one by one, as the header defines them.
+bool is_frontier(const Costmap& costmap, Cell c) {
+  if (costmap.unknown(c) || costmap.weight(c) == Costmap::kLethal) return false;
+  for (std::size_t i = 0; i < 4; ++i) {
+    const Cell n{c.x + kDirections[i].x, c.y + kDirections[i].y};
+    int unknown = 0;
+    for (int dy = -2; dy <= 2; ++dy) {
+      for (int dx = -2; dx <= 2; ++dx) unknown += costmap.unknown({n.x + dx, n.y + dy}) ? 1 : 0;
+    }
+    if (costmap.unknown(n) && unknown >= kGapCells) return true;
+  }
+  return false;
+}
+
+TEST_CASE("frontiers are the cells that the definition names, in groups that flood fill finds") {
+  long cells = 0;
+  for (std::uint64_t seed = 0; seed < 400; ++seed) {
+    CAPTURE(seed);
+    std::mt19937_64 bits(seed);
+    OccupancyGrid grid;
+    grid.width = grid.height = 50;
+    grid.data.assign(2500, OccupancyGrid::kUnknown);
+    for (int i = 0; i < 6; ++i) {
+      const int x0 = static_cast<int>(bits() % 40);
+      const int y0 = static_cast<int>(bits() % 40);
+      const auto value = i < 5 ? OccupancyGrid::kFree : OccupancyGrid::kOccupied;
+      const int size = i < 5 ? 10 : 3;
+      for (int y = y0; y < y0 + size; ++y) {
+        for (int x = x0; x < x0 + size; ++x) grid.data[grid.index({x, y})] = value;
+      }
+    }
+    Costmap costmap;
+    costmap.update(grid, {}, {});
+    std::vector<std::uint16_t> size_of;
+    find_frontiers(costmap, size_of);
+
+    for (int y = 0; y < costmap.height(); ++y) {
+      for (int x = 0; x < costmap.width(); ++x) {
+        const bool frontier = is_frontier(costmap, {x, y});
+        REQUIRE((size_of[costmap.index({x, y})] > 0) == frontier);
+        if (!frontier) continue;
+        ++cells;
+        // flood fill from here
+        std::vector<Cell> group = {{x, y}};
+        std::vector<bool> seen(costmap.weights().size());
+        seen[costmap.index({x, y})] = true;
+        for (std::size_t i = 0; i < group.size(); ++i) {
+          for (const Cell d : kDirections) {
+            const Cell c{group[i].x + d.x, group[i].y + d.y};
+            if (seen[costmap.index(c)] || !is_frontier(costmap, c)) continue;
+            seen[costmap.index(c)] = true;
+            group.push_back(c);
+          }
+        }
+        REQUIRE(size_of[costmap.index({x, y})] == group.size());
+      }
+    }
+  }
+  CHECK(cells > 5000);
+}
+
+}  // namespace
+}  // namespace threewe::nav
