@@ -23,6 +23,7 @@ constexpr std::uint64_t kTicks = 500;
 std::vector<Velocity> commands(std::uint64_t world) {
   const RngKey key{.seed = world};
   std::vector<Velocity> drawn;
+  drawn.reserve(kTicks / 25);
   for (std::uint64_t i = 0; i < kTicks / 25; ++i) {
     drawn.push_back({uniform(key, i, 0, -0.2, 0.5), uniform(key, i, 1, -0.3, 0.3), uniform(key, i, 2, -1.0, 1.0)});
   }
@@ -54,7 +55,7 @@ void step_worlds(benchmark::State& bench, Sensors sensors, NoiseLevel noise) {
   std::vector<sim::RobotState> states = begin;
   std::vector<Velocity> sent(worlds);
   std::uint64_t tick = 0;
-  for (auto _ : bench) {
+  for ([[maybe_unused]] auto _ : bench) {
     if (tick == kTicks) {
       states = begin;
       tick = 0;
@@ -82,7 +83,7 @@ void BM_mock_world_tick(benchmark::State& bench) {
   robot.connect();
   const auto drive = commands(0);
   std::uint64_t tick = 0;
-  for (auto _ : bench) {
+  for ([[maybe_unused]] auto _ : bench) {
     if (tick == kTicks) {
       world->reset({});
       tick = 0;

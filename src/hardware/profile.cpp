@@ -132,7 +132,8 @@ OdometrySpec read_odometry(ConfigNode node) {
   odometry.wheel_scale = node.number_in("wheel_scale", 0.0, 0.5);
   const ConfigNode scale = node.at("lateral_scale");
   const Vec2 range = scale.vec2();
-  if (!(range.x > 0.0 && range.x <= range.y && range.y <= 1.0)) scale.fail("expected [low, high] within (0, 1]");
+  const bool ordered = range.x > 0.0 && range.x <= range.y && range.y <= 1.0;
+  if (!ordered) scale.fail("expected [low, high] within (0, 1]");
   odometry.lateral_scale_min = range.x;
   odometry.lateral_scale_max = range.y;
   odometry.ticks_per_turn = count_in(node, "ticks_per_turn", 4, 10'000'000);

@@ -60,7 +60,7 @@ class RobotPort {
 struct ResetOptions {
   std::uint64_t seed = 0;
   /// Where each robot starts, in the scene's frame; the scene's own start poses where empty.
-  std::vector<Pose2D> poses = {};
+  std::vector<Pose2D> poses = {};  // NOLINT(readability-redundant-member-init): g++ warns where it is left out
 };
 
 /// A world that keeps its own time. Time begins at 0 and returns there on reset.
@@ -86,7 +86,8 @@ struct WorldOptions {
   std::vector<std::string> robots = {"3we_standard_v2"};  ///< one hardware profile per robot
   NoiseLevel noise = NoiseLevel::realistic;
   std::uint64_t seed = 0;
-  std::vector<Pose2D> poses = {};  ///< as in ResetOptions
+  /// As in ResetOptions.
+  std::vector<Pose2D> poses = {};  // NOLINT(readability-redundant-member-init): g++ warns where it is left out
 };
 
 }  // namespace threewe::backend

@@ -49,10 +49,11 @@ struct RobotState {
 };
 
 static_assert(std::is_trivially_copyable_v<RobotState>);
-static_assert(sizeof(RobotState) == 3 * 8 + 3 * sizeof(Pose2D) + 2 * 8 + kMaxLatencySteps * sizeof(Velocity) + 8 * 8 +
+static_assert(sizeof(RobotState) == 3 * sizeof(std::uint64_t) + 3 * sizeof(Pose2D) + 3 * sizeof(double) +
+                                        sizeof(std::array<Velocity, kMaxLatencySteps>) + 2 * sizeof(WheelSpeeds) +
                                         sizeof(models::WheelErrors) + sizeof(BatteryState) + sizeof(IMUData) +
-                                        sizeof(models::IMUState) + sizeof(models::OdometryState) + 8 +
-                                        kMaxLidarPoints * sizeof(float),
+                                        sizeof(models::IMUState) + sizeof(models::OdometryState) +
+                                        sizeof(std::array<float, kMaxLidarPoints>),
               "a gap between members would hold bytes that nothing sets");
 
 }  // namespace threewe::sim

@@ -31,7 +31,7 @@ MockWorld::MockWorld(const WorldOptions& options) : noise_(options.noise) {
   for (std::size_t i = 0; i < profiles.size(); ++i) {
     ports_.push_back(std::make_unique<MockPort>(*this, i, std::move(profiles[i])));
   }
-  reset({options.seed, options.poses});
+  begin({options.seed, options.poses});
 }
 
 MockWorld::~MockWorld() = default;
@@ -87,7 +87,9 @@ std::vector<Pose2D> MockWorld::start_poses(const std::vector<Pose2D>& asked) con
   return starts;
 }
 
-void MockWorld::reset(const ResetOptions& options) {
+void MockWorld::reset(const ResetOptions& options) { begin(options); }
+
+void MockWorld::begin(const ResetOptions& options) {
   const std::vector<Pose2D> starts = start_poses(options.poses);
   now_ = {};
   steps_ = 0;
@@ -115,8 +117,8 @@ std::vector<std::byte> MockWorld::save() const {
 
 void MockWorld::restore(const std::vector<std::byte>& state) {
   ByteReader bytes(state);
-  const auto expect = [&bytes](auto expected, const char* what) {
-    decltype(expected) found{};
+  const auto expect = [&bytes]<typename T>(const T& expected, const char* what) {
+    T found{};
     bytes.get(found);
     if (found != expected) throw ContractError(fmt::format("restore: saved from a world with another {}", what));
   };

@@ -70,6 +70,7 @@ TEST_CASE("each switch changes that one thing") {
   const auto samples = [&](const IMUSpec& spec) {
     IMUState state = start_imu(spec, key);
     std::vector<IMUData> taken;
+    taken.reserve(100);
     for (int i = 0; i < 100; ++i) taken.push_back(measure_imu(spec, key, 0.5, {1.0, 0.0}, state));
     return taken;
   };

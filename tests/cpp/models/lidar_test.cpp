@@ -86,6 +86,7 @@ TEST_CASE("resampling, for other devices too") {
       spec.beams = beams;
       spec.clockwise = clockwise;
       std::vector<float> points;
+      points.reserve(static_cast<std::size_t>(points_per_turn));
       for (int k = 0; k < points_per_turn; ++k) points.push_back(1.0F + 0.01F * static_cast<float>((k * 37) % 101));
       const LaserScan scan = make_scan(spec, points);
       CHECK(scan.ranges == slow_resample(spec, points));

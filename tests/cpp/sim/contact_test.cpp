@@ -58,13 +58,13 @@ Motion push(const std::vector<scene::Solid>& solids, Pose2D pose, const Velocity
 }
 
 // A wall whose near face is the line x = 1.
-const std::vector<scene::Solid> kWall{scene::make_box({1.05, 0.0, 0.0}, 0.1, 10.0)};
+std::vector<scene::Solid> wall() { return {scene::make_box({1.05, 0.0, 0.0}, 0.1, 10.0)}; }
 
 }  // namespace
 
 TEST_CASE("in the open a body follows its arc") {
   const Velocity velocity{1.0, -0.5, 2.0};
-  const Motion motion = move(robot(), index(kWall), {}, {-3.0, 0.0, 0.5}, velocity, velocity, kSeconds);
+  const Motion motion = move(robot(), index(wall()), {}, {-3.0, 0.0, 0.5}, velocity, velocity, kSeconds);
   CHECK(motion.pose == integrate({-3.0, 0.0, 0.5}, velocity, kSeconds));
   CHECK(motion.velocity == velocity);
   CHECK_FALSE(motion.touching);
@@ -72,7 +72,7 @@ TEST_CASE("in the open a body follows its arc") {
 
 TEST_CASE("a body that drives straight at a wall stops at it, and its speed of impact is told") {
   const RigidBody body = robot();
-  const ShapeIndex shapes = index(kWall);
+  const ShapeIndex shapes = index(wall());
   Pose2D pose{0.8, 0.3, 0.0};
   const Velocity velocity{1.2, 0.0, 0.0};
   Velocity carried = velocity;
@@ -82,18 +82,18 @@ TEST_CASE("a body that drives straight at a wall stops at it, and its speed of i
     pose = motion.pose;
     carried = motion.velocity;
     impact = std::max(impact, motion.approach_speed);
-    CHECK_FALSE(inside(kWall, body, pose));
+    CHECK_FALSE(inside(wall(), body, pose));
   }
   CHECK(impact == doctest::Approx(1.2));
   CHECK(pose.x == doctest::Approx(1.0 - 0.125).epsilon(0.001));
-  CHECK(gap(kWall, body, pose) < 1e-3);
+  CHECK(gap(wall(), body, pose) < 1e-3);
   CHECK(pose.y == doctest::Approx(0.3));
   CHECK(std::fabs(carried.vx) < 1e-6);
 }
 
 TEST_CASE("leaning against a wall is no collision") {
   const RigidBody body = robot();
-  const ShapeIndex shapes = index(kWall);
+  const ShapeIndex shapes = index(wall());
   // it stands at the wall; its wheels push it afresh at every step, but it carries no speed into the wall
   Pose2D pose{1.0 - 0.125 - 2e-4, 0.0, 0.0};
   Velocity carried;
@@ -107,7 +107,7 @@ TEST_CASE("leaning against a wall is no collision") {
 }
 
 TEST_CASE("a body slides along a wall at the speed that it has along it") {
-  const Motion motion = push(kWall, {0.87, 0.0, 0.0}, {0.5, 0.5, 0.0}, 200);
+  const Motion motion = push(wall(), {0.87, 0.0, 0.0}, {0.5, 0.5, 0.0}, 200);
   CHECK(motion.touching);
   CHECK(motion.velocity.vx == doctest::Approx(0.0).scale(1.0).epsilon(1e-6));
   CHECK(motion.velocity.vy == doctest::Approx(0.5).epsilon(0.001));
@@ -116,9 +116,9 @@ TEST_CASE("a body slides along a wall at the speed that it has along it") {
 
 TEST_CASE("a corner that meets a wall turns the body") {
   // turned to the left, it meets the wall with its front right corner, which pushes it round to the left
-  const Motion first = push(kWall, {0.83, 0.0, 0.3}, {0.5, 0.0, 0.0}, 8);
+  const Motion first = push(wall(), {0.83, 0.0, 0.3}, {0.5, 0.0, 0.0}, 8);
   CHECK(first.velocity.omega != 0.0);
-  CHECK_FALSE(inside(kWall, robot(), first.pose));
+  CHECK_FALSE(inside(wall(), robot(), first.pose));
 }
 
 TEST_CASE("no wall is too thin to stop a body") {
@@ -196,6 +196,7 @@ TEST_CASE("other robots stop a body as walls do") {
   const RigidBody body = robot();
   const ShapeIndex nothing;
   std::vector<scene::Segment> other;
+  other.reserve(4);
   const std::vector<Vec2> corners = outline(body, {1.0, 0.0, 0.4});
   for (std::size_t i = 0; i < 4; ++i) other.push_back({corners[i], corners[(i + 1) % 4], -1});
   Pose2D pose{0.5, 0.0, 0.0};

@@ -33,6 +33,7 @@ class MockWorld : public World {
  private:
   friend class MockPort;
 
+  void begin(const ResetOptions& options);
   void step();
   std::vector<Pose2D> start_poses(const std::vector<Pose2D>& asked) const;
 

@@ -107,7 +107,9 @@ TEST_CASE("the mock backend keeps the contract, with either robot and either noi
 }
 
 TEST_CASE("unknown scenes, robots and impossible starts are refused with their reasons") {
-  const auto error_for = [](const WorldOptions& options) { return error_of<ConfigError>([&] { make_world("mock", options); }); };
+  const auto error_for = [](const WorldOptions& options) {
+    return error_of<ConfigError>([&] { make_world("mock", options); });
+  };
   CHECK(error_for({.scene = "ofice_v2"}).find("'office_v2'") != std::string::npos);
   CHECK(error_for({.robots = {"turtlebot_lik"}}).find("'turtlebot_like'") != std::string::npos);
   CHECK(error_for({.robots = {}}).find("at least one") != std::string::npos);
@@ -285,7 +287,7 @@ TEST_CASE("bytes that are no saved world of this kind change nothing") {
   const auto world = make();
   drive(*world, 1, 20);
   const auto saved = world->save();
-  const auto refused = [&](std::vector<std::byte> bytes) {
+  const auto refused = [&](const std::vector<std::byte>& bytes) {
     CHECK_THROWS_AS(world->restore(bytes), ContractError);
     CHECK(world->save() == saved);
   };
