@@ -21,8 +21,8 @@ constexpr Duration kExplorePeriod = 600ms;
 constexpr Duration kStuckAfter = 2500ms;  // without having moved, plan anew with what the lidar sees ...
 constexpr double kMoved = 0.06;           // [m] ... or turned by kMovedTurn
 constexpr double kMovedTurn = 0.3;        // [rad]
-constexpr int kMaxRecoveries = 6;         // recoveries in a row before the motion is given up
-constexpr Duration kRecovery = 1200ms;    // how long to back off
+constexpr int kMaxRecoveries = 8;         // recoveries in a row before the motion is given up
+constexpr Duration kRecovery = 1500ms;    // how long to back off
 constexpr Duration kProof = 2500ms;       // for so long no plan may exist before it is believed
 constexpr Duration kLostPatience = 5s;
 constexpr Duration kMapPatience = 1s;      // how long to wait for a first scan
@@ -139,6 +139,7 @@ void PathNavigator::start(const Goal& goal, const Observation& seen) {
   last_moved_at_ = seen.now;
   avoided_.clear();
   recoveries_ = 0;
+  tracker_.forget_turn();
   recovering_until_ = seen.now;
   lost_ = false;
   if (const auto* move = std::get_if<MoveTo>(&goal)) route_ = {move->goal};
@@ -380,7 +381,7 @@ bool PathNavigator::stuck(const Observation& seen) {
     last_moved_ = progress_.pose;
     last_moved_at_ = seen.now;
   }
-  return seen.now - last_moved_at_ > kStuckAfter;
+  return tracker_.trapped() || seen.now - last_moved_at_ > kStuckAfter;
 }
 
 // Backs off in the direction with most room, then plans another way; gives up after a few times in the same place.
@@ -391,7 +392,7 @@ Decision PathNavigator::recover(const Observation& seen) {
 
   // the planner shall not try the same way again nor, after a second failure, explore the same place
   constexpr double kAhead = 0.25;  // [m]
-  if (has_plan_ && path_length(path_) > kAhead) {
+  if (has_plan_ && !tracker_.trapped() && path_length(path_) > kAhead) {
     avoided_.push_back(point_after(path_, nearest_on_path(path_, progress_.pose.position()), kAhead));
     if (recoveries_ >= 2 && std::holds_alternative<Explore>(goal_)) avoided_.push_back(path_.back());
   }
@@ -399,6 +400,7 @@ Decision PathNavigator::recover(const Observation& seen) {
   // stuck for as long again before the next recovery
   last_moved_ = progress_.pose;
   last_moved_at_ = seen.now + kRecovery;
+  tracker_.forget_turn();
   recovery_ = tracker_.most_room();
   recovering_until_ = seen.now + kRecovery;
   replan_ = true;

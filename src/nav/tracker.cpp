@@ -21,6 +21,8 @@ constexpr double kSlowest = 0.04;       // [m/s] towards the goal
 constexpr double kTurnFirst = 0.8;      // [rad] differential: beyond this turn on the spot ...
 constexpr double kTurnDone = 0.2;       // [rad] ... until the target is this straight ahead
 
+constexpr double kEscape = 0.4;          // share of the speed limit when backing off
+
 // Deviations from the straight way to the target that are tried when it is not free [rad].
 constexpr std::array<double, 12> kFan = {0.2, -0.2, 0.4, -0.4, 0.6, -0.6, 0.9, -0.9, 1.2, -1.2, 1.6, -1.6};
 
@@ -94,17 +96,7 @@ Velocity Tracker::towards(Vec2 target, double speed_limit) {
     return {slow * std::max(exact::cos(direction), 0.0), 0.0, omega};
   };
 
-  // differential: face the target first
-  if (kinematics_ == Kinematics::differential) {
-    if (std::fabs(bearing) > kTurnFirst) turning_ = true;
-    if (std::fabs(bearing) < kTurnDone) turning_ = false;
-    if (turning_) {
-      const Velocity v{0.0, 0.0, bearing > 0.0 ? turn_rate_before(bearing) : -turn_rate_before(-bearing)};
-      if (allowed_fraction(v) > 0.3) return safe(v);
-      if (allowed_fraction(scaled(v, -1.0)) > 0.3) return safe(scaled(v, -1.0));
-      return safe({0.3 * limits_.linear, 0.0, 0.0});
-    }
-  }
+  if (kinematics_ == Kinematics::differential && faces_first(bearing)) return face(bearing);
 
   const Velocity direct = velocity_along(bearing);
   const double direct_share = allowed_fraction(direct);
@@ -119,6 +111,28 @@ Velocity Tracker::towards(Vec2 target, double speed_limit) {
     if (gain > best_gain) best_gain = gain, best = scaled(v, share);
   }
   return best;
+}
+
+// A differential base turns on the spot towards what is not ahead, until it is.
+bool Tracker::faces_first(double bearing) {
+  if (turning_ == 0 && std::fabs(bearing) > kTurnFirst) turning_ = bearing > 0.0 ? 1 : -1;
+  if (std::fabs(bearing) < kTurnDone) turning_ = 0;
+  if (turning_ == 0) turned_back_ = 0;
+  return turning_ != 0;
+}
+
+// The turn keeps its direction, even the long way round, and changes it only where something is in the way.
+Velocity Tracker::face(double bearing) {
+  const auto turned = [&](int direction) -> Velocity {
+    const double left = direction * bearing > 0.0 ? std::fabs(bearing) : 2.0 * exact::kPi - std::fabs(bearing);
+    return {0.0, 0.0, direction * turn_rate_before(left)};
+  };
+  constexpr double kBlocked = 0.2;  // a turn slower than this share of its speed leads nowhere
+  if (allowed_fraction(turned(turning_)) < kBlocked && allowed_fraction(turned(-turning_)) >= kBlocked) {
+    turning_ = -turning_;
+    ++turned_back_;
+  }
+  return safe(turned(turning_));
 }
 
 Velocity Tracker::turn(double angle) {
@@ -138,7 +152,7 @@ Velocity Tracker::straight(double distance, double offset, double heading) {
 }
 
 Velocity Tracker::most_room() const {
-  const double speed = 0.3 * limits_.linear;
+  const double speed = kEscape * limits_.linear;
   std::vector<Velocity> tries = {{-speed, 0.0, 0.0}, {speed, 0.0, 0.0}};
   if (kinematics_ == Kinematics::holonomic) {
     const double diagonal = speed * exact::sqrt(0.5);

@@ -32,7 +32,7 @@ struct Sweep {
   bool free = false;     ///< nothing within the horizon
 };
 
-/// Follows paths. Without memory of its own but for the direction of a turn that has begun.
+/// Follows paths. All it remembers is the direction of a turn that has begun.
 class Tracker {
  public:
   explicit Tracker(const RobotProfile& profile);
@@ -49,11 +49,17 @@ class Tracker {
   Velocity straight(double distance, double offset, double heading);
   /// A slow motion into the direction with most room, away from what is near.
   Velocity most_room() const;
+  /// A turn on the spot was begun that is blocked both ways.
+  bool trapped() const { return turned_back_ >= 2; }
+  /// The turn that was begun is given up.
+  void forget_turn() { turning_ = turned_back_ = 0; }
   /// `wanted`, slowed down so that the robot can stop before it touches anything; zero when it cannot move at all.
   Velocity safe(const Velocity& wanted) const;
 
  private:
   Velocity towards(Vec2 target_in_base, double speed_limit);
+  bool faces_first(double bearing);
+  Velocity face(double bearing);
   Sweep sweep(const Velocity& velocity, double horizon) const;
   double allowed_fraction(const Velocity& velocity) const;
   double speed_before(double distance) const;
@@ -65,7 +71,8 @@ class Tracker {
   double reach_ = 0.0;  // [m] points farther away do not matter
   std::vector<Vec2> near_;
   std::vector<double> least_;  // [m] how near each point may come
-  bool turning_ = false;
+  int turned_back_ = 0;  // how often this turn met an obstacle and changed its direction
+  int turning_ = 0;  // the direction of a turn on the spot that has begun: 1, -1, 0 for none
 };
 
 }  // namespace threewe::nav
