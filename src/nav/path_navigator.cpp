@@ -28,7 +28,7 @@ constexpr Duration kLostPatience = 5s;
 constexpr Duration kMapPatience = 1s;      // how long to wait for a first scan
 constexpr double kWaypointPassed = 0.15;   // [m]
 constexpr std::uint16_t kMinFrontier = 8;  // [cells] smaller frontiers are not worth a drive
-constexpr double kHorizon = 4.0;             // [m] plans end so far outside of the map: all is unknown there
+constexpr double kHorizon = 4.0;           // [m] plans end so far outside of the map: all is unknown there
 constexpr double kBetter = 0.85;           // a new path replaces an open one when it costs less than this share of it
 
 map::Costmap::Settings costmap_settings(const RobotProfile& profile) {
@@ -78,7 +78,9 @@ class PathNavigator final : public Navigator {
   void renew_costmap(const Observation& seen);
   Plan plan_route(const Observation& seen, double tolerance);
   Plan plan_exploration(const Observation& seen);
+  void note_closure();
   void adopt(std::vector<Vec2> path);
+  Decision follow();
   Decision wait();
   bool stuck(const Observation& seen);
   Decision recover(const Observation& seen);
@@ -108,7 +110,8 @@ class PathNavigator final : public Navigator {
   bool unplannable_ = false;
   Pose2D last_moved_;  // where and when the robot last got on
   Time last_moved_at_{};
-  std::vector<Vec2> avoided_;  // [m] in `map`: the planner saw a way here, the tracker did not
+  std::vector<Vec2> avoided_;   // [m] in `map`: the planner saw a way here, the tracker did not
+  std::vector<Vec2> closures_;  // [m] in `map`: where a path that was followed turned out to be blocked
   int recoveries_ = 0;
   Vec2 recovered_at_;
   Time recovering_until_{};
@@ -138,6 +141,7 @@ void PathNavigator::start(const Goal& goal, const Observation& seen) {
   last_moved_ = start_;
   last_moved_at_ = seen.now;
   avoided_.clear();
+  closures_.clear();
   recoveries_ = 0;
   tracker_.forget_turn();
   recovering_until_ = seen.now;
@@ -244,8 +248,7 @@ Decision PathNavigator::drive(const Explore&, const Observation& seen) {
     }
   }
   if (!has_plan_) return wait();
-  progress_.distance_left = length_after(path_, nearest_on_path(path_, progress_.pose.position()));
-  return {tracker_.follow(path_, costmap_, progress_.pose)};
+  return follow();
 }
 
 // Towards the end of the route: reached, given up, or on the way along a plan that is kept fresh.
@@ -278,8 +281,7 @@ Decision PathNavigator::travel(const Observation& seen, Vec2 goal, double tolera
     }
   }
   if (!has_plan_) return wait();
-  progress_.distance_left = length_after(path_, nearest_on_path(path_, progress_.pose.position()));
-  return {tracker_.follow(path_, costmap_, progress_.pose)};
+  return follow();
 }
 
 Decision PathNavigator::finish(Reason reason, std::string_view detail) {
@@ -332,16 +334,28 @@ PathNavigator::Plan PathNavigator::plan_route(const Observation& seen, double to
   // an open path is kept unless the new one is clearly better, so that the robot does not waver
   const double cost = path_cost(costmap_, path);
   if (has_plan_) {
-    std::vector<Vec2> rest = path_;
-    rest.front() = progress_.pose.position();
-    const double rest_cost = rest.size() > 1 ? path_cost(costmap_, rest) : std::numeric_limits<double>::infinity();
-    if (std::isfinite(rest_cost) && gap_ == gap && cost > kBetter * rest_cost) {
-      return Plan::ready;
-    }
+    const double rest_cost = path_cost(costmap_, path_);
+    if (!std::isfinite(rest_cost)) note_closure();
+    if (std::isfinite(rest_cost) && gap_ == gap && cost > kBetter * rest_cost) return Plan::ready;
   }
   gap_ = gap;
   adopt(std::move(path));
   return Plan::ready;
+}
+
+// The path is blocked. A place that looked open from afar twice and was not is avoided from then on.
+void PathNavigator::note_closure() {
+  constexpr double kSamePlace = 0.4;  // [m]
+  const PathPoint start{0, path_.front()};
+  const double length = path_length(path_);
+  for (double ahead = 0.0; ahead < length; ahead += 0.05) {
+    const Vec2 p = point_after(path_, start, ahead);
+    if (costmap_.weight(costmap_.cell(p)) != map::Costmap::kLethal) continue;
+    const auto same = [p](Vec2 other) { return distance(p, other) < kSamePlace; };
+    const auto times = std::count_if(closures_.begin(), closures_.end(), same);
+    (times >= 1 ? avoided_ : closures_).push_back(p);
+    return;
+  }
 }
 
 // To the nearest frontier by the cost of the way there.
@@ -364,6 +378,15 @@ PathNavigator::Plan PathNavigator::plan_exploration(const Observation& seen) {
 void PathNavigator::adopt(std::vector<Vec2> path) {
   path_ = std::move(path);
   has_plan_ = true;
+}
+
+// Along the path, forgetting what lies behind.
+Decision PathNavigator::follow() {
+  const PathPoint here = nearest_on_path(path_, progress_.pose.position());
+  path_.erase(path_.begin(), path_.begin() + static_cast<std::ptrdiff_t>(here.piece));
+  path_.front() = here.point;
+  progress_.distance_left = path_length(path_);
+  return {tracker_.follow(path_, costmap_, progress_.pose)};
 }
 
 // Stands still on purpose, which is not being stuck.
@@ -393,7 +416,7 @@ Decision PathNavigator::recover(const Observation& seen) {
   // the planner shall not try the same way again nor, after a second failure, explore the same place
   constexpr double kAhead = 0.25;  // [m]
   if (has_plan_ && !tracker_.trapped() && path_length(path_) > kAhead) {
-    avoided_.push_back(point_after(path_, nearest_on_path(path_, progress_.pose.position()), kAhead));
+    avoided_.push_back(point_after(path_, {0, path_.front()}, kAhead));
     if (recoveries_ >= 2 && std::holds_alternative<Explore>(goal_)) avoided_.push_back(path_.back());
   }
 

@@ -15,16 +15,18 @@ struct PathPoint {
   Vec2 point;
 };
 
-/// The point of a polyline that is nearest to `p`; the first of equals. `path` must not be empty.
-inline PathPoint nearest_on_path(std::span<const Vec2> path, Vec2 p) {
+/// The point of a polyline that is nearest to `p`, on pieces that begin within `reach` [m] of its start, so that a path
+/// that comes back to a place is not cut short; the first of equals. `path` must not be empty.
+inline PathPoint nearest_on_path(std::span<const Vec2> path, Vec2 p, double reach = 1.0) {
   PathPoint best{0, path[0]};
   double best_distance = distance(p, path[0]);
-  for (std::size_t i = 0; i + 1 < path.size(); ++i) {
+  for (std::size_t i = 0; i + 1 < path.size() && reach >= 0.0; ++i) {
     const Vec2 d = path[i + 1] - path[i];
     const double length_squared = dot(d, d);
     const double t = length_squared > 0.0 ? std::clamp(dot(p - path[i], d) / length_squared, 0.0, 1.0) : 0.0;
     const Vec2 q = path[i] + t * d;
     if (const double there = distance(p, q); there < best_distance) best = {i, q}, best_distance = there;
+    reach -= exact::sqrt(length_squared);
   }
   return best;
 }

@@ -21,7 +21,7 @@ constexpr double kSlowest = 0.04;       // [m/s] towards the goal
 constexpr double kTurnFirst = 0.8;      // [rad] differential: beyond this turn on the spot ...
 constexpr double kTurnDone = 0.2;       // [rad] ... until the target is this straight ahead
 
-constexpr double kEscape = 0.4;          // share of the speed limit when backing off
+constexpr double kEscape = 0.4;  // share of the speed limit when backing off
 
 // Deviations from the straight way to the target that are tried when it is not free [rad].
 constexpr std::array<double, 12> kFan = {0.2, -0.2, 0.4, -0.4, 0.6, -0.6, 0.9, -0.9, 1.2, -1.2, 1.6, -1.6};

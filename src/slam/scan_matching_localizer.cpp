@@ -49,6 +49,7 @@ class ScanMatchingLocalizer final : public Localizer {
  private:
   void add_scan(Time measured, const LaserScan& scan);
   Time deskew(Time measured, const LaserScan& scan);
+  void keep_unseen(const std::vector<Vec2>& before, Vec2 lidar_in_odom, double range_min);
   void predict_to(Time stamp);
   void correct(Time stamp);
   void shift(const Vector7& by, const Pose2D& map_from_base, const Pose2D& odom_from_base);
@@ -68,7 +69,7 @@ class ScanMatchingLocalizer final : public Localizer {
   bool lost_ = false;
 
   std::vector<map::Beam> beams_;  // the newest scan, in the base frame at the end of its turn
-  std::vector<Vec2> obstacles_;   // its hits in odom
+  std::vector<Vec2> obstacles_;   // its hits in odom, and what is too near to be seen
 };
 
 // One scan: undo the motion during its turn, carry the belief there, fit it to the map, let the map grow.
@@ -90,7 +91,8 @@ Time ScanMatchingLocalizer::deskew(Time measured, const LaserScan& scan) {
   const Pose2D base_from_odom = inverse(odom_from_base);
 
   beams_.clear();
-  obstacles_.clear();
+  std::vector<Vec2> before;
+  before.swap(obstacles_);
   constexpr std::size_t kBlock = 8;  // beams between poses that are computed, less than 3 ms
   Pose2D base_from_lidar;
   Pose2D next = base_from_odom * track_.at(beam_time(0)) * sensors_.base_from_lidar;
@@ -112,7 +114,21 @@ Time ScanMatchingLocalizer::deskew(Time measured, const LaserScan& scan) {
     beams_.push_back({origin, direction, length, hit});
     if (hit) obstacles_.push_back(odom_from_base * (origin + (length - track_.calibration().range_bias) * direction));
   }
+  keep_unseen(before, (odom_from_base * sensors_.base_from_lidar).position(), scan.range_min);
   return end;
+}
+
+// What came nearer than the lidar can see is still there.
+void ScanMatchingLocalizer::keep_unseen(const std::vector<Vec2>& before, Vec2 lidar_in_odom, double range_min) {
+  constexpr double kSame = 0.01;  // [m] points nearer to each other are one
+  constexpr double kBlur = 0.02;  // [m] around the least range some beams see and some do not
+  const std::size_t seen = obstacles_.size();
+  for (const Vec2 p : before) {
+    if (distance(p, lidar_in_odom) >= range_min + kBlur) continue;
+    const auto is_same = [p](Vec2 other) { return distance(p, other) < kSame; };
+    const auto kept = obstacles_.begin() + static_cast<std::ptrdiff_t>(seen);
+    if (std::none_of(kept, obstacles_.end(), is_same)) obstacles_.push_back(p);
+  }
 }
 
 // The belief at the time of the scan, from the odometry since the scan before.

@@ -71,8 +71,8 @@ class Tracker {
   double reach_ = 0.0;  // [m] points farther away do not matter
   std::vector<Vec2> near_;
   std::vector<double> least_;  // [m] how near each point may come
-  int turned_back_ = 0;  // how often this turn met an obstacle and changed its direction
-  int turning_ = 0;  // the direction of a turn on the spot that has begun: 1, -1, 0 for none
+  int turned_back_ = 0;        // how often this turn met an obstacle and changed its direction
+  int turning_ = 0;            // the direction of a turn on the spot that has begun: 1, -1, 0 for none
 };
 
 }  // namespace threewe::nav

@@ -37,7 +37,8 @@ class Localizer {
   virtual const map::OccupancyGrid& map() const = 0;
   /// Counts the changes of the map: equal numbers mean equal maps.
   virtual std::uint64_t map_version() const = 0;
-  /// Where the newest scan hit something: points in `odom`, deskewed. Valid until the next `add`.
+  /// Where the newest scan hit something: points in `odom`, deskewed; and where earlier ones did, for what has come
+  /// nearer than the lidar can see. Valid until the next `add`.
   virtual std::span<const Vec2> obstacles() const = 0;
   /// A copy that lives on independently, for saving and restoring.
   virtual std::unique_ptr<Localizer> clone() const = 0;
