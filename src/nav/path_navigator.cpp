@@ -14,6 +14,9 @@
 namespace threewe::nav {
 namespace {
 
+constexpr double kMargin = 0.04;        // [m] kept free around the robot, more than the safety gate keeps
+constexpr double kTightMargin = 0.025;  // [m] after it got stuck, for kTightFor
+constexpr Duration kTightFor = 6s;
 constexpr double kArrived = 0.05;       // [m] near enough to a goal to stop
 constexpr double kTurned = 0.015;       // [rad]
 constexpr Duration kReplanPeriod = 1s;  // plans are renewed so often while the map changes
@@ -116,6 +119,7 @@ class PathNavigator final : public Navigator {
   Vec2 recovered_at_;
   Time recovering_until_{};
   Velocity recovery_;
+  Time tight_until_{};
   bool lost_ = false;
   Time lost_since_{};
   std::vector<Vec2> in_base_;
@@ -145,6 +149,7 @@ void PathNavigator::start(const Goal& goal, const Observation& seen) {
   recoveries_ = 0;
   tracker_.forget_turn();
   recovering_until_ = seen.now;
+  tight_until_ = seen.now;
   lost_ = false;
   if (const auto* move = std::get_if<MoveTo>(&goal)) route_ = {move->goal};
   if (const auto* follow = std::get_if<FollowPath>(&goal)) {
@@ -181,7 +186,7 @@ void PathNavigator::note(const Observation& seen) {
   for (const Vec2 p : seen.obstacles) {
     in_base_.push_back({base_from_odom.x + c * p.x - s * p.y, base_from_odom.y + s * p.x + c * p.y});
   }
-  tracker_.see(in_base_);
+  tracker_.see(in_base_, seen.now < tight_until_ ? kTightMargin : kMargin);
 }
 
 Decision PathNavigator::drive(const MoveTo& goal, const Observation& seen) {
@@ -423,6 +428,8 @@ Decision PathNavigator::recover(const Observation& seen) {
   // stuck for as long again before the next recovery
   last_moved_ = progress_.pose;
   last_moved_at_ = seen.now + kRecovery;
+  tight_until_ = seen.now + kRecovery + kTightFor;
+  tracker_.see(in_base_, kTightMargin);
   tracker_.forget_turn();
   recovery_ = tracker_.most_room();
   recovering_until_ = seen.now + kRecovery;

@@ -37,8 +37,9 @@ class Tracker {
  public:
   explicit Tracker(const RobotProfile& profile);
 
-  /// What is near: points in the base frame [m].
-  void see(std::span<const Vec2> obstacles_in_base);
+  /// What is near: points in the base frame [m]. `margin` [m], at most 0.05, is kept free around the outline; what is
+  /// nearer already comes no nearer.
+  void see(std::span<const Vec2> obstacles_in_base, double margin);
 
   /// The velocity for following `path` (in `map`) from `pose`, to a stop at its end.
   Velocity follow(std::span<const Vec2> path, const map::Costmap& costmap, const Pose2D& pose);
