@@ -58,7 +58,7 @@ struct Field {
   std::vector<float> ranges(const char* field) const {
     const nb::object value = reading.attr(field);
     if (!nb::ndarray_check(value)) fail(field, fmt::format("must be a numpy array of float32, got {}", kind_of(value)));
-    const nb::ndarray<nb::ro, nb::device::cpu> any = nb::cast<nb::ndarray<nb::ro, nb::device::cpu>>(value);
+    const auto any = nb::cast<nb::ndarray<nb::ro, nb::device::cpu>>(value);
     if (any.dtype() != nb::dtype<float>()) {
       fail(field, fmt::format("has dtype {}; it must be float32", text(value.attr("dtype"))));
     }

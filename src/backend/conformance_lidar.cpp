@@ -32,9 +32,9 @@ std::vector<Sample> some_scans(Bench& bench) {
 void scan_has_the_profiles_beams(const Context& context) {
   Bench bench = with_lidar(context);
   for (const Sample& sample : some_scans(bench)) {
-    const std::size_t beams = std::get<LaserScan>(sample.data).ranges.size();
-    expect(beams == static_cast<std::size_t>(bench.profile().lidar->beams), "a scan of {} beams; the profile has {}",
-           beams, bench.profile().lidar->beams);
+    const auto beams = static_cast<int>(std::get<LaserScan>(sample.data).ranges.size());
+    expect(beams == bench.profile().lidar->beams, "a scan of {} beams; the profile has {}", beams,
+           bench.profile().lidar->beams);
   }
 }
 
@@ -54,7 +54,7 @@ void scan_ranges_are_valid(const Context& context) {
   for (const Sample& sample : some_scans(bench)) {
     const auto& scan = std::get<LaserScan>(sample.data);
     for (std::size_t i = 0; i < scan.ranges.size(); ++i) {
-      const double range = static_cast<double>(scan.ranges[i]);
+      const auto range = static_cast<double>(scan.ranges[i]);
       const bool within = range >= scan.range_min - kRangeTolerance && range <= scan.range_max + kRangeTolerance;
       expect(range == 0.0 || within, "beam {}: {} m is neither 0 (invalid) nor within {} to {} m", i, range,
              scan.range_min, scan.range_max);
@@ -101,7 +101,7 @@ void scan_turns_as_the_device_does(const Context& context) {
 std::vector<Vec2> hits(const LaserScan& scan, const Pose2D& base_from_lidar) {
   std::vector<Vec2> points;
   for (std::size_t i = 0; i < scan.ranges.size(); ++i) {
-    const double range = static_cast<double>(scan.ranges[i]);
+    const auto range = static_cast<double>(scan.ranges[i]);
     if (range <= 0.0 || range >= scan.range_max - kRangeTolerance) continue;
     const auto [sin, cos] = exact::sincos(scan.angle_min + static_cast<double>(i) * scan.angle_increment);
     points.push_back(base_from_lidar * Vec2{range * cos, range * sin});

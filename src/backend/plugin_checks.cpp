@@ -38,7 +38,7 @@ void check(const Reading& reading, const LaserScan& scan, const RobotProfile& pr
     reading.fail("ranges", "has shape ({},); the profile '{}' has ({},)", scan.ranges.size(), profile.name, spec.beams);
   }
   for (std::size_t i = 0; i < scan.ranges.size(); ++i) {
-    const double range = static_cast<double>(scan.ranges[i]);
+    const auto range = static_cast<double>(scan.ranges[i]);
     const bool within = range >= spec.range_min - kRangeTolerance && range <= spec.range_max + kRangeTolerance;
     if (range == 0.0 || within) continue;
     reading.fail("ranges", "[{}] is {}; it must be 0 (invalid) or within {} to {} m (no return: {})", i, range,
@@ -56,14 +56,16 @@ void check(const Reading& reading, const Odometry& odometry, const RobotProfile&
   const Velocity& v = odometry.velocity;
   for (const double value : {v.vx, v.vy, v.omega}) reading.finite("velocity", value);
   const double theta = odometry.pose.theta;
-  if (!(theta > -exact::kPi && theta <= exact::kPi))
+  if (theta <= -exact::kPi || theta > exact::kPi) {
     reading.fail("pose", "has a heading of {}, outside (-pi, pi]", theta);
+  }
 }
 
 void check(const Reading& reading, const BatteryState& battery, const RobotProfile&) {
   reading.finite("voltage", battery.voltage);
   reading.finite("current", battery.current);
-  if (!(battery.charge >= 0.0 && battery.charge <= 1.0)) {
+  reading.finite("charge", battery.charge);
+  if (battery.charge < 0.0 || battery.charge > 1.0) {
     reading.fail("charge", "is {}; it must be within 0 to 1", battery.charge);
   }
 }
@@ -93,6 +95,7 @@ void check_features(const std::string& name, const Features& features, const Rob
 
 std::size_t find_sensor(const Features& features, const std::string& name) {
   std::vector<std::string> names;
+  names.reserve(features.sensors.size());
   for (const SensorInfo& sensor : features.sensors) names.push_back(sensor.name);
   const auto found = std::find(names.begin(), names.end(), name);
   if (found == names.end()) throw ContractError(unknown_name("sensor", name, names));

@@ -28,11 +28,16 @@ namespace threewe::backend {
 struct PluginRequest {
   enum class Call : std::uint8_t { connect, disconnect, step, reset, save, restore };
   Call call{};
-  Time t{};                        ///< step: lockstep simulates until then; in real time it is now
-  Velocity velocity{};             ///< step: to drive at, finite, within the hardware limits, zero once expired
-  std::uint64_t seed = 0;          ///< reset
-  std::optional<Pose2D> pose{};    ///< reset: where to start, in the scene's frame
-  std::vector<std::byte> state{};  ///< restore
+  /// step: lockstep simulates until then; in real time it is now
+  Time t{};
+  /// step: to drive at; finite, within the hardware limits, zero once expired
+  Velocity velocity{};
+  /// reset
+  std::uint64_t seed = 0;
+  /// reset: where to start, in the scene's frame
+  std::optional<Pose2D> pose = {};  // NOLINT(readability-redundant-member-init): g++ warns where it is left out
+  /// restore
+  std::vector<std::byte> state = {};  // NOLINT(readability-redundant-member-init): g++ warns where it is left out
 };
 std::string_view to_string(PluginRequest::Call call);
 

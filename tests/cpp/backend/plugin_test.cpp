@@ -119,7 +119,7 @@ std::string poll_error(World& world) {
 }
 
 LaserScan good_scan() {
-  const LidarSpec& spec = *standard().lidar;
+  const LidarSpec spec = *standard().lidar;
   return {.angle_min = 0.0,
           .angle_increment = 2.0 * exact::kPi / spec.beams,
           .time_increment = 0.0,
