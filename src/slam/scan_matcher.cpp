@@ -60,8 +60,16 @@ NormalEquations linearize(const map::LogOddsMap& map, std::span<const map::Beam>
       sum.add(r, 1.0 / (variance * square(1.0 + square(r.value / kRobustWidth))));
       return std::fabs(r.value) < kAgreement;
     };
-    bool agrees = add(surface->normal);
-    if (!surface->line) agrees = add({-surface->normal.y, surface->normal.x}) && agrees;
+    // far walls are hit so sparsely that they look like spots too; only thin things really are some
+    bool agrees = false;
+    if (surface->line) {
+      agrees = add(surface->normal);
+    } else if (beam.thin) {
+      const bool along = add(surface->normal);
+      agrees = add({-surface->normal.y, surface->normal.x}) && along;
+    } else {
+      agrees = distance(point, surface->mean) < kAgreement;
+    }
     ++(agrees ? sum.on_surface : sum.in_free_space);
   }
   return sum;

@@ -25,6 +25,27 @@ constexpr Duration kLostAfter = 2s;
 constexpr int kStandingSamples = 10;   // wheels at rest for so many samples: the robot stands
 constexpr double kFreeNoReturn = 4.0;  // [m] a beam without return clears so much: dark surfaces return nothing
 
+// Does beam i hit something narrow, with what is behind it visible on both sides?
+bool is_thin(const LaserScan& scan, std::size_t i) {
+  constexpr double kNarrow = 0.12;  // [m]
+  constexpr double kBehind = 0.15;  // [m]
+  const std::size_t n = scan.ranges.size();
+  const double range = static_cast<double>(scan.ranges[i]);
+  const auto widest = static_cast<std::size_t>(kNarrow / (range * scan.angle_increment)) + 1;
+  // how many beams to one side until one passes; 0 when something else is there
+  const auto edge = [&](std::size_t step) -> std::size_t {
+    for (std::size_t k = 1; k <= widest && k < n; ++k) {
+      const double other = static_cast<double>(scan.ranges[(i + k * step) % n]);
+      if (other > range + kBehind) return k;
+      if (other < range - 0.05) return 0;  // invalid, or in front
+    }
+    return 0;
+  };
+  const std::size_t left = edge(1);
+  const std::size_t right = edge(n - 1);
+  return left > 0 && right > 0 && left + right - 2 < widest;
+}
+
 class ScanMatchingLocalizer final : public Localizer {
  public:
   ScanMatchingLocalizer(const SensorModel& sensors, const Pose2D& map_from_start)
@@ -111,7 +132,7 @@ Time ScanMatchingLocalizer::deskew(Time measured, const LaserScan& scan) {
     const double angle = base_from_lidar.theta + scan.angle_min + static_cast<double>(i) * scan.angle_increment;
     const Vec2 origin = base_from_lidar.position();
     const Vec2 direction = rotate({1.0, 0.0}, angle);
-    beams_.push_back({origin, direction, length, hit});
+    beams_.push_back({origin, direction, length, hit, hit && is_thin(scan, i)});
     if (hit) obstacles_.push_back(odom_from_base * (origin + (length - track_.calibration().range_bias) * direction));
   }
   keep_unseen(before, (odom_from_base * sensors_.base_from_lidar).position(), scan.range_min);

@@ -16,6 +16,7 @@ struct Beam {
   Vec2 direction;      ///< unit
   double range = 0.0;  ///< [m] as measured; without a hit, how far the beam is known to be free
   bool hit = false;
+  bool thin = false;  ///< the hit belongs to something narrow that stands free, such as a leg
 };
 
 /// The hits in one cell: sums, so that surfaces are known much finer than the cell is wide. Hits are kept as they were
