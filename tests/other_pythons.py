@@ -73,14 +73,15 @@ def environment(version: str, python: Path) -> Path:
 
     # the libraries come from the compiler cache; from 3.12 on one module serves all versions
     build_tree = ROOT / "build" / ("py311" if version == "3.11" else "abi3")
-    options = ["-C", f"build-dir={build_tree}/cmake", "-C", "cmake.define.THREEWE_DEVELOPER=ON"]
+    options = [f"build-dir={build_tree}/cmake", "cmake.define.THREEWE_DEVELOPER=ON"]
     for product in ["TESTS", "EXAMPLES", "BENCHMARKS"]:
-        options += ["-C", f"cmake.define.THREEWE_BUILD_{product}=OFF"]
+        options.append(f"cmake.define.THREEWE_BUILD_{product}=OFF")
     wheel = next(build_tree.glob("*.whl"), None)
     if wheel is None or build_tree not in BUILT:
         for old in build_tree.glob("*.whl"):
             old.unlink()
-        command = [*pip, "wheel", "--no-build-isolation", "--no-deps", "-w", build_tree, *options, ROOT]
+        settings = [f"--config-settings={option}" for option in options]
+        command = [*pip, "wheel", "--no-build-isolation", "--no-deps", "-w", build_tree, *settings, ROOT]
         subprocess.run(command, check=True, env={**os.environ, "CXX": "c++"})  # named as in build/dev, for the cache
         BUILT.add(build_tree)
         wheel = next(build_tree.glob("*.whl"))
