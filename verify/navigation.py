@@ -1,8 +1,8 @@
 """Drives to sampled goals in places that the robot has never seen; explores; listens to no simulator's lies."""
 
 from verify.cases.driving import arrived, drive, explore
-from verify.harness import Experiment, all_of, share_of, worst_of
 from verify.cases.journey import lies
+from verify.harness import Experiment, all_of, share_of, worst_of
 
 ROBOTS = [
     ("office_v2", "3we_standard_v2"),

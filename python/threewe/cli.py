@@ -23,10 +23,10 @@ complaints = Console(stderr=True)
 
 
 def main() -> None:
-    """Runs the command line; an error of ours is one line, not a traceback."""
+    """Runs the command line; an error that the user can mend is one line, not a traceback."""
     try:
         app()
-    except threewe.ThreeweError as error:
+    except (threewe.ThreeweError, OSError) as error:
         complaints.print(f"[bold red]error:[/] {error}", highlight=False)
         raise SystemExit(2) from None
 

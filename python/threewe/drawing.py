@@ -45,6 +45,11 @@ FURNITURE: dict[str, Color] = {
     "counter": (208, 200, 188, 255),
 }
 
+# of a map's cells by their value: 0 free to 100 occupied, then -1 unknown
+_MAP_COLORS = np.array(
+    [[round(255 + (c - 255) * v / 100) for c in INK[:3]] for v in range(101)] + [UNKNOWN[:3]], np.uint8
+)
+
 # Everything is drawn at twice its final size and halved at the end: Pillow's own lines are not smooth.
 SUPERSAMPLING = 2
 
@@ -100,11 +105,7 @@ def draw_scene(scene: Scene, view: View, labels: bool = True) -> Image.Image:
 
 def draw_map(grid: OccupancyGrid, view: View) -> Image.Image:
     """A robot's own map: unknown grey, free white, occupied dark."""
-    values = np.asarray(grid.data)
-    shade = np.clip(values, 0, 100).astype(np.float64)[..., None] / 100.0
-    colors = (1.0 - shade) * np.array([255, 255, 255]) + shade * np.array(INK[:3])
-    colors[values < 0] = UNKNOWN[:3]
-    cells = Image.fromarray(colors.astype(np.uint8)[::-1])
+    cells = Image.fromarray(_MAP_COLORS[np.asarray(grid.data)[::-1]])
 
     # each cell becomes an axis-aligned patch; the picture's edge cuts off what lies outside the view
     picture = Image.new("RGB", view.size, UNKNOWN[:3])

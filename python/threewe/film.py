@@ -202,7 +202,7 @@ class _Video:
 def _save_gif(frames: list[Image.Image], path: Path) -> None:
     """One palette for all frames, so that unchanged pixels cost nothing; smaller when it would be too large."""
     for width in (960, 800, 640, 480):
-        small = [f.resize((width, round(f.height * width / f.width)), Image.Resampling.LANCZOS) for f in frames]
+        small = [f.resize((width, round(f.height * width / f.width)), Image.Resampling.BILINEAR) for f in frames]
         palette = _collage(small).quantize(240, Image.Quantize.MEDIANCUT)
         indexed = [f.quantize(palette=palette, dither=Image.Dither.NONE) for f in small]
         indexed[0].save(path, save_all=True, append_images=indexed[1:], duration=100, loop=0, optimize=True)
