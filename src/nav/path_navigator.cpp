@@ -341,7 +341,8 @@ PathNavigator::Plan PathNavigator::plan_route(const Observation& seen, double to
   if (has_plan_) {
     const double rest_cost = path_cost(costmap_, path_);
     if (!std::isfinite(rest_cost)) note_closure();
-    if (std::isfinite(rest_cost) && gap_ == gap && cost > kBetter * rest_cost) return Plan::ready;
+    const bool same_end = path_.back() == path.back();
+    if (std::isfinite(rest_cost) && same_end && cost > kBetter * rest_cost) return Plan::ready;
   }
   gap_ = gap;
   adopt(std::move(path));
