@@ -39,7 +39,7 @@ map::Costmap::Settings costmap_settings(const RobotProfile& profile) {
   double half_width = 0.0;
   for (const Vec2 c : profile.body.footprint.corners()) half_width = std::max(half_width, std::fabs(c.y));
   map::Costmap::Settings s;
-  s.lethal_radius = std::max(profile.body.footprint.inscribed_radius(), half_width) + 0.025;
+  s.lethal_radius = std::max(profile.body.footprint.inscribed_radius(), half_width) + 0.01;
   s.caution_radius = s.lethal_radius + 0.35;
   return s;
 }
