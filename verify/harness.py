@@ -122,7 +122,8 @@ def wilson(hits: int, count: int, z: float = 1.959964) -> tuple[float, float]:
     middle = share + z * z / (2 * count)
     spread = z * math.sqrt(share * (1 - share) / count + z * z / (4 * count * count))
     scale = 1 + z * z / count
-    return max(0.0, (middle - spread) / scale), min(1.0, (middle + spread) / scale)
+    low, high = (middle - spread) / scale, (middle + spread) / scale
+    return (low if hits > 0 else 0.0), (high if hits < count else 1.0)  # exact at the ends, where rounding is not
 
 
 def verify(area: str, experiments: list[Experiment], *, seed: int | None, count: int | None, sample: bool) -> list[str]:

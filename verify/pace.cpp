@@ -1,19 +1,23 @@
 // How many times faster than real time one core simulates a robot, and runs its mind: verify_pace SEED.
 //
-// The robot drives arcs by set_velocity through the office, noise on. Times are CPU seconds of this one thread.
+// The robot wanders through the office by set_velocity, noise on, and turns away from what its lidar sees ahead; how
+// far it came is printed too. Times are CPU seconds of this one thread.
+#include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <ctime>
 #include <memory>
+#include <variant>
 
 #include "threewe/backend/registry.hpp"
 #include "threewe/robot/robot.hpp"
+#include "threewe/scene/truth_view.hpp"
 
 using namespace threewe;
 
 namespace {
 
-constexpr double kRobotSeconds = 120.0;
+constexpr Duration kDrive = 120s;
 
 double cpu_seconds() {
   std::timespec t{};
@@ -21,38 +25,58 @@ double cpu_seconds() {
   return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
 }
 
-// What it drives in the second `i`: ahead, in arcs to both sides, seldom sideways.
-Velocity velocity_at(int i) { return {0.35, i % 5 == 4 ? 0.1 : 0.0, i % 3 == 0 ? 0.5 : -0.2}; }
-
-double with_mind(std::uint64_t seed) {
-  Robot robot({.seed = seed});
-  const double begin = cpu_seconds();
-  for (int i = 0; i < static_cast<int>(kRobotSeconds); ++i) {
-    const Velocity v = velocity_at(i);
-    robot.set_velocity(v.vx, v.vy, v.omega, 1.0);
-    robot.sleep(1.0);
+// Ahead in gentle arcs; on the spot, to the left, while something is near ahead.
+Velocity wander(const LaserScan& scan, Time now) {
+  const double side = now / 7s % 2 == 0 ? 0.25 : -0.25;
+  for (std::size_t i = 0; i < scan.ranges.size(); ++i) {
+    const double angle = wrap_angle(scan.angle_min + static_cast<double>(i) * scan.angle_increment);
+    const bool near = scan.ranges[i] > 0.0F && scan.ranges[i] < 0.6F;
+    if (near && std::fabs(angle) < 0.7) return {0.0, 0.0, 0.8};
   }
-  return kRobotSeconds / (cpu_seconds() - begin);
+  return {0.4, 0.0, side};
 }
 
-double simulation_alone(std::uint64_t seed) {
+struct Pace {
+  double times_real_time;
+  double metres;
+};
+
+Pace with_mind(std::uint64_t seed) {
+  Robot robot({.seed = seed});
+  const double begin = cpu_seconds();
+  const Time end = robot.world().now() + kDrive;
+  while (robot.world().now() < end) {
+    const Velocity v = wander(robot.get_lidar_scan(), robot.world().now());
+    robot.set_velocity(v.vx, v.vy, v.omega);
+    robot.sleep(0.1);
+  }
+  return {to_seconds(kDrive) / (cpu_seconds() - begin), robot.simulation()->distance_driven()};
+}
+
+Pace simulation_alone(std::uint64_t seed) {
   backend::WorldOptions options;
   options.seed = seed;
   const auto world = backend::make_world("mock", options);
   backend::RobotPort& port = world->robot(0);
   port.connect();
+  Velocity velocity;
   const double begin = cpu_seconds();
-  for (Time t{}; t < from_seconds(kRobotSeconds); t += kControlPeriod) {
-    port.command(velocity_at(static_cast<int>(to_seconds(t))), t + 200ms);
+  for (Time t{}; t < kDrive; t += kControlPeriod) {
+    port.command(velocity, t + 200ms);
     world->advance_to(t + kControlPeriod);
-    (void)port.poll();
+    for (const Sample& sample : port.poll()) {
+      if (const auto* scan = std::get_if<LaserScan>(&sample.data)) velocity = wander(*scan, t);
+    }
   }
-  return kRobotSeconds / (cpu_seconds() - begin);
+  return {to_seconds(kDrive) / (cpu_seconds() - begin), port.truth()->distance_driven()};
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
   const std::uint64_t seed = argc > 1 ? std::strtoull(argv[1], nullptr, 10) : 0;
-  std::printf("simulation %.1f\nmind %.1f\n", simulation_alone(seed), with_mind(seed));
+  const Pace simulation = simulation_alone(seed);
+  const Pace mind = with_mind(seed);
+  std::printf("simulation %.1f\nsimulation_metres %.1f\n", simulation.times_real_time, simulation.metres);
+  std::printf("mind %.1f\nmind_metres %.1f\n", mind.times_real_time, mind.metres);
 }

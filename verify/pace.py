@@ -3,13 +3,13 @@
 import subprocess
 from pathlib import Path
 
-from verify.harness import Case, Experiment, median_of
+from verify.harness import Case, Experiment, median_of, worst_of
 
 PROGRAM = Path(__file__).resolve().parent.parent / "build/dev/verify/verify_pace"
 
 
 def pace(seed: int) -> Case:
-    """Robot seconds per CPU second."""
+    """Robot seconds per CPU second, and how far the robot came."""
     output = subprocess.run([PROGRAM, str(seed)], capture_output=True, text=True, check=True).stdout
     return {name: float(value) for name, value in (line.split() for line in output.splitlines())}
 
@@ -23,6 +23,7 @@ EXPERIMENTS = [
         rows=[
             median_of("simulation alone, times real time", lambda case: case["simulation"], at_least=300.0),
             median_of("localising and mapping, times real time", lambda case: case["mind"], at_least=100.0),
+            worst_of("really driven meanwhile [m]", lambda case: case["mind_metres"], at_least=25.0),
         ],
         alone=True,
     )
