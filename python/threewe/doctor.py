@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 import threewe
+from threewe.testing import check_backend
 
 
 @dataclass(frozen=True)
@@ -36,7 +37,16 @@ def examine() -> list[Finding]:
 
 
 def _backends() -> list[Finding]:
-    return [Finding(f"backend {name}", "ok", "known") for name in threewe.backend_names()]
+    others = [name for name in threewe.backend_names() if name != "mock"]
+    return [
+        _works("backend mock", _contract),
+        *(Finding(f"backend {name}", "ok", "found, not tried") for name in others),
+    ]
+
+
+def _contract() -> str:
+    results = check_backend("mock", show=False, raise_failures=True)
+    return f"keeps the contract: {len(results)} checks"
 
 
 def _package(name: str, purpose: str, extra: str) -> Finding:
