@@ -81,6 +81,7 @@ class PathNavigator final : public Navigator {
   void renew_costmap(const Observation& seen);
   Plan plan_route(const Observation& seen, double tolerance);
   Plan plan_exploration(const Observation& seen);
+  bool passed_waypoint() const;
   void note_closure();
   void adopt(std::vector<Vec2> path);
   Decision follow();
@@ -100,9 +101,10 @@ class PathNavigator final : public Navigator {
   Time started_{};
   Time now_{};
   std::vector<Vec2> path_;
-  std::vector<Vec2> route_;     // waypoints still to pass, the last is the goal
-  bool straight_legs_ = false;  // follow the straight lines between waypoints where they are free
-  double gap_ = 0.0;            // [m] from the end of the path to the goal
+  std::vector<Vec2> route_;                // waypoints still to pass, the last is the goal
+  std::vector<std::size_t> corners_from_;  // for each of them, how many corners of the path lie from there on
+  bool straight_legs_ = false;             // follow the straight lines between waypoints where they are free
+  double gap_ = 0.0;                       // [m] from the end of the path to the goal
   bool turning_to_heading_ = false;
   double turned_ = 0.0;  // [rad] since the start
   bool has_plan_ = false;
@@ -135,6 +137,7 @@ void PathNavigator::start(const Goal& goal, const Observation& seen) {
   now_ = seen.now;
   path_.clear();
   route_.clear();
+  corners_from_.clear();
   straight_legs_ = false;
   gap_ = 0.0;
   turning_to_heading_ = false;
@@ -231,8 +234,9 @@ Decision PathNavigator::drive(const MoveForward& goal, const Observation& seen) 
 
 Decision PathNavigator::drive(const FollowPath& goal, const Observation& seen) {
   if (route_.empty()) return finish(Reason::reached);
-  while (route_.size() > 1 && distance(progress_.pose.position(), route_.front()) < kWaypointPassed) {
+  while (route_.size() > 1 && passed_waypoint()) {
     route_.erase(route_.begin());
+    if (!corners_from_.empty()) corners_from_.erase(corners_from_.begin());
   }
   return travel(seen, goal.path.back(), goal.tolerance);
 }
@@ -254,6 +258,12 @@ Decision PathNavigator::drive(const Explore&, const Observation& seen) {
   }
   if (!has_plan_) return wait();
   return follow();
+}
+
+// Near the next waypoint, or past it along the path.
+bool PathNavigator::passed_waypoint() const {
+  if (distance(progress_.pose.position(), route_.front()) < kWaypointPassed) return true;
+  return has_plan_ && !corners_from_.empty() && path_.size() <= corners_from_.front();
 }
 
 // Towards the end of the route: reached, given up, or on the way along a plan that is kept fresh.
@@ -318,12 +328,14 @@ PathNavigator::Plan PathNavigator::plan_route(const Observation& seen, double to
 
   // leg by leg; straight where the user drew a line that is free
   std::vector<Vec2> path = {progress_.pose.position()};
+  std::vector<std::size_t> ends;  // how many corners lead to each waypoint
   double gap = 0.0;
   for (const Vec2 ordered : route_) {
     const Vec2 waypoint = within_horizon(seen.map, ordered);
     const bool drawn = straight_legs_ && std::isfinite(costmap_.line_cost(path.back(), waypoint));
     if (drawn) {
       path.push_back(waypoint);
+      ends.push_back(path.size());
       continue;
     }
     const PlannedPath leg = planner_.plan(costmap_, path.back(), waypoint, tolerance);
@@ -334,6 +346,7 @@ PathNavigator::Plan PathNavigator::plan_route(const Observation& seen, double to
       return Plan::none;
     }
     path.insert(path.end(), leg.points.begin() + 1, leg.points.end());
+    ends.push_back(path.size());
   }
 
   // an open path is kept unless the new one is clearly better, so that the robot does not waver
@@ -345,6 +358,8 @@ PathNavigator::Plan PathNavigator::plan_route(const Observation& seen, double to
     if (std::isfinite(rest_cost) && same_end && cost > kBetter * rest_cost) return Plan::ready;
   }
   gap_ = gap;
+  corners_from_.clear();
+  for (const std::size_t end : ends) corners_from_.push_back(path.size() - end + 1);
   adopt(std::move(path));
   return Plan::ready;
 }

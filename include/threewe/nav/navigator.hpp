@@ -22,9 +22,9 @@ std::string_view to_string(Reason reason);
 /// Drive to a position in `map`, and turn to a heading where one is given.
 struct MoveTo {
   Vec2 goal;
-  std::optional<double> theta;   ///< [rad]
-  double tolerance = 0.25;       ///< [m]
-  double angle_tolerance = 0.1;  ///< [rad]
+  std::optional<double> theta{};  ///< [rad]
+  double tolerance = 0.25;        ///< [m]
+  double angle_tolerance = 0.1;   ///< [rad]
 };
 /// Turn on the spot by `angle` [rad], counter-clockwise; may exceed a full turn.
 struct Rotate {

@@ -188,8 +188,8 @@ TEST_CASE("a search finds a pose that is far off") {
     const Pose2D truth{draw(-0.3, 0.3), draw(-0.3, 0.3), draw(-3, 3)};
     const Pose2D guess{truth.x + draw(-0.25, 0.25), truth.y + draw(-0.25, 0.25), truth.theta + draw(-0.12, 0.12)};
     const Pose2D best = search_pose(map, look(walls, truth), guess, {});
-    const bool near = distance(best.position(), truth.position()) < 0.08 &&
-                      std::fabs(wrap_angle(best.theta - truth.theta)) < 0.035;
+    const bool near =
+        distance(best.position(), truth.position()) < 0.08 && std::fabs(wrap_angle(best.theta - truth.theta)) < 0.035;
     found += near ? 1 : 0;
   }
   CHECK(found >= 38);

@@ -1,0 +1,216 @@
+// A whole mind, localiser and navigator, that drives a robot with bad sensors through a small world.
+#include "threewe/nav/mind.hpp"
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "slam/tiny_world.hpp"
+
+namespace threewe::nav {
+namespace {
+
+using testing::add_box;
+using testing::TinyErrors;
+using testing::TinyWall;
+using testing::TinyWorld;
+
+// The lidar of the tiny world sits on the base.
+RobotProfile profile_named(const std::string& name) {
+  RobotProfile profile = load_profile(name);
+  profile.lidar->base_from_lidar = {};
+  return profile;
+}
+
+TinyErrors draw_errors(std::uint64_t seed) {
+  const RngKey key{seed, 0, 0, 0, Stream::episode};
+  return {uniform(key, 0, 0, 0.985, 1.015),
+          uniform(key, 1, 0, 0.85, 0.98),
+          uniform(key, 2, 0, -0.0087, 0.0087),
+          0.0017,
+          0.01,
+          uniform(key, 3, 0, -0.03, 0.03)};
+}
+
+// Three rooms of 10 x 6 m, doors between them, a box and the four legs of a table.
+std::vector<TinyWall> three_rooms() {
+  std::vector<TinyWall> walls;
+  add_box(walls, {-1, -1}, {9, 5});
+  walls.push_back({{3, -1}, {3, 2}});
+  walls.push_back({{3, 3}, {3, 5}});
+  walls.push_back({{6, 0}, {6, 5}});
+  add_box(walls, {1, 2.5}, {1.6, 3.0});
+  for (const Vec2 leg : {Vec2{7.2, 2.0}, {7.9, 2.0}, {7.2, 2.7}, {7.9, 2.7}}) {
+    add_box(walls, leg, leg + Vec2{0.04, 0.04});
+  }
+  return walls;
+}
+
+// A mind and its world, ticking together.
+struct Drive {
+  RobotProfile profile;
+  TinyWorld world;
+  std::unique_ptr<slam::Localizer> localizer;
+  std::unique_ptr<Navigator> navigator;
+  Velocity command;
+  double worst_error = 0.0;
+  double least_clearance = 1.0;
+
+  Drive(const std::string& name, std::vector<TinyWall> walls, std::uint64_t seed)
+      : profile(profile_named(name)),
+        world(std::move(walls), {}, draw_errors(seed), seed),
+        localizer(slam::make_localizer(profile)),
+        navigator(make_navigator(profile)) {}
+
+  Observation see() {
+    for (const Sample& sample : world.tick(command)) localizer->add(sample);
+    return {world.now(), localizer->estimate(world.now()), localizer->map(), localizer->map_version(),
+            localizer->obstacles()};
+  }
+
+  Decision run(const Goal& goal, Duration limit) {
+    const Time end = world.now() + limit;
+    Observation seen = see();
+    navigator->start(goal, seen);
+    for (int tick = 0; world.now() < end; ++tick) {
+      const Decision decision = navigator->step(seen);
+      command = decision.velocity;
+      worst_error = std::max(worst_error, distance(seen.pose.map_from_base().position(), world.pose().position()));
+      if (tick % 10 == 0) least_clearance = std::min(least_clearance, world.clearance(profile.body.footprint));
+      if (decision.reason != Reason::running) return decision;
+      const Observation next = see();
+      seen.now = next.now;
+      seen.pose = next.pose;
+      seen.map_version = next.map_version;
+      seen.obstacles = next.obstacles;
+    }
+    return {{}, Reason::timeout};
+  }
+};
+
+TEST_CASE("both kinematics drive to places through doors, touching nothing, and know where they are") {
+  for (const char* name : {"3we_standard_v2", "turtlebot_like"}) {
+    for (std::uint64_t seed = 1; seed <= 3; ++seed) {
+      CAPTURE(name);
+      CAPTURE(seed);
+      Drive drive(name, three_rooms(), seed);
+      for (const Vec2 goal : {Vec2{8, 3.5}, Vec2{0, 4}}) {
+        CHECK(to_string(drive.run(MoveTo{goal}, 120s).reason) == "reached");
+        CHECK(distance(drive.world.pose().position(), goal) < 0.2);
+      }
+      CHECK(drive.least_clearance > 0.01);
+      CHECK(drive.worst_error < 0.1);
+    }
+  }
+}
+
+TEST_CASE("a heading is taken where one is asked for") {
+  for (const char* name : {"3we_standard_v2", "turtlebot_like"}) {
+    CAPTURE(name);
+    Drive drive(name, three_rooms(), 5);
+    CHECK(drive.run(MoveTo{{1.0, 1.0}, 2.5}, 60s).reason == Reason::reached);
+    CHECK(std::fabs(wrap_angle(drive.world.pose().theta - 2.5)) < 0.1);
+  }
+}
+
+TEST_CASE("a goal outside the walls has no path, and one in a closed cupboard neither") {
+  Drive drive("3we_standard_v2", three_rooms(), 2);
+  CHECK(drive.run(MoveTo{{30, 40}}, 200s).reason == Reason::no_path);
+
+  std::vector<TinyWall> walls = three_rooms();
+  add_box(walls, {1.5, -0.5}, {2.7, 0.7});
+  Drive other("3we_standard_v2", walls, 2);
+  CHECK(other.run(MoveTo{{2.1, 0.1}}, 200s).reason == Reason::no_path);
+}
+
+TEST_CASE("a goal in a thin wall is reached within its tolerance") {
+  Drive drive("3we_standard_v2", three_rooms(), 3);
+  CHECK(drive.run(MoveTo{{3.0, 0.5}}, 60s).reason == Reason::reached);
+  CHECK(distance(drive.world.pose().position(), {3.0, 0.5}) < 0.25);
+}
+
+TEST_CASE("turning on the spot, more than a full turn too, and driving straight both ways") {
+  for (const char* name : {"3we_standard_v2", "turtlebot_like"}) {
+    CAPTURE(name);
+    Drive drive(name, three_rooms(), 4);
+    CHECK(drive.run(Rotate{-7.0}, 60s).reason == Reason::reached);
+    CHECK(std::fabs(wrap_angle(drive.world.pose().theta + 7.0)) < 0.06);
+    CHECK(drive.run(Rotate{7.0}, 60s).reason == Reason::reached);
+    CHECK(drive.run(MoveForward{1.0}, 60s).reason == Reason::reached);
+    CHECK(drive.world.pose().x == doctest::Approx(1.0).epsilon(0.06));
+    CHECK(drive.run(MoveForward{-0.8}, 60s).reason == Reason::reached);
+    CHECK(std::fabs(drive.world.pose().x - 0.2) < 0.08);
+  }
+}
+
+TEST_CASE("driving straight at a wall ends blocked, before it") {
+  Drive drive("3we_standard_v2", three_rooms(), 6);
+  CHECK(drive.run(MoveForward{5.0}, 60s).reason == Reason::blocked);
+  CHECK(drive.least_clearance > 0.01);
+  CHECK(drive.world.pose().x > 2.5);
+}
+
+TEST_CASE("a polyline is followed along its corners, round what stands in its way") {
+  Drive drive("3we_standard_v2", three_rooms(), 7);
+  double nearest = 1e9;
+  CHECK(drive.run(FollowPath{{{2, 0}, {2, 4}, {0, 4}}}, 90s).reason == Reason::reached);
+  nearest = distance(drive.world.pose().position(), {0, 4});
+  CHECK(nearest < 0.15);
+  // the box lies on this line
+  CHECK(drive.run(FollowPath{{{1.3, 4}, {1.3, 1.5}}}, 90s).reason == Reason::reached);
+  CHECK(drive.least_clearance > 0.01);
+}
+
+TEST_CASE("exploring ends when all is seen") {
+  Drive drive("3we_standard_v2", three_rooms(), 8);
+  CHECK(drive.run(Explore{}, 200s).reason == Reason::reached);
+  const map::OccupancyGrid& grid = drive.localizer->map();
+  int known = 0;
+  int all = 0;
+  for (double y = -0.9; y < 4.9; y += 0.05) {
+    for (double x = -0.9; x < 8.9; x += 0.05) {
+      if (x > 0.9 && x < 1.7 && y > 2.4 && y < 3.1) continue;  // the box
+      ++all;
+      known += grid.at(grid.cell({x, y})) >= 0 ? 1 : 0;
+    }
+  }
+  CHECK(known > 0.99 * all);
+  CHECK(drive.least_clearance > 0.01);
+}
+
+TEST_CASE("something that appears in the way is driven around") {
+  Drive drive("3we_standard_v2", three_rooms(), 9);
+  CHECK(drive.run(MoveTo{{0.3, 0.0}}, 30s).reason == Reason::reached);
+  add_box(drive.world.walls(), {1.0, -0.3}, {1.3, 0.4});
+  CHECK(drive.run(MoveTo{{2.4, 0.0}}, 60s).reason == Reason::reached);
+  CHECK(drive.least_clearance > 0.01);
+}
+
+TEST_CASE("a copy of a mind decides as the original does, to the bit") {
+  Drive drive("3we_standard_v2", three_rooms(), 10);
+  Observation seen = drive.see();
+  drive.navigator->start(MoveTo{{8, 3.5}}, seen);
+  std::unique_ptr<slam::Localizer> localizer;
+  std::unique_ptr<Navigator> navigator;
+  for (int tick = 0; tick < 600; ++tick) {
+    if (tick == 250) localizer = drive.localizer->clone(), navigator = drive.navigator->clone();
+    const std::vector<Sample> samples = drive.world.tick(drive.command);
+    for (const Sample& s : samples) drive.localizer->add(s);
+    const Time now = drive.world.now();
+    const Decision a = drive.navigator->step({now, drive.localizer->estimate(now), drive.localizer->map(),
+                                              drive.localizer->map_version(), drive.localizer->obstacles()});
+    drive.command = a.velocity;
+    if (!localizer) continue;
+    for (const Sample& s : samples) localizer->add(s);
+    const Decision b = navigator->step(
+        {now, localizer->estimate(now), localizer->map(), localizer->map_version(), localizer->obstacles()});
+    REQUIRE(a.velocity == b.velocity);
+    REQUIRE(localizer->map() == drive.localizer->map());
+  }
+}
+
+}  // namespace
+}  // namespace threewe::nav
