@@ -32,6 +32,8 @@ logger = logging.getLogger("threewe")
 
 SLICE = 0.010
 """[wall s] that the loop's thread ticks before other callbacks, signals and sockets have their turn."""
+SHORTEST_BEAT = 0.005
+"""[wall s] between two looks at whether a tick of a world in real time is due."""
 TURNS_WITHOUT_TICK = 1000
 """Turns in a row that find something else ready, after which the likely mistake is reported."""
 TURNS_ON_OTHER_LOOPS = 100
@@ -213,11 +215,11 @@ class Pump:
         return wait.deadline, entry.creation if entry else 0
 
     def _beat(self, world: World) -> None:
-        """Time of this world goes by on its own: one tick whenever one is due, whatever else is ready."""
-        if world.due() <= 0.0 and self._guard(world, lambda world: world.tick()):
+        """Time of this world goes by on its own: one tick whenever one is due and no hold is open, whatever is ready."""
+        if not world.held and world.due() <= 0.0 and self._guard(world, lambda world: world.tick()):
             self._resume_finished()
         if world in self._worlds:
-            self._beats[world] = self._loop.call_later(world.due(), self._beat, world)
+            self._beats[world] = self._loop.call_later(max(world.due(), SHORTEST_BEAT), self._beat, world)
 
 
 def pump_of_running_loop() -> Pump:

@@ -317,3 +317,22 @@ def test_what_a_robot_is_can_be_read_before_connecting(robot: Robot, caplog: pyt
         assert robot.profile.kinematics is threewe.Kinematics.holonomic
         assert "not connected" in repr(robot)
     assert not caplog.messages
+
+
+async def test_in_real_time_a_robot_can_think_be_limited_and_begin_anew() -> None:
+    async with Robot(scene="corridor_v1", noise="ideal", realtime=True) as robot:
+        before = robot.now
+        async with robot.thinking(seconds=0.3):
+            held_at = robot.now
+            await asyncio.sleep(0.1)
+            assert robot.now == held_at
+        assert robot.now >= before + 0.3
+        with pytest.raises(TimeoutError):
+            async with robot.timeout(0.1):
+                await robot.sleep(10.0)
+        assert robot.simulation is not None
+        robot.simulation.reset()
+        anew = robot.now
+        assert anew <= before
+        await robot.sleep(0.1)
+        assert robot.now >= anew + 0.1
