@@ -23,6 +23,10 @@ constexpr double kGoodAgreement = 0.7;
 constexpr int kFewHits = 30;  // fewer hits in known space tell nothing
 constexpr Duration kLostAfter = 2s;
 constexpr int kStandingSamples = 10;   // wheels at rest for so many samples: the robot stands
+constexpr double kMapDrift = 0.005;    // [m/sqrt(m)] the map itself wanders from its origin as it grows ...
+constexpr double kMapTurn = 0.001;     // [rad/sqrt(m)]
+constexpr double kMapOrigin = 0.003;   // [m] ... and lies a little off it from the start
+constexpr double kMapHeading = 0.003;  // [rad]
 constexpr double kFreeNoReturn = 4.0;  // [m] a beam without return clears so much: dark surfaces return nothing
 
 // Does beam i hit something narrow, with what is behind it visible on both sides?
@@ -85,8 +89,9 @@ class ScanMatchingLocalizer final : public Localizer {
   map::LogOddsMap map_;
   Pose2D keyframe_;  // map_from_base when the map last took a scan
   Time keyframe_stamp_{};
-  bool agrees_ = true;  // the newest scan fits the map
-  Time agreed_{};       // when a scan last did
+  double driven_ = 0.0;  // [m] since the start
+  bool agrees_ = true;   // the newest scan fits the map
+  Time agreed_{};        // when a scan last did
   bool lost_ = false;
 
   std::vector<map::Beam> beams_;  // the newest scan, in the base frame at the end of its turn
@@ -162,6 +167,7 @@ void ScanMatchingLocalizer::predict_to(Time stamp) {
     if (p.stamp <= filter_stamp_ || p.stamp > stamp) continue;
     const double heading = map_from_odom_.theta + p.odom_from_base.theta - 0.5 * p.turn;
     filter_.predict(heading, p.step, p.turn, p.seconds, track_.has_gyro());
+    driven_ += norm(p.step);
     rate += p.gyro_rate;
     standing += p.standing >= kStandingSamples ? 1 : 0;
     ++steps;
@@ -263,7 +269,13 @@ PoseEstimate ScanMatchingLocalizer::estimate(Time now) const {
     const double heading = map_from_odom_.theta + p.odom_from_base.theta - 0.5 * p.turn;
     filter.predict(heading, p.step, p.turn, p.seconds, track_.has_gyro());
   }
-  const Matrix7& covariance = filter.covariance();
+  // the filter knows the pose in the map; how far the map is off, nobody measures
+  Matrix7 covariance = filter.covariance();
+  if (map_.version() > 0) {
+    covariance(kX, kX) += kMapOrigin * kMapOrigin + kMapDrift * kMapDrift * driven_;
+    covariance(kY, kY) += kMapOrigin * kMapOrigin + kMapDrift * kMapDrift * driven_;
+    covariance(kTheta, kTheta) += kMapHeading * kMapHeading + kMapTurn * kMapTurn * driven_;
+  }
   for (int row = 0; row < 3; ++row) {
     for (int column = 0; column < 3; ++column) {
       e.covariance[static_cast<std::size_t>(3 * row + column)] = covariance(row, column);

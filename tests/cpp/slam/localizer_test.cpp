@@ -55,6 +55,7 @@ TEST_CASE("a robot that turns fast sees its room undistorted") {
 
 TEST_CASE("with every sensor wrong the pose stays right") {
   double worst = 0.0;
+  double surprise = 0.0;  // squared error over its stated variance, 2 on average where both are right
   for (std::uint64_t seed = 0; seed < 12; ++seed) {
     CAPTURE(seed);
     const RngKey key{seed, 0, 0, 0, Stream::episode};
@@ -79,8 +80,14 @@ TEST_CASE("with every sensor wrong the pose stays right") {
     CHECK(std::fabs(wrap_angle(e.map_from_base().theta - world.pose().theta)) < 0.015);
     CHECK(e.covariance[0] > 0.0);
     CHECK(e.covariance[8] > 0.0);
+    const Vec2 off = e.map_from_base().position() - world.pose().position();
+    const double det = e.covariance[0] * e.covariance[4] - e.covariance[1] * e.covariance[3];
+    surprise += (e.covariance[4] * off.x * off.x - 2 * e.covariance[1] * off.x * off.y + e.covariance[0] * off.y * off.y) /
+                (12 * det);
   }
   CHECK(worst < 0.06);
+  CHECK(surprise > 0.1);
+  CHECK(surprise < 6.0);
 }
 
 TEST_CASE("odom is smooth whatever corrections do to the map's place in it") {
