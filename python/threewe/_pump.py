@@ -215,7 +215,7 @@ class Pump:
         return wait.deadline, entry.creation if entry else 0
 
     def _beat(self, world: World) -> None:
-        """Time of this world goes by on its own: one tick whenever one is due and no hold is open, whatever is ready."""
+        """Time of this world goes by on its own: one tick whenever one is due, unless a hold is open."""
         if not world.held and world.due() <= 0.0 and self._guard(world, lambda world: world.tick()):
             self._resume_finished()
         if world in self._worlds:

@@ -4,14 +4,15 @@ from __future__ import annotations
 
 import asyncio
 import weakref
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from types import TracebackType
-from typing import Never, Self, TypeAlias
+from typing import Never, Self
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from threewe import _core
+from threewe._arguments import PoseLike, as_array, as_number, as_pose, as_seed, as_switch, as_text
 from threewe._core import (
     BatteryState,
     ExploreResult,
@@ -35,7 +36,6 @@ from threewe.errors import ContractError, HardwareError
 from threewe.simulation import Simulation
 
 OnProgress = Callable[[Progress], object]
-PoseLike: TypeAlias = Pose2D | Sequence[float]
 
 
 class Robot:
@@ -78,12 +78,12 @@ class Robot:
             raise ContractError("map: localising in a given map is not there yet; without it the robot draws its own")
         initial = Pose2D() if initial_pose is None else as_pose("initial_pose", initial_pose)
         world = _core.World(
-            backend=known_backend(backend),
-            scene=scene,
-            robots=[hardware],
-            noise=noise,
-            seed=seed,
-            realtime=realtime,
+            backend=known_backend(as_text("backend", backend)),
+            scene=as_text("scene", scene),
+            robots=[as_text("hardware", hardware)],
+            noise=as_text("noise", noise),
+            seed=as_seed("seed", seed),
+            realtime=as_switch("realtime", realtime),
             start_poses=[] if start_pose is None else [as_pose("start_pose", start_pose)],
             initial_poses=[initial],
         )
@@ -211,9 +211,10 @@ class Robot:
             ConnectionError: not connected.
         """
         self._time.check_thread()
-        goal = self._runtime.transform("map", frame) * Pose2D(x, y, 0.0 if theta is None else theta)
-        heading = None if theta is None else goal.theta
-        motion = self._runtime.move_to((goal.x, goal.y), heading, tolerance, timeout)
+        x, y = as_number("goal x", x), as_number("goal y", y)
+        heading = None if theta is None else as_number("goal theta", theta)
+        goal = self._runtime.transform("map", as_text("frame", frame)) * Pose2D(x, y, heading or 0.0)
+        motion = self._runtime.move_to((goal.x, goal.y), None if heading is None else goal.theta, tolerance, timeout)
         return await self._result(motion, on_progress)
 
     @known_options
@@ -282,7 +283,8 @@ class Robot:
             SafetyError: a motion owns the robot.
         """
         self._time.check_thread()
-        self._runtime.set_velocity(vx, vy, omega, hold)
+        vx, vy, omega = as_number("vx", vx), as_number("vy", vy), as_number("omega", omega)
+        self._runtime.set_velocity(vx, vy, omega, as_number("hold", hold))
 
     def stop(self) -> None:
         """Ends a motion as `cancelled` and brings the robot to a stand-still. Always allowed."""
@@ -424,28 +426,3 @@ def _tap(robot: weakref.ref[Robot]) -> Callable[[TickView], None]:
             alive._tell_observers(tick)
 
     return tell
-
-
-def as_pose(name: str, pose: PoseLike) -> Pose2D:
-    """A Pose2D from one, from (x, y) or from (x, y, theta). Raises ContractError."""
-    if isinstance(pose, Pose2D):
-        return pose
-    numbers = as_array(name, pose, (None,)).tolist()
-    if len(numbers) not in (2, 3):
-        raise ContractError(f"{name} must be a Pose2D, (x, y) or (x, y, theta), got {pose!r}")
-    return Pose2D(*numbers)
-
-
-def as_array(name: str, values: ArrayLike, shape: tuple[int | None, ...]) -> NDArray[np.float64]:
-    """A finite array of some shape, where None is any length. Raises ContractError."""
-    try:
-        array = np.asarray(values, np.float64)
-    except (TypeError, ValueError) as error:
-        raise ContractError(f"{name} must hold numbers, got {values!r}") from error
-    fits = len(array.shape) == len(shape)
-    if not fits or any(want not in (None, got) for got, want in zip(array.shape, shape, strict=True)):
-        wanted = ", ".join("N" if length is None else str(length) for length in shape)
-        raise ContractError(f"{name} must have shape ({wanted}), got {array.shape}")
-    if not np.isfinite(array).all():
-        raise ContractError(f"{name} must be finite, got {array.tolist()}")
-    return array

@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 from threewe import _core
+from threewe._arguments import PoseLike, as_pose, as_seed
 from threewe._core import OccupancyGrid, Pose2D, RobotProfile, Snapshot
+from threewe._options import known_options
 from threewe._time import RobotTime
+from threewe.errors import ContractError
 
 
 class Simulation(_core.Simulation):
@@ -24,24 +27,27 @@ class Simulation(_core.Simulation):
         """Where the origin of the robot's map truly is. A perfect map drifts from it in nothing."""
         return self.start_pose() * self._map_from_start.inverse()
 
-    def reset(self, *, seed: int = 0, pose: Pose2D | None = None) -> None:
-        """Begins anew at time 0: motions end as `cancelled`, sleeps end.
+    @known_options
+    def reset(self, *, seed: int = 0, pose: PoseLike | None = None) -> None:
+        """Begins anew at time 0: motions end as `cancelled`, sleeps end, a timeout keeps the time it had left.
 
         The robot starts at `pose`, or at the scene's own start pose without it. Raises ConfigError when that is inside
         an obstacle.
         """
         self._time.check_thread()
-        super().reset(seed=seed, pose=pose)
+        super().reset(seed=as_seed("seed", seed), pose=None if pose is None else as_pose("pose", pose))
         self._time.wake()
 
     def save(self) -> Snapshot:
-        """Everything the future depends on. Raises ContractError while a motion is in progress."""
+        """Everything the future depends on. Raises ContractError while a motion is in progress or in an observer."""
         self._time.check_thread()
         return super().save()
 
     def restore(self, snapshot: Snapshot) -> None:
         """Goes on from where `save` was called. Sleeps end."""
         self._time.check_thread()
+        if not isinstance(snapshot, Snapshot):
+            raise ContractError(f"snapshot must be what `save` returned, got {snapshot!r}")
         super().restore(snapshot)
         self._time.wake()
 

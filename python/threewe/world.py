@@ -7,11 +7,12 @@ from types import TracebackType
 from typing import Self
 
 from threewe import _core
+from threewe._arguments import PoseLike, as_pose, as_seed, as_switch, as_text
 from threewe._core import Pose2D
 from threewe._options import known_options
 from threewe._time import RobotTime, Thinking, Timeout
 from threewe.backend import known_backend
-from threewe.robot import PoseLike, Robot, as_pose
+from threewe.robot import Robot
 
 
 class World:
@@ -47,12 +48,12 @@ class World:
         initial = [as_pose("initial_poses", pose) for pose in initial_poses]
         initial += [Pose2D()] * (len(robots) - len(initial))
         world = _core.World(
-            backend=known_backend(backend),
-            scene=scene,
-            robots=list(robots),
-            noise=noise,
-            seed=seed,
-            realtime=realtime,
+            backend=known_backend(as_text("backend", backend)),
+            scene=as_text("scene", scene),
+            robots=[as_text("robots", hardware) for hardware in robots],
+            noise=as_text("noise", noise),
+            seed=as_seed("seed", seed),
+            realtime=as_switch("realtime", realtime),
             start_poses=[as_pose("start_poses", pose) for pose in start_poses],
             initial_poses=initial,
         )

@@ -85,6 +85,28 @@ def test_impossible_poses(pose: object) -> None:
         Robot(initial_pose=pose)  # type: ignore[arg-type]
 
 
+@pytest.mark.parametrize(
+    "options", [{"seed": -1}, {"seed": 1.5}, {"seed": 2**64}, {"scene": None}, {"realtime": "yes"}, {"noise": 0}]
+)
+@pytest.mark.parametrize("make", [Robot, threewe.World])
+def test_options_of_a_wrong_type(options: dict[str, object], make: Callable[..., object]) -> None:
+    with pytest.raises(ContractError, match=f"^{next(iter(options))} must be"):
+        make(**options)
+
+
+async def test_resetting_and_restoring_wrongly(robot: Robot) -> None:
+    truth = robot.simulation
+    assert truth is not None
+    with pytest.raises(ContractError, match="seed must be"):
+        truth.reset(seed=-1)
+    with pytest.raises(ConfigError, match="did you mean 'seed'"):
+        truth.reset(sed=1)  # type: ignore[call-arg]
+    with pytest.raises(ContractError, match="snapshot must be"):
+        truth.restore(None)  # type: ignore[arg-type]
+    truth.reset(pose=(0.5, 0.0))
+    assert truth.true_pose().x == 0.5
+
+
 Call = Callable[[Robot], Awaitable[object] | None]
 
 WRONG_CALLS: dict[str, tuple[Call, type[Exception], str]] = {
@@ -94,6 +116,10 @@ WRONG_CALLS: dict[str, tuple[Call, type[Exception], str]] = {
     "hold negative": (lambda r: r.set_velocity(0.1, hold=-1.0), ContractError, "hold"),
     "goal NaN": (lambda r: r.move_to(NAN, 0.0), ContractError, "finite"),
     "goal infinite": (lambda r: r.move_to(0.0, INF), ContractError, "finite"),
+    "goal infinite in y": (lambda r: r.move_to(0.0, INF), ContractError, "goal y must be finite, not inf"),
+    "goal of words": (lambda r: r.move_to("a", 0.0), ContractError, "goal x must be a number"),  # type: ignore[arg-type]
+    "frame None": (lambda r: r.move_to(0.0, 0.0, frame=None), ContractError, "frame must be a string"),  # type: ignore[arg-type]
+    "velocity of words": (lambda r: r.set_velocity("a"), ContractError, "vx must be a number"),  # type: ignore[arg-type]
     "heading NaN": (lambda r: r.move_to(1.0, 0.0, NAN), ContractError, "finite"),
     "tolerance NaN": (lambda r: r.move_to(1.0, 0.0, tolerance=NAN), ContractError, "tolerance"),
     "tolerance negative": (lambda r: r.move_to(1.0, 0.0, tolerance=-0.1), ContractError, "tolerance"),
