@@ -29,7 +29,7 @@ class Simulation(_core.Simulation):
 
     @known_options
     def reset(self, *, seed: int = 0, pose: PoseLike | None = None) -> None:
-        """Begins anew at time 0: motions end as `cancelled`, sleeps end, a timeout keeps the time it had left.
+        """Begins anew at time 0: motions end as `cancelled`, sleeps end, timeouts no longer limit.
 
         The robot starts at `pose`, or at the scene's own start pose without it. Raises ConfigError when that is inside
         an obstacle.

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <utility>
 
+#include "robot/goals.hpp"
 #include "threewe/core/errors.hpp"
 
 namespace threewe {
@@ -89,6 +90,7 @@ MotionHandle Robot::move_to(double x, double y) { return move_to(x, y, MoveOptio
 
 MotionHandle Robot::move_to(double x, double y, const MoveOptions& options) {
   nav::MoveTo goal{.goal = {x, y}, .theta = options.theta, .tolerance = options.tolerance};
+  check_goal(goal);  // as it was given: a transform spreads what is not finite
   if (options.frame != "map") {
     const Pose2D map_from_frame = runtime_->transform("map", options.frame);
     goal.goal = map_from_frame * goal.goal;

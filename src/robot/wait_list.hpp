@@ -32,9 +32,10 @@ class WaitList {
   void end_due(Time now) {
     end_if([&](const Entry& e) { return e.kind != Kind::motion && e.wait->deadline() <= now; });
   }
-  /// Ends all sleeps and alarms, because time begins anew.
-  void end_all() {
-    end_if([](const Entry& e) { return e.kind != Kind::motion; });
+  /// Time begins anew: sleeps are done, and alarms are forgotten, for a limit is not up because time jumped.
+  void begin_anew() {
+    end_if([](const Entry& e) { return e.kind == Kind::sleep; });
+    std::erase_if(pending_, [](const Entry& e) { return e.kind == Kind::alarm; });
   }
   void forget(const WaitHandle& wait) {
     const auto entry = find(wait);

@@ -1,6 +1,7 @@
 #include "threewe/robot/world.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <exception>
 #include <utility>
 
@@ -12,10 +13,24 @@
 namespace threewe {
 namespace {
 
+constexpr double kMaxCoordinate = 1e6;  // [m]
+
 Runtime::Options make_mind(const Mind& mind, const RobotProfile& profile, const Pose2D& map_from_start) {
   return {mind.localizer ? mind.localizer(profile, map_from_start) : slam::make_localizer(profile, map_from_start),
           mind.navigator ? mind.navigator(profile) : nav::make_navigator(profile)};
 }
+
+// True for as long as it lives, whatever is thrown.
+class Ticking {
+ public:
+  explicit Ticking(bool& flag) : flag_(flag) { flag_ = true; }
+  ~Ticking() { flag_ = false; }
+  Ticking(const Ticking&) = delete;
+  Ticking& operator=(const Ticking&) = delete;
+
+ private:
+  bool& flag_;
+};
 
 }  // namespace
 
@@ -34,11 +49,18 @@ World::World(std::unique_ptr<backend::World> backend, bool realtime, const Mind&
   impl_->backend = std::move(backend);
   impl_->now = impl_->backend->now();
   impl_->paced = realtime;
+  if (initial_poses.size() > impl_->backend->robot_count()) {
+    throw ConfigError("there are " + std::to_string(initial_poses.size()) + " initial_poses for " +
+                      std::to_string(impl_->backend->robot_count()) + " robots");
+  }
   for (std::size_t i = 0; i < impl_->backend->robot_count(); ++i) {
     backend::RobotPort& port = impl_->backend->robot(i);
     impl_->lockstep = impl_->lockstep && port.features().lockstep;
     const Pose2D map_from_start = i < initial_poses.size() ? initial_poses[i] : Pose2D{};
     if (!is_finite(map_from_start)) throw ContractError("initial_pose must be finite");
+    if (std::abs(map_from_start.x) > kMaxCoordinate || std::abs(map_from_start.y) > kMaxCoordinate) {
+      throw ContractError("initial_pose must be within 1000 km of the origin");
+    }
     impl_->robots.push_back(std::make_unique<Runtime>(*this, port, make_mind(mind, port.profile(), map_from_start)));
   }
 }
@@ -62,13 +84,14 @@ void World::tick() {
   if (!impl_->broken.empty()) throw ConnectionError(impl_->broken);
   if (impl_->paced && impl_->lockstep) impl_->pace.wait(now());
 
-  impl_->ticking = true;
-  for (const auto& robot : impl_->robots) robot->act(now());
-  if (impl_->advance()) {
-    for (const auto& robot : impl_->robots) robot->sense(now());
-    impl_->waits.end_due(now());
+  {
+    const Ticking ticking(impl_->ticking);
+    for (const auto& robot : impl_->robots) robot->act(now());
+    if (impl_->advance()) {
+      for (const auto& robot : impl_->robots) robot->sense(now());
+      impl_->waits.end_due(now());
+    }
   }
-  impl_->ticking = false;
 
   if (!impl_->broken.empty()) throw ConnectionError(impl_->broken);
   if (impl_->observer_error) std::rethrow_exception(std::exchange(impl_->observer_error, nullptr));
@@ -112,9 +135,9 @@ void World::wait(const WaitHandle& wait) {
   impl_->waits.take(wait);
 }
 
-// Time can neither go by nor jump while an observer is told of it.
+// Time can neither go by nor jump while an observer is told of it, and half a tick is no state to go back to.
 void World::Impl::require_no_tick() const {
-  if (ticking) throw ContractError("an observer can neither wait nor reset nor restore");
+  if (ticking) throw ContractError("an observer can neither wait nor reset nor save nor restore");
 }
 
 // Throws for what could only be waited for in vain.
@@ -167,7 +190,7 @@ bool World::held() const { return impl_->holds > 0 && impl_->lockstep; }
 // Time jumped: sleeps and alarms of before mean nothing any more.
 void World::Impl::begin_anew_at(Time time) {
   now = time;
-  waits.end_all();
+  waits.begin_anew();
   pace.forget();
   broken.clear();
 }
@@ -180,6 +203,7 @@ void World::reset(const backend::ResetOptions& options) {
 }
 
 std::shared_ptr<const World::Snapshot> World::save() const {
+  impl_->require_no_tick();
   auto snapshot = std::make_shared<Snapshot>();
   for (const auto& robot : impl_->robots) snapshot->robots.push_back(robot->save());
   snapshot->backend = impl_->backend->save();

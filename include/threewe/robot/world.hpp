@@ -100,11 +100,11 @@ class World {
   WaitHandle close_hold(Duration charge);
   bool held() const;
 
-  /// Begins anew at time 0 with fresh minds: motions end as `cancelled`, sleeps and alarms are done at once, holds stay
-  /// open. Throws ContractError where the backend cannot reset.
+  /// Begins anew at time 0 with fresh minds: motions end as `cancelled`, sleeps are done at once, alarms are forgotten,
+  /// holds stay open. Throws ContractError where the backend cannot reset, or from an observer.
   void reset(const backend::ResetOptions& options);
   /// Everything the future depends on: the backend and every robot's mind and gate. Throws ContractError while a
-  /// motion is in progress. Restoring ends sleeps and alarms as `reset` does.
+  /// motion is in progress, or from an observer. Restoring treats sleeps and alarms as `reset` does.
   struct Snapshot;
   std::shared_ptr<const Snapshot> save() const;
   void restore(const std::shared_ptr<const Snapshot>& snapshot);

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <memory>
 #include <tuple>
 #include <utility>
@@ -203,4 +204,42 @@ TEST_CASE("initial_pose shifts the map frame, start_pose the robot") {
   CHECK(distance(robot.get_pose().position(), {1.0, 2.0}) < 0.01);
   CHECK(distance(robot.simulation()->true_pose().position(), {0.5, 0.0}) < 0.01);
   CHECK_THROWS_AS(Robot({.initial_pose = Pose2D{std::nan(""), 0.0, 0.0}}), ContractError);
+}
+
+TEST_CASE("a limit is not up because the world begins anew, and no sleep outlives it") {
+  Robot robot({.scene = "corridor_v1", .noise = NoiseLevel::ideal});
+  World& world = robot.world();
+  const auto snapshot = robot.simulation()->save();
+  const WaitHandle alarm = world.alarm(200ms);
+  robot.sleep(0.1);
+  const WaitHandle sleep = world.sleep(10s);
+  robot.simulation()->reset(0);
+  CHECK(sleep->done());
+  CHECK_FALSE(alarm->done());
+  robot.simulation()->restore(snapshot);
+  CHECK_FALSE(alarm->done());
+  robot.sleep(0.3);
+  CHECK_FALSE(alarm->done());
+}
+
+TEST_CASE("the middle of a tick cannot be saved") {
+  Robot robot({.scene = "corridor_v1", .noise = NoiseLevel::ideal});
+  int refused = 0;
+  robot.runtime().observe([&](const TickView&) {
+    try {
+      (void)robot.simulation()->save();
+    } catch (const ContractError&) {
+      ++refused;
+    }
+  });
+  robot.sleep(0.1);
+  CHECK(refused == 5);
+}
+
+TEST_CASE("a goal that is not finite is named as it was given") {
+  Robot robot({.scene = "corridor_v1", .noise = NoiseLevel::ideal});
+  const double inf = std::numeric_limits<double>::infinity();
+  CHECK_THROWS_WITH_AS(robot.move_to(0.0, inf, {.frame = "odom"}), "goal y must be finite, not inf", ContractError);
+  CHECK_THROWS_WITH_AS(robot.move_to(0.0, 0.0, {.theta = inf, .frame = "base"}), "goal theta must be finite, not inf",
+                       ContractError);
 }
