@@ -28,7 +28,7 @@ void squared_distances(std::span<const std::uint8_t> occupied, int width, int he
   for (std::size_t y = h; y-- > 1;) relax(y - 1, y);
 
   // a row with room on both sides, so that the inner loop has no edges
-  std::vector<std::int16_t> row(w + 2 * kMaxDistance, std::int16_t{kFar * kFar});
+  std::vector<std::int16_t> row(w + 2 * std::size_t{kMaxDistance}, std::int16_t{kFar * kFar});
   for (std::size_t y = 0; y < h; ++y) {
     std::int16_t* out = &squared[y * w];
     bool near = false;
@@ -38,9 +38,9 @@ void squared_distances(std::span<const std::uint8_t> occupied, int width, int he
     }
     for (std::size_t x = 0; x < w; ++x) out[x] = row[x + kMaxDistance];
     if (!near) continue;
-    for (int dx = 1; dx < kMaxDistance; ++dx) {
-      const std::int16_t* left = &row[static_cast<std::size_t>(kMaxDistance - dx)];
-      const std::int16_t* right = &row[static_cast<std::size_t>(kMaxDistance + dx)];
+    for (std::size_t dx = 1; dx < kMaxDistance; ++dx) {
+      const std::int16_t* left = &row[kMaxDistance - dx];
+      const std::int16_t* right = &row[kMaxDistance + dx];
       const auto add = static_cast<std::int16_t>(dx * dx);
       for (std::size_t x = 0; x < w; ++x) {
         const std::int16_t nearer = std::min(left[x], right[x]);
@@ -60,8 +60,10 @@ void Costmap::update(const OccupancyGrid& grid, std::span<const Vec2> obstacles,
   Cell high{grid.width - 1, grid.height - 1};
   for (const Vec2 p : include) {
     const Cell c = grid.cell(p);
-    low = {std::min(low.x, c.x), std::min(low.y, c.y)};
-    high = {std::max(high.x, c.x), std::max(high.y, c.y)};
+    const Cell lower{std::min(low.x, c.x), std::min(low.y, c.y)};
+    const Cell upper{std::max(high.x, c.x), std::max(high.y, c.y)};
+    if (!fits_a_grid(upper.x - lower.x + 1, upper.y - lower.y + 1)) continue;
+    low = lower, high = upper;
   }
   width_ = high.x - low.x + 1 + 2 * rim;
   height_ = high.y - low.y + 1 + 2 * rim;
@@ -116,8 +118,7 @@ void Costmap::open_around(Vec2 point, double radius) {
 }
 
 Cell Costmap::cell(Vec2 point) const {
-  return {static_cast<int>(std::floor((point.x - origin_.x) / resolution_)),
-          static_cast<int>(std::floor((point.y - origin_.y) / resolution_))};
+  return {to_cell((point.x - origin_.x) / resolution_), to_cell((point.y - origin_.y) / resolution_)};
 }
 
 Vec2 Costmap::center(Cell c) const {

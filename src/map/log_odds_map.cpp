@@ -48,7 +48,8 @@ std::vector<T> moved_into(const std::vector<T>& old, int old_width, Cell offset,
 
 LogOddsMap::LogOddsMap(const Settings& settings) : settings_(settings) { grid_.resolution = settings.resolution; }
 
-void LogOddsMap::insert(std::span<const Beam> beams, double range_bias) {
+void LogOddsMap::insert(std::span<const Beam> scan, double range_bias) {
+  const std::vector<Beam> beams = within_reach(scan);
   grow_to_hold(beams);
   for (const Beam& beam : beams) {
     if (beam.hit) add_hit(beam, range_bias);
@@ -57,6 +58,26 @@ void LogOddsMap::insert(std::span<const Beam> beams, double range_bias) {
   for (const std::uint32_t index : touched_) apply(index);
   touched_.clear();
   ++version_;
+}
+
+// The beams that the map can hold without growing beyond its limits.
+std::vector<Beam> LogOddsMap::within_reach(std::span<const Beam> beams) const {
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  const double r = grid_.resolution;
+  const bool first = grid_.data.empty();
+  Vec2 low = first ? Vec2{kInfinity, kInfinity} : grid_.origin;
+  Vec2 high = first ? Vec2{-kInfinity, -kInfinity} : grid_.origin + Vec2{grid_.width * r, grid_.height * r};
+  std::vector<Beam> kept;
+  kept.reserve(beams.size());
+  for (const Beam& beam : beams) {
+    const Vec2 end = beam.origin + beam.range * beam.direction;
+    const Vec2 lower{std::min({low.x, beam.origin.x, end.x}), std::min({low.y, beam.origin.y, end.y})};
+    const Vec2 upper{std::max({high.x, beam.origin.x, end.x}), std::max({high.y, beam.origin.y, end.y})};
+    if (!fits_a_grid((upper.x - lower.x) / r + 2 * kChunk, (upper.y - lower.y) / r + 2 * kChunk)) continue;
+    low = lower, high = upper;
+    kept.push_back(beam);
+  }
+  return kept;
 }
 
 void LogOddsMap::grow_to_hold(std::span<const Beam> beams) {
@@ -140,7 +161,7 @@ void LogOddsMap::apply(std::size_t index) {
   if (value == 0) value = hit ? 1 : -1;  // 0 is for cells that were never seen
   value = std::clamp<int>(value, settings_.min, settings_.max);
   log_odds_[index] = static_cast<std::int8_t>(value);
-  grid_.data[index] = occupancy_table()[static_cast<std::size_t>(value + 128)];
+  grid_.data[index] = occupancy_table()[static_cast<std::uint8_t>(value + 128)];
   marks_[index] = Mark::none;
 
   // what is seen through has no surface any more

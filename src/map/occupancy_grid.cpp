@@ -1,12 +1,9 @@
 #include "threewe/map/occupancy_grid.hpp"
 
-#include <cmath>
-
 namespace threewe::map {
 
 Cell OccupancyGrid::cell(Vec2 point) const {
-  return {static_cast<int>(std::floor((point.x - origin.x) / resolution)),
-          static_cast<int>(std::floor((point.y - origin.y) / resolution))};
+  return {to_cell((point.x - origin.x) / resolution), to_cell((point.y - origin.y) / resolution)};
 }
 
 Vec2 OccupancyGrid::center(Cell c) const {

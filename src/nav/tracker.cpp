@@ -16,7 +16,7 @@ constexpr double kNotNearer = 0.005;     // [m] what is nearer than the margin m
 constexpr double kHorizon = 1.2;         // [s] looked ahead along a motion
 constexpr double kStep = 0.02;           // [m] or 0.1 rad between the poses that are tried
 constexpr double kLookahead = 0.45;      // [m]
-constexpr double kMinLookahead = 0.10;   // [m]
+constexpr int kLookaheads = 8;           // each 5 cm less than the one before
 constexpr double kSlowest = 0.04;        // [m/s] towards the goal
 constexpr double kTurnFirst = 0.8;       // [rad] differential: beyond this turn on the spot ...
 constexpr double kTurnDone = 0.2;        // [rad] ... until the target is this straight ahead
@@ -70,8 +70,8 @@ Velocity Tracker::follow(std::span<const Vec2> path, const map::Costmap& costmap
 
   // as far ahead as a straight line to the path stays clear of obstacles
   Vec2 target = path.back();
-  for (double ahead = kLookahead; ahead >= kMinLookahead - 1e-9; ahead -= 0.05) {
-    target = point_after(path, here, ahead);
+  for (int i = 0; i < kLookaheads; ++i) {
+    target = point_after(path, here, kLookahead - 0.05 * i);
     if (std::isfinite(costmap.line_cost(pose.position(), target))) break;
   }
   const Vec2 in_base = inverse(pose) * target;
@@ -194,13 +194,14 @@ Sweep Tracker::sweep(const Velocity& v, double horizon) const {
   if (pace <= 0.0 || near_.empty()) return {horizon, true};
   const double dt = 1.0 / pace;
   const Pose2D step = integrate({}, v, dt);
+  const int steps = static_cast<int>(horizon / dt);
   Pose2D pose;
-  for (double t = dt; t <= horizon; t += dt) {
+  for (int n = 0; n < steps; ++n) {
     pose = pose * step;
     const auto [s, c] = exact::sincos(pose.theta);
     for (std::size_t i = 0; i < near_.size(); ++i) {
       const Vec2 d = near_[i] - pose.position();
-      if (outline_.clearance({c * d.x + s * d.y, c * d.y - s * d.x}) < least_[i]) return {t - dt, false};
+      if (outline_.clearance({c * d.x + s * d.y, c * d.y - s * d.x}) < least_[i]) return {n * dt, false};
     }
   }
   return {horizon, true};

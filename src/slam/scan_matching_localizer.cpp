@@ -34,12 +34,13 @@ bool is_thin(const LaserScan& scan, std::size_t i) {
   constexpr double kNarrow = 0.12;  // [m]
   constexpr double kBehind = 0.15;  // [m]
   const std::size_t n = scan.ranges.size();
-  const double range = static_cast<double>(scan.ranges[i]);
-  const auto widest = static_cast<std::size_t>(kNarrow / (range * scan.angle_increment)) + 1;
+  const auto range = static_cast<double>(scan.ranges[i]);
+  const double beams = kNarrow / (range * scan.angle_increment);
+  const std::size_t widest = beams < static_cast<double>(n) ? static_cast<std::size_t>(beams) + 1 : n;
   // how many beams to one side until one passes; 0 when something else is there
   const auto edge = [&](std::size_t step) -> std::size_t {
     for (std::size_t k = 1; k <= widest && k < n; ++k) {
-      const double other = static_cast<double>(scan.ranges[(i + k * step) % n]);
+      const auto other = static_cast<double>(scan.ranges[(i + k * step) % n]);
       if (other > range + kBehind) return k;
       if (other < range - 0.05) return 0;  // invalid, or in front
     }
@@ -130,7 +131,7 @@ Time ScanMatchingLocalizer::deskew(Time measured, const LaserScan& scan) {
     }
     base_from_lidar = interpolate(last, next, static_cast<double>(i % kBlock) / kBlock);
 
-    const double range = static_cast<double>(scan.ranges[i]);
+    const auto range = static_cast<double>(scan.ranges[i]);
     if (!(range >= scan.range_min) || range <= 0.0) continue;
     const bool hit = range < scan.range_max;
     const double length = hit ? range : std::min(kFreeNoReturn, scan.range_max);
@@ -202,7 +203,7 @@ void ScanMatchingLocalizer::correct(Time stamp) {
     const Match other = match_scan(map_, beams_, prior, wide.scan_covariance().inverse(), found);
     if (other.agreement > match.agreement + 0.15) {
       match = other;
-      filter_ = wide;
+      filter_.widen(0.5 * window.position, 0.5 * window.heading);
     }
   }
   judge(stamp, match);
@@ -276,10 +277,9 @@ PoseEstimate ScanMatchingLocalizer::estimate(Time now) const {
     covariance(kY, kY) += kMapOrigin * kMapOrigin + kMapDrift * kMapDrift * driven_;
     covariance(kTheta, kTheta) += kMapHeading * kMapHeading + kMapTurn * kMapTurn * driven_;
   }
+  std::size_t i = 0;
   for (int row = 0; row < 3; ++row) {
-    for (int column = 0; column < 3; ++column) {
-      e.covariance[static_cast<std::size_t>(3 * row + column)] = covariance(row, column);
-    }
+    for (int column = 0; column < 3; ++column) e.covariance[i++] = covariance(row, column);
   }
   return e;
 }

@@ -1,0 +1,20 @@
+#include "threewe/nav/navigator.hpp"
+
+namespace threewe::nav {
+
+std::string_view to_string(Reason reason) {
+  switch (reason) {
+    case Reason::running: return "running";
+    case Reason::reached: return "reached";
+    case Reason::no_path: return "no_path";
+    case Reason::blocked: return "blocked";
+    case Reason::timeout: return "timeout";
+    case Reason::cancelled: return "cancelled";
+    case Reason::estop: return "estop";
+    case Reason::lost: return "lost";
+    case Reason::fault: return "fault";
+  }
+  return "unknown";
+}
+
+}  // namespace threewe::nav

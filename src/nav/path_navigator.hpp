@@ -1,0 +1,72 @@
+// Our navigator: what is asked for, a route to it, and the tracker that drives the route.
+#pragma once
+
+#include <memory>
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include "nav/route.hpp"
+#include "threewe/hardware/profile.hpp"
+#include "threewe/nav/navigator.hpp"
+#include "threewe/nav/tracker.hpp"
+
+namespace threewe::nav {
+
+class PathNavigator final : public Navigator {
+ public:
+  explicit PathNavigator(const RobotProfile& profile);
+
+  void start(const Goal& goal, const Observation& seen) override;
+  Decision step(const Observation& seen) override;
+  Progress progress() const override { return progress_; }
+  std::span<const Vec2> path() const override { return route_.path(); }
+  std::unique_ptr<Navigator> clone() const override { return std::make_unique<PathNavigator>(*this); }
+
+ private:
+  Decision drive(const MoveTo& goal, const Observation& seen);
+  Decision drive(const Rotate& goal, const Observation& seen);
+  Decision drive(const MoveForward& goal, const Observation& seen);
+  Decision drive(const FollowPath& goal, const Observation& seen);
+  Decision drive(const Explore& goal, const Observation& seen);
+
+  void note(const Observation& seen);
+  Decision travel(const Observation& seen, Vec2 goal, double tolerance);
+  Decision follow();
+  Decision wait();
+  void mark_moved();
+  Decision finish(Reason reason, std::string_view detail = {});
+  bool proven(bool impossible);
+  bool stuck();
+  Decision recover();
+
+  /// What belongs to one motion.
+  struct Motion {
+    Pose2D start;  // in `map`
+    Time started{};
+    double turned = 0.0;      // [rad] since then
+    bool at_goal = false;     // only the heading is left
+    bool impossible = false;  // no plan has been found ...
+    Time impossible_since{};
+    bool lost = false;
+    Time lost_since{};
+    Pose2D last_moved;  // where and when the robot last got on
+    Time last_moved_at{};
+    int recoveries = 0;
+    Vec2 recovered_at;
+    Time recovering_until{};
+    Velocity recovery;
+    Time tight_until{};  // a smaller margin is enough until then
+  };
+
+  Route route_;
+  Tracker tracker_;
+  bool has_lidar_;
+  Goal goal_;
+  Motion motion_;
+  Progress progress_;
+  Time now_{};
+  std::vector<Vec2> in_base_;  // what the lidar sees
+};
+
+}  // namespace threewe::nav

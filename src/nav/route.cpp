@@ -1,0 +1,162 @@
+#include "nav/route.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "nav/polyline.hpp"
+#include "threewe/nav/frontiers.hpp"
+
+namespace threewe::nav {
+namespace {
+
+constexpr double kWaypointPassed = 0.15;   // [m]
+constexpr std::uint16_t kMinFrontier = 8;  // [cells] smaller frontiers are not worth a drive
+constexpr double kHorizon = 4.0;           // [m] plans end so far outside of the map: all is unknown there
+constexpr double kBetter = 0.85;           // a new path replaces an open one when it costs less than this share of it
+constexpr double kWithin = 0.05;           // [m] a path must end so much within the tolerance
+constexpr Duration kRetry = 200ms;         // without a path, plan so often
+
+// The point itself or, for one far outside of the map, the nearest within the horizon: beyond it nothing is in the way.
+Vec2 within_horizon(const map::OccupancyGrid& map, Vec2 point) {
+  const Vec2 low = map.origin - Vec2{kHorizon, kHorizon};
+  const Vec2 high = map.origin + Vec2{map.width * map.resolution + kHorizon, map.height * map.resolution + kHorizon};
+  return {std::clamp(point.x, low.x, high.x), std::clamp(point.y, low.y, high.y)};
+}
+
+Vec2 robot_in(const Observation& seen) { return seen.pose.map_from_base().position(); }
+
+}  // namespace
+
+void Route::begin(std::vector<Vec2> waypoints, bool drawn) {
+  waypoints_ = std::move(waypoints);
+  drawn_ = drawn;
+  drop();
+  gap_ = 0.0;
+  avoided_.clear();
+  closures_.clear();
+}
+
+bool Route::plan_to_goal(const Observation& seen, double tolerance) {
+  if (try_plan(seen, tolerance)) return true;
+  if (avoided_.empty()) return false;
+
+  // what is avoided may have closed the only way
+  avoided_.clear();
+  return try_plan(seen, tolerance);
+}
+
+bool Route::try_plan(const Observation& seen, double tolerance) {
+  renew_costmap(seen);
+
+  // leg by leg; straight where the user drew a line that is free
+  std::vector<Vec2> path = {robot_in(seen)};
+  std::vector<std::size_t> ends;  // how many corners lead to each waypoint
+  double gap = 0.0;
+  for (const Vec2 ordered : waypoints_) {
+    const Vec2 waypoint = within_horizon(seen.map, ordered);
+    if (drawn_ && std::isfinite(costmap_.line_cost(path.back(), waypoint))) {
+      path.push_back(waypoint);
+    } else {
+      const PlannedPath leg = planner_.plan(costmap_, path.back(), waypoint, tolerance);
+      gap = leg.points.empty() ? std::numeric_limits<double>::infinity() : leg.gap;
+      if (gap > 0.0 && gap > tolerance - kWithin) {
+        path_.clear();
+        return false;
+      }
+      path.insert(path.end(), leg.points.begin() + 1, leg.points.end());
+    }
+    ends.push_back(path.size());
+  }
+
+  if (has_path()) {
+    const double rest = path_cost(costmap_, path_);
+    if (!std::isfinite(rest)) note_closure();
+    const bool same_end = path_.back() == path.back();
+    if (std::isfinite(rest) && same_end && path_cost(costmap_, path) > kBetter * rest) return true;
+  }
+  gap_ = gap;
+  corners_from_.clear();
+  for (const std::size_t end : ends) corners_from_.push_back(path.size() - end + 1);
+  path_ = std::move(path);
+  return true;
+}
+
+bool Route::plan_to_frontier(const Observation& seen) {
+  renew_costmap(seen);
+  find_frontiers(costmap_, frontiers_);
+  const SearchResult found = planner_.search().to_any(
+      costmap_, costmap_.cell(robot_in(seen)), [&](std::uint32_t index) { return frontiers_[index] >= kMinFrontier; },
+      [&](std::uint32_t index) { return costmap_.unknown()[index] != 0; });
+  path_.clear();
+  if (!found.found) return false;
+  path_ = Planner::straighten(costmap_, found.path, robot_in(seen), costmap_.center(found.path.back()));
+  return true;
+}
+
+void Route::drop() {
+  path_.clear();
+  corners_from_.clear();
+  planned_once_ = false;
+}
+
+void Route::advance(Vec2 robot) {
+  if (has_path()) {
+    const PathPoint here = nearest_on_path(path_, robot);
+    path_.erase(path_.begin(), path_.begin() + static_cast<std::ptrdiff_t>(here.piece));
+    path_.front() = here.point;
+  }
+  while (waypoints_.size() > 1 && passed_waypoint(robot)) {
+    waypoints_.erase(waypoints_.begin());
+    if (!corners_from_.empty()) corners_from_.erase(corners_from_.begin());
+  }
+}
+
+void Route::avoid_ahead(bool end_too) {
+  constexpr double kAhead = 0.25;  // [m]
+  if (!has_path() || path_length(path_) <= kAhead) return;
+  avoided_.push_back(point_after(path_, {0, path_.front()}, kAhead));
+  if (end_too) avoided_.push_back(path_.back());
+}
+
+bool Route::is_stale(const Observation& seen, Duration period) const {
+  if (!has_path()) return age(seen.now) >= kRetry;
+  return seen.map_version != planned_version_ && age(seen.now) >= period;
+}
+
+void Route::renew_costmap(const Observation& seen) {
+  // what the lidar sees now counts too, where the map may not have it yet
+  std::vector<Vec2> obstacles = avoided_;
+  for (const Vec2 p : seen.obstacles) obstacles.push_back(seen.pose.map_from_odom * p);
+  std::vector<Vec2> include = {robot_in(seen)};
+  for (const Vec2 waypoint : waypoints_) include.push_back(within_horizon(seen.map, waypoint));
+  costmap_.update(seen.map, obstacles, include);
+  costmap_.open_around(robot_in(seen), body_radius_ + 0.1);
+  planned_once_ = true;
+  planned_ = seen.now;
+  planned_version_ = seen.map_version;
+}
+
+// Near the next waypoint, or past it along the path.
+bool Route::passed_waypoint(Vec2 robot) const {
+  if (distance(robot, waypoints_.front()) < kWaypointPassed) return true;
+  return has_path() && !corners_from_.empty() && path_.size() <= corners_from_.front();
+}
+
+// The path is blocked. A place that looked open from afar twice and was not is avoided from then on.
+void Route::note_closure() {
+  constexpr double kSamePlace = 0.4;  // [m]
+  constexpr double kStep = 0.05;      // [m]
+  const int steps = static_cast<int>(path_length(path_) / kStep);
+  for (int i = 0; i <= steps; ++i) {
+    const Vec2 p = point_after(path_, {0, path_.front()}, kStep * i);
+    if (costmap_.weight(costmap_.cell(p)) != map::Costmap::kLethal) continue;
+    const auto is_same = [p](Vec2 other) { return distance(p, other) < kSamePlace; };
+    const bool again = std::any_of(closures_.begin(), closures_.end(), is_same);
+    (again ? avoided_ : closures_).push_back(p);
+    return;
+  }
+}
+
+}  // namespace threewe::nav

@@ -1,0 +1,71 @@
+// The way to where the robot wants to be, kept up to date while the map grows.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "threewe/map/costmap.hpp"
+#include "threewe/nav/navigator.hpp"
+#include "threewe/nav/planner.hpp"
+
+namespace threewe::nav {
+
+/// Waypoints, a path through them, and what was learned about places that cannot be passed. All in `map`.
+class Route {
+ public:
+  /// `body_radius` [m]: of a disc around the robot, where it evidently fits.
+  Route(const map::Costmap::Settings& costmap, double body_radius) : costmap_(costmap), body_radius_(body_radius) {}
+
+  /// Begins anew, through `waypoints`; along the straight lines between them where those are free, if `drawn`.
+  void begin(std::vector<Vec2> waypoints, bool drawn);
+
+  /// Plans through the waypoints that are left, to within `tolerance` [m] of each. False: everything within reach was
+  /// searched. A path that is open is kept unless a new one is clearly better, so that the robot does not waver.
+  bool plan_to_goal(const Observation& seen, double tolerance);
+  /// Plans to the nearest frontier by the cost of the way there. False: none can be reached.
+  bool plan_to_frontier(const Observation& seen);
+  /// Forgets the path, so that the next plan is due at once.
+  void drop();
+  /// Forgets what lies behind the robot, waypoints included.
+  void advance(Vec2 robot);
+  /// The robot could not go on: plans avoid the place before it and, if `end_too`, the end of the path.
+  void avoid_ahead(bool end_too);
+
+  bool has_path() const { return !path_.empty(); }
+  std::span<const Vec2> path() const { return path_; }
+  /// [m] from the end of the path to the goal.
+  double gap() const { return gap_; }
+  bool on_last_leg() const { return waypoints_.size() <= 1; }
+  const map::Costmap& costmap() const { return costmap_; }
+
+  /// There is no path, or the map has changed for `period` since the last plan.
+  bool is_stale(const Observation& seen, Duration period) const;
+  /// [ns] since the last plan; long before the first.
+  Duration age(Time now) const { return planned_once_ ? now - planned_ : Duration::max(); }
+
+ private:
+  bool try_plan(const Observation& seen, double tolerance);
+  void renew_costmap(const Observation& seen);
+  bool passed_waypoint(Vec2 robot) const;
+  void note_closure();
+
+  map::Costmap costmap_;
+  Planner planner_;
+  double body_radius_;
+
+  std::vector<Vec2> waypoints_;  // still to pass, the last is the goal
+  bool drawn_ = false;
+  std::vector<Vec2> path_;                 // from the robot on; empty while there is none
+  std::vector<std::size_t> corners_from_;  // for each waypoint, how many corners of the path lie from there on
+  double gap_ = 0.0;
+  bool planned_once_ = false;
+  Time planned_{};
+  std::uint64_t planned_version_ = 0;
+  std::vector<Vec2> avoided_;   // [m] the planner saw a way here, the tracker did not
+  std::vector<Vec2> closures_;  // [m] where a path that was followed turned out to be blocked
+  std::vector<std::uint16_t> frontiers_;
+};
+
+}  // namespace threewe::nav
