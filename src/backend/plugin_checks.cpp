@@ -14,6 +14,9 @@ namespace threewe::backend {
 
 namespace {
 
+constexpr double kMaxCoordinate = 1e6;    // [m], of a pose
+constexpr double kMaxSpeed = 1e3;         // [m/s] or [rad/s]
+constexpr double kMaxSweep = 10.0;        // [s], of one scan
 constexpr double kRangeTolerance = 1e-4;  // [m], of a range kept as a float
 
 /// One reading under check: knows how to complain.
@@ -28,12 +31,16 @@ struct Reading {
   void finite(const char* field, double value) const {
     if (!std::isfinite(value)) fail(field, "is {}; it must be finite", value);
   }
+  void within(const char* field, double value, double limit, const char* unit) const {
+    finite(field, value);
+    if (std::abs(value) > limit) fail(field, "is {}; it must be within +-{} {}", value, limit, unit);
+  }
 };
 
 void check(const Reading& reading, const LaserScan& scan, const RobotProfile& profile) {
   const LidarSpec& spec = *profile.lidar;
-  reading.finite("angle_min", scan.angle_min);
-  reading.finite("time_increment", scan.time_increment);
+  reading.within("angle_min", scan.angle_min, 2.0 * exact::kPi, "rad");
+  reading.within("time_increment", scan.time_increment, kMaxSweep / spec.beams, "s");
   if (scan.ranges.size() != static_cast<std::size_t>(spec.beams)) {
     reading.fail("ranges", "has shape ({},); the profile '{}' has ({},)", scan.ranges.size(), profile.name, spec.beams);
   }
@@ -47,14 +54,16 @@ void check(const Reading& reading, const LaserScan& scan, const RobotProfile& pr
 }
 
 void check(const Reading& reading, const IMUData& imu, const RobotProfile&) {
-  for (const double value : imu.angular_velocity) reading.finite("angular_velocity", value);
+  for (const double value : imu.angular_velocity) reading.within("angular_velocity", value, kMaxSpeed, "rad/s");
   for (const double value : imu.linear_acceleration) reading.finite("linear_acceleration", value);
 }
 
 void check(const Reading& reading, const Odometry& odometry, const RobotProfile&) {
-  for (const double value : {odometry.pose.x, odometry.pose.y, odometry.pose.theta}) reading.finite("pose", value);
+  for (const double value : {odometry.pose.x, odometry.pose.y}) reading.within("pose", value, kMaxCoordinate, "m");
+  reading.finite("pose", odometry.pose.theta);
   const Velocity& v = odometry.velocity;
-  for (const double value : {v.vx, v.vy, v.omega}) reading.finite("velocity", value);
+  for (const double value : {v.vx, v.vy}) reading.within("velocity", value, kMaxSpeed, "m/s");
+  reading.within("velocity", v.omega, kMaxSpeed, "rad/s");
   const double theta = odometry.pose.theta;
   if (theta <= -exact::kPi || theta > exact::kPi) {
     reading.fail("pose", "has a heading of {}, outside (-pi, pi]", theta);

@@ -32,7 +32,8 @@ class Costmap {
   Costmap() : Costmap(Settings{}) {}
   explicit Costmap(const Settings& settings);
 
-  /// Takes over a map, with `rim` unknown cells all around it and large enough to hold `include`. Points in
+  /// Takes over a map, with `rim` unknown cells all around it and large enough to hold `include`, except
+  /// for what lies too far away (fits_a_grid). Points in
   /// `obstacles` [m] count as occupied besides.
   void update(const OccupancyGrid& grid, std::span<const Vec2> obstacles, std::span<const Vec2> include, int rim = 20);
   /// Lethal cells within `radius` [m] of `point` become dear instead, except at obstacles: the robot is there already.

@@ -46,8 +46,8 @@ class LogOddsMap {
   explicit LogOddsMap(const Settings& settings);
 
   /// Adds one scan whose ranges are measured too long by `range_bias` [m]. A cell changes once: where any beam hit it,
-  /// it counts as hit, whatever passed through it.
-  void insert(std::span<const Beam> beams, double range_bias = 0.0);
+  /// it counts as hit, whatever passed through it. Beams that the map would outgrow its limits for are ignored.
+  void insert(std::span<const Beam> scan, double range_bias = 0.0);
 
   /// The map as others see it. A copy of the evidence that is kept up to date cell by cell.
   const OccupancyGrid& grid() const { return grid_; }
@@ -61,6 +61,7 @@ class LogOddsMap {
  private:
   enum class Mark : std::uint8_t { none, pass, hit };
 
+  std::vector<Beam> within_reach(std::span<const Beam> beams) const;
   void grow_to_hold(std::span<const Beam> beams);
   void add_hit(const Beam& beam, double range_bias);
   void mark_free(const Beam& beam, double range_bias);

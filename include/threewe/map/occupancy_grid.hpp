@@ -1,6 +1,8 @@
 // A map of what is free, occupied and unknown.
 #pragma once
 
+#include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <vector>
 
@@ -14,6 +16,20 @@ struct Cell {
   int y = 0;
   friend bool operator==(const Cell&, const Cell&) = default;
 };
+
+/// The column or row `cells` cells from the first. Points too far away for any grid end far outside instead.
+inline int to_cell(double cells) {
+  constexpr double kFar = 1 << 28;
+  return static_cast<int>(std::floor(std::clamp(cells, -kFar, kFar)));
+}
+
+/// Whether a map or costmap of so many cells is small enough to keep: 400 m across, 200 m x 200 m in all at 5 cm, so
+/// that one mad pose costs neither gigabytes nor seconds.
+inline bool fits_a_grid(double columns, double rows) {
+  constexpr double kMaxSide = 8192.0;
+  constexpr double kMaxCells = 4096.0 * 4096.0;
+  return columns <= kMaxSide && rows <= kMaxSide && columns * rows <= kMaxCells;
+}
 
 /// A grid of occupancy values as ROS defines them (nav_msgs/OccupancyGrid): -1 unknown, 0 free to 100 occupied.
 /// Row-major, shape (height, width); cell (0, 0) has its lower left corner at `origin`, axes along the map frame's.

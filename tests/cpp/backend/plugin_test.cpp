@@ -355,6 +355,12 @@ TEST_CASE("what a reading may have wrong: one error that names sensor and field"
         "backend 'toy': sensor 'odometry': pose is nan; it must be finite");
   CHECK(odometry([](Odometry& o) { o.velocity.omega = kNan; }) ==
         "backend 'toy': sensor 'odometry': velocity is nan; it must be finite");
+  CHECK(scan([](LaserScan& s) { s.angle_min = 1e300; }).find("angle_min is 1e+300; it must be") != std::string::npos);
+  CHECK(scan([](LaserScan& s) { s.time_increment = 1e3; }).find("time_increment is 1000; it") != std::string::npos);
+  CHECK(imu([](IMUData& i) { i.angular_velocity[2] = 1e300; }) ==
+        "backend 'toy': sensor 'imu': angular_velocity is 1e+300; it must be within +-1000 rad/s");
+  CHECK(odometry([](Odometry& o) { o.pose.x = 1e12; }).find("'odometry': pose is 1") != std::string::npos);
+  CHECK(odometry([](Odometry& o) { o.velocity.vx = 1e9; }).find("'odometry': velocity is 1") != std::string::npos);
   CHECK(odometry([](Odometry& o) { o.pose.theta = 4.0; }) ==
         "backend 'toy': sensor 'odometry': pose has a heading of 4, outside (-pi, pi]");
   CHECK(battery([](BatteryState& b) { b.charge = 50.0; }) ==

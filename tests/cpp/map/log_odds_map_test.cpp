@@ -218,5 +218,20 @@ TEST_CASE("a map is the same whatever the order of a scan's beams") {
   }
 }
 
+TEST_CASE("beams from far away are ignored, so that one mad pose costs no gigabytes") {
+  LogOddsMap map;
+  map.insert(std::vector{beam({0.01, 0.01}, 0.3, 1.0)});
+  const OccupancyGrid before = map.grid();
+  for (const double far : {5e3, 1e6, 1e9, 1e300}) {
+    CAPTURE(far);
+    map.insert(std::vector{beam({far, -far}, 1.0, 5.0)});
+    CHECK(map.grid() == before);
+    CHECK_FALSE(map.grid().contains(map.grid().cell({far, -far})));
+    CHECK_FALSE(map.grid().contains(map.grid().cell({-far, far})));
+  }
+  map.insert(std::vector{beam({300.0, 0.0}, 0.0, 1.0)});
+  CHECK(map.grid().width > 6000);
+}
+
 }  // namespace
 }  // namespace threewe::map

@@ -81,6 +81,16 @@ TEST_CASE("samples that break the contract") {
          samples.at(0).data = IMUData{{NAN, 0.0, 0.0}, {}};
          samples.at(0).sensor = ToyPort::kImu;
        }},
+      {"pose is beyond",
+       [](auto& samples) {
+         samples.at(0).data = Odometry{{1e12, 0.0, 0.0}, {}};
+         samples.at(0).sensor = ToyPort::kOdometry;
+       }},
+      {"angular_velocity is beyond",
+       [](auto& samples) {
+         samples.at(0).data = IMUData{{1e300, 0.0, 0.0}, {}};
+         samples.at(0).sensor = ToyPort::kImu;
+       }},
       {"after it was received", [](auto& samples) { samples.at(0).measured = 1h; }},
   };
   for (const Case& c : cases) {
@@ -89,6 +99,13 @@ TEST_CASE("samples that break the contract") {
     d.toy.port().on_samples = c.spoil;
     d.check_fault(c.message);
   }
+}
+
+TEST_CASE("initial poses that no map can hold, or of no robot, are refused") {
+  CHECK_THROWS_AS(Robot({.initial_pose = Pose2D{1e9, 0.0, 0.0}}), ContractError);
+  World::Options options;
+  options.initial_poses = std::vector<Pose2D>(options.robots.size() + 1);
+  CHECK_THROWS_AS(World{options}, ConfigError);
 }
 
 TEST_CASE("a world that cannot advance fails every robot and says so until it begins anew") {
