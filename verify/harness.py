@@ -1,5 +1,6 @@
 """Runs the cases behind a claim, two at a time, keeps each result, and prints a row per claim."""
 
+import faulthandler
 import hashlib
 import json
 import math
@@ -51,6 +52,7 @@ class Experiment:
     sample: int = 1
     rows: list[Row] = field(default_factory=list)
     alone: bool = False  # one case at a time, for those that measure time
+    limit: float = 900.0  # [s] of wall time, after which a case counts as hanging
 
     def seeds(self, seed: int, count: int) -> Iterator[int]:
         """The seeds of its first cases: the same whatever else runs."""
@@ -162,7 +164,7 @@ def run_cases(experiment: Experiment, seed: int, count: int, journal: "Journal")
             return known
         start = time.monotonic()
         worker = idle.get()
-        case = worker.run(experiment.run, case_seed, experiment.arguments)
+        case = worker.run(experiment, case_seed)
         idle.put(worker)
         journal.add(experiment.name, case_seed, case, time.monotonic() - start)
         return case
@@ -181,25 +183,28 @@ class Worker:
         """A fresh process."""
         self.pool = ProcessPoolExecutor(1, mp_context=get_context("spawn"))
 
-    def run(self, function: Callable[..., Case], seed: int, arguments: Case) -> Case:
-        """One case; {"error": ...} if it raises or dies."""
+    def run(self, experiment: Experiment, seed: int) -> Case:
+        """One case; {"error": ...} if it raises, dies or hangs."""
         try:
-            return self.pool.submit(run_case, function, seed, arguments).result()
+            return self.pool.submit(run_case, experiment.run, seed, experiment.arguments, experiment.limit).result()
         except BrokenProcessPool:
             self.pool = ProcessPoolExecutor(1, mp_context=get_context("spawn"))
-            return {"error": "its process died"}
+            return {"error": f"its process died, or took longer than {experiment.limit:g} s"}
 
     def stop(self) -> None:
         """Ends the process."""
         self.pool.shutdown()
 
 
-def run_case(function: Callable[..., Case], seed: int, arguments: Case) -> Case:
-    """Runs one case in this process."""
+def run_case(function: Callable[..., Case], seed: int, arguments: Case, limit: float) -> Case:
+    """Runs one case in this process, which ends with it if that takes too long."""
+    faulthandler.dump_traceback_later(limit, exit=True)
     try:
         return function(seed, **arguments)
     except Exception:
         return {"error": traceback.format_exc()}
+    finally:
+        faulthandler.cancel_dump_traceback_later()
 
 
 class Journal:
