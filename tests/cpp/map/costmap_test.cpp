@@ -16,7 +16,7 @@ OccupancyGrid random_grid(std::mt19937_64& bits) {
   grid.width = 1 + static_cast<int>(bits() % 60);
   grid.height = 1 + static_cast<int>(bits() % 60);
   grid.origin = {-1.0, -2.0};
-  grid.data.resize(static_cast<std::size_t>(grid.width * grid.height));
+  grid.data.resize(static_cast<std::size_t>(grid.width) * static_cast<std::size_t>(grid.height));
   const auto density = bits() % 20;
   for (std::int8_t& v : grid.data) {
     v = bits() % 100 < density ? OccupancyGrid::kOccupied
@@ -31,7 +31,7 @@ TEST_CASE("squared distances are those of brute force") {
     std::mt19937_64 bits(seed);
     const int width = 1 + static_cast<int>(bits() % 45);
     const int height = 1 + static_cast<int>(bits() % 45);
-    std::vector<std::uint8_t> occupied(static_cast<std::size_t>(width * height));
+    std::vector<std::uint8_t> occupied(static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
     const auto density = 1 + bits() % 60;
     for (auto& o : occupied) o = bits() % 1000 < density ? 1 : 0;
 

@@ -37,6 +37,7 @@ std::vector<Beam> random_scan(Draw& draw) {
   const Vec2 origin{draw(-6, 6), draw(-6, 6)};
   std::vector<Beam> beams;
   const int n = draw.whole(1, 40);
+  beams.reserve(static_cast<std::size_t>(n));
   for (int i = 0; i < n; ++i) beams.push_back(beam(origin, draw(-3.1, 3.1), draw(0.05, 12.0), draw(0, 1) < 0.8));
   return beams;
 }
@@ -130,7 +131,7 @@ TEST_CASE("the exported grid says the same as the evidence") {
   const OccupancyGrid& grid = map.grid();
   for (int y = 0; y < grid.height; ++y) {
     for (int x = 0; x < grid.width; ++x) {
-      const int evidence = map.log_odds({x, y});
+      const auto evidence = static_cast<int>(map.log_odds({x, y}));
       const int expected =
           evidence == 0 ? -1 : static_cast<int>(std::floor(100.0 / (1.0 + exact::exp(-0.1 * evidence)) + 0.5));
       REQUIRE(grid.at({x, y}) == expected);

@@ -24,7 +24,7 @@ Costmap random_costmap(std::mt19937_64& bits) {
   OccupancyGrid grid;
   grid.width = 2 + static_cast<int>(bits() % 70);
   grid.height = 2 + static_cast<int>(bits() % 70);
-  grid.data.resize(static_cast<std::size_t>(grid.width * grid.height));
+  grid.data.resize(static_cast<std::size_t>(grid.width) * static_cast<std::size_t>(grid.height));
   const auto density = bits() % 8;
   for (std::int8_t& v : grid.data) {
     v = bits() % 100 < density ? OccupancyGrid::kOccupied
@@ -168,6 +168,7 @@ TEST_CASE("a straightened path is no dearer than the cells, keeps its ends and n
     ++paths;
 
     std::vector<Vec2> cells;
+    cells.reserve(found.path.size());
     for (const Cell c : found.path) cells.push_back(costmap.center(c));
     const std::vector<Vec2> straight = Planner::straighten(costmap, found.path, cells.front(), cells.back());
     CHECK(straight.front() == cells.front());

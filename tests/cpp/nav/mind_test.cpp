@@ -170,8 +170,10 @@ TEST_CASE("exploring ends when all is seen") {
   const map::OccupancyGrid& grid = drive.localizer->map();
   int known = 0;
   int all = 0;
-  for (double y = -0.9; y < 4.9; y += 0.05) {
-    for (double x = -0.9; x < 8.9; x += 0.05) {
+  for (int row = 0; row < 116; ++row) {
+    for (int column = 0; column < 196; ++column) {
+      const double x = -0.9 + 0.05 * column;
+      const double y = -0.9 + 0.05 * row;
       if (x > 0.9 && x < 1.7 && y > 2.4 && y < 3.1) continue;  // the box
       ++all;
       known += grid.at(grid.cell({x, y})) >= 0 ? 1 : 0;

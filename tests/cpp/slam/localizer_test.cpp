@@ -82,8 +82,9 @@ TEST_CASE("with every sensor wrong the pose stays right") {
     CHECK(e.covariance[8] > 0.0);
     const Vec2 off = e.map_from_base().position() - world.pose().position();
     const double det = e.covariance[0] * e.covariance[4] - e.covariance[1] * e.covariance[3];
-    surprise += (e.covariance[4] * off.x * off.x - 2 * e.covariance[1] * off.x * off.y + e.covariance[0] * off.y * off.y) /
-                (12 * det);
+    surprise +=
+        (e.covariance[4] * off.x * off.x - 2 * e.covariance[1] * off.x * off.y + e.covariance[0] * off.y * off.y) /
+        (12 * det);
   }
   CHECK(worst < 0.06);
   CHECK(surprise > 0.1);
