@@ -41,7 +41,8 @@ std::vector<fs::path> asset_directories() {
 
 void add_asset_directory(const fs::path& directory) {
   const std::scoped_lock lock(added_mutex);
-  if (std::ranges::find(added_directories, directory) == added_directories.end()) added_directories.push_back(directory);
+  if (std::ranges::find(added_directories, directory) == added_directories.end())
+    added_directories.push_back(directory);
 }
 
 std::vector<std::string> asset_names(std::string_view kind) {

@@ -29,12 +29,12 @@ class ConfigNode {
   /// The fields of a mapping, in order.
   std::vector<std::pair<std::string, ConfigNode>> fields();
 
-  double number() const;     ///< finite, or ConfigError
+  double number() const;  ///< finite, or ConfigError
   std::int64_t integer() const;
   bool boolean() const;
   std::string text() const;
-  Vec2 vec2() const;         ///< [x, y]
-  Pose2D pose() const;       ///< [x, y, theta], theta in radians; theta may be left out
+  Vec2 vec2() const;    ///< [x, y]
+  Pose2D pose() const;  ///< [x, y, theta], theta in radians; theta may be left out
 
   double number(std::string_view field) { return at(field).number(); }
   double number(std::string_view field, double fallback) { return has(field) ? at(field).number() : fallback; }

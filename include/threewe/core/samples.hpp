@@ -49,9 +49,9 @@ using SampleData = std::variant<LaserScan, IMUData, Odometry, BatteryState>;
 
 /// A reading with its stamps. `received` is the robot time at which `poll()` handed it over.
 struct Sample {
-  std::uint16_t sensor = 0;     ///< index into `Features::sensors`
-  std::uint64_t sequence = 0;   ///< counts each sensor's samples from 0, without gaps
-  Time measured{};              ///< when it was taken (for a scan, beam 0 of the array)
+  std::uint16_t sensor = 0;    ///< index into `Features::sensors`
+  std::uint64_t sequence = 0;  ///< counts each sensor's samples from 0, without gaps
+  Time measured{};             ///< when it was taken (for a scan, beam 0 of the array)
   Time received{};
   SampleData data;
 };

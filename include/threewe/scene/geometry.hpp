@@ -7,8 +7,8 @@
 
 namespace threewe::scene {
 
-/// A straight edge of a solid shape. Shapes list their edges counter-clockwise, so the solid lies to the left of a -> b.
-/// `object` is the index of what it belongs to in `Scene::objects`, or -1 for walls.
+/// A straight edge of a solid shape. Shapes list their edges counter-clockwise, so the solid lies to the left of a ->
+/// b. `object` is the index of what it belongs to in `Scene::objects`, or -1 for walls.
 struct Segment {
   Vec2 a;
   Vec2 b;
