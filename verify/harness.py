@@ -137,6 +137,8 @@ def verify(area: str, experiments: list[Experiment], *, seed: int | None, count:
     statuses = []
     for experiment in experiments:
         cases = run_cases(experiment, seed, count or (experiment.sample if sample else experiment.cases), journal)
+        if not cases:  # too long for a sample
+            continue
         shown = [case for case in cases if "not_shown" not in case]
         for row in experiment.rows:
             verdict = row.judge(shown, sample) if shown else Verdict(cases[0]["not_shown"], "", "not shown")
