@@ -49,7 +49,7 @@ class Experiment:
     run: Callable[..., Case]
     arguments: Case = field(default_factory=dict)
     cases: int = 1
-    sample: int = 1
+    sample: int = 1  # of them with --sample; 0 leaves the experiment out
     rows: list[Row] = field(default_factory=list)
     alone: bool = False  # one case at a time, for those that measure time
     limit: float = 900.0  # [s] of wall time, after which a case counts as hanging
@@ -141,7 +141,11 @@ def verify(area: str, experiments: list[Experiment], *, seed: int | None, count:
             continue
         shown = [case for case in cases if "not_shown" not in case]
         for row in experiment.rows:
-            verdict = row.judge(shown, sample) if shown else Verdict(cases[0]["not_shown"], "", "not shown")
+            if shown:
+                verdict = row.judge(shown, sample)
+            else:
+                reason = cases[0]["not_shown"] if cases else "not part of the sample"
+                verdict = Verdict(reason, "", "not shown")
             print_row(f"{experiment.name}: {row.name}", verdict)
             statuses.append(verdict.status)
     return statuses
