@@ -141,11 +141,7 @@ def verify(area: str, experiments: list[Experiment], *, seed: int | None, count:
             continue
         shown = [case for case in cases if "not_shown" not in case]
         for row in experiment.rows:
-            if shown:
-                verdict = row.judge(shown, sample)
-            else:
-                reason = cases[0]["not_shown"] if cases else "not part of the sample"
-                verdict = Verdict(reason, "", "not shown")
+            verdict = row.judge(shown, sample) if shown else Verdict(cases[0]["not_shown"], "", "not shown")
             print_row(f"{experiment.name}: {row.name}", verdict)
             statuses.append(verdict.status)
     return statuses
