@@ -42,12 +42,14 @@ TEST_CASE("squared distances are those of brute force") {
         int nearest = kMaxDistance * kMaxDistance;
         for (int v = std::max(0, y - kMaxDistance); v < std::min(height, y + kMaxDistance); ++v) {
           for (int u = std::max(0, x - kMaxDistance); u < std::min(width, x + kMaxDistance); ++u) {
-            if (occupied[static_cast<std::size_t>(v * width + u)] != 0) {
+            if (occupied[static_cast<std::size_t>(v) * static_cast<std::size_t>(width) + static_cast<std::size_t>(u)] !=
+                0) {
               nearest = std::min(nearest, (u - x) * (u - x) + (v - y) * (v - y));
             }
           }
         }
-        REQUIRE(squared[static_cast<std::size_t>(y * width + x)] == nearest);
+        REQUIRE(squared[static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x)] ==
+                nearest);
       }
     }
   }

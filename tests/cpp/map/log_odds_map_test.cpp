@@ -131,7 +131,7 @@ TEST_CASE("the exported grid says the same as the evidence") {
   const OccupancyGrid& grid = map.grid();
   for (int y = 0; y < grid.height; ++y) {
     for (int x = 0; x < grid.width; ++x) {
-      const auto evidence = static_cast<int>(map.log_odds({x, y}));
+      const double evidence = map.log_odds({x, y});
       const int expected =
           evidence == 0 ? -1 : static_cast<int>(std::floor(100.0 / (1.0 + exact::exp(-0.1 * evidence)) + 0.5));
       REQUIRE(grid.at({x, y}) == expected);
