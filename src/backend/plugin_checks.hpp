@@ -1,4 +1,4 @@
-// The border: what a plug-in says is checked before anything else sees it. Every message names sensor and field.
+// What a plug-in says of itself and of time is checked before anything else sees it.
 #pragma once
 
 #include <cstddef>
@@ -13,10 +13,6 @@ void check_features(const std::string& name, const Features& features, const Rob
 
 /// The index of a sensor. Throws ContractError naming the nearest right one.
 std::size_t find_sensor(const Features& features, const std::string& name);
-
-/// Throws ContractError unless a reading is what the profile's sensor of this type could measure: finite numbers, the
-/// right number of beams, ranges that are 0 or within the limits, a heading in (-pi, pi], a charge within 0 to 1.
-void check_reading(const PluginReading& reading, SensorType type, const RobotProfile& profile);
 
 /// Throws ContractError unless the reading was measured after the sensor's `newest` one, and not after `latest`.
 void check_stamp(const PluginReading& reading, Time newest, Time latest);

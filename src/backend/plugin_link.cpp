@@ -6,6 +6,7 @@
 
 #include "backend/plugin_checks.hpp"
 #include "threewe/backend/plugin.hpp"
+#include "threewe/backend/sample_checks.hpp"
 #include "threewe/core/errors.hpp"
 
 namespace threewe::backend {
@@ -102,7 +103,7 @@ std::optional<PluginLink::Fault> PluginLink::deliver(std::vector<PluginReading> 
   try {
     for (PluginReading& reading : readings) {
       const std::size_t sensor = find_sensor(features_, reading.sensor);
-      check_reading(reading, features_.sensors[sensor].type, profile_);
+      check_data(features_.sensors[sensor], reading.data, profile_);
       check_stamp(reading, newest[sensor], latest);
       newest[sensor] = reading.measured;
       samples.push_back({.sensor = static_cast<std::uint16_t>(sensor),

@@ -1,6 +1,7 @@
 #include "threewe/core/config.hpp"
 
 #include <algorithm>
+#include <array>
 #include <fstream>
 #include <map>
 #include <sstream>
@@ -57,7 +58,7 @@ bool ConfigNode::has(std::string_view field) {
 }
 
 ConfigNode ConfigNode::at(std::string_view field) {
-  if (!has(field)) fail(fmt::format("missing field '{}'", field));
+  if (!has(field)) fail_missing(field);
   const std::string path = path_.empty() ? std::string(field) : fmt::format("{}.{}", path_, field);
   const YAML::Node value = std::as_const(node_)[std::string(field)];
   if (!value.IsNull()) return {value, file_, path, line_of(value)};
@@ -68,6 +69,17 @@ ConfigNode ConfigNode::at(std::string_view field) {
     if (entry.first.IsScalar() && entry.first.Scalar() == field) line = line_of(entry.first);
   }
   return {value, file_, path, line};
+}
+
+void ConfigNode::fail_missing(std::string_view field) const {
+  for (const auto& entry : node_) {
+    const std::string name = field_name(entry.first);
+    const bool unknown = std::ranges::find(known_, name) == known_.end();
+    if (!unknown || nearest_name(name, std::array{std::string(field)}).empty()) continue;
+    const ConfigNode misspelt(entry.first, file_, path_, line_of(entry.first));
+    misspelt.fail(fmt::format("missing field '{}'; is '{}' meant to be it?", field, name));
+  }
+  fail(fmt::format("missing field '{}'", field));
 }
 
 std::vector<ConfigNode> ConfigNode::items() const {

@@ -8,16 +8,18 @@
 #include "threewe/core/errors.hpp"
 
 namespace threewe {
-namespace {
 
-double distance_to_segment(Vec2 p, Vec2 a, Vec2 b) {
-  const Vec2 ab = b - a;
-  const double t = std::clamp(dot(p - a, ab) / dot(ab, ab), 0.0, 1.0);
-  return distance(p, a + t * ab);
+double signed_distance(std::span<const Vec2> polygon, Vec2 point) {
+  bool inside = true;
+  double nearest = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < polygon.size(); ++i) {
+    const Vec2 a = polygon[i];
+    const Vec2 b = polygon[i + 1 == polygon.size() ? 0 : i + 1];
+    inside = inside && cross(b - a, point - a) >= 0.0;
+    nearest = std::min(nearest, distance_to_segment(point, a, b));
+  }
+  return inside ? -nearest : nearest;
 }
-
-}  // namespace
-
 Footprint::Footprint(std::vector<Vec2> corners) : corners_(std::move(corners)) {
   const std::size_t n = corners_.size();
   if (n < 3) throw ConfigError("footprint needs at least 3 corners");
@@ -40,20 +42,6 @@ Footprint Footprint::rectangle(double length, double width) {
   const double x = 0.5 * length;
   const double y = 0.5 * width;
   return Footprint({{x, -y}, {x, y}, {-x, y}, {-x, -y}});
-}
-
-bool Footprint::contains(Vec2 point_in_base) const { return signed_distance(point_in_base) <= 0.0; }
-
-double Footprint::signed_distance(Vec2 point_in_base) const {
-  bool inside = true;
-  double nearest = std::numeric_limits<double>::infinity();
-  for (std::size_t i = 0; i < corners_.size(); ++i) {
-    const Vec2 a = corners_[i];
-    const Vec2 b = corners_[(i + 1) % corners_.size()];
-    inside = inside && cross(b - a, point_in_base - a) >= 0.0;
-    nearest = std::min(nearest, distance_to_segment(point_in_base, a, b));
-  }
-  return inside ? -nearest : nearest;
 }
 
 }  // namespace threewe

@@ -10,6 +10,7 @@
 namespace threewe {
 namespace {
 
+// The edits that make `a` into `b`, or into a beginning of `b` (`office` of `office_v2`) and one more.
 std::size_t edit_distance(std::string_view a, std::string_view b) {
   std::vector<std::size_t> row(b.size() + 1);
   std::iota(row.begin(), row.end(), std::size_t{0});
@@ -22,14 +23,16 @@ std::size_t edit_distance(std::string_view a, std::string_view b) {
       row[j] = std::min({row[j] + 1, row[j - 1] + 1, substituted});
     }
   }
-  return row[b.size()];
+  if (b.size() <= a.size()) return row[b.size()];
+  return std::min(row[b.size()], 1 + *std::min_element(row.begin() + static_cast<std::ptrdiff_t>(a.size()), row.end()));
 }
 
 }  // namespace
 
 std::string nearest_name(std::string_view name, std::span<const std::string> candidates) {
   std::string best;
-  std::size_t least = std::max<std::size_t>(2, name.size() / 2) + 1;
+  if (name.empty()) return best;
+  std::size_t least = std::max<std::size_t>(name.size() < 3 ? 1 : 2, name.size() / 2) + 1;
   for (const std::string& candidate : candidates) {
     const std::size_t edits = edit_distance(name, candidate);
     if (edits < least) {

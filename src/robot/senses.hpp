@@ -9,9 +9,6 @@
 
 namespace threewe {
 
-/// Throws ContractError unless a sample is of a sensor the robot has, of its type, finite and not from the future.
-void check_sample(const backend::Features& features, const Sample& sample);
-
 /// The newest samples. Plain data.
 class Senses {
  public:

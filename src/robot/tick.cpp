@@ -4,6 +4,7 @@
 
 #include "robot/goals.hpp"
 #include "robot/runtime_state.hpp"
+#include "threewe/backend/sample_checks.hpp"
 #include "threewe/robot/warning.hpp"
 
 namespace threewe {
@@ -92,7 +93,7 @@ nav::Observation Runtime::Impl::observation() const {
 std::vector<Sample> Runtime::Impl::perceive() {
   std::vector<Sample> samples = port.poll();
   for (const Sample& sample : samples) {
-    check_sample(port.features(), sample);
+    backend::check_sample(port.features(), sample, port.profile());
     state->senses.remember(sample);
     state->localizer->add(sample);
     if (port.features().sensors[sample.sensor].type == SensorType::lidar) {

@@ -7,13 +7,12 @@
 
 #include "robot/world_state.hpp"
 #include "threewe/backend/registry.hpp"
+#include "threewe/backend/sample_checks.hpp"
 #include "threewe/core/errors.hpp"
 #include "threewe/nav/mind.hpp"
 
 namespace threewe {
 namespace {
-
-constexpr double kMaxCoordinate = 1e6;  // [m]
 
 Runtime::Options make_mind(const Mind& mind, const RobotProfile& profile, const Pose2D& map_from_start) {
   return {mind.localizer ? mind.localizer(profile, map_from_start) : slam::make_localizer(profile, map_from_start),
@@ -58,7 +57,7 @@ World::World(std::unique_ptr<backend::World> backend, bool realtime, const Mind&
     impl_->lockstep = impl_->lockstep && port.features().lockstep;
     const Pose2D map_from_start = i < initial_poses.size() ? initial_poses[i] : Pose2D{};
     if (!is_finite(map_from_start)) throw ContractError("initial_pose must be finite");
-    if (std::abs(map_from_start.x) > kMaxCoordinate || std::abs(map_from_start.y) > kMaxCoordinate) {
+    if (std::abs(map_from_start.x) > backend::kMaxCoordinate || std::abs(map_from_start.y) > backend::kMaxCoordinate) {
       throw ContractError("initial_pose must be within 1000 km of the origin");
     }
     impl_->robots.push_back(std::make_unique<Runtime>(*this, port, make_mind(mind, port.profile(), map_from_start)));

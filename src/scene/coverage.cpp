@@ -12,11 +12,6 @@ constexpr int kRays = 360;
 constexpr double kRange = 8.0;      // [m]
 constexpr double kMapError = 0.10;  // [m] that a map may be off
 
-double distance_to_segment(Vec2 p, Vec2 a, Vec2 b) {
-  const Vec2 ab = b - a;
-  return distance(p, a + std::clamp(dot(p - a, ab) / dot(ab, ab), 0.0, 1.0) * ab);
-}
-
 // The shapes that a ray from a point can meet.
 Slice within_range(const Slice& slice, Vec2 point) {
   Slice near;

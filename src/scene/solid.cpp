@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "threewe/core/footprint.hpp"
+
 namespace threewe::scene {
 namespace {
 
@@ -16,24 +18,8 @@ Vec2 unit_vector(double theta) {
   return {c, s};
 }
 
-double distance_to_segment(Vec2 p, Vec2 a, Vec2 b) {
-  const Vec2 ab = b - a;
-  const double t = std::clamp(dot(p - a, ab) / dot(ab, ab), 0.0, 1.0);
-  return distance(p, a + t * ab);
-}
-
-// Distance from a point to a convex, counter-clockwise polygon; 0 inside.
-double distance_to_polygon(std::span<const Vec2> polygon, Vec2 p) {
-  bool inside = true;
-  double nearest = std::numeric_limits<double>::infinity();
-  for (std::size_t i = 0; i < polygon.size(); ++i) {
-    const Vec2 a = polygon[i];
-    const Vec2 b = polygon[(i + 1) % polygon.size()];
-    inside = inside && cross(b - a, p - a) >= 0.0;
-    nearest = std::min(nearest, distance_to_segment(p, a, b));
-  }
-  return inside ? 0.0 : nearest;
-}
+// Distance from a point to a convex polygon; 0 inside.
+double distance_to_polygon(std::span<const Vec2> polygon, Vec2 p) { return std::max(0.0, signed_distance(polygon, p)); }
 
 // Whether all of `other` lies beyond an edge of `polygon`, or less than `depth` behind it: then that edge separates
 // them.

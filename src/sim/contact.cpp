@@ -16,13 +16,6 @@ constexpr double kSkin = 2e-4;
 
 constexpr Vec2 left_of(Vec2 v) { return {-v.y, v.x}; }
 
-Vec2 closest_on_segment(Vec2 point, Vec2 a, Vec2 b) {
-  const Vec2 along = b - a;
-  const double length_squared = dot(along, along);
-  if (length_squared == 0.0) return a;
-  return a + std::clamp(dot(point - a, along) / length_squared, 0.0, 1.0) * along;
-}
-
 // The footprint's corners around the base, turned by a heading.
 struct Outline {
   std::array<Vec2, kMaxCorners> corners;

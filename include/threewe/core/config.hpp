@@ -22,7 +22,7 @@ class ConfigNode {
   static ConfigNode parse(const std::string& text, const std::string& name);
 
   bool has(std::string_view field);
-  /// The node of a field. Throws ConfigError when it is absent.
+  /// The node of a field. Throws ConfigError when it is absent, naming the field that may have been meant to be it.
   ConfigNode at(std::string_view field);
   /// The items of a sequence.
   std::vector<ConfigNode> items() const;
@@ -58,6 +58,7 @@ class ConfigNode {
   int line_;
   std::vector<std::string> known_;  // fields that `at` or `has` was asked for
   void know(std::string_view field);
+  [[noreturn]] void fail_missing(std::string_view field) const;
   std::string field_name(const YAML::Node& key) const;
 };
 

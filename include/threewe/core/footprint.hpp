@@ -1,11 +1,15 @@
 // The robot's outline on the floor.
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "threewe/core/pose.hpp"
 
 namespace threewe {
+
+/// Distance from a point to the outline of a convex polygon, its corners counter-clockwise [m]; negative inside.
+double signed_distance(std::span<const Vec2> polygon, Vec2 point);
 
 /// A convex polygon around the base, counter-clockwise [m].
 class Footprint {
@@ -21,9 +25,9 @@ class Footprint {
   double inscribed_radius() const { return inscribed_radius_; }
   /// Radius of the smallest disc around the base that holds the outline [m].
   double circumscribed_radius() const { return circumscribed_radius_; }
-  bool contains(Vec2 point_in_base) const;
+  bool contains(Vec2 point_in_base) const { return signed_distance(point_in_base) <= 0.0; }
   /// Distance from a point to the outline [m], negative inside.
-  double signed_distance(Vec2 point_in_base) const;
+  double signed_distance(Vec2 point_in_base) const { return threewe::signed_distance(corners_, point_in_base); }
   friend bool operator==(const Footprint&, const Footprint&) = default;
 
  private:

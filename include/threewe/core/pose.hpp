@@ -1,6 +1,8 @@
 // Points, poses and velocities in the plane. Right-handed, X forward, Y left, angles counter-clockwise [rad].
 #pragma once
 
+#include <algorithm>
+
 #include "threewe/core/exact.hpp"
 
 namespace threewe {
@@ -20,6 +22,15 @@ constexpr double dot(Vec2 a, Vec2 b) { return a.x * b.x + a.y * b.y; }
 constexpr double cross(Vec2 a, Vec2 b) { return a.x * b.y - a.y * b.x; }
 inline double norm(Vec2 a) { return exact::sqrt(dot(a, a)); }
 inline double distance(Vec2 a, Vec2 b) { return norm(a - b); }
+/// The point between `a` and `b` that is nearest to `p`.
+constexpr Vec2 closest_on_segment(Vec2 p, Vec2 a, Vec2 b) {
+  const Vec2 along = b - a;
+  const double length_squared = dot(along, along);
+  if (length_squared == 0.0) return a;
+  return a + std::clamp(dot(p - a, along) / length_squared, 0.0, 1.0) * along;
+}
+/// The distance from `p` to the nearest point between `a` and `b`.
+inline double distance_to_segment(Vec2 p, Vec2 a, Vec2 b) { return distance(p, closest_on_segment(p, a, b)); }
 
 /// The same angle in (-pi, pi].
 double wrap_angle(double angle);

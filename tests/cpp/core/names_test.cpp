@@ -13,6 +13,8 @@ const std::vector<std::string> kScenes{"office_v2", "apartment_v1", "corridor_v1
 TEST_CASE("the nearest name is the one that was meant") {
   CHECK(nearest_name("ofice_v2", kScenes) == "office_v2");
   CHECK(nearest_name("office", kScenes) == "office_v2");
+  CHECK(nearest_name("ofice", kScenes) == "office_v2");
+  CHECK(nearest_name("wharehouse", kScenes) == "warehouse_v1");
   CHECK(nearest_name("office_v1", kScenes) == "office_v2");
   CHECK(nearest_name("coridor_v1", kScenes) == "corridor_v1");
   CHECK(nearest_name("wharehouse_v1", kScenes) == "warehouse_v1");
@@ -22,6 +24,8 @@ TEST_CASE("the nearest name is the one that was meant") {
 TEST_CASE("nothing is offered when nothing is near") {
   CHECK(nearest_name("zzzzzzzzzz", kScenes).empty());
   CHECK(nearest_name("q", kScenes).empty());
+  CHECK(nearest_name("of", std::vector<std::string>{"x", "y", "theta"}).empty());
+  CHECK(nearest_name("xyz", kScenes).empty());
   CHECK(nearest_name("", kScenes).empty());
   CHECK(nearest_name("office_v2", {}).empty());
 }

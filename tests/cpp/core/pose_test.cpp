@@ -4,25 +4,13 @@
 
 #include <cmath>
 #include <limits>
-#include <random>
+
+#include "draw.hpp"
 
 namespace threewe {
 namespace {
 
 constexpr double kPi = exact::kPi;
-
-class Draw {
- public:
-  explicit Draw(unsigned seed) : bits_(seed) {}
-  double operator()(double low, double high) {
-    return low + (high - low) * static_cast<double>(bits_() >> 11) * 0x1p-53;
-  }
-  Pose2D pose() { return {(*this)(-50.0, 50.0), (*this)(-50.0, 50.0), wrap_angle((*this)(-7.0, 7.0))}; }
-  Vec2 point() { return {(*this)(-50.0, 50.0), (*this)(-50.0, 50.0)}; }
-
- private:
-  std::mt19937_64 bits_;
-};
 
 void check_near(const Pose2D& a, const Pose2D& b, double tolerance) {
   CHECK(std::fabs(a.x - b.x) <= tolerance);
@@ -68,9 +56,9 @@ TEST_CASE("poses are a group") {
   Draw draw(2);
   for (int i = 0; i < 5000; ++i) {
     CAPTURE(i);
-    const Pose2D a = draw.pose();
-    const Pose2D b = draw.pose();
-    const Pose2D c = draw.pose();
+    const Pose2D a = draw.pose(-50.0, 50.0);
+    const Pose2D b = draw.pose(-50.0, 50.0);
+    const Pose2D c = draw.pose(-50.0, 50.0);
     check_near((a * b) * c, a * (b * c), 1e-12);
     check_near(a * inverse(a), {}, 1e-12);
     check_near(inverse(a) * a, {}, 1e-12);
@@ -84,10 +72,10 @@ TEST_CASE("a pose maps points as a rotation and a shift") {
   Draw draw(3);
   for (int i = 0; i < 5000; ++i) {
     CAPTURE(i);
-    const Pose2D a = draw.pose();
-    const Pose2D b = draw.pose();
-    const Vec2 p = draw.point();
-    const Vec2 q = draw.point();
+    const Pose2D a = draw.pose(-50.0, 50.0);
+    const Pose2D b = draw.pose(-50.0, 50.0);
+    const Vec2 p = draw.point(-50.0, 50.0);
+    const Vec2 q = draw.point(-50.0, 50.0);
     CHECK(distance(a * p, a * q) == doctest::Approx(distance(p, q)).epsilon(1e-12));
     CHECK(distance((a * b) * p, a * (b * p)) < 1e-12);
     const double s = std::sin(a.theta);
@@ -105,8 +93,8 @@ TEST_CASE("interpolation takes the short way round") {
   Draw draw(4);
   for (int i = 0; i < 2000; ++i) {
     CAPTURE(i);
-    const Pose2D p = draw.pose();
-    const Pose2D q = draw.pose();
+    const Pose2D p = draw.pose(-50.0, 50.0);
+    const Pose2D q = draw.pose(-50.0, 50.0);
     CHECK(interpolate(p, q, 0.0) == p);
     check_near(interpolate(p, q, 1.0), q, 1e-13);
     check_near(interpolate(p, q, 0.3), interpolate(q, p, 0.7), 1e-13);
@@ -116,7 +104,7 @@ TEST_CASE("interpolation takes the short way round") {
 TEST_CASE("integration follows the arc that small Euler steps approach") {
   Draw draw(5);
   for (int i = 0; i < 200; ++i) {
-    const Pose2D start = draw.pose();
+    const Pose2D start = draw.pose(-50.0, 50.0);
     const Velocity velocity{draw(-1.0, 1.0), draw(-1.0, 1.0), draw(-3.0, 3.0)};
     const double seconds = draw(0.0, 2.0);
     constexpr int kSteps = 2000;
@@ -137,7 +125,7 @@ TEST_CASE("integration in parts is integration in one") {
   Draw draw(6);
   for (int i = 0; i < 5000; ++i) {
     CAPTURE(i);
-    const Pose2D start = draw.pose();
+    const Pose2D start = draw.pose(-50.0, 50.0);
     const double omega = i % 3 == 0 ? draw(-2e-4, 2e-4) : draw(-3.0, 3.0);  // both sides of where the series ends
     const Velocity velocity{draw(-1.0, 1.0), draw(-1.0, 1.0), omega};
     const double t1 = draw(0.0, 1.0);
@@ -152,6 +140,19 @@ TEST_CASE("integration straight ahead, sideways, on the spot and once around") {
   check_near(integrate({1.0, 2.0, kPi / 2}, {0.0, 0.5, 0.0}, 2.0), {0.0, 2.0, kPi / 2}, 1e-15);
   check_near(integrate({1.0, 2.0, 0.0}, {0.0, 0.0, 0.5}, 2.0), {1.0, 2.0, 1.0}, 1e-15);
   check_near(integrate({1.0, 2.0, 0.3}, {1.0, 0.0, 2 * kPi}, 1.0), {1.0, 2.0, 0.3}, 1e-14);
+}
+
+TEST_CASE("the closest point of a segment is no further than any other of it") {
+  Draw draw(7);
+  for (int i = 0; i < 2000; ++i) {
+    const Vec2 a = draw.point(-2.0, 2.0);
+    const Vec2 b = i % 10 == 0 ? a : draw.point(-2.0, 2.0);
+    const Vec2 p = draw.point(-2.0, 2.0);
+    CAPTURE(i);
+    for (int k = 0; k <= 100; ++k) CHECK(distance_to_segment(p, a, b) <= distance(p, a + 0.01 * k * (b - a)) + 1e-12);
+    const Vec2 closest = closest_on_segment(p, a, b);
+    CHECK(distance(a, closest) + distance(closest, b) == doctest::Approx(distance(a, b)));
+  }
 }
 
 TEST_CASE("what is not finite is found") {

@@ -6,25 +6,14 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <random>
 #include <set>
 #include <utility>
 #include <vector>
 
+#include "draw.hpp"
+
 namespace threewe::map {
 namespace {
-
-class Draw {
- public:
-  explicit Draw(std::uint64_t seed) : bits_(seed) {}
-  double operator()(double low, double high) {
-    return low + (high - low) * static_cast<double>(bits_() >> 11) * 0x1p-53;
-  }
-  int whole(int low, int high) { return low + static_cast<int>(bits_() % static_cast<unsigned>(high - low + 1)); }
-
- private:
-  std::mt19937_64 bits_;
-};
 
 Vec2 unit(double angle) {
   const auto [s, c] = exact::sincos(angle);

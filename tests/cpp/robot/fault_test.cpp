@@ -71,22 +71,22 @@ TEST_CASE("samples that break the contract") {
   };
   const std::vector<Case> cases = {
       {"names sensor 9", [](auto& samples) { samples.at(0).sensor = 9; }},
-      {"another type",
+      {"another kind of data",
        [](auto& samples) {
          samples.at(0).data = BatteryState{};
          samples.at(0).sensor = ToyPort::kImu;
        }},
-      {"not finite",
+      {"must be finite",
        [](auto& samples) {
          samples.at(0).data = IMUData{{NAN, 0.0, 0.0}, {}};
          samples.at(0).sensor = ToyPort::kImu;
        }},
-      {"pose is beyond",
+      {"pose is 1000000000000; it must be within",
        [](auto& samples) {
          samples.at(0).data = Odometry{{1e12, 0.0, 0.0}, {}};
          samples.at(0).sensor = ToyPort::kOdometry;
        }},
-      {"angular_velocity is beyond",
+      {"angular_velocity is 1e+300; it must be within",
        [](auto& samples) {
          samples.at(0).data = IMUData{{1e300, 0.0, 0.0}, {}};
          samples.at(0).sensor = ToyPort::kImu;

@@ -88,13 +88,14 @@ class ToyPort final : public backend::RobotPort {
   }
 
   LaserScan scan() const {
+    const LidarSpec& spec = *profile_.lidar;
     LaserScan s;
     s.angle_min = -exact::kPi;
-    s.angle_increment = 2.0 * exact::kPi / 360.0;
-    s.range_min = 0.02;
-    s.range_max = 12.0;
-    const Pose2D lidar = pose * profile_.lidar->base_from_lidar;
-    for (int i = 0; i < 360; ++i) {
+    s.angle_increment = 2.0 * exact::kPi / spec.beams;
+    s.range_min = spec.range_min;
+    s.range_max = spec.range_max;
+    const Pose2D lidar = pose * spec.base_from_lidar;
+    for (int i = 0; i < spec.beams; ++i) {
       const double angle = lidar.theta + s.angle_min + i * s.angle_increment;
       const auto to_wall = [](double from, double direction) {
         if (direction == 0.0) return std::numeric_limits<double>::infinity();

@@ -20,11 +20,6 @@ CellSet passable_cells(const std::vector<Solid>& solids, double radius) {
   return cells_with_clearance(obstacles, distance_field(occupied_cells(kFrame, solids)), radius);
 }
 
-double distance_to_segment(Vec2 p, Vec2 a, Vec2 b) {
-  const Vec2 ab = b - a;
-  return distance(p, a + std::clamp(dot(p - a, ab) / dot(ab, ab), 0.0, 1.0) * ab);
-}
-
 bool cross_each_other(Vec2 a, Vec2 b, Vec2 c, Vec2 d) {
   return cross(b - a, c - a) * cross(b - a, d - a) < 0.0 && cross(d - c, a - c) * cross(d - c, b - c) < 0.0;
 }

@@ -91,9 +91,10 @@ TEST_CASE("walls leave their doorways open and fill their corners") {
 }
 
 TEST_CASE("bad fields name the line and the nearest right name") {
-  check_fails("description:", "descripton:", "hall.yaml:1: missing field 'description'");
+  check_fails(
+      "description:", "descripton:", "hall.yaml:2: missing field 'description'; is 'descripton' meant to be it?");
   check_fails("objects:", "extra: 1\nobjects:", "hall.yaml:14: unknown field 'extra'");
-  check_fails("floor: tile", "flor: tile", "hall.yaml:6: rooms[0]: missing field 'floor'");
+  check_fails("floor: tile", "flor: tile", "hall.yaml:6: rooms[0]: missing field 'floor'; is 'flor' meant to be it?");
   check_fails("floor: tile", "floor: tiles", "did you mean 'tile'");
   check_fails("floor: wood", "floor: wood, ceiling: low", "hall.yaml:7: rooms[1]: unknown field 'ceiling'");
   check_fails("thickness: 0.15", "thicknes: 0.15", "did you mean 'thickness'");

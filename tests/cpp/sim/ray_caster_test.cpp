@@ -6,11 +6,11 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
-#include <random>
 #include <string>
 #include <thread>
 #include <vector>
 
+#include "draw.hpp"
 #include "sim/ray_caster_visibility.hpp"
 #include "threewe/core/targets.hpp"
 
@@ -24,19 +24,6 @@ using scene::Slice;
 constexpr double kPi = exact::kPi;
 constexpr double kTolerance = 1e-4;  // [m]
 constexpr double kGraze = 1e-5;      // [rad]
-
-class Draw {
- public:
-  explicit Draw(std::uint64_t seed) : bits_(seed) {}
-  double operator()(double low, double high) {
-    return low + (high - low) * static_cast<double>(bits_() >> 11) * 0x1p-53;
-  }
-  int whole(int low, int high) { return low + static_cast<int>(bits_() % static_cast<unsigned>(high - low + 1)); }
-  Vec2 point(double size) { return {(*this)(0.0, size), (*this)(0.0, size)}; }
-
- private:
-  std::mt19937_64 bits_;
-};
 
 void add_box(Slice& slice, Vec2 middle, double length, double width, double angle) {
   const Pose2D pose{middle.x, middle.y, wrap_angle(angle)};
@@ -64,40 +51,41 @@ Slice office(Draw& draw, double size) {
   }
   for (int i = draw.whole(5, 40); i > 0; --i) {
     const double angle = draw.whole(0, 1) == 0 ? 0.0 : draw(-kPi, kPi);
-    add_box(slice, draw.point(size), draw(0.02, 1.5), draw(0.02, 0.8), angle);
+    add_box(slice, draw.point(0.0, size), draw(0.02, 1.5), draw(0.02, 0.8), angle);
   }
-  for (int i = draw.whole(0, 20); i > 0; --i) slice.circles.push_back({draw.point(size), draw(0.01, 0.4), -1});
+  for (int i = draw.whole(0, 20); i > 0; --i) slice.circles.push_back({draw.point(0.0, size), draw(0.01, 0.4), -1});
   return slice;
 }
 
 // What no scene should contain but some will: specks, slivers, coinciding and collinear faces, stars, single faces.
 Slice oddities(Draw& draw, double size) {
   Slice slice;
-  for (int i = 0; i < 8; ++i) add_box(slice, draw.point(size), draw(1e-6, 1e-3), draw(1e-6, 1e-3), draw(-kPi, kPi));
-  for (int i = 0; i < 4; ++i) add_box(slice, draw.point(size), draw(1.0, 5.0), 1e-5, draw(-kPi, kPi));
+  for (int i = 0; i < 8; ++i)
+    add_box(slice, draw.point(0.0, size), draw(1e-6, 1e-3), draw(1e-6, 1e-3), draw(-kPi, kPi));
+  for (int i = 0; i < 4; ++i) add_box(slice, draw.point(0.0, size), draw(1.0, 5.0), 1e-5, draw(-kPi, kPi));
   for (int i = 0; i < 4; ++i) {
-    const Vec2 middle = draw.point(size);
+    const Vec2 middle = draw.point(0.0, size);
     add_box(slice, middle, 1.0, 0.5, 0.0);
     add_box(slice, middle, 1.0, 0.5, 0.0);                    // the same again
     add_box(slice, middle + Vec2{1.0, 0.0}, 1.0, 0.5, 0.0);   // side by side
     add_box(slice, middle + Vec2{0.25, 0.5}, 0.5, 0.5, 0.0);  // on top of half of it
   }
   for (int i = 0; i < 10; ++i) {
-    const Vec2 a = draw.point(size);
+    const Vec2 a = draw.point(0.0, size);
     const Vec2 step{draw(-0.5, 0.5), draw(-0.5, 0.5)};
     slice.segments.push_back({a, a, -1});
     for (int k = 0; k < 3; ++k) slice.segments.push_back({a + k * step, a + (k + 1) * step, -1});
   }
   Vec2 corners[10];  // not convex
-  const Vec2 middle = draw.point(size);
+  const Vec2 middle = draw.point(0.0, size);
   for (int k = 0; k < 10; ++k) {
     const auto [s, c] = exact::sincos(k * kPi / 5);
     corners[k] = middle + (k % 2 ? 0.4 : 1.0) * Vec2{c, s};
   }
   for (int k = 0; k < 10; ++k) slice.segments.push_back({corners[k], corners[(k + 1) % 10], -1});
-  slice.circles.push_back({draw.point(size), 0.0, -1});
-  slice.circles.push_back({draw.point(size), 1e-4, -1});
-  slice.circles.push_back({draw.point(size), 2.0, -1});
+  slice.circles.push_back({draw.point(0.0, size), 0.0, -1});
+  slice.circles.push_back({draw.point(0.0, size), 1e-4, -1});
+  slice.circles.push_back({draw.point(0.0, size), 2.0, -1});
   return slice;
 }
 
@@ -171,7 +159,7 @@ struct Comparison {
 // One pose and a sweep on the way, of whole turns and of parts, either way round.
 Sweep random_sweep(Draw& draw, double size) {
   Sweep sweep{};
-  const Vec2 position = draw.point(size);
+  const Vec2 position = draw.point(0.0, size);
   sweep.begin = {position.x, position.y, draw(-kPi, kPi)};
   sweep.end = sweep.begin;
   const int kind = draw.whole(0, 3);
@@ -304,8 +292,9 @@ TEST_CASE("people and robots that move are met like anything else") {
     const RayCaster caster(slice, 12.0);
     for (int k = 0; k < 10; ++k) {
       Slice others;
-      for (int i = draw.whole(0, 40); i > 0; --i) others.circles.push_back({draw.point(10.0), draw(0.05, 0.3), -1});
-      for (int i = draw.whole(0, 9); i > 0; --i) add_box(others, draw.point(10.0), 0.25, 0.22, draw(-kPi, kPi));
+      for (int i = draw.whole(0, 40); i > 0; --i)
+        others.circles.push_back({draw.point(0.0, 10.0), draw(0.05, 0.3), -1});
+      for (int i = draw.whole(0, 9); i > 0; --i) add_box(others, draw.point(0.0, 10.0), 0.25, 0.22, draw(-kPi, kPi));
       Slice all = slice;
       all.segments.insert(all.segments.end(), others.segments.begin(), others.segments.end());
       all.circles.insert(all.circles.end(), others.circles.begin(), others.circles.end());
@@ -355,7 +344,7 @@ TEST_CASE("clockwise is counter-clockwise read backwards, to rounding") {
   const Slice slice = office(draw, 10.0);
   const RayCaster caster(slice, 12.0);
   for (int k = 0; k < 50; ++k) {
-    const Vec2 p = draw.point(10.0);
+    const Vec2 p = draw.point(0.0, 10.0);
     const double angle = draw(-kPi, kPi);
     std::vector<float> left(360);
     std::vector<float> right(360);
@@ -402,8 +391,8 @@ std::vector<float> all_kinds_of_ranges() {
     const RayCaster caster(slice, 12.0);
     for (int k = 0; k < 20; ++k) {
       Slice others;
-      others.circles.push_back({draw.point(10.0), 0.25, -1});
-      add_box(others, draw.point(10.0), 0.25, 0.22, draw(-kPi, kPi));
+      others.circles.push_back({draw.point(0.0, 10.0), 0.25, -1});
+      add_box(others, draw.point(0.0, 10.0), 0.25, 0.22, draw(-kPi, kPi));
       Sweep sweep = random_sweep(draw, 10.0);
       if (k % 2) set_in_motion(sweep, draw);
       const auto ranges = cast(caster, sweep, {others.segments, others.circles});

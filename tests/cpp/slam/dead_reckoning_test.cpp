@@ -5,23 +5,12 @@
 
 #include <Eigen/LU>
 #include <cmath>
-#include <random>
 
+#include "draw.hpp"
 #include "slam/pose_filter.hpp"
 
 namespace threewe::slam {
 namespace {
-
-class Draw {
- public:
-  explicit Draw(std::uint64_t seed) : bits_(seed) {}
-  double operator()(double low, double high) {
-    return low + (high - low) * static_cast<double>(bits_() >> 11) * 0x1p-53;
-  }
-
- private:
-  std::mt19937_64 bits_;
-};
 
 TEST_CASE("calibrated dead reckoning follows any drive exactly, in between samples too") {
   for (std::uint64_t seed = 0; seed < 500; ++seed) {

@@ -5,9 +5,9 @@
 
 #include <Eigen/LU>
 #include <cmath>
-#include <random>
 #include <vector>
 
+#include "draw.hpp"
 #include "slam/tiny_world.hpp"
 
 namespace threewe::slam {
@@ -17,17 +17,6 @@ using map::Beam;
 using testing::add_box;
 using testing::tiny_range;
 using testing::TinyWall;
-
-class Draw {
- public:
-  explicit Draw(std::uint64_t seed) : bits_(seed) {}
-  double operator()(double low, double high) {
-    return low + (high - low) * static_cast<double>(bits_() >> 11) * 0x1p-53;
-  }
-
- private:
-  std::mt19937_64 bits_;
-};
 
 Vec2 unit(double angle) {
   const auto [s, c] = exact::sincos(angle);

@@ -1,0 +1,22 @@
+// The border between a backend and everything above it: what no sensor of the robot can have measured is refused.
+#pragma once
+
+#include "threewe/backend/world.hpp"
+#include "threewe/core/samples.hpp"
+#include "threewe/hardware/profile.hpp"
+
+namespace threewe::backend {
+
+/// The furthest from an origin that a pose may be [m]: far beyond any robot, and near enough to compute with.
+inline constexpr double kMaxCoordinate = 1e6;
+
+/// Throws ContractError, naming sensor and field, unless `data` is what a sensor of this profile could measure: of its
+/// type, finite, of sane size, the right number of beams, ranges that are 0 or within the lidar's limits, a heading in
+/// (-pi, pi], a charge within 0 to 1.
+void check_data(const SensorInfo& sensor, const SampleData& data, const RobotProfile& profile);
+
+/// Throws ContractError unless a sample is of a sensor that the robot has, was measured before it was received, and
+/// holds what that sensor could measure.
+void check_sample(const Features& features, const Sample& sample, const RobotProfile& profile);
+
+}  // namespace threewe::backend

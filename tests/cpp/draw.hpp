@@ -1,0 +1,36 @@
+// Random cases. A test that draws them captures its seed, so that a failure prints it.
+#pragma once
+
+#include <cstdint>
+#include <random>
+
+#include "threewe/core/pose.hpp"
+
+namespace threewe {
+
+/// Draws numbers that are the same with every standard library.
+class Draw {
+ public:
+  explicit Draw(std::uint64_t seed) : bits_(seed) {}
+  /// Uniform in [low, high).
+  double operator()(double low, double high) {
+    return low + (high - low) * static_cast<double>(bits_() >> 11) * 0x1p-53;
+  }
+  /// Each of low ... high equally often.
+  int whole(int low, int high) { return low + static_cast<int>(bits_() % static_cast<unsigned>(high - low + 1)); }
+  /// Both coordinates uniform in [low, high).
+  Vec2 point(double low, double high) {
+    const double x = (*this)(low, high);
+    return {x, (*this)(low, high)};
+  }
+  /// The same, and any heading.
+  Pose2D pose(double low, double high) {
+    const Vec2 position = point(low, high);
+    return {position.x, position.y, wrap_angle((*this)(-7.0, 7.0))};
+  }
+
+ private:
+  std::mt19937_64 bits_;
+};
+
+}  // namespace threewe
