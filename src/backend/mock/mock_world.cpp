@@ -57,16 +57,19 @@ void MockWorld::step() {
 }
 
 std::vector<Pose2D> MockWorld::start_poses(const std::vector<Pose2D>& asked) const {
+  if (!asked.empty() && asked.size() != ports_.size()) {
+    throw ConfigError(fmt::format("{} start poses for {} robots", asked.size(), ports_.size()));
+  }
   const std::vector<Pose2D>& poses = asked.empty() ? model_->scene->starts : asked;
-  if (poses.size() < ports_.size() || (!asked.empty() && poses.size() > ports_.size())) {
-    throw ConfigError(fmt::format("{} start poses for {} robots{}", poses.size(), ports_.size(),
-                                  asked.empty() ? fmt::format(" in scene '{}'", model_->scene->name) : ""));
+  if (poses.size() < ports_.size()) {
+    throw ConfigError(fmt::format("scene '{}' names {} start poses, too few for {} robots: give start_poses",
+                                  model_->scene->name, poses.size(), ports_.size()));
   }
   std::vector<Pose2D> starts;
   for (std::size_t i = 0; i < ports_.size(); ++i) {
     const Pose2D& pose = poses[i];
     const auto fail = [&](const std::string& what) {
-      throw ConfigError(fmt::format("poses[{}]: ({}, {}, {}) {}", i, pose.x, pose.y, pose.theta, what));
+      throw ConfigError(fmt::format("start pose {}: ({}, {}, {}) {}", i, pose.x, pose.y, pose.theta, what));
     };
     if (!is_finite(pose)) fail("is not finite");
     const scene::Scene& scene = *model_->scene;

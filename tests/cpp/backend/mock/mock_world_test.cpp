@@ -114,10 +114,12 @@ TEST_CASE("unknown scenes, robots and impossible starts are refused with their r
   CHECK(error_for({.robots = {"turtlebot_lik"}}).find("'turtlebot_like'") != std::string::npos);
   CHECK(error_for({.robots = {}}).find("at least one") != std::string::npos);
   CHECK(error_for({.poses = {{}, {}}}).find("2 start poses for 1 robots") != std::string::npos);
+  const std::vector<std::string> four(4, "3we_standard_v2");
+  CHECK(error_for({.robots = four}).find("names 3 start poses, too few for 4 robots") != std::string::npos);
   CHECK(error_for({.poses = {{kNaN, 0.0, 0.0}}}).find("not finite") != std::string::npos);
   CHECK(error_for({.poses = {{500.0, 0.0, 0.0}}}).find("outside scene") != std::string::npos);
   CHECK(error_for({.robots = {"3we_standard_v2", "turtlebot_like"}, .poses = {{}, {0.1, 0.0, 0.0}}})
-            .find("poses[1]: (0.1, 0, 0) overlaps robot 0") != std::string::npos);
+            .find("start pose 1: (0.1, 0, 0) overlaps robot 0") != std::string::npos);
 
   const scene::Scene office = scene::Scene::load("office_v2");
   const scene::Wall& wall = office.walls.front();
