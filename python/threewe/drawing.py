@@ -89,7 +89,7 @@ class View:
 
 
 def draw_scene(scene: Scene, view: View, labels: bool = True) -> Image.Image:
-    """The true scene: floors, furniture, walls and the names of its rooms."""
+    """The true scene, RGB: floors, furniture, walls and the names of its rooms."""
     picture = Image.new("RGBA", view.size, PAPER)
     draw = ImageDraw.Draw(picture)
     for room in scene.rooms:
@@ -100,11 +100,11 @@ def draw_scene(scene: Scene, view: View, labels: bool = True) -> Image.Image:
     _draw_walls(picture, scene, view)
     if labels:
         _draw_labels(picture, scene, view)
-    return picture
+    return picture.convert("RGB")
 
 
 def draw_map(grid: OccupancyGrid, view: View) -> Image.Image:
-    """A robot's own map: unknown grey, free white, occupied dark."""
+    """A robot's own map, RGB: unknown grey, free white, occupied dark."""
     cells = Image.fromarray(_MAP_COLORS[np.asarray(grid.data)[::-1]])
 
     # each cell becomes an axis-aligned patch; the picture's edge cuts off what lies outside the view
@@ -113,7 +113,7 @@ def draw_map(grid: OccupancyGrid, view: View) -> Image.Image:
         left, bottom = view.point(*grid.origin)
         size = (round(cells.width * grid.resolution * view.pixels), round(cells.height * grid.resolution * view.pixels))
         picture.paste(cells.resize(size, Image.Resampling.NEAREST), (round(left), round(bottom) - size[1]))
-    return picture.convert("RGBA")
+    return picture
 
 
 def draw_rays(picture: Image.Image, view: View, origin: tuple[float, float], hits: Points) -> None:
@@ -133,7 +133,7 @@ def draw_rays(picture: Image.Image, view: View, origin: tuple[float, float], hit
     r = 0.03 * view.pixels
     for x, y in ends:
         draw.ellipse([x - r, y - r, x + r, y + r], HITS)
-    picture.alpha_composite(layer, (int(corner[0]), int(corner[1])))
+    picture.paste(layer, (int(corner[0]), int(corner[1])), layer)
 
 
 def draw_path(
@@ -170,8 +170,8 @@ def draw_robot(picture: Image.Image, view: View, pose: Pose2D, profile: RobotPro
 
 
 def finish(picture: Image.Image) -> Image.Image:
-    """The picture at its final size, smooth, RGB."""
-    return picture.convert("RGB").reduce(SUPERSAMPLING)
+    """The picture at its final size, smooth."""
+    return picture.reduce(SUPERSAMPLING)
 
 
 def text_font(pixels: float) -> ImageFont.FreeTypeFont | ImageFont.ImageFont:
