@@ -11,8 +11,14 @@ constexpr std::size_t kMaxCorners = 16;
 constexpr std::size_t kMaxContacts = 64;
 constexpr std::size_t kMaxShapes = 256;
 
-// The distance that is kept from obstacles, so that the error of a linear step never reaches them [m].
+// The distance that is kept from obstacles [m]; it is met at half of it.
 constexpr double kSkin = 2e-4;
+// What is touched is no farther than this [m].
+constexpr double kTouch = 2.0 * kSkin;
+// How far a body near a shape goes before it looks again [m]: it cuts no corner deeper than half of this.
+constexpr double kStride = 1e-3;
+// A step is taken in so many parts at most; time that is left then is lost.
+constexpr int kMaxParts = 16;
 
 constexpr Vec2 left_of(Vec2 v) { return {-v.y, v.x}; }
 
@@ -65,16 +71,11 @@ struct Shape {
   Vec2 b;
   double radius;
   bool is_circle;
-  bool hit;  // the body would run into it in this step
 };
 
 bool overlaps(const Outline& outline, Vec2 moved, const Shape& shape) {
   return shape.is_circle ? overlaps(outline, shape.a - moved, shape.radius)
                          : overlaps(outline, shape.a - moved, shape.b - moved);
-}
-
-bool overlaps_any(const Outline& outline, Vec2 moved, std::span<const Shape> shapes) {
-  return std::ranges::any_of(shapes, [&](const Shape& shape) { return overlaps(outline, moved, shape); });
 }
 
 // The shapes that a body could meet in this step.
@@ -92,17 +93,17 @@ class Neighbourhood {
     for (const scene::Segment& segment : others) add(segment, base, reach);
   }
 
-  std::span<Shape> shapes() { return std::span(shapes_).first(count_); }
+  std::span<const Shape> shapes() const { return std::span(shapes_).first(count_); }
 
  private:
   void add(const scene::Segment& segment, Vec2 base, double reach) {
     const Vec2 closest = closest_on_segment(base, segment.a, segment.b) - base;
-    if (dot(closest, closest) < reach * reach) push({segment.a - base, segment.b - base, 0.0, false, false});
+    if (dot(closest, closest) < reach * reach) push({segment.a - base, segment.b - base, 0.0, false});
   }
   void add(const scene::Circle& circle, Vec2 base, double reach) {
     const Vec2 center = circle.center - base;
     const double far = reach + circle.radius;
-    if (dot(center, center) < far * far) push({center, center, circle.radius, true, false});
+    if (dot(center, center) < far * far) push({center, center, circle.radius, true});
   }
   void push(const Shape& shape) {
     if (count_ < kMaxShapes) shapes_[count_++] = shape;
@@ -118,18 +119,18 @@ struct Twist {
   double angular = 0.0;
 };
 
-// A point of the outline and a place of an obstacle near each other.
+// A point of the outline and a place of an obstacle that touch, or nearly so.
 struct Contact {
   Vec2 normal;  // from the obstacle to the body
   Vec2 arm;     // from the base to the point
   double gap = 0.0;
-  double impulse = 0.0;  // over mass
+  double impulse = 0.0;  // over mass, as `resolve` found it
   double speed(const Twist& twist) const { return dot(normal, twist.linear) + cross(arm, normal) * twist.angular; }
 };
 
 // Visits every pair of near points of a body that has moved and a shape: visit(from shape to body, point of the body
-// around its base, a direction out of the shape). The distance between two convex shapes grows at least as fast as any
-// such pair of points tells, so that keeping all pairs apart to first order keeps the shapes apart.
+// around its base, a direction out of the shape). The nearest pair is as far apart as the shapes are; and the distance
+// between two convex shapes grows at least as fast as any such pair of points tells.
 template <typename Visit>
 void visit_pairs(const Outline& outline, Vec2 moved, const Shape& shape, const Visit& visit) {
   const Vec2 a = shape.a - moved;
@@ -152,28 +153,76 @@ void visit_pairs(const Outline& outline, Vec2 moved, const Shape& shape, const V
   }
 }
 
-// Whether a body that has moved overlaps a shape, or has come within half the skin of it.
-bool hits(const Outline& outline, Vec2 moved, const Shape& shape) {
-  if (overlaps(outline, moved, shape)) return true;
-  const double least = shape.radius + 0.5 * kSkin;
-  bool near = false;
-  visit_pairs(outline, moved, shape,
-              [&](Vec2 offset, Vec2, Vec2) { near = near || dot(offset, offset) < least * least; });
-  return near;
+// How far a body that has moved is from a shape; 0 where they overlap.
+double clearance(const Outline& outline, Vec2 moved, const Shape& shape) {
+  if (overlaps(outline, moved, shape)) return 0.0;
+  double least = std::numeric_limits<double>::infinity();
+  visit_pairs(outline, moved, shape, [&](Vec2 offset, Vec2, Vec2) { least = std::min(least, dot(offset, offset)); });
+  return std::max(exact::sqrt(least) - shape.radius, 0.0);
+}
+
+// Where the body is in the course of a step: how far its base has come, and its heading.
+struct Place {
+  Vec2 moved;
+  double heading = 0.0;
+};
+
+Place advance(const Place& from, const Twist& twist, double seconds) {
+  return {from.moved + seconds * twist.linear, from.heading + seconds * twist.angular};
+}
+
+// How long a body can go on until it meets a shape; `seconds` if it does not. No part of it is faster than `speed`, so
+// it looks again only where it could be there.
+double clear_time(const Footprint& footprint, const Place& from, const Twist& twist, double seconds,
+                  const Shape& shape) {
+  const auto gap_after = [&](double time) {
+    const Place place = advance(from, twist, time);
+    return clearance(turn_outline(footprint, place.heading), place.moved, shape);
+  };
+  const double speed = norm(twist.linear) + std::fabs(twist.angular) * footprint.circumscribed_radius();
+  double gap = gap_after(0.0);
+  if (speed == 0.0 || gap > speed * seconds + kSkin) return seconds;
+  const double met = std::min(0.5 * kSkin, 0.9 * gap);
+  for (double clear = 0.0; clear < seconds;) {
+    double time = std::min(clear + std::max(gap - met, kStride) / speed, seconds);
+    gap = gap_after(time);
+    if (gap <= met) {
+      for (int halving = 0; halving < 4; ++halving) {
+        const double middle = 0.5 * (clear + time);
+        (gap_after(middle) > met ? clear : time) = middle;
+      }
+      return clear;
+    }
+    clear = time;
+  }
+  return seconds;
+}
+
+// The same for all shapes.
+double clear_time(const Footprint& footprint, const Place& from, const Twist& twist, double seconds,
+                  std::span<const Shape> shapes) {
+  double clear = seconds;
+  for (double before = 0.0; before != clear;) {  // where one shape ends it, it must be clear of the others too
+    before = clear;
+    for (const Shape& shape : shapes) clear = clear_time(footprint, from, twist, clear, shape);
+  }
+  return clear;
 }
 
 struct Contacts {
   std::array<Contact, kMaxContacts> items;
   std::size_t count = 0;
 
-  // The pairs of a shape that are no further apart than `within`.
-  void add(const Outline& outline, Vec2 moved, const Shape& shape, double within) {
-    visit_pairs(outline, moved, shape, [&](Vec2 offset, Vec2 arm, Vec2 outward) {
-      const double length = norm(offset);
-      if (length - shape.radius > within || count == kMaxContacts) return;
-      const Vec2 normal = length > 1e-9 ? (1.0 / length) * offset : (1.0 / norm(outward)) * outward;
-      items[count++] = {normal, arm, length - shape.radius};
-    });
+  // The pairs that touch.
+  Contacts(const Outline& outline, Vec2 moved, std::span<const Shape> shapes) {
+    for (const Shape& shape : shapes) {
+      visit_pairs(outline, moved, shape, [&](Vec2 offset, Vec2 arm, Vec2 outward) {
+        const double length = norm(offset);
+        if (length - shape.radius > kTouch || count == kMaxContacts) return;
+        const Vec2 normal = length > 1e-9 ? (1.0 / length) * offset : (1.0 / norm(outward)) * outward;
+        items[count++] = {normal, arm, length - shape.radius};
+      });
+    }
   }
 };
 
@@ -187,6 +236,7 @@ Twist resolve(const RigidBody& body, Contacts& contacts, Twist twist, double sec
   constexpr int kMaxSweeps = 50;
   const double before = energy(body, twist);
   const double mass_over_inertia = body.mass / body.inertia;
+  for (std::size_t i = 0; i < contacts.count; ++i) contacts.items[i].impulse = 0.0;
   for (int sweep = 0; sweep < kMaxSweeps; ++sweep) {
     double largest = 0.0;
     for (std::size_t i = 0; i < contacts.count; ++i) {
@@ -214,28 +264,28 @@ Twist resolve(const RigidBody& body, Contacts& contacts, Twist twist, double sec
   return {share * twist.linear, share * twist.angular};
 }
 
-// The speed at which the body met what holds it now.
-double approach_speed(const Contacts& contacts, const Twist& carried, const Twist& after, double seconds) {
+// The speed at which the body meets what has just held it back.
+double approach_speed(const Contacts& contacts, const Twist& carried) {
   double fastest = 0.0;
   for (std::size_t i = 0; i < contacts.count; ++i) {
     const Contact& contact = contacts.items[i];
-    const bool reached = contact.gap + contact.speed(after) * seconds <= 1.5 * kSkin;
-    if (contact.impulse > 0.0 && reached) fastest = std::max(fastest, -contact.speed(carried));
+    if (contact.impulse > 0.0) fastest = std::max(fastest, -contact.speed(carried));
   }
   return fastest;
 }
 
-// A small step away from everything that is nearer than half the skin.
-Vec2 restore_skin(const Outline& outline, Vec2 moved, std::span<const Shape> shapes) {
-  Contacts near;
-  for (const Shape& shape : shapes) near.add(outline, moved, shape, 0.5 * kSkin);
+// A small step away from all that is nearer than the skin, where there is room.
+Place restore_skin(const Contacts& contacts, const Outline& outline, const Place& place,
+                   std::span<const Shape> shapes) {
   Vec2 out;
-  for (std::size_t i = 0; i < near.count; ++i) {
-    const Contact& contact = near.items[i];
+  for (std::size_t i = 0; i < contacts.count; ++i) {
+    const Contact& contact = contacts.items[i];
     const double missing = kSkin - contact.gap - dot(contact.normal, out);
     if (missing > 0.0) out = out + missing * contact.normal;
   }
-  return out;
+  const Vec2 moved = place.moved + out;
+  const bool room = std::ranges::none_of(shapes, [&](const Shape& shape) { return overlaps(outline, moved, shape); });
+  return {room ? moved : place.moved, place.heading};
 }
 
 }  // namespace
@@ -253,56 +303,37 @@ Motion move(const RigidBody& body, const ShapeIndex& obstacles, std::span<const 
   // only what lies within this step's travel can matter
   const double radius = body.footprint.circumscribed_radius();
   const double speed = exact::hypot(velocity.vx, velocity.vy) + std::fabs(velocity.omega) * radius;
-  const double within = speed * seconds + 2.0 * kSkin;
-  Neighbourhood neighbourhood(obstacles, others, pose.position(), radius + within);
-  const std::span<Shape> shapes = neighbourhood.shapes();
-  if (shapes.empty()) return {free_end, velocity};
+  const Neighbourhood neighbourhood(obstacles, others, pose.position(), radius + 2.0 * speed * seconds + kTouch);
+  const std::span<const Shape> shapes = neighbourhood.shapes();
 
   // from here on in axes that do not turn; the arc is followed along its chord
-  const auto outline_after = [&](const Twist& twist) {
-    return turn_outline(body.footprint, pose.theta + seconds * twist.angular);
-  };
-  const Twist free{(1.0 / seconds) * (free_end.position() - pose.position()), velocity.omega};
-  Twist twist = free;
+  Place place{{}, pose.theta};
+  Twist twist{(1.0 / seconds) * (free_end.position() - pose.position()), velocity.omega};
+  Twist met_with{rotate({carried.vx, carried.vy}, pose.theta), carried.omega};
 
-  // whatever the motion would run into holds it back, and then perhaps something else that comes into its way
-  Contacts contacts;
-  for (bool found = true; found;) {
-    const Outline there = outline_after(twist);
-    found = false;
-    for (Shape& shape : shapes) {
-      if (shape.hit || !hits(there, seconds * twist.linear, shape)) continue;
-      shape.hit = found = true;
-    }
-    if (!found) break;
-    contacts.count = 0;
-    const Outline outline = turn_outline(body.footprint, pose.theta);
-    for (const Shape& shape : shapes) {
-      if (shape.hit) contacts.add(outline, {}, shape, within);
-    }
-    twist = resolve(body, contacts, free, seconds);
-  }
-  if (contacts.count == 0) return {free_end, velocity};
-
-  // turning bends the paths of the corners: where that would overlap after all, a shorter step does not
-  constexpr int kHalvings = 5;
-  for (int i = 0; i <= kHalvings && overlaps_any(outline_after(twist), seconds * twist.linear, shapes); ++i) {
-    const double share = i < kHalvings ? 0.5 : 0.0;
-    twist = {share * twist.linear, share * twist.angular};
-  }
-
+  // freely until something is met, which holds it back; and so on, until the time is over
   Motion motion;
-  const Vec2 met = rotate({carried.vx, carried.vy}, pose.theta);
-  motion.approach_speed = approach_speed(contacts, {met, carried.omega}, twist, seconds);
-  motion.touching = true;
-  const Vec2 linear = rotate(twist.linear, -(pose.theta + 0.5 * seconds * twist.angular));
-  motion.velocity = {linear.x, linear.y, twist.angular};
+  double left = seconds;
+  for (int part = 0; part < kMaxParts; ++part) {
+    const double clear = clear_time(body.footprint, place, twist, left, shapes);
+    place = advance(place, twist, clear);
+    left -= clear;
+    if (left == 0.0) break;
 
-  const Outline there = outline_after(twist);
-  Vec2 moved = seconds * twist.linear;
-  const Vec2 out = restore_skin(there, moved, shapes);
-  if (!overlaps_any(there, moved + out, shapes)) moved = moved + out;
-  motion.pose = {pose.x + moved.x, pose.y + moved.y, wrap_angle(pose.theta + seconds * twist.angular)};
+    const Outline outline = turn_outline(body.footprint, place.heading);
+    Contacts contacts(outline, place.moved, shapes);
+    twist = resolve(body, contacts, twist, left);
+    motion.approach_speed = std::max(motion.approach_speed, approach_speed(contacts, met_with));
+    met_with = resolve(body, contacts, met_with, left);
+    place = restore_skin(contacts, outline, place, shapes);
+    motion.touching = true;
+  }
+  if (!motion.touching) return {free_end, velocity};
+  if (left == seconds) twist = {};  // it is stuck
+
+  const Vec2 linear = rotate(twist.linear, -(place.heading - 0.5 * seconds * twist.angular));
+  motion.velocity = {linear.x, linear.y, twist.angular};
+  motion.pose = {pose.x + place.moved.x, pose.y + place.moved.y, wrap_angle(place.heading)};
   return motion;
 }
 

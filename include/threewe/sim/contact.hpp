@@ -21,8 +21,8 @@ struct RigidBody {
 struct Motion {
   Pose2D pose;
   Velocity velocity;            ///< body frame, after contact
-  bool touching = false;        ///< at the end of the step
-  double approach_speed = 0.0;  ///< [m/s] at which the body met what it touches now; 0 while it rests against it
+  bool touching = false;        ///< something held it back in this step
+  double approach_speed = 0.0;  ///< [m/s] at which the body met what held it back; 0 while it rests against it
 };
 
 /// How far from the base a shape can matter in one step [m]: what `ShapeIndex` needs for this body.

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <vector>
 
+#include "sim/bodies.hpp"
 #include "threewe/core/rng.hpp"
-#include "threewe/scene/solid.hpp"
 
 using namespace threewe;
 using namespace threewe::sim;
@@ -15,30 +15,10 @@ namespace {
 
 constexpr double kSeconds = 0.01;
 
-RigidBody robot() { return {Footprint::rectangle(0.25, 0.22), 2.5, 0.0231}; }
+RigidBody robot() { return box_body(); }
 
 ShapeIndex index(const std::vector<scene::Solid>& solids, const RigidBody& body = robot()) {
   return {scene::outlines(solids), contact_reach(body.footprint, 2.0, 6.0, kSeconds)};
-}
-
-std::vector<Vec2> outline(const RigidBody& body, const Pose2D& pose) {
-  std::vector<Vec2> corners;
-  for (const Vec2 corner : body.footprint.corners()) corners.push_back(pose * corner);
-  return corners;
-}
-
-// Exact and independent of the code under test: the scene's own test of solids, a micrometre deep.
-bool inside(const std::vector<scene::Solid>& solids, const RigidBody& body, const Pose2D& pose) {
-  for (const scene::Solid& solid : solids) {
-    if (scene::overlaps(solid, outline(body, pose), 1e-9)) return true;
-  }
-  return false;
-}
-
-double gap(const std::vector<scene::Solid>& solids, const RigidBody& body, const Pose2D& pose) {
-  double least = 1e9;
-  for (const scene::Solid& solid : solids) least = std::min(least, scene::distance_to(solid, outline(body, pose)));
-  return least;
 }
 
 double energy(const RigidBody& body, const Velocity& v) {
@@ -155,9 +135,7 @@ TEST_CASE("passing by closely is no contact") {
 }
 
 TEST_CASE("contact adds no energy and nothing is entered, among random obstacles") {
-  const RigidBody bodies[] = {robot(),
-                              {Footprint({{0.041, -0.09}, {0.041, 0.09}, {-0.11, 0.09}, {-0.11, -0.09}}), 1.0, 0.0052},
-                              {Footprint({{0.2, 0.0}, {-0.1, 0.15}, {-0.1, -0.15}}), 1.5, 0.02}};
+  const RigidBody bodies[] = {box_body(), off_centre_body(), triangle_body()};
   int touched = 0;
   for (std::uint64_t seed = 0; seed < 600; ++seed) {
     CAPTURE(seed);
