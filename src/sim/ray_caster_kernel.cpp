@@ -154,10 +154,11 @@ HWY_INLINE void keep_larger(Fan& fan, int first, int last, const InverseRange& i
   const Floats d;
   const Ints di;
   const int lanes = static_cast<int>(hn::Lanes(d));
+  const auto ascending = hn::Iota(di, 0);  // of a constant, since that of a variable is slow in Highway 1.0
   const auto before = hn::Set(di, first - 1);
   const auto after = hn::Set(di, last + 1);
   const auto keep = [&](int i) HWY_ATTR {
-    const auto beam = hn::Iota(di, i);
+    const auto beam = hn::Add(ascending, hn::Set(di, i));
     const auto inside = hn::And(hn::Gt(beam, before), hn::Gt(after, beam));
     const F value =
         inverse_range(hn::ConvertTo(d, beam), hn::Load(d, fan.cos.data() + i), hn::Load(d, fan.sin.data() + i));
@@ -179,8 +180,9 @@ HWY_INLINE void keep_larger_carefully(Fan& fan, int first, int last, const Inver
   const HalfFloats df;
   const int lanes = static_cast<int>(hn::Lanes(d));
   const Sweep& sweep = fan.sweep;
+  const V ascending = hn::Iota(d, 0);
   for (int i = first & -lanes; i <= last; i += lanes) {
-    const V beam = hn::Iota(d, i);
+    const V beam = hn::Add(ascending, hn::Set(d, i));
     const auto inside = hn::And(hn::Ge(beam, hn::Set(d, first)), hn::Le(beam, hn::Set(d, last)));
     const V x = hn::Add(hn::Set(d, sweep.origin.x), hn::Mul(beam, hn::Set(d, sweep.step.x)));
     const V y = hn::Add(hn::Set(d, sweep.origin.y), hn::Mul(beam, hn::Set(d, sweep.step.y)));
