@@ -15,7 +15,7 @@ import threewe
 
 @pytest.fixture(autouse=True, scope="session")
 def ctrl_c() -> Iterator[None]:
-    """A shell starts background jobs deaf to Ctrl-C, and the tests that send it would wait for ever."""
+    """A shell starts background jobs, ./dev or pytest, deaf to Ctrl-C; the tests that send it would wait for ever."""
     before = signal.signal(signal.SIGINT, signal.default_int_handler)
     yield
     signal.signal(signal.SIGINT, before)
