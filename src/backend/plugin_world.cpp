@@ -7,19 +7,13 @@
 #include "backend/bytes.hpp"
 #include "threewe/backend/plugin.hpp"
 #include "threewe/core/errors.hpp"
+#include "threewe/hardware/limits.hpp"
 
 namespace threewe::backend {
 
 namespace {
 
 using Call = PluginRequest::Call;
-
-/// The velocity with its direction kept, no faster than the drive can go.
-Velocity limited(const Velocity& v, const Limits& limits) {
-  const double speed = norm({v.vx, v.vy});
-  const double scale = speed > limits.linear ? limits.linear / speed : 1.0;
-  return {v.vx * scale, v.vy * scale, std::clamp(v.omega, -limits.angular, limits.angular)};
-}
 
 }  // namespace
 
@@ -101,7 +95,7 @@ void PluginWorld::command(const Velocity& velocity, Time valid_until) {
     throw ConnectionError(fmt::format("backend '{}': command() while not connected", link_->name_));
   link_->notice_hanging();
   link_->throw_if_faulty();
-  link_->command_ = {limited(velocity, link_->profile_.hardware_limits), valid_until};
+  link_->command_ = {within_limits(link_->profile_.hardware_limits, velocity), valid_until};
 }
 
 void PluginWorld::reset(const ResetOptions& options) {

@@ -24,17 +24,6 @@ Drive make_drive(const RobotProfile& profile, Duration step) {
   return drive;
 }
 
-Velocity clamp_command(const Limits& limits, const Velocity& command) {
-  Velocity clamped = command;
-  const double speed = exact::hypot(command.vx, command.vy);
-  if (speed > limits.linear) {
-    clamped.vx = command.vx * limits.linear / speed;
-    clamped.vy = command.vy * limits.linear / speed;
-  }
-  clamped.omega = std::clamp(command.omega, -limits.angular, limits.angular);
-  return clamped;
-}
-
 WheelSpeeds drive_motors(const Drive& drive, const WheelSpeeds& speeds, const WheelSpeeds& setpoints, double supply) {
   WheelSpeeds next{};
   for (int i = 0; i < drive.wheels.wheel_count(); ++i) {

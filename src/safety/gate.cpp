@@ -5,6 +5,7 @@
 #include "safety/collision_monitor.hpp"
 #include "safety/limits.hpp"
 #include "threewe/core/errors.hpp"
+#include "threewe/hardware/limits.hpp"
 
 namespace threewe::safety {
 namespace {

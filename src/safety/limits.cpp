@@ -27,16 +27,6 @@ Vec2 approach(Vec2 last, Vec2 target, double braking, double acceleration) {
 
 }  // namespace
 
-Velocity within_limits(const Limits& limits, Velocity v) {
-  const double speed = exact::hypot(v.vx, v.vy);
-  if (speed > limits.linear * kRounding) {
-    v.vx *= limits.linear / speed;
-    v.vy *= limits.linear / speed;
-  }
-  v.omega = std::clamp(v.omega, -limits.angular, limits.angular);
-  return v;
-}
-
 Velocity within_acceleration(const Limits& limits, const Velocity& last, const Velocity& target) {
   const Vec2 linear =
       approach({last.vx, last.vy}, {target.vx, target.vy}, limits.linear_braking, limits.linear_acceleration);

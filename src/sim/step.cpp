@@ -3,6 +3,7 @@
 #include <cassert>
 #include <vector>
 
+#include "threewe/hardware/limits.hpp"
 #include "threewe/models/battery.hpp"
 
 namespace threewe::sim {
@@ -17,10 +18,10 @@ struct Before {
   Velocity carried;  // its velocity, seen from the heading that the step begins with
 };
 
-// The command that arrives now is the one sent a latency ago.
+// The command that arrives now is the one sent a latency ago; the firmware takes it within the hardware limits.
 Velocity deliver_command(const RobotModel& robot, RobotState& state, const Velocity& sent) {
   state.commands[(state.steps + static_cast<std::uint64_t>(robot.command_latency)) % kMaxLatencySteps] = sent;
-  return models::clamp_command(robot.drive.limits, state.commands[state.steps % kMaxLatencySteps]);
+  return within_limits(robot.drive.limits, state.commands[state.steps % kMaxLatencySteps]);
 }
 
 double battery_supply(const RobotModel& robot, const RobotState& state) {

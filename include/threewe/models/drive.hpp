@@ -27,9 +27,6 @@ struct Drive {
 
 Drive make_drive(const RobotProfile& profile, Duration step);
 
-/// The command as the firmware takes it: within the hardware limits, direction kept.
-Velocity clamp_command(const Limits& limits, const Velocity& command);
-
 /// Wheel speeds after one step of the motors' speed loops towards `setpoints`. `supply` is the battery's voltage over
 /// the nominal one: torque falls from stall to nothing at the no-load speed, both in proportion to it.
 WheelSpeeds drive_motors(const Drive& drive, const WheelSpeeds& speeds, const WheelSpeeds& setpoints, double supply);

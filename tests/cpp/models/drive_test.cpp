@@ -97,15 +97,6 @@ TEST_CASE("the body takes the velocity of its wheels where friction allows, and 
   }
 }
 
-TEST_CASE("the firmware keeps the direction of a command that is too fast") {
-  const Velocity clamped = clamp_command(robot().hardware_limits, {3.0, 4.0, -9.0});
-  CHECK(clamped.vx == doctest::Approx(0.6 * 1.2));
-  CHECK(clamped.vy == doctest::Approx(0.8 * 1.2));
-  CHECK(clamped.omega == -3.0);
-  const Velocity allowed{0.3, -0.4, 1.0};
-  CHECK(clamp_command(robot().hardware_limits, allowed) == allowed);
-}
-
 TEST_CASE("power is that of the acceleration, and of rolling") {
   const double rolling = robot().body.rolling_resistance * robot().body.mass * 9.80665;
   CHECK(drive_power(drive(), {0.5, 0.0, 0.0}, {0.5, 0.0, 0.0}) == doctest::Approx(0.5 * rolling));

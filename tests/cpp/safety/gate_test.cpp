@@ -6,6 +6,7 @@
 #include <cmath>
 #include <deque>
 #include <limits>
+#include <utility>
 #include <vector>
 
 #include "threewe/core/rng.hpp"
@@ -139,6 +140,27 @@ TEST_CASE("a request that is not finite stops the robot") {
       GateOutput output;
       for (int i = 0; i < 20; ++i) output = gate(request);
       CHECK(output == GateOutput{{}, Intervention::limited});
+    }
+  }
+}
+
+TEST_CASE("a request beyond all measure is limited in its direction") {
+  for (const double huge : {1e155, 1e200, 1e308, std::numeric_limits<double>::max()}) {
+    CAPTURE(huge);
+    const std::vector<std::pair<Velocity, Velocity>> cases = {
+        {{huge, 0.0, 0.0}, {0.5, 0.0, 0.0}},
+        {{-huge, 0.0, huge}, {-0.5, 0.0, 1.0}},
+        {{0.6 * huge, -0.8 * huge, -huge}, {0.3, -0.4, -1.0}},
+        {{huge, 1.0, 0.0}, {0.5, 0.0, 0.0}},
+    };
+    for (const auto& [request, expected] : cases) {
+      Gate gate(model());
+      GateOutput output;
+      for (int i = 0; i < 100; ++i) output = gate(request);
+      CHECK(output.intervention == Intervention::limited);
+      CHECK(output.command.vx == doctest::Approx(expected.vx));
+      CHECK(output.command.vy == doctest::Approx(expected.vy));
+      CHECK(output.command.omega == doctest::Approx(expected.omega));
     }
   }
 }
