@@ -40,7 +40,7 @@ using ArrayView = nb::ndarray<nb::numpy, const T, Shape...>;
 /// `value` seconds. Throws ContractError naming the argument unless it is finite, in [0, 10^9].
 inline threewe::Duration seconds(std::string_view name, double value) {
   if (!(value >= 0.0 && value <= 1e9)) {
-    throw threewe::ContractError(fmt::format("{} must be a finite number of seconds >= 0, got {}", name, value));
+    throw threewe::ContractError(fmt::format("{} must lie in [0, 1e+09] s, got {}", name, value));
   }
   return threewe::from_seconds(value);
 }

@@ -173,6 +173,7 @@ void bind_time(nb::module_& m) {
       .def_prop_ro("robot_count", &World::robot_count)
       .def("robot", nb::overload_cast<std::size_t>(&World::robot), "index"_a, nb::rv_policy::reference_internal)
       .def_prop_ro("now", &World::now, "[s] of robot time")
+      .def("disconnect", &World::disconnect, WithoutGil(), "Stops every robot and lets go of it.")
       .def("tick", &World::tick, WithoutGil(), "One control period.")
       .def(
           "run", [](World& world, double wall) { return world.run(seconds("wall", wall)); }, "wall"_a, WithoutGil(),
@@ -304,8 +305,9 @@ void bind_simulation(nb::module_& m) {
       .def("geodesic", &Simulation::geodesic, "a"_a, "b"_a,
            "Length [m] of the shortest path between (x, y) points for the robot's footprint; infinity where there is "
            "none.")
-      .def("reset", &Simulation::reset, nb::kw_only(), "seed"_a = 0, "pose"_a = nb::none(), WithoutGil(),
-           "Begins anew at time 0. The robot starts at `pose`, or at the scene's own start pose without it.\n\n"
+      .def("reset", &Simulation::reset, nb::kw_only(), "seed"_a = nb::none(), "pose"_a = nb::none(), WithoutGil(),
+           "Begins anew at time 0, with the world's own seed and at the scene's own start pose unless told "
+           "otherwise.\n\n"
            "Raises ConfigError when that is inside an obstacle.")
       .def(
           "save", [](const Simulation& simulation) { return Snapshot{simulation.save()}; }, WithoutGil(),

@@ -1023,6 +1023,9 @@ class World:
     def now(self) -> float:
         """[s] of robot time"""
 
+    def disconnect(self) -> None:
+        """Stops every robot and lets go of it."""
+
     def tick(self) -> None:
         """One control period."""
 
@@ -1172,9 +1175,9 @@ class Simulation:
         Length [m] of the shortest path between (x, y) points for the robot's footprint; infinity where there is none.
         """
 
-    def reset(self, *, seed: int = 0, pose: Pose2D | None = None) -> None:
+    def reset(self, *, seed: int | None = None, pose: Pose2D | None = None) -> None:
         """
-        Begins anew at time 0. The robot starts at `pose`, or at the scene's own start pose without it.
+        Begins anew at time 0, with the world's own seed and at the scene's own start pose unless told otherwise.
 
         Raises ConfigError when that is inside an obstacle.
         """

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from numpy.typing import ArrayLike
+
 from threewe import _core
-from threewe._arguments import PoseLike, as_pose, as_seed
+from threewe._arguments import PoseLike, as_array, as_pose, as_seed
 from threewe._core import OccupancyGrid, Pose2D, RobotProfile, Snapshot
 from threewe._options import known_options
 from threewe._time import RobotTime
@@ -28,15 +30,26 @@ class Simulation(_core.Simulation):
         return self.start_pose() * self._map_from_start.inverse()
 
     @known_options
-    def reset(self, *, seed: int = 0, pose: PoseLike | None = None) -> None:
-        """Begins anew at time 0: motions end as `cancelled`, sleeps end, timeouts no longer limit.
+    def reset(self, *, seed: int | None = None, pose: PoseLike | None = None) -> None:
+        """Begins anew at time 0: motions end as `cancelled`, sleeps end, timeouts go on with what they have left.
 
-        The robot starts at `pose`, or at the scene's own start pose without it. Raises ConfigError when that is inside
-        an obstacle.
+        All noise is drawn from `seed`, the one that the robot was made with where left out. The robot starts at `pose`,
+        or at the scene's own start pose without it. Raises ConfigError when that is inside an obstacle.
         """
         self._time.check_thread()
-        super().reset(seed=as_seed("seed", seed), pose=None if pose is None else as_pose("pose", pose))
+        super().reset(
+            seed=None if seed is None else as_seed("seed", seed), pose=None if pose is None else as_pose("pose", pose)
+        )
         self._time.wake()
+
+    def sample_free_pose(self, seed: int) -> Pose2D:
+        """A pose where the robot fits with 5 cm to spare: a pure function of the seed."""
+        return super().sample_free_pose(as_seed("seed", seed))
+
+    def geodesic(self, a: ArrayLike, b: ArrayLike) -> float:
+        """Length [m] of the shortest path from a to b, (x, y) each, for the robot's footprint; infinity without one."""
+        (ax, ay), (bx, by) = as_array("a", a, (2,)).tolist(), as_array("b", b, (2,)).tolist()
+        return super().geodesic((ax, ay), (bx, by))
 
     def save(self) -> Snapshot:
         """Everything the future depends on. Raises ContractError while a motion is in progress or in an observer."""

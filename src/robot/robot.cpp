@@ -53,8 +53,6 @@ Robot::Robot(World& world, std::size_t index) : world_(&world), runtime_(&world.
 }
 
 Robot::~Robot() = default;
-Robot::Robot(Robot&&) noexcept = default;
-Robot& Robot::operator=(Robot&&) noexcept = default;
 
 void Robot::connect() {
   runtime_->connect();

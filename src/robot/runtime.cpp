@@ -31,9 +31,7 @@ Runtime::Impl::Impl(World& w, backend::RobotPort& p, Options mind)
 Runtime::Runtime(World& world, backend::RobotPort& port, Options mind)
     : impl_(std::make_unique<Impl>(world, port, std::move(mind))) {}
 
-Runtime::~Runtime() {
-  if (impl_->motion) impl_->motion->handle->runtime_ = nullptr;
-}
+Runtime::~Runtime() { impl_->end_motion(Reason::cancelled, "the robot is gone"); }
 
 void Runtime::connect() {
   if (impl_->healthy()) return;

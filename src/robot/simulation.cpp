@@ -7,9 +7,9 @@ namespace threewe {
 
 const scene::TruthView& Simulation::truth() const { return *world_->robot(robot_).truth(); }
 
-void Simulation::reset(std::uint64_t seed, const std::optional<Pose2D>& pose) {
+void Simulation::reset(std::optional<std::uint64_t> seed, const std::optional<Pose2D>& pose) {
   backend::ResetOptions options;
-  options.seed = seed;
+  options.seed = seed.value_or(world_->seed());
   if (pose) {
     if (!is_finite(*pose)) throw ContractError("pose must be finite");
     for (std::size_t i = 0; i < world_->robot_count(); ++i) {

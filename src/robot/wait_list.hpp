@@ -32,10 +32,12 @@ class WaitList {
   void end_due(Time now) {
     end_if([&](const Entry& e) { return e.kind != Kind::motion && e.wait->deadline() <= now; });
   }
-  /// Time begins anew: sleeps are done, and alarms are forgotten, for a limit is not up because time jumped.
-  void begin_anew() {
+  /// Time jumps: sleeps are done, and alarms jump along, for a limit counts the time that goes by.
+  void begin_anew(Duration jump) {
     end_if([](const Entry& e) { return e.kind == Kind::sleep; });
-    std::erase_if(pending_, [](const Entry& e) { return e.kind == Kind::alarm; });
+    for (const Entry& e : pending_) {
+      if (e.kind == Kind::alarm) e.wait->deadline_ += jump;
+    }
   }
   void forget(const WaitHandle& wait) {
     const auto entry = find(wait);

@@ -40,7 +40,9 @@ struct World::Snapshot {
 };
 
 World::World(const Options& options)
-    : World(backend::make_world(options.backend, options), options.realtime, options.mind, options.initial_poses) {}
+    : World(backend::make_world(options.backend, options), options.realtime, options.mind, options.initial_poses) {
+  impl_->seed = options.seed;
+}
 
 World::World(std::unique_ptr<backend::World> backend, bool realtime, const Mind& mind,
              const std::vector<Pose2D>& initial_poses)
@@ -64,7 +66,8 @@ World::World(std::unique_ptr<backend::World> backend, bool realtime, const Mind&
   }
 }
 
-World::~World() = default;
+// The robots go first: they end their motions, and whoever waits for these is told by the rest of the world.
+World::~World() { impl_->robots.clear(); }
 
 std::size_t World::robot_count() const { return impl_->robots.size(); }
 
@@ -76,6 +79,7 @@ const Runtime& World::robot(std::size_t index) const {
 }
 
 Time World::now() const { return impl_->now; }
+std::uint64_t World::seed() const { return impl_->seed; }
 
 void World::tick() {
   impl_->require_no_tick();
@@ -154,6 +158,18 @@ void World::settle() {
   }
 }
 
+void World::disconnect() {
+  std::exception_ptr error;
+  for (const auto& robot : impl_->robots) {
+    try {
+      robot->disconnect();
+    } catch (...) {
+      error = std::current_exception();  // the others are to stop nonetheless
+    }
+  }
+  if (error) std::rethrow_exception(error);
+}
+
 WaitHandle World::sleep(Duration duration) { return impl_->begin(duration, WaitList::Kind::sleep); }
 WaitHandle World::alarm(Duration duration) { return impl_->begin(duration, WaitList::Kind::alarm); }
 
@@ -186,10 +202,9 @@ WaitHandle World::close_hold(Duration charge) {
 
 bool World::held() const { return impl_->holds > 0 && impl_->lockstep; }
 
-// Time jumped: sleeps and alarms of before mean nothing any more.
 void World::Impl::begin_anew_at(Time time) {
+  waits.begin_anew(time - now);
   now = time;
-  waits.begin_anew();
   pace.forget();
   broken.clear();
 }

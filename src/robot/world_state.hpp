@@ -1,6 +1,7 @@
 // What a world keeps, for itself and for the runtimes of its robots.
 #pragma once
 
+#include <cstdint>
 #include <exception>
 #include <memory>
 #include <string>
@@ -15,7 +16,8 @@ namespace threewe {
 struct World::Impl {
   std::unique_ptr<backend::World> backend;
   std::vector<std::unique_ptr<Runtime>> robots;
-  Time now{};  // the tick that begins next
+  Time now{};              // the tick that begins next
+  std::uint64_t seed = 0;  // of all noise, unless a reset is given another
   WaitList waits;
   int holds = 0;
   bool ticking = false;  // an observer may be running

@@ -24,6 +24,7 @@ struct ExplorationHandle {
 };
 
 /// One connected robot. Robot time advances only inside `wait`, `sleep`, `thinking` and `execute_action`.
+/// It stays where it was made, since simulation() and observers refer to it.
 class Robot {
  public:
   struct Options {
@@ -45,11 +46,13 @@ class Robot {
   /// A robot of a world that others share; the world must outlive it.
   explicit Robot(World& world, std::size_t index = 0);
   ~Robot();
-  Robot(Robot&&) noexcept;
-  Robot& operator=(Robot&&) noexcept;
+  Robot(const Robot&) = delete;
+  Robot& operator=(const Robot&) = delete;
 
   void connect();
   void disconnect();
+  /// Robot time.
+  Time now() const { return world_->now(); }
 
   // Readings: what arrived last. They never advance robot time.
   const LaserScan& get_lidar_scan() const;

@@ -30,9 +30,10 @@ class Simulation {
   /// Length [m] of the shortest path for the robot's footprint; infinity where there is none.
   double geodesic(Vec2 a, Vec2 b) const { return truth().geodesic(a, b); }
 
-  /// Begins anew at time 0 and waits until every sensor has delivered. The robot starts at `pose`, others where they
-  /// started before; at the scene's own start poses without it. Throws ConfigError when that is inside an obstacle.
-  void reset(std::uint64_t seed, const std::optional<Pose2D>& pose = std::nullopt);
+  /// Begins anew at time 0 and waits until every sensor has delivered. Noise is drawn from `seed`, the world's own
+  /// without it. The robot starts at `pose`, others where they started before; at the scene's own start poses without
+  /// it. Throws ConfigError when that is inside an obstacle.
+  void reset(std::optional<std::uint64_t> seed = std::nullopt, const std::optional<Pose2D>& pose = std::nullopt);
   std::shared_ptr<const World::Snapshot> save() const { return world_->save(); }
   void restore(const std::shared_ptr<const World::Snapshot>& snapshot) { world_->restore(snapshot); }
 

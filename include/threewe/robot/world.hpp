@@ -61,6 +61,10 @@ class World {
   Runtime& robot(std::size_t index);
   const Runtime& robot(std::size_t index) const;
   Time now() const;
+  /// Of all noise: the one that the world was made with; 0 for a world made from a backend.
+  std::uint64_t seed() const;
+  /// Disconnects every robot, which ends its motion as `cancelled` and stops it.
+  void disconnect();
 
   /// One control period. Never blocks on anything but the backend and, when paced, the clock. Throws ContractError
   /// while a hold is open.
@@ -100,8 +104,9 @@ class World {
   WaitHandle close_hold(Duration charge);
   bool held() const;
 
-  /// Begins anew at time 0 with fresh minds: motions end as `cancelled`, sleeps are done at once, alarms are forgotten,
-  /// holds stay open. Throws ContractError where the backend cannot reset, or from an observer.
+  /// Begins anew at time 0 with fresh minds: motions end as `cancelled`, sleeps are done at once, alarms go on
+  /// with what they had left, holds stay open. Throws ContractError where the backend cannot reset, or from an
+  /// observer.
   void reset(const backend::ResetOptions& options);
   /// Everything the future depends on: the backend and every robot's mind and gate. Throws ContractError while a
   /// motion is in progress, or from an observer. Restoring treats sleeps and alarms as `reset` does.

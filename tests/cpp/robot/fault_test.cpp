@@ -179,13 +179,17 @@ TEST_CASE("a runtime that is gone leaves a robot that stands still") {
   CHECK(port.pose.x == doctest::Approx(0.06));
 }
 
-TEST_CASE("handles outlive their robot") {
+TEST_CASE("a motion ends with its robot, and its handle tells so") {
   MotionHandle motion;
   {
     Toy toy({"3we_standard_v2"}, restless());
     Robot robot(*toy.world);
     motion = robot.move_to(2.0, 0.0);
+    robot.sleep(0.5);
   }
-  motion->cancel();
-  CHECK_FALSE(motion->done());
+  REQUIRE(motion->done());
+  CHECK(motion->result().reason == Reason::cancelled);
+  CHECK(motion->result().detail == "the robot is gone");
+  CHECK(motion->result().distance > 0.0);
+  motion->cancel();  // does nothing
 }

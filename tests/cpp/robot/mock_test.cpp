@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <deque>
 #include <limits>
 #include <memory>
 #include <tuple>
@@ -115,6 +116,20 @@ TEST_CASE("a world that was reset is as good as new") {
   CHECK(record == expected);
 }
 
+TEST_CASE("a reset without a seed repeats the robot's own run") {
+  Robot robot({.seed = 5});
+  const auto driven = [&] {
+    const Record record(robot.runtime());
+    drive(robot);
+    return record.commands;
+  };
+  const auto first = driven();
+  robot.simulation()->reset(9);
+  CHECK(driven() != first);
+  robot.simulation()->reset();
+  CHECK(driven() == first);
+}
+
 TEST_CASE("reset puts the robot where it is told to, and its map frame with it") {
   Robot robot;
   const Pose2D start = robot.simulation()->sample_free_pose(12);
@@ -140,7 +155,7 @@ TEST_CASE("motions of several worlds are independent of how they take turns") {
     Robot robot({.seed = seed});
     alone.push_back(robot.wait(robot.move_to(goal_of(seed).x, goal_of(seed).y)));
   }
-  std::vector<Robot> robots;
+  std::deque<Robot> robots;
   std::vector<MotionHandle> motions;
   for (std::uint64_t seed = 0; seed < 3; ++seed) {
     robots.emplace_back(Robot::Options{.seed = seed});
@@ -206,20 +221,27 @@ TEST_CASE("initial_pose shifts the map frame, start_pose the robot") {
   CHECK_THROWS_AS(Robot({.initial_pose = Pose2D{std::nan(""), 0.0, 0.0}}), ContractError);
 }
 
-TEST_CASE("a limit is not up because the world begins anew, and no sleep outlives it") {
+TEST_CASE("a limit goes on with what it had left when time jumps, and no sleep outlives that") {
   Robot robot({.scene = "corridor_v1", .noise = NoiseLevel::ideal});
   World& world = robot.world();
   const auto snapshot = robot.simulation()->save();
-  const WaitHandle alarm = world.alarm(200ms);
-  robot.sleep(0.1);
+  robot.sleep(0.6);
+  const WaitHandle alarm = world.alarm(3s);
+  robot.sleep(0.2);
   const WaitHandle sleep = world.sleep(10s);
-  robot.simulation()->reset(0);
+
+  robot.simulation()->reset(0);  // waits until every sensor has delivered
   CHECK(sleep->done());
   CHECK_FALSE(alarm->done());
+  CHECK(alarm->deadline() == 2800ms);
+  robot.sleep(0.1);
+  const Duration left = alarm->deadline() - world.now();
   robot.simulation()->restore(snapshot);
+  CHECK(alarm->deadline() == world.now() + left);
+  robot.sleep(to_seconds(left) - 0.02);
   CHECK_FALSE(alarm->done());
-  robot.sleep(0.3);
-  CHECK_FALSE(alarm->done());
+  robot.sleep(0.02);
+  CHECK(alarm->done());
 }
 
 TEST_CASE("the middle of a tick cannot be saved") {

@@ -2,7 +2,12 @@
 #include <doctest/doctest.h>
 
 #include <cmath>
+#include <functional>
 #include <limits>
+#include <memory>
+#include <string>
+#include <type_traits>
+#include <utility>
 #include <vector>
 
 #include "robot/goals.hpp"
@@ -108,6 +113,18 @@ TEST_CASE("a command takes effect in the very next tick, and every tick renews i
   for (std::size_t i = before; i < toy.port().commands.size(); ++i) CHECK(toy.port().commands[i].vx == 0.02);
   toy.world->tick();
   CHECK(toy.port().commands.back() == Velocity{});
+}
+
+TEST_CASE("a velocity beyond all measure drives at the limit, in its direction") {
+  Toy toy;
+  Robot robot(*toy.world);
+  robot.set_velocity(-1e308, 1e308, -1e308, 1.0);
+  robot.sleep(1.0);
+  const Limits& limits = robot.runtime().profile().operating_limits;
+  const Velocity driven = toy.port().commands.back();
+  CHECK(driven.vx == doctest::Approx(-limits.linear / std::sqrt(2.0)));
+  CHECK(driven.vy == doctest::Approx(limits.linear / std::sqrt(2.0)));
+  CHECK(driven.omega == doctest::Approx(-limits.angular));
 }
 
 TEST_CASE("a velocity that is not renewed stops the robot and warns once") {
@@ -287,6 +304,29 @@ TEST_CASE("disconnecting ends a motion and stops the robot") {
   CHECK(toy.port().commands.back() == Velocity{});
 }
 
+TEST_CASE("a robot stays where it was made, for others refer to it") {
+  static_assert(!std::is_move_constructible_v<Robot>);
+  static_assert(!std::is_move_assignable_v<Robot>);
+  const auto make = [] { return Robot({.scene = "corridor_v1", .noise = NoiseLevel::ideal}); };  // needs no move
+  Robot robot = make();
+  CHECK(robot.wait(robot.move_forward(0.2)).success);
+}
+
+TEST_CASE("a world disconnects all of its robots") {
+  Toy toy({"3we_standard_v2", "3we_standard_v2"}, restless());
+  Robot first(*toy.world, 0);
+  Robot second(*toy.world, 1);
+  const MotionHandle motion = second.move_to(2.0, 0.0);
+  first.set_velocity(0.3, 0.0, 0.0);
+  first.sleep(0.2);
+  toy.world->disconnect();
+  CHECK(motion->result().reason == Reason::cancelled);
+  for (const std::size_t i : {0U, 1U}) {
+    CHECK(toy.port(i).commands.back() == Velocity{});
+    CHECK_FALSE(toy.world->robot(i).connected());
+  }
+}
+
 TEST_CASE("frames fit together") {
   Toy toy({"3we_standard_v2"}, {}, {{5.0, 6.0, 1.5}});
   Robot robot(*toy.world);
@@ -414,6 +454,49 @@ TEST_CASE("an observer can cancel a motion but not let time go by") {
   CHECK(robot.wait(motion).reason == Reason::cancelled);
   robot.runtime().observe([&](const TickView&) { robot.sleep(1.0); });
   CHECK_THROWS_AS(toy.world->tick(), ContractError);
+}
+
+TEST_CASE("nothing that moves time can be called in the middle of a tick") {
+  Toy toy({"3we_standard_v2", "3we_standard_v2"}, restless());
+  World& world = *toy.world;
+  Robot robot(world, 0);
+  Robot other(world, 1);
+  const auto snapshot = std::shared_ptr<const World::Snapshot>();
+  const std::vector<std::pair<const char*, std::function<void()>>> calls = {
+      {"tick", [&] { world.tick(); }},
+      {"run", [&] { world.run(1s); }},
+      {"wait", [&] { world.wait(world.sleep(1s)); }},
+      {"wait for a motion", [&] { (void)other.wait(other.move_forward(1.0)); }},
+      {"thinking", [&] { robot.thinking(1.0, [] {}); }},
+      {"execute_action", [&] { robot.execute_action({}); }},
+      {"reset", [&] { world.reset({}); }},
+      {"save", [&] { (void)world.save(); }},
+      {"restore", [&] { world.restore(snapshot); }},
+  };
+  for (const auto& [name, call] : calls) {
+    CAPTURE(name);
+    std::string refusal;
+    const std::uint64_t id = robot.runtime().observe([&, call = call](const TickView&) {
+      try {
+        call();
+      } catch (const ContractError& error) {
+        refusal = error.what();
+      }
+    });
+    const WaitHandle pending = world.sleep(1h);
+    const Time before = world.now();
+    world.tick();
+    CHECK(refusal == "an observer can neither wait nor reset nor save nor restore");
+    CHECK(world.now() == before + kControlPeriod);
+    CHECK_FALSE(world.held());
+
+    // and then the world is as usable as before
+    robot.runtime().unobserve(id);
+    other.stop();
+    world.forget(pending);
+    robot.sleep(0.02);
+    CHECK(world.now() == before + 2 * kControlPeriod);
+  }
 }
 
 TEST_CASE("robots of one world drive at the same time") {
