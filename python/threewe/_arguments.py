@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import math
 import operator
-from collections.abc import Sequence
-from typing import SupportsIndex, TypeAlias
+from collections.abc import Callable, Iterable, Sequence
+from typing import Any, SupportsIndex, TypeAlias, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -13,7 +13,12 @@ from numpy.typing import ArrayLike, NDArray
 from threewe._core import Pose2D
 from threewe.errors import ContractError
 
+T = TypeVar("T")
+Function = TypeVar("Function", bound=Callable[..., Any])
 PoseLike: TypeAlias = Pose2D | Sequence[float]
+
+LONGEST = 1e9
+"""[s] that robot time, counted in nanoseconds, can look ahead: 31 years."""
 
 
 def as_text(name: str, value: str) -> str:
@@ -30,6 +35,20 @@ def as_switch(name: str, value: bool) -> bool:
     return bool(value)
 
 
+def as_function(name: str, value: Function) -> Function:
+    """Something to call. Raises ContractError."""
+    if not callable(value):
+        raise ContractError(f"{name} must be a function, got {value!r}")
+    return value
+
+
+def as_list(name: str, values: Iterable[T]) -> list[T]:
+    """The items of a list; a string is none. Raises ContractError."""
+    if isinstance(values, str) or not isinstance(values, Iterable):
+        raise ContractError(f"{name} must be a list, got {values!r}")
+    return list(values)
+
+
 def as_seed(name: str, value: SupportsIndex) -> int:
     """A whole number from 0 to 2**64 - 1. Raises ContractError."""
     try:
@@ -44,12 +63,24 @@ def as_seed(name: str, value: SupportsIndex) -> int:
 def as_number(name: str, value: float) -> float:
     """A finite number. Raises ContractError."""
     try:
+        if isinstance(value, bool | np.bool_) or getattr(value, "ndim", 0) > 0:
+            raise TypeError
         number = math.fsum([value])  # unlike float() takes no text
     except (TypeError, ValueError):
         raise ContractError(f"{name} must be a number, got {value!r}") from None
+    except OverflowError:  # a whole number that no float can hold
+        number = math.inf
     if not math.isfinite(number):
         raise ContractError(f"{name} must be finite, not {number}")
     return number
+
+
+def as_seconds(name: str, value: float) -> float:
+    """A length of time [s]. Raises ContractError."""
+    seconds = as_number(name, value)
+    if not 0.0 <= seconds <= LONGEST:
+        raise ContractError(f"{name} must lie in [0, {LONGEST:g}] s, got {seconds:g}")
+    return seconds
 
 
 def as_pose(name: str, pose: PoseLike) -> Pose2D:
@@ -65,13 +96,16 @@ def as_pose(name: str, pose: PoseLike) -> Pose2D:
 def as_array(name: str, values: ArrayLike, shape: tuple[int | None, ...]) -> NDArray[np.float64]:
     """A finite array of some shape, where None is any length. Raises ContractError."""
     try:
-        array = np.asarray(values, np.float64)
-    except (TypeError, ValueError) as error:
-        raise ContractError(f"{name} must hold numbers, got {values!r}") from error
+        array = np.asarray(values)
+        if array.dtype.kind not in "iuf":  # numpy would read numbers out of text
+            raise TypeError
+    except (TypeError, ValueError):
+        raise ContractError(f"{name} must hold numbers, got {values!r}") from None
     fits = len(array.shape) == len(shape)
     if not fits or any(want not in (None, got) for got, want in zip(array.shape, shape, strict=True)):
-        wanted = ", ".join("N" if length is None else str(length) for length in shape)
-        raise ContractError(f"{name} must have shape ({wanted}), got {array.shape}")
+        lengths = ", ".join("N" if length is None else str(length) for length in shape)
+        wanted = f"({lengths},)" if len(shape) == 1 else f"({lengths})"
+        raise ContractError(f"{name} must have shape {wanted}, got {array.shape}")
     if not np.isfinite(array).all():
         raise ContractError(f"{name} must be finite, got {array.tolist()}")
-    return array
+    return array.astype(np.float64)

@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import asyncio
-import math
 import threading
 import time
+import warnings
+import weakref
 from collections.abc import Callable
+from contextvars import ContextVar
 from types import TracebackType
 from typing import Any, Protocol, Self
 
+from threewe._arguments import as_seconds
 from threewe._pump import Pump, Wait, World, pump_of_running_loop
 from threewe.errors import ConnectionError, ContractError, TimeoutError
 
@@ -26,6 +29,7 @@ class LockstepWorld(World, Protocol):
     def alarm(self, seconds: float, /) -> Any: ...
     def open_hold(self) -> None: ...
     def close_hold(self, charge: float, /) -> Any: ...
+    def disconnect(self) -> None: ...
 
 
 class Motion(Wait, Protocol):
@@ -45,7 +49,8 @@ class RobotTime:
         self._pump: Pump | None = None
         self._loop: asyncio.AbstractEventLoop | None = None
         self._thread = 0
-        self.thinkers: list[asyncio.Task[Any] | None] = []
+        self._dropped: weakref.finalize[..., RobotTime] | None = None
+        self.thoughts: set[object] = set()
 
     def start(self) -> None:
         """Binds the world to the running event loop; robot time runs when somebody waits for it."""
@@ -54,9 +59,15 @@ class RobotTime:
             raise ConnectionError("this world is connected on another event loop; disconnect it there first")
         self._loop, self._thread, self._pump = loop, threading.get_ident(), pump_of_running_loop()
         self._pump.attach(self._world)
+        if self._dropped is not None:
+            self._dropped.detach()
+        self._dropped = weakref.finalize(self, _let_go, loop, self._pump, self._world)
+        self._dropped.atexit = False
 
     def stop(self) -> None:
         """Robot time stands still; those who wait for it get a ConnectionError."""
+        if self._dropped is not None:
+            self._dropped.detach()
         if self._pump is not None and self._loop is not None and not self._loop.is_closed():
             self._pump.detach(self._world)
         self._pump = self._loop = None
@@ -83,6 +94,16 @@ class RobotTime:
                 "loop.call_soon_threadsafe(...), asyncio.run_coroutine_threadsafe(...) or threewe.sync.Robot"
             )
 
+    def check_waiting(self) -> Pump:
+        """Raises for what could only be waited for in vain, and gives the pump to wait with."""
+        pump = self._running_pump()
+        if self.thoughts.isdisjoint(_inside.get()):
+            return pump
+        raise ContractError(
+            "robot time stands still inside `thinking`: wait for the robot after the block, "
+            "or in a task that was made before it"
+        )
+
     def wake(self) -> None:
         """Something was called that may end a wait."""
         if self._pump is not None:
@@ -91,10 +112,7 @@ class RobotTime:
     async def wait(self, *waits: Wait) -> None:
         """Returns when one of the waits is done."""
         if not any(wait.done for wait in waits):
-            pump = self._running_pump()
-            if asyncio.current_task() in self.thinkers:
-                raise ContractError("robot time stands still inside `thinking`: wait for the robot after the block")
-            await pump.wait(self._world, *waits)
+            await self.check_waiting().wait(self._world, *waits)
 
     async def wait_for_motion(self, motion: Motion, on_progress: Callable[[Any], object] | None = None) -> None:
         """Returns when the motion has ended. When the waiting task is cancelled, or `on_progress` raises, so is it."""
@@ -110,8 +128,8 @@ class RobotTime:
 
     async def sleep(self, seconds: float) -> None:
         """Lets `seconds` of robot time go by; 0 gives every other task that is ready its turn."""
-        self._running_pump()
-        await self._wait_or_yield(self._world.sleep(seconds))
+        self.check_waiting()
+        await self._wait_or_yield(self._world.sleep(as_seconds("seconds", seconds)))
 
     def timeout(self, seconds: float) -> Timeout:
         """Limits what happens inside to `seconds` of robot time."""
@@ -134,6 +152,55 @@ class RobotTime:
         return self._pump
 
 
+def _let_go(loop: asyncio.AbstractEventLoop, pump: Pump, world: LockstepWorld) -> None:
+    """Nobody can reach this world any more, and yet nobody disconnected it. Called on whichever thread noticed."""
+
+    def release() -> None:
+        pump.detach(world)
+        world.disconnect()
+
+    try:
+        loop.call_soon_threadsafe(release)
+    except RuntimeError:  # the loop is closed: nothing happens on its thread any more
+        release()
+    warnings.warn(
+        "a robot was dropped while it was connected, and so it was stopped: "
+        "use `async with Robot(...) as robot:` or `await robot.disconnect()`",
+        ResourceWarning,
+        stacklevel=1,
+    )
+
+
+class InRobotTime:
+    """What a robot and a world share: the time of their world."""
+
+    _time: RobotTime
+
+    @property
+    def now(self) -> float:
+        """Robot time [s]."""
+        return self._time.now
+
+    async def sleep(self, seconds: float) -> None:
+        """Lets `seconds` of robot time go by."""
+        await self._time.sleep(seconds)
+
+    def timeout(self, seconds: float) -> Timeout:
+        """`async with robot.timeout(seconds):` raises TimeoutError after `seconds` of robot time.
+
+        It counts the time that goes by: what is left when a simulation is reset is left after that.
+        """
+        return self._time.timeout(seconds)
+
+    def thinking(self, seconds: float | None = None) -> Thinking:
+        """`async with robot.thinking(seconds=x):` for waits other than robot time: a model, the network, a thread.
+
+        Robot time stands still inside, then `x` seconds of it go by; without `x` as many as the wall clock counted,
+        and runs are no longer repeatable. Waiting for robot time inside raises ContractError, also in tasks made there.
+        """
+        return self._time.thinking(seconds)
+
+
 class Timeout:
     """`async with robot.timeout(seconds):` cancels what is inside after `seconds` of robot time.
 
@@ -142,7 +209,7 @@ class Timeout:
 
     def __init__(self, robot_time: RobotTime, seconds: float) -> None:
         self._time = robot_time
-        self._seconds = seconds
+        self._seconds = as_seconds("seconds", seconds)
         self._expired = False
 
     async def __aenter__(self) -> Self:
@@ -180,20 +247,22 @@ class Timeout:
 class Thinking:
     """`async with robot.thinking(seconds=x):` for waits other than robot time: a model, the network, a thread.
 
-    Robot time stands still inside. On the way out `x` seconds of it go by, as if the thought had taken just so long:
-    the same in every run. Without `x` as many go by as the wall clock counted, and runs are no longer repeatable.
+    Robot time stands still inside, also for tasks that are made there. On the way out `x` seconds of it go by, as if
+    the thought had taken just so long: the same in every run. Without `x` as many go by as the wall clock counted, and
+    runs are no longer repeatable.
     """
 
     def __init__(self, robot_time: RobotTime, seconds: float | None) -> None:
-        if seconds is not None and not (math.isfinite(seconds) and seconds >= 0.0):
-            raise ContractError(f"seconds must be a finite number >= 0, got {seconds!r}")
         self._time = robot_time
-        self._seconds = seconds
+        self._seconds = None if seconds is None else as_seconds("seconds", seconds)
+        self._thought = object()
 
     async def __aenter__(self) -> None:
         self._time._running_pump()
         self._time._world.open_hold()
-        self._time.thinkers.append(asyncio.current_task())
+        self._time.thoughts.add(self._thought)
+        self._around = _inside.get()
+        _inside.set((*self._around, self._thought))
         self._began = time.perf_counter()
 
     async def __aexit__(
@@ -201,9 +270,15 @@ class Thinking:
     ) -> None:
         charge = self._seconds if self._seconds is not None else time.perf_counter() - self._began
         thought = self._time._world.close_hold(charge)
-        self._time.thinkers.remove(asyncio.current_task())
+        self._time.thoughts.discard(self._thought)
+        _inside.set(self._around)
         self._time.wake()
-        if error is None:
-            await self._time._wait_or_yield(thought)
-        else:
+        try:
+            if error is None:
+                await self._time._wait_or_yield(thought)
+        finally:
             self._time._world.forget(thought)
+
+
+_inside: ContextVar[tuple[object, ...]] = ContextVar("threewe.thinking", default=())
+"""The `thinking` blocks that a task is inside of, or was made inside of: some may be over by now."""

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import asyncio
-import weakref
 from collections.abc import Callable
+from contextlib import suppress
 from types import TracebackType
 from typing import Never, Self
 
@@ -12,7 +11,17 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from threewe import _core
-from threewe._arguments import PoseLike, as_array, as_number, as_pose, as_seed, as_switch, as_text
+from threewe._arguments import (
+    PoseLike,
+    as_array,
+    as_function,
+    as_number,
+    as_pose,
+    as_seconds,
+    as_seed,
+    as_switch,
+    as_text,
+)
 from threewe._core import (
     BatteryState,
     ExploreResult,
@@ -26,19 +35,19 @@ from threewe._core import (
     Pose2D,
     Progress,
     RobotProfile,
-    TickView,
     Velocity,
 )
+from threewe._observers import Observer, Observers
 from threewe._options import known_options
-from threewe._time import RobotTime, Thinking, Timeout
+from threewe._time import InRobotTime, RobotTime
 from threewe.backend import known_backend
-from threewe.errors import ContractError, HardwareError
+from threewe.errors import ContractError, HardwareError, ThreeweError
 from threewe.simulation import Simulation
 
 OnProgress = Callable[[Progress], object]
 
 
-class Robot:
+class Robot(InRobotTime):
     """A robot in a world of its own.
 
     Use it as `async with Robot(...) as robot:`, or `robot = await Robot(...).connect()` in a notebook. Coroutines let
@@ -102,8 +111,7 @@ class Robot:
         self._runtime = world.robot(index)
         self._simulation = Simulation(world, index, robot_time, initial_pose) if self._runtime.simulated else None
         self._map: tuple[int, OccupancyGrid] | None = None
-        self._observers: dict[int, Callable[[TickView], object]] = {}
-        self._tap: int | None = None
+        self._observers = Observers(self._runtime)
 
     def __repr__(self) -> str:
         state = "connected" if self.connected else "not connected"
@@ -114,16 +122,23 @@ class Robot:
     async def connect(self) -> Self:
         """Connects and waits until every sensor has delivered. Raises ConnectionError. Twice is as good as once."""
         self._time.start()
-        self._runtime.connect()
-        await self._time.wait(self._runtime.ready())
+        try:
+            self._runtime.connect()
+            await self._time.wait(self._runtime.ready())
+        except BaseException:  # also when cancelled: a robot that nobody has got must not stay connected
+            with suppress(ThreeweError):
+                await self.disconnect()
+            raise
         return self
 
     async def disconnect(self) -> None:
         """Ends a motion as `cancelled`, stops the robot and lets go of it."""
         self._time.check_thread()
-        self._runtime.disconnect()
-        if not any(self._world.robot(i).connected for i in range(self._world.robot_count)):
-            self._time.stop()
+        try:
+            self._runtime.disconnect()
+        finally:
+            if not any(self._world.robot(i).connected for i in range(self._world.robot_count)):
+                self._time.stop()
 
     async def __aenter__(self) -> Self:
         return await self.connect()
@@ -152,29 +167,6 @@ class Robot:
     def simulation(self) -> Simulation | None:
         """The truth, in a simulated world; None on a real robot."""
         return self._simulation
-
-    # Robot time
-
-    @property
-    def now(self) -> float:
-        """Robot time [s]."""
-        return self._time.now
-
-    async def sleep(self, seconds: float) -> None:
-        """Lets `seconds` of robot time go by."""
-        await self._time.sleep(seconds)
-
-    def timeout(self, seconds: float) -> Timeout:
-        """`async with robot.timeout(seconds):` raises TimeoutError after `seconds` of robot time."""
-        return self._time.timeout(seconds)
-
-    def thinking(self, seconds: float | None = None) -> Thinking:
-        """`async with robot.thinking(seconds=x):` for waits other than robot time: a model, the network, a thread.
-
-        Robot time stands still inside, then `x` seconds of it go by; without `x` as many as the wall clock counted,
-        and runs are no longer repeatable.
-        """
-        return self._time.thinking(seconds)
 
     # Motions: they return why they ended, and raise only when they cannot begin
 
@@ -210,28 +202,34 @@ class Robot:
             SafetyError: another motion owns the robot.
             ConnectionError: not connected.
         """
-        self._time.check_thread()
         x, y = as_number("goal x", x), as_number("goal y", y)
         heading = None if theta is None else as_number("goal theta", theta)
-        goal = self._runtime.transform("map", as_text("frame", frame)) * Pose2D(x, y, heading or 0.0)
-        motion = self._runtime.move_to((goal.x, goal.y), None if heading is None else goal.theta, tolerance, timeout)
-        return await self._result(motion, on_progress)
+        within = as_number("tolerance", tolerance)
+        goal = self._read().transform("map", as_text("frame", frame)) * Pose2D(x, y, heading or 0.0)
+
+        def begin(limit: float | None) -> Motion:
+            return self._runtime.move_to((goal.x, goal.y), None if heading is None else goal.theta, within, limit)
+
+        motion = await self._drive(begin, timeout, on_progress)
+        return motion.result()
 
     @known_options
     async def move_forward(
         self, distance: float, *, timeout: float | None = None, on_progress: OnProgress | None = None
     ) -> MoveResult:
         """Drives straight ahead by `distance` [m], backwards when negative. See `move_to`."""
-        self._time.check_thread()
-        return await self._result(self._runtime.move_forward(distance, timeout), on_progress)
+        metres = as_number("distance", distance)
+        motion = await self._drive(lambda t: self._runtime.move_forward(metres, t), timeout, on_progress)
+        return motion.result()
 
     @known_options
     async def rotate(
         self, angle: float, *, timeout: float | None = None, on_progress: OnProgress | None = None
     ) -> MoveResult:
         """Turns on the spot by `angle` [rad], counter-clockwise; may exceed a full turn. See `move_to`."""
-        self._time.check_thread()
-        return await self._result(self._runtime.rotate(angle, timeout), on_progress)
+        radians = as_number("angle", angle)
+        motion = await self._drive(lambda t: self._runtime.rotate(radians, t), timeout, on_progress)
+        return motion.result()
 
     @known_options
     async def follow_path(
@@ -243,22 +241,27 @@ class Robot:
         on_progress: OnProgress | None = None,
     ) -> MoveResult:
         """Drives along a polyline in `map`: (N, 2) positions [m]. See `move_to`."""
-        self._time.check_thread()
-        points = as_array("path", path, (None, 2))
-        motion = self._runtime.follow_path([(x, y) for x, y in points.tolist()], tolerance, timeout)
-        return await self._result(motion, on_progress)
+        points = [(x, y) for x, y in as_array("path", path, (None, 2)).tolist()]
+        within = as_number("tolerance", tolerance)
+        motion = await self._drive(lambda t: self._runtime.follow_path(points, within, t), timeout, on_progress)
+        return motion.result()
 
     @known_options
     async def explore(self, *, timeout: float | None = None, on_progress: OnProgress | None = None) -> ExploreResult:
         """Maps everything that can be reached, for at most `timeout` (600) seconds of robot time. Needs a lidar."""
-        self._time.check_thread()
-        motion = self._runtime.explore(timeout)
-        await self._time.wait_for_motion(motion, on_progress)
+        motion = await self._drive(self._runtime.explore, timeout, on_progress)
         return motion.explore_result()
 
-    async def _result(self, motion: Motion, on_progress: OnProgress | None) -> MoveResult:
-        await self._time.wait_for_motion(motion, on_progress)
-        return motion.result()
+    async def _drive(
+        self, begin: Callable[[float | None], Motion], timeout: float | None, on_progress: OnProgress | None
+    ) -> Motion:
+        """Begins a motion, given its time limit, and returns it when it has ended."""
+        self._time.check_waiting()
+        limit = None if timeout is None else as_seconds("timeout", timeout)
+        told = None if on_progress is None else as_function("on_progress", on_progress)
+        motion = begin(limit)
+        await self._time.wait_for_motion(motion, told)
+        return motion
 
     @known_options
     async def execute_action(self, action: ArrayLike, period: float = 0.02) -> Velocity:
@@ -266,9 +269,9 @@ class Robot:
 
         Returns the velocity that the safety gate let through.
         """
-        self._time.check_thread()
+        self._time.check_waiting()
         vx, vy, omega = as_array("action", action, (3,)).tolist()
-        await self._time.wait(self._runtime.execute_action([vx, vy, omega], period))
+        await self._time.wait(self._runtime.execute_action([vx, vy, omega], as_seconds("period", period)))
         return self._runtime.commanded()
 
     # Commands that return at once
@@ -284,7 +287,7 @@ class Robot:
         """
         self._time.check_thread()
         vx, vy, omega = as_number("vx", vx), as_number("vy", vy), as_number("omega", omega)
-        self._runtime.set_velocity(vx, vy, omega, as_number("hold", hold))
+        self._runtime.set_velocity(vx, vy, omega, as_seconds("hold", hold))
 
     def stop(self) -> None:
         """Ends a motion as `cancelled` and brings the robot to a stand-still. Always allowed."""
@@ -339,7 +342,7 @@ class Robot:
 
     def get_transform(self, target: str, source: str) -> Pose2D:
         """`target_from_source` among `map`, `odom`, `base` and the sensors' names."""
-        return self._read().transform(target, source)
+        return self._read().transform(as_text("target", target), as_text("source", source))
 
     def get_map(self) -> OccupancyGrid:
         """The map so far: the same object until it changes, which never changes itself."""
@@ -389,40 +392,16 @@ class Robot:
 
     # Observers
 
-    def observe(self, observer: Callable[[TickView], object]) -> int:
+    def observe(self, observer: Observer) -> int:
         """Calls `observer` with a TickView at the end of every tick (50 times a second of robot time).
 
-        What it raises goes to the event loop's exception handler. Returns a number for `unobserve`.
+        One that raises is not called any more; the error goes to the event loop's exception handler, by default the
+        log. Returns a number for `unobserve`.
         """
         self._time.check_thread()
-        if self._tap is None:
-            self._tap = self._runtime.observe(_tap(weakref.ref(self)))
-        number = max(self._observers, default=0) + 1
-        self._observers[number] = observer
-        return number
+        return self._observers.add(as_function("observer", observer))
 
     def unobserve(self, number: int) -> None:
         """Stops calling an observer."""
         self._time.check_thread()
-        self._observers.pop(number, None)
-        if not self._observers and self._tap is not None:
-            self._runtime.unobserve(self._tap)
-            self._tap = None
-
-    def _tell_observers(self, tick: TickView) -> None:
-        for observer in list(self._observers.values()):
-            try:
-                observer(tick)
-            except Exception as error:
-                context = {"message": f"an observer of {self!r} failed", "exception": error}
-                asyncio.get_running_loop().call_exception_handler(context)
-
-
-def _tap(robot: weakref.ref[Robot]) -> Callable[[TickView], None]:
-    """What the C++ side calls. It must not keep the robot alive: Python's garbage collector cannot see into C++."""
-
-    def tell(tick: TickView) -> None:
-        if (alive := robot()) is not None:
-            alive._tell_observers(tick)
-
-    return tell
+        self._observers.remove(number)

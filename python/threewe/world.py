@@ -3,19 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from contextlib import suppress
 from types import TracebackType
 from typing import Self
 
 from threewe import _core
-from threewe._arguments import PoseLike, as_pose, as_seed, as_switch, as_text
+from threewe._arguments import PoseLike, as_list, as_pose, as_seed, as_switch, as_text
 from threewe._core import Pose2D
 from threewe._options import known_options
-from threewe._time import RobotTime, Thinking, Timeout
+from threewe._time import InRobotTime, RobotTime
 from threewe.backend import known_backend
+from threewe.errors import ThreeweError
 from threewe.robot import Robot
 
 
-class World:
+class World(InRobotTime):
     """A world with several robots, which share its time: `async with World(robots=[...]) as world:`.
 
     Args:
@@ -45,18 +47,21 @@ class World:
         start_poses: Sequence[PoseLike] = (),
         initial_poses: Sequence[PoseLike] = (),
     ) -> None:
-        initial = [as_pose("initial_poses", pose) for pose in initial_poses]
-        initial += [Pose2D()] * (len(robots) - len(initial))
+        profiles = [as_text("robots", hardware) for hardware in as_list("robots", robots)]
+        starts = [as_pose("start_poses", pose) for pose in as_list("start_poses", start_poses)]
+        initial = [as_pose("initial_poses", pose) for pose in as_list("initial_poses", initial_poses)]
+        initial += [Pose2D()] * (len(profiles) - len(initial))
         world = _core.World(
             backend=known_backend(as_text("backend", backend)),
             scene=as_text("scene", scene),
-            robots=[as_text("robots", hardware) for hardware in robots],
+            robots=profiles,
             noise=as_text("noise", noise),
             seed=as_seed("seed", seed),
             realtime=as_switch("realtime", realtime),
-            start_poses=[as_pose("start_poses", pose) for pose in start_poses],
+            start_poses=starts,
             initial_poses=initial,
         )
+        self._world = world
         self._time = RobotTime(world)
         self.robots: tuple[Robot, ...] = tuple(
             Robot._of_world(world, self._time, index, initial[index]) for index in range(world.robot_count)
@@ -67,14 +72,20 @@ class World:
 
     async def connect(self) -> Self:
         """Connects every robot and waits until all their sensors have delivered."""
-        for robot in self.robots:
-            await robot.connect()
+        try:
+            for robot in self.robots:
+                await robot.connect()
+        except BaseException:
+            with suppress(ThreeweError):
+                await self.disconnect()
+            raise
         return self
 
     async def disconnect(self) -> None:
         """Stops every robot and lets go of it."""
-        for robot in self.robots:
-            await robot.disconnect()
+        self._time.check_thread()
+        self._time.stop()
+        self._world.disconnect()
 
     async def __aenter__(self) -> Self:
         return await self.connect()
@@ -83,20 +94,3 @@ class World:
         self, kind: type[BaseException] | None, error: BaseException | None, traceback: TracebackType | None
     ) -> None:
         await self.disconnect()
-
-    @property
-    def now(self) -> float:
-        """Robot time [s]."""
-        return self._time.now
-
-    async def sleep(self, seconds: float) -> None:
-        """Lets `seconds` of robot time go by."""
-        await self._time.sleep(seconds)
-
-    def timeout(self, seconds: float) -> Timeout:
-        """As `Robot.timeout`."""
-        return self._time.timeout(seconds)
-
-    def thinking(self, seconds: float | None = None) -> Thinking:
-        """As `Robot.thinking`."""
-        return self._time.thinking(seconds)

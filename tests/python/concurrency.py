@@ -198,8 +198,8 @@ async def a_thought_that_fails(stage: Stage) -> None:
 
 @program
 async def asyncio_timeouts_cancel(stage: Stage) -> None:
+    waiting = asyncio.create_task(asyncio.wait_for(stage.clock.sleep(1.0), 0.002))
     async with stage.clock.thinking(seconds=0.0):  # robot time stands still, so the wall clock wins
-        waiting = asyncio.create_task(asyncio.wait_for(stage.clock.sleep(1.0), 0.002))
         results = await asyncio.gather(waiting, return_exceptions=True)
         stage.note(type(results[0]).__name__)
         with contextlib.suppress(asyncio.TimeoutError):

@@ -45,6 +45,7 @@ class FakeWorld:
         self._created = 0
         self._interruptions = interruptions
         self._breaks_at = breaks_at
+        self.disconnected = False
 
     @property
     def now(self) -> float:
@@ -112,3 +113,6 @@ class FakeWorld:
     def close_hold(self, charge: float) -> FakeWait:
         self._holds -= 1
         return self.sleep(charge)
+
+    def disconnect(self) -> None:
+        self.disconnected = True

@@ -6,7 +6,10 @@ import asyncio
 import builtins
 import math
 from collections.abc import Awaitable, Callable
+from contextlib import AbstractAsyncContextManager
+from fractions import Fraction
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -94,6 +97,21 @@ def test_options_of_a_wrong_type(options: dict[str, object], make: Callable[...,
         make(**options)
 
 
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"robots": "3we_standard_v2"}, "robots must be a list, got '3we_standard_v2'"),
+        ({"robots": None}, "robots must be a list, got None"),
+        ({"robots": [None]}, "robots must be a string, got None"),
+        ({"start_poses": 3}, "start_poses must be a list, got 3"),
+        ({"initial_poses": [(0.0, "x")]}, "initial_poses must hold numbers"),
+    ],
+)
+def test_lists_of_a_wrong_type(options: dict[str, object], message: str) -> None:
+    with pytest.raises(ContractError, match=message):
+        threewe.World(**options)  # type: ignore[arg-type]
+
+
 async def test_resetting_and_restoring_wrongly(robot: Robot) -> None:
     truth = robot.simulation
     assert truth is not None
@@ -101,6 +119,10 @@ async def test_resetting_and_restoring_wrongly(robot: Robot) -> None:
         truth.reset(seed=-1)
     with pytest.raises(ConfigError, match="did you mean 'seed'"):
         truth.reset(sed=1)  # type: ignore[call-arg]
+    with pytest.raises(ContractError, match="seed must be"):
+        truth.sample_free_pose("x")  # type: ignore[arg-type]
+    with pytest.raises(ContractError, match=r"b must have shape \(2,\), got \(3,\)"):
+        truth.geodesic((0.0, 0.0), (1.0, 2.0, 3.0))
     with pytest.raises(ContractError, match="snapshot must be"):
         truth.restore(None)  # type: ignore[arg-type]
     truth.reset(pose=(0.5, 0.0))
@@ -126,6 +148,9 @@ WRONG_CALLS: dict[str, tuple[Call, type[Exception], str]] = {
     "timeout NaN": (lambda r: r.move_to(1.0, 0.0, timeout=NAN), ContractError, "timeout"),
     "timeout negative": (lambda r: r.move_to(1.0, 0.0, timeout=-1.0), ContractError, "timeout"),
     "timeout zero": (lambda r: r.move_to(1.0, 0.0, timeout=0.0), ContractError, "timeout"),
+    "frame of transform": (lambda r: r.get_transform(3, "map"), ContractError, "target must be a string"),  # type: ignore[return-value, arg-type]
+    "observer": (lambda r: r.observe(3), ContractError, "observer must be a function, got 3"),  # type: ignore[return-value, arg-type]
+    "on_progress": (lambda r: r.rotate(1.0, on_progress=3), ContractError, "on_progress must be a function"),  # type: ignore[arg-type]
     "frame unknown": (lambda r: r.move_to(1.0, 0.0, frame="mep"), ContractError, "did you mean 'map'"),
     "option unknown": (
         lambda r: r.move_to(1.0, 0.0, tolerence=0.1),  # type: ignore[call-arg]
@@ -137,8 +162,9 @@ WRONG_CALLS: dict[str, tuple[Call, type[Exception], str]] = {
     "path empty": (lambda r: r.follow_path([]), ContractError, "path"),
     "path of triples": (lambda r: r.follow_path([(1.0, 2.0, 3.0)]), ContractError, r"shape \(N, 2\)"),
     "path NaN": (lambda r: r.follow_path([(1.0, NAN)]), ContractError, "finite"),
+    "path of numbers in words": (lambda r: r.follow_path([["1", "2"]]), ContractError, "path must hold numbers"),  # type: ignore[list-item]
     "path of words": (lambda r: r.follow_path(["kitchen"]), ContractError, "numbers"),  # type: ignore[list-item]
-    "action of two": (lambda r: r.execute_action([0.1, 0.2]), ContractError, r"shape \(3\)"),
+    "action of two": (lambda r: r.execute_action([0.1, 0.2]), ContractError, r"shape \(3,\), got \(2,\)"),
     "action NaN": (lambda r: r.execute_action(np.array([0.0, NAN, 0.0])), ContractError, "finite"),
     "period NaN": (lambda r: r.execute_action([0.1, 0.0, 0.0], NAN), ContractError, "period"),
     "sleep NaN": (lambda r: r.sleep(NAN), ContractError, "seconds"),
@@ -148,6 +174,74 @@ WRONG_CALLS: dict[str, tuple[Call, type[Exception], str]] = {
     "depth camera": (lambda r: r.get_rgbd_image(), HardwareError, "no camera"),
     "fisheye": (lambda r: r.get_image("fisheye"), HardwareError, "no camera"),
 }
+
+
+NUMBERS: dict[str, Callable[[Robot, Any], Awaitable[object] | None]] = {
+    "vx": lambda r, x: r.set_velocity(x),
+    "hold": lambda r, x: r.set_velocity(0.1, hold=x),
+    "goal x": lambda r, x: r.move_to(x, 0.0),
+    "tolerance": lambda r, x: r.move_to(1.0, 0.0, tolerance=x),
+    "timeout": lambda r, x: r.move_to(1.0, 0.0, timeout=x),
+    "distance": lambda r, x: r.move_forward(x),
+    "angle": lambda r, x: r.rotate(x),
+    "period": lambda r, x: r.execute_action([0.1, 0.0, 0.0], x),
+    "seconds": lambda r, x: r.sleep(x),
+}
+OTHER_NUMBERS: list[tuple[str, Callable[[Robot, Any], Awaitable[object]]]] = [
+    ("timeout", lambda r, x: r.move_forward(1.0, timeout=x)),
+    ("timeout", lambda r, x: r.rotate(1.0, timeout=x)),
+    ("timeout", lambda r, x: r.follow_path([(1.0, 0.0)], timeout=x)),
+    ("tolerance", lambda r, x: r.follow_path([(1.0, 0.0)], tolerance=x)),
+    ("timeout", lambda r, x: r.explore(timeout=x)),
+    ("seconds", lambda r, x: enter(r.timeout(x))),
+    ("seconds", lambda r, x: enter(r.thinking(seconds=x))),
+]
+
+
+async def enter(block: AbstractAsyncContextManager[object]) -> None:
+    async with block:
+        pass
+
+
+@pytest.mark.parametrize(
+    ("value", "message"),
+    [
+        ("fast", "must be a number, got 'fast'"),
+        ("1.0", "must be a number, got '1.0'"),
+        ([1.0], r"must be a number, got \[1.0\]"),
+        (np.array([1.0]), r"must be a number, got array\(\[1.\]\)"),
+        (True, "must be a number, got True"),
+        (1j, "must be a number, got 1j"),
+        (NAN, "must be finite, not nan"),
+        (-INF, "must be finite, not -inf"),
+        (10**400, "must be finite, not inf"),
+    ],
+)
+async def test_what_is_no_number_is_refused_by_the_name_of_its_argument(
+    value: object, message: str, robot: Robot
+) -> None:
+    for name, call in [*NUMBERS.items(), *OTHER_NUMBERS]:
+        with pytest.raises(ContractError, match=f"^{name} {message}"):
+            await perform(lambda r, call=call: call(r, value), robot)  # type: ignore[misc]
+    for name in ("distance", "angle", "tolerance", "hold", "period", "seconds"):
+        with pytest.raises(ContractError, match=f"^{name} must be a number, got None"):
+            await perform(lambda r, name=name: NUMBERS[name](r, None), robot)  # type: ignore[misc]
+    await stands_still(robot)
+
+
+@pytest.mark.parametrize("number", [0.2, np.float32(0.2), np.array(0.2), Fraction(1, 5)])
+async def test_numbers_of_all_kinds(number: float, robot: Robot) -> None:
+    robot.set_velocity(number, hold=number)
+    await robot.sleep(number)
+    assert (await robot.move_forward(number, timeout=np.float64(20.0))).success
+    assert (await robot.rotate(number)).success
+
+
+@pytest.mark.parametrize("seconds", [-0.1, 1e10, 1e300])
+async def test_impossible_lengths_of_time(seconds: float, robot: Robot) -> None:
+    for name in ("hold", "timeout", "period", "seconds"):
+        with pytest.raises(ContractError, match=rf"^{name} must lie in \[0, 1e\+09\] s, got "):
+            await perform(lambda r, name=name: NUMBERS[name](r, seconds), robot)  # type: ignore[misc]
 
 
 async def perform(call: Call, robot: Robot) -> None:

@@ -7,6 +7,7 @@ import subprocess
 import sys
 import threading
 import time
+import weakref
 from collections.abc import Callable, Iterable
 from dataclasses import replace
 from pathlib import Path
@@ -208,6 +209,22 @@ def test_what_raises_while_connecting_and_disconnecting(method: str) -> None:
     run(program())
 
 
+@pytest.mark.parametrize("make", [Robot, lambda backend: threewe.World(backend, robots=["3we_standard_v2"])])
+def test_connecting_that_is_cancelled_leaves_nothing_connected(make: Any) -> None:
+    made = register("quiet", QuietBackend)
+
+    async def program() -> None:
+        robot = make(backend="quiet")
+        connecting = asyncio.create_task(robot.connect())
+        await asyncio.sleep(0)
+        connecting.cancel()
+        with pytest.raises(asyncio.CancelledError):
+            await connecting
+        assert made[0].disconnected == 1
+
+    run(program())
+
+
 def test_a_step_that_hangs_ends_the_motion_and_nothing_else_hangs() -> None:
     released = threading.Event()
 
@@ -261,6 +278,26 @@ def test_a_realtime_backend_drives_by_the_wall_clock() -> None:
 
     run(program())
     assert made[0].disconnected == 1
+
+
+@pytest.mark.parametrize("backend", [QuietBackend, RealtimeBackend])
+@pytest.mark.parametrize("make", [Robot, lambda backend: threewe.World(backend, robots=["3we_standard_v2"])])
+def test_a_robot_that_nobody_disconnects_is_stopped_when_it_is_dropped(make: Any, backend: type[Backend]) -> None:
+    made = register("forgotten", backend)
+
+    async def program() -> None:
+        robot = make(backend="forgotten")
+        await robot.connect()
+        await robot.sleep(0.1)
+        with pytest.warns(ResourceWarning, match="async with"):
+            del robot
+        await asyncio.to_thread(made[0].gone.wait)
+        assert made[0].disconnected == 1
+        gone = weakref.ref(made.pop())
+        while gone() is not None:  # its thread ends because the world is gone
+            await asyncio.sleep(0.001)
+
+    run(program())
 
 
 def test_a_realtime_backend_that_blocks_while_driving_is_a_fault() -> None:

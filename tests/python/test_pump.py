@@ -8,6 +8,7 @@ import os
 import random
 import signal
 import threading
+import weakref
 from collections.abc import Callable, Coroutine
 from typing import Any
 
@@ -161,6 +162,7 @@ def test_a_world_that_breaks_down_tells_all_who_wait_for_it(caplog: pytest.LogCa
         assert [type(result) for result in results] == [OSError, OSError, type(None)]
         with pytest.raises(ConnectionError):
             await clock.sleep(0.1)
+        healthy.stop()
 
     run(body, FakeWorld(breaks_at=0.5))
     assert "the fake world broke down" in caplog.text
@@ -187,6 +189,59 @@ def test_waiting_inside_one_s_own_thinking_block_is_refused() -> None:
         assert not world.held
         await clock.sleep(0.1)
         assert world.now == 0.1
+
+    run(body)
+
+
+def test_waiting_in_a_task_that_was_made_inside_a_thinking_block_is_refused() -> None:
+    """Else the block waits for the task, and the task for the end of the block: for ever, and in silence."""
+
+    async def body(clock: RobotTime, world: FakeWorld) -> None:
+        async def think_in_a_group(deeper: Callable[[], Coroutine[Any, Any, None]]) -> None:
+            async with clock.thinking(seconds=1.0), asyncio.TaskGroup() as group:
+                group.create_task(deeper())
+
+        async def nested() -> None:
+            await asyncio.gather(asyncio.create_task(clock.sleep(0.1)))
+
+        async def drive() -> None:
+            await clock.wait_for_motion(world.motion(1.0))
+
+        async def think_twice() -> None:
+            async with clock.thinking(seconds=0.1):
+                pass
+
+        for deeper in (lambda: clock.sleep(0.1), nested, drive, think_twice):
+            with pytest.RaisesGroup(pytest.RaisesExc(ContractError, match="made before it")):
+                await think_in_a_group(deeper)
+            assert not world.held
+            assert not world.has_pending()
+        assert world.now == 0.0
+        await clock.sleep(0.1)
+
+    run(body)
+
+
+def test_tasks_made_inside_a_thinking_block_may_wait_after_it_and_others_at_all_times() -> None:
+    async def body(clock: RobotTime, world: FakeWorld) -> None:
+        other = RobotTime(FakeWorld())
+        other.start()
+        over = asyncio.Event()
+
+        async def wait_then_sleep() -> None:
+            await over.wait()
+            await clock.sleep(0.5)
+
+        before = asyncio.create_task(clock.sleep(0.3))
+        async with clock.thinking(seconds=0.2):
+            inside = asyncio.create_task(wait_then_sleep())
+            await asyncio.create_task(other.sleep(1.0))  # another world's time
+            assert not before.done()
+        over.set()
+        await asyncio.gather(before, inside)
+        assert world.now == pytest.approx(0.7)
+        assert other.now == 1.0
+        other.stop()
 
     run(body)
 
@@ -310,6 +365,7 @@ def test_a_world_belongs_to_one_loop_at_a_time() -> None:
     asyncio.run(main())
     asyncio.run(start_and_sleep())  # that loop is closed, so it is free again
     assert clock.now == 2.0
+    clock.stop()
 
 
 def test_a_loop_that_is_closed_in_the_middle_of_a_wait() -> None:
@@ -327,6 +383,7 @@ def test_a_loop_that_is_closed_in_the_middle_of_a_wait() -> None:
     loop.run_until_complete(asyncio.gather(waiting, return_exceptions=True))
     loop.close()
     asyncio.run(asyncio.wait_for(_start_and_sleep(clock), None))
+    clock.stop()
 
 
 async def _start_and_sleep(clock: RobotTime) -> None:
@@ -395,3 +452,57 @@ def test_the_pump_is_shared_by_all_worlds_of_a_loop() -> None:
 
 def test_every_program_is_performed_by_the_concurrency_tests() -> None:
     assert len(PROGRAMS) > 20
+
+
+@pytest.mark.parametrize("make", [FakeWorld, RealtimeWorld])
+def test_a_world_that_is_dropped_is_stopped_and_let_go(make: Callable[[], FakeWorld]) -> None:
+    async def main() -> None:
+        world = make()
+        clock = RobotTime(world)
+        clock.start()
+        await clock.sleep(0.1)
+        gone = weakref.ref(clock)
+        with pytest.warns(ResourceWarning, match="use `async with Robot"):
+            del clock
+        assert gone() is None
+        await asyncio.sleep(0.01)
+        assert world.disconnected
+        stopped = world.ticks
+        await asyncio.sleep(0.01)
+        assert world.ticks == stopped
+        kept = weakref.ref(world)
+        del world
+        assert kept() is None
+
+    asyncio.run(main())
+
+
+def test_a_world_that_is_dropped_after_its_loop_was_closed() -> None:
+    world = FakeWorld()
+    clock = RobotTime(world)
+    asyncio.run(_start_and_sleep(clock))
+    with pytest.warns(ResourceWarning, match="dropped while it was connected"):
+        del clock
+    assert world.disconnected
+    kept = weakref.ref(world)
+    del world
+    assert kept() is None
+
+
+def test_a_world_that_is_dropped_on_another_thread_is_stopped_on_its_own() -> None:
+    class Picky(FakeWorld):
+        def disconnect(self) -> None:
+            super().disconnect()
+            threads.append(threading.get_ident())
+
+    threads: list[int] = []
+
+    async def main() -> None:
+        clocks = [RobotTime(Picky())]
+        clocks[0].start()
+        with pytest.warns(ResourceWarning):
+            await asyncio.to_thread(clocks.clear)
+        await asyncio.sleep(0.01)
+
+    asyncio.run(main())
+    assert threads == [threading.get_ident()]

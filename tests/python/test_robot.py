@@ -6,6 +6,7 @@ import asyncio
 import itertools
 import logging
 import math
+from collections.abc import Callable
 
 import numpy as np
 import pytest
@@ -197,7 +198,7 @@ async def test_observers_see_every_tick(robot: Robot) -> None:
         assert all(sample.received == tick.now for sample in tick.samples)
 
 
-async def test_an_observer_that_fails_disturbs_nobody(robot: Robot) -> None:
+async def test_an_observer_that_fails_is_reported_once_and_disturbs_nobody(robot: Robot) -> None:
     heard: list[dict[str, object]] = []
     asyncio.get_running_loop().set_exception_handler(lambda _, context: heard.append(context))
 
@@ -207,10 +208,28 @@ async def test_an_observer_that_fails_disturbs_nobody(robot: Robot) -> None:
     bad, seen = robot.observe(fail), list[float]()
     good = robot.observe(lambda tick: seen.append(tick.now))
     await robot.sleep(0.1)
+    robot.unobserve(good)
+    assert len(seen) == 5
+    [report] = heard
+    assert isinstance(report["exception"], LookupError)
+    assert "is not called any more" in str(report["message"])
+
+    # numbers are not given twice: what is gone cannot be mistaken for another
+    again = robot.observe(lambda tick: seen.append(tick.now))
     robot.unobserve(bad)
     robot.unobserve(good)
-    assert len(seen) == len(heard) == 5
-    assert isinstance(heard[0]["exception"], LookupError)
+    await robot.sleep(0.1)
+    robot.unobserve(again)
+    assert len(seen) == 10
+
+
+async def test_an_observer_that_another_one_removes_is_not_called_any_more(robot: Robot) -> None:
+    calls: list[str] = []
+    first = robot.observe(lambda _: (calls.append("first"), robot.unobserve(second)))
+    second = robot.observe(lambda _: calls.append("second"))
+    await robot.sleep(0.04)
+    robot.unobserve(first)
+    assert calls == ["first", "first"]
 
 
 async def test_observers_may_read_the_robot(robot: Robot) -> None:
@@ -260,6 +279,42 @@ async def test_a_saved_moment_can_be_lived_again(robot: Robot) -> None:
     first = await live()
     robot.simulation.restore(snapshot)
     assert await live() == first
+
+
+async def test_a_reset_repeats_the_robots_own_run_unless_it_is_given_another_seed() -> None:
+    async with Robot(scene="corridor_v1", seed=7) as robot:
+        assert robot.simulation is not None
+
+        async def live() -> list[object]:
+            robot.set_velocity(0.2, 0.1, 0.5, hold=1.0)
+            await robot.sleep(1.0)
+            return [robot.now, robot.get_pose(), robot.get_lidar_scan().ranges.tobytes()]
+
+        runs = []
+        for options in [{}, {"seed": 7}, {"seed": 0}, {}]:
+            robot.simulation.reset(**options)
+            runs.append(await live())
+        assert runs[0] == runs[1] == runs[3] != runs[2]
+    async with Robot(scene="corridor_v1", seed=7) as robot:
+        assert await live() == runs[0]
+
+
+async def test_time_limits_go_on_with_what_they_have_left_when_time_jumps(robot: Robot) -> None:
+    truth = robot.simulation
+    assert truth is not None
+    snapshot, saved_at = truth.save(), robot.now
+
+    async def live_through(jump: Callable[[], None]) -> None:
+        async with robot.timeout(10.0), robot.timeout(3.0):
+            await robot.sleep(1.0)
+            jump()
+            await robot.sleep(10.0)
+
+    for jump, landing in ((truth.reset, 0.0), (lambda: truth.restore(snapshot), saved_at)):
+        await robot.sleep(2.0)
+        with pytest.raises(TimeoutError, match="3 s"):
+            await live_through(jump)
+        assert robot.now == pytest.approx(landing + 2.0)
 
 
 async def test_the_same_seed_is_the_same_run_and_another_is_another() -> None:
