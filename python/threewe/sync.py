@@ -19,8 +19,9 @@ from types import TracebackType
 from typing import Any, Concatenate, ParamSpec, Self, TypeVar
 
 import threewe
+from threewe._arguments import as_seconds
 from threewe._core import Features, RobotProfile
-from threewe.errors import ContractError
+from threewe.errors import ConnectionError, ContractError
 
 P = ParamSpec("P")
 R = TypeVar("R")
@@ -30,20 +31,26 @@ Init = Callable[Concatenate["Robot", P], None]
 class _LoopThread:
     """A thread that runs an event loop, on which everything about one robot happens."""
 
-    def __init__(self) -> None:
+    def __init__(self, at_the_end: Callable[[], Coroutine[Any, Any, None]]) -> None:
+        self._at_the_end = at_the_end
         self._loop = asyncio.new_event_loop()
         self._thread = threading.Thread(target=self._run, name="threewe.sync", daemon=True)
         self._thread.start()
 
     def _run(self) -> None:
         asyncio.set_event_loop(self._loop)
-        self._loop.run_forever()
-        self._loop.close()
+        try:
+            self._loop.run_forever()
+            self._loop.run_until_complete(self._at_the_end())
+        finally:
+            self._loop.close()
 
     def wait(self, work: Callable[[], Coroutine[Any, Any, R]]) -> R:
         """What the coroutine returns or raises. Ctrl-C cancels it, and with it a motion."""
         if threading.current_thread() is self._thread:
             raise ContractError("an observer or on_progress cannot wait for robot time")
+        if self._loop.is_closed():
+            raise ConnectionError("Python is ending, and has disconnected this robot")
         future = asyncio.run_coroutine_threadsafe(work(), self._loop)
         try:
             return future.result()
@@ -111,8 +118,9 @@ def _returns(method: Callable[Concatenate[Any, P], R]) -> Callable[Concatenate[_
 class Simulation(_OnThread):
     """`threewe.Simulation` for scripts."""
 
-    def __init__(self, thread: _LoopThread, truth: threewe.Simulation) -> None:
-        self._thread = thread
+    def __init__(self, robot: Robot, truth: threewe.Simulation) -> None:
+        self._robot = robot  # which ends its thread when nobody has it any more
+        self._thread = robot._thread
         self._target = truth
         self.scene = truth.scene
 
@@ -131,13 +139,14 @@ class Simulation(_OnThread):
 class Robot(_OnThread):
     """`threewe.Robot` for scripts: the same options and methods, each of which blocks until it is done.
 
-    The robot lives on an event loop in a thread of its own; robot time stands still between two calls.
+    The robot lives on an event loop in a thread of its own; robot time stands still between two calls. It is
+    disconnected at the end of a `with` block, and at the latest when nobody has it any more or Python ends.
     """
 
     @_options(threewe.Robot)
     def __init__(self, robot: threewe.Robot) -> None:
         self._target = self._robot = robot
-        self._thread = _LoopThread()
+        self._thread = _LoopThread(robot.disconnect)
         weakref.finalize(self, self._thread.close)
 
     def __repr__(self) -> str:
@@ -185,7 +194,7 @@ class Robot(_OnThread):
     def simulation(self) -> Simulation | None:
         """The truth, in a simulated world; None on a real robot."""
         truth = self._robot.simulation
-        return None if truth is None else Simulation(self._thread, truth)
+        return None if truth is None else Simulation(self, truth)
 
     @contextmanager
     def thinking(self, seconds: float | None = None) -> Iterator[None]:
@@ -193,10 +202,11 @@ class Robot(_OnThread):
 
         Without `x` as many as the wall clock counted.
         """
+        charge = None if seconds is None else as_seconds("seconds", seconds)
         began = time.perf_counter()
         yield
         if self.features.lockstep:
-            self.sleep(time.perf_counter() - began if seconds is None else seconds)
+            self.sleep(time.perf_counter() - began if charge is None else charge)
 
     disconnect = _waits(threewe.Robot.disconnect)
     sleep = _waits(threewe.Robot.sleep)

@@ -2,17 +2,24 @@
 
 from __future__ import annotations
 
+import gc
 import inspect
 import math
 import os
 import signal
+import subprocess
+import sys
 import threading
 from collections.abc import Iterator
+from pathlib import Path
 
 import pytest
 import threewe
 from threewe import ConnectionError, ContractError, Progress, Reason
+from threewe.backend import BackendOptions
 from threewe.sync import Robot
+
+from .toy_backend import QuietBackend
 
 
 @pytest.fixture(scope="module")
@@ -112,9 +119,81 @@ def test_the_emergency_stop_from_another_thread(robot: Robot) -> None:
     robot.release_emergency_stop()
 
 
+def threads_of_robots() -> int:
+    return sum(thread.name == "threewe.sync" for thread in threading.enumerate())
+
+
 def test_the_thread_ends_with_the_robot() -> None:
-    before = threading.active_count()
+    before = threads_of_robots()
     robot = Robot(scene="corridor_v1", noise="ideal")
-    assert threading.active_count() == before + 1
+    assert threads_of_robots() == before + 1
     del robot
-    assert threading.active_count() == before
+    assert threads_of_robots() == before
+
+
+def test_the_truth_keeps_its_robot() -> None:
+    threads = threads_of_robots()
+    robot = Robot(scene="corridor_v1", noise="ideal").connect()
+    truth = robot.simulation
+    assert truth is not None
+    before = truth.true_pose()
+    robot.set_velocity(0.3)
+    robot.sleep(0.5)
+    del robot
+    gc.collect()
+    assert truth.true_pose().distance(before) > 0.05
+    truth.reset()
+    assert truth.true_pose() == before
+    del truth
+    assert threads_of_robots() == threads
+
+
+def test_a_robot_that_is_dropped_is_disconnected() -> None:
+    made: list[QuietBackend] = []
+
+    def make(options: BackendOptions) -> QuietBackend:
+        made.append(QuietBackend(options))
+        return made[-1]
+
+    threewe.register_backend("quiet", make)
+    robot = Robot(backend="quiet").connect()
+    robot.set_velocity(0.3)
+    robot.sleep(0.1)
+    assert made[0].disconnected == 0
+    del robot
+    assert made[0].disconnected == 1
+
+
+def test_a_robot_is_disconnected_when_python_ends_and_says_so_to_whoever_comes_late() -> None:
+    program = f"""
+import atexit, sys
+sys.path.insert(0, {str(Path(__file__).parent)!r})
+import threewe
+from threewe.sync import Robot
+from toy_backend import QuietBackend
+
+class Noisy(QuietBackend):
+    def disconnect(self):
+        print("disconnected", flush=True)
+
+@atexit.register
+def come_late():
+    try:
+        robot.get_pose()
+    except threewe.ConnectionError as error:
+        print(error)
+
+threewe.register_backend("noisy", Noisy)
+robot = Robot(backend="noisy").connect()
+"""
+    done = subprocess.run([sys.executable, "-W", "error", "-c", program], capture_output=True, text=True)
+    assert (done.returncode, done.stderr) == (0, "")
+    assert done.stdout == "disconnected\nPython is ending, and has disconnected this robot\n"
+
+
+@pytest.mark.parametrize("seconds", ["long", -1.0, math.nan])
+def test_thinking_for_impossible_times(seconds: float, robot: Robot) -> None:
+    thought = False
+    with pytest.raises(ContractError, match=r"^seconds must"), robot.thinking(seconds):
+        thought = True
+    assert not thought
