@@ -2,12 +2,37 @@
 
 from __future__ import annotations
 
+from concurrent.futures import ThreadPoolExecutor
+
 import pytest
 import threewe
 from threewe import ConfigError, ContractError
 from threewe.testing import Outcome, check_backend, check_names
 
 from .toy_backend import QuietBackend
+
+
+class RealtimeBackend(QuietBackend):
+    """Time is the wall clock."""
+
+    lockstep = False
+
+
+REALTIME_CHECKS = [
+    "connecting_twice_does_nothing",
+    "connecting_again_works",
+    "time_starts_at_zero",
+    "time_never_goes_back",
+    "command_returns_at_once",
+    "samples_arrive_in_order",
+    "received_is_the_time_of_the_poll",
+    "measured_before_received",
+    "samples_are_recent",
+    "a_metre_driven_is_a_metre_in_odometry",
+    "an_expired_command_stops_the_robot",
+    "a_refused_command_changes_nothing",
+]
+"""Those of which time is the essence. All of them take a minute and a half, for time cannot be hurried."""
 
 
 class LyingBackend(QuietBackend):
@@ -32,6 +57,16 @@ def test_a_backend_in_python_passes() -> None:
         }
     )
     assert sum(result.outcome == Outcome.passed for result in results) >= 40
+
+
+def test_a_backend_in_real_time_passes() -> None:
+    threewe.register_backend("realtime", RealtimeBackend)
+    with ThreadPoolExecutor(4) as pool:
+        jobs = [pool.submit(check_backend, "realtime", checks=[name], show=False) for name in REALTIME_CHECKS]
+    results = [result for job in jobs for result in job.result()]
+    assert [(result.name, result.outcome, result.detail) for result in results] == [
+        (name, Outcome.passed, "") for name in REALTIME_CHECKS
+    ]
 
 
 def test_a_failure_is_shown_and_raised_with_what_was_wrong(capsys: pytest.CaptureFixture[str]) -> None:
