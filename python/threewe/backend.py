@@ -39,6 +39,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from threewe import _core
+from threewe._arguments import as_function, as_text
 from threewe._core import Features, Pose2D, RobotProfile, SensorType, Velocity
 from threewe.errors import ConfigError, ContractError
 
@@ -191,7 +192,7 @@ def register_backend(name: str, factory: BackendFactory) -> None:
         name: as users type it.
         factory: makes the backend from BackendOptions; most often the class itself.
     """
-    _factories[name] = factory
+    _factories[as_text("name", name)] = as_function("factory", factory)
     _core.register_backend(name)
 
 

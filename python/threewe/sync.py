@@ -20,7 +20,7 @@ from typing import Any, Concatenate, ParamSpec, Self, TypeVar
 
 import threewe
 from threewe._arguments import as_seconds
-from threewe._core import Features, RobotProfile
+from threewe._core import Features, Pose2D, RobotProfile
 from threewe.errors import ConnectionError, ContractError
 
 P = ParamSpec("P")
@@ -123,6 +123,13 @@ class Simulation(_OnThread):
         self._thread = robot._thread
         self._target = truth
         self.scene = truth.scene
+        self.profile = truth.profile
+
+    @property
+    def scene_from_map(self) -> Pose2D:
+        """Where the origin of the robot's map truly is."""
+        truth: threewe.Simulation = self._target
+        return self._thread.call(lambda: truth.scene_from_map)
 
     true_pose = _returns(threewe.Simulation.true_pose)
     true_velocity = _returns(threewe.Simulation.true_velocity)

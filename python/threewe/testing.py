@@ -10,6 +10,7 @@ from rich.progress import track
 from rich.table import Table
 
 from threewe import _core
+from threewe._arguments import as_list, as_seed, as_text
 from threewe._core import CheckResult, Outcome, check_names
 from threewe.backend import known_backend
 from threewe.errors import ConfigError, ContractError
@@ -48,11 +49,19 @@ def check_backend(
     Raises:
         ConfigError: an unknown backend or check, with the nearest right name.
     """
-    if known_backend(backend) not in _core.backend_names():
+    names = check_names() if checks is None else [as_text("checks", name) for name in as_list("checks", checks)]
+    if known_backend(as_text("backend", backend)) not in _core.backend_names():
         raise ConfigError(_core.unknown_name("backend", backend, _core.backend_names()))
     results = [
-        _core.run_check(check, backend=backend, scene=scene, hardware=hardware, noise=noise, seed=seed)
-        for check in track(check_names() if checks is None else checks, "checking", disable=not show, transient=True)
+        _core.run_check(
+            name,
+            backend=backend,
+            scene=as_text("scene", scene),
+            hardware=as_text("hardware", hardware),
+            noise=as_text("noise", noise),
+            seed=as_seed("seed", seed),
+        )
+        for name in track(names, "checking", disable=not show, transient=True)
     ]
     if show:
         Console().print(_table(backend, results))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from concurrent.futures import ThreadPoolExecutor
+from typing import Any
 
 import pytest
 import threewe
@@ -89,6 +90,28 @@ def test_unknown_names_are_errors_with_the_nearest_right_one() -> None:
         check_backend("mok", show=False)
     with pytest.raises(ConfigError, match="unknown check 'time_starts_at_zro'; did you mean 'time_starts_at_zero'"):
         check_backend("mock", checks=["time_starts_at_zro"], show=False)
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"backend": 3}, "backend must be a string, got 3"),
+        ({"scene": None}, "scene must be a string, got None"),
+        ({"seed": -1}, "seed must be a whole number"),
+        ({"checks": "time_starts_at_zero"}, "checks must be a list, got 'time_starts_at_zero'"),
+    ],
+)
+def test_arguments_of_a_wrong_type(options: dict[str, Any], message: str) -> None:
+    with pytest.raises(ContractError, match=message):
+        check_backend(**{"backend": "mock", "show": False, **options})
+
+
+def test_registering_what_is_no_backend() -> None:
+    with pytest.raises(ContractError, match="name must be a string, got None"):
+        threewe.register_backend(None, QuietBackend)  # type: ignore[arg-type]
+    with pytest.raises(ContractError, match="factory must be a function, got 3"):
+        threewe.register_backend("three", 3)  # type: ignore[arg-type]
+    assert "three" not in threewe.backend_names()
 
 
 def test_a_backend_that_cannot_be_made_fails_with_the_reason() -> None:

@@ -52,6 +52,14 @@ def test_it_has_all_that_the_other_robot_has() -> None:
     assert names - mine == {"timeout"}  # motions have their own time limits
 
 
+def test_its_truth_has_all_that_the_other_truth_has(robot: Robot) -> None:
+    there, here = threewe.Robot(scene="corridor_v1", noise="ideal").simulation, robot.simulation
+    assert {name for name in dir(there) if not name.startswith("_")} <= set(dir(here))
+    assert here is not None
+    assert here.scene_from_map.distance(here.start_pose()) == 0.0
+    assert here.profile.name == robot.profile.name
+
+
 def test_it_drives_as_the_other_robot_does(robot: Robot) -> None:
     import asyncio
 
