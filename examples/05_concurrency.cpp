@@ -13,12 +13,12 @@ using namespace std::chrono_literals;
 
 namespace {
 
-void say(const threewe::Robot& robot, const char* what) {
-  std::printf("%5.2f s  %s\n", threewe::to_seconds(robot.now()), what);
+void say(const threewe::Robot& robot, const std::string& what) {
+  std::printf("%5.2f s  %s\n", threewe::to_seconds(robot.now()), what.c_str());
 }
 
 /// Stands for a slow call: a neural network, a language model, the internet.
-std::string ask_a_model() {
+const char* ask_a_model() {
   std::this_thread::sleep_for(50ms);
   return "left";
 }
@@ -38,12 +38,12 @@ int main() {
   });
   const threewe::MoveResult result = robot.wait(robot.move_to(2.0, 1.0));
   robot.runtime().unobserve(watcher);
-  say(robot, to_string(result.reason).data());
+  say(robot, std::string(to_string(result.reason)));
 
   // robot time stands still while the program waits for something else, and then makes up for it by 0.3 s
   std::string answer;
   robot.thinking(0.3, [&] { answer = ask_a_model(); });
-  say(robot, ("the model says " + answer).c_str());
+  say(robot, "the model says " + answer);
 
   // a limit in robot time; the motion ends, and the robot stops
   if (!robot.wait(robot.move_to(0.0, 0.0, {.timeout = 1.0})).success) say(robot, "not there in time");

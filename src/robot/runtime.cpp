@@ -52,11 +52,7 @@ void Runtime::disconnect() {
   impl_->state->held.reset();
   impl_->end_motion(Reason::cancelled, "disconnected");
   impl_->end_ready();
-  try {
-    impl_->port.command({}, impl_->now() + kCommandLifetime);
-  } catch (const std::exception&) {
-    // a port that cannot be reached stops the robot by itself when its last command expires
-  }
+  (void)impl_->halt();
   impl_->connected = false;
   impl_->port.disconnect();
 }
@@ -132,12 +128,8 @@ void Runtime::estop() {
   state.held.reset();
   impl_->end_motion(Reason::estop, "the emergency stop was pressed");
   if (!impl_->healthy()) return;
-  try {
-    // at once, not at the next tick: in real time that may be a period away
-    impl_->port.command({}, impl_->now() + kCommandLifetime);
-  } catch (const std::exception& error) {
-    fail(error.what());
-  }
+  // at once, not at the next tick: in real time that may be a period away
+  if (const auto error = impl_->halt()) fail(*error);
 }
 
 void Runtime::release_estop() { impl_->state->gate.estop = false; }
@@ -149,11 +141,7 @@ void Runtime::fail(const std::string& what) {
   impl_->state->held.reset();
   impl_->end_motion(Reason::fault, impl_->fault);
   impl_->end_ready();
-  try {
-    impl_->port.command({}, impl_->now() + kCommandLifetime);
-  } catch (const std::exception&) {
-    // the port stops the robot by itself when its last command expires
-  }
+  (void)impl_->halt();
   warn("robot '" + profile().name + "' failed and stands still: " + impl_->fault);
 }
 
@@ -185,6 +173,17 @@ void Runtime::restart() {
   impl_->state = std::make_unique<State>(impl_->fresh);
   impl_->connected_at = {};
   impl_->fault.clear();
+}
+
+// Commands zero, or tells what went wrong. A port that cannot be reached stops the robot by itself when its last
+// command expires.
+std::optional<std::string> Runtime::Impl::halt() {
+  try {
+    port.command({}, now() + kCommandLifetime);
+    return std::nullopt;
+  } catch (const std::exception& error) {
+    return error.what();
+  }
 }
 
 void Runtime::Impl::require_healthy() const {

@@ -64,6 +64,7 @@ struct Runtime::Impl {
   void require_free() const;
   bool has_sensor(SensorType type) const;
   const State& reading() const;
+  std::optional<std::string> halt();
 
   // act
   Velocity request();
