@@ -152,6 +152,15 @@ struct View {
   double narrowness;
 };
 
+// Which of the sectors around a point a direction points into, counter-clockwise. They are equally long on a diamond.
+constexpr int kSectors = 32;
+std::size_t sector(Vec2 direction) {
+  const double size = std::fabs(direction.x) + std::fabs(direction.y);
+  const double slope = size > 0.0 ? direction.y / size : 0.0;
+  const double turn = direction.x < 0.0 ? 3.0 - slope : 1.0 + slope;
+  return static_cast<std::size_t>(std::min(static_cast<int>(kSectors / 4.0 * turn), kSectors - 1));
+}
+
 struct CellRange {
   int x0, y0, x1, y1;
 };
@@ -211,15 +220,14 @@ class Search {
       const std::array<Vec2, 2> ends{segment.a, segment.b};
       const Vec2 along = segment.b - segment.a;
       if (std::ranges::all_of(square, [&](Vec2 p) { return cross(along, segment.a - p) <= 0.0; })) continue;
-      if (distance_to(segment, middle) > reach || is_hidden(square, middle, 0.5 * (segment.a + segment.b), ends))
-        continue;
+      if (distance_to(segment, middle) > reach || is_hidden(square, middle, ends)) continue;
       visible.segments.push_back(i);
     }
     for (const int i : candidates.circles) {
       const auto& [center, r, object] = slice_.circles[static_cast<std::size_t>(i)];
       const std::array<Vec2, 4> corners{center + Vec2{-r, -r}, center + Vec2{r, -r}, center + Vec2{r, r},
                                         center + Vec2{-r, r}};
-      if (distance(center, middle) - r > reach || is_hidden(square, middle, center, corners)) continue;
+      if (distance(center, middle) - r > reach || is_hidden(square, middle, corners)) continue;
       visible.circles.push_back(i);
     }
     return visible;
@@ -231,7 +239,8 @@ class Search {
     return distance(point, segment.a + t * along);
   }
 
-  // Those that can hide anything from the square, the widest seen first: most of what is hidden is hidden by them.
+  // Those that can hide anything from the square, by where they are seen, the widest first: most of what is hidden is
+  // hidden by them.
   void order_occluders(const Square& square, Vec2 middle) {
     occluders_.clear();
     for (const Occluder& occluder : all_occluders_) {
@@ -246,13 +255,20 @@ class Search {
       occluders_.push_back(view);
     }
     std::ranges::stable_sort(occluders_, {}, &View::narrowness);
+    for (auto& views : sectors_) views.clear();
+    for (const View& view : occluders_) {
+      const std::size_t last = sector(view.left);
+      for (std::size_t i = sector(view.right); i != last; i = (i + 1) % kSectors) sectors_[i].push_back(&view);
+      sectors_[last].push_back(&view);
+    }
   }
 
-  bool is_hidden(const Square& square, Vec2 middle, Vec2 target, std::span<const Vec2> points) const {
-    const Vec2 direction = target - middle;
-    return std::ranges::any_of(occluders_, [&](const View& view) {
-      const bool covered = cross(view.right, direction) >= 0.0 && cross(direction, view.left) >= 0.0;
-      return covered && hides(*view.occluder, square, points);
+  bool is_hidden(const Square& square, Vec2 middle, std::span<const Vec2> points) const {
+    return std::ranges::any_of(sectors_[sector(points[0] - middle)], [&](const View* view) {
+      const bool covered = std::ranges::all_of(points, [&](Vec2 point) {
+        return cross(view->right, point - middle) >= 0.0 && cross(point - middle, view->left) >= 0.0;
+      });
+      return covered && hides(*view->occluder, square, points);
     });
   }
 
@@ -261,6 +277,7 @@ class Search {
   double range_max_;
   std::vector<Occluder> all_occluders_;
   std::vector<View> occluders_;
+  std::array<std::vector<const View*>, kSectors> sectors_;  // those of `occluders_` that reach into each
   std::vector<VisibleSet> sets_;
 };
 
