@@ -13,14 +13,14 @@ WarningHandler handler;
 }  // namespace
 
 WarningHandler set_warning_handler(WarningHandler new_handler) {
-  const std::lock_guard lock(handler_mutex);
+  const std::scoped_lock lock(handler_mutex);
   return std::exchange(handler, std::move(new_handler));
 }
 
 void warn(const std::string& message) {
   WarningHandler current;
   {
-    const std::lock_guard lock(handler_mutex);
+    const std::scoped_lock lock(handler_mutex);
     current = handler;
   }
   if (!current) {
@@ -29,8 +29,7 @@ void warn(const std::string& message) {
   }
   try {
     current(message);
-  } catch (...) {
-    // what goes wrong with a log line must not stop a robot's tick
+  } catch (...) {  // NOLINT(bugprone-empty-catch): what goes wrong with a log line must not stop a robot's tick
   }
 }
 
