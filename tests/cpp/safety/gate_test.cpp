@@ -59,7 +59,7 @@ Velocity random_request(const GateModel& m, Draws& draw) {
 
 // A gate whose scan never grows old.
 struct Gate {
-  explicit Gate(const GateModel& m) : model(m) { state.scan_seen = true; }
+  explicit Gate(GateModel m) : model(std::move(m)) { state.scan_seen = true; }
   GateOutput operator()(const Velocity& requested, std::span<const Vec2> obstacles = {}) {
     state.last_scan = now;
     const GateOutput output = gate(model, state, requested, obstacles, now);
