@@ -105,11 +105,13 @@ void Costmap::update(const OccupancyGrid& grid, std::span<const Vec2> obstacles,
 
 void Costmap::open_around(Vec2 point, double radius) {
   const Cell middle = cell(point);
+  if (!contains(middle)) return;
+  const std::int16_t least = std::max(squared_[index(middle)], std::int16_t{1});
   const int reach = static_cast<int>(radius / resolution_) + 1;
   for (int y = middle.y - reach; y <= middle.y + reach; ++y) {
     for (int x = middle.x - reach; x <= middle.x + reach; ++x) {
       const Cell c{x, y};
-      if (!contains(c) || weights_[index(c)] != kLethal || squared_[index(c)] == 0) continue;
+      if (!contains(c) || weights_[index(c)] != kLethal || squared_[index(c)] < least) continue;
       if (distance(center(c), point) <= radius) {
         weights_[index(c)] = static_cast<Weight>(kFree + 2 * settings_.near_weight);
       }

@@ -2,17 +2,18 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <variant>
 
 namespace threewe::nav {
 namespace {
 
-constexpr double kMargin = 0.04;        // [m] kept free around the robot, more than the safety gate keeps
-constexpr double kTightMargin = 0.025;  // [m] after it got stuck, for kTightFor
-constexpr Duration kTightFor = 6s;
-constexpr double kArrived = 0.05;  // [m] near enough to a goal to stop
-constexpr double kWithin = 0.05;   // [m] less than the tolerance, where a goal itself cannot be reached
-constexpr double kTurned = 0.015;  // [rad]
+constexpr double kSpare = 0.01;        // [m] kept free beyond the safety gate's margin ...
+constexpr Duration kTightFor = 6s;     // ... but not for so long after it got stuck
+constexpr double kArrived = 0.05;      // [m] near enough to a goal to stop
+constexpr double kWithin = 0.05;       // [m] less than the tolerance, where a goal itself cannot be reached
+constexpr double kStuckWithin = 0.02;  // [m] the same, where the robot cannot get nearer either
+constexpr double kTurned = 0.015;      // [rad]
 constexpr Duration kReplanPeriod = 1s;
 constexpr Duration kExplorePeriod = 600ms;
 constexpr Duration kShortestPeriod = 200ms;
@@ -85,7 +86,7 @@ void PathNavigator::note(const Observation& seen) {
   for (const Vec2 p : seen.obstacles) {
     in_base_.push_back({base_from_odom.x + c * p.x - s * p.y, base_from_odom.y + s * p.x + c * p.y});
   }
-  tracker_.see(in_base_, now_ < motion_.tight_until ? kTightMargin : kMargin);
+  tracker_.see(in_base_, now_ < motion_.tight_until ? 0.0 : kSpare);
 }
 
 Decision PathNavigator::drive(const MoveTo& goal, const Observation& seen) {
@@ -146,13 +147,13 @@ Decision PathNavigator::drive(const Explore&, const Observation& seen) {
 Decision PathNavigator::travel(const Observation& seen, Vec2 goal, double tolerance) {
   const Vec2 here = progress_.pose.position();
   const bool last_leg = route_.on_last_leg();
-  const bool near_enough = last_leg && distance(here, goal) <= tolerance - kWithin;
-  if (last_leg && distance(here, goal) <= kArrived) return finish(Reason::reached);
+  const double left = last_leg ? distance(here, goal) : std::numeric_limits<double>::infinity();
+  if (left <= kArrived) return finish(Reason::reached);
   const bool at_end = route_.has_path() && distance(here, route_.path().back()) <= kArrived;
-  if (near_enough && route_.gap() > 0.0 && at_end) return finish(Reason::reached);
+  if (left <= tolerance - kWithin && route_.gap() > 0.0 && at_end) return finish(Reason::reached);
 
   if (now_ < motion_.recovering_until) return {tracker_.safe(motion_.recovery)};
-  if (stuck()) return near_enough ? finish(Reason::reached) : recover();
+  if (stuck()) return left <= tolerance - kStuckWithin ? finish(Reason::reached) : recover();
   if (route_.is_stale(seen, kReplanPeriod)) {
     const bool impossible = !route_.plan_to_goal(seen, tolerance);
     if (proven(impossible)) return finish(Reason::no_path, "everything within reach was searched");
@@ -206,14 +207,14 @@ Decision PathNavigator::recover() {
 
   // not the same way again nor, after a second failure, to explore the same place; a blocked turn blames no place
   const bool exploring = std::holds_alternative<Explore>(goal_);
-  if (!tracker_.trapped()) route_.avoid_ahead(exploring && motion_.recoveries >= 2);
+  if (!tracker_.trapped() && route_.avoid_ahead(exploring && motion_.recoveries >= 2)) motion_.recoveries = 0;
   route_.drop();
 
   mark_moved();
   motion_.last_moved_at = now_ + kRecovery;  // stuck for as long again before the next recovery
   motion_.recovering_until = now_ + kRecovery;
   motion_.tight_until = now_ + kRecovery + kTightFor;
-  tracker_.see(in_base_, kTightMargin);
+  tracker_.see(in_base_, 0.0);
   tracker_.forget_turn();
   motion_.recovery = tracker_.most_room();
   return {motion_.recovery};

@@ -27,6 +27,13 @@ Cell nearest_free_cell(const Costmap& costmap, Vec2 point, double radius) {
   return best;
 }
 
+// What one step of a search costs [m times weight]. Its line may touch a lethal cell: at the corner that a diagonal
+// step cuts, or where the robot stands in one.
+double step_cost(const Costmap& costmap, Vec2 a, Vec2 b) {
+  const double line = costmap.line_cost(a, b);
+  return std::isfinite(line) ? line : distance(a, b) * costmap.weight(costmap.cell(b));
+}
+
 }  // namespace
 
 double path_cost(const map::Costmap& costmap, std::span<const Vec2> path) {
@@ -65,13 +72,14 @@ std::vector<Vec2> Planner::straighten(const Costmap& costmap, const std::vector<
   std::vector<Vec2> points = {from};
   std::size_t i = 0;
   while (i + 1 < raw.size()) {
-    // as far as a straight line is no dearer; a few failures are looked past, they come from the raster
-    double cost = costmap.line_cost(raw[i], raw[i + 1]);
+    // as far as a straight line is free and no dearer; a few failures are looked past, they come from the raster
+    double cost = step_cost(costmap, raw[i], raw[i + 1]);
     std::size_t best = i + 1;
     int failures = 0;
     for (std::size_t j = i + 2; j < raw.size() && failures < 10; ++j) {
-      cost += costmap.line_cost(raw[j - 1], raw[j]);
-      if (costmap.line_cost(raw[i], raw[j]) <= cost + 1e-9) {
+      cost += step_cost(costmap, raw[j - 1], raw[j]);
+      const double line = costmap.line_cost(raw[i], raw[j]);
+      if (std::isfinite(line) && line <= cost + 1e-9) {
         best = j, failures = 0;
       } else {
         ++failures;

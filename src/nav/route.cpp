@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <utility>
 
 #include "nav/polyline.hpp"
@@ -17,12 +18,26 @@ constexpr double kHorizon = 4.0;           // [m] plans end so far outside of th
 constexpr double kBetter = 0.85;           // a new path replaces an open one when it costs less than this share of it
 constexpr double kWithin = 0.05;           // [m] a path must end so much within the tolerance
 constexpr Duration kRetry = 200ms;         // without a path, plan so often
+constexpr double kSamePlace = 0.4;         // [m] failures nearer to each other are one and the same
 
 // The point itself or, for one far outside of the map, the nearest within the horizon: beyond it nothing is in the way.
 Vec2 within_horizon(const map::OccupancyGrid& map, Vec2 point) {
   const Vec2 low = map.origin - Vec2{kHorizon, kHorizon};
   const Vec2 high = map.origin + Vec2{map.width * map.resolution + kHorizon, map.height * map.resolution + kHorizon};
   return {std::clamp(point.x, low.x, high.x), std::clamp(point.y, low.y, high.y)};
+}
+
+// The first point of a path, at most `ahead` [m] from its start, for which `holds`.
+template <class Holds>
+std::optional<Vec2> first_along(std::span<const Vec2> path, double ahead, Holds holds) {
+  constexpr double kStep = 0.05;  // [m]
+  if (path.empty()) return {};
+  const int steps = static_cast<int>(std::min(ahead, path_length(path)) / kStep);
+  for (int i = 0; i <= steps; ++i) {
+    const Vec2 p = point_after(path, {0, path.front()}, kStep * i);
+    if (holds(p)) return p;
+  }
+  return {};
 }
 
 Vec2 robot_in(const Observation& seen) { return seen.pose.map_from_base().position(); }
@@ -36,6 +51,8 @@ void Route::begin(std::vector<Vec2> waypoints, bool drawn) {
   gap_ = 0.0;
   avoided_.clear();
   closures_.clear();
+  failures_.clear();
+  barred_.clear();
 }
 
 bool Route::plan_to_goal(const Observation& seen, double tolerance) {
@@ -113,11 +130,11 @@ void Route::advance(Vec2 robot) {
   }
 }
 
-void Route::avoid_ahead(bool end_too) {
+bool Route::avoid_ahead(bool end_too) {
   constexpr double kAhead = 0.25;  // [m]
-  if (!has_path() || path_length(path_) <= kAhead) return;
-  avoided_.push_back(point_after(path_, {0, path_.front()}, kAhead));
+  if (!has_path() || path_length(path_) <= kAhead) return false;
   if (end_too) avoided_.push_back(path_.back());
+  return avoid(point_after(path_, {0, path_.front()}, kAhead));
 }
 
 bool Route::is_stale(const Observation& seen, Duration period) const {
@@ -128,6 +145,7 @@ bool Route::is_stale(const Observation& seen, Duration period) const {
 void Route::renew_costmap(const Observation& seen) {
   // what the lidar sees now counts too, where the map may not have it yet
   std::vector<Vec2> obstacles = avoided_;
+  obstacles.insert(obstacles.end(), barred_.begin(), barred_.end());
   for (const Vec2 p : seen.obstacles) obstacles.push_back(seen.pose.map_from_odom * p);
   std::vector<Vec2> include = {robot_in(seen)};
   for (const Vec2 waypoint : waypoints_) include.push_back(within_horizon(seen.map, waypoint));
@@ -144,18 +162,38 @@ bool Route::passed_waypoint(Vec2 robot) const {
   return has_path() && !corners_from_.empty() && path_.size() <= corners_from_.front();
 }
 
+// Plans avoid a place of the path until there is no other way. Where that happened often and the path leads into
+// unknown space, they avoid it for good: the robot cannot look there. True when that has been decided.
+bool Route::avoid(Vec2 place) {
+  constexpr double kBeyond = 1.5;  // [m]
+  constexpr int kAttempts = 3;
+  avoided_.push_back(place);
+  failures_.push_back(place);
+  const auto is_same = [&](Vec2 other) { return distance(place, other) < kSamePlace; };
+  if (std::count_if(failures_.begin(), failures_.end(), is_same) < kAttempts) return false;
+  const auto is_entrance = [&](Vec2 p) { return costmap_.unknown(costmap_.cell(p)) && distance(p, place) < kBeyond; };
+  const std::optional<Vec2> entrance = first_along(path_, path_length(path_), is_entrance);
+  if (!entrance) return false;
+  barred_.push_back(place);
+  barred_.push_back(*entrance);
+  return true;
+}
+
 // The path is blocked. A place that looked open from afar twice and was not is avoided from then on.
 void Route::note_closure() {
-  constexpr double kSamePlace = 0.4;  // [m]
-  constexpr double kStep = 0.05;      // [m]
-  const int steps = static_cast<int>(path_length(path_) / kStep);
-  for (int i = 0; i <= steps; ++i) {
-    const Vec2 p = point_after(path_, {0, path_.front()}, kStep * i);
-    if (costmap_.weight(costmap_.cell(p)) != map::Costmap::kLethal) continue;
-    const auto is_same = [p](Vec2 other) { return distance(p, other) < kSamePlace; };
-    const bool again = std::any_of(closures_.begin(), closures_.end(), is_same);
-    (again ? avoided_ : closures_).push_back(p);
-    return;
+  bool left = false;  // the lethal cells that the robot may stand in
+  const std::optional<Vec2> closed = first_along(path_, path_length(path_), [&](Vec2 p) {
+    const bool lethal = costmap_.weight(costmap_.cell(p)) == map::Costmap::kLethal;
+    left = left || !lethal;
+    return left && lethal;
+  });
+  if (!closed) return;
+  const auto is_same = [&](Vec2 other) { return distance(*closed, other) < kSamePlace; };
+  const bool again = std::any_of(closures_.begin(), closures_.end(), is_same);
+  if (again) {
+    avoid(*closed);
+  } else {
+    closures_.push_back(*closed);
   }
 }
 

@@ -30,8 +30,9 @@ class Route {
   void drop();
   /// Forgets what lies behind the robot, waypoints included.
   void advance(Vec2 robot);
-  /// The robot could not go on: plans avoid the place before it and, if `end_too`, the end of the path.
-  void avoid_ahead(bool end_too);
+  /// The robot could not go on: plans avoid the place before it and, if `end_too`, the end of the path. Where it failed
+  /// to enter unknown space a few times, no plan of this motion enters it any more; true when that has been decided.
+  bool avoid_ahead(bool end_too);
 
   bool has_path() const { return !path_.empty(); }
   std::span<const Vec2> path() const { return path_; }
@@ -48,6 +49,7 @@ class Route {
  private:
   bool try_plan(const Observation& seen, double tolerance);
   void renew_costmap(const Observation& seen);
+  bool avoid(Vec2 place);
   bool passed_waypoint(Vec2 robot) const;
   void note_closure();
 
@@ -65,6 +67,8 @@ class Route {
   std::uint64_t planned_version_ = 0;
   std::vector<Vec2> avoided_;   // [m] the planner saw a way here, the tracker did not
   std::vector<Vec2> closures_;  // [m] where a path that was followed turned out to be blocked
+  std::vector<Vec2> failures_;  // [m] what was ever avoided in this motion
+  std::vector<Vec2> barred_;    // [m] what it has failed to look into too often
   std::vector<std::uint16_t> frontiers_;
 };
 

@@ -10,16 +10,16 @@
 namespace threewe::nav {
 namespace {
 
-constexpr double kReaction = 0.12;       // [s] from a command to its effect
-constexpr double kLargestMargin = 0.05;  // [m]
-constexpr double kNotNearer = 0.005;     // [m] what is nearer than the margin may come so much nearer, no more
-constexpr double kHorizon = 1.2;         // [s] looked ahead along a motion
-constexpr double kStep = 0.02;           // [m] or 0.1 rad between the poses that are tried
-constexpr double kLookahead = 0.45;      // [m]
-constexpr int kLookaheads = 8;           // each 5 cm less than the one before
-constexpr double kSlowest = 0.04;        // [m/s] towards the goal
-constexpr double kTurnFirst = 0.8;       // [rad] differential: beyond this turn on the spot ...
-constexpr double kTurnDone = 0.2;        // [rad] ... until the target is this straight ahead
+constexpr double kReaction = 0.12;      // [s] from a command to its effect
+constexpr double kLargestSpare = 0.05;  // [m]
+constexpr double kNotNearer = 0.005;    // [m] what is nearer than the margin may come so much nearer, no more
+constexpr double kHorizon = 1.2;        // [s] looked ahead along a motion
+constexpr double kStep = 0.02;          // [m] or 0.1 rad between the poses that are tried
+constexpr double kLookahead = 0.45;     // [m]
+constexpr int kLookaheads = 8;          // each 5 cm less than the one before
+constexpr double kSlowest = 0.04;       // [m/s] towards the goal
+constexpr double kTurnFirst = 0.8;      // [rad] differential: beyond this turn on the spot ...
+constexpr double kTurnDone = 0.2;       // [rad] ... until the target is this straight ahead
 
 constexpr double kEscape = 0.4;  // share of the speed limit when backing off
 
@@ -50,16 +50,17 @@ Tracker::Tracker(const RobotProfile& profile)
     : limits_(profile.operating_limits),
       kinematics_(profile.kinematics()),
       outline_(profile.body.footprint),
-      reach_(profile.body.footprint.circumscribed_radius() + kLargestMargin +
+      margin_(profile.margin()),
+      reach_(profile.body.footprint.circumscribed_radius() + margin_ + kLargestSpare +
              kHorizon * profile.operating_limits.linear) {}
 
-void Tracker::see(std::span<const Vec2> obstacles_in_base, double margin) {
+void Tracker::see(std::span<const Vec2> obstacles_in_base, double spare) {
   near_.clear();
   least_.clear();
   for (const Vec2 p : obstacles_in_base) {
     if (dot(p, p) > reach_ * reach_) continue;
     near_.push_back(p);
-    least_.push_back(std::min(margin, outline_.clearance(p) - kNotNearer));
+    least_.push_back(std::min(margin_ + spare, outline_.clearance(p) - kNotNearer));
   }
 }
 

@@ -58,8 +58,7 @@ GateModel make_gate_model(const RobotProfile& profile) {
   model.kinematics = profile.kinematics();
   model.footprint = profile.body.footprint;
   model.collision_monitor = profile.lidar.has_value();
-  // a unit that measures everything a little too far away must not touch either
-  if (profile.lidar) model.margin += profile.lidar->bias;
+  model.margin = profile.margin();
   model.reaction = profile.command_latency + profile.body.motor_lag + kControlPeriod;
   if (model.reaction > kMaxReaction)
     throw ConfigError("profile '" + profile.name + "': reacts too slowly for the gate");

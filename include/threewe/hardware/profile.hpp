@@ -98,6 +98,8 @@ struct RobotProfile {
   std::optional<BatterySpec> battery;
 
   Kinematics kinematics() const { return body.wheels.kinematics; }
+  /// [m] kept free around the footprint: a lidar that measures everything a little too far away must not touch either.
+  double margin() const { return 0.02 + (lidar ? lidar->bias : 0.0); }
 };
 
 /// Reads assets/robots/NAME.yaml, or the file itself where `name` ends in .yaml. Throws ConfigError.

@@ -36,7 +36,8 @@ class Costmap {
   /// for what lies too far away (fits_a_grid). Points in
   /// `obstacles` [m] count as occupied besides.
   void update(const OccupancyGrid& grid, std::span<const Vec2> obstacles, std::span<const Vec2> include, int rim = 20);
-  /// Lethal cells within `radius` [m] of `point` become dear instead, except at obstacles: the robot is there already.
+  /// Lethal cells within `radius` [m] of `point` that are no nearer to an obstacle than `point` itself become dear
+  /// instead: the robot is so near already. No slit in a wall opens by that.
   void open_around(Vec2 point, double radius);
 
   int width() const { return width_; }

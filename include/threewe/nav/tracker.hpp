@@ -37,9 +37,9 @@ class Tracker {
  public:
   explicit Tracker(const RobotProfile& profile);
 
-  /// What is near: points in the base frame [m]. `margin` [m], at most 0.05, is kept free around the outline; what is
-  /// nearer already comes no nearer.
-  void see(std::span<const Vec2> obstacles_in_base, double margin);
+  /// What is near: points in the base frame [m]. The robot's margin and `spare` [m], at most 0.05, are kept free around
+  /// the outline; what is nearer already comes no nearer.
+  void see(std::span<const Vec2> obstacles_in_base, double spare);
 
   /// The velocity for following `path` (in `map`) from `pose`, to a stop at its end.
   Velocity follow(std::span<const Vec2> path, const map::Costmap& costmap, const Pose2D& pose);
@@ -69,6 +69,7 @@ class Tracker {
   Limits limits_;
   Kinematics kinematics_;
   Outline outline_;
+  double margin_;       // [m]
   double reach_ = 0.0;  // [m] points farther away do not matter
   std::vector<Vec2> near_;
   std::vector<double> least_;  // [m] how near each point may come

@@ -108,6 +108,22 @@ TEST_CASE("points seen by the lidar count as occupied; the robot's own place sta
   CHECK(costmap.weight(costmap.cell({1.0, 1.0})) == Costmap::kLethal);
 }
 
+TEST_CASE("a robot close to a wall is not led through a slit in it") {
+  OccupancyGrid grid;
+  grid.width = grid.height = 40;
+  grid.data.assign(1600, OccupancyGrid::kFree);
+  for (int y = 0; y < 40; ++y) {
+    if (y != 20) grid.data[grid.index({20, y})] = OccupancyGrid::kOccupied;
+  }
+  Costmap costmap;
+  costmap.update(grid, {}, {});
+  const Vec2 robot = grid.center({18, 20});
+  const Vec2 beyond = grid.center({23, 20});
+  costmap.open_around(robot, 0.28);
+  CHECK(std::isfinite(costmap.line_cost(robot, grid.center({16, 20}))));
+  CHECK_FALSE(std::isfinite(costmap.line_cost(robot, beyond)));
+}
+
 TEST_CASE("a straight line through free space costs its length") {
   OccupancyGrid grid;
   grid.width = grid.height = 80;

@@ -4,6 +4,7 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdlib>
 #include <limits>
 #include <queue>
@@ -178,6 +179,26 @@ TEST_CASE("a straightened path is no dearer than the cells, keeps its ends and n
     CHECK(path_length(straight) <= path_length(cells) + 1e-6);
   }
   CHECK(paths > 300);
+}
+
+TEST_CASE("a path that begins in a lethal cell goes round walls like any other") {
+  OccupancyGrid grid;
+  grid.width = 60;
+  grid.height = 40;
+  grid.data.assign(2400, OccupancyGrid::kFree);
+  for (int y = 0; y < 30; ++y) grid.data[grid.index({30, y})] = OccupancyGrid::kOccupied;
+  Costmap costmap;
+  costmap.update(grid, {}, {});
+  Planner planner;
+  const Vec2 start = grid.center({28, 10});
+  const PlannedPath path = planner.plan(costmap, start, grid.center({50, 10}), 0.1);
+  REQUIRE(path.points.size() > 2);
+  for (std::size_t i = 1; i < path.points.size(); ++i) {
+    const Vec2 a = path.points[i - 1];
+    const Vec2 b = path.points[i];
+    // every piece that crosses the wall's line does so beyond one of its ends
+    if ((a.x < 1.525) != (b.x < 1.525)) CHECK((std::min(a.y, b.y) > 1.5 || std::max(a.y, b.y) < 0.0));
+  }
 }
 
 TEST_CASE("a goal that is occupied is approached as near as its tolerance allows") {
