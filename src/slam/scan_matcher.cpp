@@ -15,6 +15,7 @@ constexpr double kSigma = 0.025;       // [m]
 constexpr double kRobustWidth = 0.06;  // [m] residuals well beyond this count little
 constexpr double kSpotSize = 0.015;    // [m] hits spread less than this in every direction make a spot
 constexpr double kAgreement = 0.10;    // [m] a hit this near to a surface lies on it
+constexpr double kApart = 0.3;         // [rad] between two views of a surface that tell about the lidar's bias
 constexpr int kMaxIterations = 6;
 constexpr double kMaxCellWeight = 12.0;  // hits in one cell beyond this add nothing to its weight
 
@@ -54,8 +55,11 @@ NormalEquations linearize(const map::LogOddsMap& map, std::span<const map::Beam>
       sum.in_free_space += map.log_odds(map.grid().cell(point)) < 0 ? 1 : 0;
       continue;
     }
+    // what was seen along the same line only repeats itself: a robot that stands would take its own errors for a bias
+    const bool tells_bias = norm(ray + surface->from) > kApart;
     const auto add = [&](Vec2 direction) {
-      const Residual r = residual_in_map(*surface, direction, point, ray, arm, at.range_bias);
+      Residual r = residual_in_map(*surface, direction, point, ray, arm, at.range_bias);
+      if (!tells_bias) r.jacobian(3) = 0.0;
       const double variance = square(kSigma) + surface->spread;
       sum.add(r, 1.0 / (variance * square(1.0 + square(r.value / kRobustWidth))));
       return std::fabs(r.value) < kAgreement;

@@ -75,7 +75,7 @@ class ScanMatchingLocalizer final : public Localizer {
  private:
   void add_scan(Time measured, const LaserScan& scan);
   Time deskew(Time measured, const LaserScan& scan);
-  void keep_unseen(const std::vector<Vec2>& before, Vec2 lidar_in_odom, double range_min);
+  void keep_unseen(const std::vector<Vec2>& before, Vec2 lidar_in_odom, double nearest_seen);
   void predict_to(Time stamp);
   void correct(Time stamp);
   void shift(const Vector7& by, const Pose2D& map_from_base, const Pose2D& odom_from_base);
@@ -141,17 +141,18 @@ Time ScanMatchingLocalizer::deskew(Time measured, const LaserScan& scan) {
     beams_.push_back({origin, direction, length, hit, hit && is_thin(scan, i)});
     if (hit) obstacles_.push_back(odom_from_base * (origin + (length - track_.calibration().range_bias) * direction));
   }
-  keep_unseen(before, (odom_from_base * sensors_.base_from_lidar).position(), scan.range_min);
+  const double nearest_seen = scan.range_min - track_.calibration().range_bias;
+  keep_unseen(before, (odom_from_base * sensors_.base_from_lidar).position(), nearest_seen);
   return end;
 }
 
 // What came nearer than the lidar can see is still there.
-void ScanMatchingLocalizer::keep_unseen(const std::vector<Vec2>& before, Vec2 lidar_in_odom, double range_min) {
+void ScanMatchingLocalizer::keep_unseen(const std::vector<Vec2>& before, Vec2 lidar_in_odom, double nearest_seen) {
   constexpr double kSame = 0.01;  // [m] points nearer to each other are one
-  constexpr double kBlur = 0.02;  // [m] around the least range some beams see and some do not
+  constexpr double kBlur = 0.03;  // [m] around the least range some beams see and some do not
   const std::size_t seen = obstacles_.size();
   for (const Vec2 p : before) {
-    if (distance(p, lidar_in_odom) >= range_min + kBlur) continue;
+    if (distance(p, lidar_in_odom) >= nearest_seen + kBlur) continue;
     const auto is_same = [p](Vec2 other) { return distance(p, other) < kSame; };
     const auto kept = obstacles_.begin() + static_cast<std::ptrdiff_t>(seen);
     if (std::none_of(kept, obstacles_.end(), is_same)) obstacles_.push_back(p);

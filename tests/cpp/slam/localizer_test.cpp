@@ -2,6 +2,7 @@
 #include <doctest/doctest.h>
 
 #include <cmath>
+#include <memory>
 #include <vector>
 
 #include "slam/tiny_world.hpp"
@@ -139,33 +140,74 @@ TEST_CASE("a robot that is carried away says that it is lost") {
   CHECK(localizer->estimate(world.now()).lost);
 }
 
-TEST_CASE("what the lidar is too near to see stays an obstacle, until the robot is away") {
-  std::vector<TinyWall> walls = room();
-  TinyWorld world(walls, {}, {}, 6);
-  const auto localizer = make_scan_matching_localizer(model());
-  const auto drive = [&](const Velocity& v, int ticks) {
+/// A localiser whose lidar is blind within 30 cm.
+class ShortSighted {
+ public:
+  ShortSighted(const Pose2D& start, const TinyErrors& errors) : world_(room(), start, errors, 6) {}
+
+  void drive(const Velocity& v, int ticks) {
     for (int tick = 0; tick < ticks; ++tick) {
-      for (Sample s : world.tick(v)) {
-        // this lidar is blind within 30 cm
+      for (Sample s : world_.tick(v)) {
         if (auto* scan = std::get_if<LaserScan>(&s.data)) {
           scan->range_min = 0.3;
           for (float& r : scan->ranges) r = r < 0.3F ? 0.0F : r;
         }
-        localizer->add(s);
+        localizer_->add(s);
       }
     }
-  };
-  const auto nearest = [&] {
-    const Vec2 here = localizer->estimate(world.now()).odom_from_base.position();
+  }
+
+  double nearest_obstacle() const {
+    const Vec2 here = localizer_->estimate(world_.now()).odom_from_base.position();
     double least = 1e9;
-    for (const Vec2 p : localizer->obstacles()) least = std::min(least, distance(p, here));
+    for (const Vec2 p : localizer_->obstacles()) least = std::min(least, distance(p, here));
     return least;
-  };
-  drive({0.3, 0.0, 0.0}, 635);  // to 20 cm before the wall at x = 4
-  CHECK(world.pose().x > 3.75);
-  CHECK(nearest() < 0.26);
-  drive({-0.3, 0.0, 0.0}, 200);
-  CHECK(nearest() > 0.3);
+  }
+
+  // [m] how far the wall at x = 4, beside the robot, is from obstacles at most.
+  double largest_gap() const {
+    double largest = 0.0;
+    for (double y = -0.2; y <= 0.2; y += 0.01) {
+      double least = 1e9;
+      for (const Vec2 p : localizer_->obstacles()) least = std::min(least, distance(p, {4.0, y}));
+      largest = std::max(largest, least);
+    }
+    return largest;
+  }
+
+  const Pose2D& pose() const { return world_.pose(); }
+
+ private:
+  TinyWorld world_;
+  std::unique_ptr<Localizer> localizer_ = make_scan_matching_localizer(model());
+};
+
+TEST_CASE("what the lidar is too near to see stays an obstacle, until the robot is away") {
+  for (const double bias : {0.0, 0.03, -0.03}) {
+    CAPTURE(bias);
+    ShortSighted robot({}, {.range_sigma = 0.01, .range_bias = bias});
+    robot.drive({0.3, 0.0, 0.0}, 550);
+    robot.drive({0.05, 0.0, 0.0}, 500);  // slowly to 20 cm before the wall at x = 4
+    CHECK(robot.pose().x > 3.75);
+    CHECK(robot.nearest_obstacle() < 0.26);
+    CHECK(robot.largest_gap() < 0.03);
+    robot.drive({-0.3, 0.0, 0.0}, 200);
+    CHECK(robot.nearest_obstacle() > 0.3);
+  }
+}
+
+TEST_CASE("a wall stays where it is while the robot stands before it") {
+  const TinyErrors noisy{.range_sigma = 0.015};
+  ShortSighted beside({3.63, 0.0, 0.0}, noisy);
+  ShortSighted close({3.4, 0.0, 0.0}, noisy);
+  close.drive({0.2, 0.0, 0.0}, 90);
+  REQUIRE(close.pose().x > 3.72);
+  for (int i = 0; i < 60; ++i) {
+    beside.drive({}, 50);
+    CHECK(beside.nearest_obstacle() > 0.29);
+    close.drive({}, 50);
+    CHECK(close.nearest_obstacle() < 0.31);
+  }
 }
 
 }  // namespace
