@@ -1,6 +1,6 @@
 """Drives to sampled goals in places that the robot has never seen; explores; listens to no simulator's lies."""
 
-from verify.cases.driving import arrived, drive, explore
+from verify.cases.driving import arrived, drive, drive_in_vain, explore
 from verify.cases.journey import lies
 from verify.harness import Experiment, all_of, share_of, worst_of
 
@@ -24,6 +24,21 @@ EXPERIMENTS = [
             ],
         )
         for scene, hardware in ROBOTS
+    ),
+    *(
+        Experiment(
+            f"move_to where nobody can, {hardware} in {scene}",
+            drive_in_vain,
+            {"scene": scene, "hardware": hardware},
+            cases=40,
+            sample=1,
+            rows=[
+                share_of("no_path", lambda case: case["reason"] == "no_path", at_least=0.95),
+                all_of("never reached", lambda case: case["reason"] != "reached"),
+                worst_of("contact by its own motion [m/s]", lambda case: case["contact_speed"], at_most=0.05),
+            ],
+        )
+        for scene, hardware in ROBOTS[:2]
     ),
     Experiment(
         "explore office_v2",

@@ -2,9 +2,12 @@
 
 import asyncio
 import math
+import random
 from typing import Any
 
 from threewe import CoverageMeter, Pose2D, Robot, RobotProfile, Scene, SceneTables, TickView
+
+TOLERANCE = 0.1  # [m] of drives in vain
 
 
 def drive(seed: int, scene: str, hardware: str) -> dict[str, Any]:
@@ -38,6 +41,40 @@ def drive(seed: int, scene: str, hardware: str) -> dict[str, Any]:
 def arrived(case: dict[str, Any]) -> bool:
     """The robot says so, and it is true."""
     return bool(case["reason"] == "reached" and case["true_distance"] <= 0.25)
+
+
+def drive_in_vain(seed: int, scene: str, hardware: str) -> dict[str, Any]:
+    """To a place that nobody can reach: in a wall, under furniture, outside. Time enough to look everywhere."""
+    tables = SceneTables(Scene.load(scene), RobotProfile.load(hardware))
+    start = tables.sample_episode(seed, 0).start
+    goal = start.inverse() * Pose2D(*unreachable_place(tables, Scene.load(scene), start, seed), 0.0)
+
+    async def run() -> dict[str, Any]:
+        async with Robot(scene=scene, hardware=hardware, seed=seed, start_pose=start) as robot:
+            truth = robot.simulation
+            assert truth is not None
+            result = await robot.move_to(goal.x, goal.y, tolerance=TOLERANCE, timeout=1800.0)
+            return {
+                "reason": result.reason.name,
+                "detail": result.detail,
+                "seconds": result.duration,
+                "driven": truth.distance_driven(),
+                "contact_speed": truth.max_collision_speed(),
+            }
+
+    return asyncio.run(run())
+
+
+def unreachable_place(tables: SceneTables, scene: Scene, start: Pose2D, seed: int) -> tuple[float, float]:
+    """Uniform over the scene and 5 m around it, given that no place within the tolerance can be reached."""
+    draw = random.Random(seed)
+    steps = [-0.1, -0.05, 0.0, 0.05, 0.1]
+    while True:
+        x = draw.uniform(scene.min[0] - 5.0, scene.max[0] + 5.0)
+        y = draw.uniform(scene.min[1] - 5.0, scene.max[1] + 5.0)
+        around = [(x + dx, y + dy) for dx in steps for dy in steps if math.hypot(dx, dy) < TOLERANCE + 0.05]
+        if not any(math.isfinite(tables.geodesic((start.x, start.y), place)) for place in around):
+            return x, y
 
 
 def explore(seed: int, scene: str, seconds: float) -> dict[str, Any]:
