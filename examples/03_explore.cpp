@@ -1,5 +1,5 @@
 // Wake up in an unknown place, look around until nothing is left to see, and come back.
-#include <cstdio>
+#include <iostream>
 #include <string_view>
 
 #include "threewe/threewe.hpp"
@@ -12,12 +12,12 @@ int main(int argc, char** argv) {
   while (!exploration.motion->done()) {
     robot.sleep(5.0);
     const auto& progress = exploration.motion->progress();
-    std::printf("%5.0f s: %5.1f m driven\n", threewe::to_seconds(robot.world().now()), progress.distance_driven);
+    std::cout << threewe::to_seconds(robot.now()) << " s: " << progress.distance_driven << " m driven\n";
   }
   const threewe::ExploreResult seen = robot.wait(exploration);
-  std::printf("%s: %.0f m^2 seen in %.0f s\n", to_string(seen.reason).data(), seen.explored_area, seen.duration);
+  std::cout << to_string(seen.reason) << ": " << seen.explored_area << " m^2 seen in " << seen.duration << " s\n";
 
   const threewe::MoveResult back = robot.wait(robot.move_to(0.0, 0.0));
-  std::printf("back at the start: %s, %.2f m off\n", back.success ? "yes" : "no", back.distance_to_goal);
+  std::cout << "back at the start: " << (back.success ? "yes" : "no") << ", " << back.distance_to_goal << " m off\n";
   return back.success ? 0 : 1;
 }

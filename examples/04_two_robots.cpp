@@ -1,5 +1,5 @@
 // Two robots share a world and drive at the same time.
-#include <cstdio>
+#include <iostream>
 
 #include "threewe/threewe.hpp"
 
@@ -20,7 +20,7 @@ int main() {
   const threewe::MoveResult a = first.wait(one);
   const threewe::MoveResult b = second.wait(other);
 
-  std::printf("first:  %s after %.1f s\n", to_string(a.reason).data(), a.duration);
-  std::printf("second: %s after %.1f s\n", to_string(b.reason).data(), b.duration);
+  std::cout << "first:  " << to_string(a.reason) << " after " << a.duration << " s\n"
+            << "second: " << to_string(b.reason) << " after " << b.duration << " s\n";
   return a.success && b.success ? 0 : 1;
 }
