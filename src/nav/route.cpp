@@ -27,12 +27,12 @@ Vec2 within_horizon(const map::OccupancyGrid& map, Vec2 point) {
   return {std::clamp(point.x, low.x, high.x), std::clamp(point.y, low.y, high.y)};
 }
 
-// The first point of a path, at most `ahead` [m] from its start, for which `holds`.
+// The first point of a path for which `holds`.
 template <class Holds>
-std::optional<Vec2> first_along(std::span<const Vec2> path, double ahead, Holds holds) {
+std::optional<Vec2> first_along(std::span<const Vec2> path, Holds holds) {
   constexpr double kStep = 0.05;  // [m]
   if (path.empty()) return {};
-  const int steps = static_cast<int>(std::min(ahead, path_length(path)) / kStep);
+  const int steps = static_cast<int>(path_length(path) / kStep);
   for (int i = 0; i <= steps; ++i) {
     const Vec2 p = point_after(path, {0, path.front()}, kStep * i);
     if (holds(p)) return p;
@@ -172,7 +172,7 @@ bool Route::avoid(Vec2 place) {
   const auto is_same = [&](Vec2 other) { return distance(place, other) < kSamePlace; };
   if (std::count_if(failures_.begin(), failures_.end(), is_same) < kAttempts) return false;
   const auto is_entrance = [&](Vec2 p) { return costmap_.unknown(costmap_.cell(p)) && distance(p, place) < kBeyond; };
-  const std::optional<Vec2> entrance = first_along(path_, path_length(path_), is_entrance);
+  const std::optional<Vec2> entrance = first_along(path_, is_entrance);
   if (!entrance) return false;
   barred_.push_back(place);
   barred_.push_back(*entrance);
@@ -182,7 +182,7 @@ bool Route::avoid(Vec2 place) {
 // The path is blocked. A place that looked open from afar twice and was not is avoided from then on.
 void Route::note_closure() {
   bool left = false;  // the lethal cells that the robot may stand in
-  const std::optional<Vec2> closed = first_along(path_, path_length(path_), [&](Vec2 p) {
+  const std::optional<Vec2> closed = first_along(path_, [&](Vec2 p) {
     const bool lethal = costmap_.weight(costmap_.cell(p)) == map::Costmap::kLethal;
     left = left || !lethal;
     return left && lethal;
