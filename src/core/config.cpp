@@ -20,8 +20,8 @@ int line_of(const YAML::Node& node) { return std::max(node.Mark().line, 0) + 1; 
 
 }  // namespace
 
-ConfigNode::ConfigNode(YAML::Node node, std::string file, std::string path, int line)
-    : node_(std::move(node)), file_(std::move(file)), path_(std::move(path)), line_(line) {}
+ConfigNode::ConfigNode(const YAML::Node& node, std::string file, std::string path, int line)
+    : node_(node), file_(std::move(file)), path_(std::move(path)), line_(line) {}
 
 ConfigNode ConfigNode::load(const std::filesystem::path& file) {
   std::ifstream stream(file);

@@ -111,7 +111,7 @@ double exp(double x) {
   if (std::isnan(x)) return x;
   if (x > 709.78) return std::numeric_limits<double>::infinity();
   if (x < -745.0) return 0.0;
-  constexpr double kLn2High = 6.93147180369123816490e-01;
+  constexpr double kLn2High = 0x1.62e42fee00000p-1;
   constexpr double kLn2Low = 1.90821492927058770002e-10;
 
   // x = k ln 2 + r with |r| <= ln 2 / 2, r kept as high - low
@@ -138,7 +138,7 @@ double log(double x) {
   if (std::isnan(x) || x < 0.0) return std::numeric_limits<double>::quiet_NaN();
   if (x == 0.0) return -std::numeric_limits<double>::infinity();
   if (std::isinf(x)) return x;
-  constexpr double kLn2High = 6.93147180369123816490e-01;
+  constexpr double kLn2High = 0x1.62e42fee00000p-1;
   constexpr double kLn2Low = 1.90821492927058770002e-10;
 
   // x = 2^k m with m in [sqrt(1/2), sqrt(2))
@@ -149,7 +149,7 @@ double log(double x) {
   }
   const auto bits = std::bit_cast<std::uint64_t>(x);
   k += static_cast<double>(static_cast<std::int64_t>(bits >> 52) - 1023);
-  double m = std::bit_cast<double>((bits & 0x000fffffffffffffULL) | 0x3ff0000000000000ULL);
+  auto m = std::bit_cast<double>((bits & 0x000fffffffffffffULL) | 0x3ff0000000000000ULL);
   if (m > std::numbers::sqrt2) {
     m = 0.5 * m;
     k += 1.0;

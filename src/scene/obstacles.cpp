@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <numbers>
 #include <numeric>
 #include <utility>
 
@@ -44,7 +45,7 @@ Obstacles::Obstacles(std::vector<Solid> solids)
     const CellIndex high = frame.cell(highest + Vec2{kReach, kReach});
     for (int y = std::max(low.y, 0); y <= std::min(high.y, frame.height - 1); ++y) {
       for (int x = std::max(low.x, 0); x <= std::min(high.x, frame.width - 1); ++x) {
-        const double to_corner = 0.5 * exact::sqrt(2.0) * kBucket;
+        const double to_corner = 0.5 * std::numbers::sqrt2 * kBucket;
         if (distance_to(solid, frame.center({x, y})) <= to_corner + kReach) buckets_[{x, y}].push_back(i);
       }
     }

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 namespace threewe::scene {
 namespace {
@@ -117,7 +118,7 @@ CellSet cells_with_clearance(const Obstacles& obstacles, const CellGrid<float>& 
   // the nearest solid reaches into the nearest occupied cell, so the true distance is known to half a diagonal;
   // only where that leaves the question open is it measured
   const GridFrame& frame = distance_to_occupied.frame;
-  const double slack = 0.5 * exact::sqrt(2.0) * frame.resolution + 1e-6;
+  const double slack = 0.5 * std::numbers::sqrt2 * frame.resolution + 1e-6;
   CellSet clear(frame, 0);
   for (std::size_t i = 0; i < frame.size(); ++i) {
     const auto d = static_cast<double>(distance_to_occupied.cells[i]);

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include <yaml-cpp/yaml.h>
@@ -41,7 +42,9 @@ class ConfigNode {
   /// A number that must lie in [low, high].
   double number_in(std::string_view field, double low, double high);
   std::string text(std::string_view field) { return at(field).text(); }
-  std::string text(std::string_view field, std::string fallback) { return has(field) ? at(field).text() : fallback; }
+  std::string text(std::string_view field, std::string fallback) {
+    return has(field) ? at(field).text() : std::move(fallback);
+  }
   /// One of `choices`, or ConfigError with the nearest of them.
   std::string choice(std::string_view field, const std::vector<std::string>& choices);
 
@@ -51,7 +54,7 @@ class ConfigNode {
   [[noreturn]] void fail(const std::string& what) const;
 
  private:
-  ConfigNode(YAML::Node node, std::string file, std::string path, int line);
+  ConfigNode(const YAML::Node& node, std::string file, std::string path, int line);
   YAML::Node node_;
   std::string file_;
   std::string path_;

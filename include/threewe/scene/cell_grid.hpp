@@ -54,7 +54,7 @@ struct CellGrid {
   std::vector<T> cells;
 
   CellGrid() = default;
-  CellGrid(const GridFrame& where, T value) : frame(where), cells(where.size(), value) {}
+  CellGrid(const GridFrame& where, const T& value) : frame(where), cells(where.size(), value) {}
 
   T& operator[](CellIndex c) { return cells[frame.index(c)]; }
   const T& operator[](CellIndex c) const { return cells[frame.index(c)]; }
