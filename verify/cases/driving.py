@@ -45,9 +45,10 @@ def arrived(case: dict[str, Any]) -> bool:
 
 def drive_in_vain(seed: int, scene: str, hardware: str) -> dict[str, Any]:
     """To a place that nobody can reach: in a wall, under furniture, outside. Time enough to look everywhere."""
-    tables = SceneTables(Scene.load(scene), RobotProfile.load(hardware))
+    place = Scene.load(scene)
+    tables = SceneTables(place, RobotProfile.load(hardware))
     start = tables.sample_episode(seed, 0).start
-    goal = start.inverse() * Pose2D(*unreachable_place(tables, Scene.load(scene), start, seed), 0.0)
+    goal = start.inverse() * Pose2D(*unreachable_place(tables, place, start, seed), 0.0)
 
     async def run() -> dict[str, Any]:
         async with Robot(scene=scene, hardware=hardware, seed=seed, start_pose=start) as robot:
