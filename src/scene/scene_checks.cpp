@@ -5,12 +5,15 @@
 
 #include <fmt/format.h>
 
+#include "wall_plan.hpp"
+
 namespace threewe::scene {
 namespace {
 
 constexpr double kSlack = 1e-3;           // [m] that things may reach into each other: coordinates are rounded
 constexpr double kStandingRadius = 0.25;  // [m] kept free around starts and anchors
 constexpr double kStandingHeight = 0.5;   // [m]
+constexpr double kWalkingHeight = 1.8;    // [m] of people
 
 std::string describe(const Scene& scene, int object) {
   return object < 0 ? "a wall" : fmt::format("'{}'", scene.objects[static_cast<std::size_t>(object)].name);
@@ -23,13 +26,14 @@ const Solid* obstacle_at(const std::vector<Solid>& solids, Vec2 point) {
   return solid == solids.end() ? nullptr : &*solid;
 }
 
-}  // namespace
-
-bool parallel(const Wall& a, const Wall& b) {
-  const Vec2 u = a.b - a.a;
-  const Vec2 v = b.b - b.a;
-  return std::fabs(cross(u, v)) < 1e-6 * norm(u) * norm(v);
+// What somebody of some radius covers between two places, but for the round ends.
+Solid swept_box(Vec2 a, Vec2 b, double radius) {
+  const Vec2 along = b - a;
+  const Vec2 middle = 0.5 * (a + b);
+  return make_box({middle.x, middle.y, exact::atan2(along.y, along.x)}, norm(along), 2.0 * radius);
 }
+
+}  // namespace
 
 void check_rooms(const Draft& draft) {
   const auto& rooms = draft.scene.rooms;
@@ -48,13 +52,32 @@ void check_rooms(const Draft& draft) {
 }
 
 void check_walls(const Draft& draft) {
-  const auto& walls = draft.walls;
-  for (std::size_t i = 0; i < walls.size(); ++i) {
+  const auto& plan = draft.scene.plan;
+  for (std::size_t i = 0; i < plan.size(); ++i) {
     for (std::size_t j = 0; j < i; ++j) {
-      const Wall& a = walls[i].wall;
-      const Wall& b = walls[j].wall;
+      const Wall& a = plan[i].wall;
+      const Wall& b = plan[j].wall;
       if (parallel(a, b) && overlaps(solid_of(a), solid_of(b), kSlack)) {
-        walls[i].node.fail(fmt::format("wall {} overlaps wall {}", i, j));
+        draft.walls[i].fail(fmt::format("wall {} overlaps wall {}", i, j));
+      }
+    }
+  }
+}
+
+void check_patches(const Draft& draft) {
+  const Scene& scene = draft.scene;
+  for (std::size_t i = 0; i < scene.patches.size(); ++i) {
+    const Patch& a = scene.patches[i];
+    if (a.min.x < scene.min.x || a.min.y < scene.min.y || a.max.x > scene.max.x || a.max.y > scene.max.y) {
+      draft.patches[i].fail(fmt::format("patch '{}' reaches beyond the walls", a.name));
+    }
+    for (std::size_t j = 0; j < i; ++j) {
+      const Patch& b = scene.patches[j];
+      if (a.name == b.name) draft.patches[i].fail(fmt::format("there are two patches named '{}'", a.name));
+      const double x = std::min(a.max.x, b.max.x) - std::max(a.min.x, b.min.x);
+      const double y = std::min(a.max.y, b.max.y) - std::max(a.min.y, b.min.y);
+      if (std::min(x, y) > kSlack) {
+        draft.patches[i].fail(fmt::format("patch '{}' overlaps patch '{}'", a.name, b.name));
       }
     }
   }
@@ -93,6 +116,26 @@ void check_places(const Draft& draft) {
   }
   for (std::size_t i = 0; i < scene.rooms.size(); ++i) {
     check(draft.rooms[i], scene.rooms[i].anchor, fmt::format("the anchor of '{}'", scene.rooms[i].name));
+  }
+}
+
+void check_people(const Draft& draft) {
+  const Scene& scene = draft.scene;
+  const std::vector<Solid> solids = scene.solids_between(0.0, kWalkingHeight);
+  for (std::size_t i = 0; i < scene.people.size(); ++i) {
+    const Person& person = scene.people[i];
+    for (std::size_t k = 0; k < person.route.size(); ++k) {
+      const Vec2 a = person.route[k];
+      const Vec2 b = person.route[(k + 1) % person.route.size()];
+      const auto hit = std::ranges::find_if(solids, [&](const Solid& solid) {
+        return overlaps(make_disc(a, person.radius), solid, kSlack) ||
+               overlaps(swept_box(a, b, person.radius), solid, kSlack);
+      });
+      if (hit == solids.end()) continue;
+      ConfigNode node = draft.people[i];
+      node.at("route").items()[k].fail(fmt::format("from here '{}' walks through {} on the way to the next waypoint",
+                                                   person.name, describe(scene, hit->object)));
+    }
   }
 }
 

@@ -1,8 +1,10 @@
-// Reads a scene from its file. assets/scenes/office_v2.yaml shows every field.
+// Reads a scene from its file. assets/scenes/office_v2.yaml shows most fields, outdoor_v1.yaml patches of uneven grip,
+// dynamic_v1.yaml people.
 #include <algorithm>
 #include <cmath>
 #include <map>
 #include <set>
+#include <tuple>
 
 #include <fmt/format.h>
 
@@ -15,10 +17,14 @@ namespace {
 
 constexpr double kQuarterTurn = 0.5 * exact::kPi;
 
-constexpr double kSmallestRoom = 0.5;    // [m]
-constexpr double kSmallestPiece = 1e-3;  // [m] of a wall, left over beside a door
+constexpr double kSmallestRoom = 0.5;   // [m]
+constexpr double kSmallestPatch = 0.1;  // [m]
+constexpr double kLeastGrip = 0.2;      // wet ice
+constexpr double kMostGrip = 1.5;       // rubber matting
+constexpr double kShortestLeg = 0.1;    // [m] of a route
 
-const std::vector<std::string> kFloors = {"wood", "tile", "carpet", "concrete", "vinyl"};
+const std::vector<std::string> kFloors = {"wood",  "tile",   "carpet",  "concrete", "vinyl",
+                                          "grass", "gravel", "asphalt", "paving"};
 
 // Files write quarter turns as 1.5708: the nearest exact one is meant.
 double snap_to_quarter_turn(double theta) {
@@ -54,18 +60,21 @@ class SceneReader {
     scene_.name = root.text("name");
     scene_.description = root.text("description");
     read_starts(root.at("starts"));
+    if (root.has("ceiling")) scene_.ceiling = root.at("ceiling").boolean();
     if (root.has("rooms")) read_rooms(root.at("rooms"));
     read_walls(root.at("walls"));
+    if (root.has("patches")) read_patches(root.at("patches"));
     if (root.has("objects")) read_objects(root.at("objects"));
+    if (root.has("people")) read_people(root.at("people"));
     root.finish();
     check_rooms(draft_);
     check_walls(draft_);
 
-    close_corners();
-    cut_doorways();
-    find_bounds();
+    scene_.build_walls();
+    check_patches(draft_);
     check_objects(draft_);
     check_places(draft_);
+    check_people(draft_);
     return std::move(scene_);
   }
 
@@ -87,23 +96,14 @@ class SceneReader {
     for (ConfigNode node : list.items()) {
       Room room;
       room.name = node.text("name");
-      const Vec2 low = node.at("min").vec2();
-      const Vec2 high = node.at("max").vec2();
-      if (high.x - low.x < kSmallestRoom || high.y - low.y < kSmallestRoom) {
-        node.fail(fmt::format("room '{}' is inside out or less than {} m wide", room.name, kSmallestRoom));
-      }
+      std::tie(room.min, room.max) = read_rectangle(node, fmt::format("room '{}'", room.name), kSmallestRoom);
       room.floor = node.choice("floor", kFloors);
-      const Vec2 anchor = node.has("anchor") ? node.at("anchor").vec2() : 0.5 * (low + high);
-      if (anchor.x < low.x || anchor.y < low.y || anchor.x > high.x || anchor.y > high.y) {
+      room.anchor = node.has("anchor") ? from_file_(node.at("anchor").vec2()) : 0.5 * (room.min + room.max);
+      const Vec2 anchor = room.anchor;
+      if (anchor.x < room.min.x || anchor.y < room.min.y || anchor.x > room.max.x || anchor.y > room.max.y) {
         node.at("anchor").fail(fmt::format("the anchor of '{}' is outside the room", room.name));
       }
       node.finish();
-
-      const Vec2 a = from_file_(low);
-      const Vec2 b = from_file_(high);
-      room.min = {std::min(a.x, b.x), std::min(a.y, b.y)};
-      room.max = {std::max(a.x, b.x), std::max(a.y, b.y)};
-      room.anchor = from_file_(anchor);
       scene_.rooms.push_back(room);
       draft_.rooms.push_back(node);
     }
@@ -111,48 +111,39 @@ class SceneReader {
 
   void read_walls(const ConfigNode& list) {
     for (ConfigNode node : list.items()) {
-      WallDraft draft{.wall = {}, .doorways = {}, .node = node};
-      draft.wall.a = from_file_(node.at("a").vec2());
-      draft.wall.b = from_file_(node.at("b").vec2());
-      draft.wall.thickness = node.has("thickness") ? node.number_in("thickness", 0.02, 1.0) : 0.12;
-      draft.wall.height = node.has("height") ? node.number_in("height", 0.3, 20.0) : 2.6;
-      if (!(distance(draft.wall.a, draft.wall.b) > draft.wall.thickness)) {
-        node.fail("a wall must be longer than it is thick");
-      }
-      if (node.has("doors")) read_doors(node.at("doors"), draft);
+      WallPlan plan;
+      Wall& wall = plan.wall;
+      wall.a = from_file_(node.at("a").vec2());
+      wall.b = from_file_(node.at("b").vec2());
+      if (node.has("thickness")) wall.thickness = node.number_in("thickness", 0.02, 1.0);
+      if (node.has("height")) wall.height = node.number_in("height", 0.3, 20.0);
+      if (!(distance(wall.a, wall.b) > wall.thickness)) node.fail("a wall must be longer than it is thick");
+      if (node.has("doors")) read_doors(node.at("doors"), plan);
       node.finish();
-      draft_.walls.push_back(std::move(draft));
+      scene_.plan.push_back(std::move(plan));
+      draft_.walls.push_back(node);
     }
-    if (draft_.walls.empty()) list.fail("a scene needs at least one wall");
+    if (scene_.plan.empty()) list.fail("a scene needs at least one wall");
   }
 
-  void read_doors(const ConfigNode& list, WallDraft& draft) {
-    const double length = distance(draft.wall.a, draft.wall.b);
+  void read_doors(const ConfigNode& list, WallPlan& plan) {
+    const double length = distance(plan.wall.a, plan.wall.b);
     for (ConfigNode node : list.items()) {
-      Door door;
-      door.name = node.text("name");
-      door.width = node.number_in("width", 0.3, 10.0);
-      const double at = node.number("at");
+      Doorway door{.name = node.text("name"), .at = node.number("at"), .width = node.number_in("width", 0.3, 10.0)};
       node.finish();
 
-      const Doorway doorway{at - 0.5 * door.width, at + 0.5 * door.width};
       if (door.width > length) node.fail(fmt::format("door '{}' is wider than its wall ({:.2f} m)", door.name, length));
-      if (doorway.from < 0.0 || doorway.to > length) {
+      if (door.at - 0.5 * door.width < 0.0 || door.at + 0.5 * door.width > length) {
         node.fail(fmt::format("door '{}' reaches beyond its wall, which is {:.2f} m long", door.name, length));
       }
-      for (const Doorway& other : draft.doorways) {
-        if (doorway.from < other.to && other.from < doorway.to) {
+      for (const Doorway& other : plan.doorways) {
+        if (std::fabs(door.at - other.at) < 0.5 * (door.width + other.width)) {
           node.fail(fmt::format("door '{}' overlaps another door of its wall", door.name));
         }
       }
-      if (std::ranges::find(scene_.doors, door.name, &Door::name) != scene_.doors.end()) {
-        node.fail(fmt::format("there are two doors named '{}'", door.name));
-      }
-      door.center = draft.wall.a + (at / length) * (draft.wall.b - draft.wall.a);
-      draft.doorways.push_back(doorway);
-      scene_.doors.push_back(door);
+      if (!doors_.insert(door.name).second) node.fail(fmt::format("there are two doors named '{}'", door.name));
+      plan.doorways.push_back(std::move(door));
     }
-    std::ranges::sort(draft.doorways, {}, &Doorway::from);
   }
 
   void read_objects(const ConfigNode& list) {
@@ -161,6 +152,7 @@ class SceneReader {
     for (ConfigNode node : list.items()) {
       Object object;
       object.category = node.text("category");
+      object.shape = node.text("shape");
       object.prisms = library_.prisms(node.at("category"), node.at("shape"));
       object.pose = from_file_(node.at("pose").pose());
       object.name = node.text("name", fmt::format("{}_{}", object.category, ++count[object.category]));
@@ -171,52 +163,61 @@ class SceneReader {
     }
   }
 
-  // Where walls meet end to end at an angle, the first of them is made longer to fill the corner.
-  void close_corners() {
-    for (std::size_t i = 0; i < draft_.walls.size(); ++i) {
-      WallDraft& draft = draft_.walls[i];
-      for (std::size_t j = i + 1; j < draft_.walls.size(); ++j) {
-        const Wall& next = draft_.walls[j].wall;
-        if (parallel(draft.wall, next)) continue;
-        if (draft.wall.a == next.a || draft.wall.a == next.b) draft.before_a = 0.5 * next.thickness;
-        if (draft.wall.b == next.a || draft.wall.b == next.b) draft.after_b = 0.5 * next.thickness;
-      }
+  void read_patches(const ConfigNode& list) {
+    for (ConfigNode node : list.items()) {
+      Patch patch;
+      patch.name = node.text("name");
+      std::tie(patch.min, patch.max) = read_rectangle(node, fmt::format("patch '{}'", patch.name), kSmallestPatch);
+      patch.floor = node.choice("floor", kFloors);
+      patch.grip = node.number_in("grip", kLeastGrip, kMostGrip);
+      node.finish();
+      scene_.patches.push_back(patch);
+      draft_.patches.push_back(node);
     }
   }
 
-  void cut_doorways() {
-    for (const WallDraft& draft : draft_.walls) {
-      const double length = distance(draft.wall.a, draft.wall.b);
-      const Vec2 along = (1.0 / length) * (draft.wall.b - draft.wall.a);
-      double from = -draft.before_a;
-      const auto add_piece = [&](double to) {
-        if (to - from < kSmallestPiece) return;
-        Wall piece = draft.wall;
-        piece.a = draft.wall.a + from * along;
-        piece.b = draft.wall.a + to * along;
-        scene_.walls.push_back(piece);
-      };
-      for (const Doorway& doorway : draft.doorways) {
-        add_piece(doorway.from);
-        from = doorway.to;
+  void read_people(const ConfigNode& list) {
+    for (ConfigNode node : list.items()) {
+      Person person;
+      person.name = node.text("name");
+      for (const ConfigNode& waypoint : node.at("route").items()) {
+        const Vec2 point = from_file_(waypoint.vec2());
+        if (!person.route.empty() && distance(person.route.back(), point) < kShortestLeg) {
+          waypoint.fail(fmt::format("waypoints must be at least {} m apart", kShortestLeg));
+        }
+        person.route.push_back(point);
       }
-      add_piece(length + draft.after_b);
+      if (person.route.size() < 2 || distance(person.route.front(), person.route.back()) < kShortestLeg) {
+        node.at("route").fail("expected two or more waypoints; the way from the last back to the first is implied");
+      }
+      person.speed = node.number_in("speed", 0.1, 2.5);
+      person.radius = node.has("radius") ? node.number_in("radius", 0.1, 0.6) : person.radius;
+      node.finish();
+      if (std::ranges::find(scene_.people, person.name, &Person::name) != scene_.people.end()) {
+        node.fail(fmt::format("there are two people named '{}'", person.name));
+      }
+      scene_.people.push_back(std::move(person));
+      draft_.people.push_back(node);
     }
   }
 
-  void find_bounds() {
-    scene_.min = scene_.max = scene_.walls.front().a;
-    for (const Wall& wall : scene_.walls) {
-      const auto [low, high] = bounds(solid_of(wall));
-      scene_.min = {std::min(scene_.min.x, low.x), std::min(scene_.min.y, low.y)};
-      scene_.max = {std::max(scene_.max.x, high.x), std::max(scene_.max.y, high.y)};
+  // `min` and `max` of something, in the scene's frame.
+  std::pair<Vec2, Vec2> read_rectangle(ConfigNode& node, const std::string& what, double smallest) const {
+    const Vec2 low = node.at("min").vec2();
+    const Vec2 high = node.at("max").vec2();
+    if (high.x - low.x < smallest || high.y - low.y < smallest) {
+      node.fail(fmt::format("{} is inside out or less than {} m wide", what, smallest));
     }
+    const Vec2 a = from_file_(low);
+    const Vec2 b = from_file_(high);
+    return {{std::min(a.x, b.x), std::min(a.y, b.y)}, {std::max(a.x, b.x), std::max(a.y, b.y)}};
   }
 
   Draft draft_;
   Scene& scene_ = draft_.scene;
   SceneFromFile from_file_;
   ObjectLibrary library_;
+  std::set<std::string> doors_;
 };
 
 }  // namespace

@@ -23,14 +23,31 @@ struct Prism {
   double z_min = 0.0;   ///< [m]
   double z_max = 0.0;   ///< [m]
   std::string material;
+  friend bool operator==(const Prism&, const Prism&) = default;
 };
 
-/// A straight wall of some thickness, without its doorways: the pieces between them.
+/// A straight wall of some thickness. In `Scene::walls`, a piece between two doorways.
 struct Wall {
   Vec2 a;
   Vec2 b;
-  double thickness = 0.0;  ///< [m]
-  double height = 0.0;     ///< [m]
+  double thickness = 0.12;  ///< [m]
+  double height = 2.6;      ///< [m]
+  friend bool operator==(const Wall&, const Wall&) = default;
+};
+
+/// An opening in a wall, from floor to ceiling.
+struct Doorway {
+  std::string name;
+  double at = 0.0;     ///< [m] of its middle, from the wall's `a`
+  double width = 0.0;  ///< [m]
+  friend bool operator==(const Doorway&, const Doorway&) = default;
+};
+
+/// A whole wall and the openings in it, as a plan of the place shows it.
+struct WallPlan {
+  Wall wall;
+  std::vector<Doorway> doorways;
+  friend bool operator==(const WallPlan&, const WallPlan&) = default;
 };
 
 /// A doorway in a wall, for drawing and for instructions.
@@ -38,6 +55,7 @@ struct Door {
   std::string name;
   Vec2 center;
   double width = 0.0;  ///< [m]
+  friend bool operator==(const Door&, const Door&) = default;
 };
 
 /// A named room: an axis-aligned rectangle.
@@ -48,14 +66,36 @@ struct Room {
   std::string floor;  ///< material
   /// A place in the room where a robot can stand.
   Vec2 anchor;
+  friend bool operator==(const Room&, const Room&) = default;
+};
+
+/// A patch of floor, an axis-aligned rectangle, on which wheels hold better or worse than on the rest.
+struct Patch {
+  std::string name;
+  Vec2 min;
+  Vec2 max;
+  std::string floor;  ///< material
+  double grip = 1.0;  ///< times the friction that the robot's wheels have on a hard floor
+  friend bool operator==(const Patch&, const Patch&) = default;
+};
+
+/// Somebody who walks: round and round a closed route, straight from waypoint to waypoint and back to the first.
+struct Person {
+  std::string name;
+  std::vector<Vec2> route;
+  double speed = 1.0;    ///< [m/s]
+  double radius = 0.25;  ///< [m]
+  friend bool operator==(const Person&, const Person&) = default;
 };
 
 /// A piece of furniture: an object from assets/objects at a pose.
 struct Object {
   std::string name;      ///< unique in the scene, such as "chair_3"
   std::string category;  ///< such as "chair"
+  std::string shape;     ///< such as "wooden": which of the category's shapes
   Pose2D pose;
   std::vector<Prism> prisms;  ///< in the object's frame
+  friend bool operator==(const Object&, const Object&) = default;
 };
 
 /// A wall's rectangle.
@@ -73,12 +113,16 @@ class Scene {
 
   std::string name;
   std::string description;
-  Vec2 min;  ///< bounding box of all walls
+  bool ceiling = true;         ///< false under the open sky
+  std::vector<WallPlan> plan;  ///< walls as they were drawn, of which the next four are made
+  Vec2 min;                    ///< bounding box of all walls
   Vec2 max;
-  std::vector<Wall> walls;
+  std::vector<Wall> walls;  ///< the pieces between doorways
   std::vector<Door> doors;
   std::vector<Room> rooms;
+  std::vector<Patch> patches;
   std::vector<Object> objects;
+  std::vector<Person> people;
   std::vector<Pose2D> starts;  ///< where robots start; the first is (0, 0, 0)
 
   /// Every wall and every prism of every object, in that order, in the scene's frame.
@@ -93,6 +137,12 @@ class Scene {
   const Room* room_at(Vec2 point) const;
   /// A room by name. Throws ConfigError naming the nearest right one.
   const Room& room(std::string_view name) const;
+  /// How well wheels hold at a point, times their friction on a hard floor: 1 outside all patches.
+  double grip_at(Vec2 point) const;
+
+  /// Makes walls, doors, min and max of the plan.
+  void build_walls();
+  friend bool operator==(const Scene&, const Scene&) = default;
 };
 
 /// The names of all scenes.

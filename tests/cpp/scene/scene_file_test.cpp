@@ -155,6 +155,50 @@ TEST_CASE("robots need room where they start and where they are sent") {
   check_fails("anchor: [1, 2]", "anchor: [2.9, 1]", "hall.yaml:6: rooms[0]: the anchor of 'west' is within 0.25 m");
 }
 
+TEST_CASE("patches of floor have their own grip") {
+  const auto patch = [](const std::string& fields) { return "patches: [{name: puddle, " + fields + "}]\nobjects:"; };
+  const Scene hall =
+      Scene::parse(changed("objects:", patch("min: [0.5, 1], max: [2, 3], floor: tile, grip: 0.6")), "hall.yaml");
+  CHECK(hall.patches.front().min == Vec2{-0.5, -1.0});
+  CHECK(hall.grip_at({0.0, 0.0}) == 0.6);
+  CHECK(hall.grip_at({3.0, 0.0}) == 1.0);
+  CHECK(hall.ceiling);
+  CHECK_FALSE(Scene::parse(changed("rooms:", "ceiling: false\nrooms:"), "hall.yaml").ceiling);
+
+  check_fails("objects:", patch("min: [0.5, 1], max: [2, 3], floor: tile, grip: 0.0"),
+              "hall.yaml:14: patches[0].grip: 0 is outside [0.2, 1.5]");
+  check_fails("objects:", patch("min: [0.5, 1], max: [2, 3], floor: tile, grip: 60"), "60 is outside [0.2, 1.5]");
+  check_fails("objects:", patch("min: [0.5, 1], max: [2, 3], floor: gras, grip: 1"), "did you mean 'grass'");
+  check_fails("objects:", patch("min: [2, 1], max: [0.5, 3], floor: tile, grip: 1"),
+              "hall.yaml:14: patches[0]: patch 'puddle' is inside out");
+  check_fails("objects:", patch("min: [2, 1], max: [7, 3], floor: tile, grip: 1"),
+              "hall.yaml:14: patches[0]: patch 'puddle' reaches beyond the walls");
+  check_fails("objects:",
+              "patches:\n  - {name: a, min: [0, 0], max: [2, 2], floor: tile, grip: 1}\n"
+              "  - {name: b, min: [1, 1], max: [3, 3], floor: tile, grip: 1}\nobjects:",
+              "hall.yaml:16: patches[1]: patch 'b' overlaps patch 'a'");
+}
+
+TEST_CASE("people walk closed routes that lead through nothing") {
+  const auto walk = [](const std::string& route, const std::string& rest = "speed: 1.2") {
+    return "people:\n  - {name: ada, route: " + route + ", " + rest + "}\nobjects:";
+  };
+  const Scene hall = Scene::parse(changed("objects:", walk("[[1, 1], [1, 3], [2, 3]]")), "hall.yaml");
+  CHECK(hall.people.front() == Person{"ada", {{0.0, -1.0}, {0.0, 1.0}, {1.0, 1.0}}, 1.2, 0.25});
+  CHECK_NOTHROW(Scene::parse(changed("objects:", walk("[[1, 2], [4.2, 2]]")), "hall.yaml"));  // through the door
+
+  check_fails("objects:", walk("[[1, 1], [1, 3], [4, 3]]"),
+              "hall.yaml:15: people[0].route[1]: from here 'ada' walks through a wall");
+  check_fails("objects:", walk("[[1, 2], [4, 2], [4, 0.5]]"),
+              "hall.yaml:15: people[0].route[2]: from here 'ada' walks through a wall");  // on the way back
+  check_fails("objects:", walk("[[1, 2], [5, 2], [5, 0.9]]"), "walks through 'favourite'");
+  check_fails("objects:", walk("[[1, 2]]"), "hall.yaml:15: people[0].route: expected two or more waypoints");
+  check_fails("objects:", walk("[[1, 2], [1, 2]]"), "people[0].route[1]: waypoints must be at least 0.1 m apart");
+  check_fails("objects:", walk("[[1, 2], [2, 2], [1, 2]]"), "the way from the last back to the first is implied");
+  check_fails("objects:", walk("[[1, 2], [2, 2]]", "speed: 20"), "people[0].speed: 20 is outside [0.1, 2.5]");
+  check_fails("objects:", walk("[[1, 2], [2, 2]]", "sped: 1"), "is 'sped' meant to be it?");
+}
+
 TEST_CASE("a file must be named as its scene is") {
   const auto folder = std::filesystem::temp_directory_path() / "threewe_scene_file_test";
   std::filesystem::create_directories(folder);
