@@ -9,17 +9,20 @@
 #include "threewe/core/assets.hpp"
 #include "threewe/core/config.hpp"
 #include "threewe/core/errors.hpp"
+#include "threewe/scene/episodes.hpp"
 #include "threewe/scene/scene_tables.hpp"
 
 namespace threewe::scene {
 namespace {
 
+const std::vector<std::string> kShipped = {"office_v2",    "corridor_v1", "apartment_v1", "warehouse_v1",
+                                           "cluttered_v1", "outdoor_v1",  "dynamic_v1"};
 const std::vector<Footprint> kRobots = {Footprint::rectangle(0.25, 0.22), Footprint::rectangle(0.28, 0.31),
                                         Footprint({{0.041, -0.09}, {0.041, 0.09}, {-0.11, 0.09}, {-0.11, -0.09}})};
 
 TEST_CASE("scene_names lists what can be loaded") {
   const auto names = scene_names();
-  for (const char* name : {"office_v2", "corridor_v1"}) CHECK(std::ranges::find(names, name) != names.end());
+  for (const std::string& name : kShipped) CHECK(std::ranges::find(names, name) != names.end());
   for (const std::string& name : names) CHECK(Scene::load(name).name == name);
 }
 
@@ -99,10 +102,53 @@ TEST_CASE("rooms and doors are named once, and rooms can be asked for by name") 
 }
 
 TEST_CASE("categories that robots must recognise come in at least four shapes") {
-  for (const char* category : {"chair", "desk", "table", "shelf", "plant", "couch", "monitor", "refrigerator", "bed"}) {
+  for (const char* category :
+       {"chair", "desk", "table", "shelf", "plant", "couch", "monitor", "refrigerator", "bed", "door", "cup", "box"}) {
     CAPTURE(category);
     ConfigNode root = ConfigNode::load(find_asset("objects", category));
     CHECK(root.at("shapes").fields().size() >= 4);
+  }
+}
+
+TEST_CASE("every category that robots look for stands in several scenes, several times") {
+  std::map<std::string, std::set<std::string>> scenes;
+  std::map<std::string, int> count;
+  for (const std::string& name : kShipped) {
+    for (const Object& object : Scene::load(name).objects) {
+      scenes[object.category].insert(name);
+      ++count[object.category];
+    }
+  }
+  for (const char* category :
+       {"chair", "desk", "door", "plant", "monitor", "couch", "table", "shelf", "refrigerator", "bed", "cup", "box"}) {
+    CAPTURE(category);
+    CHECK(scenes[category].size() >= 3);
+    CHECK(count[category] >= 8);
+  }
+}
+
+TEST_CASE("episodes are 2 to 15 m long, some of them with a detour") {
+  for (const std::string& name : kShipped) {
+    CAPTURE(name);
+    const SceneTables tables(std::make_shared<const Scene>(Scene::load(name)), kRobots.front(), 0.2);
+    int detours = 0;
+    for (std::uint32_t i = 0; i < 25; ++i) {
+      const Episode episode = sample_episode(tables, 7, i);
+      CHECK(episode.geodesic >= kShortestEpisode);
+      CHECK(episode.geodesic <= kLongestEpisode);
+      detours += episode.geodesic > kDetour * distance(episode.start.position(), episode.goal) ? 1 : 0;
+    }
+    CHECK(detours >= 2);
+  }
+}
+
+TEST_CASE("only outdoors there is no ceiling and the floor is uneven, only one scene has people") {
+  for (const std::string& name : kShipped) {
+    CAPTURE(name);
+    const Scene scene = Scene::load(name);
+    CHECK(scene.ceiling == (name != "outdoor_v1"));
+    CHECK(scene.patches.empty() == (name != "outdoor_v1"));
+    CHECK(scene.people.empty() == (name != "dynamic_v1"));
   }
 }
 
