@@ -145,6 +145,9 @@ class Scene {
   friend bool operator==(const Scene&, const Scene&) = default;
 };
 
+/// The scene as YAML text; reading it gives an equal scene, as long as its objects' shapes are in assets/objects.
+std::string to_yaml(const Scene& scene);
+
 /// The names of all scenes.
 std::vector<std::string> scene_names();
 
