@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "threewe/core/assets.hpp"
+#include "threewe/core/errors.hpp"
 #include "threewe/core/names.hpp"
 
 namespace threewe::scene {
@@ -65,27 +66,36 @@ std::map<std::string, std::vector<Prism>> read_category(const std::string& name)
   return shapes;
 }
 
-void refuse_unknown(const ConfigNode& node, std::string_view kind, const std::vector<std::string>& known) {
-  const std::string name = node.text();
-  if (std::ranges::find(known, name) == known.end()) node.fail(unknown_name(kind, name, known));
+std::vector<std::string> names_of(const std::map<std::string, std::vector<Prism>>& shapes) {
+  std::vector<std::string> names;
+  for (const auto& entry : shapes) names.push_back(entry.first);
+  return names;
 }
 
 }  // namespace
 
 const std::vector<Prism>& ObjectLibrary::prisms(const ConfigNode& category, const ConfigNode& shape) {
-  auto found = categories_.find(category.text());
-  if (found == categories_.end()) {
-    refuse_unknown(category, "category", asset_names("objects"));
-    found = categories_.emplace(category.text(), read_category(category.text())).first;
+  const auto known = asset_names("objects");
+  if (!categories_.contains(category.text()) && std::ranges::find(known, category.text()) == known.end()) {
+    category.fail(unknown_name("category", category.text(), known));
   }
-  const Shapes& shapes = found->second;
-  const auto prisms = shapes.find(shape.text());
-  if (prisms == shapes.end()) {
-    std::vector<std::string> known;
-    for (const auto& entry : shapes) known.push_back(entry.first);
-    refuse_unknown(shape, "shape", known);
-  }
-  return prisms->second;
+  const Shapes& all = shapes(category.text());
+  const auto found = all.find(shape.text());
+  if (found == all.end()) shape.fail(unknown_name("shape", shape.text(), names_of(all)));
+  return found->second;
+}
+
+const std::vector<Prism>& ObjectLibrary::prisms(const std::string& category, const std::string& shape) {
+  const Shapes& all = shapes(category);
+  const auto found = all.find(shape);
+  if (found == all.end()) throw ConfigError(unknown_name("shape", shape, names_of(all)));
+  return found->second;
+}
+
+const ObjectLibrary::Shapes& ObjectLibrary::shapes(const std::string& category) {
+  auto found = categories_.find(category);
+  if (found == categories_.end()) found = categories_.emplace(category, read_category(category)).first;
+  return found->second;
 }
 
 }  // namespace threewe::scene
