@@ -12,6 +12,8 @@ namespace threewe::scene {
 namespace {
 
 constexpr double kQuarterTurn = 0.5 * exact::kPi;
+constexpr int kDoorSpace = 90;  // [cm] kept free from the middle of a doorway into the room
+constexpr int kWallFace = 8;    // [cm] from the middle of a wall to a leaf that hangs on it
 
 // One piece of a group. A group's frame has x pointing away from the wall, or anywhere for groups without one.
 struct Part {
@@ -105,13 +107,15 @@ const GroupPlan kLoneStack = {{{"box", "stack", 0, 0, 0, 80}}};
 const GroupPlan kLoneCrate = {{{"box", "crate", 0, 0, 0, 80}}};
 const GroupPlan kLonePlant = {{{"plant", "ficus"}}};
 const GroupPlan kLoneChair = {{{"chair", "tub", 0, 0, 0, 80}}};
+const GroupPlan kLeaf = {{{"door", "narrow"}}};
 const GroupPlan kColumn = {{{"column", "square"}}};
 
 // What a kind of room holds: first what it cannot be without, then what may be added.
 struct Kind {
   const char* name;
   const char* floor;
-  int smallest;  // [cm], of its shorter side
+  int smallest;   // [cm], of its shorter side
+  double likely;  // that there is something in the middle, beside what difficulty adds
   std::vector<const GroupPlan*> first;
   std::vector<const GroupPlan*> more;
   std::vector<const GroupPlan*> middle;
@@ -122,49 +126,57 @@ const std::vector<Kind>& kinds() {
       {"office",
        "carpet",
        260,
+       0.4,
        {&kDesk, &kBookcase},
        {&kPanelDesk, &kSmallDesk, &kFiling, &kWideShelf, &kYucca, &kFicus},
        {&kDeskIsland, &kRoundTable}},
       {"study",
        "wood",
        260,
+       0.4,
        {&kSmallDesk, &kBookcases},
        {&kArmchair, &kDaybed, &kFern, &kLowShelf, &kTower},
        {&kSquareTable}},
       {"bedroom",
        "carpet",
        280,
+       0.0,
        {&kDoubleBed, &kWardrobe},
        {&kArmchair, &kFiling, &kSmallDesk, &kFern, &kWardrobe},
        {}},
       {"children",
        "wood",
        260,
+       0.4,
        {&kBunk, &kSmallDesk},
        {&kTrunk, &kLowShelf, &kSingleBed, &kTower, &kCarton},
        {&kSquareTable}},
       {"kitchen",
        "tile",
        260,
+       0.7,
        {&kCounter, &kRefrigerator},
        {&kLongCounter, &kRetro, &kTower, &kSmallRefrigerator, &kFern},
        {&kRoundTable, &kDining, &kIsland}},
       {"living_room",
        "wood",
        320,
+       0.4,
        {&kCouch, &kSideboard},
        {&kArmchair, &kBookcase, &kFicus, &kLowShelf, &kPlanter, &kSmallCouch},
        {&kDining, &kRoundTable}},
-      {"meeting_room", "carpet", 400, {&kLowShelf}, {&kSideboard, &kFern, &kYucca, &kBench}, {&kMeeting}},
+      {"meeting_room", "carpet", 400, 1.0, {&kLowShelf}, {&kSideboard, &kFern, &kYucca, &kBench}, {&kMeeting}},
       {"storage",
        "concrete",
        260,
+       0.4,
        {&kRacks, &kStack},
        {&kRack, &kPallet, &kCarton, &kLockers, &kDoubleRefrigerator, &kTrunk},
        {&kLonePallet}},
       {"lounge",
        "vinyl",
        280,
+       0.4,
        {&kSmallCouch, &kPlanter},
        {&kBench, &kArmchair, &kSmallRefrigerator, &kFicus, &kBookcase},
        {&kRoundTable, &kColumn}},
@@ -173,7 +185,8 @@ const std::vector<Kind>& kinds() {
 }
 
 const Kind& corridor() {
-  static const Kind kCorridor = {"corridor", "vinyl", 0, {}, {&kBench, &kLockers, &kFern, &kYucca, &kLowShelf}, {}};
+  static const Kind kCorridor = {"corridor", "vinyl", 0, 0.0, {}, {&kBench, &kLockers, &kFern, &kYucca, &kLowShelf},
+                                 {}};
   return kCorridor;
 }
 
@@ -196,6 +209,7 @@ const std::vector<Prism>& prisms_of(const Part& part) {
     }
     add(corridor().more);
     add(kClutter);
+    add({&kLeaf});
     return all;
   }();
   return kLibrary.at({part.category, part.shape});
@@ -222,8 +236,12 @@ class Furnisher {
 
   RoomUse furnish() {
     const Kind& kind = choose_kind();
+    hang_doors();
+    if (kind.likely == 1.0) put_in_the_middle(*dice_.pick(kind.middle), 40);
     for (const GroupPlan* group : kind.first) put_at_wall(*group);
-    if (!kind.middle.empty() && dice_.chance(0.4 + 0.5 * difficulty_)) put_in_the_middle(*dice_.pick(kind.middle), 12);
+    if (kind.likely < 1.0 && !kind.middle.empty() && dice_.chance(kind.likely + 0.5 * difficulty_)) {
+      put_in_the_middle(*dice_.pick(kind.middle), 12);
+    }
     const double square_metres = in_metres(room_.inside.width()) * in_metres(room_.inside.depth());
     const int more = static_cast<int>(square_metres * (0.06 + 0.2 * difficulty_));
     for (int i = 0; i < more && !kind.more.empty(); ++i) put_at_wall(*dice_.pick(kind.more));
@@ -240,6 +258,29 @@ class Furnisher {
       const Kind& kind = dice_.pick(kinds());
       if (kind.smallest <= shorter + 20) return kind;
     }
+  }
+
+  // Leaves stand open beside their doorways, at a right angle to the wall, where nothing is in their way.
+  void hang_doors() {
+    for (const EmptyRoom::Doorway& doorway : room_.doorways) ways_.push_back(way(doorway, doorway.width / 2 + 10));
+    for (std::size_t i = 0; i < room_.doorways.size(); ++i) {
+      const EmptyRoom::Doorway& doorway = room_.doorways[i];
+      if (!doorway.leaf) continue;
+      const auto [dx, dy] = turned(kWallFace, doorway.width / 2 + 4, doorway.turns);
+      Group group = put(kLeaf, doorway.x + dx, doorway.y + dy, doorway.turns);
+      const Box box = group.box;
+      const Box wide = std::exchange(ways_[i], way(doorway, doorway.width / 2));
+      accept(std::move(group), box);
+      ways_[i] = wide;
+    }
+  }
+
+  // What is kept free in front of a doorway.
+  static Box way(const EmptyRoom::Doorway& doorway, int half_width) {
+    const auto [ax, ay] = turned(0, -half_width, doorway.turns);
+    const auto [bx, by] = turned(kDoorSpace, half_width, doorway.turns);
+    return {doorway.x + std::min(ax, bx), doorway.y + std::min(ay, by), doorway.x + std::max(ax, bx),
+            doorway.y + std::max(ay, by)};
   }
 
   // Tries places along the walls; the group's x axis points into the room.
@@ -307,7 +348,7 @@ class Furnisher {
     };
     // rounding outwards costs a centimetre, and so may a wall
     const Box slim{group.box.x0 + 1, group.box.y0 + 1, group.box.x1 - 1, group.box.y1 - 1};
-    if (!room_.inside.contains(slim) || hits(room_.keep_free, group.box)) return false;
+    if (!room_.inside.contains(slim) || hits(ways_, group.box) || room_.keep_free.overlaps(group.box)) return false;
     if (hits(spaces_, group.box) || hits(boxes_, with_space)) return false;
     boxes_.push_back(group.box);
     spaces_.push_back(with_space);
@@ -319,6 +360,7 @@ class Furnisher {
   double difficulty_;
   Dice& dice_;
   int apron_;  // [cm] in front of what stands at a wall
+  std::vector<Box> ways_;
   std::vector<Box> boxes_;
   std::vector<Box> spaces_;
   std::vector<Group> groups_;

@@ -17,9 +17,19 @@ struct Group {
 
 /// A room to be furnished.
 struct EmptyRoom {
+  /// A way in. Nothing is put in front of it.
+  struct Doorway {
+    int x = 0;          ///< [cm] of its middle, in the middle of the wall
+    int y = 0;          ///< [cm]
+    int turns = 0;      ///< quarter turns from x to the direction into the room
+    int width = 0;      ///< [cm]
+    bool leaf = false;  ///< whether its leaf stands open in this room
+  };
+
   Box inside;  ///< [cm] between the faces of its walls
   bool corridor = false;
-  std::vector<Box> keep_free;  ///< [cm] in front of doorways, and where robots start
+  std::vector<Doorway> doorways;
+  Box keep_free;  ///< [cm] where robots start
 };
 
 /// What a room is used for: its name and its floor.

@@ -15,11 +15,11 @@
 namespace threewe::scene {
 namespace {
 
-constexpr int kWallInset = 8;                // [cm] from the middle of a wall to what stands along it
-constexpr int kDoorSpace = 90;               // [cm] kept free on both sides of a doorway
+constexpr int kWallInset = 9;                // [cm] from the middle of a wall to what stands along it
+constexpr int kWidestDoor = 105;             // [cm] of a doorway with a leaf
 constexpr double kRobotHeight = 0.5;         // [m], of the tallest robot
 constexpr double kWayRadius = 0.30;          // [m] around the middle of a way to every room, for the widest robot
-constexpr double kAnchorClearance = 0.36;    // [m]
+constexpr double kAnchorClearance = 0.38;    // [m]
 constexpr std::uint32_t kMostAttempts = 64;  // at a floor plan that has a place to start
 
 void check(const GeneratorOptions& options) {
@@ -43,8 +43,9 @@ class Generator {
     plan_ =
         draw_floor_plan(in_centimetres(options_.size.x), in_centimetres(options_.size.y), options_.difficulty, dice_);
     if (!choose_start()) return std::nullopt;
-    for (std::size_t i = 0; i < plan_.rooms.size(); ++i)
+    for (std::size_t i = 0; i < plan_.rooms.size(); ++i) {
       uses_.push_back(furnish(empty_room(i), options_.difficulty, dice_));
+    }
     Scene scene = build();
     while (make_way(scene)) scene = build();
     return scene;
@@ -64,23 +65,32 @@ class Generator {
     return true;
   }
 
-  EmptyRoom empty_room(std::size_t index) const {
+  EmptyRoom empty_room(std::size_t index) {
     const Box& room = plan_.rooms[index];
     EmptyRoom empty;
     empty.inside = {room.x0 + kWallInset, room.y0 + kWallInset, room.x1 - kWallInset, room.y1 - kWallInset};
-    empty.corridor = index < static_cast<std::size_t>(plan_.corridors);
+    empty.corridor = index < corridors();
     for (const Passage& passage : plan_.passages) {
       if (passage.room_a != index && passage.room_b != index) continue;
       const WallLine& wall = plan_.lines[passage.line];
-      const int half = passage.width / 2 + 10;
-      const Box along_x{passage.at - half, wall.at - kDoorSpace, passage.at + half, wall.at + kDoorSpace};
-      const Box along_y{wall.at - kDoorSpace, passage.at - half, wall.at + kDoorSpace, passage.at + half};
-      empty.keep_free.push_back(wall.along_x ? along_x : along_y);
+      EmptyRoom::Doorway doorway;
+      // the way into the room: north and east of a wall, or south and west
+      const bool positive = passage.room_b == index;
+      doorway.turns = wall.along_x ? (positive ? 1 : 3) : (positive ? 0 : 2);
+      doorway.x = wall.along_x ? passage.at : wall.at;
+      doorway.y = wall.along_x ? wall.at : passage.at;
+      doorway.width = passage.width;
+      // corridors are too narrow for leaves, and a door has but one
+      doorway.leaf = !empty.corridor && passage.width <= kWidestDoor && (!positive || passage.room_a < corridors()) &&
+                     dice_.chance(0.6);
+      empty.doorways.push_back(doorway);
     }
     // the start, (2, 1), and the straight way from one to the other
-    empty.keep_free.push_back({start_x_ - 45, start_y_ - 45, start_x_ + 245, start_y_ + 145});
+    empty.keep_free = {start_x_ - 45, start_y_ - 45, start_x_ + 245, start_y_ + 145};
     return empty;
   }
+
+  std::size_t corridors() const { return static_cast<std::size_t>(plan_.corridors); }
 
   // The plan and what is left of the furniture as a scene.
   Scene build() const {
@@ -96,7 +106,6 @@ class Generator {
   }
 
   void add_walls(Scene& scene) const {
-    std::map<std::string, int> count;
     for (std::size_t i = 0; i < plan_.lines.size(); ++i) {
       const WallLine& line = plan_.lines[i];
       WallPlan wall;
@@ -105,16 +114,13 @@ class Generator {
       if (line.outer) wall.wall.thickness = 0.15;
       for (const Passage& passage : plan_.passages) {
         if (passage.line != i) continue;
+        const auto number = &passage - plan_.passages.data() + 1;
         wall.doorways.push_back(
-            {fmt::format("door_{}", scene_door(passage)), (passage.at - line.from) / 100.0, passage.width / 100.0});
+            {fmt::format("door_{}", number), (passage.at - line.from) / 100.0, passage.width / 100.0});
       }
       scene.plan.push_back(std::move(wall));
     }
     scene.build_walls();
-  }
-
-  std::size_t scene_door(const Passage& passage) const {
-    return static_cast<std::size_t>(&passage - plan_.passages.data()) + 1;
   }
 
   void add_objects(Scene& scene) const {
@@ -158,7 +164,10 @@ class Generator {
   // Returns whether anything had to go.
   bool make_way(const Scene& scene) {
     const Obstacles obstacles(scene.solids_between(0.0, kRobotHeight));
-    const CellGrid<float> distance = distance_field(occupied_cells(grid_over(scene), obstacles.solids()));
+    // between the middles of neighbouring cells the way is at most 5 cm narrower
+    GridFrame coarse = grid_over(scene);
+    coarse = {coarse.origin, 2.0 * coarse.resolution, (coarse.width + 1) / 2, (coarse.height + 1) / 2};
+    const CellGrid<float> distance = distance_field(occupied_cells(coarse, obstacles.solids()));
     const CellSet reached = connected_cells(cells_with_clearance(obstacles, distance, kWayRadius), {0.0, 0.0});
     const auto can_reach = [&](std::size_t room) {
       return reached.value_or(reached.frame.cell(scene.rooms[room].anchor), 0) != 0;
