@@ -215,11 +215,13 @@ def force_target(name: str) -> None:
 
 def add_asset_directory(directory: str | pathlib.Path) -> None:
     """
-    Adds a folder with `scenes/`, `objects/` or `robots/`, searched before those installed with 3we.
+    Adds a folder with `scenes/`, `objects/` or `robots/` to those that are searched, as THREEWE_PATH does.
     """
 
 def asset_directories() -> list[pathlib.Path]:
-    """The folders that are searched, first match wins."""
+    """
+    The folders that are searched: the installed one, those in THREEWE_PATH, then those added.
+    """
 
 def unknown_name(kind: str, name: str, candidates: Sequence[str]) -> str:
     """"unknown scene 'ofice_v2'; did you mean 'office_v2'?\""""

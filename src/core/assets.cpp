@@ -23,26 +23,37 @@ bool names_a_file(std::string_view name) { return name.ends_with(".yaml") || nam
 // "scenes" -> "scene", for messages
 std::string_view singular(std::string_view kind) { return kind.substr(0, kind.size() - 1); }
 
+// Two ways of writing one folder count as one.
+void add_once(std::vector<fs::path>& directories, const fs::path& directory) {
+  const auto same = [&](const fs::path& other) {
+    std::error_code missing;
+    return other == directory || fs::equivalent(other, directory, missing);
+  };
+  if (std::ranges::none_of(directories, same)) directories.push_back(directory);
+}
+
 }  // namespace
 
 std::vector<fs::path> asset_directories() {
-  std::vector<fs::path> directories;
-  if (const char* paths = std::getenv("THREEWE_ASSETS")) {
+  const char* installed = std::getenv("THREEWE_ASSETS");
+  std::vector<fs::path> directories = {installed != nullptr ? installed : THREEWE_ASSET_DIR};
+  if (const char* paths = std::getenv("THREEWE_PATH")) {
     std::istringstream stream(paths);
     for (std::string path; std::getline(stream, path, ':');) {
-      if (!path.empty()) directories.emplace_back(path);
+      if (path.empty()) continue;
+      if (!fs::is_directory(path)) throw ConfigError(fmt::format("THREEWE_PATH: '{}' is not a folder", path));
+      add_once(directories, path);
     }
   }
   const std::scoped_lock lock(added_mutex);
-  directories.insert(directories.end(), added_directories.begin(), added_directories.end());
-  directories.emplace_back(THREEWE_ASSET_DIR);
+  for (const fs::path& path : added_directories) add_once(directories, path);
   return directories;
 }
 
 void add_asset_directory(const fs::path& directory) {
+  if (!fs::is_directory(directory)) throw ConfigError(fmt::format("'{}' is not a folder", directory.string()));
   const std::scoped_lock lock(added_mutex);
-  if (std::ranges::find(added_directories, directory) == added_directories.end())
-    added_directories.push_back(directory);
+  add_once(added_directories, directory);
 }
 
 std::vector<std::string> asset_names(std::string_view kind) {
@@ -63,9 +74,17 @@ fs::path find_asset(std::string_view kind, std::string_view name) {
     if (fs::is_regular_file(name)) return name;
     throw ConfigError(fmt::format("{} file '{}' does not exist", singular(kind), name));
   }
-  for (const fs::path& directory : asset_directories()) {
-    const fs::path file = directory / kind / fmt::format("{}.yaml", name);
-    if (name.find('/') == std::string_view::npos && fs::is_regular_file(file)) return file;
+  if (name.find('/') == std::string_view::npos) {
+    std::vector<fs::path> files;
+    for (const fs::path& directory : asset_directories()) {
+      const fs::path file = directory / kind / fmt::format("{}.yaml", name);
+      if (fs::is_regular_file(file)) files.push_back(file);
+    }
+    if (files.size() > 1) {
+      throw ConfigError(fmt::format("there are two {} named '{}': {} and {}; rename one of them", kind, name,
+                                    files[0].string(), files[1].string()));
+    }
+    if (!files.empty()) return files.front();
   }
   const auto names = asset_names(kind);
   throw ConfigError(unknown_name(singular(kind), name, names));

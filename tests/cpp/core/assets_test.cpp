@@ -36,10 +36,10 @@ class Folder {
   fs::path path_;
 };
 
-// THREEWE_ASSETS as long as the test.
+// THREEWE_PATH as long as the test.
 struct Environment {
-  explicit Environment(const std::string& value) { setenv("THREEWE_ASSETS", value.c_str(), 1); }
-  ~Environment() { unsetenv("THREEWE_ASSETS"); }
+  explicit Environment(const std::string& value) { setenv("THREEWE_PATH", value.c_str(), 1); }
+  ~Environment() { unsetenv("THREEWE_PATH"); }
   Environment(const Environment&) = delete;
   Environment& operator=(const Environment&) = delete;
 };
@@ -49,25 +49,46 @@ bool lists(const std::string& name) {
   return std::ranges::find(names, name) != names.end();
 }
 
-TEST_CASE("assets are found in the environment's folders, the first of them first") {
+TEST_CASE("assets are found in the folders of other people") {
   const Folder first("first");
   const Folder second("second");
   const fs::path mine = first.scene("test_mine.yaml");
-  second.scene("test_mine.yaml");
   const fs::path other = second.scene("test_other.yaml");
   second.scene("test_notes.txt");
 
-  const Environment environment(first.path().string() + "::" + second.path().string() + ":/does/not/exist");
-  CHECK(asset_directories().front() == first.path());
+  const Environment environment(first.path().string() + "::" + second.path().string() + ":" + second.path().string());
+  CHECK(std::ranges::count(asset_directories(), second.path()) == 1);
   CHECK(find_asset("scenes", "test_mine") == mine);
   CHECK(find_asset("scenes", "test_other") == other);
   CHECK(lists("test_mine"));
   CHECK(lists("test_other"));
   CHECK_FALSE(lists("test_notes"));
+  CHECK(std::ranges::is_sorted(asset_names("scenes")));
+}
 
+TEST_CASE("a name that two folders have is an error that names both files") {
+  const Folder first("twice_first");
+  const Folder second("twice_second");
+  const fs::path mine = first.scene("test_hall.yaml");
+  const fs::path other = second.scene("test_hall.yaml");
+  const Environment environment(first.path().string() + ":" + second.path().string());
+  CHECK_THROWS_WITH_AS(
+      find_asset("scenes", "test_hall"),
+      ("there are two scenes named 'test_hall': " + mine.string() + " and " + other.string() + "; rename one of them")
+          .c_str(),
+      ConfigError);
   const auto names = asset_names("scenes");
-  CHECK(std::ranges::is_sorted(names));
-  CHECK(std::ranges::count(names, "test_mine") == 1);
+  CHECK(std::ranges::count(names, "test_hall") == 1);
+
+  second.scene("office_v2.yaml");  // not even one that comes with the library
+  CHECK_THROWS_WITH_AS(find_asset("scenes", "office_v2"), doctest::Contains("there are two scenes named 'office_v2'"),
+                       ConfigError);
+}
+
+TEST_CASE("what is no folder is refused") {
+  const Environment environment("/does/not/exist");
+  CHECK_THROWS_WITH_AS(asset_directories(), "THREEWE_PATH: '/does/not/exist' is not a folder", ConfigError);
+  CHECK_THROWS_WITH_AS(add_asset_directory("/does/not/exist"), "'/does/not/exist' is not a folder", ConfigError);
 }
 
 TEST_CASE("folders can be added") {
@@ -75,7 +96,7 @@ TEST_CASE("folders can be added") {
   const fs::path file = folder.scene("test_added.yaml");
   CHECK_THROWS_AS(find_asset("scenes", "test_added"), ConfigError);
   add_asset_directory(folder.path());
-  add_asset_directory(folder.path());
+  add_asset_directory(folder.path() / ".");
   CHECK(find_asset("scenes", "test_added") == file);
   CHECK(std::ranges::count(asset_directories(), folder.path()) == 1);
 }
