@@ -3,6 +3,8 @@
 
 #include <array>
 #include <memory>
+#include <optional>
+#include <string>
 
 #include <nanobind/stl/shared_ptr.h>
 
@@ -12,13 +14,14 @@
 #include "threewe/map/occupancy_grid.hpp"
 #include "threewe/scene/coverage.hpp"
 #include "threewe/scene/episodes.hpp"
+#include "threewe/scene/generator.hpp"
 #include "threewe/scene/scene_tables.hpp"
 
 namespace {
 
 using namespace threewe;
-using scene::Door, scene::Episode, scene::Object, scene::Prism, scene::Room, scene::Scene, scene::SceneTables,
-    scene::Wall;
+using scene::Door, scene::Episode, scene::Object, scene::Patch, scene::Person, scene::Prism, scene::Room, scene::Scene,
+    scene::SceneTables, scene::Wall;
 
 /// The corners of a prism, seen from above, in the frame of its object.
 std::vector<Vec2> outline(const Prism& prism) {
@@ -67,9 +70,21 @@ void bind_parts(nb::module_& m) {
       .def("__repr__", [](const Room& room) {
         return fmt::format("Room('{}', anchor=({:.2f}, {:.2f}))", room.name, room.anchor.x, room.anchor.y);
       });
+  nb::class_<Patch>(m, "Patch", "A patch of floor with a grip of its own: an axis-aligned rectangle.")
+      .def_ro("name", &Patch::name)
+      .def_ro("min", &Patch::min, "(x, y) [m]")
+      .def_ro("max", &Patch::max, "(x, y) [m]")
+      .def_ro("floor", &Patch::floor, "its material")
+      .def_ro("grip", &Patch::grip, "times the friction that wheels have on a hard floor");
+  nb::class_<Person>(m, "Person", "Somebody who walks round and round a closed route.")
+      .def_ro("name", &Person::name)
+      .def_ro("route", &Person::route, "waypoints (x, y) [m]; after the last comes the first")
+      .def_ro("speed", &Person::speed, "[m/s]")
+      .def_ro("radius", &Person::radius, "[m]");
   nb::class_<Object>(m, "Object", "A piece of furniture.")
       .def_ro("name", &Object::name, "unique in its scene, such as `chair_3`")
       .def_ro("category", &Object::category, "such as `chair`")
+      .def_ro("shape", &Object::shape, "which of the category's shapes, such as `wooden`")
       .def_ro("pose", &Object::pose)
       .def_ro("prisms", &Object::prisms)
       .def("__repr__", [](const Object& object) {
@@ -152,19 +167,41 @@ void init_scene(nb::module_& m) {
                     "Walls, doors, named rooms and furniture. Its origin is its start pose; x along the start heading.")
       .def_static("load", &Scene::load, "name"_a,
                   "Reads a scene by name, or from a file that ends in .yaml. Raises ConfigError with file and line.")
+      .def_static(
+          "generate",
+          [](std::uint64_t seed, double difficulty, Vec2 size) {
+            return scene::generate(seed, {.difficulty = difficulty, .size = size});
+          },
+          "seed"_a, nb::kw_only(), "difficulty"_a = 0.5, "size"_a = Vec2{14.0, 10.0},
+          "A building with furnished rooms, drawn from a seed: all rooms can be reached by every robot. `difficulty` "
+          "0\n"
+          "to 1 is from sparse to crowded, `size` is (x, y) [m], 6 to 40 each. The same on every machine.")
+      .def(
+          "to_yaml",
+          [](Scene scene, std::optional<std::string> name) {
+            if (name) scene.name = *name;
+            return scene::to_yaml(scene);
+          },
+          "name"_a = nb::none(),
+          "The scene as text, under another name if one is given: that of the file it is saved in.")
       .def_ro("name", &Scene::name)
       .def_ro("description", &Scene::description)
+      .def_ro("ceiling", &Scene::ceiling, "False under the open sky.")
       .def_ro("min", &Scene::min, "(x, y) [m] of the box around all walls")
       .def_ro("max", &Scene::max, "(x, y) [m]")
       .def_ro("walls", &Scene::walls)
       .def_ro("doors", &Scene::doors)
       .def_ro("rooms", &Scene::rooms)
+      .def_ro("patches", &Scene::patches)
       .def_ro("objects", &Scene::objects)
+      .def_ro("people", &Scene::people)
       .def_ro("starts", &Scene::starts, "Where robots start; the first is the origin.")
       .def("room", &Scene::room, "name"_a, nb::rv_policy::reference_internal,
            "A room by name. Raises ConfigError naming the nearest right one.")
       .def("room_at", &Scene::room_at, "point"_a, nb::rv_policy::reference_internal,
            "The room that holds a point (x, y), or None.")
+      .def("grip_at", &Scene::grip_at, "point"_a,
+           "How well wheels hold at a point (x, y), times their friction on a hard floor.")
       .def("__repr__", [](const Scene& scene) {
         return fmt::format("Scene('{}', {:.0f} x {:.0f} m, {} rooms, {} objects)", scene.name,
                            scene.max.x - scene.min.x, scene.max.y - scene.min.y, scene.rooms.size(),

@@ -541,6 +541,46 @@ class Room:
 
     def __repr__(self) -> str: ...
 
+class Patch:
+    """A patch of floor with a grip of its own: an axis-aligned rectangle."""
+
+    @property
+    def name(self) -> str: ...
+
+    @property
+    def min(self) -> tuple[float, float]:
+        """(x, y) [m]"""
+
+    @property
+    def max(self) -> tuple[float, float]:
+        """(x, y) [m]"""
+
+    @property
+    def floor(self) -> str:
+        """its material"""
+
+    @property
+    def grip(self) -> float:
+        """times the friction that wheels have on a hard floor"""
+
+class Person:
+    """Somebody who walks round and round a closed route."""
+
+    @property
+    def name(self) -> str: ...
+
+    @property
+    def route(self) -> list[tuple[float, float]]:
+        """waypoints (x, y) [m]; after the last comes the first"""
+
+    @property
+    def speed(self) -> float:
+        """[m/s]"""
+
+    @property
+    def radius(self) -> float:
+        """[m]"""
+
 class Object:
     """A piece of furniture."""
 
@@ -551,6 +591,10 @@ class Object:
     @property
     def category(self) -> str:
         """such as `chair`"""
+
+    @property
+    def shape(self) -> str:
+        """which of the category's shapes, such as `wooden`"""
 
     @property
     def pose(self) -> Pose2D: ...
@@ -571,11 +615,27 @@ class Scene:
         Reads a scene by name, or from a file that ends in .yaml. Raises ConfigError with file and line.
         """
 
+    @staticmethod
+    def generate(seed: int, *, difficulty: float = 0.5, size: tuple[float, float] = (14.0, 10.0)) -> Scene:
+        """
+        A building with furnished rooms, drawn from a seed: all rooms can be reached by every robot. `difficulty` 0
+        to 1 is from sparse to crowded, `size` is (x, y) [m], 6 to 40 each. The same on every machine.
+        """
+
+    def to_yaml(self, name: str | None = None) -> str:
+        """
+        The scene as text, under another name if one is given: that of the file it is saved in.
+        """
+
     @property
     def name(self) -> str: ...
 
     @property
     def description(self) -> str: ...
+
+    @property
+    def ceiling(self) -> bool:
+        """False under the open sky."""
 
     @property
     def min(self) -> tuple[float, float]:
@@ -595,7 +655,13 @@ class Scene:
     def rooms(self) -> list[Room]: ...
 
     @property
+    def patches(self) -> list[Patch]: ...
+
+    @property
     def objects(self) -> list[Object]: ...
+
+    @property
+    def people(self) -> list[Person]: ...
 
     @property
     def starts(self) -> list[Pose2D]:
@@ -606,6 +672,11 @@ class Scene:
 
     def room_at(self, point: tuple[float, float]) -> Room:
         """The room that holds a point (x, y), or None."""
+
+    def grip_at(self, point: tuple[float, float]) -> float:
+        """
+        How well wheels hold at a point (x, y), times their friction on a hard floor.
+        """
 
     def __repr__(self) -> str: ...
 

@@ -72,13 +72,31 @@ def show_scene(
 
     scene = threewe.Scene.load(name)
     picture = drawing.finish(drawing.draw_scene(scene, drawing.View.of(scene, width)))
-    path = output or Path(f"{name}.png")
+    path = output or Path(f"{scene.name}.png")
     picture.save(path)
     table = Table("room", "x", "y", "floor")
     for room in scene.rooms:
         table.add_row(room.name, f"{room.anchor[0]:.1f}", f"{room.anchor[1]:.1f}", room.floor)
     console.print(table)
     console.print(f"drawn to [bold]{path}[/]")
+
+
+@scenes.command("generate")
+def generate_scene(
+    seed: Annotated[int, typer.Option(min=0, help="Draws the scene.")],
+    difficulty: Annotated[float, typer.Option(help="0 to 1: from sparse to crowded.")] = 0.5,
+    size: Annotated[tuple[float, float], typer.Option(help="East to west and south to north [m].")] = (14.0, 10.0),
+    output: Annotated[
+        Path | None, typer.Option("--output", "-o", help="The file; generated_SEED.yaml by default.")
+    ] = None,
+) -> None:
+    """Draw a new scene from a seed and save it; `threewe scenes show FILE` and `Robot(scene=FILE)` take the file."""
+    scene = threewe.Scene.generate(seed, difficulty=difficulty, size=size)
+    path = output or Path(f"{scene.name}.yaml")
+    if path.suffix != ".yaml":
+        raise threewe.ConfigError(f"the name of a scene's file ends in .yaml, not '{path.suffix}'")
+    path.write_text(scene.to_yaml(name=path.stem), encoding="utf-8")
+    console.print(f"{len(scene.rooms)} rooms, {len(scene.objects)} objects, saved to [bold]{path}[/]")
 
 
 @app.command()

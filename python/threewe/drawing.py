@@ -30,6 +30,10 @@ FLOORS: dict[str, Color] = {
     "carpet": (220, 224, 236, 255),
     "concrete": (228, 226, 221, 255),
     "vinyl": (231, 233, 222, 255),
+    "grass": (206, 226, 184, 255),
+    "gravel": (222, 213, 196, 255),
+    "asphalt": (203, 204, 208, 255),
+    "paving": (224, 221, 212, 255),
 }
 FURNITURE: dict[str, Color] = {
     "chair": (94, 129, 172, 255),
@@ -43,7 +47,15 @@ FURNITURE: dict[str, Color] = {
     "bed": (168, 150, 190, 255),
     "cabinet": (164, 134, 110, 255),
     "counter": (208, 200, 188, 255),
+    "door": (206, 140, 78, 255),
+    "box": (205, 168, 112, 255),
+    "cup": (214, 74, 66, 255),
+    "tree": (84, 142, 84, 255),
+    "column": (150, 152, 158, 255),
 }
+PATCH: Color = (70, 90, 160, 40)
+ROUTE: Color = (170, 60, 160, 255)
+TREETOPS = 2.0  # [m]: what begins above is drawn so that one sees what is below
 
 # of a map's cells by their value: 0 free to 100 occupied, then -1 unknown
 _MAP_COLORS = np.array(
@@ -96,8 +108,11 @@ def draw_scene(scene: Scene, view: View, labels: bool = True) -> Image.Image:
         draw.rectangle(
             [*view.point(room.min[0], room.max[1]), *view.point(room.max[0], room.min[1])], _floor(room.floor)
         )
+    picture = _draw_patches(picture, scene, view)
     picture = _draw_furniture(picture, scene, view)
     _draw_walls(picture, scene, view)
+    for person in scene.people:
+        draw_path(picture, view, [*person.route, person.route[0]], ROUTE, 0.03)
     if labels:
         _draw_labels(picture, scene, view)
     return picture.convert("RGB")
@@ -188,23 +203,38 @@ def _floor(material: str) -> Color:
     return FLOORS.get(material, FLOORS["concrete"])
 
 
+def _draw_patches(picture: Image.Image, scene: Scene, view: View) -> Image.Image:
+    """Floors of their own grip, in their own colour with a blue cast: the less grip, the deeper."""
+    layer = Image.new("RGBA", picture.size)
+    draw = ImageDraw.Draw(layer)
+    for patch in scene.patches:
+        corners = [*view.point(patch.min[0], patch.max[1]), *view.point(patch.max[0], patch.min[1])]
+        ImageDraw.Draw(picture).rectangle(corners, _floor(patch.floor))
+        draw.rectangle(corners, (*PATCH[:3], round(PATCH[3] * max(0.2, 2.0 * (1.0 - patch.grip)))))
+    picture.alpha_composite(layer)
+    return picture
+
+
 def _draw_furniture(picture: Image.Image, scene: Scene, view: View) -> Image.Image:
     shadow = Image.new("RGBA", picture.size)
     shapes = Image.new("RGBA", picture.size)
     offset = 0.05
-    for thing in scene.objects:
+    treetops = Image.new("RGBA", picture.size)
+    # low parts first, so that a chair's back lies over its seat, a cup on its table; higher ones are a little lighter
+    parts = [(prism, thing) for thing in scene.objects for prism in thing.prisms]
+    for prism, thing in sorted(parts, key=lambda part: part[0].z_max):
         color = FURNITURE.get(thing.category, (160, 160, 168, 255))
-        # low parts first, so that a chair's back lies over its seat; higher parts are a little lighter
-        for prism in sorted(thing.prisms, key=lambda p: p.z_max):
-            outline = [_transform(thing.pose, *p) for p in prism.outline()]
-            lift = min(1.0, prism.z_max / 1.5)
-            shade = tuple(round(c + (255 - c) * 0.22 * lift) for c in color[:3])
-            edge = tuple(round(0.72 * c) for c in color[:3])
-            dropped = [(x + offset, y - offset) for x, y in outline]
-            ImageDraw.Draw(shadow).polygon(view.points(dropped), (20, 20, 30, 90))
-            ImageDraw.Draw(shapes).polygon(view.points(outline), (*shade, 255), (*edge, 255), SUPERSAMPLING)
+        outline = [_transform(thing.pose, *p) for p in prism.outline()]
+        lift = min(1.0, prism.z_max / 1.5)
+        shade = tuple(round(c + (255 - c) * 0.22 * lift) for c in color[:3])
+        edge = tuple(round(0.72 * c) for c in color[:3])
+        dropped = [(x + offset, y - offset) for x, y in outline]
+        layer, opacity = (treetops, 120) if prism.z_min >= TREETOPS else (shapes, 255)
+        ImageDraw.Draw(shadow).polygon(view.points(dropped), (20, 20, 30, 90))
+        ImageDraw.Draw(layer).polygon(view.points(outline), (*shade, opacity), (*edge, opacity), SUPERSAMPLING)
     picture.alpha_composite(shadow.filter(ImageFilter.GaussianBlur(0.05 * view.pixels)))
     picture.alpha_composite(shapes)
+    picture.alpha_composite(treetops)
     return picture
 
 

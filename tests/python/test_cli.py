@@ -44,6 +44,22 @@ def test_a_scene_is_drawn(name: str, tmp_path: Path) -> None:
         assert room.name in done.stdout
 
 
+def test_a_scene_is_generated_saved_and_drawn(tmp_path: Path) -> None:
+    done = run("scenes", "generate", "--seed", "7", "--size", "12", "9", "-o", "home.yaml", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    saved = threewe.Scene.load(str(tmp_path / "home.yaml"))
+    assert saved.to_yaml() == threewe.Scene.generate(7, size=(12.0, 9.0)).to_yaml(name="home")
+    assert run("scenes", "show", "home.yaml", "--width", "200", cwd=tmp_path).returncode == 0
+    assert (tmp_path / "home.png").exists()
+
+
+def test_what_cannot_be_generated_is_one_line(tmp_path: Path) -> None:
+    done = run("scenes", "generate", "--seed", "7", "--difficulty", "2", cwd=tmp_path)
+    assert done.returncode == 2
+    assert "difficulty 2 is outside [0, 1]" in done.stderr
+    assert not list(tmp_path.iterdir())
+
+
 def test_a_mistyped_scene_is_one_line_with_the_right_name(tmp_path: Path) -> None:
     done = run("scenes", "show", "ofice_v2", cwd=tmp_path)
     assert done.returncode == 2
