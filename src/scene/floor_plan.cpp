@@ -13,7 +13,7 @@ constexpr int kDoorMargin = 22;              // [cm] of wall on both sides of a 
 
 class Draughtsman {
  public:
-  Draughtsman(double difficulty, Dice& dice) : difficulty_(difficulty), dice_(dice) {}
+  Draughtsman(double difficulty, RandomStream& random) : difficulty_(difficulty), random_(random) {}
 
   FloorPlan draw(int width, int depth) {
     const Box outline{0, 0, width, depth};
@@ -36,9 +36,9 @@ class Draughtsman {
   // A corridor from end to end, along the longer side. Returns what lies beside it.
   std::vector<Box> cut_corridor(const Box& b) {
     const bool along_x = b.width() >= b.depth();
-    const int wide = 10 * dice_.between(17, 22);
+    const int wide = 10 * random_.between(17, 22);
     const int across = along_x ? b.depth() : b.width();
-    const int low = 10 * dice_.between(kNarrowestOffice / 10, (across - wide - kNarrowestOffice) / 10);
+    const int low = 10 * random_.between(kNarrowestOffice / 10, (across - wide - kNarrowestOffice) / 10);
     const int high = low + wide;
     plan_.corridors = 1;
     if (along_x) {
@@ -57,12 +57,12 @@ class Draughtsman {
   void split(const Box& b) {
     const bool across_x = b.width() >= b.depth();
     const int length = across_x ? b.width() : b.depth();
-    if (length < 2 * kNarrowestRoom || length < 10 * dice_.between(46, 72)) {
+    if (length < 2 * kNarrowestRoom || length < 10 * random_.between(46, 72)) {
       plan_.rooms.push_back(b);
       return;
     }
     const int third = std::max(kNarrowestRoom, length / 3);
-    const int cut = 10 * dice_.between(third / 10, (length - third) / 10);
+    const int cut = 10 * random_.between(third / 10, (length - third) / 10);
     if (across_x) {
       plan_.lines.push_back({false, b.x0 + cut, b.y0, b.y1, false});
       split({b.x0, b.y0, b.x0 + cut, b.y1});
@@ -105,7 +105,7 @@ class Draughtsman {
   // Doorways: a tree over all rooms that begins at the corridor, then one in four of the other possible ones.
   void connect() {
     std::vector<Neighbours> candidates = neighbours();
-    dice_.shuffle(candidates);
+    random_.shuffle(candidates);
     const auto corridors = static_cast<std::size_t>(plan_.corridors);
     std::ranges::stable_partition(candidates, [&](const Neighbours& n) { return n.a < corridors || n.b < corridors; });
 
@@ -122,28 +122,28 @@ class Draughtsman {
       }
     }
     for (std::size_t i = 0; i < candidates.size(); ++i) {
-      if (!used[i] && dice_.chance(0.25)) open(candidates[i]);
+      if (!used[i] && random_.chance(0.25)) open(candidates[i]);
     }
   }
 
   void open(const Neighbours& n) {
     const int room = n.to - n.from - 2 * kDoorMargin;
-    const bool wide = dice_.chance(0.2) && room >= 200;
+    const bool wide = random_.chance(0.2) && room >= 200;
     const int narrowest = 90 - static_cast<int>(10.0 * difficulty_);
-    const int width = wide ? 10 * dice_.between(14, 20) : std::min(room, narrowest + 5 * dice_.between(0, 2));
-    const int at = dice_.between(n.from + kDoorMargin + (width + 1) / 2, n.to - kDoorMargin - (width + 1) / 2);
+    const int width = wide ? 10 * random_.between(14, 20) : std::min(room, narrowest + 5 * random_.between(0, 2));
+    const int at = random_.between(n.from + kDoorMargin + (width + 1) / 2, n.to - kDoorMargin - (width + 1) / 2);
     plan_.passages.push_back({n.a, n.b, n.line, at, width});
   }
 
   double difficulty_;
-  Dice& dice_;
+  RandomStream& random_;
   FloorPlan plan_;
 };
 
 }  // namespace
 
-FloorPlan draw_floor_plan(int width, int depth, double difficulty, Dice& dice) {
-  return Draughtsman(difficulty, dice).draw(width, depth);
+FloorPlan draw_floor_plan(int width, int depth, double difficulty, RandomStream& random) {
+  return Draughtsman(difficulty, random).draw(width, depth);
 }
 
 }  // namespace threewe::scene

@@ -23,9 +23,9 @@ struct Box {
 };
 
 /// Draws, one after the other, from one key.
-class Dice {
+class RandomStream {
  public:
-  explicit Dice(const RngKey& key) : key_(key) {}
+  explicit RandomStream(const RngKey& key) : key_(key) {}
   /// A whole number, `low` and `high` included.
   int between(int low, int high) { return low + static_cast<int>(uniform(key_, sample_++) * (high - low + 1)); }
   bool chance(double probability) { return uniform(key_, sample_++) < probability; }
@@ -72,6 +72,6 @@ struct FloorPlan {
 
 /// A building of `width` x `depth` [cm]: a corridor if there is space, rooms by splitting what is left in two, again
 /// and again, doorways that connect them all, and some more. Doors are the narrower, the higher the difficulty (0..1).
-FloorPlan draw_floor_plan(int width, int depth, double difficulty, Dice& dice);
+FloorPlan draw_floor_plan(int width, int depth, double difficulty, RandomStream& random);
 
 }  // namespace threewe::scene

@@ -231,22 +231,22 @@ double heading(int turns, int hundredths) {
 
 class Furnisher {
  public:
-  Furnisher(const EmptyRoom& room, double difficulty, Dice& dice)
-      : room_(room), difficulty_(difficulty), dice_(dice), apron_(70 - static_cast<int>(20.0 * difficulty)) {}
+  Furnisher(const EmptyRoom& room, double difficulty, RandomStream& random)
+      : room_(room), difficulty_(difficulty), random_(random), apron_(70 - static_cast<int>(20.0 * difficulty)) {}
 
   RoomUse furnish() {
     const Kind& kind = choose_kind();
     hang_doors();
-    if (kind.likely == 1.0) put_in_the_middle(*dice_.pick(kind.middle), 40);
+    if (kind.likely == 1.0) put_in_the_middle(*random_.pick(kind.middle), 40);
     for (const GroupPlan* group : kind.first) put_at_wall(*group);
-    if (kind.likely < 1.0 && !kind.middle.empty() && dice_.chance(kind.likely + 0.5 * difficulty_)) {
-      put_in_the_middle(*dice_.pick(kind.middle), 12);
+    if (kind.likely < 1.0 && !kind.middle.empty() && random_.chance(kind.likely + 0.5 * difficulty_)) {
+      put_in_the_middle(*random_.pick(kind.middle), 12);
     }
     const double square_metres = in_metres(room_.inside.width()) * in_metres(room_.inside.depth());
     const int more = static_cast<int>(square_metres * (0.06 + 0.2 * difficulty_));
-    for (int i = 0; i < more && !kind.more.empty(); ++i) put_at_wall(*dice_.pick(kind.more));
+    for (int i = 0; i < more && !kind.more.empty(); ++i) put_at_wall(*random_.pick(kind.more));
     const int clutter = room_.corridor ? 0 : static_cast<int>(square_metres * 0.12 * difficulty_);
-    for (int i = 0; i < clutter; ++i) put_in_the_middle(*dice_.pick(kClutter), 4);
+    for (int i = 0; i < clutter; ++i) put_in_the_middle(*random_.pick(kClutter), 4);
     return {kind.name, kind.floor, std::move(groups_)};
   }
 
@@ -255,7 +255,7 @@ class Furnisher {
     if (room_.corridor) return corridor();
     const int shorter = std::min(room_.inside.width(), room_.inside.depth());
     for (;;) {
-      const Kind& kind = dice_.pick(kinds());
+      const Kind& kind = random_.pick(kinds());
       if (kind.smallest <= shorter + 20) return kind;
     }
   }
@@ -288,10 +288,11 @@ class Furnisher {
     constexpr int kTries = 12;
     const Box& in = room_.inside;
     for (int i = 0; i < kTries; ++i) {
-      const int turns = dice_.between(0, 3);
+      const int turns = random_.between(0, 3);
       // on the west wall, the south, the east and the north
       const bool vertical = turns % 2 == 0;
-      const int along = vertical ? 5 * dice_.between(in.y0 / 5, in.y1 / 5) : 5 * dice_.between(in.x0 / 5, in.x1 / 5);
+      const int along =
+          vertical ? 5 * random_.between(in.y0 / 5, in.y1 / 5) : 5 * random_.between(in.x0 / 5, in.x1 / 5);
       const int x = vertical ? (turns == 0 ? in.x0 : in.x1) : along;
       const int y = vertical ? along : (turns == 1 ? in.y0 : in.y1);
       Group group = put(plan, x, y, turns);
@@ -310,9 +311,9 @@ class Furnisher {
   void put_in_the_middle(const GroupPlan& plan, int tries) {
     const Box& in = room_.inside;
     for (int i = 0; i < tries; ++i) {
-      const int x = 5 * dice_.between(in.x0 / 5, in.x1 / 5);
-      const int y = 5 * dice_.between(in.y0 / 5, in.y1 / 5);
-      Group group = put(plan, x, y, dice_.between(0, 3));
+      const int x = 5 * random_.between(in.x0 / 5, in.x1 / 5);
+      const int y = 5 * random_.between(in.y0 / 5, in.y1 / 5);
+      Group group = put(plan, x, y, random_.between(0, 3));
       const Box& b = group.box;
       const Box around{b.x0 - apron_, b.y0 - apron_, b.x1 + apron_, b.y1 + apron_};
       if (accept(std::move(group), around)) return;
@@ -325,7 +326,7 @@ class Furnisher {
     group.box = {x, y, x, y};
     for (const Part& part : plan.parts) {
       const auto [dx, dy] = turned(part.x, part.y, turns);
-      const int careless = part.careless == 0 ? 0 : dice_.between(-part.careless, part.careless);
+      const int careless = part.careless == 0 ? 0 : random_.between(-part.careless, part.careless);
       Object object{.name = {}, .category = part.category, .shape = part.shape, .pose = {}, .prisms = prisms_of(part)};
       object.pose = {in_metres(x + dx), in_metres(y + dy), heading(turns + part.turns, careless)};
       for (const Prism& prism : object.prisms) {
@@ -358,7 +359,7 @@ class Furnisher {
 
   const EmptyRoom& room_;
   double difficulty_;
-  Dice& dice_;
+  RandomStream& random_;
   int apron_;  // [cm] in front of what stands at a wall
   std::vector<Box> ways_;
   std::vector<Box> boxes_;
@@ -368,8 +369,8 @@ class Furnisher {
 
 }  // namespace
 
-RoomUse furnish(const EmptyRoom& room, double difficulty, Dice& dice) {
-  return Furnisher(room, difficulty, dice).furnish();
+RoomUse furnish(const EmptyRoom& room, double difficulty, RandomStream& random) {
+  return Furnisher(room, difficulty, random).furnish();
 }
 
 }  // namespace threewe::scene

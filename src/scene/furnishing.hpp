@@ -41,6 +41,6 @@ struct RoomUse {
 
 /// Chooses a use and furnishes the room for it. Every piece is met from the front with space to stand there; the higher
 /// the difficulty (0..1), the more pieces and the less space.
-RoomUse furnish(const EmptyRoom& room, double difficulty, Dice& dice);
+RoomUse furnish(const EmptyRoom& room, double difficulty, RandomStream& random);
 
 }  // namespace threewe::scene

@@ -36,15 +36,15 @@ int in_centimetres(double metres) { return 10 * static_cast<int>(10.0 * metres +
 class Generator {
  public:
   Generator(std::uint64_t seed, std::uint32_t attempt, const GeneratorOptions& options)
-      : seed_(seed), options_(options), dice_({.seed = seed, .episode = attempt, .stream = Stream::scene}) {}
+      : seed_(seed), options_(options), random_({.seed = seed, .episode = attempt, .stream = Stream::scene}) {}
 
   // Nothing where the floor plan has no place to start.
   std::optional<Scene> generate() {
     plan_ =
-        draw_floor_plan(in_centimetres(options_.size.x), in_centimetres(options_.size.y), options_.difficulty, dice_);
+        draw_floor_plan(in_centimetres(options_.size.x), in_centimetres(options_.size.y), options_.difficulty, random_);
     if (!choose_start()) return std::nullopt;
     for (std::size_t i = 0; i < plan_.rooms.size(); ++i) {
-      uses_.push_back(furnish(empty_room(i), options_.difficulty, dice_));
+      uses_.push_back(furnish(empty_room(i), options_.difficulty, random_));
     }
     Scene scene = build();
     while (make_way(scene)) scene = build();
@@ -60,8 +60,8 @@ class Generator {
       if (fits && (best == nullptr || room.width() * room.depth() > best->width() * best->depth())) best = &room;
     }
     if (best == nullptr) return false;
-    start_x_ = best->x0 + 60 + dice_.between(0, best->width() - 340);
-    start_y_ = best->y0 + 60 + dice_.between(0, best->depth() - 220);
+    start_x_ = best->x0 + 60 + random_.between(0, best->width() - 340);
+    start_y_ = best->y0 + 60 + random_.between(0, best->depth() - 220);
     return true;
   }
 
@@ -82,7 +82,7 @@ class Generator {
       doorway.width = passage.width;
       // corridors are too narrow for leaves, and a door has but one
       doorway.leaf = !empty.corridor && passage.width <= kWidestDoor && (!positive || passage.room_a < corridors()) &&
-                     dice_.chance(0.6);
+                     random_.chance(0.6);
       empty.doorways.push_back(doorway);
     }
     // the start, (2, 1), and the straight way from one to the other
@@ -193,7 +193,7 @@ class Generator {
 
   std::uint64_t seed_;
   GeneratorOptions options_;
-  Dice dice_;
+  RandomStream random_;
   FloorPlan plan_;
   int start_x_ = 0;  // [cm]
   int start_y_ = 0;

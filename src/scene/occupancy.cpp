@@ -14,17 +14,29 @@ constexpr double kRounding = 1e-9;  // [m]
 
 constexpr float kFar = std::numeric_limits<float>::infinity();
 
+bool is_along_axes(const Solid& solid) {
+  return solid.shape == Solid::Shape::box &&
+         (solid.corners[0].x == solid.corners[1].x || solid.corners[0].y == solid.corners[1].y);
+}
+
 // Marks the cells that one solid overlaps.
 void mark(CellSet& occupied, const Solid& solid) {
   const GridFrame& frame = occupied.frame;
   const double h = 0.5 * frame.resolution;
   const auto [lowest, highest] = bounds(solid);
+  const bool along_axes = is_along_axes(solid);
   const CellIndex low = frame.cell(lowest);
   const CellIndex high = frame.cell(highest);
   for (int y = std::max(low.y, 0); y <= std::min(high.y, frame.height - 1); ++y) {
     for (int x = std::max(low.x, 0); x <= std::min(high.x, frame.width - 1); ++x) {
       if (occupied[{x, y}]) continue;
       const Vec2 c = frame.center({x, y});
+      if (along_axes) {
+        const double deep =
+            std::min({highest.x - (c.x - h), c.x + h - lowest.x, highest.y - (c.y - h), c.y + h - lowest.y});
+        occupied[{x, y}] = deep > kRounding ? 1 : 0;
+        continue;
+      }
       const std::array<Vec2, 4> square = {
           Vec2{c.x - h, c.y - h}, {c.x + h, c.y - h}, {c.x + h, c.y + h}, {c.x - h, c.y + h}};
       occupied[{x, y}] = overlaps(solid, square, kRounding) ? 1 : 0;
@@ -130,17 +142,28 @@ CellSet cells_with_clearance(const Obstacles& obstacles, const CellGrid<float>& 
 
 CellSet connected_cells(const CellSet& set, Vec2 seed) {
   CellSet connected(set.frame, 0);
-  std::vector<CellIndex> open;
-  const auto visit = [&](CellIndex c) {
-    if (!set.value_or(c, 0) || connected[c]) return;
-    connected[c] = 1;
-    open.push_back(c);
-  };
-  visit(set.frame.cell(seed));
-  while (!open.empty()) {
-    const CellIndex c = open.back();
-    open.pop_back();
-    for (const CellIndex next : {CellIndex{c.x + 1, c.y}, {c.x - 1, c.y}, {c.x, c.y + 1}, {c.x, c.y - 1}}) visit(next);
+  const auto is_open = [&](int x, int y) { return set[{x, y}] != 0 && connected[{x, y}] == 0; };
+  std::vector<CellIndex> starts;
+  if (set.value_or(set.frame.cell(seed), 0) != 0) starts.push_back(set.frame.cell(seed));
+  while (!starts.empty()) {
+    const CellIndex start = starts.back();
+    starts.pop_back();
+    if (!is_open(start.x, start.y)) continue;
+
+    // all of a row that hangs together at once
+    int first = start.x;
+    int last = start.x;
+    while (first > 0 && is_open(first - 1, start.y)) --first;
+    while (last + 1 < set.frame.width && is_open(last + 1, start.y)) ++last;
+    for (int x = first; x <= last; ++x) connected[{x, start.y}] = 1;
+
+    // and the beginning of every such stretch in the rows beside it
+    for (const int y : {start.y - 1, start.y + 1}) {
+      if (y < 0 || y >= set.frame.height) continue;
+      for (int x = first; x <= last; ++x) {
+        if (is_open(x, y) && (x == first || !is_open(x - 1, y))) starts.push_back({x, y});
+      }
+    }
   }
   return connected;
 }

@@ -34,7 +34,11 @@ TEST_CASE("a cell is occupied when a solid holds a point of it, and only when on
   for (std::uint64_t seed = 0; seed < 20; ++seed) {
     CAPTURE(seed);
     Dice dice(seed);
-    const std::vector<Solid> solids = random_solids(dice, 8, 2.0);
+    std::vector<Solid> solids = random_solids(dice, 8, 2.0);
+    for (const double theta : {0.0, 0.5 * exact::kPi, exact::kPi, -0.5 * exact::kPi}) {
+      solids.push_back(
+          make_box({dice.in(-2.0, 2.0), dice.in(-1.5, 1.5), theta}, dice.in(0.02, 1.5), dice.in(0.02, 0.8)));
+    }
     const CellSet occupied = occupied_cells(kFrame, solids);
     for (std::size_t i = 0; i < kFrame.size(); ++i) {
       const CellIndex cell = kFrame.cell(i);
@@ -87,6 +91,37 @@ TEST_CASE("cells with clearance are those whose middle is far enough from every 
         nearest = std::min(nearest, distance_to(s, kFrame.center(kFrame.cell(i))));
       CHECK((clear.cells[i] != 0) == (nearest >= radius));
     }
+  }
+}
+
+// The slow way: cells next to connected ones are connected, again and again.
+CellSet grown(const CellSet& set, CellIndex seed) {
+  CellSet connected(set.frame, 0);
+  if (set.value_or(seed, 0) != 0) connected[seed] = 1;
+  for (bool changed = true; changed;) {
+    changed = false;
+    for (std::size_t i = 0; i < set.cells.size(); ++i) {
+      const CellIndex c = set.frame.cell(i);
+      if (!set.cells[i] || connected.cells[i]) continue;
+      for (const CellIndex n : {CellIndex{c.x + 1, c.y}, {c.x - 1, c.y}, {c.x, c.y + 1}, {c.x, c.y - 1}}) {
+        if (!connected.value_or(n, 0)) continue;
+        connected.cells[i] = 1;
+        changed = true;
+        break;
+      }
+    }
+  }
+  return connected;
+}
+
+TEST_CASE("connected cells are those that grow from the seed") {
+  for (std::uint64_t seed = 0; seed < 300; ++seed) {
+    CAPTURE(seed);
+    const RngKey key{.seed = seed, .stream = Stream::sampler};
+    CellSet set({{0.0, 0.0}, 1.0, 3 + static_cast<int>(seed % 17), 2 + static_cast<int>(seed % 11)}, 0);
+    for (std::size_t i = 0; i < set.cells.size(); ++i) set.cells[i] = uniform(key, i) < 0.65 ? 1 : 0;
+    const CellIndex start{set.frame.width / 2, set.frame.height / 2};
+    CHECK(connected_cells(set, set.frame.center(start)) == grown(set, start));
   }
 }
 
