@@ -7,6 +7,10 @@ from verify.harness import Experiment, all_of, share_of, worst_of
 ROBOTS = [
     ("office_v2", "3we_standard_v2"),
     ("corridor_v1", "3we_standard_v2"),
+    ("apartment_v1", "3we_standard_v2"),
+    ("warehouse_v1", "3we_standard_v2"),
+    ("cluttered_v1", "3we_standard_v2"),
+    ("outdoor_v1", "3we_standard_v2"),
     ("office_v2", "turtlebot_like"),
 ]
 

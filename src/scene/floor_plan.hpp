@@ -1,7 +1,9 @@
 // Rooms, walls and doorways of a generated scene, in whole centimetres.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 #include "threewe/core/rng.hpp"
