@@ -75,9 +75,11 @@ std::vector<std::string> names_of(const std::map<std::string, std::vector<Prism>
 }  // namespace
 
 const std::vector<Prism>& ObjectLibrary::prisms(const ConfigNode& category, const ConfigNode& shape) {
-  const auto known = asset_names("objects");
-  if (!categories_.contains(category.text()) && std::ranges::find(known, category.text()) == known.end()) {
-    category.fail(unknown_name("category", category.text(), known));
+  if (!categories_.contains(category.text())) {
+    const auto known = asset_names("objects");
+    if (std::ranges::find(known, category.text()) == known.end()) {
+      category.fail(unknown_name("category", category.text(), known));
+    }
   }
   const Shapes& all = shapes(category.text());
   const auto found = all.find(shape.text());
