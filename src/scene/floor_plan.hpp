@@ -31,8 +31,8 @@ class RandomStream {
   /// A whole number, `low` and `high` included.
   int between(int low, int high) { return low + static_cast<int>(uniform(key_, sample_++) * (high - low + 1)); }
   bool chance(double probability) { return uniform(key_, sample_++) < probability; }
-  template <typename T>
-  const T& pick(const std::vector<T>& of) {
+  template <typename Items>
+  const auto& pick(const Items& of) {
     return of[static_cast<std::size_t>(between(0, static_cast<int>(of.size()) - 1))];
   }
   template <typename T>

@@ -1,9 +1,11 @@
 #include "furnishing.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
-#include <optional>
+#include <span>
+#include <tuple>
 #include <utility>
 
 #include "object_library.hpp"
@@ -17,8 +19,8 @@ constexpr int kWallFace = 8;    // [cm] from the middle of a wall to a leaf that
 
 // One piece of a group. A group's frame has x pointing away from the wall, or anywhere for groups without one.
 struct Part {
-  const char* category;
-  const char* shape;
+  const char* category = nullptr;
+  const char* shape = nullptr;
   int x = 0;         // [cm]
   int y = 0;         // [cm]
   int turns = 0;     // quarters
@@ -26,89 +28,92 @@ struct Part {
 };
 
 struct GroupPlan {
-  std::vector<Part> parts;
+  std::array<Part, 8> places;  // the first of them, as many as have a category
+
+  std::span<const Part> parts() const { return {places.begin(), std::ranges::find(places, nullptr, &Part::category)}; }
 };
 
 // what stands at a wall, at x = 0
-const GroupPlan kDesk = {{{"desk", "four_leg", 42}, {"chair", "swivel", 110, -8, 2, 30}, {"monitor", "wide", 24}}};
-const GroupPlan kPanelDesk = {
-    {{"desk", "panel", 42}, {"chair", "sled", 108, 5, 2, 15}, {"monitor", "dual", 26}, {"cup", "mug", 50, 45}}};
-const GroupPlan kSmallDesk = {{{"desk", "pedestal", 37},
-                               {"chair", "wooden", 96, 10, 2, 20},
-                               {"monitor", "laptop", 34, 5},
-                               {"cup", "paper", 45, 40}}};
-const GroupPlan kBookcase = {{{"shelf", "bookcase", 18}}};
-const GroupPlan kBookcases = {{{"shelf", "bookcase", 18, -46}, {"shelf", "bookcase", 18, 46}}};
-const GroupPlan kWideShelf = {{{"shelf", "wide", 20}}};
-const GroupPlan kLowShelf = {{{"shelf", "low", 22}}};
-const GroupPlan kRack = {{{"shelf", "metal", 28}}};
-const GroupPlan kRacks = {{{"shelf", "metal", 28, -65}, {"shelf", "metal", 28, 65}}};
-const GroupPlan kTower = {{{"shelf", "tower", 22}}};
-const GroupPlan kFiling = {{{"cabinet", "filing", 32}}};
-const GroupPlan kSideboard = {{{"cabinet", "sideboard", 25}, {"monitor", "wide", 25}}};
-const GroupPlan kWardrobe = {{{"cabinet", "wardrobe", 32}}};
-const GroupPlan kLockers = {{{"cabinet", "lockers", 25}}};
-const GroupPlan kCouch = {{{"couch", "three_seat", 48}, {"table", "coffee", 146}}};
-const GroupPlan kSmallCouch = {{{"couch", "two_seat", 45}, {"table", "coffee", 142}}};
-const GroupPlan kBench = {{{"couch", "bench", 26}}};
-const GroupPlan kArmchair = {{{"chair", "tub", 40, 0, 0, 20}}};
-const GroupPlan kSingleBed = {{{"bed", "single", 103}}};
-const GroupPlan kDoubleBed = {{{"bed", "double", 108}}};
-const GroupPlan kDaybed = {{{"bed", "daybed", 48, 0, 1}}};
-const GroupPlan kBunk = {{{"bed", "bunk", 50, 0, 1}}};
-const GroupPlan kCounter = {{{"counter", "sink", 32}, {"cup", "kitchen_mug", 30, -40}}};
-const GroupPlan kLongCounter = {{{"counter", "long", 32}, {"cup", "kitchen_mug", 34, 30}}};
-const GroupPlan kRefrigerator = {{{"refrigerator", "tall", 36}}};
-const GroupPlan kRetro = {{{"refrigerator", "retro", 34}}};
-const GroupPlan kDoubleRefrigerator = {{{"refrigerator", "double", 39}}};
-const GroupPlan kSmallRefrigerator = {{{"refrigerator", "small", 31}}};
-const GroupPlan kFern = {{{"plant", "fern", 36}}};
-const GroupPlan kFicus = {{{"plant", "ficus", 44}}};
-const GroupPlan kYucca = {{{"plant", "yucca", 30}}};
-const GroupPlan kPlanter = {{{"plant", "planter", 28}}};
-const GroupPlan kCarton = {{{"box", "carton", 26, 0, 1, 8}}};
-const GroupPlan kStack = {{{"box", "stack", 28, 0, 1, 8}}};
-const GroupPlan kTrunk = {{{"box", "trunk", 26, 0, 1}}};
-const GroupPlan kPallet = {{{"box", "pallet", 46, 0, 1}}};
+constexpr GroupPlan kDesk = {
+    {{{"desk", "four_leg", 42}, {"chair", "swivel", 110, -8, 2, 30}, {"monitor", "wide", 24}}}};
+constexpr GroupPlan kPanelDesk = {
+    {{{"desk", "panel", 42}, {"chair", "sled", 108, 5, 2, 15}, {"monitor", "dual", 26}, {"cup", "mug", 50, 45}}}};
+constexpr GroupPlan kSmallDesk = {{{{"desk", "pedestal", 37},
+                                    {"chair", "wooden", 96, 10, 2, 20},
+                                    {"monitor", "laptop", 34, 5},
+                                    {"cup", "paper", 45, 40}}}};
+constexpr GroupPlan kBookcase = {{{{"shelf", "bookcase", 18}}}};
+constexpr GroupPlan kBookcases = {{{{"shelf", "bookcase", 18, -46}, {"shelf", "bookcase", 18, 46}}}};
+constexpr GroupPlan kWideShelf = {{{{"shelf", "wide", 20}}}};
+constexpr GroupPlan kLowShelf = {{{{"shelf", "low", 22}}}};
+constexpr GroupPlan kRack = {{{{"shelf", "metal", 28}}}};
+constexpr GroupPlan kRacks = {{{{"shelf", "metal", 28, -65}, {"shelf", "metal", 28, 65}}}};
+constexpr GroupPlan kTower = {{{{"shelf", "tower", 22}}}};
+constexpr GroupPlan kFiling = {{{{"cabinet", "filing", 32}}}};
+constexpr GroupPlan kSideboard = {{{{"cabinet", "sideboard", 25}, {"monitor", "wide", 25}}}};
+constexpr GroupPlan kWardrobe = {{{{"cabinet", "wardrobe", 32}}}};
+constexpr GroupPlan kLockers = {{{{"cabinet", "lockers", 25}}}};
+constexpr GroupPlan kCouch = {{{{"couch", "three_seat", 48}, {"table", "coffee", 146}}}};
+constexpr GroupPlan kSmallCouch = {{{{"couch", "two_seat", 45}, {"table", "coffee", 142}}}};
+constexpr GroupPlan kBench = {{{{"couch", "bench", 26}}}};
+constexpr GroupPlan kArmchair = {{{{"chair", "tub", 40, 0, 0, 20}}}};
+constexpr GroupPlan kSingleBed = {{{{"bed", "single", 103}}}};
+constexpr GroupPlan kDoubleBed = {{{{"bed", "double", 108}}}};
+constexpr GroupPlan kDaybed = {{{{"bed", "daybed", 48, 0, 1}}}};
+constexpr GroupPlan kBunk = {{{{"bed", "bunk", 50, 0, 1}}}};
+constexpr GroupPlan kCounter = {{{{"counter", "sink", 32}, {"cup", "kitchen_mug", 30, -40}}}};
+constexpr GroupPlan kLongCounter = {{{{"counter", "long", 32}, {"cup", "kitchen_mug", 34, 30}}}};
+constexpr GroupPlan kRefrigerator = {{{{"refrigerator", "tall", 36}}}};
+constexpr GroupPlan kRetro = {{{{"refrigerator", "retro", 34}}}};
+constexpr GroupPlan kDoubleRefrigerator = {{{{"refrigerator", "double", 39}}}};
+constexpr GroupPlan kSmallRefrigerator = {{{{"refrigerator", "small", 31}}}};
+constexpr GroupPlan kFern = {{{{"plant", "fern", 36}}}};
+constexpr GroupPlan kFicus = {{{{"plant", "ficus", 44}}}};
+constexpr GroupPlan kYucca = {{{{"plant", "yucca", 30}}}};
+constexpr GroupPlan kPlanter = {{{{"plant", "planter", 28}}}};
+constexpr GroupPlan kCarton = {{{{"box", "carton", 26, 0, 1, 8}}}};
+constexpr GroupPlan kStack = {{{{"box", "stack", 28, 0, 1, 8}}}};
+constexpr GroupPlan kTrunk = {{{{"box", "trunk", 26, 0, 1}}}};
+constexpr GroupPlan kPallet = {{{{"box", "pallet", 46, 0, 1}}}};
 
 // what stands in the middle, at (0, 0)
-const GroupPlan kDining = {{{"table", "dining"},
-                            {"chair", "wooden", 62, 38, 2, 15},
-                            {"chair", "wooden", 62, -38, 2, 15},
-                            {"chair", "wooden", -62, 38, 0, 15},
-                            {"chair", "wooden", -62, -38, 0, 15},
-                            {"cup", "tumbler", 20, 30},
-                            {"cup", "mug", -22, -30}}};
-const GroupPlan kRoundTable = {{{"table", "round"},
-                                {"chair", "wooden", 70, 0, 2, 20},
-                                {"chair", "wooden", -70, 0, 0, 20},
-                                {"chair", "wooden", 0, 70, 3, 20},
-                                {"cup", "espresso", 20, 10}}};
-const GroupPlan kMeeting = {{{"table", "meeting"},
-                             {"chair", "steel", 86, 100, 2, 12},
-                             {"chair", "steel", 86, 0, 2, 12},
-                             {"chair", "steel", 86, -100, 2, 12},
-                             {"chair", "steel", -86, 100, 0, 12},
-                             {"chair", "steel", -86, 0, 0, 12},
-                             {"chair", "steel", -86, -100, 0, 12},
-                             {"cup", "paper", 30, 40}}};
-const GroupPlan kSquareTable = {
-    {{"table", "square"}, {"chair", "sled", 62, 0, 2, 20}, {"chair", "sled", -62, 0, 0, 20}}};
-const GroupPlan kDeskIsland = {{{"desk", "four_leg", 41},
-                                {"desk", "four_leg", -41, 0, 2},
-                                {"chair", "swivel", 112, 5, 2, 30},
-                                {"chair", "swivel", -112, -10, 0, 30},
-                                {"monitor", "small", 24},
-                                {"monitor", "wide", -24, 0, 2},
-                                {"cup", "mug", 50, 50}}};
-const GroupPlan kIsland = {{{"counter", "island"}}};
-const GroupPlan kLonePallet = {{{"box", "pallet"}}};
-const GroupPlan kLoneStack = {{{"box", "stack", 0, 0, 0, 80}}};
-const GroupPlan kLoneCrate = {{{"box", "crate", 0, 0, 0, 80}}};
-const GroupPlan kLonePlant = {{{"plant", "ficus"}}};
-const GroupPlan kLoneChair = {{{"chair", "tub", 0, 0, 0, 80}}};
-const GroupPlan kLeaf = {{{"door", "narrow"}}};
-const GroupPlan kColumn = {{{"column", "square"}}};
+constexpr GroupPlan kDining = {{{{"table", "dining"},
+                                 {"chair", "wooden", 62, 38, 2, 15},
+                                 {"chair", "wooden", 62, -38, 2, 15},
+                                 {"chair", "wooden", -62, 38, 0, 15},
+                                 {"chair", "wooden", -62, -38, 0, 15},
+                                 {"cup", "tumbler", 20, 30},
+                                 {"cup", "mug", -22, -30}}}};
+constexpr GroupPlan kRoundTable = {{{{"table", "round"},
+                                     {"chair", "wooden", 70, 0, 2, 20},
+                                     {"chair", "wooden", -70, 0, 0, 20},
+                                     {"chair", "wooden", 0, 70, 3, 20},
+                                     {"cup", "espresso", 20, 10}}}};
+constexpr GroupPlan kMeeting = {{{{"table", "meeting"},
+                                  {"chair", "steel", 86, 100, 2, 12},
+                                  {"chair", "steel", 86, 0, 2, 12},
+                                  {"chair", "steel", 86, -100, 2, 12},
+                                  {"chair", "steel", -86, 100, 0, 12},
+                                  {"chair", "steel", -86, 0, 0, 12},
+                                  {"chair", "steel", -86, -100, 0, 12},
+                                  {"cup", "paper", 30, 40}}}};
+constexpr GroupPlan kSquareTable = {
+    {{{"table", "square"}, {"chair", "sled", 62, 0, 2, 20}, {"chair", "sled", -62, 0, 0, 20}}}};
+constexpr GroupPlan kDeskIsland = {{{{"desk", "four_leg", 41},
+                                     {"desk", "four_leg", -41, 0, 2},
+                                     {"chair", "swivel", 112, 5, 2, 30},
+                                     {"chair", "swivel", -112, -10, 0, 30},
+                                     {"monitor", "small", 24},
+                                     {"monitor", "wide", -24, 0, 2},
+                                     {"cup", "mug", 50, 50}}}};
+constexpr GroupPlan kIsland = {{{{"counter", "island"}}}};
+constexpr GroupPlan kLonePallet = {{{{"box", "pallet"}}}};
+constexpr GroupPlan kLoneStack = {{{{"box", "stack", 0, 0, 0, 80}}}};
+constexpr GroupPlan kLoneCrate = {{{{"box", "crate", 0, 0, 0, 80}}}};
+constexpr GroupPlan kLonePlant = {{{{"plant", "ficus"}}}};
+constexpr GroupPlan kLoneChair = {{{{"chair", "tub", 0, 0, 0, 80}}}};
+constexpr GroupPlan kLeaf = {{{{"door", "narrow"}}}};
+constexpr GroupPlan kColumn = {{{{"column", "square"}}}};
 
 // What a kind of room holds: first what it cannot be without, then what may be added.
 struct Kind {
@@ -190,16 +195,18 @@ const Kind& corridor() {
   return kCorridor;
 }
 
-const std::vector<const GroupPlan*> kClutter = {&kLoneStack, &kLoneCrate, &kLonePlant, &kLoneChair, &kSquareTable};
+constexpr std::array<const GroupPlan*, 5> kClutter = {&kLoneStack, &kLoneCrate, &kLonePlant, &kLoneChair,
+                                                      &kSquareTable};
 
 // The library, read once in the life of the process: generated scenes use what is installed.
 const std::vector<Prism>& prisms_of(const Part& part) {
   static const auto kLibrary = [] {
     ObjectLibrary library;
     std::map<std::pair<std::string, std::string>, std::vector<Prism>> all;
-    const auto add = [&](const std::vector<const GroupPlan*>& groups) {
+    const auto add = [&](std::span<const GroupPlan* const> groups) {
       for (const GroupPlan* group : groups) {
-        for (const Part& p : group->parts) all.try_emplace({p.category, p.shape}, library.prisms(p.category, p.shape));
+        for (const Part& p : group->parts())
+          all.try_emplace({p.category, p.shape}, library.prisms(p.category, p.shape));
       }
     };
     for (const Kind& kind : kinds()) {
@@ -209,7 +216,7 @@ const std::vector<Prism>& prisms_of(const Part& part) {
     }
     add(corridor().more);
     add(kClutter);
-    add({&kLeaf});
+    add(std::array{&kLeaf});
     return all;
   }();
   return kLibrary.at({part.category, part.shape});
@@ -224,8 +231,8 @@ std::pair<int, int> turned(int x, int y, int turns) {
 }
 
 double heading(int turns, int hundredths) {
-  constexpr double kHeadings[] = {0.0, kQuarterTurn, exact::kPi, -kQuarterTurn};
-  const double theta = kHeadings[turns & 3];
+  constexpr std::array kHeadings = {0.0, kQuarterTurn, exact::kPi, -kQuarterTurn};
+  const double theta = kHeadings[static_cast<std::size_t>(turns & 3)];
   return hundredths == 0 ? theta : wrap_angle(theta + hundredths / 100.0);
 }
 
@@ -324,7 +331,7 @@ class Furnisher {
   Group put(const GroupPlan& plan, int x, int y, int turns) {
     Group group;
     group.box = {x, y, x, y};
-    for (const Part& part : plan.parts) {
+    for (const Part& part : plan.parts()) {
       const auto [dx, dy] = turned(part.x, part.y, turns);
       const int careless = part.careless == 0 ? 0 : random_.between(-part.careless, part.careless);
       Object object{.name = {}, .category = part.category, .shape = part.shape, .pose = {}, .prisms = prisms_of(part)};

@@ -1,6 +1,7 @@
 #include "threewe/scene/generator.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <optional>
 #include <utility>
@@ -23,15 +24,16 @@ constexpr double kAnchorClearance = 0.38;    // [m]
 constexpr std::uint32_t kMostAttempts = 64;  // at a floor plan that has a place to start
 
 void check(const GeneratorOptions& options) {
-  if (!(options.difficulty >= 0.0 && options.difficulty <= 1.0)) {
+  const auto within = [](double value, double low, double high) { return value >= low && value <= high; };
+  if (!within(options.difficulty, 0.0, 1.0)) {
     throw ConfigError(fmt::format("difficulty {} is outside [0, 1]", options.difficulty));
   }
   for (const double side : {options.size.x, options.size.y}) {
-    if (!(side >= 6.0 && side <= 40.0)) throw ConfigError(fmt::format("a side of {} m is outside [6, 40]", side));
+    if (!within(side, 6.0, 40.0)) throw ConfigError(fmt::format("a side of {} m is outside [6, 40]", side));
   }
 }
 
-int in_centimetres(double metres) { return 10 * static_cast<int>(10.0 * metres + 0.5); }
+int in_centimetres(double metres) { return 10 * static_cast<int>(std::lround(10.0 * metres)); }
 
 class Generator {
  public:
@@ -187,8 +189,7 @@ class Generator {
   Vec2 at(int x, int y) const { return {(x - start_x_) / 100.0, (y - start_y_) / 100.0}; }
   // poses are whole centimetres too: they are moved without a rounding error
   static double from_start(double metres, int start) {
-    const double cm = 100.0 * metres;
-    return (static_cast<int>(cm < 0.0 ? cm - 0.5 : cm + 0.5) - start) / 100.0;
+    return (static_cast<int>(std::lround(100.0 * metres)) - start) / 100.0;
   }
 
   std::uint64_t seed_;
