@@ -68,6 +68,7 @@ std::map<std::string, std::vector<Prism>> read_category(const std::string& name)
 
 std::vector<std::string> names_of(const std::map<std::string, std::vector<Prism>>& shapes) {
   std::vector<std::string> names;
+  names.reserve(shapes.size());
   for (const auto& entry : shapes) names.push_back(entry.first);
   return names;
 }
