@@ -43,6 +43,7 @@ void step_worlds(benchmark::State& bench, Sensors sensors, NoiseLevel noise) {
   if (sensors == Sensors::none) {
     profile.lidar.reset();
     profile.imu.reset();
+    profile.ultrasonics.reset();
   }
   const auto model = sim::make_model(std::make_shared<const scene::Scene>(scene::Scene::load("office_v2")), {profile});
   const auto worlds = static_cast<std::size_t>(bench.range(0));

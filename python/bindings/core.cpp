@@ -142,11 +142,23 @@ void bind_samples(nb::module_& m) {
                            battery.current);
       });
 
+  nb::class_<RangeData>(m, "RangeData",
+                        "One reading of a sensor that tells the distance to something within a cone, not where in it.")
+      .def(nb::init<double, double, double, double>(), "field_of_view"_a, "range_min"_a, "range_max"_a, "range"_a)
+      .def_ro("field_of_view", &RangeData::field_of_view, "[rad] from edge to edge of the cone")
+      .def_ro("range_min", &RangeData::range_min, "[m]")
+      .def_ro("range_max", &RangeData::range_max, "[m]")
+      .def_ro("range", &RangeData::range, "[m]; no echo = range_max, invalid = 0.0")
+      .def("__repr__", [](const RangeData& echo) {
+        return fmt::format("RangeData({:.3f} m, range_max={:.1f} m)", echo.range, echo.range_max);
+      });
+
   nb::enum_<SensorType>(m, "SensorType", "The kinds of sensor that the contract knows.")
       .value("lidar", SensorType::lidar)
       .value("imu", SensorType::imu)
       .value("odometry", SensorType::odometry)
-      .value("battery", SensorType::battery);
+      .value("battery", SensorType::battery)
+      .value("ultrasonic", SensorType::ultrasonic);
 
   nb::class_<Sample>(m, "Sample", "A reading with its stamps.")
       .def(
@@ -161,7 +173,7 @@ void bind_samples(nb::module_& m) {
       .def_ro("received", &Sample::received, "[s] of robot time")
       .def_ro("data", &Sample::data)
       .def("__repr__", [](const Sample& sample) {
-        constexpr std::array kTypes = {"LaserScan", "IMUData", "Odometry", "BatteryState"};
+        constexpr std::array kTypes = {"LaserScan", "IMUData", "Odometry", "BatteryState", "RangeData"};
         return fmt::format("Sample({} {} of sensor {}, measured {:.3f} s, received {:.3f} s)",
                            kTypes[sample.data.index()], sample.sequence, sample.sensor, to_seconds(sample.measured),
                            to_seconds(sample.received));

@@ -19,6 +19,24 @@ void bind_sensors(nb::module_& m) {
       .def_ro("range_max", &LidarSpec::range_max, "[m]")
       .def_ro("sigma", &LidarSpec::sigma, "[m] of each range")
       .def_ro("latency", &LidarSpec::latency, "[s] from the end of a turn to its arrival");
+  nb::class_<UltrasonicSpec>(m, "UltrasonicSpec", "Ultrasonic sensors of one kind, pinged in turn.")
+      .def_prop_ro(
+          "mounts",
+          [](const UltrasonicSpec& spec) {
+            nb::typed<nb::dict, std::string, Pose2D> mounts;
+            for (const auto& [name, pose] : spec.mounts) mounts[name.c_str()] = pose;
+            return mounts;
+          },
+          "Where each sensor is, by its name, in the order in which they are pinged.")
+      .def_ro("height", &UltrasonicSpec::height, "[m] of all of them above the floor")
+      .def_ro("interval", &UltrasonicSpec::interval, "[s] from one ping to the next, of another sensor")
+      .def_ro("field_of_view", &UltrasonicSpec::field_of_view, "[rad] of the cone of sound, from edge to edge")
+      .def_ro("max_incidence", &UltrasonicSpec::max_incidence,
+              "[rad] off a surface's normal, beyond which no echo comes back")
+      .def_ro("range_min", &UltrasonicSpec::range_min, "[m]")
+      .def_ro("range_max", &UltrasonicSpec::range_max, "[m]")
+      .def_ro("sigma", &UltrasonicSpec::sigma, "[m] of each range")
+      .def_ro("latency", &UltrasonicSpec::latency, "[s] from a ping to the arrival of its range");
   nb::class_<IMUSpec>(m, "IMUSpec", "An inertial unit.")
       .def_ro("period", &IMUSpec::period, "[s]")
       .def_ro("gyro_sigma", &IMUSpec::gyro_sigma, "[rad/s] of each sample")
@@ -72,6 +90,7 @@ void init_hardware(nb::module_& m) {
       .def_ro("operating_limits", &RobotProfile::operating_limits, "What it is asked to do.")
       .def_ro("lidar", &RobotProfile::lidar)
       .def_ro("imu", &RobotProfile::imu)
+      .def_ro("ultrasonics", &RobotProfile::ultrasonics)
       .def_ro("battery", &RobotProfile::battery)
       .def("__repr__", [](const RobotProfile& p) {
         const char* kinematics = p.kinematics() == Kinematics::holonomic ? "holonomic" : "differential";

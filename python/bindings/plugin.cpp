@@ -89,6 +89,10 @@ SampleData data_of(SensorType type, const Field& field, const RobotProfile& prof
     }
     case SensorType::battery:
       return BatteryState{field.number("voltage"), field.number("current"), field.number("charge")};
+    case SensorType::ultrasonic: {
+      const UltrasonicSpec& spec = *profile.ultrasonics;
+      return RangeData{spec.field_of_view, spec.range_min, spec.range_max, field.number("range")};
+    }
   }
   throw ContractError("a sensor of no kind");
 }
@@ -106,6 +110,9 @@ PluginReading to_reading(nb::handle reading, const PluginLink& link) {
   const auto sensor = nb::cast<std::string>(name);
   const auto type = nb::cast<SensorType>(reading.attr("type"));
   if (type == SensorType::lidar && !link.profile().lidar) throw ContractError("a scan, but the profile has no lidar");
+  if (type == SensorType::ultrasonic && !link.profile().ultrasonics) {
+    throw ContractError("an echo, but the profile has no ultrasonics");
+  }
   const Field field{sensor, reading};
   return {.sensor = sensor, .measured = field.time("measured"), .data = data_of(type, field, link.profile())};
 }

@@ -165,6 +165,31 @@ class BatteryState:
 
     def __repr__(self) -> str: ...
 
+class RangeData:
+    """
+    One reading of a sensor that tells the distance to something within a cone, not where in it.
+    """
+
+    def __init__(self, field_of_view: float, range_min: float, range_max: float, range: float) -> None: ...
+
+    @property
+    def field_of_view(self) -> float:
+        """[rad] from edge to edge of the cone"""
+
+    @property
+    def range_min(self) -> float:
+        """[m]"""
+
+    @property
+    def range_max(self) -> float:
+        """[m]"""
+
+    @property
+    def range(self) -> float:
+        """[m]; no echo = range_max, invalid = 0.0"""
+
+    def __repr__(self) -> str: ...
+
 class SensorType(enum.Enum):
     """The kinds of sensor that the contract knows."""
 
@@ -176,10 +201,12 @@ class SensorType(enum.Enum):
 
     battery = 3
 
+    ultrasonic = 4
+
 class Sample:
     """A reading with its stamps."""
 
-    def __init__(self, sensor: int, sequence: int, measured: float, data: LaserScan | IMUData | Odometry | BatteryState) -> None: ...
+    def __init__(self, sensor: int, sequence: int, measured: float, data: LaserScan | IMUData | Odometry | BatteryState | RangeData) -> None: ...
 
     @property
     def sensor(self) -> int:
@@ -198,7 +225,7 @@ class Sample:
         """[s] of robot time"""
 
     @property
-    def data(self) -> LaserScan | IMUData | Odometry | BatteryState: ...
+    def data(self) -> LaserScan | IMUData | Odometry | BatteryState | RangeData: ...
 
     def __repr__(self) -> str: ...
 
@@ -302,6 +329,45 @@ class LidarSpec:
     def latency(self) -> float:
         """[s] from the end of a turn to its arrival"""
 
+class UltrasonicSpec:
+    """Ultrasonic sensors of one kind, pinged in turn."""
+
+    @property
+    def mounts(self) -> dict[str, Pose2D]:
+        """Where each sensor is, by its name, in the order in which they are pinged."""
+
+    @property
+    def height(self) -> float:
+        """[m] of all of them above the floor"""
+
+    @property
+    def interval(self) -> float:
+        """[s] from one ping to the next, of another sensor"""
+
+    @property
+    def field_of_view(self) -> float:
+        """[rad] of the cone of sound, from edge to edge"""
+
+    @property
+    def max_incidence(self) -> float:
+        """[rad] off a surface's normal, beyond which no echo comes back"""
+
+    @property
+    def range_min(self) -> float:
+        """[m]"""
+
+    @property
+    def range_max(self) -> float:
+        """[m]"""
+
+    @property
+    def sigma(self) -> float:
+        """[m] of each range"""
+
+    @property
+    def latency(self) -> float:
+        """[s] from a ping to the arrival of its range"""
+
 class IMUSpec:
     """An inertial unit."""
 
@@ -393,6 +459,9 @@ class RobotProfile:
 
     @property
     def imu(self) -> IMUSpec | None: ...
+
+    @property
+    def ultrasonics(self) -> UltrasonicSpec | None: ...
 
     @property
     def battery(self) -> BatterySpec | None: ...

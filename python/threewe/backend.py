@@ -130,6 +130,15 @@ class BatteryReading(Reading):
     """The fraction left, 0 to 1."""
 
 
+@dataclass(frozen=True, kw_only=True, eq=False)
+class UltrasonicReading(Reading):
+    """One ping of one ultrasonic sensor: `sensor` is its name in the profile."""
+
+    type: ClassVar[SensorType] = SensorType.ultrasonic
+    range: float
+    """[m]; no echo = the profile's range_max, invalid = 0.0"""
+
+
 class Backend(ABC):
     """One robot, from 3we's side. All of its methods are called by one thread, one at a time."""
 

@@ -82,6 +82,7 @@ class ByteReader {
       case SensorType::imu: get(sample.data.emplace<IMUData>()); return;
       case SensorType::odometry: get(sample.data.emplace<Odometry>()); return;
       case SensorType::battery: get(sample.data.emplace<BatteryState>()); return;
+      case SensorType::ultrasonic: get(sample.data.emplace<RangeData>()); return;
     }
     require(false);
   }

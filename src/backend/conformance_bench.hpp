@@ -110,6 +110,7 @@ std::span<const Check> connection_checks();
 std::span<const Check> time_checks();
 std::span<const Check> sample_checks();
 std::span<const Check> lidar_checks();
+std::span<const Check> ultrasonic_checks();
 std::span<const Check> motion_checks();
 std::span<const Check> command_checks();
 std::span<const Check> repeat_checks();

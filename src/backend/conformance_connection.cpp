@@ -37,11 +37,10 @@ void features_match_the_profile(const Context& context) {
   Bench bench = context.fresh();
   const RobotProfile& profile = bench.profile();
   expect(bench.features().kinematics == profile.kinematics(), "features() and profile() differ in their kinematics");
-  expect(!bench.has(SensorType::lidar) || profile.lidar.has_value(), "a lidar that the profile '{}' lacks",
-         profile.name);
-  expect(!bench.has(SensorType::imu) || profile.imu.has_value(), "an IMU that the profile '{}' lacks", profile.name);
-  expect(!bench.has(SensorType::battery) || profile.battery.has_value(), "a battery that the profile '{}' lacks",
-         profile.name);
+  for (const SensorInfo& sensor : bench.features().sensors) {
+    expect(profile.has(sensor.type), "sensor '{}': the profile '{}' has no {}", sensor.name, profile.name,
+           to_string(sensor.type));
+  }
 }
 
 void sensor_names_are_unique(const Context& context) {

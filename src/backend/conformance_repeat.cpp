@@ -18,6 +18,10 @@ bool same_data(const Odometry& a, const Odometry& b) { return a.pose == b.pose &
 bool same_data(const BatteryState& a, const BatteryState& b) {
   return a.voltage == b.voltage && a.current == b.current && a.charge == b.charge;
 }
+bool same_data(const RangeData& a, const RangeData& b) {
+  return a.field_of_view == b.field_of_view && a.range_min == b.range_min && a.range_max == b.range_max &&
+         a.range == b.range;
+}
 
 bool same(const Sample& a, const Sample& b) {
   if (a.sensor != b.sensor || a.sequence != b.sequence || a.measured != b.measured || a.received != b.received ||

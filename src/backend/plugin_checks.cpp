@@ -25,10 +25,13 @@ void check_features(const std::string& name, const Features& features, const Rob
     if (!std::isfinite(sensor.rate) || sensor.rate <= 0.0) {
       fail(fmt::format("sensor '{}': rate is {} Hz; it must be positive", sensor.name, sensor.rate));
     }
-    const bool in_profile =
-        sensor.type == SensorType::odometry || (sensor.type == SensorType::lidar && profile.lidar) ||
-        (sensor.type == SensorType::imu && profile.imu) || (sensor.type == SensorType::battery && profile.battery);
-    if (!in_profile) fail(fmt::format("sensor '{}': the profile '{}' has none", sensor.name, profile.name));
+    if (!profile.has(sensor.type))
+      fail(fmt::format("sensor '{}': the profile '{}' has none", sensor.name, profile.name));
+    if (sensor.type == SensorType::ultrasonic) {
+      std::vector<std::string> mounts;
+      for (const UltrasonicSpec::Mount& mount : profile.ultrasonics->mounts) mounts.push_back(mount.name);
+      if (std::ranges::find(mounts, sensor.name) == mounts.end()) fail(unknown_name("mount", sensor.name, mounts));
+    }
   }
 }
 

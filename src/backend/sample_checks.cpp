@@ -79,6 +79,17 @@ void check(const Reading& reading, const BatteryState& battery, const RobotProfi
   }
 }
 
+void check(const Reading& reading, const RangeData& echo, const RobotProfile& profile) {
+  const UltrasonicSpec& spec = *profile.ultrasonics;
+  reading.within("field_of_view", echo.field_of_view, exact::kPi, "rad");
+  reading.finite("range_min", echo.range_min);
+  reading.finite("range_max", echo.range_max);
+  const bool within = echo.range >= spec.range_min - kRangeTolerance && echo.range <= spec.range_max + kRangeTolerance;
+  if (echo.range == 0.0 || within) return;
+  reading.fail("range", "is {}; it must be 0 (invalid) or within {} to {} m (no echo: {})", echo.range, spec.range_min,
+               spec.range_max, spec.range_max);
+}
+
 }  // namespace
 
 void check_data(const SensorInfo& sensor, const SampleData& data, const RobotProfile& profile) {

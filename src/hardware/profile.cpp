@@ -20,6 +20,7 @@ constexpr double kMaxMass = 1000.0;         // [kg]
 constexpr double kMaxSpeed = 20.0;          // [m/s] and [rad/s]
 constexpr double kMaxAcceleration = 200.0;  // [m/s^2] and [rad/s^2]
 constexpr double kSmall = 1e-6;             // stands for "more than zero"
+constexpr double kAnyIncidence = 1.57;      // [rad], all but grazing
 
 Duration duration_in(ConfigNode& node, std::string_view field, double low, double high) {
   return from_seconds(node.number_in(field, low, high));
@@ -126,6 +127,28 @@ IMUSpec read_imu(ConfigNode node) {
   return imu;
 }
 
+UltrasonicSpec read_ultrasonics(ConfigNode node) {
+  constexpr std::size_t kMaxMounts = 16;
+  UltrasonicSpec ultrasonic;
+  ConfigNode mounts = node.at("mounts");
+  for (const auto& [name, mount] : mounts.fields()) ultrasonic.mounts.push_back({"ultrasonic_" + name, mount.pose()});
+  mounts.finish();
+  if (ultrasonic.mounts.empty() || ultrasonic.mounts.size() > kMaxMounts) {
+    mounts.fail(fmt::format("expected 1 to {} sensors, each a name and its pose [x, y, theta]", kMaxMounts));
+  }
+  ultrasonic.height = node.number_in("height", 0.0, kMaxLength);
+  ultrasonic.interval = duration_in(node, "interval", 0.001, 10.0);
+  ultrasonic.field_of_view = node.number_in("field_of_view", 0.001, 3.0);
+  ultrasonic.max_incidence = node.number_in("max_incidence", 0.001, kAnyIncidence);
+  ultrasonic.range_min = node.number_in("range_min", 0.0, 100.0);
+  ultrasonic.range_max = node.number_in("range_max", 0.1, 100.0);
+  ultrasonic.sigma = node.number_in("sigma", 0.0, 1.0);
+  ultrasonic.latency = duration_in(node, "latency", 0.0, 1.0);
+  node.finish();
+  if (ultrasonic.range_min >= ultrasonic.range_max) node.at("range_min").fail("must be below range_max");
+  return ultrasonic;
+}
+
 OdometrySpec read_odometry(ConfigNode node) {
   OdometrySpec odometry;
   odometry.period = duration_in(node, "period", 0.001, 1.0);
@@ -186,6 +209,27 @@ void check_limits(const RobotProfile& profile, ConfigNode limits) {
 
 }  // namespace
 
+bool RobotProfile::has(SensorType type) const {
+  switch (type) {
+    case SensorType::lidar: return lidar.has_value();
+    case SensorType::imu: return imu.has_value();
+    case SensorType::odometry: return true;
+    case SensorType::battery: return battery.has_value();
+    case SensorType::ultrasonic: return ultrasonics.has_value();
+  }
+  return false;
+}
+
+Pose2D RobotProfile::base_from_sensor(SensorType type, std::string_view sensor) const {
+  if (type == SensorType::lidar && lidar) return lidar->base_from_lidar;
+  if (type == SensorType::ultrasonic && ultrasonics) {
+    for (const UltrasonicSpec::Mount& mount : ultrasonics->mounts) {
+      if (sensor == mount.name) return mount.base_from_ultrasonic;
+    }
+  }
+  return {};
+}
+
 RobotProfile load_profile(std::string_view name) {
   const auto file = find_asset("robots", name);
   ConfigNode root = ConfigNode::load(file);
@@ -205,6 +249,7 @@ RobotProfile load_profile(std::string_view name) {
   ConfigNode sensors = root.at("sensors");
   if (sensors.has("lidar")) profile.lidar = read_lidar(sensors.at("lidar"));
   if (sensors.has("imu")) profile.imu = read_imu(sensors.at("imu"));
+  if (sensors.has("ultrasonics")) profile.ultrasonics = read_ultrasonics(sensors.at("ultrasonics"));
   profile.odometry = read_odometry(sensors.at("odometry"));
   sensors.finish();
   if (root.has("battery")) profile.battery = read_battery(root.at("battery"));
@@ -233,6 +278,11 @@ RobotProfile with_noise(RobotProfile profile, NoiseLevel noise) {
     lidar.rolling = false;
   }
   if (profile.imu) *profile.imu = {.period = profile.imu->period};
+  if (profile.ultrasonics) {
+    profile.ultrasonics->max_incidence = kAnyIncidence;
+    profile.ultrasonics->sigma = 0.0;
+    profile.ultrasonics->latency = Duration::zero();
+  }
   profile.odometry = {.period = profile.odometry.period};
   if (profile.battery) profile.battery->resistance = 0.0;
   return profile;

@@ -52,8 +52,7 @@ Pose2D Runtime::transform(std::string_view target, std::string_view source) cons
       if (sensor.name != frame) {
         frames.push_back(sensor.name);
       } else {
-        const bool mounted = sensor.type == SensorType::lidar && profile().lidar;
-        return estimate.odom_from_base * (mounted ? profile().lidar->base_from_lidar : Pose2D{});
+        return estimate.odom_from_base * profile().base_from_sensor(sensor.type, sensor.name);
       }
     }
     throw ContractError(unknown_name("frame", frame, frames));

@@ -6,19 +6,6 @@
 #include "threewe/core/errors.hpp"
 
 namespace threewe {
-namespace {
-
-const char* name_of(SensorType type) {
-  switch (type) {
-    case SensorType::lidar: return "lidar";
-    case SensorType::imu: return "imu";
-    case SensorType::odometry: return "odometry";
-    case SensorType::battery: return "battery";
-  }
-  return "sensor";
-}
-
-}  // namespace
 
 const Sample& Senses::newest(const backend::Features& features, const RobotProfile& profile, SensorType type) const {
   for (std::size_t i = 0; i < features.sensors.size(); ++i) {
@@ -26,7 +13,7 @@ const Sample& Senses::newest(const backend::Features& features, const RobotProfi
     if (newest_[i]) return *newest_[i];
     throw HardwareError("sensor '" + features.sensors[i].name + "' has not delivered anything yet");
   }
-  throw HardwareError("robot '" + profile.name + "' has no sensor '" + name_of(type) + "'");
+  throw HardwareError("robot '" + profile.name + "' has no sensor '" + std::string(to_string(type)) + "'");
 }
 
 bool Senses::complete() const {

@@ -5,6 +5,8 @@
 
 #include "threewe/hardware/limits.hpp"
 #include "threewe/models/battery.hpp"
+#include "threewe/models/ultrasonic.hpp"
+#include "threewe/sim/echo.hpp"
 
 namespace threewe::sim {
 namespace {
@@ -57,9 +59,39 @@ Before move_robot(const RobotModel& robot, std::span<const scene::Segment> other
   return before;
 }
 
+// The other robots of a world, for one of them.
+class Others {
+ public:
+  Others() = default;  // it is alone
+  Others(const Model& model, std::span<const RobotState> world, std::size_t robot)
+      : model_(&model), world_(world), robot_(robot) {}
+
+  // Their outlines as high as `height` [m], where they are now. Valid until the next call.
+  std::span<const scene::Segment> at(double height) {
+    segments_.clear();
+    for (std::size_t i = 0; i < world_.size(); ++i) {
+      if (i != robot_ && model_->robots[i].profile.body.height > height) add_outline(i);
+    }
+    return segments_;
+  }
+
+ private:
+  void add_outline(std::size_t robot) {
+    const auto& corners = model_->robots[robot].body.footprint.corners();
+    const Pose2D& pose = world_[robot].pose;
+    for (std::size_t i = 0; i < corners.size(); ++i) {
+      segments_.push_back({pose * corners[i], pose * corners[(i + 1) % corners.size()], -1});
+    }
+  }
+
+  const Model* model_ = nullptr;
+  std::span<const RobotState> world_;
+  std::size_t robot_ = 0;
+  std::vector<scene::Segment> segments_;
+};
+
 // The share of a turn that a step sweeps, from the poses in between; or the whole turn at its end.
-void sweep_lidar(const RobotModel& robot, std::span<const scene::Segment> others, const Pose2D& before,
-                 RobotState& state) {
+void sweep_lidar(const RobotModel& robot, Others& others, const Pose2D& before, RobotState& state) {
   const LidarSpec& lidar = *robot.profile.lidar;
   const auto points = static_cast<std::uint64_t>(lidar.points_per_turn);
   const auto turn = static_cast<std::uint64_t>(robot.turn);
@@ -72,13 +104,26 @@ void sweep_lidar(const RobotModel& robot, std::span<const scene::Segment> others
   const double angle = robot.pattern.first_angle + static_cast<double>(first) * robot.pattern.angle_step;
   const Pose2D end = state.pose * lidar.base_from_lidar;
   const Pose2D begin = lidar.rolling ? before * lidar.base_from_lidar : end;
-  robot.caster->cast_rolling(begin, end, angle, robot.pattern.angle_step, ranges, {others, {}});
+  robot.caster->cast_rolling(begin, end, angle, robot.pattern.angle_step, ranges, {others.at(lidar.height), {}});
 
   const std::uint64_t turns = (state.steps - 1) / turn;
   models::measure_ranges(lidar, state.key(Stream::lidar), state.lidar_bias, turns * points + first, ranges);
 }
 
-void sense(const RobotModel& robot, std::span<const scene::Segment> others, const Before& before, RobotState& state) {
+// One sensor's ping, heard at once: sound takes 12 ms for 2 m and back, in which a robot moves by no more than 6 mm.
+void ping(const RobotModel& robot, std::size_t sensor, Others& others, RobotState& state) {
+  const UltrasonicSpec& spec = *robot.profile.ultrasonics;
+  const Pose2D pose = state.pose * spec.mounts[sensor].base_from_ultrasonic;
+  const SoundCone cone{pose, spec.field_of_view, spec.max_incidence, spec.range_max};
+  const double echo = nearest_echo(cone, robot.audible, {others.at(spec.height), {}}).range;
+
+  RngKey key = state.key(Stream::ultrasonic);
+  key.sensor = static_cast<std::uint16_t>(sensor);
+  const std::uint64_t pings = state.steps / static_cast<std::uint64_t>(robot.ultrasonic_interval);
+  state.ultrasonic_range = models::measure_range(spec, key, (pings - 1) / spec.mounts.size(), echo);
+}
+
+void sense(const RobotModel& robot, Others& others, const Before& before, RobotState& state) {
   if (imu_ready(robot, state)) {
     const Vec2 acceleration =
         (1.0 / kSeconds) * Vec2{state.velocity.vx - before.carried.vx, state.velocity.vy - before.carried.vy};
@@ -89,40 +134,19 @@ void sense(const RobotModel& robot, std::span<const scene::Segment> others, cons
     models::measure_odometry(robot.profile.odometry, robot.drive.wheels, state.wheel_errors, state.wheel_angles,
                              state.odometry);
   }
+  if (const auto sensor = ping_ready(robot, state)) ping(robot, *sensor, others, state);
   if (robot.caster) sweep_lidar(robot, others, before.pose, state);
-}
-
-void append_outline(const RobotModel& robot, const Pose2D& pose, std::vector<scene::Segment>& segments) {
-  const auto& corners = robot.body.footprint.corners();
-  for (std::size_t i = 0; i < corners.size(); ++i) {
-    segments.push_back({pose * corners[i], pose * corners[(i + 1) % corners.size()], -1});
-  }
-}
-
-// The outlines of all robots but one, as high as `height`, where they are now.
-void outlines_of_others(const Model& model, std::span<const RobotState> world, std::size_t robot, double height,
-                        std::vector<scene::Segment>& segments) {
-  segments.clear();
-  for (std::size_t i = 0; i < world.size(); ++i) {
-    if (i != robot && model.robots[i].profile.body.height > height) {
-      append_outline(model.robots[i], world[i].pose, segments);
-    }
-  }
 }
 
 // Robots move one after the other, each around the others where they are; then all of them look.
 void step_crowd(const Model& model, std::span<RobotState> world, std::span<const Velocity> commands) {
-  std::vector<scene::Segment> others;
+  std::vector<Others> others;
   std::vector<Before> before;
   for (std::size_t i = 0; i < world.size(); ++i) {
-    outlines_of_others(model, world, i, 0.0, others);
-    before.push_back(move_robot(model.robots[i], others, world[i], commands[i]));
+    others.emplace_back(model, world, i);
+    before.push_back(move_robot(model.robots[i], others[i].at(0.0), world[i], commands[i]));
   }
-  for (std::size_t i = 0; i < world.size(); ++i) {
-    const RobotModel& robot = model.robots[i];
-    outlines_of_others(model, world, i, robot.caster ? robot.profile.lidar->height : 0.0, others);
-    sense(robot, others, before[i], world[i]);
-  }
+  for (std::size_t i = 0; i < world.size(); ++i) sense(model.robots[i], others[i], before[i], world[i]);
 }
 
 bool due(int period, const RobotState& state) {
@@ -150,9 +174,10 @@ void step(const Model& model, std::span<RobotState> states, std::span<const Velo
   const std::size_t robots = model.robots.size();
   assert(states.size() % robots == 0 && states.size() == commands.size());
   if (robots == 1) {
+    Others nobody;
     for (std::size_t i = 0; i < states.size(); ++i) {
       const Before before = move_robot(model.robots[0], {}, states[i], commands[i]);
-      sense(model.robots[0], {}, before, states[i]);
+      sense(model.robots[0], nobody, before, states[i]);
     }
     return;
   }
@@ -164,6 +189,13 @@ void step(const Model& model, std::span<RobotState> states, std::span<const Velo
 bool imu_ready(const RobotModel& robot, const RobotState& state) { return due(robot.imu_period, state); }
 bool odometry_ready(const RobotModel& robot, const RobotState& state) { return due(robot.odometry_period, state); }
 bool battery_ready(const RobotModel& robot, const RobotState& state) { return due(robot.battery_period, state); }
+
+std::optional<std::size_t> ping_ready(const RobotModel& robot, const RobotState& state) {
+  if (!due(robot.ultrasonic_interval, state)) return std::nullopt;
+  const std::uint64_t pings = state.steps / static_cast<std::uint64_t>(robot.ultrasonic_interval);
+  return (pings - 1) % robot.profile.ultrasonics->mounts.size();
+}
+
 bool scan_ready(const RobotModel& robot, const RobotState& state) { return due(robot.turn, state); }
 
 std::span<const float> scan_points(const RobotModel& robot, const RobotState& state) {

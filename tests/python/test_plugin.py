@@ -29,7 +29,7 @@ from threewe import (
     SensorType,
     Velocity,
 )
-from threewe.backend import Backend, BackendOptions, LidarReading, OdometryReading, Reading
+from threewe.backend import Backend, BackendOptions, LidarReading, OdometryReading, Reading, UltrasonicReading
 
 from .toy_backend import QuietBackend
 
@@ -453,4 +453,5 @@ if {stage != "made"}:
 
 def test_readings_have_their_sensors_names() -> None:
     assert OdometryReading(measured=0.0, pose=(0, 0, 0), velocity=(0, 0, 0)).sensor == "odometry"
+    assert UltrasonicReading(sensor="ultrasonic_left", measured=0.0, range=1.0).type == SensorType.ultrasonic
     assert LidarReading(measured=0.0, ranges=np.zeros(3, np.float32)).type == SensorType.lidar

@@ -368,7 +368,9 @@ async def test_real_time_goes_at_the_pace_of_the_wall_clock() -> None:
 def test_what_a_robot_is_can_be_read_before_connecting(robot: Robot, caplog: pytest.LogCaptureFixture) -> None:
     with caplog.at_level(logging.DEBUG):
         assert robot.features.lockstep
-        assert {sensor.name for sensor in robot.features.sensors} == {"lidar", "imu", "odometry", "battery"}
+        sensors = {sensor.name for sensor in robot.features.sensors}
+        ultrasonics = {f"ultrasonic_{place}" for place in ("front_left", "left", "front_right", "right")}
+        assert sensors == {"lidar", "imu", "odometry", "battery"} | ultrasonics
         assert robot.profile.kinematics is threewe.Kinematics.holonomic
         assert "not connected" in repr(robot)
     assert not caplog.messages

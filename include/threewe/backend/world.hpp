@@ -19,7 +19,7 @@ namespace threewe::backend {
 
 /// One sensor of a robot, as it is known before connecting.
 struct SensorInfo {
-  std::string name;  ///< "lidar", "imu", "odometry", "battery"; unique on a robot
+  std::string name;  ///< "lidar", "imu", "odometry", "battery", a mount of the ultrasonics; unique on a robot
   SensorType type{};
   double rate = 0.0;  ///< [Hz]
 };

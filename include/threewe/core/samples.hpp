@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 #include <string>
+#include <string_view>
 #include <variant>
 #include <vector>
 
@@ -42,10 +43,20 @@ struct BatteryState {
   double charge = 0.0;   ///< the fraction left, 0 to 1
 };
 
-/// The kinds of sensor that the contract knows, in the order of `SampleData`.
-enum class SensorType : std::uint8_t { lidar, imu, odometry, battery };
+/// One reading of a sensor that tells the distance to something within a cone, but not where in it. (ROS: a
+/// `sensor_msgs/Range`.)
+struct RangeData {
+  double field_of_view = 0.0;  ///< [rad] from edge to edge of the cone
+  double range_min = 0.0;      ///< [m]
+  double range_max = 0.0;      ///< [m]
+  double range = 0.0;          ///< [m]; no echo = range_max, invalid = 0.0
+};
 
-using SampleData = std::variant<LaserScan, IMUData, Odometry, BatteryState>;
+/// The kinds of sensor that the contract knows, in the order of `SampleData`.
+enum class SensorType : std::uint8_t { lidar, imu, odometry, battery, ultrasonic };
+std::string_view to_string(SensorType type);
+
+using SampleData = std::variant<LaserScan, IMUData, Odometry, BatteryState, RangeData>;
 
 /// A reading with its stamps. `received` is the robot time at which `poll()` handed it over.
 struct Sample {

@@ -10,6 +10,7 @@
 #include "threewe/core/footprint.hpp"
 #include "threewe/core/kinematics.hpp"
 #include "threewe/core/pose.hpp"
+#include "threewe/core/samples.hpp"
 #include "threewe/core/time.hpp"
 
 namespace threewe {
@@ -74,6 +75,26 @@ struct OdometrySpec {
   Duration latency{};
 };
 
+/// Ultrasonic sensors of one kind, pinged in turn so that none hears another's sound.
+struct UltrasonicSpec {
+  struct Mount {
+    std::string name;  ///< of the sensor, such as "ultrasonic_front_left"
+    Pose2D base_from_ultrasonic;
+  };
+  std::vector<Mount> mounts;   ///< in the order in which they are pinged
+  double height = 0.0;         ///< [m] of all of them above the floor
+  Duration interval{};         ///< from one ping to the next, of another sensor
+  double field_of_view = 0.0;  ///< [rad] of the cone of sound, from edge to edge
+  double max_incidence = 0.0;  ///< [rad] off a surface's normal, beyond which no echo comes back
+  double range_min = 0.0;      ///< [m]
+  double range_max = 0.0;      ///< [m]
+  double sigma = 0.0;          ///< [m] of each range
+  Duration latency{};          ///< from a ping to the arrival of its range
+
+  /// From one ping of a sensor to its next.
+  Duration period() const { return static_cast<Duration::rep>(mounts.size()) * interval; }
+};
+
 struct BatterySpec {
   double capacity = 0.0;          ///< [Wh]
   double voltage_full = 0.0;      ///< [V]
@@ -94,10 +115,15 @@ struct RobotProfile {
   Duration command_latency{};
   std::optional<LidarSpec> lidar;
   std::optional<IMUSpec> imu;
+  std::optional<UltrasonicSpec> ultrasonics;
   OdometrySpec odometry;
   std::optional<BatterySpec> battery;
 
   Kinematics kinematics() const { return body.wheels.kinematics; }
+  /// Whether the robot has a sensor of a kind.
+  bool has(SensorType type) const;
+  /// Where a sensor of some kind and name is mounted; the base itself for those whose place does not matter.
+  Pose2D base_from_sensor(SensorType type, std::string_view sensor) const;
   /// [m] kept free around the footprint: a lidar that measures everything a little too far away must not touch either.
   double margin() const { return 0.02 + (lidar ? lidar->bias : 0.0); }
 };

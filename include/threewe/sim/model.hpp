@@ -34,9 +34,11 @@ struct RobotModel {
   int imu_period = 0;
   int odometry_period = 0;
   int battery_period = 0;
-  int turn = 0;  ///< of the lidar
+  int turn = 0;                 ///< of the lidar
+  int ultrasonic_interval = 0;  ///< from ping to ping
   models::ScanPattern pattern;
   std::shared_ptr<const RayCaster> caster;  ///< null without a lidar
+  scene::Slice audible;                     ///< what stands at the height of the ultrasonic sensors
 };
 
 /// A scene and the robots that share it. Const once made; every world and every thread may share one.

@@ -41,6 +41,7 @@ struct RobotState {
   IMUData imu;
   models::IMUState imu_state;
   models::OdometryState odometry;
+  double ultrasonic_range = 0.0;                      ///< [m] of the newest ping, whichever sensor's it was
   double lidar_bias = 0.0;                            ///< [m]
   std::array<float, kMaxLidarPoints> lidar_points{};  ///< [m] of the turn in progress, or of the one that just ended
 
@@ -49,7 +50,7 @@ struct RobotState {
 };
 
 static_assert(std::is_trivially_copyable_v<RobotState>);
-static_assert(sizeof(RobotState) == 3 * sizeof(std::uint64_t) + 3 * sizeof(Pose2D) + 3 * sizeof(double) +
+static_assert(sizeof(RobotState) == 3 * sizeof(std::uint64_t) + 3 * sizeof(Pose2D) + 4 * sizeof(double) +
                                         sizeof(std::array<Velocity, kMaxLatencySteps>) + 2 * sizeof(WheelSpeeds) +
                                         sizeof(models::WheelErrors) + sizeof(BatteryState) + sizeof(IMUData) +
                                         sizeof(models::IMUState) + sizeof(models::OdometryState) +

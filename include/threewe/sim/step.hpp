@@ -1,7 +1,9 @@
 // The simulator's one step, for one world or many.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 
 #include "threewe/sim/model.hpp"
@@ -22,6 +24,8 @@ void step(const Model& model, std::span<RobotState> states, std::span<const Velo
 bool imu_ready(const RobotModel& robot, const RobotState& state);
 bool odometry_ready(const RobotModel& robot, const RobotState& state);
 bool battery_ready(const RobotModel& robot, const RobotState& state);
+/// The sensor, counted in the order of the profile's mounts, whose ping has just been heard.
+std::optional<std::size_t> ping_ready(const RobotModel& robot, const RobotState& state);
 bool scan_ready(const RobotModel& robot, const RobotState& state);
 /// The points of the turn that just ended, in the order in which they were taken; only while `scan_ready`.
 std::span<const float> scan_points(const RobotModel& robot, const RobotState& state);

@@ -7,14 +7,14 @@
 
 #include "threewe/core/errors.hpp"
 #include "threewe/models/lidar.hpp"
+#include "threewe/models/ultrasonic.hpp"
 #include "threewe/sim/step.hpp"
 
 namespace threewe::backend::mock {
 namespace {
 
 SensorInfo sensor_info(SensorType type, Duration period) {
-  constexpr const char* kNames[] = {"lidar", "imu", "odometry", "battery"};
-  return {kNames[static_cast<std::size_t>(type)], type, 1.0 / to_seconds(period)};
+  return {std::string(to_string(type)), type, 1.0 / to_seconds(period)};
 }
 
 Features features_of(const RobotProfile& profile) {
@@ -25,6 +25,11 @@ Features features_of(const RobotProfile& profile) {
   if (profile.imu) features.sensors.push_back(sensor_info(SensorType::imu, profile.imu->period));
   features.sensors.push_back(sensor_info(SensorType::odometry, profile.odometry.period));
   if (profile.battery) features.sensors.push_back(sensor_info(SensorType::battery, profile.battery->period));
+  if (profile.ultrasonics) {
+    for (const UltrasonicSpec::Mount& mount : profile.ultrasonics->mounts) {
+      features.sensors.push_back({mount.name, SensorType::ultrasonic, 1.0 / to_seconds(profile.ultrasonics->period())});
+    }
+  }
   return features;
 }
 
@@ -86,6 +91,8 @@ void MockPort::collect(const sim::RobotState& state) {
   if (!connected_) return;
   const sim::RobotModel& robot = world_.model_->robots[index_];
   const RobotProfile& simulated = robot.profile;
+  const auto pinged = sim::ping_ready(robot, state);
+  std::size_t ultrasonic = 0;  // sensors of that kind so far
   for (std::size_t i = 0; i < features_.sensors.size(); ++i) {
     switch (features_.sensors[i].type) {
       case SensorType::lidar: {
@@ -105,6 +112,12 @@ void MockPort::collect(const sim::RobotState& state) {
         break;
       case SensorType::battery:
         if (sim::battery_ready(robot, state)) send(i, state.time(), Duration::zero(), state.battery);
+        break;
+      case SensorType::ultrasonic:
+        if (pinged == ultrasonic++) {
+          const UltrasonicSpec& spec = *simulated.ultrasonics;
+          send(i, state.time(), spec.latency, models::range_data(spec, state.ultrasonic_range));
+        }
         break;
     }
   }

@@ -23,15 +23,22 @@ class ToyRobot {
       : profile_(std::move(profile)), sigma_(noise == NoiseLevel::ideal ? 0.0 : 0.01), state_{.seed = seed} {}
 
   static Features features(const RobotProfile& profile) {
-    return {.sensors = {{"lidar", SensorType::lidar, 10.0},
-                        {"imu", SensorType::imu, 100.0},
-                        {"odometry", SensorType::odometry, 50.0},
-                        {"battery", SensorType::battery, 1.0}},
-            .kinematics = profile.kinematics(),
-            .lockstep = true,
-            .deterministic = true,
-            .can_reset = true,
-            .can_save = true};
+    Features features{.sensors = {{"lidar", SensorType::lidar, 10.0},
+                                  {"imu", SensorType::imu, 100.0},
+                                  {"odometry", SensorType::odometry, 50.0},
+                                  {"battery", SensorType::battery, 1.0}},
+                      .kinematics = profile.kinematics(),
+                      .lockstep = true,
+                      .deterministic = true,
+                      .can_reset = true,
+                      .can_save = true};
+    if (profile.ultrasonics) {
+      for (const auto& mount : profile.ultrasonics->mounts) {
+        features.sensors.push_back(
+            {mount.name, SensorType::ultrasonic, 1.0 / to_seconds(profile.ultrasonics->period())});
+      }
+    }
+    return features;
   }
 
   PluginReply operator()(const PluginRequest& request) {
@@ -65,8 +72,33 @@ class ToyRobot {
       if (state_.millisecond % 10 == 0) readings.push_back({"imu", next, imu()});
       if (state_.millisecond % 20 == 0) readings.push_back({"odometry", next, Odometry{state_.pose, velocity}});
       if (state_.millisecond % 1000 == 0) readings.push_back({"battery", next, battery()});
+      if (profile_.ultrasonics && next % profile_.ultrasonics->interval == 0ms) {
+        const auto& mounts = profile_.ultrasonics->mounts;
+        const auto turn = static_cast<std::size_t>(next / profile_.ultrasonics->interval) % mounts.size();
+        readings.push_back({mounts[turn].name, next, echo(mounts[turn].base_from_ultrasonic)});
+      }
     }
     return readings;
+  }
+
+  // [m] along a ray to the walls.
+  static double to_wall(Vec2 from, double angle) {
+    const auto [sin, cos] = exact::sincos(angle);
+    const double to_x = cos == 0.0 ? 1e9 : ((cos > 0.0 ? 4.0 : -2.0) - from.x) / cos;
+    const double to_y = sin == 0.0 ? 1e9 : ((sin > 0.0 ? 3.0 : -2.0) - from.y) / sin;
+    return std::min(to_x, to_y);
+  }
+
+  // The nearest of a fan of rays: every wall of this room sends sound back.
+  RangeData echo(const Pose2D& base_from_ultrasonic) const {
+    const UltrasonicSpec& spec = *profile_.ultrasonics;
+    const Pose2D sensor = state_.pose * base_from_ultrasonic;
+    double nearest = spec.range_max;
+    for (int i = -5; i <= 5; ++i) {
+      nearest = std::min(nearest, to_wall(sensor.position(), sensor.theta + 0.1 * i * spec.field_of_view));
+    }
+    const double range = nearest < spec.range_min ? 0.0 : nearest;
+    return {spec.field_of_view, spec.range_min, spec.range_max, range};
   }
 
   LaserScan scan() const {
@@ -80,13 +112,11 @@ class ToyRobot {
     const Pose2D lidar = state_.pose * spec.base_from_lidar;
     const RngKey key{.seed = state_.seed, .stream = Stream::lidar};
     for (std::size_t i = 0; i < scan.ranges.size(); ++i) {
-      const auto [sin, cos] =
-          exact::sincos(lidar.theta + scan.angle_min + static_cast<double>(i) * scan.angle_increment);
-      const double to_x = cos == 0.0 ? 1e9 : ((cos > 0.0 ? 4.0 : -2.0) - lidar.x) / cos;
-      const double to_y = sin == 0.0 ? 1e9 : ((sin > 0.0 ? 3.0 : -2.0) - lidar.y) / sin;
+      const double angle = lidar.theta + scan.angle_min + static_cast<double>(i) * scan.angle_increment;
       const double noise =
           sigma_ * normal(key, static_cast<std::uint64_t>(state_.millisecond), static_cast<std::uint32_t>(i));
-      scan.ranges[i] = static_cast<float>(std::clamp(std::min(to_x, to_y) + noise, spec.range_min, spec.range_max));
+      scan.ranges[i] =
+          static_cast<float>(std::clamp(to_wall(lidar.position(), angle) + noise, spec.range_min, spec.range_max));
     }
     return scan;
   }

@@ -116,7 +116,8 @@ inline std::multimap<std::string, Fault> twins() {
               last = samples;
             }}},
       {"samples_arrive_in_order",
-       {.samples = [](std::vector<Sample>& samples, World&) { std::reverse(samples.begin(), samples.end()); }}},
+       {.samples = [](std::vector<Sample>& samples,
+                      World&) { samples = std::vector<Sample>(samples.rbegin(), samples.rend()); }}},
       {"received_is_the_time_of_the_poll",
        {.samples = every([](Sample& sample) { sample.received = sample.measured - 1ms; })}},
       {"measured_before_received", {.samples = every([](Sample& sample) { sample.measured += 1s; })}},
@@ -157,6 +158,22 @@ inline std::multimap<std::string, Fault> twins() {
       {"lidar_sees_the_robot_turn_left", {.samples = each<LaserScan>([](LaserScan& scan) {
                                             std::reverse(scan.ranges.begin(), scan.ranges.end());  // clockwise
                                           })}},
+
+      // ultrasonics
+      {"ultrasonics_are_mounted", {.features = [](Features& f, bool) { f.sensors.back().name = "ultrasonic_rear"; }}},
+      {"echo_limits_are_the_profiles", {.samples = each<RangeData>([](RangeData& echo) { echo.range_max = 5.0; })}},
+      {"echo_limits_are_the_profiles",
+       {.samples = each<RangeData>([](RangeData& echo) { echo.field_of_view *= 180.0 / exact::kPi; })}},
+      {"echo_ranges_are_valid", {.samples = each<RangeData>([](RangeData& echo) { echo.range = kNan; })}},
+      {"echo_ranges_are_valid", {.samples = each<RangeData>([](RangeData& echo) { echo.range *= 1000.0; })}},
+      {"one_ultrasonic_pings_at_a_time",  // all at the first one's time
+       {.samples = every([](Sample& sample) {
+          if (std::holds_alternative<RangeData>(sample.data)) sample.measured -= sample.measured % 240ms;
+        })}},
+      {"ultrasonics_hear_the_robot_drive_forward",
+       {.samples = each<RangeData>([](RangeData& echo) { echo.range = std::min(echo.range, 1.0); })}},
+      {"ultrasonics_hear_the_robot_drive_forward",  // half the way there and back
+       {.samples = each<RangeData>([](RangeData& echo) { echo.range *= 0.5; })}},
 
       // motion
       {"odometry_starts_at_the_origin", {.samples = each<Odometry>([](Odometry& o) { o.pose.x += 1.0; })}},

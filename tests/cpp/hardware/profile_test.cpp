@@ -68,6 +68,12 @@ TEST_CASE("the standard robot is the one that is sold") {
   CHECK(robot.lidar->clockwise);
   CHECK(robot.lidar->rolling);
   CHECK(robot.imu);
+  REQUIRE(robot.ultrasonics);
+  CHECK(robot.ultrasonics->mounts.size() == 4);
+  CHECK(robot.ultrasonics->interval == 60ms);
+  CHECK(robot.ultrasonics->period() == 240ms);
+  CHECK(robot.ultrasonics->field_of_view == doctest::Approx(15.0 * M_PI / 180.0).epsilon(1e-4));
+  CHECK(robot.ultrasonics->max_incidence == doctest::Approx(25.0 * M_PI / 180.0).epsilon(1e-4));
   CHECK(robot.odometry.period == 20ms);
   REQUIRE(robot.battery);
   CHECK(robot.battery->capacity / robot.battery->idle_power > 2.0);
@@ -125,6 +131,10 @@ TEST_CASE("every mistake names its file, its line and what would be right") {
       {"clockwise: true", "clockwise: maybe", "true or false"},
       {"beams: 360", "beams: 451", "cannot be made of 450 points"},
       {"range_min: 0.02", "range_min: 12.0", "below range_max"},
+      {"interval: 0.06", "interval: 60", "outside"},
+      {"field_of_view: 0.2618", "field_of_view: 15", "outside"},
+      {"left: [0.0, 0.11, 1.5708]", "left: [0.0]", "[x, y, theta]"},
+      {"left: [0.0, 0.11, 1.5708]", "front_left: [0.0, 0.11, 1.5708]", "twice"},
       {"lateral_scale: [0.85, 0.98]", "lateral_scale: [0.98, 0.85]", "expected [low, high]"},
       {"lateral_scale: [0.85, 0.98]", "lateral_scale: 0.9", "expected a list"},
       {"voltage_empty: 6.0", "voltage_empty: 9.0", "must not exceed voltage_full"},
@@ -160,7 +170,20 @@ TEST_CASE("a robot may lack any sensor but its wheels") {
   const RobotProfile robot = load_profile(file.string());
   CHECK_FALSE(robot.lidar);
   CHECK_FALSE(robot.imu);
+  CHECK_FALSE(robot.ultrasonics);
+  for (const SensorType type : {SensorType::lidar, SensorType::imu, SensorType::battery, SensorType::ultrasonic}) {
+    CHECK_FALSE(robot.has(type));
+  }
+  CHECK(robot.has(SensorType::odometry));
   CHECK_FALSE(robot.battery);
+}
+
+TEST_CASE("a sensor's place by its name") {
+  const RobotProfile robot = load_profile("3we_standard_v2");
+  CHECK(robot.base_from_sensor(SensorType::lidar, "lidar") == robot.lidar->base_from_lidar);
+  CHECK(robot.base_from_sensor(SensorType::ultrasonic, "ultrasonic_left").position() == Vec2{0.0, 0.11});
+  CHECK(robot.base_from_sensor(SensorType::ultrasonic, "ultrasonic_rear") == Pose2D{});
+  CHECK(robot.base_from_sensor(SensorType::imu, "imu") == Pose2D{});
 }
 
 TEST_CASE("noise levels by name") {
@@ -189,6 +212,11 @@ TEST_CASE("ideal switches off the imperfections, not the sensors, nor what the b
   CHECK(ideal.lidar->points_per_turn == ideal.lidar->beams);
   CHECK(ideal.lidar->beams == real.lidar->beams);
   CHECK(ideal.lidar->range_max == real.lidar->range_max);
+  REQUIRE(ideal.ultrasonics);
+  CHECK(ideal.ultrasonics->sigma == 0.0);
+  CHECK(ideal.ultrasonics->latency == Duration::zero());
+  CHECK(ideal.ultrasonics->max_incidence > 1.5);
+  CHECK(ideal.ultrasonics->field_of_view == real.ultrasonics->field_of_view);
   CHECK(ideal.imu->gyro_bias == 0.0);
   CHECK(ideal.imu->period == real.imu->period);
   CHECK(ideal.odometry.wheel_scale == 0.0);

@@ -45,6 +45,7 @@ RobotProfile differential(NoiseLevel noise = NoiseLevel::realistic) {
 RobotProfile without_sensors(RobotProfile profile) {
   profile.lidar.reset();
   profile.imu.reset();
+  profile.ultrasonics.reset();
   return profile;
 }
 
@@ -361,6 +362,14 @@ TEST_CASE("each noise switch changes its own sensor and no other") {
   changed = drive(profile);
   CHECK((same_body(changed) && same_imu(changed) && same_odometry(changed)));
   profile = standard();
+  profile.ultrasonics->sigma = 0.0;
+  changed = drive(profile);
+  CHECK((same_body(changed) && same_imu(changed) && same_odometry(changed) && same_lidar(changed)));
+  profile = standard();
+  profile.ultrasonics.reset();
+  changed = drive(profile);
+  CHECK((same_body(changed) && same_imu(changed) && same_odometry(changed) && same_lidar(changed)));
+  profile = standard();
   profile.imu->gyro_bias = 0.0;
   changed = drive(profile);
   CHECK((same_body(changed) && !same_imu(changed) && same_odometry(changed) && same_lidar(changed)));
@@ -428,6 +437,59 @@ TEST_CASE("a scan at one moment is taken at the end of the turn") {
   }
 }
 
+TEST_CASE("ultrasonic sensors are pinged in turn, and hear the wall that they look at") {
+  const Model& model = model_of("hall ideal");
+  const UltrasonicSpec& spec = *model.robots[0].profile.ultrasonics;
+  // 2.95 m from the left wall's face, 1.95 m from the one ahead; the other two are out of range
+  RobotState state = begin(model, 0, {8.0, 7.0, 0.0}, 1);
+  std::map<std::string, double> heard;
+  std::vector<std::string> order;
+  for (int i = 0; i < 48; ++i) {
+    run(model, state, {}, kStep);
+    const auto sensor = ping_ready(model.robots[0], state);
+    CHECK(sensor.has_value() == (state.time() % 60ms == 0ms));
+    if (!sensor) continue;
+    order.push_back(spec.mounts[*sensor].name);
+    heard[order.back()] = state.ultrasonic_range;
+  }
+  const std::vector<std::string> turn{"ultrasonic_front_left", "ultrasonic_left", "ultrasonic_front_right",
+                                      "ultrasonic_right"};
+  REQUIRE(order.size() == 8);
+  for (std::size_t i = 0; i < order.size(); ++i) CHECK(order[i] == turn[i % 4]);
+  CHECK(heard["ultrasonic_front_left"] == doctest::Approx(1.95 - 0.125));
+  CHECK(heard["ultrasonic_front_right"] == doctest::Approx(1.95 - 0.125));
+  CHECK(heard["ultrasonic_left"] == doctest::Approx(2.95 - 0.11));
+  CHECK(heard["ultrasonic_right"] == spec.range_max);
+}
+
+TEST_CASE("what is heard scatters, differently in each episode's seed") {
+  const auto hear = [](const RobotProfile& profile, std::uint64_t seed) {
+    const auto model = make_model(hall(), {profile});
+    RobotState state = begin(*model, 0, {8.0, 0.0, 0.0}, seed);
+    run(*model, state, {}, 60ms);
+    return state.ultrasonic_range;
+  };
+  CHECK(hear(standard(), 5) == hear(standard(), 5));
+  CHECK(hear(standard(), 5) != hear(standard(), 6));
+  CHECK(hear(standard(NoiseLevel::ideal), 5) == hear(standard(NoiseLevel::ideal), 6));
+  CHECK(hear(standard(), 5) == doctest::Approx(hear(standard(NoiseLevel::ideal), 5)).epsilon(0.01));
+}
+
+TEST_CASE("robots hear one another, where they are as tall as the sound") {
+  const Model& model = model_of("pair");
+  std::vector<RobotState> world{begin(model, 0, {}, 1), begin(model, 1, {1.5, 0.07, 0.0}, 1)};
+  const std::vector<Velocity> still(2);
+  for (int i = 0; i < 6; ++i) step(model, world, still);
+  CHECK(world[0].ultrasonic_range == doctest::Approx(1.5 - 0.11 - 0.125).epsilon(0.01));
+
+  RobotProfile flat = differential();
+  flat.body.height = 0.05;
+  const auto low = make_model(hall(), {standard(), flat});
+  world = {begin(*low, 0, {}, 1), begin(*low, 1, {1.5, 0.07, 0.0}, 1)};
+  for (int i = 0; i < 6; ++i) step(*low, world, still);
+  CHECK(world[0].ultrasonic_range == 4.0);
+}
+
 TEST_CASE("robots of one world see one another, and stop at one another") {
   const Model& model = model_of("pair");
   std::vector<RobotState> world{begin(model, 0, {}, 1), begin(model, 1, {2.0, 0.0, 0.0}, 1)};
@@ -461,6 +523,9 @@ TEST_CASE("what cannot be simulated is refused with its reason") {
   RobotProfile profile = standard();
   profile.imu->period = 5ms;
   CHECK(error_of(profile).find("imu.period of 0.005 s") != std::string::npos);
+  profile = standard();
+  profile.ultrasonics->interval = 55ms;
+  CHECK(error_of(profile).find("ultrasonics.interval of 0.055 s") != std::string::npos);
   profile = standard();
   profile.lidar->points_per_turn = 455;
   CHECK(error_of(profile).find("455 points cannot be spread") != std::string::npos);
