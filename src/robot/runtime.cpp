@@ -44,6 +44,7 @@ void Runtime::connect() {
   State& state = *impl_->state;
   state.senses = impl_->fresh.senses;
   state.gate = {.estop = state.gate.estop};
+  state.echoes = {};
   state.estimate = state.localizer->estimate(impl_->now());
 }
 

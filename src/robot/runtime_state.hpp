@@ -10,6 +10,7 @@
 #include "robot/senses.hpp"
 #include "robot/world_state.hpp"
 #include "threewe/robot/runtime.hpp"
+#include "threewe/safety/echoes.hpp"
 
 namespace threewe {
 
@@ -28,6 +29,7 @@ struct Runtime::State {
   slam::PoseEstimate estimate;
   std::optional<HeldVelocity> held;
   safety::GateState gate;
+  safety::Echoes echoes;  // heard by a robot without a lidar
   Velocity requested;
   safety::GateOutput commanded;
 
@@ -40,6 +42,7 @@ struct Runtime::State {
         estimate(other.estimate),
         held(other.held),
         gate(other.gate),
+        echoes(other.echoes),
         requested(other.requested),
         commanded(other.commanded) {}
   State& operator=(const State&) = delete;
@@ -63,6 +66,8 @@ struct Runtime::Impl {
   void require_healthy() const;
   void require_free() const;
   bool has_sensor(SensorType type) const;
+  bool looks_with(SensorType type) const;
+  std::span<const Vec2> obstacles_in_odom() const;
   const State& reading() const;
   std::optional<std::string> halt();
 
@@ -74,6 +79,7 @@ struct Runtime::Impl {
 
   // sense
   std::vector<Sample> perceive();
+  void hear(const Sample& sample);
   void end_motion_if_over();
   void end_motion(Reason reason, const std::string& detail);
   void end_ready();

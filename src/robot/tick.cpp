@@ -40,7 +40,7 @@ void Runtime::act(Time now) {
   try {
     State& state = *impl_->state;
     state.requested = impl_->request();
-    const auto obstacles = transformed(inverse(state.estimate.odom_from_base), state.localizer->obstacles());
+    const auto obstacles = transformed(inverse(state.estimate.odom_from_base), impl_->obstacles_in_odom());
     state.commanded = safety::gate(impl_->gate_model, state.gate, state.requested, obstacles, now);
     impl_->port.command(state.commanded.command, now + kCommandLifetime);
   } catch (const std::exception& error) {
@@ -87,7 +87,7 @@ Velocity Runtime::Impl::held_velocity() {
 
 nav::Observation Runtime::Impl::observation() const {
   const slam::Localizer& localizer = *state->localizer;
-  return {now(), state->estimate, localizer.map(), localizer.map_version(), localizer.obstacles()};
+  return {now(), state->estimate, localizer.map(), localizer.map_version(), obstacles_in_odom()};
 }
 
 std::vector<Sample> Runtime::Impl::perceive() {
@@ -96,16 +96,38 @@ std::vector<Sample> Runtime::Impl::perceive() {
     backend::check_sample(port.features(), sample, port.profile());
     state->senses.remember(sample);
     state->localizer->add(sample);
-    if (port.features().sensors[sample.sensor].type == SensorType::lidar) {
+    if (looks_with(port.features().sensors[sample.sensor].type)) {
       state->gate.last_scan = sample.received;
       state->gate.scan_seen = true;
     }
   }
   const Vec2 before = state->estimate.odom_from_base.position();
   state->estimate = state->localizer->estimate(now());
+  for (const Sample& sample : samples) hear(sample);
   if (motion) motion->distance += distance(before, state->estimate.odom_from_base.position());
   if (state->senses.complete()) end_ready();
   return samples;
+}
+
+// What stands around the robot is looked for with the lidar, and only where there is none, with ultrasonic sensors: an
+// echo's whole arc counts as an obstacle, which would close doors that the lidar sees open.
+bool Runtime::Impl::looks_with(SensorType type) const {
+  return type == (port.profile().lidar ? SensorType::lidar : SensorType::ultrasonic);
+}
+
+std::span<const Vec2> Runtime::Impl::obstacles_in_odom() const {
+  return port.profile().lidar ? state->localizer->obstacles() : state->echoes.points_in_odom();
+}
+
+void Runtime::Impl::hear(const Sample& sample) {
+  const backend::SensorInfo& sensor = port.features().sensors[sample.sensor];
+  if (sensor.type != SensorType::ultrasonic || !looks_with(sensor.type)) return;
+  // where the robot was as it was heard
+  const slam::PoseEstimate& now_at = state->estimate;
+  const Pose2D odom_from_base =
+      integrate(now_at.odom_from_base, now_at.velocity, -to_seconds(sample.received - sample.measured));
+  state->echoes.hear(sample.sensor, std::get<RangeData>(sample.data),
+                     odom_from_base * port.profile().base_from_sensor(sensor.type, sensor.name));
 }
 
 void Runtime::tell(const TickView& view) {
@@ -159,7 +181,7 @@ void Runtime::Impl::end_ready() {
 std::string Runtime::Impl::silent_sensor(Duration patience) const {
   const auto& sensors = port.features().sensors;
   for (std::size_t i = 0; i < sensors.size(); ++i) {
-    if (sensors[i].type != SensorType::lidar && sensors[i].type != SensorType::odometry) continue;
+    if (sensors[i].type != SensorType::odometry && !looks_with(sensors[i].type)) continue;
     if (now() - std::max(connected_at, state->senses.last_received(i)) > patience) return sensors[i].name;
   }
   return {};

@@ -57,7 +57,7 @@ GateModel make_gate_model(const RobotProfile& profile) {
   model.limits = profile.operating_limits;
   model.kinematics = profile.kinematics();
   model.footprint = profile.body.footprint;
-  model.collision_monitor = profile.lidar.has_value();
+  model.collision_monitor = profile.lidar || profile.ultrasonics;
   model.margin = profile.margin();
   model.reaction = profile.command_latency + profile.body.motor_lag + kControlPeriod;
   if (model.reaction > kMaxReaction)

@@ -30,13 +30,14 @@ struct GateModel {
   Limits limits;
   Kinematics kinematics{};
   Footprint footprint;
-  bool collision_monitor = true;    ///< and watchdog; off for robots without a lidar and for `gate="limits"`
-  Duration sensor_timeout = 500ms;  ///< no scan for this long: stop
+  bool collision_monitor = true;    ///< and watchdog; off where nothing looks, and for `gate="limits"`
+  Duration sensor_timeout = 500ms;  ///< no scan (or echo) for this long: stop
   double margin = 0.02;             ///< [m] kept free around the footprint
   Duration reaction = 120ms;        ///< from a command to its effect: command latency, motor lag, one period
 };
 
-/// The gate of a robot: its operating limits and its reaction time; a collision monitor where it has a lidar.
+/// The gate of a robot: its operating limits and its reaction time; a collision monitor where it has a lidar, or at
+/// least ultrasonic sensors.
 GateModel make_gate_model(const RobotProfile& profile);
 
 /// The longest reaction that the gate can look ahead over.
@@ -46,7 +47,7 @@ inline constexpr Duration kMaxReaction = 320ms;
 struct GateState {
   /// The commands of the periods before, newest first: those that the robot has yet to obey.
   std::array<Velocity, kMaxReaction / kControlPeriod> recent{};
-  Time last_scan{};  ///< `received` of the newest scan
+  Time last_scan{};  ///< `received` of the newest scan; of the newest echo where there is no lidar
   bool scan_seen = false;
   bool estop = false;  ///< latched until released
   friend bool operator==(const GateState&, const GateState&) = default;
@@ -61,8 +62,8 @@ struct GateOutput {
   friend bool operator==(const GateOutput&, const GateOutput&) = default;
 };
 
-/// One period. `obstacles` are lidar hits in the *current* base frame [m]. Throws nothing: a request that is not finite
-/// becomes a stop.
+/// One period. `obstacles` are what the lidar hits, or echoes, in the *current* base frame [m]. Throws nothing: a
+/// request that is not finite becomes a stop.
 ///
 /// The speed of the body, |(vx, vy)|, grows by at most `linear_acceleration` and its vector changes by at most
 /// `linear_braking`; the greater of the two where a profile brakes more gently than it speeds up.

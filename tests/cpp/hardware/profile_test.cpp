@@ -79,6 +79,19 @@ TEST_CASE("the standard robot is the one that is sold") {
   CHECK(robot.battery->capacity / robot.battery->idle_power > 2.0);
 }
 
+TEST_CASE("the base robot is the standard one without its lidar") {
+  const RobotProfile base = load_profile("3we_base_v2");
+  const RobotProfile standard = load_profile("3we_standard_v2");
+  CHECK_FALSE(base.lidar);
+  CHECK(base.imu);
+  REQUIRE(base.ultrasonics);
+  CHECK(base.ultrasonics->mounts.size() == 4);
+  CHECK(base.body.footprint == standard.body.footprint);
+  CHECK(base.body.mass < standard.body.mass);
+  CHECK(base.operating_limits == standard.operating_limits);
+  CHECK(base.battery->idle_power < standard.battery->idle_power);
+}
+
 TEST_CASE("the differential robot has its base between the wheels, ahead of its middle") {
   const RobotProfile robot = load_profile("turtlebot_like");
   CHECK(robot.kinematics() == Kinematics::differential);

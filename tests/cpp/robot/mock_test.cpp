@@ -64,6 +64,27 @@ TEST_CASE("five lines: the goal is reached in truth") {
   CHECK(robot.simulation()->max_collision_speed() <= 0.05);
 }
 
+TEST_CASE("the robot without a lidar stops at a wall by its ultrasonic sensors, and drives where nothing is") {
+  for (std::uint64_t seed = 0; seed < 5; ++seed) {
+    CAPTURE(seed);
+    Robot robot({.hardware = "3we_base_v2", .scene = "corridor_v1", .seed = seed});
+    CHECK_THROWS_WITH_AS(robot.get_lidar_scan(), "robot '3we_base_v2' has no sensor 'lidar'", HardwareError);
+    CHECK_THROWS_AS(robot.get_map(), HardwareError);
+    CHECK_THROWS_AS((void)robot.explore(), HardwareError);
+    CHECK(robot.wait(robot.move_to(1.0, 0.0)).success);
+    CHECK(robot.simulation()->true_pose().x > 0.75);
+
+    // sideways into the corridor's wall
+    for (int i = 0; i < 400; ++i) robot.execute_action({0.0, 1.0, 0.0});
+    CHECK(robot.runtime().commanded().intervention == safety::Intervention::stopped_for_obstacle);
+    CHECK(robot.simulation()->max_collision_speed() == 0.0);
+    CHECK(robot.simulation()->true_pose().y > 0.3);
+    // and back out of there
+    for (int i = 0; i < 50; ++i) robot.execute_action({0.0, -1.0, 0.0});
+    CHECK(robot.simulation()->true_velocity().vy < -0.1);
+  }
+}
+
 TEST_CASE("the same seed gives the same drive to the bit, another seed another") {
   const auto driven = [](std::uint64_t seed) {
     Robot robot({.seed = seed});

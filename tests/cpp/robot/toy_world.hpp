@@ -24,7 +24,7 @@ class ToyPort final : public backend::RobotPort {
   static constexpr double kRoom = 4.0;  // [m] from the middle to each wall
   enum Sensor : std::uint16_t { kImu, kOdometry, kBattery, kLidar };
 
-  /// `hardware`: a profile's name, or "blind" for the standard robot without its lidar.
+  /// `hardware`: a profile's name, or "blind" for the standard robot without anything that looks.
   ToyPort(const std::string& hardware, const Pose2D& start) : pose(start), start_(start) {
     profile_ = load_profile(hardware == "blind" ? "3we_standard_v2" : hardware);
     features_ = {.sensors = {{"imu", SensorType::imu, 50.0},
@@ -37,6 +37,7 @@ class ToyPort final : public backend::RobotPort {
     if (hardware == "blind") {
       profile_.name = hardware;
       profile_.lidar.reset();
+      profile_.ultrasonics.reset();
       features_.sensors.pop_back();
     }
   }
