@@ -7,16 +7,20 @@ namespace threewe::models {
 BatteryState start_battery(const BatterySpec& spec) {
   BatteryState state;
   state.charge = 1.0;
-  drain_battery(spec, 0.0, 0.0, state);
+  state.voltage = spec.voltage_full;
+  for (int i = 0; i < 20; ++i) drain_battery(spec, 0.0, 0.0, state);
   return state;
 }
 
 void drain_battery(const BatterySpec& spec, double drive_power, double seconds, BatteryState& state) {
   const double power = spec.idle_power + std::max(drive_power, 0.0) / spec.drive_efficiency;
-  state.charge = std::max(state.charge - power * seconds / (3600.0 * spec.capacity), 0.0);
   const double open_circuit = spec.voltage_empty + (spec.voltage_full - spec.voltage_empty) * state.charge;
-  state.current = power / open_circuit;
-  state.voltage = open_circuit - state.current * spec.resistance;
+  // the power fixes the product of current and voltage; the voltage of the step before is near enough to go on from
+  // beyond half its voltage a battery gives less power, not more
+  const double sag = std::min(power / state.voltage * spec.resistance, 0.5 * open_circuit);
+  state.current = spec.resistance > 0.0 ? sag / spec.resistance : power / open_circuit;
+  state.voltage = open_circuit - sag;
+  state.charge = std::max(state.charge - open_circuit * state.current * seconds / (3600.0 * spec.capacity), 0.0);
 }
 
 double supply_ratio(const BatterySpec& spec, const BatteryState& state) {

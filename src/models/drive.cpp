@@ -30,10 +30,12 @@ WheelSpeeds drive_motors(const Drive& drive, const WheelSpeeds& speeds, const Wh
     const auto wheel = static_cast<std::size_t>(i);
     const double speed = speeds[wheel];
     const double wanted = drive.response * (setpoints[wheel] - speed);
-    // the torque-speed line, in the direction of the wanted change; the driver's current limit caps it when braking
-    const double along = wanted < 0.0 ? -speed : speed;
-    const double available = drive.stall_change * std::clamp(supply - along / drive.no_load_speed, 0.0, 1.0);
-    next[wheel] = speed + std::clamp(wanted, -available, available);
+    // the torque-speed line, either way; beyond the speed that its supply gives a motor brakes, and the driver's
+    // current limit caps all of it
+    const double ratio = speed / drive.no_load_speed;
+    const double forwards = drive.stall_change * std::clamp(supply - ratio, -1.0, 1.0);
+    const double backwards = drive.stall_change * std::clamp(supply + ratio, -1.0, 1.0);
+    next[wheel] = speed + std::clamp(wanted, -backwards, forwards);
   }
   return next;
 }
@@ -48,11 +50,11 @@ Velocity grip(const Drive& drive, const Velocity& body, const Velocity& rolling)
   return {body.vx + share * change.vx, body.vy + share * change.vy, body.omega + share * change.omega};
 }
 
-double drive_power(const Drive& drive, const Velocity& before, const Velocity& after) {
-  const double accelerating = (after.vx - before.vx) * after.vx + (after.vy - before.vy) * after.vy +
-                              drive.inertia_arm_squared * (after.omega - before.omega) * after.omega;
-  const double rolling = drive.rolling_resistance * kGravity * exact::hypot(after.vx, after.vy);
-  return drive.mass * (accelerating / drive.step + rolling);
+double drive_power(const Drive& drive, const Velocity& before, const Velocity& after, const Velocity& rolling) {
+  const double accelerating = (after.vx - before.vx) * rolling.vx + (after.vy - before.vy) * rolling.vy +
+                              drive.inertia_arm_squared * (after.omega - before.omega) * rolling.omega;
+  const double resisting = drive.rolling_resistance * kGravity * exact::hypot(rolling.vx, rolling.vy);
+  return drive.mass * (accelerating / drive.step + resisting);
 }
 
 }  // namespace threewe::models

@@ -52,7 +52,7 @@ Before move_robot(const RobotModel& robot, std::span<const scene::Segment> other
   state.velocity = motion.velocity;
   if (motion.approach_speed > state.max_collision_speed) state.max_collision_speed = motion.approach_speed;
   if (robot.profile.battery) {
-    models::drain_battery(*robot.profile.battery, models::drive_power(drive, before.carried, driven), kSeconds,
+    models::drain_battery(*robot.profile.battery, models::drive_power(drive, before.carried, driven, rolling), kSeconds,
                           state.battery);
   }
   ++state.steps;

@@ -8,8 +8,8 @@ namespace threewe::models {
 
 /// A full battery under its idle load.
 BatteryState start_battery(const BatterySpec& spec);
-/// Draws the idle power and what the drive takes to give `drive_power` [W] of mechanical power, for `seconds`.
-/// A drive that brakes gives nothing back.
+/// Draws the idle power and what the drive takes to give `drive_power` [W] of mechanical power, for `seconds`. What the
+/// current loses in the battery's own resistance is drawn from its charge, too. A drive that brakes gives nothing back.
 void drain_battery(const BatterySpec& spec, double drive_power, double seconds, BatteryState& state);
 /// The voltage over the nominal one, which is midway between full and empty; 0 once the battery is empty.
 double supply_ratio(const BatterySpec& spec, const BatteryState& state);

@@ -28,7 +28,8 @@ struct Drive {
 Drive make_drive(const RobotProfile& profile, Duration step);
 
 /// Wheel speeds after one step of the motors' speed loops towards `setpoints`. `supply` is the battery's voltage over
-/// the nominal one: torque falls from stall to nothing at the no-load speed, both in proportion to it.
+/// the nominal one: torque falls from stall to nothing at the no-load speed, both in proportion to it. A wheel
+/// that turns faster than its motor's supply allows is braked, and so is every wheel without any.
 WheelSpeeds drive_motors(const Drive& drive, const WheelSpeeds& speeds, const WheelSpeeds& setpoints, double supply);
 
 /// The body's velocity after one step on wheels that roll at `rolling` (body frame).
@@ -38,7 +39,8 @@ WheelSpeeds drive_motors(const Drive& drive, const WheelSpeeds& speeds, const Wh
 /// overshoots.
 Velocity grip(const Drive& drive, const Velocity& body, const Velocity& rolling);
 
-/// Mechanical power [W] of a step that changed the velocity from `before` to `after`: acceleration and rolling.
-double drive_power(const Drive& drive, const Velocity& before, const Velocity& after);
+/// Mechanical power [W] that the wheels took to change the velocity from `before` to `after` while they rolled at
+/// `rolling`: force times speed where it is made, so that wheels that spin are paid for; and what rolling resists with.
+double drive_power(const Drive& drive, const Velocity& before, const Velocity& after, const Velocity& rolling);
 
 }  // namespace threewe::models

@@ -62,7 +62,8 @@ TEST_CASE("a large change of speed takes the torque that the motor has, and none
 
 TEST_CASE("without supply the wheels only slow down") {
   const WheelSpeeds speeds = drive_motors(drive(), all(10.0), all(20.0), 0.0);
-  CHECK(speeds[0] == 10.0);
+  CHECK(speeds[0] < 10.0);
+  CHECK(speeds[0] > 9.0);
   CHECK(drive_motors(drive(), all(10.0), all(0.0), 0.0)[0] < 10.0);
 }
 
@@ -99,8 +100,12 @@ TEST_CASE("the body takes the velocity of its wheels where friction allows, and 
 
 TEST_CASE("power is that of the acceleration, and of rolling") {
   const double rolling = robot().body.rolling_resistance * robot().body.mass * 9.80665;
-  CHECK(drive_power(drive(), {0.5, 0.0, 0.0}, {0.5, 0.0, 0.0}) == doctest::Approx(0.5 * rolling));
-  CHECK(drive_power(drive(), {0.49, 0.0, 0.0}, {0.5, 0.0, 0.0}) == doctest::Approx(0.5 * rolling + 2.5 * 1.0 * 0.5));
-  CHECK(drive_power(drive(), {}, {}) == 0.0);
-  CHECK(drive_power(drive(), {0.0, 0.0, 1.0}, {0.0, 0.0, 0.5}) < 0.0);
+  CHECK(drive_power(drive(), {0.5, 0.0, 0.0}, {0.5, 0.0, 0.0}, {0.5, 0.0, 0.0}) == doctest::Approx(0.5 * rolling));
+  CHECK(drive_power(drive(), {0.49, 0.0, 0.0}, {0.5, 0.0, 0.0}, {0.5, 0.0, 0.0}) ==
+        doctest::Approx(0.5 * rolling + 2.5 * 1.0 * 0.5));
+  CHECK(drive_power(drive(), {}, {}, {}) == 0.0);
+  CHECK(drive_power(drive(), {0.0, 0.0, 1.0}, {0.0, 0.0, 0.5}, {0.0, 0.0, 0.5}) < 0.0);
+  // the same force at wheels that spin twice as fast
+  CHECK(drive_power(drive(), {0.49, 0.0, 0.0}, {0.5, 0.0, 0.0}, {1.0, 0.0, 0.0}) ==
+        doctest::Approx(1.0 * rolling + 2.5 * 1.0 * 1.0));
 }

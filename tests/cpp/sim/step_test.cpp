@@ -210,6 +210,54 @@ TEST_CASE("commands take effect after their latency") {
   CHECK(state.velocity.vx < top);
 }
 
+TEST_CASE("driving costs the energy of motion and of rolling, over the drive's efficiency") {
+  const Model& model = model_of("hall ideal");
+  const RobotProfile& profile = model.robots[0].profile;
+  RobotState state = begin(model, 0, {-5.0, 0.0, 0.0}, 1);
+  // gently, so that no wheel slips
+  for (int i = 1; i <= 100; ++i) run(model, state, {0.005 * i, 0.0, 0.0}, kStep);
+  run(model, state, {0.5, 0.0, 0.0}, 9s);
+  const double spent = (1.0 - state.battery.charge) * profile.battery->capacity * 3600.0;
+  const double motion = 0.5 * profile.body.mass * 0.5 * 0.5;
+  const double rolling = profile.body.rolling_resistance * profile.body.mass * 9.80665 * state.distance_driven;
+  CHECK(spent - profile.battery->idle_power * 10.0 ==
+        doctest::Approx((motion + rolling) / profile.battery->drive_efficiency).epsilon(0.02));
+}
+
+TEST_CASE("wheels that spin on ice are paid for") {
+  RobotProfile icy = standard(NoiseLevel::ideal);
+  icy.body.friction = 0.05;
+  const auto ice = make_model(hall(), {icy});
+  RobotState state = begin(*ice, 0, {}, 1);
+  run(*ice, state, {1.0, 0.0, 0.0}, 1s);
+  // friction's force times the wheels' speed, twice what reaches the body, while they spin at a steady 1 m/s
+  const double spent = (1.0 - state.battery.charge) * icy.battery->capacity * 3600.0 - icy.battery->idle_power;
+  const double reached = 0.5 * icy.body.mass * state.velocity.vx * state.velocity.vx;
+  const double rolling = icy.body.rolling_resistance * icy.body.mass * 9.80665 * 1.0;
+  CHECK(spent * icy.battery->drive_efficiency - rolling > 3.0 * reached);
+}
+
+TEST_CASE("a robot whose battery runs out grows slower, and stops for good") {
+  RobotProfile profile = standard();
+  profile.hardware_limits.linear = 1.56;  // all that its motors can
+  profile.battery->capacity = 0.1;
+  const auto model = make_model(hall(), {profile});
+  RobotState state = begin(*model, 0, {}, 1);
+  const auto speed_after = [&](Duration duration) {
+    run(*model, state, {0.0, 0.0, 3.0}, duration);
+    return state.velocity.omega;
+  };
+  CHECK(speed_after(2s) == doctest::Approx(3.0).epsilon(0.05));
+  const double full = state.battery.voltage;
+  const double while_driving = speed_after(20s);
+  CHECK(while_driving > 2.5);
+  CHECK(state.battery.voltage < full - 1.0);
+  run(*model, state, {0.0, 0.0, 3.0}, 30s);
+  CHECK(state.battery.charge == 0.0);
+  run(*model, state, {0.0, 0.0, 3.0}, 60s);
+  CHECK(std::fabs(state.velocity.omega) < 1e-2);
+}
+
 TEST_CASE("mecanum rollers lose part of a sideways motion, and odometry does not know") {
   const Model& model = model_of("hall real");
   for (std::uint64_t seed = 0; seed < 20; ++seed) {
