@@ -127,6 +127,32 @@ IMUSpec read_imu(ConfigNode node) {
   return imu;
 }
 
+DepthSpec read_depth(ConfigNode node) {
+  DepthSpec depth;
+  depth.range_min = node.number_in("range_min", 0.0, 100.0);
+  depth.range_max = node.number_in("range_max", 0.1, 1000.0);
+  depth.sigma = node.number_in("sigma", 0.0, 1.0);
+  node.finish();
+  if (depth.range_min >= depth.range_max) node.at("range_min").fail("must be below range_max");
+  return depth;
+}
+
+CameraSpec read_camera(ConfigNode node) {
+  constexpr int kMaxPixels = 8192;  // along either side
+  CameraSpec camera;
+  camera.base_from_camera = node.at("base_from_camera").pose();
+  camera.mount_height = node.number_in("mount_height", 0.001, kMaxLength);
+  camera.width = count_in(node, "width", 1, kMaxPixels);
+  camera.height = count_in(node, "height", 1, kMaxPixels);
+  camera.horizontal_fov = node.number_in("horizontal_fov", 0.01, 3.0);
+  camera.period = duration_in(node, "period", 0.001, 10.0);
+  camera.sigma = node.number_in("sigma", 0.0, 255.0);
+  camera.latency = duration_in(node, "latency", 0.0, 1.0);
+  if (node.has("depth")) camera.depth = read_depth(node.at("depth"));
+  node.finish();
+  return camera;
+}
+
 UltrasonicSpec read_ultrasonics(ConfigNode node) {
   constexpr std::size_t kMaxMounts = 16;
   UltrasonicSpec ultrasonic;
@@ -249,6 +275,7 @@ RobotProfile load_profile(std::string_view name) {
   ConfigNode sensors = root.at("sensors");
   if (sensors.has("lidar")) profile.lidar = read_lidar(sensors.at("lidar"));
   if (sensors.has("imu")) profile.imu = read_imu(sensors.at("imu"));
+  if (sensors.has("camera")) profile.camera = read_camera(sensors.at("camera"));
   if (sensors.has("ultrasonics")) profile.ultrasonics = read_ultrasonics(sensors.at("ultrasonics"));
   profile.odometry = read_odometry(sensors.at("odometry"));
   sensors.finish();
@@ -278,6 +305,11 @@ RobotProfile with_noise(RobotProfile profile, NoiseLevel noise) {
     lidar.rolling = false;
   }
   if (profile.imu) *profile.imu = {.period = profile.imu->period};
+  if (profile.camera) {
+    profile.camera->sigma = 0.0;
+    profile.camera->latency = Duration::zero();
+    if (profile.camera->depth) profile.camera->depth->sigma = 0.0;
+  }
   if (profile.ultrasonics) {
     profile.ultrasonics->max_incidence = kAnyIncidence;
     profile.ultrasonics->sigma = 0.0;

@@ -75,6 +75,26 @@ struct OdometrySpec {
   Duration latency{};
 };
 
+/// How well a camera measures depth along its optical axis.
+struct DepthSpec {
+  double range_min = 0.0;  ///< [m], nearer is invalid
+  double range_max = 0.0;  ///< [m], farther is invalid
+  double sigma = 0.0;      ///< [m] at 1 m; it grows with the square of the depth, as for all that triangulates
+};
+
+/// A camera: what its level, rectified pinhole view shows, and how well.
+struct CameraSpec {
+  Pose2D base_from_camera;      ///< it looks along its x axis
+  double mount_height = 0.0;    ///< [m] of its optical axis above the floor
+  int width = 0;                ///< [px]
+  int height = 0;               ///< [px]
+  double horizontal_fov = 0.0;  ///< [rad]; pixels are square
+  Duration period{};            ///< from image to image
+  double sigma = 0.0;           ///< [levels of 255] of each pixel's colours
+  Duration latency{};           ///< from an image to its arrival
+  std::optional<DepthSpec> depth;
+};
+
 /// Ultrasonic sensors of one kind, pinged in turn so that none hears another's sound.
 struct UltrasonicSpec {
   struct Mount {
@@ -116,6 +136,7 @@ struct RobotProfile {
   std::optional<LidarSpec> lidar;
   std::optional<IMUSpec> imu;
   std::optional<UltrasonicSpec> ultrasonics;
+  std::optional<CameraSpec> camera;
   OdometrySpec odometry;
   std::optional<BatterySpec> battery;
 

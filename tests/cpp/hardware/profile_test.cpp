@@ -79,6 +79,31 @@ TEST_CASE("the standard robot is the one that is sold") {
   CHECK(robot.battery->capacity / robot.battery->idle_power > 2.0);
 }
 
+TEST_CASE("cameras: a rectified pinhole view on every robot of ours, depth on one") {
+  for (const char* name : {"3we_standard_v2", "3we_base_v2", "3we_depth_v2"}) {
+    CAPTURE(name);
+    const RobotProfile robot = load_profile(name);
+    REQUIRE(robot.camera);
+    CHECK(robot.camera->width == 640);
+    CHECK(robot.camera->height == 480);
+    CHECK(robot.camera->sigma == 3.0);
+    CHECK(robot.camera->latency == 80ms);
+    CHECK(robot.camera->period == 30ms);
+    CHECK(robot.camera->mount_height < robot.body.height);
+    CHECK(robot.body.footprint.contains(robot.camera->base_from_camera.position()));
+    CHECK(robot.camera->depth.has_value() == (robot.name == "3we_depth_v2"));
+  }
+  const RobotProfile real = load_profile("3we_depth_v2");
+  CHECK(real.lidar);
+  const RobotProfile ideal = with_noise(real, NoiseLevel::ideal);
+  REQUIRE(ideal.camera);
+  CHECK(ideal.camera->sigma == 0.0);
+  CHECK(ideal.camera->latency == Duration::zero());
+  CHECK(ideal.camera->depth->sigma == 0.0);
+  CHECK(ideal.camera->depth->range_max == real.camera->depth->range_max);
+  CHECK_FALSE(load_profile("turtlebot_like").camera);
+}
+
 TEST_CASE("the base robot is the standard one without its lidar") {
   const RobotProfile base = load_profile("3we_base_v2");
   const RobotProfile standard = load_profile("3we_standard_v2");
@@ -144,6 +169,9 @@ TEST_CASE("every mistake names its file, its line and what would be right") {
       {"clockwise: true", "clockwise: maybe", "true or false"},
       {"beams: 360", "beams: 451", "cannot be made of 450 points"},
       {"range_min: 0.02", "range_min: 12.0", "below range_max"},
+      {"width: 640", "width: 0", "outside [1, 8192]"},
+      {"height: 480", "height: 1000000000", "outside [1, 8192]"},
+      {"horizontal_fov: 1.5708", "horizontal_fov: 90", "outside"},
       {"interval: 0.06", "interval: 60", "outside"},
       {"field_of_view: 0.2618", "field_of_view: 15", "outside"},
       {"left: [0.0, 0.11, 1.5708]", "left: [0.0]", "[x, y, theta]"},
