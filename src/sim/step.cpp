@@ -1,8 +1,10 @@
 #include "threewe/sim/step.hpp"
 
+#include <algorithm>
 #include <cassert>
 #include <vector>
 
+#include "sim/crowd.hpp"
 #include "threewe/hardware/limits.hpp"
 #include "threewe/models/battery.hpp"
 #include "threewe/models/ultrasonic.hpp"
@@ -14,10 +16,11 @@ namespace {
 constexpr double kSeconds = 0.01;
 static_assert(kSeconds == to_seconds(kStep));
 
-// Where the robot was as a step began, for the sensors that look back on it.
+// A robot as a step begins: what its sensors look back on, and where its wheels would take it.
 struct Before {
   Pose2D pose;
   Velocity carried;  // its velocity, seen from the heading that the step begins with
+  Velocity driven;   // the same after its wheels have pulled, if nothing is in the way
 };
 
 // The command that arrives now is the one sent a latency ago; the firmware takes it within the hardware limits.
@@ -30,9 +33,8 @@ double battery_supply(const RobotModel& robot, const RobotState& state) {
   return robot.profile.battery ? models::supply_ratio(*robot.profile.battery, state.battery) : 1.0;
 }
 
-// Motors turn the wheels, the wheels pull the body, the world holds it back.
-Before move_robot(const RobotModel& robot, std::span<const scene::Segment> others, RobotState& state,
-                  const Velocity& sent) {
+// Motors turn the wheels, the wheels pull the body, and the battery pays.
+Before drive_robot(const RobotModel& robot, RobotState& state, const Velocity& sent) {
   const models::Drive& drive = robot.drive;
   const Velocity command = deliver_command(robot, state, sent);
   state.wheel_speeds = models::drive_motors(drive, state.wheel_speeds, wheel_speeds(drive.wheels, command),
@@ -41,22 +43,28 @@ Before move_robot(const RobotModel& robot, std::span<const scene::Segment> other
 
   // momentum keeps its direction while the body turns beneath it
   const Vec2 linear = rotate({state.velocity.vx, state.velocity.vy}, -kSeconds * state.velocity.omega);
-  const Before before{state.pose, {linear.x, linear.y, state.velocity.omega}};
+  Before before{state.pose, {linear.x, linear.y, state.velocity.omega}, {}};
   Velocity rolling = body_velocity(drive.wheels, state.wheel_speeds);
   rolling.vy *= state.wheel_errors.lateral;
-  const Velocity driven = models::grip(drive, before.carried, rolling);
+  before.driven = models::grip(drive, before.carried, rolling);
+  if (robot.profile.battery) {
+    const double power = models::drive_power(drive, before.carried, before.driven, rolling);
+    models::drain_battery(*robot.profile.battery, power, kSeconds, state.battery);
+  }
+  return before;
+}
 
-  const Motion motion = move(robot.body, *robot.obstacles, others, state.pose, driven, before.carried, kSeconds);
+// The world holds the body back.
+Motion slide(const RobotModel& robot, const Before& before) {
+  return move(robot.body, *robot.obstacles, {}, before.pose, before.driven, before.carried, kSeconds);
+}
+
+void arrive(RobotState& state, const Motion& motion) {
   state.distance_driven += distance(state.pose.position(), motion.pose.position());
   state.pose = motion.pose;
   state.velocity = motion.velocity;
   if (motion.approach_speed > state.max_collision_speed) state.max_collision_speed = motion.approach_speed;
-  if (robot.profile.battery) {
-    models::drain_battery(*robot.profile.battery, models::drive_power(drive, before.carried, driven, rolling), kSeconds,
-                          state.battery);
-  }
   ++state.steps;
-  return before;
 }
 
 // The other robots of a world, for one of them.
@@ -138,15 +146,33 @@ void sense(const RobotModel& robot, Others& others, const Before& before, RobotS
   if (robot.caster) sweep_lidar(robot, others, before.pose, state);
 }
 
-// Robots move one after the other, each around the others where they are; then all of them look.
+// Robots drive, push one another, and slide along what stands there, all at once; then all of them look.
 void step_crowd(const Model& model, std::span<RobotState> world, std::span<const Velocity> commands) {
-  std::vector<Others> others;
   std::vector<Before> before;
+  std::vector<Mover> movers;
   for (std::size_t i = 0; i < world.size(); ++i) {
-    others.emplace_back(model, world, i);
-    before.push_back(move_robot(model.robots[i], others[i].at(0.0), world[i], commands[i]));
+    before.push_back(drive_robot(model.robots[i], world[i], commands[i]));
+    movers.push_back({&model.robots[i].body, before[i].pose, before[i].carried, before[i].driven, 0.0});
   }
-  for (std::size_t i = 0; i < world.size(); ++i) sense(model.robots[i], others[i], before[i], world[i]);
+  exchange_momentum(movers, kSeconds);
+
+  std::vector<Motion> motions;
+  std::vector<Pose2D> moved;
+  for (std::size_t i = 0; i < world.size(); ++i) {
+    before[i].driven = movers[i].velocity;
+    motions.push_back(slide(model.robots[i], before[i]));
+    motions[i].approach_speed = std::max(motions[i].approach_speed, movers[i].approach_speed);
+    moved.push_back(motions[i].pose);
+  }
+  const std::vector<bool> stays = must_stay(movers, moved);
+  for (std::size_t i = 0; i < world.size(); ++i) {
+    if (stays[i]) motions[i] = {before[i].pose, {}, true, motions[i].approach_speed};
+    arrive(world[i], motions[i]);
+  }
+  for (std::size_t i = 0; i < world.size(); ++i) {
+    Others others(model, world, i);
+    sense(model.robots[i], others, before[i], world[i]);
+  }
 }
 
 bool due(int period, const RobotState& state) {
@@ -176,7 +202,8 @@ void step(const Model& model, std::span<RobotState> states, std::span<const Velo
   if (robots == 1) {
     Others nobody;
     for (std::size_t i = 0; i < states.size(); ++i) {
-      const Before before = move_robot(model.robots[0], {}, states[i], commands[i]);
+      const Before before = drive_robot(model.robots[0], states[i], commands[i]);
+      arrive(states[i], slide(model.robots[0], before));
       sense(model.robots[0], nobody, before, states[i]);
     }
     return;

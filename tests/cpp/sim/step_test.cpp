@@ -547,16 +547,77 @@ TEST_CASE("robots of one world see one another, and stop at one another") {
   // the other's back is 0.11 m behind its base
   CHECK(static_cast<double>(scan.ranges[180]) == doctest::Approx(2.0 - 0.11 - 0.04).epsilon(0.05));
 
-  std::vector<Velocity> commands{{1.0, 0.0, 0.0}, {}};
+  // the first drives into the other's back, and pushes it a little
+  const std::vector<Velocity> commands{{1.0, 0.0, 0.0}, {}};
   for (int i = 0; i < 400; ++i) {
     step(model, world, commands);
     CHECK_FALSE(robots_overlap(model.robots[0], world[0].pose, model.robots[1], world[1].pose));
   }
-  CHECK(world[0].pose.x == doctest::Approx(2.0 - 0.11 - 0.125).epsilon(0.01));
+  const double gap = world[1].pose.x - 0.11 - (world[0].pose.x + 0.125);
+  CHECK(gap >= 0.0);
+  CHECK(gap < 0.01);
+  CHECK(world[1].pose.x > 2.0);
   CHECK(world[0].max_collision_speed > 0.8);
   // the one that was driven into did nothing
   CHECK(world[1].max_collision_speed == 0.0);
-  CHECK(world[1].pose.x == 2.0);
+}
+
+TEST_CASE("three robots that drive about in a narrow place never overlap one another, nor what stands there") {
+  const auto model = make_model(office(), {without_sensors(standard()), without_sensors(differential()),
+                                           without_sensors(standard(NoiseLevel::ideal))});
+  int met = 0;
+  for (std::uint64_t seed = 0; seed < 150; ++seed) {
+    CAPTURE(seed);
+    const RngKey key{.seed = seed, .stream = Stream::sampler};
+    std::vector<RobotState> world{begin(*model, 0, {0.0, 0.0, 0.0}, seed), begin(*model, 1, {0.4, 0.0, 1.0}, seed),
+                                  begin(*model, 2, {0.0, 0.4, 2.0}, seed)};
+    std::vector<Velocity> commands(3);
+    for (std::uint64_t i = 0; i < 400; ++i) {
+      if (i % 40 == 0) {
+        for (std::size_t r = 0; r < 3; ++r) commands[r] = random_command(key, i * 3 + r, r != 1);
+      }
+      step(*model, world, commands);
+      for (std::size_t a = 0; a < 3; ++a) {
+        REQUIRE(find_collision(*model, a, world[a].pose) == std::nullopt);
+        for (std::size_t b = 0; b < a; ++b) {
+          REQUIRE_FALSE(robots_overlap(model->robots[a], world[a].pose, model->robots[b], world[b].pose));
+        }
+      }
+    }
+    for (const RobotState& robot : world) met += robot.max_collision_speed > 0.1 ? 1 : 0;
+  }
+  CHECK(met > 100);
+}
+
+TEST_CASE("three robots: a copy of their states is all that the future needs, whatever else is in the batch") {
+  const auto model = make_model(hall(), {standard(), differential(), standard()});
+  const auto begin_all = [&](std::uint64_t seed) {
+    return std::vector<RobotState>{begin(*model, 0, {}, seed), begin(*model, 1, {0.4, 0.0, 1.0}, seed),
+                                   begin(*model, 2, {0.0, 0.4, 2.0}, seed)};
+  };
+  const RngKey key{.seed = 13};
+  const auto drive = [&](std::vector<RobotState>& world, std::uint64_t from, std::uint64_t to) {
+    for (std::uint64_t i = from; i < to; ++i) {
+      std::vector<Velocity> commands;
+      for (std::size_t r = 0; r < world.size(); ++r) {
+        commands.push_back(random_command(key, i / 20 * 3 + r % 3, r % 3 != 1));
+      }
+      step(*model, world, commands);
+    }
+  };
+  std::vector<RobotState> fresh = begin_all(1);
+  drive(fresh, 0, 150);
+  std::vector<RobotState> restored = fresh;
+  drive(fresh, 150, 400);
+  drive(restored, 150, 400);
+  std::vector<RobotState> batch = begin_all(2);
+  for (const RobotState& robot : begin_all(1)) batch.push_back(robot);
+  drive(batch, 0, 400);
+  for (std::size_t i = 0; i < 3; ++i) {
+    CAPTURE(i);
+    CHECK(same(fresh[i], restored[i]));
+    CHECK(same(fresh[i], batch[3 + i]));
+  }
 }
 
 TEST_CASE("what cannot be simulated is refused with its reason") {
