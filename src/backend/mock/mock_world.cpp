@@ -15,7 +15,7 @@
 namespace threewe::backend::mock {
 namespace {
 
-constexpr std::array<char, 8> kSavedAs{'3', 'w', 'e', 'm', 'o', 'c', 'k', '1'};
+constexpr std::array<char, 8> kSavedAs{'3', 'w', 'e', 'm', 'o', 'c', 'k', '2'};
 
 }  // namespace
 

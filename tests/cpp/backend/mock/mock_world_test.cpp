@@ -248,7 +248,9 @@ TEST_CASE("every vector target gives the same world, to the bit") {
   for (const std::string& target : targets) {
     CAPTURE(target);
     force_target(target);
-    const auto world = make({.robots = {"3we_standard_v2", "turtlebot_like"}});
+    // so close together that they run into one another
+    const auto world = make({.robots = {"3we_standard_v2", "turtlebot_like", "3we_base_v2"},
+                             .poses = {{}, {0.4, 0.0, 1.0}, {0.0, 0.5, 2.0}}});
     const auto samples = drive(*world, 3, 150);
     if (expected.empty()) {
       expected = world->save();
@@ -262,10 +264,11 @@ TEST_CASE("every vector target gives the same world, to the bit") {
 
 TEST_CASE("a world restored anywhere, with samples on their way, goes on to the bit") {
   for (const std::vector<std::string>& robots :
-       {std::vector<std::string>{"3we_standard_v2"}, std::vector<std::string>{"3we_standard_v2", "turtlebot_like"}}) {
+       {std::vector<std::string>{"3we_standard_v2"},
+        std::vector<std::string>{"3we_standard_v2", "turtlebot_like", "3we_base_v2"}}) {
     WorldOptions options;
     options.robots = robots;
-    if (robots.size() == 2) options.poses = {{}, {0.8, 0.0, 1.0}};
+    if (robots.size() == 3) options.poses = {{}, {0.4, 0.0, 1.0}, {0.0, 0.5, 2.0}};
     const auto world = make(options);
     for (const int at : {0, 1, 5, 33}) {
       CAPTURE(at);
