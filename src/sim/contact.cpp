@@ -81,7 +81,7 @@ bool overlaps(const Outline& outline, Vec2 moved, const Shape& shape) {
 // The shapes that a body could meet in this step.
 class Neighbourhood {
  public:
-  Neighbourhood(const ShapeIndex& obstacles, std::span<const scene::Segment> others, Vec2 base, double reach) {
+  Neighbourhood(const ShapeIndex& obstacles, const MovingShapes& others, Vec2 base, double reach) {
     const scene::Slice& slice = obstacles.slice();
     for (const std::uint16_t shape : obstacles.near(base)) {
       if (shape < slice.segments.size()) {
@@ -90,7 +90,8 @@ class Neighbourhood {
         add(slice.circles[shape - slice.segments.size()], base, reach);
       }
     }
-    for (const scene::Segment& segment : others) add(segment, base, reach);
+    for (const scene::Segment& segment : others.segments) add(segment, base, reach);
+    for (const scene::Circle& circle : others.circles) add(circle, base, reach);
   }
 
   std::span<const Shape> shapes() const { return std::span(shapes_).first(count_); }
@@ -295,10 +296,11 @@ double contact_reach(const Footprint& footprint, double max_speed, double max_tu
   return footprint.circumscribed_radius() + 2.0 * (travel + kSkin);
 }
 
-Motion move(const RigidBody& body, const ShapeIndex& obstacles, std::span<const scene::Segment> others,
-            const Pose2D& pose, const Velocity& velocity, const Velocity& carried, double seconds) {
+Motion move(const RigidBody& body, const ShapeIndex& obstacles, const MovingShapes& others, const Pose2D& pose,
+            const Velocity& velocity, const Velocity& carried, double seconds) {
   const Pose2D free_end = integrate(pose, velocity, seconds);
-  if (obstacles.near(pose.position()).empty() && others.empty()) return {free_end, velocity};
+  const bool alone = others.segments.empty() && others.circles.empty();
+  if (obstacles.near(pose.position()).empty() && alone) return {free_end, velocity};
 
   // only what lies within this step's travel can matter
   const double radius = body.footprint.circumscribed_radius();

@@ -55,8 +55,8 @@ Before drive_robot(const RobotModel& robot, RobotState& state, const Velocity& s
 }
 
 // The world holds the body back.
-Motion slide(const RobotModel& robot, const Before& before) {
-  return move(robot.body, *robot.obstacles, {}, before.pose, before.driven, before.carried, kSeconds);
+Motion slide(const RobotModel& robot, const Before& before, std::span<const scene::Circle> people) {
+  return move(robot.body, *robot.obstacles, {{}, people}, before.pose, before.driven, before.carried, kSeconds);
 }
 
 void arrive(RobotState& state, const Motion& motion) {
@@ -67,20 +67,21 @@ void arrive(RobotState& state, const Motion& motion) {
   ++state.steps;
 }
 
-// The other robots of a world, for one of them.
+// The other robots of a world, and the people in it, for one robot.
 class Others {
  public:
   Others() = default;  // it is alone
-  Others(const Model& model, std::span<const RobotState> world, std::size_t robot)
-      : model_(&model), world_(world), robot_(robot) {}
+  Others(const Model& model, std::span<const RobotState> world, std::size_t robot,
+         std::span<const scene::Circle> people)
+      : model_(&model), world_(world), robot_(robot), people_(people) {}
 
   // Their outlines as high as `height` [m], where they are now. Valid until the next call.
-  std::span<const scene::Segment> at(double height) {
+  MovingShapes at(double height) {
     segments_.clear();
     for (std::size_t i = 0; i < world_.size(); ++i) {
       if (i != robot_ && model_->robots[i].profile.body.height > height) add_outline(i);
     }
-    return segments_;
+    return {segments_, height < kPersonHeight ? people_ : std::span<const scene::Circle>()};
   }
 
  private:
@@ -95,6 +96,7 @@ class Others {
   const Model* model_ = nullptr;
   std::span<const RobotState> world_;
   std::size_t robot_ = 0;
+  std::span<const scene::Circle> people_;
   std::vector<scene::Segment> segments_;
 };
 
@@ -112,7 +114,7 @@ void sweep_lidar(const RobotModel& robot, Others& others, const Pose2D& before, 
   const double angle = robot.pattern.first_angle + static_cast<double>(first) * robot.pattern.angle_step;
   const Pose2D end = state.pose * lidar.base_from_lidar;
   const Pose2D begin = lidar.rolling ? before * lidar.base_from_lidar : end;
-  robot.caster->cast_rolling(begin, end, angle, robot.pattern.angle_step, ranges, {others.at(lidar.height), {}});
+  robot.caster->cast_rolling(begin, end, angle, robot.pattern.angle_step, ranges, others.at(lidar.height));
 
   const std::uint64_t turns = (state.steps - 1) / turn;
   models::measure_ranges(lidar, state.key(Stream::lidar), state.lidar_bias, turns * points + first, ranges);
@@ -123,7 +125,7 @@ void ping(const RobotModel& robot, std::size_t sensor, Others& others, RobotStat
   const UltrasonicSpec& spec = *robot.profile.ultrasonics;
   const Pose2D pose = state.pose * spec.mounts[sensor].base_from_ultrasonic;
   const SoundCone cone{pose, spec.field_of_view, spec.max_incidence, spec.range_max};
-  const double echo = nearest_echo(cone, robot.audible, {others.at(spec.height), {}}).range;
+  const double echo = nearest_echo(cone, robot.audible, others.at(spec.height)).range;
 
   RngKey key = state.key(Stream::ultrasonic);
   key.sensor = static_cast<std::uint16_t>(sensor);
@@ -146,8 +148,11 @@ void sense(const RobotModel& robot, Others& others, const Before& before, RobotS
   if (robot.caster) sweep_lidar(robot, others, before.pose, state);
 }
 
-// Robots drive, push one another, and slide along what stands there, all at once; then all of them look.
-void step_crowd(const Model& model, std::span<RobotState> world, std::span<const Velocity> commands) {
+// People walk; robots drive, push one another, and slide along what stands there, all at once; then all of them look.
+void step_crowd(const Model& model, std::span<RobotState> world, std::span<const Velocity> commands,
+                std::span<PersonState> people) {
+  walk(model, world, people);
+  const std::vector<scene::Circle> circles = circles_of(model, people);
   std::vector<Before> before;
   std::vector<Mover> movers;
   for (std::size_t i = 0; i < world.size(); ++i) {
@@ -160,7 +165,7 @@ void step_crowd(const Model& model, std::span<RobotState> world, std::span<const
   std::vector<Pose2D> moved;
   for (std::size_t i = 0; i < world.size(); ++i) {
     before[i].driven = movers[i].velocity;
-    motions.push_back(slide(model.robots[i], before[i]));
+    motions.push_back(slide(model.robots[i], before[i], circles));
     motions[i].approach_speed = std::max(motions[i].approach_speed, movers[i].approach_speed);
     moved.push_back(motions[i].pose);
   }
@@ -170,7 +175,7 @@ void step_crowd(const Model& model, std::span<RobotState> world, std::span<const
     arrive(world[i], motions[i]);
   }
   for (std::size_t i = 0; i < world.size(); ++i) {
-    Others others(model, world, i);
+    Others others(model, world, i, circles);
     sense(model.robots[i], others, before[i], world[i]);
   }
 }
@@ -196,20 +201,24 @@ RobotState begin(const Model& model, std::size_t robot, const Pose2D& pose, std:
   return state;
 }
 
-void step(const Model& model, std::span<RobotState> states, std::span<const Velocity> commands) {
+void step(const Model& model, std::span<RobotState> states, std::span<const Velocity> commands,
+          std::span<PersonState> people) {
   const std::size_t robots = model.robots.size();
   assert(states.size() % robots == 0 && states.size() == commands.size());
-  if (robots == 1) {
+  assert(people.empty() || people.size() * robots == states.size() * model.scene->people.size());
+  if (robots == 1 && people.empty()) {
     Others nobody;
     for (std::size_t i = 0; i < states.size(); ++i) {
       const Before before = drive_robot(model.robots[0], states[i], commands[i]);
-      arrive(states[i], slide(model.robots[0], before));
+      arrive(states[i], slide(model.robots[0], before, {}));
       sense(model.robots[0], nobody, before, states[i]);
     }
     return;
   }
   for (std::size_t i = 0; i < states.size(); i += robots) {
-    step_crowd(model, states.subspan(i, robots), commands.subspan(i, robots));
+    const std::size_t walkers = people.empty() ? 0 : model.scene->people.size();
+    step_crowd(model, states.subspan(i, robots), commands.subspan(i, robots),
+               people.subspan(i / robots * walkers, walkers));
   }
 }
 

@@ -1,11 +1,10 @@
 // How a convex body moves among obstacles: it stops at them and slides along them, and never passes into one.
 #pragma once
 
-#include <span>
-
 #include "threewe/core/footprint.hpp"
 #include "threewe/core/pose.hpp"
 #include "threewe/scene/geometry.hpp"
+#include "threewe/sim/ray_caster.hpp"
 #include "threewe/sim/shape_index.hpp"
 
 namespace threewe::sim {
@@ -31,9 +30,9 @@ double contact_reach(const Footprint& footprint, double max_speed, double max_tu
 /// Moves a body for `seconds` at `velocity` (body frame) from a pose that is free.
 ///
 /// `carried` is its velocity before its own drive pushed it in this step, which is what it meets an obstacle with: so a
-/// robot that leans against a wall does not hit it again at every step. `others` are more shapes, such as other robots.
+/// robot that leans against a wall does not hit it again at every step. `others` are more shapes, such as people.
 /// Contact is inelastic and without friction; it never adds energy. The new pose is free.
-Motion move(const RigidBody& body, const ShapeIndex& obstacles, std::span<const scene::Segment> others,
-            const Pose2D& pose, const Velocity& velocity, const Velocity& carried, double seconds);
+Motion move(const RigidBody& body, const ShapeIndex& obstacles, const MovingShapes& others, const Pose2D& pose,
+            const Velocity& velocity, const Velocity& carried, double seconds);
 
 }  // namespace threewe::sim

@@ -7,6 +7,7 @@
 #include <span>
 
 #include "threewe/sim/model.hpp"
+#include "threewe/sim/people.hpp"
 #include "threewe/sim/state.hpp"
 
 namespace threewe::sim {
@@ -17,8 +18,10 @@ RobotState begin(const Model& model, std::size_t robot, const Pose2D& pose, std:
 
 /// Advances every robot of every world by `kStep`. `states` holds the worlds one after the other, each with the model's
 /// robots in order; `commands` are the body velocities sent at the beginning of the step, one for each state. Worlds do
-/// not influence each other, so any part of a batch may be stepped on its own, on any thread.
-void step(const Model& model, std::span<RobotState> states, std::span<const Velocity> commands);
+/// not influence each other, so any part of a batch may be stepped on its own, on any thread. `people` are those of the
+/// scene, world by world like the robots; nobody walks where it is empty.
+void step(const Model& model, std::span<RobotState> states, std::span<const Velocity> commands,
+          std::span<PersonState> people = {});
 
 /// What became ready in the last step: readings are complete at the step's end, before any latency.
 bool imu_ready(const RobotModel& robot, const RobotState& state);

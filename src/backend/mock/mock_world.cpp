@@ -51,7 +51,7 @@ void MockWorld::advance_to(Time t) {
 void MockWorld::step() {
   const Time begin = static_cast<Duration::rep>(steps_) * sim::kStep;
   for (std::size_t i = 0; i < ports_.size(); ++i) commands_[i] = ports_[i]->command_at(begin);
-  sim::step(*model_, states_, commands_);
+  sim::step(*model_, states_, commands_, people_);
   ++steps_;
   for (std::size_t i = 0; i < ports_.size(); ++i) ports_[i]->collect(states_[i]);
 }
@@ -94,13 +94,13 @@ void MockWorld::reset(const ResetOptions& options) { begin(options); }
 
 void MockWorld::begin(const ResetOptions& options) {
   const std::vector<Pose2D> starts = start_poses(options.poses);
+  std::vector<sim::RobotState> states;
+  for (std::size_t i = 0; i < ports_.size(); ++i) states.push_back(sim::begin(*model_, i, starts[i], options.seed));
+  people_ = sim::begin_people(*model_, states, options.seed);
+  states_ = std::move(states);
   now_ = {};
   steps_ = 0;
-  states_.clear();
-  for (std::size_t i = 0; i < ports_.size(); ++i) {
-    states_.push_back(sim::begin(*model_, i, starts[i], options.seed));
-    ports_[i]->reset();
-  }
+  for (const auto& port : ports_) port->reset();
   commands_.assign(ports_.size(), {});
 }
 
@@ -114,6 +114,7 @@ std::vector<std::byte> MockWorld::save() const {
   bytes.put(now_);
   bytes.put(steps_);
   for (const sim::RobotState& state : states_) bytes.put(state);
+  for (const sim::PersonState& person : people_) bytes.put(person);
   for (const auto& port : ports_) port->state().save(bytes);
   return bytes.take();
 }
@@ -139,12 +140,15 @@ void MockWorld::restore(const std::vector<std::byte>& state) {
   bytes.get(now);
   bytes.get(steps);
   for (sim::RobotState& robot : states) bytes.get(robot);
+  std::vector<sim::PersonState> people(people_.size());
+  for (sim::PersonState& person : people) bytes.get(person);
   for (std::size_t i = 0; i < ports.size(); ++i) ports[i].load(bytes, ports_[i]->features().sensors.size());
   bytes.finish();
 
   now_ = now;
   steps_ = steps;
   states_ = std::move(states);
+  people_ = std::move(people);
   for (std::size_t i = 0; i < ports.size(); ++i) ports_[i]->restore(std::move(ports[i]));
 }
 

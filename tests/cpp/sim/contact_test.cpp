@@ -181,7 +181,7 @@ TEST_CASE("other robots stop a body as walls do") {
   double impact = 0.0;
   Velocity carried{1.0, 0.0, 0.0};
   for (int i = 0; i < 100; ++i) {
-    const Motion motion = move(body, nothing, other, pose, {1.0, 0.0, 0.0}, carried, kSeconds);
+    const Motion motion = move(body, nothing, {other, {}}, pose, {1.0, 0.0, 0.0}, carried, kSeconds);
     pose = motion.pose;
     carried = motion.velocity;
     impact = std::max(impact, motion.approach_speed);

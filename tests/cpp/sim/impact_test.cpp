@@ -112,7 +112,7 @@ double record(const Approach& approach, int steps, int parts) {
   for (int i = 0; i < steps; ++i) {
     Velocity velocity = approach.velocity;
     for (int part = 0; part < parts; ++part) {
-      const Motion motion = move(approach.body, obstacles, others, pose, velocity, carried, kSeconds / parts);
+      const Motion motion = move(approach.body, obstacles, {others, {}}, pose, velocity, carried, kSeconds / parts);
       hardest = std::max(hardest, motion.approach_speed);
       pose = motion.pose;
       velocity = carried = motion.velocity;

@@ -7,6 +7,7 @@
 
 #include "threewe/backend/world.hpp"
 #include "threewe/sim/model.hpp"
+#include "threewe/sim/people.hpp"
 #include "threewe/sim/state.hpp"
 
 namespace threewe::backend::mock {
@@ -42,6 +43,7 @@ class MockWorld : public World {
   Time now_{};
   std::uint64_t steps_ = 0;
   std::vector<sim::RobotState> states_;
+  std::vector<sim::PersonState> people_;
   std::vector<Velocity> commands_;  // of each robot, in the step to come
   std::vector<std::unique_ptr<MockPort>> ports_;
 };

@@ -1,0 +1,40 @@
+// People who walk round and round their routes, and wait for robots in their way.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <type_traits>
+#include <vector>
+
+#include "threewe/scene/geometry.hpp"
+#include "threewe/sim/model.hpp"
+#include "threewe/sim/state.hpp"
+
+namespace threewe::sim {
+
+inline constexpr double kPersonHeight = 1.75;  ///< [m]
+
+/// One person. Plain data.
+struct PersonState {
+  double along = 0.0;  ///< [m] walked on the route, from its first waypoint
+};
+static_assert(std::is_trivially_copyable_v<PersonState>);
+
+/// Where a person is on a route, as seen from above, and which way they walk (a unit vector).
+struct PersonPlace {
+  scene::Circle circle;
+  Vec2 direction;
+};
+PersonPlace place_on(const scene::Person& person, const PersonState& state);
+/// All of them.
+std::vector<scene::Circle> circles_of(const Model& model, std::span<const PersonState> people);
+
+/// The people of a scene as an episode begins, each somewhere on the route, by the seed; farther on where a robot
+/// stands there. Throws ConfigError when a robot leaves no room on somebody's route.
+std::vector<PersonState> begin_people(const Model& model, std::span<const RobotState> robots, std::uint64_t seed,
+                                      std::uint32_t episode = 0);
+
+/// Lets everybody walk for one step: at their speed, unless a robot is in the metre ahead, or would be touched.
+void walk(const Model& model, std::span<const RobotState> robots, std::span<PersonState> people);
+
+}  // namespace threewe::sim
