@@ -16,10 +16,10 @@ void drain_battery(const BatterySpec& spec, double drive_power, double seconds, 
   const double power = spec.idle_power + std::max(drive_power, 0.0) / spec.drive_efficiency;
   const double open_circuit = spec.voltage_empty + (spec.voltage_full - spec.voltage_empty) * state.charge;
   // the power fixes the product of current and voltage; the voltage of the step before is near enough to go on from
+  state.current = power / state.voltage;
   // beyond half its voltage a battery gives less power, not more
-  const double sag = std::min(power / state.voltage * spec.resistance, 0.5 * open_circuit);
-  state.current = spec.resistance > 0.0 ? sag / spec.resistance : power / open_circuit;
-  state.voltage = open_circuit - sag;
+  if (state.current * spec.resistance > 0.5 * open_circuit) state.current = 0.5 * open_circuit / spec.resistance;
+  state.voltage = open_circuit - state.current * spec.resistance;
   state.charge = std::max(state.charge - open_circuit * state.current * seconds / (3600.0 * spec.capacity), 0.0);
 }
 

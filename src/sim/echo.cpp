@@ -80,6 +80,14 @@ struct Ear {
     slopes = {-sin / cos, sin / cos};
   }
 
+  // Whether all between two points in the sensor's frame is surely out of the cone: most of a scene is.
+  bool misses(Vec2 a, Vec2 b) const {
+    const Vec2 right{1.0, slopes.low};
+    const Vec2 left{1.0, slopes.high};
+    return (cross(right, a) < 0.0 && cross(right, b) < 0.0) || (cross(a, left) < 0.0 && cross(b, left) < 0.0) ||
+           (a.x > range_max && b.x > range_max);
+  }
+
   Vec2 sees(Vec2 point) const { return right_by(heading, point - origin); }
 };
 
@@ -95,6 +103,7 @@ void add(const Ear& ear, const scene::Segment& segment, Targets& targets) {
   Target target;
   target.place = right_by(ear.heading, from_sensor);
   target.along = right_by(ear.heading, along);
+  if (ear.misses(target.place, target.place + target.along)) return;
   target.height = height;
   target.covers.keep_between(target.place + target.along, target.place);
   if (!overlap(target.covers, ear.slopes)) return;
