@@ -63,11 +63,18 @@ struct Target {
 
 double slope_of(Vec2 direction) { return direction.x > 0.0 ? direction.y / direction.x : kInfinity; }
 
+// Both, without a jump in between.
+int both(bool a, bool b) { return static_cast<int>(a) & static_cast<int>(b); }
+
 // A cone with its trigonometry done.
 struct Ear {
   Vec2 origin;
   Turn heading;
   Interval slopes;
+  // unit vectors along the axis and the edges, in the frame of the slice like `origin`
+  Vec2 forward;
+  Vec2 right;
+  Vec2 left;
   Turn incidence;
   double range_max;
 
@@ -78,32 +85,39 @@ struct Ear {
         range_max(cone.range_max) {
     const auto [sin, cos] = exact::sincos(0.5 * cone.field_of_view);
     slopes = {-sin / cos, sin / cos};
+    forward = {heading.cos, heading.sin};
+    right = right_by({sin, cos}, forward);
+    left = left_by({sin, cos}, forward);
   }
 
-  // Whether all between two points in the sensor's frame is surely out of the cone: most of a scene is.
+  // Whether all between two points, or all of a disc, is surely out of the cone. Most of a scene is, so that this comes
+  // first; and without jumps, which nobody could predict.
   bool misses(Vec2 a, Vec2 b) const {
-    const Vec2 right{1.0, slopes.low};
-    const Vec2 left{1.0, slopes.high};
-    return (cross(right, a) < 0.0 && cross(right, b) < 0.0) || (cross(a, left) < 0.0 && cross(b, left) < 0.0) ||
-           (a.x > range_max && b.x > range_max);
+    const int right_of_it = both(cross(right, a) < 0.0, cross(right, b) < 0.0);
+    const int left_of_it = both(cross(a, left) < 0.0, cross(b, left) < 0.0);
+    const int beyond_it = both(dot(forward, a) > range_max, dot(forward, b) > range_max);
+    return (right_of_it | left_of_it | beyond_it) != 0;
   }
-
-  Vec2 sees(Vec2 point) const { return right_by(heading, point - origin); }
+  bool misses(Vec2 center, double radius) const {
+    const int right_of_it = cross(right, center) < -radius ? 1 : 0;
+    const int left_of_it = cross(center, left) < -radius ? 1 : 0;
+    const int beyond_it = dot(forward, center) > range_max + radius ? 1 : 0;
+    return (right_of_it | left_of_it | beyond_it) != 0;
+  }
 };
 
 using Targets = std::vector<Target>;
 
 void add(const Ear& ear, const scene::Segment& segment, Targets& targets) {
-  const Vec2 along = segment.b - segment.a;
-  const Vec2 from_sensor = segment.a - ear.origin;
-  const double height = cross(along, from_sensor);
-  // seen from behind, or the whole line too far away
-  if (height <= 0.0 || height * height >= dot(along, along) * ear.range_max * ear.range_max) return;
+  const Vec2 a = segment.a - ear.origin;
+  const Vec2 b = segment.b - ear.origin;
+  if (ear.misses(a, b)) return;
+  const double height = cross(b - a, a);
+  if (height <= 0.0) return;  // seen from behind
 
   Target target;
-  target.place = right_by(ear.heading, from_sensor);
-  target.along = right_by(ear.heading, along);
-  if (ear.misses(target.place, target.place + target.along)) return;
+  target.place = right_by(ear.heading, a);
+  target.along = right_by(ear.heading, b - a);
   target.height = height;
   target.covers.keep_between(target.place + target.along, target.place);
   if (!overlap(target.covers, ear.slopes)) return;
@@ -117,10 +131,11 @@ void add(const Ear& ear, const scene::Segment& segment, Targets& targets) {
 }
 
 void add(const Ear& ear, const scene::Circle& circle, Targets& targets) {
-  const Vec2 center = ear.sees(circle.center);
-  const double far_squared = dot(center, center);
-  const double reach = ear.range_max + circle.radius;
-  if (far_squared <= circle.radius * circle.radius || far_squared >= reach * reach) return;
+  const Vec2 offset = circle.center - ear.origin;
+  if (ear.misses(offset, circle.radius)) return;
+  const double far_squared = dot(offset, offset);
+  if (far_squared <= circle.radius * circle.radius) return;  // from inside
+  const Vec2 center = right_by(ear.heading, offset);
 
   // the half angles that it is seen within, and that it sends echoes within
   const double sine = circle.radius / exact::sqrt(far_squared);
