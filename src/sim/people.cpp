@@ -64,6 +64,7 @@ PersonPlace place_on(const scene::Person& person, const PersonState& state) {
 
 std::vector<scene::Circle> circles_of(const Model& model, std::span<const PersonState> people) {
   std::vector<scene::Circle> circles;
+  circles.reserve(people.size());
   for (std::size_t i = 0; i < people.size(); ++i) {
     circles.push_back(place_on(model.scene->people[i], people[i]).circle);
   }

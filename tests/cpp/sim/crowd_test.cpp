@@ -125,6 +125,7 @@ TEST_CASE("crowds that move for a while never overlap, and seldom have to stand 
     for (int step = 0; step < 40; ++step) {
       exchange_momentum(movers, kSeconds);
       std::vector<Pose2D> moved;
+      moved.reserve(movers.size());
       for (const Mover& m : movers) moved.push_back(integrate(m.pose, m.velocity, kSeconds));
       const std::vector<bool> stays = must_stay(movers, moved);
       for (std::size_t i = 0; i < movers.size(); ++i) {

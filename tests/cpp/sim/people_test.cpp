@@ -27,6 +27,7 @@ std::shared_ptr<const Model> hall(const std::vector<std::string>& robots = {"3we
   for (std::size_t i = 0; i < 4; ++i) scene.walls.push_back({corners[i], corners[(i + 1) % 4], 0.1, 2.5});
   scene.people.push_back({"walker", {{1.0, 0.0}, {5.0, 0.0}, {5.0, 2.0}, {1.0, 2.0}}, 1.0, 0.25});
   std::vector<RobotProfile> profiles;
+  profiles.reserve(robots.size());
   for (const std::string& name : robots) profiles.push_back(with_noise(load_profile(name), noise));
   return make_model(std::make_shared<const scene::Scene>(scene), profiles);
 }

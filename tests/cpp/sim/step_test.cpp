@@ -599,6 +599,7 @@ TEST_CASE("three robots: a copy of their states is all that the future needs, wh
   const auto drive = [&](std::vector<RobotState>& world, std::uint64_t from, std::uint64_t to) {
     for (std::uint64_t i = from; i < to; ++i) {
       std::vector<Velocity> commands;
+      commands.reserve(world.size());
       for (std::size_t r = 0; r < world.size(); ++r) {
         commands.push_back(random_command(key, i / 20 * 3 + r % 3, r % 3 != 1));
       }
