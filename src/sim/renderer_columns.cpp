@@ -1,0 +1,488 @@
+#include "sim/renderer_columns.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "sim/renderer_textures.hpp"
+
+namespace threewe::sim::view {
+namespace {
+
+using scene::Solid;
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr int kBlock = 16;  // columns
+
+class Search {
+ public:
+  Search(const Place& place, const CameraIntrinsics& camera, const CameraPose& view, Columns& out)
+      : place_(place), camera_(camera), eye_(view.pose.position()), height_(view.height), out_(out) {
+    const auto [s, c] = exact::sincos(view.pose.theta);
+    forward_ = {c, s};
+    left_ = {-s, c};
+    roofed_ = place.ceiling < kInfinity && height_ < place.ceiling;
+  }
+
+  void run(const Paint& paint, std::span<const VisibleSolid> moving) {
+    begin();
+    for (std::size_t i = 0; i < place_.solids.size(); ++i) add(place_.solids[i], paint.colours[i]);
+    for (const VisibleSolid& visible : moving) add(visible, visible.colour);
+    sort_into_blocks();
+    for (int column = 0; column < camera_.width; ++column) draw_column(column);
+  }
+
+ private:
+  void begin() {
+    out_.candidates.clear();
+    out_.spans.clear();
+    const auto rows = static_cast<std::size_t>(camera_.height);
+    out_.first_span.assign(rows, -1);
+    out_.slopes.resize(rows);
+    out_.inverse.resize(rows);
+    out_.owner.resize(rows);
+    for (int row = 0; row < camera_.height; ++row) {
+      out_.slopes[static_cast<std::size_t>(row)] = static_cast<float>((camera_.cy - (row + 0.5)) / camera_.fy);
+    }
+  }
+
+  Vec2 to_camera(Vec2 point) const {
+    const Vec2 d = point - eye_;
+    return {dot(d, forward_), dot(d, left_)};
+  }
+
+  // Keeps a solid of which something may be in front of the camera.
+  void add(const VisibleSolid& visible, Colour colour) {
+    const Solid& solid = visible.solid;
+    const Vec2 center = to_camera(solid.center);
+    if (center.x + solid.radius <= 0.0) return;
+
+    Candidate c;
+    c.visible = &visible;
+    c.colour = colour;
+    c.is_disc = solid.shape == Solid::Shape::disc;
+    c.low = solid.z_min - height_;
+    c.high = solid.z_max - height_;
+    c.is_full = roofed_ && solid.z_min <= 0.0 && solid.z_max >= place_.ceiling;
+    Vec2 corners[4];
+    for (int i = 0; i < 4; ++i) {
+      const double r = solid.radius;
+      const Vec2 around[4] = {{-r, -r}, {r, -r}, {r, r}, {-r, r}};
+      corners[i] = c.is_disc ? center + around[i] : to_camera(solid.corners[static_cast<std::size_t>(i)]);
+    }
+    if (!find_columns(corners, c)) return;
+
+    if (c.is_disc) {
+      c.center = center;
+      c.beyond = dot(center, center) - solid.radius * solid.radius;
+    } else {
+      add_lines(corners, c);
+    }
+    const bool within_height = c.low <= 0.0 && c.high > 0.0;
+    if (within_height && (c.is_disc ? c.beyond <= 0.0 : c.near_count == 0)) return;  // seen from inside
+    out_.candidates.push_back(c);
+  }
+
+  // The columns between the corners' outermost ones, and how near they come.
+  bool find_columns(const Vec2 (&corners)[4], Candidate& c) const {
+    constexpr double kNear = 1e-6;
+    double x_min = kInfinity;
+    double s_min = kInfinity;
+    double s_max = -kInfinity;
+    for (const Vec2 corner : corners) {
+      x_min = std::min(x_min, corner.x);
+      s_min = std::min(s_min, corner.y / corner.x);
+      s_max = std::max(s_max, corner.y / corner.x);
+    }
+    c.nearest = kInfinity;
+    c.first_column = 0;
+    c.last_column = camera_.width - 1;
+    if (x_min < kNear) return true;  // reaches beside the camera: no bound
+    c.nearest = 1.0 / x_min * (1.0 + 1e-9);
+    const double first = camera_.cx - camera_.fx * s_max - 1.0;
+    const double last = camera_.cx - camera_.fx * s_min + 1.0;
+    if (first > camera_.width || last < 0.0) return false;
+    c.first_column = static_cast<int>(std::max(first, 0.0));
+    c.last_column = static_cast<int>(std::min(last, camera_.width - 1.0));
+    return true;
+  }
+
+  // An edge's inner side is where dist * w + (slope of the edge against the ray) >= 0.
+  static void add_lines(const Vec2 (&corners)[4], Candidate& c) {
+    constexpr double kOnTheLine = 1e-12;
+    for (int i = 0; i < 4; ++i) {
+      const Vec2 edge = corners[(i + 1) % 4] - corners[i];
+      const double dist = -cross(edge, corners[i]);
+      if (dist < kOnTheLine) {
+        const double scale = 1.0 / -std::min(dist, -kOnTheLine);
+        c.near[c.near_count++] = {scale * edge.x, -scale * edge.y, i};
+      } else {
+        const double scale = -1.0 / dist;
+        c.far[c.far_count++] = {scale * edge.x, -scale * edge.y, i};
+      }
+    }
+  }
+
+  void sort_into_blocks() {
+    out_.blocks.resize(static_cast<std::size_t>((camera_.width + kBlock - 1) / kBlock));
+    for (auto& block : out_.blocks) block.clear();
+    for (const bool full : {true, false}) {
+      for (std::size_t i = 0; i < out_.candidates.size(); ++i) {
+        const Candidate& c = out_.candidates[i];
+        if (c.is_full != full) continue;
+        for (int block = c.first_column / kBlock; block <= c.last_column / kBlock; ++block) {
+          out_.blocks[static_cast<std::size_t>(block)].push_back(static_cast<int>(i));
+        }
+      }
+    }
+  }
+
+  struct Interval {
+    double near = 0.0;  // inverse depths
+    double far = 0.0;
+    int face = 0;
+    bool empty() const { return !(near > far); }
+  };
+
+  static Interval meet(const Candidate& c, double s) {
+    if (c.is_disc) return meet_disc(c, s);
+    Interval interval{kInfinity, 0.0, -1};
+    for (int i = 0; i < c.near_count; ++i) {
+      const double w = c.near[i].slope * s + c.near[i].offset;
+      if (w < interval.near) interval = {w, 0.0, c.near[i].face};
+    }
+    for (int i = 0; i < c.far_count; ++i) {
+      interval.far = std::max(interval.far, c.far[i].slope * s + c.far[i].offset);
+    }
+    return interval;
+  }
+
+  // beyond w^2 - 2 ahead w + (1 + s^2) <= 0
+  static Interval meet_disc(const Candidate& c, double s) {
+    const double ahead = c.center.x + s * c.center.y;
+    const double square = 1.0 + s * s;
+    const double root = ahead * ahead - c.beyond * square;
+    if (root < 0.0) return {};
+    const double r = exact::sqrt(root);
+    if (c.beyond > 0.0) {
+      return ahead > 0.0 ? Interval{(ahead + r) / c.beyond, square / (ahead + r), kRoundFace} : Interval{};
+    }
+    const double far = ahead > 0.0 ? square / (ahead + r) : (ahead - r) / c.beyond;  // the eye is above or below it
+    return {kInfinity, far, kRoundFace};
+  }
+
+  // The first row whose centre is at or below a height seen at an inverse depth.
+  int row_at(double height, double inverse) const {
+    const double v = camera_.cy - camera_.fy * (height * inverse) - 0.5;
+    if (!(v > 0.0)) return 0;
+    return v >= camera_.height ? camera_.height : static_cast<int>(std::ceil(v));
+  }
+
+  void draw_column(int column) {
+    const double s = (camera_.cx - (column + 0.5)) / camera_.fx;
+    const auto& block = out_.blocks[static_cast<std::size_t>(column / kBlock)];
+
+    // the nearest wall from floor to ceiling
+    std::size_t k = 0;
+    Interval wall;
+    const Candidate* wall_candidate = nullptr;
+    for (; k < block.size(); ++k) {
+      const Candidate& c = out_.candidates[static_cast<std::size_t>(block[k])];
+      if (!c.is_full) break;
+      if (c.nearest <= wall.near) continue;
+      const Interval interval = meet(c, s);
+      if (interval.empty() || interval.near <= wall.near) continue;
+      wall = interval;
+      wall_candidate = &c;
+    }
+    add_base(s, wall, wall_candidate);
+
+    // what stands before it
+    bool layered = false;
+    for (; k < block.size(); ++k) {
+      const Candidate& c = out_.candidates[static_cast<std::size_t>(block[k])];
+      if (c.nearest <= wall.near) continue;
+      Interval interval = meet(c, s);
+      interval.far = std::max(interval.far, wall.near);
+      if (interval.empty()) continue;
+      if (!layered) lay_base();
+      layered = true;
+      add_faces(c, interval);
+    }
+
+    if (!layered) {
+      for (std::size_t i = 0; i < out_.base.size(); ++i) {
+        if (out_.base[i].begin < out_.base[i].end) add_span(column, s, out_.base[i].begin, out_.runs[i]);
+      }
+      return;
+    }
+    for (int row = 0, last = -1; row < camera_.height; ++row) {
+      const int owner = out_.owner[static_cast<std::size_t>(row)];
+      if (owner != last) add_span(column, s, row, out_.runs[static_cast<std::size_t>(owner)]);
+      last = owner;
+    }
+  }
+
+  // Ceiling or sky, the wall, the floor: from top to bottom without a gap.
+  void add_base(double s, const Interval& wall, const Candidate* candidate) {
+    out_.runs.clear();
+    out_.base.clear();
+    const auto add = [&](const Run& run, int begin, int end) {
+      out_.runs.push_back(run);
+      out_.base.push_back({begin, end});
+    };
+    const double v = camera_.cy - 0.5;
+    const int horizon = row_at(0.0, 0.0);
+    const bool on_row = v == horizon && horizon < camera_.height;  // a row looks exactly along the horizon
+    int top = horizon;
+    int bottom = on_row ? horizon + 1 : horizon;
+    if (candidate) {
+      top = row_at(place_.ceiling - height_, wall.near);
+      const int skirting = std::max(top, row_at(kSkirting - height_, wall.near));
+      bottom = std::max(skirting, row_at(-height_, wall.near));
+      const bool has_skirting = candidate->visible->id == kWallId;
+      add({roofed_ ? Run::Kind::ceiling : Run::Kind::sky}, 0, top);
+      add({Run::Kind::side, wall.face, candidate, nullptr, wall.near}, top, has_skirting ? skirting : bottom);
+      if (has_skirting) add({Run::Kind::skirting, wall.face, candidate, nullptr, wall.near}, skirting, bottom);
+    } else {
+      add({roofed_ ? Run::Kind::ceiling : Run::Kind::sky}, 0, top);
+      if (on_row) add({Run::Kind::nothing}, top, bottom);
+    }
+    add_floors(s, wall.near, bottom);
+  }
+
+  // The floors of the rooms along the ray, from the wall to the eye: rows from `top` down.
+  void add_floors(double s, double inverse, int top) {
+    constexpr int kMostRooms = 32;
+    constexpr double kStep = 1e-7;  // [m] into the next room
+    const Vec2 direction = forward_ + s * left_;
+    const double reach = inverse > 0.0 ? 1.0 / inverse : kInfinity;
+    const std::size_t first = out_.runs.size();
+    int end = camera_.height;
+    double x = 0.0;
+    for (int i = 0; i < kMostRooms && end > top; ++i) {
+      const FloorRoom* room = place_.room_at(eye_ + (x + kStep) * direction);
+      x = i + 1 < kMostRooms ? std::max(x, next_room(room, direction, x + kStep)) : kInfinity;
+      const int begin = x >= reach || x == kInfinity ? top : std::clamp(row_at(-height_, 1.0 / x), top, end);
+      Run run{Run::Kind::floor};
+      run.room = room;
+      out_.runs.push_back(run);
+      out_.base.push_back({begin, end});
+      end = begin;
+    }
+    std::reverse(out_.runs.begin() + static_cast<std::ptrdiff_t>(first), out_.runs.end());
+    std::reverse(out_.base.begin() + static_cast<std::ptrdiff_t>(first), out_.base.end());
+  }
+
+  // How far along the ray a room ends, or outside of all rooms, the nearest begins.
+  double next_room(const FloorRoom* room, Vec2 direction, double x) const {
+    if (room) return crossing(*room, direction).second;
+    double nearest = kInfinity;
+    for (const FloorRoom& other : place_.rooms) {
+      const auto [enter, leave] = crossing(other, direction);
+      if (enter < leave && enter > x) nearest = std::min(nearest, enter);
+    }
+    return nearest;
+  }
+
+  std::pair<double, double> crossing(const FloorRoom& room, Vec2 direction) const {
+    double enter = -kInfinity;
+    double leave = kInfinity;
+    const auto clip = [&](double low, double high, double step) {
+      if (step == 0.0) {
+        if (low > 0.0 || high <= 0.0) leave = -kInfinity;
+        return;
+      }
+      const double a = low / step;
+      const double b = high / step;
+      enter = std::max(enter, std::min(a, b));
+      leave = std::min(leave, std::max(a, b));
+    };
+    clip(room.min.x - eye_.x, room.max.x - eye_.x, direction.x);
+    clip(room.min.y - eye_.y, room.max.y - eye_.y, direction.y);
+    return {enter, leave};
+  }
+
+  // Lays the base out by rows, for other things to be compared with.
+  void lay_base() {
+    for (std::size_t i = 0; i < out_.base.size(); ++i) {
+      const auto [inverse, rise] = inverse_of(out_.runs[i]);
+      for (int row = out_.base[i].begin; row < out_.base[i].end; ++row) {
+        const auto r = static_cast<std::size_t>(row);
+        out_.inverse[r] = inverse + rise * out_.slopes[r];
+        out_.owner[r] = static_cast<std::int32_t>(i);
+      }
+    }
+  }
+
+  struct Inverse {
+    float at_horizon = 0.0F;
+    float rise = 0.0F;
+  };
+  Inverse inverse_of(const Run& run) const {
+    const auto flat = [](double z) { return Inverse{0.0F, static_cast<float>(1.0 / z)}; };
+    switch (run.kind) {
+      case Run::Kind::ceiling: return flat(place_.ceiling - height_);
+      case Run::Kind::floor: return flat(-height_);
+      case Run::Kind::top: return flat(run.candidate->high);
+      case Run::Kind::bottom: return flat(run.candidate->low);
+      case Run::Kind::side:
+      case Run::Kind::skirting: return {static_cast<float>(run.inverse), 0.0F};
+      default: return {};
+    }
+  }
+
+  void add_faces(const Candidate& c, const Interval& interval) {
+    const int top = row_at(c.high, interval.near);
+    const int bottom = row_at(c.low, interval.near);
+    if (interval.near < kInfinity) {  // not from above or below
+      const bool has_skirting = c.visible->id == kWallId && c.visible->solid.z_min <= 0.0;
+      const int skirting = has_skirting ? std::clamp(row_at(kSkirting - height_, interval.near), top, bottom) : bottom;
+      put({Run::Kind::side, interval.face, &c, nullptr, interval.near}, top, skirting);
+      put({Run::Kind::skirting, interval.face, &c, nullptr, interval.near}, skirting, bottom);
+    }
+    if (c.high < 0.0) put({Run::Kind::top, kTopFace, &c, nullptr, 0.0}, row_at(c.high, interval.far), top);
+    if (c.low > 0.0) put({Run::Kind::bottom, kBottomFace, &c, nullptr, 0.0}, bottom, row_at(c.low, interval.far));
+  }
+
+  // Gives a run the rows in which it is nearest so far.
+  void put(const Run& run, int begin, int end) {
+    if (begin >= end) return;
+    const auto [inverse, rise] = inverse_of(run);
+    const auto owner = static_cast<std::int32_t>(out_.runs.size());
+    out_.runs.push_back(run);
+    for (auto r = static_cast<std::size_t>(begin); r < static_cast<std::size_t>(end); ++r) {
+      const float w = inverse + rise * out_.slopes[r];
+      const bool nearer = w > out_.inverse[r];
+      out_.inverse[r] = nearer ? w : out_.inverse[r];
+      out_.owner[r] = nearer ? owner : out_.owner[r];
+    }
+  }
+
+  void add_span(int column, double s, int row, const Run& run) {
+    auto& first = out_.first_span[static_cast<std::size_t>(row)];
+    Span& span = out_.spans.emplace_back();
+    span.column = column;
+    span.next = first;
+    first = static_cast<std::int32_t>(out_.spans.size()) - 1;
+    const auto [inverse, rise] = inverse_of(run);
+    span.fields[kInverse] = inverse;
+    span.fields[kInverseRise] = rise;
+    const Vec2 direction = forward_ + s * left_;
+    switch (run.kind) {
+      case Run::Kind::nothing:
+      case Run::Kind::sky: fill_look(span.fields, sky_look()); break;
+      case Run::Kind::ceiling:
+        fill_flat(span.fields, place_.ceiling_look, {}, {1.0, 0.0}, direction, place_.ceiling - height_);
+        span.fields[kId] = kCeilingId;
+        break;
+      case Run::Kind::floor:
+        fill_flat(span.fields, run.room ? run.room->floor : place_.outside_floor, {}, {1.0, 0.0}, direction, -height_);
+        span.fields[kId] = kFloorId;
+        span.fields[kIsFloor] = 1.0F;
+        break;
+      case Run::Kind::side:
+      case Run::Kind::skirting: fill_side(span.fields, run, direction); break;
+      case Run::Kind::top:
+      case Run::Kind::bottom: fill_face(span.fields, run, direction); break;
+    }
+  }
+
+  static void fill_look(Fields& f, const Look& look) {
+    f[kDarkB] = look.dark.b;
+    f[kDarkG] = look.dark.g;
+    f[kDarkR] = look.dark.r;
+    f[kContrastB] = look.contrast.b;
+    f[kContrastG] = look.contrast.g;
+    f[kContrastR] = look.contrast.r;
+    f[kShade] = look.shade;
+    f[kShadeRise] = look.shade_rise;
+    f[kTile] = static_cast<float>(static_cast<int>(look.material) * kTileStride);
+  }
+
+  // A level surface `height` above the eye, with its texture along `axis` from `origin`.
+  void fill_flat(Fields& f, const Look& look, Vec2 origin, Vec2 axis, Vec2 direction, double height) const {
+    fill_look(f, look);
+    const double per_metre = 1.0 / spec(look.material).tile_size;
+    const Vec2 across{-axis.y, axis.x};
+    f[kU] = static_cast<float>(per_metre * dot(eye_ - origin, axis));
+    f[kUStep] = static_cast<float>(per_metre * dot(direction, axis));
+    f[kV] = static_cast<float>(per_metre * dot(eye_ - origin, across));
+    f[kVStep] = static_cast<float>(per_metre * dot(direction, across));
+    f[kFootprintRise] = static_cast<float>(flat_footprint(height) * kTileSide * per_metre);
+  }
+
+  // Of a pixel at depth 1 [m]; it grows with the square of the depth.
+  double flat_footprint(double height) const { return 0.35 / (camera_.fy * std::fabs(height)); }
+
+  void fill_face(Fields& f, const Run& run, Vec2 direction) const {
+    const Candidate& c = *run.candidate;
+    const Solid& solid = c.visible->solid;
+    const bool is_top = run.kind == Run::Kind::top;
+    const Look look = is_top ? top_look(*c.visible, c.colour) : bottom_look(*c.visible, c.colour);
+    Vec2 axis{1.0, 0.0};
+    if (!c.is_disc) {
+      // along the longer side
+      const Vec2 a = solid.corners[1] - solid.corners[0];
+      const Vec2 b = solid.corners[3] - solid.corners[0];
+      const Vec2 longer = dot(a, a) >= dot(b, b) ? a : b;
+      axis = (1.0 / norm(longer)) * longer;
+    }
+    fill_flat(f, look, solid.center, axis, direction, is_top ? c.high : c.low);
+    f[kId] = static_cast<float>(c.visible->id);
+  }
+
+  void fill_side(Fields& f, const Run& run, Vec2 direction) const {
+    constexpr double kInFront = 0.1;  // [m]
+    const Candidate& c = *run.candidate;
+    const Solid& solid = c.visible->solid;
+    const double depth = 1.0 / run.inverse;
+    const Vec2 hit = eye_ + depth * direction;
+    Vec2 normal;
+    double along = 0.0;
+    if (c.is_disc) {
+      normal = (1.0 / solid.radius) * (hit - solid.center);
+      along = solid.radius * exact::atan2(normal.y, normal.x);
+    } else {
+      const Vec2 a = solid.corners[static_cast<std::size_t>(run.face)];
+      const Vec2 edge = solid.corners[static_cast<std::size_t>((run.face + 1) % 4)] - a;
+      const Vec2 axis = (1.0 / norm(edge)) * edge;
+      normal = {axis.y, -axis.x};
+      along = dot(hit - a, axis);
+    }
+    const Look look = run.kind == Run::Kind::skirting
+                          ? skirting_look(normal)
+                          : side_look(place_, *c.visible, c.colour, run.face, normal, hit + kInFront * normal);
+    fill_look(f, look);
+    const double per_metre = 1.0 / spec(look.material).tile_size;
+    f[kU] = static_cast<float>(per_metre * along);
+    f[kV] = static_cast<float>(per_metre * height_);
+    f[kVRise] = static_cast<float>(per_metre);
+    f[kFootprint] = static_cast<float>(side_footprint(depth, direction, normal) * kTileSide * per_metre);
+    f[kId] = static_cast<float>(c.visible->id);
+  }
+
+  // Of a pixel on an upright surface [m].
+  double side_footprint(double depth, Vec2 direction, Vec2 normal) const {
+    const double facing = -dot(direction, normal) / norm(direction);
+    return 0.7 * depth / camera_.fx / std::max(facing, 0.35);
+  }
+
+  const Place& place_;
+  const CameraIntrinsics& camera_;
+  Vec2 eye_;
+  double height_;
+  Columns& out_;
+  Vec2 forward_;
+  Vec2 left_;
+  bool roofed_ = false;
+};
+
+}  // namespace
+
+void find_spans(const Place& place, const CameraIntrinsics& camera, const CameraPose& view, const Paint& paint,
+                std::span<const VisibleSolid> moving, Columns& columns) {
+  Search(place, camera, view, columns).run(paint, moving);
+}
+
+}  // namespace threewe::sim::view

@@ -1,0 +1,77 @@
+// Which surface each column of a picture shows in which rows. Walls and prisms stand upright and the camera is level,
+// so that a column is a problem in the plane: along it, everything is a matter of inverse depth w = 1/x alone.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "sim/renderer_kernel.hpp"
+#include "sim/renderer_place.hpp"
+
+namespace threewe::sim::view {
+
+/// A column begins to show something else at a row. Spans of one row are chained by `next`.
+struct Span {
+  std::int32_t column = 0;
+  std::int32_t next = -1;
+  Fields fields{};
+};
+
+/// A solid that may be in the picture, in the camera's frame. Along the ray (1, s) it lies between the inverse depths
+/// max(far lines) and min(near lines), each of which is `slope * s + offset`; or between the roots of a quadratic.
+struct Candidate {
+  struct Line {
+    double slope = 0.0;
+    double offset = 0.0;
+    int face = 0;
+  };
+  const VisibleSolid* visible = nullptr;
+  Colour colour;
+  bool is_disc = false;
+  bool is_full = false;  // from floor to ceiling: hides all that is behind it
+  int first_column = 0;
+  int last_column = 0;
+  double nearest = 0.0;  // no point of it has a greater inverse depth
+  double low = 0.0;      // heights relative to the eye [m]
+  double high = 0.0;
+  int near_count = 0;
+  int far_count = 0;
+  Line near[4];
+  Line far[4];
+  Vec2 center;          // of a disc
+  double beyond = 0.0;  // square of the distance to its centre, less that of its radius
+};
+
+/// A surface in one column.
+struct Run {
+  enum class Kind : std::uint8_t { nothing, sky, ceiling, floor, side, skirting, top, bottom };
+  Kind kind{};
+  int face = 0;
+  const Candidate* candidate = nullptr;
+  const FloorRoom* room = nullptr;
+  double inverse = 0.0;  // of a side
+};
+
+struct RowRange {
+  int begin = 0;
+  int end = 0;
+};
+
+struct Columns {
+  std::vector<Candidate> candidates;
+  std::vector<std::vector<int>> blocks;  // candidates by blocks of columns, those from floor to ceiling first
+  std::vector<Span> spans;
+  std::vector<std::int32_t> first_span;  // by row
+  std::vector<float> slopes;             // of rows, z / x
+  std::vector<Run> runs;                 // of the column that is being worked on
+  std::vector<RowRange> base;            // rows of its first runs
+  std::vector<float> inverse;            // by row: the largest inverse depth so far, and whose it is
+  std::vector<std::int32_t> owner;
+};
+
+/// Fills `columns.spans`, `first_span` and `slopes`.
+void find_spans(const Place& place, const CameraIntrinsics& camera, const CameraPose& view, const Paint& paint,
+                std::span<const VisibleSolid> moving, Columns& columns);
+
+}  // namespace threewe::sim::view

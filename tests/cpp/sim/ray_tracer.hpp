@@ -1,0 +1,189 @@
+// The renderer's slow, obvious twin: every pixel is one ray in space that is tried against every solid.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include "sim/renderer_place.hpp"
+#include "sim/renderer_textures.hpp"
+#include "threewe/sim/renderer.hpp"
+
+namespace threewe::sim {
+
+/// What a ray meets first.
+struct Hit {
+  double depth = std::numeric_limits<double>::infinity();  ///< [m] along the optical axis
+  std::int16_t id = kNothingId;
+  int solid = -1;
+  int face = -1;
+};
+
+class RayTracer {
+ public:
+  RayTracer(const scene::Scene& scene, const CameraIntrinsics& camera, const CameraPose& view, Paint paint,
+            std::vector<VisibleSolid> moving = {})
+      : place_(scene), solids_(place_.solids), camera_(camera), view_(view), paint_(std::move(paint)) {
+    for (const VisibleSolid& solid : moving) {
+      solids_.push_back(solid);
+      paint_.colours.push_back(solid.colour);
+    }
+  }
+
+  /// The ray through image coordinates (u, v), as slopes: y / x and z / x.
+  Hit cast(double u, double v) const {
+    const double s = (camera_.cx - u) / camera_.fx;
+    const double t = (camera_.cy - v) / camera_.fy;
+    const Vec2 direction = this->direction(s);
+    Hit hit;
+    const auto meet = [&](double depth, std::int16_t id, int solid, int face) {
+      if (depth > 0.0 && depth < hit.depth) hit = {depth, id, solid, face};
+    };
+    if (t < 0.0) meet(-view_.height / t, kFloorId, -1, view::kTopFace);
+    if (t > 0.0 && view_.height < place_.ceiling && place_.ceiling < 1e9) {
+      meet((place_.ceiling - view_.height) / t, kCeilingId, -1, view::kBottomFace);
+    }
+    for (std::size_t i = 0; i < solids_.size(); ++i) {
+      const auto [depth, face] = enter(solids_[i].solid, direction, t);
+      meet(depth, solids_[i].id, static_cast<int>(i), face);
+    }
+    return hit;
+  }
+
+  /// The colour of what a ray meets: its look, its texture interpolated on the level that suits the pixel, its shade.
+  /// `finer` takes that many levels above or below.
+  Colour colour(double u, double v, const Hit& hit, int level_offset) const {
+    const double t = (camera_.cy - v) / camera_.fy;
+    const Vec2 direction = this->direction((camera_.cx - u) / camera_.fx);
+    if (hit.id == kNothingId) return apply(view::sky_look(), 255.0 * std::clamp(t / 0.6, 0.0, 1.0), 1.0);
+    const Vec2 point = view_.pose.position() + hit.depth * direction;
+    const double z = view_.height + hit.depth * t;
+
+    if (hit.id == kFloorId) {
+      const auto* room = place_.room_at(point);
+      const view::Look look = room ? room->floor : place_.outside_floor;
+      return apply(look, texture(look, point, flat_footprint(hit.depth, view_.height), level_offset),
+                   place_.light.at(point));
+    }
+    if (hit.id == kCeilingId) {
+      const double footprint = flat_footprint(hit.depth, place_.ceiling - view_.height);
+      return apply(place_.ceiling_look, texture(place_.ceiling_look, point, footprint, level_offset), 1.0);
+    }
+
+    const VisibleSolid& visible = solids_[static_cast<std::size_t>(hit.solid)];
+    const scene::Solid& solid = visible.solid;
+    const Colour own = paint_.colours[static_cast<std::size_t>(hit.solid)];
+    if (hit.face == view::kTopFace || hit.face == view::kBottomFace) {
+      const bool is_top = hit.face == view::kTopFace;
+      const view::Look look = is_top ? view::top_look(visible, own) : view::bottom_look(visible, own);
+      const double height = std::fabs((is_top ? solid.z_max : solid.z_min) - view_.height);
+      Vec2 axis{1.0, 0.0};
+      if (solid.shape == scene::Solid::Shape::box) {
+        const Vec2 a = solid.corners[1] - solid.corners[0];
+        const Vec2 b = solid.corners[3] - solid.corners[0];
+        axis = norm(a) >= norm(b) ? (1.0 / norm(a)) * a : (1.0 / norm(b)) * b;
+      }
+      const Vec2 local{dot(point - solid.center, axis), dot(point - solid.center, {-axis.y, axis.x})};
+      return apply(look, texture(look, local, flat_footprint(hit.depth, height), level_offset), 1.0);
+    }
+
+    Vec2 normal;
+    double along = 0.0;
+    if (hit.face == view::kRoundFace) {
+      normal = (1.0 / solid.radius) * (point - solid.center);
+      along = solid.radius * std::atan2(normal.y, normal.x);
+    } else {
+      const Vec2 a = solid.corners[static_cast<std::size_t>(hit.face)];
+      const Vec2 edge = solid.corners[static_cast<std::size_t>((hit.face + 1) % 4)] - a;
+      normal = (1.0 / norm(edge)) * Vec2{edge.y, -edge.x};
+      along = dot(point - a, edge) / norm(edge);
+    }
+    const bool is_skirting = visible.id == kWallId && solid.z_min <= 0.0 && z < view::kSkirting;
+    const view::Look look = is_skirting ? view::skirting_look(normal)
+                                        : view::side_look(place_, visible, own, hit.face, normal, point + 0.1 * normal);
+    const double facing = -dot(direction, normal) / norm(direction);
+    const double footprint = 0.7 * hit.depth / camera_.fx / std::max(facing, 0.35);
+    const double size = view::spec(look.material).tile_size;
+    const double shade = static_cast<double>(look.shade) + static_cast<double>(look.shade_rise) * (z / size);
+    return apply(look, texture(look, {along, z}, footprint, level_offset), std::min(1.0, shade));
+  }
+
+ private:
+  Vec2 direction(double s) const {
+    const Vec2 forward{std::cos(view_.pose.theta), std::sin(view_.pose.theta)};
+    return forward + s * Vec2{-forward.y, forward.x};
+  }
+
+  struct Entry {
+    double depth;
+    int face;
+  };
+
+  // Where a ray enters a solid from outside, and by which face.
+  Entry enter(const scene::Solid& solid, Vec2 direction, double t) const {
+    constexpr double kInfinity = std::numeric_limits<double>::infinity();
+    Entry entry{-kInfinity, -1};
+    double leave = kInfinity;
+    const auto half_space = [&](double outside, double speed, int face) {  // outside + depth * speed <= 0 is inside
+      if (speed == 0.0) {
+        if (outside > 0.0) leave = -kInfinity;
+      } else if (speed < 0.0) {
+        if (-outside / speed > entry.depth) entry = {-outside / speed, face};
+      } else {
+        leave = std::min(leave, -outside / speed);
+      }
+    };
+    half_space(view_.height - solid.z_max, t, view::kTopFace);
+    half_space(solid.z_min - view_.height, -t, view::kBottomFace);
+    const Vec2 eye = view_.pose.position();
+    if (solid.shape == scene::Solid::Shape::box) {
+      for (int i = 0; i < 4; ++i) {
+        const Vec2 a = solid.corners[static_cast<std::size_t>(i)];
+        const Vec2 edge = solid.corners[static_cast<std::size_t>((i + 1) % 4)] - a;
+        const Vec2 outward{edge.y, -edge.x};
+        half_space(dot(outward, eye - a), dot(outward, direction), i);
+      }
+    } else {
+      const Vec2 from = eye - solid.center;
+      const double a = dot(direction, direction);
+      const double b = dot(direction, from);
+      const double c = dot(from, from) - solid.radius * solid.radius;
+      const double root = b * b - a * c;
+      if (root < 0.0) return {-1.0, -1};
+      if ((-b - std::sqrt(root)) / a > entry.depth) entry = {(-b - std::sqrt(root)) / a, view::kRoundFace};
+      leave = std::min(leave, (-b + std::sqrt(root)) / a);
+    }
+    return entry.depth < leave ? entry : Entry{-1.0, -1};
+  }
+
+  double flat_footprint(double depth, double height) const {
+    return depth * depth * 0.35 / (camera_.fy * std::fabs(height));
+  }
+
+  static double texture(const view::Look& look, Vec2 point, double footprint, int level_offset) {
+    const double size = view::spec(look.material).tile_size;
+    const double texels = footprint * view::kTileSide / size;
+    const int level = texels < 1.0 ? 0 : std::min(static_cast<int>(std::log2(texels)), view::kTileLevels - 1);
+    const int shifted = std::clamp(level + level_offset, 0, view::kTileLevels - 1);
+    return view::sample(look.material, shifted, point.x / size, point.y / size);
+  }
+
+  static Colour apply(const view::Look& look, double brightness, double shade) {
+    const auto bright = static_cast<float>(brightness);
+    const auto s = static_cast<float>(shade);
+    const auto channel = [&](float dark, float contrast) {
+      return std::clamp(s * (dark + contrast * bright), 0.0F, 255.0F);
+    };
+    return {channel(look.dark.b, look.contrast.b), channel(look.dark.g, look.contrast.g),
+            channel(look.dark.r, look.contrast.r)};
+  }
+
+  view::Place place_;
+  std::vector<VisibleSolid> solids_;
+  CameraIntrinsics camera_;
+  CameraPose view_;
+  Paint paint_;
+};
+
+}  // namespace threewe::sim
