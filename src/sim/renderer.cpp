@@ -1,9 +1,9 @@
 #include "threewe/sim/renderer.hpp"
 
+#include <array>
 #include <cmath>
 #include <cstring>
 #include <string_view>
-#include <vector>
 
 #include <fmt/format.h>
 
@@ -17,9 +17,10 @@ namespace threewe::sim {
 struct RenderScratch::Buffers {
   view::Columns columns;
   view::Row row;
-  std::vector<std::uint8_t> colour;  // of one row, where an image's rows are no whole number of vectors
-  std::vector<float> depth;
-  std::vector<std::int16_t> ids;
+  // of a row in a strip that is no whole number of vectors
+  std::array<std::uint8_t, std::size_t{3} * view::kStripWidth> colour{};
+  std::array<float, view::kStripWidth> depth{};
+  std::array<std::int16_t, view::kStripWidth> ids{};
 };
 
 RenderScratch::RenderScratch() : buffers_(std::make_unique<Buffers>()) {}
@@ -49,20 +50,17 @@ void check_view(const CameraPose& view) {
   }
 }
 
-// Puts the columns' directions and the eye in place.
-void begin_rows(const CameraIntrinsics& camera, const CameraPose& pose, const view::FloorLight& light, view::Row& row) {
-  row.width = camera.width;
-  row.stride = (camera.width + view::kMostLanes - 1) / view::kMostLanes * view::kMostLanes;
-  const auto stride = static_cast<std::size_t>(row.stride);
-  row.fields.assign(view::kFieldCount * stride, 0.0F);
-  row.x_steps.assign(stride, 0.0F);
-  row.y_steps.assign(stride, 0.0F);
+// Puts a strip's directions and the eye in place.
+void begin_strip(const CameraIntrinsics& camera, const CameraPose& pose, const view::FloorLight& light, int first,
+                 int count, view::Row& row) {
+  row.fields = {};
+  row.lanes = (count + view::kMostLanes - 1) / view::kMostLanes * view::kMostLanes;
   const auto [sin, cos] = exact::sincos(pose.pose.theta);
   constexpr double kScale = 1.0 / view::FloorLight::kCell;
-  for (std::size_t i = 0; i < static_cast<std::size_t>(camera.width); ++i) {
-    const double s = (camera.cx - (static_cast<double>(i) + 0.5)) / camera.fx;
-    row.x_steps[i] = static_cast<float>(kScale * (cos - s * sin));
-    row.y_steps[i] = static_cast<float>(kScale * (sin + s * cos));
+  for (int i = 0; i < view::kStripWidth; ++i) {
+    const double s = (camera.cx - (first + i + 0.5)) / camera.fx;
+    row.x_steps[static_cast<std::size_t>(i)] = static_cast<float>(kScale * (cos - s * sin));
+    row.y_steps[static_cast<std::size_t>(i)] = static_cast<float>(kScale * (sin + s * cos));
   }
   const Vec2 eye = kScale * (pose.pose.position() - light.origin);
   row.eye_x = static_cast<float>(eye.x);
@@ -72,12 +70,35 @@ void begin_rows(const CameraIntrinsics& camera, const CameraPose& pose, const vi
 // Lets columns show what begins at a row.
 void turn_to(const view::Columns& columns, std::size_t r, view::Row& row) {
   row.slope = columns.slopes[r];
-  const auto stride = static_cast<std::size_t>(row.stride);
   for (std::int32_t i = columns.first_span[r]; i >= 0;) {
     const view::Span& span = columns.spans[static_cast<std::size_t>(i)];
-    float* field = row.fields.data() + span.column;
-    for (std::size_t k = 0; k < view::kFieldCount; ++k) field[k * stride] = span.fields[k];
+    const auto column = static_cast<std::size_t>(span.column);
+    for (std::size_t k = 0; k < view::kFieldCount; ++k) row.fields[k][column] = span.fields[k];
     i = span.next;
+  }
+}
+
+template <class T, class Buffer>
+T* place_of(std::span<T> image, std::size_t at, bool direct, Buffer& buffer) {
+  return image.empty() ? nullptr : direct ? image.data() + at : buffer.data();
+}
+
+// Draws a strip's rows in place where they are whole vectors, else by way of a buffer.
+void draw_strip(const CameraIntrinsics& camera, const view::FloorLight& light, int first, int count,
+                const Images& images, RenderScratch::Buffers& work) {
+  const auto columns = static_cast<std::size_t>(count);
+  const bool direct = count == work.row.lanes;
+  for (std::size_t r = 0; r < static_cast<std::size_t>(camera.height); ++r) {
+    turn_to(work.columns, r, work.row);
+    const std::size_t at = r * static_cast<std::size_t>(camera.width) + static_cast<std::size_t>(first);
+    const view::RowImages row{place_of(images.colour, 3 * at, direct, work.colour),
+                              place_of(images.depth, at, direct, work.depth),
+                              place_of(images.ids, at, direct, work.ids)};
+    view::draw_row(work.row, light, row);
+    if (direct) continue;
+    if (row.colour) std::memcpy(images.colour.data() + 3 * at, row.colour, 3 * columns);
+    if (row.depth) std::memcpy(images.depth.data() + at, row.depth, columns * sizeof(float));
+    if (row.ids) std::memcpy(images.ids.data() + at, row.ids, columns * sizeof(std::int16_t));
   }
 }
 
@@ -93,31 +114,11 @@ void Renderer::render(const CameraIntrinsics& camera, const CameraPose& view, co
   if (paint.colours.size() != place_->solids.size()) throw ConfigError("the paint is that of another scene");
 
   RenderScratch::Buffers& work = *scratch.buffers_;
-  view::find_spans(*place_, camera, view, paint, moving, work.columns);
-  begin_rows(camera, view, place_->light, work.row);
-
-  // rows of whole vectors are drawn in place, others by way of a buffer
-  const auto width = static_cast<std::size_t>(camera.width);
-  const auto stride = static_cast<std::size_t>(work.row.stride);
-  const bool direct = width == stride;
-  if (!direct) {
-    work.colour.resize(3 * stride);
-    work.depth.resize(stride);
-    work.ids.resize(stride);
-  }
-  for (std::size_t r = 0; r < static_cast<std::size_t>(camera.height); ++r) {
-    turn_to(work.columns, r, work.row);
-    const auto at = [&](const auto& image, auto& buffer, std::size_t channels) {
-      return image.empty() ? nullptr : direct ? image.data() + channels * width * r : buffer.data();
-    };
-    const view::RowImages row{at(images.colour, work.colour, 3), at(images.depth, work.depth, 1),
-                              at(images.ids, work.ids, 1)};
-    view::draw_row(work.row, place_->light, row);
-    if (direct) continue;
-    if (row.colour) std::memcpy(images.colour.data() + 3 * width * r, row.colour, 3 * width);
-    if (row.depth) std::memcpy(images.depth.data() + width * r, row.depth, width * sizeof(float));
-    if (row.ids) std::memcpy(images.ids.data() + width * r, row.ids, width * sizeof(std::int16_t));
-  }
+  const auto draw = [&](int first, int count) {
+    begin_strip(camera, view, place_->light, first, count, work.row);
+    draw_strip(camera, place_->light, first, count, images, work);
+  };
+  view::find_spans(*place_, camera, view, paint, moving, work.columns, draw);
 }
 
 const std::vector<VisibleSolid>& Renderer::solids() const { return place_->solids; }

@@ -24,20 +24,39 @@ class Search {
     roofed_ = place.ceiling < kInfinity && height_ < place.ceiling;
   }
 
-  void run(const Paint& paint, std::span<const VisibleSolid> moving) {
+  void run(const Paint& paint, std::span<const VisibleSolid> moving, const std::function<void(int, int)>& draw) {
     begin();
-    for (std::size_t i = 0; i < place_.solids.size(); ++i) add(place_.solids[i], paint.colours[i]);
-    for (const VisibleSolid& visible : moving) add(visible, visible.colour);
-    sort_into_blocks();
-    for (int column = 0; column < camera_.width; ++column) draw_column(column);
+    for (const Group& group : place_.groups) {
+      if (group.is_full && roofed_) add_wall(place_.solids[group.first], paint.colours[group.first]);
+    }
+    find_nearest_walls();
+    for (const Group& group : place_.groups) {
+      if ((group.is_full && roofed_) || is_hidden(group)) continue;
+      for (std::size_t i = group.first; i < group.last; ++i) add_other(place_.solids[i], paint.colours[i]);
+    }
+    for (const VisibleSolid& visible : moving) add_other(visible, visible.colour);
+
+    for (int first = 0; first < camera_.width; first += kStripWidth) {
+      const int count = std::min(kStripWidth, camera_.width - first);
+      out_.spans.clear();
+      std::ranges::fill(out_.first_span, -1);
+      for (int column = 0; column < count; ++column) draw_column(first + column, column);
+      draw(first, count);
+    }
   }
 
  private:
   void begin() {
-    out_.candidates.clear();
-    out_.spans.clear();
+    out_.walls.clear();
+    out_.others.clear();
     const auto rows = static_cast<std::size_t>(camera_.height);
-    out_.first_span.assign(rows, -1);
+    const auto columns = static_cast<std::size_t>(camera_.width);
+    const std::size_t blocks = (columns + kBlock - 1) / kBlock;
+    out_.blocks.resize(blocks);
+    for (auto& block : out_.blocks) block.clear();
+    out_.block_inverses.assign(blocks, 0.0);
+    out_.wall_hits.assign(columns, {});
+    out_.first_span.resize(rows);
     out_.slopes.resize(rows);
     out_.inverse.resize(rows);
     out_.owner.resize(rows);
@@ -46,31 +65,111 @@ class Search {
     }
   }
 
+  double slope_of(int column) const { return (camera_.cx - (column + 0.5)) / camera_.fx; }
+
   Vec2 to_camera(Vec2 point) const {
     const Vec2 d = point - eye_;
     return {dot(d, forward_), dot(d, left_)};
   }
 
-  // Keeps a solid of which something may be in front of the camera.
-  void add(const VisibleSolid& visible, Colour colour) {
+  // Whether all of a group is beside or behind the picture, or behind walls.
+  bool is_hidden(const Group& group) const {
+    constexpr double kNear = 1e-6;
+    const Vec2 center = to_camera(group.center);
+    const double r = group.radius;
+    if (center.x + r <= 0.0) return true;
+    Reach reach;
+    if (center.x - r > kNear) {
+      const double left = center.y + r;
+      const double right = center.y - r;
+      const double s_max = left / (left > 0.0 ? center.x - r : center.x + r);
+      const double s_min = right / (right < 0.0 ? center.x - r : center.x + r);
+      if (!find_reach(s_min, s_max, center.x - r, reach)) return true;
+    } else {
+      reach = {0, camera_.width - 1, kInfinity};
+    }
+    return is_behind_walls(reach);
+  }
+
+  struct Reach {
+    int first = 0;  // columns
+    int last = 0;
+    double nearest = 0.0;  // inverse depth
+  };
+
+  bool is_behind_walls(const Reach& reach) const {
+    for (int block = reach.first / kBlock; block <= reach.last / kBlock; ++block) {
+      if (reach.nearest > out_.block_inverses[static_cast<std::size_t>(block)]) return false;
+    }
+    return true;
+  }
+
+  // The columns between two slopes, widened by rounding; false when there are none.
+  bool find_reach(double s_min, double s_max, double x_min, Reach& reach) const {
+    const double first = camera_.cx - camera_.fx * s_max - 1.0;
+    const double last = camera_.cx - camera_.fx * s_min + 1.0;
+    if (first > camera_.width || last < 0.0) return false;
+    reach.first = std::min(static_cast<int>(std::max(first, 0.0)), camera_.width - 1);
+    reach.last = static_cast<int>(std::min(last, camera_.width - 1.0));
+    reach.nearest = 1.0 / x_min * (1.0 + 1e-9);
+    return true;
+  }
+
+  void add_wall(const VisibleSolid& visible, Colour colour) {
+    Candidate& c = out_.walls.emplace_back();
+    if (!see(visible, colour, c)) out_.walls.pop_back();
+  }
+
+  void add_other(const VisibleSolid& visible, Colour colour) {
+    Candidate& c = out_.others.emplace_back();
+    if (!see(visible, colour, c) || is_behind_walls({c.first_column, c.last_column, c.nearest})) {
+      out_.others.pop_back();
+      return;
+    }
+    const auto index = static_cast<std::int32_t>(out_.others.size()) - 1;
+    for (int block = c.first_column / kBlock; block <= c.last_column / kBlock; ++block) {
+      const auto b = static_cast<std::size_t>(block);
+      if (c.nearest > out_.block_inverses[b]) out_.blocks[b].push_back(index);
+    }
+  }
+
+  void find_nearest_walls() {
+    for (std::size_t k = 0; k < out_.walls.size(); ++k) {
+      const Candidate& c = out_.walls[k];
+      for (int column = c.first_column; column <= c.last_column; ++column) {
+        auto& hit = out_.wall_hits[static_cast<std::size_t>(column)];
+        if (c.nearest <= hit.inverse) continue;
+        const Interval interval = meet(c, slope_of(column));
+        if (interval.empty() || interval.near <= hit.inverse) continue;
+        hit = {interval.near, static_cast<std::int32_t>(k), interval.face};
+      }
+    }
+    for (std::size_t block = 0; block < out_.blocks.size(); ++block) {
+      double farthest = kInfinity;
+      const std::size_t end = std::min((block + 1) * kBlock, out_.wall_hits.size());
+      for (std::size_t i = block * kBlock; i < end; ++i) farthest = std::min(farthest, out_.wall_hits[i].inverse);
+      out_.block_inverses[block] = farthest;
+    }
+  }
+
+  // Describes a solid as the camera sees it; false when nothing of it can be in the picture.
+  bool see(const VisibleSolid& visible, Colour colour, Candidate& c) const {
     const Solid& solid = visible.solid;
     const Vec2 center = to_camera(solid.center);
-    if (center.x + solid.radius <= 0.0) return;
+    if (center.x + solid.radius <= 0.0) return false;
 
-    Candidate c;
     c.visible = &visible;
     c.colour = colour;
     c.is_disc = solid.shape == Solid::Shape::disc;
     c.low = solid.z_min - height_;
     c.high = solid.z_max - height_;
-    c.is_full = roofed_ && solid.z_min <= 0.0 && solid.z_max >= place_.ceiling;
     Vec2 corners[4];
     for (int i = 0; i < 4; ++i) {
       const double r = solid.radius;
       const Vec2 around[4] = {{-r, -r}, {r, -r}, {r, r}, {-r, r}};
       corners[i] = c.is_disc ? center + around[i] : to_camera(solid.corners[static_cast<std::size_t>(i)]);
     }
-    if (!find_columns(corners, c)) return;
+    if (!find_columns(corners, c)) return false;
 
     if (c.is_disc) {
       c.center = center;
@@ -79,31 +178,28 @@ class Search {
       add_lines(corners, c);
     }
     const bool within_height = c.low <= 0.0 && c.high > 0.0;
-    if (within_height && (c.is_disc ? c.beyond <= 0.0 : c.near_count == 0)) return;  // seen from inside
-    out_.candidates.push_back(c);
+    const bool inside = within_height && (c.is_disc ? c.beyond <= 0.0 : c.near_count == 0);
+    return !inside;  // nothing is seen from inside
   }
 
   // The columns between the corners' outermost ones, and how near they come.
   bool find_columns(const Vec2 (&corners)[4], Candidate& c) const {
     constexpr double kNear = 1e-6;
     double x_min = kInfinity;
-    double s_min = kInfinity;
-    double s_max = -kInfinity;
-    for (const Vec2 corner : corners) {
-      x_min = std::min(x_min, corner.x);
-      s_min = std::min(s_min, corner.y / corner.x);
-      s_max = std::max(s_max, corner.y / corner.x);
+    for (const Vec2 corner : corners) x_min = std::min(x_min, corner.x);
+    Reach reach{0, camera_.width - 1, kInfinity};  // beside the camera: no bound
+    if (x_min > kNear) {
+      double s_min = kInfinity;
+      double s_max = -kInfinity;
+      for (const Vec2 corner : corners) {
+        s_min = std::min(s_min, corner.y / corner.x);
+        s_max = std::max(s_max, corner.y / corner.x);
+      }
+      if (!find_reach(s_min, s_max, x_min, reach)) return false;
     }
-    c.nearest = kInfinity;
-    c.first_column = 0;
-    c.last_column = camera_.width - 1;
-    if (x_min < kNear) return true;  // reaches beside the camera: no bound
-    c.nearest = 1.0 / x_min * (1.0 + 1e-9);
-    const double first = camera_.cx - camera_.fx * s_max - 1.0;
-    const double last = camera_.cx - camera_.fx * s_min + 1.0;
-    if (first > camera_.width || last < 0.0) return false;
-    c.first_column = static_cast<int>(std::max(first, 0.0));
-    c.last_column = static_cast<int>(std::min(last, camera_.width - 1.0));
+    c.first_column = reach.first;
+    c.last_column = reach.last;
+    c.nearest = reach.nearest;
     return true;
   }
 
@@ -119,20 +215,6 @@ class Search {
       } else {
         const double scale = -1.0 / dist;
         c.far[c.far_count++] = {scale * edge.x, -scale * edge.y, i};
-      }
-    }
-  }
-
-  void sort_into_blocks() {
-    out_.blocks.resize(static_cast<std::size_t>((camera_.width + kBlock - 1) / kBlock));
-    for (auto& block : out_.blocks) block.clear();
-    for (const bool full : {true, false}) {
-      for (std::size_t i = 0; i < out_.candidates.size(); ++i) {
-        const Candidate& c = out_.candidates[i];
-        if (c.is_full != full) continue;
-        for (int block = c.first_column / kBlock; block <= c.last_column / kBlock; ++block) {
-          out_.blocks[static_cast<std::size_t>(block)].push_back(static_cast<int>(i));
-        }
       }
     }
   }
@@ -178,32 +260,20 @@ class Search {
     return v >= camera_.height ? camera_.height : static_cast<int>(std::ceil(v));
   }
 
-  void draw_column(int column) {
-    const double s = (camera_.cx - (column + 0.5)) / camera_.fx;
-    const auto& block = out_.blocks[static_cast<std::size_t>(column / kBlock)];
+  // Finds what a column shows; `place` is its number in the strip.
+  void draw_column(int column, int place) {
+    const double s = slope_of(column);
+    const auto& hit = out_.wall_hits[static_cast<std::size_t>(column)];
+    const Candidate* wall = hit.wall < 0 ? nullptr : &out_.walls[static_cast<std::size_t>(hit.wall)];
+    add_base(s, {hit.inverse, 0.0, hit.face}, wall);
 
-    // the nearest wall from floor to ceiling
-    std::size_t k = 0;
-    Interval wall;
-    const Candidate* wall_candidate = nullptr;
-    for (; k < block.size(); ++k) {
-      const Candidate& c = out_.candidates[static_cast<std::size_t>(block[k])];
-      if (!c.is_full) break;
-      if (c.nearest <= wall.near) continue;
-      const Interval interval = meet(c, s);
-      if (interval.empty() || interval.near <= wall.near) continue;
-      wall = interval;
-      wall_candidate = &c;
-    }
-    add_base(s, wall, wall_candidate);
-
-    // what stands before it
+    // what stands before the wall
     bool layered = false;
-    for (; k < block.size(); ++k) {
-      const Candidate& c = out_.candidates[static_cast<std::size_t>(block[k])];
-      if (c.nearest <= wall.near) continue;
+    for (const std::int32_t i : out_.blocks[static_cast<std::size_t>(column / kBlock)]) {
+      const Candidate& c = out_.others[static_cast<std::size_t>(i)];
+      if (c.nearest <= hit.inverse || column < c.first_column || column > c.last_column) continue;
       Interval interval = meet(c, s);
-      interval.far = std::max(interval.far, wall.near);
+      interval.far = std::max(interval.far, hit.inverse);
       if (interval.empty()) continue;
       if (!layered) lay_base();
       layered = true;
@@ -212,13 +282,13 @@ class Search {
 
     if (!layered) {
       for (std::size_t i = 0; i < out_.base.size(); ++i) {
-        if (out_.base[i].begin < out_.base[i].end) add_span(column, s, out_.base[i].begin, out_.runs[i]);
+        if (out_.base[i].begin < out_.base[i].end) add_span(place, s, out_.base[i].begin, out_.runs[i]);
       }
       return;
     }
     for (int row = 0, last = -1; row < camera_.height; ++row) {
       const int owner = out_.owner[static_cast<std::size_t>(row)];
-      if (owner != last) add_span(column, s, row, out_.runs[static_cast<std::size_t>(owner)]);
+      if (owner != last) add_span(place, s, row, out_.runs[static_cast<std::size_t>(owner)]);
       last = owner;
     }
   }
@@ -371,7 +441,7 @@ class Search {
     const Vec2 direction = forward_ + s * left_;
     switch (run.kind) {
       case Run::Kind::nothing:
-      case Run::Kind::sky: fill_look(span.fields, sky_look()); break;
+      case Run::Kind::sky: break;
       case Run::Kind::ceiling:
         fill_flat(span.fields, place_.ceiling_look, {}, {1.0, 0.0}, direction, place_.ceiling - height_);
         span.fields[kId] = kCeilingId;
@@ -379,7 +449,6 @@ class Search {
       case Run::Kind::floor:
         fill_flat(span.fields, run.room ? run.room->floor : place_.outside_floor, {}, {1.0, 0.0}, direction, -height_);
         span.fields[kId] = kFloorId;
-        span.fields[kIsFloor] = 1.0F;
         break;
       case Run::Kind::side:
       case Run::Kind::skirting: fill_side(span.fields, run, direction); break;
@@ -389,12 +458,11 @@ class Search {
   }
 
   static void fill_look(Fields& f, const Look& look) {
-    f[kDarkB] = look.dark.b;
-    f[kDarkG] = look.dark.g;
-    f[kDarkR] = look.dark.r;
-    f[kContrastB] = look.contrast.b;
-    f[kContrastG] = look.contrast.g;
-    f[kContrastR] = look.contrast.r;
+    f[kBlue] = look.colour.b;
+    f[kGreen] = look.colour.g;
+    f[kRed] = look.colour.r;
+    f[kDark] = look.dark;
+    f[kContrast] = look.contrast;
     f[kShade] = look.shade;
     f[kShadeRise] = look.shade_rise;
     f[kTile] = static_cast<float>(static_cast<int>(look.material) * kTileStride);
@@ -481,8 +549,8 @@ class Search {
 }  // namespace
 
 void find_spans(const Place& place, const CameraIntrinsics& camera, const CameraPose& view, const Paint& paint,
-                std::span<const VisibleSolid> moving, Columns& columns) {
-  Search(place, camera, view, columns).run(paint, moving);
+                std::span<const VisibleSolid> moving, Columns& columns, const std::function<void(int, int)>& draw) {
+  Search(place, camera, view, columns).run(paint, moving, draw);
 }
 
 }  // namespace threewe::sim::view

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <vector>
 
@@ -29,7 +30,6 @@ struct Candidate {
   const VisibleSolid* visible = nullptr;
   Colour colour;
   bool is_disc = false;
-  bool is_full = false;  // from floor to ceiling: hides all that is behind it
   int first_column = 0;
   int last_column = 0;
   double nearest = 0.0;  // no point of it has a greater inverse depth
@@ -58,20 +58,32 @@ struct RowRange {
   int end = 0;
 };
 
+/// Working memory.
 struct Columns {
-  std::vector<Candidate> candidates;
-  std::vector<std::vector<int>> blocks;  // candidates by blocks of columns, those from floor to ceiling first
-  std::vector<Span> spans;
-  std::vector<std::int32_t> first_span;  // by row
+  std::vector<Candidate> walls;                   // from floor to ceiling
+  std::vector<Candidate> others;                  // what may be seen before them
+  std::vector<std::vector<std::int32_t>> blocks;  // `others` by blocks of columns
+  struct WallHit {
+    double inverse = 0.0;
+    std::int32_t wall = -1;
+    std::int32_t face = 0;
+  };
+  std::vector<WallHit> wall_hits;      // by column: the nearest wall
+  std::vector<double> block_inverses;  // by block: the farthest of those
+
   std::vector<float> slopes;             // of rows, z / x
-  std::vector<Run> runs;                 // of the column that is being worked on
-  std::vector<RowRange> base;            // rows of its first runs
-  std::vector<float> inverse;            // by row: the largest inverse depth so far, and whose it is
+  std::vector<Span> spans;               // of a strip
+  std::vector<std::int32_t> first_span;  // by row
+
+  std::vector<Run> runs;       // of a column
+  std::vector<RowRange> base;  // rows of its first runs
+  std::vector<float> inverse;  // by row: the largest inverse depth so far, and whose it is
   std::vector<std::int32_t> owner;
 };
 
-/// Fills `columns.spans`, `first_span` and `slopes`.
+/// Works through a picture strip by strip: fills `columns.spans` and `first_span` with what the strip's columns show,
+/// counted from the strip's first, and calls `draw(first, count)`.
 void find_spans(const Place& place, const CameraIntrinsics& camera, const CameraPose& view, const Paint& paint,
-                std::span<const VisibleSolid> moving, Columns& columns);
+                std::span<const VisibleSolid> moving, Columns& columns, const std::function<void(int, int)>& draw);
 
 }  // namespace threewe::sim::view

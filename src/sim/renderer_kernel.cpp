@@ -2,7 +2,6 @@
 // bits are the same for every target.
 #include "sim/renderer_kernel.hpp"
 
-#include <algorithm>
 #include <cstddef>
 
 #include "sim/renderer_textures.hpp"
@@ -46,7 +45,8 @@ HWY_INLINE F level_side(F footprint) {
   return hn::BitCast(d, hn::ShiftLeft<23>(hn::Sub(hn::Set(di, 134), level)));
 }
 
-HWY_INLINE F brightness(F tile, F u, F v, F side) {
+// Where a texture is looked up: all of these are whole numbers below 2^24.
+HWY_INLINE F brightness(const std::int32_t* HWY_RESTRICT texels, F tile, F u, F v, F side) {
   const Floats d;
   const Ints di;
   const F last = hn::Sub(side, hn::Set(d, 1.0F));
@@ -54,37 +54,41 @@ HWY_INLINE F brightness(F tile, F u, F v, F side) {
   const F y = hn::Mul(hn::Sub(v, hn::Floor(v)), side);
   const F x0 = hn::Min(hn::Floor(x), last);
   const F y0 = hn::Min(hn::Floor(y), last);
-  // all of these are whole numbers below 2^24
   const F begin = hn::Sub(hn::Set(d, static_cast<float>(kTileStride)), hn::Mul(hn::Add(side, side), side));
   const F at = hn::Add(hn::Add(tile, begin), hn::Add(hn::Mul(y0, side), x0));
-  const I texel = hn::GatherIndex(di, reinterpret_cast<const std::int32_t*>(tiles().data()), hn::ConvertTo(di, at));
+  const I texel = hn::GatherIndex(di, texels, hn::ConvertTo(di, at));
   return interpolate(texel, hn::Sub(x, x0), hn::Sub(y, y0));
 }
 
 HWY_INLINE F floor_light(const Row& row, const FloorLight& light, std::size_t i, F depth) {
   const Floats d;
   const Ints di;
-  const auto clamp = [&](F x, int count) {
+  const auto clamp = [&](F x, int count) HWY_ATTR {
     return hn::Min(hn::Max(x, hn::Zero(d)), hn::Set(d, static_cast<float>(count - 1)));
   };
-  const F x = clamp(hn::Add(hn::Set(d, row.eye_x), hn::Mul(depth, hn::LoadU(d, row.x_steps.data() + i))), light.width);
-  const F y = clamp(hn::Add(hn::Set(d, row.eye_y), hn::Mul(depth, hn::LoadU(d, row.y_steps.data() + i))), light.height);
+  const F x = clamp(hn::Add(hn::Set(d, row.eye_x), hn::Mul(depth, hn::Load(d, row.x_steps.data() + i))), light.width);
+  const F y = clamp(hn::Add(hn::Set(d, row.eye_y), hn::Mul(depth, hn::Load(d, row.y_steps.data() + i))), light.height);
   const F x0 = hn::Floor(x);
   const F y0 = hn::Floor(y);
   const F at = hn::Add(hn::Mul(y0, hn::Set(d, static_cast<float>(light.width))), x0);
-  const I cell = hn::GatherIndex(di, reinterpret_cast<const std::int32_t*>(light.cells.data()), hn::ConvertTo(di, at));
+  const auto* cells = reinterpret_cast<const std::int32_t*>(light.cells.data());
+  const I cell = hn::GatherIndex(di, cells, hn::ConvertTo(di, at));
   return hn::Mul(interpolate(cell, hn::Sub(x, x0), hn::Sub(y, y0)), hn::Set(d, 1.0F / 255.0F));
 }
 
-void draw(const Row& row, const FloorLight& light, const RowImages& images) {
+HWY_INLINE auto to_byte(F value) {
   const Floats d;
   const Ints di;
-  const auto field = [&](Field which, std::size_t i) {
-    return hn::LoadU(d, row.fields.data() + which * static_cast<std::size_t>(row.stride) + i);
-  };
+  return hn::DemoteTo(Bytes(), hn::ConvertTo(di, hn::Add(value, hn::Set(d, 0.5F))));
+}
+
+void draw(const Row& row, const FloorLight& light, const std::uint32_t* texels, const RowImages& images) {
+  const Floats d;
+  const Ints di;
+  const auto field = [&](Field which, std::size_t i) HWY_ATTR { return hn::Load(d, row.fields[which].data() + i); };
   const F slope = hn::Set(d, row.slope);
-  const F sky = hn::Set(d, 255.0F * std::clamp(row.slope / kSteepest, 0.0F, 1.0F));
-  for (std::size_t i = 0; i < static_cast<std::size_t>(row.stride); i += hn::Lanes(d)) {
+  const Colour sky = sky_colour(row.slope);
+  for (std::size_t i = 0; i < static_cast<std::size_t>(row.lanes); i += hn::Lanes(d)) {
     // how far it is
     const F id = field(kId, i);
     const F inverse = hn::Add(field(kInverse, i), hn::Mul(field(kInverseRise, i), slope));
@@ -99,22 +103,26 @@ void draw(const Row& row, const FloorLight& light, const RowImages& images) {
     const F v_step = hn::Add(field(kVStep, i), hn::Mul(field(kVRise, i), slope));
     const F v = hn::Add(field(kV, i), hn::Mul(depth, v_step));
     const F footprint = hn::Add(field(kFootprint, i), hn::Mul(hn::Mul(depth, depth), field(kFootprintRise, i)));
-    const F texture = brightness(field(kTile, i), u, v, level_side(footprint));
-    const F bright = hn::IfThenElse(something, texture, sky);
+    const F bright =
+        brightness(reinterpret_cast<const std::int32_t*>(texels), field(kTile, i), u, v, level_side(footprint));
 
     // its shade
     F shade = hn::Min(hn::Set(d, 1.0F), hn::Add(field(kShade, i), hn::Mul(field(kShadeRise, i), v)));
-    const auto is_floor = hn::Gt(field(kIsFloor, i), hn::Zero(d));
+    const auto is_floor = hn::Eq(id, hn::Set(d, static_cast<float>(kFloorId)));
     if (!hn::AllFalse(d, is_floor)) {
       shade = hn::IfThenElse(is_floor, floor_light(row, light, i, depth), shade);
     }
-    const auto channel = [&](Field dark, Field contrast) {
-      const F value = hn::Add(field(dark, i), hn::Mul(field(contrast, i), bright));
-      const I rounded = hn::ConvertTo(di, hn::Add(hn::Mul(value, shade), hn::Set(d, 0.5F)));
-      return hn::DemoteTo(Bytes(), rounded);
-    };
-    hn::StoreInterleaved3(channel(kDarkB, kContrastB), channel(kDarkG, kContrastG), channel(kDarkR, kContrastR),
-                          Bytes(), images.colour + 3 * i);
+    shade = hn::Mul(shade, hn::Add(field(kDark, i), hn::Mul(field(kContrast, i), bright)));
+
+    F blue = hn::Mul(field(kBlue, i), shade);
+    F green = hn::Mul(field(kGreen, i), shade);
+    F red = hn::Mul(field(kRed, i), shade);
+    if (!hn::AllTrue(d, something)) {
+      blue = hn::IfThenElse(something, blue, hn::Set(d, sky.b));
+      green = hn::IfThenElse(something, green, hn::Set(d, sky.g));
+      red = hn::IfThenElse(something, red, hn::Set(d, sky.r));
+    }
+    hn::StoreInterleaved3(to_byte(blue), to_byte(green), to_byte(red), Bytes(), images.colour + 3 * i);
   }
 }
 
@@ -127,7 +135,7 @@ namespace threewe::sim::view {
 HWY_EXPORT(draw);
 
 void draw_row(const Row& row, const FloorLight& light, const RowImages& images) {
-  HWY_DYNAMIC_DISPATCH(draw)(row, light, images);
+  HWY_DYNAMIC_DISPATCH(draw)(row, light, tiles().data(), images);
 }
 
 }  // namespace threewe::sim::view

@@ -3,7 +3,6 @@
 
 #include <array>
 #include <cstdint>
-#include <vector>
 
 #include "sim/renderer_place.hpp"
 
@@ -13,6 +12,7 @@ namespace threewe::sim::view {
 ///   inverse depth      w = inverse + inverse_rise * t
 ///   texture [tiles]    u = u + u_step / w,  v = v + (v_step + v_rise * t) / w
 ///   texels per pixel   footprint + footprint_rise / w^2
+///   colour             (b, g, r) * (dark + contrast * brightness) * min(1, shade + shade_rise * v)
 enum Field : std::uint8_t {
   kInverse,
   kInverseRise,
@@ -23,37 +23,37 @@ enum Field : std::uint8_t {
   kVRise,
   kFootprint,
   kFootprintRise,
-  kDarkB,
-  kDarkG,
-  kDarkR,
-  kContrastB,
-  kContrastG,
-  kContrastR,
+  kBlue,
+  kGreen,
+  kRed,
+  kDark,
+  kContrast,
   kShade,
   kShadeRise,
   kTile,  // where the material's tile begins
   kId,
-  kIsFloor,  // 1: lit by `FloorLight`
   kFieldCount,
 };
 using Fields = std::array<float, kFieldCount>;
 
-/// Rows of pixels are worked on in vectors of up to this many.
+/// A picture is drawn in strips of this many columns, so that all that a row needs stays close at hand.
+inline constexpr int kStripWidth = 128;
+
+/// A part of a row of pixels: what each of its columns shows there. Columns beyond the picture show nothing.
+struct Row {
+  alignas(64) std::array<std::array<float, kStripWidth>, kFieldCount> fields;
+  alignas(
+      64) std::array<float, kStripWidth> x_steps;  // world direction of each column, for depth 1 [floor light cells]
+  alignas(64) std::array<float, kStripWidth> y_steps;
+  int lanes = 0;       // how many of the columns to draw, rounded up to whole vectors
+  float eye_x = 0.0F;  // relative to the floor's light [cells]
+  float eye_y = 0.0F;
+  float slope = 0.0F;  // t
+};
+/// Columns are drawn in whole multiples of this.
 inline constexpr int kMostLanes = 16;
 
-/// The state of every column at the row that is being drawn.
-struct Row {
-  int width = 0;
-  int stride = 0;              ///< `width` rounded up to whole vectors: from one field to the next
-  std::vector<float> fields;   ///< (kFieldCount, stride)
-  std::vector<float> x_steps;  ///< (stride), world direction of each column, for depth 1
-  std::vector<float> y_steps;
-  float eye_x = 0.0F;  ///< relative to the floor's light [cells]
-  float eye_y = 0.0F;
-  float slope = 0.0F;  ///< t
-};
-
-/// Where a row goes; null where it is left out. Room for `Row::stride` pixels each.
+/// Where pixels go; null where an image is left out. Room for `Row::lanes` each.
 struct RowImages {
   std::uint8_t* colour = nullptr;
   float* depth = nullptr;

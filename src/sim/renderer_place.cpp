@@ -151,7 +151,30 @@ FloorLight make_light(const std::vector<VisibleSolid>& solids) {
   return light;
 }
 
-Colour scaled(Colour colour, float s) { return {colour.b * s, colour.g * s, colour.r * s}; }
+// Walls from floor to ceiling each on their own, all else by what it belongs to.
+std::vector<Group> make_groups(const std::vector<VisibleSolid>& solids, double ceiling) {
+  std::vector<Group> groups;
+  for (std::size_t i = 0; i < solids.size(); ++i) {
+    const bool is_full = solids[i].solid.z_min <= 0.0 && solids[i].solid.z_max >= ceiling;
+    const bool joins = !is_full && !groups.empty() && !groups.back().is_full && solids[i].id != kWallId &&
+                       solids[groups.back().first].id == solids[i].id;
+    if (joins) {
+      groups.back().last = i + 1;
+    } else {
+      groups.push_back({i, i + 1, {}, 0.0, is_full});
+    }
+  }
+  for (Group& group : groups) {
+    for (std::size_t i = group.first; i < group.last; ++i) {
+      group.center = group.center + (1.0 / static_cast<double>(group.last - group.first)) * solids[i].solid.center;
+    }
+    for (std::size_t i = group.first; i < group.last; ++i) {
+      const Solid& solid = solids[i].solid;
+      group.radius = std::max(group.radius, distance(solid.center, group.center) + solid.radius);
+    }
+  }
+  return groups;
+}
 
 }  // namespace
 
@@ -192,6 +215,7 @@ Place::Place(const scene::Scene& scene)
     const scene::Room& room = scene.rooms[i];
     rooms.push_back({room.min, room.max, floor_look(room.floor), kWallPaints[i % kWallPaints.size()]});
   }
+  groups = make_groups(solids, ceiling);
   light = make_light(solids);
 }
 
@@ -204,11 +228,7 @@ const FloorRoom* Place::room_at(Vec2 point) const {
 
 Look make_look(Material material, Colour colour, float shade) {
   const MaterialSpec& s = spec(material);
-  Look look;
-  look.material = material;
-  look.dark = scaled(colour, shade * s.dark);
-  look.contrast = scaled(colour, shade * (s.light - s.dark) / 255.0F);
-  return look;
+  return {material, colour, shade * s.dark, shade * (s.light - s.dark) / 255.0F};
 }
 
 float side_shade(Vec2 normal) { return static_cast<float>(0.86 + 0.11 * (0.6 * normal.x + 0.8 * normal.y)); }
@@ -240,15 +260,13 @@ Look bottom_look(const VisibleSolid& solid, Colour colour) {
   return solid.id == kWallId ? make_look(Material::trim, kTrim, 0.78F) : make_look(solid.material, colour, 0.55F);
 }
 
-Look sky_look() {
+Colour sky_colour(float slope) {
   constexpr Colour kHorizon = rgb(226, 232, 236);
   constexpr Colour kZenith = rgb(122, 164, 208);
-  Look look;
-  look.material = Material::sky;
-  look.dark = kHorizon;
-  look.contrast = {(kZenith.b - kHorizon.b) / 255.0F, (kZenith.g - kHorizon.g) / 255.0F,
-                   (kZenith.r - kHorizon.r) / 255.0F};
-  return look;
+  constexpr float kSteepest = 0.6F;
+  const float t = std::clamp(slope / kSteepest, 0.0F, 1.0F);
+  return {kHorizon.b + t * (kZenith.b - kHorizon.b), kHorizon.g + t * (kZenith.g - kHorizon.g),
+          kHorizon.r + t * (kZenith.r - kHorizon.r)};
 }
 
 std::vector<Solid> lintels(const scene::Scene& scene) {

@@ -1,6 +1,7 @@
 // What a renderer knows about its scene before it draws: solids, rooms, shade on the floor, and how faces look.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
@@ -13,12 +14,13 @@ inline constexpr int kTopFace = 4;
 inline constexpr int kBottomFace = 5;
 inline constexpr int kRoundFace = 6;
 
-/// How a face takes colour from its texture: (dark + contrast * brightness) * min(1, shade + shade_rise * v), where
-/// brightness is 0 to 255 and v is in tiles.
+/// How a face takes colour from its texture: colour * (dark + contrast * brightness) * min(1, shade + shade_rise * v),
+/// where brightness is 0 to 255 and v is in tiles.
 struct Look {
   Material material{};
-  Colour dark;
-  Colour contrast;
+  Colour colour;
+  float dark = 1.0F;
+  float contrast = 0.0F;
   float shade = 1.0F;
   float shade_rise = 0.0F;
 };
@@ -42,8 +44,18 @@ struct FloorRoom {
   Colour wall;
 };
 
+/// Solids that stand together, as those of an object do, and a circle around them.
+struct Group {
+  std::size_t first = 0;
+  std::size_t last = 0;
+  Vec2 center;
+  double radius = 0.0;
+  bool is_full = false;  // one wall from floor to ceiling: hides all that is behind it
+};
+
 struct Place {
   std::vector<VisibleSolid> solids;
+  std::vector<Group> groups;
   std::vector<int> palettes;  // of each solid: what `Paint` may choose from; -1 for walls
   std::vector<FloorRoom> rooms;
   Look outside_floor;
@@ -70,9 +82,8 @@ Look side_look(const Place& place, const VisibleSolid& solid, Colour colour, int
 Look skirting_look(Vec2 normal);
 Look top_look(const VisibleSolid& solid, Colour colour);
 Look bottom_look(const VisibleSolid& solid, Colour colour);
-/// The sky is as bright as the ray is steep: 255 from this slope, z / x, upwards.
-inline constexpr float kSteepest = 0.6F;
-Look sky_look();
+/// The sky at a slope above the horizon, z / x of the ray.
+Colour sky_colour(float slope);
 
 /// A lintel over each doorway whose wall reaches higher.
 std::vector<scene::Solid> lintels(const scene::Scene& scene);

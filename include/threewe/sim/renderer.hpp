@@ -84,9 +84,10 @@ class RenderScratch {
   RenderScratch(RenderScratch&&) noexcept;
   RenderScratch& operator=(RenderScratch&&) noexcept;
 
+  struct Buffers;
+
  private:
   friend class Renderer;
-  struct Buffers;
   std::unique_ptr<Buffers> buffers_;
 };
 

@@ -56,7 +56,7 @@ class RayTracer {
   Colour colour(double u, double v, const Hit& hit, int level_offset) const {
     const double t = (camera_.cy - v) / camera_.fy;
     const Vec2 direction = this->direction((camera_.cx - u) / camera_.fx);
-    if (hit.id == kNothingId) return apply(view::sky_look(), 255.0 * std::clamp(t / 0.6, 0.0, 1.0), 1.0);
+    if (hit.id == kNothingId) return view::sky_colour(static_cast<float>(t));
     const Vec2 point = view_.pose.position() + hit.depth * direction;
     const double z = view_.height + hit.depth * t;
 
@@ -170,13 +170,9 @@ class RayTracer {
   }
 
   static Colour apply(const view::Look& look, double brightness, double shade) {
-    const auto bright = static_cast<float>(brightness);
-    const auto s = static_cast<float>(shade);
-    const auto channel = [&](float dark, float contrast) {
-      return std::clamp(s * (dark + contrast * bright), 0.0F, 255.0F);
-    };
-    return {channel(look.dark.b, look.contrast.b), channel(look.dark.g, look.contrast.g),
-            channel(look.dark.r, look.contrast.r)};
+    const float light = static_cast<float>(shade) * (look.dark + look.contrast * static_cast<float>(brightness));
+    const auto channel = [&](float own) { return std::clamp(own * light, 0.0F, 255.0F); };
+    return {channel(look.colour.b), channel(look.colour.g), channel(look.colour.r)};
   }
 
   view::Place place_;

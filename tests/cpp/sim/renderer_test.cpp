@@ -170,8 +170,8 @@ scene::Scene random_scene(Draw& draw) {
 }
 
 CameraIntrinsics random_camera(Draw& draw) {
-  const std::pair<int, int> sizes[] = {{48, 36}, {64, 64}, {1, 1}, {1, 120}, {120, 1}, {33, 17}, {50, 40}};
-  const auto [width, height] = sizes[draw.whole(0, 6)];
+  const std::pair<int, int> sizes[] = {{48, 36}, {64, 64}, {1, 1}, {1, 120}, {120, 1}, {33, 17}, {50, 40}, {300, 9}};
+  const auto [width, height] = sizes[draw.whole(0, 7)];
   CameraIntrinsics camera = make_intrinsics(width, height, draw(0.3, 2.2));
   if (width == 1) camera.fx = camera.fy = draw(20.0, 60.0);
   if (draw.whole(0, 2) == 0) camera.cx += draw(-20.0, 20.0), camera.cy += draw(-20.0, 20.0), camera.fy *= 1.3;
