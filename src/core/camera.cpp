@@ -12,6 +12,8 @@ namespace {
 
 constexpr int kMaxSide = 16384;         // [px]
 constexpr long kMaxPixels = 1L << 26U;  // of one image
+constexpr double kShortest = 1e-2;      // [px]
+constexpr double kFarthest = 1e6;       // [px]
 
 }  // namespace
 
@@ -29,11 +31,13 @@ void check(const CameraIntrinsics& camera) {
         fmt::format("a camera image of {} x {} pixels: sides must be 1 to {}, and at most {} pixels in all", width,
                     height, kMaxSide, kMaxPixels));
   }
-  if (!(fx > 0.0 && fy > 0.0 && std::isfinite(fx) && std::isfinite(fy) && std::isfinite(cx) && std::isfinite(cy))) {
+  const auto focal_ok = [](double f) { return f >= kShortest && f <= kFarthest; };
+  const auto centre_ok = [](double c) { return std::fabs(c) <= kFarthest; };
+  if (!focal_ok(fx) || !focal_ok(fy) || !centre_ok(cx) || !centre_ok(cy)) {
     throw ConfigError(
-        fmt::format("camera with fx = {}, fy = {}, cx = {}, cy = {}: focal lengths must be positive, all "
-                    "must be finite",
-                    fx, fy, cx, cy));
+        fmt::format("camera with fx = {}, fy = {}, cx = {}, cy = {}: focal lengths must be {} to {} pixels, the "
+                    "principal point within {} pixels of the corner",
+                    fx, fy, cx, cy, kShortest, kFarthest, kFarthest));
   }
 }
 

@@ -44,9 +44,14 @@ void check_images(const CameraIntrinsics& camera, const Images& images) {
 }
 
 void check_view(const CameraPose& view) {
-  if (!is_finite(view.pose)) throw ConfigError("the camera's pose is not finite");
-  if (!(view.height > 0.0 && std::isfinite(view.height))) {
-    throw ConfigError(fmt::format("the camera is at a height of {} m; it must be above the floor", view.height));
+  constexpr double kFarthest = 1e5;  // [m]: beyond it, single precision has no textures
+  const auto [x, y, theta] = view.pose;
+  if (!(std::fabs(x) <= kFarthest && std::fabs(y) <= kFarthest && std::isfinite(theta))) {
+    throw ConfigError(
+        fmt::format("the camera is at ({}, {}), heading {}: it must be within {} m", x, y, theta, kFarthest));
+  }
+  if (!(view.height > 0.0 && view.height <= kFarthest)) {
+    throw ConfigError(fmt::format("the camera is at a height of {} m: it must be above the floor", view.height));
   }
 }
 

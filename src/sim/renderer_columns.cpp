@@ -286,11 +286,7 @@ class Search {
       }
       return;
     }
-    for (int row = 0, last = -1; row < camera_.height; ++row) {
-      const int owner = out_.owner[static_cast<std::size_t>(row)];
-      if (owner != last) add_span(place, s, row, out_.runs[static_cast<std::size_t>(owner)]);
-      last = owner;
-    }
+    add_spans(place, s);
   }
 
   // Ceiling or sky, the wall, the floor: from top to bottom without a gap.
@@ -429,6 +425,28 @@ class Search {
     }
   }
 
+  // One span for each stretch of rows with one owner. Most rows have that of the row above: look at many at a time.
+  void add_spans(int column, double s) {
+    constexpr std::size_t kAtOnce = 16;
+    const std::size_t rows = out_.owner.size();
+    const std::int32_t* owner = out_.owner.data();
+    const auto add = [&](std::size_t row) {
+      add_span(column, s, static_cast<int>(row), out_.runs[static_cast<std::size_t>(owner[row])]);
+    };
+    add(0);
+    for (std::size_t begin = 1; begin < rows; begin += kAtOnce) {
+      const std::size_t end = std::min(begin + kAtOnce, rows);
+      if (end == begin + kAtOnce) {
+        std::int32_t changes = 0;
+        for (std::size_t i = 0; i < kAtOnce; ++i) changes |= owner[begin + i] ^ owner[begin + i - 1];
+        if (changes == 0) continue;
+      }
+      for (std::size_t r = begin; r < end; ++r) {
+        if (owner[r] != owner[r - 1]) add(r);
+      }
+    }
+  }
+
   void add_span(int column, double s, int row, const Run& run) {
     auto& first = out_.first_span[static_cast<std::size_t>(row)];
     Span& span = out_.spans.emplace_back();
@@ -465,7 +483,7 @@ class Search {
     f[kContrast] = look.contrast;
     f[kShade] = look.shade;
     f[kShadeRise] = look.shade_rise;
-    f[kTile] = static_cast<float>(static_cast<int>(look.material) * kTileStride);
+    f[kTile] = static_cast<float>(static_cast<int>(look.material) * kTileRows);
   }
 
   // A level surface `height` above the eye, with its texture along `axis` from `origin`.

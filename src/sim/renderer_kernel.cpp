@@ -2,7 +2,9 @@
 // bits are the same for every target.
 #include "sim/renderer_kernel.hpp"
 
+#include <algorithm>
 #include <cstddef>
+#include <cstdint>
 
 #include "sim/renderer_textures.hpp"
 
@@ -18,68 +20,123 @@ namespace hn = hwy::HWY_NAMESPACE;
 using Floats = hn::CappedTag<float, kMostLanes>;
 using Ints = hn::RebindToSigned<Floats>;
 using Shorts = hn::Rebind<std::int16_t, Floats>;
-using Bytes = hn::Rebind<std::uint8_t, Floats>;
+using Words = hn::RebindToUnsigned<Floats>;
 using F = hn::Vec<Floats>;
-using I = hn::Vec<Ints>;
+using W = hn::Vec<Words>;
 
-// Interpolates between the four bytes of a cell, 0 to 255.
-HWY_INLINE F interpolate(I cell, F x, F y) {
+// Adding this to a number in [0, 2^22) leaves the nearest whole number in the low bits: one operation, where converting
+// takes several that guard against overflow.
+constexpr float kRounder = 8388608.0F;
+constexpr std::uint32_t kRounderBits = 0x4B000000U;
+
+HWY_INLINE W rounded(F x) {
   const Floats d;
-  const Ints di;
-  const I byte = hn::Set(di, 255);
-  const F a = hn::ConvertTo(d, hn::And(cell, byte));
-  const F b = hn::ConvertTo(d, hn::And(hn::ShiftRight<8>(cell), byte));
-  const F c = hn::ConvertTo(d, hn::And(hn::ShiftRight<16>(cell), byte));
-  const F e = hn::ConvertTo(d, hn::And(hn::ShiftRight<24>(cell), byte));
-  const F low = hn::Add(a, hn::Mul(x, hn::Sub(b, a)));
-  const F high = hn::Add(c, hn::Mul(x, hn::Sub(e, c)));
-  return hn::Add(low, hn::Mul(y, hn::Sub(high, low)));
+  return hn::BitCast(Words(), hn::Add(x, hn::Set(d, kRounder)));
 }
 
-// The number of texels across the level that suits a footprint [texels of level 0]: a power of two.
+// Interpolates between the four bytes of a cell by the low 8 bits of x and y, in 1/65536. Two bytes at a time share a
+// word.
+HWY_INLINE F interpolate(W cell, W x, W y) {
+  const Floats d;
+  const Words dw;
+  const Ints di;
+  const W two_bytes = hn::Set(dw, 0x00FF00FFU);
+  const W one = hn::Set(dw, 256U);
+  const W weight_x = hn::And(x, hn::Set(dw, 255U));
+  const W weight_y = hn::And(y, hn::Set(dw, 255U));
+  const W left = hn::And(cell, two_bytes);
+  const W right = hn::And(hn::ShiftRight<8>(cell), two_bytes);
+  const W both = hn::Add(hn::Mul(left, hn::Sub(one, weight_x)), hn::Mul(right, weight_x));
+  const W low = hn::And(both, hn::Set(dw, 0xFFFFU));
+  const W high = hn::ShiftRight<16>(both);
+  const W sum = hn::Add(hn::Mul(low, hn::Sub(one, weight_y)), hn::Mul(high, weight_y));
+  return hn::ConvertTo(d, hn::BitCast(di, sum));
+}
+
+// Loads one word for each lane. One by one: the gather of AVX2 is slower on the machines that it was measured on.
+HWY_INLINE W look_up(const std::uint32_t* HWY_RESTRICT words, W index) {
+  const Words dw;
+  HWY_ALIGN std::uint32_t at[kMostLanes];
+  HWY_ALIGN std::uint32_t found[kMostLanes];
+  hn::Store(index, dw, at);
+  for (std::size_t i = 0; i < hn::Lanes(dw); ++i) found[i] = words[at[i]];
+  return hn::Load(dw, found);
+}
+
+// 256 times the number of texels across the level that suits a footprint [texels of level 0]: a power of two, made
+// from the exponent.
 HWY_INLINE F level_side(F footprint) {
   const Floats d;
-  const Ints di;
-  const I exponent = hn::Sub(hn::ShiftRight<23>(hn::BitCast(di, footprint)), hn::Set(di, 127));
-  const I level = hn::Min(hn::Max(exponent, hn::Zero(di)), hn::Set(di, kTileLevels - 1));
-  return hn::BitCast(d, hn::ShiftLeft<23>(hn::Sub(hn::Set(di, 134), level)));
+  const Words dw;
+  constexpr std::uint32_t kOne = 127U << 23U;
+  constexpr std::uint32_t kCoarsest = (127U + kTileLevels - 1U) << 23U;
+  constexpr std::uint32_t kProduct = (127U + 127U + 15U) << 23U;  // 2^e times 2^(15 - e)
+  const W power = hn::And(hn::BitCast(dw, footprint), hn::Set(dw, 0x7F800000U));
+  const W within = hn::Min(hn::Max(power, hn::Set(dw, kOne)), hn::Set(dw, kCoarsest));
+  return hn::BitCast(d, hn::Sub(hn::Set(dw, kProduct), within));
 }
 
-// Where a texture is looked up: all of these are whole numbers below 2^24.
-HWY_INLINE F brightness(const std::int32_t* HWY_RESTRICT texels, F tile, F u, F v, F side) {
+// Brightness in 1/65536, from a texture.
+HWY_INLINE F brightness(const std::uint32_t* HWY_RESTRICT texels, F tile, F u, F v, F footprint) {
   const Floats d;
-  const Ints di;
-  const F last = hn::Sub(side, hn::Set(d, 1.0F));
-  const F x = hn::Mul(hn::Sub(u, hn::Floor(u)), side);
-  const F y = hn::Mul(hn::Sub(v, hn::Floor(v)), side);
-  const F x0 = hn::Min(hn::Floor(x), last);
-  const F y0 = hn::Min(hn::Floor(y), last);
-  const F begin = hn::Sub(hn::Set(d, static_cast<float>(kTileStride)), hn::Mul(hn::Add(side, side), side));
-  const F at = hn::Add(hn::Add(tile, begin), hn::Add(hn::Mul(y0, side), x0));
-  const I texel = hn::GatherIndex(di, texels, hn::ConvertTo(di, at));
-  return interpolate(texel, hn::Sub(x, x0), hn::Sub(y, y0));
+  const Words dw;
+  const F side = level_side(footprint);
+  const F first = hn::Sub(hn::Mul(hn::Add(tile, hn::Set(d, 3.0F * kTileSide)), hn::Set(d, 256.0F)),
+                          hn::Mul(side, hn::Set(d, 3.0F)));
+  const W x = rounded(hn::Mul(hn::Sub(u, hn::Floor(u)), side));
+  const W y = rounded(hn::Add(first, hn::Mul(hn::Sub(v, hn::Floor(v)), side)));
+  constexpr std::uint32_t kZero = (kRounderBits >> 8U) * (kTexelStride + 1U);
+  const W row = hn::Mul(hn::ShiftRight<8>(y), hn::Set(dw, static_cast<std::uint32_t>(kTexelStride)));
+  const W index = hn::Sub(hn::Add(row, hn::ShiftRight<8>(x)), hn::Set(dw, kZero));
+  return interpolate(look_up(texels, index), x, y);
 }
 
 HWY_INLINE F floor_light(const Row& row, const FloorLight& light, std::size_t i, F depth) {
   const Floats d;
-  const Ints di;
-  const auto clamp = [&](F x, int count) HWY_ATTR {
-    return hn::Min(hn::Max(x, hn::Zero(d)), hn::Set(d, static_cast<float>(count - 1)));
+  const Words dw;
+  const auto fixed = [&](F x, int count) HWY_ATTR {
+    const F last = hn::Set(d, static_cast<float>(count - 1));
+    return rounded(hn::Mul(hn::Min(hn::Max(x, hn::Zero(d)), last), hn::Set(d, 256.0F)));
   };
-  const F x = clamp(hn::Add(hn::Set(d, row.eye_x), hn::Mul(depth, hn::Load(d, row.x_steps.data() + i))), light.width);
-  const F y = clamp(hn::Add(hn::Set(d, row.eye_y), hn::Mul(depth, hn::Load(d, row.y_steps.data() + i))), light.height);
-  const F x0 = hn::Floor(x);
-  const F y0 = hn::Floor(y);
-  const F at = hn::Add(hn::Mul(y0, hn::Set(d, static_cast<float>(light.width))), x0);
-  const auto* cells = reinterpret_cast<const std::int32_t*>(light.cells.data());
-  const I cell = hn::GatherIndex(di, cells, hn::ConvertTo(di, at));
-  return hn::Mul(interpolate(cell, hn::Sub(x, x0), hn::Sub(y, y0)), hn::Set(d, 1.0F / 255.0F));
+  const W x = fixed(hn::Add(hn::Set(d, row.eye_x), hn::Mul(depth, hn::Load(d, row.x_steps.data() + i))), light.width);
+  const W y = fixed(hn::Add(hn::Set(d, row.eye_y), hn::Mul(depth, hn::Load(d, row.y_steps.data() + i))), light.height);
+  const auto width = static_cast<std::uint32_t>(light.width);
+  const W begin = hn::Mul(hn::ShiftRight<8>(y), hn::Set(dw, width));
+  const W zero = hn::Set(dw, (kRounderBits >> 8U) * (width + 1U));
+  const W index = hn::Sub(hn::Add(begin, hn::ShiftRight<8>(x)), zero);
+  return hn::Mul(interpolate(look_up(light.cells.data(), index), x, y), hn::Set(d, 1.0F / (255.0F * 65536.0F)));
 }
 
-HWY_INLINE auto to_byte(F value) {
+// Blue, green and red of a pixel in the low bytes of a word.
+HWY_INLINE W pack(F blue, F green, F red) {
   const Floats d;
-  const Ints di;
-  return hn::DemoteTo(Bytes(), hn::ConvertTo(di, hn::Add(value, hn::Set(d, 0.5F))));
+  const Words dw;
+  const F most = hn::Set(d, 255.0F);
+  const W byte = hn::Set(dw, 255U);
+  const W b = hn::And(rounded(hn::Min(blue, most)), byte);
+  const W g = hn::ShiftLeft<8>(hn::And(rounded(hn::Min(green, most)), byte));
+  const W r = hn::ShiftLeft<16>(rounded(hn::Min(red, most)));
+  return hn::Or(b, hn::Or(g, r));
+}
+
+// Three bytes of each word, one behind the other. `count` is a multiple of 16.
+void store_colour(const std::uint32_t* words, std::size_t count, std::uint8_t* to) {
+#if HWY_TARGET == HWY_SCALAR
+  for (std::size_t i = 0; i < count; ++i) {
+    for (unsigned k = 0; k < 3; ++k) to[3 * i + k] = static_cast<std::uint8_t>(words[i] >> (8U * k));
+  }
+#else
+  // four pixels at a time; each store but the last writes four bytes too many, which the next puts right
+  const hn::Full128<std::uint8_t> d;
+  alignas(16) static constexpr std::uint8_t kOrder[16] = {0, 1, 2, 4, 5, 6, 8, 9, 10, 12, 13, 14, 3, 7, 11, 15};
+  const auto order = hn::Load(d, kOrder);
+  const auto* bytes = reinterpret_cast<const std::uint8_t*>(words);
+  std::size_t i = 0;
+  for (; i + 4 < count; i += 4) hn::StoreU(hn::TableLookupBytes(hn::Load(d, bytes + 4 * i), order), d, to + 3 * i);
+  HWY_ALIGN std::uint8_t last[16];
+  hn::Store(hn::TableLookupBytes(hn::Load(d, bytes + 4 * i), order), d, last);
+  std::copy_n(last, 12, to + 3 * i);
+#endif
 }
 
 void draw(const Row& row, const FloorLight& light, const std::uint32_t* texels, const RowImages& images) {
@@ -88,7 +145,9 @@ void draw(const Row& row, const FloorLight& light, const std::uint32_t* texels, 
   const auto field = [&](Field which, std::size_t i) HWY_ATTR { return hn::Load(d, row.fields[which].data() + i); };
   const F slope = hn::Set(d, row.slope);
   const Colour sky = sky_colour(row.slope);
-  for (std::size_t i = 0; i < static_cast<std::size_t>(row.lanes); i += hn::Lanes(d)) {
+  const auto count = static_cast<std::size_t>(row.lanes);
+  HWY_ALIGN std::uint32_t pixels[kStripWidth];
+  for (std::size_t i = 0; i < count; i += hn::Lanes(d)) {
     // how far it is
     const F id = field(kId, i);
     const F inverse = hn::Add(field(kInverse, i), hn::Mul(field(kInverseRise, i), slope));
@@ -103,8 +162,7 @@ void draw(const Row& row, const FloorLight& light, const std::uint32_t* texels, 
     const F v_step = hn::Add(field(kVStep, i), hn::Mul(field(kVRise, i), slope));
     const F v = hn::Add(field(kV, i), hn::Mul(depth, v_step));
     const F footprint = hn::Add(field(kFootprint, i), hn::Mul(hn::Mul(depth, depth), field(kFootprintRise, i)));
-    const F bright =
-        brightness(reinterpret_cast<const std::int32_t*>(texels), field(kTile, i), u, v, level_side(footprint));
+    const F bright = hn::Mul(brightness(texels, field(kTile, i), u, v, footprint), hn::Set(d, 1.0F / 65536.0F));
 
     // its shade
     F shade = hn::Min(hn::Set(d, 1.0F), hn::Add(field(kShade, i), hn::Mul(field(kShadeRise, i), v)));
@@ -122,8 +180,9 @@ void draw(const Row& row, const FloorLight& light, const std::uint32_t* texels, 
       green = hn::IfThenElse(something, green, hn::Set(d, sky.g));
       red = hn::IfThenElse(something, red, hn::Set(d, sky.r));
     }
-    hn::StoreInterleaved3(to_byte(blue), to_byte(green), to_byte(red), Bytes(), images.colour + 3 * i);
+    hn::Store(pack(blue, green, red), Words(), pixels + i);
   }
+  if (images.colour) store_colour(pixels, count, images.colour);
 }
 
 }  // namespace threewe::sim::view::HWY_NAMESPACE

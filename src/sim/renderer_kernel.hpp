@@ -30,7 +30,7 @@ enum Field : std::uint8_t {
   kContrast,
   kShade,
   kShadeRise,
-  kTile,  // where the material's tile begins
+  kTile,  // the first row of the material's tile
   kId,
   kFieldCount,
 };

@@ -172,9 +172,10 @@ void pack(const std::vector<double>& values, int side, std::uint32_t* texels) {
     const double value = values[static_cast<std::size_t>((y % side) * side + x % side)];
     return static_cast<std::uint32_t>(std::clamp(value, 0.0, 255.0) + 0.5);
   };
-  for (int y = 0; y < side; ++y) {
-    for (int x = 0; x < side; ++x) {
-      texels[y * side + x] = byte(x, y) | byte(x + 1, y) << 8U | byte(x, y + 1) << 16U | byte(x + 1, y + 1) << 24U;
+  for (int y = 0; y <= side; ++y) {
+    for (int x = 0; x <= side; ++x) {
+      texels[y * kTexelStride + x] =
+          byte(x, y) | byte(x + 1, y) << 8U | byte(x, y + 1) << 16U | byte(x + 1, y + 1) << 24U;
     }
   }
 }
@@ -191,7 +192,7 @@ std::vector<double> halved(const std::vector<double>& values, int side) {
 }
 
 std::vector<std::uint32_t> make_tiles() {
-  std::vector<std::uint32_t> all(kMaterials * kTileStride);
+  std::vector<std::uint32_t> all(kMaterials * kTileRows * kTexelStride);
   const auto all_patterns = patterns();
   for (std::size_t m = 0; m < kMaterials; ++m) {
     std::vector<double> values;
@@ -202,7 +203,8 @@ std::vector<std::uint32_t> make_tiles() {
       }
     }
     for (int side = kTileSide; side >= 1; side /= 2) {
-      pack(values, side, all.data() + m * kTileStride + static_cast<std::size_t>(level_offset(side)));
+      const std::size_t row = m * kTileRows + static_cast<std::size_t>(level_row(side));
+      pack(values, side, all.data() + row * kTexelStride);
       if (side > 1) values = halved(values, side);
     }
   }
@@ -224,8 +226,8 @@ double sample(Material material, int level, double u, double v) {
   const double y = wrapped(v) * side;
   const int x0 = std::min(static_cast<int>(x), side - 1);
   const int y0 = std::min(static_cast<int>(y), side - 1);
-  const std::size_t at =
-      static_cast<std::size_t>(material) * kTileStride + static_cast<std::size_t>(level_offset(side) + y0 * side + x0);
+  const int row = static_cast<int>(material) * kTileRows + level_row(side) + y0;
+  const auto at = static_cast<std::size_t>(row * kTexelStride + x0);
   const std::uint32_t texel = tiles()[at];
   const auto byte = [&](unsigned i) { return static_cast<double>(texel >> (8U * i) & 255U); };
   const double low = byte(0) + (x - x0) * (byte(1) - byte(0));

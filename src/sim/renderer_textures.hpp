@@ -10,12 +10,14 @@
 namespace threewe::sim::view {
 
 inline constexpr std::size_t kMaterials = 18;
-inline constexpr int kTileSide = 128;      ///< texels, at level 0; each level has half the side of the one before
-inline constexpr int kTileLevels = 8;      ///< the last is one texel
-inline constexpr int kTileStride = 32768;  ///< texels from one material's tile to the next
+inline constexpr int kTileSide = 128;     ///< texels, at level 0; each level has half the side of the one before
+inline constexpr int kTileLevels = 8;     ///< the last is one texel
+inline constexpr int kTexelStride = 136;  ///< from one row of texels to the next, at every level
+inline constexpr int kTileRows = 384;     ///< from one material's tile to the next
 
-/// Where a level begins in its tile, for a level that is `side` texels wide.
-constexpr int level_offset(int side) { return kTileStride - 2 * side * side; }
+/// The first row of a level in its tile, for a level that is `side` texels wide. Levels have one more row and column
+/// than that, equal to their first: a coordinate that rounds up to the far edge stays in the level.
+constexpr int level_row(int side) { return 3 * (kTileSide - side); }
 
 /// How a material takes colour: what is 0 in its tile is shown at `dark` times the colour, what is 1 at `light` times.
 struct MaterialSpec {

@@ -436,6 +436,8 @@ TEST_CASE("impossible pictures are refused") {
   refuses({8, 8, 0.0, 10.0, 5.0, 5.0}, view, {});
   refuses({8, 8, 10.0, -1.0, 5.0, 5.0}, view, {});
   refuses({8, 8, 10.0, 10.0, NAN, 5.0}, view, {});
+  refuses({8, 8, 1e7, 10.0, 5.0, 5.0}, view, {});
+  refuses(make_intrinsics(8, 8, 1.0), {{1e300, 0.0, 0.0}, 0.1}, {});
   refuses(make_intrinsics(8, 8, 1.0), {{}, 0.0}, {});
   refuses(make_intrinsics(8, 8, 1.0), {{NAN, 0.0, 0.0}, 0.1}, {});
   Picture small(make_intrinsics(7, 8, 1.0));
