@@ -33,11 +33,11 @@ struct FloorPaint {
   Material material;
   Colour colour;
 };
-constexpr std::array<FloorPaint, 5> kFloors = {{{"wood", Material::floor_wood, rgb(186, 142, 98)},
+constexpr std::array<FloorPaint, 5> kFloors = {{{"wood", Material::floor_wood, rgb(184, 150, 114)},
                                                 {"tile", Material::floor_tile, rgb(208, 204, 196)},
-                                                {"carpet", Material::floor_carpet, rgb(110, 122, 138)},
+                                                {"carpet", Material::floor_carpet, rgb(116, 124, 134)},
                                                 {"concrete", Material::floor_concrete, rgb(160, 160, 156)},
-                                                {"vinyl", Material::floor_vinyl, rgb(172, 180, 172)}}};
+                                                {"vinyl", Material::floor_vinyl, rgb(176, 178, 170)}}};
 
 struct Palette {
   std::string_view name;

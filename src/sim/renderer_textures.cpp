@@ -14,7 +14,7 @@ namespace {
 
 constexpr std::array<MaterialSpec, kMaterials> kSpecs = {{
     {1.28, 0.80F, 1.08F},  // floor_wood
-    {1.20, 0.72F, 1.04F},  // floor_tile
+    {0.80, 0.76F, 1.04F},  // floor_tile
     {0.64, 0.82F, 1.12F},  // floor_carpet
     {2.00, 0.88F, 1.08F},  // floor_concrete
     {1.60, 0.92F, 1.06F},  // floor_vinyl
@@ -22,10 +22,10 @@ constexpr std::array<MaterialSpec, kMaterials> kSpecs = {{
     {1.00, 0.98F, 1.01F},  // trim
     {2.40, 0.86F, 1.16F},  // ceiling
     {1.00, 0.00F, 1.00F},  // sky
-    {0.80, 0.78F, 1.10F},  // wood
+    {0.80, 0.84F, 1.10F},  // wood
     {0.50, 0.93F, 1.06F},  // metal
     {0.60, 0.97F, 1.03F},  // plastic
-    {0.16, 0.84F, 1.10F},  // fabric
+    {0.18, 0.88F, 1.08F},  // fabric
     {0.40, 0.45F, 1.25F},  // leaf
     {0.50, 0.94F, 1.06F},  // ceramic
     {1.00, 0.92F, 1.08F},  // glass
@@ -87,6 +87,17 @@ Pattern boards(std::uint64_t seed, int rows, double joint) {
   };
 }
 
+// Wood in one piece, its grain along x.
+Pattern grain(std::uint64_t seed) {
+  const Noise waves(seed, 3, 14);
+  const Noise lines(seed + 1, 3, 48);
+  const Noise fine(seed + 2, 10, 128);
+  return [=](double x, double y) {
+    const double bend = 0.03 * waves(x, y);
+    return 0.5 + 0.5 * (lines(x, y + bend) - 0.5) + 0.35 * (waves(x, y + bend) - 0.5) + 0.2 * (fine(x, y) - 0.5);
+  };
+}
+
 Pattern tiles_of_stone(std::uint64_t seed, int count, double joint) {
   const RngKey key{.seed = seed, .stream = Stream::camera};
   const Noise cloud(seed + 1, 12, 12);
@@ -116,7 +127,7 @@ Pattern weave(std::uint64_t seed) {
   const Noise thread(seed, 64, 64);
   return [=](double x, double y) {
     const bool over = (static_cast<int>(x * 32) + static_cast<int>(y * 32)) % 2 == 0;
-    return 0.5 + (over ? 0.14 : -0.14) + 0.4 * (thread(x, y) - 0.5);
+    return 0.5 + (over ? 0.10 : -0.10) + 0.5 * (thread(x, y) - 0.5);
   };
 }
 
@@ -155,7 +166,7 @@ std::array<Pattern, kMaterials> patterns() {
           clouds(160, 4, 32, 0.5),
           ceiling_plates(),
           [](double, double) { return 0.0; },
-          boards(200, 2, 0.0),
+          grain(200),
           brushed(210),
           clouds(220, 4, 64, 0.3),
           weave(230),
