@@ -373,13 +373,11 @@ class Search {
   void lay_base() {
     for (std::size_t i = 0; i < out_.base.size(); ++i) {
       const auto [inverse, rise] = inverse_of(out_.runs[i]);
-      for (int row = out_.base[i].begin; row < out_.base[i].end; ++row) {
-        const auto r = static_cast<std::size_t>(row);
-        out_.inverse[r] = inverse + rise * out_.slopes[r];
-        out_.owner[r] = static_cast<std::int32_t>(i);
-      }
+      lay(layers(), out_.base[i].begin, out_.base[i].end, inverse, rise, static_cast<std::int32_t>(i));
     }
   }
+
+  Layers layers() { return {out_.slopes.data(), out_.inverse.data(), out_.owner.data()}; }
 
   struct Inverse {
     float at_horizon = 0.0F;
@@ -417,12 +415,7 @@ class Search {
     const auto [inverse, rise] = inverse_of(run);
     const auto owner = static_cast<std::int32_t>(out_.runs.size());
     out_.runs.push_back(run);
-    for (auto r = static_cast<std::size_t>(begin); r < static_cast<std::size_t>(end); ++r) {
-      const float w = inverse + rise * out_.slopes[r];
-      const bool nearer = w > out_.inverse[r];
-      out_.inverse[r] = nearer ? w : out_.inverse[r];
-      out_.owner[r] = nearer ? owner : out_.owner[r];
-    }
+    view::put(layers(), begin, end, inverse, rise, owner);
   }
 
   // One span for each stretch of rows with one owner. Most rows have that of the row above: look at many at a time.
