@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
 
 #include "sim/renderer_textures.hpp"
@@ -12,7 +13,7 @@ namespace {
 using scene::Solid;
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr int kBlock = 16;  // columns
+constexpr int kBlock = 8;  // columns
 
 class Search {
  public:
@@ -129,11 +130,14 @@ class Search {
     const auto index = static_cast<std::int32_t>(out_.others.size()) - 1;
     for (int block = c.first_column / kBlock; block <= c.last_column / kBlock; ++block) {
       const auto b = static_cast<std::size_t>(block);
-      if (c.nearest > out_.block_inverses[b]) out_.blocks[b].push_back(index);
+      if (c.nearest <= out_.block_inverses[b]) continue;
+      out_.blocks[b].push_back({c.nearest, c.first_column, c.last_column, index});
     }
   }
 
   void find_nearest_walls() {
+    // those that come nearest first: most others are then hidden without being met
+    std::ranges::stable_sort(out_.walls, std::ranges::greater{}, &Candidate::nearest);
     for (std::size_t k = 0; k < out_.walls.size(); ++k) {
       const Candidate& c = out_.walls[k];
       for (int column = c.first_column; column <= c.last_column; ++column) {
@@ -269,9 +273,9 @@ class Search {
 
     // what stands before the wall
     bool layered = false;
-    for (const std::int32_t i : out_.blocks[static_cast<std::size_t>(column / kBlock)]) {
-      const Candidate& c = out_.others[static_cast<std::size_t>(i)];
-      if (c.nearest <= hit.inverse || column < c.first_column || column > c.last_column) continue;
+    for (const Columns::Entry& entry : out_.blocks[static_cast<std::size_t>(column / kBlock)]) {
+      if (entry.nearest <= hit.inverse || column < entry.first_column || column > entry.last_column) continue;
+      const Candidate& c = out_.others[static_cast<std::size_t>(entry.candidate)];
       Interval interval = meet(c, s);
       interval.far = std::max(interval.far, hit.inverse);
       if (interval.empty()) continue;

@@ -60,9 +60,15 @@ struct RowRange {
 
 /// Working memory.
 struct Columns {
-  std::vector<Candidate> walls;                   // from floor to ceiling
-  std::vector<Candidate> others;                  // what may be seen before them
-  std::vector<std::vector<std::int32_t>> blocks;  // `others` by blocks of columns
+  std::vector<Candidate> walls;   // from floor to ceiling
+  std::vector<Candidate> others;  // what may be seen before them
+  struct Entry {
+    double nearest = 0.0;  // these three are the candidate's own, close at hand
+    std::int32_t first_column = 0;
+    std::int32_t last_column = 0;
+    std::int32_t candidate = 0;
+  };
+  std::vector<std::vector<Entry>> blocks;  // `others` by blocks of columns
   struct WallHit {
     double inverse = 0.0;
     std::int32_t wall = -1;
