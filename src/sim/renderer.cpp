@@ -46,12 +46,15 @@ void check_images(const CameraIntrinsics& camera, const Images& images) {
 void check_view(const CameraPose& view) {
   constexpr double kFarthest = 1e5;  // [m]: beyond it, single precision has no textures
   const auto [x, y, theta] = view.pose;
-  if (!(std::fabs(x) <= kFarthest && std::fabs(y) <= kFarthest && std::isfinite(theta))) {
+  const bool place_ok = std::fabs(x) <= kFarthest && std::fabs(y) <= kFarthest && std::isfinite(theta);
+  if (!place_ok) {
     throw ConfigError(
         fmt::format("the camera is at ({}, {}), heading {}: it must be within {} m", x, y, theta, kFarthest));
   }
-  if (!(view.height > 0.0 && view.height <= kFarthest)) {
-    throw ConfigError(fmt::format("the camera is at a height of {} m: it must be above the floor", view.height));
+  const bool height_ok = view.height > 0.0 && view.height <= kFarthest;
+  if (!height_ok) {
+    throw ConfigError(fmt::format("the camera is at a height of {} m: it must be above the floor, up to {} m",
+                                  view.height, kFarthest));
   }
 }
 
@@ -93,7 +96,8 @@ void draw_strip(const CameraIntrinsics& camera, const view::FloorLight& light, i
                 const Images& images, RenderScratch::Buffers& work) {
   const auto columns = static_cast<std::size_t>(count);
   const bool direct = count == work.row.lanes;
-  for (std::size_t r = 0; r < static_cast<std::size_t>(camera.height); ++r) {
+  for (int image_row = 0; image_row < camera.height; ++image_row) {
+    const auto r = static_cast<std::size_t>(image_row);
     turn_to(work.columns, r, work.row);
     const std::size_t at = r * static_cast<std::size_t>(camera.width) + static_cast<std::size_t>(first);
     const view::RowImages row{place_of(images.colour, 3 * at, direct, work.colour),

@@ -140,7 +140,7 @@ FloorLight make_light(const std::vector<VisibleSolid>& solids) {
   const auto byte = [&](int x, int y) {
     const auto row = static_cast<std::size_t>(std::min(y, light.height - 1));
     const auto column = static_cast<std::size_t>(std::min(x, light.width - 1));
-    return static_cast<std::uint32_t>(255.0 * bright[row * columns + column] + 0.5);
+    return static_cast<std::uint32_t>(std::lround(255.0 * bright[row * columns + column]));
   };
   light.cells.clear();
   for (int y = 0; y < light.height; ++y) {
@@ -215,6 +215,7 @@ Place::Place(const scene::Scene& scene)
     const scene::Room& room = scene.rooms[i];
     rooms.push_back({room.min, room.max, floor_look(room.floor), kWallPaints[i % kWallPaints.size()]});
   }
+  tiles();  // made now, not in the first picture
   groups = make_groups(solids, ceiling);
   light = make_light(solids);
 }

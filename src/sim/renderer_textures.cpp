@@ -56,7 +56,10 @@ class Noise {
   }
 
  private:
-  double at(int x, int y) const { return values_[static_cast<std::size_t>((y % y_cells_) * x_cells_ + x % x_cells_)]; }
+  double at(int x, int y) const {
+    const int i = (y % y_cells_) * x_cells_ + x % x_cells_;
+    return values_[static_cast<std::size_t>(i)];
+  }
   int x_cells_;
   int y_cells_;
   std::vector<double> values_;
@@ -180,8 +183,9 @@ std::array<Pattern, kMaterials> patterns() {
 // One level from brightnesses 0 to 255.
 void pack(const std::vector<double>& values, int side, std::uint32_t* texels) {
   const auto byte = [&](int x, int y) {
-    const double value = values[static_cast<std::size_t>((y % side) * side + x % side)];
-    return static_cast<std::uint32_t>(std::clamp(value, 0.0, 255.0) + 0.5);
+    const int i = (y % side) * side + x % side;
+    const double value = values[static_cast<std::size_t>(i)];
+    return static_cast<std::uint32_t>(std::lround(std::clamp(value, 0.0, 255.0)));
   };
   for (int y = 0; y <= side; ++y) {
     for (int x = 0; x <= side; ++x) {
@@ -193,7 +197,10 @@ void pack(const std::vector<double>& values, int side, std::uint32_t* texels) {
 
 std::vector<double> halved(const std::vector<double>& values, int side) {
   std::vector<double> half;
-  const auto at = [&](int x, int y) { return values[static_cast<std::size_t>(y * side + x)]; };
+  const auto at = [&](int x, int y) {
+    const int i = y * side + x;
+    return values[static_cast<std::size_t>(i)];
+  };
   for (int y = 0; y < side; y += 2) {
     for (int x = 0; x < side; x += 2) {
       half.push_back(0.25 * (at(x, y) + at(x + 1, y) + at(x, y + 1) + at(x + 1, y + 1)));
@@ -238,8 +245,8 @@ double sample(Material material, int level, double u, double v) {
   const int x0 = std::min(static_cast<int>(x), side - 1);
   const int y0 = std::min(static_cast<int>(y), side - 1);
   const int row = static_cast<int>(material) * kTileRows + level_row(side) + y0;
-  const auto at = static_cast<std::size_t>(row * kTexelStride + x0);
-  const std::uint32_t texel = tiles()[at];
+  const int at = row * kTexelStride + x0;
+  const std::uint32_t texel = tiles()[static_cast<std::size_t>(at)];
   const auto byte = [&](unsigned i) { return static_cast<double>(texel >> (8U * i) & 255U); };
   const double low = byte(0) + (x - x0) * (byte(1) - byte(0));
   const double high = byte(2) + (x - x0) * (byte(3) - byte(2));
