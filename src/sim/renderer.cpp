@@ -1,5 +1,6 @@
 #include "threewe/sim/renderer.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstring>
@@ -61,11 +62,11 @@ void check_view(const CameraPose& view) {
 // Puts a strip's directions and the eye in place.
 void begin_strip(const CameraIntrinsics& camera, const CameraPose& pose, const view::FloorLight& light, int first,
                  int count, view::Row& row) {
-  row.fields = {};
   row.lanes = (count + view::kMostLanes - 1) / view::kMostLanes * view::kMostLanes;
   const auto [sin, cos] = exact::sincos(pose.pose.theta);
   constexpr double kScale = 1.0 / view::FloorLight::kCell;
-  for (int i = 0; i < view::kStripWidth; ++i) {
+  for (auto& field : row.fields) std::fill(field.begin() + count, field.begin() + row.lanes, 0.0F);
+  for (int i = 0; i < row.lanes; ++i) {
     const double s = (camera.cx - (first + i + 0.5)) / camera.fx;
     row.x_steps[static_cast<std::size_t>(i)] = static_cast<float>(kScale * (cos - s * sin));
     row.y_steps[static_cast<std::size_t>(i)] = static_cast<float>(kScale * (sin + s * cos));

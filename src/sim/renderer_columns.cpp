@@ -143,7 +143,7 @@ class Search {
       for (int column = c.first_column; column <= c.last_column; ++column) {
         auto& hit = out_.wall_hits[static_cast<std::size_t>(column)];
         if (c.nearest <= hit.inverse) continue;
-        const Interval interval = meet(c, slope_of(column));
+        const Interval interval = meet(c, slope_of(column), hit.inverse);
         if (interval.empty() || interval.near <= hit.inverse) continue;
         hit = {interval.near, static_cast<std::int32_t>(k), interval.face};
       }
@@ -230,13 +230,15 @@ class Search {
     bool empty() const { return !(near > far); }
   };
 
-  static Interval meet(const Candidate& c, double s) {
+  // Where a ray passes through a solid; perhaps empty if all of that is farther than `farthest`.
+  static Interval meet(const Candidate& c, double s, double farthest) {
     if (c.is_disc) return meet_disc(c, s);
     Interval interval{kInfinity, 0.0, -1};
     for (int i = 0; i < c.near_count; ++i) {
       const double w = c.near[i].slope * s + c.near[i].offset;
       if (w < interval.near) interval = {w, 0.0, c.near[i].face};
     }
+    if (interval.near <= farthest) return {};
     for (int i = 0; i < c.far_count; ++i) {
       interval.far = std::max(interval.far, c.far[i].slope * s + c.far[i].offset);
     }
@@ -276,7 +278,7 @@ class Search {
     for (const Columns::Entry& entry : out_.blocks[static_cast<std::size_t>(column / kBlock)]) {
       if (entry.nearest <= hit.inverse || column < entry.first_column || column > entry.last_column) continue;
       const Candidate& c = out_.others[static_cast<std::size_t>(entry.candidate)];
-      Interval interval = meet(c, s);
+      Interval interval = meet(c, s, hit.inverse);
       interval.far = std::max(interval.far, hit.inverse);
       if (interval.empty()) continue;
       if (!layered) lay_base();

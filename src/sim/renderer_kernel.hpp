@@ -39,7 +39,7 @@ using Fields = std::array<float, kFieldCount>;
 /// A picture is drawn in strips of this many columns, so that all that a row needs stays close at hand.
 inline constexpr int kStripWidth = 128;
 
-/// A part of a row of pixels: what each of its columns shows there. Columns beyond the picture show nothing.
+/// A part of a row of pixels: what each of its columns shows there. Fields of columns beyond the picture are 0.
 struct Row {
   alignas(64) std::array<std::array<float, kStripWidth>, kFieldCount> fields;
   alignas(
