@@ -4,10 +4,12 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <optional>
 #include <string_view>
 
+#include <fmt/format.h>
+
 #include "sim/renderer_textures.hpp"
+#include "threewe/core/errors.hpp"
 #include "threewe/core/rng.hpp"
 
 namespace threewe::sim::view {
@@ -194,6 +196,11 @@ Place::Place(const scene::Scene& scene)
     : outside_floor(floor_look("concrete")),
       ceiling_look(make_look(Material::ceiling, kCeiling, 1.0F)),
       ceiling(find_ceiling(scene)) {
+  constexpr std::size_t kMostObjects = std::numeric_limits<std::int16_t>::max() - kFirstObjectId + 1;
+  if (scene.objects.size() > kMostObjects) {
+    throw ConfigError(fmt::format("the scene has {} objects; at most {} can be told apart in a picture",
+                                  scene.objects.size(), kMostObjects));
+  }
   for (const scene::Wall& wall : scene.walls) {
     solids.push_back({scene::solid_of(wall), Material::paint, kWallId});
     palettes.push_back(-1);

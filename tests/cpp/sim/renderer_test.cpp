@@ -420,6 +420,14 @@ TEST_CASE("threads share a renderer, and scratch remembers nothing") {
   for (const auto& result : results) CHECK(result == expected);
 }
 
+TEST_CASE("a scene with more objects than there are ids is refused") {
+  scene::Scene scene;
+  scene.objects.resize(32764);
+  CHECK_NOTHROW(Renderer{scene});
+  scene.objects.resize(32765);
+  CHECK_THROWS_AS(Renderer{scene}, ConfigError);
+}
+
 TEST_CASE("impossible pictures are refused") {
   const scene::Scene scene;
   const Renderer renderer(scene);
