@@ -182,7 +182,7 @@ void draw(const Row& row, const FloorLight& light, const std::uint32_t* texels, 
     }
     hn::Store(pack(blue, green, red), Words(), pixels + i);
   }
-  if (images.colour) store_colour(pixels, count, images.colour);
+  if (images.colour && count > 0) store_colour(pixels, count, images.colour);
 }
 
 void lay_rows(const Layers& layers, int begin, int end, float inverse, float rise, std::int32_t owner) {

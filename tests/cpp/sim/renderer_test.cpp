@@ -57,7 +57,8 @@ struct Comparison {
     for (int row = 0; row < camera.height; ++row) {
       for (int column = 0; column < camera.width; ++column) {
         ++pixels;
-        const auto i = static_cast<std::size_t>(row * camera.width + column);
+        const int at = row * camera.width + column;
+        const auto i = static_cast<std::size_t>(at);
         if (agrees(tracer, column + 0.5, row + 0.5, picture, i)) continue;
         if (near_edge(tracer, column + 0.5, row + 0.5)) {
           ++grazing;
@@ -116,9 +117,6 @@ struct Comparison {
   }
 };
 
-const std::vector<std::string> kMaterials = {"wood",    "metal", "plastic", "fabric", "leaf",
-                                             "ceramic", "glass", "stone",   "paper"};
-
 scene::Prism random_prism(Draw& draw) {
   scene::Prism prism;
   prism.shape = draw.whole(0, 2) ? scene::Prism::Shape::box : scene::Prism::Shape::cylinder;
@@ -130,7 +128,8 @@ scene::Prism random_prism(Draw& draw) {
   const int low = draw.whole(0, 4);
   prism.z_min = heights[low];
   prism.z_max = draw.whole(0, 1) ? heights[draw.whole(low + 1, 5)] : prism.z_min + draw(0.01, 1.0);
-  prism.material = kMaterials[static_cast<std::size_t>(draw.whole(0, 8))];
+  const char* const materials[] = {"wood", "metal", "plastic", "fabric", "leaf", "ceramic", "glass", "stone", "paper"};
+  prism.material = materials[draw.whole(0, 8)];
   return prism;
 }
 
@@ -298,7 +297,7 @@ TEST_CASE("the lidar's plane cut out of the depth image is the scan") {
         const double s = (camera.cx - (column + 0.5)) / camera.fx;
         const double angle = view.pose.theta + exact::atan2(s, 1.0);
         const double range = scene::cast_ray(slice, view.pose.position(), angle, 100.0);
-        const double depth = static_cast<double>(picture.depth[static_cast<std::size_t>(column)]);
+        const auto depth = static_cast<double>(picture.depth[static_cast<std::size_t>(column)]);
         const double seen = depth > 0.0 ? depth * std::hypot(1.0, s) : 100.0;
         ++rays;
         wrong += std::fabs(seen - range) > 0.01 ? 1 : 0;
@@ -408,6 +407,7 @@ TEST_CASE("threads share a renderer, and scratch remembers nothing") {
     return pictures;
   };
   std::vector<Picture> expected;
+  expected.reserve(10);
   for (std::uint64_t seed = 0; seed < 10; ++seed) {
     Draw draw(seed);
     const CameraIntrinsics camera = random_camera(draw);
