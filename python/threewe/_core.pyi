@@ -334,7 +334,9 @@ class UltrasonicSpec:
 
     @property
     def mounts(self) -> dict[str, Pose2D]:
-        """Where each sensor is, by its name, in the order in which they are pinged."""
+        """
+        Where each sensor is, by its name, in the order in which they are pinged.
+        """
 
     @property
     def height(self) -> float:

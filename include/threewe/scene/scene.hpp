@@ -88,15 +88,6 @@ struct Person {
   friend bool operator==(const Person&, const Person&) = default;
 };
 
-/// Somebody who walks: round and round a closed route, straight from waypoint to waypoint and back to the first.
-struct Person {
-  std::string name;
-  std::vector<Vec2> route;
-  double speed = 1.0;    ///< [m/s]
-  double radius = 0.25;  ///< [m]
-  friend bool operator==(const Person&, const Person&) = default;
-};
-
 /// A piece of furniture: an object from assets/objects at a pose.
 struct Object {
   std::string name;      ///< unique in the scene, such as "chair_3"
