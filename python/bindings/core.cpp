@@ -108,6 +108,89 @@ void bind_scans(nb::module_& m) {
       });
 }
 
+using ColorView = ArrayView<std::uint8_t, nb::shape<-1, -1, 3>>;
+template <typename T>
+using PixelView = ArrayView<T, nb::ndim<2>>;
+
+ColorView color_of(const RGBDImage& image) {
+  const auto [width, height] = std::pair(image.intrinsics.width, image.intrinsics.height);
+  return {image.color.data(), {static_cast<std::size_t>(height), static_cast<std::size_t>(width), 3}};
+}
+
+template <typename T>
+PixelView<T> pixels_of(const std::vector<T>& pixels, const CameraIntrinsics& camera) {
+  return {pixels.data(), {static_cast<std::size_t>(camera.height), static_cast<std::size_t>(camera.width)}};
+}
+
+std::string size_of(const CameraIntrinsics& camera) { return fmt::format("{} x {}", camera.width, camera.height); }
+
+void bind_images(nb::module_& m) {
+  nb::class_<CameraIntrinsics>(
+      m, "CameraIntrinsics",
+      "A pinhole without distortion: a point (x forward, y left, z up) of the camera's frame is seen at column\n"
+      "cx - fx y / x and row cy - fy z / x; the middle of the first pixel is at (0.5, 0.5).")
+      .def(
+          "__init__",
+          [](CameraIntrinsics* self, int width, int height, double fx, double fy, double cx, double cy) {
+            const CameraIntrinsics camera{width, height, fx, fy, cx, cy};
+            check(camera);
+            new (self) CameraIntrinsics(camera);
+          },
+          "width"_a, "height"_a, "fx"_a, "fy"_a, "cx"_a, "cy"_a)
+      .def_static(
+          "of_view",
+          [](int width, int height, double horizontal_fov) {
+            const CameraIntrinsics camera = make_intrinsics(width, height, horizontal_fov);
+            check(camera);
+            return camera;
+          },
+          "width"_a, "height"_a, "horizontal_fov"_a, "One that sees `horizontal_fov` [rad] with square pixels.")
+      .def_ro("width", &CameraIntrinsics::width, "[px]")
+      .def_ro("height", &CameraIntrinsics::height, "[px]")
+      .def_ro("fx", &CameraIntrinsics::fx, "[px]")
+      .def_ro("fy", &CameraIntrinsics::fy, "[px]")
+      .def_ro("cx", &CameraIntrinsics::cx, "[px]")
+      .def_ro("cy", &CameraIntrinsics::cy, "[px]")
+      .def("__repr__", [](const CameraIntrinsics& camera) {
+        return fmt::format("CameraIntrinsics({}, fx={:.1f}, fy={:.1f}, cx={:.1f}, cy={:.1f})", size_of(camera),
+                           camera.fx, camera.fy, camera.cx, camera.cy);
+      });
+
+  nb::class_<Picture>(m, "RGBDImage", "One image of a camera. Arrays are read-only views.")
+      .def_prop_ro(
+          "color", [](const Picture& picture) { return color_of(picture.image()); }, nb::rv_policy::reference_internal,
+          "(H, W, 3) uint8, BGR")
+      .def_prop_ro(
+          "depth",
+          [](const Picture& picture) -> std::optional<PixelView<float>> {
+            const RGBDImage& image = picture.image();
+            if (image.depth.empty()) return std::nullopt;
+            return pixels_of(image.depth, image.intrinsics);
+          },
+          nb::rv_policy::reference_internal,
+          "(H, W) float32 [m] along the optical axis, invalid = 0.0; None of a camera that measures none")
+      .def_prop_ro("intrinsics", [](const Picture& picture) { return picture.image().intrinsics; })
+      .def("__repr__", [](const Picture& picture) {
+        const RGBDImage& image = picture.image();
+        return fmt::format("RGBDImage({}{})", size_of(image.intrinsics), image.depth.empty() ? ", no depth" : "");
+      });
+
+  nb::class_<SemanticImage>(m, "SemanticImage", "What is truly there to be seen. Arrays are read-only views.")
+      .def_prop_ro(
+          "color", [](const SemanticImage& truth) { return color_of(truth.image); }, nb::rv_policy::reference_internal,
+          "(H, W, 3) uint8, BGR, without noise")
+      .def_prop_ro(
+          "depth", [](const SemanticImage& truth) { return pixels_of(truth.image.depth, truth.image.intrinsics); },
+          nb::rv_policy::reference_internal, "(H, W) float32 [m] along the optical axis, nothing there = 0.0")
+      .def_prop_ro(
+          "ids", [](const SemanticImage& truth) { return pixels_of(truth.ids, truth.image.intrinsics); },
+          nb::rv_policy::reference_internal, "(H, W) int16, of what each pixel shows")
+      .def_prop_ro("intrinsics", [](const SemanticImage& truth) { return truth.image.intrinsics; })
+      .def("__repr__", [](const SemanticImage& truth) {
+        return fmt::format("SemanticImage({})", size_of(truth.image.intrinsics));
+      });
+}
+
 void bind_samples(nb::module_& m) {
   nb::class_<IMUData>(m, "IMUData", "One reading of the inertial unit, in the robot's base frame.")
       .def(nb::init<std::array<double, 3>, std::array<double, 3>>(), "angular_velocity"_a, "linear_acceleration"_a)
@@ -153,12 +236,15 @@ void bind_samples(nb::module_& m) {
         return fmt::format("RangeData({:.3f} m, range_max={:.1f} m)", echo.range, echo.range_max);
       });
 
+  bind_images(m);
+
   nb::enum_<SensorType>(m, "SensorType", "The kinds of sensor that the contract knows.")
       .value("lidar", SensorType::lidar)
       .value("imu", SensorType::imu)
       .value("odometry", SensorType::odometry)
       .value("battery", SensorType::battery)
-      .value("ultrasonic", SensorType::ultrasonic);
+      .value("ultrasonic", SensorType::ultrasonic)
+      .value("camera", SensorType::camera);
 
   nb::class_<Sample>(m, "Sample", "A reading with its stamps.")
       .def(
@@ -173,7 +259,7 @@ void bind_samples(nb::module_& m) {
       .def_ro("received", &Sample::received, "[s] of robot time")
       .def_ro("data", &Sample::data)
       .def("__repr__", [](const Sample& sample) {
-        constexpr std::array kTypes = {"LaserScan", "IMUData", "Odometry", "BatteryState", "RangeData"};
+        constexpr std::array kTypes = {"LaserScan", "IMUData", "Odometry", "BatteryState", "RangeData", "RGBDImage"};
         return fmt::format("Sample({} {} of sensor {}, measured {:.3f} s, received {:.3f} s)",
                            kTypes[sample.data.index()], sample.sequence, sample.sensor, to_seconds(sample.measured),
                            to_seconds(sample.received));

@@ -37,6 +37,18 @@ void bind_sensors(nb::module_& m) {
       .def_ro("range_max", &UltrasonicSpec::range_max, "[m]")
       .def_ro("sigma", &UltrasonicSpec::sigma, "[m] of each range")
       .def_ro("latency", &UltrasonicSpec::latency, "[s] from a ping to the arrival of its range");
+  nb::class_<DepthSpec>(m, "DepthSpec", "How well a camera measures depth along its optical axis.")
+      .def_ro("range_min", &DepthSpec::range_min, "[m], nearer is invalid")
+      .def_ro("range_max", &DepthSpec::range_max, "[m], farther is invalid")
+      .def_ro("sigma", &DepthSpec::sigma, "[m] at 1 m; it grows with the square of the depth");
+  nb::class_<CameraSpec>(m, "CameraSpec", "A camera: what its level, rectified pinhole view shows, and how well.")
+      .def_ro("base_from_camera", &CameraSpec::base_from_camera, "It looks along its x axis.")
+      .def_ro("mount_height", &CameraSpec::mount_height, "[m] of its optical axis above the floor")
+      .def_prop_ro("intrinsics", &CameraSpec::intrinsics)
+      .def_ro("period", &CameraSpec::period, "[s] from image to image")
+      .def_ro("sigma", &CameraSpec::sigma, "[levels of 255] of each pixel's colours")
+      .def_ro("latency", &CameraSpec::latency, "[s] from an image to its arrival")
+      .def_ro("depth", &CameraSpec::depth);
   nb::class_<IMUSpec>(m, "IMUSpec", "An inertial unit.")
       .def_ro("period", &IMUSpec::period, "[s]")
       .def_ro("gyro_sigma", &IMUSpec::gyro_sigma, "[rad/s] of each sample")
@@ -91,6 +103,7 @@ void init_hardware(nb::module_& m) {
       .def_ro("lidar", &RobotProfile::lidar)
       .def_ro("imu", &RobotProfile::imu)
       .def_ro("ultrasonics", &RobotProfile::ultrasonics)
+      .def_ro("camera", &RobotProfile::camera)
       .def_ro("battery", &RobotProfile::battery)
       .def("__repr__", [](const RobotProfile& p) {
         const char* kinematics = p.kinematics() == Kinematics::holonomic ? "holonomic" : "differential";

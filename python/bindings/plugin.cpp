@@ -1,7 +1,10 @@
 // Backends written in Python, and the checks that any backend must pass.
+#include <cctype>
 #include <memory>
 
 #include <nanobind/stl/shared_ptr.h>
+
+#include <fmt/ranges.h>
 
 #include "bindings.hpp"
 #include "threewe/backend/conformance.hpp"
@@ -55,20 +58,38 @@ struct Field {
     return {number(field, items[0]), number(field, items[1]), number(field, items[2])};
   }
 
-  std::vector<float> ranges(const char* field) const {
+  /// A copy of an array, row by row; `shape` is how messages tell what is right, with a letter for any size.
+  template <typename T>
+  std::vector<T> array(const char* field, const char* dtype, const std::vector<std::string>& shape) const {
     const nb::object value = reading.attr(field);
-    if (!nb::ndarray_check(value)) fail(field, fmt::format("must be a numpy array of float32, got {}", kind_of(value)));
-    const auto any = nb::cast<nb::ndarray<nb::ro, nb::device::cpu>>(value);
-    if (any.dtype() != nb::dtype<float>()) {
-      fail(field, fmt::format("has dtype {}; it must be float32", text(value.attr("dtype"))));
+    if (!nb::ndarray_check(value)) {
+      fail(field, fmt::format("must be a numpy array of {}, got {}", dtype, kind_of(value)));
     }
-    if (any.ndim() != 1) fail(field, fmt::format("has shape {}; it must be (N,)", text(value.attr("shape"))));
-    const auto view = nb::ndarray<const float, nb::ndim<1>>(any).view();
-    std::vector<float> copy(any.shape(0));
-    for (std::size_t i = 0; i < copy.size(); ++i) copy[i] = view(i);
-    return copy;
+    const auto any = nb::cast<nb::ndarray<nb::ro, nb::device::cpu>>(value);
+    if (any.dtype() != nb::dtype<T>()) {
+      fail(field, fmt::format("has dtype {}; it must be {}", text(value.attr("dtype")), dtype));
+    }
+    bool fits = any.ndim() == shape.size();
+    for (std::size_t i = 0; fits && i < shape.size(); ++i) {
+      fits = std::isalpha(shape[i].front()) != 0 || std::to_string(any.shape(i)) == shape[i];
+    }
+    if (!fits) {
+      const char* comma = shape.size() == 1 ? "," : "";
+      fail(field,
+           fmt::format("has shape {}; it must be ({}{})", text(value.attr("shape")), fmt::join(shape, ", "), comma));
+    }
+    const auto rows = nb::cast<nb::ndarray<const T, nb::c_contig, nb::device::cpu>>(value);  // copies what is strided
+    return {rows.data(), rows.data() + rows.size()};
   }
 };
+
+Picture picture_of(const CameraSpec& spec, const Field& field) {
+  const std::string height = std::to_string(spec.height);
+  const std::string width = std::to_string(spec.width);
+  RGBDImage image{spec.intrinsics(), field.array<std::uint8_t>("color", "uint8", {height, width, "3"}), {}};
+  if (!field.reading.attr("depth").is_none()) image.depth = field.array<float>("depth", "float32", {height, width});
+  return Picture(std::move(image));
+}
 
 SampleData data_of(SensorType type, const Field& field, const RobotProfile& profile) {
   switch (type) {
@@ -79,7 +100,7 @@ SampleData data_of(SensorType type, const Field& field, const RobotProfile& prof
                        .time_increment = field.number("time_increment"),
                        .range_min = spec.range_min,
                        .range_max = spec.range_max,
-                       .ranges = field.ranges("ranges")};
+                       .ranges = field.array<float>("ranges", "float32", {"N"})};
     }
     case SensorType::imu: return IMUData{field.triple("angular_velocity"), field.triple("linear_acceleration")};
     case SensorType::odometry: {
@@ -93,6 +114,7 @@ SampleData data_of(SensorType type, const Field& field, const RobotProfile& prof
       const UltrasonicSpec& spec = *profile.ultrasonics;
       return RangeData{spec.field_of_view, spec.range_min, spec.range_max, field.number("range")};
     }
+    case SensorType::camera: return picture_of(*profile.camera, field);
   }
   throw ContractError("a sensor of no kind");
 }
@@ -109,9 +131,9 @@ PluginReading to_reading(nb::handle reading, const PluginLink& link) {
   }
   const auto sensor = nb::cast<std::string>(name);
   const auto type = nb::cast<SensorType>(reading.attr("type"));
-  if (type == SensorType::lidar && !link.profile().lidar) throw ContractError("a scan, but the profile has no lidar");
-  if (type == SensorType::ultrasonic && !link.profile().ultrasonics) {
-    throw ContractError("an echo, but the profile has no ultrasonics");
+  if (!link.profile().has(type)) {
+    throw ContractError(
+        fmt::format("sensor '{}': the profile '{}' has no {}", sensor, link.profile().name, to_string(type)));
   }
   const Field field{sensor, reading};
   return {.sensor = sensor, .measured = field.time("measured"), .data = data_of(type, field, link.profile())};

@@ -208,6 +208,20 @@ void bind_readings(nb::class_<Runtime>& runtime) {
       .def("imu", &Runtime::imu, nb::rv_policy::copy)
       .def("odometry", &Runtime::odometry, nb::rv_policy::copy)
       .def("battery", &Runtime::battery, nb::rv_policy::copy)
+      .def(
+          "image",
+          [](const Runtime& robot, const std::string& camera) {
+            (void)robot.image(camera);
+            return std::get<Picture>(robot.sample(SensorType::camera).data);
+          },
+          "camera"_a, WithoutGil())
+      .def(
+          "rgbd_image",
+          [](const Runtime& robot) {
+            (void)robot.rgbd_image();
+            return std::get<Picture>(robot.sample(SensorType::camera).data);
+          },
+          WithoutGil())
       .def("sample", &Runtime::sample, "type"_a, nb::rv_policy::copy)
       .def("pose", &Runtime::pose, nb::rv_policy::copy)
       .def("map", &Runtime::map, nb::rv_policy::copy)
@@ -305,6 +319,9 @@ void bind_simulation(nb::module_& m) {
       .def("geodesic", &Simulation::geodesic, "a"_a, "b"_a,
            "Length [m] of the shortest path between (x, y) points for the robot's footprint; infinity where there is "
            "none.")
+      .def("look", nb::overload_cast<const CameraIntrinsics&, const Pose2D&, double>(&Simulation::look, nb::const_),
+           "intrinsics"_a, "pose"_a, "height"_a, WithoutGil(),
+           "What a level camera at a pose and a height [m] above the floor would truly show now.")
       .def("reset", &Simulation::reset, nb::kw_only(), "seed"_a = nb::none(), "pose"_a = nb::none(), WithoutGil(),
            "Begins anew at time 0, with the world's own seed and at the scene's own start pose unless told "
            "otherwise.\n\n"

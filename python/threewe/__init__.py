@@ -5,6 +5,7 @@ from importlib.metadata import version as _version
 
 from threewe._core import (
     BatteryState,
+    CameraIntrinsics,
     Episode,
     ExploreResult,
     Features,
@@ -21,10 +22,12 @@ from threewe._core import (
     Progress,
     RangeData,
     Reason,
+    RGBDImage,
     RobotProfile,
     Sample,
     Scene,
     SceneTables,
+    SemanticImage,
     SensorInfo,
     SensorType,
     Snapshot,
@@ -61,6 +64,7 @@ except PackageNotFoundError:  # run from the source tree
 
 __all__ = [
     "BatteryState",
+    "CameraIntrinsics",
     "ConfigError",
     "ConnectionError",
     "ContractError",
@@ -82,6 +86,7 @@ __all__ = [
     "Pose2D",
     "PoseEstimate",
     "Progress",
+    "RGBDImage",
     "RangeData",
     "Reason",
     "Robot",
@@ -90,6 +95,7 @@ __all__ = [
     "Sample",
     "Scene",
     "SceneTables",
+    "SemanticImage",
     "SensorInfo",
     "SensorType",
     "Simulation",

@@ -190,6 +190,82 @@ class RangeData:
 
     def __repr__(self) -> str: ...
 
+class CameraIntrinsics:
+    """
+    A pinhole without distortion: a point (x forward, y left, z up) of the camera's frame is seen at column
+    cx - fx y / x and row cy - fy z / x; the middle of the first pixel is at (0.5, 0.5).
+    """
+
+    def __init__(self, width: int, height: int, fx: float, fy: float, cx: float, cy: float) -> None: ...
+
+    @staticmethod
+    def of_view(width: int, height: int, horizontal_fov: float) -> CameraIntrinsics:
+        """One that sees `horizontal_fov` [rad] with square pixels."""
+
+    @property
+    def width(self) -> int:
+        """[px]"""
+
+    @property
+    def height(self) -> int:
+        """[px]"""
+
+    @property
+    def fx(self) -> float:
+        """[px]"""
+
+    @property
+    def fy(self) -> float:
+        """[px]"""
+
+    @property
+    def cx(self) -> float:
+        """[px]"""
+
+    @property
+    def cy(self) -> float:
+        """[px]"""
+
+    def __repr__(self) -> str: ...
+
+class RGBDImage:
+    """One image of a camera. Arrays are read-only views."""
+
+    @property
+    def color(self) -> Annotated[NDArray[numpy.uint8], dict(shape=(None, None, 3), writable=False)]:
+        """(H, W, 3) uint8, BGR"""
+
+    @property
+    def depth(self) -> Annotated[NDArray[numpy.float32], dict(shape=(None, None), writable=False)] | None:
+        """
+        (H, W) float32 [m] along the optical axis, invalid = 0.0; None of a camera that measures none
+        """
+
+    @property
+    def intrinsics(self) -> CameraIntrinsics: ...
+
+    def __repr__(self) -> str: ...
+
+class SemanticImage:
+    """What is truly there to be seen. Arrays are read-only views."""
+
+    @property
+    def color(self) -> Annotated[NDArray[numpy.uint8], dict(shape=(None, None, 3), writable=False)]:
+        """(H, W, 3) uint8, BGR, without noise"""
+
+    @property
+    def depth(self) -> Annotated[NDArray[numpy.float32], dict(shape=(None, None), writable=False)]:
+        """(H, W) float32 [m] along the optical axis, nothing there = 0.0"""
+
+    @property
+    def ids(self) -> Annotated[NDArray[numpy.int16], dict(shape=(None, None), writable=False)]:
+        """(H, W) int16, of what each pixel shows"""
+
+    @property
+    def intrinsics(self) -> CameraIntrinsics: ...
+
+    def __repr__(self) -> str: ...
+
 class SensorType(enum.Enum):
     """The kinds of sensor that the contract knows."""
 
@@ -203,10 +279,12 @@ class SensorType(enum.Enum):
 
     ultrasonic = 4
 
+    camera = 5
+
 class Sample:
     """A reading with its stamps."""
 
-    def __init__(self, sensor: int, sequence: int, measured: float, data: LaserScan | IMUData | Odometry | BatteryState | RangeData) -> None: ...
+    def __init__(self, sensor: int, sequence: int, measured: float, data: LaserScan | IMUData | Odometry | BatteryState | RangeData | RGBDImage) -> None: ...
 
     @property
     def sensor(self) -> int:
@@ -225,7 +303,7 @@ class Sample:
         """[s] of robot time"""
 
     @property
-    def data(self) -> LaserScan | IMUData | Odometry | BatteryState | RangeData: ...
+    def data(self) -> LaserScan | IMUData | Odometry | BatteryState | RangeData | RGBDImage: ...
 
     def __repr__(self) -> str: ...
 
@@ -370,6 +448,50 @@ class UltrasonicSpec:
     def latency(self) -> float:
         """[s] from a ping to the arrival of its range"""
 
+class DepthSpec:
+    """How well a camera measures depth along its optical axis."""
+
+    @property
+    def range_min(self) -> float:
+        """[m], nearer is invalid"""
+
+    @property
+    def range_max(self) -> float:
+        """[m], farther is invalid"""
+
+    @property
+    def sigma(self) -> float:
+        """[m] at 1 m; it grows with the square of the depth"""
+
+class CameraSpec:
+    """A camera: what its level, rectified pinhole view shows, and how well."""
+
+    @property
+    def base_from_camera(self) -> Pose2D:
+        """It looks along its x axis."""
+
+    @property
+    def mount_height(self) -> float:
+        """[m] of its optical axis above the floor"""
+
+    @property
+    def intrinsics(self) -> CameraIntrinsics: ...
+
+    @property
+    def period(self) -> float:
+        """[s] from image to image"""
+
+    @property
+    def sigma(self) -> float:
+        """[levels of 255] of each pixel's colours"""
+
+    @property
+    def latency(self) -> float:
+        """[s] from an image to its arrival"""
+
+    @property
+    def depth(self) -> DepthSpec | None: ...
+
 class IMUSpec:
     """An inertial unit."""
 
@@ -464,6 +586,9 @@ class RobotProfile:
 
     @property
     def ultrasonics(self) -> UltrasonicSpec | None: ...
+
+    @property
+    def camera(self) -> CameraSpec | None: ...
 
     @property
     def battery(self) -> BatterySpec | None: ...
@@ -1235,6 +1360,10 @@ class Runtime:
 
     def battery(self) -> BatteryState: ...
 
+    def image(self, camera: str) -> RGBDImage: ...
+
+    def rgbd_image(self) -> RGBDImage: ...
+
     def sample(self, type: SensorType) -> Sample: ...
 
     def pose(self) -> PoseEstimate: ...
@@ -1317,6 +1446,11 @@ class Simulation:
     def geodesic(self, a: tuple[float, float], b: tuple[float, float]) -> float:
         """
         Length [m] of the shortest path between (x, y) points for the robot's footprint; infinity where there is none.
+        """
+
+    def look(self, intrinsics: CameraIntrinsics, pose: Pose2D, height: float) -> SemanticImage:
+        """
+        What a level camera at a pose and a height [m] above the floor would truly show now.
         """
 
     def reset(self, *, seed: int | None = None, pose: Pose2D | None = None) -> None:

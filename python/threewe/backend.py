@@ -139,6 +139,18 @@ class UltrasonicReading(Reading):
     """[m]; no echo = the profile's range_max, invalid = 0.0"""
 
 
+@dataclass(frozen=True, kw_only=True, eq=False)
+class CameraReading(Reading):
+    """One image of the camera, of the size that the profile states."""
+
+    type: ClassVar[SensorType] = SensorType.camera
+    sensor: str = "camera"
+    color: NDArray[np.uint8]
+    """(H, W, 3), BGR."""
+    depth: NDArray[np.float32] | None = None
+    """(H, W) [m] along the optical axis, invalid = 0.0; None of a camera that measures none."""
+
+
 class Backend(ABC):
     """One robot, from 3we's side. All of its methods are called by one thread, one at a time."""
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from contextlib import suppress
 from types import TracebackType
-from typing import Never, Self
+from typing import Any, Self
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -34,6 +34,7 @@ from threewe._core import (
     Odometry,
     Pose2D,
     Progress,
+    RGBDImage,
     RobotProfile,
     Velocity,
 )
@@ -41,7 +42,7 @@ from threewe._observers import Observer, Observers
 from threewe._options import known_options
 from threewe._time import InRobotTime, RobotTime
 from threewe.backend import known_backend
-from threewe.errors import ContractError, HardwareError, ThreeweError
+from threewe.errors import ContractError, ThreeweError
 from threewe.simulation import Simulation
 
 OnProgress = Callable[[Progress], object]
@@ -356,35 +357,42 @@ class Robot(InRobotTime):
         """The path being followed, from the robot to its goal: (N, 2) [m] in `map`; empty between motions."""
         return np.array(self._read().path(), np.float64).reshape(-1, 2)
 
-    def get_observation(self) -> dict[str, NDArray[np.floating]]:
-        """What the robot knows, as arrays.
+    def get_camera_image(self) -> NDArray[np.uint8]:
+        """The newest image of the camera: (H, W, 3) uint8, BGR; yours to draw on. See `get_image`."""
+        return self.get_image("camera")
 
-        `pose` (3,) in `map`, `velocity` (3,) in the body frame and, with a lidar, `lidar` (N,) float32 [m].
+    def get_image(self, name: str = "camera") -> NDArray[np.uint8]:
+        """The newest image of a camera by name: (H, W, 3) uint8, BGR; yours to draw on.
+
+        `camera` is a level view without distortion, see `profile.camera.intrinsics`. Only real robots have the raw
+        image of a lens, `fisheye`. Raises HardwareError without that camera.
         """
-        estimate = self._read().pose()
-        observation: dict[str, NDArray[np.floating]] = {
+        return self._read().image(as_text("name", name)).color.copy()
+
+    def get_rgbd_image(self) -> RGBDImage:
+        """The newest image of a camera that measures depth. Raises HardwareError without one."""
+        return self._read().rgbd_image()
+
+    def get_observation(self) -> dict[str, NDArray[Any]]:
+        """What the robot knows, as arrays: what its sensors say, and where it believes that it is.
+
+        `pose` (3,) in `map`, `velocity` (3,) in the body frame and, of the sensors that it has, `lidar` (N,) float32
+        [m], `image` (H, W, 3) uint8 BGR and `depth` (H, W) float32 [m].
+        """
+        runtime = self._read()
+        estimate = runtime.pose()
+        observation: dict[str, NDArray[Any]] = {
             "pose": np.array([*estimate.map_from_base]),
             "velocity": np.array([*estimate.velocity]),
         }
         if self.profile.lidar is not None:
-            observation["lidar"] = self.get_lidar_scan().ranges
+            observation["lidar"] = runtime.lidar_scan().ranges
+        if self.profile.camera is not None:
+            image = runtime.image("camera")
+            observation["image"] = image.color
+            if image.depth is not None:
+                observation["depth"] = image.depth
         return observation
-
-    def get_camera_image(self) -> Never:
-        """Raises HardwareError: no robot has a camera yet."""
-        raise self._no_camera()
-
-    def get_image(self, name: str = "camera") -> Never:  # noqa: ARG002
-        """Raises HardwareError: no robot has a camera yet."""
-        raise self._no_camera()
-
-    def get_rgbd_image(self) -> Never:
-        """Raises HardwareError: no robot has a camera yet."""
-        raise self._no_camera()
-
-    def _no_camera(self) -> HardwareError:
-        sensors = ", ".join(sensor.name for sensor in self.features.sensors)
-        return HardwareError(f"{self.profile.name} has no camera on this backend yet; it has: {sensors}")
 
     def _read(self) -> _core.Runtime:
         self._time.check_thread()

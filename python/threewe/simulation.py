@@ -5,11 +5,11 @@ from __future__ import annotations
 from numpy.typing import ArrayLike
 
 from threewe import _core
-from threewe._arguments import PoseLike, as_array, as_pose, as_seed
-from threewe._core import OccupancyGrid, Pose2D, RobotProfile, Snapshot
+from threewe._arguments import PoseLike, as_array, as_number, as_pose, as_seed
+from threewe._core import CameraIntrinsics, OccupancyGrid, Pose2D, RobotProfile, SemanticImage, Snapshot
 from threewe._options import known_options
 from threewe._time import RobotTime
-from threewe.errors import ContractError
+from threewe.errors import ContractError, HardwareError
 
 
 class Simulation(_core.Simulation):
@@ -50,6 +50,37 @@ class Simulation(_core.Simulation):
         """Length [m] of the shortest path from a to b, (x, y) each, for the robot's footprint; infinity without one."""
         (ax, ay), (bx, by) = as_array("a", a, (2,)).tolist(), as_array("b", b, (2,)).tolist()
         return super().geodesic((ax, ay), (bx, by))
+
+    @known_options
+    def look(
+        self,
+        intrinsics: CameraIntrinsics | None = None,
+        pose: PoseLike | None = None,
+        height: float | None = None,
+    ) -> SemanticImage:
+        """What a level camera would truly show now: colour and depth without noise, and what each pixel shows.
+
+        Args:
+            intrinsics: of the camera; the robot's own where left out, as for the others.
+            pose: where it is and looks, in the scene's frame [m, m, rad].
+            height: [m] of its axis above the floor.
+
+        Raises:
+            HardwareError: something was left out, and the robot has no camera.
+            ConfigError: a camera that is not above the floor.
+        """
+        own = self.profile.camera
+        if own is None and (intrinsics is None or pose is None or height is None):
+            raise HardwareError(f"robot '{self.profile.name}' has no camera: look() needs intrinsics, pose and height")
+        if own is not None:
+            intrinsics = own.intrinsics if intrinsics is None else intrinsics
+            pose = self.true_pose() * own.base_from_camera if pose is None else pose
+            height = own.mount_height if height is None else height
+        if not isinstance(intrinsics, CameraIntrinsics):
+            raise ContractError(f"intrinsics must be CameraIntrinsics, got {intrinsics!r}")
+        assert pose is not None
+        assert height is not None
+        return super().look(intrinsics, as_pose("pose", pose), as_number("height", height))
 
     def save(self) -> Snapshot:
         """Everything the future depends on. Raises ContractError while a motion is in progress or in an observer."""

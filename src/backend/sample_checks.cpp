@@ -90,6 +90,30 @@ void check(const Reading& reading, const RangeData& echo, const RobotProfile& pr
                spec.range_max, spec.range_max);
 }
 
+void check(const Reading& reading, const Picture& picture, const RobotProfile& profile) {
+  if (!picture.is_drawn()) return;  // our own, drawn when it is looked at
+  const CameraSpec& spec = *profile.camera;
+  const RGBDImage& image = picture.image();
+  const auto [width, height] = std::pair(spec.width, spec.height);
+  const auto pixels = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
+  if (image.intrinsics.width != width || image.intrinsics.height != height || image.color.size() != 3 * pixels) {
+    reading.fail("color", "has shape ({}, {}, 3); the profile '{}' has ({}, {}, 3)", image.intrinsics.height,
+                 image.intrinsics.width, profile.name, height, width);
+  }
+  if (image.depth.size() != (spec.depth ? pixels : 0)) {
+    reading.fail("depth", "has {} pixels; the profile '{}' has {}", image.depth.size(), profile.name,
+                 spec.depth ? pixels : 0);
+  }
+  for (const float depth : image.depth) {
+    const auto metres = static_cast<double>(depth);
+    const bool within =
+        metres >= spec.depth->range_min - kRangeTolerance && metres <= spec.depth->range_max + kRangeTolerance;
+    if (metres == 0.0 || within) continue;
+    reading.fail("depth", "holds {}; it must be 0 (invalid) or within {} to {} m", metres, spec.depth->range_min,
+                 spec.depth->range_max);
+  }
+}
+
 }  // namespace
 
 void check_data(const SensorInfo& sensor, const SampleData& data, const RobotProfile& profile) {

@@ -1,6 +1,9 @@
 #include "threewe/core/camera.hpp"
 
+#include <atomic>
 #include <cmath>
+#include <mutex>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -40,5 +43,34 @@ void check(const CameraIntrinsics& camera) {
                     fx, fy, cx, cy, kShortest, kFarthest, kFarthest));
   }
 }
+
+/// Where a picture is drawn once.
+struct Picture::Canvas {
+  std::once_flag once;
+  std::atomic<bool> drawn = false;
+  std::function<RGBDImage()> draw;
+  RGBDImage image;
+};
+
+Picture::Picture(RGBDImage image) : canvas_(std::make_shared<Canvas>()) {
+  canvas_->image = std::move(image);
+  std::call_once(canvas_->once, [this] { canvas_->drawn = true; });
+}
+
+Picture::Picture(std::function<RGBDImage()> draw) : canvas_(std::make_shared<Canvas>()) {
+  canvas_->draw = std::move(draw);
+}
+
+const RGBDImage& Picture::image() const {
+  static const RGBDImage kEmpty;
+  if (!canvas_) return kEmpty;
+  std::call_once(canvas_->once, [this] {
+    canvas_->image = std::exchange(canvas_->draw, nullptr)();
+    canvas_->drawn = true;
+  });
+  return canvas_->image;
+}
+
+bool Picture::is_drawn() const { return !canvas_ || canvas_->drawn; }
 
 }  // namespace threewe

@@ -9,6 +9,7 @@ std::string_view to_string(SensorType type) {
     case SensorType::odometry: return "odometry";
     case SensorType::battery: return "battery";
     case SensorType::ultrasonic: return "ultrasonic";
+    case SensorType::camera: return "camera";
   }
   return "unknown";
 }

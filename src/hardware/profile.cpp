@@ -242,12 +242,14 @@ bool RobotProfile::has(SensorType type) const {
     case SensorType::odometry: return true;
     case SensorType::battery: return battery.has_value();
     case SensorType::ultrasonic: return ultrasonics.has_value();
+    case SensorType::camera: return camera.has_value();
   }
   return false;
 }
 
 Pose2D RobotProfile::base_from_sensor(SensorType type, std::string_view sensor) const {
   if (type == SensorType::lidar && lidar) return lidar->base_from_lidar;
+  if (type == SensorType::camera && camera) return camera->base_from_camera;
   if (type == SensorType::ultrasonic && ultrasonics) {
     for (const UltrasonicSpec::Mount& mount : ultrasonics->mounts) {
       if (sensor == mount.name) return mount.base_from_ultrasonic;

@@ -20,6 +20,23 @@ const IMUData& Runtime::imu() const { return std::get<IMUData>(sample(SensorType
 const Odometry& Runtime::odometry() const { return std::get<Odometry>(sample(SensorType::odometry).data); }
 const BatteryState& Runtime::battery() const { return std::get<BatteryState>(sample(SensorType::battery).data); }
 
+const RGBDImage& Runtime::image(std::string_view camera) const {
+  if (camera == "fisheye") {
+    throw HardwareError("'fisheye' is the raw image of a real robot's lens; 'camera' is its rectified view");
+  }
+  if (camera != to_string(SensorType::camera)) {
+    const std::vector<std::string> cameras = {"camera", "fisheye"};
+    throw ContractError(unknown_name("camera", camera, cameras));
+  }
+  return std::get<Picture>(sample(SensorType::camera).data).image();
+}
+
+const RGBDImage& Runtime::rgbd_image() const {
+  const RGBDImage& image = this->image();
+  if (!image.depth.empty()) return image;
+  throw HardwareError("the camera of robot '" + profile().name + "' measures no depth; that of '3we_depth_v2' does");
+}
+
 const Sample& Runtime::sample(SensorType type) const {
   return impl_->reading().senses.newest(features(), profile(), type);
 }

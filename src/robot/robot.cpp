@@ -68,6 +68,8 @@ const Odometry& Robot::get_odometry() const { return runtime_->odometry(); }
 Velocity Robot::get_velocity() const { return runtime_->pose().velocity; }
 const map::OccupancyGrid& Robot::get_map() const { return runtime_->map(); }
 const BatteryState& Robot::get_battery_state() const { return runtime_->battery(); }
+const RGBDImage& Robot::get_image(std::string_view camera) const { return runtime_->image(camera); }
+const RGBDImage& Robot::get_rgbd_image() const { return runtime_->rgbd_image(); }
 
 Pose2D Robot::get_transform(std::string_view target, std::string_view source) const {
   return runtime_->transform(target, source);

@@ -7,6 +7,13 @@ namespace threewe {
 
 const scene::TruthView& Simulation::truth() const { return *world_->robot(robot_).truth(); }
 
+SemanticImage Simulation::look() const {
+  const RobotProfile& profile = world_->robot(robot_).profile();
+  if (!profile.camera) throw HardwareError("robot '" + profile.name + "' has no sensor 'camera'");
+  return look(profile.camera->intrinsics(), true_pose() * profile.camera->base_from_camera,
+              profile.camera->mount_height);
+}
+
 void Simulation::reset(std::optional<std::uint64_t> seed, const std::optional<Pose2D>& pose) {
   backend::ResetOptions options;
   options.seed = seed.value_or(world_->seed());

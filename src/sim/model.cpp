@@ -75,7 +75,7 @@ RobotModel make_robot(const scene::Scene& scene, const RobotProfile& profile) {
   if (profile.imu) robot.imu_period = whole_steps(profile, "imu.period", profile.imu->period);
   if (profile.battery) robot.battery_period = whole_steps(profile, "battery.period", profile.battery->period);
 
-  if (profile.camera) (void)whole_steps(profile, "camera.period", profile.camera->period);
+  if (profile.camera) robot.camera_period = whole_steps(profile, "camera.period", profile.camera->period);
   if (profile.ultrasonics) {
     robot.ultrasonic_interval = whole_steps(profile, "ultrasonics.interval", profile.ultrasonics->interval);
     robot.audible = scene.at_height(profile.ultrasonics->height);
@@ -95,6 +95,11 @@ RobotModel make_robot(const scene::Scene& scene, const RobotProfile& profile) {
 }
 
 }  // namespace
+
+const Renderer& Model::renderer() const {
+  std::call_once(asked_, [this] { renderer_.emplace(*scene); });
+  return *renderer_;
+}
 
 std::shared_ptr<const Model> make_model(std::shared_ptr<const scene::Scene> scene,
                                         const std::vector<RobotProfile>& robots) {

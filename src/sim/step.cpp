@@ -180,11 +180,11 @@ void step_crowd(const Model& model, std::span<RobotState> world, std::span<const
   }
 }
 
-bool due(int period, const RobotState& state) {
+}  // namespace
+
+bool is_due(int period, const RobotState& state) {
   return period > 0 && state.steps > 0 && state.steps % static_cast<std::uint64_t>(period) == 0;
 }
-
-}  // namespace
 
 RobotState begin(const Model& model, std::size_t robot, const Pose2D& pose, std::uint64_t seed, std::uint32_t episode) {
   const RobotProfile& profile = model.robots[robot].profile;
@@ -222,17 +222,17 @@ void step(const Model& model, std::span<RobotState> states, std::span<const Velo
   }
 }
 
-bool imu_ready(const RobotModel& robot, const RobotState& state) { return due(robot.imu_period, state); }
-bool odometry_ready(const RobotModel& robot, const RobotState& state) { return due(robot.odometry_period, state); }
-bool battery_ready(const RobotModel& robot, const RobotState& state) { return due(robot.battery_period, state); }
+bool imu_ready(const RobotModel& robot, const RobotState& state) { return is_due(robot.imu_period, state); }
+bool odometry_ready(const RobotModel& robot, const RobotState& state) { return is_due(robot.odometry_period, state); }
+bool battery_ready(const RobotModel& robot, const RobotState& state) { return is_due(robot.battery_period, state); }
 
 std::optional<std::size_t> ping_ready(const RobotModel& robot, const RobotState& state) {
-  if (!due(robot.ultrasonic_interval, state)) return std::nullopt;
+  if (!is_due(robot.ultrasonic_interval, state)) return std::nullopt;
   const std::uint64_t pings = state.steps / static_cast<std::uint64_t>(robot.ultrasonic_interval);
   return (pings - 1) % robot.profile.ultrasonics->mounts.size();
 }
 
-bool scan_ready(const RobotModel& robot, const RobotState& state) { return due(robot.turn, state); }
+bool scan_ready(const RobotModel& robot, const RobotState& state) { return is_due(robot.turn, state); }
 
 std::span<const float> scan_points(const RobotModel& robot, const RobotState& state) {
   return std::span(state.lidar_points).first(static_cast<std::size_t>(robot.profile.lidar->points_per_turn));

@@ -170,9 +170,9 @@ WRONG_CALLS: dict[str, tuple[Call, type[Exception], str]] = {
     "sleep NaN": (lambda r: r.sleep(NAN), ContractError, "seconds"),
     "sleep negative": (lambda r: r.sleep(-1.0), ContractError, "seconds"),
     "transform unknown": (lambda r: r.get_transform("map", "lidra"), ContractError, "did you mean 'lidar'"),  # type: ignore[return-value, arg-type]
-    "camera": (lambda r: r.get_camera_image(), HardwareError, "no camera.*lidar"),
-    "depth camera": (lambda r: r.get_rgbd_image(), HardwareError, "no camera"),
-    "fisheye": (lambda r: r.get_image("fisheye"), HardwareError, "no camera"),
+    "depth camera": (lambda r: r.get_rgbd_image(), HardwareError, "measures no depth"),
+    "fisheye": (lambda r: r.get_image("fisheye"), HardwareError, "fisheye"),
+    "camera unknown": (lambda r: r.get_image("camra"), ContractError, "did you mean 'camera'"),
 }
 
 

@@ -370,7 +370,7 @@ def test_what_a_robot_is_can_be_read_before_connecting(robot: Robot, caplog: pyt
         assert robot.features.lockstep
         sensors = {sensor.name for sensor in robot.features.sensors}
         ultrasonics = {f"ultrasonic_{place}" for place in ("front_left", "left", "front_right", "right")}
-        assert sensors == {"lidar", "imu", "odometry", "battery"} | ultrasonics
+        assert sensors == {"lidar", "imu", "odometry", "battery", "camera"} | ultrasonics
         assert robot.profile.kinematics is threewe.Kinematics.holonomic
         assert "not connected" in repr(robot)
     assert not caplog.messages

@@ -1,5 +1,10 @@
-// What a camera is: how its pixels look into space.
+// What a camera is: how its pixels look into space, and what it delivers.
 #pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <vector>
 
 namespace threewe {
 
@@ -20,5 +25,39 @@ CameraIntrinsics make_intrinsics(int width, int height, double horizontal_fov);
 
 /// Throws ConfigError when an image has no pixels or too many, or its focal lengths are not positive and finite.
 void check(const CameraIntrinsics& camera);
+
+/// One image of a camera.
+struct RGBDImage {
+  CameraIntrinsics intrinsics;
+  std::vector<std::uint8_t> color;  ///< (H, W, 3), blue, green, red
+  std::vector<float> depth;         ///< (H, W) [m] along the optical axis, invalid = 0.0; empty without a depth camera
+  friend bool operator==(const RGBDImage&, const RGBDImage&) = default;
+};
+
+/// What is truly there to be seen.
+struct SemanticImage {
+  RGBDImage image;                ///< without noise; depth without limits, 0 where there is nothing
+  std::vector<std::int16_t> ids;  ///< (H, W), of what each pixel shows
+};
+
+/// An image that a simulator draws when somebody looks at it, so that images nobody looks at cost nothing. Copies share
+/// it; it never changes.
+class Picture {
+ public:
+  /// Of nothing: no pixels.
+  Picture() = default;
+  explicit Picture(RGBDImage image);
+  /// `draw` is called at most once, by the first who looks, and must give the same on every thread.
+  explicit Picture(std::function<RGBDImage()> draw);
+
+  /// The image, drawn first where that has not been done. Any thread may ask. Throws what drawing throws.
+  const RGBDImage& image() const;
+  /// False while nobody has looked.
+  bool is_drawn() const;
+
+ private:
+  struct Canvas;
+  std::shared_ptr<Canvas> canvas_;
+};
 
 }  // namespace threewe

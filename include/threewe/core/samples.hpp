@@ -8,6 +8,7 @@
 #include <variant>
 #include <vector>
 
+#include "threewe/core/camera.hpp"
 #include "threewe/core/pose.hpp"
 #include "threewe/core/time.hpp"
 
@@ -53,10 +54,10 @@ struct RangeData {
 };
 
 /// The kinds of sensor that the contract knows, in the order of `SampleData`.
-enum class SensorType : std::uint8_t { lidar, imu, odometry, battery, ultrasonic };
+enum class SensorType : std::uint8_t { lidar, imu, odometry, battery, ultrasonic, camera };
 std::string_view to_string(SensorType type);
 
-using SampleData = std::variant<LaserScan, IMUData, Odometry, BatteryState, RangeData>;
+using SampleData = std::variant<LaserScan, IMUData, Odometry, BatteryState, RangeData, Picture>;
 
 /// A reading with its stamps. `received` is the robot time at which `poll()` handed it over.
 struct Sample {

@@ -7,6 +7,7 @@
 #include <string_view>
 #include <vector>
 
+#include "threewe/core/camera.hpp"
 #include "threewe/core/footprint.hpp"
 #include "threewe/core/kinematics.hpp"
 #include "threewe/core/pose.hpp"
@@ -93,6 +94,9 @@ struct CameraSpec {
   double sigma = 0.0;           ///< [levels of 255] of each pixel's colours
   Duration latency{};           ///< from an image to its arrival
   std::optional<DepthSpec> depth;
+
+  /// Of its rectified view.
+  CameraIntrinsics intrinsics() const { return make_intrinsics(width, height, horizontal_fov); }
 };
 
 /// Ultrasonic sensors of one kind, pinged in turn so that none hears another's sound.

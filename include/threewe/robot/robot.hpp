@@ -62,6 +62,11 @@ class Robot {
   Velocity get_velocity() const;
   const map::OccupancyGrid& get_map() const;
   const BatteryState& get_battery_state() const;
+  /// The newest image of the camera: colour, and depth where it measures any.
+  const RGBDImage& get_camera_image() const { return get_image("camera"); }
+  const RGBDImage& get_image(std::string_view camera) const;
+  /// The newest image of a camera that measures depth.
+  const RGBDImage& get_rgbd_image() const;
   /// `target_from_source` among `map`, `odom`, `base` and the sensors' names.
   Pose2D get_transform(std::string_view target, std::string_view source) const;
 

@@ -79,6 +79,10 @@ class Runtime {
   const IMUData& imu() const;
   const Odometry& odometry() const;
   const BatteryState& battery() const;
+  /// The newest image of the camera of that name, drawn now where a simulator has not drawn it yet.
+  const RGBDImage& image(std::string_view camera = "camera") const;
+  /// The same of a camera that measures depth.
+  const RGBDImage& rgbd_image() const;
   /// The newest sample of a kind of sensor, with its stamps.
   const Sample& sample(SensorType type) const;
   const slam::PoseEstimate& pose() const;

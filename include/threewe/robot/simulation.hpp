@@ -27,6 +27,13 @@ class Simulation {
   double distance_driven() const { return truth().distance_driven(); }
   /// A pose where the robot fits with 5 cm to spare: a pure function of the seed.
   Pose2D sample_free_pose(std::uint64_t seed) const { return truth().sample_free_pose(seed); }
+  /// What the robot's camera would truly show now: no noise, no limit to depth, and what each pixel shows. Throws
+  /// HardwareError for a robot without a camera.
+  SemanticImage look() const;
+  /// The same from another camera, at a pose and a height [m] above the floor.
+  SemanticImage look(const CameraIntrinsics& camera, const Pose2D& pose, double height) const {
+    return truth().look(camera, pose, height);
+  }
   /// Length [m] of the shortest path for the robot's footprint; infinity where there is none.
   double geodesic(Vec2 a, Vec2 b) const { return truth().geodesic(a, b); }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <mutex>
 #include <optional>
 #include <vector>
 
@@ -12,6 +13,7 @@
 #include "threewe/scene/scene.hpp"
 #include "threewe/sim/contact.hpp"
 #include "threewe/sim/ray_caster.hpp"
+#include "threewe/sim/renderer.hpp"
 #include "threewe/sim/shape_index.hpp"
 
 namespace threewe::sim {
@@ -34,7 +36,8 @@ struct RobotModel {
   int imu_period = 0;
   int odometry_period = 0;
   int battery_period = 0;
-  int turn = 0;                 ///< of the lidar
+  int turn = 0;  ///< of the lidar
+  int camera_period = 0;
   int ultrasonic_interval = 0;  ///< from ping to ping
   models::ScanPattern pattern;
   std::shared_ptr<const RayCaster> caster;  ///< null without a lidar
@@ -45,6 +48,13 @@ struct RobotModel {
 struct Model {
   std::shared_ptr<const scene::Scene> scene;
   std::vector<RobotModel> robots;
+
+  /// What draws the scene: made when a picture is first looked at. Any thread may ask.
+  const Renderer& renderer() const;
+
+ private:
+  mutable std::once_flag asked_;
+  mutable std::optional<Renderer> renderer_;
 };
 
 /// Throws ConfigError where a profile cannot be simulated: a period that is no whole number of steps, or a lidar whose

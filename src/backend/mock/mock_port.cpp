@@ -8,6 +8,7 @@
 #include "threewe/core/errors.hpp"
 #include "threewe/models/lidar.hpp"
 #include "threewe/models/ultrasonic.hpp"
+#include "threewe/sim/camera.hpp"
 #include "threewe/sim/step.hpp"
 
 namespace threewe::backend::mock {
@@ -30,6 +31,7 @@ Features features_of(const RobotProfile& profile) {
       features.sensors.push_back({mount.name, SensorType::ultrasonic, 1.0 / to_seconds(profile.ultrasonics->period())});
     }
   }
+  if (profile.camera) features.sensors.push_back(sensor_info(SensorType::camera, profile.camera->period));
   return features;
 }
 
@@ -40,7 +42,7 @@ MockPort::MockPort(const MockWorld& world, std::size_t index, RobotProfile profi
       index_(index),
       profile_(std::move(profile)),
       features_(features_of(profile_)),
-      truth_(world.model_, index, world.states_) {
+      truth_(world.model_, index, world.states_, world.people_) {
   reset();
 }
 
@@ -59,6 +61,7 @@ std::vector<Sample> MockPort::poll() {
   std::vector<Sample> samples;
   for (auto arrival = arrivals.begin(); arrival != arrived; ++arrival) {
     Sample& sample = samples.emplace_back(std::move(arrival->sample));
+    if (arrival->shot) sample.data = picture_of(std::move(*arrival->shot));
     sample.sequence = state_.sequences[sample.sensor]++;
     sample.received = world_.now();
   }
@@ -80,15 +83,22 @@ void MockPort::command(const Velocity& velocity, Time valid_until) {
   state_.valid_until = valid_until;
 }
 
-void MockPort::send(std::size_t sensor, Time measured, Duration latency, SampleData data) {
+Picture MockPort::picture_of(sim::Shot shot) const {
+  return Picture([model = world_.model_, shot = std::move(shot)] { return sim::draw_picture(*model, shot); });
+}
+
+void MockPort::send(std::size_t sensor, Time measured, Duration latency, SampleData data,
+                    std::optional<sim::Shot> shot) {
   const Time arrival = world_.states_[index_].time() + latency;
   // what arrives at one moment keeps the order in which it was sent
   const auto later = std::ranges::find_if(state_.arrivals, [&](const auto& other) { return other.time > arrival; });
-  state_.arrivals.insert(later, {arrival, {static_cast<std::uint16_t>(sensor), 0, measured, {}, std::move(data)}});
+  state_.arrivals.insert(
+      later, {arrival, {static_cast<std::uint16_t>(sensor), 0, measured, {}, std::move(data)}, std::move(shot)});
 }
 
-void MockPort::collect(const sim::RobotState& state) {
+void MockPort::collect() {
   if (!connected_) return;
+  const sim::RobotState& state = world_.states_[index_];
   const sim::RobotModel& robot = world_.model_->robots[index_];
   const RobotProfile& simulated = robot.profile;
   const auto pinged = sim::ping_ready(robot, state);
@@ -119,6 +129,12 @@ void MockPort::collect(const sim::RobotState& state) {
           send(i, state.time(), spec.latency, models::range_data(spec, state.ultrasonic_range));
         }
         break;
+      case SensorType::camera:
+        if (sim::picture_ready(robot, state)) {
+          send(i, state.time(), simulated.camera->latency, Picture(),
+               sim::take_shot(world_.states_, world_.people_, index_));
+        }
+        break;
     }
   }
 }
@@ -128,6 +144,33 @@ void MockPort::reset() {
   state_.sequences.assign(features_.sensors.size(), 0);
 }
 
+namespace {
+
+void put(ByteWriter& bytes, const sim::Shot& shot) {
+  bytes.put(shot.key.seed);
+  bytes.put(shot.key.episode);
+  bytes.put(shot.key.robot);
+  bytes.put(shot.step);
+  bytes.put(std::uint64_t{shot.robots.size()});
+  for (const Pose2D& pose : shot.robots) bytes.put(pose);
+  bytes.put(std::uint64_t{shot.people.size()});
+  for (const sim::PersonState& person : shot.people) bytes.put(person);
+}
+
+void get(ByteReader& bytes, sim::Shot& shot) {
+  shot.key.stream = Stream::camera;
+  bytes.get(shot.key.seed);
+  bytes.get(shot.key.episode);
+  bytes.get(shot.key.robot);
+  bytes.get(shot.step);
+  shot.robots.resize(bytes.get_size());
+  for (Pose2D& pose : shot.robots) bytes.get(pose);
+  shot.people.resize(bytes.get_size());
+  for (sim::PersonState& person : shot.people) bytes.get(person);
+}
+
+}  // namespace
+
 void PortState::save(ByteWriter& bytes) const {
   bytes.put(command);
   bytes.put(valid_until);
@@ -136,6 +179,7 @@ void PortState::save(ByteWriter& bytes) const {
   for (const Arrival& arrival : arrivals) {
     bytes.put(arrival.time);
     bytes.put(arrival.sample);
+    if (arrival.shot) put(bytes, *arrival.shot);
   }
 }
 
@@ -148,6 +192,7 @@ void PortState::load(ByteReader& bytes, std::size_t sensors) {
   for (Arrival& arrival : arrivals) {
     bytes.get(arrival.time);
     bytes.get(arrival.sample);
+    if (std::holds_alternative<Picture>(arrival.sample.data)) get(bytes, arrival.shot.emplace());
   }
 }
 

@@ -2,12 +2,14 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <utility>
 #include <vector>
 
 #include "backend/bytes.hpp"
 #include "backend/mock/mock_truth.hpp"
 #include "threewe/backend/mock/mock_world.hpp"
+#include "threewe/sim/camera.hpp"
 
 namespace threewe::backend::mock {
 
@@ -16,6 +18,7 @@ struct PortState {
   struct Arrival {
     Time time;
     Sample sample;
+    std::optional<sim::Shot> shot;  ///< of which a camera's picture is made once it has arrived
   };
 
   Velocity command;
@@ -43,14 +46,16 @@ class MockPort : public RobotPort {
 
   /// What the robot is told to do in a step that begins at `t`: nothing once the command has expired.
   Velocity command_at(Time t) const { return t < state_.valid_until ? state_.command : Velocity{}; }
-  /// Sends on what became ready in the step that `robot` has just taken.
-  void collect(const sim::RobotState& robot);
+  /// Sends on what became ready in the step that the world has just taken.
+  void collect();
   void reset();
   const PortState& state() const { return state_; }
   void restore(PortState state) { state_ = std::move(state); }
 
  private:
-  void send(std::size_t sensor, Time measured, Duration latency, SampleData data);
+  void send(std::size_t sensor, Time measured, Duration latency, SampleData data,
+            std::optional<sim::Shot> shot = std::nullopt);
+  Picture picture_of(sim::Shot shot) const;
 
   const MockWorld& world_;
   std::size_t index_;

@@ -1,5 +1,7 @@
 #include "backend/mock/mock_truth.hpp"
 
+#include "threewe/sim/camera.hpp"
+
 namespace threewe::backend::mock {
 
 const scene::SceneTables& MockTruth::tables() const {
@@ -11,6 +13,10 @@ const scene::SceneTables& MockTruth::tables() const {
 }
 
 Pose2D MockTruth::sample_free_pose(std::uint64_t seed) const { return tables().sample_free_pose(seed); }
+
+SemanticImage MockTruth::look(const CameraIntrinsics& camera, const Pose2D& pose, double height) const {
+  return sim::draw_truth(*model_, sim::take_shot(states_, people_, index_), camera, {pose, height});
+}
 
 double MockTruth::geodesic(Vec2 a, Vec2 b) const {
   if (!field_ || field_->target() != b) {

@@ -8,14 +8,16 @@
 #include "threewe/scene/scene_tables.hpp"
 #include "threewe/scene/truth_view.hpp"
 #include "threewe/sim/model.hpp"
+#include "threewe/sim/people.hpp"
 #include "threewe/sim/state.hpp"
 
 namespace threewe::backend::mock {
 
 class MockTruth : public scene::TruthView {
  public:
-  MockTruth(std::shared_ptr<const sim::Model> model, std::size_t index, const std::vector<sim::RobotState>& states)
-      : model_(std::move(model)), index_(index), states_(states) {}
+  MockTruth(std::shared_ptr<const sim::Model> model, std::size_t index, const std::vector<sim::RobotState>& states,
+            const std::vector<sim::PersonState>& people)
+      : model_(std::move(model)), index_(index), states_(states), people_(people) {}
 
   const scene::Scene& scene() const override { return *model_->scene; }
   Pose2D true_pose() const override { return state().pose; }
@@ -24,6 +26,7 @@ class MockTruth : public scene::TruthView {
   double max_collision_speed() const override { return state().max_collision_speed; }
   double distance_driven() const override { return state().distance_driven; }
   Pose2D sample_free_pose(std::uint64_t seed) const override;
+  SemanticImage look(const CameraIntrinsics& camera, const Pose2D& pose, double height) const override;
   double geodesic(Vec2 a, Vec2 b) const override;
 
  private:
@@ -32,7 +35,8 @@ class MockTruth : public scene::TruthView {
 
   std::shared_ptr<const sim::Model> model_;
   std::size_t index_;
-  const std::vector<sim::RobotState>& states_;  // the world's
+  const std::vector<sim::RobotState>& states_;   // the world's
+  const std::vector<sim::PersonState>& people_;  // likewise
   // made when they are first asked for: a world without questions starts faster
   mutable std::unique_ptr<scene::SceneTables> tables_;
   mutable std::unique_ptr<scene::GeodesicField> field_;  // to the target asked for last

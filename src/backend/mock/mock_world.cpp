@@ -53,7 +53,7 @@ void MockWorld::step() {
   for (std::size_t i = 0; i < ports_.size(); ++i) commands_[i] = ports_[i]->command_at(begin);
   sim::step(*model_, states_, commands_, people_);
   ++steps_;
-  for (std::size_t i = 0; i < ports_.size(); ++i) ports_[i]->collect(states_[i]);
+  for (const auto& port : ports_) port->collect();
 }
 
 std::vector<Pose2D> MockWorld::start_poses(const std::vector<Pose2D>& asked) const {

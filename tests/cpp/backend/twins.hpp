@@ -160,7 +160,12 @@ inline std::multimap<std::string, Fault> twins() {
                                           })}},
 
       // ultrasonics
-      {"ultrasonics_are_mounted", {.features = [](Features& f, bool) { f.sensors.back().name = "ultrasonic_rear"; }}},
+      {"ultrasonics_are_mounted",
+       {.features =
+            [](Features& f, bool) {
+              const auto echo = [](const SensorInfo& sensor) { return sensor.type == SensorType::ultrasonic; };
+              std::ranges::find_if(f.sensors, echo)->name = "ultrasonic_rear";
+            }}},
       {"echo_limits_are_the_profiles", {.samples = each<RangeData>([](RangeData& echo) { echo.range_max = 5.0; })}},
       {"echo_limits_are_the_profiles",
        {.samples = each<RangeData>([](RangeData& echo) { echo.field_of_view *= 180.0 / exact::kPi; })}},

@@ -22,6 +22,9 @@ class ShiftedTruth final : public scene::TruthView {
   double max_collision_speed() const override { return 7.0; }
   double distance_driven() const override { return truth_.distance_driven() + 100.0; }
   Pose2D sample_free_pose(std::uint64_t seed) const override { return shifted(truth_.sample_free_pose(seed)); }
+  SemanticImage look(const CameraIntrinsics& camera, const Pose2D&, double height) const override {
+    return truth_.look(camera, {}, height);
+  }
   double geodesic(Vec2 a, Vec2 b) const override { return truth_.geodesic(a, b) + 100.0; }
 
  private:

@@ -64,6 +64,7 @@ bool same(const IMUData& a, const IMUData& b) {
 }
 bool same(const Odometry& a, const Odometry& b) { return a.pose == b.pose && a.velocity == b.velocity; }
 bool same(const BatteryState& a, const BatteryState& b) { return a.voltage == b.voltage && a.charge == b.charge; }
+bool same(const Picture& a, const Picture& b) { return a.image() == b.image(); }
 bool same(const RangeData& a, const RangeData& b) { return a.range == b.range; }
 
 bool same(const std::vector<Sample>& a, const std::vector<Sample>& b) {
@@ -209,13 +210,16 @@ TEST_CASE("samples come in order of arrival") {
   const auto world = make();
   world->advance_to(3s);
   const auto samples = world->robot(0).poll();
-  // 100 Hz, 50 Hz, 10 Hz less the turn that is still on its way, 1 Hz, a ping every 60 ms less the last
-  CHECK(samples.size() == 300 + 150 + 29 + 3 + 49);
+  // 100 Hz, 50 Hz, 10 Hz less the turn that is still on its way, 1 Hz, a ping every 60 ms less the last, a picture
+  // every 30 ms less three
+  CHECK(samples.size() == 300 + 150 + 29 + 3 + 49 + 97);
   Time arrival{};
   for (const Sample& sample : samples) {
     const bool scan = std::holds_alternative<LaserScan>(sample.data);
     const bool echo = std::holds_alternative<RangeData>(sample.data);
-    const Time arrived = sample.measured + (scan ? 250us + 20ms : echo ? Duration(40ms) : 0ms);
+    const bool picture = std::holds_alternative<Picture>(sample.data);
+    const Duration latency = scan ? 250us + 20ms : echo ? 40ms : picture ? 80ms : 0ms;
+    const Time arrived = sample.measured + latency;
     CHECK(arrived >= arrival);
     arrival = arrived;
   }

@@ -1,0 +1,19 @@
+// A camera: how well it tells colours and depth.
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "threewe/core/rng.hpp"
+#include "threewe/hardware/profile.hpp"
+
+namespace threewe::models {
+
+/// Adds noise of its own to every colour of image number `image`: (H, W, 3), in place. It stays within 0 to 255.
+void add_color_noise(const CameraSpec& spec, const RngKey& key, std::uint64_t image, std::span<std::uint8_t> color);
+
+/// Turns true depths [m] along the optical axis, 0 where there is nothing, into what is measured of them: (H, W), in
+/// place. The noise grows with the square of the depth; what is out of range is invalid, 0.
+void measure_depth(const DepthSpec& spec, const RngKey& key, std::uint64_t image, std::span<float> depth);
+
+}  // namespace threewe::models

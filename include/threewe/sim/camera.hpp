@@ -1,0 +1,39 @@
+// A robot's camera in a simulated world: what is in sight is kept as the picture is taken, and drawn when it is looked
+// at.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "threewe/core/camera.hpp"
+#include "threewe/sim/model.hpp"
+#include "threewe/sim/people.hpp"
+#include "threewe/sim/renderer.hpp"
+#include "threewe/sim/state.hpp"
+
+namespace threewe::sim {
+
+/// A moment of a world: all that a picture shows follows from this and the model.
+struct Shot {
+  RngKey key;              ///< of the camera's noise; its robot holds the camera
+  std::uint64_t step = 0;  ///< at whose end it was taken
+  std::vector<Pose2D> robots;
+  std::vector<PersonState> people;
+};
+
+/// Whether the camera takes a picture at the end of the last step.
+bool picture_ready(const RobotModel& robot, const RobotState& state);
+
+/// The moment that `world[robot]` sees now. `world` are the robots of one world.
+Shot take_shot(std::span<const RobotState> world, std::span<const PersonState> people, std::size_t robot);
+
+/// What the robot's camera delivers of it: with noise, and depth where it measures any. A robot without a camera is a
+/// programmer's mistake.
+RGBDImage draw_picture(const Model& model, const Shot& shot);
+
+/// What a camera elsewhere would truly show of it.
+SemanticImage draw_truth(const Model& model, const Shot& shot, const CameraIntrinsics& camera, const CameraPose& view);
+
+}  // namespace threewe::sim

@@ -1,0 +1,61 @@
+#include "threewe/sim/camera.hpp"
+
+#include <cassert>
+
+#include "threewe/models/camera.hpp"
+#include "threewe/sim/step.hpp"
+
+namespace threewe::sim {
+namespace {
+
+// Working memory that outlives a picture: one for each thread that draws.
+RenderScratch& scratch() {
+  thread_local RenderScratch scratch;
+  return scratch;
+}
+
+std::size_t pixels_of(const CameraIntrinsics& camera) {
+  return static_cast<std::size_t>(camera.width) * static_cast<std::size_t>(camera.height);
+}
+
+void render(const Model& model, const Shot& shot, const CameraIntrinsics& camera, const CameraPose& view,
+            const Images& images) {
+  const Renderer& renderer = model.renderer();
+  renderer.render(camera, view, renderer.paint(shot.key.seed, shot.key.episode), images, scratch());
+}
+
+}  // namespace
+
+bool picture_ready(const RobotModel& robot, const RobotState& state) { return is_due(robot.camera_period, state); }
+
+Shot take_shot(std::span<const RobotState> world, std::span<const PersonState> people, std::size_t robot) {
+  Shot shot{world[robot].key(Stream::camera), world[robot].steps, {}, {people.begin(), people.end()}};
+  shot.robots.reserve(world.size());
+  for (const RobotState& state : world) shot.robots.push_back(state.pose);
+  return shot;
+}
+
+RGBDImage draw_picture(const Model& model, const Shot& shot) {
+  assert(model.robots[shot.key.robot].profile.camera);
+  const CameraSpec& spec = *model.robots[shot.key.robot].profile.camera;
+  RGBDImage picture{spec.intrinsics(), {}, {}};
+  picture.color.resize(3 * pixels_of(picture.intrinsics));
+  if (spec.depth) picture.depth.resize(pixels_of(picture.intrinsics));
+
+  const CameraPose view{shot.robots[shot.key.robot] * spec.base_from_camera, spec.mount_height};
+  render(model, shot, picture.intrinsics, view, {picture.color, picture.depth, {}});
+  models::add_color_noise(spec, shot.key, shot.step, picture.color);
+  if (spec.depth) models::measure_depth(*spec.depth, shot.key, shot.step, picture.depth);
+  return picture;
+}
+
+SemanticImage draw_truth(const Model& model, const Shot& shot, const CameraIntrinsics& camera, const CameraPose& view) {
+  check(camera);
+  const std::size_t pixels = pixels_of(camera);
+  SemanticImage truth{{camera, std::vector<std::uint8_t>(3 * pixels), std::vector<float>(pixels)},
+                      std::vector<std::int16_t>(pixels)};
+  render(model, shot, camera, view, {truth.image.color, truth.image.depth, truth.ids});
+  return truth;
+}
+
+}  // namespace threewe::sim
