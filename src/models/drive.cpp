@@ -40,13 +40,14 @@ WheelSpeeds drive_motors(const Drive& drive, const WheelSpeeds& speeds, const Wh
   return next;
 }
 
-Velocity grip(const Drive& drive, const Velocity& body, const Velocity& rolling) {
+Velocity grip(const Drive& drive, const Velocity& body, const Velocity& rolling, double floor) {
   const Velocity change{rolling.vx - body.vx, rolling.vy - body.vy, rolling.omega - body.omega};
   // a torque is measured by the force that it takes at the wheels
   const double turning = change.omega * drive.inertia_arm_squared / drive.grip_arm;
   const double needed = exact::sqrt(change.vx * change.vx + change.vy * change.vy + turning * turning);
-  if (needed <= drive.grip_change) return rolling;
-  const double share = drive.grip_change / needed;
+  const double given = floor * drive.grip_change;
+  if (needed <= given) return rolling;
+  const double share = given / needed;
   return {body.vx + share * change.vx, body.vy + share * change.vy, body.omega + share * change.omega};
 }
 

@@ -55,10 +55,18 @@ std::shared_ptr<const RayCaster> find_or_make_caster(scene::Slice slice, double 
   return caster;
 }
 
+std::vector<Vec2> wheel_places(const WheelGeometry& wheels) {
+  const double x = wheels.half_length;
+  const double y = wheels.half_width;
+  if (wheels.kinematics == Kinematics::differential) return {{0.0, y}, {0.0, -y}};
+  return {{x, y}, {x, -y}, {-x, y}, {-x, -y}};
+}
+
 RobotModel make_robot(const scene::Scene& scene, const RobotProfile& profile) {
   RobotModel robot;
   robot.profile = profile;
   robot.drive = models::make_drive(profile, kStep);
+  robot.wheels = wheel_places(profile.body.wheels);
   robot.body = {profile.body.footprint, profile.body.mass, profile.body.inertia};
   require(profile, robot.body.footprint.corners().size() <= 16, "footprint: at most 16 corners can be simulated");
 

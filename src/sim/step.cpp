@@ -33,8 +33,17 @@ double battery_supply(const RobotModel& robot, const RobotState& state) {
   return robot.profile.battery ? models::supply_ratio(*robot.profile.battery, state.battery) : 1.0;
 }
 
+// How well the floor holds, as the mean under the driven wheels: they share the weight, and the friction of the whole
+// body is what limits its pull. So grip changes wheel by wheel as a robot drives onto ice.
+double floor_grip(const Model& model, const RobotModel& robot, const Pose2D& pose) {
+  if (model.scene->patches.empty()) return 1.0;
+  double sum = 0.0;
+  for (const Vec2 wheel : robot.wheels) sum += model.scene->grip_at(pose * wheel);
+  return sum / static_cast<double>(robot.wheels.size());
+}
+
 // Motors turn the wheels, the wheels pull the body, and the battery pays.
-Before drive_robot(const RobotModel& robot, RobotState& state, const Velocity& sent) {
+Before drive_robot(const Model& model, const RobotModel& robot, RobotState& state, const Velocity& sent) {
   const models::Drive& drive = robot.drive;
   const Velocity command = deliver_command(robot, state, sent);
   state.wheel_speeds = models::drive_motors(drive, state.wheel_speeds, wheel_speeds(drive.wheels, command),
@@ -46,7 +55,7 @@ Before drive_robot(const RobotModel& robot, RobotState& state, const Velocity& s
   Before before{state.pose, {linear.x, linear.y, state.velocity.omega}, {}};
   Velocity rolling = body_velocity(drive.wheels, state.wheel_speeds);
   rolling.vy *= state.wheel_errors.lateral;
-  before.driven = models::grip(drive, before.carried, rolling);
+  before.driven = models::grip(drive, before.carried, rolling, floor_grip(model, robot, state.pose));
   if (robot.profile.battery) {
     const double power = models::drive_power(drive, before.carried, before.driven, rolling);
     models::drain_battery(*robot.profile.battery, power, kSeconds, state.battery);
@@ -156,7 +165,7 @@ void step_crowd(const Model& model, std::span<RobotState> world, std::span<const
   std::vector<Before> before;
   std::vector<Mover> movers;
   for (std::size_t i = 0; i < world.size(); ++i) {
-    before.push_back(drive_robot(model.robots[i], world[i], commands[i]));
+    before.push_back(drive_robot(model, model.robots[i], world[i], commands[i]));
     movers.push_back({&model.robots[i].body, before[i].pose, before[i].carried, before[i].driven, 0.0});
   }
   exchange_momentum(movers, kSeconds);
@@ -209,7 +218,7 @@ void step(const Model& model, std::span<RobotState> states, std::span<const Velo
   if (robots == 1 && people.empty()) {
     Others nobody;
     for (std::size_t i = 0; i < states.size(); ++i) {
-      const Before before = drive_robot(model.robots[0], states[i], commands[i]);
+      const Before before = drive_robot(model, model.robots[0], states[i], commands[i]);
       arrive(states[i], slide(model.robots[0], before, {}));
       sense(model.robots[0], nobody, before, states[i]);
     }

@@ -36,8 +36,8 @@ WheelSpeeds drive_motors(const Drive& drive, const WheelSpeeds& speeds, const Wh
 ///
 /// The wheels pull the body to their own velocity, with no more force than friction gives: an ellipsoid in
 /// (force, torque), the usual limit surface (Howe and Cutkosky 1996). Implicit, hence stable at any step, and it never
-/// overshoots.
-Velocity grip(const Drive& drive, const Velocity& body, const Velocity& rolling);
+/// overshoots. `floor` is how well the floor holds: times the wheels' friction on a hard one.
+Velocity grip(const Drive& drive, const Velocity& body, const Velocity& rolling, double floor = 1.0);
 
 /// Mechanical power [W] that the wheels took to change the velocity from `before` to `after` while they rolled at
 /// `rolling`: force times speed where it is made, so that wheels that spin are paid for; and what rolling resists with.

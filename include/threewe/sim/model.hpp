@@ -29,6 +29,7 @@ inline constexpr int kMaxLidarPoints = 512;
 struct RobotModel {
   RobotProfile profile;
   models::Drive drive;
+  std::vector<Vec2> wheels;  ///< where the driven ones touch the floor, in the base frame
   RigidBody body;
   std::vector<scene::Solid> solids;             ///< all that stands as high as the robot reaches
   std::shared_ptr<const ShapeIndex> obstacles;  ///< the same, as outlines

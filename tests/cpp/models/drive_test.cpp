@@ -98,6 +98,18 @@ TEST_CASE("the body takes the velocity of its wheels where friction allows, and 
   }
 }
 
+TEST_CASE("on a floor that holds less, friction gives less in proportion; on a hard floor the bits are the same") {
+  for (std::uint64_t i = 0; i < 1'000; ++i) {
+    CAPTURE(i);
+    const Velocity body = random_velocity(2 * i);
+    const Velocity rolling = random_velocity(2 * i + 1);
+    Drive slippery = drive();
+    slippery.grip_change *= 0.3;
+    CHECK(grip(drive(), body, rolling, 0.3) == grip(slippery, body, rolling));
+    CHECK(grip(drive(), body, rolling, 1.0) == grip(drive(), body, rolling));
+  }
+}
+
 TEST_CASE("power is that of the acceleration, and of rolling") {
   const double rolling = robot().body.rolling_resistance * robot().body.mass * 9.80665;
   CHECK(drive_power(drive(), {0.5, 0.0, 0.0}, {0.5, 0.0, 0.0}, {0.5, 0.0, 0.0}) == doctest::Approx(0.5 * rolling));

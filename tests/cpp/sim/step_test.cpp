@@ -9,6 +9,7 @@
 #include <cstddef>
 #include <map>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include "threewe/core/errors.hpp"
@@ -24,8 +25,8 @@ std::shared_ptr<const scene::Scene> office() {
   return scene;
 }
 
-// A hall of 20 x 20 m with nothing in it.
-std::shared_ptr<const scene::Scene> hall() {
+// A hall of 20 x 20 m with nothing in it, but patches of floor.
+std::shared_ptr<const scene::Scene> hall(std::vector<scene::Patch> patches = {}) {
   scene::Scene scene;
   scene.name = "hall";
   scene.min = {-10.0, -10.0};
@@ -33,6 +34,7 @@ std::shared_ptr<const scene::Scene> hall() {
   const Vec2 corners[] = {{-10.0, -10.0}, {10.0, -10.0}, {10.0, 10.0}, {-10.0, 10.0}};
   for (std::size_t i = 0; i < 4; ++i) scene.walls.push_back({corners[i], corners[(i + 1) % 4], 0.1, 2.5});
   scene.starts = {{}, {2.0, 0.0, 0.0}};
+  scene.patches = std::move(patches);
   return std::make_shared<const scene::Scene>(scene);
 }
 
@@ -302,6 +304,69 @@ TEST_CASE("thousands of random drives through the office enter nothing, and gain
     }
     CHECK(hits > 200);
     CHECK(driven > 500.0);
+  }
+}
+
+// A hall whose floor is ice where x > 1 m.
+std::shared_ptr<const Model> icy_hall(NoiseLevel noise) {
+  return make_model(hall({{"ice", {1.0, -10.0}, {10.0, 10.0}, "tile", 0.3}}), {standard(noise)});
+}
+
+TEST_CASE("on ice the same command slips more, odometry errs more, and stopping takes longer") {
+  struct Outcome {
+    double slip = 0.0;           // [m/s] of the wheels against the body, at most
+    double odometry_lead = 0.0;  // [m] that odometry was ahead of the truth after speeding up
+    double braking = 0.0;        // [m]
+  };
+  const auto model = icy_hall(NoiseLevel::ideal);
+  const RobotModel& robot = model->robots[0];
+  const auto speed_up_and_stop = [&](double x) {
+    Outcome outcome;
+    RobotState state = begin(*model, 0, {x, 0.0, 0.0}, 1);
+    for (int i = 0; i < 100; ++i) {
+      run(*model, state, {1.0, 0.0, 0.0}, kStep);
+      outcome.slip =
+          std::max(outcome.slip, body_velocity(robot.drive.wheels, state.wheel_speeds).vx - state.velocity.vx);
+    }
+    run(*model, state, {1.0, 0.0, 0.0}, 1s);
+    outcome.odometry_lead = state.odometry.reading.pose.x - (state.pose.x - x);
+    const double before = state.pose.x;
+    run(*model, state, {}, 2s);
+    outcome.braking = state.pose.x - before;
+    return outcome;
+  };
+  const Outcome floor = speed_up_and_stop(-6.0);
+  const Outcome ice = speed_up_and_stop(2.0);
+  CHECK(ice.slip > 2.0 * floor.slip);
+  CHECK(ice.odometry_lead > 2.0 * floor.odometry_lead);
+  // v^2 / (2 mu g), and a command latency before it
+  const double friction = robot.profile.body.friction * 9.80665;
+  CHECK(ice.braking - floor.braking == doctest::Approx(0.5 / (0.3 * friction) - 0.5 / friction).epsilon(0.15));
+}
+
+TEST_CASE("a floor that holds everywhere alike and one with ice elsewhere give the same bytes") {
+  const auto icy = icy_hall(NoiseLevel::realistic);
+  RobotState on_plain = begin(model_of("hall real"), 0, {-5.0, 0.0, 0.3}, 1);
+  RobotState beside_ice = begin(*icy, 0, {-5.0, 0.0, 0.3}, 1);
+  const RngKey key{.seed = 3, .stream = Stream::sampler};
+  for (std::uint64_t i = 0; i < 20; ++i) {
+    const Velocity command = random_command(key, i, true);
+    run(model_of("hall real"), on_plain, command, 200ms);
+    run(*icy, beside_ice, command, 200ms);
+    REQUIRE(beside_ice.pose.x < 0.8);
+  }
+  CHECK(same(on_plain, beside_ice));
+}
+
+TEST_CASE("with half of its wheels on ice a robot has the mean of both grips") {
+  const auto model = icy_hall(NoiseLevel::ideal);
+  const RobotModel& robot = model->robots[0];
+  for (const auto& [x, grip] : {std::pair(0.5, 1.0), std::pair(1.0, 0.65), std::pair(1.5, 0.3)}) {
+    CAPTURE(x);
+    RobotState state = begin(*model, 0, {x, 0.0, 0.0}, 1);
+    for (double& speed : state.wheel_speeds) speed = 30.0;  // they spin: all that friction gives is used
+    run(*model, state, {}, kStep);
+    CHECK(state.velocity.vx == doctest::Approx(grip * robot.drive.grip_change));
   }
 }
 
