@@ -3,6 +3,7 @@
 
 #include <nanobind/stl/array.h>
 #include <nanobind/stl/function.h>
+#include <nanobind/stl/map.h>
 #include <nanobind/stl/shared_ptr.h>
 #include <nanobind/stl/variant.h>
 
@@ -222,6 +223,7 @@ void bind_readings(nb::class_<Runtime>& runtime) {
             return std::get<Picture>(robot.sample(SensorType::camera).data);
           },
           WithoutGil())
+      .def("ultrasonic_ranges", &Runtime::ultrasonic_ranges)
       .def("sample", &Runtime::sample, "type"_a, nb::rv_policy::copy)
       .def("pose", &Runtime::pose, nb::rv_policy::copy)
       .def("map", &Runtime::map, nb::rv_policy::copy)
@@ -302,6 +304,13 @@ void bind_runtime(nb::module_& m) {
 }
 
 void bind_simulation(nb::module_& m) {
+  nb::class_<scene::PersonPose>(m, "PersonPose", "Where somebody of a simulated scene is.")
+      .def_ro("name", &scene::PersonPose::name)
+      .def_ro("pose", &scene::PersonPose::pose, "in the scene's frame, facing the way they walk or wait to walk")
+      .def_ro("radius", &scene::PersonPose::radius, "[m] of the circle that they fill on the floor")
+      .def("__repr__", [](const scene::PersonPose& person) {
+        return fmt::format("PersonPose('{}' at ({:.2f}, {:.2f}))", person.name, person.pose.x, person.pose.y);
+      });
   nb::class_<Simulation>(m, "Simulation",
                          "The truth about a robot in a simulated world, for metrics, drawings and training.\n\n"
                          "All poses are in the scene's frame. Robots never see it.")
@@ -314,6 +323,7 @@ void bind_simulation(nb::module_& m) {
       .def("max_collision_speed", &Simulation::max_collision_speed,
            "The fastest approach [m/s] of the robot's own motion into an obstacle since the last reset.")
       .def("distance_driven", &Simulation::distance_driven, "[m] since the last reset.")
+      .def("people", &Simulation::people, "The people of the scene, where they are and which way they walk.")
       .def("sample_free_pose", &Simulation::sample_free_pose, "seed"_a,
            "A pose where the robot fits with 5 cm to spare: a pure function of the seed.")
       .def("geodesic", &Simulation::geodesic, "a"_a, "b"_a,

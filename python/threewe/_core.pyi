@@ -1364,6 +1364,8 @@ class Runtime:
 
     def rgbd_image(self) -> RGBDImage: ...
 
+    def ultrasonic_ranges(self) -> dict[str, RangeData]: ...
+
     def sample(self, type: SensorType) -> Sample: ...
 
     def pose(self) -> PoseEstimate: ...
@@ -1408,6 +1410,22 @@ class Runtime:
 
     def unobserve(self, id: int) -> None: ...
 
+class PersonPose:
+    """Where somebody of a simulated scene is."""
+
+    @property
+    def name(self) -> str: ...
+
+    @property
+    def pose(self) -> Pose2D:
+        """in the scene's frame, facing the way they walk or wait to walk"""
+
+    @property
+    def radius(self) -> float:
+        """[m] of the circle that they fill on the floor"""
+
+    def __repr__(self) -> str: ...
+
 class Simulation:
     """
     The truth about a robot in a simulated world, for metrics, drawings and training.
@@ -1437,6 +1455,9 @@ class Simulation:
 
     def distance_driven(self) -> float:
         """[m] since the last reset."""
+
+    def people(self) -> list[PersonPose]:
+        """The people of the scene, where they are and which way they walk."""
 
     def sample_free_pose(self, seed: int) -> Pose2D:
         """

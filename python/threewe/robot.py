@@ -35,6 +35,7 @@ from threewe._core import (
     Pose2D,
     Progress,
     RGBDImage,
+    RangeData,
     RobotProfile,
     Velocity,
 )
@@ -64,7 +65,8 @@ class Robot(InRobotTime):
         noise: `realistic`, or `ideal` for sensors and wheels without any imperfection.
         seed: of all noise. The same seed and program give the same run, to the bit.
         realtime: pace a simulator to the wall clock.
-        start_pose: where a simulated robot starts in its scene; the scene's own start where left out.
+        start_pose: where a simulated robot starts in its scene; the scene's own start where left out. People who would
+            begin there begin farther on.
 
     Raises:
         ConfigError: an unknown backend, profile, scene or option (with the nearest right name), or a start in a wall.
@@ -332,6 +334,10 @@ class Robot(InRobotTime):
     def get_battery_state(self) -> BatteryState:
         """The state of the battery. Raises HardwareError without one."""
         return self._read().battery()
+
+    def get_ultrasonic_ranges(self) -> dict[str, RangeData]:
+        """What each ultrasonic sensor heard last, by the sensors' names. Raises HardwareError without any."""
+        return self._read().ultrasonic_ranges()
 
     def get_pose(self) -> Pose2D:
         """Where the robot believes it is, in `map`."""

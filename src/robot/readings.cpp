@@ -1,5 +1,6 @@
 // What a robot tells when it is asked.
 #include <algorithm>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -37,8 +38,17 @@ const RGBDImage& Runtime::rgbd_image() const {
   throw HardwareError("the camera of robot '" + profile().name + "' measures no depth; that of '3we_depth_v2' does");
 }
 
+std::map<std::string, RangeData> Runtime::ultrasonic_ranges() const {
+  const Senses& senses = impl_->reading().senses;
+  std::map<std::string, RangeData> ranges;
+  for (const std::size_t sensor : sensors_of(features(), profile(), SensorType::ultrasonic)) {
+    ranges[features().sensors[sensor].name] = std::get<RangeData>(senses.newest(features(), sensor).data);
+  }
+  return ranges;
+}
+
 const Sample& Runtime::sample(SensorType type) const {
-  return impl_->reading().senses.newest(features(), profile(), type);
+  return impl_->reading().senses.newest(features(), sensors_of(features(), profile(), type).front());
 }
 
 const slam::PoseEstimate& Runtime::pose() const { return impl_->reading().estimate; }
@@ -49,7 +59,7 @@ const map::OccupancyGrid& Runtime::map() const {
   throw HardwareError("robot '" + profile().name + "' has no sensor 'lidar', which a map needs");
 }
 
-std::uint64_t Runtime::map_version() const { return impl_->state->localizer->map_version(); }
+std::uint64_t Runtime::map_version() const { return impl_->reading().localizer->map_version(); }
 
 std::span<const Vec2> Runtime::path() const {
   return impl_->motion ? impl_->state->navigator->path() : std::span<const Vec2>();

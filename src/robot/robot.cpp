@@ -70,6 +70,7 @@ const map::OccupancyGrid& Robot::get_map() const { return runtime_->map(); }
 const BatteryState& Robot::get_battery_state() const { return runtime_->battery(); }
 const RGBDImage& Robot::get_image(std::string_view camera) const { return runtime_->image(camera); }
 const RGBDImage& Robot::get_rgbd_image() const { return runtime_->rgbd_image(); }
+std::map<std::string, RangeData> Robot::get_ultrasonic_ranges() const { return runtime_->ultrasonic_ranges(); }
 
 Pose2D Robot::get_transform(std::string_view target, std::string_view source) const {
   return runtime_->transform(target, source);

@@ -7,13 +7,18 @@
 
 namespace threewe {
 
-const Sample& Senses::newest(const backend::Features& features, const RobotProfile& profile, SensorType type) const {
+std::vector<std::size_t> sensors_of(const backend::Features& features, const RobotProfile& profile, SensorType type) {
+  std::vector<std::size_t> sensors;
   for (std::size_t i = 0; i < features.sensors.size(); ++i) {
-    if (features.sensors[i].type != type) continue;
-    if (newest_[i]) return *newest_[i];
-    throw HardwareError("sensor '" + features.sensors[i].name + "' has not delivered anything yet");
+    if (features.sensors[i].type == type) sensors.push_back(i);
   }
+  if (!sensors.empty()) return sensors;
   throw HardwareError("robot '" + profile.name + "' has no sensor '" + std::string(to_string(type)) + "'");
+}
+
+const Sample& Senses::newest(const backend::Features& features, std::size_t sensor) const {
+  if (newest_[sensor]) return *newest_[sensor];
+  throw HardwareError("sensor '" + features.sensors[sensor].name + "' has not delivered anything yet");
 }
 
 bool Senses::complete() const {

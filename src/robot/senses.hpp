@@ -9,14 +9,17 @@
 
 namespace threewe {
 
+/// The sensors of a type, by their places in the features. Throws HardwareError where there are none.
+std::vector<std::size_t> sensors_of(const backend::Features& features, const RobotProfile& profile, SensorType type);
+
 /// The newest samples. Plain data.
 class Senses {
  public:
   explicit Senses(std::size_t sensors) : newest_(sensors) {}
 
   void remember(const Sample& sample) { newest_[sample.sensor] = sample; }
-  /// The newest sample of the first sensor of a type. Throws HardwareError where there is none.
-  const Sample& newest(const backend::Features& features, const RobotProfile& profile, SensorType type) const;
+  /// The newest sample of a sensor. Throws HardwareError before its first.
+  const Sample& newest(const backend::Features& features, std::size_t sensor) const;
   /// When a sensor last delivered; 0 before it did.
   Time last_received(std::size_t sensor) const { return newest_[sensor] ? newest_[sensor]->received : Time{}; }
   /// True when every sensor has delivered.

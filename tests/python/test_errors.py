@@ -289,6 +289,7 @@ CALLS: dict[str, Call] = {
     "get_velocity": lambda r: r.get_velocity(),  # type: ignore[dict-item, return-value]
     "get_map": lambda r: r.get_map(),  # type: ignore[dict-item, return-value]
     "get_battery_state": lambda r: r.get_battery_state(),  # type: ignore[dict-item, return-value]
+    "get_ultrasonic_ranges": lambda r: r.get_ultrasonic_ranges(),  # type: ignore[dict-item, return-value]
     "get_transform": lambda r: r.get_transform("map", "base"),  # type: ignore[dict-item, return-value]
     "get_observation": lambda r: r.get_observation(),  # type: ignore[dict-item, return-value]
 }
@@ -306,6 +307,13 @@ async def test_calls_after_disconnect(name: str, robot: Robot) -> None:
     await robot.disconnect()
     with pytest.raises(ConnectionError, match="connect"):
         await perform(CALLS[name], robot)
+
+
+async def test_a_map_that_was_read_before_is_not_told_after_disconnect(robot: Robot) -> None:
+    robot.get_map()
+    await robot.disconnect()
+    with pytest.raises(ConnectionError, match="connect"):
+        robot.get_map()
 
 
 async def test_a_goal_in_a_wall_is_no_path(robot: Robot) -> None:

@@ -119,6 +119,21 @@ def test_profiles_are_data(name: str) -> None:
     assert lidar is None or lidar.range_max > 0.0
 
 
+async def test_ultrasonic_ranges_go_by_the_names_of_their_sensors() -> None:
+    async with threewe.Robot(hardware="3we_base_v2", scene="corridor_v1", noise="ideal") as robot:
+        ranges = robot.get_ultrasonic_ranges()
+        assert set(ranges) == {f"ultrasonic_{place}" for place in ("front_left", "front_right", "left", "right")}
+        left = ranges["ultrasonic_left"]
+        assert left.range_min < left.range < left.range_max  # the wall of the corridor
+        robot.set_velocity(vy=0.2, hold=2.0)
+        await robot.sleep(2.0)
+        nearer = robot.get_ultrasonic_ranges()["ultrasonic_left"]
+        assert nearer.range == pytest.approx(left.range - robot.get_odometry().pose.y, abs=0.05)
+    async with threewe.Robot(hardware="turtlebot_like", scene="corridor_v1") as robot:
+        with pytest.raises(threewe.HardwareError, match="'turtlebot_like' has no sensor 'ultrasonic'"):
+            robot.get_ultrasonic_ranges()
+
+
 async def test_readings_are_arrays_that_stay_as_they_were(robot: threewe.Robot) -> None:
     scan, imu, odometry, battery = (
         robot.get_lidar_scan(),

@@ -59,7 +59,8 @@ class RobotPort {
 /// How a world begins anew.
 struct ResetOptions {
   std::uint64_t seed = 0;
-  /// Where each robot starts, in the scene's frame; the scene's own start poses where empty.
+  /// Where each robot starts, in the scene's frame; the scene's own start poses where empty. People who would begin
+  /// there begin farther on.
   std::vector<Pose2D> poses = {};  // NOLINT(readability-redundant-member-init): g++ warns where it is left out
 };
 

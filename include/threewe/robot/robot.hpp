@@ -6,6 +6,7 @@
 
 #include <array>
 #include <functional>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -67,6 +68,8 @@ class Robot {
   const RGBDImage& get_image(std::string_view camera) const;
   /// The newest image of a camera that measures depth.
   const RGBDImage& get_rgbd_image() const;
+  /// What each ultrasonic sensor heard last, by the sensors' names.
+  std::map<std::string, RangeData> get_ultrasonic_ranges() const;
   /// `target_from_source` among `map`, `odom`, `base` and the sensors' names.
   Pose2D get_transform(std::string_view target, std::string_view source) const;
 

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <functional>
+#include <map>
 #include <memory>
 #include <span>
 #include <string>
@@ -83,6 +84,7 @@ class Runtime {
   const RGBDImage& image(std::string_view camera = "camera") const;
   /// The same of a camera that measures depth.
   const RGBDImage& rgbd_image() const;
+  std::map<std::string, RangeData> ultrasonic_ranges() const;  ///< by the sensors' names
   /// The newest sample of a kind of sensor, with its stamps.
   const Sample& sample(SensorType type) const;
   const slam::PoseEstimate& pose() const;

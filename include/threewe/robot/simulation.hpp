@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <vector>
 
 #include "threewe/robot/world.hpp"
 #include "threewe/scene/truth_view.hpp"
@@ -25,6 +26,8 @@ class Simulation {
   double max_collision_speed() const { return truth().max_collision_speed(); }
   /// Distance [m] driven since the last reset.
   double distance_driven() const { return truth().distance_driven(); }
+  /// The people of the scene, where they are and which way they walk.
+  std::vector<scene::PersonPose> people() const { return truth().people(); }
   /// A pose where the robot fits with 5 cm to spare: a pure function of the seed.
   Pose2D sample_free_pose(std::uint64_t seed) const { return truth().sample_free_pose(seed); }
   /// What the robot's camera would truly show now: no noise, no limit to depth, and what each pixel shows. Throws
@@ -39,7 +42,7 @@ class Simulation {
 
   /// Begins anew at time 0 and waits until every sensor has delivered. Noise is drawn from `seed`, the world's own
   /// without it. The robot starts at `pose`, others where they started before; at the scene's own start poses without
-  /// it. Throws ConfigError when that is inside an obstacle.
+  /// it; people who would begin there begin farther on. Throws ConfigError when that is inside an obstacle.
   void reset(std::optional<std::uint64_t> seed = std::nullopt, const std::optional<Pose2D>& pose = std::nullopt);
   std::shared_ptr<const World::Snapshot> save() const { return world_->save(); }
   void restore(const std::shared_ptr<const World::Snapshot>& snapshot) { world_->restore(snapshot); }

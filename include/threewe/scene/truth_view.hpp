@@ -2,6 +2,8 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
+#include <vector>
 
 #include "threewe/core/camera.hpp"
 #include "threewe/core/pose.hpp"
@@ -10,6 +12,14 @@
 namespace threewe::scene {
 
 class Scene;
+
+/// Where somebody of the scene is, and which way they walk or wait to walk.
+struct PersonPose {
+  std::string name;
+  Pose2D pose;
+  double radius = 0.0;  ///< [m] of the circle that they fill on the floor
+  friend bool operator==(const PersonPose&, const PersonPose&) = default;
+};
 
 /// Ground truth of one robot in a simulated world. All poses are in the scene's frame.
 class TruthView {
@@ -25,6 +35,8 @@ class TruthView {
   virtual double max_collision_speed() const = 0;
   /// Distance [m] driven since the last reset.
   virtual double distance_driven() const = 0;
+  /// The people of the scene, in its order.
+  virtual std::vector<PersonPose> people() const = 0;
   /// A pose where the footprint and 5 cm around it are free: a pure function of the seed.
   virtual Pose2D sample_free_pose(std::uint64_t seed) const = 0;
   /// What a level camera at a pose and a height [m] above the floor would truly show now. Its ids: 0 sky, 1 floor,

@@ -12,6 +12,17 @@ const scene::SceneTables& MockTruth::tables() const {
   return *tables_;
 }
 
+std::vector<scene::PersonPose> MockTruth::people() const {
+  std::vector<scene::PersonPose> people;
+  for (std::size_t i = 0; i < people_.size(); ++i) {
+    const scene::Person& person = model_->scene->people[i];
+    const auto& [circle, direction] = sim::place_on(person, people_[i]);
+    people.push_back(
+        {person.name, {circle.center.x, circle.center.y, exact::atan2(direction.y, direction.x)}, person.radius});
+  }
+  return people;
+}
+
 Pose2D MockTruth::sample_free_pose(std::uint64_t seed) const { return tables().sample_free_pose(seed); }
 
 SemanticImage MockTruth::look(const CameraIntrinsics& camera, const Pose2D& pose, double height) const {

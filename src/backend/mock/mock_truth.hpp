@@ -25,6 +25,7 @@ class MockTruth : public scene::TruthView {
   Pose2D start_pose() const override { return state().start; }
   double max_collision_speed() const override { return state().max_collision_speed; }
   double distance_driven() const override { return state().distance_driven; }
+  std::vector<scene::PersonPose> people() const override;
   Pose2D sample_free_pose(std::uint64_t seed) const override;
   SemanticImage look(const CameraIntrinsics& camera, const Pose2D& pose, double height) const override;
   double geodesic(Vec2 a, Vec2 b) const override;

@@ -43,6 +43,7 @@ class FaultyTruth : public scene::TruthView {
   Pose2D start_pose() const override { return truth_.start_pose(); }
   double max_collision_speed() const override { return changed(fault_.collision_speed, truth_.max_collision_speed()); }
   double distance_driven() const override { return changed(fault_.distance_driven, truth_.distance_driven()); }
+  std::vector<scene::PersonPose> people() const override { return truth_.people(); }
   Pose2D sample_free_pose(std::uint64_t seed) const override {
     return changed(fault_.free_pose, truth_.sample_free_pose(seed));
   }

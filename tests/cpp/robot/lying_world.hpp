@@ -1,26 +1,34 @@
-// A simulator that lies about its robot, to show that the robot does not listen.
+// A simulator that lies about its robots and about people, to show that robots do not listen.
 #pragma once
 
 #include <cstdint>
+#include <deque>
 #include <memory>
 #include <utility>
 #include <vector>
 
 #include "threewe/backend/world.hpp"
+#include "threewe/scene/scene.hpp"
 #include "threewe/scene/truth_view.hpp"
 
 namespace threewe {
 
-/// The truth, moved by 100 m and turned.
-class ShiftedTruth final : public scene::TruthView {
+/// The truth, moved by 100 m and turned; and people under one another's names.
+class FalseTruth final : public scene::TruthView {
  public:
-  explicit ShiftedTruth(const scene::TruthView& truth) : truth_(truth) {}
-  const scene::Scene& scene() const override { return truth_.scene(); }
+  explicit FalseTruth(const scene::TruthView& truth) : truth_(truth), scene_(truth.scene()) { scramble(scene_.people); }
+  const scene::Scene& scene() const override { return scene_; }
   Pose2D true_pose() const override { return shifted(truth_.true_pose()); }
   Velocity true_velocity() const override { return {}; }
   Pose2D start_pose() const override { return shifted(truth_.start_pose()); }
   double max_collision_speed() const override { return 7.0; }
   double distance_driven() const override { return truth_.distance_driven() + 100.0; }
+  std::vector<scene::PersonPose> people() const override {
+    std::vector<scene::PersonPose> people = truth_.people();
+    scramble(people);
+    for (scene::PersonPose& person : people) person.pose = shifted(person.pose);
+    return people;
+  }
   Pose2D sample_free_pose(std::uint64_t seed) const override { return shifted(truth_.sample_free_pose(seed)); }
   SemanticImage look(const CameraIntrinsics& camera, const Pose2D&, double height) const override {
     return truth_.look(camera, {}, height);
@@ -29,7 +37,14 @@ class ShiftedTruth final : public scene::TruthView {
 
  private:
   static Pose2D shifted(const Pose2D& p) { return {p.x + 100.0, p.y - 100.0, wrap_angle(p.theta + 2.0)}; }
+  // everybody goes by the name of the next
+  template <typename People>
+  static void scramble(People& people) {
+    for (std::size_t i = 0; i + 1 < people.size(); ++i) std::swap(people[i].name, people[i + 1].name);
+  }
+
   const scene::TruthView& truth_;
+  scene::Scene scene_;
 };
 
 /// A port whose robot claims to be elsewhere. What it delivers and obeys is as it was.
@@ -46,21 +61,23 @@ class LyingPort final : public backend::RobotPort {
 
  private:
   backend::RobotPort& port_;
-  ShiftedTruth truth_;
+  FalseTruth truth_;
 };
 
-/// A world of one such robot.
+/// A world of such robots.
 class LyingWorld final : public backend::World {
  public:
-  explicit LyingWorld(std::unique_ptr<backend::World> world) : world_(std::move(world)), port_(world_->robot(0)) {}
-  std::size_t robot_count() const override { return 1; }
-  backend::RobotPort& robot(std::size_t) override { return port_; }
+  explicit LyingWorld(std::unique_ptr<backend::World> world) : world_(std::move(world)) {
+    for (std::size_t i = 0; i < world_->robot_count(); ++i) ports_.emplace_back(world_->robot(i));
+  }
+  std::size_t robot_count() const override { return ports_.size(); }
+  backend::RobotPort& robot(std::size_t index) override { return ports_.at(index); }
   Time now() const override { return world_->now(); }
   void advance_to(Time t) override { world_->advance_to(t); }
 
  private:
   std::unique_ptr<backend::World> world_;
-  LyingPort port_;
+  std::deque<LyingPort> ports_;
 };
 
 }  // namespace threewe

@@ -71,6 +71,9 @@ TEST_CASE("the robot without a lidar stops at a wall by its ultrasonic sensors, 
     CHECK_THROWS_WITH_AS(robot.get_lidar_scan(), "robot '3we_base_v2' has no sensor 'lidar'", HardwareError);
     CHECK_THROWS_AS(robot.get_map(), HardwareError);
     CHECK_THROWS_AS((void)robot.explore(), HardwareError);
+    const auto ranges = robot.get_ultrasonic_ranges();
+    CHECK(ranges.size() == 4);
+    CHECK(ranges.at("ultrasonic_left").range < ranges.at("ultrasonic_left").range_max);  // the corridor's wall
     CHECK(robot.wait(robot.move_to(1.0, 0.0)).success);
     CHECK(robot.simulation()->true_pose().x > 0.75);
 
@@ -83,6 +86,12 @@ TEST_CASE("the robot without a lidar stops at a wall by its ultrasonic sensors, 
     for (int i = 0; i < 50; ++i) robot.execute_action({0.0, -1.0, 0.0});
     CHECK(robot.simulation()->true_velocity().vy < -0.1);
   }
+}
+
+TEST_CASE("a robot without ultrasonic sensors says so") {
+  Robot robot({.hardware = "turtlebot_like", .scene = "corridor_v1"});
+  CHECK_THROWS_WITH_AS(robot.get_ultrasonic_ranges(), "robot 'turtlebot_like' has no sensor 'ultrasonic'",
+                       HardwareError);
 }
 
 TEST_CASE("the same seed gives the same drive to the bit, another seed another") {
@@ -197,16 +206,21 @@ TEST_CASE("motions of several worlds are independent of how they take turns") {
   }
 }
 
-TEST_CASE("honesty: where the truth is shifted, every command stays the same to the bit") {
+TEST_CASE("honesty: where the truth is shifted and people scrambled, every command stays the same to the bit") {
   for (std::uint64_t seed = 0; seed < 3; ++seed) {
     CAPTURE(seed);
     backend::WorldOptions options;
+    options.scene = seed == 0 ? "office_v2" : "dynamic_v1";
     options.seed = seed;
     World honest(backend::make_world("mock", options));
     World lying(std::make_unique<LyingWorld>(backend::make_world("mock", options)));
     Robot one(honest);
     Robot other(lying);
     CHECK(distance(one.simulation()->true_pose().position(), other.simulation()->true_pose().position()) > 100.0);
+    const auto people = one.simulation()->people();
+    for (std::size_t i = 0; i < people.size(); ++i) {
+      CHECK(people[i].name != other.simulation()->people()[i].name);
+    }
     const Record expected(one.runtime());
     const Record record(other.runtime());
     const auto errand = [](Robot& robot) {
