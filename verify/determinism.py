@@ -1,4 +1,4 @@
-"""The same bits on every vector target and processor, fresh and restored."""
+"""Three robots among people: the same bits on every vector target and processor, fresh and restored."""
 
 from verify.cases.journey import processors, targets
 from verify.harness import Case, Experiment, Row, Verdict, all_of
@@ -21,7 +21,7 @@ def several_targets(case: Case) -> bool:
 
 EXPERIMENTS = [
     Experiment(
-        "world, mind and gate",
+        "three robots among people: world, minds and gates",
         targets,
         cases=100,
         sample=4,

@@ -1,18 +1,25 @@
-// One journey with everything on, told as a hash of all that the robot believed and was told, tick by tick:
+// Three robots on their way among people, with everything on, told as a hash of all that they sensed, believed and were
+// told, tick by tick:
 //
 //   verify_journey SEED          on every vector target that this machine has: fresh, and restored half-way
 //   verify_journey SEED --lie    with the truth as it is, and with a simulator that lies about it
 //
 // One line a run: what it was, and its hash. Runs that should be equal print equal hashes.
+#include <algorithm>
 #include <bit>
 #include <charconv>
 #include <cstdint>
 #include <cstdio>
 #include <cstring>
+#include <deque>
+#include <functional>
 #include <memory>
+#include <span>
 #include <string>
 #include <string_view>
 #include <utility>
+#include <variant>
+#include <vector>
 
 #include "robot/lying_world.hpp"
 #include "threewe/backend/registry.hpp"
@@ -28,107 +35,161 @@ namespace {
 class Hash {
  public:
   void add(std::uint64_t word) {
-    for (int byte = 0; byte < 8; ++byte) {
-      value_ = (value_ ^ (word >> (8 * byte) & 0xFF)) * 0x100000001B3ULL;
-    }
+    for (int byte = 0; byte < 8; ++byte) add(static_cast<std::uint8_t>(word >> (8 * byte) & 0xFF));
   }
   void add(double number) { add(std::bit_cast<std::uint64_t>(number)); }
   void add(const Pose2D& p) { add(p.x), add(p.y), add(p.theta); }
   void add(const Velocity& v) { add(v.vx), add(v.vy), add(v.omega); }
-  void add(const map::OccupancyGrid& grid) {
-    for (const std::int8_t value : grid.data) add(static_cast<std::uint64_t>(static_cast<std::uint8_t>(value)));
+  void add(const map::OccupancyGrid& grid) { add(std::span(grid.data)); }
+  // a line for each kind of sensor
+  void add(const LaserScan& scan) { add(std::span(scan.ranges)); }
+  void add(const IMUData& imu) { add(std::span(imu.angular_velocity)), add(std::span(imu.linear_acceleration)); }
+  void add(const Odometry& odometry) { add(odometry.pose), add(odometry.velocity); }
+  void add(const BatteryState& battery) { add(battery.voltage), add(battery.current), add(battery.charge); }
+  void add(const RangeData& echo) { add(echo.range); }
+  void add(const Sample& sample) {
+    add(std::uint64_t{sample.sensor});
+    add(static_cast<std::uint64_t>(sample.measured.count()));
+    std::visit([this](const auto& data) { add(data); }, sample.data);
   }
   std::uint64_t value() const { return value_; }
 
  private:
+  // the bytes of numbers that lie side by side
+  template <typename T, std::size_t N>
+  void add(std::span<T, N> numbers) {
+    for (const std::byte byte : std::as_bytes(numbers)) add(std::to_integer<std::uint8_t>(byte));
+  }
+  void add(std::uint8_t byte) { value_ = (value_ ^ byte) * 0x100000001B3ULL; }
   std::uint64_t value_ = 0xCBF29CE484222325ULL;
 };
 
-// Where a seed's journey leads. Every second one is in the corridor, every third one by the differential robot.
+// Where a seed's journey leads each of the robots.
 struct Plan {
   backend::WorldOptions options;
-  Vec2 goal;  // in `map`
+  std::vector<Vec2> goals;  // in each robot's `map`
 };
 
 Plan plan(std::uint64_t seed) {
+  constexpr double kApart = 1.0;  // [m] between two starts
   Plan plan;
-  plan.options.scene = seed % 2 == 0 ? "office_v2" : "corridor_v1";
-  plan.options.robots = {seed % 3 == 0 ? "turtlebot_like" : "3we_standard_v2"};
+  plan.options.scene = "dynamic_v1";
+  plan.options.robots = {"3we_depth_v2", "turtlebot_like", "3we_base_v2"};
   plan.options.seed = seed;
-  const RobotProfile profile = load_profile(plan.options.robots[0]);
-  const scene::SceneTables tables(std::make_shared<const scene::Scene>(scene::Scene::load(plan.options.scene)),
-                                  profile.body.footprint, profile.body.height);
-  const scene::Episode episode = sample_episode(tables, seed, 0);
-  plan.options.poses = {episode.start};
-  plan.goal = inverse(episode.start) * episode.goal;
+  const auto scene = std::make_shared<const scene::Scene>(scene::Scene::load(plan.options.scene));
+  std::uint32_t index = 0;
+  for (const std::string& hardware : plan.options.robots) {
+    const RobotProfile profile = load_profile(hardware);
+    const scene::SceneTables tables(scene, profile.body.footprint, profile.body.height);
+    const auto crowded = [&](const Pose2D& pose) {
+      return std::ranges::any_of(plan.options.poses, [&](const Pose2D& other) {
+        return distance(pose.position(), other.position()) < kApart;
+      });
+    };
+    scene::Episode episode = sample_episode(tables, seed, index++);
+    while (crowded(episode.start)) episode = sample_episode(tables, seed, index++);
+    plan.options.poses.push_back(episode.start);
+    plan.goals.push_back(inverse(episode.start) * episode.goal);
+  }
   return plan;
 }
 
-// All that the robot believes and is told from now on.
+// The robots of a world, each of which begins its motions at the same time as the others.
+class Team {
+ public:
+  explicit Team(std::unique_ptr<backend::World> backend) : world_(std::move(backend)) {
+    for (std::size_t i = 0; i < world_.robot_count(); ++i) robots_.emplace_back(world_, i);
+  }
+  std::deque<Robot>& robots() { return robots_; }
+
+  void move(const std::function<MotionHandle(Robot&, std::size_t)>& begin) {
+    std::vector<MotionHandle> motions;
+    for (std::size_t i = 0; i < robots_.size(); ++i) motions.push_back(begin(robots_[i], i));
+    for (const MotionHandle& motion : motions) world_.wait(motion);
+  }
+
+ private:
+  World world_;
+  std::deque<Robot> robots_;
+};
+
+// All that robots sense, believe and are told from now on.
 class Listener {
  public:
-  explicit Listener(Robot& robot) : robot_(robot) {
-    id_ = robot.runtime().observe([this](const TickView& tick) {
-      hash_.add(static_cast<std::uint64_t>(tick.now.count()));
-      hash_.add(tick.pose.map_from_base());
-      hash_.add(tick.requested);
-      hash_.add(tick.commanded.command);
-      for (const double entry : tick.pose.covariance) hash_.add(entry);
-    });
+  explicit Listener(Team& team) : robots_(team.robots()) {
+    for (Robot& robot : robots_) {
+      ids_.push_back(robot.runtime().observe([this](const TickView& tick) {
+        hash_.add(static_cast<std::uint64_t>(tick.now.count()));
+        for (const Sample& sample : tick.samples) hash_.add(sample);
+        hash_.add(tick.pose.map_from_base());
+        hash_.add(tick.requested);
+        hash_.add(tick.commanded.command);
+        for (const double entry : tick.pose.covariance) hash_.add(entry);
+      }));
+    }
   }
-  ~Listener() { robot_.runtime().unobserve(id_); }
+  ~Listener() {
+    for (std::size_t i = 0; i < ids_.size(); ++i) robots_[i].runtime().unobserve(ids_[i]);
+  }
   Listener(const Listener&) = delete;
   Listener& operator=(const Listener&) = delete;
 
   std::uint64_t hash() {
-    hash_.add(robot_.get_map());
+    for (Robot& robot : robots_) {
+      if (robot.runtime().profile().lidar) hash_.add(robot.get_map());
+    }
     return hash_.value();
   }
 
  private:
-  Robot& robot_;
+  std::deque<Robot>& robots_;
   Hash hash_;
-  std::uint64_t id_ = 0;
+  std::vector<std::uint64_t> ids_;
 };
 
-void set_out(Robot& robot, const Plan& plan) {
-  (void)robot.wait(robot.move_to(plan.goal.x, plan.goal.y, {.timeout = 8.0}));
-  robot.stop();
+void drive_to_goals(Team& team, const Plan& plan, double timeout) {
+  team.move([&](Robot& robot, std::size_t i) {
+    return robot.move_to(plan.goals[i].x, plan.goals[i].y, {.timeout = timeout});
+  });
 }
 
-void go_on(Robot& robot, const Plan& plan) {
-  robot.set_velocity(0.2, 0.0, 0.4, 1.0);
-  robot.sleep(0.6);
-  (void)robot.wait(robot.move_to(plan.goal.x, plan.goal.y, {.timeout = 60.0}));
-  (void)robot.wait(robot.explore(4.0));
+void set_out(Team& team, const Plan& plan) { drive_to_goals(team, plan, 8.0); }
+
+void go_on(Team& team, const Plan& plan) {
+  for (Robot& robot : team.robots()) robot.set_velocity(0.2, 0.0, 0.4, 1.0);
+  team.robots().front().sleep(0.6);
+  drive_to_goals(team, plan, 40.0);
+  team.move([](Robot& robot, std::size_t) {
+    return robot.runtime().profile().lidar ? robot.explore(4.0).motion : robot.rotate(2.0, 4.0);
+  });
 }
 
 // From the start to the end, without and with a detour that restoring undoes. A snapshot is taken in both.
 std::uint64_t journey(const Plan& plan, bool restored) {
-  World world(backend::make_world("mock", plan.options));
-  Robot robot(world);
-  set_out(robot, plan);
-  const auto snapshot = robot.simulation()->save();
+  Team team(backend::make_world("mock", plan.options));
+  set_out(team, plan);
+  Simulation& simulation = *team.robots().front().simulation();
+  const auto snapshot = simulation.save();
   if (restored) {
-    (void)robot.wait(robot.rotate(2.0));
-    robot.sleep(1.0);
-    robot.simulation()->restore(snapshot);
+    team.move([](Robot& robot, std::size_t) { return robot.rotate(2.0); });
+    team.robots().front().sleep(1.0);
+    simulation.restore(snapshot);
   }
-  Listener listener(robot);
-  go_on(robot, plan);
+  Listener listener(team);
+  go_on(team, plan);
   Hash hash;
   hash.add(listener.hash());
-  hash.add(robot.simulation()->true_pose());
+  for (Robot& robot : team.robots()) hash.add(robot.simulation()->true_pose());
+  for (const scene::PersonPose& person : simulation.people()) hash.add(person.pose);
   return hash.value();
 }
 
-// What the robot does when the simulator tells the truth about it, and when it does not.
+// What the robots do when the simulator tells the truth about them and about people, and when it does not.
 std::uint64_t drive(const Plan& plan, std::unique_ptr<backend::World> backend) {
-  World world(std::move(backend));
-  Robot robot(world);
-  Listener listener(robot);
-  set_out(robot, plan);
-  go_on(robot, plan);
+  Team team(std::move(backend));
+  Listener listener(team);
+  set_out(team, plan);
+  go_on(team, plan);
   return listener.hash();
 }
 

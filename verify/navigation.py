@@ -60,6 +60,6 @@ EXPERIMENTS = [
         lies,
         cases=100,
         sample=4,
-        rows=[all_of("same commands when the truth is shifted by 100 m", lambda case: case["equal"])],
+        rows=[all_of("same commands when the truth is shifted and people scrambled", lambda case: case["equal"])],
     ),
 ]
