@@ -9,6 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import threewe
+from numpy.typing import NDArray
 from threewe import Features, Pose2D, Robot, SensorInfo, SensorType, Velocity
 from threewe.backend import Backend, BackendOptions, BatteryReading, IMUReading, LidarReading, OdometryReading, Reading
 from threewe.testing import check_backend
@@ -82,8 +83,9 @@ class ToyBackend(Backend):
         if state.ticks % 100 == 0:
             yield BatteryReading(measured=now, voltage=8.0, current=1.0, charge=max(0.0, 1.0 - now / 7200.0))
 
-    def scan(self, state: State) -> np.ndarray:
+    def scan(self, state: State) -> NDArray[np.float32]:
         lidar = self.profile.lidar
+        assert lidar is not None
         mount = state.pose * lidar.base_from_lidar
         angles = mount.theta - math.pi + np.arange(lidar.beams) * (2.0 * math.pi / lidar.beams)
         cos, sin = np.cos(angles), np.sin(angles)
@@ -93,7 +95,7 @@ class ToyBackend(Backend):
             )
         if self.options.noise == "realistic":
             to_wall += state.noise.normal(0.0, 0.01, lidar.beams)
-        return np.clip(to_wall, lidar.range_min, lidar.range_max).astype(np.float32)
+        return np.asarray(np.clip(to_wall, lidar.range_min, lidar.range_max), np.float32)
 
     def reset(self, seed: int, pose: Pose2D | None) -> None:
         self.state = self.new_state(seed, pose)

@@ -258,7 +258,14 @@ void bind_conformance(nb::module_& m) {
         options.robots = {hardware};
         options.noise = noise_level(noise);
         options.seed = seed;
-        const auto make = [&name](const WorldOptions& with) { return backend::make_world(name, with); };
+        const auto make = [&name](const WorldOptions& with) {
+          try {
+            return backend::make_world(name, with);
+          } catch (const nb::python_error& error) {  // one line, where what() is a traceback
+            const nb::gil_scoped_acquire gil;
+            throw ContractError(fmt::format("{}: {}", kind_of(error.value()), text(error.value())));
+          }
+        };
         return backend::check_backend(make, options, check);
       },
       "check"_a, nb::kw_only(), "backend"_a, "scene"_a, "hardware"_a, "noise"_a, "seed"_a, WithoutGil(),

@@ -118,4 +118,4 @@ def test_a_backend_that_cannot_be_made_fails_with_the_reason() -> None:
     threewe.register_backend("none", lambda _: None)  # type: ignore[arg-type, return-value]
     (result,) = check_backend("none", checks=["time_starts_at_zero"], show=False)
     assert not result.passed
-    assert "its factory made a NoneType" in result.detail
+    assert result.detail == "ContractError: backend 'none': its factory made a NoneType, not a threewe.backend.Backend"
