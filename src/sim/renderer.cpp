@@ -78,7 +78,6 @@ void begin_strip(const CameraIntrinsics& camera, const CameraPose& pose, const v
 
 // Lets columns show what begins at a row.
 void turn_to(const view::Columns& columns, std::size_t r, view::Row& row) {
-  row.slope = columns.slopes[r];
   for (std::int32_t i = columns.first_span[r]; i >= 0;) {
     const view::Span& span = columns.spans[static_cast<std::size_t>(i)];
     const auto column = static_cast<std::size_t>(span.column);
@@ -93,18 +92,20 @@ T* place_of(std::span<T> image, std::size_t at, bool direct, Buffer& buffer) {
 }
 
 // Draws a strip's rows in place where they are whole vectors, else by way of a buffer.
-void draw_strip(const CameraIntrinsics& camera, const view::FloorLight& light, int first, int count,
+void draw_strip(const CameraIntrinsics& camera, const view::Place& place, double height, int first, int count,
                 const Images& images, RenderScratch::Buffers& work) {
   const auto columns = static_cast<std::size_t>(count);
   const bool direct = count == work.row.lanes;
   for (int image_row = 0; image_row < camera.height; ++image_row) {
     const auto r = static_cast<std::size_t>(image_row);
     turn_to(work.columns, r, work.row);
+    work.row.slope = work.columns.slopes[r];
+    work.row.haze = place.is_open ? view::haze(height, work.row.slope) : 0.0F;
     const std::size_t at = r * static_cast<std::size_t>(camera.width) + static_cast<std::size_t>(first);
     const view::RowImages row{place_of(images.colour, 3 * at, direct, work.colour),
                               place_of(images.depth, at, direct, work.depth),
                               place_of(images.ids, at, direct, work.ids)};
-    view::draw_row(work.row, light, row);
+    view::draw_row(work.row, place.light, row);
     if (direct) continue;
     if (row.colour) std::memcpy(images.colour.data() + 3 * at, row.colour, 3 * columns);
     if (row.depth) std::memcpy(images.depth.data() + at, row.depth, columns * sizeof(float));
@@ -126,7 +127,7 @@ void Renderer::render(const CameraIntrinsics& camera, const CameraPose& view, co
   RenderScratch::Buffers& work = *scratch.buffers_;
   const auto draw = [&](int first, int count) {
     begin_strip(camera, view, place_->light, first, count, work.row);
-    draw_strip(camera, place_->light, first, count, images, work);
+    draw_strip(camera, *place_, view.height, first, count, images, work);
   };
   view::find_spans(*place_, camera, view, paint, moving, work.columns, draw);
 }

@@ -28,14 +28,15 @@ class Search {
   void run(const Paint& paint, std::span<const VisibleSolid> moving, const std::function<void(int, int)>& draw) {
     begin();
     for (const Group& group : place_.groups) {
-      if (group.is_full && roofed_) add_wall(place_.solids[group.first], paint.colours[group.first]);
+      if (group.is_full && roofed_) add_wall(group.first, paint.colours[group.first]);
     }
     find_nearest_walls();
     for (const Group& group : place_.groups) {
       if ((group.is_full && roofed_) || is_hidden(group)) continue;
-      for (std::size_t i = group.first; i < group.last; ++i) add_other(place_.solids[i], paint.colours[i]);
+      for (std::size_t i = group.first; i < group.last; ++i)
+        add_other(place_.solids[i], static_cast<int>(i), paint.colours[i]);
     }
-    for (const VisibleSolid& visible : moving) add_other(visible, visible.colour);
+    for (const VisibleSolid& visible : moving) add_other(visible, -1, visible.colour);
 
     for (int first = 0; first < camera_.width; first += kStripWidth) {
       const int count = std::min(kStripWidth, camera_.width - first);
@@ -116,13 +117,15 @@ class Search {
     return true;
   }
 
-  void add_wall(const VisibleSolid& visible, Colour colour) {
+  void add_wall(std::size_t solid, Colour colour) {
     Candidate& c = out_.walls.emplace_back();
-    if (!see(visible, colour, c)) out_.walls.pop_back();
+    c.solid = static_cast<int>(solid);
+    if (!see(place_.solids[solid], colour, c)) out_.walls.pop_back();
   }
 
-  void add_other(const VisibleSolid& visible, Colour colour) {
+  void add_other(const VisibleSolid& visible, int solid, Colour colour) {
     Candidate& c = out_.others.emplace_back();
+    c.solid = solid;
     if (!see(visible, colour, c) || is_behind_walls({c.first_column, c.last_column, c.nearest})) {
       out_.others.pop_back();
       return;
@@ -283,7 +286,7 @@ class Search {
       if (interval.empty()) continue;
       if (!layered) lay_base();
       layered = true;
-      add_faces(c, interval);
+      add_faces(c, interval, s);
     }
 
     if (!layered) {
@@ -306,38 +309,38 @@ class Search {
     const double v = camera_.cy - 0.5;
     const int horizon = row_at(0.0, 0.0);
     const bool on_row = v == horizon && horizon < camera_.height;  // a row looks exactly along the horizon
-    int top = horizon;
     int bottom = on_row ? horizon + 1 : horizon;
     if (candidate) {
-      top = row_at(place_.ceiling - height_, wall.near);
-      const int skirting = std::max(top, row_at(kSkirting - height_, wall.near));
-      bottom = std::max(skirting, row_at(-height_, wall.near));
-      const bool has_skirting = candidate->visible->id == kWallId;
-      add({roofed_ ? Run::Kind::ceiling : Run::Kind::sky}, 0, top);
-      add({Run::Kind::side, wall.face, candidate, nullptr, wall.near}, top, has_skirting ? skirting : bottom);
-      if (has_skirting) add({Run::Kind::skirting, wall.face, candidate, nullptr, wall.near}, skirting, bottom);
+      const int top = row_at(place_.ceiling - height_, wall.near);
+      bottom = std::max(top, row_at(-height_, wall.near));
+      add({Run::Kind::ceiling}, 0, top);
+      for_each_part(*candidate, wall, s, top, bottom, add);
+    } else if (roofed_) {
+      add({Run::Kind::ceiling}, 0, horizon);
     } else {
-      add({roofed_ ? Run::Kind::ceiling : Run::Kind::sky}, 0, top);
-      if (on_row) add({Run::Kind::nothing}, top, bottom);
+      const int hills = place_.is_open ? std::min(horizon, row_at(hill_slope(forward_ + s * left_), 1.0)) : horizon;
+      add({Run::Kind::sky}, 0, hills);
+      add({Run::Kind::hills}, hills, horizon);
     }
+    if (!candidate && on_row) add({Run::Kind::nothing}, horizon, bottom);
     add_floors(s, wall.near, bottom);
   }
 
-  // The floors of the rooms along the ray, from the wall to the eye: rows from `top` down.
+  // The floors along the ray, from the wall to the eye: rows from `top` down.
   void add_floors(double s, double inverse, int top) {
-    constexpr int kMostRooms = 32;
+    constexpr int kMostFloors = 32;
     constexpr double kStep = 1e-7;  // [m] into the next room
     const Vec2 direction = forward_ + s * left_;
     const double reach = inverse > 0.0 ? 1.0 / inverse : kInfinity;
     const std::size_t first = out_.runs.size();
     int end = camera_.height;
     double x = 0.0;
-    for (int i = 0; i < kMostRooms && end > top; ++i) {
-      const FloorRoom* room = place_.room_at(eye_ + (x + kStep) * direction);
-      x = i + 1 < kMostRooms ? std::max(x, next_room(room, direction, x + kStep)) : kInfinity;
+    for (int i = 0; i < kMostFloors && end > top; ++i) {
+      const FloorRegion* floor = place_.floor_at(eye_ + (x + kStep) * direction);
+      x = i + 1 < kMostFloors ? std::max(x, next_floor(floor, direction, x + kStep)) : kInfinity;
       const int begin = x >= reach || x == kInfinity ? top : std::clamp(row_at(-height_, 1.0 / x), top, end);
       Run run{Run::Kind::floor};
-      run.room = room;
+      run.floor = floor;
       out_.runs.push_back(run);
       out_.base.push_back({begin, end});
       end = begin;
@@ -346,18 +349,19 @@ class Search {
     std::reverse(out_.base.begin() + static_cast<std::ptrdiff_t>(first), out_.base.end());
   }
 
-  // How far along the ray a room ends, or outside of all rooms, the nearest begins.
-  double next_room(const FloorRoom* room, Vec2 direction, double x) const {
-    if (room) return crossing(*room, direction).second;
-    double nearest = kInfinity;
-    for (const FloorRoom& other : place_.rooms) {
+  // How far along the ray a floor ends: where it does, or another begins that lies on it.
+  double next_floor(const FloorRegion* floor, Vec2 direction, double x) const {
+    double nearest = floor ? crossing(*floor, direction).second : kInfinity;
+    const auto meet = [&](const FloorRegion& other) {
       const auto [enter, leave] = crossing(other, direction);
       if (enter < leave && enter > x) nearest = std::min(nearest, enter);
-    }
+    };
+    if (!floor) std::ranges::for_each(place_.floors, meet);
+    if (floor) std::ranges::for_each(floor->above, [&](std::size_t i) { meet(place_.floors[i]); });
     return nearest;
   }
 
-  std::pair<double, double> crossing(const FloorRoom& room, Vec2 direction) const {
+  std::pair<double, double> crossing(const FloorRegion& floor, Vec2 direction) const {
     double enter = -kInfinity;
     double leave = kInfinity;
     const auto clip = [&](double low, double high, double step) {
@@ -370,8 +374,8 @@ class Search {
       enter = std::max(enter, std::min(a, b));
       leave = std::min(leave, std::max(a, b));
     };
-    clip(room.min.x - eye_.x, room.max.x - eye_.x, direction.x);
-    clip(room.min.y - eye_.y, room.max.y - eye_.y, direction.y);
+    clip(floor.min.x - eye_.x, floor.max.x - eye_.x, direction.x);
+    clip(floor.min.y - eye_.y, floor.max.y - eye_.y, direction.y);
     return {enter, leave};
   }
 
@@ -397,22 +401,56 @@ class Search {
       case Run::Kind::top: return flat(run.candidate->high);
       case Run::Kind::bottom: return flat(run.candidate->low);
       case Run::Kind::side:
-      case Run::Kind::skirting: return {static_cast<float>(run.inverse), 0.0F};
+      case Run::Kind::skirting:
+      case Run::Kind::decor: return {static_cast<float>(run.inverse), 0.0F};
       default: return {};
     }
   }
 
-  void add_faces(const Candidate& c, const Interval& interval) {
+  void add_faces(const Candidate& c, const Interval& interval, double s) {
     const int top = row_at(c.high, interval.near);
     const int bottom = row_at(c.low, interval.near);
     if (interval.near < kInfinity) {  // not from above or below
-      const bool has_skirting = c.visible->id == kWallId && c.visible->solid.z_min <= 0.0;
-      const int skirting = has_skirting ? std::clamp(row_at(kSkirting - height_, interval.near), top, bottom) : bottom;
-      put({Run::Kind::side, interval.face, &c, nullptr, interval.near}, top, skirting);
-      put({Run::Kind::skirting, interval.face, &c, nullptr, interval.near}, skirting, bottom);
+      for_each_part(c, interval, s, top, bottom, [&](const Run& run, int begin, int end) { put(run, begin, end); });
     }
-    if (c.high < 0.0) put({Run::Kind::top, kTopFace, &c, nullptr, 0.0}, row_at(c.high, interval.far), top);
-    if (c.low > 0.0) put({Run::Kind::bottom, kBottomFace, &c, nullptr, 0.0}, bottom, row_at(c.low, interval.far));
+    if (c.high < 0.0) put({Run::Kind::top, kTopFace, &c, 0.0}, row_at(c.high, interval.far), top);
+    if (c.low > 0.0) put({Run::Kind::bottom, kBottomFace, &c, 0.0}, bottom, row_at(c.low, interval.far));
+  }
+
+  // The parts of a side between two rows, from top to bottom: what hangs on it, its skirting, and the rest.
+  template <class Add>
+  void for_each_part(const Candidate& c, const Interval& interval, double s, int top, int bottom, Add add) const {
+    const Run side{Run::Kind::side, interval.face, &c, interval.near};
+    const auto row_of = [&](double z) { return std::clamp(row_at(z - height_, interval.near), top, bottom); };
+    const int foot = place_.has_skirting(*c.visible) ? row_of(kSkirting) : bottom;
+    if (const Decor* decor = find_decor(c, interval, s)) {
+      Run part = side;
+      part.kind = Run::Kind::decor;
+      part.decor = decor;
+      const int high = row_of(decor->high);
+      const int low = row_of(decor->low);
+      add(side, top, high);
+      add(part, high, low);
+      top = low;
+    }
+    add(side, top, foot);
+    Run skirting = side;
+    skirting.kind = Run::Kind::skirting;
+    add(skirting, foot, bottom);
+  }
+
+  // What hangs on a wall where a ray meets it.
+  const Decor* find_decor(const Candidate& c, const Interval& interval, double s) const {
+    const auto all = place_.decor_of(c.solid);
+    if (all.empty()) return nullptr;
+    const auto face = static_cast<std::size_t>(interval.face);
+    const auto& corners = c.visible->solid.corners;
+    const Vec2 edge = corners[(face + 1) % 4] - corners[face];
+    const Vec2 hit = eye_ + (1.0 / interval.near) * (forward_ + s * left_);
+    const double along = dot(hit - corners[face], edge) / norm(edge);
+    const auto found = std::ranges::find_if(
+        all, [&](const Decor& d) { return d.face == interval.face && d.begin <= along && along < d.end; });
+    return found == all.end() ? nullptr : &*found;
   }
 
   // Gives a run the rows in which it is nearest so far.
@@ -457,18 +495,25 @@ class Search {
     span.fields[kInverseRise] = rise;
     const Vec2 direction = forward_ + s * left_;
     switch (run.kind) {
-      case Run::Kind::nothing:
-      case Run::Kind::sky: break;
+      case Run::Kind::nothing: break;
+      case Run::Kind::sky: fill_sky(span.fields, direction); break;
+      case Run::Kind::hills:
+        fill_look(span.fields, hill_look());
+        span.fields[kInverse] = 1.0F;
+        span.fields[kGlow] = sun_share(direction);
+        break;
       case Run::Kind::ceiling:
         fill_flat(span.fields, place_.ceiling_look, {}, {1.0, 0.0}, direction, place_.ceiling - height_);
         span.fields[kId] = kCeilingId;
         break;
       case Run::Kind::floor:
-        fill_flat(span.fields, run.room ? run.room->floor : place_.outside_floor, {}, {1.0, 0.0}, direction, -height_);
+        fill_flat(span.fields, run.floor ? run.floor->floor : place_.outside_floor, {}, {1.0, 0.0}, direction,
+                  -height_);
         span.fields[kId] = kFloorId;
         break;
       case Run::Kind::side:
-      case Run::Kind::skirting: fill_side(span.fields, run, direction); break;
+      case Run::Kind::skirting:
+      case Run::Kind::decor: fill_side(span.fields, run, direction); break;
       case Run::Kind::top:
       case Run::Kind::bottom: fill_face(span.fields, run, direction); break;
     }
@@ -518,7 +563,6 @@ class Search {
   }
 
   void fill_side(Fields& f, const Run& run, Vec2 direction) const {
-    constexpr double kInFront = 0.1;  // [m]
     const Candidate& c = *run.candidate;
     const Solid& solid = c.visible->solid;
     const double depth = 1.0 / run.inverse;
@@ -535,16 +579,33 @@ class Search {
       normal = {axis.y, -axis.x};
       along = dot(hit - a, axis);
     }
-    const Look look = run.kind == Run::Kind::skirting
-                          ? skirting_look(normal)
-                          : side_look(place_, *c.visible, c.colour, run.face, normal, hit + kInFront * normal);
+    const Look look = look_of(run, normal, hit);
     fill_look(f, look);
     const double per_metre = 1.0 / spec(look.material).tile_size;
-    f[kU] = static_cast<float>(per_metre * along);
-    f[kV] = static_cast<float>(per_metre * height_);
+    const double left = run.decor ? run.decor->begin : 0.0;
+    const double low = run.decor ? run.decor->low : 0.0;
+    f[kU] = static_cast<float>(per_metre * (along - left));
+    f[kV] = static_cast<float>(per_metre * (height_ - low));
     f[kVRise] = static_cast<float>(per_metre);
     f[kFootprint] = static_cast<float>(side_footprint(depth, direction, normal) * kTileSide * per_metre);
     f[kId] = static_cast<float>(c.visible->id);
+  }
+
+  Look look_of(const Run& run, Vec2 normal, Vec2 hit) const {
+    const Candidate& c = *run.candidate;
+    if (run.kind == Run::Kind::skirting) return skirting_look(normal);
+    if (run.kind == Run::Kind::decor) return run.decor->look;
+    if (c.visible->id == kWallId) return place_.wall_look(*c.visible, run.face, normal, hit);
+    return side_look(*c.visible, c.colour, normal);
+  }
+
+  // Clouds at their height, and the sun's glow.
+  void fill_sky(Fields& f, Vec2 direction) const {
+    fill_flat(f, cloud_look(), {}, {1.0, 0.0}, direction, kCloudHeight);
+    f[kInverse] = 0.0F;
+    f[kInverseRise] = static_cast<float>(1.0 / kCloudHeight);
+    f[kShade] = 0.0F;
+    f[kGlow] = sun_share(direction);
   }
 
   // Of a pixel on an upright surface [m].

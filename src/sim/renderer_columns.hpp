@@ -28,6 +28,7 @@ struct Candidate {
     int face = 0;
   };
   const VisibleSolid* visible = nullptr;
+  int solid = -1;  // index of one that stands in the scene
   Colour colour;
   bool is_disc = false;
   int first_column = 0;
@@ -45,12 +46,13 @@ struct Candidate {
 
 /// A surface in one column.
 struct Run {
-  enum class Kind : std::uint8_t { nothing, sky, ceiling, floor, side, skirting, top, bottom };
+  enum class Kind : std::uint8_t { nothing, sky, hills, ceiling, floor, side, skirting, decor, top, bottom };
   Kind kind{};
   int face = 0;
   const Candidate* candidate = nullptr;
-  const FloorRoom* room = nullptr;
   double inverse = 0.0;  // of a side
+  const FloorRegion* floor = nullptr;
+  const Decor* decor = nullptr;
 };
 
 struct RowRange {

@@ -104,8 +104,12 @@ HWY_INLINE F floor_light(const Row& row, const FloorLight& light, std::size_t i,
   const W begin = hn::Mul(hn::ShiftRight<8>(y), hn::Set(dw, width));
   const W zero = hn::Set(dw, (kRounderBits >> 8U) * (width + 1U));
   const W index = hn::Sub(hn::Add(begin, hn::ShiftRight<8>(x)), zero);
-  return hn::Mul(interpolate(look_up(light.cells.data(), index), x, y), hn::Set(d, 1.0F / (255.0F * 65536.0F)));
+  return hn::Mul(interpolate(look_up(light.cells.data(), index), x, y),
+                 hn::Set(d, static_cast<float>(FloorLight::kBrightest) / (255.0F * 65536.0F)));
 }
+
+// From a to b.
+HWY_INLINE F mixed(F a, F b, F share) { return hn::Add(a, hn::Mul(hn::Sub(b, a), share)); }
 
 // Blue, green and red of a pixel in the low bytes of a word.
 HWY_INLINE W pack(F blue, F green, F red) {
@@ -145,6 +149,8 @@ void draw(const Row& row, const FloorLight& light, const std::uint32_t* texels, 
   const auto field = [&](Field which, std::size_t i) HWY_ATTR { return hn::Load(d, row.fields[which].data() + i); };
   const F slope = hn::Set(d, row.slope);
   const Colour sky = sky_colour(row.slope);
+  const Colour sun = sun_glow(row.slope);
+  const Colour horizon = sky_colour(0.0F);
   const auto count = static_cast<std::size_t>(row.lanes);
   HWY_ALIGN std::uint32_t pixels[kStripWidth];
   for (std::size_t i = 0; i < count; i += hn::Lanes(d)) {
@@ -152,8 +158,8 @@ void draw(const Row& row, const FloorLight& light, const std::uint32_t* texels, 
     const F id = field(kId, i);
     const F inverse = hn::Add(field(kInverse, i), hn::Mul(field(kInverseRise, i), slope));
     const auto something = hn::Gt(id, hn::Zero(d));
-    const F depth = hn::IfThenElseZero(something, hn::Div(hn::Set(d, 1.0F), inverse));
-    if (images.depth) hn::StoreU(depth, d, images.depth + i);
+    const F depth = hn::IfThenElseZero(hn::Gt(inverse, hn::Zero(d)), hn::Div(hn::Set(d, 1.0F), inverse));
+    if (images.depth) hn::StoreU(hn::IfThenElseZero(something, depth), d, images.depth + i);
     if (images.ids) hn::StoreU(hn::DemoteTo(Shorts(), hn::ConvertTo(di, id)), Shorts(), images.ids + i);
     if (!images.colour) continue;
 
@@ -170,15 +176,26 @@ void draw(const Row& row, const FloorLight& light, const std::uint32_t* texels, 
     if (!hn::AllFalse(d, is_floor)) {
       shade = hn::IfThenElse(is_floor, floor_light(row, light, i, depth), shade);
     }
-    shade = hn::Mul(shade, hn::Add(field(kDark, i), hn::Mul(field(kContrast, i), bright)));
+    const F cover = hn::Add(field(kDark, i), hn::Mul(field(kContrast, i), bright));
+    shade = hn::Mul(shade, cover);
 
     F blue = hn::Mul(field(kBlue, i), shade);
     F green = hn::Mul(field(kGreen, i), shade);
     F red = hn::Mul(field(kRed, i), shade);
+    if (row.haze > 0.0F) {
+      const F hidden = hn::IfThenElseZero(is_floor, hn::Set(d, row.haze));
+      blue = mixed(blue, hn::Set(d, horizon.b), hidden);
+      green = mixed(green, hn::Set(d, horizon.g), hidden);
+      red = mixed(red, hn::Set(d, horizon.r), hidden);
+    }
     if (!hn::AllTrue(d, something)) {
-      blue = hn::IfThenElse(something, blue, hn::Set(d, sky.b));
-      green = hn::IfThenElse(something, green, hn::Set(d, sky.g));
-      red = hn::IfThenElse(something, red, hn::Set(d, sky.r));
+      const auto over_sky = [&](Field own, float sky_channel, float sun_channel) HWY_ATTR {
+        const F lit = hn::Add(hn::Set(d, sky_channel), hn::Mul(hn::Set(d, sun_channel), field(kGlow, i)));
+        return mixed(lit, field(own, i), cover);
+      };
+      blue = hn::IfThenElse(something, blue, over_sky(kBlue, sky.b, sun.b));
+      green = hn::IfThenElse(something, green, over_sky(kGreen, sky.g, sun.g));
+      red = hn::IfThenElse(something, red, over_sky(kRed, sky.r, sun.r));
     }
     hn::Store(pack(blue, green, red), Words(), pixels + i);
   }

@@ -13,6 +13,7 @@ namespace threewe::sim::view {
 ///   texture [tiles]    u = u + u_step / w,  v = v + (v_step + v_rise * t) / w
 ///   texels per pixel   footprint + footprint_rise / w^2
 ///   colour             (b, g, r) * (dark + contrast * brightness) * min(1, shade + shade_rise * v)
+/// Where the id is 0, colour covers dark + contrast * brightness of the sky, to which the sun adds `glow` of its own.
 enum Field : std::uint8_t {
   kInverse,
   kInverseRise,
@@ -30,6 +31,7 @@ enum Field : std::uint8_t {
   kContrast,
   kShade,
   kShadeRise,
+  kGlow,
   kTile,  // the first row of the material's tile
   kId,
   kFieldCount,
@@ -49,6 +51,7 @@ struct Row {
   float eye_x = 0.0F;  // relative to the floor's light [cells]
   float eye_y = 0.0F;
   float slope = 0.0F;  // t
+  float haze = 0.0F;   // how much of the floor the horizon hides
 };
 /// Columns are drawn in whole multiples of this.
 inline constexpr int kMostLanes = 16;

@@ -1,47 +1,25 @@
-// What a renderer knows about its scene before it draws: solids, rooms, shade on the floor, and how faces look.
+// What a renderer knows about its scene before it draws: solids, floors, and the light on them.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <vector>
 
+#include "sim/renderer_light.hpp"
+#include "sim/renderer_looks.hpp"
+#include "sim/renderer_walls.hpp"
 #include "threewe/sim/renderer.hpp"
 
 namespace threewe::sim::view {
 
-/// The faces of a solid: sides 0 to 3 of a box (edge i begins at corner i), one of a disc, top and bottom.
-inline constexpr int kTopFace = 4;
-inline constexpr int kBottomFace = 5;
-inline constexpr int kRoundFace = 6;
-
-/// How a face takes colour from its texture: colour * (dark + contrast * brightness) * min(1, shade + shade_rise * v),
-/// where brightness is 0 to 255 and v is in tiles.
-struct Look {
-  Material material{};
-  Colour colour;
-  float dark = 1.0F;
-  float contrast = 0.0F;
-  float shade = 1.0F;
-  float shade_rise = 0.0F;
-};
-
-/// How light the floor is, on a grid. Cells hold four bytes: light at their own corner and at those at +x, +y, +x +y.
-struct FloorLight {
-  static constexpr double kCell = 0.1;  // [m]
-  Vec2 origin;
-  int width = 1;
-  int height = 1;
-  std::vector<std::uint32_t> cells{~0U};
-
-  /// 0 to 1 at a point, interpolated; beyond the grid as at its edge.
-  double at(Vec2 point) const;
-};
-
-struct FloorRoom {
+/// A rectangle of floor: a patch or a room.
+struct FloorRegion {
   Vec2 min;
   Vec2 max;
   Look floor;
-  Colour wall;
+  Colour wall;                     ///< of a room
+  std::vector<std::size_t> above;  ///< those that lie on it
 };
 
 /// Solids that stand together, as those of an object do, and a circle around them.
@@ -54,38 +32,41 @@ struct Group {
 };
 
 struct Place {
-  std::vector<VisibleSolid> solids;
+  std::vector<VisibleSolid> solids;  // walls first, in the scene's order
   std::vector<Group> groups;
-  std::vector<int> palettes;  // of each solid: what `Paint` may choose from; -1 for walls
-  std::vector<FloorRoom> rooms;
+  std::vector<int> palettes;        // of each solid: what `Paint` may choose from; -1 for walls
+  std::vector<FloorRegion> floors;  // what lies on top comes first
+  std::size_t patch_count = 0;      // of those, before the rooms
   Look outside_floor;
-  Look ceiling_look;
+  bool is_open = false;  // under the sky
   double ceiling = 0.0;
+  Look ceiling_look;
+  WallDecor decor;
   FloorLight light;
+  FloorLight corner_light;  // with nothing but walls
 
   explicit Place(const scene::Scene& scene);
+  /// The patch or room that holds a point, or null.
+  const FloorRegion* floor_at(Vec2 point) const;
   /// The room that holds a point, or null.
-  const FloorRoom* room_at(Vec2 point) const;
+  const FloorRegion* room_at(Vec2 point) const;
+  /// What is on the faces of a solid, if it is a wall; -1 stands for one that moves.
+  std::span<const Decor> decor_of(int solid) const;
+  bool has_skirting(const VisibleSolid& solid) const {
+    return solid.id == kWallId && solid.solid.z_min <= 0.0 && !is_open;
+  }
+  /// How a side of a wall looks at a point of it. Its colour is that of the room in front of it; the ends of walls,
+  /// where doorways are, are trimmed.
+  Look wall_look(const VisibleSolid& wall, int face, Vec2 normal, Vec2 point) const;
+  /// How much light comes to a wall at a point of it.
+  float wall_shade(Vec2 normal, Vec2 point) const;
+
+ private:
+  void add_solids(const scene::Scene& scene);
+  const FloorRegion* find_floor(std::size_t first, Vec2 point) const;
 };
 
 /// Height of the skirting along the walls [m].
 inline constexpr double kSkirting = 0.08;
-/// Clear height of a doorway below its lintel [m].
-inline constexpr double kDoorHeight = 2.05;
-
-Look make_look(Material material, Colour colour, float shade);
-/// How bright a vertical face is that faces along `normal` (a unit vector of the scene's frame).
-float side_shade(Vec2 normal);
-/// How a face of a solid looks. A wall's colour is that of the room in front of it, at `front`; the ends of walls,
-/// where doorways are, are trimmed.
-Look side_look(const Place& place, const VisibleSolid& solid, Colour colour, int face, Vec2 normal, Vec2 front);
-Look skirting_look(Vec2 normal);
-Look top_look(const VisibleSolid& solid, Colour colour);
-Look bottom_look(const VisibleSolid& solid, Colour colour);
-/// The sky at a slope above the horizon, z / x of the ray.
-Colour sky_colour(float slope);
-
-/// A lintel over each doorway whose wall reaches higher.
-std::vector<scene::Solid> lintels(const scene::Scene& scene);
 
 }  // namespace threewe::sim::view

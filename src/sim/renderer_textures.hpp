@@ -9,7 +9,7 @@
 
 namespace threewe::sim::view {
 
-inline constexpr std::size_t kMaterials = 18;
+inline constexpr std::size_t kMaterials = 29;
 inline constexpr int kTileSide = 128;     ///< texels, at level 0; each level has half the side of the one before
 inline constexpr int kTileLevels = 8;     ///< the last is one texel
 inline constexpr int kTexelStride = 136;  ///< from one row of texels to the next, at every level

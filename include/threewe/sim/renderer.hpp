@@ -40,6 +40,17 @@ enum class Material : std::uint8_t {
   glass,
   stone,
   paper,
+  floor_grass,
+  floor_gravel,
+  floor_paving,
+  floor_asphalt,
+  cardboard,
+  brick,
+  roof,
+  window,
+  picture,
+  skin,
+  rubber,
 };
 
 /// Blue, green, red, 0 to 255.

@@ -56,15 +56,17 @@ class RayTracer {
   Colour colour(double u, double v, const Hit& hit, int level_offset) const {
     const double t = (camera_.cy - v) / camera_.fy;
     const Vec2 direction = this->direction((camera_.cx - u) / camera_.fx);
-    if (hit.id == kNothingId) return view::sky_colour(static_cast<float>(t));
+    if (hit.id == kNothingId) return sky(direction, t, level_offset);
     const Vec2 point = view_.pose.position() + hit.depth * direction;
     const double z = view_.height + hit.depth * t;
 
     if (hit.id == kFloorId) {
-      const auto* room = place_.room_at(point);
-      const view::Look look = room ? room->floor : place_.outside_floor;
-      return apply(look, texture(look, point, flat_footprint(hit.depth, view_.height), level_offset),
-                   place_.light.at(point));
+      const auto* floor = place_.floor_at(point);
+      const view::Look look = floor ? floor->floor : place_.outside_floor;
+      const Colour bare = apply(look, texture(look, point, flat_footprint(hit.depth, view_.height), level_offset),
+                                place_.light.at(point));
+      if (!place_.is_open) return bare;
+      return mixed(bare, view::sky_colour(0.0F), view::haze(view_.height, static_cast<float>(t)));
     }
     if (hit.id == kCeilingId) {
       const double footprint = flat_footprint(hit.depth, place_.ceiling - view_.height);
@@ -99,20 +101,48 @@ class RayTracer {
       normal = (1.0 / norm(edge)) * Vec2{edge.y, -edge.x};
       along = dot(point - a, edge) / norm(edge);
     }
-    const bool is_skirting = visible.id == kWallId && solid.z_min <= 0.0 && z < view::kSkirting;
-    const view::Look look = is_skirting ? view::skirting_look(normal)
-                                        : view::side_look(place_, visible, own, hit.face, normal, point + 0.1 * normal);
+    view::Look look = visible.id == kWallId ? place_.wall_look(visible, hit.face, normal, point)
+                                            : view::side_look(visible, own, normal);
+    if (place_.has_skirting(visible) && z < view::kSkirting) look = view::skirting_look(normal);
+    Vec2 on_face{along, z};
+    const int index = hit.solid < static_cast<int>(place_.solids.size()) ? hit.solid : -1;
+    for (const view::Decor& d : place_.decor_of(index)) {
+      if (d.face != hit.face || along < d.begin || along >= d.end || z < d.low || z >= d.high) continue;
+      look = d.look;
+      on_face = {along - d.begin, z - d.low};
+    }
     const double facing = -dot(direction, normal) / norm(direction);
     const double footprint = 0.7 * hit.depth / camera_.fx / std::max(facing, 0.35);
     const double size = view::spec(look.material).tile_size;
-    const double shade = static_cast<double>(look.shade) + static_cast<double>(look.shade_rise) * (z / size);
-    return apply(look, texture(look, {along, z}, footprint, level_offset), std::min(1.0, shade));
+    const double shade = static_cast<double>(look.shade) + static_cast<double>(look.shade_rise) * (on_face.y / size);
+    return apply(look, texture(look, on_face, footprint, level_offset), std::min(1.0, shade));
   }
 
  private:
   Vec2 direction(double s) const {
     const Vec2 forward{std::cos(view_.pose.theta), std::sin(view_.pose.theta)};
     return forward + s * Vec2{-forward.y, forward.x};
+  }
+
+  // Clouds and hills before a sky that the sun brightens.
+  Colour sky(Vec2 direction, double t, int level_offset) const {
+    const auto slope = static_cast<float>(t);
+    const Colour blue = view::sky_colour(slope);
+    if (t <= 0.0) return blue;
+    const float share = view::sun_share(direction);
+    const Colour sun = view::sun_glow(slope);
+    const Colour lit{blue.b + share * sun.b, blue.g + share * sun.g, blue.r + share * sun.r};
+    const bool is_hill = place_.is_open && t < view::hill_slope(direction);
+    const view::Look look = is_hill ? view::hill_look() : view::cloud_look();
+    const double depth = view::kCloudHeight / t;
+    const Vec2 point = view_.pose.position() + depth * direction;
+    const double bright = is_hill ? 0.0 : texture(look, point, flat_footprint(depth, view::kCloudHeight), level_offset);
+    return mixed(lit, look.colour, look.dark + look.contrast * static_cast<float>(bright));
+  }
+
+  static Colour mixed(Colour a, Colour b, float share) {
+    const auto channel = [&](float from, float to) { return std::clamp(from + share * (to - from), 0.0F, 255.0F); };
+    return {channel(a.b, b.b), channel(a.g, b.g), channel(a.r, b.r)};
   }
 
   struct Entry {

@@ -152,11 +152,17 @@ scene::Scene random_scene(Draw& draw) {
   if (draw.whole(0, 3) == 0) {
     for (scene::Wall& w : scene.walls) w.height = draw(0.3, 3.0);
   }
+  scene.ceiling = draw.whole(0, 2) != 0;
+  const std::string floors[] = {"wood", "tile", "carpet", "concrete", "vinyl", "grass", "gravel", "paving", "asphalt"};
   if (draw.whole(0, 2)) {
-    const std::string floors[] = {"wood", "tile", "carpet", "concrete", "vinyl"};
     const double middle = draw(1.0, size - 1.0);
-    scene.rooms.push_back({"west", {0.0, 0.0}, {middle, size}, floors[draw.whole(0, 4)], {}});
-    scene.rooms.push_back({"east", {middle, 0.0}, {size, size}, floors[draw.whole(0, 4)], {}});
+    scene.rooms.push_back({"west", {0.0, 0.0}, {middle, size}, floors[draw.whole(0, 8)], {}});
+    scene.rooms.push_back({"east", {middle, 0.0}, {size, size}, floors[draw.whole(0, 8)], {}});
+  }
+  for (int i = draw.whole(0, 3); i > 0; --i) {
+    const Vec2 corner = draw.point(0.0, size);
+    const Vec2 far = corner + Vec2{draw(0.1, 4.0), draw(0.1, 4.0)};
+    scene.patches.push_back({"patch", corner, far, floors[draw.whole(0, 8)], draw(0.3, 1.0)});
   }
   for (int i = draw.whole(0, 12); i > 0; --i) {
     scene::Object object;
@@ -229,11 +235,11 @@ TEST_CASE("beside walls, at corners, among and under furniture") {
 }
 
 TEST_CASE("the shipped scenes") {
-  for (const std::string name : {"office_v2", "corridor_v1"}) {
+  for (const std::string& name : scene::scene_names()) {
     const scene::Scene scene = scene::Scene::load(name);
     const Renderer renderer(scene);
     Comparison comparison;
-    for (std::uint64_t seed = 0; seed < 30; ++seed) {
+    for (std::uint64_t seed = 0; seed < 8; ++seed) {
       Draw draw(seed);
       const CameraIntrinsics camera = make_intrinsics(80, 60, draw(0.5, 1.8));
       const CameraPose view{{draw(scene.min.x, scene.max.x), draw(scene.min.y, scene.max.y), draw(-kPi, kPi)},

@@ -1,0 +1,79 @@
+// How surfaces look: what they are made of, their colours, and how light falls on them.
+#pragma once
+
+#include <array>
+#include <string_view>
+
+#include "threewe/sim/renderer.hpp"
+
+namespace threewe::sim::view {
+
+/// Colours as people name them, red first.
+constexpr Colour rgb(int r, int g, int b) {
+  return {static_cast<float>(b), static_cast<float>(g), static_cast<float>(r)};
+}
+// those that belong to no room and no object
+inline constexpr Colour kTrim = rgb(240, 238, 232);
+inline constexpr Colour kOutsidePaint = rgb(206, 200, 190);
+inline constexpr Colour kBrick = rgb(186, 142, 118);
+inline constexpr Colour kDaylight = rgb(226, 238, 246);
+
+/// The faces of a solid: sides 0 to 3 of a box (edge i begins at corner i), one of a disc, top and bottom.
+inline constexpr int kTopFace = 4;
+inline constexpr int kBottomFace = 5;
+inline constexpr int kRoundFace = 6;
+
+/// How a face takes colour from its texture: colour * (dark + contrast * brightness) * min(1, shade + shade_rise * v),
+/// where brightness is 0 to 255 and v is in tiles.
+struct Look {
+  Material material{};
+  Colour colour;
+  float dark = 1.0F;
+  float contrast = 0.0F;
+  float shade = 1.0F;
+  float shade_rise = 0.0F;
+};
+
+/// What things of one material may be coloured in.
+struct Palette {
+  std::string_view name;
+  Material material;
+  std::array<Colour, 8> tints;
+};
+/// The palette of a material as scenes name it; that of plastic for a name that it does not know.
+int palette_of(std::string_view material);
+const Palette& palette(int index);
+/// The paint of a scene's i-th room.
+Colour wall_paint(std::size_t room);
+
+Look make_look(Material material, Colour colour, float shade);
+/// A floor as scenes name it; concrete for a name that it does not know. `light` is 1 for a well lit one.
+Look floor_look(std::string_view name, float light);
+/// The ceiling of a room or, high up, the roof of a hall.
+Look ceiling_look(double height);
+/// How bright a vertical face is that faces along `normal` (a unit vector of the scene's frame).
+float side_shade(Vec2 normal);
+/// An upright face of an object: darker towards its foot.
+Look side_look(const VisibleSolid& solid, Colour colour, Vec2 normal);
+Look skirting_look(Vec2 normal);
+Look top_look(const VisibleSolid& solid, Colour colour);
+Look bottom_look(const VisibleSolid& solid, Colour colour);
+
+/// The sky at a slope above the horizon, z / x of the ray; clouds and hills come on top.
+Colour sky_colour(float slope);
+/// What the sun adds to it, times `sun_share` of the direction.
+Colour sun_glow(float slope);
+/// 1 towards the sun, less the further from it. `direction` is of the ray in the scene's frame.
+float sun_share(Vec2 direction);
+/// What clouds are made of: they cover dark + contrast * brightness of the sky.
+Look cloud_look();
+/// How high above the eye they are [m].
+inline constexpr double kCloudHeight = 150.0;
+/// Hills cover `dark` of the sky.
+Look hill_look();
+/// The slope up to which they reach in a direction: z / x of a ray (1, s).
+double hill_slope(Vec2 direction);
+/// How much of the ground under the sky is lost in haze, at a slope below the horizon.
+float haze(double height, float slope);
+
+}  // namespace threewe::sim::view
