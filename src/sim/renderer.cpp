@@ -16,6 +16,7 @@
 namespace threewe::sim {
 
 struct RenderScratch::Buffers {
+  view::Candidates candidates;
   view::Columns columns;
   view::Row row;
   // of a row in a strip that is no whole number of vectors
@@ -60,18 +61,16 @@ void check_view(const CameraPose& view) {
 }
 
 // Puts a strip's directions and the eye in place.
-void begin_strip(const CameraIntrinsics& camera, const CameraPose& pose, const view::FloorLight& light, int first,
-                 int count, view::Row& row) {
-  row.lanes = (count + view::kMostLanes - 1) / view::kMostLanes * view::kMostLanes;
-  const auto [sin, cos] = exact::sincos(pose.pose.theta);
+void begin_strip(const view::View& seen, const view::FloorLight& light, int first, int count, view::Row& row) {
   constexpr double kScale = 1.0 / view::FloorLight::kCell;
+  row.lanes = (count + view::kMostLanes - 1) / view::kMostLanes * view::kMostLanes;
   for (auto& field : row.fields) std::fill(field.begin() + count, field.begin() + row.lanes, 0.0F);
   for (int i = 0; i < row.lanes; ++i) {
-    const double s = (camera.cx - (first + i + 0.5)) / camera.fx;
-    row.x_steps[static_cast<std::size_t>(i)] = static_cast<float>(kScale * (cos - s * sin));
-    row.y_steps[static_cast<std::size_t>(i)] = static_cast<float>(kScale * (sin + s * cos));
+    const Vec2 step = kScale * seen.direction(seen.slope_of(first + i));
+    row.x_steps[static_cast<std::size_t>(i)] = static_cast<float>(step.x);
+    row.y_steps[static_cast<std::size_t>(i)] = static_cast<float>(step.y);
   }
-  const Vec2 eye = kScale * (pose.pose.position() - light.origin);
+  const Vec2 eye = kScale * (seen.eye - light.origin);
   row.eye_x = static_cast<float>(eye.x);
   row.eye_y = static_cast<float>(eye.y);
 }
@@ -92,15 +91,16 @@ T* place_of(std::span<T> image, std::size_t at, bool direct, Buffer& buffer) {
 }
 
 // Draws a strip's rows in place where they are whole vectors, else by way of a buffer.
-void draw_strip(const CameraIntrinsics& camera, const view::Place& place, double height, int first, int count,
-                const Images& images, RenderScratch::Buffers& work) {
+void draw_strip(const view::View& seen, const view::Place& place, int first, int count, const Images& images,
+                RenderScratch::Buffers& work) {
+  const CameraIntrinsics& camera = seen.camera;
   const auto columns = static_cast<std::size_t>(count);
   const bool direct = count == work.row.lanes;
   for (int image_row = 0; image_row < camera.height; ++image_row) {
     const auto r = static_cast<std::size_t>(image_row);
     turn_to(work.columns, r, work.row);
     work.row.slope = work.columns.slopes[r];
-    work.row.haze = place.is_open ? view::haze(height, work.row.slope) : 0.0F;
+    work.row.haze = place.is_open ? view::haze(seen.height, work.row.slope) : 0.0F;
     const std::size_t at = r * static_cast<std::size_t>(camera.width) + static_cast<std::size_t>(first);
     const view::RowImages row{place_of(images.colour, 3 * at, direct, work.colour),
                               place_of(images.depth, at, direct, work.depth),
@@ -125,11 +125,15 @@ void Renderer::render(const CameraIntrinsics& camera, const CameraPose& view, co
   if (paint.colours.size() != place_->solids.size()) throw ConfigError("the paint is that of another scene");
 
   RenderScratch::Buffers& work = *scratch.buffers_;
-  const auto draw = [&](int first, int count) {
-    begin_strip(camera, view, place_->light, first, count, work.row);
-    draw_strip(camera, *place_, view.height, first, count, images, work);
-  };
-  view::find_spans(*place_, camera, view, paint, moving, work.columns, draw);
+  const view::View seen(camera, view, place_->ceiling);
+  view::find_candidates(*place_, seen, paint, moving, work.candidates);
+  view::begin_picture(seen, work.columns);
+  for (int first = 0; first < camera.width; first += view::kStripWidth) {
+    const int count = std::min(view::kStripWidth, camera.width - first);
+    view::find_spans(*place_, seen, work.candidates, first, count, work.columns);
+    begin_strip(seen, place_->light, first, count, work.row);
+    draw_strip(seen, *place_, first, count, images, work);
+  }
 }
 
 const std::vector<VisibleSolid>& Renderer::solids() const { return place_->solids; }

@@ -3,46 +3,12 @@
 #pragma once
 
 #include <cstdint>
-#include <functional>
-#include <span>
 #include <vector>
 
+#include "sim/renderer_candidates.hpp"
 #include "sim/renderer_kernel.hpp"
-#include "sim/renderer_place.hpp"
 
 namespace threewe::sim::view {
-
-/// A column begins to show something else at a row. Spans of one row are chained by `next`.
-struct Span {
-  std::int32_t column = 0;
-  std::int32_t next = -1;
-  Fields fields{};
-};
-
-/// A solid that may be in the picture, in the camera's frame. Along the ray (1, s) it lies between the inverse depths
-/// max(far lines) and min(near lines), each of which is `slope * s + offset`; or between the roots of a quadratic.
-struct Candidate {
-  struct Line {
-    double slope = 0.0;
-    double offset = 0.0;
-    int face = 0;
-  };
-  const VisibleSolid* visible = nullptr;
-  int solid = -1;  // index of one that stands in the scene
-  Colour colour;
-  bool is_disc = false;
-  int first_column = 0;
-  int last_column = 0;
-  double nearest = 0.0;  // no point of it has a greater inverse depth
-  double low = 0.0;      // heights relative to the eye [m]
-  double high = 0.0;
-  int near_count = 0;
-  int far_count = 0;
-  Line near[4];
-  Line far[4];
-  Vec2 center;          // of a disc
-  double beyond = 0.0;  // square of the distance to its centre, less that of its radius
-};
 
 /// A surface in one column.
 struct Run {
@@ -55,43 +21,53 @@ struct Run {
   const Decor* decor = nullptr;
 };
 
+/// How far away a surface is in a row of some slope: its inverse depth is at_horizon + rise * slope.
+struct Inverse {
+  float at_horizon = 0.0F;
+  float rise = 0.0F;
+};
+Inverse inverse_of(const Run& run, const Place& place, const View& view);
+
+/// The numbers by which rows of pixels draw a surface along the ray (1, s).
+void fill(const Run& run, const Place& place, const View& view, double s, Fields& fields);
+
+/// A column begins to show something else at a row. Spans of one row are chained by `next`.
+struct Span {
+  std::int32_t column = 0;
+  std::int32_t next = -1;
+  Fields fields{};
+};
+
 struct RowRange {
   int begin = 0;
   int end = 0;
 };
 
-/// Working memory.
-struct Columns {
-  std::vector<Candidate> walls;   // from floor to ceiling
-  std::vector<Candidate> others;  // what may be seen before them
-  struct Entry {
-    double nearest = 0.0;  // these three are the candidate's own, close at hand
-    std::int32_t first_column = 0;
-    std::int32_t last_column = 0;
-    std::int32_t candidate = 0;
-  };
-  std::vector<std::vector<Entry>> blocks;  // `others` by blocks of columns
-  struct WallHit {
-    double inverse = 0.0;
-    std::int32_t wall = -1;
-    std::int32_t face = 0;
-  };
-  std::vector<WallHit> wall_hits;      // by column: the nearest wall
-  std::vector<double> block_inverses;  // by block: the farthest of those
+/// A candidate before the wall, in one column.
+struct ColumnHit {
+  const Candidate* candidate = nullptr;
+  int face = 0;
+  double near = 0.0;  // inverse depths
+  double far = 0.0;
+};
 
+/// Working memory of a strip.
+struct Columns {
   std::vector<float> slopes;             // of rows, z / x
-  std::vector<Span> spans;               // of a strip
+  std::vector<Span> spans;               // of all columns
   std::vector<std::int32_t> first_span;  // by row
 
-  std::vector<Run> runs;       // of a column
-  std::vector<RowRange> base;  // rows of its first runs
-  std::vector<float> inverse;  // by row: the largest inverse depth so far, and whose it is
+  std::array<std::vector<ColumnHit>, kBlock> hits;  // of a block of columns
+  std::vector<Run> runs;                            // of a column
+  std::vector<RowRange> base;                       // rows of its first runs
+  std::vector<float> inverse;                       // by row: the largest inverse depth so far, and whose it is
   std::vector<std::int32_t> owner;
 };
 
-/// Works through a picture strip by strip: fills `columns.spans` and `first_span` with what the strip's columns show,
-/// counted from the strip's first, and calls `draw(first, count)`.
-void find_spans(const Place& place, const CameraIntrinsics& camera, const CameraPose& view, const Paint& paint,
-                std::span<const VisibleSolid> moving, Columns& columns, const std::function<void(int, int)>& draw);
+/// Puts the rows' slopes in place.
+void begin_picture(const View& view, Columns& columns);
+/// Finds what `count` columns show; spans count them from `first`, the first of a block.
+void find_spans(const Place& place, const View& view, const Candidates& candidates, int first, int count,
+                Columns& columns);
 
 }  // namespace threewe::sim::view

@@ -202,43 +202,6 @@ void draw(const Row& row, const FloorLight& light, const std::uint32_t* texels, 
   if (images.colour && count > 0) store_colour(pixels, count, images.colour);
 }
 
-void lay_rows(const Layers& layers, int begin, int end, float inverse, float rise, std::int32_t owner) {
-  const Floats d;
-  const Ints di;
-  const auto last = static_cast<std::size_t>(end);
-  auto i = static_cast<std::size_t>(begin);
-  for (; i + hn::Lanes(d) <= last; i += hn::Lanes(d)) {
-    const F w = hn::Add(hn::Set(d, inverse), hn::Mul(hn::Set(d, rise), hn::LoadU(d, layers.slopes + i)));
-    hn::StoreU(w, d, layers.inverse + i);
-    hn::StoreU(hn::Set(di, owner), di, layers.owner + i);
-  }
-  for (; i < last; ++i) {
-    layers.inverse[i] = inverse + rise * layers.slopes[i];
-    layers.owner[i] = owner;
-  }
-}
-
-void put_rows(const Layers& layers, int begin, int end, float inverse, float rise, std::int32_t owner) {
-  const Floats d;
-  const Ints di;
-  const auto last = static_cast<std::size_t>(end);
-  auto i = static_cast<std::size_t>(begin);
-  for (; i + hn::Lanes(d) <= last; i += hn::Lanes(d)) {
-    const F w = hn::Add(hn::Set(d, inverse), hn::Mul(hn::Set(d, rise), hn::LoadU(d, layers.slopes + i)));
-    const F there = hn::LoadU(d, layers.inverse + i);
-    const auto nearer = hn::Gt(w, there);
-    const auto before = hn::LoadU(di, layers.owner + i);
-    hn::StoreU(hn::IfThenElse(nearer, w, there), d, layers.inverse + i);
-    hn::StoreU(hn::IfThenElse(hn::RebindMask(di, nearer), hn::Set(di, owner), before), di, layers.owner + i);
-  }
-  for (; i < last; ++i) {
-    const float w = inverse + rise * layers.slopes[i];
-    if (!(w > layers.inverse[i])) continue;
-    layers.inverse[i] = w;
-    layers.owner[i] = owner;
-  }
-}
-
 }  // namespace threewe::sim::view::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
@@ -246,19 +209,9 @@ HWY_AFTER_NAMESPACE();
 namespace threewe::sim::view {
 
 HWY_EXPORT(draw);
-HWY_EXPORT(lay_rows);
-HWY_EXPORT(put_rows);
 
 void draw_row(const Row& row, const FloorLight& light, const RowImages& images) {
   HWY_DYNAMIC_DISPATCH(draw)(row, light, tiles().data(), images);
-}
-
-void lay(const Layers& layers, int begin, int end, float inverse, float rise, std::int32_t owner) {
-  HWY_DYNAMIC_DISPATCH(lay_rows)(layers, begin, end, inverse, rise, owner);
-}
-
-void put(const Layers& layers, int begin, int end, float inverse, float rise, std::int32_t owner) {
-  HWY_DYNAMIC_DISPATCH(put_rows)(layers, begin, end, inverse, rise, owner);
 }
 
 }  // namespace threewe::sim::view

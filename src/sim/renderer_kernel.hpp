@@ -65,16 +65,4 @@ struct RowImages {
 
 void draw_row(const Row& row, const FloorLight& light, const RowImages& images);
 
-/// What a column shows so far, by row.
-struct Layers {
-  const float* slopes = nullptr;
-  float* inverse = nullptr;  // the largest inverse depth
-  std::int32_t* owner = nullptr;
-};
-
-/// Gives rows [begin, end) to an owner whose inverse depth is `inverse + rise * slope`.
-void lay(const Layers& layers, int begin, int end, float inverse, float rise, std::int32_t owner);
-/// The same where it is nearer than what is there.
-void put(const Layers& layers, int begin, int end, float inverse, float rise, std::int32_t owner);
-
 }  // namespace threewe::sim::view

@@ -109,15 +109,15 @@ Look ceiling_look(double height) {
 
 float side_shade(Vec2 normal) { return static_cast<float>(0.85 + 0.15 * dot(normal, kSunward)); }
 
-Look side_look(const VisibleSolid& visible, Colour colour, Vec2 normal) {
+Look side_look(const VisibleSolid& visible, Material material, float shade) {
   const scene::Solid& solid = visible.solid;
-  Look look = make_look(visible.material, colour, side_shade(normal));
+  Look look = make_look(material, {}, shade);
   const double height = solid.z_max - solid.z_min;
   const double reach = std::min(0.45, height);  // [m]: as high above its lower edge a face is lit in full
   const double foot = 1.0 - 0.22 * std::min(1.0, reach / 0.45);  // how much it is lit there
   const double rise = (1.0 - foot) / reach;
   look.shade = static_cast<float>(foot - rise * solid.z_min);
-  look.shade_rise = static_cast<float>(rise * spec(visible.material).tile_size);
+  look.shade_rise = static_cast<float>(rise * spec(material).tile_size);
   return look;
 }
 

@@ -53,8 +53,8 @@ Look floor_look(std::string_view name, float light);
 Look ceiling_look(double height);
 /// How bright a vertical face is that faces along `normal` (a unit vector of the scene's frame).
 float side_shade(Vec2 normal);
-/// An upright face of an object: darker towards its foot.
-Look side_look(const VisibleSolid& solid, Colour colour, Vec2 normal);
+/// An upright face of a solid, its colour left open: darker towards its foot.
+Look side_look(const VisibleSolid& solid, Material material, float shade);
 Look skirting_look(Vec2 normal);
 Look top_look(const VisibleSolid& solid, Colour colour);
 Look bottom_look(const VisibleSolid& solid, Colour colour);

@@ -107,6 +107,7 @@ Place::Place(const scene::Scene& scene)
 void Place::add_solids(const scene::Scene& scene) {
   const auto add = [&](const Solid& solid, Material material, std::int16_t id, int palette) {
     solids.push_back({solid, material, id});
+    sides.push_back(make_sides(solids.back(), is_open));
     palettes.push_back(palette);
   };
   const Material of_walls = is_open ? Material::brick : Material::paint;
@@ -139,23 +140,18 @@ std::span<const Decor> Place::decor_of(int solid) const {
   return std::span(decor.all).subspan(decor.first[index], decor.first[index + 1] - decor.first[index]);
 }
 
-Look Place::wall_look(const VisibleSolid& wall, int face, Vec2 normal, Vec2 point) const {
-  constexpr double kEnd = 0.45;   // [m], a side of a wall that is no longer is its end
+Colour Place::wall_colour(const VisibleSolid& wall, const Side& side, Vec2 point) const {
   constexpr double kFront = 0.1;  // [m]
-  const Vec2 side =
-      wall.solid.corners[static_cast<std::size_t>((face + 1) % 4)] - wall.solid.corners[static_cast<std::size_t>(face)];
-  VisibleSolid seen = wall;
   Colour colour = kOutsidePaint;
   if (is_open) {
     colour = kBrick;
-  } else if (dot(side, side) < kEnd * kEnd) {
-    seen.material = Material::trim;
+  } else if (side.length < kWallEnd) {
     colour = kTrim;
-  } else if (const FloorRegion* room = room_at(point + kFront * normal)) {
+  } else if (const FloorRegion* room = room_at(point + kFront * side.normal)) {
     colour = room->wall;
   }
-  const float shade = wall.solid.z_min > 0.0 ? 1.0F : wall_shade(normal, point);
-  return side_look(seen, {shade * colour.b, shade * colour.g, shade * colour.r}, normal);
+  const float shade = wall.solid.z_min > 0.0 ? 1.0F : wall_shade(side.normal, point);
+  return {shade * colour.b, shade * colour.g, shade * colour.r};
 }
 
 // Less light comes into corners.

@@ -8,6 +8,7 @@
 
 #include "sim/renderer_light.hpp"
 #include "sim/renderer_looks.hpp"
+#include "sim/renderer_sides.hpp"
 #include "sim/renderer_walls.hpp"
 #include "threewe/sim/renderer.hpp"
 
@@ -33,6 +34,7 @@ struct Group {
 
 struct Place {
   std::vector<VisibleSolid> solids;  // walls first, in the scene's order
+  std::vector<Sides> sides;          // theirs
   std::vector<Group> groups;
   std::vector<int> palettes;        // of each solid: what `Paint` may choose from; -1 for walls
   std::vector<FloorRegion> floors;  // what lies on top comes first
@@ -55,13 +57,13 @@ struct Place {
   bool has_skirting(const VisibleSolid& solid) const {
     return solid.id == kWallId && solid.solid.z_min <= 0.0 && !is_open;
   }
-  /// How a side of a wall looks at a point of it. Its colour is that of the room in front of it; the ends of walls,
-  /// where doorways are, are trimmed.
-  Look wall_look(const VisibleSolid& wall, int face, Vec2 normal, Vec2 point) const;
-  /// How much light comes to a wall at a point of it.
-  float wall_shade(Vec2 normal, Vec2 point) const;
+  /// The colour of a side of a wall at a point of it: that of the room in front of it; the ends of walls, where
+  /// doorways are, are trimmed.
+  Colour wall_colour(const VisibleSolid& wall, const Side& side, Vec2 point) const;
 
  private:
+  float wall_shade(Vec2 normal, Vec2 point) const;
+
   void add_solids(const scene::Scene& scene);
   const FloorRegion* find_floor(std::size_t first, Vec2 point) const;
 };

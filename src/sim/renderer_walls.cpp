@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sim/renderer_sides.hpp"
 #include "sim/renderer_textures.hpp"
 #include "threewe/core/rng.hpp"
 
@@ -12,22 +13,6 @@ namespace {
 using scene::Solid;
 
 constexpr double kSill = 0.85;  // [m]
-
-// A side of a wall as somebody in front of it sees it.
-struct Side {
-  Vec2 corner;
-  Vec2 axis;
-  Vec2 normal;
-  double length = 0.0;
-};
-
-Side side_of(const Solid& solid, int face) {
-  const Vec2 a = solid.corners[static_cast<std::size_t>(face)];
-  const Vec2 edge = solid.corners[static_cast<std::size_t>((face + 1) % 4)] - a;
-  const double length = norm(edge);
-  const Vec2 axis = (1.0 / length) * edge;
-  return {a, axis, {axis.y, -axis.x}, length};
-}
 
 // The same room in front of all of a piece of wall; null if there is none.
 const scene::Room* room_before(const scene::Scene& scene, const Side& side, double begin, double end, double gap) {
@@ -87,9 +72,9 @@ WallDecor decorate(const scene::Scene& scene) {
     decor.first.push_back(decor.all.size());
     const scene::Wall& wall = scene.walls[i];
     if (!scene.ceiling || wall.height < kLowest) continue;
-    const Solid solid = scene::solid_of(wall);
+    const Sides sides = make_sides({scene::solid_of(wall), Material::paint, kWallId}, false);
     for (const int face : {0, 2}) {  // the long sides
-      const Side side = side_of(solid, face);
+      const Side& side = sides[static_cast<std::size_t>(face)];
       const Vec2 behind = side.corner + 0.5 * side.length * side.axis - (wall.thickness + kBeyond) * side.normal;
       if (scene.room_at(behind)) {
         hang_pictures(scene, side, face, 4 * i + static_cast<std::size_t>(face), decor.all);

@@ -90,19 +90,14 @@ class RayTracer {
       return apply(look, texture(look, local, flat_footprint(hit.depth, height), level_offset), 1.0);
     }
 
-    Vec2 normal;
-    double along = 0.0;
-    if (hit.face == view::kRoundFace) {
-      normal = (1.0 / solid.radius) * (point - solid.center);
-      along = solid.radius * std::atan2(normal.y, normal.x);
-    } else {
-      const Vec2 a = solid.corners[static_cast<std::size_t>(hit.face)];
-      const Vec2 edge = solid.corners[static_cast<std::size_t>((hit.face + 1) % 4)] - a;
-      normal = (1.0 / norm(edge)) * Vec2{edge.y, -edge.x};
-      along = dot(point - a, edge) / norm(edge);
-    }
-    view::Look look = visible.id == kWallId ? place_.wall_look(visible, hit.face, normal, point)
-                                            : view::side_look(visible, own, normal);
+    const view::Sides sides = view::make_sides(visible, place_.is_open);
+    const bool is_round = hit.face == view::kRoundFace;
+    const view::Side side =
+        is_round ? view::round_side(visible, sides[0].look, point) : sides[static_cast<std::size_t>(hit.face)];
+    const Vec2 normal = side.normal;
+    const double along = is_round ? solid.radius * std::atan2(normal.y, normal.x) : dot(point - side.corner, side.axis);
+    view::Look look = side.look;
+    look.colour = visible.id == kWallId && !is_round ? place_.wall_colour(visible, side, point) : own;
     if (place_.has_skirting(visible) && z < view::kSkirting) look = view::skirting_look(normal);
     Vec2 on_face{along, z};
     const int index = hit.solid < static_cast<int>(place_.solids.size()) ? hit.solid : -1;

@@ -1,0 +1,225 @@
+#include "sim/renderer_candidates.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace threewe::sim::view {
+namespace {
+
+using scene::Solid;
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kNear = 1e-6;  // [m]
+
+// What a thing covers of the picture, widened by rounding.
+struct Reach {
+  int first_block = 0;
+  int last_block = 0;
+  double nearest = 0.0;  // inverse depth
+};
+
+class Search {
+ public:
+  Search(const Place& place, const View& view, Candidates& out) : place_(place), view_(view), out_(out) {}
+
+  void run(const Paint& paint, std::span<const VisibleSolid> moving) {
+    begin(moving.size());
+    for (const Group& group : place_.groups) {
+      if (hides_all(group)) add_wall(group.first, paint.colours[group.first]);
+    }
+    find_nearest_walls();
+    for (const Group& group : place_.groups) {
+      if (hides_all(group) || is_hidden(group)) continue;
+      for (std::size_t i = group.first; i < group.last; ++i) {
+        add_other(place_.solids[i], place_.sides[i], static_cast<int>(i), paint.colours[i]);
+      }
+    }
+    for (const VisibleSolid& visible : moving) {
+      add_other(visible, out_.moving.emplace_back(make_sides(visible, place_.is_open)), -1, visible.colour);
+    }
+  }
+
+ private:
+  void begin(std::size_t moving) {
+    const auto columns = static_cast<std::size_t>(view_.camera.width);
+    const std::size_t blocks = (columns + kBlock - 1) / kBlock;
+    out_.walls.clear();
+    out_.others.clear();
+    out_.moving.clear();
+    out_.moving.reserve(moving);  // candidates point into it
+    out_.blocks.resize(blocks);
+    for (auto& block : out_.blocks) block.clear();
+    out_.farthest.assign(blocks, 0.0);
+    out_.slopes.resize(blocks * kBlock);
+    for (std::size_t i = 0; i < out_.slopes.size(); ++i) out_.slopes[i] = view_.slope_of(static_cast<int>(i));
+    out_.wall_inverse.assign(blocks * kBlock, 0.0);
+    std::fill(out_.wall_inverse.begin() + view_.camera.width, out_.wall_inverse.end(), kInfinity);
+    out_.wall.assign(blocks * kBlock, -1);
+    out_.wall_face.resize(blocks * kBlock);
+  }
+
+  bool hides_all(const Group& group) const { return group.is_full && view_.is_roofed; }
+
+  // Whether all of a group is beside or behind the picture, or behind walls.
+  bool is_hidden(const Group& group) const {
+    const Vec2 center = view_.to_camera(group.center);
+    const double r = group.radius;
+    if (center.x + r <= 0.0) return true;
+    Reach reach = all_columns();
+    if (center.x - r > kNear) {
+      const double left = center.y + r;
+      const double right = center.y - r;
+      const double s_max = left / (left > 0.0 ? center.x - r : center.x + r);
+      const double s_min = right / (right < 0.0 ? center.x - r : center.x + r);
+      if (!find_reach(s_min, s_max, center.x - r, reach)) return true;
+    }
+    return is_behind_walls(reach);
+  }
+
+  Reach all_columns() const { return {0, (view_.camera.width - 1) / kBlock, kInfinity}; }
+
+  bool is_behind_walls(const Reach& reach) const {
+    for (int block = reach.first_block; block <= reach.last_block; ++block) {
+      if (reach.nearest > out_.farthest[static_cast<std::size_t>(block)]) return false;
+    }
+    return true;
+  }
+
+  // What lies between two slopes; false when it is beside the picture.
+  bool find_reach(double s_min, double s_max, double x_min, Reach& reach) const {
+    const CameraIntrinsics& camera = view_.camera;
+    const double first = camera.cx - camera.fx * s_max - 1.0;
+    const double last = camera.cx - camera.fx * s_min + 1.0;
+    if (first > camera.width || last < 0.0) return false;
+    reach.first_block = std::min(static_cast<int>(std::max(first, 0.0)), camera.width - 1) / kBlock;
+    reach.last_block = static_cast<int>(std::min(last, camera.width - 1.0)) / kBlock;
+    reach.nearest = 1.0 / x_min * (1.0 + 1e-9);
+    return true;
+  }
+
+  void add_wall(std::size_t i, Colour colour) {
+    Candidate& c = out_.walls.emplace_back();
+    if (!see(place_.solids[i], place_.sides[i], static_cast<int>(i), colour, c)) out_.walls.pop_back();
+  }
+
+  void add_other(const VisibleSolid& visible, const Sides& sides, int solid, Colour colour) {
+    Candidate& c = out_.others.emplace_back();
+    const bool is_seen = see(visible, sides, solid, colour, c);
+    if (!is_seen || is_behind_walls({c.first_block, c.last_block, c.nearest})) {
+      out_.others.pop_back();
+      return;
+    }
+    const auto index = static_cast<std::int32_t>(out_.others.size()) - 1;
+    for (int block = c.first_block; block <= c.last_block; ++block) {
+      const auto b = static_cast<std::size_t>(block);
+      if (c.nearest > out_.farthest[b]) out_.blocks[b].push_back({c.nearest, index});
+    }
+  }
+
+  // Those that come nearest first: most others are then hidden without being met.
+  void find_nearest_walls() {
+    std::ranges::stable_sort(out_.walls, std::ranges::greater{}, &Candidate::nearest);
+    Meeting meeting;
+    for (std::size_t k = 0; k < out_.walls.size(); ++k) {
+      const Candidate& c = out_.walls[k];
+      for (int block = c.first_block; block <= c.last_block; ++block) {
+        const auto b = static_cast<std::size_t>(block);
+        if (c.nearest <= out_.farthest[b]) continue;
+        double* inverse = out_.wall_inverse.data() + b * kBlock;
+        const unsigned met = meet(c.outline, out_.slopes.data() + b * kBlock, inverse, meeting);
+        if (met == 0) continue;
+        for (std::size_t i = 0; i < kBlock; ++i) {
+          if (!(met >> i & 1U)) continue;
+          inverse[i] = meeting.near[i];
+          out_.wall[b * kBlock + i] = static_cast<std::int32_t>(k);
+          out_.wall_face[b * kBlock + i] = static_cast<std::int32_t>(meeting.face[i]);
+        }
+        out_.farthest[b] = *std::min_element(inverse, inverse + kBlock);
+      }
+    }
+  }
+
+  // Describes a solid as the camera sees it; false when nothing of it can be in the picture.
+  bool see(const VisibleSolid& visible, const Sides& sides, int index, Colour colour, Candidate& c) const {
+    const Solid& solid = visible.solid;
+    const Vec2 center = view_.to_camera(solid.center);
+    if (center.x + solid.radius <= 0.0) return false;
+
+    c.visible = &visible;
+    c.sides = &sides;
+    c.solid = index;
+    c.colour = colour;
+    c.low = solid.z_min - view_.height;
+    c.high = solid.z_max - view_.height;
+    c.outline.is_disc = solid.shape == Solid::Shape::disc;
+    const auto corners = corners_of(solid, center);
+    if (!find_columns(corners, c)) return false;
+
+    if (c.outline.is_disc) {
+      c.outline.center = center;
+      c.outline.beyond = dot(center, center) - solid.radius * solid.radius;
+    } else {
+      add_lines(corners, c.outline);
+    }
+    const bool within_height = c.low <= 0.0 && c.high > 0.0;
+    const bool inside = within_height && (c.outline.is_disc ? c.outline.beyond <= 0.0 : c.outline.near_count == 0);
+    return !inside;  // nothing is seen from inside
+  }
+
+  // Of a box, or of the square around a disc.
+  std::array<Vec2, 4> corners_of(const Solid& solid, Vec2 center) const {
+    const double r = solid.radius;
+    std::array<Vec2, 4> corners = {center + Vec2{-r, -r}, center + Vec2{r, -r}, center + Vec2{r, r},
+                                   center + Vec2{-r, r}};
+    if (solid.shape == Solid::Shape::disc) return corners;
+    std::ranges::transform(solid.corners, corners.begin(), [&](Vec2 corner) { return view_.to_camera(corner); });
+    return corners;
+  }
+
+  // The columns between the corners' outermost ones, and how near they come.
+  bool find_columns(const std::array<Vec2, 4>& corners, Candidate& c) const {
+    const double x_min = std::ranges::min(corners, {}, &Vec2::x).x;
+    Reach reach = all_columns();
+    if (x_min > kNear) {  // not beside the camera
+      double s_min = kInfinity;
+      double s_max = -kInfinity;
+      for (const Vec2 corner : corners) {
+        s_min = std::min(s_min, corner.y / corner.x);
+        s_max = std::max(s_max, corner.y / corner.x);
+      }
+      if (!find_reach(s_min, s_max, x_min, reach)) return false;
+    }
+    c.first_block = reach.first_block;
+    c.last_block = reach.last_block;
+    c.nearest = reach.nearest;
+    return true;
+  }
+
+  // An edge's inner side is where dist * w + (slope of the edge against the ray) >= 0.
+  static void add_lines(const std::array<Vec2, 4>& corners, Outline& outline) {
+    constexpr double kOnTheLine = 1e-12;
+    for (std::size_t i = 0; i < 4; ++i) {
+      const Vec2 edge = corners[(i + 1) % 4] - corners[i];
+      const double dist = -cross(edge, corners[i]);
+      const bool is_near = dist < kOnTheLine;
+      const double scale = is_near ? 1.0 / -std::min(dist, -kOnTheLine) : -1.0 / dist;
+      auto& line = is_near ? outline.near[static_cast<std::size_t>(outline.near_count++)]
+                           : outline.far[static_cast<std::size_t>(outline.far_count++)];
+      line = {scale * edge.x, -scale * edge.y, static_cast<double>(i)};
+    }
+  }
+
+  const Place& place_;
+  const View& view_;
+  Candidates& out_;
+};
+
+}  // namespace
+
+void find_candidates(const Place& place, const View& view, const Paint& paint, std::span<const VisibleSolid> moving,
+                     Candidates& candidates) {
+  Search(place, view, candidates).run(paint, moving);
+}
+
+}  // namespace threewe::sim::view

@@ -1,0 +1,39 @@
+#include "sim/renderer_sides.hpp"
+
+#include <cmath>
+
+namespace threewe::sim::view {
+
+using scene::Solid;
+
+Sides make_sides(const VisibleSolid& visible, bool is_open) {
+  Sides sides;
+  const Solid& solid = visible.solid;
+  if (solid.shape == Solid::Shape::disc) {
+    sides[0].look = side_look(visible, visible.material, 1.0F);
+    return sides;
+  }
+  for (std::size_t i = 0; i < sides.size(); ++i) {
+    Side& side = sides[i];
+    side.corner = solid.corners[i];
+    const Vec2 edge = solid.corners[(i + 1) % 4] - side.corner;
+    side.length = norm(edge);
+    side.axis = (1.0 / side.length) * edge;
+    side.normal = {side.axis.y, -side.axis.x};
+    const bool is_trimmed = visible.id == kWallId && !is_open && side.length < kWallEnd;
+    side.look = side_look(visible, is_trimmed ? Material::trim : visible.material, side_shade(side.normal));
+  }
+  return sides;
+}
+
+Side round_side(const VisibleSolid& disc, const Look& look, Vec2 point) {
+  Side side;
+  side.normal = (1.0 / disc.solid.radius) * (point - disc.solid.center);
+  side.look = look;
+  const float shade = side_shade(side.normal);
+  side.look.dark *= shade;
+  side.look.contrast *= shade;
+  return side;
+}
+
+}  // namespace threewe::sim::view
