@@ -33,9 +33,11 @@ function(threewe_library)
   set_target_properties(threewe PROPERTIES LINKER_LANGUAGE CXX VERSION ${PROJECT_VERSION})
   target_link_libraries(threewe PUBLIC threewe_flags ${THREEWE_DEPENDENCIES})
 
-  # where assets are: beside the sources while developing, else where they are installed
+  # where assets are: in a wheel beside the module, while developing beside the sources, else where they are installed
   set(assets "${CMAKE_INSTALL_FULL_DATADIR}/threewe/assets")
-  if(THREEWE_DEVELOPER)
+  if(SKBUILD)
+    set(assets "assets")
+  elseif(THREEWE_DEVELOPER)
     set(assets "${PROJECT_SOURCE_DIR}/assets")
   endif()
   set_source_files_properties("${PROJECT_SOURCE_DIR}/src/core/assets.cpp"

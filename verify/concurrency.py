@@ -4,7 +4,8 @@ import subprocess
 import sys
 from pathlib import Path
 
-from tests.other_pythons import TESTS, VERSIONS, environment, interpreters
+from python.make_wheel import OWN_VERSION, VERSIONS, interpreters
+from tests.other_pythons import TESTS, environment
 from verify.harness import Case, Experiment, all_of
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -12,9 +13,8 @@ ROOT = Path(__file__).resolve().parent.parent
 
 def transcripts(_seed: int, version: str) -> Case:
     """The pump's tests on one Python: what each program writes down must be what is kept in golden/."""
-    current = f"{sys.version_info.major}.{sys.version_info.minor}"
     python = Path(sys.executable)
-    if version != current:
+    if version != OWN_VERSION:
         found = interpreters()[version]
         if found is None:
             return {"not_shown": f"Python {version} is not installed"}

@@ -1,5 +1,7 @@
 #include "threewe/core/assets.hpp"
 
+#include <dlfcn.h>
+
 #include <algorithm>
 #include <cstdlib>
 #include <mutex>
@@ -20,6 +22,14 @@ std::vector<fs::path> added_directories;
 
 bool names_a_file(std::string_view name) { return name.ends_with(".yaml") || name.ends_with(".yml"); }
 
+// A relative folder is one beside the file that this code was loaded from: a wheel may be unpacked anywhere.
+fs::path installed_directory() {
+  fs::path directory = THREEWE_ASSET_DIR;
+  Dl_info loaded{};
+  if (directory.is_absolute() || dladdr(&added_mutex, &loaded) == 0) return directory;
+  return fs::absolute(loaded.dli_fname).parent_path() / directory;
+}
+
 // "scenes" -> "scene", for messages
 std::string_view singular(std::string_view kind) { return kind.substr(0, kind.size() - 1); }
 
@@ -35,8 +45,8 @@ void add_once(std::vector<fs::path>& directories, const fs::path& directory) {
 }  // namespace
 
 std::vector<fs::path> asset_directories() {
-  const char* installed = std::getenv("THREEWE_ASSETS");
-  std::vector<fs::path> directories = {installed != nullptr ? installed : THREEWE_ASSET_DIR};
+  const char* elsewhere = std::getenv("THREEWE_ASSETS");
+  std::vector<fs::path> directories = {elsewhere != nullptr ? fs::path(elsewhere) : installed_directory()};
   if (const char* paths = std::getenv("THREEWE_PATH")) {
     std::istringstream stream(paths);
     for (std::string path; std::getline(stream, path, ':');) {

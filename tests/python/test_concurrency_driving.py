@@ -138,7 +138,9 @@ def test_the_five_lines_end_alike_on_every_python(version: str) -> None:
     modules = list(environment.glob("lib/*/site-packages/threewe/_core.*.so"))
     sources = [*ROOT.glob("src/**/*"), *ROOT.glob("include/**/*")]
     if not modules or modules[0].stat().st_mtime < max(source.stat().st_mtime for source in sources):
-        pytest.skip(f"not shown: the package of now is not in {environment}; tests/other_pythons.py puts it there")
+        pytest.skip(
+            f"not shown: the package of now is not in {environment}; `python -m tests.other_pythons` puts it there"
+        )
     without_path = {name: value for name, value in os.environ.items() if name != "PYTHONPATH"}
     here = subprocess.check_output([sys.executable, "-c", FIVE_LINES], text=True)
     there = subprocess.check_output([environment / "bin/python", "-c", FIVE_LINES], text=True, env=without_path)
