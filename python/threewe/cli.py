@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import asyncio
+import sys
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, NoReturn
 
 import typer
 from rich.console import Console
+from rich.markup import escape
 from rich.table import Table
 
 import threewe
@@ -21,14 +23,25 @@ app.add_typer(scenes, name="scenes")
 console = Console()
 complaints = Console(stderr=True)
 
+EXTRAS = {"PIL": "demo", "av": "demo"}  # the modules that commands import and not every installation has
+
 
 def main() -> None:
     """Runs the command line; an error that the user can mend is one line, not a traceback."""
     try:
         app()
     except (threewe.ThreeweError, OSError) as error:
-        complaints.print(f"[bold red]error:[/] {error}", highlight=False)
-        raise SystemExit(2) from None
+        fail(str(error))
+    except ModuleNotFoundError as error:
+        if error.name not in EXTRAS:
+            raise
+        fail(f"{error.name} is not installed: {sys.executable} -m pip install 'threewe[{EXTRAS[error.name]}]'")
+
+
+def fail(message: str) -> NoReturn:
+    """Ends the program."""
+    complaints.print(f"[bold red]error:[/] {escape(message)}", highlight=False)
+    raise SystemExit(2)
 
 
 @app.command()
@@ -40,10 +53,12 @@ def demo(
     output: Annotated[Path, typer.Option("--output", "-o", help="Folder for the results.")] = Path("demo"),
 ) -> None:
     """Explore a scene, draw its map, drive to a room; leaves map.png, run.gif, run.mp4 and summary.json."""
+    import av  # noqa: F401 (missed now, not after the drive)
+
     from threewe.demo import run
 
     summary = asyncio.run(run(scene, hardware, place, seed, output, console))
-    console.print(f"The film is in [bold]{output}/[/]: run.mp4, run.gif, map.png, summary.json")
+    console.print(f"The film is in [bold]{escape(str(output))}/[/]: run.mp4, run.gif, map.png, summary.json")
     if not summary.arrived:
         raise typer.Exit(1)
 
@@ -55,9 +70,8 @@ def list_scenes() -> None:
     for name in threewe.scene_names():
         scene = threewe.Scene.load(name)
         width, depth = scene.max[0] - scene.min[0], scene.max[1] - scene.min[1]
-        table.add_row(
-            name, f"{width:.0f} x {depth:.0f} m", str(len(scene.rooms)), str(len(scene.objects)), scene.description
-        )
+        counts = str(len(scene.rooms)), str(len(scene.objects))
+        table.add_row(escape(name), f"{width:.0f} x {depth:.0f} m", *counts, escape(scene.description))
     console.print(table)
 
 
@@ -76,9 +90,9 @@ def show_scene(
     picture.save(path)
     table = Table("room", "x", "y", "floor")
     for room in scene.rooms:
-        table.add_row(room.name, f"{room.anchor[0]:.1f}", f"{room.anchor[1]:.1f}", room.floor)
+        table.add_row(escape(room.name), f"{room.anchor[0]:.1f}", f"{room.anchor[1]:.1f}", room.floor)
     console.print(table)
-    console.print(f"drawn to [bold]{path}[/]")
+    console.print(f"drawn to [bold]{escape(str(path))}[/]")
 
 
 @scenes.command("generate")
@@ -96,7 +110,7 @@ def generate_scene(
     if path.suffix != ".yaml":
         raise threewe.ConfigError(f"the name of a scene's file ends in .yaml, not '{path.suffix}'")
     path.write_text(scene.to_yaml(name=path.stem), encoding="utf-8")
-    console.print(f"{len(scene.rooms)} rooms, {len(scene.objects)} objects, saved to [bold]{path}[/]")
+    console.print(f"{len(scene.rooms)} rooms, {len(scene.objects)} objects, saved to [bold]{escape(str(path))}[/]")
 
 
 @app.command()
@@ -108,7 +122,7 @@ def doctor() -> None:
     findings = examine()
     for finding in findings:
         mark = {"ok": "[green]ok[/]", "missing": "[yellow]missing[/]", "broken": "[bold red]broken[/]"}[finding.state]
-        table.add_row(finding.part, f"{mark} {finding.detail}", finding.remedy)
+        table.add_row(finding.part, f"{mark} {escape(finding.detail)}", escape(finding.remedy))
     console.print(table)
     if any(finding.state == "broken" for finding in findings):
         raise typer.Exit(1)

@@ -60,7 +60,7 @@ def _works(part: str, check: Callable[[], str]) -> Finding:
     try:
         return Finding(part, "ok", check())
     except threewe.ThreeweError as error:
-        return Finding(part, "broken", str(error), "run ./dev build again; if it stays, please report it")
+        return Finding(part, "broken", str(error), "install it again; if it stays, please report it")
 
 
 def _drive() -> str:

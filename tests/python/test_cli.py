@@ -9,10 +9,13 @@ from pathlib import Path
 import pytest
 import threewe
 from PIL import Image
+from threewe import cli
+from threewe.doctor import Finding
 
 
-def run(*arguments: str, cwd: Path | None = None) -> subprocess.CompletedProcess[str]:
-    command = [sys.executable, "-c", "from threewe.cli import main; main()", *arguments]
+def run(*arguments: str, cwd: Path | None = None, without: str = "") -> subprocess.CompletedProcess[str]:
+    absent = f"import sys; sys.modules['{without}'] = None; " if without else ""
+    command = [sys.executable, "-c", f"{absent}from threewe.cli import main; main()", *arguments]
     return subprocess.run(command, capture_output=True, text=True, cwd=cwd, timeout=600)
 
 
@@ -79,6 +82,38 @@ def test_a_mistyped_room_of_the_demo_costs_no_drive(tmp_path: Path) -> None:
     done = run("demo", "--place", "kitchn", "-o", str(tmp_path / "demo"))
     assert done.returncode == 2
     assert "did you mean 'kitchen'?" in done.stderr.replace("\n", " ")
+
+
+def test_square_brackets_are_not_lost(tmp_path: Path) -> None:
+    (tmp_path / "hall.yaml").write_text("name: hall\ndescription: a hall\nstarts:\n  - [1]\n")
+    done = run("scenes", "show", "hall.yaml", cwd=tmp_path)
+    assert done.returncode == 2
+    assert "expected [x, y, theta]" in done.stderr
+
+
+@pytest.mark.parametrize("arguments", [["demo"], ["scenes", "show", "office_v2"]])
+def test_a_missing_extra_is_one_line_that_says_how_to_install_it(arguments: list[str], tmp_path: Path) -> None:
+    done = run(*arguments, cwd=tmp_path, without="PIL")
+    assert done.returncode == 2
+    assert "-m pip install 'threewe[demo]'" in " ".join(done.stderr.split())
+    assert "Traceback" not in done.stderr
+
+
+def test_the_demo_does_not_drive_before_it_misses_its_film(tmp_path: Path) -> None:
+    done = run("demo", cwd=tmp_path, without="av")
+    assert done.returncode == 2
+    assert "exploring" not in done.stdout
+    assert not list(tmp_path.iterdir())
+
+
+def test_doctor_says_which_extra_is_missing(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    finding = Finding("pillow", "missing", "needed for pictures", "python -m pip install 'threewe[demo]'")
+    monkeypatch.setattr("threewe.doctor.examine", lambda: [finding])
+    monkeypatch.setenv("COLUMNS", "200")
+    cli.doctor()
+    assert "pip install 'threewe[demo]'" in capsys.readouterr().out
 
 
 def test_doctor_finds_a_working_installation() -> None:
