@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import asyncio
 import sys
+from contextlib import suppress
 from pathlib import Path
+from threading import Event
 from typing import Annotated, NoReturn
 
 import typer
@@ -61,6 +63,41 @@ def demo(
     console.print(f"The film is in [bold]{escape(str(output))}/[/]: run.mp4, run.gif, map.png, summary.json")
     if not summary.arrived:
         raise typer.Exit(1)
+
+
+@app.command()
+def view(
+    scene: Annotated[str, typer.Argument(help="Its name, or a file that ends in .yaml.")] = "office_v2",
+    hardware: Annotated[str, typer.Option(help="Which robot.")] = "3we_standard_v2",
+    seed: Annotated[int, typer.Option(help="Of all noise.")] = 0,
+    seconds: Annotated[float, typer.Option(help="Of robot time, at most.")] = 600.0,
+    realtime: Annotated[bool, typer.Option("--realtime", help="As slowly as a real robot.")] = False,
+    save: Annotated[Path | None, typer.Option(metavar="FILE.rrd", help="Record instead of opening a window.")] = None,
+    serve: Annotated[bool, typer.Option("--serve", help="To browsers, instead of opening a window.")] = False,
+) -> None:
+    """Watch a robot explore a scene, in the Rerun viewer."""
+    if save is not None and serve:
+        raise threewe.ConfigError("--save records, --serve serves browsers: choose one")
+    if save is not None and save.suffix != ".rrd":
+        raise threewe.ConfigError(f"the name of a recording ends in .rrd, not '{save.suffix}'")
+    viewer = str(save) if save else "web" if serve else "rerun"
+    robot = threewe.Robot(scene=scene, hardware=hardware, seed=seed, realtime=realtime, viewer=viewer)
+
+    async def explore() -> threewe.ExploreResult:
+        async with robot:
+            with console.status("exploring") as status:
+                return await robot.explore(
+                    timeout=seconds, on_progress=lambda _: status.update(f"exploring, {robot.now:.0f} robot s")
+                )
+
+    result = asyncio.run(explore())
+    console.print(f"{result.reason.name}: {result.explored_area:.0f} m2 explored in {result.duration:.0f} robot s")
+    if save is not None:
+        console.print(f"recorded to [bold]{save}[/]; open it with: rerun {save}", soft_wrap=True)
+    if serve:
+        console.print("serving until Ctrl-C")
+        with suppress(KeyboardInterrupt):
+            Event().wait()
 
 
 @scenes.command("list")

@@ -11,13 +11,13 @@ from numpy.typing import NDArray
 from PIL import Image, ImageDraw, ImageFilter, ImageFont
 
 from threewe import OccupancyGrid, Pose2D, RobotProfile, Scene
+from threewe._colors import INK as INK
+from threewe._colors import UNKNOWN as UNKNOWN
+from threewe._colors import Color, map_colors
 
-Color = tuple[int, int, int, int]
 Points = Sequence[tuple[float, float]] | NDArray[np.float64]
 
-INK: Color = (38, 44, 56, 255)
 PAPER: Color = (250, 249, 246, 255)
-UNKNOWN: Color = (214, 219, 226, 255)
 TRAIL: Color = (52, 116, 219, 255)
 PLAN: Color = (226, 62, 120, 255)
 RAYS: Color = (255, 190, 40, 70)
@@ -56,11 +56,6 @@ FURNITURE: dict[str, Color] = {
 PATCH: Color = (70, 90, 160, 40)
 ROUTE: Color = (170, 60, 160, 255)
 TREETOPS = 2.0  # [m]: what begins above is drawn so that one sees what is below
-
-# of a map's cells by their value: 0 free to 100 occupied, then -1 unknown
-_MAP_COLORS = np.array(
-    [[round(255 + (c - 255) * v / 100) for c in INK[:3]] for v in range(101)] + [UNKNOWN[:3]], np.uint8
-)
 
 # Everything is drawn at twice its final size and halved at the end: Pillow's own lines are not smooth.
 SUPERSAMPLING = 2
@@ -106,7 +101,7 @@ def draw_scene(scene: Scene, view: View, labels: bool = True) -> Image.Image:
     draw = ImageDraw.Draw(picture)
     for room in scene.rooms:
         draw.rectangle(
-            [*view.point(room.min[0], room.max[1]), *view.point(room.max[0], room.min[1])], _floor(room.floor)
+            [*view.point(room.min[0], room.max[1]), *view.point(room.max[0], room.min[1])], floor_color(room.floor)
         )
     picture = _draw_patches(picture, scene, view)
     picture = _draw_furniture(picture, scene, view)
@@ -120,7 +115,7 @@ def draw_scene(scene: Scene, view: View, labels: bool = True) -> Image.Image:
 
 def draw_map(grid: OccupancyGrid, view: View) -> Image.Image:
     """A robot's own map, RGB: unknown grey, free white, occupied dark."""
-    cells = Image.fromarray(_MAP_COLORS[np.asarray(grid.data)[::-1]])
+    cells = Image.fromarray(map_colors(grid)).convert("RGB")
 
     # each cell becomes an axis-aligned patch; the picture's edge cuts off what lies outside the view
     picture = Image.new("RGB", view.size, UNKNOWN[:3])
@@ -194,13 +189,19 @@ def text_font(pixels: float) -> ImageFont.FreeTypeFont | ImageFont.ImageFont:
     return ImageFont.load_default(size=pixels)
 
 
+def floor_color(material: str) -> Color:
+    """Of a floor, by its material."""
+    return FLOORS.get(material, FLOORS["concrete"])
+
+
+def furniture_color(category: str) -> Color:
+    """Of an object, by its category."""
+    return FURNITURE.get(category, (160, 160, 168, 255))
+
+
 def _transform(pose: Pose2D, x: float, y: float) -> tuple[float, float]:
     c, s = math.cos(pose.theta), math.sin(pose.theta)
     return pose.x + c * x - s * y, pose.y + s * x + c * y
-
-
-def _floor(material: str) -> Color:
-    return FLOORS.get(material, FLOORS["concrete"])
 
 
 def _draw_patches(picture: Image.Image, scene: Scene, view: View) -> Image.Image:
@@ -209,7 +210,7 @@ def _draw_patches(picture: Image.Image, scene: Scene, view: View) -> Image.Image
     draw = ImageDraw.Draw(layer)
     for patch in scene.patches:
         corners = [*view.point(patch.min[0], patch.max[1]), *view.point(patch.max[0], patch.min[1])]
-        ImageDraw.Draw(picture).rectangle(corners, _floor(patch.floor))
+        ImageDraw.Draw(picture).rectangle(corners, floor_color(patch.floor))
         draw.rectangle(corners, (*PATCH[:3], round(PATCH[3] * max(0.2, 2.0 * (1.0 - patch.grip)))))
     picture.alpha_composite(layer)
     return picture
@@ -223,7 +224,7 @@ def _draw_furniture(picture: Image.Image, scene: Scene, view: View) -> Image.Ima
     # low parts first, so that a chair's back lies over its seat, a cup on its table; higher ones are a little lighter
     parts = [(prism, thing) for thing in scene.objects for prism in thing.prisms]
     for prism, thing in sorted(parts, key=lambda part: part[0].z_max):
-        color = FURNITURE.get(thing.category, (160, 160, 168, 255))
+        color = furniture_color(thing.category)
         outline = [_transform(thing.pose, *p) for p in prism.outline()]
         lift = min(1.0, prism.z_max / 1.5)
         shade = tuple(round(c + (255 - c) * 0.22 * lift) for c in color[:3])
@@ -253,7 +254,7 @@ def _draw_labels(picture: Image.Image, scene: Scene, view: View) -> None:
     for room in scene.rooms:
         name = room.name.replace("_", " ")
         draw.text(
-            view.point(*room.anchor), name, INK, font, anchor="mm", stroke_width=3, stroke_fill=_floor(room.floor)
+            view.point(*room.anchor), name, INK, font, anchor="mm", stroke_width=3, stroke_fill=floor_color(room.floor)
         )
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from contextlib import suppress
 from types import TracebackType
-from typing import Any, Self
+from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -46,6 +46,9 @@ from threewe.backend import known_backend
 from threewe.errors import ContractError, ThreeweError
 from threewe.simulation import Simulation
 
+if TYPE_CHECKING:
+    from threewe.viewer import Viewer
+
 OnProgress = Callable[[Progress], object]
 
 
@@ -67,10 +70,15 @@ class Robot(InRobotTime):
         realtime: pace a simulator to the wall clock.
         start_pose: where a simulated robot starts in its scene; the scene's own start where left out. People who would
             begin there begin farther on.
+        viewer: streams to Rerun from `connect` to `disconnect`: `rerun` opens a window, `web` serves browsers, a file
+            that ends in .rrd is recorded.
 
     Raises:
-        ConfigError: an unknown backend, profile, scene or option (with the nearest right name), or a start in a wall.
+        ConfigError: an unknown backend, profile, scene, viewer or option (with the nearest right name), or a start in a
+            wall.
     """
+
+    _viewer: Viewer | None = None
 
     @known_options
     def __init__(
@@ -85,6 +93,7 @@ class Robot(InRobotTime):
         realtime: bool = False,
         *,
         start_pose: PoseLike | None = None,
+        viewer: str | None = None,
     ) -> None:
         if map is not None:
             raise ContractError("map: localising in a given map is not there yet; without it the robot draws its own")
@@ -100,6 +109,10 @@ class Robot(InRobotTime):
             initial_poses=[initial],
         )
         self._set_up(world, RobotTime(world), 0, initial)
+        if viewer is not None:
+            from threewe.viewer import Viewer  # needs packages that only viewers need
+
+            self._viewer = Viewer(self, as_text("viewer", viewer))
 
     @classmethod
     def _of_world(cls, world: _core.World, robot_time: RobotTime, index: int, initial_pose: Pose2D) -> Self:
@@ -128,6 +141,8 @@ class Robot(InRobotTime):
         try:
             self._runtime.connect()
             await self._time.wait(self._runtime.ready())
+            if self._viewer is not None:
+                self._viewer.begin()
         except BaseException:  # also when cancelled: a robot that nobody has got must not stay connected
             with suppress(ThreeweError):
                 await self.disconnect()
@@ -137,6 +152,8 @@ class Robot(InRobotTime):
     async def disconnect(self) -> None:
         """Ends a motion as `cancelled`, stops the robot and lets go of it."""
         self._time.check_thread()
+        if self._viewer is not None:
+            self._viewer.end()
         try:
             self._runtime.disconnect()
         finally:

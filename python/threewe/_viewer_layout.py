@@ -1,0 +1,82 @@
+"""How the viewer's window is laid out."""
+
+from __future__ import annotations
+
+import rerun.blueprint as rrb
+from rerun.encodings import EntityPathLike
+
+from threewe import Scene
+from threewe._colors import UNKNOWN
+
+TIMELINE = "robot_time"
+
+# From the beginning to the moment that is looked at: paths are streamed piece by piece, this joins them.
+SO_FAR = rrb.VisibleTimeRange(
+    TIMELINE, start=rrb.TimeRangeBoundary.infinite(), end=rrb.TimeRangeBoundary.cursor_relative()
+)
+BACKGROUND = (24, 28, 36)
+
+
+def layout(scene: Scene | None, camera: bool, depth: bool) -> rrb.Blueprint:
+    """The world and the robot's map, its pictures where it has a camera, and its signals over time."""
+    pictures = [
+        rrb.Spatial2DView(origin="map/camera", contents=f"$origin/{kind}", name=kind)
+        for kind, there in (("colour", camera), ("depth", depth))
+        if there
+    ]
+    return rrb.Blueprint(
+        rrb.Vertical(
+            rrb.Horizontal(
+                _world(scene),
+                rrb.Vertical(_map(scene), *([rrb.Horizontal(*pictures)] if pictures else []), row_shares=[3, 2]),
+                column_shares=[3, 2],
+            ),
+            rrb.Horizontal(
+                rrb.TimeSeriesView(origin="signals/velocity", name="velocity [m/s, rad/s]"),
+                rrb.TimeSeriesView(origin="signals/battery", name="battery [%]"),
+                *([rrb.TimeSeriesView(origin="signals/error", name="localisation error [m]")] if scene else []),
+            ),
+            row_shares=[3, 1],
+        ),
+        rrb.TimePanel(state="collapsed", timeline=TIMELINE),
+        collapse_panels=True,
+    )
+
+
+def _world(scene: Scene | None) -> rrb.Spatial3DView:
+    """All there is, seen from the south and from above."""
+    x, y, span = _extent(scene)
+    return rrb.Spatial3DView(
+        origin="/",
+        name="world" if scene else "map",
+        background=BACKGROUND,
+        line_grid=False,
+        eye_controls=rrb.EyeControls3D(position=(x, y - 0.66 * span, 0.77 * span), look_target=(x, y, 0.0)),
+        overrides=_joined("scene/true_path", "map/estimated_path"),
+    )
+
+
+def _map(scene: Scene | None) -> rrb.Spatial3DView:
+    """What the robot knows, seen from straight above."""
+    x, y, span = _extent(scene)
+    return rrb.Spatial3DView(
+        origin="/",
+        contents=["+ map/**", "- map/camera/**", "+ scene/true_path"],
+        name="map",
+        background=UNKNOWN,
+        line_grid=False,
+        eye_controls=rrb.EyeControls3D(position=(x, y, 1.2 * span), look_target=(x, y, 0.0), eye_up=(0.0, 1.0, 0.0)),
+        overrides=_joined("scene/true_path", "map/estimated_path"),
+    )
+
+
+def _joined(*paths: str) -> dict[EntityPathLike, rrb.VisibleTimeRanges]:
+    return {path: rrb.VisibleTimeRanges([SO_FAR]) for path in paths}
+
+
+def _extent(scene: Scene | None) -> tuple[float, float, float]:
+    """Middle and longer side [m] of what is looked at."""
+    if scene is None:
+        return 0.0, 0.0, 12.0
+    width, depth = scene.max[0] - scene.min[0], scene.max[1] - scene.min[1]
+    return (scene.min[0] + scene.max[0]) / 2, (scene.min[1] + scene.max[1]) / 2, max(width, depth)

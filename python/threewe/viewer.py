@@ -1,0 +1,332 @@
+"""What a robot sees, knows and does, streamed to Rerun while it happens."""
+
+from __future__ import annotations
+
+import math
+import os
+import socket
+import sys
+from collections import deque
+from typing import TYPE_CHECKING
+from urllib.parse import quote
+
+import numpy as np
+from numpy.typing import NDArray
+
+from threewe._colors import NOTHING, map_colors
+from threewe._core import (
+    BatteryState,
+    Intervention,
+    LaserScan,
+    OccupancyGrid,
+    Pose2D,
+    RangeData,
+    Sample,
+    TickView,
+    unknown_name,
+)
+from threewe.errors import ConfigError
+
+try:
+    import rerun as rr
+    from rerun.blueprint import Blueprint
+
+    from threewe import _viewer_layout as layout
+    from threewe import _viewer_scene as solids
+    from threewe import drawing as d
+except ImportError as missing:
+    raise ConfigError(
+        f'viewer: {missing.name} is not installed, which it needs: pip install "threewe[viz]"'
+    ) from missing
+
+if TYPE_CHECKING:
+    from threewe.robot import Robot
+
+VIEWERS = ["rerun", "web"]
+
+POSES_EVERY = 0.1  # [s] of robot time between two poses, and so on
+PLAN_EVERY = 0.2
+PICTURES_EVERY = 0.2
+MAP_EVERY = 1.0
+POSES_KEPT = 64  # of the last ticks: longer ago than that, no sample was measured
+
+TRUE_COLOR = d.BODY
+ESTIMATED_COLOR = d.TRAIL
+PATH_STEP = 0.02  # [m]
+PATHS = {  # colour, radius and height [m]: the estimated path is a thin line upon the broad true one
+    "scene/true": (TRUE_COLOR, 0.045, 0.03),
+    "map/estimated": (ESTIMATED_COLOR, 0.018, 0.08),
+}
+SCAN_COLOR = (255, 200, 60, 255)
+
+
+class Viewer:
+    """Streams a robot to the Rerun viewer. It observes: what the robot does stays the same, to the bit.
+
+    A recording begins when the robot connects and ends when it disconnects. Everything below `scene` is the truth,
+    which only simulated robots have; everything below `map` is what the robot knows. A reading is drawn where the
+    robot believed to be when it was measured.
+
+    Args:
+        robot: which.
+        where: `rerun` opens a window of the viewer, `web` serves it to browsers until Python ends, a file that ends in
+            .rrd is recorded.
+
+    Raises:
+        ConfigError: an unknown viewer (with the nearest right name), or no display to open a window on.
+    """
+
+    def __init__(self, robot: Robot, where: str) -> None:
+        if where not in VIEWERS and not where.endswith(".rrd"):
+            raise ConfigError(f"{unknown_name('viewer', where, VIEWERS)} A file to record ends in .rrd")
+        if where == "rerun" and not has_display():
+            raise ConfigError(
+                "viewer 'rerun' opens a window, and there is no display: "
+                "'web' (--serve) serves browsers, 'run.rrd' (--save run.rrd) records"
+            )
+        self._robot = robot
+        self._where = where
+        self._observer: int | None = None
+
+    def begin(self) -> None:
+        """Opens the viewer and begins a recording; twice is as good as once."""
+        if self._observer is not None:
+            return
+        robot = self._robot
+        scene = robot.simulation.scene if robot.simulation else None
+        self._recording = _open(self._where, layout.layout(scene, camera=False, depth=False))
+        self._poses: deque[tuple[float, float, float, float]] = deque(maxlen=POSES_KEPT)
+        self._trails: dict[str, tuple[float, float]] = {}
+        self._next: dict[str, float] = {}
+        self._map: OccupancyGrid | None = None
+        self._plan: NDArray[np.float64] = np.empty((0, 2))
+        self._intervention = Intervention.none
+        self._past = self._now = 0.0
+        self._draw_what_stays()
+        self._observer = robot.observe(self._look)
+
+    def end(self) -> None:
+        """Ends the recording; a file is complete then."""
+        if self._observer is None:
+            return
+        self._robot.unobserve(self._observer)
+        self._observer = None
+        self._recording.flush()
+        if self._where != "web":
+            self._recording.disconnect()
+
+    def _look(self, tick: TickView) -> None:
+        """Sends what is new."""
+        self._set_time(tick)
+        pose = tick.pose.map_from_base
+        self._poses.append((tick.now, *pose))
+        for sample in tick.samples:
+            self._draw_sample(sample)
+        if self._is_due("poses", POSES_EVERY):
+            self._draw_poses(pose)
+            self._draw_signals(tick)
+        if self._is_due("plan", PLAN_EVERY):
+            self._draw_plan()
+        if self._is_due("map", MAP_EVERY):
+            self._draw_map()
+        self._draw_intervention(tick.intervention)
+
+    # Time
+
+    def _set_time(self, tick: TickView) -> None:
+        """The recording's time goes on when a simulation begins anew at 0."""
+        if tick.now < self._now:
+            self._past += self._now
+            self._next.clear()
+            self._poses.clear()
+            self._trails.clear()
+            self._draw_what_stays()
+        self._now = tick.now
+        self._recording.set_time(layout.TIMELINE, duration=self._past + tick.now)
+
+    def _is_due(self, what: str, period: float) -> bool:
+        if self._now + 1e-9 < self._next.get(what, 0.0):
+            return False
+        self._next[what] = self._now + period
+        return True
+
+    # The truth, which only simulated robots have
+
+    def _draw_what_stays(self) -> None:
+        log, truth, profile = self._recording.log, self._robot.simulation, self._robot.profile
+        log("/", rr.ViewCoordinates.RIGHT_HAND_Z_UP, static=True)
+        log("map/estimated_robot", solids.body_outline(profile, ESTIMATED_COLOR), static=True)
+        log("signals/velocity/estimated", _series(["vx", "vy", "omega"], 2.0), static=True)
+        log(
+            "signals/velocity/commanded", _series(["vx commanded", "vy commanded", "omega commanded"], 1.0), static=True
+        )
+        if truth:
+            log("map", _transform(truth.scene_from_map), static=True)
+            log("scene/true_robot", solids.body_mesh(profile, TRUE_COLOR), static=True)
+            for entity, solid in solids.scene_solids(truth.scene):
+                log(f"scene/{entity}", solid, static=True)
+
+    def _draw_poses(self, pose: Pose2D) -> None:
+        self._draw_robot("map/estimated", pose)
+        if truth := self._robot.simulation:
+            true_pose = truth.true_pose()
+            self._draw_robot("scene/true", true_pose)
+            error = true_pose.distance(truth.scene_from_map * pose)
+            self._recording.log("signals/error", rr.Scalars(error))
+
+    def _draw_robot(self, name: str, pose: Pose2D) -> None:
+        """Where it is, and one more piece of its path."""
+        self._recording.log(f"{name}_robot", _transform(pose))
+        here, before = (pose.x, pose.y), self._trails.get(name)
+        if before is not None and math.dist(before, here) < PATH_STEP:
+            return
+        if before is not None:
+            color, radius, z = PATHS[name]
+            strip = [(*before, z), (*here, z)]
+            self._recording.log(f"{name}_path", rr.LineStrips3D([strip], colors=[color], radii=radius))
+        self._trails[name] = here
+
+    # What the robot sees
+
+    def _draw_sample(self, sample: Sample) -> None:
+        name = self._robot.features.sensors[sample.sensor].name
+        match sample.data:
+            case LaserScan() as scan:
+                self._draw_scan(name, scan, sample.measured)
+            case RangeData() as echo:
+                self._draw_echo(name, echo, sample.measured)
+            case BatteryState() as battery:
+                self._recording.log("signals/battery/charge", rr.Scalars(100.0 * battery.charge))
+
+    def _draw_scan(self, name: str, scan: LaserScan, measured: float) -> None:
+        """Every beam from where the robot was when it was measured."""
+        ranges = np.asarray(scan.ranges, np.float64)
+        beams = np.flatnonzero((ranges > 0.0) & (ranges < scan.range_max))
+        x, y, heading = self._poses_at(measured + beams * scan.time_increment)
+        mount, height = self._robot.get_transform("base", name), self._height(name)
+        angles = heading + mount.theta + scan.angle_min + beams * scan.angle_increment
+        c, s = np.cos(heading), np.sin(heading)
+        points = np.stack(
+            [
+                x + c * mount.x - s * mount.y + ranges[beams] * np.cos(angles),
+                y + s * mount.x + c * mount.y + ranges[beams] * np.sin(angles),
+                np.full(len(beams), height),
+            ],
+            axis=1,
+        )
+        self._recording.log(f"map/{name}", rr.Points3D(points, colors=[SCAN_COLOR], radii=0.03))
+
+    def _draw_echo(self, name: str, echo: RangeData, measured: float) -> None:
+        """An arc: nobody knows where in its cone the surface is."""
+        heard = 0.0 < echo.range < echo.range_max
+        x, y, heading = (float(v[0]) for v in self._poses_at(np.array([measured])))
+        sensor = Pose2D(x, y, heading) * self._robot.get_transform("base", name)
+        angles = sensor.theta + np.linspace(-0.5, 0.5, 9) * echo.field_of_view
+        arc = np.stack(
+            [
+                sensor.x + echo.range * np.cos(angles),
+                sensor.y + echo.range * np.sin(angles),
+                np.full(9, self._height(name)),
+            ],
+            axis=1,
+        )
+        self._recording.log(f"map/{name}", rr.LineStrips3D([arc] if heard else [], colors=[d.PLAN], radii=0.015))
+
+    def _poses_at(self, times: NDArray[np.floating]) -> tuple[NDArray[np.float64], ...]:
+        """x, y [m] and heading [rad] of the base in `map` at some times, between the ticks that are known."""
+        t, x, y, theta = np.array(self._poses).T
+        return tuple(np.interp(times, t, values) for values in (x, y, np.unwrap(theta)))
+
+    def _height(self, sensor: str) -> float:
+        profile = self._robot.profile
+        if profile.lidar and sensor == "lidar":
+            return profile.lidar.height
+        return profile.ultrasonics.height if profile.ultrasonics else 0.0
+
+    # What the robot knows and does
+
+    def _draw_map(self) -> None:
+        grid = self._robot.get_map()
+        if grid is self._map or not grid.data.size:
+            return
+        self._map = grid
+        self._recording.log(
+            "map/grid",
+            rr.GridMap(
+                data=map_colors(grid, unknown=NOTHING).tobytes(),
+                format=rr.components.ImageFormat(
+                    width=grid.width, height=grid.height, color_model="RGBA", channel_datatype="U8"
+                ),
+                cell_size=grid.resolution,
+                translation=(*grid.origin, 0.01),
+                opacity=0.8,
+            ),
+        )
+
+    def _draw_plan(self) -> None:
+        plan = self._robot.get_path()
+        if np.array_equal(plan, self._plan):
+            return
+        self._plan = plan
+        line = np.column_stack([plan, np.full(len(plan), 0.05)])
+        self._recording.log("map/plan", rr.LineStrips3D([line] if len(line) else [], colors=[d.PLAN], radii=0.03))
+
+    def _draw_signals(self, tick: TickView) -> None:
+        self._recording.log("signals/velocity/estimated", rr.Scalars([*tick.pose.velocity]))
+        self._recording.log("signals/velocity/commanded", rr.Scalars([*tick.commanded]))
+
+    def _draw_intervention(self, intervention: Intervention) -> None:
+        """A line in the log whenever the safety gate begins or ends to interfere."""
+        if intervention is self._intervention:
+            return
+        self._intervention = intervention
+        level = rr.TextLogLevel.INFO if intervention is Intervention.none else rr.TextLogLevel.WARN
+        self._recording.log("gate", rr.TextLog(intervention.name.replace("_", " "), level=level))
+
+
+def has_display() -> bool:
+    """Whether a window can be opened."""
+    return sys.platform != "linux" or bool(os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY"))
+
+
+def _open(where: str, blueprint: Blueprint) -> rr.RecordingStream:
+    """A new recording that goes to a window, to browsers or to a file."""
+    recording = rr.RecordingStream("threewe")
+    try:
+        if where == "rerun":
+            recording.spawn(default_blueprint=blueprint)
+        elif where == "web":
+            print(f"Rerun viewer: {_serve(recording, blueprint)}", flush=True)
+        else:
+            recording.save(where, default_blueprint=blueprint)
+    except RuntimeError as error:  # such as a folder that is not there
+        raise ConfigError(f"viewer '{where}': {error}") from error
+    return recording
+
+
+def _serve(recording: rr.RecordingStream, blueprint: Blueprint) -> str:
+    """The address for browsers. Rerun's own ports are used where they are free."""
+    data = recording.serve_grpc(grpc_port=_free_port(9876), default_blueprint=blueprint)
+    port = _free_port(9090)
+    rr.serve_web_viewer(web_port=port, connect_to=data, open_browser=has_display())
+    return f"http://localhost:{port}?url={quote(data, safe='')}"
+
+
+def _free_port(preferred: int) -> int:
+    with socket.socket() as probe:
+        try:
+            probe.bind(("", preferred))
+        except OSError:
+            probe.bind(("", 0))
+        port: int = probe.getsockname()[1]
+        return port
+
+
+def _transform(pose: Pose2D) -> rr.Transform3D:
+    turn = rr.RotationAxisAngle(axis=(0.0, 0.0, 1.0), radians=pose.theta)
+    return rr.Transform3D(translation=(pose.x, pose.y, 0.0), rotation_axis_angle=turn)
+
+
+def _series(names: list[str], width: float) -> rr.SeriesLines:
+    colors = [d.BODY, (80, 190, 120, 255), d.TRAIL]
+    return rr.SeriesLines(names=names, colors=colors, widths=[width] * len(names))
