@@ -22,6 +22,7 @@ from threewe._core import (
     Pose2D,
     RangeData,
     Sample,
+    SensorType,
     TickView,
     unknown_name,
 )
@@ -100,6 +101,7 @@ class Viewer:
         self._next: dict[str, float] = {}
         self._map: OccupancyGrid | None = None
         self._plan: NDArray[np.float64] = np.empty((0, 2))
+        self._draws_maps = any(sensor.type is SensorType.lidar for sensor in robot.features.sensors)
         self._intervention = Intervention.none
         self._past = self._now = 0.0
         self._draw_what_stays()
@@ -127,7 +129,7 @@ class Viewer:
             self._draw_signals(tick)
         if self._is_due("plan", PLAN_EVERY):
             self._draw_plan()
-        if self._is_due("map", MAP_EVERY):
+        if self._draws_maps and self._is_due("map", MAP_EVERY):
             self._draw_map()
         self._draw_intervention(tick.intervention)
 
@@ -292,6 +294,7 @@ def has_display() -> bool:
 def _open(where: str, blueprint: Blueprint) -> rr.RecordingStream:
     """A new recording that goes to a window, to browsers or to a file."""
     recording = rr.RecordingStream("threewe")
+    recording.set_log_time_enabled(False)  # robot time is the only clock
     try:
         if where == "rerun":
             recording.spawn(default_blueprint=blueprint)
