@@ -41,6 +41,7 @@ from threewe._core import (
     profile_names,
     scene_names,
 )
+from threewe._notebook import show
 from threewe.backend import backend_names, register_backend
 from threewe.errors import (
     ConfigError,
@@ -115,4 +116,5 @@ __all__ = [
     "profile_names",
     "register_backend",
     "scene_names",
+    "show",
 ]
