@@ -33,6 +33,7 @@ def examine() -> list[Finding]:
         _works("simulated drive", _drive),
         _package("pillow", "pictures and films", "demo"),
         _package("av", "run.mp4", "demo"),
+        _package("rerun-sdk", "threewe view", "viz"),
     ]
 
 

@@ -22,6 +22,8 @@ from numpy.typing import NDArray
 from rerun.chunk import RrdReader
 from threewe import OccupancyGrid, Pose2D, Robot, Scene, TickView
 
+from .toy_backend import QuietBackend
+
 RERUN = Path(sys.executable).parent / "rerun"
 
 
@@ -262,6 +264,18 @@ async def test_a_turning_robot_draws_its_scans_on_the_walls(tmp_path: Path) -> N
     ]
     assert len(off) > 100
     assert np.quantile(off, 0.95) < 0.06  # 0.04 are the lidar's own; drawn from one pose, 0.13 and more
+
+
+async def test_a_robot_without_a_simulation_has_no_truth_to_show(tmp_path: Path) -> None:
+    path = tmp_path / "real.rrd"
+    threewe.register_backend("quiet_viewer", QuietBackend)
+    async with Robot(backend="quiet_viewer", viewer=str(path)) as robot:
+        await robot.move_forward(0.5)
+    assert is_valid(path)
+    recording = Recording(path)
+    assert not [entity for entity in recording.entities if entity.startswith("/scene") or "error" in entity]
+    *_, (_, [(x, y, _)]) = recording.rows("map/estimated_robot", "Transform3D:translation")
+    assert (x, y) == pytest.approx((0.5, 0.0), abs=0.05)
 
 
 # It only looks
