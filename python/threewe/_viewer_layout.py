@@ -3,18 +3,17 @@
 from __future__ import annotations
 
 import rerun.blueprint as rrb
-from rerun.encodings import EntityPathLike
 
 from threewe import Scene
-from threewe._colors import UNKNOWN
+from threewe._colors import UNKNOWN, Color
 
 TIMELINE = "robot_time"
 
 # From the beginning to the moment that is looked at: paths are streamed piece by piece, this joins them.
-SO_FAR = rrb.VisibleTimeRange(
-    TIMELINE, start=rrb.TimeRangeBoundary.infinite(), end=rrb.TimeRangeBoundary.cursor_relative()
+SO_FAR = rrb.VisibleTimeRanges(
+    timeline=TIMELINE, start=rrb.TimeRangeBoundary.infinite(), end=rrb.TimeRangeBoundary.cursor_relative()
 )
-BACKGROUND = (24, 28, 36)
+BACKGROUND: Color = (24, 28, 36, 255)
 
 
 def layout(scene: Scene | None, camera: bool, depth: bool) -> rrb.Blueprint:
@@ -46,32 +45,26 @@ def layout(scene: Scene | None, camera: bool, depth: bool) -> rrb.Blueprint:
 def _world(scene: Scene | None) -> rrb.Spatial3DView:
     """All there is, seen from the south and from above."""
     x, y, span = _extent(scene)
-    return rrb.Spatial3DView(
-        origin="/",
-        name="world" if scene else "map",
-        background=BACKGROUND,
-        line_grid=False,
-        eye_controls=rrb.EyeControls3D(position=(x, y - 0.66 * span, 0.77 * span), look_target=(x, y, 0.0)),
-        overrides=_joined("scene/true_path", "map/estimated_path"),
-    )
+    eye = rrb.EyeControls3D(position=(x, y - 0.66 * span, 0.77 * span), look_target=(x, y, 0.0))
+    return _spatial("world" if scene else "robot", ["+ /**"], BACKGROUND, eye)
 
 
 def _map(scene: Scene | None) -> rrb.Spatial3DView:
     """What the robot knows, seen from straight above."""
     x, y, span = _extent(scene)
+    eye = rrb.EyeControls3D(position=(x, y, 1.2 * span), look_target=(x, y, 0.0), eye_up=(0.0, 1.0, 0.0))
+    return _spatial("map", ["+ map/**", "- map/camera/**", "+ scene/true_path"], UNKNOWN, eye)
+
+
+def _spatial(name: str, contents: list[str], background: Color, eye: rrb.EyeControls3D) -> rrb.Spatial3DView:
     return rrb.Spatial3DView(
-        origin="/",
-        contents=["+ map/**", "- map/camera/**", "+ scene/true_path"],
-        name="map",
-        background=UNKNOWN,
+        name=name,
+        contents=contents,
+        background=background,
         line_grid=False,
-        eye_controls=rrb.EyeControls3D(position=(x, y, 1.2 * span), look_target=(x, y, 0.0), eye_up=(0.0, 1.0, 0.0)),
-        overrides=_joined("scene/true_path", "map/estimated_path"),
+        eye_controls=eye,
+        overrides={"scene/true_path": SO_FAR, "map/estimated_path": SO_FAR},
     )
-
-
-def _joined(*paths: str) -> dict[EntityPathLike, rrb.VisibleTimeRanges]:
-    return {path: rrb.VisibleTimeRanges([SO_FAR]) for path in paths}
 
 
 def _extent(scene: Scene | None) -> tuple[float, float, float]:

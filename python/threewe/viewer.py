@@ -36,9 +36,7 @@ try:
     from threewe import _viewer_scene as solids
     from threewe import drawing as d
 except ImportError as missing:
-    raise ConfigError(
-        f'viewer: {missing.name} is not installed, which it needs: pip install "threewe[viz]"'
-    ) from missing
+    raise ConfigError(f'viewer: {missing}; install or update what it needs: pip install "threewe[viz]"') from missing
 
 if TYPE_CHECKING:
     from threewe.robot import Robot
@@ -294,7 +292,6 @@ def has_display() -> bool:
 def _open(where: str, blueprint: Blueprint) -> rr.RecordingStream:
     """A new recording that goes to a window, to browsers or to a file."""
     recording = rr.RecordingStream("threewe")
-    recording.set_log_time_enabled(False)  # robot time is the only clock
     try:
         if where == "rerun":
             recording.spawn(default_blueprint=blueprint)
