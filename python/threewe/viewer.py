@@ -3,12 +3,8 @@
 from __future__ import annotations
 
 import math
-import os
-import socket
-import sys
 from collections import deque
 from typing import TYPE_CHECKING
-from urllib.parse import quote
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,24 +20,21 @@ from threewe._core import (
     Sample,
     SensorType,
     TickView,
-    unknown_name,
 )
 from threewe.errors import ConfigError
 
 try:
     import rerun as rr
-    from rerun.blueprint import Blueprint
 
     from threewe import _viewer_layout as layout
     from threewe import _viewer_scene as solids
+    from threewe import _viewer_sinks as sinks
     from threewe import drawing as d
 except ImportError as missing:
     raise ConfigError(f'viewer: {missing}; install or update what it needs: pip install "threewe[viz]"') from missing
 
 if TYPE_CHECKING:
     from threewe.robot import Robot
-
-VIEWERS = ["rerun", "web"]
 
 POSES_EVERY = 0.1  # [s] of robot time between two poses, and so on
 PLAN_EVERY = 0.2
@@ -76,13 +69,7 @@ class Viewer:
     """
 
     def __init__(self, robot: Robot, where: str) -> None:
-        if where not in VIEWERS and not where.endswith(".rrd"):
-            raise ConfigError(f"{unknown_name('viewer', where, VIEWERS)} A file to record ends in .rrd")
-        if where == "rerun" and not has_display():
-            raise ConfigError(
-                "viewer 'rerun' opens a window, and there is no display: "
-                "'web' (--serve) serves browsers, 'run.rrd' (--save run.rrd) records"
-            )
+        sinks.check_sink(where)
         self._robot = robot
         self._where = where
         self._observer: int | None = None
@@ -93,7 +80,7 @@ class Viewer:
             return
         robot = self._robot
         scene = robot.simulation.scene if robot.simulation else None
-        self._recording = _open(self._where, layout.layout(scene, camera=False, depth=False))
+        self._recording = sinks.open_recording(self._where, layout.layout(scene, camera=False, depth=False))
         self._poses: deque[tuple[float, float, float, float]] = deque(maxlen=POSES_KEPT)
         self._trails: dict[str, tuple[float, float]] = {}
         self._next: dict[str, float] = {}
@@ -282,44 +269,6 @@ class Viewer:
         self._intervention = intervention
         level = rr.TextLogLevel.INFO if intervention is Intervention.none else rr.TextLogLevel.WARN
         self._recording.log("gate", rr.TextLog(intervention.name.replace("_", " "), level=level))
-
-
-def has_display() -> bool:
-    """Whether a window can be opened."""
-    return sys.platform != "linux" or bool(os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY"))
-
-
-def _open(where: str, blueprint: Blueprint) -> rr.RecordingStream:
-    """A new recording that goes to a window, to browsers or to a file."""
-    recording = rr.RecordingStream("threewe")
-    try:
-        if where == "rerun":
-            recording.spawn(default_blueprint=blueprint)
-        elif where == "web":
-            print(f"Rerun viewer: {_serve(recording, blueprint)}", flush=True)
-        else:
-            recording.save(where, default_blueprint=blueprint)
-    except RuntimeError as error:  # such as a folder that is not there
-        raise ConfigError(f"viewer '{where}': {error}") from error
-    return recording
-
-
-def _serve(recording: rr.RecordingStream, blueprint: Blueprint) -> str:
-    """The address for browsers. Rerun's own ports are used where they are free."""
-    data = recording.serve_grpc(grpc_port=_free_port(9876), default_blueprint=blueprint)
-    port = _free_port(9090)
-    rr.serve_web_viewer(web_port=port, connect_to=data, open_browser=has_display())
-    return f"http://localhost:{port}?url={quote(data, safe='')}"
-
-
-def _free_port(preferred: int) -> int:
-    with socket.socket() as probe:
-        try:
-            probe.bind(("", preferred))
-        except OSError:
-            probe.bind(("", 0))
-        port: int = probe.getsockname()[1]
-        return port
 
 
 def _transform(pose: Pose2D) -> rr.Transform3D:
