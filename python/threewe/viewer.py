@@ -44,7 +44,7 @@ POSES_KEPT = 64  # of the last ticks: longer ago than that, no sample was measur
 
 TRUE_COLOR = d.BODY
 ESTIMATED_COLOR = d.TRAIL
-PATH_STEP = 0.02  # [m]
+PATH_STEP = 0.05  # [m]
 PATHS = {  # colour, radius and height [m]: the estimated path is a thin line upon the broad true one
     "scene/true": (TRUE_COLOR, 0.045, 0.03),
     "map/estimated": (ESTIMATED_COLOR, 0.018, 0.08),
@@ -86,6 +86,7 @@ class Viewer:
         self._next: dict[str, float] = {}
         self._map: OccupancyGrid | None = None
         self._plan: NDArray[np.float64] = np.empty((0, 2))
+        self._sensors = [sensor.name for sensor in robot.features.sensors]
         self._draws_maps = any(sensor.type is SensorType.lidar for sensor in robot.features.sensors)
         self._intervention = Intervention.none
         self._past = self._now = 0.0
@@ -176,7 +177,7 @@ class Viewer:
     # What the robot sees
 
     def _draw_sample(self, sample: Sample) -> None:
-        name = self._robot.features.sensors[sample.sensor].name
+        name = self._sensors[sample.sensor]
         match sample.data:
             case LaserScan() as scan:
                 self._draw_scan(name, scan, sample.measured)
