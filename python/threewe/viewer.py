@@ -81,9 +81,6 @@ class Viewer:
         robot = self._robot
         scene = robot.simulation.scene if robot.simulation else None
         self._recording = sinks.open_recording(self._where, layout.layout(scene, camera=False, depth=False))
-        self._poses: deque[tuple[float, float, float, float]] = deque(maxlen=POSES_KEPT)
-        self._trails: dict[str, tuple[float, float]] = {}
-        self._next: dict[str, float] = {}
         self._map: OccupancyGrid | None = None
         self._plan: NDArray[np.float64] = np.empty((0, 2))
         self._sensors = [sensor.name for sensor in robot.features.sensors]
@@ -91,6 +88,7 @@ class Viewer:
         self._intervention = Intervention.none
         self._past = self._now = 0.0
         self._draw_what_stays()
+        self._begin_anew()
         self._observer = robot.observe(self._look)
 
     def end(self) -> None:
@@ -121,14 +119,16 @@ class Viewer:
 
     # Time
 
+    def _begin_anew(self) -> None:
+        self._poses: deque[tuple[float, float, float, float]] = deque(maxlen=POSES_KEPT)
+        self._trails: dict[str, tuple[float, float]] = {}
+        self._next: dict[str, float] = {}
+
     def _set_time(self, tick: TickView) -> None:
         """The recording's time goes on when a simulation begins anew at 0."""
         if tick.now < self._now:
             self._past += self._now
-            self._next.clear()
-            self._poses.clear()
-            self._trails.clear()
-            self._draw_what_stays()
+            self._begin_anew()
         self._now = tick.now
         self._recording.set_time(layout.TIMELINE, duration=self._past + tick.now)
 
@@ -149,7 +149,6 @@ class Viewer:
             "signals/velocity/commanded", _series(["vx commanded", "vy commanded", "omega commanded"], 1.0), static=True
         )
         if truth:
-            log("map", _transform(truth.scene_from_map), static=True)
             log("scene/true_robot", solids.body_mesh(profile, TRUE_COLOR), static=True)
             for entity, solid in solids.scene_solids(truth.scene):
                 log(f"scene/{entity}", solid, static=True)
@@ -157,6 +156,8 @@ class Viewer:
     def _draw_poses(self, pose: Pose2D) -> None:
         self._draw_robot("map/estimated", pose)
         if truth := self._robot.simulation:
+            if self._is_due("map frame", math.inf):  # once an episode
+                self._recording.log("map", _transform(truth.scene_from_map))
             true_pose = truth.true_pose()
             self._draw_robot("scene/true", true_pose)
             error = true_pose.distance(truth.scene_from_map * pose)

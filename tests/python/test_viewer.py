@@ -266,6 +266,22 @@ async def test_a_turning_robot_draws_its_scans_on_the_walls(tmp_path: Path) -> N
     assert np.quantile(off, 0.95) < 0.06  # 0.04 are the lidar's own; drawn from one pose, 0.13 and more
 
 
+async def test_the_map_lies_in_the_scene_where_it_truly_lies(tmp_path: Path) -> None:
+    path = tmp_path / "run.rrd"
+    async with Robot(
+        scene="corridor_v1", start_pose=(1.0, 0.2, 0.5), initial_pose=(5.0, -3.0, 2.0), noise="ideal", viewer=str(path)
+    ) as robot:
+        await robot.move_forward(0.5)
+    recording = Recording(path)
+    [(_, [turn])] = recording.rows("map", "Transform3D:rotation_axis_angle")
+    [(_, [(x, y, _)])] = recording.rows("map", "Transform3D:translation")
+    scene_from_map = Pose2D(x, y, turn["angle"])
+    true = [value[0][:2] for _, value in recording.rows("scene/true_robot", "Transform3D:translation")]
+    estimated = [value[0][:2] for _, value in recording.rows("map/estimated_robot", "Transform3D:translation")]
+    assert estimated[0] == pytest.approx((5.0, -3.0), abs=0.01)
+    np.testing.assert_allclose([scene_from_map.transform(tuple(point)) for point in estimated], true, atol=0.02)
+
+
 async def test_a_robot_without_a_simulation_has_no_truth_to_show(tmp_path: Path) -> None:
     path = tmp_path / "real.rrd"
     threewe.register_backend("quiet_viewer", QuietBackend)
