@@ -185,6 +185,8 @@ void bind_images(nb::module_& m) {
       .def_prop_ro(
           "ids", [](const SemanticImage& truth) { return pixels_of(truth.ids, truth.image.intrinsics); },
           nb::rv_policy::reference_internal, "(H, W) int16, of what each pixel shows")
+      .def_ro("names", &SemanticImage::names,
+              "What ids mean, by id: nothing, floor, wall, ceiling, then objects, people and robots.")
       .def_prop_ro("intrinsics", [](const SemanticImage& truth) { return truth.image.intrinsics; })
       .def("__repr__", [](const SemanticImage& truth) {
         return fmt::format("SemanticImage({})", size_of(truth.image.intrinsics));

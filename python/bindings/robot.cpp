@@ -329,9 +329,12 @@ void bind_simulation(nb::module_& m) {
       .def("geodesic", &Simulation::geodesic, "a"_a, "b"_a,
            "Length [m] of the shortest path between (x, y) points for the robot's footprint; infinity where there is "
            "none.")
-      .def("look", nb::overload_cast<const CameraIntrinsics&, const Pose2D&, double>(&Simulation::look, nb::const_),
-           "intrinsics"_a, "pose"_a, "height"_a, WithoutGil(),
-           "What a level camera at a pose and a height [m] above the floor would truly show now.")
+      .def("look",
+           nb::overload_cast<const CameraIntrinsics&, const Pose2D&, double, bool>(&Simulation::look, nb::const_),
+           "intrinsics"_a, "pose"_a, "height"_a, "with_itself"_a, WithoutGil(),
+           "What a level camera at a pose and a height [m] above the floor would truly show now, with or without the "
+           "robot "
+           "itself.")
       .def("reset", &Simulation::reset, nb::kw_only(), "seed"_a = nb::none(), "pose"_a = nb::none(), WithoutGil(),
            "Begins anew at time 0, with the world's own seed and at the scene's own start pose unless told "
            "otherwise.\n\n"

@@ -262,6 +262,12 @@ class SemanticImage:
         """(H, W) int16, of what each pixel shows"""
 
     @property
+    def names(self) -> list[str]:
+        """
+        What ids mean, by id: nothing, floor, wall, ceiling, then objects, people and robots.
+        """
+
+    @property
     def intrinsics(self) -> CameraIntrinsics: ...
 
     def __repr__(self) -> str: ...
@@ -1469,9 +1475,9 @@ class Simulation:
         Length [m] of the shortest path between (x, y) points for the robot's footprint; infinity where there is none.
         """
 
-    def look(self, intrinsics: CameraIntrinsics, pose: Pose2D, height: float) -> SemanticImage:
+    def look(self, intrinsics: CameraIntrinsics, pose: Pose2D, height: float, with_itself: bool) -> SemanticImage:
         """
-        What a level camera at a pose and a height [m] above the floor would truly show now.
+        What a level camera at a pose and a height [m] above the floor would truly show now, with or without the robot itself.
         """
 
     def reset(self, *, seed: int | None = None, pose: Pose2D | None = None) -> None:

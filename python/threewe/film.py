@@ -1,7 +1,8 @@
-"""A film of a run: the true scene from above beside the map that the robot draws of it."""
+"""A film of a run: the true scene from above, the map that the robot draws of it, and what its camera sees."""
 
 from __future__ import annotations
 
+import io
 import zlib
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -12,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image, ImageDraw
 
-from threewe import OccupancyGrid, Pose2D, Robot, TickView
+from threewe import OccupancyGrid, Pose2D, Robot, TickView, _sight
 from threewe import drawing as d
 
 VIDEO_FRAMES = 600
@@ -35,12 +36,13 @@ class Moment:
     origin: tuple[float, float]
     status: str
     coverage: float
+    sight: bytes  # what the camera sees, compressed; empty without one
 
 
 class Film:
     """Watches a simulated robot through an observer and draws what it saw afterwards."""
 
-    def __init__(self, robot: Robot, period: float = 0.25) -> None:
+    def __init__(self, robot: Robot, period: float = 0.5) -> None:
         if robot.simulation is None:
             raise ValueError("a film shows the true scene, which only simulated robots have")
         self.status = ""
@@ -50,6 +52,8 @@ class Film:
         self._truth = robot.simulation
         self._period = period
         self._next = 0.0
+        self._most_things = 0
+        self._still: Image.Image | None = None
         self._observer = robot.observe(self._look)
 
     def close(self) -> None:
@@ -74,8 +78,21 @@ class Film:
                 origin=grid.origin,
                 status=self.status,
                 coverage=self.coverage,
+                sight=self._look_ahead(),
             )
         )
+
+    def _look_ahead(self) -> bytes:
+        """What the camera sees, small; the view with the most things in it is kept as it is."""
+        camera = self._robot.profile.camera
+        if camera is None:
+            return b""
+        sight = self._truth.look(_sight.scaled(camera.intrinsics, _Studio.SIGHT_WIDTH))
+        things = _sight.things_in_sight(sight)
+        if things > self._most_things:
+            self._most_things = things
+            self._still = _sight.strip(self._truth.look(), self._truth.scene)
+        return _sight.as_jpeg(_sight.strip(sight, self._truth.scene))
 
     def _hits(self, pose: Pose2D) -> NDArray[np.float64]:
         scan = self._robot.get_lidar_scan()
@@ -86,7 +103,10 @@ class Film:
         return np.stack([ranges[seen] * np.cos(angles[seen]), ranges[seen] * np.sin(angles[seen])], axis=1)
 
     def save(self, folder: Path, on_progress: Callable[[float], None] = lambda _: None) -> None:
-        """Writes `run.mp4`, `run.gif` and `map.png` into a folder. `on_progress` gets the share done, 0 to 1."""
+        """Writes `run.mp4`, `run.gif`, `map.png` and, with a camera, `camera.png` into a folder.
+
+        `on_progress` gets the share done, 0 to 1.
+        """
         if not self.moments:
             raise ValueError("nothing was filmed: the robot has not moved in time")
         studio = _Studio(self._robot, self.moments)
@@ -102,6 +122,8 @@ class Film:
                 on_progress((done + 1) / len(chosen))
         _save_gif(stills, folder / "run.gif")
         studio.map_picture().save(folder / "map.png")
+        if self._still is not None:
+            self._still.save(folder / "camera.png")
 
 
 class _Studio:
@@ -110,6 +132,7 @@ class _Studio:
     PANEL_WIDTH = 640
     HEADER = 44
     GAP = 12
+    SIGHT_WIDTH = (2 * PANEL_WIDTH + GAP - 2 * _sight.GAP) // 3
 
     def __init__(self, robot: Robot, moments: list[Moment]) -> None:
         assert robot.simulation is not None
@@ -120,6 +143,9 @@ class _Studio:
         self.stage = d.draw_scene(self.scene, self.view)
         panel = self.stage.width // d.SUPERSAMPLING, self.stage.height // d.SUPERSAMPLING
         width, height = 2 * panel[0] + 3 * self.GAP, panel[1] + self.HEADER + self.GAP
+        self.sight_top = height
+        if moments[0].sight:
+            height += Image.open(io.BytesIO(moments[0].sight)).height + self.GAP
         self.size = width + width % 2, height + height % 2
         self.true_trail = np.array([(m.true_pose.x, m.true_pose.y) for m in moments])
         self.own_trail = np.array([(m.pose.x, m.pose.y) for m in moments])
@@ -131,6 +157,8 @@ class _Studio:
         frame = Image.new("RGB", self.size, d.PAPER[:3])
         frame.paste(left, (self.GAP, self.HEADER))
         frame.paste(right, (left.width + 2 * self.GAP, self.HEADER))
+        if moment.sight:
+            frame.paste(Image.open(io.BytesIO(moment.sight)), (self.GAP, self.sight_top))
         self._header(frame, moment, left.width + 2 * self.GAP)
         return frame
 

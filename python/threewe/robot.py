@@ -34,8 +34,8 @@ from threewe._core import (
     Odometry,
     Pose2D,
     Progress,
-    RGBDImage,
     RangeData,
+    RGBDImage,
     RobotProfile,
     Velocity,
 )

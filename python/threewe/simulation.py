@@ -52,7 +52,7 @@ class Simulation(_core.Simulation):
         return super().geodesic((ax, ay), (bx, by))
 
     @known_options
-    def look(
+    def look(  # type: ignore[override]
         self,
         intrinsics: CameraIntrinsics | None = None,
         pose: PoseLike | None = None,
@@ -61,15 +61,16 @@ class Simulation(_core.Simulation):
         """What a level camera would truly show now: colour and depth without noise, and what each pixel shows.
 
         Args:
-            intrinsics: of the camera; the robot's own where left out, as for the others.
-            pose: where it is and looks, in the scene's frame [m, m, rad].
-            height: [m] of its axis above the floor.
+            intrinsics: of the camera; the robot's own where left out.
+            pose: where it is and looks, in the scene's frame [m, m, rad]; where left out, the robot looks itself,
+                and else it is in sight.
+            height: [m] of its axis above the floor; that of the robot's own where left out.
 
         Raises:
             HardwareError: something was left out, and the robot has no camera.
             ConfigError: a camera that is not above the floor.
         """
-        own = self.profile.camera
+        own, with_itself = self.profile.camera, pose is not None
         if own is None and (intrinsics is None or pose is None or height is None):
             raise HardwareError(f"robot '{self.profile.name}' has no camera: look() needs intrinsics, pose and height")
         if own is not None:
@@ -80,7 +81,7 @@ class Simulation(_core.Simulation):
             raise ContractError(f"intrinsics must be CameraIntrinsics, got {intrinsics!r}")
         assert pose is not None
         assert height is not None
-        return super().look(intrinsics, as_pose("pose", pose), as_number("height", height))
+        return super().look(intrinsics, as_pose("pose", pose), as_number("height", height), with_itself)
 
     def save(self) -> Snapshot:
         """Everything the future depends on. Raises ContractError while a motion is in progress or in an observer."""

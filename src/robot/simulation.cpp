@@ -11,7 +11,7 @@ SemanticImage Simulation::look() const {
   const RobotProfile& profile = world_->robot(robot_).profile();
   if (!profile.camera) throw HardwareError("robot '" + profile.name + "' has no sensor 'camera'");
   return look(profile.camera->intrinsics(), true_pose() * profile.camera->base_from_camera,
-              profile.camera->mount_height);
+              profile.camera->mount_height, false);
 }
 
 void Simulation::reset(std::optional<std::uint64_t> seed, const std::optional<Pose2D>& pose) {

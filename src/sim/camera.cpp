@@ -3,6 +3,7 @@
 #include <cassert>
 
 #include "threewe/models/camera.hpp"
+#include "threewe/sim/figures.hpp"
 #include "threewe/sim/step.hpp"
 
 namespace threewe::sim {
@@ -18,10 +19,13 @@ std::size_t pixels_of(const CameraIntrinsics& camera) {
   return static_cast<std::size_t>(camera.width) * static_cast<std::size_t>(camera.height);
 }
 
-void render(const Model& model, const Shot& shot, const CameraIntrinsics& camera, const CameraPose& view,
-            const Images& images) {
+// What moves is drawn where it was, but for the robot `without`.
+void render(const Model& model, const Shot& shot, std::size_t without, const CameraIntrinsics& camera,
+            const CameraPose& view, const Images& images) {
+  std::vector<VisibleSolid> figures;
+  find_figures(model, shot.robots, without, shot.people, shot.key.seed, shot.key.episode, figures);
   const Renderer& renderer = model.renderer();
-  renderer.render(camera, view, renderer.paint(shot.key.seed, shot.key.episode), images, scratch());
+  renderer.render(camera, view, renderer.paint(shot.key.seed, shot.key.episode), images, scratch(), figures);
 }
 
 }  // namespace
@@ -43,18 +47,21 @@ RGBDImage draw_picture(const Model& model, const Shot& shot) {
   if (spec.depth) picture.depth.resize(pixels_of(picture.intrinsics));
 
   const CameraPose view{shot.robots[shot.key.robot] * spec.base_from_camera, spec.mount_height};
-  render(model, shot, picture.intrinsics, view, {picture.color, picture.depth, {}});
+  render(model, shot, shot.key.robot, picture.intrinsics, view, {picture.color, picture.depth, {}});
   models::add_color_noise(spec, shot.key, shot.step, picture.color);
   if (spec.depth) models::measure_depth(*spec.depth, shot.key, shot.step, picture.depth);
   return picture;
 }
 
-SemanticImage draw_truth(const Model& model, const Shot& shot, const CameraIntrinsics& camera, const CameraPose& view) {
+SemanticImage draw_truth(const Model& model, const Shot& shot, const CameraIntrinsics& camera, const CameraPose& view,
+                         bool with_itself) {
   check(camera);
   const std::size_t pixels = pixels_of(camera);
   SemanticImage truth{{camera, std::vector<std::uint8_t>(3 * pixels), std::vector<float>(pixels)},
-                      std::vector<std::int16_t>(pixels)};
-  render(model, shot, camera, view, {truth.image.color, truth.image.depth, truth.ids});
+                      std::vector<std::int16_t>(pixels),
+                      id_names(model)};
+  render(model, shot, with_itself ? shot.robots.size() : shot.key.robot, camera, view,
+         {truth.image.color, truth.image.depth, truth.ids});
   return truth;
 }
 

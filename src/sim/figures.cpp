@@ -161,7 +161,7 @@ std::vector<std::string> id_names(const Model& model) {
   return names;
 }
 
-void find_figures(const Model& model, std::span<const RobotState> robots, std::size_t looking,
+void find_figures(const Model& model, std::span<const Pose2D> robots, std::size_t looking,
                   std::span<const PersonState> people, std::uint64_t seed, std::uint32_t episode,
                   std::vector<VisibleSolid>& figures) {
   figures.clear();
@@ -175,7 +175,7 @@ void find_figures(const Model& model, std::span<const RobotState> robots, std::s
   for (std::size_t i = 0; i < robots.size(); ++i) {
     if (i == looking) continue;
     const RobotProfile& profile = model.robots[i].profile;
-    add_robot(profile.body, profile.camera, kRobots[i % kRobots.size()], {robots[i].pose, robot_id(scene, i), figures});
+    add_robot(profile.body, profile.camera, kRobots[i % kRobots.size()], {robots[i], robot_id(scene, i), figures});
   }
 }
 

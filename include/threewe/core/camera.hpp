@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <string>
 #include <vector>
 
 namespace threewe {
@@ -36,8 +37,9 @@ struct RGBDImage {
 
 /// What is truly there to be seen.
 struct SemanticImage {
-  RGBDImage image;                ///< without noise; depth without limits, 0 where there is nothing
-  std::vector<std::int16_t> ids;  ///< (H, W), of what each pixel shows
+  RGBDImage image;                 ///< without noise; depth without limits, 0 where there is nothing
+  std::vector<std::int16_t> ids;   ///< (H, W), of what each pixel shows
+  std::vector<std::string> names;  ///< by id: "nothing", "floor", "wall", "ceiling", then objects, people, robots
 };
 
 /// An image that a simulator draws when somebody looks at it, so that images nobody looks at cost nothing. Copies share

@@ -33,9 +33,10 @@ class Simulation {
   /// What the robot's camera would truly show now: no noise, no limit to depth, and what each pixel shows. Throws
   /// HardwareError for a robot without a camera.
   SemanticImage look() const;
-  /// The same from another camera, at a pose and a height [m] above the floor.
-  SemanticImage look(const CameraIntrinsics& camera, const Pose2D& pose, double height) const {
-    return truth().look(camera, pose, height);
+  /// The same from another camera, at a pose and a height [m] above the floor, that sees the robot too unless it is to
+  /// look past it.
+  SemanticImage look(const CameraIntrinsics& camera, const Pose2D& pose, double height, bool with_itself = true) const {
+    return truth().look(camera, pose, height, with_itself);
   }
   /// Length [m] of the shortest path for the robot's footprint; infinity where there is none.
   double geodesic(Vec2 a, Vec2 b) const { return truth().geodesic(a, b); }

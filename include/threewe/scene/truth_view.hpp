@@ -39,9 +39,10 @@ class TruthView {
   virtual std::vector<PersonPose> people() const = 0;
   /// A pose where the footprint and 5 cm around it are free: a pure function of the seed.
   virtual Pose2D sample_free_pose(std::uint64_t seed) const = 0;
-  /// What a level camera at a pose and a height [m] above the floor would truly show now. Its ids: 0 sky, 1 floor,
-  /// 2 wall, 3 ceiling, 4 + i the scene's object i.
-  virtual SemanticImage look(const CameraIntrinsics& camera, const Pose2D& pose, double height) const = 0;
+  /// What a level camera at a pose and a height [m] above the floor would truly show now, with or without the robot
+  /// itself.
+  virtual SemanticImage look(const CameraIntrinsics& camera, const Pose2D& pose, double height,
+                             bool with_itself) const = 0;
   /// Length [m] of the shortest path for the robot's footprint; infinity where there is none.
   virtual double geodesic(Vec2 a, Vec2 b) const = 0;
 };

@@ -33,7 +33,8 @@ Shot take_shot(std::span<const RobotState> world, std::span<const PersonState> p
 /// programmer's mistake.
 RGBDImage draw_picture(const Model& model, const Shot& shot);
 
-/// What a camera elsewhere would truly show of it.
-SemanticImage draw_truth(const Model& model, const Shot& shot, const CameraIntrinsics& camera, const CameraPose& view);
+/// What some camera would truly show of it, with or without the robot itself.
+SemanticImage draw_truth(const Model& model, const Shot& shot, const CameraIntrinsics& camera, const CameraPose& view,
+                         bool with_itself);
 
 }  // namespace threewe::sim

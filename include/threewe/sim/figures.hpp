@@ -10,7 +10,6 @@
 #include "threewe/sim/model.hpp"
 #include "threewe/sim/people.hpp"
 #include "threewe/sim/renderer.hpp"
-#include "threewe/sim/state.hpp"
 
 namespace threewe::sim {
 
@@ -25,10 +24,11 @@ std::int16_t robot_id(const scene::Scene& scene, std::size_t robot);
 /// Throws ConfigError if there are more than pictures have ids.
 std::vector<std::string> id_names(const Model& model);
 
-/// Fills `figures` with all people, and all robots but the one that looks (an index beyond the last robot looks from
-/// elsewhere). People's clothes are a pure function of seed, episode and the person's index. A person keeps within
-/// their circle, and a robot, above its wheels, fills its footprint: the camera sees them where other sensors do.
-void find_figures(const Model& model, std::span<const RobotState> robots, std::size_t looking,
+/// Fills `figures` with all people, and all robots, where they are (scene frame), but the one that looks (an index
+/// beyond the last robot looks from elsewhere). People's clothes are a pure function of seed, episode and the person's
+/// index. A person keeps within their circle, and a robot, above its wheels, fills its footprint: the camera sees them
+/// where other sensors do.
+void find_figures(const Model& model, std::span<const Pose2D> robots, std::size_t looking,
                   std::span<const PersonState> people, std::uint64_t seed, std::uint32_t episode,
                   std::vector<VisibleSolid>& figures);
 

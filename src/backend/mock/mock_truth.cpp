@@ -25,8 +25,9 @@ std::vector<scene::PersonPose> MockTruth::people() const {
 
 Pose2D MockTruth::sample_free_pose(std::uint64_t seed) const { return tables().sample_free_pose(seed); }
 
-SemanticImage MockTruth::look(const CameraIntrinsics& camera, const Pose2D& pose, double height) const {
-  return sim::draw_truth(*model_, sim::take_shot(states_, people_, index_), camera, {pose, height});
+SemanticImage MockTruth::look(const CameraIntrinsics& camera, const Pose2D& pose, double height,
+                              bool with_itself) const {
+  return sim::draw_truth(*model_, sim::take_shot(states_, people_, index_), camera, {pose, height}, with_itself);
 }
 
 double MockTruth::geodesic(Vec2 a, Vec2 b) const {

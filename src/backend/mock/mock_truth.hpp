@@ -27,7 +27,8 @@ class MockTruth : public scene::TruthView {
   double distance_driven() const override { return state().distance_driven; }
   std::vector<scene::PersonPose> people() const override;
   Pose2D sample_free_pose(std::uint64_t seed) const override;
-  SemanticImage look(const CameraIntrinsics& camera, const Pose2D& pose, double height) const override;
+  SemanticImage look(const CameraIntrinsics& camera, const Pose2D& pose, double height,
+                     bool with_itself) const override;
   double geodesic(Vec2 a, Vec2 b) const override;
 
  private:

@@ -47,8 +47,9 @@ class FaultyTruth : public scene::TruthView {
   Pose2D sample_free_pose(std::uint64_t seed) const override {
     return changed(fault_.free_pose, truth_.sample_free_pose(seed));
   }
-  SemanticImage look(const CameraIntrinsics& camera, const Pose2D& pose, double height) const override {
-    return truth_.look(camera, pose, height);
+  SemanticImage look(const CameraIntrinsics& camera, const Pose2D& pose, double height,
+                     bool with_itself) const override {
+    return truth_.look(camera, pose, height, with_itself);
   }
   double geodesic(Vec2 a, Vec2 b) const override { return changed(fault_.geodesic, truth_.geodesic(a, b)); }
 

@@ -30,8 +30,8 @@ class FalseTruth final : public scene::TruthView {
     return people;
   }
   Pose2D sample_free_pose(std::uint64_t seed) const override { return shifted(truth_.sample_free_pose(seed)); }
-  SemanticImage look(const CameraIntrinsics& camera, const Pose2D&, double height) const override {
-    return truth_.look(camera, {}, height);
+  SemanticImage look(const CameraIntrinsics& camera, const Pose2D&, double height, bool) const override {
+    return truth_.look(camera, {}, height, true);
   }
   double geodesic(Vec2 a, Vec2 b) const override { return truth_.geodesic(a, b) + 100.0; }
 

@@ -33,7 +33,8 @@ struct World {
   }
   std::vector<VisibleSolid> figures(std::size_t looking, std::uint64_t seed = 0, std::uint32_t episode = 0) const {
     std::vector<VisibleSolid> all;
-    find_figures(*model, robots, looking, people, seed, episode, all);
+    const std::vector<Pose2D> poses{robots[0].pose, robots[1].pose};
+    find_figures(*model, poses, looking, people, seed, episode, all);
     return all;
   }
 };
