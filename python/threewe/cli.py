@@ -54,13 +54,15 @@ def demo(
     seed: Annotated[int, typer.Option(help="Of all noise.")] = 0,
     output: Annotated[Path, typer.Option("--output", "-o", help="Folder for the results.")] = Path("demo"),
 ) -> None:
-    """Explore a scene, draw its map, drive to a room; leaves map.png, run.gif, run.mp4 and summary.json."""
+    """Explore a scene, draw its map, drive to a room; leaves map.png, camera.png, run.gif, run.mp4 and summary.json."""
     import av  # noqa: F401 (missed now, not after the drive)
 
     from threewe.demo import run
 
     summary = asyncio.run(run(scene, hardware, place, seed, output, console))
-    console.print(f"The film is in [bold]{escape(str(output))}/[/]: run.mp4, run.gif, map.png, summary.json")
+    console.print(
+        f"The film is in [bold]{escape(str(output))}/[/]: run.mp4, run.gif, map.png, camera.png, summary.json"
+    )
     if not summary.arrived:
         raise typer.Exit(1)
 

@@ -143,9 +143,9 @@ class _Studio:
         self.stage = d.draw_scene(self.scene, self.view)
         panel = self.stage.width // d.SUPERSAMPLING, self.stage.height // d.SUPERSAMPLING
         width, height = 2 * panel[0] + 3 * self.GAP, panel[1] + self.HEADER + self.GAP
-        self.sight_top = height
+        self.sight_top = height + self.HEADER - self.GAP
         if moments[0].sight:
-            height += Image.open(io.BytesIO(moments[0].sight)).height + self.GAP
+            height = self.sight_top + Image.open(io.BytesIO(moments[0].sight)).height + self.GAP
         self.size = width + width % 2, height + height % 2
         self.true_trail = np.array([(m.true_pose.x, m.true_pose.y) for m in moments])
         self.own_trail = np.array([(m.pose.x, m.pose.y) for m in moments])
@@ -157,9 +157,10 @@ class _Studio:
         frame = Image.new("RGB", self.size, d.PAPER[:3])
         frame.paste(left, (self.GAP, self.HEADER))
         frame.paste(right, (left.width + 2 * self.GAP, self.HEADER))
+        self._header(frame, moment, left.width + 2 * self.GAP)
         if moment.sight:
             frame.paste(Image.open(io.BytesIO(moment.sight)), (self.GAP, self.sight_top))
-        self._header(frame, moment, left.width + 2 * self.GAP)
+            self._sight_header(frame)
         return frame
 
     def map_picture(self) -> Image.Image:
@@ -198,6 +199,12 @@ class _Studio:
         draw.text((second - 2 * self.GAP, middle), moment.status, (96, 104, 120), small, anchor="rm")
         figures = f"{moment.time:5.0f} s    {100 * moment.coverage:3.0f} % seen"
         draw.text((frame.width - self.GAP, middle), figures, (96, 104, 120), small, anchor="rm")
+
+    def _sight_header(self, frame: Image.Image) -> None:
+        draw = ImageDraw.Draw(frame)
+        for i, title in enumerate(("its camera", "depth", "what each pixel shows")):
+            left = self.GAP + i * (self.SIGHT_WIDTH + _sight.GAP)
+            draw.text((left, self.sight_top - self.HEADER / 2), title, d.INK, d.text_font(19), anchor="lm")
 
 
 class _Video:
