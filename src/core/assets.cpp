@@ -80,15 +80,16 @@ std::vector<std::string> asset_names(std::string_view kind) {
 }
 
 fs::path find_asset(std::string_view kind, std::string_view name) {
+  std::error_code unusable;  // as where the name is too long for a file's
   if (names_a_file(name)) {
-    if (fs::is_regular_file(name)) return name;
+    if (fs::is_regular_file(name, unusable)) return name;
     throw ConfigError(fmt::format("{} file '{}' does not exist", singular(kind), name));
   }
   if (name.find('/') == std::string_view::npos) {
     std::vector<fs::path> files;
     for (const fs::path& directory : asset_directories()) {
       const fs::path file = directory / kind / fmt::format("{}.yaml", name);
-      if (fs::is_regular_file(file)) files.push_back(file);
+      if (fs::is_regular_file(file, unusable)) files.push_back(file);
     }
     if (files.size() > 1) {
       throw ConfigError(fmt::format("there are two {} named '{}': {} and {}; rename one of them", kind, name,

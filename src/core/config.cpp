@@ -2,9 +2,10 @@
 
 #include <algorithm>
 #include <array>
+#include <cstdint>
 #include <fstream>
 #include <map>
-#include <sstream>
+#include <system_error>
 #include <utility>
 
 #include <fmt/format.h>
@@ -15,6 +16,8 @@
 namespace threewe {
 namespace {
 
+constexpr double kTurn = 6.2832;  // [rad], as files write it
+
 // An empty document stands nowhere.
 int line_of(const YAML::Node& node) { return std::max(node.Mark().line, 0) + 1; }
 
@@ -24,21 +27,30 @@ ConfigNode::ConfigNode(const YAML::Node& node, std::string file, std::string pat
     : node_(node), file_(std::move(file)), path_(std::move(path)), line_(line) {}
 
 ConfigNode ConfigNode::load(const std::filesystem::path& file) {
-  std::ifstream stream(file);
-  std::ostringstream text;
-  if (!std::filesystem::is_regular_file(file) || !stream) {
+  std::error_code error;
+  const bool is_file = std::filesystem::is_regular_file(file, error);
+  const auto bytes = is_file ? std::filesystem::file_size(file, error) : 0;
+  std::string text(std::min<std::uintmax_t>(bytes, kLargestFile + 1), '\0');
+  if (!is_file || !std::ifstream(file).read(text.data(), static_cast<std::streamsize>(text.size()))) {
     throw ConfigError(fmt::format("{}: cannot be read", file.string()));
   }
-  text << stream.rdbuf();
-  return parse(text.str(), file.string());
+  return parse(text, file.string());
 }
 
 ConfigNode ConfigNode::parse(const std::string& text, const std::string& name) {
+  const auto refuse = [&name](int line, std::string_view what) {
+    throw ConfigError(fmt::format("{}:{}: {}", name, std::max(line, 0) + 1, what));
+  };
+  if (text.size() > kLargestFile) {
+    refuse(0, fmt::format("the file is larger than {} bytes", kLargestFile));
+  }
   try {
-    const YAML::Node node = YAML::Load(text);
+    const std::vector<YAML::Node> documents = YAML::LoadAll(text);
+    if (documents.size() > 1) refuse(documents[1].Mark().line, "expected one document; a second begins here");
+    const YAML::Node node = documents.empty() ? YAML::Node() : documents.front();
     return {node, name, "", line_of(node)};
   } catch (const YAML::Exception& error) {
-    throw ConfigError(fmt::format("{}:{}: malformed YAML: {}", name, error.mark.line + 1, error.msg));
+    throw ConfigError(fmt::format("{}:{}: malformed YAML: {}", name, std::max(error.mark.line, 0) + 1, error.msg));
   }
 }
 
@@ -82,8 +94,9 @@ void ConfigNode::fail_missing(std::string_view field) const {
   fail(fmt::format("missing field '{}'", field));
 }
 
-std::vector<ConfigNode> ConfigNode::items() const {
+std::vector<ConfigNode> ConfigNode::items(std::size_t most) const {
   if (!node_.IsSequence()) fail("expected a list");
+  if (node_.size() > most) fail(fmt::format("a list of {} items; at most {} are read", node_.size(), most));
   std::vector<ConfigNode> items;
   for (std::size_t i = 0; i < node_.size(); ++i) {
     const YAML::Node item = node_[i];
@@ -92,12 +105,14 @@ std::vector<ConfigNode> ConfigNode::items() const {
   return items;
 }
 
-std::vector<std::pair<std::string, ConfigNode>> ConfigNode::fields() {
-  if (!node_.IsMap()) fail("expected a mapping");
+std::vector<std::pair<std::string, ConfigNode>> ConfigNode::fields() const {
+  refuse_repeated_fields();
+  if (node_.size() > kMostItems) fail(fmt::format("{} fields; at most {} are read", node_.size(), kMostItems));
+  ConfigNode reader = *this;
   std::vector<std::pair<std::string, ConfigNode>> fields;
   for (const auto& entry : node_) {
     const std::string name = field_name(entry.first);
-    fields.emplace_back(name, at(name));
+    fields.emplace_back(name, reader.at(name));
   }
   return fields;
 }
@@ -109,10 +124,17 @@ double ConfigNode::number() const {
   return value;
 }
 
-std::int64_t ConfigNode::integer() const {
+double ConfigNode::number_in(double low, double high) const {
+  const double value = number();
+  if (value < low || value > high) fail(fmt::format("{} is outside [{}, {}]", value, low, high));
+  return value;
+}
+
+int ConfigNode::integer_in(int low, int high) const {
   std::int64_t value = 0;
   if (!node_.IsScalar() || !YAML::convert<std::int64_t>::decode(node_, value)) fail("expected a whole number");
-  return value;
+  if (value < low || value > high) fail(fmt::format("{} is outside [{}, {}]", value, low, high));
+  return static_cast<int>(value);
 }
 
 bool ConfigNode::boolean() const {
@@ -126,23 +148,19 @@ std::string ConfigNode::text() const {
   return node_.Scalar();
 }
 
-Vec2 ConfigNode::vec2() const {
+Vec2 ConfigNode::vec2(double limit) const {
   const auto values = items();
   if (values.size() != 2) fail("expected [x, y]");
-  return {values[0].number(), values[1].number()};
+  return {values[0].number_in(-limit, limit), values[1].number_in(-limit, limit)};
 }
 
-Pose2D ConfigNode::pose() const {
+Pose2D ConfigNode::pose(double limit) const {
   const auto values = items();
   if (values.size() != 2 && values.size() != 3) fail("expected [x, y, theta]");
-  return {values[0].number(), values[1].number(), values.size() == 3 ? wrap_angle(values[2].number()) : 0.0};
-}
-
-double ConfigNode::number_in(std::string_view field, double low, double high) {
-  const ConfigNode node = at(field);
-  const double value = node.number();
-  if (value < low || value > high) node.fail(fmt::format("{} is outside [{}, {}]", value, low, high));
-  return value;
+  const Vec2 position{values[0].number_in(-limit, limit), values[1].number_in(-limit, limit)};
+  // whole turns make no sense: such a heading is most likely in degrees
+  const double theta = values.size() == 3 ? values[2].number_in(-kTurn, kTurn) : 0.0;
+  return {position.x, position.y, wrap_angle(theta)};
 }
 
 std::string ConfigNode::choice(std::string_view field, const std::vector<std::string>& choices) {
@@ -153,14 +171,23 @@ std::string ConfigNode::choice(std::string_view field, const std::vector<std::st
 }
 
 void ConfigNode::finish() const {
+  refuse_repeated_fields();
+  for (const auto& entry : node_) {
+    const std::string name = field_name(entry.first);
+    if (std::ranges::find(known_, name) != known_.end()) continue;
+    ConfigNode(entry.first, file_, path_, line_of(entry.first)).fail(unknown_name("field", name, known_));
+  }
+}
+
+void ConfigNode::refuse_repeated_fields() const {
   if (!node_.IsMap()) fail("expected a mapping");
   std::map<std::string, int> lines;
   for (const auto& entry : node_) {
     const std::string name = field_name(entry.first);
-    const ConfigNode field(entry.first, file_, path_, line_of(entry.first));
     const auto [first, is_new] = lines.emplace(name, line_of(entry.first));
-    if (!is_new) field.fail(fmt::format("field '{}' stands twice, first in line {}", name, first->second));
-    if (std::ranges::find(known_, name) == known_.end()) field.fail(unknown_name("field", name, known_));
+    if (is_new) continue;
+    const ConfigNode again(entry.first, file_, path_, line_of(entry.first));
+    again.fail(fmt::format("field '{}' stands twice, first in line {}", name, first->second));
   }
 }
 

@@ -26,18 +26,11 @@ Duration duration_in(ConfigNode& node, std::string_view field, double low, doubl
   return from_seconds(node.number_in(field, low, high));
 }
 
-int count_in(ConfigNode& node, std::string_view field, int low, int high) {
-  const ConfigNode value = node.at(field);
-  const std::int64_t count = value.integer();
-  if (count < low || count > high) value.fail(fmt::format("{} is outside [{}, {}]", count, low, high));
-  return static_cast<int>(count);
-}
-
 Footprint read_footprint(ConfigNode node) {
   try {
     if (node.has("corners")) {
       std::vector<Vec2> corners;
-      for (const ConfigNode& corner : node.at("corners").items()) corners.push_back(corner.vec2());
+      for (const ConfigNode& corner : node.at("corners").items()) corners.push_back(corner.vec2(kMaxLength));
       node.finish();
       return Footprint(std::move(corners));
     }
@@ -93,11 +86,11 @@ Limits read_limits(ConfigNode node) {
 
 LidarSpec read_lidar(ConfigNode node) {
   LidarSpec lidar;
-  lidar.base_from_lidar = node.at("base_from_lidar").pose();
+  lidar.base_from_lidar = node.at("base_from_lidar").pose(kMaxLength);
   lidar.height = node.number_in("height", 0.0, kMaxLength);
-  lidar.points_per_turn = count_in(node, "points_per_turn", 4, 100'000);
+  lidar.points_per_turn = node.integer_in("points_per_turn", 4, 100'000);
   lidar.clockwise = node.at("clockwise").boolean();
-  lidar.beams = count_in(node, "beams", 4, 100'000);
+  lidar.beams = node.integer_in("beams", 4, 100'000);
   lidar.turn = duration_in(node, "turn", 0.001, 10.0);
   lidar.range_min = node.number_in("range_min", 0.0, 1000.0);
   lidar.range_max = node.number_in("range_max", 0.1, 1000.0);
@@ -140,10 +133,10 @@ DepthSpec read_depth(ConfigNode node) {
 CameraSpec read_camera(ConfigNode node) {
   constexpr int kMaxPixels = 8192;  // along either side
   CameraSpec camera;
-  camera.base_from_camera = node.at("base_from_camera").pose();
+  camera.base_from_camera = node.at("base_from_camera").pose(kMaxLength);
   camera.mount_height = node.number_in("mount_height", 0.001, kMaxLength);
-  camera.width = count_in(node, "width", 1, kMaxPixels);
-  camera.height = count_in(node, "height", 1, kMaxPixels);
+  camera.width = node.integer_in("width", 1, kMaxPixels);
+  camera.height = node.integer_in("height", 1, kMaxPixels);
   camera.horizontal_fov = node.number_in("horizontal_fov", 0.01, 3.0);
   camera.period = duration_in(node, "period", 0.001, 10.0);
   camera.sigma = node.number_in("sigma", 0.0, 255.0);
@@ -156,9 +149,10 @@ CameraSpec read_camera(ConfigNode node) {
 UltrasonicSpec read_ultrasonics(ConfigNode node) {
   constexpr std::size_t kMaxMounts = 16;
   UltrasonicSpec ultrasonic;
-  ConfigNode mounts = node.at("mounts");
-  for (const auto& [name, mount] : mounts.fields()) ultrasonic.mounts.push_back({"ultrasonic_" + name, mount.pose()});
-  mounts.finish();
+  const ConfigNode mounts = node.at("mounts");
+  for (const auto& [name, mount] : mounts.fields()) {
+    ultrasonic.mounts.push_back({"ultrasonic_" + name, mount.pose(kMaxLength)});
+  }
   if (ultrasonic.mounts.empty() || ultrasonic.mounts.size() > kMaxMounts) {
     mounts.fail(fmt::format("expected 1 to {} sensors, each a name and its pose [x, y, theta]", kMaxMounts));
   }
@@ -185,7 +179,7 @@ OdometrySpec read_odometry(ConfigNode node) {
   if (!ordered) scale.fail("expected [low, high] within (0, 1]");
   odometry.lateral_scale_min = range.x;
   odometry.lateral_scale_max = range.y;
-  odometry.ticks_per_turn = count_in(node, "ticks_per_turn", 4, 10'000'000);
+  odometry.ticks_per_turn = node.integer_in("ticks_per_turn", 4, 10'000'000);
   odometry.latency = duration_in(node, "latency", 0.0, 1.0);
   node.finish();
   return odometry;

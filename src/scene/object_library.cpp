@@ -16,13 +16,7 @@ const std::vector<std::string> kMaterials = {"wood",    "metal", "plastic", "fab
 
 constexpr double kSmallest = 0.005;  // [m], of any prism in any direction
 constexpr double kLargest = 10.0;    // [m]
-
-double size(const ConfigNode& node, double smallest) {
-  const double value = node.number();
-  if (value < smallest || value > kLargest)
-    node.fail(fmt::format("{} m is outside [{}, {}]", value, smallest, kLargest));
-  return value;
-}
+constexpr std::size_t kMostPrisms = 50;
 
 // {box: [length, width] or cylinder: radius, at: [x, y, theta], z: [from, to], material: name}
 Prism read_prism(ConfigNode node) {
@@ -32,13 +26,13 @@ Prism read_prism(ConfigNode node) {
     const auto sides = node.at("box").items();
     if (sides.size() != 2) node.at("box").fail("expected [length, width]");
     prism.shape = Prism::Shape::box;
-    prism.length = size(sides[0], kSmallest);
-    prism.width = size(sides[1], kSmallest);
+    prism.length = sides[0].number_in(kSmallest, kLargest);
+    prism.width = sides[1].number_in(kSmallest, kLargest);
   } else {
     prism.shape = Prism::Shape::cylinder;
-    prism.radius = size(node.at("cylinder"), 0.5 * kSmallest);
+    prism.radius = node.number_in("cylinder", 0.5 * kSmallest, kLargest);
   }
-  prism.pose = node.has("at") ? node.at("at").pose() : Pose2D{};
+  prism.pose = node.has("at") ? node.at("at").pose(kLargest) : Pose2D{};
 
   ConfigNode z = node.at("z");
   const auto [low, high] = z.vec2();
@@ -56,10 +50,9 @@ std::map<std::string, std::vector<Prism>> read_category(const std::string& name)
   ConfigNode root = ConfigNode::load(find_asset("objects", name));
   if (root.text("category") != name) root.at("category").fail(fmt::format("expected '{}', the name of the file", name));
   std::map<std::string, std::vector<Prism>> shapes;
-  ConfigNode list = root.at("shapes");
-  for (const auto& [shape, parts] : list.fields()) {
+  for (const auto& [shape, parts] : root.at("shapes").fields()) {
     auto& prisms = shapes[shape];
-    for (const ConfigNode& part : parts.items()) prisms.push_back(read_prism(part));
+    for (const ConfigNode& part : parts.items(kMostPrisms)) prisms.push_back(read_prism(part));
     if (prisms.empty()) parts.fail("a shape needs at least one prism");
   }
   root.finish();

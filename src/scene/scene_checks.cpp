@@ -19,6 +19,15 @@ std::string describe(const Scene& scene, int object) {
   return object < 0 ? "a wall" : fmt::format("'{}'", scene.objects[static_cast<std::size_t>(object)].name);
 }
 
+// Whether a rectangle lies inside the walls' bounding box.
+bool within_walls(const Scene& scene, Vec2 low, Vec2 high) {
+  return low.x >= scene.min.x && low.y >= scene.min.y && high.x <= scene.max.x && high.y <= scene.max.y;
+}
+
+bool lies_in(const Wall& wall, const Solid& other) {
+  return distance_to(other, wall.a) <= 0.0 && distance_to(other, wall.b) <= 0.0;
+}
+
 // What stands within a robot's reach of a point; null when nothing does.
 const Solid* obstacle_at(const std::vector<Solid>& solids, Vec2 point) {
   const auto solid =
@@ -38,6 +47,9 @@ Solid swept_box(Vec2 a, Vec2 b, double radius) {
 void check_rooms(const Draft& draft) {
   const auto& rooms = draft.scene.rooms;
   for (std::size_t i = 0; i < rooms.size(); ++i) {
+    if (!within_walls(draft.scene, rooms[i].min, rooms[i].max)) {
+      draft.rooms[i].fail(fmt::format("room '{}' reaches beyond the walls", rooms[i].name));
+    }
     for (std::size_t j = 0; j < i; ++j) {
       const double x = std::min(rooms[i].max.x, rooms[j].max.x) - std::max(rooms[i].min.x, rooms[j].min.x);
       const double y = std::min(rooms[i].max.y, rooms[j].max.y) - std::max(rooms[i].min.y, rooms[j].min.y);
@@ -53,13 +65,36 @@ void check_rooms(const Draft& draft) {
 
 void check_walls(const Draft& draft) {
   const auto& plan = draft.scene.plan;
+  std::vector<Solid> solids;
   for (std::size_t i = 0; i < plan.size(); ++i) {
+    const Wall& a = plan[i].wall;
+    solids.push_back(solid_of(a));
     for (std::size_t j = 0; j < i; ++j) {
-      const Wall& a = plan[i].wall;
       const Wall& b = plan[j].wall;
-      if (parallel(a, b) && overlaps(solid_of(a), solid_of(b), kSlack)) {
+      const bool side_by_side = parallel(a, b) && overlaps(solids[i], solids[j], kSlack);
+      if (side_by_side || lies_in(a, solids[j]) || lies_in(b, solids[i])) {
         draft.walls[i].fail(fmt::format("wall {} overlaps wall {}", i, j));
       }
+    }
+  }
+}
+
+void check_doors(const Draft& draft) {
+  std::vector<Solid> walls;
+  for (const Wall& wall : draft.scene.walls) walls.push_back(solid_of(wall));
+  for (std::size_t i = 0; i < draft.scene.plan.size(); ++i) {
+    const WallPlan& plan = draft.scene.plan[i];
+    const Vec2 along = (1.0 / distance(plan.wall.a, plan.wall.b)) * (plan.wall.b - plan.wall.a);
+    for (std::size_t k = 0; k < plan.doorways.size(); ++k) {
+      const Doorway& door = plan.doorways[k];
+      const Vec2 middle = plan.wall.a + door.at * along;
+      const Vec2 half = 0.25 * door.width * along;  // of the middle half: a corner may reach into the rest
+      const Solid opening = solid_of(Wall{middle - half, middle + half, plan.wall.thickness});
+      const bool blocked =
+          std::ranges::any_of(walls, [&](const Solid& wall) { return overlaps(wall, opening, kSlack); });
+      if (!blocked) continue;
+      ConfigNode node = draft.walls[i];
+      node.at("doors").items()[k].fail(fmt::format("door '{}' is blocked by another wall", door.name));
     }
   }
 }
@@ -68,7 +103,7 @@ void check_patches(const Draft& draft) {
   const Scene& scene = draft.scene;
   for (std::size_t i = 0; i < scene.patches.size(); ++i) {
     const Patch& a = scene.patches[i];
-    if (a.min.x < scene.min.x || a.min.y < scene.min.y || a.max.x > scene.max.x || a.max.y > scene.max.y) {
+    if (!within_walls(scene, a.min, a.max)) {
       draft.patches[i].fail(fmt::format("patch '{}' reaches beyond the walls", a.name));
     }
     for (std::size_t j = 0; j < i; ++j) {
@@ -90,8 +125,7 @@ void check_objects(const Draft& draft) {
     const Solid& a = solids[i];
     if (a.object < 0) continue;
     const auto object = static_cast<std::size_t>(a.object);
-    const Vec2 c = a.center;
-    if (c.x < scene.min.x || c.y < scene.min.y || c.x > scene.max.x || c.y > scene.max.y) {
+    if (!within_walls(scene, a.center, a.center)) {
       draft.objects[object].fail(fmt::format("'{}' is outside the walls", scene.objects[object].name));
     }
     for (std::size_t j = 0; j < i && solids[j].object != a.object; ++j) {
@@ -107,6 +141,7 @@ void check_places(const Draft& draft) {
   const Scene& scene = draft.scene;
   const std::vector<Solid> solids = scene.solids_between(0.0, kStandingHeight);
   const auto check = [&](const ConfigNode& node, Vec2 place, const std::string& what) {
+    if (!within_walls(scene, place, place)) node.fail(fmt::format("{} is outside the walls", what));
     const Solid* obstacle = obstacle_at(solids, place);
     if (obstacle == nullptr) return;
     node.fail(fmt::format("{} is within {} m of {}", what, kStandingRadius, describe(scene, obstacle->object)));
@@ -127,12 +162,15 @@ void check_people(const Draft& draft) {
     for (std::size_t k = 0; k < person.route.size(); ++k) {
       const Vec2 a = person.route[k];
       const Vec2 b = person.route[(k + 1) % person.route.size()];
+      ConfigNode node = draft.people[i];
+      if (!within_walls(scene, a, a)) {
+        node.at("route").items()[k].fail(fmt::format("here '{}' walks outside the walls", person.name));
+      }
       const auto hit = std::ranges::find_if(solids, [&](const Solid& solid) {
         return overlaps(make_disc(a, person.radius), solid, kSlack) ||
                overlaps(swept_box(a, b, person.radius), solid, kSlack);
       });
       if (hit == solids.end()) continue;
-      ConfigNode node = draft.people[i];
       node.at("route").items()[k].fail(fmt::format("from here '{}' walks through {} on the way to the next waypoint",
                                                    person.name, describe(scene, hit->object)));
     }

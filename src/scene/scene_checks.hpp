@@ -19,12 +19,18 @@ struct Draft {
   std::vector<ConfigNode> people;
 };
 
-/// Rooms may touch but not overlap; walls may meet and cross but not lie in each other.
-void check_rooms(const Draft& draft);
+/// Walls may meet and cross but not lie in each other.
 void check_walls(const Draft& draft);
-/// Patches lie inside the walls' bounding box, and only one at a place.
+
+// All else lies inside the walls' bounding box.
+
+/// No wall fills another's doorway.
+void check_doors(const Draft& draft);
+/// Rooms may touch but not overlap.
+void check_rooms(const Draft& draft);
+/// Only one patch lies at a place.
 void check_patches(const Draft& draft);
-/// Objects lie inside the walls' bounding box and in nothing else.
+/// Objects stand in nothing else.
 void check_objects(const Draft& draft);
 /// Starts and anchors have room for a robot to stand.
 void check_places(const Draft& draft);

@@ -17,11 +17,14 @@ namespace {
 
 constexpr double kQuarterTurn = 0.5 * exact::kPi;
 
+constexpr double kLargestArea = 1e5;    // [m^2] around all walls: its tables take 300 MB
 constexpr double kSmallestRoom = 0.5;   // [m]
 constexpr double kSmallestPatch = 0.1;  // [m]
 constexpr double kLeastGrip = 0.2;      // wet ice
 constexpr double kMostGrip = 1.5;       // rubber matting
 constexpr double kShortestLeg = 0.1;    // [m] of a route
+constexpr std::size_t kMostPeople = 100;
+constexpr std::size_t kMostWaypoints = 100;
 
 const std::vector<std::string> kFloors = {"wood",  "tile",   "carpet",  "concrete", "vinyl",
                                           "grass", "gravel", "asphalt", "paving"};
@@ -67,10 +70,16 @@ class SceneReader {
     if (root.has("objects")) read_objects(root.at("objects"));
     if (root.has("people")) read_people(root.at("people"));
     root.finish();
-    check_rooms(draft_);
-    check_walls(draft_);
 
+    check_walls(draft_);
     scene_.build_walls();
+    const Vec2 size = scene_.max - scene_.min;
+    if (size.x * size.y > kLargestArea) {
+      root.at("walls").fail(
+          fmt::format("the walls span {:.0f} x {:.0f} m; at most {} m2 are read", size.x, size.y, kLargestArea));
+    }
+    check_doors(draft_);
+    check_rooms(draft_);
     check_patches(draft_);
     check_objects(draft_);
     check_places(draft_);
@@ -177,10 +186,10 @@ class SceneReader {
   }
 
   void read_people(const ConfigNode& list) {
-    for (ConfigNode node : list.items()) {
+    for (ConfigNode node : list.items(kMostPeople)) {
       Person person;
       person.name = node.text("name");
-      for (const ConfigNode& waypoint : node.at("route").items()) {
+      for (const ConfigNode& waypoint : node.at("route").items(kMostWaypoints)) {
         const Vec2 point = from_file_(waypoint.vec2());
         if (!person.route.empty() && distance(person.route.back(), point) < kShortestLeg) {
           waypoint.fail(fmt::format("waypoints must be at least {} m apart", kShortestLeg));

@@ -45,18 +45,13 @@ class LyingBackend(QuietBackend):
 def test_the_mock_backend_passes() -> None:
     results = check_backend("mock", scene="corridor_v1", show=False, raise_failures=True)
     assert [result.name for result in results] == check_names()
-    assert len(results) >= 25
+    assert len(results) >= 45
 
 
 def test_a_backend_in_python_passes() -> None:
     threewe.register_backend("quiet", QuietBackend)
     results = check_backend("quiet", show=False)
-    assert (
-        {result.name: result.detail for result in results if not result.passed}
-        == {
-            # where nothing is, the lidar comes at once and more often than a turn of the profile's takes
-        }
-    )
+    assert {result.name: result.detail for result in results if not result.passed} == {}
     assert sum(result.outcome == Outcome.passed for result in results) >= 40
 
 

@@ -1,7 +1,7 @@
 // Reading configuration files so that every mistake is one clear error: file:line, what is wrong, what would be right.
 #pragma once
 
-#include <cstdint>
+#include <cstddef>
 #include <filesystem>
 #include <string>
 #include <string_view>
@@ -14,10 +14,15 @@
 
 namespace threewe {
 
+/// Bounds that no robot and no place in a file passes. What is beyond them would take all memory, or hours to check.
+inline constexpr double kFarthest = 1000.0;             ///< [m] from the origin
+inline constexpr std::size_t kMostItems = 1000;         ///< of one list
+inline constexpr std::size_t kLargestFile = 1U << 20U;  ///< [bytes]
+
 /// One YAML node together with where it stands. Reading a field marks it as known; `finish` refuses the rest.
 class ConfigNode {
  public:
-  /// Parses a file. Throws ConfigError with file:line when it is missing or malformed.
+  /// Parses a file. Throws ConfigError with file:line when it is missing, malformed or huge.
   static ConfigNode load(const std::filesystem::path& file);
   /// Parses text; `name` stands for the file in messages.
   static ConfigNode parse(const std::string& text, const std::string& name);
@@ -25,22 +30,23 @@ class ConfigNode {
   bool has(std::string_view field);
   /// The node of a field. Throws ConfigError when it is absent, naming the field that may have been meant to be it.
   ConfigNode at(std::string_view field);
-  /// The items of a sequence.
-  std::vector<ConfigNode> items() const;
-  /// The fields of a mapping, in order.
-  std::vector<std::pair<std::string, ConfigNode>> fields();
+  /// The items of a sequence, or ConfigError when they are more than `most`.
+  std::vector<ConfigNode> items(std::size_t most = kMostItems) const;
+  /// The fields of a mapping whose names are the file's to choose, in order, at most kMostItems and none of them twice.
+  std::vector<std::pair<std::string, ConfigNode>> fields() const;
 
-  double number() const;  ///< finite, or ConfigError
-  std::int64_t integer() const;
+  double number() const;                            ///< finite, or ConfigError
+  double number_in(double low, double high) const;  ///< within [low, high], or ConfigError
+  int integer_in(int low, int high) const;          ///< the same, and whole
   bool boolean() const;
   std::string text() const;
-  Vec2 vec2() const;    ///< [x, y]
-  Pose2D pose() const;  ///< [x, y, theta], theta in radians; theta may be left out
+  Vec2 vec2(double limit = kFarthest) const;    ///< [x, y], each within +-limit
+  Pose2D pose(double limit = kFarthest) const;  ///< [x, y, theta], theta in radians; theta may be left out
 
   double number(std::string_view field) { return at(field).number(); }
   double number(std::string_view field, double fallback) { return has(field) ? at(field).number() : fallback; }
-  /// A number that must lie in [low, high].
-  double number_in(std::string_view field, double low, double high);
+  double number_in(std::string_view field, double low, double high) { return at(field).number_in(low, high); }
+  int integer_in(std::string_view field, int low, int high) { return at(field).integer_in(low, high); }
   std::string text(std::string_view field) { return at(field).text(); }
   std::string text(std::string_view field, std::string fallback) {
     return has(field) ? at(field).text() : std::move(fallback);
@@ -61,6 +67,7 @@ class ConfigNode {
   int line_;
   std::vector<std::string> known_;  // fields that `at` or `has` was asked for
   void know(std::string_view field);
+  void refuse_repeated_fields() const;
   [[noreturn]] void fail_missing(std::string_view field) const;
   std::string field_name(const YAML::Node& key) const;
 };

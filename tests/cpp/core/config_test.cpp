@@ -31,7 +31,7 @@ TEST_CASE("what is right is read as it stands") {
       "wheels: 4\n"
       "fast: true\n"
       "size: [0.25, 0.22]\n"
-      "start: [1, 2, 7]\n"
+      "start: [1, 2, 6]\n"
       "here: [1, 2]\n"
       "drive: mecanum\n"
       "sensors:\n"
@@ -43,10 +43,10 @@ TEST_CASE("what is right is read as it stands") {
   CHECK(root.number("height", 0.15) == 0.15);
   CHECK(root.number("mass", 1.0) == 2.5);
   CHECK(root.number_in("mass", 0.0, 2.5) == 2.5);
-  CHECK(root.at("wheels").integer() == 4);
+  CHECK(root.integer_in("wheels", 1, 4) == 4);
   CHECK(root.at("fast").boolean());
   CHECK(root.at("size").vec2() == Vec2{0.25, 0.22});
-  CHECK(root.at("start").pose() == Pose2D{1.0, 2.0, wrap_angle(7.0)});
+  CHECK(root.at("start").pose() == Pose2D{1.0, 2.0, wrap_angle(6.0)});
   CHECK(root.at("here").pose() == Pose2D{1.0, 2.0, 0.0});
   CHECK(root.choice("drive", {"differential", "mecanum"}) == "mecanum");
 
@@ -60,14 +60,13 @@ TEST_CASE("what is right is read as it stands") {
 }
 
 TEST_CASE("the fields of a mapping come in order") {
-  ConfigNode root = parse("zebra: 1\napple: 2\nmango: 3\n");
+  const ConfigNode root = parse("zebra: 1\napple: 2\nmango: 3\n");
   const auto fields = root.fields();
   REQUIRE(fields.size() == 3);
   CHECK(fields[0].first == "zebra");
   CHECK(fields[1].first == "apple");
   CHECK(fields[2].first == "mango");
   CHECK(fields[2].second.number() == 3.0);
-  root.finish();
 }
 
 TEST_CASE("a file that is missing or malformed") {
@@ -86,6 +85,47 @@ TEST_CASE("a loaded file is named in errors") {
   CHECK(root.text("name") == "demo");
   CHECK(message([&] { root.number("mass"); }) == file.string() + ":2: mass: expected a number");
   std::filesystem::remove(file);
+}
+
+TEST_CASE("a file that no robot and no place needs") {
+  const std::string line = "- 1\n";
+  std::string list;
+  for (std::size_t i = 0; i < kMostItems; ++i) list += line;
+  CHECK(parse(list).items().size() == kMostItems);
+  CHECK(message([&] { parse(list + line).items(); }) == "robot.yaml:1: a list of 1001 items; at most 1000 are read");
+  std::string mapping;
+  for (std::size_t i = 0; i <= kMostItems; ++i) mapping += std::to_string(i) + ": 1\n";
+  CHECK(message([&] { parse(mapping).fields(); }) == "robot.yaml:1: 1001 fields; at most 1000 are read");
+
+  // aliases that stand for 9^9 numbers cost nothing until they are read
+  std::string bomb = "a: &a [1, 1, 1, 1, 1, 1, 1, 1, 1]\n";
+  for (char name = 'b'; name < 'i'; ++name) {
+    const std::string last = std::string("*") + static_cast<char>(name - 1);
+    bomb += std::string(1, name) + ": &" + name + " [" + last;
+    for (int i = 1; i < 9; ++i) bomb += ", " + last;
+    bomb += "]\n";
+  }
+  CHECK(message([&] { parse(bomb).at("h").vec2(); }) == "robot.yaml:8: h: expected [x, y]");
+  CHECK(message([] { parse("a: " + std::string(100'000, '[')); }).starts_with("robot.yaml:1: malformed YAML: "));
+
+  const auto file = std::filesystem::temp_directory_path() / "threewe_config_test.yaml";
+  std::ofstream(file) << "name: demo\n";
+  std::filesystem::resize_file(file, 100 << 20);  // with a hole, that takes no room
+  CHECK(message([&] { ConfigNode::load(file); }) == file.string() + ":1: the file is larger than 1048576 bytes");
+  std::filesystem::remove(file);
+}
+
+TEST_CASE("a file that is no text") {
+  std::string bytes;
+  for (int i = 0; i < 256; ++i) bytes += static_cast<char>(i);
+  CHECK(message([&] { parse(bytes).at("name"); }) == "robot.yaml:1: expected a mapping");
+  CHECK(message([] { parse(std::string(1000, '\0')).at("name"); }).starts_with("robot.yaml:1: malformed YAML: "));
+  CHECK(message([] { parse("%YAML 9999999999.1\n---\na: 1\n"); }).starts_with("robot.yaml:1: malformed YAML: "));
+}
+
+TEST_CASE("a file of two documents, of which one would be lost") {
+  CHECK(message([] { parse("a: 1\n---\nb: 2\n"); }) == "robot.yaml:3: expected one document; a second begins here");
+  CHECK(parse("---\na: 1\n...\n").number("a") == 1.0);
 }
 
 TEST_CASE("an empty file and a file that is no mapping") {
@@ -112,7 +152,7 @@ TEST_CASE("a value of the wrong kind") {
       "not_a_number: .nan\n";
   ConfigNode root = parse(text);
   CHECK(message([&] { root.number("mass"); }) == "robot.yaml:2: mass: expected a number");
-  CHECK(message([&] { root.at("wheels").integer(); }) == "robot.yaml:3: wheels: expected a whole number");
+  CHECK(message([&] { root.integer_in("wheels", 1, 8); }) == "robot.yaml:3: wheels: expected a whole number");
   CHECK(message([&] { root.at("fast").boolean(); }) == "robot.yaml:4: fast: expected true or false");
   CHECK(message([&] { root.at("size").items(); }) == "robot.yaml:5: size: expected a list");
   CHECK(message([&] { root.at("size").vec2(); }) == "robot.yaml:5: size: expected a list");
@@ -129,7 +169,12 @@ TEST_CASE("a value of the wrong kind") {
 }
 
 TEST_CASE("a value out of bounds or not among the choices") {
-  ConfigNode root = parse("mass: -1\ndrive: mecanun\n");
+  ConfigNode root = parse("mass: -1\ndrive: mecanun\nwheels: 99999999999\nfar: [0, 1e30]\nheading: [0, 0, 90]\n");
+  CHECK(message([&] { root.integer_in("wheels", 2, 4); }) == "robot.yaml:3: wheels: 99999999999 is outside [2, 4]");
+  CHECK(message([&] { root.at("far").vec2(); }) == "robot.yaml:4: far[1]: 1e+30 is outside [-1000, 1000]");
+  CHECK(message([&] { root.at("far").pose(5.0); }) == "robot.yaml:4: far[1]: 1e+30 is outside [-5, 5]");
+  CHECK(message([&] { root.at("heading").pose(); }) ==
+        "robot.yaml:5: heading[2]: 90 is outside [-6.2832, 6.2832]");  // degrees
   CHECK(message([&] { root.number_in("mass", 0.0, 100.0); }) == "robot.yaml:1: mass: -1 is outside [0, 100]");
   CHECK(message([&] { root.choice("drive", {"differential", "mecanum"}); }) ==
         "robot.yaml:2: drive: unknown drive 'mecanun'; did you mean 'mecanum'?");
@@ -161,6 +206,8 @@ TEST_CASE("a field that stands twice, and a name that is no text") {
   CHECK(twice.text("name") == "demo");
   CHECK(twice.has("mass"));
   CHECK(message([&] { twice.finish(); }) == "robot.yaml:3: field 'mass' stands twice, first in line 1");
+  CHECK(message([&] { parse("a: 1\nb: 2\na: 3\n").fields(); }) ==
+        "robot.yaml:3: field 'a' stands twice, first in line 1");
   CHECK(message([] { parse("[1, 2]: 3\n").finish(); }) == "robot.yaml:1: a field's name must be text");
   CHECK(message([] { parse("[1, 2]: 3\n").fields(); }) == "robot.yaml:1: a field's name must be text");
 }

@@ -171,6 +171,8 @@ TEST_CASE("every mistake names its file, its line and what would be right") {
       {"range_min: 0.02", "range_min: 12.0", "below range_max"},
       {"width: 640", "width: 0", "outside [1, 8192]"},
       {"height: 480", "height: 1000000000", "outside [1, 8192]"},
+      {"base_from_lidar: [0.04,", "base_from_lidar: [40,", "base_from_lidar[0]: 40 is outside [-5, 5]"},
+      {"left: [0.0, 0.11, 1.5708]", "left: [0.0, 0.11, 90]", "left[2]: 90 is outside"},
       {"horizontal_fov: 1.5708", "horizontal_fov: 90", "outside"},
       {"interval: 0.06", "interval: 60", "outside"},
       {"field_of_view: 0.2618", "field_of_view: 15", "outside"},

@@ -40,7 +40,7 @@ std::string changed(const std::string& from, const std::string& to) {
 }
 
 void check_fails(const std::string& from, const std::string& to, const std::string& message) {
-  CAPTURE(to);
+  CAPTURE(to.substr(0, 200));
   try {
     Scene::parse(changed(from, to), "hall.yaml");
     FAIL_CHECK("nothing was thrown");
@@ -115,6 +115,7 @@ TEST_CASE("rooms must be rectangles that do not overlap") {
               "hall.yaml:6: rooms[0]: room 'west' is inside out");
   check_fails("max: [3, 4]", "max: [3, 0.1]", "hall.yaml:6: rooms[0]: room 'west' is inside out");
   check_fails("min: [3, 0]", "min: [2.5, 0]", "hall.yaml:7: rooms[1]: room 'east' overlaps room 'west'");
+  check_fails("max: [6, 4]", "max: [7, 4]", "hall.yaml:7: rooms[1]: room 'east' reaches beyond the walls");
   check_fails("name: east", "name: west", "hall.yaml:7: rooms[1]: there are two rooms named 'west'");
   check_fails("anchor: [1, 2]", "anchor: [4, 2]", "hall.yaml:6: rooms[0].anchor: the anchor of 'west' is outside");
 }
@@ -123,7 +124,24 @@ TEST_CASE("walls must have a length and not lie in each other") {
   check_fails("a: [6, 0], b: [6, 4]", "a: [6, 0], b: [6, 0]", "hall.yaml:10: walls[1]: a wall must be longer");
   check_fails("thickness: 0.15", "thickness: -0.1", "hall.yaml:9: walls[0].thickness: -0.1 is outside");
   check_fails("a: [6, 4], b: [0, 4]", "a: [5, 0.05], b: [0, 0.05]", "hall.yaml:11: walls[2]: wall 2 overlaps wall 0");
+  check_fails("a: [6, 4], b: [0, 4]", "a: [1, 0.02], b: [5, 0.05]", "walls[2]: wall 2 overlaps wall 0");  // aslant
   check_fails("walls:", "walls: []\nmore:", "hall.yaml:8: walls: a scene needs at least one wall");
+}
+
+TEST_CASE("a scene that is too large is refused before anything is made of it") {
+  check_fails("a: [0, 4], b: [0, 0]", "a: [0, 4], b: [0, 1.0e9]",
+              "hall.yaml:12: walls[3].b[1]: 1000000000 is outside [-1000, 1000]");
+  check_fails("a: [0, 4], b: [0, 0]", "a: [0, 4], b: [-500, 600]",
+              "hall.yaml:9: walls: the walls span 506 x 600 m; at most 100000 m2 are read");
+  check_fails("[5, 3.2]", "[1.0e30, 1]", "hall.yaml:15: objects[0].pose[0]: 1e+30 is outside [-1000, 1000]");
+  check_fails("[5, 3.2]", "[5, 3.2, 90]", "hall.yaml:15: objects[0].pose[2]: 90 is outside [-6.2832, 6.2832]");
+  const auto walls = [](int count) {
+    std::string text = "walls:\n";
+    for (int i = 0; i < count; ++i) text += "  - {a: [0, 0], b: [1, 0]}\n";
+    return text;
+  };
+  check_fails("walls:\n", walls(996), "hall.yaml:9: walls: a list of 1001 items; at most 1000 are read");
+  check_fails("walls:\n", walls(1'000'000), "hall.yaml:1: the file is larger than 1048576 bytes");
 }
 
 TEST_CASE("doors must fit into their wall") {
@@ -133,6 +151,9 @@ TEST_CASE("doors must fit into their wall") {
   check_fails("width: 1}", "width: 0}", "hall.yaml:13: walls[4].doors[0].width: 0 is outside");
   check_fails("width: 1}", "width: 1}, {name: second, at: 2.9, width: 1}", "door 'second' overlaps another door");
   check_fails("width: 1}", "width: 1}, {name: between, at: 0.6, width: 1}", "there are two doors named 'between'");
+  check_fails("objects:", "  - {a: [2, 2], b: [6, 2]}\nobjects:",
+              "hall.yaml:13: walls[4].doors[0]: door 'between' is blocked by another wall");
+  CHECK_NOTHROW(Scene::parse(changed("at: 2, width: 1", "at: 0.55, width: 1.1"), "hall.yaml"));  // in the corner
 }
 
 TEST_CASE("objects must stand free") {
@@ -150,6 +171,7 @@ TEST_CASE("robots need room where they start and where they are sent") {
   check_fails("[1, 2, 0]", "[0.2, 2, 0]", "hall.yaml:4: starts[0]: the start is within 0.25 m of a wall");
   check_fails("[1, 2, 0]", "[1, 2, 0]\n  - [5, 1, 0]",
               "hall.yaml:5: starts[1]: the start is within 0.25 m of 'favourite'");
+  check_fails("[1, 2, 0]", "[1, 2, 0]\n  - [50, 1, 0]", "hall.yaml:5: starts[1]: the start is outside the walls");
   check_fails("[1, 2, 0]", "[1, 2, 0.5]", "hall.yaml:4: starts[0]: the first start must head along an axis");
   check_fails("starts:\n  - [1, 2, 0]", "starts: []", "hall.yaml:3: starts: a scene needs at least one start");
   check_fails("anchor: [1, 2]", "anchor: [2.9, 1]", "hall.yaml:6: rooms[0]: the anchor of 'west' is within 0.25 m");
@@ -191,9 +213,15 @@ TEST_CASE("people walk closed routes that lead through nothing") {
               "hall.yaml:15: people[0].route[1]: from here 'ada' walks through a wall");
   check_fails("objects:", walk("[[1, 2], [4, 2], [4, 0.5]]"),
               "hall.yaml:15: people[0].route[2]: from here 'ada' walks through a wall");  // on the way back
+  check_fails("objects:", walk("[[1, 2], [1, -2]]"), "people[0].route[0]: from here 'ada' walks through a wall");
+  check_fails("objects:", walk("[[7, 2], [8, 2]]"), "people[0].route[0]: here 'ada' walks outside the walls");
+  check_fails("objects:", walk("[[1, 2], [1.0e30, 2]]"), "people[0].route[1][0]: 1e+30 is outside");
   check_fails("objects:", walk("[[1, 2], [5, 2], [5, 0.9]]"), "walks through 'favourite'");
   check_fails("objects:", walk("[[1, 2]]"), "hall.yaml:15: people[0].route: expected two or more waypoints");
   check_fails("objects:", walk("[[1, 2], [1, 2]]"), "people[0].route[1]: waypoints must be at least 0.1 m apart");
+  std::string long_route = "[1, 2]";
+  for (int i = 0; i < 50; ++i) long_route += ", [2, 2], [1, 2]";
+  check_fails("objects:", walk("[" + long_route + "]"), "people[0].route: a list of 101 items; at most 100 are read");
   check_fails("objects:", walk("[[1, 2], [2, 2], [1, 2]]"), "the way from the last back to the first is implied");
   check_fails("objects:", walk("[[1, 2], [2, 2]]", "speed: 20"), "people[0].speed: 20 is outside [0.1, 2.5]");
   check_fails("objects:", walk("[[1, 2], [2, 2]]", "sped: 1"), "is 'sped' meant to be it?");
@@ -213,6 +241,8 @@ TEST_CASE("a file must be named as its scene is") {
 TEST_CASE("an unknown scene names the nearest known one") {
   CHECK_THROWS_WITH_AS(Scene::load("ofice_v2"), doctest::Contains("did you mean 'office_v2'"), ConfigError);
   CHECK_THROWS_WITH_AS(Scene::load("nowhere/hall.yaml"), doctest::Contains("does not exist"), ConfigError);
+  CHECK_THROWS_WITH_AS(Scene::load(std::string(10'000, 'x') + ".yaml"), doctest::Contains("not exist"), ConfigError);
+  CHECK_THROWS_WITH_AS(Scene::load(std::string(10'000, 'x')), doctest::Contains("unknown scene"), ConfigError);
 }
 
 TEST_CASE("mistakes in an object's file are reported there") {
@@ -227,11 +257,14 @@ TEST_CASE("mistakes in an object's file are reported there") {
         doctest::Contains(message.c_str()), ConfigError);
   };
   fails("{box: [0.1], z: [0, 1], material: wood}", "lamp.yaml:4: shapes.tall[0].box: expected [length, width]");
-  fails("{box: [0.1, 0], z: [0, 1], material: wood}", "lamp.yaml:4: shapes.tall[0].box[1]: 0 m is outside");
-  fails("{cylinder: -1, z: [0, 1], material: wood}", "lamp.yaml:4: shapes.tall[0].cylinder: -1 m is outside");
+  fails("{box: [0.1, 0], z: [0, 1], material: wood}", "lamp.yaml:4: shapes.tall[0].box[1]: 0 is outside");
+  fails("{cylinder: -1, z: [0, 1], material: wood}", "lamp.yaml:4: shapes.tall[0].cylinder: -1 is outside");
   fails("{z: [0, 1], material: wood}", "lamp.yaml:4: shapes.tall[0]: expected either 'box' or 'cylinder'");
   fails("{cylinder: 0.1, z: [1, 0], material: wood}", "lamp.yaml:4: shapes.tall[0].z: expected 0 <= from < to");
   fails("{cylinder: 0.1, z: [0, 1], material: wod}", "did you mean 'wood'");
+  fails("{cylinder: 0.1, z: [0, 1], material: wood}\n  tall: []",
+        "lamp.yaml:5: shapes: field 'tall' stands twice, first in line 3");
+  fails("{cylinder: 0.1, at: [20, 0], z: [0, 1], material: wood}", "lamp.yaml:4: shapes.tall[0].at[0]: 20 is outside");
   fails("{cylinder: 0.1, z: [0, 1], material: wood, glow: 1}", "lamp.yaml:4: shapes.tall[0]: unknown field 'glow'");
   std::filesystem::remove_all(folder);
 }
