@@ -136,7 +136,7 @@ def show_scene(
 
 @scenes.command("generate")
 def generate_scene(
-    seed: Annotated[int, typer.Option(min=0, help="Draws the scene.")],
+    seed: Annotated[int, typer.Option(min=0, max=2**64 - 1, help="Draws the scene.")],
     difficulty: Annotated[float, typer.Option(help="0 to 1: from sparse to crowded.")] = 0.5,
     size: Annotated[tuple[float, float], typer.Option(help="East to west and south to north [m].")] = (14.0, 10.0),
     output: Annotated[

@@ -14,7 +14,7 @@ using namespace conformance;
 std::vector<Check> all_checks() {
   std::vector<Check> all;
   for (const auto& table : {connection_checks(), time_checks(), sample_checks(), lidar_checks(), ultrasonic_checks(),
-                            motion_checks(), command_checks(), repeat_checks(), truth_checks()}) {
+                            camera_checks(), motion_checks(), command_checks(), repeat_checks(), truth_checks()}) {
     all.insert(all.end(), table.begin(), table.end());
   }
   return all;

@@ -2,11 +2,14 @@
 
 #include <algorithm>
 
+#include "threewe/core/exact.hpp"
+
 namespace threewe::backend::conformance {
 
 namespace {
 constexpr Duration kValidity = 200ms;  // as the runtime renews it
 constexpr Duration kComeToRest = 1s;   // longer than any braking the profiles allow
+constexpr double kRounding = 1e-4;     // [m], of a range kept as a float
 }  // namespace
 
 Bench::Bench(std::unique_ptr<World> world) : world_(std::move(world)) {
@@ -97,6 +100,28 @@ Bench Context::connected(std::uint64_t seed) const {
   Bench bench(make(seeded));
   bench.port().connect();
   return bench;
+}
+
+std::vector<Vec2> hits(const LaserScan& scan, const Pose2D& base_from_lidar) {
+  std::vector<Vec2> points;
+  for (std::size_t i = 0; i < scan.ranges.size(); ++i) {
+    const auto range = static_cast<double>(scan.ranges[i]);
+    if (range <= 0.0 || range >= scan.range_max - kRounding) continue;
+    const auto [sin, cos] = exact::sincos(scan.angle_min + static_cast<double>(i) * scan.angle_increment);
+    points.push_back(base_from_lidar * Vec2{range * cos, range * sin});
+  }
+  return points;
+}
+
+double misfit(const std::vector<Vec2>& before, const std::vector<Vec2>& after, const Pose2D& before_from_after) {
+  double sum = 0.0;
+  for (const Vec2 point : after) {
+    const Vec2 moved = before_from_after * point;
+    double nearest = 0.3;
+    for (const Vec2 other : before) nearest = std::min(nearest, distance(moved, other));
+    sum += nearest;
+  }
+  return sum / static_cast<double>(after.size());
 }
 
 }  // namespace threewe::backend::conformance

@@ -105,12 +105,20 @@ struct Check {
   void (*run)(const Context&);
 };
 
+/// Where the beams hit something, in the base frame.
+std::vector<Vec2> hits(const LaserScan& scan, const Pose2D& base_from_lidar);
+
+/// How badly `after`, moved by `before_from_after`, fits `before`: the mean distance of its points to the nearest one
+/// [m], each counted as at most 0.3 m so that what came into view does not matter much.
+double misfit(const std::vector<Vec2>& before, const std::vector<Vec2>& after, const Pose2D& before_from_after);
+
 // The checks, one table per subject.
 std::span<const Check> connection_checks();
 std::span<const Check> time_checks();
 std::span<const Check> sample_checks();
 std::span<const Check> lidar_checks();
 std::span<const Check> ultrasonic_checks();
+std::span<const Check> camera_checks();
 std::span<const Check> motion_checks();
 std::span<const Check> command_checks();
 std::span<const Check> repeat_checks();

@@ -97,31 +97,6 @@ void scan_turns_as_the_device_does(const Context& context) {
   }
 }
 
-/// Where the beams hit something, in the base frame.
-std::vector<Vec2> hits(const LaserScan& scan, const Pose2D& base_from_lidar) {
-  std::vector<Vec2> points;
-  for (std::size_t i = 0; i < scan.ranges.size(); ++i) {
-    const auto range = static_cast<double>(scan.ranges[i]);
-    if (range <= 0.0 || range >= scan.range_max - kRangeTolerance) continue;
-    const auto [sin, cos] = exact::sincos(scan.angle_min + static_cast<double>(i) * scan.angle_increment);
-    points.push_back(base_from_lidar * Vec2{range * cos, range * sin});
-  }
-  return points;
-}
-
-/// How badly `after`, moved by `before_from_after`, fits `before`: the mean distance of its points to the nearest one
-/// [m], each counted as at most 0.3 m so that what came into view does not matter much.
-double misfit(const std::vector<Vec2>& before, const std::vector<Vec2>& after, const Pose2D& before_from_after) {
-  double sum = 0.0;
-  for (const Vec2 point : after) {
-    const Vec2 moved = before_from_after * point;
-    double nearest = 0.3;
-    for (const Vec2 other : before) nearest = std::min(nearest, distance(moved, other));
-    sum += nearest;
-  }
-  return sum / static_cast<double>(after.size());
-}
-
 /// The best misfit over headings near that of `guess`, which odometry knows least well.
 double best_misfit(const std::vector<Vec2>& before, const std::vector<Vec2>& after, const Pose2D& guess) {
   double best = std::numeric_limits<double>::infinity();

@@ -56,10 +56,23 @@ def test_a_scene_is_generated_saved_and_drawn(tmp_path: Path) -> None:
     assert (tmp_path / "home.png").exists()
 
 
-def test_what_cannot_be_generated_is_one_line(tmp_path: Path) -> None:
-    done = run("scenes", "generate", "--seed", "7", "--difficulty", "2", cwd=tmp_path)
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["--seed", "7", "--difficulty", "2"], "difficulty 2 is outside [0, 1]"),
+        (["--seed", "7", "--difficulty", "nan"], "difficulty nan is outside [0, 1]"),
+        (["--seed", "7", "--size", "1e9", "10"], "a side of 1000000000 m is outside [6, 40]"),
+        (["--seed", str(2**64)], "Invalid value for '--seed'"),
+        (["--seed", "-1"], "Invalid value for '--seed'"),
+    ],
+)
+def test_what_cannot_be_generated_is_told_without_a_traceback(
+    arguments: list[str], message: str, tmp_path: Path
+) -> None:
+    done = run("scenes", "generate", *arguments, cwd=tmp_path)
     assert done.returncode == 2
-    assert "difficulty 2 is outside [0, 1]" in done.stderr
+    assert message in done.stderr
+    assert "Traceback" not in done.stderr
     assert not list(tmp_path.iterdir())
 
 

@@ -75,6 +75,44 @@ def test_a_malformed_scene_is_reported_with_file_and_line(tmp_path: Path) -> Non
         Robot(scene=str(file))
 
 
+@pytest.mark.parametrize(
+    ("wrong", "message"),
+    [
+        ("category: chair, shape: wooden", r"hall\.yaml:10: objects\[0\]: 'chair_1' overlaps a wall"),
+        ("category: chiar, shape: wooden", r"hall\.yaml:10: .*unknown category 'chiar'; did you mean 'chair'"),
+        ("category: chair, shape: wodden", r"hall\.yaml:10: .*unknown shape 'wodden'; did you mean 'wooden'"),
+    ],
+)
+def test_a_scene_that_cannot_be_is_reported_with_file_and_line(tmp_path: Path, wrong: str, message: str) -> None:
+    file = tmp_path / "hall.yaml"
+    file.write_text(
+        "name: hall\ndescription: a hall\nstarts: [[1, 2]]\nwalls:\n"
+        "  - {a: [0, 0], b: [6, 0]}\n  - {a: [6, 0], b: [6, 4]}\n  - {a: [6, 4], b: [0, 4]}\n"
+        "  - {a: [0, 4], b: [0, 0]}\n"
+        f"objects:\n  - {{{wrong}, pose: [5, 3.75]}}\n"
+    )
+    with pytest.raises(ConfigError, match=message):
+        Robot(scene=str(file))
+
+
+def test_a_robot_started_on_another() -> None:
+    with pytest.raises(ConfigError, match=r"start pose 1: \(0\.1, 0, 0\) overlaps robot 0"):
+        threewe.World(scene="corridor_v1", start_poses=[(0.0, 0.0), (0.1, 0.0)])
+    with pytest.raises(ConfigError, match="1 start poses for 2 robots"):
+        threewe.World(scene="corridor_v1", start_poses=[(0.0, 0.0)])
+    with pytest.raises(ConfigError, match="robots: a world needs at least one"):
+        threewe.World(robots=[])
+
+
+async def test_a_robot_started_where_a_person_walks_is_not_walked_into() -> None:
+    scene = threewe.Scene.load("dynamic_v1")
+    x, y = scene.people[0].route[0]
+    async with Robot(scene="dynamic_v1", noise="ideal", start_pose=(x, y)) as robot:
+        assert robot.simulation is not None
+        await robot.sleep(5.0)
+        assert robot.simulation.max_collision_speed() == 0.0
+
+
 def test_a_start_inside_a_wall() -> None:
     wall = threewe.Scene.load("corridor_v1").walls[0]
     middle = ((wall.a[0] + wall.b[0]) / 2, (wall.a[1] + wall.b[1]) / 2)

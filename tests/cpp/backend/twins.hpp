@@ -1,7 +1,10 @@
 // The broken twin of every conformance check: a world that breaks one thing, which the check must catch.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
+#include <cstddef>
+#include <cstdint>
 #include <functional>
 #include <limits>
 #include <map>
@@ -30,6 +33,18 @@ auto every(Change change) {
   return [change](std::vector<Sample>& samples, World&) mutable {
     for (Sample& sample : samples) change(sample);
   };
+}
+
+/// Applies `change` to every image, when somebody looks at it.
+template <typename Change>
+auto each_image(Change change) {
+  return each<Picture>([change](Picture& picture) {
+    picture = Picture([honest = picture, change] {
+      RGBDImage image = honest.image();
+      change(image);
+      return image;
+    });
+  });
 }
 
 /// Reports the odometry of a robot that also creeps forward at `speed` [m/s].
@@ -179,6 +194,51 @@ inline std::multimap<std::string, Fault> twins() {
        {.samples = each<RangeData>([](RangeData& echo) { echo.range = std::min(echo.range, 1.0); })}},
       {"ultrasonics_hear_the_robot_drive_forward",  // half the way there and back
        {.samples = each<RangeData>([](RangeData& echo) { echo.range *= 0.5; })}},
+
+      // camera
+      {"images_have_the_profiles_size", {.samples = each_image([](RGBDImage& image) { --image.intrinsics.height; })}},
+      {"images_have_the_profiles_size",  // grey
+       {.samples = each_image([](RGBDImage& image) { image.color.resize(image.color.size() / 3); })}},
+      {"image_intrinsics_are_the_profiles",  // as if the angle of view were the image's height
+       {.samples = each_image([](RGBDImage& image) { image.intrinsics.fx *= 0.75; })}},
+      {"image_intrinsics_are_the_profiles",
+       {.samples = each_image([](RGBDImage& image) { image.intrinsics.cx = image.intrinsics.cy = 0.0; })}},
+      {"images_follow_the_robot", {.samples = each<Picture>([first = Picture()](Picture& picture) mutable {
+                                     if (!first.is_drawn()) first = Picture(picture.image());
+                                     picture = first;
+                                   })}},
+      {"images_show_what_is_there",  // from the last row to the first
+       {.samples = each_image([](RGBDImage& image) {
+          const auto row = static_cast<std::ptrdiff_t>(3 * image.intrinsics.width);
+          for (auto top = image.color.begin(), bottom = image.color.end() - row; top < bottom;
+               top += row, bottom -= row) {
+            std::swap_ranges(top, top + row, bottom);
+          }
+        })}},
+      {"images_show_what_is_there",
+       {.samples = each_image([](RGBDImage& image) { std::ranges::fill(image.color, std::uint8_t{128}); })}},
+      {"images_are_blue_green_red", {.samples = each_image([](RGBDImage& image) {
+                                       for (std::size_t i = 0; i < image.color.size(); i += 3) {
+                                         std::swap(image.color[i], image.color[i + 2]);
+                                       }
+                                     })}},
+      {"depth_is_there_if_promised", {.samples = each_image([](RGBDImage& image) { image.depth.clear(); })}},
+      {"depth_is_valid", {.samples = each_image([](RGBDImage& image) {
+                            std::ranges::replace(image.depth, 0.0F, std::numeric_limits<float>::infinity());
+                            image.depth[0] = kNanF;
+                          })}},
+      {"depth_is_valid",  // in millimetres
+       {.samples = each_image([](RGBDImage& image) {
+          for (float& depth : image.depth) depth *= 1000.0F;
+        })}},
+      {"depth_agrees_with_lidar",  // along each pixel's ray
+       {.samples = each_image([](RGBDImage& image) {
+          const CameraIntrinsics& camera = image.intrinsics;
+          for (std::size_t i = 0; i < image.depth.size(); ++i) {
+            const auto column = static_cast<double>(i % static_cast<std::size_t>(camera.width)) + 0.5;
+            image.depth[i] *= static_cast<float>(norm({1.0, (camera.cx - column) / camera.fx}));
+          }
+        })}},
 
       // motion
       {"odometry_starts_at_the_origin", {.samples = each<Odometry>([](Odometry& o) { o.pose.x += 1.0; })}},

@@ -41,7 +41,7 @@ WorldOptions in_small_room(const char* hardware) {
 
 TEST_CASE("every check catches its broken twins of the embedded simulator") {
   for (const auto& [check, fault] : testing::twins()) {
-    const WorldOptions options = in_small_room(check == "sideways_is_refused" ? "turtlebot_like" : "3we_standard_v2");
+    const WorldOptions options = in_small_room(check == "sideways_is_refused" ? "turtlebot_like" : "3we_depth_v2");
     const CheckResult honest = check_backend(mock, options, check);
     CHECK_MESSAGE(honest.passed(), check << ": " << honest.detail);
     const CheckResult broken = check_backend(testing::with_fault(mock, fault), options, check);
