@@ -36,15 +36,15 @@ void report_ticks(benchmark::State& bench, std::int64_t worlds) {
   bench.counters["x real time"] = benchmark::Counter(ticks * to_seconds(kControlPeriod), benchmark::Counter::kIsRate);
 }
 
-enum class Sensors : std::uint8_t { none, all };
+enum class Sensors : std::uint8_t { none, all_but_ultrasonics, all };
 
 void step_worlds(benchmark::State& bench, Sensors sensors, NoiseLevel noise) {
   RobotProfile profile = with_noise(load_profile("3we_standard_v2"), noise);
   if (sensors == Sensors::none) {
     profile.lidar.reset();
     profile.imu.reset();
-    profile.ultrasonics.reset();
   }
+  if (sensors != Sensors::all) profile.ultrasonics.reset();
   const auto model = sim::make_model(std::make_shared<const scene::Scene>(scene::Scene::load("office_v2")), {profile});
   const auto worlds = static_cast<std::size_t>(bench.range(0));
   std::vector<sim::RobotState> begin;
@@ -73,9 +73,13 @@ void step_worlds(benchmark::State& bench, Sensors sensors, NoiseLevel noise) {
 void BM_tick_sensorless(benchmark::State& bench) { step_worlds(bench, Sensors::none, NoiseLevel::realistic); }
 void BM_tick_ideal_sensors(benchmark::State& bench) { step_worlds(bench, Sensors::all, NoiseLevel::ideal); }
 void BM_tick_realistic_sensors(benchmark::State& bench) { step_worlds(bench, Sensors::all, NoiseLevel::realistic); }
+void BM_tick_without_ultrasonics(benchmark::State& bench) {
+  step_worlds(bench, Sensors::all_but_ultrasonics, NoiseLevel::realistic);
+}
 BENCHMARK(BM_tick_sensorless)->Arg(1)->Arg(64);
 BENCHMARK(BM_tick_ideal_sensors)->Arg(1);
 BENCHMARK(BM_tick_realistic_sensors)->Arg(1);
+BENCHMARK(BM_tick_without_ultrasonics)->Arg(1);
 
 // As a runtime uses it: a command, time, and every sample polled.
 void BM_mock_world_tick(benchmark::State& bench) {

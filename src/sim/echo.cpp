@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cstdint>
 #include <limits>
 #include <vector>
 
@@ -263,12 +264,18 @@ class Listening {
 
 }  // namespace
 
-Echo nearest_echo(const SoundCone& cone, const scene::Slice& slice, const MovingShapes& moving) {
+Echo nearest_echo(const SoundCone& cone, const ShapeIndex& standing, const MovingShapes& moving) {
   const Ear ear(cone);
+  const auto& [segments, circles] = standing.slice();
   Targets targets;
-  for (const scene::Segment& segment : slice.segments) add(ear, segment, targets);
+  for (const std::uint16_t shape : standing.near(ear.origin)) {
+    if (shape < segments.size()) {
+      add(ear, segments[shape], targets);
+    } else {
+      add(ear, circles[shape - segments.size()], targets);
+    }
+  }
   for (const scene::Segment& segment : moving.segments) add(ear, segment, targets);
-  for (const scene::Circle& circle : slice.circles) add(ear, circle, targets);
   for (const scene::Circle& circle : moving.circles) add(ear, circle, targets);
   return Listening(targets, cone.range_max).nearest();
 }

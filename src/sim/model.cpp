@@ -86,7 +86,9 @@ RobotModel make_robot(const scene::Scene& scene, const RobotProfile& profile) {
   if (profile.camera) robot.camera_period = whole_steps(profile, "camera.period", profile.camera->period);
   if (profile.ultrasonics) {
     robot.ultrasonic_interval = whole_steps(profile, "ultrasonics.interval", profile.ultrasonics->interval);
-    robot.audible = scene.at_height(profile.ultrasonics->height);
+    constexpr double kCell = 1.0;  // [m], a quarter of how far they hear
+    robot.audible = std::make_shared<ShapeIndex>(scene.at_height(profile.ultrasonics->height),
+                                                 profile.ultrasonics->range_max, kCell);
   }
   if (profile.lidar) {
     const LidarSpec& lidar = *profile.lidar;

@@ -44,7 +44,8 @@ Box box_around(const scene::Slice& slice, std::size_t shape) {
 
 }  // namespace
 
-ShapeIndex::ShapeIndex(scene::Slice slice, double reach) : slice_(std::move(slice)) {
+ShapeIndex::ShapeIndex(scene::Slice slice, double reach, double cell)
+    : slice_(std::move(slice)), cells_per_metre_(1.0 / cell) {
   const std::size_t count = slice_.segments.size() + slice_.circles.size();
   if (count > std::numeric_limits<std::uint16_t>::max()) {
     throw ConfigError(fmt::format("the scene has {} edges; at most 65,535 can be simulated", count));
@@ -55,36 +56,40 @@ ShapeIndex::ShapeIndex(scene::Slice slice, double reach) : slice_(std::move(slic
   Box all = box_around(slice_, 0);
   for (std::size_t i = 1; i < count; ++i) all = join(all, box_around(slice_, i));
   origin_ = all.low - Vec2{reach, reach};
-  width_ = static_cast<int>((all.high.x + reach - origin_.x) / kCell) + 1;
-  height_ = static_cast<int>((all.high.y + reach - origin_.y) / kCell) + 1;
+  width_ = static_cast<int>((all.high.x + reach - origin_.x) * cells_per_metre_) + 1;
+  height_ = static_cast<int>((all.high.y + reach - origin_.y) * cells_per_metre_) + 1;
 
   // a shape belongs to a cell when any point of the cell may have it in reach
-  const double cell_reach = reach + 0.5 * kCell * std::numbers::sqrt2;
+  const double cell_reach = reach + 0.5 * cell * std::numbers::sqrt2;
   std::vector<std::vector<std::uint16_t>> cells(static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_));
   for (std::size_t shape = 0; shape < count; ++shape) {
     const Box box = box_around(slice_, shape);
-    const auto column = [&](double x) { return std::clamp(static_cast<int>((x - origin_.x) / kCell), 0, width_ - 1); };
-    const auto row = [&](double y) { return std::clamp(static_cast<int>((y - origin_.y) / kCell), 0, height_ - 1); };
+    const auto column = [&](double x) {
+      return std::clamp(static_cast<int>((x - origin_.x) * cells_per_metre_), 0, width_ - 1);
+    };
+    const auto row = [&](double y) {
+      return std::clamp(static_cast<int>((y - origin_.y) * cells_per_metre_), 0, height_ - 1);
+    };
     for (int y = row(box.low.y - cell_reach); y <= row(box.high.y + cell_reach); ++y) {
       for (int x = column(box.low.x - cell_reach); x <= column(box.high.x + cell_reach); ++x) {
-        const Vec2 center = origin_ + kCell * Vec2{x + 0.5, y + 0.5};
+        const Vec2 center = origin_ + cell * Vec2{x + 0.5, y + 0.5};
         if (distance_to(slice_, shape, center) > cell_reach) continue;
-        const auto cell = static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) + static_cast<std::size_t>(x);
-        cells[cell].push_back(static_cast<std::uint16_t>(shape));
+        const auto place = static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) + static_cast<std::size_t>(x);
+        cells[place].push_back(static_cast<std::uint16_t>(shape));
       }
     }
   }
 
-  for (const auto& cell : cells) {
+  for (const auto& shapes : cells) {
     begins_.push_back(static_cast<std::uint32_t>(shapes_.size()));
-    shapes_.insert(shapes_.end(), cell.begin(), cell.end());
+    shapes_.insert(shapes_.end(), shapes.begin(), shapes.end());
   }
   begins_.push_back(static_cast<std::uint32_t>(shapes_.size()));
 }
 
 std::span<const std::uint16_t> ShapeIndex::near(Vec2 point) const {
-  const double x = (point.x - origin_.x) * (1.0 / kCell);
-  const double y = (point.y - origin_.y) * (1.0 / kCell);
+  const double x = (point.x - origin_.x) * (1.0 * cells_per_metre_);
+  const double y = (point.y - origin_.y) * (1.0 * cells_per_metre_);
   const bool inside = x >= 0.0 && y >= 0.0 && x < width_ && y < height_;
   if (!inside) return {};
   const auto cell = static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) + static_cast<std::size_t>(x);

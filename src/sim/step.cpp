@@ -134,7 +134,7 @@ void ping(const RobotModel& robot, std::size_t sensor, Others& others, RobotStat
   const UltrasonicSpec& spec = *robot.profile.ultrasonics;
   const Pose2D pose = state.pose * spec.mounts[sensor].base_from_ultrasonic;
   const SoundCone cone{pose, spec.field_of_view, spec.max_incidence, spec.range_max};
-  const double echo = nearest_echo(cone, robot.audible, others.at(spec.height)).range;
+  const double echo = nearest_echo(cone, *robot.audible, others.at(spec.height)).range;
 
   RngKey key = state.key(Stream::ultrasonic);
   key.sensor = static_cast<std::uint16_t>(sensor);

@@ -2,8 +2,8 @@
 #pragma once
 
 #include "threewe/core/pose.hpp"
-#include "threewe/scene/geometry.hpp"
 #include "threewe/sim/ray_caster.hpp"
+#include "threewe/sim/shape_index.hpp"
 
 namespace threewe::sim {
 
@@ -24,7 +24,7 @@ struct Echo {
 /// it, and meets within `max_incidence` of the normal. What glances off still hides what stands behind it.
 ///
 /// Surfaces are those of `scene::cast_ray`: seen from outside alone. Sound that comes back by way of two surfaces, as
-/// out of a corner, is not modelled.
-Echo nearest_echo(const SoundCone& cone, const scene::Slice& slice, const MovingShapes& moving = {});
+/// out of a corner, is not modelled. `standing` must tell what lies within the cone's `range_max`.
+Echo nearest_echo(const SoundCone& cone, const ShapeIndex& standing, const MovingShapes& moving = {});
 
 }  // namespace threewe::sim

@@ -41,8 +41,8 @@ struct RobotModel {
   int camera_period = 0;
   int ultrasonic_interval = 0;  ///< from ping to ping
   models::ScanPattern pattern;
-  std::shared_ptr<const RayCaster> caster;  ///< null without a lidar
-  scene::Slice audible;                     ///< what stands at the height of the ultrasonic sensors
+  std::shared_ptr<const RayCaster> caster;    ///< null without a lidar
+  std::shared_ptr<const ShapeIndex> audible;  ///< what ultrasonic sensors can hear; null without any
 };
 
 /// A scene and the robots that share it. Const once made; every world and every thread may share one.

@@ -1,4 +1,4 @@
-// What a robot can run into, and where near it something stands at all.
+// What a robot can run into or hear, and where near it something stands at all.
 #pragma once
 
 #include <cstdint>
@@ -14,8 +14,9 @@ namespace threewe::sim {
 class ShapeIndex {
  public:
   ShapeIndex() = default;
-  /// `reach` [m] is how far from a point a shape can matter.
-  ShapeIndex(scene::Slice slice, double reach);
+  /// `reach` [m] is how far from a point a shape can matter, `cell` [m] how wide the grid's cells are: smaller ones
+  /// know better, and take more memory.
+  ShapeIndex(scene::Slice slice, double reach, double cell = 0.25);
 
   const scene::Slice& slice() const { return slice_; }
 
@@ -23,9 +24,8 @@ class ShapeIndex {
   std::span<const std::uint16_t> near(Vec2 point) const;
 
  private:
-  static constexpr double kCell = 0.25;  // [m]
-
   scene::Slice slice_;
+  double cells_per_metre_ = 1.0;
   Vec2 origin_;
   int width_ = 0;
   int height_ = 0;

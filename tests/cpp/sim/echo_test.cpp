@@ -20,6 +20,10 @@ constexpr double kFar = 4.0;
 
 SoundCone cone_at(const Pose2D& sensor) { return {sensor, 15.0 * kDegree, 25.0 * kDegree, kFar}; }
 
+Echo hear(const SoundCone& cone, const scene::Slice& slice, const MovingShapes& moving = {}) {
+  return nearest_echo(cone, ShapeIndex(slice, cone.range_max, 1.0), moving);
+}
+
 scene::Slice slice_of(const std::vector<scene::Solid>& solids) { return scene::outlines(solids); }
 
 // What one ray meets first: how far away, and how far off the surface's normal it comes.
@@ -92,32 +96,30 @@ scene::Slice random_slice(const RngKey& key, std::uint64_t round) {
 
 TEST_CASE("a wall ahead is heard at its nearest point, and one aslant not at all") {
   const scene::Slice wall = slice_of({scene::make_box({2.05, 0.0, 0.0}, 0.1, 10.0)});
-  CHECK(nearest_echo(cone_at({}), wall).range == doctest::Approx(2.0));
+  CHECK(hear(cone_at({}), wall).range == doctest::Approx(2.0));
   // 20 degrees aslant: the foot of the perpendicular is outside of the cone, whose edge meets the wall at 12.5 degrees
-  CHECK(nearest_echo(cone_at({0.0, 0.0, 20.0 * kDegree}), wall).range ==
-        doctest::Approx(2.0 / std::cos(12.5 * kDegree)));
+  CHECK(hear(cone_at({0.0, 0.0, 20.0 * kDegree}), wall).range == doctest::Approx(2.0 / std::cos(12.5 * kDegree)));
   // of a wall 30 degrees aslant the cone's inner edge still hears something; of one at 33 degrees, nothing
-  CHECK(nearest_echo(cone_at({0.0, 0.0, 30.0 * kDegree}), wall).range ==
-        doctest::Approx(2.0 / std::cos(22.5 * kDegree)));
-  CHECK(nearest_echo(cone_at({0.0, 0.0, 33.0 * kDegree}), wall).range == kFar);
-  CHECK(nearest_echo(cone_at({-3.0, 0.0, 0.0}), wall).range == kFar);
-  CHECK(nearest_echo(cone_at({}), {}).range == kFar);
+  CHECK(hear(cone_at({0.0, 0.0, 30.0 * kDegree}), wall).range == doctest::Approx(2.0 / std::cos(22.5 * kDegree)));
+  CHECK(hear(cone_at({0.0, 0.0, 33.0 * kDegree}), wall).range == kFar);
+  CHECK(hear(cone_at({-3.0, 0.0, 0.0}), wall).range == kFar);
+  CHECK(hear(cone_at({}), {}).range == kFar);
 }
 
 TEST_CASE("a leg in front of a wall is heard first, and only while it is in the cone") {
   const std::vector<scene::Solid> solids{scene::make_box({2.05, 0.0, 0.0}, 0.1, 10.0),
                                          scene::make_disc({1.0, 0.1}, 0.02)};
   const scene::Slice slice = slice_of(solids);
-  CHECK(nearest_echo(cone_at({}), slice).range == doctest::Approx(std::hypot(1.0, 0.1) - 0.02));
-  CHECK(nearest_echo(cone_at({0.0, 0.0, -0.1}), slice).range == doctest::Approx(2.0));
+  CHECK(hear(cone_at({}), slice).range == doctest::Approx(std::hypot(1.0, 0.1) - 0.02));
+  CHECK(hear(cone_at({0.0, 0.0, -0.1}), slice).range == doctest::Approx(2.0));
 }
 
 TEST_CASE("what glances off a surface still cannot reach what stands behind it") {
   // a slanted board across the whole cone, and a wall behind it
   const std::vector<scene::Solid> solids{scene::make_box({1.0, 0.0, M_PI / 4}, 2.0, 0.02),
                                          scene::make_box({3.05, 0.0, 0.0}, 0.1, 10.0)};
-  CHECK(nearest_echo(cone_at({}), slice_of(solids)).range == kFar);
-  CHECK(nearest_echo(cone_at({}), slice_of({solids[1]})).range == doctest::Approx(3.0));
+  CHECK(hear(cone_at({}), slice_of(solids)).range == kFar);
+  CHECK(hear(cone_at({}), slice_of({solids[1]})).range == doctest::Approx(3.0));
 }
 
 TEST_CASE("what crosses the edge of the cone hides what stands behind it there, too") {
@@ -130,16 +132,16 @@ TEST_CASE("what crosses the edge of the cone hides what stands behind it there, 
   const std::vector<scene::Solid> solids{scene::make_box(towards(-20.0, 3.05), 0.1, 10.0),
                                          scene::make_box(board, 0.1, 0.01)};
   const SoundCone cone = cone_at({});
-  CHECK(nearest_echo(cone, slice_of({solids[0]})).range == doctest::Approx(3.0 / std::cos(12.5 * kDegree)));
-  CHECK(nearest_echo(cone, slice_of(solids)).range == doctest::Approx(slow_echo(cone, slice_of(solids), 20000)));
-  CHECK(nearest_echo(cone, slice_of(solids)).range > 3.1);
+  CHECK(hear(cone, slice_of({solids[0]})).range == doctest::Approx(3.0 / std::cos(12.5 * kDegree)));
+  CHECK(hear(cone, slice_of(solids)).range == doctest::Approx(slow_echo(cone, slice_of(solids), 20000)));
+  CHECK(hear(cone, slice_of(solids)).range > 3.1);
 }
 
 TEST_CASE("the wall behind is heard through the gap that is left") {
   // a slanted board over one half of the cone, up to its axis and a little more
   const std::vector<scene::Solid> solids{scene::make_box({1.0, 0.5, M_PI / 4}, 1.4, 0.001),
                                          scene::make_box({3.05, 0.0, 0.0}, 0.1, 10.0)};
-  const Echo echo = nearest_echo(cone_at({}), slice_of(solids));
+  const Echo echo = hear(cone_at({}), slice_of(solids));
   CHECK(echo.range == doctest::Approx(3.0).epsilon(0.01));
   CHECK(confirmed(cone_at({}), slice_of(solids), echo));
 }
@@ -151,8 +153,7 @@ TEST_CASE("moving shapes are heard as those that stand") {
   const scene::Slice moving = slice_of({all[0], all[1]});
   for (int i = -100; i <= 100; ++i) {
     const SoundCone cone = cone_at({0.0, 0.0, 0.01 * i});
-    CHECK(nearest_echo(cone, standing, {moving.segments, moving.circles}).range ==
-          nearest_echo(cone, slice_of(all)).range);
+    CHECK(hear(cone, standing, {moving.segments, moving.circles}).range == hear(cone, slice_of(all)).range);
   }
 }
 
@@ -167,7 +168,7 @@ TEST_CASE("thousands of random echoes against fans of dense rays") {
                               uniform(key, round, 1002, -M_PI, M_PI)});
     if (round % 3 == 1) cone.field_of_view = uniform(key, round, 1003, 0.01, 2.0);
     if (round % 3 == 2) cone.max_incidence = uniform(key, round, 1004, 0.05, 1.5);
-    const Echo echo = nearest_echo(cone, slice);
+    const Echo echo = hear(cone, slice);
     // nothing nearer is missed ...
     CHECK(echo.range <= slow_echo(cone, slice, 400) + 1e-6);
     // ... and what is heard is there
