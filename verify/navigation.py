@@ -45,6 +45,18 @@ EXPERIMENTS = [
         for scene, hardware in ROBOTS[:2]
     ),
     Experiment(
+        "move_to by echoes, 3we_base_v2 in office_v2",
+        drive,
+        {"scene": "office_v2", "hardware": "3we_base_v2"},
+        cases=200,
+        sample=8,
+        rows=[
+            share_of("reached, truly within 0.25 m", arrived, at_least=0.50),
+            worst_of("contact by its own motion [m/s]", lambda case: case["contact_speed"], at_most=0.40),
+            share_of("without any contact", lambda case: case["contact_speed"] == 0.0, at_least=0.20),
+        ],
+    ),
+    Experiment(
         "explore office_v2",
         explore,
         {"scene": "office_v2", "seconds": 300.0},

@@ -10,6 +10,7 @@ namespace threewe::slam {
 std::unique_ptr<Localizer> make_localizer(const RobotProfile& profile, const Pose2D& map_from_start) {
   constexpr double kUniform = std::numbers::inv_sqrt3;  // deviation of what is uniform in [-1, 1]
   SensorModel sensors;
+  sensors.lidar = profile.lidar.has_value();
   if (profile.lidar) {
     sensors.base_from_lidar = profile.lidar->base_from_lidar;
     sensors.range_bias_sigma = kUniform * profile.lidar->bias;

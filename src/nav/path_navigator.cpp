@@ -30,10 +30,21 @@ map::Costmap::Settings costmap_settings(const RobotProfile& profile) {
   // robots move along x, so that half their width passes where they pass
   double half_width = 0.0;
   for (const Vec2 c : profile.body.footprint.corners()) half_width = std::max(half_width, std::fabs(c.y));
+  const double spare = profile.lidar ? 0.01 : 0.04;  // echoes are less exact
   map::Costmap::Settings s;
-  s.lethal_radius = std::max(profile.body.footprint.inscribed_radius(), half_width) + 0.01;
+  s.lethal_radius = std::max(profile.body.footprint.inscribed_radius(), half_width) + spare;
   s.caution_radius = s.lethal_radius + 0.35;
   return s;
+}
+
+// [rad] A robot that hears in a few directions only looks about as it drives, from side to side: sensors a quarter turn
+// apart then hear all that is ahead. The heading lags behind, so that this is a little more than half of the gap.
+double sweep_aside(Duration since) {
+  constexpr double kWidest = 1.0;       // [rad]
+  constexpr Duration kPeriod = 4500ms;  // there and back
+  const double phase = to_seconds(since % kPeriod) / to_seconds(kPeriod);
+  const double triangle = phase < 0.25 ? phase : phase < 0.75 ? 0.5 - phase : phase - 1.0;  // -0.25 to 0.25
+  return 4.0 * kWidest * triangle;
 }
 
 }  // namespace
@@ -87,6 +98,7 @@ void PathNavigator::note(const Observation& seen) {
     in_base_.push_back({base_from_odom.x + c * p.x - s * p.y, base_from_odom.y + s * p.x + c * p.y});
   }
   tracker_.see(in_base_, now_ < motion_.tight_until ? 0.0 : kSpare);
+  if (!has_lidar_) tracker_.look_aside(sweep_aside(now_ - motion_.started));
 }
 
 Decision PathNavigator::drive(const MoveTo& goal, const Observation& seen) {

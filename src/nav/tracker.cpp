@@ -26,6 +26,14 @@ constexpr double kEscape = 0.4;  // share of the speed limit when backing off
 // Deviations from the straight way to the target that are tried when it is not free [rad].
 constexpr std::array<double, 12> kFan = {0.2, -0.2, 0.4, -0.4, 0.6, -0.6, 0.9, -0.9, 1.2, -1.2, 1.6, -1.6};
 
+// Robots without a lidar hear what is ahead late and not always: they drive slowly.
+Limits tracking_limits(const RobotProfile& profile) {
+  constexpr double kUnsighted = 0.25;  // [m/s]
+  Limits limits = profile.operating_limits;
+  if (!profile.lidar) limits.linear = std::min(limits.linear, kUnsighted);
+  return limits;
+}
+
 Velocity scaled(const Velocity& v, double s) { return {s * v.vx, s * v.vy, s * v.omega}; }
 
 }  // namespace
@@ -47,7 +55,7 @@ double Outline::clearance(Vec2 p) const {
 }
 
 Tracker::Tracker(const RobotProfile& profile)
-    : limits_(profile.operating_limits),
+    : limits_(tracking_limits(profile)),
       kinematics_(profile.kinematics()),
       outline_(profile.body.footprint),
       margin_(profile.margin()),
@@ -86,7 +94,7 @@ Velocity Tracker::towards(Vec2 target, double speed_limit) {
   const double speed = std::min(speed_limit, limits_.linear);
 
   const auto velocity_along = [&](double direction) -> Velocity {
-    const double rate = std::clamp(2.5 * direction, -limits_.angular, limits_.angular);
+    const double rate = std::clamp(2.5 * (direction + aside_), -limits_.angular, limits_.angular);
     if (kinematics_ == Kinematics::holonomic) {
       // sideways motion is the least certain, so it is slow while the robot turns into its path
       const double share = std::clamp(1.3 - std::fabs(direction) / 1.2, 0.35, 1.0);

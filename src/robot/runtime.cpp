@@ -45,6 +45,7 @@ void Runtime::connect() {
   state.senses = impl_->fresh.senses;
   state.gate = {.estop = state.gate.estop};
   state.echoes = {};
+  state.echoes_in_odom.clear();
   state.estimate = state.localizer->estimate(impl_->now());
 }
 

@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "robot/echo_map.hpp"
 #include "robot/senses.hpp"
 #include "robot/world_state.hpp"
 #include "threewe/robot/runtime.hpp"
@@ -29,7 +30,10 @@ struct Runtime::State {
   slam::PoseEstimate estimate;
   std::optional<HeldVelocity> held;
   safety::GateState gate;
-  safety::Echoes echoes;  // heard by a robot without a lidar
+  // heard by a robot without a lidar: now, and before
+  safety::Echoes echoes;
+  EchoMap echo_map;
+  std::vector<Vec2> echoes_in_odom;  // both, around the robot
   Velocity requested;
   safety::GateOutput commanded;
 
@@ -43,6 +47,8 @@ struct Runtime::State {
         held(other.held),
         gate(other.gate),
         echoes(other.echoes),
+        echo_map(other.echo_map),
+        echoes_in_odom(other.echoes_in_odom),
         requested(other.requested),
         commanded(other.commanded) {}
   State& operator=(const State&) = delete;
@@ -79,7 +85,7 @@ struct Runtime::Impl {
 
   // sense
   std::vector<Sample> perceive();
-  void hear(const Sample& sample);
+  void hear_and_feel(const Sample& sample);
   void end_motion_if_over();
   void end_motion(Reason reason, const std::string& detail);
   void end_ready();

@@ -87,7 +87,10 @@ Velocity Runtime::Impl::held_velocity() {
 
 nav::Observation Runtime::Impl::observation() const {
   const slam::Localizer& localizer = *state->localizer;
-  return {now(), state->estimate, localizer.map(), localizer.map_version(), obstacles_in_odom()};
+  if (port.profile().lidar) {
+    return {now(), state->estimate, localizer.map(), localizer.map_version(), obstacles_in_odom()};
+  }
+  return {now(), state->estimate, state->echo_map.grid(), state->echo_map.version(), obstacles_in_odom()};
 }
 
 std::vector<Sample> Runtime::Impl::perceive() {
@@ -103,7 +106,7 @@ std::vector<Sample> Runtime::Impl::perceive() {
   }
   const Vec2 before = state->estimate.odom_from_base.position();
   state->estimate = state->localizer->estimate(now());
-  for (const Sample& sample : samples) hear(sample);
+  for (const Sample& sample : samples) hear_and_feel(sample);
   if (motion) motion->distance += distance(before, state->estimate.odom_from_base.position());
   if (state->senses.complete()) end_ready();
   return samples;
@@ -116,18 +119,33 @@ bool Runtime::Impl::looks_with(SensorType type) const {
 }
 
 std::span<const Vec2> Runtime::Impl::obstacles_in_odom() const {
-  return port.profile().lidar ? state->localizer->obstacles() : state->echoes.points_in_odom();
+  return port.profile().lidar ? state->localizer->obstacles() : std::span<const Vec2>(state->echoes_in_odom);
 }
 
-void Runtime::Impl::hear(const Sample& sample) {
-  const backend::SensorInfo& sensor = port.features().sensors[sample.sensor];
-  if (sensor.type != SensorType::ultrasonic || !looks_with(sensor.type)) return;
-  // where the robot was as it was heard
+// Without a lidar: echoes and bumps, remembered where the robot was as it noticed them.
+void Runtime::Impl::hear_and_feel(const Sample& sample) {
+  constexpr double kNear = 1.2;  // [m] around the robot
+  if (port.profile().lidar) return;
   const slam::PoseEstimate& now_at = state->estimate;
   const Pose2D odom_from_base =
       integrate(now_at.odom_from_base, now_at.velocity, -to_seconds(sample.received - sample.measured));
-  state->echoes.hear(sample.sensor, std::get<RangeData>(sample.data),
-                     odom_from_base * port.profile().base_from_sensor(sensor.type, sensor.name));
+  const Pose2D map_from_base = now_at.map_from_odom * odom_from_base;
+
+  if (const auto* echo = std::get_if<RangeData>(&sample.data)) {
+    const backend::SensorInfo& sensor = port.features().sensors[sample.sensor];
+    const Pose2D base_from_sensor = port.profile().base_from_sensor(sensor.type, sensor.name);
+    state->echoes.hear(sample.sensor, *echo, odom_from_base * base_from_sensor);
+    state->echo_map.hear(*echo, map_from_base * base_from_sensor);
+  } else if (const auto* imu = std::get_if<IMUData>(&sample.data)) {
+    const Vec2 push{imu->linear_acceleration[0], imu->linear_acceleration[1]};
+    if (!state->echo_map.feel(push, port.profile().body.footprint, map_from_base)) return;
+  } else {
+    return;
+  }
+  const auto remembered = state->echo_map.occupied_near(map_from_base.position(), kNear);
+  state->echoes_in_odom = transformed(inverse(now_at.map_from_odom), remembered);
+  const auto heard = state->echoes.points_in_odom();
+  state->echoes_in_odom.insert(state->echoes_in_odom.end(), heard.begin(), heard.end());
 }
 
 void Runtime::tell(const TickView& view) {

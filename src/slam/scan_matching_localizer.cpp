@@ -62,7 +62,10 @@ class ScanMatchingLocalizer final : public Localizer {
   void add(const Sample& sample) override {
     if (const auto* imu = std::get_if<IMUData>(&sample.data))
       track_.add_gyro(sample.measured, imu->angular_velocity[2]);
-    if (const auto* odometry = std::get_if<Odometry>(&sample.data)) track_.add_odometry(sample.measured, *odometry);
+    if (const auto* odometry = std::get_if<Odometry>(&sample.data)) {
+      track_.add_odometry(sample.measured, *odometry);
+      if (!sensors_.lidar) predict_to(sample.measured);  // no scan will do it
+    }
     if (const auto* scan = std::get_if<LaserScan>(&sample.data)) add_scan(sample.measured, *scan);
   }
 
@@ -85,7 +88,7 @@ class ScanMatchingLocalizer final : public Localizer {
   SensorModel sensors_;
   DeadReckoning track_;
   PoseFilter filter_;
-  Time filter_stamp_{};  // the filter stands at the newest scan
+  Time filter_stamp_{};  // the filter stands at the newest scan, without a lidar at the newest odometry
   Pose2D map_from_odom_;
   map::LogOddsMap map_;
   Pose2D keyframe_;  // map_from_base when the map last took a scan

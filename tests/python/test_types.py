@@ -134,6 +134,15 @@ async def test_ultrasonic_ranges_go_by_the_names_of_their_sensors() -> None:
             robot.get_ultrasonic_ranges()
 
 
+async def test_what_a_robot_without_a_lidar_cannot_do_names_the_sensor() -> None:
+    async with threewe.Robot(hardware="3we_base_v2", scene="corridor_v1") as robot:
+        for missing in (robot.get_lidar_scan, robot.get_map):
+            with pytest.raises(threewe.HardwareError, match="'3we_base_v2' has no sensor 'lidar'"):
+                missing()
+        with pytest.raises(threewe.HardwareError, match="'3we_base_v2' has no sensor 'lidar', which exploring needs"):
+            await robot.explore()
+
+
 async def test_readings_are_arrays_that_stay_as_they_were(robot: threewe.Robot) -> None:
     scan, imu, odometry, battery = (
         robot.get_lidar_scan(),

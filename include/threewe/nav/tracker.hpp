@@ -41,6 +41,8 @@ class Tracker {
   /// the outline; what is nearer already comes no nearer.
   void see(std::span<const Vec2> obstacles_in_base, double spare);
 
+  /// A holonomic base faces so far [rad] to the left of where it drives, from now on.
+  void look_aside(double angle) { aside_ = angle; }
   /// The velocity for following `path` (in `map`) from `pose`, to a stop at its end.
   Velocity follow(std::span<const Vec2> path, const map::Costmap& costmap, const Pose2D& pose);
   /// The velocity for turning by `angle` [rad] on the spot.
@@ -70,6 +72,7 @@ class Tracker {
   Kinematics kinematics_;
   Outline outline_;
   double margin_;       // [m]
+  double aside_ = 0.0;  // [rad]
   double reach_ = 0.0;  // [m] points farther away do not matter
   std::vector<Vec2> near_;
   std::vector<double> least_;  // [m] how near each point may come

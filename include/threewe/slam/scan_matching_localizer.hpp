@@ -10,6 +10,7 @@ namespace threewe::slam {
 
 /// How good the sensors are.
 struct SensorModel {
+  bool lidar = true;  ///< without one, wheels and gyro are all there is
   Pose2D base_from_lidar;
   double gyro_sigma = 0.002;          ///< [rad/s] of one sample
   double gyro_bias_sigma = 0.005;     ///< [rad/s] of the bias at the start

@@ -122,6 +122,26 @@ TEST_CASE("without a lidar, wheels and gyro carry the pose") {
   CHECK(e.covariance[0] > 0.0);
 }
 
+TEST_CASE("without a lidar, the gyro's bias is learned while the robot stands") {
+  TinyErrors errors;
+  errors.gyro_bias = 0.008;
+  errors.gyro_sigma = 0.0017;
+  const auto heading_error = [&](Duration standing) {
+    TinyWorld world({}, {}, errors, 5);
+    SensorModel sensors = model();
+    sensors.lidar = false;
+    const auto localizer = make_scan_matching_localizer(sensors);
+    while (world.now() < standing + 20s) {
+      for (const Sample& s : world.tick(world.now() < standing ? Velocity{} : Velocity{0.2, 0.0, 0.1})) {
+        if (!std::holds_alternative<LaserScan>(s.data)) localizer->add(s);
+      }
+    }
+    return std::fabs(wrap_angle(localizer->estimate(world.now()).map_from_base().theta - world.pose().theta));
+  };
+  CHECK(heading_error(0s) > 0.1);  // 20 s of 0.008 rad/s
+  CHECK(heading_error(1s) < 0.02);
+}
+
 TEST_CASE("a robot that is carried away says that it is lost") {
   TinyWorld world(room(), {}, {}, 5);
   const auto localizer = make_scan_matching_localizer(model());

@@ -1,0 +1,36 @@
+// What a robot without a lidar remembers of the echoes that it heard and of its bumps: a map to plan in, good enough to
+// find a way round what stands there, and not to be localised by.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "threewe/core/footprint.hpp"
+#include "threewe/core/pose.hpp"
+#include "threewe/core/samples.hpp"
+#include "threewe/map/log_odds_map.hpp"
+
+namespace threewe {
+
+/// Evidence of echoes, after Moravec and Elfes (1985): the arc of an echo's cone may be occupied, the middle of the
+/// cone up to it is free. No echo tells nothing: smooth surfaces that are met at a slant send none.
+class EchoMap {
+ public:
+  EchoMap();
+
+  void hear(const RangeData& echo, const Pose2D& map_from_sensor);
+  /// Takes a push [m/s^2, base frame] that no wheel can give for a bump: something stands at the side that it came
+  /// from. True when it was one.
+  bool feel(Vec2 push, const Footprint& footprint, const Pose2D& map_from_base);
+
+  const map::OccupancyGrid& grid() const { return map_.grid(); }
+  std::uint64_t version() const { return map_.version(); }
+  /// The middles of occupied cells within `radius` [m] of a point.
+  std::vector<Vec2> occupied_near(Vec2 point, double radius) const;
+
+ private:
+  map::LogOddsMap map_;
+};
+
+}  // namespace threewe

@@ -1,0 +1,94 @@
+#include "robot/echo_map.hpp"
+
+#include <doctest/doctest.h>
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "threewe/core/rng.hpp"
+
+using namespace threewe;
+
+namespace {
+
+RangeData echo(double range) { return {0.2618, 0.02, 4.0, range}; }
+
+std::int8_t at(const EchoMap& map, Vec2 point) { return map.grid().at(map.grid().cell(point)); }
+bool occupied(const EchoMap& map, Vec2 point) { return at(map, point) >= map::OccupancyGrid::kOccupiedThreshold; }
+bool free(const EchoMap& map, Vec2 point) {
+  return at(map, point) != map::OccupancyGrid::kUnknown && !occupied(map, point);
+}
+
+}  // namespace
+
+TEST_CASE("an echo stands somewhere on its arc, and nothing before it") {
+  EchoMap map;
+  const Pose2D sensor{0.3, 0.2, 0.5};
+  map.hear(echo(1.0), sensor);
+  for (const double bearing : {-0.13, -0.06, 0.0, 0.06, 0.13}) {
+    CAPTURE(bearing);
+    CHECK(occupied(map, sensor * rotate({1.0, 0.0}, bearing)));
+  }
+  for (const double range : {0.1, 0.4, 0.8}) CHECK(free(map, sensor * Vec2{range, 0.0}));
+  CHECK(at(map, sensor * Vec2{1.2, 0.0}) == map::OccupancyGrid::kUnknown);
+  CHECK(at(map, sensor * Vec2{0.5, 0.3}) == map::OccupancyGrid::kUnknown);
+}
+
+TEST_CASE("no echo tells nothing, and a far one only what is free") {
+  EchoMap map;
+  map.hear(echo(4.0), {});
+  CHECK(map.version() == 0);
+  map.hear(echo(3.0), {});
+  CHECK(free(map, {1.0, 0.0}));
+  CHECK(map.occupied_near({}, 5.0).empty());
+}
+
+TEST_CASE("echoes from farther away unmake an obstacle") {
+  EchoMap map;
+  map.hear(echo(0.8), {});
+  CHECK(occupied(map, {0.8, 0.0}));
+  for (int i = 0; i < 3; ++i) map.hear(echo(1.4), {});
+  CHECK_FALSE(occupied(map, {0.8, 0.0}));
+  CHECK(occupied(map, {1.4, 0.0}));
+}
+
+TEST_CASE("a bump stands just outside of the outline, on the side that the push came from") {
+  const Footprint footprint = Footprint::rectangle(0.25, 0.22);
+  const Pose2D robot{1.0, -2.0, 0.7};
+  for (const Vec2 towards : {Vec2{1.0, 0.0}, Vec2{0.0, 1.0}, Vec2{-1.0, 0.0}, Vec2{0.0, -1.0}}) {
+    EchoMap map;
+    CHECK_FALSE(map.feel(-5.0 * towards, footprint, robot));  // wheels can do that
+    CHECK(map.version() == 0);
+    CHECK(map.feel(-15.0 * towards, footprint, robot));
+    const std::vector<Vec2> obstacles = map.occupied_near(robot.position(), 0.5);
+    REQUIRE_FALSE(obstacles.empty());
+    for (const Vec2 obstacle : obstacles) {
+      const Vec2 in_base = inverse(robot) * obstacle;
+      CHECK(dot(in_base, towards) > 0.08);
+      CHECK(footprint.signed_distance(in_base) < 0.06);
+      CHECK(footprint.signed_distance(in_base) > -0.03);  // a cell is 5 cm wide
+    }
+  }
+}
+
+TEST_CASE("what is occupied near a point, against looking at every cell") {
+  EchoMap map;
+  const RngKey key{.seed = 4};
+  for (std::uint64_t i = 0; i < 60; ++i) {
+    map.hear(echo(uniform(key, i, 0, 0.1, 1.5)),
+             {uniform(key, i, 1, -2.0, 2.0), uniform(key, i, 2, -2.0, 2.0), uniform(key, i, 3, -3.0, 3.0)});
+  }
+  for (std::uint64_t i = 0; i < 50; ++i) {
+    const Vec2 point{uniform(key, i, 4, -6.0, 6.0), uniform(key, i, 5, -6.0, 6.0)};
+    const double radius = uniform(key, i, 6, 0.0, 2.0);
+    std::size_t expected = 0;
+    for (int y = 0; y < map.grid().height; ++y) {
+      for (int x = 0; x < map.grid().width; ++x) {
+        const Vec2 center = map.grid().center({x, y});
+        if (distance(center, point) <= radius && occupied(map, center)) ++expected;
+      }
+    }
+    CHECK(map.occupied_near(point, radius).size() == expected);
+  }
+}
