@@ -69,15 +69,21 @@ class Drawer {
                         candidates_.wall_inverse[at], 0.0};
     const int top = view_.row_at(place_.ceiling - view_.height, hit.near);
     const int bottom = std::max(top, view_.row_at(-view_.height, hit.near));
-    add_base({Run::Kind::ceiling}, 0, top);
+    add_base(ceiling(), 0, top);
     for_each_part(hit, s, top, bottom, [&](const Run& run, int begin, int end) { add_base(run, begin, end); });
     add_floors(s, hit.near, bottom);
+  }
+
+  Run ceiling() const {
+    Run run{Run::Kind::ceiling};
+    run.inverse = inverse_of_level(place_.ceiling - view_.height);
+    return run;
   }
 
   void find_open_base(double s) {
     const int horizon = view_.row_at(0.0, 0.0);
     if (view_.is_roofed) {
-      add_base({Run::Kind::ceiling}, 0, horizon);
+      add_base(ceiling(), 0, horizon);
     } else {
       const bool has_hills = place_.is_open;
       const int hills = has_hills ? std::min(horizon, view_.row_at(hill_slope(view_.direction(s)), 1.0)) : horizon;
@@ -109,6 +115,7 @@ class Drawer {
       x = i + 1 < kMostFloors ? std::max(x, next_floor(floor, direction, x + kStep)) : kInfinity;
       const int begin = x >= reach || x == kInfinity ? top : std::clamp(view_.row_at(-view_.height, 1.0 / x), top, end);
       Run run{Run::Kind::floor};
+      run.inverse = inverse_of_level(-view_.height);
       run.floor = floor;
       add_base(run, begin, end);
       end = begin;
@@ -150,7 +157,7 @@ class Drawer {
   // Lays the base out by rows, for other things to be compared with.
   void lay_base() {
     for (std::size_t i = 0; i < out_.base.size(); ++i) {
-      const auto [inverse, rise] = inverse_of(out_.runs[i], place_, view_);
+      const auto [inverse, rise] = out_.runs[i].inverse;
       lay(layers(), out_.base[i].begin, out_.base[i].end, inverse, rise, static_cast<std::int32_t>(i));
     }
   }
@@ -164,14 +171,18 @@ class Drawer {
     if (hit.near < kInfinity) {  // not from above or below
       for_each_part(hit, s, top, bottom, [&](const Run& run, int begin, int end) { put(run, begin, end); });
     }
-    if (c.high < 0.0) put({Run::Kind::top, kTopFace, &c}, view_.row_at(c.high, hit.far), top);
-    if (c.low > 0.0) put({Run::Kind::bottom, kBottomFace, &c}, bottom, view_.row_at(c.low, hit.far));
+    if (c.high < 0.0) {
+      put({Run::Kind::top, kTopFace, &c, inverse_of_level(c.high)}, view_.row_at(c.high, hit.far), top);
+    }
+    if (c.low > 0.0) {
+      put({Run::Kind::bottom, kBottomFace, &c, inverse_of_level(c.low)}, bottom, view_.row_at(c.low, hit.far));
+    }
   }
 
   // The parts of a side between two rows, from top to bottom: what hangs on it, its skirting, and the rest.
   template <class Add>
   void for_each_part(const ColumnHit& hit, double s, int top, int bottom, Add add) const {
-    Run part{Run::Kind::side, hit.face, hit.candidate, hit.near};
+    Run part{Run::Kind::side, hit.face, hit.candidate, {static_cast<float>(hit.near), 0.0F}, hit.near};
     if (hit.candidate->visible->id != kWallId) return add(part, top, bottom);
 
     const auto row_of = [&](double z) { return std::clamp(view_.row_at(z - view_.height, hit.near), top, bottom); };
@@ -180,7 +191,7 @@ class Drawer {
       const int high = row_of(decor->high);
       const int low = row_of(decor->low);
       add(part, top, high);
-      add(Run{Run::Kind::decor, hit.face, hit.candidate, hit.near, nullptr, decor}, high, low);
+      add(Run{Run::Kind::decor, hit.face, hit.candidate, part.inverse, hit.near, nullptr, decor}, high, low);
       top = low;
     }
     add(part, top, foot);
@@ -202,32 +213,20 @@ class Drawer {
   // Gives a run the rows in which it is nearest so far.
   void put(const Run& run, int begin, int end) {
     if (begin >= end) return;
-    const auto [inverse, rise] = inverse_of(run, place_, view_);
+    const auto [inverse, rise] = run.inverse;
     const auto owner = static_cast<std::int32_t>(out_.runs.size());
     out_.runs.push_back(run);
     view::put(layers(), begin, end, inverse, rise, owner);
   }
 
-  // One span for each stretch of rows with one owner. Most rows have that of the row above: look at many at a time.
+  // One span for each stretch of rows with one owner.
   void add_spans(int column, double s) {
-    constexpr std::size_t kAtOnce = 16;
-    const std::size_t rows = out_.owner.size();
-    const std::int32_t* owner = out_.owner.data();
-    const auto add = [&](std::size_t row) {
-      add_span(column, s, static_cast<int>(row), out_.runs[static_cast<std::size_t>(owner[row])]);
+    const auto add = [&](std::int32_t row) {
+      add_span(column, s, row, out_.runs[static_cast<std::size_t>(out_.owner[static_cast<std::size_t>(row)])]);
     };
     add(0);
-    for (std::size_t begin = 1; begin < rows; begin += kAtOnce) {
-      const std::size_t end = std::min(begin + kAtOnce, rows);
-      if (end == begin + kAtOnce) {
-        std::int32_t changes = 0;
-        for (std::size_t i = 0; i < kAtOnce; ++i) changes |= owner[begin + i] ^ owner[begin + i - 1];
-        if (changes == 0) continue;
-      }
-      for (std::size_t r = begin; r < end; ++r) {
-        if (owner[r] != owner[r - 1]) add(r);
-      }
-    }
+    const int count = find_changes(out_.owner.data(), view_.camera.height, out_.changed.data());
+    std::for_each_n(out_.changed.begin(), count, add);
   }
 
   void add_span(int column, double s, int row, const Run& run) {
@@ -253,6 +252,7 @@ void begin_picture(const View& view, Columns& columns) {
   columns.slopes.resize(rows);
   columns.inverse.resize(rows);
   columns.owner.resize(rows);
+  columns.changed.resize(rows);
   for (int row = 0; row < view.camera.height; ++row) {
     columns.slopes[static_cast<std::size_t>(row)] = static_cast<float>((view.camera.cy - (row + 0.5)) / view.camera.fy);
   }

@@ -10,23 +10,25 @@
 
 namespace threewe::sim::view {
 
+/// How far away a surface is in a row of some slope: its inverse depth is at_horizon + rise * slope.
+struct Inverse {
+  float at_horizon = 0.0F;
+  float rise = 0.0F;
+};
+/// That of a level surface, `z` above the eye.
+inline Inverse inverse_of_level(double z) { return {0.0F, static_cast<float>(1.0 / z)}; }
+
 /// A surface in one column.
 struct Run {
   enum class Kind : std::uint8_t { nothing, sky, hills, ceiling, floor, side, skirting, decor, top, bottom };
   Kind kind{};
   int face = 0;
   const Candidate* candidate = nullptr;
-  double inverse = 0.0;  // of a side
+  Inverse inverse{};
+  double near = 0.0;  // the same, of a side, in full
   const FloorRegion* floor = nullptr;
   const Decor* decor = nullptr;
 };
-
-/// How far away a surface is in a row of some slope: its inverse depth is at_horizon + rise * slope.
-struct Inverse {
-  float at_horizon = 0.0F;
-  float rise = 0.0F;
-};
-Inverse inverse_of(const Run& run, const Place& place, const View& view);
 
 /// The numbers by which rows of pixels draw a surface along the ray (1, s).
 void fill(const Run& run, const Place& place, const View& view, double s, Fields& fields);
@@ -62,6 +64,7 @@ struct Columns {
   std::vector<RowRange> base;                       // rows of its first runs
   std::vector<float> inverse;                       // by row: the largest inverse depth so far, and whose it is
   std::vector<std::int32_t> owner;
+  std::vector<std::int32_t> changed;  // rows at which it changes
 };
 
 /// Puts the rows' slopes in place.

@@ -69,7 +69,7 @@ void fill_face(Fields& f, const Run& run, const View& view, Vec2 direction) {
 // An upright surface where a ray meets it.
 void fill_side(Fields& f, const Run& run, const Place& place, const View& view, Vec2 direction) {
   const Candidate& c = *run.candidate;
-  const double depth = 1.0 / run.inverse;
+  const double depth = 1.0 / run.near;
   const Vec2 hit = view.eye + depth * direction;
   const Sides& sides = *c.sides;
   const bool is_disc = c.outline.is_disc;
@@ -102,24 +102,9 @@ void fill_side(Fields& f, const Run& run, const Place& place, const View& view, 
 
 }  // namespace
 
-Inverse inverse_of(const Run& run, const Place& place, const View& view) {
-  const auto flat = [](double z) { return Inverse{0.0F, static_cast<float>(1.0 / z)}; };
-  switch (run.kind) {
-    case Run::Kind::ceiling: return flat(place.ceiling - view.height);
-    case Run::Kind::floor: return flat(-view.height);
-    case Run::Kind::top: return flat(run.candidate->high);
-    case Run::Kind::bottom: return flat(run.candidate->low);
-    case Run::Kind::side:
-    case Run::Kind::skirting:
-    case Run::Kind::decor: return {static_cast<float>(run.inverse), 0.0F};
-    default: return {};
-  }
-}
-
 void fill(const Run& run, const Place& place, const View& view, double s, Fields& f) {
-  const auto [inverse, rise] = inverse_of(run, place, view);
-  f[kInverse] = inverse;
-  f[kInverseRise] = rise;
+  f[kInverse] = run.inverse.at_horizon;
+  f[kInverseRise] = run.inverse.rise;
   const Vec2 direction = view.direction(s);
   switch (run.kind) {
     case Run::Kind::nothing: break;

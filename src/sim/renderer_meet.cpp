@@ -120,6 +120,25 @@ void put_rows(const Layers& layers, int begin, int end, float inverse, float ris
   }
 }
 
+int changes(const std::int32_t* owner, int rows, std::int32_t* changed) {
+  const Ints di;
+  const auto last = static_cast<std::size_t>(rows);
+  const auto lanes = hn::Lanes(di);
+  int count = 0;
+  const auto look_at = [&](std::size_t i) {
+    changed[count] = static_cast<std::int32_t>(i);
+    count += owner[i] != owner[i - 1] ? 1 : 0;
+  };
+  std::size_t i = 1;
+  for (; i + lanes <= last; i += lanes) {
+    const auto same = hn::Eq(hn::LoadU(di, owner + i), hn::LoadU(di, owner + i - 1));
+    if (hn::AllTrue(di, same)) continue;
+    for (std::size_t k = 0; k < lanes; ++k) look_at(i + k);
+  }
+  for (; i < last; ++i) look_at(i);
+  return count;
+}
+
 }  // namespace threewe::sim::view::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
@@ -129,6 +148,7 @@ namespace threewe::sim::view {
 HWY_EXPORT(meet_block);
 HWY_EXPORT(lay_rows);
 HWY_EXPORT(put_rows);
+HWY_EXPORT(changes);
 
 unsigned meet(const Outline& outline, const double* slopes, const double* behind, Meeting& meeting) {
   return HWY_DYNAMIC_DISPATCH(meet_block)(outline, slopes, behind, meeting);
@@ -140,6 +160,10 @@ void lay(const Layers& layers, int begin, int end, float inverse, float rise, st
 
 void put(const Layers& layers, int begin, int end, float inverse, float rise, std::int32_t owner) {
   HWY_DYNAMIC_DISPATCH(put_rows)(layers, begin, end, inverse, rise, owner);
+}
+
+int find_changes(const std::int32_t* owner, int rows, std::int32_t* changed) {
+  return HWY_DYNAMIC_DISPATCH(changes)(owner, rows, changed);
 }
 
 }  // namespace threewe::sim::view

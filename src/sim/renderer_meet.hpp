@@ -51,4 +51,8 @@ void lay(const Layers& layers, int begin, int end, float inverse, float rise, st
 /// The same where it is nearer than what is there.
 void put(const Layers& layers, int begin, int end, float inverse, float rise, std::int32_t owner);
 
+/// Finds the rows, beyond the first, whose owner is another than that of the row above. Room for all rows in `changed`;
+/// the result tells how many there are.
+int find_changes(const std::int32_t* owner, int rows, std::int32_t* changed);
+
 }  // namespace threewe::sim::view

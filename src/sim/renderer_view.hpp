@@ -1,7 +1,7 @@
 // Where a camera stands and how it projects, in the plane of the floor: x ahead, y to the left.
 #pragma once
 
-#include <cmath>
+#include <limits>
 
 #include "sim/renderer_place.hpp"
 #include "threewe/core/exact.hpp"
@@ -36,7 +36,9 @@ struct View {
   int row_at(double z, double inverse) const {
     const double v = camera.cy - camera.fy * (z * inverse) - 0.5;
     if (!(v > 0.0)) return 0;
-    return v >= camera.height ? camera.height : static_cast<int>(std::ceil(v));
+    if (v >= camera.height) return camera.height;
+    const int above = static_cast<int>(v);
+    return above < v ? above + 1 : above;
   }
 };
 
