@@ -17,12 +17,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from threewe._colors import INK, UNKNOWN, Color, depth_colors, map_colors
-from threewe._core import LaserScan, OccupancyGrid, Sample
+from threewe._core import LaserScan, OccupancyGrid, RGBDImage, Sample
 from threewe.errors import ContractError
 
 FREE = (255, 255, 255, 255)
 HITS, SEEN = "#e0701c", "#f0a030"
 TEXT = 'font-family="system-ui,sans-serif" font-size="12" fill="currentColor"'
+SCALE_WIDTH = 66  # [px] of the scale beside a depth image
 LINE = 'stroke="currentColor" fill="none"'
 
 
@@ -98,6 +99,18 @@ def scan_html(scan: LaserScan) -> str:
         f"{nearest}, range {scan.range_min:g} to {scan.range_max:g} m",
     ]
     return _page(drawing, (size, size), *caption)
+
+
+def rgbd_html(image: RGBDImage) -> str:
+    """Colour and depth side by side."""
+    if image.depth is None:
+        return Picture(image.color)._repr_html_()
+    height, width = image.depth.shape
+    scale = min(1.0, 400 / width)
+    drawing = _color(image.color, scale) + _depth(image.depth, scale * width + 10, scale)
+    return _page(
+        drawing, (2 * scale * width + 10 + SCALE_WIDTH, scale * height), f"{width} x {height}, colour and depth"
+    )
 
 
 def map_html(grid: OccupancyGrid) -> str:
@@ -179,11 +192,11 @@ def _color(bgr: NDArray[np.generic], scale: float) -> str:
 def _depth_page(depth: NDArray[np.float32]) -> str:
     height, width = depth.shape
     scale = min(1.0, 640 / width)
-    return _page(_depth(depth, 0, scale), (scale * width + 66, scale * height), f"{width} x {height}")
+    return _page(_depth(depth, 0, scale), (scale * width + SCALE_WIDTH, scale * height), f"{width} x {height}")
 
 
 def _depth(depth: NDArray[np.float32], x: float, scale: float) -> str:
-    """A depth image and its scale at the right, 66 pixels wide."""
+    """A depth image and its scale at the right."""
     height, width = depth.shape
     valid = depth[depth > 0.0]
     low, high = (float(valid.min()), float(valid.max())) if valid.size else (0.0, 0.0)
@@ -233,5 +246,5 @@ def _nice(length: float) -> float:
 
 
 # The types are made in C++; how they look in a notebook is Python's affair.
-for _type, _draw in ((LaserScan, scan_html), (OccupancyGrid, map_html), (Sample, sample_html)):
+for _type, _draw in ((LaserScan, scan_html), (OccupancyGrid, map_html), (RGBDImage, rgbd_html), (Sample, sample_html)):
     setattr(_type, "_repr_html_", _draw)  # noqa: B010 (mypy knows the type without it)

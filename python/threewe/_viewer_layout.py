@@ -20,7 +20,7 @@ def layout(scene: Scene | None, camera: bool, depth: bool) -> rrb.Blueprint:
     """The world and the robot's map, its pictures where it has a camera, and its signals over time."""
     pictures = [
         rrb.Spatial2DView(origin="map/camera", contents=f"$origin/{kind}", name=kind)
-        for kind, there in (("colour", camera), ("depth", depth))
+        for kind, there in (("color", camera), ("depth", depth))
         if there
     ]
     return rrb.Blueprint(

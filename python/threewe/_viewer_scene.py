@@ -8,12 +8,13 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 import rerun as rr
 
-from threewe import Pose2D, RobotProfile, Scene
+from threewe import CameraIntrinsics, Pose2D, RobotProfile, Scene
 from threewe import drawing as d
 from threewe._core import Object, Patch, Room
 
 SOLID = rr.components.FillMode.Solid
 WALLS = (236, 234, 228)
+PERSON_HEIGHT = 1.75  # [m]
 FLOOR_THICKNESS = 0.02  # [m], all of it below the floor
 
 Box = tuple[Pose2D, float, float, float, float]  # pose of the middle, length, width, z_min, z_max [m]
@@ -80,6 +81,28 @@ def body_outline(profile: RobotProfile, color: Color) -> rr.LineStrips3D:
         [(x, y, top) for x, y in arrow],
     ]
     return rr.LineStrips3D([np.array(strip) for strip in strips], colors=[color], radii=0.008)
+
+
+def figure(radius: float) -> rr.Capsules3D:
+    """Somebody who stands at the origin."""
+    return rr.Capsules3D(
+        lengths=[PERSON_HEIGHT - 2 * radius],
+        radii=[radius],
+        translations=[(0.0, 0.0, radius)],
+        colors=[d.ROUTE],
+        fill_mode=SOLID,
+    )
+
+
+def frustum(camera: CameraIntrinsics) -> rr.Pinhole:
+    """How a camera that looks along x looks into space."""
+    return rr.Pinhole(
+        resolution=(camera.width, camera.height),
+        focal_length=(camera.fx, camera.fy),
+        principal_point=(camera.cx, camera.cy),
+        camera_xyz=rr.ViewCoordinates.FLU,
+        image_plane_distance=0.6,
+    )
 
 
 def _floors(scene: Scene) -> rr.Boxes3D:

@@ -97,8 +97,8 @@ def view(
     if save is not None:
         console.print(f"recorded to [bold]{save}[/]; open it with: rerun {save}", soft_wrap=True)
     if serve:
-        console.print("serving until Ctrl-C")
         with suppress(KeyboardInterrupt):
+            console.print("serving until Ctrl-C")
             Event().wait()
 
 

@@ -17,6 +17,7 @@ from threewe._core import (
     OccupancyGrid,
     Pose2D,
     RangeData,
+    RGBDImage,
     Sample,
     SensorType,
     TickView,
@@ -39,6 +40,7 @@ if TYPE_CHECKING:
 POSES_EVERY = 0.1  # [s] of robot time between two poses, and so on
 PLAN_EVERY = 0.2
 PICTURES_EVERY = 0.2
+DEPTH_EVERY = 0.6  # it is large, and packing it would keep the robot waiting
 MAP_EVERY = 1.0
 POSES_KEPT = 64  # of the last ticks: longer ago than that, no sample was measured
 
@@ -80,11 +82,15 @@ class Viewer:
             return
         robot = self._robot
         scene = robot.simulation.scene if robot.simulation else None
-        self._recording = sinks.open_recording(self._where, layout.layout(scene, camera=False, depth=False))
+        camera = robot.profile.camera if self._has(SensorType.camera) else None
+        blueprint = layout.layout(
+            scene, camera=camera is not None, depth=camera is not None and camera.depth is not None
+        )
+        self._recording = sinks.open_recording(self._where, blueprint)
         self._map: OccupancyGrid | None = None
         self._plan: NDArray[np.float64] = np.empty((0, 2))
         self._sensors = [sensor.name for sensor in robot.features.sensors]
-        self._draws_maps = any(sensor.type is SensorType.lidar for sensor in robot.features.sensors)
+        self._draws_maps = self._has(SensorType.lidar)
         self._intervention = Intervention.none
         self._past = self._now = 0.0
         self._draw_what_stays()
@@ -138,6 +144,9 @@ class Viewer:
         self._next[what] = self._now + period
         return True
 
+    def _has(self, kind: SensorType) -> bool:
+        return any(sensor.type is kind for sensor in self._robot.features.sensors)
+
     # The truth, which only simulated robots have
 
     def _draw_what_stays(self) -> None:
@@ -148,7 +157,11 @@ class Viewer:
         log(
             "signals/velocity/commanded", _series(["vx commanded", "vy commanded", "omega commanded"], 1.0), static=True
         )
+        if profile.camera is not None:
+            log("map/camera", solids.frustum(profile.camera.intrinsics), static=True)
         if truth:
+            for person in truth.people():
+                log(f"scene/people/{person.name}", solids.figure(person.radius), static=True)
             log("scene/true_robot", solids.body_mesh(profile, TRUE_COLOR), static=True)
             for entity, solid in solids.scene_solids(truth.scene):
                 log(f"scene/{entity}", solid, static=True)
@@ -158,6 +171,8 @@ class Viewer:
         if truth := self._robot.simulation:
             if self._is_due("map frame", math.inf):  # once an episode
                 self._recording.log("map", _transform(truth.scene_from_map))
+            for person in truth.people():
+                self._recording.log(f"scene/people/{person.name}", _transform(person.pose))
             true_pose = truth.true_pose()
             self._draw_robot("scene/true", true_pose)
             error = true_pose.distance(truth.scene_from_map * pose)
@@ -184,6 +199,8 @@ class Viewer:
                 self._draw_scan(name, scan, sample.measured)
             case RangeData() as echo:
                 self._draw_echo(name, echo, sample.measured)
+            case RGBDImage() as image if self._is_due("pictures", PICTURES_EVERY):  # others are never drawn
+                self._draw_image(name, image, sample.measured)
             case BatteryState() as battery:
                 self._recording.log("signals/battery/charge", rr.Scalars(100.0 * battery.charge))
 
@@ -208,8 +225,7 @@ class Viewer:
     def _draw_echo(self, name: str, echo: RangeData, measured: float) -> None:
         """An arc: nobody knows where in its cone the surface is."""
         heard = 0.0 < echo.range < echo.range_max
-        x, y, heading = (float(v[0]) for v in self._poses_at(np.array([measured])))
-        sensor = Pose2D(x, y, heading) * self._robot.get_transform("base", name)
+        sensor = self._pose_at(measured) * self._robot.get_transform("base", name)
         angles = sensor.theta + np.linspace(-0.5, 0.5, 9) * echo.field_of_view
         arc = np.stack(
             [
@@ -220,6 +236,20 @@ class Viewer:
             axis=1,
         )
         self._recording.log(f"map/{name}", rr.LineStrips3D([arc] if heard else [], colors=[d.PLAN], radii=0.015))
+
+    def _draw_image(self, name: str, image: RGBDImage, measured: float) -> None:
+        """What a camera sees, from where it was when it saw it."""
+        camera = self._robot.profile.camera
+        assert camera is not None
+        pose = self._pose_at(measured) * camera.base_from_camera
+        self._recording.log(f"map/{name}", _transform(pose, camera.mount_height))
+        self._recording.log(f"map/{name}/color", color_image(image.color))
+        if image.depth is not None and self._is_due("depth", DEPTH_EVERY):
+            farthest = camera.depth.range_max if camera.depth else float(image.depth.max())
+            self._recording.log(f"map/{name}/depth", depth_image(image.depth, farthest))
+
+    def _pose_at(self, time: float) -> Pose2D:
+        return Pose2D(*(float(values[0]) for values in self._poses_at(np.array([time]))))
 
     def _poses_at(self, times: NDArray[np.floating]) -> tuple[NDArray[np.float64], ...]:
         """x, y [m] and heading [rad] of the base in `map` at some times, between the ticks that are known."""
@@ -273,9 +303,20 @@ class Viewer:
         self._recording.log("gate", rr.TextLog(intervention.name.replace("_", " "), level=level))
 
 
-def _transform(pose: Pose2D) -> rr.Transform3D:
+def color_image(bgr: NDArray[np.uint8]) -> rr.EncodedImage | rr.Image:
+    """Rerun wants RGB: here BGR becomes it."""
+    return rr.Image(bgr[..., ::-1], "RGB").compress(jpeg_quality=85)
+
+
+def depth_image(depth: NDArray[np.float32], farthest: float) -> rr.DepthImage:
+    """In whole millimetres, which no camera measures any finer; its colours reach to `farthest` [m]."""
+    millimeters = np.minimum(1000.0 * depth, 65535.0).round().astype(np.uint16)
+    return rr.DepthImage(millimeters, meter=1000.0, depth_range=(0.0, 1000.0 * farthest))
+
+
+def _transform(pose: Pose2D, height: float = 0.0) -> rr.Transform3D:
     turn = rr.RotationAxisAngle(axis=(0.0, 0.0, 1.0), radians=pose.theta)
-    return rr.Transform3D(translation=(pose.x, pose.y, 0.0), rotation_axis_angle=turn)
+    return rr.Transform3D(translation=(pose.x, pose.y, height), rotation_axis_angle=turn)
 
 
 def _series(names: list[str], width: float) -> rr.SeriesLines:

@@ -15,7 +15,7 @@ import pytest
 import threewe
 from numpy.typing import NDArray
 from PIL import Image
-from threewe import LaserScan, OccupancyGrid
+from threewe import LaserScan, OccupancyGrid, Robot
 from threewe._notebook import Picture, png
 
 SVG = "{http://www.w3.org/2000/svg}"
@@ -195,6 +195,29 @@ def test_depth_without_a_valid_pixel_is_drawn() -> None:
 def test_what_is_no_image_is_refused(array: NDArray[np.generic]) -> None:
     with pytest.raises(threewe.ContractError, match=r"an image is \(H, W, 3\) uint8 BGR or \(H, W\) float32"):
         threewe.show(array)
+
+
+async def test_colour_and_depth_are_shown_side_by_side() -> None:
+    async with Robot(hardware="3we_depth_v2", noise="ideal") as robot:
+        image = robot.get_rgbd_image()
+    (left, color), (right, depth), (_, scale) = images_of(image)
+    np.testing.assert_array_equal(color, image.color[..., ::-1])
+    assert image.depth is not None
+    np.testing.assert_array_equal(depth[..., 3] == 0, image.depth == 0.0)
+    nearest = np.unravel_index(np.where(image.depth > 0.0, image.depth, np.inf).argmin(), image.depth.shape)
+    assert depth[nearest].tolist() == scale[-1, 0].tolist()
+    assert float(right.attrib["x"]) > float(left.attrib["width"])
+    assert left.attrib["width"] == right.attrib["width"]
+    assert "640 x 480" in text_of(image)
+
+
+async def test_an_image_without_depth_is_shown_alone() -> None:
+    images: list[threewe.RGBDImage] = []
+    async with Robot(scene="corridor_v1") as robot:
+        robot.observe(lambda tick: images.extend(s.data for s in tick.samples if isinstance(s.data, threewe.RGBDImage)))
+        await robot.sleep(0.5)
+    [(_, color)] = images_of(images[0])
+    np.testing.assert_array_equal(color, images[0].color[..., ::-1])
 
 
 def test_show_prints_where_there_is_no_notebook(capsys: pytest.CaptureFixture[str]) -> None:

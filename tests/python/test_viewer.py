@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import io
 import itertools
 import math
 import signal
@@ -16,9 +17,11 @@ from typing import Any
 
 import numpy as np
 import pytest
+import rerun as rr
 import threewe
 import threewe.sync
 from numpy.typing import NDArray
+from PIL import Image
 from rerun.chunk import RrdReader
 from threewe import OccupancyGrid, Pose2D, Robot, Scene, TickView
 
@@ -292,6 +295,96 @@ async def test_a_robot_without_a_simulation_has_no_truth_to_show(tmp_path: Path)
     assert not [entity for entity in recording.entities if entity.startswith("/scene") or "error" in entity]
     *_, (_, [(x, y, _)]) = recording.rows("map/estimated_robot", "Transform3D:translation")
     assert (x, y) == pytest.approx((0.5, 0.0), abs=0.05)
+
+
+# Pictures
+
+
+def pixels_of(blob: list[int]) -> NDArray[Any]:
+    return np.array(Image.open(io.BytesIO(bytes(blob))))
+
+
+def test_a_red_object_is_red_in_rerun() -> None:
+    from threewe.viewer import color_image
+
+    bgr = np.full((48, 64, 3), 120, np.uint8)
+    bgr[16:32, 16:48] = (0, 0, 255)
+    image = color_image(bgr)
+    assert isinstance(image, rr.EncodedImage)
+    [blob] = image.blob.as_arrow_array().to_pylist()  # type: ignore[union-attr]
+    rgb = pixels_of(blob).astype(int)
+    assert np.abs(rgb[20:28, 20:44] - (255, 0, 0)).max() < 12
+    assert np.abs(rgb[:10] - 120).max() < 12
+
+
+def test_pictures_are_those_of_the_camera_where_it_was(tmp_path: Path) -> None:
+    path = tmp_path / "run.rrd"
+    taken: dict[int, tuple[Any, Pose2D]] = {}
+
+    async def run() -> threewe.RobotProfile:
+        async with Robot(hardware="3we_depth_v2", noise="ideal", viewer=str(path)) as robot:
+            assert robot.simulation is not None
+            truth = robot.simulation
+            poses = {0: truth.true_pose()}
+
+            def look(tick: TickView) -> None:
+                poses[round(tick.now * 100)] = truth.true_pose()
+                for sample in tick.samples:
+                    if isinstance(sample.data, threewe.RGBDImage):
+                        pose = min(poses.items(), key=lambda item: abs(item[0] - 100 * sample.measured))[1]
+                        taken[round(tick.now * 50)] = sample.data, pose
+
+            robot.observe(look)
+            await robot.rotate(2.0)
+            return robot.profile
+
+    camera = asyncio.run(run()).camera
+    assert camera is not None
+    recording = Recording(path)
+    color, depth, place, turn = (
+        list(recording.rows(entity, component))
+        for entity, component in (
+            ("map/camera/color", "EncodedImage:blob"),
+            ("map/camera/depth", "DepthImage:buffer"),
+            ("map/camera", "Transform3D:translation"),
+            ("map/camera", "Transform3D:rotation_axis_angle"),
+        )
+    )
+    assert len(color) == len(place) == len(turn) > 5
+    for (time, [jpeg]), (_, [(x, y, z)]), (_, [rotation]) in zip(color, place, turn, strict=True):
+        image, pose = taken[round(time * 50)]
+        assert np.abs(pixels_of(jpeg).astype(int) - image.color[..., ::-1]).mean() < 6
+        expected = pose * camera.base_from_camera
+        assert (x, y, z) == pytest.approx((expected.x, expected.y, camera.mount_height), abs=0.02)
+        assert math.remainder(rotation["angle"] - expected.theta, math.tau) == pytest.approx(0.0, abs=0.03)
+    assert len(depth) > 2
+    for time, [millimeters] in depth:
+        image, _ = taken[round(time * 50)]
+        pixels = np.array(millimeters, np.uint8).view(np.uint16).reshape(image.depth.shape)
+        np.testing.assert_allclose(pixels / 1000.0, image.depth, atol=0.00051)
+
+
+def test_people_are_where_they_walk(tmp_path: Path) -> None:
+    path = tmp_path / "run.rrd"
+    seen: dict[int, dict[str, Pose2D]] = {}
+
+    async def run() -> None:
+        async with Robot(scene="dynamic_v1", viewer=str(path)) as robot:
+            assert robot.simulation is not None
+            truth = robot.simulation
+            robot.observe(lambda tick: seen.update({round(tick.now * 50): {p.name: p.pose for p in truth.people()}}))
+            await robot.sleep(2.0)
+
+    asyncio.run(run())
+    recording = Recording(path)
+    names = list(seen.popitem()[1])
+    assert names
+    for name in names:
+        rows = list(recording.rows(f"scene/people/{name}", "Transform3D:translation"))
+        assert len(rows) > 10
+        for time, [(x, y, _)] in rows[:-1]:
+            pose = seen[round(time * 50)][name]
+            assert (x, y) == pytest.approx((pose.x, pose.y), abs=1e-5)
 
 
 # It only looks
