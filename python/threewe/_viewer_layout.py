@@ -27,7 +27,11 @@ def layout(scene: Scene | None, camera: bool, depth: bool) -> rrb.Blueprint:
         rrb.Vertical(
             rrb.Horizontal(
                 _world(scene),
-                rrb.Vertical(_map(scene), *([rrb.Horizontal(*pictures)] if pictures else []), row_shares=[3, 2]),
+                rrb.Vertical(
+                    _map(scene, 0.85 if pictures else 1.2),
+                    *([rrb.Horizontal(*pictures)] if pictures else []),
+                    row_shares=[3, 2],
+                ),
                 column_shares=[3, 2],
             ),
             rrb.Horizontal(
@@ -49,10 +53,10 @@ def _world(scene: Scene | None) -> rrb.Spatial3DView:
     return _spatial("world" if scene else "robot", ["+ /**"], BACKGROUND, eye)
 
 
-def _map(scene: Scene | None) -> rrb.Spatial3DView:
-    """What the robot knows, seen from straight above."""
+def _map(scene: Scene | None, distance: float) -> rrb.Spatial3DView:
+    """What the robot knows, seen from straight above; `distance` in widths of the scene."""
     x, y, span = _extent(scene)
-    eye = rrb.EyeControls3D(position=(x, y, 1.2 * span), look_target=(x, y, 0.0), eye_up=(0.0, 1.0, 0.0))
+    eye = rrb.EyeControls3D(position=(x, y, distance * span), look_target=(x, y, 0.0), eye_up=(0.0, 1.0, 0.0))
     return _spatial("map", ["+ map/**", "- map/camera/**", "+ scene/true_path"], UNKNOWN, eye)
 
 
