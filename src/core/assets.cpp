@@ -20,6 +20,25 @@ namespace fs = std::filesystem;
 std::mutex added_mutex;
 std::vector<fs::path> added_directories;
 
+// Editors and archives leave hidden files behind.
+bool is_asset(const fs::path& file) {
+  std::error_code unreadable;
+  return file.extension() == ".yaml" && !file.filename().string().starts_with('.') &&
+         fs::is_regular_file(file, unreadable);
+}
+
+// `origin` is where the folder was named, for messages.
+void check_directory(const fs::path& directory, std::string_view origin) {
+  const auto fail = [&](std::string_view what) {
+    throw ConfigError(fmt::format("{}'{}' {}", origin, directory.string(), what));
+  };
+  if (!fs::is_directory(directory)) fail("is not a folder");
+  const auto holds = [&](std::string_view kind) { return fs::is_directory(directory / kind); };
+  if (!holds("scenes") && !holds("objects") && !holds("robots")) {
+    fail("has no folder 'scenes', 'objects' or 'robots' in it");
+  }
+}
+
 bool names_a_file(std::string_view name) { return name.ends_with(".yaml") || name.ends_with(".yml"); }
 
 // A relative folder is one beside the file that this code was loaded from: a wheel may be unpacked anywhere.
@@ -32,6 +51,16 @@ fs::path installed_directory() {
 
 // "scenes" -> "scene", for messages
 std::string_view singular(std::string_view kind) { return kind.substr(0, kind.size() - 1); }
+
+// A file that is there, and yet not found, would be a riddle.
+void refuse_yml(std::string_view kind, std::string_view name) {
+  for (const fs::path& directory : asset_directories()) {
+    const fs::path file = directory / kind / fmt::format("{}.yml", name);
+    if (fs::is_regular_file(file)) {
+      throw ConfigError(fmt::format("rename {}: the names of such files end in .yaml", file.string()));
+    }
+  }
+}
 
 // Two ways of writing one folder count as one.
 void add_once(std::vector<fs::path>& directories, const fs::path& directory) {
@@ -51,7 +80,7 @@ std::vector<fs::path> asset_directories() {
     std::istringstream stream(paths);
     for (std::string path; std::getline(stream, path, ':');) {
       if (path.empty()) continue;
-      if (!fs::is_directory(path)) throw ConfigError(fmt::format("THREEWE_PATH: '{}' is not a folder", path));
+      check_directory(path, "THREEWE_PATH: ");
       add_once(directories, path);
     }
   }
@@ -61,9 +90,9 @@ std::vector<fs::path> asset_directories() {
 }
 
 void add_asset_directory(const fs::path& directory) {
-  if (!fs::is_directory(directory)) throw ConfigError(fmt::format("'{}' is not a folder", directory.string()));
+  check_directory(directory, "");
   const std::scoped_lock lock(added_mutex);
-  add_once(added_directories, directory);
+  add_once(added_directories, fs::absolute(directory));
 }
 
 std::vector<std::string> asset_names(std::string_view kind) {
@@ -71,7 +100,7 @@ std::vector<std::string> asset_names(std::string_view kind) {
   for (const fs::path& directory : asset_directories()) {
     std::error_code missing;
     for (const auto& entry : fs::directory_iterator(directory / kind, missing)) {
-      if (entry.path().extension() == ".yaml") names.push_back(entry.path().stem().string());
+      if (is_asset(entry.path())) names.push_back(entry.path().stem().string());
     }
   }
   std::ranges::sort(names);
@@ -89,13 +118,14 @@ fs::path find_asset(std::string_view kind, std::string_view name) {
     std::vector<fs::path> files;
     for (const fs::path& directory : asset_directories()) {
       const fs::path file = directory / kind / fmt::format("{}.yaml", name);
-      if (fs::is_regular_file(file, unusable)) files.push_back(file);
+      if (is_asset(file)) files.push_back(file);
     }
     if (files.size() > 1) {
       throw ConfigError(fmt::format("there are two {} named '{}': {} and {}; rename one of them", kind, name,
                                     files[0].string(), files[1].string()));
     }
     if (!files.empty()) return files.front();
+    refuse_yml(kind, name);
   }
   const auto names = asset_names(kind);
   throw ConfigError(unknown_name(singular(kind), name, names));

@@ -10,9 +10,9 @@ namespace threewe {
 
 /// The folders that hold `scenes/`, `objects/` and `robots/`: the one installed with the library (or in its place the
 /// one that the environment variable THREEWE_ASSETS names), those of other people in THREEWE_PATH (colon-separated),
-/// then those added at run time. Throws ConfigError where THREEWE_PATH names something that is no folder.
+/// then those added at run time. Throws ConfigError where THREEWE_PATH names something that is no such folder.
 std::vector<std::filesystem::path> asset_directories();
-/// Adds a folder to search. Throws ConfigError when it is none.
+/// Adds a folder to search. Throws ConfigError when it holds neither `scenes/` nor `objects/` nor `robots/`.
 void add_asset_directory(const std::filesystem::path& directory);
 
 /// The file of an asset: `kind` is "scenes", "objects" or "robots"; `name` is a name or a path that ends in .yaml.

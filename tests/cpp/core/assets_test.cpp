@@ -7,6 +7,8 @@
 #include <fstream>
 #include <string>
 
+#include <fmt/format.h>
+
 #include "threewe/core/errors.hpp"
 
 namespace threewe {
@@ -85,6 +87,36 @@ TEST_CASE("a name that two folders have is an error that names both files") {
                        ConfigError);
 }
 
+TEST_CASE("what is no asset is not listed") {
+  const Folder folder("listed");
+  folder.scene("test_hall.yaml");
+  folder.scene(".test_hidden.yaml");  // as editors and archives leave them
+  fs::create_directories(folder.path() / "scenes" / "test_folder.yaml");
+  fs::create_symlink("nowhere", folder.path() / "scenes" / "test_dangling.yaml");
+  const Environment environment(folder.path().string());
+  CHECK(lists("test_hall"));
+  CHECK_FALSE(lists(".test_hidden"));
+  CHECK_FALSE(lists("test_folder"));
+  CHECK_FALSE(lists("test_dangling"));
+}
+
+TEST_CASE("a file that ends in .yml is not overlooked in silence") {
+  const Folder folder("yml");
+  const fs::path file = folder.scene("test_hall.yml");
+  const Environment environment(folder.path().string());
+  CHECK_THROWS_WITH_AS(find_asset("scenes", "test_hall"),
+                       ("rename " + file.string() + ": the names of such files end in .yaml").c_str(), ConfigError);
+}
+
+TEST_CASE("a folder that holds no assets is refused: the one above or below it may be meant") {
+  const Folder folder("above");
+  const fs::path below = folder.path() / "scenes";
+  const std::string message = fmt::format("'{}' has no folder 'scenes', 'objects' or 'robots' in it", below.string());
+  CHECK_THROWS_WITH_AS(add_asset_directory(below), message.c_str(), ConfigError);
+  const Environment environment(below.string());
+  CHECK_THROWS_WITH_AS(asset_directories(), ("THREEWE_PATH: " + message).c_str(), ConfigError);
+}
+
 TEST_CASE("what is no folder is refused") {
   const Environment environment("/does/not/exist");
   CHECK_THROWS_WITH_AS(asset_directories(), "THREEWE_PATH: '/does/not/exist' is not a folder", ConfigError);
@@ -99,6 +131,16 @@ TEST_CASE("folders can be added") {
   add_asset_directory(folder.path() / ".");
   CHECK(find_asset("scenes", "test_added") == file);
   CHECK(std::ranges::count(asset_directories(), folder.path()) == 1);
+}
+
+TEST_CASE("an added folder stays what it was when the program goes elsewhere") {
+  const Folder folder("relative");
+  const fs::path file = folder.scene("test_relative.yaml");
+  const fs::path here = fs::current_path();
+  fs::current_path(folder.path().parent_path());
+  add_asset_directory(folder.path().filename());
+  fs::current_path(here);
+  CHECK(find_asset("scenes", "test_relative") == file);
 }
 
 TEST_CASE("a path that ends in .yaml is taken as it is") {
