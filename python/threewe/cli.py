@@ -12,14 +12,14 @@ from typing import Annotated, NoReturn
 import typer
 from rich.console import Console
 from rich.markup import escape
-from rich.table import Table
+from rich.table import Column, Table
 
 import threewe
 
 app = typer.Typer(
     help="3we: one robot program, on simulators and on the robot.", no_args_is_help=True, pretty_exceptions_enable=False
 )
-scenes = typer.Typer(help="The scenes that come with 3we.", no_args_is_help=True)
+scenes = typer.Typer(help="Scenes: those that come with 3we, your own, and new ones.", no_args_is_help=True)
 app.add_typer(scenes, name="scenes")
 
 console = Console()
@@ -104,14 +104,22 @@ def view(
 
 @scenes.command("list")
 def list_scenes() -> None:
-    """The scenes, with their sizes and rooms."""
-    table = Table("scene", "size", "rooms", "objects", "description")
+    """The scenes, also those in folders that THREEWE_PATH names, with their sizes and rooms."""
+    table = Table("scene", "size", "rooms", "objects", Column("description", overflow="fold"))
+    broken = False
     for name in threewe.scene_names():
-        scene = threewe.Scene.load(name)
+        try:
+            scene = threewe.Scene.load(name)
+        except threewe.ConfigError as error:
+            table.add_row(escape(name), "[bold red]broken[/]", "", "", escape(str(error)))
+            broken = True
+            continue
         width, depth = scene.max[0] - scene.min[0], scene.max[1] - scene.min[1]
         counts = str(len(scene.rooms)), str(len(scene.objects))
         table.add_row(escape(name), f"{width:.0f} x {depth:.0f} m", *counts, escape(scene.description))
     console.print(table)
+    if broken:
+        raise typer.Exit(1)
 
 
 @scenes.command("show")
@@ -138,7 +146,10 @@ def show_scene(
 def generate_scene(
     seed: Annotated[int, typer.Option(min=0, max=2**64 - 1, help="Draws the scene.")],
     difficulty: Annotated[float, typer.Option(help="0 to 1: from sparse to crowded.")] = 0.5,
-    size: Annotated[tuple[float, float], typer.Option(help="East to west and south to north [m].")] = (14.0, 10.0),
+    size: Annotated[tuple[float, float], typer.Option(help="East to west and south to north, in metres.")] = (
+        14.0,
+        10.0,
+    ),
     output: Annotated[
         Path | None, typer.Option("--output", "-o", help="The file; generated_SEED.yaml by default.")
     ] = None,
@@ -157,7 +168,7 @@ def doctor() -> None:
     """What is installed, what works, and what to do about the rest."""
     from threewe.doctor import examine
 
-    table = Table("part", "state", "what to do")
+    table = Table("part", Column("state", overflow="fold"), Column("what to do", overflow="fold"))
     findings = examine()
     for finding in findings:
         mark = {"ok": "[green]ok[/]", "missing": "[yellow]missing[/]", "broken": "[bold red]broken[/]"}[finding.state]

@@ -8,10 +8,14 @@ import platform
 import sys
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
 from typing import Literal
 
 import threewe
 from threewe.testing import check_backend
+
+INSTALL_AGAIN = "install it again; if it stays, please report it"
 
 
 @dataclass(frozen=True)
@@ -29,12 +33,36 @@ def examine() -> list[Finding]:
     return [
         Finding("Python", "ok", f"{platform.python_version()} on {platform.machine()}"),
         Finding("threewe", "ok", f"{threewe.__version__}, vector target {threewe.active_target()}"),
+        *_assets(),
         *_backends(),
         _works("simulated drive", _drive),
         _package("pillow", "pictures and films", "demo"),
         _package("av", "run.mp4", "demo"),
         _package("rerun-sdk", "threewe view", "viz"),
     ]
+
+
+def _assets() -> list[Finding]:
+    """A finding for each folder: every scene and every robot in it is read."""
+    try:
+        directories = threewe.asset_directories()
+    except threewe.ConfigError as error:
+        return [Finding("assets", "broken", str(error), "correct THREEWE_PATH")]
+    remedies = [INSTALL_AGAIN] + ["correct that file"] * (len(directories) - 1)
+    return [
+        _works(f"assets in {directory}", partial(_read, directory), remedy)
+        for directory, remedy in zip(directories, remedies, strict=True)
+    ]
+
+
+def _read(directory: Path) -> str:
+    scenes = [threewe.Scene.load(name) for name in threewe.scene_names() if _has(directory / "scenes", name)]
+    robots = [threewe.RobotProfile.load(name) for name in threewe.profile_names() if _has(directory / "robots", name)]
+    return f"{len(scenes)} scenes, {len(robots)} robots"
+
+
+def _has(folder: Path, name: str) -> bool:
+    return (folder / f"{name}.yaml").is_file()
 
 
 def _backends() -> list[Finding]:
@@ -57,11 +85,11 @@ def _package(name: str, purpose: str, extra: str) -> Finding:
         return Finding(name, "missing", f"needed for {purpose}", f"{sys.executable} -m pip install 'threewe[{extra}]'")
 
 
-def _works(part: str, check: Callable[[], str]) -> Finding:
+def _works(part: str, check: Callable[[], str], remedy: str = INSTALL_AGAIN) -> Finding:
     try:
         return Finding(part, "ok", check())
     except threewe.ThreeweError as error:
-        return Finding(part, "broken", str(error), "install it again; if it stays, please report it")
+        return Finding(part, "broken", str(error), remedy)
 
 
 def _drive() -> str:

@@ -1,8 +1,9 @@
 """Every code block of the README and docs/ runs.
 
 `python` blocks of a page run in order in one namespace, as a reader would paste them into a notebook; the lines of a
-`console` block that begin with "$ " run in a shell (but for ./dev, which is running); `cpp` blocks are compiled. Other
-commands and programs are left out only if the line before the block says why: <!-- not run: needs a robot -->.
+`console` block that begin with "$ " run in a shell (but for ./dev, which is running); `cpp` blocks are compiled. A
+`yaml` block that begins with a path, as a comment, is a file that all of them find. Other commands and programs are
+left out only if the line before the block says why: <!-- not run: needs a robot -->.
 """
 
 import ast
@@ -35,9 +36,18 @@ def pages_with(language: str) -> list[str]:
     return [str(page.relative_to(ROOT)) for page in PAGES if blocks(page, language)]
 
 
+def write_files(page: str, folder: Path) -> None:
+    for _, text in blocks(ROOT / page, "yaml"):
+        if text.startswith("# "):
+            path = folder / text.splitlines()[0].removeprefix("# ")
+            path.parent.mkdir(parents=True, exist_ok=True)
+            path.write_text(text)
+
+
 @pytest.mark.parametrize("page", pages_with("python"))
 def test_python(page: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
+    write_files(page, tmp_path)
 
     async def paste() -> None:
         namespace = {"__name__": "__main__"}
@@ -52,6 +62,7 @@ def test_python(page: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> N
 
 @pytest.mark.parametrize("page", pages_with("console"))
 def test_console(page: str, tmp_path: Path) -> None:
+    write_files(page, tmp_path)
     path = f"{Path(sys.executable).parent}:{os.environ['PATH']}"
     for where, code in blocks(ROOT / page, "console"):
         commands = [line.removeprefix("$ ") for line in code.splitlines() if line.startswith("$ ")]
