@@ -38,7 +38,7 @@ def build(version: str, python: Path) -> Path:
     """The wheel as it was linked, which needs libraries of this machine, in build/wheel_<ABI>/linked."""
     tree = ROOT / "build" / f"wheel_{abi(version)}"
     if python != Path(sys.executable):
-        python = builder(python, tree / "venv")
+        python = builder(python, tree / f"venv{version}")
     # as in build/dev: the compiler cache then has all but one file of the library
     settings = [f"build-dir={tree}", "cmake.define.THREEWE_DEVELOPER=ON"]
     settings += [f"cmake.define.THREEWE_BUILD_{product}=OFF" for product in ("TESTS", "EXAMPLES", "BENCHMARKS")]

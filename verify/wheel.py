@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from python.make_wheel import OWN_VERSION, build, repair
+from python.make_wheel import OWN_VERSION, VERSIONS, build, interpreters, repair
 from verify.cases.bare_root import BareRoot, missing
 from verify.harness import Case, Experiment, all_of
 
@@ -22,21 +22,22 @@ asyncio.run(eval(code, {}))
 COMPLETE = ["_core.pyi", "py.typed", "assets/scenes/office_v2.yaml", "assets/objects/chair.yaml"]
 
 
-def plain(_seed: int) -> Case:
+def plain(_seed: int, version: str) -> Case:
     """The package without extras. Before its repair, the wheel must fail: or else that root hides nothing."""
-    if lacking := missing():
+    python = Path(sys.executable) if version == OWN_VERSION else interpreters()[version]
+    if lacking := missing() or (python is None and f"Python {version} is not installed"):
         return {"not_shown": lacking}
-    linked = build(OWN_VERSION, Path(sys.executable))
+    linked = build(version, python)
     wheel = repair(linked)
-    with installed(f"{wheel}") as root:
-        package = root.venv / f"lib/python{OWN_VERSION}/site-packages/threewe"
+    with installed(python, f"{wheel}") as root:
+        package = root.venv / f"lib/python{version}/site-packages/threewe"
         case = {
             "absent": [file for file in COMPLETE if not (package / file).exists()],
             "five_lines": root.run("-c", PASTE, FIVE_LINES),
             "scenes": root.run(root.venv / "bin/threewe", "scenes", "list"),
             "doctor": root.run(root.venv / "bin/threewe", "doctor"),
         }
-    with installed(f"{linked}") as root:
+    with installed(python, f"{linked}") as root:
         return {"wheel": wheel.name, **case, "unrepaired": root.run("-c", "import threewe")}
 
 
@@ -45,35 +46,42 @@ def demo(_seed: int) -> Case:
     if lacking := missing():
         return {"not_shown": lacking}
     wheel = repair(build(OWN_VERSION, Path(sys.executable)))
-    with installed(f"{wheel}[demo]") as root:
+    with installed(Path(sys.executable), f"{wheel}[demo]") as root:
         return {"demo": root.run(root.venv / "bin/threewe", "demo", "-o", "/tmp/demo")}
 
 
 @contextmanager
-def installed(requirement: str) -> Iterator[BareRoot]:
+def installed(python: Path, requirement: str) -> Iterator[BareRoot]:
     """An empty environment into which pip has installed a wheel and what it asks for, in an empty root."""
     with tempfile.TemporaryDirectory() as folder:
         venv = Path(folder) / "venv"
-        subprocess.run([sys.executable, "-m", "venv", "--copies", venv], check=True)
+        subprocess.run([python, "-m", "venv", "--copies", venv], check=True)
         pip = [venv / "bin/python", "-m", "pip", "install", "-q", "--disable-pip-version-check"]
         subprocess.run([*pip, requirement], check=True)
         yield BareRoot(Path(folder) / "root", venv)
 
 
 EXPERIMENTS = [
-    Experiment(
-        "in an empty root",
-        plain,
-        rows=[
-            all_of("the wheel is complete", lambda case: not case["absent"]),
-            all_of("the five lines of the README arrive", lambda case: "Success: True" in case["five_lines"]["out"]),
-            all_of("threewe scenes lists them", lambda case: "office_v2" in case["scenes"]["out"]),
-            all_of("threewe doctor finds nothing broken", lambda case: case["doctor"]["status"] == 0),
-            all_of("unrepaired it lacks libraries", lambda case: "cannot open shared" in case["unrepaired"]["out"]),
-        ],
+    *(
+        Experiment(
+            f"Python {version} in an empty root",
+            plain,
+            {"version": version},
+            sample=int(version == OWN_VERSION),
+            rows=[
+                all_of("the wheel is complete", lambda case: not case["absent"]),
+                all_of(
+                    "the five lines of the README arrive", lambda case: "Success: True" in case["five_lines"]["out"]
+                ),
+                all_of("threewe scenes lists them", lambda case: "office_v2" in case["scenes"]["out"]),
+                all_of("threewe doctor finds nothing broken", lambda case: case["doctor"]["status"] == 0),
+                all_of("unrepaired it lacks libraries", lambda case: "cannot open shared" in case["unrepaired"]["out"]),
+            ],
+        )
+        for version in VERSIONS
     ),
     Experiment(
-        "in an empty root",
+        f"Python {OWN_VERSION} in an empty root",
         demo,
         sample=0,
         rows=[all_of("threewe demo arrives", lambda case: case["demo"]["status"] == 0)],

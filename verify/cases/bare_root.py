@@ -5,7 +5,6 @@ There is no compiler in it, no shell, and no library that a wheel could find by 
 
 import shutil
 import subprocess
-import sysconfig
 from pathlib import Path
 
 # shows the folders up to -- in the root $1, for itself alone (a mount name space), and runs the rest in there
@@ -36,7 +35,8 @@ class BareRoot:
         """Fills a folder that does not exist yet."""
         self.folder = folder
         self.venv = venv
-        self.standard_library = Path(sysconfig.get_path("stdlib"))
+        ask = [venv / "bin/python", "-c", "import sysconfig; print(sysconfig.get_path('stdlib'))"]
+        self.standard_library = Path(subprocess.check_output(ask, text=True).strip())
         (folder / "tmp").mkdir(parents=True)
         parts = [path for path in self.standard_library.glob("lib-dynload/*.so") if "tkinter" not in path.name]
         promised = {library for library in links(*venv.glob("lib/**/*.so")) if library.name in PROMISED}
