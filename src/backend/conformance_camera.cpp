@@ -104,7 +104,7 @@ std::pair<RGBDImage, RGBDImage> image_and_truth(Bench& bench) {
   const CameraSpec& spec = *bench.profile().camera;
   RGBDImage image = next_image(bench);
   const Pose2D eye = bench.port().truth()->true_pose() * spec.base_from_camera;
-  RGBDImage truth = bench.port().truth()->look(spec.intrinsics(), eye, spec.mount_height).image;
+  RGBDImage truth = bench.port().truth()->look(spec.intrinsics(), eye, spec.mount_height, false).image;
   expect(image.color.size() == truth.color.size(), "the image has {} colours, and not {}", image.color.size(),
          truth.color.size());
   return {std::move(image), std::move(truth)};
