@@ -3,6 +3,7 @@
 #include "sim/renderer_kernel.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cstddef>
 #include <cstdint>
 
@@ -53,16 +54,6 @@ HWY_INLINE F interpolate(W cell, W x, W y) {
   return hn::ConvertTo(d, hn::BitCast(di, sum));
 }
 
-// Loads one word for each lane. One by one: the gather of AVX2 is slower on the machines that it was measured on.
-HWY_INLINE W look_up(const std::uint32_t* HWY_RESTRICT words, W index) {
-  const Words dw;
-  HWY_ALIGN std::uint32_t at[kMostLanes];
-  HWY_ALIGN std::uint32_t found[kMostLanes];
-  hn::Store(index, dw, at);
-  for (std::size_t i = 0; i < hn::Lanes(dw); ++i) found[i] = words[at[i]];
-  return hn::Load(dw, found);
-}
-
 // 256 times the number of texels across the level that suits a footprint [texels of level 0]: a power of two, made
 // from the exponent.
 HWY_INLINE F level_side(F footprint) {
@@ -76,8 +67,30 @@ HWY_INLINE F level_side(F footprint) {
   return hn::BitCast(d, hn::Sub(hn::Set(dw, kProduct), within));
 }
 
-// Brightness in 1/65536, from a texture.
-HWY_INLINE F brightness(const std::uint32_t* HWY_RESTRICT texels, F tile, F u, F v, F footprint) {
+// What is looked up in a table of 2x2 bytes a cell, for a strip of pixels: the cells, then the words found there, and
+// the places within them.
+struct Lookups {
+  HWY_ALIGN std::uint32_t cells[kStripWidth];
+  HWY_ALIGN std::uint32_t x[kStripWidth];
+  HWY_ALIGN std::uint32_t y[kStripWidth];
+
+  HWY_INLINE void set(std::size_t i, W cell, W at_x, W at_y) {
+    const Words dw;
+    hn::Store(cell, dw, cells + i);
+    hn::Store(at_x, dw, x + i);
+    hn::Store(at_y, dw, y + i);
+  }
+  // One by one: the gather of AVX2 is slower on the machines that it was measured on.
+  HWY_INLINE void find(const std::uint32_t* HWY_RESTRICT table, std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) cells[i] = table[cells[i]];
+  }
+  HWY_INLINE F interpolated(std::size_t i) const {
+    const Words dw;
+    return interpolate(hn::Load(dw, cells + i), hn::Load(dw, x + i), hn::Load(dw, y + i));
+  }
+};
+
+HWY_INLINE void place_texture(F tile, F u, F v, F footprint, std::size_t i, Lookups& texture) {
   const Floats d;
   const Words dw;
   const F side = level_side(footprint);
@@ -87,11 +100,10 @@ HWY_INLINE F brightness(const std::uint32_t* HWY_RESTRICT texels, F tile, F u, F
   const W y = rounded(hn::Add(first, hn::Mul(hn::Sub(v, hn::Floor(v)), side)));
   constexpr std::uint32_t kZero = (kRounderBits >> 8U) * (kTexelStride + 1U);
   const W row = hn::Mul(hn::ShiftRight<8>(y), hn::Set(dw, static_cast<std::uint32_t>(kTexelStride)));
-  const W index = hn::Sub(hn::Add(row, hn::ShiftRight<8>(x)), hn::Set(dw, kZero));
-  return interpolate(look_up(texels, index), x, y);
+  texture.set(i, hn::Sub(hn::Add(row, hn::ShiftRight<8>(x)), hn::Set(dw, kZero)), x, y);
 }
 
-HWY_INLINE F floor_light(const Row& row, const FloorLight& light, std::size_t i, F depth) {
+HWY_INLINE void place_light(const Row& row, const FloorLight& light, std::size_t i, F depth, Lookups& lights) {
   const Floats d;
   const Words dw;
   const auto fixed = [&](F x, int count) HWY_ATTR {
@@ -103,9 +115,7 @@ HWY_INLINE F floor_light(const Row& row, const FloorLight& light, std::size_t i,
   const auto width = static_cast<std::uint32_t>(light.width);
   const W begin = hn::Mul(hn::ShiftRight<8>(y), hn::Set(dw, width));
   const W zero = hn::Set(dw, (kRounderBits >> 8U) * (width + 1U));
-  const W index = hn::Sub(hn::Add(begin, hn::ShiftRight<8>(x)), zero);
-  return hn::Mul(interpolate(look_up(light.cells.data(), index), x, y),
-                 hn::Set(d, static_cast<float>(FloorLight::kBrightest) / (255.0F * 65536.0F)));
+  lights.set(i, hn::Sub(hn::Add(begin, hn::ShiftRight<8>(x)), zero), x, y);
 }
 
 // From a to b.
@@ -143,63 +153,95 @@ void store_colour(const std::uint32_t* words, std::size_t count, std::uint8_t* t
 #endif
 }
 
-void draw(const Row& row, const FloorLight& light, const std::uint32_t* texels, const RowImages& images) {
-  const Floats d;
-  const Ints di;
-  const auto field = [&](Field which, std::size_t i) HWY_ATTR { return hn::Load(d, row.fields[which].data() + i); };
-  const F slope = hn::Set(d, row.slope);
-  const Colour sky = sky_colour(row.slope);
-  const Colour sun = sun_glow(row.slope);
-  const Colour horizon = sky_colour(0.0F);
-  const auto count = static_cast<std::size_t>(row.lanes);
+HWY_INLINE F field(const Row& row, Field which, std::size_t i) {
+  return hn::Load(Floats(), row.fields[which].data() + i);
+}
+
+// A row of a strip in the making. It is drawn in three passes, each of which is short enough for a processor to work on
+// many pixels at once: where everything is, what is found there, and how that looks.
+struct Strip {
+  Lookups texture;
+  Lookups light;
+  HWY_ALIGN float shades[kStripWidth];
   HWY_ALIGN std::uint32_t pixels[kStripWidth];
-  for (std::size_t i = 0; i < count; i += hn::Lanes(d)) {
-    // how far it is
-    const F id = field(kId, i);
-    const F inverse = hn::Add(field(kInverse, i), hn::Mul(field(kInverseRise, i), slope));
-    const auto something = hn::Gt(id, hn::Zero(d));
-    const F depth = hn::IfThenElseZero(hn::Gt(inverse, hn::Zero(d)), hn::Div(hn::Set(d, 1.0F), inverse));
-    if (images.depth) hn::StoreU(hn::IfThenElseZero(something, depth), d, images.depth + i);
-    if (images.ids) hn::StoreU(hn::DemoteTo(Shorts(), hn::ConvertTo(di, id)), Shorts(), images.ids + i);
-    if (!images.colour) continue;
+  std::array<std::size_t, kStripWidth> floors;  // where vectors begin in which the floor is seen
+  std::size_t floor_count = 0;
+};
 
-    // its texture
-    const F u = hn::Add(field(kU, i), hn::Mul(depth, field(kUStep, i)));
-    const F v_step = hn::Add(field(kVStep, i), hn::Mul(field(kVRise, i), slope));
-    const F v = hn::Add(field(kV, i), hn::Mul(depth, v_step));
-    const F footprint = hn::Add(field(kFootprint, i), hn::Mul(hn::Mul(depth, depth), field(kFootprintRise, i)));
-    const F bright = hn::Mul(brightness(texels, field(kTile, i), u, v, footprint), hn::Set(d, 1.0F / 65536.0F));
+HWY_INLINE void place(const Row& row, const FloorLight& light, const RowImages& images, std::size_t i, Strip& strip) {
+  const Floats d;
+  const F slope = hn::Set(d, row.slope);
+  const F id = field(row, kId, i);
+  const F inverse = hn::Add(field(row, kInverse, i), hn::Mul(field(row, kInverseRise, i), slope));
+  const F depth = hn::IfThenElseZero(hn::Gt(inverse, hn::Zero(d)), hn::Div(hn::Set(d, 1.0F), inverse));
+  if (images.depth) hn::StoreU(hn::IfThenElseZero(hn::Gt(id, hn::Zero(d)), depth), d, images.depth + i);
+  if (images.ids) hn::StoreU(hn::DemoteTo(Shorts(), hn::ConvertTo(Ints(), id)), Shorts(), images.ids + i);
+  if (!images.colour) return;
 
-    // its shade
-    F shade = hn::Min(hn::Set(d, 1.0F), hn::Add(field(kShade, i), hn::Mul(field(kShadeRise, i), v)));
-    const auto is_floor = hn::Eq(id, hn::Set(d, static_cast<float>(kFloorId)));
-    if (!hn::AllFalse(d, is_floor)) {
-      shade = hn::IfThenElse(is_floor, floor_light(row, light, i, depth), shade);
-    }
-    const F cover = hn::Add(field(kDark, i), hn::Mul(field(kContrast, i), bright));
-    shade = hn::Mul(shade, cover);
+  const F u = hn::Add(field(row, kU, i), hn::Mul(depth, field(row, kUStep, i)));
+  const F v_step = hn::Add(field(row, kVStep, i), hn::Mul(field(row, kVRise, i), slope));
+  const F v = hn::Add(field(row, kV, i), hn::Mul(depth, v_step));
+  const F footprint = hn::Add(field(row, kFootprint, i), hn::Mul(hn::Mul(depth, depth), field(row, kFootprintRise, i)));
+  place_texture(field(row, kTile, i), u, v, footprint, i, strip.texture);
+  const F shade = hn::Add(field(row, kShade, i), hn::Mul(field(row, kShadeRise, i), v));
+  hn::Store(hn::Min(hn::Set(d, 1.0F), shade), d, strip.shades + i);
 
-    F blue = hn::Mul(field(kBlue, i), shade);
-    F green = hn::Mul(field(kGreen, i), shade);
-    F red = hn::Mul(field(kRed, i), shade);
-    if (row.haze > 0.0F) {
-      const F hidden = hn::IfThenElseZero(is_floor, hn::Set(d, row.haze));
-      blue = mixed(blue, hn::Set(d, horizon.b), hidden);
-      green = mixed(green, hn::Set(d, horizon.g), hidden);
-      red = mixed(red, hn::Set(d, horizon.r), hidden);
-    }
-    if (!hn::AllTrue(d, something)) {
-      const auto over_sky = [&](Field own, float sky_channel, float sun_channel) HWY_ATTR {
-        const F lit = hn::Add(hn::Set(d, sky_channel), hn::Mul(hn::Set(d, sun_channel), field(kGlow, i)));
-        return mixed(lit, field(own, i), cover);
-      };
-      blue = hn::IfThenElse(something, blue, over_sky(kBlue, sky.b, sun.b));
-      green = hn::IfThenElse(something, green, over_sky(kGreen, sky.g, sun.g));
-      red = hn::IfThenElse(something, red, over_sky(kRed, sky.r, sun.r));
-    }
-    hn::Store(pack(blue, green, red), Words(), pixels + i);
+  if (hn::AllFalse(d, hn::Eq(id, hn::Set(d, static_cast<float>(kFloorId))))) return;
+  place_light(row, light, i, depth, strip.light);
+  strip.floors[strip.floor_count++] = i;
+}
+
+// Where there is nothing, the sky, which clouds and hills cover.
+HWY_INLINE F before_sky(const Row& row, Field which, std::size_t i, F own, F cover, float sky, float sun) {
+  const Floats d;
+  const F lit = hn::Add(hn::Set(d, sky), hn::Mul(hn::Set(d, sun), field(row, kGlow, i)));
+  return hn::IfThenElse(hn::Gt(field(row, kId, i), hn::Zero(d)), own, mixed(lit, field(row, which, i), cover));
+}
+
+HWY_INLINE void shade(const Row& row, std::size_t i, Strip& strip) {
+  const Floats d;
+  const F bright = hn::Mul(strip.texture.interpolated(i), hn::Set(d, 1.0F / 65536.0F));
+  const F cover = hn::Add(field(row, kDark, i), hn::Mul(field(row, kContrast, i), bright));
+  F light = hn::Load(d, strip.shades + i);
+  const F id = field(row, kId, i);
+  const auto is_floor = hn::Eq(id, hn::Set(d, static_cast<float>(kFloorId)));
+  if (!hn::AllFalse(d, is_floor)) {
+    constexpr auto kFull = static_cast<float>(FloorLight::kBrightest) / (255.0F * 65536.0F);
+    light = hn::IfThenElse(is_floor, hn::Mul(strip.light.interpolated(i), hn::Set(d, kFull)), light);
   }
-  if (images.colour && count > 0) store_colour(pixels, count, images.colour);
+  light = hn::Mul(light, cover);
+  F blue = hn::Mul(field(row, kBlue, i), light);
+  F green = hn::Mul(field(row, kGreen, i), light);
+  F red = hn::Mul(field(row, kRed, i), light);
+  if (row.haze > 0.0F) {
+    const F hidden = hn::IfThenElseZero(is_floor, hn::Set(d, row.haze));
+    const Colour horizon = sky_colour(0.0F);
+    blue = mixed(blue, hn::Set(d, horizon.b), hidden);
+    green = mixed(green, hn::Set(d, horizon.g), hidden);
+    red = mixed(red, hn::Set(d, horizon.r), hidden);
+  }
+  if (!hn::AllTrue(d, hn::Gt(id, hn::Zero(d)))) {
+    const Colour sky = sky_colour(row.slope);
+    const Colour sun = sun_glow(row.slope);
+    blue = before_sky(row, kBlue, i, blue, cover, sky.b, sun.b);
+    green = before_sky(row, kGreen, i, green, cover, sky.g, sun.g);
+    red = before_sky(row, kRed, i, red, cover, sky.r, sun.r);
+  }
+  hn::Store(pack(blue, green, red), Words(), strip.pixels + i);
+}
+
+void draw(const Row& row, const FloorLight& light, const std::uint32_t* texels, const RowImages& images) {
+  const auto count = static_cast<std::size_t>(row.lanes);
+  const std::size_t lanes = hn::Lanes(Floats());
+  Strip strip;
+  for (std::size_t i = 0; i < count; i += lanes) place(row, light, images, i, strip);
+  if (!images.colour || count == 0) return;
+  strip.texture.find(texels, 0, count);
+  for (std::size_t k = 0; k < strip.floor_count; ++k) {
+    strip.light.find(light.cells.data(), strip.floors[k], strip.floors[k] + lanes);
+  }
+  for (std::size_t i = 0; i < count; i += lanes) shade(row, i, strip);
+  store_colour(strip.pixels, count, images.colour);
 }
 
 }  // namespace threewe::sim::view::HWY_NAMESPACE
