@@ -141,7 +141,8 @@ Pattern pebbles(std::uint64_t seed, int count) {
     const int row = static_cast<int>(y * count);
     for (int j = row - 1; j <= row + 1; ++j) {
       for (int i = column - 1; i <= column + 1; ++i) {
-        const auto cell = static_cast<std::uint64_t>((j + count) % count * count + (i + count) % count);
+        const int at = (j + count) % count * count + (i + count) % count;
+        const auto cell = static_cast<std::uint64_t>(at);
         const double dx = x * count - (i + uniform(key, cell, 0));
         const double dy = y * count - (j + uniform(key, cell, 1));
         const double away = dx * dx + dy * dy;
