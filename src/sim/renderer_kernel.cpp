@@ -235,13 +235,13 @@ void draw(const Row& row, const FloorLight& light, const std::uint32_t* texels, 
   const std::size_t lanes = hn::Lanes(Floats());
   Strip strip;
   for (std::size_t i = 0; i < count; i += lanes) place(row, light, images, i, strip);
-  if (!images.colour || count == 0) return;
+  if (!images.colour) return;
   strip.texture.find(texels, 0, count);
   for (std::size_t k = 0; k < strip.floor_count; ++k) {
     strip.light.find(light.cells.data(), strip.floors[k], strip.floors[k] + lanes);
   }
   for (std::size_t i = 0; i < count; i += lanes) shade(row, i, strip);
-  store_colour(strip.pixels, count, images.colour);
+  if (count > 0) store_colour(strip.pixels, count, images.colour);
 }
 
 }  // namespace threewe::sim::view::HWY_NAMESPACE

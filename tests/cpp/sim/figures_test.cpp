@@ -171,8 +171,9 @@ TEST_CASE("the camera sees people and robots as the ray tracer does") {
     const Vec2 eye = target - rotate({at_robot ? 0.6 : 1.5, 0.0}, 0.5 * static_cast<double>(seed));
     const CameraPose view{{eye.x, eye.y, 0.5 * static_cast<double>(seed)}, 0.165};
     const CameraIntrinsics camera = make_intrinsics(64, 48, 1.2);
-    std::vector<std::int16_t> ids(64 * 48);
-    std::vector<float> depth(64 * 48);
+    constexpr std::size_t kPixels = 3072;
+    std::vector<std::int16_t> ids(kPixels);
+    std::vector<float> depth(kPixels);
     RenderScratch scratch;
     renderer.render(camera, view, paint, {{}, depth, ids}, scratch, figures);
 
@@ -180,7 +181,8 @@ TEST_CASE("the camera sees people and robots as the ray tracer does") {
     int wrong = 0;
     for (int row = 0; row < 48; ++row) {
       for (int column = 0; column < 64; ++column) {
-        const auto i = static_cast<std::size_t>(64 * row + column);
+        const int at = 64 * row + column;
+        const auto i = static_cast<std::size_t>(at);
         const Hit hit = tracer.cast(column + 0.5, row + 0.5);
         const bool same = hit.id == ids[i] && (hit.id == kNothingId ||
                                                std::fabs(static_cast<double>(depth[i]) - hit.depth) < 1e-4 * hit.depth);
