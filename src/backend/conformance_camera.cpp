@@ -159,10 +159,11 @@ void depth_is_valid(const Context& context) {
 template <typename Read>
 std::vector<Vec2> horizon(const RGBDImage& image, const Pose2D& base_from_camera, Read read) {
   const CameraIntrinsics& camera = image.intrinsics;
-  const int row = std::clamp(static_cast<int>(camera.cy), 0, camera.height - 1);
+  const auto width = static_cast<std::size_t>(camera.width);
+  const auto row = static_cast<std::size_t>(std::clamp(static_cast<int>(camera.cy), 0, camera.height - 1));
   std::vector<Vec2> points;
   for (int column = 0; column < camera.width; ++column) {
-    const auto depth = static_cast<double>(image.depth.at(static_cast<std::size_t>(row * camera.width + column)));
+    const auto depth = static_cast<double>(image.depth.at(row * width + static_cast<std::size_t>(column)));
     if (depth == 0.0) continue;
     const double left = (camera.cx - (column + 0.5)) / camera.fx;
     const double along_the_axis = read(depth, norm({1.0, left}));
