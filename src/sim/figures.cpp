@@ -77,17 +77,15 @@ Clothes draw_clothes(std::uint64_t seed, std::uint32_t episode, std::size_t pers
 
 // Heights are those of somebody 1.75 m tall, widths of somebody who keeps within 0.25 m. Legs and arms swing with the
 // way that was walked.
-void add_person(const PersonPlace& place, double walked, const Clothes& clothes, Builder body) {
-  constexpr double kStride = 1.4;  // [m], two steps
+void add_person(const PersonPlace& place, double swing, const Clothes& clothes, Builder body) {
   const double size = place.circle.radius / 0.25;
-  const double swing = exact::sin(2.0 * exact::kPi * walked / kStride);
   for (const double side : {-1.0, 1.0}) {
-    const double leg = side * swing * 0.085;
-    const double arm = -side * swing * 0.06;
+    const double leg = side * swing;
+    const double arm = -0.7 * leg;
     const auto at = [&](double x, double y) { return size * Vec2{x, side * y}; };
     body.box(at(leg + 0.02, 0.09), size * 0.2, size * 0.09, {0.0, 0.07}, Material::rubber, kShoes);
-    body.disc(at(leg, 0.09), size * 0.062, {0.07, 0.46}, Material::fabric, clothes.trousers);
-    body.disc(at(0.5 * leg, 0.085), size * 0.08, {0.46, 0.88}, Material::fabric, clothes.trousers);
+    body.disc(at(leg, kLegAside), size * kLegRadius, {0.07, kKneeHeight}, Material::fabric, clothes.trousers);
+    body.disc(at(0.5 * leg, 0.085), size * 0.08, {kKneeHeight, 0.88}, Material::fabric, clothes.trousers);
     body.disc(at(arm, 0.195), size * 0.036, {0.74, 0.84}, Material::skin, clothes.skin);
     body.disc(at(0.7 * arm, 0.195), size * 0.046, {0.84, 1.12}, Material::fabric, clothes.shirt);
     body.disc(at(0.3 * arm, 0.19), size * 0.052, {1.12, 1.42}, Material::fabric, clothes.shirt);
@@ -170,7 +168,7 @@ void find_figures(const Model& model, std::span<const Pose2D> robots, std::size_
     const PersonPlace place = place_on(scene.people[i], people[i]);
     const Vec2 at = place.circle.center;
     const Pose2D pose{at.x, at.y, exact::atan2(place.direction.y, place.direction.x)};
-    add_person(place, people[i].along, draw_clothes(seed, episode, i), {pose, person_id(scene, i), figures});
+    add_person(place, swing_of(people[i]), draw_clothes(seed, episode, i), {pose, person_id(scene, i), figures});
   }
   for (std::size_t i = 0; i < robots.size(); ++i) {
     if (i == looking) continue;

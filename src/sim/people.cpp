@@ -71,6 +71,25 @@ std::vector<scene::Circle> circles_of(const Model& model, std::span<const Person
   return circles;
 }
 
+double swing_of(const PersonState& state) {
+  constexpr double kStride = 1.4;  // [m], two steps
+  return 0.085 * exact::sin(2.0 * exact::kPi * state.along / kStride);
+}
+
+std::vector<scene::Circle> legs_of(const Model& model, std::span<const PersonState> people) {
+  std::vector<scene::Circle> legs;
+  legs.reserve(2 * people.size());
+  for (std::size_t i = 0; i < people.size(); ++i) {
+    const PersonPlace place = place_on(model.scene->people[i], people[i]);
+    const double size = place.circle.radius / 0.25;
+    const Vec2 aside{-place.direction.y, place.direction.x};  // to the left
+    const Vec2 leg = size * (swing_of(people[i]) * place.direction + kLegAside * aside);
+    legs.push_back({place.circle.center + leg, size * kLegRadius, -1});
+    legs.push_back({place.circle.center - leg, size * kLegRadius, -1});
+  }
+  return legs;
+}
+
 std::vector<PersonState> begin_people(const Model& model, std::span<const RobotState> robots, std::uint64_t seed,
                                       std::uint32_t episode) {
   constexpr double kStride = 0.1;  // [m]

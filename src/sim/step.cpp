@@ -64,8 +64,8 @@ Before drive_robot(const Model& model, const RobotModel& robot, RobotState& stat
 }
 
 // The world holds the body back.
-Motion slide(const RobotModel& robot, const Before& before, std::span<const scene::Circle> people) {
-  return move(robot.body, *robot.obstacles, {{}, people}, before.pose, before.driven, before.carried, kSeconds);
+Motion slide(const RobotModel& robot, const Before& before, std::span<const scene::Circle> legs) {
+  return move(robot.body, *robot.obstacles, {{}, legs}, before.pose, before.driven, before.carried, kSeconds);
 }
 
 void arrive(RobotState& state, const Motion& motion) {
@@ -81,8 +81,8 @@ class Others {
  public:
   Others() = default;  // it is alone
   Others(const Model& model, std::span<const RobotState> world, std::size_t robot,
-         std::span<const scene::Circle> people)
-      : model_(&model), world_(world), robot_(robot), people_(people) {}
+         std::span<const scene::Circle> people, std::span<const scene::Circle> legs)
+      : model_(&model), world_(world), robot_(robot), people_(people), legs_(legs) {}
 
   // Their outlines as high as `height` [m], where they are now. Valid until the next call.
   MovingShapes at(double height) {
@@ -90,6 +90,7 @@ class Others {
     for (std::size_t i = 0; i < world_.size(); ++i) {
       if (i != robot_ && model_->robots[i].profile.body.height > height) add_outline(i);
     }
+    if (height < kKneeHeight) return {segments_, legs_};
     return {segments_, height < kPersonHeight ? people_ : std::span<const scene::Circle>()};
   }
 
@@ -106,6 +107,7 @@ class Others {
   std::span<const RobotState> world_;
   std::size_t robot_ = 0;
   std::span<const scene::Circle> people_;
+  std::span<const scene::Circle> legs_;
   std::vector<scene::Segment> segments_;
 };
 
@@ -162,6 +164,7 @@ void step_crowd(const Model& model, std::span<RobotState> world, std::span<const
                 std::span<PersonState> people) {
   walk(model, world, people);
   const std::vector<scene::Circle> circles = circles_of(model, people);
+  const std::vector<scene::Circle> legs = legs_of(model, people);
   std::vector<Before> before;
   std::vector<Mover> movers;
   for (std::size_t i = 0; i < world.size(); ++i) {
@@ -174,7 +177,7 @@ void step_crowd(const Model& model, std::span<RobotState> world, std::span<const
   std::vector<Pose2D> moved;
   for (std::size_t i = 0; i < world.size(); ++i) {
     before[i].driven = movers[i].velocity;
-    motions.push_back(slide(model.robots[i], before[i], circles));
+    motions.push_back(slide(model.robots[i], before[i], legs));
     motions[i].approach_speed = std::max(motions[i].approach_speed, movers[i].approach_speed);
     moved.push_back(motions[i].pose);
   }
@@ -184,7 +187,7 @@ void step_crowd(const Model& model, std::span<RobotState> world, std::span<const
     arrive(world[i], motions[i]);
   }
   for (std::size_t i = 0; i < world.size(); ++i) {
-    Others others(model, world, i, circles);
+    Others others(model, world, i, circles, legs);
     sense(model.robots[i], others, before[i], world[i]);
   }
 }

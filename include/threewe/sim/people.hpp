@@ -13,6 +13,7 @@
 namespace threewe::sim {
 
 inline constexpr double kPersonHeight = 1.75;  ///< [m]
+inline constexpr double kKneeHeight = 0.46;    ///< [m]: below it, a person is two legs
 
 /// One person. Plain data.
 struct PersonState {
@@ -28,6 +29,14 @@ struct PersonPlace {
 PersonPlace place_on(const scene::Person& person, const PersonState& state);
 /// All of them.
 std::vector<scene::Circle> circles_of(const Model& model, std::span<const PersonState> people);
+
+/// How far the left leg has swung forward [m], of somebody who keeps within 0.25 m; the right one is as far behind.
+double swing_of(const PersonState& state);
+/// Both legs of everybody, below the knee: what robots touch, and what their sensors see. They swing with the way that
+/// was walked, and stay within the person's circle.
+std::vector<scene::Circle> legs_of(const Model& model, std::span<const PersonState> people);
+inline constexpr double kLegRadius = 0.062;  ///< [m] of somebody who keeps within 0.25 m, and so on
+inline constexpr double kLegAside = 0.09;    ///< [m] from the middle
 
 /// The people of a scene as an episode begins, each somewhere on the route, by the seed; farther on where a robot
 /// stands there. Throws ConfigError when a robot leaves no room on somebody's route.

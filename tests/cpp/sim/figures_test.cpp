@@ -140,6 +140,26 @@ TEST_CASE("at the height of the lidars, a robot is as wide as its footprint") {
   }
 }
 
+TEST_CASE("at the height of the lidars, people are the legs that the lidar sees") {
+  World world;
+  for (std::size_t i = 0; i < world.people.size(); ++i) world.people[i].along += 0.3 * static_cast<double>(i);
+  const double plane = world.model->robots[0].profile.lidar->height;
+  const std::vector<scene::Circle> legs = legs_of(*world.model, world.people);
+  std::size_t next = 0;
+  std::vector<bool> seen(legs.size());
+  for (const VisibleSolid& v : world.figures(7)) {
+    if (v.id >= robot_id(*world.model->scene, 0) || v.solid.z_min > plane || v.solid.z_max <= plane) continue;
+    const auto leg = std::ranges::find_if(legs, [&](const scene::Circle& circle) {
+      return distance(circle.center, v.solid.center) < 1e-9 && std::fabs(circle.radius - v.solid.radius) < 1e-12;
+    });
+    REQUIRE(leg != legs.end());
+    seen[static_cast<std::size_t>(leg - legs.begin())] = true;
+    ++next;
+  }
+  CHECK(next == legs.size());
+  for (const bool leg : seen) CHECK(leg);
+}
+
 TEST_CASE("clothes are a pure function of seed, episode and person") {
   const World world;
   const auto colours = [&](std::uint64_t seed, std::uint32_t episode) {
