@@ -32,8 +32,9 @@ void check_directory(const fs::path& directory, std::string_view origin) {
   const auto fail = [&](std::string_view what) {
     throw ConfigError(fmt::format("{}'{}' {}", origin, directory.string(), what));
   };
-  if (!fs::is_directory(directory)) fail("is not a folder");
-  const auto holds = [&](std::string_view kind) { return fs::is_directory(directory / kind); };
+  std::error_code unusable;
+  if (!fs::is_directory(directory, unusable)) fail("is not a folder");
+  const auto holds = [&](std::string_view kind) { return fs::is_directory(directory / kind, unusable); };
   if (!holds("scenes") && !holds("objects") && !holds("robots")) {
     fail("has no folder 'scenes', 'objects' or 'robots' in it");
   }
@@ -56,7 +57,8 @@ std::string_view singular(std::string_view kind) { return kind.substr(0, kind.si
 void refuse_yml(std::string_view kind, std::string_view name) {
   for (const fs::path& directory : asset_directories()) {
     const fs::path file = directory / kind / fmt::format("{}.yml", name);
-    if (fs::is_regular_file(file)) {
+    std::error_code unusable;
+    if (fs::is_regular_file(file, unusable)) {
       throw ConfigError(fmt::format("rename {}: the names of such files end in .yaml", file.string()));
     }
   }

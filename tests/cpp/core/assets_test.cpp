@@ -121,6 +121,8 @@ TEST_CASE("what is no folder is refused") {
   const Environment environment("/does/not/exist");
   CHECK_THROWS_WITH_AS(asset_directories(), "THREEWE_PATH: '/does/not/exist' is not a folder", ConfigError);
   CHECK_THROWS_WITH_AS(add_asset_directory("/does/not/exist"), "'/does/not/exist' is not a folder", ConfigError);
+  CHECK_THROWS_WITH_AS(add_asset_directory(std::string(10'000, 'x')), doctest::Contains("is not a folder"),
+                       ConfigError);
 }
 
 TEST_CASE("folders can be added") {
