@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import socket
 import sys
+from pathlib import Path
 from urllib.parse import quote
 
 import rerun as rr
@@ -37,7 +38,7 @@ def open_recording(where: str, blueprint: Blueprint) -> rr.RecordingStream:
     recording = rr.RecordingStream("threewe")
     try:
         if where == "rerun":
-            recording.spawn(default_blueprint=blueprint)
+            rr.spawn(recording=recording, executable_path=_executable(), default_blueprint=blueprint)
         elif where == "web":
             print(f"Rerun viewer: {_serve(recording, blueprint)}", flush=True)
         else:
@@ -45,6 +46,12 @@ def open_recording(where: str, blueprint: Blueprint) -> rr.RecordingStream:
     except RuntimeError as error:  # such as a folder that is not there
         raise ConfigError(f"viewer '{where}': {error}") from error
     return recording
+
+
+def _executable() -> str | None:
+    """The viewer of this Python, which needs not be on the PATH; None leaves the search to Rerun."""
+    path = Path(sys.executable).with_name("rerun")
+    return str(path) if path.exists() else None
 
 
 def _serve(recording: rr.RecordingStream, blueprint: Blueprint) -> str:
