@@ -137,6 +137,7 @@ class Simulation(_OnThread):
     max_collision_speed = _returns(threewe.Simulation.max_collision_speed)
     distance_driven = _returns(threewe.Simulation.distance_driven)
     people = _returns(threewe.Simulation.people)
+    look = _returns(threewe.Simulation.look)
     sample_free_pose = _returns(threewe.Simulation.sample_free_pose)
     geodesic = _returns(threewe.Simulation.geodesic)
     reset = _returns(threewe.Simulation.reset)

@@ -96,7 +96,7 @@ def test_the_doctor_names_what_is_broken(folder: Path) -> None:
         ("scenes/my_place.yaml", "shape: floor", "shape: flor", "did you mean 'floor'"),
         ("scenes/my_place.yaml", "name: my_place", "name: your_place", "expected 'my_place', the name of the file"),
         ("scenes/my_place.yaml", "pose: [4, 3.2, -1.5708]", "pose: [3, 3.2, 0]", "overlaps 'reading_lamp'"),
-        ("objects/lamp.yaml", "cylinder: 0.14", "cylinder: 14", r"14 m is outside \[0.0025, 10\]"),
+        ("objects/lamp.yaml", "cylinder: 0.14", "cylinder: 14", r"14 is outside \[0.0025, 10\]"),
         ("objects/lamp.yaml", "{cylinder: 0.2,", "{clyinder: 0.2,", "expected either 'box' or 'cylinder'"),
         ("objects/lamp.yaml", "category: lamp", "category: light", "expected 'lamp', the name of the file"),
         ("robots/my_robot.yaml", "mass: 3.0", "mas: 3.0", "'mass'.*'mas'"),
