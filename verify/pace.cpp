@@ -39,10 +39,22 @@ Velocity wander(const LaserScan& scan, Time now) {
 struct Pace {
   double times_real_time;
   double metres;
+  long pixels = 0;  // that were drawn
 };
 
-Pace with_mind(std::uint64_t seed) {
+// With `watching`, every picture of the camera is looked at.
+Pace with_mind(std::uint64_t seed, bool watching) {
   Robot robot({.seed = seed});
+  long pixels = 0;
+  if (watching) {
+    robot.runtime().observe([&pixels](const TickView& tick) {
+      for (const Sample& sample : tick.samples) {
+        if (const auto* picture = std::get_if<Picture>(&sample.data)) {
+          pixels += static_cast<long>(picture->image().color.size() / 3);
+        }
+      }
+    });
+  }
   const double begin = cpu_seconds();
   const Time end = robot.world().now() + kDrive;
   while (robot.world().now() < end) {
@@ -50,7 +62,8 @@ Pace with_mind(std::uint64_t seed) {
     robot.set_velocity(v.vx, v.vy, v.omega);
     robot.sleep(0.1);
   }
-  return {to_seconds(kDrive) / (cpu_seconds() - begin), robot.simulation()->distance_driven()};
+  const double seconds = cpu_seconds() - begin;
+  return {to_seconds(kDrive) / seconds, robot.simulation()->distance_driven(), pixels};
 }
 
 Pace simulation_alone(std::uint64_t seed) {
@@ -76,7 +89,10 @@ Pace simulation_alone(std::uint64_t seed) {
 int main(int argc, char** argv) {
   const std::uint64_t seed = argc > 1 ? std::strtoull(argv[1], nullptr, 10) : 0;
   const Pace simulation = simulation_alone(seed);
-  const Pace mind = with_mind(seed);
+  const Pace mind = with_mind(seed, false);
+  const Pace camera = with_mind(seed, true);
   std::printf("simulation %.1f\nsimulation_metres %.1f\n", simulation.times_real_time, simulation.metres);
   std::printf("mind %.1f\nmind_metres %.1f\n", mind.times_real_time, mind.metres);
+  std::printf("camera %.1f\ncamera_pixels_per_second %.0f\n", camera.times_real_time,
+              static_cast<double>(camera.pixels) / to_seconds(kDrive));
 }
