@@ -4,7 +4,6 @@
 
 #include "threewe/models/camera.hpp"
 #include "threewe/sim/figures.hpp"
-#include "threewe/sim/step.hpp"
 
 namespace threewe::sim {
 namespace {
@@ -30,7 +29,11 @@ void render(const Model& model, const Shot& shot, std::size_t without, const Cam
 
 }  // namespace
 
-bool picture_ready(const RobotModel& robot, const RobotState& state) { return is_due(robot.camera_period, state); }
+bool picture_ready(const RobotModel& robot, const RobotState& state) {
+  if (!robot.profile.camera || state.steps == 0) return false;
+  const Duration period = robot.profile.camera->period;
+  return state.time() / period > (state.time() - kStep) / period;
+}
 
 Shot take_shot(std::span<const RobotState> world, std::span<const PersonState> people, std::size_t robot) {
   Shot shot{world[robot].key(Stream::camera), world[robot].steps, {}, {people.begin(), people.end()}};

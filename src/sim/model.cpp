@@ -83,7 +83,10 @@ RobotModel make_robot(const scene::Scene& scene, const RobotProfile& profile) {
   if (profile.imu) robot.imu_period = whole_steps(profile, "imu.period", profile.imu->period);
   if (profile.battery) robot.battery_period = whole_steps(profile, "battery.period", profile.battery->period);
 
-  if (profile.camera) robot.camera_period = whole_steps(profile, "camera.period", profile.camera->period);
+  if (profile.camera) {
+    require(profile, profile.camera->period >= kStep,
+            fmt::format("camera.period: at least {} s can be simulated", to_seconds(kStep)));
+  }
   if (profile.ultrasonics) {
     robot.ultrasonic_interval = whole_steps(profile, "ultrasonics.interval", profile.ultrasonics->interval);
     constexpr double kCell = 1.0;  // [m], a quarter of how far they hear

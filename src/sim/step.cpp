@@ -192,11 +192,11 @@ void step_crowd(const Model& model, std::span<RobotState> world, std::span<const
   }
 }
 
-}  // namespace
-
 bool is_due(int period, const RobotState& state) {
   return period > 0 && state.steps > 0 && state.steps % static_cast<std::uint64_t>(period) == 0;
 }
+
+}  // namespace
 
 RobotState begin(const Model& model, std::size_t robot, const Pose2D& pose, std::uint64_t seed, std::uint32_t episode) {
   const RobotProfile& profile = model.robots[robot].profile;

@@ -14,8 +14,11 @@ import threewe
 from threewe import MoveResult, Progress, Reason, Robot, TickView, TimeoutError, Velocity, World
 
 
-async def test_the_five_lines_of_the_readme() -> None:
-    async with Robot(backend="mock") as robot:
+@pytest.mark.parametrize("scene", threewe.scene_names())
+async def test_the_five_lines_of_the_readme(scene: str) -> None:
+    async with Robot(backend="mock", scene=scene) as robot:
+        image = robot.get_camera_image()
+        assert (image.shape, image.dtype) == ((480, 640, 3), np.uint8)
         result = await robot.move_to(x=2.0, y=1.0)
         assert result.success
         assert robot.simulation is not None

@@ -23,7 +23,8 @@ struct Shot {
   std::vector<PersonState> people;
 };
 
-/// Whether the camera takes a picture at the end of the last step.
+/// Whether the camera took a picture at the end of the last step: the first step that ends at a multiple of its period,
+/// or after it.
 bool picture_ready(const RobotModel& robot, const RobotState& state);
 
 /// The moment that `world[robot]` sees now. `world` are the robots of one world.

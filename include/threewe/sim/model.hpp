@@ -37,8 +37,7 @@ struct RobotModel {
   int imu_period = 0;
   int odometry_period = 0;
   int battery_period = 0;
-  int turn = 0;  ///< of the lidar
-  int camera_period = 0;
+  int turn = 0;                 ///< of the lidar
   int ultrasonic_interval = 0;  ///< from ping to ping
   models::ScanPattern pattern;
   std::shared_ptr<const RayCaster> caster;    ///< null without a lidar

@@ -23,9 +23,6 @@ RobotState begin(const Model& model, std::size_t robot, const Pose2D& pose, std:
 void step(const Model& model, std::span<RobotState> states, std::span<const Velocity> commands,
           std::span<PersonState> people = {});
 
-/// Whether something that happens every `period` steps, never where that is 0, happened in the last step.
-bool is_due(int period, const RobotState& state);
-
 /// What became ready in the last step: readings are complete at the step's end, before any latency.
 bool imu_ready(const RobotModel& robot, const RobotState& state);
 bool odometry_ready(const RobotModel& robot, const RobotState& state);

