@@ -4,7 +4,6 @@ import asyncio
 import sys
 
 import numpy as np
-
 from threewe import Robot
 
 QUICK = "--quick" in sys.argv
