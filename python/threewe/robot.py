@@ -37,6 +37,7 @@ from threewe._core import (
     RangeData,
     RGBDImage,
     RobotProfile,
+    SensorType,
     Velocity,
 )
 from threewe._observers import Observer, Observers
@@ -400,7 +401,8 @@ class Robot(InRobotTime):
         """What the robot knows, as arrays: what its sensors say, and where it believes that it is.
 
         `pose` (3,) in `map`, `velocity` (3,) in the body frame and, of the sensors that it has, `lidar` (N,) float32
-        [m], `image` (H, W, 3) uint8 BGR and `depth` (H, W) float32 [m].
+        [m], `ultrasonic` (K,) [m] in the order of `features.sensors`, `image` (H, W, 3) uint8 BGR and `depth` (H, W)
+        float32 [m].
         """
         runtime = self._read()
         estimate = runtime.pose()
@@ -408,9 +410,13 @@ class Robot(InRobotTime):
             "pose": np.array([*estimate.map_from_base]),
             "velocity": np.array([*estimate.velocity]),
         }
-        if self.profile.lidar is not None:
+        sensors = self.features.sensors
+        if any(sensor.type is SensorType.lidar for sensor in sensors):
             observation["lidar"] = runtime.lidar_scan().ranges
-        if self.profile.camera is not None:
+        if ears := [sensor.name for sensor in sensors if sensor.type is SensorType.ultrasonic]:
+            ranges = runtime.ultrasonic_ranges()
+            observation["ultrasonic"] = np.array([ranges[name].range for name in ears])
+        if any(sensor.type is SensorType.camera for sensor in sensors):
             image = runtime.image("camera")
             observation["image"] = image.color
             if image.depth is not None:

@@ -82,6 +82,7 @@ def test_observation_has_what_the_robot_has() -> None:
             "pose": (3,),
             "velocity": (3,),
             "lidar": (360,),
+            "ultrasonic": (4,),
             "image": (480, 640, 3),
             "depth": (480, 640),
         }

@@ -455,3 +455,14 @@ def test_readings_have_their_sensors_names() -> None:
     assert OdometryReading(measured=0.0, pose=(0, 0, 0), velocity=(0, 0, 0)).sensor == "odometry"
     assert UltrasonicReading(sensor="ultrasonic_left", measured=0.0, range=1.0).type == SensorType.ultrasonic
     assert LidarReading(measured=0.0, ranges=np.zeros(3, np.float32)).type == SensorType.lidar
+
+
+def test_an_observation_holds_what_the_backend_delivers() -> None:
+    register("quiet", QuietBackend)
+
+    async def observe() -> set[str]:
+        async with Robot(backend="quiet") as robot:
+            assert robot.profile.camera is not None  # which the backend has not
+            return set(robot.get_observation())
+
+    assert run(observe()) >= {"pose", "velocity"}
