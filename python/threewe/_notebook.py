@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from threewe._colors import INK, UNKNOWN, Color, depth_colors, map_colors
-from threewe._core import LaserScan, OccupancyGrid, RGBDImage, Sample
+from threewe._core import LaserScan, OccupancyGrid, RGBDImage, Sample, SemanticImage
 from threewe.errors import ContractError
 
 FREE = (255, 255, 255, 255)
@@ -101,7 +101,7 @@ def scan_html(scan: LaserScan) -> str:
     return _page(drawing, (size, size), *caption)
 
 
-def rgbd_html(image: RGBDImage) -> str:
+def rgbd_html(image: RGBDImage | SemanticImage) -> str:
     """Colour and depth side by side."""
     if image.depth is None:
         return Picture(image.color)._repr_html_()
@@ -246,5 +246,11 @@ def _nice(length: float) -> float:
 
 
 # The types are made in C++; how they look in a notebook is Python's affair.
-for _type, _draw in ((LaserScan, scan_html), (OccupancyGrid, map_html), (RGBDImage, rgbd_html), (Sample, sample_html)):
+for _type, _draw in (
+    (LaserScan, scan_html),
+    (OccupancyGrid, map_html),
+    (RGBDImage, rgbd_html),
+    (SemanticImage, rgbd_html),
+    (Sample, sample_html),
+):
     setattr(_type, "_repr_html_", _draw)  # noqa: B010 (mypy knows the type without it)

@@ -20,7 +20,7 @@ VIEWERS = ["rerun", "web"]
 def check_sink(where: str) -> None:
     """Raises ConfigError for an unknown viewer, and for a window where there is no display."""
     if where not in VIEWERS and not where.endswith(".rrd"):
-        raise ConfigError(f"{unknown_name('viewer', where, VIEWERS)} A file to record ends in .rrd")
+        raise ConfigError(f"{unknown_name('viewer', where, VIEWERS)} (a file to record ends in .rrd)")
     if where == "rerun" and not has_display():
         raise ConfigError(
             "viewer 'rerun' opens a window, and there is no display: "

@@ -132,8 +132,10 @@ def show_scene(
     from threewe import drawing
 
     scene = threewe.Scene.load(name)
-    picture = drawing.finish(drawing.draw_scene(scene, drawing.View.of(scene, width)))
     path = output or Path(f"{scene.name}.png")
+    if path.suffix.lower() not in (".png", ".jpg", ".jpeg") or path.is_dir():
+        raise threewe.ConfigError(f"--output: a picture ends in .png or .jpg, not '{path}'")
+    picture = drawing.finish(drawing.draw_scene(scene, drawing.View.of(scene, width)))
     picture.save(path)
     table = Table("room", "x", "y", "floor")
     for room in scene.rooms:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from numpy.typing import ArrayLike
 
 from threewe import _core
-from threewe._arguments import PoseLike, as_array, as_number, as_pose, as_seed
+from threewe._arguments import PoseLike, as_array, as_number, as_pose, as_seed, as_switch
 from threewe._core import CameraIntrinsics, OccupancyGrid, Pose2D, RobotProfile, SemanticImage, Snapshot
 from threewe._options import known_options
 from threewe._time import RobotTime
@@ -31,8 +31,9 @@ class Simulation(_core.Simulation):
 
     @known_options
     def reset(self, *, seed: int | None = None, pose: PoseLike | None = None) -> None:
-        """Begins anew at time 0: motions end as `cancelled`, sleeps end, timeouts go on with what they have left.
+        """Begins anew at time 0, and waits until every sensor has delivered.
 
+        Motions end as `cancelled`, sleeps end, timeouts go on with what they have left.
         All noise is drawn from `seed`, the one that the robot was made with where left out. The robot starts at `pose`,
         or at the scene's own start pose without it. Raises ConfigError when that is inside an obstacle.
         """
@@ -57,20 +58,23 @@ class Simulation(_core.Simulation):
         intrinsics: CameraIntrinsics | None = None,
         pose: PoseLike | None = None,
         height: float | None = None,
+        *,
+        with_itself: bool | None = None,
     ) -> SemanticImage:
         """What a level camera would truly show now: colour and depth without noise, and what each pixel shows.
 
         Args:
             intrinsics: of the camera; the robot's own where left out.
-            pose: where it is and looks, in the scene's frame [m, m, rad]; where left out, the robot looks itself,
-                and else it is in sight.
+            pose: where it is and looks, in the scene's frame [m, m, rad]; that of the robot's own where left out.
             height: [m] of its axis above the floor; that of the robot's own where left out.
+            with_itself: whether the robot itself is in sight; where left out, only of another `pose`.
 
         Raises:
             HardwareError: something was left out, and the robot has no camera.
             ConfigError: a camera that is not above the floor.
         """
-        own, with_itself = self.profile.camera, pose is not None
+        own = self.profile.camera
+        itself = pose is not None if with_itself is None else as_switch("with_itself", with_itself)
         if own is None and (intrinsics is None or pose is None or height is None):
             raise HardwareError(f"robot '{self.profile.name}' has no camera: look() needs intrinsics, pose and height")
         if own is not None:
@@ -81,7 +85,7 @@ class Simulation(_core.Simulation):
             raise ContractError(f"intrinsics must be CameraIntrinsics, got {intrinsics!r}")
         assert pose is not None
         assert height is not None
-        return super().look(intrinsics, as_pose("pose", pose), as_number("height", height), with_itself)
+        return super().look(intrinsics, as_pose("pose", pose), as_number("height", height), itself)
 
     def save(self) -> Snapshot:
         """Everything the future depends on. Raises ContractError while a motion is in progress or in an observer."""

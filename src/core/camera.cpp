@@ -21,6 +21,9 @@ constexpr double kFarthest = 1e6;       // [px]
 }  // namespace
 
 CameraIntrinsics make_intrinsics(int width, int height, double horizontal_fov) {
+  const bool fov_ok = horizontal_fov > 0.0 && horizontal_fov < exact::kPi;
+  if (!fov_ok)
+    throw ConfigError(fmt::format("a camera's horizontal_fov of {} rad: it must be in (0, pi)", horizontal_fov));
   const auto [s, c] = exact::sincos(0.5 * horizontal_fov);
   const double focal = 0.5 * width * c / s;
   return {width, height, focal, focal, 0.5 * width, 0.5 * height};

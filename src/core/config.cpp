@@ -18,6 +18,31 @@ namespace {
 
 constexpr double kTurn = 6.2832;  // [rad], as files write it
 
+// Where the first byte stands that cannot be part of UTF-8 text (RFC 3629); the text's size where there is none.
+std::size_t find_not_utf8(std::string_view text) {
+  for (std::size_t i = 0; i < text.size();) {
+    const auto byte = [&](std::size_t k) { return k < text.size() ? static_cast<unsigned char>(text[k]) : 0U; };
+    const auto first = byte(i);
+    const std::size_t more = first < 0x80   ? 0
+                             : first < 0xC2 ? 9
+                             : first < 0xE0 ? 1
+                             : first < 0xF0 ? 2
+                             : first < 0xF5 ? 3
+                                            : 9;
+    if (more == 9) return i;
+    for (std::size_t k = 1; k <= more; ++k) {
+      if ((byte(i + k) & 0xC0U) != 0x80U) return i;
+    }
+    const unsigned second = byte(i + 1);  // overlong, a surrogate, or beyond the last character
+    if ((first == 0xE0 && second < 0xA0) || (first == 0xED && second > 0x9F) || (first == 0xF0 && second < 0x90) ||
+        (first == 0xF4 && second > 0x8F)) {
+      return i;
+    }
+    i += more + 1;
+  }
+  return text.size();
+}
+
 // An empty document stands nowhere.
 int line_of(const YAML::Node& node) { return std::max(node.Mark().line, 0) + 1; }
 
@@ -43,6 +68,10 @@ ConfigNode ConfigNode::parse(const std::string& text, const std::string& name) {
   };
   if (text.size() > kLargestFile) {
     refuse(0, fmt::format("the file is larger than {} bytes", kLargestFile));
+  }
+  if (const std::size_t at = find_not_utf8(text); at < text.size()) {
+    const auto line = std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(at), '\n');
+    refuse(static_cast<int>(line), "expected UTF-8 text; save the file as that");
   }
   try {
     const std::vector<YAML::Node> documents = YAML::LoadAll(text);

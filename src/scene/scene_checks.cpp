@@ -154,6 +154,36 @@ void check_places(const Draft& draft) {
   }
 }
 
+namespace {
+
+// The strips of floor that somebody walks over.
+std::vector<Solid> way_of(const Person& person) {
+  std::vector<Solid> way;
+  for (std::size_t k = 0; k < person.route.size(); ++k) {
+    way.push_back(make_disc(person.route[k], person.radius));
+    way.push_back(swept_box(person.route[k], person.route[(k + 1) % person.route.size()], person.radius));
+  }
+  return way;
+}
+
+// People do not see one another: their ways must not cross.
+void check_ways(const Draft& draft) {
+  std::vector<std::vector<Solid>> ways;
+  for (std::size_t i = 0; i < draft.scene.people.size(); ++i) {
+    ways.push_back(way_of(draft.scene.people[i]));
+    for (std::size_t j = 0; j < i; ++j) {
+      const bool cross = std::ranges::any_of(ways[i], [&](const Solid& a) {
+        return std::ranges::any_of(ways[j], [&](const Solid& b) { return overlaps(a, b, kSlack); });
+      });
+      if (!cross) continue;
+      draft.people[i].fail(fmt::format("the way of '{}' crosses that of '{}'; people do not see one another",
+                                       draft.scene.people[i].name, draft.scene.people[j].name));
+    }
+  }
+}
+
+}  // namespace
+
 void check_people(const Draft& draft) {
   const Scene& scene = draft.scene;
   const std::vector<Solid> solids = scene.solids_between(0.0, kWalkingHeight);
@@ -175,6 +205,7 @@ void check_people(const Draft& draft) {
                                                    person.name, describe(scene, hit->object)));
     }
   }
+  check_ways(draft);
 }
 
 }  // namespace threewe::scene

@@ -157,7 +157,6 @@ class SceneReader {
 
   void read_objects(const ConfigNode& list) {
     std::map<std::string, int> count;
-    std::set<std::string> names;
     for (ConfigNode node : list.items()) {
       Object object;
       object.category = node.text("category");
@@ -166,7 +165,7 @@ class SceneReader {
       object.pose = from_file_(node.at("pose").pose());
       object.name = node.text("name", fmt::format("{}_{}", object.category, ++count[object.category]));
       node.finish();
-      if (!names.insert(object.name).second) node.fail(fmt::format("there are two objects named '{}'", object.name));
+      take_name(object.name, node);
       scene_.objects.push_back(std::move(object));
       draft_.objects.push_back(node);
     }
@@ -202,11 +201,19 @@ class SceneReader {
       person.speed = node.number_in("speed", 0.1, 2.5);
       person.radius = node.has("radius") ? node.number_in("radius", 0.1, 0.6) : person.radius;
       node.finish();
-      if (std::ranges::find(scene_.people, person.name, &Person::name) != scene_.people.end()) {
-        node.fail(fmt::format("there are two people named '{}'", person.name));
-      }
+      take_name(person.name, node);
       scene_.people.push_back(std::move(person));
       draft_.people.push_back(node);
+    }
+  }
+
+  // Pictures tell by these names what they show: each stands for one thing.
+  void take_name(const std::string& name, const ConfigNode& node) {
+    const bool reserved = name.empty() || name == "nothing" || name == "floor" || name == "wall" || name == "ceiling" ||
+                          name.starts_with("robot_");
+    if (reserved) node.fail(fmt::format("'{}' cannot be the name of an object or a person", name));
+    if (!names_.insert(name).second) {
+      node.fail(fmt::format("there are two things named '{}' (those without a name are numbered)", name));
     }
   }
 
@@ -227,6 +234,7 @@ class SceneReader {
   SceneFromFile from_file_;
   ObjectLibrary library_;
   std::set<std::string> doors_;
+  std::set<std::string> names_;  // of objects and people
 };
 
 }  // namespace

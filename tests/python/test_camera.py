@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 from collections.abc import Awaitable, Callable
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -98,6 +99,7 @@ def test_another_camera_looks_from_above() -> None:
             truth = robot.simulation.look(camera, (0.5, 0.0, 0.3), height)
             assert truth.ids.shape == (120, 160)
             assert truth.names[truth.ids[-1, 80]] == "floor"  # by similar triangles
+            assert "robot_0" not in {truth.names[i] for i in np.unique(truth.ids)}
             assert truth.depth[-1, 80] == pytest.approx(height * camera.fy / 59.5, rel=1e-5)
 
     with_robot(use)
@@ -147,5 +149,22 @@ def test_look_takes_cameras_only() -> None:
         for height in (0.0, -1.0):
             with pytest.raises(ConfigError, match="above the floor"):
                 robot.simulation.look(camera, (0.0, 0.0, 0.0), height)
+
+    with_robot(use)
+
+
+def test_the_robot_is_in_sight_of_others_only() -> None:
+    async def use(robot: Robot) -> None:
+        truth = robot.simulation
+        assert truth is not None
+        behind = {"intrinsics": CameraIntrinsics.of_view(64, 48, 1.0), "pose": (-0.8, 0.0, 0.0), "height": 0.3}
+
+        def seen(**options: Any) -> set[str]:
+            image = truth.look(**options)
+            return {image.names[i] for i in np.unique(image.ids)}
+
+        assert "robot_0" in seen(**behind)
+        assert "robot_0" not in seen(**behind, with_itself=False)
+        assert "robot_0" not in seen()
 
     with_robot(use)

@@ -91,6 +91,15 @@ def test_a_picture_that_cannot_be_written_is_one_line(tmp_path: Path) -> None:
     assert "Traceback" not in done.stderr
 
 
+def test_a_picture_needs_the_name_of_a_picture(tmp_path: Path) -> None:
+    for output in (tmp_path / "office.foo", tmp_path):
+        done = run("scenes", "show", "office_v2", "-o", str(output))
+        assert done.returncode == 2
+        assert "a picture ends in .png or .jpg" in done.stderr.replace("\n", " ")
+        assert "Traceback" not in done.stderr
+    assert not list(tmp_path.iterdir())
+
+
 def test_a_mistyped_room_of_the_demo_costs_no_drive(tmp_path: Path) -> None:
     done = run("demo", "--place", "kitchn", "-o", str(tmp_path / "demo"))
     assert done.returncode == 2

@@ -22,6 +22,7 @@ struct CameraIntrinsics {
 };
 
 /// The camera of an image size that sees `horizontal_fov` [rad] with square pixels, its axis in the middle.
+/// Throws ConfigError unless the view is in (0, pi).
 CameraIntrinsics make_intrinsics(int width, int height, double horizontal_fov);
 
 /// Throws ConfigError when an image has no pixels or too many, or its focal lengths are not positive and finite.

@@ -20,7 +20,12 @@ constexpr std::array<char, 8> kSavedAs{'3', 'w', 'e', 'm', 'o', 'c', 'k', '2'};
 }  // namespace
 
 MockWorld::MockWorld(const WorldOptions& options) : noise_(options.noise) {
+  constexpr std::size_t kMostRobots = 100;
   if (options.robots.empty()) throw ConfigError("robots: a world needs at least one");
+  if (options.robots.size() > kMostRobots) {
+    throw ConfigError(
+        fmt::format("robots: {} in one world, at most {} can be simulated", options.robots.size(), kMostRobots));
+  }
   std::vector<RobotProfile> profiles;
   std::vector<RobotProfile> simulated;
   for (const std::string& name : options.robots) {

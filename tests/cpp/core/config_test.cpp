@@ -118,7 +118,7 @@ TEST_CASE("a file that no robot and no place needs") {
 TEST_CASE("a file that is no text") {
   std::string bytes;
   for (int i = 0; i < 256; ++i) bytes += static_cast<char>(i);
-  CHECK(message([&] { parse(bytes).at("name"); }) == "robot.yaml:1: expected a mapping");
+  CHECK(message([&] { parse(bytes).at("name"); }) == "robot.yaml:2: expected UTF-8 text; save the file as that");
   CHECK(message([] { parse(std::string(1000, '\0')).at("name"); }).starts_with("robot.yaml:1: malformed YAML: "));
   CHECK(message([] { parse("%YAML 9999999999.1\n---\na: 1\n"); }).starts_with("robot.yaml:1: malformed YAML: "));
 }
@@ -213,4 +213,20 @@ TEST_CASE("a field that stands twice, and a name that is no text") {
 }
 
 }  // namespace
+TEST_CASE("what is not UTF-8 is refused with its line") {
+  const auto line_of = [](const std::string& text) -> std::string {
+    try {
+      ConfigNode::parse("a: 1\nb: " + text + "\n", "file.yaml");
+      return "";
+    } catch (const ConfigError& error) {
+      return error.what();
+    }
+  };
+  for (const char* good : {"Caf\xC3\xA9", "\xE2\x82\xAC", "\xF0\x9F\xA4\x96"}) CHECK(line_of(good).empty());
+  for (const char* bad : {"Caf\xE9", "\xC0\xAF", "\xED\xA0\x80", "\xF5\x80\x80\x80", "\xE2\x82", "\x80", "\xE0\x80\x80",
+                          "\xF4\x90\x80\x80"}) {
+    CHECK(line_of(bad) == "file.yaml:2: expected UTF-8 text; save the file as that");
+  }
+}
+
 }  // namespace threewe

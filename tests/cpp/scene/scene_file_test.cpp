@@ -160,7 +160,9 @@ TEST_CASE("objects must stand free") {
   check_fails("[5, 3.2]", "[5, 3.7]", "hall.yaml:15: objects[0]: 'table_1' overlaps a wall");
   check_fails("[5, 3.2]", "[5, 8]", "hall.yaml:15: objects[0]: 'table_1' is outside the walls");
   check_fails("[5, 1, 1.5708]", "[4.6, 2.8, 0]", "hall.yaml:16: objects[1]: 'favourite' overlaps 'table_1'");
-  check_fails("name: favourite", "name: table_1", "hall.yaml:16: objects[1]: there are two objects named 'table_1'");
+  check_fails("name: favourite", "name: table_1", "hall.yaml:16: objects[1]: there are two things named 'table_1'");
+  check_fails("name: favourite", "name: floor", "hall.yaml:16: objects[1]: 'floor' cannot be the name");
+  check_fails("name: favourite", "name: robot_0", "hall.yaml:16: objects[1]: 'robot_0' cannot be the name");
 }
 
 TEST_CASE("a chair may be pushed under a table") {
@@ -217,6 +219,10 @@ TEST_CASE("people walk closed routes that lead through nothing") {
   check_fails("objects:", walk("[[7, 2], [8, 2]]"), "people[0].route[0]: here 'ada' walks outside the walls");
   check_fails("objects:", walk("[[1, 2], [1.0e30, 2]]"), "people[0].route[1][0]: 1e+30 is outside");
   check_fails("objects:", walk("[[1, 2], [5, 2], [5, 0.9]]"), "walks through 'favourite'");
+  check_fails("objects:",
+              "people:\n  - {name: ada, route: [[1, 1], [1, 3]], speed: 1}\n"
+              "  - {name: bob, route: [[0.6, 2], [2, 2]], speed: 1}\nobjects:",
+              "hall.yaml:16: people[1]: the way of 'bob' crosses that of 'ada'");
   check_fails("objects:", walk("[[1, 2]]"), "hall.yaml:15: people[0].route: expected two or more waypoints");
   check_fails("objects:", walk("[[1, 2], [1, 2]]"), "people[0].route[1]: waypoints must be at least 0.1 m apart");
   std::string long_route = "[1, 2]";
