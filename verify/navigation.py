@@ -11,6 +11,7 @@ ROBOTS = [
     ("warehouse_v1", "3we_standard_v2"),
     ("cluttered_v1", "3we_standard_v2"),
     ("outdoor_v1", "3we_standard_v2"),
+    ("dynamic_v1", "3we_standard_v2"),
     ("office_v2", "turtlebot_like"),
 ]
 
