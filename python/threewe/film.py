@@ -19,7 +19,7 @@ from threewe import drawing as d
 VIDEO_FRAMES = 600
 GIF_FRAMES = 150
 FRAMES_PER_SECOND = 25
-GIF_SIZE = 4 * 1024 * 1024  # [bytes]
+GIF_SIZE = 6 * 1024 * 1024  # [bytes]
 
 
 @dataclass
