@@ -53,7 +53,8 @@ EXPERIMENTS = [
         sample=8,
         rows=[
             share_of("reached, truly within 0.25 m", arrived, at_least=0.55),
-            worst_of("contact by its own motion [m/s]", lambda case: case["contact_speed"], at_most=0.35),
+            # it drives at 0.25 m/s at most, and its corners turn as fast again
+            worst_of("contact by its own motion [m/s]", lambda case: case["contact_speed"], at_most=0.45),
             share_of("without any contact", lambda case: case["contact_speed"] == 0.0, at_least=0.30),
         ],
     ),
