@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import operator
+import os
 from collections.abc import Callable, Iterable, Sequence
 from typing import Any, SupportsIndex, TypeAlias, TypeVar
 
@@ -26,6 +27,11 @@ def as_text(name: str, value: str) -> str:
     if not isinstance(value, str):
         raise ContractError(f"{name} must be a string, got {value!r}")
     return value
+
+
+def as_asset(name: str, value: str | os.PathLike[str]) -> str:
+    """The name of a scene or a robot, or the path of its file. Raises ContractError."""
+    return as_text(name, os.fspath(value) if isinstance(value, os.PathLike) else value)
 
 
 def as_switch(name: str, value: bool) -> bool:

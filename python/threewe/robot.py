@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable
 from contextlib import suppress
 from types import TracebackType
@@ -14,6 +15,7 @@ from threewe import _core
 from threewe._arguments import (
     PoseLike,
     as_array,
+    as_asset,
     as_function,
     as_number,
     as_pose,
@@ -85,8 +87,8 @@ class Robot(InRobotTime):
     def __init__(
         self,
         backend: str = "mock",
-        hardware: str = "3we_standard_v2",
-        scene: str = "office_v2",
+        hardware: str | os.PathLike[str] = "3we_standard_v2",
+        scene: str | os.PathLike[str] = "office_v2",
         map: OccupancyGrid | None = None,
         initial_pose: PoseLike | None = None,
         noise: str = "realistic",
@@ -101,8 +103,8 @@ class Robot(InRobotTime):
         initial = Pose2D() if initial_pose is None else as_pose("initial_pose", initial_pose)
         world = _core.World(
             backend=known_backend(as_text("backend", backend)),
-            scene=as_text("scene", scene),
-            robots=[as_text("hardware", hardware)],
+            scene=as_asset("scene", scene),
+            robots=[as_asset("hardware", hardware)],
             noise=as_text("noise", noise),
             seed=as_seed("seed", seed),
             realtime=as_switch("realtime", realtime),

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Sequence
 from contextlib import suppress
 from types import TracebackType
 from typing import Self
 
 from threewe import _core
-from threewe._arguments import PoseLike, as_list, as_pose, as_seed, as_switch, as_text
+from threewe._arguments import PoseLike, as_asset, as_list, as_pose, as_seed, as_switch, as_text
 from threewe._core import Pose2D
 from threewe._options import known_options
 from threewe._time import InRobotTime, RobotTime
@@ -38,8 +39,8 @@ class World(InRobotTime):
     def __init__(
         self,
         backend: str = "mock",
-        scene: str = "office_v2",
-        robots: Sequence[str] = ("3we_standard_v2", "3we_standard_v2"),
+        scene: str | os.PathLike[str] = "office_v2",
+        robots: Sequence[str | os.PathLike[str]] = ("3we_standard_v2", "3we_standard_v2"),
         *,
         noise: str = "realistic",
         seed: int = 0,
@@ -47,13 +48,13 @@ class World(InRobotTime):
         start_poses: Sequence[PoseLike] = (),
         initial_poses: Sequence[PoseLike] = (),
     ) -> None:
-        profiles = [as_text("robots", hardware) for hardware in as_list("robots", robots)]
+        profiles = [as_asset("robots", hardware) for hardware in as_list("robots", robots)]
         starts = [as_pose("start_poses", pose) for pose in as_list("start_poses", start_poses)]
         initial = [as_pose("initial_poses", pose) for pose in as_list("initial_poses", initial_poses)]
         initial += [Pose2D()] * (len(profiles) - len(initial))
         world = _core.World(
             backend=known_backend(as_text("backend", backend)),
-            scene=as_text("scene", scene),
+            scene=as_asset("scene", scene),
             robots=profiles,
             noise=as_text("noise", noise),
             seed=as_seed("seed", seed),

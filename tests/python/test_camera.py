@@ -139,7 +139,7 @@ def test_impossible_cameras_in_a_profile_are_named_with_their_line(tmp_path: Pat
     file = tmp_path / "mine.yaml"
     file.write_text("\n".join(lines))
     with pytest.raises(ConfigError, match=rf"mine\.yaml:{line + 1}: .*{field}"):
-        Robot(hardware=str(file))
+        Robot(hardware=file)
 
 
 def test_look_takes_cameras_only() -> None:
