@@ -16,13 +16,10 @@
 namespace threewe::sim {
 
 struct RenderScratch::Buffers {
+  view::Rows rows;
   view::Candidates candidates;
   view::Columns columns;
-  view::Row row;
-  // of a row in a strip that is no whole number of vectors
-  std::array<std::uint8_t, std::size_t{3} * view::kStripWidth> colour{};
-  std::array<float, view::kStripWidth> depth{};
-  std::array<std::int16_t, view::kStripWidth> ids{};
+  view::Strip strip;
 };
 
 RenderScratch::RenderScratch() : buffers_(std::make_unique<Buffers>()) {}
@@ -60,57 +57,35 @@ void check_view(const CameraPose& view) {
   }
 }
 
-// Puts a strip's directions and the eye in place.
-void begin_strip(const view::View& seen, const view::FloorLight& light, int first, int count, view::Row& row) {
-  constexpr double kScale = 1.0 / view::FloorLight::kCell;
-  row.lanes = (count + view::kMostLanes - 1) / view::kMostLanes * view::kMostLanes;
-  for (auto& field : row.fields) std::fill(field.begin() + count, field.begin() + row.lanes, 0.0F);
-  for (int i = 0; i < row.lanes; ++i) {
-    const Vec2 step = kScale * seen.direction(seen.slope_of(first + i));
-    row.x_steps[static_cast<std::size_t>(i)] = static_cast<float>(step.x);
-    row.y_steps[static_cast<std::size_t>(i)] = static_cast<float>(step.y);
+void begin_rows(const view::View& seen, bool is_open, view::Rows& rows) {
+  rows.count = seen.camera.height;
+  const auto count = static_cast<std::size_t>(rows.count + view::kMostLanes);
+  rows.slopes.resize(count);
+  rows.floor.resize(count);
+  rows.haze.resize(is_open ? count : 0);
+  for (std::size_t k = 0; k < 3; ++k) {
+    rows.sky[k].resize(count);
+    rows.glow[k].resize(count);
   }
-  const Vec2 eye = kScale * (seen.eye - light.origin);
-  row.eye_x = static_cast<float>(eye.x);
-  row.eye_y = static_cast<float>(eye.y);
-}
-
-// Lets columns show what begins at a row.
-void turn_to(const view::Columns& columns, std::size_t r, view::Row& row) {
-  for (std::int32_t i = columns.first_span[r]; i >= 0;) {
-    const view::Span& span = columns.spans[static_cast<std::size_t>(i)];
-    const auto column = static_cast<std::size_t>(span.column);
-    for (std::size_t k = 0; k < view::kFieldCount; ++k) row.fields[k][column] = span.fields[k];
-    i = span.next;
+  for (std::size_t r = 0; r < count; ++r) {
+    const auto slope = static_cast<float>((seen.camera.cy - (static_cast<double>(r) + 0.5)) / seen.camera.fy);
+    const Colour sky = view::sky_colour(slope);
+    const Colour glow = view::sun_glow(slope);
+    rows.slopes[r] = slope;
+    rows.floor[r] = slope < 0.0F ? 1.0F / (view::inverse_of_level(-seen.height).rise * slope) : 0.0F;
+    if (is_open) rows.haze[r] = view::haze(seen.height, slope);
+    rows.sky[0][r] = sky.b, rows.sky[1][r] = sky.g, rows.sky[2][r] = sky.r;
+    rows.glow[0][r] = glow.b, rows.glow[1][r] = glow.g, rows.glow[2][r] = glow.r;
   }
 }
 
-template <class T, class Buffer>
-T* place_of(std::span<T> image, std::size_t at, bool direct, Buffer& buffer) {
-  return image.empty() ? nullptr : direct ? image.data() + at : buffer.data();
-}
-
-// Draws a strip's rows in place where they are whole vectors, else by way of a buffer.
-void draw_strip(const view::View& seen, const view::Place& place, int first, int count, const Images& images,
-                RenderScratch::Buffers& work) {
-  const CameraIntrinsics& camera = seen.camera;
-  const auto columns = static_cast<std::size_t>(count);
-  const bool direct = count == work.row.lanes;
-  for (int image_row = 0; image_row < camera.height; ++image_row) {
-    const auto r = static_cast<std::size_t>(image_row);
-    turn_to(work.columns, r, work.row);
-    work.row.slope = work.columns.slopes[r];
-    work.row.haze = place.is_open ? view::haze(seen.height, work.row.slope) : 0.0F;
-    const std::size_t at = r * static_cast<std::size_t>(camera.width) + static_cast<std::size_t>(first);
-    const view::RowImages row{place_of(images.colour, 3 * at, direct, work.colour),
-                              place_of(images.depth, at, direct, work.depth),
-                              place_of(images.ids, at, direct, work.ids)};
-    view::draw_row(work.row, place.light, row);
-    if (direct) continue;
-    if (row.colour) std::memcpy(images.colour.data() + 3 * at, row.colour, 3 * columns);
-    if (row.depth) std::memcpy(images.depth.data() + at, row.depth, columns * sizeof(float));
-    if (row.ids) std::memcpy(images.ids.data() + at, row.ids, columns * sizeof(std::int16_t));
-  }
+// Where the pixels of some columns go.
+view::Target target_of(const Images& images, int width, int first, int count) {
+  const auto at = static_cast<std::size_t>(first);
+  return {images.colour.empty() ? nullptr : images.colour.data() + 3 * at,
+          images.depth.empty() ? nullptr : images.depth.data() + at,
+          images.ids.empty() ? nullptr : images.ids.data() + at, static_cast<std::size_t>(width),
+          static_cast<std::size_t>(count)};
 }
 
 }  // namespace
@@ -127,12 +102,13 @@ void Renderer::render(const CameraIntrinsics& camera, const CameraPose& view, co
   RenderScratch::Buffers& work = *scratch.buffers_;
   const view::View seen(camera, view, place_->ceiling);
   view::find_candidates(*place_, seen, paint, moving, work.candidates);
-  view::begin_picture(seen, work.columns);
+  begin_rows(seen, place_->is_open, work.rows);
+  view::begin_strips(camera.height, work.strip);
   for (int first = 0; first < camera.width; first += view::kStripWidth) {
     const int count = std::min(view::kStripWidth, camera.width - first);
-    view::find_spans(*place_, seen, work.candidates, first, count, work.columns);
-    begin_strip(seen, place_->light, first, count, work.row);
-    draw_strip(seen, *place_, first, count, images, work);
+    view::find_spans(*place_, seen, work.rows, work.candidates, first, count, work.columns);
+    view::draw_strip(work.columns.spans, work.rows, place_->light, work.strip,
+                     target_of(images, camera.width, first, count));
   }
 }
 

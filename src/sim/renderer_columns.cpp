@@ -10,18 +10,22 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-class Drawer {
+class Search {
  public:
-  Drawer(const Place& place, const View& view, const Candidates& candidates, Columns& out)
-      : place_(place), view_(view), candidates_(candidates), out_(out) {}
+  Search(const Place& place, const View& view, const Rows& rows, const Candidates& candidates, Columns& out)
+      : place_(place), view_(view), rows_(rows), candidates_(candidates), out_(out) {
+    const auto count = static_cast<std::size_t>(rows.count);
+    out_.inverse.resize(count);
+    out_.owner.resize(count);
+    out_.changed.resize(count);
+  }
 
-  void draw(int first, int count) {
+  void run(int first, int count) {
     out_.spans.clear();
-    std::ranges::fill(out_.first_span, -1);
     for (int block = 0; block < count; block += kBlock) {
       find_hits(first + block);
       for (int i = 0; i < std::min(kBlock, count - block); ++i) {
-        draw_column(first + block + i, block + i, out_.hits[static_cast<std::size_t>(i)]);
+        find_column(first + block + i, block + i, out_.hits[static_cast<std::size_t>(i)]);
       }
     }
   }
@@ -43,12 +47,12 @@ class Drawer {
   }
 
   // Finds what a column shows; `place` is its number in the strip.
-  void draw_column(int column, int place, const std::vector<ColumnHit>& hits) {
+  void find_column(int column, int place, const std::vector<ColumnHit>& hits) {
     const double s = view_.slope_of(column);
     find_base(column, s);
     if (hits.empty()) {
       for (std::size_t i = 0; i < out_.base.size(); ++i) {
-        if (out_.base[i].begin < out_.base[i].end) add_span(place, s, out_.base[i].begin, out_.runs[i]);
+        add_span(place, s, out_.base[i], out_.runs[i]);
       }
       return;
     }
@@ -91,7 +95,7 @@ class Drawer {
       add_base({Run::Kind::hills}, hills, horizon);
     }
     // a row may look exactly along the horizon
-    const bool on_row = view_.camera.cy - 0.5 == horizon && horizon < view_.camera.height;
+    const bool on_row = view_.camera.cy - 0.5 == horizon && horizon < rows_.count;
     if (on_row) add_base({Run::Kind::nothing}, horizon, horizon + 1);
     add_floors(s, 0.0, on_row ? horizon + 1 : horizon);
   }
@@ -108,7 +112,7 @@ class Drawer {
     const Vec2 direction = view_.direction(s);
     const double reach = inverse > 0.0 ? 1.0 / inverse : kInfinity;
     const std::size_t first = out_.runs.size();
-    int end = view_.camera.height;
+    int end = rows_.count;
     double x = 0.0;
     for (int i = 0; i < kMostFloors && end > top; ++i) {
       const FloorRegion* floor = place_.floor_at(view_.eye + (x + kStep) * direction);
@@ -162,7 +166,7 @@ class Drawer {
     }
   }
 
-  Layers layers() { return {out_.slopes.data(), out_.inverse.data(), out_.owner.data()}; }
+  Layers layers() { return {rows_.slopes.data(), out_.inverse.data(), out_.owner.data()}; }
 
   void put_faces(const ColumnHit& hit, double s) {
     const Candidate& c = *hit.candidate;
@@ -221,46 +225,38 @@ class Drawer {
 
   // One span for each stretch of rows with one owner.
   void add_spans(int column, double s) {
-    const auto add = [&](std::int32_t row) {
-      add_span(column, s, row, out_.runs[static_cast<std::size_t>(out_.owner[static_cast<std::size_t>(row)])]);
+    int begin = 0;
+    const auto add_until = [&](int end) {
+      const auto owner = static_cast<std::size_t>(out_.owner[static_cast<std::size_t>(begin)]);
+      add_span(column, s, {begin, end}, out_.runs[owner]);
+      begin = end;
     };
-    add(0);
-    const int count = find_changes(out_.owner.data(), view_.camera.height, out_.changed.data());
-    std::for_each_n(out_.changed.begin(), count, add);
+    const int count = find_changes(out_.owner.data(), rows_.count, out_.changed.data());
+    std::for_each_n(out_.changed.begin(), count, add_until);
+    add_until(rows_.count);
   }
 
-  void add_span(int column, double s, int row, const Run& run) {
-    auto& first = out_.first_span[static_cast<std::size_t>(row)];
+  void add_span(int column, double s, RowRange rows, const Run& run) {
+    if (rows.begin >= rows.end) return;
     Span& span = out_.spans.emplace_back();
     span.column = column;
-    span.next = first;
-    first = static_cast<std::int32_t>(out_.spans.size()) - 1;
-    fill(run, place_, view_, s, span.fields);
+    span.begin = rows.begin;
+    span.end = rows.end;
+    fill(run, place_, view_, s, span);
   }
 
   const Place& place_;
   const View& view_;
+  const Rows& rows_;
   const Candidates& candidates_;
   Columns& out_;
 };
 
 }  // namespace
 
-void begin_picture(const View& view, Columns& columns) {
-  const auto rows = static_cast<std::size_t>(view.camera.height);
-  columns.first_span.resize(rows);
-  columns.slopes.resize(rows);
-  columns.inverse.resize(rows);
-  columns.owner.resize(rows);
-  columns.changed.resize(rows);
-  for (int row = 0; row < view.camera.height; ++row) {
-    columns.slopes[static_cast<std::size_t>(row)] = static_cast<float>((view.camera.cy - (row + 0.5)) / view.camera.fy);
-  }
-}
-
-void find_spans(const Place& place, const View& view, const Candidates& candidates, int first, int count,
-                Columns& columns) {
-  Drawer(place, view, candidates, columns).draw(first, count);
+void find_spans(const Place& place, const View& view, const Rows& rows, const Candidates& candidates, int first,
+                int count, Columns& columns) {
+  Search(place, view, rows, candidates, columns).run(first, count);
 }
 
 }  // namespace threewe::sim::view

@@ -30,15 +30,8 @@ struct Run {
   const Decor* decor = nullptr;
 };
 
-/// The numbers by which rows of pixels draw a surface along the ray (1, s).
-void fill(const Run& run, const Place& place, const View& view, double s, Fields& fields);
-
-/// A column begins to show something else at a row. Spans of one row are chained by `next`.
-struct Span {
-  std::int32_t column = 0;
-  std::int32_t next = -1;
-  Fields fields{};
-};
+/// The numbers by which pixels draw a surface along the ray (1, s).
+void fill(const Run& run, const Place& place, const View& view, double s, Span& span);
 
 struct RowRange {
   int begin = 0;
@@ -55,9 +48,7 @@ struct ColumnHit {
 
 /// Working memory of a strip.
 struct Columns {
-  std::vector<float> slopes;             // of rows, z / x
-  std::vector<Span> spans;               // of all columns
-  std::vector<std::int32_t> first_span;  // by row
+  std::vector<Span> spans;  // of all columns, from top to bottom in each
 
   std::array<std::vector<ColumnHit>, kBlock> hits;  // of a block of columns
   std::vector<Run> runs;                            // of a column
@@ -67,10 +58,8 @@ struct Columns {
   std::vector<std::int32_t> changed;  // rows at which it changes
 };
 
-/// Puts the rows' slopes in place.
-void begin_picture(const View& view, Columns& columns);
 /// Finds what `count` columns show; spans count them from `first`, the first of a block.
-void find_spans(const Place& place, const View& view, const Candidates& candidates, int first, int count,
-                Columns& columns);
+void find_spans(const Place& place, const View& view, const Rows& rows, const Candidates& candidates, int first,
+                int count, Columns& columns);
 
 }  // namespace threewe::sim::view

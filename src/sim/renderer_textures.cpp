@@ -51,9 +51,9 @@ void pack(const std::vector<double>& values, int side, std::uint32_t* texels) {
     const double value = values[static_cast<std::size_t>(i)];
     return static_cast<std::uint32_t>(std::lround(std::clamp(value, 0.0, 255.0)));
   };
-  for (int y = 0; y <= side; ++y) {
-    for (int x = 0; x <= side; ++x) {
-      texels[y * kTexelStride + x] =
+  for (int x = 0; x <= side; ++x) {
+    for (int y = 0; y <= side; ++y) {
+      texels[x * kTexelStride + y] =
           byte(x, y) | byte(x + 1, y) << 8U | byte(x, y + 1) << 16U | byte(x + 1, y + 1) << 24U;
     }
   }
@@ -74,7 +74,7 @@ std::vector<double> halved(const std::vector<double>& values, int side) {
 }
 
 std::vector<std::uint32_t> make_tiles() {
-  std::vector<std::uint32_t> all(kMaterials * kTileRows * kTexelStride);
+  std::vector<std::uint32_t> all(kMaterials * kTileLines * kTexelStride);
   for (std::size_t m = 0; m < kMaterials; ++m) {
     const Pattern brightness = pattern(static_cast<Material>(m));
     std::vector<double> values;
@@ -85,8 +85,8 @@ std::vector<std::uint32_t> make_tiles() {
       }
     }
     for (int side = kTileSide; side >= 1; side /= 2) {
-      const std::size_t row = m * kTileRows + static_cast<std::size_t>(level_row(side));
-      pack(values, side, all.data() + row * kTexelStride);
+      const std::size_t line = m * kTileLines + static_cast<std::size_t>(level_line(side));
+      pack(values, side, all.data() + line * kTexelStride);
       if (side > 1) values = halved(values, side);
     }
   }
@@ -108,8 +108,8 @@ double sample(Material material, int level, double u, double v) {
   const double y = wrapped(v) * side;
   const int x0 = std::min(static_cast<int>(x), side - 1);
   const int y0 = std::min(static_cast<int>(y), side - 1);
-  const int row = static_cast<int>(material) * kTileRows + level_row(side) + y0;
-  const int at = row * kTexelStride + x0;
+  const int line = static_cast<int>(material) * kTileLines + level_line(side) + x0;
+  const int at = line * kTexelStride + y0;
   const std::uint32_t texel = tiles()[static_cast<std::size_t>(at)];
   const auto byte = [&](unsigned i) { return static_cast<double>(texel >> (8U * i) & 255U); };
   const double low = byte(0) + (x - x0) * (byte(1) - byte(0));

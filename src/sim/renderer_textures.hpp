@@ -12,12 +12,13 @@ namespace threewe::sim::view {
 inline constexpr std::size_t kMaterials = 29;
 inline constexpr int kTileSide = 128;     ///< texels, at level 0; each level has half the side of the one before
 inline constexpr int kTileLevels = 8;     ///< the last is one texel
-inline constexpr int kTexelStride = 136;  ///< from one row of texels to the next, at every level
-inline constexpr int kTileRows = 384;     ///< from one material's tile to the next
+inline constexpr int kTexelStride = 136;  ///< from one line of texels to the next, at every level
+inline constexpr int kTileLines = 384;    ///< from one material's tile to the next
 
-/// The first row of a level in its tile, for a level that is `side` texels wide. Levels have one more row and column
-/// than that, equal to their first: a coordinate that rounds up to the far edge stays in the level.
-constexpr int level_row(int side) { return 3 * (kTileSide - side); }
+/// The first line of a level in its tile, for a level that is `side` texels wide. Lines are those of one u, since
+/// pictures are drawn from top to bottom. Levels have one more line and one more texel in each than that, equal to
+/// their first: a coordinate that rounds up to the far edge stays in the level.
+constexpr int level_line(int side) { return 3 * (kTileSide - side); }
 
 /// How a material takes colour: what is 0 in its tile is shown at `dark` times the colour, what is 1 at `light` times.
 struct MaterialSpec {
