@@ -89,6 +89,6 @@ int main(int argc, char** argv) {
   const sim::Renderer renderer(*place.model->scene);
   const sim::Comparison comparison = compare_picture(place, renderer, seed);
   std::printf("beams %d\nbeams_off %d\n", place.model->robots[0].profile.lidar->beams, beams_off(place, renderer));
-  std::printf("pixels %d\npixels_at_edges %d\npixels_wrong %d\n", comparison.pixels, comparison.grazing,
-              comparison.wrong);
+  std::printf("pixels %d\npixels_at_edges %d\npixels_wrong %d\npixels_of_another_colour %d\n", comparison.pixels,
+              comparison.grazing, comparison.wrong - comparison.colour_alone, comparison.colour_alone);
 }

@@ -47,6 +47,7 @@ struct Comparison {
   int grazing = 0;
   int other_level = 0;
   int wrong = 0;
+  int colour_alone = 0;  // of the wrong ones: the same thing at the same depth
   std::string first_wrong;
 
   void compare(const RayTracer& tracer, const CameraIntrinsics& camera, const Picture& picture) {
@@ -61,20 +62,21 @@ struct Comparison {
           continue;
         }
         ++wrong;
+        colour_alone += shows_the_same(tracer.cast(column + 0.5, row + 0.5), picture, i) ? 1 : 0;
         if (first_wrong.empty()) describe(tracer, column, row, picture, i);
       }
     }
   }
 
+  static bool shows_the_same(const Hit& hit, const Picture& picture, std::size_t i) {
+    const auto depth = static_cast<double>(picture.depth[i]);
+    if (picture.ids[i] != hit.id) return false;
+    return hit.id == kNothingId ? depth == 0.0 : std::fabs(depth - hit.depth) <= 1e-4 * hit.depth;
+  }
+
   bool agrees(const RayTracer& tracer, double u, double v, const Picture& picture, std::size_t i) {
     const Hit hit = tracer.cast(u, v);
-    if (picture.ids[i] != hit.id) return false;
-    const auto depth = static_cast<double>(picture.depth[i]);
-    if (hit.id == kNothingId) {
-      if (depth != 0.0) return false;
-    } else if (!(std::fabs(depth - hit.depth) <= 1e-4 * hit.depth)) {
-      return false;
-    }
+    if (!shows_the_same(hit, picture, i)) return false;
     for (const int level : {0, -1, 1}) {
       const Colour colour = tracer.colour(u, v, hit, level);
       const auto off = [&](float expected, std::size_t channel) {
