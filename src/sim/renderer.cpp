@@ -57,9 +57,10 @@ void check_view(const CameraPose& view) {
   }
 }
 
+// What is known of rows before anything is drawn, also of some beyond the last.
 void begin_rows(const view::View& seen, bool is_open, view::Rows& rows) {
   rows.count = seen.camera.height;
-  const auto count = static_cast<std::size_t>(rows.count + view::kMostLanes);
+  const auto count = static_cast<std::size_t>(rows.count) + view::kMostLanes;
   rows.slopes.resize(count);
   rows.floor.resize(count);
   rows.haze.resize(is_open ? count : 0);

@@ -313,7 +313,8 @@ class Drawer {
     const F rise = hn::Mul(set(s.shade_rise), hn::Mul(depth_at(set(s.inverse)), set(s.v_step)));
     const W x_at_one_depth = upright_line(s, level_side(set(s.footprint)));
 
-    for (auto i = static_cast<std::size_t>(s.begin); i < static_cast<std::size_t>(s.end); i += hn::Lanes(d)) {
+    for (int row = s.begin; row < s.end; row += static_cast<int>(hn::Lanes(d))) {
+      const auto i = static_cast<std::size_t>(row);
       const W x = way == Way::upright ? x_at_one_depth : hn::LoadU(dw, texel_x + i);
       const F bright = interpolate(hn::LoadU(dw, texels + i), x, hn::LoadU(dw, texel_y + i));
       const F cover = hn::Add(set(s.dark), hn::Mul(contrast, bright));
@@ -449,7 +450,8 @@ namespace threewe::sim::view {
 HWY_EXPORT(draw);
 
 void begin_strips(int rows, Strip& strip) {
-  strip.pitch = static_cast<std::size_t>((rows + 2 * kMostLanes - 1) / kMostLanes * kMostLanes);
+  constexpr std::size_t kLanes = kMostLanes;
+  strip.pitch = (static_cast<std::size_t>(rows) + 2 * kLanes - 1) / kLanes * kLanes;
   strip.colour.resize(kStripWidth * strip.pitch);
   strip.depth.resize(kStripWidth * strip.pitch);
   strip.ids.resize(kStripWidth * strip.pitch);
