@@ -1,13 +1,15 @@
 # A module is include/threewe/<module> and src/<module>, built as the library threewe_<module> of its own;
 # libthreewe is all of their objects in one.
 
-# Defines the library of one module. Files are found by themselves; a module without sources is its headers.
+# Defines the library of one module. Files are found by themselves, also in the named FOLDERS within the module; a module
+# without sources is its headers.
 function(threewe_module module)
-  cmake_parse_arguments(ARG "" "" "USES" ${ARGN})
+  cmake_parse_arguments(ARG "" "" "USES;FOLDERS" ${ARGN})
   string(REPLACE "/" "_" name ${module})
   set(target threewe_${name})
 
-  file(GLOB sources CONFIGURE_DEPENDS "${PROJECT_SOURCE_DIR}/src/${module}/*.cpp")
+  list(TRANSFORM ARG_FOLDERS REPLACE "(.+)" "${PROJECT_SOURCE_DIR}/src/${module}/\\1/*.cpp" OUTPUT_VARIABLE folders)
+  file(GLOB sources CONFIGURE_DEPENDS "${PROJECT_SOURCE_DIR}/src/${module}/*.cpp" ${folders})
   if(sources)
     add_library(${target} STATIC ${sources})
     target_include_directories(${target} PRIVATE "${PROJECT_SOURCE_DIR}/src")

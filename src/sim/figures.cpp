@@ -7,7 +7,7 @@
 
 #include <fmt/format.h>
 
-#include "sim/renderer_looks.hpp"
+#include "sim/renderer/looks.hpp"
 #include "threewe/core/errors.hpp"
 #include "threewe/core/rng.hpp"
 

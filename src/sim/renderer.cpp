@@ -8,9 +8,9 @@
 
 #include <fmt/format.h>
 
-#include "sim/renderer_columns.hpp"
-#include "sim/renderer_kernel.hpp"
-#include "sim/renderer_place.hpp"
+#include "sim/renderer/columns.hpp"
+#include "sim/renderer/kernel.hpp"
+#include "sim/renderer/place.hpp"
 #include "threewe/core/errors.hpp"
 
 namespace threewe::sim {

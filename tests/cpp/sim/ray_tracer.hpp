@@ -6,8 +6,8 @@
 #include <limits>
 #include <vector>
 
-#include "sim/renderer_place.hpp"
-#include "sim/renderer_textures.hpp"
+#include "sim/renderer/place.hpp"
+#include "sim/renderer/textures.hpp"
 #include "threewe/sim/renderer.hpp"
 
 namespace threewe::sim {

@@ -90,10 +90,11 @@ def sources() -> list[Path]:
 
 
 def module_of(file: Path) -> str:
-    """The module whose file this is: its folder under include/threewe or src."""
+    """The module whose file this is: its folder under include/threewe or src, or the one around that folder."""
     folder = file.parent
     base = next(ROOT / top for top in ("include/threewe", "src") if folder.is_relative_to(ROOT / top))
-    return folder.relative_to(base).as_posix()
+    name = folder.relative_to(base).as_posix()
+    return name if name in MAY_USE else name.rpartition("/")[0] or name
 
 
 def includes(file: Path) -> Iterator[tuple[int, Path]]:

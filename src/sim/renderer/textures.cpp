@@ -1,11 +1,11 @@
 // Every tile is made when it is first needed, from numbers that are the same everywhere.
-#include "sim/renderer_textures.hpp"
+#include "sim/renderer/textures.hpp"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 
-#include "sim/renderer_patterns.hpp"
+#include "sim/renderer/patterns.hpp"
 
 namespace threewe::sim::view {
 namespace {

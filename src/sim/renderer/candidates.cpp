@@ -1,4 +1,4 @@
-#include "sim/renderer_candidates.hpp"
+#include "sim/renderer/candidates.hpp"
 
 #include <algorithm>
 #include <cmath>

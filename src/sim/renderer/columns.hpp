@@ -5,8 +5,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "sim/renderer_candidates.hpp"
-#include "sim/renderer_kernel.hpp"
+#include "sim/renderer/candidates.hpp"
+#include "sim/renderer/kernel.hpp"
 
 namespace threewe::sim::view {
 

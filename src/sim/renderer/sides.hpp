@@ -3,7 +3,7 @@
 
 #include <array>
 
-#include "sim/renderer_looks.hpp"
+#include "sim/renderer/looks.hpp"
 
 namespace threewe::sim::view {
 

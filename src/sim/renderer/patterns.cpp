@@ -1,5 +1,5 @@
 // Every pattern is made from numbers that are the same everywhere.
-#include "sim/renderer_patterns.hpp"
+#include "sim/renderer/patterns.hpp"
 
 #include <algorithm>
 #include <cmath>

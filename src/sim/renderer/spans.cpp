@@ -2,8 +2,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "sim/renderer_columns.hpp"
-#include "sim/renderer_textures.hpp"
+#include "sim/renderer/columns.hpp"
+#include "sim/renderer/textures.hpp"
 
 namespace threewe::sim::view {
 namespace {

@@ -6,8 +6,8 @@
 #include <span>
 #include <vector>
 
-#include "sim/renderer_meet.hpp"
-#include "sim/renderer_view.hpp"
+#include "sim/renderer/meet.hpp"
+#include "sim/renderer/view.hpp"
 
 namespace threewe::sim::view {
 

@@ -1,10 +1,10 @@
-#include "sim/renderer_looks.hpp"
+#include "sim/renderer/looks.hpp"
 
 #include <algorithm>
 #include <cmath>
 
-#include "sim/renderer_light.hpp"
-#include "sim/renderer_textures.hpp"
+#include "sim/renderer/light.hpp"
+#include "sim/renderer/textures.hpp"
 
 namespace threewe::sim::view {
 namespace {

@@ -1,4 +1,4 @@
-#include "sim/renderer_sides.hpp"
+#include "sim/renderer/sides.hpp"
 
 #include <cmath>
 

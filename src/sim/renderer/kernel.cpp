@@ -1,6 +1,6 @@
 // How columns of pixels get their depth, ids and colour. All products are unfused and all quotients exact, so that the
 // bits are the same for every target.
-#include "sim/renderer_kernel.hpp"
+#include "sim/renderer/kernel.hpp"
 
 #include <algorithm>
 #include <array>
@@ -8,11 +8,11 @@
 #include <cstdint>
 #include <cstring>
 
-#include "sim/renderer_looks.hpp"
-#include "sim/renderer_textures.hpp"
+#include "sim/renderer/looks.hpp"
+#include "sim/renderer/textures.hpp"
 
 #undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "sim/renderer_kernel.cpp"
+#define HWY_TARGET_INCLUDE "sim/renderer/kernel.cpp"
 #include "threewe/core/highway-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();

@@ -1,4 +1,4 @@
-#include "sim/renderer_place.hpp"
+#include "sim/renderer/place.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -6,7 +6,7 @@
 
 #include <fmt/format.h>
 
-#include "sim/renderer_textures.hpp"
+#include "sim/renderer/textures.hpp"
 #include "threewe/core/errors.hpp"
 #include "threewe/core/rng.hpp"
 

@@ -7,8 +7,8 @@
 #include <span>
 #include <vector>
 
-#include "sim/renderer_light.hpp"
-#include "sim/renderer_textures.hpp"
+#include "sim/renderer/light.hpp"
+#include "sim/renderer/textures.hpp"
 
 namespace threewe::sim::view {
 

@@ -3,7 +3,7 @@
 
 #include <limits>
 
-#include "sim/renderer_place.hpp"
+#include "sim/renderer/place.hpp"
 #include "threewe/core/exact.hpp"
 
 namespace threewe::sim::view {

@@ -1,10 +1,10 @@
-#include "sim/renderer_walls.hpp"
+#include "sim/renderer/walls.hpp"
 
 #include <algorithm>
 #include <cmath>
 
-#include "sim/renderer_sides.hpp"
-#include "sim/renderer_textures.hpp"
+#include "sim/renderer/sides.hpp"
+#include "sim/renderer/textures.hpp"
 #include "threewe/core/rng.hpp"
 
 namespace threewe::sim::view {

@@ -1,4 +1,4 @@
-#include "sim/renderer_light.hpp"
+#include "sim/renderer/light.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -3,8 +3,8 @@
 
 #include <vector>
 
-#include "sim/renderer_light.hpp"
-#include "sim/renderer_looks.hpp"
+#include "sim/renderer/light.hpp"
+#include "sim/renderer/looks.hpp"
 #include "threewe/scene/scene.hpp"
 
 namespace threewe::sim::view {

@@ -1,11 +1,11 @@
 // Unfused throughout, so that the bits are the same for every target.
-#include "sim/renderer_meet.hpp"
+#include "sim/renderer/meet.hpp"
 
 #include <cstddef>
 #include <limits>
 
 #undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "sim/renderer_meet.cpp"
+#define HWY_TARGET_INCLUDE "sim/renderer/meet.cpp"
 #include "threewe/core/highway-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();

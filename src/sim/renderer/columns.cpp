@@ -1,4 +1,4 @@
-#include "sim/renderer_columns.hpp"
+#include "sim/renderer/columns.hpp"
 
 #include <algorithm>
 #include <cmath>

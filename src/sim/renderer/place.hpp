@@ -6,10 +6,10 @@
 #include <span>
 #include <vector>
 
-#include "sim/renderer_light.hpp"
-#include "sim/renderer_looks.hpp"
-#include "sim/renderer_sides.hpp"
-#include "sim/renderer_walls.hpp"
+#include "sim/renderer/light.hpp"
+#include "sim/renderer/looks.hpp"
+#include "sim/renderer/sides.hpp"
+#include "sim/renderer/walls.hpp"
 #include "threewe/sim/renderer.hpp"
 
 namespace threewe::sim::view {
