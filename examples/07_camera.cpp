@@ -19,9 +19,10 @@ int main(int argc, char** argv) {
   const double height = robot.runtime().profile().camera->mount_height;
   double nearest = 1e9;
   threewe::Vec2 where;
+  std::size_t pixel = 0;
   for (int row = 0; row < camera.height; ++row) {
     for (int column = 0; column < camera.width; ++column) {
-      const auto x = static_cast<double>(image.depth[static_cast<std::size_t>(row * camera.width + column)]);
+      const auto x = static_cast<double>(image.depth[pixel++]);
       const double y = -(column + 0.5 - camera.cx) / camera.fx * x;
       const double z = -(row + 0.5 - camera.cy) / camera.fy * x;
       const bool on_floor = z + height < 0.05;

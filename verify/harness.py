@@ -87,8 +87,11 @@ def mean_of(name: str, value: Callable[[Case], float], **target: float) -> Row:
 
 
 def median_of(name: str, value: Callable[[Case], float], **target: float) -> Row:
-    """The median over the cases is `at_least` or `at_most` something."""
-    return _figure(name, value, statistics.median, "median", target)
+    """The median over the cases is `at_least` or `at_most` something; of a sample the best, for what else runs on the
+    machine makes timings worse and never better.
+    """
+    best = max if "at_least" in target else min
+    return _figure(name, value, statistics.median, "median", target, best)
 
 
 def worst_of(name: str, value: Callable[[Case], float], **target: float) -> Row:
@@ -102,18 +105,20 @@ def _figure(
     summary: Callable[[list[float]], float],
     word: str,
     target: dict[str, float],
+    of_sample: Callable[[list[float]], float] | None = None,
 ) -> Row:
     ((sense, bound),) = target.items()
     at_least = {"at_least": True, "at_most": False}[sense]
 
-    def judge(cases: list[Case], _sample: bool) -> Verdict:
+    def judge(cases: list[Case], sample: bool) -> Verdict:
         failures = sum("error" in case for case in cases)
         wanted = f"{'>=' if at_least else '<='} {bound:g}"
         if failures:
             return Verdict(f"{failures} of {len(cases)} cases broke", wanted, "FAIL")
-        figure = summary([value(case) for case in cases])
+        chosen, told = (of_sample, "best") if sample and of_sample else (summary, word)
+        figure = chosen([value(case) for case in cases])
         holds = figure >= bound if at_least else figure <= bound
-        return Verdict(f"{word} {figure:.4g} of {len(cases)}", wanted, "pass" if holds else "FAIL")
+        return Verdict(f"{told} {figure:.4g} of {len(cases)}", wanted, "pass" if holds else "FAIL")
 
     return Row(name, judge)
 
