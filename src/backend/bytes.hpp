@@ -28,6 +28,11 @@ class ByteWriter {
     put(std::uint64_t{text.size()});
     for (const char c : text) put(c);
   }
+  template <typename T>
+  void put(const std::vector<T>& values) {
+    put(std::uint64_t{values.size()});
+    for (const T& value : values) put(value);
+  }
   void put(const Sample& sample) {
     put(sample.sensor);
     put(sample.measured);
@@ -39,8 +44,7 @@ class ByteWriter {
          {scan.angle_min, scan.angle_increment, scan.time_increment, scan.range_min, scan.range_max}) {
       put(value);
     }
-    put(std::uint64_t{scan.ranges.size()});
-    for (const float range : scan.ranges) put(range);
+    put(scan.ranges);
   }
   /// Nothing: a picture is drawn again from what was in sight, which its world saves.
   void put(const Picture&) {}
@@ -74,6 +78,11 @@ class ByteReader {
     text.resize(get_size());
     for (char& c : text) get(c);
   }
+  template <typename T>
+  void get(std::vector<T>& values) {
+    values.resize(get_size());
+    for (T& value : values) get(value);
+  }
   void get(Sample& sample) {
     get(sample.sensor);
     get(sample.measured);
@@ -94,8 +103,7 @@ class ByteReader {
          {&scan.angle_min, &scan.angle_increment, &scan.time_increment, &scan.range_min, &scan.range_max}) {
       get(*value);
     }
-    scan.ranges.resize(get_size());
-    for (float& range : scan.ranges) get(range);
+    get(scan.ranges);
   }
   /// Throws unless everything was read.
   void finish() const { require(bytes_.empty()); }

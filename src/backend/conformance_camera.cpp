@@ -6,13 +6,12 @@
 #include <utility>
 
 #include "backend/conformance_bench.hpp"
+#include "threewe/backend/sample_checks.hpp"
 #include "threewe/scene/truth_view.hpp"
 
 namespace threewe::backend::conformance {
 
 namespace {
-
-constexpr double kRangeTolerance = 1e-4;  // [m], of a depth kept as a float
 
 Bench with_camera(const Context& context) {
   Bench bench = context.connected();

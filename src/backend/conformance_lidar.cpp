@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "backend/conformance_bench.hpp"
+#include "threewe/backend/sample_checks.hpp"
 #include "threewe/core/exact.hpp"
 
 namespace threewe::backend::conformance {
@@ -11,7 +12,6 @@ namespace threewe::backend::conformance {
 namespace {
 
 constexpr double kTurn = 2.0 * exact::kPi;
-constexpr double kRangeTolerance = 1e-4;  // [m], of a range kept as a float
 
 Bench with_lidar(const Context& context) {
   Bench bench = context.connected();

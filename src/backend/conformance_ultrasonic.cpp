@@ -6,12 +6,11 @@
 #include <optional>
 
 #include "backend/conformance_bench.hpp"
+#include "threewe/backend/sample_checks.hpp"
 
 namespace threewe::backend::conformance {
 
 namespace {
-
-constexpr double kRangeTolerance = 1e-4;  // [m], of a range kept as a float
 
 Bench with_ultrasonics(const Context& context) {
   Bench bench = context.connected();

@@ -12,9 +12,8 @@
 namespace threewe::backend {
 namespace {
 
-constexpr double kMaxSpeed = 1e3;         // [m/s] or [rad/s]
-constexpr double kMaxSweep = 10.0;        // [s], of one scan
-constexpr double kRangeTolerance = 1e-4;  // [m], of a range kept as a float
+constexpr double kMaxSpeed = 1e3;   // [m/s] or [rad/s]
+constexpr double kMaxSweep = 10.0;  // [s], of one scan
 
 // One reading under check: knows how to complain.
 struct Reading {

@@ -1,6 +1,5 @@
-// Noise for a million values an image. Each draws from a hash of its own place, whose
-// parts are added up to something bell-shaped. Whole numbers throughout for colours, so that the bits are
-// the same for every target.
+// Noise for a million values an image. Each draws from a hash of its own place, whose parts are added up to something
+// bell-shaped. Whole numbers throughout for colours, so that the bits are the same for every target.
 #include "threewe/models/camera.hpp"
 
 #include <algorithm>
@@ -114,6 +113,7 @@ HWY_INLINE void serve_all(Seed seed, std::span<T> values, const Serve& serve) {
     hash(seed, place, words);
     serve(words, values.data());
   }
+  if (values.empty()) return;
   std::array<T, kValues> rest{};
   std::copy(values.begin(), values.end(), rest.begin());
   hash(seed, place, words);

@@ -156,7 +156,7 @@ void check_places(const Draft& draft) {
 
 namespace {
 
-// The strips of floor that somebody walks over.
+// What somebody walks over: for each waypoint a disc around it, then the strip to the next one.
 std::vector<Solid> way_of(const Person& person) {
   std::vector<Solid> way;
   for (std::size_t k = 0; k < person.route.size(); ++k) {
@@ -166,46 +166,42 @@ std::vector<Solid> way_of(const Person& person) {
   return way;
 }
 
-// People do not see one another: their ways must not cross.
-void check_ways(const Draft& draft) {
-  std::vector<std::vector<Solid>> ways;
-  for (std::size_t i = 0; i < draft.scene.people.size(); ++i) {
-    ways.push_back(way_of(draft.scene.people[i]));
-    for (std::size_t j = 0; j < i; ++j) {
-      const bool cross = std::ranges::any_of(ways[i], [&](const Solid& a) {
-        return std::ranges::any_of(ways[j], [&](const Solid& b) { return overlaps(a, b, kSlack); });
-      });
-      if (!cross) continue;
-      draft.people[i].fail(fmt::format("the way of '{}' crosses that of '{}'; people do not see one another",
-                                       draft.scene.people[i].name, draft.scene.people[j].name));
-    }
-  }
+bool cross(const std::vector<Solid>& way, const std::vector<Solid>& other) {
+  return std::ranges::any_of(way, [&](const Solid& a) {
+    return std::ranges::any_of(other, [&](const Solid& b) { return overlaps(a, b, kSlack); });
+  });
 }
 
 }  // namespace
 
+// A way leads through nothing, and crosses no other: people do not see one another.
 void check_people(const Draft& draft) {
   const Scene& scene = draft.scene;
   const std::vector<Solid> solids = scene.solids_between(0.0, kWalkingHeight);
+  std::vector<std::vector<Solid>> ways;
   for (std::size_t i = 0; i < scene.people.size(); ++i) {
     const Person& person = scene.people[i];
+    const std::vector<Solid>& way = ways.emplace_back(way_of(person));
+    ConfigNode node = draft.people[i];
     for (std::size_t k = 0; k < person.route.size(); ++k) {
-      const Vec2 a = person.route[k];
-      const Vec2 b = person.route[(k + 1) % person.route.size()];
-      ConfigNode node = draft.people[i];
-      if (!within_walls(scene, a, a)) {
+      if (!within_walls(scene, person.route[k], person.route[k])) {
         node.at("route").items()[k].fail(fmt::format("here '{}' walks outside the walls", person.name));
       }
       const auto hit = std::ranges::find_if(solids, [&](const Solid& solid) {
-        return overlaps(make_disc(a, person.radius), solid, kSlack) ||
-               overlaps(swept_box(a, b, person.radius), solid, kSlack);
+        return overlaps(way[2 * k], solid, kSlack) || overlaps(way[2 * k + 1], solid, kSlack);
       });
       if (hit == solids.end()) continue;
       node.at("route").items()[k].fail(fmt::format("from here '{}' walks through {} on the way to the next waypoint",
                                                    person.name, describe(scene, hit->object)));
     }
   }
-  check_ways(draft);
+  for (std::size_t i = 0; i < ways.size(); ++i) {
+    for (std::size_t j = 0; j < i; ++j) {
+      if (!cross(ways[i], ways[j])) continue;
+      draft.people[i].fail(fmt::format("the way of '{}' crosses that of '{}'; people do not see one another",
+                                       scene.people[i].name, scene.people[j].name));
+    }
+  }
 }
 
 }  // namespace threewe::scene

@@ -11,6 +11,7 @@
 #include "object_library.hpp"
 #include "scene_checks.hpp"
 #include "threewe/core/assets.hpp"
+#include "threewe/scene/surfaces.hpp"
 
 namespace threewe::scene {
 namespace {
@@ -209,9 +210,10 @@ class SceneReader {
 
   // Pictures tell by these names what they show: each stands for one thing.
   void take_name(const std::string& name, const ConfigNode& node) {
-    const bool reserved = name.empty() || name == "nothing" || name == "floor" || name == "wall" || name == "ceiling" ||
-                          name.starts_with("robot_");
-    if (reserved) node.fail(fmt::format("'{}' cannot be the name of an object or a person", name));
+    const bool is_surface = std::ranges::find(kSurfaceNames, name) != kSurfaceNames.end();
+    if (name.empty() || is_surface || name.starts_with("robot_")) {
+      node.fail(fmt::format("'{}' cannot be the name of an object or a person", name));
+    }
     if (!names_.insert(name).second) {
       node.fail(fmt::format("there are two things named '{}' (those without a name are numbered)", name));
     }

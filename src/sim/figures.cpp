@@ -10,6 +10,7 @@
 #include "sim/renderer/looks.hpp"
 #include "threewe/core/errors.hpp"
 #include "threewe/core/rng.hpp"
+#include "threewe/scene/surfaces.hpp"
 
 namespace threewe::sim {
 namespace {
@@ -146,8 +147,8 @@ std::int16_t robot_id(const scene::Scene& scene, std::size_t robot) {
 }
 
 std::vector<std::string> id_names(const Model& model) {
+  std::vector<std::string> names(scene::kSurfaceNames.begin(), scene::kSurfaceNames.end());
   const scene::Scene& scene = *model.scene;
-  std::vector<std::string> names = {"nothing", "floor", "wall", "ceiling"};
   for (const scene::Object& object : scene.objects) names.push_back(object.name);
   for (const scene::Person& person : scene.people) names.push_back(person.name);
   for (std::size_t i = 0; i < model.robots.size(); ++i) names.push_back(fmt::format("robot_{}", i));

@@ -9,6 +9,8 @@ namespace threewe::backend {
 
 /// The furthest from an origin that a pose may be [m]: far beyond any robot, and near enough to compute with.
 inline constexpr double kMaxCoordinate = 1e6;
+/// How far off a range or a depth may be that was kept as a float [m].
+inline constexpr double kRangeTolerance = 1e-4;
 
 /// Throws ContractError, naming sensor and field, unless `data` is what a sensor of this profile could measure: of its
 /// type, finite, of sane size, the right number of beams, ranges that are 0 or within the lidar's limits, a heading in

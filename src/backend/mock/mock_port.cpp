@@ -151,10 +151,8 @@ void put(ByteWriter& bytes, const sim::Shot& shot) {
   bytes.put(shot.key.episode);
   bytes.put(shot.key.robot);
   bytes.put(shot.step);
-  bytes.put(std::uint64_t{shot.robots.size()});
-  for (const Pose2D& pose : shot.robots) bytes.put(pose);
-  bytes.put(std::uint64_t{shot.people.size()});
-  for (const sim::PersonState& person : shot.people) bytes.put(person);
+  bytes.put(shot.robots);
+  bytes.put(shot.people);
 }
 
 void get(ByteReader& bytes, sim::Shot& shot) {
@@ -163,10 +161,8 @@ void get(ByteReader& bytes, sim::Shot& shot) {
   bytes.get(shot.key.episode);
   bytes.get(shot.key.robot);
   bytes.get(shot.step);
-  shot.robots.resize(bytes.get_size());
-  for (Pose2D& pose : shot.robots) bytes.get(pose);
-  shot.people.resize(bytes.get_size());
-  for (sim::PersonState& person : shot.people) bytes.get(person);
+  bytes.get(shot.robots);
+  bytes.get(shot.people);
 }
 
 }  // namespace
