@@ -144,24 +144,27 @@ void ping(const RobotModel& robot, std::size_t sensor, Others& others, RobotStat
   state.ultrasonic_range = models::measure_range(spec, key, (pings - 1) / spec.mounts.size(), echo);
 }
 
-void sense(const RobotModel& robot, Others& others, const Before& before, RobotState& state) {
-  if (imu_ready(robot, state)) {
+void sense(const RobotModel& robot, const Sensing& sensing, Others& others, const Before& before, RobotState& state) {
+  if (sensing.imu && imu_ready(robot, state)) {
     const Vec2 acceleration =
         (1.0 / kSeconds) * Vec2{state.velocity.vx - before.carried.vx, state.velocity.vy - before.carried.vy};
     state.imu = models::measure_imu(*robot.profile.imu, state.key(Stream::imu), state.velocity.omega, acceleration,
                                     state.imu_state);
   }
-  if (odometry_ready(robot, state)) {
+  if (sensing.odometry && odometry_ready(robot, state)) {
     models::measure_odometry(robot.profile.odometry, robot.drive.wheels, state.wheel_errors, state.wheel_angles,
                              state.odometry);
   }
-  if (const auto sensor = ping_ready(robot, state)) ping(robot, *sensor, others, state);
-  if (robot.caster) sweep_lidar(robot, others, before.pose, state);
+  if (sensing.ultrasonics) {
+    if (const auto sensor = ping_ready(robot, state)) ping(robot, *sensor, others, state);
+  }
+  if (sensing.lidar && robot.caster) sweep_lidar(robot, others, before.pose, state);
 }
 
 // People walk; robots drive, push one another, and slide along what stands there, all at once; then all of them look.
-void step_crowd(const Model& model, std::span<RobotState> world, std::span<const Velocity> commands,
-                std::span<PersonState> people) {
+void step_crowd(const World& crowd) {
+  const auto& [model_pointer, world, commands, people, sensing] = crowd;
+  const Model& model = *model_pointer;
   walk(model, world, people);
   const std::vector<scene::Circle> circles = circles_of(model, people);
   const std::vector<scene::Circle> legs = legs_of(model, people);
@@ -188,7 +191,7 @@ void step_crowd(const Model& model, std::span<RobotState> world, std::span<const
   }
   for (std::size_t i = 0; i < world.size(); ++i) {
     Others others(model, world, i, circles, legs);
-    sense(model.robots[i], others, before[i], world[i]);
+    sense(model.robots[i], sensing, others, before[i], world[i]);
   }
 }
 
@@ -198,12 +201,14 @@ bool is_due(int period, const RobotState& state) {
 
 }  // namespace
 
-RobotState begin(const Model& model, std::size_t robot, const Pose2D& pose, std::uint64_t seed, std::uint32_t episode) {
+RobotState begin(const Model& model, std::size_t robot, const Pose2D& pose, std::uint64_t seed, std::uint32_t episode,
+                 const models::Variation& variation) {
   const RobotProfile& profile = model.robots[robot].profile;
   RobotState state;
   state.seed = seed;
   state.episode = episode;
   state.robot = static_cast<std::uint32_t>(robot);
+  state.variation = variation;
   state.start = pose;
   state.pose = pose;
   state.wheel_errors = models::draw_wheel_errors(profile.odometry, state.key(Stream::odometry));
@@ -213,25 +218,40 @@ RobotState begin(const Model& model, std::size_t robot, const Pose2D& pose, std:
   return state;
 }
 
+void step(std::span<const World> worlds) {
+  Others nobody;
+  for (const World& world : worlds) {
+    const Model& model = *world.model;
+    assert(world.robots.size() == model.robots.size() && world.commands.size() == model.robots.size());
+    assert(world.people.empty() || world.people.size() == model.scene->people.size());
+    if (world.robots.size() > 1 || !world.people.empty()) {
+      step_crowd(world);
+      continue;
+    }
+    const RobotModel& robot = model.robots[0];
+    RobotState& state = world.robots[0];
+    const Before before = drive_robot(model, robot, state, world.commands[0]);
+    arrive(state, slide(robot, before, {}));
+    sense(robot, world.sensing, nobody, before, state);
+  }
+}
+
 void step(const Model& model, std::span<RobotState> states, std::span<const Velocity> commands,
           std::span<PersonState> people) {
   const std::size_t robots = model.robots.size();
+  const std::size_t walkers = people.empty() ? 0 : model.scene->people.size();
   assert(states.size() % robots == 0 && states.size() == commands.size());
-  assert(people.empty() || people.size() * robots == states.size() * model.scene->people.size());
-  if (robots == 1 && people.empty()) {
-    Others nobody;
-    for (std::size_t i = 0; i < states.size(); ++i) {
-      const Before before = drive_robot(model, model.robots[0], states[i], commands[i]);
-      arrive(states[i], slide(model.robots[0], before, {}));
-      sense(model.robots[0], nobody, before, states[i]);
-    }
-    return;
+  assert(people.size() * robots == states.size() * walkers);
+  std::vector<World> worlds;
+  worlds.reserve(states.size() / robots);
+  for (std::size_t i = 0; i < states.size() / robots; ++i) {
+    worlds.push_back({&model,
+                      states.subspan(i * robots, robots),
+                      commands.subspan(i * robots, robots),
+                      people.subspan(i * walkers, walkers),
+                      {}});
   }
-  for (std::size_t i = 0; i < states.size(); i += robots) {
-    const std::size_t walkers = people.empty() ? 0 : model.scene->people.size();
-    step_crowd(model, states.subspan(i, robots), commands.subspan(i, robots),
-               people.subspan(i / robots * walkers, walkers));
-  }
+  step(worlds);
 }
 
 bool imu_ready(const RobotModel& robot, const RobotState& state) { return is_due(robot.imu_period, state); }

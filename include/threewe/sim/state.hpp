@@ -11,6 +11,7 @@
 #include "threewe/core/samples.hpp"
 #include "threewe/models/imu.hpp"
 #include "threewe/models/odometry.hpp"
+#include "threewe/models/variation.hpp"
 #include "threewe/sim/model.hpp"
 
 namespace threewe::sim {
@@ -22,6 +23,8 @@ struct RobotState {
   std::uint32_t episode = 0;
   std::uint32_t robot = 0;
   std::uint64_t steps = 0;  ///< taken since the reset
+
+  models::Variation variation;  ///< how it differs from its profile in this episode
 
   // the body, in the scene's frame
   Pose2D start;
@@ -50,10 +53,10 @@ struct RobotState {
 };
 
 static_assert(std::is_trivially_copyable_v<RobotState>);
-static_assert(sizeof(RobotState) == 3 * sizeof(std::uint64_t) + 3 * sizeof(Pose2D) + 4 * sizeof(double) +
-                                        sizeof(std::array<Velocity, kMaxLatencySteps>) + 2 * sizeof(WheelSpeeds) +
-                                        sizeof(models::WheelErrors) + sizeof(BatteryState) + sizeof(IMUData) +
-                                        sizeof(models::IMUState) + sizeof(models::OdometryState) +
+static_assert(sizeof(RobotState) == 3 * sizeof(std::uint64_t) + sizeof(models::Variation) + 3 * sizeof(Pose2D) +
+                                        4 * sizeof(double) + sizeof(std::array<Velocity, kMaxLatencySteps>) +
+                                        2 * sizeof(WheelSpeeds) + sizeof(models::WheelErrors) + sizeof(BatteryState) +
+                                        sizeof(IMUData) + sizeof(models::IMUState) + sizeof(models::OdometryState) +
                                         sizeof(std::array<float, kMaxLidarPoints>),
               "a gap between members would hold bytes that nothing sets");
 

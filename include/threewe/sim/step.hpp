@@ -14,12 +14,31 @@ namespace threewe::sim {
 
 /// A robot that stands at `pose` (scene frame) as an episode begins. `robot` is its place in the model.
 RobotState begin(const Model& model, std::size_t robot, const Pose2D& pose, std::uint64_t seed,
-                 std::uint32_t episode = 0);
+                 std::uint32_t episode = 0, const models::Variation& variation = {});
 
-/// Advances every robot of every world by `kStep`. `states` holds the worlds one after the other, each with the model's
-/// robots in order; `commands` are the body velocities sent at the beginning of the step, one for each state. Worlds do
-/// not influence each other, so any part of a batch may be stepped on its own, on any thread. `people` are those of the
-/// scene, world by world like the robots; nobody walks where it is empty.
+/// Which sensors work in a step. Leaving one out changes nothing that others measure, nor how anything moves; a scan is
+/// whole only if its lidar worked in every step of the turn.
+struct Sensing {
+  bool lidar = true;
+  bool imu = true;
+  bool odometry = true;
+  bool ultrasonics = true;
+};
+
+/// One world, and what its robots were told at the beginning of a step.
+struct World {
+  const Model* model = nullptr;
+  std::span<RobotState> robots;        ///< the model's, in order
+  std::span<const Velocity> commands;  ///< body velocities, one for each robot
+  std::span<PersonState> people;       ///< the scene's; empty: nobody walks
+  Sensing sensing;
+};
+
+/// Advances every world by `kStep`. Worlds do not influence each other, so any part of a batch may be stepped on its
+/// own, on any thread, in any order, with the same bits; several at once are faster.
+void step(std::span<const World> worlds);
+
+/// The same for worlds of one model, whose states, commands and people stand one world behind the other.
 void step(const Model& model, std::span<RobotState> states, std::span<const Velocity> commands,
           std::span<PersonState> people = {});
 

@@ -19,12 +19,12 @@ using namespace threewe::sim;
 namespace {
 
 // A clinic with people, and two robots in it.
-struct World {
+struct Room {
   std::shared_ptr<const Model> model;
   std::vector<RobotState> robots;
   std::vector<PersonState> people;
 
-  explicit World(std::uint64_t seed = 0) {
+  explicit Room(std::uint64_t seed = 0) {
     const auto scene = std::make_shared<const scene::Scene>(scene::Scene::load("dynamic_v1"));
     model = make_model(scene, {load_profile("3we_depth_v2"), load_profile("turtlebot_like")});
     robots.reserve(2);
@@ -55,7 +55,7 @@ std::vector<Vec2> outline(const scene::Solid& solid) {
 }  // namespace
 
 TEST_CASE("ids go through objects, people and robots, and each has a name") {
-  const World world;
+  const Room world;
   const scene::Scene& scene = *world.model->scene;
   const auto names = id_names(*world.model);
   REQUIRE(names.size() == 4 + scene.objects.size() + scene.people.size() + 2);
@@ -85,7 +85,7 @@ TEST_CASE("more objects, people and robots than there are ids are refused") {
 }
 
 TEST_CASE("everybody is a figure of some height, but the robot that looks") {
-  const World world;
+  const Room world;
   const scene::Scene& scene = *world.model->scene;
   const auto height_of = [&](const std::vector<VisibleSolid>& figures, std::int16_t id) {
     double height = 0.0;
@@ -104,7 +104,7 @@ TEST_CASE("people keep within their circles, robots within their footprints") {
   constexpr double kLens = 0.002;  // [m] that a robot's camera sticks out
   for (std::uint64_t seed = 0; seed < 20; ++seed) {
     CAPTURE(seed);
-    World world(seed);
+    Room world(seed);
     const scene::Scene& scene = *world.model->scene;
     for (PersonState& person : world.people) person.along += 0.07 * static_cast<double>(seed);
     const auto circles = circles_of(*world.model, world.people);
@@ -126,7 +126,7 @@ TEST_CASE("people keep within their circles, robots within their footprints") {
 }
 
 TEST_CASE("at the height of the lidars, a robot is as wide as its footprint") {
-  const World world;
+  const Room world;
   for (std::size_t i = 0; i < 2; ++i) {
     const double plane = world.model->robots[0].profile.lidar->height;
     const Footprint& footprint = world.model->robots[i].body.footprint;
@@ -141,7 +141,7 @@ TEST_CASE("at the height of the lidars, a robot is as wide as its footprint") {
 }
 
 TEST_CASE("at the height of the lidars, people are the legs that the lidar sees") {
-  World world;
+  Room world;
   for (std::size_t i = 0; i < world.people.size(); ++i) world.people[i].along += 0.3 * static_cast<double>(i);
   const double plane = world.model->robots[0].profile.lidar->height;
   const std::vector<scene::Circle> legs = legs_of(*world.model, world.people);
@@ -161,7 +161,7 @@ TEST_CASE("at the height of the lidars, people are the legs that the lidar sees"
 }
 
 TEST_CASE("clothes are a pure function of seed, episode and person") {
-  const World world;
+  const Room world;
   const auto colours = [&](std::uint64_t seed, std::uint32_t episode) {
     std::vector<Colour> all;
     const auto figures = world.figures(0, seed, episode);
@@ -178,7 +178,7 @@ TEST_CASE("the camera sees people and robots as the ray tracer does") {
   int people = 0;
   int robots = 0;
   for (std::uint64_t seed = 0; seed < 12; ++seed) {
-    const World world(seed);
+    const Room world(seed);
     const scene::Scene& scene = *world.model->scene;
     const Renderer renderer(scene);
     const Paint paint = renderer.paint(seed, 0);
