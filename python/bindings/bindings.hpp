@@ -29,6 +29,7 @@ void init_map(nb::module_& m);
 void init_backend(nb::module_& m);
 void init_plugin(nb::module_& m);
 void init_robot(nb::module_& m);
+void init_env(nb::module_& m);
 
 /// While C++ works, other Python threads run.
 using WithoutGil = nb::call_guard<nb::gil_scoped_release>;

@@ -85,6 +85,9 @@ void init_hardware(nb::module_& m) {
       .def_static("load", &load_profile, "name"_a,
                   "Reads a profile by name, or from a file that ends in .yaml. Raises ConfigError naming the nearest "
                   "right name.")
+      .def(
+          "__deepcopy__", [](nb::object self, const nb::handle&) { return self; }, "memo"_a,
+          "Itself: a profile never changes.")
       .def_ro("name", &RobotProfile::name)
       .def_ro("description", &RobotProfile::description)
       .def_prop_ro("kinematics", &RobotProfile::kinematics)

@@ -11,4 +11,5 @@ NB_MODULE(_core, m) {
   init_backend(m);
   init_plugin(m);
   init_robot(m);
+  init_env(m);
 }

@@ -177,6 +177,12 @@ void init_scene(nb::module_& m) {
           "0\n"
           "to 1 is from sparse to crowded, `size` is (x, y) [m], 6 to 40 each. The same on every machine.")
       .def(
+          "__deepcopy__", [](nb::object self, const nb::handle&) { return self; }, "memo"_a,
+          "Itself: a scene never changes.")
+      .def("__getstate__", &scene::to_yaml)
+      .def("__setstate__",
+           [](Scene& self, const std::string& yaml) { new (&self) Scene(Scene::parse(yaml, "a pickled scene")); })
+      .def(
           "to_yaml",
           [](Scene scene, std::optional<std::string> name) {
             if (name) scene.name = *name;

@@ -54,6 +54,7 @@ from threewe.errors import (
     ThreeweError,
     TimeoutError,
 )
+from threewe.gym import register_envs as _register_envs
 from threewe.robot import Robot
 from threewe.simulation import CoverageMeter, Simulation
 from threewe.world import World
@@ -62,6 +63,8 @@ try:
     __version__ = _version("threewe")
 except PackageNotFoundError:  # run from the source tree
     __version__ = "0+unknown"
+
+_register_envs()
 
 __all__ = [
     "BatteryState",

@@ -551,6 +551,9 @@ class RobotProfile:
         Reads a profile by name, or from a file that ends in .yaml. Raises ConfigError naming the nearest right name.
         """
 
+    def __deepcopy__(self, memo: object) -> object:
+        """Itself: a profile never changes."""
+
     @property
     def name(self) -> str: ...
 
@@ -823,6 +826,13 @@ class Scene:
         A building with furnished rooms, drawn from a seed: all rooms can be reached by every robot. `difficulty` 0
         to 1 is from sparse to crowded, `size` is (x, y) [m], 6 to 40 each. The same on every machine.
         """
+
+    def __deepcopy__(self, memo: object) -> object:
+        """Itself: a scene never changes."""
+
+    def __getstate__(self) -> str: ...
+
+    def __setstate__(self, arg: str, /) -> None: ...
 
     def to_yaml(self, name: str | None = None) -> str:
         """
@@ -1494,3 +1504,89 @@ class Simulation:
 
     def restore(self, snapshot: Snapshot) -> None:
         """Goes on from where `save` was called."""
+
+class EpisodeInfo:
+    """A world's episode."""
+
+    @property
+    def seed(self) -> int: ...
+
+    @property
+    def episode(self) -> int:
+        """counted from 0 since the seed was given"""
+
+    @property
+    def scene(self) -> int:
+        """place in the list of scenes"""
+
+    @property
+    def steps(self) -> int:
+        """taken"""
+
+class ObservationField:
+    """An array that every robot observes."""
+
+    @property
+    def name(self) -> str: ...
+
+    @property
+    def shape(self) -> list[int]: ...
+
+    @property
+    def low(self) -> float: ...
+
+    @property
+    def high(self) -> float: ...
+
+    @property
+    def dtype(self) -> str: ...
+
+class EnvBatch:
+    """
+    Many environments at once. Arrays are views of C++ memory, one row for each robot, which every call of `reset` and `step` overwrites.
+    """
+
+    def __init__(self, *, task: str, scenes: Sequence[Scene], hardware: RobotProfile, noise: str, observations: Sequence[str], lidar_beams: int, image_size: tuple[int, int], localization: str, gate: str, max_steps: int, control_period: float, num_envs: int, num_robots: int, num_threads: int, autoreset: str, episodes: str, goal_frame: str) -> None: ...
+
+    @property
+    def fields(self) -> list[ObservationField]:
+        """What every robot observes, in order."""
+
+    def reset(self, seeds: Sequence[int | None], episodes: Sequence[int | None], scenes: Sequence[int | None], start: Pose2D | None, goal: tuple[float, float] | None, mask: Sequence[bool]) -> None: ...
+
+    def step(self, actions: Annotated[NDArray[numpy.float32], dict(shape=(None, 3), order='C', device='cpu', writable=False)]) -> None: ...
+
+    @property
+    def observations(self) -> dict[str, NDArray]: ...
+
+    @property
+    def final_observations(self) -> dict[str, NDArray]: ...
+
+    @property
+    def rewards(self) -> Annotated[NDArray[numpy.float64], dict(shape=(None,))]: ...
+
+    @property
+    def terminated(self) -> Annotated[NDArray[numpy.bool_], dict(shape=(None,))]: ...
+
+    @property
+    def truncated(self) -> Annotated[NDArray[numpy.bool_], dict(shape=(None,))]: ...
+
+    @property
+    def ended(self) -> Annotated[NDArray[numpy.bool_], dict(shape=(None,))]: ...
+
+    @property
+    def metric_names(self) -> list[str]: ...
+
+    @property
+    def metrics(self) -> Annotated[NDArray[numpy.float64], dict(shape=(None, None))]: ...
+
+    @property
+    def final_metrics(self) -> Annotated[NDArray[numpy.float64], dict(shape=(None, None))]: ...
+
+    @property
+    def true_poses(self) -> Annotated[NDArray[numpy.float64], dict(shape=(None, None))]: ...
+
+    @property
+    def scan_ages(self) -> Annotated[NDArray[numpy.float64], dict(shape=(None,))]: ...
+
+    def episode(self, env: int) -> EpisodeInfo: ...

@@ -24,6 +24,14 @@ Vec2 operator*(const Pose2D& a_from_b, Vec2 point_in_b) {
   return a_from_b.position() + rotate(point_in_b, a_from_b.theta);
 }
 
+std::vector<Vec2> transformed(const Pose2D& a_from_b, std::span<const Vec2> points_in_b) {
+  const auto [s, c] = exact::sincos(a_from_b.theta);
+  std::vector<Vec2> points;
+  points.reserve(points_in_b.size());
+  for (const Vec2 p : points_in_b) points.push_back({c * p.x - s * p.y + a_from_b.x, s * p.x + c * p.y + a_from_b.y});
+  return points;
+}
+
 Pose2D inverse(const Pose2D& a_from_b) {
   const Vec2 p = rotate({-a_from_b.x, -a_from_b.y}, -a_from_b.theta);
   return {p.x, p.y, wrap_angle(-a_from_b.theta)};

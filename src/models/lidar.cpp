@@ -47,6 +47,29 @@ void measure_ranges(const LidarSpec& spec, const RngKey& key, double bias, std::
   }
 }
 
+std::vector<std::uint16_t> beams_of_points(const LidarSpec& spec) {
+  const auto beams = static_cast<std::size_t>(spec.beams);
+  const auto points = static_cast<std::size_t>(spec.points_per_turn);
+  std::vector<std::uint16_t> beam(points);
+  for (std::size_t k = 0; k < points; ++k) {
+    // point k sits at (k + 1/2) / points of the turn; one on the edge of two beams belongs to the counter-clockwise one
+    const std::size_t place = (2 * k + 1) * beams;
+    const std::size_t turn = 2 * points;
+    beam[k] = static_cast<std::uint16_t>(spec.clockwise ? beams - 1 - (place - 1) / turn : place / turn);
+  }
+  return beam;
+}
+
+void fill_scan(std::span<const std::uint16_t> beams_of_points, std::span<const float> points, std::span<float> ranges) {
+  // 0 beams hold no point yet, or only invalid ones; range_max gives way to any return
+  std::ranges::fill(ranges, 0.0F);
+  for (std::size_t k = 0; k < points.size(); ++k) {
+    const float range = points[k];
+    float& beam = ranges[beams_of_points[k]];
+    if (range != 0.0F && (beam == 0.0F || range < beam)) beam = range;
+  }
+}
+
 LaserScan make_scan(const LidarSpec& spec, std::span<const float> points) {
   const auto beams = static_cast<std::size_t>(spec.beams);
   LaserScan scan;
@@ -57,17 +80,8 @@ LaserScan make_scan(const LidarSpec& spec, std::span<const float> points) {
   scan.range_min = spec.range_min;
   scan.range_max = spec.range_max;
 
-  // 0 beams hold no point yet, or only invalid ones; range_max gives way to any return
-  scan.ranges.assign(beams, 0.0F);
-  for (std::size_t k = 0; k < points.size(); ++k) {
-    const float range = points[k];
-    if (range == 0.0F) continue;
-    // point k sits at (k + 1/2) / points of the turn; one on the edge of two beams belongs to the counter-clockwise one
-    const std::size_t place = (2 * k + 1) * beams;
-    const std::size_t turn = 2 * points.size();
-    float& beam = scan.ranges[spec.clockwise ? beams - 1 - (place - 1) / turn : place / turn];
-    if (beam == 0.0F || range < beam) beam = range;
-  }
+  scan.ranges.resize(beams);
+  fill_scan(beams_of_points(spec), points, scan.ranges);
   return scan;
 }
 

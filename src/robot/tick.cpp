@@ -13,14 +13,6 @@ namespace {
 constexpr Duration kSilence = 500ms;       // without odometry or scans the robot stops ...
 constexpr Duration kHopelessSilence = 2s;  // ... and a motion fails
 
-std::vector<Vec2> transformed(const Pose2D& a_from_b, std::span<const Vec2> points_in_b) {
-  const auto [s, c] = exact::sincos(a_from_b.theta);
-  std::vector<Vec2> points;
-  points.reserve(points_in_b.size());
-  for (const Vec2 p : points_in_b) points.push_back({c * p.x - s * p.y + a_from_b.x, s * p.x + c * p.y + a_from_b.y});
-  return points;
-}
-
 double free_area(const map::OccupancyGrid& grid) {
   const auto free = std::count_if(grid.data.begin(), grid.data.end(), [](std::int8_t value) {
     return value != map::OccupancyGrid::kUnknown && value <= map::OccupancyGrid::kFreeThreshold;

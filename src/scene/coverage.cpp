@@ -9,7 +9,6 @@ namespace threewe::scene {
 namespace {
 
 constexpr int kRays = 360;
-constexpr double kRange = 8.0;      // [m]
 constexpr double kMapError = 0.10;  // [m] that a map may be off
 
 // The shapes that a ray from a point can meet.
@@ -17,23 +16,12 @@ Slice within_range(const Slice& slice, Vec2 point) {
   Slice near;
   for (const Segment& s : slice.segments) {
     const bool faces = cross(s.b - s.a, point - s.a) < 0.0;
-    if (faces && distance_to_segment(point, s.a, s.b) < kRange) near.segments.push_back(s);
+    if (faces && distance_to_segment(point, s.a, s.b) < kCoverageRange) near.segments.push_back(s);
   }
   for (const Circle& c : slice.circles) {
-    if (distance(point, c.center) - c.radius < kRange) near.circles.push_back(c);
+    if (distance(point, c.center) - c.radius < kCoverageRange) near.circles.push_back(c);
   }
   return near;
-}
-
-// The cells that a disc of the passing radius can cover the middle of, without those that are partly obstacle.
-CellSet swept_cells(const SceneTables& tables) {
-  const CellGrid<float> distance = distance_field(tables.reachable());
-  CellSet swept(distance.frame, 0);
-  for (std::size_t i = 0; i < swept.cells.size(); ++i) {
-    const bool covered = static_cast<double>(distance.cells[i]) <= tables.passing_radius();
-    swept.cells[i] = covered && !tables.occupied().cells[i] ? 1 : 0;
-  }
-  return swept;
 }
 
 // The middle and a 5 cm lattice around it, within the error that a map may have; the nearest first.
@@ -51,10 +39,20 @@ std::vector<Vec2> tolerated_offsets() {
 
 }  // namespace
 
+CellSet coverable_cells(const SceneTables& tables) {
+  const CellGrid<float> distance = distance_field(tables.reachable());
+  CellSet coverable(distance.frame, 0);
+  for (std::size_t i = 0; i < coverable.cells.size(); ++i) {
+    const bool covered = static_cast<double>(distance.cells[i]) <= tables.passing_radius();
+    coverable.cells[i] = covered && !tables.occupied().cells[i] ? 1 : 0;
+  }
+  return coverable;
+}
+
 CoverageMeter::CoverageMeter(std::shared_ptr<const SceneTables> tables, double lidar_height)
     : tables_(std::move(tables)),
       slice_(tables_->scene().at_height(lidar_height)),
-      reachable_(swept_cells(*tables_)),
+      reachable_(coverable_cells(*tables_)),
       crossed_(reachable_.frame, 0) {}
 
 void CoverageMeter::observe(const Pose2D& scene_from_lidar) {
@@ -62,7 +60,7 @@ void CoverageMeter::observe(const Pose2D& scene_from_lidar) {
   const Slice near = within_range(slice_, origin);
   for (int i = 0; i < kRays; ++i) {
     const double angle = scene_from_lidar.theta + i * (2.0 * exact::kPi / kRays);
-    const double range = cast_ray(near, origin, angle, kRange);
+    const double range = cast_ray(near, origin, angle, kCoverageRange);
     walk_line(crossed_.frame, origin, origin + rotate({range, 0.0}, angle), [&](CellIndex cell) {
       if (crossed_.frame.contains(cell)) crossed_[cell] = 1;
       return true;

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <algorithm>
+#include <span>
+#include <vector>
 
 #include "threewe/core/exact.hpp"
 
@@ -49,6 +51,8 @@ struct Pose2D {
 Pose2D operator*(const Pose2D& a_from_b, const Pose2D& b_from_c);
 /// `a_from_b * point_in_b` is the point in a.
 Vec2 operator*(const Pose2D& a_from_b, Vec2 point_in_b);
+/// The same for many points.
+std::vector<Vec2> transformed(const Pose2D& a_from_b, std::span<const Vec2> points_in_b);
 /// `inverse(a_from_b)` is `b_from_a`.
 Pose2D inverse(const Pose2D& a_from_b);
 /// The pose a fraction `t` of the way from `a` to `b`: straight in position, the short way round in heading.

@@ -8,9 +8,13 @@
 
 namespace threewe::scene {
 
-/// Measures the coverage of an exploration: the share of all reachable 5 cm cells that a noise-free ray from the true
-/// pose crossed within 8 m *and* that the robot's own map marks free within 10 cm. A cell is reachable when no obstacle
-/// reaches into it and a disc of the robot's passing radius can cover its middle, coming from the first start.
+inline constexpr double kCoverageRange = 8.0;  ///< [m]
+/// What there is to cover: the 5 cm cells that no obstacle reaches into and whose middle a disc of the robot's passing
+/// radius can cover, coming from the first start.
+CellSet coverable_cells(const SceneTables& tables);
+
+/// Measures the coverage of an exploration: the share of all coverable cells that a noise-free ray from the true pose
+/// crossed within `kCoverageRange` *and* that the robot's own map marks free within 10 cm.
 class CoverageMeter {
  public:
   /// `lidar_height` [m]: the plane in which rays are cast.

@@ -1,0 +1,89 @@
+// Many environments at once: the same simulator, gate and tasks as everywhere else, without a mind.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "threewe/env/options.hpp"
+#include "threewe/task/task.hpp"
+
+namespace threewe::env {
+
+/// One observation of all robots: robot r of world w is row `w * robots + r`.
+struct Array {
+  task::Field field;
+  std::vector<std::byte> data;
+  std::size_t row_bytes = 0;
+  std::span<std::byte> row(std::size_t i) { return std::span(data).subspan(i * row_bytes, row_bytes); }
+};
+
+/// How one world is reset.
+struct Reset {
+  std::optional<std::uint64_t> seed{};     ///< begins with episode 0; without, the world's next episode follows
+  std::optional<std::uint32_t> episode{};  ///< this one instead
+  std::optional<std::size_t> scene{};      ///< instead of the one that the seed draws
+  task::EpisodeRequest request{};
+};
+
+/// A world's episode, and how it goes.
+struct EpisodeInfo {
+  std::uint64_t seed = 0;
+  std::uint32_t episode = 0;
+  std::size_t scene = 0;  ///< place in `Options::scenes`
+  int steps = 0;          ///< taken
+};
+
+/// Worlds with one or more robots each, every one an environment of its own. A world's episode is a pure function of
+/// its seed, the episode's number and the actions, whatever else is in the batch and on however many threads.
+///
+/// An episode begins as a `Robot`'s does: the robot stands until each of its sensors has delivered once. Actions are
+/// held for one control period; the gate looks at them every 20 ms.
+class Batch {
+ public:
+  /// Makes tables of all scenes, which takes some 0.1 s each. Throws ConfigError where options don't fit together.
+  explicit Batch(Options options);
+  ~Batch();
+  Batch(const Batch&) = delete;
+  Batch& operator=(const Batch&) = delete;
+
+  const Options& options() const;
+  std::size_t rows() const { return options().worlds * options().robots; }
+
+  /// Begins an episode in every world, or in those of `mask` (one for each world, true = reset).
+  void reset(std::span<const Reset> resets, std::span<const bool> mask = {});
+  /// One control step. `actions`, shape (rows, 3), are shares of the operating limits: forward, left,
+  /// counter-clockwise; beyond -1 to 1 they count as that. Throws ContractError, and changes nothing, where one is not
+  /// finite, or where a world's episode is over and `Autoreset::disabled`.
+  void step(std::span<const float> actions);
+
+  /// What every robot observes now.
+  std::span<const Array> observations() const;
+  /// With `Autoreset::same_step`: what those whose episode ended in the last step observed at its end.
+  std::span<const Array> final_observations() const;
+  std::span<const double> rewards() const;           ///< of each robot
+  std::span<const std::uint8_t> terminated() const;  ///< of each robot: success or failure
+  std::span<const std::uint8_t> truncated() const;   ///< of each robot: `max_steps` are over
+  /// Worlds whose episode ended in the last step.
+  std::span<const std::uint8_t> ended() const;
+  /// Names of the metrics, and their values: shape (worlds, names). With `Autoreset::same_step` those of episodes that
+  /// have just begun, and `final_metrics` those at the end of the ones before.
+  const std::vector<std::string>& metric_names() const;
+  std::span<const double> metrics() const;
+  std::span<const double> final_metrics() const;
+  /// (rows, 3): true pose in the scene's frame. Privileged.
+  std::span<const double> true_poses() const;
+  /// (rows,) [s] since the newest scan was complete.
+  std::span<const double> scan_ages() const;
+  EpisodeInfo episode(std::size_t world) const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace threewe::env

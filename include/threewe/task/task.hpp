@@ -1,0 +1,95 @@
+// A task: where an episode begins, what a step is worth, when it is over, and how well it went.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "threewe/core/pose.hpp"
+#include "threewe/scene/scene_tables.hpp"
+
+namespace threewe::task {
+
+using Scenes = std::vector<std::shared_ptr<const scene::SceneTables>>;
+
+/// An array that a task adds to what a robot observes.
+struct Field {
+  enum class Type : std::uint8_t { uint8, int32, float32 };
+  std::string name;
+  Type type = Type::float32;
+  std::vector<std::size_t> shape;
+  double low = 0.0;  ///< every element lies in [low, high]
+  double high = 0.0;
+};
+
+/// The truth about one robot at the end of a control step, in the scene's frame.
+struct Moment {
+  Pose2D pose{};
+  Pose2D lidar{};                    ///< where its rays come from
+  Velocity action{};                 ///< that was asked for: shares of the operating limits, -1 to 1
+  double distance_driven = 0.0;      ///< [m] since the episode began
+  double max_collision_speed = 0.0;  ///< [m/s] since the episode began
+  std::span<const float> ranges{};   ///< [m] of noise-free rays from there, see `Task::rays`
+};
+
+/// What a robot knows about itself.
+struct Belief {
+  Pose2D map_from_base{};         ///< its `map` has its origin where the first robot of its world started
+  std::span<const float> scan{};  ///< [m] beams of the newest scan, counter-clockwise from the robot's back
+  Pose2D base_from_lidar{};
+  double range_max = 0.0;  ///< [m] of the scan
+};
+
+/// What a step came to, for one robot.
+struct Outcome {
+  double reward = 0.0;
+  bool terminated = false;
+};
+
+/// Which episode.
+struct EpisodeKey {
+  std::size_t scene = 0;  ///< place in the list of scenes
+  std::uint64_t seed = 0;
+  std::uint32_t episode = 0;
+};
+
+/// What may be asked of an episode, instead of being drawn.
+struct EpisodeRequest {
+  std::optional<Pose2D> start{};  ///< in the scene's frame
+  std::optional<Vec2> goal{};
+};
+
+/// A task in many worlds, each with one or more robots. What is drawn is a pure function of an episode's key, and
+/// rewards, ends and metrics are pure functions of the episode and of the moments since it began; the calls for
+/// different worlds may come from different threads.
+class Task {
+ public:
+  virtual ~Task() = default;
+
+  /// Arrays that it adds to what a robot observes, and numbers that tell how an episode goes.
+  virtual std::vector<Field> fields() const = 0;
+  virtual std::vector<std::string> metrics() const = 0;
+  /// How many noise-free rays it wants to be told of in each moment, evenly over the circle, the first along the
+  /// lidar's heading.
+  virtual std::size_t rays() const { return 0; }
+
+  /// Begins an episode: fills in where the world's robots start. Throws ConfigError where a request can't be met.
+  virtual void begin(std::size_t world, const EpisodeKey& key, const EpisodeRequest& request,
+                     std::span<Pose2D> starts) = 0;
+  /// The end of a control step, for all robots of a world.
+  virtual void step(std::size_t world, std::span<const Moment> robots, std::span<Outcome> outcomes) = 0;
+  /// What a robot believes at the end of a control step, or as an episode begins: told of all robots of a world before
+  /// any of them observes.
+  virtual void hear(std::size_t /*world*/, const Belief& /*belief*/) {}
+  /// Fills in one robot's fields, in order; each span holds one field of one robot, or nothing where nobody wants it.
+  virtual void observe(std::size_t world, std::size_t robot, const Belief& belief,
+                       std::span<const std::span<std::byte>> fields) = 0;
+  /// Fills in the metrics of a world, as they are now.
+  virtual void measure(std::size_t world, std::span<double> metrics) const = 0;
+};
+
+}  // namespace threewe::task

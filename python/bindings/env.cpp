@@ -1,0 +1,238 @@
+// Learning environments: many worlds at once, and the tasks that are set in them.
+#include "threewe/env/batch.hpp"
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <nanobind/stl/pair.h>
+#include <nanobind/stl/shared_ptr.h>
+
+#include "bindings.hpp"
+#include "threewe/core/names.hpp"
+#include "threewe/task/exploration.hpp"
+#include "threewe/task/navigation.hpp"
+
+namespace {
+
+using namespace threewe;
+using env::Batch;
+
+template <typename T>
+T chosen(std::string_view kind, std::string_view name, std::initializer_list<std::pair<const char*, T>> choices) {
+  std::vector<std::string> names;
+  for (const auto& [choice, value] : choices) {
+    if (name == choice) return value;
+    names.emplace_back(choice);
+  }
+  throw ConfigError(unknown_name(kind, name, names));
+}
+
+task::NavigationOptions navigation_options(std::string_view episodes, bool goal_in_map) {
+  task::NavigationOptions options;
+  options.goal_in_map = goal_in_map;
+  if (chosen<bool>("episodes", episodes, {{"standard", false}, {"reactive", true}})) {
+    options.longest = 8.0;
+    options.detours = 0.0;
+  }
+  return options;
+}
+
+env::TaskFactory task_factory(std::string_view task, const task::NavigationOptions& navigation) {
+  using Factory = env::TaskFactory;
+  return chosen<Factory>("task", task,
+                         {{"navigation",
+                           [navigation](const task::Scenes& scenes, std::size_t worlds, std::size_t robots) {
+                             return task::make_navigation(scenes, worlds, robots, navigation);
+                           }},
+                          {"exploration", [](const task::Scenes& scenes, std::size_t worlds, std::size_t robots) {
+                             return task::make_exploration(scenes, worlds, robots);
+                           }}});
+}
+
+// Names that are not the robot's own are of the task, which Python has checked.
+env::Observed observed(const std::vector<std::string>& names) {
+  env::Observed observed{.lidar = false, .pose = false, .velocity = false, .task_fields = std::vector<std::string>{}};
+  for (const std::string& name : names) {
+    if (name == "image") {
+      observed.image = true;
+    } else if (name == "depth") {
+      observed.depth = true;
+    } else if (name == "lidar") {
+      observed.lidar = true;
+    } else if (name == "pose") {
+      observed.pose = true;
+    } else if (name == "velocity") {
+      observed.velocity = true;
+    } else {
+      observed.task_fields->push_back(name);
+    }
+  }
+  return observed;
+}
+
+/// An array of C++ memory that Python may read while its owner lives.
+nb::object view(nb::handle owner, const void* data, const std::vector<std::size_t>& shape, nb::dlpack::dtype dtype) {
+  return nb::ndarray<nb::numpy>(const_cast<void*>(data), shape.size(), shape.data(), owner, nullptr, dtype)  // NOLINT
+      .cast();
+}
+
+nb::dlpack::dtype dtype_of(task::Field::Type type) {
+  switch (type) {
+    case task::Field::Type::uint8: return nb::dtype<std::uint8_t>();
+    case task::Field::Type::int32: return nb::dtype<std::int32_t>();
+    case task::Field::Type::float32: return nb::dtype<float>();
+  }
+  return {};
+}
+
+using Arrays = nb::typed<nb::dict, nb::str, nb::ndarray<nb::numpy>>;
+
+Arrays views(nb::handle owner, std::span<const env::Array> arrays) {
+  nb::dict dict;
+  for (const env::Array& array : arrays) {
+    std::vector<std::size_t> shape{array.row_bytes == 0 ? 0 : array.data.size() / array.row_bytes};
+    shape.insert(shape.end(), array.field.shape.begin(), array.field.shape.end());
+    dict[array.field.name.c_str()] = view(owner, array.data.data(), shape, dtype_of(array.field.type));
+  }
+  return dict;
+}
+
+using Values = nb::ndarray<nb::numpy, double, nb::shape<-1>>;
+using Table = nb::ndarray<nb::numpy, double, nb::shape<-1, -1>>;
+using Flags = nb::ndarray<nb::numpy, bool, nb::shape<-1>>;
+
+template <typename T>
+T* writable(std::span<const T> values) {
+  return const_cast<T*>(values.data());  // NOLINT: PyTorch takes no array that is read-only
+}
+Values values(nb::handle owner, std::span<const double> numbers) {
+  return Values(writable(numbers), {numbers.size()}, owner);
+}
+Table table(nb::handle owner, std::span<const double> numbers, std::size_t columns) {
+  return Table(writable(numbers), {numbers.size() / columns, columns}, owner);
+}
+Flags flags(nb::handle owner, std::span<const std::uint8_t> bytes) {
+  return Flags(writable(bytes), {bytes.size()}, owner);
+}
+
+Batch& batch_of(nb::handle self) { return nb::cast<Batch&>(self); }
+
+using Actions = nb::ndarray<const float, nb::shape<-1, 3>, nb::c_contig, nb::device::cpu>;
+
+void bind_batch(nb::module_& m) {
+  using Seeds = std::vector<std::optional<std::uint64_t>>;
+  nb::class_<env::EpisodeInfo>(m, "EpisodeInfo", "A world's episode.")
+      .def_ro("seed", &env::EpisodeInfo::seed)
+      .def_ro("episode", &env::EpisodeInfo::episode, "counted from 0 since the seed was given")
+      .def_ro("scene", &env::EpisodeInfo::scene, "place in the list of scenes")
+      .def_ro("steps", &env::EpisodeInfo::steps, "taken");
+
+  nb::class_<task::Field>(m, "ObservationField", "An array that every robot observes.")
+      .def_ro("name", &task::Field::name)
+      .def_ro("shape", &task::Field::shape)
+      .def_ro("low", &task::Field::low)
+      .def_ro("high", &task::Field::high)
+      .def_prop_ro("dtype", [](const task::Field& field) {
+        switch (field.type) {
+          case task::Field::Type::uint8: return "uint8";
+          case task::Field::Type::int32: return "int32";
+          case task::Field::Type::float32: return "float32";
+        }
+        return "";
+      });
+
+  nb::class_<Batch>(m, "EnvBatch",
+                    "Many environments at once. Arrays are views of C++ memory, one row for each robot, which every "
+                    "call of `reset` and `step` overwrites.")
+      .def(
+          "__init__",
+          [](Batch* self, const std::string& task, const std::vector<std::shared_ptr<scene::Scene>>& scenes,
+             const RobotProfile& hardware, const std::string& noise, const std::vector<std::string>& observations,
+             int lidar_beams, std::pair<int, int> image_size, const std::string& localization, const std::string& gate,
+             int max_steps, double control_period, std::size_t num_envs, std::size_t num_robots,
+             std::size_t num_threads, const std::string& autoreset, const std::string& episodes,
+             const std::string& goal_frame) {
+            env::Options options;
+            options.scenes.assign(scenes.begin(), scenes.end());
+            const bool goal_in_map = chosen<bool>("goal_frame", goal_frame, {{"robot", false}, {"map", true}});
+            options.task = task_factory(task, navigation_options(episodes, goal_in_map));
+            options.hardware = with_noise(hardware, noise_level(noise));
+            options.observed = observed(observations);
+            options.lidar_beams = lidar_beams;
+            std::tie(options.image_height, options.image_width) = image_size;
+            options.localization = chosen<env::Localization>("localization", localization,
+                                                             {{"noisy", env::Localization::noisy},
+                                                              {"odometry", env::Localization::odometry},
+                                                              {"truth", env::Localization::truth}});
+            options.gate = chosen<env::Gate>("gate", gate, {{"full", env::Gate::full}, {"limits", env::Gate::limits}});
+            options.max_steps = max_steps;
+            options.control_period = seconds("control_period", control_period);
+            options.worlds = num_envs;
+            options.robots = num_robots;
+            options.threads = num_threads;
+            options.autoreset = chosen<env::Autoreset>("autoreset", autoreset,
+                                                       {{"next_step", env::Autoreset::next_step},
+                                                        {"same_step", env::Autoreset::same_step},
+                                                        {"disabled", env::Autoreset::disabled}});
+            const nb::gil_scoped_release release;
+            new (self) Batch(std::move(options));
+          },
+          nb::kw_only(), "task"_a, "scenes"_a, "hardware"_a, "noise"_a, "observations"_a, "lidar_beams"_a,
+          "image_size"_a, "localization"_a, "gate"_a, "max_steps"_a, "control_period"_a, "num_envs"_a, "num_robots"_a,
+          "num_threads"_a, "autoreset"_a, "episodes"_a, "goal_frame"_a)
+      .def_prop_ro(
+          "fields",
+          [](const Batch& batch) {
+            std::vector<task::Field> fields;
+            for (const env::Array& array : batch.observations()) fields.push_back(array.field);
+            return fields;
+          },
+          "What every robot observes, in order.")
+      .def(
+          "reset",
+          [](Batch& batch, const Seeds& seeds, const std::vector<std::optional<std::uint32_t>>& episodes,
+             const std::vector<std::optional<std::size_t>>& scenes, const std::optional<Pose2D>& start,
+             const std::optional<Vec2>& goal, const std::vector<bool>& mask) {
+            std::vector<env::Reset> resets(batch.options().worlds);
+            for (std::size_t i = 0; i < resets.size(); ++i) {
+              resets[i] = {seeds.at(i), episodes.at(i), scenes.at(i), {start, goal}};
+            }
+            const auto chosen_worlds = std::make_unique<bool[]>(mask.size());  // vector<bool> has no data()
+            std::copy(mask.begin(), mask.end(), chosen_worlds.get());
+            const nb::gil_scoped_release release;
+            batch.reset(resets, {chosen_worlds.get(), mask.size()});
+          },
+          "seeds"_a, "episodes"_a, "scenes"_a, "start"_a.none(), "goal"_a.none(), "mask"_a)
+      .def(
+          "step",
+          [](Batch& batch, const Actions& actions) {
+            const nb::gil_scoped_release release;
+            batch.step({actions.data(), actions.size()});
+          },
+          "actions"_a.noconvert())
+      .def_prop_ro("observations", [](nb::handle self) { return views(self, batch_of(self).observations()); })
+      .def_prop_ro("final_observations",
+                   [](nb::handle self) { return views(self, batch_of(self).final_observations()); })
+      .def_prop_ro("rewards", [](nb::handle self) { return values(self, batch_of(self).rewards()); })
+      .def_prop_ro("terminated", [](nb::handle self) { return flags(self, batch_of(self).terminated()); })
+      .def_prop_ro("truncated", [](nb::handle self) { return flags(self, batch_of(self).truncated()); })
+      .def_prop_ro("ended", [](nb::handle self) { return flags(self, batch_of(self).ended()); })
+      .def_prop_ro("metric_names", &Batch::metric_names)
+      .def_prop_ro(
+          "metrics",
+          [](nb::handle self) { return table(self, batch_of(self).metrics(), batch_of(self).metric_names().size()); })
+      .def_prop_ro("final_metrics",
+                   [](nb::handle self) {
+                     return table(self, batch_of(self).final_metrics(), batch_of(self).metric_names().size());
+                   })
+      .def_prop_ro("true_poses", [](nb::handle self) { return table(self, batch_of(self).true_poses(), 3); })
+      .def_prop_ro("scan_ages", [](nb::handle self) { return values(self, batch_of(self).scan_ages()); })
+      .def("episode", &Batch::episode, "env"_a);
+}
+
+}  // namespace
+
+void init_env(nb::module_& m) { bind_batch(m); }

@@ -1,0 +1,26 @@
+"""Learning environments, by the letter of Gymnasium.
+
+`gymnasium.make("3we/Navigation-v1")` gives one environment, `gymnasium.make_vec("3we/Navigation-v1", num_envs=1024)` a
+native batch of them with the same dynamics to the bit. `import threewe` registers the names; `gymnasium.make(
+"threewe:3we/Navigation-v1")` imports it by itself.
+"""
+
+import gymnasium
+
+from threewe.gym.env import Env
+from threewe.gym.vector import VectorEnv
+
+__all__ = ["Env", "VectorEnv"]
+
+TASKS = {"Navigation": "navigation", "Exploration": "exploration"}
+
+
+def register_envs() -> None:
+    """Makes the environments known to Gymnasium. Done by `import threewe`."""
+    for name, task in TASKS.items():
+        gymnasium.register(
+            f"3we/{name}-v1",
+            entry_point="threewe.gym.env:Env",
+            vector_entry_point="threewe.gym.vector:VectorEnv",
+            kwargs={"task": task},
+        )

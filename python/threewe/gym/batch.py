@@ -1,0 +1,200 @@
+"""What single and batched environments share: their options, their spaces, and the C++ batch behind them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, TypedDict
+
+import numpy as np
+from gymnasium import spaces
+from numpy.typing import NDArray
+
+from threewe import _core
+from threewe._arguments import as_asset, as_list, as_number, as_pose, as_seed, as_text
+from threewe._core import RobotProfile, Scene
+from threewe.errors import ConfigError, ContractError
+
+Observation = dict[str, NDArray[Any]]
+TASK_FIELDS = {"navigation": ("goal",), "exploration": ("coverage_map",)}
+RESET_OPTIONS = ("start", "goal", "scene", "episode", "reset_mask")
+
+
+class EnvOptions(TypedDict, total=False):
+    """Keyword arguments that all environments take.
+
+    - `observations`: names of what is observed, each paid for only when asked for. `image` (64, 64, 3) uint8 BGR,
+      `depth` (64, 64) float32 [m] along the optical axis (0 = invalid; profiles with a depth camera), `lidar` (360,)
+      float32 [m] counter-clockwise from behind (`range_max` = no return, 0 = invalid), `pose` (3,) float32 x, y [m],
+      theta [rad] in the map frame, `velocity` (3,) float32 vx, vy [m/s], omega [rad/s] in the body frame, and the
+      task's own. By default all that the robot has but `depth`.
+    - `lidar_beams`: every k-th of the profile's beams (360, 180, 120, 90, 72, 60, ...).
+    - `image_size`: (height, width) [px].
+    - `scene`: a name, a file, a Scene, or a list of them, of which each episode draws one; `"procedural"` for generated
+      ones.
+    - `difficulty`, `num_scenes`, `scene_seed`: of procedural scenes, 0 to 1; how many; the first one's seed.
+    - `hardware`: a robot profile, or a file.
+    - `noise`: `"realistic"` or `"ideal"`.
+    - `localization`: where `pose`, `velocity` and goals in the robot's frame come from: `"odometry"`, `"truth"`.
+    - `gate`: `"full"`, as in `Robot`; `"limits"` without the collision monitor.
+    - `max_steps`: an episode is truncated after so many.
+    - `control_rate`: steps a second: 50 over a whole number.
+    - `episodes`: of Navigation: `"standard"` (2 to 15 m, a fifth with a detour), `"reactive"` (2 to 8 m, none).
+    - `goal_frame`: of Navigation's `goal`: `"robot"` or `"map"`.
+    """
+
+    observations: Sequence[str] | None
+    lidar_beams: int | None
+    image_size: tuple[int, int]
+    scene: Any
+    difficulty: float
+    num_scenes: int
+    scene_seed: int
+    hardware: str
+    noise: str
+    localization: str
+    gate: str
+    max_steps: int
+    control_rate: float
+    episodes: str
+    goal_frame: str
+
+
+DEFAULTS = EnvOptions(
+    observations=None,
+    lidar_beams=None,
+    image_size=(64, 64),
+    scene="office_v2",
+    difficulty=0.5,
+    num_scenes=16,
+    scene_seed=0,
+    hardware="3we_standard_v2",
+    noise="realistic",
+    localization="truth",
+    gate="full",
+    max_steps=500,
+    control_rate=10.0,
+    episodes="standard",
+    goal_frame="robot",
+)
+
+
+@dataclass
+class Batch:
+    """The C++ batch, and what Gymnasium wants to know about it."""
+
+    core: _core.EnvBatch
+    scenes: list[Scene]
+    hardware: RobotProfile
+    options: EnvOptions
+    observation_space: spaces.Dict
+    action_space: spaces.Box
+
+    def reset(
+        self, seeds: Sequence[int | None], options: Mapping[str, Any] | None, mask: NDArray[np.bool_] | None
+    ) -> None:
+        """Begins an episode in every environment, or in those of the mask."""
+        options = options or {}
+        for name in options:
+            if name not in RESET_OPTIONS:
+                raise ConfigError(_core.unknown_name("reset option", name, list(RESET_OPTIONS)))
+        n = len(seeds)
+        scene = self._scene_index(options["scene"]) if options.get("scene") is not None else None
+        episode = as_seed("options['episode']", options["episode"]) if options.get("episode") is not None else None
+        start = as_pose("options['start']", options["start"]) if options.get("start") is not None else None
+        goal = as_pose("options['goal']", options["goal"]) if options.get("goal") is not None else None
+        self.core.reset(
+            seeds=list(seeds),
+            episodes=[episode] * n,
+            scenes=[scene] * n,
+            start=start,
+            goal=None if goal is None else (goal.x, goal.y),
+            mask=[] if mask is None else mask.tolist(),
+        )
+
+    def _scene_index(self, scene: Any) -> int:
+        names = [known.name for known in self.scenes]
+        if scene in names:
+            return names.index(scene)
+        raise ConfigError(_core.unknown_name("scene of this environment", str(scene), names))
+
+
+def make_batch(task: str, *, num_envs: int, num_robots: int, num_threads: int, autoreset: str, **given: Any) -> Batch:
+    """A batch of environments. Raises ConfigError for an unknown option, with the nearest right name."""
+    for name in given:
+        if name not in DEFAULTS:
+            raise ConfigError(_core.unknown_name("option", name, list(DEFAULTS)))
+    options = EnvOptions(**{**DEFAULTS, **given})  # type: ignore[typeddict-item]
+    hardware = options["hardware"]
+    profile = hardware if isinstance(hardware, RobotProfile) else RobotProfile.load(as_asset("hardware", hardware))
+    scenes = load_scenes(options)
+    control_rate = as_number("control_rate", options["control_rate"])
+    if not control_rate > 0.0:
+        raise ConfigError(f"control_rate must be positive, got {control_rate:g}")
+    core = _core.EnvBatch(
+        task=task,
+        scenes=scenes,
+        hardware=profile,
+        noise=as_text("noise", options["noise"]),
+        observations=observation_names(task, profile, options["observations"]),
+        lidar_beams=options["lidar_beams"] or 0,
+        image_size=options["image_size"],
+        localization=as_text("localization", options["localization"]),
+        gate=as_text("gate", options["gate"]),
+        max_steps=options["max_steps"],
+        control_period=round(1e9 / control_rate) * 1e-9,
+        num_envs=num_envs,
+        num_robots=num_robots,
+        num_threads=num_threads,
+        autoreset=autoreset,
+        episodes=as_text("episodes", options["episodes"]),
+        goal_frame=as_text("goal_frame", options["goal_frame"]),
+    )
+    return Batch(core, scenes, profile, options, observation_space(core), spaces.Box(-1.0, 1.0, (3,), np.float32))
+
+
+def load_scenes(options: EnvOptions) -> list[Scene]:
+    """The scenes that episodes are drawn from."""
+    scene = options["scene"]
+    if isinstance(scene, str) and scene == "procedural":
+        first = as_seed("scene_seed", options["scene_seed"])
+        return [
+            Scene.generate(seed, difficulty=options["difficulty"])
+            for seed in range(first, first + options["num_scenes"])
+        ]
+    several: Iterable[Any] = [scene] if isinstance(scene, str | Scene) or hasattr(scene, "__fspath__") else scene
+    return [s if isinstance(s, Scene) else Scene.load(as_asset("scene", s)) for s in as_list("scene", several)]
+
+
+def observation_names(task: str, profile: RobotProfile, wanted: Sequence[str] | None) -> list[str]:
+    """What is observed: all that the robot has but depth, where nothing is asked for."""
+    if wanted is None:
+        sensors = [name for name, sensor in (("image", profile.camera), ("lidar", profile.lidar)) if sensor is not None]
+        return [*sensors, "pose", "velocity", *TASK_FIELDS[task]]
+    names = [as_text("observations", name) for name in as_list("observations", wanted)]
+    known = ["image", "depth", "lidar", "pose", "velocity", *TASK_FIELDS[task]]
+    for name in names:
+        if name not in known:
+            raise ConfigError(_core.unknown_name("observation", name, known))
+    if not names:
+        raise ConfigError(f"observations: at least one is needed, such as {known[-1]!r}")
+    return names
+
+
+def observation_space(core: _core.EnvBatch) -> spaces.Dict:
+    """The space of one robot's observations."""
+    boxes: dict[str, spaces.Space[Any]] = {
+        field.name: spaces.Box(field.low, field.high, tuple(field.shape), np.dtype(field.dtype).type)
+        for field in core.fields
+    }
+    return spaces.Dict(boxes)
+
+
+def as_actions(values: Any, shape: tuple[int, ...]) -> NDArray[np.float32]:
+    """Actions as the core takes them. Raises ContractError for what is no floating-point array of the shape."""
+    actions = np.asarray(values)
+    if actions.dtype.kind != "f":
+        raise ContractError(f"action must hold floating-point numbers, got dtype {actions.dtype}")
+    if actions.shape != shape:
+        raise ContractError(f"action must have shape {shape}, got {actions.shape}")
+    return np.ascontiguousarray(actions, dtype=np.float32).reshape(-1, 3)

@@ -1,0 +1,77 @@
+"""One environment."""
+
+from __future__ import annotations
+
+from typing import Any, Unpack
+
+import gymnasium
+
+from threewe._arguments import as_seed
+from threewe.errors import ConfigError
+from threewe.gym.batch import EnvOptions, Observation, as_actions, make_batch
+
+
+class Env(gymnasium.Env[Any, Any]):
+    """A task in the embedded simulator, as `gymnasium.make("3we/Navigation-v1")` makes it.
+
+    It is a batch of one: with the same seeds and actions, `VectorEnv` gives the same bits. An action is (3,) float32 in
+    [-1, 1]: forward, left and counter-clockwise as shares of the robot's operating limits.
+
+    `reset(options=...)` takes `start` (x, y, theta) and `goal` (x, y) in the scene's frame, `scene` (one of its own, by
+    name) and `episode`, the number of an episode since the seed was given: `info` names both, so that any episode can
+    be repeated.
+
+    Args:
+        task: `navigation`, `exploration`.
+        render_mode: `rgb_array`: the place from above; `human`.
+        options: see `EnvOptions`.
+    """
+
+    metadata: dict[str, Any] = {"render_modes": [], "render_fps": 10}  # noqa: RUF012
+
+    def __init__(self, *, task: str, render_mode: str | None = None, **options: Unpack[EnvOptions]) -> None:
+        if render_mode is not None and render_mode not in self.metadata["render_modes"]:
+            raise ConfigError(f"render_mode must be one of {self.metadata['render_modes']}, got {render_mode!r}")
+        self._batch = make_batch(task, num_envs=1, num_robots=1, num_threads=1, autoreset="disabled", **options)
+        self._core = self._batch.core
+        self.observation_space = self._batch.observation_space
+        self.action_space = self._batch.action_space
+        self.render_mode = render_mode
+        self._begun = False
+
+    def reset(
+        self, *, seed: int | None = None, options: dict[str, Any] | None = None
+    ) -> tuple[Observation, dict[str, Any]]:
+        """Begins an episode: the first of a seed, or the next one."""
+        given = None if seed is None else as_seed("seed", seed)
+        super().reset(seed=given)
+        if given is None and not self._begun:
+            given = int(self.np_random.integers(2**63))
+        self._batch.reset([given], options, None)
+        self._begun = True
+        return self._observe(), self._info()
+
+    def step(self, action: Any) -> tuple[Observation, float, bool, bool, dict[str, Any]]:
+        """One control step. Raises ContractError, and does nothing, for an action that is none."""
+        self._core.step(as_actions(action, (3,)))
+        return (
+            self._observe(),
+            float(self._core.rewards[0]),
+            bool(self._core.terminated[0]),
+            bool(self._core.truncated[0]),
+            self._info(),
+        )
+
+    def _observe(self) -> Observation:
+        return {name: values[0].copy() for name, values in self._core.observations.items()}
+
+    def _info(self) -> dict[str, Any]:
+        info: dict[str, Any] = dict(zip(self._core.metric_names, self._core.metrics[0].tolist(), strict=True))
+        info["success"] = info["success"] > 0.0
+        episode = self._core.episode(0)
+        info["true_pose"] = self._core.true_poses[0].copy()
+        info["scan_age"] = float(self._core.scan_ages[0])
+        info["scene"] = self._batch.scenes[episode.scene].name
+        info["seed"] = episode.seed
+        info["episode"] = episode.episode
+        return info

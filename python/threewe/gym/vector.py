@@ -1,0 +1,145 @@
+"""Many environments at once."""
+
+from __future__ import annotations
+
+from typing import Any, Unpack
+
+import gymnasium
+import numpy as np
+from gymnasium.vector import AutoresetMode
+from gymnasium.vector.utils import batch_space
+from numpy.typing import NDArray
+
+from threewe._arguments import as_seed
+from threewe._core import EpisodeInfo
+from threewe.errors import ConfigError, ContractError
+from threewe.gym.batch import EnvOptions, Observation, as_actions, make_batch
+
+MODES = {
+    AutoresetMode.NEXT_STEP: "next_step",
+    AutoresetMode.SAME_STEP: "same_step",
+    AutoresetMode.DISABLED: "disabled",
+}
+
+
+class VectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
+    """A batch of environments in one process, as `gymnasium.make_vec("3we/Navigation-v1", num_envs=1024)` makes it.
+
+    Environment i with seed s gives the same bits as `Env` with that seed, wherever it stands in the batch and on
+    however many threads. `reset(seed=s)` seeds environment i with s + i. `reset(options={"reset_mask": mask})` resets
+    some of them.
+
+    Args:
+        task: see `Env`.
+        num_envs: how many.
+        num_threads: that share the work.
+        autoreset_mode: what happens after an episode's end: `NEXT_STEP` (Gymnasium's default), `SAME_STEP` (with
+            `final_obs` and `final_info` in the infos), `DISABLED`.
+        copy: whether observations, rewards and flags are copies. Without, they are views of C++ memory that the next
+            call of `step` or `reset` overwrites.
+        options: see `EnvOptions`.
+    """
+
+    def __init__(
+        self,
+        *,
+        task: str,
+        num_envs: int = 1,
+        num_threads: int = 1,
+        autoreset_mode: AutoresetMode | str = AutoresetMode.NEXT_STEP,
+        copy: bool = True,
+        render_mode: str | None = None,
+        **options: Unpack[EnvOptions],
+    ) -> None:
+        mode = AutoresetMode(autoreset_mode)
+        if render_mode is not None:
+            raise ConfigError("render_mode: a batch is not drawn; use a single environment")
+        self.metadata = {"autoreset_mode": mode, "render_modes": []}
+        self._batch = make_batch(
+            task, num_envs=num_envs, num_robots=1, num_threads=num_threads, autoreset=MODES[mode], **options
+        )
+        self._core = self._batch.core
+        self._copy = copy
+        self._same_step = mode == AutoresetMode.SAME_STEP
+        self._begun = False
+        self._scene_names = np.array([scene.name for scene in self._batch.scenes], dtype=object)
+        self._everyone = np.ones(num_envs, dtype=np.bool_)
+        self.num_envs = num_envs
+        self.single_observation_space = self._batch.observation_space
+        self.single_action_space = self._batch.action_space
+        self.observation_space = batch_space(self.single_observation_space, num_envs)
+        self.action_space = batch_space(self.single_action_space, num_envs)
+        # views of C++ memory, made once
+        self._observations: Observation = self._core.observations
+        self._final_observations: Observation = self._core.final_observations
+        self._outcome = (self._core.rewards, self._core.terminated, self._core.truncated)
+        self._metrics = self._core.metrics.T
+        self._final_metrics = self._core.final_metrics.T
+        self._ended = self._core.ended
+
+    def reset(
+        self, *, seed: int | list[int | None] | None = None, options: dict[str, Any] | None = None
+    ) -> tuple[Observation, dict[str, Any]]:
+        """Begins an episode in every environment, or in those of `options["reset_mask"]`, (num_envs,) bool."""
+        mask = None if options is None else options.get("reset_mask")
+        if mask is not None:
+            self._check_mask(mask)
+        seeds = self._seeds(seed)
+        super().reset(seed=seed if isinstance(seed, int) else None)
+        self._batch.reset(seeds, options, mask)
+        self._begun = True
+        return self._copied(self._observations), self._infos(self._metrics)
+
+    def step(self, actions: Any) -> tuple[Observation, NDArray[Any], NDArray[Any], NDArray[Any], dict[str, Any]]:
+        """One control step of every environment. Raises ContractError, and does nothing, for an action that is none."""
+        self._core.step(as_actions(actions, (self.num_envs, 3)))
+        infos = self._infos(self._metrics)
+        if self._same_step and self._ended.any():
+            self._add_final(infos)
+        rewards, terminated, truncated = self._outcome
+        if self._copy:
+            return self._copied(self._observations), rewards.copy(), terminated.copy(), truncated.copy(), infos
+        return self._observations, rewards, terminated, truncated, infos
+
+    def episode(self, env: int) -> EpisodeInfo:
+        """Which episode an environment is in: `reset(seed=[...], options={"episode": ...})` repeats it."""
+        return self._core.episode(env)
+
+    def _seeds(self, seed: int | list[int | None] | None) -> list[int | None]:
+        if seed is None:
+            if self._begun:
+                return [None] * self.num_envs
+            seed = int(self.np_random.integers(2**63))
+        if isinstance(seed, int | np.integer):
+            first = as_seed("seed", seed)
+            return [as_seed("seed", first + i) for i in range(self.num_envs)]
+        if len(seed) != self.num_envs:
+            raise ContractError(f"seed must be a number or a list of {self.num_envs}, got a list of {len(seed)}")
+        return [None if one is None else as_seed("seed", one) for one in seed]
+
+    def _check_mask(self, mask: Any) -> None:
+        if not isinstance(mask, np.ndarray) or mask.dtype != np.bool_ or mask.shape != (self.num_envs,):
+            raise ContractError(f"options['reset_mask'] must be a bool array of shape ({self.num_envs},), got {mask!r}")
+        if not mask.any():
+            raise ContractError("options['reset_mask'] must choose at least one environment")
+
+    def _copied(self, observations: Observation) -> Observation:
+        return {name: values.copy() for name, values in observations.items()} if self._copy else observations
+
+    def _infos(self, metrics: NDArray[np.float64]) -> dict[str, Any]:
+        infos: dict[str, Any] = {}
+        values = metrics.copy()
+        for name, value in zip(self._core.metric_names, values, strict=True):
+            infos[name] = value > 0.0 if name == "success" else value
+            infos[f"_{name}"] = self._everyone
+        return infos
+
+    def _add_final(self, infos: dict[str, Any]) -> None:
+        ended = self._ended.copy()
+        final = np.full(self.num_envs, None, dtype=object)
+        for i in np.flatnonzero(ended):
+            final[i] = {name: values[i].copy() for name, values in self._final_observations.items()}
+        info = self._infos(self._final_metrics)
+        infos["final_obs"] = final
+        infos["final_info"] = {name: ended if name.startswith("_") else values for name, values in info.items()}
+        infos["_final_obs"] = infos["_final_info"] = ended

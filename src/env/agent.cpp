@@ -1,0 +1,101 @@
+#include "env/agent.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "threewe/models/lidar.hpp"
+#include "threewe/safety/scan_points.hpp"
+#include "threewe/sim/step.hpp"
+
+namespace threewe::env {
+namespace {
+
+// As the collision monitor reckons: how far the robot can come until a scan is too old to be believed and it stands.
+double farthest_way(const safety::GateModel& gate, const LidarSpec& lidar) {
+  const double seconds = to_seconds(gate.sensor_timeout + lidar.turn + lidar.latency + gate.reaction + kControlPeriod);
+  return gate.limits.linear * (seconds + gate.limits.linear / gate.limits.linear_braking);
+}
+
+}  // namespace
+
+AgentModel make_agent_model(const Options& options) {
+  AgentModel model;
+  model.profile = options.hardware;
+  model.gate = safety::make_gate_model(model.profile);
+  model.localization = options.localization;
+  model.limits = model.profile.operating_limits;
+  model.gate.collision_monitor = options.gate == Gate::full;
+  if (model.profile.lidar) {
+    const LidarSpec& lidar = *model.profile.lidar;
+    model.scans = static_cast<std::size_t>(lidar.latency / lidar.turn) + 2;
+    model.sight = farthest_way(model.gate, lidar) + norm(lidar.base_from_lidar.position()) + model.gate.margin +
+                  model.gate.footprint.circumscribed_radius();
+    model.beams = models::beams_of_points(lidar);
+  }
+  return model;
+}
+
+void Agent::begin(const AgentModel& model) {
+  gate_ = {};
+  scans_.resize(model.scans);
+  taken_ = arrived_ = 0;
+  newest_.reset();
+  turn_began_ = {};
+  obstacles_.clear();
+}
+
+Velocity Agent::act(const AgentModel& model, const sim::RobotState& state, const Velocity& action, Time now) {
+  const double sideways = model.gate.kinematics == Kinematics::differential ? 0.0 : model.limits.linear;
+  const Velocity wanted{action.vx * model.limits.linear, action.vy * sideways, action.omega * model.limits.angular};
+  if (obstacles_.empty()) return safety::gate(model.gate, gate_, wanted, {}, now).command;
+  const auto obstacles = transformed(inverse(odom_from_base(model, state)), obstacles_);
+  return safety::gate(model.gate, gate_, wanted, obstacles, now).command;
+}
+
+void Agent::end_turn(const AgentModel& model, const sim::RobotModel& robot, const sim::RobotState& state, bool whole) {
+  const Pose2D began = std::exchange(turn_began_, odom_from_base(model, state));
+  if (!whole) return;
+  Scan& scan = scans_[taken_++ % scans_.size()];
+  scan.end = state.time();
+  scan.arrives = scan.end + model.profile.lidar->latency;
+  scan.odom_at_begin = began;
+  scan.odom_at_end = turn_began_;
+  const auto points = sim::scan_points(robot, state);
+  scan.points.assign(points.begin(), points.end());
+}
+
+void Agent::perceive(const AgentModel& model, Time now) {
+  for (; arrived_ < taken_ && scans_[arrived_ % scans_.size()].arrives <= now; ++arrived_) {
+    newest_ = arrived_ % scans_.size();
+    gate_.last_scan = now;
+    gate_.scan_seen = true;
+    if (!model.gate.collision_monitor) continue;
+    const LidarSpec& lidar = *model.profile.lidar;
+    std::array<float, sim::kMaxLidarPoints> ranges;
+    const auto beams = std::span(ranges).first(static_cast<std::size_t>(lidar.beams));
+    fill_scan(model, beams);
+    const Scan& scan = scans_[*newest_];
+    obstacles_.clear();
+    safety::append_scan_points(lidar, beams, scan.odom_at_begin, scan.odom_at_end, obstacles_, model.sight);
+  }
+}
+
+Pose2D Agent::odom_from_base(const AgentModel& model, const sim::RobotState& state) const {
+  if (model.localization == Localization::truth) return inverse(state.start) * state.pose;
+  return state.odometry.reading.pose;
+}
+
+Pose2D Agent::map_from_base(const AgentModel& model, const sim::RobotState& state) const {
+  return odom_from_base(model, state);
+}
+
+Velocity Agent::velocity(const AgentModel& model, const sim::RobotState& state) const {
+  return model.localization == Localization::truth ? state.velocity : state.odometry.reading.velocity;
+}
+
+void Agent::fill_scan(const AgentModel& model, std::span<float> ranges) const {
+  std::ranges::fill(ranges, 0.0F);
+  if (newest_) models::fill_scan(model.beams, scans_[*newest_].points, ranges);
+}
+
+}  // namespace threewe::env

@@ -1,0 +1,70 @@
+// What a robot in an environment has instead of a mind: the newest scan, a belief about its pose, and the gate.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "threewe/env/options.hpp"
+#include "threewe/safety/gate.hpp"
+#include "threewe/sim/model.hpp"
+#include "threewe/sim/state.hpp"
+
+namespace threewe::env {
+
+/// What all agents of a batch share.
+struct AgentModel {
+  RobotProfile profile;
+  safety::GateModel gate;
+  Localization localization{};
+  Limits limits;                     ///< operating limits; sideways nothing on a differential base
+  double sight = 0.0;                ///< [m], points farther from the lidar than this can't concern the gate
+  std::size_t scans = 0;             ///< that may be under way at once
+  std::vector<std::uint16_t> beams;  ///< that each point of a turn falls into
+};
+AgentModel make_agent_model(const Options& options);
+
+/// A turn of the lidar, complete, on its way to the robot.
+struct Scan {
+  Time end{};
+  Time arrives{};
+  Pose2D odom_at_begin;
+  Pose2D odom_at_end;
+  std::vector<float> points;  ///< [m], as the device took them
+};
+
+class Agent {
+ public:
+  /// A robot as its episode begins. Keeps its memory.
+  void begin(const AgentModel& model);
+
+  /// The command for the next control period, from an action in shares of the limits.
+  Velocity act(const AgentModel& model, const sim::RobotState& state, const Velocity& action, Time now);
+  /// After a step of physics that ended a turn of the lidar, which worked all the time if its scan is `whole`.
+  void end_turn(const AgentModel& model, const sim::RobotModel& robot, const sim::RobotState& state, bool whole);
+  /// At the end of a control period: what has arrived.
+  void perceive(const AgentModel& model, Time now);
+
+  /// Where the robot believes to be, from where it started.
+  Pose2D map_from_base(const AgentModel& model, const sim::RobotState& state) const;
+  Velocity velocity(const AgentModel& model, const sim::RobotState& state) const;
+  /// Fills in the newest scan: [m] for each beam of the profile's. Zeros before the first.
+  void fill_scan(const AgentModel& model, std::span<float> ranges) const;
+  /// [s]
+  double scan_age(Time now) const { return newest_ ? to_seconds(now - scans_[*newest_].end) : 0.0; }
+
+ private:
+  Pose2D odom_from_base(const AgentModel& model, const sim::RobotState& state) const;
+
+  safety::GateState gate_;
+  std::vector<Scan> scans_;  // a ring
+  std::size_t taken_ = 0;    // scans so far
+  std::size_t arrived_ = 0;
+  std::optional<std::size_t> newest_;  // place in the ring
+  Pose2D turn_began_;                  // odom_from_base then
+  std::vector<Vec2> obstacles_;        // of the newest scan, in odom
+};
+
+}  // namespace threewe::env

@@ -1,0 +1,132 @@
+#include "threewe/env/batch.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "env/batch_impl.hpp"
+#include "env/checks.hpp"
+#include "env/observations.hpp"
+#include "threewe/core/errors.hpp"
+
+namespace threewe::env {
+
+Batch::Impl::Impl(Options wanted)
+    : options(checked(std::move(wanted))),
+      agent_model(make_agent_model(options)),
+      places(make_places(options)),
+      clock(make_clock(options, places.models.front()->robots.front())),
+      task(options.task(places.tables, options.worlds, options.robots)),
+      metric_names(task->metrics()),
+      rays(task->rays()),
+      workers(options.threads),
+      scratch(options.threads) {
+  const std::size_t rows = options.worlds * options.robots;
+  episodes.resize(options.worlds);
+  ended.resize(options.worlds);
+  metrics.resize(options.worlds * metric_names.size());
+  if (options.autoreset == Autoreset::same_step) final_metrics.resize(metrics.size());
+  states.resize(rows);
+  agents.resize(rows);
+  actions.resize(rows);
+  commands.resize(rows);
+  done.resize(rows);
+  rewards.resize(rows);
+  terminated.resize(rows);
+  truncated.resize(rows);
+  true_poses.resize(3 * rows);
+  scan_ages.resize(rows);
+  const std::vector<task::Field> fields = observation_fields(options, task->fields());
+  for (const task::Field& field : task->fields()) {
+    task_fields.push_back(std::ranges::find(fields, field.name, &task::Field::name) != fields.end());
+  }
+  observations = make_arrays(fields, rows);
+  final_observations = make_arrays(fields, options.autoreset == Autoreset::same_step ? rows : 0);
+}
+
+void Batch::Impl::check_actions(std::span<const float> asked) const {
+  const std::size_t rows = options.worlds * options.robots;
+  if (asked.size() != 3 * rows) {
+    throw ContractError(fmt::format("actions must have the shape ({}, 3)", rows));
+  }
+  const auto wrong = std::ranges::find_if(asked, [](float share) { return !std::isfinite(share); });
+  if (wrong != asked.end()) {
+    const auto at = static_cast<std::size_t>(wrong - asked.begin());
+    throw ContractError(fmt::format("actions must be finite, but actions[{}, {}] is {}", at / 3, at % 3, *wrong));
+  }
+  for (std::size_t world = 0; world < options.worlds; ++world) {
+    const Episode& episode = episodes[world];
+    if (!episode.begun) throw ContractError("step() before the first reset()");
+    if (episode.over && options.autoreset == Autoreset::disabled) {
+      throw ContractError(fmt::format("step(): the episode of environment {} is over; reset it first", world));
+    }
+  }
+}
+
+template <typename Chosen, typename Work>
+void Batch::Impl::for_blocks(const Chosen& chosen, const Work& work) {
+  workers.run(options.worlds, [&](std::size_t part, std::size_t begin, std::size_t end) {
+    std::array<std::size_t, kBlock> block;
+    std::size_t count = 0;
+    for (std::size_t world = begin; world < end; ++world) {
+      if (chosen(world)) block[count++] = world;
+      if (count == kBlock || (world + 1 == end && count > 0)) {
+        work(Worlds(block).first(count), part);
+        count = 0;
+      }
+    }
+  });
+}
+
+Batch::Batch(Options options) : impl_(std::make_unique<Impl>(std::move(options))) {}
+Batch::~Batch() = default;
+
+const Options& Batch::options() const { return impl_->options; }
+
+void Batch::reset(std::span<const Reset> resets, std::span<const bool> mask) {
+  Impl& impl = *impl_;
+  for (std::size_t world = 0; world < impl.options.worlds; ++world) {
+    if (!mask.empty() && !mask[world]) continue;
+    if (!impl.episodes[world].begun && (resets.empty() || !resets[world].seed)) {
+      throw ContractError(fmt::format("reset: environment {} needs a seed for its first episode", world));
+    }
+    if (!resets.empty() && resets[world].scene && *resets[world].scene >= impl.options.scenes.size()) {
+      throw ContractError(
+          fmt::format("reset: there is no scene {}, only {}", *resets[world].scene, impl.options.scenes.size()));
+    }
+  }
+  impl.for_blocks([&](std::size_t world) { return mask.empty() || mask[world]; },
+                  [&](Impl::Worlds worlds, std::size_t) {
+                    impl.begin(worlds, resets);
+                    for (const std::size_t world : worlds) {
+                      impl.clear_outcomes(world);
+                      impl.observe(world, impl.observations);
+                      impl.measure(world, impl.metrics);
+                    }
+                  });
+}
+
+void Batch::step(std::span<const float> actions) {
+  Impl& impl = *impl_;
+  impl.check_actions(actions);
+  impl.for_blocks([](std::size_t) { return true; },
+                  [&](Impl::Worlds worlds, std::size_t part) { impl.step_block(worlds, actions, part); });
+}
+
+std::span<const Array> Batch::observations() const { return impl_->observations; }
+std::span<const Array> Batch::final_observations() const { return impl_->final_observations; }
+std::span<const double> Batch::rewards() const { return impl_->rewards; }
+std::span<const std::uint8_t> Batch::terminated() const { return impl_->terminated; }
+std::span<const std::uint8_t> Batch::truncated() const { return impl_->truncated; }
+std::span<const std::uint8_t> Batch::ended() const { return impl_->ended; }
+const std::vector<std::string>& Batch::metric_names() const { return impl_->metric_names; }
+std::span<const double> Batch::metrics() const { return impl_->metrics; }
+std::span<const double> Batch::final_metrics() const { return impl_->final_metrics; }
+std::span<const double> Batch::true_poses() const { return impl_->true_poses; }
+std::span<const double> Batch::scan_ages() const { return impl_->scan_ages; }
+EpisodeInfo Batch::episode(std::size_t world) const { return impl_->episodes[world].info; }
+
+}  // namespace threewe::env

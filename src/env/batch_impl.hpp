@@ -1,0 +1,97 @@
+// What a batch keeps, and what it does with it. Its parts are in files of their own: episodes.cpp begins and ends
+// episodes, stepping.cpp lets time go by, observing.cpp looks.
+#pragma once
+
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "env/agent.hpp"
+#include "env/clock.hpp"
+#include "env/pictures.hpp"
+#include "env/places.hpp"
+#include "env/workers.hpp"
+#include "threewe/env/batch.hpp"
+#include "threewe/sim/people.hpp"
+
+namespace threewe::env {
+
+inline constexpr std::size_t kBlock = 32;  // worlds that are stepped together, so that they stay in the cache
+
+// One world's episode.
+struct Episode {
+  EpisodeInfo info;
+  bool begun = false;
+  bool over = false;
+  std::vector<sim::PersonState> people;
+  Pictures pictures;
+};
+
+struct Batch::Impl {
+  explicit Impl(Options wanted);
+
+  // a whole step, and a whole reset, of some worlds
+  using Worlds = std::span<const std::size_t>;
+  void begin(Worlds worlds, std::span<const Reset> resets);
+  void step(Worlds worlds, std::span<const float> actions, std::size_t part);
+
+  // their parts
+  void step_block(Worlds worlds, std::span<const float> actions, std::size_t part);
+  void clear_outcomes(std::size_t world);
+  void measure(std::size_t world, std::vector<double>& to) const;
+  void begin_world(std::size_t world, const Reset& reset);
+  void advance(Worlds worlds, std::uint64_t steps);
+  void step_physics(Worlds worlds);
+  void end_step(std::size_t world, std::size_t part);
+  std::span<const float> cast_rays(std::size_t world, std::size_t robot, const Pose2D& lidar, std::size_t part);
+  void observe(std::size_t world, std::vector<Array>& arrays);
+  task::Belief belief_of(std::size_t world, std::size_t robot, std::span<float> scan) const;
+
+  void check_actions(std::span<const float> asked) const;
+  /// Calls `work(worlds, part)` for blocks of the worlds that are chosen, on all threads.
+  template <typename Chosen, typename Work>
+  void for_blocks(const Chosen& chosen, const Work& work);
+
+  std::size_t row(std::size_t world, std::size_t robot = 0) const { return world * options.robots + robot; }
+  std::span<sim::RobotState> robots_of(std::size_t world) {
+    return std::span(states).subspan(row(world), options.robots);
+  }
+  const sim::Model& model_of(std::size_t world) const { return *places.models[episodes[world].info.scene]; }
+
+  // never changes
+  Options options;
+  AgentModel agent_model;
+  Places places;
+  Clock clock;
+  std::unique_ptr<task::Task> task;
+  std::vector<std::string> metric_names;
+  std::size_t rays = 0;
+  std::vector<bool> task_fields;  // which of the task's fields are wanted
+
+  // of each world
+  std::vector<Episode> episodes;
+  std::vector<std::uint8_t> ended;
+  std::vector<double> metrics;
+  std::vector<double> final_metrics;
+
+  // of each robot
+  std::vector<sim::RobotState> states;
+  std::vector<Agent> agents;
+  std::vector<Velocity> actions;  // in force
+  std::vector<Velocity> commands;
+  std::vector<std::uint8_t> done;  // its part of the episode is over
+  // what the last call came to
+  std::vector<double> rewards;
+  std::vector<std::uint8_t> terminated;
+  std::vector<std::uint8_t> truncated;
+  std::vector<double> true_poses;
+  std::vector<double> scan_ages;
+  std::vector<Array> observations;
+  std::vector<Array> final_observations;
+
+  Workers workers;
+  std::vector<std::vector<float>> scratch;  // of each thread: noise-free rays
+};
+
+}  // namespace threewe::env

@@ -1,0 +1,55 @@
+#include "env/checks.hpp"
+
+#include <string>
+
+#include <fmt/format.h>
+
+#include "threewe/core/errors.hpp"
+#include "threewe/sim/state.hpp"
+
+namespace threewe::env {
+namespace {
+
+void require(bool ok, const std::string& message) {
+  if (!ok) throw ConfigError(message);
+}
+
+void check_lidar(Options& options) {
+  const RobotProfile& robot = options.hardware;
+  if (!options.observed.lidar) return;
+  require(robot.lidar.has_value(), fmt::format("observations: '{}' has no lidar", robot.name));
+  const int beams = robot.lidar->beams;
+  if (options.lidar_beams == 0) options.lidar_beams = beams;
+  if (options.lidar_beams > 0 && beams % options.lidar_beams == 0) return;
+  std::string divisors;
+  for (int n = beams; n >= 8; --n) {
+    if (beams % n == 0) divisors += fmt::format("{}{}", divisors.empty() ? "" : ", ", n);
+  }
+  throw ConfigError(fmt::format("lidar_beams: every k-th of the {} beams of '{}' can be observed: {}; got {}", beams,
+                                robot.name, divisors, options.lidar_beams));
+}
+
+}  // namespace
+
+Options checked(Options options) {
+  const RobotProfile& robot = options.hardware;
+  require(!options.scenes.empty(), "scene: at least one is needed");
+  require(options.worlds > 0, "num_envs: at least one is needed");
+  require(options.robots > 0 && options.robots <= kMostRobots,
+          fmt::format("num_robots: 1 to {}, got {}", kMostRobots, options.robots));
+  require(options.threads > 0, "num_threads: at least one is needed");
+  require(options.max_steps > 0, fmt::format("max_steps: at least 1, got {}", options.max_steps));
+  require(options.control_period > Duration::zero() && options.control_period % kControlPeriod == Duration::zero(),
+          fmt::format("control_rate: 50 Hz over a whole number, such as 50, 25, 10 or 5; got {:.6g}",
+                      1.0 / to_seconds(options.control_period)));
+  check_lidar(options);
+  if (options.observed.image || options.observed.depth) {
+    require(robot.camera.has_value(), fmt::format("observations: '{}' has no camera", robot.name));
+    check(make_intrinsics(options.image_width, options.image_height, robot.camera->horizontal_fov));
+  }
+  require(!options.observed.depth || robot.camera->depth,
+          fmt::format("observations: the camera of '{}' measures no depth", robot.name));
+  return options;
+}
+
+}  // namespace threewe::env

@@ -1,0 +1,49 @@
+#include "env/clock.hpp"
+
+#include <algorithm>
+
+namespace threewe::env {
+namespace {
+
+constexpr std::uint64_t kTick = kControlPeriod / sim::kStep;
+
+std::uint64_t rounded_up(std::uint64_t steps, std::uint64_t unit) { return (steps + unit - 1) / unit * unit; }
+
+std::uint64_t steps(Duration duration) {
+  return static_cast<std::uint64_t>((duration + sim::kStep - 1ns) / sim::kStep);
+}
+
+// When the last of a robot's sensors delivers for the first time.
+std::uint64_t first_complete(const RobotProfile& profile) {
+  Duration last = profile.odometry.period + profile.odometry.latency;
+  const auto wait = [&](Duration first) { last = std::max(last, first); };
+  if (profile.imu) wait(profile.imu->period + profile.imu->latency);
+  if (profile.lidar) wait(profile.lidar->turn + profile.lidar->latency);
+  if (profile.battery) wait(profile.battery->period);
+  if (profile.ultrasonics) wait(profile.ultrasonics->period() + profile.ultrasonics->latency);
+  if (profile.camera) wait(profile.camera->period + sim::kStep + profile.camera->latency);
+  return rounded_up(steps(last), kTick);
+}
+
+}  // namespace
+
+Clock make_clock(const Options& options, const sim::RobotModel& robot) {
+  Clock clock;
+  clock.settle = first_complete(options.hardware);
+  clock.period = steps(options.control_period);
+  clock.turn = static_cast<std::uint64_t>(robot.turn);
+  if (options.hardware.lidar) clock.latency = steps(options.hardware.lidar->latency);
+  clock.every_scan = options.gate == Gate::full;
+  return clock;
+}
+
+bool Clock::looks_at_scan_of(std::uint64_t step) const {
+  if (turn == 0) return false;
+  const std::uint64_t arrives = rounded_up((step / turn + 1) * turn + latency, kTick);
+  // the first moment at which somebody looks that is not before
+  std::uint64_t look = settle;
+  if (arrives > settle) look = every_scan ? arrives : settle + rounded_up(arrives - settle, period);
+  return look < rounded_up((step / turn + 2) * turn + latency, kTick);
+}
+
+}  // namespace threewe::env

@@ -1,0 +1,25 @@
+// When things happen in an episode, counted in steps of physics since it began.
+#pragma once
+
+#include <cstdint>
+
+#include "threewe/env/options.hpp"
+#include "threewe/sim/model.hpp"
+
+namespace threewe::env {
+
+/// The same for all worlds of a batch.
+struct Clock {
+  std::uint64_t settle = 0;   ///< the robot stands for so long, until each of its sensors has delivered once
+  std::uint64_t period = 0;   ///< of one control step
+  std::uint64_t turn = 0;     ///< of the lidar; 0 without
+  std::uint64_t latency = 0;  ///< of the lidar
+  bool every_scan = false;    ///< somebody looks at each scan, not just at the newest at the end of a control step
+
+  /// Whether anybody will look at the scan of the turn that step number `step` (from 0) belongs to.
+  bool looks_at_scan_of(std::uint64_t step) const;
+};
+
+Clock make_clock(const Options& options, const sim::RobotModel& robot);
+
+}  // namespace threewe::env

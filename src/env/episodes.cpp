@@ -1,0 +1,110 @@
+// How episodes begin, and what a step of them came to.
+#include <algorithm>
+#include <array>
+
+#include "env/batch_impl.hpp"
+#include "env/checks.hpp"
+#include "threewe/core/exact.hpp"
+#include "threewe/core/rng.hpp"
+#include "threewe/sim/step.hpp"
+
+namespace threewe::env {
+namespace {
+
+// Each episode is in one of the scenes.
+std::size_t draw_scene(std::uint64_t seed, std::uint32_t episode, std::size_t scenes) {
+  const RngKey key{.seed = seed, .episode = episode, .sensor = 3, .stream = Stream::sampler};
+  return static_cast<std::size_t>(uniform(key, 0) * static_cast<double>(scenes));
+}
+
+}  // namespace
+
+// All of them stand until each of their sensors has delivered once.
+void Batch::Impl::begin(Worlds worlds, std::span<const Reset> resets) {
+  for (std::size_t i = 0; i < worlds.size(); ++i) begin_world(worlds[i], resets.empty() ? Reset{} : resets[worlds[i]]);
+  advance(worlds, clock.settle);
+}
+
+void Batch::Impl::begin_world(std::size_t world, const Reset& reset) {
+  Episode& episode = episodes[world];
+  EpisodeInfo next = episode.info;
+  if (episode.begun) ++next.episode;
+  if (reset.seed) next = {.seed = *reset.seed};
+  if (reset.episode) next.episode = *reset.episode;
+  next.scene = reset.scene ? *reset.scene : draw_scene(next.seed, next.episode, options.scenes.size());
+  next.steps = 0;
+
+  std::array<Pose2D, kMostRobots> starts;
+  const auto poses = std::span(starts).first(options.robots);
+  task->begin(world, {next.scene, next.seed, next.episode}, reset.request, poses);
+  episode.info = next;
+  episode.begun = true;
+  episode.over = false;
+
+  const sim::Model& model = model_of(world);
+  for (std::size_t robot = 0; robot < options.robots; ++robot) {
+    const std::size_t i = row(world, robot);
+    states[i] = sim::begin(model, robot, poses[robot], next.seed, next.episode);
+    agents[i].begin(agent_model);
+    actions[i] = {};
+    done[i] = 0;
+  }
+  episode.people = sim::begin_people(model, robots_of(world), next.seed, next.episode);
+  episode.pictures.begin();
+}
+
+// Rewards, ends and metrics of the step; what is observed now; and the next episode, where that is wanted at once.
+void Batch::Impl::end_step(std::size_t world, std::size_t part) {
+  Episode& episode = episodes[world];
+  const std::size_t first = row(world);
+  std::array<task::Moment, kMostRobots> moments;
+  std::array<task::Outcome, kMostRobots> outcomes{};
+  for (std::size_t robot = 0; robot < options.robots; ++robot) {
+    const sim::RobotState& state = states[first + robot];
+    task::Moment& now = moments[robot];
+    now = {state.pose, state.pose, actions[first + robot], state.distance_driven, state.max_collision_speed, {}};
+    if (options.hardware.lidar) now.lidar = state.pose * options.hardware.lidar->base_from_lidar;
+    if (rays > 0) now.ranges = cast_rays(world, robot, now.lidar, part);
+  }
+  task->step(world, std::span(moments).first(options.robots), std::span(outcomes).first(options.robots));
+
+  ++episode.info.steps;
+  const bool time_is_up = episode.info.steps >= options.max_steps;
+  bool over = true;
+  for (std::size_t robot = 0; robot < options.robots; ++robot) {
+    const std::size_t i = first + robot;
+    const bool was_done = done[i] != 0;
+    rewards[i] = was_done ? 0.0 : outcomes[robot].reward;
+    terminated[i] = !was_done && outcomes[robot].terminated ? 1 : 0;
+    truncated[i] = !was_done && !terminated[i] && time_is_up ? 1 : 0;
+    done[i] = was_done || terminated[i] || truncated[i] ? 1 : 0;
+    over = over && done[i];
+  }
+  episode.over = over;
+  ended[world] = over ? 1 : 0;
+}
+
+// Noise-free rays from where the lidar really is, among what stands there and nothing that moves.
+std::span<const float> Batch::Impl::cast_rays(std::size_t world, std::size_t robot, const Pose2D& lidar,
+                                              std::size_t part) {
+  const sim::RobotModel& model = model_of(world).robots[robot];
+  scratch[part].resize(options.robots * rays);
+  const std::span<float> ranges = std::span(scratch[part]).subspan(robot * rays, rays);
+  model.caster->cast(lidar, 0.0, 2.0 * exact::kPi / static_cast<double>(rays), ranges);
+  return ranges;
+}
+
+// As a reset leaves them.
+void Batch::Impl::clear_outcomes(std::size_t world) {
+  ended[world] = 0;
+  for (std::size_t i = row(world); i < row(world + 1); ++i) {
+    rewards[i] = 0.0;
+    terminated[i] = truncated[i] = 0;
+  }
+}
+
+void Batch::Impl::measure(std::size_t world, std::vector<double>& to) const {
+  task->measure(world, std::span(to).subspan(world * metric_names.size(), metric_names.size()));
+}
+
+}  // namespace threewe::env

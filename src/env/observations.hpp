@@ -1,0 +1,16 @@
+// The arrays that a batch fills with what its robots observe.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "threewe/env/batch.hpp"
+
+namespace threewe::env {
+
+/// Which arrays, in their order: those of `Observed`, then the task's.
+std::vector<task::Field> observation_fields(const Options& options, const std::vector<task::Field>& task_fields);
+/// One array for each field, of zeros.
+std::vector<Array> make_arrays(const std::vector<task::Field>& fields, std::size_t rows);
+
+}  // namespace threewe::env

@@ -1,0 +1,78 @@
+// What robots observe.
+#include <algorithm>
+#include <array>
+#include <cstring>
+
+#include "env/batch_impl.hpp"
+#include "env/checks.hpp"
+
+namespace threewe::env {
+namespace {
+
+void put(const std::array<double, 3>& values, std::span<std::byte> to) {
+  const std::array<float, 3> floats{static_cast<float>(values[0]), static_cast<float>(values[1]),
+                                    static_cast<float>(values[2])};
+  if (!to.empty()) std::memcpy(to.data(), floats.data(), sizeof(floats));
+}
+
+// Every k-th beam.
+void put_scan(std::span<const float> scan, std::span<std::byte> to) {
+  const std::size_t beams = to.size() / sizeof(float);
+  for (std::size_t k = 0; k < beams; ++k) {
+    std::memcpy(&to[k * sizeof(float)], &scan[k * (scan.size() / beams)], sizeof(float));
+  }
+}
+
+}  // namespace
+
+void Batch::Impl::observe(std::size_t world, std::vector<Array>& arrays) {
+  std::array<task::Belief, kMostRobots> beliefs;
+  std::array<std::array<float, sim::kMaxLidarPoints>, kMostRobots> scans;  // NOLINT: what is used is filled
+  for (std::size_t robot = 0; robot < options.robots; ++robot) {
+    beliefs[robot] = belief_of(world, robot, scans[robot]);
+    task->hear(world, beliefs[robot]);
+  }
+  for (std::size_t robot = 0; robot < options.robots; ++robot) {
+    const std::size_t i = row(world, robot);
+    const sim::RobotState& state = states[i];
+    auto array = arrays.begin();
+    const auto next = [&](bool wanted) { return wanted ? (array++)->row(i) : std::span<std::byte>(); };
+    const auto color = next(options.observed.image);
+    const auto depth = next(options.observed.depth);
+    if (!color.empty() || !depth.empty()) {
+      episodes[world].pictures.draw(model_of(world), robot, state, color, depth);
+    }
+    put_scan(beliefs[robot].scan, next(options.observed.lidar));
+    const Pose2D& pose = beliefs[robot].map_from_base;
+    put({pose.x, pose.y, pose.theta}, next(options.observed.pose));
+    const Velocity velocity = agents[i].velocity(agent_model, state);
+    put({velocity.vx, velocity.vy, velocity.omega}, next(options.observed.velocity));
+
+    std::array<std::span<std::byte>, kMostTaskFields> fields;
+    for (std::size_t field = 0; field < task_fields.size(); ++field) fields[field] = next(task_fields[field]);
+    task->observe(world, robot, beliefs[robot], std::span(fields).first(task_fields.size()));
+
+    const std::array<double, 3> truth{state.pose.x, state.pose.y, state.pose.theta};
+    std::ranges::copy(truth, true_poses.begin() + static_cast<std::ptrdiff_t>(3 * i));
+    scan_ages[i] = agents[i].scan_age(state.time());
+  }
+}
+
+task::Belief Batch::Impl::belief_of(std::size_t world, std::size_t robot, std::span<float> scan) const {
+  const std::size_t i = row(world, robot);
+  const Pose2D map_from_start =
+      robot == 0 ? Pose2D{} : inverse(states[row(world)].start) * states[i].start;  // a team knows where it set out
+  task::Belief belief;
+  belief.map_from_base = map_from_start * agents[i].map_from_base(agent_model, states[i]);
+  if (agent_model.profile.lidar) {
+    const LidarSpec& lidar = *agent_model.profile.lidar;
+    scan = scan.first(static_cast<std::size_t>(lidar.beams));
+    agents[i].fill_scan(agent_model, scan);
+    belief.scan = scan;
+    belief.base_from_lidar = lidar.base_from_lidar;
+    belief.range_max = lidar.range_max;
+  }
+  return belief;
+}
+
+}  // namespace threewe::env

@@ -1,0 +1,33 @@
+// The pictures that the robots of one world have taken and not yet looked at.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "threewe/sim/camera.hpp"
+#include "threewe/sim/model.hpp"
+#include "threewe/sim/people.hpp"
+#include "threewe/sim/state.hpp"
+
+namespace threewe::env {
+
+class Pictures {
+ public:
+  /// None are left of the episode before.
+  void begin() { taken_.clear(); }
+  /// After a step of physics: keeps what the cameras see, if they have just taken a picture.
+  void note(const sim::Model& model, std::span<const sim::RobotState> robots, std::span<const sim::PersonState> people);
+  /// Draws the newest picture that has reached a robot: (H, W, 3) BGR and (H, W) float depth, either of which may be
+  /// empty. Zeros before the first.
+  void draw(const sim::Model& model, std::size_t robot, const sim::RobotState& state, std::span<std::byte> color,
+            std::span<std::byte> depth);
+
+ private:
+  struct Taken {
+    Time arrives{};
+    std::vector<sim::Shot> shots;  // of each robot
+  };
+  std::vector<Taken> taken_;  // oldest first
+};
+
+}  // namespace threewe::env

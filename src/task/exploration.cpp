@@ -1,0 +1,250 @@
+#include "threewe/task/exploration.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "task/draws.hpp"
+#include "threewe/core/errors.hpp"
+#include "threewe/core/exact.hpp"
+#include "threewe/scene/coverage.hpp"
+
+namespace threewe::task {
+namespace {
+
+constexpr double kRewardPerArea = 0.2;  // [1/m^2]
+constexpr double kStepCost = 0.01;
+constexpr double kSuccessReward = 10.0;
+constexpr double kContactCost = 0.1;
+constexpr double kContactSpeed = 0.05;  // [m/s]
+constexpr std::size_t kRays = 360;
+
+constexpr int kWindow = 64;        // cells of the coverage map, each way
+constexpr double kMapCell = 0.25;  // [m]
+constexpr double kApart = 1.0;     // [m] between robots that start together, at most 4 m
+constexpr double kTogether = 4.0;
+
+// One bit for each of many cells.
+class Bits {
+ public:
+  void reset(std::size_t count) { words_.assign((count + 63) / 64, 0); }
+  bool get(std::size_t i) const { return (words_[i / 64] >> (i % 64) & 1U) != 0; }
+  void set(std::size_t i) { words_[i / 64] |= std::uint64_t{1} << (i % 64); }
+
+ private:
+  std::vector<std::uint64_t> words_;
+};
+
+// What there is to cover in a scene.
+struct Ground {
+  scene::GridFrame frame;
+  Bits coverable;
+  std::size_t cells = 0;
+  double reach = 0.0;  // [m] that no two places of the scene are farther apart than
+
+  explicit Ground(const scene::SceneTables& tables) {
+    const scene::CellSet set = scene::coverable_cells(tables);
+    frame = set.frame;
+    coverable.reset(frame.size());
+    for (std::size_t i = 0; i < set.cells.size(); ++i) {
+      if (!set.cells[i]) continue;
+      coverable.set(i);
+      ++cells;
+    }
+    reach = distance(tables.scene().min, tables.scene().max);
+  }
+  double area() const { return static_cast<double>(cells) * frame.resolution * frame.resolution; }
+};
+
+// What the robots of a world have seen, as they believe: a square around the start of the first.
+class SeenMap {
+ public:
+  void begin(double reach) {
+    half_ = static_cast<int>(std::ceil(reach / kMapCell)) + kWindow / 2;
+    frame_ = {{-half_ * kMapCell, -half_ * kMapCell}, kMapCell, 2 * half_, 2 * half_};
+    free_.reset(frame_.size());
+    occupied_.reset(frame_.size());
+  }
+
+  void add_scan(const Belief& belief) {
+    const Pose2D map_from_lidar = belief.map_from_base * belief.base_from_lidar;
+    const double increment = 2.0 * exact::kPi / static_cast<double>(belief.scan.size());
+    for (std::size_t i = 0; i < belief.scan.size(); ++i) {
+      const auto range = static_cast<double>(belief.scan[i]);
+      if (range <= 0.0) continue;
+      const double angle = map_from_lidar.theta - exact::kPi + static_cast<double>(i) * increment;
+      const Vec2 direction = rotate({1.0, 0.0}, angle);
+      const double seen = std::min(range, scene::kCoverageRange);
+      const Vec2 end = map_from_lidar.position() + seen * direction;
+      const bool hit = range < belief.range_max && range <= scene::kCoverageRange;
+      scene::walk_line(frame_, map_from_lidar.position(), end, [&](scene::CellIndex cell) {
+        if (frame_.contains(cell)) free_.set(frame_.index(cell));
+        return true;
+      });
+      const scene::CellIndex last = frame_.cell(end);
+      if (hit && frame_.contains(last)) occupied_.set(frame_.index(last));
+    }
+  }
+
+  // The window around a place: row by row from low y.
+  void fill(Vec2 place, std::span<std::byte> window) const {
+    if (window.empty()) return;
+    const auto corner = [&](double at) {
+      return static_cast<int>(std::floor(at / kMapCell + 0.5)) + half_ - kWindow / 2;
+    };
+    const int left = corner(place.x);
+    const int low = corner(place.y);
+    for (int y = 0; y < kWindow; ++y) {
+      for (int x = 0; x < kWindow; ++x) {
+        window[static_cast<std::size_t>(y * kWindow + x)] = static_cast<std::byte>(value({left + x, low + y}));
+      }
+    }
+  }
+
+ private:
+  int value(scene::CellIndex cell) const {
+    if (!frame_.contains(cell)) return 0;
+    const std::size_t i = frame_.index(cell);
+    return occupied_.get(i) ? 255 : free_.get(i) ? 127 : 0;
+  }
+
+  scene::GridFrame frame_;
+  int half_ = 0;
+  Bits free_;
+  Bits occupied_;
+};
+
+// One world's episode.
+struct Survey {
+  std::size_t scene = 0;
+  Bits covered;
+  std::size_t cells = 0;
+  SeenMap seen;
+  std::vector<double> driven;   // [m] by each robot
+  std::vector<double> contact;  // [m/s] of each robot's fastest
+  bool success = false;
+};
+
+class Exploration final : public Task {
+ public:
+  Exploration(const Scenes& scenes, std::size_t worlds, std::size_t robots, const ExplorationOptions& options)
+      : options_(options), scenes_(scenes), robots_(robots), surveys_(worlds) {
+    for (const auto& scene : scenes) grounds_.emplace_back(*scene);
+  }
+
+  std::vector<Field> fields() const override {
+    return {{"coverage_map", Field::Type::uint8, {kWindow, kWindow}, 0.0, 255.0}};
+  }
+  std::vector<std::string> metrics() const override {
+    return {"success", "coverage", "path_length", "collision_speed"};
+  }
+  std::size_t rays() const override { return kRays; }
+
+  void begin(std::size_t world, const EpisodeKey& key, const EpisodeRequest& request,
+             std::span<Pose2D> starts) override;
+  void step(std::size_t world, std::span<const Moment> robots, std::span<Outcome> outcomes) override;
+  void hear(std::size_t world, const Belief& belief) override { surveys_[world].seen.add_scan(belief); }
+  void observe(std::size_t world, std::size_t /*robot*/, const Belief& belief,
+               std::span<const std::span<std::byte>> fields) override {
+    surveys_[world].seen.fill(belief.map_from_base.position(), fields[0]);
+  }
+  void measure(std::size_t world, std::span<double> metrics) const override;
+
+ private:
+  double share(const Survey& survey) const {
+    return static_cast<double>(survey.cells) / static_cast<double>(grounds_[survey.scene].cells);
+  }
+  void cover(const Moment& moment, Survey& survey) const;
+
+  ExplorationOptions options_;
+  Scenes scenes_;
+  std::size_t robots_;
+  std::vector<Ground> grounds_;  // by scene
+  std::vector<Survey> surveys_;  // by world
+};
+
+// The first robot starts anywhere, the others near it.
+void Exploration::begin(std::size_t world, const EpisodeKey& key, const EpisodeRequest& request,
+                        std::span<Pose2D> starts) {
+  constexpr int kTries = 20000;
+  if (request.goal) throw ConfigError("exploration has no goal to be asked for");
+  const scene::SceneTables& tables = *scenes_[key.scene];
+  Draws draws(key, 0);
+  starts[0] = request.start ? *request.start : draws.roomy_pose(tables);
+  int tries = 0;
+  for (std::size_t robot = 1; robot < robots_;) {
+    if (++tries > kTries) {
+      throw ConfigError(fmt::format("scene '{}' has no room for {} robots near ({}, {})", tables.scene().name, robots_,
+                                    starts[0].x, starts[0].y));
+    }
+    starts[robot] = draws.roomy_pose(tables);
+    const auto apart = [&](const Pose2D& other) { return distance(other.position(), starts[robot].position()); };
+    const bool near = apart(starts[0]) <= kTogether;
+    const auto too_near = [&](const Pose2D& other) { return apart(other) < kApart; };
+    if (near && std::ranges::none_of(starts.first(robot), too_near)) ++robot;
+  }
+
+  Survey& survey = surveys_[world];
+  survey.scene = key.scene;
+  survey.covered.reset(grounds_[key.scene].frame.size());
+  survey.cells = 0;
+  survey.seen.begin(grounds_[key.scene].reach);
+  survey.driven.assign(robots_, 0.0);
+  survey.contact.assign(robots_, 0.0);
+  survey.success = false;
+}
+
+void Exploration::step(std::size_t world, std::span<const Moment> robots, std::span<Outcome> outcomes) {
+  Survey& survey = surveys_[world];
+  const double before = share(survey);
+  int contacts = 0;
+  for (std::size_t robot = 0; robot < robots_; ++robot) {
+    cover(robots[robot], survey);
+    survey.driven[robot] = robots[robot].distance_driven;
+    const double contact = robots[robot].max_collision_speed;
+    if (contact > std::max(survey.contact[robot], kContactSpeed)) ++contacts;
+    survey.contact[robot] = contact;
+  }
+  survey.success = share(survey) >= options_.enough;
+  const double gained = kRewardPerArea * grounds_[survey.scene].area() * (share(survey) - before);
+  const double reward = gained - kStepCost + (survey.success ? kSuccessReward : 0.0) - contacts * kContactCost;
+  for (Outcome& outcome : outcomes) outcome = {reward, survey.success};
+}
+
+void Exploration::cover(const Moment& moment, Survey& survey) const {
+  const Ground& ground = grounds_[survey.scene];
+  const Vec2 origin = moment.lidar.position();
+  for (std::size_t i = 0; i < moment.ranges.size(); ++i) {
+    const double angle =
+        moment.lidar.theta + static_cast<double>(i) * (2.0 * exact::kPi / static_cast<double>(moment.ranges.size()));
+    const double range = std::min(static_cast<double>(moment.ranges[i]), scene::kCoverageRange);
+    scene::walk_line(ground.frame, origin, origin + rotate({range, 0.0}, angle), [&](scene::CellIndex cell) {
+      if (!ground.frame.contains(cell)) return true;
+      const std::size_t at = ground.frame.index(cell);
+      if (!ground.coverable.get(at) || survey.covered.get(at)) return true;
+      survey.covered.set(at);
+      ++survey.cells;
+      return true;
+    });
+  }
+}
+
+void Exploration::measure(std::size_t world, std::span<double> metrics) const {
+  const Survey& survey = surveys_[world];
+  double driven = 0.0;
+  for (const double way : survey.driven) driven += way;
+  const std::array<double, 4> values{survey.success ? 1.0 : 0.0, share(survey), driven,
+                                     *std::ranges::max_element(survey.contact)};
+  std::ranges::copy(values, metrics.begin());
+}
+
+}  // namespace
+
+std::unique_ptr<Task> make_exploration(const Scenes& scenes, std::size_t worlds, std::size_t robots,
+                                       const ExplorationOptions& options) {
+  return std::make_unique<Exploration>(scenes, worlds, robots, options);
+}
+
+}  // namespace threewe::task

@@ -1,0 +1,173 @@
+#include "threewe/task/navigation.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstring>
+
+#include <fmt/format.h>
+
+#include "task/draws.hpp"
+#include "threewe/core/errors.hpp"
+#include "threewe/scene/episodes.hpp"
+
+namespace threewe::task {
+namespace {
+
+constexpr double kStepCost = 0.01;
+constexpr double kSuccessReward = 10.0;
+constexpr double kContactCost = 10.0;
+constexpr std::uint64_t kPoolSeed = 0x3e;  // the pools are part of the task
+constexpr double kFarthest = 1000.0;       // [m] a goal can be believed to lie
+
+// One robot's episode.
+struct Trip {
+  std::shared_ptr<const DistanceField> field;
+  Vec2 goal_in_map;
+  double shortest = 0.0;  // [m], from the start
+  double left = 0.0;      // [m] of the shortest path, now
+  double driven = 0.0;    // [m]
+  double contact = 0.0;   // [m/s], the fastest
+  bool success = false;
+};
+
+class Navigation final : public Task {
+ public:
+  Navigation(const Scenes& scenes, std::size_t worlds, std::size_t robots, const NavigationOptions& options)
+      : options_(options), scenes_(scenes), robots_(robots), trips_(worlds * robots) {
+    for (const auto& scene : scenes) pools_.emplace_back(*scene, options.goals, kPoolSeed);
+  }
+
+  std::vector<Field> fields() const override { return {{"goal", Field::Type::float32, {2}, -kFarthest, kFarthest}}; }
+  std::vector<std::string> metrics() const override {
+    return {"success", "spl", "distance_to_goal", "shortest_path", "path_length", "collision_speed"};
+  }
+
+  void begin(std::size_t world, const EpisodeKey& key, const EpisodeRequest& request,
+             std::span<Pose2D> starts) override;
+  void step(std::size_t world, std::span<const Moment> robots, std::span<Outcome> outcomes) override;
+  void observe(std::size_t world, std::size_t robot, const Belief& belief,
+               std::span<const std::span<std::byte>> fields) override;
+  void measure(std::size_t world, std::span<double> metrics) const override;
+
+ private:
+  std::shared_ptr<const DistanceField> choose_trip(const EpisodeKey& key, const EpisodeRequest& request,
+                                                   std::span<Pose2D> starts, std::size_t robot, Draws& draws) const;
+  bool choose_start(const scene::SceneTables& tables, const DistanceField& field, bool detour, std::span<Pose2D> starts,
+                    std::size_t robot, Draws& draws) const;
+  std::shared_ptr<const DistanceField> field_to(std::size_t scene, Vec2 goal) const;
+
+  NavigationOptions options_;
+  Scenes scenes_;
+  std::size_t robots_;
+  std::vector<GoalPool> pools_;  // by scene
+  std::vector<Trip> trips_;      // by world and robot
+};
+
+void Navigation::begin(std::size_t world, const EpisodeKey& key, const EpisodeRequest& request,
+                       std::span<Pose2D> starts) {
+  for (std::size_t robot = 0; robot < robots_; ++robot) {
+    Draws draws(key, robot);
+    const std::shared_ptr<const DistanceField> field = choose_trip(key, request, starts, robot, draws);
+    const double shortest = field->length_from(starts[robot].position());
+    trips_[world * robots_ + robot] = {field, inverse(starts[0]) * field->target(), shortest, shortest};
+  }
+}
+
+// Fills in the start, returns the way to the goal.
+std::shared_ptr<const DistanceField> Navigation::choose_trip(const EpisodeKey& key, const EpisodeRequest& request,
+                                                             std::span<Pose2D> starts, std::size_t robot,
+                                                             Draws& draws) const {
+  constexpr int kGoalTries = 64;  // a goal may have no start at the right distance
+  const bool detour = draws.uniform() < options_.detours;
+  const bool first = robot == 0;
+  for (int i = 0; i < (first && request.goal ? 1 : kGoalTries); ++i) {
+    auto field = first && request.goal ? field_to(key.scene, *request.goal)
+                                       : pools_[key.scene].fields()[draws.index(options_.goals)];
+    if (first && request.start) {
+      starts[0] = *request.start;
+      if (std::isfinite(field->length_from(starts[0].position()))) return field;
+    } else if (choose_start(*scenes_[key.scene], *field, detour, starts, robot, draws)) {
+      return field;
+    }
+  }
+  throw ConfigError(fmt::format("scene '{}' has no such episode: a path of {} to {} m{}{}",
+                                scenes_[key.scene]->scene().name, options_.shortest, options_.longest,
+                                request.start ? fmt::format(" from ({}, {})", request.start->x, request.start->y) : "",
+                                request.goal ? fmt::format(" to ({}, {})", request.goal->x, request.goal->y) : ""));
+}
+
+bool Navigation::choose_start(const scene::SceneTables& tables, const DistanceField& field, bool detour,
+                              std::span<Pose2D> starts, std::size_t robot, Draws& draws) const {
+  constexpr int kTries = 100;  // with, and as many without, the wish for a detour
+  const double apart = 2.0 * tables.footprint().circumscribed_radius() + 0.1;
+  for (int i = 0; i < 2 * kTries; ++i) {
+    const Pose2D start = draws.roomy_pose(tables);
+    const double length = field.length_from(start.position());
+    if (length < options_.shortest || length > options_.longest) continue;
+    const bool is_detour = length > scene::kDetour * distance(start.position(), field.target());
+    if (is_detour != detour && (i < kTries || options_.detours == 0.0)) continue;
+    const auto near = [&](const Pose2D& other) { return distance(other.position(), start.position()) < apart; };
+    if (std::ranges::any_of(starts.first(robot), near)) continue;
+    starts[robot] = start;
+    return true;
+  }
+  return false;
+}
+
+std::shared_ptr<const DistanceField> Navigation::field_to(std::size_t scene, Vec2 goal) const {
+  const auto& fields = pools_[scene].fields();
+  const auto known = std::ranges::find_if(fields, [&](const auto& field) { return field->target() == goal; });
+  return known != fields.end() ? *known : std::make_shared<DistanceField>(*scenes_[scene], goal);
+}
+
+void Navigation::step(std::size_t world, std::span<const Moment> robots, std::span<Outcome> outcomes) {
+  for (std::size_t robot = 0; robot < robots_; ++robot) {
+    Trip& trip = trips_[world * robots_ + robot];
+    const Moment& now = robots[robot];
+    const double length = trip.field->length_from(now.pose.position());
+    const double before = trip.left;
+    if (std::isfinite(length)) trip.left = length;  // squeezed against something it is as far as it was
+    trip.driven = now.distance_driven;
+    trip.contact = now.max_collision_speed;
+
+    const bool failed = trip.contact > options_.contact_speed;
+    trip.success = !failed && trip.left <= options_.success_distance;
+    outcomes[robot].reward =
+        before - trip.left - kStepCost + (trip.success ? kSuccessReward : 0.0) - (failed ? kContactCost : 0.0);
+    outcomes[robot].terminated = trip.success || failed;
+  }
+}
+
+void Navigation::observe(std::size_t world, std::size_t robot, const Belief& belief,
+                         std::span<const std::span<std::byte>> fields) {
+  if (fields[0].empty()) return;
+  const Trip& trip = trips_[world * robots_ + robot];
+  const Vec2 goal = options_.goal_in_map ? trip.goal_in_map : inverse(belief.map_from_base) * trip.goal_in_map;
+  const std::array<float, 2> seen{static_cast<float>(goal.x), static_cast<float>(goal.y)};
+  std::memcpy(fields[0].data(), seen.data(), sizeof(seen));
+}
+
+void Navigation::measure(std::size_t world, std::span<double> metrics) const {
+  const Trip& trip = trips_[world * robots_];
+  const double spl = trip.success ? trip.shortest / std::max(trip.shortest, trip.driven) : 0.0;
+  const std::array<double, 6> values{
+      trip.success ? 1.0 : 0.0, spl, trip.left, trip.shortest, trip.driven, trip.contact};
+  std::ranges::copy(values, metrics.begin());
+}
+
+}  // namespace
+
+GoalPool::GoalPool(const scene::SceneTables& tables, std::size_t goals, std::uint64_t seed) {
+  Draws draws({.seed = seed}, 0);
+  while (fields_.size() < goals) {
+    fields_.push_back(std::make_shared<DistanceField>(tables, draws.roomy_pose(tables).position()));
+  }
+}
+
+std::unique_ptr<Task> make_navigation(const Scenes& scenes, std::size_t worlds, std::size_t robots,
+                                      const NavigationOptions& options) {
+  return std::make_unique<Navigation>(scenes, worlds, robots, options);
+}
+
+}  // namespace threewe::task

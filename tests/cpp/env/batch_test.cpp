@@ -1,0 +1,241 @@
+// Batched environments: the same bits wherever a world stands in a batch, on any number of threads.
+#include "threewe/env/batch.hpp"
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <memory>
+#include <vector>
+
+#include "draw.hpp"
+#include "threewe/core/errors.hpp"
+#include "threewe/scene/generator.hpp"
+#include "threewe/task/exploration.hpp"
+#include "threewe/task/navigation.hpp"
+
+namespace threewe::env {
+namespace {
+
+using Scenes = std::vector<std::shared_ptr<const scene::Scene>>;
+
+const Scenes& rooms() {
+  static const Scenes scenes{std::make_shared<const scene::Scene>(scene::generate(1, {.size = {8.0, 6.0}})),
+                             std::make_shared<const scene::Scene>(scene::generate(2, {.size = {8.0, 6.0}}))};
+  return scenes;
+}
+
+Options navigation(std::size_t worlds, std::size_t robots = 1) {
+  Options options;
+  options.scenes = rooms();
+  options.task = [](const task::Scenes& scenes, std::size_t count, std::size_t each) {
+    return task::make_navigation(scenes, count, each, {.goals = 8});
+  };
+  options.hardware = load_profile("3we_standard_v2");
+  options.worlds = worlds;
+  options.robots = robots;
+  options.max_steps = 25;
+  return options;
+}
+
+Options exploration(std::size_t worlds, std::size_t robots) {
+  Options options = navigation(worlds, robots);
+  options.task = [](const task::Scenes& scenes, std::size_t count, std::size_t each) {
+    return task::make_exploration(scenes, count, each);
+  };
+  return options;
+}
+
+std::vector<Reset> seeded(std::size_t worlds, std::uint64_t first) {
+  std::vector<Reset> resets(worlds);
+  for (std::size_t i = 0; i < worlds; ++i) resets[i].seed = first + i;
+  return resets;
+}
+
+// The actions of a seed, whatever batch it is in.
+std::vector<float> actions_of(std::uint64_t seed, int step, std::size_t robots) {
+  Draw draw(seed * 1000 + static_cast<std::uint64_t>(step / 5));
+  std::vector<float> actions;
+  for (std::size_t i = 0; i < 3 * robots; ++i) actions.push_back(static_cast<float>(draw(-1.3, 1.3)));
+  return actions;
+}
+
+// All that can be seen of one world.
+std::vector<std::byte> seen_of(const Batch& batch, std::size_t world) {
+  std::vector<std::byte> bytes;
+  const auto add = [&](const auto& values, std::size_t per_world) {
+    const auto part = std::as_bytes(values.subspan(world * per_world, per_world));
+    bytes.insert(bytes.end(), part.begin(), part.end());
+  };
+  const std::size_t robots = batch.options().robots;
+  for (const Array& array : batch.observations()) add(std::span<const std::byte>(array.data), robots * array.row_bytes);
+  add(batch.rewards(), robots);
+  add(batch.terminated(), robots);
+  add(batch.truncated(), robots);
+  add(batch.metrics(), batch.metric_names().size());
+  add(batch.true_poses(), 3 * robots);
+  return bytes;
+}
+
+using History = std::vector<std::vector<std::byte>>;  // of each step
+
+// What worlds see, by seed, over some steps.
+std::vector<History> play(Options options, std::uint64_t first_seed, int steps) {
+  const std::size_t worlds = options.worlds;
+  Batch batch(std::move(options));
+  const std::size_t robots = batch.options().robots;
+  batch.reset(seeded(worlds, first_seed));
+  std::vector<History> histories(worlds);
+  for (int step = 0; step <= steps; ++step) {
+    for (std::size_t world = 0; world < worlds; ++world) histories[world].push_back(seen_of(batch, world));
+    std::vector<float> actions;
+    for (std::size_t world = 0; world < worlds; ++world) {
+      const auto mine = actions_of(first_seed + world, step, robots);
+      actions.insert(actions.end(), mine.begin(), mine.end());
+    }
+    batch.step(actions);
+  }
+  return histories;
+}
+
+TEST_CASE("a world is the same alone, anywhere in a batch, on 1, 2 and 4 threads") {
+  constexpr int kSteps = 60;
+  for (const bool explore : {false, true}) {
+    for (const std::size_t robots : {std::size_t{1}, std::size_t{2}}) {
+      CAPTURE(explore);
+      CAPTURE(robots);
+      const auto options = [&](std::size_t worlds, std::size_t threads) {
+        Options made = explore ? exploration(worlds, robots) : navigation(worlds, robots);
+        made.threads = threads;
+        return made;
+      };
+      constexpr std::size_t kWorlds = 70;
+      const auto all = play(options(kWorlds, 1), 100, kSteps);
+      CHECK(play(options(kWorlds, 2), 100, kSteps) == all);
+      CHECK(play(options(kWorlds, 4), 100, kSteps) == all);
+      for (const std::size_t world : {0U, 31U, 32U, 69U}) {
+        CAPTURE(world);
+        CHECK(play(options(1, 1), 100 + world, kSteps)[0] == all[world]);
+      }
+      const auto tail = play(options(7, 1), 150, kSteps);
+      for (std::size_t i = 0; i < 7; ++i) CHECK(tail[i] == all[50 + i]);
+    }
+  }
+}
+
+TEST_CASE("episodes follow one another, are truncated, and can be had again") {
+  Batch batch(navigation(1));
+  batch.reset(seeded(1, 3));
+  std::vector<std::vector<std::byte>> begins{seen_of(batch, 0)};
+  const std::vector<float> still(3);
+  for (int episode = 0; episode < 3; ++episode) {
+    for (int i = 1; i <= 25; ++i) {
+      CHECK(batch.truncated()[0] == 0);
+      batch.step(still);
+      CHECK(batch.truncated()[0] == (i == 25 ? 1 : 0));
+    }
+    CHECK(batch.ended()[0] == 1);
+    batch.step(still);  // begins the next one
+    CHECK(batch.ended()[0] == 0);
+    CHECK(batch.rewards()[0] == 0.0);
+    CHECK(batch.episode(0).episode == static_cast<std::uint32_t>(episode + 1));
+    CHECK(batch.episode(0).steps == 0);
+    begins.push_back(seen_of(batch, 0));
+  }
+  for (std::uint32_t episode = 0; episode < 4; ++episode) {
+    CAPTURE(episode);
+    Reset again{.seed = 3, .episode = episode};
+    batch.reset({&again, 1});
+    CHECK(seen_of(batch, 0) == begins[episode]);
+  }
+}
+
+TEST_CASE("scenes are drawn by the seed, or chosen") {
+  Batch batch(navigation(40));
+  batch.reset(seeded(40, 0));
+  int second = 0;
+  for (std::size_t i = 0; i < 40; ++i) second += batch.episode(i).scene == 1 ? 1 : 0;
+  CHECK(second > 8);
+  CHECK(second < 32);
+  std::vector<Reset> resets = seeded(40, 0);
+  for (Reset& reset : resets) reset.scene = 1;
+  batch.reset(resets);
+  for (std::size_t i = 0; i < 40; ++i) CHECK(batch.episode(i).scene == 1);
+}
+
+TEST_CASE("an action that is none changes nothing") {
+  Batch batch(navigation(2));
+  CHECK_THROWS_AS(batch.step(std::vector<float>(6)), ContractError);
+  CHECK_THROWS_WITH_AS(batch.reset({}), "reset: environment 0 needs a seed for its first episode", ContractError);
+  batch.reset(seeded(2, 0));
+  const auto before = seen_of(batch, 1);
+  std::vector<float> actions(6, 0.5F);
+  actions[4] = std::numeric_limits<float>::quiet_NaN();
+  CHECK_THROWS_WITH_AS(batch.step(actions), "actions must be finite, but actions[1, 1] is nan", ContractError);
+  CHECK_THROWS_AS(batch.step(std::vector<float>(5)), ContractError);
+  CHECK(seen_of(batch, 1) == before);
+  CHECK(batch.episode(0).steps == 0);
+}
+
+TEST_CASE("without autoreset a step after the end is refused, and a mask chooses who begins") {
+  Options options = navigation(3);
+  options.autoreset = Autoreset::disabled;
+  options.max_steps = 2;
+  Batch batch(options);
+  batch.reset(seeded(3, 0));
+  const std::vector<float> still(9);
+  batch.step(still);
+  batch.step(still);
+  CHECK_THROWS_AS(batch.step(still), ContractError);
+  const auto before = seen_of(batch, 1);
+  const bool mask[] = {true, false, true};
+  batch.reset({}, mask);
+  CHECK(batch.episode(0).episode == 1);
+  CHECK(batch.episode(1).episode == 0);
+  CHECK(seen_of(batch, 1) == before);
+}
+
+TEST_CASE("the full gate keeps robots off walls that the limits alone let them touch") {
+  const auto fastest_contact = [](Gate gate) {
+    Options options = navigation(32);
+    options.gate = gate;
+    options.max_steps = 200;
+    Batch batch(options);
+    batch.reset(seeded(32, 0));
+    double fastest = 0.0;
+    for (int step = 0; step < 120; ++step) {
+      std::vector<float> ahead;
+      for (int i = 0; i < 32; ++i) ahead.insert(ahead.end(), {1.0F, 0.0F, 0.1F});
+      batch.step(ahead);
+      const std::size_t contact = 5;
+      for (std::size_t i = 0; i < 32; ++i) fastest = std::max(fastest, batch.metrics()[i * 6 + contact]);
+    }
+    return fastest;
+  };
+  CHECK(fastest_contact(Gate::full) < 0.05);
+  CHECK(fastest_contact(Gate::limits) > 0.3);
+}
+
+TEST_CASE("options that don't fit are refused by name") {
+  const auto refused = [](auto change) {
+    Options options = navigation(1);
+    change(options);
+    try {
+      const Batch batch(options);
+    } catch (const ConfigError& error) {
+      return std::string(error.what());
+    }
+    return std::string("accepted");
+  };
+  CHECK(refused([](Options& o) { o.lidar_beams = 100; }).find("360, 180, 120, 90, 72, 60") != std::string::npos);
+  CHECK(refused([](Options& o) { o.control_period = 30ms; }).find("control_rate") == 0);
+  CHECK(refused([](Options& o) { o.max_steps = 0; }).find("max_steps") == 0);
+  CHECK(refused([](Options& o) { o.observed.depth = true; }).find("observations") == 0);
+  CHECK(refused([](Options& o) { o.hardware = load_profile("3we_base_v2"); }).find("no lidar") != std::string::npos);
+  CHECK(refused([](Options& o) { o.scenes.clear(); }).find("scene") == 0);
+  CHECK(refused([](Options& o) { o.worlds = 0; }).find("num_envs") == 0);
+}
+
+}  // namespace
+}  // namespace threewe::env

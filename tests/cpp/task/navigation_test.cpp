@@ -1,0 +1,129 @@
+// Navigation as a pure function of moments.
+#include "threewe/task/navigation.hpp"
+
+#include <doctest/doctest.h>
+
+#include <array>
+#include <cmath>
+#include <cstring>
+#include <memory>
+#include <set>
+
+#include "threewe/core/errors.hpp"
+
+namespace threewe::task {
+namespace {
+
+const Scenes& office() {
+  static const Scenes scenes{std::make_shared<const scene::SceneTables>(
+      std::make_shared<const scene::Scene>(scene::Scene::load("office_v2")), Footprint::rectangle(0.25, 0.22), 0.15)};
+  return scenes;
+}
+
+struct Alone {
+  std::unique_ptr<Task> task;
+  std::array<Pose2D, 1> start{};
+  explicit Alone(const NavigationOptions& options = {}) : task(make_navigation(office(), 1, 1, options)) {}
+
+  void begin(std::uint32_t episode, const EpisodeRequest& request = {}) {
+    task->begin(0, {.seed = 7, .episode = episode}, request, start);
+  }
+  Outcome step(const Pose2D& pose, double driven, double contact = 0.0) {
+    const Moment moment{.pose = pose, .distance_driven = driven, .max_collision_speed = contact};
+    Outcome outcome;
+    task->step(0, {&moment, 1}, {&outcome, 1});
+    return outcome;
+  }
+  double metric(std::size_t i) const {
+    std::array<double, 6> metrics{};
+    task->measure(0, metrics);
+    return metrics.at(i);
+  }
+  Vec2 goal_in_robot(const Pose2D& map_from_base) {
+    std::array<float, 2> goal{};
+    const std::span<std::byte> bytes = std::as_writable_bytes(std::span(goal));
+    task->observe(0, 0, {.map_from_base = map_from_base}, {&bytes, 1});
+    return {static_cast<double>(goal[0]), static_cast<double>(goal[1])};
+  }
+};
+
+TEST_CASE("episodes keep their bounds, differ, and are the same for the same key") {
+  Alone alone({.goals = 16});
+  Alone again({.goals = 16});
+  std::set<double> starts;
+  int detours = 0;
+  for (std::uint32_t i = 0; i < 300; ++i) {
+    CAPTURE(i);
+    alone.begin(i);
+    again.begin(299 - i);
+    again.begin(i);
+    CHECK(alone.start == again.start);
+    const double shortest = alone.metric(3);
+    CHECK(shortest == again.metric(3));
+    CHECK(shortest >= 2.0);
+    CHECK(shortest <= 15.0);
+    CHECK(office()[0]->clearance(alone.start[0]) >= 0.05);
+    const Vec2 goal = alone.goal_in_robot({});
+    CHECK(shortest ==
+          doctest::Approx(office()[0]->geodesic(alone.start[0].position(), alone.start[0] * goal)).epsilon(0.02));
+    detours += shortest > 1.3 * norm(goal) ? 1 : 0;
+    starts.insert(alone.start[0].x);
+  }
+  CHECK(starts.size() > 200);
+  CHECK(detours > 30);
+  CHECK(detours < 90);
+}
+
+TEST_CASE("rewards add up to the way that was made good") {
+  Alone alone({.goals = 4});
+  alone.begin(0, {.start = Pose2D{0.0, 0.0, 0.0}, .goal = Vec2{2.0, 1.0}});
+  const double whole = alone.metric(3);
+  CHECK(whole == doctest::Approx(std::hypot(2.0, 1.0)).epsilon(0.05));
+  double sum = 0.0;
+  int steps = 0;
+  Outcome last;
+  for (double share = 0.1; !last.terminated; share += 0.1) {
+    last = alone.step({2.0 * share, share, 0.0}, share * whole);
+    sum += last.reward;
+    ++steps;
+  }
+  const double left = alone.metric(2);
+  CHECK(left <= 0.5);
+  CHECK(sum == doctest::Approx(whole - left - 0.01 * steps + 10.0));
+  CHECK(alone.metric(0) == 1.0);
+  CHECK(alone.metric(1) == doctest::Approx(1.0));
+}
+
+TEST_CASE("a contact ends an episode in failure, a gentle one does not") {
+  Alone alone({.goals = 4});
+  alone.begin(0);
+  CHECK_FALSE(alone.step(alone.start[0], 0.0, 0.049).terminated);
+  const Outcome outcome = alone.step(alone.start[0], 0.0, 0.051);
+  CHECK(outcome.terminated);
+  CHECK(outcome.reward == doctest::Approx(-10.01));
+  CHECK(alone.metric(0) == 0.0);
+  CHECK(alone.metric(1) == 0.0);
+}
+
+TEST_CASE("the goal is seen from where the robot believes to be") {
+  Alone alone({.goals = 4});
+  alone.begin(3, {.start = Pose2D{1.0, 0.0, 1.0}, .goal = Vec2{2.0, 1.0}});
+  const Vec2 goal = inverse(Pose2D{1.0, 0.0, 1.0}) * Vec2{2.0, 1.0};
+  CHECK(distance(alone.goal_in_robot({}), goal) < 1e-6);
+  const Pose2D belief{0.3, -0.2, 0.5};
+  CHECK(distance(alone.goal_in_robot(belief), inverse(belief) * goal) < 1e-6);
+
+  Alone in_map({.goals = 4, .goal_in_map = true});
+  in_map.begin(3, {.start = Pose2D{1.0, 0.0, 1.0}, .goal = Vec2{2.0, 1.0}});
+  CHECK(distance(in_map.goal_in_robot(belief), goal) < 1e-6);
+}
+
+TEST_CASE("what can't be is refused") {
+  Alone alone({.goals = 4});
+  CHECK_THROWS_AS(alone.begin(0, {.goal = Vec2{1000.0, 0.0}}), ConfigError);
+  CHECK_THROWS_AS(alone.begin(0, {.start = Pose2D{1000.0, 0.0, 0.0}}), ConfigError);
+  CHECK_THROWS_AS(Alone({.goals = 4, .shortest = 200.0, .longest = 300.0}).begin(0), ConfigError);
+}
+
+}  // namespace
+}  // namespace threewe::task
