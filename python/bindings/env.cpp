@@ -88,7 +88,7 @@ nb::dlpack::dtype dtype_of(task::Field::Type type) {
   return {};
 }
 
-using Arrays = nb::typed<nb::dict, nb::str, nb::ndarray<nb::numpy>>;
+using Arrays = nb::typed<nb::dict, nb::str, nb::any>;
 
 Arrays views(nb::handle owner, std::span<const env::Array> arrays) {
   nb::dict dict;

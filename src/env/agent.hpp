@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "threewe/env/options.hpp"
+#include "threewe/models/lidar.hpp"
 #include "threewe/safety/gate.hpp"
 #include "threewe/sim/model.hpp"
 #include "threewe/sim/state.hpp"
@@ -19,10 +20,10 @@ struct AgentModel {
   RobotProfile profile;
   safety::GateModel gate;
   Localization localization{};
-  Limits limits;                     ///< operating limits; sideways nothing on a differential base
-  double sight = 0.0;                ///< [m], points farther from the lidar than this can't concern the gate
-  std::size_t scans = 0;             ///< that may be under way at once
-  std::vector<std::uint16_t> beams;  ///< that each point of a turn falls into
+  Limits limits;                          ///< operating limits; sideways nothing on a differential base
+  double sight = 0.0;                     ///< [m], points farther from the lidar than this can't concern the gate
+  std::size_t scans = 0;                  ///< that may be under way at once
+  std::vector<models::PointBeams> beams;  ///< that each point of a turn counts for
 };
 AgentModel make_agent_model(const Options& options);
 

@@ -47,26 +47,31 @@ void measure_ranges(const LidarSpec& spec, const RngKey& key, double bias, std::
   }
 }
 
-std::vector<std::uint16_t> beams_of_points(const LidarSpec& spec) {
+std::vector<PointBeams> beams_of_points(const LidarSpec& spec) {
   const auto beams = static_cast<std::size_t>(spec.beams);
   const auto points = static_cast<std::size_t>(spec.points_per_turn);
-  std::vector<std::uint16_t> beam(points);
+  const auto beam = [&](std::size_t i) { return static_cast<std::uint16_t>(spec.clockwise ? beams - 1 - i : i); };
+  std::vector<PointBeams> counts_for(points);
   for (std::size_t k = 0; k < points; ++k) {
-    // point k sits at (k + 1/2) / points of the turn; one on the edge of two beams belongs to the counter-clockwise one
+    // point k sits at (k + 1/2) / points of the turn; one on the edge of two beams counts for both, since to give all
+    // such points to beams on one side would turn what is seen
     const std::size_t place = (2 * k + 1) * beams;
     const std::size_t turn = 2 * points;
-    beam[k] = static_cast<std::uint16_t>(spec.clockwise ? beams - 1 - (place - 1) / turn : place / turn);
+    counts_for[k] = {beam((place - 1) / turn), beam(place / turn)};
   }
-  return beam;
+  return counts_for;
 }
 
-void fill_scan(std::span<const std::uint16_t> beams_of_points, std::span<const float> points, std::span<float> ranges) {
+void fill_scan(std::span<const PointBeams> beams_of_points, std::span<const float> points, std::span<float> ranges) {
   // 0 beams hold no point yet, or only invalid ones; range_max gives way to any return
   std::ranges::fill(ranges, 0.0F);
+  const auto count = [&](std::uint16_t beam, float range) {
+    if (ranges[beam] == 0.0F || range < ranges[beam]) ranges[beam] = range;
+  };
   for (std::size_t k = 0; k < points.size(); ++k) {
-    const float range = points[k];
-    float& beam = ranges[beams_of_points[k]];
-    if (range != 0.0F && (beam == 0.0F || range < beam)) beam = range;
+    if (points[k] == 0.0F) continue;
+    count(beams_of_points[k].first, points[k]);
+    count(beams_of_points[k].second, points[k]);
   }
 }
 

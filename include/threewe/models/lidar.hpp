@@ -31,15 +31,20 @@ double lidar_bias(const LidarSpec& spec, const RngKey& key);
 void measure_ranges(const LidarSpec& spec, const RngKey& key, double bias, std::uint64_t first,
                     std::span<float> ranges);
 
-/// The beam of the scan that each point of a turn falls into, in the order in which points are taken.
-std::vector<std::uint16_t> beams_of_points(const LidarSpec& spec);
+/// The beam or the two beams of a scan that a point of a turn counts for.
+struct PointBeams {
+  std::uint16_t first = 0;
+  std::uint16_t second = 0;  ///< the same, unless the point lies on the edge of two
+};
+/// Those of each point of a turn, in the order in which points are taken.
+std::vector<PointBeams> beams_of_points(const LidarSpec& spec);
 /// Fills in the beams of a scan from the points of a turn: the nearest valid return among the points of each beam,
 /// range_max if only no-returns, 0 if all were invalid.
-void fill_scan(std::span<const std::uint16_t> beams_of_points, std::span<const float> points, std::span<float> ranges);
+void fill_scan(std::span<const PointBeams> beams_of_points, std::span<const float> points, std::span<float> ranges);
 
 /// The scan of one turn that began at `turn_begin`, from its points in the order in which they were taken.
 ///
-/// Beam i stands for the angles within half an increment of its own, see `fill_scan`.
+/// Beam i stands for the angles within half an increment of its own, both edges included, see `fill_scan`.
 LaserScan make_scan(const LidarSpec& spec, std::span<const float> points);
 /// When beam 0 of the scan was measured.
 Time scan_time(const LidarSpec& spec, Time turn_begin);

@@ -2,6 +2,7 @@
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numeric>
 #include <vector>
@@ -18,8 +19,8 @@ LidarSpec perfect(LidarSpec spec) {
   return spec;
 }
 
-// The oracle of the resampling: for each beam, every point whose angle lies within half an increment, the edge between
-// two beams belonging to the counter-clockwise one.
+// The oracle of the resampling: for each beam, every point whose angle lies within half an increment; one on the edge
+// between two beams counts for both.
 std::vector<float> slow_resample(const LidarSpec& spec, const std::vector<float>& points) {
   const ScanPattern pattern = scan_pattern(spec);
   const double increment = 2.0 * M_PI / spec.beams;
@@ -32,7 +33,7 @@ std::vector<float> slow_resample(const LidarSpec& spec, const std::vector<float>
     for (std::size_t k = 0; k < points.size(); ++k) {
       const double apart =
           std::remainder(pattern.first_angle + static_cast<double>(k) * pattern.angle_step - angle, 2.0 * M_PI);
-      if (apart < -0.5 * increment - 1e-9 || apart >= 0.5 * increment - 1e-9 || points[k] == 0.0F) continue;
+      if (std::fabs(apart) > 0.5 * increment + 1e-9 || points[k] == 0.0F) continue;
       if (points[k] >= static_cast<float>(spec.range_max)) {
         any_far = true;
       } else if (!any_return || points[k] < nearest) {
@@ -93,6 +94,21 @@ TEST_CASE("resampling, for other devices too") {
       // at least one point falls into each beam
       for (const float range : scan.ranges) CHECK(range > 0.0F);
     }
+  }
+}
+
+TEST_CASE("resampling turns nothing: a place and its mirror image are seen as mirror images") {
+  for (const auto& [points_per_turn, beams] : {std::pair{450, 360}, {360, 360}, {500, 72}, {7, 5}}) {
+    CAPTURE(points_per_turn);
+    LidarSpec spec = ld06();
+    spec.points_per_turn = points_per_turn;
+    spec.beams = beams;
+    std::vector<float> points;
+    for (int k = 0; k < points_per_turn; ++k) points.push_back(1.0F + 0.01F * static_cast<float>((k * 37) % 101));
+    std::vector<float> seen = make_scan(spec, points).ranges;
+    std::ranges::reverse(points);
+    std::ranges::reverse(seen);
+    CHECK(make_scan(spec, points).ranges == seen);
   }
 }
 
