@@ -1,4 +1,4 @@
-"""python -m verify [area ...] [--sample] [--count N] [--seed N]: runs areas, or lists them."""
+"""python -m verify [area ...] [--sample] [--count N] [--seed N] [--write-model]: runs areas, or lists them."""
 
 import argparse
 import importlib
@@ -18,6 +18,7 @@ def main() -> int:
     parser.add_argument("--sample", action="store_true", help="a few cases of each experiment")
     parser.add_argument("--count", type=int, help="so many cases of each experiment")
     parser.add_argument("--seed", type=int, help="draws the cases; by default from the commit")
+    parser.add_argument("--write-model", action="store_true", help="slam: write the localisation model measured")
     options = parser.parse_args()
     if unknown := set(options.areas) - set(AREAS):
         parser.error(f"no area {', '.join(unknown)}; there are {', '.join(AREAS)}")
@@ -29,7 +30,14 @@ def main() -> int:
     statuses = []
     for area in options.areas or AREAS:
         experiments = importlib.import_module(f"verify.{area}").EXPERIMENTS
-        statuses += verify(area, experiments, seed=options.seed, count=options.count, sample=options.sample)
+        statuses += verify(
+            area,
+            experiments,
+            seed=options.seed,
+            count=options.count,
+            sample=options.sample,
+            write_model=options.write_model,
+        )
     passed, failed, hidden = (statuses.count(status) for status in ("pass", "FAIL", "not shown"))
     print(f"\nverify: {passed} passed, {failed} failed" + (f", {hidden} skipped" if hidden else ""))
     return int(failed > 0)

@@ -53,6 +53,7 @@ class Experiment:
     rows: list[Row] = field(default_factory=list)
     alone: bool = False  # one case at a time, for those that measure time
     limit: float = 900.0  # [s] of wall time, after which a case counts as hanging
+    learn: Callable[[list[Case], str, int], None] | None = None  # with --write-model: from cases, commit and seed
 
     def seeds(self, seed: int, count: int) -> Iterator[int]:
         """The seeds of its first cases: the same whatever else runs."""
@@ -133,8 +134,16 @@ def wilson(hits: int, count: int, z: float = 1.959964) -> tuple[float, float]:
     return (low if hits > 0 else 0.0), (high if hits < count else 1.0)  # exact at the ends, where rounding is not
 
 
-def verify(area: str, experiments: list[Experiment], *, seed: int | None, count: int | None, sample: bool) -> list[str]:
-    """Runs an area's experiments and prints its rows; the status of each."""
+def verify(
+    area: str,
+    experiments: list[Experiment],
+    *,
+    seed: int | None = None,
+    count: int | None = None,
+    sample: bool = False,
+    write_model: bool = False,
+) -> list[str]:
+    """Runs an area's experiments, writes a model where one is learned, and prints the rows; the status of each."""
     commit, default_seed = revision()
     seed = default_seed if seed is None else seed
     print(f"\nverify {area}: commit {commit}, seed {seed}", flush=True)
@@ -144,6 +153,8 @@ def verify(area: str, experiments: list[Experiment], *, seed: int | None, count:
         cases = run_cases(experiment, seed, count or (experiment.sample if sample else experiment.cases), journal)
         if not cases:  # too long for a sample
             continue
+        if write_model and experiment.learn:
+            experiment.learn(cases, commit, seed)
         shown = [case for case in cases if "not_shown" not in case]
         for row in experiment.rows:
             verdict = row.judge(shown, sample) if shown else Verdict(cases[0]["not_shown"], "", "not shown")

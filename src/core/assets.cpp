@@ -35,8 +35,8 @@ void check_directory(const fs::path& directory, std::string_view origin) {
   std::error_code unusable;
   if (!fs::is_directory(directory, unusable)) fail("is not a folder");
   const auto holds = [&](std::string_view kind) { return fs::is_directory(directory / kind, unusable); };
-  if (!holds("scenes") && !holds("objects") && !holds("robots")) {
-    fail("has no folder 'scenes', 'objects' or 'robots' in it");
+  if (!holds("scenes") && !holds("objects") && !holds("robots") && !holds("localization")) {
+    fail("has no folder 'scenes', 'objects', 'robots' or 'localization' in it");
   }
 }
 
@@ -51,7 +51,7 @@ fs::path installed_directory() {
 }
 
 // "scenes" -> "scene", for messages
-std::string_view singular(std::string_view kind) { return kind.substr(0, kind.size() - 1); }
+std::string_view singular(std::string_view kind) { return kind.substr(0, kind.size() - (kind.ends_with('s') ? 1 : 0)); }
 
 // A file that is there, and yet not found, would be a riddle.
 void refuse_yml(std::string_view kind, std::string_view name) {

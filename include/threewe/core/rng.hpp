@@ -19,6 +19,7 @@ enum class Stream : std::uint32_t {
   people,
   scene,
   sampler,
+  localization,
 };
 
 /// Names one sequence of random numbers.

@@ -1,0 +1,31 @@
+"""How well our SLAM localises in places it has never seen, and whether the model that environments use is like it."""
+
+from verify.cases.localization import (
+    MODEL,
+    SCENES,
+    agrees,
+    close_all_the_way,
+    drives,
+    errors_in,
+    of_drives,
+    write_model,
+)
+from verify.harness import Experiment, all_of, share_of, worst_of
+
+EXPERIMENTS = [
+    Experiment(
+        "localising",
+        drives,
+        cases=50,
+        sample=2,
+        rows=[
+            *(errors_in(scene, position=0.10, heading=0.010) for scene in SCENES),
+            of_drives(share_of("drives within 0.10 m from beginning to end", close_all_the_way, at_least=0.95)),
+            of_drives(all_of("drives in which it is never lost", lambda drive: drive["lost"] == 0)),
+            of_drives(worst_of("between corrections [s]", lambda drive: drive["period"], at_most=0.1001)),
+            of_drives(worst_of("from a scan's end to its correction [s]", lambda drive: drive["delay"], at_most=0.021)),
+            *agrees(MODEL, spread=0.30, correlation=0.15),
+        ],
+        learn=write_model,
+    )
+]
