@@ -151,10 +151,10 @@ void bind_batch(nb::module_& m) {
           "__init__",
           [](Batch* self, const std::string& task, const std::vector<std::shared_ptr<scene::Scene>>& scenes,
              const RobotProfile& hardware, const std::string& noise, const std::vector<std::string>& observations,
-             int lidar_beams, std::pair<int, int> image_size, const std::string& localization, const std::string& gate,
-             int max_steps, double control_period, std::size_t num_envs, std::size_t num_robots,
-             std::size_t num_threads, const std::string& autoreset, const std::string& episodes,
-             const std::string& goal_frame) {
+             int lidar_beams, std::pair<int, int> image_size, const std::string& localization,
+             const std::string& localization_model, const std::string& gate, int max_steps, double control_period,
+             std::size_t num_envs, std::size_t num_robots, std::size_t num_threads, const std::string& autoreset,
+             const std::string& episodes, const std::string& goal_frame) {
             env::Options options;
             options.scenes.assign(scenes.begin(), scenes.end());
             const bool goal_in_map = chosen<bool>("goal_frame", goal_frame, {{"robot", false}, {"map", true}});
@@ -167,6 +167,9 @@ void bind_batch(nb::module_& m) {
                                                              {{"noisy", env::Localization::noisy},
                                                               {"odometry", env::Localization::odometry},
                                                               {"truth", env::Localization::truth}});
+            if (options.localization == env::Localization::noisy) {
+              options.localization_model = models::load_localization(localization_model);
+            }
             options.gate = chosen<env::Gate>("gate", gate, {{"full", env::Gate::full}, {"limits", env::Gate::limits}});
             options.max_steps = max_steps;
             options.control_period = seconds("control_period", control_period);
@@ -181,8 +184,8 @@ void bind_batch(nb::module_& m) {
             new (self) Batch(std::move(options));
           },
           nb::kw_only(), "task"_a, "scenes"_a, "hardware"_a, "noise"_a, "observations"_a, "lidar_beams"_a,
-          "image_size"_a, "localization"_a, "gate"_a, "max_steps"_a, "control_period"_a, "num_envs"_a, "num_robots"_a,
-          "num_threads"_a, "autoreset"_a, "episodes"_a, "goal_frame"_a)
+          "image_size"_a, "localization"_a, "localization_model"_a, "gate"_a, "max_steps"_a, "control_period"_a,
+          "num_envs"_a, "num_robots"_a, "num_threads"_a, "autoreset"_a, "episodes"_a, "goal_frame"_a)
       .def_prop_ro(
           "fields",
           [](const Batch& batch) {

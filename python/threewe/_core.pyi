@@ -5,7 +5,7 @@ The C++ core of 3we. Use it through `threewe`, which adds what Python can do bet
 from collections.abc import Callable, Iterator, Sequence
 import enum
 import pathlib
-from typing import Annotated
+from typing import Annotated, Any
 
 import numpy
 from numpy.typing import NDArray
@@ -1546,7 +1546,7 @@ class EnvBatch:
     Many environments at once. Arrays are views of C++ memory, one row for each robot, which every call of `reset` and `step` overwrites.
     """
 
-    def __init__(self, *, task: str, scenes: Sequence[Scene], hardware: RobotProfile, noise: str, observations: Sequence[str], lidar_beams: int, image_size: tuple[int, int], localization: str, gate: str, max_steps: int, control_period: float, num_envs: int, num_robots: int, num_threads: int, autoreset: str, episodes: str, goal_frame: str) -> None: ...
+    def __init__(self, *, task: str, scenes: Sequence[Scene], hardware: RobotProfile, noise: str, observations: Sequence[str], lidar_beams: int, image_size: tuple[int, int], localization: str, localization_model: str, gate: str, max_steps: int, control_period: float, num_envs: int, num_robots: int, num_threads: int, autoreset: str, episodes: str, goal_frame: str) -> None: ...
 
     @property
     def fields(self) -> list[ObservationField]:
@@ -1557,10 +1557,10 @@ class EnvBatch:
     def step(self, actions: Annotated[NDArray[numpy.float32], dict(shape=(None, 3), order='C', device='cpu', writable=False)]) -> None: ...
 
     @property
-    def observations(self) -> dict[str, NDArray]: ...
+    def observations(self) -> dict[str, Any]: ...
 
     @property
-    def final_observations(self) -> dict[str, NDArray]: ...
+    def final_observations(self) -> dict[str, Any]: ...
 
     @property
     def rewards(self) -> Annotated[NDArray[numpy.float64], dict(shape=(None,))]: ...

@@ -23,6 +23,7 @@ AgentModel make_agent_model(const Options& options) {
   model.profile = options.hardware;
   model.gate = safety::make_gate_model(model.profile);
   model.localization = options.localization;
+  model.localization_model = options.localization_model;
   model.limits = model.profile.operating_limits;
   model.gate.collision_monitor = options.gate == Gate::full;
   if (model.profile.lidar) {
@@ -37,6 +38,7 @@ AgentModel make_agent_model(const Options& options) {
 
 void Agent::begin(const AgentModel& model) {
   gate_ = {};
+  localization_ = {};
   scans_.resize(model.scans);
   taken_ = arrived_ = 0;
   newest_.reset();
@@ -64,7 +66,13 @@ void Agent::end_turn(const AgentModel& model, const sim::RobotModel& robot, cons
   scan.points.assign(points.begin(), points.end());
 }
 
-void Agent::perceive(const AgentModel& model, Time now) {
+void Agent::perceive(const AgentModel& model, const sim::RobotState& state, Time now) {
+  const Duration period = model.localization_model.period;
+  if (model.localization == Localization::noisy && now % period == Time::zero()) {
+    models::correct_localization(model.localization_model, state.key(Stream::localization),
+                                 static_cast<std::uint64_t>(now / period), inverse(state.start) * state.pose,
+                                 odom_from_base(model, state), localization_);
+  }
   for (; arrived_ < taken_ && scans_[arrived_ % scans_.size()].arrives <= now; ++arrived_) {
     newest_ = arrived_ % scans_.size();
     gate_.last_scan = now;
@@ -86,7 +94,8 @@ Pose2D Agent::odom_from_base(const AgentModel& model, const sim::RobotState& sta
 }
 
 Pose2D Agent::map_from_base(const AgentModel& model, const sim::RobotState& state) const {
-  return odom_from_base(model, state);
+  const Pose2D odom = odom_from_base(model, state);
+  return model.localization == Localization::noisy ? models::localized_pose(localization_, odom) : odom;
 }
 
 Velocity Agent::velocity(const AgentModel& model, const sim::RobotState& state) const {

@@ -9,6 +9,7 @@
 
 #include "threewe/env/options.hpp"
 #include "threewe/models/lidar.hpp"
+#include "threewe/models/localization.hpp"
 #include "threewe/safety/gate.hpp"
 #include "threewe/sim/model.hpp"
 #include "threewe/sim/state.hpp"
@@ -20,6 +21,7 @@ struct AgentModel {
   RobotProfile profile;
   safety::GateModel gate;
   Localization localization{};
+  models::LocalizationSpec localization_model;
   Limits limits;                          ///< operating limits; sideways nothing on a differential base
   double sight = 0.0;                     ///< [m], points farther from the lidar than this can't concern the gate
   std::size_t scans = 0;                  ///< that may be under way at once
@@ -46,7 +48,7 @@ class Agent {
   /// After a step of physics that ended a turn of the lidar, which worked all the time if its scan is `whole`.
   void end_turn(const AgentModel& model, const sim::RobotModel& robot, const sim::RobotState& state, bool whole);
   /// At the end of a control period: what has arrived.
-  void perceive(const AgentModel& model, Time now);
+  void perceive(const AgentModel& model, const sim::RobotState& state, Time now);
 
   /// Where the robot believes to be, from where it started.
   Pose2D map_from_base(const AgentModel& model, const sim::RobotState& state) const;
@@ -60,6 +62,7 @@ class Agent {
   Pose2D odom_from_base(const AgentModel& model, const sim::RobotState& state) const;
 
   safety::GateState gate_;
+  models::LocalizationState localization_;
   std::vector<Scan> scans_;  // a ring
   std::size_t taken_ = 0;    // scans so far
   std::size_t arrived_ = 0;

@@ -42,6 +42,9 @@ Options checked(Options options) {
   require(options.control_period > Duration::zero() && options.control_period % kControlPeriod == Duration::zero(),
           fmt::format("control_rate: 50 Hz over a whole number, such as 50, 25, 10 or 5; got {:.6g}",
                       1.0 / to_seconds(options.control_period)));
+  require(options.localization_model.period % kControlPeriod == Duration::zero(),
+          fmt::format("localization: corrections every {} s do not fit control periods of {} s",
+                      to_seconds(options.localization_model.period), to_seconds(kControlPeriod)));
   check_lidar(options);
   if (options.observed.image || options.observed.depth) {
     require(robot.camera.has_value(), fmt::format("observations: '{}' has no camera", robot.name));

@@ -64,7 +64,8 @@ void Batch::Impl::advance(Worlds worlds, std::uint64_t steps) {
     }
     for (std::uint64_t i = 0; i < kStepsPerTick; ++i) step_physics(worlds);
     for (const std::size_t world : worlds) {
-      for (std::size_t i = row(world); i < row(world + 1); ++i) agents[i].perceive(agent_model, states[i].time());
+      for (std::size_t i = row(world); i < row(world + 1); ++i)
+        agents[i].perceive(agent_model, states[i], states[i].time());
     }
   }
 }

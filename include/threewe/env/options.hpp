@@ -11,6 +11,7 @@
 
 #include "threewe/core/time.hpp"
 #include "threewe/hardware/profile.hpp"
+#include "threewe/models/localization.hpp"
 #include "threewe/scene/scene.hpp"
 #include "threewe/task/task.hpp"
 
@@ -59,7 +60,8 @@ struct Options {
   int lidar_beams = 0;    ///< every k-th of the profile's; 0 = all
   int image_width = 64;   ///< [px] of the profile's view, with its horizontal field of view and square pixels
   int image_height = 64;  ///< [px]
-  Localization localization = Localization::truth;
+  Localization localization = Localization::noisy;
+  models::LocalizationSpec localization_model;  ///< of `Localization::noisy`
   Gate gate = Gate::full;
   int max_steps = 500;              ///< an episode is truncated after so many
   Duration control_period = 100ms;  ///< of one step; a whole number of control periods of the robot

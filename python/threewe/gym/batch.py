@@ -35,7 +35,9 @@ class EnvOptions(TypedDict, total=False):
     - `difficulty`, `num_scenes`, `scene_seed`: of procedural scenes, 0 to 1; how many; the first one's seed.
     - `hardware`: a robot profile, or a file.
     - `noise`: `"realistic"` or `"ideal"`.
-    - `localization`: where `pose`, `velocity` and goals in the robot's frame come from: `"odometry"`, `"truth"`.
+    - `localization`: where `pose`, `velocity` and goals in the robot's frame come from: `"noisy"`: wheel odometry
+      between corrections that are off as those of our own SLAM are; `"odometry"`: the wheels alone; `"truth"`.
+    - `localization_model`: of `"noisy"`, or a file: see assets/localization.
     - `gate`: `"full"`, as in `Robot`; `"limits"` without the collision monitor.
     - `max_steps`: an episode is truncated after so many.
     - `control_rate`: steps a second: 50 over a whole number.
@@ -53,6 +55,7 @@ class EnvOptions(TypedDict, total=False):
     hardware: str
     noise: str
     localization: str
+    localization_model: str
     gate: str
     max_steps: int
     control_rate: float
@@ -70,7 +73,8 @@ DEFAULTS = EnvOptions(
     scene_seed=0,
     hardware="3we_standard_v2",
     noise="realistic",
-    localization="truth",
+    localization="noisy",
+    localization_model="slam_v1",
     gate="full",
     max_steps=500,
     control_rate=10.0,
@@ -140,6 +144,7 @@ def make_batch(task: str, *, num_envs: int, num_robots: int, num_threads: int, a
         lidar_beams=options["lidar_beams"] or 0,
         image_size=options["image_size"],
         localization=as_text("localization", options["localization"]),
+        localization_model=as_asset("localization_model", options["localization_model"]),
         gate=as_text("gate", options["gate"]),
         max_steps=options["max_steps"],
         control_period=round(1e9 / control_rate) * 1e-9,
