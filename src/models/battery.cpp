@@ -4,9 +4,9 @@
 
 namespace threewe::models {
 
-BatteryState start_battery(const BatterySpec& spec) {
+BatteryState start_battery(const BatterySpec& spec, double charge) {
   BatteryState state;
-  state.charge = 1.0;
+  state.charge = charge;
   state.voltage = spec.voltage_full;
   for (int i = 0; i < 20; ++i) drain_battery(spec, 0.0, 0.0, state);
   return state;

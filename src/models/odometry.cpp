@@ -12,7 +12,7 @@ double encoder_angle(int ticks_per_turn, double angle) {
 
 }  // namespace
 
-WheelErrors draw_wheel_errors(const OdometrySpec& spec, const RngKey& key) {
+WheelErrors draw_wheel_errors(const OdometrySpec& spec, const RngKey& key, double slip) {
   RngKey episode = key;
   episode.stream = Stream::episode;
   const auto draw = static_cast<std::uint64_t>(Stream::odometry);
@@ -21,6 +21,11 @@ WheelErrors draw_wheel_errors(const OdometrySpec& spec, const RngKey& key) {
     errors.scale[wheel] = 1.0 + uniform(episode, draw, wheel, -spec.wheel_scale, spec.wheel_scale);
   }
   errors.lateral = uniform(episode, draw, 4, spec.lateral_scale_min, spec.lateral_scale_max);
+
+  // written so that a factor of one changes no bit
+  const auto stretch = [slip](double& share) { share += (slip - 1.0) * (share - 1.0); };
+  for (double& scale : errors.scale) stretch(scale);
+  stretch(errors.lateral);
   return errors;
 }
 

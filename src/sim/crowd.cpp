@@ -81,15 +81,18 @@ std::vector<Contact> find_contacts(std::span<const Mover> movers, double seconds
   return contacts;
 }
 
-void push(const RigidBody& body, Vec2 arm, Vec2 impulse, Twist& twist) {
-  twist.linear = twist.linear + (1.0 / body.mass) * impulse;
-  twist.angular += cross(arm, impulse) / body.inertia;
+double mass_of(const Mover& mover) { return mover.mass * mover.body->mass; }
+double inertia_of(const Mover& mover) { return mover.mass * mover.body->inertia; }
+
+void push(const Mover& mover, Vec2 arm, Vec2 impulse, Twist& twist) {
+  twist.linear = twist.linear + (1.0 / mass_of(mover)) * impulse;
+  twist.angular += cross(arm, impulse) / inertia_of(mover);
 }
 
 // The inverse of the mass that a contact moves.
-double mobility(const RigidBody& body, Vec2 arm, Vec2 normal) {
+double mobility(const Mover& mover, Vec2 arm, Vec2 normal) {
   const double lever = cross(arm, normal);
-  return 1.0 / body.mass + lever * lever / body.inertia;
+  return 1.0 / mass_of(mover) + lever * lever / inertia_of(mover);
 }
 
 // Projected Jacobi: every contact looks at the same velocities, so that their order does not matter; each changes a
@@ -100,7 +103,7 @@ void resolve(std::span<const Mover> movers, std::vector<Contact>& contacts, std:
   for (int sweep = 0; sweep < kMaxSweeps; ++sweep) {
     const auto wanted = [&](const Contact& c) {
       const double inertia =
-          1.0 / (mobility(*movers[c.a].body, c.arm_a, c.normal) + mobility(*movers[c.b].body, c.arm_b, c.normal));
+          1.0 / (mobility(movers[c.a], c.arm_a, c.normal) + mobility(movers[c.b], c.arm_b, c.normal));
       return std::max(c.impulse + inertia * (std::min(c.slowest, 0.0) - c.parting(twists)), 0.0) - c.impulse;
     };
     double largest = 0.0;
@@ -109,7 +112,7 @@ void resolve(std::span<const Mover> movers, std::vector<Contact>& contacts, std:
     for (const Contact& c : contacts) {
       changes.push_back(wanted(c));
       if (changes.back() != 0.0 || c.impulse > 0.0) ++active[c.a], ++active[c.b];
-      largest = std::max(largest, std::fabs(changes.back()) / std::min(movers[c.a].body->mass, movers[c.b].body->mass));
+      largest = std::max(largest, std::fabs(changes.back()) / std::min(mass_of(movers[c.a]), mass_of(movers[c.b])));
     }
     if (largest < kConverged) return;
     for (std::size_t i = 0; i < contacts.size(); ++i) {
@@ -117,8 +120,8 @@ void resolve(std::span<const Mover> movers, std::vector<Contact>& contacts, std:
       if (changes[i] == 0.0) continue;
       const double change = changes[i] / std::max(active[c.a], active[c.b]);
       c.impulse += change;
-      push(*movers[c.a].body, c.arm_a, change * c.normal, twists[c.a]);
-      push(*movers[c.b].body, c.arm_b, -change * c.normal, twists[c.b]);
+      push(movers[c.a], c.arm_a, change * c.normal, twists[c.a]);
+      push(movers[c.b], c.arm_b, -change * c.normal, twists[c.b]);
     }
   }
 }

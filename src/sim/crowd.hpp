@@ -16,6 +16,7 @@ struct Mover {
   Velocity carried;             ///< body frame, before its own drive pushed it
   Velocity velocity;            ///< body frame, that it would move at if it were alone
   double approach_speed = 0.0;  ///< [m/s] with which its own motion met another body in this step; 0 at rest
+  double mass = 1.0;            ///< factor of the body's mass and inertia
 };
 
 /// Gives each body the velocity that it leaves contact with in the next `seconds`: inelastic and frictionless impacts,

@@ -25,7 +25,7 @@ struct Before {
 
 // The command that arrives now is the one sent a latency ago; the firmware takes it within the hardware limits.
 Velocity deliver_command(const RobotModel& robot, RobotState& state, const Velocity& sent) {
-  state.commands[(state.steps + static_cast<std::uint64_t>(robot.command_latency)) % kMaxLatencySteps] = sent;
+  state.commands[(state.steps + state.command_latency) % kMaxLatencySteps] = sent;
   return within_limits(robot.drive.limits, state.commands[state.steps % kMaxLatencySteps]);
 }
 
@@ -46,8 +46,9 @@ double floor_grip(const Model& model, const RobotModel& robot, const Pose2D& pos
 Before drive_robot(const Model& model, const RobotModel& robot, RobotState& state, const Velocity& sent) {
   const models::Drive& drive = robot.drive;
   const Velocity command = deliver_command(robot, state, sent);
-  state.wheel_speeds = models::drive_motors(drive, state.wheel_speeds, wheel_speeds(drive.wheels, command),
-                                            battery_supply(robot, state));
+  state.wheel_speeds = models::drive_motors(
+      drive, state.traction, state.wheel_speeds, wheel_speeds(drive.wheels, command), battery_supply(robot, state),
+      models::motor_shares(state.traction, state.key(Stream::motor), state.steps));
   for (std::size_t i = 0; i < 4; ++i) state.wheel_angles[i] += kSeconds * state.wheel_speeds[i];
 
   // momentum keeps its direction while the body turns beneath it
@@ -55,10 +56,12 @@ Before drive_robot(const Model& model, const RobotModel& robot, RobotState& stat
   Before before{state.pose, {linear.x, linear.y, state.velocity.omega}, {}};
   Velocity rolling = body_velocity(drive.wheels, state.wheel_speeds);
   rolling.vy *= state.wheel_errors.lateral;
-  before.driven = models::grip(drive, before.carried, rolling, floor_grip(model, robot, state.pose));
+  before.driven = models::grip(drive, state.traction, before.carried, rolling, floor_grip(model, robot, state.pose));
   if (robot.profile.battery) {
-    const double power = models::drive_power(drive, before.carried, before.driven, rolling);
-    models::drain_battery(*robot.profile.battery, power, kSeconds, state.battery);
+    const double power = models::drive_power(drive, state.traction, before.carried, before.driven, rolling);
+    BatterySpec spec = *robot.profile.battery;
+    spec.resistance = state.battery_resistance;
+    models::drain_battery(spec, power, kSeconds, state.battery);
   }
   return before;
 }
@@ -172,7 +175,8 @@ void step_crowd(const World& crowd) {
   std::vector<Mover> movers;
   for (std::size_t i = 0; i < world.size(); ++i) {
     before.push_back(drive_robot(model, model.robots[i], world[i], commands[i]));
-    movers.push_back({&model.robots[i].body, before[i].pose, before[i].carried, before[i].driven, 0.0});
+    movers.push_back(
+        {&model.robots[i].body, before[i].pose, before[i].carried, before[i].driven, 0.0, world[i].variation.mass});
   }
   exchange_momentum(movers, kSeconds);
 
@@ -195,6 +199,12 @@ void step_crowd(const World& crowd) {
   }
 }
 
+// [steps]; what a state has no room for is cut off.
+std::uint64_t varied_latency(int steps, double factor) {
+  const double varied = std::floor(factor * steps + 0.5);
+  return static_cast<std::uint64_t>(std::clamp(varied, 0.0, kMaxLatencySteps - 1.0));
+}
+
 bool is_due(int period, const RobotState& state) {
   return period > 0 && state.steps > 0 && state.steps % static_cast<std::uint64_t>(period) == 0;
 }
@@ -203,16 +213,24 @@ bool is_due(int period, const RobotState& state) {
 
 RobotState begin(const Model& model, std::size_t robot, const Pose2D& pose, std::uint64_t seed, std::uint32_t episode,
                  const models::Variation& variation) {
-  const RobotProfile& profile = model.robots[robot].profile;
+  const RobotModel& made = model.robots[robot];
+  const RobotProfile& profile = made.profile;
   RobotState state;
   state.seed = seed;
   state.episode = episode;
   state.robot = static_cast<std::uint32_t>(robot);
-  state.variation = variation;
   state.start = pose;
   state.pose = pose;
-  state.wheel_errors = models::draw_wheel_errors(profile.odometry, state.key(Stream::odometry));
-  if (profile.battery) state.battery = models::start_battery(*profile.battery);
+  state.variation = variation;
+  state.traction = models::make_traction(profile, kStep, variation);
+  state.command_latency = varied_latency(made.command_latency, variation.command_latency);
+  state.wheel_errors =
+      models::draw_wheel_errors(profile.odometry, state.key(Stream::odometry), variation.odometry_slip);
+  if (profile.battery) {
+    BatterySpec battery = *profile.battery;
+    battery.resistance = state.battery_resistance = variation.battery_resistance * battery.resistance;
+    state.battery = models::start_battery(battery, variation.battery_charge);
+  }
   if (profile.imu) state.imu_state = models::start_imu(*profile.imu, state.key(Stream::imu));
   if (profile.lidar) state.lidar_bias = models::lidar_bias(*profile.lidar, state.key(Stream::lidar));
   return state;

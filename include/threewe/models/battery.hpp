@@ -6,8 +6,8 @@
 
 namespace threewe::models {
 
-/// A full battery under its idle load.
-BatteryState start_battery(const BatterySpec& spec);
+/// A battery under its idle load, by default a full one.
+BatteryState start_battery(const BatterySpec& spec, double charge = 1.0);
 /// Draws the idle power and what the drive takes to give `drive_power` [W] of mechanical power, for `seconds`. What the
 /// current loses in the battery's own resistance is drawn from its charge, too. A drive that brakes gives nothing back.
 void drain_battery(const BatterySpec& spec, double drive_power, double seconds, BatteryState& state);

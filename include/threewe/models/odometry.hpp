@@ -15,7 +15,8 @@ struct WheelErrors {
   std::array<double, 4> scale{1.0, 1.0, 1.0, 1.0};  ///< assumed radius over true radius of each wheel
   double lateral = 1.0;                             ///< of what the wheels roll sideways, the share that the body moves
 };
-WheelErrors draw_wheel_errors(const OdometrySpec& spec, const RngKey& key);
+/// `slip` is a factor of how far all of them are from nominal.
+WheelErrors draw_wheel_errors(const OdometrySpec& spec, const RngKey& key, double slip = 1.0);
 
 /// What an odometer carries from sample to sample. Plain data.
 struct OdometryState {

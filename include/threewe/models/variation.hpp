@@ -32,7 +32,7 @@ struct Variation {
   double exposure = 1.0;      ///< factor of what the camera makes of it
   double color_jitter = 0.0;  ///< standard deviation of each colour channel's gain
   double texture = 0.0;       ///< 0: surfaces as the scene has them; else which others they are made of, a whole number
-  Pose2D camera_offset;       ///< of the camera from its mount, in the base frame
+  Pose2D camera_offset{};     ///< of the camera from its mount, in the base frame
   double camera_height = 0.0;  ///< [m] added to the mount's
 
   friend bool operator==(const Variation&, const Variation&) = default;

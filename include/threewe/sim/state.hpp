@@ -9,6 +9,7 @@
 #include "threewe/core/pose.hpp"
 #include "threewe/core/rng.hpp"
 #include "threewe/core/samples.hpp"
+#include "threewe/models/drive.hpp"
 #include "threewe/models/imu.hpp"
 #include "threewe/models/odometry.hpp"
 #include "threewe/models/variation.hpp"
@@ -24,21 +25,26 @@ struct RobotState {
   std::uint32_t robot = 0;
   std::uint64_t steps = 0;  ///< taken since the reset
 
-  models::Variation variation;  ///< how it differs from its profile in this episode
-
   // the body, in the scene's frame
-  Pose2D start;
   Pose2D pose;
   Velocity velocity;
   double max_collision_speed = 0.0;  ///< [m/s] since the reset
   double distance_driven = 0.0;      ///< [m] since the reset
 
   // the drive
-  std::array<Velocity, kMaxLatencySteps> commands{};  ///< by the step that obeys them, modulo the array's size
-  WheelSpeeds wheel_speeds{};                         ///< [rad/s]
-  std::array<double, 4> wheel_angles{};               ///< [rad] turned since the reset
+  WheelSpeeds wheel_speeds{};            ///< [rad/s]
+  std::array<double, 4> wheel_angles{};  ///< [rad] turned since the reset
   models::WheelErrors wheel_errors;
   BatteryState battery;
+
+  // how this robot differs from its profile in this episode, and what follows from that
+  models::Traction traction;
+  double battery_resistance = 0.0;    ///< [ohm]
+  std::uint64_t command_latency = 0;  ///< [steps]
+  models::Variation variation;
+
+  Pose2D start;
+  std::array<Velocity, kMaxLatencySteps> commands{};  ///< by the step that obeys them, modulo the array's size
 
   // the sensors: their newest readings, and what they carry on
   IMUData imu;
@@ -53,10 +59,11 @@ struct RobotState {
 };
 
 static_assert(std::is_trivially_copyable_v<RobotState>);
-static_assert(sizeof(RobotState) == 3 * sizeof(std::uint64_t) + sizeof(models::Variation) + 3 * sizeof(Pose2D) +
-                                        4 * sizeof(double) + sizeof(std::array<Velocity, kMaxLatencySteps>) +
+static_assert(sizeof(RobotState) == 4 * sizeof(std::uint64_t) + 3 * sizeof(Pose2D) + 5 * sizeof(double) +
                                         2 * sizeof(WheelSpeeds) + sizeof(models::WheelErrors) + sizeof(BatteryState) +
-                                        sizeof(IMUData) + sizeof(models::IMUState) + sizeof(models::OdometryState) +
+                                        sizeof(models::Traction) + sizeof(models::Variation) +
+                                        sizeof(std::array<Velocity, kMaxLatencySteps>) + sizeof(IMUData) +
+                                        sizeof(models::IMUState) + sizeof(models::OdometryState) +
                                         sizeof(std::array<float, kMaxLidarPoints>),
               "a gap between members would hold bytes that nothing sets");
 

@@ -2,7 +2,9 @@
 
 #include <doctest/doctest.h>
 
+#include <array>
 #include <cmath>
+#include <cstdint>
 
 #include "threewe/core/rng.hpp"
 
@@ -18,6 +20,11 @@ const RobotProfile& robot() {
 
 const Drive& drive() {
   static const Drive made = make_drive(robot(), 10ms);
+  return made;
+}
+
+const Traction& traction() {
+  static const Traction made = make_traction(robot(), 10ms);
   return made;
 }
 
@@ -38,7 +45,7 @@ TEST_CASE("motors approach a small change of speed exponentially with their time
   WheelSpeeds speeds{};
   double time = 0.0;
   for (int i = 0; i < 20; ++i) {
-    speeds = drive_motors(drive(), speeds, all(1.0), 1.0);
+    speeds = drive_motors(drive(), traction(), speeds, all(1.0), 1.0);
     time += 0.01;
     CHECK(speeds[0] == doctest::Approx(1.0 - std::exp(-time / to_seconds(robot().body.motor_lag))).epsilon(1e-12));
     CHECK(speeds[3] == speeds[0]);
@@ -49,27 +56,28 @@ TEST_CASE("a large change of speed takes the torque that the motor has, and none
   // from rest, stall torque accelerates a quarter of the body's mass
   const Body& body = robot().body;
   const double stall = body.stall_torque / (body.mass / 4 * body.wheels.radius * body.wheels.radius) * 0.01;
-  CHECK(drive_motors(drive(), all(0.0), all(1000.0), 1.0)[0] == doctest::Approx(stall));
-  CHECK(drive_motors(drive(), all(0.0), all(1000.0), 0.5)[0] == doctest::Approx(0.5 * stall));
-  CHECK(drive_motors(drive(), all(body.no_load_speed / 2), all(1000.0), 1.0)[0] - body.no_load_speed / 2 ==
+  CHECK(drive_motors(drive(), traction(), all(0.0), all(1000.0), 1.0)[0] == doctest::Approx(stall));
+  CHECK(drive_motors(drive(), traction(), all(0.0), all(1000.0), 0.5)[0] == doctest::Approx(0.5 * stall));
+  CHECK(drive_motors(drive(), traction(), all(body.no_load_speed / 2), all(1000.0), 1.0)[0] - body.no_load_speed / 2 ==
         doctest::Approx(0.5 * stall));
 
   WheelSpeeds speeds{};
-  for (int i = 0; i < 1000; ++i) speeds = drive_motors(drive(), speeds, all(1000.0), 1.0);
+  for (int i = 0; i < 1000; ++i) speeds = drive_motors(drive(), traction(), speeds, all(1000.0), 1.0);
   CHECK(speeds[0] <= body.no_load_speed);
   CHECK(speeds[0] > 0.98 * body.no_load_speed);
 }
 
 TEST_CASE("without supply the wheels only slow down") {
-  const WheelSpeeds speeds = drive_motors(drive(), all(10.0), all(20.0), 0.0);
+  const WheelSpeeds speeds = drive_motors(drive(), traction(), all(10.0), all(20.0), 0.0);
   CHECK(speeds[0] < 10.0);
   CHECK(speeds[0] > 9.0);
-  CHECK(drive_motors(drive(), all(10.0), all(0.0), 0.0)[0] < 10.0);
+  CHECK(drive_motors(drive(), traction(), all(10.0), all(0.0), 0.0)[0] < 10.0);
 }
 
 TEST_CASE("two wheels of a differential base turn, the other two do not exist") {
-  const Drive two = make_drive(load_profile("turtlebot_like"), 10ms);
-  const WheelSpeeds speeds = drive_motors(two, {}, {1.0, -1.0, 5.0, 5.0}, 1.0);
+  const RobotProfile turtle = load_profile("turtlebot_like");
+  const Drive two = make_drive(turtle, 10ms);
+  const WheelSpeeds speeds = drive_motors(two, make_traction(turtle, 10ms), {}, {1.0, -1.0, 5.0, 5.0}, 1.0);
   CHECK(speeds[0] > 0.0);
   CHECK(speeds[1] == -speeds[0]);
   CHECK(speeds[2] == 0.0);
@@ -78,15 +86,15 @@ TEST_CASE("two wheels of a differential base turn, the other two do not exist") 
 
 TEST_CASE("the body takes the velocity of its wheels where friction allows, and never more than friction gives") {
   const double limit = robot().body.friction * 9.80665 * 0.01;
-  CHECK(grip(drive(), {}, {0.5 * limit, 0.0, 0.0}) == Velocity{0.5 * limit, 0.0, 0.0});
-  CHECK(grip(drive(), {1.0, 0.0, 0.0}, {}).vx == doctest::Approx(1.0 - limit));
-  CHECK(grip(drive(), {0.0, -1.0, 0.0}, {}).vy == doctest::Approx(-1.0 + limit));
+  CHECK(grip(drive(), traction(), {}, {0.5 * limit, 0.0, 0.0}) == Velocity{0.5 * limit, 0.0, 0.0});
+  CHECK(grip(drive(), traction(), {1.0, 0.0, 0.0}, {}).vx == doctest::Approx(1.0 - limit));
+  CHECK(grip(drive(), traction(), {0.0, -1.0, 0.0}, {}).vy == doctest::Approx(-1.0 + limit));
 
   for (std::uint64_t i = 0; i < 10'000; ++i) {
     CAPTURE(i);
     const Velocity body = random_velocity(2 * i);
     const Velocity rolling = random_velocity(2 * i + 1);
-    const Velocity after = grip(drive(), body, rolling);
+    const Velocity after = grip(drive(), traction(), body, rolling);
     CHECK(std::hypot(after.vx - body.vx, after.vy - body.vy) <= limit * (1.0 + 1e-12));
     // on the way from the one to the other, not beyond
     const double share = (after.omega - body.omega) / (rolling.omega - body.omega);
@@ -94,7 +102,7 @@ TEST_CASE("the body takes the velocity of its wheels where friction allows, and 
     CHECK(share <= 1.0 + 1e-12);
     CHECK(after.vx - body.vx == doctest::Approx(share * (rolling.vx - body.vx)));
     // wheels that stand still take energy out
-    CHECK(energy(grip(drive(), body, {})) <= energy(body));
+    CHECK(energy(grip(drive(), traction(), body, {})) <= energy(body));
   }
 }
 
@@ -103,21 +111,63 @@ TEST_CASE("on a floor that holds less, friction gives less in proportion; on a h
     CAPTURE(i);
     const Velocity body = random_velocity(2 * i);
     const Velocity rolling = random_velocity(2 * i + 1);
-    Drive slippery = drive();
+    Traction slippery = traction();
     slippery.grip_change *= 0.3;
-    CHECK(grip(drive(), body, rolling, 0.3) == grip(slippery, body, rolling));
-    CHECK(grip(drive(), body, rolling, 1.0) == grip(drive(), body, rolling));
+    CHECK(grip(drive(), traction(), body, rolling, 0.3) == grip(drive(), slippery, body, rolling));
+    CHECK(grip(drive(), traction(), body, rolling, 1.0) == grip(drive(), traction(), body, rolling));
   }
 }
 
 TEST_CASE("power is that of the acceleration, and of rolling") {
   const double rolling = robot().body.rolling_resistance * robot().body.mass * 9.80665;
-  CHECK(drive_power(drive(), {0.5, 0.0, 0.0}, {0.5, 0.0, 0.0}, {0.5, 0.0, 0.0}) == doctest::Approx(0.5 * rolling));
-  CHECK(drive_power(drive(), {0.49, 0.0, 0.0}, {0.5, 0.0, 0.0}, {0.5, 0.0, 0.0}) ==
+  CHECK(drive_power(drive(), traction(), {0.5, 0.0, 0.0}, {0.5, 0.0, 0.0}, {0.5, 0.0, 0.0}) ==
+        doctest::Approx(0.5 * rolling));
+  CHECK(drive_power(drive(), traction(), {0.49, 0.0, 0.0}, {0.5, 0.0, 0.0}, {0.5, 0.0, 0.0}) ==
         doctest::Approx(0.5 * rolling + 2.5 * 1.0 * 0.5));
-  CHECK(drive_power(drive(), {}, {}, {}) == 0.0);
-  CHECK(drive_power(drive(), {0.0, 0.0, 1.0}, {0.0, 0.0, 0.5}, {0.0, 0.0, 0.5}) < 0.0);
+  CHECK(drive_power(drive(), traction(), {}, {}, {}) == 0.0);
+  CHECK(drive_power(drive(), traction(), {0.0, 0.0, 1.0}, {0.0, 0.0, 0.5}, {0.0, 0.0, 0.5}) < 0.0);
   // the same force at wheels that spin twice as fast
-  CHECK(drive_power(drive(), {0.49, 0.0, 0.0}, {0.5, 0.0, 0.0}, {1.0, 0.0, 0.0}) ==
+  CHECK(drive_power(drive(), traction(), {0.49, 0.0, 0.0}, {0.5, 0.0, 0.0}, {1.0, 0.0, 0.0}) ==
         doctest::Approx(1.0 * rolling + 2.5 * 1.0 * 1.0));
+}
+
+TEST_CASE("motors give their torque exactly, or with noise: normal, its own at each wheel and step") {
+  const RngKey key{.seed = 4, .stream = Stream::motor};
+  CHECK(motor_shares(traction(), key, 7) == std::array{1.0, 1.0, 1.0, 1.0});
+
+  const Traction noisy = make_traction(robot(), 10ms, {.motor_noise = 0.1});
+  constexpr std::uint64_t kSteps = 50'000;
+  std::array<double, 4> sum{};
+  std::array<double, 4> square{};
+  double product = 0.0;
+  double before = 0.0;
+  double within_one_sigma = 0.0;
+  for (std::uint64_t step = 0; step < kSteps; ++step) {
+    const std::array<double, 4> shares = motor_shares(noisy, key, step);
+    for (std::size_t i = 0; i < 4; ++i) {
+      const double off = shares[i] - 1.0;
+      sum[i] += off;
+      square[i] += off * off;
+      if (std::fabs(off) < 0.1) within_one_sigma += 0.25;
+    }
+    product += (shares[0] - 1.0) * (shares[1] - 1.0) + (shares[0] - 1.0) * before;
+    before = shares[0] - 1.0;
+  }
+  for (std::size_t i = 0; i < 4; ++i) {
+    CHECK(sum[i] / kSteps == doctest::Approx(0.0).scale(1.0).epsilon(0.002));
+    CHECK(std::sqrt(square[i] / kSteps) == doctest::Approx(0.1).epsilon(0.02));
+  }
+  CHECK(within_one_sigma / kSteps == doctest::Approx(0.6827).epsilon(0.01));
+  CHECK(product / kSteps / 0.01 == doctest::Approx(0.0).scale(1.0).epsilon(0.02));
+  CHECK(motor_shares(noisy, key, 7) == motor_shares(noisy, key, 7));
+}
+
+TEST_CASE("a motor's share scales the change that it makes, whatever limits it") {
+  for (const double target : {1.0, 1000.0}) {
+    const double whole = drive_motors(drive(), traction(), all(0.0), all(target), 1.0)[1];
+    const WheelSpeeds shared = drive_motors(drive(), traction(), all(0.0), all(target), 1.0, {1.0, 0.9, 1.0, 1.2});
+    CHECK(shared[0] == whole);
+    CHECK(shared[1] == doctest::Approx(0.9 * whole));
+    CHECK(shared[3] == doctest::Approx(1.2 * whole));
+  }
 }

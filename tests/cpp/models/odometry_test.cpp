@@ -88,3 +88,22 @@ TEST_CASE("wheel errors are drawn once per episode, within their bounds") {
   CHECK(lowest == doctest::Approx(0.85).epsilon(0.001));
   CHECK(highest == doctest::Approx(0.98).epsilon(0.001));
 }
+
+TEST_CASE("slip stretches how far the wheels are from nominal, and one changes no bit") {
+  const OdometrySpec& spec = robot().odometry;
+  for (std::uint64_t seed = 0; seed < 500; ++seed) {
+    CAPTURE(seed);
+    const RngKey key{.seed = seed, .stream = Stream::odometry};
+    const WheelErrors drawn = draw_wheel_errors(spec, key);
+    const WheelErrors same = draw_wheel_errors(spec, key, 1.0);
+    const WheelErrors none = draw_wheel_errors(spec, key, 0.0);
+    const WheelErrors twice = draw_wheel_errors(spec, key, 2.0);
+    CHECK((same.scale == drawn.scale && same.lateral == drawn.lateral));
+    CHECK(none.lateral == doctest::Approx(1.0));
+    CHECK(twice.lateral - 1.0 == doctest::Approx(2.0 * (drawn.lateral - 1.0)));
+    for (std::size_t wheel = 0; wheel < 4; ++wheel) {
+      CHECK(none.scale[wheel] == doctest::Approx(1.0));
+      CHECK(twice.scale[wheel] - 1.0 == doctest::Approx(2.0 * (drawn.scale[wheel] - 1.0)));
+    }
+  }
+}
