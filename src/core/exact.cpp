@@ -4,40 +4,12 @@
 #include <cstdint>
 #include <limits>
 
+#include <hwy/highway.h>
+
+#include "threewe/core/exact-inl.hpp"
+
 namespace threewe::exact {
 namespace {
-
-// pi/4 in four parts of decreasing size, the first three so short that their multiples up to 2^24 are exact: even next
-// to a multiple of pi the remainder keeps all of its digits (the method of Cephes, sin.c, with one part more).
-constexpr double kQuarterPi1 = 7.85398125648498535156e-1;
-constexpr double kQuarterPi2 = 3.77489470793079817668e-8;
-constexpr double kQuarterPi3 = 2.69515142379756e-15;
-constexpr double kQuarterPi4 = 5.281499533493714e-24;
-
-// Minimax polynomials on [-pi/4, pi/4] (Cephes, sin.c).
-double sin_polynomial(double z) {
-  const double zz = z * z;
-  const double p =
-      ((((1.58962301576546568060e-10 * zz - 2.50507477628578072866e-8) * zz + 2.75573136213857245213e-6) * zz -
-        1.98412698295895385996e-4) *
-           zz +
-       8.33333333332211858878e-3) *
-          zz -
-      1.66666666666666307295e-1;
-  return z + z * zz * p;
-}
-
-double cos_polynomial(double z) {
-  const double zz = z * z;
-  const double p =
-      ((((-1.13585365213876817300e-11 * zz + 2.08757008419747316778e-9) * zz - 2.75573141792967388112e-7) * zz +
-        2.48015872888517045348e-5) *
-           zz -
-       1.38888888888730564116e-3) *
-          zz +
-      4.16666666666665929218e-2;
-  return 1.0 - 0.5 * zz + zz * zz * p;
-}
 
 // atan on [0, infinity) (Cephes, atan.c).
 double atan_positive(double x) {
@@ -80,11 +52,11 @@ SinCos sincos(double angle) {
   auto octant = static_cast<std::int64_t>(magnitude / (kPi / 4));
   octant += octant & 1;
   const auto n = static_cast<double>(octant);
-  const double z = (((magnitude - n * kQuarterPi1) - n * kQuarterPi2) - n * kQuarterPi3) - n * kQuarterPi4;
+  const double z = HWY_NAMESPACE::reduce(magnitude, n);
 
   // every second quadrant swaps the two polynomials
-  const double s = sin_polynomial(z);
-  const double c = cos_polynomial(z);
+  const double s = HWY_NAMESPACE::sin_polynomial(z);
+  const double c = HWY_NAMESPACE::cos_polynomial(z);
   double sine = 0.0;
   double cosine = 0.0;
   switch (octant & 7) {

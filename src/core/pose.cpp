@@ -1,18 +1,16 @@
 #include "threewe/core/pose.hpp"
 
+#include <hwy/highway.h>
+
+#include "threewe/core/pose-inl.hpp"
+
 namespace threewe {
 
-double wrap_angle(double angle) {
-  constexpr double kTwoPi = 2.0 * exact::kPi;
-  if (angle > -exact::kPi && angle <= exact::kPi) return angle;
-  const double wrapped = angle - kTwoPi * std::ceil((angle - exact::kPi) / kTwoPi);
-  if (std::isnan(wrapped)) return wrapped;
-  return wrapped > -exact::kPi && wrapped <= exact::kPi ? wrapped : exact::kPi;  // rounding may end a hair outside
-}
+double wrap_angle(double angle) { return HWY_NAMESPACE::wrap_angle(angle); }
 
 Vec2 rotate(Vec2 v, double angle) {
-  const auto [s, c] = exact::sincos(angle);
-  return {c * v.x - s * v.y, s * v.x + c * v.y};
+  const auto [x, y] = HWY_NAMESPACE::rotate(v.x, v.y, angle);
+  return {x, y};
 }
 
 Pose2D operator*(const Pose2D& a_from_b, const Pose2D& b_from_c) {
@@ -45,19 +43,9 @@ bool is_finite(const Velocity& v) { return std::isfinite(v.vx) && std::isfinite(
 bool is_finite(const Pose2D& p) { return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.theta); }
 
 Pose2D integrate(const Pose2D& pose, const Velocity& velocity, double seconds) {
-  const double turn = velocity.omega * seconds;
-
-  // along an arc the chord is shorter by sin(a)/a and turned by (1 - cos a)/a, with their series near 0
-  double along = 1.0 - turn * turn / 6.0;
-  double across = 0.5 * turn;
-  if (std::fabs(turn) > 1e-4) {
-    const auto [s, c] = exact::sincos(turn);
-    along = s / turn;
-    across = (1.0 - c) / turn;
-  }
-  const double dx = velocity.vx * seconds;
-  const double dy = velocity.vy * seconds;
-  return pose * Pose2D{along * dx - across * dy, across * dx + along * dy, turn};
+  const auto [x, y, theta] = HWY_NAMESPACE::integrate<double>({pose.x, pose.y, pose.theta},
+                                                              {velocity.vx, velocity.vy, velocity.omega}, seconds);
+  return {x, y, theta};
 }
 
 }  // namespace threewe

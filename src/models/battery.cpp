@@ -1,8 +1,30 @@
 #include "threewe/models/battery.hpp"
 
-#include <algorithm>
+#include <hwy/highway.h>
+
+#include "threewe/models/drive-inl.hpp"
 
 namespace threewe::models {
+namespace {
+
+HWY_NAMESPACE::ChargeOf<double> numbers(const BatteryState& state) {
+  return {state.voltage, state.current, state.charge};
+}
+
+}  // namespace
+
+Battery make_battery(const std::optional<BatterySpec>& spec) {
+  if (!spec) return {};
+  Battery battery{};
+  battery.present = 1.0;
+  battery.voltage_empty = spec->voltage_empty;
+  battery.voltage_span = spec->voltage_full - spec->voltage_empty;
+  battery.per_nominal = 1.0 / (0.5 * (spec->voltage_full + spec->voltage_empty));
+  battery.idle_power = spec->idle_power;
+  battery.per_efficiency = 1.0 / spec->drive_efficiency;
+  battery.per_capacity = 1.0 / (3600.0 * spec->capacity);
+  return battery;
+}
 
 BatteryState start_battery(const BatterySpec& spec, double charge) {
   BatteryState state;
@@ -13,19 +35,13 @@ BatteryState start_battery(const BatterySpec& spec, double charge) {
 }
 
 void drain_battery(const BatterySpec& spec, double drive_power, double seconds, BatteryState& state) {
-  const double power = spec.idle_power + std::max(drive_power, 0.0) / spec.drive_efficiency;
-  const double open_circuit = spec.voltage_empty + (spec.voltage_full - spec.voltage_empty) * state.charge;
-  // the power fixes the product of current and voltage; the voltage of the step before is near enough to go on from
-  state.current = power / state.voltage;
-  // beyond half its voltage a battery gives less power, not more
-  if (state.current * spec.resistance > 0.5 * open_circuit) state.current = 0.5 * open_circuit / spec.resistance;
-  state.voltage = open_circuit - state.current * spec.resistance;
-  state.charge = std::max(state.charge - open_circuit * state.current * seconds / (3600.0 * spec.capacity), 0.0);
+  const auto [voltage, current, charge] =
+      HWY_NAMESPACE::drain_battery(make_battery(spec), spec.resistance, drive_power, seconds, numbers(state));
+  state = {voltage, current, charge};
 }
 
 double supply_ratio(const BatterySpec& spec, const BatteryState& state) {
-  if (state.charge <= 0.0) return 0.0;
-  return state.voltage / (0.5 * (spec.voltage_full + spec.voltage_empty));
+  return HWY_NAMESPACE::supply_ratio(make_battery(spec), numbers(state));
 }
 
 }  // namespace threewe::models

@@ -1,20 +1,33 @@
 #include "threewe/models/drive.hpp"
 
-#include <algorithm>
+#include <hwy/highway.h>
+
+#include "threewe/models/drive-inl.hpp"
 
 namespace threewe::models {
+namespace {
+
+HWY_NAMESPACE::VelocityOf<double> numbers(const Velocity& v) { return {v.vx, v.vy, v.omega}; }
+
+}  // namespace
 
 Drive make_drive(const RobotProfile& profile, Duration step) {
   const Body& body = profile.body;
-  const double h = to_seconds(step);
-  Drive drive;
-  drive.wheels = body.wheels;
-  drive.limits = profile.hardware_limits;
-  drive.step = h;
-  drive.no_load_speed = body.no_load_speed;
-  drive.grip_arm = exact::hypot(body.wheels.half_length, body.wheels.half_width);
+  const WheelGeometry& wheels = body.wheels;
+  const bool sideways = wheels.kinematics == Kinematics::holonomic;
+  Drive drive{};
+  drive.turns_per_metre = 1.0 / wheels.radius;
+  drive.turn_arm = wheels.half_length + wheels.half_width;
+  drive.sideways = sideways ? 1.0 : 0.0;
+  drive.roll = wheels.radius / wheels.wheel_count();
+  drive.roll_turn = drive.roll / drive.turn_arm;
+  drive.linear_limit = profile.hardware_limits.linear;
+  drive.angular_limit = profile.hardware_limits.angular;
+  drive.per_no_load_speed = 1.0 / body.no_load_speed;
   drive.inertia_arm_squared = body.inertia / body.mass;
-  drive.rolling_resistance = body.rolling_resistance;
+  drive.turn_weight = drive.inertia_arm_squared / exact::hypot(wheels.half_length, wheels.half_width);
+  drive.resistance = body.rolling_resistance * kGravity;
+  drive.per_step = 1.0 / to_seconds(step);
   return drive;
 }
 
@@ -42,38 +55,24 @@ std::array<double, 4> motor_shares(const Traction& traction, const RngKey& key, 
 WheelSpeeds drive_motors(const Drive& drive, const Traction& traction, const WheelSpeeds& speeds,
                          const WheelSpeeds& setpoints, double supply, const std::array<double, 4>& shares) {
   WheelSpeeds next{};
-  for (int i = 0; i < drive.wheels.wheel_count(); ++i) {
-    const auto wheel = static_cast<std::size_t>(i);
-    const double speed = speeds[wheel];
-    const double wanted = traction.response * (setpoints[wheel] - speed);
-    // the torque-speed line, either way; beyond the speed that its supply gives a motor brakes, and the driver's
-    // current limit caps all of it
-    const double ratio = speed / drive.no_load_speed;
-    const double forwards = traction.stall_change * std::clamp(supply - ratio, -1.0, 1.0);
-    const double backwards = traction.stall_change * std::clamp(supply + ratio, -1.0, 1.0);
-    next[wheel] = speed + shares[wheel] * std::clamp(wanted, -backwards, forwards);
+  const std::size_t wheels = drive.sideways == 0.0 ? 2 : 4;
+  for (std::size_t i = 0; i < wheels; ++i) {
+    next[i] = HWY_NAMESPACE::drive_motor(drive.per_no_load_speed, traction.response, traction.stall_change, speeds[i],
+                                         setpoints[i], supply, shares[i]);
   }
   return next;
 }
 
 Velocity grip(const Drive& drive, const Traction& traction, const Velocity& body, const Velocity& rolling,
               double floor) {
-  const Velocity change{rolling.vx - body.vx, rolling.vy - body.vy, rolling.omega - body.omega};
-  // a torque is measured by the force that it takes at the wheels
-  const double turning = change.omega * drive.inertia_arm_squared / drive.grip_arm;
-  const double needed = exact::sqrt(change.vx * change.vx + change.vy * change.vy + turning * turning);
-  const double given = floor * traction.grip_change;
-  if (needed <= given) return rolling;
-  const double share = given / needed;
-  return {body.vx + share * change.vx, body.vy + share * change.vy, body.omega + share * change.omega};
+  const auto [vx, vy, omega] =
+      HWY_NAMESPACE::grip(drive.turn_weight, floor * traction.grip_change, numbers(body), numbers(rolling));
+  return {vx, vy, omega};
 }
 
 double drive_power(const Drive& drive, const Traction& traction, const Velocity& before, const Velocity& after,
                    const Velocity& rolling) {
-  const double accelerating = (after.vx - before.vx) * rolling.vx + (after.vy - before.vy) * rolling.vy +
-                              drive.inertia_arm_squared * (after.omega - before.omega) * rolling.omega;
-  const double resisting = drive.rolling_resistance * kGravity * exact::hypot(rolling.vx, rolling.vy);
-  return traction.mass * (accelerating / drive.step + resisting);
+  return HWY_NAMESPACE::drive_power(drive, traction.mass, numbers(before), numbers(after), numbers(rolling));
 }
 
 }  // namespace threewe::models

@@ -66,12 +66,13 @@ RobotModel make_robot(const scene::Scene& scene, const RobotProfile& profile) {
   RobotModel robot;
   robot.profile = profile;
   robot.drive = models::make_drive(profile, kStep);
+  robot.battery = models::make_battery(profile.battery);
   robot.wheels = wheel_places(profile.body.wheels);
   robot.body = {profile.body.footprint, profile.body.mass, profile.body.inertia};
   require(profile, robot.body.footprint.corners().size() <= 16, "footprint: at most 16 corners can be simulated");
 
   constexpr double kFloorClearance = 0.01;  // [m], what lies lower is driven over
-  const double fastest = robot.drive.no_load_speed * robot.drive.wheels.radius;
+  const double fastest = profile.body.no_load_speed * profile.body.wheels.radius;
   const double reach = contact_reach(robot.body.footprint, fastest, profile.hardware_limits.angular, to_seconds(kStep));
   robot.solids = scene.solids_between(kFloorClearance, profile.body.height);
   robot.obstacles = std::make_shared<ShapeIndex>(scene::outlines(robot.solids), reach);

@@ -1,12 +1,14 @@
 #include "threewe/sim/step.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cassert>
+#include <cmath>
+#include <utility>
 #include <vector>
 
 #include "sim/crowd.hpp"
-#include "threewe/hardware/limits.hpp"
-#include "threewe/models/battery.hpp"
+#include "sim/drive_kernel.hpp"
 #include "threewe/models/ultrasonic.hpp"
 #include "threewe/sim/echo.hpp"
 
@@ -16,22 +18,8 @@ namespace {
 constexpr double kSeconds = 0.01;
 static_assert(kSeconds == to_seconds(kStep));
 
-// A robot as a step begins: what its sensors look back on, and where its wheels would take it.
-struct Before {
-  Pose2D pose;
-  Velocity carried;  // its velocity, seen from the heading that the step begins with
-  Velocity driven;   // the same after its wheels have pulled, if nothing is in the way
-};
-
-// The command that arrives now is the one sent a latency ago; the firmware takes it within the hardware limits.
-Velocity deliver_command(const RobotModel& robot, RobotState& state, const Velocity& sent) {
-  state.commands[(state.steps + state.command_latency) % kMaxLatencySteps] = sent;
-  return within_limits(robot.drive.limits, state.commands[state.steps % kMaxLatencySteps]);
-}
-
-double battery_supply(const RobotModel& robot, const RobotState& state) {
-  return robot.profile.battery ? models::supply_ratio(*robot.profile.battery, state.battery) : 1.0;
-}
+// Worlds that are driven at a time: their states stay in the nearest cache until the step ends.
+constexpr std::size_t kAtATime = 16;
 
 // How well the floor holds, as the mean under the driven wheels: they share the weight, and the friction of the whole
 // body is what limits its pull. So grip changes wheel by wheel as a robot drives onto ice.
@@ -42,33 +30,16 @@ double floor_grip(const Model& model, const RobotModel& robot, const Pose2D& pos
   return sum / static_cast<double>(robot.wheels.size());
 }
 
-// Motors turn the wheels, the wheels pull the body, and the battery pays.
-Before drive_robot(const Model& model, const RobotModel& robot, RobotState& state, const Velocity& sent) {
-  const models::Drive& drive = robot.drive;
-  const Velocity command = deliver_command(robot, state, sent);
-  state.wheel_speeds = models::drive_motors(
-      drive, state.traction, state.wheel_speeds, wheel_speeds(drive.wheels, command), battery_supply(robot, state),
-      models::motor_shares(state.traction, state.key(Stream::motor), state.steps));
-  for (std::size_t i = 0; i < 4; ++i) state.wheel_angles[i] += kSeconds * state.wheel_speeds[i];
-
-  // momentum keeps its direction while the body turns beneath it
-  const Vec2 linear = rotate({state.velocity.vx, state.velocity.vy}, -kSeconds * state.velocity.omega);
-  Before before{state.pose, {linear.x, linear.y, state.velocity.omega}, {}};
-  Velocity rolling = body_velocity(drive.wheels, state.wheel_speeds);
-  rolling.vy *= state.wheel_errors.lateral;
-  before.driven = models::grip(drive, state.traction, before.carried, rolling, floor_grip(model, robot, state.pose));
-  if (robot.profile.battery) {
-    const double power = models::drive_power(drive, state.traction, before.carried, before.driven, rolling);
-    BatterySpec spec = *robot.profile.battery;
-    spec.resistance = state.battery_resistance;
-    models::drain_battery(spec, power, kSeconds, state.battery);
-  }
-  return before;
+// A robot as a step begins. The command that arrives now is the one sent a latency ago.
+kernel::Driver driver_of(const Model& model, const RobotModel& robot, RobotState& state, const Velocity& sent) {
+  state.commands[(state.steps + state.command_latency) % kMaxLatencySteps] = sent;
+  return {&robot, &state, state.commands[state.steps % kMaxLatencySteps], floor_grip(model, robot, state.pose)};
 }
 
 // The world holds the body back.
-Motion slide(const RobotModel& robot, const Before& before, std::span<const scene::Circle> legs) {
-  return move(robot.body, *robot.obstacles, {{}, legs}, before.pose, before.driven, before.carried, kSeconds);
+Motion slide(const RobotModel& robot, const Pose2D& from, const Velocity& velocity, const Velocity& carried,
+             std::span<const scene::Circle> legs) {
+  return move(robot.body, *robot.obstacles, {{}, legs}, from, velocity, carried, kSeconds);
 }
 
 void arrive(RobotState& state, const Motion& motion) {
@@ -76,6 +47,14 @@ void arrive(RobotState& state, const Motion& motion) {
   state.pose = motion.pose;
   state.velocity = motion.velocity;
   if (motion.approach_speed > state.max_collision_speed) state.max_collision_speed = motion.approach_speed;
+  ++state.steps;
+}
+
+// Where nothing stands near.
+void arrive(RobotState& state, const kernel::Driven& driven) {
+  state.pose = driven.pose;
+  state.velocity = driven.velocity;
+  state.distance_driven = driven.distance_driven;
   ++state.steps;
 }
 
@@ -147,21 +126,21 @@ void ping(const RobotModel& robot, std::size_t sensor, Others& others, RobotStat
   state.ultrasonic_range = models::measure_range(spec, key, (pings - 1) / spec.mounts.size(), echo);
 }
 
-void sense(const RobotModel& robot, const Sensing& sensing, Others& others, const Before& before, RobotState& state) {
+void sense(const RobotModel& robot, const Sensing& sensing, Others& others, const Pose2D& before,
+           const Velocity& carried, RobotState& state) {
   if (sensing.imu && imu_ready(robot, state)) {
-    const Vec2 acceleration =
-        (1.0 / kSeconds) * Vec2{state.velocity.vx - before.carried.vx, state.velocity.vy - before.carried.vy};
+    const Vec2 acceleration = (1.0 / kSeconds) * Vec2{state.velocity.vx - carried.vx, state.velocity.vy - carried.vy};
     state.imu = models::measure_imu(*robot.profile.imu, state.key(Stream::imu), state.velocity.omega, acceleration,
                                     state.imu_state);
   }
   if (sensing.odometry && odometry_ready(robot, state)) {
-    models::measure_odometry(robot.profile.odometry, robot.drive.wheels, state.wheel_errors, state.wheel_angles,
+    models::measure_odometry(robot.profile.odometry, robot.profile.body.wheels, state.wheel_errors, state.wheel_angles,
                              state.odometry);
   }
   if (sensing.ultrasonics) {
     if (const auto sensor = ping_ready(robot, state)) ping(robot, *sensor, others, state);
   }
-  if (sensing.lidar && robot.caster) sweep_lidar(robot, others, before.pose, state);
+  if (sensing.lidar && robot.caster) sweep_lidar(robot, others, before, state);
 }
 
 // People walk; robots drive, push one another, and slide along what stands there, all at once; then all of them look.
@@ -171,31 +150,59 @@ void step_crowd(const World& crowd) {
   walk(model, world, people);
   const std::vector<scene::Circle> circles = circles_of(model, people);
   const std::vector<scene::Circle> legs = legs_of(model, people);
-  std::vector<Before> before;
+  std::vector<kernel::Driver> drivers;
+  for (std::size_t i = 0; i < world.size(); ++i) {
+    drivers.push_back(driver_of(model, model.robots[i], world[i], commands[i]));
+  }
+  std::vector<kernel::Driven> driven(world.size());
+  kernel::drive(drivers, driven);
   std::vector<Mover> movers;
   for (std::size_t i = 0; i < world.size(); ++i) {
-    before.push_back(drive_robot(model, model.robots[i], world[i], commands[i]));
     movers.push_back(
-        {&model.robots[i].body, before[i].pose, before[i].carried, before[i].driven, 0.0, world[i].variation.mass});
+        {&model.robots[i].body, world[i].pose, driven[i].carried, driven[i].velocity, 0.0, world[i].variation.mass});
   }
   exchange_momentum(movers, kSeconds);
 
   std::vector<Motion> motions;
   std::vector<Pose2D> moved;
   for (std::size_t i = 0; i < world.size(); ++i) {
-    before[i].driven = movers[i].velocity;
-    motions.push_back(slide(model.robots[i], before[i], legs));
+    motions.push_back(slide(model.robots[i], movers[i].pose, movers[i].velocity, movers[i].carried, legs));
     motions[i].approach_speed = std::max(motions[i].approach_speed, movers[i].approach_speed);
     moved.push_back(motions[i].pose);
   }
   const std::vector<bool> stays = must_stay(movers, moved);
   for (std::size_t i = 0; i < world.size(); ++i) {
-    if (stays[i]) motions[i] = {before[i].pose, {}, true, motions[i].approach_speed};
+    if (stays[i]) motions[i] = {movers[i].pose, {}, true, motions[i].approach_speed};
     arrive(world[i], motions[i]);
   }
   for (std::size_t i = 0; i < world.size(); ++i) {
     Others others(model, world, i, circles, legs);
-    sense(model.robots[i], sensing, others, before[i], world[i]);
+    sense(model.robots[i], sensing, others, movers[i].pose, movers[i].carried, world[i]);
+  }
+}
+
+// Worlds of one robot each, without people; at most kAtATime.
+void step_singles(std::span<const World* const> worlds) {
+  std::array<kernel::Driver, kAtATime> drivers;
+  std::array<kernel::Driven, kAtATime> driven;
+  for (std::size_t i = 0; i < worlds.size(); ++i) {
+    const World& world = *worlds[i];
+    drivers[i] = driver_of(*world.model, world.model->robots[0], world.robots[0], world.commands[0]);
+  }
+  kernel::drive(std::span(drivers).first(worlds.size()), std::span(driven).first(worlds.size()));
+
+  Others nobody;
+  for (std::size_t i = 0; i < worlds.size(); ++i) {
+    const RobotModel& robot = *drivers[i].robot;
+    RobotState& state = *drivers[i].state;
+    const Pose2D before = state.pose;
+    const Velocity& carried = driven[i].carried;
+    if (robot.obstacles->near(before.position()).empty()) {
+      arrive(state, driven[i]);
+    } else {
+      arrive(state, slide(robot, before, driven[i].velocity, carried, {}));
+    }
+    sense(robot, worlds[i]->sensing, nobody, before, carried, state);
   }
 }
 
@@ -237,21 +244,19 @@ RobotState begin(const Model& model, std::size_t robot, const Pose2D& pose, std:
 }
 
 void step(std::span<const World> worlds) {
-  Others nobody;
+  std::array<const World*, kAtATime> singles;
+  std::size_t count = 0;
   for (const World& world : worlds) {
-    const Model& model = *world.model;
-    assert(world.robots.size() == model.robots.size() && world.commands.size() == model.robots.size());
-    assert(world.people.empty() || world.people.size() == model.scene->people.size());
+    assert(world.robots.size() == world.model->robots.size() && world.commands.size() == world.robots.size());
+    assert(world.people.empty() || world.people.size() == world.model->scene->people.size());
     if (world.robots.size() > 1 || !world.people.empty()) {
       step_crowd(world);
       continue;
     }
-    const RobotModel& robot = model.robots[0];
-    RobotState& state = world.robots[0];
-    const Before before = drive_robot(model, robot, state, world.commands[0]);
-    arrive(state, slide(robot, before, {}));
-    sense(robot, world.sensing, nobody, before, state);
+    singles[count++] = &world;
+    if (count == kAtATime) step_singles(std::span(singles).first(std::exchange(count, 0)));
   }
+  step_singles(std::span(singles).first(count));
 }
 
 void step(const Model& model, std::span<RobotState> states, std::span<const Velocity> commands,

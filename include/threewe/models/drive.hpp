@@ -15,16 +15,29 @@ namespace threewe::models {
 
 inline constexpr double kGravity = 9.80665;  ///< [m/s^2]
 
-/// What a drive is made of, with everything that depends on the time step worked out beforehand.
-struct Drive {
-  WheelGeometry wheels;
-  Limits limits;                     ///< the firmware clamps commands to these
-  double step = 0.0;                 ///< [s]
-  double no_load_speed = 0.0;        ///< [rad/s] at nominal voltage
-  double grip_arm = 0.0;             ///< [m], turns an angular velocity into a speed at the wheels
-  double inertia_arm_squared = 0.0;  ///< [m^2], inertia over mass
-  double rolling_resistance = 0.0;
+/// What a drive is made of, worked out beforehand so that a step divides by nothing that stays the same. V is double,
+/// or a vector of doubles: one robot's in each lane.
+template <class V>
+struct DriveOf {
+  // how wheels move the body and the other way round
+  V turns_per_metre;  ///< [rad/m]
+  V turn_arm;         ///< [m] of the wheels about the base
+  V sideways;         ///< 1 where wheels roll sideways too, on four of them; 0 on two that do not
+  V roll;             ///< [m] that the body moves for each radian that one wheel turns
+  V roll_turn;        ///< [rad] that it turns
+
+  // the firmware clamps commands to these
+  V linear_limit;   ///< [m/s]
+  V angular_limit;  ///< [rad/s]
+
+  V per_no_load_speed;    ///< [s/rad], at nominal voltage
+  V turn_weight;          ///< [m], turns an angular velocity into the speed that takes as much force at the wheels
+  V inertia_arm_squared;  ///< [m^2], inertia over mass
+  V resistance;           ///< [m/s^2] of rolling
+  V per_step;             ///< [1/s]
 };
+
+using Drive = DriveOf<double>;
 
 Drive make_drive(const RobotProfile& profile, Duration step);
 

@@ -8,6 +8,7 @@
 
 #include "threewe/core/time.hpp"
 #include "threewe/hardware/profile.hpp"
+#include "threewe/models/battery.hpp"
 #include "threewe/models/drive.hpp"
 #include "threewe/models/lidar.hpp"
 #include "threewe/scene/scene.hpp"
@@ -29,6 +30,7 @@ inline constexpr int kMaxLidarPoints = 512;
 struct RobotModel {
   RobotProfile profile;
   models::Drive drive;
+  models::Battery battery;
   std::vector<Vec2> wheels;  ///< where the driven ones touch the floor, in the base frame
   RigidBody body;
   std::vector<scene::Solid> solids;             ///< all that stands as high as the robot reaches

@@ -13,12 +13,14 @@
 
 #include "threewe/core/errors.hpp"
 #include "threewe/core/exact.hpp"
+#include "threewe/core/pose.hpp"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "core/targets_test.cpp"
 #include "threewe/core/highway-inl.hpp"
 //
 #include "threewe/core/exact-inl.hpp"
+#include "threewe/core/pose-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace threewe::HWY_NAMESPACE {
@@ -32,12 +34,31 @@ void angles(const float* y, const float* x, std::size_t count, float* out) {
   }
 }
 
+// Sines and cosines of `count` angles, a multiple of 8, and where an arc along each leads.
+void arcs(const double* angles, std::size_t count, double* out) {
+  namespace hn = hwy::HWY_NAMESPACE;
+  const hn::CappedTag<double, 8> d;
+  using V = hn::Vec<decltype(d)>;
+  for (std::size_t i = 0; i < count; i += hn::Lanes(d)) {
+    const V angle = hn::LoadU(d, angles + i);
+    const auto [s, c] = exact::HWY_NAMESPACE::sincos(angle);
+    const V one = hn::Set(d, 1.0);
+    const Pose2DOf<V> end = integrate<V>({one, one, angle}, {one, one, angle}, hn::Set(d, 0.01));
+    hn::StoreU(s, d, out + i);
+    hn::StoreU(c, d, out + count + i);
+    hn::StoreU(end.x, d, out + 2 * count + i);
+    hn::StoreU(end.y, d, out + 3 * count + i);
+    hn::StoreU(end.theta, d, out + 4 * count + i);
+  }
+}
+
 }  // namespace threewe::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
 namespace threewe {
 HWY_EXPORT(angles);
+HWY_EXPORT(arcs);
 
 namespace {
 
@@ -59,6 +80,40 @@ std::vector<float> on_all_targets(const Action& action) {
   }
   if (available_targets().size() < 2) MESSAGE("not shown: this machine has one target only");
   return expected;
+}
+
+TEST_CASE("a vector of doubles has the sines, cosines and arcs that numbers have, to the bit") {
+  std::mt19937_64 random(7);
+  const auto draw = [&](double size) { return size * (2.0 * (static_cast<double>(random() >> 11) * 0x1p-53) - 1.0); };
+  std::vector<double> angles{0.0, -0.0};
+  for (int i = 0; i < 20'000; ++i) {
+    for (const double size : {1e-5, 0.03, 0.8, 4.0, 100.0, 1e5, 9e8}) angles.push_back(draw(size));
+    // around the borders of octants
+    const double border = std::round(draw(40.0)) * exact::kPi / 4;
+    for (const double side : {border, std::nextafter(border, 1e9), std::nextafter(border, -1e9)}) {
+      angles.push_back(side);
+    }
+  }
+  while (angles.size() % 8 != 0) angles.push_back(0.0);
+
+  const auto bits = [](double x) { return std::bit_cast<std::uint64_t>(x); };
+  std::vector<double> out(5 * angles.size());
+  for (const std::string& target : available_targets()) {
+    CAPTURE(target);
+    force_target(target);
+    HWY_DYNAMIC_DISPATCH(arcs)(angles.data(), angles.size(), out.data());
+    for (std::size_t i = 0; i < angles.size(); ++i) {
+      CAPTURE(angles[i]);
+      const auto [s, c] = exact::sincos(angles[i]);
+      const Pose2D end = threewe::integrate({1.0, 1.0, angles[i]}, {1.0, 1.0, angles[i]}, 0.01);
+      REQUIRE(bits(out[i]) == bits(s));
+      REQUIRE(bits(out[angles.size() + i]) == bits(c));
+      REQUIRE(bits(out[2 * angles.size() + i]) == bits(end.x));
+      REQUIRE(bits(out[3 * angles.size() + i]) == bits(end.y));
+      REQUIRE(bits(out[4 * angles.size() + i]) == bits(end.theta));
+    }
+  }
+  force_target("");
 }
 
 TEST_CASE("targets can be listed and forced by name") {

@@ -326,7 +326,7 @@ TEST_CASE("on ice the same command slips more, odometry errs more, and stopping 
     for (int i = 0; i < 100; ++i) {
       run(*model, state, {1.0, 0.0, 0.0}, kStep);
       outcome.slip =
-          std::max(outcome.slip, body_velocity(robot.drive.wheels, state.wheel_speeds).vx - state.velocity.vx);
+          std::max(outcome.slip, body_velocity(robot.profile.body.wheels, state.wheel_speeds).vx - state.velocity.vx);
     }
     run(*model, state, {1.0, 0.0, 0.0}, 1s);
     outcome.odometry_lead = state.odometry.reading.pose.x - (state.pose.x - x);

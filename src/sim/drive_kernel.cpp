@@ -1,0 +1,297 @@
+// A vector holds one quantity of as many robots as it has lanes. States and constants lie in memory robot by robot, and
+// are taken over four numbers at a time: four of each robot become four vectors.
+#include "sim/drive_kernel.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cassert>
+#include <cstddef>
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "sim/drive_kernel.cpp"
+#include "threewe/core/highway-inl.hpp"
+//
+#include "threewe/core/pose-inl.hpp"
+#include "threewe/hardware/limits-inl.hpp"
+#include "threewe/models/drive-inl.hpp"
+
+HWY_BEFORE_NAMESPACE();
+namespace threewe::sim::kernel::HWY_NAMESPACE {
+
+namespace hn = hwy::HWY_NAMESPACE;
+namespace lanes = threewe::lanes::HWY_NAMESPACE;
+namespace formulae = threewe::models::HWY_NAMESPACE;
+using threewe::HWY_NAMESPACE::Pose2DOf;
+using threewe::HWY_NAMESPACE::VelocityOf;
+
+using Doubles = hn::CappedTag<double, 8>;
+using V = hn::Vec<Doubles>;
+constexpr std::size_t kLanes = hn::MaxLanes(Doubles());
+
+// Four numbers in a row.
+constexpr std::size_t kRow = 4 * sizeof(double);
+// What begins with these rows in a state, see `RobotState`.
+constexpr std::size_t kPose = offsetof(RobotState, pose);
+constexpr std::size_t kLateral = offsetof(RobotState, wheel_errors) + offsetof(models::WheelErrors, lateral);
+constexpr std::size_t kTraction = offsetof(RobotState, traction);
+constexpr std::size_t kNoise = kTraction + offsetof(models::Traction, motor_noise);
+
+// Where something of each robot begins in memory.
+using Places = std::array<std::byte*, kLanes>;
+
+// The robots of one vector. Lanes without a robot of their own compute what the first does, and write it nowhere.
+struct Group {
+  std::array<const Driver*, kLanes> drivers;
+  Places states;       // to read from
+  Places next_states;  // to write to
+  Places driven;
+};
+
+#if HWY_TARGET != HWY_SCALAR
+using Pair = hn::Full128<double>;
+
+// Pairs of every second robot from `robot` on, `first` bytes behind its place.
+HWY_INLINE V load_pairs(const Places& places, std::size_t robot, std::size_t first) {
+  const auto pair = [&](std::size_t i) {
+    return hn::LoadU(Pair(), reinterpret_cast<const double*>(places[robot + 2 * i] + first));
+  };
+#if HWY_MAX_BYTES >= 64
+  const hn::Half<Doubles> half;
+  return hn::Combine(Doubles(), hn::Combine(half, pair(3), pair(2)), hn::Combine(half, pair(1), pair(0)));
+#elif HWY_MAX_BYTES >= 32
+  return hn::Combine(Doubles(), pair(1), pair(0));
+#else
+  return pair(0);
+#endif
+}
+
+HWY_INLINE void store_pairs(V pairs, const Places& places, std::size_t robot, std::size_t first) {
+  const auto store = [&](hn::Vec<Pair> pair, std::size_t i) {
+    hn::StoreU(pair, Pair(), reinterpret_cast<double*>(places[robot + 2 * i] + first));
+  };
+#if HWY_MAX_BYTES >= 64
+  const hn::Half<Doubles> half;
+  const auto low = hn::LowerHalf(half, pairs);
+  const auto high = hn::UpperHalf(half, pairs);
+  store(hn::LowerHalf(Pair(), low), 0);
+  store(hn::UpperHalf(Pair(), low), 1);
+  store(hn::LowerHalf(Pair(), high), 2);
+  store(hn::UpperHalf(Pair(), high), 3);
+#elif HWY_MAX_BYTES >= 32
+  store(hn::LowerHalf(Pair(), pairs), 0);
+  store(hn::UpperHalf(Pair(), pairs), 1);
+#else
+  store(pairs, 0);
+#endif
+}
+#endif
+
+// Four numbers of every robot, `first` bytes behind its place.
+HWY_INLINE void gather(const Places& places, std::size_t first, V& a, V& b, V& c, V& d) {
+#if HWY_TARGET == HWY_SCALAR
+  const auto* row = reinterpret_cast<const double*>(places[0] + first);
+  a = hn::LoadU(Doubles(), row);
+  b = hn::LoadU(Doubles(), row + 1);
+  c = hn::LoadU(Doubles(), row + 2);
+  d = hn::LoadU(Doubles(), row + 3);
+#else
+  const V ab_even = load_pairs(places, 0, first);
+  const V ab_odd = load_pairs(places, 1, first);
+  const V cd_even = load_pairs(places, 0, first + kRow / 2);
+  const V cd_odd = load_pairs(places, 1, first + kRow / 2);
+  a = hn::InterleaveLower(Doubles(), ab_even, ab_odd);
+  b = hn::InterleaveUpper(Doubles(), ab_even, ab_odd);
+  c = hn::InterleaveLower(Doubles(), cd_even, cd_odd);
+  d = hn::InterleaveUpper(Doubles(), cd_even, cd_odd);
+#endif
+}
+
+// The way back.
+HWY_INLINE void scatter(const Places& places, std::size_t first, V a, V b, V c, V d) {
+#if HWY_TARGET == HWY_SCALAR
+  auto* row = reinterpret_cast<double*>(places[0] + first);
+  hn::StoreU(a, Doubles(), row);
+  hn::StoreU(b, Doubles(), row + 1);
+  hn::StoreU(c, Doubles(), row + 2);
+  hn::StoreU(d, Doubles(), row + 3);
+#else
+  store_pairs(hn::InterleaveLower(Doubles(), a, b), places, 0, first);
+  store_pairs(hn::InterleaveUpper(Doubles(), a, b), places, 1, first);
+  store_pairs(hn::InterleaveLower(Doubles(), c, d), places, 0, first + kRow / 2);
+  store_pairs(hn::InterleaveUpper(Doubles(), c, d), places, 1, first + kRow / 2);
+#endif
+}
+
+// Of plain data; what is const is only read.
+template <class T>
+HWY_INLINE std::byte* bytes_of(const T& data) {
+  return reinterpret_cast<std::byte*>(const_cast<T*>(&data));
+}
+
+// What stays the same from step to step.
+struct Constants {
+  models::DriveOf<V> drive;
+  models::BatteryOf<V> battery;
+};
+
+HWY_INLINE Constants constants_of(const Group& group) {
+  Constants constants;
+  auto& [drive, battery] = constants;
+  V unused;
+  Places drives;
+  Places batteries;
+  for (std::size_t i = 0; i < kLanes; ++i) {
+    drives[i] = bytes_of(group.drivers[i]->robot->drive);
+    batteries[i] = bytes_of(group.drivers[i]->robot->battery);
+  }
+  gather(drives, 0, drive.turns_per_metre, drive.turn_arm, drive.sideways, drive.roll);
+  gather(drives, kRow, drive.roll_turn, drive.linear_limit, drive.angular_limit, drive.per_no_load_speed);
+  gather(drives, 2 * kRow, drive.turn_weight, drive.inertia_arm_squared, drive.resistance, drive.per_step);
+  gather(batteries, 0, battery.present, battery.voltage_empty, battery.voltage_span, battery.per_nominal);
+  gather(batteries, offsetof(models::Battery, per_nominal), unused, battery.idle_power, battery.per_efficiency,
+         battery.per_capacity);
+  return constants;
+}
+
+// What each motor gives of its torque.
+HWY_INLINE formulae::WheelsOf<V> motor_shares(const Group& group, V noise) {
+  const V one = lanes::number<V>(1.0);
+  formulae::WheelsOf<V> shares{{one, one, one, one}};
+  if (!lanes::any<V>(noise != lanes::number<V>(0.0))) return shares;
+  HWY_ALIGN double rows[4 * kLanes];
+  for (std::size_t i = 0; i < kLanes; ++i) {
+    const RobotState& state = *group.drivers[i]->state;
+    const auto own = models::motor_shares(state.traction, state.key(Stream::motor), state.steps);
+    std::ranges::copy(own, rows + 4 * i);
+  }
+  hn::LoadInterleaved4(Doubles(), rows, shares.at[0], shares.at[1], shares.at[2], shares.at[3]);
+  return shares;
+}
+
+HWY_INLINE void drive_group(const Group& group, const Constants& constants) {
+  const auto& [drive, battery] = constants;
+  const V seconds = lanes::number<V>(to_seconds(kStep));
+
+  // the firmware takes a command within the hardware limits
+  VelocityOf<V> command;
+  V floor;
+  Places commands;
+  for (std::size_t i = 0; i < kLanes; ++i) commands[i] = bytes_of(group.drivers[i]->command);
+  gather(commands, 0, command.vx, command.vy, command.omega, floor);
+  command = threewe::HWY_NAMESPACE::within_limits(drive.linear_limit, drive.angular_limit, command);
+
+  // motors turn the wheels
+  V lateral;
+  V response;
+  V stall_change;
+  V grip_change;
+  V mass;
+  V noise;
+  V resistance;
+  V unused;
+  formulae::ChargeOf<V> charge;
+  formulae::WheelsOf<V> wheels;
+  formulae::WheelsOf<V> angles;
+  gather(group.states, kLateral, lateral, charge.voltage, charge.current, charge.charge);
+  gather(group.states, kTraction, response, stall_change, grip_change, mass);
+  gather(group.states, kNoise, noise, resistance, unused, unused);
+  gather(group.states, offsetof(RobotState, wheel_speeds), wheels.at[0], wheels.at[1], wheels.at[2], wheels.at[3]);
+  gather(group.states, offsetof(RobotState, wheel_angles), angles.at[0], angles.at[1], angles.at[2], angles.at[3]);
+  const formulae::WheelsOf<V> setpoints = formulae::roll_at(drive, command);
+  const formulae::WheelsOf<V> shares = motor_shares(group, noise);
+  const V supply = formulae::supply_ratio(battery, charge);
+  for (std::size_t i = 0; i < 4; ++i) {
+    wheels.at[i] = formulae::drive_motor(drive.per_no_load_speed, response, stall_change, wheels.at[i], setpoints.at[i],
+                                         supply, shares.at[i]);
+    angles.at[i] = angles.at[i] + seconds * wheels.at[i];
+  }
+  scatter(group.next_states, offsetof(RobotState, wheel_speeds), wheels.at[0], wheels.at[1], wheels.at[2],
+          wheels.at[3]);
+  scatter(group.next_states, offsetof(RobotState, wheel_angles), angles.at[0], angles.at[1], angles.at[2],
+          angles.at[3]);
+
+  // momentum keeps its direction while the body turns beneath it
+  Pose2DOf<V> pose;
+  VelocityOf<V> carried;
+  V max_collision_speed;
+  V distance_driven;
+  gather(group.states, kPose, pose.x, pose.y, pose.theta, carried.vx);
+  gather(group.states, kPose + kRow, carried.vy, carried.omega, max_collision_speed, distance_driven);
+  const auto linear =
+      threewe::HWY_NAMESPACE::rotate(carried.vx, carried.vy, lanes::number<V>(-to_seconds(kStep)) * carried.omega);
+  carried = {linear.x, linear.y, carried.omega};
+
+  // wheels pull the body
+  VelocityOf<V> rolling = formulae::rolling_velocity(drive, wheels);
+  rolling.vy = rolling.vy * lateral;
+  const VelocityOf<V> after = formulae::grip(drive.turn_weight, floor * grip_change, carried, rolling);
+
+  // and the battery pays
+  const V power = formulae::drive_power(drive, mass, carried, after, rolling);
+  charge = formulae::drain_battery(battery, resistance, power, seconds, charge);
+  scatter(group.next_states, kLateral, lateral, charge.voltage, charge.current, charge.charge);
+
+  const Pose2DOf<V> end = threewe::HWY_NAMESPACE::integrate(pose, after, seconds);
+  const V dx = pose.x - end.x;
+  const V dy = pose.y - end.y;
+  distance_driven = distance_driven + lanes::root(dx * dx + dy * dy);
+  scatter(group.driven, 0, end.x, end.y, end.theta, after.vx);
+  scatter(group.driven, kRow, after.vy, after.omega, max_collision_speed, distance_driven);
+  scatter(group.driven, 2 * kRow, carried.vx, carried.vy, carried.omega, lateral);
+}
+
+HWY_INLINE Group group_from(std::span<const Driver> drivers, std::span<Driven> driven, std::byte* nowhere) {
+  Group group;
+  for (std::size_t i = 0; i < kLanes; ++i) {
+    const bool own = i < drivers.size();
+    group.drivers[i] = &drivers[own ? i : 0];
+    group.states[i] = bytes_of(*group.drivers[i]->state);
+    group.next_states[i] = own ? group.states[i] : nowhere;
+    group.driven[i] = own ? bytes_of(driven[i]) : nowhere;
+  }
+  return group;
+}
+
+HWY_INLINE bool same_models(const Group& a, const Group& b) {
+  bool same = true;
+  for (std::size_t i = 0; i < kLanes; ++i) same = same && a.drivers[i]->robot == b.drivers[i]->robot;
+  return same;
+}
+
+void drive_all(std::span<const Driver> drivers, std::span<Driven> driven) {
+  if (drivers.empty()) return;
+  std::array<std::byte, kLateral + kRow> nowhere;
+  Group group = group_from(drivers, driven, nowhere.data());
+  Constants constants = constants_of(group);
+  drive_group(group, constants);
+  for (std::size_t first = kLanes; first < drivers.size(); first += kLanes) {
+    const Group before = group;
+    group = group_from(drivers.subspan(first), driven.subspan(first), nowhere.data());
+    if (!same_models(group, before)) constants = constants_of(group);
+    drive_group(group, constants);
+  }
+}
+
+}  // namespace threewe::sim::kernel::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace threewe::sim::kernel {
+
+HWY_EXPORT(drive_all);
+
+static_assert(offsetof(models::Traction, motor_noise) + sizeof(double) == sizeof(models::Traction) &&
+                  offsetof(RobotState, battery_resistance) ==
+                      offsetof(RobotState, traction) + sizeof(models::Traction) &&
+                  offsetof(RobotState, battery) == offsetof(RobotState, wheel_errors) + sizeof(models::WheelErrors) &&
+                  offsetof(RobotState, distance_driven) == offsetof(RobotState, pose) + 7 * sizeof(double) &&
+                  sizeof(Driven) == 12 * sizeof(double),
+              "the kernel takes over rows of four numbers, in this order");
+
+void drive(std::span<const Driver> drivers, std::span<Driven> driven) {
+  assert(drivers.size() == driven.size());
+  HWY_DYNAMIC_DISPATCH(drive_all)(drivers, driven);
+}
+
+}  // namespace threewe::sim::kernel
+#endif
