@@ -19,7 +19,13 @@ import ast, asyncio, sys
 code = compile(sys.argv[1], "README.md", "exec", flags=ast.PyCF_ALLOW_TOP_LEVEL_AWAIT)
 asyncio.run(eval(code, {}))
 """
-COMPLETE = ["_core.pyi", "py.typed", "assets/scenes/office_v2.yaml", "assets/objects/chair.yaml"]
+COMPLETE = [
+    "_core.pyi",
+    "py.typed",
+    "assets/scenes/office_v2.yaml",
+    "assets/objects/chair.yaml",
+    "assets/localization/slam_v1.yaml",
+]
 
 
 def plain(_seed: int, version: str) -> Case:

@@ -277,7 +277,8 @@ void bind_targets(nb::module_& m) {
 void bind_assets(nb::module_& m) {
   m.def("add_asset_directory", &add_asset_directory, "directory"_a,
         nb::sig("def add_asset_directory(directory: str | pathlib.Path) -> None"),
-        "Adds a folder with `scenes/`, `objects/` or `robots/` to those that are searched, as THREEWE_PATH does.");
+        "Adds a folder with `scenes/`, `objects/`, `robots/` or `localization/` to those searched, as THREEWE_PATH "
+        "does.");
   m.def("asset_directories", &asset_directories,
         "The folders that are searched: the installed one, those in THREEWE_PATH, then those added.");
   m.def("unknown_name", &unknown, "kind"_a, "name"_a, "candidates"_a,

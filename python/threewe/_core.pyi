@@ -326,7 +326,7 @@ def force_target(name: str) -> None:
 
 def add_asset_directory(directory: str | pathlib.Path) -> None:
     """
-    Adds a folder with `scenes/`, `objects/` or `robots/` to those that are searched, as THREEWE_PATH does.
+    Adds a folder with `scenes/`, `objects/`, `robots/` or `localization/` to those searched, as THREEWE_PATH does.
     """
 
 def asset_directories() -> list[pathlib.Path]:

@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
+import re
+
+import numpy as np
 import pytest
 
+from verify.cases.localization import ROOT, Track, fit, imitation
 from verify.harness import all_of, share_of, wilson
 
 
@@ -34,3 +38,32 @@ def test_a_miss_fails_a_claim_about_all_even_in_a_sample() -> None:
 def test_a_broken_case_counts_as_a_miss() -> None:
     cases = [{"right": True}, {"error": "boom"}]
     assert all_of("all", lambda case: case["right"]).judge(cases, True).status == "FAIL"
+
+
+def test_the_fit_finds_the_model_that_made_the_errors() -> None:
+    draw = np.random.default_rng(3)
+    tracks = []
+    for seed in range(100):
+        # to goals in a hall, at 0.4 m/s
+        corners = np.cumsum(draw.uniform(-6.0, 6.0, (6, 2)), axis=0) * 0.7
+        legs = np.diff(np.vstack([[0.0, 0.0], corners]), axis=0)
+        steps = [np.tile(leg / (n := round(np.linalg.norm(leg) / 0.04) + 1), (n, 1)) for leg in legs]
+        place = np.cumsum(np.vstack(steps), axis=0)
+        lines = np.zeros((len(place), 9))
+        lines[:, 0] = 0.1 * np.arange(len(place))
+        lines[:, 3:5] = lines[:, 6:8] = place
+        known = Track({"scene": "hall", "seed": seed, "held_out": False, "track": lines})
+        tracks.append(imitation("slam_v1", known))
+    found = fit(tracks)
+    text = (ROOT / "assets/localization/slam_v1.yaml").read_text()
+    maps, local, scatter = (re.search(rf"{part}: {{.*}}", text)[0] for part in ("map", "local", "scatter"))
+    expected = [figure(maps, "turn"), figure(maps, "stretch"), figure(maps, "heading"), figure(local, "position")]
+    expected += [figure(scatter, "position"), figure(scatter, "heading")]
+    # lengths and deviations of what is slow make up for one another; what they come to is well known
+    growth = np.sqrt(figure(maps, "length") / found["map_length"])
+    assert found["deviations"][:3] * growth == pytest.approx(expected[:3], rel=0.35)
+    assert found["deviations"][4:] == pytest.approx(expected[4:], rel=0.1)
+
+
+def figure(part: str, name: str) -> float:
+    return float(re.search(rf"{name}: ([\d.e-]+)", part)[1])

@@ -89,6 +89,14 @@ def agrees(model: str, *, spread: float, correlation: float) -> Iterator[Row]:
     three.
     """
 
+    known: dict[tuple[str, int], Track] = {}
+
+    def imitated(track: Track) -> Track:
+        key = (track.scene, track.seed)
+        if key not in known:
+            known[key] = imitation(model, track)
+        return known[key]
+
     def compare(
         name: str, unit: str, figures: Callable[[list[Track]], Array], distance: Callable[[Array, Array], Array]
     ) -> Row:
@@ -100,7 +108,7 @@ def agrees(model: str, *, spread: float, correlation: float) -> Iterator[Row]:
             measured = [track for track in tracks_of(cases) if track.held_out]
             if not measured or not complete(cases):
                 return Verdict("cases broke", target, "FAIL")
-            modelled = [imitation(model, track) for track in measured]
+            modelled = [imitated(track) for track in measured]
             ours, theirs = figures(modelled), figures(measured)
             holds = bool(np.all(distance(ours, theirs) <= allowed))
             figure = f"{listed(ours, unit)}; measured {listed(theirs, unit)}{' ' + unit if unit else ''}"
