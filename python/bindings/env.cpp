@@ -1,12 +1,14 @@
 // Learning environments: many worlds at once, and the tasks that are set in them.
 #include "threewe/env/batch.hpp"
 
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include <nanobind/stl/map.h>
 #include <nanobind/stl/pair.h>
 #include <nanobind/stl/shared_ptr.h>
 
@@ -152,9 +154,10 @@ void bind_batch(nb::module_& m) {
           [](Batch* self, const std::string& task, const std::vector<std::shared_ptr<scene::Scene>>& scenes,
              const RobotProfile& hardware, const std::string& noise, const std::vector<std::string>& observations,
              int lidar_beams, std::pair<int, int> image_size, const std::string& localization,
-             const std::string& localization_model, const std::string& gate, int max_steps, double control_period,
-             std::size_t num_envs, std::size_t num_robots, std::size_t num_threads, const std::string& autoreset,
-             const std::string& episodes, const std::string& goal_frame) {
+             const std::string& localization_model, const models::Randomization& randomization, const std::string& gate,
+             int max_steps, double control_period, std::size_t num_envs, std::size_t num_robots,
+             std::size_t num_threads, const std::string& autoreset, const std::string& episodes,
+             const std::string& goal_frame) {
             env::Options options;
             options.scenes.assign(scenes.begin(), scenes.end());
             const bool goal_in_map = chosen<bool>("goal_frame", goal_frame, {{"robot", false}, {"map", true}});
@@ -170,6 +173,7 @@ void bind_batch(nb::module_& m) {
             if (options.localization == env::Localization::noisy) {
               options.localization_model = models::load_localization(localization_model);
             }
+            options.randomization = randomization;
             options.gate = chosen<env::Gate>("gate", gate, {{"full", env::Gate::full}, {"limits", env::Gate::limits}});
             options.max_steps = max_steps;
             options.control_period = seconds("control_period", control_period);
@@ -184,8 +188,9 @@ void bind_batch(nb::module_& m) {
             new (self) Batch(std::move(options));
           },
           nb::kw_only(), "task"_a, "scenes"_a, "hardware"_a, "noise"_a, "observations"_a, "lidar_beams"_a,
-          "image_size"_a, "localization"_a, "localization_model"_a, "gate"_a, "max_steps"_a, "control_period"_a,
-          "num_envs"_a, "num_robots"_a, "num_threads"_a, "autoreset"_a, "episodes"_a, "goal_frame"_a)
+          "image_size"_a, "localization"_a, "localization_model"_a, "randomization"_a, "gate"_a, "max_steps"_a,
+          "control_period"_a, "num_envs"_a, "num_robots"_a, "num_threads"_a, "autoreset"_a, "episodes"_a,
+          "goal_frame"_a)
       .def_prop_ro(
           "fields",
           [](const Batch& batch) {
@@ -233,9 +238,34 @@ void bind_batch(nb::module_& m) {
                    })
       .def_prop_ro("true_poses", [](nb::handle self) { return table(self, batch_of(self).true_poses(), 3); })
       .def_prop_ro("scan_ages", [](nb::handle self) { return values(self, batch_of(self).scan_ages()); })
+      .def(
+          "variation",
+          [](const Batch& batch, std::size_t world, std::size_t robot) {
+            std::map<std::string, double> values;
+            for (std::size_t i = 0; i < models::knob_names().size(); ++i) {
+              values[models::knob_names()[i]] = models::knob(batch.variation(world, robot), i);
+            }
+            return values;
+          },
+          "env"_a, "robot"_a = 0, "How a robot differs from its profile now: the value of each knob.")
       .def("episode", &Batch::episode, "env"_a);
+}
+
+void bind_randomization(nb::module_& m) {
+  nb::class_<models::Randomization>(m, "Randomization",
+                                    "Domain randomisation: how far robots differ from their profile.")
+      .def_static("load", &models::load_randomization, "name"_a,
+                  "Reads one by name, or from a file that ends in .yaml. Raises ConfigError with file and line.")
+      .def_static("parse", &models::parse_randomization, "text"_a, "name"_a)
+      .def_ro("name", &models::Randomization::name)
+      .def_ro("description", &models::Randomization::description);
+  m.def("randomization_names", &models::randomization_names, "The names of all randomisations.");
+  m.def("knob_names", &models::knob_names, "The names of all numbers that a randomisation can draw.");
 }
 
 }  // namespace
 
-void init_env(nb::module_& m) { bind_batch(m); }
+void init_env(nb::module_& m) {
+  bind_randomization(m);
+  bind_batch(m);
+}

@@ -1505,6 +1505,30 @@ class Simulation:
     def restore(self, snapshot: Snapshot) -> None:
         """Goes on from where `save` was called."""
 
+class Randomization:
+    """Domain randomisation: how far robots differ from their profile."""
+
+    @staticmethod
+    def load(name: str) -> Randomization:
+        """
+        Reads one by name, or from a file that ends in .yaml. Raises ConfigError with file and line.
+        """
+
+    @staticmethod
+    def parse(text: str, name: str) -> Randomization: ...
+
+    @property
+    def name(self) -> str: ...
+
+    @property
+    def description(self) -> str: ...
+
+def randomization_names() -> list[str]:
+    """The names of all randomisations."""
+
+def knob_names() -> list[str]:
+    """The names of all numbers that a randomisation can draw."""
+
 class EpisodeInfo:
     """A world's episode."""
 
@@ -1546,7 +1570,7 @@ class EnvBatch:
     Many environments at once. Arrays are views of C++ memory, one row for each robot, which every call of `reset` and `step` overwrites.
     """
 
-    def __init__(self, *, task: str, scenes: Sequence[Scene], hardware: RobotProfile, noise: str, observations: Sequence[str], lidar_beams: int, image_size: tuple[int, int], localization: str, localization_model: str, gate: str, max_steps: int, control_period: float, num_envs: int, num_robots: int, num_threads: int, autoreset: str, episodes: str, goal_frame: str) -> None: ...
+    def __init__(self, *, task: str, scenes: Sequence[Scene], hardware: RobotProfile, noise: str, observations: Sequence[str], lidar_beams: int, image_size: tuple[int, int], localization: str, localization_model: str, randomization: Randomization, gate: str, max_steps: int, control_period: float, num_envs: int, num_robots: int, num_threads: int, autoreset: str, episodes: str, goal_frame: str) -> None: ...
 
     @property
     def fields(self) -> list[ObservationField]:
@@ -1588,5 +1612,8 @@ class EnvBatch:
 
     @property
     def scan_ages(self) -> Annotated[NDArray[numpy.float64], dict(shape=(None,))]: ...
+
+    def variation(self, env: int, robot: int = 0) -> dict[str, float]:
+        """How a robot differs from its profile now: the value of each knob."""
 
     def episode(self, env: int) -> EpisodeInfo: ...

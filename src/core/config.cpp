@@ -146,6 +146,9 @@ std::vector<std::pair<std::string, ConfigNode>> ConfigNode::fields() const {
   return fields;
 }
 
+bool ConfigNode::is_number() const { return node_.IsScalar(); }
+bool ConfigNode::is_list() const { return node_.IsSequence(); }
+
 double ConfigNode::number() const {
   double value = 0.0;
   if (!node_.IsScalar() || !YAML::convert<double>::decode(node_, value)) fail("expected a number");

@@ -1,6 +1,7 @@
 #include "env/agent.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "threewe/models/lidar.hpp"
@@ -16,6 +17,12 @@ double farthest_way(const safety::GateModel& gate, const LidarSpec& lidar) {
   return gate.limits.linear * (seconds + gate.limits.linear / gate.limits.linear_braking);
 }
 
+// Rounded to whole steps.
+Duration varied(Duration latency, double factor) {
+  const double steps = factor * static_cast<double>(latency.count()) / static_cast<double>(sim::kStep.count());
+  return static_cast<Duration::rep>(std::floor(steps + 0.5)) * sim::kStep;
+}
+
 }  // namespace
 
 AgentModel make_agent_model(const Options& options) {
@@ -28,7 +35,7 @@ AgentModel make_agent_model(const Options& options) {
   model.gate.collision_monitor = options.gate == Gate::full;
   if (model.profile.lidar) {
     const LidarSpec& lidar = *model.profile.lidar;
-    model.scans = static_cast<std::size_t>(lidar.latency / lidar.turn) + 2;
+    model.scans = static_cast<std::size_t>(models::kMostLatency * lidar.latency / lidar.turn) + 2;
     model.sight = farthest_way(model.gate, lidar) + norm(lidar.base_from_lidar.position()) + model.gate.margin +
                   model.gate.footprint.circumscribed_radius();
     model.beams = models::beams_of_points(lidar);
@@ -59,7 +66,7 @@ void Agent::end_turn(const AgentModel& model, const sim::RobotModel& robot, cons
   if (!whole) return;
   Scan& scan = scans_[taken_++ % scans_.size()];
   scan.end = state.time();
-  scan.arrives = scan.end + model.profile.lidar->latency;
+  scan.arrives = scan.end + varied(model.profile.lidar->latency, state.variation.sensor_latency);
   scan.odom_at_begin = began;
   scan.odom_at_end = turn_began_;
   const auto points = sim::scan_points(robot, state);

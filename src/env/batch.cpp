@@ -127,6 +127,9 @@ std::span<const double> Batch::metrics() const { return impl_->metrics; }
 std::span<const double> Batch::final_metrics() const { return impl_->final_metrics; }
 std::span<const double> Batch::true_poses() const { return impl_->true_poses; }
 std::span<const double> Batch::scan_ages() const { return impl_->scan_ages; }
+const models::Variation& Batch::variation(std::size_t world, std::size_t robot) const {
+  return impl_->states[impl_->row(world, robot)].variation;
+}
 EpisodeInfo Batch::episode(std::size_t world) const { return impl_->episodes[world].info; }
 
 }  // namespace threewe::env

@@ -26,6 +26,8 @@ struct Episode {
   bool over = false;
   std::vector<sim::PersonState> people;
   Pictures pictures;
+  std::uint64_t draws = 0;  // of the randomisation since the episode began
+  Time next_draw{};
 };
 
 struct Batch::Impl {
@@ -41,6 +43,7 @@ struct Batch::Impl {
   void clear_outcomes(std::size_t world);
   void measure(std::size_t world, std::vector<double>& to) const;
   void begin_world(std::size_t world, const Reset& reset);
+  void draw_anew(std::size_t world);
   void advance(Worlds worlds, std::uint64_t steps);
   void step_physics(Worlds worlds);
   void end_step(std::size_t world, std::size_t part);

@@ -1,6 +1,7 @@
 #include "env/clock.hpp"
 
 #include <algorithm>
+#include <string_view>
 
 namespace threewe::env {
 namespace {
@@ -25,6 +26,12 @@ std::uint64_t first_complete(const RobotProfile& profile) {
   return rounded_up(steps(last), kTick);
 }
 
+bool draws(const models::Randomization& randomization, std::string_view name) {
+  const auto is_it = [&](const models::RandomizedKnob& drawn) { return models::knob_names()[drawn.knob] == name; };
+  return std::ranges::any_of(randomization.startup, is_it) || std::ranges::any_of(randomization.reset, is_it) ||
+         std::ranges::any_of(randomization.interval, is_it);
+}
+
 }  // namespace
 
 Clock make_clock(const Options& options, const sim::RobotModel& robot) {
@@ -33,7 +40,7 @@ Clock make_clock(const Options& options, const sim::RobotModel& robot) {
   clock.period = steps(options.control_period);
   clock.turn = static_cast<std::uint64_t>(robot.turn);
   if (options.hardware.lidar) clock.latency = steps(options.hardware.lidar->latency);
-  clock.every_scan = options.gate == Gate::full;
+  clock.every_scan = options.gate == Gate::full || draws(options.randomization, "sensor_latency");
   return clock;
 }
 

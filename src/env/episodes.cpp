@@ -44,11 +44,14 @@ void Batch::Impl::begin_world(std::size_t world, const Reset& reset) {
   const sim::Model& model = model_of(world);
   for (std::size_t robot = 0; robot < options.robots; ++robot) {
     const std::size_t i = row(world, robot);
-    states[i] = sim::begin(model, robot, poses[robot], next.seed, next.episode);
+    const auto variation = models::draw_variation(options.randomization, next.seed, next.episode, robot);
+    states[i] = sim::begin(model, robot, poses[robot], next.seed, next.episode, variation);
     agents[i].begin(agent_model);
     actions[i] = {};
     done[i] = 0;
   }
+  episode.draws = 0;
+  episode.next_draw = models::draw_interval(options.randomization, next.seed, next.episode, 0);
   episode.people = sim::begin_people(model, robots_of(world), next.seed, next.episode);
   episode.pictures.begin();
 }

@@ -58,6 +58,7 @@ void Batch::Impl::step(Worlds worlds, std::span<const float> asked, std::size_t 
 void Batch::Impl::advance(Worlds worlds, std::uint64_t steps) {
   for (std::uint64_t tick = 0; tick < steps / kStepsPerTick; ++tick) {
     for (const std::size_t world : worlds) {
+      draw_anew(world);
       for (std::size_t i = row(world); i < row(world + 1); ++i) {
         commands[i] = agents[i].act(agent_model, states[i], actions[i], states[i].time());
       }
@@ -68,6 +69,20 @@ void Batch::Impl::advance(Worlds worlds, std::uint64_t steps) {
         agents[i].perceive(agent_model, states[i], states[i].time());
     }
   }
+}
+
+// What is randomised at intervals.
+void Batch::Impl::draw_anew(std::size_t world) {
+  Episode& episode = episodes[world];
+  const Time now = states[row(world)].time();
+  if (options.randomization.interval.empty() || now < episode.next_draw) return;
+  const auto& [seed, number, scene, steps] = episode.info;
+  ++episode.draws;
+  for (std::size_t robot = 0; robot < options.robots; ++robot) {
+    const auto variation = models::draw_variation(options.randomization, seed, number, robot, episode.draws);
+    sim::vary(model_of(world).robots[robot], variation, states[row(world, robot)]);
+  }
+  episode.next_draw = now + models::draw_interval(options.randomization, seed, number, episode.draws);
 }
 
 void Batch::Impl::step_physics(Worlds worlds) {

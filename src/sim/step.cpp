@@ -228,19 +228,26 @@ RobotState begin(const Model& model, std::size_t robot, const Pose2D& pose, std:
   state.robot = static_cast<std::uint32_t>(robot);
   state.start = pose;
   state.pose = pose;
-  state.variation = variation;
-  state.traction = models::make_traction(profile, kStep, variation);
+  vary(made, variation, state);
   state.command_latency = varied_latency(made.command_latency, variation.command_latency);
   state.wheel_errors =
       models::draw_wheel_errors(profile.odometry, state.key(Stream::odometry), variation.odometry_slip);
   if (profile.battery) {
     BatterySpec battery = *profile.battery;
-    battery.resistance = state.battery_resistance = variation.battery_resistance * battery.resistance;
+    battery.resistance = state.battery_resistance;
     state.battery = models::start_battery(battery, variation.battery_charge);
   }
   if (profile.imu) state.imu_state = models::start_imu(*profile.imu, state.key(Stream::imu));
   if (profile.lidar) state.lidar_bias = models::lidar_bias(*profile.lidar, state.key(Stream::lidar));
   return state;
+}
+
+void vary(const RobotModel& robot, const models::Variation& variation, RobotState& state) {
+  state.variation = variation;
+  state.traction = models::make_traction(robot.profile, kStep, variation);
+  if (robot.profile.battery) {
+    state.battery_resistance = variation.battery_resistance * robot.profile.battery->resistance;
+  }
 }
 
 void step(std::span<const World> worlds) {

@@ -92,7 +92,7 @@ def assert_same(ours: Any, theirs: Any, where: str = "") -> None:
     """Equal in every bit, except that a batch may say more in its infos."""
     if isinstance(theirs, dict):
         for key, value in theirs.items():
-            if key.lstrip("_") in {"scene", "seed", "episode", "true_pose", "scan_age"}:
+            if key.lstrip("_") in {"scene", "seed", "episode", "true_pose", "scan_age", "randomization"}:
                 continue  # `VectorEnv.episode` tells
             assert_same(ours[key], value, f"{where}.{key}")
     elif isinstance(theirs, tuple):
@@ -194,6 +194,40 @@ def test_options_that_do_not_fit_are_refused_by_name(options: dict[str, Any], sa
     with pytest.raises(ConfigError) as error:
         Env(**{**SMALL, "task": "navigation", **options})
     assert says in str(error.value)
+
+
+@pytest.mark.parametrize(
+    ("randomization", "says"),
+    [
+        ("papr", "unknown randomization 'papr'; did you mean 'paper'?"),
+        ({"reset": {"mas": 1}}, "randomization:1: reset.mas: unknown knob 'mas'; did you mean 'mass'?"),
+        ({"reset": {"mass": [2, 1]}}, "randomization:1: reset.mass[1]: 1 is outside [2, 5]"),
+        ({"reset": {"mass": {"unform": [1, 2]}}}, "unknown field 'unform'; did you mean 'uniform'?"),
+        ({"reset": {"lidar_noise": {"log_uniform": [0, 2]}}}, "log_uniform needs a lower bound above 0"),
+        ({"interval": {"every": [1, 2], "command_latency": [1, 2]}}, "stays as it is for an episode"),
+        ({"interval": {"mass": 1}}, "missing field 'every'"),
+        ({"rest": {}}, "unknown field 'rest'; did you mean 'reset'?"),
+    ],
+)
+def test_randomisations_that_do_not_fit_are_refused(randomization: Any, says: str) -> None:
+    with pytest.raises(ConfigError) as error:
+        Env(**{**SMALL, "task": "navigation", "randomization": randomization})
+    assert says in str(error.value)
+    with pytest.raises(ContractError, match="finite numbers"):
+        Env(**{**SMALL, "task": "navigation", "randomization": {"reset": {"mass": float("nan")}}})
+
+
+def test_what_is_randomised_is_told_and_can_be_repeated() -> None:
+    env = Env(**{**lean("navigation"), "randomization": "paper"})
+    seen = [env.reset(seed=3)[1], *(env.reset()[1] for _ in range(20))]
+    masses = [info["randomization"]["mass"] for info in seen]
+    assert len(set(masses)) == 21
+    assert all(0.9 <= mass <= 1.1 for mass in masses)
+    assert len({info["randomization"]["camera_yaw"] for info in seen}) == 1  # drawn at startup
+    _, again = env.reset(seed=3, options={"episode": 7})
+    assert again["randomization"] == seen[7]["randomization"]
+    _, plain = Env(**lean("navigation")).reset(seed=3)
+    assert plain["randomization"]["mass"] == 1.0
 
 
 def test_masks_and_seeds_that_do_not_fit_are_refused() -> None:

@@ -35,6 +35,8 @@ class ConfigNode {
   /// The fields of a mapping whose names are the file's to choose, in order, at most kMostItems and none of them twice.
   std::vector<std::pair<std::string, ConfigNode>> fields() const;
 
+  bool is_number() const;
+  bool is_list() const;
   double number() const;                            ///< finite, or ConfigError
   double number_in(double low, double high) const;  ///< within [low, high], or ConfigError
   int integer_in(int low, int high) const;          ///< the same, and whole

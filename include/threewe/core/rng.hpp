@@ -20,6 +20,7 @@ enum class Stream : std::uint32_t {
   scene,
   sampler,
   localization,
+  randomization,
 };
 
 /// Names one sequence of random numbers.

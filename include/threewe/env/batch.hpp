@@ -80,6 +80,8 @@ class Batch {
   /// (rows,) [s] since the newest scan was complete.
   std::span<const double> scan_ages() const;
   EpisodeInfo episode(std::size_t world) const;
+  /// How a robot differs from its profile now.
+  const models::Variation& variation(std::size_t world, std::size_t robot = 0) const;
 
  private:
   struct Impl;

@@ -12,6 +12,7 @@
 #include "threewe/core/time.hpp"
 #include "threewe/hardware/profile.hpp"
 #include "threewe/models/localization.hpp"
+#include "threewe/models/randomization.hpp"
 #include "threewe/scene/scene.hpp"
 #include "threewe/task/task.hpp"
 
@@ -62,6 +63,7 @@ struct Options {
   int image_height = 64;  ///< [px]
   Localization localization = Localization::noisy;
   models::LocalizationSpec localization_model;  ///< of `Localization::noisy`
+  models::Randomization randomization;
   Gate gate = Gate::full;
   int max_steps = 500;              ///< an episode is truncated after so many
   Duration control_period = 100ms;  ///< of one step; a whole number of control periods of the robot

@@ -16,6 +16,9 @@ namespace threewe::sim {
 RobotState begin(const Model& model, std::size_t robot, const Pose2D& pose, std::uint64_t seed,
                  std::uint32_t episode = 0, const models::Variation& variation = {});
 
+/// Changes how a robot differs from its profile, from its next step on, in what need not stay for an episode.
+void vary(const RobotModel& robot, const models::Variation& variation, RobotState& state);
+
 /// Which sensors work in a step. Leaving one out changes nothing that others measure, nor how anything moves; a scan is
 /// whole only if its lidar worked in every step of the turn.
 struct Sensing {

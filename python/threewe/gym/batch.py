@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, TypedDict
@@ -39,6 +40,8 @@ class EnvOptions(TypedDict, total=False):
       between corrections that are off as those of our own SLAM are; `"odometry"`: the wheels alone; `"truth"`.
     - `localization_model`: of `"noisy"`, or a file: see assets/localization.
     - `gate`: `"full"`, as in `Robot`; `"limits"` without the collision monitor.
+    - `randomization`: `"none"`, `"mild"`, `"paper"`, `"hard"`, a file, or a dict of the same form as the files:
+      `{"reset": {"mass": [0.9, 1.1]}}`; see assets/randomization.
     - `max_steps`: an episode is truncated after so many.
     - `control_rate`: steps a second: 50 over a whole number.
     - `episodes`: of Navigation: `"standard"` (2 to 15 m, a fifth with a detour), `"reactive"` (2 to 8 m, none).
@@ -57,6 +60,7 @@ class EnvOptions(TypedDict, total=False):
     localization: str
     localization_model: str
     gate: str
+    randomization: str | Mapping[str, Any]
     max_steps: int
     control_rate: float
     episodes: str
@@ -76,6 +80,7 @@ DEFAULTS = EnvOptions(
     localization="noisy",
     localization_model="slam_v1",
     gate="full",
+    randomization="none",
     max_steps=500,
     control_rate=10.0,
     episodes="standard",
@@ -146,6 +151,7 @@ def make_batch(task: str, *, num_envs: int, num_robots: int, num_threads: int, a
         localization=as_text("localization", options["localization"]),
         localization_model=as_asset("localization_model", options["localization_model"]),
         gate=as_text("gate", options["gate"]),
+        randomization=load_randomization(options["randomization"]),
         max_steps=options["max_steps"],
         control_period=round(1e9 / control_rate) * 1e-9,
         num_envs=num_envs,
@@ -156,6 +162,17 @@ def make_batch(task: str, *, num_envs: int, num_robots: int, num_threads: int, a
         goal_frame=as_text("goal_frame", options["goal_frame"]),
     )
     return Batch(core, scenes, profile, options, observation_space(core), spaces.Box(-1.0, 1.0, (3,), np.float32))
+
+
+def load_randomization(given: str | Mapping[str, Any]) -> _core.Randomization:
+    """A randomisation by name, from a file or from a dict."""
+    if not isinstance(given, Mapping):
+        return _core.Randomization.load(as_asset("randomization", given))
+    try:
+        text = json.dumps(given, allow_nan=False)
+    except (TypeError, ValueError) as error:
+        raise ContractError(f"randomization must hold names, finite numbers and lists: {error}") from None
+    return _core.Randomization.parse(text, "randomization")  # JSON is YAML
 
 
 def load_scenes(options: EnvOptions) -> list[Scene]:

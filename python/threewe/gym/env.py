@@ -49,7 +49,9 @@ class Env(gymnasium.Env[Any, Any]):
             given = int(self.np_random.integers(2**63))
         self._batch.reset([given], options, None)
         self._begun = True
-        return self._observe(), self._info()
+        info = self._info()
+        info["randomization"] = self._core.variation(0)
+        return self._observe(), info
 
     def step(self, action: Any) -> tuple[Observation, float, bool, bool, dict[str, Any]]:
         """One control step. Raises ContractError, and does nothing, for an action that is none."""

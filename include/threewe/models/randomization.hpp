@@ -1,0 +1,67 @@
+// Domain randomisation: how far robots differ from their profile, and when that is drawn anew.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "threewe/core/time.hpp"
+#include "threewe/models/variation.hpp"
+
+namespace threewe::models {
+
+/// From what a number is drawn.
+struct Distribution {
+  enum class Kind : std::uint8_t { constant, uniform, log_uniform, normal, integer };
+  Kind kind = Kind::constant;
+  double a = 0.0;  ///< the value, the lower bound or the mean
+  double b = 0.0;  ///< the upper bound (that of `integer` included) or the standard deviation
+};
+
+/// One number of a `Variation` that is drawn.
+struct RandomizedKnob {
+  std::size_t knob = 0;  ///< place in `knob_names()`
+  Distribution distribution;
+};
+
+/// What is drawn when. The default draws nothing.
+///
+/// `startup`: once for each environment, and kept for all its episodes; `reset`: for each episode; `interval`: again
+/// and again during an episode. What is drawn later counts.
+struct Randomization {
+  std::string name = "none";
+  std::string description;
+  std::vector<RandomizedKnob> startup;
+  std::vector<RandomizedKnob> reset;
+  std::vector<RandomizedKnob> interval;
+  Duration shortest_interval{};  ///< how long until the next draw, uniform between these
+  Duration longest_interval{};
+};
+
+/// The names of all numbers that can be drawn: those of `Variation`, with `camera_x`, `camera_y` [m] and `camera_yaw`
+/// [rad] for its camera's offset.
+const std::vector<std::string>& knob_names();
+double& knob(Variation& variation, std::size_t place);
+double knob(const Variation& variation, std::size_t place);
+
+/// The largest factor of latencies that can be drawn.
+inline constexpr int kMostLatency = 10;
+
+/// Reads assets/randomization/NAME.yaml, or the file itself where `name` ends in .yaml. Throws ConfigError.
+Randomization load_randomization(std::string_view name);
+/// Reads text (YAML, hence also JSON); `name` stands for the file in messages.
+Randomization parse_randomization(const std::string& text, const std::string& name);
+/// The names of all that come with the library, and of those in added folders.
+std::vector<std::string> randomization_names();
+
+/// How robot number `robot` of an environment differs in an episode: a pure function of its arguments. `draw` counts
+/// the intervals that have gone by since the episode began.
+Variation draw_variation(const Randomization& randomization, std::uint64_t seed, std::uint32_t episode,
+                         std::size_t robot, std::uint64_t draw = 0);
+/// How long interval number `draw` lasts, a whole number of control periods; the same for all robots of a world. 0
+/// where nothing is drawn at intervals.
+Duration draw_interval(const Randomization& randomization, std::uint64_t seed, std::uint32_t episode,
+                       std::uint64_t draw);
+
+}  // namespace threewe::models
