@@ -5,10 +5,12 @@
 #include <cstdint>
 #include <fstream>
 #include <map>
+#include <sstream>
 #include <system_error>
 #include <utility>
 
 #include <fmt/format.h>
+#include <yaml-cpp/eventhandler.h>
 
 #include "threewe/core/errors.hpp"
 #include "threewe/core/names.hpp"
@@ -46,6 +48,32 @@ std::size_t find_not_utf8(std::string_view text) {
 // An empty document stands nowhere.
 int line_of(const YAML::Node& node) { return std::max(node.Mark().line, 0) + 1; }
 
+// Where the first two documents of a text begin. YAML::LoadAll would never end on a text with a stray ',' or '}', each
+// of which it takes for one document after the other, all empty.
+class Documents final : public YAML::EventHandler {
+ public:
+  std::vector<YAML::Mark> beginnings;
+
+  void OnDocumentStart(const YAML::Mark& mark) override { beginnings.push_back(mark); }
+  void OnDocumentEnd() override {}
+  void OnNull(const YAML::Mark&, YAML::anchor_t) override {}
+  void OnAlias(const YAML::Mark&, YAML::anchor_t) override {}
+  void OnScalar(const YAML::Mark&, const std::string&, YAML::anchor_t, const std::string&) override {}
+  void OnSequenceStart(const YAML::Mark&, const std::string&, YAML::anchor_t, YAML::EmitterStyle::value) override {}
+  void OnSequenceEnd() override {}
+  void OnMapStart(const YAML::Mark&, const std::string&, YAML::anchor_t, YAML::EmitterStyle::value) override {}
+  void OnMapEnd() override {}
+};
+
+std::vector<YAML::Mark> beginnings_of_documents(const std::string& text) {
+  std::istringstream stream(text);
+  YAML::Parser parser(stream);
+  Documents documents;
+  while (documents.beginnings.size() < 2 && parser.HandleNextDocument(documents)) {
+  }
+  return documents.beginnings;
+}
+
 }  // namespace
 
 ConfigNode::ConfigNode(const YAML::Node& node, std::string file, std::string path, int line)
@@ -74,9 +102,13 @@ ConfigNode ConfigNode::parse(const std::string& text, const std::string& name) {
     refuse(static_cast<int>(line), "expected UTF-8 text; save the file as that");
   }
   try {
-    const std::vector<YAML::Node> documents = YAML::LoadAll(text);
-    if (documents.size() > 1) refuse(documents[1].Mark().line, "expected one document; a second begins here");
-    const YAML::Node node = documents.empty() ? YAML::Node() : documents.front();
+    const std::vector<YAML::Mark> documents = beginnings_of_documents(text);
+    if (documents.size() > 1) {
+      const bool stuck = documents[0].pos == documents[1].pos;
+      refuse(documents[1].line,
+             stuck ? "malformed YAML: nothing can begin like this" : "expected one document; a second begins here");
+    }
+    const YAML::Node node = YAML::Load(text);
     return {node, name, "", line_of(node)};
   } catch (const YAML::Exception& error) {
     throw ConfigError(fmt::format("{}:{}: malformed YAML: {}", name, std::max(error.mark.line, 0) + 1, error.msg));

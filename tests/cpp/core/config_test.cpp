@@ -123,8 +123,17 @@ TEST_CASE("a file that is no text") {
   CHECK(message([] { parse("%YAML 9999999999.1\n---\na: 1\n"); }).starts_with("robot.yaml:1: malformed YAML: "));
 }
 
+TEST_CASE("what belongs to nothing is told, and does not keep the reader for ever") {
+  CHECK(message([] { parse("# a comment\n, and more\na: 1\n"); }) ==
+        "robot.yaml:2: malformed YAML: nothing can begin like this");
+  for (const char* text : {"a: 1\n}\n", "a: 1\n]\n", "}", "]", ",", "a: {b: 1}}\n", "- a\n,\n"}) {
+    CAPTURE(text);
+    CHECK(message([&] { parse(text); }).starts_with("robot.yaml:"));
+  }
+}
+
 TEST_CASE("a file of two documents, of which one would be lost") {
-  CHECK(message([] { parse("a: 1\n---\nb: 2\n"); }) == "robot.yaml:3: expected one document; a second begins here");
+  CHECK(message([] { parse("a: 1\n---\nb: 2\n"); }) == "robot.yaml:2: expected one document; a second begins here");
   CHECK(parse("---\na: 1\n...\n").number("a") == 1.0);
 }
 
