@@ -176,7 +176,7 @@ HWY_INLINE void drive_group(const Group& group, const Constants& constants) {
   VelocityOf<V> command;
   V floor;
   Places commands;
-  for (std::size_t i = 0; i < kLanes; ++i) commands[i] = bytes_of(group.drivers[i]->command);
+  for (std::size_t i = 0; i < kLanes; ++i) commands[i] = bytes_of(group.drivers[i]->vx);
   gather(commands, 0, command.vx, command.vy, command.omega, floor);
   command = threewe::HWY_NAMESPACE::within_limits(drive.linear_limit, drive.angular_limit, command);
 

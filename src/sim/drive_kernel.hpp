@@ -8,22 +8,27 @@
 
 namespace threewe::sim::kernel {
 
-/// A robot as a step begins.
+/// A robot as a step begins. (Plain numbers: arrays of these are scratch, and nothing sets them twice.)
 struct Driver {
-  const RobotModel* robot = nullptr;
-  RobotState* state = nullptr;
-  Velocity command;    ///< that arrives now
-  double floor = 1.0;  ///< how well the floor holds
+  const RobotModel* robot;
+  RobotState* state;
+  double vx, vy, omega;  ///< the command that arrives now
+  double floor;          ///< how well the floor holds
 };
 
 /// Where its wheels would take it, if nothing is in the way.
 struct Driven {
-  Pose2D pose;
-  Velocity velocity;
-  double max_collision_speed = 0.0;
-  double distance_driven = 0.0;
-  Velocity carried;  ///< its velocity before its wheels pulled, seen from the heading that the step began with
-  double unused = 0.0;
+  double x, y, theta;
+  double vx, vy, omega;
+  double max_collision_speed;
+  double distance_driven;
+  double carried_vx, carried_vy, carried_omega;
+  double unused;
+
+  Pose2D pose() const { return {x, y, theta}; }
+  Velocity velocity() const { return {vx, vy, omega}; }
+  /// Its velocity before its wheels pulled, seen from the heading that the step began with.
+  Velocity carried() const { return {carried_vx, carried_vy, carried_omega}; }
 };
 
 /// Motors turn the wheels, the wheels pull the body, and the battery pays: takes what the states say of wheels and

@@ -87,13 +87,4 @@ ShapeIndex::ShapeIndex(scene::Slice slice, double reach, double cell)
   begins_.push_back(static_cast<std::uint32_t>(shapes_.size()));
 }
 
-std::span<const std::uint16_t> ShapeIndex::near(Vec2 point) const {
-  const double x = (point.x - origin_.x) * (1.0 * cells_per_metre_);
-  const double y = (point.y - origin_.y) * (1.0 * cells_per_metre_);
-  const bool inside = x >= 0.0 && y >= 0.0 && x < width_ && y < height_;
-  if (!inside) return {};
-  const auto cell = static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) + static_cast<std::size_t>(x);
-  return std::span(shapes_).subspan(begins_[cell], begins_[cell + 1] - begins_[cell]);
-}
-
 }  // namespace threewe::sim

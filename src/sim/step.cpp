@@ -4,8 +4,11 @@
 #include <array>
 #include <cassert>
 #include <cmath>
+#include <cstddef>
 #include <utility>
 #include <vector>
+
+#include <hwy/cache_control.h>
 
 #include "sim/crowd.hpp"
 #include "sim/drive_kernel.hpp"
@@ -31,9 +34,16 @@ double floor_grip(const Model& model, const RobotModel& robot, const Pose2D& pos
 }
 
 // A robot as a step begins. The command that arrives now is the one sent a latency ago.
-kernel::Driver driver_of(const Model& model, const RobotModel& robot, RobotState& state, const Velocity& sent) {
+void begin_step(const Model& model, const RobotModel& robot, RobotState& state, const Velocity& sent,
+                kernel::Driver& driver) {
   state.commands[(state.steps + state.command_latency) % kMaxLatencySteps] = sent;
-  return {&robot, &state, state.commands[state.steps % kMaxLatencySteps], floor_grip(model, robot, state.pose)};
+  const Velocity& command = state.commands[state.steps % kMaxLatencySteps];
+  driver.robot = &robot;
+  driver.state = &state;
+  driver.vx = command.vx;
+  driver.vy = command.vy;
+  driver.omega = command.omega;
+  driver.floor = floor_grip(model, robot, state.pose);
 }
 
 // The world holds the body back.
@@ -52,8 +62,8 @@ void arrive(RobotState& state, const Motion& motion) {
 
 // Where nothing stands near.
 void arrive(RobotState& state, const kernel::Driven& driven) {
-  state.pose = driven.pose;
-  state.velocity = driven.velocity;
+  state.pose = driven.pose();
+  state.velocity = driven.velocity();
   state.distance_driven = driven.distance_driven;
   ++state.steps;
 }
@@ -150,16 +160,16 @@ void step_crowd(const World& crowd) {
   walk(model, world, people);
   const std::vector<scene::Circle> circles = circles_of(model, people);
   const std::vector<scene::Circle> legs = legs_of(model, people);
-  std::vector<kernel::Driver> drivers;
+  std::vector<kernel::Driver> drivers(world.size());
   for (std::size_t i = 0; i < world.size(); ++i) {
-    drivers.push_back(driver_of(model, model.robots[i], world[i], commands[i]));
+    begin_step(model, model.robots[i], world[i], commands[i], drivers[i]);
   }
   std::vector<kernel::Driven> driven(world.size());
   kernel::drive(drivers, driven);
   std::vector<Mover> movers;
   for (std::size_t i = 0; i < world.size(); ++i) {
-    movers.push_back(
-        {&model.robots[i].body, world[i].pose, driven[i].carried, driven[i].velocity, 0.0, world[i].variation.mass});
+    movers.push_back({&model.robots[i].body, world[i].pose, driven[i].carried(), driven[i].velocity(), 0.0,
+                      world[i].variation.mass});
   }
   exchange_momentum(movers, kSeconds);
 
@@ -181,13 +191,20 @@ void step_crowd(const World& crowd) {
   }
 }
 
+// Brings what a drive needs of a state into the nearest cache, ahead of time.
+void fetch(const World& world) {
+  constexpr std::size_t kLine = 64;
+  const auto* state = reinterpret_cast<const std::byte*>(world.robots.data());
+  for (std::size_t line = 0; line < offsetof(RobotState, variation); line += kLine) hwy::Prefetch(state + line);
+}
+
 // Worlds of one robot each, without people; at most kAtATime.
 void step_singles(std::span<const World* const> worlds) {
   std::array<kernel::Driver, kAtATime> drivers;
   std::array<kernel::Driven, kAtATime> driven;
   for (std::size_t i = 0; i < worlds.size(); ++i) {
     const World& world = *worlds[i];
-    drivers[i] = driver_of(*world.model, world.model->robots[0], world.robots[0], world.commands[0]);
+    begin_step(*world.model, world.model->robots[0], world.robots[0], world.commands[0], drivers[i]);
   }
   kernel::drive(std::span(drivers).first(worlds.size()), std::span(driven).first(worlds.size()));
 
@@ -196,11 +213,11 @@ void step_singles(std::span<const World* const> worlds) {
     const RobotModel& robot = *drivers[i].robot;
     RobotState& state = *drivers[i].state;
     const Pose2D before = state.pose;
-    const Velocity& carried = driven[i].carried;
+    const Velocity carried = driven[i].carried();
     if (robot.obstacles->near(before.position()).empty()) {
       arrive(state, driven[i]);
     } else {
-      arrive(state, slide(robot, before, driven[i].velocity, carried, {}));
+      arrive(state, slide(robot, before, driven[i].velocity(), carried, {}));
     }
     sense(robot, worlds[i]->sensing, nobody, before, carried, state);
   }
@@ -250,20 +267,26 @@ void vary(const RobotModel& robot, const models::Variation& variation, RobotStat
   }
 }
 
-void step(std::span<const World> worlds) {
+void step(std::span<const World> worlds, int steps) {
   std::array<const World*, kAtATime> singles;
   std::size_t count = 0;
-  for (const World& world : worlds) {
+  const auto step_those = [&] {
+    for (int i = 0; i < steps; ++i) step_singles(std::span(singles).first(count));
+    count = 0;
+  };
+  for (std::size_t i = 0; i < worlds.size(); ++i) {
+    const World& world = worlds[i];
     assert(world.robots.size() == world.model->robots.size() && world.commands.size() == world.robots.size());
     assert(world.people.empty() || world.people.size() == world.model->scene->people.size());
+    if (i + kAtATime < worlds.size()) fetch(worlds[i + kAtATime]);
     if (world.robots.size() > 1 || !world.people.empty()) {
-      step_crowd(world);
+      for (int k = 0; k < steps; ++k) step_crowd(world);
       continue;
     }
     singles[count++] = &world;
-    if (count == kAtATime) step_singles(std::span(singles).first(std::exchange(count, 0)));
+    if (count == kAtATime) step_those();
   }
-  step_singles(std::span(singles).first(count));
+  step_those();
 }
 
 void step(const Model& model, std::span<RobotState> states, std::span<const Velocity> commands,

@@ -21,7 +21,13 @@ class ShapeIndex {
   const scene::Slice& slice() const { return slice_; }
 
   /// The shapes that may lie within `reach` of `point`, and surely all that do: segments count from 0, circles follow.
-  std::span<const std::uint16_t> near(Vec2 point) const;
+  std::span<const std::uint16_t> near(Vec2 point) const {
+    const double x = (point.x - origin_.x) * cells_per_metre_;
+    const double y = (point.y - origin_.y) * cells_per_metre_;
+    if (!(x >= 0.0 && y >= 0.0 && x < width_ && y < height_)) return {};
+    const auto cell = static_cast<std::uint32_t>(static_cast<int>(y) * width_ + static_cast<int>(x));
+    return {shapes_.data() + begins_[cell], shapes_.data() + begins_[cell + 1]};
+  }
 
  private:
   scene::Slice slice_;

@@ -37,9 +37,10 @@ struct World {
   Sensing sensing;
 };
 
-/// Advances every world by `kStep`. Worlds do not influence each other, so any part of a batch may be stepped on its
-/// own, on any thread, in any order, with the same bits; several at once are faster.
-void step(std::span<const World> worlds);
+/// Advances every world by `steps` times `kStep`, under the same commands. Worlds do not influence each other, so any
+/// part of a batch may be stepped on its own, on any thread, in any order, with the same bits; several at once are
+/// faster, and so are several steps.
+void step(std::span<const World> worlds, int steps = 1);
 
 /// The same for worlds of one model, whose states, commands and people stand one world behind the other.
 void step(const Model& model, std::span<RobotState> states, std::span<const Velocity> commands,

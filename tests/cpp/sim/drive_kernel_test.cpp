@@ -95,7 +95,7 @@ BatteryState drain(const models::Battery& battery, double resistance, double dri
 kernel::Driven drive(const kernel::Driver& driver) {
   const RobotModel& robot = *driver.robot;
   RobotState& state = *driver.state;
-  const WheelSpeeds wanted = setpoints(robot.drive, within_limits(robot.drive, driver.command));
+  const WheelSpeeds wanted = setpoints(robot.drive, within_limits(robot.drive, {driver.vx, driver.vy, driver.omega}));
   const double supplied = supply(robot.battery, state.battery);
   const auto shares = models::motor_shares(state.traction, state.key(Stream::motor), state.steps);
   for (std::size_t i = 0; i < (robot.drive.sideways == 0.0 ? 2 : 4); ++i) {
@@ -112,7 +112,18 @@ kernel::Driven drive(const kernel::Driver& driver) {
                         power(robot.drive, state.traction.mass, carried, after, rolling), state.battery);
   const Pose2D end = integrate(state.pose, after, 0.01);
   const double way = distance(state.pose.position(), end.position());
-  return {end, after, state.max_collision_speed, state.distance_driven + way, carried, state.wheel_errors.lateral};
+  return {end.x,
+          end.y,
+          end.theta,
+          after.vx,
+          after.vy,
+          after.omega,
+          state.max_collision_speed,
+          state.distance_driven + way,
+          carried.vx,
+          carried.vy,
+          carried.omega,
+          state.wheel_errors.lateral};
 }
 
 }  // namespace plain
@@ -201,7 +212,8 @@ TEST_CASE("many robots, driven at once, do to the bit what each would alone, on 
       for (std::size_t i = 0; i < count; ++i) {
         const Model& model = *all[(mixed ? seed + i * i : seed) % all.size()];
         states.push_back(random_state(model, key, 100 + i));
-        drivers.push_back({&model.robots[0], nullptr, random_command(key, 200 + i), i % 3 == 0 ? 0.3 : 1.0});
+        const auto [vx, vy, omega] = random_command(key, 200 + i);
+        drivers.push_back({&model.robots[0], nullptr, vx, vy, omega, i % 3 == 0 ? 0.3 : 1.0});
       }
       std::vector<RobotState> expected = states;
       std::vector<kernel::Driven> driven(count);
