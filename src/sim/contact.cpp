@@ -1,8 +1,10 @@
 #include "threewe/sim/contact.hpp"
 
 #include <algorithm>
-#include <array>
+#include <cstddef>
 #include <limits>
+#include <memory>
+#include <type_traits>
 
 namespace threewe::sim {
 namespace {
@@ -22,97 +24,155 @@ constexpr int kMaxParts = 16;
 
 constexpr Vec2 left_of(Vec2 v) { return {-v.y, v.x}; }
 
-// The footprint's corners around the base, turned by a heading.
-struct Outline {
-  std::array<Vec2, kMaxCorners> corners;
-  std::size_t count = 0;
-  Vec2 edge_end(std::size_t i) const { return corners[i + 1 == count ? 0 : i + 1]; }
+// A list that is cheap to make: room that nothing is in yet is not set.
+template <class T, std::size_t kCapacity>
+class FixedList {
+ public:
+  void push(const T& item) {
+    if (count_ < kCapacity) std::construct_at(data() + count_++, item);
+  }
+  std::span<T> items() { return {data(), count_}; }
+  std::span<const T> items() const { return {data(), count_}; }
+  bool empty() const { return count_ == 0; }
+
+ private:
+  static_assert(std::is_trivially_copyable_v<T>);
+  T* data() { return reinterpret_cast<T*>(storage_); }
+  const T* data() const { return reinterpret_cast<const T*>(storage_); }
+  alignas(T) std::byte storage_[kCapacity * sizeof(T)];
+  std::size_t count_ = 0;
 };
 
-Outline turn_outline(const Footprint& footprint, double heading) {
-  const auto [s, c] = exact::sincos(heading);
+// One side of the footprint, around the base: from a corner to the next.
+struct Side {
+  Vec2 corner;
+  Vec2 edge;
+  double per_square = 0.0;  // 1 over its length squared [1/m^2]
+};
+using Outline = FixedList<Side, kMaxCorners>;
+
+Outline outline_of(const Footprint& footprint) {
   Outline outline;
-  for (const Vec2 corner : footprint.corners()) {
-    outline.corners[outline.count++] = {c * corner.x - s * corner.y, s * corner.x + c * corner.y};
+  const std::span<const Vec2> corners = footprint.corners();
+  for (std::size_t i = 0; i < corners.size(); ++i) {
+    const Vec2 edge = corners[i + 1 == corners.size() ? 0 : i + 1] - corners[i];
+    outline.push({corners[i], edge, 1.0 / dot(edge, edge)});
   }
   return outline;
 }
 
-// Separating axes: two convex shapes are apart exactly when an edge's normal of one of them tells so.
-bool overlaps(const Outline& outline, Vec2 a, Vec2 b) {
-  for (std::size_t i = 0; i < outline.count; ++i) {
-    const Vec2 edge = outline.edge_end(i) - outline.corners[i];
-    if (std::max(cross(edge, a - outline.corners[i]), cross(edge, b - outline.corners[i])) <= 0.0) return false;
+Outline turn(const Outline& outline, double heading) {
+  const auto [s, c] = exact::sincos(heading);
+  const auto turned = [s, c](Vec2 v) -> Vec2 { return {c * v.x - s * v.y, s * v.x + c * v.y}; };
+  Outline result;
+  for (const auto& [corner, edge, per_square] : outline.items()) {
+    result.push({turned(corner), turned(edge), per_square});
   }
-  double low = std::numeric_limits<double>::infinity();
-  double high = -low;
-  for (std::size_t i = 0; i < outline.count; ++i) {
-    const double side = cross(b - a, outline.corners[i] - a);
-    low = std::min(low, side);
-    high = std::max(high, side);
-  }
-  return low < 0.0 && high > 0.0;
-}
-
-bool overlaps(const Outline& outline, Vec2 center, double radius) {
-  bool inside = true;
-  for (std::size_t i = 0; i < outline.count; ++i) {
-    const Vec2 a = outline.corners[i];
-    const Vec2 b = outline.edge_end(i);
-    if (distance(center, closest_on_segment(center, a, b)) < radius) return true;
-    inside = inside && cross(b - a, center - a) > 0.0;
-  }
-  return inside;
+  return result;
 }
 
 // A segment, or a disc around `a`; seen from the base's old position.
 struct Shape {
   Vec2 a;
-  Vec2 b;
-  double radius;
-  bool is_circle;
+  Vec2 along;               // from a to b
+  double per_square = 0.0;  // 1 over its length squared [1/m^2]; 0 of a point
+  double radius = 0.0;
+  bool is_circle = false;
 };
 
-bool overlaps(const Outline& outline, Vec2 moved, const Shape& shape) {
-  return shape.is_circle ? overlaps(outline, shape.a - moved, shape.radius)
-                         : overlaps(outline, shape.a - moved, shape.b - moved);
+constexpr double share_along(Vec2 from_start, Vec2 along, double per_square) {
+  return std::min(std::max(dot(from_start, along) * per_square, 0.0), 1.0);
 }
 
-// The shapes that a body could meet in this step.
-class Neighbourhood {
- public:
-  Neighbourhood(const ShapeIndex& obstacles, const MovingShapes& others, Vec2 base, double reach) {
-    const scene::Slice& slice = obstacles.slice();
-    for (const std::uint16_t shape : obstacles.near(base)) {
-      if (shape < slice.segments.size()) {
-        add(slice.segments[shape], base, reach);
-      } else {
-        add(slice.circles[shape - slice.segments.size()], base, reach);
-      }
+// How far a body that has moved is from a shape; 0 where they overlap.
+double clearance(const Outline& outline, Vec2 moved, const Shape& shape) {
+  const Vec2 a = shape.a - moved;
+  // the nearest points are a corner and one of the shape, or one of a side and an end of the shape; and two convex
+  // shapes are apart exactly when a side of one of them has the other on its outer side
+  double least = std::numeric_limits<double>::infinity();
+  double low = least;
+  double high = -least;
+  bool apart = false;
+  for (const auto& [corner, edge, per_square] : outline.items()) {
+    const Vec2 from_a = corner - a;
+    const Vec2 offset = from_a - share_along(from_a, shape.along, shape.per_square) * shape.along;
+    const double side = cross(shape.along, from_a);
+    low = std::min(low, side);
+    high = std::max(high, side);
+
+    const Vec2 to_a = a - corner;
+    const Vec2 to_b = to_a + shape.along;
+    const Vec2 offset_a = to_a - share_along(to_a, edge, per_square) * edge;
+    const Vec2 offset_b = to_b - share_along(to_b, edge, per_square) * edge;
+    apart = apart || std::max(cross(edge, to_a), cross(edge, to_b)) <= 0.0;
+    least = std::min({least, dot(offset, offset), dot(offset_a, offset_a), dot(offset_b, offset_b)});
+  }
+  if (!apart && (shape.is_circle || (low < 0.0 && high > 0.0))) return 0.0;
+  return std::max(exact::sqrt(least) - shape.radius, 0.0);
+}
+
+// Whether a line along a side of either has more than `distance` between body and shape: seldom wrong, and only towards
+// no.
+bool surely_apart(const Outline& outline, const Shape& shape, double distance) {
+  const double far = distance + shape.radius;
+  double low = std::numeric_limits<double>::infinity();
+  double high = -low;
+  for (const auto& [corner, edge, per_square] : outline.items()) {
+    const Vec2 to_a = shape.a - corner;
+    const double inside = std::max(cross(edge, to_a), cross(edge, to_a + shape.along));
+    if (inside < 0.0 && inside * inside * per_square > far * far) return true;
+    const double side = cross(shape.along, corner - shape.a);
+    low = std::min(low, side);
+    high = std::max(high, side);
+  }
+  const double least = std::max(low, -high);
+  return least > 0.0 && least * least * shape.per_square > far * far;
+}
+
+// The shapes that a body could meet in a step in which no part of it goes farther than `travel`.
+using Neighbourhood = FixedList<Shape, kMaxShapes>;
+
+Neighbourhood find_neighbourhood(const Footprint& footprint, const ShapeIndex& obstacles, const MovingShapes& others,
+                                 const Pose2D& pose, double travel) {
+  const Vec2 base = pose.position();
+  const double reach = footprint.circumscribed_radius() + travel;
+  Neighbourhood found;
+  Outline outline;
+  const auto add = [&](const Shape& shape) {
+    if (outline.empty()) outline = turn(outline_of(footprint), pose.theta);
+    if (!surely_apart(outline, shape, travel)) found.push(shape);
+  };
+  const auto add_segment = [&](const scene::Segment& segment) {
+    const Vec2 a = segment.a - base;
+    const Vec2 along = segment.b - segment.a;
+    const double square = dot(along, along);
+    // nearest to the base is an end or a point between them
+    const double ahead = -dot(a, along);
+    const double side = cross(a, along);
+    if (ahead > 0.0 && ahead < square ? side * side > reach * reach * square
+                                      : std::min(dot(a, a), dot(a + along, a + along)) > reach * reach) {
+      return;
     }
-    for (const scene::Segment& segment : others.segments) add(segment, base, reach);
-    for (const scene::Circle& circle : others.circles) add(circle, base, reach);
-  }
-
-  std::span<const Shape> shapes() const { return std::span(shapes_).first(count_); }
-
- private:
-  void add(const scene::Segment& segment, Vec2 base, double reach) {
-    const Vec2 closest = closest_on_segment(base, segment.a, segment.b) - base;
-    if (dot(closest, closest) < reach * reach) push({segment.a - base, segment.b - base, 0.0, false});
-  }
-  void add(const scene::Circle& circle, Vec2 base, double reach) {
+    add({a, along, square > 0.0 ? 1.0 / square : 0.0, 0.0, false});
+  };
+  const auto add_circle = [&](const scene::Circle& circle) {
     const Vec2 center = circle.center - base;
     const double far = reach + circle.radius;
-    if (dot(center, center) < far * far) push({center, center, circle.radius, true});
-  }
-  void push(const Shape& shape) {
-    if (count_ < kMaxShapes) shapes_[count_++] = shape;
-  }
+    if (dot(center, center) < far * far) add({center, {}, 0.0, circle.radius, true});
+  };
 
-  std::array<Shape, kMaxShapes> shapes_;
-  std::size_t count_ = 0;
-};
+  const scene::Slice& slice = obstacles.slice();
+  for (const std::uint16_t shape : obstacles.near(base)) {
+    if (shape < slice.segments.size()) {
+      add_segment(slice.segments[shape]);
+    } else {
+      add_circle(slice.circles[shape - slice.segments.size()]);
+    }
+  }
+  for (const scene::Segment& segment : others.segments) add_segment(segment);
+  for (const scene::Circle& circle : others.circles) add_circle(circle);
+  return found;
+}
 
 // Velocity of the body in axes that do not turn: of the base, and about the vertical.
 struct Twist {
@@ -135,16 +195,14 @@ struct Contact {
 template <typename Visit>
 void visit_pairs(const Outline& outline, Vec2 moved, const Shape& shape, const Visit& visit) {
   const Vec2 a = shape.a - moved;
-  const Vec2 b = shape.b - moved;
-  const Vec2 normal = left_of(b - a);
+  const Vec2 normal = left_of(shape.along);
   const Vec2 towards_base = dot(normal, a) < 0.0 ? normal : -1.0 * normal;
-  for (std::size_t i = 0; i < outline.count; ++i) {
-    const Vec2 corner = outline.corners[i];
-    visit(corner - (shape.is_circle ? a : closest_on_segment(corner, a, b)), corner, towards_base);
+  for (const auto& [corner, edge, per_square] : outline.items()) {
+    const Vec2 from_a = corner - a;
+    visit(from_a - share_along(from_a, shape.along, shape.per_square) * shape.along, corner, towards_base);
 
-    const Vec2 edge = outline.edge_end(i) - corner;
-    for (const Vec2 end : {a, b}) {
-      const double t = dot(end - corner, edge) / dot(edge, edge);
+    for (const Vec2 end : {a, a + shape.along}) {
+      const double t = dot(end - corner, edge) * per_square;
       if (t > 0.0 && t < 1.0 && cross(edge, end - corner) <= 0.0) {
         const Vec2 on_edge = corner + t * edge;
         visit(on_edge - end, on_edge, left_of(edge));
@@ -152,14 +210,6 @@ void visit_pairs(const Outline& outline, Vec2 moved, const Shape& shape, const V
       if (shape.is_circle) break;
     }
   }
-}
-
-// How far a body that has moved is from a shape; 0 where they overlap.
-double clearance(const Outline& outline, Vec2 moved, const Shape& shape) {
-  if (overlaps(outline, moved, shape)) return 0.0;
-  double least = std::numeric_limits<double>::infinity();
-  visit_pairs(outline, moved, shape, [&](Vec2 offset, Vec2, Vec2) { least = std::min(least, dot(offset, offset)); });
-  return std::max(exact::sqrt(least) - shape.radius, 0.0);
 }
 
 // Where the body is in the course of a step: how far its base has come, and its heading.
@@ -172,25 +222,31 @@ Place advance(const Place& from, const Twist& twist, double seconds) {
   return {from.moved + seconds * twist.linear, from.heading + seconds * twist.angular};
 }
 
-// How long a body can go on until it meets a shape; `seconds` if it does not. No part of it is faster than `speed`, so
-// it looks again only where it could be there.
-double clear_time(const Footprint& footprint, const Place& from, const Twist& twist, double seconds,
-                  const Shape& shape) {
-  const auto gap_after = [&](double time) {
-    const Place place = advance(from, twist, time);
-    return clearance(turn_outline(footprint, place.heading), place.moved, shape);
-  };
-  const double speed = norm(twist.linear) + std::fabs(twist.angular) * footprint.circumscribed_radius();
-  double gap = gap_after(0.0);
-  if (speed == 0.0 || gap > speed * seconds + kSkin) return seconds;
+// A body on its way until it meets something. No part of it is faster than `speed` [m/s].
+struct Way {
+  const Outline& outline;  // at heading 0
+  Place from;
+  Twist twist;
+  double speed = 0.0;
+
+  double gap_after(double seconds, const Shape& shape) const {
+    const Place place = advance(from, twist, seconds);
+    return clearance(turn(outline, place.heading), place.moved, shape);
+  }
+};
+
+// How long it can go on until it meets a shape that is `gap` away at first; `seconds` if it does not. It looks again
+// only where it could be there.
+double clear_time(const Way& way, double seconds, const Shape& shape, double gap) {
+  if (way.speed == 0.0 || gap > way.speed * seconds + kSkin) return seconds;
   const double met = std::min(0.5 * kSkin, 0.9 * gap);
   for (double clear = 0.0; clear < seconds;) {
-    double time = std::min(clear + std::max(gap - met, kStride) / speed, seconds);
-    gap = gap_after(time);
+    double time = std::min(clear + std::max(gap - met, kStride) / way.speed, seconds);
+    gap = way.gap_after(time, shape);
     if (gap <= met) {
       for (int halving = 0; halving < 4; ++halving) {
         const double middle = 0.5 * (clear + time);
-        (gap_after(middle) > met ? clear : time) = middle;
+        (way.gap_after(middle, shape) > met ? clear : time) = middle;
       }
       return clear;
     }
@@ -199,33 +255,39 @@ double clear_time(const Footprint& footprint, const Place& from, const Twist& tw
   return seconds;
 }
 
-// The same for all shapes.
-double clear_time(const Footprint& footprint, const Place& from, const Twist& twist, double seconds,
-                  std::span<const Shape> shapes) {
+// The same for all shapes, round and round: where one ends it, it must be clear of all others too.
+double clear_time(const Way& way, double seconds, std::span<const Shape> shapes) {
+  const Outline outline = turn(way.outline, way.from.heading);
+  FixedList<double, kMaxShapes> gaps;
+  for (const Shape& shape : shapes) gaps.push(clearance(outline, way.from.moved, shape));
+
   double clear = seconds;
-  for (double before = 0.0; before != clear;) {  // where one shape ends it, it must be clear of the others too
-    before = clear;
-    for (const Shape& shape : shapes) clear = clear_time(footprint, from, twist, clear, shape);
+  std::size_t found_clear = 0;
+  for (std::size_t i = 0; found_clear < shapes.size(); i = i + 1 == shapes.size() ? 0 : i + 1) {
+    const double time = clear_time(way, clear, shapes[i], gaps.items()[i]);
+    found_clear = time < clear ? 1 : found_clear + 1;
+    clear = time;
   }
   return clear;
 }
 
-struct Contacts {
-  std::array<Contact, kMaxContacts> items;
-  std::size_t count = 0;
+// The pairs that touch.
+using Contacts = FixedList<Contact, kMaxContacts>;
 
-  // The pairs that touch.
-  Contacts(const Outline& outline, Vec2 moved, std::span<const Shape> shapes) {
-    for (const Shape& shape : shapes) {
-      visit_pairs(outline, moved, shape, [&](Vec2 offset, Vec2 arm, Vec2 outward) {
-        const double length = norm(offset);
-        if (length - shape.radius > kTouch || count == kMaxContacts) return;
-        const Vec2 normal = length > 1e-9 ? (1.0 / length) * offset : (1.0 / norm(outward)) * outward;
-        items[count++] = {normal, arm, length - shape.radius};
-      });
-    }
+Contacts find_contacts(const Outline& outline, Vec2 moved, std::span<const Shape> shapes) {
+  Contacts contacts;
+  for (const Shape& shape : shapes) {
+    const double radius = shape.radius;
+    const double far = kTouch + radius;
+    visit_pairs(outline, moved, shape, [&](Vec2 offset, Vec2 arm, Vec2 outward) {
+      if (dot(offset, offset) > far * far) return;
+      const double length = norm(offset);
+      const Vec2 normal = length > 1e-9 ? (1.0 / length) * offset : (1.0 / norm(outward)) * outward;
+      contacts.push({normal, arm, length - radius});
+    });
   }
-};
+  return contacts;
+}
 
 double energy(const RigidBody& body, const Twist& twist) {
   return body.mass * dot(twist.linear, twist.linear) + body.inertia * twist.angular * twist.angular;
@@ -237,11 +299,10 @@ Twist resolve(const RigidBody& body, Contacts& contacts, Twist twist, double sec
   constexpr int kMaxSweeps = 50;
   const double before = energy(body, twist);
   const double mass_over_inertia = body.mass / body.inertia;
-  for (std::size_t i = 0; i < contacts.count; ++i) contacts.items[i].impulse = 0.0;
+  for (Contact& contact : contacts.items()) contact.impulse = 0.0;
   for (int sweep = 0; sweep < kMaxSweeps; ++sweep) {
     double largest = 0.0;
-    for (std::size_t i = 0; i < contacts.count; ++i) {
-      Contact& contact = contacts.items[i];
+    for (Contact& contact : contacts.items()) {
       const double lever = cross(contact.arm, contact.normal);
       const double slowest = -std::max(contact.gap - kSkin, 0.0) / seconds;
       const double wanted = (slowest - contact.speed(twist)) / (1.0 + lever * lever * mass_over_inertia);
@@ -256,9 +317,9 @@ Twist resolve(const RigidBody& body, Contacts& contacts, Twist twist, double sec
 
   // what the sweeps left over: standing still is always allowed, so scaling down ends every violation
   double share = 1.0;
-  for (std::size_t i = 0; i < contacts.count; ++i) {
-    const double closing = -contacts.items[i].speed(twist) * seconds;
-    if (closing * share > contacts.items[i].gap) share = std::max(contacts.items[i].gap, 0.0) / closing;
+  for (const Contact& contact : contacts.items()) {
+    const double closing = -contact.speed(twist) * seconds;
+    if (closing * share > contact.gap) share = std::max(contact.gap, 0.0) / closing;
   }
   const double after = energy(body, twist);
   if (after > before) share = std::min(share, exact::sqrt(before / after));
@@ -268,8 +329,7 @@ Twist resolve(const RigidBody& body, Contacts& contacts, Twist twist, double sec
 // The speed at which the body meets what has just held it back.
 double approach_speed(const Contacts& contacts, const Twist& carried) {
   double fastest = 0.0;
-  for (std::size_t i = 0; i < contacts.count; ++i) {
-    const Contact& contact = contacts.items[i];
+  for (const Contact& contact : contacts.items()) {
     if (contact.impulse > 0.0) fastest = std::max(fastest, -contact.speed(carried));
   }
   return fastest;
@@ -279,14 +339,13 @@ double approach_speed(const Contacts& contacts, const Twist& carried) {
 Place restore_skin(const Contacts& contacts, const Outline& outline, const Place& place,
                    std::span<const Shape> shapes) {
   Vec2 out;
-  for (std::size_t i = 0; i < contacts.count; ++i) {
-    const Contact& contact = contacts.items[i];
+  for (const Contact& contact : contacts.items()) {
     const double missing = kSkin - contact.gap - dot(contact.normal, out);
     if (missing > 0.0) out = out + missing * contact.normal;
   }
   const Vec2 moved = place.moved + out;
-  const bool room = std::ranges::none_of(shapes, [&](const Shape& shape) { return overlaps(outline, moved, shape); });
-  return {room ? moved : place.moved, place.heading};
+  const auto is_entered = [&](const Shape& shape) { return clearance(outline, moved, shape) == 0.0; };
+  return {std::ranges::none_of(shapes, is_entered) ? moved : place.moved, place.heading};
 }
 
 }  // namespace
@@ -298,15 +357,22 @@ double contact_reach(const Footprint& footprint, double max_speed, double max_tu
 
 Motion move(const RigidBody& body, const ShapeIndex& obstacles, const MovingShapes& others, const Pose2D& pose,
             const Velocity& velocity, const Velocity& carried, double seconds) {
-  const Pose2D free_end = integrate(pose, velocity, seconds);
+  return move(body, obstacles, others, pose, velocity, carried, seconds, integrate(pose, velocity, seconds));
+}
+
+Motion move(const RigidBody& body, const ShapeIndex& obstacles, const MovingShapes& others, const Pose2D& pose,
+            const Velocity& velocity, const Velocity& carried, double seconds, const Pose2D& free_end) {
   const bool alone = others.segments.empty() && others.circles.empty();
   if (obstacles.near(pose.position()).empty() && alone) return {free_end, velocity};
 
-  // only what lies within this step's travel can matter
-  const double radius = body.footprint.circumscribed_radius();
-  const double speed = exact::hypot(velocity.vx, velocity.vy) + std::fabs(velocity.omega) * radius;
-  const Neighbourhood neighbourhood(obstacles, others, pose.position(), radius + 2.0 * speed * seconds + kTouch);
-  const std::span<const Shape> shapes = neighbourhood.shapes();
+  // only what lies within this step's travel can matter; contact never makes a part of the body twice as fast
+  const Footprint& footprint = body.footprint;
+  const double speed =
+      exact::hypot(velocity.vx, velocity.vy) + std::fabs(velocity.omega) * footprint.circumscribed_radius();
+  const Neighbourhood neighbourhood =
+      find_neighbourhood(footprint, obstacles, others, pose, 2.0 * speed * seconds + kTouch);
+  if (neighbourhood.empty()) return {free_end, velocity};
+  const std::span<const Shape> shapes = neighbourhood.items();
 
   // from here on in axes that do not turn; the arc is followed along its chord
   Place place{{}, pose.theta};
@@ -314,16 +380,18 @@ Motion move(const RigidBody& body, const ShapeIndex& obstacles, const MovingShap
   Twist met_with{rotate({carried.vx, carried.vy}, pose.theta), carried.omega};
 
   // freely until something is met, which holds it back; and so on, until the time is over
+  const Outline straight = outline_of(footprint);
   Motion motion;
   double left = seconds;
   for (int part = 0; part < kMaxParts; ++part) {
-    const double clear = clear_time(body.footprint, place, twist, left, shapes);
+    const double fastest = norm(twist.linear) + std::fabs(twist.angular) * footprint.circumscribed_radius();
+    const double clear = clear_time({straight, place, twist, fastest}, left, shapes);
     place = advance(place, twist, clear);
     left -= clear;
     if (left == 0.0) break;
 
-    const Outline outline = turn_outline(body.footprint, place.heading);
-    Contacts contacts(outline, place.moved, shapes);
+    const Outline outline = turn(straight, place.heading);
+    Contacts contacts = find_contacts(outline, place.moved, shapes);
     twist = resolve(body, contacts, twist, left);
     motion.approach_speed = std::max(motion.approach_speed, approach_speed(contacts, met_with));
     met_with = resolve(body, contacts, met_with, left);

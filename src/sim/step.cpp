@@ -46,12 +46,6 @@ void begin_step(const Model& model, const RobotModel& robot, RobotState& state, 
   driver.floor = floor_grip(model, robot, state.pose);
 }
 
-// The world holds the body back.
-Motion slide(const RobotModel& robot, const Pose2D& from, const Velocity& velocity, const Velocity& carried,
-             std::span<const scene::Circle> legs) {
-  return move(robot.body, *robot.obstacles, {{}, legs}, from, velocity, carried, kSeconds);
-}
-
 void arrive(RobotState& state, const Motion& motion) {
   state.distance_driven += distance(state.pose.position(), motion.pose.position());
   state.pose = motion.pose;
@@ -176,7 +170,8 @@ void step_crowd(const World& crowd) {
   std::vector<Motion> motions;
   std::vector<Pose2D> moved;
   for (std::size_t i = 0; i < world.size(); ++i) {
-    motions.push_back(slide(model.robots[i], movers[i].pose, movers[i].velocity, movers[i].carried, legs));
+    motions.push_back(move(model.robots[i].body, *model.robots[i].obstacles, {{}, legs}, movers[i].pose,
+                           movers[i].velocity, movers[i].carried, kSeconds));
     motions[i].approach_speed = std::max(motions[i].approach_speed, movers[i].approach_speed);
     moved.push_back(motions[i].pose);
   }
@@ -217,7 +212,8 @@ void step_singles(std::span<const World* const> worlds) {
     if (robot.obstacles->near(before.position()).empty()) {
       arrive(state, driven[i]);
     } else {
-      arrive(state, slide(robot, before, driven[i].velocity(), carried, {}));
+      arrive(state,
+             move(robot.body, *robot.obstacles, {}, before, driven[i].velocity(), carried, kSeconds, driven[i].pose()));
     }
     sense(robot, worlds[i]->sensing, nobody, before, carried, state);
   }

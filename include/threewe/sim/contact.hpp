@@ -34,5 +34,8 @@ double contact_reach(const Footprint& footprint, double max_speed, double max_tu
 /// Contact is inelastic and without friction; it never adds energy. The new pose is free.
 Motion move(const RigidBody& body, const ShapeIndex& obstacles, const MovingShapes& others, const Pose2D& pose,
             const Velocity& velocity, const Velocity& carried, double seconds);
+/// The same for those who know where `integrate` leads: to `free_end`.
+Motion move(const RigidBody& body, const ShapeIndex& obstacles, const MovingShapes& others, const Pose2D& pose,
+            const Velocity& velocity, const Velocity& carried, double seconds, const Pose2D& free_end);
 
 }  // namespace threewe::sim
