@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cstddef>
+#include <numbers>
 
 namespace threewe::scene {
 namespace {
@@ -72,30 +73,67 @@ GeodesicField::GeodesicField(const CellSet& passable, Vec2 target, double limit)
       target_(target),
       stride_(static_cast<std::uint32_t>(passable.frame.width + 2 * kBorder)),
       length_(std::size_t{stride_} * static_cast<std::size_t>(passable.frame.height + 2 * kBorder), kInfinity) {
-  march(cells_around_target(), limit / passable.frame.resolution);
+  march(cells_around(target), limit / passable.frame.resolution);
+}
+
+GeodesicField::GeodesicField(const CellSet& passable, std::span<const std::size_t> targets, double limit)
+    : passable_(&passable),
+      stride_(static_cast<std::uint32_t>(passable.frame.width + 2 * kBorder)),
+      length_(std::size_t{stride_} * static_cast<std::size_t>(passable.frame.height + 2 * kBorder), kInfinity) {
+  std::vector<std::uint32_t> known;
+  for (const std::size_t target : targets) {
+    if (passable.cells[target] == 0) continue;
+    known.push_back(index(passable.frame.cell(target)));
+    length_[known.back()] = 0.0;
+  }
+  march(known, limit / passable.frame.resolution);
 }
 
 double GeodesicField::length_from(Vec2 point) const {
   const GridFrame& frame = passable_->frame;
   const CellIndex cell = frame.cell(point);
   if (!frame.contains(cell)) return kInfinity;
-  const double straight = distance(point, target_);
-  if (cell == frame.cell(target_) || sees_target(point)) return straight;
+  if (!target_) return interpolate(point);
+  const double straight = distance(point, *target_);
+  if (cell == frame.cell(*target_) || sees_target(point)) return straight;
   return std::max(straight, interpolate(point));
+}
+
+std::vector<Vec2> GeodesicField::path_from(Vec2 point) const {
+  if (length_from(point) == kInfinity) return {};
+
+  // from cell to cell downhill, then taut
+  const GridFrame& frame = passable_->frame;
+  std::vector<Vec2> chain = {point};
+  for (const CellIndex cell : descend(frame.cell(point))) chain.push_back(frame.center(cell));
+  if (target_) chain.push_back(*target_);
+  std::vector<Vec2> path = {point};
+  for (std::size_t at = 0; at + 1 < chain.size();) {
+    // as far along the chain as can be seen: in steps that double, then halve
+    std::size_t seen = at + 1;
+    std::size_t step = 1;
+    for (; seen + step < chain.size() && sees(chain[at], chain[seen + step]); step *= 2) seen += step;
+    for (; step > 0; step /= 2) {
+      if (seen + step < chain.size() && sees(chain[at], chain[seen + step])) seen += step;
+    }
+    at = seen;
+    path.push_back(chain[at]);
+  }
+  return path;
 }
 
 // Gives the cells that see the target their distance. Where the target lies beside the passable cells, those next to
 // it.
-std::vector<std::uint32_t> GeodesicField::cells_around_target() {
+std::vector<std::uint32_t> GeodesicField::cells_around(Vec2 target) {
   const GridFrame& frame = passable_->frame;
-  const CellIndex middle = frame.cell(target_);
+  const CellIndex middle = frame.cell(target);
   const bool inside = passable_->value_or(middle, 0) != 0;
   const int radius = inside ? kExactRadius : 1;
   std::vector<std::uint32_t> known;
   for (int y = middle.y - radius; y <= middle.y + radius; ++y) {
     for (int x = middle.x - radius; x <= middle.x + radius; ++x) {
       if (!passable_->value_or({x, y}, 0) || (inside && !sees_target(frame.center({x, y})))) continue;
-      length_[index({x, y})] = distance(frame.center({x, y}), target_) / frame.resolution;
+      length_[index({x, y})] = distance(frame.center({x, y}), target) / frame.resolution;
       known.push_back(index({x, y}));
     }
   }
@@ -175,8 +213,42 @@ double GeodesicField::interpolate(Vec2 point) const {
   return shortest;
 }
 
-bool GeodesicField::sees_target(Vec2 point) const {
-  return walk_line(passable_->frame, point, target_, [&](CellIndex c) { return passable_->value_or(c, 0) != 0; });
+bool GeodesicField::sees_target(Vec2 point) const { return sees(point, *target_); }
+
+bool GeodesicField::sees(Vec2 a, Vec2 b) const {
+  return walk_line(passable_->frame, a, b, [&](CellIndex c) { return passable_->value_or(c, 0) != 0; });
+}
+
+// The cells of a way downhill, from one beside or at `cell` to where no neighbour is lower. Between two cells that
+// touch at a corner both others must be known, so that the straight line is clear.
+std::vector<CellIndex> GeodesicField::descend(CellIndex cell) const {
+  std::vector<CellIndex> way;
+  const auto length = [&](int x, int y) { return length_[index({x, y})]; };
+  while (true) {
+    CellIndex lowest = cell;
+    double steepest = 0.0;
+    const double here = length(cell.x, cell.y);
+    for (int dy = -1; dy <= 1; ++dy) {
+      for (int dx = -1; dx <= 1; ++dx) {
+        const bool diagonal = dx != 0 && dy != 0;
+        const double there = length(cell.x + dx, cell.y + dy);
+        if (there >= here) continue;
+        if (here == kInfinity) {  // beside the set: whichever is best
+          if (lowest == cell || there < length(lowest.x, lowest.y)) lowest = {cell.x + dx, cell.y + dy};
+          continue;
+        }
+        if (diagonal && std::max(length(cell.x + dx, cell.y), length(cell.x, cell.y + dy)) == kInfinity) continue;
+        const double slope = (here - there) * (diagonal ? 0.5 * std::numbers::sqrt2 : 1.0);
+        if (slope > steepest) {
+          steepest = slope;
+          lowest = {cell.x + dx, cell.y + dy};
+        }
+      }
+    }
+    if (lowest == cell) return way;
+    cell = lowest;
+    way.push_back(cell);
+  }
 }
 
 std::uint32_t GeodesicField::index(CellIndex c) const {

@@ -179,5 +179,63 @@ TEST_CASE("a limit saves work and changes no length below it") {
   }
 }
 
+TEST_CASE("to many targets: the length to the nearest of them") {
+  double worst = 0.0;
+  for (std::uint64_t seed = 0; seed < 12; ++seed) {
+    CAPTURE(seed);
+    Dice dice(seed);
+    const CellSet passable = passable_cells(random_solids(dice, 14, 3.0), 0.11);
+    std::vector<std::size_t> targets;
+    std::vector<GeodesicField> fields;
+    for (int i = 0; i < 6; ++i) {
+      const Vec2 target{dice.in(-3.5, 3.5), dice.in(-3.5, 3.5)};
+      targets.push_back(kFrame.index(kFrame.cell(target)));
+      if (passable.cells[targets.back()]) fields.emplace_back(passable, kFrame.center(kFrame.cell(targets.back())));
+    }
+    const GeodesicField to_nearest(passable, targets);
+    for (int i = 0; i < 200; ++i) {
+      const Vec2 from{dice.in(-3.9, 3.9), dice.in(-3.9, 3.9)};
+      double nearest = kInfinity;
+      for (const GeodesicField& field : fields) nearest = std::min(nearest, field.length_from(from));
+      const double length = to_nearest.length_from(from);
+      CHECK((length < kInfinity) == (nearest < kInfinity));
+      if (nearest == kInfinity) continue;
+      CHECK(std::abs(length - nearest) <= 0.04 + 0.02 * nearest);
+      worst = std::max(worst, std::abs(length - nearest));
+    }
+  }
+  MESSAGE("at most ", worst, " m off");
+}
+
+TEST_CASE("a path is clear, as long as its length, and ends at the target") {
+  double worst = 0.0;
+  int paths = 0;
+  for (std::uint64_t seed = 0; seed < 40; ++seed) {
+    CAPTURE(seed);
+    Dice dice(seed);
+    const CellSet passable = passable_cells(random_solids(dice, 14, 3.0), 0.11);
+    const Vec2 target{dice.in(-3.5, 3.5), dice.in(-3.5, 3.5)};
+    const GeodesicField field(passable, target);
+    for (int i = 0; i < 40; ++i) {
+      const Vec2 from{dice.in(-3.9, 3.9), dice.in(-3.9, 3.9)};
+      const std::vector<Vec2> path = field.path_from(from);
+      CHECK(path.empty() == (field.length_from(from) == kInfinity));
+      if (path.empty() || !passable[kFrame.cell(from)] || !passable[kFrame.cell(target)]) continue;
+      CHECK(path.front() == from);
+      CHECK(path.back() == target);
+      double length = 0.0;
+      for (std::size_t k = 1; k < path.size(); ++k) {
+        length += distance(path[k - 1], path[k]);
+        CHECK(walk_line(kFrame, path[k - 1], path[k], [&](CellIndex c) { return passable.value_or(c, 0) != 0; }));
+      }
+      CHECK(length <= 1.05 * field.length_from(from) + 0.05);
+      worst = std::max(worst, length / field.length_from(from) - 1.0);
+      ++paths;
+    }
+  }
+  MESSAGE("at most ", 100.0 * worst, " % longer over ", paths, " paths");
+  CHECK(paths > 400);
+}
+
 }  // namespace
 }  // namespace threewe::scene
