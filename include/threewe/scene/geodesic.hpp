@@ -25,6 +25,8 @@ class GeodesicField {
   GeodesicField(const CellSet& passable, std::span<const std::size_t> targets,
                 double limit = std::numeric_limits<double>::infinity());
 
+  /// Where there is one.
+  const std::optional<Vec2>& target() const { return target_; }
   /// Length [m] of the shortest path from a point to the target; infinity where there is none.
   double length_from(Vec2 point) const;
   /// The corners of a shortest path from a point to the target, both included; empty where there is none. At most a few
