@@ -63,7 +63,8 @@ int main(int argc, char** argv) {
   const task::Vln vln(tables_of(scene, seed));
   const Follower follower(scene, seed);
   std::vector<task::VlnEpisode> episodes;
-  for (int i = 0; i < std::atoi(argv[3]); ++i) episodes.push_back(vln.sample(seed, static_cast<std::uint32_t>(i)));
+  const auto count = static_cast<std::uint32_t>(std::strtoul(argv[3], nullptr, 10));
+  for (std::uint32_t i = 0; i < count; ++i) episodes.push_back(vln.sample(seed, i));
 
   int followed = 0;
   int shuffled = 0;

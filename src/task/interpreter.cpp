@@ -245,10 +245,11 @@ std::vector<Reading> readings(const Instruction& instruction, const SemanticMap&
 std::optional<Reading> follow(std::string_view text, const SemanticMap& map, const Pose2D& start) {
   try {
     std::vector<Reading> found = readings(parse(text, map), map, start);
-    if (!found.empty()) return std::move(found.front());
-  } catch (const ConfigError&) {  // not understood
+    if (found.empty()) return std::nullopt;
+    return std::move(found.front());
+  } catch (const ConfigError&) {
+    return std::nullopt;  // not understood
   }
-  return std::nullopt;
 }
 
 }  // namespace threewe::task

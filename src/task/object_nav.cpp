@@ -253,7 +253,7 @@ ObjectNav::ObjectNav(ObjectNav&&) noexcept = default;
 ObjectNav& ObjectNav::operator=(ObjectNav&&) noexcept = default;
 
 ObjectNavEpisode ObjectNav::sample(std::uint64_t seed, std::uint32_t index, std::string_view category) const {
-  const RngKey key{.seed = seed, .episode = index, .sensor = 2, .stream = Stream::sampler};
+  const RngKey key{.seed = seed, .episode = index, .sensor = 7, .stream = Stream::sampler};
   const auto pick = [&](std::uint64_t sample, std::uint32_t lane, std::size_t count) {
     return static_cast<std::size_t>(uniform(key, sample, lane) * static_cast<double>(count));
   };

@@ -25,9 +25,11 @@ std::vector<Vec2> points_along(const std::vector<Vec2>& corners, double spacing)
   double left = spacing;  // to the next point
   for (std::size_t i = 1; i < corners.size(); ++i) {
     const double length = distance(corners[i - 1], corners[i]);
-    double at = left;
-    for (; at < length; at += spacing) points.push_back(corners[i - 1] + (at / length) * (corners[i] - corners[i - 1]));
-    left = at - length;
+    while (left < length) {
+      points.push_back(corners[i - 1] + (left / length) * (corners[i] - corners[i - 1]));
+      left += spacing;
+    }
+    left -= length;
   }
   if (points.back() != corners.back()) points.push_back(corners.back());
   return points;
@@ -45,10 +47,11 @@ PathScore begin_score(const std::vector<Vec2>& reference, Vec2 start) {
 
 void advance(PathScore& score, const std::vector<Vec2>& reference, Vec2 robot) {
   const double length = distance(score.robot, robot);
-  double at = score.next;
-  for (; at < length; at += kPathSpacing)
-    add_row(score, reference, score.robot + (at / length) * (robot - score.robot));
-  score.next = at - length;
+  while (score.next < length) {
+    add_row(score, reference, score.robot + (score.next / length) * (robot - score.robot));
+    score.next += kPathSpacing;
+  }
+  score.next -= length;
   score.robot = robot;
 }
 

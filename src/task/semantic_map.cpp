@@ -89,9 +89,10 @@ void SemanticMap::find_openings(const Room& a, const Room& b, std::size_t index_
   const double step = reachable.frame.resolution;
   Opening open{.is_door = false, .rooms = {index_a, index_b}, .a = {}, .b = {}, .normal = normal};
   bool inside = false;
-  for (double at = 0.5 * step; at < length + step; at += step) {
-    const Vec2 point = begin + at * along;
-    const bool free = at < length && reachable.value_or(reachable.frame.cell(point), 0) != 0;
+  const int steps = static_cast<int>(length / step);
+  for (int i = 0; i <= steps; ++i) {
+    const Vec2 point = begin + ((i + 0.5) * step) * along;
+    const bool free = i < steps && reachable.value_or(reachable.frame.cell(point), 0) != 0;
     if (free && !inside) open.a = point;
     if (free) open.b = point;
     if (!free && inside && distance(open.a, open.b) >= kNarrowest) {

@@ -89,7 +89,7 @@ VlnEpisode Vln::sample(std::uint64_t seed, std::uint32_t index) const {
     episode.start = scene::sample_roomy_pose(*tables_, key, attempt);
     episode.end = ending.place;
     episode.geodesic = field.length_from(episode.start.position());
-    if (!(episode.geodesic >= kShortestVlnPath && episode.geodesic <= kLongestVlnPath)) continue;
+    if (episode.geodesic < kShortestVlnPath || episode.geodesic > kLongestVlnPath) continue;
 
     // words for the way from the one to the other
     const std::vector<Vec2> corners = field.path_from(episode.start.position());
