@@ -30,7 +30,7 @@ enum Wanted : int { colour = 1, depth = 2, ids = 4 };
 
 void render(benchmark::State& state) {
   const sim::Renderer renderer(office());
-  const sim::Paint paint = renderer.paint(0, 0);
+  const sim::Paint paint{0, 0};
   const CameraIntrinsics camera =
       make_intrinsics(static_cast<int>(state.range(0)), static_cast<int>(state.range(1)), 1.2);
   const std::size_t pixels = static_cast<std::size_t>(camera.width) * static_cast<std::size_t>(camera.height);

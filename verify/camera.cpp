@@ -52,7 +52,7 @@ int beams_off(const Place& place, const sim::Renderer& renderer) {
   const LaserScan scan = models::make_scan(lidar, sim::scan_points(robot, place.robots[0]));
   const Pose2D eye = place.robots[0].pose * lidar.base_from_lidar;
   const CameraIntrinsics pixel{1, 1, 100.0, 100.0, 0.5, 0.5};
-  const sim::Paint paint = renderer.paint(0, 0);
+  const sim::Paint paint{0, 0};
   int off = 0;
   for (std::size_t i = 0; i < scan.ranges.size(); ++i) {
     const double angle = scan.angle_min + static_cast<double>(i) * scan.angle_increment;
@@ -68,7 +68,7 @@ sim::Comparison compare_picture(const Place& place, const sim::Renderer& rendere
   const CameraSpec& camera = *place.model->robots[0].profile.camera;
   const CameraIntrinsics intrinsics = make_intrinsics(80, 60, camera.horizontal_fov);
   const sim::CameraPose view{place.robots[0].pose * camera.base_from_camera, camera.mount_height};
-  const sim::Paint paint = renderer.paint(seed, 0);
+  const sim::Paint paint{seed, 0};
   sim::Comparison comparison;
   comparison.compare({*place.model->scene, intrinsics, view, paint, place.figures}, intrinsics,
                      sim::take(renderer, intrinsics, view, paint, place.figures));

@@ -143,6 +143,17 @@ HWY_EXPORT(measure_depth);
 
 }  // namespace camera
 
+CameraSpec varied(const CameraSpec& spec, const Variation& variation) {
+  CameraSpec camera = spec;
+  const Pose2D& offset = variation.camera_offset;
+  camera.base_from_camera = {spec.base_from_camera.x + offset.x, spec.base_from_camera.y + offset.y,
+                             spec.base_from_camera.theta + offset.theta};
+  camera.mount_height += variation.camera_height;
+  camera.sigma *= variation.camera_noise;
+  if (camera.depth) camera.depth->sigma *= variation.camera_noise;
+  return camera;
+}
+
 void add_color_noise(const CameraSpec& spec, const RngKey& key, std::uint64_t image, std::span<std::uint8_t> color) {
   if (spec.sigma == 0.0) return;
   const auto bits = random_bits(key, image);

@@ -2,6 +2,7 @@
 
 #include <cassert>
 
+#include "threewe/core/errors.hpp"
 #include "threewe/models/camera.hpp"
 #include "threewe/sim/figures.hpp"
 
@@ -9,8 +10,8 @@ namespace threewe::sim {
 namespace {
 
 // Working memory that outlives a picture: one for each thread that draws.
-RenderScratch& scratch() {
-  thread_local RenderScratch scratch;
+DrawScratch& scratch() {
+  thread_local DrawScratch scratch;
   return scratch;
 }
 
@@ -20,11 +21,10 @@ std::size_t pixels_of(const CameraIntrinsics& camera) {
 
 // What moves is drawn where it was, but for the robot `without`.
 void render(const Model& model, const Shot& shot, std::size_t without, const CameraIntrinsics& camera,
-            const CameraPose& view, const Images& images) {
-  std::vector<VisibleSolid> figures;
-  find_figures(model, shot.robots, without, shot.people, shot.key.seed, shot.key.episode, figures);
-  const Renderer& renderer = model.renderer();
-  renderer.render(camera, view, renderer.paint(shot.key.seed, shot.key.episode), images, scratch(), figures);
+            const CameraPose& view, const Images& images, DrawScratch& scratch) {
+  find_figures(model, shot.robots, without, shot.people, shot.key.seed, shot.key.episode, scratch.figures);
+  const Paint paint{shot.key.seed, shot.key.episode};
+  model.renderer().render(camera, view, paint, images, scratch.render, scratch.figures);
 }
 
 }  // namespace
@@ -36,10 +36,32 @@ bool picture_ready(const RobotModel& robot, const RobotState& state) {
 }
 
 Shot take_shot(std::span<const RobotState> world, std::span<const PersonState> people, std::size_t robot) {
-  Shot shot{world[robot].key(Stream::camera), world[robot].steps, {}, {people.begin(), people.end()}};
-  shot.robots.reserve(world.size());
-  for (const RobotState& state : world) shot.robots.push_back(state.pose);
+  Shot shot;
+  take_shot(world, people, robot, shot);
   return shot;
+}
+
+void take_shot(std::span<const RobotState> world, std::span<const PersonState> people, std::size_t robot, Shot& shot) {
+  const RobotState& state = world[robot];
+  shot.key = state.key(Stream::camera);
+  shot.step = state.steps;
+  shot.variation = state.variation;
+  shot.robots.clear();
+  for (const RobotState& each : world) shot.robots.push_back(each.pose);
+  shot.people.assign(people.begin(), people.end());
+}
+
+void draw(const Model& model, const Shot& shot, const CameraIntrinsics& camera, const PictureSpans& picture,
+          DrawScratch& scratch) {
+  const std::size_t robot = shot.key.robot;
+  assert(model.robots[robot].profile.camera);
+  const CameraSpec spec = models::varied(*model.robots[robot].profile.camera, shot.variation);
+  if (!picture.depth.empty() && !spec.depth) throw ConfigError("depth is asked of a camera that measures none");
+
+  const CameraPose view{shot.robots[robot] * spec.base_from_camera, spec.mount_height};
+  render(model, shot, robot, camera, view, {picture.color, picture.depth, {}}, scratch);
+  models::add_color_noise(spec, shot.key, shot.step, picture.color);
+  if (!picture.depth.empty()) models::measure_depth(*spec.depth, shot.key, shot.step, picture.depth);
 }
 
 RGBDImage draw_picture(const Model& model, const Shot& shot) {
@@ -48,11 +70,7 @@ RGBDImage draw_picture(const Model& model, const Shot& shot) {
   RGBDImage picture{spec.intrinsics(), {}, {}};
   picture.color.resize(3 * pixels_of(picture.intrinsics));
   if (spec.depth) picture.depth.resize(pixels_of(picture.intrinsics));
-
-  const CameraPose view{shot.robots[shot.key.robot] * spec.base_from_camera, spec.mount_height};
-  render(model, shot, shot.key.robot, picture.intrinsics, view, {picture.color, picture.depth, {}});
-  models::add_color_noise(spec, shot.key, shot.step, picture.color);
-  if (spec.depth) models::measure_depth(*spec.depth, shot.key, shot.step, picture.depth);
+  draw(model, shot, picture.intrinsics, {picture.color, picture.depth}, scratch());
   return picture;
 }
 
@@ -64,7 +82,7 @@ SemanticImage draw_truth(const Model& model, const Shot& shot, const CameraIntri
                       std::vector<std::int16_t>(pixels),
                       id_names(model)};
   render(model, shot, with_itself ? shot.robots.size() : shot.key.robot, camera, view,
-         {truth.image.color, truth.image.depth, truth.ids});
+         {truth.image.color, truth.image.depth, truth.ids}, scratch());
   return truth;
 }
 

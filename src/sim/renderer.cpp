@@ -98,7 +98,6 @@ void Renderer::render(const CameraIntrinsics& camera, const CameraPose& view, co
   check(camera);
   check_view(view);
   check_images(camera, images);
-  if (paint.colours.size() != place_->solids.size()) throw ConfigError("the paint is that of another scene");
 
   RenderScratch::Buffers& work = *scratch.buffers_;
   const view::View seen(camera, view, place_->ceiling);
@@ -113,6 +112,7 @@ void Renderer::render(const CameraIntrinsics& camera, const CameraPose& view, co
   }
 }
 
+Colour Renderer::colour(const Paint& paint, std::size_t solid) const { return place_->colour(paint, solid); }
 const std::vector<VisibleSolid>& Renderer::solids() const { return place_->solids; }
 double Renderer::ceiling() const { return place_->ceiling; }
 

@@ -1,4 +1,4 @@
-// A camera: how well it tells colours and depth.
+// A camera: where it is, and how well it tells colours and depth.
 #pragma once
 
 #include <cstdint>
@@ -6,8 +6,12 @@
 
 #include "threewe/core/rng.hpp"
 #include "threewe/hardware/profile.hpp"
+#include "threewe/models/variation.hpp"
 
 namespace threewe::models {
+
+/// The camera of one robot in one episode: moved on its mount, and as noisy as the variation says.
+CameraSpec varied(const CameraSpec& spec, const Variation& variation);
 
 /// Adds noise of its own to every colour of image number `image`: (H, W, 3), in place. It stays within 0 to 255.
 void add_color_noise(const CameraSpec& spec, const RngKey& key, std::uint64_t image, std::span<std::uint8_t> color);

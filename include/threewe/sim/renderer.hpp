@@ -69,9 +69,10 @@ struct VisibleSolid {
   Colour colour{};  ///< of a moving solid; those of the scene are coloured by `Paint`
 };
 
-/// The colours of one episode: one for every solid of the scene.
+/// Names how things are painted in an episode.
 struct Paint {
-  std::vector<Colour> colours;
+  std::uint64_t seed = 0;
+  std::uint32_t episode = 0;
 };
 
 /// Where a level camera is: its eye in the scene's frame, looking along the heading.
@@ -114,8 +115,8 @@ class Renderer {
  public:
   explicit Renderer(const scene::Scene& scene);
 
-  /// The colours of things in an episode: a pure function of seed, episode and the object's index.
-  Paint paint(std::uint64_t seed, std::uint32_t episode) const;
+  /// The colour of a solid of the scene: a pure function of seed, episode, and the index and material of its object.
+  Colour colour(const Paint& paint, std::size_t solid) const;
 
   /// Fills the images. `moving` are solids that are elsewhere at every call: people, other robots. Throws ConfigError
   /// for an impossible camera, a height that is not above the floor, or images of the wrong size.

@@ -151,6 +151,7 @@ void put(ByteWriter& bytes, const sim::Shot& shot) {
   bytes.put(shot.key.episode);
   bytes.put(shot.key.robot);
   bytes.put(shot.step);
+  bytes.put(shot.variation);
   bytes.put(shot.robots);
   bytes.put(shot.people);
 }
@@ -161,6 +162,7 @@ void get(ByteReader& bytes, sim::Shot& shot) {
   bytes.get(shot.key.episode);
   bytes.get(shot.key.robot);
   bytes.get(shot.step);
+  bytes.get(shot.variation);
   bytes.get(shot.robots);
   bytes.get(shot.people);
 }

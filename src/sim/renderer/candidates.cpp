@@ -26,17 +26,17 @@ class Search {
   void run(const Paint& paint, std::span<const VisibleSolid> moving) {
     begin(moving.size());
     for (const Group& group : place_.groups) {
-      if (hides_all(group)) add_wall(group.first, paint.colours[group.first]);
+      if (hides_all(group)) add_wall(group.first, paint);
     }
     find_nearest_walls();
     for (const Group& group : place_.groups) {
       if (hides_all(group) || is_hidden(group)) continue;
       for (std::size_t i = group.first; i < group.last; ++i) {
-        add_other(place_.solids[i], place_.sides[i], static_cast<int>(i), paint.colours[i]);
+        add_other(place_.solids[i], place_.sides[i], static_cast<int>(i), paint);
       }
     }
     for (const VisibleSolid& visible : moving) {
-      add_other(visible, out_.moving.emplace_back(make_sides(visible, place_.is_open)), -1, visible.colour);
+      add_other(visible, out_.moving.emplace_back(make_sides(visible, place_.is_open)), -1, paint);
     }
   }
 
@@ -98,18 +98,20 @@ class Search {
     return true;
   }
 
-  void add_wall(std::size_t i, Colour colour) {
+  void add_wall(std::size_t i, const Paint& paint) {
     Candidate& c = out_.walls.emplace_back();
-    if (!see(place_.solids[i], place_.sides[i], static_cast<int>(i), colour, c)) out_.walls.pop_back();
+    if (!see(place_.solids[i], place_.sides[i], static_cast<int>(i), c)) return out_.walls.pop_back();
+    c.colour = place_.colour(paint, i);
   }
 
-  void add_other(const VisibleSolid& visible, const Sides& sides, int solid, Colour colour) {
+  void add_other(const VisibleSolid& visible, const Sides& sides, int solid, const Paint& paint) {
     Candidate& c = out_.others.emplace_back();
-    const bool is_seen = see(visible, sides, solid, colour, c);
+    const bool is_seen = see(visible, sides, solid, c);
     if (!is_seen || is_behind_walls({c.first_block, c.last_block, c.nearest})) {
       out_.others.pop_back();
       return;
     }
+    c.colour = solid < 0 ? visible.colour : place_.colour(paint, static_cast<std::size_t>(solid));
     const auto index = static_cast<std::int32_t>(out_.others.size()) - 1;
     for (int block = c.first_block; block <= c.last_block; ++block) {
       const auto b = static_cast<std::size_t>(block);
@@ -141,7 +143,7 @@ class Search {
   }
 
   // Describes a solid as the camera sees it; false when nothing of it can be in the picture.
-  bool see(const VisibleSolid& visible, const Sides& sides, int index, Colour colour, Candidate& c) const {
+  bool see(const VisibleSolid& visible, const Sides& sides, int index, Candidate& c) const {
     const Solid& solid = visible.solid;
     const Vec2 center = view_.to_camera(solid.center);
     if (center.x + solid.radius <= 0.0) return false;
@@ -149,7 +151,6 @@ class Search {
     c.visible = &visible;
     c.sides = &sides;
     c.solid = index;
-    c.colour = colour;
     c.low = solid.z_min - view_.height;
     c.high = solid.z_max - view_.height;
     c.outline.is_disc = solid.shape == Solid::Shape::disc;

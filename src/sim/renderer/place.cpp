@@ -160,25 +160,13 @@ float Place::wall_shade(Vec2 normal, Vec2 point) const {
   return static_cast<float>(std::min(1.0, 0.4 + 0.6 * corner_light.at(point + kFront * normal)));
 }
 
-}  // namespace threewe::sim::view
-
-namespace threewe::sim {
-
-Paint Renderer::paint(std::uint64_t seed, std::uint32_t episode) const {
-  const RngKey key{.seed = seed, .episode = episode, .stream = Stream::scene};
-  Paint paint;
-  for (std::size_t i = 0; i < place_->solids.size(); ++i) {
-    const int palette = place_->palettes[i];
-    if (palette < 0) {
-      paint.colours.push_back({});
-      continue;
-    }
-    const auto object = static_cast<std::uint64_t>(place_->solids[i].id - kFirstObjectId);
-    const auto& tints = view::palette(palette).tints;
-    const std::uint32_t draw = random_bits(key, object, static_cast<std::uint32_t>(palette))[0];
-    paint.colours.push_back(tints[draw % tints.size()]);
-  }
-  return paint;
+Colour Place::colour(const Paint& paint, std::size_t solid) const {
+  const int index = palettes[solid];
+  if (index < 0) return {};
+  const RngKey key{.seed = paint.seed, .episode = paint.episode, .stream = Stream::scene};
+  const auto object = static_cast<std::uint64_t>(solids[solid].id - kFirstObjectId);
+  const auto& tints = palette(index).tints;
+  return tints[random_bits(key, object, static_cast<std::uint32_t>(index))[0] % tints.size()];
 }
 
-}  // namespace threewe::sim
+}  // namespace threewe::sim::view

@@ -54,6 +54,8 @@ struct Place {
   const FloorRegion* room_at(Vec2 point) const;
   /// What is on the faces of a solid, if it is a wall; -1 stands for one that moves.
   std::span<const Decor> decor_of(int solid) const;
+  /// The colour of a solid in an episode; none for a wall, whose colour depends on the room before it.
+  Colour colour(const Paint& paint, std::size_t solid) const;
   bool has_skirting(const VisibleSolid& solid) const {
     return solid.id == kWallId && solid.solid.z_min <= 0.0 && !is_open;
   }

@@ -181,7 +181,7 @@ TEST_CASE("the camera sees people and robots as the ray tracer does") {
     const Room world(seed);
     const scene::Scene& scene = *world.model->scene;
     const Renderer renderer(scene);
-    const Paint paint = renderer.paint(seed, 0);
+    const Paint paint{seed, 0};
     const auto figures = world.figures(7, seed);
 
     // from 1.5 m beside somebody, or from 0.6 m beside a robot

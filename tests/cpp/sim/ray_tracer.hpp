@@ -22,13 +22,10 @@ struct Hit {
 
 class RayTracer {
  public:
-  RayTracer(const scene::Scene& scene, const CameraIntrinsics& camera, const CameraPose& view, Paint paint,
+  RayTracer(const scene::Scene& scene, const CameraIntrinsics& camera, const CameraPose& view, const Paint& paint,
             std::vector<VisibleSolid> moving = {})
-      : place_(scene), solids_(place_.solids), camera_(camera), view_(view), paint_(std::move(paint)) {
-    for (const VisibleSolid& solid : moving) {
-      solids_.push_back(solid);
-      paint_.colours.push_back(solid.colour);
-    }
+      : place_(scene), solids_(place_.solids), camera_(camera), view_(view), paint_(paint) {
+    solids_.insert(solids_.end(), moving.begin(), moving.end());
   }
 
   /// The ray through image coordinates (u, v), as slopes: y / x and z / x.
@@ -75,7 +72,9 @@ class RayTracer {
 
     const VisibleSolid& visible = solids_[static_cast<std::size_t>(hit.solid)];
     const scene::Solid& solid = visible.solid;
-    const Colour own = paint_.colours[static_cast<std::size_t>(hit.solid)];
+    const auto index = static_cast<std::size_t>(hit.solid);
+    const bool stands = index < place_.solids.size();
+    const Colour own = stands ? place_.colour(paint_, index) : visible.colour;
     if (hit.face == view::kTopFace || hit.face == view::kBottomFace) {
       const bool is_top = hit.face == view::kTopFace;
       const view::Look look = is_top ? view::top_look(visible, own) : view::bottom_look(visible, own);
@@ -100,8 +99,7 @@ class RayTracer {
     look.colour = visible.id == kWallId && !is_round ? place_.wall_colour(visible, side, point) : own;
     if (place_.has_skirting(visible) && z < view::kSkirting) look = view::skirting_look(normal);
     Vec2 on_face{along, z};
-    const int index = hit.solid < static_cast<int>(place_.solids.size()) ? hit.solid : -1;
-    for (const view::Decor& d : place_.decor_of(index)) {
+    for (const view::Decor& d : place_.decor_of(stands ? hit.solid : -1)) {
       if (d.face != hit.face || along < d.begin || along >= d.end || z < d.low || z >= d.high) continue;
       look = d.look;
       on_face = {along - d.begin, z - d.low};
