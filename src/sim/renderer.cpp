@@ -3,12 +3,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstring>
+#include <limits>
 #include <string_view>
 
 #include <fmt/format.h>
 
-#include "sim/renderer/columns.hpp"
 #include "sim/renderer/kernel.hpp"
 #include "sim/renderer/place.hpp"
 #include "threewe/core/errors.hpp"
@@ -18,8 +17,7 @@ namespace threewe::sim {
 struct RenderScratch::Buffers {
   view::Rows rows;
   view::Candidates candidates;
-  view::Columns columns;
-  view::Strip strip;
+  view::BlockWork work;
 };
 
 RenderScratch::RenderScratch() : buffers_(std::make_unique<Buffers>()) {}
@@ -57,36 +55,46 @@ void check_view(const CameraPose& view) {
   }
 }
 
-// What is known of rows before anything is drawn, also of some beyond the last.
-void begin_rows(const view::View& seen, bool is_open, view::Rows& rows) {
-  rows.count = seen.camera.height;
-  const auto count = static_cast<std::size_t>(rows.count) + view::kMostLanes;
-  rows.slopes.resize(count);
-  rows.floor.resize(count);
-  rows.haze.resize(is_open ? count : 0);
+// What is known of rows that look at the sky, and at the ground below it.
+void begin_sky(const view::View& seen, const view::Place& place, view::Rows& rows) {
+  const std::size_t count = rows.slopes.size();
+  rows.haze.resize(count);
   for (std::size_t k = 0; k < 3; ++k) {
     rows.sky[k].resize(count);
     rows.glow[k].resize(count);
   }
   for (std::size_t r = 0; r < count; ++r) {
-    const auto slope = static_cast<float>((seen.camera.cy - (static_cast<double>(r) + 0.5)) / seen.camera.fy);
+    const float slope = rows.slopes[r];
     const Colour sky = view::sky_colour(slope);
     const Colour glow = view::sun_glow(slope);
-    rows.slopes[r] = slope;
-    rows.floor[r] = slope < 0.0F ? 1.0F / (view::inverse_of_level(-seen.height).rise * slope) : 0.0F;
-    if (is_open) rows.haze[r] = view::haze(seen.height, slope);
+    rows.haze[r] = place.is_open ? view::haze(seen.height, slope) : 0.0F;
     rows.sky[0][r] = sky.b, rows.sky[1][r] = sky.g, rows.sky[2][r] = sky.r;
     rows.glow[0][r] = glow.b, rows.glow[1][r] = glow.g, rows.glow[2][r] = glow.r;
   }
 }
 
-// Where the pixels of some columns go.
-view::Target target_of(const Images& images, int width, int first, int count) {
-  const auto at = static_cast<std::size_t>(first);
-  return {images.colour.empty() ? nullptr : images.colour.data() + 3 * at,
-          images.depth.empty() ? nullptr : images.depth.data() + at,
-          images.ids.empty() ? nullptr : images.ids.data() + at, static_cast<std::size_t>(width),
-          static_cast<std::size_t>(count)};
+// What is known of rows before anything is drawn, also of some beyond the last.
+void begin_rows(const view::View& seen, const view::Place& place, view::Rows& rows) {
+  constexpr float kInfinity = std::numeric_limits<float>::infinity();
+  rows.count = seen.camera.height;
+  rows.level = -1;
+  const auto count = static_cast<std::size_t>(rows.count) + view::kBlock;
+  rows.slopes.resize(count);
+  rows.inverse.resize(count);
+  rows.above.resize(count);
+  rows.below.resize(count);
+  const auto ceiling = static_cast<float>(place.ceiling - seen.height);
+  const auto floor = static_cast<float>(-seen.height);
+  for (std::size_t r = 0; r < count; ++r) {
+    const double up = seen.camera.cy - (static_cast<double>(r) + 0.5);
+    if (up == 0.0 && r + view::kBlock < count) rows.level = static_cast<int>(r);
+    rows.slopes[r] = static_cast<float>(up / seen.camera.fy);
+    // nothing level is seen along the horizon
+    rows.inverse[r] = up == 0.0 ? std::numeric_limits<float>::quiet_NaN() : static_cast<float>(seen.camera.fy / up);
+    rows.above[r] = seen.is_roofed && up > 0.0 ? ceiling * rows.inverse[r] : kInfinity;
+    rows.below[r] = up < 0.0 ? floor * rows.inverse[r] : kInfinity;
+  }
+  if (!seen.is_roofed) begin_sky(seen, place, rows);
 }
 
 }  // namespace
@@ -102,14 +110,8 @@ void Renderer::render(const CameraIntrinsics& camera, const CameraPose& view, co
   RenderScratch::Buffers& work = *scratch.buffers_;
   const view::View seen(camera, view, place_->ceiling);
   view::find_candidates(*place_, seen, paint, moving, work.candidates);
-  begin_rows(seen, place_->is_open, work.rows);
-  view::begin_strips(camera.height, work.strip);
-  for (int first = 0; first < camera.width; first += view::kStripWidth) {
-    const int count = std::min(view::kStripWidth, camera.width - first);
-    view::find_spans(*place_, seen, work.rows, work.candidates, first, count, work.columns);
-    view::draw_strip(work.columns.spans, work.rows, place_->light, work.strip,
-                     target_of(images, camera.width, first, count));
-  }
+  begin_rows(seen, *place_, work.rows);
+  view::draw({*place_, seen, work.rows, work.candidates, images}, work.work);
 }
 
 Colour Renderer::colour(const Paint& paint, std::size_t solid) const { return place_->colour(paint, solid); }

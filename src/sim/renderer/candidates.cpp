@@ -44,6 +44,8 @@ class Search {
   void begin(std::size_t moving) {
     const auto columns = static_cast<std::size_t>(view_.camera.width);
     const std::size_t blocks = (columns + kBlock - 1) / kBlock;
+    const FloorRegion* floor = place_.floor_at(view_.eye);
+    out_.floor = floor ? static_cast<std::size_t>(floor - place_.floors.data()) : place_.floors.size();
     out_.walls.clear();
     out_.others.clear();
     out_.moving.clear();

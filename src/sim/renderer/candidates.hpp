@@ -37,6 +37,8 @@ struct Candidates {
   std::vector<std::vector<Entry>> blocks;  // `others`, by block
   std::vector<double> farthest;            // by block: no wall in it has a smaller inverse depth
 
+  std::size_t floor = 0;  // the region that the eye is over, or beyond the last
+
   std::vector<double> slopes;        // by column
   std::vector<double> wall_inverse;  // by column: of the nearest wall; infinity beyond the picture
   std::vector<std::int32_t> wall;    // which one that is, or -1

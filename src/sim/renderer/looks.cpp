@@ -14,7 +14,6 @@ constexpr std::array kWallPaints = {rgb(232, 228, 218), rgb(208, 218, 214), rgb(
 constexpr Colour kCeiling = rgb(226, 226, 222);
 constexpr Colour kRoof = rgb(150, 154, 158);
 constexpr Colour kCloud = rgb(252, 252, 252);
-constexpr Colour kHills = rgb(118, 140, 132);
 
 struct FloorPaint {
   std::string_view name;
@@ -90,45 +89,40 @@ const Palette& palette(int index) { return kPalettes[static_cast<std::size_t>(in
 
 Colour wall_paint(std::size_t room) { return kWallPaints[room % kWallPaints.size()]; }
 
-Look make_look(Material material, Colour colour, float shade) {
-  const MaterialSpec& s = spec(material);
-  return {material, colour, shade * s.dark, shade * (s.light - s.dark) / 255.0F};
-}
-
 Look floor_look(std::string_view name, float light) {
   constexpr std::size_t kConcrete = 3;
   const auto found = std::ranges::find(kFloors, name, &FloorPaint::name);
   const FloorPaint& paint = found == kFloors.end() ? kFloors[kConcrete] : *found;
-  return make_look(paint.material, paint.colour, light);
+  return {paint.material, paint.colour, light};
 }
 
 Look ceiling_look(double height) {
   constexpr double kHall = 3.5;  // [m]
-  return height > kHall ? make_look(Material::roof, kRoof, 1.0F) : make_look(Material::ceiling, kCeiling, 1.0F);
+  return height > kHall ? Look{Material::roof, kRoof} : Look{Material::ceiling, kCeiling};
 }
 
-float side_shade(Vec2 normal) { return static_cast<float>(0.85 + 0.15 * dot(normal, kSunward)); }
+float side_shade(Vec2 normal) { return static_cast<float>(kShade + kSunShade * dot(normal, kSunward)); }
 
 Look side_look(const VisibleSolid& visible, Material material, float shade) {
   const scene::Solid& solid = visible.solid;
-  Look look = make_look(material, {}, shade);
+  Look look{material, {}, shade};
   const double height = solid.z_max - solid.z_min;
   const double reach = std::min(0.45, height);  // [m]: as high above its lower edge a face is lit in full
   const double foot = 1.0 - 0.22 * std::min(1.0, reach / 0.45);  // how much it is lit there
   const double rise = (1.0 - foot) / reach;
-  look.shade = static_cast<float>(foot - rise * solid.z_min);
-  look.shade_rise = static_cast<float>(rise * spec(material).tile_size);
+  look.foot = static_cast<float>(foot - rise * solid.z_min);
+  look.rise = static_cast<float>(rise);
   return look;
 }
 
-Look skirting_look(Vec2 normal) { return make_look(Material::trim, kTrim, 0.92F * side_shade(normal)); }
+Look skirting_look(Vec2 normal) { return {Material::trim, kTrim, 0.92F * side_shade(normal)}; }
 
 Look top_look(const VisibleSolid& solid, Colour colour) {
-  return solid.id == kWallId ? make_look(Material::trim, kTrim, 1.0F) : make_look(solid.material, colour, 1.06F);
+  return solid.id == kWallId ? Look{Material::trim, kTrim} : Look{solid.material, colour, 1.06F};
 }
 
 Look bottom_look(const VisibleSolid& solid, Colour colour) {
-  return solid.id == kWallId ? make_look(Material::trim, kTrim, 0.78F) : make_look(solid.material, colour, 0.55F);
+  return solid.id == kWallId ? Look{Material::trim, kTrim, 0.78F} : Look{solid.material, colour, 0.55F};
 }
 
 Colour sky_colour(float slope) {
@@ -151,13 +145,7 @@ float sun_share(Vec2 direction) {
   return static_cast<float>(towards * towards * towards);
 }
 
-Look cloud_look() { return make_look(Material::sky, kCloud, 1.0F); }
-
-Look hill_look() {
-  Look look{Material::sky, kHills};
-  look.dark = 0.72F;
-  return look;
-}
+Look cloud_look() { return {Material::sky, kCloud}; }
 
 // A skyline made of waves around the horizon.
 double hill_slope(Vec2 direction) {

@@ -23,15 +23,14 @@ inline constexpr int kTopFace = 4;
 inline constexpr int kBottomFace = 5;
 inline constexpr int kRoundFace = 6;
 
-/// How a face takes colour from its texture: colour * (dark + contrast * brightness) * min(1, shade + shade_rise * v),
-/// where brightness is 0 to 255 and v is in tiles.
+/// How a face takes colour from its texture: colour * light * brightness * min(1, foot + rise * z), where brightness is
+/// the texture's and z is the height above the floor [m].
 struct Look {
   Material material{};
   Colour colour;
-  float dark = 1.0F;
-  float contrast = 0.0F;
-  float shade = 1.0F;
-  float shade_rise = 0.0F;
+  float light = 1.0F;
+  float foot = 1.0F;
+  float rise = 0.0F;
 };
 
 /// What things of one material may be coloured in.
@@ -46,12 +45,14 @@ const Palette& palette(int index);
 /// The paint of a scene's i-th room.
 Colour wall_paint(std::size_t room);
 
-Look make_look(Material material, Colour colour, float shade);
 /// A floor as scenes name it; concrete for a name that it does not know. `light` is 1 for a well lit one.
 Look floor_look(std::string_view name, float light);
 /// The ceiling of a room or, high up, the roof of a hall.
 Look ceiling_look(double height);
-/// How bright a vertical face is that faces along `normal` (a unit vector of the scene's frame).
+/// How bright a vertical face is that faces along `normal` (a unit vector of the scene's frame): in all, and of the
+/// sun.
+inline constexpr double kShade = 0.85;
+inline constexpr double kSunShade = 0.15;
 float side_shade(Vec2 normal);
 /// An upright face of a solid, its colour left open: darker towards its foot.
 Look side_look(const VisibleSolid& solid, Material material, float shade);
@@ -65,12 +66,13 @@ Colour sky_colour(float slope);
 Colour sun_glow(float slope);
 /// 1 towards the sun, less the further from it. `direction` is of the ray in the scene's frame.
 float sun_share(Vec2 direction);
-/// What clouds are made of: they cover dark + contrast * brightness of the sky.
+/// What clouds are made of: they cover as much of the sky as their texture is bright.
 Look cloud_look();
 /// How high above the eye they are [m].
 inline constexpr double kCloudHeight = 150.0;
-/// Hills cover `dark` of the sky.
-Look hill_look();
+inline constexpr Colour kHills = rgb(118, 140, 132);
+/// How much of the sky hills cover.
+inline constexpr float kHillCover = 0.72F;
 /// The slope up to which they reach in a direction: z / x of a ray (1, s).
 double hill_slope(Vec2 direction);
 /// How much of the ground under the sky is lost in haze, at a slope below the horizon.

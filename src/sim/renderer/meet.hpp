@@ -1,4 +1,4 @@
-// Where rays enter and leave a solid, and which of several surfaces is nearest: for many columns or rows at once.
+// Where rays enter a solid: for several columns at once.
 #pragma once
 
 #include <array>
@@ -8,7 +8,7 @@
 
 namespace threewe::sim::view {
 
-/// Columns are met in blocks of this many.
+/// Pictures are drawn in blocks of this many columns.
 inline constexpr int kBlock = 8;
 
 /// A solid's outline in the camera's frame. Along the ray (1, s) it lies between the inverse depths max(far lines) and
@@ -28,31 +28,14 @@ struct Outline {
   double beyond = 0.0;  // square of the distance to its centre, less that of its radius
 };
 
-/// Where the rays of a block of columns pass through a solid, as inverse depths, and by which face they enter a box.
+/// Where the rays of a block of columns enter a solid: inverse depths, and by which face of a box.
 struct Meeting {
   alignas(64) std::array<double, kBlock> near;
-  alignas(64) std::array<double, kBlock> far;
   alignas(64) std::array<double, kBlock> face;
 };
 
 /// Finds where rays of some slopes meet an outline before `behind`, an inverse depth for each. The bits of the result
 /// tell which do; the others' part of `meeting` means nothing.
 unsigned meet(const Outline& outline, const double* slopes, const double* behind, Meeting& meeting);
-
-/// What a column shows so far, by row.
-struct Layers {
-  const float* slopes = nullptr;
-  float* inverse = nullptr;  // the largest inverse depth
-  std::int32_t* owner = nullptr;
-};
-
-/// Gives rows [begin, end) to an owner whose inverse depth is `inverse + rise * slope`.
-void lay(const Layers& layers, int begin, int end, float inverse, float rise, std::int32_t owner);
-/// The same where it is nearer than what is there.
-void put(const Layers& layers, int begin, int end, float inverse, float rise, std::int32_t owner);
-
-/// Finds the rows, beyond the first, whose owner is another than that of the row above. Room for all rows in `changed`;
-/// the result tells how many there are.
-int find_changes(const std::int32_t* owner, int rows, std::int32_t* changed);
 
 }  // namespace threewe::sim::view

@@ -102,6 +102,28 @@ Place::Place(const scene::Scene& scene)
   groups = make_groups(solids, ceiling);
   light = make_light(solids, is_open, decor.sun);
   corner_light = make_light(std::span(solids).first(scene.walls.size()), false, {});
+  paint_walls();
+}
+
+void Place::paint_walls() {
+  first_tint_.push_back(0);
+  for (std::size_t i = 0; i < solids.size() && solids[i].id == kWallId; ++i) {
+    for (const Side& side : sides[i]) {
+      const int count = static_cast<int>(side.length / kTintStep) + 1;
+      for (int k = 0; k < count; ++k) {
+        const Vec2 point = side.corner + std::min((k + 0.5) * kTintStep, side.length) * side.axis;
+        const Colour colour = wall_colour(solids[i], side, point);
+        const float lit = side.look.light;
+        wall_tints_.push_back(pack({lit * colour.b, lit * colour.g, lit * colour.r}));
+      }
+      first_tint_.push_back(wall_tints_.size());
+    }
+  }
+}
+
+std::span<const std::uint32_t> Place::tints_of(std::size_t wall, std::size_t face) const {
+  const std::size_t first = first_tint_[4 * wall + face];
+  return std::span(wall_tints_).subspan(first, first_tint_[4 * wall + face + 1] - first);
 }
 
 void Place::add_solids(const scene::Scene& scene) {
@@ -158,6 +180,11 @@ Colour Place::wall_colour(const VisibleSolid& wall, const Side& side, Vec2 point
 float Place::wall_shade(Vec2 normal, Vec2 point) const {
   constexpr double kFront = 0.3;  // [m]
   return static_cast<float>(std::min(1.0, 0.4 + 0.6 * corner_light.at(point + kFront * normal)));
+}
+
+std::uint32_t pack(const Colour& colour) {
+  const auto byte = [](float x) { return static_cast<std::uint32_t>(std::clamp(x, 0.0F, 255.0F) + 0.5F); };
+  return byte(colour.b) | byte(colour.g) << 8U | byte(colour.r) << 16U;
 }
 
 Colour Place::colour(const Paint& paint, std::size_t solid) const {

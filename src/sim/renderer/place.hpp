@@ -59,17 +59,27 @@ struct Place {
   bool has_skirting(const VisibleSolid& solid) const {
     return solid.id == kWallId && solid.solid.z_min <= 0.0 && !is_open;
   }
-  /// The colour of a side of a wall at a point of it: that of the room in front of it; the ends of walls, where
-  /// doorways are, are trimmed.
-  Colour wall_colour(const VisibleSolid& wall, const Side& side, Vec2 point) const;
+  /// The tints along a side of a wall of the scene, one every `kTintStep`: the paint of the room in front of it in its
+  /// light; the ends of walls, where doorways are, are trimmed.
+  std::span<const std::uint32_t> tints_of(std::size_t wall, std::size_t face) const;
 
  private:
+  std::vector<std::uint32_t> wall_tints_;
+  std::vector<std::size_t> first_tint_;  // by wall and face, and one more
+
+  void paint_walls();
+  Colour wall_colour(const VisibleSolid& wall, const Side& side, Vec2 point) const;
   float wall_shade(Vec2 normal, Vec2 point) const;
 
   void add_solids(const scene::Scene& scene);
   const FloorRegion* find_floor(std::size_t first, Vec2 point) const;
 };
 
+/// Blue, green and red in the low bytes of a word, at most 255 each.
+std::uint32_t pack(const Colour& colour);
+
+/// From one tint of a wall to the next [m].
+inline constexpr double kTintStep = 1.0 / 64.0;
 /// Height of the skirting along the walls [m].
 inline constexpr double kSkirting = 0.08;
 

@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "threewe/core/exact.hpp"
+
 namespace threewe::sim::view {
 
 using scene::Solid;
@@ -30,10 +32,14 @@ Side round_side(const VisibleSolid& disc, const Look& look, Vec2 point) {
   Side side;
   side.normal = (1.0 / disc.solid.radius) * (point - disc.solid.center);
   side.look = look;
-  const float shade = side_shade(side.normal);
-  side.look.dark *= shade;
-  side.look.contrast *= shade;
+  side.look.light *= side_shade(side.normal);
   return side;
+}
+
+double along_round(double radius, Vec2 normal) {
+  const double ahead = normal.y / (std::fabs(normal.x) + std::fabs(normal.y));
+  const double quarters = normal.x >= 0.0 ? ahead : (normal.y >= 0.0 ? 2.0 : -2.0) - ahead;
+  return 0.5 * exact::kPi * radius * quarters;
 }
 
 }  // namespace threewe::sim::view

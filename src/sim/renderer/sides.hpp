@@ -21,6 +21,9 @@ using Sides = std::array<Side, 4>;
 Sides make_sides(const VisibleSolid& solid, bool is_open);
 /// A disc's at a point of it.
 Side round_side(const VisibleSolid& disc, const Look& look, Vec2 point);
+/// How far around a disc a normal is, about [m]: the way around a square on its corner, as long as that around the
+/// disc.
+double along_round(double radius, Vec2 normal);
 /// A side of a wall that is no longer than this is its end [m].
 inline constexpr double kWallEnd = 0.45;
 

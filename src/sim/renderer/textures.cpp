@@ -44,52 +44,79 @@ constexpr std::array<MaterialSpec, kMaterials> kSpecs = {{
 
 double wrapped(double x) { return x - std::floor(x); }
 
-// One level from brightnesses 0 to 255.
-void pack(const std::vector<double>& values, int side, std::uint32_t* texels) {
-  const auto byte = [&](int x, int y) {
-    const int i = (y % side) * side + x % side;
-    const double value = values[static_cast<std::size_t>(i)];
-    return static_cast<std::uint32_t>(std::lround(std::clamp(value, 0.0, 255.0)));
-  };
-  for (int x = 0; x <= side; ++x) {
-    for (int y = 0; y <= side; ++y) {
-      texels[x * kTexelStride + y] =
-          byte(x, y) | byte(x + 1, y) << 8U | byte(x, y + 1) << 16U | byte(x + 1, y + 1) << 24U;
+// Brightness 0 to 1 at the middles of texels, `side` by `side`; it repeats.
+class Level {
+ public:
+  explicit Level(int side) : side_(side), values_(static_cast<std::size_t>(side) * static_cast<std::size_t>(side)) {}
+
+  int side() const { return side_; }
+  double& at(int x, int y) { return values_[index(x, y)]; }
+  double at(int x, int y) const { return values_[index(x, y)]; }
+
+ private:
+  std::size_t index(int x, int y) const {
+    return static_cast<std::size_t>((y & (side_ - 1)) * side_ + (x & (side_ - 1)));
+  }
+  int side_;
+  std::vector<double> values_;
+};
+
+template <class Value>
+Level make_level(int side, Value value) {
+  Level level(side);
+  for (int y = 0; y < side; ++y) {
+    for (int x = 0; x < side; ++x) level.at(x, y) = value(x, y);
+  }
+  return level;
+}
+
+Level halved(const Level& fine) {
+  return make_level(fine.side() / 2, [&](int x, int y) {
+    return 0.25 * (fine.at(2 * x, 2 * y) + fine.at(2 * x + 1, 2 * y) + fine.at(2 * x, 2 * y + 1) +
+                   fine.at(2 * x + 1, 2 * y + 1));
+  });
+}
+
+// Interpolated: texels that are seen from close by should not look like tiles.
+Level doubled(const Level& coarse) {
+  return make_level(2 * coarse.side(), [&](int x, int y) {
+    const int near_x = x / 2;
+    const int near_y = y / 2;
+    const int far_x = near_x + (x % 2 ? 1 : -1);
+    const int far_y = near_y + (y % 2 ? 1 : -1);
+    const double near = 0.75 * coarse.at(near_x, near_y) + 0.25 * coarse.at(far_x, near_y);
+    const double far = 0.75 * coarse.at(near_x, far_y) + 0.25 * coarse.at(far_x, far_y);
+    return 0.75 * near + 0.25 * far;
+  });
+}
+
+void pack(const Level& level, const MaterialSpec& material, std::uint8_t* texels) {
+  for (int x = 0; x < level.side(); ++x) {
+    for (int y = 0; y < level.side(); ++y) {
+      const auto dark = static_cast<double>(material.dark);
+      const double bright = dark + (static_cast<double>(material.light) - dark) * level.at(x, y);
+      texels[x * kTexelStride + y] = static_cast<std::uint8_t>(std::lround(static_cast<double>(kTexelOne) * bright));
     }
   }
 }
 
-std::vector<double> halved(const std::vector<double>& values, int side) {
-  std::vector<double> half;
-  const auto at = [&](int x, int y) {
-    const int i = y * side + x;
-    return values[static_cast<std::size_t>(i)];
-  };
-  for (int y = 0; y < side; y += 2) {
-    for (int x = 0; x < side; x += 2) {
-      half.push_back(0.25 * (at(x, y) + at(x + 1, y) + at(x, y + 1) + at(x + 1, y + 1)));
-    }
-  }
-  return half;
-}
-
-std::vector<std::uint32_t> make_tiles() {
-  std::vector<std::uint32_t> all(kMaterials * kTileLines * kTexelStride);
+std::vector<std::uint8_t> make_tiles() {
+  constexpr int kPatternSide = kTileSide / 2;  // patterns are no finer than this
+  std::vector<std::uint8_t> all(kOneTexel + 1);
   for (std::size_t m = 0; m < kMaterials; ++m) {
     const Pattern brightness = pattern(static_cast<Material>(m));
-    std::vector<double> values;
-    for (int y = 0; y < kTileSide; ++y) {
-      for (int x = 0; x < kTileSide; ++x) {
-        const double value = brightness((x + 0.5) / kTileSide, (y + 0.5) / kTileSide);
-        values.push_back(255.0 * std::clamp(value, 0.0, 1.0));
-      }
-    }
-    for (int side = kTileSide; side >= 1; side /= 2) {
-      const std::size_t line = m * kTileLines + static_cast<std::size_t>(level_line(side));
-      pack(values, side, all.data() + line * kTexelStride);
-      if (side > 1) values = halved(values, side);
-    }
+    const auto put = [&](const Level& level) {
+      const std::size_t line = m * kTileLines + static_cast<std::size_t>(level_line(level.side()));
+      pack(level, kSpecs[m], all.data() + line * kTexelStride);
+    };
+    Level level = make_level(kPatternSide, [&](int x, int y) {
+      return std::clamp(brightness((x + 0.5) / kPatternSide, (y + 0.5) / kPatternSide), 0.0, 1.0);
+    });
+    put(doubled(level));
+    for (; level.side() > 1; level = halved(level)) put(level);
+    put(level);
   }
+  all[kOneTexel] = static_cast<std::uint8_t>(kTexelOne);
   return all;
 }
 
@@ -97,24 +124,17 @@ std::vector<std::uint32_t> make_tiles() {
 
 const MaterialSpec& spec(Material material) { return kSpecs[static_cast<std::size_t>(material)]; }
 
-const std::vector<std::uint32_t>& tiles() {
-  static const std::vector<std::uint32_t> all = make_tiles();
+const std::vector<std::uint8_t>& tiles() {
+  static const std::vector<std::uint8_t> all = make_tiles();
   return all;
 }
 
 double sample(Material material, int level, double u, double v) {
   const int side = kTileSide >> level;
-  const double x = wrapped(u) * side;
-  const double y = wrapped(v) * side;
-  const int x0 = std::min(static_cast<int>(x), side - 1);
-  const int y0 = std::min(static_cast<int>(y), side - 1);
-  const int line = static_cast<int>(material) * kTileLines + level_line(side) + x0;
-  const int at = line * kTexelStride + y0;
-  const std::uint32_t texel = tiles()[static_cast<std::size_t>(at)];
-  const auto byte = [&](unsigned i) { return static_cast<double>(texel >> (8U * i) & 255U); };
-  const double low = byte(0) + (x - x0) * (byte(1) - byte(0));
-  const double high = byte(2) + (x - x0) * (byte(3) - byte(2));
-  return low + (y - y0) * (high - low);
+  const auto texel = [&](double tiles) { return std::min(static_cast<int>(wrapped(tiles) * side), side - 1); };
+  const int line = static_cast<int>(material) * kTileLines + level_line(side) + texel(u);
+  const int at = line * kTexelStride + texel(v);
+  return view::tiles()[static_cast<std::size_t>(at)] / static_cast<double>(kTexelOne);
 }
 
 }  // namespace threewe::sim::view

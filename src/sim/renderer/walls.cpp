@@ -44,7 +44,7 @@ void hang_pictures(const scene::Scene& scene, const Side& side, int face, std::u
     const auto draw = random_bits(random, static_cast<std::uint64_t>(i))[0];
     if (draw % 3 == 0 || !room_before(scene, side, begin, begin + size, 0.2)) continue;
     const Colour tint = palette(palette_of("fabric")).tints[draw / 3 % 8];
-    all.push_back({face, begin, begin + size, kLow, kLow + size, make_look(Material::picture, tint, 1.0F)});
+    all.push_back({face, begin, begin + size, kLow, kLow + size, Look{Material::picture, tint}});
   }
 }
 
@@ -56,7 +56,7 @@ void set_windows(const scene::Scene& scene, const Side& side, int face, WallDeco
     const double begin = side.length * (i + 0.5) / count - 0.5 * size;
     const scene::Room* room = room_before(scene, side, begin, begin + size, 0.2);
     if (!room) continue;
-    const Decor window{face, begin, begin + size, kSill, kSill + size, make_look(Material::window, kDaylight, 1.0F)};
+    const Decor window{face, begin, begin + size, kSill, kSill + size, Look{Material::window, kDaylight}};
     decor.all.push_back(window);
     let_sun_in(side, window, *room, decor.sun);
   }

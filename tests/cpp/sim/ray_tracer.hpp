@@ -49,25 +49,29 @@ class RayTracer {
   }
 
   /// The colour of what a ray meets: its look, its texture interpolated on the level that suits the pixel, its shade.
-  /// `finer` takes that many levels above or below.
-  Colour colour(double u, double v, const Hit& hit, int level_offset) const {
+  /// `off` takes a level above or below, and the texel a little farther.
+  struct Off {
+    int level = 0;
+    Vec2 texel{};
+  };
+  Colour colour(double u, double v, const Hit& hit, const Off& off) const {
     const double t = (camera_.cy - v) / camera_.fy;
     const Vec2 direction = this->direction((camera_.cx - u) / camera_.fx);
-    if (hit.id == kNothingId) return sky(direction, t, level_offset);
+    if (hit.id == kNothingId) return sky(direction, t, off);
     const Vec2 point = view_.pose.position() + hit.depth * direction;
     const double z = view_.height + hit.depth * t;
 
     if (hit.id == kFloorId) {
       const auto* floor = place_.floor_at(point);
       const view::Look look = floor ? floor->floor : place_.outside_floor;
-      const Colour bare = apply(look, texture(look, point, flat_footprint(hit.depth, view_.height), level_offset),
-                                place_.light.at(point));
+      const Colour bare =
+          apply(look, texture(look, point, flat_footprint(hit.depth, view_.height), off), place_.light.at(point));
       if (!place_.is_open) return bare;
       return mixed(bare, view::sky_colour(0.0F), view::haze(view_.height, static_cast<float>(t)));
     }
     if (hit.id == kCeilingId) {
       const double footprint = flat_footprint(hit.depth, place_.ceiling - view_.height);
-      return apply(place_.ceiling_look, texture(place_.ceiling_look, point, footprint, level_offset), 1.0);
+      return apply(place_.ceiling_look, texture(place_.ceiling_look, point, footprint, off), 1.0);
     }
 
     const VisibleSolid& visible = solids_[static_cast<std::size_t>(hit.solid)];
@@ -86,7 +90,7 @@ class RayTracer {
         axis = norm(a) >= norm(b) ? (1.0 / norm(a)) * a : (1.0 / norm(b)) * b;
       }
       const Vec2 local{dot(point - solid.center, axis), dot(point - solid.center, {-axis.y, axis.x})};
-      return apply(look, texture(look, local, flat_footprint(hit.depth, height), level_offset), 1.0);
+      return apply(look, texture(look, local, flat_footprint(hit.depth, height), off), 1.0);
     }
 
     const view::Sides sides = view::make_sides(visible, place_.is_open);
@@ -94,9 +98,15 @@ class RayTracer {
     const view::Side side =
         is_round ? view::round_side(visible, sides[0].look, point) : sides[static_cast<std::size_t>(hit.face)];
     const Vec2 normal = side.normal;
-    const double along = is_round ? solid.radius * std::atan2(normal.y, normal.x) : dot(point - side.corner, side.axis);
+    const double along = is_round ? view::along_round(solid.radius, normal) : dot(point - side.corner, side.axis);
     view::Look look = side.look;
-    look.colour = visible.id == kWallId && !is_round ? place_.wall_colour(visible, side, point) : own;
+    look.colour = own;
+    if (visible.id == kWallId && !is_round) {
+      const auto tints = place_.tints_of(index, static_cast<std::size_t>(hit.face));
+      const auto bin = static_cast<std::size_t>(std::max(along / view::kTintStep, 0.0));
+      look.colour = unpacked(tints[std::min(bin, tints.size() - 1)]);
+      look.light = 1.0F;
+    }
     if (place_.has_skirting(visible) && z < view::kSkirting) look = view::skirting_look(normal);
     Vec2 on_face{along, z};
     for (const view::Decor& d : place_.decor_of(stands ? hit.solid : -1)) {
@@ -106,9 +116,8 @@ class RayTracer {
     }
     const double facing = -dot(direction, normal) / norm(direction);
     const double footprint = 0.7 * hit.depth / camera_.fx / std::max(facing, 0.35);
-    const double size = view::spec(look.material).tile_size;
-    const double shade = static_cast<double>(look.shade) + static_cast<double>(look.shade_rise) * (on_face.y / size);
-    return apply(look, texture(look, on_face, footprint, level_offset), std::min(1.0, shade));
+    const double shade = static_cast<double>(look.foot) + static_cast<double>(look.rise) * z;
+    return apply(look, texture(look, on_face, footprint, off), std::min(1.0, shade));
   }
 
  private:
@@ -118,7 +127,7 @@ class RayTracer {
   }
 
   // Clouds and hills before a sky that the sun brightens.
-  Colour sky(Vec2 direction, double t, int level_offset) const {
+  Colour sky(Vec2 direction, double t, const Off& off) const {
     const auto slope = static_cast<float>(t);
     const Colour blue = view::sky_colour(slope);
     if (t <= 0.0) return blue;
@@ -126,11 +135,17 @@ class RayTracer {
     const Colour sun = view::sun_glow(slope);
     const Colour lit{blue.b + share * sun.b, blue.g + share * sun.g, blue.r + share * sun.r};
     const bool is_hill = place_.is_open && t < view::hill_slope(direction);
-    const view::Look look = is_hill ? view::hill_look() : view::cloud_look();
+    if (is_hill) return mixed(lit, view::kHills, view::kHillCover);
+    const view::Look look = view::cloud_look();
     const double depth = view::kCloudHeight / t;
     const Vec2 point = view_.pose.position() + depth * direction;
-    const double bright = is_hill ? 0.0 : texture(look, point, flat_footprint(depth, view::kCloudHeight), level_offset);
-    return mixed(lit, look.colour, look.dark + look.contrast * static_cast<float>(bright));
+    const double cover = texture(look, point, flat_footprint(depth, view::kCloudHeight), off);
+    return mixed(lit, look.colour, static_cast<float>(cover));
+  }
+
+  static Colour unpacked(std::uint32_t word) {
+    const auto byte = [&](unsigned k) { return static_cast<float>(word >> (8U * k) & 255U); };
+    return {byte(0), byte(1), byte(2)};
   }
 
   static Colour mixed(Colour a, Colour b, float share) {
@@ -184,16 +199,17 @@ class RayTracer {
     return depth * depth * 0.35 / (camera_.fy * std::fabs(height));
   }
 
-  static double texture(const view::Look& look, Vec2 point, double footprint, int level_offset) {
+  static double texture(const view::Look& look, Vec2 point, double footprint, const Off& off) {
     const double size = view::spec(look.material).tile_size;
     const double texels = footprint * view::kTileSide / size;
     const int level = texels < 1.0 ? 0 : std::min(static_cast<int>(std::log2(texels)), view::kTileLevels - 1);
-    const int shifted = std::clamp(level + level_offset, 0, view::kTileLevels - 1);
-    return view::sample(look.material, shifted, point.x / size, point.y / size);
+    const int shifted = std::clamp(level + off.level, 0, view::kTileLevels - 1);
+    const Vec2 shift = (1.0 / (view::kTileSide >> shifted)) * off.texel;
+    return view::sample(look.material, shifted, point.x / size + shift.x, point.y / size + shift.y);
   }
 
   static Colour apply(const view::Look& look, double brightness, double shade) {
-    const float light = static_cast<float>(shade) * (look.dark + look.contrast * static_cast<float>(brightness));
+    const float light = look.light * static_cast<float>(shade * brightness);
     const auto channel = [&](float own) { return std::clamp(own * light, 0.0F, 255.0F); };
     return {channel(look.colour.b), channel(look.colour.g), channel(look.colour.r)};
   }

@@ -110,9 +110,10 @@ TEST_CASE("random scenes") {
     }
   }
   MESSAGE(comparison.pixels, " pixels, ", comparison.grazing, " on edges, ", comparison.other_level,
-          " on another level of texture");
+          " on another level of texture, ", comparison.other_texel, " on another texel");
   CHECK(comparison.grazing < comparison.pixels / 200);
   CHECK(comparison.other_level < comparison.pixels / 200);
+  CHECK(comparison.other_texel < comparison.pixels / 100);
 }
 
 TEST_CASE("beside walls, at corners, among and under furniture") {
