@@ -36,49 +36,54 @@ void make_colours(const BlockWork& work, std::size_t first, bool has_veil, std::
   }
 }
 #else
-using Colours = hn::Full128<std::uint8_t>;
-using Parts = hn::Full128<std::uint16_t>;
-using Pixels = hn::Full128<std::uint32_t>;
+using Pixels = hn::CappedTag<std::uint32_t, kBlock>;
+using Parts = hn::Repartition<std::uint16_t, Pixels>;
+using Bytes = hn::Repartition<std::uint8_t, Pixels>;
 
-// Four pixels: twelve bytes, and four zeros.
-HWY_INLINE hn::Vec<Colours> four_colours(const BlockWork& work, std::size_t i, bool has_veil) {
-  const Colours d8;
+// Twelve bytes and four zeros for every four pixels.
+HWY_INLINE hn::Vec<Bytes> colours_of(const BlockWork& work, std::size_t i, bool has_veil) {
+  const Bytes d8;
   const Parts d16;
   const Pixels d32;
+  constexpr std::uint8_t k0 = 0x80;  // nothing
   alignas(16) static constexpr std::uint8_t kFirst[16] = {0, 1, 0, 1, 0, 1, 0, 1, 4, 5, 4, 5, 4, 5, 4, 5};
   alignas(16) static constexpr std::uint8_t kSecond[16] = {8, 9, 8, 9, 8, 9, 8, 9, 12, 13, 12, 13, 12, 13, 12, 13};
-  alignas(16) static constexpr std::uint8_t kLower[16] = {0,    2,    4,    8,    10,   12,   0x80, 0x80,
-                                                          0x80, 0x80, 0x80, 0x80, 0x80, 0x80, 0x80, 0x80};
-  alignas(16) static constexpr std::uint8_t kUpper[16] = {0x80, 0x80, 0x80, 0x80, 0x80, 0x80, 0,    2,
-                                                          4,    8,    10,   12,   0x80, 0x80, 0x80, 0x80};
+  alignas(16) static constexpr std::uint8_t kLower[16] = {0, 2, 4, 8, 10, 12, k0, k0, k0, k0, k0, k0, k0, k0, k0, k0};
+  alignas(16) static constexpr std::uint8_t kUpper[16] = {k0, k0, k0, k0, k0, k0, 0, 2, 4, 8, 10, 12, k0, k0, k0, k0};
   const auto texel = hn::BitCast(d16, hn::LoadU(d32, work.texel.data() + i));
   const auto light = hn::BitCast(d16, hn::LoadU(d32, work.light.data() + i));
   const auto tint = hn::BitCast(d8, hn::LoadU(d32, work.tint.data() + i));
   const auto factor = hn::BitCast(d8, hn::Mul(texel, light));
   const auto colours = [&](auto tints, const std::uint8_t* order) HWY_ATTR {
-    const auto factors = hn::BitCast(d16, hn::TableLookupBytes(factor, hn::Load(d8, order)));
+    const auto factors = hn::BitCast(d16, hn::TableLookupBytes(factor, hn::LoadDup128(d8, order)));
     const auto fine = hn::SaturatedAdd(hn::MulHigh(hn::BitCast(d16, tints), factors), hn::Set(d16, kHalf));
     return hn::BitCast(d8, hn::Min(hn::MulHigh(fine, hn::Set(d16, kGain)), hn::Set(d16, std::uint16_t{255})));
   };
   const auto zero = hn::Zero(d8);
   const auto lower = colours(hn::InterleaveLower(d8, zero, tint), kFirst);
   const auto upper = colours(hn::InterleaveUpper(d8, zero, tint), kSecond);
-  auto four = hn::Or(hn::TableLookupBytesOr0(lower, hn::Load(d8, kLower)),
-                     hn::TableLookupBytesOr0(upper, hn::Load(d8, kUpper)));
+  auto all = hn::Or(hn::TableLookupBytesOr0(lower, hn::LoadDup128(d8, kLower)),
+                    hn::TableLookupBytesOr0(upper, hn::LoadDup128(d8, kUpper)));
   if (has_veil) {
-    alignas(16) static constexpr std::uint8_t kThree[16] = {0,  1,  2,  4,  5,    6,    8,    9,
-                                                            10, 12, 13, 14, 0x80, 0x80, 0x80, 0x80};
+    alignas(16) static constexpr std::uint8_t kThree[16] = {0, 1, 2, 4, 5, 6, 8, 9, 10, 12, 13, 14, k0, k0, k0, k0};
     const auto veil = hn::BitCast(d8, hn::LoadU(d32, work.veil.data() + i));
-    four = hn::SaturatedAdd(four, hn::TableLookupBytesOr0(veil, hn::Load(d8, kThree)));
+    all = hn::SaturatedAdd(all, hn::TableLookupBytesOr0(veil, hn::LoadDup128(d8, kThree)));
   }
-  return four;
+  return all;
 }
 
 HWY_INLINE void make_colours(const BlockWork& work, std::size_t first, bool has_veil, std::uint8_t* to) {
-  const Colours d8;
-  hn::StoreU(four_colours(work, first, has_veil), d8, to);
-  const auto last = four_colours(work, first + 4, has_veil);
-  const hn::Half<Colours> half;
+  using Four = hn::Full128<std::uint8_t>;
+  const Four d;
+#if HWY_MAX_BYTES >= 32
+  const auto all = colours_of(work, first, has_veil);
+  hn::StoreU(hn::LowerHalf(d, all), d, to);
+  const auto last = hn::UpperHalf(d, all);
+#else
+  hn::StoreU(colours_of(work, first, has_veil), d, to);
+  const auto last = colours_of(work, first + 4, has_veil);
+#endif
+  const hn::Half<Four> half;
   hn::StoreU(hn::LowerHalf(half, last), half, to + 12);
   const std::uint32_t rest = hn::GetLane(hn::BitCast(hn::Full64<std::uint32_t>(), hn::UpperHalf(half, last)));
   std::memcpy(to + 20, &rest, 4);
@@ -99,9 +104,13 @@ class Drawer {
     if (!images.ids.empty()) put_ids(images.ids.data() + first, width, count);
     if (!images.depth.empty()) put_depth(images.depth.data() + first, width, count);
     if (images.colour.empty()) return;
-    Painter(drawing_, columns, work_).run();
-    find_texels();
-    put_colours(images.colour.data() + 3 * first, 3 * width, 3 * count);
+    Painter painter(drawing_, columns, work_);
+    for (std::size_t begin = 0; begin < rows(); begin += kBand) {
+      const Stretch band{begin, std::min(begin + kBand, rows())};
+      painter.run(band);
+      find_texels(band.end - band.begin);
+      put_colours(band, images.colour.data() + 3 * first, 3 * width, 3 * count);
+    }
   }
 
  private:
@@ -137,16 +146,16 @@ class Drawer {
     return work_.surfaces[static_cast<std::size_t>(owner - kFirstSurface)].candidate->visible->id;
   }
 
-  // One by one: the gather of AVX2 is slower on the machines that it was measured on.
-  void find_texels() {
+  void find_texels(std::size_t rows) {
     const std::uint8_t* HWY_RESTRICT table = tiles().data();
     std::uint32_t* HWY_RESTRICT texels = work_.texel.data();
-    for (std::size_t i = 0; i < rows() * kBlock; ++i) texels[i] = table[texels[i]];
+    for (std::size_t r = 0; r < rows; ++r, texels += kBlock) look_up(table, texels);
   }
 
-  void put_colours(std::uint8_t* to, std::size_t width, std::size_t count) const {
+  void put_colours(const Stretch& band, std::uint8_t* to, std::size_t width, std::size_t count) const {
     const bool has_veil = !work_.veil.empty();
-    for (std::size_t r = 0; r < rows(); ++r, to += width) {
+    to += width * band.begin;
+    for (std::size_t r = 0; r < band.end - band.begin; ++r, to += width) {
       if (count == 3 * kBlock) {
         make_colours(work_, r * kBlock, has_veil, to);
       } else {
@@ -192,12 +201,8 @@ void draw(const Drawing& drawing, BlockWork& work) {
   const std::size_t pixels = rows * kBlock;
   work.depth.resize(pixels);
   work.owner.resize(pixels);
-  work.texel.resize(pixels);
-  work.light.resize(pixels);
-  work.tint.resize(pixels);
-  work.cell.resize(pixels);
-  work.within.resize(pixels);
-  work.veil.resize(drawing.place.is_open ? pixels : 0);
+  for (auto* band : {&work.texel, &work.light, &work.tint, &work.cell, &work.within}) band->resize(kBand * kBlock);
+  work.veil.resize(drawing.place.is_open ? kBand * kBlock : 0);
   for (LevelRows& floor : work.floors) begin(floor, rows + kBlock);
   begin(work.others, rows + kBlock);
   HWY_DYNAMIC_DISPATCH(draw_blocks)(drawing, work);

@@ -62,10 +62,15 @@ struct Surface {
   Lanes<float> rise;
 };
 
+/// Colours are made for so many rows at a time, so that what they are made of stays close at hand.
+inline constexpr std::size_t kBand = 64;
+
 /// Working memory of a block: by row, and in each by column.
 struct BlockWork {
-  std::vector<float> depth;           // [m]; infinity where there is nothing
-  std::vector<std::int32_t> owner;    // who is seen
+  std::vector<float> depth;         // [m]; infinity where there is nothing
+  std::vector<std::int32_t> owner;  // who is seen
+
+  // of a band
   std::vector<std::uint32_t> texel;   // place in `tiles`, then what is found there
   std::vector<std::uint32_t> light;   // in 1/170
   std::vector<std::uint32_t> tint;    // blue, green, red, before texture and light

@@ -1,6 +1,7 @@
 #include "sim/renderer/light.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <limits>
 
@@ -42,15 +43,16 @@ class Grid {
   }
 
   FloorLight pack() {
-    FloorLight packed{origin_, width_, height_, {}};
+    FloorLight packed{origin_, width_, height_, static_cast<int>(std::bit_width(static_cast<unsigned>(width_ - 1))), {}};
     const auto byte = [&](int x, int y) {
       const double light = at(std::min(x, width_ - 1), std::min(y, height_ - 1));
       return static_cast<std::uint32_t>(std::lround(255.0 / FloorLight::kBrightest * light));
     };
-    packed.cells.reserve(light_.size());
+    packed.cells.resize(static_cast<std::size_t>(height_) << static_cast<unsigned>(packed.line_bits));
     for (int y = 0; y < height_; ++y) {
       for (int x = 0; x < width_; ++x) {
-        packed.cells.push_back(byte(x, y) | byte(x + 1, y) << 8U | byte(x, y + 1) << 16U | byte(x + 1, y + 1) << 24U);
+        packed.cells[packed.index(x, y)] =
+            byte(x, y) | byte(x + 1, y) << 8U | byte(x, y + 1) << 16U | byte(x + 1, y + 1) << 24U;
       }
     }
     return packed;
@@ -111,13 +113,13 @@ void let_sun_in(const SunPatch& patch, Grid& grid) {
 double FloorLight::at(Vec2 point) const {
   const double x = std::clamp((point.x - origin.x) / kCell, 0.0, width - 1.0);
   const double y = std::clamp((point.y - origin.y) / kCell, 0.0, height - 1.0);
-  const auto x0 = static_cast<std::size_t>(x);
-  const auto y0 = static_cast<std::size_t>(y);
-  const std::uint32_t cell = cells[y0 * static_cast<std::size_t>(width) + x0];
+  const int x0 = static_cast<int>(x);
+  const int y0 = static_cast<int>(y);
+  const std::uint32_t cell = cells[index(x0, y0)];
   const auto byte = [&](unsigned i) { return static_cast<double>(cell >> (8U * i) & 255U); };
-  const double low = byte(0) + (x - static_cast<double>(x0)) * (byte(1) - byte(0));
-  const double high = byte(2) + (x - static_cast<double>(x0)) * (byte(3) - byte(2));
-  return kBrightest / 255.0 * (low + (y - static_cast<double>(y0)) * (high - low));
+  const double low = byte(0) + (x - x0) * (byte(1) - byte(0));
+  const double high = byte(2) + (x - x0) * (byte(3) - byte(2));
+  return kBrightest / 255.0 * (low + (y - y0) * (high - low));
 }
 
 FloorLight make_light(std::span<const VisibleSolid> solids, bool is_open, std::span<const SunPatch> sun) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -17,8 +18,12 @@ struct FloorLight {
   Vec2 origin;
   int width = 1;
   int height = 1;
+  int line_bits = 0;  // cells of a line are 2^this from those of the next
   std::vector<std::uint32_t> cells{0xAAAAAAAAU};  // 1 everywhere
 
+  std::size_t index(int x, int y) const {
+    return (static_cast<std::size_t>(y) << static_cast<unsigned>(line_bits)) + static_cast<std::size_t>(x);
+  }
   /// 1 on a floor with nothing near, interpolated; beyond the grid as at its edge.
   double at(Vec2 point) const;
 };

@@ -13,6 +13,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 
 #include "sim/renderer/kernel.hpp"
 #include "sim/renderer/looks.hpp"
@@ -59,10 +60,28 @@ HWY_INLINE W first_line(Material material, F side) {
   return whole(hn::Sub(set(tile), hn::Add(side, side)));
 }
 
+// Looks up the words of a row in a table, each in its place. One by one: the gather of AVX2 is slower on the machines that
+// it was measured on.
+template <class T>
+HWY_INLINE void look_up(const T* HWY_RESTRICT table, std::uint32_t* HWY_RESTRICT row) {
+  for (std::size_t i = 0; i < kBlock; i += 2) {
+    std::uint64_t two;
+    std::memcpy(&two, row + i, sizeof two);
+    row[i] = table[two & 0xFFFFFFFFU];
+    row[i + 1] = table[two >> 32U];
+  }
+}
+
 inline double within_tile(double tiles) { return tiles - std::floor(tiles); }
 inline std::uint32_t tint_of(const Look& look) {
   return view::pack({look.light * look.colour.b, look.light * look.colour.g, look.light * look.colour.r});
 }
+
+/// Rows from `begin` up to but not including `end`.
+struct Stretch {
+  std::size_t begin;
+  std::size_t end;
+};
 
 /// Gives the pixels of a block what their colours are made of.
 class Painter {
@@ -70,23 +89,21 @@ class Painter {
   Painter(const Drawing& drawing, const Columns& columns, BlockWork& work)
       : place_(drawing.place), view_(drawing.view), rows_(drawing.rows), columns_(columns), work_(work) {}
 
-  // Rows in which the same surfaces lie side by side are painted together.
-  void run() {
+  // Rows of a band in which the same surfaces lie side by side are painted together.
+  void run(const Stretch& band) {
     if (!work_.veil.empty()) std::ranges::fill(work_.veil, 0U);
-    const auto count = static_cast<std::size_t>(rows_.count);
-    for (std::size_t begin = 0; begin < count;) {
+    band_ = band.begin;
+    for (std::size_t begin = band.begin; begin < band.end;) {
       std::size_t end = begin + 1;
-      while (end < count && is_same(begin, end)) ++end;
+      while (end < band.end && is_same(begin, end)) ++end;
       paint({begin, end});
       begin = end;
     }
   }
 
  private:
-  struct Stretch {
-    std::size_t begin;
-    std::size_t end;
-  };
+  // A row's place in the arrays of its band.
+  std::size_t place_of(std::size_t row) const { return (row - band_) * kBlock; }
 
   HWY_INLINE bool is_same(std::size_t a, std::size_t b) const {
     bool same = true;
@@ -150,7 +167,7 @@ class Painter {
       const F foot = load(&surface.foot[i]);
       const F rise = load(&surface.rise[i]);
       for (std::size_t r = rows.begin; r < rows.end; ++r) {
-        const std::size_t at = r * kBlock + i;
+        const std::size_t at = place_of(r) + i;
         const F t = set(rows_.slopes[r]);
         const W place = hn::And(rounded(hn::Add(v, hn::Mul(v_step, t))), mask);
         const F light = hn::Min(hn::Add(foot, hn::Mul(rise, t)), set(kTexelOne));
@@ -191,7 +208,8 @@ class Painter {
     }
   }
 
-  template <bool kMasked>
+  // One that is lit has a light of its own.
+  template <bool kMasked, bool kIsLit = false>
   HWY_INLINE void paint_level(const LevelRows& level, Vec2 axis, std::uint32_t tint, const Stretch& rows) {
     const F x = set(axis.x);
     const F y = set(axis.y);
@@ -201,13 +219,13 @@ class Painter {
       const F u_step = hn::Add(hn::Mul(ahead, x), hn::Mul(left, y));
       const F v_step = hn::Sub(hn::Mul(left, x), hn::Mul(ahead, y));
       for (std::size_t r = rows.begin; r < rows.end; ++r) {
-        const std::size_t at = r * kBlock + i;
+        const std::size_t at = place_of(r) + i;
         const F scale = set(level.scale[r]);
         const W mask = set(level.mask[r]);
         const W u = hn::And(rounded(hn::Add(hn::Mul(u_step, scale), set(level.u[r]))), mask);
         const W v = hn::And(rounded(hn::Add(hn::Mul(v_step, scale), set(level.v[r]))), mask);
         put<kMasked>(hn::Add(hn::Add(line_at(u), v), set(level.first[r])), i, &work_.texel[at]);
-        put<kMasked>(set(static_cast<std::uint32_t>(kTexelOne)), i, &work_.light[at]);
+        if constexpr (!kIsLit) put<kMasked>(set(static_cast<std::uint32_t>(kTexelOne)), i, &work_.light[at]);
         put<kMasked>(set(tint), i, &work_.tint[at]);
       }
     });
@@ -242,7 +260,7 @@ class Painter {
       lay({look.material, -view_.height}, {0, static_cast<std::size_t>(rows_.count)}, level);
       level.is_known = true;
     }
-    paint_level<kMasked>(level, {1.0, 0.0}, tint_of(look), rows);
+    paint_level<kMasked, true>(level, {1.0, 0.0}, tint_of(look), rows);
     light_floor<kMasked>(rows);
     if (place_.is_open) veil_floor(rows);
   }
@@ -260,7 +278,6 @@ class Painter {
     for_lanes([&](std::size_t i) HWY_ATTR {
       const F x_step = hn::Mul(load(&columns_.x[i]), set(kPerMetre));
       const F y_step = hn::Mul(load(&columns_.y[i]), set(kPerMetre));
-      const auto width = set(static_cast<float>(light.width));
       const F zero = set(0.0F);
       for (std::size_t r = rows.begin; r < rows.end; ++r) {
         const F depth = set(rows_.below[r]);
@@ -268,17 +285,17 @@ class Painter {
         const F y = hn::Add(eye_y, hn::Mul(depth, y_step));
         const W at_x = whole(hn::Min(hn::Max(x, zero), last_x));
         const W at_y = whole(hn::Min(hn::Max(y, zero), last_y));
-        const F line = hn::ConvertTo(Floats(), hn::BitCast(Ints(), hn::ShiftRight<8>(at_y)));
-        const std::size_t at = r * kBlock + i;
-        store(hn::Add(whole(hn::Mul(line, width)), hn::ShiftRight<8>(at_x)), cells + at);
+        const std::size_t at = place_of(r) + i;
+        const W line = hn::ShiftLeftSame(hn::ShiftRight<8>(at_y), light.line_bits);
+        store(hn::Add(line, hn::ShiftRight<8>(at_x)), cells + at);
         store(hn::Or(hn::ShiftLeft<16>(hn::And(at_x, set(255U))), hn::And(at_y, set(255U))), within + at);
       }
     });
     const std::uint32_t* HWY_RESTRICT table = light.cells.data();
-    for (std::size_t k = rows.begin * kBlock; k < rows.end * kBlock; ++k) cells[k] = table[cells[k]];
+    for (std::size_t r = rows.begin; r < rows.end; ++r) look_up(table, cells + place_of(r));
     for_lanes([&](std::size_t i) HWY_ATTR {
       for (std::size_t r = rows.begin; r < rows.end; ++r) {
-        const std::size_t at = r * kBlock + i;
+        const std::size_t at = place_of(r) + i;
         const W places = load(within + at);
         W found = interpolate(load(cells + at), hn::ShiftRight<16>(places), hn::And(places, set(255U)));
         if (place_.is_open) {
@@ -310,7 +327,7 @@ class Painter {
       for (std::size_t r = rows.begin; r < rows.end; ++r) {
         const float haze = rows_.haze[r];
         const W veil = set(view::pack({haze * horizon.b, haze * horizon.g, haze * horizon.r}));
-        put<true>(veil, i, &work_.veil[r * kBlock + i]);
+        put<true>(veil, i, &work_.veil[place_of(r) + i]);
       }
     });
   }
@@ -322,7 +339,7 @@ class Painter {
   void paint_nothing(const Stretch& rows) {
     const std::uint32_t tint = view::pack(sky_colour(0.0F));
     for_lanes([&](std::size_t i) HWY_ATTR {
-      for (std::size_t r = rows.begin; r < rows.end; ++r) put_plain<kMasked>(set(tint), i, r * kBlock + i);
+      for (std::size_t r = rows.begin; r < rows.end; ++r) put_plain<kMasked>(set(tint), i, place_of(r) + i);
     });
   }
 
@@ -364,7 +381,7 @@ class Painter {
           const F lit = hn::Add(set(rows_.sky[k][r]), hn::Mul(set(rows_.glow[k][r]), glow));
           return hn::Add(lit, hn::Mul(hn::Sub(set(covering), lit), hidden));
         };
-        const std::size_t at = r * kBlock + i;
+        const std::size_t at = place_of(r) + i;
         put_plain<kMasked>(pack(channel(0, own.b), channel(1, own.g), channel(2, own.r)), i, at);
       }
     });
@@ -479,6 +496,7 @@ class Painter {
   const Rows& rows_;
   const Columns& columns_;
   BlockWork& work_;
+  std::size_t band_ = 0;  // its first row
   Lanes<std::int32_t> mask_;
 };
 
