@@ -109,9 +109,9 @@ void Renderer::render(const CameraIntrinsics& camera, const CameraPose& view, co
 
   RenderScratch::Buffers& work = *scratch.buffers_;
   const view::View seen(camera, view, place_->ceiling);
-  view::find_candidates(*place_, seen, paint, moving, work.candidates);
+  view::find_candidates(*place_, seen, moving, work.candidates);
   begin_rows(seen, *place_, work.rows);
-  view::draw({*place_, seen, work.rows, work.candidates, images}, work.work);
+  view::draw({*place_, seen, work.rows, work.candidates, paint, images}, work.work);
 }
 
 Colour Renderer::colour(const Paint& paint, std::size_t solid) const { return place_->colour(paint, solid); }

@@ -23,20 +23,21 @@ class Search {
  public:
   Search(const Place& place, const View& view, Candidates& out) : place_(place), view_(view), out_(out) {}
 
-  void run(const Paint& paint, std::span<const VisibleSolid> moving) {
+  void run(std::span<const VisibleSolid> moving) {
     begin(moving.size());
-    for (const Group& group : place_.groups) {
-      if (hides_all(group)) add_wall(group.first, paint);
+    for (const std::uint32_t i : out_.groups) {
+      if (hides_all(place_.groups[i])) add_wall(place_.groups[i].first);
     }
     find_nearest_walls();
-    for (const Group& group : place_.groups) {
+    for (const std::uint32_t i : out_.groups) {
+      const Group& group = place_.groups[i];
       if (hides_all(group) || is_hidden(group)) continue;
-      for (std::size_t i = group.first; i < group.last; ++i) {
-        add_other(place_.solids[i], place_.sides[i], static_cast<int>(i), paint);
+      for (std::size_t k = group.first; k < group.last; ++k) {
+        add_other(place_.solids[k], place_.sides[k], static_cast<int>(k));
       }
     }
     for (const VisibleSolid& visible : moving) {
-      add_other(visible, out_.moving.emplace_back(make_sides(visible, place_.is_open)), -1, paint);
+      add_other(visible, out_.moving.emplace_back(make_sides(visible, place_.is_open)), -1);
     }
   }
 
@@ -46,6 +47,11 @@ class Search {
     const std::size_t blocks = (columns + kBlock - 1) / kBlock;
     const FloorRegion* floor = place_.floor_at(view_.eye);
     out_.floor = floor ? static_cast<std::size_t>(floor - place_.floors.data()) : place_.floors.size();
+    out_.groups.resize(place_.circles.x.size());
+    const double most = view_.slope_of(-1);
+    const double least = view_.slope_of(view_.camera.width);
+    const Sector sector{view_.eye, view_.forward, view_.left, most, least};
+    out_.groups.resize(find_within(place_.circles, sector, out_.groups.data()));
     out_.walls.clear();
     out_.others.clear();
     out_.moving.clear();
@@ -100,20 +106,18 @@ class Search {
     return true;
   }
 
-  void add_wall(std::size_t i, const Paint& paint) {
+  void add_wall(std::size_t i) {
     Candidate& c = out_.walls.emplace_back();
-    if (!see(place_.solids[i], place_.sides[i], static_cast<int>(i), c)) return out_.walls.pop_back();
-    c.colour = place_.colour(paint, i);
+    if (!see(place_.solids[i], place_.sides[i], static_cast<int>(i), c)) out_.walls.pop_back();
   }
 
-  void add_other(const VisibleSolid& visible, const Sides& sides, int solid, const Paint& paint) {
+  void add_other(const VisibleSolid& visible, const Sides& sides, int solid) {
     Candidate& c = out_.others.emplace_back();
     const bool is_seen = see(visible, sides, solid, c);
     if (!is_seen || is_behind_walls({c.first_block, c.last_block, c.nearest})) {
       out_.others.pop_back();
       return;
     }
-    c.colour = solid < 0 ? visible.colour : place_.colour(paint, static_cast<std::size_t>(solid));
     const auto index = static_cast<std::int32_t>(out_.others.size()) - 1;
     for (int block = c.first_block; block <= c.last_block; ++block) {
       const auto b = static_cast<std::size_t>(block);
@@ -220,9 +224,9 @@ class Search {
 
 }  // namespace
 
-void find_candidates(const Place& place, const View& view, const Paint& paint, std::span<const VisibleSolid> moving,
+void find_candidates(const Place& place, const View& view, std::span<const VisibleSolid> moving,
                      Candidates& candidates) {
-  Search(place, view, candidates).run(paint, moving);
+  Search(place, view, candidates).run(moving);
 }
 
 }  // namespace threewe::sim::view

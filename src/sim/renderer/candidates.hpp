@@ -15,8 +15,7 @@ namespace threewe::sim::view {
 struct Candidate {
   const VisibleSolid* visible = nullptr;
   const Sides* sides = nullptr;
-  int solid = -1;  // index of one that stands in the scene
-  Colour colour;
+  int solid = -1;       // index of one that stands in the scene
   int first_block = 0;  // of columns
   int last_block = 0;
   double nearest = 0.0;  // no point of it has a greater inverse depth
@@ -37,7 +36,8 @@ struct Candidates {
   std::vector<std::vector<Entry>> blocks;  // `others`, by block
   std::vector<double> farthest;            // by block: no wall in it has a smaller inverse depth
 
-  std::size_t floor = 0;  // the region that the eye is over, or beyond the last
+  std::vector<std::uint32_t> groups;  // that may be in the picture
+  std::size_t floor = 0;              // the region that the eye is over, or beyond the last
 
   std::vector<double> slopes;        // by column
   std::vector<double> wall_inverse;  // by column: of the nearest wall; infinity beyond the picture
@@ -45,7 +45,7 @@ struct Candidates {
   std::vector<std::int32_t> wall_face;
 };
 
-void find_candidates(const Place& place, const View& view, const Paint& paint, std::span<const VisibleSolid> moving,
+void find_candidates(const Place& place, const View& view, std::span<const VisibleSolid> moving,
                      Candidates& candidates);
 
 }  // namespace threewe::sim::view

@@ -90,6 +90,7 @@ struct Drawing {
   const View& view;
   const Rows& rows;
   const Candidates& candidates;
+  const Paint& paint;
   const Images& images;
 };
 

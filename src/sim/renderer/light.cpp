@@ -43,7 +43,8 @@ class Grid {
   }
 
   FloorLight pack() {
-    FloorLight packed{origin_, width_, height_, static_cast<int>(std::bit_width(static_cast<unsigned>(width_ - 1))), {}};
+    FloorLight packed{
+        origin_, width_, height_, static_cast<int>(std::bit_width(static_cast<unsigned>(width_ - 1))), {}};
     const auto byte = [&](int x, int y) {
       const double light = at(std::min(x, width_ - 1), std::min(y, height_ - 1));
       return static_cast<std::uint32_t>(std::lround(255.0 / FloorLight::kBrightest * light));

@@ -18,7 +18,7 @@ struct FloorLight {
   Vec2 origin;
   int width = 1;
   int height = 1;
-  int line_bits = 0;  // cells of a line are 2^this from those of the next
+  int line_bits = 0;                              // cells of a line are 2^this from those of the next
   std::vector<std::uint32_t> cells{0xAAAAAAAAU};  // 1 everywhere
 
   std::size_t index(int x, int y) const {

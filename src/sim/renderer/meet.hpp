@@ -2,7 +2,9 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
+#include <vector>
 
 #include "threewe/core/pose.hpp"
 
@@ -33,6 +35,24 @@ struct Meeting {
   alignas(64) std::array<double, kBlock> near;
   alignas(64) std::array<double, kBlock> face;
 };
+
+/// Circles, as arrays whose lengths are padded to whole blocks.
+struct Circles {
+  std::vector<float> x;
+  std::vector<float> y;
+  std::vector<float> radius;
+};
+/// What a camera sees of the plane, widened by a pixel: between two lines through the eye, as slopes y / x.
+struct Sector {
+  Vec2 eye;
+  Vec2 forward;
+  Vec2 left;
+  double most = 0.0;
+  double least = 0.0;
+};
+/// Finds the circles that may reach into a sector: surely all that do. Room for all in `found`; the result tells how
+/// many.
+std::size_t find_within(const Circles& circles, const Sector& sector, std::uint32_t* found);
 
 /// Finds where rays of some slopes meet an outline before `behind`, an inverse depth for each. The bits of the result
 /// tell which do; the others' part of `meeting` means nothing.

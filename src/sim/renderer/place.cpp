@@ -42,6 +42,17 @@ std::vector<Group> make_groups(const std::vector<VisibleSolid>& solids, double c
   return groups;
 }
 
+Circles circles_of(const std::vector<Group>& groups) {
+  const std::size_t count = (groups.size() + kBlock - 1) / kBlock * kBlock;
+  Circles circles{std::vector<float>(count), std::vector<float>(count), std::vector<float>(count, -1e9F)};
+  for (std::size_t i = 0; i < groups.size(); ++i) {
+    circles.x[i] = static_cast<float>(groups[i].center.x);
+    circles.y[i] = static_cast<float>(groups[i].center.y);
+    circles.radius[i] = static_cast<float>(groups[i].radius);
+  }
+  return circles;
+}
+
 double find_ceiling(const scene::Scene& scene) {
   if (!scene.ceiling || scene.walls.empty()) return kInfinity;
   return std::ranges::max(scene.walls, {}, &scene::Wall::height).height;
@@ -100,6 +111,7 @@ Place::Place(const scene::Scene& scene)
   floors = make_floors(scene);
   patch_count = scene.patches.size();
   groups = make_groups(solids, ceiling);
+  circles = circles_of(groups);
   light = make_light(solids, is_open, decor.sun);
   corner_light = make_light(std::span(solids).first(scene.walls.size()), false, {});
   paint_walls();

@@ -8,6 +8,7 @@
 
 #include "sim/renderer/light.hpp"
 #include "sim/renderer/looks.hpp"
+#include "sim/renderer/meet.hpp"
 #include "sim/renderer/sides.hpp"
 #include "sim/renderer/walls.hpp"
 #include "threewe/sim/renderer.hpp"
@@ -36,6 +37,7 @@ struct Place {
   std::vector<VisibleSolid> solids;  // walls first, in the scene's order
   std::vector<Sides> sides;          // theirs
   std::vector<Group> groups;
+  Circles circles;                  // around them
   std::vector<int> palettes;        // of each solid: what `Paint` may choose from; -1 for walls
   std::vector<FloorRegion> floors;  // what lies on top comes first
   std::size_t patch_count = 0;      // of those, before the rooms

@@ -12,6 +12,7 @@
 #endif
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <cstring>
 
@@ -60,8 +61,8 @@ HWY_INLINE W first_line(Material material, F side) {
   return whole(hn::Sub(set(tile), hn::Add(side, side)));
 }
 
-// Looks up the words of a row in a table, each in its place. One by one: the gather of AVX2 is slower on the machines that
-// it was measured on.
+// Looks up the words of a row in a table, each in its place. One by one: the gather of AVX2 is slower on the machines
+// that it was measured on.
 template <class T>
 HWY_INLINE void look_up(const T* HWY_RESTRICT table, std::uint32_t* HWY_RESTRICT row) {
   for (std::size_t i = 0; i < kBlock; i += 2) {
@@ -87,7 +88,12 @@ struct Stretch {
 class Painter {
  public:
   Painter(const Drawing& drawing, const Columns& columns, BlockWork& work)
-      : place_(drawing.place), view_(drawing.view), rows_(drawing.rows), columns_(columns), work_(work) {}
+      : place_(drawing.place),
+        view_(drawing.view),
+        rows_(drawing.rows),
+        paint_(drawing.paint),
+        columns_(columns),
+        work_(work) {}
 
   // Rows of a band in which the same surfaces lie side by side are painted together.
   void run(const Stretch& band) {
@@ -115,21 +121,29 @@ class Painter {
   }
 
   // The first surface paints all columns, the others then theirs.
-  void paint(const Stretch& rows) {
+  HWY_INLINE void paint(const Stretch& rows) {
     const std::int32_t* owners = work_.owner.data() + rows.begin * kBlock;
-    std::array<std::int32_t, kBlock> known;
-    std::size_t count = 0;
-    for (std::size_t i = 0; i < kBlock; ++i) {
-      const auto end = known.begin() + static_cast<std::ptrdiff_t>(count);
-      if (std::find(known.begin(), end, owners[i]) != end) continue;
-      for (std::size_t k = 0; k < kBlock; ++k) mask_[k] = owners[k] == owners[i] ? -1 : 0;
-      known[count++] = owners[i];
-      if (count == 1) {
-        paint_owner<false>(owners[i], rows);
-      } else {
-        paint_owner<true>(owners[i], rows);
-      }
+    unsigned left = mark(owners, owners[0]) ^ kAll;
+    paint_owner<false>(owners[0], rows);
+    while (left != 0) {
+      const std::int32_t owner = owners[std::countr_zero(left)];
+      left &= ~mark(owners, owner);
+      paint_owner<true>(owner, rows);
     }
+  }
+
+  // Marks an owner's columns; as bits, too.
+  HWY_INLINE unsigned mark(const std::int32_t* owners, std::int32_t owner) {
+    const Ints d;
+    unsigned all = 0;
+    for_lanes([&](std::size_t i) HWY_ATTR {
+      const auto here = hn::Eq(load(owners + i), set(owner));
+      store(hn::VecFromMask(d, here), &mask_[i]);
+      std::uint8_t bits[8] = {};
+      hn::StoreMaskBits(d, here, bits);
+      all |= (bits[0] & ((1U << hn::Lanes(d)) - 1U)) << i;
+    });
+    return all;
   }
 
   template <bool kMasked>
@@ -243,7 +257,7 @@ class Painter {
   void paint_face(const Surface& surface, const Stretch& rows) {
     const Candidate& c = *surface.candidate;
     const bool is_top = surface.kind == Surface::Kind::top;
-    const Look look = is_top ? top_look(*c.visible, c.colour) : bottom_look(*c.visible, c.colour);
+    const Look look = is_top ? top_look(*c.visible, colour_of(c)) : bottom_look(*c.visible, colour_of(c));
     const Side& a = (*c.sides)[0];
     const Side& b = (*c.sides)[3];
     const Vec2 axis = c.outline.is_disc ? Vec2{1.0, 0.0} : a.length >= b.length ? a.axis : -1.0 * b.axis;
@@ -387,6 +401,10 @@ class Painter {
     });
   }
 
+  Colour colour_of(const Candidate& c) const {
+    return c.solid < 0 ? c.visible->colour : place_.colour(paint_, static_cast<std::size_t>(c.solid));
+  }
+
   // An upright surface, where the columns meet it.
   void make_ready(Surface& surface) {
     surface.is_ready = true;
@@ -408,7 +426,7 @@ class Painter {
     const Vec2 from = view_.eye - side.corner;
     const bool is_wall = c.visible->id == kWallId && c.solid >= 0 && surface.kind == Surface::Kind::side;
     Look look = side.look;
-    look.colour = c.colour;
+    if (!is_wall) look.colour = colour_of(c);
     if (surface.kind == Surface::Kind::skirting) look = skirting_look(side.normal);
     if (surface.decor) look = surface.decor->look;
     const auto tints =
@@ -440,7 +458,7 @@ class Painter {
     const Candidate& c = *surface.candidate;
     const scene::Solid& solid = c.visible->solid;
     Look look = (*c.sides)[0].look;
-    look.colour = c.colour;
+    look.colour = colour_of(c);
     const Vec2 from = view_.eye - solid.center;
     for_lanes([&](std::size_t i) HWY_ATTR {
       const F depth = load(&surface.depth[i]);
@@ -494,8 +512,10 @@ class Painter {
   const Place& place_;
   const View& view_;
   const Rows& rows_;
+  const Paint& paint_;
   const Columns& columns_;
   BlockWork& work_;
+  static constexpr unsigned kAll = (1U << kBlock) - 1U;
   std::size_t band_ = 0;  // its first row
   Lanes<std::int32_t> mask_;
 };

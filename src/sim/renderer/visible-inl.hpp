@@ -217,9 +217,12 @@ class Finder {
     });
     find_walls(depth, owner);
 
-    const auto count = static_cast<std::size_t>(rows_.count);
     const I above = set(view_.is_roofed ? kCeiling : kSky);
     const I below = set(floor_owner(place_.floors.size()));
+    const auto [first, first_all] = range_of(wall.top);
+    const auto [last_all, last] = range_of(wall.bottom);
+    lay_rows(0, first, rows_.above.data(), above);
+    lay_rows(last, rows_.count, rows_.below.data(), below);
     float* HWY_RESTRICT depths = work_.depth.data();
     std::int32_t* HWY_RESTRICT owners = work_.owner.data();
     for_lanes([&](std::size_t i) HWY_ATTR {
@@ -228,21 +231,48 @@ class Finder {
       const F to = load(&wall.bottom[i]);
       const F at_wall = load(&depth[i]);
       const I of_wall = load(&owner[i]);
-      F row = set(0.0F);
-      for (std::size_t r = 0; r < count; ++r) {
-        const M is_above = hn::Lt(row, from);
-        const M is_below = hn::Ge(row, to);
-        const F far = hn::IfThenElse(is_above, set(rows_.above[r]), at_wall);
-        const I who = hn::IfThenElse(hn::RebindMask(di, is_above), above, of_wall);
-        store(hn::IfThenElse(is_below, set(rows_.below[r]), far), depths + r * kBlock + i);
-        store(hn::IfThenElse(hn::RebindMask(di, is_below), below, who), owners + r * kBlock + i);
-        row = hn::Add(row, set(1.0F));
+      const auto at_edge = [&](int begin, int end) HWY_ATTR {
+        F row = set(static_cast<float>(begin));
+        for (auto r = static_cast<std::size_t>(begin); r < static_cast<std::size_t>(end); ++r) {
+          const M is_above = hn::Lt(row, from);
+          const M is_below = hn::Ge(row, to);
+          const F far = hn::IfThenElse(is_above, set(rows_.above[r]), at_wall);
+          const I who = hn::IfThenElse(hn::RebindMask(di, is_above), above, of_wall);
+          store(hn::IfThenElse(is_below, set(rows_.below[r]), far), depths + r * kBlock + i);
+          store(hn::IfThenElse(hn::RebindMask(di, is_below), below, who), owners + r * kBlock + i);
+          row = hn::Add(row, set(1.0F));
+        }
+      };
+      if (first_all >= last_all) return at_edge(first, last);
+      at_edge(first, first_all);
+      for (auto r = static_cast<std::size_t>(first_all); r < static_cast<std::size_t>(last_all); ++r) {
+        store(at_wall, depths + r * kBlock + i);
+        store(of_wall, owners + r * kBlock + i);
       }
+      at_edge(last_all, last);
     });
     if (rows_.level >= 0) lay_horizon();
     if (place_.is_open && !view_.is_roofed) lay_hills();
     hang_on_walls(wall, owner);
     bottom_ = wall.bottom;
+  }
+
+  // The least and the greatest row of some.
+  HWY_INLINE std::pair<int, int> range_of(const Lanes<float>& rows) const {
+    const auto [least, most] = std::ranges::minmax(rows);
+    return {static_cast<int>(least), static_cast<int>(most)};
+  }
+
+  // Whole rows that look at one level surface.
+  HWY_INLINE void lay_rows(int begin, int end, const float* HWY_RESTRICT depth, I owner) {
+    float* HWY_RESTRICT depths = work_.depth.data();
+    std::int32_t* HWY_RESTRICT owners = work_.owner.data();
+    for (auto r = static_cast<std::size_t>(begin); r < static_cast<std::size_t>(end); ++r) {
+      for_lanes([&](std::size_t i) HWY_ATTR {
+        store(set(depth[r]), depths + r * kBlock + i);
+        store(owner, owners + r * kBlock + i);
+      });
+    }
   }
 
   // A row that looks exactly along the horizon sees no floor.
