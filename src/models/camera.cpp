@@ -154,6 +154,17 @@ CameraSpec varied(const CameraSpec& spec, const Variation& variation) {
   return camera;
 }
 
+std::array<double, 3> color_gains(const Variation& variation, const RngKey& key) {
+  const double all = variation.light * variation.exposure;
+  std::array<double, 3> gains{all, all, all};
+  if (variation.color_jitter == 0.0) return gains;
+  constexpr std::uint32_t kLane = 1;  // noise has the first
+  for (std::size_t i = 0; i < gains.size(); ++i) {
+    gains[i] *= std::max(0.0, 1.0 + variation.color_jitter * normal(key, i, kLane));
+  }
+  return gains;
+}
+
 void add_color_noise(const CameraSpec& spec, const RngKey& key, std::uint64_t image, std::span<std::uint8_t> color) {
   if (spec.sigma == 0.0) return;
   const auto bits = random_bits(key, image);

@@ -1,5 +1,6 @@
 #include "threewe/sim/camera.hpp"
 
+#include <algorithm>
 #include <cassert>
 
 #include "threewe/core/errors.hpp"
@@ -19,11 +20,18 @@ std::size_t pixels_of(const CameraIntrinsics& camera) {
   return static_cast<std::size_t>(camera.width) * static_cast<std::size_t>(camera.height);
 }
 
+Paint paint_of(const Shot& shot) {
+  const auto [b, g, r] = models::color_gains(shot.variation, shot.key);
+  const auto gain = [](double x) { return static_cast<float>(std::min(x, static_cast<double>(kMostGain))); };
+  return {
+      shot.key.seed, shot.key.episode, static_cast<std::uint32_t>(shot.variation.texture), {gain(b), gain(g), gain(r)}};
+}
+
 // What moves is drawn where it was, but for the robot `without`.
 void render(const Model& model, const Shot& shot, std::size_t without, const CameraIntrinsics& camera,
             const CameraPose& view, const Images& images, DrawScratch& scratch) {
   find_figures(model, shot.robots, without, shot.people, shot.key.seed, shot.key.episode, scratch.figures);
-  const Paint paint{shot.key.seed, shot.key.episode};
+  const Paint paint = paint_of(shot);
   model.renderer().render(camera, view, paint, images, scratch.render, scratch.figures);
 }
 

@@ -55,6 +55,13 @@ void check_view(const CameraPose& view) {
   }
 }
 
+void check_paint(const Paint& paint) {
+  for (const float gain : {paint.gain.b, paint.gain.g, paint.gain.r}) {
+    if (gain >= 0.0F && gain <= kMostGain) continue;
+    throw ConfigError(fmt::format("a gain of the picture's colours is {}: it must be 0 to {}", gain, kMostGain));
+  }
+}
+
 // What is known of rows that look at the sky, and at the ground below it.
 void begin_sky(const view::View& seen, const view::Place& place, view::Rows& rows) {
   const std::size_t count = rows.slopes.size();
@@ -106,6 +113,7 @@ void Renderer::render(const CameraIntrinsics& camera, const CameraPose& view, co
   check(camera);
   check_view(view);
   check_images(camera, images);
+  check_paint(paint);
 
   RenderScratch::Buffers& work = *scratch.buffers_;
   const view::View seen(camera, view, place_->ceiling);

@@ -69,11 +69,14 @@ struct VisibleSolid {
   Colour colour{};  ///< of a moving solid; those of the scene are coloured by `Paint`
 };
 
-/// Names how things are painted in an episode.
+/// How things look in an episode: seed and episode name their colours.
 struct Paint {
   std::uint64_t seed = 0;
   std::uint32_t episode = 0;
+  std::uint32_t texture = 0;      ///< 0: what surfaces are made of; else which other patterns they wear
+  Colour gain{1.0F, 1.0F, 1.0F};  ///< what each channel is multiplied by, 0 to `kMostGain`
 };
+inline constexpr float kMostGain = 50.0F;
 
 /// Where a level camera is: its eye in the scene's frame, looking along the heading.
 struct CameraPose {
@@ -119,7 +122,7 @@ class Renderer {
   Colour colour(const Paint& paint, std::size_t solid) const;
 
   /// Fills the images. `moving` are solids that are elsewhere at every call: people, other robots. Throws ConfigError
-  /// for an impossible camera, a height that is not above the floor, or images of the wrong size.
+  /// for an impossible camera, a height that is not above the floor, a gain out of range, or images of the wrong size.
   void render(const CameraIntrinsics& camera, const CameraPose& view, const Paint& paint, const Images& images,
               RenderScratch& scratch, std::span<const VisibleSolid> moving = {}) const;
 

@@ -17,19 +17,31 @@
 HWY_BEFORE_NAMESPACE();
 namespace threewe::sim::view::HWY_NAMESPACE {
 
-// A colour is tint * texel * light. The latter two are in 1/170 each: their product takes 16 bits, and the upper 16 of
-// its product with the tint are the colour in 1/112.9, which `kGain` / 2^16 takes away.
-constexpr std::uint16_t kGain = 581;
-constexpr std::uint16_t kHalf = 56;
+// A colour is tint * texel * light * gain. Texel and light are in 1/170 each: their product takes 16 bits, and the
+// upper 16 of its product with the tint are the colour in 1/112.9, which `scale` / 2^16 takes away.
+struct Gain {
+  alignas(16) std::array<std::uint16_t, kBlock> scale{};  // blue, green, red, nothing; for two pixels
+  alignas(16) std::array<std::uint16_t, kBlock> half{};   // that is rounded up
+
+  explicit Gain(const Colour& gain) {
+    constexpr float kScale = 581.0F;
+    const std::array channels = {gain.b, gain.g, gain.r, 0.0F};
+    for (std::size_t i = 0; i < kBlock; ++i) {
+      scale[i] = static_cast<std::uint16_t>(kScale * channels[i % 4] + 0.5F);
+      half[i] = static_cast<std::uint16_t>(scale[i] == 0 ? 0 : 32768 / scale[i]);
+    }
+  }
+};
 
 // Three bytes a pixel, from words of the tints, texels and light of a row.
 #if HWY_TARGET == HWY_SCALAR
-void make_colours(const BlockWork& work, std::size_t first, bool has_veil, std::uint8_t* to) {
+void make_colours(const BlockWork& work, std::size_t first, const Gain& gain, bool has_veil, std::uint8_t* to) {
   for (std::size_t i = first; i < first + kBlock; ++i) {
     const std::uint32_t factor = work.texel[i] * work.light[i];
     for (unsigned k = 0; k < 3; ++k) {
       const std::uint32_t tint = work.tint[i] >> (8U * k) & 255U;
-      const std::uint32_t colour = (((tint << 8U) * factor >> 16U) + kHalf) * kGain >> 16U;
+      const std::uint32_t fine = std::min(((tint << 8U) * factor >> 16U) + gain.half[k], 65535U);
+      const std::uint32_t colour = std::min(fine * gain.scale[k] >> 16U, 255U);
       const std::uint32_t veil = has_veil ? work.veil[i] >> (8U * k) & 255U : 0U;
       *to++ = static_cast<std::uint8_t>(std::min(colour + veil, 255U));
     }
@@ -41,7 +53,7 @@ using Parts = hn::Repartition<std::uint16_t, Pixels>;
 using Bytes = hn::Repartition<std::uint8_t, Pixels>;
 
 // Twelve bytes and four zeros for every four pixels.
-HWY_INLINE hn::Vec<Bytes> colours_of(const BlockWork& work, std::size_t i, bool has_veil) {
+HWY_INLINE hn::Vec<Bytes> colours_of(const BlockWork& work, std::size_t i, const Gain& gain, bool has_veil) {
   const Bytes d8;
   const Parts d16;
   const Pixels d32;
@@ -50,14 +62,16 @@ HWY_INLINE hn::Vec<Bytes> colours_of(const BlockWork& work, std::size_t i, bool 
   alignas(16) static constexpr std::uint8_t kSecond[16] = {8, 9, 8, 9, 8, 9, 8, 9, 12, 13, 12, 13, 12, 13, 12, 13};
   alignas(16) static constexpr std::uint8_t kLower[16] = {0, 2, 4, 8, 10, 12, k0, k0, k0, k0, k0, k0, k0, k0, k0, k0};
   alignas(16) static constexpr std::uint8_t kUpper[16] = {k0, k0, k0, k0, k0, k0, 0, 2, 4, 8, 10, 12, k0, k0, k0, k0};
+  const auto scale = hn::LoadDup128(d16, gain.scale.data());
+  const auto half = hn::LoadDup128(d16, gain.half.data());
   const auto texel = hn::BitCast(d16, hn::LoadU(d32, work.texel.data() + i));
   const auto light = hn::BitCast(d16, hn::LoadU(d32, work.light.data() + i));
   const auto tint = hn::BitCast(d8, hn::LoadU(d32, work.tint.data() + i));
   const auto factor = hn::BitCast(d8, hn::Mul(texel, light));
   const auto colours = [&](auto tints, const std::uint8_t* order) HWY_ATTR {
     const auto factors = hn::BitCast(d16, hn::TableLookupBytes(factor, hn::LoadDup128(d8, order)));
-    const auto fine = hn::SaturatedAdd(hn::MulHigh(hn::BitCast(d16, tints), factors), hn::Set(d16, kHalf));
-    return hn::BitCast(d8, hn::Min(hn::MulHigh(fine, hn::Set(d16, kGain)), hn::Set(d16, std::uint16_t{255})));
+    const auto fine = hn::SaturatedAdd(hn::MulHigh(hn::BitCast(d16, tints), factors), half);
+    return hn::BitCast(d8, hn::Min(hn::MulHigh(fine, scale), hn::Set(d16, std::uint16_t{255})));
   };
   const auto zero = hn::Zero(d8);
   const auto lower = colours(hn::InterleaveLower(d8, zero, tint), kFirst);
@@ -72,16 +86,17 @@ HWY_INLINE hn::Vec<Bytes> colours_of(const BlockWork& work, std::size_t i, bool 
   return all;
 }
 
-HWY_INLINE void make_colours(const BlockWork& work, std::size_t first, bool has_veil, std::uint8_t* to) {
+HWY_INLINE void make_colours(const BlockWork& work, std::size_t first, const Gain& gain, bool has_veil,
+                             std::uint8_t* to) {
   using Four = hn::Full128<std::uint8_t>;
   const Four d;
 #if HWY_MAX_BYTES >= 32
-  const auto all = colours_of(work, first, has_veil);
+  const auto all = colours_of(work, first, gain, has_veil);
   hn::StoreU(hn::LowerHalf(d, all), d, to);
   const auto last = hn::UpperHalf(d, all);
 #else
-  hn::StoreU(colours_of(work, first, has_veil), d, to);
-  const auto last = colours_of(work, first + 4, has_veil);
+  hn::StoreU(colours_of(work, first, gain, has_veil), d, to);
+  const auto last = colours_of(work, first + 4, gain, has_veil);
 #endif
   const hn::Half<Four> half;
   hn::StoreU(hn::LowerHalf(half, last), half, to + 12);
@@ -93,7 +108,7 @@ HWY_INLINE void make_colours(const BlockWork& work, std::size_t first, bool has_
 // Draws the blocks of a picture.
 class Drawer {
  public:
-  Drawer(const Drawing& drawing, BlockWork& work) : drawing_(drawing), work_(work) {}
+  Drawer(const Drawing& drawing, BlockWork& work) : drawing_(drawing), gain_(drawing.paint.gain), work_(work) {}
 
   void draw(std::size_t first) {
     const Columns columns = columns_of(drawing_.view, drawing_.candidates, first);
@@ -157,16 +172,17 @@ class Drawer {
     to += width * band.begin;
     for (std::size_t r = 0; r < band.end - band.begin; ++r, to += width) {
       if (count == 3 * kBlock) {
-        make_colours(work_, r * kBlock, has_veil, to);
+        make_colours(work_, r * kBlock, gain_, has_veil, to);
       } else {
         std::array<std::uint8_t, 3 * kBlock> all;
-        make_colours(work_, r * kBlock, has_veil, all.data());
+        make_colours(work_, r * kBlock, gain_, has_veil, all.data());
         std::memcpy(to, all.data(), count);
       }
     }
   }
 
   const Drawing& drawing_;
+  Gain gain_;
   BlockWork& work_;
 };
 
@@ -205,6 +221,7 @@ void draw(const Drawing& drawing, BlockWork& work) {
   work.veil.resize(drawing.place.is_open ? kBand * kBlock : 0);
   for (LevelRows& floor : work.floors) begin(floor, rows + kBlock);
   begin(work.others, rows + kBlock);
+  work.patterns = patterns_of(drawing.paint.texture);
   HWY_DYNAMIC_DISPATCH(draw_blocks)(drawing, work);
 }
 

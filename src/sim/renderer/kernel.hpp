@@ -80,7 +80,8 @@ struct BlockWork {
 
   std::vector<Surface> surfaces;
   std::size_t surface_count = 0;
-  std::array<LevelRows, kMaterials> floors;  // known for the whole picture
+  std::array<LevelRows, kMaterials> floors;   // known for the whole picture
+  std::array<Material, kMaterials> patterns;  // what surfaces wear
   LevelRows others;
 };
 

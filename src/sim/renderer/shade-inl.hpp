@@ -248,7 +248,7 @@ class Painter {
   template <bool kMasked>
   void paint_ceiling(const Stretch& rows) {
     const Look& look = place_.ceiling_look;
-    lay({look.material, place_.ceiling - view_.height}, rows, work_.others);
+    lay({pattern_of(look), place_.ceiling - view_.height}, rows, work_.others);
     paint_level<kMasked>(work_.others, {1.0, 0.0}, tint_of(look), rows);
   }
 
@@ -261,7 +261,7 @@ class Painter {
     const Side& a = (*c.sides)[0];
     const Side& b = (*c.sides)[3];
     const Vec2 axis = c.outline.is_disc ? Vec2{1.0, 0.0} : a.length >= b.length ? a.axis : -1.0 * b.axis;
-    lay({look.material, is_top ? c.high : c.low, c.visible->solid.center, axis}, rows, work_.others);
+    lay({pattern_of(look), is_top ? c.high : c.low, c.visible->solid.center, axis}, rows, work_.others);
     paint_level<kMasked>(work_.others, axis, tint_of(look), rows);
   }
 
@@ -269,9 +269,9 @@ class Painter {
   template <bool kMasked>
   void paint_floor(std::size_t region, const Stretch& rows) {
     const Look& look = region < place_.floors.size() ? place_.floors[region].floor : place_.outside_floor;
-    LevelRows& level = work_.floors[static_cast<std::size_t>(look.material)];
+    LevelRows& level = work_.floors[static_cast<std::size_t>(pattern_of(look))];
     if (!level.is_known) {
-      lay({look.material, -view_.height}, {0, static_cast<std::size_t>(rows_.count)}, level);
+      lay({pattern_of(look), -view_.height}, {0, static_cast<std::size_t>(rows_.count)}, level);
       level.is_known = true;
     }
     paint_level<kMasked, true>(level, {1.0, 0.0}, tint_of(look), rows);
@@ -336,7 +336,9 @@ class Painter {
 
   // Far away the ground is lost in haze.
   void veil_floor(const Stretch& rows) {
-    const Colour horizon = sky_colour(0.0F);
+    const Colour sky = sky_colour(0.0F);
+    const Colour gain = paint_.gain;
+    const Colour horizon{gain.b * sky.b, gain.g * sky.g, gain.r * sky.r};
     for_lanes([&](std::size_t i) HWY_ATTR {
       for (std::size_t r = rows.begin; r < rows.end; ++r) {
         const float haze = rows_.haze[r];
@@ -401,6 +403,7 @@ class Painter {
     });
   }
 
+  Material pattern_of(const Look& look) const { return work_.patterns[static_cast<std::size_t>(look.material)]; }
   Colour colour_of(const Candidate& c) const {
     return c.solid < 0 ? c.visible->colour : place_.colour(paint_, static_cast<std::size_t>(c.solid));
   }
@@ -486,7 +489,8 @@ class Painter {
   // `facing`, the cosine of the angle of incidence.
   HWY_INLINE void cover(Surface& surface, const Look& look, F along, F facing, W tint, M here, std::size_t i) const {
     constexpr double kPixel = 0.7;
-    const double per_metre = 1.0 / spec(look.material).tile_size;
+    const Material pattern = pattern_of(look);
+    const double per_metre = 1.0 / spec(pattern).tile_size;
     const double left = surface.decor ? surface.decor->begin : 0.0;
     const double low = surface.decor ? surface.decor->low : 0.0;
     const F depth = load(&surface.depth[i]);
@@ -495,7 +499,7 @@ class Painter {
     const F half = set(0.5F);
     const F u = hn::Mul(hn::Mul(hn::Sub(along, set(left)), set(per_metre)), side);
     const W mask = whole(hn::Sub(side, set(1.0F)));
-    const W line = hn::Add(first_line(look.material, side), hn::And(rounded(hn::Sub(u, half)), mask));
+    const W line = hn::Add(first_line(pattern, side), hn::And(rounded(hn::Sub(u, half)), mask));
     const auto keep = [&](auto value, auto* to) HWY_ATTR {
       const hn::DFromV<decltype(value)> d;
       store(hn::IfThenElse(hn::RebindMask(d, here), value, load(to)), to);

@@ -4,8 +4,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <span>
 
 #include "sim/renderer/patterns.hpp"
+#include "threewe/core/rng.hpp"
 
 namespace threewe::sim::view {
 namespace {
@@ -121,6 +123,32 @@ std::vector<std::uint8_t> make_tiles() {
 }
 
 }  // namespace
+
+std::array<Material, kMaterials> patterns_of(std::uint32_t texture) {
+  using enum Material;
+  static constexpr std::array kFloors = {floor_wood,  floor_tile,   floor_carpet, floor_concrete, floor_vinyl,
+                                         floor_grass, floor_gravel, floor_paving, floor_asphalt};
+  static constexpr std::array kWalls = {paint, brick, stone, floor_concrete, floor_tile, fabric};
+  static constexpr std::array kCeilings = {ceiling, roof, paint, floor_vinyl};
+  static constexpr std::array kThings = {wood,  metal, plastic, fabric,    leaf,  ceramic,
+                                         glass, stone, paper,   cardboard, rubber};
+  std::array<Material, kMaterials> patterns;
+  for (std::size_t m = 0; m < kMaterials; ++m) patterns[m] = static_cast<Material>(m);
+  if (texture == 0) return patterns;
+
+  const RngKey key{.seed = texture, .stream = Stream::scene};
+  const auto draw = [&](std::span<const Material> wearers, std::span<const Material> worn) {
+    for (const Material m : wearers) {
+      const auto i = static_cast<std::size_t>(m);
+      patterns[i] = worn[random_bits(key, i, 1)[0] % worn.size()];
+    }
+  };
+  draw(kFloors, kFloors);
+  draw(kThings, kThings);
+  draw(std::array{paint, brick}, kWalls);
+  draw(std::array{ceiling, roof}, kCeilings);
+  return patterns;
+}
 
 const MaterialSpec& spec(Material material) { return kSpecs[static_cast<std::size_t>(material)]; }
 

@@ -1,6 +1,7 @@
 // Textures: for every material one small tile of brightness that repeats, at several sizes.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -25,6 +26,10 @@ struct MaterialSpec {
   float light;
 };
 const MaterialSpec& spec(Material material);
+
+/// What each material's surfaces wear instead in an episode whose `Paint::texture` is this: others for the same use.
+/// Themselves for 0; some keep what they have.
+std::array<Material, kMaterials> patterns_of(std::uint32_t texture);
 
 /// All tiles, one after the other, and one more texel, whose brightness is 1. A texel is its brightness, in 1/170.
 const std::vector<std::uint8_t>& tiles();

@@ -3,6 +3,7 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <vector>
 
@@ -141,4 +142,56 @@ TEST_CASE("noise has the same bits on every target, and whatever the image's siz
     }
   }
   force_target("");
+}
+
+TEST_CASE("colour gains: light times exposure, and a normal draw for each channel of each episode") {
+  Variation variation;
+  CHECK(color_gains(variation, key(3)) == std::array{1.0, 1.0, 1.0});
+  variation.light = 0.8;
+  variation.exposure = 1.5;
+  CHECK(color_gains(variation, key(3)) == std::array{0.8 * 1.5, 0.8 * 1.5, 0.8 * 1.5});
+
+  variation.color_jitter = 0.05;
+  std::array<std::vector<double>, 3> gains;
+  for (std::uint32_t episode = 0; episode < 20'000; ++episode) {
+    RngKey of_episode = key(3);
+    of_episode.episode = episode;
+    const auto drawn = color_gains(variation, of_episode);
+    CHECK(drawn == color_gains(variation, of_episode));
+    for (std::size_t i = 0; i < 3; ++i) gains[i].push_back(drawn[i] / (0.8 * 1.5));
+  }
+  for (const auto& channel : gains) {
+    const Moments m = moments_of(channel);
+    CHECK(std::fabs(m.mean - 1.0) < 0.002);
+    CHECK(m.sigma == doctest::Approx(0.05).epsilon(0.02));
+  }
+  CHECK(std::fabs(correlation(gains[0], gains[1])) < 0.03);
+  CHECK(std::fabs(correlation(gains[1], gains[2])) < 0.03);
+
+  variation.color_jitter = 100.0;  // never dark beyond black
+  for (std::uint64_t seed = 0; seed < 20; ++seed) {
+    for (const double gain : color_gains(variation, key(seed))) CHECK(gain >= 0.0);
+  }
+}
+
+TEST_CASE("a camera varies from its profile by what is said, and is the profile's otherwise") {
+  const CameraSpec spec = camera();
+  const CameraSpec same = varied(spec, {});
+  CHECK(same.base_from_camera == spec.base_from_camera);
+  CHECK(same.mount_height == spec.mount_height);
+  CHECK(same.sigma == spec.sigma);
+  CHECK(same.depth->sigma == spec.depth->sigma);
+
+  Variation variation;
+  variation.camera_offset = {0.01, 0.02, 0.03};
+  variation.camera_height = -0.05;
+  variation.camera_noise = 2.0;
+  const CameraSpec other = varied(spec, variation);
+  CHECK(other.base_from_camera.x == spec.base_from_camera.x + 0.01);
+  CHECK(other.base_from_camera.y == spec.base_from_camera.y + 0.02);
+  CHECK(other.base_from_camera.theta == spec.base_from_camera.theta + 0.03);
+  CHECK(other.mount_height == spec.mount_height - 0.05);
+  CHECK(other.sigma == 2.0 * spec.sigma);
+  CHECK(other.depth->sigma == 2.0 * spec.depth->sigma);
+  CHECK(other.depth->range_max == spec.depth->range_max);
 }

@@ -3,10 +3,17 @@
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
+#include <array>
+#include <cmath>
 #include <memory>
+#include <set>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include "threewe/core/errors.hpp"
+#include "threewe/models/camera.hpp"
 #include "threewe/sim/step.hpp"
 
 using namespace threewe;
@@ -138,4 +145,68 @@ TEST_CASE("noise grows by its factor and moves nothing") {
   const auto [color_3, depth_3] = spread(noise(3.0));
   CHECK(color_3 / color_1 == doctest::Approx(3.0).epsilon(0.05));
   CHECK(depth_3 / depth_1 == doctest::Approx(3.0).epsilon(0.05));
+}
+
+namespace {
+
+// A picture without noise, and what is truly there.
+SemanticImage truth_with(const models::Variation& variation) {
+  const Clinic clinic(variation);
+  const CameraSpec& spec = *clinic.model->robots[0].profile.camera;
+  return draw_truth(*clinic.model, clinic.shot(), make_intrinsics(120, 90, spec.horizontal_fov),
+                    {clinic.robots[0].pose * spec.base_from_camera, spec.mount_height}, false);
+}
+
+// Whether each value of a picture is another's times a factor: by channel, to within a level, up to 255.
+bool is_scaled(const RGBDImage& picture, const RGBDImage& plain, const std::array<double, 3>& factors) {
+  for (std::size_t i = 0; i < plain.color.size(); ++i) {
+    if (plain.color[i] == 255) continue;  // it may have been more
+    const double expected = std::min(255.0, factors[i % 3] * plain.color[i]);
+    if (std::fabs(picture.color[i] - expected) > 1.0 + 0.6 * factors[i % 3]) return false;
+  }
+  return true;
+}
+
+}  // namespace
+
+TEST_CASE("light and exposure scale brightness until it saturates, and nothing else") {
+  const SemanticImage plain = truth_with({});
+  for (const auto& [light, exposure] : {std::pair{0.5, 1.0}, {1.5, 1.0}, {1.0, 0.6}, {1.0, 2.0}, {1.4, 0.7}}) {
+    models::Variation variation;
+    variation.light = light;
+    variation.exposure = exposure;
+    const SemanticImage varied = truth_with(variation);
+    const double factor = light * exposure;
+    CHECK(is_scaled(varied.image, plain.image, {factor, factor, factor}));
+    CHECK(varied.image.color != plain.image.color);
+    CHECK(varied.image.depth == plain.image.depth);
+    CHECK(varied.ids == plain.ids);
+  }
+}
+
+TEST_CASE("colours jitter by channel, each episode otherwise, and nothing else changes") {
+  models::Variation variation;
+  variation.color_jitter = 0.1;
+  const SemanticImage plain = truth_with({});
+  const SemanticImage varied = truth_with(variation);
+  const Clinic clinic(variation);
+  CHECK(is_scaled(varied.image, plain.image, models::color_gains(variation, clinic.shot().key)));
+  CHECK(varied.image.color != plain.image.color);
+  CHECK(varied.image.depth == plain.image.depth);
+  CHECK(varied.ids == plain.ids);
+}
+
+TEST_CASE("other textures change colours alone") {
+  const SemanticImage plain = truth_with({});
+  std::set<std::string> pictures;
+  for (int texture = 0; texture < 6; ++texture) {
+    models::Variation variation;
+    variation.texture = texture;
+    const SemanticImage varied = truth_with(variation);
+    CHECK((varied.image.color == plain.image.color) == (texture == 0));
+    CHECK(varied.image.depth == plain.image.depth);
+    CHECK(varied.ids == plain.ids);
+    pictures.insert({varied.image.color.begin(), varied.image.color.end()});
+  }
+  CHECK(pictures.size() == 6);
 }

@@ -55,6 +55,13 @@ class RayTracer {
     Vec2 texel{};
   };
   Colour colour(double u, double v, const Hit& hit, const Off& off) const {
+    const Colour seen = light_of(u, v, hit, off);
+    const auto channel = [](float value, float gain) { return std::clamp(value * gain, 0.0F, 255.0F); };
+    return {channel(seen.b, paint_.gain.b), channel(seen.g, paint_.gain.g), channel(seen.r, paint_.gain.r)};
+  }
+
+ private:
+  Colour light_of(double u, double v, const Hit& hit, const Off& off) const {
     const double t = (camera_.cy - v) / camera_.fy;
     const Vec2 direction = this->direction((camera_.cx - u) / camera_.fx);
     if (hit.id == kNothingId) return sky(direction, t, off);
@@ -120,7 +127,6 @@ class RayTracer {
     return apply(look, texture(look, on_face, footprint, off), std::min(1.0, shade));
   }
 
- private:
   Vec2 direction(double s) const {
     const Vec2 forward{std::cos(view_.pose.theta), std::sin(view_.pose.theta)};
     return forward + s * Vec2{-forward.y, forward.x};
@@ -149,7 +155,7 @@ class RayTracer {
   }
 
   static Colour mixed(Colour a, Colour b, float share) {
-    const auto channel = [&](float from, float to) { return std::clamp(from + share * (to - from), 0.0F, 255.0F); };
+    const auto channel = [&](float from, float to) { return from + share * (to - from); };
     return {channel(a.b, b.b), channel(a.g, b.g), channel(a.r, b.r)};
   }
 
@@ -199,18 +205,19 @@ class RayTracer {
     return depth * depth * 0.35 / (camera_.fy * std::fabs(height));
   }
 
-  static double texture(const view::Look& look, Vec2 point, double footprint, const Off& off) {
-    const double size = view::spec(look.material).tile_size;
+  double texture(const view::Look& look, Vec2 point, double footprint, const Off& off) const {
+    const Material pattern = view::patterns_of(paint_.texture)[static_cast<std::size_t>(look.material)];
+    const double size = view::spec(pattern).tile_size;
     const double texels = footprint * view::kTileSide / size;
     const int level = texels < 1.0 ? 0 : std::min(static_cast<int>(std::log2(texels)), view::kTileLevels - 1);
     const int shifted = std::clamp(level + off.level, 0, view::kTileLevels - 1);
     const Vec2 shift = (1.0 / (view::kTileSide >> shifted)) * off.texel;
-    return view::sample(look.material, shifted, point.x / size + shift.x, point.y / size + shift.y);
+    return view::sample(pattern, shifted, point.x / size + shift.x, point.y / size + shift.y);
   }
 
   static Colour apply(const view::Look& look, double brightness, double shade) {
     const float light = look.light * static_cast<float>(shade * brightness);
-    const auto channel = [&](float own) { return std::clamp(own * light, 0.0F, 255.0F); };
+    const auto channel = [&](float own) { return own * light; };
     return {channel(look.colour.b), channel(look.colour.g), channel(look.colour.r)};
   }
 

@@ -5,6 +5,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
+#include <map>
 #include <set>
 #include <string>
 #include <thread>
@@ -170,6 +172,43 @@ TEST_CASE("a doorway has a lintel") {
   }
 }
 
+TEST_CASE("other patterns, and light of any colour") {
+  Comparison comparison;
+  for (std::uint64_t seed = 4000; seed < 4060; ++seed) {
+    Draw draw(seed);
+    const scene::Scene scene = random_scene(draw);
+    const Renderer renderer(scene);
+    const CameraIntrinsics camera = random_camera(draw);
+    const CameraPose view = random_view(draw, scene);
+    const auto gain = [&] { return static_cast<float>(draw.whole(0, 5) ? draw(0.2, 2.5) : 0.0); };
+    const Paint paint{seed, 0, static_cast<std::uint32_t>(draw.whole(0, 50)), {gain(), gain(), gain()}};
+    comparison.compare({scene, camera, view, paint}, camera, take(renderer, camera, view, paint));
+    INFO("seed ", seed, ", ", comparison.first_wrong);
+    REQUIRE(comparison.wrong == 0);
+  }
+}
+
+TEST_CASE("surfaces wear each of the patterns for their use, one as often as the other") {
+  using enum Material;
+  const auto worn_by = [](Material material) {
+    std::map<Material, int> counts;
+    for (std::uint32_t texture = 1; texture <= 9000; ++texture) {
+      ++counts[view::patterns_of(texture)[static_cast<std::size_t>(material)]];
+    }
+    return counts;
+  };
+  const auto floors = worn_by(floor_tile);
+  CHECK(floors.size() == 9);
+  for (const auto& [material, count] : floors) CHECK(std::abs(count - 1000) < 150);
+  CHECK(worn_by(wood).size() == 11);
+  CHECK(worn_by(paint).size() == 6);
+  CHECK(worn_by(ceiling).size() == 4);
+  for (const Material same : {window, picture, sky, skin, trim}) CHECK(worn_by(same).size() == 1);
+
+  const auto plain = view::patterns_of(0);
+  for (std::size_t m = 0; m < plain.size(); ++m) CHECK(plain[m] == static_cast<Material>(m));
+}
+
 TEST_CASE("what moves is drawn as what stands") {
   Comparison comparison;
   for (std::uint64_t seed = 2000; seed < 2050; ++seed) {
@@ -287,7 +326,8 @@ std::vector<Picture> all_kinds_of_pictures() {
     Draw draw(seed);
     const scene::Scene scene = random_scene(draw);
     const Renderer renderer(scene);
-    all.push_back(take(renderer, random_camera(draw), random_view(draw, scene), Paint{seed, 0}));
+    const Paint paint{seed, 0, static_cast<std::uint32_t>(draw.whole(0, 2)), {static_cast<float>(draw(0.1, 2.0))}};
+    all.push_back(take(renderer, random_camera(draw), random_view(draw, scene), paint));
   }
   return all;
 }
@@ -362,6 +402,10 @@ TEST_CASE("impossible pictures are refused") {
   refuses(make_intrinsics(8, 8, 1.0), {{1e300, 0.0, 0.0}, 0.1}, {});
   refuses(make_intrinsics(8, 8, 1.0), {{}, 0.0}, {});
   refuses(make_intrinsics(8, 8, 1.0), {{NAN, 0.0, 0.0}, 0.1}, {});
+  for (const float gain : {-0.1F, 50.1F, NAN}) {
+    const Paint glaring{0, 0, 0, {1.0F, gain, 1.0F}};
+    CHECK_THROWS_AS(renderer.render(make_intrinsics(8, 8, 1.0), view, glaring, {}, scratch), ConfigError);
+  }
   Picture small(make_intrinsics(7, 8, 1.0));
   refuses(make_intrinsics(8, 8, 1.0), view, small.images());
 }
