@@ -16,6 +16,8 @@
 #include "threewe/core/names.hpp"
 #include "threewe/task/exploration.hpp"
 #include "threewe/task/navigation.hpp"
+#include "threewe/task/object_nav.hpp"
+#include "threewe/task/vln.hpp"
 
 namespace {
 
@@ -43,15 +45,13 @@ task::NavigationOptions navigation_options(std::string_view episodes, bool goal_
 }
 
 env::TaskFactory task_factory(std::string_view task, const task::NavigationOptions& navigation) {
-  using Factory = env::TaskFactory;
-  return chosen<Factory>("task", task,
-                         {{"navigation",
-                           [navigation](const task::Scenes& scenes, std::size_t worlds, std::size_t robots) {
-                             return task::make_navigation(scenes, worlds, robots, navigation);
-                           }},
-                          {"exploration", [](const task::Scenes& scenes, std::size_t worlds, std::size_t robots) {
-                             return task::make_exploration(scenes, worlds, robots);
-                           }}});
+  return chosen<env::TaskFactory>(
+      "task", task,
+      {{"navigation",
+        [navigation](const task::Setting& setting) { return task::make_navigation(setting, navigation); }},
+       {"exploration", [](const task::Setting& setting) { return task::make_exploration(setting); }},
+       {"object_nav", task::make_object_nav},
+       {"vln", task::make_vln}});
 }
 
 // Names that are not the robot's own are of the task, which Python has checked.
@@ -203,17 +203,18 @@ void bind_batch(nb::module_& m) {
           "reset",
           [](Batch& batch, const Seeds& seeds, const std::vector<std::optional<std::uint32_t>>& episodes,
              const std::vector<std::optional<std::size_t>>& scenes, const std::optional<Pose2D>& start,
-             const std::optional<Vec2>& goal, const std::vector<bool>& mask) {
+             const std::optional<Vec2>& goal, const std::optional<std::string>& category,
+             const std::vector<bool>& mask) {
             std::vector<env::Reset> resets(batch.options().worlds);
             for (std::size_t i = 0; i < resets.size(); ++i) {
-              resets[i] = {seeds.at(i), episodes.at(i), scenes.at(i), {start, goal}};
+              resets[i] = {seeds.at(i), episodes.at(i), scenes.at(i), {start, goal, category}};
             }
             const auto chosen_worlds = std::make_unique<bool[]>(mask.size());  // vector<bool> has no data()
             std::copy(mask.begin(), mask.end(), chosen_worlds.get());
             const nb::gil_scoped_release release;
             batch.reset(resets, {chosen_worlds.get(), mask.size()});
           },
-          "seeds"_a, "episodes"_a, "scenes"_a, "start"_a.none(), "goal"_a.none(), "mask"_a)
+          "seeds"_a, "episodes"_a, "scenes"_a, "start"_a.none(), "goal"_a.none(), "category"_a.none(), "mask"_a)
       .def(
           "step",
           [](Batch& batch, const Actions& actions) {
@@ -248,6 +249,8 @@ void bind_batch(nb::module_& m) {
             return values;
           },
           "env"_a, "robot"_a = 0, "How a robot differs from its profile now: the value of each knob.")
+      .def_prop_ro("words_name", &Batch::words_name, "What `words` are called; empty where a task has none.")
+      .def("words", &Batch::words, "env"_a, "What an episode is about: an instruction, a category.")
       .def("episode", &Batch::episode, "env"_a);
 }
 

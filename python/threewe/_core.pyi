@@ -1576,7 +1576,7 @@ class EnvBatch:
     def fields(self) -> list[ObservationField]:
         """What every robot observes, in order."""
 
-    def reset(self, seeds: Sequence[int | None], episodes: Sequence[int | None], scenes: Sequence[int | None], start: Pose2D | None, goal: tuple[float, float] | None, mask: Sequence[bool]) -> None: ...
+    def reset(self, seeds: Sequence[int | None], episodes: Sequence[int | None], scenes: Sequence[int | None], start: Pose2D | None, goal: tuple[float, float] | None, category: str | None, mask: Sequence[bool]) -> None: ...
 
     def step(self, actions: Annotated[NDArray[numpy.float32], dict(shape=(None, 3), order='C', device='cpu', writable=False)]) -> None: ...
 
@@ -1615,5 +1615,12 @@ class EnvBatch:
 
     def variation(self, env: int, robot: int = 0) -> dict[str, float]:
         """How a robot differs from its profile now: the value of each knob."""
+
+    @property
+    def words_name(self) -> str:
+        """What `words` are called; empty where a task has none."""
+
+    def words(self, env: int) -> str:
+        """What an episode is about: an instruction, a category."""
 
     def episode(self, env: int) -> EpisodeInfo: ...

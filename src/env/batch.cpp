@@ -19,11 +19,13 @@ Batch::Impl::Impl(Options wanted)
       agent_model(make_agent_model(options)),
       places(make_places(options)),
       clock(make_clock(options, places.models.front()->robots.front())),
-      task(options.task(places.tables, options.worlds, options.robots)),
+      task(options.task({places.tables, options.worlds, options.robots, options.hardware, options.control_period})),
       metric_names(task->metrics()),
       rays(task->rays()),
       workers(options.threads),
-      scratch(options.threads) {
+      scratch(options.threads),
+      seen(options.threads),
+      drawing(options.threads) {
   const std::size_t rows = options.worlds * options.robots;
   episodes.resize(options.worlds);
   ended.resize(options.worlds);
@@ -99,11 +101,11 @@ void Batch::reset(std::span<const Reset> resets, std::span<const bool> mask) {
     }
   }
   impl.for_blocks([&](std::size_t world) { return mask.empty() || mask[world]; },
-                  [&](Impl::Worlds worlds, std::size_t) {
+                  [&](Impl::Worlds worlds, std::size_t part) {
                     impl.begin(worlds, resets);
                     for (const std::size_t world : worlds) {
                       impl.clear_outcomes(world);
-                      impl.observe(world, impl.observations);
+                      impl.observe(world, impl.observations, part);
                       impl.measure(world, impl.metrics);
                     }
                   });
@@ -130,6 +132,8 @@ std::span<const double> Batch::scan_ages() const { return impl_->scan_ages; }
 const models::Variation& Batch::variation(std::size_t world, std::size_t robot) const {
   return impl_->states[impl_->row(world, robot)].variation;
 }
+std::string Batch::words(std::size_t world) const { return impl_->task->words(world); }
+std::string Batch::words_name() const { return impl_->task->words_name(); }
 EpisodeInfo Batch::episode(std::size_t world) const { return impl_->episodes[world].info; }
 
 }  // namespace threewe::env

@@ -48,7 +48,8 @@ struct Batch::Impl {
   void step_physics(Worlds worlds);
   void end_step(std::size_t world, std::size_t part);
   std::span<const float> cast_rays(std::size_t world, std::size_t robot, const Pose2D& lidar, std::size_t part);
-  void observe(std::size_t world, std::vector<Array>& arrays);
+  std::span<const std::int16_t> look(std::size_t world, std::size_t robot, std::size_t part);
+  void observe(std::size_t world, std::vector<Array>& arrays, std::size_t part);
   task::Belief belief_of(std::size_t world, std::size_t robot, std::span<float> scan) const;
 
   void check_actions(std::span<const float> asked) const;
@@ -94,7 +95,10 @@ struct Batch::Impl {
   std::vector<Array> final_observations;
 
   Workers workers;
-  std::vector<std::vector<float>> scratch;  // of each thread: noise-free rays
+  // of each thread
+  std::vector<std::vector<float>> scratch;  // noise-free rays
+  std::vector<SemanticImage> seen;
+  std::vector<sim::DrawScratch> drawing;
 };
 
 }  // namespace threewe::env

@@ -40,6 +40,8 @@ Clock make_clock(const Options& options, const sim::RobotModel& robot) {
   clock.period = steps(options.control_period);
   clock.turn = static_cast<std::uint64_t>(robot.turn);
   if (options.hardware.lidar) clock.latency = steps(options.hardware.lidar->latency);
+  const bool pictures = options.observed.image || options.observed.depth;
+  if (!pictures && clock.turn % kTick == 0) clock.stride = kTick;
   clock.every_scan = options.gate == Gate::full || draws(options.randomization, "sensor_latency");
   return clock;
 }

@@ -14,6 +14,7 @@ struct Clock {
   std::uint64_t period = 0;   ///< of one control step
   std::uint64_t turn = 0;     ///< of the lidar; 0 without
   std::uint64_t latency = 0;  ///< of the lidar
+  std::uint64_t stride = 1;   ///< steps between which nothing is to be noticed, at most a control period of the robot
   bool every_scan = false;    ///< somebody looks at each scan, not just at the newest at the end of a control step
 
   /// Whether anybody will look at the scan of the turn that step number `step` (from 0) belongs to.

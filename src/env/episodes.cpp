@@ -6,6 +6,7 @@
 #include "env/checks.hpp"
 #include "threewe/core/exact.hpp"
 #include "threewe/core/rng.hpp"
+#include "threewe/sim/camera.hpp"
 #include "threewe/sim/step.hpp"
 
 namespace threewe::env {
@@ -62,10 +63,16 @@ void Batch::Impl::end_step(std::size_t world, std::size_t part) {
   const std::size_t first = row(world);
   std::array<task::Moment, kMostRobots> moments;
   std::array<task::Outcome, kMostRobots> outcomes{};
+  std::array<task::FrameIds, kMostRobots> looks;
   for (std::size_t robot = 0; robot < options.robots; ++robot) {
     const sim::RobotState& state = states[first + robot];
     task::Moment& now = moments[robot];
-    now = {state.pose, state.pose, actions[first + robot], state.distance_driven, state.max_collision_speed, {}};
+    now.pose = now.lidar = state.pose;
+    now.action = actions[first + robot];
+    now.distance_driven = state.distance_driven;
+    now.max_collision_speed = state.max_collision_speed;
+    looks[robot] = [this, world, robot, part] { return look(world, robot, part); };
+    now.look = &looks[robot];
     if (options.hardware.lidar) now.lidar = state.pose * options.hardware.lidar->base_from_lidar;
     if (rays > 0) now.ranges = cast_rays(world, robot, now.lidar, part);
   }
@@ -95,6 +102,18 @@ std::span<const float> Batch::Impl::cast_rays(std::size_t world, std::size_t rob
   const std::span<float> ranges = std::span(scratch[part]).subspan(robot * rays, rays);
   model.caster->cast(lidar, 0.0, 2.0 * exact::kPi / static_cast<double>(rays), ranges);
   return ranges;
+}
+
+// What the robot's camera truly shows now.
+std::span<const std::int16_t> Batch::Impl::look(std::size_t world, std::size_t robot, std::size_t part) {
+  if (!options.hardware.camera) return {};
+  const CameraSpec& camera = *options.hardware.camera;
+  sim::Shot shot = sim::take_shot(robots_of(world), episodes[world].people, robot);
+  const models::Variation& variation = states[row(world, robot)].variation;
+  const Pose2D pose = states[row(world, robot)].pose * (camera.base_from_camera * variation.camera_offset);
+  seen[part] = sim::draw_truth(model_of(world), shot, camera.intrinsics(),
+                               {pose, camera.mount_height + variation.camera_height}, false);
+  return seen[part].ids;
 }
 
 // As a reset leaves them.

@@ -25,7 +25,7 @@ void put_scan(std::span<const float> scan, std::span<std::byte> to) {
 
 }  // namespace
 
-void Batch::Impl::observe(std::size_t world, std::vector<Array>& arrays) {
+void Batch::Impl::observe(std::size_t world, std::vector<Array>& arrays, std::size_t part) {
   std::array<task::Belief, kMostRobots> beliefs;
   std::array<std::array<float, sim::kMaxLidarPoints>, kMostRobots> scans;  // NOLINT: what is used is filled
   for (std::size_t robot = 0; robot < options.robots; ++robot) {
@@ -40,7 +40,7 @@ void Batch::Impl::observe(std::size_t world, std::vector<Array>& arrays) {
     const auto color = next(options.observed.image);
     const auto depth = next(options.observed.depth);
     if (!color.empty() || !depth.empty()) {
-      episodes[world].pictures.draw(model_of(world), robot, state, color, depth);
+      episodes[world].pictures.draw(model_of(world), robot, state, color, depth, drawing[part]);
     }
     put_scan(beliefs[robot].scan, next(options.observed.lidar));
     const Pose2D& pose = beliefs[robot].map_from_base;

@@ -17,16 +17,19 @@ void Pictures::note(const sim::Model& model, std::span<const sim::RobotState> ro
 }
 
 void Pictures::draw(const sim::Model& model, std::size_t robot, const sim::RobotState& state,
-                    std::span<std::byte> color, std::span<std::byte> depth) {
+                    std::span<std::byte> color, std::span<std::byte> depth, sim::DrawScratch& scratch) {
   const auto later = std::ranges::find_if(taken_, [&](const Taken& taken) { return taken.arrives > state.time(); });
   if (later == taken_.begin()) {
     std::ranges::fill(color, std::byte{});
     std::ranges::fill(depth, std::byte{});
     return;
   }
-  const RGBDImage image = sim::draw_picture(model, (later - 1)->shots[robot]);
-  if (!color.empty()) std::memcpy(color.data(), image.color.data(), color.size());
-  if (!depth.empty()) std::memcpy(depth.data(), image.depth.data(), depth.size());
+  const CameraSpec& camera = *model.robots[robot].profile.camera;
+  const auto as = []<typename T>(std::span<std::byte> bytes, T*) {
+    return std::span(reinterpret_cast<T*>(bytes.data()), bytes.size() / sizeof(T));  // NOLINT: it was made as such
+  };
+  sim::draw(model, (later - 1)->shots[robot], camera.intrinsics(),
+            {as(color, static_cast<std::uint8_t*>(nullptr)), as(depth, static_cast<float*>(nullptr))}, scratch);
 }
 
 }  // namespace threewe::env

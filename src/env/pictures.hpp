@@ -20,7 +20,7 @@ class Pictures {
   /// Draws the newest picture that has reached a robot: (H, W, 3) BGR and (H, W) float depth, either of which may be
   /// empty. Zeros before the first.
   void draw(const sim::Model& model, std::size_t robot, const sim::RobotState& state, std::span<std::byte> color,
-            std::span<std::byte> depth);
+            std::span<std::byte> depth, sim::DrawScratch& scratch);
 
  private:
   struct Taken {

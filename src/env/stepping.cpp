@@ -31,13 +31,13 @@ void Batch::Impl::step_block(Worlds worlds, std::span<const float> asked, std::s
                                       [&](std::size_t world) { return !episodes[world].over; });
     const Worlds ends(alive, list.begin() + static_cast<std::ptrdiff_t>(going));
     for (const std::size_t world : ends) {
-      observe(world, final_observations);
+      observe(world, final_observations, part);
       measure(world, final_metrics);
     }
     if (!ends.empty()) begin(ends, {});
   }
   for (const std::size_t world : worlds) {
-    observe(world, observations);
+    observe(world, observations, part);
     measure(world, metrics);
   }
 }
@@ -63,7 +63,7 @@ void Batch::Impl::advance(Worlds worlds, std::uint64_t steps) {
         commands[i] = agents[i].act(agent_model, states[i], actions[i], states[i].time());
       }
     }
-    for (std::uint64_t i = 0; i < kStepsPerTick; ++i) step_physics(worlds);
+    for (std::uint64_t i = 0; i < kStepsPerTick; i += clock.stride) step_physics(worlds);
     for (const std::size_t world : worlds) {
       for (std::size_t i = row(world); i < row(world + 1); ++i)
         agents[i].perceive(agent_model, states[i], states[i].time());
@@ -85,6 +85,7 @@ void Batch::Impl::draw_anew(std::size_t world) {
   episode.next_draw = now + models::draw_interval(options.randomization, seed, number, episode.draws);
 }
 
+// As many steps as nothing happens in between.
 void Batch::Impl::step_physics(Worlds worlds) {
   std::array<sim::World, kBlock> block;
   for (std::size_t i = 0; i < worlds.size(); ++i) {
@@ -96,7 +97,7 @@ void Batch::Impl::step_physics(Worlds worlds) {
                 episodes[world].people,
                 {.lidar = looked_at, .imu = false, .ultrasonics = false}};
   }
-  sim::step(std::span(block).first(worlds.size()));
+  sim::step(std::span(block).first(worlds.size()), static_cast<int>(clock.stride));
 
   for (std::size_t i = 0; i < worlds.size(); ++i) {
     const std::size_t world = worlds[i];

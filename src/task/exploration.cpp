@@ -129,9 +129,9 @@ struct Survey {
 
 class Exploration final : public Task {
  public:
-  Exploration(const Scenes& scenes, std::size_t worlds, std::size_t robots, const ExplorationOptions& options)
-      : options_(options), scenes_(scenes), robots_(robots), surveys_(worlds) {
-    for (const auto& scene : scenes) grounds_.emplace_back(*scene);
+  Exploration(const Setting& setting, const ExplorationOptions& options)
+      : options_(options), scenes_(setting.scenes), robots_(setting.robots), surveys_(setting.worlds) {
+    for (const auto& scene : scenes_) grounds_.emplace_back(*scene);
   }
 
   std::vector<Field> fields() const override {
@@ -242,9 +242,8 @@ void Exploration::measure(std::size_t world, std::span<double> metrics) const {
 
 }  // namespace
 
-std::unique_ptr<Task> make_exploration(const Scenes& scenes, std::size_t worlds, std::size_t robots,
-                                       const ExplorationOptions& options) {
-  return std::make_unique<Exploration>(scenes, worlds, robots, options);
+std::unique_ptr<Task> make_exploration(const Setting& setting, const ExplorationOptions& options) {
+  return std::make_unique<Exploration>(setting, options);
 }
 
 }  // namespace threewe::task

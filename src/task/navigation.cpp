@@ -33,9 +33,9 @@ struct Trip {
 
 class Navigation final : public Task {
  public:
-  Navigation(const Scenes& scenes, std::size_t worlds, std::size_t robots, const NavigationOptions& options)
-      : options_(options), scenes_(scenes), robots_(robots), trips_(worlds * robots) {
-    for (const auto& scene : scenes) pools_.emplace_back(*scene, options.goals, kPoolSeed);
+  Navigation(const Setting& setting, const NavigationOptions& options)
+      : options_(options), scenes_(setting.scenes), robots_(setting.robots), trips_(setting.worlds * robots_) {
+    for (const auto& scene : scenes_) pools_.emplace_back(*scene, options.goals, kPoolSeed);
   }
 
   std::vector<Field> fields() const override { return {{"goal", Field::Type::float32, {2}, -kFarthest, kFarthest}}; }
@@ -165,9 +165,8 @@ GoalPool::GoalPool(const scene::SceneTables& tables, std::size_t goals, std::uin
   }
 }
 
-std::unique_ptr<Task> make_navigation(const Scenes& scenes, std::size_t worlds, std::size_t robots,
-                                      const NavigationOptions& options) {
-  return std::make_unique<Navigation>(scenes, worlds, robots, options);
+std::unique_ptr<Task> make_navigation(const Setting& setting, const NavigationOptions& options) {
+  return std::make_unique<Navigation>(setting, options);
 }
 
 }  // namespace threewe::task

@@ -13,13 +13,14 @@ from gymnasium.utils.env_checker import check_env
 from gymnasium.vector import AutoresetMode, SyncVectorEnv
 from threewe import ConfigError, ContractError
 from threewe.gym import TASKS, Env, VectorEnv
+from threewe.gym.batch import TASK_FIELDS
 
 IDS = [f"3we/{name}-v1" for name in TASKS]
 SMALL: dict[str, Any] = {"scene": [threewe.Scene.generate(1, size=(8.0, 6.0))], "max_steps": 15}
 
 
 def lean(task: str) -> dict[str, Any]:
-    return {**SMALL, "observations": ("lidar", "pose", "velocity", *threewe.gym.batch.TASK_FIELDS[task]), "task": task}
+    return {**SMALL, "observations": ("lidar", "pose", "velocity", *TASK_FIELDS[task]), "task": task}
 
 
 @pytest.mark.parametrize("name", IDS)
@@ -36,7 +37,7 @@ def test_what_is_observed_by_default_and_on_request(name: str) -> None:
     env = gymnasium.make(name, **SMALL)
     spaces = env.observation_space
     assert isinstance(spaces, gymnasium.spaces.Dict)
-    own = {"3we/Navigation-v1": {"goal"}, "3we/Exploration-v1": {"coverage_map"}}[name]
+    own = set(TASK_FIELDS[TASKS[name[4:-3]]])
     assert set(spaces) == {"image", "lidar", "pose", "velocity"} | own
     assert spaces["image"].shape == (64, 64, 3)
     assert spaces["lidar"].shape == (360,)
@@ -88,12 +89,15 @@ def test_a_native_batch_does_what_gymnasium_makes_of_single_ones(task: str, mode
             assert_same(native.reset(seed=[4, 1, 9]), sync.reset(seed=[4, 1, 9]))
 
 
+TOLD_BY_METHODS = {"scene", "seed", "episode", "true_pose", "scan_age", "randomization", "instruction", "object_goal"}
+
+
 def assert_same(ours: Any, theirs: Any, where: str = "") -> None:
     """Equal in every bit, except that a batch may say more in its infos."""
     if isinstance(theirs, dict):
         for key, value in theirs.items():
-            if key.lstrip("_") in {"scene", "seed", "episode", "true_pose", "scan_age", "randomization"}:
-                continue  # `VectorEnv.episode` tells
+            if key.lstrip("_") in TOLD_BY_METHODS and key not in ours:
+                continue
             assert_same(ours[key], value, f"{where}.{key}")
     elif isinstance(theirs, tuple):
         assert len(ours) == len(theirs)
@@ -106,6 +110,37 @@ def assert_same(ours: Any, theirs: Any, where: str = "") -> None:
                 assert_same(mine, other, f"{where}[{i}]")
     else:
         np.testing.assert_array_equal(ours, theirs, err_msg=where, strict=True)
+
+
+def test_stopping_ends_object_nav_and_vln_right_or_wrong() -> None:
+    for task in ("object_nav", "vln"):
+        env = Env(**lean(task))
+        _, info = env.reset(seed=0)
+        words = info["object_goal" if task == "object_nav" else "instruction"]
+        assert len(words) > 2
+        for step in range(1, 6):  # 0.5 s at 10 Hz
+            _, _, terminated, _, info = env.step(np.full(3, 0.04, np.float32))
+            assert terminated == (step == 5)
+        assert info["stopped"] == 1.0
+        assert not info["success"]
+
+
+def test_what_is_looked_for_can_be_asked_for() -> None:
+    env = Env(**lean("object_nav"))
+    observation, info = env.reset(seed=0, options={"object_goal": "chair"})
+    assert info["object_goal"] == "chair"
+    np.testing.assert_array_equal(observation["object_goal"], np.eye(10, dtype=np.float32)[0])
+    with pytest.raises(ConfigError, match="did you mean 'chair'"):
+        env.reset(options={"object_goal": "chiar"})
+
+
+def test_instructions_are_told_as_text_tokens_and_embedding() -> None:
+    env = Env(**lean("vln"))
+    observation, info = env.reset(seed=1)
+    tokens = observation["instruction_tokens"]
+    assert (tokens > 1).sum() == len(info["instruction"].replace(",", " ").replace(".", " ").split())
+    assert tokens.dtype == np.int32
+    assert np.linalg.norm(observation["instruction_embedding"]) == pytest.approx(1.0, abs=1e-6)
 
 
 def test_make_vec_takes_the_native_batch() -> None:

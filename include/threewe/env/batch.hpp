@@ -80,6 +80,9 @@ class Batch {
   /// (rows,) [s] since the newest scan was complete.
   std::span<const double> scan_ages() const;
   EpisodeInfo episode(std::size_t world) const;
+  /// What a world's episode is about, and what these words are called, see `task::Task`.
+  std::string words(std::size_t world) const;
+  std::string words_name() const;
   /// How a robot differs from its profile now.
   const models::Variation& variation(std::size_t world, std::size_t robot = 0) const;
 

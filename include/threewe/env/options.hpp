@@ -50,8 +50,7 @@ enum class Autoreset : std::uint8_t {
 };
 
 /// Makes the task of a batch.
-using TaskFactory =
-    std::function<std::unique_ptr<task::Task>(const task::Scenes& scenes, std::size_t worlds, std::size_t robots)>;
+using TaskFactory = std::function<std::unique_ptr<task::Task>(const task::Setting& setting)>;
 
 struct Options {
   std::vector<std::shared_ptr<const scene::Scene>> scenes;  ///< each episode is in one of them, drawn by its seed

@@ -24,7 +24,6 @@ struct ExplorationOptions {
 /// unknown, 127 free, 255 occupied, in cells of 0.25 m. Rows go along the map's y axis, columns along x; the robot is
 /// at the corner between cells (31, 31) and (32, 32). Metrics: `success`, `coverage`, `path_length` [m] of all robots,
 /// `collision_speed` [m/s] of the fastest contact.
-std::unique_ptr<Task> make_exploration(const Scenes& scenes, std::size_t worlds, std::size_t robots,
-                                       const ExplorationOptions& options = {});
+std::unique_ptr<Task> make_exploration(const Setting& setting, const ExplorationOptions& options = {});
 
 }  // namespace threewe::task

@@ -45,7 +45,6 @@ struct NavigationOptions {
 /// Field `goal` (2,): the goal [m] as the robot believes it to lie, x ahead and y to its left.
 /// Metrics: `success`, `spl` (Anderson et al. 2018), `distance_to_goal` [m], `shortest_path` [m], `path_length` [m],
 /// `collision_speed` [m/s]; of the first robot.
-std::unique_ptr<Task> make_navigation(const Scenes& scenes, std::size_t worlds, std::size_t robots,
-                                      const NavigationOptions& options = {});
+std::unique_ptr<Task> make_navigation(const Setting& setting, const NavigationOptions& options = {});
 
 }  // namespace threewe::task

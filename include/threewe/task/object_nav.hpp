@@ -15,6 +15,7 @@
 #include "threewe/scene/scene_tables.hpp"
 #include "threewe/scene/surfaces.hpp"
 #include "threewe/task/stop_task.hpp"
+#include "threewe/task/task.hpp"
 
 namespace threewe::task {
 
@@ -33,8 +34,6 @@ inline constexpr int kGoalPixels = 200;    ///< shows this many pixels or more i
 inline constexpr double kGoalShare = 0.1;  ///< and this share of those it would have if nothing stood in front.
 inline constexpr double kGoalDistance = 3.0;  ///< [m] from a start to everything of that kind, at least
 
-/// The ids of the robot's current frame, (H, W), row by row: object i of the scene has id 4 + i, as in SemanticImage.
-using FrameIds = std::function<std::span<const std::int16_t>()>;
 inline constexpr std::int16_t kFirstObjectId{scene::kSurfaceNames.size()};
 
 /// One episode.
@@ -87,5 +86,12 @@ class ObjectNav {
   std::array<std::unique_ptr<const Goal>, kObjectGoals.size()> goals_;
   std::vector<std::size_t> offered_;
 };
+
+/// `3we/ObjectNav-v1`, for one robot in each world. See `advance` of `StopTaskState` for its reward.
+///
+/// Field `object_goal` (10,): 1 for the kind that is looked for. Words: `object_goal`, the kind.
+/// Metrics: `success`, `spl`, `distance_to_goal` [m], `shortest_path` [m], `path_length` [m], `collision_speed` [m/s],
+/// `stopped`.
+std::unique_ptr<Task> make_object_nav(const Setting& setting);
 
 }  // namespace threewe::task

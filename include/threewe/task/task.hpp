@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <span>
@@ -10,11 +11,26 @@
 #include <vector>
 
 #include "threewe/core/pose.hpp"
+#include "threewe/core/time.hpp"
+#include "threewe/hardware/profile.hpp"
 #include "threewe/scene/scene_tables.hpp"
 
 namespace threewe::task {
 
 using Scenes = std::vector<std::shared_ptr<const scene::SceneTables>>;
+
+/// What a task is set in.
+struct Setting {
+  Scenes scenes;
+  std::size_t worlds = 1;
+  std::size_t robots = 1;   ///< in each world
+  RobotProfile robot{};     ///< all of them
+  Duration period = 100ms;  ///< of a control step
+};
+
+/// The ids of what a robot's camera would truly show now, row by row, at the size of its profile's view: object i of
+/// the scene has id 4 + i, as in SemanticImage.
+using FrameIds = std::function<std::span<const std::int16_t>()>;
 
 /// An array that a task adds to what a robot observes.
 struct Field {
@@ -33,6 +49,7 @@ struct Moment {
   Velocity action{};                 ///< that was asked for: shares of the operating limits, -1 to 1
   double distance_driven = 0.0;      ///< [m] since the episode began
   double max_collision_speed = 0.0;  ///< [m/s] since the episode began
+  const FrameIds* look = nullptr;    ///< asked for only where it matters: it takes a picture
   std::span<const float> ranges{};   ///< [m] of noise-free rays from there, see `Task::rays`
 };
 
@@ -61,6 +78,7 @@ struct EpisodeKey {
 struct EpisodeRequest {
   std::optional<Pose2D> start{};  ///< in the scene's frame
   std::optional<Vec2> goal{};
+  std::optional<std::string> category{};  ///< of the thing that is looked for
 };
 
 /// A task in many worlds, each with one or more robots. What is drawn is a pure function of an episode's key, and
@@ -88,6 +106,10 @@ class Task {
   /// Fills in one robot's fields, in order; each span holds one field of one robot, or nothing where nobody wants it.
   virtual void observe(std::size_t world, std::size_t robot, const Belief& belief,
                        std::span<const std::span<std::byte>> fields) = 0;
+  /// What a world's episode is about in words, and what these words are called: an instruction, a category. Empty where
+  /// there are none.
+  virtual std::string words(std::size_t /*world*/) const { return {}; }
+  virtual std::string words_name() const { return {}; }
   /// Fills in the metrics of a world, as they are now.
   virtual void measure(std::size_t world, std::span<double> metrics) const = 0;
 };

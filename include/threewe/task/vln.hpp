@@ -14,6 +14,7 @@
 #include "threewe/task/path_score.hpp"
 #include "threewe/task/semantic_map.hpp"
 #include "threewe/task/stop_task.hpp"
+#include "threewe/task/task.hpp"
 
 namespace threewe::task {
 
@@ -78,5 +79,12 @@ class Vln {
   SemanticMap map_;
   std::unique_ptr<const Endings> endings_;
 };
+
+/// `3we/VLN-v1`, for one robot in each world. See `advance` of `StopTaskState` for its reward.
+///
+/// Fields `instruction_tokens` (48,) and `instruction_embedding` (64,), see `Language`. Words: `instruction`.
+/// Metrics: `success`, `spl`, `ndtw`, `distance_to_goal` [m], `shortest_path` [m], `path_length` [m],
+/// `collision_speed` [m/s], `stopped`.
+std::unique_ptr<Task> make_vln(const Setting& setting);
 
 }  // namespace threewe::task

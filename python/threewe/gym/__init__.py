@@ -12,7 +12,7 @@ from threewe.gym.vector import VectorEnv
 
 __all__ = ["Env", "VectorEnv"]
 
-TASKS = {"Navigation": "navigation", "Exploration": "exploration"}
+TASKS = {"Navigation": "navigation", "Exploration": "exploration", "ObjectNav": "object_nav", "VLN": "vln"}
 
 
 def register_envs() -> None:

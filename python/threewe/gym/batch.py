@@ -17,8 +17,13 @@ from threewe._core import RobotProfile, Scene
 from threewe.errors import ConfigError, ContractError
 
 Observation = dict[str, NDArray[Any]]
-TASK_FIELDS = {"navigation": ("goal",), "exploration": ("coverage_map",)}
-RESET_OPTIONS = ("start", "goal", "scene", "episode", "reset_mask")
+TASK_FIELDS = {
+    "navigation": ("goal",),
+    "exploration": ("coverage_map",),
+    "object_nav": ("object_goal",),
+    "vln": ("instruction_tokens", "instruction_embedding"),
+}
+RESET_OPTIONS = ("start", "goal", "object_goal", "scene", "episode", "reset_mask")
 
 
 class EnvOptions(TypedDict, total=False):
@@ -112,12 +117,14 @@ class Batch:
         episode = as_seed("options['episode']", options["episode"]) if options.get("episode") is not None else None
         start = as_pose("options['start']", options["start"]) if options.get("start") is not None else None
         goal = as_pose("options['goal']", options["goal"]) if options.get("goal") is not None else None
+        category = options.get("object_goal")
         self.core.reset(
             seeds=list(seeds),
             episodes=[episode] * n,
             scenes=[scene] * n,
             start=start,
             goal=None if goal is None else (goal.x, goal.y),
+            category=None if category is None else as_text("options['object_goal']", category),
             mask=[] if mask is None else mask.tolist(),
         )
 

@@ -17,12 +17,12 @@ class Env(gymnasium.Env[Any, Any]):
     It is a batch of one: with the same seeds and actions, `VectorEnv` gives the same bits. An action is (3,) float32 in
     [-1, 1]: forward, left and counter-clockwise as shares of the robot's operating limits.
 
-    `reset(options=...)` takes `start` (x, y, theta) and `goal` (x, y) in the scene's frame, `scene` (one of its own, by
-    name) and `episode`, the number of an episode since the seed was given: `info` names both, so that any episode can
-    be repeated.
+    `reset(options=...)` takes `start` (x, y, theta) and `goal` (x, y) in the scene's frame, `object_goal` of ObjectNav,
+    `scene` (one of its own, by name) and `episode`, the number of an episode since the seed was given: `info` names
+    both, so that any episode can be repeated.
 
     Args:
-        task: `navigation`, `exploration`.
+        task: `navigation`, `exploration`, `object_nav`, `vln`.
         render_mode: `rgb_array`: the place from above; `human`.
         options: see `EnvOptions`.
     """
@@ -73,6 +73,8 @@ class Env(gymnasium.Env[Any, Any]):
         episode = self._core.episode(0)
         info["true_pose"] = self._core.true_poses[0].copy()
         info["scan_age"] = float(self._core.scan_ages[0])
+        if self._core.words_name:
+            info[self._core.words_name] = self._core.words(0)
         info["scene"] = self._batch.scenes[episode.scene].name
         info["seed"] = episode.seed
         info["episode"] = episode.episode

@@ -105,6 +105,14 @@ class VectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
         """Which episode an environment is in: `reset(seed=[...], options={"episode": ...})` repeats it."""
         return self._core.episode(env)
 
+    def words(self, env: int) -> str:
+        """What an environment's episode is about: the instruction of VLN, the `object_goal` of ObjectNav."""
+        return self._core.words(env)
+
+    def randomization(self, env: int) -> dict[str, float]:
+        """How an environment's robot differs from its profile now: the value of each knob."""
+        return self._core.variation(env)
+
     def _seeds(self, seed: int | list[int | None] | None) -> list[int | None]:
         if seed is None:
             if self._begun:

@@ -29,9 +29,7 @@ const Scenes& rooms() {
 Options navigation(std::size_t worlds, std::size_t robots = 1) {
   Options options;
   options.scenes = rooms();
-  options.task = [](const task::Scenes& scenes, std::size_t count, std::size_t each) {
-    return task::make_navigation(scenes, count, each, {.goals = 8});
-  };
+  options.task = [](const task::Setting& setting) { return task::make_navigation(setting, {.goals = 8}); };
   options.hardware = load_profile("3we_standard_v2");
   options.worlds = worlds;
   options.robots = robots;
@@ -41,9 +39,7 @@ Options navigation(std::size_t worlds, std::size_t robots = 1) {
 
 Options exploration(std::size_t worlds, std::size_t robots) {
   Options options = navigation(worlds, robots);
-  options.task = [](const task::Scenes& scenes, std::size_t count, std::size_t each) {
-    return task::make_exploration(scenes, count, each);
-  };
+  options.task = [](const task::Setting& setting) { return task::make_exploration(setting); };
   return options;
 }
 

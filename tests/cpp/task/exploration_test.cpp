@@ -40,7 +40,7 @@ double metric(const Task& task, std::size_t i) {
 }
 
 TEST_CASE("two robots cover together what a meter says they do, and earn what they cover") {
-  const auto task = make_exploration(office(), 1, 2);
+  const auto task = make_exploration({.scenes = office(), .robots = 2});
   CHECK(task->rays() == 360);
   std::array<Pose2D, 2> starts;
   task->begin(0, {.seed = 5}, {}, starts);
@@ -74,7 +74,7 @@ TEST_CASE("two robots cover together what a meter says they do, and earn what th
 }
 
 TEST_CASE("the coverage map shows what was seen, around the robot") {
-  const auto task = make_exploration(office(), 1, 1);
+  const auto task = make_exploration({.scenes = office()});
   std::array<Pose2D, 1> start;
   task->begin(0, {.seed = 5}, {.start = Pose2D{}}, start);
   std::vector<float> scan(360, 3.0F);
@@ -97,7 +97,7 @@ TEST_CASE("the coverage map shows what was seen, around the robot") {
 }
 
 TEST_CASE("an exploration has no goal") {
-  const auto task = make_exploration(office(), 1, 1);
+  const auto task = make_exploration({.scenes = office()});
   std::array<Pose2D, 1> start;
   CHECK_THROWS_AS(task->begin(0, {}, {.goal = Vec2{}}, start), ConfigError);
 }

@@ -23,7 +23,7 @@ const Scenes& office() {
 struct Alone {
   std::unique_ptr<Task> task;
   std::array<Pose2D, 1> start{};
-  explicit Alone(const NavigationOptions& options = {}) : task(make_navigation(office(), 1, 1, options)) {}
+  explicit Alone(const NavigationOptions& options = {}) : task(make_navigation({.scenes = office()}, options)) {}
 
   void begin(std::uint32_t episode, const EpisodeRequest& request = {}) {
     task->begin(0, {.seed = 7, .episode = episode}, request, start);

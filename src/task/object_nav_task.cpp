@@ -1,0 +1,79 @@
+// ObjectNav in many worlds.
+#include <algorithm>
+#include <array>
+#include <cstring>
+
+#include "task/stop_metrics.hpp"
+#include "threewe/core/errors.hpp"
+#include "threewe/task/object_nav.hpp"
+
+namespace threewe::task {
+namespace {
+
+class ObjectNavTask final : public Task {
+ public:
+  explicit ObjectNavTask(const Setting& setting) : period_(setting.period), searches_(setting.worlds) {
+    if (setting.robots != 1) throw ConfigError("ObjectNav is a task for one robot");
+    for (const auto& scene : setting.scenes) scenes_.emplace_back(scene, setting.robot);
+  }
+
+  std::vector<Field> fields() const override {
+    return {{"object_goal", Field::Type::float32, {kObjectGoals.size()}, 0.0, 1.0}};
+  }
+  std::vector<std::string> metrics() const override { return stop_metric_names(); }
+  std::string words_name() const override { return "object_goal"; }
+  std::string words(std::size_t world) const override {
+    return std::string(kObjectGoals[searches_[world].episode.goal]);
+  }
+
+  void begin(std::size_t world, const EpisodeKey& key, const EpisodeRequest& request,
+             std::span<Pose2D> starts) override {
+    if (request.start || request.goal) throw ConfigError("ObjectNav takes no start and no goal but an object_goal");
+    Search& search = searches_[world];
+    search.scene = key.scene;
+    search.episode = scenes_[key.scene].sample(key.seed, key.episode, request.category.value_or(""));
+    search.state = scenes_[key.scene].begin(search.episode);
+    search.trip = {};
+    starts[0] = search.episode.start;
+  }
+
+  void step(std::size_t world, std::span<const Moment> robots, std::span<Outcome> outcomes) override {
+    Search& search = searches_[world];
+    const Moment& now = robots[0];
+    const StopTaskStep step =
+        scenes_[search.scene].step(search.episode, search.state, now.pose, asked(now), period_, *now.look);
+    search.trip = {now.distance_driven, now.max_collision_speed, step.terminated, step.success};
+    outcomes[0] = {step.reward, step.terminated};
+  }
+
+  void observe(std::size_t world, std::size_t /*robot*/, const Belief& /*belief*/,
+               std::span<const std::span<std::byte>> fields) override {
+    if (fields[0].empty()) return;
+    const auto goal = one_hot(searches_[world].episode.goal);
+    std::memcpy(fields[0].data(), goal.data(), sizeof(goal));
+  }
+
+  void measure(std::size_t world, std::span<double> metrics) const override {
+    const Search& search = searches_[world];
+    std::ranges::copy(stop_metrics(search.trip, search.episode.geodesic, search.state.distance), metrics.begin());
+  }
+
+ private:
+  // One world's episode.
+  struct Search {
+    std::size_t scene = 0;
+    ObjectNavEpisode episode;
+    StopTaskState state;
+    StopTrip trip;
+  };
+
+  Duration period_;
+  std::vector<ObjectNav> scenes_;
+  std::vector<Search> searches_;  // by world
+};
+
+}  // namespace
+
+std::unique_ptr<Task> make_object_nav(const Setting& setting) { return std::make_unique<ObjectNavTask>(setting); }
+
+}  // namespace threewe::task
