@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <limits>
 #include <memory>
+#include <optional>
 #include <type_traits>
 
 namespace threewe::sim {
@@ -43,39 +44,54 @@ class FixedList {
   std::size_t count_ = 0;
 };
 
-// One side of the footprint, around the base: from a corner to the next.
-struct Side {
-  Vec2 corner;
-  Vec2 edge;
-  double per_square = 0.0;  // 1 over its length squared [1/m^2]
+// A corner of the footprint, around the base, and what is known of the edge from it to the next.
+struct Corner {
+  Vec2 at;
+  double per_square = 0.0;  // 1 over the edge's length squared [1/m^2]
 };
-using Outline = FixedList<Side, kMaxCorners>;
 
-Outline outline_of(const Footprint& footprint) {
-  Outline outline;
-  const std::span<const Vec2> corners = footprint.corners();
-  for (std::size_t i = 0; i < corners.size(); ++i) {
-    const Vec2 edge = corners[i + 1 == corners.size() ? 0 : i + 1] - corners[i];
-    outline.push({corners[i], edge, 1.0 / dot(edge, edge)});
+class Outline {
+ public:
+  Outline() = default;
+  explicit Outline(const Footprint& footprint) {
+    const std::span<const Vec2> corners = footprint.corners();
+    for (std::size_t i = 0; i < corners.size(); ++i) {
+      const Vec2 edge = corners[i + 1 == corners.size() ? 0 : i + 1] - corners[i];
+      corners_.push({corners[i], 1.0 / dot(edge, edge)});
+    }
   }
-  return outline;
-}
 
-Outline turn(const Outline& outline, double heading) {
-  const auto [s, c] = exact::sincos(heading);
-  const auto turned = [s, c](Vec2 v) -> Vec2 { return {c * v.x - s * v.y, s * v.x + c * v.y}; };
-  Outline result;
-  for (const auto& [corner, edge, per_square] : outline.items()) {
-    result.push({turned(corner), turned(edge), per_square});
+  Outline turned(double heading) const {
+    const auto [s, c] = exact::sincos(heading);
+    Outline result;
+    for (const auto& [at, per_square] : corners()) {
+      result.corners_.push({{c * at.x - s * at.y, s * at.x + c * at.y}, per_square});
+    }
+    return result;
   }
-  return result;
-}
+
+  std::span<const Corner> corners() const { return corners_.items(); }
+
+  // Visits every edge: visit(corner, from it to the next, 1 over the square of that).
+  template <typename Visit>
+  void visit_edges(const Visit& visit) const {
+    const std::span<const Corner> corners = this->corners();
+    for (std::size_t i = 0; i < corners.size(); ++i) {
+      const Vec2 next = corners[i + 1 == corners.size() ? 0 : i + 1].at;
+      visit(corners[i].at, next - corners[i].at, corners[i].per_square);
+    }
+  }
+
+ private:
+  FixedList<Corner, kMaxCorners> corners_;
+};
 
 // A segment, or a disc around `a`; seen from the base's old position.
 struct Shape {
   Vec2 a;
   Vec2 along;               // from a to b
   double per_square = 0.0;  // 1 over its length squared [1/m^2]; 0 of a point
+  double per_length = 0.0;  // [1/m]
   double radius = 0.0;
   bool is_circle = false;
 };
@@ -87,27 +103,38 @@ constexpr double share_along(Vec2 from_start, Vec2 along, double per_square) {
 // How far a body that has moved is from a shape; 0 where they overlap.
 double clearance(const Outline& outline, Vec2 moved, const Shape& shape) {
   const Vec2 a = shape.a - moved;
-  // the nearest points are a corner and one of the shape, or one of a side and an end of the shape; and two convex
+
+  // mostly a corner is before a wall: no nearer than to the wall's line, and all corners are on one side of that
+  double low = std::numeric_limits<double>::infinity();
+  double high = -low;
+  Vec2 lowest;
+  Vec2 highest;
+  for (const Corner& corner : outline.corners()) {
+    const Vec2 from_a = corner.at - a;
+    const double height = cross(shape.along, from_a);
+    if (height < low) low = height, lowest = from_a;
+    if (height > high) high = height, highest = from_a;
+  }
+  const bool beside = low > 0.0 || high < 0.0;
+  const double foot = dot(low > 0.0 ? lowest : highest, shape.along) * shape.per_square;
+  if (beside && foot >= 0.0 && foot <= 1.0) return std::max(low, -high) * shape.per_length;
+
+  // else the nearest points are a corner and one of the shape, or one of a side and an end of the shape; and two convex
   // shapes are apart exactly when a side of one of them has the other on its outer side
   double least = std::numeric_limits<double>::infinity();
-  double low = least;
-  double high = -least;
-  bool apart = false;
-  for (const auto& [corner, edge, per_square] : outline.items()) {
+  double inside = least;
+  outline.visit_edges([&](Vec2 corner, Vec2 edge, double per_square) {
     const Vec2 from_a = corner - a;
     const Vec2 offset = from_a - share_along(from_a, shape.along, shape.per_square) * shape.along;
-    const double side = cross(shape.along, from_a);
-    low = std::min(low, side);
-    high = std::max(high, side);
-
     const Vec2 to_a = a - corner;
     const Vec2 to_b = to_a + shape.along;
     const Vec2 offset_a = to_a - share_along(to_a, edge, per_square) * edge;
     const Vec2 offset_b = to_b - share_along(to_b, edge, per_square) * edge;
-    apart = apart || std::max(cross(edge, to_a), cross(edge, to_b)) <= 0.0;
-    least = std::min({least, dot(offset, offset), dot(offset_a, offset_a), dot(offset_b, offset_b)});
-  }
-  if (!apart && (shape.is_circle || (low < 0.0 && high > 0.0))) return 0.0;
+    inside = std::min(inside, std::max(cross(edge, to_a), cross(edge, to_b)));
+    least = std::min(least, dot(offset, offset));
+    least = std::min(least, std::min(dot(offset_a, offset_a), dot(offset_b, offset_b)));
+  });
+  if (inside > 0.0 && (shape.is_circle || !beside)) return 0.0;
   return std::max(exact::sqrt(least) - shape.radius, 0.0);
 }
 
@@ -117,16 +144,17 @@ bool surely_apart(const Outline& outline, const Shape& shape, double distance) {
   const double far = distance + shape.radius;
   double low = std::numeric_limits<double>::infinity();
   double high = -low;
-  for (const auto& [corner, edge, per_square] : outline.items()) {
+  bool apart = false;
+  outline.visit_edges([&](Vec2 corner, Vec2 edge, double per_square) {
     const Vec2 to_a = shape.a - corner;
     const double inside = std::max(cross(edge, to_a), cross(edge, to_a + shape.along));
-    if (inside < 0.0 && inside * inside * per_square > far * far) return true;
+    apart = apart || (inside < 0.0 && inside * inside * per_square > far * far);
     const double side = cross(shape.along, corner - shape.a);
     low = std::min(low, side);
     high = std::max(high, side);
-  }
+  });
   const double least = std::max(low, -high);
-  return least > 0.0 && least * least * shape.per_square > far * far;
+  return apart || (least > 0.0 && least * least * shape.per_square > far * far);
 }
 
 // The shapes that a body could meet in a step in which no part of it goes farther than `travel`.
@@ -137,10 +165,10 @@ Neighbourhood find_neighbourhood(const Footprint& footprint, const ShapeIndex& o
   const Vec2 base = pose.position();
   const double reach = footprint.circumscribed_radius() + travel;
   Neighbourhood found;
-  Outline outline;
+  std::optional<Outline> outline;
   const auto add = [&](const Shape& shape) {
-    if (outline.empty()) outline = turn(outline_of(footprint), pose.theta);
-    if (!surely_apart(outline, shape, travel)) found.push(shape);
+    if (!outline) outline.emplace(Outline(footprint).turned(pose.theta));
+    if (!surely_apart(*outline, shape, travel)) found.push(shape);
   };
   const auto add_segment = [&](const scene::Segment& segment) {
     const Vec2 a = segment.a - base;
@@ -153,12 +181,13 @@ Neighbourhood find_neighbourhood(const Footprint& footprint, const ShapeIndex& o
                                       : std::min(dot(a, a), dot(a + along, a + along)) > reach * reach) {
       return;
     }
-    add({a, along, square > 0.0 ? 1.0 / square : 0.0, 0.0, false});
+    const double per_square = square > 0.0 ? 1.0 / square : 0.0;
+    add({a, along, per_square, exact::sqrt(per_square), 0.0, false});
   };
   const auto add_circle = [&](const scene::Circle& circle) {
     const Vec2 center = circle.center - base;
     const double far = reach + circle.radius;
-    if (dot(center, center) < far * far) add({center, {}, 0.0, circle.radius, true});
+    if (dot(center, center) < far * far) add({center, {}, 0.0, 0.0, circle.radius, true});
   };
 
   const scene::Slice& slice = obstacles.slice();
@@ -197,7 +226,7 @@ void visit_pairs(const Outline& outline, Vec2 moved, const Shape& shape, const V
   const Vec2 a = shape.a - moved;
   const Vec2 normal = left_of(shape.along);
   const Vec2 towards_base = dot(normal, a) < 0.0 ? normal : -1.0 * normal;
-  for (const auto& [corner, edge, per_square] : outline.items()) {
+  outline.visit_edges([&](Vec2 corner, Vec2 edge, double per_square) {
     const Vec2 from_a = corner - a;
     visit(from_a - share_along(from_a, shape.along, shape.per_square) * shape.along, corner, towards_base);
 
@@ -209,7 +238,7 @@ void visit_pairs(const Outline& outline, Vec2 moved, const Shape& shape, const V
       }
       if (shape.is_circle) break;
     }
-  }
+  });
 }
 
 // Where the body is in the course of a step: how far its base has come, and its heading.
@@ -231,7 +260,7 @@ struct Way {
 
   double gap_after(double seconds, const Shape& shape) const {
     const Place place = advance(from, twist, seconds);
-    return clearance(turn(outline, place.heading), place.moved, shape);
+    return clearance(outline.turned(place.heading), place.moved, shape);
   }
 };
 
@@ -257,7 +286,7 @@ double clear_time(const Way& way, double seconds, const Shape& shape, double gap
 
 // The same for all shapes, round and round: where one ends it, it must be clear of all others too.
 double clear_time(const Way& way, double seconds, std::span<const Shape> shapes) {
-  const Outline outline = turn(way.outline, way.from.heading);
+  const Outline outline = way.outline.turned(way.from.heading);
   FixedList<double, kMaxShapes> gaps;
   for (const Shape& shape : shapes) gaps.push(clearance(outline, way.from.moved, shape));
 
@@ -380,7 +409,7 @@ Motion move(const RigidBody& body, const ShapeIndex& obstacles, const MovingShap
   Twist met_with{rotate({carried.vx, carried.vy}, pose.theta), carried.omega};
 
   // freely until something is met, which holds it back; and so on, until the time is over
-  const Outline straight = outline_of(footprint);
+  const Outline straight(footprint);
   Motion motion;
   double left = seconds;
   for (int part = 0; part < kMaxParts; ++part) {
@@ -390,7 +419,7 @@ Motion move(const RigidBody& body, const ShapeIndex& obstacles, const MovingShap
     left -= clear;
     if (left == 0.0) break;
 
-    const Outline outline = turn(straight, place.heading);
+    const Outline outline = straight.turned(place.heading);
     Contacts contacts = find_contacts(outline, place.moved, shapes);
     twist = resolve(body, contacts, twist, left);
     motion.approach_speed = std::max(motion.approach_speed, approach_speed(contacts, met_with));

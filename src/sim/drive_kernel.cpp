@@ -172,12 +172,17 @@ HWY_INLINE void drive_group(const Group& group, const Constants& constants) {
   const auto& [drive, battery] = constants;
   const V seconds = lanes::number<V>(to_seconds(kStep));
 
+  V unused;
+
   // the firmware takes a command within the hardware limits
   VelocityOf<V> command;
-  V floor;
   Places commands;
-  for (std::size_t i = 0; i < kLanes; ++i) commands[i] = bytes_of(group.drivers[i]->vx);
-  gather(commands, 0, command.vx, command.vy, command.omega, floor);
+  HWY_ALIGN double floors[kLanes];
+  for (std::size_t i = 0; i < kLanes; ++i) {
+    commands[i] = bytes_of(*group.drivers[i]->command);
+    floors[i] = group.drivers[i]->floor;
+  }
+  gather(commands, 0, command.vx, command.vy, command.omega, unused);
   command = threewe::HWY_NAMESPACE::within_limits(drive.linear_limit, drive.angular_limit, command);
 
   // motors turn the wheels
@@ -188,7 +193,6 @@ HWY_INLINE void drive_group(const Group& group, const Constants& constants) {
   V mass;
   V noise;
   V resistance;
-  V unused;
   formulae::ChargeOf<V> charge;
   formulae::WheelsOf<V> wheels;
   formulae::WheelsOf<V> angles;
@@ -224,7 +228,8 @@ HWY_INLINE void drive_group(const Group& group, const Constants& constants) {
   // wheels pull the body
   VelocityOf<V> rolling = formulae::rolling_velocity(drive, wheels);
   rolling.vy = rolling.vy * lateral;
-  const VelocityOf<V> after = formulae::grip(drive.turn_weight, floor * grip_change, carried, rolling);
+  const VelocityOf<V> after =
+      formulae::grip(drive.turn_weight, hn::Load(Doubles(), floors) * grip_change, carried, rolling);
 
   // and the battery pays
   const V power = formulae::drive_power(drive, mass, carried, after, rolling);

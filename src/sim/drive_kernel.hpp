@@ -12,8 +12,8 @@ namespace threewe::sim::kernel {
 struct Driver {
   const RobotModel* robot;
   RobotState* state;
-  double vx, vy, omega;  ///< the command that arrives now
-  double floor;          ///< how well the floor holds
+  const Velocity* command;  ///< that arrives now; some number follows it in memory, whichever
+  double floor;             ///< how well the floor holds
 };
 
 /// Where its wheels would take it, if nothing is in the way.

@@ -75,7 +75,7 @@ RobotModel make_robot(const scene::Scene& scene, const RobotProfile& profile) {
   const double fastest = profile.body.no_load_speed * profile.body.wheels.radius;
   const double reach = contact_reach(robot.body.footprint, fastest, profile.hardware_limits.angular, to_seconds(kStep));
   robot.solids = scene.solids_between(kFloorClearance, profile.body.height);
-  robot.obstacles = std::make_shared<ShapeIndex>(scene::outlines(robot.solids), reach);
+  robot.obstacles = std::make_shared<ShapeIndex>(scene::outlines(robot.solids), reach, 0.125);
 
   robot.command_latency = whole_steps(profile, "command_latency", profile.command_latency);
   require(profile, robot.command_latency < kMaxLatencySteps,

@@ -26,24 +26,20 @@ constexpr std::size_t kAtATime = 16;
 
 // How well the floor holds, as the mean under the driven wheels: they share the weight, and the friction of the whole
 // body is what limits its pull. So grip changes wheel by wheel as a robot drives onto ice.
-double floor_grip(const Model& model, const RobotModel& robot, const Pose2D& pose) {
-  if (model.scene->patches.empty()) return 1.0;
+double floor_grip(const scene::Scene& scene, const RobotModel& robot, const Pose2D& pose) {
   double sum = 0.0;
-  for (const Vec2 wheel : robot.wheels) sum += model.scene->grip_at(pose * wheel);
+  for (const Vec2 wheel : robot.wheels) sum += scene.grip_at(pose * wheel);
   return sum / static_cast<double>(robot.wheels.size());
 }
 
 // A robot as a step begins. The command that arrives now is the one sent a latency ago.
-void begin_step(const Model& model, const RobotModel& robot, RobotState& state, const Velocity& sent,
-                kernel::Driver& driver) {
+inline void begin_step(const Model& model, const RobotModel& robot, RobotState& state, const Velocity& sent,
+                       kernel::Driver& driver) {
   state.commands[(state.steps + state.command_latency) % kMaxLatencySteps] = sent;
-  const Velocity& command = state.commands[state.steps % kMaxLatencySteps];
   driver.robot = &robot;
   driver.state = &state;
-  driver.vx = command.vx;
-  driver.vy = command.vy;
-  driver.omega = command.omega;
-  driver.floor = floor_grip(model, robot, state.pose);
+  driver.command = &state.commands[state.steps % kMaxLatencySteps];
+  driver.floor = model.scene->patches.empty() ? 1.0 : floor_grip(*model.scene, robot, state.pose);
 }
 
 void arrive(RobotState& state, const Motion& motion) {
@@ -147,6 +143,10 @@ void sense(const RobotModel& robot, const Sensing& sensing, Others& others, cons
   if (sensing.lidar && robot.caster) sweep_lidar(robot, others, before, state);
 }
 
+bool is_any_on(const Sensing& sensing) {
+  return sensing.lidar || sensing.imu || sensing.odometry || sensing.ultrasonics;
+}
+
 // People walk; robots drive, push one another, and slide along what stands there, all at once; then all of them look.
 void step_crowd(const World& crowd) {
   const auto& [model_pointer, world, commands, people, sensing] = crowd;
@@ -215,7 +215,7 @@ void step_singles(std::span<const World* const> worlds) {
       arrive(state,
              move(robot.body, *robot.obstacles, {}, before, driven[i].velocity(), carried, kSeconds, driven[i].pose()));
     }
-    sense(robot, worlds[i]->sensing, nobody, before, carried, state);
+    if (is_any_on(worlds[i]->sensing)) sense(robot, worlds[i]->sensing, nobody, before, carried, state);
   }
 }
 

@@ -95,7 +95,7 @@ BatteryState drain(const models::Battery& battery, double resistance, double dri
 kernel::Driven drive(const kernel::Driver& driver) {
   const RobotModel& robot = *driver.robot;
   RobotState& state = *driver.state;
-  const WheelSpeeds wanted = setpoints(robot.drive, within_limits(robot.drive, {driver.vx, driver.vy, driver.omega}));
+  const WheelSpeeds wanted = setpoints(robot.drive, within_limits(robot.drive, *driver.command));
   const double supplied = supply(robot.battery, state.battery);
   const auto shares = models::motor_shares(state.traction, state.key(Stream::motor), state.steps);
   for (std::size_t i = 0; i < (robot.drive.sideways == 0.0 ? 2 : 4); ++i) {
@@ -212,12 +212,15 @@ TEST_CASE("many robots, driven at once, do to the bit what each would alone, on 
       for (std::size_t i = 0; i < count; ++i) {
         const Model& model = *all[(mixed ? seed + i * i : seed) % all.size()];
         states.push_back(random_state(model, key, 100 + i));
-        const auto [vx, vy, omega] = random_command(key, 200 + i);
-        drivers.push_back({&model.robots[0], nullptr, vx, vy, omega, i % 3 == 0 ? 0.3 : 1.0});
+        states.back().commands[i % kMaxLatencySteps] = random_command(key, 200 + i);
+        drivers.push_back({&model.robots[0], nullptr, nullptr, i % 3 == 0 ? 0.3 : 1.0});
       }
       std::vector<RobotState> expected = states;
       std::vector<kernel::Driven> driven(count);
-      for (std::size_t i = 0; i < count; ++i) drivers[i].state = &states[i];
+      for (std::size_t i = 0; i < count; ++i) {
+        drivers[i].state = &states[i];
+        drivers[i].command = &states[i].commands[i % kMaxLatencySteps];
+      }
       kernel::drive(drivers, driven);
       for (std::size_t i = 0; i < count; ++i) {
         CAPTURE(i);
