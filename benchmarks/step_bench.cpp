@@ -1,7 +1,8 @@
 // The simulator's tick: two steps of physics, with and without sensors, and a whole tick of the mock backend.
 //
 // A robot drives through the office with a new random command every half second, hits what it hits, and begins again
-// from the same state every ten seconds.
+// from the same state every ten seconds: from the scene's start, in a large room, or from anywhere, where after a while
+// one in five leans against something.
 #include <benchmark/benchmark.h>
 
 #include <cstdint>
@@ -10,7 +11,9 @@
 
 #include "threewe/backend/registry.hpp"
 #include "threewe/core/rng.hpp"
+#include "threewe/scene/episodes.hpp"
 #include "threewe/scene/scene.hpp"
+#include "threewe/scene/scene_tables.hpp"
 #include "threewe/scene/truth_view.hpp"
 #include "threewe/sim/step.hpp"
 
@@ -36,47 +39,68 @@ void report_ticks(benchmark::State& bench, std::int64_t worlds) {
   bench.counters["x real time"] = benchmark::Counter(ticks * to_seconds(kControlPeriod), benchmark::Counter::kIsRate);
 }
 
-enum class Sensors : std::uint8_t { none, all_but_ultrasonics, all };
+enum class From : std::uint8_t { start, anywhere };
 
-void step_worlds(benchmark::State& bench, Sensors sensors, NoiseLevel noise) {
-  RobotProfile profile = with_noise(load_profile("3we_standard_v2"), noise);
-  if (sensors == Sensors::none) {
-    profile.lidar.reset();
-    profile.imu.reset();
-  }
-  if (sensors != Sensors::all) profile.ultrasonics.reset();
-  const auto model = sim::make_model(std::make_shared<const scene::Scene>(scene::Scene::load("office_v2")), {profile});
-  const auto worlds = static_cast<std::size_t>(bench.range(0));
+struct Kind {
+  NoiseLevel noise = NoiseLevel::realistic;
+  sim::Sensing sensing;
+  From from = From::start;
+};
+
+constexpr sim::Sensing kNone{.lidar = false, .imu = false, .odometry = false, .ultrasonics = false};
+constexpr sim::Sensing kOdometry{.lidar = false, .imu = false, .odometry = true, .ultrasonics = false};
+constexpr sim::Sensing kAll{};
+constexpr sim::Sensing kAllButUltrasonics{.ultrasonics = false};
+
+void step_worlds(benchmark::State& bench, const Kind& kind) {
+  const RobotProfile profile = with_noise(load_profile("3we_standard_v2"), kind.noise);
+  const auto office = std::make_shared<const scene::Scene>(scene::Scene::load("office_v2"));
+  const auto model = sim::make_model(office, {profile});
+  const scene::SceneTables tables(office, profile.body.footprint, profile.body.height);
+  const auto count = static_cast<std::size_t>(bench.range(0));
   std::vector<sim::RobotState> begin;
   std::vector<std::vector<Velocity>> drives;
-  for (std::size_t i = 0; i < worlds; ++i) {
-    begin.push_back(sim::begin(*model, 0, {}, i));
+  for (std::size_t i = 0; i < count; ++i) {
+    const RngKey key{.seed = i, .stream = Stream::sampler};
+    const Pose2D pose = kind.from == From::start ? Pose2D{} : scene::sample_roomy_pose(tables, key, 0);
+    begin.push_back(sim::begin(*model, 0, pose, i));
     drives.push_back(commands(i));
   }
   std::vector<sim::RobotState> states = begin;
-  std::vector<Velocity> sent(worlds);
+  std::vector<Velocity> sent(count);
+  std::vector<sim::World> worlds;
+  for (std::size_t i = 0; i < count; ++i) {
+    worlds.push_back({model.get(), {&states[i], 1}, {&sent[i], 1}, {}, kind.sensing});
+  }
   std::uint64_t tick = 0;
   for ([[maybe_unused]] auto _ : bench) {
     if (tick == kTicks) {
+      bench.PauseTiming();
       states = begin;
       tick = 0;
+      bench.ResumeTiming();
     }
-    for (std::size_t i = 0; i < worlds; ++i) sent[i] = drives[i][tick / 25];
-    sim::step(*model, states, sent);
-    sim::step(*model, states, sent);
+    for (std::size_t i = 0; i < count; ++i) sent[i] = drives[i][tick / 25];
+    sim::step(worlds, 2);
     ++tick;
     benchmark::DoNotOptimize(states.data());
   }
   report_ticks(bench, bench.range(0));
 }
 
-void BM_tick_sensorless(benchmark::State& bench) { step_worlds(bench, Sensors::none, NoiseLevel::realistic); }
-void BM_tick_ideal_sensors(benchmark::State& bench) { step_worlds(bench, Sensors::all, NoiseLevel::ideal); }
-void BM_tick_realistic_sensors(benchmark::State& bench) { step_worlds(bench, Sensors::all, NoiseLevel::realistic); }
-void BM_tick_without_ultrasonics(benchmark::State& bench) {
-  step_worlds(bench, Sensors::all_but_ultrasonics, NoiseLevel::realistic);
+void BM_tick_sensorless(benchmark::State& bench) { step_worlds(bench, {.sensing = kNone}); }
+void BM_tick_with_odometry(benchmark::State& bench) { step_worlds(bench, {.sensing = kOdometry}); }
+void BM_tick_sensorless_anywhere(benchmark::State& bench) {
+  step_worlds(bench, {.sensing = kNone, .from = From::anywhere});
 }
-BENCHMARK(BM_tick_sensorless)->Arg(1)->Arg(64);
+void BM_tick_ideal_sensors(benchmark::State& bench) {
+  step_worlds(bench, {.noise = NoiseLevel::ideal, .sensing = kAll});
+}
+void BM_tick_realistic_sensors(benchmark::State& bench) { step_worlds(bench, {.sensing = kAll}); }
+void BM_tick_without_ultrasonics(benchmark::State& bench) { step_worlds(bench, {.sensing = kAllButUltrasonics}); }
+BENCHMARK(BM_tick_sensorless)->Arg(1)->Arg(64)->Arg(1024);
+BENCHMARK(BM_tick_with_odometry)->Arg(1)->Arg(1024);
+BENCHMARK(BM_tick_sensorless_anywhere)->Arg(1024);
 BENCHMARK(BM_tick_ideal_sensors)->Arg(1);
 BENCHMARK(BM_tick_realistic_sensors)->Arg(1);
 BENCHMARK(BM_tick_without_ultrasonics)->Arg(1);

@@ -1,16 +1,23 @@
 #include "threewe/models/odometry.hpp"
 
+#include <hwy/highway.h>
+
+#include "threewe/models/odometry-inl.hpp"
+
 namespace threewe::models {
-namespace {
 
-// The angle that an encoder shows: the last whole count.
-double encoder_angle(int ticks_per_turn, double angle) {
-  if (ticks_per_turn == 0) return angle;
-  const double tick = 2.0 * exact::kPi / ticks_per_turn;
-  return tick * std::floor(angle / tick);
+Odometer make_odometer(const OdometrySpec& spec, const WheelGeometry& wheels) {
+  Odometer odometer{};
+  if (spec.ticks_per_turn > 0) {
+    odometer.count = 2.0 * exact::kPi / spec.ticks_per_turn;
+    odometer.counts_per_radian = spec.ticks_per_turn / (2.0 * exact::kPi);
+  }
+  odometer.per_period = 1.0 / to_seconds(spec.period);
+  odometer.roll = wheels.radius / wheels.wheel_count();
+  odometer.roll_turn = odometer.roll / (wheels.half_length + wheels.half_width);
+  odometer.sideways = wheels.kinematics == Kinematics::holonomic ? 1.0 : 0.0;
+  return odometer;
 }
-
-}  // namespace
 
 WheelErrors draw_wheel_errors(const OdometrySpec& spec, const RngKey& key, double slip) {
   RngKey episode = key;
@@ -29,18 +36,18 @@ WheelErrors draw_wheel_errors(const OdometrySpec& spec, const RngKey& key, doubl
   return errors;
 }
 
-void measure_odometry(const OdometrySpec& spec, const WheelGeometry& wheels, const WheelErrors& errors,
-                      const std::array<double, 4>& angles, OdometryState& state) {
-  std::array<double, 4> rolled{};
+void measure_odometry(const Odometer& odometer, const WheelErrors& errors, const std::array<double, 4>& angles,
+                      OdometryState& state) {
+  HWY_NAMESPACE::WheelsOf<double> rolled{};
   for (std::size_t wheel = 0; wheel < 4; ++wheel) {
-    const double angle = encoder_angle(spec.ticks_per_turn, angles[wheel]);
-    rolled[wheel] = errors.scale[wheel] * (angle - state.read[wheel]);
+    const double angle = HWY_NAMESPACE::encoder_angle(odometer, angles[wheel]);
+    rolled.at[wheel] = errors.scale[wheel] * (angle - state.read[wheel]);
     state.read[wheel] = angle;
   }
-  const double period = to_seconds(spec.period);
-  const Velocity moved = body_velocity(wheels, rolled);
-  state.reading.velocity = {moved.vx / period, moved.vy / period, moved.omega / period};
-  state.reading.pose = integrate(state.reading.pose, moved, 1.0);
+  const Pose2D& before = state.reading.pose;
+  threewe::HWY_NAMESPACE::Pose2DOf<double> pose{before.x, before.y, before.theta};
+  const auto [vx, vy, omega] = HWY_NAMESPACE::move_on(odometer, rolled, pose);
+  state.reading = {{pose.x, pose.y, pose.theta}, {vx, vy, omega}};
 }
 
 }  // namespace threewe::models

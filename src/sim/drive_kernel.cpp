@@ -14,6 +14,7 @@
 #include "threewe/core/pose-inl.hpp"
 #include "threewe/hardware/limits-inl.hpp"
 #include "threewe/models/drive-inl.hpp"
+#include "threewe/models/odometry-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace threewe::sim::kernel::HWY_NAMESPACE {
@@ -34,6 +35,8 @@ constexpr std::size_t kRow = 4 * sizeof(double);
 constexpr std::size_t kPose = offsetof(RobotState, pose);
 constexpr std::size_t kLateral = offsetof(RobotState, wheel_errors) + offsetof(models::WheelErrors, lateral);
 constexpr std::size_t kTraction = offsetof(RobotState, traction);
+constexpr std::size_t kReading = offsetof(RobotState, odometry) + offsetof(models::OdometryState, reading);
+constexpr std::size_t kRead = offsetof(RobotState, odometry) + offsetof(models::OdometryState, read);
 constexpr std::size_t kNoise = kTraction + offsetof(models::Traction, motor_noise);
 
 // Where something of each robot begins in memory.
@@ -226,7 +229,7 @@ HWY_INLINE void drive_group(const Group& group, const Constants& constants) {
   carried = {linear.x, linear.y, carried.omega};
 
   // wheels pull the body
-  VelocityOf<V> rolling = formulae::rolling_velocity(drive, wheels);
+  VelocityOf<V> rolling = formulae::rolling_velocity(drive.roll, drive.roll_turn, drive.sideways, wheels);
   rolling.vy = rolling.vy * lateral;
   const VelocityOf<V> after =
       formulae::grip(drive.turn_weight, hn::Load(Doubles(), floors) * grip_change, carried, rolling);
@@ -252,7 +255,7 @@ HWY_INLINE Group group_from(std::span<const Driver> drivers, std::span<Driven> d
     group.drivers[i] = &drivers[own ? i : 0];
     group.states[i] = bytes_of(*group.drivers[i]->state);
     group.next_states[i] = own ? group.states[i] : nowhere;
-    group.driven[i] = own ? bytes_of(driven[i]) : nowhere;
+    group.driven[i] = own && !driven.empty() ? bytes_of(driven[i]) : nowhere;
   }
   return group;
 }
@@ -277,6 +280,42 @@ void drive_all(std::span<const Driver> drivers, std::span<Driven> driven) {
   }
 }
 
+HWY_INLINE void measure_group(const Group& group) {
+  Places odometers;
+  for (std::size_t i = 0; i < kLanes; ++i) odometers[i] = bytes_of(group.drivers[i]->robot->odometer);
+  models::OdometerOf<V> odometer;
+  V unused;
+  gather(odometers, 0, odometer.count, odometer.counts_per_radian, odometer.per_period, odometer.roll);
+  gather(odometers, kRow / 2, unused, odometer.roll, odometer.roll_turn, odometer.sideways);
+
+  formulae::WheelsOf<V> angles;
+  formulae::WheelsOf<V> scales;
+  formulae::WheelsOf<V> read;
+  gather(group.states, offsetof(RobotState, wheel_angles), angles.at[0], angles.at[1], angles.at[2], angles.at[3]);
+  gather(group.states, offsetof(RobotState, wheel_errors), scales.at[0], scales.at[1], scales.at[2], scales.at[3]);
+  gather(group.states, kRead, read.at[0], read.at[1], read.at[2], read.at[3]);
+  formulae::WheelsOf<V> rolled;
+  for (std::size_t i = 0; i < 4; ++i) {
+    const V angle = formulae::encoder_angle(odometer, angles.at[i]);
+    rolled.at[i] = scales.at[i] * (angle - read.at[i]);
+    read.at[i] = angle;
+  }
+
+  Pose2DOf<V> pose;
+  gather(group.states, kReading, pose.x, pose.y, pose.theta, unused);
+  const VelocityOf<V> velocity = formulae::move_on(odometer, rolled, pose);
+  scatter(group.next_states, kReading, pose.x, pose.y, pose.theta, velocity.vx);
+  scatter(group.next_states, kReading + kRow, velocity.vy, velocity.omega, read.at[0], read.at[1]);
+  scatter(group.next_states, kRead, read.at[0], read.at[1], read.at[2], read.at[3]);
+}
+
+void measure_all(std::span<const Driver> drivers) {
+  std::array<std::byte, kRead + kRow> nowhere;
+  for (std::size_t first = 0; first < drivers.size(); first += kLanes) {
+    measure_group(group_from(drivers.subspan(first), {}, nowhere.data()));
+  }
+}
+
 }  // namespace threewe::sim::kernel::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
@@ -284,19 +323,22 @@ HWY_AFTER_NAMESPACE();
 namespace threewe::sim::kernel {
 
 HWY_EXPORT(drive_all);
+HWY_EXPORT(measure_all);
 
 static_assert(offsetof(models::Traction, motor_noise) + sizeof(double) == sizeof(models::Traction) &&
                   offsetof(RobotState, battery_resistance) ==
                       offsetof(RobotState, traction) + sizeof(models::Traction) &&
                   offsetof(RobotState, battery) == offsetof(RobotState, wheel_errors) + sizeof(models::WheelErrors) &&
                   offsetof(RobotState, distance_driven) == offsetof(RobotState, pose) + 7 * sizeof(double) &&
-                  sizeof(Driven) == 12 * sizeof(double),
+                  offsetof(models::OdometryState, read) == 6 * sizeof(double) && sizeof(Driven) == 12 * sizeof(double),
               "the kernel takes over rows of four numbers, in this order");
 
 void drive(std::span<const Driver> drivers, std::span<Driven> driven) {
   assert(drivers.size() == driven.size());
   HWY_DYNAMIC_DISPATCH(drive_all)(drivers, driven);
 }
+
+void measure_odometry(std::span<const Driver> drivers) { HWY_DYNAMIC_DISPATCH(measure_all)(drivers); }
 
 }  // namespace threewe::sim::kernel
 #endif

@@ -35,4 +35,7 @@ struct Driven {
 /// battery one step on, and tells where the bodies would go. Which robots share a call changes no bit.
 void drive(std::span<const Driver> drivers, std::span<Driven> driven);
 
+/// All of these read their encoders.
+void measure_odometry(std::span<const Driver> drivers);
+
 }  // namespace threewe::sim::kernel

@@ -67,6 +67,7 @@ RobotModel make_robot(const scene::Scene& scene, const RobotProfile& profile) {
   robot.profile = profile;
   robot.drive = models::make_drive(profile, kStep);
   robot.battery = models::make_battery(profile.battery);
+  robot.odometer = models::make_odometer(profile.odometry, profile.body.wheels);
   robot.wheels = wheel_places(profile.body.wheels);
   robot.body = {profile.body.footprint, profile.body.mass, profile.body.inertia};
   require(profile, robot.body.footprint.corners().size() <= 16, "footprint: at most 16 corners can be simulated");

@@ -133,19 +133,13 @@ void sense(const RobotModel& robot, const Sensing& sensing, Others& others, cons
     state.imu = models::measure_imu(*robot.profile.imu, state.key(Stream::imu), state.velocity.omega, acceleration,
                                     state.imu_state);
   }
-  if (sensing.odometry && odometry_ready(robot, state)) {
-    models::measure_odometry(robot.profile.odometry, robot.profile.body.wheels, state.wheel_errors, state.wheel_angles,
-                             state.odometry);
-  }
   if (sensing.ultrasonics) {
     if (const auto sensor = ping_ready(robot, state)) ping(robot, *sensor, others, state);
   }
   if (sensing.lidar && robot.caster) sweep_lidar(robot, others, before, state);
 }
 
-bool is_any_on(const Sensing& sensing) {
-  return sensing.lidar || sensing.imu || sensing.odometry || sensing.ultrasonics;
-}
+bool is_any_on(const Sensing& sensing) { return sensing.lidar || sensing.imu || sensing.ultrasonics; }
 
 // People walk; robots drive, push one another, and slide along what stands there, all at once; then all of them look.
 void step_crowd(const World& crowd) {
@@ -184,6 +178,11 @@ void step_crowd(const World& crowd) {
     Others others(model, world, i, circles, legs);
     sense(model.robots[i], sensing, others, movers[i].pose, movers[i].carried, world[i]);
   }
+  const auto reads_nothing = [&](const kernel::Driver& driver) {
+    return !sensing.odometry || !odometry_ready(*driver.robot, *driver.state);
+  };
+  std::erase_if(drivers, reads_nothing);
+  kernel::measure_odometry(drivers);
 }
 
 // Brings what a drive needs of a state into the nearest cache, ahead of time.
@@ -204,6 +203,7 @@ void step_singles(std::span<const World* const> worlds) {
   kernel::drive(std::span(drivers).first(worlds.size()), std::span(driven).first(worlds.size()));
 
   Others nobody;
+  std::size_t reading = 0;  // their encoders now; they come first among the drivers
   for (std::size_t i = 0; i < worlds.size(); ++i) {
     const RobotModel& robot = *drivers[i].robot;
     RobotState& state = *drivers[i].state;
@@ -216,7 +216,9 @@ void step_singles(std::span<const World* const> worlds) {
              move(robot.body, *robot.obstacles, {}, before, driven[i].velocity(), carried, kSeconds, driven[i].pose()));
     }
     if (is_any_on(worlds[i]->sensing)) sense(robot, worlds[i]->sensing, nobody, before, carried, state);
+    if (worlds[i]->sensing.odometry && odometry_ready(robot, state)) drivers[reading++] = drivers[i];
   }
+  kernel::measure_odometry(std::span(drivers).first(reading));
 }
 
 // [steps]; what a state has no room for is cut off.

@@ -41,13 +41,13 @@ HWY_INLINE WheelsOf<V> roll_at(const DriveOf<V>& drive, const VelocityOf<V>& vel
 
 /// `body_velocity`, likewise.
 template <class V>
-HWY_INLINE VelocityOf<V> rolling_velocity(const DriveOf<V>& drive, const WheelsOf<V>& speeds) {
+HWY_INLINE VelocityOf<V> rolling_velocity(V roll, V roll_turn, V sideways, const WheelsOf<V>& speeds) {
   const auto& [a, b, c, d] = speeds.at;
   const V left = a + c;
   const V right = b + d;
   const V zero = lanes::number<V>(0.0);
-  return {drive.roll * (left + right), lanes::where(drive.sideways == zero, zero, drive.roll * ((b + c) - (a + d))),
-          drive.roll_turn * (right - left)};
+  return {roll * (left + right), lanes::where(sideways == zero, zero, roll * ((b + c) - (a + d))),
+          roll_turn * (right - left)};
 }
 
 template <class V>

@@ -11,6 +11,7 @@
 #include "threewe/models/battery.hpp"
 #include "threewe/models/drive.hpp"
 #include "threewe/models/lidar.hpp"
+#include "threewe/models/odometry.hpp"
 #include "threewe/scene/scene.hpp"
 #include "threewe/sim/contact.hpp"
 #include "threewe/sim/ray_caster.hpp"
@@ -31,6 +32,7 @@ struct RobotModel {
   RobotProfile profile;
   models::Drive drive;
   models::Battery battery;
+  models::Odometer odometer;
   std::vector<Vec2> wheels;  ///< where the driven ones touch the floor, in the base frame
   RigidBody body;
   std::vector<scene::Solid> solids;             ///< all that stands as high as the robot reaches

@@ -25,7 +25,7 @@ Odometry roll(const OdometrySpec& spec, const WheelErrors& errors, const Velocit
   for (int i = 1; i <= samples; ++i) {
     std::array<double, 4> angles{};
     for (std::size_t wheel = 0; wheel < 4; ++wheel) angles[wheel] = speeds[wheel] * period * i;
-    measure_odometry(spec, wheels(), errors, angles, state);
+    measure_odometry(make_odometer(spec, wheels()), errors, angles, state);
   }
   return state.reading;
 }

@@ -126,6 +126,22 @@ kernel::Driven drive(const kernel::Driver& driver) {
           state.wheel_errors.lateral};
 }
 
+void measure_odometry(const models::Odometer& odometer, RobotState& state) {
+  WheelSpeeds rolled{};
+  for (std::size_t i = 0; i < 4; ++i) {
+    double angle = state.wheel_angles[i];
+    if (odometer.count != 0.0) angle = odometer.count * std::floor(angle * odometer.counts_per_radian);
+    rolled[i] = state.wheel_errors.scale[i] * (angle - state.odometry.read[i]);
+    state.odometry.read[i] = angle;
+  }
+  Velocity moved{odometer.roll * ((rolled[0] + rolled[2]) + (rolled[1] + rolled[3])), 0.0,
+                 odometer.roll_turn * ((rolled[1] + rolled[3]) - (rolled[0] + rolled[2]))};
+  if (odometer.sideways != 0.0) moved.vy = odometer.roll * ((rolled[1] + rolled[2]) - (rolled[0] + rolled[3]));
+  const double per_period = odometer.per_period;
+  state.odometry.reading = {integrate(state.odometry.reading.pose, moved, 1.0),
+                            {moved.vx * per_period, moved.vy * per_period, moved.omega * per_period}};
+}
+
 }  // namespace plain
 
 std::vector<std::shared_ptr<const Model>> models_of_all_kinds() {
@@ -139,6 +155,7 @@ std::vector<std::shared_ptr<const Model>> models_of_all_kinds() {
   RobotProfile turtle = load_profile("turtlebot_like");
   RobotProfile endless = standard;
   endless.battery.reset();
+  endless.odometry.ticks_per_turn = 0;
   RobotProfile icy = standard;
   icy.body.friction = 0.05;
   std::vector<std::shared_ptr<const Model>> all;
@@ -177,6 +194,8 @@ RobotState random_state(const Model& model, const RngKey& key, std::uint64_t i) 
     state.wheel_angles[w] = draw(-1e3, 1e3);
   }
   state.distance_driven = draw(0.0, 10.0);
+  state.odometry.reading.pose = {draw(-5.0, 5.0), draw(-5.0, 5.0), draw(-M_PI, M_PI)};
+  for (std::size_t w = 0; w < 4; ++w) state.odometry.read[w] = state.wheel_angles[w] - draw(-0.5, 0.5);
   return state;
 }
 
@@ -227,6 +246,14 @@ TEST_CASE("many robots, driven at once, do to the bit what each would alone, on 
         drivers[i].state = &expected[i];
         const kernel::Driven twin = plain::drive(drivers[i]);
         REQUIRE(same(driven[i], twin));
+        REQUIRE(same(states[i], expected[i]));
+      }
+
+      for (std::size_t i = 0; i < count; ++i) drivers[i].state = &states[i];
+      kernel::measure_odometry(drivers);
+      for (std::size_t i = 0; i < count; ++i) {
+        CAPTURE(i);
+        plain::measure_odometry(drivers[i].robot->odometer, expected[i]);
         REQUIRE(same(states[i], expected[i]));
       }
       robots += count;
