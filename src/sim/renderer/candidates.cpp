@@ -127,10 +127,16 @@ class Search {
 
   // Those that come nearest first: most others are then hidden without being met.
   void find_nearest_walls() {
-    std::ranges::stable_sort(out_.walls, std::ranges::greater{}, &Candidate::nearest);
-    Meeting meeting;
+    out_.order.clear();
     for (std::size_t k = 0; k < out_.walls.size(); ++k) {
-      const Candidate& c = out_.walls[k];
+      out_.order.push_back({out_.walls[k].nearest, static_cast<std::int32_t>(k)});
+    }
+    std::ranges::sort(out_.order, [](const auto& a, const auto& b) {
+      return a.nearest != b.nearest ? a.nearest > b.nearest : a.candidate < b.candidate;
+    });
+    Meeting meeting;
+    for (const Candidates::Entry& entry : out_.order) {
+      const Candidate& c = out_.walls[static_cast<std::size_t>(entry.candidate)];
       for (int block = c.first_block; block <= c.last_block; ++block) {
         const auto b = static_cast<std::size_t>(block);
         if (c.nearest <= out_.farthest[b]) continue;
@@ -140,7 +146,7 @@ class Search {
         for (std::size_t i = 0; i < kBlock; ++i) {
           if (!(met >> i & 1U)) continue;
           inverse[i] = meeting.near[i];
-          out_.wall[b * kBlock + i] = static_cast<std::int32_t>(k);
+          out_.wall[b * kBlock + i] = entry.candidate;
           out_.wall_face[b * kBlock + i] = static_cast<std::int32_t>(meeting.face[i]);
         }
         out_.farthest[b] = *std::min_element(inverse, inverse + kBlock);

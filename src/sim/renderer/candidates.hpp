@@ -33,6 +33,7 @@ struct Candidates {
     double nearest = 0.0;  // the candidate's own, close at hand
     std::int32_t candidate = 0;
   };
+  std::vector<Entry> order;                // `walls`, nearest first
   std::vector<std::vector<Entry>> blocks;  // `others`, by block
   std::vector<double> farthest;            // by block: no wall in it has a smaller inverse depth
 

@@ -33,29 +33,38 @@ struct Gain {
   }
 };
 
-// Three bytes a pixel, from words of the tints, texels and light of a row.
+// What colours are made of, from the first pixel of a band. Pointers of their own: the compiler believes that pixels
+// may be written over those of vectors.
+struct Parts {
+  const std::uint32_t* HWY_RESTRICT texel;
+  const std::uint32_t* HWY_RESTRICT light;
+  const std::uint32_t* HWY_RESTRICT tint;
+  const std::uint32_t* HWY_RESTRICT veil;  // null where there is none
+};
+
+// Three bytes a pixel.
 #if HWY_TARGET == HWY_SCALAR
-void make_colours(const BlockWork& work, std::size_t first, const Gain& gain, bool has_veil, std::uint8_t* to) {
+void make_colours(const Parts& parts, std::size_t first, const Gain& gain, std::uint8_t* to) {
   for (std::size_t i = first; i < first + kBlock; ++i) {
-    const std::uint32_t factor = work.texel[i] * work.light[i];
+    const std::uint32_t factor = parts.texel[i] * parts.light[i];
     for (unsigned k = 0; k < 3; ++k) {
-      const std::uint32_t tint = work.tint[i] >> (8U * k) & 255U;
+      const std::uint32_t tint = parts.tint[i] >> (8U * k) & 255U;
       const std::uint32_t fine = std::min(((tint << 8U) * factor >> 16U) + gain.half[k], 65535U);
       const std::uint32_t colour = std::min(fine * gain.scale[k] >> 16U, 255U);
-      const std::uint32_t veil = has_veil ? work.veil[i] >> (8U * k) & 255U : 0U;
+      const std::uint32_t veil = parts.veil ? parts.veil[i] >> (8U * k) & 255U : 0U;
       *to++ = static_cast<std::uint8_t>(std::min(colour + veil, 255U));
     }
   }
 }
 #else
 using Pixels = hn::CappedTag<std::uint32_t, kBlock>;
-using Parts = hn::Repartition<std::uint16_t, Pixels>;
+using Channels = hn::Repartition<std::uint16_t, Pixels>;
 using Bytes = hn::Repartition<std::uint8_t, Pixels>;
 
 // Twelve bytes and four zeros for every four pixels.
-HWY_INLINE hn::Vec<Bytes> colours_of(const BlockWork& work, std::size_t i, const Gain& gain, bool has_veil) {
+HWY_INLINE hn::Vec<Bytes> colours_of(const Parts& parts, std::size_t i, const Gain& gain) {
   const Bytes d8;
-  const Parts d16;
+  const Channels d16;
   const Pixels d32;
   constexpr std::uint8_t k0 = 0x80;  // nothing
   alignas(16) static constexpr std::uint8_t kFirst[16] = {0, 1, 0, 1, 0, 1, 0, 1, 4, 5, 4, 5, 4, 5, 4, 5};
@@ -64,9 +73,9 @@ HWY_INLINE hn::Vec<Bytes> colours_of(const BlockWork& work, std::size_t i, const
   alignas(16) static constexpr std::uint8_t kUpper[16] = {k0, k0, k0, k0, k0, k0, 0, 2, 4, 8, 10, 12, k0, k0, k0, k0};
   const auto scale = hn::LoadDup128(d16, gain.scale.data());
   const auto half = hn::LoadDup128(d16, gain.half.data());
-  const auto texel = hn::BitCast(d16, hn::LoadU(d32, work.texel.data() + i));
-  const auto light = hn::BitCast(d16, hn::LoadU(d32, work.light.data() + i));
-  const auto tint = hn::BitCast(d8, hn::LoadU(d32, work.tint.data() + i));
+  const auto texel = hn::BitCast(d16, hn::LoadU(d32, parts.texel + i));
+  const auto light = hn::BitCast(d16, hn::LoadU(d32, parts.light + i));
+  const auto tint = hn::BitCast(d8, hn::LoadU(d32, parts.tint + i));
   const auto factor = hn::BitCast(d8, hn::Mul(texel, light));
   const auto colours = [&](auto tints, const std::uint8_t* order) HWY_ATTR {
     const auto factors = hn::BitCast(d16, hn::TableLookupBytes(factor, hn::LoadDup128(d8, order)));
@@ -78,25 +87,24 @@ HWY_INLINE hn::Vec<Bytes> colours_of(const BlockWork& work, std::size_t i, const
   const auto upper = colours(hn::InterleaveUpper(d8, zero, tint), kSecond);
   auto all = hn::Or(hn::TableLookupBytesOr0(lower, hn::LoadDup128(d8, kLower)),
                     hn::TableLookupBytesOr0(upper, hn::LoadDup128(d8, kUpper)));
-  if (has_veil) {
+  if (parts.veil) {
     alignas(16) static constexpr std::uint8_t kThree[16] = {0, 1, 2, 4, 5, 6, 8, 9, 10, 12, 13, 14, k0, k0, k0, k0};
-    const auto veil = hn::BitCast(d8, hn::LoadU(d32, work.veil.data() + i));
+    const auto veil = hn::BitCast(d8, hn::LoadU(d32, parts.veil + i));
     all = hn::SaturatedAdd(all, hn::TableLookupBytesOr0(veil, hn::LoadDup128(d8, kThree)));
   }
   return all;
 }
 
-HWY_INLINE void make_colours(const BlockWork& work, std::size_t first, const Gain& gain, bool has_veil,
-                             std::uint8_t* to) {
+HWY_INLINE void make_colours(const Parts& parts, std::size_t first, const Gain& gain, std::uint8_t* to) {
   using Four = hn::Full128<std::uint8_t>;
   const Four d;
 #if HWY_MAX_BYTES >= 32
-  const auto all = colours_of(work, first, gain, has_veil);
+  const auto all = colours_of(parts, first, gain);
   hn::StoreU(hn::LowerHalf(d, all), d, to);
   const auto last = hn::UpperHalf(d, all);
 #else
-  hn::StoreU(colours_of(work, first, gain, has_veil), d, to);
-  const auto last = colours_of(work, first + 4, gain, has_veil);
+  hn::StoreU(colours_of(parts, first, gain), d, to);
+  const auto last = colours_of(parts, first + 4, gain);
 #endif
   const hn::Half<Four> half;
   hn::StoreU(hn::LowerHalf(half, last), half, to + 12);
@@ -168,14 +176,16 @@ class Drawer {
   }
 
   void put_colours(const Stretch& band, std::uint8_t* to, std::size_t width, std::size_t count) const {
-    const bool has_veil = !work_.veil.empty();
+    const Gain gain = gain_;
+    const Parts parts{work_.texel.data(), work_.light.data(), work_.tint.data(),
+                      work_.veil.empty() ? nullptr : work_.veil.data()};
     to += width * band.begin;
     for (std::size_t r = 0; r < band.end - band.begin; ++r, to += width) {
       if (count == 3 * kBlock) {
-        make_colours(work_, r * kBlock, gain_, has_veil, to);
+        make_colours(parts, r * kBlock, gain, to);
       } else {
         std::array<std::uint8_t, 3 * kBlock> all;
-        make_colours(work_, r * kBlock, gain_, has_veil, all.data());
+        make_colours(parts, r * kBlock, gain, all.data());
         std::memcpy(to, all.data(), count);
       }
     }

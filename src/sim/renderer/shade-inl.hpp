@@ -108,6 +108,15 @@ class Painter {
   }
 
  private:
+  // Where the pixels of a band get what they are made of. Pointers of their own: the compiler believes that pixels may
+  // be written over those of vectors.
+  struct Pixels {
+    std::uint32_t* HWY_RESTRICT texel;
+    std::uint32_t* HWY_RESTRICT light;
+    std::uint32_t* HWY_RESTRICT tint;
+  };
+  Pixels pixels() { return {work_.texel.data(), work_.light.data(), work_.tint.data()}; }
+
   // A row's place in the arrays of its band.
   std::size_t place_of(std::size_t row) const { return (row - band_) * kBlock; }
 
@@ -172,6 +181,9 @@ class Painter {
 
   template <bool kMasked>
   HWY_INLINE void paint_upright(const Surface& surface, const Stretch& rows) {
+    const std::size_t band = band_;
+    const Pixels to = pixels();
+    const float* HWY_RESTRICT slopes = rows_.slopes.data();
     for_lanes([&](std::size_t i) HWY_ATTR {
       const W line = load(&surface.line[i]);
       const W mask = load(&surface.mask[i]);
@@ -181,13 +193,13 @@ class Painter {
       const F foot = load(&surface.foot[i]);
       const F rise = load(&surface.rise[i]);
       for (std::size_t r = rows.begin; r < rows.end; ++r) {
-        const std::size_t at = place_of(r) + i;
-        const F t = set(rows_.slopes[r]);
+        const std::size_t at = (r - band) * kBlock + i;
+        const F t = set(slopes[r]);
         const W place = hn::And(rounded(hn::Add(v, hn::Mul(v_step, t))), mask);
         const F light = hn::Min(hn::Add(foot, hn::Mul(rise, t)), set(kTexelOne));
-        put<kMasked>(hn::Add(line, place), i, &work_.texel[at]);
-        put<kMasked>(byte(light), i, &work_.light[at]);
-        put<kMasked>(tint, i, &work_.tint[at]);
+        put<kMasked>(hn::Add(line, place), i, to.texel + at);
+        put<kMasked>(byte(light), i, to.light + at);
+        put<kMasked>(tint, i, to.tint + at);
       }
     });
   }
@@ -225,22 +237,29 @@ class Painter {
   // One that is lit has a light of its own.
   template <bool kMasked, bool kIsLit = false>
   HWY_INLINE void paint_level(const LevelRows& level, Vec2 axis, std::uint32_t tint, const Stretch& rows) {
+    const std::size_t band = band_;
     const F x = set(axis.x);
     const F y = set(axis.y);
+    const Pixels to = pixels();
+    const float* HWY_RESTRICT scales = level.scale.data();
+    const float* HWY_RESTRICT us = level.u.data();
+    const float* HWY_RESTRICT vs = level.v.data();
+    const std::uint32_t* HWY_RESTRICT masks = level.mask.data();
+    const std::uint32_t* HWY_RESTRICT firsts = level.first.data();
     for_lanes([&](std::size_t i) HWY_ATTR {
       const F ahead = load(&columns_.x[i]);
       const F left = load(&columns_.y[i]);
       const F u_step = hn::Add(hn::Mul(ahead, x), hn::Mul(left, y));
       const F v_step = hn::Sub(hn::Mul(left, x), hn::Mul(ahead, y));
       for (std::size_t r = rows.begin; r < rows.end; ++r) {
-        const std::size_t at = place_of(r) + i;
-        const F scale = set(level.scale[r]);
-        const W mask = set(level.mask[r]);
-        const W u = hn::And(rounded(hn::Add(hn::Mul(u_step, scale), set(level.u[r]))), mask);
-        const W v = hn::And(rounded(hn::Add(hn::Mul(v_step, scale), set(level.v[r]))), mask);
-        put<kMasked>(hn::Add(hn::Add(line_at(u), v), set(level.first[r])), i, &work_.texel[at]);
-        if constexpr (!kIsLit) put<kMasked>(set(static_cast<std::uint32_t>(kTexelOne)), i, &work_.light[at]);
-        put<kMasked>(set(tint), i, &work_.tint[at]);
+        const std::size_t at = (r - band) * kBlock + i;
+        const F scale = set(scales[r]);
+        const W mask = set(masks[r]);
+        const W u = hn::And(rounded(hn::Add(hn::Mul(u_step, scale), set(us[r]))), mask);
+        const W v = hn::And(rounded(hn::Add(hn::Mul(v_step, scale), set(vs[r]))), mask);
+        put<kMasked>(hn::Add(hn::Add(line_at(u), v), set(firsts[r])), i, to.texel + at);
+        if constexpr (!kIsLit) put<kMasked>(set(static_cast<std::uint32_t>(kTexelOne)), i, to.light + at);
+        put<kMasked>(set(tint), i, to.tint + at);
       }
     });
   }
@@ -281,12 +300,15 @@ class Painter {
 
   template <bool kMasked>
   HWY_INLINE void light_floor(const Stretch& rows) {
+    const std::size_t band = band_;
     constexpr double kPerMetre = 256.0 / FloorLight::kCell;
     const FloorLight& light = place_.light;
     const F last_x = set(256.0F * static_cast<float>(light.width - 1));
     const F last_y = set(256.0F * static_cast<float>(light.height - 1));
     const F eye_x = set(kPerMetre * (view_.eye.x - light.origin.x));
     const F eye_y = set(kPerMetre * (view_.eye.y - light.origin.y));
+    const float* HWY_RESTRICT depths = rows_.below.data();
+    std::uint32_t* HWY_RESTRICT lights = work_.light.data();
     std::uint32_t* HWY_RESTRICT cells = work_.cell.data();
     std::uint32_t* HWY_RESTRICT within = work_.within.data();
     for_lanes([&](std::size_t i) HWY_ATTR {
@@ -294,12 +316,12 @@ class Painter {
       const F y_step = hn::Mul(load(&columns_.y[i]), set(kPerMetre));
       const F zero = set(0.0F);
       for (std::size_t r = rows.begin; r < rows.end; ++r) {
-        const F depth = set(rows_.below[r]);
+        const F depth = set(depths[r]);
         const F x = hn::Add(eye_x, hn::Mul(depth, x_step));
         const F y = hn::Add(eye_y, hn::Mul(depth, y_step));
         const W at_x = whole(hn::Min(hn::Max(x, zero), last_x));
         const W at_y = whole(hn::Min(hn::Max(y, zero), last_y));
-        const std::size_t at = place_of(r) + i;
+        const std::size_t at = (r - band) * kBlock + i;
         const W line = hn::ShiftLeftSame(hn::ShiftRight<8>(at_y), light.line_bits);
         store(hn::Add(line, hn::ShiftRight<8>(at_x)), cells + at);
         store(hn::Or(hn::ShiftLeft<16>(hn::And(at_x, set(255U))), hn::And(at_y, set(255U))), within + at);
@@ -309,14 +331,14 @@ class Painter {
     for (std::size_t r = rows.begin; r < rows.end; ++r) look_up(table, cells + place_of(r));
     for_lanes([&](std::size_t i) HWY_ATTR {
       for (std::size_t r = rows.begin; r < rows.end; ++r) {
-        const std::size_t at = place_of(r) + i;
+        const std::size_t at = (r - band) * kBlock + i;
         const W places = load(within + at);
         W found = interpolate(load(cells + at), hn::ShiftRight<16>(places), hn::And(places, set(255U)));
         if (place_.is_open) {
           const F clear = set(1.0F - rows_.haze[r]);
           found = byte(hn::Mul(hn::ConvertTo(Floats(), hn::BitCast(Ints(), found)), clear));
         }
-        put<kMasked>(found, i, &work_.light[at]);
+        put<kMasked>(found, i, lights + at);
       }
     });
   }
@@ -370,6 +392,7 @@ class Painter {
   // The sky, and what covers it.
   template <bool kMasked>
   void paint_sky(Cover cover, const Stretch& rows) {
+    const std::size_t band = band_;
     Lanes<float> share;
     for (std::size_t i = 0; i < kBlock; ++i) {
       share[i] = sun_share({static_cast<double>(columns_.x[i]), static_cast<double>(columns_.y[i])});
@@ -397,7 +420,7 @@ class Painter {
           const F lit = hn::Add(set(rows_.sky[k][r]), hn::Mul(set(rows_.glow[k][r]), glow));
           return hn::Add(lit, hn::Mul(hn::Sub(set(covering), lit), hidden));
         };
-        const std::size_t at = place_of(r) + i;
+        const std::size_t at = (r - band) * kBlock + i;
         put_plain<kMasked>(pack(channel(0, own.b), channel(1, own.g), channel(2, own.r)), i, at);
       }
     });
