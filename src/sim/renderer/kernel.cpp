@@ -215,6 +215,7 @@ void begin(LevelRows& level, std::size_t rows) {
   level.u.resize(rows);
   level.v.resize(rows);
   level.mask.resize(rows);
+  level.stride.resize(rows);
   level.first.resize(rows);
 }
 

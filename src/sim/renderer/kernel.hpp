@@ -27,13 +27,14 @@ struct Rows {
 
 /// How a level surface takes its texture, by row: in texels of the level that suits the row
 ///   u = (u_step of the column) * scale + u,  v likewise,
-/// each within `mask`; its line of texels u * kTexelStride from `first`.
+/// each within `mask`, and the texel is first + u * stride + v.
 struct LevelRows {
   bool is_known = false;
   std::vector<float> scale;
   std::vector<float> u;
   std::vector<float> v;
   std::vector<std::uint32_t> mask;
+  std::vector<std::uint32_t> stride;
   std::vector<std::uint32_t> first;
 };
 

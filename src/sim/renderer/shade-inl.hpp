@@ -50,15 +50,13 @@ static_assert(kTileSide == 1 << (kTileLevels - 1));
 
 HWY_INLINE W whole(F x) { return hn::BitCast(Words(), hn::ConvertTo(Ints(), x)); }
 
-HWY_INLINE W line_at(W line) {
-  static_assert(kTexelStride == 256 + 32);
-  return hn::Add(hn::ShiftLeft<8>(line), hn::ShiftLeft<5>(line));
+HWY_INLINE W stride_of(F side) {
+  return whole(hn::Add(side, hn::IfThenElseZero(hn::Ge(side, set(64.0F)), hn::Mul(side, set(0.125F)))));
 }
-
-// The first line of a level of a material.
-HWY_INLINE W first_line(Material material, F side) {
-  const auto tile = static_cast<float>(static_cast<int>(material) * kTileLines + level_line(0));
-  return whole(hn::Sub(set(tile), hn::Add(side, side)));
+// The first texel of a level of a material.
+HWY_INLINE W first_of(Material material, F side) {
+  const auto end = static_cast<float>((static_cast<int>(material) + 1) * kTileSize);
+  return whole(hn::Sub(set(end), hn::Mul(hn::Mul(side, side), set(1.5F))));
 }
 
 // Looks up the words of a row in a table, each in its place. One by one: the gather of AVX2 is slower on the machines
@@ -230,7 +228,8 @@ class Painter {
       store(hn::Sub(hn::Mul(u, side), half), &out.u[r]);
       store(hn::Sub(hn::Mul(v, side), half), &out.v[r]);
       store(whole(hn::Sub(side, set(1.0F))), &out.mask[r]);
-      store(line_at(first_line(laying.material, side)), &out.first[r]);
+      store(stride_of(side), &out.stride[r]);
+      store(first_of(laying.material, side), &out.first[r]);
     }
   }
 
@@ -245,6 +244,7 @@ class Painter {
     const float* HWY_RESTRICT us = level.u.data();
     const float* HWY_RESTRICT vs = level.v.data();
     const std::uint32_t* HWY_RESTRICT masks = level.mask.data();
+    const std::uint32_t* HWY_RESTRICT strides = level.stride.data();
     const std::uint32_t* HWY_RESTRICT firsts = level.first.data();
     for_lanes([&](std::size_t i) HWY_ATTR {
       const F ahead = load(&columns_.x[i]);
@@ -257,7 +257,7 @@ class Painter {
         const W mask = set(masks[r]);
         const W u = hn::And(rounded(hn::Add(hn::Mul(u_step, scale), set(us[r]))), mask);
         const W v = hn::And(rounded(hn::Add(hn::Mul(v_step, scale), set(vs[r]))), mask);
-        put<kMasked>(hn::Add(hn::Add(line_at(u), v), set(firsts[r])), i, to.texel + at);
+        put<kMasked>(hn::Add(hn::Add(hn::Mul(u, set(strides[r])), v), set(firsts[r])), i, to.texel + at);
         if constexpr (!kIsLit) put<kMasked>(set(static_cast<std::uint32_t>(kTexelOne)), i, to.light + at);
         put<kMasked>(set(tint), i, to.tint + at);
       }
@@ -411,7 +411,7 @@ class Painter {
           const W u = hn::And(rounded(hn::Add(hn::Mul(load(&columns_.x[i]), scale), set(level.u[r]))), mask);
           const W v = hn::And(rounded(hn::Add(hn::Mul(load(&columns_.y[i]), scale), set(level.v[r]))), mask);
           Lanes<std::uint32_t> place;
-          store(hn::Add(hn::Add(line_at(u), v), set(level.first[r])), place.data());
+          store(hn::Add(hn::Add(hn::Mul(u, set(level.stride[r])), v), set(level.first[r])), place.data());
           for (std::size_t k = 0; k < hn::Lanes(Floats()); ++k) place[k] = texels[place[k]];
           const F bright = hn::ConvertTo(Floats(), hn::BitCast(Ints(), load(place.data())));
           hidden = hn::Mul(bright, set(1.0F / kTexelOne));
@@ -522,12 +522,12 @@ class Painter {
     const F half = set(0.5F);
     const F u = hn::Mul(hn::Mul(hn::Sub(along, set(left)), set(per_metre)), side);
     const W mask = whole(hn::Sub(side, set(1.0F)));
-    const W line = hn::Add(first_line(pattern, side), hn::And(rounded(hn::Sub(u, half)), mask));
+    const W line = hn::Mul(hn::And(rounded(hn::Sub(u, half)), mask), stride_of(side));
     const auto keep = [&](auto value, auto* to) HWY_ATTR {
       const hn::DFromV<decltype(value)> d;
       store(hn::IfThenElse(hn::RebindMask(d, here), value, load(to)), to);
     };
-    keep(line_at(line), &surface.line[i]);
+    keep(hn::Add(first_of(pattern, side), line), &surface.line[i]);
     keep(mask, &surface.mask[i]);
     keep(tint, &surface.tint[i]);
     keep(hn::Sub(hn::Mul(set(per_metre * (view_.height - low)), side), half), &surface.v[i]);

@@ -97,7 +97,7 @@ void pack(const Level& level, const MaterialSpec& material, std::uint8_t* texels
     for (int y = 0; y < level.side(); ++y) {
       const auto dark = static_cast<double>(material.dark);
       const double bright = dark + (static_cast<double>(material.light) - dark) * level.at(x, y);
-      texels[x * kTexelStride + y] = static_cast<std::uint8_t>(std::lround(static_cast<double>(kTexelOne) * bright));
+      texels[x * texel_stride(level.side()) + y] = static_cast<std::uint8_t>(std::lround(static_cast<double>(kTexelOne) * bright));
     }
   }
 }
@@ -108,8 +108,7 @@ std::vector<std::uint8_t> make_tiles() {
   for (std::size_t m = 0; m < kMaterials; ++m) {
     const Pattern brightness = pattern(static_cast<Material>(m));
     const auto put = [&](const Level& level) {
-      const std::size_t line = m * kTileLines + static_cast<std::size_t>(level_line(level.side()));
-      pack(level, kSpecs[m], all.data() + line * kTexelStride);
+      pack(level, kSpecs[m], all.data() + m * kTileSize + static_cast<std::size_t>(first_texel(level.side())));
     };
     Level level = make_level(kPatternSide, [&](int x, int y) {
       return std::clamp(brightness((x + 0.5) / kPatternSide, (y + 0.5) / kPatternSide), 0.0, 1.0);
@@ -160,8 +159,8 @@ const std::vector<std::uint8_t>& tiles() {
 double sample(Material material, int level, double u, double v) {
   const int side = kTileSide >> level;
   const auto texel = [&](double tiles) { return std::min(static_cast<int>(wrapped(tiles) * side), side - 1); };
-  const int line = static_cast<int>(material) * kTileLines + level_line(side) + texel(u);
-  const int at = line * kTexelStride + texel(v);
+  const int first = static_cast<int>(material) * kTileSize + first_texel(side);
+  const int at = first + texel(u) * texel_stride(side) + texel(v);
   return view::tiles()[static_cast<std::size_t>(at)] / static_cast<double>(kTexelOne);
 }
 
