@@ -1,10 +1,13 @@
 // Pictures per second in the office, from a ring of poses in its rooms.
 #include <benchmark/benchmark.h>
 
+#include <memory>
+#include <span>
 #include <vector>
 
 #include "threewe/scene/scene.hpp"
-#include "threewe/sim/renderer.hpp"
+#include "threewe/sim/camera.hpp"
+#include "threewe/sim/step.hpp"
 
 namespace {
 
@@ -55,6 +58,34 @@ BENCHMARK(render)
     ->Args({640, 480, colour | depth | ids})
     ->Args({640, 480, depth})
     ->Unit(benchmark::kMicrosecond);
+
+// What an environment pays for a picture of its robot's camera: from the state to pixels with noise, varied every time.
+void draw(benchmark::State& state) {
+  const auto model = sim::make_model(std::make_shared<const scene::Scene>(office()), {load_profile("3we_depth_v2")});
+  const int size = static_cast<int>(state.range(0));
+  const CameraIntrinsics camera = make_intrinsics(size, size, model->robots[0].profile.camera->horizontal_fov);
+  const std::size_t pixels = static_cast<std::size_t>(size) * static_cast<std::size_t>(size);
+  std::vector<std::uint8_t> bgr(3 * pixels);
+  std::vector<float> metres(pixels);
+  sim::DrawScratch scratch;
+  sim::Shot shot;
+  std::vector<sim::RobotState> robots;
+  for (const sim::CameraPose& view : ring()) {
+    models::Variation variation;
+    variation.light = 0.8;
+    variation.texture = static_cast<double>(robots.size());
+    robots.push_back(sim::begin(*model, 0, view.pose, robots.size(), 0, variation));
+  }
+  std::size_t i = 0;
+  for (auto _ : state) {
+    sim::take_shot(std::span(robots).subspan(i++ % robots.size(), 1), {}, 0, shot);
+    sim::draw(*model, shot, camera, {bgr, metres}, scratch);
+    benchmark::ClobberMemory();
+  }
+  state.counters["frames_per_s"] =
+      benchmark::Counter(static_cast<double>(state.iterations()), benchmark::Counter::kIsRate);
+}
+BENCHMARK(draw)->Arg(64)->Unit(benchmark::kMicrosecond);
 
 // Getting to know a scene.
 void build(benchmark::State& state) {
