@@ -1,4 +1,4 @@
-"""Instructions lead where they should: followed by text and map alone, in the shipped scenes and in generated ones."""
+"""ObjectNav and VLN keep their promises: goals as pictures show them, instructions that can be followed by their text."""
 
 import subprocess
 from collections.abc import Callable
@@ -6,7 +6,7 @@ from pathlib import Path
 
 from verify.harness import Case, Experiment, Row, Verdict, wilson
 
-PROGRAM = Path(__file__).resolve().parent.parent / "build/dev/verify/verify_instructions"
+PROGRAMS = Path(__file__).resolve().parent.parent / "build/dev/verify"
 SCENES = [
     "apartment_v1",
     "cluttered_v1",
@@ -19,20 +19,31 @@ SCENES = [
     "generated",
     "generated",
 ]
-EACH = 50  # instructions of a case
+EACH = 50  # episodes of a case
 
 
 def follow(seed: int) -> Case:
     """Instructions of one scene, and how many were followed."""
+    return run("verify_instructions", seed)
+
+
+def look(seed: int) -> Case:
+    """Episodes of ObjectNav in one scene, and what the renderer's pictures show in them."""
+    return run("verify_object_nav", seed)
+
+
+def run(program: str, seed: int) -> Case:
+    """What a program counts in one scene, and the texts that it prints."""
     scene = SCENES[seed % len(SCENES)]
-    output = subprocess.run([PROGRAM, str(seed), scene, str(EACH)], capture_output=True, text=True, check=True).stdout
+    command = [PROGRAMS / program, str(seed), scene, str(EACH)]
+    output = subprocess.run(command, capture_output=True, text=True, check=True).stdout
     lines = [line.partition(" ") for line in output.splitlines()]
     counts = {name: int(value) for name, _, value in lines if name != "text"}
     return {"scene": scene, "texts": [text for name, _, text in lines if name == "text"], **counts}
 
 
 def pooled(name: str, hits: str, of: str, holds: Callable[[float], bool], target: str) -> Row:
-    """A share of all cases' instructions."""
+    """A share of the counts of all cases."""
 
     def judge(cases: list[Case], _sample: bool) -> Verdict:
         count, total = (sum(case.get(key, 0) for case in cases) for key in (hits, of))
@@ -49,13 +60,12 @@ def distinct(cases: list[Case], _sample: bool) -> Verdict:
     """How many texts there are among all instructions."""
     texts = [text for case in cases for text in case.get("texts", [])]
     share = len(set(texts)) / len(texts) if texts else 0.0
-    figure = f"{len(set(texts))} of {len(texts)}"
-    return Verdict(figure, ">= 95 %", "pass" if share >= 0.95 else "FAIL")
+    return Verdict(f"{len(set(texts))} of {len(texts)}", ">= 95 %", "pass" if share >= 0.95 else "FAIL")
 
 
 EXPERIMENTS = [
     Experiment(
-        f"{EACH} instructions a case, in shipped and generated scenes",
+        "VLN, instructions in shipped and generated scenes",
         follow,
         cases=40,
         sample=3,
@@ -65,5 +75,22 @@ EXPERIMENTS = [
             pooled("with left and right swapped", "swapped", "with_sides", lambda s: s <= 0.30, "<= 30 %"),
             Row("distinct texts", distinct),
         ],
-    )
+    ),
+    Experiment(
+        "ObjectNav, episodes in shipped and generated scenes",
+        look,
+        cases=20,
+        sample=3,
+        rows=[
+            pooled("goal in view at the start", "seen_at_start", "episodes", lambda s: s == 0.0, "none"),
+            pooled("STOP can be right where the path ends", "right_at_end", "episodes", lambda s: s >= 0.99, ">= 99 %"),
+            pooled(
+                "silhouettes unlike a picture of the thing alone",
+                "silhouettes_off",
+                "silhouettes",
+                lambda s: s <= 0.001,
+                "<= 0.1 %",
+            ),
+        ],
+    ),
 ]
