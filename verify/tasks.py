@@ -1,4 +1,4 @@
-"""ObjectNav and VLN keep their promises: goals as pictures show them, instructions that can be followed by their text."""
+"""ObjectNav and VLN: goals are as pictures show them, instructions can be followed by their text."""
 
 import subprocess
 from collections.abc import Callable
