@@ -11,6 +11,7 @@
 #include <nanobind/stl/map.h>
 #include <nanobind/stl/pair.h>
 #include <nanobind/stl/shared_ptr.h>
+#include <nanobind/stl/tuple.h>
 
 #include "bindings.hpp"
 #include "threewe/core/names.hpp"
@@ -124,6 +125,33 @@ Batch& batch_of(nb::handle self) { return nb::cast<Batch&>(self); }
 
 using Actions = nb::ndarray<const float, nb::shape<-1, 3>, nb::c_contig, nb::device::cpu>;
 
+void bind_top_view(nb::module_& m) {
+  nb::class_<env::TopView>(m, "TopView", "A world from above, in the scene's frame: for pictures.")
+      .def_ro("robots", &env::TopView::robots)
+      .def_ro("hits", &env::TopView::hits, "[m] what each robot's newest scan hit")
+      .def_prop_ro(
+          "people",
+          [](const env::TopView& view) {
+            std::vector<std::tuple<double, double, double>> people;
+            for (const scene::Circle& one : view.people) people.emplace_back(one.center.x, one.center.y, one.radius);
+            return people;
+          },
+          "x, y and radius [m] of each")
+      .def_prop_ro(
+          "goals", [](const env::TopView& view) { return view.task.goals; }, "of each robot; empty without goals")
+      .def_prop_ro(
+          "unseen",
+          [](nb::handle self) {
+            const scene::CellSet& set = nb::cast<const env::TopView&>(self).task.unseen;
+            return ArrayView<std::uint8_t, nb::shape<-1, -1>>(
+                set.cells.data(),
+                {static_cast<std::size_t>(set.frame.height), static_cast<std::size_t>(set.frame.width)}, self);
+          },
+          "(H, W) uint8, row 0 the lowest y: 1 what is still to be covered; empty where nothing is")
+      .def_prop_ro("unseen_origin", [](const env::TopView& view) { return view.task.unseen.frame.origin; })
+      .def_prop_ro("unseen_resolution", [](const env::TopView& view) { return view.task.unseen.frame.resolution; });
+}
+
 void bind_batch(nb::module_& m) {
   using Seeds = std::vector<std::optional<std::uint64_t>>;
   nb::class_<env::EpisodeInfo>(m, "EpisodeInfo", "A world's episode.")
@@ -229,6 +257,7 @@ void bind_batch(nb::module_& m) {
       .def_prop_ro("terminated", [](nb::handle self) { return flags(self, batch_of(self).terminated()); })
       .def_prop_ro("truncated", [](nb::handle self) { return flags(self, batch_of(self).truncated()); })
       .def_prop_ro("ended", [](nb::handle self) { return flags(self, batch_of(self).ended()); })
+      .def_prop_ro("done", [](nb::handle self) { return flags(self, batch_of(self).done()); })
       .def_prop_ro("metric_names", &Batch::metric_names)
       .def_prop_ro(
           "metrics",
@@ -251,7 +280,8 @@ void bind_batch(nb::module_& m) {
           "env"_a, "robot"_a = 0, "How a robot differs from its profile now: the value of each knob.")
       .def_prop_ro("words_name", &Batch::words_name, "What `words` are called; empty where a task has none.")
       .def("words", &Batch::words, "env"_a, "What an episode is about: an instruction, a category.")
-      .def("episode", &Batch::episode, "env"_a);
+      .def("episode", &Batch::episode, "env"_a)
+      .def("top_view", &Batch::top_view, "env"_a);
 }
 
 void bind_randomization(nb::module_& m) {
@@ -270,5 +300,6 @@ void bind_randomization(nb::module_& m) {
 
 void init_env(nb::module_& m) {
   bind_randomization(m);
+  bind_top_view(m);
   bind_batch(m);
 }

@@ -95,6 +95,19 @@ void Agent::perceive(const AgentModel& model, const sim::RobotState& state, Time
   }
 }
 
+std::vector<Vec2> Agent::hits(const AgentModel& model, const sim::RobotState& state) const {
+  std::vector<Vec2> points;
+  if (!newest_) return points;
+  const LidarSpec& lidar = *model.profile.lidar;
+  std::vector<float> ranges(static_cast<std::size_t>(lidar.beams));
+  fill_scan(model, ranges);
+  const Pose2D base_from_odom = inverse(odom_from_base(model, state));
+  const Scan& scan = scans_[*newest_];
+  safety::append_scan_points(lidar, ranges, base_from_odom * scan.odom_at_begin, base_from_odom * scan.odom_at_end,
+                             points);
+  return points;
+}
+
 Pose2D Agent::odom_from_base(const AgentModel& model, const sim::RobotState& state) const {
   if (model.localization == Localization::truth) return inverse(state.start) * state.pose;
   return state.odometry.reading.pose;

@@ -55,6 +55,8 @@ class Agent {
   Velocity velocity(const AgentModel& model, const sim::RobotState& state) const;
   /// Fills in the newest scan: [m] for each beam of the profile's. Zeros before the first.
   void fill_scan(const AgentModel& model, std::span<float> ranges) const;
+  /// What the newest scan hit [m], from where the robot is now, by its wheels.
+  std::vector<Vec2> hits(const AgentModel& model, const sim::RobotState& state) const;
   /// [s]
   double scan_age(Time now) const { return newest_ ? to_seconds(now - scans_[*newest_].end) : 0.0; }
 

@@ -29,7 +29,7 @@ Batch::Impl::Impl(Options wanted)
   const std::size_t rows = options.worlds * options.robots;
   episodes.resize(options.worlds);
   ended.resize(options.worlds);
-  metrics.resize(options.worlds * metric_names.size());
+  metrics.resize(rows * metric_names.size());
   if (options.autoreset == Autoreset::same_step) final_metrics.resize(metrics.size());
   states.resize(rows);
   agents.resize(rows);
@@ -124,6 +124,7 @@ std::span<const double> Batch::rewards() const { return impl_->rewards; }
 std::span<const std::uint8_t> Batch::terminated() const { return impl_->terminated; }
 std::span<const std::uint8_t> Batch::truncated() const { return impl_->truncated; }
 std::span<const std::uint8_t> Batch::ended() const { return impl_->ended; }
+std::span<const std::uint8_t> Batch::done() const { return impl_->done; }
 const std::vector<std::string>& Batch::metric_names() const { return impl_->metric_names; }
 std::span<const double> Batch::metrics() const { return impl_->metrics; }
 std::span<const double> Batch::final_metrics() const { return impl_->final_metrics; }
@@ -135,5 +136,6 @@ const models::Variation& Batch::variation(std::size_t world, std::size_t robot) 
 std::string Batch::words(std::size_t world) const { return impl_->task->words(world); }
 std::string Batch::words_name() const { return impl_->task->words_name(); }
 EpisodeInfo Batch::episode(std::size_t world) const { return impl_->episodes[world].info; }
+TopView Batch::top_view(std::size_t world) const { return impl_->top_view(world); }
 
 }  // namespace threewe::env

@@ -50,6 +50,7 @@ struct Batch::Impl {
   std::span<const float> cast_rays(std::size_t world, std::size_t robot, const Pose2D& lidar, std::size_t part);
   std::span<const std::int16_t> look(std::size_t world, std::size_t robot, std::size_t part);
   void observe(std::size_t world, std::vector<Array>& arrays, std::size_t part);
+  TopView top_view(std::size_t world) const;
   task::Belief belief_of(std::size_t world, std::size_t robot, std::span<float> scan) const;
 
   void check_actions(std::span<const float> asked) const;

@@ -126,7 +126,8 @@ void Batch::Impl::clear_outcomes(std::size_t world) {
 }
 
 void Batch::Impl::measure(std::size_t world, std::vector<double>& to) const {
-  task->measure(world, std::span(to).subspan(world * metric_names.size(), metric_names.size()));
+  const std::size_t size = options.robots * metric_names.size();
+  task->measure(world, std::span(to).subspan(world * size, size));
 }
 
 }  // namespace threewe::env

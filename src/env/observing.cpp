@@ -5,6 +5,7 @@
 
 #include "env/batch_impl.hpp"
 #include "env/checks.hpp"
+#include "threewe/core/errors.hpp"
 
 namespace threewe::env {
 namespace {
@@ -73,6 +74,19 @@ task::Belief Batch::Impl::belief_of(std::size_t world, std::size_t robot, std::s
     belief.range_max = lidar.range_max;
   }
   return belief;
+}
+
+TopView Batch::Impl::top_view(std::size_t world) const {
+  const Episode& episode = episodes.at(world);
+  if (!episode.begun) throw ContractError("there is nothing to see before the first reset()");
+  TopView view;
+  for (std::size_t i = row(world); i < row(world + 1); ++i) {
+    view.robots.push_back(states[i].pose);
+    view.hits.push_back(transformed(states[i].pose, agents[i].hits(agent_model, states[i])));
+  }
+  view.people = sim::circles_of(model_of(world), episode.people);
+  view.task = task->sketch(world);
+  return view;
 }
 
 }  // namespace threewe::env

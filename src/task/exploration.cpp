@@ -151,6 +151,7 @@ class Exploration final : public Task {
     surveys_[world].seen.fill(belief.map_from_base.position(), fields[0]);
   }
   void measure(std::size_t world, std::span<double> metrics) const override;
+  Sketch sketch(std::size_t world) const override;
 
  private:
   double share(const Survey& survey) const {
@@ -233,11 +234,22 @@ void Exploration::cover(const Moment& moment, Survey& survey) const {
 
 void Exploration::measure(std::size_t world, std::span<double> metrics) const {
   const Survey& survey = surveys_[world];
-  double driven = 0.0;
-  for (const double way : survey.driven) driven += way;
-  const std::array<double, 4> values{survey.success ? 1.0 : 0.0, share(survey), driven,
-                                     *std::ranges::max_element(survey.contact)};
-  std::ranges::copy(values, metrics.begin());
+  auto to = metrics.begin();
+  for (std::size_t robot = 0; robot < robots_; ++robot) {
+    const std::array<double, 4> values{survey.success ? 1.0 : 0.0, share(survey), survey.driven[robot],
+                                       survey.contact[robot]};
+    to = std::ranges::copy(values, to).out;
+  }
+}
+
+Sketch Exploration::sketch(std::size_t world) const {
+  const Survey& survey = surveys_[world];
+  const Ground& ground = grounds_[survey.scene];
+  Sketch sketch{.unseen = {ground.frame, 0}};
+  for (std::size_t i = 0; i < ground.frame.size(); ++i) {
+    sketch.unseen.cells[i] = ground.coverable.get(i) && !survey.covered.get(i) ? 1 : 0;
+  }
+  return sketch;
 }
 
 }  // namespace

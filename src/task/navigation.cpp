@@ -29,6 +29,7 @@ struct Trip {
   double driven = 0.0;    // [m]
   double contact = 0.0;   // [m/s], the fastest
   bool success = false;
+  bool over = false;
 };
 
 class Navigation final : public Task {
@@ -49,6 +50,7 @@ class Navigation final : public Task {
   void observe(std::size_t world, std::size_t robot, const Belief& belief,
                std::span<const std::span<std::byte>> fields) override;
   void measure(std::size_t world, std::span<double> metrics) const override;
+  Sketch sketch(std::size_t world) const override;
 
  private:
   std::shared_ptr<const DistanceField> choose_trip(const EpisodeKey& key, const EpisodeRequest& request,
@@ -124,6 +126,8 @@ std::shared_ptr<const DistanceField> Navigation::field_to(std::size_t scene, Vec
 void Navigation::step(std::size_t world, std::span<const Moment> robots, std::span<Outcome> outcomes) {
   for (std::size_t robot = 0; robot < robots_; ++robot) {
     Trip& trip = trips_[world * robots_ + robot];
+    outcomes[robot] = {};
+    if (trip.over) continue;
     const Moment& now = robots[robot];
     const double length = trip.field->length_from(now.pose.position());
     const double before = trip.left;
@@ -135,7 +139,7 @@ void Navigation::step(std::size_t world, std::span<const Moment> robots, std::sp
     trip.success = !failed && trip.left <= options_.success_distance;
     outcomes[robot].reward =
         before - trip.left - kStepCost + (trip.success ? kSuccessReward : 0.0) - (failed ? kContactCost : 0.0);
-    outcomes[robot].terminated = trip.success || failed;
+    outcomes[robot].terminated = trip.over = trip.success || failed;
   }
 }
 
@@ -149,11 +153,21 @@ void Navigation::observe(std::size_t world, std::size_t robot, const Belief& bel
 }
 
 void Navigation::measure(std::size_t world, std::span<double> metrics) const {
-  const Trip& trip = trips_[world * robots_];
-  const double spl = trip.success ? trip.shortest / std::max(trip.shortest, trip.driven) : 0.0;
-  const std::array<double, 6> values{
-      trip.success ? 1.0 : 0.0, spl, trip.left, trip.shortest, trip.driven, trip.contact};
-  std::ranges::copy(values, metrics.begin());
+  auto to = metrics.begin();
+  for (const Trip& trip : std::span(trips_).subspan(world * robots_, robots_)) {
+    const double spl = trip.success ? trip.shortest / std::max(trip.shortest, trip.driven) : 0.0;
+    const std::array<double, 6> values{
+        trip.success ? 1.0 : 0.0, spl, trip.left, trip.shortest, trip.driven, trip.contact};
+    to = std::ranges::copy(values, to).out;
+  }
+}
+
+Sketch Navigation::sketch(std::size_t world) const {
+  Sketch sketch;
+  for (const Trip& trip : std::span(trips_).subspan(world * robots_, robots_)) {
+    sketch.goals.push_back(trip.field->target());
+  }
+  return sketch;
 }
 
 }  // namespace

@@ -38,6 +38,14 @@ struct EpisodeInfo {
   int steps = 0;          ///< taken
 };
 
+/// A world from above, in the scene's frame: for pictures. Privileged.
+struct TopView {
+  std::vector<Pose2D> robots;
+  std::vector<std::vector<Vec2>> hits;  ///< [m] what each robot's newest scan hit, from where it truly was
+  std::vector<scene::Circle> people;
+  task::Sketch task;
+};
+
 /// Worlds with one or more robots each, every one an environment of its own. A world's episode is a pure function of
 /// its seed, the episode's number and the actions, whatever else is in the batch and on however many threads.
 ///
@@ -70,7 +78,9 @@ class Batch {
   std::span<const std::uint8_t> truncated() const;   ///< of each robot: `max_steps` are over
   /// Worlds whose episode ended in the last step.
   std::span<const std::uint8_t> ended() const;
-  /// Names of the metrics, and their values: shape (worlds, names). With `Autoreset::same_step` those of episodes that
+  /// Of each robot: its part of the episode is over. What it is told to do counts for nothing until the next one.
+  std::span<const std::uint8_t> done() const;
+  /// Names of the metrics, and their values: shape (rows, names). With `Autoreset::same_step` those of episodes that
   /// have just begun, and `final_metrics` those at the end of the ones before.
   const std::vector<std::string>& metric_names() const;
   std::span<const double> metrics() const;
@@ -85,6 +95,8 @@ class Batch {
   std::string words_name() const;
   /// How a robot differs from its profile now.
   const models::Variation& variation(std::size_t world, std::size_t robot = 0) const;
+  /// Throws ContractError before the first reset.
+  TopView top_view(std::size_t world) const;
 
  private:
   struct Impl;

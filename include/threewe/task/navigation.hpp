@@ -44,7 +44,7 @@ struct NavigationOptions {
 ///
 /// Field `goal` (2,): the goal [m] as the robot believes it to lie, x ahead and y to its left.
 /// Metrics: `success`, `spl` (Anderson et al. 2018), `distance_to_goal` [m], `shortest_path` [m], `path_length` [m],
-/// `collision_speed` [m/s]; of the first robot.
+/// `collision_speed` [m/s]; of a robot that has arrived or failed those of that moment.
 std::unique_ptr<Task> make_navigation(const Setting& setting, const NavigationOptions& options = {});
 
 }  // namespace threewe::task

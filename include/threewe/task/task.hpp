@@ -67,6 +67,12 @@ struct Outcome {
   bool terminated = false;
 };
 
+/// What a picture of a world shows of its task, in the scene's frame. Privileged.
+struct Sketch {
+  std::vector<Vec2> goals{};  ///< of each robot; none where the task has no goals
+  scene::CellSet unseen{};    ///< what is still to be covered; no cells where nothing is
+};
+
 /// Which episode.
 struct EpisodeKey {
   std::size_t scene = 0;  ///< place in the list of scenes
@@ -110,8 +116,9 @@ class Task {
   /// there are none.
   virtual std::string words(std::size_t /*world*/) const { return {}; }
   virtual std::string words_name() const { return {}; }
-  /// Fills in the metrics of a world, as they are now.
+  /// Fills in the metrics of a world as they are now: one row for each of its robots.
   virtual void measure(std::size_t world, std::span<double> metrics) const = 0;
+  virtual Sketch sketch(std::size_t /*world*/) const { return {}; }
 };
 
 }  // namespace threewe::task

@@ -69,7 +69,7 @@ std::vector<std::byte> seen_of(const Batch& batch, std::size_t world) {
   add(batch.rewards(), robots);
   add(batch.terminated(), robots);
   add(batch.truncated(), robots);
-  add(batch.metrics(), batch.metric_names().size());
+  add(batch.metrics(), robots * batch.metric_names().size());
   add(batch.true_poses(), 3 * robots);
   return bytes;
 }
@@ -211,6 +211,30 @@ TEST_CASE("the full gate keeps robots off walls that the limits alone let them t
   };
   CHECK(fastest_contact(Gate::full) < 0.05);
   CHECK(fastest_contact(Gate::limits) > 0.3);
+}
+
+TEST_CASE("seen from above, hits lie where something stands") {
+  Options options = navigation(1);
+  options.hardware = with_noise(options.hardware, NoiseLevel::ideal);
+  options.max_steps = 1000;
+  Batch batch(options);
+  CHECK_THROWS_AS(batch.top_view(0), ContractError);
+  batch.reset(seeded(1, 4));
+  const scene::Scene& scene = *options.scenes[batch.episode(0).scene];
+  const scene::Slice slice = scene.at_height(options.hardware.lidar->height);
+  for (int step = 0; step < 40; ++step) {
+    batch.step(std::vector<float>{0.8F, 0.2F, 1.0F});  // a scan is old when it arrives, and turned by 10 degrees since
+    const TopView view = batch.top_view(0);
+    REQUIRE(view.robots.size() == 1);
+    REQUIRE(view.hits[0].size() > 300);
+    const Vec2 lidar = (view.robots[0] * options.hardware.lidar->base_from_lidar).position();
+    int off = 0;
+    for (const Vec2 hit : view.hits[0]) {
+      const Vec2 way = hit - lidar;
+      if (std::abs(scene::cast_ray(slice, lidar, std::atan2(way.y, way.x), 12.0) - norm(way)) > 0.05) ++off;
+    }
+    CHECK(off < static_cast<int>(view.hits[0].size()) / 5);  // at edges a hair decides which surface is met
+  }
 }
 
 TEST_CASE("options that don't fit are refused by name") {

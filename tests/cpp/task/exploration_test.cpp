@@ -34,7 +34,7 @@ std::vector<float> rays_from(const Pose2D& lidar) {
 }
 
 double metric(const Task& task, std::size_t i) {
-  std::array<double, 4> metrics{};
+  std::array<double, 8> metrics{};  // of two robots
   task.measure(0, metrics);
   return metrics.at(i);
 }

@@ -105,6 +105,34 @@ TEST_CASE("a contact ends an episode in failure, a gentle one does not") {
   CHECK(alone.metric(1) == 0.0);
 }
 
+TEST_CASE("robots of a team have goals and metrics of their own, and keep them when they are done") {
+  const auto task = make_navigation(office(), 1, 2, {.goals = 4});
+  std::array<Pose2D, 2> starts;
+  task->begin(0, {.seed = 3}, {}, starts);
+  const std::vector<Vec2> goals = task->sketch(0).goals;
+  REQUIRE(goals.size() == 2);
+
+  // the first arrives, the second stays; then the first is hit, and counts as arrived all the same
+  std::array<Outcome, 2> outcomes;
+  std::array<Moment, 2> moments{Moment{.pose = {goals[0].x, goals[0].y, 0.0}, .distance_driven = 20.0},
+                                Moment{.pose = starts[1], .distance_driven = 0.0}};
+  task->step(0, moments, outcomes);
+  CHECK(outcomes[0].terminated);
+  CHECK_FALSE(outcomes[1].terminated);
+  std::array<double, 12> arrived{};
+  task->measure(0, arrived);
+  CHECK(arrived[0] == 1.0);
+  CHECK(arrived[4] == 20.0);
+  CHECK(arrived[6] == 0.0);
+  CHECK(arrived[8] == arrived[9]);
+  moments[0].max_collision_speed = 0.5;
+  task->step(0, moments, outcomes);
+  CHECK(outcomes[0].reward == 0.0);
+  std::array<double, 12> later{};
+  task->measure(0, later);
+  CHECK(later == arrived);
+}
+
 TEST_CASE("the goal is seen from where the robot believes to be") {
   Alone alone({.goals = 4});
   alone.begin(3, {.start = Pose2D{1.0, 0.0, 1.0}, .goal = Vec2{2.0, 1.0}});
