@@ -5,10 +5,15 @@ native batch of them with the same dynamics to the bit. `import threewe` registe
 "threewe:3we/Navigation-v1")` imports it by itself.
 """
 
+from typing import TYPE_CHECKING, Any
+
 import gymnasium
 
 from threewe.gym.env import Env
 from threewe.gym.vector import VectorEnv
+
+if TYPE_CHECKING:
+    from threewe.gym.multi_agent import MultiAgentEnv as MultiAgentEnv
 
 __all__ = ["Env", "VectorEnv"]
 
@@ -24,3 +29,12 @@ def register_envs() -> None:
             vector_entry_point="threewe.gym.vector:VectorEnv",
             kwargs={"task": task},
         )
+
+
+def __getattr__(name: str) -> Any:
+    """What needs an extra is imported when it is asked for."""
+    if name == "MultiAgentEnv":
+        from threewe.gym.multi_agent import MultiAgentEnv
+
+        return MultiAgentEnv
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

@@ -23,6 +23,7 @@ TASK_FIELDS = {
     "object_nav": ("object_goal",),
     "vln": ("instruction_tokens", "instruction_embedding"),
 }
+TEAM_TASKS = ("exploration", "navigation")  # for several robots in one place
 RESET_OPTIONS = ("start", "goal", "object_goal", "scene", "episode", "reset_mask")
 
 
@@ -128,6 +129,24 @@ class Batch:
             mask=[] if mask is None else mask.tolist(),
         )
 
+    def observation(self, row: int) -> Observation:
+        """A copy of what one robot observes."""
+        return {name: values[row].copy() for name, values in self.core.observations.items()}
+
+    def info(self, robot: int = 0) -> dict[str, Any]:
+        """What there is to know about a robot of the first environment. Privileged."""
+        core, episode = self.core, self.core.episode(0)
+        info: dict[str, Any] = dict(zip(core.metric_names, core.metrics[robot].tolist(), strict=True))
+        info["success"] = info["success"] > 0.0
+        info["true_pose"] = core.true_poses[robot].copy()
+        info["scan_age"] = float(core.scan_ages[robot])
+        if core.words_name:
+            info[core.words_name] = core.words(0)
+        info["scene"] = self.scenes[episode.scene].name
+        info["seed"] = episode.seed
+        info["episode"] = episode.episode
+        return info
+
     def _scene_index(self, scene: Any) -> int:
         names = [known.name for known in self.scenes]
         if scene in names:
@@ -140,6 +159,8 @@ def make_batch(task: str, *, num_envs: int, num_robots: int, num_threads: int, a
     for name in given:
         if name not in DEFAULTS:
             raise ConfigError(_core.unknown_name("option", name, list(DEFAULTS)))
+    if num_robots > 1 and task not in TEAM_TASKS:
+        raise ConfigError(f"num_robots: {task} is for one robot, {' and '.join(TEAM_TASKS)} are for teams")
     options = EnvOptions(**{**DEFAULTS, **given})  # type: ignore[typeddict-item]
     hardware = options["hardware"]
     profile = hardware if isinstance(hardware, RobotProfile) else RobotProfile.load(as_asset("hardware", hardware))

@@ -49,33 +49,17 @@ class Env(gymnasium.Env[Any, Any]):
             given = int(self.np_random.integers(2**63))
         self._batch.reset([given], options, None)
         self._begun = True
-        info = self._info()
+        info = self._batch.info()
         info["randomization"] = self._core.variation(0)
-        return self._observe(), info
+        return self._batch.observation(0), info
 
     def step(self, action: Any) -> tuple[Observation, float, bool, bool, dict[str, Any]]:
         """One control step. Raises ContractError, and does nothing, for an action that is none."""
         self._core.step(as_actions(action, (3,)))
         return (
-            self._observe(),
+            self._batch.observation(0),
             float(self._core.rewards[0]),
             bool(self._core.terminated[0]),
             bool(self._core.truncated[0]),
-            self._info(),
+            self._batch.info(),
         )
-
-    def _observe(self) -> Observation:
-        return {name: values[0].copy() for name, values in self._core.observations.items()}
-
-    def _info(self) -> dict[str, Any]:
-        info: dict[str, Any] = dict(zip(self._core.metric_names, self._core.metrics[0].tolist(), strict=True))
-        info["success"] = info["success"] > 0.0
-        episode = self._core.episode(0)
-        info["true_pose"] = self._core.true_poses[0].copy()
-        info["scan_age"] = float(self._core.scan_ages[0])
-        if self._core.words_name:
-            info[self._core.words_name] = self._core.words(0)
-        info["scene"] = self._batch.scenes[episode.scene].name
-        info["seed"] = episode.seed
-        info["episode"] = episode.episode
-        return info

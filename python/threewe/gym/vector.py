@@ -32,6 +32,9 @@ class VectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
     Args:
         task: see `Env`.
         num_envs: how many.
+        num_robots: a team of so many robots in each, see `MultiAgentEnv`. Everything has one more dimension then:
+            observations, actions, rewards, flags and metrics are (num_envs, num_robots, ...). An episode is over when
+            it is for all of its robots; `infos["active"]` tells whose still was not before the step.
         num_threads: that share the work.
         autoreset_mode: what happens after an episode's end: `NEXT_STEP` (Gymnasium's default), `SAME_STEP` (with
             `final_obs` and `final_info` in the infos), `DISABLED`.
@@ -45,6 +48,7 @@ class VectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
         *,
         task: str,
         num_envs: int = 1,
+        num_robots: int | None = None,
         num_threads: int = 1,
         autoreset_mode: AutoresetMode | str = AutoresetMode.NEXT_STEP,
         copy: bool = True,
@@ -56,7 +60,12 @@ class VectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
             raise ConfigError("render_mode: a batch is not drawn; use a single environment")
         self.metadata = {"autoreset_mode": mode, "render_modes": []}
         self._batch = make_batch(
-            task, num_envs=num_envs, num_robots=1, num_threads=num_threads, autoreset=MODES[mode], **options
+            task,
+            num_envs=num_envs,
+            num_robots=1 if num_robots is None else num_robots,
+            num_threads=num_threads,
+            autoreset=MODES[mode],
+            **options,
         )
         self._core = self._batch.core
         self._copy = copy
@@ -65,17 +74,23 @@ class VectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
         self._scene_names = np.array([scene.name for scene in self._batch.scenes], dtype=object)
         self._everyone = np.ones(num_envs, dtype=np.bool_)
         self.num_envs = num_envs
+        self._team = () if num_robots is None else (num_robots,)
         self.single_observation_space = self._batch.observation_space
         self.single_action_space = self._batch.action_space
+        if num_robots is not None:
+            self.single_observation_space = batch_space(self.single_observation_space, num_robots)
+            self.single_action_space = batch_space(self.single_action_space, num_robots)
         self.observation_space = batch_space(self.single_observation_space, num_envs)
         self.action_space = batch_space(self.single_action_space, num_envs)
         # views of C++ memory, made once
-        self._observations: Observation = self._core.observations
-        self._final_observations: Observation = self._core.final_observations
-        self._outcome = (self._core.rewards, self._core.terminated, self._core.truncated)
-        self._metrics = self._core.metrics.T
-        self._final_metrics = self._core.final_metrics.T
-        self._ended = self._core.ended
+        core = self._core
+        self._observations = {name: self._by_env(values) for name, values in core.observations.items()}
+        self._final_observations = {name: self._by_env(values) for name, values in core.final_observations.items()}
+        self._outcome = (self._by_env(core.rewards), self._by_env(core.terminated), self._by_env(core.truncated))
+        self._done = self._by_env(core.done)
+        self._metrics = np.moveaxis(self._by_env(core.metrics), -1, 0)
+        self._final_metrics = np.moveaxis(self._by_env(core.final_metrics), -1, 0)
+        self._ended = core.ended
 
     def reset(
         self, *, seed: int | list[int | None] | None = None, options: dict[str, Any] | None = None
@@ -92,8 +107,11 @@ class VectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
 
     def step(self, actions: Any) -> tuple[Observation, NDArray[Any], NDArray[Any], NDArray[Any], dict[str, Any]]:
         """One control step of every environment. Raises ContractError, and does nothing, for an action that is none."""
-        self._core.step(as_actions(actions, (self.num_envs, 3)))
+        active = ~self._done
+        self._core.step(as_actions(actions, (self.num_envs, *self._team, 3)))
         infos = self._infos(self._metrics)
+        if self._team:
+            infos["active"], infos["_active"] = active, self._everyone
         if self._same_step and self._ended.any():
             self._add_final(infos)
         rewards, terminated, truncated = self._outcome
@@ -130,6 +148,10 @@ class VectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
             raise ContractError(f"options['reset_mask'] must be a bool array of shape ({self.num_envs},), got {mask!r}")
         if not mask.any():
             raise ContractError("options['reset_mask'] must choose at least one environment")
+
+    def _by_env(self, values: NDArray[Any]) -> NDArray[Any]:
+        """A view of what there is for each robot."""
+        return values.reshape(-1, *self._team, *values.shape[1:])
 
     def _copied(self, observations: Observation) -> Observation:
         return {name: values.copy() for name, values in observations.items()} if self._copy else observations
