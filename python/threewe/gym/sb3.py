@@ -1,0 +1,139 @@
+"""The native batch as Stable-Baselines3 takes it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import Any, Unpack
+
+import gymnasium
+import numpy as np
+from gymnasium import spaces
+from gymnasium.vector import AutoresetMode
+from numpy.typing import NDArray
+
+from threewe.errors import ConfigError, ContractError
+from threewe.gym.batch import EnvOptions, Observation
+from threewe.gym.vector import VectorEnv
+
+try:
+    from stable_baselines3.common.vec_env import VecEnv
+except ImportError as missing:
+    raise ConfigError(f'SB3VecEnv: {missing}; install what it needs: pip install "threewe[rl]"') from missing
+
+Indices = int | Iterable[int] | None
+
+
+class ImageChannels(gymnasium.ObservationWrapper[Any, Any, Any]):
+    """Shows maps, such as `coverage_map`, as images (H, W, 1), which policies of Stable-Baselines3 look at with a CNN.
+
+    `SB3VecEnv` does so by itself.
+    """
+
+    def __init__(self, env: gymnasium.Env[Any, Any]) -> None:
+        super().__init__(env)
+        self.observation_space = _with_channels(env.observation_space)
+
+    def observation(self, observation: Observation) -> Observation:
+        """Views of the observation."""
+        return _in_shape(observation, self.observation_space)
+
+
+class SB3VecEnv(VecEnv):  # type: ignore[misc]
+    """A `VecEnv` for Stable-Baselines3: all environments in one C++ batch, an episode's end begins the next one.
+
+    `infos` tell something only where an episode ended: `terminal_observation`, `TimeLimit.truncated`, `is_success` and
+    the task's metrics.
+
+    Args:
+        task: see `Env`.
+        num_envs: how many.
+        num_threads: that share the work.
+        options: see `EnvOptions`.
+    """
+
+    def __init__(self, *, task: str, num_envs: int = 1, num_threads: int = 1, **options: Unpack[EnvOptions]) -> None:
+        self._batch = VectorEnv(
+            task=task,
+            num_envs=num_envs,
+            num_threads=num_threads,
+            autoreset_mode=AutoresetMode.SAME_STEP,
+            **options,
+        )
+        self._nothing: list[dict[str, Any]] = [{} for _ in range(num_envs)]
+        self._space = _with_channels(self._batch.single_observation_space)
+        super().__init__(num_envs, self._space, self._batch.single_action_space)
+
+    def reset(self) -> Observation:
+        """Begins an episode in every environment, with the seeds of `seed` and the options of `set_options`."""
+        if any(options != self._options[0] for options in self._options):
+            raise ContractError("set_options: all environments of the batch take the same options")
+        unseeded = all(seed is None for seed in self._seeds)
+        observations, _ = self._batch.reset(seed=None if unseeded else self._seeds, options=self._options[0] or None)
+        self._reset_seeds()
+        self._reset_options()
+        return _in_shape(observations, self._space)
+
+    def step_async(self, actions: NDArray[np.float32]) -> None:
+        """Keeps the actions for `step_wait`."""
+        self._actions = actions
+
+    def step_wait(self) -> tuple[Observation, NDArray[np.float32], NDArray[np.bool_], list[dict[str, Any]]]:
+        """One control step of every environment."""
+        observations, rewards, terminated, truncated, infos = self._batch.step(self._actions)
+        ended = terminated | truncated
+        told = self._nothing
+        if ended.any():
+            told = list(told)
+            final = infos["final_info"]
+            names = [name for name in final if not name.startswith("_")]
+            for i in np.flatnonzero(ended):
+                told[i] = {
+                    **{name: final[name][i].item() for name in names},
+                    "terminal_observation": _in_shape(infos["final_obs"][i], self._space),
+                    "TimeLimit.truncated": bool(truncated[i]),
+                    "is_success": bool(final["success"][i]),
+                }
+        return _in_shape(observations, self._space), rewards.astype(np.float32), ended, told
+
+    def close(self) -> None:
+        """Ends the batch."""
+        self._batch.close()
+
+    def get_attr(self, attr_name: str, indices: Indices = None) -> list[Any]:
+        """The batch's attribute, once for each environment."""
+        value = getattr(self._batch, attr_name)
+        return [value for _ in self._get_indices(indices)]
+
+    def set_attr(self, attr_name: str, *_: Any, **__: Any) -> None:
+        """Refused: the environments are one batch."""
+        raise ContractError(f"set_attr({attr_name!r}): the environments are one batch, made as they are to be")
+
+    def env_method(self, method_name: str, *_: Any, **__: Any) -> list[Any]:
+        """Refused: the environments are one batch."""
+        raise ContractError(
+            f"env_method({method_name!r}): the environments are one batch, with methods for all of them"
+        )
+
+    def env_is_wrapped(self, wrapper_class: type, indices: Indices = None) -> list[bool]:  # noqa: ARG002
+        """None of them is."""
+        return [False for _ in self._get_indices(indices)]
+
+
+def _with_channels(space: Any) -> spaces.Dict:
+    """The same, with one channel where there is a map."""
+    return spaces.Dict(
+        {
+            name: spaces.Box(0, 255, (*box.shape, 1), np.uint8)
+            if box.dtype == np.uint8 and len(box.shape) == 2
+            else box
+            for name, box in space.spaces.items()
+        }
+    )
+
+
+def _in_shape(observations: Observation, space: Any) -> Observation:
+    """One, or one for each environment, in the shapes of the space."""
+    return {
+        name: values if values.shape[-len(space[name].shape) :] == space[name].shape else values[..., np.newaxis]
+        for name, values in observations.items()
+    }
