@@ -140,16 +140,17 @@ void bind_top_view(nb::module_& m) {
       .def_prop_ro(
           "goals", [](const env::TopView& view) { return view.task.goals; }, "of each robot; empty without goals")
       .def_prop_ro(
-          "unseen",
+          "ground",
           [](nb::handle self) {
-            const scene::CellSet& set = nb::cast<const env::TopView&>(self).task.unseen;
+            const scene::CellSet& set = nb::cast<const env::TopView&>(self).task.ground;
             return ArrayView<std::uint8_t, nb::shape<-1, -1>>(
                 set.cells.data(),
                 {static_cast<std::size_t>(set.frame.height), static_cast<std::size_t>(set.frame.width)}, self);
           },
-          "(H, W) uint8, row 0 the lowest y: 1 what is still to be covered; empty where nothing is")
-      .def_prop_ro("unseen_origin", [](const env::TopView& view) { return view.task.unseen.frame.origin; })
-      .def_prop_ro("unseen_resolution", [](const env::TopView& view) { return view.task.unseen.frame.resolution; });
+          "(H, W) uint8, row 0 the lowest y: 0 what needs not be seen, 1 what is still to be, 2 what has been; (0, 0) "
+          "where nothing needs be")
+      .def_prop_ro("ground_origin", [](const env::TopView& view) { return view.task.ground.frame.origin; })
+      .def_prop_ro("ground_resolution", [](const env::TopView& view) { return view.task.ground.frame.resolution; });
 }
 
 void bind_batch(nb::module_& m) {

@@ -1548,16 +1548,16 @@ class TopView:
         """of each robot; empty without goals"""
 
     @property
-    def unseen(self) -> Annotated[NDArray[numpy.uint8], dict(shape=(None, None), writable=False)]:
+    def ground(self) -> Annotated[NDArray[numpy.uint8], dict(shape=(None, None), writable=False)]:
         """
-        (H, W) uint8, row 0 the lowest y: 1 what is still to be covered; empty where nothing is
+        (H, W) uint8, row 0 the lowest y: 0 what needs not be seen, 1 what is still to be, 2 what has been; (0, 0) where nothing needs be
         """
 
     @property
-    def unseen_origin(self) -> tuple[float, float]: ...
+    def ground_origin(self) -> tuple[float, float]: ...
 
     @property
-    def unseen_resolution(self) -> float: ...
+    def ground_resolution(self) -> float: ...
 
 class EpisodeInfo:
     """A world's episode."""

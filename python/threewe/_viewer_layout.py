@@ -46,6 +46,11 @@ def layout(scene: Scene | None, camera: bool, depth: bool) -> rrb.Blueprint:
     )
 
 
+def stage(scene: Scene) -> rrb.Blueprint:
+    """The world alone."""
+    return rrb.Blueprint(_world(scene), rrb.TimePanel(state="collapsed", timeline=TIMELINE), collapse_panels=True)
+
+
 def _world(scene: Scene | None) -> rrb.Spatial3DView:
     """All there is, seen from the south and from above."""
     x, y, span = _extent(scene)

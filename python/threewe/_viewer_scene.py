@@ -14,6 +14,7 @@ from threewe._core import Object, Patch, Room
 
 SOLID = rr.components.FillMode.Solid
 WALLS = (236, 234, 228)
+SCAN_COLOR = (255, 200, 60, 255)
 PERSON_HEIGHT = 1.75  # [m]
 FLOOR_THICKNESS = 0.02  # [m], all of it below the floor
 
@@ -92,6 +93,12 @@ def figure(radius: float) -> rr.Capsules3D:
         colors=[d.ROUTE],
         fill_mode=SOLID,
     )
+
+
+def transform(pose: Pose2D, height: float = 0.0) -> rr.Transform3D:
+    """From what stands at a pose, so high [m]."""
+    turn = rr.RotationAxisAngle(axis=(0.0, 0.0, 1.0), radians=pose.theta)
+    return rr.Transform3D(translation=(pose.x, pose.y, height), rotation_axis_angle=turn)
 
 
 def frustum(camera: CameraIntrinsics) -> rr.Pinhole:

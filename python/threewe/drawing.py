@@ -23,6 +23,8 @@ PLAN: Color = (226, 62, 120, 255)
 RAYS: Color = (255, 190, 40, 70)
 HITS: Color = (214, 96, 20, 255)
 BODY: Color = (255, 122, 46, 255)
+# bodies, ways and goals of several robots
+TEAM: list[Color] = [BODY, TRAIL, (46, 160, 92, 255), (140, 84, 200, 255)]
 
 FLOORS: dict[str, Color] = {
     "wood": (236, 222, 196, 255),
@@ -177,6 +179,31 @@ def draw_robot(picture: Image.Image, view: View, pose: Pose2D, profile: RobotPro
         _transform(pose, *p) for p in ((0.62 * r, 0.0), (-0.3 * r, 0.4 * r), (-0.12 * r, 0.0), (-0.3 * r, -0.4 * r))
     ]
     draw.polygon(view.points(arrow), (255, 255, 255, 255))
+
+
+def draw_goal(picture: Image.Image, view: View, goal: tuple[float, float], radius: float, color: Color = PLAN) -> None:
+    """A disc [m] to arrive in, and its middle."""
+    x, y = view.point(*goal)
+    layer = Image.new("RGBA", picture.size)
+    draw = ImageDraw.Draw(layer)
+    r, dot, line = radius * view.pixels, max(0.09 * view.pixels, 4.0), max(2, round(0.03 * view.pixels))
+    draw.ellipse([x - r, y - r, x + r, y + r], (*color[:3], 60), color, line)
+    draw.ellipse([x - dot, y - dot, x + dot, y + dot], color, (255, 255, 255, 255), line)
+    picture.paste(layer, (0, 0), layer)
+
+
+def draw_person(picture: Image.Image, view: View, place: tuple[float, float], radius: float) -> None:
+    """Somebody's head and shoulders."""
+    draw = ImageDraw.Draw(picture)
+    x, y = view.point(*place)
+    for share, color in ((1.0, ROUTE), (0.5, (255, 226, 196, 255))):
+        r = share * radius * view.pixels
+        draw.ellipse([x - r, y - r, x + r, y + r], color, INK, SUPERSAMPLING)
+
+
+def team_color(robot: int) -> Color:
+    """Of one of several robots."""
+    return TEAM[robot % len(TEAM)]
 
 
 def finish(picture: Image.Image) -> Image.Image:

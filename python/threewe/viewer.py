@@ -51,7 +51,6 @@ PATHS = {  # colour, radius and height [m]: the estimated path is a thin line up
     "scene/true": (TRUE_COLOR, 0.045, 0.03),
     "map/estimated": (ESTIMATED_COLOR, 0.018, 0.08),
 }
-SCAN_COLOR = (255, 200, 60, 255)
 
 
 class Viewer:
@@ -170,9 +169,9 @@ class Viewer:
         self._draw_robot("map/estimated", pose)
         if truth := self._robot.simulation:
             if self._is_due("map frame", math.inf):  # once an episode
-                self._recording.log("map", _transform(truth.scene_from_map))
+                self._recording.log("map", solids.transform(truth.scene_from_map))
             for person in truth.people():
-                self._recording.log(f"scene/people/{person.name}", _transform(person.pose))
+                self._recording.log(f"scene/people/{person.name}", solids.transform(person.pose))
             true_pose = truth.true_pose()
             self._draw_robot("scene/true", true_pose)
             error = true_pose.distance(truth.scene_from_map * pose)
@@ -180,7 +179,7 @@ class Viewer:
 
     def _draw_robot(self, name: str, pose: Pose2D) -> None:
         """Where it is, and one more piece of its path."""
-        self._recording.log(f"{name}_robot", _transform(pose))
+        self._recording.log(f"{name}_robot", solids.transform(pose))
         here, before = (pose.x, pose.y), self._trails.get(name)
         if before is not None and math.dist(before, here) < PATH_STEP:
             return
@@ -220,7 +219,7 @@ class Viewer:
             ],
             axis=1,
         )
-        self._recording.log(f"map/{name}", rr.Points3D(points, colors=[SCAN_COLOR], radii=0.03))
+        self._recording.log(f"map/{name}", rr.Points3D(points, colors=[solids.SCAN_COLOR], radii=0.03))
 
     def _draw_echo(self, name: str, echo: RangeData, measured: float) -> None:
         """An arc: nobody knows where in its cone the surface is."""
@@ -242,7 +241,7 @@ class Viewer:
         camera = self._robot.profile.camera
         assert camera is not None
         pose = self._pose_at(measured) * camera.base_from_camera
-        self._recording.log(f"map/{name}", _transform(pose, camera.mount_height))
+        self._recording.log(f"map/{name}", solids.transform(pose, camera.mount_height))
         self._recording.log(f"map/{name}/color", color_image(image.color))
         if image.depth is not None and self._is_due("depth", DEPTH_EVERY):
             farthest = camera.depth.range_max if camera.depth else float(image.depth.max())
@@ -312,11 +311,6 @@ def depth_image(depth: NDArray[np.float32], farthest: float) -> rr.DepthImage:
     """In whole millimetres, which no camera measures any finer; its colours reach to `farthest` [m]."""
     millimeters = np.minimum(1000.0 * depth, 65535.0).round().astype(np.uint16)
     return rr.DepthImage(millimeters, meter=1000.0, depth_range=(0.0, 1000.0 * farthest))
-
-
-def _transform(pose: Pose2D, height: float = 0.0) -> rr.Transform3D:
-    turn = rr.RotationAxisAngle(axis=(0.0, 0.0, 1.0), radians=pose.theta)
-    return rr.Transform3D(translation=(pose.x, pose.y, height), rotation_axis_angle=turn)
 
 
 def _series(names: list[str], width: float) -> rr.SeriesLines:

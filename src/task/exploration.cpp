@@ -245,9 +245,9 @@ void Exploration::measure(std::size_t world, std::span<double> metrics) const {
 Sketch Exploration::sketch(std::size_t world) const {
   const Survey& survey = surveys_[world];
   const Ground& ground = grounds_[survey.scene];
-  Sketch sketch{.unseen = {ground.frame, 0}};
+  Sketch sketch{.ground = {ground.frame, 0}};
   for (std::size_t i = 0; i < ground.frame.size(); ++i) {
-    sketch.unseen.cells[i] = ground.coverable.get(i) && !survey.covered.get(i) ? 1 : 0;
+    if (ground.coverable.get(i)) sketch.ground.cells[i] = survey.covered.get(i) ? 2 : 1;
   }
   return sketch;
 }

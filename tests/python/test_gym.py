@@ -28,7 +28,7 @@ def test_check_env_finds_nothing(name: str) -> None:
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         env = gymnasium.make(name, **SMALL)
-        check_env(env.unwrapped, skip_render_check=True)
+        check_env(env.unwrapped, skip_render_check=True)  # test_gym_rendering.py does
         assert env.observation_space == gymnasium.make(f"threewe:{name}", **SMALL).observation_space
 
 
@@ -221,7 +221,7 @@ def test_an_action_that_is_none_is_refused_and_changes_nothing(action: Any, says
         ({"control_rate": -1.0}, "control_rate must be positive, got -1"),
         ({"max_steps": 0}, "max_steps: at least 1, got 0"),
         ({"max_step": 7}, "unknown option 'max_step'; did you mean 'max_steps'?"),
-        ({"render_mode": "rgb"}, "render_mode must be one of"),
+        ({"render_mode": "rgb"}, "unknown render_mode 'rgb'; did you mean 'rgb_array'?"),
         ({"hardware": "3we_base_v2", "observations": ("lidar",)}, "observations: '3we_base_v2' has no lidar"),
     ],
 )

@@ -70,7 +70,7 @@ struct Outcome {
 /// What a picture of a world shows of its task, in the scene's frame. Privileged.
 struct Sketch {
   std::vector<Vec2> goals{};  ///< of each robot; none where the task has no goals
-  scene::CellSet unseen{};    ///< what is still to be covered; no cells where nothing is
+  scene::CellSet ground{};    ///< 0 what needs not be seen, 1 what is still to be, 2 what has been; else no cells
 };
 
 /// Which episode.

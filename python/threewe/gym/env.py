@@ -7,8 +7,8 @@ from typing import Any, Unpack
 import gymnasium
 
 from threewe._arguments import as_seed
-from threewe.errors import ConfigError
 from threewe.gym.batch import EnvOptions, Observation, as_actions, make_batch
+from threewe.gym.onlooker import RENDER_MODES, make_onlooker
 
 
 class Env(gymnasium.Env[Any, Any]):
@@ -23,20 +23,21 @@ class Env(gymnasium.Env[Any, Any]):
 
     Args:
         task: `navigation`, `exploration`, `object_nav`, `vln`.
-        render_mode: `rgb_array`: the place from above; `human`.
+        render_mode: `rgb_array`: `render()` returns the place from above, (H, W, 3) uint8 RGB; `human`: a window of
+            the viewer shows it at the pace of the clock (where there is no display, a page whose address is printed).
         options: see `EnvOptions`.
     """
 
-    metadata: dict[str, Any] = {"render_modes": [], "render_fps": 10}  # noqa: RUF012
+    metadata: dict[str, Any] = {"render_modes": RENDER_MODES, "render_fps": 10}  # noqa: RUF012
 
     def __init__(self, *, task: str, render_mode: str | None = None, **options: Unpack[EnvOptions]) -> None:
-        if render_mode is not None and render_mode not in self.metadata["render_modes"]:
-            raise ConfigError(f"render_mode must be one of {self.metadata['render_modes']}, got {render_mode!r}")
         self._batch = make_batch(task, num_envs=1, num_robots=1, num_threads=1, autoreset="disabled", **options)
         self._core = self._batch.core
         self.observation_space = self._batch.observation_space
         self.action_space = self._batch.action_space
         self.render_mode = render_mode
+        self.metadata = {**self.metadata, "render_fps": self._batch.options["control_rate"]}
+        self._onlooker = make_onlooker(render_mode, self._batch)
         self._begun = False
 
     def reset(
@@ -49,6 +50,8 @@ class Env(gymnasium.Env[Any, Any]):
             given = int(self.np_random.integers(2**63))
         self._batch.reset([given], options, None)
         self._begun = True
+        if self._onlooker:
+            self._onlooker.begin()
         info = self._batch.info()
         info["randomization"] = self._core.variation(0)
         return self._batch.observation(0), info
@@ -56,6 +59,8 @@ class Env(gymnasium.Env[Any, Any]):
     def step(self, action: Any) -> tuple[Observation, float, bool, bool, dict[str, Any]]:
         """One control step. Raises ContractError, and does nothing, for an action that is none."""
         self._core.step(as_actions(action, (3,)))
+        if self._onlooker:
+            self._onlooker.look()
         return (
             self._batch.observation(0),
             float(self._core.rewards[0]),
@@ -63,3 +68,12 @@ class Env(gymnasium.Env[Any, Any]):
             bool(self._core.truncated[0]),
             self._batch.info(),
         )
+
+    def render(self) -> Any:
+        """The place from above, (H, W, 3) uint8 RGB, with `render_mode="rgb_array"`."""
+        return self._onlooker.render() if self._onlooker else None
+
+    def close(self) -> None:
+        """Ends what `render_mode` began."""
+        if self._onlooker:
+            self._onlooker.close()

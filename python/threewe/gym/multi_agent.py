@@ -13,6 +13,7 @@ from threewe import _core
 from threewe._arguments import as_seed
 from threewe.errors import ConfigError, ContractError
 from threewe.gym.batch import EnvOptions, Observation, as_actions, make_batch
+from threewe.gym.onlooker import RENDER_MODES, make_onlooker
 
 try:
     from pettingzoo import ParallelEnv
@@ -36,13 +37,20 @@ class MultiAgentEnv(ParallelEnv[str, Observation, NDArray[np.float32]]):  # type
     Args:
         task: `exploration`, `navigation`.
         num_robots: 2 to 4.
+        render_mode: see `Env`.
         options: see `EnvOptions`.
     """
 
-    metadata: dict[str, Any] = {"name": "3we/MultiAgent-v1", "render_modes": [], "is_parallelizable": True}  # noqa: RUF012
-    render_mode = None
+    metadata: dict[str, Any] = {"name": "3we/MultiAgent-v1", "render_modes": RENDER_MODES, "render_fps": 10}  # noqa: RUF012
 
-    def __init__(self, *, task: str = "exploration", num_robots: int = 2, **options: Unpack[EnvOptions]) -> None:
+    def __init__(
+        self,
+        *,
+        task: str = "exploration",
+        num_robots: int = 2,
+        render_mode: str | None = None,
+        **options: Unpack[EnvOptions],
+    ) -> None:
         if num_robots not in range(2, 5):
             raise ConfigError(f"num_robots must be 2, 3 or 4, got {num_robots!r}")
         self._batch = make_batch(
@@ -50,6 +58,9 @@ class MultiAgentEnv(ParallelEnv[str, Observation, NDArray[np.float32]]):  # type
         )
         self._core = self._batch.core
         self._begun = False
+        self.render_mode = render_mode
+        self.metadata = {**self.metadata, "render_fps": self._batch.options["control_rate"]}
+        self._onlooker = make_onlooker(render_mode, self._batch)
         self.possible_agents = [f"robot_{i}" for i in range(num_robots)]
         self.agents: list[str] = []
         # each its own, so that they are seeded one by one
@@ -76,6 +87,8 @@ class MultiAgentEnv(ParallelEnv[str, Observation, NDArray[np.float32]]):  # type
         known = {name: value for name, value in (options or {}).items() if name != "options"}
         self._batch.reset([given], known, None)
         self._begun = True
+        if self._onlooker:
+            self._onlooker.begin()
         self.agents = list(self.possible_agents)
         everyone = range(len(self.agents))
         return self._named(everyone, self._batch.observation), self._named(everyone, self._batch.info)
@@ -86,6 +99,8 @@ class MultiAgentEnv(ParallelEnv[str, Observation, NDArray[np.float32]]):  # type
         """One control step of all `agents`, each with its action. Raises ContractError, and does nothing, otherwise."""
         stepped = [i for i, agent in enumerate(self.possible_agents) if agent in self.agents]
         self._core.step(self._as_actions(actions))
+        if self._onlooker:
+            self._onlooker.look()
         self.agents = [self.possible_agents[i] for i in stepped if not self._core.done[i]]
         return (
             self._named(stepped, self._batch.observation),
@@ -95,8 +110,14 @@ class MultiAgentEnv(ParallelEnv[str, Observation, NDArray[np.float32]]):  # type
             self._named(stepped, self._batch.info),
         )
 
+    def render(self) -> Any:
+        """See `Env`."""
+        return self._onlooker.render() if self._onlooker else None
+
     def close(self) -> None:
-        """Nothing is open."""
+        """Ends what `render_mode` began."""
+        if self._onlooker:
+            self._onlooker.close()
 
     def _as_actions(self, actions: dict[str, Any]) -> NDArray[np.float32]:
         for name in actions:

@@ -1,0 +1,55 @@
+"""Who looks on at an environment, to show it."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from threewe._core import TopView, unknown_name
+from threewe.errors import ConfigError
+from threewe.gym.batch import Batch
+
+RENDER_MODES = ["rgb_array", "human"]
+
+
+def make_onlooker(render_mode: str | None, batch: Batch) -> Onlooker | None:
+    """Who shows the first environment of a batch. Raises ConfigError for an unknown mode, and for what is missing."""
+    match render_mode:
+        case None:
+            return None
+        case "rgb_array":
+            from threewe.gym.picture import Painter
+
+            return Painter(batch)
+        case "human":
+            from threewe.gym.window import Window, default_sink
+
+            return Window(batch, default_sink())
+    raise ConfigError(unknown_name("render_mode", str(render_mode), RENDER_MODES))
+
+
+class Onlooker:
+    """Looks on, and keeps the ways that were driven. What the robots do stays the same, to the bit."""
+
+    def __init__(self, batch: Batch) -> None:
+        self._batch = batch
+        self.ways: list[list[tuple[float, float]]] = []  # [m] of each robot
+
+    def begin(self) -> None:
+        """An episode has begun."""
+        self.ways = []
+        self.look()
+
+    def look(self) -> TopView:
+        """A step is over."""
+        view = self._batch.core.top_view(0)
+        self.ways = self.ways or [[] for _ in view.robots]
+        for way, pose in zip(self.ways, view.robots, strict=True):
+            way.append((pose.x, pose.y))
+        return view
+
+    def render(self) -> Any:
+        """What the environment's `render` returns."""
+        raise NotImplementedError
+
+    def close(self) -> None:
+        """Nothing more will be seen."""

@@ -1,0 +1,103 @@
+"""An environment in the Rerun viewer, at the pace of the clock."""
+
+from __future__ import annotations
+
+import time
+
+import numpy as np
+
+from threewe._core import Pose2D, TopView
+from threewe.errors import ConfigError
+from threewe.gym.batch import Batch
+from threewe.gym.onlooker import Onlooker
+from threewe.gym.picture import GOAL_RADIUS
+
+try:
+    import rerun as rr
+
+    from threewe import _viewer_layout as layout
+    from threewe import _viewer_scene as solids
+    from threewe import _viewer_sinks as sinks
+    from threewe import drawing as d
+except ImportError as missing:
+    message = f'render_mode="human": {missing}; install or update what it needs: pip install "threewe[viz]"'
+    raise ConfigError(message) from missing
+
+
+def default_sink() -> str:
+    """A window; where there is no display, a page for browsers, whose address is printed."""
+    return "rerun" if sinks.has_display() else "web"
+
+
+class Window(Onlooker):
+    """Streams an environment to Rerun, no faster than the clock. `where` is as of `Robot(viewer=...)`."""
+
+    def __init__(self, batch: Batch, where: str) -> None:
+        super().__init__(batch)
+        self._where = where
+        self._recording: rr.RecordingStream | None = None
+        self._period = 1.0 / batch.options["control_rate"]
+        self._steps = 0
+        self._next = 0.0
+
+    def begin(self) -> None:
+        """Draws the episode's scene, and opens the viewer the first time."""
+        scene = self._batch.scenes[self._batch.core.episode(0).scene]
+        if self._recording is None:
+            self._recording = sinks.open_recording(self._where, layout.stage(scene))
+        self._recording.set_time(layout.TIMELINE, duration=self._steps * self._period)
+        self._recording.log("scene", rr.Clear(recursive=True))
+        for entity, solid in solids.scene_solids(scene):
+            self._recording.log(f"scene/{entity}", solid)
+        super().begin()
+
+    def look(self) -> TopView:
+        """Draws what has changed, and waits for the clock."""
+        view = super().look()
+        assert self._recording is not None
+        log = self._recording.log
+        self._recording.set_time(layout.TIMELINE, duration=self._steps * self._period)
+        for i, (pose, way, hits) in enumerate(zip(view.robots, self.ways, view.hits, strict=True)):
+            color = d.team_color(i)
+            name = f"scene/robot_{i}"
+            if self._is_first_look():
+                log(name, solids.body_mesh(self._batch.hardware, color))
+            log(name, solids.transform(pose))
+            log(f"scene/way_{i}", rr.LineStrips3D([[(x, y, 0.03) for x, y in way]], colors=[color], radii=0.03))
+            points = np.array([(x, y, self._lidar_height()) for x, y in hits]).reshape(-1, 3)
+            log(f"scene/hits_{i}", rr.Points3D(points, colors=[solids.SCAN_COLOR], radii=0.03))
+        for i, (x, y) in enumerate(view.goals):
+            disc = rr.Cylinders3D(
+                lengths=[0.02], radii=[GOAL_RADIUS], centers=[(x, y, 0.01)], colors=[d.PLAN], fill_mode=solids.SOLID
+            )
+            log(f"scene/goal_{i}", disc)
+        for i, (x, y, radius) in enumerate(view.people):
+            if self._is_first_look():
+                log(f"scene/person_{i}", solids.figure(radius))
+            log(f"scene/person_{i}", solids.transform(Pose2D(x, y)))
+        self._steps += 1
+        self._wait()
+        return view
+
+    def render(self) -> None:
+        """Nothing: steps and resets are shown as they happen."""
+
+    def close(self) -> None:
+        """Ends the recording; a window stays."""
+        if self._recording is not None:
+            self._recording.flush()
+            self._recording.disconnect()
+            self._recording = None
+
+    def _is_first_look(self) -> bool:
+        return len(self.ways[0]) == 1
+
+    def _lidar_height(self) -> float:
+        lidar = self._batch.hardware.lidar
+        return lidar.height if lidar else 0.0
+
+    def _wait(self) -> None:
+        now = time.monotonic()
+        self._next = max(self._next, now)
+        time.sleep(self._next - now)
+        self._next += self._period
