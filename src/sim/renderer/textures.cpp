@@ -97,7 +97,8 @@ void pack(const Level& level, const MaterialSpec& material, std::uint8_t* texels
     for (int y = 0; y < level.side(); ++y) {
       const auto dark = static_cast<double>(material.dark);
       const double bright = dark + (static_cast<double>(material.light) - dark) * level.at(x, y);
-      texels[x * texel_stride(level.side()) + y] = static_cast<std::uint8_t>(std::lround(static_cast<double>(kTexelOne) * bright));
+      texels[x * texel_stride(level.side()) + y] =
+          static_cast<std::uint8_t>(std::lround(static_cast<double>(kTexelOne) * bright));
     }
   }
 }

@@ -11,8 +11,8 @@
 namespace threewe::sim::view {
 
 inline constexpr std::size_t kMaterials = 29;
-inline constexpr int kTileSide = 256;     ///< texels, at level 0; each level has half the side of the one before
-inline constexpr int kTileLevels = 9;     ///< the last is one texel
+inline constexpr int kTileSide = 256;  ///< texels, at level 0; each level has half the side of the one before
+inline constexpr int kTileLevels = 9;  ///< the last is one texel
 inline constexpr int kTileSize = kTileSide * kTileSide * 3 / 2;  ///< from one material's tile to the next
 
 /// From one line of texels of a level to the next. Lines are those of one u. Those of small levels lie close together,

@@ -106,7 +106,7 @@ TEST_CASE("a contact ends an episode in failure, a gentle one does not") {
 }
 
 TEST_CASE("robots of a team have goals and metrics of their own, and keep them when they are done") {
-  const auto task = make_navigation(office(), 1, 2, {.goals = 4});
+  const auto task = make_navigation({.scenes = office(), .robots = 2}, {.goals = 4});
   std::array<Pose2D, 2> starts;
   task->begin(0, {.seed = 3}, {}, starts);
   const std::vector<Vec2> goals = task->sketch(0).goals;
