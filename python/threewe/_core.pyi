@@ -1529,6 +1529,36 @@ def randomization_names() -> list[str]:
 def knob_names() -> list[str]:
     """The names of all numbers that a randomisation can draw."""
 
+class TopView:
+    """A world from above, in the scene's frame: for pictures."""
+
+    @property
+    def robots(self) -> list[Pose2D]: ...
+
+    @property
+    def hits(self) -> list[list[tuple[float, float]]]:
+        """[m] what each robot's newest scan hit"""
+
+    @property
+    def people(self) -> list[tuple[float, float, float]]:
+        """x, y and radius [m] of each"""
+
+    @property
+    def goals(self) -> list[tuple[float, float]]:
+        """of each robot; empty without goals"""
+
+    @property
+    def ground(self) -> Annotated[NDArray[numpy.uint8], dict(shape=(None, None), writable=False)]:
+        """
+        (H, W) uint8, row 0 the lowest y: 0 what needs not be seen, 1 what is still to be, 2 what has been; (0, 0) where nothing needs be
+        """
+
+    @property
+    def ground_origin(self) -> tuple[float, float]: ...
+
+    @property
+    def ground_resolution(self) -> float: ...
+
 class EpisodeInfo:
     """A world's episode."""
 
@@ -1599,6 +1629,9 @@ class EnvBatch:
     def ended(self) -> Annotated[NDArray[numpy.bool_], dict(shape=(None,))]: ...
 
     @property
+    def done(self) -> Annotated[NDArray[numpy.bool_], dict(shape=(None,))]: ...
+
+    @property
     def metric_names(self) -> list[str]: ...
 
     @property
@@ -1624,3 +1657,5 @@ class EnvBatch:
         """What an episode is about: an instruction, a category."""
 
     def episode(self, env: int) -> EpisodeInfo: ...
+
+    def top_view(self, env: int) -> TopView: ...
