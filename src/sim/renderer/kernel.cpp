@@ -155,18 +155,23 @@ class Drawer {
     }
   }
 
-  void put_ids(std::int16_t* HWY_RESTRICT to, std::size_t width, std::size_t count) const {
+  void put_ids(std::int16_t* HWY_RESTRICT to, std::size_t width, std::size_t count) {
+    find_ids();
+    const std::int16_t* HWY_RESTRICT ids = work_.ids.data() + drawing_.place.floors.size() + 1;  // floors are negative
     const std::int32_t* HWY_RESTRICT owners = work_.owner.data();
     for (std::size_t r = 0; r < rows(); ++r, owners += kBlock, to += width) {
-      for (std::size_t i = 0; i < count; ++i) to[i] = id_of(owners[i]);
+      for (std::size_t i = 0; i < count; ++i) to[i] = ids[owners[i]];
     }
   }
 
-  std::int16_t id_of(std::int32_t owner) const {
-    if (owner < 0) return kFloorId;
-    if (owner == kCeiling) return kCeilingId;
-    if (owner < kFirstSurface) return kNothingId;
-    return work_.surfaces[static_cast<std::size_t>(owner - kFirstSurface)].candidate->visible->id;
+  // The id of every owner, from the last floor on.
+  void find_ids() {
+    work_.ids.assign(drawing_.place.floors.size() + 1, kFloorId);
+    work_.ids.resize(work_.ids.size() + kFirstSurface, kNothingId);
+    work_.ids[work_.ids.size() - kFirstSurface + kCeiling] = kCeilingId;
+    for (std::size_t k = 0; k < work_.surface_count; ++k) {
+      work_.ids.push_back(work_.surfaces[k].candidate->visible->id);
+    }
   }
 
   void find_texels(std::size_t rows) {

@@ -71,6 +71,8 @@ struct BlockWork {
   std::vector<float> depth;         // [m]; infinity where there is nothing
   std::vector<std::int32_t> owner;  // who is seen
 
+  std::vector<std::int16_t> ids;  // by owner
+
   // of a band
   std::vector<std::uint32_t> texel;   // place in `tiles`, then what is found there
   std::vector<std::uint32_t> light;   // in 1/170
