@@ -27,7 +27,7 @@ constexpr int kHeadings = 36;
 class Camera {
  public:
   Camera(const scene::Scene& scene, const CameraSpec& camera)
-      : camera_(camera), renderer_(scene), paint_(renderer_.paint(0, 0)) {}
+      : camera_(camera), renderer_(scene) {}
 
   std::span<const std::int16_t> look(const Pose2D& base) {
     const CameraIntrinsics view = camera_.intrinsics();
@@ -40,7 +40,7 @@ class Camera {
  private:
   CameraSpec camera_;
   sim::Renderer renderer_;
-  sim::Paint paint_;
+  sim::Paint paint_{0, 0};
   sim::RenderScratch scratch_;
   std::vector<std::int16_t> ids_;
 };
