@@ -195,7 +195,7 @@ float Place::wall_shade(Vec2 normal, Vec2 point) const {
 }
 
 std::uint32_t pack(const Colour& colour) {
-  const auto byte = [](float x) { return static_cast<std::uint32_t>(std::clamp(x, 0.0F, 255.0F) + 0.5F); };
+  const auto byte = [](float x) { return static_cast<std::uint32_t>(2.0F * std::clamp(x, 0.0F, 255.0F) + 1.0F) / 2U; };
   return byte(colour.b) | byte(colour.g) << 8U | byte(colour.r) << 16U;
 }
 

@@ -57,7 +57,8 @@ class Level {
 
  private:
   std::size_t index(int x, int y) const {
-    return static_cast<std::size_t>((y & (side_ - 1)) * side_ + (x & (side_ - 1)));
+    const auto wrap = [&](int i) { return static_cast<std::size_t>(i & (side_ - 1)); };
+    return wrap(y) * static_cast<std::size_t>(side_) + wrap(x);
   }
   int side_;
   std::vector<double> values_;
