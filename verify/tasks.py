@@ -35,7 +35,7 @@ def look(seed: int) -> Case:
 def run(program: str, seed: int) -> Case:
     """What a program counts in one scene, and the texts that it prints."""
     scene = SCENES[seed % len(SCENES)]
-    command = [PROGRAMS / program, str(seed), scene, str(EACH)]
+    command = [str(PROGRAMS / program), str(seed), scene, str(EACH)]
     output = subprocess.run(command, capture_output=True, text=True, check=True).stdout
     lines = [line.partition(" ") for line in output.splitlines()]
     counts = {name: int(value) for name, _, value in lines if name != "text"}
@@ -71,6 +71,7 @@ EXPERIMENTS = [
         sample=3,
         rows=[
             pooled("followed by text and map", "followed", "instructions", lambda s: s >= 0.98, ">= 98 %"),
+            pooled("by a stranger who shares no code", "by_stranger", "instructions", lambda s: s >= 0.95, ">= 95 %"),
             pooled("with another's text", "shuffled", "instructions", lambda s: s <= 0.30, "<= 30 %"),
             pooled("with left and right swapped", "swapped", "with_sides", lambda s: s <= 0.30, "<= 30 %"),
             Row("distinct texts", distinct),

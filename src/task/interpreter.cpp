@@ -10,7 +10,6 @@
 namespace threewe::task {
 namespace {
 
-constexpr double kAside = 0.3;              // [m] off the line of walking: nearer is neither left nor right
 constexpr double kPassedWithin = 2.0;       // [m]
 constexpr double kCloseCall = 0.4;          // [m] between "nearest" things that nobody tells apart
 constexpr std::size_t kMostReadings = 256;  // at a time
@@ -153,7 +152,7 @@ std::vector<std::size_t> candidates(const SemanticMap& map, const Walker& walker
   std::vector<std::size_t> found;
   for (std::size_t i = 0; i < landmarks.size(); ++i) {
     if (landmarks[i].room != walker.room || !landmarks[i].is_called(thing.noun)) continue;
-    if (thing.side && !((*thing.side == Side::left ? left(i) : -left(i)) > kAside)) continue;
+    if (thing.side && (*thing.side == Side::left ? left(i) : -left(i)) < -kAside) continue;
     const auto& others = map.beside(i);
     const auto is_meant = [&](std::size_t j) { return landmarks[j].is_called(thing.next_to); };
     if (!thing.next_to.empty() && std::ranges::none_of(others, is_meant)) continue;

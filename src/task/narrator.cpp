@@ -232,9 +232,11 @@ class Narrator {
         phrases.push_back({.ordinal = n, .side = side});
       }
     }
+    const std::vector<Walker> walkers = wherever_entered();
     std::erase_if(phrases, [&](const DoorPhrase& phrase) {
       c.door = phrase;
-      return candidates(map_, walker_, c) != std::vector{opening};
+      return std::ranges::any_of(walkers,
+                                 [&](const Walker& w) { return candidates(map_, w, c) != std::vector{opening}; });
     });
     if (phrases.empty()) return std::nullopt;
     return phrases[pick(phrases.size())];
@@ -259,7 +261,9 @@ class Narrator {
         other.back().which = which;
       }
       if (!is_along_an_axis()) continue;
+      const double left = threewe::cross(along_axis(walker_.heading), meant.center - walker_.at);
       for (const Side side : {Side::left, Side::right}) {
+        if ((side == Side::left ? left : -left) <= kAside) continue;
         other.push_back(plain);
         other.back().side = side;
         for (int n = 1; n <= kLastOrdinal; ++n) {
@@ -267,12 +271,30 @@ class Narrator {
         }
       }
     }
-    const auto fails = [&](const Thing& t) { return candidates(map_, walker_, t) != std::vector{landmark}; };
+    const std::vector<Walker> walkers = wherever_entered();
+    const auto fails = [&](const Thing& t) {
+      return std::ranges::any_of(walkers,
+                                 [&](const Walker& w) { return candidates(map_, w, t) != std::vector{landmark}; });
+    };
     std::erase_if(simple, fails);
     std::erase_if(other, fails);
     if (!simple.empty() && (other.empty() || chance(0.6))) return simple[pick(simple.size())];
     if (other.empty()) return std::nullopt;
     return other[pick(other.size())];
+  }
+
+  // The walker, and others who have just crossed the same border near its ends: what is said must be right for them
+  // too.
+  std::vector<Walker> wherever_entered() const {
+    std::vector<Walker> walkers = {walker_};
+    if (!walker_.opening) return walkers;
+    const Opening& o = map_.openings()[*walker_.opening];
+    if (distance_to_segment(walker_.at, o.a, o.b) > kStep) return walkers;
+    for (const Vec2 end : {o.a, o.b}) {
+      walkers.push_back(walker_);
+      walkers.back().at = o.crossing(end);
+    }
+    return walkers;
   }
 
   // Left and right of a room's axes mean something to somebody who looks along one, give or take 25 degrees.

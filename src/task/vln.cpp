@@ -36,7 +36,12 @@ std::vector<Ending> all_endings(const SemanticMap& map) {
       if (map.openings()[i].is_door) add(Clause::Kind::stop_inside, room, 0, i, map.just_inside(room, i));
       for (std::size_t k = 0; k < map.landmarks().size(); ++k) {
         if (map.landmarks()[k].room != room) continue;
-        add(Clause::Kind::stop_at, room, k, i, map.place_at(k, map.openings()[i].middle()));
+        // wherever a wide border is crossed, one stops at about the same place
+        const Opening& o = map.openings()[i];
+        const auto place = map.place_at(k, o.middle());
+        const bool clear = place && distance(*place, *map.place_at(k, o.crossing(o.a))) <= kSameEnd &&
+                           distance(*place, *map.place_at(k, o.crossing(o.b))) <= kSameEnd;
+        if (clear) add(Clause::Kind::stop_at, room, k, i, place);
       }
     }
   }

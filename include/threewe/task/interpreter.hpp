@@ -10,6 +10,9 @@
 
 namespace threewe::task {
 
+/// What is nearer than this to the line of walking [m] may be meant by "left" as well as by "right".
+inline constexpr double kAside = 0.3;
+
 /// One way to understand an instruction.
 struct Reading {
   std::vector<Vec2> way;  ///< the start, crossings of openings, things walked to, the end
