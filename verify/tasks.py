@@ -33,13 +33,14 @@ def look(seed: int) -> Case:
 
 
 def run(program: str, seed: int) -> Case:
-    """What a program counts in one scene, and the texts that it prints."""
+    """What a program counts in one scene, and the texts that it prints: all, and those that lost the stranger."""
     scene = SCENES[seed % len(SCENES)]
     command = [str(PROGRAMS / program), str(seed), scene, str(EACH)]
     output = subprocess.run(command, capture_output=True, text=True, check=True).stdout
     lines = [line.partition(" ") for line in output.splitlines()]
-    counts = {name: int(value) for name, _, value in lines if name != "text"}
-    return {"scene": scene, "texts": [text for name, _, text in lines if name == "text"], **counts}
+    counts = {name: int(value) for name, _, value in lines if name not in ("text", "lost")}
+    texts = {kind: [text for name, _, text in lines if name == kind] for kind in ("text", "lost")}
+    return {"scene": scene, **texts, **counts}
 
 
 def pooled(name: str, hits: str, of: str, holds: Callable[[float], bool], target: str) -> Row:
@@ -58,7 +59,7 @@ def pooled(name: str, hits: str, of: str, holds: Callable[[float], bool], target
 
 def distinct(cases: list[Case], _sample: bool) -> Verdict:
     """How many texts there are among all instructions."""
-    texts = [text for case in cases for text in case.get("texts", [])]
+    texts = [text for case in cases for text in case.get("text", [])]
     share = len(set(texts)) / len(texts) if texts else 0.0
     return Verdict(f"{len(set(texts))} of {len(texts)}", ">= 95 %", "pass" if share >= 0.95 else "FAIL")
 
