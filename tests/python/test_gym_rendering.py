@@ -164,7 +164,7 @@ def test_a_window_shows_what_is_true(tmp_path: Path) -> None:
     rows = list(recording.rows("scene/robot_0", "Transform3D:translation"))
     np.testing.assert_allclose([time for time, _ in rows], np.arange(12) / 50)
     np.testing.assert_allclose([value[0][:2] for _, value in rows], np.array(poses)[:, :2], atol=1e-6)
-    assert {"/scene/walls", "/scene/hits_0", "/scene/goal_0", "/scene/way_0"} <= recording.entities
+    assert {"/scene/walls", "/scene/hits_0", "/scene/goals", "/scene/way_0"} <= recording.entities
 
 
 @pytest.mark.parametrize(("missing", "mode"), [("PIL", "rgb_array"), ("PIL", "human"), ("rerun", "human")])

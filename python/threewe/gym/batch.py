@@ -147,6 +147,10 @@ class Batch:
         info["episode"] = episode.episode
         return info
 
+    def first_info(self, robot: int = 0) -> dict[str, Any]:
+        """As `info`, when an episode begins."""
+        return {**self.info(robot), "randomization": self.core.variation(0, robot)}
+
     def _scene_index(self, scene: Any) -> int:
         names = [known.name for known in self.scenes]
         if scene in names:

@@ -52,9 +52,7 @@ class Env(gymnasium.Env[Any, Any]):
         self._begun = True
         if self._onlooker:
             self._onlooker.begin()
-        info = self._batch.info()
-        info["randomization"] = self._core.variation(0)
-        return self._batch.observation(0), info
+        return self._batch.observation(0), self._batch.first_info()
 
     def step(self, action: Any) -> tuple[Observation, float, bool, bool, dict[str, Any]]:
         """One control step. Raises ContractError, and does nothing, for an action that is none."""

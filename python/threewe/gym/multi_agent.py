@@ -91,7 +91,7 @@ class MultiAgentEnv(ParallelEnv[str, Observation, NDArray[np.float32]]):  # type
             self._onlooker.begin()
         self.agents = list(self.possible_agents)
         everyone = range(len(self.agents))
-        return self._named(everyone, self._batch.observation), self._named(everyone, self._batch.info)
+        return self._named(everyone, self._batch.observation), self._named(everyone, self._batch.first_info)
 
     def step(
         self, actions: dict[str, Any]

@@ -54,27 +54,13 @@ class Window(Onlooker):
     def look(self) -> TopView:
         """Draws what has changed, and waits for the clock."""
         view = super().look()
-        assert self._recording is not None
-        log = self._recording.log
+        if self._recording is None:  # closed
+            return view
         self._recording.set_time(layout.TIMELINE, duration=self._steps * self._period)
-        for i, (pose, way, hits) in enumerate(zip(view.robots, self.ways, view.hits, strict=True)):
-            color = d.team_color(i)
-            name = f"scene/robot_{i}"
-            if self._is_first_look():
-                log(name, solids.body_mesh(self._batch.hardware, color))
-            log(name, solids.transform(pose))
-            log(f"scene/way_{i}", rr.LineStrips3D([[(x, y, 0.03) for x, y in way]], colors=[color], radii=0.03))
-            points = np.array([(x, y, self._lidar_height()) for x, y in hits]).reshape(-1, 3)
-            log(f"scene/hits_{i}", rr.Points3D(points, colors=[solids.SCAN_COLOR], radii=0.03))
-        for i, (x, y) in enumerate(view.goals):
-            disc = rr.Cylinders3D(
-                lengths=[0.02], radii=[GOAL_RADIUS], centers=[(x, y, 0.01)], colors=[d.PLAN], fill_mode=solids.SOLID
-            )
-            log(f"scene/goal_{i}", disc)
-        for i, (x, y, radius) in enumerate(view.people):
-            if self._is_first_look():
-                log(f"scene/person_{i}", solids.figure(radius))
-            log(f"scene/person_{i}", solids.transform(Pose2D(x, y)))
+        for i in range(len(view.robots)):
+            self._draw_robot(i, view)
+        self._draw_goals(view)
+        self._draw_people(view)
         self._steps += 1
         self._wait()
         return view
@@ -83,11 +69,44 @@ class Window(Onlooker):
         """Nothing: steps and resets are shown as they happen."""
 
     def close(self) -> None:
-        """Ends the recording; a window stays."""
-        if self._recording is not None:
-            self._recording.flush()
+        """Ends the recording; a window stays, and so does a page, until Python ends."""
+        if self._recording is None:
+            return
+        self._recording.flush()
+        if self._where != "web":
             self._recording.disconnect()
-            self._recording = None
+        self._recording = None
+
+    def _draw_robot(self, i: int, view: TopView) -> None:
+        """Body, way and what its lidar hits."""
+        color, way = d.team_color(i), [(x, y, 0.03) for x, y in self.ways[i]]
+        if self._is_first_look():
+            self._log(f"robot_{i}", solids.body_mesh(self._batch.hardware, color))
+        self._log(f"robot_{i}", solids.transform(view.robots[i]))
+        self._log(f"way_{i}", rr.LineStrips3D([way], colors=[color], radii=0.03))
+        points = np.array([(x, y, self._lidar_height()) for x, y in view.hits[i]]).reshape(-1, 3)
+        self._log(f"hits_{i}", rr.Points3D(points, colors=[solids.SCAN_COLOR], radii=0.03))
+
+    def _draw_goals(self, view: TopView) -> None:
+        n = len(view.goals)
+        discs = rr.Cylinders3D(
+            lengths=[0.02] * n,
+            radii=[GOAL_RADIUS] * n,
+            centers=[(x, y, 0.01) for x, y in view.goals],
+            colors=[d.PLAN],
+            fill_mode=solids.SOLID,
+        )
+        self._log("goals", discs)
+
+    def _draw_people(self, view: TopView) -> None:
+        for i, (x, y, radius) in enumerate(view.people):
+            if self._is_first_look():
+                self._log(f"person_{i}", solids.figure(radius))
+            self._log(f"person_{i}", solids.transform(Pose2D(x, y)))
+
+    def _log(self, entity: str, what: rr.AsComponents) -> None:
+        assert self._recording is not None
+        self._recording.log(f"scene/{entity}", what)
 
     def _is_first_look(self) -> bool:
         return len(self.ways[0]) == 1
