@@ -3,11 +3,13 @@
 `python` blocks of a page run in order in one namespace, as a reader would paste them into a notebook; the lines of a
 `console` block that begin with "$ " run in a shell (but for ./dev, which is running); `cpp` blocks are compiled. A
 `yaml` block that begins with a path, as a comment, is a file that all of them find. Other commands and programs are
-left out only if the line before the block says why: <!-- not run: needs a robot -->.
+left out only if the line before the block says why: <!-- not run: needs a robot -->. A `python` block after
+<!-- needs: torch --> runs where that package is installed.
 """
 
 import ast
 import asyncio
+import importlib.util
 import inspect
 import os
 import re
@@ -19,7 +21,8 @@ import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
 PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").rglob("*.md"))]
-BLOCK = re.compile(r"(?:<!-- not run: (?P<reason>.+?) -->\n+)?^```(?P<language>\w*)\n(?P<code>.*?)^```$", re.M | re.S)
+REMARK = r"(?:<!-- not run: (?P<reason>.+?) -->\n+|<!-- needs: (?P<needs>\w+) -->\n+)?"
+BLOCK = re.compile(REMARK + r"^```(?P<language>\w*)\n(?P<code>.*?)^```$", re.M | re.S)
 
 
 def blocks(page: Path, language: str) -> list[tuple[str, str]]:
@@ -28,8 +31,12 @@ def blocks(page: Path, language: str) -> list[tuple[str, str]]:
     return [
         (f"{page.relative_to(ROOT)}:{text.count(chr(10), 0, match.start('code'))}", match["code"])
         for match in BLOCK.finditer(text)
-        if match["language"] == language and not match["reason"]
+        if match["language"] == language and not match["reason"] and not is_missing(match["needs"])
     ]
+
+
+def is_missing(package: str | None) -> bool:
+    return package is not None and importlib.util.find_spec(package) is None
 
 
 def pages_with(language: str) -> list[str]:
@@ -58,6 +65,9 @@ def test_python(page: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> N
                 await result
 
     asyncio.run(paste())
+    needed = {match["needs"] for match in BLOCK.finditer((ROOT / page).read_text())}
+    if missing := sorted(filter(is_missing, needed - {None})):
+        pytest.skip(f"not shown: what needs {', '.join(missing)}; the rest of {page} ran")
 
 
 @pytest.mark.parametrize("page", pages_with("console"))
