@@ -12,6 +12,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
 PROGRAMS = ROOT / "build" / "dev" / "benchmarks"
+SCRIPTS = {path.stem.removesuffix("_bench"): path for path in (ROOT / "benchmarks").glob("*_bench.py")}
 SOURCES = {path.stem.removesuffix("_bench") for path in (ROOT / "benchmarks").glob("*_bench.cpp")}
 RESULTS = ROOT / "benchmarks" / "results"
 SPIN = "import time; end = time.monotonic() + 1; n = 0\nwhile time.monotonic() < end: n += 1\nprint(n)"
@@ -19,7 +20,8 @@ SPIN = "import time; end = time.monotonic() + 1; n = 0\nwhile time.monotonic() <
 
 def main(names: list[str]) -> int:
     """Runs those named, or all; 1 if one is unknown or fails."""
-    known = sorted(path.stem.removesuffix("_bench") for path in PROGRAMS.glob("*_bench"))
+    programs = {path.stem.removesuffix("_bench") for path in PROGRAMS.glob("*_bench")}
+    known = sorted(programs | set(SCRIPTS))
     if unknown := set(names) - set(known):
         print(f"no benchmark {', '.join(sorted(unknown))}; there are {', '.join(known)}")
         return 1
@@ -31,6 +33,9 @@ def main(names: list[str]) -> int:
     failed = 0
     for name in names or known:
         raw = RESULTS / f"{name}-{commit.stdout.strip()}.json"
+        if name in SCRIPTS:
+            failed |= subprocess.run([sys.executable, SCRIPTS[name], "--cpu", str(cpu), "--out", raw]).returncode
+            continue
         command = [PROGRAMS / f"{name}_bench", f"--benchmark_out={raw}", "--benchmark_out_format=json"]
         options = ["--benchmark_repetitions=5", "--benchmark_display_aggregates_only=true"]
         context = [f"--benchmark_context={key}={str(value).replace(',', ' ')}" for key, value in machine.items()]
