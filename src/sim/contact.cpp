@@ -131,8 +131,7 @@ double clearance(const Outline& outline, Vec2 moved, const Shape& shape) {
     const Vec2 offset_a = to_a - share_along(to_a, edge, per_square) * edge;
     const Vec2 offset_b = to_b - share_along(to_b, edge, per_square) * edge;
     inside = std::min(inside, std::max(cross(edge, to_a), cross(edge, to_b)));
-    least = std::min(least, dot(offset, offset));
-    least = std::min(least, std::min(dot(offset_a, offset_a), dot(offset_b, offset_b)));
+    for (const Vec2 apart : {offset, offset_a, offset_b}) least = std::min(least, dot(apart, apart));
   });
   if (inside > 0.0 && (shape.is_circle || !beside)) return 0.0;
   return std::max(exact::sqrt(least) - shape.radius, 0.0);

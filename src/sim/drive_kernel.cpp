@@ -161,13 +161,14 @@ HWY_INLINE formulae::WheelsOf<V> motor_shares(const Group& group, V noise) {
   const V one = lanes::number<V>(1.0);
   formulae::WheelsOf<V> shares{{one, one, one, one}};
   if (!lanes::any<V>(noise != lanes::number<V>(0.0))) return shares;
-  HWY_ALIGN double rows[4 * kLanes];
+  std::array<std::array<double, 4>, kLanes> own;
+  Places places;
   for (std::size_t i = 0; i < kLanes; ++i) {
     const RobotState& state = *group.drivers[i]->state;
-    const auto own = models::motor_shares(state.traction, state.key(Stream::motor), state.steps);
-    std::ranges::copy(own, rows + 4 * i);
+    own[i] = models::motor_shares(state.traction, state.key(Stream::motor), state.steps);
+    places[i] = bytes_of(own[i]);
   }
-  hn::LoadInterleaved4(Doubles(), rows, shares.at[0], shares.at[1], shares.at[2], shares.at[3]);
+  gather(places, 0, shares.at[0], shares.at[1], shares.at[2], shares.at[3]);
   return shares;
 }
 

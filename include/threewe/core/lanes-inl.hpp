@@ -66,7 +66,11 @@ HWY_INLINE Mask no(Mask mask) {
 }
 template <class V>
 HWY_INLINE auto is_nan(V x) {
-  return x != x;
+  if constexpr (kIsNumber<V>) {
+    return std::isnan(x);
+  } else {
+    return hn::Ne(x, x);
+  }
 }
 
 /// Whether a mask over lanes of V holds in any of them.

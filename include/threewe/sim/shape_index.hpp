@@ -24,7 +24,8 @@ class ShapeIndex {
   std::span<const std::uint16_t> near(Vec2 point) const {
     const double x = (point.x - origin_.x) * cells_per_metre_;
     const double y = (point.y - origin_.y) * cells_per_metre_;
-    if (!(x >= 0.0 && y >= 0.0 && x < width_ && y < height_)) return {};
+    const bool inside = x >= 0.0 && y >= 0.0 && x < width_ && y < height_;
+    if (!inside) return {};
     const auto cell = static_cast<std::uint32_t>(static_cast<int>(y) * width_ + static_cast<int>(x));
     return {shapes_.data() + begins_[cell], shapes_.data() + begins_[cell + 1]};
   }
