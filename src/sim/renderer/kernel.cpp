@@ -27,7 +27,7 @@ struct Gain {
     constexpr float kScale = 581.0F;
     const std::array channels = {gain.b, gain.g, gain.r, 0.0F};
     for (std::size_t i = 0; i < kBlock; ++i) {
-      scale[i] = static_cast<std::uint16_t>(kScale * channels[i % 4] + 0.5F);
+      scale[i] = static_cast<std::uint16_t>(std::lround(kScale * channels[i % 4]));
       half[i] = static_cast<std::uint16_t>(scale[i] == 0 ? 0 : 32768 / scale[i]);
     }
   }
@@ -184,12 +184,13 @@ class Drawer {
     const Gain gain = gain_;
     const Parts parts{work_.texel.data(), work_.light.data(), work_.tint.data(),
                       work_.veil.empty() ? nullptr : work_.veil.data()};
+    constexpr std::size_t kBytes = std::size_t{3} * kBlock;
     to += width * band.begin;
     for (std::size_t r = 0; r < band.end - band.begin; ++r, to += width) {
-      if (count == 3 * kBlock) {
+      if (count == kBytes) {
         make_colours(parts, r * kBlock, gain, to);
       } else {
-        std::array<std::uint8_t, 3 * kBlock> all;
+        std::array<std::uint8_t, kBytes> all;
         make_colours(parts, r * kBlock, gain, all.data());
         std::memcpy(to, all.data(), count);
       }

@@ -440,7 +440,7 @@ class Painter {
     for (std::size_t face = 0; face < 4; ++face) {
       const auto number = static_cast<float>(face);
       if (std::ranges::find(surface.face, number) == surface.face.end()) continue;
-      if (surface.decor && surface.decor->face != static_cast<int>(face)) continue;
+      if (surface.decor && static_cast<float>(surface.decor->face) != number) continue;
       meet_flat(surface, face, is_first);
       is_first = false;
     }

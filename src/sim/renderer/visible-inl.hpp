@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <ranges>
 #include <utility>
 
 #include "sim/renderer/kernel.hpp"
@@ -222,7 +223,7 @@ class Finder {
     const auto [first, first_all] = range_of(wall.top);
     const auto [last_all, last] = range_of(wall.bottom);
     lay_rows(0, first, rows_.above.data(), above);
-    lay_rows(last, rows_.count, rows_.below.data(), below);
+    lay_rows(last, static_cast<std::size_t>(rows_.count), rows_.below.data(), below);
     float* HWY_RESTRICT depths = work_.depth.data();
     std::int32_t* HWY_RESTRICT owners = work_.owner.data();
     for_lanes([&](std::size_t i) HWY_ATTR {
@@ -231,9 +232,9 @@ class Finder {
       const F to = load(&wall.bottom[i]);
       const F at_wall = load(&depth[i]);
       const I of_wall = load(&owner[i]);
-      const auto at_edge = [&](int begin, int end) HWY_ATTR {
+      const auto at_edge = [&](std::size_t begin, std::size_t end) HWY_ATTR {
         F row = set(static_cast<float>(begin));
-        for (auto r = static_cast<std::size_t>(begin); r < static_cast<std::size_t>(end); ++r) {
+        for (std::size_t r = begin; r < end; ++r) {
           const M is_above = hn::Lt(row, from);
           const M is_below = hn::Ge(row, to);
           const F far = hn::IfThenElse(is_above, set(rows_.above[r]), at_wall);
@@ -245,7 +246,7 @@ class Finder {
       };
       if (first_all >= last_all) return at_edge(first, last);
       at_edge(first, first_all);
-      for (auto r = static_cast<std::size_t>(first_all); r < static_cast<std::size_t>(last_all); ++r) {
+      for (std::size_t r = first_all; r < last_all; ++r) {
         store(at_wall, depths + r * kBlock + i);
         store(of_wall, owners + r * kBlock + i);
       }
@@ -258,16 +259,16 @@ class Finder {
   }
 
   // The least and the greatest row of some.
-  HWY_INLINE std::pair<int, int> range_of(const Lanes<float>& rows) const {
+  HWY_INLINE std::pair<std::size_t, std::size_t> range_of(const Lanes<float>& rows) const {
     const auto [least, most] = std::ranges::minmax(rows);
-    return {static_cast<int>(least), static_cast<int>(most)};
+    return {static_cast<std::size_t>(least), static_cast<std::size_t>(most)};
   }
 
   // Whole rows that look at one level surface.
-  HWY_INLINE void lay_rows(int begin, int end, const float* HWY_RESTRICT depth, I owner) {
+  HWY_INLINE void lay_rows(std::size_t begin, std::size_t end, const float* HWY_RESTRICT depth, I owner) {
     float* HWY_RESTRICT depths = work_.depth.data();
     std::int32_t* HWY_RESTRICT owners = work_.owner.data();
-    for (auto r = static_cast<std::size_t>(begin); r < static_cast<std::size_t>(end); ++r) {
+    for (std::size_t r = begin; r < end; ++r) {
       for_lanes([&](std::size_t i) HWY_ATTR {
         store(set(depth[r]), depths + r * kBlock + i);
         store(owner, owners + r * kBlock + i);
@@ -336,7 +337,7 @@ class Finder {
       const Extent extent = extent_of(place_.floors[here]);
       if (reaches_walls(extent)) {
         lay_floor(here, extent);
-        for (auto i = place_.floors[here].above.rbegin(); i != place_.floors[here].above.rend(); ++i) lay_floor(*i);
+        for (const std::size_t i : std::views::reverse(place_.floors[here].above)) lay_floor(i);
         return;
       }
     }
