@@ -39,6 +39,10 @@ AgentModel make_agent_model(const Options& options) {
     model.sight = farthest_way(model.gate, lidar) + norm(lidar.base_from_lidar.position()) + model.gate.margin +
                   model.gate.footprint.circumscribed_radius();
     model.beams = models::beams_of_points(lidar);
+    const bool in_order = std::ranges::all_of(model.beams, [i = 0](const models::PointBeams& beams) mutable {
+      return beams.first == i && beams.second == i++;
+    });
+    if (in_order) model.beams.clear();
   }
   return model;
 }
@@ -123,8 +127,13 @@ Velocity Agent::velocity(const AgentModel& model, const sim::RobotState& state) 
 }
 
 void Agent::fill_scan(const AgentModel& model, std::span<float> ranges) const {
-  std::ranges::fill(ranges, 0.0F);
-  if (newest_) models::fill_scan(model.beams, scans_[*newest_].points, ranges);
+  if (!newest_) {
+    std::ranges::fill(ranges, 0.0F);
+  } else if (model.beams.empty()) {
+    std::ranges::copy(scans_[*newest_].points, ranges.begin());
+  } else {
+    models::fill_scan(model.beams, scans_[*newest_].points, ranges);
+  }
 }
 
 }  // namespace threewe::env

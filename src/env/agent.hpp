@@ -25,7 +25,7 @@ struct AgentModel {
   Limits limits;                          ///< operating limits; sideways nothing on a differential base
   double sight = 0.0;                     ///< [m], points farther from the lidar than this can't concern the gate
   std::size_t scans = 0;                  ///< that may be under way at once
-  std::vector<models::PointBeams> beams;  ///< that each point of a turn counts for
+  std::vector<models::PointBeams> beams;  ///< that each point of a turn counts for; empty where point i is beam i
 };
 AgentModel make_agent_model(const Options& options);
 

@@ -61,10 +61,11 @@ void Batch::Impl::observe(std::size_t world, std::vector<Array>& arrays, std::si
 
 task::Belief Batch::Impl::belief_of(std::size_t world, std::size_t robot, std::span<float> scan) const {
   const std::size_t i = row(world, robot);
-  const Pose2D map_from_start =
-      robot == 0 ? Pose2D{} : inverse(states[row(world)].start) * states[i].start;  // a team knows where it set out
   task::Belief belief;
-  belief.map_from_base = map_from_start * agents[i].map_from_base(agent_model, states[i]);
+  belief.map_from_base = agents[i].map_from_base(agent_model, states[i]);
+  if (robot > 0) {  // a team knows where it set out
+    belief.map_from_base = inverse(states[row(world)].start) * states[i].start * belief.map_from_base;
+  }
   if (agent_model.profile.lidar) {
     const LidarSpec& lidar = *agent_model.profile.lidar;
     scan = scan.first(static_cast<std::size_t>(lidar.beams));
