@@ -123,6 +123,11 @@ class VectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
         """Which episode an environment is in: `reset(seed=[...], options={"episode": ...})` repeats it."""
         return self._core.episode(env)
 
+    @property
+    def true_poses(self) -> NDArray[np.float64]:
+        """x, y [m] and theta [rad] of every robot in its scene's frame, (num_envs * num_robots, 3). Privileged."""
+        return self._core.true_poses
+
     def words(self, env: int) -> str:
         """What an environment's episode is about: the instruction of VLN, the `object_goal` of ObjectNav."""
         return self._core.words(env)
