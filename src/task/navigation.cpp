@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstring>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -36,7 +37,7 @@ class Navigation final : public Task {
  public:
   Navigation(const Setting& setting, const NavigationOptions& options)
       : options_(options), scenes_(setting.scenes), robots_(setting.robots), trips_(setting.worlds * robots_) {
-    for (const auto& scene : scenes_) pools_.emplace_back(*scene, options.goals, kPoolSeed);
+    for (const auto& scene : scenes_) pools_.emplace_back(scene, options.goals, kPoolSeed);
   }
 
   std::vector<Field> fields() const override { return {{"goal", Field::Type::float32, {2}, -kFarthest, kFarthest}}; }
@@ -57,7 +58,6 @@ class Navigation final : public Task {
                                                    std::span<Pose2D> starts, std::size_t robot, Draws& draws) const;
   bool choose_start(const scene::SceneTables& tables, const DistanceField& field, bool detour, std::span<Pose2D> starts,
                     std::size_t robot, Draws& draws) const;
-  std::shared_ptr<const DistanceField> field_to(std::size_t scene, Vec2 goal) const;
 
   NavigationOptions options_;
   Scenes scenes_;
@@ -84,8 +84,8 @@ std::shared_ptr<const DistanceField> Navigation::choose_trip(const EpisodeKey& k
   const bool detour = draws.uniform() < options_.detours;
   const bool first = robot == 0;
   for (int i = 0; i < (first && request.goal ? 1 : kGoalTries); ++i) {
-    auto field = first && request.goal ? field_to(key.scene, *request.goal)
-                                       : pools_[key.scene].fields()[draws.index(options_.goals)];
+    auto field = first && request.goal ? pools_[key.scene].field_to(*request.goal)
+                                       : pools_[key.scene].field(draws.index(options_.goals));
     if (first && request.start) {
       starts[0] = *request.start;
       if (std::isfinite(field->length_from(starts[0].position()))) return field;
@@ -115,12 +115,6 @@ bool Navigation::choose_start(const scene::SceneTables& tables, const DistanceFi
     return true;
   }
   return false;
-}
-
-std::shared_ptr<const DistanceField> Navigation::field_to(std::size_t scene, Vec2 goal) const {
-  const auto& fields = pools_[scene].fields();
-  const auto known = std::ranges::find_if(fields, [&](const auto& field) { return field->target() == goal; });
-  return known != fields.end() ? *known : std::make_shared<DistanceField>(*scenes_[scene], goal);
 }
 
 void Navigation::step(std::size_t world, std::span<const Moment> robots, std::span<Outcome> outcomes) {
@@ -172,11 +166,25 @@ Sketch Navigation::sketch(std::size_t world) const {
 
 }  // namespace
 
-GoalPool::GoalPool(const scene::SceneTables& tables, std::size_t goals, std::uint64_t seed) {
+GoalPool::GoalPool(std::shared_ptr<const scene::SceneTables> tables, std::size_t goals, std::uint64_t seed)
+    : tables_(std::move(tables)) {
   Draws draws({.seed = seed}, 0);
-  while (fields_.size() < goals) {
-    fields_.push_back(std::make_shared<DistanceField>(tables, draws.roomy_pose(tables).position()));
+  for (std::size_t i = 0; i < goals; ++i) {
+    goals_.push_back(std::make_unique<Goal>());
+    goals_.back()->target = draws.roomy_pose(*tables_).position();
   }
+}
+
+std::shared_ptr<const DistanceField> GoalPool::field(std::size_t goal) const {
+  Goal& chosen = *goals_[goal];
+  std::call_once(chosen.found, [&] { chosen.field = std::make_shared<DistanceField>(*tables_, chosen.target); });
+  return chosen.field;
+}
+
+std::shared_ptr<const DistanceField> GoalPool::field_to(Vec2 target) const {
+  const auto known = std::ranges::find_if(goals_, [&](const auto& goal) { return goal->target == target; });
+  if (known == goals_.end()) return std::make_shared<DistanceField>(*tables_, target);
+  return field(static_cast<std::size_t>(known - goals_.begin()));
 }
 
 std::unique_ptr<Task> make_navigation(const Setting& setting, const NavigationOptions& options) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <mutex>
 #include <vector>
 
 #include "threewe/scene/episodes.hpp"
@@ -10,17 +11,26 @@
 
 namespace threewe::task {
 
-/// Goals of one scene, uniform over the cells where a robot has 5 cm to spare, and the way to each from everywhere:
-/// found once and shared by all worlds.
+/// Goals of one scene, uniform over the cells where a robot has 5 cm to spare, shared by all worlds. The way to a goal
+/// from everywhere is found when it is first asked for.
 class GoalPool {
  public:
   /// `goals` of them, drawn with `seed`.
-  GoalPool(const scene::SceneTables& tables, std::size_t goals, std::uint64_t seed);
+  GoalPool(std::shared_ptr<const scene::SceneTables> tables, std::size_t goals, std::uint64_t seed);
 
-  const std::vector<std::shared_ptr<const DistanceField>>& fields() const { return fields_; }
+  /// The way to a goal of the pool. Any number of threads may ask.
+  std::shared_ptr<const DistanceField> field(std::size_t goal) const;
+  /// The way to any place, which need not be in the pool.
+  std::shared_ptr<const DistanceField> field_to(Vec2 target) const;
 
  private:
-  std::vector<std::shared_ptr<const DistanceField>> fields_;
+  struct Goal {
+    Vec2 target;
+    std::once_flag found;
+    std::shared_ptr<const DistanceField> field;
+  };
+  std::shared_ptr<const scene::SceneTables> tables_;
+  std::vector<std::unique_ptr<Goal>> goals_;
 };
 
 struct NavigationOptions {
