@@ -100,7 +100,7 @@ def test_advantages_are_what_their_definition_says(ppo: ModuleType) -> None:
             expected, weight = 0.0, 1.0
             for t in range(begin, steps):
                 ahead = 0.0 if terminated[t, robot] else values[t + 1, robot].item()
-                reward = settings.reward_scale * rewards[t, robot].item()
+                reward = settings.reward_scale * (rewards[t, robot].item() - settings.haste)
                 expected += weight * (reward + settings.discount * ahead - values[t, robot].item())
                 weight *= settings.discount * settings.trace
                 if ended[t, robot]:
