@@ -43,7 +43,7 @@ class Settings:
     control_rate: float = 5.0  # [Hz]
     num_envs: int = 256
     rollout: int = 32  # steps of each environment between updates
-    updates: int = 80
+    updates: int = 60
     epochs: int = 6
     minibatches: int = 6
     learning_rate: float = 1.5e-3  # falls to 0
@@ -53,7 +53,7 @@ class Settings:
     entropy: float = 0.005
     reward_scale: float = 0.2
     haste: float = 0.05  # taken off the reward of each step: who stands before a thing must not feel safe
-    max_steps: int = 200  # of an episode in training
+    max_steps: int = 120  # of an episode in training
     threads: int = 2  # of the simulator
 
 
