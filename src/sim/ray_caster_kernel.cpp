@@ -50,16 +50,39 @@ struct Found {
   hn::Mask<Floats> everywhere;  // the sensor may touch it: every beam must try
 };
 
-// Which beams to try on which candidate.
-struct Task {
-  std::int32_t first;
-  std::int32_t last;
-  std::int32_t place;
-};
+// Which beams to try on which candidates: task t is to try those between before[t] and after[t] on the one at place[t].
 struct Tasks {
-  Task list[3 * kBatch];
+  static constexpr std::size_t kRoom = 3 * kBatch + kBlock;  // a whole vector is written at a time
+  HWY_ALIGN std::int32_t before[kRoom];
+  HWY_ALIGN std::int32_t after[kRoom];
+  HWY_ALIGN std::int32_t place[kRoom];
   std::size_t count = 0;
 };
+
+// Which bits of a byte are set, in ascending order.
+struct ChosenLanes {
+  std::array<std::array<std::uint8_t, 8>, 256> lane;
+};
+constexpr ChosenLanes kChosen = [] {
+  ChosenLanes chosen{};
+  for (std::size_t bits = 0; bits < 256; ++bits) {
+    std::size_t count = 0;
+    for (std::size_t j = 0; j < 8; ++j) {
+      if (bits >> j & 1U) chosen.lane[bits][count++] = static_cast<std::uint8_t>(j);
+    }
+  }
+  return chosen;
+}();
+
+// The indices of beams, to be loaded as vectors.
+struct BeamIndices {
+  alignas(64) std::array<std::int32_t, kMaxBeams + 2 * kBlock> index;
+};
+constexpr BeamIndices kBeams = [] {
+  BeamIndices beams{};
+  for (std::size_t i = 0; i < beams.index.size(); ++i) beams.index[i] = static_cast<std::int32_t>(i);
+  return beams;
+}();
 
 // Constants of a fan for the set-up.
 struct Frame {
@@ -72,7 +95,6 @@ struct Frame {
   float step_x;  // of the way, per beam
   float step_y;
   float reach;  // [m] of the way to either side
-  bool moves;
 };
 
 // The directions of all beams, from heads and powers.
@@ -98,6 +120,20 @@ void point(Fan& fan, float nothing) {
   }
 }
 
+// The lanes of a mask, the chosen ones first. Highway's own Compress copies its table at every call (1.0, with GCC).
+using Order = decltype(hn::IndicesFromVec(Ints(), hn::Zero(Ints())));
+HWY_INLINE Order order_of(hn::Mask<Ints> mask) {
+  const Ints di;
+  std::uint8_t bytes[8] = {};
+  hn::StoreMaskBits(di, mask, bytes);
+  if constexpr (hn::MaxLanes(Ints()) <= 8) {
+    const hn::Rebind<std::uint8_t, Ints> bytes_of_lanes;
+    return hn::IndicesFromVec(di, hn::PromoteTo(di, hn::LoadU(bytes_of_lanes, kChosen.lane[bytes[0]].data())));
+  } else {
+    return hn::IndicesFromVec(di, hn::Compress(hn::Iota(di, 0), mask));
+  }
+}
+
 // Adds the beams between `low` and `high`, counted in beams.
 HWY_INLINE void add_tasks(F low, F high, int place, hn::Mask<Floats> visible, const Frame& frame, Tasks& tasks) {
   const Floats d;
@@ -105,19 +141,20 @@ HWY_INLINE void add_tasks(F low, F high, int place, hn::Mask<Floats> visible, co
   const F first = hn::Max(hn::Ceil(low), hn::Zero(d));
   const F last = hn::Min(hn::Floor(high), hn::Set(d, frame.last_beam));
   const auto some = hn::And(visible, hn::Le(first, last));
-  HWY_ALIGN std::int32_t firsts[kBlock];
-  HWY_ALIGN std::int32_t lasts[kBlock];
-  hn::Store(hn::ConvertTo(di, hn::IfThenElseZero(some, first)), di, firsts);
-  hn::Store(hn::ConvertTo(di, hn::IfThenElseZero(some, last)), di, lasts);
-  std::uint8_t bytes[8] = {};
-  hn::StoreMaskBits(d, some, bytes);
-  for (unsigned bits = bytes[0] | bytes[1] << 8U; bits != 0; bits &= bits - 1) {
-    const int j = std::countr_zero(bits);
-    tasks.list[tasks.count++] = {firsts[j], lasts[j], place + j};
-  }
+  const auto lanes = hn::RebindMask(di, some);
+  // no branches: which of the candidates have beams is hard to foresee
+  const auto before = hn::Sub(hn::ConvertTo(di, first), hn::Set(di, 1));
+  const auto after = hn::Add(hn::ConvertTo(di, last), hn::Set(di, 1));
+  const Order order = order_of(lanes);
+  hn::StoreU(hn::TableLookupLanes(before, order), di, tasks.before + tasks.count);
+  hn::StoreU(hn::TableLookupLanes(after, order), di, tasks.after + tasks.count);
+  const auto places = hn::Add(hn::Iota(di, 0), hn::Set(di, place));  // Iota of a variable is slow in Highway 1.0
+  hn::StoreU(hn::TableLookupLanes(places, order), di, tasks.place + tasks.count);
+  tasks.count += hn::CountTrue(d, some);
 }
 
 // Turns what a vector of candidates looks like into intervals of beams.
+template <bool kEverywhere>
 HWY_INLINE void find_beams(const Found& found, int place, const Frame& frame, Tasks& tasks) {
   const Floats d;
 
@@ -131,13 +168,18 @@ HWY_INLINE void find_beams(const Found& found, int place, const Frame& frame, Ta
   const F end1 = hn::Mul(hn::Add(hn::Add(nearest, found.width), found.slack), scale);
   const F zero_angle = hn::Set(d, frame.middle_beam);
   const F all = hn::Set(d, 1e6F);
-  const F low = hn::IfThenElse(found.everywhere, hn::Neg(all), hn::Add(hn::Min(end0, end1), zero_angle));
-  const F high = hn::IfThenElse(found.everywhere, all, hn::Add(hn::Max(end0, end1), zero_angle));
+  F low = hn::Add(hn::Min(end0, end1), zero_angle);
+  F high = hn::Add(hn::Max(end0, end1), zero_angle);
+  auto once = found.visible;
+  if constexpr (kEverywhere) {
+    low = hn::IfThenElse(found.everywhere, hn::Neg(all), low);
+    high = hn::IfThenElse(found.everywhere, all, high);
+    once = hn::AndNot(found.everywhere, found.visible);
+  }
   add_tasks(low, high, place, found.visible, frame, tasks);
 
   // what lies across the back of a fan of a whole turn is seen from both its ends
   const F turn = hn::Set(d, kTwoPi * std::fabs(frame.beams_per_radian));
-  const auto once = hn::AndNot(found.everywhere, found.visible);
   const F low_after = hn::Add(low, turn);
   const F high_before = hn::Sub(high, turn);
   const auto after = hn::Le(low_after, hn::Set(d, frame.last_beam));
@@ -148,29 +190,28 @@ HWY_INLINE void find_beams(const Found& found, int place, const Frame& frame, Ta
   }
 }
 
-// Runs `inverse_range(beam, cos, sin)` over the beams of an interval and keeps the larger.
+// Runs `inverse_range(beam, cos, sin)` over the beams between two and keeps the larger.
 template <class InverseRange>
-HWY_INLINE void keep_larger(Fan& fan, int first, int last, const InverseRange& inverse_range) {
+HWY_INLINE void keep_larger(Fan& fan, std::int32_t before, std::int32_t after, const InverseRange& inverse_range) {
   const Floats d;
   const Ints di;
   const int lanes = static_cast<int>(hn::Lanes(d));
-  const auto ascending = hn::Iota(di, 0);  // of a constant, since that of a variable is slow in Highway 1.0
-  const auto before = hn::Set(di, first - 1);
-  const auto after = hn::Set(di, last + 1);
+  const auto all_before = hn::Set(di, before);
+  const auto all_after = hn::Set(di, after);
   const auto keep = [&](int i) HWY_ATTR {
-    const auto beam = hn::Add(ascending, hn::Set(di, i));
-    const auto inside = hn::And(hn::Gt(beam, before), hn::Gt(after, beam));
+    const auto beam = hn::Load(di, kBeams.index.data() + i);
+    const auto inside = hn::And(hn::Gt(beam, all_before), hn::Gt(all_after, beam));
     const F value =
         inverse_range(hn::ConvertTo(d, beam), hn::Load(d, fan.cos.data() + i), hn::Load(d, fan.sin.data() + i));
     float* kept = fan.inverse_range.data() + i;
     hn::Store(hn::Max(hn::Load(d, kept), hn::IfThenElseZero(hn::RebindMask(d, inside), value)), d, kept);
   };
-  int i = first & -lanes;
+  int i = (before + 1) & -lanes;
   do {  // two at a time: how often is then easier to foresee for the processor
     keep(i);
     keep(i + lanes);
     i += 2 * lanes;
-  } while (i <= last);
+  } while (i < after);
 }
 
 // The same in double precision with each beam's own origin: `inverse_range(x, y, cos, sin)`.
@@ -238,11 +279,14 @@ void meet_carefully(Fan& fan, int first, int last, const scene::Circle& circle) 
 struct SegmentBatch {
   HWY_ALIGN float along_x[kBatch];
   HWY_ALIGN float along_y[kBatch];
-  HWY_ALIGN float height[kBatch];  // of the origin above the line, times length; inverse if the sensor stands still
-  HWY_ALIGN float care[kBatch];    // positive: single precision will not do
+  HWY_ALIGN float height[kBatch];  // of the origin above the line, times length
+  HWY_ALIGN float of_cos[kBatch];  // inverse range = of_cos * cos + of_sin * sin, if the sensor stands still
+  HWY_ALIGN float of_sin[kBatch];
+  HWY_ALIGN float care[kBatch];  // positive: single precision will not do
 };
 
 // Looks at a vector of segments from the middle of the way.
+template <bool kMoves>
 HWY_INLINE void see_segments(const SegmentBlock& block, int j, int place, const Frame& frame, SegmentBatch& batch,
                              Tasks& tasks) {
   const Floats d;
@@ -267,7 +311,7 @@ HWY_INLINE void see_segments(const SegmentBlock& block, int j, int place, const 
   F lowest = height;
   auto visible = hn::Gt(height, hn::Zero(d));
   auto everywhere = hn::Lt(square_length, hn::Zero(d));  // nowhere, unless the sensor moves
-  if (frame.moves) {
+  if constexpr (kMoves) {
     // on the way the line comes nearer by the reach, and each end turns by asin(reach / distance) at most
     const F reach = hn::Set(d, frame.reach);
     const F change = hn::Mul(reach, hn::Sqrt(square_length));
@@ -283,24 +327,29 @@ HWY_INLINE void see_segments(const SegmentBlock& block, int j, int place, const 
   const F farthest = hn::Max(square_a, square_b);
   const F near = hn::Mul(hn::Max(lowest, hn::Zero(d)), hn::Set(d, kSegmentCare));
   hn::Store(hn::Sub(hn::Mul(hn::Mul(farthest, farthest), square_length), hn::Mul(near, near)), d, batch.care + place);
-  hn::Store(along_x, d, batch.along_x + place);
-  hn::Store(along_y, d, batch.along_y + place);
-  const F divisor = hn::IfThenElse(visible, height, hn::Set(d, 1.0F));
-  hn::Store(frame.moves ? height : hn::Div(hn::Set(d, 1.0F), divisor), d, batch.height + place);
-  find_beams({first, hn::Max(turned, hn::Zero(d)), slack, visible, everywhere}, place, frame, tasks);
+  if constexpr (kMoves) {
+    hn::Store(along_x, d, batch.along_x + place);
+    hn::Store(along_y, d, batch.along_y + place);
+    hn::Store(height, d, batch.height + place);
+  } else {
+    const F inverse = hn::Div(hn::Set(d, 1.0F), height);
+    hn::Store(hn::Mul(hn::Neg(along_y), inverse), d, batch.of_cos + place);
+    hn::Store(hn::Mul(along_x, inverse), d, batch.of_sin + place);
+  }
+  find_beams<kMoves>({first, hn::Max(turned, hn::Zero(d)), slack, visible, everywhere}, place, frame, tasks);
 }
 
-// From one pose: A cos + B sin of the beam's angle.
-HWY_INLINE void meet_standing(Fan& fan, int first, int last, const SegmentBatch& batch, std::size_t place) {
+HWY_INLINE void meet_standing(Fan& fan, std::int32_t before, std::int32_t after, const SegmentBatch& batch,
+                              std::size_t place) {
   const Floats d;
-  const F a = hn::Set(d, -batch.along_y[place] * batch.height[place]);
-  const F b = hn::Set(d, batch.along_x[place] * batch.height[place]);
-  keep_larger(fan, first, last, [&](F, F c, F s) HWY_ATTR { return hn::Add(hn::Mul(a, c), hn::Mul(b, s)); });
+  const F a = hn::Set(d, batch.of_cos[place]);
+  const F b = hn::Set(d, batch.of_sin[place]);
+  keep_larger(fan, before, after, [&](F, F c, F s) HWY_ATTR { return hn::Add(hn::Mul(a, c), hn::Mul(b, s)); });
 }
 
 // On the way: each beam from its own origin, both ends tested.
-HWY_INLINE void meet_moving(Fan& fan, int first, int last, const SegmentBatch& batch, std::size_t place,
-                            const SegmentBlock& block, const Frame& frame) {
+HWY_INLINE void meet_moving(Fan& fan, std::int32_t before, std::int32_t after, const SegmentBatch& batch,
+                            std::size_t place, const SegmentBlock& block, const Frame& frame) {
   const Floats d;
   const std::size_t j = place % kBlock;
   const float along_x = batch.along_x[place];
@@ -314,7 +363,7 @@ HWY_INLINE void meet_moving(Fan& fan, int first, int last, const SegmentBatch& b
   const F step_x = hn::Set(d, frame.step_x);
   const F step_y = hn::Set(d, frame.step_y);
   const F middle = hn::Set(d, frame.middle_beam);
-  keep_larger(fan, first, last, [&](F beam, F c, F s) HWY_ATTR {
+  keep_larger(fan, before, after, [&](F beam, F c, F s) HWY_ATTR {
     const F i = hn::Sub(beam, middle);
     const F x = hn::Mul(i, step_x);
     const F y = hn::Mul(i, step_y);
@@ -328,23 +377,24 @@ HWY_INLINE void meet_moving(Fan& fan, int first, int last, const SegmentBatch& b
   });
 }
 
-void meet_segments(const Shapes& shapes, const Frame& frame, Fan& fan) {
+template <bool kMoves>
+HWY_INLINE void meet_segments(const Shapes& shapes, const Frame& frame, Fan& fan) {
   const int lanes = static_cast<int>(hn::Lanes(Floats()));
   for (int start = 0; start < shapes.segment_count; start += kBatch) {
     SegmentBatch batch;
     Tasks tasks;
     const SegmentBlock* blocks = shapes.segment_blocks.data() + start / kBlock;
     const int count = std::min(kBatch, shapes.segment_count - start);
-    for (int i = 0; i < count; i += lanes) see_segments(blocks[i / kBlock], i % kBlock, i, frame, batch, tasks);
-    for (const Task& task : std::span(tasks.list, tasks.count)) {
-      const auto place = static_cast<std::size_t>(task.place);
+    for (int i = 0; i < count; i += lanes) see_segments<kMoves>(blocks[i / kBlock], i % kBlock, i, frame, batch, tasks);
+    for (std::size_t t = 0; t < tasks.count; ++t) {
+      const auto place = static_cast<std::size_t>(tasks.place[t]);
       if (batch.care[place] > 0.0F) {
         const std::int32_t index = blocks[place / kBlock].index[place % kBlock];
-        meet_carefully(fan, task.first, task.last, shapes.segments[static_cast<std::size_t>(index)]);
-      } else if (frame.moves) {
-        meet_moving(fan, task.first, task.last, batch, place, blocks[place / kBlock], frame);
+        meet_carefully(fan, tasks.before[t] + 1, tasks.after[t] - 1, shapes.segments[static_cast<std::size_t>(index)]);
+      } else if constexpr (kMoves) {
+        meet_moving(fan, tasks.before[t], tasks.after[t], batch, place, blocks[place / kBlock], frame);
       } else {
-        meet_standing(fan, task.first, task.last, batch, place);
+        meet_standing(fan, tasks.before[t], tasks.after[t], batch, place);
       }
     }
   }
@@ -354,10 +404,12 @@ void meet_segments(const Shapes& shapes, const Frame& frame, Fan& fan) {
 struct CircleBatch {
   HWY_ALIGN float x[kBatch];
   HWY_ALIGN float y[kBatch];
+  HWY_ALIGN float radius_squared[kBatch];
   HWY_ALIGN float inverse_power[kBatch];  // of the origin with respect to the circle [1/m^2]
   HWY_ALIGN float care[kBatch];
 };
 
+template <bool kMoves>
 HWY_INLINE void see_circles(const CircleBlock& block, int j, int place, const Frame& frame, CircleBatch& batch,
                             Tasks& tasks) {
   const Floats d;
@@ -365,34 +417,37 @@ HWY_INLINE void see_circles(const CircleBlock& block, int j, int place, const Fr
   const F y = hn::Sub(hn::Load(d, block.y + j), hn::Set(d, frame.origin_y));
   const F radius = hn::Load(d, block.radius + j);
   const F square = hn::Add(hn::Mul(x, x), hn::Mul(y, y));
-  const F power = hn::Sub(square, hn::Mul(radius, radius));
+  const F radius_squared = hn::Mul(radius, radius);
+  const F power = hn::Sub(square, radius_squared);
 
-  // from anywhere on the way it looks no wider than a circle that is larger by the reach
+  // from anywhere on the way it looks no wider than a circle that is larger by the reach; the tangent of half of that
+  // is more than enough, as each beam is tested
   const F wide = hn::Add(radius, hn::Set(d, frame.reach));
   const F wide_power = hn::Sub(square, hn::Mul(wide, wide));
   const auto clear = hn::Gt(wide_power, hn::Zero(d));
   const F tangent = hn::Sqrt(hn::Max(wide_power, hn::Zero(d)));
-  const F half_width = exact::HWY_NAMESPACE::atan2(d, wide, tangent);
+  const F half_width = hn::Min(hn::Div(wide, tangent), hn::Set(d, 0.25F * kTwoPi));
   const F first = hn::Sub(exact::HWY_NAMESPACE::atan2(d, y, x), half_width);
   const F width = hn::Add(half_width, half_width);
   const auto visible = hn::Gt(radius, hn::Zero(d));
 
-  const F large = hn::Sub(hn::Mul(square, hn::Mul(radius, radius)), hn::Set(d, kCircleCare * kCircleCare));
+  const F large = hn::Sub(hn::Mul(square, radius_squared), hn::Set(d, kCircleCare * kCircleCare));
   hn::Store(hn::IfThenElse(clear, large, hn::Set(d, 1.0F)), d, batch.care + place);
   hn::Store(x, d, batch.x + place);
   hn::Store(y, d, batch.y + place);
-  hn::Store(hn::Div(hn::Set(d, 1.0F), hn::IfThenElse(clear, power, hn::Set(d, 1.0F))), d, batch.inverse_power + place);
-  find_beams({first, width, hn::Set(d, kAngleMargin), visible, hn::Not(clear)}, place, frame, tasks);
+  hn::Store(radius_squared, d, batch.radius_squared + place);
+  hn::Store(hn::Div(hn::Set(d, 1.0F), power), d, batch.inverse_power + place);
+  find_beams<true>({first, width, hn::Set(d, kAngleMargin), visible, hn::Not(clear)}, place, frame, tasks);
 }
 
-HWY_INLINE void meet_standing(Fan& fan, int first, int last, const CircleBatch& batch, std::size_t place,
-                              float radius) {
+HWY_INLINE void meet_standing(Fan& fan, std::int32_t before, std::int32_t after, const CircleBatch& batch,
+                              std::size_t place) {
   const Floats d;
   const F x = hn::Set(d, batch.x[place]);
   const F y = hn::Set(d, batch.y[place]);
-  const F radius_squared = hn::Set(d, radius * radius);
+  const F radius_squared = hn::Set(d, batch.radius_squared[place]);
   const F inverse_power = hn::Set(d, batch.inverse_power[place]);
-  keep_larger(fan, first, last, [&](F, F c, F s) HWY_ATTR {
+  keep_larger(fan, before, after, [&](F, F c, F s) HWY_ATTR {
     const F ahead = hn::Add(hn::Mul(c, x), hn::Mul(s, y));
     const F aside = hn::Sub(hn::Mul(c, y), hn::Mul(s, x));
     const F half_chord_squared = hn::Sub(radius_squared, hn::Mul(aside, aside));
@@ -402,22 +457,22 @@ HWY_INLINE void meet_standing(Fan& fan, int first, int last, const CircleBatch& 
   });
 }
 
-void meet_circles(const Shapes& shapes, const Frame& frame, Fan& fan) {
+template <bool kMoves>
+HWY_INLINE void meet_circles(const Shapes& shapes, const Frame& frame, Fan& fan) {
   const int lanes = static_cast<int>(hn::Lanes(Floats()));
   for (int start = 0; start < shapes.circle_count; start += kBatch) {
     CircleBatch batch;
     Tasks tasks;
     const CircleBlock* blocks = shapes.circle_blocks.data() + start / kBlock;
     const int count = std::min(kBatch, shapes.circle_count - start);
-    for (int i = 0; i < count; i += lanes) see_circles(blocks[i / kBlock], i % kBlock, i, frame, batch, tasks);
-    for (const Task& task : std::span(tasks.list, tasks.count)) {
-      const auto place = static_cast<std::size_t>(task.place);
-      const CircleBlock& block = blocks[place / kBlock];
-      if (frame.moves || batch.care[place] > 0.0F) {
-        const auto index = static_cast<std::size_t>(block.index[place % kBlock]);
-        meet_carefully(fan, task.first, task.last, shapes.circles[index]);
+    for (int i = 0; i < count; i += lanes) see_circles<kMoves>(blocks[i / kBlock], i % kBlock, i, frame, batch, tasks);
+    for (std::size_t t = 0; t < tasks.count; ++t) {
+      const auto place = static_cast<std::size_t>(tasks.place[t]);
+      if (kMoves || batch.care[place] > 0.0F) {
+        const std::int32_t index = blocks[place / kBlock].index[place % kBlock];
+        meet_carefully(fan, tasks.before[t] + 1, tasks.after[t] - 1, shapes.circles[static_cast<std::size_t>(index)]);
       } else {
-        meet_standing(fan, task.first, task.last, batch, place, block.radius[place % kBlock]);
+        meet_standing(fan, tasks.before[t], tasks.after[t], batch, place);
       }
     }
   }
@@ -438,10 +493,14 @@ void meet_shapes(const Shapes& shapes, Fan& fan) {
       .step_x = static_cast<float>(sweep.step.x),
       .step_y = static_cast<float>(sweep.step.y),
       .reach = moves ? static_cast<float>(middle * norm(sweep.step)) + 1e-5F : 0.0F,
-      .moves = moves,
   };
-  meet_segments(shapes, frame, fan);
-  meet_circles(shapes, frame, fan);
+  if (moves) {
+    meet_segments<true>(shapes, frame, fan);
+    meet_circles<true>(shapes, frame, fan);
+  } else {
+    meet_segments<false>(shapes, frame, fan);
+    meet_circles<false>(shapes, frame, fan);
+  }
 }
 
 void invert(const Fan& fan, float range_max, float* ranges) {
