@@ -32,7 +32,7 @@ using V = hn::Vec<Doubles>;
 
 constexpr float kTwoPi = 6.28318531F;
 // Candidates that are looked at before any is met.
-constexpr int kBatch = 4 * kBlock;
+constexpr int kBatch = 8 * kBlock;
 // Intervals are widened by this much [rad], above all rounding of angles, so that no beam slips between neighbours.
 constexpr float kAngleMargin = 2e-6F;
 // A segment is careful when (its farthest range)^2 / (distance of its line) is above this [m]: single precision would
@@ -41,20 +41,17 @@ constexpr float kSegmentCare = 120.0F;
 // A circle is careful when radius * distance is above this [m^2]: near its tangents the error grows with its root.
 constexpr float kCircleCare = 0.6F;
 
-// What the set-up of one vector of candidates finds.
-struct Found {
-  F first;  // angles [rad] relative to the middle of the fan, counter-clockwise
-  F width;  // [rad]
-  F slack;  // [rad] to be added at both ends
-  hn::Mask<Floats> visible;
-  hn::Mask<Floats> everywhere;  // the sensor may touch it: every beam must try
+// Where candidates are seen, by place: between two angles [rad], counter-clockwise.
+struct Sight {
+  HWY_ALIGN float first[kBatch];
+  HWY_ALIGN float width[kBatch];  // negative: out of sight
 };
 
-// Which beams to try on which candidates: task t is to try those between before[t] and after[t] on the one at place[t].
+// Which beams to try on which candidates.
 struct Tasks {
   static constexpr std::size_t kRoom = 3 * kBatch + kBlock;  // a whole vector is written at a time
-  HWY_ALIGN std::int32_t before[kRoom];
-  HWY_ALIGN std::int32_t after[kRoom];
+  HWY_ALIGN float first[kRoom];
+  HWY_ALIGN float last[kRoom];
   HWY_ALIGN std::int32_t place[kRoom];
   std::size_t count = 0;
 };
@@ -74,13 +71,13 @@ constexpr ChosenLanes kChosen = [] {
   return chosen;
 }();
 
-// The indices of beams, to be loaded as vectors.
-struct BeamIndices {
-  alignas(64) std::array<std::int32_t, kMaxBeams + 2 * kBlock> index;
+// The numbers of beams, to be loaded as vectors.
+struct BeamNumbers {
+  alignas(64) std::array<float, kMaxBeams + 2 * kBlock> number;
 };
-constexpr BeamIndices kBeams = [] {
-  BeamIndices beams{};
-  for (std::size_t i = 0; i < beams.index.size(); ++i) beams.index[i] = static_cast<std::int32_t>(i);
+constexpr BeamNumbers kBeams = [] {
+  BeamNumbers beams{};
+  for (std::size_t i = 0; i < beams.number.size(); ++i) beams.number[i] = static_cast<float>(i);
   return beams;
 }();
 
@@ -134,92 +131,109 @@ HWY_INLINE Order order_of(hn::Mask<Ints> mask) {
   }
 }
 
-// Adds the beams between `low` and `high`, counted in beams.
-HWY_INLINE void add_tasks(F low, F high, int place, hn::Mask<Floats> visible, const Frame& frame, Tasks& tasks) {
+// Adds tasks, in the lanes of a mask. No branches here: which candidates have beams is hard to foresee.
+HWY_INLINE void append(hn::Mask<Floats> mask, F first, F last, hn::Vec<Ints> place, Tasks& tasks) {
   const Floats d;
   const Ints di;
+  const Order order = order_of(hn::RebindMask(di, mask));
+  const auto chosen = [&](auto lanes) HWY_ATTR { return hn::TableLookupLanes(hn::BitCast(di, lanes), order); };
+  hn::StoreU(hn::BitCast(d, chosen(first)), d, tasks.first + tasks.count);
+  hn::StoreU(hn::BitCast(d, chosen(last)), d, tasks.last + tasks.count);
+  hn::StoreU(chosen(place), di, tasks.place + tasks.count);
+  tasks.count += hn::CountTrue(d, mask);
+}
+
+// Adds those that have beams between `low` and `high`, counted in beams.
+HWY_INLINE void add_tasks(hn::Mask<Floats> visible, F low, F high, hn::Vec<Ints> place, const Frame& frame,
+                          Tasks& tasks) {
+  const Floats d;
   const F first = hn::Max(hn::Ceil(low), hn::Zero(d));
   const F last = hn::Min(hn::Floor(high), hn::Set(d, frame.last_beam));
-  const auto some = hn::And(visible, hn::Le(first, last));
-  const auto lanes = hn::RebindMask(di, some);
-  // no branches: which of the candidates have beams is hard to foresee
-  const auto before = hn::Sub(hn::ConvertTo(di, first), hn::Set(di, 1));
-  const auto after = hn::Add(hn::ConvertTo(di, last), hn::Set(di, 1));
-  const Order order = order_of(lanes);
-  hn::StoreU(hn::TableLookupLanes(before, order), di, tasks.before + tasks.count);
-  hn::StoreU(hn::TableLookupLanes(after, order), di, tasks.after + tasks.count);
-  const auto places = hn::Add(hn::Iota(di, 0), hn::Set(di, place));  // Iota of a variable is slow in Highway 1.0
-  hn::StoreU(hn::TableLookupLanes(places, order), di, tasks.place + tasks.count);
-  tasks.count += hn::CountTrue(d, some);
+  append(hn::And(visible, hn::Le(first, last)), first, last, place, tasks);
 }
 
-// Turns what a vector of candidates looks like into intervals of beams.
-template <bool kEverywhere>
-HWY_INLINE void find_beams(const Found& found, int place, const Frame& frame, Tasks& tasks) {
+// Keeps where a vector of candidates is seen.
+HWY_INLINE void keep_sight(hn::Mask<Floats> visible, F first, F width, int place, Sight& sight) {
   const Floats d;
-
-  // angles to beams: the middle of the candidate within half a turn of the middle of the fan
-  const F relative = hn::Sub(found.first, hn::Set(d, frame.middle_angle));
-  const F middle = hn::Add(relative, hn::Mul(found.width, hn::Set(d, 0.5F)));
-  const F turns = hn::Round(hn::Mul(middle, hn::Set(d, 1.0F / kTwoPi)));
-  const F nearest = hn::Sub(relative, hn::Mul(turns, hn::Set(d, kTwoPi)));
-  const F scale = hn::Set(d, frame.beams_per_radian);
-  const F end0 = hn::Mul(hn::Sub(nearest, found.slack), scale);
-  const F end1 = hn::Mul(hn::Add(hn::Add(nearest, found.width), found.slack), scale);
-  const F zero_angle = hn::Set(d, frame.middle_beam);
-  const F all = hn::Set(d, 1e6F);
-  F low = hn::Add(hn::Min(end0, end1), zero_angle);
-  F high = hn::Add(hn::Max(end0, end1), zero_angle);
-  auto once = found.visible;
-  if constexpr (kEverywhere) {
-    low = hn::IfThenElse(found.everywhere, hn::Neg(all), low);
-    high = hn::IfThenElse(found.everywhere, all, high);
-    once = hn::AndNot(found.everywhere, found.visible);
-  }
-  add_tasks(low, high, place, found.visible, frame, tasks);
-
-  // what lies across the back of a fan of a whole turn is seen from both its ends
-  const F turn = hn::Set(d, kTwoPi * std::fabs(frame.beams_per_radian));
-  const F low_after = hn::Add(low, turn);
-  const F high_before = hn::Sub(high, turn);
-  const auto after = hn::Le(low_after, hn::Set(d, frame.last_beam));
-  const auto before = hn::Ge(high_before, hn::Zero(d));
-  if (!hn::AllFalse(d, hn::And(once, hn::Or(after, before)))) {
-    add_tasks(low_after, hn::Add(high, turn), place, once, frame, tasks);
-    add_tasks(hn::Sub(low, turn), high_before, place, once, frame, tasks);
-  }
+  hn::Store(first, d, sight.first + place);
+  hn::Store(hn::IfThenElse(visible, width, hn::Set(d, -1.0F)), d, sight.width + place);
 }
 
-// Runs `inverse_range(beam, cos, sin)` over the beams between two and keeps the larger.
-template <class InverseRange>
-HWY_INLINE void keep_larger(Fan& fan, std::int32_t before, std::int32_t after, const InverseRange& inverse_range) {
+// Where each beam must try it, because the sensor may touch it: more than once all around.
+constexpr float kAroundFirst = -100.0F;
+constexpr float kAroundWidth = 200.0F;
+
+// Turns what candidates look like into intervals of beams.
+HWY_INLINE void find_beams(const Sight& sight, int count, const Frame& frame, Tasks& tasks) {
   const Floats d;
   const Ints di;
   const int lanes = static_cast<int>(hn::Lanes(d));
-  const auto all_before = hn::Set(di, before);
-  const auto all_after = hn::Set(di, after);
+  const F scale = hn::Set(d, frame.beams_per_radian);
+  const F zero_angle = hn::Set(d, frame.middle_beam);
+  const F last_beam = hn::Set(d, frame.last_beam);
+  const F turn = hn::Set(d, kTwoPi * std::fabs(frame.beams_per_radian));
+  const auto ascending = hn::Iota(di, 0);  // of a constant, since that of a variable is slow in Highway 1.0
+  Tasks across;
+  for (int i = 0; i < count; i += lanes) {
+    // angles to beams: the middle of the candidate within half a turn of the middle of the fan
+    const F width = hn::Load(d, sight.width + i);
+    const F relative = hn::Sub(hn::Load(d, sight.first + i), hn::Set(d, frame.middle_angle));
+    const F middle = hn::Add(relative, hn::Mul(width, hn::Set(d, 0.5F)));
+    const F turns = hn::Round(hn::Mul(middle, hn::Set(d, 1.0F / kTwoPi)));
+    const F nearest = hn::Sub(relative, hn::Mul(turns, hn::Set(d, kTwoPi)));
+    const F end0 = hn::Mul(nearest, scale);
+    const F end1 = hn::Mul(hn::Add(nearest, width), scale);
+    const F low = hn::Add(hn::Min(end0, end1), zero_angle);
+    const F high = hn::Add(hn::Max(end0, end1), zero_angle);
+    const auto visible = hn::Ge(width, hn::Zero(d));
+    const auto place = hn::Add(ascending, hn::Set(di, i));
+    add_tasks(visible, low, high, place, frame, tasks);
+    const auto beyond = hn::Or(hn::Le(hn::Add(low, turn), last_beam), hn::Ge(hn::Sub(high, turn), hn::Zero(d)));
+    append(hn::And(visible, beyond), low, high, place, across);
+  }
+
+  // what lies across the back of a fan of a whole turn is seen from both its ends
+  for (std::size_t t = 0; t < across.count; t += hn::Lanes(d)) {
+    const F low = hn::LoadU(d, across.first + t);
+    const F high = hn::LoadU(d, across.last + t);
+    const auto place = hn::LoadU(di, across.place + t);
+    const auto used = hn::FirstN(d, across.count - t);
+    add_tasks(used, hn::Add(low, turn), hn::Add(high, turn), place, frame, tasks);
+    add_tasks(used, hn::Sub(low, turn), hn::Sub(high, turn), place, frame, tasks);
+  }
+}
+
+// Runs `inverse_range(beam, cos, sin)` over the beams of an interval and keeps the larger.
+template <class InverseRange>
+HWY_INLINE void keep_larger(Fan& fan, float first, float last, const InverseRange& inverse_range) {
+  const Floats d;
+  const int lanes = static_cast<int>(hn::Lanes(d));
+  const F all_first = hn::Set(d, first);
+  const F all_last = hn::Set(d, last);
   const auto keep = [&](int i) HWY_ATTR {
-    const auto beam = hn::Load(di, kBeams.index.data() + i);
-    const auto inside = hn::And(hn::Gt(beam, all_before), hn::Gt(all_after, beam));
-    const F value =
-        inverse_range(hn::ConvertTo(d, beam), hn::Load(d, fan.cos.data() + i), hn::Load(d, fan.sin.data() + i));
+    const F beam = hn::Load(d, kBeams.number.data() + i);
+    const auto inside = hn::And(hn::Ge(beam, all_first), hn::Le(beam, all_last));
+    const F value = inverse_range(beam, hn::Load(d, fan.cos.data() + i), hn::Load(d, fan.sin.data() + i));
     float* kept = fan.inverse_range.data() + i;
-    hn::Store(hn::Max(hn::Load(d, kept), hn::IfThenElseZero(hn::RebindMask(d, inside), value)), d, kept);
+    hn::Store(hn::Max(hn::Load(d, kept), hn::IfThenElseZero(inside, value)), d, kept);
   };
-  int i = (before + 1) & -lanes;
+  const int end = static_cast<int>(last);
+  int i = static_cast<int>(first) & -lanes;
   do {  // two at a time: how often is then easier to foresee for the processor
     keep(i);
     keep(i + lanes);
     i += 2 * lanes;
-  } while (i < after);
+  } while (i <= end);
 }
 
 // The same in double precision with each beam's own origin: `inverse_range(x, y, cos, sin)`.
 template <class InverseRange>
-HWY_INLINE void keep_larger_carefully(Fan& fan, int first, int last, const InverseRange& inverse_range) {
+HWY_INLINE void keep_larger_carefully(Fan& fan, float first_beam, float last_beam, const InverseRange& inverse_range) {
   const Doubles d;
   const HalfFloats df;
   const int lanes = static_cast<int>(hn::Lanes(d));
+  const int first = static_cast<int>(first_beam);
+  const int last = static_cast<int>(last_beam);
   const Sweep& sweep = fan.sweep;
   const V ascending = hn::Iota(d, 0);
   for (int i = first & -lanes; i <= last; i += lanes) {
@@ -241,7 +255,7 @@ HWY_INLINE void keep_larger_carefully(Fan& fan, int first, int last, const Inver
 
 HWY_INLINE V cross(V ax, V ay, V bx, V by) { return hn::Sub(hn::Mul(ax, by), hn::Mul(ay, bx)); }
 
-void meet_carefully(Fan& fan, int first, int last, const scene::Segment& segment) {
+void meet_carefully(Fan& fan, float first, float last, const scene::Segment& segment) {
   const Doubles d;
   const V along_x = hn::Set(d, segment.b.x - segment.a.x);
   const V along_y = hn::Set(d, segment.b.y - segment.a.y);
@@ -258,7 +272,7 @@ void meet_carefully(Fan& fan, int first, int last, const scene::Segment& segment
   });
 }
 
-void meet_carefully(Fan& fan, int first, int last, const scene::Circle& circle) {
+void meet_carefully(Fan& fan, float first, float last, const scene::Circle& circle) {
   const Doubles d;
   const V radius_squared = hn::Set(d, circle.radius * circle.radius);
   keep_larger_carefully(fan, first, last, [&](V x, V y, V c, V s) HWY_ATTR {
@@ -277,6 +291,7 @@ void meet_carefully(Fan& fan, int first, int last, const scene::Circle& circle) 
 
 // What the evaluation of a batch of segments needs, by place.
 struct SegmentBatch {
+  Sight sight;
   HWY_ALIGN float along_x[kBatch];
   HWY_ALIGN float along_y[kBatch];
   HWY_ALIGN float height[kBatch];  // of the origin above the line, times length
@@ -287,8 +302,7 @@ struct SegmentBatch {
 
 // Looks at a vector of segments from the middle of the way.
 template <bool kMoves>
-HWY_INLINE void see_segments(const SegmentBlock& block, int j, int place, const Frame& frame, SegmentBatch& batch,
-                             Tasks& tasks) {
+HWY_INLINE void see_segments(const SegmentBlock& block, int j, int place, const Frame& frame, SegmentBatch& batch) {
   const Floats d;
   const F origin_x = hn::Set(d, frame.origin_x);
   const F origin_y = hn::Set(d, frame.origin_y);
@@ -307,10 +321,10 @@ HWY_INLINE void see_segments(const SegmentBlock& block, int j, int place, const 
   const F first = exact::HWY_NAMESPACE::atan2(d, by, bx);
   const F width = hn::Sub(exact::HWY_NAMESPACE::atan2(d, ay, ax), first);
   const F turned = hn::IfThenElse(hn::Lt(width, hn::Set(d, -1.0F)), hn::Add(width, hn::Set(d, kTwoPi)), width);
-  F slack = hn::Set(d, kAngleMargin);
+  F seen_first = hn::Sub(first, hn::Set(d, kAngleMargin));
+  F seen_width = hn::Add(hn::Max(turned, hn::Zero(d)), hn::Set(d, 2.0F * kAngleMargin));
   F lowest = height;
   auto visible = hn::Gt(height, hn::Zero(d));
-  auto everywhere = hn::Lt(square_length, hn::Zero(d));  // nowhere, unless the sensor moves
   if constexpr (kMoves) {
     // on the way the line comes nearer by the reach, and each end turns by asin(reach / distance) at most
     const F reach = hn::Set(d, frame.reach);
@@ -318,9 +332,11 @@ HWY_INLINE void see_segments(const SegmentBlock& block, int j, int place, const 
     lowest = hn::Sub(height, change);
     visible = hn::Gt(hn::Add(height, change), hn::Zero(d));
     const F square = hn::Min(square_a, square_b);
-    everywhere = hn::Or(hn::Le(lowest, hn::Zero(d)), hn::Le(square, hn::Mul(reach, reach)));
+    const auto touched = hn::Or(hn::Le(lowest, hn::Zero(d)), hn::Le(square, hn::Mul(reach, reach)));
     const F sine = hn::Div(reach, hn::Sqrt(hn::Max(square, hn::Set(d, 1e-12F))));
-    slack = hn::Add(hn::Mul(sine, hn::Set(d, 1.5708F)), slack);
+    const F slack = hn::Mul(sine, hn::Set(d, 1.5708F));
+    seen_first = hn::IfThenElse(touched, hn::Set(d, kAroundFirst), hn::Sub(seen_first, slack));
+    seen_width = hn::IfThenElse(touched, hn::Set(d, kAroundWidth), hn::Add(seen_width, hn::Add(slack, slack)));
   }
 
   // careful if farthest^2 / distance > kSegmentCare, squared and without the division
@@ -336,20 +352,19 @@ HWY_INLINE void see_segments(const SegmentBlock& block, int j, int place, const 
     hn::Store(hn::Mul(hn::Neg(along_y), inverse), d, batch.of_cos + place);
     hn::Store(hn::Mul(along_x, inverse), d, batch.of_sin + place);
   }
-  find_beams<kMoves>({first, hn::Max(turned, hn::Zero(d)), slack, visible, everywhere}, place, frame, tasks);
+  keep_sight(visible, seen_first, seen_width, place, batch.sight);
 }
 
-HWY_INLINE void meet_standing(Fan& fan, std::int32_t before, std::int32_t after, const SegmentBatch& batch,
-                              std::size_t place) {
+HWY_INLINE void meet_standing(Fan& fan, float first, float last, const SegmentBatch& batch, std::size_t place) {
   const Floats d;
   const F a = hn::Set(d, batch.of_cos[place]);
   const F b = hn::Set(d, batch.of_sin[place]);
-  keep_larger(fan, before, after, [&](F, F c, F s) HWY_ATTR { return hn::Add(hn::Mul(a, c), hn::Mul(b, s)); });
+  keep_larger(fan, first, last, [&](F, F c, F s) HWY_ATTR { return hn::Add(hn::Mul(a, c), hn::Mul(b, s)); });
 }
 
 // On the way: each beam from its own origin, both ends tested.
-HWY_INLINE void meet_moving(Fan& fan, std::int32_t before, std::int32_t after, const SegmentBatch& batch,
-                            std::size_t place, const SegmentBlock& block, const Frame& frame) {
+HWY_INLINE void meet_moving(Fan& fan, float first, float last, const SegmentBatch& batch, std::size_t place,
+                            const SegmentBlock& block, const Frame& frame) {
   const Floats d;
   const std::size_t j = place % kBlock;
   const float along_x = batch.along_x[place];
@@ -363,7 +378,7 @@ HWY_INLINE void meet_moving(Fan& fan, std::int32_t before, std::int32_t after, c
   const F step_x = hn::Set(d, frame.step_x);
   const F step_y = hn::Set(d, frame.step_y);
   const F middle = hn::Set(d, frame.middle_beam);
-  keep_larger(fan, before, after, [&](F beam, F c, F s) HWY_ATTR {
+  keep_larger(fan, first, last, [&](F beam, F c, F s) HWY_ATTR {
     const F i = hn::Sub(beam, middle);
     const F x = hn::Mul(i, step_x);
     const F y = hn::Mul(i, step_y);
@@ -385,16 +400,17 @@ HWY_INLINE void meet_segments(const Shapes& shapes, const Frame& frame, Fan& fan
     Tasks tasks;
     const SegmentBlock* blocks = shapes.segment_blocks.data() + start / kBlock;
     const int count = std::min(kBatch, shapes.segment_count - start);
-    for (int i = 0; i < count; i += lanes) see_segments<kMoves>(blocks[i / kBlock], i % kBlock, i, frame, batch, tasks);
+    for (int i = 0; i < count; i += lanes) see_segments<kMoves>(blocks[i / kBlock], i % kBlock, i, frame, batch);
+    find_beams(batch.sight, count, frame, tasks);
     for (std::size_t t = 0; t < tasks.count; ++t) {
       const auto place = static_cast<std::size_t>(tasks.place[t]);
       if (batch.care[place] > 0.0F) {
         const std::int32_t index = blocks[place / kBlock].index[place % kBlock];
-        meet_carefully(fan, tasks.before[t] + 1, tasks.after[t] - 1, shapes.segments[static_cast<std::size_t>(index)]);
+        meet_carefully(fan, tasks.first[t], tasks.last[t], shapes.segments[static_cast<std::size_t>(index)]);
       } else if constexpr (kMoves) {
-        meet_moving(fan, tasks.before[t], tasks.after[t], batch, place, blocks[place / kBlock], frame);
+        meet_moving(fan, tasks.first[t], tasks.last[t], batch, place, blocks[place / kBlock], frame);
       } else {
-        meet_standing(fan, tasks.before[t], tasks.after[t], batch, place);
+        meet_standing(fan, tasks.first[t], tasks.last[t], batch, place);
       }
     }
   }
@@ -402,6 +418,7 @@ HWY_INLINE void meet_segments(const Shapes& shapes, const Frame& frame, Fan& fan
 
 // What the evaluation of a batch of circles needs, by place.
 struct CircleBatch {
+  Sight sight;
   HWY_ALIGN float x[kBatch];
   HWY_ALIGN float y[kBatch];
   HWY_ALIGN float radius_squared[kBatch];
@@ -409,9 +426,7 @@ struct CircleBatch {
   HWY_ALIGN float care[kBatch];
 };
 
-template <bool kMoves>
-HWY_INLINE void see_circles(const CircleBlock& block, int j, int place, const Frame& frame, CircleBatch& batch,
-                            Tasks& tasks) {
+HWY_INLINE void see_circles(const CircleBlock& block, int j, int place, const Frame& frame, CircleBatch& batch) {
   const Floats d;
   const F x = hn::Sub(hn::Load(d, block.x + j), hn::Set(d, frame.origin_x));
   const F y = hn::Sub(hn::Load(d, block.y + j), hn::Set(d, frame.origin_y));
@@ -427,8 +442,10 @@ HWY_INLINE void see_circles(const CircleBlock& block, int j, int place, const Fr
   const auto clear = hn::Gt(wide_power, hn::Zero(d));
   const F tangent = hn::Sqrt(hn::Max(wide_power, hn::Zero(d)));
   const F half_width = hn::Min(hn::Div(wide, tangent), hn::Set(d, 0.25F * kTwoPi));
-  const F first = hn::Sub(exact::HWY_NAMESPACE::atan2(d, y, x), half_width);
-  const F width = hn::Add(half_width, half_width);
+  const F middle = exact::HWY_NAMESPACE::atan2(d, y, x);
+  const F enough = hn::Add(half_width, hn::Set(d, kAngleMargin));
+  const F first = hn::IfThenElse(clear, hn::Sub(middle, enough), hn::Set(d, kAroundFirst));
+  const F width = hn::IfThenElse(clear, hn::Add(enough, enough), hn::Set(d, kAroundWidth));
   const auto visible = hn::Gt(radius, hn::Zero(d));
 
   const F large = hn::Sub(hn::Mul(square, radius_squared), hn::Set(d, kCircleCare * kCircleCare));
@@ -437,17 +454,16 @@ HWY_INLINE void see_circles(const CircleBlock& block, int j, int place, const Fr
   hn::Store(y, d, batch.y + place);
   hn::Store(radius_squared, d, batch.radius_squared + place);
   hn::Store(hn::Div(hn::Set(d, 1.0F), power), d, batch.inverse_power + place);
-  find_beams<true>({first, width, hn::Set(d, kAngleMargin), visible, hn::Not(clear)}, place, frame, tasks);
+  keep_sight(visible, first, width, place, batch.sight);
 }
 
-HWY_INLINE void meet_standing(Fan& fan, std::int32_t before, std::int32_t after, const CircleBatch& batch,
-                              std::size_t place) {
+HWY_INLINE void meet_standing(Fan& fan, float first, float last, const CircleBatch& batch, std::size_t place) {
   const Floats d;
   const F x = hn::Set(d, batch.x[place]);
   const F y = hn::Set(d, batch.y[place]);
   const F radius_squared = hn::Set(d, batch.radius_squared[place]);
   const F inverse_power = hn::Set(d, batch.inverse_power[place]);
-  keep_larger(fan, before, after, [&](F, F c, F s) HWY_ATTR {
+  keep_larger(fan, first, last, [&](F, F c, F s) HWY_ATTR {
     const F ahead = hn::Add(hn::Mul(c, x), hn::Mul(s, y));
     const F aside = hn::Sub(hn::Mul(c, y), hn::Mul(s, x));
     const F half_chord_squared = hn::Sub(radius_squared, hn::Mul(aside, aside));
@@ -465,14 +481,15 @@ HWY_INLINE void meet_circles(const Shapes& shapes, const Frame& frame, Fan& fan)
     Tasks tasks;
     const CircleBlock* blocks = shapes.circle_blocks.data() + start / kBlock;
     const int count = std::min(kBatch, shapes.circle_count - start);
-    for (int i = 0; i < count; i += lanes) see_circles<kMoves>(blocks[i / kBlock], i % kBlock, i, frame, batch, tasks);
+    for (int i = 0; i < count; i += lanes) see_circles(blocks[i / kBlock], i % kBlock, i, frame, batch);
+    find_beams(batch.sight, count, frame, tasks);
     for (std::size_t t = 0; t < tasks.count; ++t) {
       const auto place = static_cast<std::size_t>(tasks.place[t]);
       if (kMoves || batch.care[place] > 0.0F) {
         const std::int32_t index = blocks[place / kBlock].index[place % kBlock];
-        meet_carefully(fan, tasks.before[t] + 1, tasks.after[t] - 1, shapes.circles[static_cast<std::size_t>(index)]);
+        meet_carefully(fan, tasks.first[t], tasks.last[t], shapes.circles[static_cast<std::size_t>(index)]);
       } else {
-        meet_standing(fan, tasks.before[t], tasks.after[t], batch, place);
+        meet_standing(fan, tasks.first[t], tasks.last[t], batch, place);
       }
     }
   }
