@@ -32,6 +32,8 @@ struct Occluder {
   std::array<Line, kMaxCorners> lines;
   std::size_t corner_count = 0;
   std::size_t line_count = 0;
+  std::size_t first_segment = 0;  // of those in the slice that go round it
+  std::size_t segment_count = 1;
 };
 
 using Square = std::array<Vec2, 4>;
@@ -135,10 +137,15 @@ std::vector<Occluder> occluders_of(const Slice& slice) {
     const Occluder whole = n > 0 ? solid(segments.subspan(i, n)) : Occluder{};
     if (n > 0 && is_thick(whole)) {
       occluders.push_back(whole);
+      occluders.back().first_segment = i;
+      occluders.back().segment_count = n;
       i += n;
       continue;
     }
-    if (distance(segments[i].a, segments[i].b) > 1e-3) occluders.push_back(face(segments[i]));
+    if (distance(segments[i].a, segments[i].b) > 1e-3) {
+      occluders.push_back(face(segments[i]));
+      occluders.back().first_segment = i;
+    }
     ++i;
   }
   return occluders;
@@ -172,19 +179,22 @@ class Search {
         grid_(grid),
         range_max_(range_max),
         all_occluders_(occluders_of(slice)),
+        is_listed_(slice.segments.size()),
         sets_(static_cast<std::size_t>(grid.count())) {}
 
   std::vector<VisibleSet> run() {
     VisibleSet all;
     for (std::size_t i = 0; i < slice_.segments.size(); ++i) all.segments.push_back(static_cast<int>(i));
     for (std::size_t i = 0; i < slice_.circles.size(); ++i) all.circles.push_back(static_cast<int>(i));
-    refine({0, 0, grid_.width, grid_.height}, all);
+    std::vector<const Occluder*> occluders;
+    for (const Occluder& occluder : all_occluders_) occluders.push_back(&occluder);
+    refine({0, 0, grid_.width, grid_.height}, all, occluders);
     return std::move(sets_);
   }
 
  private:
-  void refine(const CellRange& range, const VisibleSet& parent) {
-    const VisibleSet visible = seen_from(range, parent);
+  void refine(const CellRange& range, const VisibleSet& parent, const std::vector<const Occluder*>& parents) {
+    const VisibleSet visible = seen_from(range, parent, parents);
     const int width = range.x1 - range.x0;
     const int height = range.y1 - range.y0;
     if (width == 1 && height == 1) {
@@ -199,11 +209,25 @@ class Search {
     } else {
       low.y1 = high.y0 = range.y0 + height / 2;
     }
-    refine(low, visible);
-    refine(high, visible);
+    const std::vector<const Occluder*> occluders = those_seen(visible, parents);
+    refine(low, visible, occluders);
+    refine(high, visible, occluders);
   }
 
-  VisibleSet seen_from(const CellRange& range, const VisibleSet& candidates) {
+  // Occluders that can be seen themselves. What stands behind another hides nothing that is not hidden already.
+  std::vector<const Occluder*> those_seen(const VisibleSet& visible, const std::vector<const Occluder*>& occluders) {
+    for (const int i : visible.segments) is_listed_[static_cast<std::size_t>(i)] = 1;
+    std::vector<const Occluder*> seen;
+    for (const Occluder* occluder : occluders) {
+      const auto segments = std::span(is_listed_).subspan(occluder->first_segment, occluder->segment_count);
+      if (std::ranges::any_of(segments, [](char listed) { return listed != 0; })) seen.push_back(occluder);
+    }
+    std::ranges::fill(is_listed_, char{0});
+    return seen;
+  }
+
+  VisibleSet seen_from(const CellRange& range, const VisibleSet& candidates,
+                       const std::vector<const Occluder*>& occluders) {
     // a hair larger than its cells, so that rounding at their edges does no harm
     const double x0 = grid_.origin.x + CellGrid::kSize * range.x0 - kMargin;
     const double y0 = grid_.origin.y + CellGrid::kSize * range.y0 - kMargin;
@@ -213,7 +237,7 @@ class Search {
     const Vec2 middle{0.5 * (x0 + x1), 0.5 * (y0 + y1)};
     const double reach = range_max_ + distance(middle, square[0]) + kMargin;
 
-    order_occluders(square, middle);
+    order_occluders(square, middle, occluders);
     VisibleSet visible;
     for (const int i : candidates.segments) {
       const Segment& segment = slice_.segments[static_cast<std::size_t>(i)];
@@ -241,13 +265,13 @@ class Search {
 
   // Those that can hide anything from the square, by where they are seen, the widest first: most of what is hidden is
   // hidden by them.
-  void order_occluders(const Square& square, Vec2 middle) {
+  void order_occluders(const Square& square, Vec2 middle, const std::vector<const Occluder*>& occluders) {
     occluders_.clear();
-    for (const Occluder& occluder : all_occluders_) {
-      if (!faces(occluder, square)) continue;
-      View view{&occluder, occluder.corners[0] - middle, occluder.corners[0] - middle, 0.0};
-      for (std::size_t i = 1; i < occluder.corner_count; ++i) {
-        const Vec2 corner = occluder.corners[i] - middle;
+    for (const Occluder* occluder : occluders) {
+      if (!faces(*occluder, square)) continue;
+      View view{occluder, occluder->corners[0] - middle, occluder->corners[0] - middle, 0.0};
+      for (std::size_t i = 1; i < occluder->corner_count; ++i) {
+        const Vec2 corner = occluder->corners[i] - middle;
         if (cross(view.left, corner) > 0.0) view.left = corner;
         if (cross(view.right, corner) < 0.0) view.right = corner;
       }
@@ -276,6 +300,7 @@ class Search {
   const CellGrid& grid_;
   double range_max_;
   std::vector<Occluder> all_occluders_;
+  std::vector<char> is_listed_;  // each segment, while occluders are sifted
   std::vector<View> occluders_;
   std::array<std::vector<const View*>, kSectors> sectors_;  // those of `occluders_` that reach into each
   std::vector<VisibleSet> sets_;
