@@ -39,8 +39,9 @@ AgentModel make_agent_model(const Options& options) {
     model.sight = farthest_way(model.gate, lidar) + norm(lidar.base_from_lidar.position()) + model.gate.margin +
                   model.gate.footprint.circumscribed_radius();
     model.beams = models::beams_of_points(lidar);
-    const bool in_order = std::ranges::all_of(model.beams, [i = 0](const models::PointBeams& beams) mutable {
-      return beams.first == i && beams.second == i++;
+    const bool in_order = std::ranges::all_of(model.beams, [i = 0U](const models::PointBeams& beams) mutable {
+      const unsigned point = i++;
+      return beams.first == point && beams.second == point;
     });
     if (in_order) model.beams.clear();
   }

@@ -22,7 +22,7 @@ std::size_t draw_scene(std::uint64_t seed, std::uint32_t episode, std::size_t sc
 
 // All of them stand until each of their sensors has delivered once.
 void Batch::Impl::begin(Worlds worlds, std::span<const Reset> resets) {
-  for (std::size_t i = 0; i < worlds.size(); ++i) begin_world(worlds[i], resets.empty() ? Reset{} : resets[worlds[i]]);
+  for (const std::size_t world : worlds) begin_world(world, resets.empty() ? Reset{} : resets[world]);
   advance(worlds, clock.settle);
 }
 

@@ -25,7 +25,7 @@ DistanceField::DistanceField(const scene::SceneTables& tables, Vec2 target)
   unit_ = std::max(longest, 0.001) / (kNoWay - 1);
   lengths_.reserve(lengths.size());
   for (const double length : lengths) {
-    lengths_.push_back(std::isfinite(length) ? static_cast<std::uint16_t>(length / unit_ + 0.5) : kNoWay);
+    lengths_.push_back(std::isfinite(length) ? static_cast<std::uint16_t>(std::floor(length / unit_ + 0.5)) : kNoWay);
   }
 }
 
@@ -37,8 +37,8 @@ double DistanceField::at(int x, int y) const {
 // Bilinear between the four cells around a point; beside obstacles, by way of the best cell nearby.
 double DistanceField::length_from(Vec2 point) const {
   const Vec2 place = (1.0 / frame_.resolution) * (point - frame_.center({0, 0}));
-  if (!(place.x >= 1.0 && place.y >= 1.0 && place.x < frame_.width - 2 && place.y < frame_.height - 2))
-    return kInfinity;
+  const bool on_field = place.x >= 1.0 && place.y >= 1.0 && place.x < frame_.width - 2 && place.y < frame_.height - 2;
+  if (!on_field) return kInfinity;
   const int x = static_cast<int>(place.x);
   const int y = static_cast<int>(place.y);
   const double below = at(x, y) + (place.x - x) * (at(x + 1, y) - at(x, y));

@@ -96,10 +96,9 @@ class SeenMap {
     };
     const int left = corner(place.x);
     const int low = corner(place.y);
-    for (int y = 0; y < kWindow; ++y) {
-      for (int x = 0; x < kWindow; ++x) {
-        window[static_cast<std::size_t>(y * kWindow + x)] = static_cast<std::byte>(value({left + x, low + y}));
-      }
+    std::size_t i = 0;
+    for (int y = low; y < low + kWindow; ++y) {
+      for (int x = left; x < left + kWindow; ++x) window[i++] = static_cast<std::byte>(value({x, y}));
     }
   }
 
