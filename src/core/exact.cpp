@@ -7,6 +7,7 @@
 #include <hwy/highway.h>
 
 #include "threewe/core/exact-inl.hpp"
+#include "threewe/core/normal-inl.hpp"
 
 namespace threewe::exact {
 namespace {
@@ -105,13 +106,11 @@ double exp(double x) {
   return y * power(exponent / 2) * power(exponent - exponent / 2);
 }
 
-// Argument reduction and polynomial of fdlibm's e_log.c.
+// Argument reduction of fdlibm's e_log.c.
 double log(double x) {
   if (std::isnan(x) || x < 0.0) return std::numeric_limits<double>::quiet_NaN();
   if (x == 0.0) return -std::numeric_limits<double>::infinity();
   if (std::isinf(x)) return x;
-  constexpr double kLn2High = 0x1.62e42fee00000p-1;
-  constexpr double kLn2Low = 1.90821492927058770002e-10;
 
   // x = 2^k m with m in [sqrt(1/2), sqrt(2))
   double k = 0.0;
@@ -127,17 +126,7 @@ double log(double x) {
     k += 1.0;
   }
 
-  const double f = m - 1.0;
-  const double s = f / (2.0 + f);
-  const double z = s * s;
-  const double r = z * (6.666666666666735130e-01 +
-                        z * (3.999999999940941908e-01 +
-                             z * (2.857142874366239149e-01 +
-                                  z * (2.222219843214978396e-01 +
-                                       z * (1.818357216161805012e-01 +
-                                            z * (1.531383769920937332e-01 + z * 1.479819860511658591e-01))))));
-  const double half_square = 0.5 * f * f;
-  return k * kLn2High - ((half_square - (s * (half_square + r) + k * kLn2Low)) - f);
+  return threewe::HWY_NAMESPACE::log_of_parts(k, m);
 }
 
 }  // namespace threewe::exact

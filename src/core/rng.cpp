@@ -1,6 +1,9 @@
 #include "threewe/core/rng.hpp"
 
+#include <hwy/highway.h>
+
 #include "threewe/core/exact.hpp"
+#include "threewe/core/normal-inl.hpp"
 
 namespace threewe {
 namespace {
@@ -61,56 +64,15 @@ double normal_quantile(double p) {
   const double q = p - 0.5;
 
   // the middle 85 %
-  if (q <= 0.425 && q >= -0.425) {
-    const double r = 0.180625 - q * q;
-    const double numerator = ((((((2509.0809287301226727 * r + 33430.575583588128105) * r + 67265.770927008700853) * r +
-                                 45921.953931549871457) *
-                                    r +
-                                13731.693765509461125) *
-                                   r +
-                               1971.5909503065514427) *
-                                  r +
-                              133.14166789178437745) *
-                                 r +
-                             3.387132872796366608;
-    const double denominator = ((((((5226.495278852545925 * r + 28729.085735721942674) * r + 39307.89580009271061) * r +
-                                   21213.794301586595867) *
-                                      r +
-                                  5394.1960214247511077) *
-                                     r +
-                                 687.1870074920579083) *
-                                    r +
-                                42.313330701600911252) *
-                                   r +
-                               1.0;
-    return q * numerator / denominator;
+  if (q <= HWY_NAMESPACE::kNormalMiddle && q >= -HWY_NAMESPACE::kNormalMiddle) {
+    return HWY_NAMESPACE::normal_middle(q);
   }
 
   // the tails
   double r = exact::sqrt(-exact::log(q < 0.0 ? p : 1.0 - p));
   double value = 0.0;
-  if (r <= 5.0) {
-    r -= 1.6;
-    value = (((((((7.7454501427834140764e-4 * r + 0.0227238449892691845833) * r + 0.24178072517745061177) * r +
-                 1.27045825245236838258) *
-                    r +
-                3.64784832476320460504) *
-                   r +
-               5.7694972214606914055) *
-                  r +
-              4.6303378461565452959) *
-                 r +
-             1.42343711074968357734) /
-            (((((((1.05075007164441684324e-9 * r + 5.475938084995344946e-4) * r + 0.0151986665636164571966) * r +
-                 0.14810397642748007459) *
-                    r +
-                0.68976733498510000455) *
-                   r +
-               1.6763848301838038494) *
-                  r +
-              2.05319162663775882187) *
-                 r +
-             1.0);
+  if (r <= HWY_NAMESPACE::kNormalTail) {
+    value = HWY_NAMESPACE::normal_tail(r);
   } else {
     r -= 5.0;
     value = (((((((2.01033439929228813265e-7 * r + 2.71155556874348757815e-5) * r + 0.0012426609473880784386) * r +

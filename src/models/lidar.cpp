@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "models/lidar_noise.hpp"
+
 namespace threewe::models {
 
 ScanPattern scan_pattern(const LidarSpec& spec) {
@@ -13,6 +15,31 @@ ScanPattern scan_pattern(const LidarSpec& spec) {
   return {edge + inwards, kTurn / spec.points_per_turn};
 }
 
+namespace {
+
+// One draw per point: two words for the scatter, one for the dropout.
+void measure_noisily(const LidarSpec& spec, const RngKey& key, double bias, std::uint64_t first,
+                     std::span<float> ranges) {
+  const auto far = static_cast<float>(spec.range_max);
+  const auto near = static_cast<float>(spec.range_min);
+  const double dropout = spec.dropout * 0x1p32;
+  for (std::size_t begin = 0; begin < ranges.size(); begin += kDrawn) {
+    const std::size_t count = std::min(kDrawn, ranges.size() - begin);
+    PointDraws draws;
+    draw_points(key, first + begin, count, draws);
+    for (std::size_t i = 0; i < count; ++i) {
+      float& range = ranges[begin + i];
+      const double offset = bias + spec.sigma * draws.scatter[i];
+      const float moved = std::min(static_cast<float>(static_cast<double>(range) + offset), far);
+      const float measured = range >= far ? far : moved;
+      const bool lost = static_cast<double>(static_cast<std::int64_t>(draws.fate[i])) < dropout || measured < near;
+      range = lost ? 0.0F : measured;
+    }
+  }
+}
+
+}  // namespace
+
 double lidar_bias(const LidarSpec& spec, const RngKey& key) {
   RngKey episode = key;
   episode.stream = Stream::episode;
@@ -23,27 +50,14 @@ void measure_ranges(const LidarSpec& spec, const RngKey& key, double bias, std::
                     std::span<float> ranges) {
   const auto far = static_cast<float>(spec.range_max);
   const auto near = static_cast<float>(spec.range_min);
-  const bool noisy = spec.sigma > 0.0 || spec.dropout > 0.0;
-  const double dropout = spec.dropout * 0x1p32;
-  for (std::size_t i = 0; i < ranges.size(); ++i) {
-    float& range = ranges[i];
-    double offset = bias;
-    if (noisy) {
-      // one draw per point: two words for the scatter, one for the dropout
-      const auto bits = random_bits(key, first + i);
-      if (bits[2] < dropout) {
-        range = 0.0F;
-        continue;
-      }
-      const std::uint64_t wide = std::uint64_t{bits[0]} << 32 | bits[1];
-      offset += spec.sigma * normal_quantile(static_cast<double>(wide >> 11) * 0x1p-53 + 0x1p-54);
-    }
-    if (range >= far) {
-      range = far;
-      continue;
-    }
-    range = std::min(static_cast<float>(static_cast<double>(range) + offset), far);
-    if (range < near) range = 0.0F;
+  if (spec.sigma > 0.0 || spec.dropout > 0.0) {
+    measure_noisily(spec, key, bias, first, ranges);
+    return;
+  }
+  for (float& range : ranges) {
+    const float moved = std::min(static_cast<float>(static_cast<double>(range) + bias), far);
+    const float measured = range >= far ? far : moved;
+    range = measured < near ? 0.0F : measured;
   }
 }
 

@@ -5,7 +5,10 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <string>
 #include <vector>
+
+#include "threewe/core/targets.hpp"
 
 using namespace threewe;
 using namespace threewe::models;
@@ -221,6 +224,44 @@ TEST_CASE("scatter, bias and dropouts have the stated distributions, and each sw
   const auto biased = measure(no_dropout, 0.02);
   for (std::size_t i = 0; i < 1000; ++i) {
     CHECK(static_cast<double>(biased[i] - kept[i]) == doctest::Approx(0.02).epsilon(1e-4));
+  }
+}
+
+// One point after the other, as `measure_ranges` is specified.
+void measure_slowly(const LidarSpec& spec, const RngKey& key, double bias, std::uint64_t first,
+                    std::vector<float>& ranges) {
+  const auto far = static_cast<float>(spec.range_max);
+  for (float& range : ranges) {
+    const auto bits = random_bits(key, first++);
+    const std::uint64_t wide = std::uint64_t{bits[0]} << 32 | bits[1];
+    const double z = normal_quantile(static_cast<double>(wide >> 11) * 0x1p-53 + 0x1p-54);
+    const auto moved = static_cast<float>(static_cast<double>(range) + (bias + spec.sigma * z));
+    range = range < far ? std::min(moved, far) : far;
+    if (bits[2] < spec.dropout * 0x1p32 || range < static_cast<float>(spec.range_min)) range = 0.0F;
+  }
+}
+
+TEST_CASE("many points at once are measured as one after the other, to the bit, on every target") {
+  // as wide as the range, so that each bit of the scatter counts, and from where sample numbers leave 32 bits
+  LidarSpec wide = ld06();
+  wide.sigma = 3.0;
+  wide.range_min = -100.0;
+  for (const LidarSpec& spec : {ld06(), wide, perfect(ld06())}) {
+    for (const std::uint64_t first : {std::uint64_t{0}, (std::uint64_t{1} << 32) - 20'000}) {
+      const RngKey key{.seed = 0x123456789abcdef0U + first, .episode = 7, .robot = 3, .stream = Stream::lidar};
+      std::vector<float> truth(40'001);
+      for (std::size_t i = 0; i < truth.size(); ++i) truth[i] = static_cast<float>(i % 1250) * 0.01F;
+      std::vector<float> expected = truth;
+      measure_slowly(spec, key, spec.bias / 3.0, first, expected);
+      for (const std::string& target : available_targets()) {
+        CAPTURE(target);
+        force_target(target);
+        std::vector<float> ranges = truth;
+        measure_ranges(spec, key, spec.bias / 3.0, first, ranges);
+        CHECK(ranges == expected);
+      }
+      force_target("");
+    }
   }
 }
 
