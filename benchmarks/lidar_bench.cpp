@@ -1,9 +1,12 @@
 // Nanoseconds per ray of the lidar, in a room of 44 boxes where other simulators have been measured too.
 #include <benchmark/benchmark.h>
 
+#include <random>
 #include <vector>
 
 #include "lidar_room.hpp"
+#include "threewe/scene/obstacles.hpp"
+#include "threewe/scene/scene.hpp"
 #include "threewe/sim/ray_caster.hpp"
 
 namespace {
@@ -34,6 +37,32 @@ void one_pose(benchmark::State& state) {
   report(state, static_cast<double>(beams));
 }
 BENCHMARK(one_pose)->Arg(64)->Arg(360)->Arg(450);
+
+// One turn each from 1,024 places of an office, where chairs and tables have legs: so is a batch of environments.
+void office(benchmark::State& state) {
+  static const scene::Scene scene = scene::Scene::load("office_v2");
+  static const sim::RayCaster seeing(scene.at_height(0.135), kRangeMax);
+  const scene::Obstacles obstacles(scene.solids());
+  std::mt19937_64 bits(1);
+  std::uniform_real_distribution<double> x(scene.min.x, scene.max.x);
+  std::uniform_real_distribution<double> y(scene.min.y, scene.max.y);
+  std::uniform_real_distribution<double> heading(-3.1, 3.1);
+  std::vector<Pose2D> poses;
+  while (poses.size() < 1024) {
+    const Pose2D pose{x(bits), y(bits), heading(bits)};
+    if (scene.room_at(pose.position()) && obstacles.clearance(pose.position()) > 0.15) poses.push_back(pose);
+  }
+
+  const auto beams = static_cast<std::size_t>(state.range(0));
+  std::vector<float> ranges(beams);
+  std::size_t i = 0;
+  for (auto _ : state) {
+    seeing.cast(poses[i++ % poses.size()], -exact::kPi, 2 * exact::kPi / static_cast<double>(beams), ranges);
+    benchmark::DoNotOptimize(ranges.data());
+  }
+  report(state, static_cast<double>(beams));
+}
+BENCHMARK(office)->Arg(64)->Arg(360);
 
 // One turn on the way, as a clockwise lidar delivers it: a tenth of it in each of ten steps.
 void rolling(benchmark::State& state) {

@@ -27,17 +27,19 @@ IMUState start_imu(const IMUSpec& spec, const RngKey& key) {
   return state;
 }
 
-IMUData measure_imu(const IMUSpec& spec, const RngKey& key, double yaw_rate, Vec2 acceleration, IMUState& state) {
+IMUData measure_imu(const IMUSpec& spec, const RngKey& key, double yaw_rate, Vec2 acceleration, IMUState& state,
+                    const Variation& variation) {
   const std::array<double, 3> rate{0.0, 0.0, yaw_rate};
   const std::array<double, 3> force{acceleration.x, acceleration.y, kGravity};
   const std::uint64_t sample = state.samples++;
   const double walk = spec.gyro_bias_walk > 0.0 ? spec.gyro_bias_walk * exact::sqrt(to_seconds(spec.period)) : 0.0;
+  const double noise = variation.imu_noise;
   IMUData data;
   for (std::uint32_t axis = 0; axis < 3; ++axis) {
     data.angular_velocity[axis] =
-        rate[axis] + state.gyro_bias[axis] + scatter(spec.gyro_sigma, key, sample, kGyro + axis);
-    data.linear_acceleration[axis] = force[axis] + state.accelerometer_bias[axis] +
-                                     scatter(spec.accelerometer_sigma, key, sample, kAccelerometer + axis);
+        rate[axis] + noise * state.gyro_bias[axis] + scatter(noise * spec.gyro_sigma, key, sample, kGyro + axis);
+    data.linear_acceleration[axis] = force[axis] + noise * state.accelerometer_bias[axis] +
+                                     scatter(noise * spec.accelerometer_sigma, key, sample, kAccelerometer + axis);
     state.gyro_bias[axis] += scatter(walk, key, sample, kWalk + axis);
   }
   return data;

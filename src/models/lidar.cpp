@@ -17,19 +17,26 @@ ScanPattern scan_pattern(const LidarSpec& spec) {
 
 namespace {
 
+// How far off points are, and how many are lost.
+struct Noise {
+  double bias = 0.0;     // [m]
+  double sigma = 0.0;    // [m]
+  double dropout = 0.0;  // probability
+};
+
 // One draw per point: two words for the scatter, one for the dropout.
-void measure_noisily(const LidarSpec& spec, const RngKey& key, double bias, std::uint64_t first,
+void measure_noisily(const LidarSpec& spec, const Noise& noise, const RngKey& key, std::uint64_t first,
                      std::span<float> ranges) {
   const auto far = static_cast<float>(spec.range_max);
   const auto near = static_cast<float>(spec.range_min);
-  const double dropout = spec.dropout * 0x1p32;
+  const double dropout = noise.dropout * 0x1p32;
   for (std::size_t begin = 0; begin < ranges.size(); begin += kDrawn) {
     const std::size_t count = std::min(kDrawn, ranges.size() - begin);
     PointDraws draws;
     draw_points(key, first + begin, count, draws);
     for (std::size_t i = 0; i < count; ++i) {
       float& range = ranges[begin + i];
-      const double offset = bias + spec.sigma * draws.scatter[i];
+      const double offset = noise.bias + noise.sigma * draws.scatter[i];
       const float moved = std::min(static_cast<float>(static_cast<double>(range) + offset), far);
       const float measured = range >= far ? far : moved;
       const bool lost = static_cast<double>(static_cast<std::int64_t>(draws.fate[i])) < dropout || measured < near;
@@ -46,16 +53,18 @@ double lidar_bias(const LidarSpec& spec, const RngKey& key) {
   return uniform(episode, static_cast<std::uint64_t>(Stream::lidar), 0, -spec.bias, spec.bias);
 }
 
-void measure_ranges(const LidarSpec& spec, const RngKey& key, double bias, std::uint64_t first,
-                    std::span<float> ranges) {
-  const auto far = static_cast<float>(spec.range_max);
-  const auto near = static_cast<float>(spec.range_min);
-  if (spec.sigma > 0.0 || spec.dropout > 0.0) {
-    measure_noisily(spec, key, bias, first, ranges);
+void measure_ranges(const LidarSpec& spec, const RngKey& key, double bias, std::uint64_t first, std::span<float> ranges,
+                    const Variation& variation) {
+  const Noise noise{variation.lidar_noise * bias, variation.lidar_noise * spec.sigma,
+                    variation.lidar_dropout * spec.dropout};
+  if (noise.sigma > 0.0 || noise.dropout > 0.0) {
+    measure_noisily(spec, noise, key, first, ranges);
     return;
   }
+  const auto far = static_cast<float>(spec.range_max);
+  const auto near = static_cast<float>(spec.range_min);
   for (float& range : ranges) {
-    const float moved = std::min(static_cast<float>(static_cast<double>(range) + bias), far);
+    const float moved = std::min(static_cast<float>(static_cast<double>(range) + noise.bias), far);
     const float measured = range >= far ? far : moved;
     range = measured < near ? 0.0F : measured;
   }

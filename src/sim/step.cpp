@@ -110,7 +110,8 @@ void sweep_lidar(const RobotModel& robot, Others& others, const Pose2D& before, 
   robot.caster->cast_rolling(begin, end, angle, robot.pattern.angle_step, ranges, others.at(lidar.height));
 
   const std::uint64_t turns = (state.steps - 1) / turn;
-  models::measure_ranges(lidar, state.key(Stream::lidar), state.lidar_bias, turns * points + first, ranges);
+  models::measure_ranges(lidar, state.key(Stream::lidar), state.lidar_bias, turns * points + first, ranges,
+                         state.variation);
 }
 
 // One sensor's ping, heard at once: sound takes 12 ms for 2 m and back, in which a robot moves by no more than 6 mm.
@@ -131,7 +132,7 @@ void sense(const RobotModel& robot, const Sensing& sensing, Others& others, cons
   if (sensing.imu && imu_ready(robot, state)) {
     const Vec2 acceleration = (1.0 / kSeconds) * Vec2{state.velocity.vx - carried.vx, state.velocity.vy - carried.vy};
     state.imu = models::measure_imu(*robot.profile.imu, state.key(Stream::imu), state.velocity.omega, acceleration,
-                                    state.imu_state);
+                                    state.imu_state, state.variation);
   }
   if (sensing.ultrasonics) {
     if (const auto sensor = ping_ready(robot, state)) ping(robot, *sensor, others, state);

@@ -7,6 +7,7 @@
 #include "threewe/core/rng.hpp"
 #include "threewe/core/samples.hpp"
 #include "threewe/hardware/profile.hpp"
+#include "threewe/models/variation.hpp"
 
 namespace threewe::models {
 
@@ -21,6 +22,8 @@ struct IMUState {
 IMUState start_imu(const IMUSpec& spec, const RngKey& key);
 
 /// Takes one sample of a body that turns at `yaw_rate` [rad/s] and accelerates by `acceleration` [m/s^2, body frame].
-IMUData measure_imu(const IMUSpec& spec, const RngKey& key, double yaw_rate, Vec2 acceleration, IMUState& state);
+/// A variation's `imu_noise` scales scatter and biases, as they are.
+IMUData measure_imu(const IMUSpec& spec, const RngKey& key, double yaw_rate, Vec2 acceleration, IMUState& state,
+                    const Variation& variation = {});
 
 }  // namespace threewe::models

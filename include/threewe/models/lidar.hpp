@@ -9,6 +9,7 @@
 #include "threewe/core/samples.hpp"
 #include "threewe/core/time.hpp"
 #include "threewe/hardware/profile.hpp"
+#include "threewe/models/variation.hpp"
 
 namespace threewe::models {
 
@@ -27,9 +28,9 @@ ScanPattern scan_pattern(const LidarSpec& spec);
 double lidar_bias(const LidarSpec& spec, const RngKey& key);
 
 /// Makes measurements of true ranges [m], in place: 0 = invalid, range_max = no return. `first` counts points from the
-/// beginning of the episode. `bias` is that of `lidar_bias`.
-void measure_ranges(const LidarSpec& spec, const RngKey& key, double bias, std::uint64_t first,
-                    std::span<float> ranges);
+/// beginning of the episode. `bias` is that of `lidar_bias`; a variation's `lidar_noise` scales it too.
+void measure_ranges(const LidarSpec& spec, const RngKey& key, double bias, std::uint64_t first, std::span<float> ranges,
+                    const Variation& variation = {});
 
 /// The beam or the two beams of a scan that a point of a turn counts for.
 struct PointBeams {

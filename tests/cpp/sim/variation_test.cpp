@@ -207,6 +207,64 @@ TEST_CASE("odometry_slip: none, and odometry sideways is the truth") {
   CHECK(shortfall(2.0) > 1.7 * shortfall(1.0));
 }
 
+TEST_CASE("lidar_noise and lidar_dropout: errors grow in proportion, lost points in number, each alone") {
+  RobotProfile robot = load_profile("3we_standard_v2");
+  robot.ultrasonics.reset();
+  robot.lidar->range_max = 100.0;
+  const auto seeing = make_model(hall(), {robot});
+  const auto scan = [&](const models::Variation& variation) {
+    RobotState state = begin(*seeing, 0, {}, 5, 0, variation);
+    const Velocity none;
+    for (int i = 0; i < seeing->robots[0].turn; ++i) step(*seeing, {&state, 1}, {&none, 1});
+    const auto points = scan_points(seeing->robots[0], state);
+    return std::vector<double>(points.begin(), points.end());
+  };
+  const auto truth = scan({.lidar_noise = 0.0, .lidar_dropout = 0.0});
+  const auto plain = scan({});
+  const auto noisy = scan({.lidar_noise = 3.0});
+  int lost = 0;
+  for (std::size_t i = 0; i < truth.size(); ++i) {
+    CHECK(truth[i] > 19.0);
+    CHECK((noisy[i] == 0.0) == (plain[i] == 0.0));  // the same points are lost
+    lost += plain[i] == 0.0 ? 1 : 0;
+    if (plain[i] == 0.0) continue;
+    CHECK(noisy[i] - truth[i] == doctest::Approx(3.0 * (plain[i] - truth[i])).scale(1.0).epsilon(1e-5));
+  }
+  CHECK(plain != truth);
+
+  const auto losing = scan({.lidar_dropout = 20.0});
+  int lost_more = 0;
+  for (std::size_t i = 0; i < truth.size(); ++i) {
+    lost_more += losing[i] == 0.0 ? 1 : 0;
+    if (losing[i] != 0.0) CHECK(losing[i] == plain[i]);
+  }
+  CHECK(lost < 20);  // 1 % of 450
+  CHECK(lost_more == doctest::Approx(90).epsilon(0.3));
+}
+
+TEST_CASE("imu_noise: biases and scatter in proportion") {
+  const auto samples = [](double noise) {
+    RobotState state = begin(model(), 0, {}, 5, 0, {.imu_noise = noise});
+    const Velocity none;
+    std::vector<double> values;
+    for (int i = 0; i < 50; ++i) {
+      step(model(), {&state, 1}, {&none, 1});
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        values.push_back(state.imu.angular_velocity[axis]);
+        values.push_back(state.imu.linear_acceleration[axis]);
+      }
+    }
+    return values;
+  };
+  const auto truth = samples(0.0);
+  const auto plain = samples(1.0);
+  const auto noisy = samples(4.0);
+  CHECK(plain != truth);
+  for (std::size_t i = 0; i < truth.size(); ++i) {
+    CHECK(noisy[i] - truth[i] == doctest::Approx(4.0 * (plain[i] - truth[i])).scale(1.0).epsilon(1e-9));
+  }
+}
+
 TEST_CASE("command_latency: whole steps, as many as a state has room for") {
   const auto steps_until_motion = [](double factor) {
     for (int steps = 1;; ++steps) {
