@@ -16,7 +16,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-
 from threewe.gym import VectorEnv
 
 HERE = Path(__file__).resolve().parent
@@ -63,7 +62,8 @@ def main() -> int:
         rate = statistics.median(rates)
         wanted = f"{row.wanted:10,.0f} {rate / row.wanted:.2f} of it" if row.wanted else ""
         print(
-            f"{row.beams:5} {row.ticks:5} {row.noise:>9} {row.gate:>6} {rate:12,.0f} {1e9 / rate:8.0f} {wanted}", flush=True
+            f"{row.beams:5} {row.ticks:5} {row.noise:>9} {row.gate:>6} {rate:12,.0f} {1e9 / rate:8.0f} {wanted}",
+            flush=True,
         )
         results.append({**asdict(row), "steps_per_second": rates})
     if arguments.out:

@@ -61,7 +61,7 @@ HWY_INLINE PhiloxOf philox(PhiloxOf c, std::uint64_t seed) {
 }
 
 // The logarithm of positive normal numbers, as exact::log.
-HWY_INLINE V log(V x) {
+HWY_INLINE V logarithm(V x) {
   const Doubles d;
   const Words dw;
   const W bits = hn::BitCast(dw, x);
@@ -90,7 +90,7 @@ void draw_tails(Tails& tails, PointDraws& draws) {
   for (std::size_t i = 0; i < tails.count; i += lanes) {
     const V p = hn::Load(d, tails.p + i);
     const auto below = hn::Lt(p, hn::Set(d, 0.5));
-    const V root = hn::Sqrt(hn::Neg(log(hn::IfThenElse(below, p, hn::Set(d, 1.0) - p))));
+    const V root = hn::Sqrt(hn::Neg(logarithm(hn::IfThenElse(below, p, hn::Set(d, 1.0) - p))));
     const V size = threewe::HWY_NAMESPACE::normal_tail(root);
     hn::Store(root, d, tails.root + i);
     hn::Store(hn::IfThenElse(below, hn::Neg(size), size), d, tails.out + i);
