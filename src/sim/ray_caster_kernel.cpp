@@ -2,13 +2,12 @@
 // then each beam of the interval keeps the larger of its inverse range so far and that of the candidate. Inverse,
 // because along a straight line it is A cos + B sin of the beam's angle: two products.
 //
-// Single precision is enough wherever a beam meets a surface at a fair angle. The few candidates that are seen almost
-// edge-on, and all of them while the sensor moves, take the careful path: double precision, each beam from its own
-// origin, both ends tested. A maximum has no order, so the bits depend on neither grouping nor vector length.
+// Single precision is enough wherever a beam meets a surface at a fair angle, while the sensor moves too. The few
+// candidates that are seen almost edge-on, or that are touched, take the careful path: double precision. A maximum has
+// no order, so the bits depend on neither grouping nor vector length.
 #include "sim/ray_caster_kernel.hpp"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <span>
 
@@ -33,6 +32,8 @@ using V = hn::Vec<Doubles>;
 constexpr float kTwoPi = 6.28318531F;
 // Candidates that are looked at before any is met.
 constexpr int kBatch = 8 * kBlock;
+// Fans of more beams than this meet them two vectors at a time.
+constexpr int kManyBeams = 128;
 // Intervals are widened by this much [rad], above all rounding of angles, so that no beam slips between neighbours.
 constexpr float kAngleMargin = 2e-6F;
 // A segment is careful when (its farthest range)^2 / (distance of its line) is above this [m]: single precision would
@@ -217,13 +218,13 @@ HWY_INLINE void keep_larger(Fan& fan, float first, float last, const InverseRang
     float* kept = fan.inverse_range.data() + i;
     hn::Store(hn::Max(hn::Load(d, kept), hn::IfThenElseZero(inside, value)), d, kept);
   };
+  // where there are many beams, two vectors at a time: how often is then easier to foresee for the processor
+  const bool in_pairs = fan.sweep.count > kManyBeams;
   const int end = static_cast<int>(last);
-  int i = static_cast<int>(first) & -lanes;
-  do {  // two at a time: how often is then easier to foresee for the processor
+  for (int i = static_cast<int>(first) & -lanes; i <= end; i += in_pairs ? 2 * lanes : lanes) {
     keep(i);
-    keep(i + lanes);
-    i += 2 * lanes;
-  } while (i <= end);
+    if (in_pairs) keep(i + lanes);
+  }
 }
 
 // The same in double precision with each beam's own origin: `inverse_range(x, y, cos, sin)`.
@@ -473,6 +474,31 @@ HWY_INLINE void meet_standing(Fan& fan, float first, float last, const CircleBat
   });
 }
 
+// On the way: each beam from its own origin.
+HWY_INLINE void meet_moving(Fan& fan, float first, float last, const CircleBatch& batch, std::size_t place,
+                            const Frame& frame) {
+  const Floats d;
+  const F x0 = hn::Set(d, batch.x[place]);
+  const F y0 = hn::Set(d, batch.y[place]);
+  const F radius_squared = hn::Set(d, batch.radius_squared[place]);
+  const F step_x = hn::Set(d, frame.step_x);
+  const F step_y = hn::Set(d, frame.step_y);
+  const F middle = hn::Set(d, frame.middle_beam);
+  keep_larger(fan, first, last, [&](F beam, F c, F s) HWY_ATTR {
+    const F i = hn::Sub(beam, middle);
+    const F x = hn::Sub(x0, hn::Mul(i, step_x));
+    const F y = hn::Sub(y0, hn::Mul(i, step_y));
+    const F ahead = hn::Add(hn::Mul(c, x), hn::Mul(s, y));
+    const F aside = hn::Sub(hn::Mul(c, y), hn::Mul(s, x));
+    const F half_chord_squared = hn::Sub(radius_squared, hn::Mul(aside, aside));
+    const F power = hn::Sub(hn::Add(hn::Mul(x, x), hn::Mul(y, y)), radius_squared);
+    const auto outside = hn::And(hn::Gt(power, hn::Zero(d)), hn::Gt(ahead, hn::Zero(d)));
+    const auto hit = hn::And(outside, hn::Ge(half_chord_squared, hn::Zero(d)));
+    const F half_chord = hn::Sqrt(hn::Max(half_chord_squared, hn::Zero(d)));
+    return hn::IfThenElseZero(hit, hn::Div(hn::Add(ahead, half_chord), power));
+  });
+}
+
 template <bool kMoves>
 HWY_INLINE void meet_circles(const Shapes& shapes, const Frame& frame, Fan& fan) {
   const int lanes = static_cast<int>(hn::Lanes(Floats()));
@@ -485,9 +511,11 @@ HWY_INLINE void meet_circles(const Shapes& shapes, const Frame& frame, Fan& fan)
     find_beams(batch.sight, count, frame, tasks);
     for (std::size_t t = 0; t < tasks.count; ++t) {
       const auto place = static_cast<std::size_t>(tasks.place[t]);
-      if (kMoves || batch.care[place] > 0.0F) {
+      if (batch.care[place] > 0.0F) {
         const std::int32_t index = blocks[place / kBlock].index[place % kBlock];
         meet_carefully(fan, tasks.first[t], tasks.last[t], shapes.circles[static_cast<std::size_t>(index)]);
+      } else if constexpr (kMoves) {
+        meet_moving(fan, tasks.first[t], tasks.last[t], batch, place, frame);
       } else {
         meet_standing(fan, tasks.first[t], tasks.last[t], batch, place);
       }
