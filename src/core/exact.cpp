@@ -84,7 +84,7 @@ double exp(double x) {
   if (std::isnan(x)) return x;
   if (x > 709.78) return std::numeric_limits<double>::infinity();
   if (x < -745.0) return 0.0;
-  constexpr double kLn2High = 0x1.62e42fee00000p-1;
+  constexpr double kLn2High = 0x1.62e42fee00000p-1;  // NOLINT(modernize-use-std-numbers): its first 33 bits
   constexpr double kLn2Low = 1.90821492927058770002e-10;
 
   // x = k ln 2 + r with |r| <= ln 2 / 2, r kept as high - low

@@ -67,7 +67,7 @@ HWY_INLINE V normal_tail(V root) {
 template <class V>
 HWY_INLINE V log_of_parts(V k, V m) {
   using lanes::HWY_NAMESPACE::number;
-  constexpr double kLn2High = 0x1.62e42fee00000p-1;
+  constexpr double kLn2High = 0x1.62e42fee00000p-1;  // NOLINT(modernize-use-std-numbers): its first 33 bits
   constexpr double kLn2Low = 1.90821492927058770002e-10;
   const V f = m - number<V>(1.0);
   const V s = f / (number<V>(2.0) + f);
