@@ -4,6 +4,7 @@ import importlib.util
 import sys
 import time
 from pathlib import Path
+from types import ModuleType
 from typing import Any
 
 from verify.harness import Experiment, Row, Verdict, worst_of
@@ -38,7 +39,7 @@ def learn_a_little(seed: int) -> dict[str, Any]:
     return {"first": shares[0], "last": sum(shares[-5:]) / 5}
 
 
-def example() -> Any:
+def example() -> ModuleType:
     """The example, as a module."""
     spec = importlib.util.spec_from_file_location("ppo", EXAMPLE)
     assert spec is not None

@@ -4,21 +4,11 @@ import subprocess
 from collections.abc import Callable
 from pathlib import Path
 
+from verify import camera
 from verify.harness import Case, Experiment, Row, Verdict, wilson
 
 PROGRAMS = Path(__file__).resolve().parent.parent / "build/dev/verify"
-SCENES = [
-    "apartment_v1",
-    "cluttered_v1",
-    "corridor_v1",
-    "dynamic_v1",
-    "office_v2",
-    "outdoor_v1",
-    "warehouse_v1",
-    "generated",
-    "generated",
-    "generated",
-]
+SCENES = [*camera.SCENES, "generated", "generated", "generated"]
 EACH = 50  # episodes of a case
 
 

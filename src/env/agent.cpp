@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "threewe/hardware/limits.hpp"
 #include "threewe/models/lidar.hpp"
 #include "threewe/safety/scan_points.hpp"
 #include "threewe/sim/step.hpp"
@@ -31,7 +32,6 @@ AgentModel make_agent_model(const Options& options) {
   model.gate = safety::make_gate_model(model.profile);
   model.localization = options.localization;
   model.localization_model = options.localization_model;
-  model.limits = model.profile.operating_limits;
   model.gate.collision_monitor = options.gate == Gate::full;
   if (model.profile.lidar) {
     const LidarSpec& lidar = *model.profile.lidar;
@@ -53,14 +53,13 @@ void Agent::begin(const AgentModel& model) {
   localization_ = {};
   scans_.resize(model.scans);
   taken_ = arrived_ = 0;
-  newest_.reset();
   turn_began_ = {};
   obstacles_.clear();
 }
 
 Velocity Agent::act(const AgentModel& model, const sim::RobotState& state, const Velocity& action, Time now) {
-  const double sideways = model.gate.kinematics == Kinematics::differential ? 0.0 : model.limits.linear;
-  const Velocity wanted{action.vx * model.limits.linear, action.vy * sideways, action.omega * model.limits.angular};
+  Velocity wanted = scaled_to(model.gate.limits, action);
+  if (model.gate.kinematics == Kinematics::differential) wanted.vy = 0.0;
   if (obstacles_.empty()) return safety::gate(model.gate, gate_, wanted, {}, now).command;
   const auto obstacles = transformed(inverse(odom_from_base(model, state)), obstacles_);
   return safety::gate(model.gate, gate_, wanted, obstacles, now).command;
@@ -85,8 +84,8 @@ void Agent::perceive(const AgentModel& model, const sim::RobotState& state, Time
                                  static_cast<std::uint64_t>(now / period), inverse(state.start) * state.pose,
                                  odom_from_base(model, state), localization_);
   }
-  for (; arrived_ < taken_ && scans_[arrived_ % scans_.size()].arrives <= now; ++arrived_) {
-    newest_ = arrived_ % scans_.size();
+  while (arrived_ < taken_ && scans_[arrived_ % scans_.size()].arrives <= now) {
+    ++arrived_;
     gate_.last_scan = now;
     gate_.scan_seen = true;
     if (!model.gate.collision_monitor) continue;
@@ -94,7 +93,7 @@ void Agent::perceive(const AgentModel& model, const sim::RobotState& state, Time
     std::array<float, sim::kMaxLidarPoints> ranges;
     const auto beams = std::span(ranges).first(static_cast<std::size_t>(lidar.beams));
     fill_scan(model, beams);
-    const Scan& scan = scans_[*newest_];
+    const Scan& scan = *newest();
     obstacles_.clear();
     safety::append_scan_points(lidar, beams, scan.odom_at_begin, scan.odom_at_end, obstacles_, model.sight);
   }
@@ -102,12 +101,12 @@ void Agent::perceive(const AgentModel& model, const sim::RobotState& state, Time
 
 std::vector<Vec2> Agent::hits(const AgentModel& model, const sim::RobotState& state) const {
   std::vector<Vec2> points;
-  if (!newest_) return points;
+  if (!newest()) return points;
   const LidarSpec& lidar = *model.profile.lidar;
   std::vector<float> ranges(static_cast<std::size_t>(lidar.beams));
   fill_scan(model, ranges);
   const Pose2D base_from_odom = inverse(odom_from_base(model, state));
-  const Scan& scan = scans_[*newest_];
+  const Scan& scan = *newest();
   safety::append_scan_points(lidar, ranges, base_from_odom * scan.odom_at_begin, base_from_odom * scan.odom_at_end,
                              points);
   return points;
@@ -128,12 +127,12 @@ Velocity Agent::velocity(const AgentModel& model, const sim::RobotState& state) 
 }
 
 void Agent::fill_scan(const AgentModel& model, std::span<float> ranges) const {
-  if (!newest_) {
+  if (!newest()) {
     std::ranges::fill(ranges, 0.0F);
   } else if (model.beams.empty()) {
-    std::ranges::copy(scans_[*newest_].points, ranges.begin());
+    std::ranges::copy(newest()->points, ranges.begin());
   } else {
-    models::fill_scan(model.beams, scans_[*newest_].points, ranges);
+    models::fill_scan(model.beams, newest()->points, ranges);
   }
 }
 

@@ -3,7 +3,6 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <optional>
 #include <span>
 #include <vector>
 
@@ -22,7 +21,6 @@ struct AgentModel {
   safety::GateModel gate;
   Localization localization{};
   models::LocalizationSpec localization_model;
-  Limits limits;                          ///< operating limits; sideways nothing on a differential base
   double sight = 0.0;                     ///< [m], points farther from the lidar than this can't concern the gate
   std::size_t scans = 0;                  ///< that may be under way at once
   std::vector<models::PointBeams> beams;  ///< that each point of a turn counts for; empty where point i is beam i
@@ -58,19 +56,20 @@ class Agent {
   /// What the newest scan hit [m], from where the robot is now, by its wheels.
   std::vector<Vec2> hits(const AgentModel& model, const sim::RobotState& state) const;
   /// [s]
-  double scan_age(Time now) const { return newest_ ? to_seconds(now - scans_[*newest_].end) : 0.0; }
+  double scan_age(Time now) const { return newest() ? to_seconds(now - newest()->end) : 0.0; }
 
  private:
   Pose2D odom_from_base(const AgentModel& model, const sim::RobotState& state) const;
+  /// Of the scans that have arrived; null before the first.
+  const Scan* newest() const { return arrived_ == 0 ? nullptr : &scans_[(arrived_ - 1) % scans_.size()]; }
 
   safety::GateState gate_;
   models::LocalizationState localization_;
   std::vector<Scan> scans_;  // a ring
   std::size_t taken_ = 0;    // scans so far
   std::size_t arrived_ = 0;
-  std::optional<std::size_t> newest_;  // place in the ring
-  Pose2D turn_began_;                  // odom_from_base then
-  std::vector<Vec2> obstacles_;        // of the newest scan, in odom
+  Pose2D turn_began_;            // odom_from_base then
+  std::vector<Vec2> obstacles_;  // of the newest scan, in odom
 };
 
 }  // namespace threewe::env

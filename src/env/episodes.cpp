@@ -6,6 +6,7 @@
 #include "env/checks.hpp"
 #include "threewe/core/exact.hpp"
 #include "threewe/core/rng.hpp"
+#include "threewe/models/camera.hpp"
 #include "threewe/sim/camera.hpp"
 #include "threewe/sim/step.hpp"
 
@@ -107,12 +108,11 @@ std::span<const float> Batch::Impl::cast_rays(std::size_t world, std::size_t rob
 // What the robot's camera truly shows now.
 std::span<const std::int16_t> Batch::Impl::look(std::size_t world, std::size_t robot, std::size_t part) {
   if (!options.hardware.camera) return {};
-  const CameraSpec& camera = *options.hardware.camera;
-  sim::Shot shot = sim::take_shot(robots_of(world), episodes[world].people, robot);
-  const models::Variation& variation = states[row(world, robot)].variation;
-  const Pose2D pose = states[row(world, robot)].pose * (camera.base_from_camera * variation.camera_offset);
+  const sim::RobotState& state = states[row(world, robot)];
+  const CameraSpec camera = models::varied(*options.hardware.camera, state.variation);
+  const sim::Shot shot = sim::take_shot(robots_of(world), episodes[world].people, robot);
   seen[part] = sim::draw_truth(model_of(world), shot, camera.intrinsics(),
-                               {pose, camera.mount_height + variation.camera_height}, false);
+                               {state.pose * camera.base_from_camera, camera.mount_height}, false);
   return seen[part].ids;
 }
 

@@ -8,6 +8,7 @@
 #include "robot/goals.hpp"
 #include "robot/runtime_state.hpp"
 #include "threewe/core/errors.hpp"
+#include "threewe/hardware/limits.hpp"
 #include "threewe/robot/warning.hpp"
 
 namespace threewe {
@@ -84,9 +85,7 @@ WaitHandle Runtime::execute_action(const std::array<double, 3>& action, Duration
   for (const double a : action) {
     if (!std::isfinite(a)) throw ContractError("action must be finite");
   }
-  const Limits& limits = profile().operating_limits;
-  const auto scaled = [&](std::size_t i, double limit) { return std::clamp(action[i], -1.0, 1.0) * limit; };
-  const Velocity velocity{scaled(0, limits.linear), scaled(1, limits.linear), scaled(2, limits.angular)};
+  const Velocity velocity = scaled_to(profile().operating_limits, {action[0], action[1], action[2]});
   check_velocity(profile(), velocity);
   require_positive(period, "period");
   impl_->require_free();

@@ -11,12 +11,12 @@
 #include "task/draws.hpp"
 #include "threewe/core/errors.hpp"
 #include "threewe/scene/episodes.hpp"
+#include "threewe/task/stop_task.hpp"
 
 namespace threewe::task {
 namespace {
 
 constexpr double kStepCost = 0.01;
-constexpr double kSuccessReward = 10.0;
 constexpr double kContactCost = 10.0;
 constexpr std::uint64_t kPoolSeed = 0x3e;  // the pools are part of the task
 constexpr double kFarthest = 1000.0;       // [m] a goal can be believed to lie
@@ -149,7 +149,7 @@ void Navigation::observe(std::size_t world, std::size_t robot, const Belief& bel
 void Navigation::measure(std::size_t world, std::span<double> metrics) const {
   auto to = metrics.begin();
   for (const Trip& trip : std::span(trips_).subspan(world * robots_, robots_)) {
-    const double spl = trip.success ? trip.shortest / std::max(trip.shortest, trip.driven) : 0.0;
+    const double spl = success_weighted_by_path_length(trip.success, trip.shortest, trip.driven);
     const std::array<double, 6> values{
         trip.success ? 1.0 : 0.0, spl, trip.left, trip.shortest, trip.driven, trip.contact};
     to = std::ranges::copy(values, to).out;

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import importlib.util
-import sys
 from pathlib import Path
 from types import ModuleType
 
 import numpy as np
 import pytest
+
+from verify.learning import example
 
 torch = pytest.importorskip("torch")
 pytest.importorskip("safetensors")
@@ -16,14 +16,7 @@ pytest.importorskip("safetensors")
 
 @pytest.fixture(scope="module")
 def ppo() -> ModuleType:
-    path = Path(__file__).resolve().parents[2] / "examples/09_ppo.py"
-    spec = importlib.util.spec_from_file_location("ppo", path)
-    assert spec is not None
-    assert spec.loader is not None
-    module = importlib.util.module_from_spec(spec)
-    sys.modules["ppo"] = module
-    spec.loader.exec_module(module)
-    return module
+    return example()
 
 
 def scans(count: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

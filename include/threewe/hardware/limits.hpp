@@ -10,4 +10,7 @@ namespace threewe {
 /// is. Passes its own result unchanged.
 Velocity within_limits(const Limits& limits, Velocity v);
 
+/// The velocity that an action asks for: its components are shares of the limits, and count as -1 or 1 beyond that.
+Velocity scaled_to(const Limits& limits, const Velocity& shares);
+
 }  // namespace threewe
