@@ -1,6 +1,5 @@
 #include "threewe/robot/runtime.hpp"
 
-#include <algorithm>
 #include <cmath>
 #include <exception>
 #include <utility>

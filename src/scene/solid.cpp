@@ -75,9 +75,27 @@ std::pair<Vec2, Vec2> bounds(const Solid& solid) {
   return {{x.min.x, y.min.y}, {x.max.x, y.max.y}};
 }
 
+std::pair<Vec2, Vec2> bounds(std::span<const Solid> solids) {
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  Vec2 low{kInfinity, kInfinity};
+  Vec2 high{-kInfinity, -kInfinity};
+  for (const Solid& solid : solids) {
+    const auto [a, b] = bounds(solid);
+    low = {std::min(low.x, a.x), std::min(low.y, a.y)};
+    high = {std::max(high.x, b.x), std::max(high.y, b.y)};
+  }
+  return {low, high};
+}
+
 double distance_to(const Solid& solid, Vec2 point) {
   if (solid.shape == Solid::Shape::disc) return std::max(0.0, distance(solid.center, point) - solid.radius);
   return distance_to_polygon(solid.corners, point);
+}
+
+double distance_to(std::span<const Solid> solids, Vec2 point) {
+  double nearest = std::numeric_limits<double>::infinity();
+  for (const Solid& solid : solids) nearest = std::min(nearest, distance_to(solid, point));
+  return nearest;
 }
 
 double distance_to(const Solid& solid, std::span<const Vec2> polygon) {

@@ -47,12 +47,6 @@ Eye eye_of(const CameraSpec& camera, const Pose2D& base) {
   return {base * camera.base_from_camera, camera.mount_height};
 }
 
-double footprint_distance(std::span<const Solid> solids, Vec2 point) {
-  double nearest = kInfinity;
-  for (const Solid& solid : solids) nearest = std::min(nearest, distance_to(solid, point));
-  return nearest;
-}
-
 // The same view with fewer pixels.
 CameraIntrinsics coarse(const CameraIntrinsics& c) {
   constexpr double k = 1.0 / kCoarser;
@@ -68,18 +62,12 @@ struct Instance {
 // Calls `visit(index)` for the cells, every `step`-th both ways, whose middle is at most `reach` from the instance.
 template <typename Visit>
 void cells_near(const GridFrame& frame, const Instance& instance, double reach, int step, Visit visit) {
-  Vec2 low{kInfinity, kInfinity};
-  Vec2 high{-kInfinity, -kInfinity};
-  for (const Solid& solid : instance.solids) {
-    const auto [a, b] = bounds(solid);
-    low = {std::min(low.x, a.x), std::min(low.y, a.y)};
-    high = {std::max(high.x, b.x), std::max(high.y, b.y)};
-  }
+  const auto [low, high] = bounds(instance.solids);
   const CellIndex first = frame.cell(low - Vec2{reach, reach});
   const CellIndex last = frame.cell(high + Vec2{reach, reach});
   for (int y = std::max(0, first.y / step * step); y <= std::min(last.y, frame.height - 1); y += step) {
     for (int x = std::max(0, first.x / step * step); x <= std::min(last.x, frame.width - 1); x += step) {
-      if (footprint_distance(instance.solids, frame.center({x, y})) <= reach) visit(frame.index({x, y}));
+      if (distance_to(instance.solids, frame.center({x, y})) <= reach) visit(frame.index({x, y}));
     }
   }
 }
@@ -92,7 +80,7 @@ std::optional<std::size_t> nearest_reachable(const SceneTables& tables, const In
     double best = kInfinity;
     cells_near(frame, instance, reach, 1, [&](std::size_t cell) {
       if (tables.reachable().cells[cell] == 0) return;
-      const double d = footprint_distance(instance.solids, frame.center(frame.cell(cell)));
+      const double d = distance_to(instance.solids, frame.center(frame.cell(cell)));
       if (d < best) {
         best = d;
         nearest = cell;
@@ -144,8 +132,7 @@ struct Place {
     std::vector<Solid> around;
     for (const Solid& solid : solids) {
       const bool own = solid.object == instance.id - kFirstObjectId;
-      if (!own && footprint_distance(instance.solids, solid.center) <= kGoalReach + solid.radius)
-        around.push_back(solid);
+      if (!own && distance_to(instance.solids, solid.center) <= kGoalReach + solid.radius) around.push_back(solid);
     }
     cells_near(frame, instance, kGoalReach - kReachMargin, kLattice, [&](std::size_t cell) {
       if (roomy[cell] && may_succeed(instance, around, frame.center(frame.cell(cell)))) cells.push_back(cell);
@@ -289,7 +276,7 @@ bool ObjectNav::is_success(std::size_t goal, const Pose2D& base, const FrameIds&
   if (!goals_[goal]) return false;
   std::span<const std::int16_t> frame;
   for (const Instance& instance : goals_[goal]->instances) {
-    if (footprint_distance(instance.solids, base.position()) > kGoalReach) continue;
+    if (distance_to(instance.solids, base.position()) > kGoalReach) continue;
     if (frame.empty()) frame = look();
     const auto pixels = std::ranges::count(frame, instance.id);
     if (pixels < kGoalPixels) continue;

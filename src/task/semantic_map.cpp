@@ -35,12 +35,6 @@ double gap(const std::vector<Solid>& a, const std::vector<Solid>& b) {
   return nearest;
 }
 
-double distance_to_all(const std::vector<Solid>& solids, Vec2 point) {
-  double nearest = kInfinity;
-  for (const Solid& solid : solids) nearest = std::min(nearest, distance_to(solid, point));
-  return nearest;
-}
-
 }  // namespace
 
 Vec2 Opening::crossing(Vec2 from) const {
@@ -117,15 +111,11 @@ void SemanticMap::find_landmarks(const Language& language) {
                       .center = {},
                       .solids = {}};
     double lowest = kInfinity;
-    Vec2 low{kInfinity, kInfinity};
-    Vec2 high{-kInfinity, -kInfinity};
     for (const scene::Prism& prism : object.prisms) {
       landmark.solids.push_back(solid_of(prism, object.pose, static_cast<int>(i)));
       lowest = std::min(lowest, landmark.solids.back().z_min);
-      const auto [from, to] = bounds(landmark.solids.back());
-      low = {std::min(low.x, from.x), std::min(low.y, from.y)};
-      high = {std::max(high.x, to.x), std::max(high.y, to.y)};
     }
+    const auto [low, high] = bounds(landmark.solids);
     landmark.center = 0.5 * (low + high);
     const auto room = room_at(landmark.center);
     if (!room || lowest > kOnTheFloor) continue;
@@ -145,13 +135,7 @@ void SemanticMap::find_landmarks(const Language& language) {
 std::optional<Vec2> SemanticMap::place_at(std::size_t landmark, Vec2 from) const {
   const Landmark& thing = landmarks_[landmark];
   const GridFrame& frame = tables_->passable().frame;
-  Vec2 low{kInfinity, kInfinity};
-  Vec2 high{-kInfinity, -kInfinity};
-  for (const Solid& solid : thing.solids) {
-    const auto [a, b] = bounds(solid);
-    low = {std::min(low.x, a.x), std::min(low.y, a.y)};
-    high = {std::max(high.x, b.x), std::max(high.y, b.y)};
-  }
+  const auto [low, high] = bounds(thing.solids);
   const CellIndex first = frame.cell(low - Vec2{kAt, kAt});
   const CellIndex last = frame.cell(high + Vec2{kAt, kAt});
   std::optional<Vec2> best;
@@ -159,7 +143,7 @@ std::optional<Vec2> SemanticMap::place_at(std::size_t landmark, Vec2 from) const
     for (int x = std::max(first.x, 0); x <= std::min(last.x, frame.width - 1); ++x) {
       const Vec2 middle = frame.center({x, y});
       if (roomy_[frame.index({x, y})] == 0 || (best && distance(middle, from) >= distance(*best, from))) continue;
-      if (distance_to_all(thing.solids, middle) <= kAt && room_at(middle) == thing.room) best = middle;
+      if (distance_to(thing.solids, middle) <= kAt && room_at(middle) == thing.room) best = middle;
     }
   }
   return best;

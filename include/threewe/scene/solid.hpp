@@ -32,8 +32,12 @@ Solid make_disc(Vec2 center, double radius);
 
 /// The corners of the smallest rectangle along the scene's axes that holds a solid.
 std::pair<Vec2, Vec2> bounds(const Solid& solid);
+/// The same for all of them; turned inside out, from infinity to -infinity, where there are none.
+std::pair<Vec2, Vec2> bounds(std::span<const Solid> solids);
 /// Distance [m] from a point to a solid, 0 inside.
 double distance_to(const Solid& solid, Vec2 point);
+/// Distance [m] from a point to the nearest of them; infinity where there are none.
+double distance_to(std::span<const Solid> solids, Vec2 point);
 /// Distance [m] between a solid and a convex, counter-clockwise polygon; 0 where they overlap.
 double distance_to(const Solid& solid, std::span<const Vec2> polygon);
 /// Whether a solid and a convex, counter-clockwise polygon overlap deeper than `depth` [m]; touching is no overlap.
