@@ -11,15 +11,18 @@ namespace threewe {
 
 double signed_distance(std::span<const Vec2> polygon, Vec2 point) {
   bool inside = true;
-  double nearest = std::numeric_limits<double>::infinity();
+  double square = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < polygon.size(); ++i) {
     const Vec2 a = polygon[i];
     const Vec2 b = polygon[i + 1 == polygon.size() ? 0 : i + 1];
     inside = inside && cross(b - a, point - a) >= 0.0;
-    nearest = std::min(nearest, distance_to_segment(point, a, b));
+    const Vec2 off = point - closest_on_segment(point, a, b);
+    square = std::min(square, dot(off, off));
   }
+  const double nearest = exact::sqrt(square);
   return inside ? -nearest : nearest;
 }
+
 Footprint::Footprint(std::vector<Vec2> corners) : corners_(std::move(corners)) {
   const std::size_t n = corners_.size();
   if (n < 3) throw ConfigError("footprint needs at least 3 corners");
@@ -35,6 +38,8 @@ Footprint::Footprint(std::vector<Vec2> corners) : corners_(std::move(corners)) {
     if (!(cross(b - a, Vec2{} - a) > 0.0)) throw ConfigError("footprint must contain the base (0, 0)");
     inscribed_radius_ = std::min(inscribed_radius_, distance_to_segment({}, a, b));
     circumscribed_radius_ = std::max(circumscribed_radius_, norm(a));
+    low_ = {std::min(low_.x, a.x), std::min(low_.y, a.y)};
+    high_ = {std::max(high_.x, a.x), std::max(high_.y, a.y)};
   }
 }
 

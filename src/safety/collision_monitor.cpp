@@ -34,48 +34,53 @@ Velocity braked(const Limits& limits, const Velocity& v) {
   return time <= kPeriod ? Velocity{} : scaled(1.0 - kPeriod / time, v);
 }
 
-// Follows the footprint over the floor and keeps, for each obstacle, how near it comes.
+// Follows the footprint over the floor. At every pose it calls `visit(obstacle, clearance [m])` for the obstacles that
+// are within the margin, until one answers false.
 class Sweep {
  public:
-  Sweep(const GateModel& model, std::span<const Vec2> obstacles)
-      : model_(model), obstacles_(obstacles), nearest_(obstacles.size(), std::numeric_limits<double>::infinity()) {}
+  Sweep(const GateModel& model, std::span<const Vec2> obstacles, const Pose2D& pose = {})
+      : model_(model), obstacles_(obstacles), pose_(pose) {}
 
-  void drive(const Velocity& v) {
-    if (v == Velocity{}) return;
+  template <typename Visit>
+  bool drive(const Velocity& v, const Visit& visit) {
+    if (v == Velocity{}) return true;
     const double way = (exact::hypot(v.vx, v.vy) + std::abs(v.omega) * radius()) * kPeriod;
     const int steps = std::max(1, static_cast<int>(std::ceil(way / kSweepStep)));
     for (int i = 0; i < steps; ++i) {
       pose_ = integrate(pose_, v, kPeriod / steps);
-      look();
+      if (!look(visit)) return false;
     }
+    return true;
   }
 
-  void brake(Velocity v) {
-    for (v = braked(model_.limits, v); v != Velocity{}; v = braked(model_.limits, v)) drive(v);
+  template <typename Visit>
+  bool brake(Velocity v, const Visit& visit) {
+    for (v = braked(model_.limits, v); v != Velocity{}; v = braked(model_.limits, v)) {
+      if (!drive(v, visit)) return false;
+    }
+    return true;
   }
 
-  void look() {
+  template <typename Visit>
+  bool look(const Visit& visit) const {
     const double sight = radius() + model_.margin;
     const auto [s, c] = exact::sincos(pose_.theta);
     for (std::size_t i = 0; i < obstacles_.size(); ++i) {
       const Vec2 d = obstacles_[i] - pose_.position();
-      if (dot(d, d) > sight * sight) continue;  // farther than the margin
+      if (dot(d, d) > sight * sight) continue;
       const Vec2 in_base{c * d.x + s * d.y, c * d.y - s * d.x};
-      nearest_[i] = std::min(nearest_[i], model_.footprint.signed_distance(in_base));
+      if (!model_.footprint.may_be_near(in_base, model_.margin)) continue;
+      if (!visit(i, model_.footprint.signed_distance(in_base))) return false;
     }
+    return true;
   }
 
-  void forget() { std::fill(nearest_.begin(), nearest_.end(), std::numeric_limits<double>::infinity()); }
   const Pose2D& pose() const { return pose_; }
-  void place(const Pose2D& pose) { pose_ = pose; }
-  /// [m] the least clearance of each obstacle; infinity beyond the margin.
-  const std::vector<double>& nearest() const { return nearest_; }
 
  private:
   double radius() const { return model_.footprint.circumscribed_radius(); }
   const GateModel& model_;
   std::span<const Vec2> obstacles_;
-  std::vector<double> nearest_;
   Pose2D pose_;  // in the present base frame
 };
 
@@ -118,24 +123,24 @@ Velocity clear_of_obstacles(const GateModel& model, const GateState& state, cons
   if (near.empty()) return command;
 
   // the robot will first obey what it was told before
+  std::vector<double> nearest(near.size(), std::numeric_limits<double>::infinity());
+  const auto keep_nearest = [&](std::size_t i, double clearance) {
+    nearest[i] = std::min(nearest[i], clearance);
+    return true;
+  };
   Sweep sweep(model, near);
-  sweep.look();
-  for (std::size_t i = pending; i-- > 0;) sweep.drive(state.recent[i]);
+  sweep.look(keep_nearest);
+  for (std::size_t i = pending; i-- > 0;) sweep.drive(state.recent[i], keep_nearest);
   const Pose2D turning_point = sweep.pose();
 
   // braking at once is always allowed, and the measure of what else is
   const Velocity fallback = braked(model.limits, state.last());
-  sweep.brake(state.last());
-  const std::vector<double> required = required_clearance(model.margin, sweep.nearest());
+  sweep.brake(state.last(), keep_nearest);
+  const std::vector<double> required = required_clearance(model.margin, nearest);
+  const auto is_enough = [&](std::size_t i, double clearance) { return clearance >= required[i]; };
   const auto keeps_clear = [&](const Velocity& v) {
-    sweep.place(turning_point);
-    sweep.forget();
-    sweep.drive(v);
-    sweep.brake(v);
-    for (std::size_t i = 0; i < near.size(); ++i) {
-      if (sweep.nearest()[i] < required[i]) return false;
-    }
-    return true;
+    Sweep trial(model, near, turning_point);
+    return trial.drive(v, is_enough) && trial.brake(v, is_enough);
   };
   if (keeps_clear(command)) return command;
 

@@ -28,12 +28,20 @@ class Footprint {
   bool contains(Vec2 point_in_base) const { return signed_distance(point_in_base) <= 0.0; }
   /// Distance from a point to the outline [m], negative inside.
   double signed_distance(Vec2 point_in_base) const { return threewe::signed_distance(corners_, point_in_base); }
+  /// Whether a point is in the rectangle that leaves `margin` [m] around the outline: cheap, and true of all that is
+  /// nearer than that.
+  bool may_be_near(Vec2 point_in_base, double margin) const {
+    return point_in_base.x >= low_.x - margin && point_in_base.x <= high_.x + margin &&
+           point_in_base.y >= low_.y - margin && point_in_base.y <= high_.y + margin;
+  }
   friend bool operator==(const Footprint&, const Footprint&) = default;
 
  private:
   std::vector<Vec2> corners_;
   double inscribed_radius_ = 0.0;
   double circumscribed_radius_ = 0.0;
+  Vec2 low_;  // corners of the rectangle around it
+  Vec2 high_;
 };
 
 }  // namespace threewe
