@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <array>
+#include <cstddef>
+
+#include <hwy/cache_control.h>
 
 #include "sim/ray_caster_kernel.hpp"
 #include "sim/ray_caster_visibility.hpp"
@@ -30,7 +33,8 @@ struct RayCaster::Table {
   std::vector<CircleBlock> circle_blocks;
 
   void add_cell(Vec2 center, const VisibleSet& visible);
-  const Cell& cell(int index) const { return index < 0 ? cells.back() : cells[static_cast<std::size_t>(index)]; }
+  // What may be seen from a cell; from anywhere outside the grid if it is -1.
+  kernel::Shapes seen_from(int cell) const;
 };
 
 namespace {
@@ -96,6 +100,20 @@ void RayCaster::Table::add_cell(Vec2 center, const VisibleSet& visible) {
   cells.push_back(cell);
 }
 
+kernel::Shapes RayCaster::Table::seen_from(int index) const {
+  const Cell& cell = index < 0 ? cells.back() : cells[static_cast<std::size_t>(index)];
+  const auto blocks = [](const auto& all, int first, int places) {
+    return std::span(all).subspan(static_cast<std::size_t>(first), static_cast<std::size_t>(block_count(places)));
+  };
+  return {.center = cell.center,
+          .segment_blocks = blocks(segment_blocks, cell.segment_block, cell.segment_count),
+          .segment_count = cell.segment_count,
+          .circle_blocks = blocks(circle_blocks, cell.circle_block, cell.circle_count),
+          .circle_count = cell.circle_count,
+          .segments = slice.segments,
+          .circles = slice.circles};
+}
+
 RayCaster::RayCaster(const scene::Slice& slice, double range_max) : range_max_(range_max) {
   auto table = std::make_shared<Table>();
   table->slice = slice;
@@ -107,6 +125,17 @@ RayCaster::RayCaster(const scene::Slice& slice, double range_max) : range_max_(r
       CellGrid::kSize * Vec2{static_cast<double>(table->grid.width), static_cast<double>(table->grid.height)};
   table->add_cell(table->grid.origin + 0.5 * size, everything(slice));
   table_ = std::move(table);
+}
+
+void RayCaster::fetch(Vec2 sensor) const {
+  constexpr std::size_t kLine = 64;
+  const auto fetch_bytes = [](auto blocks) {
+    const std::span<const std::byte> bytes = std::as_bytes(blocks);
+    for (std::size_t line = 0; line < bytes.size(); line += kLine) hwy::Prefetch(&bytes[line]);
+  };
+  const kernel::Shapes shapes = table_->seen_from(table_->grid.cell(sensor));
+  fetch_bytes(shapes.segment_blocks);
+  fetch_bytes(shapes.circle_blocks);
 }
 
 void RayCaster::cast(const Pose2D& sensor, double angle_min, double angle_increment, std::span<float> ranges,
@@ -135,23 +164,9 @@ void RayCaster::cast_part(const Sweep& sweep, std::span<float> ranges, const Mov
     cast_part(part(sweep, half, sweep.count), ranges.subspan(static_cast<std::size_t>(half)), moving);
     return;
   }
-  const Cell& seen = table_->cell(cell);
-  kernel::Shapes shapes;
-  shapes.center = seen.center;
-  shapes.segment_blocks = std::span(table_->segment_blocks)
-                              .subspan(static_cast<std::size_t>(seen.segment_block),
-                                       static_cast<std::size_t>(block_count(seen.segment_count)));
-  shapes.segment_count = seen.segment_count;
-  shapes.circle_blocks = std::span(table_->circle_blocks)
-                             .subspan(static_cast<std::size_t>(seen.circle_block),
-                                      static_cast<std::size_t>(block_count(seen.circle_count)));
-  shapes.circle_count = seen.circle_count;
-  shapes.segments = table_->slice.segments;
-  shapes.circles = table_->slice.circles;
-
   kernel::Fan fan;
   kernel::begin(sweep, range_max_, fan);
-  kernel::meet(shapes, fan);
+  kernel::meet(table_->seen_from(cell), fan);
   meet_moving(moving, fan);
   kernel::finish(fan, range_max_, ranges.data());
 }

@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <cmath>
 #include <span>
+#include <type_traits>
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "sim/ray_caster_kernel.cpp"
@@ -42,17 +43,16 @@ constexpr float kSegmentCare = 120.0F;
 // A circle is careful when radius * distance is above this [m^2]: near its tangents the error grows with its root.
 constexpr float kCircleCare = 0.6F;
 
-// Where candidates are seen, by place: between two angles [rad], counter-clockwise.
-struct Sight {
-  HWY_ALIGN float first[kBatch];
-  HWY_ALIGN float width[kBatch];  // negative: out of sight
-};
+// How much farther [rad] than it looks a candidate must be tried to either side, where it is out of sight, and where
+// the sensor may touch it: more than once all around.
+constexpr float kNowhere = -1.0F;
+constexpr float kAround = 100.0F;
 
 // Which beams to try on which candidates.
 struct Tasks {
   static constexpr std::size_t kRoom = 3 * kBatch + kBlock;  // a whole vector is written at a time
-  HWY_ALIGN float first[kRoom];
-  HWY_ALIGN float last[kRoom];
+  HWY_ALIGN std::int32_t first[kRoom];
+  HWY_ALIGN std::int32_t last[kRoom];
   HWY_ALIGN std::int32_t place[kRoom];
   std::size_t count = 0;
 };
@@ -74,11 +74,11 @@ constexpr ChosenLanes kChosen = [] {
 
 // The numbers of beams, to be loaded as vectors.
 struct BeamNumbers {
-  alignas(64) std::array<float, kMaxBeams + 2 * kBlock> number;
+  alignas(64) std::array<std::int32_t, kMaxBeams + 2 * kBlock> number;
 };
 constexpr BeamNumbers kBeams = [] {
   BeamNumbers beams{};
-  for (std::size_t i = 0; i < beams.number.size(); ++i) beams.number[i] = static_cast<float>(i);
+  for (std::size_t i = 0; i < beams.number.size(); ++i) beams.number[i] = static_cast<std::int32_t>(i);
   return beams;
 }();
 
@@ -133,108 +133,87 @@ HWY_INLINE Order order_of(hn::Mask<Ints> mask) {
 }
 
 // Adds tasks, in the lanes of a mask. No branches here: which candidates have beams is hard to foresee.
-HWY_INLINE void append(hn::Mask<Floats> mask, F first, F last, hn::Vec<Ints> place, Tasks& tasks) {
-  const Floats d;
+HWY_INLINE void append(hn::Mask<Floats> mask, hn::Vec<Ints> first, hn::Vec<Ints> last, hn::Vec<Ints> place,
+                       Tasks& tasks) {
   const Ints di;
   const Order order = order_of(hn::RebindMask(di, mask));
-  const auto chosen = [&](auto lanes) HWY_ATTR { return hn::TableLookupLanes(hn::BitCast(di, lanes), order); };
-  hn::StoreU(hn::BitCast(d, chosen(first)), d, tasks.first + tasks.count);
-  hn::StoreU(hn::BitCast(d, chosen(last)), d, tasks.last + tasks.count);
-  hn::StoreU(chosen(place), di, tasks.place + tasks.count);
-  tasks.count += hn::CountTrue(d, mask);
+  hn::StoreU(hn::TableLookupLanes(first, order), di, tasks.first + tasks.count);
+  hn::StoreU(hn::TableLookupLanes(last, order), di, tasks.last + tasks.count);
+  hn::StoreU(hn::TableLookupLanes(place, order), di, tasks.place + tasks.count);
+  tasks.count += hn::CountTrue(Floats(), mask);
 }
 
 // Adds those that have beams between `low` and `high`, counted in beams.
 HWY_INLINE void add_tasks(hn::Mask<Floats> visible, F low, F high, hn::Vec<Ints> place, const Frame& frame,
                           Tasks& tasks) {
   const Floats d;
+  const Ints di;
   const F first = hn::Max(hn::Ceil(low), hn::Zero(d));
   const F last = hn::Min(hn::Floor(high), hn::Set(d, frame.last_beam));
-  append(hn::And(visible, hn::Le(first, last)), first, last, place, tasks);
+  const auto some = hn::And(visible, hn::Le(first, last));
+  append(some, hn::ConvertTo(di, first), hn::ConvertTo(di, last), place, tasks);
 }
 
-// Keeps where a vector of candidates is seen.
-HWY_INLINE void keep_sight(hn::Mask<Floats> visible, F first, F width, int place, Sight& sight) {
+// Turns where a vector of candidates from `first_place` on is seen, from an angle counter-clockwise, into intervals of
+// beams.
+HWY_INLINE void find_beams(F seen_first, F seen_width, F slack, int first_place, const Frame& frame, Tasks& tasks) {
   const Floats d;
-  hn::Store(first, d, sight.first + place);
-  hn::Store(hn::IfThenElse(visible, width, hn::Set(d, -1.0F)), d, sight.width + place);
+  const Ints di;
+  const F start = hn::Sub(seen_first, slack);
+  const F width = hn::Add(seen_width, hn::Add(slack, slack));
+  const auto visible = hn::Gt(slack, hn::Zero(d));
+  // angles to beams: the middle of the candidate within half a turn of the middle of the fan
+  const F relative = hn::Sub(start, hn::Set(d, frame.middle_angle));
+  const F middle = hn::Add(relative, hn::Mul(width, hn::Set(d, 0.5F)));
+  const F turns = hn::Round(hn::Mul(middle, hn::Set(d, 1.0F / kTwoPi)));
+  const F nearest = hn::Sub(relative, hn::Mul(turns, hn::Set(d, kTwoPi)));
+  const F scale = hn::Set(d, frame.beams_per_radian);
+  const F end0 = hn::Mul(nearest, scale);
+  const F end1 = hn::Mul(hn::Add(nearest, width), scale);
+  const F low = hn::Add(hn::Min(end0, end1), hn::Set(d, frame.middle_beam));
+  const F high = hn::Add(hn::Max(end0, end1), hn::Set(d, frame.middle_beam));
+  const auto place = hn::Add(hn::Iota(di, 0), hn::Set(di, first_place));  // Iota of a variable is slow in Highway 1.0
+  add_tasks(visible, low, high, place, frame, tasks);
+
+  // what lies across the back of a fan of a whole turn is seen from both its ends; few do, and they stand together
+  const F turn = hn::Set(d, kTwoPi * std::fabs(frame.beams_per_radian));
+  const F after = hn::Add(low, turn);
+  const F before = hn::Sub(high, turn);
+  const auto beyond = hn::Or(hn::Le(after, hn::Set(d, frame.last_beam)), hn::Ge(before, hn::Zero(d)));
+  const auto across = hn::And(visible, beyond);
+  if (hn::AllFalse(d, across)) return;
+  add_tasks(across, after, hn::Add(high, turn), place, frame, tasks);
+  add_tasks(across, hn::Sub(low, turn), before, place, frame, tasks);
 }
 
-// Where each beam must try it, because the sensor may touch it: more than once all around.
-constexpr float kAroundFirst = -100.0F;
-constexpr float kAroundWidth = 200.0F;
-
-// Turns what candidates look like into intervals of beams.
-HWY_INLINE void find_beams(const Sight& sight, int count, const Frame& frame, Tasks& tasks) {
+// Runs `inverse_range(beam, cos, sin)` over the beams of a task and keeps the larger. Where there are many beams, two
+// vectors at a time: how often is then easier to foresee for the processor.
+template <bool kInPairs, class InverseRange>
+HWY_INLINE void keep_larger(Fan& fan, const Tasks& tasks, std::size_t task, const InverseRange& inverse_range) {
   const Floats d;
   const Ints di;
   const int lanes = static_cast<int>(hn::Lanes(d));
-  const F scale = hn::Set(d, frame.beams_per_radian);
-  const F zero_angle = hn::Set(d, frame.middle_beam);
-  const F last_beam = hn::Set(d, frame.last_beam);
-  const F turn = hn::Set(d, kTwoPi * std::fabs(frame.beams_per_radian));
-  const auto ascending = hn::Iota(di, 0);  // of a constant, since that of a variable is slow in Highway 1.0
-  Tasks across;
-  for (int i = 0; i < count; i += lanes) {
-    // angles to beams: the middle of the candidate within half a turn of the middle of the fan
-    const F width = hn::Load(d, sight.width + i);
-    const F relative = hn::Sub(hn::Load(d, sight.first + i), hn::Set(d, frame.middle_angle));
-    const F middle = hn::Add(relative, hn::Mul(width, hn::Set(d, 0.5F)));
-    const F turns = hn::Round(hn::Mul(middle, hn::Set(d, 1.0F / kTwoPi)));
-    const F nearest = hn::Sub(relative, hn::Mul(turns, hn::Set(d, kTwoPi)));
-    const F end0 = hn::Mul(nearest, scale);
-    const F end1 = hn::Mul(hn::Add(nearest, width), scale);
-    const F low = hn::Add(hn::Min(end0, end1), zero_angle);
-    const F high = hn::Add(hn::Max(end0, end1), zero_angle);
-    const auto visible = hn::Ge(width, hn::Zero(d));
-    const auto place = hn::Add(ascending, hn::Set(di, i));
-    add_tasks(visible, low, high, place, frame, tasks);
-    const auto beyond = hn::Or(hn::Le(hn::Add(low, turn), last_beam), hn::Ge(hn::Sub(high, turn), hn::Zero(d)));
-    append(hn::And(visible, beyond), low, high, place, across);
-  }
-
-  // what lies across the back of a fan of a whole turn is seen from both its ends
-  for (std::size_t t = 0; t < across.count; t += hn::Lanes(d)) {
-    const F low = hn::LoadU(d, across.first + t);
-    const F high = hn::LoadU(d, across.last + t);
-    const auto place = hn::LoadU(di, across.place + t);
-    const auto used = hn::FirstN(d, across.count - t);
-    add_tasks(used, hn::Add(low, turn), hn::Add(high, turn), place, frame, tasks);
-    add_tasks(used, hn::Sub(low, turn), hn::Sub(high, turn), place, frame, tasks);
-  }
-}
-
-// Runs `inverse_range(beam, cos, sin)` over the beams of an interval and keeps the larger.
-template <class InverseRange>
-HWY_INLINE void keep_larger(Fan& fan, float first, float last, const InverseRange& inverse_range) {
-  const Floats d;
-  const int lanes = static_cast<int>(hn::Lanes(d));
-  const F all_first = hn::Set(d, first);
-  const F all_last = hn::Set(d, last);
+  const auto first = hn::Set(di, tasks.first[task]);
+  const auto last = hn::Set(di, tasks.last[task]);
   const auto keep = [&](int i) HWY_ATTR {
-    const F beam = hn::Load(d, kBeams.number.data() + i);
-    const auto inside = hn::And(hn::Ge(beam, all_first), hn::Le(beam, all_last));
+    const auto beam = hn::Load(di, kBeams.number.data() + i);
+    const auto outside = hn::RebindMask(d, hn::Or(hn::Lt(beam, first), hn::Gt(beam, last)));
     const F value = inverse_range(beam, hn::Load(d, fan.cos.data() + i), hn::Load(d, fan.sin.data() + i));
     float* kept = fan.inverse_range.data() + i;
-    hn::Store(hn::Max(hn::Load(d, kept), hn::IfThenElseZero(inside, value)), d, kept);
+    hn::Store(hn::Max(hn::Load(d, kept), hn::IfThenZeroElse(outside, value)), d, kept);
   };
-  // where there are many beams, two vectors at a time: how often is then easier to foresee for the processor
-  const bool in_pairs = fan.sweep.count > kManyBeams;
-  const int end = static_cast<int>(last);
-  for (int i = static_cast<int>(first) & -lanes; i <= end; i += in_pairs ? 2 * lanes : lanes) {
+  for (int i = tasks.first[task] & -lanes; i <= tasks.last[task]; i += kInPairs ? 2 * lanes : lanes) {
     keep(i);
-    if (in_pairs) keep(i + lanes);
+    if constexpr (kInPairs) keep(i + lanes);
   }
 }
 
 // The same in double precision with each beam's own origin: `inverse_range(x, y, cos, sin)`.
 template <class InverseRange>
-HWY_INLINE void keep_larger_carefully(Fan& fan, float first_beam, float last_beam, const InverseRange& inverse_range) {
+HWY_INLINE void keep_larger_carefully(Fan& fan, int first, int last, const InverseRange& inverse_range) {
   const Doubles d;
   const HalfFloats df;
   const int lanes = static_cast<int>(hn::Lanes(d));
-  const int first = static_cast<int>(first_beam);
-  const int last = static_cast<int>(last_beam);
   const Sweep& sweep = fan.sweep;
   const V ascending = hn::Iota(d, 0);
   for (int i = first & -lanes; i <= last; i += lanes) {
@@ -256,7 +235,7 @@ HWY_INLINE void keep_larger_carefully(Fan& fan, float first_beam, float last_bea
 
 HWY_INLINE V cross(V ax, V ay, V bx, V by) { return hn::Sub(hn::Mul(ax, by), hn::Mul(ay, bx)); }
 
-void meet_carefully(Fan& fan, float first, float last, const scene::Segment& segment) {
+void meet_carefully(Fan& fan, int first, int last, const scene::Segment& segment) {
   const Doubles d;
   const V along_x = hn::Set(d, segment.b.x - segment.a.x);
   const V along_y = hn::Set(d, segment.b.y - segment.a.y);
@@ -273,7 +252,7 @@ void meet_carefully(Fan& fan, float first, float last, const scene::Segment& seg
   });
 }
 
-void meet_carefully(Fan& fan, float first, float last, const scene::Circle& circle) {
+void meet_carefully(Fan& fan, int first, int last, const scene::Circle& circle) {
   const Doubles d;
   const V radius_squared = hn::Set(d, circle.radius * circle.radius);
   keep_larger_carefully(fan, first, last, [&](V x, V y, V c, V s) HWY_ATTR {
@@ -290,9 +269,15 @@ void meet_carefully(Fan& fan, float first, float last, const scene::Circle& circ
   });
 }
 
-// What the evaluation of a batch of segments needs, by place.
+// What is known of a batch of segments, by place.
 struct SegmentBatch {
-  Sight sight;
+  HWY_ALIGN float a_x[kBatch];  // from the origin
+  HWY_ALIGN float a_y[kBatch];
+  HWY_ALIGN float b_x[kBatch];
+  HWY_ALIGN float b_y[kBatch];
+  HWY_ALIGN float a_angle[kBatch];
+  HWY_ALIGN float b_angle[kBatch];
+  HWY_ALIGN float slack[kBatch];
   HWY_ALIGN float along_x[kBatch];
   HWY_ALIGN float along_y[kBatch];
   HWY_ALIGN float height[kBatch];  // of the origin above the line, times length
@@ -317,15 +302,14 @@ HWY_INLINE void see_segments(const SegmentBlock& block, int j, int place, const 
   const F square_a = hn::Add(hn::Mul(ax, ax), hn::Mul(ay, ay));
   const F square_b = hn::Add(hn::Mul(bx, bx), hn::Mul(by, by));
   const F square_length = hn::Add(hn::Mul(along_x, along_x), hn::Mul(along_y, along_y));
+  hn::Store(ax, d, batch.a_x + place);
+  hn::Store(ay, d, batch.a_y + place);
+  hn::Store(bx, d, batch.b_x + place);
+  hn::Store(by, d, batch.b_y + place);
 
-  // seen from the free side, a stands to the left of b
-  const F first = exact::HWY_NAMESPACE::atan2(d, by, bx);
-  const F width = hn::Sub(exact::HWY_NAMESPACE::atan2(d, ay, ax), first);
-  const F turned = hn::IfThenElse(hn::Lt(width, hn::Set(d, -1.0F)), hn::Add(width, hn::Set(d, kTwoPi)), width);
-  F seen_first = hn::Sub(first, hn::Set(d, kAngleMargin));
-  F seen_width = hn::Add(hn::Max(turned, hn::Zero(d)), hn::Set(d, 2.0F * kAngleMargin));
   F lowest = height;
   auto visible = hn::Gt(height, hn::Zero(d));
+  F slack = hn::Set(d, kAngleMargin);
   if constexpr (kMoves) {
     // on the way the line comes nearer by the reach, and each end turns by asin(reach / distance) at most
     const F reach = hn::Set(d, frame.reach);
@@ -335,16 +319,7 @@ HWY_INLINE void see_segments(const SegmentBlock& block, int j, int place, const 
     const F square = hn::Min(square_a, square_b);
     const auto touched = hn::Or(hn::Le(lowest, hn::Zero(d)), hn::Le(square, hn::Mul(reach, reach)));
     const F sine = hn::Div(reach, hn::Sqrt(hn::Max(square, hn::Set(d, 1e-12F))));
-    const F slack = hn::Mul(sine, hn::Set(d, 1.5708F));
-    seen_first = hn::IfThenElse(touched, hn::Set(d, kAroundFirst), hn::Sub(seen_first, slack));
-    seen_width = hn::IfThenElse(touched, hn::Set(d, kAroundWidth), hn::Add(seen_width, hn::Add(slack, slack)));
-  }
-
-  // careful if farthest^2 / distance > kSegmentCare, squared and without the division
-  const F farthest = hn::Max(square_a, square_b);
-  const F near = hn::Mul(hn::Max(lowest, hn::Zero(d)), hn::Set(d, kSegmentCare));
-  hn::Store(hn::Sub(hn::Mul(hn::Mul(farthest, farthest), square_length), hn::Mul(near, near)), d, batch.care + place);
-  if constexpr (kMoves) {
+    slack = hn::IfThenElse(touched, hn::Set(d, kAround), hn::Add(slack, hn::Mul(sine, hn::Set(d, 1.5708F))));
     hn::Store(along_x, d, batch.along_x + place);
     hn::Store(along_y, d, batch.along_y + place);
     hn::Store(height, d, batch.height + place);
@@ -353,34 +328,61 @@ HWY_INLINE void see_segments(const SegmentBlock& block, int j, int place, const 
     hn::Store(hn::Mul(hn::Neg(along_y), inverse), d, batch.of_cos + place);
     hn::Store(hn::Mul(along_x, inverse), d, batch.of_sin + place);
   }
-  keep_sight(visible, seen_first, seen_width, place, batch.sight);
+  hn::Store(hn::IfThenElse(visible, slack, hn::Set(d, kNowhere)), d, batch.slack + place);
+
+  // careful if farthest^2 / distance > kSegmentCare, squared and without the division
+  const F farthest = hn::Max(square_a, square_b);
+  const F near = hn::Mul(hn::Max(lowest, hn::Zero(d)), hn::Set(d, kSegmentCare));
+  hn::Store(hn::Sub(hn::Mul(hn::Mul(farthest, farthest), square_length), hn::Mul(near, near)), d, batch.care + place);
 }
 
-HWY_INLINE void meet_standing(Fan& fan, float first, float last, const SegmentBatch& batch, std::size_t place) {
+// The angles of many points. A loop of its own: what is long to wait for, yet waits for nothing else, overlaps.
+HWY_INLINE void find_angles(const float* y, const float* x, int count, float* angle) {
+  const Floats d;
+  for (int i = 0; i < count; i += static_cast<int>(hn::Lanes(d))) {
+    hn::Store(exact::HWY_NAMESPACE::atan2(d, hn::Load(d, y + i), hn::Load(d, x + i)), d, angle + i);
+  }
+}
+
+// Seen from the free side, a stands to the left of b.
+HWY_INLINE void find_beams(const SegmentBatch& batch, int count, const Frame& frame, Tasks& tasks) {
+  const Floats d;
+  for (int i = 0; i < count; i += static_cast<int>(hn::Lanes(d))) {
+    const F first = hn::Load(d, batch.b_angle + i);
+    const F width = hn::Sub(hn::Load(d, batch.a_angle + i), first);
+    const F turned = hn::IfThenElse(hn::Lt(width, hn::Set(d, -1.0F)), hn::Add(width, hn::Set(d, kTwoPi)), width);
+    find_beams(first, hn::Max(turned, hn::Zero(d)), hn::Load(d, batch.slack + i), i, frame, tasks);
+  }
+}
+
+template <bool kInPairs>
+HWY_INLINE void meet_standing(Fan& fan, const Tasks& tasks, std::size_t task, const SegmentBatch& batch,
+                              std::size_t place) {
   const Floats d;
   const F a = hn::Set(d, batch.of_cos[place]);
   const F b = hn::Set(d, batch.of_sin[place]);
-  keep_larger(fan, first, last, [&](F, F c, F s) HWY_ATTR { return hn::Add(hn::Mul(a, c), hn::Mul(b, s)); });
+  keep_larger<kInPairs>(fan, tasks, task,
+                        [&](hn::Vec<Ints>, F c, F s) HWY_ATTR { return hn::Add(hn::Mul(a, c), hn::Mul(b, s)); });
 }
 
 // On the way: each beam from its own origin, both ends tested.
-HWY_INLINE void meet_moving(Fan& fan, float first, float last, const SegmentBatch& batch, std::size_t place,
-                            const SegmentBlock& block, const Frame& frame) {
+template <bool kInPairs>
+HWY_INLINE void meet_moving(Fan& fan, const Tasks& tasks, std::size_t task, const SegmentBatch& batch,
+                            std::size_t place, const Frame& frame) {
   const Floats d;
-  const std::size_t j = place % kBlock;
   const float along_x = batch.along_x[place];
   const float along_y = batch.along_y[place];
   const F height0 = hn::Set(d, batch.height[place]);
   const F sinking = hn::Set(d, along_x * frame.step_y - along_y * frame.step_x);
-  const F a_x = hn::Set(d, block.a_x[j] - frame.origin_x);
-  const F a_y = hn::Set(d, block.a_y[j] - frame.origin_y);
-  const F b_x = hn::Set(d, block.b_x[j] - frame.origin_x);
-  const F b_y = hn::Set(d, block.b_y[j] - frame.origin_y);
+  const F a_x = hn::Set(d, batch.a_x[place]);
+  const F a_y = hn::Set(d, batch.a_y[place]);
+  const F b_x = hn::Set(d, batch.b_x[place]);
+  const F b_y = hn::Set(d, batch.b_y[place]);
   const F step_x = hn::Set(d, frame.step_x);
   const F step_y = hn::Set(d, frame.step_y);
   const F middle = hn::Set(d, frame.middle_beam);
-  keep_larger(fan, first, last, [&](F beam, F c, F s) HWY_ATTR {
-    const F i = hn::Sub(beam, middle);
+  keep_larger<kInPairs>(fan, tasks, task, [&](hn::Vec<Ints> beam, F c, F s) HWY_ATTR {
+    const F i = hn::Sub(hn::ConvertTo(d, beam), middle);
     const F x = hn::Mul(i, step_x);
     const F y = hn::Mul(i, step_y);
     const F height = hn::Sub(height0, hn::Mul(i, sinking));
@@ -393,7 +395,7 @@ HWY_INLINE void meet_moving(Fan& fan, float first, float last, const SegmentBatc
   });
 }
 
-template <bool kMoves>
+template <bool kMoves, bool kInPairs>
 HWY_INLINE void meet_segments(const Shapes& shapes, const Frame& frame, Fan& fan) {
   const int lanes = static_cast<int>(hn::Lanes(Floats()));
   for (int start = 0; start < shapes.segment_count; start += kBatch) {
@@ -402,25 +404,28 @@ HWY_INLINE void meet_segments(const Shapes& shapes, const Frame& frame, Fan& fan
     const SegmentBlock* blocks = shapes.segment_blocks.data() + start / kBlock;
     const int count = std::min(kBatch, shapes.segment_count - start);
     for (int i = 0; i < count; i += lanes) see_segments<kMoves>(blocks[i / kBlock], i % kBlock, i, frame, batch);
-    find_beams(batch.sight, count, frame, tasks);
+    find_angles(batch.a_y, batch.a_x, count, batch.a_angle);
+    find_angles(batch.b_y, batch.b_x, count, batch.b_angle);
+    find_beams(batch, count, frame, tasks);
     for (std::size_t t = 0; t < tasks.count; ++t) {
       const auto place = static_cast<std::size_t>(tasks.place[t]);
       if (batch.care[place] > 0.0F) {
         const std::int32_t index = blocks[place / kBlock].index[place % kBlock];
         meet_carefully(fan, tasks.first[t], tasks.last[t], shapes.segments[static_cast<std::size_t>(index)]);
       } else if constexpr (kMoves) {
-        meet_moving(fan, tasks.first[t], tasks.last[t], batch, place, blocks[place / kBlock], frame);
+        meet_moving<kInPairs>(fan, tasks, t, batch, place, frame);
       } else {
-        meet_standing(fan, tasks.first[t], tasks.last[t], batch, place);
+        meet_standing<kInPairs>(fan, tasks, t, batch, place);
       }
     }
   }
 }
 
-// What the evaluation of a batch of circles needs, by place.
+// What is known of a batch of circles, by place.
 struct CircleBatch {
-  Sight sight;
-  HWY_ALIGN float x[kBatch];
+  HWY_ALIGN float angle[kBatch];
+  HWY_ALIGN float slack[kBatch];
+  HWY_ALIGN float x[kBatch];  // from the origin
   HWY_ALIGN float y[kBatch];
   HWY_ALIGN float radius_squared[kBatch];
   HWY_ALIGN float inverse_power[kBatch];  // of the origin with respect to the circle [1/m^2]
@@ -443,11 +448,9 @@ HWY_INLINE void see_circles(const CircleBlock& block, int j, int place, const Fr
   const auto clear = hn::Gt(wide_power, hn::Zero(d));
   const F tangent = hn::Sqrt(hn::Max(wide_power, hn::Zero(d)));
   const F half_width = hn::Min(hn::Div(wide, tangent), hn::Set(d, 0.25F * kTwoPi));
-  const F middle = exact::HWY_NAMESPACE::atan2(d, y, x);
-  const F enough = hn::Add(half_width, hn::Set(d, kAngleMargin));
-  const F first = hn::IfThenElse(clear, hn::Sub(middle, enough), hn::Set(d, kAroundFirst));
-  const F width = hn::IfThenElse(clear, hn::Add(enough, enough), hn::Set(d, kAroundWidth));
+  const F slack = hn::IfThenElse(clear, hn::Add(half_width, hn::Set(d, kAngleMargin)), hn::Set(d, kAround));
   const auto visible = hn::Gt(radius, hn::Zero(d));
+  hn::Store(hn::IfThenElse(visible, slack, hn::Set(d, kNowhere)), d, batch.slack + place);
 
   const F large = hn::Sub(hn::Mul(square, radius_squared), hn::Set(d, kCircleCare * kCircleCare));
   hn::Store(hn::IfThenElse(clear, large, hn::Set(d, 1.0F)), d, batch.care + place);
@@ -455,16 +458,24 @@ HWY_INLINE void see_circles(const CircleBlock& block, int j, int place, const Fr
   hn::Store(y, d, batch.y + place);
   hn::Store(radius_squared, d, batch.radius_squared + place);
   hn::Store(hn::Div(hn::Set(d, 1.0F), power), d, batch.inverse_power + place);
-  keep_sight(visible, first, width, place, batch.sight);
 }
 
-HWY_INLINE void meet_standing(Fan& fan, float first, float last, const CircleBatch& batch, std::size_t place) {
+HWY_INLINE void find_beams(const CircleBatch& batch, int count, const Frame& frame, Tasks& tasks) {
+  const Floats d;
+  for (int i = 0; i < count; i += static_cast<int>(hn::Lanes(d))) {
+    find_beams(hn::Load(d, batch.angle + i), hn::Zero(d), hn::Load(d, batch.slack + i), i, frame, tasks);
+  }
+}
+
+template <bool kInPairs>
+HWY_INLINE void meet_standing(Fan& fan, const Tasks& tasks, std::size_t task, const CircleBatch& batch,
+                              std::size_t place) {
   const Floats d;
   const F x = hn::Set(d, batch.x[place]);
   const F y = hn::Set(d, batch.y[place]);
   const F radius_squared = hn::Set(d, batch.radius_squared[place]);
   const F inverse_power = hn::Set(d, batch.inverse_power[place]);
-  keep_larger(fan, first, last, [&](F, F c, F s) HWY_ATTR {
+  keep_larger<kInPairs>(fan, tasks, task, [&](hn::Vec<Ints>, F c, F s) HWY_ATTR {
     const F ahead = hn::Add(hn::Mul(c, x), hn::Mul(s, y));
     const F aside = hn::Sub(hn::Mul(c, y), hn::Mul(s, x));
     const F half_chord_squared = hn::Sub(radius_squared, hn::Mul(aside, aside));
@@ -475,7 +486,8 @@ HWY_INLINE void meet_standing(Fan& fan, float first, float last, const CircleBat
 }
 
 // On the way: each beam from its own origin.
-HWY_INLINE void meet_moving(Fan& fan, float first, float last, const CircleBatch& batch, std::size_t place,
+template <bool kInPairs>
+HWY_INLINE void meet_moving(Fan& fan, const Tasks& tasks, std::size_t task, const CircleBatch& batch, std::size_t place,
                             const Frame& frame) {
   const Floats d;
   const F x0 = hn::Set(d, batch.x[place]);
@@ -484,8 +496,8 @@ HWY_INLINE void meet_moving(Fan& fan, float first, float last, const CircleBatch
   const F step_x = hn::Set(d, frame.step_x);
   const F step_y = hn::Set(d, frame.step_y);
   const F middle = hn::Set(d, frame.middle_beam);
-  keep_larger(fan, first, last, [&](F beam, F c, F s) HWY_ATTR {
-    const F i = hn::Sub(beam, middle);
+  keep_larger<kInPairs>(fan, tasks, task, [&](hn::Vec<Ints> beam, F c, F s) HWY_ATTR {
+    const F i = hn::Sub(hn::ConvertTo(d, beam), middle);
     const F x = hn::Sub(x0, hn::Mul(i, step_x));
     const F y = hn::Sub(y0, hn::Mul(i, step_y));
     const F ahead = hn::Add(hn::Mul(c, x), hn::Mul(s, y));
@@ -499,7 +511,7 @@ HWY_INLINE void meet_moving(Fan& fan, float first, float last, const CircleBatch
   });
 }
 
-template <bool kMoves>
+template <bool kMoves, bool kInPairs>
 HWY_INLINE void meet_circles(const Shapes& shapes, const Frame& frame, Fan& fan) {
   const int lanes = static_cast<int>(hn::Lanes(Floats()));
   for (int start = 0; start < shapes.circle_count; start += kBatch) {
@@ -508,16 +520,17 @@ HWY_INLINE void meet_circles(const Shapes& shapes, const Frame& frame, Fan& fan)
     const CircleBlock* blocks = shapes.circle_blocks.data() + start / kBlock;
     const int count = std::min(kBatch, shapes.circle_count - start);
     for (int i = 0; i < count; i += lanes) see_circles(blocks[i / kBlock], i % kBlock, i, frame, batch);
-    find_beams(batch.sight, count, frame, tasks);
+    find_angles(batch.y, batch.x, count, batch.angle);
+    find_beams(batch, count, frame, tasks);
     for (std::size_t t = 0; t < tasks.count; ++t) {
       const auto place = static_cast<std::size_t>(tasks.place[t]);
       if (batch.care[place] > 0.0F) {
         const std::int32_t index = blocks[place / kBlock].index[place % kBlock];
         meet_carefully(fan, tasks.first[t], tasks.last[t], shapes.circles[static_cast<std::size_t>(index)]);
       } else if constexpr (kMoves) {
-        meet_moving(fan, tasks.first[t], tasks.last[t], batch, place, frame);
+        meet_moving<kInPairs>(fan, tasks, t, batch, place, frame);
       } else {
-        meet_standing(fan, tasks.first[t], tasks.last[t], batch, place);
+        meet_standing<kInPairs>(fan, tasks, t, batch, place);
       }
     }
   }
@@ -539,12 +552,17 @@ void meet_shapes(const Shapes& shapes, Fan& fan) {
       .step_y = static_cast<float>(sweep.step.y),
       .reach = moves ? static_cast<float>(middle * norm(sweep.step)) + 1e-5F : 0.0F,
   };
+  const auto meet_all = [&](auto is_moving, auto in_pairs) HWY_ATTR {
+    meet_segments<is_moving(), in_pairs()>(shapes, frame, fan);
+    meet_circles<is_moving(), in_pairs()>(shapes, frame, fan);
+  };
+  constexpr std::true_type kYes;
+  constexpr std::false_type kNo;
+  const bool many = sweep.count > kManyBeams;
   if (moves) {
-    meet_segments<true>(shapes, frame, fan);
-    meet_circles<true>(shapes, frame, fan);
+    many ? meet_all(kYes, kYes) : meet_all(kYes, kNo);
   } else {
-    meet_segments<false>(shapes, frame, fan);
-    meet_circles<false>(shapes, frame, fan);
+    many ? meet_all(kNo, kYes) : meet_all(kNo, kNo);
   }
 }
 

@@ -93,14 +93,18 @@ class Others {
   std::vector<scene::Segment> segments_;
 };
 
+// Whether the lidar looks in the step that leads to `steps`: at its end where the whole turn is taken at once.
+bool sweeps(const Sensing& sensing, const RobotModel& robot, std::uint64_t steps) {
+  if (!sensing.lidar || !robot.caster) return false;
+  return robot.profile.lidar->rolling || steps % static_cast<std::uint64_t>(robot.turn) == 0;
+}
+
 // The share of a turn that a step sweeps, from the poses in between; or the whole turn at its end.
 void sweep_lidar(const RobotModel& robot, Others& others, const Pose2D& before, RobotState& state) {
   const LidarSpec& lidar = *robot.profile.lidar;
   const auto points = static_cast<std::uint64_t>(lidar.points_per_turn);
   const auto turn = static_cast<std::uint64_t>(robot.turn);
   const std::uint64_t within = (state.steps - 1) % turn;
-  if (!lidar.rolling && within + 1 < turn) return;
-
   const std::uint64_t share = lidar.rolling ? points / turn : points;
   const std::uint64_t first = lidar.rolling ? within * share : 0;
   const std::span<float> ranges = std::span(state.lidar_points).subspan(first, share);
@@ -137,7 +141,7 @@ void sense(const RobotModel& robot, const Sensing& sensing, Others& others, cons
   if (sensing.ultrasonics) {
     if (const auto sensor = ping_ready(robot, state)) ping(robot, *sensor, others, state);
   }
-  if (sensing.lidar && robot.caster) sweep_lidar(robot, others, before, state);
+  if (sweeps(sensing, robot, state.steps)) sweep_lidar(robot, others, before, state);
 }
 
 bool is_any_on(const Sensing& sensing) { return sensing.lidar || sensing.imu || sensing.ultrasonics; }
@@ -208,6 +212,10 @@ void step_singles(std::span<const World* const> worlds) {
   for (std::size_t i = 0; i < worlds.size(); ++i) {
     const RobotModel& robot = *drivers[i].robot;
     RobotState& state = *drivers[i].state;
+    if (i + 1 < worlds.size() &&
+        sweeps(worlds[i + 1]->sensing, *drivers[i + 1].robot, drivers[i + 1].state->steps + 1)) {
+      drivers[i + 1].robot->caster->fetch(driven[i + 1].pose().position());
+    }
     const Pose2D before = state.pose;
     const Velocity carried = driven[i].carried();
     if (robot.obstacles->near(before.position()).empty()) {
