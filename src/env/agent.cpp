@@ -90,12 +90,10 @@ void Agent::perceive(const AgentModel& model, const sim::RobotState& state, Time
     gate_.scan_seen = true;
     if (!model.gate.collision_monitor) continue;
     const LidarSpec& lidar = *model.profile.lidar;
-    std::array<float, sim::kMaxLidarPoints> ranges;
-    const auto beams = std::span(ranges).first(static_cast<std::size_t>(lidar.beams));
-    fill_scan(model, beams);
-    const Scan& scan = *newest();
+    std::array<float, sim::kMaxLidarPoints> beams;  // NOLINT: what is used is filled
+    const auto ranges = scan(model, std::span(beams).first(static_cast<std::size_t>(lidar.beams)));
     obstacles_.clear();
-    safety::append_scan_points(lidar, beams, scan.odom_at_begin, scan.odom_at_end, obstacles_, model.sight);
+    safety::append_scan_points(lidar, ranges, newest()->odom_at_begin, newest()->odom_at_end, obstacles_, model.sight);
   }
 }
 
@@ -103,12 +101,10 @@ std::vector<Vec2> Agent::hits(const AgentModel& model, const sim::RobotState& st
   std::vector<Vec2> points;
   if (!newest()) return points;
   const LidarSpec& lidar = *model.profile.lidar;
-  std::vector<float> ranges(static_cast<std::size_t>(lidar.beams));
-  fill_scan(model, ranges);
+  std::vector<float> beams(static_cast<std::size_t>(lidar.beams));
   const Pose2D base_from_odom = inverse(odom_from_base(model, state));
-  const Scan& scan = *newest();
-  safety::append_scan_points(lidar, ranges, base_from_odom * scan.odom_at_begin, base_from_odom * scan.odom_at_end,
-                             points);
+  safety::append_scan_points(lidar, scan(model, beams), base_from_odom * newest()->odom_at_begin,
+                             base_from_odom * newest()->odom_at_end, points);
   return points;
 }
 
@@ -126,14 +122,11 @@ Velocity Agent::velocity(const AgentModel& model, const sim::RobotState& state) 
   return model.localization == Localization::truth ? state.velocity : state.odometry.reading.velocity;
 }
 
-void Agent::fill_scan(const AgentModel& model, std::span<float> ranges) const {
-  if (!newest()) {
-    std::ranges::fill(ranges, 0.0F);
-  } else if (model.beams.empty()) {
-    std::ranges::copy(newest()->points, ranges.begin());
-  } else {
-    models::fill_scan(model.beams, newest()->points, ranges);
-  }
+std::span<const float> Agent::scan(const AgentModel& model, std::span<float> beams) const {
+  if (!newest()) return {};
+  if (model.beams.empty()) return newest()->points;
+  models::fill_scan(model.beams, newest()->points, beams);
+  return beams;
 }
 
 }  // namespace threewe::env

@@ -51,8 +51,9 @@ class Agent {
   /// Where the robot believes to be, from where it started.
   Pose2D map_from_base(const AgentModel& model, const sim::RobotState& state) const;
   Velocity velocity(const AgentModel& model, const sim::RobotState& state) const;
-  /// Fills in the newest scan: [m] for each beam of the profile's. Zeros before the first.
-  void fill_scan(const AgentModel& model, std::span<float> ranges) const;
+  /// The newest scan: [m] for each beam of the profile's; nothing before the first. Where the device's points are no
+  /// beams, they are sorted into `beams`.
+  std::span<const float> scan(const AgentModel& model, std::span<float> beams) const;
   /// What the newest scan hit [m], from where the robot is now, by its wheels.
   std::vector<Vec2> hits(const AgentModel& model, const sim::RobotState& state) const;
   /// [s]

@@ -21,11 +21,8 @@ Batch::Impl::Impl(Options wanted)
       clock(make_clock(options, places.models.front()->robots.front())),
       task(options.task({places.tables, options.worlds, options.robots, options.hardware, options.control_period})),
       metric_names(task->metrics()),
-      rays(task->rays()),
       workers(options.threads),
-      scratch(options.threads),
-      seen(options.threads),
-      drawing(options.threads) {
+      scratch(options.threads) {
   const std::size_t rows = options.worlds * options.robots;
   episodes.resize(options.worlds);
   ended.resize(options.worlds);
@@ -47,6 +44,26 @@ Batch::Impl::Impl(Options wanted)
   }
   observations = make_arrays(fields, rows);
   final_observations = make_arrays(fields, options.autoreset == Autoreset::same_step ? rows : 0);
+  prepare_scratch();
+}
+
+void Batch::Impl::prepare_scratch() {
+  for (std::size_t part = 0; part < scratch.size(); ++part) {
+    Scratch& own = scratch[part];
+    own.moments.resize(options.robots);
+    own.outcomes.resize(options.robots);
+    own.beliefs.resize(options.robots);
+    own.scans.resize(options.robots);
+    if (task->rays() > 0) own.rays.assign(options.robots, std::vector<float>(task->rays()));
+    for (std::size_t robot = 0; robot < options.robots; ++robot) {
+      own.looks.emplace_back([this, part, robot] { return look(scratch[part].world, robot, part); });
+      if (!agent_model.beams.empty()) own.scans[robot].resize(static_cast<std::size_t>(options.hardware.lidar->beams));
+    }
+    for (std::size_t robot = 0; robot < options.robots; ++robot) {
+      own.moments[robot].look = &own.looks[robot];
+      if (!own.rays.empty()) own.moments[robot].ranges = own.rays[robot];
+    }
+  }
 }
 
 void Batch::Impl::check_actions(std::span<const float> asked) const {

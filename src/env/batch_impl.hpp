@@ -30,6 +30,19 @@ struct Episode {
   Time next_draw{};
 };
 
+// What a thread needs for the world in hand; lists hold one thing for each of its robots.
+struct Scratch {
+  std::size_t world = 0;
+  std::vector<task::FrameIds> looks;
+  std::vector<task::Moment> moments;
+  std::vector<task::Outcome> outcomes;
+  std::vector<task::Belief> beliefs;
+  std::vector<std::vector<float>> scans;  // beams, where points have to be sorted into them
+  std::vector<std::vector<float>> rays;   // noise-free
+  SemanticImage seen;
+  sim::DrawScratch drawing;
+};
+
 struct Batch::Impl {
   explicit Impl(Options wanted);
 
@@ -46,12 +59,13 @@ struct Batch::Impl {
   void draw_anew(std::size_t world);
   void advance(Worlds worlds, std::uint64_t steps);
   void step_physics(Worlds worlds);
+  void prepare_scratch();
   void end_step(std::size_t world, std::size_t part);
-  std::span<const float> cast_rays(std::size_t world, std::size_t robot, const Pose2D& lidar, std::size_t part);
+  void cast_rays(std::size_t world, std::size_t robot, const Pose2D& lidar, std::span<float> ranges) const;
   std::span<const std::int16_t> look(std::size_t world, std::size_t robot, std::size_t part);
   void observe(std::size_t world, std::vector<Array>& arrays, std::size_t part);
   TopView top_view(std::size_t world) const;
-  task::Belief belief_of(std::size_t world, std::size_t robot, std::span<float> scan) const;
+  task::Belief belief_of(std::size_t world, std::size_t robot, std::size_t part);
 
   void check_actions(std::span<const float> asked) const;
   /// Calls `work(worlds, part)` for blocks of the worlds that are chosen, on all threads.
@@ -71,7 +85,6 @@ struct Batch::Impl {
   Clock clock;
   std::unique_ptr<task::Task> task;
   std::vector<std::string> metric_names;
-  std::size_t rays = 0;
   std::vector<bool> task_fields;  // which of the task's fields are wanted
 
   // of each world
@@ -96,10 +109,7 @@ struct Batch::Impl {
   std::vector<Array> final_observations;
 
   Workers workers;
-  // of each thread
-  std::vector<std::vector<float>> scratch;  // noise-free rays
-  std::vector<SemanticImage> seen;
-  std::vector<sim::DrawScratch> drawing;
+  std::vector<Scratch> scratch;  // of each thread
 };
 
 }  // namespace threewe::env

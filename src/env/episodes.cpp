@@ -62,22 +62,21 @@ void Batch::Impl::begin_world(std::size_t world, const Reset& reset) {
 void Batch::Impl::end_step(std::size_t world, std::size_t part) {
   Episode& episode = episodes[world];
   const std::size_t first = row(world);
-  std::array<task::Moment, kMostRobots> moments;
-  std::array<task::Outcome, kMostRobots> outcomes{};
-  std::array<task::FrameIds, kMostRobots> looks;
+  Scratch& own = scratch[part];
+  own.world = world;
   for (std::size_t robot = 0; robot < options.robots; ++robot) {
     const sim::RobotState& state = states[first + robot];
-    task::Moment& now = moments[robot];
-    now.pose = now.lidar = state.pose;
+    task::Moment& now = own.moments[robot];
+    now.pose = state.pose;
     now.action = actions[first + robot];
     now.distance_driven = state.distance_driven;
     now.max_collision_speed = state.max_collision_speed;
-    looks[robot] = [this, world, robot, part] { return look(world, robot, part); };
-    now.look = &looks[robot];
-    if (options.hardware.lidar) now.lidar = state.pose * options.hardware.lidar->base_from_lidar;
-    if (rays > 0) now.ranges = cast_rays(world, robot, now.lidar, part);
+    own.outcomes[robot] = {};
+    if (own.rays.empty()) continue;
+    now.lidar = state.pose * options.hardware.lidar->base_from_lidar;
+    cast_rays(world, robot, now.lidar, own.rays[robot]);
   }
-  task->step(world, std::span(moments).first(options.robots), std::span(outcomes).first(options.robots));
+  task->step(world, own.moments, own.outcomes);
 
   ++episode.info.steps;
   const bool time_is_up = episode.info.steps >= options.max_steps;
@@ -85,8 +84,8 @@ void Batch::Impl::end_step(std::size_t world, std::size_t part) {
   for (std::size_t robot = 0; robot < options.robots; ++robot) {
     const std::size_t i = first + robot;
     const bool was_done = done[i] != 0;
-    rewards[i] = was_done ? 0.0 : outcomes[robot].reward;
-    terminated[i] = !was_done && outcomes[robot].terminated ? 1 : 0;
+    rewards[i] = was_done ? 0.0 : own.outcomes[robot].reward;
+    terminated[i] = !was_done && own.outcomes[robot].terminated ? 1 : 0;
     truncated[i] = !was_done && !terminated[i] && time_is_up ? 1 : 0;
     done[i] = was_done || terminated[i] || truncated[i] ? 1 : 0;
     over = over && done[i];
@@ -96,13 +95,9 @@ void Batch::Impl::end_step(std::size_t world, std::size_t part) {
 }
 
 // Noise-free rays from where the lidar really is, among what stands there and nothing that moves.
-std::span<const float> Batch::Impl::cast_rays(std::size_t world, std::size_t robot, const Pose2D& lidar,
-                                              std::size_t part) {
-  const sim::RobotModel& model = model_of(world).robots[robot];
-  scratch[part].resize(options.robots * rays);
-  const std::span<float> ranges = std::span(scratch[part]).subspan(robot * rays, rays);
-  model.caster->cast(lidar, 0.0, 2.0 * exact::kPi / static_cast<double>(rays), ranges);
-  return ranges;
+void Batch::Impl::cast_rays(std::size_t world, std::size_t robot, const Pose2D& lidar, std::span<float> ranges) const {
+  const double increment = 2.0 * exact::kPi / static_cast<double>(ranges.size());
+  model_of(world).robots[robot].caster->cast(lidar, 0.0, increment, ranges);
 }
 
 // What the robot's camera truly shows now.
@@ -111,9 +106,10 @@ std::span<const std::int16_t> Batch::Impl::look(std::size_t world, std::size_t r
   const sim::RobotState& state = states[row(world, robot)];
   const CameraSpec camera = models::varied(*options.hardware.camera, state.variation);
   const sim::Shot shot = sim::take_shot(robots_of(world), episodes[world].people, robot);
-  seen[part] = sim::draw_truth(model_of(world), shot, camera.intrinsics(),
-                               {state.pose * camera.base_from_camera, camera.mount_height}, false);
-  return seen[part].ids;
+  SemanticImage& seen = scratch[part].seen;
+  seen = sim::draw_truth(model_of(world), shot, camera.intrinsics(),
+                         {state.pose * camera.base_from_camera, camera.mount_height}, false);
+  return seen.ids;
 }
 
 // As a reset leaves them.

@@ -16,21 +16,25 @@ void put(const std::array<double, 3>& values, std::span<std::byte> to) {
   if (!to.empty()) std::memcpy(to.data(), floats.data(), sizeof(floats));
 }
 
-// Every k-th beam.
+// Every k-th beam; zeros before the first scan.
 void put_scan(std::span<const float> scan, std::span<std::byte> to) {
   const std::size_t beams = to.size() / sizeof(float);
-  for (std::size_t k = 0; k < beams; ++k) {
-    std::memcpy(&to[k * sizeof(float)], &scan[k * (scan.size() / beams)], sizeof(float));
+  if (scan.empty()) {
+    std::ranges::fill(to, std::byte{});
+  } else if (beams == scan.size()) {
+    std::memcpy(to.data(), scan.data(), to.size());
+  } else if (beams > 0) {
+    const std::size_t k = scan.size() / beams;
+    for (std::size_t i = 0; i < beams; ++i) std::memcpy(&to[i * sizeof(float)], &scan[i * k], sizeof(float));
   }
 }
 
 }  // namespace
 
 void Batch::Impl::observe(std::size_t world, std::vector<Array>& arrays, std::size_t part) {
-  std::array<task::Belief, kMostRobots> beliefs;
-  std::array<std::array<float, sim::kMaxLidarPoints>, kMostRobots> scans;  // NOLINT: what is used is filled
+  std::vector<task::Belief>& beliefs = scratch[part].beliefs;
   for (std::size_t robot = 0; robot < options.robots; ++robot) {
-    beliefs[robot] = belief_of(world, robot, scans[robot]);
+    beliefs[robot] = belief_of(world, robot, part);
     task->hear(world, beliefs[robot]);
   }
   for (std::size_t robot = 0; robot < options.robots; ++robot) {
@@ -41,7 +45,7 @@ void Batch::Impl::observe(std::size_t world, std::vector<Array>& arrays, std::si
     const auto color = next(options.observed.image);
     const auto depth = next(options.observed.depth);
     if (!color.empty() || !depth.empty()) {
-      episodes[world].pictures.draw(model_of(world), robot, state, color, depth, drawing[part]);
+      episodes[world].pictures.draw(model_of(world), robot, state, color, depth, scratch[part].drawing);
     }
     put_scan(beliefs[robot].scan, next(options.observed.lidar));
     const Pose2D& pose = beliefs[robot].map_from_base;
@@ -59,7 +63,7 @@ void Batch::Impl::observe(std::size_t world, std::vector<Array>& arrays, std::si
   }
 }
 
-task::Belief Batch::Impl::belief_of(std::size_t world, std::size_t robot, std::span<float> scan) const {
+task::Belief Batch::Impl::belief_of(std::size_t world, std::size_t robot, std::size_t part) {
   const std::size_t i = row(world, robot);
   task::Belief belief;
   belief.map_from_base = agents[i].map_from_base(agent_model, states[i]);
@@ -67,12 +71,9 @@ task::Belief Batch::Impl::belief_of(std::size_t world, std::size_t robot, std::s
     belief.map_from_base = inverse(states[row(world)].start) * states[i].start * belief.map_from_base;
   }
   if (agent_model.profile.lidar) {
-    const LidarSpec& lidar = *agent_model.profile.lidar;
-    scan = scan.first(static_cast<std::size_t>(lidar.beams));
-    agents[i].fill_scan(agent_model, scan);
-    belief.scan = scan;
-    belief.base_from_lidar = lidar.base_from_lidar;
-    belief.range_max = lidar.range_max;
+    belief.scan = agents[i].scan(agent_model, scratch[part].scans[robot]);
+    belief.base_from_lidar = agent_model.profile.lidar->base_from_lidar;
+    belief.range_max = agent_model.profile.lidar->range_max;
   }
   return belief;
 }
