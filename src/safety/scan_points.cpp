@@ -1,10 +1,77 @@
 #include "threewe/safety/scan_points.hpp"
 
+#include <algorithm>
+#include <array>
 #include <cstddef>
 
 #include "threewe/core/exact.hpp"
 
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "safety/scan_points.cpp"
+#include "threewe/core/highway-inl.hpp"
+//
+#include "threewe/core/pose-inl.hpp"
+
+#ifndef THREEWE_SAFETY_SCAN_POINTS_HITS
+#define THREEWE_SAFETY_SCAN_POINTS_HITS
 namespace threewe::safety {
+
+// What some beams hit; room for whole vectors.
+struct Hits {
+  static constexpr std::size_t kRoom = 64;
+  alignas(64) std::array<double, kRoom> share{};      // of the turn gone by
+  alignas(64) std::array<double, kRoom> direction{};  // counted from the robot's back [rad]
+  alignas(64) std::array<double, kRoom> range{};      // [m]; then x
+  alignas(64) std::array<double, kRoom> y{};
+  std::size_t count = 0;
+};
+
+// The lidar's way during a turn.
+struct Way {
+  Pose2D begin;
+  Vec2 along;
+  double turn = 0.0;
+};
+
+}  // namespace threewe::safety
+#endif
+
+HWY_BEFORE_NAMESPACE();
+namespace threewe::safety::HWY_NAMESPACE {
+
+namespace hn = hwy::HWY_NAMESPACE;
+namespace lanes = threewe::lanes::HWY_NAMESPACE;
+
+using Doubles = hn::CappedTag<double, 8>;
+using V = hn::Vec<Doubles>;
+
+// Turns ranges into points.
+void place(const Way& way, Hits& hits) {
+  const Doubles d;
+  const V begin_x = hn::Set(d, way.begin.x);
+  const V begin_y = hn::Set(d, way.begin.y);
+  const V begin_theta = hn::Set(d, way.begin.theta);
+  for (std::size_t i = 0; i < hits.count; i += hn::Lanes(d)) {
+    const V share = hn::Load(d, &hits.share[i]);
+    const V range = hn::Load(d, &hits.range[i]);
+    const V x = hn::Add(begin_x, hn::Mul(share, hn::Set(d, way.along.x)));
+    const V y = hn::Add(begin_y, hn::Mul(share, hn::Set(d, way.along.y)));
+    const V turned = hn::Add(begin_theta, hn::Mul(share, hn::Set(d, way.turn)));
+    const V theta = threewe::HWY_NAMESPACE::wrap_angle(turned);
+    const V angle = hn::Add(hn::Sub(theta, hn::Set(d, exact::kPi)), hn::Load(d, &hits.direction[i]));
+    const auto [s, c] = exact::HWY_NAMESPACE::sincos(angle);
+    hn::Store(hn::Add(x, hn::Mul(range, c)), d, &hits.range[i]);
+    hn::Store(hn::Add(y, hn::Mul(range, s)), d, &hits.y[i]);
+  }
+}
+
+}  // namespace threewe::safety::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace threewe::safety {
+
+HWY_EXPORT(place);
 
 void append_scan_points(const LidarSpec& lidar, std::span<const float> ranges, const Pose2D& odom_from_base_at_begin,
                         const Pose2D& odom_from_base_at_end, std::vector<Vec2>& points, double longest) {
@@ -12,15 +79,24 @@ void append_scan_points(const LidarSpec& lidar, std::span<const float> ranges, c
   const double increment = 2.0 * exact::kPi / beams;
   const Pose2D begin = odom_from_base_at_begin * lidar.base_from_lidar;
   const Pose2D end = odom_from_base_at_end * lidar.base_from_lidar;
+  const Way way{begin, end.position() - begin.position(), wrap_angle(end.theta - begin.theta)};
+  Hits hits;
+  const auto put = [&] {
+    HWY_DYNAMIC_DISPATCH(place)(way, hits);
+    for (std::size_t k = 0; k < hits.count; ++k) points.push_back({hits.range[k], hits.y[k]});
+    hits.count = 0;
+  };
   for (std::size_t i = 0; i < ranges.size(); ++i) {
     const auto range = static_cast<double>(ranges[i]);
     if (range < lidar.range_min || range >= lidar.range_max || range > longest) continue;
     const double counted = (static_cast<double>(i) + 0.5) / beams;
-    const double share = lidar.rolling ? (lidar.clockwise ? 1.0 - counted : counted) : 1.0;
-    const Pose2D odom_from_lidar = interpolate(begin, end, share);
-    const double angle = odom_from_lidar.theta - exact::kPi + static_cast<double>(i) * increment;
-    points.push_back(odom_from_lidar.position() + range * rotate({1.0, 0.0}, angle));
+    hits.share[hits.count] = lidar.rolling ? (lidar.clockwise ? 1.0 - counted : counted) : 1.0;
+    hits.direction[hits.count] = static_cast<double>(i) * increment;
+    hits.range[hits.count] = range;
+    if (++hits.count == Hits::kRoom) put();
   }
+  put();
 }
 
 }  // namespace threewe::safety
+#endif
