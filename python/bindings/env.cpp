@@ -15,6 +15,7 @@
 
 #include "bindings.hpp"
 #include "threewe/core/names.hpp"
+#include "threewe/env/robot/robot_env.hpp"
 #include "threewe/task/exploration.hpp"
 #include "threewe/task/navigation.hpp"
 #include "threewe/task/object_nav.hpp"
@@ -23,7 +24,7 @@
 namespace {
 
 using namespace threewe;
-using env::Batch;
+using env::Batch, env::RobotEnv;
 
 template <typename T>
 T chosen(std::string_view kind, std::string_view name, std::initializer_list<std::pair<const char*, T>> choices) {
@@ -55,8 +56,11 @@ env::TaskFactory task_factory(std::string_view task, const task::NavigationOptio
        {"vln", task::make_vln}});
 }
 
-// Names that are not the robot's own are of the task, which Python has checked.
-env::Observed observed(const std::vector<std::string>& names) {
+// Names that are not the robot's own are of the task, which Python has checked. Without names it is all but depth that
+// there is.
+env::Observed observed(const std::optional<std::vector<std::string>>& wanted) {
+  if (!wanted) return {.image = true, .task_fields = {}, .if_there = true};
+  const std::vector<std::string>& names = *wanted;
   env::Observed observed{.lidar = false, .pose = false, .velocity = false, .task_fields = std::vector<std::string>{}};
   for (const std::string& name : names) {
     if (name == "image") {
@@ -74,6 +78,31 @@ env::Observed observed(const std::vector<std::string>& names) {
     }
   }
   return observed;
+}
+
+env::Gate gate_of(const std::string& name) {
+  return chosen<env::Gate>("gate", name, {{"full", env::Gate::full}, {"limits", env::Gate::limits}});
+}
+
+/// What all environments are asked in the same way.
+env::Options task_options(const std::string& task, const std::optional<std::vector<std::string>>& observations,
+                          int lidar_beams, std::pair<int, int> image_size, int max_steps, double control_period,
+                          const std::string& episodes, const std::string& goal_frame) {
+  env::Options options;
+  const bool goal_in_map = chosen<bool>("goal_frame", goal_frame, {{"robot", false}, {"map", true}});
+  options.task = task_factory(task, navigation_options(episodes, goal_in_map));
+  options.observed = observed(observations);
+  options.lidar_beams = lidar_beams;
+  std::tie(options.image_height, options.image_width) = image_size;
+  options.max_steps = max_steps;
+  options.control_period = seconds("control_period", control_period);
+  return options;
+}
+
+std::vector<std::shared_ptr<scene::Scene>> scenes_of(const env::Options& options) {
+  std::vector<std::shared_ptr<scene::Scene>> scenes;
+  for (const auto& scene : options.scenes) scenes.push_back(std::make_shared<scene::Scene>(*scene));
+  return scenes;
 }
 
 /// An array of C++ memory that Python may read while its owner lives.
@@ -121,9 +150,56 @@ Flags flags(nb::handle owner, std::span<const std::uint8_t> bytes) {
   return Flags(writable(bytes), {bytes.size()}, owner);
 }
 
-Batch& batch_of(nb::handle self) { return nb::cast<Batch&>(self); }
-
 using Actions = nb::ndarray<const float, nb::shape<-1, 3>, nb::c_contig, nb::device::cpu>;
+
+using Seeds = std::vector<std::optional<std::uint64_t>>;
+using Episodes = std::vector<std::optional<std::uint32_t>>;
+using SceneIndices = std::vector<std::optional<std::size_t>>;
+
+/// What batches and environments around robots have in common.
+template <typename Env>
+void bind_results(nb::class_<Env>& c) {
+  static const auto env_of = [](nb::handle self) -> Env& { return nb::cast<Env&>(self); };
+  c.def_prop_ro(
+       "fields",
+       [](const Env& env) {
+         std::vector<task::Field> fields;
+         for (const env::Array& array : env.observations()) fields.push_back(array.field);
+         return fields;
+       },
+       "What every robot observes, in order.")
+      .def(
+          "step",
+          [](Env& env, const Actions& actions) {
+            const nb::gil_scoped_release release;
+            env.step({actions.data(), actions.size()});
+          },
+          "actions"_a.noconvert())
+      .def_prop_ro("observations", [](nb::handle self) { return views(self, env_of(self).observations()); })
+      .def_prop_ro("rewards", [](nb::handle self) { return values(self, env_of(self).rewards()); })
+      .def_prop_ro("terminated", [](nb::handle self) { return flags(self, env_of(self).terminated()); })
+      .def_prop_ro("truncated", [](nb::handle self) { return flags(self, env_of(self).truncated()); })
+      .def_prop_ro("metric_names", &Env::metric_names)
+      .def_prop_ro(
+          "metrics",
+          [](nb::handle self) { return table(self, env_of(self).metrics(), env_of(self).metric_names().size()); })
+      .def_prop_ro("true_poses", [](nb::handle self) { return table(self, env_of(self).true_poses(), 3); })
+      .def_prop_ro("scan_ages", [](nb::handle self) { return values(self, env_of(self).scan_ages()); })
+      .def(
+          "variation",
+          [](const Env& env, std::size_t world, std::size_t robot) {
+            std::map<std::string, double> values;
+            for (std::size_t i = 0; i < models::knob_names().size(); ++i) {
+              values[models::knob_names()[i]] = models::knob(env.variation(world, robot), i);
+            }
+            return values;
+          },
+          "env"_a, "robot"_a = 0, "How a robot differs from its profile now: the value of each knob.")
+      .def_prop_ro("words_name", &Env::words_name, "What `words` are called; empty where a task has none.")
+      .def("words", &Env::words, "env"_a, "What an episode is about: an instruction, a category.")
+      .def("episode", &Env::episode, "env"_a)
+      .def("top_view", &Env::top_view, "env"_a, WithoutGil());
+}
 
 void bind_top_view(nb::module_& m) {
   nb::class_<env::TopView>(m, "TopView", "A world from above, in the scene's frame: for pictures.")
@@ -154,7 +230,6 @@ void bind_top_view(nb::module_& m) {
 }
 
 void bind_batch(nb::module_& m) {
-  using Seeds = std::vector<std::optional<std::uint64_t>>;
   nb::class_<env::EpisodeInfo>(m, "EpisodeInfo", "A world's episode.")
       .def_ro("seed", &env::EpisodeInfo::seed)
       .def_ro("episode", &env::EpisodeInfo::episode, "counted from 0 since the seed was given")
@@ -175,26 +250,24 @@ void bind_batch(nb::module_& m) {
         return "";
       });
 
-  nb::class_<Batch>(m, "EnvBatch",
-                    "Many environments at once. Arrays are views of C++ memory, one row for each robot, which every "
-                    "call of `reset` and `step` overwrites.")
+  nb::class_<Batch> bound(m, "EnvBatch",
+                          "Many environments at once. Arrays are views of C++ memory, one row for each robot, which "
+                          "every call of `reset` and `step` overwrites.");
+  bound
       .def(
           "__init__",
           [](Batch* self, const std::string& task, const std::vector<std::shared_ptr<scene::Scene>>& scenes,
-             const RobotProfile& hardware, const std::string& noise, const std::vector<std::string>& observations,
-             int lidar_beams, std::pair<int, int> image_size, const std::string& localization,
-             const std::string& localization_model, const models::Randomization& randomization, const std::string& gate,
-             int max_steps, double control_period, std::size_t num_envs, std::size_t num_robots,
-             std::size_t num_threads, const std::string& autoreset, const std::string& episodes,
-             const std::string& goal_frame) {
-            env::Options options;
+             const RobotProfile& hardware, const std::string& noise,
+             const std::optional<std::vector<std::string>>& observations, int lidar_beams,
+             std::pair<int, int> image_size, const std::string& localization, const std::string& localization_model,
+             const models::Randomization& randomization, const std::string& gate, int max_steps, double control_period,
+             std::size_t num_envs, std::size_t num_robots, std::size_t num_threads, const std::string& autoreset,
+             const std::string& episodes, const std::string& goal_frame) {
+            env::Options options = task_options(task, observations, lidar_beams, image_size, max_steps, control_period,
+                                                episodes, goal_frame);
             options.scenes.assign(scenes.begin(), scenes.end());
-            const bool goal_in_map = chosen<bool>("goal_frame", goal_frame, {{"robot", false}, {"map", true}});
-            options.task = task_factory(task, navigation_options(episodes, goal_in_map));
+            options.data_sheet = hardware;
             options.hardware = with_noise(hardware, noise_level(noise));
-            options.observed = observed(observations);
-            options.lidar_beams = lidar_beams;
-            std::tie(options.image_height, options.image_width) = image_size;
             options.localization = chosen<env::Localization>("localization", localization,
                                                              {{"noisy", env::Localization::noisy},
                                                               {"odometry", env::Localization::odometry},
@@ -203,9 +276,7 @@ void bind_batch(nb::module_& m) {
               options.localization_model = models::load_localization(localization_model);
             }
             options.randomization = randomization;
-            options.gate = chosen<env::Gate>("gate", gate, {{"full", env::Gate::full}, {"limits", env::Gate::limits}});
-            options.max_steps = max_steps;
-            options.control_period = seconds("control_period", control_period);
+            options.gate = gate_of(gate);
             options.worlds = num_envs;
             options.robots = num_robots;
             options.threads = num_threads;
@@ -216,24 +287,15 @@ void bind_batch(nb::module_& m) {
             const nb::gil_scoped_release release;
             new (self) Batch(std::move(options));
           },
-          nb::kw_only(), "task"_a, "scenes"_a, "hardware"_a, "noise"_a, "observations"_a, "lidar_beams"_a,
+          nb::kw_only(), "task"_a, "scenes"_a, "hardware"_a, "noise"_a, "observations"_a.none(), "lidar_beams"_a,
           "image_size"_a, "localization"_a, "localization_model"_a, "randomization"_a, "gate"_a, "max_steps"_a,
           "control_period"_a, "num_envs"_a, "num_robots"_a, "num_threads"_a, "autoreset"_a, "episodes"_a,
           "goal_frame"_a)
-      .def_prop_ro(
-          "fields",
-          [](const Batch& batch) {
-            std::vector<task::Field> fields;
-            for (const env::Array& array : batch.observations()) fields.push_back(array.field);
-            return fields;
-          },
-          "What every robot observes, in order.")
       .def(
           "reset",
-          [](Batch& batch, const Seeds& seeds, const std::vector<std::optional<std::uint32_t>>& episodes,
-             const std::vector<std::optional<std::size_t>>& scenes, const std::optional<Pose2D>& start,
-             const std::optional<Vec2>& goal, const std::optional<std::string>& category,
-             const std::vector<bool>& mask) {
+          [](Batch& batch, const Seeds& seeds, const Episodes& episodes, const SceneIndices& scenes,
+             const std::optional<Pose2D>& start, const std::optional<Vec2>& goal,
+             const std::optional<std::string>& category, const std::vector<bool>& mask) {
             std::vector<env::Reset> resets(batch.options().worlds);
             for (std::size_t i = 0; i < resets.size(); ++i) {
               resets[i] = {seeds.at(i), episodes.at(i), scenes.at(i), {start, goal, category}};
@@ -244,45 +306,58 @@ void bind_batch(nb::module_& m) {
             batch.reset(resets, {chosen_worlds.get(), mask.size()});
           },
           "seeds"_a, "episodes"_a, "scenes"_a, "start"_a.none(), "goal"_a.none(), "category"_a.none(), "mask"_a)
-      .def(
-          "step",
-          [](Batch& batch, const Actions& actions) {
-            const nb::gil_scoped_release release;
-            batch.step({actions.data(), actions.size()});
-          },
-          "actions"_a.noconvert())
-      .def_prop_ro("observations", [](nb::handle self) { return views(self, batch_of(self).observations()); })
       .def_prop_ro("final_observations",
-                   [](nb::handle self) { return views(self, batch_of(self).final_observations()); })
-      .def_prop_ro("rewards", [](nb::handle self) { return values(self, batch_of(self).rewards()); })
-      .def_prop_ro("terminated", [](nb::handle self) { return flags(self, batch_of(self).terminated()); })
-      .def_prop_ro("truncated", [](nb::handle self) { return flags(self, batch_of(self).truncated()); })
-      .def_prop_ro("ended", [](nb::handle self) { return flags(self, batch_of(self).ended()); })
-      .def_prop_ro("done", [](nb::handle self) { return flags(self, batch_of(self).done()); })
-      .def_prop_ro("metric_names", &Batch::metric_names)
-      .def_prop_ro(
-          "metrics",
-          [](nb::handle self) { return table(self, batch_of(self).metrics(), batch_of(self).metric_names().size()); })
-      .def_prop_ro("final_metrics",
-                   [](nb::handle self) {
-                     return table(self, batch_of(self).final_metrics(), batch_of(self).metric_names().size());
-                   })
-      .def_prop_ro("true_poses", [](nb::handle self) { return table(self, batch_of(self).true_poses(), 3); })
-      .def_prop_ro("scan_ages", [](nb::handle self) { return values(self, batch_of(self).scan_ages()); })
+                   [](nb::handle self) { return views(self, nb::cast<Batch&>(self).final_observations()); })
+      .def_prop_ro("ended", [](nb::handle self) { return flags(self, nb::cast<Batch&>(self).ended()); })
+      .def_prop_ro("done", [](nb::handle self) { return flags(self, nb::cast<Batch&>(self).done()); })
+      .def_prop_ro("final_metrics", [](nb::handle self) {
+        const Batch& batch = nb::cast<Batch&>(self);
+        return table(self, batch.final_metrics(), batch.metric_names().size());
+      });
+  bind_results(bound);
+}
+
+void bind_robot_env(nb::module_& m) {
+  nb::class_<RobotEnv> bound(m, "RobotEnv",
+                             "One environment around a robot of any backend. As EnvBatch with one environment.");
+  bound
       .def(
-          "variation",
-          [](const Batch& batch, std::size_t world, std::size_t robot) {
-            std::map<std::string, double> values;
-            for (std::size_t i = 0; i < models::knob_names().size(); ++i) {
-              values[models::knob_names()[i]] = models::knob(batch.variation(world, robot), i);
-            }
-            return values;
+          "__init__",
+          [](RobotEnv* self, const std::string& backend, const std::string& task,
+             const std::vector<std::string>& scenes, const std::string& hardware, const std::string& noise,
+             const std::optional<std::vector<std::string>>& observations, int lidar_beams,
+             std::pair<int, int> image_size, const std::string& localization,
+             const models::Randomization& randomization, const std::string& gate, int max_steps, double control_period,
+             const std::string& episodes, const std::string& goal_frame) {
+            env::Options options = task_options(task, observations, lidar_beams, image_size, max_steps, control_period,
+                                                episodes, goal_frame);
+            options.randomization = randomization;
+            options.gate = gate_of(gate);
+            World::Options robot;
+            robot.backend = backend;
+            robot.robots = {hardware};
+            robot.noise = noise_level(noise);
+            robot.mind = mind_with(localization);
+            const nb::gil_scoped_release release;
+            new (self) RobotEnv(std::move(options), robot, scenes);
           },
-          "env"_a, "robot"_a = 0, "How a robot differs from its profile now: the value of each knob.")
-      .def_prop_ro("words_name", &Batch::words_name, "What `words` are called; empty where a task has none.")
-      .def("words", &Batch::words, "env"_a, "What an episode is about: an instruction, a category.")
-      .def("episode", &Batch::episode, "env"_a)
-      .def("top_view", &Batch::top_view, "env"_a);
+          nb::kw_only(), "backend"_a, "task"_a, "scenes"_a, "hardware"_a, "noise"_a, "observations"_a.none(),
+          "lidar_beams"_a, "image_size"_a, "localization"_a, "randomization"_a, "gate"_a, "max_steps"_a,
+          "control_period"_a, "episodes"_a, "goal_frame"_a)
+      .def_prop_ro(
+          "scenes", [](const RobotEnv& robot) { return scenes_of(robot.options()); }, "As the backend has them.")
+      .def_prop_ro(
+          "hardware", [](const RobotEnv& robot) { return robot.options().hardware; }, "As the backend has it.")
+      .def(
+          "reset",
+          [](RobotEnv& robot, const Seeds& seeds, const Episodes& episodes, const SceneIndices& scenes,
+             const std::optional<Pose2D>& start, const std::optional<Vec2>& goal,
+             const std::optional<std::string>& category, const std::vector<bool>&) {
+            const nb::gil_scoped_release release;
+            robot.reset({seeds.at(0), episodes.at(0), scenes.at(0), {start, goal, category}});
+          },
+          "seeds"_a, "episodes"_a, "scenes"_a, "start"_a.none(), "goal"_a.none(), "category"_a.none(), "mask"_a);
+  bind_results(bound);
 }
 
 void bind_randomization(nb::module_& m) {
@@ -303,4 +378,5 @@ void init_env(nb::module_& m) {
   bind_randomization(m);
   bind_top_view(m);
   bind_batch(m);
+  bind_robot_env(m);
 }

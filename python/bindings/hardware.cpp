@@ -1,4 +1,5 @@
 // Robot profiles.
+#include "threewe/hardware/image_size.hpp"
 #include "threewe/hardware/profile.hpp"
 
 #include "bindings.hpp"
@@ -88,6 +89,12 @@ void init_hardware(nb::module_& m) {
       .def(
           "__deepcopy__", [](nb::object self, const nb::handle&) { return self; }, "memo"_a,
           "Itself: a profile never changes.")
+      .def(
+          "with_image_size",
+          [](const RobotProfile& profile, int height, int width) { return with_image_size(profile, {width, height}); },
+          "height"_a, "width"_a,
+          "The same robot, whose camera delivers pictures of another size: with the same horizontal field of view and "
+          "square pixels.")
       .def_ro("name", &RobotProfile::name)
       .def_ro("description", &RobotProfile::description)
       .def_prop_ro("kinematics", &RobotProfile::kinematics)

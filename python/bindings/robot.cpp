@@ -4,6 +4,7 @@
 #include <nanobind/stl/array.h>
 #include <nanobind/stl/function.h>
 #include <nanobind/stl/map.h>
+#include <nanobind/stl/pair.h>
 #include <nanobind/stl/shared_ptr.h>
 #include <nanobind/stl/variant.h>
 
@@ -156,7 +157,8 @@ void bind_time(nb::module_& m) {
           "__init__",
           [](World* self, std::string backend, std::string scene, std::vector<std::string> robots,
              std::string_view noise, std::uint64_t seed, bool realtime, std::vector<Pose2D> start_poses,
-             std::vector<Pose2D> initial_poses) {
+             std::vector<Pose2D> initial_poses, std::string_view localization,
+             std::optional<std::pair<int, int>> image_size) {
             World::Options options;
             options.backend = std::move(backend);
             options.scene = std::move(scene);
@@ -166,11 +168,13 @@ void bind_time(nb::module_& m) {
             options.realtime = realtime;
             options.poses = std::move(start_poses);
             options.initial_poses = std::move(initial_poses);
+            options.mind = mind_with(localization);
+            if (image_size) options.image_size = ImageSize{image_size->second, image_size->first};
             const nb::gil_scoped_release other_threads_run;
             new (self) World(options);
           },
           nb::kw_only(), "backend"_a, "scene"_a, "robots"_a, "noise"_a, "seed"_a, "realtime"_a, "start_poses"_a,
-          "initial_poses"_a)
+          "initial_poses"_a, "localization"_a = "slam", "image_size"_a = nb::none())
       .def_prop_ro("robot_count", &World::robot_count)
       .def("robot", nb::overload_cast<std::size_t>(&World::robot), "index"_a, nb::rv_policy::reference_internal)
       .def_prop_ro("now", &World::now, "[s] of robot time")
@@ -316,13 +320,13 @@ void bind_simulation(nb::module_& m) {
                          "All poses are in the scene's frame. Robots never see it.")
       .def(nb::init<World&, std::size_t>(), "world"_a, "robot"_a, nb::keep_alive<1, 2>())
       .def_prop_ro("scene", &Simulation::scene)
-      .def("true_pose", &Simulation::true_pose)
-      .def("true_velocity", &Simulation::true_velocity, "In the body frame.")
-      .def("start_pose", &Simulation::start_pose,
+      .def("true_pose", &Simulation::true_pose, WithoutGil())
+      .def("true_velocity", &Simulation::true_velocity, WithoutGil(), "In the body frame.")
+      .def("start_pose", &Simulation::start_pose, WithoutGil(),
            "Where the robot stood at the last reset: the origin of its `map` frame.")
-      .def("max_collision_speed", &Simulation::max_collision_speed,
+      .def("max_collision_speed", &Simulation::max_collision_speed, WithoutGil(),
            "The fastest approach [m/s] of the robot's own motion into an obstacle since the last reset.")
-      .def("distance_driven", &Simulation::distance_driven, "[m] since the last reset.")
+      .def("distance_driven", &Simulation::distance_driven, WithoutGil(), "[m] since the last reset.")
       .def("people", &Simulation::people, "The people of the scene, where they are and which way they walk.")
       .def("sample_free_pose", &Simulation::sample_free_pose, "seed"_a,
            "A pose where the robot fits with 5 cm to spare: a pure function of the seed.")
@@ -335,9 +339,10 @@ void bind_simulation(nb::module_& m) {
            "What a level camera at a pose and a height [m] above the floor would truly show now, with or without the "
            "robot "
            "itself.")
-      .def("reset", &Simulation::reset, nb::kw_only(), "seed"_a = nb::none(), "pose"_a = nb::none(), WithoutGil(),
+      .def("reset", &Simulation::reset, nb::kw_only(), "seed"_a = nb::none(), "pose"_a = nb::none(), "episode"_a = 0,
+           WithoutGil(),
            "Begins anew at time 0, with the world's own seed and at the scene's own start pose unless told "
-           "otherwise.\n\n"
+           "otherwise; all noise is that of an episode of the seed.\n\n"
            "Raises ConfigError when that is inside an obstacle.")
       .def(
           "save", [](const Simulation& simulation) { return Snapshot{simulation.save()}; }, WithoutGil(),

@@ -55,15 +55,24 @@ def as_list(name: str, values: Iterable[T]) -> list[T]:
     return list(values)
 
 
-def as_seed(name: str, value: SupportsIndex) -> int:
-    """A whole number from 0 to 2**64 - 1. Raises ContractError."""
+def as_seed(name: str, value: SupportsIndex, bits: int = 64) -> int:
+    """A whole number from 0 to 2**bits - 1. Raises ContractError."""
     try:
         seed = operator.index(value)
     except TypeError:
         seed = -1
-    if not 0 <= seed < 2**64:
-        raise ContractError(f"{name} must be a whole number in [0, 2**64), got {value!r}")
+    if not 0 <= seed < 2**bits:
+        raise ContractError(f"{name} must be a whole number in [0, 2**{bits}), got {value!r}")
     return seed
+
+
+def as_image_size(name: str, value: Sequence[int]) -> tuple[int, int]:
+    """Height and width of a picture [px]. Raises ContractError."""
+    lengths = as_list(name, value)
+    if len(lengths) != 2:
+        raise ContractError(f"{name} must be (height, width), got {value!r}")
+    height, width = (as_seed(name, length, 16) for length in lengths)
+    return height, width
 
 
 def as_number(name: str, value: float) -> float:

@@ -554,6 +554,11 @@ class RobotProfile:
     def __deepcopy__(self, memo: object) -> object:
         """Itself: a profile never changes."""
 
+    def with_image_size(self, height: int, width: int) -> RobotProfile:
+        """
+        The same robot, whose camera delivers pictures of another size: with the same horizontal field of view and square pixels.
+        """
+
     @property
     def name(self) -> str: ...
 
@@ -821,6 +826,12 @@ class Scene:
         """
 
     @staticmethod
+    def parse(text: str, name: str) -> Scene:
+        """
+        Reads a scene from YAML; `name` stands for it in messages. Raises ConfigError with the line.
+        """
+
+    @staticmethod
     def generate(seed: int, *, difficulty: float = 0.5, size: tuple[float, float] = (14.0, 10.0)) -> Scene:
         """
         A building with furnished rooms, drawn from a seed: all rooms can be reached by every robot. `difficulty` 0
@@ -1016,7 +1027,8 @@ def backend_names() -> list[str]:
 class BackendMailbox:
     """Between the core and the thread of a backend written in Python."""
 
-    def __init__(self, name: str, features: Features, profile: RobotProfile) -> None: ...
+    def __init__(self, name: str, features: Features, profile: RobotProfile, scene: Scene | None) -> None:
+        """`scene` is that of a simulator which tells the truth."""
 
     def take(self) -> tuple[str, tuple[object, ...]] | None:
         """
@@ -1297,7 +1309,7 @@ class World:
     A backend world with a runtime for each of its robots. One thread at a time may use it.
     """
 
-    def __init__(self, *, backend: str, scene: str, robots: Sequence[str], noise: str, seed: int, realtime: bool, start_poses: Sequence[Pose2D], initial_poses: Sequence[Pose2D]) -> None: ...
+    def __init__(self, *, backend: str, scene: str, robots: Sequence[str], noise: str, seed: int, realtime: bool, start_poses: Sequence[Pose2D], initial_poses: Sequence[Pose2D], localization: str = 'slam', image_size: tuple[int, int] | None = None) -> None: ...
 
     @property
     def robot_count(self) -> int: ...
@@ -1490,9 +1502,9 @@ class Simulation:
         What a level camera at a pose and a height [m] above the floor would truly show now, with or without the robot itself.
         """
 
-    def reset(self, *, seed: int | None = None, pose: Pose2D | None = None) -> None:
+    def reset(self, *, seed: int | None = None, pose: Pose2D | None = None, episode: int = 0) -> None:
         """
-        Begins anew at time 0, with the world's own seed and at the scene's own start pose unless told otherwise.
+        Begins anew at time 0, with the world's own seed and at the scene's own start pose unless told otherwise; all noise is that of an episode of the seed.
 
         Raises ConfigError when that is inside an obstacle.
         """
@@ -1600,21 +1612,30 @@ class EnvBatch:
     Many environments at once. Arrays are views of C++ memory, one row for each robot, which every call of `reset` and `step` overwrites.
     """
 
-    def __init__(self, *, task: str, scenes: Sequence[Scene], hardware: RobotProfile, noise: str, observations: Sequence[str], lidar_beams: int, image_size: tuple[int, int], localization: str, localization_model: str, randomization: Randomization, gate: str, max_steps: int, control_period: float, num_envs: int, num_robots: int, num_threads: int, autoreset: str, episodes: str, goal_frame: str) -> None: ...
+    def __init__(self, *, task: str, scenes: Sequence[Scene], hardware: RobotProfile, noise: str, observations: Sequence[str] | None, lidar_beams: int, image_size: tuple[int, int], localization: str, localization_model: str, randomization: Randomization, gate: str, max_steps: int, control_period: float, num_envs: int, num_robots: int, num_threads: int, autoreset: str, episodes: str, goal_frame: str) -> None: ...
+
+    def reset(self, seeds: Sequence[int | None], episodes: Sequence[int | None], scenes: Sequence[int | None], start: Pose2D | None, goal: tuple[float, float] | None, category: str | None, mask: Sequence[bool]) -> None: ...
+
+    @property
+    def final_observations(self) -> dict[str, Any]: ...
+
+    @property
+    def ended(self) -> Annotated[NDArray[numpy.bool_], dict(shape=(None,))]: ...
+
+    @property
+    def done(self) -> Annotated[NDArray[numpy.bool_], dict(shape=(None,))]: ...
+
+    @property
+    def final_metrics(self) -> Annotated[NDArray[numpy.float64], dict(shape=(None, None))]: ...
 
     @property
     def fields(self) -> list[ObservationField]:
         """What every robot observes, in order."""
 
-    def reset(self, seeds: Sequence[int | None], episodes: Sequence[int | None], scenes: Sequence[int | None], start: Pose2D | None, goal: tuple[float, float] | None, category: str | None, mask: Sequence[bool]) -> None: ...
-
     def step(self, actions: Annotated[NDArray[numpy.float32], dict(shape=(None, 3), order='C', device='cpu', writable=False)]) -> None: ...
 
     @property
     def observations(self) -> dict[str, Any]: ...
-
-    @property
-    def final_observations(self) -> dict[str, Any]: ...
 
     @property
     def rewards(self) -> Annotated[NDArray[numpy.float64], dict(shape=(None,))]: ...
@@ -1626,19 +1647,71 @@ class EnvBatch:
     def truncated(self) -> Annotated[NDArray[numpy.bool_], dict(shape=(None,))]: ...
 
     @property
-    def ended(self) -> Annotated[NDArray[numpy.bool_], dict(shape=(None,))]: ...
-
-    @property
-    def done(self) -> Annotated[NDArray[numpy.bool_], dict(shape=(None,))]: ...
-
-    @property
     def metric_names(self) -> list[str]: ...
 
     @property
     def metrics(self) -> Annotated[NDArray[numpy.float64], dict(shape=(None, None))]: ...
 
     @property
-    def final_metrics(self) -> Annotated[NDArray[numpy.float64], dict(shape=(None, None))]: ...
+    def true_poses(self) -> Annotated[NDArray[numpy.float64], dict(shape=(None, None))]: ...
+
+    @property
+    def scan_ages(self) -> Annotated[NDArray[numpy.float64], dict(shape=(None,))]: ...
+
+    def variation(self, env: int, robot: int = 0) -> dict[str, float]:
+        """How a robot differs from its profile now: the value of each knob."""
+
+    @property
+    def words_name(self) -> str:
+        """What `words` are called; empty where a task has none."""
+
+    def words(self, env: int) -> str:
+        """What an episode is about: an instruction, a category."""
+
+    def episode(self, env: int) -> EpisodeInfo: ...
+
+    def top_view(self, env: int) -> TopView: ...
+
+class RobotEnv:
+    """
+    One environment around a robot of any backend. As EnvBatch with one environment.
+    """
+
+    def __init__(self, *, backend: str, task: str, scenes: Sequence[str], hardware: str, noise: str, observations: Sequence[str] | None, lidar_beams: int, image_size: tuple[int, int], localization: str, randomization: Randomization, gate: str, max_steps: int, control_period: float, episodes: str, goal_frame: str) -> None: ...
+
+    @property
+    def scenes(self) -> list[Scene]:
+        """As the backend has them."""
+
+    @property
+    def hardware(self) -> RobotProfile:
+        """As the backend has it."""
+
+    def reset(self, seeds: Sequence[int | None], episodes: Sequence[int | None], scenes: Sequence[int | None], start: Pose2D | None, goal: tuple[float, float] | None, category: str | None, mask: Sequence[bool]) -> None: ...
+
+    @property
+    def fields(self) -> list[ObservationField]:
+        """What every robot observes, in order."""
+
+    def step(self, actions: Annotated[NDArray[numpy.float32], dict(shape=(None, 3), order='C', device='cpu', writable=False)]) -> None: ...
+
+    @property
+    def observations(self) -> dict[str, Any]: ...
+
+    @property
+    def rewards(self) -> Annotated[NDArray[numpy.float64], dict(shape=(None,))]: ...
+
+    @property
+    def terminated(self) -> Annotated[NDArray[numpy.bool_], dict(shape=(None,))]: ...
+
+    @property
+    def truncated(self) -> Annotated[NDArray[numpy.bool_], dict(shape=(None,))]: ...
+
+    @property
+    def metric_names(self) -> list[str]: ...
+
+    @property
+    def metrics(self) -> Annotated[NDArray[numpy.float64], dict(shape=(None, None))]: ...
 
     @property
     def true_poses(self) -> Annotated[NDArray[numpy.float64], dict(shape=(None, None))]: ...

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from contextlib import suppress
 from types import TracebackType
 from typing import TYPE_CHECKING, Any, Self
@@ -17,6 +17,7 @@ from threewe._arguments import (
     as_array,
     as_asset,
     as_function,
+    as_image_size,
     as_number,
     as_pose,
     as_seconds,
@@ -73,6 +74,9 @@ class Robot(InRobotTime):
         realtime: pace a simulator to the wall clock.
         start_pose: where a simulated robot starts in its scene; the scene's own start where left out. People who would
             begin there begin farther on.
+        localization: `slam`, the robot's own; or `truth`, which simulators know: where what is asked is how well the
+            rest does without doubts about the pose.
+        image_size: (height, width) [px] of what the camera delivers; as the profile states where left out.
         viewer: streams to Rerun from `connect` to `disconnect`: `rerun` opens a window, `web` serves browsers, a file
             that ends in .rrd is recorded.
 
@@ -96,6 +100,8 @@ class Robot(InRobotTime):
         realtime: bool = False,
         *,
         start_pose: PoseLike | None = None,
+        localization: str = "slam",
+        image_size: Sequence[int] | None = None,
         viewer: str | None = None,
     ) -> None:
         if map is not None:
@@ -110,6 +116,8 @@ class Robot(InRobotTime):
             realtime=as_switch("realtime", realtime),
             start_poses=[] if start_pose is None else [as_pose("start_pose", start_pose)],
             initial_poses=[initial],
+            localization=as_text("localization", localization),
+            image_size=None if image_size is None else as_image_size("image_size", image_size),
         )
         self._set_up(world, RobotTime(world), 0, initial)
         if viewer is not None:

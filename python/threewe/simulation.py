@@ -30,16 +30,19 @@ class Simulation(_core.Simulation):
         return self.start_pose() * self._map_from_start.inverse()
 
     @known_options
-    def reset(self, *, seed: int | None = None, pose: PoseLike | None = None) -> None:
+    def reset(self, *, seed: int | None = None, pose: PoseLike | None = None, episode: int = 0) -> None:
         """Begins anew at time 0, and waits until every sensor has delivered.
 
         Motions end as `cancelled`, sleeps end, timeouts go on with what they have left.
-        All noise is drawn from `seed`, the one that the robot was made with where left out. The robot starts at `pose`,
-        or at the scene's own start pose without it. Raises ConfigError when that is inside an obstacle.
+        All noise is drawn from `seed`, the one that the robot was made with where left out, anew for each `episode` of
+        it. The robot starts at `pose`, or at the scene's own start pose without it. Raises ConfigError when that is
+        inside an obstacle.
         """
         self._time.check_thread()
         super().reset(
-            seed=None if seed is None else as_seed("seed", seed), pose=None if pose is None else as_pose("pose", pose)
+            seed=None if seed is None else as_seed("seed", seed),
+            pose=None if pose is None else as_pose("pose", pose),
+            episode=as_seed("episode", episode, 32),
         )
         self._time.wake()
 

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "threewe/core/errors.hpp"
 #include "threewe/hardware/limits.hpp"
 #include "threewe/models/lidar.hpp"
 #include "threewe/safety/scan_points.hpp"
@@ -29,10 +30,14 @@ Duration varied(Duration latency, double factor) {
 AgentModel make_agent_model(const Options& options) {
   AgentModel model;
   model.profile = options.hardware;
-  model.gate = safety::make_gate_model(model.profile);
+  model.gate = safety::make_gate_model(options.data_sheet.value_or(model.profile));
   model.localization = options.localization;
   model.localization_model = options.localization_model;
-  model.gate.collision_monitor = options.gate == Gate::full;
+  if (options.gate == Gate::limits) model.gate.collision_monitor = false;
+  if (model.gate.collision_monitor && !model.profile.lidar) {
+    throw ConfigError("gate: '" + model.profile.name +
+                      "' hears obstacles and has no lidar; batches look out for them with lidars alone: use 'limits'");
+  }
   if (model.profile.lidar) {
     const LidarSpec& lidar = *model.profile.lidar;
     model.scans = static_cast<std::size_t>(models::kMostLatency * lidar.latency / lidar.turn) + 2;

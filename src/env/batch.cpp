@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <utility>
 
 #include <fmt/format.h>
@@ -67,15 +66,7 @@ void Batch::Impl::prepare_scratch() {
 }
 
 void Batch::Impl::check_actions(std::span<const float> asked) const {
-  const std::size_t rows = options.worlds * options.robots;
-  if (asked.size() != 3 * rows) {
-    throw ContractError(fmt::format("actions must have the shape ({}, 3)", rows));
-  }
-  const auto wrong = std::ranges::find_if(asked, [](float share) { return !std::isfinite(share); });
-  if (wrong != asked.end()) {
-    const auto at = static_cast<std::size_t>(wrong - asked.begin());
-    throw ContractError(fmt::format("actions must be finite, but actions[{}, {}] is {}", at / 3, at % 3, *wrong));
-  }
+  env::check_actions(asked, options.worlds * options.robots);
   for (std::size_t world = 0; world < options.worlds; ++world) {
     const Episode& episode = episodes[world];
     if (!episode.begun) throw ContractError("step() before the first reset()");

@@ -1,5 +1,7 @@
 #include "env/checks.hpp"
 
+#include <algorithm>
+#include <cmath>
 #include <string>
 
 #include <fmt/format.h>
@@ -33,6 +35,10 @@ void check_lidar(Options& options) {
 
 Options checked(Options options) {
   const RobotProfile& robot = options.hardware;
+  if (options.observed.if_there) {
+    options.observed.lidar = options.observed.lidar && robot.lidar;
+    options.observed.image = options.observed.image && robot.camera;
+  }
   require(!options.scenes.empty(), "scene: at least one is needed");
   require(options.worlds > 0, "num_envs: at least one is needed");
   require(options.robots > 0 && options.robots <= kMostRobots,
@@ -53,6 +59,17 @@ Options checked(Options options) {
   require(!options.observed.depth || robot.camera->depth,
           fmt::format("observations: the camera of '{}' measures no depth", robot.name));
   return options;
+}
+
+void check_actions(std::span<const float> actions, std::size_t rows) {
+  if (actions.size() != 3 * rows) {
+    throw ContractError(fmt::format("actions must have the shape ({}, 3)", rows));
+  }
+  const auto wrong = std::ranges::find_if(actions, [](float share) { return !std::isfinite(share); });
+  if (wrong != actions.end()) {
+    const auto at = static_cast<std::size_t>(wrong - actions.begin());
+    throw ContractError(fmt::format("actions must be finite, but actions[{}, {}] is {}", at / 3, at % 3, *wrong));
+  }
 }
 
 }  // namespace threewe::env

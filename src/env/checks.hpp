@@ -1,6 +1,8 @@
 // Whether options fit together.
 #pragma once
 
+#include <span>
+
 #include "threewe/env/options.hpp"
 
 namespace threewe::env {
@@ -10,5 +12,7 @@ inline constexpr std::size_t kMostTaskFields = 8;  // that a task adds
 
 /// The options with their defaults filled in. Throws ConfigError naming what does not fit.
 Options checked(Options options);
+/// Throws ContractError where actions are not of the shape (rows, 3), or one is not finite.
+void check_actions(std::span<const float> actions, std::size_t rows);
 
 }  // namespace threewe::env

@@ -4,6 +4,7 @@
 
 #include "env/batch_impl.hpp"
 #include "env/checks.hpp"
+#include "env/episodes.hpp"
 #include "threewe/core/exact.hpp"
 #include "threewe/core/rng.hpp"
 #include "threewe/models/camera.hpp"
@@ -21,6 +22,15 @@ std::size_t draw_scene(std::uint64_t seed, std::uint32_t episode, std::size_t sc
 
 }  // namespace
 
+EpisodeInfo next_episode(const EpisodeInfo* last, const Reset& asked, std::size_t scenes) {
+  EpisodeInfo next;
+  if (last != nullptr) next = {.seed = last->seed, .episode = last->episode + 1};
+  if (asked.seed) next = {.seed = *asked.seed};
+  if (asked.episode) next.episode = *asked.episode;
+  next.scene = asked.scene ? *asked.scene : draw_scene(next.seed, next.episode, scenes);
+  return next;
+}
+
 // All of them stand until each of their sensors has delivered once.
 void Batch::Impl::begin(Worlds worlds, std::span<const Reset> resets) {
   for (const std::size_t world : worlds) begin_world(world, resets.empty() ? Reset{} : resets[world]);
@@ -29,12 +39,7 @@ void Batch::Impl::begin(Worlds worlds, std::span<const Reset> resets) {
 
 void Batch::Impl::begin_world(std::size_t world, const Reset& reset) {
   Episode& episode = episodes[world];
-  EpisodeInfo next = episode.info;
-  if (episode.begun) ++next.episode;
-  if (reset.seed) next = {.seed = *reset.seed};
-  if (reset.episode) next.episode = *reset.episode;
-  next.scene = reset.scene ? *reset.scene : draw_scene(next.seed, next.episode, options.scenes.size());
-  next.steps = 0;
+  const EpisodeInfo next = next_episode(episode.begun ? &episode.info : nullptr, reset, options.scenes.size());
 
   std::array<Pose2D, kMostRobots> starts;
   const auto poses = std::span(starts).first(options.robots);

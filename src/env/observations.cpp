@@ -1,6 +1,7 @@
 #include "env/observations.hpp"
 
 #include <algorithm>
+#include <cstring>
 #include <numeric>
 
 namespace threewe::env {
@@ -47,6 +48,24 @@ std::vector<Array> make_arrays(const std::vector<task::Field>& fields, std::size
     array.data.resize(rows * array.row_bytes);
   }
   return arrays;
+}
+
+void put(const std::array<double, 3>& values, std::span<std::byte> to) {
+  const std::array<float, 3> floats{static_cast<float>(values[0]), static_cast<float>(values[1]),
+                                    static_cast<float>(values[2])};
+  if (!to.empty()) std::memcpy(to.data(), floats.data(), sizeof(floats));
+}
+
+void put_scan(std::span<const float> scan, std::span<std::byte> to) {
+  const std::size_t beams = to.size() / sizeof(float);
+  if (scan.empty()) {
+    std::ranges::fill(to, std::byte{});
+  } else if (beams == scan.size()) {
+    std::memcpy(to.data(), scan.data(), to.size());
+  } else if (beams > 0) {
+    const std::size_t k = scan.size() / beams;
+    for (std::size_t i = 0; i < beams; ++i) std::memcpy(&to[i * sizeof(float)], &scan[i * k], sizeof(float));
+  }
 }
 
 }  // namespace threewe::env

@@ -1,6 +1,8 @@
 // The arrays that a batch fills with what its robots observe.
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <span>
 #include <vector>
 
@@ -12,5 +14,10 @@ namespace threewe::env {
 std::vector<task::Field> observation_fields(const Options& options, const std::vector<task::Field>& task_fields);
 /// One array for each field, of zeros.
 std::vector<Array> make_arrays(const std::vector<task::Field>& fields, std::size_t rows);
+
+/// Fills in one row, unless nobody wants it: three numbers, or every k-th beam of a scan, zeros
+/// before the first.
+void put(const std::array<double, 3>& values, std::span<std::byte> to);
+void put_scan(std::span<const float> scan, std::span<std::byte> to);
 
 }  // namespace threewe::env

@@ -1,36 +1,13 @@
 // What robots observe.
 #include <algorithm>
 #include <array>
-#include <cstring>
 
 #include "env/batch_impl.hpp"
 #include "env/checks.hpp"
+#include "env/observations.hpp"
 #include "threewe/core/errors.hpp"
 
 namespace threewe::env {
-namespace {
-
-void put(const std::array<double, 3>& values, std::span<std::byte> to) {
-  const std::array<float, 3> floats{static_cast<float>(values[0]), static_cast<float>(values[1]),
-                                    static_cast<float>(values[2])};
-  if (!to.empty()) std::memcpy(to.data(), floats.data(), sizeof(floats));
-}
-
-// Every k-th beam; zeros before the first scan.
-void put_scan(std::span<const float> scan, std::span<std::byte> to) {
-  const std::size_t beams = to.size() / sizeof(float);
-  if (scan.empty()) {
-    std::ranges::fill(to, std::byte{});
-  } else if (beams == scan.size()) {
-    std::memcpy(to.data(), scan.data(), to.size());
-  } else if (beams > 0) {
-    const std::size_t k = scan.size() / beams;
-    for (std::size_t i = 0; i < beams; ++i) std::memcpy(&to[i * sizeof(float)], &scan[i * k], sizeof(float));
-  }
-}
-
-}  // namespace
-
 void Batch::Impl::observe(std::size_t world, std::vector<Array>& arrays, std::size_t part) {
   std::vector<task::Belief>& beliefs = scratch[part].beliefs;
   for (std::size_t robot = 0; robot < options.robots; ++robot) {

@@ -1,15 +1,12 @@
 #include "env/places.hpp"
 
+#include "threewe/hardware/image_size.hpp"
 #include "threewe/scene/scene_tables.hpp"
 
 namespace threewe::env {
 
 Places make_places(const Options& options) {
-  RobotProfile profile = options.hardware;
-  if (profile.camera) {
-    profile.camera->width = options.image_width;
-    profile.camera->height = options.image_height;
-  }
+  const RobotProfile profile = with_image_size(options.hardware, {options.image_width, options.image_height});
   const std::vector<RobotProfile> robots(options.robots, profile);
   Places places;
   for (const auto& scene : options.scenes) {

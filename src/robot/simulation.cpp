@@ -14,9 +14,10 @@ SemanticImage Simulation::look() const {
               profile.camera->mount_height, false);
 }
 
-void Simulation::reset(std::optional<std::uint64_t> seed, const std::optional<Pose2D>& pose) {
+void Simulation::reset(std::optional<std::uint64_t> seed, const std::optional<Pose2D>& pose, std::uint32_t episode) {
   backend::ResetOptions options;
   options.seed = seed.value_or(world_->seed());
+  options.episode = episode;
   if (pose) {
     if (!is_finite(*pose)) throw ContractError("pose must be finite");
     for (std::size_t i = 0; i < world_->robot_count(); ++i) {

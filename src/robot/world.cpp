@@ -14,8 +14,10 @@
 namespace threewe {
 namespace {
 
-Runtime::Options make_mind(const Mind& mind, const RobotProfile& profile, const Pose2D& map_from_start) {
-  return {mind.localizer ? mind.localizer(profile, map_from_start) : slam::make_localizer(profile, map_from_start),
+Runtime::Options make_mind(const Mind& mind, const backend::RobotPort& port, const Pose2D& map_from_start) {
+  const RobotProfile& profile = port.profile();
+  return {mind.localizer ? mind.localizer(profile, map_from_start, port.truth())
+                         : slam::make_localizer(profile, map_from_start),
           mind.navigator ? mind.navigator(profile) : nav::make_navigator(profile)};
 }
 
@@ -62,7 +64,7 @@ World::World(std::unique_ptr<backend::World> backend, bool realtime, const Mind&
     if (std::abs(map_from_start.x) > backend::kMaxCoordinate || std::abs(map_from_start.y) > backend::kMaxCoordinate) {
       throw ContractError("initial_pose must be within 1000 km of the origin");
     }
-    impl_->robots.push_back(std::make_unique<Runtime>(*this, port, make_mind(mind, port.profile(), map_from_start)));
+    impl_->robots.push_back(std::make_unique<Runtime>(*this, port, make_mind(mind, port, map_from_start)));
   }
 }
 

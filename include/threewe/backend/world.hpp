@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "threewe/core/samples.hpp"
+#include "threewe/hardware/image_size.hpp"
 #include "threewe/hardware/profile.hpp"
 
 namespace threewe::scene {
@@ -62,6 +63,8 @@ struct ResetOptions {
   /// Where each robot starts, in the scene's frame; the scene's own start poses where empty. People who would begin
   /// there begin farther on.
   std::vector<Pose2D> poses = {};  // NOLINT(readability-redundant-member-init): g++ warns where it is left out
+  /// Which of the seed's episodes: each has noise and people of its own.
+  std::uint32_t episode = 0;
 };
 
 /// A world that keeps its own time. Time begins at 0 and returns there on reset.
@@ -89,6 +92,8 @@ struct WorldOptions {
   std::uint64_t seed = 0;
   /// As in ResetOptions.
   std::vector<Pose2D> poses = {};  // NOLINT(readability-redundant-member-init): g++ warns where it is left out
+  /// What the robots' cameras deliver, where that is to be another size than their profiles state.
+  std::optional<ImageSize> image_size = {};  // NOLINT(readability-redundant-member-init): likewise
 };
 
 }  // namespace threewe::backend

@@ -27,6 +27,7 @@ struct Observed {
   bool velocity = true;  ///< (3,) float32: vx, vy [m/s], omega [rad/s] in the body frame
   /// Names of the task's fields that are wanted; all where left out.
   std::optional<std::vector<std::string>> task_fields;
+  bool if_there = false;  ///< of sensors that a robot lacks nothing is observed; else it is an error
 };
 
 /// Where `pose`, `velocity` and goals in the robot's frame come from.
@@ -56,6 +57,8 @@ struct Options {
   std::vector<std::shared_ptr<const scene::Scene>> scenes;  ///< each episode is in one of them, drawn by its seed
   TaskFactory task;
   RobotProfile hardware;  ///< with its noise, see `with_noise`
+  /// Without: what the gate goes by, as a `Robot`'s does, which knows no noise. `hardware` where left out.
+  std::optional<RobotProfile> data_sheet;
   Observed observed;
   int lidar_beams = 0;    ///< every k-th of the profile's; 0 = all
   int image_width = 64;   ///< [px] of the profile's view, with its horizontal field of view and square pixels

@@ -3,21 +3,28 @@
 
 #include <functional>
 #include <memory>
+#include <string_view>
 
 #include "threewe/hardware/profile.hpp"
 #include "threewe/nav/navigator.hpp"
+#include "threewe/scene/truth_view.hpp"
 #include "threewe/slam/localizer.hpp"
 
 namespace threewe {
 
 /// Makes the mind of one robot. A factory that is empty stands for ours.
 struct Mind {
-  /// `map_from_start` is where the robot starts in its `map` frame.
-  using LocalizerFactory =
-      std::function<std::unique_ptr<slam::Localizer>(const RobotProfile& profile, const Pose2D& map_from_start)>;
+  /// `map_from_start` is where the robot starts in its `map` frame. `truth` is null on a real robot; ours never sees
+  /// it.
+  using LocalizerFactory = std::function<std::unique_ptr<slam::Localizer>(
+      const RobotProfile& profile, const Pose2D& map_from_start, const scene::TruthView* truth)>;
   using NavigatorFactory = std::function<std::unique_ptr<nav::Navigator>(const RobotProfile& profile)>;
   LocalizerFactory localizer;
   NavigatorFactory navigator;
 };
+
+/// `slam` is our own mind. With `truth` the robot always knows where it is, as it can in simulated worlds alone, see
+/// `make_truth_localizer`. Throws ConfigError naming the nearest of these.
+Mind mind_with(std::string_view localization);
 
 }  // namespace threewe

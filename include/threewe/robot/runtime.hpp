@@ -94,6 +94,8 @@ class Runtime {
   std::span<const Vec2> path() const;
   /// `target_from_source` among `map`, `odom`, `base` and the sensors' names. Throws ContractError naming the nearest.
   Pose2D transform(std::string_view target, std::string_view source) const;
+  /// What its collision monitor looks out for: where the newest scan, or echoes, hit something, in `odom`.
+  std::span<const Vec2> obstacles() const;
   /// What was asked of the gate in the last tick, and what it let through.
   const Velocity& requested() const;
   const safety::GateOutput& commanded() const;

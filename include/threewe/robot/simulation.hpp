@@ -44,7 +44,9 @@ class Simulation {
   /// Begins anew at time 0 and waits until every sensor has delivered. Noise is drawn from `seed`, the world's own
   /// without it. The robot starts at `pose`, others where they started before; at the scene's own start poses without
   /// it; people who would begin there begin farther on. Throws ConfigError when that is inside an obstacle.
-  void reset(std::optional<std::uint64_t> seed = std::nullopt, const std::optional<Pose2D>& pose = std::nullopt);
+  /// All noise is that of an `episode` of the seed.
+  void reset(std::optional<std::uint64_t> seed = std::nullopt, const std::optional<Pose2D>& pose = std::nullopt,
+             std::uint32_t episode = 0);
   std::shared_ptr<const World::Snapshot> save() const { return world_->save(); }
   void restore(const std::shared_ptr<const World::Snapshot>& snapshot) { world_->restore(snapshot); }
 

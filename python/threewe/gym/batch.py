@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
-from typing import Any, TypedDict
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any, Generic, TypedDict, TypeVar
 
 import numpy as np
 from gymnasium import spaces
@@ -14,9 +17,11 @@ from numpy.typing import NDArray
 from threewe import _core
 from threewe._arguments import as_asset, as_list, as_number, as_pose, as_seed, as_text
 from threewe._core import RobotProfile, Scene
+from threewe.backend import known_backend
 from threewe.errors import ConfigError, ContractError
 
 Observation = dict[str, NDArray[Any]]
+Core = TypeVar("Core", _core.EnvBatch, _core.RobotEnv)
 TASK_FIELDS = {
     "navigation": ("goal",),
     "exploration": ("coverage_map",),
@@ -41,9 +46,12 @@ class EnvOptions(TypedDict, total=False):
       ones.
     - `difficulty`, `num_scenes`, `scene_seed`: of procedural scenes, 0 to 1; how many; the first one's seed.
     - `hardware`: a robot profile, or a file.
+    - `backend`: of a single environment: around a `Robot` on that backend, which must be a simulator that can reset.
+      With `"mock"` it is the embedded simulator, through all that a robot is made of.
     - `noise`: `"realistic"` or `"ideal"`.
     - `localization`: where `pose`, `velocity` and goals in the robot's frame come from: `"noisy"`: wheel odometry
-      between corrections that are off as those of our own SLAM are; `"odometry"`: the wheels alone; `"truth"`.
+      between corrections that are off as those of our own SLAM are; `"odometry"`: the wheels alone; `"truth"`. With a
+      backend: `"slam"`, the robot's own (the default), or `"truth"`.
     - `localization_model`: of `"noisy"`, or a file: see assets/localization.
     - `gate`: `"full"`, as in `Robot`; `"limits"` without the collision monitor.
     - `randomization`: `"none"`, `"mild"`, `"paper"`, `"hard"`, a file, or a dict of the same form as the files:
@@ -62,8 +70,9 @@ class EnvOptions(TypedDict, total=False):
     num_scenes: int
     scene_seed: int
     hardware: str
+    backend: str | None
     noise: str
-    localization: str
+    localization: str | None
     localization_model: str
     gate: str
     randomization: str | Mapping[str, Any]
@@ -82,8 +91,9 @@ DEFAULTS = EnvOptions(
     num_scenes=16,
     scene_seed=0,
     hardware="3we_standard_v2",
+    backend=None,
     noise="realistic",
-    localization="noisy",
+    localization=None,
     localization_model="slam_v1",
     gate="full",
     randomization="none",
@@ -95,10 +105,10 @@ DEFAULTS = EnvOptions(
 
 
 @dataclass
-class Batch:
-    """The C++ batch, and what Gymnasium wants to know about it."""
+class Batch(Generic[Core]):
+    """The C++ batch, or the environment around a robot, and what Gymnasium wants to know about it."""
 
-    core: _core.EnvBatch
+    core: Core
     scenes: list[Scene]
     hardware: RobotProfile
     options: EnvOptions
@@ -158,42 +168,90 @@ class Batch:
         raise ConfigError(_core.unknown_name("scene of this environment", str(scene), names))
 
 
-def make_batch(task: str, *, num_envs: int, num_robots: int, num_threads: int, autoreset: str, **given: Any) -> Batch:
+def make_batch(
+    task: str, *, num_envs: int, num_robots: int, num_threads: int, autoreset: str, **given: Any
+) -> Batch[_core.EnvBatch]:
     """A batch of environments. Raises ConfigError for an unknown option, with the nearest right name."""
-    for name in given:
-        if name not in DEFAULTS:
-            raise ConfigError(_core.unknown_name("option", name, list(DEFAULTS)))
+    options = filled(given)
+    if options["backend"] is not None:
+        raise ConfigError(
+            f"backend: batches and teams are of the embedded simulator alone; gymnasium.make() gives an environment on "
+            f"{options['backend']!r}, gymnasium.make_vec(..., vectorization_mode='sync') several"
+        )
     if num_robots > 1 and task not in TEAM_TASKS:
         raise ConfigError(f"num_robots: {task} is for one robot, {' and '.join(TEAM_TASKS)} are for teams")
-    options = EnvOptions(**{**DEFAULTS, **given})  # type: ignore[typeddict-item]
     hardware = options["hardware"]
     profile = hardware if isinstance(hardware, RobotProfile) else RobotProfile.load(as_asset("hardware", hardware))
     scenes = load_scenes(options)
-    control_rate = as_number("control_rate", options["control_rate"])
-    if not control_rate > 0.0:
-        raise ConfigError(f"control_rate must be positive, got {control_rate:g}")
     core = _core.EnvBatch(
         task=task,
         scenes=scenes,
         hardware=profile,
-        noise=as_text("noise", options["noise"]),
-        observations=observation_names(task, profile, options["observations"]),
-        lidar_beams=options["lidar_beams"] or 0,
-        image_size=options["image_size"],
-        localization=as_text("localization", options["localization"]),
+        observations=observation_names(task, options["observations"]),
+        localization=as_text("localization", options["localization"] or "noisy"),
         localization_model=as_asset("localization_model", options["localization_model"]),
-        gate=as_text("gate", options["gate"]),
-        randomization=load_randomization(options["randomization"]),
-        max_steps=options["max_steps"],
-        control_period=round(1e9 / control_rate) * 1e-9,
         num_envs=num_envs,
         num_robots=num_robots,
         num_threads=num_threads,
         autoreset=autoreset,
-        episodes=as_text("episodes", options["episodes"]),
-        goal_frame=as_text("goal_frame", options["goal_frame"]),
+        **common_arguments(options),
     )
-    return Batch(core, scenes, profile, options, observation_space(core), spaces.Box(-1.0, 1.0, (3,), np.float32))
+    return Batch(core, scenes, profile, options, observation_space(core), action_space())
+
+
+def make_robot_env(task: str, **given: Any) -> Batch[_core.RobotEnv]:
+    """An environment around a robot of any backend, in the form of a batch of one."""
+    options = filled(given)
+    backend = known_backend(as_text("backend", options["backend"] or ""))
+    if isinstance(options["hardware"], RobotProfile):
+        raise ConfigError("hardware: with a backend it is a name or a file")
+    hardware = as_asset("hardware", options["hardware"])
+    if given.get("localization_model") is not None:
+        raise ConfigError(
+            "localization_model: with a backend the robot's own localisation is there, and no model of it"
+        )
+    with scene_files(options) as scenes:
+        core = _core.RobotEnv(
+            backend=backend,
+            task=task,
+            scenes=scenes,
+            hardware=hardware,
+            observations=observation_names(task, options["observations"]),
+            localization=as_text("localization", options["localization"] or "slam"),
+            **common_arguments(options),
+        )
+    return Batch(core, core.scenes, core.hardware, options, observation_space(core), action_space())
+
+
+def filled(given: Mapping[str, Any]) -> EnvOptions:
+    """All options. Raises ConfigError for an unknown one, with the nearest right name."""
+    for name in given:
+        if name not in DEFAULTS:
+            raise ConfigError(_core.unknown_name("option", name, list(DEFAULTS)))
+    return EnvOptions(**{**DEFAULTS, **given})  # type: ignore[typeddict-item]
+
+
+def common_arguments(options: EnvOptions) -> dict[str, Any]:
+    """What batches and environments around robots are asked in the same way."""
+    control_rate = as_number("control_rate", options["control_rate"])
+    if not control_rate > 0.0:
+        raise ConfigError(f"control_rate must be positive, got {control_rate:g}")
+    return {
+        "noise": as_text("noise", options["noise"]),
+        "lidar_beams": options["lidar_beams"] or 0,
+        "image_size": options["image_size"],
+        "gate": as_text("gate", options["gate"]),
+        "randomization": load_randomization(options["randomization"]),
+        "max_steps": options["max_steps"],
+        "control_period": round(1e9 / control_rate) * 1e-9,
+        "episodes": as_text("episodes", options["episodes"]),
+        "goal_frame": as_text("goal_frame", options["goal_frame"]),
+    }
+
+
+def action_space() -> spaces.Box:
+    """Forward, left, counter-clockwise."""
+    return spaces.Box(-1.0, 1.0, (3,), np.float32)
 
 
 def load_randomization(given: str | Mapping[str, Any]) -> _core.Randomization:
@@ -220,11 +278,29 @@ def load_scenes(options: EnvOptions) -> list[Scene]:
     return [s if isinstance(s, Scene) else Scene.load(as_asset("scene", s)) for s in as_list("scene", several)]
 
 
-def observation_names(task: str, profile: RobotProfile, wanted: Sequence[str] | None) -> list[str]:
-    """What is observed: all that the robot has but depth, where nothing is asked for."""
+@contextmanager
+def scene_files(options: EnvOptions) -> Iterator[list[str]]:
+    """The scenes as any backend takes them, by name or file: others are in files for as long as worlds are made."""
+    scene = options["scene"]
+    wanted = [scene] if isinstance(scene, str | Scene) or hasattr(scene, "__fspath__") else as_list("scene", scene)
+    if wanted == ["procedural"]:
+        wanted = load_scenes(options)
+    with TemporaryDirectory() as folder:
+        names = []
+        for i, one in enumerate(wanted):
+            if isinstance(one, Scene):
+                file = Path(folder, str(i), f"{one.name}.yaml")
+                file.parent.mkdir()
+                file.write_text(one.to_yaml())
+                one = file
+            names.append(as_asset("scene", one))
+        yield names
+
+
+def observation_names(task: str, wanted: Sequence[str] | None) -> list[str] | None:
+    """What is observed; None for all that the robot has but depth."""
     if wanted is None:
-        sensors = [name for name, sensor in (("image", profile.camera), ("lidar", profile.lidar)) if sensor is not None]
-        return [*sensors, "pose", "velocity", *TASK_FIELDS[task]]
+        return None
     names = [as_text("observations", name) for name in as_list("observations", wanted)]
     known = ["image", "depth", "lidar", "pose", "velocity", *TASK_FIELDS[task]]
     for name in names:
@@ -235,7 +311,7 @@ def observation_names(task: str, profile: RobotProfile, wanted: Sequence[str] | 
     return names
 
 
-def observation_space(core: _core.EnvBatch) -> spaces.Dict:
+def observation_space(core: _core.EnvBatch | _core.RobotEnv) -> spaces.Dict:
     """The space of one robot's observations."""
     boxes: dict[str, spaces.Space[Any]] = {
         field.name: spaces.Box(field.low, field.high, tuple(field.shape), np.dtype(field.dtype).type)

@@ -7,15 +7,16 @@ from typing import Any, Unpack
 import gymnasium
 
 from threewe._arguments import as_seed
-from threewe.gym.batch import EnvOptions, Observation, as_actions, make_batch
+from threewe.gym.batch import Batch, EnvOptions, Observation, as_actions, make_batch, make_robot_env
 from threewe.gym.onlooker import RENDER_MODES, make_onlooker
 
 
 class Env(gymnasium.Env[Any, Any]):
-    """A task in the embedded simulator, as `gymnasium.make("3we/Navigation-v1")` makes it.
+    """A task, as `gymnasium.make("3we/Navigation-v1")` makes it: in the embedded simulator, or around a `Robot`.
 
-    It is a batch of one: with the same seeds and actions, `VectorEnv` gives the same bits. An action is (3,) float32 in
-    [-1, 1]: forward, left and counter-clockwise as shares of the robot's operating limits.
+    Without a `backend` it is a batch of one: with the same seeds and actions, `VectorEnv` gives the same bits. With one
+    it drives a robot there as `Robot.execute_action` does. An action is (3,) float32 in [-1, 1]: forward, left and
+    counter-clockwise as shares of the robot's operating limits.
 
     `reset(options=...)` takes `start` (x, y, theta) and `goal` (x, y) in the scene's frame, `object_goal` of ObjectNav,
     `scene` (one of its own, by name) and `episode`, the number of an episode since the seed was given: `info` names
@@ -31,7 +32,11 @@ class Env(gymnasium.Env[Any, Any]):
     metadata: dict[str, Any] = {"render_modes": RENDER_MODES, "render_fps": 10}  # noqa: RUF012
 
     def __init__(self, *, task: str, render_mode: str | None = None, **options: Unpack[EnvOptions]) -> None:
-        self._batch = make_batch(task, num_envs=1, num_robots=1, num_threads=1, autoreset="disabled", **options)
+        self._batch: Batch[Any]
+        if options.get("backend") is None:
+            self._batch = make_batch(task, num_envs=1, num_robots=1, num_threads=1, autoreset="disabled", **options)
+        else:
+            self._batch = make_robot_env(task, **options)
         self._core = self._batch.core
         self.observation_space = self._batch.observation_space
         self.action_space = self._batch.action_space

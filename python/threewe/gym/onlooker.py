@@ -11,7 +11,7 @@ from threewe.gym.batch import Batch
 RENDER_MODES = ["rgb_array", "human"]
 
 
-def make_onlooker(render_mode: str | None, batch: Batch) -> Onlooker | None:
+def make_onlooker(render_mode: str | None, batch: Batch[Any]) -> Onlooker | None:
     """Who shows the first environment of a batch. Raises ConfigError for an unknown mode, and for what is missing."""
     match render_mode:
         case None:
@@ -30,7 +30,7 @@ def make_onlooker(render_mode: str | None, batch: Batch) -> Onlooker | None:
 class Onlooker:
     """Looks on, and keeps the ways that were driven. What the robots do stays the same, to the bit."""
 
-    def __init__(self, batch: Batch) -> None:
+    def __init__(self, batch: Batch[Any]) -> None:
         self._batch = batch
         self.ways: list[list[tuple[float, float]]] = []  # [m] of each robot
 
@@ -41,7 +41,7 @@ class Onlooker:
 
     def look(self) -> TopView:
         """A step is over."""
-        view = self._batch.core.top_view(0)
+        view: TopView = self._batch.core.top_view(0)
         self.ways = self.ways or [[] for _ in view.robots]
         for way, pose in zip(self.ways, view.robots, strict=True):
             way.append((pose.x, pose.y))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -36,7 +37,7 @@ class _Stage:
 class Painter(Onlooker):
     """Pictures: floors, walls, furniture and people; robots, their goals, ways and scans; what is still to be seen."""
 
-    def __init__(self, batch: Batch) -> None:
+    def __init__(self, batch: Batch[Any]) -> None:
         super().__init__(batch)
         self._stages: dict[int, _Stage] = {}  # by scene
 

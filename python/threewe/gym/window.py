@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from typing import Any
 
 import numpy as np
 
@@ -32,7 +33,7 @@ def default_sink() -> str:
 class Window(Onlooker):
     """Streams an environment to Rerun, no faster than the clock. `where` is as of `Robot(viewer=...)`."""
 
-    def __init__(self, batch: Batch, where: str) -> None:
+    def __init__(self, batch: Batch[Any], where: str) -> None:
         super().__init__(batch)
         self._where = where
         self._recording: rr.RecordingStream | None = None

@@ -30,13 +30,14 @@ MockWorld::MockWorld(const WorldOptions& options) : noise_(options.noise) {
   std::vector<RobotProfile> simulated;
   for (const std::string& name : options.robots) {
     profiles.push_back(load_profile(name));
+    if (options.image_size) profiles.back() = with_image_size(profiles.back(), *options.image_size);
     simulated.push_back(with_noise(profiles.back(), options.noise));
   }
   model_ = sim::make_model(std::make_shared<const scene::Scene>(scene::Scene::load(options.scene)), simulated);
   for (std::size_t i = 0; i < profiles.size(); ++i) {
     ports_.push_back(std::make_unique<MockPort>(*this, i, std::move(profiles[i])));
   }
-  begin({options.seed, options.poses});
+  begin({.seed = options.seed, .poses = options.poses});
 }
 
 MockWorld::~MockWorld() = default;
@@ -100,8 +101,10 @@ void MockWorld::reset(const ResetOptions& options) { begin(options); }
 void MockWorld::begin(const ResetOptions& options) {
   const std::vector<Pose2D> starts = start_poses(options.poses);
   std::vector<sim::RobotState> states;
-  for (std::size_t i = 0; i < ports_.size(); ++i) states.push_back(sim::begin(*model_, i, starts[i], options.seed));
-  people_ = sim::begin_people(*model_, states, options.seed);
+  for (std::size_t i = 0; i < ports_.size(); ++i) {
+    states.push_back(sim::begin(*model_, i, starts[i], options.seed, options.episode));
+  }
+  people_ = sim::begin_people(*model_, states, options.seed, options.episode);
   states_ = std::move(states);
   now_ = {};
   steps_ = 0;

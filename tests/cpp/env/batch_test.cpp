@@ -253,6 +253,11 @@ TEST_CASE("options that don't fit are refused by name") {
   CHECK(refused([](Options& o) { o.max_steps = 0; }).find("max_steps") == 0);
   CHECK(refused([](Options& o) { o.observed.depth = true; }).find("observations") == 0);
   CHECK(refused([](Options& o) { o.hardware = load_profile("3we_base_v2"); }).find("no lidar") != std::string::npos);
+  // its gate would wait for scans for ever
+  CHECK(refused([](Options& o) {
+          o.hardware = load_profile("3we_base_v2");
+          o.observed.lidar = false;
+        }).find("gate: '3we_base_v2' hears obstacles") != std::string::npos);
   CHECK(refused([](Options& o) { o.scenes.clear(); }).find("scene") == 0);
   CHECK(refused([](Options& o) { o.worlds = 0; }).find("num_envs") == 0);
 }

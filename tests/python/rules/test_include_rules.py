@@ -25,6 +25,7 @@ MAY_USE = {
     "export": ["core", "scene", "hardware", "map"],
     "task": ["core", "hardware", "scene"],
     "env": ["core", "hardware", "scene", "task", "sim", "models", "safety"],
+    "env/robot": ["core", "hardware", "scene", "task", "sim", "env", "backend", "slam", "robot"],
     "benchmark": ["core", "robot", "task", "env"],
     "record": ["core", "robot", "task", "env"],
 }

@@ -1,0 +1,61 @@
+// One environment around a robot of any backend: the tasks of a batch, with the mind and the gate that a `Robot` has.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "threewe/env/batch.hpp"
+#include "threewe/env/options.hpp"
+#include "threewe/robot/world.hpp"
+
+namespace threewe::env {
+
+/// A robot at a task. It has what a `Batch` of one has, and goes about it as a program that calls `execute_action`
+/// does.
+///
+/// The backend must be able to reset, and to tell where its robot truly is. `pose`, `velocity` and goals in the robot's
+/// frame are what the robot's mind believes. With the truth for a mind (`make_truth_localizer`) and the embedded
+/// simulator, observations, rewards, ends and metrics are those of a `Batch` with `Localization::truth`, to the bit.
+class RobotEnv {
+ public:
+  /// Of `options`, scenes and hardware are as the backend has them. `robot` says which backend, profile, noise and
+  /// mind; each of the `scenes`, names or files, gets a world of its own. Throws ConfigError naming what the backend
+  /// lacks, or an option that robots have no use for.
+  RobotEnv(Options options, const World::Options& robot, const std::vector<std::string>& scenes);
+  ~RobotEnv();
+  RobotEnv(const RobotEnv&) = delete;
+  RobotEnv& operator=(const RobotEnv&) = delete;
+
+  const Options& options() const;
+  /// Connects the robot where it is not, puts it where the episode starts, and waits for its sensors. Throws
+  /// ConnectionError where it fails, as `step` does.
+  void reset(const Reset& reset);
+  /// One control step, see `Batch::step`. Throws ContractError, too, where the episode is over.
+  void step(std::span<const float> action);
+
+  // As of a `Batch`, one row each.
+  std::span<const Array> observations() const;
+  std::span<const double> rewards() const;
+  std::span<const std::uint8_t> terminated() const;
+  std::span<const std::uint8_t> truncated() const;
+  const std::vector<std::string>& metric_names() const;
+  std::span<const double> metrics() const;
+  std::span<const double> true_poses() const;
+  std::span<const double> scan_ages() const;
+  EpisodeInfo episode(std::size_t world = 0) const;
+  std::string words(std::size_t world = 0) const;
+  std::string words_name() const;
+  /// What it is as its profile says: robots are not randomised.
+  const models::Variation& variation(std::size_t world = 0, std::size_t robot = 0) const;
+  TopView top_view(std::size_t world = 0) const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace threewe::env

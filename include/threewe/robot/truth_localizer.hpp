@@ -1,0 +1,18 @@
+// Localisation by the truth: what a robot could do if it always knew where it is.
+#pragma once
+
+#include <memory>
+
+#include "threewe/hardware/profile.hpp"
+#include "threewe/scene/truth_view.hpp"
+#include "threewe/slam/localizer.hpp"
+
+namespace threewe {
+
+/// For experiments in a simulated world, as a `Mind::localizer`. `odom` lies where the robot started, and never drifts;
+/// the map is drawn by scans at their true poses. Throws ContractError on a real robot, of which nobody knows the
+/// truth.
+std::unique_ptr<slam::Localizer> make_truth_localizer(const RobotProfile& profile, const Pose2D& map_from_start,
+                                                      const scene::TruthView* truth);
+
+}  // namespace threewe

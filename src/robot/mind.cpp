@@ -1,0 +1,21 @@
+#include "threewe/robot/mind.hpp"
+
+#include <string>
+#include <vector>
+
+#include "threewe/core/errors.hpp"
+#include "threewe/core/names.hpp"
+#include "threewe/robot/truth_localizer.hpp"
+
+namespace threewe {
+
+Mind mind_with(std::string_view localization) {
+  const std::vector<std::string> names = {"slam", "truth"};
+  Mind mind;
+  if (localization == names[0]) return mind;
+  if (localization != names[1]) throw ConfigError(unknown_name("localization", localization, names));
+  mind.localizer = make_truth_localizer;
+  return mind;
+}
+
+}  // namespace threewe

@@ -1,0 +1,124 @@
+#include "threewe/robot/truth_localizer.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <vector>
+
+#include "threewe/core/errors.hpp"
+#include "threewe/core/exact.hpp"
+#include "threewe/hardware/turn.hpp"
+#include "threewe/map/log_odds_map.hpp"
+#include "threewe/safety/scan_points.hpp"
+
+namespace threewe {
+namespace {
+
+constexpr std::size_t kRemembered = 64;     // ticks, 1.3 s: longer than any turn takes to arrive
+constexpr double kKeyframeDistance = 0.08;  // [m] the map takes a scan after so much motion ...
+constexpr double kKeyframeTurn = 0.07;      // [rad] ... or turning
+constexpr double kFreeNoReturn = 4.0;       // [m] a beam without return clears so much
+
+class TruthLocalizer final : public slam::Localizer {
+ public:
+  TruthLocalizer(const RobotProfile& profile, const Pose2D& map_from_start, const scene::TruthView& truth)
+      : lidar_(profile.lidar), map_from_odom_(map_from_start), truth_(&truth) {}
+
+  void add(const Sample& sample) override {
+    if (track_.empty() || track_.back().time < sample.received) track_.push_back({sample.received, odom_from_base()});
+    if (track_.size() > kRemembered) track_.erase(track_.begin());
+    const auto* scan = std::get_if<LaserScan>(&sample.data);
+    if (scan == nullptr || !lidar_) return;
+    find_obstacles(*scan, sample.measured);
+    if (is_elsewhere()) extend_map(*scan, sample.measured);
+  }
+
+  slam::PoseEstimate estimate(Time now) const override {
+    slam::PoseEstimate e;
+    e.stamp = now;
+    e.odom_from_base = odom_from_base();
+    e.map_from_odom = map_from_odom_;
+    e.velocity = truth_->true_velocity();
+    return e;
+  }
+  const map::OccupancyGrid& map() const override { return map_.grid(); }
+  std::uint64_t map_version() const override { return map_.version(); }
+  std::span<const Vec2> obstacles() const override { return obstacles_; }
+  std::unique_ptr<Localizer> clone() const override { return std::make_unique<TruthLocalizer>(*this); }
+
+ private:
+  struct Point {
+    Time time{};
+    Pose2D odom_from_base;
+  };
+
+  Pose2D odom_from_base() const { return inverse(truth_->start_pose()) * truth_->true_pose(); }
+  Pose2D at(Time time) const;
+  void find_obstacles(const LaserScan& scan, Time measured);
+  bool is_elsewhere() const;
+  void extend_map(const LaserScan& scan, Time measured);
+
+  std::optional<LidarSpec> lidar_;
+  Pose2D map_from_odom_;
+  const scene::TruthView* truth_;
+  std::vector<Point> track_;  // at the ticks in which something arrived, oldest first
+  std::vector<Vec2> obstacles_;
+  map::LogOddsMap map_;
+  Pose2D keyframe_;  // odom_from_base when the map last took a scan
+};
+
+// Exact at a tick, evenly in between.
+Pose2D TruthLocalizer::at(Time time) const {
+  const auto after = std::ranges::lower_bound(track_, time, {}, &Point::time);
+  if (after == track_.end()) return track_.back().odom_from_base;
+  if (after == track_.begin() || after->time == time) return after->odom_from_base;
+  const Point& before = *(after - 1);
+  const double share = to_seconds(time - before.time) / to_seconds(after->time - before.time);
+  return interpolate(before.odom_from_base, after->odom_from_base, share);
+}
+
+void TruthLocalizer::find_obstacles(const LaserScan& scan, Time measured) {
+  LidarSpec lidar = *lidar_;
+  lidar.rolling = scan.time_increment != 0.0;
+  lidar.clockwise = scan.time_increment < 0.0;
+  if (scan.angle_min != -exact::kPi) {
+    lidar.base_from_lidar = lidar.base_from_lidar * Pose2D{0.0, 0.0, wrap_angle(scan.angle_min + exact::kPi)};
+  }
+  const Time end = end_of_turn(lidar, scan, measured);
+  obstacles_.clear();
+  safety::append_scan_points(lidar, scan.ranges, at(end - lidar.turn), at(end), obstacles_);
+}
+
+bool TruthLocalizer::is_elsewhere() const {
+  const Pose2D since = inverse(keyframe_) * odom_from_base();
+  return map_.version() == 0 || norm(since.position()) > kKeyframeDistance || std::abs(since.theta) > kKeyframeTurn;
+}
+
+void TruthLocalizer::extend_map(const LaserScan& scan, Time measured) {
+  std::vector<map::Beam> beams;
+  for (std::size_t i = 0; i < scan.ranges.size(); ++i) {
+    const auto range = static_cast<double>(scan.ranges[i]);
+    if (range < scan.range_min || range <= 0.0) continue;
+    const Time taken = measured + from_seconds(static_cast<double>(i) * scan.time_increment);
+    const Pose2D map_from_lidar = map_from_odom_ * at(taken) * lidar_->base_from_lidar;
+    const double angle = map_from_lidar.theta + scan.angle_min + static_cast<double>(i) * scan.angle_increment;
+    const bool hit = range < scan.range_max;
+    beams.push_back(
+        {map_from_lidar.position(), rotate({1.0, 0.0}, angle), hit ? range : std::min(kFreeNoReturn, range), hit});
+  }
+  map_.insert(beams);
+  keyframe_ = odom_from_base();
+}
+
+}  // namespace
+
+std::unique_ptr<slam::Localizer> make_truth_localizer(const RobotProfile& profile, const Pose2D& map_from_start,
+                                                      const scene::TruthView* truth) {
+  if (truth == nullptr) {
+    throw ContractError("localization 'truth' needs a simulator that tells it; nobody knows where robot '" +
+                        profile.name + "' truly is on this backend");
+  }
+  return std::make_unique<TruthLocalizer>(profile, map_from_start, *truth);
+}
+
+}  // namespace threewe
