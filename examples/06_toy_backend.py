@@ -1,4 +1,7 @@
-"""A complete backend in Python, an ideal robot in an empty room: it passes the checks, so every program runs on it."""
+"""A complete backend in Python, an ideal robot in an empty room: it passes the checks, so every program runs on it.
+
+Since it tells the truth about its robot, learning environments run on it, too.
+"""
 
 import argparse
 import asyncio
@@ -7,15 +10,37 @@ import pickle
 from collections.abc import Iterator
 from dataclasses import dataclass
 
+import gymnasium
 import numpy as np
 import threewe
 from numpy.typing import NDArray
-from threewe import Features, Pose2D, Robot, SensorInfo, SensorType, Velocity
-from threewe.backend import Backend, BackendOptions, BatteryReading, IMUReading, LidarReading, OdometryReading, Reading
+from threewe import Features, Pose2D, Robot, Scene, SensorInfo, SensorType, Velocity
+from threewe.backend import (
+    Backend,
+    BackendOptions,
+    BatteryReading,
+    IMUReading,
+    LidarReading,
+    OdometryReading,
+    Reading,
+    Truth,
+)
 from threewe.testing import check_backend
 
 LEFT, RIGHT, BOTTOM, TOP = -2.0, 4.0, -2.0, 3.0
 """The room's walls [m]; the robot starts at the origin and looks towards the right one."""
+ROOM = f"""
+name: toy_room
+description: An empty room
+starts: [[0, 0, 0]]
+rooms:
+  - {{name: room, min: [{LEFT}, {BOTTOM}], max: [{RIGHT}, {TOP}], floor: wood, anchor: [0, 0]}}
+walls:
+  - {{a: [{LEFT}, {BOTTOM}], b: [{RIGHT}, {BOTTOM}], thickness: 0.02}}
+  - {{a: [{RIGHT}, {BOTTOM}], b: [{RIGHT}, {TOP}], thickness: 0.02}}
+  - {{a: [{RIGHT}, {TOP}], b: [{LEFT}, {TOP}], thickness: 0.02}}
+  - {{a: [{LEFT}, {TOP}], b: [{LEFT}, {BOTTOM}], thickness: 0.02}}
+"""
 TICK = 0.01
 """[s] of simulation."""
 
@@ -27,6 +52,7 @@ class State:
     ticks: int
     pose: Pose2D
     velocity: Velocity
+    driven: float
     noise: np.random.Generator
 
 
@@ -39,7 +65,7 @@ class ToyBackend(Backend):
 
     def new_state(self, seed: int, pose: Pose2D | None) -> State:
         self.start = pose or Pose2D()
-        return State(0, self.start, Velocity(), np.random.default_rng(seed))
+        return State(0, self.start, Velocity(), 0.0, np.random.default_rng(seed))
 
     @property
     def features(self) -> Features:
@@ -69,6 +95,7 @@ class ToyBackend(Backend):
         while (state.ticks + 1) * TICK <= t + 1e-9:
             state.ticks += 1
             state.pose = state.pose * Pose2D(velocity.vx * TICK, velocity.vy * TICK, velocity.omega * TICK)
+            state.driven += math.hypot(velocity.vx, velocity.vy) * TICK
             yield from self.readings(state)
 
     def readings(self, state: State) -> Iterator[Reading]:
@@ -100,13 +127,31 @@ class ToyBackend(Backend):
     def reset(self, seed: int, pose: Pose2D | None) -> None:
         self.state = self.new_state(seed, pose)
 
+    @property
+    def scene(self) -> Scene:
+        return Scene.parse(ROOM, "toy_room")
+
+    def truth(self) -> Truth:
+        state = self.state
+        return Truth(start=self.start, pose=state.pose, velocity=state.velocity, distance_driven=state.driven)
+
     def save(self) -> bytes:
         state = self.state
-        return pickle.dumps((state.ticks, tuple(state.pose), tuple(state.velocity), state.noise))
+        return pickle.dumps((state.ticks, tuple(state.pose), tuple(state.velocity), state.driven, state.noise))
 
     def restore(self, state: bytes) -> None:
-        ticks, pose, velocity, noise = pickle.loads(state)
-        self.state = State(ticks, Pose2D(*pose), Velocity(*velocity), noise)
+        ticks, pose, velocity, driven, noise = pickle.loads(state)
+        self.state = State(ticks, Pose2D(*pose), Velocity(*velocity), driven, noise)
+
+
+def learn() -> None:
+    env = gymnasium.make("3we/Navigation-v1", backend="toy", observations=("lidar", "goal"))
+    _, info = env.reset(seed=1)
+    reward, steps = 0.0, 0
+    while not (info["success"] or steps == 10):
+        _, gained, _, _, info = env.step(env.action_space.sample())
+        reward, steps = reward + gained, steps + 1
+    print(f"a policy that knows nothing earns {reward:.2f} in {steps} steps")
 
 
 async def drive() -> None:
@@ -125,3 +170,4 @@ if __name__ == "__main__":
     some = ["a_metre_driven_is_a_metre_in_odometry", "lidar_sees_the_robot_turn_left", "the_same_seed_repeats"]
     check_backend("toy", checks=some if quick else None, raise_failures=True)
     asyncio.run(drive())
+    learn()

@@ -7,6 +7,7 @@
 #include <fmt/ranges.h>
 
 #include "bindings.hpp"
+#include "plugin_truth.hpp"
 #include "threewe/backend/conformance.hpp"
 #include "threewe/backend/plugin.hpp"
 #include "threewe/backend/registry.hpp"
@@ -15,7 +16,7 @@ namespace {
 
 using namespace threewe;
 using backend::CheckResult, backend::Outcome, backend::WorldOptions;
-using backend::PluginLink, backend::PluginReading, backend::PluginReply, backend::PluginRequest;
+using backend::PluginLink, backend::PluginReading, backend::PluginReply, backend::PluginRequest, backend::PluginTruth;
 
 // What Python answers is checked here for its types and shapes, and in C++ for its values.
 
@@ -139,6 +140,24 @@ PluginReading to_reading(nb::handle reading, const PluginLink& link) {
   return {.sensor = sensor, .measured = field.time("measured"), .data = data_of(type, field, link.profile())};
 }
 
+PluginTruth to_truth(nb::handle answer) {
+  if (!nb::isinstance(answer, nb::module_::import_("threewe.backend").attr("Truth"))) {
+    throw ContractError(fmt::format("truth() must return a Truth, got {}", kind_of(answer)));
+  }
+  const std::string name = "truth()";
+  const Field field{name, answer};
+  const auto pose = [&](const char* which) {
+    const auto [x, y, theta] = field.triple(which);
+    return Pose2D{x, y, theta};
+  };
+  const auto [vx, vy, omega] = field.triple("velocity");
+  return {.start = pose("start"),
+          .pose = pose("pose"),
+          .velocity = {vx, vy, omega},
+          .distance_driven = field.number("distance_driven"),
+          .max_collision_speed = field.number("max_collision_speed")};
+}
+
 PluginReply to_reply(PluginRequest::Call call, nb::handle answer, const PluginLink& link) {
   PluginReply reply;
   if (call == PluginRequest::Call::step) {
@@ -146,6 +165,8 @@ PluginReply to_reply(PluginRequest::Call call, nb::handle answer, const PluginLi
       throw ContractError(fmt::format("step() must return a list of readings, got {}", kind_of(answer)));
     }
     for (const nb::handle reading : nb::list(answer)) reply.readings.push_back(to_reading(reading, link));
+  } else if (call == PluginRequest::Call::truth) {
+    reply.truth = to_truth(answer);
   } else if (call == PluginRequest::Call::save) {
     if (!nb::isinstance<nb::bytes>(answer)) {
       throw ContractError(fmt::format("save() must return bytes, got {}", kind_of(answer)));
@@ -169,6 +190,7 @@ nb::tuple arguments(const PluginRequest& request) {
 /// The link as the thread of a Python backend sees it.
 struct Mailbox {
   std::shared_ptr<PluginLink> link;
+  std::shared_ptr<const scene::Scene> scene;  ///< null where nobody knows the truth
   PluginRequest::Call call{};
 
   nb::object take() {
@@ -203,19 +225,28 @@ std::unique_ptr<backend::World> make_python_world(const std::string& name, const
   const nb::gil_scoped_acquire python_runs;
   const nb::object open = nb::module_::import_("threewe.backend").attr("_open");
   const nb::object pose = options.poses.empty() ? nb::none() : nb::cast(options.poses.front());
+  const nb::object size = options.image_size
+                              ? nb::object(nb::make_tuple(options.image_size->height, options.image_size->width))
+                              : nb::none();
   const nb::object mailbox = open(name, options.scene, options.robots.front(),
-                                  options.noise == NoiseLevel::ideal ? "ideal" : "realistic", options.seed, pose);
-  return std::make_unique<backend::PluginWorld>(nb::cast<Mailbox&>(mailbox).link);
+                                  options.noise == NoiseLevel::ideal ? "ideal" : "realistic", options.seed, pose, size);
+  const auto& [link, scene, call] = nb::cast<Mailbox&>(mailbox);
+  std::unique_ptr<const scene::TruthView> truth;
+  if (scene) truth = std::make_unique<PluginTruthView>(link, scene);
+  return std::make_unique<backend::PluginWorld>(link, std::move(truth));
 }
 
 void bind_plugins(nb::module_& m) {
   nb::class_<Mailbox>(m, "BackendMailbox", "Between the core and the thread of a backend written in Python.")
       .def(
           "__init__",
-          [](Mailbox* self, std::string name, const backend::Features& features, const RobotProfile& profile) {
-            new (self) Mailbox{std::make_shared<PluginLink>(std::move(name), features, profile)};
+          [](Mailbox* self, std::string name, const backend::Features& features, const RobotProfile& profile,
+             const scene::Scene* scene) {
+            new (self) Mailbox{std::make_shared<PluginLink>(std::move(name), features, profile),
+                               scene == nullptr ? nullptr : std::make_shared<const scene::Scene>(*scene)};
           },
-          "name"_a, "features"_a, "profile"_a)
+          "name"_a, "features"_a, "profile"_a, "scene"_a.none(),
+          "`scene` is that of a simulator which tells the truth.")
       .def("take", &Mailbox::take, nb::sig("def take(self) -> tuple[str, tuple[object, ...]] | None"),
            "The next method to call and its arguments; None when the thread shall end.")
       .def("answer", &Mailbox::answer, "answer"_a.none(), "What the method returned.")

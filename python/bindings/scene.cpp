@@ -167,6 +167,8 @@ void init_scene(nb::module_& m) {
                     "Walls, doors, named rooms and furniture. Its origin is its start pose; x along the start heading.")
       .def_static("load", &Scene::load, "name"_a,
                   "Reads a scene by name, or from a file that ends in .yaml. Raises ConfigError with file and line.")
+      .def_static("parse", &Scene::parse, "text"_a, "name"_a,
+                  "Reads a scene from YAML; `name` stands for it in messages. Raises ConfigError with the line.")
       .def_static(
           "generate",
           [](std::uint64_t seed, double difficulty, Vec2 size) {

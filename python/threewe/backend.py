@@ -40,7 +40,7 @@ from numpy.typing import NDArray
 
 from threewe import _core
 from threewe._arguments import as_function, as_text
-from threewe._core import Features, Pose2D, RobotProfile, SensorType, Velocity
+from threewe._core import Features, Pose2D, RobotProfile, Scene, SensorType, Velocity
 from threewe.errors import ConfigError, ContractError
 
 logger = logging.getLogger("threewe")
@@ -65,6 +65,24 @@ class BackendOptions:
     """Of all noise."""
     start_pose: Pose2D | None = None
     """Where a simulated robot starts in its scene; the scene's own start where None."""
+    image_size: tuple[int, int] | None = None
+    """(height, width) [px] of what the camera is to deliver; as the profile states where None."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Truth:
+    """What a simulator knows about its robot now, and no robot does. Poses are in the scene's frame."""
+
+    start: Pose2D | Sequence[float] | NDArray[np.floating]
+    """(x, y, theta) [m, m, rad] where it stood at the last reset"""
+    pose: Pose2D | Sequence[float] | NDArray[np.floating]
+    """(x, y, theta) [m, m, rad]"""
+    velocity: Velocity | Sequence[float] | NDArray[np.floating]
+    """(vx, vy, omega) [m/s, m/s, rad/s] in the body frame"""
+    distance_driven: float
+    """[m] since the last reset"""
+    max_collision_speed: float = 0.0
+    """The fastest approach [m/s] of the robot's own motion into an obstacle since the last reset."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -159,6 +177,8 @@ class Backend(ABC):
         self.options = options
         self.profile = RobotProfile.load(options.hardware)
         """What the robot is; known before connecting. Replace it where the robot brings its own."""
+        if options.image_size is not None:
+            self.profile = self.profile.with_image_size(*options.image_size)
 
     @property
     @abstractmethod
@@ -189,6 +209,15 @@ class Backend(ABC):
 
     def reset(self, seed: int, pose: Pose2D | None) -> None:
         """Begins anew at time 0, at `pose` in the scene or at its own start."""
+        raise NotImplementedError
+
+    @property
+    def scene(self) -> Scene:
+        """Where a simulated robot is. Asked once, of a backend that defines `truth`."""
+        return Scene.load(self.options.scene)
+
+    def truth(self) -> Truth:
+        """Where a simulated robot truly is, for `Robot.simulation`, metrics and learning environments."""
         raise NotImplementedError
 
     def save(self) -> bytes:
@@ -254,10 +283,16 @@ class _Imported:
 
 
 def _open(
-    name: str, scene: str, hardware: str, noise: str, seed: int, start_pose: Pose2D | None
+    name: str,
+    scene: str,
+    hardware: str,
+    noise: str,
+    seed: int,
+    start_pose: Pose2D | None,
+    image_size: tuple[int, int] | None,
 ) -> _core.BackendMailbox:
     """Makes a backend and starts its thread. Called by the core when a world is made."""
-    backend = _factories[name](BackendOptions(scene, hardware, noise, seed, start_pose))
+    backend = _factories[name](BackendOptions(scene, hardware, noise, seed, start_pose, image_size))
     if not isinstance(backend, Backend):
         raise ContractError(
             f"backend '{name}': its factory made a {type(backend).__name__}, not a threewe.backend.Backend"
@@ -272,7 +307,8 @@ def _open(
             if claimed and getattr(type(backend), method) is getattr(Backend, method):
                 raise ContractError(f"backend '{name}': its features promise {method}(), which it does not define")
 
-    mailbox = _core.BackendMailbox(name, features, profile)
+    simulated = type(backend).truth is not Backend.truth
+    mailbox = _core.BackendMailbox(name, features, profile, backend.scene if simulated else None)
     thread = threading.Thread(target=_serve, args=(backend, mailbox), name=f"backend {name}", daemon=True)
     _running[thread] = mailbox
     thread.start()

@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "threewe/backend/sample_checks.hpp"
 #include "threewe/core/errors.hpp"
 #include "threewe/core/names.hpp"
 
@@ -51,6 +52,21 @@ void check_stamp(const PluginReading& reading, Time newest, Time latest) {
   };
   if (reading.measured > latest) fail(fmt::format("in the future: now is {} s", to_seconds(latest)));
   if (reading.measured <= newest) fail(fmt::format("not after {} s of the reading before", to_seconds(newest)));
+}
+
+void check_truth(const PluginTruth& truth) {
+  const auto fail = [](const std::string& what) { throw ContractError("truth(): " + what); };
+  const auto is_placed = [](const Pose2D& pose) {
+    return is_finite(pose) && std::abs(pose.x) <= kMaxCoordinate && std::abs(pose.y) <= kMaxCoordinate;
+  };
+  if (!is_placed(truth.start)) fail("start is not finite, or farther than 1000 km from the origin");
+  if (!is_placed(truth.pose)) fail("pose is not finite, or farther than 1000 km from the origin");
+  if (!is_finite(truth.velocity)) fail("velocity is not finite");
+  const auto check_number = [&](const char* name, double value) {
+    if (!std::isfinite(value) || value < 0.0) fail(fmt::format("{} is {}; it must be 0 or more", name, value));
+  };
+  check_number("distance_driven", truth.distance_driven);
+  check_number("max_collision_speed", truth.max_collision_speed);
 }
 
 }  // namespace threewe::backend

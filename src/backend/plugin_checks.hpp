@@ -17,4 +17,7 @@ std::size_t find_sensor(const Features& features, const std::string& name);
 /// Throws ContractError unless the reading was measured after the sensor's `newest` one, and not after `latest`.
 void check_stamp(const PluginReading& reading, Time newest, Time latest);
 
+/// Throws ContractError, naming the field, for what can be true of no robot.
+void check_truth(const PluginTruth& truth);
+
 }  // namespace threewe::backend

@@ -26,6 +26,7 @@ std::string_view to_string(Call call) {
     case Call::reset: return "reset";
     case Call::save: return "save";
     case Call::restore: return "restore";
+    case Call::truth: return "truth";
   }
   return "";
 }
@@ -34,6 +35,15 @@ PluginLink::PluginLink(std::string name, Features features, RobotProfile profile
     : name_(std::move(name)), features_(std::move(features)), profile_(std::move(profile)), patience_(patience) {
   check_features(name_, features_, profile_);
   begin_anew();
+}
+
+PluginTruth PluginLink::truth() {
+  Lock lock(mutex_);
+  if (!truth_ || !features_.lockstep) {
+    const PluginTruth told = ask(lock, {.call = Call::truth}).truth;
+    truth_ = told;
+  }
+  return *truth_;
 }
 
 void PluginLink::close() {
@@ -87,6 +97,7 @@ void PluginLink::finish(std::optional<Fault> fault, PluginReply reply) {
   if (current_->call == Call::connect && !fault) plugin_connected_ = true;
   if (!fault_) {  // else the world has given up on this call
     if (!fault) fault = deliver(std::move(reply.readings));
+    if (!fault && current_->call == Call::truth) fault = find_fault(reply.truth);
     if (current_->call == Call::reset && !fault) begin_anew();  // here, before a next step is due in real time
     fault_ = std::move(fault);
     reply_ = std::move(reply);
@@ -120,11 +131,21 @@ std::optional<PluginLink::Fault> PluginLink::deliver(std::vector<PluginReading> 
   return std::nullopt;
 }
 
+std::optional<PluginLink::Fault> PluginLink::find_fault(const PluginTruth& truth) const {
+  try {
+    check_truth(truth);
+  } catch (const ContractError& error) {
+    return Fault{true, fmt::format("backend '{}': {}", name_, error.what())};
+  }
+  return std::nullopt;
+}
+
 // The world's thread, always with the lock held.
 
 /// Hands over a request and waits for the reply. False when the plug-in is at fault.
 bool PluginLink::exchange(Lock& lock, PluginRequest request) {
   const Call call = request.call;
+  if (call != Call::truth) truth_.reset();
   if (!wait_until_idle(lock)) return false;
   reply_.reset();
   posted_ = std::move(request);

@@ -7,6 +7,7 @@
 #include "backend/bytes.hpp"
 #include "threewe/backend/plugin.hpp"
 #include "threewe/core/errors.hpp"
+#include "threewe/core/rng.hpp"
 #include "threewe/hardware/limits.hpp"
 
 namespace threewe::backend {
@@ -15,9 +16,17 @@ namespace {
 
 using Call = PluginRequest::Call;
 
+// Plug-ins know seeds alone: each of their episodes has one of its own.
+std::uint64_t seed_of(const ResetOptions& options) {
+  if (options.episode == 0) return options.seed;
+  const auto bits = random_bits({.seed = options.seed, .episode = options.episode}, 0);
+  return std::uint64_t{bits[0]} << 32U | bits[1];
+}
+
 }  // namespace
 
-PluginWorld::PluginWorld(std::shared_ptr<PluginLink> link) : link_(std::move(link)) {}
+PluginWorld::PluginWorld(std::shared_ptr<PluginLink> link, std::unique_ptr<const scene::TruthView> truth)
+    : link_(std::move(link)), truth_(std::move(truth)) {}
 
 RobotPort& PluginWorld::robot(std::size_t index) {
   if (index != 0) throw ContractError(fmt::format("robot {} of a world with one robot", index));
@@ -101,7 +110,7 @@ void PluginWorld::command(const Velocity& velocity, Time valid_until) {
 void PluginWorld::reset(const ResetOptions& options) {
   if (!link_->features_.can_reset) World::reset(options);
   PluginLink::Lock lock(link_->mutex_);
-  PluginRequest request{.call = Call::reset, .seed = options.seed};
+  PluginRequest request{.call = Call::reset, .seed = seed_of(options)};
   if (!options.poses.empty()) request.pose = options.poses.front();
   link_->ask(lock, std::move(request));
 }

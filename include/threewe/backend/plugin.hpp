@@ -21,12 +21,13 @@
 #include <vector>
 
 #include "threewe/backend/world.hpp"
+#include "threewe/scene/truth_view.hpp"
 
 namespace threewe::backend {
 
 /// What a plug-in is asked to do.
 struct PluginRequest {
-  enum class Call : std::uint8_t { connect, disconnect, step, reset, save, restore };
+  enum class Call : std::uint8_t { connect, disconnect, step, reset, save, restore, truth };
   Call call{};
   /// step: lockstep simulates until then; in real time it is now
   Time t{};
@@ -48,10 +49,20 @@ struct PluginReading {
   SampleData data;
 };
 
-/// What it answers. Empty but for `step` and `save`.
+/// What a simulator knows about its robot, in the scene's frame, and no robot does: see scene::TruthView.
+struct PluginTruth {
+  Pose2D start;
+  Pose2D pose;
+  Velocity velocity;
+  double distance_driven = 0.0;      ///< [m]
+  double max_collision_speed = 0.0;  ///< [m/s]
+};
+
+/// What it answers. Empty but for `step`, `save` and `truth`.
 struct PluginReply {
   std::vector<PluginReading> readings;  ///< step
   std::vector<std::byte> state;         ///< save
+  PluginTruth truth = {};               // NOLINT(readability-redundant-member-init): g++ warns where it is left out
 };
 
 /// The mailbox between a world and its plug-in. Both sides share it, so that either may end first.
@@ -63,6 +74,8 @@ class PluginLink {
 
   const Features& features() const { return features_; }
   const RobotProfile& profile() const { return profile_; }
+  /// Asks a simulator, once for each moment in lockstep. Throws ConnectionError or ContractError where it is at fault.
+  PluginTruth truth();
   /// Tells the plug-in to disconnect and its thread to end, and waits for neither.
   void close();
 
@@ -105,6 +118,7 @@ class PluginLink {
   std::optional<PluginRequest> next_request();
   void finish(std::optional<Fault> fault, PluginReply reply);
   std::optional<Fault> deliver(std::vector<PluginReading> readings);
+  std::optional<Fault> find_fault(const PluginTruth& truth) const;
 
   const std::string name_;
   const Features features_;
@@ -134,12 +148,13 @@ class PluginLink {
   std::vector<Sample> arrived_;
   std::vector<std::uint64_t> sequence_;  // of each sensor's next sample
   std::vector<Time> newest_;             // stamp of each sensor
+  std::optional<PluginTruth> truth_;     // until something happens
 };
 
-/// A world with one robot, whose other end is a plug-in.
+/// A world with one robot, whose other end is a plug-in; a simulator's comes with a view of what it answers to `truth`.
 class PluginWorld : public World, private RobotPort {
  public:
-  explicit PluginWorld(std::shared_ptr<PluginLink> link);
+  explicit PluginWorld(std::shared_ptr<PluginLink> link, std::unique_ptr<const scene::TruthView> truth = nullptr);
   ~PluginWorld() override { link_->close(); }
   PluginWorld(const PluginWorld&) = delete;
   PluginWorld& operator=(const PluginWorld&) = delete;
@@ -159,8 +174,10 @@ class PluginWorld : public World, private RobotPort {
   void disconnect() override;
   std::vector<Sample> poll() override;
   void command(const Velocity& velocity, Time valid_until) override;
+  const scene::TruthView* truth() const override { return truth_.get(); }
 
   std::shared_ptr<PluginLink> link_;
+  std::unique_ptr<const scene::TruthView> truth_;
 };
 
 }  // namespace threewe::backend

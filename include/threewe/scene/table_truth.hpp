@@ -1,0 +1,40 @@
+// The part of the truth that follows from the scene alone.
+#pragma once
+
+#include <memory>
+#include <utility>
+
+#include "threewe/core/footprint.hpp"
+#include "threewe/scene/scene_tables.hpp"
+#include "threewe/scene/truth_view.hpp"
+
+namespace threewe::scene {
+
+/// What can be asked about a scene, for a robot of some footprint and height. Answered from tables that are made when
+/// they are first needed: a world without questions starts faster.
+class TableTruth : public TruthView {
+ public:
+  TableTruth(std::shared_ptr<const Scene> scene, Footprint footprint, double robot_height)
+      : scene_(std::move(scene)), footprint_(std::move(footprint)), robot_height_(robot_height) {}
+
+  const Scene& scene() const override { return *scene_; }
+  Pose2D sample_free_pose(std::uint64_t seed) const override { return tables().sample_free_pose(seed); }
+  double geodesic(Vec2 a, Vec2 b) const override {
+    if (!field_ || field_->target() != b) field_ = std::make_unique<GeodesicField>(tables().geodesic_field(b));
+    return field_->length_from(a);
+  }
+
+ private:
+  const SceneTables& tables() const {
+    if (!tables_) tables_ = std::make_unique<SceneTables>(scene_, footprint_, robot_height_);
+    return *tables_;
+  }
+
+  std::shared_ptr<const Scene> scene_;
+  Footprint footprint_;
+  double robot_height_;
+  mutable std::unique_ptr<SceneTables> tables_;
+  mutable std::unique_ptr<GeodesicField> field_;  // to the target asked for last
+};
+
+}  // namespace threewe::scene
