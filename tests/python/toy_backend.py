@@ -8,7 +8,7 @@ from collections.abc import Iterable
 
 import numpy as np
 from threewe import Features, Kinematics, Pose2D, SensorInfo, SensorType, Velocity
-from threewe.backend import Backend, BackendOptions, IMUReading, LidarReading, OdometryReading, Reading
+from threewe.backend import Backend, BackendOptions, IMUReading, LidarReading, OdometryReading, Reading, Truth
 
 
 class QuietBackend(Backend):
@@ -54,3 +54,31 @@ class QuietBackend(Backend):
             ),
             OdometryReading(measured=t, pose=self.pose, velocity=velocity),
         ]
+
+
+class Simulator(QuietBackend):
+    """One that can be trained in: it goes through the walls of its scene, and the lidar sees none of them."""
+
+    @property
+    def features(self) -> Features:
+        quiet = super().features
+        return Features(quiet.sensors, quiet.kinematics, lockstep=True, deterministic=True, can_reset=True)
+
+    def reset(self, seed: int, pose: Pose2D | None) -> None:
+        self.seed = seed
+        self.start = self.true_pose = pose or Pose2D()
+        self.pose = Pose2D()
+        self.driven = self.now = 0.0
+        self.velocity = Velocity()
+
+    def connect(self) -> None:
+        self.reset(self.options.seed, self.options.start_pose)
+
+    def step(self, t: float, velocity: Velocity) -> Iterable[Reading]:
+        self.driven += math.hypot(velocity.vx, velocity.vy) * (t - self.now)
+        readings = super().step(t, velocity)
+        self.true_pose, self.velocity = self.start * self.pose, velocity
+        return readings
+
+    def truth(self) -> Truth:
+        return Truth(start=self.start, pose=self.true_pose, velocity=self.velocity, distance_driven=self.driven)

@@ -113,6 +113,7 @@ void RobotEnv::Impl::begin(const Reset& reset) {
 void RobotEnv::Impl::drive(std::span<const float> asked) {
   const auto share = [&](std::size_t axis) { return std::clamp(double{asked[axis]}, -1.0, 1.0); };
   action = {share(0), share(1), share(2)};
+  over = true;  // unless it gets there
   const bool sideways = options.hardware.kinematics() == Kinematics::holonomic;
   places[info.scene].world->wait(
       robot().execute_action({action.vx, sideways ? action.vy : 0.0, action.omega}, options.control_period));
