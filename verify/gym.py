@@ -2,16 +2,21 @@
 
 from __future__ import annotations
 
+import itertools
 from typing import Any
 
 import numpy as np
-from threewe import Scene
+from numpy.typing import NDArray
+from threewe import Scene, sync
 from threewe.gym import TASKS, Env, VectorEnv
 from threewe.gym.batch import TASK_FIELDS
+from threewe.gym.episodes import Episode, load_episodes
 
-from verify.harness import Experiment, all_of
+from verify.harness import Case, Experiment, Row, Verdict, all_of, share_of
 
 EPISODES = 50  # of one case of agreement
+AROUND_ROBOTS = 20  # episodes of one case of agreement between the native form and that around a robot
+BEAMS = 72
 ENVS = 1024
 STEPS = 1000  # of each environment, in one case of random steps
 
@@ -75,6 +80,135 @@ def same_alone(env: Env, seed: int, place: int, actions: Any, history: Any, outc
     return True
 
 
+def agree_with_robot(seed: int, task: str) -> dict[str, Any]:
+    """Random episodes in the native form and around a robot that knows the truth."""
+    rng = np.random.default_rng(seed)
+    options: dict[str, Any] = {
+        "task": task,
+        "scene": [Scene.generate(int(rng.integers(1, 2**31))), "apartment_v1", "dynamic_v1"],
+        "observations": ("lidar", "pose", "velocity", *TASK_FIELDS[task]),
+        "noise": str(rng.choice(["realistic", "ideal"])),
+        "localization": "truth",
+        "max_steps": 60,
+    }
+    native, robot = Env(**options), Env(backend="mock", **options)
+    different = 0
+    for episode in range(AROUND_ROBOTS):
+        given = {"seed": int(rng.integers(2**40))} if episode % 4 == 0 else {}
+        ours, theirs = robot.reset(**given), native.reset(**given)
+        equal, over = equal_bits(ours, theirs), False
+        for step in itertools.count():
+            if step % 5 == 0:
+                action = rng.uniform(-1.2, 1.2, 3).astype(np.float32)
+            ours, theirs = robot.step(action), native.step(action)
+            equal = equal and equal_bits(ours, theirs)
+            over = theirs[2] or theirs[3]
+            if over or not equal:
+                break
+        different += not equal
+        if not over:  # where they part their episodes need not end together
+            break
+    return {"different": different}
+
+
+def equal_bits(ours: Any, theirs: Any) -> bool:
+    """Whether two observations, or tuples and dicts of more, are the same."""
+    if isinstance(theirs, tuple):
+        return len(ours) == len(theirs) and all(map(equal_bits, ours, theirs))
+    if isinstance(theirs, dict):
+        return ours.keys() == theirs.keys() and all(equal_bits(ours[name], theirs[name]) for name in theirs)
+    return bool(ours.tobytes() == theirs.tobytes() if isinstance(theirs, np.ndarray) else ours == theirs)
+
+
+def follow_gaps(observation: dict[str, NDArray[Any]]) -> NDArray[np.float32]:
+    """A policy without memory: towards the goal, by the direction in which the robot has most room to go there."""
+    lidar = observation["lidar"].astype(np.float64)
+    ranges = np.where(lidar > 0.0, lidar, 12.0)
+    angles = np.linspace(-np.pi, np.pi, BEAMS, endpoint=False)
+    apart = angles[:, None] - angles[None, :]
+    ahead, aside = ranges * np.cos(apart), np.abs(ranges * np.sin(apart))
+    free = np.where((ahead > 0.0) & (aside < 0.2), ahead - 0.2, 12.0).min(axis=1).clip(0.0, 1.2)
+    goal = observation["goal"].astype(np.float64)
+    bearing, distance = np.arctan2(goal[1], goal[0]), np.hypot(*goal)
+    score = free.clip(0.0, distance) * (1.2 + np.cos(angles - bearing))
+    best = int(score.argmax())
+    speed = min(1.0, 0.2 + free[best])
+    return np.array([speed * np.cos(angles[best]), speed * np.sin(angles[best]), 0.5 * np.sin(bearing)], np.float32)
+
+
+def drive_env(env: Env, episode: Episode) -> dict[str, Any]:
+    """An episode of an environment, by that policy."""
+    place = {"scene": episode.scene, "start": episode.start, "goal": episode.goal}
+    observation, info = env.reset(seed=episode.seed, options=place)
+    way, actions = [info["true_pose"].tolist()], []
+    over = False
+    while not over:
+        actions.append(follow_gaps(observation))
+        observation, _, terminated, truncated, info = env.step(actions[-1])
+        way.append(info["true_pose"].tolist())
+        over = terminated or truncated
+    return {"success": info["success"], "way": way}
+
+
+def drive_robot(robot: sync.Robot, episode: Episode, steps: int) -> list[list[float]]:
+    """The same by a program: what the policy sees is read off the robot, and what it answers is executed there."""
+    truth = robot.simulation
+    assert truth is not None
+    truth.reset(seed=episode.seed, pose=episode.start)
+    goal = truth.start_pose().inverse().transform(episode.goal)
+    way = [[*truth.true_pose()]]
+    for _ in range(steps):
+        lidar = robot.get_lidar_scan().ranges[:: 360 // BEAMS]
+        seen = np.array(robot.get_pose().inverse().transform(goal), np.float32)
+        robot.execute_action(follow_gaps({"lidar": lidar, "goal": seen}), period=0.1)
+        way.append([*truth.true_pose()])
+    return way
+
+
+def run_policy(seed: int) -> dict[str, Any]:
+    """One policy, one episode: native and through a robot with the truth; and with the robot's own mind."""
+    rng = np.random.default_rng(seed)
+    episode = load_episodes("reactive_v1")["episodes"][int(rng.integers(700))]
+    scene = episode.scene
+    noise = str(rng.choice(["realistic", "ideal"]))
+    options: dict[str, Any] = {
+        "task": "navigation",
+        "scene": scene,
+        "noise": noise,
+        "observations": ("lidar", "goal"),
+        "lidar_beams": BEAMS,
+        "max_steps": 400,
+    }
+    native = drive_env(Env(localization="truth", **options), episode)
+    with sync.Robot(scene=scene, noise=noise, localization="truth") as robot:
+        driven = drive_robot(robot, episode, len(native["way"]) - 1)
+    mind = drive_env(Env(backend="mock", **options), episode)
+    apart = np.hypot(*(np.array(mind["way"][-1]) - native["way"][-1])[:2])
+    return {
+        "equal": driven == native["way"],
+        "truth": native["success"],
+        "mind": mind["success"],
+        "alike": native["success"] == mind["success"],
+        "apart": float(apart),
+    }
+
+
+def judge_minds(cases: list[Case], sample: bool) -> Verdict:
+    """How often the policy arrives where poses are true, and where the robot finds out by itself."""
+    truth, mind = (sum(case[who] for case in cases) for who in ("truth", "mind"))
+    figure = f"{truth}/{len(cases)} with the truth, {mind}/{len(cases)} with the mind"
+    holds = sample or truth - mind <= 0.05 * len(cases)
+    return Verdict(figure, "at most 5 points less", "pass" if holds else "FAIL")
+
+
+def judge_distances(cases: list[Case], sample: bool) -> Verdict:
+    """How far apart episodes end."""
+    apart = np.array([case["apart"] for case in cases])
+    median, most, worst = np.quantile(apart, (0.5, 0.95, 1.0))
+    figure = f"{median:.3f} m the median, {most:.3f} m of 95 %, {worst:.3f} m the worst of {len(cases)}"
+    return Verdict(figure, "a median of at most 0.1 m", "pass" if sample or median <= 0.1 else "FAIL")
+
+
 def wander(seed: int, gate: str) -> dict[str, Any]:
     """A million random steps in a random scene, each observation held against its space."""
     rng = np.random.default_rng(seed)
@@ -116,6 +250,31 @@ EXPERIMENTS = [
             rows=[all_of(f"cases of {EPISODES} episodes, equal to the bit", lambda case: case["different"] == 0)],
         )
         for task in TASKS.values()
+    ),
+    *(
+        Experiment(
+            f"around a robot that knows the truth: {task}",
+            agree_with_robot,
+            {"task": task},
+            cases=10,
+            sample=1,
+            rows=[
+                all_of(f"cases of {AROUND_ROBOTS} episodes, the native form's bits", lambda case: not case["different"])
+            ],
+        )
+        for task in TASKS.values()
+    ),
+    Experiment(
+        "a policy through Robot.execute_action",
+        run_policy,
+        cases=140,
+        sample=7,
+        rows=[
+            all_of("with the truth its way in the native form, to the bit", lambda case: case["equal"]),
+            Row("arrives", judge_minds),
+            share_of("with the mind it ends as with the truth", lambda case: case["alike"], at_least=0.9),
+            Row("where it ends with the mind, from where it ends with the truth", judge_distances),
+        ],
     ),
     *(
         Experiment(

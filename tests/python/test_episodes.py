@@ -66,6 +66,14 @@ def test_outcomes_do_not_depend_on_who_else_is_on_the_list() -> None:
                for outcome in together)  # fmt: skip
 
 
+def test_a_robot_that_knows_the_truth_has_the_same_outcomes() -> None:
+    listed = load_episodes("reactive_v1")["episodes"]
+    few = [listed[0], listed[100], listed[600]]
+    native = evaluate(straight_ahead, few, localization="truth", **FAST)
+    assert evaluate(straight_ahead, few, localization="truth", backend="mock", **FAST) == native
+    assert len(evaluate(straight_ahead, few[:1], backend="mock", **FAST)) == 1
+
+
 def test_unknown_sets_are_refused(tmp_path: Path) -> None:
     with pytest.raises(ConfigError, match="did you mean 'reactive_v1'"):
         load_episodes("reactive_v2")

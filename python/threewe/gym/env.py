@@ -72,6 +72,11 @@ class Env(gymnasium.Env[Any, Any]):
             self._batch.info(),
         )
 
+    @property
+    def metric_names(self) -> list[str]:
+        """What `info` tells of how an episode goes."""
+        return self._core.metric_names
+
     def render(self) -> Any:
         """The place from above, (H, W, 3) uint8 RGB, with `render_mode="rgb_array"`."""
         return self._onlooker.render() if self._onlooker else None
