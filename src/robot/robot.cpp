@@ -31,6 +31,7 @@ World::Options world_options(const Robot::Options& o) {
   options.seed = o.seed;
   options.realtime = o.realtime;
   options.mind = o.mind;
+  options.image_size = o.image_size;
   if (o.start_pose) options.poses = {*o.start_pose};
   if (o.initial_pose) options.initial_poses = {*o.initial_pose};
   return options;

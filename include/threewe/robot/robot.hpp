@@ -39,7 +39,9 @@ class Robot {
     std::optional<Pose2D> initial_pose = {};
     /// Where it starts in the scene's frame, for simulated worlds; the scene's own start pose where empty.
     std::optional<Pose2D> start_pose = {};
-    Mind mind = {};  ///< ours by default
+    Mind mind = {};  ///< ours by default; `mind_with("truth")` is told where the robot is
+    /// What its camera delivers, where that is to be another size than its profile states.
+    std::optional<ImageSize> image_size = {};
   };
   /// A robot in a world of its own, connected and with every sensor's first sample at hand.
   Robot();
