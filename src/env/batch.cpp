@@ -47,13 +47,14 @@ Batch::Impl::Impl(Options wanted)
 }
 
 void Batch::Impl::prepare_scratch() {
+  const std::size_t rays = rays_of(*task, options.hardware);
   for (std::size_t part = 0; part < scratch.size(); ++part) {
     Scratch& own = scratch[part];
     own.moments.resize(options.robots);
     own.outcomes.resize(options.robots);
     own.beliefs.resize(options.robots);
     own.scans.resize(options.robots);
-    if (task->rays() > 0) own.rays.assign(options.robots, std::vector<float>(task->rays()));
+    if (rays > 0) own.rays.assign(options.robots, std::vector<float>(rays));
     for (std::size_t robot = 0; robot < options.robots; ++robot) {
       own.looks.emplace_back([this, part, robot] { return look(scratch[part].world, robot, part); });
       if (!agent_model.beams.empty()) own.scans[robot].resize(static_cast<std::size_t>(options.hardware.lidar->beams));

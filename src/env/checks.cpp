@@ -61,6 +61,12 @@ Options checked(Options options) {
   return options;
 }
 
+std::size_t rays_of(const task::Task& task, const RobotProfile& robot) {
+  require(task.rays() == 0 || robot.lidar,
+          fmt::format("hardware: this task counts what a lidar could see, and '{}' has none", robot.name));
+  return task.rays();
+}
+
 void check_actions(std::span<const float> actions, std::size_t rows) {
   if (actions.size() != 3 * rows) {
     throw ContractError(fmt::format("actions must have the shape ({}, 3)", rows));

@@ -12,6 +12,8 @@ inline constexpr std::size_t kMostTaskFields = 8;  // that a task adds
 
 /// The options with their defaults filled in. Throws ConfigError naming what does not fit.
 Options checked(Options options);
+/// The rays that a task wants to be told of. Throws ConfigError for a robot without the lidar that they come from.
+std::size_t rays_of(const task::Task& task, const RobotProfile& robot);
 /// Throws ContractError where actions are not of the shape (rows, 3), or one is not finite.
 void check_actions(std::span<const float> actions, std::size_t rows);
 

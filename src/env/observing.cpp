@@ -8,6 +8,7 @@
 #include "threewe/core/errors.hpp"
 
 namespace threewe::env {
+
 void Batch::Impl::observe(std::size_t world, std::vector<Array>& arrays, std::size_t part) {
   std::vector<task::Belief>& beliefs = scratch[part].beliefs;
   for (std::size_t robot = 0; robot < options.robots; ++robot) {

@@ -6,7 +6,6 @@
 #include <fmt/format.h>
 
 #include "threewe/core/errors.hpp"
-#include "threewe/sim/model.hpp"
 
 namespace threewe::env {
 namespace {
@@ -87,12 +86,6 @@ RobotProfile hardware_of(const RobotPlace& place, const std::string& asked) {
   const RobotProfile& brought = place.robot().profile();
   RobotProfile profile = load_profile(asked);
   return brought.name == profile.name ? profile : brought;
-}
-
-void RobotPlace::add_rays(const RobotProfile& hardware) {
-  if (!hardware.lidar)
-    throw ConfigError("this task measures what a lidar could see, which '" + hardware.name + "' lacks");
-  caster = sim::make_model(scene, {hardware})->robots.front().caster;
 }
 
 }  // namespace threewe::env

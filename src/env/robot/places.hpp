@@ -18,12 +18,10 @@ struct RobotPlace {
   std::unique_ptr<World> world;
   std::shared_ptr<const scene::Scene> scene;
   std::shared_ptr<const scene::SceneTables> tables;
-  std::shared_ptr<const sim::RayCaster> caster;  ///< null before `add_rays`
+  std::shared_ptr<const sim::RayCaster> caster;  ///< of noise-free rays; null where nobody wants any
 
   Runtime& robot() { return world->robot(0); }
   const Runtime& robot() const { return std::as_const(*world).robot(0); }
-  /// Of the lidar that this robot has. Throws ConfigError where there is none.
-  void add_rays(const RobotProfile& hardware);
 };
 
 /// Makes the worlds, and leaves in the options what can be observed there. Throws ConfigError naming what their backend

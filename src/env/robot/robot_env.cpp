@@ -16,6 +16,7 @@
 #include "threewe/core/exact.hpp"
 #include "threewe/hardware/turn.hpp"
 #include "threewe/robot/runtime.hpp"
+#include "threewe/sim/model.hpp"
 
 namespace threewe::env {
 
@@ -63,7 +64,7 @@ struct RobotEnv::Impl {
   std::vector<Array> observations;
 
   // working memory
-  std::vector<float> rays;
+  std::vector<float> rays;  // noise-free, as many as the task wants to be told of
   std::vector<float> scan;
   SemanticImage seen;
 };
@@ -79,8 +80,9 @@ RobotEnv::Impl::Impl(Options wanted, const World::Options& robot, const std::vec
   }
   options = checked(std::move(wanted));
   task = options.task({tables, 1, 1, options.hardware, options.control_period});
-  if (task->rays() > 0) {
-    for (RobotPlace& place : places) place.add_rays(options.hardware);
+  rays.resize(rays_of(*task, options.hardware));
+  if (!rays.empty()) {
+    for (RobotPlace& place : places) place.caster = sim::make_model(place.scene, {options.hardware})->robots[0].caster;
   }
   metric_names = task->metrics();
   metrics.resize(metric_names.size());
@@ -129,7 +131,7 @@ void RobotEnv::Impl::end_step() {
   const task::FrameIds looks = [this] { return look(); };
   now.look = &looks;
   if (options.hardware.lidar) now.lidar = now.pose * options.hardware.lidar->base_from_lidar;
-  if (task->rays() > 0) now.ranges = cast_rays(now.lidar);
+  if (!rays.empty()) now.ranges = cast_rays(now.lidar);
   task::Outcome outcome;
   task->step(0, {&now, 1}, {&outcome, 1});
 
@@ -197,7 +199,6 @@ void RobotEnv::Impl::copy_picture(std::span<std::byte> color, std::span<std::byt
 
 // Noise-free rays from where the lidar really is, among what stands there and nothing that moves.
 std::span<const float> RobotEnv::Impl::cast_rays(const Pose2D& lidar) {
-  rays.resize(task->rays());
   places[info.scene].caster->cast(lidar, 0.0, 2.0 * exact::kPi / static_cast<double>(rays.size()), rays);
   return rays;
 }

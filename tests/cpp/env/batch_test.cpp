@@ -258,6 +258,12 @@ TEST_CASE("options that don't fit are refused by name") {
           o.hardware = load_profile("3we_base_v2");
           o.observed.lidar = false;
         }).find("gate: '3we_base_v2' hears obstacles") != std::string::npos);
+  CHECK(refused([](Options& o) {
+          o = exploration(1, 1);
+          o.hardware = load_profile("3we_base_v2");
+          o.observed.lidar = false;
+          o.gate = Gate::limits;
+        }) == "hardware: this task counts what a lidar could see, and '3we_base_v2' has none");
   CHECK(refused([](Options& o) { o.scenes.clear(); }).find("scene") == 0);
   CHECK(refused([](Options& o) { o.worlds = 0; }).find("num_envs") == 0);
 }

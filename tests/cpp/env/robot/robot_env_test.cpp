@@ -147,6 +147,9 @@ TEST_CASE("what a backend lacks is named") {
   blind.robots = {"3we_base_v2"};
   CHECK(refused(options_of(c), blind) ==
         "observations: 'lidar' needs a lidar, which '3we_base_v2' lacks on backend 'mock'");
+  Options explore = options_of({"exploration", kExploration, {"corridor_v1"}});
+  explore.observed.lidar = false;
+  CHECK(refused(explore, blind) == "hardware: this task counts what a lidar could see, and '3we_base_v2' has none");
 }
 
 TEST_CASE("a robot that hears instead of seeing drives too") {
