@@ -30,6 +30,12 @@ target_compile_definitions(threewe_flags INTERFACE EIGEN_DONT_VECTORIZE)
 target_include_directories(threewe_flags INTERFACE $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/include>
                                                    $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
 
+# Highway's functions for 64-bit Arm may use AES, and the compiler puts them only into code that may use it too. Nothing
+# of ours does: processors without it are as good
+if(CMAKE_SYSTEM_PROCESSOR STREQUAL "aarch64")
+  add_compile_options(-march=armv8-a+crypto)
+endif()
+
 add_library(threewe_warnings INTERFACE)
 if(NOT THREEWE_SANITIZE) # what the sanitizers insert would be warned about too
   target_compile_options(
