@@ -1,4 +1,4 @@
-"""Three robots among people: the same bits on every vector target and processor, fresh and restored."""
+"""Robots among people, and learning environments: the same bits on every vector target and processor."""
 
 from verify.cases.journey import processors, targets
 from verify.harness import Case, Experiment, Row, Verdict, all_of
@@ -19,24 +19,36 @@ def several_targets(case: Case) -> bool:
     return case["equal"] and len(case["targets"]) >= 2
 
 
+RUNS = {
+    "verify_journey": "three robots among people: world, minds and gates, fresh and restored",
+    "verify_episodes": "learning environments: every task, ten seconds",
+}
 EXPERIMENTS = [
-    Experiment(
-        "three robots among people: world, minds and gates",
-        targets,
-        cases=100,
-        sample=4,
-        rows=[
-            all_of("same bits on every target, fresh and restored", several_targets),
-            was_run("AVX3", "AVX-512"),
-            was_run("AVX2", "AVX2"),
-            was_run("SCALAR", "scalar code"),
-        ],
+    *(
+        Experiment(
+            name,
+            targets,
+            {"program": program},
+            cases=100,
+            sample=4,
+            rows=[
+                all_of("same bits on every target", several_targets),
+                was_run("AVX3", "AVX-512"),
+                was_run("AVX2", "AVX2"),
+                was_run("SCALAR", "scalar code"),
+            ],
+        )
+        for program, name in RUNS.items()
     ),
-    Experiment(
-        "aarch64, emulated",
-        processors,
-        cases=20,
-        sample=0,
-        rows=[all_of("same bits as on this processor", lambda case: case["equal"])],
+    *(
+        Experiment(
+            f"aarch64, emulated: {name.partition(':')[0]}",
+            processors,
+            {"program": program},
+            cases=20,
+            sample=0,
+            rows=[all_of("same bits as on this processor", lambda case: case["equal"])],
+        )
+        for program, name in RUNS.items()
     ),
 ]

@@ -6,7 +6,6 @@
 //
 // One line a run: what it was, and its hash. Runs that should be equal print equal hashes.
 #include <algorithm>
-#include <bit>
 #include <charconv>
 #include <cstdint>
 #include <cstdio>
@@ -21,6 +20,7 @@
 #include <variant>
 #include <vector>
 
+#include "hash.hpp"
 #include "robot/lying_world.hpp"
 #include "threewe/backend/registry.hpp"
 #include "threewe/core/targets.hpp"
@@ -31,13 +31,10 @@ using namespace threewe;
 
 namespace {
 
-// FNV-1a over the bits of numbers.
-class Hash {
+// Of all that robots sense.
+class SampleHash : public Hash {
  public:
-  void add(std::uint64_t word) {
-    for (int byte = 0; byte < 8; ++byte) add(static_cast<std::uint8_t>(word >> (8 * byte) & 0xFF));
-  }
-  void add(double number) { add(std::bit_cast<std::uint64_t>(number)); }
+  using Hash::add;
   void add(const Pose2D& p) { add(p.x), add(p.y), add(p.theta); }
   void add(const Velocity& v) { add(v.vx), add(v.vy), add(v.omega); }
   void add(const map::OccupancyGrid& grid) { add(std::span(grid.data)); }
@@ -55,16 +52,6 @@ class Hash {
     add(static_cast<std::uint64_t>(sample.measured.count()));
     std::visit([this](const auto& data) { add(data); }, sample.data);
   }
-  std::uint64_t value() const { return value_; }
-
- private:
-  // the bytes of numbers that lie side by side
-  template <typename T, std::size_t N>
-  void add(std::span<T, N> numbers) {
-    for (const std::byte byte : std::as_bytes(numbers)) add(std::to_integer<std::uint8_t>(byte));
-  }
-  void add(std::uint8_t byte) { value_ = (value_ ^ byte) * 0x100000001B3ULL; }
-  std::uint64_t value_ = 0xCBF29CE484222325ULL;
 };
 
 // Where a seed's journey leads each of the robots.
@@ -146,7 +133,7 @@ class Listener {
 
  private:
   std::deque<Robot>& robots_;
-  Hash hash_;
+  SampleHash hash_;
   std::vector<std::uint64_t> ids_;
 };
 
@@ -180,7 +167,7 @@ std::uint64_t journey(const Plan& plan, bool restored) {
   }
   Listener listener(team);
   go_on(team, plan);
-  Hash hash;
+  SampleHash hash;
   hash.add(listener.hash());
   for (Robot& robot : team.robots()) hash.add(robot.simulation()->true_pose());
   for (const scene::PersonPose& person : simulation.people()) hash.add(person.pose);
@@ -194,10 +181,6 @@ std::uint64_t drive(const Plan& plan, std::unique_ptr<backend::World> backend) {
   set_out(team, plan);
   go_on(team, plan);
   return listener.hash();
-}
-
-void print(const std::string& run, std::uint64_t hash) {
-  std::printf("%s %016llx\n", run.c_str(), static_cast<unsigned long long>(hash));
 }
 
 }  // namespace
@@ -214,14 +197,14 @@ int main(int argc, char** argv) {
 
   const Plan where = plan(seed);
   if (lie) {
-    print("truth", drive(where, backend::make_world("mock", where.options)));
-    print("lies", drive(where, std::make_unique<LyingWorld>(backend::make_world("mock", where.options))));
+    print_hash("truth", drive(where, backend::make_world("mock", where.options)));
+    print_hash("lies", drive(where, std::make_unique<LyingWorld>(backend::make_world("mock", where.options))));
     return 0;
   }
   for (const std::string& target : available_targets()) {
     force_target(target);
-    print(target + " fresh", journey(where, false));
-    print(target + " restored", journey(where, true));
+    print_hash(target + " fresh", journey(where, false));
+    print_hash(target + " restored", journey(where, true));
   }
   return 0;
 }

@@ -1,4 +1,4 @@
-"""Runs verify_journey, the C++ program that tells a journey as a hash."""
+"""Runs the C++ programs that tell what happened as a hash: verify_journey, verify_episodes."""
 
 import os
 import subprocess
@@ -7,37 +7,33 @@ from typing import Any
 
 from verify.cases import aarch64
 
-PROGRAM = Path(__file__).resolve().parents[2] / "build/dev/verify/verify_journey"
+PROGRAMS = Path(__file__).resolve().parents[2] / "build/dev/verify"
 
 
-def hashes(
-    seed: int, *options: str, command: tuple[str | Path, ...] = (PROGRAM,), **environment: str
-) -> dict[str, str]:
+def hashes(command: list[str | Path], **environment: str) -> dict[str, str]:
     """What was run, and its hash."""
-    done = subprocess.run(
-        [*command, str(seed), *options], capture_output=True, text=True, env={**os.environ, **environment}
-    )
+    done = subprocess.run(command, capture_output=True, text=True, env={**os.environ, **environment})
     if done.returncode != 0:
-        raise RuntimeError(f"journey {seed} ended with {done.returncode}: {done.stderr}")
+        raise RuntimeError(f"{command} ended with {done.returncode}: {done.stderr}")
     return dict(line.rsplit(" ", 1) for line in done.stdout.splitlines())
 
 
 def lies(seed: int) -> dict[str, Any]:
     """A journey in a world that tells the truth about the robot, and in one that lies."""
-    found = hashes(seed, "--lie")
+    found = hashes([PROGRAMS / "verify_journey", str(seed), "--lie"])
     return {"equal": len(found) == 2 and len(set(found.values())) == 1}
 
 
-def targets(seed: int) -> dict[str, Any]:
-    """A journey on every vector target of this machine, fresh and restored half-way."""
-    found = hashes(seed)
+def targets(seed: int, program: str) -> dict[str, Any]:
+    """A program on every vector target of this machine."""
+    found = hashes([PROGRAMS / program, str(seed)])
     return {"equal": len(set(found.values())) == 1, "targets": sorted({run.split()[0] for run in found})}
 
 
-def processors(seed: int) -> dict[str, Any]:
-    """A journey on this processor and on an emulated 64-bit Arm one."""
+def processors(seed: int, program: str) -> dict[str, Any]:
+    """A program on this processor and on an emulated 64-bit Arm one."""
     if missing := aarch64.missing():
         return {"not_shown": missing}
-    here = hashes(seed)
-    there = hashes(seed, command=(aarch64.EMULATOR, aarch64.program("verify_journey")), **aarch64.ENVIRONMENT)
+    here = hashes([PROGRAMS / program, str(seed)])
+    there = hashes([aarch64.EMULATOR, aarch64.program(program), str(seed)], **aarch64.ENVIRONMENT)
     return {"equal": len({*here.values(), *there.values()}) == 1, "targets": sorted({run.split()[0] for run in there})}
