@@ -1,7 +1,7 @@
-"""Learning environments, steps a second on one core through the Python batch API, as a table.
+"""Learning environments on one core through the Python batch API, as tables.
 
 A step is one action, one control period, one scan, reward, termination and autoreset, of 1,024 environments in
-office_v2. Each row states ticks (of 20 ms) a step, noise, beams and gate. Random actions, held for ten steps.
+office_v2. Each row states ticks (of 20 ms) a step, noise, beams and gate.
 """
 
 from __future__ import annotations
@@ -10,95 +10,188 @@ import argparse
 import json
 import os
 import statistics
+import subprocess
+import sys
 import time
+from collections.abc import Iterator
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Any
 
-import numpy as np
-from threewe.gym import VectorEnv
+from env_steps import Kind, measure, measure_resets
+from threewe import Scene
 
 HERE = Path(__file__).resolve().parent
-ENVS = 1024
-REPEATS = 5
+ALONE = HERE.parent / "build" / "dev" / "benchmarks" / "env_alone"
+SPEEDS = [  # and how many steps a second are wanted
+    (Kind(64, 1), 1.5e6),
+    (Kind(64, 5), 1.0e6),
+    (Kind(64, 5, gate="full"), 1.0e6),
+    (Kind(64, 5, "realistic"), 0.5e6),
+    (Kind(64, 5, "realistic", "full"), 0.5e6),
+    (Kind(360, 1), 0.45e6),
+    (Kind(360, 1, "realistic"), 0.2e6),
+    (Kind(360, 1, "realistic", "full"), 0.2e6),
+]
+ENVS = (1, 16, 256, 1024, 4096, 16384)
 
 
 @dataclass(frozen=True)
-class Row:
-    """What is measured, and what is wanted of it [steps/s]."""
+class Figure:
+    """Something else that is measured, and what is wanted of it."""
 
-    beams: int
-    ticks: int
-    noise: str
-    gate: str
-    wanted: float | None = None
+    name: str
+    value: float
+    unit: str
+    wanted: float
+    at_least: bool = False
 
-
-ROWS = [
-    Row(64, 1, "ideal", "limits", 1.5e6),
-    Row(64, 5, "ideal", "limits", 1.0e6),
-    Row(64, 5, "ideal", "full", 1.0e6),
-    Row(64, 5, "realistic", "limits", 0.5e6),
-    Row(64, 5, "realistic", "full", 0.5e6),
-    Row(360, 1, "ideal", "limits", 0.45e6),
-    Row(360, 1, "realistic", "limits", 0.2e6),
-    Row(360, 1, "realistic", "full", 0.2e6),
-]
+    def line(self) -> str:
+        """Of the table."""
+        good = self.value >= self.wanted if self.at_least else self.value <= self.wanted
+        sense = "at least" if self.at_least else "at most"
+        return (
+            f"{self.name:72}{self.value:9,.3g} {self.unit:6} {sense:8} {self.wanted:6,.3g}{'' if good else '  MISSED'}"
+        )
 
 
 def main() -> int:
-    """Prints the table; writes the raw figures where --out says."""
+    """Prints the tables; writes the raw figures where --out says."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--cpu", type=int, help="the CPU to run on")
     parser.add_argument("--out", type=Path, help="a file for the raw figures")
     parser.add_argument("--seconds", type=float, default=2.0, help="of each measurement")
+    parser.add_argument("--memory", nargs=2, metavar=("TASK", "ENVS"), help=argparse.SUPPRESS)  # asked of a new process
     arguments = parser.parse_args()
+    if arguments.memory:
+        task, envs = arguments.memory
+        print(resident(task, int(envs)))
+        return 0
+    cpus = os.sched_getaffinity(0)
     if arguments.cpu is not None:
         os.sched_setaffinity(0, {arguments.cpu})
+
     print(f"{'beams':>5} {'ticks':>5} {'noise':>9} {'gate':>6} {'steps/s':>12} {'ns/step':>8} {'wanted':>10}")
-    results = []
-    for row in ROWS:
-        rates = measure(row, arguments.seconds)
-        rate = statistics.median(rates)
-        wanted = f"{row.wanted:10,.0f} {rate / row.wanted:.2f} of it" if row.wanted else ""
+    speeds = []
+    for kind, wanted in SPEEDS:
+        seconds = measure(kind, arguments.seconds)
+        rate = 1.0 / statistics.median(seconds)
         print(
-            f"{row.beams:5} {row.ticks:5} {row.noise:>9} {row.gate:>6} {rate:12,.0f} {1e9 / rate:8.0f} {wanted}",
+            f"{kind.beams:5} {kind.ticks:5} {kind.noise:>9} {kind.gate:>6} {rate:12,.0f} {1e9 / rate:8.0f} "
+            f"{wanted:10,.0f} {rate / wanted:.2f} of it",
             flush=True,
         )
-        results.append({**asdict(row), "steps_per_second": rates})
+        speeds.append({**asdict(kind), "seconds": seconds, "wanted": wanted})
+    print()
+    figures = []
+    for figure in others(arguments.seconds, cpus):
+        print(figure.line(), flush=True)
+        figures.append(asdict(figure))
     if arguments.out:
         arguments.out.parent.mkdir(parents=True, exist_ok=True)
-        arguments.out.write_text(json.dumps(results, indent=1))
+        arguments.out.write_text(json.dumps({"speeds": speeds, "figures": figures}, indent=1))
     return 0
 
 
-def measure(row: Row, seconds: float) -> list[float]:
-    """Steps a second, several times over, after a warm-up."""
-    options: dict[str, Any] = {
-        "task": "navigation",
-        "num_envs": ENVS,
-        "observations": ("lidar", "goal"),
-        "hardware": str(HERE / "robots" / f"bench_{row.beams}.yaml"),
-        "noise": row.noise,
-        "gate": row.gate,
-        "control_rate": 50.0 / row.ticks,
-        "max_steps": 500,
-        "copy": False,
+def others(seconds: float, cpus: set[int]) -> Iterator[Figure]:
+    """One after the other."""
+    for beams in (0, 64):
+        cost = statistics.median(measure_resets(Kind(beams), seconds))
+        yield Figure(f"reset: new start and goal, {beams or 'no'} beams, ideal, gate limits", 1e6 * cost, "us", 5.0)
+    yield python_over_cpp(seconds)
+    yield from two_threads(seconds, cpus)
+    for task, wanted in (("navigation", 16), ("exploration", 96)):
+        yield Figure(f"memory of one environment of {task}, all observations but pixels", memory(task), "KiB", wanted)
+    yield from growth(seconds)
+
+
+def python_over_cpp(seconds: float) -> Figure:
+    """The least of several turns of each, for what else runs makes both slower."""
+    kind = Kind(64, 1)
+    ours, alone = [], []
+    for _ in range(3):
+        ours += measure(kind, seconds)
+        words = [ALONE, "steps", str(kind.beams), str(kind.ticks), str(seconds)]
+        done = subprocess.run(words, capture_output=True, text=True, check=True)
+        alone += [float(line) for line in done.stdout.split()]
+    share = 100.0 * (min(ours) / min(alone) - 1.0)
+    return Figure("Python over C++ alone, 64 beams, 1 tick, ideal, gate limits", share, "%", 5.0)
+
+
+def two_threads(seconds: float, cpus: set[int]) -> Iterator[Figure]:
+    """What the second hardware thread gives environments, as a share of what it gives arithmetic alone.
+
+    By the wall clock: it means something only while nothing else runs.
+    """
+    if len(cpus) < 2:
+        return
+    mine = os.sched_getaffinity(0)
+    os.sched_setaffinity(0, cpus if len(cpus) == 2 else set(sorted(cpus)[-2:]))
+    gains, spins = [], []
+    for _ in range(3):
+        one, two = (min(measure(Kind(64, 5, threads=threads), seconds, time.perf_counter)) for threads in (1, 2))
+        gains.append(one / two)
+        words = [[ALONE, "spin", str(threads), str(seconds / 2)] for threads in (1, 2)]
+        loops = [float(subprocess.run(each, capture_output=True, text=True, check=True).stdout) for each in words]
+        spins.append(loops[1] / loops[0])
+    os.sched_setaffinity(0, mine)
+    name = f"two threads over one {max(gains):.2f}, arithmetic alone {max(spins):.2f}: a share of"
+    yield Figure(name, max(gains) / max(spins), "", 0.9, at_least=True)
+
+
+def memory(task: str) -> float:
+    """[KiB] by which a process grows for one more environment of the default robot."""
+    few, many = 256, 2304
+    sizes = []
+    for envs in (few, many):
+        words = [sys.executable, __file__, "--memory", task, str(envs)]
+        sizes.append(int(subprocess.run(words, capture_output=True, text=True, check=True).stdout))
+    return (sizes[1] - sizes[0]) / (many - few) / 1024.0
+
+
+def resident(task: str, envs: int) -> int:
+    """Bytes of this process, once such environments have run for a while."""
+    fields = {"navigation": "goal", "exploration": "coverage_map"}
+    options = {
+        "task": task,
+        "hardware": "3we_standard_v2",
+        "observations": ("lidar", "pose", "velocity", fields[task]),
     }
-    env = VectorEnv(**options)
-    env.reset(seed=0)
-    rng = np.random.default_rng(0)
-    actions = [rng.uniform(-1, 1, (ENVS, 3)).astype(np.float32) for _ in range(20)]
-    rates = []
-    for repeat in range(REPEATS + 1):
-        begin = time.perf_counter()
-        steps = 0
-        while time.perf_counter() - begin < seconds / (REPEATS + 1):
-            env.step(actions[steps // 10 % len(actions)])
-            steps += 1
-        if repeat > 0:
-            rates.append(steps * ENVS / (time.perf_counter() - begin))
-    return rates
+    env = Kind(ticks=5, noise="realistic", gate="full", envs=envs, options=options).make()
+    for action in env.action_space.sample()[None].repeat(20, axis=0):
+        env.step(action)
+    pages = int(Path("/proc/self/statm").read_text().split()[1])
+    return pages * os.sysconf("SC_PAGE_SIZE")
+
+
+def growth(seconds: float) -> Iterator[Figure]:
+    """How much faster than linear cost grows: 1 is linear, less is better."""
+    costs = {envs: min(measure(Kind(64, 5, envs=envs), seconds)) for envs in ENVS}
+    listed = ", ".join(f"{1e9 * cost:.0f}" for cost in costs.values())
+    yield Figure(
+        f"1 to 16,384 at once: {listed} ns a step; last over best", costs[ENVS[-1]] / min(costs.values()), "", 1.1
+    )
+
+    few, many = (min(measure(Kind(beams, 1), seconds)) for beams in (64, 360))
+    yield Figure(
+        f"beams 64 to 360: {1e9 * few:.0f} to {1e9 * many:.0f} ns; growth over 5.6", many / few / (360 / 64), "", 1.0
+    )
+
+    few, many = (min(measure(pictures(size), seconds)) for size in (64, 128))
+    yield Figure(
+        f"pixels 64x64 to 128x128: {1e6 * few:.0f} to {1e6 * many:.0f} us; growth over 4", many / few / 4, "", 1.0
+    )
+
+    scenes = [Scene.generate(1, difficulty=difficulty) for difficulty in (0.0, 1.0)]
+    bare, full = (sum(len(thing.prisms) for thing in scene.objects) + len(scene.walls) for scene in scenes)
+    few, many = (min(measure(Kind(64, 1, options={"scene": scene}), seconds)) for scene in scenes)
+    name = f"solids {bare} to {full}: {1e9 * few:.0f} to {1e9 * many:.0f} ns; growth over {full / bare:.1f}"
+    yield Figure(name, many / few / (full / bare), "", 1.0)
+
+
+def pictures(size: int) -> Kind:
+    """With a camera, colour and depth, and nothing else."""
+    options = {"observations": ("image", "depth"), "image_size": (size, size), "hardware": "3we_depth_v2"}
+    return Kind(ticks=5, envs=64, options=options)
 
 
 if __name__ == "__main__":
