@@ -31,7 +31,7 @@ constexpr std::array kDoorAhead = {"straight ahead", "ahead of you"};
 constexpr std::array kStop = {"stop", "wait"};
 constexpr std::array kAt = {"at", "next to", "by", "beside"};
 
-// Writes clauses, with synonyms drawn one after the other.
+// Writes clauses, with synonyms drawn one after the other: never two in one call, whose order is the compiler's choice.
 class Writer {
  public:
   explicit Writer(const RngKey& key) : key_(key) {}
@@ -70,7 +70,10 @@ class Writer {
       case Kind::pass: return fmt::format("{} {} on your {}", pick(kPass), thing(c.thing), word(c.side));
       case Kind::approach: return fmt::format("{} {}", pick(kApproach), thing(c.thing));
       case Kind::cross: return crossing(c);
-      case Kind::stop_at: return fmt::format("{} {} {}", pick(kStop), pick(kAt), thing(c.thing));
+      case Kind::stop_at: {
+        const std::string at = pick(kAt);
+        return fmt::format("{} {} {}", pick(kStop), at, thing(c.thing));
+      }
       case Kind::stop_in_middle: return fmt::format("{} in the middle of {}", pick(kStop), room(c.room));
       case Kind::stop_inside: break;
     }
@@ -91,9 +94,12 @@ class Writer {
   std::string crossing(const Clause& c) {
     if (!c.door) return fmt::format("{} {}", pick(kEnter), room(c.room));
     const std::string into = c.room.empty() ? "" : fmt::format(" into {}", room(c.room));
-    if (!c.from.empty()) return fmt::format("{} {} through {}{}", pick(kLeave), room(c.from), door(*c.door), into);
-    if (c.room.empty() || chance(0.5)) return fmt::format("{} {}{}", pick(kThrough), door(*c.door), into);
-    return fmt::format("{} {} through {}", pick(kEnter), room(c.room), door(*c.door));
+    const bool leaving = !c.from.empty();
+    const bool plain = !leaving && (c.room.empty() || chance(0.5));
+    const std::string through = door(*c.door);
+    if (leaving) return fmt::format("{} {} through {}{}", pick(kLeave), room(c.from), through, into);
+    if (plain) return fmt::format("{} {}{}", pick(kThrough), through, into);
+    return fmt::format("{} {} through {}", pick(kEnter), room(c.room), through);
   }
 
   std::string thing(const Thing& t) {
