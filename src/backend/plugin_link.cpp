@@ -100,7 +100,8 @@ void PluginLink::finish(std::optional<Fault> fault, PluginReply reply) {
     if (!fault && current_->call == Call::truth) fault = find_fault(reply.truth);
     if (current_->call == Call::reset && !fault) begin_anew();  // here, before a next step is due in real time
     fault_ = std::move(fault);
-    reply_ = std::move(reply);
+    // a step in real time is nobody's request, and must not take the place of an answer that is still to be fetched
+    if (features_.lockstep || current_->call != Call::step) reply_ = std::move(reply);
   }
   current_.reset();
   changed_.notify_all();

@@ -6,6 +6,8 @@
 #include <condition_variable>
 #include <limits>
 #include <mutex>
+#include <set>
+#include <thread>
 
 #include <doctest/doctest.h>
 
@@ -402,6 +404,51 @@ TEST_CASE("features that contradict themselves or the profile are refused when t
   CHECK(refused([](Features& f) { f.kinematics = Kinematics::differential; }) ==
         "backend 'toy': features and profile differ in their kinematics");
   CHECK(refused([](Features& f) { f.lockstep = false; }) == "backend 'toy': can be saved, but time runs by itself");
+}
+
+TEST_CASE("in real time the truth is what was answered, though a step follows at once") {
+  const auto link = std::make_shared<PluginLink>("toy", realtime_features(), standard());
+  PluginWorld world(link);
+  const Handler handler = [&](const PluginRequest& request) -> PluginReply {
+    PluginReply reply;
+    if (request.call != Call::truth) return reply;
+    const Time late = world.now() + kControlPeriod;
+    while (world.now() < late) std::this_thread::yield();  // the next step is due by then
+    reply.truth.pose = {1.0, 2.0, 0.5};
+    return reply;
+  };
+  const std::jthread plugin([&] { testing::serve(*link, handler); });
+  world.robot(0).connect();
+  for (int i = 0; i < 50; ++i) CHECK(link->truth().pose == Pose2D{1.0, 2.0, 0.5});
+  link->close();
+}
+
+TEST_CASE("a truth that nobody can believe is the plug-in's fault") {
+  const auto link = std::make_shared<PluginLink>("toy", features(), standard());
+  PluginWorld world(link);
+  const Handler handler = [](const PluginRequest&) {
+    PluginReply reply;
+    reply.truth.distance_driven = -1.0;
+    return reply;
+  };
+  const std::jthread plugin([&] { testing::serve(*link, handler); });
+  CHECK_THROWS_WITH_AS(link->truth(), "backend 'toy': truth(): distance_driven is -1; it must be 0 or more",
+                       ContractError);
+  link->close();
+}
+
+TEST_CASE("each episode of a seed is a seed of its own to a plug-in") {
+  const auto recorder = std::make_shared<Recorder>();
+  const auto world = recorded(recorder);
+  for (const std::uint32_t episode : {0U, 1U, 2U, 1U}) world->reset({.seed = 7, .poses = {}, .episode = episode});
+  std::vector<std::uint64_t> seeds;
+  for (const PluginRequest& request : recorder->requests) {
+    if (request.call == Call::reset) seeds.push_back(request.seed);
+  }
+  REQUIRE(seeds.size() == 4);
+  CHECK(seeds[0] == 7);
+  CHECK(seeds[1] == seeds[3]);
+  CHECK(std::set(seeds.begin(), seeds.end()).size() == 3);
 }
 
 TEST_CASE("samples that wait to be polled are part of a saved state") {
