@@ -13,7 +13,6 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parent.parent
 PROGRAMS = ROOT / "build" / "dev" / "benchmarks"
 SCRIPTS = {path.stem.removesuffix("_bench"): path for path in (ROOT / "benchmarks").glob("*_bench.py")}
-SOURCES = {path.stem.removesuffix("_bench") for path in (ROOT / "benchmarks").glob("*_bench.cpp")}
 RESULTS = ROOT / "benchmarks" / "results"
 SPIN = "import time; end = time.monotonic() + 1; n = 0\nwhile time.monotonic() < end: n += 1\nprint(n)"
 
@@ -35,28 +34,16 @@ def main(names: list[str]) -> int:
         raw = RESULTS / f"{name}-{commit.stdout.strip()}.json"
         if name in SCRIPTS:
             failed |= subprocess.run([sys.executable, SCRIPTS[name], "--cpu", str(cpu), "--out", raw]).returncode
-            continue
-        command = [PROGRAMS / f"{name}_bench", f"--benchmark_out={raw}", "--benchmark_out_format=json"]
-        options = ["--benchmark_repetitions=5", "--benchmark_display_aggregates_only=true"]
-        context = [f"--benchmark_context={key}={str(value).replace(',', ' ')}" for key, value in machine.items()]
-        done = subprocess.run([*command, *options, *context], preexec_fn=lambda: os.sched_setaffinity(0, {cpu}))
-        failed |= done.returncode
-        print_ratios(raw)
+            if raw.exists():
+                raw.write_text(json.dumps({"machine": machine, **json.loads(raw.read_text())}, indent=1))
+        else:
+            command = [PROGRAMS / f"{name}_bench", f"--benchmark_out={raw}", "--benchmark_out_format=json"]
+            options = ["--benchmark_repetitions=5", "--benchmark_display_aggregates_only=true"]
+            context = [f"--benchmark_context={key}={str(value).replace(',', ' ')}" for key, value in machine.items()]
+            done = subprocess.run([*command, *options, *context], preexec_fn=lambda: os.sched_setaffinity(0, {cpu}))
+            failed |= done.returncode
         print(f"raw results: {raw.relative_to(ROOT)}\n", flush=True)
-    for name in [] if names else sorted(SOURCES - set(known)):
-        print(f"not run: {name}, which was left out of the build: {name}_bench.cpp says what it needs")
     return int(failed != 0)
-
-
-def print_ratios(raw: Path) -> None:
-    """How many times as long a peer took as ours, where a program has timed both: benchmarks `ours/N` and `peer/N`."""
-    results = json.loads(raw.read_text())["benchmarks"] if raw.exists() else []
-    medians = {r["run_name"]: r["cpu_time"] for r in results if r.get("aggregate_name") == "median"}
-    for name, time_taken in medians.items():
-        peer, _, size = name.partition("/")
-        ours = medians.get(f"ours/{size}")
-        if ours and peer != "ours":
-            print(f"{name}: {time_taken / ours:.0f} times as long as ours in the same run")
 
 
 def quietness(cpu: int) -> dict[str, str]:
