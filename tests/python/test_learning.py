@@ -19,13 +19,17 @@ def ppo() -> ModuleType:
     return example()
 
 
-def scans(count: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    draw = np.random.default_rng(count)
-    lidar = draw.uniform(0.0, 12.0, (count, 72)) * (draw.uniform(size=(count, 72)) > 0.02)  # a few are invalid
-    return tuple(  # type: ignore[return-value]
-        values.astype(np.float32)
-        for values in (lidar, draw.uniform(-8.0, 8.0, (count, 2)), draw.uniform(-8.0, 8.0, (count, 3, 2)))
-    )
+def scans(ppo: ModuleType, count: int) -> dict[str, torch.Tensor]:
+    """What a policy takes: of what could be, more of everything than there ever is."""
+    draw = torch.Generator().manual_seed(count)
+
+    def uniform(low: float, high: float, *shape: int) -> torch.Tensor:
+        return low + (high - low) * torch.rand(count, *shape, generator=draw)
+
+    lidar = uniform(0.0, 12.0, 72) * (uniform(0.0, 1.0, 72) > 0.02)  # a few are invalid
+    goal, trail = uniform(-8.0, 8.0, 2), uniform(-8.0, 8.0, len(ppo.SPANS), 2)
+    visits = uniform(0.0, 5.0, ppo.CELLS**2).floor()
+    return {"lidar": lidar, "goal": goal, "trail": trail, "visits": visits, "chance": uniform(0.0, 1.0, ppo.CHOICES)}
 
 
 def some_policy(ppo: ModuleType) -> torch.nn.Module:
@@ -40,7 +44,7 @@ def test_weights_are_kept(ppo: ModuleType, tmp_path: Path) -> None:
     policy = some_policy(ppo)
     ppo.save_weights(policy, tmp_path / "policy.safetensors")
     again = ppo.load_weights(tmp_path / "policy.safetensors")
-    inputs = [torch.from_numpy(values) for values in scans(50)]
+    inputs = scans(ppo, 50).values()
     for first, second in zip(policy(*inputs), again(*inputs), strict=True):
         assert torch.equal(first, second)
 
@@ -52,30 +56,58 @@ def test_onnx_says_what_torch_says(ppo: ModuleType, tmp_path: Path, robots: int)
     policy = some_policy(ppo)
     ppo.export_onnx(policy, tmp_path / "policy.onnx")
     session = onnxruntime.InferenceSession(tmp_path / "policy.onnx", providers=["CPUExecutionProvider"])
-    inputs = scans(robots)
-    actions, trail = session.run(None, dict(zip(("lidar", "goal", "trail"), inputs, strict=True)))
+    inputs = scans(ppo, robots)
+    outputs = session.run(None, {name: values.numpy() for name, values in inputs.items()})
     with torch.no_grad():
-        expected, followed = policy(*[torch.from_numpy(values) for values in inputs])
-    assert actions.shape == (robots, 3)
-    np.testing.assert_allclose(actions, expected.numpy(), atol=1e-5)
-    np.testing.assert_allclose(trail, followed.numpy(), atol=1e-5)
+        expected = policy(*inputs.values())
+    assert outputs[0].shape == (robots, 3)
+    for found, wanted in zip(outputs, expected, strict=True):
+        np.testing.assert_allclose(found, wanted.numpy(), atol=1e-5)
 
 
 def test_what_a_policy_sees_does_not_depend_on_where_it_looks(ppo: ModuleType) -> None:
     """Turned on the spot by a whole number of beams, it sees the same and drives the same way."""
     policy = some_policy(ppo)
-    lidar, goal, trail = (torch.from_numpy(values) for values in scans(20))
-    seen = ppo.features(lidar, goal, trail)
+    lidar, goal, trail, _, chance = scans(ppo, 20).values()
+    visits = torch.zeros(20, ppo.CELLS**2)  # which are not turned: its map has the axes of the robot
+    seen = ppo.features(lidar, goal, trail, visits)
     for beams in (1, 7, 36, 71):
         angle = torch.tensor(2.0 * torch.pi * beams / 72)
-        by = torch.stack([angle.cos(), angle.sin()])
-        lidar_then, goal_then = lidar.roll(beams, dims=1), ppo.turned(goal, by)
-        seen_then = ppo.features(lidar_then, goal_then, ppo.turned(trail, by))
+        by = torch.stack([angle.cos(), angle.sin()])[None]
+        lidar_then, goal_then = lidar.roll(beams, dims=1), ppo.turned(goal[:, None], by).squeeze(1)
+        seen_then = ppo.features(lidar_then, goal_then, ppo.turned(trail, by), visits)
         same = (seen_then[:, :72] == seen[:, :72]).all(dim=1)
         assert same.float().mean() > 0.9  # but where the goal lies midway between two beams
         torch.testing.assert_close(seen_then[same], seen[same], atol=1e-4, rtol=1e-4)
-        chosen, chosen_then = policy.mean(seen, goal), policy.mean(seen_then, goal_then)
-        torch.testing.assert_close(chosen_then[same], ppo.turned(chosen, by)[same], atol=1e-3, rtol=1e-3)
+        choice = ppo.chosen(policy.actor(seen), chance)
+        torch.testing.assert_close(ppo.chosen(policy.actor(seen_then), chance)[same], choice[same])
+        driven, driven_then = ppo.actions_of(choice, goal), ppo.actions_of(choice, goal_then)
+        torch.testing.assert_close(driven_then[:, :2], ppo.turned(driven[:, None, :2], by).squeeze(1))
+
+
+def test_it_remembers_where_it_has_been(ppo: ModuleType) -> None:
+    """A robot that stood 0.6 m from here, on the goal's left, sees it there and nowhere else."""
+    goal_then, goal = torch.tensor([[3.0, 0.0]]), torch.tensor([[3.0, 0.6]])  # it has moved to its right
+    _, visits = ppo.nothing_yet(goal_then)
+    for _ in range(4):
+        visits = ppo.visited(visits, goal_then)
+    assert visits.sum() == 4
+    lidar, trail = torch.ones(1, 72), goal[:, None].repeat(1, len(ppo.SPANS), 1)
+    around = ppo.features(lidar, goal, trail, visits)[0, -ppo.HEADINGS * len(ppo.LOOKS) :]
+    near, far = around.reshape(len(ppo.LOOKS), ppo.HEADINGS)
+    assert far.sum() == 0.0
+    left = round((0.25 - np.arctan2(0.6, 3.0) / (2.0 * np.pi)) * ppo.HEADINGS)  # 0 is where the goal lies
+    assert near[left] > 0.0
+    assert near.nonzero().squeeze(1).sub(left).abs().max() <= 3  # a cell is wider than the way between two headings
+
+
+def test_choices_come_as_often_as_they_should(ppo: ModuleType) -> None:
+    count = 200_000
+    logits = torch.tensor([0.2, 0.5, 0.3]).log().repeat(count, 1)
+    chance = torch.rand(count, 3, generator=torch.Generator().manual_seed(5))
+    shares = torch.bincount(ppo.chosen(logits, chance), minlength=3) / count
+    torch.testing.assert_close(shares, torch.tensor([0.2, 0.5, 0.3]), atol=5e-3, rtol=0.0)
+    assert (ppo.chosen(logits, torch.full((count, 3), 0.5)) == 1).all()  # the best one
 
 
 def test_advantages_are_what_their_definition_says(ppo: ModuleType) -> None:
@@ -86,7 +118,7 @@ def test_advantages_are_what_their_definition_says(ppo: ModuleType) -> None:
     terminated = torch.rand(steps, robots, generator=generator) < 0.1
     ended = terminated | (torch.rand(steps, robots, generator=generator) < 0.1)
     nothing = torch.zeros(0)
-    rollout = ppo.Rollout(nothing, nothing, nothing, nothing, nothing, rewards, values, terminated, ended, nothing)
+    rollout = ppo.Rollout(nothing, nothing, nothing, nothing, rewards, values, terminated, ended, nothing)
     found = ppo.advantages(rollout, settings)
     for robot in range(robots):
         for begin in range(steps):
