@@ -17,7 +17,7 @@ def main(picture: str, *runs: str) -> None:
         run = json.loads(Path(name).read_text())
         points = [point for point in run["curve"] if point["success"] is not None]
         smooth = np.convolve([point["success"] for point in points], np.ones(WINDOW) / WINDOW, "valid")
-        label = f"seed {run['settings']['seed']}, {points[-1]['wall_s']:.0f} s"
+        label = f"seed {run['settings']['seed']}, {points[-1]['cpu_s']:.0f} CPU s"
         left.plot([point["steps"] / 1000 for point in points[WINDOW - 1 :]], smooth, label=label)
         scenes = run["success"]["full"]
         right.bar(np.arange(len(scenes)) + 0.27 * (place - 1), scenes.values(), 0.25)
