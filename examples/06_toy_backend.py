@@ -150,7 +150,7 @@ def learn() -> None:
     reward, steps = 0.0, 0
     while not (info["success"] or steps == 10):
         _, gained, _, _, info = env.step(env.action_space.sample())
-        reward, steps = reward + gained, steps + 1
+        reward, steps = reward + float(gained), steps + 1
     print(f"a policy that knows nothing earns {reward:.2f} in {steps} steps")
 
 
