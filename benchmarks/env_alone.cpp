@@ -6,7 +6,6 @@
 #include <atomic>
 #include <chrono>
 #include <cstdio>
-#include <cstdlib>
 #include <ctime>
 #include <memory>
 #include <string>
@@ -93,9 +92,9 @@ void spin(int threads, double seconds) {
 int main(int argc, char** argv) {
   const std::string_view what = argc > 1 ? argv[1] : "";
   if (what == "steps" && argc == 5) {
-    time_steps(argv[2], std::atoi(argv[3]), std::atof(argv[4]));
+    time_steps(argv[2], std::stoi(argv[3]), std::stod(argv[4]));
   } else if (what == "spin" && argc == 4) {
-    spin(std::atoi(argv[2]), std::atof(argv[3]));
+    spin(std::stoi(argv[2]), std::stod(argv[3]));
   } else {
     std::fputs("usage: env_alone steps BEAMS TICKS SECONDS | spin THREADS SECONDS\n", stderr);
     return 2;
