@@ -83,6 +83,7 @@ void append_scan_points(const LidarSpec& lidar, std::span<const float> ranges, c
   Hits hits;
   const auto put = [&] {
     HWY_DYNAMIC_DISPATCH(place)(way, hits);
+    points.reserve(points.size() + hits.count);  // and no more: there may be thousands of such lists
     for (std::size_t k = 0; k < hits.count; ++k) points.push_back({hits.range[k], hits.y[k]});
     hits.count = 0;
   };
