@@ -2,9 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cstddef>
-
-#include <hwy/cache_control.h>
 
 #include "sim/ray_caster_kernel.hpp"
 #include "sim/ray_caster_visibility.hpp"
@@ -125,17 +122,6 @@ RayCaster::RayCaster(const scene::Slice& slice, double range_max) : range_max_(r
       CellGrid::kSize * Vec2{static_cast<double>(table->grid.width), static_cast<double>(table->grid.height)};
   table->add_cell(table->grid.origin + 0.5 * size, everything(slice));
   table_ = std::move(table);
-}
-
-void RayCaster::fetch(Vec2 sensor) const {
-  constexpr std::size_t kLine = 64;
-  const auto fetch_bytes = [](auto blocks) {
-    const std::span<const std::byte> bytes = std::as_bytes(blocks);
-    for (std::size_t line = 0; line < bytes.size(); line += kLine) hwy::Prefetch(&bytes[line]);
-  };
-  const kernel::Shapes shapes = table_->seen_from(table_->grid.cell(sensor));
-  fetch_bytes(shapes.segment_blocks);
-  fetch_bytes(shapes.circle_blocks);
 }
 
 void RayCaster::cast(const Pose2D& sensor, double angle_min, double angle_increment, std::span<float> ranges,

@@ -212,10 +212,6 @@ void step_singles(std::span<const World* const> worlds) {
   for (std::size_t i = 0; i < worlds.size(); ++i) {
     const RobotModel& robot = *drivers[i].robot;
     RobotState& state = *drivers[i].state;
-    if (i + 1 < worlds.size() &&
-        sweeps(worlds[i + 1]->sensing, *drivers[i + 1].robot, drivers[i + 1].state->steps + 1)) {
-      drivers[i + 1].robot->caster->fetch(driven[i + 1].pose().position());
-    }
     const Pose2D before = state.pose;
     const Velocity carried = driven[i].carried();
     if (robot.obstacles->near(before.position()).empty()) {

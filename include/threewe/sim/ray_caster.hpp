@@ -30,9 +30,6 @@ class RayCaster {
 
   double range_max() const { return range_max_; }
 
-  /// Brings what a cast from there needs into the nearest cache, ahead of time.
-  void fetch(Vec2 sensor) const;
-
   /// Fills `ranges` [m], shape (N,): beam i leaves the sensor along `angle_min + i * angle_increment` [rad] in its own
   /// frame; `range_max` where nothing is hit. A negative increment turns clockwise.
   void cast(const Pose2D& sensor, double angle_min, double angle_increment, std::span<float> ranges,
