@@ -17,7 +17,7 @@ EXPERIMENTS = [
         "localising",
         drives,
         cases=50,
-        sample=2,
+        sample=5,
         rows=[
             *(errors_in(scene, position=0.10, heading=0.010) for scene in SCENES),
             of_drives(share_of("drives within 0.10 m from beginning to end", close_all_the_way, at_least=0.95)),
