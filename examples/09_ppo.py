@@ -3,7 +3,7 @@
     python 09_ppo.py --seed 1 --save policy
 
 trains on generated scenes alone and then drives the `reactive` episodes through the seven scenes that have names. It
-needs `pip install "threewe[rl]"`. With --save it writes policy.safetensors, policy.onnx and policy.json: the weights,
+needs `pip install "threewe[train]"`. With --save it writes policy.safetensors, policy.onnx and policy.json: the weights,
 the same as a graph for any runtime, and the figures.
 
 Proximal policy optimisation: Schulman et al. 2017. Generalised advantages: Schulman et al. 2016. A critic that sees

@@ -2,7 +2,7 @@
 
     python 10_sb3.py --seed 1
 
-It needs `pip install "threewe[rl]"`. `TowardsGoal` is all that is our own: it shows the world turned until the goal
+It needs `pip install "threewe[train]"`. `TowardsGoal` is all that is our own: it shows the world turned until the goal
 lies ahead, and turns the velocity that is chosen back.
 """
 

@@ -24,7 +24,7 @@ def learn(_: int, seed: int) -> dict[str, Any]:
     try:
         ppo = example()
     except ImportError as missing:
-        return {"not_shown": f"{missing}: pip install 'threewe[rl]'"}
+        return {"not_shown": f"{missing}: pip install 'threewe[train]'"}
     settings = ppo.Settings(seed=seed)
     began = time.perf_counter()
     policy, curve = ppo.train(settings)
@@ -53,7 +53,7 @@ def learn_a_little(seed: int) -> dict[str, Any]:
     try:
         ppo = example()
     except ImportError as missing:
-        return {"not_shown": f"{missing}: pip install 'threewe[rl]'"}
+        return {"not_shown": f"{missing}: pip install 'threewe[train]'"}
     settings = ppo.Settings(seed=seed % 1000, lessons=(ppo.Lesson("ideal", 4, 40),), num_envs=256)
     _, curve = ppo.train(settings)
     won = [point["episodes"] * (point["success"] or 0.0) for point in curve]  # shares say little: those that stand last

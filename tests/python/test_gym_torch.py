@@ -72,4 +72,4 @@ except threewe.ConfigError as error:
     print(error)
 """
     said = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True).stdout
-    assert 'pip install "threewe[rl]"' in said
+    assert 'pip install "threewe[train]"' in said

@@ -18,7 +18,7 @@ from threewe.gym.vector import VectorEnv
 try:
     from stable_baselines3.common.vec_env import VecEnv
 except ImportError as missing:
-    raise ConfigError(f'SB3VecEnv: {missing}; install what it needs: pip install "threewe[rl]"') from missing
+    raise ConfigError(f'SB3VecEnv: {missing}; install what it needs: pip install "threewe[train]"') from missing
 
 Indices = int | Iterable[int] | None
 

@@ -10,7 +10,7 @@ from threewe.gym.vector import VectorEnv
 try:
     import torch
 except ImportError as missing:
-    raise ConfigError(f'TorchVectorEnv: {missing}; install what it needs: pip install "threewe[rl]"') from missing
+    raise ConfigError(f'TorchVectorEnv: {missing}; install what it needs: pip install "threewe[train]"') from missing
 
 
 class TorchVectorEnv(VectorEnv):
