@@ -3,8 +3,8 @@
     python 09_ppo.py --seed 1 --save policy
 
 trains on generated scenes alone and then drives the `reactive` episodes through the seven scenes that have names. It
-needs `pip install "threewe[train]"`. With --save it writes policy.safetensors, policy.onnx and policy.json: the weights,
-the same as a graph for any runtime, and the figures.
+needs `pip install "threewe[train]"`. With --save it writes policy.safetensors, policy.onnx and policy.json: the
+weights, the same as a graph for any runtime, and the figures.
 
 Proximal policy optimisation: Schulman et al. 2017. Generalised advantages: Schulman et al. 2016. A critic that sees
 more than the policy: Pinto et al. 2018. Choices instead of a mean and a deviation: Tang & Agrawal 2020.
