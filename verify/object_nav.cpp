@@ -26,8 +26,7 @@ constexpr int kHeadings = 36;
 // A scene, and what the robot's camera shows of it.
 class Camera {
  public:
-  Camera(const scene::Scene& scene, const CameraSpec& camera)
-      : camera_(camera), renderer_(scene) {}
+  Camera(const scene::Scene& scene, const CameraSpec& camera) : camera_(camera), renderer_(scene) {}
 
   std::span<const std::int16_t> look(const Pose2D& base) {
     const CameraIntrinsics view = camera_.intrinsics();

@@ -65,10 +65,7 @@ std::vector<Sample> Bench::of(SensorType type) {
   return found;
 }
 
-bool Bench::has(SensorType type) {
-  const auto& sensors = features().sensors;
-  return std::any_of(sensors.begin(), sensors.end(), [type](const auto& s) { return s.type == type; });
-}
+bool Bench::has(SensorType type) { return features().has(type); }
 
 Odometry Bench::odometry() {
   const std::vector<Sample> found = of(SensorType::odometry);

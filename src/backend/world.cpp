@@ -1,8 +1,14 @@
 #include "threewe/backend/world.hpp"
 
+#include <algorithm>
+
 #include "threewe/core/errors.hpp"
 
 namespace threewe::backend {
+
+bool Features::has(SensorType type) const {
+  return std::ranges::any_of(sensors, [type](const SensorInfo& sensor) { return sensor.type == type; });
+}
 
 void World::reset(const ResetOptions&) { throw ContractError("this backend cannot be reset"); }
 

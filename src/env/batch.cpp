@@ -1,6 +1,5 @@
 #include "threewe/env/batch.hpp"
 
-#include <algorithm>
 #include <array>
 #include <utility>
 
@@ -38,9 +37,7 @@ Batch::Impl::Impl(Options wanted)
   true_poses.resize(3 * rows);
   scan_ages.resize(rows);
   const std::vector<task::Field> fields = observation_fields(options, task->fields());
-  for (const task::Field& field : task->fields()) {
-    task_fields.push_back(std::ranges::find(fields, field.name, &task::Field::name) != fields.end());
-  }
+  task_fields = which_are_among(fields, task->fields());
   observations = make_arrays(fields, rows);
   final_observations = make_arrays(fields, options.autoreset == Autoreset::same_step ? rows : 0);
   prepare_scratch();

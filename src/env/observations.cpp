@@ -38,6 +38,14 @@ std::vector<task::Field> observation_fields(const Options& options, const std::v
   return fields;
 }
 
+std::vector<bool> which_are_among(const std::vector<task::Field>& fields, const std::vector<task::Field>& task_fields) {
+  std::vector<bool> among;
+  for (const task::Field& field : task_fields) {
+    among.push_back(std::ranges::find(fields, field.name, &task::Field::name) != fields.end());
+  }
+  return among;
+}
+
 std::vector<Array> make_arrays(const std::vector<task::Field>& fields, std::size_t rows) {
   std::vector<Array> arrays;
   for (const task::Field& field : fields) {

@@ -1,5 +1,4 @@
 // What a robot tells when it is asked.
-#include <algorithm>
 #include <map>
 #include <string>
 #include <vector>
@@ -55,7 +54,7 @@ const slam::PoseEstimate& Runtime::pose() const { return impl_->reading().estima
 
 const map::OccupancyGrid& Runtime::map() const {
   const State& state = impl_->reading();
-  if (impl_->has_sensor(SensorType::lidar)) return state.localizer->map();
+  if (features().has(SensorType::lidar)) return state.localizer->map();
   throw HardwareError("robot '" + profile().name + "' has no sensor 'lidar', which a map needs");
 }
 
@@ -88,11 +87,6 @@ Pose2D Runtime::transform(std::string_view target, std::string_view source) cons
   const Pose2D odom_from_target = odom_from(target);
   if (target == source) return {};  // exactly
   return inverse(odom_from_target) * odom_from(source);
-}
-
-bool Runtime::Impl::has_sensor(SensorType type) const {
-  const auto& sensors = port.features().sensors;
-  return std::any_of(sensors.begin(), sensors.end(), [type](const auto& sensor) { return sensor.type == type; });
 }
 
 // In lockstep a loop that only reads would never see anything new.

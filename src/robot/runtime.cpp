@@ -101,7 +101,7 @@ MotionHandle Runtime::start(const nav::Goal& goal, Duration timeout) {
   impl_->require_healthy();
   check_goal(goal);
   if (timeout < Duration::zero()) throw ContractError("timeout must not be negative");
-  if (std::holds_alternative<nav::Explore>(goal) && !impl_->has_sensor(SensorType::lidar)) {
+  if (std::holds_alternative<nav::Explore>(goal) && !features().has(SensorType::lidar)) {
     throw HardwareError("robot '" + profile().name + "' has no sensor 'lidar', which exploring needs");
   }
   impl_->require_free();

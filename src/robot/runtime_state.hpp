@@ -71,7 +71,6 @@ struct Runtime::Impl {
   bool healthy() const { return connected && fault.empty(); }
   void require_healthy() const;
   void require_free() const;
-  bool has_sensor(SensorType type) const;
   bool looks_with(SensorType type) const;
   std::span<const Vec2> obstacles_in_odom() const;
   const State& reading() const;

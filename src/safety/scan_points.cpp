@@ -1,6 +1,5 @@
 #include "threewe/safety/scan_points.hpp"
 
-#include <algorithm>
 #include <array>
 #include <cstddef>
 
@@ -40,7 +39,6 @@ HWY_BEFORE_NAMESPACE();
 namespace threewe::safety::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
-namespace lanes = threewe::lanes::HWY_NAMESPACE;
 
 using Doubles = hn::CappedTag<double, 8>;
 using V = hn::Vec<Doubles>;

@@ -20,14 +20,8 @@ std::vector<Vec2> outline_at(const Footprint& footprint, const Pose2D& pose) {
 }
 
 GridFrame frame_around(const std::vector<Solid>& solids, double margin) {
-  Vec2 low{kInfinity, kInfinity};
-  Vec2 high{-kInfinity, -kInfinity};
-  for (const Solid& solid : solids) {
-    const auto [lowest, highest] = bounds(solid);
-    low = {std::min(low.x, lowest.x), std::min(low.y, lowest.y)};
-    high = {std::max(high.x, highest.x), std::max(high.y, highest.y)};
-  }
   if (solids.empty()) return {{}, kBucket, 0, 0};
+  const auto [low, high] = bounds(solids);
   const auto cells = [&](double from, double to) { return static_cast<int>((to - from + 2.0 * margin) / kBucket) + 1; };
   return {{low.x - margin, low.y - margin}, kBucket, cells(low.x, high.x), cells(low.y, high.y)};
 }

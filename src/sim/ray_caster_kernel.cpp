@@ -288,7 +288,7 @@ struct SegmentBatch {
 
 // Looks at a vector of segments from the middle of the way.
 template <bool kMoves>
-HWY_INLINE void see_segments(const SegmentBlock& block, int j, int place, const Frame& frame, SegmentBatch& batch) {
+HWY_INLINE void see(const SegmentBlock& block, int j, int place, const Frame& frame, SegmentBatch& batch) {
   const Floats d;
   const F origin_x = hn::Set(d, frame.origin_x);
   const F origin_y = hn::Set(d, frame.origin_y);
@@ -344,6 +344,11 @@ HWY_INLINE void find_angles(const float* y, const float* x, int count, float* an
   }
 }
 
+HWY_INLINE void find_angles(SegmentBatch& batch, int count) {
+  find_angles(batch.a_y, batch.a_x, count, batch.a_angle);
+  find_angles(batch.b_y, batch.b_x, count, batch.b_angle);
+}
+
 // Seen from the free side, a stands to the left of b.
 HWY_INLINE void find_beams(const SegmentBatch& batch, int count, const Frame& frame, Tasks& tasks) {
   const Floats d;
@@ -395,32 +400,6 @@ HWY_INLINE void meet_moving(Fan& fan, const Tasks& tasks, std::size_t task, cons
   });
 }
 
-template <bool kMoves, bool kInPairs>
-HWY_INLINE void meet_segments(const Shapes& shapes, const Frame& frame, Fan& fan) {
-  const int lanes = static_cast<int>(hn::Lanes(Floats()));
-  for (int start = 0; start < shapes.segment_count; start += kBatch) {
-    SegmentBatch batch;
-    Tasks tasks;
-    const SegmentBlock* blocks = shapes.segment_blocks.data() + start / kBlock;
-    const int count = std::min(kBatch, shapes.segment_count - start);
-    for (int i = 0; i < count; i += lanes) see_segments<kMoves>(blocks[i / kBlock], i % kBlock, i, frame, batch);
-    find_angles(batch.a_y, batch.a_x, count, batch.a_angle);
-    find_angles(batch.b_y, batch.b_x, count, batch.b_angle);
-    find_beams(batch, count, frame, tasks);
-    for (std::size_t t = 0; t < tasks.count; ++t) {
-      const auto place = static_cast<std::size_t>(tasks.place[t]);
-      if (batch.care[place] > 0.0F) {
-        const std::int32_t index = blocks[place / kBlock].index[place % kBlock];
-        meet_carefully(fan, tasks.first[t], tasks.last[t], shapes.segments[static_cast<std::size_t>(index)]);
-      } else if constexpr (kMoves) {
-        meet_moving<kInPairs>(fan, tasks, t, batch, place, frame);
-      } else {
-        meet_standing<kInPairs>(fan, tasks, t, batch, place);
-      }
-    }
-  }
-}
-
 // What is known of a batch of circles, by place.
 struct CircleBatch {
   HWY_ALIGN float angle[kBatch];
@@ -432,7 +411,8 @@ struct CircleBatch {
   HWY_ALIGN float care[kBatch];
 };
 
-HWY_INLINE void see_circles(const CircleBlock& block, int j, int place, const Frame& frame, CircleBatch& batch) {
+template <bool kMoves>  // the reach of the way says enough
+HWY_INLINE void see(const CircleBlock& block, int j, int place, const Frame& frame, CircleBatch& batch) {
   const Floats d;
   const F x = hn::Sub(hn::Load(d, block.x + j), hn::Set(d, frame.origin_x));
   const F y = hn::Sub(hn::Load(d, block.y + j), hn::Set(d, frame.origin_y));
@@ -459,6 +439,8 @@ HWY_INLINE void see_circles(const CircleBlock& block, int j, int place, const Fr
   hn::Store(radius_squared, d, batch.radius_squared + place);
   hn::Store(hn::Div(hn::Set(d, 1.0F), power), d, batch.inverse_power + place);
 }
+
+HWY_INLINE void find_angles(CircleBatch& batch, int count) { find_angles(batch.y, batch.x, count, batch.angle); }
 
 HWY_INLINE void find_beams(const CircleBatch& batch, int count, const Frame& frame, Tasks& tasks) {
   const Floats d;
@@ -511,22 +493,24 @@ HWY_INLINE void meet_moving(Fan& fan, const Tasks& tasks, std::size_t task, cons
   });
 }
 
-template <bool kMoves, bool kInPairs>
-HWY_INLINE void meet_circles(const Shapes& shapes, const Frame& frame, Fan& fan) {
+// Looks at a batch of candidates after the other, finds the beams that each concerns, and lets these meet it.
+template <class Batch, bool kMoves, bool kInPairs, class Block, class Shape>
+HWY_INLINE void meet_candidates(std::span<const Block> all_blocks, int all, std::span<const Shape> shapes,
+                                const Frame& frame, Fan& fan) {
   const int lanes = static_cast<int>(hn::Lanes(Floats()));
-  for (int start = 0; start < shapes.circle_count; start += kBatch) {
-    CircleBatch batch;
+  for (int start = 0; start < all; start += kBatch) {
+    Batch batch;
     Tasks tasks;
-    const CircleBlock* blocks = shapes.circle_blocks.data() + start / kBlock;
-    const int count = std::min(kBatch, shapes.circle_count - start);
-    for (int i = 0; i < count; i += lanes) see_circles(blocks[i / kBlock], i % kBlock, i, frame, batch);
-    find_angles(batch.y, batch.x, count, batch.angle);
+    const Block* blocks = all_blocks.data() + start / kBlock;
+    const int count = std::min(kBatch, all - start);
+    for (int i = 0; i < count; i += lanes) see<kMoves>(blocks[i / kBlock], i % kBlock, i, frame, batch);
+    find_angles(batch, count);
     find_beams(batch, count, frame, tasks);
     for (std::size_t t = 0; t < tasks.count; ++t) {
       const auto place = static_cast<std::size_t>(tasks.place[t]);
       if (batch.care[place] > 0.0F) {
         const std::int32_t index = blocks[place / kBlock].index[place % kBlock];
-        meet_carefully(fan, tasks.first[t], tasks.last[t], shapes.circles[static_cast<std::size_t>(index)]);
+        meet_carefully(fan, tasks.first[t], tasks.last[t], shapes[static_cast<std::size_t>(index)]);
       } else if constexpr (kMoves) {
         meet_moving<kInPairs>(fan, tasks, t, batch, place, frame);
       } else {
@@ -553,8 +537,10 @@ void meet_shapes(const Shapes& shapes, Fan& fan) {
       .reach = moves ? static_cast<float>(middle * norm(sweep.step)) + 1e-5F : 0.0F,
   };
   const auto meet_all = [&](auto is_moving, auto in_pairs) HWY_ATTR {
-    meet_segments<is_moving(), in_pairs()>(shapes, frame, fan);
-    meet_circles<is_moving(), in_pairs()>(shapes, frame, fan);
+    meet_candidates<SegmentBatch, is_moving(), in_pairs()>(shapes.segment_blocks, shapes.segment_count, shapes.segments,
+                                                           frame, fan);
+    meet_candidates<CircleBatch, is_moving(), in_pairs()>(shapes.circle_blocks, shapes.circle_count, shapes.circles,
+                                                          frame, fan);
   };
   constexpr std::true_type kYes;
   constexpr std::false_type kNo;

@@ -93,12 +93,6 @@ class Others {
   std::vector<scene::Segment> segments_;
 };
 
-// Whether the lidar looks in the step that leads to `steps`: at its end where the whole turn is taken at once.
-bool sweeps(const Sensing& sensing, const RobotModel& robot, std::uint64_t steps) {
-  if (!sensing.lidar || !robot.caster) return false;
-  return robot.profile.lidar->rolling || steps % static_cast<std::uint64_t>(robot.turn) == 0;
-}
-
 // The share of a turn that a step sweeps, from the poses in between; or the whole turn at its end.
 void sweep_lidar(const RobotModel& robot, Others& others, const Pose2D& before, RobotState& state) {
   const LidarSpec& lidar = *robot.profile.lidar;
@@ -141,7 +135,9 @@ void sense(const RobotModel& robot, const Sensing& sensing, Others& others, cons
   if (sensing.ultrasonics) {
     if (const auto sensor = ping_ready(robot, state)) ping(robot, *sensor, others, state);
   }
-  if (sweeps(sensing, robot, state.steps)) sweep_lidar(robot, others, before, state);
+  if (sensing.lidar && robot.caster && (robot.profile.lidar->rolling || scan_ready(robot, state))) {
+    sweep_lidar(robot, others, before, state);
+  }
 }
 
 bool is_any_on(const Sensing& sensing) { return sensing.lidar || sensing.imu || sensing.ultrasonics; }

@@ -35,6 +35,9 @@ struct Features {
   bool can_save = false;
   bool external_localization = false;
   bool external_navigation = false;
+
+  /// Whether any of the sensors is of this type.
+  bool has(SensorType type) const;
 };
 
 /// One robot in a world.

@@ -1,6 +1,5 @@
 #include "env/robot/places.hpp"
 
-#include <algorithm>
 #include <utility>
 
 #include <fmt/format.h>
@@ -22,13 +21,8 @@ void check(const Options& options) {
          "num_envs, num_robots, num_threads: with a backend there is one environment with one robot");
 }
 
-bool has(const Runtime& robot, SensorType type) {
-  const auto& sensors = robot.features().sensors;
-  return std::ranges::any_of(sensors, [type](const auto& sensor) { return sensor.type == type; });
-}
-
 void require_sensor(const Runtime& robot, const std::string& backend, SensorType type, const char* observation) {
-  if (has(robot, type)) return;
+  if (robot.features().has(type)) return;
   throw ConfigError(fmt::format("observations: '{}' needs a {}, which '{}' lacks on backend '{}'", observation,
                                 to_string(type), robot.profile().name, backend));
 }
@@ -44,8 +38,8 @@ void check(Options& options, const Runtime& robot, const std::string& backend) {
   }
   Observed& observed = options.observed;
   if (observed.if_there) {
-    observed.lidar = observed.lidar && has(robot, SensorType::lidar);
-    observed.image = observed.image && has(robot, SensorType::camera);
+    observed.lidar = observed.lidar && robot.features().has(SensorType::lidar);
+    observed.image = observed.image && robot.features().has(SensorType::camera);
   }
   if (observed.lidar) require_sensor(robot, backend, SensorType::lidar, "lidar");
   if (observed.image) require_sensor(robot, backend, SensorType::camera, "image");

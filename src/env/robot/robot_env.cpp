@@ -38,7 +38,6 @@ struct RobotEnv::Impl {
   Runtime& robot() { return places[info.scene].robot(); }
   const Runtime& robot() const { return places[info.scene].robot(); }
   const scene::TruthView& truth() const { return *robot().truth(); }
-  bool senses(SensorType type) const;
 
   // never changes
   std::vector<RobotPlace> places;
@@ -87,9 +86,7 @@ RobotEnv::Impl::Impl(Options wanted, const World::Options& robot, const std::vec
   metric_names = task->metrics();
   metrics.resize(metric_names.size());
   const std::vector<task::Field> fields = observation_fields(options, task->fields());
-  for (const task::Field& field : task->fields()) {
-    task_fields.push_back(std::ranges::find(fields, field.name, &task::Field::name) != fields.end());
-  }
+  task_fields = which_are_among(fields, task->fields());
   observations = make_arrays(fields, 1);
 }
 
@@ -167,7 +164,7 @@ void RobotEnv::Impl::observe() {
 task::Belief RobotEnv::Impl::belief() {
   task::Belief belief;
   belief.map_from_base = robot().pose().map_from_base();
-  if (!senses(SensorType::lidar)) return belief;
+  if (!robot().features().has(SensorType::lidar)) return belief;
   const LidarSpec& lidar = *options.hardware.lidar;
   belief.scan = newest_scan();
   belief.base_from_lidar = lidar.base_from_lidar;
@@ -209,10 +206,6 @@ std::span<const std::int16_t> RobotEnv::Impl::look() {
   const CameraSpec& camera = *options.hardware.camera;
   seen = truth().look(camera.intrinsics(), truth().true_pose() * camera.base_from_camera, camera.mount_height, false);
   return seen.ids;
-}
-
-bool RobotEnv::Impl::senses(SensorType type) const {
-  return std::ranges::any_of(robot().features().sensors, [&](const auto& sensor) { return sensor.type == type; });
 }
 
 void RobotEnv::Impl::fail_if_broken() const {
