@@ -7,7 +7,6 @@
 #include <hwy/highway.h>
 
 #include "threewe/core/exact-inl.hpp"
-#include "threewe/core/normal-inl.hpp"
 
 namespace threewe::exact {
 namespace {
@@ -106,7 +105,7 @@ double exp(double x) {
   return y * power(exponent / 2) * power(exponent - exponent / 2);
 }
 
-// Argument reduction of fdlibm's e_log.c.
+// fdlibm's e_log.c.
 double log(double x) {
   if (std::isnan(x) || x < 0.0) return std::numeric_limits<double>::quiet_NaN();
   if (x == 0.0) return -std::numeric_limits<double>::infinity();
@@ -126,7 +125,19 @@ double log(double x) {
     k += 1.0;
   }
 
-  return threewe::HWY_NAMESPACE::log_of_parts(k, m);
+  constexpr double kLn2High = 0x1.62e42fee00000p-1;  // NOLINT(modernize-use-std-numbers): its first 33 bits
+  constexpr double kLn2Low = 1.90821492927058770002e-10;
+  const double f = m - 1.0;
+  const double s = f / (2.0 + f);
+  const double z = s * s;
+  double r = 1.479819860510658591e-01;
+  for (const double next : {1.531383769920937332e-01, 1.818357216161805012e-01, 2.222219843214978396e-01,
+                            2.857142874366239149e-01, 3.999999999940941908e-01, 6.666666666666735130e-01}) {
+    r = r * z + next;
+  }
+  r = z * r;
+  const double half_square = 0.5 * f * f;
+  return k * kLn2High - ((half_square - (s * (half_square + r) + k * kLn2Low)) - f);
 }
 
 }  // namespace threewe::exact

@@ -1,9 +1,8 @@
 #include "threewe/core/rng.hpp"
 
-#include <hwy/highway.h>
+#include <span>
 
 #include "threewe/core/exact.hpp"
-#include "threewe/core/normal-inl.hpp"
 
 namespace threewe {
 namespace {
@@ -29,6 +28,34 @@ std::array<std::uint32_t, 4> philox(std::array<std::uint32_t, 4> c, std::uint32_
   }
   return c;
 }
+
+// By Horner's rule, the highest power first.
+double polynomial(std::span<const double> coefficients, double x) {
+  double value = coefficients[0];
+  for (const double next : coefficients.subspan(1)) value = value * x + next;
+  return value;
+}
+
+// A ratio of two polynomials of Wichura's.
+struct Ratio {
+  std::array<double, 8> numerator;
+  std::array<double, 8> denominator;
+  double at(double x) const { return polynomial(numerator, x) / polynomial(denominator, x); }
+};
+constexpr Ratio kMiddle{{2509.0809287301226727, 33430.575583588128105, 67265.770927008700853, 45921.953931549871457,
+                         13731.693765509461125, 1971.5909503065514427, 133.14166789178437745, 3.387132872796366608},
+                        {5226.495278852545925, 28729.085735721942674, 39307.89580009271061, 21213.794301586595867,
+                         5394.1960214247511077, 687.1870074920579083, 42.313330701600911252, 1.0}};
+constexpr Ratio kTail{
+    {7.7454501427834140764e-4, 0.0227238449892691845833, 0.24178072517745061177, 1.27045825245236838258,
+     3.64784832476320460504, 5.7694972214606914055, 4.6303378461565452959, 1.42343711074968357734},
+    {1.05075007164441684324e-9, 5.475938084995344946e-4, 0.0151986665636164571966, 0.14810397642748007459,
+     0.68976733498510000455, 1.6763848301838038494, 2.05319162663775882187, 1.0}};
+constexpr Ratio kFarTail{
+    {2.01033439929228813265e-7, 2.71155556874348757815e-5, 0.0012426609473880784386, 0.026532189526576123093,
+     0.29656057182850489123, 1.7848265399172913358, 5.4637849111641143699, 6.6579046435011037772},
+    {2.04426310338993978564e-15, 1.4215117583164458887e-7, 1.8463183175100546818e-5, 7.868691311456132591e-4,
+     0.0148753612908506148525, 0.13692988092273580531, 0.59983220655588793769, 1.0}};
 
 std::uint64_t random_word(const RngKey& key, std::uint64_t sample, std::uint32_t lane) {
   const auto bits = random_bits(key, sample, lane);
@@ -63,39 +90,12 @@ double normal(const RngKey& key, std::uint64_t sample, std::uint32_t lane) {
 double normal_quantile(double p) {
   const double q = p - 0.5;
 
-  // the middle 85 %
-  if (q <= HWY_NAMESPACE::kNormalMiddle && q >= -HWY_NAMESPACE::kNormalMiddle) {
-    return HWY_NAMESPACE::normal_middle(q);
+  if (q <= 0.425 && q >= -0.425) {
+    const double r = 0.180625 - q * q;
+    return q * polynomial(kMiddle.numerator, r) / polynomial(kMiddle.denominator, r);
   }
-
-  // the tails
-  double r = exact::sqrt(-exact::log(q < 0.0 ? p : 1.0 - p));
-  double value = 0.0;
-  if (r <= HWY_NAMESPACE::kNormalTail) {
-    value = HWY_NAMESPACE::normal_tail(r);
-  } else {
-    r -= 5.0;
-    value = (((((((2.01033439929228813265e-7 * r + 2.71155556874348757815e-5) * r + 0.0012426609473880784386) * r +
-                 0.026532189526576123093) *
-                    r +
-                0.29656057182850489123) *
-                   r +
-               1.7848265399172913358) *
-                  r +
-              5.4637849111641143699) *
-                 r +
-             6.6579046435011037772) /
-            (((((((2.04426310338993978564e-15 * r + 1.4215117583164458887e-7) * r + 1.8463183175100546818e-5) * r +
-                 7.868691311456132591e-4) *
-                    r +
-                0.0148753612908506148525) *
-                   r +
-               0.13692988092273580531) *
-                  r +
-              0.59983220655588793769) *
-                 r +
-             1.0);
-  }
+  const double r = exact::sqrt(-exact::log(q < 0.0 ? p : 1.0 - p));
+  const double value = r <= 5.0 ? kTail.at(r - 1.6) : kFarTail.at(r - 5.0);
   return q < 0.0 ? -value : value;
 }
 

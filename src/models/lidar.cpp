@@ -1,6 +1,7 @@
 #include "threewe/models/lidar.hpp"
 
 #include <algorithm>
+#include <limits>
 
 #include "models/lidar_noise.hpp"
 
@@ -15,38 +16,6 @@ ScanPattern scan_pattern(const LidarSpec& spec) {
   return {edge + inwards, kTurn / spec.points_per_turn};
 }
 
-namespace {
-
-// How far off points are, and how many are lost.
-struct Noise {
-  double bias = 0.0;     // [m]
-  double sigma = 0.0;    // [m]
-  double dropout = 0.0;  // probability
-};
-
-// One draw per point: two words for the scatter, one for the dropout.
-void measure_noisily(const LidarSpec& spec, const Noise& noise, const RngKey& key, std::uint64_t first,
-                     std::span<float> ranges) {
-  const auto far = static_cast<float>(spec.range_max);
-  const auto near = static_cast<float>(spec.range_min);
-  const double dropout = noise.dropout * 0x1p32;
-  for (std::size_t begin = 0; begin < ranges.size(); begin += kDrawn) {
-    const std::size_t count = std::min(kDrawn, ranges.size() - begin);
-    PointDraws draws;
-    draw_points(key, first + begin, count, draws);
-    for (std::size_t i = 0; i < count; ++i) {
-      float& range = ranges[begin + i];
-      const double offset = noise.bias + noise.sigma * draws.scatter[i];
-      const float moved = std::min(static_cast<float>(static_cast<double>(range) + offset), far);
-      const float measured = range >= far ? far : moved;
-      const bool lost = static_cast<double>(static_cast<std::int64_t>(draws.fate[i])) < dropout || measured < near;
-      range = lost ? 0.0F : measured;
-    }
-  }
-}
-
-}  // namespace
-
 double lidar_bias(const LidarSpec& spec, const RngKey& key) {
   RngKey episode = key;
   episode.stream = Stream::episode;
@@ -55,18 +24,18 @@ double lidar_bias(const LidarSpec& spec, const RngKey& key) {
 
 void measure_ranges(const LidarSpec& spec, const RngKey& key, double bias, std::uint64_t first, std::span<float> ranges,
                     const Variation& variation) {
-  const Noise noise{variation.lidar_noise * bias, variation.lidar_noise * spec.sigma,
-                    variation.lidar_dropout * spec.dropout};
-  if (noise.sigma > 0.0 || noise.dropout > 0.0) {
-    measure_noisily(spec, noise, key, first, ranges);
+  const RangeNoise noise{.bias = static_cast<float>(variation.lidar_noise * bias),
+                         .sigma = static_cast<float>(variation.lidar_noise * spec.sigma),
+                         .dropout = static_cast<float>(variation.lidar_dropout * spec.dropout),
+                         .near = static_cast<float>(spec.range_min),
+                         .far = static_cast<float>(spec.range_max)};
+  if (noise.sigma > 0.0F || noise.dropout > 0.0F) {
+    add_noise(key, first, noise, ranges);
     return;
   }
-  const auto far = static_cast<float>(spec.range_max);
-  const auto near = static_cast<float>(spec.range_min);
   for (float& range : ranges) {
-    const float moved = std::min(static_cast<float>(static_cast<double>(range) + noise.bias), far);
-    const float measured = range >= far ? far : moved;
-    range = measured < near ? 0.0F : measured;
+    const float measured = range >= noise.far ? noise.far : std::min(range + noise.bias, noise.far);
+    range = measured < noise.near ? 0.0F : measured;
   }
 }
 
@@ -86,16 +55,16 @@ std::vector<PointBeams> beams_of_points(const LidarSpec& spec) {
 }
 
 void fill_scan(std::span<const PointBeams> beams_of_points, std::span<const float> points, std::span<float> ranges) {
-  // 0 beams hold no point yet, or only invalid ones; range_max gives way to any return
-  std::ranges::fill(ranges, 0.0F);
-  const auto count = [&](std::uint16_t beam, float range) {
-    if (ranges[beam] == 0.0F || range < ranges[beam]) ranges[beam] = range;
-  };
+  // nothing is farther than any return; 0 beams hold no point yet, or only invalid ones
+  constexpr float kNothing = std::numeric_limits<float>::infinity();
+  std::ranges::fill(ranges, kNothing);
   for (std::size_t k = 0; k < points.size(); ++k) {
-    if (points[k] == 0.0F) continue;
-    count(beams_of_points[k].first, points[k]);
-    count(beams_of_points[k].second, points[k]);
+    const float range = points[k] == 0.0F ? kNothing : points[k];
+    const auto [first, second] = beams_of_points[k];
+    ranges[first] = std::min(ranges[first], range);
+    if (second != first) ranges[second] = std::min(ranges[second], range);
   }
+  for (float& range : ranges) range = range == kNothing ? 0.0F : range;
 }
 
 LaserScan make_scan(const LidarSpec& spec, std::span<const float> points) {

@@ -1,132 +1,180 @@
-// Each lane is a point. Most lie in the middle of the distribution; the others are gathered, and drawn as vectors too.
+// In passes: words, four counters of Philox at a time or more; normal numbers; ranges.
 #include "models/lidar_noise.hpp"
 
+#include <algorithm>
+#include <array>
+#include <cstddef>
 #include <numbers>
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "models/lidar_noise.cpp"
 #include "threewe/core/highway-inl.hpp"
 //
-#include "threewe/core/exact.hpp"
-#include "threewe/core/normal-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace threewe::models::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-using Doubles = hn::CappedTag<double, 8>;
-using Words = hn::RebindToUnsigned<Doubles>;
-using V = hn::Vec<Doubles>;
+using Words = hn::CappedTag<std::uint64_t, 8>;
+using HalfWords = hn::Rebind<std::uint32_t, Words>;
+using Floats = hn::CappedTag<float, 16>;
+using Ints = hn::RebindToSigned<Floats>;
+using Bits = hn::RebindToUnsigned<Floats>;
 using W = hn::Vec<Words>;
+using F = hn::Vec<Floats>;
 
-HWY_INLINE W low_half(W a) { return hn::And(a, hn::Set(Words(), 0xFFFFFFFFU)); }
+constexpr std::size_t kPairs = 64;  // at a time
+constexpr std::size_t kMore = 16;   // places behind, so that vectors may be whole
+
+// The words of pairs, then what they say of their points.
+struct Draws {
+  HWY_ALIGN std::array<std::array<std::uint32_t, kPairs + kMore>, 4> words;
+  HWY_ALIGN std::array<float, 2 * (kPairs + kMore)> scatter;  // standard normal
+  HWY_ALIGN std::array<float, 2 * (kPairs + kMore)> fate;     // whole numbers below 2^24
+  HWY_ALIGN std::array<float, 2 * (kPairs + kMore)> range;    // [m]
+};
 
 // The products of the lower halves.
 HWY_INLINE W multiply(W a, W b) {
 #if HWY_TARGET == HWY_SCALAR
-  return low_half(a) * low_half(b);
+  const W low = hn::Set(Words(), 0xFFFFFFFFU);
+  return hn::And(a, low) * hn::And(b, low);
 #else
   const hn::Repartition<std::uint32_t, Words> halves;
   return hn::MulEven(hn::BitCast(halves, a), hn::BitCast(halves, b));
 #endif
 }
 
-// A whole number below 2^53.
-HWY_INLINE V to_double(W n) {
-  const Doubles d;
-  const V high = hn::BitCast(d, hn::Or(hn::ShiftRight<32>(n), hn::Set(Words(), 0x4530000000000000U)));
-  const V low = hn::BitCast(d, hn::Or(low_half(n), hn::Set(Words(), 0x4330000000000000U)));
-  return (high - hn::Set(d, 0x1p84)) + (low - hn::Set(d, 0x1p52));
-}
-
-struct PhiloxOf {
-  W c0, c1, c2, c3;  // garbage above 32 bits
-};
-
-// Philox4x32-10, see rng.cpp.
-HWY_INLINE PhiloxOf philox(PhiloxOf c, std::uint64_t seed) {
+// `random_bits` of some samples: Philox4x32-10, see rng.cpp. Above 32 bits lanes hold garbage.
+HWY_INLINE void draw_words(const RngKey& key, std::uint64_t first, std::size_t count, Draws& draws) {
   const Words d;
-  auto k0 = static_cast<std::uint32_t>(seed);
-  auto k1 = static_cast<std::uint32_t>(seed >> 32);
-  for (int round = 0; round < 10; ++round) {
-    const W p0 = multiply(hn::Set(d, 0xD2511F53U), c.c0);
-    const W p1 = multiply(hn::Set(d, 0xCD9E8D57U), c.c2);
-    c = {hn::Xor(hn::Xor(hn::ShiftRight<32>(p1), c.c1), hn::Set(d, k0)), p1,
-         hn::Xor(hn::Xor(hn::ShiftRight<32>(p0), c.c3), hn::Set(d, k1)), p0};
-    k0 += 0x9E3779B9U;
-    k1 += 0xBB67AE85U;
-  }
-  return c;
-}
-
-// The logarithm of positive normal numbers, as exact::log.
-HWY_INLINE V logarithm(V x) {
-  const Doubles d;
-  const Words dw;
-  const W bits = hn::BitCast(dw, x);
-  const W biased = hn::Or(hn::ShiftRight<52>(bits), hn::Set(dw, 0x4330000000000000U));
-  const V exponent = hn::BitCast(d, biased) - hn::Set(d, 0x1p52 + 1023.0);
-  const W fraction = hn::And(bits, hn::Set(dw, 0x000FFFFFFFFFFFFFU));
-  const V m = hn::BitCast(d, hn::Or(fraction, hn::Set(dw, 0x3FF0000000000000U)));
-  const auto above = hn::Gt(m, hn::Set(d, std::numbers::sqrt2));
-  return threewe::HWY_NAMESPACE::log_of_parts(hn::IfThenElse(above, exponent + hn::Set(d, 1.0), exponent),
-                                              hn::IfThenElse(above, hn::Set(d, 0.5) * m, m));
-}
-
-// What lies outside the middle of the distribution.
-struct Tails {
-  HWY_ALIGN double p[kDrawn];
-  HWY_ALIGN double root[kDrawn];
-  HWY_ALIGN double out[kDrawn];
-  std::size_t point[kDrawn];
-  std::size_t count = 0;
-};
-
-void draw_tails(Tails& tails, PointDraws& draws) {
-  const Doubles d;
-  const std::size_t lanes = hn::Lanes(d);
-  for (std::size_t i = tails.count; i % lanes != 0; ++i) tails.p[i] = 0.01;  // so that the last vector is full
-  for (std::size_t i = 0; i < tails.count; i += lanes) {
-    const V p = hn::Load(d, tails.p + i);
-    const auto below = hn::Lt(p, hn::Set(d, 0.5));
-    const V root = hn::Sqrt(hn::Neg(logarithm(hn::IfThenElse(below, p, hn::Set(d, 1.0) - p))));
-    const V size = threewe::HWY_NAMESPACE::normal_tail(root);
-    hn::Store(root, d, tails.root + i);
-    hn::Store(hn::IfThenElse(below, hn::Neg(size), size), d, tails.out + i);
-  }
-  for (std::size_t i = 0; i < tails.count; ++i) {
-    const bool near = tails.root[i] <= threewe::HWY_NAMESPACE::kNormalTail;  // all but one in 10^11
-    draws.scatter[tails.point[i]] = near ? tails.out[i] : normal_quantile(tails.p[i]);
-  }
-}
-
-void draw(const RngKey& key, std::uint64_t first, std::size_t count, PointDraws& draws) {
-  const Doubles d;
-  const Words dw;
-  const std::size_t lanes = hn::Lanes(d);
+  const HalfWords half;
   const auto place = static_cast<std::uint32_t>((key.robot & 0xFFFU) << 20 | (key.sensor & 0xFFFU) << 8 |
                                                 (static_cast<std::uint32_t>(key.stream) & 0xFFU));
-  const W ascending = hn::Iota(dw, 0);
-  HWY_ALIGN double p[kDrawn];
-  for (std::size_t i = 0; i < count; i += lanes) {
-    const W sample = ascending + hn::Set(dw, first + i);
-    const W high = hn::ShiftLeft<16>(hn::And(hn::ShiftRight<32>(sample), hn::Set(dw, 0xFFFFU)));
-    const PhiloxOf bits = philox({sample, high, hn::Set(dw, key.episode), hn::Set(dw, place)}, key.seed);
-    const W wide = hn::Or(hn::ShiftLeft<32>(bits.c0), low_half(bits.c1));
-    const V share = to_double(hn::ShiftRight<11>(wide)) * hn::Set(d, 0x1p-53) + hn::Set(d, 0x1p-54);
-    hn::Store(share, d, p + i);
-    hn::Store(threewe::HWY_NAMESPACE::normal_middle(share - hn::Set(d, 0.5)), d, draws.scatter + i);
-    hn::Store(low_half(bits.c2), dw, draws.fate + i);
+  const W ascending = hn::Iota(d, 0);
+  for (std::size_t i = 0; i < count; i += hn::Lanes(d)) {
+    W c0 = hn::Add(ascending, hn::Set(d, first + i));
+    W c1 = hn::ShiftLeft<16>(hn::And(hn::ShiftRight<32>(c0), hn::Set(d, 0xFFFFU)));
+    W c2 = hn::Set(d, key.episode);
+    W c3 = hn::Set(d, place);
+    auto k0 = static_cast<std::uint32_t>(key.seed);
+    auto k1 = static_cast<std::uint32_t>(key.seed >> 32);
+    for (int round = 0; round < 10; ++round) {
+      const W p0 = multiply(hn::Set(d, 0xD2511F53U), c0);
+      const W p1 = multiply(hn::Set(d, 0xCD9E8D57U), c2);
+      c0 = hn::Xor(hn::Xor(hn::ShiftRight<32>(p1), c1), hn::Set(d, k0));
+      c1 = p1;
+      c2 = hn::Xor(hn::Xor(hn::ShiftRight<32>(p0), c3), hn::Set(d, k1));
+      c3 = p0;
+      k0 += 0x9E3779B9U;
+      k1 += 0xBB67AE85U;
+    }
+    hn::StoreU(hn::TruncateTo(half, c0), half, draws.words[0].data() + i);
+    hn::StoreU(hn::TruncateTo(half, c1), half, draws.words[1].data() + i);
+    hn::StoreU(hn::TruncateTo(half, c2), half, draws.words[2].data() + i);
+    hn::StoreU(hn::TruncateTo(half, c3), half, draws.words[3].data() + i);
   }
-  Tails tails;
-  for (std::size_t i = 0; i < count; ++i) {
-    tails.p[tails.count] = p[i];
-    tails.point[tails.count] = i;
-    const double q = p[i] - 0.5;
-    tails.count += q > threewe::HWY_NAMESPACE::kNormalMiddle || q < -threewe::HWY_NAMESPACE::kNormalMiddle ? 1 : 0;
+}
+
+// The middle of one of 2^23 equal steps from 0 to 1, exact.
+HWY_INLINE F share_of(hn::Vec<Bits> word) {
+  const Floats d;
+  const F step = hn::ConvertTo(d, hn::BitCast(Ints(), hn::ShiftRight<9>(word)));
+  return hn::Mul(hn::Add(step, hn::Set(d, 0.5F)), hn::Set(d, 0x1p-23F));
+}
+
+// The natural logarithm of normal numbers (Cephes, logf.c).
+HWY_INLINE F log(F x) {
+  const Floats d;
+  const Ints di;
+  // x = m * 2^exponent, m between the roots of 1/2 and 2
+  const auto bits = hn::Sub(hn::BitCast(di, x), hn::Set(di, 0x3F3504F3));
+  const F exponent = hn::ConvertTo(d, hn::ShiftRight<23>(bits));
+  const auto mantissa = hn::Add(hn::And(bits, hn::Set(di, 0x007FFFFF)), hn::Set(di, 0x3F3504F3));
+  const F f = hn::Sub(hn::BitCast(d, mantissa), hn::Set(d, 1.0F));
+  const F z = hn::Mul(f, f);
+  F p = hn::Set(d, 7.0376836292e-2F);
+  for (const float next : {-1.1514610310e-1F, 1.1676998740e-1F, -1.2420140846e-1F, 1.4249322787e-1F, -1.6668057665e-1F,
+                           2.0000714765e-1F, -2.4999993993e-1F, 3.3333331174e-1F}) {
+    p = hn::Add(hn::Mul(p, f), hn::Set(d, next));
   }
-  draw_tails(tails, draws);
+  F rest = hn::Mul(hn::Mul(p, f), z);
+  rest = hn::Add(rest, hn::Mul(exponent, hn::Set(d, -2.12194440e-4F)));
+  rest = hn::Sub(rest, hn::Mul(hn::Set(d, 0.5F), z));
+  return hn::Add(hn::Add(f, rest), hn::Mul(exponent, hn::Set(d, 0.693359375F)));
+}
+
+struct SinCosF {
+  F sin;
+  F cos;
+};
+
+// Of so many turns, from 0 to 1 (polynomials: Cephes, sinf.c).
+HWY_INLINE SinCosF sincos_of_turns(F turns) {
+  const Floats d;
+  const Ints di;
+  const F quarters = hn::Mul(turns, hn::Set(d, 4.0F));
+  const F nearest = hn::Floor(hn::Add(quarters, hn::Set(d, 0.5F)));
+  const F z = hn::Mul(hn::Sub(quarters, nearest), hn::Set(d, std::numbers::pi_v<float> / 2.0F));
+  const F zz = hn::Mul(z, z);
+  F s = hn::Sub(hn::Set(d, 8.3321608736e-3F), hn::Mul(zz, hn::Set(d, 1.9515295891e-4F)));
+  s = hn::Sub(hn::Mul(s, zz), hn::Set(d, 1.6666654611e-1F));
+  s = hn::Add(z, hn::Mul(hn::Mul(s, zz), z));
+  F c = hn::Sub(hn::Mul(zz, hn::Set(d, 2.443315711809948e-5F)), hn::Set(d, 1.388731625493765e-3F));
+  c = hn::Add(hn::Mul(c, zz), hn::Set(d, 4.166664568298827e-2F));
+  c = hn::Add(hn::Sub(hn::Set(d, 1.0F), hn::Mul(hn::Set(d, 0.5F), zz)), hn::Mul(hn::Mul(c, zz), zz));
+
+  // every second quarter swaps the two; signs are the second bits of the quarter, and of the next
+  const auto quarter = hn::ConvertTo(di, nearest);
+  const auto one = hn::Set(di, 1);
+  const auto swapped = hn::MaskFromVec(hn::BitCast(d, hn::ShiftRight<31>(hn::ShiftLeft<31>(quarter))));
+  const auto sin_sign = hn::BitCast(d, hn::ShiftLeft<31>(hn::ShiftRight<1>(quarter)));
+  const auto cos_sign = hn::BitCast(d, hn::ShiftLeft<31>(hn::ShiftRight<1>(hn::Add(quarter, one))));
+  return {hn::Xor(hn::IfThenElse(swapped, c, s), sin_sign), hn::Xor(hn::IfThenElse(swapped, s, c), cos_sign)};
+}
+
+HWY_INLINE void interpret(std::size_t count, Draws& draws) {
+  const Floats d;
+  const Bits bits;
+  for (std::size_t i = 0; i < count; i += hn::Lanes(d)) {
+    const F size = hn::Sqrt(hn::Mul(hn::Set(d, -2.0F), log(share_of(hn::LoadU(bits, draws.words[0].data() + i)))));
+    const SinCosF direction = sincos_of_turns(share_of(hn::LoadU(bits, draws.words[1].data() + i)));
+    hn::StoreInterleaved2(hn::Mul(size, direction.cos), hn::Mul(size, direction.sin), d, draws.scatter.data() + 2 * i);
+    const auto fate = [&](std::size_t word) HWY_ATTR {
+      const auto upper = hn::ShiftRight<8>(hn::LoadU(bits, draws.words[word].data() + i));
+      return hn::ConvertTo(d, hn::BitCast(Ints(), upper));
+    };
+    hn::StoreInterleaved2(fate(2), fate(3), d, draws.fate.data() + 2 * i);
+  }
+}
+
+void measure(const RngKey& key, std::uint64_t first, const RangeNoise& noise, std::span<float> ranges) {
+  const Floats d;
+  const F near = hn::Set(d, noise.near);
+  const F far = hn::Set(d, noise.far);
+  Draws draws;
+  while (!ranges.empty()) {
+    const std::size_t skipped = first % 2;
+    const std::size_t count = std::min(2 * kPairs - skipped, ranges.size());
+    const std::size_t pairs = (skipped + count + 1) / 2;
+    draw_words(key, first / 2, pairs, draws);
+    interpret(pairs, draws);
+
+    std::copy_n(ranges.data(), count, draws.range.data());
+    for (std::size_t i = 0; i < count; i += hn::Lanes(d)) {
+      const F truth = hn::LoadU(d, draws.range.data() + i);
+      const F scatter = hn::Mul(hn::Set(d, noise.sigma), hn::LoadU(d, draws.scatter.data() + skipped + i));
+      const F moved = hn::Min(hn::Add(truth, hn::Add(hn::Set(d, noise.bias), scatter)), far);
+      const F measured = hn::IfThenElse(hn::Ge(truth, far), far, moved);
+      const auto dropped = hn::Lt(hn::LoadU(d, draws.fate.data() + skipped + i), hn::Set(d, 0x1p24F * noise.dropout));
+      const auto lost = hn::Or(dropped, hn::Lt(measured, near));
+      hn::StoreU(hn::IfThenZeroElse(lost, measured), d, draws.range.data() + i);
+    }
+    std::copy_n(draws.range.data(), count, ranges.data());
+    ranges = ranges.subspan(count);
+    first += count;
+  }
 }
 
 }  // namespace threewe::models::HWY_NAMESPACE
@@ -135,10 +183,10 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace threewe::models {
 
-HWY_EXPORT(draw);
+HWY_EXPORT(measure);
 
-void draw_points(const RngKey& key, std::uint64_t first, std::size_t count, PointDraws& draws) {
-  HWY_DYNAMIC_DISPATCH(draw)(key, first, count, draws);
+void add_noise(const RngKey& key, std::uint64_t first, const RangeNoise& noise, std::span<float> ranges) {
+  HWY_DYNAMIC_DISPATCH(measure)(key, first, noise, ranges);
 }
 
 }  // namespace threewe::models

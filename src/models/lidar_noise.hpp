@@ -1,24 +1,27 @@
-// The random numbers of many lidar points at once, vectorised.
+// What is wrong with the ranges of a lidar, many points at once, vectorised.
 #pragma once
 
-#include <cstddef>
 #include <cstdint>
+#include <span>
 
 #include "threewe/core/rng.hpp"
 
 namespace threewe::models {
 
-/// Points that are drawn at a time.
-inline constexpr std::size_t kDrawn = 64;
-
-/// What scatters a point, standard normal, and what decides whether it is lost, a random word.
-struct PointDraws {
-  alignas(64) double scatter[kDrawn];
-  alignas(64) std::uint64_t fate[kDrawn];  // below 2^32
+/// How far off points are, how many are lost, and what the device measures at all.
+struct RangeNoise {
+  float bias = 0.0F;     ///< [m]
+  float sigma = 0.0F;    ///< [m]
+  float dropout = 0.0F;  ///< probability
+  float near = 0.0F;     ///< [m], nothing below is valid
+  float far = 0.0F;      ///< [m], where nothing is
 };
 
-/// The draws of points from `first` on, at least `count` of them, at most kDrawn: of each point, scatter of the first
-/// two words of `random_bits(key, point)` by `normal_quantile`, and the third word.
-void draw_points(const RngKey& key, std::uint64_t first, std::size_t count, PointDraws& draws);
+/// Turns true ranges [m] into measured ones, in place; `first` counts points from the beginning of the episode.
+///
+/// Two neighbours, points 2k and 2k + 1, share the words w of `random_bits(key, k)`. The first two words scatter them,
+/// as a pair of normal numbers (Box & Muller 1958): sqrt(-2 ln u) times cosine and sine of 2 pi v, where u and v are
+/// the middles of 2^23 equal steps. The others decide whether each is lost: w >> 8 is below dropout * 2^24.
+void add_noise(const RngKey& key, std::uint64_t first, const RangeNoise& noise, std::span<float> ranges);
 
 }  // namespace threewe::models

@@ -8,6 +8,8 @@
 #include "sim/ray_caster_kernel.hpp"
 
 #include <algorithm>
+#include <array>
+#include <bit>
 #include <cmath>
 #include <span>
 #include <type_traits>
@@ -93,7 +95,27 @@ struct Frame {
   float step_x;  // of the way, per beam
   float step_y;
   float reach;  // [m] of the way to either side
+  bool narrow;  // so that most candidates lie beyond its edges, and need not be looked at
+  float left_cos;
+  float left_sin;
+  float right_cos;
+  float right_sin;
 };
+
+HWY_INLINE void copy(const SegmentBlock& from, int j, SegmentBlock& to, int place) {
+  to.a_x[place] = from.a_x[j];
+  to.a_y[place] = from.a_y[j];
+  to.b_x[place] = from.b_x[j];
+  to.b_y[place] = from.b_y[j];
+  to.index[place] = from.index[j];
+}
+
+HWY_INLINE void copy(const CircleBlock& from, int j, CircleBlock& to, int place) {
+  to.x[place] = from.x[j];
+  to.y[place] = from.y[j];
+  to.radius[place] = from.radius[j];
+  to.index[place] = from.index[j];
+}
 
 // The directions of all beams, from heads and powers.
 void point(Fan& fan, float nothing) {
@@ -493,6 +515,49 @@ HWY_INLINE void meet_moving(Fan& fan, const Tasks& tasks, std::size_t task, cons
   });
 }
 
+// How far [m] each of a vector of candidates stretches beyond an edge of the fan, at least; a direction to its left.
+HWY_INLINE F beyond(const SegmentBlock& block, int j, const Frame& frame, float across_x, float across_y) {
+  const Floats d;
+  const F x = hn::Set(d, across_x);
+  const F y = hn::Set(d, across_y);
+  const F a = hn::Add(hn::Mul(hn::Load(d, block.a_x + j), x), hn::Mul(hn::Load(d, block.a_y + j), y));
+  const F b = hn::Add(hn::Mul(hn::Load(d, block.b_x + j), x), hn::Mul(hn::Load(d, block.b_y + j), y));
+  return hn::Sub(hn::Min(a, b), hn::Set(d, frame.origin_x * across_x + frame.origin_y * across_y));
+}
+
+HWY_INLINE F beyond(const CircleBlock& block, int j, const Frame& frame, float across_x, float across_y) {
+  const Floats d;
+  const F x = hn::Sub(hn::Load(d, block.x + j), hn::Set(d, frame.origin_x));
+  const F y = hn::Sub(hn::Load(d, block.y + j), hn::Set(d, frame.origin_y));
+  const F middle = hn::Add(hn::Mul(x, hn::Set(d, across_x)), hn::Mul(y, hn::Set(d, across_y)));
+  return hn::Sub(middle, hn::Load(d, block.radius + j));
+}
+
+// Copies those candidates that are not wholly beyond an edge of a narrow fan. Returns how many.
+template <class Block>
+HWY_INLINE int choose(const Block* blocks, int count, const Frame& frame, Block* chosen) {
+  constexpr float kMargin = 1e-3F;  // [m], above all rounding
+  const Floats d;
+  const int lanes = static_cast<int>(hn::Lanes(d));
+  const F most = hn::Set(d, frame.reach + kMargin);
+  int kept = 0;
+  for (int i = 0; i < count; i += lanes) {
+    const Block& block = blocks[i / kBlock];
+    const auto left = hn::Le(beyond(block, i % kBlock, frame, -frame.left_sin, frame.left_cos), most);
+    const auto right = hn::Le(beyond(block, i % kBlock, frame, frame.right_sin, -frame.right_cos), most);
+    std::uint8_t bytes[8] = {};
+    hn::StoreMaskBits(d, hn::And(left, right), bytes);
+    for (unsigned bits = bytes[0] | bytes[1] << 8U; bits != 0; bits &= bits - 1) {
+      const int j = i % kBlock + std::countr_zero(bits);
+      copy(block, j, chosen[kept / kBlock], kept % kBlock);
+      ++kept;
+    }
+  }
+  static constexpr Block kNothing{};
+  for (int place = kept; place % lanes != 0; ++place) copy(kNothing, 0, chosen[place / kBlock], place % kBlock);
+  return kept;
+}
+
 // Looks at a batch of candidates after the other, finds the beams that each concerns, and lets these meet it.
 template <class Batch, bool kMoves, bool kInPairs, class Block, class Shape>
 HWY_INLINE void meet_candidates(std::span<const Block> all_blocks, int all, std::span<const Shape> shapes,
@@ -502,7 +567,13 @@ HWY_INLINE void meet_candidates(std::span<const Block> all_blocks, int all, std:
     Batch batch;
     Tasks tasks;
     const Block* blocks = all_blocks.data() + start / kBlock;
-    const int count = std::min(kBatch, all - start);
+    int count = std::min(kBatch, all - start);
+    alignas(Block) std::array<std::byte, kBatch / kBlock * sizeof(Block)> room;
+    if (frame.narrow) {
+      auto* chosen = reinterpret_cast<Block*>(room.data());
+      count = choose(blocks, count, frame, chosen);
+      blocks = chosen;
+    }
     for (int i = 0; i < count; i += lanes) see<kMoves>(blocks[i / kBlock], i % kBlock, i, frame, batch);
     find_angles(batch, count);
     find_beams(batch, count, frame, tasks);
@@ -525,6 +596,9 @@ void meet_shapes(const Shapes& shapes, Fan& fan) {
   const double middle = 0.5 * (sweep.count - 1);
   const Vec2 from_center = sweep.origin + middle * sweep.step - shapes.center;
   const bool moves = sweep.step != Vec2{};
+  const std::size_t last = static_cast<std::size_t>(sweep.count) - 1;
+  const std::size_t left = sweep.increment > 0.0 ? last : 0;
+  const std::size_t right = last - left;
   const Frame frame{
       .middle_angle = static_cast<float>(wrap_angle(sweep.angle + middle * sweep.increment)),
       .beams_per_radian = static_cast<float>(sweep.count > 1 ? 1.0 / sweep.increment : 1e3),
@@ -535,6 +609,11 @@ void meet_shapes(const Shapes& shapes, Fan& fan) {
       .step_x = static_cast<float>(sweep.step.x),
       .step_y = static_cast<float>(sweep.step.y),
       .reach = moves ? static_cast<float>(middle * norm(sweep.step)) + 1e-5F : 0.0F,
+      .narrow = std::fabs((sweep.count - 1) * sweep.increment) < 2.0,
+      .left_cos = fan.cos[left],
+      .left_sin = fan.sin[left],
+      .right_cos = fan.cos[right],
+      .right_sin = fan.sin[right],
   };
   const auto meet_all = [&](auto is_moving, auto in_pairs) HWY_ATTR {
     meet_candidates<SegmentBatch, is_moving(), in_pairs()>(shapes.segment_blocks, shapes.segment_count, shapes.segments,

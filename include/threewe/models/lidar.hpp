@@ -28,7 +28,8 @@ ScanPattern scan_pattern(const LidarSpec& spec);
 double lidar_bias(const LidarSpec& spec, const RngKey& key);
 
 /// Makes measurements of true ranges [m], in place: 0 = invalid, range_max = no return. `first` counts points from the
-/// beginning of the episode. `bias` is that of `lidar_bias`; a variation's `lidar_noise` scales it too.
+/// beginning of the episode. `bias` is that of `lidar_bias`; a variation's `lidar_noise` scales it too. Single
+/// precision is finer than what any lidar tells apart.
 void measure_ranges(const LidarSpec& spec, const RngKey& key, double bias, std::uint64_t first, std::span<float> ranges,
                     const Variation& variation = {});
 
