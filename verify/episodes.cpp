@@ -13,15 +13,11 @@
 #include <string_view>
 #include <vector>
 
+#include "all_tasks.hpp"
 #include "hash.hpp"
 #include "threewe/core/rng.hpp"
 #include "threewe/core/targets.hpp"
-#include "threewe/env/batch.hpp"
 #include "threewe/scene/generator.hpp"
-#include "threewe/task/exploration.hpp"
-#include "threewe/task/navigation.hpp"
-#include "threewe/task/object_nav.hpp"
-#include "threewe/task/vln.hpp"
 
 using namespace threewe;
 
@@ -29,12 +25,6 @@ namespace {
 
 constexpr int kSteps = 100;  // of 0.1 s
 constexpr std::size_t kWorlds = 4;
-
-std::vector<env::TaskFactory> tasks() {
-  return {[](const task::Setting& setting) { return task::make_navigation(setting, {.goals = 4}); },
-          [](const task::Setting& setting) { return task::make_exploration(setting); }, task::make_object_nav,
-          task::make_vln};
-}
 
 env::Options options(const env::TaskFactory& task, std::uint64_t seed) {
   env::Options options;
@@ -84,7 +74,7 @@ int main(int argc, char** argv) {
     return 2;
   }
   std::map<std::string, Hash> found;
-  for (const env::TaskFactory& task : tasks()) {
+  for (const env::TaskFactory& task : all_tasks()) {
     env::Batch batch(options(task, seed));
     for (const std::string& target : available_targets()) {
       force_target(target);

@@ -1,13 +1,12 @@
 """Builds a verify program for 64-bit Arm, and says how to run it here."""
 
-import fcntl
 import functools
-import os
 import shutil
 import subprocess
 from pathlib import Path
 
-ROOT = Path(__file__).resolve().parents[2]
+from verify.cases.trees import ROOT, build, configure
+
 TREE = ROOT / "build" / "aarch64"
 LIBRARIES = TREE / "root" / "usr" / "lib" / "aarch64-linux-gnu"
 EMULATOR = "qemu-aarch64"
@@ -23,16 +22,8 @@ def missing() -> str | None:
 
 @functools.cache
 def program(name: str) -> Path:
-    """The program, built when it is out of date; one process at a time."""
-    TREE.mkdir(parents=True, exist_ok=True)
-    with (TREE / "lock").open("w") as lock:
-        fcntl.flock(lock, fcntl.LOCK_EX)
-        if not LIBRARIES.exists():
-            fetch_libraries()
-        if not (TREE / "build.ninja").exists():
-            configure()
-        subprocess.run(["cmake", "--build", TREE, "--target", name], check=True, stdout=subprocess.DEVNULL)
-    return TREE / "verify" / name
+    """The program, built when it is out of date."""
+    return build(TREE, name, make_tree)
 
 
 def fetch_libraries() -> None:
@@ -53,8 +44,10 @@ def fetch_libraries() -> None:
         subprocess.run(["dpkg-deb", "-x", package, TREE / "root"], check=True)
 
 
-def configure() -> None:
+def make_tree() -> None:
     """A build tree for that processor, against those libraries."""
+    if not LIBRARIES.exists():
+        fetch_libraries()
     settings = {
         "CMAKE_BUILD_TYPE": "Release",
         "CMAKE_SYSTEM_NAME": "Linux",
@@ -64,11 +57,5 @@ def configure() -> None:
         "CMAKE_FIND_ROOT_PATH": f"{TREE / 'root'};/usr",
         "CMAKE_FIND_ROOT_PATH_MODE_PROGRAM": "NEVER",
         "CMAKE_EXE_LINKER_FLAGS": f"-Wl,-rpath-link,{LIBRARIES}",
-        "THREEWE_DEVELOPER": "ON",
-        "THREEWE_BUILD_EXAMPLES": "OFF",
-        "THREEWE_BUILD_BENCHMARKS": "OFF",
     }
-    options = [f"-D{name}={value}" for name, value in settings.items()]
-    environment = {**os.environ, "PKG_CONFIG_LIBDIR": f"{LIBRARIES}/pkgconfig:/usr/share/pkgconfig"}
-    command = ["cmake", "-S", ROOT, "-B", TREE, "-G", "Ninja", *options]
-    subprocess.run(command, check=True, stdout=subprocess.DEVNULL, env=environment)
+    configure(TREE, settings, {"PKG_CONFIG_LIBDIR": f"{LIBRARIES}/pkgconfig:/usr/share/pkgconfig"})

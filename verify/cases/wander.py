@@ -1,0 +1,25 @@
+"""Runs verify_wander, compiled with assertions: ours, and the standard library's on indices and empty optionals."""
+
+import functools
+import subprocess
+from pathlib import Path
+from typing import Any
+
+from verify.cases.trees import ROOT, build, configure
+
+TREE = ROOT / "build" / "checked"
+
+
+@functools.cache
+def program() -> Path:
+    """The program, built when it is out of date."""
+    flags = {"CMAKE_BUILD_TYPE": "None", "CMAKE_CXX_FLAGS": "-O2 -D_GLIBCXX_ASSERTIONS"}
+    return build(TREE, "verify_wander", lambda: configure(TREE, flags))
+
+
+def wander(seed: int, gate: str) -> dict[str, Any]:
+    """A million random steps in a random scene; a failed assertion ends the program."""
+    done = subprocess.run([program(), str(seed), gate], capture_output=True, text=True)
+    if done.returncode != 0:
+        raise RuntimeError(f"verify_wander {seed} {gate} ended with {done.returncode}: {done.stderr}")
+    return {name: int(value) for name, value in (word.split("=") for word in done.stdout.split())}
