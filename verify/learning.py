@@ -2,25 +2,27 @@
 
 import importlib.util
 import sys
+import tempfile
 import time
 from pathlib import Path
 from types import ModuleType
 from typing import Any
 
 from threewe import RobotProfile, Scene, SceneTables
-from threewe.gym.episodes import Episode
+from threewe.gym.episodes import Episode, Outcome, evaluate
 
-from verify.harness import Experiment, Row, Verdict, worst_of
+from verify.harness import Experiment, Row, Verdict, all_of, worst_of
 
 EXAMPLE = Path(__file__).resolve().parent.parent / "examples/09_ppo.py"
 SEEDS = (1, 2, 3)
 SCENES = ["office_v2", "apartment_v1", "corridor_v1", "warehouse_v1", "cluttered_v1", "outdoor_v1", "dynamic_v1"]
 POINTNAV_EPISODES = 50  # in each
+ROBOT_EPISODES = 14  # of all reactive ones
 PEOPLE = "dynamic_v1"  # beside the others, without target
 
 
 def learn(_: int, seed: int) -> dict[str, Any]:
-    """One training run and all its episodes, with and without the collision monitor; beside them full PointNav."""
+    """One training run and its episodes, with and without the collision monitor, full PointNav, and through a Robot."""
     try:
         ppo = example()
     except ImportError as missing:
@@ -32,7 +34,29 @@ def learn(_: int, seed: int) -> dict[str, Any]:
     episodes = ppo.load_episodes("reactive_v1")["episodes"]
     shares = {gate: ppo.success_by_scene(policy, settings, episodes, gate=gate) for gate in ("full", "limits")}
     shares["pointnav"] = ppo.success_by_scene(policy, settings, pointnav(seed), gate="full")
-    return {"seconds": seconds, "cpu_seconds": curve[-1]["cpu_s"], "steps": curve[-1]["steps"], **shares}
+    costs = {"seconds": seconds, "cpu_seconds": curve[-1]["cpu_s"], "steps": curve[-1]["steps"]}
+    return {**costs, **shares, "robot": through_robot(ppo, policy, episodes[:: len(episodes) // ROBOT_EPISODES])}
+
+
+def through_robot(ppo: ModuleType, policy: Any, episodes: list[Episode]) -> dict[str, int]:
+    """The saved policy by `Robot.execute_action`, with the truth and with the robot's own mind, and in the batch."""
+    with tempfile.TemporaryDirectory() as folder:
+        ppo.save_weights(policy, Path(folder) / "policy.safetensors")
+        saved = ppo.load_weights(Path(folder) / "policy.safetensors")
+
+    def drive(episode: Episode, **options: Any) -> Any:
+        [outcome] = evaluate(ppo.Driver(saved, episode.index), [episode], max_steps=300, **options, **ppo.DRIVING)
+        return outcome
+
+    batch = [drive(episode, localization="truth") for episode in episodes]
+    truth = [drive(episode, localization="truth", backend="mock") for episode in episodes]
+    mind = [drive(episode, backend="mock") for episode in episodes]
+    return {
+        "episodes": len(episodes),
+        "equal": sum(map(Outcome.__eq__, truth, batch)),
+        "truth": sum(outcome.success for outcome in truth),
+        "mind": sum(outcome.success for outcome in mind),
+    }
 
 
 def pointnav(seed: int) -> list[Episode]:
@@ -54,7 +78,7 @@ def learn_a_little(seed: int) -> dict[str, Any]:
         ppo = example()
     except ImportError as missing:
         return {"not_shown": f"{missing}: pip install 'threewe[train]'"}
-    settings = ppo.Settings(seed=seed % 1000, lessons=(ppo.Lesson("ideal", 4, 40),), num_envs=256)
+    settings = ppo.Settings(seed=seed % 1000, lessons=(("ideal", 4, 40),), num_envs=256)
     _, curve = ppo.train(settings)
     won = [point["episodes"] * (point["success"] or 0.0) for point in curve]  # shares say little: those that stand last
     return {"first": mean(won[5:10]), "last": mean(won[-5:])}
@@ -74,6 +98,16 @@ def example() -> ModuleType:
 def still(case: dict[str, Any], gate: str = "full") -> list[float]:
     """The shares of the six scenes where nobody walks."""
     return [share for scene, share in case[gate].items() if scene != PEOPLE]
+
+
+def as_in_the_batch(case: dict[str, Any]) -> bool:
+    """Whether all episodes went as in the batch."""
+    return bool(case["robot"]["equal"] == case["robot"]["episodes"])
+
+
+def robot_arrivals(case: dict[str, Any]) -> str:
+    """How many episodes end well through a Robot."""
+    return "{truth}/{episodes} {mind}/{episodes}".format(**case["robot"])
 
 
 def told(name: str, figure: Any, form: str = "{:.1%}") -> Row:
@@ -112,6 +146,8 @@ EXPERIMENTS = [
                 told('mean success with gate="limits"', lambda case: mean(still(case, "limits"))),
                 told(f"success in {PEOPLE}", lambda case: case["full"][PEOPLE]),
                 told("mean success in full PointNav, static scenes", lambda case: mean(still(case, "pointnav"))),
+                all_of("through a Robot with the truth as in the batch, to the bit", as_in_the_batch),
+                told("arrive through a Robot: with the truth, with its mind", robot_arrivals, "{}"),
             ],
             alone=True,
         )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import heapq
 from pathlib import Path
 from types import ModuleType
 
@@ -27,9 +28,11 @@ def scans(ppo: ModuleType, count: int) -> dict[str, torch.Tensor]:
         return low + (high - low) * torch.rand(count, *shape, generator=draw)
 
     lidar = uniform(0.0, 12.0, 72) * (uniform(0.0, 1.0, 72) > 0.02)  # a few are invalid
-    goal, trail = uniform(-8.0, 8.0, 2), uniform(-8.0, 8.0, len(ppo.SPANS), 2)
-    visits = uniform(0.0, 5.0, ppo.CELLS**2).floor()
-    return {"lidar": lidar, "goal": goal, "trail": trail, "visits": visits, "chance": uniform(0.0, 1.0, ppo.CHOICES)}
+    goal = uniform(-8.0, 8.0, 2)
+    grid, ways = ppo.nothing_yet(goal)
+    grid += (uniform(0.0, 1.0, ppo.CELLS**2) * 8.0 - 5.0).round() * (grid == 0.0)
+    ways += uniform(0.0, 3.0, ppo.CELLS**2)
+    return {"lidar": lidar, "goal": goal, "grid": grid, "ways": ways, "chance": uniform(0.0, 1.0, ppo.CHOICES)}
 
 
 def some_policy(ppo: ModuleType) -> torch.nn.Module:
@@ -68,37 +71,70 @@ def test_onnx_says_what_torch_says(ppo: ModuleType, tmp_path: Path, robots: int)
 def test_what_a_policy_sees_does_not_depend_on_where_it_looks(ppo: ModuleType) -> None:
     """Turned on the spot by a whole number of beams, it sees the same and drives the same way."""
     policy = some_policy(ppo)
-    lidar, goal, trail, _, chance = scans(ppo, 20).values()
-    visits = torch.zeros(20, ppo.CELLS**2)  # which are not turned: its map has the axes of the robot
-    seen = ppo.features(lidar, goal, trail, visits)
+    lidar, goal, grid, ways, chance = scans(ppo, 20).values()
+    memory = [torch.zeros_like(grid), torch.zeros_like(ways)]  # which are not turned: maps have the axes of the robot
+    seen = ppo.features(lidar, goal, *memory)
     for beams in (1, 7, 36, 71):
         angle = torch.tensor(2.0 * torch.pi * beams / 72)
         by = torch.stack([angle.cos(), angle.sin()])[None]
         lidar_then, goal_then = lidar.roll(beams, dims=1), ppo.turned(goal[:, None], by).squeeze(1)
-        seen_then = ppo.features(lidar_then, goal_then, ppo.turned(trail, by), visits)
+        seen_then = ppo.features(lidar_then, goal_then, *memory)
         same = (seen_then[:, :72] == seen[:, :72]).all(dim=1)
         assert same.float().mean() > 0.9  # but where the goal lies midway between two beams
         torch.testing.assert_close(seen_then[same], seen[same], atol=1e-4, rtol=1e-4)
-        choice = ppo.chosen(policy.actor(seen), chance)
-        torch.testing.assert_close(ppo.chosen(policy.actor(seen_then), chance)[same], choice[same])
+        choice = ppo.chosen(policy.logits(seen), chance)
+        torch.testing.assert_close(ppo.chosen(policy.logits(seen_then), chance)[same], choice[same])
         driven, driven_then = ppo.actions_of(choice, goal), ppo.actions_of(choice, goal_then)
         torch.testing.assert_close(driven_then[:, :2], ppo.turned(driven[:, None, :2], by).squeeze(1))
 
 
-def test_it_remembers_where_it_has_been(ppo: ModuleType) -> None:
-    """A robot that stood 0.6 m from here, on the goal's left, sees it there and nowhere else."""
-    goal_then, goal = torch.tensor([[3.0, 0.0]]), torch.tensor([[3.0, 0.6]])  # it has moved to its right
-    _, visits = ppo.nothing_yet(goal_then)
+def test_what_it_sees_is_on_the_map(ppo: ModuleType) -> None:
+    """A robot 3 m before its goal, amid things 1 m away in all directions."""
+    goal = torch.tensor([[3.0, 0.0]])
+    grid, _ = ppo.nothing_yet(goal)
     for _ in range(4):
-        visits = ppo.visited(visits, goal_then)
-    assert visits.sum() == 4
-    lidar, trail = torch.ones(1, 72), goal[:, None].repeat(1, len(ppo.SPANS), 1)
-    around = ppo.features(lidar, goal, trail, visits)[0, -ppo.HEADINGS * len(ppo.LOOKS) :]
-    near, far = around.reshape(len(ppo.LOOKS), ppo.HEADINGS)
-    assert far.sum() == 0.0
-    left = round((0.25 - np.arctan2(0.6, 3.0) / (2.0 * np.pi)) * ppo.HEADINGS)  # 0 is where the goal lies
-    assert near[left] > 0.0
-    assert near.nonzero().squeeze(1).sub(left).abs().max() <= 3  # a cell is wider than the way between two headings
+        grid = ppo.mapped(torch.ones(1, 72), goal, grid)
+    grid = grid.reshape(ppo.CELLS, ppo.CELLS)
+    row, column = torch.meshgrid(*[(torch.arange(ppo.CELLS) - ppo.CELLS // 2) * ppo.CELL] * 2, indexing="ij")
+    away = torch.hypot(column + 3.0, row)  # from the robot, which sees its goal ahead, at x = 0
+    inside = grid[1:-1, 1:-1]
+    assert grid[away < 0.1] == 4.0
+    assert ((away[1:-1, 1:-1] - 1.175).abs()[inside < 0.0] < 0.1 + ppo.CELL).all()
+    assert (inside < 0.0).sum() > 2.0 * torch.pi * 1.1 / ppo.CELL  # closed all around
+
+
+def test_ways_become_the_shortest(ppo: ModuleType) -> None:
+    """Swept often enough they are those of Dijkstra's algorithm."""
+    draw, size = torch.Generator().manual_seed(4), ppo.CELLS
+    grid, ways = ppo.nothing_yet(torch.zeros(1, 2))
+    grid += (torch.rand(grid.shape, generator=draw) * 4.0 - 2.5).round().clamp_min(-1.0) * (grid == 0.0)
+    for _ in range(4 * size):
+        ways = ppo.swept(ways, grid)
+    effort = (ppo.CELL + ppo.THING * (-grid).clamp_min(0) + ppo.STAY * grid.clamp_min(0)).double()[0].tolist()
+    goal = size * size // 2
+    shortest, queue = {}, [(0.0, goal)]
+    while queue:
+        length, here = heapq.heappop(queue)
+        if here in shortest:
+            continue
+        shortest[here] = length
+        for step in (-size - 1, -size, -size + 1, -1, 1, size - 1, size, size + 1):
+            row, column = divmod(here + step, size)
+            if 0 < row < size - 1 and 0 < column < size - 1 and here + step not in shortest:
+                factor = 1.0 if abs(step) in (1, size) else 2.0**0.5
+                heapq.heappush(queue, (length + factor * effort[here + step], here + step))
+    expected = torch.tensor([shortest[cell] for cell in sorted(shortest)])
+    torch.testing.assert_close(ways[0, sorted(shortest)], expected, atol=1e-3, rtol=1e-5)
+
+
+def test_it_knows_how_far_it_can_drive(ppo: ModuleType) -> None:
+    """Of walls that are as far apart as it needs, it sees that there is room between them, and none through them."""
+    angles = torch.arange(72) * (2.0 * torch.pi / 72)  # from the goal's direction
+    for half_width, ahead in ((0.21, 12.0 - 0.2), (0.19, 0.0)):
+        walls = half_width / angles.sin().abs().clamp_min(1e-9)
+        room = ppo.room(walls.clamp_max(12.0)[None])[0]
+        assert room[0] == pytest.approx(ahead)
+        assert room[ppo.HEADINGS // 4] == pytest.approx(0.0, abs=0.02)  # to its left
 
 
 def test_choices_come_as_often_as_they_should(ppo: ModuleType) -> None:
@@ -118,7 +154,7 @@ def test_advantages_are_what_their_definition_says(ppo: ModuleType) -> None:
     terminated = torch.rand(steps, robots, generator=generator) < 0.1
     ended = terminated | (torch.rand(steps, robots, generator=generator) < 0.1)
     nothing = torch.zeros(0)
-    rollout = ppo.Rollout(nothing, nothing, nothing, nothing, rewards, values, terminated, ended, nothing)
+    rollout = ppo.Rollout(*[nothing] * 4, rewards, values, terminated, ended, nothing)
     found = ppo.advantages(rollout, settings)
     for robot in range(robots):
         for begin in range(steps):
