@@ -15,17 +15,19 @@ def main(picture: str, *runs: str) -> None:
     figure, (left, right) = plt.subplots(1, 2, figsize=(10, 4), layout="constrained")
     for place, name in enumerate(runs):
         run = json.loads(Path(name).read_text())
-        points = [point for point in run["curve"] if point["success"] is not None]
-        smooth = np.convolve([point["success"] for point in points], np.ones(WINDOW) / WINDOW, "valid")
+        points = run["curve"]  # shares say little: episodes that fail end last
+        won = [point["episodes"] * (point["success"] or 0.0) / points[0]["steps"] * 1000 for point in points]
+        smooth = np.convolve(won, np.ones(WINDOW) / WINDOW, "valid")
         label = f"seed {run['settings']['seed']}, {points[-1]['cpu_s']:.0f} CPU s"
         left.plot([point["steps"] / 1000 for point in points[WINDOW - 1 :]], smooth, label=label)
         scenes = run["success"]["full"]
         right.bar(np.arange(len(scenes)) + 0.27 * (place - 1), scenes.values(), 0.25)
         right.set_xticks(range(len(scenes)), scenes, rotation=30, ha="right")
-    left.set(xlabel="thousand steps", ylabel="share of episodes that end well", title="Training: generated scenes")
+    left.set(xlabel="thousand steps", ylabel="episodes won in 1,000 steps", title="Training: generated scenes")
     right.set(title='Test: reactive_v1, gate="full"')
+    left.set_ylim(bottom=0.0)
+    right.set_ylim(0.0, 1.0)
     for axes in (left, right):
-        axes.set_ylim(0.0, 1.0)
         axes.grid(alpha=0.3)
     left.legend()
     figure.savefig(picture, dpi=100)
