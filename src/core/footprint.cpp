@@ -41,6 +41,9 @@ Footprint::Footprint(std::vector<Vec2> corners) : corners_(std::move(corners)) {
     low_ = {std::min(low_.x, a.x), std::min(low_.y, a.y)};
     high_ = {std::max(high_.x, a.x), std::max(high_.y, a.y)};
   }
+  is_box_ = n == 4 && std::ranges::all_of(corners_, [&](Vec2 p) {
+              return (p.x == low_.x || p.x == high_.x) && (p.y == low_.y || p.y == high_.y);
+            });
 }
 
 Footprint Footprint::rectangle(double length, double width) {

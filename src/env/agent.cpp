@@ -65,9 +65,7 @@ void Agent::begin(const AgentModel& model) {
 Velocity Agent::act(const AgentModel& model, const sim::RobotState& state, const Velocity& action, Time now) {
   Velocity wanted = scaled_to(model.gate.limits, action);
   if (model.gate.kinematics == Kinematics::differential) wanted.vy = 0.0;
-  if (obstacles_.empty()) return safety::gate(model.gate, gate_, wanted, {}, now).command;
-  const auto obstacles = transformed(inverse(odom_from_base(model, state)), obstacles_);
-  return safety::gate(model.gate, gate_, wanted, obstacles, now).command;
+  return safety::gate(model.gate, gate_, wanted, obstacles_, now, odom_from_base(model, state)).command;
 }
 
 void Agent::end_turn(const AgentModel& model, const sim::RobotModel& robot, const sim::RobotState& state, bool whole) {

@@ -32,8 +32,8 @@ void Runtime::act(Time now) {
   try {
     State& state = *impl_->state;
     state.requested = impl_->request();
-    const auto obstacles = transformed(inverse(state.estimate.odom_from_base), impl_->obstacles_in_odom());
-    state.commanded = safety::gate(impl_->gate_model, state.gate, state.requested, obstacles, now);
+    state.commanded = safety::gate(impl_->gate_model, state.gate, state.requested, impl_->obstacles_in_odom(), now,
+                                   state.estimate.odom_from_base);
     impl_->port.command(state.commanded.command, now + kCommandLifetime);
   } catch (const std::exception& error) {
     fail(error.what());

@@ -1,8 +1,12 @@
 #include "safety/collision_monitor.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
-#include <limits>
+#include <cstddef>
+#include <memory_resource>
+#include <ranges>
+#include <span>
 #include <vector>
 
 #include "safety/limits.hpp"
@@ -12,7 +16,7 @@ namespace {
 
 constexpr double kPeriod = to_seconds(kControlPeriod);
 constexpr double kSweepStep = 0.005;  // [m], the longest way of any corner between two poses of a sweep
-constexpr double kRounding = 1e-9;    // [m]
+constexpr double kRounding = 1e-9;    // [m], and of shares of a period
 constexpr double kStandStill = 1e-3;  // [m/s] and [rad/s], slower than this is not worth creeping
 constexpr int kBisections = 10;       // the speed is found to a thousandth
 
@@ -34,113 +38,203 @@ Velocity braked(const Limits& limits, const Velocity& v) {
   return time <= kPeriod ? Velocity{} : scaled(1.0 - kPeriod / time, v);
 }
 
-// Follows the footprint over the floor. At every pose it calls `visit(obstacle, clearance [m])` for the obstacles that
-// are within the margin, until one answers false.
-class Sweep {
- public:
-  Sweep(const GateModel& model, std::span<const Vec2> obstacles, const Pose2D& pose = {})
-      : model_(model), obstacles_(obstacles), pose_(pose) {}
+// [m] that no point of the outline exceeds in a period, wherever the robot turns.
+double way_of_corners(const GateModel& model, const Velocity& v) {
+  return (exact::hypot(v.vx, v.vy) + std::abs(v.omega) * model.footprint.circumscribed_radius()) * kPeriod;
+}
 
-  template <typename Visit>
-  bool drive(const Velocity& v, const Visit& visit) {
-    if (v == Velocity{}) return true;
-    const double way = (exact::hypot(v.vx, v.vy) + std::abs(v.omega) * radius()) * kPeriod;
-    const int steps = std::max(1, static_cast<int>(std::ceil(way / kSweepStep)));
-    for (int i = 0; i < steps; ++i) {
-      pose_ = integrate(pose_, v, kPeriod / steps);
-      if (!look(visit)) return false;
-    }
-    return true;
+// A pose with the sine and cosine of its heading.
+struct Frame {
+  Vec2 origin;
+  exact::SinCos heading{0.0, 1.0};
+
+  Vec2 from_outside(Vec2 p) const {
+    const auto [s, c] = heading;
+    const Vec2 d = p - origin;
+    return {c * d.x + s * d.y, c * d.y - s * d.x};
   }
-
-  template <typename Visit>
-  bool brake(Velocity v, const Visit& visit) {
-    for (v = braked(model_.limits, v); v != Velocity{}; v = braked(model_.limits, v)) {
-      if (!drive(v, visit)) return false;
-    }
-    return true;
+  Frame operator*(const Frame& b) const {
+    const auto [s, c] = heading;
+    return {origin + Vec2{c * b.origin.x - s * b.origin.y, s * b.origin.x + c * b.origin.y},
+            {s * b.heading.cos + c * b.heading.sin, c * b.heading.cos - s * b.heading.sin}};
   }
-
-  template <typename Visit>
-  bool look(const Visit& visit) const {
-    const double sight = radius() + model_.margin;
-    const auto [s, c] = exact::sincos(pose_.theta);
-    for (std::size_t i = 0; i < obstacles_.size(); ++i) {
-      const Vec2 d = obstacles_[i] - pose_.position();
-      if (dot(d, d) > sight * sight) continue;
-      const Vec2 in_base{c * d.x + s * d.y, c * d.y - s * d.x};
-      if (!model_.footprint.may_be_near(in_base, model_.margin)) continue;
-      if (!visit(i, model_.footprint.signed_distance(in_base))) return false;
-    }
-    return true;
-  }
-
-  const Pose2D& pose() const { return pose_; }
-
- private:
-  double radius() const { return model_.footprint.circumscribed_radius(); }
-  const GateModel& model_;
-  std::span<const Vec2> obstacles_;
-  Pose2D pose_;  // in the present base frame
 };
 
-// [m] that the base can travel before it stands still, whatever is decided now.
-double reach(const GateModel& model, const GateState& state, std::size_t pending, const Velocity& command) {
-  double way = 0.0;
-  for (std::size_t i = 0; i < pending; ++i) way += exact::hypot(state.recent[i].vx, state.recent[i].vy) * kPeriod;
-  for (const Velocity& v : {command, state.last()}) {
-    const double speed = exact::hypot(v.vx, v.vy);
-    way += speed * (kPeriod + 0.5 * stopping_time(model.limits, v));
+// An arc that turns by an angle: its chord along and across its first direction, in shares of its length, and the sine
+// and cosine of the angle.
+struct Bend {
+  double along;
+  double across;
+  exact::SinCos heading;
+};
+
+Bend bend(double angle) {
+  if (std::abs(angle) > 0.25) {
+    const exact::SinCos heading = exact::sincos(angle);
+    return {heading.sin / angle, (1.0 - heading.cos) / angle, heading};
   }
-  return way;
+  // sin(a) / a and (1 - cos(a)) / a by their series, which end here for double
+  constexpr auto kOver = [](int a, int b) { return 1.0 / (a * b); };
+  const double z = angle * angle;
+  const auto sum = [z](auto... factors) {
+    double inner = 1.0;
+    ((inner = 1.0 - z * factors * inner), ...);
+    return inner;
+  };
+  const double along = sum(kOver(10, 11), kOver(8, 9), kOver(6, 7), kOver(4, 5), kOver(2, 3));
+  const double across = 0.5 * angle * sum(kOver(11, 12), kOver(9, 10), kOver(7, 8), kOver(5, 6), kOver(3, 4));
+  return {along, across, {angle * along, 1.0 - angle * across}};
 }
 
-std::vector<Vec2> within(std::span<const Vec2> points, double radius) {
-  std::vector<Vec2> near;
-  for (const Vec2 p : points) {
-    if (dot(p, p) <= radius * radius) near.push_back(p);
+// A velocity for one period and, as the case may be, braking to a stand-still after it: all of it along one arc.
+struct Arc {
+  Velocity v;
+  double way = 0.0;      // [m] that corners go in the first period, at most
+  double shrink = 1.0;   // by this share of the first, each period brings less way than the one before
+  double periods = 1.0;  // at the first velocity would lead at least as far
+
+  static Arc of_one_period(const GateModel& model, const Velocity& v) { return {v, way_of_corners(model, v)}; }
+  static Arc that_brakes(const GateModel& model, const Velocity& v) {
+    const double braking = stopping_time(model.limits, v) / kPeriod;
+    return {v, way_of_corners(model, v), 1.0 / braking, 1.0 + 0.5 * braking};
   }
-  return near;
+
+  double whole_way() const { return periods * way; }
+  // Where so many periods at the first velocity lead.
+  Frame after(double many) const {
+    const double seconds = many * kPeriod;
+    const auto [along, across, heading] = bend(v.omega * seconds);
+    return {{seconds * (along * v.vx - across * v.vy), seconds * (across * v.vx + along * v.vy)}, heading};
+  }
+};
+
+// [m] that corners go at most from the turning point on, whatever is decided now.
+double way_to_stand_still(const GateModel& model, const Velocity& last, const Velocity& command) {
+  const Velocity fastest{.vx = std::max(exact::hypot(command.vx, command.vy), exact::hypot(last.vx, last.vy)),
+                         .omega = std::max(std::abs(command.omega), std::abs(last.omega))};
+  return Arc::that_brakes(model, fastest).whole_way();
 }
 
-// The clearance that each obstacle must keep: the margin, but never more than braking at once would leave. What lies
-// inside the outline already may come no deeper, and never licenses touching something else.
-std::vector<double> required_clearance(double margin, const std::vector<double>& when_braking) {
-  const double least = *std::min_element(when_braking.begin(), when_braking.end());
-  const double common = std::clamp(least, 0.0, margin);
-  std::vector<double> required;
-  for (const double d : when_braking) required.push_back(std::min(d, common) - kRounding);
-  return required;
+// What the footprint must not come nearer to than required.
+struct Obstacle {
+  Vec2 at;                // in a frame that stands still
+  double required = 0.0;  // [m]
+  double slack = 0.0;     // [m] that corners can go at least before it is nearer than that
+};
+using Obstacles = std::pmr::vector<Obstacle>;
+
+// [m] between outline and obstacle, negative inside; a little less for what is beyond the margin.
+double clearance(const GateModel& model, Vec2 in_base) {
+  const double rough = model.footprint.distance_to_box(in_base);
+  return rough > model.margin ? rough : model.footprint.signed_distance(in_base);
+}
+
+// From the robot's point of view, those that are not too far to matter on a way of so many metres.
+void select_near(const GateModel& model, std::span<const Vec2> obstacles, const Pose2D& base, double way,
+                 Obstacles& near) {
+  const double reach = model.margin + way;
+  const double sight = model.footprint.circumscribed_radius() + reach;
+  const auto is_in_sight = [&](Vec2 p) {
+    const Vec2 d = p - base.position();
+    return dot(d, d) <= sight * sight;
+  };
+  const auto first = std::ranges::find_if(obstacles, is_in_sight);
+  if (first == obstacles.end()) return;
+
+  const Frame frame{base.position(), exact::sincos(base.theta)};
+  for (const Vec2 p : std::span(first, obstacles.end())) {
+    if (!is_in_sight(p)) continue;
+    const Vec2 at = frame.from_outside(p);
+    if (model.footprint.distance_to_box(at) > reach) continue;
+    const double distance = clearance(model, at);
+    const double required = std::min(distance, model.margin);
+    near.push_back({at, required, distance - required});
+  }
+}
+
+// Follows the arc past one obstacle, from pose to pose of the sweep, and calls `visit(obstacle, clearance [m])` until
+// it answers false. An obstacle that has slack is looked at when that is used up, and not before.
+template <typename Visit>
+bool follow(const GateModel& model, const Frame& start, const Arc& arc, Obstacle& obstacle, const Visit& visit) {
+  if (obstacle.slack < arc.whole_way()) {
+    const Vec2 at = start.from_outside(obstacle.at);
+    double gone = 0.0;  // in periods at the first velocity
+    for (double share = 1.0; share > kRounding; gone += share, share -= arc.shrink) {
+      if (obstacle.slack >= (gone + share) * arc.way) continue;
+      const double poses = std::max(1.0, std::ceil(share * arc.way / kSweepStep - kRounding));
+      for (double i = 1.0; i <= poses; i += 1.0) {
+        const double periods = gone + share * (i / poses);
+        if (obstacle.slack >= periods * arc.way) continue;
+        const double distance = clearance(model, arc.after(periods).from_outside(at));
+        if (!visit(obstacle, distance)) return false;
+        obstacle.slack = periods * arc.way + distance - obstacle.required;
+      }
+    }
+  }
+  obstacle.slack -= arc.whole_way();
+  return true;
+}
+
+// What each obstacle must keep: the margin, but never more than braking at once would leave. What lies inside the
+// outline already may come no deeper, and never licenses touching something else. From here on they are looked at from
+// the turning point.
+void settle_requirements(const GateModel& model, const Frame& turning_point, Obstacles& near) {
+  const auto least = std::ranges::min_element(near, {}, &Obstacle::required);
+  const double common = std::clamp(least->required, 0.0, model.margin);
+  for (Obstacle& obstacle : near) {
+    obstacle.at = turning_point.from_outside(obstacle.at);
+    obstacle.required = std::min(obstacle.required, common) - kRounding;
+    obstacle.slack = clearance(model, obstacle.at) - obstacle.required;
+  }
 }
 
 }  // namespace
 
 Velocity clear_of_obstacles(const GateModel& model, const GateState& state, const Velocity& command,
-                            std::span<const Vec2> obstacles) {
-  const auto pending = static_cast<std::size_t>((model.reaction + kControlPeriod - 1ns) / kControlPeriod);
-  const double sight = model.footprint.circumscribed_radius() + model.margin + reach(model, state, pending, command);
-  const std::vector<Vec2> near = within(obstacles, sight);
+                            std::span<const Vec2> obstacles, const Pose2D& base) {
+  if (obstacles.empty()) return command;
+  const auto count = static_cast<std::size_t>((model.reaction + kControlPeriod - 1ns) / kControlPeriod);
+  const std::span<const Velocity> pending = std::span(state.recent).first(count);  // the newest first
+  double way_of_pending = 0.0;
+  for (const Velocity& v : pending) way_of_pending += way_of_corners(model, v);
+  const double way_of_decision = way_to_stand_still(model, state.last(), command);
+  std::array<std::byte, 8192> room;  // NOLINT: what is used is filled
+  std::pmr::monotonic_buffer_resource memory(room.data(), room.size());
+  Obstacles near(&memory);
+  select_near(model, obstacles, base, way_of_pending + way_of_decision, near);
   if (near.empty()) return command;
 
   // the robot will first obey what it was told before
-  std::vector<double> nearest(near.size(), std::numeric_limits<double>::infinity());
-  const auto keep_nearest = [&](std::size_t i, double clearance) {
-    nearest[i] = std::min(nearest[i], clearance);
+  const auto keep_nearest = [](Obstacle& obstacle, double distance) {
+    obstacle.required = std::min(obstacle.required, distance);
     return true;
   };
-  Sweep sweep(model, near);
-  sweep.look(keep_nearest);
-  for (std::size_t i = pending; i-- > 0;) sweep.drive(state.recent[i], keep_nearest);
-  const Pose2D turning_point = sweep.pose();
+  Frame turning_point;
+  for (const Velocity& v : pending | std::views::reverse) {
+    if (v == Velocity{}) continue;
+    const Arc arc = Arc::of_one_period(model, v);
+    for (Obstacle& obstacle : near) follow(model, turning_point, arc, obstacle, keep_nearest);
+    turning_point = turning_point * arc.after(1.0);
+  }
 
   // braking at once is always allowed, and the measure of what else is
   const Velocity fallback = braked(model.limits, state.last());
-  sweep.brake(state.last(), keep_nearest);
-  const std::vector<double> required = required_clearance(model.margin, nearest);
-  const auto is_enough = [&](std::size_t i, double clearance) { return clearance >= required[i]; };
+  const Arc braking = Arc::that_brakes(model, fallback);
+  for (Obstacle& obstacle : near) follow(model, turning_point, braking, obstacle, keep_nearest);
+  settle_requirements(model, turning_point, near);
+  std::erase_if(near, [&](const Obstacle& obstacle) { return obstacle.slack >= way_of_decision; });
+
+  // what was in the way last comes first, since it will be in the way again
   const auto keeps_clear = [&](const Velocity& v) {
-    Sweep trial(model, near, turning_point);
-    return trial.drive(v, is_enough) && trial.brake(v, is_enough);
+    const Arc arc = Arc::that_brakes(model, v);
+    const auto is_in_the_way = [&](Obstacle obstacle) {
+      return !follow(model, {}, arc, obstacle,
+                     [](const Obstacle& o, double distance) { return distance >= o.required; });
+    };
+    const auto found = std::ranges::find_if(near, is_in_the_way);
+    if (found == near.end()) return true;
+    std::iter_swap(found, near.begin());
+    return false;
   };
   if (keeps_clear(command)) return command;
 

@@ -22,7 +22,7 @@ bool scan_is_stale(const GateModel& model, const GateState& state, Time now) {
 }
 
 GateOutput decide(const GateModel& model, const GateState& state, const Velocity& requested,
-                  std::span<const Vec2> obstacles, Time now) {
+                  std::span<const Vec2> obstacles, Time now, const Pose2D& base) {
   if (state.estop) return {{}, Intervention::estop};
 
   const bool stale = scan_is_stale(model, state, now);
@@ -31,7 +31,7 @@ GateOutput decide(const GateModel& model, const GateState& state, const Velocity
   if (stale && requested != Velocity{}) return {reachable, Intervention::stale_sensors};
 
   const Velocity safe =
-      model.collision_monitor && !stale ? clear_of_obstacles(model, state, reachable, obstacles) : reachable;
+      model.collision_monitor && !stale ? clear_of_obstacles(model, state, reachable, obstacles, base) : reachable;
   if (safe != reachable) {
     return {safe, safe == Velocity{} ? Intervention::stopped_for_obstacle : Intervention::slowed_for_obstacle};
   }
@@ -66,8 +66,8 @@ GateModel make_gate_model(const RobotProfile& profile) {
 }
 
 GateOutput gate(const GateModel& model, GateState& state, const Velocity& requested, std::span<const Vec2> obstacles,
-                Time now) {
-  const GateOutput output = decide(model, state, requested, obstacles, now);
+                Time now, const Pose2D& base) {
+  const GateOutput output = decide(model, state, requested, obstacles, now, base);
   std::copy_backward(state.recent.begin(), state.recent.end() - 1, state.recent.end());
   state.recent.front() = output.command;
   return output;

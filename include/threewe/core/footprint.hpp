@@ -1,6 +1,7 @@
 // The robot's outline on the floor.
 #pragma once
 
+#include <algorithm>
 #include <span>
 #include <vector>
 
@@ -27,21 +28,31 @@ class Footprint {
   double circumscribed_radius() const { return circumscribed_radius_; }
   bool contains(Vec2 point_in_base) const { return signed_distance(point_in_base) <= 0.0; }
   /// Distance from a point to the outline [m], negative inside.
-  double signed_distance(Vec2 point_in_base) const { return threewe::signed_distance(corners_, point_in_base); }
-  /// Whether a point is in the rectangle that leaves `margin` [m] around the outline: cheap, and true of all that is
-  /// nearer than that.
-  bool may_be_near(Vec2 point_in_base, double margin) const {
-    return point_in_base.x >= low_.x - margin && point_in_base.x <= high_.x + margin &&
-           point_in_base.y >= low_.y - margin && point_in_base.y <= high_.y + margin;
+  double signed_distance(Vec2 point_in_base) const {
+    if (!is_box_) return threewe::signed_distance(corners_, point_in_base);
+    const Vec2 off = beyond_box(point_in_base);
+    return off.x <= 0.0 && off.y <= 0.0 ? std::max(off.x, off.y) : distance_to_box(point_in_base);
+  }
+  /// Distance from a point to the rectangle around the outline [m], 0 inside it: cheap, and from outside never more
+  /// than the distance to the outline.
+  double distance_to_box(Vec2 point_in_base) const {
+    const Vec2 off = beyond_box(point_in_base);
+    return exact::hypot(std::max(off.x, 0.0), std::max(off.y, 0.0));
   }
   friend bool operator==(const Footprint&, const Footprint&) = default;
 
  private:
+  // How far a point lies beyond the nearer sides of the rectangle, along x and along y; negative between them.
+  Vec2 beyond_box(Vec2 p) const {
+    return {std::max(low_.x - p.x, p.x - high_.x), std::max(low_.y - p.y, p.y - high_.y)};
+  }
+
   std::vector<Vec2> corners_;
   double inscribed_radius_ = 0.0;
   double circumscribed_radius_ = 0.0;
   Vec2 low_;  // corners of the rectangle around it
   Vec2 high_;
+  bool is_box_ = false;  // the outline is that rectangle
 };
 
 }  // namespace threewe

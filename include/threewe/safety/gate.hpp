@@ -62,8 +62,8 @@ struct GateOutput {
   friend bool operator==(const GateOutput&, const GateOutput&) = default;
 };
 
-/// One period. `obstacles` are what the lidar hits, or echoes, in the *current* base frame [m]. Throws nothing: a
-/// request that is not finite becomes a stop.
+/// One period. `obstacles` are what the lidar hits, or echoes [m], and `base` is where the robot is now, both in the
+/// same frame. Throws nothing: a request that is not finite becomes a stop.
 ///
 /// The speed of the body, |(vx, vy)|, grows by at most `linear_acceleration` and its vector changes by at most
 /// `linear_braking`; the greater of the two where a profile brakes more gently than it speeds up.
@@ -71,6 +71,6 @@ struct GateOutput {
 /// arc and keep `margin` free. Where that is lost already (something moved, a scan was wrong), it passes if it comes no
 /// nearer than braking at once would: a robot can always drive out of a tight place.
 GateOutput gate(const GateModel& model, GateState& state, const Velocity& requested, std::span<const Vec2> obstacles,
-                Time now);
+                Time now, const Pose2D& base = {});
 
 }  // namespace threewe::safety
