@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "env/clock.hpp"
 #include "threewe/core/errors.hpp"
 #include "threewe/hardware/limits.hpp"
 #include "threewe/models/lidar.hpp"
@@ -13,10 +14,16 @@
 namespace threewe::env {
 namespace {
 
-// As the collision monitor reckons: how far the robot can come until a scan is too old to be believed and it stands.
-double farthest_way(const safety::GateModel& gate, const LidarSpec& lidar) {
-  const double seconds = to_seconds(gate.sensor_timeout + lidar.turn + lidar.latency + gate.reaction + kControlPeriod);
-  return gate.limits.linear * (seconds + gate.limits.linear / gate.limits.linear_braking);
+// [m] that the robot can go from when a point is measured until it stands, if the next scan shows no such point.
+double farthest_way(const Options& options, const safety::GateModel& gate, const LidarSpec& lidar) {
+  // how fast it may have moved already: pushed, perhaps, and by wheels that slip
+  const double past = 2.0 * gate.limits.linear;
+  const int most = draws(options.randomization, "sensor_latency") ? models::kMostLatency : 1;
+  const double age = to_seconds(2 * lidar.turn + most * lidar.latency + kControlPeriod);
+
+  // as the collision monitor reckons
+  const double stopping_time = gate.limits.linear / gate.limits.linear_braking;
+  return past * age + gate.limits.linear * (to_seconds(gate.reaction + 2 * kControlPeriod) + 0.5 * stopping_time);
 }
 
 // Rounded to whole steps.
@@ -41,8 +48,8 @@ AgentModel make_agent_model(const Options& options) {
   if (model.profile.lidar) {
     const LidarSpec& lidar = *model.profile.lidar;
     model.scans = static_cast<std::size_t>(models::kMostLatency * lidar.latency / lidar.turn) + 2;
-    model.sight = farthest_way(model.gate, lidar) + norm(lidar.base_from_lidar.position()) + model.gate.margin +
-                  model.gate.footprint.circumscribed_radius();
+    model.sight = farthest_way(options, model.gate, lidar) + norm(lidar.base_from_lidar.position()) +
+                  model.gate.margin + model.gate.footprint.circumscribed_radius();
     model.beams = models::beams_of_points(lidar);
     const bool in_order = std::ranges::all_of(model.beams, [i = 0U](const models::PointBeams& beams) mutable {
       const unsigned point = i++;

@@ -1,7 +1,6 @@
 #include "env/clock.hpp"
 
 #include <algorithm>
-#include <string_view>
 
 namespace threewe::env {
 namespace {
@@ -26,13 +25,13 @@ std::uint64_t first_complete(const RobotProfile& profile) {
   return rounded_up(steps(last), kTick);
 }
 
-bool draws(const models::Randomization& randomization, std::string_view name) {
-  const auto is_it = [&](const models::RandomizedKnob& drawn) { return models::knob_names()[drawn.knob] == name; };
+}  // namespace
+
+bool draws(const models::Randomization& randomization, std::string_view knob) {
+  const auto is_it = [&](const models::RandomizedKnob& drawn) { return models::knob_names()[drawn.knob] == knob; };
   return std::ranges::any_of(randomization.startup, is_it) || std::ranges::any_of(randomization.reset, is_it) ||
          std::ranges::any_of(randomization.interval, is_it);
 }
-
-}  // namespace
 
 Clock make_clock(const Options& options, const sim::RobotModel& robot) {
   Clock clock;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <string_view>
 
 #include "threewe/env/options.hpp"
 #include "threewe/sim/model.hpp"
@@ -20,6 +21,9 @@ struct Clock {
   /// Whether anybody will look at the scan of the turn that step number `step` (from 0) belongs to.
   bool looks_at_scan_of(std::uint64_t step) const;
 };
+
+/// Whether a knob is drawn at any time.
+bool draws(const models::Randomization& randomization, std::string_view knob);
 
 Clock make_clock(const Options& options, const sim::RobotModel& robot);
 

@@ -1,7 +1,9 @@
 #include "threewe/safety/scan_points.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
+#include <optional>
 
 #include "threewe/core/exact.hpp"
 
@@ -18,11 +20,18 @@ namespace threewe::safety {
 // What some beams hit; room for whole vectors.
 struct Hits {
   static constexpr std::size_t kRoom = 64;
-  alignas(64) std::array<double, kRoom> share{};      // of the turn gone by
-  alignas(64) std::array<double, kRoom> direction{};  // counted from the robot's back [rad]
-  alignas(64) std::array<double, kRoom> range{};      // [m]; then x
-  alignas(64) std::array<double, kRoom> y{};
+  static constexpr std::size_t kVector = 8;         // numbers at most
+  alignas(64) std::array<double, kRoom> share;      // of the turn gone by
+  alignas(64) std::array<double, kRoom> direction;  // counted from the robot's back [rad]
+  alignas(64) std::array<double, kRoom> range;      // [m]; then x
+  alignas(64) std::array<double, kRoom> y;
   std::size_t count = 0;
+
+  Hits() {}  // NOLINT: what is used is filled
+  // Fills the vector that was begun last.
+  void pad() {
+    for (std::size_t i = count; i % kVector != 0; ++i) share[i] = direction[i] = range[i] = 0.0;
+  }
 };
 
 // The lidar's way during a turn.
@@ -40,7 +49,7 @@ namespace threewe::safety::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-using Doubles = hn::CappedTag<double, 8>;
+using Doubles = hn::CappedTag<double, Hits::kVector>;
 using V = hn::Vec<Doubles>;
 
 // Turns ranges into points.
@@ -71,30 +80,53 @@ namespace threewe::safety {
 
 HWY_EXPORT(place);
 
+namespace {
+
+// Nearly all beams are longer than what concerns anybody: a look at many at once, without a branch for each.
+constexpr std::size_t kBlock = 16;
+bool is_any_within(std::span<const float, kBlock> ranges, float longest) {
+  unsigned within = 0;
+  for (const float range : ranges) within |= static_cast<unsigned>(range <= longest);
+  return within != 0;
+}
+
+Way way_of(const LidarSpec& lidar, const Pose2D& odom_from_base_at_begin, const Pose2D& odom_from_base_at_end) {
+  const Pose2D begin = odom_from_base_at_begin * lidar.base_from_lidar;
+  const Pose2D end = odom_from_base_at_end * lidar.base_from_lidar;
+  return {begin, end.position() - begin.position(), wrap_angle(end.theta - begin.theta)};
+}
+
+}  // namespace
+
 void append_scan_points(const LidarSpec& lidar, std::span<const float> ranges, const Pose2D& odom_from_base_at_begin,
                         const Pose2D& odom_from_base_at_end, std::vector<Vec2>& points, double longest) {
   const auto beams = static_cast<double>(ranges.size());
   const double increment = 2.0 * exact::kPi / beams;
-  const Pose2D begin = odom_from_base_at_begin * lidar.base_from_lidar;
-  const Pose2D end = odom_from_base_at_end * lidar.base_from_lidar;
-  const Way way{begin, end.position() - begin.position(), wrap_angle(end.theta - begin.theta)};
+  const auto rounded_up = static_cast<float>(longest * (1.0 + 1e-6));
+  std::optional<Way> way;
   Hits hits;
   const auto put = [&] {
-    HWY_DYNAMIC_DISPATCH(place)(way, hits);
+    if (!way) way = way_of(lidar, odom_from_base_at_begin, odom_from_base_at_end);
+    hits.pad();
+    HWY_DYNAMIC_DISPATCH(place)(*way, hits);
     points.reserve(points.size() + hits.count);  // and no more: there may be thousands of such lists
     for (std::size_t k = 0; k < hits.count; ++k) points.push_back({hits.range[k], hits.y[k]});
     hits.count = 0;
   };
-  for (std::size_t i = 0; i < ranges.size(); ++i) {
-    const auto range = static_cast<double>(ranges[i]);
-    if (range < lidar.range_min || range >= lidar.range_max || range > longest) continue;
-    const double counted = (static_cast<double>(i) + 0.5) / beams;
-    hits.share[hits.count] = lidar.rolling ? (lidar.clockwise ? 1.0 - counted : counted) : 1.0;
-    hits.direction[hits.count] = static_cast<double>(i) * increment;
-    hits.range[hits.count] = range;
-    if (++hits.count == Hits::kRoom) put();
+  for (std::size_t block = 0; block < ranges.size(); block += kBlock) {
+    const std::size_t end = std::min(block + kBlock, ranges.size());
+    if (end - block == kBlock && !is_any_within(ranges.subspan(block).first<kBlock>(), rounded_up)) continue;
+    for (std::size_t i = block; i < end; ++i) {
+      const auto range = static_cast<double>(ranges[i]);
+      if (range < lidar.range_min || range >= lidar.range_max || range > longest) continue;
+      const double counted = (static_cast<double>(i) + 0.5) / beams;
+      hits.share[hits.count] = lidar.rolling ? (lidar.clockwise ? 1.0 - counted : counted) : 1.0;
+      hits.direction[hits.count] = static_cast<double>(i) * increment;
+      hits.range[hits.count] = range;
+      if (++hits.count == Hits::kRoom) put();
+    }
   }
-  put();
+  if (hits.count > 0) put();
 }
 
 }  // namespace threewe::safety
