@@ -161,7 +161,8 @@ bool follow(const GateModel& model, const Frame& start, const Arc& arc, Obstacle
     double gone = 0.0;  // in periods at the first velocity
     for (double share = 1.0; share > kRounding; gone += share, share -= arc.shrink) {
       if (obstacle.slack >= (gone + share) * arc.way) continue;
-      const double poses = std::max(1.0, std::ceil(share * arc.way / kSweepStep - kRounding));
+      const double steps = share * arc.way / kSweepStep - kRounding;
+      const double poses = steps > 1.0 ? std::ceil(steps) : 1.0;
       for (double i = 1.0; i <= poses; i += 1.0) {
         const double periods = gone + share * (i / poses);
         if (obstacle.slack >= periods * arc.way) continue;
@@ -223,6 +224,7 @@ Velocity clear_of_obstacles(const GateModel& model, const GateState& state, cons
   for (Obstacle& obstacle : near) follow(model, turning_point, braking, obstacle, keep_nearest);
   settle_requirements(model, turning_point, near);
   std::erase_if(near, [&](const Obstacle& obstacle) { return obstacle.slack >= way_of_decision; });
+  if (near.empty()) return command;
 
   // what was in the way last comes first, since it will be in the way again
   const auto keeps_clear = [&](const Velocity& v) {

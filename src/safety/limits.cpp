@@ -13,8 +13,9 @@ constexpr double kRounding = 1.0 + 1e-12;
 // stand-still it brakes, beyond that it speeds up with what is left of the period.
 Vec2 approach(Vec2 last, Vec2 target, double braking, double acceleration) {
   const Vec2 change = target - last;
+  const double at_least = std::min(braking, acceleration) * kPeriod;
+  if (dot(change, change) <= at_least * at_least) return target;
   const double length = norm(change);
-  if (length == 0.0) return target;
 
   const Vec2 direction = (1.0 / length) * change;
   const double slowing = std::clamp(-dot(last, direction), 0.0, length);  // length of the part that brakes
