@@ -158,18 +158,20 @@ template <typename Visit>
 bool follow(const GateModel& model, const Frame& start, const Arc& arc, Obstacle& obstacle, const Visit& visit) {
   if (obstacle.slack < arc.whole_way()) {
     const Vec2 at = start.from_outside(obstacle.at);
-    double gone = 0.0;  // in periods at the first velocity
-    for (double share = 1.0; share > kRounding; gone += share, share -= arc.shrink) {
-      if (obstacle.slack >= (gone + share) * arc.way) continue;
+    double gone = 0.0;   // in periods at the first velocity
+    double share = 1.0;  // of the first period's way
+    while (share > kRounding) {
       const double steps = share * arc.way / kSweepStep - kRounding;
-      const double poses = steps > 1.0 ? std::ceil(steps) : 1.0;
-      for (double i = 1.0; i <= poses; i += 1.0) {
-        const double periods = gone + share * (i / poses);
+      const int poses = steps > 1.0 ? static_cast<int>(std::ceil(steps)) : 1;
+      for (int i = 1; i <= poses && obstacle.slack < (gone + share) * arc.way; ++i) {
+        const double periods = gone + share * (static_cast<double>(i) / poses);
         if (obstacle.slack >= periods * arc.way) continue;
         const double distance = clearance(model, arc.after(periods).from_outside(at));
         if (!visit(obstacle, distance)) return false;
         obstacle.slack = periods * arc.way + distance - obstacle.required;
       }
+      gone += share;
+      share -= arc.shrink;
     }
   }
   obstacle.slack -= arc.whole_way();
