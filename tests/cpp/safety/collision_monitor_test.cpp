@@ -4,7 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
+#include <ranges>
 #include <span>
 #include <vector>
 
@@ -48,7 +48,8 @@ class PlainMonitor {
       return within_acceleration(model_.limits, state_.last(), v);
     };
     double safe = 0.0;
-    for (double half = 0.5; half >= 1.0 / 1024; half *= 0.5) {
+    double half = 0.5;
+    for (int i = 0; i < 10; ++i, half *= 0.5) {
       if (keeps_clear(turning_point, between(safe + half))) safe += half;
     }
     const Velocity slowed = between(safe);
@@ -149,9 +150,9 @@ GateState random_state(const GateModel& model, Draw& draw) {
   const bool in_reach = draw.whole(0, 3) > 0;
   Velocity wanted;
   Velocity last;
-  for (auto v = state.recent.rbegin(); v != state.recent.rend(); ++v) {
+  for (Velocity& v : state.recent | std::views::reverse) {
     if (draw.whole(0, 5) == 0) wanted = random_velocity(model, draw);
-    last = *v = in_reach ? within_acceleration(model.limits, last, wanted) : wanted;
+    last = v = in_reach ? within_acceleration(model.limits, last, wanted) : wanted;
   }
   return state;
 }
