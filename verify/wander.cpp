@@ -65,7 +65,7 @@ std::size_t outside(const env::Batch& batch) {
       case task::Field::Type::float32: count += outside<float>(array); break;
     }
   }
-  for (const double reward : batch.rewards()) count += std::isfinite(reward) ? 0 : 1;
+  for (const double reward : batch.rewards()) count += std::isfinite(reward) ? 0U : 1U;
   return count;
 }
 
@@ -75,7 +75,7 @@ std::size_t escaped(const env::Batch& batch, const scene::Scene& scene) {
     const double x = batch.true_poses()[3 * i];
     const double y = batch.true_poses()[3 * i + 1];
     const bool within = x >= scene.min.x && x <= scene.max.x && y >= scene.min.y && y <= scene.max.y;
-    count += within ? 0 : 1;
+    count += within ? 0U : 1U;
   }
   return count;
 }
