@@ -9,6 +9,7 @@
 #include "task/draws.hpp"
 #include "threewe/core/errors.hpp"
 #include "threewe/core/exact.hpp"
+#include "threewe/core/grid_line.hpp"
 #include "threewe/scene/coverage.hpp"
 
 namespace threewe::task {
@@ -32,10 +33,43 @@ class Bits {
   void reset(std::size_t count) { words_.assign((count + 63) / 64, 0); }
   bool get(std::size_t i) const { return (words_[i / 64] >> (i % 64) & 1U) != 0; }
   void set(std::size_t i) { words_[i / 64] |= std::uint64_t{1} << (i % 64); }
+  void clear(std::size_t i) { words_[i / 64] &= ~(std::uint64_t{1} << (i % 64)); }
 
  private:
   std::vector<std::uint64_t> words_;
 };
+
+// The directions of a fan's beams, one after the other. Every sixteenth is exact, and the others are turned from there.
+class Directions {
+ public:
+  Directions(double angle, double increment)
+      : angle_(angle), increment_(increment), step_(rotate({1.0, 0.0}, increment)) {}
+  Vec2 next() {
+    if (count_ % 16 == 0) {
+      now_ = rotate({1.0, 0.0}, angle_ + count_ * increment_);
+    } else {
+      now_ = {now_.x * step_.x - now_.y * step_.y, now_.x * step_.y + now_.y * step_.x};
+    }
+    ++count_;
+    return now_;
+  }
+
+ private:
+  double angle_;
+  double increment_;
+  Vec2 step_;
+  Vec2 now_;
+  int count_ = 0;
+};
+
+// Calls `mark(i)` for each cell of a grid that a line crosses, perhaps twice.
+template <class Mark>
+void mark_line(const scene::GridFrame& frame, Vec2 a, Vec2 b, const Mark& mark) {
+  const double scale = 1.0 / frame.resolution;
+  mark_grid_line(scale * (a - frame.origin), scale * (b - frame.origin), [&](int x, int y) {
+    if (frame.contains({x, y})) mark(frame.index({x, y}));
+  });
+}
 
 // What there is to cover in a scene.
 struct Ground {
@@ -71,18 +105,15 @@ class SeenMap {
   void add_scan(const Belief& belief) {
     const Pose2D map_from_lidar = belief.map_from_base * belief.base_from_lidar;
     const double increment = 2.0 * exact::kPi / static_cast<double>(belief.scan.size());
-    for (std::size_t i = 0; i < belief.scan.size(); ++i) {
-      const auto range = static_cast<double>(belief.scan[i]);
+    Directions directions(map_from_lidar.theta - exact::kPi, increment);
+    for (const float beam : belief.scan) {
+      const Vec2 direction = directions.next();
+      const auto range = static_cast<double>(beam);
       if (range <= 0.0) continue;
-      const double angle = map_from_lidar.theta - exact::kPi + static_cast<double>(i) * increment;
-      const Vec2 direction = rotate({1.0, 0.0}, angle);
       const double seen = std::min(range, scene::kCoverageRange);
       const Vec2 end = map_from_lidar.position() + seen * direction;
       const bool hit = range < belief.range_max && range <= scene::kCoverageRange;
-      scene::walk_line(frame_, map_from_lidar.position(), end, [&](scene::CellIndex cell) {
-        if (frame_.contains(cell)) free_.set(frame_.index(cell));
-        return true;
-      });
+      mark_line(frame_, map_from_lidar.position(), end, [&](std::size_t i) { free_.set(i); });
       const scene::CellIndex last = frame_.cell(end);
       if (hit && frame_.contains(last)) occupied_.set(frame_.index(last));
     }
@@ -118,8 +149,8 @@ class SeenMap {
 // One world's episode.
 struct Survey {
   std::size_t scene = 0;
-  Bits covered;
-  std::size_t cells = 0;
+  Bits left;  // to be covered
+  std::size_t covered = 0;
   SeenMap seen;
   std::vector<double> driven;   // [m] by each robot
   std::vector<double> contact;  // [m/s] of each robot's fastest
@@ -154,7 +185,7 @@ class Exploration final : public Task {
 
  private:
   double share(const Survey& survey) const {
-    return static_cast<double>(survey.cells) / static_cast<double>(grounds_[survey.scene].cells);
+    return static_cast<double>(survey.covered) / static_cast<double>(grounds_[survey.scene].cells);
   }
   void cover(const Moment& moment, Survey& survey) const;
 
@@ -188,8 +219,8 @@ void Exploration::begin(std::size_t world, const EpisodeKey& key, const EpisodeR
 
   Survey& survey = surveys_[world];
   survey.scene = key.scene;
-  survey.covered.reset(grounds_[key.scene].frame.size());
-  survey.cells = 0;
+  survey.left = grounds_[key.scene].coverable;
+  survey.covered = 0;
   survey.seen.begin(grounds_[key.scene].reach);
   survey.driven.assign(robots_, 0.0);
   survey.contact.assign(robots_, 0.0);
@@ -214,19 +245,15 @@ void Exploration::step(std::size_t world, std::span<const Moment> robots, std::s
 }
 
 void Exploration::cover(const Moment& moment, Survey& survey) const {
-  const Ground& ground = grounds_[survey.scene];
+  const scene::GridFrame& frame = grounds_[survey.scene].frame;
   const Vec2 origin = moment.lidar.position();
-  for (std::size_t i = 0; i < moment.ranges.size(); ++i) {
-    const double angle =
-        moment.lidar.theta + static_cast<double>(i) * (2.0 * exact::kPi / static_cast<double>(moment.ranges.size()));
-    const double range = std::min(static_cast<double>(moment.ranges[i]), scene::kCoverageRange);
-    scene::walk_line(ground.frame, origin, origin + rotate({range, 0.0}, angle), [&](scene::CellIndex cell) {
-      if (!ground.frame.contains(cell)) return true;
-      const std::size_t at = ground.frame.index(cell);
-      if (!ground.coverable.get(at) || survey.covered.get(at)) return true;
-      survey.covered.set(at);
-      ++survey.cells;
-      return true;
+  Directions directions(moment.lidar.theta, 2.0 * exact::kPi / static_cast<double>(moment.ranges.size()));
+  for (const float beam : moment.ranges) {
+    const double range = std::min(static_cast<double>(beam), scene::kCoverageRange);
+    mark_line(frame, origin, origin + range * directions.next(), [&](std::size_t i) {
+      if (!survey.left.get(i)) return;
+      survey.left.clear(i);
+      ++survey.covered;
     });
   }
 }
@@ -246,7 +273,7 @@ Sketch Exploration::sketch(std::size_t world) const {
   const Ground& ground = grounds_[survey.scene];
   Sketch sketch{.ground = {ground.frame, 0}};
   for (std::size_t i = 0; i < ground.frame.size(); ++i) {
-    if (ground.coverable.get(i)) sketch.ground.cells[i] = survey.covered.get(i) ? 2 : 1;
+    if (ground.coverable.get(i)) sketch.ground.cells[i] = survey.left.get(i) ? 1 : 2;
   }
   return sketch;
 }

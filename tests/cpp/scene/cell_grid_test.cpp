@@ -67,6 +67,32 @@ TEST_CASE("every cell that a line crosses is visited once, in order, and no othe
   }
 }
 
+TEST_CASE("marks along a line are the cells that it crosses, and no other") {
+  for (std::uint64_t seed = 0; seed < 5000; ++seed) {
+    CAPTURE(seed);
+    Dice dice(seed);
+    const Vec2 a{dice.in(-1.0, 2.0), dice.in(-2.0, 2.0)};
+    Vec2 b{dice.in(-1.0, 2.0), dice.in(-2.0, 2.0)};
+    if (seed % 10 == 0) b.x = a.x;
+    if (seed % 10 == 1) b.y = a.y;
+    if (seed % 10 == 2) b = a + 0.01 * (b - a);
+    if (seed % 100 == 3) b = a;
+    CellSet marked(kFrame, 0);
+    const auto in_cells = [](Vec2 p) { return (1.0 / kFrame.resolution) * (p - kFrame.origin); };
+    mark_grid_line(in_cells(a), in_cells(b), [&](int x, int y) {
+      REQUIRE(kFrame.contains({x, y}));
+      marked[{x, y}] = 1;
+    });
+    CHECK(marked[kFrame.cell(a)]);
+    CHECK(marked[kFrame.cell(b)]);
+    for (std::size_t i = 0; i < kFrame.size(); ++i) {
+      const double inside = length_inside(kFrame.cell(i), a, b);
+      if (inside > 1e-9) CHECK(marked.cells[i]);
+      if (marked.cells[i]) CHECK(inside >= -1e-9);
+    }
+  }
+}
+
 TEST_CASE("a walk ends where it is told to") {
   int count = 0;
   CHECK_FALSE(walk_line(kFrame, {0.0, 0.0}, {1.0, 1.0}, [&](CellIndex) { return ++count < 5; }));
