@@ -14,14 +14,12 @@ that grow truer with each step: Korf 1990; within a policy that learns: Tamar et
 import argparse
 import json
 import math
-import os
 import time
 import warnings
 from collections import namedtuple
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
-os.environ.setdefault("OMP_WAIT_POLICY", "passive")  # PyTorch's threads leave the CPUs to the simulator's, and back
 import numpy as np
 import torch
 from safetensors.torch import load_file, save_file
@@ -65,7 +63,7 @@ class Settings:
     entropy: float = 0.01  # falls to 0
     reward_scale: float = 0.2
     haste: float = 0.05  # taken off the reward of each step
-    threads: int = 2
+    threads: int = 2  # of the simulator
 
 
 class Policy(nn.Module):
@@ -298,7 +296,7 @@ def train(settings: Settings) -> tuple[Policy, list[dict]]:
     """The policy, and how it went: a point for each update."""
     wall, cpu = time.perf_counter(), time.process_time()
     torch.manual_seed(settings.seed)
-    torch.set_num_threads(settings.threads)
+    torch.set_num_threads(1)  # a second one waits more than it works
     policy, critic = Policy(), network(FEATURES + 1, 1)
     optimizer = torch.optim.Adam([*policy.parameters(), *critic.parameters()], eps=1e-5, fused=True)
     curve, total = [], sum(updates for _, _, updates in settings.lessons)

@@ -226,7 +226,7 @@ def run_case(function: Callable[..., Case], seed: int, arguments: Case, limit: f
 
 
 class Journal:
-    """The cases that have finished, one JSON line each. Broken ones are run again next time."""
+    """The cases that have finished, one JSON line each. Those that broke or were not shown are run again next time."""
 
     def __init__(self, path: Path) -> None:
         """Reads what there is."""
@@ -238,7 +238,7 @@ class Journal:
             complete = path.read_text().rpartition("\n")[0]  # the last line may have been cut off
             path.write_text(complete + "\n" if complete else "")
             lines = [json.loads(line) for line in complete.splitlines()]
-            finished = [line for line in lines if "error" not in line["case"]]
+            finished = [line for line in lines if not {"error", "not_shown"} & line["case"].keys()]
             self.known = {(line["experiment"], line["seed"]): line["case"] for line in finished}
             print(f"{len(self.known)} cases were finished before")
 
