@@ -33,7 +33,7 @@ env::Options options(std::uint64_t seed, env::Gate gate) {
     return all[static_cast<std::size_t>(uniform({.seed = seed}, sample, 0, 0.0, static_cast<double>(all.size())))];
   };
   constexpr std::array<std::string_view, 4> kRandomizations{"none", "mild", "paper", "hard"};
-  constexpr std::array<std::string_view, 3> kProfiles{"3we_standard_v2", "3we_depth_v2", "turtlebot_like"};
+  constexpr std::array<std::string_view, 2> kProfiles{"3we_standard_v2", "3we_depth_v2"};
   constexpr std::array kNoises{NoiseLevel::ideal, NoiseLevel::realistic};
   env::Options options;
   options.scenes = {std::make_shared<const scene::Scene>(

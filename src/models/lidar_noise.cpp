@@ -138,7 +138,8 @@ HWY_INLINE void interpret(std::size_t count, Draws& draws) {
   const Floats d;
   const Bits bits;
   for (std::size_t i = 0; i < count; i += hn::Lanes(d)) {
-    const F size = hn::Sqrt(hn::Mul(hn::Set(d, -2.0F), logarithm(share_of(hn::LoadU(bits, draws.words[0].data() + i)))));
+    const F size =
+        hn::Sqrt(hn::Mul(hn::Set(d, -2.0F), logarithm(share_of(hn::LoadU(bits, draws.words[0].data() + i)))));
     const SinCosF direction = sincos_of_turns(share_of(hn::LoadU(bits, draws.words[1].data() + i)));
     hn::StoreInterleaved2(hn::Mul(size, direction.cos), hn::Mul(size, direction.sin), d, draws.scatter.data() + 2 * i);
     const auto fate = [&](std::size_t word) HWY_ATTR {
