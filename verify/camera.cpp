@@ -2,14 +2,13 @@
 //
 // A robot stands somewhere in the scene while people walk. Each beam of its scan is compared with the depth in that
 // direction, each pixel of a picture with what the ray through it meets first.
-#include <charconv>
 #include <cmath>
 #include <cstdio>
 #include <memory>
 #include <string>
-#include <string_view>
 #include <vector>
 
+#include "number.hpp"
 #include "sim/comparison.hpp"
 #include "threewe/models/lidar.hpp"
 #include "threewe/scene/scene_tables.hpp"
@@ -78,16 +77,14 @@ sim::Comparison compare_picture(const Place& place, const sim::Renderer& rendere
 }  // namespace
 
 int main(int argc, char** argv) {
-  std::uint64_t seed = 0;
-  const std::string_view text = argc == 3 ? argv[2] : "";
-  const bool parsed = std::from_chars(text.begin(), text.end(), seed).ptr == text.end() && !text.empty();
-  if (!parsed) {
+  const auto seed = parse_number(argc == 3 ? argv[2] : "");
+  if (!seed) {
     std::fputs("usage: verify_camera SCENE SEED\n", stderr);
     return 2;
   }
-  const Place place = stand_in(argv[1], seed);
+  const Place place = stand_in(argv[1], *seed);
   const sim::Renderer renderer(*place.model->scene);
-  const sim::Comparison comparison = compare_picture(place, renderer, seed);
+  const sim::Comparison comparison = compare_picture(place, renderer, *seed);
   std::printf("beams %d\nbeams_off %d\n", place.model->robots[0].profile.lidar->beams, beams_off(place, renderer));
   std::printf("pixels %d\npixels_at_edges %d\npixels_wrong %d\npixels_of_another_colour %d\n", comparison.pixels,
               comparison.grazing, comparison.wrong - comparison.colour_alone, comparison.colour_alone);

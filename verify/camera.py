@@ -1,11 +1,11 @@
 """Geometry agrees with itself: the camera with the lidar, and with a ray tracer, in every scene."""
 
 import subprocess
-from pathlib import Path
 
+from verify.cases.trees import PROGRAMS
 from verify.harness import Case, Experiment, Row, Verdict
 
-PROGRAM = Path(__file__).resolve().parent.parent / "build/dev/verify/verify_camera"
+PROGRAM = PROGRAMS / "verify_camera"
 SCENES = [
     "apartment_v1",
     "cluttered_v1",

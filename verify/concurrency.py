@@ -6,9 +6,8 @@ from pathlib import Path
 
 from python.make_wheel import OWN_VERSION, VERSIONS, interpreters
 from tests.other_pythons import TESTS, environment
+from verify.cases.trees import ROOT
 from verify.harness import Case, Experiment, all_of
-
-ROOT = Path(__file__).resolve().parent.parent
 
 
 def transcripts(_seed: int, version: str) -> Case:

@@ -4,17 +4,16 @@
 //   verify_episodes SEED    on every vector target that this machine has
 //
 // One line a target, and its hash. All should be equal.
-#include <charconv>
 #include <cstdint>
 #include <cstdio>
 #include <map>
 #include <memory>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "all_tasks.hpp"
 #include "hash.hpp"
+#include "number.hpp"
 #include "threewe/core/rng.hpp"
 #include "threewe/core/targets.hpp"
 #include "threewe/scene/generator.hpp"
@@ -67,18 +66,17 @@ std::uint64_t play(env::Batch& batch, std::uint64_t seed) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  std::uint64_t seed = 0;
-  const std::string_view text = argc == 2 ? argv[1] : "";
-  if (text.empty() || std::from_chars(text.begin(), text.end(), seed).ptr != text.end()) {
+  const auto seed = parse_number(argc == 2 ? argv[1] : "");
+  if (!seed) {
     std::fputs("usage: verify_episodes SEED\n", stderr);
     return 2;
   }
   std::map<std::string, Hash> found;
   for (const env::TaskFactory& task : all_tasks()) {
-    env::Batch batch(options(task, seed));
+    env::Batch batch(options(task, *seed));
     for (const std::string& target : available_targets()) {
       force_target(target);
-      found[target].add(play(batch, seed));
+      found[target].add(play(batch, *seed));
     }
   }
   for (const auto& [target, hash] : found) print_hash(target, hash.value());

@@ -19,7 +19,8 @@ from queue import Queue
 from threading import Lock
 from typing import Any
 
-ROOT = Path(__file__).resolve().parent.parent
+from verify.cases.trees import ROOT
+
 Case = dict[str, Any]
 
 

@@ -5,11 +5,11 @@
 // own with left and right swapped. Then comes a stranger, who shares no code with the generator. Printed are the texts,
 // then how many ended within a metre of the path's end.
 #include <cstdio>
-#include <cstdlib>
 #include <memory>
 #include <string>
 #include <vector>
 
+#include "number.hpp"
 #include "stranger.hpp"
 #include "threewe/hardware/profile.hpp"
 #include "threewe/scene/generator.hpp"
@@ -56,19 +56,19 @@ class Follower {
 }  // namespace
 
 int main(int argc, char** argv) {
-  if (argc != 4) {
+  const auto seed = parse_number(argc == 4 ? argv[1] : "");
+  const auto count = parse_number(argc == 4 ? argv[3] : "");
+  if (!seed || !count) {
     std::fputs("usage: verify_instructions SEED SCENE COUNT\n", stderr);
     return 2;
   }
-  const std::uint64_t seed = std::strtoull(argv[1], nullptr, 10);
   const std::string scene = argv[2];
-  const task::Vln vln(tables_of(scene, seed));
-  const Follower follower(scene, seed);
+  const task::Vln vln(tables_of(scene, *seed));
+  const Follower follower(scene, *seed);
   std::vector<task::VlnEpisode> episodes;
-  const auto count = static_cast<std::uint32_t>(std::strtoul(argv[3], nullptr, 10));
-  for (std::uint32_t i = 0; i < count; ++i) episodes.push_back(vln.sample(seed, i));
+  for (std::uint32_t i = 0; i < *count; ++i) episodes.push_back(vln.sample(*seed, i));
 
-  const auto own_tables = tables_of(scene, seed);
+  const auto own_tables = tables_of(scene, *seed);
   const task::Language language = task::Language::load();
   Stranger stranger(*own_tables, language);
   int by_stranger = 0;

@@ -6,7 +6,6 @@
 //
 // One line a run: what it was, and its hash. Runs that should be equal print equal hashes.
 #include <algorithm>
-#include <charconv>
 #include <cstdint>
 #include <cstdio>
 #include <cstring>
@@ -21,6 +20,7 @@
 #include <vector>
 
 #include "hash.hpp"
+#include "number.hpp"
 #include "robot/lying_world.hpp"
 #include "threewe/backend/registry.hpp"
 #include "threewe/core/targets.hpp"
@@ -186,16 +186,14 @@ std::uint64_t drive(const Plan& plan, std::unique_ptr<backend::World> backend) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  std::uint64_t seed = 0;
-  const std::string_view text = argc > 1 ? argv[1] : "";
+  const auto seed = parse_number(argc > 1 ? argv[1] : "");
   const bool lie = argc == 3 && std::strcmp(argv[2], "--lie") == 0;
-  const bool parsed = std::from_chars(text.begin(), text.end(), seed).ptr == text.end() && !text.empty();
-  if (!parsed || (argc == 3 && !lie) || argc > 3) {
+  if (!seed || (argc == 3 && !lie) || argc > 3) {
     std::fputs("usage: verify_journey SEED [--lie]\n", stderr);
     return 2;
   }
 
-  const Plan where = plan(seed);
+  const Plan where = plan(*seed);
   if (lie) {
     print_hash("truth", drive(where, backend::make_world("mock", where.options)));
     print_hash("lies", drive(where, std::make_unique<LyingWorld>(backend::make_world("mock", where.options))));

@@ -6,12 +6,12 @@
 // pixels than in a picture of a scene that holds nothing else.
 #include <algorithm>
 #include <cstdio>
-#include <cstdlib>
 #include <limits>
 #include <memory>
 #include <string>
 #include <vector>
 
+#include "number.hpp"
 #include "threewe/scene/generator.hpp"
 #include "threewe/sim/renderer.hpp"
 #include "threewe/task/object_nav.hpp"
@@ -103,24 +103,24 @@ void compare_silhouettes(const scene::Scene& scene, const CameraSpec& camera, co
 }  // namespace
 
 int main(int argc, char** argv) {
-  if (argc != 4) {
+  const auto seed = parse_number(argc == 4 ? argv[1] : "");
+  const auto count = parse_number(argc == 4 ? argv[3] : "");
+  if (!seed || !count) {
     std::fputs("usage: verify_object_nav SEED SCENE COUNT\n", stderr);
     return 2;
   }
-  const std::uint64_t seed = std::strtoull(argv[1], nullptr, 10);
   const std::string name = argv[2];
-  const auto count = static_cast<std::uint32_t>(std::strtoul(argv[3], nullptr, 10));
   const RobotProfile robot = load_profile("3we_standard_v2");
-  const double difficulty = static_cast<double>(seed % 101) / 100.0;
+  const double difficulty = static_cast<double>(*seed % 101) / 100.0;
   const auto scene = std::make_shared<const scene::Scene>(
-      name == "generated" ? scene::generate(seed, {.difficulty = difficulty}) : scene::Scene::load(name));
+      name == "generated" ? scene::generate(*seed, {.difficulty = difficulty}) : scene::Scene::load(name));
   const task::ObjectNav nav(std::make_shared<const scene::SceneTables>(scene, robot.body.footprint, robot.body.height),
                             robot);
   Camera camera(*scene, *robot.camera);
 
   Counts counts;
-  for (std::uint32_t i = 0; i < count; ++i) {
-    const task::ObjectNavEpisode episode = nav.sample(seed, i);
+  for (std::uint32_t i = 0; i < *count; ++i) {
+    const task::ObjectNavEpisode episode = nav.sample(*seed, i);
     const std::string_view category = task::kObjectGoals[episode.goal];
     counts.seen_at_start += most_pixels(*scene, category, camera.look(episode.start)) >= task::kGoalPixels ? 1 : 0;
 
@@ -133,6 +133,7 @@ int main(int argc, char** argv) {
       break;
     }
   }
-  std::printf("episodes %u\nseen_at_start %d\nright_at_end %d\nsilhouettes %d\nsilhouettes_off %d\n", count,
-              counts.seen_at_start, counts.right_at_end, counts.silhouettes, counts.silhouettes_off);
+  std::printf("episodes %llu\nseen_at_start %d\nright_at_end %d\nsilhouettes %d\nsilhouettes_off %d\n",
+              static_cast<unsigned long long>(*count), counts.seen_at_start, counts.right_at_end, counts.silhouettes,
+              counts.silhouettes_off);
 }

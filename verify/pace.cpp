@@ -4,11 +4,11 @@
 // far it came is printed too. Times are CPU seconds of this one thread.
 #include <cmath>
 #include <cstdio>
-#include <cstdlib>
 #include <ctime>
 #include <memory>
 #include <variant>
 
+#include "number.hpp"
 #include "threewe/backend/registry.hpp"
 #include "threewe/robot/robot.hpp"
 #include "threewe/scene/truth_view.hpp"
@@ -87,10 +87,14 @@ Pace simulation_alone(std::uint64_t seed) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  const std::uint64_t seed = argc > 1 ? std::strtoull(argv[1], nullptr, 10) : 0;
-  const Pace simulation = simulation_alone(seed);
-  const Pace mind = with_mind(seed, false);
-  const Pace camera = with_mind(seed, true);
+  const auto seed = parse_number(argc == 2 ? argv[1] : "");
+  if (!seed) {
+    std::fputs("usage: verify_pace SEED\n", stderr);
+    return 2;
+  }
+  const Pace simulation = simulation_alone(*seed);
+  const Pace mind = with_mind(*seed, false);
+  const Pace camera = with_mind(*seed, true);
   std::printf("simulation %.1f\nsimulation_metres %.1f\n", simulation.times_real_time, simulation.metres);
   std::printf("mind %.1f\nmind_metres %.1f\n", mind.times_real_time, mind.metres);
   std::printf("camera %.1f\ncamera_pixels_per_second %.0f\n", camera.times_real_time,

@@ -1,11 +1,11 @@
 """How many times faster than real time one core simulates and thinks. Keep the machine idle."""
 
 import subprocess
-from pathlib import Path
 
+from verify.cases.trees import PROGRAMS
 from verify.harness import Case, Experiment, median_of, worst_of
 
-PROGRAM = Path(__file__).resolve().parent.parent / "build/dev/verify/verify_pace"
+PROGRAM = PROGRAMS / "verify_pace"
 
 
 def pace(seed: int) -> Case:

@@ -6,7 +6,6 @@
 // A line: time [s], delay [s], whether the robot is lost, true pose, believed pose, both in `map`; `model` gives it
 // again with another believed pose. The last lines of a drive tell how each motion ended: "# reached".
 #include <algorithm>
-#include <charconv>
 #include <cstdint>
 #include <cstdio>
 #include <iostream>
@@ -15,6 +14,7 @@
 #include <string_view>
 #include <variant>
 
+#include "number.hpp"
 #include "threewe/models/localization.hpp"
 #include "threewe/robot/robot.hpp"
 #include "threewe/scene/episodes.hpp"
@@ -88,18 +88,16 @@ void imitate(const std::string& name, std::uint64_t seed) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  std::uint64_t seed = 0;
-  const std::string_view text = argc == 4 ? argv[3] : "";
-  const bool parsed = std::from_chars(text.data(), text.data() + text.size(), seed).ptr == text.data() + text.size();
+  const auto seed = parse_number(argc == 4 ? argv[3] : "");
   const std::string_view what = argc == 4 ? argv[1] : "";
-  if (text.empty() || !parsed || (what != "drive" && what != "model")) {
+  if (!seed || (what != "drive" && what != "model")) {
     std::fputs("usage: verify_slam drive SCENE SEED | verify_slam model NAME SEED\n", stderr);
     return 2;
   }
   if (what == "drive") {
-    drive(argv[2], seed);
+    drive(argv[2], *seed);
   } else {
-    imitate(argv[2], seed);
+    imitate(argv[2], *seed);
   }
   return 0;
 }

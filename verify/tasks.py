@@ -2,12 +2,11 @@
 
 import subprocess
 from collections.abc import Callable
-from pathlib import Path
 
 from verify import camera
+from verify.cases.trees import PROGRAMS
 from verify.harness import Case, Experiment, Row, Verdict, wilson
 
-PROGRAMS = Path(__file__).resolve().parent.parent / "build/dev/verify"
 SCENES = [*camera.SCENES, "generated", "generated", "generated"]
 EACH = 50  # episodes of a case
 

@@ -6,7 +6,6 @@
 // walls.
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -18,6 +17,7 @@
 #include <vector>
 
 #include "all_tasks.hpp"
+#include "number.hpp"
 #include "threewe/core/rng.hpp"
 #include "threewe/scene/generator.hpp"
 
@@ -83,17 +83,15 @@ std::size_t escaped(const env::Batch& batch, const scene::Scene& scene) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  const std::string_view number = argc == 3 ? argv[1] : "";
+  const auto seed = parse_number(argc == 3 ? argv[1] : "");
   const std::string_view gate = argc == 3 ? argv[2] : "";
-  std::uint64_t seed = 0;
-  const bool is_number = !number.empty() && std::from_chars(number.begin(), number.end(), seed).ptr == number.end();
-  if (!is_number || (gate != "full" && gate != "limits")) {
+  if (!seed || (gate != "full" && gate != "limits")) {
     std::fputs("usage: verify_wander SEED full|limits\n", stderr);
     return 2;
   }
-  env::Batch batch(options(seed, gate == "full" ? env::Gate::full : env::Gate::limits));
+  env::Batch batch(options(*seed, gate == "full" ? env::Gate::full : env::Gate::limits));
   std::vector<env::Reset> resets(kWorlds);
-  for (std::size_t i = 0; i < kWorlds; ++i) resets[i] = {.seed = seed + i};
+  for (std::size_t i = 0; i < kWorlds; ++i) resets[i] = {.seed = *seed + i};
   batch.reset(resets);
   std::vector<float> actions(3 * kWorlds);
   std::size_t bad = outside(batch);
@@ -101,7 +99,7 @@ int main(int argc, char** argv) {
   for (std::uint64_t step = 0; step < kSteps; ++step) {
     if (step % 10 == 0) {
       for (std::uint32_t i = 0; i < actions.size(); ++i) {
-        actions[i] = static_cast<float>(uniform({.seed = seed}, 10 + step, i, -1.0, 1.0));
+        actions[i] = static_cast<float>(uniform({.seed = *seed}, 10 + step, i, -1.0, 1.0));
       }
     }
     batch.step(actions);

@@ -10,9 +10,9 @@ from pathlib import Path
 
 from python.make_wheel import OWN_VERSION, VERSIONS, build, interpreters, repair
 from verify.cases.bare_root import BareRoot, missing
+from verify.cases.trees import ROOT
 from verify.harness import Case, Experiment, all_of
 
-ROOT = Path(__file__).resolve().parent.parent
 FIVE_LINES = re.findall(r"^```python\n(.*?)^```", (ROOT / "README.md").read_text(), re.M | re.S)[0]
 PASTE = """
 import ast, asyncio, sys

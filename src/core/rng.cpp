@@ -66,12 +66,10 @@ std::uint64_t random_word(const RngKey& key, std::uint64_t sample, std::uint32_t
 
 std::array<std::uint32_t, 4> random_bits(const RngKey& key, std::uint64_t sample, std::uint32_t lane) {
   // the seed is the key; everything else is spread over the counter, each field in bits of its own:
-  // sample 48, lane 16, episode 32, robot 12, sensor 12, stream 8
-  const auto place = static_cast<std::uint32_t>((key.robot & 0xFFFU) << 20 | (key.sensor & 0xFFFU) << 8 |
-                                                (static_cast<std::uint32_t>(key.stream) & 0xFFU));
+  // sample 48, lane 16, episode 32, place 32
   const auto high = static_cast<std::uint32_t>((sample >> 32 & 0xFFFFU) << 16 | (lane & 0xFFFFU));
-  return philox({static_cast<std::uint32_t>(sample), high, key.episode, place}, static_cast<std::uint32_t>(key.seed),
-                static_cast<std::uint32_t>(key.seed >> 32));
+  return philox({static_cast<std::uint32_t>(sample), high, key.episode, key.place()},
+                static_cast<std::uint32_t>(key.seed), static_cast<std::uint32_t>(key.seed >> 32));
 }
 
 double uniform(const RngKey& key, std::uint64_t sample, std::uint32_t lane) {

@@ -1,7 +1,6 @@
 #include "env/agent.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <utility>
 
 #include "env/clock.hpp"
@@ -24,12 +23,6 @@ double farthest_way(const Options& options, const safety::GateModel& gate, const
   // as the collision monitor reckons
   const double stopping_time = gate.limits.linear / gate.limits.linear_braking;
   return past * age + gate.limits.linear * (to_seconds(gate.reaction + 2 * kControlPeriod) + 0.5 * stopping_time);
-}
-
-// Rounded to whole steps.
-Duration varied(Duration latency, double factor) {
-  const double steps = factor * static_cast<double>(latency.count()) / static_cast<double>(sim::kStep.count());
-  return static_cast<Duration::rep>(std::floor(steps + 0.5)) * sim::kStep;
 }
 
 }  // namespace
@@ -80,7 +73,7 @@ void Agent::end_turn(const AgentModel& model, const sim::RobotModel& robot, cons
   if (!whole) return;
   Scan& scan = scans_[taken_++ % scans_.size()];
   scan.end = state.time();
-  scan.arrives = scan.end + varied(model.profile.lidar->latency, state.variation.sensor_latency);
+  scan.arrives = scan.end + varied_latency(model.profile.lidar->latency, state.variation);
   scan.odom_at_begin = began;
   scan.odom_at_end = turn_began_;
   const auto points = sim::scan_points(robot, state);

@@ -1,6 +1,7 @@
 #include "env/clock.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 namespace threewe::env {
 namespace {
@@ -31,6 +32,11 @@ bool draws(const models::Randomization& randomization, std::string_view knob) {
   const auto is_it = [&](const models::RandomizedKnob& drawn) { return models::knob_names()[drawn.knob] == knob; };
   return std::ranges::any_of(randomization.startup, is_it) || std::ranges::any_of(randomization.reset, is_it) ||
          std::ranges::any_of(randomization.interval, is_it);
+}
+
+Duration varied_latency(Duration latency, const models::Variation& variation) {
+  const double varied = variation.sensor_latency * static_cast<double>(latency.count());
+  return static_cast<Duration::rep>(std::floor(varied / static_cast<double>(sim::kStep.count()) + 0.5)) * sim::kStep;
 }
 
 Clock make_clock(const Options& options, const sim::RobotModel& robot) {

@@ -60,7 +60,7 @@ void Batch::Impl::begin_world(std::size_t world, const Reset& reset) {
   episode.draws = 0;
   episode.next_draw = models::draw_interval(options.randomization, next.seed, next.episode, 0);
   episode.people = sim::begin_people(model, robots_of(world), next.seed, next.episode);
-  episode.pictures.begin();
+  episode.pictures.begin(options.robots);
 }
 
 // Rewards, ends and metrics of the step; what is observed now; and the next episode, where that is wanted at once.

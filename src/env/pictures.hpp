@@ -14,7 +14,7 @@ namespace threewe::env {
 class Pictures {
  public:
   /// None are left of the episode before.
-  void begin() { taken_.clear(); }
+  void begin(std::size_t robots) { taken_.assign(robots, {}); }
   /// After a step of physics: keeps what the cameras see, if they have just taken a picture.
   void note(const sim::Model& model, std::span<const sim::RobotState> robots, std::span<const sim::PersonState> people);
   /// Draws the newest picture that has reached a robot: (H, W, 3) BGR and (H, W) float depth, either of which may be
@@ -23,11 +23,7 @@ class Pictures {
             std::span<std::byte> depth, sim::DrawScratch& scratch);
 
  private:
-  struct Taken {
-    Time arrives{};
-    std::vector<sim::Shot> shots;  // of each robot
-  };
-  std::vector<Taken> taken_;  // oldest first
+  std::vector<std::vector<sim::Shot>> taken_;  // by each robot, oldest first
 };
 
 }  // namespace threewe::env

@@ -50,14 +50,12 @@ HWY_INLINE W multiply(W a, W b) {
 HWY_INLINE void draw_words(const RngKey& key, std::uint64_t first, std::size_t count, Draws& draws) {
   const Words d;
   const HalfWords half;
-  const auto place = static_cast<std::uint32_t>((key.robot & 0xFFFU) << 20 | (key.sensor & 0xFFFU) << 8 |
-                                                (static_cast<std::uint32_t>(key.stream) & 0xFFU));
   const W ascending = hn::Iota(d, 0);
   for (std::size_t i = 0; i < count; i += hn::Lanes(d)) {
     W c0 = hn::Add(ascending, hn::Set(d, first + i));
     W c1 = hn::ShiftLeft<16>(hn::And(hn::ShiftRight<32>(c0), hn::Set(d, 0xFFFFU)));
     W c2 = hn::Set(d, key.episode);
-    W c3 = hn::Set(d, place);
+    W c3 = hn::Set(d, key.place());
     auto k0 = static_cast<std::uint32_t>(key.seed);
     auto k1 = static_cast<std::uint32_t>(key.seed >> 32);
     for (int round = 0; round < 10; ++round) {
@@ -102,7 +100,7 @@ HWY_INLINE F logarithm(F x) {
   F rest = hn::Mul(hn::Mul(p, f), z);
   rest = hn::Add(rest, hn::Mul(exponent, hn::Set(d, -2.12194440e-4F)));
   rest = hn::Sub(rest, hn::Mul(hn::Set(d, 0.5F), z));
-  return hn::Add(hn::Add(f, rest), hn::Mul(exponent, hn::Set(d, 0.693359375F)));
+  return hn::Add(hn::Add(f, rest), hn::Mul(exponent, hn::Set(d, 355.0F / 512.0F)));
 }
 
 struct SinCosF {

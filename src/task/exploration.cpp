@@ -9,7 +9,6 @@
 #include "task/draws.hpp"
 #include "threewe/core/errors.hpp"
 #include "threewe/core/exact.hpp"
-#include "threewe/core/grid_line.hpp"
 #include "threewe/scene/coverage.hpp"
 
 namespace threewe::task {
@@ -62,15 +61,6 @@ class Directions {
   int count_ = 0;
 };
 
-// Calls `mark(i)` for each cell of a grid that a line crosses, perhaps twice.
-template <class Mark>
-void mark_line(const scene::GridFrame& frame, Vec2 a, Vec2 b, const Mark& mark) {
-  const double scale = 1.0 / frame.resolution;
-  mark_grid_line(scale * (a - frame.origin), scale * (b - frame.origin), [&](int x, int y) {
-    if (frame.contains({x, y})) mark(frame.index({x, y}));
-  });
-}
-
 // What there is to cover in a scene.
 struct Ground {
   scene::GridFrame frame;
@@ -113,7 +103,7 @@ class SeenMap {
       const double seen = std::min(range, scene::kCoverageRange);
       const Vec2 end = map_from_lidar.position() + seen * direction;
       const bool hit = range < belief.range_max && range <= scene::kCoverageRange;
-      mark_line(frame_, map_from_lidar.position(), end, [&](std::size_t i) { free_.set(i); });
+      scene::mark_line(frame_, map_from_lidar.position(), end, [&](std::size_t i) { free_.set(i); });
       const scene::CellIndex last = frame_.cell(end);
       if (hit && frame_.contains(last)) occupied_.set(frame_.index(last));
     }

@@ -265,6 +265,27 @@ def test_what_is_randomised_is_told_and_can_be_repeated() -> None:
     assert plain["randomization"]["mass"] == 1.0
 
 
+def test_later_sensors_show_what_earlier_ones_showed_before() -> None:
+    """The default profile's scans arrive after 0.02 s, its pictures after 0.08 s: ten times that is 2 steps and 8."""
+
+    def drive(factor: int) -> list[dict[str, Any]]:
+        env = Env(
+            task="navigation",
+            observations=("image", "lidar"),
+            gate="limits",
+            image_size=(24, 32),
+            randomization={"reset": {"sensor_latency": factor}},
+        )
+        env.reset(seed=5)
+        return [env.step(np.array([0.6, 0.0, 0.5], np.float32))[0] for _ in range(14)]
+
+    early, late = drive(0), drive(10)
+    for name, steps in {"lidar": 2, "image": 8}.items():
+        for before, now in zip(early, late[steps:], strict=False):
+            np.testing.assert_array_equal(before[name], now[name])
+        assert (early[0][name] != early[1][name]).any()
+
+
 def test_masks_and_seeds_that_do_not_fit_are_refused() -> None:
     env = VectorEnv(num_envs=2, **lean("navigation"))
     env.reset(seed=0)

@@ -6,8 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from verify.cases import aarch64
-
-PROGRAMS = Path(__file__).resolve().parents[2] / "build/dev/verify"
+from verify.cases.trees import PROGRAMS
 
 
 def hashes(command: list[str | Path], **environment: str) -> dict[str, str]:

@@ -7,16 +7,15 @@ lies off it, and scatter. Which figures describe the measured errors best is fou
 import itertools
 import subprocess
 from collections.abc import Callable, Iterator
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from verify.cases.trees import PROGRAMS, ROOT
 from verify.harness import Case, Row, Verdict
 
-ROOT = Path(__file__).resolve().parents[2]
-PROGRAM = ROOT / "build/dev/verify/verify_slam"
+PROGRAM = PROGRAMS / "verify_slam"
 MODEL = "slam_v1"
 SCENES = ["office_v2", "corridor_v1", "apartment_v1", "warehouse_v1", "cluttered_v1", "outdoor_v1", "dynamic_v1"]
 Array = NDArray[np.float64]

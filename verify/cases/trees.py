@@ -7,6 +7,7 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
+PROGRAMS = ROOT / "build/dev/verify"  # of the everyday tree
 
 
 def build(tree: Path, program: str, make_tree: Callable[[], None]) -> Path:

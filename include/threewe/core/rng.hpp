@@ -31,6 +31,11 @@ struct RngKey {
   std::uint16_t sensor = 0;  ///< which of several sensors of one kind
   Stream stream = Stream::episode;
   friend bool operator==(const RngKey&, const RngKey&) = default;
+
+  /// All but seed and episode in one word: robot 12 bits, sensor 12, stream 8.
+  std::uint32_t place() const {
+    return (robot & 0xFFFU) << 20 | (sensor & 0xFFFU) << 8 | (static_cast<std::uint32_t>(stream) & 0xFFU);
+  }
 };
 
 /// Four random words for (`key`, `sample`, `lane`): Philox4x32-10 (Salmon et al. 2011), a bijection of its counter.

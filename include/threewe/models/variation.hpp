@@ -25,7 +25,7 @@ struct Variation {
   double camera_noise = 1.0;     ///< factor of scatter, of colours and of depth
   double odometry_slip = 1.0;    ///< factor of how far wheels and lateral rolling are from what odometry assumes
   double command_latency = 1.0;  ///< factor, rounded to whole steps
-  double sensor_latency = 1.0;   ///< factor of all sensors' latencies, rounded to whole steps
+  double sensor_latency = 1.0;   ///< factor of the lidar's and the camera's latency, rounded to whole steps
 
   // what the camera sees, and from where
   double light = 1.0;         ///< factor of the brightness of lamps and sun

@@ -75,4 +75,14 @@ bool walk_line(const GridFrame& frame, Vec2 a, Vec2 b, Visit visit) {
                         [&](int x, int y) { return visit(CellIndex{x, y}); });
 }
 
+/// Calls `mark(index)` for every cell of the grid that the straight line from `a` to `b` crosses, in no order, some of
+/// them twice.
+template <class Mark>
+void mark_line(const GridFrame& frame, Vec2 a, Vec2 b, Mark mark) {
+  const double scale = 1.0 / frame.resolution;
+  mark_grid_line(scale * (a - frame.origin), scale * (b - frame.origin), [&](int x, int y) {
+    if (frame.contains({x, y})) mark(frame.index({x, y}));
+  });
+}
+
 }  // namespace threewe::scene

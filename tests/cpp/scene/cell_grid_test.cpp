@@ -15,6 +15,22 @@ namespace {
 
 const GridFrame kFrame{{-1.0, -2.0}, 0.1, 30, 40};
 
+struct Line {
+  Vec2 a, b;
+};
+
+// Within the grid; some along an axis, some short, some a point.
+Line random_line(std::uint64_t seed) {
+  Dice dice(seed);
+  const Vec2 a{dice.in(-1.0, 2.0), dice.in(-2.0, 2.0)};
+  Vec2 b{dice.in(-1.0, 2.0), dice.in(-2.0, 2.0)};
+  if (seed % 10 == 0) b.x = a.x;
+  if (seed % 10 == 1) b.y = a.y;
+  if (seed % 10 == 2) b = a + 0.01 * (b - a);
+  if (seed % 100 == 3) b = a;
+  return {a, b};
+}
+
 std::vector<CellIndex> walked(Vec2 a, Vec2 b) {
   std::vector<CellIndex> cells;
   walk_line(kFrame, a, b, [&](CellIndex cell) {
@@ -46,11 +62,7 @@ double length_inside(CellIndex cell, Vec2 a, Vec2 b) {
 TEST_CASE("every cell that a line crosses is visited once, in order, and no other") {
   for (std::uint64_t seed = 0; seed < 2000; ++seed) {
     CAPTURE(seed);
-    Dice dice(seed);
-    const Vec2 a{dice.in(-1.0, 2.0), dice.in(-2.0, 2.0)};
-    Vec2 b{dice.in(-1.0, 2.0), dice.in(-2.0, 2.0)};
-    if (seed % 10 == 0) b.x = a.x;
-    if (seed % 10 == 1) b.y = a.y;
+    const auto [a, b] = random_line(seed);
     const std::vector<CellIndex> cells = walked(a, b);
     CHECK(cells.front() == kFrame.cell(a));
     CHECK(cells.back() == kFrame.cell(b));
@@ -70,19 +82,9 @@ TEST_CASE("every cell that a line crosses is visited once, in order, and no othe
 TEST_CASE("marks along a line are the cells that it crosses, and no other") {
   for (std::uint64_t seed = 0; seed < 5000; ++seed) {
     CAPTURE(seed);
-    Dice dice(seed);
-    const Vec2 a{dice.in(-1.0, 2.0), dice.in(-2.0, 2.0)};
-    Vec2 b{dice.in(-1.0, 2.0), dice.in(-2.0, 2.0)};
-    if (seed % 10 == 0) b.x = a.x;
-    if (seed % 10 == 1) b.y = a.y;
-    if (seed % 10 == 2) b = a + 0.01 * (b - a);
-    if (seed % 100 == 3) b = a;
+    const auto [a, b] = random_line(seed);
     CellSet marked(kFrame, 0);
-    const auto in_cells = [](Vec2 p) { return (1.0 / kFrame.resolution) * (p - kFrame.origin); };
-    mark_grid_line(in_cells(a), in_cells(b), [&](int x, int y) {
-      REQUIRE(kFrame.contains({x, y}));
-      marked[{x, y}] = 1;
-    });
+    mark_line(kFrame, a, b, [&](std::size_t i) { marked.cells[i] = 1; });
     CHECK(marked[kFrame.cell(a)]);
     CHECK(marked[kFrame.cell(b)]);
     for (std::size_t i = 0; i < kFrame.size(); ++i) {
