@@ -13,12 +13,16 @@
 namespace threewe::env {
 namespace {
 
+// How many times its latency a scan takes at most.
+int most_latency(const Options& options) {
+  return draws(options.randomization, "sensor_latency") ? models::kMostLatency : 1;
+}
+
 // [m] that the robot can go from when a point is measured until it stands, if the next scan shows no such point.
 double farthest_way(const Options& options, const safety::GateModel& gate, const LidarSpec& lidar) {
   // how fast it may have moved already: pushed, perhaps, and by wheels that slip
   const double past = 2.0 * gate.limits.linear;
-  const int most = draws(options.randomization, "sensor_latency") ? models::kMostLatency : 1;
-  const double age = to_seconds(2 * lidar.turn + most * lidar.latency + kControlPeriod);
+  const double age = to_seconds(2 * lidar.turn + most_latency(options) * lidar.latency + kControlPeriod);
 
   // as the collision monitor reckons
   const double stopping_time = gate.limits.linear / gate.limits.linear_braking;
@@ -40,7 +44,7 @@ AgentModel make_agent_model(const Options& options) {
   }
   if (model.profile.lidar) {
     const LidarSpec& lidar = *model.profile.lidar;
-    model.scans = static_cast<std::size_t>(models::kMostLatency * lidar.latency / lidar.turn) + 2;
+    model.scans = static_cast<std::size_t>(most_latency(options) * lidar.latency / lidar.turn) + 2;
     model.sight = farthest_way(options, model.gate, lidar) + norm(lidar.base_from_lidar.position()) +
                   model.gate.margin + model.gate.footprint.circumscribed_radius();
     model.beams = models::beams_of_points(lidar);
