@@ -20,7 +20,6 @@ std::uint64_t first_complete(const RobotProfile& profile) {
   const auto wait = [&](Duration first) { last = std::max(last, first); };
   if (profile.imu) wait(profile.imu->period + profile.imu->latency);
   if (profile.lidar) wait(profile.lidar->turn + profile.lidar->latency);
-  if (profile.battery) wait(profile.battery->period);
   if (profile.ultrasonics) wait(profile.ultrasonics->period() + profile.ultrasonics->latency);
   if (profile.camera) wait(profile.camera->period + sim::kStep + profile.camera->latency);
   return rounded_up(steps(last), kTick);

@@ -308,7 +308,10 @@ void step(const Model& model, std::span<RobotState> states, std::span<const Velo
 
 bool imu_ready(const RobotModel& robot, const RobotState& state) { return is_due(robot.imu_period, state); }
 bool odometry_ready(const RobotModel& robot, const RobotState& state) { return is_due(robot.odometry_period, state); }
-bool battery_ready(const RobotModel& robot, const RobotState& state) { return is_due(robot.battery_period, state); }
+bool battery_ready(const RobotModel& robot, const RobotState& state) {
+  const auto period = static_cast<std::uint64_t>(robot.battery_period);
+  return period > 0 && state.steps > 0 && (state.steps - 1) % period == 0;
+}
 
 std::optional<std::size_t> ping_ready(const RobotModel& robot, const RobotState& state) {
   if (!is_due(robot.ultrasonic_interval, state)) return std::nullopt;

@@ -49,6 +49,7 @@ void step(const Model& model, std::span<RobotState> states, std::span<const Velo
 /// What became ready in the last step: readings are complete at the step's end, before any latency.
 bool imu_ready(const RobotModel& robot, const RobotState& state);
 bool odometry_ready(const RobotModel& robot, const RobotState& state);
+/// In the first step too: one reading tells all about a battery, and nobody waits a period for it.
 bool battery_ready(const RobotModel& robot, const RobotState& state);
 /// The sensor, counted in the order of the profile's mounts, whose ping has just been heard.
 std::optional<std::size_t> ping_ready(const RobotModel& robot, const RobotState& state);
