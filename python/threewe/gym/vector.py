@@ -91,6 +91,8 @@ class VectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
         self._metrics = np.moveaxis(self._by_env(core.metrics), -1, 0)
         self._final_metrics = np.moveaxis(self._by_env(core.final_metrics), -1, 0)
         self._ended = core.ended
+        self._metric_names = core.metric_names
+        self._metric_masks = {f"_{name}": self._everyone for name in core.metric_names}
 
     def reset(
         self, *, seed: int | list[int | None] | None = None, options: dict[str, Any] | None = None
@@ -107,10 +109,10 @@ class VectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
 
     def step(self, actions: Any) -> tuple[Observation, NDArray[Any], NDArray[Any], NDArray[Any], dict[str, Any]]:
         """One control step of every environment. Raises ContractError, and does nothing, for an action that is none."""
-        active = ~self._done
+        active = ~self._done if self._team else None
         self._core.step(as_actions(actions, (self.num_envs, *self._team, 3)))
         infos = self._infos(self._metrics)
-        if self._team:
+        if active is not None:
             infos["active"], infos["_active"] = active, self._everyone
         if self._same_step and self._ended.any():
             self._add_final(infos)
@@ -162,11 +164,9 @@ class VectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
         return {name: values.copy() for name, values in observations.items()} if self._copy else observations
 
     def _infos(self, metrics: NDArray[np.float64]) -> dict[str, Any]:
-        infos: dict[str, Any] = {}
-        values = metrics.copy()
-        for name, value in zip(self._core.metric_names, values, strict=True):
-            infos[name] = value > 0.0 if name == "success" else value
-            infos[f"_{name}"] = self._everyone
+        infos: dict[str, Any] = {**dict(zip(self._metric_names, metrics.copy(), strict=True)), **self._metric_masks}
+        if "success" in infos:
+            infos["success"] = infos["success"] > 0.0
         return infos
 
     def _add_final(self, infos: dict[str, Any]) -> None:
