@@ -39,8 +39,8 @@ env::Options options(std::uint64_t seed, env::Gate gate) {
   options.scenes = {std::make_shared<const scene::Scene>(
       scene::generate(seed, {.difficulty = uniform({.seed = seed}, 0, 0, 0.0, 1.0)}))};
   options.task = one_of(1, all_tasks());
-  options.randomization = models::load_randomization(std::string(one_of(2, kRandomizations)));
-  options.hardware = with_noise(load_profile(std::string(one_of(3, kProfiles))), one_of(4, kNoises));
+  options.randomization = models::load_randomization(one_of(2, kRandomizations));
+  options.hardware = with_noise(load_profile(one_of(3, kProfiles)), one_of(4, kNoises));
   options.localization_model = models::load_localization("slam_v1");
   options.gate = gate;
   options.worlds = kWorlds;
@@ -52,7 +52,8 @@ std::size_t outside(const env::Array& array) {
   const std::span values(reinterpret_cast<const T*>(array.data.data()), array.data.size() / sizeof(T));
   return static_cast<std::size_t>(std::ranges::count_if(values, [&](T value) {
     const auto number = static_cast<double>(value);
-    return !(number >= array.field.low && number <= array.field.high);  // nor is what is no number
+    const bool within = number >= array.field.low && number <= array.field.high;  // what is no number is not
+    return !within;
   }));
 }
 

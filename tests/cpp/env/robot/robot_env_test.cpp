@@ -129,7 +129,8 @@ TEST_CASE("pictures are the batch's to the bit") {
   check_same({"depth", kNavigation, {"apartment_v1"}, "3we_depth_v2", NoiseLevel::realistic, true}, 1);
 }
 
-std::string refused(Options options, World::Options robot, const std::vector<std::string>& scenes = {"corridor_v1"}) {
+std::string refused(Options options, const World::Options& robot,
+                    const std::vector<std::string>& scenes = {"corridor_v1"}) {
   try {
     const RobotEnv env(std::move(options), robot, scenes);
   } catch (const ConfigError& error) {
