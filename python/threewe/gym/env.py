@@ -8,7 +8,7 @@ import gymnasium
 
 from threewe._arguments import as_seed
 from threewe.gym.batch import Batch, EnvOptions, Observation, as_actions, make_batch, make_robot_env
-from threewe.gym.onlooker import RENDER_MODES, make_onlooker
+from threewe.gym.rendering import RENDER_MODES, make_onlooker
 
 
 class Env(gymnasium.Env[Any, Any]):

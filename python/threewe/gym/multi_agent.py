@@ -13,7 +13,7 @@ from threewe import _core
 from threewe._arguments import as_seed
 from threewe.errors import ConfigError, ContractError
 from threewe.gym.batch import EnvOptions, Observation, as_actions, make_batch
-from threewe.gym.onlooker import RENDER_MODES, make_onlooker
+from threewe.gym.rendering import RENDER_MODES, make_onlooker
 
 try:
     from pettingzoo import ParallelEnv
