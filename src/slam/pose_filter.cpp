@@ -51,8 +51,8 @@ void PoseFilter::predict(double heading, Vec2 step, double turn, double seconds,
   covariance_(kY, kY) += s * s * along + c * c * across;
   covariance_(kX, kY) += c * s * (along - across);
   covariance_(kY, kX) = covariance_(kX, kY);
-  covariance_(kTheta, kTheta) +=
-      gyro ? square(kGyroScale) * angle + square(sensors_.gyro_sigma) * 0.01 * seconds : square(kWheelTurn) * angle;
+  covariance_(kTheta, kTheta) += gyro ? square(kGyroScale) * angle + square(sensors_.gyro_sigma) * 0.01 * seconds
+                                      : square(kWheelTurn) * angle + square(sensors_.wheel_drift) * distance;
   if (sensors_.range_bias_sigma > 0.0) covariance_(kRangeBias, kRangeBias) += square(kRangeWalk) * distance;
   covariance_(kGyroBias, kGyroBias) += square(sensors_.gyro_bias_walk) * seconds;
   covariance_(kForwardScale, kForwardScale) += square(kScaleWalk) * distance;

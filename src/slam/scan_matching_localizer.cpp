@@ -8,6 +8,7 @@
 
 #include "slam/dead_reckoning.hpp"
 #include "slam/pose_filter.hpp"
+#include "slam/scan_beams.hpp"
 #include "slam/scan_matcher.hpp"
 #include "threewe/map/log_odds_map.hpp"
 
@@ -27,29 +28,6 @@ constexpr double kMapDrift = 0.005;    // [m/sqrt(m)] the map itself wanders fro
 constexpr double kMapTurn = 0.001;     // [rad/sqrt(m)]
 constexpr double kMapOrigin = 0.003;   // [m] ... and lies a little off it from the start
 constexpr double kMapHeading = 0.003;  // [rad]
-constexpr double kFreeNoReturn = 4.0;  // [m] a beam without return clears so much: dark surfaces return nothing
-
-// Does beam i hit something narrow, with what is behind it visible on both sides?
-bool is_thin(const LaserScan& scan, std::size_t i) {
-  constexpr double kNarrow = 0.12;  // [m]
-  constexpr double kBehind = 0.15;  // [m]
-  const std::size_t n = scan.ranges.size();
-  const auto range = static_cast<double>(scan.ranges[i]);
-  const double beams = kNarrow / (range * scan.angle_increment);
-  const std::size_t widest = beams < static_cast<double>(n) ? static_cast<std::size_t>(beams) + 1 : n;
-  // how many beams to one side until one passes; 0 when something else is there
-  const auto edge = [&](std::size_t step) -> std::size_t {
-    for (std::size_t k = 1; k <= widest && k < n; ++k) {
-      const auto other = static_cast<double>(scan.ranges[(i + k * step) % n]);
-      if (other > range + kBehind) return k;
-      if (other < range - 0.05) return 0;  // invalid, or in front
-    }
-    return 0;
-  };
-  const std::size_t left = edge(1);
-  const std::size_t right = edge(n - 1);
-  return left > 0 && right > 0 && left + right - 2 < widest;
-}
 
 class ScanMatchingLocalizer final : public Localizer {
  public:
@@ -120,29 +98,13 @@ Time ScanMatchingLocalizer::deskew(Time measured, const LaserScan& scan) {
   const Pose2D odom_from_base = track_.at(end);
   const Pose2D base_from_odom = inverse(odom_from_base);
 
-  beams_.clear();
+  beams_ = beams_of(scan, scan.range_max,
+                    [&](std::size_t i) { return base_from_odom * track_.at(beam_time(i)) * sensors_.base_from_lidar; });
   std::vector<Vec2> before;
   before.swap(obstacles_);
-  constexpr std::size_t kBlock = 8;  // beams between poses that are computed, less than 3 ms
-  Pose2D base_from_lidar;
-  Pose2D next = base_from_odom * track_.at(beam_time(0)) * sensors_.base_from_lidar;
-  Pose2D last;
-  for (std::size_t i = 0; i < n; ++i) {
-    if (i % kBlock == 0) {
-      last = next;
-      next = base_from_odom * track_.at(beam_time(i + kBlock)) * sensors_.base_from_lidar;
-    }
-    base_from_lidar = interpolate(last, next, static_cast<double>(i % kBlock) / kBlock);
-
-    const auto range = static_cast<double>(scan.ranges[i]);
-    if (!(range >= scan.range_min) || range <= 0.0) continue;
-    const bool hit = range < scan.range_max;
-    const double length = hit ? range : std::min(kFreeNoReturn, scan.range_max);
-    const double angle = base_from_lidar.theta + scan.angle_min + static_cast<double>(i) * scan.angle_increment;
-    const Vec2 origin = base_from_lidar.position();
-    const Vec2 direction = rotate({1.0, 0.0}, angle);
-    beams_.push_back({origin, direction, length, hit, hit && is_thin(scan, i)});
-    if (hit) obstacles_.push_back(odom_from_base * (origin + (length - track_.calibration().range_bias) * direction));
+  for (const map::Beam& b : beams_) {
+    if (b.hit)
+      obstacles_.push_back(odom_from_base * (b.origin + (b.range - track_.calibration().range_bias) * b.direction));
   }
   const double nearest_seen = scan.range_min - track_.calibration().range_bias;
   keep_unseen(before, (odom_from_base * sensors_.base_from_lidar).position(), nearest_seen);
@@ -246,14 +208,7 @@ void ScanMatchingLocalizer::extend_map(Time stamp) {
                    std::fabs(since.theta) > kKeyframeTurn || stamp - keyframe_stamp_ >= kKeyframeAge;
   if (!due) return;
 
-  std::vector<map::Beam> in_map = beams_;
-  const auto [sin, cos] = exact::sincos(map_from_base.theta);
-  const auto turned = [s = sin, c = cos](Vec2 p) { return Vec2{c * p.x - s * p.y, s * p.x + c * p.y}; };
-  for (map::Beam& beam : in_map) {
-    beam.origin = map_from_base.position() + turned(beam.origin);
-    beam.direction = turned(beam.direction);
-  }
-  map_.insert(in_map, track_.calibration().range_bias);
+  map_.insert(transformed(map_from_base, beams_), track_.calibration().range_bias);
   keyframe_ = map_from_base;
   keyframe_stamp_ = stamp;
 }

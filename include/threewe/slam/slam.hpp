@@ -1,0 +1,55 @@
+// Mapping on its own: scans and odometry in, poses and a map out. `threewe slam replay` and `threewe.slam.Slam` are
+// built on it; a robot that drives uses a `Localizer` instead.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "threewe/core/pose.hpp"
+#include "threewe/core/samples.hpp"
+#include "threewe/map/occupancy_grid.hpp"
+
+namespace threewe::slam {
+
+/// What is known about the robot beforehand.
+struct SlamConfig {
+  Pose2D base_from_lidar{};
+  double range_max = 30.0;         ///< [m] what a scan sees farther away is left out
+  double resolution = 0.05;        ///< [m] a cell of the map
+  double range_bias_sigma = 0.01;  ///< [m] of the lidar's constant error
+  double distance_sigma = 0.02;    ///< share by which the odometry's distances may all be wrong
+  double heading_drift = 0.03;     ///< [rad/sqrt(m)] by which its heading wanders
+};
+
+/// Where the robot was at some time.
+struct StampedPose {
+  Time stamp{};
+  Pose2D map_from_base;
+};
+
+/// Simultaneous localisation and mapping from scans of any field of view, as often or as rarely as they come as long as
+/// neighbours overlap, and odometry as poses. The frame `map` begins where the robot is at the first scan.
+class Slam {
+ public:
+  /// Throws ContractError where a figure is out of its range.
+  explicit Slam(const SlamConfig& config = {});
+  ~Slam();
+  Slam(Slam&&) noexcept;
+  Slam& operator=(Slam&&) noexcept;
+
+  /// One scan whose beam 0 was measured at `stamp`, where odometry had the robot at `odom_from_base`. Returns
+  /// map_from_base. Throws ContractError, and changes nothing, when a number is not finite, when time does not go on,
+  /// and when the scan has not as many ranges as the first.
+  Pose2D add(Time stamp, const LaserScan& scan, const Pose2D& odom_from_base);
+
+  /// The map: every scan that brought something new, drawn where `trajectory` has it.
+  map::OccupancyGrid map() const;
+  /// Where the robot was at each scan, as it is known now: what `add` returned may have been corrected since.
+  std::vector<StampedPose> trajectory() const;
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace threewe::slam

@@ -1,0 +1,75 @@
+#include "slam/scan_beams.hpp"
+
+#include <algorithm>
+
+namespace threewe::slam {
+namespace {
+
+constexpr double kFreeNoReturn = 4.0;  // [m] a beam without return clears so much: dark surfaces return nothing
+constexpr std::size_t kBlock = 8;      // beams between poses that are computed, less than 3 ms
+
+// Does the last beam have the first one beside it?
+bool is_full_turn(const LaserScan& scan) {
+  return (static_cast<double>(scan.ranges.size()) + 0.5) * scan.angle_increment > 2.0 * exact::kPi;
+}
+
+// Does beam i hit something narrow, with what is behind it visible on both sides?
+bool is_thin(const LaserScan& scan, std::size_t i, bool full_turn) {
+  constexpr double kNarrow = 0.12;  // [m]
+  constexpr double kBehind = 0.15;  // [m]
+  const std::size_t n = scan.ranges.size();
+  const auto range = static_cast<double>(scan.ranges[i]);
+  const double beams = kNarrow / (range * scan.angle_increment);
+  const std::size_t widest = beams < static_cast<double>(n) ? static_cast<std::size_t>(beams) + 1 : n;
+  // how many beams to one side, of `room`, until one passes; 0 when something else is there, or nobody looked
+  const auto edge = [&](std::size_t step, std::size_t room) -> std::size_t {
+    for (std::size_t k = 1; k <= widest && k <= room; ++k) {
+      const auto other = static_cast<double>(scan.ranges[(i + k * step) % n]);
+      if (other > range + kBehind) return k;
+      if (other < range - 0.05) return 0;  // invalid, or in front
+    }
+    return 0;
+  };
+  const std::size_t left = edge(1, full_turn ? n - 1 : n - 1 - i);
+  const std::size_t right = edge(n - 1, full_turn ? n - 1 : i);
+  return left > 0 && right > 0 && left + right - 2 < widest;
+}
+
+}  // namespace
+
+std::vector<map::Beam> beams_of(const LaserScan& scan, double range_max,
+                                const std::function<Pose2D(std::size_t)>& frame_from_lidar) {
+  std::vector<map::Beam> beams;
+  beams.reserve(scan.ranges.size());
+  const bool full_turn = is_full_turn(scan);
+  const double farthest = std::min(range_max, scan.range_max);
+  Pose2D next = frame_from_lidar(0);
+  Pose2D last;
+  for (std::size_t i = 0; i < scan.ranges.size(); ++i) {
+    if (i % kBlock == 0) {
+      last = next;
+      next = frame_from_lidar(i + kBlock);
+    }
+    const Pose2D here = interpolate(last, next, static_cast<double>(i % kBlock) / kBlock);
+
+    const auto range = static_cast<double>(scan.ranges[i]);
+    if (!(range >= scan.range_min) || range <= 0.0) continue;
+    const bool hit = range < farthest;
+    const double length = hit ? range : std::min(kFreeNoReturn, farthest);
+    const double angle = here.theta + scan.angle_min + static_cast<double>(i) * scan.angle_increment;
+    beams.push_back({here.position(), rotate({1.0, 0.0}, angle), length, hit, hit && is_thin(scan, i, full_turn)});
+  }
+  return beams;
+}
+
+std::vector<map::Beam> transformed(const Pose2D& a_from_b, std::vector<map::Beam> beams_in_b) {
+  const auto [sin, cos] = exact::sincos(a_from_b.theta);
+  const auto turned = [s = sin, c = cos](Vec2 p) { return Vec2{c * p.x - s * p.y, s * p.x + c * p.y}; };
+  for (map::Beam& beam : beams_in_b) {
+    beam.origin = a_from_b.position() + turned(beam.origin);
+    beam.direction = turned(beam.direction);
+  }
+  return beams_in_b;
+}
+
+}  // namespace threewe::slam

@@ -1,0 +1,21 @@
+// A scan as the beams that maps and the matcher take.
+#pragma once
+
+#include <functional>
+#include <vector>
+
+#include "threewe/core/pose.hpp"
+#include "threewe/core/samples.hpp"
+#include "threewe/map/log_odds_map.hpp"
+
+namespace threewe::slam {
+
+/// The valid beams of a scan, in some frame. `frame_from_lidar(i)` is where the lidar was as it measured beam i; it is
+/// asked for every eighth. What is `range_max` [m] away or farther counts as no return.
+std::vector<map::Beam> beams_of(const LaserScan& scan, double range_max,
+                                const std::function<Pose2D(std::size_t)>& frame_from_lidar);
+
+/// The same beams seen from another frame.
+std::vector<map::Beam> transformed(const Pose2D& a_from_b, std::vector<map::Beam> beams_in_b);
+
+}  // namespace threewe::slam

@@ -1,0 +1,209 @@
+// Mapping on its own: drives through drawn places with the scanners and odometers of old robots.
+#include "threewe/slam/slam.hpp"
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include "draw.hpp"
+#include "slam/tiny_world.hpp"
+#include "threewe/core/errors.hpp"
+
+namespace threewe::slam {
+namespace {
+
+using testing::add_box;
+using testing::tiny_range;
+using testing::TinyWall;
+
+/// How a lidar looks around.
+struct Fan {
+  int beams = 180;
+  double angle_min = -0.5 * exact::kPi;
+  double increment = exact::kPi / 180.0;
+  double sigma = 0.01;
+};
+
+LaserScan look(const std::vector<TinyWall>& walls, const Pose2D& lidar, const Fan& fan, Draw& draw) {
+  LaserScan scan{fan.angle_min, fan.increment, 0.0, 0.0, 80.0, {}};
+  for (int i = 0; i < fan.beams; ++i) {
+    const double range = tiny_range(walls, lidar.position(), lidar.theta + fan.angle_min + i * fan.increment, 80.0);
+    const double noise = draw(-1.7, 1.7) * fan.sigma;  // of the deviation sigma
+    scan.ranges.push_back(static_cast<float>(range < 80.0 ? range + noise : 80.0));
+  }
+  return scan;
+}
+
+/// Rooms beside a hall, with things in them.
+std::vector<TinyWall> building(Draw& draw) {
+  std::vector<TinyWall> walls;
+  add_box(walls, {-2, -6}, {14, 6});
+  for (double x : {2.0, 6.0, 10.0}) {
+    walls.push_back({{x, 2}, {x, 6}});
+    walls.push_back({{x + 1, -6}, {x + 1, -3.2}});
+  }
+  for (double x : {-2.0, 2.0, 6.0, 10.0}) walls.push_back({{x + 1.0, 2}, {x + 3.4, 2}});
+  for (int i = 0; i < 6; ++i) {
+    const Vec2 corner{-1.0 + 2.5 * i, i % 2 == 0 ? 4.2 : -5.0};
+    add_box(walls, corner, corner + Vec2{draw(0.3, 0.9), draw(0.3, 0.9)});
+  }
+  return walls;
+}
+
+/// A robot on an oval course, whose odometry is wrong in scale and heading; a scan every half metre.
+struct Tour {
+  std::vector<Pose2D> truth;
+  std::vector<Pose2D> odometry;
+};
+Tour tour(Draw& draw, int steps) {
+  const double scale = draw(0.98, 1.02);
+  const double veer = draw(-0.01, 0.01);  // [rad/m]
+  Tour t{{{0, 0, 0}}, {{draw(-5, 5), draw(-5, 5), draw(-3, 3)}}};
+  for (int i = 1; i < steps; ++i) {
+    const Pose2D& here = t.truth.back();
+    const double turn = i % 28 < 20 ? 0.0 : -exact::kPi / 8.0;  // 10 m ahead, and round
+    const Velocity v{0.5, 0.0, turn};
+    t.truth.push_back(integrate(here, v, 1.0));
+    t.odometry.push_back(integrate(t.odometry.back(), {0.5 * scale, 0.0, turn * draw(0.97, 1.03) + 0.5 * veer}, 1.0));
+  }
+  return t;
+}
+
+TEST_CASE("scans of any field of view find the way that odometry loses") {
+  const std::vector<Fan> fans = {{180, -0.5 * exact::kPi, exact::kPi / 180.0},
+                                 {181, -0.5 * exact::kPi, exact::kPi / 180.0},
+                                 {361, -0.5 * exact::kPi, exact::kPi / 360.0},
+                                 {360, -exact::kPi, exact::kPi / 180.0}};
+  for (std::uint64_t seed = 0; seed < 8; ++seed) {
+    for (const Fan& fan : fans) {
+      CAPTURE(seed);
+      CAPTURE(fan.beams);
+      Draw draw(seed);
+      const std::vector<TinyWall> walls = building(draw);
+      const Tour way = tour(draw, 60);
+      const Pose2D base_from_lidar{draw(-0.1, 0.3), draw(-0.1, 0.1), draw(-0.2, 0.2)};
+      Slam slam({.base_from_lidar = base_from_lidar});
+      double worst = 0.0;
+      double worst_odometry = 0.0;
+      for (std::size_t i = 0; i < way.truth.size(); ++i) {
+        const LaserScan scan = look(walls, way.truth[i] * base_from_lidar, fan, draw);
+        const Pose2D found = slam.add(from_seconds(static_cast<double>(i)), scan, way.odometry[i]);
+        const Pose2D reckoned = inverse(way.odometry[0]) * way.odometry[i];
+        worst = std::max(worst, distance(found.position(), way.truth[i].position()));
+        worst_odometry = std::max(worst_odometry, distance(reckoned.position(), way.truth[i].position()));
+      }
+      CHECK(worst < 0.08);
+      CHECK(worst < 0.5 * worst_odometry);
+    }
+  }
+}
+
+TEST_CASE("the trajectory has every scan, and the map shows the walls where they are") {
+  Draw draw(3);
+  const std::vector<TinyWall> walls = building(draw);
+  const Tour way = tour(draw, 60);
+  Slam slam;
+  std::vector<Pose2D> returned;
+  for (std::size_t i = 0; i < way.truth.size(); ++i) {
+    const auto time = from_seconds(2.0 + 0.5 * static_cast<double>(i));
+    returned.push_back(slam.add(time, look(walls, way.truth[i], {}, draw), way.odometry[i]));
+  }
+  const std::vector<StampedPose> poses = slam.trajectory();
+  REQUIRE(poses.size() == returned.size());
+  CHECK(poses.front().map_from_base == Pose2D{});
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    CHECK(poses[i].stamp == from_seconds(2.0 + 0.5 * static_cast<double>(i)));
+    CHECK(distance(poses[i].map_from_base.position(), returned[i].position()) < 0.05);
+  }
+
+  const map::OccupancyGrid map = slam.map();
+  int occupied = 0;
+  for (int y = 0; y < map.height; ++y) {
+    for (int x = 0; x < map.width; ++x) {
+      if (map.at({x, y}) < map::OccupancyGrid::kOccupiedThreshold) continue;
+      double nearest = 1e9;
+      for (const TinyWall& w : walls) {
+        nearest = std::min(nearest, distance_to_segment(map.center({x, y}), w.a, w.b));
+      }
+      CHECK(nearest < 0.15);
+      ++occupied;
+    }
+  }
+  CHECK(occupied > 200);
+  CHECK(map.at(map.cell({5.0, 0.0})) <= map::OccupancyGrid::kFreeThreshold);
+}
+
+TEST_CASE("a scan that is measured over time is straightened by the odometry") {
+  Draw draw(5);
+  const std::vector<TinyWall> walls = building(draw);
+  Slam slam;
+  Pose2D truth;
+  double worst = 0.0;
+  for (int i = 0; i < 150; ++i) {
+    const Velocity v{0.4, 0.0, 1.2 * exact::sin(0.15 * i)};
+    LaserScan scan{-exact::kPi, exact::kPi / 180.0, 0.1 / 360.0, 0.0, 80.0, {}};
+    for (int beam = 0; beam < 360; ++beam) {
+      const Pose2D here = integrate(truth, v, beam * scan.time_increment);
+      scan.ranges.push_back(static_cast<float>(
+          tiny_range(walls, here.position(), here.theta - exact::kPi + beam * exact::kPi / 180.0, 80.0)));
+    }
+    const Pose2D found = slam.add(from_seconds(0.1 * i), scan, truth);
+    worst = std::max(worst, distance(found.position(), truth.position()));
+    truth = integrate(truth, v, 0.1);
+  }
+  CHECK(worst < 0.05);
+}
+
+TEST_CASE("the same input gives the same bits") {
+  const auto run = [] {
+    Draw draw(9);
+    const std::vector<TinyWall> walls = building(draw);
+    const Tour way = tour(draw, 30);
+    Slam slam;
+    Pose2D last;
+    for (std::size_t i = 0; i < way.truth.size(); ++i) {
+      last = slam.add(from_seconds(static_cast<double>(i)), look(walls, way.truth[i], {}, draw), way.odometry[i]);
+    }
+    return std::pair(last, slam.map());
+  };
+  CHECK(run() == run());
+}
+
+TEST_CASE("wrong input is one clear error, and changes nothing") {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  const LaserScan good{-1.5, 0.01, 0.0, 0.0, 80.0, std::vector<float>(300, 2.0F)};
+  Slam slam;
+  slam.add(1s, good, {});
+  const auto error = [&](Time stamp, const LaserScan& scan, const Pose2D& odometry) -> std::string {
+    try {
+      slam.add(stamp, scan, odometry);
+    } catch (const ContractError& e) {
+      return e.what();
+    }
+    return "nothing";
+  };
+
+  CHECK(error(2s, good, {nan, 0, 0}) == "odometry must be finite, got (nan, 0, 0)");
+  CHECK(error(1s, good, {}) == "time must go on from scan to scan: 1.000000 s after 1.000000 s");
+  LaserScan bad = good;
+  bad.ranges[7] = std::numeric_limits<float>::quiet_NaN();
+  CHECK(error(2s, bad, {}) == "range 7 of a scan is nan: no return is range_max, invalid is 0");
+  bad = good;
+  bad.ranges.pop_back();
+  CHECK(error(2s, bad, {}) == "a scan of 299 ranges after scans of 300: begin a new Slam for another lidar");
+  bad = good;
+  bad.angle_increment = 0.0;
+  CHECK(error(2s, bad, {}) == "a scan's angles must be finite and go up, got angle_min -1.5, angle_increment 0");
+  bad = good;
+  bad.range_max = 0.0;
+  CHECK(error(2s, bad, {}) == "a scan needs 0 <= range_min < range_max, got 0 and 0");
+  CHECK(slam.trajectory().size() == 1);
+  CHECK_THROWS_WITH_AS(Slam({.resolution = 0.0}), "resolution must lie in [0.02, 0.2] m, got 0", ContractError);
+  CHECK_THROWS_WITH_AS(Slam({.base_from_lidar = {0, nan, 0}}), "base_from_lidar must be finite, got (0, nan, 0)",
+                       ContractError);
+}
+
+}  // namespace
+}  // namespace threewe::slam
