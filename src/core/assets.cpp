@@ -35,8 +35,9 @@ void check_directory(const fs::path& directory, std::string_view origin) {
   std::error_code unusable;
   if (!fs::is_directory(directory, unusable)) fail("is not a folder");
   const auto holds = [&](std::string_view kind) { return fs::is_directory(directory / kind, unusable); };
-  if (!holds("scenes") && !holds("objects") && !holds("robots") && !holds("localization") && !holds("randomization")) {
-    fail("has no folder 'scenes', 'objects', 'robots', 'localization' or 'randomization' in it");
+  if (!holds("scenes") && !holds("objects") && !holds("robots") && !holds("localization") && !holds("randomization") &&
+      !holds("surveys")) {
+    fail("has no folder 'scenes', 'objects', 'robots', 'localization', 'randomization' or 'surveys' in it");
   }
 }
 

@@ -112,7 +112,8 @@ TEST_CASE("a folder that holds no assets is refused: the one above or below it m
   const Folder folder("above");
   const fs::path below = folder.path() / "scenes";
   const std::string message = fmt::format(
-      "'{}' has no folder 'scenes', 'objects', 'robots', 'localization' or 'randomization' in it", below.string());
+      "'{}' has no folder 'scenes', 'objects', 'robots', 'localization', 'randomization' or 'surveys' in it",
+      below.string());
   CHECK_THROWS_WITH_AS(add_asset_directory(below), message.c_str(), ConfigError);
   const Environment environment(below.string());
   CHECK_THROWS_WITH_AS(asset_directories(), ("THREEWE_PATH: " + message).c_str(), ConfigError);
