@@ -26,6 +26,8 @@ void init_core(nb::module_& m);
 void init_hardware(nb::module_& m);
 void init_scene(nb::module_& m);
 void init_map(nb::module_& m);
+void init_slam(nb::module_& m);
+void init_sim(nb::module_& m);
 void init_backend(nb::module_& m);
 void init_plugin(nb::module_& m);
 void init_robot(nb::module_& m);

@@ -7,7 +7,9 @@ NB_MODULE(_core, m) {
   init_core(m);
   init_hardware(m);
   init_map(m);
+  init_slam(m);
   init_scene(m);
+  init_sim(m);
   init_backend(m);
   init_plugin(m);
   init_robot(m);

@@ -651,6 +651,49 @@ class OccupancyGrid:
 
     def __repr__(self) -> str: ...
 
+class SlamConfig:
+    """What `threewe.slam.Slam` knows about the robot beforehand."""
+
+    def __init__(self, *, base_from_lidar: Pose2D = ..., range_max: float = 30.0, resolution: float = 0.05, range_bias_sigma: float = 0.01, distance_sigma: float = 0.02, heading_drift: float = 0.03) -> None: ...
+
+    @property
+    def base_from_lidar(self) -> Pose2D:
+        """where the lidar is on the robot"""
+
+    @property
+    def range_max(self) -> float:
+        """[m]; what a scan sees farther away is left out"""
+
+    @property
+    def resolution(self) -> float:
+        """[m] a cell of the map"""
+
+    @property
+    def range_bias_sigma(self) -> float:
+        """[m] of the lidar's constant error"""
+
+    @property
+    def distance_sigma(self) -> float:
+        """share by which the odometry's distances may all be wrong"""
+
+    @property
+    def heading_drift(self) -> float:
+        """[rad/sqrt(m)] by which the odometry's heading wanders"""
+
+class Slam:
+    """Mapping from scans and odometry: what `threewe.slam.Slam` is made of."""
+
+    def __init__(self, config: SlamConfig = ...) -> None: ...
+
+    def add(self, time: float, scan: LaserScan, odometry: Pose2D) -> Pose2D:
+        """One scan; where the robot is."""
+
+    def map(self) -> OccupancyGrid:
+        """The map so far."""
+
+    def trajectory(self) -> Annotated[NDArray[numpy.float64], dict(shape=(None, 4))]:
+        """(N, 4) float64: time [s], x [m], y [m], heading [rad] at each scan."""
+
 class Prism:
     """
     A vertical prism over a rectangle or a disc, in the frame of its object.
@@ -971,6 +1014,58 @@ class CoverageMeter:
 
     def crossed(self) -> float:
         """The share, 0 to 1, that was crossed."""
+
+class SurveyScan:
+    """What a survey's robot recorded at one moment, and the truth."""
+
+    @property
+    def time(self) -> float:
+        """[s]"""
+
+    @property
+    def truth(self) -> Pose2D:
+        """where it was, in the scene's frame"""
+
+    @property
+    def odometry(self) -> Pose2D:
+        """where its wheels had it"""
+
+    @property
+    def scan(self) -> LaserScan: ...
+
+class Survey:
+    """A tour through a scene, for `threewe slam synth`."""
+
+    @staticmethod
+    def load(name: str) -> Survey:
+        """
+        Reads a survey by name, or from a file that ends in .yaml. Raises ConfigError with file and line.
+        """
+
+    @property
+    def name(self) -> str: ...
+
+    @property
+    def description(self) -> str: ...
+
+    @property
+    def scene(self) -> Scene: ...
+
+    @property
+    def stops(self) -> list[tuple[float, float]]:
+        """(x, y) [m] one after the other, in the scene's frame"""
+
+    def drive(self, seed: int = 0) -> list[SurveyScan]:
+        """
+        Drives the tour with the sensors of a robot of the year 2000: 180 beams, slipping wheels, no gyro. A pure
+        function of the seed. Raises ConfigError where a stop cannot be reached.
+        """
+
+def survey_names() -> list[str]:
+    """The names of all surveys."""
+
+def survey_lidar() -> Pose2D:
+    """Where the lidar of a survey's robot is."""
 
 class SensorInfo:
     """One sensor of a robot, as it is known before connecting."""

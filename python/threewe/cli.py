@@ -15,17 +15,23 @@ from rich.markup import escape
 from rich.table import Column, Table
 
 import threewe
+from threewe.slam import cli as slam
 
 app = typer.Typer(
     help="3we: one robot program, on simulators and on the robot.", no_args_is_help=True, pretty_exceptions_enable=False
 )
 scenes = typer.Typer(help="Scenes: those that come with 3we, your own, and new ones.", no_args_is_help=True)
 app.add_typer(scenes, name="scenes")
+app.add_typer(slam.app, name="slam")
 
 console = Console()
 complaints = Console(stderr=True)
 
-EXTRAS = {"PIL": "demo", "av": "demo"}  # the modules that commands import and not every installation has
+EXTRAS = {
+    "PIL": "demo",
+    "av": "demo",
+    "rosbags": "logs",
+}  # the modules that commands import and not every installation has
 
 
 def main() -> None:

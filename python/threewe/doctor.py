@@ -39,6 +39,7 @@ def examine() -> list[Finding]:
         _package("pillow", "pictures and films", "demo"),
         _package("av", "run.mp4", "demo"),
         _package("rerun-sdk", "threewe view", "viz"),
+        _package("rosbags", "rosbag2 in threewe slam replay", "logs"),
     ]
 
 

@@ -1,0 +1,53 @@
+// Mapping on its own, from scans and odometry.
+#include "threewe/slam/slam.hpp"
+
+#include "bindings.hpp"
+
+namespace {
+
+using namespace threewe;
+using slam::Slam, slam::SlamConfig, slam::StampedPose;
+
+using Numbers = nb::ndarray<nb::numpy, double, nb::shape<-1, 4>>;
+
+// A new array with a row for each pose: time, x, y, theta.
+Numbers rows_of(const std::vector<StampedPose>& poses) {
+  auto* rows = new double[4 * poses.size() + 1];
+  const nb::capsule owner(rows, [](void* p) noexcept { delete[] static_cast<double*>(p); });
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    const Pose2D& pose = poses[i].map_from_base;
+    double* row = rows + 4 * i;
+    row[0] = to_seconds(poses[i].stamp), row[1] = pose.x, row[2] = pose.y, row[3] = pose.theta;
+  }
+  return {rows, {poses.size(), 4}, owner};
+}
+
+}  // namespace
+
+void init_slam(nb::module_& m) {
+  const SlamConfig defaults;
+  nb::class_<SlamConfig>(m, "SlamConfig", "What `threewe.slam.Slam` knows about the robot beforehand.")
+      .def(
+          "__init__",
+          [](SlamConfig* self, const Pose2D& base_from_lidar, double range_max, double resolution,
+             double range_bias_sigma, double distance_sigma, double heading_drift) {
+            new (self)
+                SlamConfig{base_from_lidar, range_max, resolution, range_bias_sigma, distance_sigma, heading_drift};
+          },
+          nb::kw_only(), "base_from_lidar"_a = Pose2D{}, "range_max"_a = defaults.range_max,
+          "resolution"_a = defaults.resolution, "range_bias_sigma"_a = defaults.range_bias_sigma,
+          "distance_sigma"_a = defaults.distance_sigma, "heading_drift"_a = defaults.heading_drift)
+      .def_ro("base_from_lidar", &SlamConfig::base_from_lidar, "where the lidar is on the robot")
+      .def_ro("range_max", &SlamConfig::range_max, "[m]; what a scan sees farther away is left out")
+      .def_ro("resolution", &SlamConfig::resolution, "[m] a cell of the map")
+      .def_ro("range_bias_sigma", &SlamConfig::range_bias_sigma, "[m] of the lidar's constant error")
+      .def_ro("distance_sigma", &SlamConfig::distance_sigma, "share by which the odometry's distances may all be wrong")
+      .def_ro("heading_drift", &SlamConfig::heading_drift, "[rad/sqrt(m)] by which the odometry's heading wanders");
+  nb::class_<Slam>(m, "Slam", "Mapping from scans and odometry: what `threewe.slam.Slam` is made of.")
+      .def(nb::init<const SlamConfig&>(), "config"_a = defaults)
+      .def("add", &Slam::add, "time"_a, "scan"_a, "odometry"_a, WithoutGil(), "One scan; where the robot is.")
+      .def("map", &Slam::map, WithoutGil(), "The map so far.")
+      .def(
+          "trajectory", [](const Slam& slam) { return rows_of(slam.trajectory()); },
+          "(N, 4) float64: time [s], x [m], y [m], heading [rad] at each scan.");
+}

@@ -1,0 +1,162 @@
+"""CARMEN logs, in which most classic recordings are kept: one message a line.
+
+The fields, as the comment at the top of each log has them; a message ends with `ipc_timestamp hostname
+logger_timestamp`, of which the first is the time that relations refer to:
+
+    PARAM name value
+    ODOM x y theta tv rv accel
+    FLASER num_readings [ranges] laser_x laser_y laser_theta odom_x odom_y odom_theta
+    ROBOTLASER1 laser_type start_angle field_of_view angular_resolution maximum_range accuracy remission_mode
+        num_readings [ranges] num_remissions [remissions] laser_x laser_y laser_theta robot_x robot_y robot_theta
+        laser_tv laser_rv forward_safety_dist side_safety_dist turn_axis
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from pathlib import Path
+from typing import NoReturn
+
+import numpy as np
+from numpy.typing import NDArray
+
+from threewe._core import LaserScan, Pose2D
+from threewe.errors import ConfigError
+from threewe.slam.log import Log, Progress
+
+SICK_RANGE_MAX = 80.0  # [m] that readers assume where an old log does not tell; beyond it a SICK saw nothing
+LASERS = ("FLASER", "ROBOTLASER1")
+OFFSETS = ("robot_frontlaser_offset", "robot_frontlaser_side_offset", "robot_frontlaser_angular_offset")
+STEADY = 0.02  # [m], [rad] by which a laser may move on its robot because numbers were rounded
+
+
+def read_carmen(path: Path, *, on_progress: Progress | None = None) -> Log:
+    """Reads a log. A line that is cut short or holds no numbers is skipped and counted, as loggers that were stopped
+    left such; a log without a single scan raises ConfigError.
+    """
+    log = Log()
+    parameters: dict[str, float] = {}
+    offsets: list[Pose2D] = []
+    kind = ""
+    for number, line in _lines(path, on_progress):
+        words = line.split()
+        name = words[0] if words else "#"
+        if name == "PARAM" and len(words) > 2:
+            parameters[words[1]] = _number(words[2])
+        if name not in LASERS or (kind and name != kind):  # newer logs hold the same scan in both forms
+            continue
+        kind = name
+        try:
+            time, scan, laser, base = (_flaser if name == "FLASER" else _robotlaser)(words, parameters)
+        except (ValueError, IndexError):
+            log.skip("broken lines")
+            continue
+        if log.scans and len(scan.ranges) != len(log.scans[0].ranges):
+            _fail(path, number, f"a scan of {len(scan.ranges)} ranges after scans of {len(log.scans[0].ranges)}")
+        log.add(time, scan, base)
+        offsets.append(base.inverse() * laser)
+    if not log.scans:
+        _fail(path, 1, f"no scan in it; a CARMEN log has lines that begin with {' or '.join(LASERS)}")
+    log.base_from_lidar = _mount(parameters, offsets)
+    return log
+
+
+def write_carmen(path: Path, log: Log) -> None:
+    """Writes scans as FLASER lines, which reading gives back to the centimetre; raises ConfigError where it could not:
+    FLASER holds 180 or 181 beams a degree apart, or 360 or 361 half a degree apart, from the right to the left.
+    """
+    mount = log.base_from_lidar
+    with path.open("w", encoding="utf-8") as file:
+        file.write("# CARMEN Logfile\n# written by threewe\n")
+        for name, value in zip(OFFSETS, mount, strict=True):
+            file.write(f"PARAM {name} {value:.6f} 0 nohost 0\n")
+        if log.scans:
+            file.write(f"PARAM robot_front_laser_max {log.scans[0].range_max:.2f} 0 nohost 0\n")
+        for i, (time, scan, base) in enumerate(zip(log.times, log.scans, log.odometry, strict=True)):
+            if not np.allclose([scan.angle_min, scan.angle_increment], _fan(len(scan.ranges))):
+                raise ConfigError(
+                    f"scan {i}: FLASER cannot hold {len(scan.ranges)} beams from {scan.angle_min:.4f} rad, "
+                    f"{scan.angle_increment:.4f} rad apart"
+                )
+            ranges = " ".join(f"{r:.2f}" for r in scan.ranges)
+            poses = " ".join(f"{value:.6f}" for pose in (base * mount, base) for value in pose)
+            file.write(f"ODOM {' '.join(f'{value:.6f}' for value in base)} 0 0 0 {time:.6f} nohost {time:.6f}\n")
+            file.write(f"FLASER {len(scan.ranges)} {ranges} {poses} {time:.6f} nohost {time:.6f}\n")
+
+
+Message = tuple[float, LaserScan, Pose2D, Pose2D]  # time, scan, odom_from_lidar, odom_from_base
+
+
+def _flaser(words: list[str], parameters: dict[str, float]) -> Message:
+    count = int(words[1])
+    angle_min, increment = _fan(count)
+    ranges = _numbers(words[2 : 2 + count], count)
+    x, y, theta, *base, time = _numbers(words[2 + count : 9 + count], 7)
+    limit = parameters.get("robot_front_laser_max", SICK_RANGE_MAX)
+    return time, _scan(ranges, angle_min, increment, limit), Pose2D(x, y, theta), Pose2D(*base)
+
+
+def _robotlaser(words: list[str], _: dict[str, float]) -> Message:
+    angle_min, _fov, increment, limit = _numbers(words[2:6], 4)
+    count = int(words[8])
+    ranges = _numbers(words[9 : 9 + count], count)
+    after = 10 + count + int(words[9 + count])  # the remissions
+    tail = _numbers(words[after : after + 12], 12)
+    if increment <= 0.0 or limit <= 0.0:
+        raise ValueError
+    return tail[11], _scan(ranges, angle_min, increment, limit), Pose2D(*tail[:3]), Pose2D(*tail[3:6])
+
+
+def _fan(count: int) -> tuple[float, float]:
+    """[rad] of the first beam and between beams. FLASER does not tell; a SICK sweeps half a turn from its right, 1 or
+    0.5 degrees a beam, and with an even count the last beam was dropped.
+    """
+    if count < 2:
+        raise ValueError
+    return -math.pi / 2, math.pi / (count - count % 2)
+
+
+def _scan(ranges: NDArray[np.float64], angle_min: float, increment: float, limit: float) -> LaserScan:
+    if (ranges < 0.0).any():
+        raise ValueError
+    return LaserScan(np.minimum(ranges, limit).astype(np.float32), angle_min, increment, 0.0, limit)
+
+
+def _mount(parameters: dict[str, float], offsets: list[Pose2D]) -> Pose2D:
+    """Where the laser is: by the log's parameters, else by the poses of laser and robot, if one stays on the other: in
+    logs that somebody has corrected, one is the corrected pose of the other.
+    """
+    if OFFSETS[0] in parameters:
+        return Pose2D(*(parameters.get(name, 0.0) for name in OFFSETS))
+    differences = np.abs(np.array([tuple(offset) for offset in offsets]) - tuple(offsets[0]))
+    return offsets[0] if (differences.max() < STEADY and offsets[0].distance(Pose2D()) < 2.0) else Pose2D()
+
+
+def _numbers(words: list[str], count: int) -> NDArray[np.float64]:
+    numbers = np.array(words, dtype=np.float64)
+    if len(numbers) != count or not np.isfinite(numbers).all():
+        raise ValueError
+    return numbers
+
+
+def _number(word: str) -> float:
+    try:
+        return float(word)
+    except ValueError:
+        return 0.0  # parameters that are words concern nobody here
+
+
+def _lines(path: Path, on_progress: Progress | None) -> Iterator[tuple[int, str]]:
+    size = max(path.stat().st_size, 1)
+    done = 0
+    with path.open("rb") as file:
+        for number, line in enumerate(file, 1):
+            done += len(line)
+            if on_progress and number % 100 == 0:
+                on_progress(done / size)
+            yield number, line.decode("ascii", errors="replace")
+
+
+def _fail(path: Path, line: int, what: str) -> NoReturn:
+    raise ConfigError(f"{path}:{line}: {what}")

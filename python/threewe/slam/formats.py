@@ -1,0 +1,17 @@
+"""Which reader takes which file."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from threewe.slam.carmen import read_carmen
+from threewe.slam.log import Log, Progress
+
+
+def read_log(path: Path, *, on_progress: Progress | None = None) -> Log:
+    """Reads a CARMEN log; or a rosbag2, which is a folder or a file that ends in .db3 or .mcap. Raises ConfigError."""
+    if path.is_dir() or path.suffix in (".db3", ".mcap"):
+        from threewe.slam.rosbag import read_rosbag  # needs an extra
+
+        return read_rosbag(path, on_progress=on_progress)
+    return read_carmen(path, on_progress=on_progress)

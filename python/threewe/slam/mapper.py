@@ -1,0 +1,47 @@
+"""The mapper itself."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from threewe import _core
+from threewe._arguments import PoseLike, as_pose, as_seconds
+from threewe._core import LaserScan, OccupancyGrid, Pose2D, SlamConfig
+from threewe.errors import ContractError
+
+
+class Slam:
+    """Simultaneous localisation and mapping from scans of any field of view, and odometry as poses.
+
+    The frame `map` begins where the robot is at the first scan.
+    """
+
+    def __init__(self, config: SlamConfig | None = None) -> None:
+        """What is known about the robot beforehand; a figure out of its range raises ContractError."""
+        self._core = _core.Slam(config or SlamConfig())
+        self._time: float | None = None
+
+    def add(self, scan: LaserScan, odometry: PoseLike, time: float | None = None) -> Pose2D:
+        """One scan, and where odometry had the robot as its first beam was measured; returns where the robot is.
+
+        `time` [s] of that beam; one second after the scan before, if it is left out. What is wrong, such as a NaN,
+        another number of ranges than before, or a time that does not go on, raises ContractError and changes nothing.
+        """
+        if not isinstance(scan, LaserScan):
+            raise ContractError(f"scan must be a LaserScan, got {scan!r}")
+        if time is None:
+            time = 0.0 if self._time is None else self._time + 1.0
+        pose = self._core.add(as_seconds("time", time), scan, as_pose("odometry", odometry))
+        self._time = time
+        return pose
+
+    def map(self) -> OccupancyGrid:
+        """The map so far, drawn afresh from all scans."""
+        return self._core.map()
+
+    def trajectory(self) -> NDArray[np.float64]:
+        """(N, 4) time [s], x [m], y [m], heading [rad] at each scan, as it is known now: what `add` returned may have
+        been corrected since.
+        """
+        return self._core.trajectory()
