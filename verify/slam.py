@@ -1,4 +1,4 @@
-"""How well our SLAM localises in places it has never seen, and whether the model that environments use is like it."""
+"""How well our SLAM localises in places it has never seen, maps logs, and is like the model that environments use."""
 
 from verify.cases.localization import (
     MODEL,
@@ -10,7 +10,8 @@ from verify.cases.localization import (
     of_drives,
     write_model,
 )
-from verify.harness import Experiment, all_of, share_of, worst_of
+from verify.cases.logs import SURVEYS, mapped
+from verify.harness import Experiment, all_of, median_of, share_of, worst_of
 
 EXPERIMENTS = [
     Experiment(
@@ -27,5 +28,21 @@ EXPERIMENTS = [
             *agrees(MODEL, spread=0.30, correlation=0.15),
         ],
         learn=write_model,
-    )
+    ),
+    *(
+        Experiment(
+            f"log of {survey}",
+            mapped,
+            {"survey": survey},
+            cases=10,
+            sample=1,
+            rows=[
+                worst_of("mean error of relations [m]", lambda case: case["translation"], at_most=bound),
+                worst_of("mean error of relations [deg]", lambda case: case["rotation"], at_most=0.5),
+                median_of("data seconds per second of one core", lambda case: case["speed"], at_least=1000.0),
+            ],
+            alone=True,
+        )
+        for survey, bound in SURVEYS.items()
+    ),
 ]

@@ -91,7 +91,10 @@ void LogOddsMap::grow_to_hold(std::span<const Beam> beams) {
       high = {std::max(high.x, p.x), std::max(high.y, p.y)};
     }
   }
+  make_room(low, high);
+}
 
+void LogOddsMap::make_room(Vec2 low, Vec2 high) {
   // whole chunks, and at least two cells more than needed so that neighbours can be read unchecked
   const double r = grid_.resolution;
   const bool first = grid_.data.empty();
@@ -101,7 +104,7 @@ void LogOddsMap::grow_to_hold(std::span<const Beam> beams) {
   const int y0 = std::min(old_y, floor_to_chunk(low.y / r - 2));
   const int x1 = std::max(old_x + grid_.width, floor_to_chunk(high.x / r + 2) + kChunk);
   const int y1 = std::max(old_y + grid_.height, floor_to_chunk(high.y / r + 2) + kChunk);
-  if (x1 - x0 == grid_.width && y1 - y0 == grid_.height) return;
+  if ((x1 - x0 == grid_.width && y1 - y0 == grid_.height) || !fits_a_grid(x1 - x0, y1 - y0)) return;
 
   const Cell offset{old_x - x0, old_y - y0};
   const int width = x1 - x0;

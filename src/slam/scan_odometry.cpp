@@ -10,10 +10,12 @@
 namespace threewe::slam {
 namespace {
 
-constexpr double kPieceLength = 10.0;     // [m] driven between the beginnings of maps
+constexpr double kFreeRange = 4.0;        // [m] beams clear nothing beyond: enough to see what has gone
+constexpr double kPieceLength = 20.0;     // [m] driven, after which a map is given up ...
+constexpr double kOverlap = 5.0;          // [m] ... for one that was begun so long before
 constexpr double kMappedDistance = 0.10;  // [m] the maps take a scan after so much motion ...
 constexpr double kMappedTurn = 0.07;      // [rad] ... or turning
-constexpr double kSearchAbove = 0.08;     // [rad] turned since the last scan: the fit is searched for, not followed
+constexpr double kSearchAbove = 0.2;      // [rad] turned since the last scan: the fit is searched for, not followed
 constexpr double kPoorAgreement = 0.6;    // below this the scan may be elsewhere, and is searched for
 constexpr double kNoAgreement = 0.4;      // below this it is not where it was found
 constexpr int kFewHits = 30;              // fewer hits in known space tell nothing
@@ -108,9 +110,10 @@ void ScanOdometry::extend_maps() {
   mapped_ = pieces_.empty() || (moved && misfits_ == 0);
   if (!mapped_) return;
 
-  if (pieces_.empty() || driven_ - pieces_.back().begun > kPieceLength) {
-    if (pieces_.size() == 2) pieces_.erase(pieces_.begin());
-    pieces_.push_back({map::LogOddsMap({.resolution = settings_.resolution}), driven_});
+  const auto age = [this](const Piece& piece) { return driven_ - piece.begun; };
+  if (pieces_.size() == 2 && age(pieces_.front()) > kPieceLength) pieces_.erase(pieces_.begin());
+  if (pieces_.empty() || age(pieces_.back()) > kPieceLength - kOverlap) {
+    pieces_.push_back({map::LogOddsMap({.resolution = settings_.resolution, .free_range = kFreeRange}), driven_});
   }
   const std::vector<map::Beam> in_local = transformed(here, beams_);
   for (Piece& piece : pieces_) piece.map.insert(in_local, range_bias());

@@ -1,5 +1,6 @@
 #include "threewe/slam/slam.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <string_view>
 
@@ -58,6 +59,21 @@ void check(const LaserScan& scan) {
   }
 }
 
+// Makes the map as large as it will be.
+void make_room(const std::vector<std::vector<map::Beam>>& scans, map::LogOddsMap& map) {
+  Vec2 low;
+  Vec2 high;
+  for (const std::vector<map::Beam>& scan : scans) {
+    for (const map::Beam& beam : scan) {
+      for (const Vec2 p : {beam.origin, beam.origin + beam.range * beam.direction}) {
+        low = {std::min(low.x, p.x), std::min(low.y, p.y)};
+        high = {std::max(high.x, p.x), std::max(high.y, p.y)};
+      }
+    }
+  }
+  if (!scans.empty()) map.make_room(low, high);
+}
+
 }  // namespace
 
 struct Slam::State {
@@ -112,10 +128,13 @@ void Slam::State::check_order(Time stamp, const LaserScan& scan) const {
 }
 
 map::OccupancyGrid Slam::map() const {
-  map::LogOddsMap map({.resolution = state_->config.resolution});
+  std::vector<std::vector<map::Beam>> scans;
   for (const State::Node& node : state_->nodes) {
-    if (!node.beams.empty()) map.insert(transformed(node.map_from_base, node.beams), state_->front.range_bias());
+    if (!node.beams.empty()) scans.push_back(transformed(node.map_from_base, node.beams));
   }
+  map::LogOddsMap map({.resolution = state_->config.resolution});
+  make_room(scans, map);
+  for (const std::vector<map::Beam>& scan : scans) map.insert(scan, state_->front.range_bias());
   return map.grid();
 }
 

@@ -49,6 +49,10 @@ class LogOddsMap {
   /// it counts as hit, whatever passed through it. Beams that the map would outgrow its limits for are ignored.
   void insert(std::span<const Beam> scan, double range_bias = 0.0);
 
+  /// Makes room for a box at once, where many scans will be inserted: growing scan by scan copies the map each time.
+  /// Nothing happens where the map would outgrow its limits.
+  void make_room(Vec2 low, Vec2 high);
+
   /// The map as others see it. A copy of the evidence that is kept up to date cell by cell.
   const OccupancyGrid& grid() const { return grid_; }
   /// Counts the insertions.

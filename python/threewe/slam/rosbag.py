@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 from rosbags.highlevel import AnyReader, AnyReaderError
+from rosbags.rosbag2 import ReaderError
 from rosbags.typesys import Stores, get_typestore
 
 from threewe._core import LaserScan, Pose2D
@@ -25,7 +26,7 @@ def read_rosbag(path: Path, *, on_progress: Progress | None = None) -> Log:
     try:
         with AnyReader([path], default_typestore=get_typestore(Stores.ROS2_HUMBLE)) as reader:
             return _read(path, reader, on_progress)
-    except AnyReaderError as error:
+    except (AnyReaderError, ReaderError, FileNotFoundError) as error:
         raise ConfigError(f"{path}: not a rosbag2 that can be read: {error}") from None
 
 

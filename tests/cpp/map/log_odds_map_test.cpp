@@ -223,5 +223,29 @@ TEST_CASE("beams from far away are ignored, so that one mad pose costs no gigaby
   CHECK(map.grid().width > 6000);
 }
 
+TEST_CASE("a map that was given room beforehand shows the same") {
+  for (std::uint64_t seed = 0; seed < 50; ++seed) {
+    CAPTURE(seed);
+    Draw draw(seed);
+    LogOddsMap growing;
+    LogOddsMap roomy;
+    roomy.make_room({draw(-20, -18), draw(-20, -18)}, {draw(18, 20), draw(18, 20)});
+    roomy.make_room({-1e7, 0}, {1e7, 1});  // more than a map may have
+    for (int i = 0; i < 10; ++i) {
+      const std::vector<Beam> scan = random_scan(draw);
+      growing.insert(scan);
+      roomy.insert(scan);
+    }
+    const OccupancyGrid& grid = roomy.grid();
+    CHECK(grid.width < 900);
+    for (int y = 0; y < grid.height; ++y) {
+      for (int x = 0; x < grid.width; ++x) {
+        const Vec2 middle = grid.center({x, y});
+        REQUIRE(grid.at({x, y}) == growing.grid().at(growing.grid().cell(middle)));
+      }
+    }
+  }
+}
+
 }  // namespace
 }  // namespace threewe::map

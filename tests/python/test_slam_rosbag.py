@@ -1,0 +1,141 @@
+"""rosbag2 recordings are read as what they are."""
+
+from __future__ import annotations
+
+import math
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import threewe
+from threewe.slam import read_log
+
+pytest.importorskip("rosbags", reason="not shown: needs rosbags")
+from rosbags.rosbag2 import Writer
+from rosbags.typesys import Stores, get_typestore
+
+STORE = get_typestore(Stores.ROS2_HUMBLE)
+START = 1_700_000_000  # [s]
+
+
+def make(kind: str, **fields: Any) -> Any:
+    return STORE.types[kind](**fields)
+
+
+def header(time: float, frame: str) -> Any:
+    nanoseconds = round(time * 1e9)
+    stamp = make("builtin_interfaces/msg/Time", sec=START + nanoseconds // 10**9, nanosec=nanoseconds % 10**9)
+    return make("std_msgs/msg/Header", stamp=stamp, frame_id=frame)
+
+
+def turned(yaw: float) -> Any:
+    return make("geometry_msgs/msg/Quaternion", x=0.0, y=0.0, z=math.sin(yaw / 2), w=math.cos(yaw / 2))
+
+
+def odometry(time: float, pose: threewe.Pose2D) -> Any:
+    nothing = make("geometry_msgs/msg/Vector3", x=0.0, y=0.0, z=0.0)
+    place = make("geometry_msgs/msg/Point", x=pose.x, y=pose.y, z=0.0)
+    where = make("geometry_msgs/msg/Pose", position=place, orientation=turned(pose.theta))
+    speed = make("geometry_msgs/msg/Twist", linear=nothing, angular=nothing)
+    return make(
+        "nav_msgs/msg/Odometry",
+        header=header(time, "odom"),
+        child_frame_id="base_footprint",
+        pose=make("geometry_msgs/msg/PoseWithCovariance", pose=where, covariance=np.zeros(36)),
+        twist=make("geometry_msgs/msg/TwistWithCovariance", twist=speed, covariance=np.zeros(36)),
+    )
+
+
+def scan(time: float, ranges: list[float], first: float, increment: float) -> Any:
+    return make(
+        "sensor_msgs/msg/LaserScan",
+        header=header(time, "laser"),
+        angle_min=first,
+        angle_max=first + increment * (len(ranges) - 1),
+        angle_increment=increment,
+        time_increment=0.001,
+        scan_time=0.1,
+        range_min=0.1,
+        range_max=12.0,
+        ranges=np.array(ranges, dtype=np.float32),
+        intensities=np.array([], dtype=np.float32),
+    )
+
+
+def transform(parent: str, child: str, x: float, y: float, yaw: float) -> Any:
+    shift = make("geometry_msgs/msg/Vector3", x=x, y=y, z=0.2)
+    return make(
+        "geometry_msgs/msg/TransformStamped",
+        header=header(0.0, parent),
+        child_frame_id=child,
+        transform=make("geometry_msgs/msg/Transform", translation=shift, rotation=turned(yaw)),
+    )
+
+
+def write(path: Path, topics: dict[str, list[tuple[float, Any]]]) -> Path:
+    with Writer(path, version=9) as writer:
+        for topic, messages in topics.items():
+            kind = messages[0][1].__msgtype__
+            connection = writer.add_connection(topic, kind, typestore=STORE)
+            for time, message in messages:
+                writer.write(connection, START * 10**9 + round(time * 1e9), STORE.serialize_cdr(message, kind))
+    return path
+
+
+def recording(path: Path, increment: float = 0.01) -> Path:
+    """A robot on an arc: 20 Hz odometry, 4 scans, one of them before the first odometry."""
+    poses = [(0.05 * i, threewe.Pose2D(0.02 * i, 0.5, 3.0 + 0.01 * i)) for i in range(2, 60)]
+    ranges = [0.05, 1.0, math.inf, math.nan, 3.0]
+    scans = [(t, scan(t, ranges, -0.02 if increment > 0 else 0.02, increment)) for t in (0.0, 0.575, 1.0, 2.0)]
+    fixed = [transform("base_footprint", "base", 0.0, 0.0, 0.0), transform("base", "mast", 0.1, 0.2, math.pi / 2)]
+    fixed.append(transform("mast", "laser", 0.3, 0.0, 0.0))
+    return write(
+        path,
+        {
+            "/odom": [(t, odometry(t, pose)) for t, pose in poses],
+            "/scan": scans,
+            "/tf_static": [(0.0, make("tf2_msgs/msg/TFMessage", transforms=fixed))],
+        },
+    )
+
+
+def test_a_recording_is_a_log(tmp_path: Path) -> None:
+    log = read_log(recording(tmp_path / "bag"))
+    assert [time - START for time in log.times] == pytest.approx([0.575, 1.0, 2.0])
+    assert log.skipped == {"scans without odometry around them": 1}
+    assert list(log.base_from_lidar) == pytest.approx([0.1, 0.5, math.pi / 2])
+    assert list(log.odometry[0]) == pytest.approx([0.23, 0.5, 3.115])
+    assert list(log.odometry[2]) == pytest.approx([0.8, 0.5, 3.4 - 2 * math.pi])
+    assert log.scans[0].ranges.tolist() == [0, 1, 12, 0, 3]  # too near, a wall, nothing, invalid, a wall
+    assert log.scans[0].time_increment == pytest.approx(0.001)
+    assert log.scans[0].range_min == pytest.approx(0.1)
+
+
+def test_a_clockwise_lidar_is_turned_round(tmp_path: Path) -> None:
+    scan = read_log(recording(tmp_path / "bag", increment=-0.01)).scans[0]
+    assert scan.ranges.tolist() == [3, 0, 12, 1, 0]
+    assert (scan.angle_min, scan.angle_increment) == pytest.approx((-0.02, 0.01))
+    assert scan.time_increment == pytest.approx(-0.001)
+
+
+def test_what_is_missing_is_told(tmp_path: Path) -> None:
+    bag = write(tmp_path / "bag", {"/odom": [(0.0, odometry(0.0, threewe.Pose2D()))]})
+    with pytest.raises(threewe.ConfigError, match=r"no sensor_msgs/msg/LaserScan in it; topics: /odom"):
+        read_log(bag)
+    (tmp_path / "empty").mkdir()
+    for name in ("garbage.db3", "garbage.mcap"):
+        (tmp_path / name).write_text("no recording at all")
+    for name in ("empty", "garbage.db3", "garbage.mcap", "nothing.mcap"):
+        with pytest.raises(threewe.ConfigError, match=rf"{name}: not a rosbag2 that can be read"):
+            read_log(tmp_path / name)
+
+
+def test_the_command_maps_it(tmp_path: Path) -> None:
+    recording(tmp_path / "bag")
+    program = Path(sys.executable).parent / "threewe"
+    done = subprocess.run([program, "slam", "replay", "bag", "-o", "out"], capture_output=True, text=True, cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert (tmp_path / "out/map.pgm").exists()
