@@ -30,18 +30,20 @@ void init_slam(nb::module_& m) {
       .def(
           "__init__",
           [](SlamConfig* self, const Pose2D& base_from_lidar, double range_max, double resolution,
-             double range_bias_sigma, double distance_sigma, double heading_drift) {
-            new (self)
-                SlamConfig{base_from_lidar, range_max, resolution, range_bias_sigma, distance_sigma, heading_drift};
+             double range_bias_sigma, double distance_sigma, double position_drift, double heading_drift) {
+            new (self) SlamConfig{base_from_lidar, range_max,      resolution,   range_bias_sigma,
+                                  distance_sigma,  position_drift, heading_drift};
           },
           nb::kw_only(), "base_from_lidar"_a = Pose2D{}, "range_max"_a = defaults.range_max,
           "resolution"_a = defaults.resolution, "range_bias_sigma"_a = defaults.range_bias_sigma,
-          "distance_sigma"_a = defaults.distance_sigma, "heading_drift"_a = defaults.heading_drift)
+          "distance_sigma"_a = defaults.distance_sigma, "position_drift"_a = defaults.position_drift,
+          "heading_drift"_a = defaults.heading_drift)
       .def_ro("base_from_lidar", &SlamConfig::base_from_lidar, "where the lidar is on the robot")
       .def_ro("range_max", &SlamConfig::range_max, "[m]; what a scan sees farther away is left out")
       .def_ro("resolution", &SlamConfig::resolution, "[m] a cell of the map")
       .def_ro("range_bias_sigma", &SlamConfig::range_bias_sigma, "[m] of the lidar's constant error")
       .def_ro("distance_sigma", &SlamConfig::distance_sigma, "share by which the odometry's distances may all be wrong")
+      .def_ro("position_drift", &SlamConfig::position_drift, "[m/sqrt(m)] by which the odometry's position wanders")
       .def_ro("heading_drift", &SlamConfig::heading_drift, "[rad/sqrt(m)] by which the odometry's heading wanders");
   nb::class_<Slam>(m, "Slam", "Mapping from scans and odometry: what `threewe.slam.Slam` is made of.")
       .def(nb::init<const SlamConfig&>(), "config"_a = defaults)

@@ -654,7 +654,7 @@ class OccupancyGrid:
 class SlamConfig:
     """What `threewe.slam.Slam` knows about the robot beforehand."""
 
-    def __init__(self, *, base_from_lidar: Pose2D = ..., range_max: float = 30.0, resolution: float = 0.05, range_bias_sigma: float = 0.01, distance_sigma: float = 0.02, heading_drift: float = 0.03) -> None: ...
+    def __init__(self, *, base_from_lidar: Pose2D = ..., range_max: float = 30.0, resolution: float = 0.05, range_bias_sigma: float = 0.01, distance_sigma: float = 0.02, position_drift: float = 0.05, heading_drift: float = 0.15) -> None: ...
 
     @property
     def base_from_lidar(self) -> Pose2D:
@@ -675,6 +675,10 @@ class SlamConfig:
     @property
     def distance_sigma(self) -> float:
         """share by which the odometry's distances may all be wrong"""
+
+    @property
+    def position_drift(self) -> float:
+        """[m/sqrt(m)] by which the odometry's position wanders"""
 
     @property
     def heading_drift(self) -> float:

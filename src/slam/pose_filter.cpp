@@ -45,8 +45,9 @@ void PoseFilter::predict(double heading, Vec2 step, double turn, double seconds,
 
   const double distance = norm(step);
   const double angle = std::fabs(turn);
-  const double along = square(kForwardSlip) * distance + square(kTurnSlip) * angle;
-  const double across = square(kLateralSlip) * distance + square(kTurnSlip) * angle;
+  const double slip = square(sensors_.wheel_slip) * distance + square(kTurnSlip) * angle;
+  const double along = square(kForwardSlip) * distance + slip;
+  const double across = square(kLateralSlip) * distance + slip;
   covariance_(kX, kX) += c * c * along + s * s * across;
   covariance_(kY, kY) += s * s * along + c * c * across;
   covariance_(kX, kY) += c * s * (along - across);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include <Eigen/LU>
 
@@ -10,12 +11,13 @@
 namespace threewe::slam {
 namespace {
 
+constexpr double kCell = 0.10;            // [m] wide enough for two hits of one scan, some metres away
 constexpr double kFreeRange = 4.0;        // [m] beams clear nothing beyond: enough to see what has gone
 constexpr double kPieceLength = 20.0;     // [m] driven, after which a map is given up ...
 constexpr double kOverlap = 5.0;          // [m] ... for one that was begun so long before
 constexpr double kMappedDistance = 0.10;  // [m] the maps take a scan after so much motion ...
 constexpr double kMappedTurn = 0.07;      // [rad] ... or turning
-constexpr double kSearchAbove = 0.2;      // [rad] turned since the last scan: the fit is searched for, not followed
+constexpr double kSearchAbove = 0.02;     // [rad] deviation of the heading: the fit is searched for, not followed
 constexpr double kPoorAgreement = 0.6;    // below this the scan may be elsewhere, and is searched for
 constexpr double kNoAgreement = 0.4;      // below this it is not where it was found
 constexpr int kFewHits = 30;              // fewer hits in known space tell nothing
@@ -70,16 +72,19 @@ void ScanOdometry::correct() {
   const Placement prior{predicted, range_bias()};
   Match match = match_scan(reference(), beams_, prior, filter_.scan_covariance().inverse(), predicted);
 
+  const Matrix4 belief = filter_.scan_covariance();
+  const double turned = exact::sqrt(belief(kTheta, kTheta));
+  const double moved_by = exact::sqrt(std::max(belief(kX, kX), belief(kY, kY)));
   const bool poor = match.agreement < kPoorAgreement && match.known_hits >= kFewHits;
-  if (poor || std::fabs(track_.point(0).turn) > kSearchAbove) {
-    const SearchWindow window;
+  if (poor || turned > kSearchAbove) {
+    const SearchWindow window{std::clamp(3.0 * moved_by, 0.1, 0.5), std::clamp(3.0 * turned, 0.05, 0.5)};
     const Pose2D found = search_pose(reference(), beams_, predicted, window);
     PoseFilter wide = filter_;
     if (poor) wide.widen(0.5 * window.position, 0.5 * window.heading);
     const Match other = match_scan(reference(), beams_, prior, wide.scan_covariance().inverse(), found);
-    if (other.agreement > match.agreement + (poor ? 0.15 : 0.05)) {
+    if (other.agreement > match.agreement + (poor ? 0.1 : 0.02)) {
       match = other;
-      filter_ = wide;
+      filter_ = std::move(wide);
     }
   }
   const bool fits = match.known_hits < kFewHits || match.agreement >= kNoAgreement;
@@ -113,7 +118,7 @@ void ScanOdometry::extend_maps() {
   const auto age = [this](const Piece& piece) { return driven_ - piece.begun; };
   if (pieces_.size() == 2 && age(pieces_.front()) > kPieceLength) pieces_.erase(pieces_.begin());
   if (pieces_.empty() || age(pieces_.back()) > kPieceLength - kOverlap) {
-    pieces_.push_back({map::LogOddsMap({.resolution = settings_.resolution, .free_range = kFreeRange}), driven_});
+    pieces_.push_back({map::LogOddsMap({.resolution = kCell, .free_range = kFreeRange}), driven_});
   }
   const std::vector<map::Beam> in_local = transformed(here, beams_);
   for (Piece& piece : pieces_) piece.map.insert(in_local, range_bias());

@@ -18,8 +18,7 @@ class ScanOdometry {
  public:
   struct Settings {
     SensorModel sensors;
-    double range_max = 0.0;   ///< [m] what is farther is left out
-    double resolution = 0.0;  ///< [m] of the maps
+    double range_max = 0.0;  ///< [m] what is farther is left out
   };
   explicit ScanOdometry(const Settings& settings);
 

@@ -28,6 +28,7 @@ SlamConfig checked(const SlamConfig& config) {
   require(within(config.resolution, 0.02, 0.2), "resolution", "[0.02, 0.2] m", config.resolution);
   require(within(config.range_bias_sigma, 0.0, 0.1), "range_bias_sigma", "[0, 0.1] m", config.range_bias_sigma);
   require(within(config.distance_sigma, 0.0, 0.2), "distance_sigma", "[0, 0.2]", config.distance_sigma);
+  require(within(config.position_drift, 0.0, 0.3), "position_drift", "[0, 0.3] m/sqrt(m)", config.position_drift);
   require(within(config.heading_drift, 0.0, 0.3), "heading_drift", "[0, 0.3] rad/sqrt(m)", config.heading_drift);
   return config;
 }
@@ -37,6 +38,7 @@ SensorModel sensors(const SlamConfig& config) {
   model.base_from_lidar = config.base_from_lidar;
   model.range_bias_sigma = config.range_bias_sigma;
   model.forward_scale_sigma = config.distance_sigma;
+  model.wheel_slip = config.position_drift;
   model.wheel_drift = config.heading_drift;
   return model;
 }
@@ -77,8 +79,7 @@ void make_room(const std::vector<std::vector<map::Beam>>& scans, map::LogOddsMap
 }  // namespace
 
 struct Slam::State {
-  explicit State(const SlamConfig& c)
-      : config(c), front({.sensors = sensors(c), .range_max = c.range_max, .resolution = c.resolution}) {}
+  explicit State(const SlamConfig& c) : config(c), front({.sensors = sensors(c), .range_max = c.range_max}) {}
 
   // A scan, and where it was taken.
   struct Node {

@@ -18,7 +18,8 @@ struct SlamConfig {
   double resolution = 0.05;        ///< [m] a cell of the map
   double range_bias_sigma = 0.01;  ///< [m] of the lidar's constant error
   double distance_sigma = 0.02;    ///< share by which the odometry's distances may all be wrong
-  double heading_drift = 0.03;     ///< [rad/sqrt(m)] by which its heading wanders
+  double position_drift = 0.05;    ///< [m/sqrt(m)] by which its position wanders ...
+  double heading_drift = 0.15;     ///< [rad/sqrt(m)] ... and its heading
 };
 
 /// Where the robot was at some time.
