@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 namespace threewe::map {
 
@@ -50,12 +52,35 @@ void squared_distances(std::span<const std::uint8_t> occupied, int width, int he
   }
 }
 
+namespace {
+
+// A number that no tile of any costmap had before.
+std::uint64_t new_stamp() {
+  static std::atomic<std::uint64_t> last{0};
+  return last.fetch_add(1, std::memory_order_relaxed) + 1;
+}
+
+}  // namespace
+
 Costmap::Costmap(const Settings& settings) : settings_(settings) {}
 
-void Costmap::update(const OccupancyGrid& grid, std::span<const Vec2> obstacles, std::span<const Vec2> include,
-                     int rim) {
-  // the map's cells and those of `include`, in the map's own raster, and a rim
-  resolution_ = grid.resolution;
+void Costmap::update(const OccupancyGrid& grid, std::span<const Vec2> obstacles, std::span<const Vec2> include, int rim,
+                     std::optional<Region> changed) {
+  begin(grid);
+  close_opened();
+  move_to(frame_for(grid, include, rim));
+  origin_ = {grid.origin.x + (low_.x - raster(grid.origin.x)) * resolution_,
+             grid.origin.y + (low_.y - raster(grid.origin.y)) * resolution_};
+  take_map(grid, changed);
+  take_obstacles(obstacles);
+  inflate();
+}
+
+// Where a coordinate is, in whole cells. Costmaps of one map keep to its raster, whatever the map's extent.
+int Costmap::raster(double metres) const { return to_cell(metres / resolution_ + 0.5); }
+
+// The map's cells and those of `include`, in the map's own raster, and a rim; whole tiles.
+Costmap::Frame Costmap::frame_for(const OccupancyGrid& grid, std::span<const Vec2> include, int rim) const {
   Cell low{0, 0};
   Cell high{grid.width - 1, grid.height - 1};
   for (const Vec2 p : include) {
@@ -65,42 +90,243 @@ void Costmap::update(const OccupancyGrid& grid, std::span<const Vec2> obstacles,
     if (!fits_a_grid(upper.x - lower.x + 1, upper.y - lower.y + 1)) continue;
     low = lower, high = upper;
   }
-  width_ = high.x - low.x + 1 + 2 * rim;
-  height_ = high.y - low.y + 1 + 2 * rim;
-  const Cell offset{rim - low.x, rim - low.y};
-  origin_ = {grid.origin.x - offset.x * resolution_, grid.origin.y - offset.y * resolution_};
+  const auto tiles_down = [](int cells) { return (cells >= 0 ? cells : cells - kTile + 1) / kTile * kTile; };
+  const Cell first{raster(grid.origin.x), raster(grid.origin.y)};
+  const Cell from{tiles_down(first.x + low.x - rim), tiles_down(first.y + low.y - rim)};
+  const Cell to{tiles_down(first.x + high.x + rim) + kTile, tiles_down(first.y + high.y + rim) + kTile};
+  return {from, to.x - from.x, to.y - from.y};
+}
 
-  const std::size_t size = static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_);
-  occupied_.assign(size, 0);
-  unknown_.assign(size, 1);
-  for (int y = 0; y < grid.height; ++y) {
-    const std::int8_t* source = grid.data.data() + grid.index({0, y});
-    std::uint8_t* occupied = &occupied_[index({offset.x, y + offset.y})];
-    std::uint8_t* unknown = &unknown_[index({offset.x, y + offset.y})];
-    for (int x = 0; x < grid.width; ++x) {
-      occupied[x] = source[x] >= OccupancyGrid::kOccupiedThreshold ? 1 : 0;
-      unknown[x] = source[x] < 0 ? 1 : 0;
-    }
-  }
-  for (const Vec2 p : obstacles) {
-    const Cell c = cell(p);
-    if (contains(c)) occupied_[index(c)] = 1;
-  }
-  squared_distances(occupied_, width_, height_, squared_);
-
-  // weights by squared distance
-  std::array<Weight, static_cast<std::size_t>(kMaxDistance) * kMaxDistance + 1> table{};
-  for (std::size_t i = 0; i < table.size(); ++i) {
+// A map in cells of another size is another map.
+void Costmap::begin(const OccupancyGrid& grid) {
+  if (grid.resolution == resolution_) return;
+  *this = Costmap(settings_);
+  resolution_ = grid.resolution;
+  for (std::size_t i = 0; i < weight_at_.size(); ++i) {
     const double d = resolution_ * exact::sqrt(static_cast<double>(i));
     const double t =
         std::clamp((settings_.caution_radius - d) / (settings_.caution_radius - settings_.lethal_radius), 0.0, 1.0);
-    table[i] = d < settings_.lethal_radius ? kLethal : static_cast<Weight>(kFree + settings_.near_weight * t * t);
+    weight_at_[i] = d < settings_.lethal_radius ? kLethal : static_cast<Weight>(kFree + settings_.near_weight * t * t);
   }
-  weights_.resize(size);
-  for (std::size_t i = 0; i < size; ++i) {
-    const Weight w = table[static_cast<std::size_t>(squared_[i])];
-    weights_[i] = w != kLethal && unknown_[i] != 0 ? static_cast<Weight>(w + settings_.unknown_weight) : w;
+}
+
+// What was opened was lethal.
+void Costmap::close_opened() {
+  for (const Cell c : opened_) set_weight(c, kLethal);
+  opened_.clear();
+}
+
+// Keeps what lies in both frames; the rest of the new one is unknown. What is occupied no longer counts beyond the edge.
+void Costmap::move_to(const Frame& frame) {
+  if (frame == Frame{low_, width_, height_}) return;
+  Costmap moved(settings_);
+  moved.low_ = frame.low, moved.width_ = frame.width, moved.height_ = frame.height;
+  const std::size_t size = static_cast<std::size_t>(frame.width) * static_cast<std::size_t>(frame.height);
+  moved.occupied_.assign(size, 0);
+  moved.unknown_.assign(size, 1);
+  moved.squared_.assign(size, std::int16_t{kMaxDistance * kMaxDistance});
+  moved.weights_.assign(size, static_cast<Weight>(weight_at_.back() + settings_.unknown_weight));
+  moved.stale_.assign(size / (kTile * kTile), kDistances);
+  moved.stamps_.resize(moved.stale_.size());
+  for (std::uint64_t& stamp : moved.stamps_) stamp = new_stamp();
+
+  const Cell by{low_.x - frame.low.x, low_.y - frame.low.y};
+  for (int y = 0; y < height_; y += kTile) {
+    for (int x = 0; x < width_; x += kTile) move_tile({x, y}, {x + by.x, y + by.y}, moved);
   }
+  for (int y = 0; y < height_; ++y) {
+    for (int x = 0; x < width_; ++x) {
+      const Cell to{x + by.x, y + by.y};
+      if (x % kTile == 0 && moved.contains(to)) {
+        x += kTile - 1;
+      } else if (occupied_[index({x, y})] != 0) {
+        moved.note_occupied(to);
+      }
+    }
+  }
+  for (const Cell c : seen_) {
+    if (moved.contains({c.x + by.x, c.y + by.y})) moved.seen_.push_back({c.x + by.x, c.y + by.y});
+  }
+  moved.resolution_ = resolution_;
+  moved.weight_at_ = weight_at_;
+  *this = std::move(moved);
+}
+
+// Copies the cells of a tile, which then are as up to date as they were, and, where it has neighbours all around before and after, its stamp.
+void Costmap::move_tile(Cell from, Cell to, Costmap& target) const {
+  if (!target.contains(to)) return;
+  for (int row = 0; row < kTile; ++row) {
+    const auto copy = [&](const auto& source, auto& copied) {
+      std::copy_n(&source[index({from.x, from.y + row})], kTile, &copied[target.index({to.x, to.y + row})]);
+    };
+    copy(occupied_, target.occupied_);
+    copy(unknown_, target.unknown_);
+    copy(squared_, target.squared_);
+    copy(weights_, target.weights_);
+  }
+  target.stale_[target.tile_of(to)] = 0;
+  const auto is_inner = [](const Costmap& costmap, Cell corner) {
+    return corner.x > 0 && corner.y > 0 && corner.x + kTile < costmap.width_ && corner.y + kTile < costmap.height_;
+  };
+  if (is_inner(*this, from) && is_inner(target, to)) {
+    target.stamps_[target.tile_of(to)] = stamps_[tile_of(from)];
+  }
+}
+
+// Compares block by block, cell by cell where a block differs. Outside of the map all is unknown.
+void Costmap::take_map(const OccupancyGrid& grid, const std::optional<Region>& changed) {
+  constexpr int kBlock = 64;
+  const Cell by{raster(grid.origin.x) - low_.x, raster(grid.origin.y) - low_.y};
+  Region region{{0, 0}, {width_, height_}};
+  if (changed) {
+    region = {{std::max(0, changed->low.x + by.x), std::max(0, changed->low.y + by.y)},
+              {std::min(width_, changed->high.x + by.x), std::min(height_, changed->high.y + by.y)}};
+  }
+  std::array<std::int8_t, kBlock> values{};
+  for (int y = region.low.y; y < region.high.y; ++y) {
+    for (int x = region.low.x; x < region.high.x; x += kBlock) {
+      const int count = std::min(kBlock, region.high.x - x);
+      values.fill(OccupancyGrid::kUnknown);
+      const int first = std::clamp(x - by.x, 0, grid.width);
+      const int last = std::clamp(x - by.x + count, first, grid.width);
+      if (y >= by.y && y < by.y + grid.height && first < last) {
+        std::copy_n(&grid.data[grid.index({first, y - by.y})], last - first, &values[static_cast<std::size_t>(first + by.x - x)]);
+      }
+      take_block({x, y}, std::span(values).first(static_cast<std::size_t>(count)));
+    }
+  }
+}
+
+void Costmap::take_block(Cell at, std::span<const std::int8_t> values) {
+  std::uint8_t* occupied = &occupied_[index(at)];
+  std::uint8_t* unknown = &unknown_[index(at)];
+  const auto is_occupied = [&](std::size_t i) {
+    return static_cast<std::uint8_t>(values[i] >= OccupancyGrid::kOccupiedThreshold ? kMapped : 0);
+  };
+  const auto is_unknown = [&](std::size_t i) { return static_cast<std::uint8_t>(values[i] < 0 ? 1 : 0); };
+  std::uint8_t differs = 0;
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    differs = static_cast<std::uint8_t>(differs | ((occupied[i] & kMapped) ^ is_occupied(i)) | (unknown[i] ^ is_unknown(i)));
+  }
+  if (differs == 0) return;
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    const Cell c{at.x + static_cast<int>(i), at.y};
+    if (unknown[i] != is_unknown(i)) stale_[tile_of(c)] |= kWeights;
+    unknown[i] = is_unknown(i);
+    set_occupied(c, static_cast<std::uint8_t>((occupied[i] & ~kMapped) | is_occupied(i)));
+  }
+}
+
+// What was seen last time, and is not any more, goes.
+void Costmap::take_obstacles(std::span<const Vec2> points) {
+  std::vector<Cell> fresh;
+  for (const Vec2 p : points) {
+    const Cell c = cell(p);
+    if (!contains(c) || (occupied_[index(c)] & kFresh) != 0) continue;
+    set_occupied(c, occupied_[index(c)] | kFresh);
+    fresh.push_back(c);
+  }
+  for (const Cell c : seen_) set_occupied(c, static_cast<std::uint8_t>(occupied_[index(c)] & ~kSeen));
+  for (const Cell c : fresh) set_occupied(c, static_cast<std::uint8_t>((occupied_[index(c)] & kMapped) | kSeen));
+  seen_ = std::move(fresh);
+}
+
+void Costmap::set_occupied(Cell c, std::uint8_t occupants) {
+  std::uint8_t& now = occupied_[index(c)];
+  if ((now != 0) != (occupants != 0)) note_occupied(c);
+  now = occupants;
+}
+
+// A cell has been occupied or freed: distances around it may have changed.
+void Costmap::note_occupied(Cell c) {
+  constexpr int kReach = kMaxDistance - 1;
+  for (int y = std::max(0, c.y - kReach) / kTile; y * kTile <= std::min(height_ - 1, c.y + kReach); ++y) {
+    for (int x = std::max(0, c.x - kReach) / kTile; x * kTile <= std::min(width_ - 1, c.x + kReach); ++x) {
+      stale_[tile_of({x * kTile, y * kTile})] |= kDistances;
+    }
+  }
+}
+
+// Distances, several tiles side by side at a time, then weights.
+void Costmap::inflate() {
+  constexpr int kMostAtATime = 8;
+  for (int y = 0; y < height_; y += kTile) {
+    for (int x = 0; x < width_; x += kTile) {
+      int tiles = 0;
+      while (tiles < kMostAtATime && x + tiles * kTile < width_ &&
+             (stale_[tile_of({x + tiles * kTile, y})] & kDistances) != 0) {
+        ++tiles;
+      }
+      if (tiles > 0) measure({{x, y}, {x + tiles * kTile, y + kTile}});
+      for (int i = 0; i < std::max(1, tiles); ++i) {
+        std::uint8_t& stale = stale_[tile_of({x + i * kTile, y})];
+        if (stale != 0) weigh({x + i * kTile, y});
+        stale = 0;
+      }
+      x += std::max(0, tiles - 1) * kTile;
+    }
+  }
+}
+
+// Distances within a region, of what is occupied within it and near enough to matter.
+void Costmap::measure(const Region& region) {
+  constexpr int kReach = kMaxDistance - 1;
+  const Cell low{std::max(0, region.low.x - kReach), std::max(0, region.low.y - kReach)};
+  const Cell high{std::min(width_, region.high.x + kReach), std::min(height_, region.high.y + kReach)};
+  const int width = high.x - low.x;
+  std::vector<std::uint8_t> occupied;
+  for (int y = low.y; y < high.y; ++y) {
+    const auto row = occupied_.begin() + static_cast<std::ptrdiff_t>(index({low.x, y}));
+    occupied.insert(occupied.end(), row, row + width);
+  }
+  std::vector<std::int16_t> squared;
+  squared_distances(occupied, width, high.y - low.y, squared);
+  for (int y = region.low.y; y < region.high.y; ++y) {
+    const auto offset = static_cast<std::ptrdiff_t>(y - low.y) * width + region.low.x - low.x;
+    std::copy_n(squared.begin() + offset, region.high.x - region.low.x, &squared_[index({region.low.x, y})]);
+  }
+}
+
+// Weights of a tile by distance. Only what differs counts as a change.
+void Costmap::weigh(Cell corner) {
+  bool any = false;
+  bool left = false;
+  bool below = false;
+  const std::size_t first = index(corner);
+  const Weight at_corner = weights_[first];
+  for (int y = 0; y < kTile; ++y) {
+    const std::size_t row = index({corner.x, corner.y + y});
+    bool here = false;
+    for (std::size_t i = row; i < row + kTile; ++i) {
+      const Weight w = weight_at_[static_cast<std::size_t>(squared_[i])];
+      const Weight weight = w != kLethal && unknown_[i] != 0 ? static_cast<Weight>(w + settings_.unknown_weight) : w;
+      here = here || weight != weights_[i];
+      left = left || (i == row && weight != weights_[i]);
+      weights_[i] = weight;
+    }
+    any = any || here;
+    below = below || (y == 0 && here);
+  }
+  if (any) restamp(corner, left, below, weights_[first] != at_corner);
+}
+
+void Costmap::set_weight(Cell c, Weight weight) {
+  if (weights_[index(c)] == weight) return;
+  weights_[index(c)] = weight;
+  const bool left = c.x % kTile == 0;
+  const bool below = c.y % kTile == 0;
+  restamp(c, left, below, left && below);
+}
+
+// A tile has changed and, where that is on a line which they share, the next ones to the left and below.
+void Costmap::restamp(Cell c, bool left, bool below, bool corner) {
+  const auto renew = [&](Cell at) {
+    if (contains(at)) stamps_[tile_of(at)] = new_stamp();
+  };
+  renew(c);
+  if (left) renew({c.x - kTile, c.y});
+  if (below) renew({c.x, c.y - kTile});
+  if (corner) renew({c.x - kTile, c.y - kTile});
 }
 
 void Costmap::open_around(Vec2 point, double radius) {
@@ -112,9 +338,9 @@ void Costmap::open_around(Vec2 point, double radius) {
     for (int x = middle.x - reach; x <= middle.x + reach; ++x) {
       const Cell c{x, y};
       if (!contains(c) || weights_[index(c)] != kLethal || squared_[index(c)] < least) continue;
-      if (distance(center(c), point) <= radius) {
-        weights_[index(c)] = static_cast<Weight>(kFree + 2 * settings_.near_weight);
-      }
+      if (distance(center(c), point) > radius) continue;
+      set_weight(c, static_cast<Weight>(kFree + 2 * settings_.near_weight));
+      opened_.push_back(c);
     }
   }
 }

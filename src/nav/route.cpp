@@ -77,8 +77,8 @@ bool Route::try_plan(const Observation& seen, double tolerance) {
       path.push_back(waypoint);
     } else {
       const PlannedPath leg = planner_.plan(costmap_, path.back(), waypoint, tolerance);
-      gap = leg.points.empty() ? std::numeric_limits<double>::infinity() : leg.gap;
-      if (gap > 0.0 && gap > tolerance - kWithin) {
+      gap = leg.gap;
+      if (leg.points.empty() || (gap > 0.0 && gap > tolerance - kWithin)) {
         path_.clear();
         return false;
       }
@@ -103,12 +103,12 @@ bool Route::try_plan(const Observation& seen, double tolerance) {
 bool Route::plan_to_frontier(const Observation& seen) {
   renew_costmap(seen);
   find_frontiers(costmap_, frontiers_);
-  const SearchResult found = planner_.search().to_any(
+  const SearchResult found = search_.to_any(
       costmap_, costmap_.cell(robot_in(seen)), [&](std::uint32_t index) { return frontiers_[index] >= kMinFrontier; },
       [&](std::uint32_t index) { return costmap_.unknown()[index] != 0; });
   path_.clear();
   if (!found.found) return false;
-  path_ = Planner::straighten(costmap_, found.path, robot_in(seen), costmap_.center(found.path.back()));
+  path_ = straighten(costmap_, found.path, robot_in(seen), costmap_.center(found.path.back()));
   return true;
 }
 

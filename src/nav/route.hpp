@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "threewe/map/costmap.hpp"
+#include "threewe/nav/grid_search.hpp"
 #include "threewe/nav/navigator.hpp"
 #include "threewe/nav/planner.hpp"
 
@@ -55,6 +56,7 @@ class Route {
 
   map::Costmap costmap_;
   Planner planner_;
+  GridSearch search_;  // for frontiers
   double body_radius_;
 
   std::vector<Vec2> waypoints_;  // still to pass, the last is the goal

@@ -1,12 +1,15 @@
 // What it costs a robot to be in a cell: nothing far from obstacles, more near them, everything inside its own radius.
 #pragma once
 
+#include <array>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
 #include "threewe/core/pose.hpp"
 #include "threewe/map/occupancy_grid.hpp"
+#include "threewe/map/region.hpp"
 
 namespace threewe::map {
 
@@ -17,6 +20,10 @@ void squared_distances(std::span<const std::uint8_t> occupied, int width, int he
                        std::vector<std::int16_t>& squared);
 
 /// A grid of weights for planning: the cost of a path is its length times the weight under it.
+///
+/// It is made of layers, one upon the other: the map; what is seen now and may not be in the map yet; the distance to
+/// the nearest of both; weights by that distance. An update costs what changed: each layer compares, and tells the next
+/// one where. The result is that of a new costmap with the same arguments, to the bit.
 class Costmap {
  public:
   struct Settings {
@@ -28,16 +35,19 @@ class Costmap {
   using Weight = std::uint16_t;
   static constexpr Weight kFree = 4;
   static constexpr Weight kLethal = 0xFFFF;
+  static constexpr int kTile = 32;  ///< [cells] the side of a tile
 
   Costmap() : Costmap(Settings{}) {}
   explicit Costmap(const Settings& settings);
 
-  /// Takes over a map, with `rim` unknown cells all around it and large enough to hold `include`, except
-  /// for what lies too far away (fits_a_grid). Points in
-  /// `obstacles` [m] count as occupied besides.
-  void update(const OccupancyGrid& grid, std::span<const Vec2> obstacles, std::span<const Vec2> include, int rim = 20);
+  /// Takes over a map, with at least `rim` unknown cells all around it, rounded up to whole tiles, and large enough to
+  /// hold `include`, except for what lies too far away (fits_a_grid). Points in `obstacles` [m] count as occupied
+  /// besides, until the next update. `changed`: the cells of the map that may differ from what the last update saw; all
+  /// by default.
+  void update(const OccupancyGrid& grid, std::span<const Vec2> obstacles, std::span<const Vec2> include, int rim = 20,
+              std::optional<Region> changed = {});
   /// Lethal cells within `radius` [m] of `point` that are no nearer to an obstacle than `point` itself become dear
-  /// instead: the robot is so near already. No slit in a wall opens by that.
+  /// instead, until the next update: the robot is so near already. No slit in a wall opens by that.
   void open_around(Vec2 point, double radius);
 
   int width() const { return width_; }
@@ -49,6 +59,11 @@ class Costmap {
   }
   Cell cell(Vec2 point) const;
   Vec2 center(Cell c) const;
+  /// Where cell (0, 0) is, in cells from the map's raster nearest to (0, 0) m; whole tiles.
+  Cell low() const { return low_; }
+  /// The stamp of the tile that holds a cell. Equal stamps, in this or any other costmap, mean equal weights, also on the
+  /// first row and column of the next tiles. Numbers mean nothing else; they differ between runs.
+  std::uint64_t stamp(Cell c) const { return stamps_[tile_of(c)]; }
 
   const std::vector<Weight>& weights() const { return weights_; }
   /// The weight at a cell; outside as if unknown and far from everything.
@@ -63,15 +78,52 @@ class Costmap {
   double line_cost(Vec2 a, Vec2 b) const;
 
  private:
+  struct Frame {
+    Cell low;
+    int width = 0;
+    int height = 0;
+    friend bool operator==(const Frame&, const Frame&) = default;
+  };
+  enum Occupant : std::uint8_t { kMapped = 1, kSeen = 2, kFresh = 4 };  // who says that a cell is occupied
+  enum Stale : std::uint8_t { kWeights = 1, kDistances = 2 };           // what of a tile is to be made again
+
+  int raster(double metres) const;
+  Frame frame_for(const OccupancyGrid& grid, std::span<const Vec2> include, int rim) const;
+  void begin(const OccupancyGrid& grid);
+  void close_opened();
+  void move_to(const Frame& frame);
+  void move_tile(Cell from, Cell to, Costmap& target) const;
+  void take_map(const OccupancyGrid& grid, const std::optional<Region>& changed);
+  void take_block(Cell at, std::span<const std::int8_t> values);
+  void take_obstacles(std::span<const Vec2> points);
+  void set_occupied(Cell c, std::uint8_t occupants);
+  void note_occupied(Cell c);
+  void inflate();
+  void measure(const Region& region);
+  void weigh(Cell corner);
+  void set_weight(Cell c, Weight weight);
+  void restamp(Cell c, bool left, bool below, bool corner);
+  // The tile that a cell is counted in.
+  std::size_t tile_of(Cell c) const {
+    return static_cast<std::size_t>(c.y / kTile) * static_cast<std::size_t>(width_ / kTile) +
+           static_cast<std::size_t>(c.x / kTile);
+  }
+
   Settings settings_;
+  std::array<Weight, kMaxDistance * kMaxDistance + 1> weight_at_{};  // by squared distance
   int width_ = 0;
   int height_ = 0;
-  double resolution_ = 0.05;
+  double resolution_ = 0.0;
+  Cell low_;
   Vec2 origin_;
   std::vector<std::uint8_t> occupied_;
   std::vector<std::uint8_t> unknown_;
   std::vector<std::int16_t> squared_;
   std::vector<Weight> weights_;
+  std::vector<std::uint64_t> stamps_;  // of tiles
+  std::vector<std::uint8_t> stale_;    // of tiles, 0 between updates
+  std::vector<Cell> seen_;             // cells with kSeen
+  std::vector<Cell> opened_;
 };
 
 }  // namespace threewe::map

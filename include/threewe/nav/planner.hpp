@@ -1,17 +1,18 @@
 // From a map to a path.
 #pragma once
 
+#include <optional>
 #include <span>
 #include <vector>
 
 #include "threewe/map/costmap.hpp"
-#include "threewe/nav/grid_search.hpp"
+#include "threewe/nav/tile_graph.hpp"
 
 namespace threewe::nav {
 
 /// A way to a goal.
 struct PlannedPath {
-  std::vector<Vec2> points;  ///< in `map`, from the robot to the goal or as near to it as possible
+  std::vector<Vec2> points;  ///< in `map`, from the robot to the goal; empty where there is none
   double gap = 0.0;          ///< [m] from the end of the path to the goal; 0 when the path reaches it
   double cost = 0.0;         ///< [m times weight] of the whole path
 };
@@ -21,18 +22,24 @@ double path_cost(const map::Costmap& costmap, std::span<const Vec2> path);
 /// Length [m] of a polyline.
 double path_length(std::span<const Vec2> path);
 
-/// A* through space that is free or unknown, then straightened.
+/// Keeps of a path of cells the points that are needed for every piece to cost no more than the cells did. The ends may
+/// lie anywhere in their cells.
+std::vector<Vec2> straighten(const map::Costmap& costmap, const std::vector<map::Cell>& cells, Vec2 from, Vec2 to);
+
+/// Paths through space that is free or unknown: through tiles first, then cell by cell within those, then straightened
+/// at any angle. What it keeps between plans are the tables of tiles, which change nothing but the time. Used by `Route`.
 class Planner {
  public:
-  /// `costmap` must hold both points. A goal nearer than `tolerance` [m] to free cells is reached at the nearest.
+  /// `costmap` must hold both points. Where the goal's own cell cannot be reached the path ends in the nearest one, less
+  /// than `tolerance` [m] away, that can. No path means that there is none: everything within reach was searched.
   PlannedPath plan(const map::Costmap& costmap, Vec2 from, Vec2 to, double tolerance);
-  /// Straightens a path of cells: keeps the points that are needed for every piece to cost no more than the cells did.
-  static std::vector<Vec2> straighten(const map::Costmap& costmap, const std::vector<map::Cell>& cells, Vec2 from,
-                                      Vec2 to);
-  GridSearch& search() { return search_; }
+  const TileGraph& graph() const { return graph_; }
 
  private:
-  GridSearch search_;
+  std::optional<map::Cell> first_reached(const map::Costmap& costmap, map::Cell start, Vec2 to, double tolerance);
+
+  TileGraph graph_;
+  TileWay way_;  // to what was reached
 };
 
 }  // namespace threewe::nav

@@ -4,7 +4,11 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdint>
+#include <map>
+#include <optional>
 #include <random>
 #include <vector>
 
@@ -122,6 +126,108 @@ TEST_CASE("a robot close to a wall is not led through a slit in it") {
   costmap.open_around(robot, 0.28);
   CHECK(std::isfinite(costmap.line_cost(robot, grid.center({16, 20}))));
   CHECK_FALSE(std::isfinite(costmap.line_cost(robot, beyond)));
+}
+
+// Everything that a costmap tells.
+void require_same(const Costmap& a, const Costmap& b) {
+  REQUIRE(a.width() == b.width());
+  REQUIRE(a.height() == b.height());
+  REQUIRE(a.low() == b.low());
+  REQUIRE(a.center({0, 0}) == b.center({0, 0}));
+  REQUIRE(a.weights() == b.weights());
+  REQUIRE(a.unknown() == b.unknown());
+  bool same = true;
+  for (int y = 0; y < a.height(); ++y) {
+    for (int x = 0; x < a.width(); ++x) same = same && a.clearance({x, y}) == b.clearance({x, y});
+  }
+  REQUIRE(same);
+}
+
+// The weights of a tile, and of the first row and column of the next ones; outside lethal.
+std::vector<Costmap::Weight> closed_tile(const Costmap& costmap, Cell low) {
+  std::vector<Costmap::Weight> weights;
+  for (int y = low.y; y <= low.y + Costmap::kTile; ++y) {
+    for (int x = low.x; x <= low.x + Costmap::kTile; ++x) {
+      weights.push_back(costmap.contains({x, y}) ? costmap.weight({x, y}) : Costmap::kLethal);
+    }
+  }
+  return weights;
+}
+
+TEST_CASE("a costmap that follows changes is that of an update from scratch, to the bit, and equal stamps do not lie") {
+  long kept = 0;
+  for (std::uint64_t seed = 0; seed < 120; ++seed) {
+    CAPTURE(seed);
+    std::mt19937_64 bits(seed);
+    OccupancyGrid grid;
+    Costmap costmap;
+    std::map<std::uint64_t, std::vector<Costmap::Weight>> tiles;  // what each stamp stood for
+    for (int round = 0; round < 25; ++round) {
+      CAPTURE(round);
+      // the map grows or is another one; most of the time a few cells change
+      std::optional<Region> changed;
+      if (grid.data.empty() || bits() % 8 == 0) {
+        grid = random_grid(bits);
+        grid.origin = {0.05 * static_cast<double>(bits() % 200) - 5.0, 0.05 * static_cast<double>(bits() % 200) - 5.0};
+      } else {
+        Region region{{grid.width, grid.height}, {0, 0}};
+        for (auto i = bits() % 6; i > 0; --i) {
+          const Cell c{static_cast<int>(bits() % static_cast<unsigned>(grid.width)),
+                       static_cast<int>(bits() % static_cast<unsigned>(grid.height))};
+          const std::array<std::int8_t, 4> values = {-1, 0, 64, 65};
+          grid.data[grid.index(c)] = values[bits() % 4];
+          region = {{std::min(region.low.x, c.x), std::min(region.low.y, c.y)},
+                    {std::max(region.high.x, c.x + 1), std::max(region.high.y, c.y + 1)}};
+        }
+        if (bits() % 2 == 0) changed = region;
+      }
+      const auto point = [&] {
+        return Vec2{0.01 * static_cast<double>(bits() % 1000) - 5.0, 0.01 * static_cast<double>(bits() % 1000) - 5.0};
+      };
+      std::vector<Vec2> seen(bits() % 4);
+      for (Vec2& p : seen) p = point();
+      std::vector<Vec2> include(bits() % 5 == 0 ? 1 : 0);
+      for (Vec2& p : include) p = 2.0 * point();
+
+      costmap.update(grid, seen, include, 3, changed);
+      Costmap fresh;
+      fresh.update(grid, seen, include, 3);
+      require_same(costmap, fresh);
+      if (bits() % 2 == 0) {
+        const Vec2 robot = point();
+        costmap.open_around(robot, 0.3);
+        fresh.open_around(robot, 0.3);
+        require_same(costmap, fresh);
+      }
+      for (int y = 0; y < costmap.height(); y += Costmap::kTile) {
+        for (int x = 0; x < costmap.width(); x += Costmap::kTile) {
+          const auto [known, is_new] = tiles.try_emplace(costmap.stamp({x, y}), closed_tile(costmap, {x, y}));
+          REQUIRE(known->second == closed_tile(costmap, {x, y}));
+          kept += is_new ? 0 : 1;
+        }
+      }
+    }
+  }
+  CHECK(kept > 3000);
+}
+
+TEST_CASE("tiles far from a change keep their stamps, also when the map grows") {
+  OccupancyGrid grid;
+  grid.width = grid.height = 320;
+  grid.origin = {-3.2, -6.4};
+  grid.data.assign(320 * 320, OccupancyGrid::kFree);
+  Costmap costmap;
+  costmap.update(grid, {}, {});
+  const auto stamp_at = [&](Vec2 point) { return costmap.stamp(costmap.cell(point)); };
+  const std::vector<Vec2> places = {{0.0, 0.0}, {5.0, 5.0}, {8.0, -1.0}};
+  std::vector<std::uint64_t> stamps;
+  for (const Vec2 p : places) stamps.push_back(stamp_at(p));
+
+  grid.data[grid.index(grid.cell({0.1, 0.1}))] = OccupancyGrid::kOccupied;
+  costmap.update(grid, {}, std::vector<Vec2>{{-20.0, -20.0}});
+  CHECK(stamp_at(places[0]) != stamps[0]);
+  CHECK(stamp_at(places[1]) == stamps[1]);
+  CHECK(stamp_at(places[2]) == stamps[2]);
 }
 
 TEST_CASE("a straight line through free space costs its length") {
