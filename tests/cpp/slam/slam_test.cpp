@@ -52,21 +52,22 @@ std::vector<TinyWall> building(Draw& draw) {
   return walls;
 }
 
-/// A robot on an oval course, whose odometry is wrong in scale and heading; a scan every half metre.
+/// A robot on an oval course, whose odometry is wrong in scale and heading; a scan every `stride` metres.
 struct Tour {
   std::vector<Pose2D> truth;
   std::vector<Pose2D> odometry;
 };
-Tour tour(Draw& draw, int steps) {
+Tour tour(Draw& draw, double metres, double stride = 0.5) {
   const double scale = draw(0.98, 1.02);
-  const double veer = draw(-0.01, 0.01);  // [rad/m]
+  const double veer = draw(-0.04, 0.04);                  // [rad/m]
+  const double wobble = 0.1 * exact::sqrt(3.0 * stride);  // [rad], uniform: 0.1 rad/sqrt(m)
   Tour t{{{0, 0, 0}}, {{draw(-5, 5), draw(-5, 5), draw(-3, 3)}}};
-  for (int i = 1; i < steps; ++i) {
-    const Pose2D& here = t.truth.back();
-    const double turn = i % 28 < 20 ? 0.0 : -exact::kPi / 8.0;  // 10 m ahead, and round
-    const Velocity v{0.5, 0.0, turn};
-    t.truth.push_back(integrate(here, v, 1.0));
-    t.odometry.push_back(integrate(t.odometry.back(), {0.5 * scale, 0.0, turn * draw(0.97, 1.03) + 0.5 * veer}, 1.0));
+  for (int i = 1; i * stride < metres; ++i) {
+    const bool ahead = std::fmod((i - 1) * stride, 14.0) < 10.0;  // then round, on half a circle of 4 m
+    const double turn = ahead ? 0.0 : -exact::kPi / 4.0 * stride;
+    t.truth.push_back(integrate(t.truth.back(), {stride, 0.0, turn}, 1.0));
+    const double believed = turn + veer * stride + draw(-wobble, wobble);
+    t.odometry.push_back(integrate(t.odometry.back(), {stride * scale, 0.0, believed}, 1.0));
   }
   return t;
 }
@@ -82,7 +83,7 @@ TEST_CASE("scans of any field of view find the way that odometry loses") {
       CAPTURE(fan.beams);
       Draw draw(seed);
       const std::vector<TinyWall> walls = building(draw);
-      const Tour way = tour(draw, 60);
+      const Tour way = tour(draw, 30.0);
       const Pose2D base_from_lidar{draw(-0.1, 0.3), draw(-0.1, 0.1), draw(-0.2, 0.2)};
       Slam slam({.base_from_lidar = base_from_lidar});
       double worst = 0.0;
@@ -100,10 +101,30 @@ TEST_CASE("scans of any field of view find the way that odometry loses") {
   }
 }
 
+TEST_CASE("scans may come at any rate") {
+  for (const double stride : {0.02, 0.07, 0.2, 0.8}) {
+    for (std::uint64_t seed = 0; seed < 4; ++seed) {
+      CAPTURE(stride);
+      CAPTURE(seed);
+      Draw draw(seed);
+      const std::vector<TinyWall> walls = building(draw);
+      const Tour way = tour(draw, 30.0, stride);
+      Slam slam;
+      double worst = 0.0;
+      for (std::size_t i = 0; i < way.truth.size(); ++i) {
+        const Pose2D found =
+            slam.add(from_seconds(static_cast<double>(i)), look(walls, way.truth[i], {}, draw), way.odometry[i]);
+        worst = std::max(worst, distance(found.position(), way.truth[i].position()));
+      }
+      CHECK(worst < 0.1);
+    }
+  }
+}
+
 TEST_CASE("the trajectory has every scan, and the map shows the walls where they are") {
   Draw draw(3);
   const std::vector<TinyWall> walls = building(draw);
-  const Tour way = tour(draw, 60);
+  const Tour way = tour(draw, 30.0);
   Slam slam;
   std::vector<Pose2D> returned;
   for (std::size_t i = 0; i < way.truth.size(); ++i) {
@@ -160,7 +181,7 @@ TEST_CASE("the same input gives the same bits") {
   const auto run = [] {
     Draw draw(9);
     const std::vector<TinyWall> walls = building(draw);
-    const Tour way = tour(draw, 30);
+    const Tour way = tour(draw, 15.0);
     Slam slam;
     Pose2D last;
     for (std::size_t i = 0; i < way.truth.size(); ++i) {
