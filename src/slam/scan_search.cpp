@@ -308,8 +308,8 @@ ScanSearch::Level::Level(std::span<const std::uint8_t> scores, int width, int he
       rows(((height - 1) >> shift) + 1 + 2 * kTile) {
   // a plain picture first, whose squares reach as far below and beside the map as they can touch it
   const int side = 1 << shift;
-  const auto w = static_cast<std::size_t>(width + side);
-  const auto h = static_cast<std::size_t>(height + side);
+  const auto w = static_cast<std::size_t>(width) + static_cast<std::size_t>(side);
+  const auto h = static_cast<std::size_t>(height) + static_cast<std::size_t>(side);
   std::vector<std::uint8_t> maxima(w * h, 0);
   for (int y = 0; y < height; ++y) {
     std::copy_n(&scores[static_cast<std::size_t>(y) * static_cast<std::size_t>(width)], width,
