@@ -9,7 +9,7 @@
 
 namespace threewe {
 
-inline constexpr int kBuildings = 5;      // along each side
+inline constexpr int kBuildings = 5;       // along each side
 inline constexpr int kBuildingSide = 800;  // [cells of 5 cm]
 
 /// Where walls and the furniture of 0.15 m height and less are, exactly.

@@ -116,7 +116,8 @@ void Costmap::close_opened() {
   opened_.clear();
 }
 
-// Keeps what lies in both frames; the rest of the new one is unknown. What is occupied no longer counts beyond the edge.
+// Keeps what lies in both frames; the rest of the new one is unknown. What is occupied no longer counts beyond the
+// edge.
 void Costmap::move_to(const Frame& frame) {
   if (frame == Frame{low_, width_, height_}) return;
   Costmap moved(settings_);
@@ -152,7 +153,8 @@ void Costmap::move_to(const Frame& frame) {
   *this = std::move(moved);
 }
 
-// Copies the cells of a tile, which then are as up to date as they were, and, where it has neighbours all around before and after, its stamp.
+// Copies the cells of a tile, which then are as up to date as they were, and, where it has neighbours all around before
+// and after, its stamp.
 void Costmap::move_tile(Cell from, Cell to, Costmap& target) const {
   if (!target.contains(to)) return;
   for (int row = 0; row < kTile; ++row) {
@@ -190,7 +192,8 @@ void Costmap::take_map(const OccupancyGrid& grid, const std::optional<Region>& c
       const int first = std::clamp(x - by.x, 0, grid.width);
       const int last = std::clamp(x - by.x + count, first, grid.width);
       if (y >= by.y && y < by.y + grid.height && first < last) {
-        std::copy_n(&grid.data[grid.index({first, y - by.y})], last - first, &values[static_cast<std::size_t>(first + by.x - x)]);
+        std::copy_n(&grid.data[grid.index({first, y - by.y})], last - first,
+                    &values[static_cast<std::size_t>(first + by.x - x)]);
       }
       take_block({x, y}, std::span(values).first(static_cast<std::size_t>(count)));
     }
@@ -206,7 +209,8 @@ void Costmap::take_block(Cell at, std::span<const std::int8_t> values) {
   const auto is_unknown = [&](std::size_t i) { return static_cast<std::uint8_t>(values[i] < 0 ? 1 : 0); };
   std::uint8_t differs = 0;
   for (std::size_t i = 0; i < values.size(); ++i) {
-    differs = static_cast<std::uint8_t>(differs | ((occupied[i] & kMapped) ^ is_occupied(i)) | (unknown[i] ^ is_unknown(i)));
+    differs =
+        static_cast<std::uint8_t>(differs | ((occupied[i] & kMapped) ^ is_occupied(i)) | (unknown[i] ^ is_unknown(i)));
   }
   if (differs == 0) return;
   for (std::size_t i = 0; i < values.size(); ++i) {
@@ -366,13 +370,18 @@ double Costmap::line_cost(Vec2 a, Vec2 b) const {
   // samples at the middles of pieces no longer than half a cell
   const double length = distance(a, b);
   const int pieces = std::max(1, static_cast<int>(std::ceil(length / (0.5 * resolution_))));
-  double sum = 0.0;
+  const Vec2 from = (1.0 / resolution_) * (a - origin_);
+  const Vec2 piece = (1.0 / (resolution_ * pieces)) * (b - a);
+  const auto outside = static_cast<Weight>(kFree + settings_.unknown_weight);
+  std::int64_t sum = 0;
   for (int i = 0; i < pieces; ++i) {
-    const Weight w = weight(cell(a + ((i + 0.5) / pieces) * (b - a)));
+    const Vec2 p = from + (i + 0.5) * piece;
+    const bool inside = p.x >= 0.0 && p.y >= 0.0 && p.x < width_ && p.y < height_;
+    const Weight w = inside ? weights_[index({static_cast<int>(p.x), static_cast<int>(p.y)})] : outside;
     if (w == kLethal) return std::numeric_limits<double>::infinity();
     sum += w;
   }
-  return sum * length / pieces;
+  return static_cast<double>(sum) * length / pieces;
 }
 
 }  // namespace threewe::map

@@ -41,7 +41,9 @@ struct TileGraph::Workspace {
     costs.at[static_cast<std::size_t>(kernel::place(from.x - corner.x, from.y - corner.y))] = 0;
     kernel::spread(steps, costs);
   }
-  std::int32_t cost_to(Cell inside) const { return costs.at[static_cast<std::size_t>(kernel::place(inside.x, inside.y))]; }
+  std::int32_t cost_to(Cell inside) const {
+    return costs.at[static_cast<std::size_t>(kernel::place(inside.x, inside.y))];
+  }
   std::int32_t cost_to(std::uint16_t portal) const { return costs.at[index_of(portal)]; }
 };
 
@@ -98,12 +100,15 @@ std::optional<TileWay> TileGraph::find(const Costmap& costmap, Cell start, Cell 
       std::size_t s = 0;
       while (side_of(index, s) != side) ++s;
       const std::size_t row = t.first[s] + number;
-      if (entry.key != here.cost + least_cost({corner(index).x + t.places[row] % kLine, corner(index).y + t.places[row] / kLine}, goal)) {
+      if (entry.key !=
+          here.cost +
+              least_cost({corner(index).x + t.places[row] % kLine, corner(index).y + t.places[row] / kLine}, goal)) {
         break;  // a cheaper way was found since
       }
       const std::int32_t* costs = &t.costs[row * t.places.size()];
       for_each_portal(t, index, [&](std::uint32_t node, Cell cell, std::size_t i) {
-        if (costs[i] < kernel::kUnreached) relax(node, cell, here.cost + static_cast<std::uint64_t>(costs[i]), entry.node, index);
+        if (costs[i] < kernel::kUnreached)
+          relax(node, cell, here.cost + static_cast<std::uint64_t>(costs[i]), entry.node, index);
       });
       if (index == goal_tile && to_goal[row] < kernel::kUnreached) {
         relax(goal_node, goal, here.cost + static_cast<std::uint64_t>(to_goal[row]), entry.node, index);
@@ -135,8 +140,10 @@ void TileGraph::adopt(const Costmap& costmap) {
   const Cell by{(low_.x - costmap.low().x) / kTile, (low_.y - costmap.low().y) / kTile};
   for (int y = std::max(0, -by.y); y < rows_ && y + by.y < rows; ++y) {
     for (int x = std::max(0, -by.x); x < columns_ && x + by.x < columns; ++x) {
-      moved[static_cast<std::size_t>(y + by.y) * static_cast<std::size_t>(columns) + static_cast<std::size_t>(x + by.x)] =
-          std::move(tiles_[static_cast<std::size_t>(y) * static_cast<std::size_t>(columns_) + static_cast<std::size_t>(x)]);
+      moved[static_cast<std::size_t>(y + by.y) * static_cast<std::size_t>(columns) +
+            static_cast<std::size_t>(x + by.x)] =
+          std::move(
+              tiles_[static_cast<std::size_t>(y) * static_cast<std::size_t>(columns_) + static_cast<std::size_t>(x)]);
     }
   }
   tiles_ = std::move(moved);
@@ -172,8 +179,8 @@ const TileGraph::Tile& TileGraph::tile(const Costmap& costmap, std::uint32_t ind
   return t;
 }
 
-// Each run of free cells on a side is cut into pieces of about kSpacing, with a portal in the cheapest cell of each: the
-// middle of a doorway, the middle of a piece in the open. Both tiles of a side choose the same.
+// Each run of free cells on a side is cut into pieces of about kSpacing, with a portal in the cheapest cell of each:
+// the middle of a doorway, the middle of a piece in the open. Both tiles of a side choose the same.
 void TileGraph::choose_portals(const Workspace& work, std::uint32_t index, Tile& t) const {
   t.places.clear();
   const Cell at{corner(index).x / kTile, corner(index).y / kTile};
@@ -262,7 +269,8 @@ TileWay TileGraph::way_to(std::uint32_t node) const {
 }
 
 std::size_t TileGraph::memory() const {
-  std::size_t bytes = tiles_.capacity() * sizeof(Tile) + nodes_.capacity() * sizeof(Node) + heap_.capacity() * sizeof(Entry);
+  std::size_t bytes =
+      tiles_.capacity() * sizeof(Tile) + nodes_.capacity() * sizeof(Node) + heap_.capacity() * sizeof(Entry);
   for (const Tile& t : tiles_) {
     bytes += t.places.capacity() * sizeof(std::uint16_t) + t.costs.capacity() * sizeof(std::int32_t);
   }

@@ -71,9 +71,8 @@ HWY_ATTR bool sweep(const Steps& steps, ManyCosts& costs) {
         return hn::Set(kInts, steps.cost[i][static_cast<std::size_t>(kForwards ? cell : cell - Steps::kOffsets[i])]);
       };
       for (std::size_t v = 0; v < kVectors; ++v) {
-        const auto by = [&](std::size_t i) HWY_ATTR {
-          return hn::Add(lanes_at(cell + kSign * Steps::kOffsets[i], v), step(i));
-        };
+        const auto by = [&](std::size_t i)
+                            HWY_ATTR { return hn::Add(lanes_at(cell + kSign * Steps::kOffsets[i], v), step(i)); };
         const V before = lanes_at(cell, v);
         const V near = hn::Min(hn::Min(by(1), by(2)), hn::Min(by(3), before));
         const V far = hn::Min(hn::Min(by(4), by(5)), hn::Min(by(6), by(7)));
@@ -127,7 +126,8 @@ HWY_ATTR bool sweep(const Steps& steps, Costs& costs) {
   return any || !hn::AllTrue(kInts, hn::Eq(lowered, hn::Zero(kInts)));
 }
 
-// After a sweep no step of its own direction lowers anything; so the first that changes nothing, either way, is the last.
+// After a sweep no step of its own direction lowers anything; so the first that changes nothing, either way, is the
+// last.
 template <class Any>
 HWY_ATTR void spread_all(const Steps& steps, Any& costs) {
   sweep<true>(steps, costs);

@@ -81,7 +81,8 @@ class Walk {
         const int there = here + sign * kernel::Steps::kOffsets[i];
         const std::int32_t step = steps_->cost[i][static_cast<std::size_t>(sign > 0 ? here : there)];
         if (costs[static_cast<std::size_t>(there)] + step != costs[static_cast<std::size_t>(here)]) continue;
-        return {way_.tiles[t].x + there % kernel::kRow - kernel::kRim, way_.tiles[t].y + there / kernel::kRow - kernel::kRim};
+        return {way_.tiles[t].x + there % kernel::kRow - kernel::kRim,
+                way_.tiles[t].y + there / kernel::kRow - kernel::kRim};
       }
     }
     return c;

@@ -61,8 +61,8 @@ class Costmap {
   Vec2 center(Cell c) const;
   /// Where cell (0, 0) is, in cells from the map's raster nearest to (0, 0) m; whole tiles.
   Cell low() const { return low_; }
-  /// The stamp of the tile that holds a cell. Equal stamps, in this or any other costmap, mean equal weights, also on the
-  /// first row and column of the next tiles. Numbers mean nothing else; they differ between runs.
+  /// The stamp of the tile that holds a cell. Equal stamps, in this or any other costmap, mean equal weights, also on
+  /// the first row and column of the next tiles. Numbers mean nothing else; they differ between runs.
   std::uint64_t stamp(Cell c) const { return stamps_[tile_of(c)]; }
 
   const std::vector<Weight>& weights() const { return weights_; }

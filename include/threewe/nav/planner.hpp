@@ -27,11 +27,12 @@ double path_length(std::span<const Vec2> path);
 std::vector<Vec2> straighten(const map::Costmap& costmap, const std::vector<map::Cell>& cells, Vec2 from, Vec2 to);
 
 /// Paths through space that is free or unknown: through tiles first, then cell by cell within those, then straightened
-/// at any angle. What it keeps between plans are the tables of tiles, which change nothing but the time. Used by `Route`.
+/// at any angle. What it keeps between plans are the tables of tiles, which change nothing but the time. Used by
+/// `Route`.
 class Planner {
  public:
-  /// `costmap` must hold both points. Where the goal's own cell cannot be reached the path ends in the nearest one, less
-  /// than `tolerance` [m] away, that can. No path means that there is none: everything within reach was searched.
+  /// `costmap` must hold both points. Where the goal's own cell cannot be reached the path ends in the nearest one,
+  /// less than `tolerance` [m] away, that can. No path means that there is none: everything within reach was searched.
   PlannedPath plan(const map::Costmap& costmap, Vec2 from, Vec2 to, double tolerance);
   const TileGraph& graph() const { return graph_; }
 

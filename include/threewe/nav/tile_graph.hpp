@@ -21,8 +21,8 @@ struct TileWay {
 
 /// Tiles of 32 x 32 cells, each with the line of cells that it shares with its neighbours. Where free cells follow one
 /// another on a shared line, some of them are portals; each tile knows what it costs to go from portal to portal
-/// through its cells, by steps to 16 neighbours. Ways are found from portal to portal by A* (near-optimal pathfinding by
-/// abstraction: Botea, Mueller & Schaeffer 2004).
+/// through its cells, by steps to 16 neighbours. Ways are found from portal to portal by A* (near-optimal pathfinding
+/// by abstraction: Botea, Mueller & Schaeffer 2004).
 ///
 /// Every run of free cells has a portal, and a path can only change tiles on a shared line. So there is a way through
 /// tiles exactly where there is a path of 8-connected cells. The tables of a tile follow from its weights alone and are
@@ -43,15 +43,15 @@ class TileGraph {
   std::size_t memory() const;
 
  private:
-  static constexpr int kMostPortals = kTile / 2 + 1;  // on one side, where every second cell is free
+  static constexpr int kMostPortals = kTile / 2 + 1;   // on one side, where every second cell is free
   static constexpr std::uint32_t kStart = 0xFFFFFFFF;  // in the place of a portal
 
   // What is known of a tile. Portals are in the order of its sides: west, east, south, north.
   struct Tile {
-    std::uint64_t stamp = 0;            // of the weights that this was made of, 0 before
+    std::uint64_t stamp = 0;              // of the weights that this was made of, 0 before
     std::array<std::uint8_t, 5> first{};  // portal of each side, and the number of all
-    std::vector<std::uint16_t> places;  // of portals: y * (kTile + 1) + x within the tile
-    std::vector<std::int32_t> costs;    // from each portal to each
+    std::vector<std::uint16_t> places;    // of portals: y * (kTile + 1) + x within the tile
+    std::vector<std::int32_t> costs;      // from each portal to each
   };
   // How a search came to a portal.
   struct Node {

@@ -33,7 +33,8 @@ inline map::OccupancyGrid random_grid(std::mt19937_64& bits, unsigned most = 70)
     const int at = static_cast<int>(bits() % static_cast<unsigned>(across ? grid.width : grid.height));
     const int door = static_cast<int>(bits() % static_cast<unsigned>(along + along / 2));
     for (int u = 0; u < along; ++u) {
-      if (std::abs(u - door) > 4) grid.data[grid.index(across ? map::Cell{at, u} : map::Cell{u, at})] = OccupancyGrid::kOccupied;
+      if (std::abs(u - door) > 4)
+        grid.data[grid.index(across ? map::Cell{at, u} : map::Cell{u, at})] = OccupancyGrid::kOccupied;
     }
   }
   return grid;
