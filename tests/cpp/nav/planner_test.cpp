@@ -208,7 +208,7 @@ TEST_CASE("a straightened path costs what the cells do or less, keeps its ends a
     CHECK(straight.front() == cells.front());
     CHECK(straight.back() == cells.back());
     CHECK(straight.size() <= cells.size());
-    CHECK(path_cost(costmap, straight) <= 1.01 * path_cost(costmap, cells));  // both are sampled
+    CHECK(path_cost(costmap, straight) <= 1.02 * path_cost(costmap, cells));  // both are sampled
     CHECK(path_length(straight) <= path_length(cells) + 1e-6);
   }
   CHECK(paths > 300);
