@@ -82,7 +82,7 @@ void BM_frontiers(benchmark::State& state) {
 }
 BENCHMARK(BM_frontiers)->Unit(benchmark::kMicrosecond);
 
-// What Dijkstra's search finds over a dense neighbourhood: straight lines to every cell within 3 cells, 32 directions,
+// What Dijkstra's search finds over a dense neighbourhood: straight lines to every cell within 4 cells, 48 directions,
 // each costing the weights under it, exactly. An admissible heuristic (A*) spares it most of the map and changes no
 // cost.
 double dense_cost(const map::Costmap& costmap, map::Cell start, map::Cell goal) {
@@ -93,8 +93,8 @@ double dense_cost(const map::Costmap& costmap, map::Cell start, map::Cell goal) 
   static const std::vector<Line> lines = [] {
     constexpr int kPieces = 20'000;
     std::vector<Line> all;
-    for (int y = -3; y <= 3; ++y) {
-      for (int x = -3; x <= 3; ++x) {
+    for (int y = -4; y <= 4; ++y) {
+      for (int x = -4; x <= 4; ++x) {
         if (std::gcd(x, y) != 1) continue;
         Line line{{x, y}, {}};
         const double piece = std::hypot(x, y) / kPieces;
