@@ -142,7 +142,7 @@ class PoseGraph::Normal {
     }
     find_order(constraints, fixed);
     lay_out(constraints);
-    ldlt_.analyzePattern(h_);
+    if (free_ > 0) ldlt_.analyzePattern(h_);
   }
 
   const std::vector<char>& strong() const { return strong_; }
@@ -152,7 +152,9 @@ class PoseGraph::Normal {
   double linearize(std::span<const Constraint> constraints, const std::vector<Pose2D>& poses);
   // The step that they lead to when their diagonal counts (1 + damping) times.
   Eigen::VectorXd step(double damping);
-  void factorize() { ldlt_.factorize(h_); }
+  void factorize() {
+    if (free_ > 0) ldlt_.factorize(h_);
+  }
   // The three numbers of a node within a step; zero for a fixed one.
   Vector3d of(const Eigen::VectorXd& step, std::size_t node) const {
     return place_[node] < 0 ? Vector3d::Zero() : Vector3d(step.segment<3>(3 * place_[node]));
@@ -225,6 +227,7 @@ void PoseGraph::Normal::lay_out(std::span<const Constraint> constraints) {
     slot_.push_back(low >= 0 ? find(low, rows[static_cast<std::size_t>(high)]) : -1);
   }
 
+  if (free_ == 0) return;  // Eigen's matrices cannot be compressed when they are empty
   h_.resize(3 * free_, 3 * free_);
   std::vector<int> sizes;
   for (const std::vector<int>& column : rows) {
@@ -407,6 +410,7 @@ void PoseGraph::update_pattern() {
 }
 
 GraphSolution PoseGraph::solve(int max_iterations) {
+  if (std::ranges::find(fixed_, 0) == fixed_.end()) solved_ = true;  // nothing can move
   if (solved_) return {true, 0, cost_of(constraints_, poses_)};
   update_pattern();
   GraphSolution solution;

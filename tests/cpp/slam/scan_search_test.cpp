@@ -200,7 +200,7 @@ TEST_CASE("a scan is found anywhere in its scene, with any heading") {
 
 TEST_CASE("a place that looks like another is told by the score elsewhere") {
   // two rooms alike, 8 m apart
-  OccupancyGrid grid{260, 80, 0.05, {-1, -1}, std::vector<std::int8_t>(260 * 80, 0)};
+  OccupancyGrid grid{260, 80, 0.05, {-1, -1}, std::vector<std::int8_t>(20800, 0)};
   for (const int left : {10, 170}) {
     for (int i = 0; i < 60; ++i) {
       for (const map::Cell c :
@@ -244,7 +244,7 @@ TEST_CASE("every set of vector instructions finds the same") {
 }
 
 TEST_CASE("a scan of more hits than one sum of 16 bits holds scores what each hit does") {
-  OccupancyGrid grid{100, 100, 0.05, {0, 0}, std::vector<std::int8_t>(100 * 100, 100)};
+  OccupancyGrid grid{100, 100, 0.05, {0, 0}, std::vector<std::int8_t>(10000, 100)};
   std::vector<Beam> scan;
   for (int i = 0; i < 2000; ++i) {
     scan.push_back({{2.5 + (i % 2 == 0 ? 0.1 : -0.1), 2.5}, {1, 0}, 0.0, true});
