@@ -13,7 +13,7 @@ inline constexpr int kSide = 33;
 inline constexpr int kRim = 2;
 inline constexpr int kRow = kSide + 2 * kRim;
 inline constexpr int kCells = kRow * kRow;
-inline constexpr int place(int x, int y) { return (y + kRim) * kRow + x + kRim; }
+constexpr int place(int x, int y) { return (y + kRim) * kRow + x + kRim; }
 
 /// The weight of what cannot be entered, and the cost of what cannot be reached: one step into the former.
 inline constexpr std::int32_t kWall = 1 << 20;

@@ -17,8 +17,8 @@ std::vector<std::filesystem::path> asset_directories();
 void add_asset_directory(const std::filesystem::path& directory);
 
 /// The file of an asset: `kind` is "scenes", "objects", "robots", "localization", "randomization" or "surveys"; `name`
-/// is a name or a path that ends in .yaml. Throws ConfigError naming the nearest right name, or both files where two folders have
-/// one of this name: what a name means must not depend on the order of folders.
+/// is a name or a path that ends in .yaml. Throws ConfigError naming the nearest right name, or both files where two
+/// folders have one of this name: what a name means must not depend on the order of folders.
 std::filesystem::path find_asset(std::string_view kind, std::string_view name);
 /// The names of all assets of a kind, sorted.
 std::vector<std::string> asset_names(std::string_view kind);
