@@ -35,7 +35,7 @@ EXPERIMENTS = [
             mapped,
             {"survey": survey},
             cases=10,
-            sample=1,
+            sample=0,  # loops are not closed yet
             rows=[
                 worst_of("mean error of relations [m]", lambda case: case["translation"], at_most=bound),
                 worst_of("mean error of relations [deg]", lambda case: case["rotation"], at_most=0.5),
