@@ -4,9 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import sys
-from contextlib import suppress
 from pathlib import Path
-from threading import Event
 from typing import Annotated, NoReturn
 
 import typer
@@ -15,6 +13,7 @@ from rich.markup import escape
 from rich.table import Column, Table
 
 import threewe
+from threewe import driving
 from threewe.slam import cli as slam
 
 app = typer.Typer(
@@ -23,6 +22,8 @@ app = typer.Typer(
 scenes = typer.Typer(help="Scenes: those that come with 3we, your own, and new ones.", no_args_is_help=True)
 app.add_typer(scenes, name="scenes")
 app.add_typer(slam.app, name="slam")
+for command in (driving.drive, driving.explore, driving.view):
+    app.command()(command)
 
 console = Console()
 complaints = Console(stderr=True)
@@ -71,41 +72,6 @@ def demo(
     )
     if not summary.arrived:
         raise typer.Exit(1)
-
-
-@app.command()
-def view(
-    scene: Annotated[str, typer.Argument(help="Its name, or a file that ends in .yaml.")] = "office_v2",
-    hardware: Annotated[str, typer.Option(help="Which robot.")] = "3we_standard_v2",
-    seed: Annotated[int, typer.Option(help="Of all noise.")] = 0,
-    seconds: Annotated[float, typer.Option(help="Of robot time, at most.")] = 600.0,
-    realtime: Annotated[bool, typer.Option("--realtime", help="As slowly as a real robot.")] = False,
-    save: Annotated[Path | None, typer.Option(metavar="FILE.rrd", help="Record instead of opening a window.")] = None,
-    serve: Annotated[bool, typer.Option("--serve", help="To browsers, instead of opening a window.")] = False,
-) -> None:
-    """Watch a robot explore a scene, in the Rerun viewer."""
-    if save is not None and serve:
-        raise threewe.ConfigError("--save records, --serve serves browsers: choose one")
-    if save is not None and save.suffix != ".rrd":
-        raise threewe.ConfigError(f"the name of a recording ends in .rrd, not '{save.suffix}'")
-    viewer = str(save) if save else "web" if serve else "rerun"
-    robot = threewe.Robot(scene=scene, hardware=hardware, seed=seed, realtime=realtime, viewer=viewer)
-
-    async def explore() -> threewe.ExploreResult:
-        async with robot:
-            with console.status("exploring") as status:
-                return await robot.explore(
-                    timeout=seconds, on_progress=lambda _: status.update(f"exploring, {robot.now:.0f} robot s")
-                )
-
-    result = asyncio.run(explore())
-    console.print(f"{result.reason.name}: {result.explored_area:.0f} m2 explored in {result.duration:.0f} robot s")
-    if save is not None:
-        console.print(f"recorded to [bold]{save}[/]; open it with: rerun {save}", soft_wrap=True)
-    if serve:
-        with suppress(KeyboardInterrupt):
-            console.print("serving until Ctrl-C")
-            Event().wait()
 
 
 @scenes.command("list")

@@ -25,7 +25,7 @@ def test_version() -> None:
 
 def test_help_names_every_command() -> None:
     text = run("--help").stdout
-    for command in ("demo", "view", "scenes", "doctor", "version"):
+    for command in ("demo", "drive", "explore", "view", "scenes", "doctor", "version"):
         assert command in text
 
 
@@ -104,6 +104,39 @@ def test_a_mistyped_room_of_the_demo_costs_no_drive(tmp_path: Path) -> None:
     done = run("demo", "--place", "kitchn", "-o", str(tmp_path / "demo"))
     assert done.returncode == 2
     assert "did you mean 'kitchen'?" in done.stderr.replace("\n", " ")
+
+
+def test_a_drive_and_an_exploration_say_how_they_ended() -> None:
+    done = run("drive", "--to", "2", "1", "--heading", "90")
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.startswith("reached: ")
+    done = run("explore", "--scene", "corridor_v1", "--seconds", "5")
+    assert done.returncode == 0, done.stderr
+    assert "timeout, after 5.00 s: " in done.stdout
+
+
+def test_a_drive_that_fails_says_why() -> None:
+    done = run("drive", "--to", "2", "1", "--seconds", "1")
+    assert done.returncode == 1
+    assert done.stdout.startswith("timeout, after 1.00 s: ")
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["drive", "--to", "nan", "1"], "goal x"),
+        (["drive", "--to", "1"], "'--to' requires 2 arguments"),
+        (["drive", "--to", "1", "1", "--scene", "ofice_v2"], "did you mean 'office_v2'?"),
+        (["explore", "--hardware", "3we_base_v2"], "lidar"),
+        (["explore", "--save", "a.rrd", "--serve"], "choose one"),
+        (["explore", "--save", "a.txt"], "ends in .rrd"),
+    ],
+)
+def test_what_cannot_be_driven_is_one_line(arguments: list[str], message: str) -> None:
+    done = run(*arguments)
+    assert done.returncode == 2
+    assert message in done.stderr.replace("\n", "")
+    assert "Traceback" not in done.stderr
 
 
 def test_square_brackets_are_not_lost(tmp_path: Path) -> None:

@@ -1,0 +1,147 @@
+"""The commands that drive a robot while one looks on: `threewe drive`, `threewe explore` and `threewe view`."""
+
+from __future__ import annotations
+
+import asyncio
+import math
+from collections.abc import Awaitable, Callable
+from contextlib import suppress
+from dataclasses import dataclass
+from pathlib import Path
+from threading import Event
+from typing import Annotated, TypeVar
+
+import typer
+from rich.console import Console
+from rich.markup import escape
+
+import threewe
+from threewe.terminal import Dashboard
+
+console = Console()
+
+Result = TypeVar("Result", threewe.MoveResult, threewe.ExploreResult)
+
+SceneName = Annotated[str, typer.Option("--scene", help="Its name, or a file that ends in .yaml.")]
+Backend = Annotated[str, typer.Option(help="Where the robot is.")]
+Hardware = Annotated[str, typer.Option(help="Which robot.")]
+Seed = Annotated[int, typer.Option(min=0, max=2**64 - 1, help="Of all noise.")]
+Seconds = Annotated[float | None, typer.Option(help="Of robot time, at most.")]
+Realtime = Annotated[bool, typer.Option("--realtime", help="As slowly as a real robot.")]
+Rerun = Annotated[bool, typer.Option("--rerun", help="Show it in the Rerun viewer, too.")]
+Save = Annotated[Path | None, typer.Option(metavar="FILE.rrd", help="Record it for the Rerun viewer.")]
+Serve = Annotated[bool, typer.Option("--serve", help="Serve the Rerun viewer to browsers.")]
+
+
+def drive(
+    to: Annotated[tuple[float, float], typer.Option(help="Where to, in metres from where the robot starts.")],
+    heading: Annotated[float | None, typer.Option(help="To turn to in the end, in degrees.")] = None,
+    scene: SceneName = "office_v2",
+    backend: Backend = "mock",
+    hardware: Hardware = "3we_standard_v2",
+    seed: Seed = 0,
+    seconds: Seconds = None,
+    realtime: Realtime = False,
+    rerun: Rerun = False,
+    save: Save = None,
+    serve: Serve = False,
+) -> None:
+    """Drive to a place, through a scene that the robot has never seen."""
+    audience = Audience(rerun, save, serve)
+    robot = threewe.Robot(backend, hardware, scene, seed=seed, realtime=realtime, viewer=audience.viewer)
+    theta = None if heading is None else math.radians(heading)
+    task = f"driving to ({to[0]:g}, {to[1]:g})"
+    result = watch(robot, task, to, lambda look: robot.move_to(*to, theta, timeout=seconds, on_progress=look))
+    tell(result, f"{result.distance_to_goal:.2f} m from the goal by its own belief")
+    audience.leave()
+    if not result.success:
+        raise typer.Exit(1)
+
+
+def explore(
+    scene: SceneName = "office_v2",
+    backend: Backend = "mock",
+    hardware: Hardware = "3we_standard_v2",
+    seed: Seed = 0,
+    seconds: Seconds = None,
+    realtime: Realtime = False,
+    rerun: Rerun = False,
+    save: Save = None,
+    serve: Serve = False,
+) -> None:
+    """Map a scene that the robot has never seen."""
+    audience = Audience(rerun, save, serve)
+    robot = threewe.Robot(backend, hardware, scene, seed=seed, realtime=realtime, viewer=audience.viewer)
+    task = f"exploring {scene}"
+    result = watch(robot, task, None, lambda look: robot.explore(timeout=seconds, on_progress=look))
+    tell(result, f"{result.explored_area:.0f} m² explored")
+    audience.leave()
+    if result.reason not in (threewe.Reason.reached, threewe.Reason.timeout):
+        raise typer.Exit(1)
+
+
+def view(
+    scene: Annotated[str, typer.Argument(help="Its name, or a file that ends in .yaml.")] = "office_v2",
+    backend: Backend = "mock",
+    hardware: Hardware = "3we_standard_v2",
+    seed: Seed = 0,
+    seconds: Seconds = None,
+    realtime: Realtime = False,
+    save: Save = None,
+    serve: Serve = False,
+) -> None:
+    """Watch a robot explore a scene, in the Rerun viewer."""
+    explore(scene, backend, hardware, seed, seconds, realtime, not save and not serve, save, serve)
+
+
+@dataclass
+class Audience:
+    """Who looks on, beside the terminal."""
+
+    rerun: bool
+    save: Path | None
+    serve: bool
+
+    @property
+    def viewer(self) -> str | None:
+        """As `Robot` takes it. Raises ConfigError where more than one is chosen."""
+        chosen = [self.rerun, self.save is not None, self.serve]
+        if sum(chosen) > 1:
+            raise threewe.ConfigError("--rerun opens a window, --save records, --serve serves browsers: choose one")
+        if self.save is not None and self.save.suffix != ".rrd":
+            raise threewe.ConfigError(f"the name of a recording ends in .rrd, not '{self.save.suffix}'")
+        return str(self.save) if self.save else "web" if self.serve else "rerun" if self.rerun else None
+
+    def leave(self) -> None:
+        """Says where the recording is; browsers are served until Ctrl-C."""
+        if self.save is not None:
+            name = escape(str(self.save))
+            console.print(f"recorded to [bold]{name}[/]; open it with: rerun {name}", soft_wrap=True)
+        if self.serve:
+            with suppress(KeyboardInterrupt):
+                console.print("serving until Ctrl-C")
+                Event().wait()
+
+
+def watch(
+    robot: threewe.Robot,
+    task: str,
+    goal: tuple[float, float] | None,
+    motion: Callable[[Dashboard], Awaitable[Result]],
+) -> Result:
+    """Connects, and lets a motion run to its end, drawn in the terminal."""
+
+    async def run() -> Result:
+        async with robot:
+            with Dashboard(robot, console, task, goal) as dashboard:
+                return await motion(dashboard)
+
+    return asyncio.run(run())
+
+
+def tell(result: threewe.MoveResult | threewe.ExploreResult, figures: str) -> None:
+    """How it ended."""
+    color = "green" if result.success else "yellow"
+    why = f", {escape(result.detail)}" if result.detail else ""
+    driven = f"{result.distance:.1f} m driven in {result.duration:.0f} robot s"
+    console.print(f"[bold {color}]{result.reason.name}[/]{why}: {driven}, {figures}", soft_wrap=True)
