@@ -101,6 +101,27 @@ def worst_of(name: str, value: Callable[[Case], float], **target: float) -> Row:
     return _figure(name, value, min if "at_least" in target else max, "worst", target)
 
 
+def ratio_of(name: str, value: Callable[[Case], float], reference: Callable[[Case], float], *, at_least: float) -> Row:
+    """The mean over the cases, as a share of the mean of a reference in the same cases, with its 95 % interval."""
+
+    def judge(cases: list[Case], sample: bool) -> Verdict:
+        failures = sum("error" in case for case in cases)
+        wanted = f">= {at_least:g}"
+        if failures:
+            return Verdict(f"{failures} of {len(cases)} cases broke", wanted, "FAIL")
+        values, references = [value(case) for case in cases], [reference(case) for case in cases]
+        mean, of = statistics.fmean(values), statistics.fmean(references)
+        ratio = mean / of
+        misfits = [v - ratio * r for v, r in zip(values, references, strict=True)]
+        spread = 1.96 * statistics.pstdev(misfits) / (of * math.sqrt(len(cases)))
+        low, high = ratio - spread, ratio + spread
+        holds = (high if sample else ratio) >= at_least
+        figure = f"mean {mean:.3f} of {of:.3f} = {ratio:.3f}"
+        return Verdict(figure, wanted, "pass" if holds else "FAIL", f"[{low:.3f}, {high:.3f}]")
+
+    return Row(name, judge)
+
+
 def _figure(
     name: str,
     value: Callable[[Case], float],

@@ -14,4 +14,5 @@ NB_MODULE(_core, m) {
   init_plugin(m);
   init_robot(m);
   init_env(m);
+  init_benchmark(m);
 }

@@ -1831,3 +1831,55 @@ class RobotEnv:
     def episode(self, env: int) -> EpisodeInfo: ...
 
     def top_view(self, env: int) -> TopView: ...
+
+class ReferenceDrive:
+    """A drive as it could have been."""
+
+    @property
+    def reached(self) -> bool: ...
+
+    @property
+    def length(self) -> float:
+        """[m]"""
+
+    @property
+    def duration(self) -> float:
+        """[s] at the speed limit"""
+
+    def __repr__(self) -> str: ...
+
+class ReferenceExploration:
+    """An exploration as it could have been."""
+
+    @property
+    def coverage(self) -> float:
+        """the share, 0 to 1, of what can be reached"""
+
+    @property
+    def length(self) -> float:
+        """[m]"""
+
+    @property
+    def duration(self) -> float:
+        """[s] at the speed limit, until no frontier is left"""
+
+    def __repr__(self) -> str: ...
+
+def spl(success: bool, shortest: float, driven: float) -> float:
+    """
+    Success weighted by path length (Anderson et al. 2018): 0 for a failure, else the shortest length over the
+    one driven, at most 1. Lengths in [m].
+    """
+
+def optimist(tables: SceneTables, profile: RobotProfile, start: Pose2D, goal: tuple[float, float]) -> ReferenceDrive:
+    """
+    A drive in a place of which nothing is known at first, as no robot can expect to beat it: with a perfect
+    pose and a lidar without noise, along shortest paths for the inscribed radius through all that is not known
+    to be an obstacle. `start` and `goal` (x, y) in the scene's frame. Raises HardwareError without a lidar.
+    """
+
+def nearest_frontier(tables: SceneTables, profile: RobotProfile, start: Pose2D) -> ReferenceExploration:
+    """
+    An exploration to the nearest frontier (Yamauchi 1997), again and again until none can be reached: with a
+    perfect pose and a lidar without noise, along shortest paths. Raises HardwareError without a lidar.
+    """

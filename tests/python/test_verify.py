@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from verify.cases.localization import ROOT, Track, fit, imitation
-from verify.harness import all_of, share_of, wilson
+from verify.harness import all_of, ratio_of, share_of, wilson
 
 
 def test_wilson_is_exact_at_its_ends() -> None:
@@ -38,6 +38,27 @@ def test_a_miss_fails_a_claim_about_all_even_in_a_sample() -> None:
 def test_a_broken_case_counts_as_a_miss() -> None:
     cases = [{"right": True}, {"error": "boom"}]
     assert all_of("all", lambda case: case["right"]).judge(cases, True).status == "FAIL"
+
+
+def test_a_ratio_of_means_has_the_interval_that_repeated_draws_have() -> None:
+    draw = np.random.default_rng(5)
+    row = ratio_of("ratio", lambda case: case["ours"], lambda case: case["theirs"], at_least=0.9)
+
+    def cases() -> list[dict[str, float]]:
+        theirs = draw.uniform(0.6, 1.0, 200)
+        ours = theirs * draw.uniform(0.8, 1.0, 200)
+        return [{"ours": a, "theirs": b} for a, b in zip(ours, theirs, strict=True)]
+
+    verdicts = [row.judge(cases(), False) for _ in range(300)]
+    ratios = np.array([float(verdict.figure.rpartition(" ")[2]) for verdict in verdicts])
+    widths = [np.diff([float(end) for end in verdict.interval[1:-1].split(",")])[0] for verdict in verdicts]
+    assert np.mean(widths) == pytest.approx(2 * 1.96 * np.std(ratios), rel=0.15)
+    for verdict, ratio in zip(verdicts, ratios, strict=True):
+        assert ratio == 0.9 or (verdict.status == "pass") == (ratio > 0.9)
+    modest = ratio_of("ratio", lambda case: case["ours"], lambda case: case["theirs"], at_least=0.905)
+    samples = [modest.judge(cases(), True).status for _ in range(50)]
+    assert samples.count("pass") > 25, "a sample fails only when it contradicts the claim"
+    assert row.judge([*cases(), {"error": "boom"}], False).status == "FAIL"
 
 
 def test_the_fit_finds_the_model_that_made_the_errors() -> None:

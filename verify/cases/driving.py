@@ -6,14 +6,17 @@ import random
 from typing import Any
 
 from threewe import CoverageMeter, Pose2D, Robot, RobotProfile, Scene, SceneTables, TickView
+from threewe.benchmark import nearest_frontier, optimist, spl
 
 TOLERANCE = 0.1  # [m] of drives in vain
 
 
 def drive(seed: int, scene: str, hardware: str) -> dict[str, Any]:
     """From a sampled start to a sampled goal, in a place that the robot has never seen."""
-    tables = SceneTables(Scene.load(scene), RobotProfile.load(hardware))
+    profile = RobotProfile.load(hardware)
+    tables = SceneTables(Scene.load(scene), profile)
     episode = tables.sample_episode(seed, 0)
+    best = optimist(tables, profile, episode.start, episode.goal) if profile.lidar else None
     goal = episode.start.inverse() * Pose2D(*episode.goal, 0.0)
 
     async def run() -> dict[str, Any]:
@@ -24,13 +27,18 @@ def drive(seed: int, scene: str, hardware: str) -> dict[str, Any]:
             await robot.sleep(0.5)
             pose = truth.true_pose()
             believed = episode.start * robot.get_pose()
+            true_distance = math.hypot(pose.x - episode.goal[0], pose.y - episode.goal[1])
+            success = result.reason.name == "reached" and true_distance <= 0.25
             return {
                 "reason": result.reason.name,
                 "detail": result.detail,
                 "seconds": result.duration,
                 "geodesic": episode.geodesic,
                 "driven": truth.distance_driven(),
-                "true_distance": math.hypot(pose.x - episode.goal[0], pose.y - episode.goal[1]),
+                "spl": spl(success, episode.geodesic, truth.distance_driven()),
+                "optimist_spl": spl(best.reached, episode.geodesic, best.length) if best else None,
+                "optimist_seconds": best.duration if best else None,
+                "true_distance": true_distance,
                 "localisation_error": math.hypot(pose.x - believed.x, pose.y - believed.y),
                 "contact_speed": truth.max_collision_speed(),
             }
@@ -78,11 +86,15 @@ def unreachable_place(tables: SceneTables, scene: Scene, start: Pose2D, seed: in
             return x, y
 
 
-def explore(seed: int, scene: str, seconds: float) -> dict[str, Any]:
-    """Explores from the scene's start, for so many robot seconds."""
+def explore(seed: int, scene: str) -> dict[str, Any]:
+    """Explores from a sampled start, for half as long again as nearest-frontier takes with a perfect pose."""
+    profile = RobotProfile.load("3we_standard_v2")
+    tables = SceneTables(Scene.load(scene), profile)
+    start = tables.sample_free_pose(seed)
+    reference = nearest_frontier(tables, profile, start)
 
     async def run() -> dict[str, Any]:
-        async with Robot(scene=scene, seed=seed) as robot:
+        async with Robot(scene=scene, seed=seed, start_pose=start) as robot:
             truth = robot.simulation
             assert truth is not None
             meter = CoverageMeter(truth)
@@ -92,13 +104,16 @@ def explore(seed: int, scene: str, seconds: float) -> dict[str, Any]:
                     meter.observe(truth.true_pose())
 
             robot.observe(look)
-            result = await robot.explore(timeout=seconds)
+            result = await robot.explore(timeout=1.5 * reference.duration)
             return {
                 "reason": result.reason.name,
+                "detail": result.detail,
                 "seconds": result.duration,
                 "coverage": meter.coverage(robot.get_map()),
                 "driven": truth.distance_driven(),
                 "contact_speed": truth.max_collision_speed(),
+                "reference_seconds": reference.duration,
+                "reference_coverage": reference.coverage,
             }
 
     return asyncio.run(run())
