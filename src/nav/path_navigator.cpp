@@ -20,11 +20,9 @@ constexpr Duration kShortestPeriod = 200ms;
 constexpr Duration kStuckAfter = 2500ms;  // without having moved ...
 constexpr double kMoved = 0.06;           // [m] ... or turned by kMovedTurn
 constexpr double kMovedTurn = 0.3;        // [rad]
-constexpr int kMaxRecoveries = 8;         // recoveries in a row before the motion is given up
-constexpr Duration kRecovery = 1500ms;    // how long to back off
 constexpr Duration kProof = 2500ms;       // for so long no plan may exist before it is believed
-constexpr Duration kLostPatience = 5s;
-constexpr Duration kMapPatience = 1s;  // how long to wait for a first scan
+constexpr Duration kLostPatience = 5s;    // after having looked round
+constexpr Duration kMapPatience = 1s;     // how long to wait for a first scan
 
 map::Costmap::Settings costmap_settings(const RobotProfile& profile) {
   // robots move along x, so that half their width passes where they pass
@@ -33,7 +31,8 @@ map::Costmap::Settings costmap_settings(const RobotProfile& profile) {
   const double spare = profile.lidar ? 0.01 : 0.04;  // echoes are less exact
   map::Costmap::Settings s;
   s.lethal_radius = std::max(profile.body.footprint.inscribed_radius(), half_width) + spare;
-  s.caution_radius = s.lethal_radius + 0.35;
+  s.caution_radius = s.lethal_radius + 0.25;
+  s.near_weight = 16;
   return s;
 }
 
@@ -52,6 +51,7 @@ double sweep_aside(Duration since) {
 PathNavigator::PathNavigator(const RobotProfile& profile)
     : route_(costmap_settings(profile), profile.body.footprint.circumscribed_radius()),
       tracker_(profile),
+      recovery_(profile.kinematics(), !profile.lidar),
       has_lidar_(profile.lidar.has_value()) {}
 
 void PathNavigator::start(const Goal& goal, const Observation& seen) {
@@ -61,26 +61,24 @@ void PathNavigator::start(const Goal& goal, const Observation& seen) {
   progress_.pose = seen.pose.map_from_base();
   motion_ = {};
   motion_.start = motion_.last_moved = progress_.pose;
-  motion_.started = motion_.last_moved_at = motion_.recovering_until = motion_.tight_until = seen.now;
+  motion_.started = motion_.last_moved_at = motion_.tight_until = seen.now;
   tracker_.forget_turn();
+  recovery_.reset();
 
   const auto* move = std::get_if<MoveTo>(&goal);
   const auto* follow = std::get_if<FollowPath>(&goal);
   route_.begin(move ? std::vector{move->goal} : follow ? follow->path : std::vector<Vec2>{}, follow != nullptr);
 }
 
-// One period: note what is seen, keep still without a map or a place in it, else drive.
+// One period: note what is seen, keep still without a map, look round without a place in it, else drive.
 Decision PathNavigator::step(const Observation& seen) {
   note(seen);
   if (has_lidar_ && seen.map_version == 0) {
     return now_ - motion_.started < kMapPatience ? Decision{} : finish(Reason::fault, "no scan has arrived");
   }
-  if (seen.pose.lost) {
-    if (!motion_.lost) motion_.lost_since = now_;
-    motion_.lost = true;
-    return now_ - motion_.lost_since > kLostPatience ? finish(Reason::lost) : Decision{};
-  }
-  motion_.lost = false;
+  if (seen.pose.lost || motion_.lost) return find_itself(seen);
+  if (recovery_.active()) return recover();
+  recovery_.remember(odom_from_base_);
   return std::visit([&](const auto& goal) { return drive(goal, seen); }, goal_);
 }
 
@@ -89,15 +87,16 @@ void PathNavigator::note(const Observation& seen) {
   progress_.distance_driven += distance(pose.position(), progress_.pose.position());
   motion_.turned += wrap_angle(pose.theta - progress_.pose.theta);
   progress_.pose = pose;
+  odom_from_base_ = seen.pose.odom_from_base;
   now_ = seen.now;
 
-  const Pose2D base_from_odom = inverse(seen.pose.odom_from_base);
+  const Pose2D base_from_odom = inverse(odom_from_base_);
   const auto [s, c] = exact::sincos(base_from_odom.theta);
   in_base_.clear();
   for (const Vec2 p : seen.obstacles) {
     in_base_.push_back({base_from_odom.x + c * p.x - s * p.y, base_from_odom.y + s * p.x + c * p.y});
   }
-  tracker_.see(in_base_, now_ < motion_.tight_until ? 0.0 : kSpare);
+  tracker_.see(in_base_, recovery_.active() || now_ < motion_.tight_until ? 0.0 : kSpare);
   if (!has_lidar_) tracker_.look_aside(sweep_aside(now_ - motion_.started));
 }
 
@@ -143,8 +142,7 @@ Decision PathNavigator::drive(const FollowPath& goal, const Observation& seen) {
 
 // From frontier to frontier, until for some time none has been left.
 Decision PathNavigator::drive(const Explore&, const Observation& seen) {
-  if (now_ < motion_.recovering_until) return {tracker_.safe(motion_.recovery)};
-  if (stuck()) return recover();
+  if (stuck()) return get_unstuck();
 
   constexpr double kNear = 0.25;  // [m] from a frontier more is seen than from afar
   const bool near = route_.has_path() && distance(progress_.pose.position(), route_.path().back()) < kNear;
@@ -164,8 +162,7 @@ Decision PathNavigator::travel(const Observation& seen, Vec2 goal, double tolera
   const bool at_end = route_.has_path() && distance(here, route_.path().back()) <= kArrived;
   if (left <= tolerance - kWithin && route_.gap() > 0.0 && at_end) return finish(Reason::reached);
 
-  if (now_ < motion_.recovering_until) return {tracker_.safe(motion_.recovery)};
-  if (stuck()) return left <= tolerance - kStuckWithin ? finish(Reason::reached) : recover();
+  if (stuck()) return left <= tolerance - kStuckWithin ? finish(Reason::reached) : get_unstuck();
   if (route_.is_stale(seen, kReplanPeriod)) {
     const bool impossible = !route_.plan_to_goal(seen, tolerance);
     if (proven(impossible)) return finish(Reason::no_path, "everything within reach was searched");
@@ -210,26 +207,40 @@ bool PathNavigator::stuck() {
   return tracker_.trapped() || now_ - motion_.last_moved_at > kStuckAfter;
 }
 
-// Backs off in the direction with most room, then plans another way; gives up after a few times in the same place.
-Decision PathNavigator::recover() {
-  constexpr double kSamePlace = 0.5;  // [m]
-  if (distance(progress_.pose.position(), motion_.recovered_at) > kSamePlace) motion_.recoveries = 0;
-  motion_.recovered_at = progress_.pose.position();
-  if (++motion_.recoveries > kMaxRecoveries) return finish(Reason::blocked, "recoveries did not help");
-
-  // not the same way again nor, after a second failure, to explore the same place; a blocked turn blames no place
+// Not the same way again nor, after a second failure, to explore the same place; a blocked turn blames no place.
+Decision PathNavigator::get_unstuck() {
+  recovery_.begin(now_, odom_from_base_, progress_.pose.position());
+  if (recovery_.state() == Recovery::State::given_up) return finish(Reason::blocked, recovery_.reason());
   const bool exploring = std::holds_alternative<Explore>(goal_);
-  if (!tracker_.trapped() && route_.avoid_ahead(exploring && motion_.recoveries >= 2)) motion_.recoveries = 0;
+  const bool end_too = exploring && recovery_.attempts() >= 2;
+  if (!tracker_.trapped() && route_.avoid_ahead(end_too)) recovery_.forget_attempts();
   route_.drop();
-
-  mark_moved();
-  motion_.last_moved_at = now_ + kRecovery;  // stuck for as long again before the next recovery
-  motion_.recovering_until = now_ + kRecovery;
-  motion_.tight_until = now_ + kRecovery + kTightFor;
-  tracker_.see(in_base_, 0.0);
   tracker_.forget_turn();
-  motion_.recovery = tracker_.most_room();
-  return {motion_.recovery};
+  return {};
+}
+
+Decision PathNavigator::recover() {
+  const Velocity velocity = recovery_.step(now_, odom_from_base_, tracker_);
+  if (recovery_.state() != Recovery::State::replanning) return {velocity};
+  recovery_.end();
+  mark_moved();
+  motion_.tight_until = now_ + kTightFor;
+  return {};
+}
+
+// Turns round itself to look; what has been recognised until some time after that, or has not, decides.
+Decision PathNavigator::find_itself(const Observation& seen) {
+  if (!motion_.lost) recovery_.look_round(now_, odom_from_base_);
+  motion_.lost = seen.pose.lost;
+  if (!seen.pose.lost) {
+    recovery_.end();
+    route_.drop();
+    return wait();
+  }
+  if (recovery_.state() == Recovery::State::replanning) recovery_.end(), motion_.looked_round = now_;
+  if (recovery_.active()) return {recovery_.step(now_, odom_from_base_, tracker_)};
+  if (now_ - motion_.looked_round <= kLostPatience) return wait();
+  return finish(Reason::lost, "nothing around is where the map has it");
 }
 
 }  // namespace threewe::nav

@@ -6,6 +6,7 @@
 #include <string_view>
 #include <vector>
 
+#include "nav/recovery.hpp"
 #include "nav/route.hpp"
 #include "threewe/hardware/profile.hpp"
 #include "threewe/nav/navigator.hpp"
@@ -38,7 +39,9 @@ class PathNavigator final : public Navigator {
   Decision finish(Reason reason, std::string_view detail = {});
   bool proven(bool impossible);
   bool stuck();
+  Decision get_unstuck();
   Decision recover();
+  Decision find_itself(const Observation& seen);
 
   /// What belongs to one motion.
   struct Motion {
@@ -49,23 +52,21 @@ class PathNavigator final : public Navigator {
     bool impossible = false;  // no plan has been found ...
     Time impossible_since{};
     bool lost = false;
-    Time lost_since{};
-    Pose2D last_moved;  // where and when the robot last got on
+    Time looked_round{};  // when it had, lost
+    Pose2D last_moved;    // where and when the robot last got on
     Time last_moved_at{};
-    int recoveries = 0;
-    Vec2 recovered_at;
-    Time recovering_until{};
-    Velocity recovery;
     Time tight_until{};  // a smaller margin is enough until then
   };
 
   Route route_;
   Tracker tracker_;
+  Recovery recovery_;
   bool has_lidar_;
   Goal goal_;
   Motion motion_;
   Progress progress_;
   Time now_{};
+  Pose2D odom_from_base_;
   std::vector<Vec2> in_base_;  // what the lidar sees
 };
 

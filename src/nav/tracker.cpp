@@ -68,7 +68,8 @@ void Tracker::see(std::span<const Vec2> obstacles_in_base, double spare) {
   for (const Vec2 p : obstacles_in_base) {
     if (dot(p, p) > reach_ * reach_) continue;
     near_.push_back(p);
-    least_.push_back(std::min(margin_ + spare, outline_.clearance(p) - kNotNearer));
+    const double now = outline_.clearance(p);
+    least_.push_back(std::min(margin_ + spare, now > 0.0 ? std::max(now - kNotNearer, 0.0) : now));
   }
 }
 
@@ -145,7 +146,7 @@ Velocity Tracker::face(double bearing) {
   return safe(turned(turning_));
 }
 
-Velocity Tracker::turn(double angle) {
+Velocity Tracker::turn(double angle) const {
   const double rate = std::max(0.08, turn_rate_before(std::fabs(angle)));
   return safe({0.0, 0.0, angle >= 0.0 ? rate : -rate});
 }
@@ -161,8 +162,10 @@ Velocity Tracker::straight(double distance, double offset, double heading) {
   return safe({forward, 0.0, std::clamp(omega, -0.5, 0.5)});
 }
 
+double Tracker::escape_speed() const { return kEscape * limits_.linear; }
+
 Velocity Tracker::most_room() const {
-  const double speed = kEscape * limits_.linear;
+  const double speed = escape_speed();
   std::vector<Velocity> tries = {{-speed, 0.0, 0.0}, {speed, 0.0, 0.0}};
   if (kinematics_ == Kinematics::holonomic) {
     const double diagonal = speed * exact::sqrt(0.5);

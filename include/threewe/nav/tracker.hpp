@@ -46,10 +46,12 @@ class Tracker {
   /// The velocity for following `path` (in `map`) from `pose`, to a stop at its end.
   Velocity follow(std::span<const Vec2> path, const map::Costmap& costmap, const Pose2D& pose);
   /// The velocity for turning by `angle` [rad] on the spot.
-  Velocity turn(double angle);
+  Velocity turn(double angle) const;
   /// The velocity for driving along the base's x axis by `distance` [m], off the line by `offset` [m] (positive: the
   /// line is to the left) and by `heading` [rad] (positive: the line points to the left).
   Velocity straight(double distance, double offset, double heading);
+  /// [m/s] at which to drive out of a tight place.
+  double escape_speed() const;
   /// A slow motion into the direction with most room, away from what is near.
   Velocity most_room() const;
   /// A turn on the spot was begun that is blocked both ways.

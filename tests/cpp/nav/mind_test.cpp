@@ -4,6 +4,7 @@
 #include <doctest/doctest.h>
 
 #include <cmath>
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -71,7 +72,8 @@ struct Drive {
             localizer->obstacles()};
   }
 
-  Decision run(const Goal& goal, Duration limit) {
+  // `meddle` may change what is there, and what is seen of it, before each tick.
+  Decision run(const Goal& goal, Duration limit, const std::function<void(Observation&)>& meddle = {}) {
     const Time end = world.now() + limit;
     Observation seen = see();
     navigator->start(goal, seen);
@@ -86,6 +88,7 @@ struct Drive {
       seen.pose = next.pose;
       seen.map_version = next.map_version;
       seen.obstacles = next.obstacles;
+      if (meddle) meddle(seen);
     }
     return {{}, Reason::timeout};
   }
@@ -189,6 +192,48 @@ TEST_CASE("something that appears in the way is driven around") {
   add_box(drive.world.walls(), {1.0, -0.3}, {1.3, 0.4});
   CHECK(drive.run(MoveTo{{2.4, 0.0}}, 60s).reason == Reason::reached);
   CHECK(drive.least_clearance > 0.01);
+}
+
+TEST_CASE("a door that closes for good leaves no path") {
+  for (const char* name : {"3we_standard_v2", "turtlebot_like"}) {
+    CAPTURE(name);
+    Drive drive(name, three_rooms(), 11);
+    bool closed = false;
+    const Decision end = drive.run(MoveTo{{5.0, 2.5}}, 200s, [&](Observation&) {
+      if (closed || distance(drive.world.pose().position(), {3.0, 2.5}) > 1.2) return;
+      drive.world.walls().push_back({{3, 2}, {3, 3}});
+      closed = true;
+    });
+    CHECK(closed);
+    CHECK(to_string(end.reason) == "no_path");
+    CHECK(drive.least_clearance > 0.01);
+  }
+}
+
+TEST_CASE("a lost robot turns round to look, goes on where it finds itself, and gives up where it does not") {
+  Drive drive("3we_standard_v2", three_rooms(), 12);
+  double turned = 0.0;
+  double before = 0.0;
+  Vec2 lost_at;
+  const auto lose = [&](Time from, Time to) {
+    return [&drive, &turned, &before, &lost_at, from, to](Observation& seen) {
+      if (seen.now < from) lost_at = drive.world.pose().position();
+      seen.pose.lost = seen.now >= from && seen.now < to;
+      if (seen.pose.lost) turned += wrap_angle(drive.world.pose().theta - before);
+      before = drive.world.pose().theta;
+    };
+  };
+  const Time now = drive.world.now();
+  CHECK(drive.run(MoveTo{{2.0, 0.0}}, 60s, lose(now + 2s, now + 5s)).reason == Reason::reached);
+  CHECK(turned > 1.5);
+  CHECK(distance(drive.world.pose().position(), {2.0, 0.0}) < 0.1);
+
+  turned = 0.0;
+  const Time later = drive.world.now();
+  const Decision end = drive.run(MoveTo{{0.0, 0.0}}, 60s, lose(later + 2s, later + 100s));
+  CHECK(end.reason == Reason::lost);
+  CHECK(turned == doctest::Approx(2.0 * exact::kPi).epsilon(0.1));
+  CHECK(distance(drive.world.pose().position(), lost_at) < 0.2);
 }
 
 TEST_CASE("a copy of a mind decides as the original does, to the bit") {

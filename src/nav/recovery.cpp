@@ -1,0 +1,114 @@
+#include "nav/recovery.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace threewe::nav {
+namespace {
+
+constexpr double kSamePlace = 0.5;     // [m]
+constexpr int kMostAttempts = 8;       // in one place
+constexpr Duration kClearing = 300ms;  // longer than a turn of a lidar takes to arrive
+constexpr Duration kBackingOff = 2500ms;
+constexpr double kFirstWay = 0.15;     // [m] to back off, more each time
+constexpr double kMoreEachTime = 0.1;  // [m]
+constexpr double kNoRoom = 0.03;       // [m] who cannot back off so far has no room
+constexpr int kLookFrom = 3;           // which attempt in one place is the first to look
+constexpr double kLook = 0.8;          // [rad] to both sides: sensors a quarter turn apart then hear all around
+constexpr double kLooked = 0.1;        // [rad]
+constexpr Duration kLooking = 5s;      // at most for one direction
+constexpr double kTrailSpacing = 0.03;
+constexpr double kTrailTurn = 0.1;
+constexpr std::size_t kTrailLength = 40;
+constexpr double kBarely = 0.02;  // [m/s] slower than this leads nowhere
+
+}  // namespace
+
+void Recovery::reset() { *this = Recovery(kinematics_, hard_of_seeing_); }
+
+void Recovery::remember(const Pose2D& odom_from_base) {
+  if (!trail_.empty()) {
+    const Pose2D since = inverse(trail_.back()) * odom_from_base;
+    if (norm(since.position()) < kTrailSpacing && std::fabs(since.theta) < kTrailTurn) return;
+  }
+  if (trail_.size() == kTrailLength) trail_.erase(trail_.begin());
+  trail_.push_back(odom_from_base);
+}
+
+void Recovery::begin(Time now, const Pose2D& odom_from_base, Vec2 place) {
+  if (distance(place, place_) > kSamePlace) attempts_ = 0, had_room_ = false;
+  place_ = place;
+  heading_ = odom_from_base.theta, turned_ = 0.0;
+  enter(++attempts_ > kMostAttempts ? State::given_up : State::clearing, now, odom_from_base);
+}
+
+void Recovery::look_round(Time now, const Pose2D& odom_from_base) {
+  looks_ = {0.5 * exact::kPi, exact::kPi, 1.5 * exact::kPi, 2.0 * exact::kPi};
+  heading_ = odom_from_base.theta, turned_ = 0.0;
+  enter(State::looking, now, odom_from_base);
+}
+
+std::string_view Recovery::reason() const {
+  return had_room_ ? "the way on stays blocked, whatever was tried" : "there is no room to move";
+}
+
+void Recovery::enter(State state, Time now, const Pose2D& odom_from_base) {
+  state_ = state;
+  entered_ = now;
+  entered_at_ = odom_from_base.position();
+}
+
+Velocity Recovery::step(Time now, const Pose2D& odom_from_base, const Tracker& tracker) {
+  turned_ += wrap_angle(odom_from_base.theta - heading_);
+  heading_ = odom_from_base.theta;
+  switch (state_) {
+    case State::clearing:
+      if (now - entered_ >= kClearing) enter(State::backing_off, now, odom_from_base);
+      return {};
+    case State::backing_off: return back_off(now, odom_from_base, tracker);
+    case State::looking: return look(now, odom_from_base, tracker);
+    case State::driving:
+    case State::replanning:
+    case State::given_up: return {};
+  }
+  return {};
+}
+
+// The way it came; where that is closed too, wherever there is most room.
+Velocity Recovery::back_off(Time now, const Pose2D& odom_from_base, const Tracker& tracker) {
+  const double moved = distance(odom_from_base.position(), entered_at_);
+  if (now - entered_ < kBackingOff && moved < kFirstWay + kMoreEachTime * (attempts_ - 1)) {
+    const Velocity back = tracker.safe(along_trail(odom_from_base, tracker.escape_speed()));
+    return exact::hypot(back.vx, back.vy) >= kBarely ? back : tracker.most_room();
+  }
+  had_room_ = had_room_ || moved >= kNoRoom;
+  looks_ = {turned_ + kLook, turned_ - kLook, turned_};
+  enter(hard_of_seeing_ || attempts_ >= kLookFrom ? State::looking : State::replanning, now, odom_from_base);
+  return {};
+}
+
+Velocity Recovery::along_trail(const Pose2D& odom_from_base, double speed) {
+  constexpr double kPassed = 0.05;  // [m]
+  while (!trail_.empty() && distance(trail_.back().position(), odom_from_base.position()) < kPassed) trail_.pop_back();
+  if (trail_.empty()) return {};
+
+  const Pose2D to = inverse(odom_from_base) * trail_.back();
+  const double away = norm(to.position());
+  if (kinematics_ == Kinematics::holonomic) {
+    return {speed * to.x / away, speed * to.y / away, std::clamp(to.theta, -0.5, 0.5)};
+  }
+  // along the arc that leads there (Coulter 1992, pure pursuit)
+  const double forward = to.x >= 0.0 ? speed : -speed;
+  return {forward, 0.0, std::clamp(forward * 2.0 * to.y / (away * away), -1.0, 1.0)};
+}
+
+// From one direction to the next, each as near as there is room to turn.
+Velocity Recovery::look(Time now, const Pose2D& odom_from_base, const Tracker& tracker) {
+  if (std::fabs(looks_.front() - turned_) <= kLooked || now - entered_ >= kLooking) {
+    looks_.erase(looks_.begin());
+    enter(looks_.empty() ? State::replanning : State::looking, now, odom_from_base);
+  }
+  return looks_.empty() ? Velocity{} : tracker.turn(looks_.front() - turned_);
+}
+
+}  // namespace threewe::nav

@@ -1,0 +1,70 @@
+// What a robot does that does not get on: a small state machine.
+#pragma once
+
+#include <cstdint>
+#include <string_view>
+#include <vector>
+
+#include "threewe/core/pose.hpp"
+#include "threewe/core/time.hpp"
+#include "threewe/nav/tracker.hpp"
+
+namespace threewe::nav {
+
+/// A robot that does not get on stands still until what it sees is fresh, backs off the way it came, turns to look, and
+/// plans anew; after a few times in one place it gives up and says why. A robot that is lost only turns to look.
+///
+///   driving -> clearing -> backing_off -> looking -> replanning -> driving
+///      |                        |________________________^
+///      |-> given_up
+class Recovery {
+ public:
+  enum class State : std::uint8_t { driving, clearing, backing_off, looking, replanning, given_up };
+
+  /// `hard_of_seeing`: it looks each time, for it hears in a few directions only.
+  Recovery(Kinematics kinematics, bool hard_of_seeing) : kinematics_(kinematics), hard_of_seeing_(hard_of_seeing) {}
+
+  /// Forgets everything: another motion begins.
+  void reset();
+  /// The way it came, while it drives.
+  void remember(const Pose2D& odom_from_base);
+  /// The robot does not get on in a place [m in `map`].
+  void begin(Time now, const Pose2D& odom_from_base, Vec2 place);
+  /// The robot is lost: it turns once round itself.
+  void look_round(Time now, const Pose2D& odom_from_base);
+  /// One period of what has begun.
+  Velocity step(Time now, const Pose2D& odom_from_base, const Tracker& tracker);
+  /// Drives on: the plan has been made, or the robot is lost no more.
+  void end() { state_ = State::driving; }
+
+  State state() const { return state_; }
+  bool active() const { return state_ != State::driving; }
+  /// How often it has begun in this place.
+  int attempts() const { return attempts_; }
+  /// There is another way now, so that it may try as often again.
+  void forget_attempts() { attempts_ = 0; }
+  /// Why it has given up.
+  std::string_view reason() const;
+
+ private:
+  void enter(State state, Time now, const Pose2D& odom_from_base);
+  Velocity back_off(Time now, const Pose2D& odom_from_base, const Tracker& tracker);
+  Velocity along_trail(const Pose2D& odom_from_base, double speed);
+  Velocity look(Time now, const Pose2D& odom_from_base, const Tracker& tracker);
+
+  Kinematics kinematics_;
+  bool hard_of_seeing_;
+
+  State state_ = State::driving;
+  Time entered_{};             // the state ...
+  Vec2 entered_at_;            // ... in `odom`
+  double heading_ = 0.0;       // [rad] in the period before
+  double turned_ = 0.0;        // [rad] since it began
+  std::vector<double> looks_;  // [rad] still to turn to, counted from there
+  Vec2 place_;
+  int attempts_ = 0;
+  bool had_room_ = false;      // it could back off, this time or before
+  std::vector<Pose2D> trail_;  // odom_from_base, oldest first
+};
+
+}  // namespace threewe::nav
