@@ -1,25 +1,42 @@
 // Mapping on its own, from scans and odometry.
 #include "threewe/slam/slam.hpp"
 
+#include <algorithm>
+#include <array>
+
 #include "bindings.hpp"
 
 namespace {
 
 using namespace threewe;
-using slam::Slam, slam::SlamConfig, slam::StampedPose;
+using slam::LoopClosure, slam::Slam, slam::SlamConfig, slam::StampedPose;
 
-using Numbers = nb::ndarray<nb::numpy, double, nb::shape<-1, 4>>;
+template <int Columns>
+using Rows = nb::ndarray<nb::numpy, double, nb::shape<-1, Columns>>;
 
-// A new array with a row for each pose: time, x, y, theta.
-Numbers rows_of(const std::vector<StampedPose>& poses) {
-  auto* rows = new double[4 * poses.size() + 1];
+// A new array with a row for each item; `numbers(item)` is an array of that many columns.
+template <class Item, class Numbers>
+auto rows_of(const std::vector<Item>& items, Numbers numbers) {
+  using Row = decltype(numbers(items.front()));
+  constexpr std::size_t kColumns = std::tuple_size_v<Row>;
+  auto* rows = new double[kColumns * items.size() + 1];
   const nb::capsule owner(rows, [](void* p) noexcept { delete[] static_cast<double*>(p); });
-  for (std::size_t i = 0; i < poses.size(); ++i) {
-    const Pose2D& pose = poses[i].map_from_base;
-    double* row = rows + 4 * i;
-    row[0] = to_seconds(poses[i].stamp), row[1] = pose.x, row[2] = pose.y, row[3] = pose.theta;
-  }
-  return {rows, {poses.size(), 4}, owner};
+  for (std::size_t i = 0; i < items.size(); ++i) std::ranges::copy(numbers(items[i]), rows + kColumns * i);
+  return Rows<static_cast<int>(kColumns)>(rows, {items.size(), kColumns}, owner);
+}
+
+auto rows_of(const std::vector<StampedPose>& poses) {
+  return rows_of(poses, [](const StampedPose& p) {
+    const Pose2D& pose = p.map_from_base;
+    return std::array{to_seconds(p.stamp), pose.x, pose.y, pose.theta};
+  });
+}
+
+auto rows_of(const std::vector<LoopClosure>& closures) {
+  return rows_of(closures, [](const LoopClosure& c) {
+    const Pose2D& pose = c.earlier_from_later;
+    return std::array{to_seconds(c.earlier), to_seconds(c.later), pose.x, pose.y, pose.theta};
+  });
 }
 
 }  // namespace
@@ -51,5 +68,9 @@ void init_slam(nb::module_& m) {
       .def("map", &Slam::map, WithoutGil(), "The map so far.")
       .def(
           "trajectory", [](const Slam& slam) { return rows_of(slam.trajectory()); },
-          "(N, 4) float64: time [s], x [m], y [m], heading [rad] at each scan.");
+          "(N, 4) float64: time [s], x [m], y [m], heading [rad] at each scan.")
+      .def(
+          "closures", [](const Slam& slam) { return rows_of(slam.closures()); },
+          "(N, 5) float64: earlier and later time [s], x [m], y [m], heading [rad] of the later pose seen from the "
+          "earlier one.");
 }

@@ -9,6 +9,7 @@
 namespace threewe::slam {
 
 using Matrix3 = Eigen::Matrix<double, 3, 3>;
+using Vector3 = Eigen::Matrix<double, 3, 1>;
 using Matrix4 = Eigen::Matrix<double, 4, 4>;
 using Vector4 = Eigen::Matrix<double, 4, 1>;
 using Matrix7 = Eigen::Matrix<double, 7, 7>;

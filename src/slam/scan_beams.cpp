@@ -72,4 +72,22 @@ std::vector<map::Beam> transformed(const Pose2D& a_from_b, std::vector<map::Beam
   return beams_in_b;
 }
 
+map::LogOddsMap drawn(const std::vector<std::vector<map::Beam>>& scans, const map::LogOddsMap::Settings& settings,
+                      double range_bias) {
+  Vec2 low;
+  Vec2 high;
+  for (const std::vector<map::Beam>& scan : scans) {
+    for (const map::Beam& beam : scan) {
+      for (const Vec2 p : {beam.origin, beam.origin + beam.range * beam.direction}) {
+        low = {std::min(low.x, p.x), std::min(low.y, p.y)};
+        high = {std::max(high.x, p.x), std::max(high.y, p.y)};
+      }
+    }
+  }
+  map::LogOddsMap map(settings);
+  if (!scans.empty()) map.make_room(low, high);
+  for (const std::vector<map::Beam>& scan : scans) map.insert(scan, range_bias);
+  return map;
+}
+
 }  // namespace threewe::slam

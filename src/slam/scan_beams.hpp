@@ -18,4 +18,8 @@ std::vector<map::Beam> beams_of(const LaserScan& scan, double range_max,
 /// The same beams seen from another frame.
 std::vector<map::Beam> transformed(const Pose2D& a_from_b, std::vector<map::Beam> beams_in_b);
 
+/// A map of some scans, made as large as it will be at once.
+map::LogOddsMap drawn(const std::vector<std::vector<map::Beam>>& scans, const map::LogOddsMap::Settings& settings,
+                      double range_bias);
+
 }  // namespace threewe::slam

@@ -170,9 +170,12 @@ Pose2D search_pose(const map::LogOddsMap& map, std::span<const map::Beam> beams,
   std::vector<map::Cell> hits;
   for (int turn = -headings; turn <= headings; ++turn) {
     const Pose2D turned{center.x, center.y, wrap_angle(center.theta + turn * kHeadingStep)};
+    const auto [sin, cos] = exact::sincos(turned.theta);
     hits.clear();
     for (std::size_t i = 0; i < beams.size(); i += kEvery) {
-      if (beams[i].hit) hits.push_back(grid.cell(turned * (beams[i].origin + beams[i].range * beams[i].direction)));
+      if (!beams[i].hit) continue;
+      const Vec2 hit = beams[i].origin + beams[i].range * beams[i].direction;
+      hits.push_back(grid.cell(turned.position() + Vec2{cos * hit.x - sin * hit.y, sin * hit.x + cos * hit.y}));
     }
     for (int dy = -cells; dy <= cells; ++dy) {
       for (int dx = -cells; dx <= cells; ++dx) {

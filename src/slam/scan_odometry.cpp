@@ -26,7 +26,7 @@ constexpr int kMaxMisfits = 3;            // scans in a row without agreement: w
 }  // namespace
 
 ScanOdometry::ScanOdometry(const Settings& settings)
-    : settings_(settings), track_(Calibration{}), filter_(settings.sensors) {}
+    : settings_(settings), track_(Calibration{.range_bias = settings.range_bias}), filter_(settings.sensors) {}
 
 // One scan: carry the belief to it, fit it to the last metres, let their maps grow.
 Pose2D ScanOdometry::add(Time stamp, const LaserScan& scan, const Pose2D& odom_from_base) {

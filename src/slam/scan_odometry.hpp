@@ -18,7 +18,8 @@ class ScanOdometry {
  public:
   struct Settings {
     SensorModel sensors;
-    double range_max = 0.0;  ///< [m] what is farther is left out
+    double range_max = 0.0;   ///< [m] what is farther is left out
+    double range_bias = 0.0;  ///< [m] by which all ranges are too long, as far as is known before
   };
   explicit ScanOdometry(const Settings& settings);
 
@@ -26,6 +27,8 @@ class ScanOdometry {
   /// local_from_base.
   Pose2D add(Time stamp, const LaserScan& scan, const Pose2D& odom_from_base);
 
+  /// Of local_from_base: (x, y, theta) along the axes of `local` [m^2, rad^2].
+  Matrix3 covariance() const { return filter_.covariance().topLeftCorner<3, 3>(); }
   /// The beams of the newest scan, in the base frame.
   const std::vector<map::Beam>& beams() const { return beams_; }
   /// Whether they went into the map: the robot has moved, or turned, or seen little so far.

@@ -1,37 +1,19 @@
 #include "threewe/slam/slam.hpp"
 
-#include <algorithm>
 #include <cmath>
-#include <string_view>
+#include <utility>
 
 #include <fmt/format.h>
 
 #include "slam/scan_beams.hpp"
 #include "slam/scan_odometry.hpp"
+#include "slam/slam_config.hpp"
+#include "slam/slam_file.hpp"
+#include "slam/trail.hpp"
 #include "threewe/core/errors.hpp"
 
 namespace threewe::slam {
 namespace {
-
-void require(bool holds, std::string_view field, std::string_view range, double value) {
-  if (!holds) throw ContractError(fmt::format("{} must lie in {}, got {:g}", field, range, value));
-}
-
-SlamConfig checked(const SlamConfig& config) {
-  const Pose2D& lidar = config.base_from_lidar;
-  if (!is_finite(lidar)) {
-    throw ContractError(
-        fmt::format("base_from_lidar must be finite, got ({:g}, {:g}, {:g})", lidar.x, lidar.y, lidar.theta));
-  }
-  const auto within = [](double value, double low, double high) { return value >= low && value <= high; };
-  require(within(config.range_max, 1.0, 200.0), "range_max", "[1, 200] m", config.range_max);
-  require(within(config.resolution, 0.02, 0.2), "resolution", "[0.02, 0.2] m", config.resolution);
-  require(within(config.range_bias_sigma, 0.0, 0.1), "range_bias_sigma", "[0, 0.1] m", config.range_bias_sigma);
-  require(within(config.distance_sigma, 0.0, 0.2), "distance_sigma", "[0, 0.2]", config.distance_sigma);
-  require(within(config.position_drift, 0.0, 0.3), "position_drift", "[0, 0.3] m/sqrt(m)", config.position_drift);
-  require(within(config.heading_drift, 0.0, 0.3), "heading_drift", "[0, 0.3] rad/sqrt(m)", config.heading_drift);
-  return config;
-}
 
 SensorModel sensors(const SlamConfig& config) {
   SensorModel model;
@@ -61,42 +43,21 @@ void check(const LaserScan& scan) {
   }
 }
 
-// Makes the map as large as it will be.
-void make_room(const std::vector<std::vector<map::Beam>>& scans, map::LogOddsMap& map) {
-  Vec2 low;
-  Vec2 high;
-  for (const std::vector<map::Beam>& scan : scans) {
-    for (const map::Beam& beam : scan) {
-      for (const Vec2 p : {beam.origin, beam.origin + beam.range * beam.direction}) {
-        low = {std::min(low.x, p.x), std::min(low.y, p.y)};
-        high = {std::max(high.x, p.x), std::max(high.y, p.y)};
-      }
-    }
-  }
-  if (!scans.empty()) map.make_room(low, high);
-}
-
 }  // namespace
 
 struct Slam::State {
-  explicit State(const SlamConfig& c) : config(c), front({.sensors = sensors(c), .range_max = c.range_max}) {}
-
-  // A scan, and where it was taken.
-  struct Node {
-    Time stamp{};
-    Pose2D map_from_base;
-    std::vector<map::Beam> beams;  // in the base frame; empty where it brought nothing new
-  };
+  explicit State(const SlamConfig& c, double range_bias = 0.0)
+      : config((check(c), c)), front({.sensors = sensors(c), .range_max = c.range_max, .range_bias = range_bias}) {}
 
   void check_order(Time stamp, const LaserScan& scan) const;
 
   SlamConfig config;
   ScanOdometry front;
-  std::size_t beams = 0;  // of each scan
-  std::vector<Node> nodes;
+  std::size_t beams = 0;  // of each scan; 0 before the first
+  Trail trail;
 };
 
-Slam::Slam(const SlamConfig& config) : state_(std::make_unique<State>(checked(config))) {}
+Slam::Slam(const SlamConfig& config) : state_(std::make_unique<State>(config)) {}
 Slam::~Slam() = default;
 Slam::Slam(Slam&&) noexcept = default;
 Slam& Slam::operator=(Slam&&) noexcept = default;
@@ -111,39 +72,66 @@ Pose2D Slam::add(Time stamp, const LaserScan& scan, const Pose2D& odom_from_base
   s.check_order(stamp, scan);
 
   s.beams = scan.ranges.size();
-  s.nodes.push_back({stamp, s.front.add(stamp, scan, odom_from_base), {}});
-  if (s.front.mapped()) s.nodes.back().beams = s.front.beams();
-  return s.nodes.back().map_from_base;
+  const Pose2D local_from_base = s.front.add(stamp, scan, odom_from_base);
+  return s.trail.add({stamp, local_from_base, s.front.covariance(), s.front.beams(), s.front.range_bias()});
 }
 
 void Slam::State::check_order(Time stamp, const LaserScan& scan) const {
-  if (nodes.empty()) return;
-  if (scan.ranges.size() != beams) {
+  if (trail.data().steps.empty()) return;
+  if (beams != 0 && scan.ranges.size() != beams) {
     throw ContractError(fmt::format("a scan of {} ranges after scans of {}: begin a new Slam for another lidar",
                                     scan.ranges.size(), beams));
   }
-  if (stamp <= nodes.back().stamp) {
+  if (stamp <= trail.data().steps.back().stamp) {
     throw ContractError(fmt::format("time must go on from scan to scan: {:.6f} s after {:.6f} s", to_seconds(stamp),
-                                    to_seconds(nodes.back().stamp)));
+                                    to_seconds(trail.data().steps.back().stamp)));
   }
 }
 
 map::OccupancyGrid Slam::map() const {
+  const TrailData& trail = state_->trail.data();
   std::vector<std::vector<map::Beam>> scans;
-  for (const State::Node& node : state_->nodes) {
-    if (!node.beams.empty()) scans.push_back(transformed(node.map_from_base, node.beams));
+  for (std::size_t k = 0; k < trail.keyframes.size(); ++k) {
+    const Pose2D& map_from_keyframe = trail.graph.poses()[k];
+    for (const Keyframe::Scan& scan : trail.keyframes[k].scans) {
+      scans.push_back(unpacked(scan.beams, map_from_keyframe * scan.keyframe_from_base));
+    }
   }
-  map::LogOddsMap map({.resolution = state_->config.resolution});
-  make_room(scans, map);
-  for (const std::vector<map::Beam>& scan : scans) map.insert(scan, state_->front.range_bias());
-  return map.grid();
+  return drawn(scans, {.resolution = state_->config.resolution}, state_->front.range_bias()).grid();
+}
+
+std::vector<LoopClosure> Slam::closures() const {
+  const TrailData& trail = state_->trail.data();
+  const auto stamp = [&](int keyframe) { return trail.keyframes[static_cast<std::size_t>(keyframe)].stamp; };
+  std::vector<LoopClosure> closures;
+  for (const Constraint& c : trail.graph.constraints()) {
+    if (c.doubtful) closures.push_back({stamp(c.from), stamp(c.to), c.from_from_to});
+  }
+  return closures;
 }
 
 std::vector<StampedPose> Slam::trajectory() const {
+  const TrailData& trail = state_->trail.data();
   std::vector<StampedPose> poses;
-  poses.reserve(state_->nodes.size());
-  for (const State::Node& node : state_->nodes) poses.push_back({node.stamp, node.map_from_base});
+  poses.reserve(trail.steps.size());
+  for (const TrailStep& step : trail.steps) poses.push_back({step.stamp, trail.pose_of(step)});
   return poses;
+}
+
+void Slam::save(const std::filesystem::path& path) const {
+  const State& s = *state_;
+  if (s.trail.data().steps.empty()) throw ContractError("a map without any scan cannot be saved: add one first");
+  write_slam_file(path, {s.config, s.front.range_bias(), s.trail.data()});
+}
+
+Slam Slam::load(const std::filesystem::path& path, const std::optional<Pose2D>& map_from_base) {
+  if (map_from_base && !is_finite(*map_from_base)) throw ContractError("where the robot goes on must be finite");
+  SlamFile file = read_slam_file(path);
+  Slam slam(file.config);
+  slam.state_ = std::make_unique<State>(file.config, file.range_bias);
+  const Pose2D last = file.trail.pose_of(file.trail.steps.back());
+  slam.state_->trail = Trail(std::move(file.trail), map_from_base.value_or(last));
+  return slam;
 }
 
 }  // namespace threewe::slam

@@ -2,7 +2,9 @@
 // built on it; a robot that drives uses a `Localizer` instead.
 #pragma once
 
+#include <filesystem>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "threewe/core/pose.hpp"
@@ -26,6 +28,15 @@ struct SlamConfig {
 struct StampedPose {
   Time stamp{};
   Pose2D map_from_base;
+  friend bool operator==(const StampedPose&, const StampedPose&) = default;
+};
+
+/// A place that the robot came back to.
+struct LoopClosure {
+  Time earlier{};
+  Time later{};
+  Pose2D earlier_from_later;  ///< where it was at the later time, seen from where it was at the earlier one
+  friend bool operator==(const LoopClosure&, const LoopClosure&) = default;
 };
 
 /// Simultaneous localisation and mapping from scans of any field of view, as often or as rarely as they come as long as
@@ -47,6 +58,16 @@ class Slam {
   map::OccupancyGrid map() const;
   /// Where the robot was at each scan, as it is known now: what `add` returned may have been corrected since.
   std::vector<StampedPose> trajectory() const;
+  /// The places that were recognised, by comparing scans.
+  std::vector<LoopClosure> closures() const;
+
+  /// Keeps the map in a file with all that is behind it: configuration, pose graph, scans and trajectory, without
+  /// losing a bit. Throws ConfigError when it cannot be written; a file that was there then stays as it was.
+  void save(const std::filesystem::path& path) const;
+  /// A map that was kept, to be looked at or to go on with: odometry and lidar may be others then, time goes on. The
+  /// next scan is taken at `map_from_base`, half a metre and ten degrees off at most; without one, where the last was.
+  /// Throws ConfigError with file:line when the file is wrong.
+  static Slam load(const std::filesystem::path& path, const std::optional<Pose2D>& map_from_base = {});
 
  private:
   struct State;

@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <limits>
+#include <tuple>
 #include <vector>
 
 #include "draw.hpp"
@@ -121,6 +122,46 @@ TEST_CASE("scans may come at any rate") {
   }
 }
 
+// What Slam makes of a tour, seen by a lidar that sees no farther than `range_max`.
+Slam mapped(const std::vector<TinyWall>& walls, const Tour& way, double range_max, Draw& draw) {
+  Slam slam({.range_max = range_max});
+  for (std::size_t i = 0; i < way.truth.size(); ++i) {
+    const auto stamp = from_seconds(static_cast<double>(i));
+    const Pose2D found = slam.add(stamp, look(walls, way.truth[i], {}, draw), way.odometry[i]);
+    CHECK(found == slam.trajectory().back().map_from_base);
+  }
+  return slam;
+}
+
+TEST_CASE("who goes round and round knows where it is, and what it recognised is the same place") {
+  for (std::uint64_t seed = 0; seed < 6; ++seed) {
+    for (const double range_max : {30.0, 5.0}) {
+      CAPTURE(seed);
+      CAPTURE(range_max);
+      Draw draw(seed);
+      const std::vector<TinyWall> walls = building(draw);
+      const Tour way = tour(draw, 150.0);
+      const Slam slam = mapped(walls, way, range_max, draw);
+      double worst = 0.0;
+      const std::vector<StampedPose> poses = slam.trajectory();
+      for (std::size_t i = 0; i < poses.size(); ++i) {
+        worst = std::max(worst, distance(poses[i].map_from_base.position(), way.truth[i].position()));
+      }
+      CHECK(worst < 0.1);
+
+      const std::vector<LoopClosure> closures = slam.closures();
+      CHECK(closures.size() >= 10);
+      for (const LoopClosure& c : closures) {
+        CHECK(c.earlier < c.later);
+        const auto truth_at = [&](Time t) { return way.truth[static_cast<std::size_t>(t / 1s)]; };
+        const Pose2D off = inverse(inverse(truth_at(c.earlier)) * truth_at(c.later)) * c.earlier_from_later;
+        CHECK(norm(off.position()) < 0.1);
+        CHECK(std::fabs(off.theta) < 0.03);
+      }
+    }
+  }
+}
+
 TEST_CASE("the trajectory has every scan, and the map shows the walls where they are") {
   Draw draw(3);
   const std::vector<TinyWall> walls = building(draw);
@@ -181,13 +222,13 @@ TEST_CASE("the same input gives the same bits") {
   const auto run = [] {
     Draw draw(9);
     const std::vector<TinyWall> walls = building(draw);
-    const Tour way = tour(draw, 15.0);
+    const Tour way = tour(draw, 60.0);
     Slam slam;
     Pose2D last;
     for (std::size_t i = 0; i < way.truth.size(); ++i) {
       last = slam.add(from_seconds(static_cast<double>(i)), look(walls, way.truth[i], {}, draw), way.odometry[i]);
     }
-    return std::pair(last, slam.map());
+    return std::tuple(last, slam.map(), slam.trajectory(), slam.closures());
   };
   CHECK(run() == run());
 }

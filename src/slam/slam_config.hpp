@@ -1,0 +1,11 @@
+// What a SlamConfig may hold.
+#pragma once
+
+#include "threewe/slam/slam.hpp"
+
+namespace threewe::slam {
+
+/// Throws ContractError where a figure is out of its range.
+void check(const SlamConfig& config);
+
+}  // namespace threewe::slam

@@ -1,0 +1,275 @@
+#include "slam/trail.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include <Eigen/LU>
+
+#include "slam/pose_covariance.hpp"
+#include "slam/scan_beams.hpp"
+
+namespace threewe::slam {
+namespace {
+
+constexpr double kKeyframeDistance = 1.0;  // [m]
+constexpr double kKeyframeTurn = 0.7;      // [rad]
+constexpr double kTurning = 0.3;           // [m/rad] so much driving a turn counts for
+constexpr double kScanDistance = 0.3;      // [m] a scan is kept after so much motion ...
+constexpr double kScanTurn = 0.2;          // [rad] ... or turning
+constexpr double kSubmapLength = 10.0;     // [m]
+constexpr double kCell = 0.10;             // [m] of a submap's map ...
+constexpr double kFreeRange = 4.0;         // [m] ... in which beams clear nothing beyond
+
+// How the front-end drifts, measured in the surveys of `threewe slam synth`: 5 mm and 1.5 mrad from keyframe to
+// keyframe, 50 mm and 2 mrad over 40 m.
+constexpr double kDrift = 0.010;            // [m/sqrt(m)]
+constexpr double kTurnDrift = 0.0010;       // [rad/sqrt(m)]
+constexpr double kLeastDrift = 0.004;       // [m]
+constexpr double kLeastTurnDrift = 0.0015;  // [rad]
+
+constexpr double kAnywhere = 0.5;  // [m] off is a robot that goes on with a map that was kept ...
+constexpr double kAnyTurn = 0.2;   // [rad]
+
+constexpr double kLoopLength = 10.0;     // [m] driven since, before a submap may be met again
+constexpr double kNear = 3.0;            // [m] from a submap's way, beyond the deviation of where the robot is ...
+constexpr double kFar = 20.0;            // [m] ... and never farther
+constexpr std::size_t kAsked = 3;        // submaps whose deviation is worked out
+constexpr double kTryNext = 3.0;         // [m] driven, before any submap is tried after another ...
+constexpr double kTryAgain = 8.0;        // [m] ... and before the same is tried again
+constexpr double kViewLength = 4.0;      // [m] of the way that is looked at together ...
+constexpr double kViewDistance = 0.9;    // [m] ... at scans so far apart
+constexpr double kSolveDistance = 10.0;  // [m] driven, after which closures are solved for ...
+constexpr double kSolveChi = 4.0;        // ... unless they are so far off
+constexpr int kStepsOfSolution = 10;
+constexpr std::size_t kUncovered = 20;  // keyframes that the covariance may lack
+constexpr std::size_t kClosers = 8;     // maps of submaps that are kept for the next search
+
+double square(double x) { return x * x; }
+
+// The part of a symmetric matrix of positions that is not negative, and the same of its heading.
+Matrix3 growth(const Matrix3& change) {
+  const double a = change(kX, kX);
+  const double b = change(kX, kY);
+  const double d = change(kY, kY);
+  const double mean = 0.5 * (a + d);
+  const double root = exact::hypot(0.5 * (a - d), b);
+  Matrix3 part = Matrix3::Zero();
+  part(kTheta, kTheta) = std::max(change(kTheta, kTheta), 0.0);
+  if (root <= mean) {
+    part.topLeftCorner<2, 2>() = change.topLeftCorner<2, 2>();
+  } else if (mean + root > 0.0) {
+    // of two eigenvalues one counts: (M - small I) is (large - small) times the projection on its direction
+    const double share = (mean + root) / (2.0 * root);
+    part(kX, kX) = share * (a - mean + root);
+    part(kY, kY) = share * (d - mean + root);
+    part(kX, kY) = part(kY, kX) = share * b;
+  }
+  return part;
+}
+
+// How far off the front-end may be from one keyframe to the next.
+Matrix3 step_covariance(const Pose2D& step, const Matrix3& unobserved) {
+  const double length = norm(step.position());
+  const double position = square(kDrift) * length + square(kLeastDrift);
+  const double heading = square(kTurnDrift) * length + square(kLeastTurnDrift);
+  return unobserved + Matrix3(Vector3(position, position, heading).asDiagonal());
+}
+
+bool is_apart(double metres, double radians, const Pose2D& a, const Pose2D& b) {
+  const Pose2D a_from_b = inverse(a) * b;
+  return norm(a_from_b.position()) >= metres || std::fabs(a_from_b.theta) >= radians;
+}
+
+Matrix3 information_of(const Matrix3& covariance) {
+  const Matrix3 inverse = covariance.inverse();
+  return 0.5 * (inverse + inverse.transpose());
+}
+
+}  // namespace
+
+bool TrailData::extend_submaps() {
+  const int here = newest();
+  const bool begins = submaps.empty() || driven_at(here) - driven_at(submaps.back().first) > kSubmapLength;
+  if (begins) submaps.push_back({here, here, {}});
+  submaps.back().last = here;
+  return begins;
+}
+
+Trail::Trail(TrailData data, const Pose2D& map_from_base) : data_(std::move(data)), goes_on_at_(map_from_base) {}
+
+Pose2D Trail::add(const TrailPoint& point) {
+  const bool begins = data_.keyframes.empty() || goes_on_at_ ||
+                      is_apart(kKeyframeDistance, kKeyframeTurn, local_from_keyframe_, point.local_from_base);
+  if (begins) begin_keyframe(point);
+  data_.steps.push_back({point.stamp, data_.newest(), inverse(local_from_keyframe_) * point.local_from_base});
+  keep_scan(point);
+  if (begins) {
+    if (data_.extend_submaps() && data_.prune()) forget();
+    close_loop(point.range_bias);
+  }
+  return data_.pose_of(data_.steps.back());
+}
+
+void Trail::begin_keyframe(const TrailPoint& point) {
+  if (data_.keyframes.empty()) {
+    data_.graph.add_node({}, true);
+    data_.keyframes.push_back({point.stamp, 0.0, {}});
+  } else {
+    const int before = data_.newest();
+    Pose2D step = inverse(local_from_keyframe_) * point.local_from_base;
+    Matrix3 covariance =
+        step_covariance(step, rotated(growth(point.covariance - covariance_at_keyframe_), -local_from_keyframe_.theta));
+    double length = norm(step.position()) + kTurning * std::fabs(step.theta);
+    if (goes_on_at_) {
+      step = inverse(data_.pose_of(before)) * *goes_on_at_;
+      covariance = Vector3(square(kAnywhere), square(kAnywhere), square(kAnyTurn)).asDiagonal();
+      length = kLoopLength;  // all that was there before may be met at once
+      goes_on_at_.reset();
+    }
+    const int node = data_.graph.add_node(data_.pose_of(before) * step);
+    data_.graph.add_constraint({before, node, step, information_of(covariance)});
+    uncovered_.push_back(covariance);
+    data_.keyframes.push_back({point.stamp, driven() + length, {}});
+  }
+  local_from_keyframe_ = point.local_from_base;
+  covariance_at_keyframe_ = point.covariance;
+}
+
+void Trail::keep_scan(const TrailPoint& point) {
+  Keyframe& keyframe = data_.keyframes.back();
+  if (!keyframe.scans.empty() && !is_apart(kScanDistance, kScanTurn, scan_kept_at_, point.local_from_base)) return;
+  keyframe.scans.push_back({data_.steps.back().keyframe_from_base, packed(point.beams)});
+  scan_kept_at_ = point.local_from_base;
+}
+
+// Looks for the robot in the nearest submap that it has left long ago, and takes what is found into the graph.
+void Trail::close_loop(double range_bias) {
+  if (driven() - tried_at_ < kTryNext) return;
+  const Nearby near = nearest_submap();
+  if (near.submap < 0) return;
+  tried_at_ = driven();
+  Submap& submap = data_.submaps[static_cast<std::size_t>(near.submap)];
+  submap.tried_at = driven();
+  const LoopCloser& closer = closer_of(submap, range_bias);
+  int scans = 0;
+  const std::vector<map::Beam> seen = view(&scans);
+  const auto match = closer.find(seen, scans, belief_in(submap, near.keyframe), range_bias);
+  if (!match) return;
+
+  // to the keyframe that is nearest, so that a bend of the submap counts little
+  const auto& places = submap.submap_from_keyframe;
+  const auto nearest = std::ranges::min_element(
+      places, {}, [&](const Pose2D& place) { return distance(place.position(), match->map_from_base.position()); });
+  const int here = data_.newest();
+  const Matrix3 covariance = rotated(match->covariance, -nearest->theta);
+  const int constraint =
+      data_.graph.add_constraint({submap.first + static_cast<int>(nearest - places.begin()), here,
+                                  inverse(*nearest) * match->map_from_base, information_of(covariance), true});
+  if (driven() - solved_at_ < kSolveDistance && data_.graph.fit(constraint).chi_squared < kSolveChi) return;
+  data_.graph.solve(kStepsOfSolution);
+  graph_covariance_.reset();
+  solved_at_ = driven();
+}
+
+// Of the submaps whose way may lead past here, the nearest.
+Trail::Nearby Trail::nearest_submap() {
+  std::vector<Nearby> nearby;
+  const Vec2 here = data_.graph.poses().back().position();
+  for (std::size_t i = 0; i < data_.submaps.size(); ++i) {
+    const Submap& submap = data_.submaps[i];
+    const double left_at = data_.driven_at(submap.last);
+    if (driven() - left_at < kLoopLength || driven() - submap.tried_at < kTryAgain) continue;
+    Nearby nearest{static_cast<int>(i), submap.first, kFar};
+    for (int k = submap.first; k <= submap.last; ++k) {
+      const double away = distance(data_.pose_of(k).position(), here);
+      if (away < nearest.away) nearest = {static_cast<int>(i), k, away};
+    }
+    if (nearest.away < kFar) nearby.push_back(nearest);
+  }
+  std::ranges::stable_sort(nearby, {}, &Nearby::away);
+  for (std::size_t i = 0; i < std::min(nearby.size(), kAsked); ++i) {
+    const Matrix3 covariance = nearby[i].away < kNear ? Matrix3::Zero() : between(nearby[i].keyframe);
+    const double deviation = exact::sqrt(std::max(covariance(kX, kX), covariance(kY, kY)));
+    if (nearby[i].away < kNear + 2.0 * deviation) return nearby[i];
+  }
+  return {};
+}
+
+// Where the robot should be in a submap's map, seen from one of its keyframes.
+PoseBelief Trail::belief_in(const Submap& submap, int keyframe) {
+  const Pose2D& submap_from_keyframe = submap.submap_from_keyframe[static_cast<std::size_t>(keyframe - submap.first)];
+  const Pose2D keyframe_from_base = inverse(data_.pose_of(keyframe)) * data_.graph.poses().back();
+  return {submap_from_keyframe * keyframe_from_base, rotated(between(keyframe), submap_from_keyframe.theta)};
+}
+
+// Of the newest keyframe, seen from another. The graph's covariance is worked out now and then; from there on the steps
+// add up.
+Matrix3 Trail::between(int keyframe) {
+  const int here = data_.newest();
+  if (!graph_covariance_ || uncovered_.size() >= kUncovered || keyframe > here - static_cast<int>(uncovered_.size())) {
+    graph_covariance_ = std::make_unique<GraphCovariance>(data_.graph);
+    uncovered_.clear();
+  }
+  int k = here - static_cast<int>(uncovered_.size());
+  Matrix3 covariance = graph_covariance_->between(keyframe, k);
+  const Pose2D keyframe_from_map = inverse(data_.pose_of(keyframe));
+  for (const Matrix3& of_step : uncovered_) {
+    const Pose2D step = inverse(data_.pose_of(k)) * data_.pose_of(k + 1);
+    covariance = composed(keyframe_from_map * data_.pose_of(k), covariance, step, of_step);
+    ++k;
+  }
+  return covariance;
+}
+
+// What follows from the trail, when that was changed otherwise than at its end.
+void Trail::forget() {
+  graph_covariance_.reset();
+  closers_.clear();
+}
+
+const LoopCloser& Trail::closer_of(Submap& submap, double range_bias) {
+  const auto known = std::ranges::find(closers_, submap.first, &Cached::first);
+  if (known != closers_.end()) {
+    std::rotate(known, known + 1, closers_.end());
+    return *closers_.back().closer;
+  }
+  if (submap.submap_from_keyframe.empty()) {
+    const Pose2D submap_from_map = inverse(data_.pose_of(submap.first));
+    for (int k = submap.first; k <= submap.last; ++k) {
+      submap.submap_from_keyframe.push_back(submap_from_map * data_.pose_of(k));
+    }
+    submap.range_bias = range_bias;
+  }
+  std::vector<std::vector<map::Beam>> scans;
+  for (int k = submap.first; k <= submap.last; ++k) {
+    const Pose2D& place = submap.submap_from_keyframe[static_cast<std::size_t>(k - submap.first)];
+    const std::vector<Keyframe::Scan>& seen = data_.keyframes[static_cast<std::size_t>(k)].scans;
+    if (!seen.empty()) scans.push_back(unpacked(seen.front().beams, place * seen.front().keyframe_from_base));
+  }
+  map::LogOddsMap map = drawn(scans, {.resolution = kCell, .free_range = kFreeRange}, submap.range_bias);
+  if (closers_.size() == kClosers) closers_.erase(closers_.begin());
+  closers_.push_back({submap.first, std::make_unique<const LoopCloser>(std::move(map))});
+  return *closers_.back().closer;
+}
+
+// What was seen on the last metres, as it lies around the robot.
+std::vector<map::Beam> Trail::view(int* scans) const {
+  std::vector<map::Beam> beams;
+  const Pose2D base_from_map = inverse(data_.graph.poses().back());
+  double last = 1e9;
+  for (int k = data_.newest(); k >= 0; --k) {
+    const Keyframe& keyframe = data_.keyframes[static_cast<std::size_t>(k)];
+    if (data_.keyframes.back().driven - keyframe.driven > kViewLength) break;
+    if (last - keyframe.driven < kViewDistance || keyframe.scans.empty()) continue;
+    last = keyframe.driven;
+    const Keyframe::Scan& scan = keyframe.scans.front();
+    const std::vector<map::Beam> seen =
+        unpacked(scan.beams, base_from_map * data_.pose_of(k) * scan.keyframe_from_base);
+    beams.insert(beams.end(), seen.begin(), seen.end());
+    ++*scans;
+  }
+  return beams;
+}
+
+}  // namespace threewe::slam
