@@ -10,7 +10,7 @@ from verify.cases.localization import (
     of_drives,
     write_model,
 )
-from verify.cases.logs import SURVEYS, mapped
+from verify.cases.logs import SURVEYS, TOURS, closed, mapped
 from verify.harness import Experiment, all_of, median_of, share_of, worst_of
 
 EXPERIMENTS = [
@@ -35,7 +35,7 @@ EXPERIMENTS = [
             mapped,
             {"survey": survey},
             cases=10,
-            sample=0,  # loops are not closed yet
+            sample=1,
             rows=[
                 worst_of("mean error of relations [m]", lambda case: case["translation"], at_most=bound),
                 worst_of("mean error of relations [deg]", lambda case: case["rotation"], at_most=0.5),
@@ -44,5 +44,20 @@ EXPERIMENTS = [
             alone=True,
         )
         for survey, bound in SURVEYS.items()
+    ),
+    *(
+        Experiment(
+            f"loops closed in {scene}",
+            closed,
+            {"scene": scene},
+            cases=100,
+            sample=2,
+            rows=[
+                worst_of("closures off by more than 0.3 m or 5 degrees", lambda case: case["wrong"], at_most=0),
+                worst_of("right closures in a run", lambda case: case["right"], at_least=5),
+                worst_of("how far off a closure is [m]", lambda case: case["translation"], at_most=0.3),
+            ],
+        )
+        for scene in TOURS
     ),
 ]

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <array>
 
+#include <nanobind/stl/filesystem.h>
+
 #include "bindings.hpp"
 
 namespace {
@@ -72,5 +74,8 @@ void init_slam(nb::module_& m) {
       .def(
           "closures", [](const Slam& slam) { return rows_of(slam.closures()); },
           "(N, 5) float64: earlier and later time [s], x [m], y [m], heading [rad] of the later pose seen from the "
-          "earlier one.");
+          "earlier one.")
+      .def("save", &Slam::save, "path"_a, WithoutGil(), "Keeps the map in a file with all that is behind it.")
+      .def_static("load", &Slam::load, "path"_a, "map_from_base"_a = nb::none(), WithoutGil(),
+                  "A map that was kept, to be looked at or to go on with.");
 }

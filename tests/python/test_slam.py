@@ -241,6 +241,61 @@ def test_a_map_is_saved_as_ros_has_it(tmp_path: Path) -> None:
     assert "resolution: 0.1\norigin: [-1.000, 2.500, 0]\n" in text
 
 
+def test_places_are_recognised_where_the_robot_comes_back(recorded: tuple[Log, Array]) -> None:
+    log, truth = recorded
+    result = replay(log)
+    closures = result.closures
+    assert len(closures.times) == result.summary()["loop_closures"] >= 2
+    assert (closures.times[:, 1] - closures.times[:, 0] > 10.0).all()
+    translation, rotation, left_out = relation_errors(truth, closures)
+    assert left_out == 0
+    assert translation.max() < 0.1
+    assert rotation.max() < np.radians(2.0)
+
+
+def test_a_map_is_kept_and_continued(recorded: tuple[Log, Array], tmp_path: Path) -> None:
+    log, truth = recorded
+    half = len(log.scans) // 2
+    slam = Slam(SlamConfig(base_from_lidar=log.base_from_lidar))
+    for time, scan, odometry in zip(log.times[:half], log.scans, log.odometry, strict=False):
+        slam.add(scan, odometry, time)
+    slam.save(tmp_path / "half.slam")
+    again = Slam.load(str(tmp_path / "half.slam"))
+    assert np.array_equal(again.map().data, slam.map().data)
+    assert np.array_equal(again.trajectory(), slam.trajectory())
+    assert np.array_equal(again.closures().poses, slam.closures().poses)
+
+    # on another day odometry begins anew, and the robot is not quite where it is said to be
+    pose = np.array([*slam.trajectory()[-1, 1:]]) + (0.3, -0.2, 0.1)
+    day = Slam.load(tmp_path / "half.slam", pose=pose)
+    for time, scan, odometry in zip(log.times[half - 1 :], log.scans[half - 1 :], log.odometry[half - 1 :], strict=True):
+        day.add(scan, odometry, time + 1000.0)
+    assert len(day.trajectory()) == len(truth) + 1
+    np.testing.assert_allclose(day.trajectory()[half:, 1:3], truth[half - 1 :, 1:3], atol=0.1)
+    with pytest.raises(threewe.ContractError, match="time must go on"):
+        again.add(log.scans[0], (0, 0, 0), log.times[0])
+
+
+def test_files_that_are_no_maps(recorded: tuple[Log, Array], tmp_path: Path) -> None:
+    log, _ = recorded
+    slam = Slam()
+    with pytest.raises(threewe.ContractError, match="a map without any scan cannot be saved"):
+        slam.save(tmp_path / "empty.slam")
+    slam.add(log.scans[0], (0, 0, 0))
+    with pytest.raises(threewe.ConfigError, match="nowhere/a.slam: the map cannot be written there"):
+        slam.save(tmp_path / "nowhere/a.slam")
+    with pytest.raises(threewe.ConfigError, match="none.slam: cannot be read"):
+        Slam.load(tmp_path / "none.slam")
+    slam.save(tmp_path / "a.slam")
+    text = (tmp_path / "a.slam").read_text()
+    (tmp_path / "cut.slam").write_text(text[: len(text) // 2])
+    with pytest.raises(threewe.ConfigError, match=r"cut\.slam:\d+: "):
+        Slam.load(tmp_path / "cut.slam")
+    with pytest.raises(threewe.ContractError, match="pose must"):
+        Slam.load(tmp_path / "a.slam", pose=(1.0, math.nan, 0.0))
+    assert [path.name for path in sorted(tmp_path.iterdir())] == ["a.slam", "cut.slam"]
+
+
 def test_wrong_input_is_one_error(recorded: tuple[Log, Array]) -> None:
     log, _ = recorded
     slam = Slam(SlamConfig(base_from_lidar=log.base_from_lidar))

@@ -87,6 +87,7 @@ def table_of(result: Replay, error: Accuracy | None) -> Table:
     for reason, count in log.skipped.items():
         table.add_row("skipped", f"{count} {reason}")
     table.add_row("driven", f"{summary['distance']:.1f} m in {log.seconds:.0f} s")
+    table.add_row("loops closed", f"{summary['loop_closures']} times")
     table.add_row("computing", f"{result.computing_seconds:.2f} s: {summary['data_seconds_per_second']:.0f} data s/s")
     if error:
         table.add_row("error", str(error))

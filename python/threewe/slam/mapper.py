@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -9,6 +11,7 @@ from threewe import _core
 from threewe._arguments import PoseLike, as_pose, as_seconds
 from threewe._core import LaserScan, OccupancyGrid, Pose2D, SlamConfig
 from threewe.errors import ContractError
+from threewe.slam.relations import Relations
 
 
 class Slam:
@@ -45,3 +48,28 @@ class Slam:
         been corrected since.
         """
         return self._core.trajectory()
+
+    def closures(self) -> Relations:
+        """The places that were recognised by comparing scans: at which two times, and where the robot was at the later
+        one, seen from where it was at the earlier one. Compare them with the truth by `relation_errors`.
+        """
+        rows = self._core.closures()
+        return Relations(rows[:, :2], rows[:, 2:])
+
+    def save(self, path: Path | str) -> None:
+        """Keeps the map in a file with all that is behind it: configuration, pose graph, scans and trajectory, without
+        losing a bit. Raises ConfigError when it cannot be written; a file that was there then stays as it was.
+        """
+        self._core.save(Path(path))
+
+    @staticmethod
+    def load(path: Path | str, pose: PoseLike | None = None) -> Slam:
+        """A map that was kept, to be looked at or to go on with: odometry and lidar may be others then, time goes on.
+
+        The next scan is taken at `pose` in the map, half a metre and ten degrees off at most; without one, where the
+        last was taken. Raises ConfigError with file:line when the file is wrong.
+        """
+        slam = Slam.__new__(Slam)
+        slam._core = _core.Slam.load(Path(path), None if pose is None else as_pose("pose", pose))
+        slam._time = float(slam._core.trajectory()[-1, 0])
+        return slam

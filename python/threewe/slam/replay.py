@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from threewe._core import OccupancyGrid, SlamConfig
 from threewe.slam.log import Log, Progress, write_tum
 from threewe.slam.mapper import Slam
-from threewe.slam.relations import Accuracy
+from threewe.slam.relations import Accuracy, Relations
 from threewe.slam.ros_map import save_map
 
 
@@ -26,6 +26,7 @@ class Replay:
     log: Log
     map: OccupancyGrid
     trajectory: NDArray[np.float64]  # (N, 4) time as in the log [s], x [m], y [m], heading [rad]
+    closures: Relations  # the places that were recognised, times as in the log
     computing_seconds: float  # of one core, for adding all scans and drawing the map; not for reading and writing files
 
     def summary(self, accuracy: Accuracy | None = None) -> dict[str, Any]:
@@ -41,6 +42,7 @@ class Replay:
             "data_seconds_per_second": round(self.log.seconds / max(self.computing_seconds, 1e-9), 1),
             "distance": round(float(driven), 3),
             "odometry_distance": round(self.log.distance, 3),
+            "loop_closures": len(self.closures.times),
             "map_size": [self.map.width * self.map.resolution, self.map.height * self.map.resolution],
             "accuracy": None if accuracy is None else dataclasses.asdict(accuracy),
         }
@@ -69,4 +71,5 @@ def replay(log: Log, config: SlamConfig | None = None, *, on_progress: Progress 
     seconds += thread_time() - before
     trajectory = slam.trajectory()
     trajectory[:, 0] = log.times
-    return Replay(log, grid, trajectory, seconds)
+    closures = slam.closures()
+    return Replay(log, grid, trajectory, Relations(closures.times + begin, closures.poses), seconds)

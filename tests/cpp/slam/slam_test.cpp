@@ -4,7 +4,12 @@
 #include <doctest/doctest.h>
 
 #include <cmath>
+#include <filesystem>
+#include <fstream>
 #include <limits>
+#include <sstream>
+#include <string>
+#include <string_view>
 #include <tuple>
 #include <vector>
 
@@ -135,7 +140,7 @@ Slam mapped(const std::vector<TinyWall>& walls, const Tour& way, double range_ma
 
 TEST_CASE("who goes round and round knows where it is, and what it recognised is the same place") {
   for (std::uint64_t seed = 0; seed < 6; ++seed) {
-    for (const double range_max : {30.0, 5.0}) {
+    for (const double range_max : {30.0, 8.0}) {
       CAPTURE(seed);
       CAPTURE(range_max);
       Draw draw(seed);
@@ -160,6 +165,120 @@ TEST_CASE("who goes round and round knows where it is, and what it recognised is
       }
     }
   }
+}
+
+std::filesystem::path temporary(std::string_view name) { return std::filesystem::temp_directory_path() / name; }
+
+std::string text_of(const std::filesystem::path& path) {
+  std::stringstream text;
+  text << std::ifstream(path, std::ios::binary).rdbuf();
+  return text.str();
+}
+
+TEST_CASE("a map that is kept is the same map, to the bit") {
+  for (std::uint64_t seed = 0; seed < 4; ++seed) {
+    CAPTURE(seed);
+    Draw draw(seed);
+    const Slam slam = mapped(building(draw), tour(draw, 60.0), 30.0, draw);
+    const auto path = temporary("threewe_slam_test_kept.map");
+    slam.save(path);
+    const Slam again = Slam::load(path);
+    CHECK(again.map() == slam.map());
+    CHECK(again.trajectory() == slam.trajectory());
+    CHECK(again.closures() == slam.closures());
+    CHECK(again.closures().size() > 2);
+    const std::string text = text_of(path);
+    again.save(path);
+    CHECK(text_of(path) == text);
+    std::filesystem::remove(path);
+  }
+}
+
+TEST_CASE("a robot goes on with a map that was kept, though it starts where nobody measured it") {
+  for (std::uint64_t seed = 0; seed < 8; ++seed) {
+    CAPTURE(seed);
+    Draw draw(seed);
+    const std::vector<TinyWall> walls = building(draw);
+    const auto path = temporary("threewe_slam_test_continued.map");
+    mapped(walls, tour(draw, 40.0), 30.0, draw).save(path);
+
+    // another day, other odometry; it stands somewhere on the way, and is told about where
+    const Tour way = tour(draw, 60.0);
+    constexpr std::size_t kFirst = 13;
+    const Pose2D start = way.truth[kFirst];
+    const Pose2D told{start.x + draw(-0.4, 0.4), start.y + draw(-0.4, 0.4), start.theta + draw(-0.15, 0.15)};
+    Slam slam = Slam::load(path, told);
+    const std::size_t before = slam.trajectory().size();
+    for (std::size_t i = kFirst; i < way.truth.size(); ++i) {
+      slam.add(from_seconds(1000.0 + static_cast<double>(i)), look(walls, way.truth[i], {}, draw), way.odometry[i]);
+    }
+    const std::vector<StampedPose> poses = slam.trajectory();
+    REQUIRE(poses.size() == before + way.truth.size() - kFirst);
+    for (std::size_t i = kFirst; i < way.truth.size(); ++i) {
+      CHECK(distance(poses[before + i - kFirst].map_from_base.position(), way.truth[i].position()) < 0.1);
+    }
+    std::filesystem::remove(path);
+  }
+}
+
+TEST_CASE("a file that is no map is one clear error, with file and line") {
+  Draw draw(1);
+  const auto path = temporary("threewe_slam_test_broken.map");
+  mapped(building(draw), tour(draw, 12.0), 30.0, draw).save(path);
+  const std::string good = text_of(path);
+  const auto error = [&](const std::string& text) -> std::string {
+    std::ofstream(path, std::ios::binary) << text;
+    try {
+      Slam::load(path);
+    } catch (const ConfigError& e) {
+      const std::string what = e.what();
+      CHECK(what.starts_with(path.string() + ":"));
+      return what.substr(path.string().size() + 1);
+    }
+    return "nothing";
+  };
+  const auto changed = [&](const std::string& from, const std::string& to) {
+    std::string text = good;
+    text.replace(text.find(from), from.size(), to);
+    return text;
+  };
+  CHECK(error(good) == "nothing");
+  CHECK(error("") == "1: this is no map that Slam.save wrote: the first line must be 'threewe slam 1'");
+  CHECK(error(changed("slam 1", "slam 2")) ==
+        "1: this is no map that Slam.save wrote: the first line must be 'threewe slam 1'");
+  CHECK(error(good.substr(0, good.size() - 4)).ends_with(": the file was cut off: the last line must be 'end'"));
+  CHECK(error(changed("\nmap 0.05", "\nmap 5")) == "10: resolution must lie in [0.02, 0.2] m, got 5");
+  CHECK(error(changed("\nmap 0.05", "\nmap x")) == "10: resolution must be a finite number, got 'x'");
+  CHECK(error(changed("\nmap 0.05", "\nmap")) == "10: a line 'map' ends before resolution");
+  CHECK(error(changed("\nmap 0.05", "\nmap 0.05 1")) == "10: a line 'map' has more numbers than it should: ' 1'");
+  CHECK(error(changed("\nkeyframe", "\nframe")) ==
+        "12: 'frame' is none of lidar, map, odometry, keyframe, scan, step, constraint, end");
+  CHECK(error(changed("\nkeyframe", "\nstep 0 0 0 0\nkeyframe")) == "12: a line 'step' before the first keyframe");
+  CHECK(error("threewe slam 1\nend\n") == "2: a map has one keyframe and one step at least");
+  CHECK(error(changed("\nconstraint 0 1 ", "\nconstraint 0 9999 "))
+            .find(": a keyframe must be a whole number from 0 to") != std::string::npos);
+  CHECK(error(changed("\nconstraint 0 1 ", "\nconstraint 0 0 ")).find(": pose graph, constraint 0: it joins") !=
+        std::string::npos);
+  std::filesystem::remove(path);
+  CHECK_THROWS_WITH_AS(Slam::load(path), (path.string() + ": cannot be read; a map is saved by Slam.save").c_str(),
+                       ConfigError);
+  CHECK_THROWS_WITH_AS(Slam().save(path), "a map without any scan cannot be saved: add one first", ContractError);
+
+  // any piece that is lost or turned into another character is noticed or does no harm
+  for (std::uint64_t seed = 0; seed < 300; ++seed) {
+    CAPTURE(seed);
+    Draw random(seed);
+    std::string text = good;
+    const auto at = static_cast<std::size_t>(random.whole(0, static_cast<int>(text.size()) - 2));
+    if (seed % 2 == 0) {
+      text.resize(at);
+      CHECK(error(text) != "nothing");
+    } else {
+      text[at] = static_cast<char>(random.whole(32, 126));
+      error(text);
+    }
+  }
+  std::filesystem::remove(path);
 }
 
 TEST_CASE("the trajectory has every scan, and the map shows the walls where they are") {
