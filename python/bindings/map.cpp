@@ -3,6 +3,7 @@
 
 #include "bindings.hpp"
 #include "threewe/map/occupancy_grid.hpp"
+#include "threewe/map/ros_map.hpp"
 
 using namespace threewe;
 using map::Cell, map::OccupancyGrid;
@@ -49,4 +50,10 @@ void init_map(nb::module_& m) {
         return fmt::format("OccupancyGrid({} x {} cells of {:.2f} m, {:.1f} m^2 known)", grid.width, grid.height,
                            grid.resolution, area);
       });
+  m.def(
+      "load_map", [](const std::string& path) { return map::load_ros_map(path); }, "path"_a, WithoutGil(),
+      "Reads a map as ROS has maps: a file that ends in .yaml, and the picture that it names.");
+  m.def(
+      "save_map", [](const OccupancyGrid& grid, const std::string& path) { map::save_ros_map(grid, path); }, "grid"_a,
+      "path"_a, WithoutGil(), "Writes a map as ROS has maps: `path`, which ends in .yaml, and the picture beside it.");
 }

@@ -158,7 +158,7 @@ void bind_time(nb::module_& m) {
           [](World* self, std::string backend, std::string scene, std::vector<std::string> robots,
              std::string_view noise, std::uint64_t seed, bool realtime, std::vector<Pose2D> start_poses,
              std::vector<Pose2D> initial_poses, std::string_view localization,
-             std::optional<std::pair<int, int>> image_size) {
+             std::optional<std::pair<int, int>> image_size, const map::OccupancyGrid* map) {
             World::Options options;
             options.backend = std::move(backend);
             options.scene = std::move(scene);
@@ -168,13 +168,15 @@ void bind_time(nb::module_& m) {
             options.realtime = realtime;
             options.poses = std::move(start_poses);
             options.initial_poses = std::move(initial_poses);
+            if (map != nullptr) options.map = std::make_shared<const map::OccupancyGrid>(*map);
             options.mind = mind_with(localization);
             if (image_size) options.image_size = ImageSize{image_size->second, image_size->first};
             const nb::gil_scoped_release other_threads_run;
             new (self) World(options);
           },
           nb::kw_only(), "backend"_a, "scene"_a, "robots"_a, "noise"_a, "seed"_a, "realtime"_a, "start_poses"_a,
-          "initial_poses"_a, "localization"_a = "slam", "image_size"_a = nb::none())
+          "initial_poses"_a, "localization"_a = "slam", "image_size"_a = nb::none(),
+          "map"_a.none() = nb::none())
       .def_prop_ro("robot_count", &World::robot_count)
       .def("robot", nb::overload_cast<std::size_t>(&World::robot), "index"_a, nb::rv_policy::reference_internal)
       .def_prop_ro("now", &World::now, "[s] of robot time")
@@ -333,6 +335,8 @@ void bind_simulation(nb::module_& m) {
       .def("geodesic", &Simulation::geodesic, "a"_a, "b"_a,
            "Length [m] of the shortest path between (x, y) points for the robot's footprint; infinity where there is "
            "none.")
+      .def("carry", &Simulation::carry, "pose"_a, WithoutGil(),
+           "Somebody lifts the robot and puts it down at a pose, and does not tell it.")
       .def("look",
            nb::overload_cast<const CameraIntrinsics&, const Pose2D&, double, bool>(&Simulation::look, nb::const_),
            "intrinsics"_a, "pose"_a, "height"_a, "with_itself"_a, WithoutGil(),

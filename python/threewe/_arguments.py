@@ -11,7 +11,7 @@ from typing import Any, SupportsIndex, TypeAlias, TypeVar
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from threewe._core import Pose2D
+from threewe._core import OccupancyGrid, Pose2D, load_map
 from threewe.errors import ContractError
 
 T = TypeVar("T")
@@ -106,6 +106,15 @@ def as_pose(name: str, pose: PoseLike) -> Pose2D:
     if len(numbers) not in (2, 3):
         raise ContractError(f"{name} must be a Pose2D, (x, y) or (x, y, theta), got {pose!r}")
     return Pose2D(*numbers)
+
+
+def as_map(name: str, value: OccupancyGrid | str | os.PathLike[str]) -> OccupancyGrid:
+    """A map, or the one in a file that ends in .yaml. Raises ContractError, ConfigError."""
+    if isinstance(value, OccupancyGrid):
+        return value
+    if not isinstance(value, str | os.PathLike):
+        raise ContractError(f"{name} must be an OccupancyGrid or the path of a .yaml file, got {value!r}")
+    return load_map(as_asset(name, value))
 
 
 def as_array(name: str, values: ArrayLike, shape: tuple[int | None, ...]) -> NDArray[np.float64]:

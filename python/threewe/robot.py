@@ -18,6 +18,7 @@ from threewe._arguments import (
     as_asset,
     as_function,
     as_image_size,
+    as_map,
     as_number,
     as_pose,
     as_seconds,
@@ -47,7 +48,7 @@ from threewe._observers import Observer, Observers
 from threewe._options import known_options
 from threewe._time import InRobotTime, RobotTime
 from threewe.backend import known_backend
-from threewe.errors import ContractError, ThreeweError
+from threewe.errors import ThreeweError
 from threewe.simulation import Simulation
 
 if TYPE_CHECKING:
@@ -67,8 +68,9 @@ class Robot(InRobotTime):
         backend: where the robot is: `mock` is the embedded simulator; see `threewe.backend_names()`.
         hardware: the robot profile, see `threewe.profile_names()`, or a file that ends in .yaml.
         scene: the simulated place, see `threewe.scene_names()`, or a file that ends in .yaml.
-        map: a map to localise in; the robot draws its own without.
-        initial_pose: where the robot starts in its `map` frame: a Pose2D or (x, y, theta) [m, m, rad].
+        map: a map to be localised in, or the file `map.yaml` of one as ROS has maps. The robot draws its own without.
+        initial_pose: where the robot starts in its `map` frame: a Pose2D or (x, y, theta) [m, m, rad]. Where left out,
+            at the origin of its own map; in a given one it finds out, and is `lost` until then.
         noise: `realistic`, or `ideal` for sensors and wheels without any imperfection.
         seed: of all noise. The same seed and program give the same run, to the bit.
         realtime: pace a simulator to the wall clock.
@@ -81,8 +83,9 @@ class Robot(InRobotTime):
             that ends in .rrd is recorded.
 
     Raises:
-        ConfigError: an unknown backend, profile, scene, viewer or option (with the nearest right name), or a start in a
-            wall.
+        ConfigError: an unknown backend, profile, scene, viewer or option (with the nearest right name), a start in a
+            wall, or a map that cannot be read.
+        HardwareError: a map for a robot without a lidar.
     """
 
     _viewer: Viewer | None = None
@@ -93,7 +96,7 @@ class Robot(InRobotTime):
         backend: str = "mock",
         hardware: str | os.PathLike[str] = "3we_standard_v2",
         scene: str | os.PathLike[str] = "office_v2",
-        map: OccupancyGrid | None = None,
+        map: OccupancyGrid | str | os.PathLike[str] | None = None,
         initial_pose: PoseLike | None = None,
         noise: str = "realistic",
         seed: int = 0,
@@ -104,9 +107,7 @@ class Robot(InRobotTime):
         image_size: Sequence[int] | None = None,
         viewer: str | None = None,
     ) -> None:
-        if map is not None:
-            raise ContractError("map: localising in a given map is not there yet; without it the robot draws its own")
-        initial = Pose2D() if initial_pose is None else as_pose("initial_pose", initial_pose)
+        initial = None if initial_pose is None else as_pose("initial_pose", initial_pose)
         world = _core.World(
             backend=known_backend(as_text("backend", backend)),
             scene=as_asset("scene", scene),
@@ -115,24 +116,25 @@ class Robot(InRobotTime):
             seed=as_seed("seed", seed),
             realtime=as_switch("realtime", realtime),
             start_poses=[] if start_pose is None else [as_pose("start_pose", start_pose)],
-            initial_poses=[initial],
+            initial_poses=[] if initial is None else [initial],
             localization=as_text("localization", localization),
             image_size=None if image_size is None else as_image_size("image_size", image_size),
+            map=None if map is None else as_map("map", map),
         )
-        self._set_up(world, RobotTime(world), 0, initial)
+        self._set_up(world, RobotTime(world), 0, Pose2D() if initial is None and map is None else initial)
         if viewer is not None:
             from threewe.viewer import Viewer  # needs packages that only viewers need
 
             self._viewer = Viewer(self, as_text("viewer", viewer))
 
     @classmethod
-    def _of_world(cls, world: _core.World, robot_time: RobotTime, index: int, initial_pose: Pose2D) -> Self:
+    def _of_world(cls, world: _core.World, robot_time: RobotTime, index: int, initial_pose: Pose2D | None) -> Self:
         """A robot of a world that others share."""
         robot = cls.__new__(cls)
         robot._set_up(world, robot_time, index, initial_pose)
         return robot
 
-    def _set_up(self, world: _core.World, robot_time: RobotTime, index: int, initial_pose: Pose2D) -> None:
+    def _set_up(self, world: _core.World, robot_time: RobotTime, index: int, initial_pose: Pose2D | None) -> None:
         self._world = world
         self._time = robot_time
         self._runtime = world.robot(index)
@@ -368,8 +370,13 @@ class Robot(InRobotTime):
         return self._read().ultrasonic_ranges()
 
     def get_pose(self) -> Pose2D:
-        """Where the robot believes it is, in `map`."""
+        """Where the robot believes it is, in `map`; while it is `lost`, no more than where it was last."""
         return self._read().pose().map_from_base
+
+    @property
+    def lost(self) -> bool:
+        """True while the robot does not know where it is: it looks for itself in its map, and motions wait."""
+        return self._read().pose().lost
 
     def get_velocity(self) -> Velocity:
         """The body velocity, as the robot estimates it."""
@@ -386,6 +393,13 @@ class Robot(InRobotTime):
         if self._map is None or self._map[0] != version:
             self._map = version, runtime.map()
         return self._map[1]
+
+    def save_map(self, path: str | os.PathLike[str]) -> None:
+        """Writes the map so far as ROS has maps: `path`, which ends in .yaml, and the picture beside it.
+
+        Raises ConfigError where it cannot be written.
+        """
+        _core.save_map(self.get_map(), as_asset("path", path))
 
     def get_path(self) -> NDArray[np.float64]:
         """The path being followed, from the robot to its goal: (N, 2) [m] in `map`; empty between motions."""

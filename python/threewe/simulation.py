@@ -18,7 +18,7 @@ class Simulation(_core.Simulation):
     All poses are in the scene's frame. The robot itself never sees it.
     """
 
-    def __init__(self, world: _core.World, robot: int, robot_time: RobotTime, initial_pose: Pose2D) -> None:
+    def __init__(self, world: _core.World, robot: int, robot_time: RobotTime, initial_pose: Pose2D | None) -> None:
         super().__init__(world, robot)
         self.profile: RobotProfile = world.robot(robot).profile
         self._time = robot_time
@@ -26,8 +26,11 @@ class Simulation(_core.Simulation):
 
     @property
     def scene_from_map(self) -> Pose2D:
-        """Where the origin of the robot's map truly is. A perfect map drifts from it in nothing."""
-        return self.start_pose() * self._map_from_start.inverse()
+        """Where the origin of the robot's map truly is. A perfect map drifts from it in nothing.
+
+        Nobody knows that of a given map without an `initial_pose`: it is taken for one of the scene, origin and all.
+        """
+        return Pose2D() if self._map_from_start is None else self.start_pose() * self._map_from_start.inverse()
 
     @known_options
     def reset(self, *, seed: int | None = None, pose: PoseLike | None = None, episode: int = 0) -> None:
@@ -45,6 +48,14 @@ class Simulation(_core.Simulation):
             episode=as_seed("episode", episode, 32),
         )
         self._time.wake()
+
+    def carry(self, pose: PoseLike) -> None:
+        """Somebody lifts the robot and puts it down at `pose`, and does not tell it.
+
+        Raises ConfigError when something stands there.
+        """
+        self._time.check_thread()
+        super().carry(as_pose("pose", pose))
 
     def sample_free_pose(self, seed: int) -> Pose2D:
         """A pose where the robot fits with 5 cm to spare: a pure function of the seed."""

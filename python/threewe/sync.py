@@ -140,6 +140,7 @@ class Simulation(_OnThread):
     look = _returns(threewe.Simulation.look)
     sample_free_pose = _returns(threewe.Simulation.sample_free_pose)
     geodesic = _returns(threewe.Simulation.geodesic)
+    carry = _returns(threewe.Simulation.carry)
     reset = _returns(threewe.Simulation.reset)
     save = _returns(threewe.Simulation.save)
     restore = _returns(threewe.Simulation.restore)
@@ -195,6 +196,11 @@ class Robot(_OnThread):
         return self._thread.call(lambda: self._robot.now)
 
     @property
+    def lost(self) -> bool:
+        """True while the robot does not know where it is."""
+        return self._thread.call(lambda: self._robot.lost)
+
+    @property
     def emergency_stopped(self) -> bool:
         """True while the emergency stop is latched."""
         return self._thread.call(lambda: self._robot.emergency_stopped)
@@ -239,6 +245,7 @@ class Robot(_OnThread):
     get_velocity = _returns(threewe.Robot.get_velocity)
     get_transform = _returns(threewe.Robot.get_transform)
     get_map = _returns(threewe.Robot.get_map)
+    save_map = _returns(threewe.Robot.save_map)
     get_path = _returns(threewe.Robot.get_path)
     get_observation = _returns(threewe.Robot.get_observation)
     get_camera_image = _returns(threewe.Robot.get_camera_image)

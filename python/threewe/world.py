@@ -9,8 +9,8 @@ from types import TracebackType
 from typing import Self
 
 from threewe import _core
-from threewe._arguments import PoseLike, as_asset, as_list, as_pose, as_seed, as_switch, as_text
-from threewe._core import Pose2D
+from threewe._arguments import PoseLike, as_asset, as_list, as_map, as_pose, as_seed, as_switch, as_text
+from threewe._core import OccupancyGrid, Pose2D
 from threewe._options import known_options
 from threewe._time import InRobotTime, RobotTime
 from threewe.backend import known_backend
@@ -29,7 +29,8 @@ class World(InRobotTime):
         seed: as for Robot.
         realtime: as for Robot.
         start_poses: where each robot starts in the scene; the scene's own start poses where left out.
-        initial_poses: where each starts in its own `map` frame; the origin where left out.
+        initial_poses: where each starts in its `map` frame; where left out, as for Robot.
+        map: as for Robot, for all of them.
 
     Raises:
         ConfigError: as for Robot.
@@ -47,11 +48,11 @@ class World(InRobotTime):
         realtime: bool = False,
         start_poses: Sequence[PoseLike] = (),
         initial_poses: Sequence[PoseLike] = (),
+        map: OccupancyGrid | str | os.PathLike[str] | None = None,
     ) -> None:
         profiles = [as_asset("robots", hardware) for hardware in as_list("robots", robots)]
         starts = [as_pose("start_poses", pose) for pose in as_list("start_poses", start_poses)]
         initial = [as_pose("initial_poses", pose) for pose in as_list("initial_poses", initial_poses)]
-        initial += [Pose2D()] * (len(profiles) - len(initial))
         world = _core.World(
             backend=known_backend(as_text("backend", backend)),
             scene=as_asset("scene", scene),
@@ -61,11 +62,14 @@ class World(InRobotTime):
             realtime=as_switch("realtime", realtime),
             start_poses=starts,
             initial_poses=initial,
+            map=None if map is None else as_map("map", map),
         )
         self._world = world
         self._time = RobotTime(world)
+        elsewhere = Pose2D() if map is None else None
         self.robots: tuple[Robot, ...] = tuple(
-            Robot._of_world(world, self._time, index, initial[index]) for index in range(world.robot_count)
+            Robot._of_world(world, self._time, index, initial[index] if index < len(initial) else elsewhere)
+            for index in range(world.robot_count)
         )
 
     def __repr__(self) -> str:

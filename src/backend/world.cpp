@@ -12,6 +12,10 @@ bool Features::has(SensorType type) const {
 
 void World::reset(const ResetOptions&) { throw ContractError("this backend cannot be reset"); }
 
+void World::carry(std::size_t, const Pose2D&) {
+  throw ContractError("on this backend a robot can be carried by hand alone");
+}
+
 std::vector<std::byte> World::save() const { throw ContractError("this backend cannot be saved"); }
 
 void World::restore(const std::vector<std::byte>&) { throw ContractError("this backend cannot be restored"); }

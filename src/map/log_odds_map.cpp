@@ -28,6 +28,9 @@ const std::array<std::int8_t, 256>& occupancy_table() {
   return table;
 }
 
+bool is_occupied(std::int8_t value) { return value >= OccupancyGrid::kOccupiedThreshold; }
+bool is_free(std::int8_t value) { return value >= 0 && value <= OccupancyGrid::kFreeThreshold; }
+
 int floor_to_chunk(double cells) { return kChunk * static_cast<int>(std::floor(cells / kChunk)); }
 
 // The old contents of a grid of `size` in a larger one, `offset` cells further in.
@@ -47,6 +50,45 @@ std::vector<T> moved_into(const std::vector<T>& old, int old_width, Cell offset,
 }  // namespace
 
 LogOddsMap::LogOddsMap(const Settings& settings) : settings_(settings) { grid_.resolution = settings.resolution; }
+
+LogOddsMap LogOddsMap::going_on_from(const OccupancyGrid& given) {
+  LogOddsMap map({.resolution = given.resolution});
+  map.grid_ = given;
+  map.raster_ = given.origin;
+  map.log_odds_.assign(given.data.size(), 0);
+  map.hits_.resize(given.data.size());
+  map.marks_.assign(given.data.size(), Mark::none);
+  map.version_ = given.data.empty() ? 0 : 1;
+  for (std::size_t i = 0; i < given.data.size(); ++i) {
+    if (is_occupied(given.data[i])) map.log_odds_[i] = map.settings_.max;
+    if (is_free(given.data[i])) map.log_odds_[i] = map.settings_.min;
+    map.grid_.data[i] = occupancy_table()[static_cast<std::uint8_t>(map.log_odds_[i] + 128)];
+  }
+  for (int y = 0; y < given.height; ++y) {
+    for (int x = 0; x < given.width; ++x) {
+      if (map.log_odds_[given.index({x, y})] > 0) map.add_given_surface({x, y});
+    }
+  }
+  return map;
+}
+
+// Seen from where it is free around. As far as a lidar's bias goes it was seen from nowhere: it is where it is.
+void LogOddsMap::add_given_surface(Cell c) {
+  constexpr std::int16_t kSightings = 12;
+  int from_x = 0;
+  int from_y = 0;
+  bool visible = false;
+  for (int dy = -1; dy <= 1; ++dy) {
+    for (int dx = -1; dx <= 1; ++dx) {
+      if (log_odds({c.x + dx, c.y + dy}) >= 0) continue;
+      visible = true;
+      from_x += dx, from_y += dy;
+    }
+  }
+  if (!visible) return;
+  const auto sign = [](int sum) { return static_cast<std::int16_t>(sum > 0 ? kSightings : sum < 0 ? -kSightings : 0); };
+  hits_[grid_.index(c)] = {.sum_from_x = sign(from_x), .sum_from_y = sign(from_y), .count = kSightings};
+}
 
 void LogOddsMap::insert(std::span<const Beam> scan, double range_bias) {
   const std::vector<Beam> beams = within_reach(scan);
@@ -97,9 +139,11 @@ void LogOddsMap::grow_to_hold(std::span<const Beam> beams) {
 void LogOddsMap::make_room(Vec2 low, Vec2 high) {
   // whole chunks, and at least two cells more than needed so that neighbours can be read unchecked
   const double r = grid_.resolution;
+  low = low - raster_, high = high - raster_;
+  const Vec2 corner = grid_.origin - raster_;
   const bool first = grid_.data.empty();
-  const int old_x = first ? floor_to_chunk(low.x / r) : static_cast<int>(std::floor(grid_.origin.x / r + 0.5));
-  const int old_y = first ? floor_to_chunk(low.y / r) : static_cast<int>(std::floor(grid_.origin.y / r + 0.5));
+  const int old_x = first ? floor_to_chunk(low.x / r) : static_cast<int>(std::floor(corner.x / r + 0.5));
+  const int old_y = first ? floor_to_chunk(low.y / r) : static_cast<int>(std::floor(corner.y / r + 0.5));
   const int x0 = std::min(old_x, floor_to_chunk(low.x / r - 2));
   const int y0 = std::min(old_y, floor_to_chunk(low.y / r - 2));
   const int x1 = std::max(old_x + grid_.width, floor_to_chunk(high.x / r + 2) + kChunk);
@@ -115,7 +159,7 @@ void LogOddsMap::make_room(Vec2 low, Vec2 high) {
   marks_.assign(grid_.data.size(), Mark::none);
   grid_.width = width;
   grid_.height = height;
-  grid_.origin = {x0 * r, y0 * r};
+  grid_.origin = raster_ + Vec2{x0 * r, y0 * r};
 }
 
 void LogOddsMap::add_hit(const Beam& beam, double range_bias) {

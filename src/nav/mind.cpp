@@ -7,7 +7,7 @@
 
 namespace threewe::slam {
 
-std::unique_ptr<Localizer> make_localizer(const RobotProfile& profile, const Pose2D& map_from_start) {
+std::unique_ptr<Localizer> make_localizer(const RobotProfile& profile, const Beginning& beginning) {
   constexpr double kUniform = std::numbers::inv_sqrt3;  // deviation of what is uniform in [-1, 1]
   SensorModel sensors;
   sensors.lidar = profile.lidar.has_value();
@@ -24,7 +24,7 @@ std::unique_ptr<Localizer> make_localizer(const RobotProfile& profile, const Pos
   sensors.forward_scale_sigma = kUniform * wheels.wheel_scale;
   sensors.lateral_scale = 0.5 * (wheels.lateral_scale_min + wheels.lateral_scale_max);
   sensors.lateral_scale_sigma = kUniform * 0.5 * (wheels.lateral_scale_max - wheels.lateral_scale_min);
-  return make_scan_matching_localizer(sensors, map_from_start);
+  return make_scan_matching_localizer(sensors, beginning);
 }
 
 }  // namespace threewe::slam

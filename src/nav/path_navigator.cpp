@@ -21,7 +21,7 @@ constexpr Duration kStuckAfter = 2500ms;  // without having moved ...
 constexpr double kMoved = 0.06;           // [m] ... or turned by kMovedTurn
 constexpr double kMovedTurn = 0.3;        // [rad]
 constexpr Duration kProof = 2500ms;       // for so long no plan may exist before it is believed
-constexpr Duration kLostPatience = 5s;    // after having looked round
+constexpr Duration kLostPatience = 8s;    // after having looked round
 constexpr Duration kMapPatience = 1s;     // how long to wait for a first scan
 
 map::Costmap::Settings costmap_settings(const RobotProfile& profile) {
@@ -60,7 +60,8 @@ void PathNavigator::start(const Goal& goal, const Observation& seen) {
   progress_ = {};
   progress_.pose = seen.pose.map_from_base();
   motion_ = {};
-  motion_.start = motion_.last_moved = progress_.pose;
+  motion_.start = odom_from_base_ = seen.pose.odom_from_base;
+  motion_.last_moved = progress_.pose;
   motion_.started = motion_.last_moved_at = motion_.tight_until = seen.now;
   tracker_.forget_turn();
   recovery_.reset();
@@ -76,7 +77,8 @@ Decision PathNavigator::step(const Observation& seen) {
   if (has_lidar_ && seen.map_version == 0) {
     return now_ - motion_.started < kMapPatience ? Decision{} : finish(Reason::fault, "no scan has arrived");
   }
-  if (seen.pose.lost || motion_.lost) return find_itself(seen);
+  const bool relative = std::holds_alternative<Rotate>(goal_) || std::holds_alternative<MoveForward>(goal_);
+  if (!relative && (seen.pose.lost || motion_.lost)) return find_itself(seen);
   if (recovery_.active()) return recover();
   recovery_.remember(odom_from_base_);
   return std::visit([&](const auto& goal) { return drive(goal, seen); }, goal_);
@@ -85,9 +87,9 @@ Decision PathNavigator::step(const Observation& seen) {
 void PathNavigator::note(const Observation& seen) {
   const Pose2D pose = seen.pose.map_from_base();
   progress_.distance_driven += distance(pose.position(), progress_.pose.position());
-  motion_.turned += wrap_angle(pose.theta - progress_.pose.theta);
-  progress_.pose = pose;
+  motion_.turned += wrap_angle(seen.pose.odom_from_base.theta - odom_from_base_.theta);
   odom_from_base_ = seen.pose.odom_from_base;
+  progress_.pose = pose;
   now_ = seen.now;
 
   const Pose2D base_from_odom = inverse(odom_from_base_);
@@ -127,7 +129,7 @@ Decision PathNavigator::drive(const Rotate& goal, const Observation&) {
 
 Decision PathNavigator::drive(const MoveForward& goal, const Observation&) {
   // where the robot is along and beside the line that it started on
-  const Pose2D along = inverse(motion_.start) * progress_.pose;
+  const Pose2D along = inverse(motion_.start) * odom_from_base_;
   const double left = goal.distance - along.x;
   progress_.distance_left = std::fabs(left);
   if (goal.distance >= 0.0 ? left <= 0.01 : left >= -0.01) return finish(Reason::reached);

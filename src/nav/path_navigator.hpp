@@ -45,7 +45,7 @@ class PathNavigator final : public Navigator {
 
   /// What belongs to one motion.
   struct Motion {
-    Pose2D start;  // in `map`
+    Pose2D start;  // in `odom`: no correction of the map is a motion
     Time started{};
     double turned = 0.0;      // [rad] since then
     bool at_goal = false;     // only the heading is left

@@ -5,6 +5,7 @@
 
 #include "robot/goals.hpp"
 #include "threewe/core/errors.hpp"
+#include "threewe/map/ros_map.hpp"
 
 namespace threewe {
 namespace {
@@ -32,6 +33,7 @@ World::Options world_options(const Robot::Options& o) {
   options.realtime = o.realtime;
   options.mind = o.mind;
   options.image_size = o.image_size;
+  options.map = o.map;
   if (o.start_pose) options.poses = {*o.start_pose};
   if (o.initial_pose) options.initial_poses = {*o.initial_pose};
   return options;
@@ -66,8 +68,10 @@ const LaserScan& Robot::get_lidar_scan() const { return runtime_->lidar_scan(); 
 const IMUData& Robot::get_imu() const { return runtime_->imu(); }
 Pose2D Robot::get_pose() const { return runtime_->pose().map_from_base(); }
 const Odometry& Robot::get_odometry() const { return runtime_->odometry(); }
+bool Robot::lost() const { return runtime_->pose().lost; }
 Velocity Robot::get_velocity() const { return runtime_->pose().velocity; }
 const map::OccupancyGrid& Robot::get_map() const { return runtime_->map(); }
+void Robot::save_map(const std::filesystem::path& yaml) const { map::save_ros_map(get_map(), yaml); }
 const BatteryState& Robot::get_battery_state() const { return runtime_->battery(); }
 const RGBDImage& Robot::get_image(std::string_view camera) const { return runtime_->image(camera); }
 const RGBDImage& Robot::get_rgbd_image() const { return runtime_->rgbd_image(); }

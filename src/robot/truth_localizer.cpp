@@ -21,8 +21,10 @@ constexpr double kFreeNoReturn = 4.0;       // [m] a beam without return clears 
 
 class TruthLocalizer final : public slam::Localizer {
  public:
-  TruthLocalizer(const RobotProfile& profile, const Pose2D& map_from_start, const scene::TruthView& truth)
-      : lidar_(profile.lidar), map_from_odom_(map_from_start), truth_(&truth) {}
+  TruthLocalizer(const RobotProfile& profile, const slam::Beginning& beginning, const scene::TruthView& truth)
+      : lidar_(profile.lidar), map_from_odom_(beginning.map_from_start.value_or(Pose2D{})), truth_(&truth) {
+    if (beginning.map) map_ = map::LogOddsMap::going_on_from(*beginning.map);
+  }
 
   void add(const Sample& sample) override {
     if (track_.empty() || track_.back().time < sample.received) track_.push_back({sample.received, odom_from_base()});
@@ -112,13 +114,16 @@ void TruthLocalizer::extend_map(const LaserScan& scan, Time measured) {
 
 }  // namespace
 
-std::unique_ptr<slam::Localizer> make_truth_localizer(const RobotProfile& profile, const Pose2D& map_from_start,
+std::unique_ptr<slam::Localizer> make_truth_localizer(const RobotProfile& profile, const slam::Beginning& beginning,
                                                       const scene::TruthView* truth) {
   if (truth == nullptr) {
     throw ContractError("localization 'truth' needs a simulator that tells it; nobody knows where robot '" +
                         profile.name + "' truly is on this backend");
   }
-  return std::make_unique<TruthLocalizer>(profile, map_from_start, *truth);
+  if (beginning.map && !beginning.map_from_start) {
+    throw ContractError("localization 'truth' in a given map needs initial_pose: the truth knows nothing of that map");
+  }
+  return std::make_unique<TruthLocalizer>(profile, beginning, *truth);
 }
 
 }  // namespace threewe

@@ -14,11 +14,27 @@
 namespace threewe {
 namespace {
 
-Runtime::Options make_mind(const Mind& mind, const backend::RobotPort& port, const Pose2D& map_from_start) {
+Runtime::Options make_mind(const Mind& mind, const backend::RobotPort& port, const slam::Beginning& beginning) {
   const RobotProfile& profile = port.profile();
-  return {mind.localizer ? mind.localizer(profile, map_from_start, port.truth())
-                         : slam::make_localizer(profile, map_from_start),
+  if (beginning.map && !profile.lidar) {
+    throw HardwareError("robot '" + profile.name + "' has no sensor 'lidar', which finding its place in a map needs");
+  }
+  return {mind.localizer ? mind.localizer(profile, beginning, port.truth()) : slam::make_localizer(profile, beginning),
           mind.navigator ? mind.navigator(profile) : nav::make_navigator(profile)};
+}
+
+void check_map(const map::OccupancyGrid& map) {
+  const auto cells = static_cast<std::size_t>(map.width) * static_cast<std::size_t>(map.height);
+  if (map.width < 1 || map.height < 1 || map.data.size() != cells) throw ContractError("map must have cells");
+  if (!map::fits_a_grid(map.width, map.height)) {
+    throw ContractError("map must have at most 8192 cells a side and 16.7 million in all");
+  }
+  if (!(map.resolution >= 0.001 && map.resolution <= 10.0)) {
+    throw ContractError("map: resolution must lie in [0.001, 10] m, not " + std::to_string(map.resolution));
+  }
+  if (!(std::abs(map.origin.x) <= backend::kMaxCoordinate && std::abs(map.origin.y) <= backend::kMaxCoordinate)) {
+    throw ContractError("map: origin must be within 1000 km of (0, 0)");
+  }
 }
 
 // True for as long as it lives, whatever is thrown.
@@ -42,12 +58,13 @@ struct World::Snapshot {
 };
 
 World::World(const Options& options)
-    : World(backend::make_world(options.backend, options), options.realtime, options.mind, options.initial_poses) {
+    : World(backend::make_world(options.backend, options), options.realtime, options.mind, options.initial_poses,
+            options.map) {
   impl_->seed = options.seed;
 }
 
 World::World(std::unique_ptr<backend::World> backend, bool realtime, const Mind& mind,
-             const std::vector<Pose2D>& initial_poses)
+             const std::vector<Pose2D>& initial_poses, const std::shared_ptr<const map::OccupancyGrid>& map)
     : impl_(std::make_unique<Impl>()) {
   impl_->backend = std::move(backend);
   impl_->now = impl_->backend->now();
@@ -56,15 +73,20 @@ World::World(std::unique_ptr<backend::World> backend, bool realtime, const Mind&
     throw ConfigError("there are " + std::to_string(initial_poses.size()) + " initial_poses for " +
                       std::to_string(impl_->backend->robot_count()) + " robots");
   }
+  if (map) check_map(*map);
   for (std::size_t i = 0; i < impl_->backend->robot_count(); ++i) {
     backend::RobotPort& port = impl_->backend->robot(i);
     impl_->lockstep = impl_->lockstep && port.features().lockstep;
-    const Pose2D map_from_start = i < initial_poses.size() ? initial_poses[i] : Pose2D{};
-    if (!is_finite(map_from_start)) throw ContractError("initial_pose must be finite");
-    if (std::abs(map_from_start.x) > backend::kMaxCoordinate || std::abs(map_from_start.y) > backend::kMaxCoordinate) {
-      throw ContractError("initial_pose must be within 1000 km of the origin");
+    slam::Beginning beginning{map, {}};
+    if (i < initial_poses.size()) {
+      const Pose2D& pose = initial_poses[i];
+      if (!is_finite(pose)) throw ContractError("initial_pose must be finite");
+      if (std::abs(pose.x) > backend::kMaxCoordinate || std::abs(pose.y) > backend::kMaxCoordinate) {
+        throw ContractError("initial_pose must be within 1000 km of the origin");
+      }
+      beginning.map_from_start = pose;
     }
-    impl_->robots.push_back(std::make_unique<Runtime>(*this, port, make_mind(mind, port, map_from_start)));
+    impl_->robots.push_back(std::make_unique<Runtime>(*this, port, make_mind(mind, port, beginning)));
   }
 }
 
@@ -216,6 +238,13 @@ void World::reset(const backend::ResetOptions& options) {
   impl_->backend->reset(options);
   for (const auto& robot : impl_->robots) robot->restart();
   impl_->begin_anew_at(impl_->backend->now());
+}
+
+void World::carry(std::size_t robot, const Pose2D& pose) {
+  impl_->require_no_tick();
+  if (robot >= robot_count()) throw ContractError("no robot " + std::to_string(robot));
+  if (!is_finite(pose)) throw ContractError("pose must be finite");
+  impl_->backend->carry(robot, pose);
 }
 
 std::shared_ptr<const World::Snapshot> World::save() const {

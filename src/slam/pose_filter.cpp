@@ -76,6 +76,12 @@ Vector7 PoseFilter::observe_gyro_bias(double error, double variance) {
   return gain * error;
 }
 
+void PoseFilter::restart(double position_sigma, double heading_sigma) {
+  covariance_.topRows<3>().setZero();
+  covariance_.leftCols<3>().setZero();
+  widen(position_sigma, heading_sigma);
+}
+
 void PoseFilter::widen(double position_sigma, double heading_sigma) {
   covariance_(kX, kX) += square(position_sigma);
   covariance_(kY, kY) += square(position_sigma);

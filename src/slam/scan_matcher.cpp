@@ -93,7 +93,9 @@ std::optional<Surface> surface_at(const map::LogOddsMap& map, Vec2 point, Vec2 b
     const map::CellHits* row = &map.hits()[grid.index({middle.x, middle.y + dy})];
     for (int dx = -1; dx <= 1; ++dx) {
       const map::CellHits& h = row[dx];
-      if (h.count == 0 || h.sum_from_x * back.x + h.sum_from_y * back.y <= 0.0) continue;
+      const double facing = h.sum_from_x * back.x + h.sum_from_y * back.y;
+      const bool from_all_sides = h.sum_from_x == 0 && h.sum_from_y == 0;
+      if (h.count == 0 || (facing <= 0.0 && !from_all_sides)) continue;
       const double scale = 1.0 / (256.0 * h.count);
       const double px = dx + scale * h.sum_x;
       const double py = dy + scale * h.sum_y;

@@ -7,6 +7,8 @@
 #include <Eigen/LU>
 
 #include "slam/dead_reckoning.hpp"
+#include "slam/known_map.hpp"
+#include "slam/place_finder.hpp"
 #include "slam/pose_filter.hpp"
 #include "slam/scan_beams.hpp"
 #include "slam/scan_matcher.hpp"
@@ -22,20 +24,40 @@ constexpr std::uint64_t kFirstScans = 3;    // all of these make the first map
 constexpr double kPoorAgreement = 0.6;      // below this the scan seems to be elsewhere
 constexpr double kGoodAgreement = 0.7;
 constexpr int kFewHits = 30;  // fewer hits in known space tell nothing
-constexpr Duration kLostAfter = 2s;
+constexpr Duration kLostAfter = 2s;         // without a scan that seems to be where it should ...
+constexpr double kNoAgreement = 0.35;       // ... and if not even so much of any fits ...
+constexpr Duration kLostAtOnceAfter = 1s;   // ... earlier
 constexpr int kStandingSamples = 10;   // wheels at rest for so many samples: the robot stands
 constexpr double kMapDrift = 0.005;    // [m/sqrt(m)] the map itself wanders from its origin as it grows ...
 constexpr double kMapTurn = 0.001;     // [rad/sqrt(m)]
 constexpr double kMapOrigin = 0.003;   // [m] ... and lies a little off it from the start
 constexpr double kMapHeading = 0.003;  // [rad]
+constexpr double kGivenOrigin = 0.02;   // [m] a given map is known so well, from cells and by whoever drew it ...
+constexpr double kGivenHeading = 0.006;  // [rad]
+constexpr double kToldPosition = 0.25;   // [m] what somebody says of where the robot starts is so good ...
+constexpr double kToldHeading = 0.15;    // [rad]
+constexpr double kFoundPosition = 0.1;   // [m] ... and what a search finds
+constexpr double kFoundHeading = 0.05;   // [rad]
+constexpr double kDoubtful = 0.45;       // a given map that resembles the scans less than so for long ...
+constexpr double kCertain = 0.55;        // ... until it does again
 
 class ScanMatchingLocalizer final : public Localizer {
  public:
-  ScanMatchingLocalizer(const SensorModel& sensors, const Pose2D& map_from_start)
+  ScanMatchingLocalizer(const SensorModel& sensors, const Beginning& beginning)
       : sensors_(sensors),
         track_({.lateral_scale = sensors.lateral_scale}),
         filter_(sensors),
-        map_from_odom_(map_from_start) {}
+        map_from_odom_(beginning.map_from_start.value_or(Pose2D{})) {
+    if (!beginning.map) return;
+    given_ = std::make_shared<const KnownMap>(*beginning.map);
+    map_ = given_->surfaces();
+    if (beginning.map_from_start) {
+      filter_.restart(kToldPosition, kToldHeading);
+    } else {
+      nowhere_ = true;
+      get_lost();
+    }
+  }
 
   void add(const Sample& sample) override {
     if (const auto* imu = std::get_if<IMUData>(&sample.data))
@@ -49,7 +71,7 @@ class ScanMatchingLocalizer final : public Localizer {
 
   PoseEstimate estimate(Time now) const override;
   const map::OccupancyGrid& map() const override { return map_.grid(); }
-  std::uint64_t map_version() const override { return map_.version(); }
+  std::uint64_t map_version() const override { return versions_before_ + map_.version(); }
   std::span<const Vec2> obstacles() const override { return obstacles_; }
   std::unique_ptr<Localizer> clone() const override { return std::make_unique<ScanMatchingLocalizer>(*this); }
 
@@ -58,6 +80,11 @@ class ScanMatchingLocalizer final : public Localizer {
   Time deskew(Time measured, const LaserScan& scan);
   void keep_unseen(const std::vector<Vec2>& before, Vec2 lidar_in_odom, double nearest_seen);
   void predict_to(Time stamp);
+  void find_place(Time stamp);
+  void doubt(const Pose2D& map_from_base);
+  bool is_better(const Pose2D& other, const Pose2D& map_from_base) const;
+  void settle(const Pose2D& map_from_base, Time stamp);
+  void get_lost();
   void correct(Time stamp);
   void shift(const Vector7& by, const Pose2D& map_from_base, const Pose2D& odom_from_base);
   void judge(Time stamp, const Match& match);
@@ -73,17 +100,29 @@ class ScanMatchingLocalizer final : public Localizer {
   Time keyframe_stamp_{};
   double driven_ = 0.0;  // [m] since the start
   bool agrees_ = true;   // the newest scan fits the map
-  Time agreed_{};        // when a scan last did
+  Time agreed_{};        // when a scan last did ...
+  Time resembled_{};     // ... or nearly
   bool lost_ = false;
+
+  std::shared_ptr<const KnownMap> given_;  // null: the robot draws its own map alone
+  std::shared_ptr<const KnownMap> home_;   // where a lost robot looks for itself
+  std::optional<PlaceFinder> finder_;      // while the robot is lost, or doubts its place
+  double trust_ = 1.0;                     // how well the given map has fitted the scans lately
+  bool nowhere_ = false;                   // no place was ever known
+  bool looked_ = false;                    // a scan has arrived
+  std::uint64_t versions_before_ = 0;      // of maps that were given up
 
   std::vector<map::Beam> beams_;  // the newest scan, in the base frame at the end of its turn
   std::vector<Vec2> obstacles_;   // its hits in odom, and what is too near to be seen
 };
 
-// One scan: undo the motion during its turn, carry the belief there, fit it to the map, let the map grow.
+// One scan: undo the motion during its turn, carry the belief there, find out where on the map that may be, fit it to
+// the map, let the map grow.
 void ScanMatchingLocalizer::add_scan(Time measured, const LaserScan& scan) {
   const Time stamp = deskew(measured, scan);
   predict_to(stamp);
+  find_place(stamp);
+  if (nowhere_) return;
   correct(stamp);
   extend_map(stamp);
 }
@@ -149,10 +188,62 @@ void ScanMatchingLocalizer::predict_to(Time stamp) {
   shift(filter_.observe_gyro_bias(error, variance), map_from_odom_ * odom_from_base, odom_from_base);
 }
 
+// Looks for a place while there is none, and where the given map does not look like what is seen.
+void ScanMatchingLocalizer::find_place(Time stamp) {
+  const Pose2D odom_from_base = track_.at(stamp);
+  const Pose2D believed = map_from_odom_ * odom_from_base;
+  if (!looked_) agreed_ = resembled_ = stamp;
+  if (given_ && !looked_ && !nowhere_) {
+    const ScanSearch::Window near_told{believed, {3.0 * kToldPosition, 3.0 * kToldPosition}, 3.0 * kToldHeading};
+    const auto found = given_->search().find(beams_, near_told, kDoubtful);
+    if (found && given_->compare(found->pose, beams_).agreement() > kCertain) settle(found->pose, stamp);
+  }
+  looked_ = true;
+
+  if (given_ && !lost_) doubt(believed);
+  if (!finder_) return;
+  const std::optional<Pose2D> found = finder_->look(stamp, odom_from_base, beams_);
+  if (found && (nowhere_ || is_better(*found, believed))) settle(*found, stamp);
+}
+
+// Scans that fit what the robot has mapped by itself say little: it would fit anywhere that it was taken for.
+void ScanMatchingLocalizer::doubt(const Pose2D& map_from_base) {
+  constexpr double kShare = 0.05;  // of one scan
+  const Resemblance seen = given_->compare(map_from_base, beams_);
+  if (seen.hits >= kFewHits) trust_ += kShare * (seen.agreement() * (1.0 - seen.contradiction()) - trust_);
+  if (trust_ < kDoubtful && !finder_) finder_.emplace(home_ = given_);
+  if (trust_ > kCertain) finder_.reset();
+}
+
+bool ScanMatchingLocalizer::is_better(const Pose2D& other, const Pose2D& map_from_base) const {
+  constexpr double kBetter = 0.15;
+  return home_->compare(other, beams_).agreement() > home_->compare(map_from_base, beams_).agreement() + kBetter;
+}
+
+// The robot is here. What it has mapped on a given map may have been mapped elsewhere.
+void ScanMatchingLocalizer::settle(const Pose2D& map_from_base, Time stamp) {
+  map_from_odom_ = map_from_base * inverse(track_.at(stamp));
+  filter_.restart(kFoundPosition, kFoundHeading);
+  if (given_) {
+    versions_before_ += map_.version();
+    map_ = given_->surfaces();
+  }
+  finder_.reset();
+  nowhere_ = lost_ = false;
+  agreed_ = resembled_ = stamp;
+  trust_ = 1.0;
+}
+
+void ScanMatchingLocalizer::get_lost() {
+  lost_ = true;
+  home_ = given_ ? given_ : std::make_shared<const KnownMap>(map_.grid());
+  finder_.emplace(home_);
+}
+
 // Fits the scan to the map; far away first, if it does not fit where it should.
 void ScanMatchingLocalizer::correct(Time stamp) {
   if (map_.version() == 0) {
-    agreed_ = stamp;
+    agreed_ = resembled_ = stamp;
     return;
   }
   const Pose2D odom_from_base = track_.at(stamp);
@@ -196,8 +287,13 @@ void ScanMatchingLocalizer::shift(const Vector7& by, const Pose2D& map_from_base
 void ScanMatchingLocalizer::judge(Time stamp, const Match& match) {
   agrees_ = match.known_hits < kFewHits || match.agreement >= kPoorAgreement - (lost_ ? 0.0 : 0.15);
   if (agrees_) agreed_ = stamp;
-  if (match.agreement >= kGoodAgreement) lost_ = false;
-  if (stamp - agreed_ > kLostAfter) lost_ = true;
+  if (lost_ && match.agreement >= kGoodAgreement &&
+      home_->compare(match.at.pose, beams_).agreement() >= kGoodAgreement) {
+    lost_ = false;
+    finder_.reset();
+  }
+  if (match.known_hits < kFewHits || match.agreement >= kNoAgreement) resembled_ = stamp;
+  if (!lost_ && (stamp - agreed_ > kLostAfter || stamp - resembled_ > kLostAtOnceAfter)) get_lost();
 }
 
 void ScanMatchingLocalizer::extend_map(Time stamp) {
@@ -231,7 +327,16 @@ PoseEstimate ScanMatchingLocalizer::estimate(Time now) const {
   }
   // the filter knows the pose in the map; how far the map is off, nobody measures
   Matrix7 covariance = filter.covariance();
-  if (map_.version() > 0) {
+  if (lost_) {
+    covariance.topLeftCorner<3, 3>().setZero();
+    covariance(kX, kX) = home_->spread().x * home_->spread().x;
+    covariance(kY, kY) = home_->spread().y * home_->spread().y;
+    covariance(kTheta, kTheta) = exact::kPi * exact::kPi / 3.0;
+  } else if (given_) {
+    covariance(kX, kX) += kGivenOrigin * kGivenOrigin;
+    covariance(kY, kY) += kGivenOrigin * kGivenOrigin;
+    covariance(kTheta, kTheta) += kGivenHeading * kGivenHeading;
+  } else if (map_.version() > 0) {
     covariance(kX, kX) += kMapOrigin * kMapOrigin + kMapDrift * kMapDrift * driven_;
     covariance(kY, kY) += kMapOrigin * kMapOrigin + kMapDrift * kMapDrift * driven_;
     covariance(kTheta, kTheta) += kMapHeading * kMapHeading + kMapTurn * kMapTurn * driven_;
@@ -245,8 +350,8 @@ PoseEstimate ScanMatchingLocalizer::estimate(Time now) const {
 
 }  // namespace
 
-std::unique_ptr<Localizer> make_scan_matching_localizer(const SensorModel& sensors, const Pose2D& map_from_start) {
-  return std::make_unique<ScanMatchingLocalizer>(sensors, map_from_start);
+std::unique_ptr<Localizer> make_scan_matching_localizer(const SensorModel& sensors, const Beginning& beginning) {
+  return std::make_unique<ScanMatchingLocalizer>(sensors, beginning);
 }
 
 }  // namespace threewe::slam

@@ -22,6 +22,7 @@ from threewe.slam import (
     read_log,
     relation_errors,
     replay,
+    load_map,
     save_map,
     survey_names,
     synthesize,
@@ -235,10 +236,13 @@ def test_a_map_from_a_log(recorded: tuple[Log, Array], tmp_path: Path) -> None:
 
 def test_a_map_is_saved_as_ros_has_it(tmp_path: Path) -> None:
     cells = np.array([[-1, 0, 100], [25, 26, 65]], dtype=np.int8)
-    save_map(threewe.OccupancyGrid(cells, 0.1, (-1.0, 2.5)), tmp_path)
+    save_map(threewe.OccupancyGrid(cells, 0.1, (-1.0, 2.5)), tmp_path / "map.yaml")
     assert (tmp_path / "map.pgm").read_bytes().endswith(b"\n3 2\n255\n" + bytes([254, 205, 0, 205, 254, 0]))
     text = (tmp_path / "map.yaml").read_text()
-    assert "resolution: 0.1\norigin: [-1.000, 2.500, 0]\n" in text
+    assert "resolution: 0.1\norigin: [-1, 2.5, 0]\n" in text
+    again = load_map(tmp_path / "map.yaml")
+    assert again.data.tolist() == [[-1, 0, 100], [0, -1, 100]]
+    assert (again.resolution, again.origin) == (0.1, (-1.0, 2.5))
 
 
 def test_places_are_recognised_where_the_robot_comes_back(recorded: tuple[Log, Array]) -> None:

@@ -82,6 +82,9 @@ class World {
   virtual void advance_to(Time t) = 0;
   /// Throws ContractError where `can_reset` is false, ConfigError when a robot would start inside an obstacle.
   virtual void reset(const ResetOptions& options);
+  /// Somebody lifts a robot and puts it down at `pose`, in the scene's frame, where it stands still. Throws
+  /// ContractError where `can_reset` is false or it cannot be done, ConfigError when something stands there.
+  virtual void carry(std::size_t robot, const Pose2D& pose);
   /// Everything that the future depends on. Throws ContractError where `can_save` is false.
   virtual std::vector<std::byte> save() const;
   virtual void restore(const std::vector<std::byte>& state);

@@ -44,6 +44,9 @@ class LogOddsMap {
 
   LogOddsMap() : LogOddsMap(Settings{}) {}
   explicit LogOddsMap(const Settings& settings);
+  /// Goes on from a map that somebody gave: what is occupied or free in it counts as seen often, each occupied cell next
+  /// to free ones as a surface through its middle. The version begins at 1, at 0 where `given` has no cells.
+  static LogOddsMap going_on_from(const OccupancyGrid& given);
 
   /// Adds one scan whose ranges are measured too long by `range_bias` [m]. A cell changes once: where any beam hit it,
   /// it counts as hit, whatever passed through it. Beams that the map would outgrow its limits for are ignored.
@@ -70,9 +73,11 @@ class LogOddsMap {
   void add_hit(const Beam& beam, double range_bias);
   void mark_free(const Beam& beam, double range_bias);
   void apply(std::size_t index);
+  void add_given_surface(Cell c);
 
   Settings settings_;
   OccupancyGrid grid_;
+  Vec2 raster_;  // [m] where the corner of some cell is: (0, 0) unless the map was given
   std::vector<std::int8_t> log_odds_;
   std::vector<CellHits> hits_;
   std::vector<Mark> marks_;             // what the present scan saw; all `none` between scans

@@ -10,8 +10,7 @@
 namespace threewe::slam {
 
 /// Localisation and mapping by lidar, gyro and wheels; by wheels and gyro alone where there is no lidar.
-/// `map_from_start`: where the robot starts in its map frame.
-std::unique_ptr<Localizer> make_localizer(const RobotProfile& profile, const Pose2D& map_from_start = {});
+std::unique_ptr<Localizer> make_localizer(const RobotProfile& profile, const Beginning& beginning = {});
 
 }  // namespace threewe::slam
 

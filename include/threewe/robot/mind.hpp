@@ -14,10 +14,9 @@ namespace threewe {
 
 /// Makes the mind of one robot. A factory that is empty stands for ours.
 struct Mind {
-  /// `map_from_start` is where the robot starts in its `map` frame. `truth` is null on a real robot; ours never sees
-  /// it.
+  /// `truth` is null on a real robot; ours never sees it.
   using LocalizerFactory = std::function<std::unique_ptr<slam::Localizer>(
-      const RobotProfile& profile, const Pose2D& map_from_start, const scene::TruthView* truth)>;
+      const RobotProfile& profile, const slam::Beginning& beginning, const scene::TruthView* truth)>;
   using NavigatorFactory = std::function<std::unique_ptr<nav::Navigator>(const RobotProfile& profile)>;
   LocalizerFactory localizer;
   NavigatorFactory navigator;

@@ -5,6 +5,7 @@
 #pragma once
 
 #include <array>
+#include <filesystem>
 #include <functional>
 #include <map>
 #include <memory>
@@ -35,7 +36,9 @@ class Robot {
     NoiseLevel noise = NoiseLevel::realistic;
     std::uint64_t seed = 0;
     bool realtime = false;
-    /// Where the robot starts in its `map` frame; the origin where empty.
+    /// A map to be localised in, see `map::load_ros_map`; the robot draws its own where null.
+    std::shared_ptr<const map::OccupancyGrid> map = {};
+    /// Where the robot starts in its `map` frame. Where empty: at the origin of its own map, anywhere in a given one.
     std::optional<Pose2D> initial_pose = {};
     /// Where it starts in the scene's frame, for simulated worlds; the scene's own start pose where empty.
     std::optional<Pose2D> start_pose = {};
@@ -61,9 +64,12 @@ class Robot {
   const LaserScan& get_lidar_scan() const;
   const IMUData& get_imu() const;
   Pose2D get_pose() const;  ///< in `map`, as the robot believes
+  bool lost() const;        ///< it does not know where it is: `get_pose` is no more than where it was last
   const Odometry& get_odometry() const;
   Velocity get_velocity() const;
   const map::OccupancyGrid& get_map() const;
+  /// Writes the map as ROS has maps: `yaml`, which ends in .yaml, and the picture beside it. Throws ConfigError.
+  void save_map(const std::filesystem::path& yaml) const;
   const BatteryState& get_battery_state() const;
   /// The newest image of the camera: colour, and depth where it measures any.
   const RGBDImage& get_camera_image() const { return get_image("camera"); }

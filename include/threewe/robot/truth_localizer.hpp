@@ -11,8 +11,8 @@ namespace threewe {
 
 /// For experiments in a simulated world, as a `Mind::localizer`. `odom` lies where the robot started, and never drifts;
 /// the map is drawn by scans at their true poses. Throws ContractError on a real robot, of which nobody knows the
-/// truth.
-std::unique_ptr<slam::Localizer> make_truth_localizer(const RobotProfile& profile, const Pose2D& map_from_start,
+/// truth, and for a given map of which nobody said where the robot starts in it.
+std::unique_ptr<slam::Localizer> make_truth_localizer(const RobotProfile& profile, const slam::Beginning& beginning,
                                                       const scene::TruthView* truth);
 
 }  // namespace threewe

@@ -49,12 +49,16 @@ class World {
     std::string backend = "mock";
     bool realtime = false;  ///< pace a lockstep world to the wall clock
     Mind mind;
-    /// Where each robot starts in its `map` frame, the origin where left out.
+    /// What every robot is localised in; each draws its own where null.
+    std::shared_ptr<const map::OccupancyGrid> map;
+    /// Where each robot starts in its `map` frame. Where left out: at the origin of its own map, anywhere in a given one.
     std::vector<Pose2D> initial_poses;
   };
+  /// Throws HardwareError for a robot without a lidar that is given a map.
   explicit World(const Options& options);
   explicit World(std::unique_ptr<backend::World> backend, bool realtime = false, const Mind& mind = {},
-                 const std::vector<Pose2D>& initial_poses = {});
+                 const std::vector<Pose2D>& initial_poses = {},
+                 const std::shared_ptr<const map::OccupancyGrid>& map = nullptr);
   ~World();
 
   std::size_t robot_count() const;
@@ -108,6 +112,9 @@ class World {
   /// with what they had left, holds stay open. Throws ContractError where the backend cannot reset, or from an
   /// observer.
   void reset(const backend::ResetOptions& options);
+  /// Somebody lifts a robot and puts it down at `pose` (scene frame), and does not tell it. Throws ContractError where
+  /// the backend cannot, or from an observer; ConfigError when something stands there.
+  void carry(std::size_t robot, const Pose2D& pose);
   /// Everything the future depends on: the backend and every robot's mind and gate. Throws ContractError while a
   /// motion is in progress, or from an observer. Restoring treats sleeps and alarms as `reset` does.
   struct Snapshot;

@@ -4,6 +4,7 @@
 
 #include <array>
 #include <memory>
+#include <optional>
 #include <span>
 
 #include "threewe/core/pose.hpp"
@@ -12,6 +13,13 @@
 
 namespace threewe::slam {
 
+/// What is known of the robot's place before its first sample.
+struct Beginning {
+  std::shared_ptr<const map::OccupancyGrid> map;  ///< to be localised in; null: it draws its own
+  /// Where it starts in `map`. Empty: at the origin of its own map, anywhere in a given one.
+  std::optional<Pose2D> map_from_start;
+};
+
 /// What is known about the robot's pose at one moment.
 struct PoseEstimate {
   Time stamp{};
@@ -19,7 +27,7 @@ struct PoseEstimate {
   Pose2D map_from_odom;                ///< moves when a scan or a loop closure corrects the drift
   Velocity velocity;                   ///< in the body frame
   std::array<double, 9> covariance{};  ///< of map_from_base (x, y, theta), row-major
-  bool lost = false;
+  bool lost = false;                   ///< map_from_odom is no more than where the robot was last believed to be
 
   Pose2D map_from_base() const { return map_from_odom * odom_from_base; }
 };

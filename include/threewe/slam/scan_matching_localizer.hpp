@@ -23,8 +23,8 @@ struct SensorModel {
   double lateral_scale_sigma = 0.0;
 };
 
-/// Scan-to-map localisation on top of dead reckoning, see `src/slam/scan_matching_localizer.cpp` for the story.
-/// `map_from_start`: where the robot starts in its map frame.
-std::unique_ptr<Localizer> make_scan_matching_localizer(const SensorModel& sensors, const Pose2D& map_from_start = {});
+/// Scan-to-map localisation on top of dead reckoning, see `src/slam/scan_matching_localizer.cpp` for the story. A robot
+/// that is lost looks for itself in the whole map: in the one that was given, or in its own.
+std::unique_ptr<Localizer> make_scan_matching_localizer(const SensorModel& sensors, const Beginning& beginning = {});
 
 }  // namespace threewe::slam

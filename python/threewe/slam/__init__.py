@@ -9,7 +9,7 @@ from threewe.slam.log import Log
 from threewe.slam.mapper import Slam
 from threewe.slam.relations import Accuracy, Relations, accuracy, relation_errors
 from threewe.slam.replay import Replay, replay
-from threewe.slam.ros_map import save_map
+from threewe.slam.ros_map import load_map, save_map
 from threewe.slam.synth import synthesize
 
 __all__ = [
@@ -21,6 +21,7 @@ __all__ = [
     "SlamConfig",
     "Survey",
     "accuracy",
+    "load_map",
     "read_carmen",
     "read_log",
     "relation_errors",

@@ -50,7 +50,7 @@ class Replay:
     def write(self, folder: Path, accuracy: Accuracy | None = None) -> None:
         """Leaves map.pgm, map.yaml, trajectory.tum and summary.json in a folder."""
         folder.mkdir(parents=True, exist_ok=True)
-        save_map(self.map, folder)
+        save_map(self.map, folder / "map.yaml")
         write_tum(folder / "trajectory.tum", self.trajectory)
         (folder / "summary.json").write_text(json.dumps(self.summary(accuracy), indent=2) + "\n", encoding="utf-8")
 

@@ -2,27 +2,23 @@
 
 from __future__ import annotations
 
-from pathlib import Path
+import os
 
-import numpy as np
-
+from threewe import _core
 from threewe._core import OccupancyGrid
 
-OCCUPIED, FREE, UNKNOWN = 0, 254, 205  # grey values by which map_server's saver marks cells
-OCCUPIED_THRESHOLD, FREE_THRESHOLD = 0.65, 0.25
+
+def load_map(path: str | os.PathLike[str]) -> OccupancyGrid:
+    """Reads `map.yaml` and the PGM picture that it names, in ROS's `trinary` mode.
+
+    Raises ConfigError naming the file and the field that is wrong.
+    """
+    return _core.load_map(os.fspath(path))
 
 
-def save_map(grid: OccupancyGrid, folder: Path) -> None:
-    """Writes map.pgm and map.yaml into a folder, as `ros2 run nav2_map_server map_saver_cli` does."""
-    data = np.asarray(grid.data)
-    picture = np.full(data.shape, UNKNOWN, dtype=np.uint8)
-    picture[data >= 100 * OCCUPIED_THRESHOLD] = OCCUPIED
-    picture[(data >= 0) & (data <= 100 * FREE_THRESHOLD)] = FREE
-    header = f"P5\n# written by threewe\n{grid.width} {grid.height}\n255\n".encode()
-    (folder / "map.pgm").write_bytes(header + picture[::-1].tobytes())  # its first row is the highest y
-    (folder / "map.yaml").write_text(
-        f"image: map.pgm\nmode: trinary\nresolution: {grid.resolution:g}\n"
-        f"origin: [{grid.origin[0]:.3f}, {grid.origin[1]:.3f}, 0]\nnegate: 0\n"
-        f"occupied_thresh: {OCCUPIED_THRESHOLD}\nfree_thresh: {FREE_THRESHOLD}\n",
-        encoding="utf-8",
-    )
+def save_map(grid: OccupancyGrid, path: str | os.PathLike[str]) -> None:
+    """Writes `path`, which ends in .yaml, and the picture beside it, as nav2's map saver does.
+
+    Raises ConfigError where that cannot be done.
+    """
+    _core.save_map(grid, os.fspath(path))

@@ -73,27 +73,49 @@ std::vector<Pose2D> MockWorld::start_poses(const std::vector<Pose2D>& asked) con
   }
   std::vector<Pose2D> starts;
   for (std::size_t i = 0; i < ports_.size(); ++i) {
-    const Pose2D& pose = poses[i];
-    const auto fail = [&](const std::string& what) {
-      throw ConfigError(fmt::format("start pose {}: ({}, {}, {}) {}", i, pose.x, pose.y, pose.theta, what));
-    };
-    if (!is_finite(pose)) fail("is not finite");
-    const scene::Scene& scene = *model_->scene;
-    if (pose.x < scene.min.x || pose.y < scene.min.y || pose.x > scene.max.x || pose.y > scene.max.y) {
-      fail(fmt::format("is outside scene '{}', which reaches from ({}, {}) to ({}, {})", scene.name, scene.min.x,
-                       scene.min.y, scene.max.x, scene.max.y));
-    }
-    if (const auto hit = sim::find_collision(*model_, i, pose)) {
-      fail(fmt::format("is inside {} of scene '{}'", *hit, scene.name));
-    }
-    for (std::size_t other = 0; other < i; ++other) {
-      if (sim::robots_overlap(model_->robots[i], pose, model_->robots[other], starts[other])) {
-        fail(fmt::format("overlaps robot {}", other));
-      }
-    }
-    starts.push_back({pose.x, pose.y, wrap_angle(pose.theta)});
+    require_free(i, poses[i], fmt::format("start pose {}", i), starts);
+    starts.push_back({poses[i].x, poses[i].y, wrap_angle(poses[i].theta)});
   }
   return starts;
+}
+
+// Throws unless a robot has room at a pose, beside the robots that stand at `others`.
+void MockWorld::require_free(std::size_t robot, const Pose2D& pose, const std::string& name,
+                             std::span<const Pose2D> others) const {
+  const auto fail = [&](const std::string& what) {
+    throw ConfigError(fmt::format("{}: ({}, {}, {}) {}", name, pose.x, pose.y, pose.theta, what));
+  };
+  if (!is_finite(pose)) fail("is not finite");
+  const scene::Scene& scene = *model_->scene;
+  if (pose.x < scene.min.x || pose.y < scene.min.y || pose.x > scene.max.x || pose.y > scene.max.y) {
+    fail(fmt::format("is outside scene '{}', which reaches from ({}, {}) to ({}, {})", scene.name, scene.min.x,
+                     scene.min.y, scene.max.x, scene.max.y));
+  }
+  if (const auto hit = sim::find_collision(*model_, robot, pose)) {
+    fail(fmt::format("is inside {} of scene '{}'", *hit, scene.name));
+  }
+  for (std::size_t other = 0; other < others.size(); ++other) {
+    const bool same = other == robot;
+    if (!same && sim::robots_overlap(model_->robots[robot], pose, model_->robots[other], others[other])) {
+      fail(fmt::format("overlaps robot {}", other));
+    }
+  }
+}
+
+void MockWorld::carry(std::size_t robot, const Pose2D& pose) {
+  std::vector<Pose2D> others;
+  for (const sim::RobotState& state : states_) others.push_back(state.pose);
+  require_free(robot, pose, "carry", others);
+  const double reach = model_->robots[robot].body.footprint.circumscribed_radius();
+  for (const scene::Circle& person : sim::circles_of(*model_, people_)) {
+    if (distance(person.center, pose.position()) < person.radius + reach) {
+      throw ConfigError(fmt::format("carry: somebody stands at ({}, {})", pose.x, pose.y));
+    }
+  }
+  sim::RobotState& state = states_[robot];
+  state.pose = {pose.x, pose.y, wrap_angle(pose.theta)};
+  state.velocity = {};
+  state.wheel_speeds = {};
 }
 
 void MockWorld::reset(const ResetOptions& options) { begin(options); }

@@ -3,6 +3,8 @@
 
 #include <cstddef>
 #include <memory>
+#include <span>
+#include <string>
 #include <vector>
 
 #include "threewe/backend/world.hpp"
@@ -27,6 +29,7 @@ class MockWorld : public World {
   /// Physics advances in steps of `sim::kStep`; between two of them only the clock moves.
   void advance_to(Time t) override;
   void reset(const ResetOptions& options) override;
+  void carry(std::size_t robot, const Pose2D& pose) override;
   /// Connections are not part of what is saved. A saved world fits any other made of the same options.
   std::vector<std::byte> save() const override;
   void restore(const std::vector<std::byte>& state) override;
@@ -37,6 +40,8 @@ class MockWorld : public World {
   void begin(const ResetOptions& options);
   void step();
   std::vector<Pose2D> start_poses(const std::vector<Pose2D>& asked) const;
+  void require_free(std::size_t robot, const Pose2D& pose, const std::string& name,
+                    std::span<const Pose2D> others) const;
 
   std::shared_ptr<const sim::Model> model_;
   NoiseLevel noise_{};

@@ -1,0 +1,50 @@
+// Where in a known map a robot is that knows nothing of it: looks, and looks again, and does not guess.
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "slam/known_map.hpp"
+#include "threewe/core/pose.hpp"
+#include "threewe/core/time.hpp"
+#include "threewe/map/log_odds_map.hpp"
+
+namespace threewe::slam {
+
+/// Collects what a robot sees, where odometry has it, and looks for all of that together, so that a robot which drives
+/// about tells places apart that look alike from one point. A place counts as found when it fits, no other fits nearly
+/// as well, and looking again leads there too. Plain data: a copy goes on the same.
+class PlaceFinder {
+ public:
+  explicit PlaceFinder(std::shared_ptr<const KnownMap> map) : map_(std::move(map)) {}
+
+  /// One scan, its beams in the base frame, taken where odometry has the robot; in order of time. Returns map_from_base
+  /// when it is found.
+  std::optional<Pose2D> look(Time stamp, const Pose2D& odom_from_base, std::span<const map::Beam> beams);
+
+ private:
+  struct Glimpse {
+    Pose2D odom_from_base;
+    std::vector<map::Beam> hits;  // in the base frame
+    double driven = 0.0;          // [m] until then
+  };
+
+  void remember(const Pose2D& odom_from_base, std::span<const map::Beam> beams);
+  std::vector<map::Beam> all_seen(const Pose2D& odom_from_base, std::span<const map::Beam> beams) const;
+  std::optional<Pose2D> search(const Pose2D& odom_from_base, std::span<const map::Beam> beams) const;
+  void confirm(const std::optional<Pose2D>& found, const Pose2D& odom_from_base);
+
+  std::shared_ptr<const KnownMap> map_;
+  std::vector<Glimpse> glimpses_;  // oldest first
+  Pose2D last_;                    // odom_from_base of the last scan
+  double driven_ = 0.0;            // [m]
+  Time due_{};                     // of the next search
+  Duration pause_{};               // until the one after, where nothing new is seen
+  Pose2D map_from_odom_;           // the place that may be it
+  int confirmed_ = 0;              // searches in a row that led there
+};
+
+}  // namespace threewe::slam
