@@ -78,8 +78,10 @@ const map::LogOddsMap& office_map() {
   static const map::LogOddsMap office = [] {
     const scene::Slice slice = scene::Scene::load("office_v2").at_height(0.135);
     map::LogOddsMap map;
-    for (double x = -19.0; x < 20.0; x += 1.5) {
-      for (double y = -14.0; y < 15.0; y += 1.5) {
+    for (int column = 0; column < 26; ++column) {
+      for (int row = 0; row < 20; ++row) {
+        const double x = -19.0 + 1.5 * column;
+        const double y = -14.0 + 1.5 * row;
         const std::vector<map::Beam> beams = look(slice, {x, y, 0.0});
         const auto blocked = [](const map::Beam& b) { return b.range < 0.3 || !b.hit; };
         if (std::none_of(beams.begin(), beams.end(), blocked)) map.insert(in_map(beams, {x, y, 0.0}));

@@ -4,6 +4,7 @@ The C++ core of 3we. Use it through `threewe`, which adds what Python can do bet
 
 from collections.abc import Callable, Iterator, Sequence
 import enum
+import os
 import pathlib
 from typing import Annotated, Any
 
@@ -697,6 +698,18 @@ class Slam:
 
     def trajectory(self) -> Annotated[NDArray[numpy.float64], dict(shape=(None, 4))]:
         """(N, 4) float64: time [s], x [m], y [m], heading [rad] at each scan."""
+
+    def closures(self) -> Annotated[NDArray[numpy.float64], dict(shape=(None, 5))]:
+        """
+        (N, 5) float64: earlier and later time [s], x [m], y [m], heading [rad] of the later pose seen from the earlier one.
+        """
+
+    def save(self, path: str | os.PathLike) -> None:
+        """Keeps the map in a file with all that is behind it."""
+
+    @staticmethod
+    def load(path: str | os.PathLike, map_from_base: Pose2D | None = None) -> Slam:
+        """A map that was kept, to be looked at or to go on with."""
 
 class Prism:
     """

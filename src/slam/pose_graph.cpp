@@ -31,6 +31,9 @@ constexpr double kLossWidth = 20.0;
 constexpr double kWeak = 1e-3;    // a constraint that counts for less joins nothing ...
 constexpr double kStrong = 1e-2;  // ... until it counts for more
 
+// Of a block's three rows or columns.
+constexpr Eigen::Index first_of(int block) { return 3 * static_cast<Eigen::Index>(block); }
+
 struct Loss {
   double cost = 0.0;    // half of it, as for chi squared
   double weight = 1.0;  // its derivative
@@ -157,7 +160,7 @@ class PoseGraph::Normal {
   }
   // The three numbers of a node within a step; zero for a fixed one.
   Vector3d of(const Eigen::VectorXd& step, std::size_t node) const {
-    return place_[node] < 0 ? Vector3d::Zero() : Vector3d(step.segment<3>(3 * place_[node]));
+    return place_[node] < 0 ? Vector3d::Zero() : Vector3d(step.segment<3>(first_of(place_[node])));
   }
   // Of the columns of the inverse that belong to the node, what is above the diagonal of the factors: L^-1 E. A list of
   // (row, three numbers); any two give a block of the inverse.
@@ -228,7 +231,7 @@ void PoseGraph::Normal::lay_out(std::span<const Constraint> constraints) {
   }
 
   if (free_ == 0) return;  // Eigen's matrices cannot be compressed when they are empty
-  h_.resize(3 * free_, 3 * free_);
+  h_.resize(first_of(free_), first_of(free_));
   std::vector<int> sizes;
   for (const std::vector<int>& column : rows) {
     for (int k = 0; k < 3; ++k) sizes.push_back(3 * static_cast<int>(column.size()) - 2 + k);
@@ -242,14 +245,14 @@ void PoseGraph::Normal::lay_out(std::span<const Constraint> constraints) {
     }
   }
   h_.makeCompressed();
-  g_.resize(3 * free_);
+  g_.resize(first_of(free_));
 }
 
 // Adds a block to the matrix, or its transpose where that is what lies above the diagonal.
 void PoseGraph::Normal::add(int row_place, int column_place, int slot, const Matrix3d& block) {
   const int column = std::max(row_place, column_place);
   for (int k = 0; k < 3; ++k) {
-    double* value = h_.valuePtr() + h_.outerIndexPtr()[3 * column + k] + 3 * slot;
+    double* value = h_.valuePtr() + h_.outerIndexPtr()[first_of(column) + k] + first_of(slot);
     const int rows = row_place == column_place ? k + 1 : 3;
     for (int i = 0; i < rows; ++i) value[i] += row_place <= column_place ? block(i, k) : block(k, i);
   }
@@ -276,11 +279,11 @@ double PoseGraph::Normal::linearize(std::span<const Constraint> constraints, con
     const int b = place_[to];
     if (a >= 0) {
       add(a, a, diagonal_[static_cast<std::size_t>(a)], share * from_weighted * r.by_from);
-      g_.segment<3>(3 * a) += from_weighted * r.value;
+      g_.segment<3>(first_of(a)) += from_weighted * r.value;
     }
     if (b >= 0) {
       add(b, b, diagonal_[static_cast<std::size_t>(b)], share * to_weighted * r.by_to);
-      g_.segment<3>(3 * b) += to_weighted * r.value;
+      g_.segment<3>(first_of(b)) += to_weighted * r.value;
     }
     if (slot_[i] >= 0) add(a, b, slot_[i], from_weighted * r.by_to);
   }
@@ -370,7 +373,7 @@ int PoseGraph::add_constraint(const Constraint& c) {
   const auto refuse = [index](const std::string& why) {
     throw ContractError(fmt::format("pose graph, constraint {}: {}", index, why));
   };
-  const auto exists = [this](int node) { return node >= 0 && node < static_cast<int>(poses_.size()); };
+  const auto exists = [this](int node) { return node >= 0 && std::cmp_less(node, poses_.size()); };
   if (!exists(c.from) || !exists(c.to) || c.from == c.to) {
     refuse(fmt::format("it joins nodes {} and {}; there are {}, and it takes two", c.from, c.to, poses_.size()));
   }

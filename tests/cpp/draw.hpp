@@ -1,6 +1,7 @@
 // Random cases. A test that draws them captures its seed, so that a failure prints it.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <random>
 
@@ -17,7 +18,9 @@ class Draw {
     return low + (high - low) * static_cast<double>(bits_() >> 11) * 0x1p-53;
   }
   /// Each of low ... high equally often.
-  int whole(int low, int high) { return low + static_cast<int>(bits_() % static_cast<unsigned>(high - low + 1)); }
+  int whole(int low, int high) {
+    return low + static_cast<int>(bits_() % static_cast<unsigned>(std::max(high - low + 1, 1)));
+  }
   /// Both coordinates uniform in [low, high).
   Vec2 point(double low, double high) {
     const double x = (*this)(low, high);

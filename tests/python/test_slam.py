@@ -245,8 +245,10 @@ def test_a_map_is_saved_as_ros_has_it(tmp_path: Path) -> None:
     assert (again.resolution, again.origin) == (0.1, (-1.0, 2.5))
 
 
-def test_places_are_recognised_where_the_robot_comes_back(recorded: tuple[Log, Array]) -> None:
-    log, truth = recorded
+def test_places_are_recognised_where_the_robot_comes_back(survey: str) -> None:
+    longer = Path(survey).with_name("longer.yaml")
+    longer.write_text(TOUR + "laps: 3\n")
+    log, truth = record(str(longer), 4)
     result = replay(log)
     closures = result.closures
     assert len(closures.times) == result.summary()["loop_closures"] >= 2

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <limits>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <Eigen/Cholesky>
@@ -34,7 +35,7 @@ struct Dense {
 
   explicit Dense(const PoseGraph& graph)
       : poses(graph.poses()), constraints(graph.constraints().begin(), graph.constraints().end()) {
-    for (int i = 0; i < static_cast<int>(poses.size()); ++i) {
+    for (int i = 0; std::cmp_less(i, poses.size()); ++i) {
       if (!graph.is_fixed(i)) free.push_back(i);
     }
   }
@@ -150,7 +151,7 @@ double rms(const PoseGraph& graph, const std::vector<Pose2D>& truth) {
 PoseGraph tell(const Manhattan& city, int every) {
   PoseGraph graph;
   std::size_t next = 0;
-  for (int i = 0; i < static_cast<int>(city.truth.size()); ++i) {
+  for (int i = 0; std::cmp_less(i, city.truth.size()); ++i) {
     graph.add_node(i == 0 ? city.truth[0] : graph.poses().back() * city.constraints[next].from_from_to, i == 0);
     for (; next < city.constraints.size() && city.constraints[next].to == i; ++next) {
       graph.add_constraint(city.constraints[next]);
@@ -310,7 +311,7 @@ TEST_CASE("what has not changed costs nothing, and a copy goes on with the same 
 
   // built again from what it tells
   PoseGraph again;
-  for (int i = 0; i < static_cast<int>(graph.poses().size()); ++i) {
+  for (int i = 0; std::cmp_less(i, graph.poses().size()); ++i) {
     again.add_node(graph.poses()[static_cast<std::size_t>(i)], graph.is_fixed(i));
   }
   for (const Constraint& c : graph.constraints()) again.add_constraint(c);

@@ -1,0 +1,141 @@
+// The trail of a robot whose front-end drifts: round and round in one room.
+#include "slam/trail.hpp"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "draw.hpp"
+#include "slam/tiny_world.hpp"
+
+namespace threewe::slam {
+namespace {
+
+using threewe::testing::add_box;
+using threewe::testing::tiny_range;
+using threewe::testing::TinyWall;
+
+/// A hall with a pillar and cabinets along its walls, and a robot that goes round it on a circle.
+class Hall {
+ public:
+  explicit Hall(std::uint64_t seed) : draw_(seed) {
+    add_box(walls_, {-6, -5}, {6, 5});
+    add_box(walls_, {-0.4, -0.3}, {0.4, 0.3});
+    for (int i = 0; i < 5; ++i) {
+      const Vec2 corner{-5.5 + 2.2 * i, i % 2 == 0 ? 4.0 : -5.0};
+      add_box(walls_, corner, corner + Vec2{draw_(0.4, 1.2), draw_(0.4, 0.9)});
+    }
+  }
+
+  Pose2D truth() const { return truth_; }
+  /// Half a metre on; the front-end slips about as much as was measured.
+  TrailPoint next() {
+    const double turn = 0.5 / kRadius;
+    truth_ = integrate(truth_, {0.5, 0.0, turn}, 1.0);
+    local_ = integrate(local_, {0.5 + draw_(-0.01, 0.01), draw_(-0.01, 0.01), turn + draw_(-0.002, 0.002)}, 1.0);
+    TrailPoint point{from_seconds(static_cast<double>(++steps_)), local_, Matrix3::Zero(), {}, 0.0};
+    for (int i = 0; i < 180; ++i) {
+      const double angle = (i - 90) * exact::kPi / 180.0;
+      const double range = tiny_range(walls_, truth_.position(), truth_.theta + angle, 30.0) + draw_(-0.015, 0.015);
+      point.beams.push_back({{}, rotate({1.0, 0.0}, angle), range, true});
+    }
+    return point;
+  }
+
+ private:
+  static constexpr double kRadius = 3.0;
+  Draw draw_;
+  std::vector<TinyWall> walls_;
+  Pose2D truth_{kRadius, 0.0, 0.5 * exact::kPi};
+  Pose2D local_;
+  int steps_ = 0;
+};
+
+std::size_t beams_in(const TrailData& trail) {
+  std::size_t count = 0;
+  for (const Keyframe& keyframe : trail.keyframes) {
+    for (const Keyframe::Scan& scan : keyframe.scans) count += scan.beams.beams.size();
+  }
+  return count;
+}
+
+TEST_CASE("in a bounded place memory is bounded, and the map stays right") {
+  for (std::uint64_t seed = 0; seed < 3; ++seed) {
+    CAPTURE(seed);
+    Hall hall(seed);
+    const TrailPoint first = hall.next();
+    const Pose2D hall_from_map = hall.truth();
+    Trail trail;
+    trail.add(first);
+    std::vector<Pose2D> truth{{}};
+    std::vector<std::size_t> beams;
+    for (int i = 1; i < 1200; ++i) {
+      const TrailPoint point = hall.next();
+      const Pose2D found = trail.add(point);
+      truth.push_back(inverse(hall_from_map) * hall.truth());
+      CHECK(distance(found.position(), truth.back().position()) < 0.15);
+      if (i % 300 == 299) beams.push_back(beams_in(trail.data()));
+    }
+    // 600 m of way; what is kept is that of some rounds of 19 m, and no more after the second quarter
+    CHECK(static_cast<double>(beams[3]) < 1.15 * static_cast<double>(beams[1]));
+    CHECK(beams[3] < 180U * 400U);
+    const TrailData& data = trail.data();
+    CHECK(data.keyframes.size() == data.graph.poses().size());
+    CHECK(data.keyframes.size() < 220);
+    REQUIRE(data.steps.size() == 1200);
+    double sum = 0.0;
+    for (std::size_t i = 0; i < data.steps.size(); ++i) {
+      sum += distance(data.pose_of(data.steps[i]).position(), truth[i].position());
+    }
+    CHECK(sum / 1200.0 < 0.06);
+  }
+}
+
+TEST_CASE("dropping a submap moves nothing, and all that is left hangs together") {
+  for (std::uint64_t seed = 0; seed < 5; ++seed) {
+    CAPTURE(seed);
+    Hall hall(seed);
+    Trail trail;
+    for (int i = 0; i < 300; ++i) trail.add(hall.next());
+    TrailData data = trail.data();
+    std::vector<Pose2D> before;
+    for (const TrailStep& step : data.steps) before.push_back(data.pose_of(step));
+    int dropped = 0;
+    // other ways lead along all of it: as if the robot had gone round some more
+    const auto copies = [&](const TrailData& d) {
+      TrailData more = d;
+      for (int k = 0; k <= d.newest(); ++k) {
+        const int node = more.graph.add_node(d.pose_of(k));
+        more.graph.add_constraint({node - 1, node, inverse(more.pose_of(node - 1)) * more.pose_of(node)});
+        more.keyframes.push_back(d.keyframes[static_cast<std::size_t>(k)]);
+        more.keyframes.back().driven = more.driven_at(node - 1) + 1.0;
+        more.extend_submaps();
+      }
+      return more;
+    };
+    data = copies(data);
+    while (data.prune()) {
+      ++dropped;
+      for (std::size_t i = 0; i < before.size(); ++i) {
+        const Pose2D now = data.pose_of(data.steps[i]);
+        CHECK(distance(now.position(), before[i].position()) < 1e-9);
+        CHECK(std::fabs(wrap_angle(now.theta - before[i].theta)) < 1e-9);
+      }
+      REQUIRE(data.graph.poses().size() == data.keyframes.size());
+      int next = 0;
+      for (const Submap& submap : data.submaps) {
+        CHECK(submap.first == next);
+        CHECK(submap.last >= submap.first);
+        next = submap.last + 1;
+      }
+      CHECK(next == data.newest() + 1);
+      CHECK_NOTHROW(data.graph.solve(0));  // which wants every node to hang together with the first
+    }
+    CHECK(dropped > 0);
+  }
+}
+
+}  // namespace
+}  // namespace threewe::slam
