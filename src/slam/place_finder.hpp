@@ -16,7 +16,7 @@ namespace threewe::slam {
 
 /// Collects what a robot sees, where odometry has it, and looks for all of that together, so that a robot which drives
 /// about tells places apart that look alike from one point. A place counts as found when it fits, no other fits nearly
-/// as well, and looking again leads there too. Plain data: a copy goes on the same.
+/// as well, and the next scans fit there too. Plain data: a copy goes on the same.
 class PlaceFinder {
  public:
   explicit PlaceFinder(std::shared_ptr<const KnownMap> map) : map_(std::move(map)) {}
@@ -32,10 +32,11 @@ class PlaceFinder {
     double driven = 0.0;          // [m] until then
   };
 
-  void remember(const Pose2D& odom_from_base, std::span<const map::Beam> beams);
+  bool remember(const Pose2D& odom_from_base, std::span<const map::Beam> beams);
   std::vector<map::Beam> all_seen(const Pose2D& odom_from_base, std::span<const map::Beam> beams) const;
-  std::optional<Pose2D> search(const Pose2D& odom_from_base, std::span<const map::Beam> beams) const;
-  void confirm(const std::optional<Pose2D>& found, const Pose2D& odom_from_base);
+  std::optional<Pose2D> search_everywhere(const Pose2D& odom_from_base, std::span<const map::Beam> beams) const;
+  std::optional<Pose2D> search_near(const Pose2D& place, std::span<const map::Beam> beams) const;
+  bool fits(const Pose2D& place, std::span<const map::Beam> beams) const;
 
   std::shared_ptr<const KnownMap> map_;
   std::vector<Glimpse> glimpses_;  // oldest first
@@ -44,7 +45,7 @@ class PlaceFinder {
   Time due_{};                     // of the next search
   Duration pause_{};               // until the one after, where nothing new is seen
   Pose2D map_from_odom_;           // the place that may be it
-  int confirmed_ = 0;              // searches in a row that led there
+  int confirmed_ = 0;              // scans in a row that fit there
 };
 
 }  // namespace threewe::slam

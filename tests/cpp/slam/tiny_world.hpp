@@ -65,6 +65,12 @@ class TinyWorld {
   Time now() const { return now_; }
   std::vector<TinyWall>& walls() { return walls_; }
 
+  /// Somebody puts the robot down elsewhere.
+  void carry(const Pose2D& pose) {
+    pose_ = pose;
+    velocity_ = {};
+  }
+
   /// One control period at a commanded velocity; returns what arrives at its end.
   std::vector<Sample> tick(const Velocity& command) {
     std::vector<Sample> samples;
