@@ -1,5 +1,16 @@
-"""How well our SLAM localises in places it has never seen, maps logs, and is like the model that environments use."""
+"""How well our SLAM localises in places it has never seen and in given maps, maps logs, and is like its model."""
 
+from verify.cases.given_maps import (
+    claims_the_truth,
+    finds_itself,
+    honest,
+    is_back,
+    of_placements,
+    of_those_carried,
+    placements,
+    time_to_be_back,
+    time_to_notice,
+)
 from verify.cases.localization import (
     MODEL,
     SCENES,
@@ -28,6 +39,30 @@ EXPERIMENTS = [
             *agrees(MODEL, spread=0.30, correlation=0.15),
         ],
         learn=write_model,
+    ),
+    Experiment(
+        "in maps of its own",
+        placements,
+        cases=10,
+        sample=1,
+        rows=[
+            of_placements(share_of("finds itself within 10 s, standing", finds_itself, at_least=0.95)),
+            of_placements(share_of("never claims a pose that is 0.3 m off", claims_the_truth, at_least=0.99)),
+            of_those_carried(share_of("back within 10 s after it was carried away", is_back, at_least=0.95)),
+            of_those_carried(median_of("to be back [s]", time_to_be_back, at_most=3.0)),
+            of_those_carried(worst_of("to notice [s]", time_to_notice, at_most=5.0)),
+        ],
+    ),
+    Experiment(
+        "in maps without errors",
+        placements,
+        {"mind": "truth"},
+        cases=5,
+        sample=1,
+        rows=[
+            of_placements(share_of("never claims a pose that is 0.3 m off", claims_the_truth, at_least=0.99)),
+            honest("squared error over covariance", low=0.3, high=4.0),
+        ],
     ),
     *(
         Experiment(
