@@ -54,6 +54,8 @@ void squared_distances(std::span<const std::uint8_t> occupied, int width, int he
 
 namespace {
 
+constexpr double kMostSlower = 20.0;  // beyond, a zone is no dearer
+
 // A number that no tile of any costmap had before.
 std::uint64_t new_stamp() {
   static std::atomic<std::uint64_t> last{0};
@@ -73,7 +75,14 @@ void Costmap::update(const OccupancyGrid& grid, std::span<const Vec2> obstacles,
              grid.origin.y + (low_.y - raster(grid.origin.y)) * resolution_};
   take_map(grid, changed);
   take_obstacles(obstacles);
+  take_zones();
   inflate();
+}
+
+void Costmap::set_zones(const std::vector<Zone>& zones, double speed) {
+  zones_ = zones;
+  zone_speed_ = speed;
+  zones_taken_ = false;
 }
 
 // Where a coordinate is, in whole cells. Costmaps of one map keep to its raster, whatever the map's extent.
@@ -100,7 +109,9 @@ Costmap::Frame Costmap::frame_for(const OccupancyGrid& grid, std::span<const Vec
 // A map in cells of another size is another map.
 void Costmap::begin(const OccupancyGrid& grid) {
   if (grid.resolution == resolution_) return;
-  *this = Costmap(settings_);
+  Costmap other(settings_);
+  other.set_zones(zones_, zone_speed_);
+  *this = std::move(other);
   resolution_ = grid.resolution;
   for (std::size_t i = 0; i < weight_at_.size(); ++i) {
     const double d = resolution_ * exact::sqrt(static_cast<double>(i));
@@ -127,7 +138,7 @@ void Costmap::move_to(const Frame& frame) {
   moved.unknown_.assign(size, 1);
   moved.squared_.assign(size, std::int16_t{kMaxDistance * kMaxDistance});
   moved.weights_.assign(size, static_cast<Weight>(weight_at_.back() + settings_.unknown_weight));
-  moved.stale_.assign(size / (kTile * kTile), kDistances);
+  moved.stale_.assign(size / (std::size_t{kTile} * kTile), kDistances);
   moved.stamps_.resize(moved.stale_.size());
   for (std::uint64_t& stamp : moved.stamps_) stamp = new_stamp();
 
@@ -150,6 +161,10 @@ void Costmap::move_to(const Frame& frame) {
   }
   moved.resolution_ = resolution_;
   moved.weight_at_ = weight_at_;
+  moved.set_zones(zones_, zone_speed_);
+  if (!slow_.empty()) {
+    for (std::uint8_t& stale : moved.stale_) stale |= kWeights;
+  }
   *this = std::move(moved);
 }
 
@@ -231,8 +246,33 @@ void Costmap::take_obstacles(std::span<const Vec2> points) {
     fresh.push_back(c);
   }
   for (const Cell c : seen_) set_occupied(c, static_cast<std::uint8_t>(occupied_[index(c)] & ~kSeen));
-  for (const Cell c : fresh) set_occupied(c, static_cast<std::uint8_t>((occupied_[index(c)] & kMapped) | kSeen));
+  for (const Cell c : fresh)
+    set_occupied(c, static_cast<std::uint8_t>((occupied_[index(c)] & (kMapped | kZoned)) | kSeen));
   seen_ = std::move(fresh);
+}
+
+// All of them anew, where they or the frame have changed.
+void Costmap::take_zones() {
+  if (std::exchange(zones_taken_, true)) return;
+  std::vector<Weight> slow(weights_.size(), 0);
+  bool slows = false;
+  for (int y = 0; y < height_; ++y) {
+    for (int x = 0; x < width_; ++x) {
+      const Cell c{x, y};
+      std::uint8_t occupants = occupied_[index(c)] & static_cast<std::uint8_t>(~kZoned);
+      for (const Zone& zone : zones_) {
+        if (!zone.contains(center(c))) continue;
+        if (!zone.speed_limit) occupants |= kZoned;
+        if (!zone.speed_limit || *zone.speed_limit >= zone_speed_) continue;
+        const double slower = std::min(zone_speed_ / *zone.speed_limit, kMostSlower);
+        slow[index(c)] = std::max(slow[index(c)], static_cast<Weight>(kFree * (slower - 1.0)));
+        slows = true;
+      }
+      set_occupied(c, occupants);
+      if (slow[index(c)] != (slow_.size() == slow.size() ? slow_[index(c)] : 0)) stale_[tile_of(c)] |= kWeights;
+    }
+  }
+  slow_ = slows ? std::move(slow) : std::vector<Weight>{};
 }
 
 void Costmap::set_occupied(Cell c, std::uint8_t occupants) {
@@ -303,7 +343,8 @@ void Costmap::weigh(Cell corner) {
     bool here = false;
     for (std::size_t i = row; i < row + kTile; ++i) {
       const Weight w = weight_at_[static_cast<std::size_t>(squared_[i])];
-      const Weight weight = w != kLethal && unknown_[i] != 0 ? static_cast<Weight>(w + settings_.unknown_weight) : w;
+      Weight weight = w != kLethal && unknown_[i] != 0 ? static_cast<Weight>(w + settings_.unknown_weight) : w;
+      if (w != kLethal && !slow_.empty()) weight = static_cast<Weight>(weight + slow_[i]);
       here = here || weight != weights_[i];
       left = left || (i == row && weight != weights_[i]);
       weights_[i] = weight;

@@ -97,9 +97,7 @@ void LogOddsMap::insert(std::span<const Beam> scan, double range_bias) {
     if (beam.hit) add_hit(beam, range_bias);
   }
   for (const Beam& beam : beams) mark_free(beam, range_bias);
-  for (const std::uint32_t index : touched_) apply(index);
-  touched_.clear();
-  ++version_;
+  apply_touched();
 }
 
 // The beams that the map can hold without growing beyond its limits.
@@ -200,6 +198,26 @@ void LogOddsMap::mark_free(const Beam& beam, double range_bias) {
     }
     return true;
   });
+}
+
+// What becomes of the cells that the scan saw, and where others see a difference.
+void LogOddsMap::apply_touched() {
+  Region changed;
+  const auto width = static_cast<std::uint32_t>(std::max(grid_.width, 1));
+  for (const std::uint32_t index : touched_) {
+    const std::int8_t before = grid_.data[index];
+    apply(index);
+    if (grid_.data[index] == before) continue;
+    const Cell c{static_cast<int>(index % width), static_cast<int>(index / width)};
+    changed = united(changed, {c, {c.x + 1, c.y + 1}});
+  }
+  touched_.clear();
+
+  const Cell low = raster_cell(grid_);
+  if (!changed.empty()) {
+    changed = {{changed.low.x + low.x, changed.low.y + low.y}, {changed.high.x + low.x, changed.high.y + low.y}};
+  }
+  changes_.note(++version_, changed);
 }
 
 void LogOddsMap::apply(std::size_t index) {

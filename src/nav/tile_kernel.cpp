@@ -101,7 +101,7 @@ HWY_ATTR bool sweep(const Steps& steps, Costs& costs) {
     for (int cell = first; cell < first + kSide; cell += static_cast<int>(hn::Lanes(kInts))) {
       const auto by = [&](std::size_t i) HWY_ATTR {
         const V step = hn::LoadU(kInts, steps.cost[i].data() + (kForwards ? cell : cell - Steps::kOffsets[i]));
-        return hn::Add(hn::LoadU(kInts, at + cell + kSign * Steps::kOffsets[i]), step);
+        return hn::Add(hn::LoadU(kInts, at + cell + std::ptrdiff_t{kSign} * Steps::kOffsets[i]), step);
       };
       const V before = hn::LoadU(kInts, at + cell);
       const V near = hn::Min(hn::Min(by(1), by(2)), hn::Min(by(3), before));

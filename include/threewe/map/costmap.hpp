@@ -10,6 +10,7 @@
 #include "threewe/core/pose.hpp"
 #include "threewe/map/occupancy_grid.hpp"
 #include "threewe/map/region.hpp"
+#include "threewe/map/zone.hpp"
 
 namespace threewe::map {
 
@@ -21,9 +22,9 @@ void squared_distances(std::span<const std::uint8_t> occupied, int width, int he
 
 /// A grid of weights for planning: the cost of a path is its length times the weight under it.
 ///
-/// It is made of layers, one upon the other: the map; what is seen now and may not be in the map yet; the distance to
-/// the nearest of both; weights by that distance. An update costs what changed: each layer compares, and tells the next
-/// one where. The result is that of a new costmap with the same arguments, to the bit.
+/// It is made of layers, one upon the other: the map; what is seen now and may not be in the map yet; zones; the
+/// distance to the nearest of all that is occupied; weights by that distance. An update costs what changed: each layer
+/// compares, and tells the next one where. The result is that of a new costmap with the same arguments, to the bit.
 class Costmap {
  public:
   struct Settings {
@@ -46,6 +47,9 @@ class Costmap {
   /// by default.
   void update(const OccupancyGrid& grid, std::span<const Vec2> obstacles, std::span<const Vec2> include, int rim = 20,
               std::optional<Region> changed = {});
+  /// From the next update on, cells whose middle lies in a zone to keep out of count as occupied, and those in a zone
+  /// with a speed limit are dearer by as much as a robot that drives `speed` [m/s] elsewhere is slower there.
+  void set_zones(const std::vector<Zone>& zones, double speed);
   /// Lethal cells within `radius` [m] of `point` that are no nearer to an obstacle than `point` itself become dear
   /// instead, until the next update: the robot is so near already. No slit in a wall opens by that.
   void open_around(Vec2 point, double radius);
@@ -84,8 +88,8 @@ class Costmap {
     int height = 0;
     friend bool operator==(const Frame&, const Frame&) = default;
   };
-  enum Occupant : std::uint8_t { kMapped = 1, kSeen = 2, kFresh = 4 };  // who says that a cell is occupied
-  enum Stale : std::uint8_t { kWeights = 1, kDistances = 2 };           // what of a tile is to be made again
+  enum Occupant : std::uint8_t { kMapped = 1, kSeen = 2, kFresh = 4, kZoned = 8 };  // who says that a cell is occupied
+  enum Stale : std::uint8_t { kWeights = 1, kDistances = 2 };  // what of a tile is to be made again
 
   int raster(double metres) const;
   Frame frame_for(const OccupancyGrid& grid, std::span<const Vec2> include, int rim) const;
@@ -96,6 +100,7 @@ class Costmap {
   void take_map(const OccupancyGrid& grid, const std::optional<Region>& changed);
   void take_block(Cell at, std::span<const std::int8_t> values);
   void take_obstacles(std::span<const Vec2> points);
+  void take_zones();
   void set_occupied(Cell c, std::uint8_t occupants);
   void note_occupied(Cell c);
   void inflate();
@@ -124,6 +129,10 @@ class Costmap {
   std::vector<std::uint8_t> stale_;    // of tiles, 0 between updates
   std::vector<Cell> seen_;             // cells with kSeen
   std::vector<Cell> opened_;
+  std::vector<Zone> zones_;
+  double zone_speed_ = 0.0;
+  bool zones_taken_ = true;
+  std::vector<Weight> slow_;  // added where zones limit the speed; empty where none does
 };
 
 }  // namespace threewe::map

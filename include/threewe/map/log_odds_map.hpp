@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "threewe/core/pose.hpp"
+#include "threewe/map/change_log.hpp"
 #include "threewe/map/occupancy_grid.hpp"
 
 namespace threewe::map {
@@ -60,6 +61,8 @@ class LogOddsMap {
   const OccupancyGrid& grid() const { return grid_; }
   /// Counts the insertions.
   std::uint64_t version() const { return version_; }
+  /// Where each of them changed the grid.
+  const ChangeLog& changes() const { return changes_; }
   /// Evidence at a cell of `grid()`: > 0 occupied, < 0 free, 0 unknown.
   std::int8_t log_odds(Cell c) const { return grid_.contains(c) ? log_odds_[grid_.index(c)] : std::int8_t{0}; }
   /// Hits at a cell, shape as `grid().data`.
@@ -72,6 +75,7 @@ class LogOddsMap {
   void grow_to_hold(std::span<const Beam> beams);
   void add_hit(const Beam& beam, double range_bias);
   void mark_free(const Beam& beam, double range_bias);
+  void apply_touched();
   void apply(std::size_t index);
   void add_given_surface(Cell c);
 
@@ -83,6 +87,7 @@ class LogOddsMap {
   std::vector<Mark> marks_;             // what the present scan saw; all `none` between scans
   std::vector<std::uint32_t> touched_;  // the cells it saw
   std::uint64_t version_ = 0;
+  ChangeLog changes_;
 };
 
 }  // namespace threewe::map

@@ -62,4 +62,9 @@ struct OccupancyGrid {
   friend bool operator==(const OccupancyGrid&, const OccupancyGrid&) = default;
 };
 
+/// Where cell (0, 0) of a grid is in its raster: counted from the cell whose lower left corner is at (0, 0) m.
+inline Cell raster_cell(const OccupancyGrid& grid) {
+  return {to_cell(grid.origin.x / grid.resolution + 0.5), to_cell(grid.origin.y / grid.resolution + 0.5)};
+}
+
 }  // namespace threewe::map

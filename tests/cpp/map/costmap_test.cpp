@@ -161,6 +161,7 @@ TEST_CASE("a costmap that follows changes is that of an update from scratch, to 
     std::mt19937_64 bits(seed);
     OccupancyGrid grid;
     Costmap costmap;
+    std::vector<Zone> zones;
     std::map<std::uint64_t, std::vector<Costmap::Weight>> tiles;  // what each stamp stood for
     for (int round = 0; round < 25; ++round) {
       CAPTURE(round);
@@ -189,8 +190,17 @@ TEST_CASE("a costmap that follows changes is that of an update from scratch, to 
       std::vector<Vec2> include(bits() % 5 == 0 ? 1 : 0);
       for (Vec2& p : include) p = 2.0 * point();
 
+      if (seed % 2 == 0 && bits() % 5 == 0) {
+        zones.resize(bits() % 3);
+        for (Zone& zone : zones) {
+          zone = {{point(), point(), point()}, {}};
+          if (bits() % 2 == 0) zone.speed_limit = 0.01 * static_cast<double>(1 + bits() % 60);
+        }
+        costmap.set_zones(zones, 0.5);
+      }
       costmap.update(grid, seen, include, 3, changed);
       Costmap fresh;
+      fresh.set_zones(zones, 0.5);
       fresh.update(grid, seen, include, 3);
       require_same(costmap, fresh);
       if (bits() % 2 == 0) {
@@ -211,11 +221,39 @@ TEST_CASE("a costmap that follows changes is that of an update from scratch, to 
   CHECK(kept > 3000);
 }
 
+TEST_CASE("a zone to keep out of is an obstacle, one with a limit is dearer, and gone it is as if it had never been") {
+  OccupancyGrid grid;
+  grid.width = grid.height = 100;
+  grid.data.assign(10000, OccupancyGrid::kFree);
+  Costmap plain;
+  plain.update(grid, {}, {});
+  const Zone closed{{{1.0, 1.0}, {2.0, 1.0}, {2.0, 2.0}, {1.0, 2.0}}};
+  const Zone slow{{{3.0, 3.0}, {4.0, 3.0}, {4.0, 4.0}, {3.0, 4.0}}, 0.125};
+  Costmap costmap;
+  costmap.set_zones({closed, slow}, 0.5);
+  costmap.update(grid, {}, {});
+  const Costmap::Settings settings;
+  for (int y = 0; y < costmap.height(); ++y) {
+    for (int x = 0; x < costmap.width(); ++x) {
+      const Cell c{x, y};
+      const Vec2 middle = costmap.center(c);
+      if (closed.distance_to(middle) < settings.lethal_radius - 0.05) REQUIRE(costmap.weight(c) == Costmap::kLethal);
+      if (closed.distance_to(middle) > settings.lethal_radius + 0.05) REQUIRE(costmap.weight(c) != Costmap::kLethal);
+      if (slow.contains(middle)) REQUIRE(costmap.weight(c) == plain.weight(c) + 3 * Costmap::kFree);
+      if (closed.distance_to(middle) < settings.caution_radius + 0.05 || slow.contains(middle)) continue;
+      REQUIRE(costmap.weight(c) == plain.weight(c));
+    }
+  }
+  costmap.set_zones({}, 0.5);
+  costmap.update(grid, {}, {}, 20, Region{});
+  require_same(costmap, plain);
+}
+
 TEST_CASE("tiles far from a change keep their stamps, also when the map grows") {
   OccupancyGrid grid;
   grid.width = grid.height = 320;
   grid.origin = {-3.2, -6.4};
-  grid.data.assign(320 * 320, OccupancyGrid::kFree);
+  grid.data.assign(std::size_t{320} * 320, OccupancyGrid::kFree);
   Costmap costmap;
   costmap.update(grid, {}, {});
   const auto stamp_at = [&](Vec2 point) { return costmap.stamp(costmap.cell(point)); };

@@ -223,6 +223,38 @@ TEST_CASE("beams from far away are ignored, so that one mad pose costs no gigaby
   CHECK(map.grid().width > 6000);
 }
 
+TEST_CASE("what two versions differ in is where the log of changes says, and that is no more than need be") {
+  for (std::uint64_t seed = 0; seed < 30; ++seed) {
+    CAPTURE(seed);
+    Draw draw(seed);
+    LogOddsMap map;
+    std::vector<OccupancyGrid> versions = {map.grid()};
+    for (int i = 0; i < 80; ++i) {
+      map.insert(random_scan(draw));
+      versions.push_back(map.grid());
+    }
+    const OccupancyGrid& now = map.grid();
+    const Cell low = raster_cell(now);
+    for (std::size_t v = 0; v < versions.size(); v += 3) {
+      const std::optional<Region> changed = map.changes().since(v);
+      REQUIRE(changed.has_value() == (v + 64 >= map.version()));
+      if (!changed) continue;
+      for (int y = 0; y < now.height; ++y) {
+        for (int x = 0; x < now.width; ++x) {
+          const Cell c{x + low.x, y + low.y};
+          const bool within =
+              c.x >= changed->low.x && c.y >= changed->low.y && c.x < changed->high.x && c.y < changed->high.y;
+          const OccupancyGrid& then = versions[v];
+          const Cell old{c.x - raster_cell(then).x, c.y - raster_cell(then).y};
+          if (!within) REQUIRE(now.at({x, y}) == (then.data.empty() ? OccupancyGrid::kUnknown : then.at(old)));
+        }
+      }
+    }
+    CHECK(map.changes().since(map.version()) == Region{});
+    CHECK_FALSE(map.changes().since(map.version() + 1));
+  }
+}
+
 TEST_CASE("a map that was given room beforehand shows the same") {
   for (std::uint64_t seed = 0; seed < 50; ++seed) {
     CAPTURE(seed);
