@@ -150,7 +150,7 @@ void go_on(Team& team, const Plan& plan) {
   team.robots().front().sleep(0.6);
   drive_to_goals(team, plan, 40.0);
   team.move([](Robot& robot, std::size_t) {
-    return robot.runtime().profile().lidar ? robot.explore(4.0).motion : robot.rotate(2.0, 4.0);
+    return robot.runtime().profile().lidar ? robot.explore(4.0).motion : robot.rotate(2.0, 0.1, 4.0);
   });
 }
 

@@ -4,11 +4,27 @@
 #include "bindings.hpp"
 #include "threewe/map/occupancy_grid.hpp"
 #include "threewe/map/ros_map.hpp"
+#include "threewe/map/zone.hpp"
 
 using namespace threewe;
 using map::Cell, map::OccupancyGrid;
 
 void init_map(nb::module_& m) {
+  nb::class_<map::Zone>(m, "Zone",
+                        "A polygon on the floor, in `map`, to keep out of; with a `speed_limit` to drive slowly in.")
+      .def(
+          "__init__",
+          [](map::Zone* self, std::vector<Vec2> corners, std::optional<double> speed_limit) {
+            new (self) map::Zone{std::move(corners), speed_limit};
+          },
+          "corners"_a, nb::kw_only(), "speed_limit"_a = nb::none())
+      .def_ro("corners", &map::Zone::corners, "(x, y) [m], in order; the last is joined to the first")
+      .def_ro("speed_limit", &map::Zone::speed_limit, "[m/s] while any part of the body is in it, or None")
+      .def("contains", &map::Zone::contains, "point"_a, "Whether a point (x, y) lies inside.")
+      .def("__repr__", [](const map::Zone& zone) {
+        return zone.speed_limit ? fmt::format("Zone({} corners, {:.2f} m/s)", zone.corners.size(), *zone.speed_limit)
+                                : fmt::format("Zone({} corners, keep out)", zone.corners.size());
+      });
   nb::class_<OccupancyGrid>(
       m, "OccupancyGrid",
       "What is free, occupied and unknown, as ROS defines it: -1 unknown, 0 free to 100 occupied.\n\n"

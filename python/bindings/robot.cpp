@@ -71,11 +71,14 @@ void bind_results(nb::module_& m) {
       .value("estop", Intervention::estop);
 
   nb::class_<Progress>(m, "Progress", "How far a motion has come.")
-      .def_ro("distance_left", &Progress::distance_left, "[m] along the path")
+      .def_ro("distance_left", &Progress::distance_left, "[m] along the path; when exploring to the next frontier")
+      .def_ro("time_left", &Progress::time_left,
+              "[s] that this, and turning to a heading, will take at the pace so far")
       .def_ro("distance_driven", &Progress::distance_driven, "[m] since the start of the motion")
       .def_ro("pose", &Progress::pose, "in `map`")
       .def("__repr__", [](const Progress& p) {
-        return fmt::format("Progress({:.2f} m left, {:.2f} m driven)", p.distance_left, p.distance_driven);
+        return fmt::format("Progress({:.2f} m and {:.1f} s left, {:.2f} m driven)", p.distance_left, p.time_left,
+                           p.distance_driven);
       });
 
   nb::class_<MoveResult>(m, "MoveResult", "How a motion ended. `map` frame.")
@@ -258,30 +261,31 @@ void bind_commands(nb::class_<Runtime>& runtime) {
           },
           "action"_a, "period"_a)
       .def("stop", &Runtime::stop)
+      .def("set_zones", &Runtime::set_zones, "zones"_a)
       .def("estop", &Runtime::estop)
       .def("release_estop", &Runtime::release_estop)
       .def_prop_ro("estopped", &Runtime::estopped)
       .def("motion", &Runtime::motion)
       .def(
           "move_to",
-          [](Runtime& robot, Vec2 goal, std::optional<double> theta, double tolerance, std::optional<double> timeout) {
-            nav::MoveTo move{.goal = goal, .theta = theta};
-            move.tolerance = tolerance;
-            return robot.start(move, timeout_of(timeout));
+          [](Runtime& robot, Vec2 goal, std::optional<double> theta, double tolerance, double angle_tolerance,
+             std::optional<double> timeout) {
+            return robot.start(nav::MoveTo{goal, theta, tolerance, angle_tolerance}, timeout_of(timeout));
           },
-          "goal"_a, "theta"_a.none(), "tolerance"_a, "timeout"_a.none(), "`goal` in `map` [m], `theta` [rad].")
+          "goal"_a, "theta"_a.none(), "tolerance"_a, "angle_tolerance"_a, "timeout"_a.none(),
+          "`goal` in `map` [m], `theta` [rad].")
       .def(
           "move_forward",
-          [](Runtime& robot, double distance, std::optional<double> timeout) {
-            return robot.start(nav::MoveForward{distance}, timeout_of(timeout));
+          [](Runtime& robot, double distance, double tolerance, std::optional<double> timeout) {
+            return robot.start(nav::MoveForward{distance, tolerance}, timeout_of(timeout));
           },
-          "distance"_a, "timeout"_a.none())
+          "distance"_a, "tolerance"_a, "timeout"_a.none())
       .def(
           "rotate",
-          [](Runtime& robot, double angle, std::optional<double> timeout) {
-            return robot.start(nav::Rotate{angle}, timeout_of(timeout));
+          [](Runtime& robot, double angle, double angle_tolerance, std::optional<double> timeout) {
+            return robot.start(nav::Rotate{angle, angle_tolerance}, timeout_of(timeout));
           },
-          "angle"_a, "timeout"_a.none())
+          "angle"_a, "angle_tolerance"_a, "timeout"_a.none())
       .def(
           "follow_path",
           [](Runtime& robot, std::vector<Vec2> path, double tolerance, std::optional<double> timeout) {

@@ -613,6 +613,26 @@ class RobotProfile:
 def profile_names() -> list[str]:
     """The names of all robot profiles."""
 
+class Zone:
+    """
+    A polygon on the floor, in `map`, to keep out of; with a `speed_limit` to drive slowly in.
+    """
+
+    def __init__(self, corners: Sequence[tuple[float, float]], *, speed_limit: float | None = None) -> None: ...
+
+    @property
+    def corners(self) -> list[tuple[float, float]]:
+        """(x, y) [m], in order; the last is joined to the first"""
+
+    @property
+    def speed_limit(self) -> float | None:
+        """[m/s] while any part of the body is in it, or None"""
+
+    def contains(self, point: tuple[float, float]) -> bool:
+        """Whether a point (x, y) lies inside."""
+
+    def __repr__(self) -> str: ...
+
 class OccupancyGrid:
     """
     What is free, occupied and unknown, as ROS defines it: -1 unknown, 0 free to 100 occupied.
@@ -1246,7 +1266,11 @@ class Progress:
 
     @property
     def distance_left(self) -> float:
-        """[m] along the path"""
+        """[m] along the path; when exploring to the next frontier"""
+
+    @property
+    def time_left(self) -> float:
+        """[s] that this, and turning to a heading, will take at the pace so far"""
 
     @property
     def distance_driven(self) -> float:
@@ -1526,6 +1550,8 @@ class Runtime:
 
     def stop(self) -> None: ...
 
+    def set_zones(self, zones: Sequence[Zone]) -> None: ...
+
     def estop(self) -> None: ...
 
     def release_estop(self) -> None: ...
@@ -1535,12 +1561,12 @@ class Runtime:
 
     def motion(self) -> Motion: ...
 
-    def move_to(self, goal: tuple[float, float], theta: float | None, tolerance: float, timeout: float | None) -> Motion:
+    def move_to(self, goal: tuple[float, float], theta: float | None, tolerance: float, angle_tolerance: float, timeout: float | None) -> Motion:
         """`goal` in `map` [m], `theta` [rad]."""
 
-    def move_forward(self, distance: float, timeout: float | None) -> Motion: ...
+    def move_forward(self, distance: float, tolerance: float, timeout: float | None) -> Motion: ...
 
-    def rotate(self, angle: float, timeout: float | None) -> Motion: ...
+    def rotate(self, angle: float, angle_tolerance: float, timeout: float | None) -> Motion: ...
 
     def follow_path(self, path: Sequence[tuple[float, float]], tolerance: float, timeout: float | None) -> Motion: ...
 

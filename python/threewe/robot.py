@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from contextlib import suppress
 from types import TracebackType
 from typing import TYPE_CHECKING, Any, Self
@@ -18,6 +18,7 @@ from threewe._arguments import (
     as_asset,
     as_function,
     as_image_size,
+    as_list,
     as_map,
     as_number,
     as_pose,
@@ -43,6 +44,7 @@ from threewe._core import (
     RobotProfile,
     SensorType,
     Velocity,
+    Zone,
 )
 from threewe._observers import Observer, Observers
 from threewe._options import known_options
@@ -212,10 +214,13 @@ class Robot(InRobotTime):
         *,
         frame: str = "map",
         tolerance: float = 0.25,
+        angle_tolerance: float = 0.1,
         timeout: float | None = None,
         on_progress: OnProgress | None = None,
     ) -> MoveResult:
         """Drives to a position, and turns to a heading where one is given.
+
+        It aims at the goal itself; tolerances say how far off it may end where something keeps it from getting nearer.
 
         Args:
             x: [m] in `frame`.
@@ -223,8 +228,10 @@ class Robot(InRobotTime):
             theta: final heading [rad] in `frame`; any where left out.
             frame: `map`, `odom` or `base`.
             tolerance: [m] from the goal that counts as reached.
+            angle_tolerance: [rad] from the heading that counts as reached.
             timeout: [s] of robot time; 30 s + 4 x straight distance / speed limit where left out.
-            on_progress: called with a Progress every 0.1 s of robot time; what it raises ends the motion.
+            on_progress: called every 0.1 s of robot time with a Progress: distance left [m], time left [s], pose; what
+                it raises ends the motion.
 
         Returns:
             The result with `success` and `reason`: `reached no_path blocked timeout cancelled estop lost fault`.
@@ -238,30 +245,42 @@ class Robot(InRobotTime):
         x, y = as_number("goal x", x), as_number("goal y", y)
         heading = None if theta is None else as_number("goal theta", theta)
         within = as_number("tolerance", tolerance)
+        turned_within = as_number("angle_tolerance", angle_tolerance)
         goal = self._read().transform("map", as_text("frame", frame)) * Pose2D(x, y, heading or 0.0)
 
         def begin(limit: float | None) -> Motion:
-            return self._runtime.move_to((goal.x, goal.y), None if heading is None else goal.theta, within, limit)
+            theta = None if heading is None else goal.theta
+            return self._runtime.move_to((goal.x, goal.y), theta, within, turned_within, limit)
 
         motion = await self._drive(begin, timeout, on_progress)
         return motion.result()
 
     @known_options
     async def move_forward(
-        self, distance: float, *, timeout: float | None = None, on_progress: OnProgress | None = None
+        self,
+        distance: float,
+        *,
+        tolerance: float = 0.05,
+        timeout: float | None = None,
+        on_progress: OnProgress | None = None,
     ) -> MoveResult:
         """Drives straight ahead by `distance` [m], backwards when negative. See `move_to`."""
-        metres = as_number("distance", distance)
-        motion = await self._drive(lambda t: self._runtime.move_forward(metres, t), timeout, on_progress)
+        metres, within = as_number("distance", distance), as_number("tolerance", tolerance)
+        motion = await self._drive(lambda t: self._runtime.move_forward(metres, within, t), timeout, on_progress)
         return motion.result()
 
     @known_options
     async def rotate(
-        self, angle: float, *, timeout: float | None = None, on_progress: OnProgress | None = None
+        self,
+        angle: float,
+        *,
+        angle_tolerance: float = 0.1,
+        timeout: float | None = None,
+        on_progress: OnProgress | None = None,
     ) -> MoveResult:
         """Turns on the spot by `angle` [rad], counter-clockwise; may exceed a full turn. See `move_to`."""
-        radians = as_number("angle", angle)
-        motion = await self._drive(lambda t: self._runtime.rotate(radians, t), timeout, on_progress)
+        radians, within = as_number("angle", angle), as_number("angle_tolerance", angle_tolerance)
+        motion = await self._drive(lambda t: self._runtime.rotate(radians, within, t), timeout, on_progress)
         return motion.result()
 
     @known_options
@@ -321,6 +340,23 @@ class Robot(InRobotTime):
         self._time.check_thread()
         vx, vy, omega = as_number("vx", vx), as_number("vy", vy), as_number("omega", omega)
         self._runtime.set_velocity(vx, vy, omega, as_seconds("hold", hold))
+
+    def set_zones(self, zones: Iterable[Zone]) -> None:
+        """Where motions may not lead, or only slowly, in `map`; in place of what was set before.
+
+        No path is planned into a Zone without a `speed_limit`; one with it is driven through as slowly as that, and
+        planned around where that takes less time. Holds until it is called again, or a simulation is reset. What
+        drives without a plan (`move_forward`, `set_velocity`) is not kept out.
+
+        Raises:
+            ContractError: a zone that is no polygon of finite corners, or whose limit is not positive.
+        """
+        self._time.check_thread()
+        given = as_list("zones", zones)
+        for zone in given:
+            if not isinstance(zone, Zone):
+                raise ContractError(f"zones must hold Zones, got {zone!r}")
+        self._runtime.set_zones(given)
 
     def stop(self) -> None:
         """Ends a motion as `cancelled` and brings the robot to a stand-still. Always allowed."""

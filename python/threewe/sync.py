@@ -233,6 +233,7 @@ class Robot(_OnThread):
     execute_action = _waits(threewe.Robot.execute_action)
 
     set_velocity = _returns(threewe.Robot.set_velocity)
+    set_zones = _returns(threewe.Robot.set_zones)
     stop = _returns(threewe.Robot.stop)
     emergency_stop = _returns(threewe.Robot.emergency_stop)
     release_emergency_stop = _returns(threewe.Robot.release_emergency_stop)

@@ -29,7 +29,8 @@ class World(InRobotTime):
         seed: as for Robot.
         realtime: as for Robot.
         start_poses: where each robot starts in the scene; the scene's own start poses where left out.
-        initial_poses: where each starts in its `map` frame; where left out, as for Robot.
+        initial_poses: where each starts in its `map` frame; where left out, as for Robot. Robots that are all given one
+            have the same `map` frame: they share what they have mapped, and who goes where, when they explore.
         map: as for Robot, for all of them.
 
     Raises:

@@ -13,6 +13,7 @@ constexpr Duration kTightFor = 6s;     // ... but not for so long after it got s
 constexpr double kArrived = 0.05;      // [m] near enough to a goal to stop
 constexpr double kWithin = 0.05;       // [m] less than the tolerance, where a goal itself cannot be reached
 constexpr double kStuckWithin = 0.02;  // [m] the same, where the robot cannot get nearer either
+constexpr double kAlong = 0.01;        // [m] the same, of a distance straight ahead
 constexpr double kTurned = 0.015;      // [rad]
 constexpr Duration kReplanPeriod = 1s;
 constexpr Duration kExplorePeriod = 600ms;
@@ -22,6 +23,7 @@ constexpr double kMoved = 0.06;           // [m] ... or turned by kMovedTurn
 constexpr double kMovedTurn = 0.3;        // [rad]
 constexpr Duration kProof = 2500ms;       // for so long no plan may exist before it is believed
 constexpr Duration kLostPatience = 8s;    // after having looked round
+constexpr double kZoneReaction = 0.2;     // [s] from a command to its effect, and some for doubts about the pose
 constexpr Duration kMapPatience = 1s;     // how long to wait for a first scan
 
 map::Costmap::Settings costmap_settings(const RobotProfile& profile) {
@@ -50,6 +52,8 @@ double sweep_aside(Duration since) {
 
 PathNavigator::PathNavigator(const RobotProfile& profile)
     : route_(costmap_settings(profile), profile.body.footprint.circumscribed_radius()),
+      limits_(profile.operating_limits),
+      body_radius_(profile.body.footprint.circumscribed_radius()),
       tracker_(profile),
       recovery_(profile.kinematics(), !profile.lidar),
       has_lidar_(profile.lidar.has_value()) {}
@@ -71,9 +75,17 @@ void PathNavigator::start(const Goal& goal, const Observation& seen) {
   route_.begin(move ? std::vector{move->goal} : follow ? follow->path : std::vector<Vec2>{}, follow != nullptr);
 }
 
-// One period: note what is seen, keep still without a map, look round without a place in it, else drive.
+// One period: note what is seen, decide, and keep to the limits of zones.
 Decision PathNavigator::step(const Observation& seen) {
   note(seen);
+  Decision decision = decide(seen);
+  decision.velocity = within_zones(decision.velocity);
+  estimate_time_left();
+  return decision;
+}
+
+// Keep still without a map, look round without a place in it, else drive.
+Decision PathNavigator::decide(const Observation& seen) {
   if (has_lidar_ && seen.map_version == 0) {
     return now_ - motion_.started < kMapPatience ? Decision{} : finish(Reason::fault, "no scan has arrived");
   }
@@ -82,6 +94,27 @@ Decision PathNavigator::step(const Observation& seen) {
   if (recovery_.active()) return recover();
   recovery_.remember(odom_from_base_);
   return std::visit([&](const auto& goal) { return drive(goal, seen); }, goal_);
+}
+
+void PathNavigator::set_zones(const std::vector<map::Zone>& zones) {
+  zones_ = zones;
+  route_.set_zones(zones, limits_.linear);
+}
+
+// So slow that the body enters no zone faster than is allowed there.
+Velocity PathNavigator::within_zones(const Velocity& velocity) const {
+  constexpr double kShare = 0.5;  // of what the brakes can do
+  double most = limits_.linear;
+  for (const map::Zone& zone : zones_) {
+    if (!zone.speed_limit) continue;
+    const double reaction = kZoneReaction * limits_.linear;
+    const double away = std::max(0.0, zone.distance_to(progress_.pose.position()) - body_radius_ - reaction);
+    const double limit = *zone.speed_limit;
+    most = std::min(most, exact::sqrt(limit * limit + 2.0 * kShare * limits_.linear_braking * away));
+  }
+  const double speed = exact::hypot(velocity.vx, velocity.vy);
+  const double share = speed > most ? most / speed : 1.0;
+  return {share * velocity.vx, share * velocity.vy, share * velocity.omega};
 }
 
 void PathNavigator::note(const Observation& seen) {
@@ -102,8 +135,18 @@ void PathNavigator::note(const Observation& seen) {
   if (!has_lidar_) tracker_.look_aside(sweep_aside(now_ - motion_.started));
 }
 
+// At the pace of this motion so far, to begin with at three quarters of the speed limit.
+void PathNavigator::estimate_time_left() {
+  constexpr double kPrior = 3.0;  // [s] for which the limit counts
+  constexpr double kShare = 0.75;
+  const double elapsed = to_seconds(now_ - motion_.started);
+  const double pace = (progress_.distance_driven + kPrior * kShare * limits_.linear) / (elapsed + kPrior);
+  progress_.time_left = progress_.distance_left / pace + motion_.turn_left / (kShare * limits_.angular);
+}
+
 Decision PathNavigator::drive(const MoveTo& goal, const Observation& seen) {
   if (!motion_.at_goal) {
+    if (goal.theta) motion_.turn_left = std::fabs(wrap_angle(*goal.theta - progress_.pose.theta));
     const Decision decision = travel(seen, goal.goal, goal.tolerance);
     if (decision.reason != Reason::reached || !goal.theta) return decision;
     motion_.at_goal = true;
@@ -113,6 +156,7 @@ Decision PathNavigator::drive(const MoveTo& goal, const Observation& seen) {
   // there: only the heading is left
   progress_.distance_left = distance(progress_.pose.position(), goal.goal);
   const double angle = wrap_angle(*goal.theta - progress_.pose.theta);
+  motion_.turn_left = std::fabs(angle);
   if (std::fabs(angle) <= std::min(2.0 * kTurned, goal.angle_tolerance)) return finish(Reason::reached);
   if (!stuck()) return {tracker_.turn(angle)};
   if (std::fabs(angle) <= goal.angle_tolerance) return finish(Reason::reached);
@@ -122,8 +166,12 @@ Decision PathNavigator::drive(const MoveTo& goal, const Observation& seen) {
 Decision PathNavigator::drive(const Rotate& goal, const Observation&) {
   const double left = goal.angle - motion_.turned;
   progress_.distance_left = 0.0;
-  if (std::fabs(left) <= kTurned) return finish(Reason::reached);
-  if (stuck()) return finish(Reason::blocked, "no room to turn");
+  motion_.turn_left = std::fabs(left);
+  if (motion_.turn_left <= std::min(kTurned, goal.angle_tolerance)) return finish(Reason::reached);
+  if (stuck()) {
+    return motion_.turn_left <= goal.angle_tolerance ? finish(Reason::reached)
+                                                     : finish(Reason::blocked, "no room to turn");
+  }
   return {tracker_.turn(left)};
 }
 
@@ -132,8 +180,12 @@ Decision PathNavigator::drive(const MoveForward& goal, const Observation&) {
   const Pose2D along = inverse(motion_.start) * odom_from_base_;
   const double left = goal.distance - along.x;
   progress_.distance_left = std::fabs(left);
-  if (goal.distance >= 0.0 ? left <= 0.01 : left >= -0.01) return finish(Reason::reached);
-  if (stuck()) return finish(Reason::blocked, "something stands in the way");
+  const double there = std::min(kAlong, goal.tolerance);
+  if (goal.distance >= 0.0 ? left <= there : left >= -there) return finish(Reason::reached);
+  if (stuck()) {
+    return std::fabs(left) <= goal.tolerance ? finish(Reason::reached)
+                                             : finish(Reason::blocked, "something stands in the way");
+  }
   return {tracker_.straight(left, -along.y, -along.theta)};
 }
 
@@ -150,7 +202,7 @@ Decision PathNavigator::drive(const Explore&, const Observation& seen) {
   const bool near = route_.has_path() && distance(progress_.pose.position(), route_.path().back()) < kNear;
   if (route_.age(now_) >= (near || !route_.has_path() ? kShortestPeriod : kExplorePeriod)) {
     const bool explored = !route_.plan_to_frontier(seen);
-    if (proven(explored)) return finish(Reason::reached);
+    if (proven(explored)) return finish(Reason::reached, "nothing that can be reached is left to see");
   }
   return route_.has_path() ? follow() : wait();
 }
@@ -160,7 +212,7 @@ Decision PathNavigator::travel(const Observation& seen, Vec2 goal, double tolera
   const Vec2 here = progress_.pose.position();
   const bool last_leg = route_.on_last_leg();
   const double left = last_leg ? distance(here, goal) : std::numeric_limits<double>::infinity();
-  if (left <= kArrived) return finish(Reason::reached);
+  if (left <= std::min(kArrived, tolerance)) return finish(Reason::reached);
   const bool at_end = route_.has_path() && distance(here, route_.path().back()) <= kArrived;
   if (left <= tolerance - kWithin && route_.gap() > 0.0 && at_end) return finish(Reason::reached);
 

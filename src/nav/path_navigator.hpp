@@ -22,9 +22,11 @@ class PathNavigator final : public Navigator {
   Decision step(const Observation& seen) override;
   Progress progress() const override { return progress_; }
   std::span<const Vec2> path() const override { return route_.path(); }
+  void set_zones(const std::vector<map::Zone>& zones) override;
   std::unique_ptr<Navigator> clone() const override { return std::make_unique<PathNavigator>(*this); }
 
  private:
+  Decision decide(const Observation& seen);
   Decision drive(const MoveTo& goal, const Observation& seen);
   Decision drive(const Rotate& goal, const Observation& seen);
   Decision drive(const MoveForward& goal, const Observation& seen);
@@ -32,6 +34,8 @@ class PathNavigator final : public Navigator {
   Decision drive(const Explore& goal, const Observation& seen);
 
   void note(const Observation& seen);
+  void estimate_time_left();
+  Velocity within_zones(const Velocity& velocity) const;
   Decision travel(const Observation& seen, Vec2 goal, double tolerance);
   Decision follow();
   Decision wait();
@@ -48,6 +52,7 @@ class PathNavigator final : public Navigator {
     Pose2D start;  // in `odom`: no correction of the map is a motion
     Time started{};
     double turned = 0.0;      // [rad] since then
+    double turn_left = 0.0;   // [rad] to turn at the end, as far as is known
     bool at_goal = false;     // only the heading is left
     bool impossible = false;  // no plan has been found ...
     Time impossible_since{};
@@ -59,6 +64,9 @@ class PathNavigator final : public Navigator {
   };
 
   Route route_;
+  Limits limits_;
+  double body_radius_;  // [m] of a disc around the body
+  std::vector<map::Zone> zones_;
   Tracker tracker_;
   Recovery recovery_;
   bool has_lidar_;

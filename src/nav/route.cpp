@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "nav/polyline.hpp"
+#include "nav/shared_map.hpp"
 #include "threewe/nav/frontiers.hpp"
 
 namespace threewe::nav {
@@ -19,6 +20,15 @@ constexpr double kBetter = 0.85;           // a new path replaces an open one wh
 constexpr double kWithin = 0.05;           // [m] a path must end so much within the tolerance
 constexpr Duration kRetry = 200ms;         // without a path, plan so often
 constexpr double kSamePlace = 0.4;         // [m] failures nearer to each other are one and the same
+
+// What a frontier is worth, in metres of way through free space.
+constexpr double kPerMetre = 800.0;    // what the search calls a metre: 20 cells, each 5 x twice kFree
+constexpr double kGain = 0.5;          // of each metre of its length ...
+constexpr double kLongest = 3.0;       // [m] ... up to so many
+constexpr double kStay = 1.0;          // for it is the one that the robot is on the way to ...
+constexpr double kClaimed = 8.0;       // less where another robot comes first ...
+constexpr double kClaim = 3.0;         // [m] ... around where it is bound for
+constexpr double kSameFrontier = 1.0;  // [m] ... or what has become of it
 
 // The point itself or, for one far outside of the map, the nearest within the horizon: beyond it nothing is in the way.
 Vec2 within_horizon(const map::OccupancyGrid& map, Vec2 point) {
@@ -48,6 +58,7 @@ void Route::begin(std::vector<Vec2> waypoints, bool drawn) {
   waypoints_ = std::move(waypoints);
   drawn_ = drawn;
   drop();
+  frontier_.reset();
   gap_ = 0.0;
   avoided_.clear();
   closures_.clear();
@@ -103,13 +114,31 @@ bool Route::try_plan(const Observation& seen, double tolerance) {
 bool Route::plan_to_frontier(const Observation& seen) {
   renew_costmap(seen);
   find_frontiers(costmap_, frontiers_);
-  const SearchResult found = search_.to_any(
-      costmap_, costmap_.cell(robot_in(seen)), [&](std::uint32_t index) { return frontiers_[index] >= kMinFrontier; },
-      [&](std::uint32_t index) { return costmap_.unknown()[index] != 0; });
+  const auto bonus = [&](std::uint32_t index) {
+    return frontiers_[index] >= kMinFrontier ? std::optional(bonus_of_frontier(index, seen)) : std::nullopt;
+  };
+  constexpr int kMost = static_cast<int>(kPerMetre * (kGain * kLongest + kStay));
+  const SearchResult found = search_.to_best(costmap_, costmap_.cell(robot_in(seen)), bonus, kMost,
+                                             [&](std::uint32_t index) { return costmap_.unknown()[index] != 0; });
   path_.clear();
+  frontier_.reset();
   if (!found.found) return false;
-  path_ = straighten(costmap_, found.path, robot_in(seen), costmap_.center(found.path.back()));
+  frontier_ = costmap_.center(found.path.back());
+  path_ = straighten(costmap_, found.path, robot_in(seen), *frontier_);
   return true;
+}
+
+// In the units of the search. What another robot is bound for and nearer to is left to it, as long as there is more.
+int Route::bonus_of_frontier(std::uint32_t index, const Observation& seen) const {
+  const auto width = static_cast<std::uint32_t>(costmap_.width());
+  const Vec2 place = costmap_.center({static_cast<int>(index % width), static_cast<int>(index / width)});
+  double worth = kGain * std::min(kLongest, frontiers_[index] * costmap_.resolution());
+  if (frontier_ && distance(place, *frontier_) < kSameFrontier) worth += kStay;
+  for (const Peer& peer : seen.peers) {
+    if (!peer.bound_for || distance(*peer.bound_for, place) > kClaim) continue;
+    if (distance(peer.map_from_base.position(), place) < distance(robot_in(seen), place)) worth -= kClaimed;
+  }
+  return static_cast<int>(kPerMetre * worth);
 }
 
 void Route::drop() {
@@ -149,11 +178,30 @@ void Route::renew_costmap(const Observation& seen) {
   for (const Vec2 p : seen.obstacles) obstacles.push_back(seen.pose.map_from_odom * p);
   std::vector<Vec2> include = {robot_in(seen)};
   for (const Vec2 waypoint : waypoints_) include.push_back(within_horizon(seen.map, waypoint));
-  costmap_.update(seen.map, obstacles, include);
+  take_map(seen, obstacles, include);
   costmap_.open_around(robot_in(seen), body_radius_ + 0.1);
   planned_once_ = true;
   planned_ = seen.now;
   planned_version_ = seen.map_version;
+}
+
+// Where peers tell what they know, that too; else only what has changed since the last time.
+void Route::take_map(const Observation& seen, const std::vector<Vec2>& obstacles, const std::vector<Vec2>& include) {
+  constexpr int kRim = 20;  // [cells] unknown all around
+  if (!seen.peers.empty()) {
+    merge_maps(seen.map, seen.peers, shared_);
+    costmap_.update(shared_, obstacles, include, kRim);
+    costmap_version_.reset();
+    return;
+  }
+  std::optional<map::Region> changed;
+  if (seen.map_changes != nullptr && costmap_version_) changed = seen.map_changes->since(*costmap_version_);
+  if (changed) {
+    const map::Cell low = map::raster_cell(seen.map);
+    changed = {{changed->low.x - low.x, changed->low.y - low.y}, {changed->high.x - low.x, changed->high.y - low.y}};
+  }
+  costmap_.update(seen.map, obstacles, include, kRim, changed);
+  costmap_version_ = seen.map_version;
 }
 
 // Near the next waypoint, or past it along the path.

@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -22,10 +23,14 @@ class Route {
   /// Begins anew, through `waypoints`; along the straight lines between them where those are free, if `drawn`.
   void begin(std::vector<Vec2> waypoints, bool drawn);
 
+  /// Where plans may not lead, or better not, at a speed [m/s] elsewhere.
+  void set_zones(const std::vector<map::Zone>& zones, double speed) { costmap_.set_zones(zones, speed), drop(); }
   /// Plans through the waypoints that are left, to within `tolerance` [m] of each. False: everything within reach was
   /// searched. A path that is open is kept unless a new one is clearly better, so that the robot does not waver.
   bool plan_to_goal(const Observation& seen, double tolerance);
-  /// Plans to the nearest frontier by the cost of the way there. False: none can be reached.
+  /// Plans to the frontier that is most worth it: by the cost of the way there, how much there is to see, and what
+  /// other robots are about to see; not to another one than before unless that is clearly better. False: none can be
+  /// reached.
   bool plan_to_frontier(const Observation& seen);
   /// Forgets the path, so that the next plan is due at once.
   void drop();
@@ -49,7 +54,9 @@ class Route {
 
  private:
   bool try_plan(const Observation& seen, double tolerance);
+  int bonus_of_frontier(std::uint32_t index, const Observation& seen) const;
   void renew_costmap(const Observation& seen);
+  void take_map(const Observation& seen, const std::vector<Vec2>& obstacles, const std::vector<Vec2>& include);
   bool avoid(Vec2 place);
   bool passed_waypoint(Vec2 robot) const;
   void note_closure();
@@ -67,11 +74,14 @@ class Route {
   bool planned_once_ = false;
   Time planned_{};
   std::uint64_t planned_version_ = 0;
-  std::vector<Vec2> avoided_;   // [m] the planner saw a way here, the tracker did not
-  std::vector<Vec2> closures_;  // [m] where a path that was followed turned out to be blocked
-  std::vector<Vec2> failures_;  // [m] what was ever avoided in this motion
-  std::vector<Vec2> barred_;    // [m] what it has failed to look into too often
+  std::optional<std::uint64_t> costmap_version_;  // of our map, where the costmap has that alone
+  map::OccupancyGrid shared_;                     // with what peers have mapped
+  std::vector<Vec2> avoided_;                     // [m] the planner saw a way here, the tracker did not
+  std::vector<Vec2> closures_;                    // [m] where a path that was followed turned out to be blocked
+  std::vector<Vec2> failures_;                    // [m] what was ever avoided in this motion
+  std::vector<Vec2> barred_;                      // [m] what it has failed to look into too often
   std::vector<std::uint16_t> frontiers_;
+  std::optional<Vec2> frontier_;  // [m] that it is on the way to
 };
 
 }  // namespace threewe::nav

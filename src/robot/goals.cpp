@@ -46,8 +46,14 @@ void check_goal(const nav::Goal& goal) {
                    require_positive(g.tolerance, "tolerance");
                    require_positive(g.angle_tolerance, "angle tolerance");
                  },
-                 [](const nav::Rotate& g) { require_finite(g.angle, "angle"); },
-                 [](const nav::MoveForward& g) { require_finite(g.distance, "distance"); },
+                 [](const nav::Rotate& g) {
+                   require_finite(g.angle, "angle");
+                   require_positive(g.angle_tolerance, "angle tolerance");
+                 },
+                 [](const nav::MoveForward& g) {
+                   require_finite(g.distance, "distance");
+                   require_positive(g.tolerance, "tolerance");
+                 },
                  [](const nav::FollowPath& g) {
                    if (g.path.empty()) throw ContractError("path must have at least one point");
                    for (const Vec2 p : g.path) {
@@ -59,6 +65,17 @@ void check_goal(const nav::Goal& goal) {
                  [](const nav::Explore&) {},
              },
              goal);
+}
+
+void check_zone(const map::Zone& zone) {
+  if (zone.corners.size() < 3) {
+    throw ContractError("a zone needs at least 3 corners, not " + std::to_string(zone.corners.size()));
+  }
+  for (const Vec2 corner : zone.corners) {
+    require_finite(corner.x, "a zone's corner x");
+    require_finite(corner.y, "a zone's corner y");
+  }
+  if (zone.speed_limit) require_positive(*zone.speed_limit, "a zone's speed_limit");
 }
 
 void check_velocity(const RobotProfile& profile, const Velocity& velocity) {

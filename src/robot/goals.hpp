@@ -8,6 +8,8 @@ namespace threewe {
 
 /// Throws ContractError unless every number of a goal is finite and makes sense.
 void check_goal(const nav::Goal& goal);
+/// Throws ContractError unless a zone is a polygon of finite corners, and its limit positive.
+void check_zone(const map::Zone& zone);
 /// Throws ContractError unless a velocity is finite and the base can drive it.
 void check_velocity(const RobotProfile& profile, const Velocity& velocity);
 /// 30 s + 4 x what the goal takes along the straight way at the speed limit; 600 s for an exploration.

@@ -95,7 +95,10 @@ void Robot::stop() { runtime_->stop(); }
 MotionHandle Robot::move_to(double x, double y) { return move_to(x, y, MoveOptions{}); }
 
 MotionHandle Robot::move_to(double x, double y, const MoveOptions& options) {
-  nav::MoveTo goal{.goal = {x, y}, .theta = options.theta, .tolerance = options.tolerance};
+  nav::MoveTo goal{.goal = {x, y},
+                   .theta = options.theta,
+                   .tolerance = options.tolerance,
+                   .angle_tolerance = options.angle_tolerance};
   check_goal(goal);  // as it was given: a transform spreads what is not finite
   if (options.frame != "map") {
     const Pose2D map_from_frame = runtime_->transform("map", options.frame);
@@ -105,12 +108,12 @@ MotionHandle Robot::move_to(double x, double y, const MoveOptions& options) {
   return runtime_->start(goal, timeout_of(options.timeout));
 }
 
-MotionHandle Robot::move_forward(double distance, std::optional<double> timeout) {
-  return runtime_->start(nav::MoveForward{distance}, timeout_of(timeout));
+MotionHandle Robot::move_forward(double distance, double tolerance, std::optional<double> timeout) {
+  return runtime_->start(nav::MoveForward{distance, tolerance}, timeout_of(timeout));
 }
 
-MotionHandle Robot::rotate(double angle, std::optional<double> timeout) {
-  return runtime_->start(nav::Rotate{angle}, timeout_of(timeout));
+MotionHandle Robot::rotate(double angle, double angle_tolerance, std::optional<double> timeout) {
+  return runtime_->start(nav::Rotate{angle, angle_tolerance}, timeout_of(timeout));
 }
 
 MotionHandle Robot::follow_path(const std::vector<Vec2>& path, double tolerance, std::optional<double> timeout) {
@@ -121,14 +124,34 @@ ExplorationHandle Robot::explore(std::optional<double> timeout) {
   return {runtime_->start(nav::Explore{}, timeout_of(timeout))};
 }
 
-MoveResult Robot::wait(const MotionHandle& motion) {
-  world_->wait(motion);
+MoveResult Robot::wait(const MotionHandle& motion, const OnProgress& on_progress) {
+  drive(motion, on_progress);
   return motion->result();
 }
 
-ExploreResult Robot::wait(const ExplorationHandle& exploration) {
-  world_->wait(exploration.motion);
+ExploreResult Robot::wait(const ExplorationHandle& exploration, const OnProgress& on_progress) {
+  drive(exploration.motion, on_progress);
   return exploration.motion->explore_result();
+}
+
+void Robot::drive(const MotionHandle& motion, const OnProgress& on_progress) {
+  constexpr Duration kTold = 100ms;
+  if (!on_progress) return world_->wait(motion);
+  Time due = now() + kTold;
+  const std::uint64_t observer = runtime_->observe([&](const TickView& view) {
+    if (view.now < due) return;
+    due = view.now + kTold;
+    on_progress(motion->progress());
+  });
+  try {
+    world_->wait(motion);
+  } catch (...) {
+    runtime_->unobserve(observer);
+    motion->cancel();
+    world_->wait(motion);  // it has ended: nobody is to hear of it again
+    throw;
+  }
+  runtime_->unobserve(observer);
 }
 
 void Robot::sleep(double seconds) {

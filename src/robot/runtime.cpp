@@ -107,6 +107,7 @@ MotionHandle Runtime::start(const nav::Goal& goal, Duration timeout) {
   impl_->require_free();
 
   State& state = *impl_->state;
+  impl_->listen_to_peers();
   state.navigator->start(goal, impl_->observation());
   state.held.reset();
   if (timeout == Duration::zero()) timeout = default_timeout(profile(), goal, state.estimate.map_from_base());
@@ -121,6 +122,11 @@ MotionHandle Runtime::start(const nav::Goal& goal, Duration timeout) {
 }
 
 MotionHandle Runtime::motion() const { return impl_->motion ? impl_->motion->handle : nullptr; }
+
+void Runtime::set_zones(const std::vector<map::Zone>& zones) {
+  for (const map::Zone& zone : zones) check_zone(zone);
+  impl_->state->navigator->set_zones(zones);
+}
 
 void Runtime::estop() {
   State& state = *impl_->state;

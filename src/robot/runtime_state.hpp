@@ -80,6 +80,7 @@ struct Runtime::Impl {
   Velocity request();
   Velocity steer();
   Velocity held_velocity();
+  void listen_to_peers();
   nav::Observation observation() const;
 
   // sense
@@ -103,6 +104,7 @@ struct Runtime::Impl {
   std::string fault;
   std::optional<OpenMotion> motion;
   std::vector<WaitHandle> ready;  // those who wait for first samples
+  std::vector<nav::Peer> peers;   // during a tick
 
   std::vector<std::pair<std::uint64_t, std::shared_ptr<const Observer>>> observers;
   std::uint64_t observers_made = 0;

@@ -59,6 +59,7 @@ Velocity Runtime::Impl::request() {
 }
 
 Velocity Runtime::Impl::steer() {
+  listen_to_peers();
   motion->decision = state->navigator->step(observation());
   motion->handle->progress_ = state->navigator->progress();
   return motion->decision.reason == Reason::running ? motion->decision.velocity : Velocity{};
@@ -77,10 +78,25 @@ Velocity Runtime::Impl::held_velocity() {
   return {};
 }
 
+// What the other robots tell, where all have one `map` frame: what they know themselves, never the truth.
+void Runtime::Impl::listen_to_peers() {
+  peers.clear();
+  if (!shared().one_map_frame) return;
+  for (const auto& robot : shared().robots) {
+    const Impl& other = *robot->impl_;
+    if (&other == this || !other.healthy() || !other.port.profile().lidar) continue;
+    const std::span<const Vec2> path = other.motion ? other.state->navigator->path() : std::span<const Vec2>();
+    peers.push_back({other.state->estimate.map_from_base(), path.empty() ? std::nullopt : std::optional(path.back()),
+                     &other.state->localizer->map()});
+  }
+}
+
 nav::Observation Runtime::Impl::observation() const {
   const slam::Localizer& localizer = *state->localizer;
   if (port.profile().lidar) {
-    return {now(), state->estimate, localizer.map(), localizer.map_version(), obstacles_in_odom()};
+    return {
+        now(), state->estimate, localizer.map(), localizer.map_version(), obstacles_in_odom(), localizer.map_changes(),
+        peers};
   }
   return {now(), state->estimate, state->echo_map.grid(), state->echo_map.version(), obstacles_in_odom()};
 }

@@ -45,6 +45,7 @@ class TruthLocalizer final : public slam::Localizer {
   }
   const map::OccupancyGrid& map() const override { return map_.grid(); }
   std::uint64_t map_version() const override { return map_.version(); }
+  const map::ChangeLog* map_changes() const override { return &map_.changes(); }
   std::span<const Vec2> obstacles() const override { return obstacles_; }
   std::unique_ptr<Localizer> clone() const override { return std::make_unique<TruthLocalizer>(*this); }
 

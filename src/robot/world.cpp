@@ -74,6 +74,7 @@ World::World(std::unique_ptr<backend::World> backend, bool realtime, const Mind&
                       std::to_string(impl_->backend->robot_count()) + " robots");
   }
   if (map) check_map(*map);
+  impl_->one_map_frame = initial_poses.size() > 1 && initial_poses.size() == impl_->backend->robot_count();
   for (std::size_t i = 0; i < impl_->backend->robot_count(); ++i) {
     backend::RobotPort& port = impl_->backend->robot(i);
     impl_->lockstep = impl_->lockstep && port.features().lockstep;

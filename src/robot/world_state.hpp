@@ -20,9 +20,10 @@ struct World::Impl {
   std::uint64_t seed = 0;  // of all noise, unless a reset is given another
   WaitList waits;
   int holds = 0;
-  bool ticking = false;  // an observer may be running
-  bool lockstep = true;  // time advances only when it is told to
-  bool paced = false;    // to the wall clock
+  bool ticking = false;        // an observer may be running
+  bool lockstep = true;        // time advances only when it is told to
+  bool paced = false;          // to the wall clock
+  bool one_map_frame = false;  // the robots' maps are in the same frame
   Pace pace;
   std::string broken;                 // why time cannot go on; empty while it can
   std::exception_ptr observer_error;  // the first of this tick

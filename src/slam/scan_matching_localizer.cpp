@@ -72,6 +72,8 @@ class ScanMatchingLocalizer final : public Localizer {
   PoseEstimate estimate(Time now) const override;
   const map::OccupancyGrid& map() const override { return map_.grid(); }
   std::uint64_t map_version() const override { return versions_before_ + map_.version(); }
+  // of a map that has taken the place of another, versions are counted on and changes are not
+  const map::ChangeLog* map_changes() const override { return versions_before_ == 0 ? &map_.changes() : nullptr; }
   std::span<const Vec2> obstacles() const override { return obstacles_; }
   std::unique_ptr<Localizer> clone() const override { return std::make_unique<ScanMatchingLocalizer>(*this); }
 

@@ -27,6 +27,7 @@ from threewe import (
     SafetyError,
     ThreeweError,
     TimeoutError,
+    Zone,
 )
 
 NAN, INF = math.nan, math.inf
@@ -183,6 +184,21 @@ WRONG_CALLS: dict[str, tuple[Call, type[Exception], str]] = {
     "heading NaN": (lambda r: r.move_to(1.0, 0.0, NAN), ContractError, "finite"),
     "tolerance NaN": (lambda r: r.move_to(1.0, 0.0, tolerance=NAN), ContractError, "tolerance"),
     "tolerance negative": (lambda r: r.move_to(1.0, 0.0, tolerance=-0.1), ContractError, "tolerance"),
+    "angle tolerance NaN": (lambda r: r.move_to(1.0, 0.0, angle_tolerance=NAN), ContractError, "angle_tolerance"),
+    "angle tolerance zero": (lambda r: r.rotate(1.0, angle_tolerance=0.0), ContractError, "angle tolerance"),
+    "tolerance of a distance": (lambda r: r.move_forward(1.0, tolerance=-1.0), ContractError, "tolerance"),
+    "zones no list": (lambda r: r.set_zones(3), ContractError, "zones must be a list"),  # type: ignore[arg-type]
+    "zone no Zone": (lambda r: r.set_zones([(0, 0)]), ContractError, "zones must hold Zones"),  # type: ignore[list-item]
+    "zone of two corners": (
+        lambda r: r.set_zones([Zone([(0, 0), (1, 0)])]),
+        ContractError,
+        "at least 3 corners, not 2",
+    ),
+    "zone without speed": (
+        lambda r: r.set_zones([Zone([(0, 0), (1, 0), (1, 1)], speed_limit=0.0)]),
+        ContractError,
+        "speed_limit must be positive",
+    ),
     "timeout NaN": (lambda r: r.move_to(1.0, 0.0, timeout=NAN), ContractError, "timeout"),
     "timeout negative": (lambda r: r.move_to(1.0, 0.0, timeout=-1.0), ContractError, "timeout"),
     "timeout zero": (lambda r: r.move_to(1.0, 0.0, timeout=0.0), ContractError, "timeout"),

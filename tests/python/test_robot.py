@@ -11,7 +11,7 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 import threewe
-from threewe import MoveResult, Progress, Reason, Robot, TickView, TimeoutError, Velocity, World
+from threewe import MoveResult, Pose2D, Progress, Reason, Robot, TickView, TimeoutError, Velocity, World, Zone
 
 
 @pytest.mark.parametrize("scene", threewe.scene_names())
@@ -110,9 +110,37 @@ async def test_progress_and_the_path(robot: Robot) -> None:
     left = [progress.distance_left for progress, _ in seen]
     assert len(seen) == pytest.approx(result.duration / 0.1, abs=2)
     assert left[1] > left[-2]
+    seconds = [progress.time_left for progress, _ in seen]
+    assert 0.4 * result.duration < seconds[1] < 1.6 * result.duration
+    assert seconds[-1] < 1.0
+    assert all(math.hypot(progress.pose.x, progress.pose.y) <= 2.1 for progress, _ in seen)
     assert any(len(path) for _, path in seen)
     assert all(path.shape[1] == 2 for _, path in seen)
     assert robot.get_path().shape == (0, 2)
+
+
+async def test_tolerances_are_how_far_off_a_motion_may_end(robot: Robot) -> None:
+    result = await robot.move_to(0.5, 0.0, 1.0, tolerance=0.02, angle_tolerance=0.01)
+    assert result.success
+    assert result.distance_to_goal <= 0.02
+    assert abs(result.pose.theta - 1.0) <= 0.01
+    assert (await robot.rotate(-1.0, angle_tolerance=0.01)).success
+    assert (await robot.move_forward(0.3, tolerance=0.02)).success
+
+
+async def test_zones_are_kept_out_of_or_driven_through_slowly(robot: Robot) -> None:
+    closed = Zone([(0.6, -0.3), (1.0, -0.3), (1.0, 0.3), (0.6, 0.3)])
+    slow = Zone([(1.3, -9.0), (1.7, -9.0), (1.7, 9.0), (1.3, 9.0)], speed_limit=0.1)
+    robot.set_zones([closed, slow])
+    seen: list[tuple[Pose2D, Velocity]] = []
+    robot.observe(lambda tick: seen.append((tick.pose.map_from_base, tick.pose.velocity)))
+    assert (await robot.move_to(2.0, 0.0)).success
+    assert not any(closed.contains((pose.x, pose.y)) for pose, _ in seen)
+    assert max(math.hypot(v.vx, v.vy) for pose, v in seen if slow.contains((pose.x, pose.y))) < 0.13
+    robot.set_zones([])
+    assert (await robot.move_to(0.8, 0.0)).success
+    assert repr(slow) == "Zone(4 corners, 0.10 m/s)"
+    assert repr(closed) == "Zone(4 corners, keep out)"
 
 
 async def test_what_on_progress_raises_comes_out_and_stops_the_robot(robot: Robot) -> None:

@@ -5,6 +5,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "threewe/map/costmap.hpp"
@@ -25,7 +26,15 @@ class GridSearch {
  public:
   /// The cheapest path to any cell for which `is_target(index)`. Cells for which `blocked(index)` are never entered.
   template <class IsTarget, class Blocked>
-  SearchResult to_any(const map::Costmap& costmap, map::Cell start, IsTarget is_target, Blocked blocked);
+  SearchResult to_any(const map::Costmap& costmap, map::Cell start, IsTarget is_target, Blocked blocked) {
+    const auto bonus = [&](std::uint32_t index) { return is_target(index) ? std::optional(0) : std::nullopt; };
+    return to_best(costmap, start, bonus, 0, blocked);
+  }
+  /// The cheapest path to the cell for which its cost less `bonus(index)` is least, among those that have a bonus: a
+  /// cost, at most `most`, that may be negative. The nearest of equals. `bonus` is asked once for each cell, in the
+  /// order of the costs.
+  template <class Bonus, class Blocked>
+  SearchResult to_best(const map::Costmap& costmap, map::Cell start, Bonus bonus, int most, Blocked blocked);
 
  private:
   static constexpr std::uint32_t kUnreached = 0xFFFFFFFF;
@@ -46,9 +55,11 @@ class GridSearch {
 inline constexpr std::array<map::Cell, 8> kDirections = {
     {{1, 0}, {0, 1}, {-1, 0}, {0, -1}, {1, 1}, {-1, 1}, {-1, -1}, {1, -1}}};
 
-template <class IsTarget, class Blocked>
-SearchResult GridSearch::to_any(const map::Costmap& costmap, map::Cell start, IsTarget is_target, Blocked blocked) {
+template <class Bonus, class Blocked>
+SearchResult GridSearch::to_best(const map::Costmap& costmap, map::Cell start, Bonus bonus, int most, Blocked blocked) {
   SearchResult result;
+  std::uint32_t best = 0;       // cell
+  std::int64_t best_value = 0;  // its cost less its bonus
   if (!costmap.contains(start)) return result;
   cost_.assign(costmap.weights().size(), kUnreached);
   arrived_by_.assign(costmap.weights().size(), 8);
@@ -70,10 +81,11 @@ SearchResult GridSearch::to_any(const map::Costmap& costmap, map::Cell start, Is
     const Entry entry = bucket.back();
     bucket.pop_back();
     --waiting;
-    if (entry.cost != cost_[entry.index]) continue;  // a cheaper way was found since
-    if (is_target(entry.index)) {
-      result = {true, entry.cost, path_to(costmap, entry.index)};
-      break;
+    if (entry.cost != cost_[entry.index]) continue;                            // a cheaper way was found since
+    if (result.found && std::int64_t{entry.cost} - most >= best_value) break;  // nothing better can come
+    if (const std::optional<int> worth = bonus(entry.index)) {
+      const std::int64_t value = std::int64_t{entry.cost} - *worth;
+      if (!result.found || value < best_value) best = entry.index, best_value = value, result = {true, entry.cost, {}};
     }
     const map::Cell here{static_cast<int>(entry.index % width), static_cast<int>(entry.index / width)};
     const std::uint32_t here_weight = costmap.weights()[entry.index];
@@ -92,6 +104,7 @@ SearchResult GridSearch::to_any(const map::Costmap& costmap, map::Cell start, Is
     }
   }
   for (std::vector<Entry>& bucket : buckets_) bucket.clear();
+  if (result.found) result.path = path_to(costmap, best);
   return result;
 }
 

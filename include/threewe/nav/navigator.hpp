@@ -10,7 +10,9 @@
 
 #include "threewe/core/pose.hpp"
 #include "threewe/core/time.hpp"
+#include "threewe/map/change_log.hpp"
 #include "threewe/map/occupancy_grid.hpp"
+#include "threewe/map/zone.hpp"
 #include "threewe/slam/localizer.hpp"
 
 namespace threewe::nav {
@@ -18,6 +20,9 @@ namespace threewe::nav {
 /// How a motion ends, and why.
 enum class Reason : std::uint8_t { running, reached, no_path, blocked, timeout, cancelled, estop, lost, fault };
 std::string_view to_string(Reason reason);
+
+// A motion aims at its goal itself, a few centimetres and a degree or two. Its tolerances say how far off it may end
+// where something keeps it from getting any nearer; one that is finer than that is aimed at instead.
 
 /// Drive to a position in `map`, and turn to a heading where one is given.
 struct MoveTo {
@@ -29,10 +34,12 @@ struct MoveTo {
 /// Turn on the spot by `angle` [rad], counter-clockwise; may exceed a full turn.
 struct Rotate {
   double angle = 0.0;
+  double angle_tolerance = 0.1;  ///< [rad]
 };
 /// Drive straight ahead by `distance` [m], backwards when negative.
 struct MoveForward {
   double distance = 0.0;
+  double tolerance = 0.05;  ///< [m]
 };
 /// Drive along a polyline in `map`.
 struct FollowPath {
@@ -44,6 +51,13 @@ struct Explore {};
 
 using Goal = std::variant<MoveTo, Rotate, MoveForward, FollowPath, Explore>;
 
+/// What another robot tells that has the same `map` frame.
+struct Peer {
+  Pose2D map_from_base;                     ///< where it believes that it is
+  std::optional<Vec2> bound_for;            ///< [m] the end of the path that it follows, in `map`
+  const map::OccupancyGrid* map = nullptr;  ///< what it has mapped
+};
+
 /// What the navigator sees at one tick.
 struct Observation {
   Time now{};
@@ -52,10 +66,14 @@ struct Observation {
   std::uint64_t map_version = 0;
   /// Where the newest scan hit something: points in the `odom` frame, deskewed.
   std::span<const Vec2> obstacles;
+  /// Where the map has changed, version by version; null where nobody knows.
+  const map::ChangeLog* map_changes = nullptr;
+  std::span<const Peer> peers{};
 };
 
 struct Progress {
-  double distance_left = 0.0;    ///< [m] along the path
+  double distance_left = 0.0;    ///< [m] along the path; when exploring to the next frontier
+  double time_left = 0.0;        ///< [s] that this, and turning to a heading, will take at the pace so far
   double distance_driven = 0.0;  ///< [m] since the start of the motion
   Pose2D pose;                   ///< in `map`
 };
@@ -77,6 +95,8 @@ class Navigator {
   /// One control period of the motion.
   virtual Decision step(const Observation& observation) = 0;
   virtual Progress progress() const = 0;
+  /// Where the robot may not go, or only slowly, in `map`: from now on, in place of what was set before.
+  virtual void set_zones(const std::vector<map::Zone>& zones) = 0;
   /// The path being followed, in `map`, from the robot to its goal; empty between motions.
   virtual std::span<const Vec2> path() const = 0;
   virtual std::unique_ptr<Navigator> clone() const = 0;

@@ -92,24 +92,33 @@ class Robot {
     std::optional<double> theta = {};    ///< [rad] final heading
     std::string frame = "map";           ///< of the goal: `map`, `odom` or `base`
     double tolerance = 0.25;             ///< [m]
+    double angle_tolerance = 0.1;        ///< [rad] of the final heading
     std::optional<double> timeout = {};  ///< [s]; 30 s + 4 x straight distance / speed limit where empty
   };
-  // Motions begin at once and are driven by `wait`.
+  // Motions begin at once and are driven by `wait`. They aim at their goals themselves; tolerances [m] and [rad] say
+  // how far off they may end where something is in the way, see nav::MoveTo.
   [[nodiscard]] MotionHandle move_to(double x, double y);
   [[nodiscard]] MotionHandle move_to(double x, double y, const MoveOptions& options);
-  [[nodiscard]] MotionHandle move_forward(double distance, std::optional<double> timeout = std::nullopt);
-  [[nodiscard]] MotionHandle rotate(double angle, std::optional<double> timeout = std::nullopt);
+  [[nodiscard]] MotionHandle move_forward(double distance, double tolerance = 0.05,
+                                          std::optional<double> timeout = std::nullopt);
+  [[nodiscard]] MotionHandle rotate(double angle, double angle_tolerance = 0.1,
+                                    std::optional<double> timeout = std::nullopt);
   [[nodiscard]] MotionHandle follow_path(const std::vector<Vec2>& path, double tolerance = 0.25,
                                          std::optional<double> timeout = std::nullopt);
   [[nodiscard]] ExplorationHandle explore(std::optional<double> timeout = std::nullopt);
 
-  /// Lets robot time go by until the motion has ended.
-  MoveResult wait(const MotionHandle& motion);
-  ExploreResult wait(const ExplorationHandle& exploration);
+  /// Is told every 0.1 s of robot time how far a motion has come.
+  using OnProgress = std::function<void(const Progress&)>;
+  /// Lets robot time go by until the motion has ended. What `on_progress` throws cancels it.
+  MoveResult wait(const MotionHandle& motion, const OnProgress& on_progress = {});
+  ExploreResult wait(const ExplorationHandle& exploration, const OnProgress& on_progress = {});
   /// Lets `seconds` of robot time go by.
   void sleep(double seconds);
   /// Runs `work` while robot time stands still, then lets the `seconds` that it stands for go by.
   void thinking(double seconds, const std::function<void()>& work);
+
+  /// Where motions may not lead, or only slowly, in `map`; in place of what was set before. See Runtime::set_zones.
+  void set_zones(const std::vector<map::Zone>& zones) { runtime_->set_zones(zones); }
 
   void emergency_stop();
   void release_emergency_stop();
@@ -120,6 +129,8 @@ class Robot {
   World& world() { return *world_; }
 
  private:
+  void drive(const MotionHandle& motion, const OnProgress& on_progress);
+
   std::unique_ptr<World> owned_;
   World* world_ = nullptr;
   Runtime* runtime_ = nullptr;

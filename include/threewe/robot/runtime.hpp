@@ -115,6 +115,9 @@ class Runtime {
   MotionHandle start(const nav::Goal& goal, Duration timeout);
   /// The motion in progress, or null.
   MotionHandle motion() const;
+  /// Where motions may not lead, or only slowly, in `map`: until it is called again, or the world begins anew. Throws
+  /// ContractError for what is no polygon, and for a limit that is not positive.
+  void set_zones(const std::vector<map::Zone>& zones);
   /// Latches the emergency stop and ends a motion with `estop`. Always allowed.
   void estop();
   void release_estop();

@@ -9,6 +9,7 @@
 
 #include "threewe/core/pose.hpp"
 #include "threewe/core/samples.hpp"
+#include "threewe/map/change_log.hpp"
 #include "threewe/map/occupancy_grid.hpp"
 
 namespace threewe::slam {
@@ -45,6 +46,8 @@ class Localizer {
   virtual const map::OccupancyGrid& map() const = 0;
   /// Counts the changes of the map: equal numbers mean equal maps.
   virtual std::uint64_t map_version() const = 0;
+  /// Where it changed, by these versions, so that others need not look at all of it; null where nobody knows.
+  virtual const map::ChangeLog* map_changes() const { return nullptr; }
   /// Where the newest scan hit something: points in `odom`, deskewed; and where earlier ones did, for what has come
   /// nearer than the lidar can see. Valid until the next `add`.
   virtual std::span<const Vec2> obstacles() const = 0;

@@ -110,6 +110,35 @@ TEST_CASE("the nearest of many targets is the cheapest of them") {
   }
 }
 
+TEST_CASE("the best of many targets is the one whose cost less its bonus is least") {
+  GridSearch search;
+  for (std::uint64_t seed = 0; seed < 1000; ++seed) {
+    CAPTURE(seed);
+    std::mt19937_64 bits(seed);
+    const Costmap costmap = random_costmap(bits);
+    const Cell start = random_cell(costmap, bits);
+    constexpr int kMost = 3000;
+    std::vector<std::optional<int>> bonus(costmap.weights().size());
+    for (int i = 0; i < 8; ++i) {
+      bonus[costmap.index(random_cell(costmap, bits))] = kMost - static_cast<int>(bits() % 6000);
+    }
+    const std::vector<std::uint32_t> costs = dijkstra(costmap, start);
+    std::optional<std::int64_t> expected;
+    for (std::size_t i = 0; i < costs.size(); ++i) {
+      if (!bonus[i] || costs[i] == std::numeric_limits<std::uint32_t>::max()) continue;
+      const std::int64_t value = std::int64_t{costs[i]} - *bonus[i];
+      expected = std::min(expected.value_or(value), value);
+    }
+    const SearchResult result = search.to_best(
+        costmap, start, [&](std::uint32_t i) { return bonus[i]; }, kMost, [](std::uint32_t) { return false; });
+    REQUIRE(result.found == expected.has_value());
+    if (!expected) continue;
+    const std::size_t end = costmap.index(result.path.back());
+    REQUIRE(costs[end] == result.cost);
+    REQUIRE(std::int64_t{result.cost} - *bonus[end] == *expected);
+  }
+}
+
 // Candidates one by one, as the header defines them.
 bool is_frontier(const Costmap& costmap, Cell c) {
   if (costmap.unknown(c) || costmap.weight(c) == Costmap::kLethal) return false;

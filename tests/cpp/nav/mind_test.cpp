@@ -68,8 +68,12 @@ struct Drive {
 
   Observation see() {
     for (const Sample& sample : world.tick(command)) localizer->add(sample);
-    return {world.now(), localizer->estimate(world.now()), localizer->map(), localizer->map_version(),
-            localizer->obstacles()};
+    return {world.now(),
+            localizer->estimate(world.now()),
+            localizer->map(),
+            localizer->map_version(),
+            localizer->obstacles(),
+            localizer->map_changes()};
   }
 
   // `meddle` may change what is there, and what is seen of it, before each tick.
@@ -156,6 +160,38 @@ TEST_CASE("driving straight at a wall ends blocked, before it") {
   CHECK(drive.world.pose().x > 2.5);
 }
 
+TEST_CASE("what is as near as something in the way lets it be counts within the tolerance, and not beyond") {
+  for (const char* name : {"3we_standard_v2", "turtlebot_like"}) {
+    CAPTURE(name);
+    Drive modest(name, three_rooms(), 13);  // the wall is 3 m ahead
+    CHECK(modest.run(MoveForward{.distance = 2.97, .tolerance = 0.35}, 60s).reason == Reason::reached);
+    Drive strict(name, three_rooms(), 13);
+    CHECK(strict.run(MoveForward{.distance = 2.97, .tolerance = 0.05}, 60s).reason == Reason::blocked);
+  }
+  // a goal is approached more closely where less is tolerated
+  Drive drive("3we_standard_v2", three_rooms(), 14);
+  CHECK(drive.run(MoveTo{.goal = {1.0, 1.0}, .tolerance = 0.01}, 60s).reason == Reason::reached);
+  CHECK(distance(drive.navigator->progress().pose.position(), {1.0, 1.0}) <= 0.01);
+  CHECK(drive.run(Rotate{.angle = 1.0, .angle_tolerance = 0.004}, 60s).reason == Reason::reached);
+}
+
+TEST_CASE("the time that is left is told about right, and becomes none") {
+  for (const Goal& goal : {Goal{MoveTo{{8, 3.5}}}, Goal{MoveTo{{1.0, 1.0}, 2.5}}, Goal{Rotate{3.0}},
+                           Goal{MoveForward{1.5}}, Goal{FollowPath{{{2, 0}, {2, 2}}}}}) {
+    CAPTURE(goal.index());
+    Drive drive("3we_standard_v2", three_rooms(), 15);
+    std::vector<double> left;
+    const Time began = drive.world.now();
+    CHECK(drive.run(goal, 90s, [&](Observation&) { left.push_back(drive.navigator->progress().time_left); }).reason ==
+          Reason::reached);
+    const double took = to_seconds(drive.world.now() - began);
+    REQUIRE(left.size() > 50);
+    CHECK(left[25] > 0.4 * took);
+    CHECK(left[25] < 1.6 * took);
+    CHECK(left.back() < 0.1 * took + 0.5);
+  }
+}
+
 TEST_CASE("a polyline is followed along its corners, round what stands in its way") {
   Drive drive("3we_standard_v2", three_rooms(), 7);
   double nearest = 1e9;
@@ -234,6 +270,78 @@ TEST_CASE("a lost robot turns round to look, goes on where it finds itself, and 
   CHECK(end.reason == Reason::lost);
   CHECK(turned == doctest::Approx(2.0 * exact::kPi).epsilon(0.1));
   CHECK(distance(drive.world.pose().position(), lost_at) < 0.2);
+}
+
+TEST_CASE("a zone to keep out of is driven round, and nothing that only it leads to has a path") {
+  for (const char* name : {"3we_standard_v2", "turtlebot_like"}) {
+    CAPTURE(name);
+    Drive drive(name, three_rooms(), 16);
+    const map::Zone middle{{{0.7, -0.4}, {1.3, -0.4}, {1.3, 0.5}, {0.7, 0.5}}};
+    drive.navigator->set_zones({middle});
+    double nearest = 1.0;
+    CHECK(drive
+              .run(MoveTo{{2.2, 0.0}}, 60s,
+                   [&](Observation&) {
+                     for (const Vec2 corner : drive.profile.body.footprint.corners()) {
+                       nearest = std::min(nearest, middle.distance_to(drive.world.pose() * corner));
+                     }
+                   })
+              .reason == Reason::reached);
+    CHECK(nearest > 0.0);
+
+    const map::Zone door{{{2.8, 1.9}, {3.2, 1.9}, {3.2, 3.1}, {2.8, 3.1}}};
+    drive.navigator->set_zones({door});
+    CHECK(drive.run(MoveTo{{5.0, 2.5}}, 200s).reason == Reason::no_path);
+    drive.navigator->set_zones({});
+    CHECK(drive.run(MoveTo{{5.0, 2.5}}, 90s).reason == Reason::reached);
+  }
+}
+
+TEST_CASE("in a zone with a speed limit no robot is faster") {
+  for (const char* name : {"3we_standard_v2", "turtlebot_like"}) {
+    CAPTURE(name);
+    Drive drive(name, three_rooms(), 17);
+    const map::Zone band{{{0.8, -1.0}, {1.4, -1.0}, {1.4, 5.0}, {0.8, 5.0}}, 0.1};
+    drive.navigator->set_zones({band});
+    double fastest_inside = 0.0;
+    double fastest = 0.0;
+    Vec2 before;
+    CHECK(drive
+              .run(MoveTo{{2.4, 0.0}}, 90s,
+                   [&](Observation&) {
+                     const Pose2D pose = drive.world.pose();
+                     const double speed = distance(pose.position(), before) / to_seconds(kControlPeriod);
+                     before = pose.position();
+                     fastest = std::max(fastest, speed);
+                     for (const Vec2 corner : drive.profile.body.footprint.corners()) {
+                       if (band.contains(pose * corner)) fastest_inside = std::max(fastest_inside, speed);
+                     }
+                   })
+              .reason == Reason::reached);
+    CHECK(fastest_inside > 0.05);
+    CHECK(fastest_inside < 0.115);
+    CHECK(fastest > 0.2);
+  }
+}
+
+TEST_CASE("who is told where the map has changed decides as who looks at all of it, to the bit") {
+  for (const Goal& goal : {Goal{MoveTo{{8, 3.5}}}, Goal{Explore{}}}) {
+    CAPTURE(goal.index());
+    Drive drive("3we_standard_v2", three_rooms(), 18);
+    const std::unique_ptr<Navigator> other = drive.navigator->clone();
+    const auto untold = [](Observation seen) {
+      seen.map_changes = nullptr;
+      return seen;
+    };
+    drive.navigator->start(goal, drive.see());
+    other->start(goal, untold(drive.see()));
+    for (int tick = 0; tick < 1500; ++tick) {
+      const Observation seen = drive.see();
+      REQUIRE(seen.map_changes != nullptr);
+      drive.command = drive.navigator->step(seen).velocity;
+      REQUIRE(drive.command == other->step(untold(seen)).velocity);
+    }
+  }
 }
 
 TEST_CASE("a copy of a mind decides as the original does, to the bit") {

@@ -17,6 +17,7 @@ class ScriptedNavigator final : public nav::Navigator {
   void start(const nav::Goal&, const nav::Observation&) override {}
   nav::Decision step(const nav::Observation& observation) override { return script_(observation); }
   nav::Progress progress() const override { return {}; }
+  void set_zones(const std::vector<map::Zone>&) override {}
   std::span<const Vec2> path() const override { return {}; }
   std::unique_ptr<nav::Navigator> clone() const override { return std::make_unique<ScriptedNavigator>(script_); }
 

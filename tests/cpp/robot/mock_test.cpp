@@ -65,6 +65,33 @@ TEST_CASE("five lines: the goal is reached in truth") {
   CHECK(robot.simulation()->max_collision_speed() <= 0.05);
 }
 
+TEST_CASE("robots with one map frame explore together, sooner than one alone") {
+  const auto explored = [](std::size_t robots, bool together) {
+    World::Options options;
+    options.scene = "apartment_v1";
+    options.robots.assign(robots, "3we_standard_v2");
+    options.poses = {{0.0, 0.0, 0.0}, {0.0, 0.6, 0.0}};
+    options.poses.resize(robots);
+    if (together) options.initial_poses = options.poses;
+    World world(options);
+    std::vector<std::unique_ptr<Robot>> team;
+    std::vector<ExplorationHandle> work;
+    for (std::size_t i = 0; i < robots; ++i) team.push_back(std::make_unique<Robot>(world, i));
+    for (const auto& robot : team) work.push_back(robot->explore(300.0));
+    double distance = 0.0;
+    for (std::size_t i = 0; i < robots; ++i) {
+      const ExploreResult result = team[i]->wait(work[i]);
+      CHECK(result.success);
+      CHECK(result.detail == "nothing that can be reached is left to see");
+      CHECK(team[i]->simulation()->max_collision_speed() <= 0.05);
+      distance += result.distance;
+    }
+    return distance;
+  };
+  const double shared = explored(2, true);
+  CHECK(shared < 0.8 * explored(2, false));
+}
+
 TEST_CASE("the robot without a lidar stops at a wall by its ultrasonic sensors, and drives where nothing is") {
   for (std::uint64_t seed = 0; seed < 5; ++seed) {
     CAPTURE(seed);

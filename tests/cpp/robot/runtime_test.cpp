@@ -85,8 +85,11 @@ TEST_CASE("input that makes no sense is refused and changes nothing") {
     CHECK_THROWS_AS((void)robot.move_to(0.0, 0.0, {.theta = bad}), ContractError);
     CHECK_THROWS_AS((void)robot.move_to(0.0, 0.0, {.tolerance = bad}), ContractError);
     CHECK_THROWS_AS((void)robot.move_to(0.0, 0.0, {.timeout = bad}), ContractError);
+    CHECK_THROWS_AS((void)robot.move_to(0.0, 0.0, {.angle_tolerance = bad}), ContractError);
     CHECK_THROWS_AS((void)robot.rotate(bad), ContractError);
+    CHECK_THROWS_AS((void)robot.rotate(1.0, bad), ContractError);
     CHECK_THROWS_AS((void)robot.move_forward(bad), ContractError);
+    CHECK_THROWS_AS((void)robot.move_forward(1.0, bad), ContractError);
     CHECK_THROWS_AS((void)robot.follow_path({{0.0, 0.0}, {bad, 1.0}}), ContractError);
     CHECK_THROWS_AS(robot.sleep(bad), ContractError);
   }
@@ -497,6 +500,34 @@ TEST_CASE("nothing that moves time can be called in the middle of a tick") {
     robot.sleep(0.02);
     CHECK(world.now() == before + 2 * kControlPeriod);
   }
+}
+
+TEST_CASE("a zone that is none is refused") {
+  Toy toy({"3we_standard_v2"});
+  Robot robot(*toy.world);
+  CHECK_THROWS_WITH_AS(robot.set_zones({{{{0.0, 0.0}, {1.0, 0.0}}}}), "a zone needs at least 3 corners, not 2",
+                       ContractError);
+  CHECK_THROWS_AS(robot.set_zones({{{{0.0, 0.0}, {1.0, 0.0}, {1.0, kNaN}}}}), ContractError);
+  CHECK_THROWS_AS(robot.set_zones({{{{0.0, 0.0}, {1.0, 0.0}, {1.0, 1.0}}, 0.0}}), ContractError);
+}
+
+TEST_CASE("progress is told every 0.1 s, and what it throws cancels the motion") {
+  Toy toy({"3we_standard_v2"});
+  Robot robot(*toy.world);
+  std::vector<Progress> told;
+  const MoveResult result =
+      robot.wait(robot.move_forward(1.0), [&](const Progress& progress) { told.push_back(progress); });
+  CHECK(result.success);
+  CHECK(std::fabs(static_cast<double>(told.size()) - result.duration / 0.1) < 2.0);
+  CHECK(told.front().distance_left > told.back().distance_left);
+  CHECK(told.front().time_left > told.back().time_left);
+  CHECK(told.back().distance_driven == doctest::Approx(result.distance).epsilon(0.05));
+
+  const MotionHandle motion = robot.move_forward(-1.0);
+  CHECK_THROWS_WITH_AS(robot.wait(motion, [](const Progress&) { throw std::runtime_error("enough"); }), "enough",
+                       std::runtime_error);
+  CHECK(motion->result().reason == Reason::cancelled);
+  CHECK(robot.wait(robot.move_forward(-0.2)).success);
 }
 
 TEST_CASE("robots of one world drive at the same time") {
