@@ -33,7 +33,7 @@ map::Beam beam(const Pose2D& map_from_sensor, double bearing, double range, bool
 
 EchoMap::EchoMap() : map_(evidence()) {}
 
-void EchoMap::hear(const RangeData& echo, const Pose2D& map_from_sensor) {
+void EchoMap::hear(const RangeData& echo, const Pose2D& map_from_sensor, bool explained) {
   if (echo.range >= echo.range_max) return;
   const double range = std::max(echo.range, echo.range_min);
   std::vector<map::Beam> beams;
@@ -43,7 +43,7 @@ void EchoMap::hear(const RangeData& echo, const Pose2D& map_from_sensor) {
       beams.push_back(beam(map_from_sensor, share * kMiddle * echo.field_of_view, free, false));
     }
   }
-  if (range <= kTrusted) {
+  if (range <= kTrusted && !explained) {
     const int gaps = 1 + static_cast<int>(range * echo.field_of_view / kSpacing);
     for (int i = 0; i <= gaps; ++i) {
       const double share = static_cast<double>(i) / gaps - 0.5;

@@ -19,7 +19,8 @@ class EchoMap {
  public:
   EchoMap();
 
-  void hear(const RangeData& echo, const Pose2D& map_from_sensor);
+  /// An echo that is `explained`, by what others see, marks nothing: it only tells what is free.
+  void hear(const RangeData& echo, const Pose2D& map_from_sensor, bool explained = false);
   /// Takes a push [m/s^2, base frame] that no wheel can give for a bump: something stands at the side that it came
   /// from. True when it was one.
   bool feel(Vec2 push, const Footprint& footprint, const Pose2D& map_from_base);

@@ -46,6 +46,7 @@ void Runtime::connect() {
   state.gate = {.estop = state.gate.estop};
   state.echoes = {};
   state.echoes_in_odom.clear();
+  state.beside_lidar.clear();
   state.estimate = state.localizer->estimate(impl_->now());
 }
 

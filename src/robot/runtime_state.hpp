@@ -34,6 +34,7 @@ struct Runtime::State {
   safety::Echoes echoes;
   EchoMap echo_map;
   std::vector<Vec2> echoes_in_odom;  // both, around the robot
+  std::vector<Vec2> beside_lidar;    // what the lidar hits, and what only echoes tell of; empty without the latter
   Velocity requested;
   safety::GateOutput commanded;
 
@@ -49,6 +50,7 @@ struct Runtime::State {
         echoes(other.echoes),
         echo_map(other.echo_map),
         echoes_in_odom(other.echoes_in_odom),
+        beside_lidar(other.beside_lidar),
         requested(other.requested),
         commanded(other.commanded) {}
   State& operator=(const State&) = delete;
@@ -86,6 +88,8 @@ struct Runtime::Impl {
   // sense
   std::vector<Sample> perceive();
   void hear_and_feel(const Sample& sample);
+  void hear_beside_lidar(const Sample& sample);
+  void join_obstacles();
   void end_motion_if_over();
   void end_motion(Reason reason, const std::string& detail);
   void end_ready();

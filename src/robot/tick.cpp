@@ -114,26 +114,58 @@ std::vector<Sample> Runtime::Impl::perceive() {
   }
   const Vec2 before = state->estimate.odom_from_base.position();
   state->estimate = state->localizer->estimate(now());
-  for (const Sample& sample : samples) hear_and_feel(sample);
+  for (const Sample& sample : samples) port.profile().lidar ? hear_beside_lidar(sample) : hear_and_feel(sample);
+  join_obstacles();
   if (motion) motion->distance += distance(before, state->estimate.odom_from_base.position());
   if (state->senses.complete()) end_ready();
   return samples;
 }
 
-// What stands around the robot is looked for with the lidar, and only where there is none, with ultrasonic sensors: an
-// echo's whole arc counts as an obstacle, which would close doors that the lidar sees open.
+// What stands around the robot is looked for with the lidar and only where there is none with ultrasonic sensors alone.
 bool Runtime::Impl::looks_with(SensorType type) const {
   return type == (port.profile().lidar ? SensorType::lidar : SensorType::ultrasonic);
 }
 
 std::span<const Vec2> Runtime::Impl::obstacles_in_odom() const {
-  return port.profile().lidar ? state->localizer->obstacles() : std::span<const Vec2>(state->echoes_in_odom);
+  if (!port.profile().lidar) return state->echoes_in_odom;
+  return state->beside_lidar.empty() ? state->localizer->obstacles() : std::span<const Vec2>(state->beside_lidar);
+}
+
+// Beside a lidar echoes count only where they come from what no beam has met: too low, or of glass. The arcs of all
+// others would close doors that the lidar sees open.
+void Runtime::Impl::hear_beside_lidar(const Sample& sample) {
+  constexpr double kSame = 0.15;  // [m] that an echo and a beam may differ by who tell of one thing, which may move
+  constexpr double kAside = 0.1;  // [rad] beyond the cone
+  const auto* echo = std::get_if<RangeData>(&sample.data);
+  if (echo == nullptr || state->localizer->obstacles().empty()) return;
+  const slam::PoseEstimate& now_at = state->estimate;
+  const backend::SensorInfo& sensor = port.features().sensors[sample.sensor];
+  const Pose2D odom_from_sensor =
+      integrate(now_at.odom_from_base, now_at.velocity, -to_seconds(sample.received - sample.measured)) *
+      port.profile().base_from_sensor(sensor.type, sensor.name);
+  const Pose2D sensor_from_odom = inverse(odom_from_sensor);
+  const bool explained = std::ranges::any_of(state->localizer->obstacles(), [&](Vec2 point) {
+    const Vec2 p = sensor_from_odom * point;
+    return norm(p) < echo->range + kSame && std::abs(exact::atan2(p.y, p.x)) < 0.5 * echo->field_of_view + kAside;
+  });
+  state->echo_map.hear(*echo, now_at.map_from_odom * odom_from_sensor, explained);
+}
+
+void Runtime::Impl::join_obstacles() {
+  constexpr double kFar = 4.0;  // [m] what is farther away is not in the way yet
+  if (!port.profile().lidar) return;
+  const slam::PoseEstimate& now_at = state->estimate;
+  state->beside_lidar.clear();
+  const auto remembered = state->echo_map.occupied_near(now_at.map_from_base().position(), kFar);
+  if (remembered.empty()) return;
+  state->beside_lidar = transformed(inverse(now_at.map_from_odom), remembered);
+  const auto seen = state->localizer->obstacles();
+  state->beside_lidar.insert(state->beside_lidar.end(), seen.begin(), seen.end());
 }
 
 // Without a lidar: echoes and bumps, remembered where the robot was as it noticed them.
 void Runtime::Impl::hear_and_feel(const Sample& sample) {
   constexpr double kNear = 1.2;  // [m] around the robot
-  if (port.profile().lidar) return;
   const slam::PoseEstimate& now_at = state->estimate;
   const Pose2D odom_from_base =
       integrate(now_at.odom_from_base, now_at.velocity, -to_seconds(sample.received - sample.measured));

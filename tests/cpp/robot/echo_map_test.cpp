@@ -22,6 +22,15 @@ bool free(const EchoMap& map, Vec2 point) {
 
 }  // namespace
 
+TEST_CASE("an echo that others explain marks nothing, and tells what is free") {
+  EchoMap map;
+  for (int i = 0; i < 3; ++i) map.hear(echo(1.0), {}, true);
+  CHECK(map.occupied_near({1.0, 0.0}, 0.5).empty());
+  CHECK(free(map, {0.5, 0.0}));
+  map.hear(echo(1.0), {});
+  CHECK_FALSE(map.occupied_near({1.0, 0.0}, 0.5).empty());
+}
+
 TEST_CASE("an echo stands somewhere on its arc, and nothing before it") {
   EchoMap map;
   const Pose2D sensor{0.3, 0.2, 0.5};

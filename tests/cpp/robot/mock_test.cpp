@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 #include <deque>
+#include <filesystem>
+#include <fstream>
 #include <limits>
 #include <memory>
 #include <string>
@@ -13,6 +15,7 @@
 
 #include "robot/lying_world.hpp"
 #include "threewe/backend/registry.hpp"
+#include "threewe/core/assets.hpp"
 #include "threewe/core/errors.hpp"
 #include "threewe/robot/robot.hpp"
 #include "threewe/scene/scene.hpp"
@@ -63,6 +66,35 @@ TEST_CASE("five lines: the goal is reached in truth") {
   CHECK(result.success);
   CHECK(distance(robot.simulation()->true_pose().position(), {2.0, 1.0}) <= 0.25);
   CHECK(robot.simulation()->max_collision_speed() <= 0.05);
+}
+
+// A hall of 7 x 4 m with something round in it that is too low for a lidar.
+std::string hall_with_a_low_thing(const std::filesystem::path& folder) {
+  std::filesystem::create_directories(folder / "objects");
+  std::ofstream(folder / "objects/sill.yaml")
+      << "category: sill\nshapes:\n  low:\n    - {cylinder: 0.2, z: [0, 0.1], material: wood}\n";
+  std::ofstream(folder / "low_hall.yaml")
+      << "name: low_hall\ndescription: a hall\nstarts: [[2, 2]]\nwalls:\n  - {a: [0, 0], b: [7, 0], thickness: 0.1}\n"
+         "  - {a: [7, 0], b: [7, 4], thickness: 0.1}\n  - {a: [7, 4], b: [0, 4], thickness: 0.1}\n"
+         "  - {a: [0, 4], b: [0, 0], thickness: 0.1}\nobjects:\n"
+         "  - {category: sill, shape: low, pose: [3.6, 2.1, 0], name: low_thing}\n";
+  add_asset_directory(folder);
+  return (folder / "low_hall.yaml").string();
+}
+
+TEST_CASE("what is too low for the lidar is heard, and driven round") {
+  const auto folder = std::filesystem::temp_directory_path() / "threewe_low_hall_test";
+  const std::string scene = hall_with_a_low_thing(folder);
+  for (std::uint64_t seed = 0; seed < 4; ++seed) {
+    CAPTURE(seed);
+    Robot robot({.scene = scene, .seed = seed});
+    CHECK(robot.wait(robot.move_to(3.5, 0.2)).success);
+    CHECK(distance(robot.simulation()->true_pose().position(), {3.5, 0.2}) <= 0.25);
+    CHECK(robot.simulation()->max_collision_speed() == 0.0);
+    const map::OccupancyGrid& map = robot.get_map();
+    CHECK(map.at(map.cell({1.45, 0.1})) <= map::OccupancyGrid::kFreeThreshold);  // its near side: no beam met it
+  }
+  std::filesystem::remove_all(folder);
 }
 
 TEST_CASE("robots with one map frame explore together, sooner than one alone") {
