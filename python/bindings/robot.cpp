@@ -70,6 +70,31 @@ void bind_results(nb::module_& m) {
       .value("stale_sensors", Intervention::stale_sensors)
       .value("estop", Intervention::estop);
 
+  nb::enum_<Trouble>(m, "Trouble", "What may be wrong with a sensor.")
+      .value("none", Trouble::none, "Nothing.")
+      .value("silent", Trouble::silent, "Nothing has arrived for too long.")
+      .value("frozen", Trouble::frozen, "The same reading again and again, while the robot moves.")
+      .value("implausible", Trouble::implausible, "A reading that no such sensor can make, such as NaN.")
+      .value("wrong_stamps", Trouble::wrong_stamps, "Times that run backwards, or come from the future.")
+      .value("late", Trouble::late, "Readings arrive much later than they used to.")
+      .value("noisy", Trouble::noisy, "Readings scatter more than they used to.")
+      .value("shifted", Trouble::shifted, "All ranges are too long or too short by the same.")
+      .value("contradicted", Trouble::contradicted, "Other sensors say otherwise.");
+
+  nb::class_<SensorHealth>(m, "SensorHealth", "How one sensor is.")
+      .def_ro("name", &SensorHealth::name)
+      .def_prop_ro("sound", &SensorHealth::sound, "nothing is wrong")
+      .def_ro("trouble", &SensorHealth::trouble)
+      .def_ro("detail", &SensorHealth::detail, "says more; may be empty")
+      .def_prop_ro(
+          "since", [](const SensorHealth& h) { return to_seconds(h.since); },
+          "[s] of robot time when the trouble was noticed, or was over")
+      .def_ro("needed", &SensorHealth::needed, "the robot stands still while this sensor is in trouble")
+      .def("__repr__", [](const SensorHealth& h) {
+        return fmt::format("SensorHealth('{}': {}{})", h.name, h.sound() ? "sound" : to_string(h.trouble),
+                           h.detail.empty() ? "" : ", " + h.detail);
+      });
+
   nb::class_<Progress>(m, "Progress", "How far a motion has come.")
       .def_ro("distance_left", &Progress::distance_left, "[m] along the path; when exploring to the next frontier")
       .def_ro("time_left", &Progress::time_left,
@@ -232,6 +257,7 @@ void bind_readings(nb::class_<Runtime>& runtime) {
             return std::get<Picture>(robot.sample(SensorType::camera).data);
           },
           WithoutGil())
+      .def("health", &Runtime::health, nb::rv_policy::copy)
       .def("ultrasonic_ranges", &Runtime::ultrasonic_ranges)
       .def("sample", &Runtime::sample, "type"_a, nb::rv_policy::copy)
       .def("pose", &Runtime::pose, nb::rv_policy::copy)

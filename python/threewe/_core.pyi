@@ -1261,6 +1261,63 @@ class Intervention(enum.Enum):
 
     estop = 5
 
+class Trouble(enum.Enum):
+    """What may be wrong with a sensor."""
+
+    none = 0
+    """Nothing."""
+
+    silent = 1
+    """Nothing has arrived for too long."""
+
+    frozen = 2
+    """The same reading again and again, while the robot moves."""
+
+    implausible = 3
+    """A reading that no such sensor can make, such as NaN."""
+
+    wrong_stamps = 4
+    """Times that run backwards, or come from the future."""
+
+    late = 5
+    """Readings arrive much later than they used to."""
+
+    noisy = 6
+    """Readings scatter more than they used to."""
+
+    shifted = 7
+    """All ranges are too long or too short by the same."""
+
+    contradicted = 8
+    """Other sensors say otherwise."""
+
+class SensorHealth:
+    """How one sensor is."""
+
+    @property
+    def name(self) -> str: ...
+
+    @property
+    def sound(self) -> bool:
+        """nothing is wrong"""
+
+    @property
+    def trouble(self) -> Trouble: ...
+
+    @property
+    def detail(self) -> str:
+        """says more; may be empty"""
+
+    @property
+    def since(self) -> float:
+        """[s] of robot time when the trouble was noticed, or was over"""
+
+    @property
+    def needed(self) -> bool:
+        """the robot stands still while this sensor is in trouble"""
+
+    def __repr__(self) -> str: ...
+
 class Progress:
     """How far a motion has come."""
 
@@ -1527,6 +1584,8 @@ class Runtime:
     def image(self, camera: str) -> RGBDImage: ...
 
     def rgbd_image(self) -> RGBDImage: ...
+
+    def health(self) -> list[SensorHealth]: ...
 
     def ultrasonic_ranges(self) -> dict[str, RangeData]: ...
 

@@ -42,6 +42,7 @@ from threewe._core import (
     RangeData,
     RGBDImage,
     RobotProfile,
+    SensorHealth,
     SensorType,
     Velocity,
     Zone,
@@ -197,6 +198,15 @@ class Robot(InRobotTime):
     def features(self) -> Features:
         """What the robot can do on this backend, readable before connecting."""
         return self._runtime.features
+
+    @property
+    def health(self) -> dict[str, SensorHealth]:
+        """How each sensor is, by its name.
+
+        What a sensor in trouble delivers is used by nobody. One that the robot needs keeps it still: a motion waits for
+        up to 10 s, and goes on when the sensor is sound again.
+        """
+        return {sensor.name: sensor for sensor in self._runtime.health()}
 
     @property
     def simulation(self) -> Simulation | None:

@@ -20,7 +20,7 @@ from typing import Any, Concatenate, ParamSpec, Self, TypeVar
 
 import threewe
 from threewe._arguments import as_seconds
-from threewe._core import Features, Pose2D, RobotProfile
+from threewe._core import Features, Pose2D, RobotProfile, SensorHealth
 from threewe.errors import ConnectionError, ContractError
 
 P = ParamSpec("P")
@@ -189,6 +189,11 @@ class Robot(_OnThread):
     def features(self) -> Features:
         """What the robot can do on this backend."""
         return self._robot.features
+
+    @property
+    def health(self) -> dict[str, SensorHealth]:
+        """How each sensor is, by its name."""
+        return self._thread.call(lambda: self._robot.health)
 
     @property
     def now(self) -> float:

@@ -115,18 +115,30 @@ void check(const Reading& reading, const Picture& picture, const RobotProfile& p
 
 }  // namespace
 
+namespace {
+
+void check_kind(const SensorInfo& sensor, const SampleData& data) {
+  if (data.index() == static_cast<std::size_t>(sensor.type)) return;
+  throw ContractError(fmt::format("sensor '{}': another kind of data than it measures", sensor.name));
+}
+
+}  // namespace
+
 void check_data(const SensorInfo& sensor, const SampleData& data, const RobotProfile& profile) {
-  if (data.index() != static_cast<std::size_t>(sensor.type)) {
-    throw ContractError(fmt::format("sensor '{}': another kind of data than it measures", sensor.name));
-  }
+  check_kind(sensor, data);
   std::visit([&](const auto& measured) { check(Reading{sensor.name}, measured, profile); }, data);
 }
 
-void check_sample(const Features& features, const Sample& sample, const RobotProfile& profile) {
+void check_kind(const Features& features, const Sample& sample) {
   if (sample.sensor >= features.sensors.size()) {
     throw ContractError(
         fmt::format("a sample names sensor {}, but the robot has {}", sample.sensor, features.sensors.size()));
   }
+  check_kind(features.sensors[sample.sensor], sample.data);
+}
+
+void check_sample(const Features& features, const Sample& sample, const RobotProfile& profile) {
+  check_kind(features, sample);
   const SensorInfo& sensor = features.sensors[sample.sensor];
   if (sample.measured > sample.received) {
     throw ContractError(

@@ -65,6 +65,7 @@ std::span<const Vec2> Runtime::path() const {
 }
 
 std::span<const Vec2> Runtime::obstacles() const { return impl_->obstacles_in_odom(); }
+const std::vector<SensorHealth>& Runtime::health() const { return impl_->state->health.sensors(); }
 const Velocity& Runtime::requested() const { return impl_->state->requested; }
 const safety::GateOutput& Runtime::commanded() const { return impl_->state->commanded; }
 

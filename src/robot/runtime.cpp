@@ -25,7 +25,7 @@ Runtime::Impl::Impl(World& w, backend::RobotPort& p, Options mind)
     : world(w),
       port(p),
       gate_model(safety::make_gate_model(p.profile())),
-      fresh(std::move(mind), p.features().sensors.size()),
+      fresh(std::move(mind), p.features(), p.profile()),
       state(std::make_unique<State>(fresh)) {}
 
 Runtime::Runtime(World& world, backend::RobotPort& port, Options mind)
@@ -43,6 +43,7 @@ void Runtime::connect() {
   // what was seen before is old by now, but an emergency stop stays latched
   State& state = *impl_->state;
   state.senses = impl_->fresh.senses;
+  state.health.begin(impl_->now());
   state.gate = {.estop = state.gate.estop};
   state.echoes = {};
   state.echoes_in_odom.clear();
@@ -117,7 +118,7 @@ MotionHandle Runtime::start(const nav::Goal& goal, Duration timeout) {
   handle->runtime_ = this;
   handle->progress_ = state.navigator->progress();
   const Time now = impl_->now();
-  impl_->motion = OpenMotion{handle, goal, now, now + timeout, 0.0, {}};
+  impl_->motion = OpenMotion{handle, goal, now, now + timeout, 0.0, {}, {}};
   impl_->shared().waits.add(handle, WaitList::Kind::motion, now + timeout);
   return handle;
 }

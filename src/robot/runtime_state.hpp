@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "robot/echo_map.hpp"
+#include "robot/health/monitor.hpp"
 #include "robot/senses.hpp"
 #include "robot/world_state.hpp"
 #include "threewe/robot/runtime.hpp"
@@ -27,6 +28,8 @@ struct Runtime::State {
   std::unique_ptr<slam::Localizer> localizer;
   std::unique_ptr<nav::Navigator> navigator;
   Senses senses;
+  health::Monitor health;
+  Duration waited{};  // for sensors in trouble, which the navigator does not notice
   slam::PoseEstimate estimate;
   std::optional<HeldVelocity> held;
   safety::GateState gate;
@@ -38,12 +41,17 @@ struct Runtime::State {
   Velocity requested;
   safety::GateOutput commanded;
 
-  State(Options mind, std::size_t sensors)
-      : localizer(std::move(mind.localizer)), navigator(std::move(mind.navigator)), senses(sensors) {}
+  State(Options mind, const backend::Features& features, const RobotProfile& profile)
+      : localizer(std::move(mind.localizer)),
+        navigator(std::move(mind.navigator)),
+        senses(features.sensors.size()),
+        health(features, profile) {}
   State(const State& other)
       : localizer(other.localizer->clone()),
         navigator(other.navigator->clone()),
         senses(other.senses),
+        health(other.health),
+        waited(other.waited),
         estimate(other.estimate),
         held(other.held),
         gate(other.gate),
@@ -64,6 +72,7 @@ struct OpenMotion {
   Time times_out{};
   double distance = 0.0;   // [m] driven, by the robot's own belief
   nav::Decision decision;  // the navigator's latest
+  std::string given_up;    // why, when a sensor has been in trouble for too long
 };
 
 struct Runtime::Impl {
@@ -80,6 +89,7 @@ struct Runtime::Impl {
 
   // act
   Velocity request();
+  Velocity wait_for(const SensorHealth& sensor);
   Velocity steer();
   Velocity held_velocity();
   void listen_to_peers();
@@ -94,7 +104,7 @@ struct Runtime::Impl {
   void end_motion(Reason reason, const std::string& detail);
   void end_ready();
 
-  std::string silent_sensor(Duration patience) const;
+  void watch_over_sensors();
   World::Impl& shared() const { return *world.impl_; }
   Time now() const { return world.now(); }
 
@@ -118,6 +128,9 @@ struct Runtime::Impl {
   mutable int reads = 0;  // at one stamp
   mutable Time reads_stamp{};
 };
+
+/// [robot time] that a motion waits for a sensor in trouble before it fails.
+inline constexpr Duration kSensorPatience = 10s;
 
 /// A port stops the robot when the runtime falls silent for so long.
 inline constexpr Duration kCommandLifetime = 200ms;

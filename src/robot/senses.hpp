@@ -20,8 +20,6 @@ class Senses {
   void remember(const Sample& sample) { newest_[sample.sensor] = sample; }
   /// The newest sample of a sensor. Throws HardwareError before its first.
   const Sample& newest(const backend::Features& features, std::size_t sensor) const;
-  /// When a sensor last delivered; 0 before it did.
-  Time last_received(std::size_t sensor) const { return newest_[sensor] ? newest_[sensor]->received : Time{}; }
   /// True when every sensor has delivered.
   bool complete() const;
 

@@ -10,9 +10,6 @@
 namespace threewe {
 namespace {
 
-constexpr Duration kSilence = 500ms;       // without odometry or scans the robot stops ...
-constexpr Duration kHopelessSilence = 2s;  // ... and a motion fails
-
 double free_area(const map::OccupancyGrid& grid) {
   const auto free = std::count_if(grid.data.begin(), grid.data.end(), [](std::int8_t value) {
     return value != map::OccupancyGrid::kUnknown && value <= map::OccupancyGrid::kFreeThreshold;
@@ -23,6 +20,12 @@ double free_area(const map::OccupancyGrid& grid) {
 std::string in_seconds(Duration d) {
   const auto text = std::to_string(to_seconds(d));
   return text.substr(0, text.find('.') + 3) + " s";
+}
+
+// A sensor's trouble in words.
+std::string told(const SensorHealth& sensor, const char* verb) {
+  std::string text = "sensor '" + sensor.name + "' " + verb + " " + std::string(to_string(sensor.trouble));
+  return sensor.detail.empty() ? text : text + " (" + sensor.detail + ")";
 }
 
 }  // namespace
@@ -54,8 +57,19 @@ void Runtime::sense(Time now) {
 
 // A motion owns the robot; without one, a velocity that was asked for holds until it expires.
 Velocity Runtime::Impl::request() {
-  const Velocity wanted = motion ? steer() : held_velocity();
-  return silent_sensor(kSilence).empty() ? wanted : Velocity{};
+  if (const SensorHealth* sensor = state->health.obstacle()) return wait_for(*sensor);
+  return motion ? steer() : held_velocity();
+}
+
+// Stands still until a sensor is sound again, or for so long that there is no hope.
+Velocity Runtime::Impl::wait_for(const SensorHealth& sensor) {
+  (void)held_velocity();  // which may expire meanwhile
+  state->waited += kControlPeriod;
+  if (!motion) return {};
+  motion->decision = {};
+  if (now() - sensor.since >= kSensorPatience)
+    motion->given_up = told(sensor, "has been") + " for " + in_seconds(kSensorPatience);
+  return {};
 }
 
 Velocity Runtime::Impl::steer() {
@@ -92,19 +106,23 @@ void Runtime::Impl::listen_to_peers() {
 }
 
 nav::Observation Runtime::Impl::observation() const {
+  const Time time = now() - state->waited;
   const slam::Localizer& localizer = *state->localizer;
   if (port.profile().lidar) {
     return {
-        now(), state->estimate, localizer.map(), localizer.map_version(), obstacles_in_odom(), localizer.map_changes(),
+        time, state->estimate, localizer.map(), localizer.map_version(), obstacles_in_odom(), localizer.map_changes(),
         peers};
   }
-  return {now(), state->estimate, state->echo_map.grid(), state->echo_map.version(), obstacles_in_odom()};
+  return {time, state->estimate, state->echo_map.grid(), state->echo_map.version(), obstacles_in_odom()};
 }
 
 std::vector<Sample> Runtime::Impl::perceive() {
   std::vector<Sample> samples = port.poll();
+  std::vector<const Sample*> sound;
   for (const Sample& sample : samples) {
-    backend::check_sample(port.features(), sample, port.profile());
+    backend::check_kind(port.features(), sample);
+    if (!state->health.examine(sample, port.features(), port.profile())) continue;
+    sound.push_back(&sample);
     state->senses.remember(sample);
     state->localizer->add(sample);
     if (looks_with(port.features().sensors[sample.sensor].type)) {
@@ -114,7 +132,8 @@ std::vector<Sample> Runtime::Impl::perceive() {
   }
   const Vec2 before = state->estimate.odom_from_base.position();
   state->estimate = state->localizer->estimate(now());
-  for (const Sample& sample : samples) port.profile().lidar ? hear_beside_lidar(sample) : hear_and_feel(sample);
+  watch_over_sensors();
+  for (const Sample* sample : sound) port.profile().lidar ? hear_beside_lidar(*sample) : hear_and_feel(*sample);
   join_obstacles();
   if (motion) motion->distance += distance(before, state->estimate.odom_from_base.position());
   if (state->senses.complete()) end_ready();
@@ -207,10 +226,7 @@ void Runtime::Impl::end_motion_if_over() {
   const auto& [reason, detail] = std::pair(motion->decision.reason, motion->decision.detail);
   if (reason != Reason::running) return end_motion(reason, std::string(detail));
   if (now() >= motion->times_out) return end_motion(Reason::timeout, "after " + in_seconds(now() - motion->began));
-  const std::string silent = silent_sensor(kHopelessSilence);
-  if (!silent.empty()) {
-    end_motion(Reason::fault, "sensor '" + silent + "' has been silent for " + in_seconds(kHopelessSilence));
-  }
+  if (!motion->given_up.empty()) end_motion(Reason::fault, std::string(motion->given_up));
 }
 
 void Runtime::Impl::end_motion(Reason reason, const std::string& detail) {
@@ -235,14 +251,19 @@ void Runtime::Impl::end_ready() {
   for (const WaitHandle& wait : std::exchange(ready, {})) shared().waits.end(wait, now());
 }
 
-// A sensor the mind cannot do without that has said nothing for too long; empty when there is none.
-std::string Runtime::Impl::silent_sensor(Duration patience) const {
-  const auto& sensors = port.features().sensors;
-  for (std::size_t i = 0; i < sensors.size(); ++i) {
-    if (sensors[i].type != SensorType::odometry && !looks_with(sensors[i].type)) continue;
-    if (now() - std::max(connected_at, state->senses.last_received(i)) > patience) return sensors[i].name;
+// Compares what sensors say, and tells of each that begins or ceases to be in trouble.
+void Runtime::Impl::watch_over_sensors() {
+  health::Monitor& health = state->health;
+  health.judge(now(), state->commanded.command, state->estimate);
+  for (const std::size_t i : health.take_changes()) {
+    const SensorHealth& sensor = health.sensors()[i];
+    const std::string whose = "robot '" + port.profile().name + "': ";
+    if (sensor.sound()) {
+      warn(whose + "sensor '" + sensor.name + "' is sound again");
+    } else {
+      warn(whose + told(sensor, "is") + (sensor.needed ? "; it stands still until that is over" : "; it does without"));
+    }
   }
-  return {};
 }
 
 }  // namespace threewe

@@ -13,8 +13,14 @@ constexpr double kMaxExtrapolation = 0.3;  // [s]
 
 void DeadReckoning::add_gyro(Time stamp, double rate) {
   if (has_gyro_) {
-    const double seconds = std::clamp(to_seconds(stamp - gyro_stamp_), 0.0, kMaxGyroAge);
+    const double gap = to_seconds(stamp - gyro_stamp_);
+    const double seconds = std::clamp(gap, 0.0, kMaxGyroAge);
     heading_ += seconds * (rate - calibration_.gyro_bias);  // a sample is the mean since the one before
+    if (gap > kMaxGyroAge && count_ > 0) {
+      // wheels told the heading meanwhile, up to their newest sample
+      const double since = std::clamp(to_seconds(stamp - point(0).stamp), -kMaxGyroAge, kMaxGyroAge);
+      heading_used_ = heading_ - since * (rate - calibration_.gyro_bias);
+    }
   }
   has_gyro_ = true;
   gyro_stamp_ = stamp;
@@ -28,6 +34,7 @@ void DeadReckoning::add_odometry(Time stamp, const Odometry& odometry) {
   const double heading = gyro_heading(stamp);
   const bool gyro_fresh = has_gyro_ && std::fabs(to_seconds(stamp - gyro_stamp_)) <= kMaxGyroAge;
   const double rate = gyro_fresh ? gyro_rate_ - calibration_.gyro_bias : odometry.velocity.omega;
+  next.by_gyro = gyro_fresh;
   next.velocity = {calibration_.forward_scale * odometry.velocity.vx, calibration_.lateral_scale * odometry.velocity.vy,
                    rate};
 

@@ -28,6 +28,7 @@ struct TrackPoint {
   double turn = 0.0;       ///< [rad] turned
   double seconds = 0.0;    ///< [s] since the sample before
   double gyro_rate = 0.0;  ///< [rad/s] of the newest gyro sample, as measured
+  bool by_gyro = false;    ///< the gyro told the turn, not the wheels
   int standing = 0;        ///< for so many samples the wheels have not turned
 };
 
@@ -45,7 +46,6 @@ class DeadReckoning {
   void calibrate(const Calibration& calibration) { calibration_ = calibration; }
 
   bool empty() const { return count_ == 0; }
-  bool has_gyro() const { return has_gyro_; }
   /// How many points are remembered; `point(0)` is the newest.
   std::size_t size() const { return count_ < kCapacity ? count_ : kCapacity; }
   const TrackPoint& point(std::size_t age) const { return points_[(count_ - 1 - age) % kCapacity]; }

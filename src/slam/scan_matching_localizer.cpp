@@ -27,6 +27,8 @@ constexpr int kFewHits = 30;  // fewer hits in known space tell nothing
 constexpr Duration kLostAfter = 2s;         // without a scan that seems to be where it should ...
 constexpr double kNoAgreement = 0.35;       // ... and if not even so much of any fits ...
 constexpr Duration kLostAtOnceAfter = 1s;   // ... earlier
+constexpr double kBiasCreep = 0.004;        // [rad/s] by which a gyro's bias may have changed unnoticed ...
+constexpr double kBiasJump = 5.0;           // ... and so many deviations of it are too many
 constexpr int kStandingSamples = 10;   // wheels at rest for so many samples: the robot stands
 constexpr double kMapDrift = 0.005;    // [m/sqrt(m)] the map itself wanders from its origin as it grows ...
 constexpr double kMapTurn = 0.001;     // [rad/sqrt(m)]
@@ -174,18 +176,21 @@ void ScanMatchingLocalizer::predict_to(Time stamp) {
     const TrackPoint& p = track_.point(age);
     if (p.stamp <= filter_stamp_ || p.stamp > stamp) continue;
     const double heading = map_from_odom_.theta + p.odom_from_base.theta - 0.5 * p.turn;
-    filter_.predict(heading, p.step, p.turn, p.seconds, track_.has_gyro());
+    filter_.predict(heading, p.step, p.turn, p.seconds, p.by_gyro);
     driven_ += norm(p.step);
     rate += p.gyro_rate;
-    standing += p.standing >= kStandingSamples ? 1 : 0;
+    standing += p.by_gyro && p.standing >= kStandingSamples ? 1 : 0;
     ++steps;
   }
   filter_stamp_ = std::max(filter_stamp_, stamp);
 
   // while the robot stands the gyro shows its bias
-  if (steps == 0 || standing < steps || !track_.has_gyro()) return;
+  if (steps == 0 || standing < steps) return;
   const double error = rate / steps - track_.calibration().gyro_bias;
   const double variance = sensors_.gyro_sigma * sensors_.gyro_sigma / steps + 1e-7;
+  // a bias creeps; what jumps is a fault, and would be held against the gyro once it is over
+  const double known = filter_.covariance()(kGyroBias, kGyroBias) + kBiasCreep * kBiasCreep;
+  if (error * error > kBiasJump * kBiasJump * known) return;
   const Pose2D odom_from_base = track_.at(stamp);
   shift(filter_.observe_gyro_bias(error, variance), map_from_odom_ * odom_from_base, odom_from_base);
 }
@@ -325,7 +330,7 @@ PoseEstimate ScanMatchingLocalizer::estimate(Time now) const {
     const TrackPoint& p = track_.point(age);
     if (p.stamp <= filter_stamp_) continue;
     const double heading = map_from_odom_.theta + p.odom_from_base.theta - 0.5 * p.turn;
-    filter.predict(heading, p.step, p.turn, p.seconds, track_.has_gyro());
+    filter.predict(heading, p.step, p.turn, p.seconds, p.by_gyro);
   }
   // the filter knows the pose in the map; how far the map is off, nobody measures
   Matrix7 covariance = filter.covariance();

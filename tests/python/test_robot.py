@@ -11,7 +11,7 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 import threewe
-from threewe import MoveResult, Pose2D, Progress, Reason, Robot, TickView, TimeoutError, Velocity, World, Zone
+from threewe import MoveResult, Pose2D, Progress, Reason, Robot, TickView, TimeoutError, Trouble, Velocity, World, Zone
 
 
 @pytest.mark.parametrize("scene", threewe.scene_names())
@@ -33,6 +33,15 @@ async def test_notebooks_connect_with_a_bare_await(robot: Robot) -> None:
     assert robot.connected
     await robot.connect()  # twice is as good as once
     assert robot.connected
+
+
+async def test_every_sensor_has_a_name_and_its_health(robot: Robot) -> None:
+    assert set(robot.health) == {sensor.name for sensor in robot.features.sensors}
+    assert robot.health["lidar"].trouble is Trouble.none
+    assert robot.health["lidar"].needed
+    assert not robot.health["camera"].needed
+    await robot.move_forward(0.5)
+    assert all(sensor.sound for sensor in robot.health.values()), robot.health
 
 
 async def test_reading_takes_no_robot_time(robot: Robot) -> None:

@@ -17,6 +17,9 @@ inline constexpr double kRangeTolerance = 1e-4;
 /// (-pi, pi], a charge within 0 to 1.
 void check_data(const SensorInfo& sensor, const SampleData& data, const RobotProfile& profile);
 
+/// Throws ContractError unless a sample is of a sensor that the robot has, and of what that measures.
+void check_kind(const Features& features, const Sample& sample);
+
 /// Throws ContractError unless a sample is of a sensor that the robot has, was measured before it was received, and
 /// holds what that sensor could measure.
 void check_sample(const Features& features, const Sample& sample, const RobotProfile& profile);

@@ -78,6 +78,8 @@ class Robot {
   const RGBDImage& get_rgbd_image() const;
   /// What each ultrasonic sensor heard last, by the sensors' names.
   std::map<std::string, RangeData> get_ultrasonic_ranges() const;
+  /// How each sensor is; see `Runtime::health`.
+  const std::vector<SensorHealth>& health() const { return runtime_->health(); }
   /// `target_from_source` among `map`, `odom`, `base` and the sensors' names.
   Pose2D get_transform(std::string_view target, std::string_view source) const;
 

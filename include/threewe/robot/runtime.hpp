@@ -8,9 +8,11 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "threewe/backend/world.hpp"
 #include "threewe/nav/navigator.hpp"
+#include "threewe/robot/health.hpp"
 #include "threewe/robot/results.hpp"
 #include "threewe/robot/world.hpp"
 #include "threewe/safety/gate.hpp"
@@ -96,6 +98,9 @@ class Runtime {
   Pose2D transform(std::string_view target, std::string_view source) const;
   /// What its collision monitor looks out for: where the newest scan, or echoes, hit something, in `odom`.
   std::span<const Vec2> obstacles() const;
+  /// How each sensor is. One that the robot needs and that is in trouble keeps it still: a motion waits for up to 10 s,
+  /// and goes on when the sensor is sound again. What a sensor in trouble delivers is used by nobody.
+  const std::vector<SensorHealth>& health() const;
   /// What was asked of the gate in the last tick, and what it let through.
   const Velocity& requested() const;
   const safety::GateOutput& commanded() const;

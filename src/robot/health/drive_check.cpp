@@ -1,0 +1,76 @@
+#include "robot/health/drive_check.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "threewe/core/exact.hpp"
+
+namespace threewe::health {
+namespace {
+
+constexpr double kSpeedOff = 0.12;  // [m/s] over half a second ...
+constexpr double kTurnOff = 0.3;    // [rad/s]
+constexpr double kShareOff = 0.3;   // ... and this share of what was told: motors lag, and pull more or less
+constexpr std::size_t kFor = 5;     // periods after which what was told has come about
+
+constexpr double kLeastWay = 0.012;  // [m] between corrections: less tells nothing
+constexpr double kTakenBack = 0.25;  // share of the way
+constexpr double kAdded = 0.4;
+
+double speed(const Velocity& v) { return exact::hypot(v.vx, v.vy); }
+
+}  // namespace
+
+DriveCheck::DriveCheck(Duration reaction)
+    : delay_(std::min(kMostDelay, static_cast<std::size_t>((reaction + kControlPeriod / 2) / kControlPeriod))) {}
+
+bool DriveCheck::is_disobeyed(const Velocity& command, const Velocity& wheels) {
+  commands_[count_ % commands_.size()] = command;
+  wheels_[count_ % kWindow] = wheels;
+  ++count_;
+  if (count_ < commands_.size()) return false;
+
+  Velocity told;
+  Velocity done;
+  constexpr double kShare = 1.0 / kWindow;
+  for (std::size_t i = 0; i < kWindow; ++i) {
+    const Velocity& c = this->command(delay_ + i);
+    told = {told.vx + kShare * c.vx, told.vy + kShare * c.vy, told.omega + kShare * c.omega};
+    const Velocity& w = wheels_[i];
+    done = {done.vx + kShare * w.vx, done.vy + kShare * w.vy, done.omega + kShare * w.omega};
+  }
+  return exact::hypot(done.vx - told.vx, done.vy - told.vy) > kSpeedOff + kShareOff * speed(told) ||
+         std::fabs(done.omega - told.omega) > kTurnOff + kShareOff * std::fabs(told.omega);
+}
+
+bool DriveCheck::told_to_stand() const {
+  for (std::size_t i = 0; i < std::min(count_, delay_ + kFor); ++i) {
+    if (command(i) != Velocity{}) return false;
+  }
+  return true;
+}
+
+bool WayCheck::is_contradicted(const slam::PoseEstimate& estimate) {
+  if (!corrected_) corrected_ = estimate;
+  if (estimate.map_from_odom == corrected_->map_from_odom) return false;
+
+  const Vec2 way = (inverse(corrected_->odom_from_base) * estimate.odom_from_base).position();
+  const Pose2D predicted = corrected_->map_from_odom * estimate.odom_from_base;
+  const Vec2 by = (inverse(predicted) * estimate.map_from_base()).position();
+  const double turned = wrap_angle(estimate.odom_from_base.theta - corrected_->odom_from_base.theta);
+  corrected_ = estimate;
+  const double length = norm(way);
+  if (length < kLeastWay) return false;
+  // the correction is told in the base frame, which has turned since
+  shares_[count_++ % kCorrections] = dot(rotate(by, turned), way) / (length * length);
+  if (count_ < kCorrections) return false;
+
+  std::array<double, kCorrections> sorted = shares_;
+  std::ranges::nth_element(sorted, sorted.begin() + kCorrections / 2);
+  const double share = sorted[kCorrections / 2];
+  if (share > -kTakenBack && share < kAdded) return false;
+  count_ = 0;  // begin anew
+  return true;
+}
+
+}  // namespace threewe::health

@@ -1,0 +1,199 @@
+#include "robot/health/monitor.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "threewe/backend/sample_checks.hpp"
+#include "threewe/core/errors.hpp"
+#include "threewe/core/exact.hpp"
+
+namespace threewe::health {
+namespace {
+
+constexpr Duration kLeastPatience = 150ms;  // for a next sample
+constexpr Duration kFirstPatience = 1s;     // for the first one
+constexpr Duration kSoundFor = 300ms;       // after which a sensor is believed again
+constexpr Duration kFirstPenalty = 1s;      // who is contradicted while the robot moves is silent once it stands ...
+constexpr Duration kLongestPenalty = 8s;    // ... so that it is tried again, ever less often
+constexpr double kContradiction = 4.0;      // deviations
+constexpr double kSlow = 0.02;              // [m/s] less is standing ...
+constexpr double kSlowTurn = 0.05;          // [rad/s]
+constexpr double kTurning = 0.15;           // [rad/s] what a gyro with a bias never shows at rest
+
+// What the mind uses; the rest may break without harm.
+bool is_needed(SensorType type, const RobotProfile& profile) {
+  switch (type) {
+    case SensorType::lidar:
+    case SensorType::imu:
+    case SensorType::odometry: return true;
+    case SensorType::ultrasonic: return !profile.lidar;
+    default: return false;
+  }
+}
+
+}  // namespace
+
+Monitor::Monitor(const backend::Features& features, const RobotProfile& profile)
+    : scan_(profile.lidar ? profile.lidar->sigma : 0.0),
+      turn_(profile),
+      drive_(profile.command_latency + profile.body.motor_lag) {
+  for (const backend::SensorInfo& sensor : features.sensors) {
+    sensors_.push_back({sensor.name, Trouble::none, "", {}, is_needed(sensor.type, profile)});
+    Watch watch;
+    watch.type = sensor.type;
+    watch.patience = std::max(kLeastPatience, from_seconds(1.5 / sensor.rate) + 50ms);
+    watches_.push_back(watch);
+  }
+}
+
+void Monitor::begin(Time now) {
+  begun_ = now_ = now;
+  for (std::size_t i = 0; i < watches_.size(); ++i) {
+    Watch fresh;
+    fresh.type = watches_[i].type;
+    fresh.patience = watches_[i].patience;
+    watches_[i] = fresh;
+    sensors_[i] = {sensors_[i].name, Trouble::none, "", now, sensors_[i].needed};
+  }
+  changes_.clear();
+}
+
+bool Monitor::examine(const Sample& sample, const backend::Features& features, const RobotProfile& profile) {
+  now_ = sample.received;
+  Watch& watch = watches_.at(sample.sensor);
+  watch.received = sample.received;
+  try {
+    backend::check_data(features.sensors[sample.sensor], sample.data, profile);
+  } catch (const ContractError& error) {
+    const std::string text = error.what();  // "sensor 'imu': what is wrong"
+    report(sample.sensor, Trouble::implausible, text.substr(text.find("': ") + 3), kSoundFor);
+    return false;
+  }
+  const Trouble trouble = check(watch, sample);
+  if (trouble != Trouble::none) report(sample.sensor, trouble, "", kSoundFor);
+  return sensors_[sample.sensor].sound() || watch.believed;
+}
+
+// Everything that one sensor's samples tell about it.
+Trouble Monitor::check(Watch& watch, const Sample& sample) {
+  const Trouble stamps = watch.stamps.check(sample.measured, sample.received);
+  if (stamps != Trouble::none) return stamps;
+  if (watch.repeats.is_frozen(sample.data, motion())) return Trouble::frozen;
+  if (const auto* scan = std::get_if<LaserScan>(&sample.data)) {
+    return scan_.check(sample.measured, *scan, wheels_ ? wheels_->pose : Pose2D{});
+  }
+  if (const auto* imu = std::get_if<IMUData>(&sample.data)) {
+    gyro_rate_ = imu->angular_velocity[2];
+    turn_.add_gyro(sample.measured, gyro_rate_);
+  }
+  if (const auto* odometry = std::get_if<Odometry>(&sample.data)) {
+    wheels_ = *odometry;
+    if (const auto off = turn_.add_odometry(sample.measured, *odometry)) turn_off_ = off;
+  }
+  return Trouble::none;
+}
+
+void Monitor::judge(Time now, const Velocity& command, const slam::PoseEstimate& estimate) {
+  now_ = now;
+  for (std::size_t i = 0; i < watches_.size(); ++i) watch_silence(i);
+  const bool standing = motion().still;
+
+  if (turn_off_ && std::fabs(*turn_off_) > kContradiction) {
+    // while the robot moves nobody knows who is right; wheels at rest are
+    contradict(SensorType::imu, "gyro and wheels do not turn alike", !standing);
+    if (!standing)
+      contradict(SensorType::odometry, "wheels and gyro do not turn alike: a wheel slips, or is blocked", true);
+  }
+  turn_off_.reset();
+  if (wheels_ && drive_.is_disobeyed(command, wheels_->velocity)) {
+    contradict(SensorType::odometry, "the wheels do not turn as they are told: one is blocked, or slips", true);
+  }
+  if (way_.is_contradicted(estimate)) {
+    contradict(SensorType::odometry, "the robot does not go as far as its wheels say: they slip", true);
+  }
+  for (std::size_t i = 0; i < watches_.size(); ++i) {
+    if (sensors_[i].sound() || now < watches_[i].until) continue;
+    sensors_[i].trouble = Trouble::none;
+    sensors_[i].detail.clear();
+    sensors_[i].since = watches_[i].ended = now;
+    changes_.push_back(i);
+  }
+}
+
+void Monitor::watch_silence(std::size_t sensor) {
+  const Watch& watch = watches_[sensor];
+  const bool silent =
+      watch.received ? now_ - *watch.received > watch.patience : now_ - begun_ > kFirstPatience + watch.patience;
+  if (silent) report(sensor, Trouble::silent, "", kSoundFor);
+}
+
+// Something is wrong from now on, and for `hold` at least.
+void Monitor::report(std::size_t sensor, Trouble trouble, const std::string& detail, Duration hold, bool believed) {
+  SensorHealth& health = sensors_[sensor];
+  Watch& watch = watches_[sensor];
+  watch.until = std::max(watch.until, now_ + hold);
+  watch.believed = believed && (health.sound() || watch.believed);
+  if (!health.sound()) return;
+  health.trouble = trouble;
+  health.detail = detail;
+  health.since = now_;
+  changes_.push_back(sensor);
+}
+
+// What was noticed as the robot moved cannot be seen once it stands: it is tried again after a while, and after twice
+// as long when that was no good.
+void Monitor::contradict(SensorType type, const std::string& detail, bool believed) {
+  for (std::size_t i = 0; i < watches_.size(); ++i) {
+    Watch& watch = watches_[i];
+    if (watch.type != type) continue;
+    if (sensors_[i].sound()) {
+      const bool again = watch.penalty > 0ns && now_ - watch.ended < kLongestPenalty;
+      watch.penalty = again ? std::min(2 * watch.penalty, kLongestPenalty) : kFirstPenalty;
+    }
+    report(i, Trouble::contradicted, detail, std::max(watch.penalty, kSoundFor), believed);
+  }
+}
+
+// Whether the robot moves: whoever says so is believed, since a sensor that is frozen may not.
+Motion Monitor::motion() const {
+  const auto believed = [this](SensorType type) {
+    for (std::size_t i = 0; i < watches_.size(); ++i) {
+      if (watches_[i].type == type) return sensors_[i].sound() || watches_[i].believed;
+    }
+    return false;
+  };
+  const bool wheels_known = wheels_ && believed(SensorType::odometry);
+  const Velocity v = wheels_known ? wheels_->velocity : Velocity{};
+  const bool rolls = exact::hypot(v.vx, v.vy) > kSlow || std::fabs(v.omega) > kSlowTurn;
+  const bool turns = believed(SensorType::imu) && std::fabs(gyro_rate_) > kTurning;
+  return {.moving = rolls || turns, .still = wheels_known && !rolls && !turns && drive_.told_to_stand()};
+}
+
+const SensorHealth* Monitor::obstacle() const {
+  const auto found = std::ranges::find_if(sensors_, [](const SensorHealth& s) { return s.needed && !s.sound(); });
+  return found == sensors_.end() ? nullptr : &*found;
+}
+
+std::vector<std::size_t> Monitor::take_changes() { return std::exchange(changes_, {}); }
+
+}  // namespace threewe::health
+
+namespace threewe {
+
+std::string_view to_string(Trouble trouble) {
+  switch (trouble) {
+    case Trouble::none: return "none";
+    case Trouble::silent: return "silent";
+    case Trouble::frozen: return "frozen";
+    case Trouble::implausible: return "implausible";
+    case Trouble::wrong_stamps: return "stamped wrongly";
+    case Trouble::late: return "late";
+    case Trouble::noisy: return "noisy";
+    case Trouble::shifted: return "shifted";
+    case Trouble::contradicted: return "contradicted";
+  }
+  return "unknown";
+}
+
+}  // namespace threewe

@@ -1,0 +1,301 @@
+// Sensors that break: what each check notices and what it leaves alone, and what a robot does about it.
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <deque>
+#include <vector>
+
+#include "robot/faulty_port.hpp"
+#include "robot/health/drive_check.hpp"
+#include "robot/health/repeats.hpp"
+#include "robot/health/scan_check.hpp"
+#include "robot/health/stamps.hpp"
+#include "robot/health/turn_check.hpp"
+#include "robot/warnings.hpp"
+#include "threewe/backend/registry.hpp"
+#include "threewe/robot/robot.hpp"
+
+using namespace threewe;
+using namespace threewe::test;
+
+namespace {
+
+// A room of random size, seen from a random place in it.
+LaserScan room(std::uint64_t seed, double scatter, double bias = 0.0, double turned = 0.0, std::uint32_t lane = 1) {
+  const RngKey key{.seed = seed};
+  const auto draw = [&](std::uint64_t i, double low, double high) { return uniform(key, i, 0, low, high); };
+  const double east = draw(0, 1.0, 6.0);
+  const double west = -draw(1, 1.0, 6.0);
+  const double north = draw(2, 1.0, 6.0);
+  const double south = -draw(3, 1.0, 6.0);
+  LaserScan scan;
+  scan.angle_min = -exact::kPi;
+  scan.angle_increment = 2.0 * exact::kPi / 360.0;
+  scan.range_min = 0.02;
+  scan.range_max = 12.0;
+  for (int i = 0; i < 360; ++i) {
+    const double angle = scan.angle_min + i * scan.angle_increment + turned;
+    const double x = std::cos(angle);
+    const double y = std::sin(angle);
+    const double range = std::min(x > 0.0 ? east / x : west / x, y > 0.0 ? north / y : south / y);
+    const double off = scatter * normal(key, 1000 + static_cast<std::uint64_t>(i), lane);
+    scan.ranges.push_back(static_cast<float>(range + bias + off));
+  }
+  return scan;
+}
+
+}  // namespace
+
+TEST_CASE("the scatter of a scan is told from the scan alone") {
+  for (std::uint64_t seed = 0; seed < 500; ++seed) {
+    CAPTURE(seed);
+    for (const double scatter : {0.01, 0.05}) {
+      CHECK(health::scatter_of(room(seed, scatter)) == doctest::Approx(scatter).epsilon(0.45));
+    }
+  }
+}
+
+TEST_CASE("a shift of all ranges is found, whatever the turn, and nothing is where there is none") {
+  for (std::uint64_t seed = 0; seed < 500; ++seed) {
+    CAPTURE(seed);
+    const RngKey key{.seed = seed};
+    const double bias = (seed % 2 == 0 ? 1.0 : -1.0) * uniform(key, 10, 0, 0.1, 0.4);
+    const double turned = uniform(key, 11, 0, -1.5, 1.5);
+    const double misjudged = turned + uniform(key, 12, 0, -0.1, 0.1);
+    const LaserScan before = room(seed, 0.01);
+    const auto shifted = health::shift_between(before, room(seed, 0.01, bias, turned, 2), misjudged);
+    CHECK(shifted.share > 0.6);
+    CHECK(std::fabs(shifted.metres - bias) < 0.02);
+    const auto same = health::shift_between(before, room(seed, 0.01, 0.0, turned, 2), misjudged);
+    CHECK(std::fabs(same.metres) < 0.02);
+  }
+}
+
+TEST_CASE("scans that are noisy or shifted are told from others, until they are as before") {
+  for (std::uint64_t seed = 0; seed < 200; ++seed) {
+    CAPTURE(seed);
+    health::ScanCheck check(0.01);
+    Time t{};
+    const auto look = [&](double scatter, double bias) {
+      t += 100ms;
+      return check.check(t, room(seed, scatter, bias, 0.0, static_cast<std::uint32_t>(t / 100ms)), {});
+    };
+    for (int i = 0; i < 10; ++i) CHECK(look(0.01, 0.03) == Trouble::none);
+    for (int i = 0; i < 5; ++i) CHECK(look(0.05, 0.03) == Trouble::noisy);
+    for (int i = 0; i < 5; ++i) CHECK(look(0.01, 0.03) == Trouble::none);
+    for (int i = 0; i < 5; ++i) CHECK(look(0.01, 0.23) == Trouble::shifted);
+    for (int i = 0; i < 5; ++i) CHECK(look(0.01, 0.03) == Trouble::none);
+  }
+}
+
+TEST_CASE("stamps: backwards, from the future, too old; what is merely slow is usual") {
+  health::StampCheck check;
+  Time t{};
+  const auto arrive = [&](Duration age) {
+    t += 100ms;
+    return check.check(t - age, t);
+  };
+  CHECK(arrive(90ms) == Trouble::none);  // had waited for somebody to ask
+  for (int i = 0; i < 20; ++i) CHECK(arrive(i % 2 == 0 ? 40ms : 60ms) == Trouble::none);
+  CHECK(arrive(-10ms) == Trouble::wrong_stamps);
+  CHECK(arrive(500ms) == Trouble::wrong_stamps);  // before the newest
+  CHECK(arrive(50ms) == Trouble::none);
+  for (int i = 0; i < 10; ++i) (void)arrive(600ms);
+  CHECK(arrive(600ms) == Trouble::late);
+  CHECK(arrive(50ms) == Trouble::none);
+  CHECK(check.check(t, t + 100ms) == Trouble::none);
+}
+
+TEST_CASE("repeated readings are a fault where something must have changed") {
+  const health::Motion moving{.moving = true};
+  const health::Motion still{.still = true};
+  const LaserScan scan = room(1, 0.01);
+  SUBCASE("a scan, while the robot moves") {
+    health::RepeatCheck check;
+    for (std::uint64_t i = 10; i < 16; ++i) CHECK_FALSE(check.is_frozen(room(i, 0.01), still));
+    CHECK_FALSE(check.is_frozen(scan, still));
+    CHECK(check.is_frozen(scan, moving));
+    CHECK(check.is_frozen(scan, still));  // the robot has stopped for it
+    CHECK_FALSE(check.is_frozen(room(2, 0.01), still));
+  }
+  SUBCASE("a scan of nothing says nothing") {
+    health::RepeatCheck check;
+    LaserScan empty = scan;
+    for (float& range : empty.ranges) range = 12.0F;
+    for (int i = 0; i < 20; ++i) CHECK_FALSE(check.is_frozen(empty, moving));
+  }
+  SUBCASE("an inertial unit, if it has noise") {
+    health::RepeatCheck quiet;
+    health::RepeatCheck noisy;
+    for (int i = 0; i < 20; ++i) {
+      CHECK_FALSE(quiet.is_frozen(IMUData{}, still));
+      CHECK_FALSE(noisy.is_frozen(IMUData{{0.001 * i, 0.0, 0.0}, {}}, still));
+    }
+    bool frozen = false;
+    for (int i = 0; i < 8; ++i) {
+      CHECK_FALSE(quiet.is_frozen(IMUData{}, moving));
+      frozen = noisy.is_frozen(IMUData{{0.5, 0.0, 0.0}, {}}, moving);
+    }
+    CHECK(frozen);
+  }
+  SUBCASE("wheels that turn and get nowhere") {
+    health::RepeatCheck check;
+    for (int i = 0; i < 3; ++i) (void)check.is_frozen(Odometry{{1.0, 0.0, 0.0}, {0.2, 0.0, 0.0}}, moving);
+    CHECK(check.is_frozen(Odometry{{1.0, 0.0, 0.0}, {0.2, 0.0, 0.0}}, moving));
+    health::RepeatCheck standing;
+    for (int i = 0; i < 10; ++i) CHECK_FALSE(standing.is_frozen(Odometry{{1.0, 0.0, 0.0}, {}}, moving));
+  }
+}
+
+TEST_CASE("gyro and wheels: systematic differences are learned, a sudden bias is noticed") {
+  const RobotProfile profile = load_profile("3we_standard_v2");
+  for (std::uint64_t seed = 0; seed < 300; ++seed) {
+    CAPTURE(seed);
+    const RngKey key{.seed = seed};
+    health::TurnCheck check(profile);
+    const double bias = uniform(key, 0, 0, -0.008, 0.008);
+    const double per_speed = uniform(key, 0, 1, -0.03, 0.03);
+    Odometry wheels;
+    double worst = 0.0;
+    double fault = 0.0;
+    const auto drive = [&](int from, int ticks) {
+      worst = 0.0;
+      for (int i = from; i < from + ticks; ++i) {
+        const Velocity v{0.4, 0.0, 0.8 * std::sin(0.02 * i)};
+        for (int half = 1; half <= 2; ++half) {
+          const double noise = 0.0017 * normal(key, static_cast<std::uint64_t>(2 * i + half));
+          check.add_gyro(20ms * i + 10ms * half, v.omega - per_speed * v.vx + bias + fault + noise);
+        }
+        wheels = {integrate(wheels.pose, v, 0.02), v};
+        if (const auto off = check.add_odometry(20ms * (i + 1), wheels)) worst = std::max(worst, std::fabs(*off));
+      }
+    };
+    drive(0, 1500);
+    CHECK(worst < 4.0);
+    fault = 0.087;
+    drive(1500, 60);
+    CHECK(worst > 4.0);
+  }
+}
+
+TEST_CASE("wheels that do as they are told, late, are no fault; those that do not are") {
+  for (const double share : {1.0, 0.95, 0.0, 0.4}) {
+    CAPTURE(share);
+    health::DriveCheck check(70ms);
+    std::deque<Velocity> on_the_way(4);
+    bool disobeyed = false;
+    for (int i = 0; i < 500; ++i) {
+      const Velocity command{0.25 + 0.25 * std::sin(0.05 * i), 0.0, 0.5 * std::cos(0.03 * i)};
+      on_the_way.push_back(command);
+      const Velocity done = on_the_way.front();
+      on_the_way.pop_front();
+      disobeyed = check.is_disobeyed(command, {share * done.vx, 0.0, share * done.omega}) || disobeyed;
+    }
+    CHECK(disobeyed == (share < 0.5));
+  }
+}
+
+namespace {
+
+// A robot in the office, on its way, that something happens to.
+struct Drive {
+  explicit Drive(std::uint64_t seed) {
+    backend::WorldOptions options;
+    options.seed = seed;
+    auto faulty = std::make_unique<WorldOfFaults>(backend::make_world("mock", options));
+    port = &faulty->robot(0);
+    world = std::make_unique<World>(std::move(faulty));
+    robot = std::make_unique<Robot>(*world);
+    motion = robot->move_to(4.0, 1.0, {.timeout = 60.0});
+    robot->sleep(2.0);
+  }
+  std::uint16_t sensor(SensorType type) const {
+    const auto& sensors = robot->runtime().features().sensors;
+    const auto found = std::ranges::find(sensors, type, &backend::SensorInfo::type);
+    return static_cast<std::uint16_t>(found - sensors.begin());
+  }
+  const SensorHealth& health(SensorType type) const { return robot->health()[sensor(type)]; }
+  double speed() const { return norm({robot->get_velocity().vx, robot->get_velocity().vy}); }
+
+  Warnings warnings;
+  FaultyPort* port = nullptr;
+  std::unique_ptr<World> world;
+  std::unique_ptr<Robot> robot;
+  MotionHandle motion;
+};
+
+}  // namespace
+
+TEST_CASE("a robot waits for a sensor that breaks, says which, and reaches its goal all the same") {
+  struct Case {
+    FaultKind kind;
+    SensorType type;
+    double size;
+    Trouble trouble;
+  };
+  const std::vector<Case> cases = {{FaultKind::silent, SensorType::lidar, 0.0, Trouble::silent},
+                                   {FaultKind::frozen, SensorType::lidar, 0.0, Trouble::frozen},
+                                   {FaultKind::nan, SensorType::imu, 0.0, Trouble::implausible},
+                                   {FaultKind::stamps_back, SensorType::odometry, 2.0, Trouble::wrong_stamps},
+                                   {FaultKind::stamps_ahead, SensorType::imu, 2.0, Trouble::wrong_stamps},
+                                   {FaultKind::noise, SensorType::lidar, 5.0, Trouble::noisy},
+                                   {FaultKind::bias, SensorType::lidar, 0.2, Trouble::shifted},
+                                   {FaultKind::bias, SensorType::imu, 0.0873, Trouble::contradicted},
+                                   {FaultKind::delay, SensorType::lidar, 0.5, Trouble::silent},
+                                   {FaultKind::slip, SensorType::odometry, 0.0, Trouble::contradicted},
+                                   {FaultKind::wheel_slip, SensorType::odometry, 0.0, Trouble::contradicted},
+                                   {FaultKind::wheel_blocked, SensorType::odometry, 0.0, Trouble::contradicted}};
+  std::uint64_t seed = 1000000;
+  for (const Case& c : cases) {
+    Drive d(seed++);
+    const std::string kind = kFaultNames[static_cast<std::size_t>(c.kind)];
+    CAPTURE(kind);
+    CAPTURE(to_string(c.type));
+    REQUIRE(d.speed() > 0.1);
+    const Time now = d.world->now();
+    d.port->break_with(
+        {{.kind = c.kind, .sensor = d.sensor(c.type), .size = c.size, .from = now, .until = now + 3s, .wheel = 1}});
+    std::optional<Time> noticed;
+    while (d.world->now() < now + 3s) {
+      d.world->tick();
+      CHECK(is_finite(d.robot->runtime().commanded().command));
+      if (!noticed && !d.health(c.type).sound()) {
+        noticed = d.world->now();
+        CHECK(d.health(c.type).trouble == c.trouble);
+        CHECK(d.health(c.type).since == *noticed);
+      }
+    }
+    REQUIRE(noticed);
+    CHECK(*noticed - now <= (c.trouble == Trouble::contradicted ? 2s : 250ms));
+    CHECK(d.warnings.mentioning("'" + d.health(c.type).name + "' is") > 0);
+    const MoveResult result = d.robot->wait(d.motion);
+    CHECK(result.success);
+    CHECK(d.robot->simulation()->max_collision_speed() <= 0.05);
+    const Pose2D truly = inverse(d.robot->simulation()->start_pose()) * d.robot->simulation()->true_pose();
+    CHECK(distance(truly.position(), {4.0, 1.0}) <= 0.25);
+  }
+}
+
+TEST_CASE("a robot goes on without a sensor that it does not need") {
+  Drive d(1000100);
+  const Time now = d.world->now();
+  d.port->break_with({{.kind = FaultKind::silent, .sensor = d.sensor(SensorType::ultrasonic), .from = now}});
+  d.robot->sleep(1.0);
+  CHECK(d.health(SensorType::ultrasonic).trouble == Trouble::silent);
+  CHECK_FALSE(d.health(SensorType::ultrasonic).needed);
+  CHECK(d.warnings.mentioning("it does without") == 1);
+  CHECK(d.robot->wait(d.motion).success);
+}
+
+TEST_CASE("health is part of what is saved, and everybody is sound after a reset") {
+  Drive d(1000200);
+  d.motion->cancel();
+  const Time now = d.world->now();
+  d.port->break_with({{.kind = FaultKind::silent, .sensor = d.sensor(SensorType::lidar), .from = now}});
+  d.robot->sleep(1.0);
+  CHECK_FALSE(d.health(SensorType::lidar).sound());
+  d.port->break_with({});
+  d.robot->simulation()->reset(1000201);
+  d.robot->sleep(0.5);
+  for (const SensorHealth& health : d.robot->health()) CHECK(health.sound());
+}

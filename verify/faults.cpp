@@ -1,0 +1,288 @@
+// A robot whose sensors and wheels break while it drives from goal to goal, told case by case:
+//
+//   verify_faults KIND SEED COUNT     so many cases of a kind of fault, or of `pair`: two faults of any kind
+//   verify_faults clean SEED SECONDS  nothing breaks; every sensor that is in trouble all the same is told
+//
+// One line of JSON a case. Truth is looked at here and nowhere else.
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <cstdio>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "number.hpp"
+#include "robot/faulty_port.hpp"
+#include "threewe/backend/registry.hpp"
+#include "threewe/robot/robot.hpp"
+#include "threewe/robot/warning.hpp"
+#include "threewe/scene/episodes.hpp"
+
+using namespace threewe;
+using namespace threewe::test;
+
+namespace {
+
+constexpr Duration kCase = 10s;
+constexpr double kMoves = 0.03;  // [m/s] or three times as many [rad/s]: a robot that moves
+const std::vector<std::string> kScenes = {"office_v2",    "apartment_v1", "corridor_v1", "warehouse_v1",
+                                          "cluttered_v1", "outdoor_v1",   "dynamic_v1"};
+
+// Numbers of one case, drawn one after the other.
+class Draws {
+ public:
+  explicit Draws(std::uint64_t seed) : key_{.seed = seed, .stream = Stream::sampler} {}
+  double between(double low, double high) { return uniform(key_, count_++, 0, low, high); }
+  std::size_t below(std::size_t n) { return static_cast<std::size_t>(between(0.0, static_cast<double>(n))); }
+  double sign() { return below(2) == 0 ? -1.0 : 1.0; }
+
+ private:
+  RngKey key_;
+  std::uint64_t count_ = 0;
+};
+
+// A robot in a place, used for one case after another.
+class Place {
+ public:
+  Place(const std::string& in, const std::string& with) : scene(in), hardware(with) {
+    backend::WorldOptions options;
+    options.scene = scene;
+    options.robots = {hardware};
+    auto faulty = std::make_unique<WorldOfFaults>(backend::make_world("mock", options));
+    port_ = &faulty->robot(0);
+    world_ = std::make_unique<World>(std::move(faulty));
+    robot_.emplace(*world_);
+  }
+
+  void begin(std::uint64_t seed) {
+    port_->break_with({});
+    Simulation& simulation = *robot_->simulation();
+    simulation.reset(seed, simulation.sample_free_pose(seed));
+    goals_ = Draws(seed ^ 0x90A15);
+    if (!robot_->runtime().connected() || !robot_->runtime().fault().empty()) robot_->connect();
+  }
+  void break_with(const std::vector<SensorFault>& faults) { port_->break_with(faults); }
+
+  // One period on the way to somewhere.
+  void tick() {
+    if (!robot_->runtime().motion() && robot_->runtime().fault().empty()) set_out();
+    world_->tick();
+  }
+  Robot& robot() { return *robot_; }
+  const Simulation& truth() { return *robot_->simulation(); }
+  Time now() const { return world_->now(); }
+  double error() {
+    return distance((truth().start_pose() * robot_->runtime().pose().map_from_base()).position(),
+                    truth().true_pose().position());
+  }
+
+  const std::string scene;
+  const std::string hardware;
+
+ private:
+  void set_out() {
+    const Pose2D goal = truth().sample_free_pose(goals_.below(1U << 30U));
+    const Vec2 in_map = (inverse(truth().start_pose()) * goal).position();
+    motion_ = robot_->move_to(in_map.x, in_map.y);
+  }
+
+  FaultyPort* port_ = nullptr;
+  std::unique_ptr<World> world_;
+  std::optional<Robot> robot_;
+  MotionHandle motion_;
+  Draws goals_{0};
+};
+
+bool moves(const Velocity& v) { return std::hypot(v.vx, v.vy) > kMoves || std::fabs(v.omega) > 3.0 * kMoves; }
+
+// One of those that the mind uses; one chance for all ultrasonic ones together.
+std::uint16_t draw_sensor(Draws& draws, const backend::Features& features, std::vector<SensorType> types) {
+  std::erase_if(types, [&](SensorType type) { return !features.has(type); });
+  if (features.has(SensorType::lidar)) std::erase(types, SensorType::ultrasonic);
+  const SensorType type = types.at(draws.below(types.size()));
+  std::vector<std::uint16_t> places;
+  for (std::uint16_t i = 0; i < features.sensors.size(); ++i) {
+    if (features.sensors[i].type == type) places.push_back(i);
+  }
+  return places.at(draws.below(places.size()));
+}
+
+const std::vector<std::string> kKinds = {"silent", "frozen",     "nan",          "stamps_back", "stamps_ahead",
+                                         "noise",  "lidar_bias", "gyro_bias",    "delay",       "delay_restamped",
+                                         "slip",   "wheel_slip", "wheel_blocked"};
+
+SensorFault draw_fault(const std::string& name, Draws& draws, const backend::Features& features) {
+  using enum SensorType;
+  SensorFault fault;
+  const bool is_bias = name == "lidar_bias" || name == "gyro_bias";
+  const auto known = std::ranges::find(kFaultNames, is_bias ? std::string("bias") : name);
+  fault.kind = static_cast<FaultKind>(known - kFaultNames.begin());
+  std::vector<SensorType> types = {lidar, imu, odometry, ultrasonic};
+  if (name == "noise") types = {lidar, imu, ultrasonic};
+  if (name == "lidar_bias") types = {lidar};
+  if (name == "gyro_bias") types = {imu};
+  if (fault.kind >= FaultKind::slip) types = {odometry};
+  fault.sensor = draw_sensor(draws, features, types);
+  switch (fault.kind) {
+    case FaultKind::stamps_back:
+    case FaultKind::stamps_ahead: fault.size = 0.3 * std::pow(30.0, draws.between(0.0, 1.0)); break;
+    case FaultKind::noise: fault.size = 5.0; break;
+    case FaultKind::bias: fault.size = draws.sign() * (name == "lidar_bias" ? 0.2 : 5.0 * exact::kPi / 180.0); break;
+    case FaultKind::delay:
+    case FaultKind::delay_restamped: fault.size = 0.5; break;
+    default: break;
+  }
+  fault.wheel = draws.below(4);
+  fault.seed = draws.below(1U << 30U);
+  return fault;
+}
+
+// What came of one fault.
+struct Outcome {
+  std::string kind;
+  SensorFault fault;
+  std::string sensor;
+  double moved = 0.0;             // [s] of moving from its beginning until it was noticed
+  std::optional<double> noticed;  // [s] after its beginning, by whatever sensor
+  std::string trouble;            // and what was said of it
+  bool named = false;             // the right sensor is among those that were in trouble
+  std::optional<double> stopped;  // [s] after it was noticed
+};
+
+bool blames(const Outcome& outcome, const SensorHealth& health) {
+  return !health.sound() && health.name == outcome.sensor;
+}
+
+void look(Outcome& outcome, Place& place) {
+  if (place.now() <= outcome.fault.from || place.now() > outcome.fault.until) return;
+  const double since = to_seconds(place.now() - outcome.fault.from);
+  if (!outcome.noticed && moves(place.truth().true_velocity())) outcome.moved += to_seconds(kControlPeriod);
+  for (const SensorHealth& health : place.robot().health()) {
+    if (health.sound()) continue;
+    if (!outcome.noticed) {
+      outcome.noticed = since;
+      outcome.trouble = health.name + " " + std::string(to_string(health.trouble));
+    }
+    outcome.named = outcome.named || blames(outcome, health);
+  }
+  if (outcome.noticed && !outcome.stopped && !moves(place.truth().true_velocity()))
+    outcome.stopped = since - *outcome.noticed;
+}
+
+std::string json(const std::optional<double>& value) { return value ? fmt::format("{:.3f}", *value) : "null"; }
+
+std::string json(const Outcome& o, double rate, bool needed) {
+  return fmt::format(
+      R"({{"kind": "{}", "sensor": "{}", "size": {:.3f}, "rate": {:.3f}, "needed": {}, "noticed": {}, "moved": {:.3f}, "trouble": "{}", "named": {}, "stopped": {}}})",
+      o.kind, o.sensor, o.fault.size, rate, needed, json(o.noticed), o.moved, o.trouble, o.named, json(o.stopped));
+}
+
+bool all_sound(Place& place) { return std::ranges::all_of(place.robot().health(), &SensorHealth::sound); }
+
+// Ten seconds: on the way, then something breaks for a while, then all is well again.
+void run_case(const std::vector<std::string>& kinds, std::uint64_t seed, Place& place) {
+  place.begin(seed);
+  Draws draws(seed);
+  std::vector<Outcome> outcomes;
+  std::vector<SensorFault> faults;
+  const backend::Features& features = place.robot().runtime().features();
+  for (const std::string& kind : kinds) {
+    Outcome outcome;
+    outcome.kind = kind;
+    outcome.fault = draw_fault(kind, draws, features);
+    outcome.sensor = features.sensors[outcome.fault.sensor].name;
+    outcome.fault.from = place.now() + from_seconds(draws.between(2.0, 4.0));
+    outcome.fault.until = outcome.fault.from + 3s;
+    faults.push_back(outcome.fault);
+    outcomes.push_back(outcome);
+  }
+  place.break_with(faults);
+  const Time end = place.now() + kCase;
+  int alarms_before = 0;
+  bool finite = true;
+  double worst_error = 0.0;
+  std::optional<double> recovered;
+  const Time over = std::ranges::max(outcomes, {}, [](const Outcome& o) { return o.fault.until; }).fault.until;
+  const Time begins = std::ranges::min(outcomes, {}, [](const Outcome& o) { return o.fault.from; }).fault.from;
+  bool went_on = false;
+  while (place.now() < end) {
+    place.tick();
+    if (place.now() <= begins && !all_sound(place)) ++alarms_before;
+    for (Outcome& outcome : outcomes) look(outcome, place);
+    finite = finite && is_finite(place.robot().runtime().commanded().command);
+    worst_error = std::max(worst_error, place.error());
+    if (place.now() > over && !recovered && all_sound(place)) recovered = to_seconds(place.now() - over);
+    if (place.now() > over && moves(place.truth().true_velocity())) went_on = true;
+  }
+  std::string told;
+  for (const Outcome& o : outcomes) {
+    const SensorHealth& health = place.robot().health()[o.fault.sensor];
+    told += (told.empty() ? "" : ", ") + json(o, features.sensors[o.fault.sensor].rate, health.needed);
+  }
+  fmt::print(
+      R"({{"scene": "{}", "hardware": "{}", "seed": {}, "faults": [{}], "contact": {:.3f}, "worst_error": {:.3f}, "error": {:.3f}, "finite": {}, "alarms_before": {}, "recovered": {}, "went_on": {}, "fault": "{}"}})"
+      "\n",
+      place.scene, place.hardware, seed, told, place.truth().max_collision_speed(), worst_error, place.error(), finite,
+      alarms_before, json(recovered), went_on, place.robot().runtime().fault());
+}
+
+// Nothing breaks.
+void run_clean(std::uint64_t seed, Duration duration, Place& place) {
+  place.begin(seed);
+  const Time begun = place.now();
+  std::vector<std::string> alarms;
+  std::vector<bool> sound(place.robot().health().size(), true);
+  while (place.now() - begun < duration) {
+    place.tick();
+    for (std::size_t i = 0; i < sound.size(); ++i) {
+      const SensorHealth& health = place.robot().health()[i];
+      if (sound[i] && !health.sound()) {
+        alarms.push_back(fmt::format(R"("{:.2f} s: {} {} {}")", to_seconds(place.now() - begun), health.name,
+                                     to_string(health.trouble), health.detail));
+      }
+      sound[i] = health.sound();
+    }
+  }
+  fmt::print(
+      R"({{"scene": "{}", "hardware": "{}", "seed": {}, "seconds": {}, "alarms": [{}], "error": {:.3f}, "contact": {:.3f}}})"
+      "\n",
+      place.scene, place.hardware, seed, to_seconds(place.now() - begun), fmt::join(alarms, ", "), place.error(),
+      place.truth().max_collision_speed());
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  const std::string what = argc == 4 ? argv[1] : "";
+  const auto seed = parse_number(argc == 4 ? argv[2] : "");
+  const auto count = parse_number(argc == 4 ? argv[3] : "");
+  const bool known = what == "clean" || what == "pair" || std::ranges::find(kKinds, what) != kKinds.end();
+  if (!seed || !count || !known) {
+    std::fputs("usage: verify_faults KIND|pair SEED COUNT | clean SEED SECONDS\n", stderr);
+    return 2;
+  }
+  set_warning_handler([](std::string_view) {});
+  Draws draws(*seed);
+  const std::string scene = kScenes[draws.below(kScenes.size())];
+  const double which = draws.between(0.0, 1.0);
+  const bool blind = which > 0.8 && what != "lidar_bias" && what != "clean";
+  Place place(scene, blind ? "3we_base_v2" : which > 0.6 ? "turtlebot_like" : "3we_standard_v2");
+  std::vector<std::string> kinds = kKinds;
+  if (blind) std::erase(kinds, "lidar_bias");
+  if (what == "clean") {
+    run_clean(*seed, std::chrono::seconds(*count), place);
+    return 0;
+  }
+  for (std::uint64_t i = 0; i < *count; ++i) {
+    std::vector<std::string> broken = {what};
+    if (what == "pair") broken = {kinds[draws.below(kinds.size())], kinds[draws.below(kinds.size())]};
+    run_case(broken, *seed * 1000003 + i, place);
+  }
+  return 0;
+}
