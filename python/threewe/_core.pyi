@@ -672,6 +672,16 @@ class OccupancyGrid:
 
     def __repr__(self) -> str: ...
 
+def load_map(path: str) -> OccupancyGrid:
+    """
+    Reads a map as ROS has maps: a file that ends in .yaml, and the picture that it names.
+    """
+
+def save_map(grid: OccupancyGrid, path: str) -> None:
+    """
+    Writes a map as ROS has maps: `path`, which ends in .yaml, and the picture beside it.
+    """
+
 class SlamConfig:
     """What `threewe.slam.Slam` knows about the robot beforehand."""
 
@@ -1502,7 +1512,7 @@ class World:
     A backend world with a runtime for each of its robots. One thread at a time may use it.
     """
 
-    def __init__(self, *, backend: str, scene: str, robots: Sequence[str], noise: str, seed: int, realtime: bool, start_poses: Sequence[Pose2D], initial_poses: Sequence[Pose2D], localization: str = 'slam', image_size: tuple[int, int] | None = None) -> None: ...
+    def __init__(self, *, backend: str, scene: str, robots: Sequence[str], noise: str, seed: int, realtime: bool, start_poses: Sequence[Pose2D], initial_poses: Sequence[Pose2D], localization: str = 'slam', image_size: tuple[int, int] | None = None, map: OccupancyGrid | None = None) -> None: ...
 
     @property
     def robot_count(self) -> int: ...
@@ -1692,6 +1702,11 @@ class Simulation:
     def geodesic(self, a: tuple[float, float], b: tuple[float, float]) -> float:
         """
         Length [m] of the shortest path between (x, y) points for the robot's footprint; infinity where there is none.
+        """
+
+    def carry(self, pose: Pose2D) -> None:
+        """
+        Somebody lifts the robot and puts it down at a pose, and does not tell it.
         """
 
     def look(self, intrinsics: CameraIntrinsics, pose: Pose2D, height: float, with_itself: bool) -> SemanticImage:
