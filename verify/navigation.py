@@ -4,15 +4,15 @@ from verify.cases.driving import arrived, drive, drive_in_vain, explore
 from verify.cases.journey import lies
 from verify.harness import Experiment, all_of, ratio_of, share_of, worst_of
 
-ROBOTS = [
-    ("office_v2", "3we_standard_v2"),
-    ("corridor_v1", "3we_standard_v2"),
-    ("apartment_v1", "3we_standard_v2"),
-    ("warehouse_v1", "3we_standard_v2"),
-    ("cluttered_v1", "3we_standard_v2"),
-    ("outdoor_v1", "3we_standard_v2"),
-    ("dynamic_v1", "3we_standard_v2"),
-    ("office_v2", "turtlebot_like"),
+ROBOTS = [  # where, who, and how often it arrives at least
+    ("office_v2", "3we_standard_v2", 0.99),
+    ("corridor_v1", "3we_standard_v2", 0.99),
+    ("apartment_v1", "3we_standard_v2", 0.99),
+    ("warehouse_v1", "3we_standard_v2", 0.99),
+    ("cluttered_v1", "3we_standard_v2", 0.99),
+    ("outdoor_v1", "3we_standard_v2", 0.99),
+    ("dynamic_v1", "3we_standard_v2", 0.97),
+    ("office_v2", "turtlebot_like", 0.97),
 ]
 
 EXPERIMENTS = [
@@ -24,7 +24,7 @@ EXPERIMENTS = [
             cases=200,
             sample=8,
             rows=[
-                share_of("reached, truly within 0.25 m", arrived, at_least=0.95),
+                share_of("reached, truly within 0.25 m", arrived, at_least=enough),
                 ratio_of(
                     "SPL, as a share of the optimist's",
                     lambda case: case["spl"],
@@ -34,7 +34,7 @@ EXPERIMENTS = [
                 worst_of("contact by its own motion [m/s]", lambda case: case["contact_speed"], at_most=0.05),
             ],
         )
-        for scene, hardware in ROBOTS
+        for scene, hardware, enough in ROBOTS
     ),
     *(
         Experiment(
@@ -49,7 +49,7 @@ EXPERIMENTS = [
                 worst_of("contact by its own motion [m/s]", lambda case: case["contact_speed"], at_most=0.05),
             ],
         )
-        for scene, hardware in ROBOTS[:2]
+        for scene, hardware, _ in ROBOTS[:2]
     ),
     Experiment(
         "move_to by echoes, 3we_base_v2 in office_v2",

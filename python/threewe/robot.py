@@ -51,7 +51,7 @@ from threewe._observers import Observer, Observers
 from threewe._options import known_options
 from threewe._time import InRobotTime, RobotTime
 from threewe.backend import known_backend
-from threewe.errors import ThreeweError
+from threewe.errors import ContractError, ThreeweError
 from threewe.simulation import Simulation
 
 if TYPE_CHECKING:

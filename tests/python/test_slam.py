@@ -274,7 +274,9 @@ def test_a_map_is_kept_and_continued(recorded: tuple[Log, Array], tmp_path: Path
     # on another day odometry begins anew, and the robot is not quite where it is said to be
     pose = np.array([*slam.trajectory()[-1, 1:]]) + (0.3, -0.2, 0.1)
     day = Slam.load(tmp_path / "half.slam", pose=pose)
-    for time, scan, odometry in zip(log.times[half - 1 :], log.scans[half - 1 :], log.odometry[half - 1 :], strict=True):
+    for time, scan, odometry in zip(
+        log.times[half - 1 :], log.scans[half - 1 :], log.odometry[half - 1 :], strict=True
+    ):
         day.add(scan, odometry, time + 1000.0)
     assert len(day.trajectory()) == len(truth) + 1
     np.testing.assert_allclose(day.trajectory()[half:, 1:3], truth[half - 1 :, 1:3], atol=0.1)
