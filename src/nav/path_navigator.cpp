@@ -33,8 +33,8 @@ map::Costmap::Settings costmap_settings(const RobotProfile& profile) {
   const double spare = profile.lidar ? 0.01 : 0.04;  // echoes are less exact
   map::Costmap::Settings s;
   s.lethal_radius = std::max(profile.body.footprint.inscribed_radius(), half_width) + spare;
-  s.caution_radius = s.lethal_radius + 0.25;
-  s.near_weight = 16;
+  s.caution_radius = s.lethal_radius + (profile.lidar ? 0.25 : 0.35);
+  s.near_weight = profile.lidar ? 16 : 32;
   return s;
 }
 

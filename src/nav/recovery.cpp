@@ -56,6 +56,7 @@ void Recovery::enter(State state, Time now, const Pose2D& odom_from_base) {
   state_ = state;
   entered_ = now;
   entered_at_ = odom_from_base.position();
+  escape_ = {};
 }
 
 Velocity Recovery::step(Time now, const Pose2D& odom_from_base, const Tracker& tracker) {
@@ -78,8 +79,12 @@ Velocity Recovery::step(Time now, const Pose2D& odom_from_base, const Tracker& t
 Velocity Recovery::back_off(Time now, const Pose2D& odom_from_base, const Tracker& tracker) {
   const double moved = distance(odom_from_base.position(), entered_at_);
   if (now - entered_ < kBackingOff && moved < kFirstWay + kMoreEachTime * (attempts_ - 1)) {
-    const Velocity back = tracker.safe(along_trail(odom_from_base, tracker.escape_speed()));
-    return exact::hypot(back.vx, back.vy) >= kBarely ? back : tracker.most_room();
+    if (escape_ == Velocity{}) {
+      const Velocity back = tracker.safe(along_trail(odom_from_base, tracker.escape_speed()));
+      if (exact::hypot(back.vx, back.vy) >= kBarely) return back;
+      escape_ = tracker.most_room();
+    }
+    return tracker.safe(escape_);
   }
   had_room_ = had_room_ || moved >= kNoRoom;
   looks_ = {turned_ + kLook, turned_ - kLook, turned_};
@@ -97,7 +102,8 @@ Velocity Recovery::along_trail(const Pose2D& odom_from_base, double speed) {
   if (kinematics_ == Kinematics::holonomic) {
     return {speed * to.x / away, speed * to.y / away, std::clamp(to.theta, -0.5, 0.5)};
   }
-  // along the arc that leads there (Coulter 1992, pure pursuit)
+  // along the arc that leads there (Coulter 1992, pure pursuit), unless the robot has turned away since
+  if (std::fabs(to.y) > 0.5 * std::fabs(to.x)) return {};
   const double forward = to.x >= 0.0 ? speed : -speed;
   return {forward, 0.0, std::clamp(forward * 2.0 * to.y / (away * away), -1.0, 1.0)};
 }

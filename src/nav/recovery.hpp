@@ -64,6 +64,7 @@ class Recovery {
   Vec2 place_;
   int attempts_ = 0;
   bool had_room_ = false;      // it could back off, this time or before
+  Velocity escape_;            // where there is most room, once the way it came is closed
   std::vector<Pose2D> trail_;  // odom_from_base, oldest first
 };
 
