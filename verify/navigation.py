@@ -2,7 +2,8 @@
 
 from verify.cases.driving import arrived, drive, drive_in_vain, explore
 from verify.cases.journey import lies
-from verify.harness import Experiment, all_of, ratio_of, share_of, worst_of
+from verify.cases.people import among_people, ratio
+from verify.harness import Experiment, all_of, mean_of, ratio_of, share_of, worst_of
 
 ROBOTS = [  # where, who, and how often it arrives at least
     ("office_v2", "3we_standard_v2", 0.99),
@@ -79,6 +80,20 @@ EXPERIMENTS = [
             ],
         )
         for scene in ("office_v2", "apartment_v1", "warehouse_v1")
+    ),
+    Experiment(
+        "people in dynamic_v1",
+        among_people,
+        {"seconds": 300},
+        cases=20,
+        sample=1,
+        rows=[
+            ratio("in sight within 5 m, and not tracked", "missed", "seen", at_most=0.10),
+            ratio("tracks with nobody within 0.5 m", "ghosts", "tracks", at_most=0.10),
+            ratio("tracks that never were with anybody", "false_tracks", "people", at_most=0.15),
+            mean_of("position off, RMS [m]", lambda case: case["position"], at_most=0.20),
+            mean_of("velocity off, RMS [m/s]", lambda case: case["velocity"], at_most=0.60),
+        ],
     ),
     Experiment(
         "honesty",

@@ -95,6 +95,19 @@ void bind_results(nb::module_& m) {
                            h.detail.empty() ? "" : ", " + h.detail);
       });
 
+  nb::class_<nav::Person>(m, "Person", "Somebody who walks, as the robot's lidar sees them. `odom` frame.")
+      .def_ro("id", &nav::Person::id, "the same as long as somebody is not lost sight of")
+      .def_ro("position", &nav::Person::position, "(x, y) [m]")
+      .def_ro("velocity", &nav::Person::velocity, "(vx, vy) [m/s]")
+      .def_prop_ro(
+          "covariance",
+          [](const nav::Person& p) { return ArrayView<double, nb::shape<4, 4>>(p.covariance.data(), {4, 4}); },
+          nb::rv_policy::reference_internal, "(4, 4) float64, of x, y [m], vx, vy [m/s]")
+      .def("__repr__", [](const nav::Person& p) {
+        return fmt::format("Person({} at ({:.2f}, {:.2f}), {:.2f}, {:.2f} m/s)", p.id, p.position.x, p.position.y,
+                           p.velocity.x, p.velocity.y);
+      });
+
   nb::class_<Progress>(m, "Progress", "How far a motion has come.")
       .def_ro("distance_left", &Progress::distance_left, "[m] along the path; when exploring to the next frontier")
       .def_ro("time_left", &Progress::time_left,
@@ -257,6 +270,11 @@ void bind_readings(nb::class_<Runtime>& runtime) {
             return std::get<Picture>(robot.sample(SensorType::camera).data);
           },
           WithoutGil())
+      .def("people",
+           [](const Runtime& robot) {
+             const auto people = robot.people();
+             return std::vector<nav::Person>(people.begin(), people.end());
+           })
       .def("health", &Runtime::health, nb::rv_policy::copy)
       .def("ultrasonic_ranges", &Runtime::ultrasonic_ranges)
       .def("sample", &Runtime::sample, "type"_a, nb::rv_policy::copy)

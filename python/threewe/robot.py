@@ -37,6 +37,7 @@ from threewe._core import (
     MoveResult,
     OccupancyGrid,
     Odometry,
+    Person,
     Pose2D,
     Progress,
     RangeData,
@@ -414,6 +415,13 @@ class Robot(InRobotTime):
     def get_ultrasonic_ranges(self) -> dict[str, RangeData]:
         """What each ultrasonic sensor heard last, by the sensors' names. Raises HardwareError without any."""
         return self._read().ultrasonic_ranges()
+
+    def get_people(self) -> list[Person]:
+        """Who walks around the robot, as its lidar sees them, in `odom`. Raises HardwareError without a lidar.
+
+        Somebody who has stood for some seconds counts as an obstacle like others.
+        """
+        return self._read().people()
 
     def get_pose(self) -> Pose2D:
         """Where the robot believes it is, in `map`; while it is `lost`, no more than where it was last."""

@@ -246,6 +246,7 @@ class Robot(_OnThread):
     get_imu = _returns(threewe.Robot.get_imu)
     get_odometry = _returns(threewe.Robot.get_odometry)
     get_battery_state = _returns(threewe.Robot.get_battery_state)
+    get_people = _returns(threewe.Robot.get_people)
     get_ultrasonic_ranges = _returns(threewe.Robot.get_ultrasonic_ranges)
     get_pose = _returns(threewe.Robot.get_pose)
     get_velocity = _returns(threewe.Robot.get_velocity)

@@ -65,6 +65,12 @@ std::span<const Vec2> Runtime::path() const {
 }
 
 std::span<const Vec2> Runtime::obstacles() const { return impl_->obstacles_in_odom(); }
+std::span<const nav::Person> Runtime::people() const {
+  const State& state = impl_->reading();
+  if (features().has(SensorType::lidar)) return state.people;
+  throw HardwareError("robot '" + profile().name + "' has no sensor 'lidar', by which people are seen");
+}
+
 const std::vector<SensorHealth>& Runtime::health() const { return impl_->state->health.sensors(); }
 const Velocity& Runtime::requested() const { return impl_->state->requested; }
 const safety::GateOutput& Runtime::commanded() const { return impl_->state->commanded; }

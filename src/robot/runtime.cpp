@@ -45,6 +45,8 @@ void Runtime::connect() {
   state.senses = impl_->fresh.senses;
   state.health.begin(impl_->now());
   state.gate = {.estop = state.gate.estop};
+  state.tracker = {};
+  state.people.clear();
   state.echoes = {};
   state.echoes_in_odom.clear();
   state.beside_lidar.clear();

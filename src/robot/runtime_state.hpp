@@ -31,6 +31,8 @@ struct Runtime::State {
   health::Monitor health;
   Duration waited{};  // for sensors in trouble, which the navigator does not notice
   slam::PoseEstimate estimate;
+  nav::PeopleTracker tracker;
+  std::vector<nav::Person> people;  // in `odom`, now
   std::optional<HeldVelocity> held;
   safety::GateState gate;
   // heard by a robot without a lidar: now, and before
@@ -53,6 +55,8 @@ struct Runtime::State {
         health(other.health),
         waited(other.waited),
         estimate(other.estimate),
+        tracker(other.tracker),
+        people(other.people),
         held(other.held),
         gate(other.gate),
         echoes(other.echoes),
@@ -100,6 +104,7 @@ struct Runtime::Impl {
   void hear_and_feel(const Sample& sample);
   void hear_beside_lidar(const Sample& sample);
   void join_obstacles();
+  void look_for_people(const Sample& sample);
   void end_motion_if_over();
   void end_motion(Reason reason, const std::string& detail);
   void end_ready();

@@ -109,9 +109,14 @@ nav::Observation Runtime::Impl::observation() const {
   const Time time = now() - state->waited;
   const slam::Localizer& localizer = *state->localizer;
   if (port.profile().lidar) {
-    return {
-        time, state->estimate, localizer.map(), localizer.map_version(), obstacles_in_odom(), localizer.map_changes(),
-        peers};
+    return {.now = time,
+            .pose = state->estimate,
+            .map = localizer.map(),
+            .map_version = localizer.map_version(),
+            .obstacles = obstacles_in_odom(),
+            .map_changes = localizer.map_changes(),
+            .peers = peers,
+            .people = state->people};
   }
   return {time, state->estimate, state->echo_map.grid(), state->echo_map.version(), obstacles_in_odom()};
 }
@@ -133,8 +138,12 @@ std::vector<Sample> Runtime::Impl::perceive() {
   const Vec2 before = state->estimate.odom_from_base.position();
   state->estimate = state->localizer->estimate(now());
   watch_over_sensors();
-  for (const Sample* sample : sound) port.profile().lidar ? hear_beside_lidar(*sample) : hear_and_feel(*sample);
+  for (const Sample* sample : sound) {
+    port.profile().lidar ? hear_beside_lidar(*sample) : hear_and_feel(*sample);
+    look_for_people(*sample);
+  }
   join_obstacles();
+  state->people = state->tracker.people(now());
   if (motion) motion->distance += distance(before, state->estimate.odom_from_base.position());
   if (state->senses.complete()) end_ready();
   return samples;
@@ -205,6 +214,21 @@ void Runtime::Impl::hear_and_feel(const Sample& sample) {
   state->echoes_in_odom = transformed(inverse(now_at.map_from_odom), remembered);
   const auto heard = state->echoes.points_in_odom();
   state->echoes_in_odom.insert(state->echoes_in_odom.end(), heard.begin(), heard.end());
+}
+
+// Where the robot was as the lidar turned follows from how it moves now.
+void Runtime::Impl::look_for_people(const Sample& sample) {
+  const auto* scan = std::get_if<LaserScan>(&sample.data);
+  if (scan == nullptr || !port.profile().lidar) return;
+  const auto turn = from_seconds(scan->time_increment * static_cast<double>(scan->ranges.size()));
+  const Time began = std::min(sample.measured, sample.measured + turn);
+  const Time ended = std::max(sample.measured, sample.measured + turn);
+  const auto odom_from_lidar = [&](Time t) {
+    const double ago = to_seconds(sample.received - t);
+    return integrate(state->estimate.odom_from_base, state->estimate.velocity, -ago) *
+           port.profile().lidar->base_from_lidar;
+  };
+  state->tracker.see(*scan, began, ended, odom_from_lidar(began), odom_from_lidar(ended));
 }
 
 void Runtime::tell(const TickView& view) {

@@ -342,6 +342,7 @@ CALLS: dict[str, Call] = {
     "get_odometry": lambda r: r.get_odometry(),  # type: ignore[dict-item, return-value]
     "get_velocity": lambda r: r.get_velocity(),  # type: ignore[dict-item, return-value]
     "get_map": lambda r: r.get_map(),  # type: ignore[dict-item, return-value]
+    "get_people": lambda r: r.get_people(),  # type: ignore[dict-item, return-value]
     "get_battery_state": lambda r: r.get_battery_state(),  # type: ignore[dict-item, return-value]
     "get_ultrasonic_ranges": lambda r: r.get_ultrasonic_ranges(),  # type: ignore[dict-item, return-value]
     "get_transform": lambda r: r.get_transform("map", "base"),  # type: ignore[dict-item, return-value]

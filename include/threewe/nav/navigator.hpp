@@ -13,6 +13,7 @@
 #include "threewe/map/change_log.hpp"
 #include "threewe/map/occupancy_grid.hpp"
 #include "threewe/map/zone.hpp"
+#include "threewe/nav/people_tracker.hpp"
 #include "threewe/slam/localizer.hpp"
 
 namespace threewe::nav {
@@ -69,6 +70,8 @@ struct Observation {
   /// Where the map has changed, version by version; null where nobody knows.
   const map::ChangeLog* map_changes = nullptr;
   std::span<const Peer> peers{};
+  /// Who walks around the robot now, in `odom`; empty without a lidar.
+  std::span<const Person> people{};
 };
 
 struct Progress {

@@ -1,0 +1,318 @@
+#include "threewe/nav/people_tracker.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace threewe::nav {
+namespace {
+
+constexpr double kFarthest = 7.0;          // [m] farther away legs are too few beams
+constexpr double kFreeBy = 0.25;           // [m] that a beam must have gone on behind a point that was free
+constexpr std::size_t kAside = 2;          // beams to both sides must have done so too
+constexpr Duration kYoungestView = 350ms;  // what looked through: long enough ago for somebody to have moved ...
+constexpr int kViewsThrough = 3;           // ... so many scans, since thin legs of chairs are missed now and then
+constexpr double kLink = 0.10;             // [m] neighbours of one blob are no farther apart, but for ...
+constexpr double kLinkBeams = 1.6;         // ... so many beams' widths
+constexpr double kWidest = 0.8;            // [m] a person
+constexpr double kLegWidth = 0.30;         // [m] a leg
+constexpr double kStride = 0.42;           // [m] between the middles of two legs, at most
+constexpr double kStandsFree = 0.20;       // [m] what is seen beside it is farther by so much
+constexpr double kLegRadius = 0.06;        // [m] from the surface of a leg to its middle
+constexpr double kSigma = 0.08;            // [m] of a group's middle: at times only one leg is seen
+constexpr double kAcceleration = 0.9;      // [m/s^2] people change their velocity by, in a second
+constexpr double kFirstSpeed = 1.0;        // [m/s] deviation of an unknown velocity
+constexpr double kGate = 9.21;             // 99 % of a chi-square with two degrees of freedom
+constexpr double kLargestGate = 0.7;       // [m]
+constexpr int kSightings = 4;              // after so many ...
+constexpr double kWalked = 0.30;           // [m] ... over so long a way a track is somebody ...
+constexpr double kSlowest = 0.25;          // [m/s] ... who walks
+constexpr int kMisses = 2;                 // in a row end a track that is nobody yet
+constexpr Duration kUnseen = 500ms;        // ends one that is
+constexpr Duration kStanding = 3s;         // likewise
+constexpr double kSamePlace = 0.3;         // [m] tracks nearer than this are one
+
+double bearing(Vec2 d) { return exact::atan2(d.y, d.x); }
+
+std::size_t bin_of(double angle, std::size_t bins) {
+  const double share = (angle + exact::kPi) / (2.0 * exact::kPi);
+  return static_cast<std::size_t>(std::floor(share * static_cast<double>(bins))) % bins;
+}
+
+bool is_hit(const LaserScan& scan, std::size_t beam) {
+  const auto range = static_cast<double>(scan.ranges[beam]);
+  return range > 0.0 && range >= scan.range_min && range < scan.range_max;
+}
+
+// Where the lidar was as it measured a beam.
+Pose2D pose_at(const LaserScan& scan, std::size_t beam, const Pose2D& then, const Pose2D& now) {
+  const double share = (static_cast<double>(beam) + 0.5) / static_cast<double>(scan.ranges.size());
+  return interpolate(then, now, scan.time_increment < 0.0 ? 1.0 - share : share);
+}
+
+}  // namespace
+
+void PeopleTracker::see(const LaserScan& scan, Time began, Time ended, const Pose2D& odom_from_lidar_then,
+                        const Pose2D& odom_from_lidar) {
+  const Time stamp = began + (ended - began) / 2;
+  find_hits(scan, odom_from_lidar_then, odom_from_lidar);
+  group_hits(scan, odom_from_lidar.position());
+  merge_legs();
+  predict(stamp);
+  assign(stamp);
+  begin_tracks(stamp);
+  end_tracks(stamp);
+  remember(scan, stamp, odom_from_lidar_then, odom_from_lidar);
+}
+
+// Where beams hit something, and whether it was there before.
+void PeopleTracker::find_hits(const LaserScan& scan, const Pose2D& then, const Pose2D& now) {
+  hits_.clear();
+  for (std::size_t i = 0; i < scan.ranges.size(); ++i) {
+    const auto range = static_cast<double>(scan.ranges[i]);
+    if (!is_hit(scan, i) || range > kFarthest) continue;
+    const Pose2D lidar = pose_at(scan, i, then, now);
+    const double angle = lidar.theta + scan.angle_min + static_cast<double>(i) * scan.angle_increment;
+    const Vec2 at = lidar.position() + rotate({range, 0.0}, angle);
+    hits_.push_back({at, i, range, was_free(at, kFreeBy)});
+  }
+}
+
+// Did several earlier scans look through this point?
+bool PeopleTracker::was_free(Vec2 point, double margin) const {
+  int through = 0;
+  for (const View& view : views_) {
+    if (view.stamp + kYoungestView > stamp_ + 100ms) continue;
+    const Vec2 d = point - view.from;
+    const auto needed = static_cast<float>(norm(d) + margin);
+    const std::size_t middle = bin_of(bearing(d), kBins) + kBins;
+    bool free = true;
+    bool looked = false;
+    for (std::size_t bin = middle - kAside; free && bin <= middle + kAside; ++bin) {
+      const float range = view.ranges[bin % kBins];
+      looked = looked || range > 0.0F;
+      free = range == 0.0F || range > needed;
+    }
+    if (free && looked && ++through >= kViewsThrough) return true;
+  }
+  return false;
+}
+
+void PeopleTracker::remember(const LaserScan& scan, Time stamp, const Pose2D& then, const Pose2D& now) {
+  View view{stamp, interpolate(then, now, 0.5).position(), {}};
+  for (std::size_t i = 0; i < scan.ranges.size(); ++i) {
+    const auto range = static_cast<double>(scan.ranges[i]);
+    if (range <= 0.0 || range < scan.range_min) continue;
+    const Pose2D lidar = pose_at(scan, i, then, now);
+    const double angle = lidar.theta + scan.angle_min + static_cast<double>(i) * scan.angle_increment;
+    const Vec2 d = lidar.position() + rotate({range, 0.0}, angle) - view.from;
+    float& nearest = view.ranges[bin_of(bearing(d), kBins)];
+    const auto length = static_cast<float>(norm(d));
+    nearest = nearest == 0.0F ? length : std::min(nearest, length);
+  }
+  if (views_.size() < kRemembered) {
+    views_.push_back(view);
+  } else {
+    views_[next_view_] = view;
+    next_view_ = (next_view_ + 1) % kRemembered;
+  }
+  stamp_ = stamp;
+}
+
+// Blobs of neighbouring hits that are no wider than a person and stand free of what is beside them.
+void PeopleTracker::group_hits(const LaserScan& scan, Vec2 lidar) {
+  groups_.clear();
+  const std::size_t n = hits_.size();
+  const auto linked = [&](const Hit& a, const Hit& b) {
+    const double spacing = std::max(a.range, b.range) * scan.angle_increment;
+    return b.beam - a.beam <= 2 &&
+           distance(a.at, b.at) <= kLink + kLinkBeams * spacing * static_cast<double>(b.beam - a.beam);
+  };
+  // is what the next valid beam sees farther away, or nothing?
+  const auto is_behind = [&](const Hit& hit, std::ptrdiff_t step) {
+    const auto beams = static_cast<std::ptrdiff_t>(scan.ranges.size());
+    for (std::ptrdiff_t k = 1; k <= 3; ++k) {
+      const auto other =
+          static_cast<std::size_t>(((static_cast<std::ptrdiff_t>(hit.beam) + k * step) % beams + beams) % beams);
+      const auto range = static_cast<double>(scan.ranges[other]);
+      if (range > 0.0) return range > hit.range + kStandsFree;
+    }
+    return false;
+  };
+  for (std::size_t first = 0; first < n;) {
+    std::size_t last = first;
+    while (last + 1 < n && linked(hits_[last], hits_[last + 1])) ++last;
+    const double width = distance(hits_[first].at, hits_[last].at);
+    if (width <= kWidest && is_behind(hits_[first], -1) && is_behind(hits_[last], 1))
+      groups_.push_back(group_of(first, last, scan, lidar));
+    first = last + 1;
+  }
+}
+
+PeopleTracker::Group PeopleTracker::group_of(std::size_t first, std::size_t last, const LaserScan& scan,
+                                             Vec2 lidar) const {
+  Group group;
+  group.low = group.high = hits_[first].at;
+  double beams = 0.0;
+  for (std::size_t i = first; i <= last; ++i) {
+    const Vec2 p = hits_[i].at;
+    group.center = group.center + p;
+    group.low = {std::min(group.low.x, p.x), std::min(group.low.y, p.y)};
+    group.high = {std::max(group.high.x, p.x), std::max(group.high.y, p.y)};
+    group.moved += hits_[i].moved ? 1 : 0;
+    beams += static_cast<double>(hits_[i].beam);
+    ++group.hits;
+  }
+  group.center = (1.0 / group.hits) * group.center;
+  group.late = (beams / group.hits - 0.5 * static_cast<double>(scan.ranges.size())) * scan.time_increment;
+  // only the near side was seen
+  const double depth = 0.75 * std::max(kLegRadius, 0.4 * distance(hits_[first].at, hits_[last].at));
+  const Vec2 away = group.center - lidar;
+  group.center = group.center + (depth / std::max(norm(away), depth)) * away;
+  return group;
+}
+
+// Two legs near one another are one person's; the nearest pairs first.
+void PeopleTracker::merge_legs() {
+  const auto is_leg = [](const Group& g) { return g.blobs == 1 && distance(g.low, g.high) <= kLegWidth; };
+  struct Pair {
+    double apart;
+    std::size_t a, b;
+  };
+  std::vector<Pair> pairs;
+  for (std::size_t a = 0; a < groups_.size(); ++a) {
+    for (std::size_t b = a + 1; b < groups_.size(); ++b) {
+      if (!is_leg(groups_[a]) || !is_leg(groups_[b])) continue;
+      const double apart = distance(groups_[a].center, groups_[b].center);
+      // what moves and what does not belong to different things
+      if (apart <= kStride && (groups_[a].moved > 0) == (groups_[b].moved > 0)) pairs.push_back({apart, a, b});
+    }
+  }
+  std::ranges::stable_sort(pairs, {}, &Pair::apart);
+  for (const Pair& pair : pairs) {
+    Group& a = groups_[pair.a];
+    Group& b = groups_[pair.b];
+    if (a.blobs != 1 || b.blobs != 1) continue;
+    a.center = 0.5 * (a.center + b.center);
+    a.late = 0.5 * (a.late + b.late);
+    a.low = {std::min(a.low.x, b.low.x), std::min(a.low.y, b.low.y)};
+    a.high = {std::max(a.high.x, b.high.x), std::max(a.high.y, b.high.y)};
+    a.hits += b.hits;
+    a.moved += b.moved;
+    a.blobs = 2;
+    b.blobs = 0;
+  }
+  std::erase_if(groups_, [](const Group& g) { return g.blobs == 0; });
+  taken_.assign(groups_.size(), 0);
+}
+
+void PeopleTracker::predict(Time stamp) {
+  const double t = to_seconds(stamp - stamp_);
+  if (t <= 0.0) return;
+  const double q = kAcceleration * kAcceleration;  // of white acceleration, per second
+  for (Track& track : tracks_) {
+    track.position = track.position + t * track.velocity;
+    track.pp += 2.0 * t * track.pv + t * t * track.vv + q * t * t * t / 3.0;
+    track.pv += t * track.vv + q * t * t / 2.0;
+    track.vv += q * t;
+  }
+}
+
+// How far a group is from where a track was as it was seen.
+Vec2 PeopleTracker::offset(const Track& track, const Group& group) {
+  return group.center - group.late * track.velocity - track.position;
+}
+
+// The nearest pairs of track and group first.
+void PeopleTracker::assign(Time stamp) {
+  struct Pair {
+    double off;
+    std::size_t track, group;
+  };
+  std::vector<Pair> pairs;
+  for (std::size_t t = 0; t < tracks_.size(); ++t) {
+    const double variance = tracks_[t].pp + kSigma * kSigma;
+    for (std::size_t g = 0; g < groups_.size(); ++g) {
+      const Vec2 d = offset(tracks_[t], groups_[g]);
+      // what has not moved is somebody's only if that one was here before
+      if (groups_[g].moved == 0 && tracks_[t].id == 0) continue;
+      const double penalty = groups_[g].moved == 0 ? 4.0 : 0.0;
+      const double off = dot(d, d) / variance + penalty;
+      if (off <= kGate && norm(d) <= kLargestGate) pairs.push_back({off, t, g});
+    }
+  }
+  std::ranges::stable_sort(pairs, {}, &Pair::off);
+  for (Track& track : tracks_) ++track.misses;
+  for (const Pair& pair : pairs) {
+    Track& track = tracks_[pair.track];
+    if (track.misses == 0 || taken_[pair.group] != 0) continue;
+    const Group& group = groups_[pair.group];
+    taken_[pair.group] = 1;
+    const double variance = track.pp + kSigma * kSigma;
+    const Vec2 off = offset(track, group);
+    track.position = track.position + (track.pp / variance) * off;
+    track.velocity = track.velocity + (track.pv / variance) * off;
+    track.vv -= track.pv * track.pv / variance;
+    track.pv -= track.pp * track.pv / variance;
+    track.pp -= track.pp * track.pp / variance;
+    track.misses = 0;
+    track.seen = stamp;
+    if (group.moved > 0) track.moved = stamp;
+    ++track.sightings;
+    const bool walked = distance(track.position, track.began_at) >= kWalked && norm(track.velocity) >= kSlowest;
+    if (track.id == 0 && track.sightings >= kSightings && walked) track.id = ++known_;
+  }
+}
+
+void PeopleTracker::begin_tracks(Time stamp) {
+  for (std::size_t g = 0; g < groups_.size(); ++g) {
+    const Group& group = groups_[g];
+    if (taken_[g] != 0 || group.moved < 2 || 2 * group.moved < group.hits) continue;
+    const auto is_here = [&](const Track& track) { return distance(track.position, group.center) < kSamePlace; };
+    if (std::ranges::any_of(tracks_, is_here)) continue;
+    Track track;
+    track.position = track.began_at = group.center;
+    track.pp = kSigma * kSigma;
+    track.vv = kFirstSpeed * kFirstSpeed;
+    track.seen = track.moved = stamp;
+    track.sightings = 1;
+    tracks_.push_back(track);
+  }
+}
+
+void PeopleTracker::end_tracks(Time stamp) {
+  std::erase_if(tracks_, [&](const Track& track) {
+    if (track.id == 0) return track.misses >= kMisses;
+    return stamp - track.seen > kUnseen || stamp - track.moved > kStanding;
+  });
+  // two that have become one: the older stays
+  for (std::size_t a = 0; a < tracks_.size(); ++a) {
+    for (std::size_t b = a + 1; b < tracks_.size();) {
+      const bool same = distance(tracks_[a].position, tracks_[b].position) < 0.5 * kSamePlace;
+      if (same && tracks_[a].id == 0) tracks_[a] = tracks_[b];
+      if (same) {
+        tracks_.erase(tracks_.begin() + static_cast<std::ptrdiff_t>(b));
+      } else {
+        ++b;
+      }
+    }
+  }
+}
+
+std::vector<Person> PeopleTracker::people(Time now) const {
+  std::vector<Person> people;
+  const double t = std::max(0.0, to_seconds(now - stamp_));
+  for (const Track& track : tracks_) {
+    if (track.id == 0) continue;
+    const double q = kAcceleration * kAcceleration;
+    const double pp = track.pp + 2.0 * t * track.pv + t * t * track.vv + q * t * t * t / 3.0;
+    const double pv = track.pv + t * track.vv + q * t * t / 2.0;
+    const double vv = track.vv + q * t;
+    Person person{track.id, track.position + t * track.velocity, track.velocity, {}};
+    person.covariance = {pp, 0, pv, 0, 0, pp, 0, pv, pv, 0, vv, 0, 0, pv, 0, vv};
+    people.push_back(person);
+  }
+  std::ranges::sort(people, {}, &Person::id);
+  return people;
+}
+
+}  // namespace threewe::nav
