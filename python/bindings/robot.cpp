@@ -95,16 +95,16 @@ void bind_results(nb::module_& m) {
                            h.detail.empty() ? "" : ", " + h.detail);
       });
 
-  nb::class_<nav::Person>(m, "Person", "Somebody who walks, as the robot's lidar sees them. `odom` frame.")
-      .def_ro("id", &nav::Person::id, "the same as long as somebody is not lost sight of")
-      .def_ro("position", &nav::Person::position, "(x, y) [m]")
-      .def_ro("velocity", &nav::Person::velocity, "(vx, vy) [m/s]")
+  nb::class_<nav::TrackedPerson>(m, "TrackedPerson", "Somebody who walks, as the robot's lidar sees them. `odom` frame.")
+      .def_ro("id", &nav::TrackedPerson::id, "the same as long as somebody is not lost sight of")
+      .def_ro("position", &nav::TrackedPerson::position, "(x, y) [m]")
+      .def_ro("velocity", &nav::TrackedPerson::velocity, "(vx, vy) [m/s]")
       .def_prop_ro(
           "covariance",
-          [](const nav::Person& p) { return ArrayView<double, nb::shape<4, 4>>(p.covariance.data(), {4, 4}); },
+          [](const nav::TrackedPerson& p) { return ArrayView<double, nb::shape<4, 4>>(p.covariance.data(), {4, 4}); },
           nb::rv_policy::reference_internal, "(4, 4) float64, of x, y [m], vx, vy [m/s]")
-      .def("__repr__", [](const nav::Person& p) {
-        return fmt::format("Person({} at ({:.2f}, {:.2f}), {:.2f}, {:.2f} m/s)", p.id, p.position.x, p.position.y,
+      .def("__repr__", [](const nav::TrackedPerson& p) {
+        return fmt::format("TrackedPerson({} at ({:.2f}, {:.2f}), {:.2f}, {:.2f} m/s)", p.id, p.position.x, p.position.y,
                            p.velocity.x, p.velocity.y);
       });
 
@@ -273,7 +273,7 @@ void bind_readings(nb::class_<Runtime>& runtime) {
       .def("people",
            [](const Runtime& robot) {
              const auto people = robot.people();
-             return std::vector<nav::Person>(people.begin(), people.end());
+             return std::vector<nav::TrackedPerson>(people.begin(), people.end());
            })
       .def("health", &Runtime::health, nb::rv_policy::copy)
       .def("ultrasonic_ranges", &Runtime::ultrasonic_ranges)

@@ -75,7 +75,9 @@ void init_slam(nb::module_& m) {
           "closures", [](const Slam& slam) { return rows_of(slam.closures()); },
           "(N, 5) float64: earlier and later time [s], x [m], y [m], heading [rad] of the later pose seen from the "
           "earlier one.")
-      .def("save", &Slam::save, "path"_a, WithoutGil(), "Keeps the map in a file with all that is behind it.")
-      .def_static("load", &Slam::load, "path"_a, "map_from_base"_a = nb::none(), WithoutGil(),
+      .def("save", &Slam::save, "path"_a, nb::sig("def save(self, path: pathlib.Path) -> None"), WithoutGil(),
+           "Keeps the map in a file with all that is behind it.")
+      .def_static("load", &Slam::load, "path"_a, "map_from_base"_a = nb::none(),
+                  nb::sig("def load(path: pathlib.Path, map_from_base: Pose2D | None = None) -> Slam"), WithoutGil(),
                   "A map that was kept, to be looked at or to go on with.");
 }

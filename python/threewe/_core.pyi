@@ -4,7 +4,6 @@ The C++ core of 3we. Use it through `threewe`, which adds what Python can do bet
 
 from collections.abc import Callable, Iterator, Sequence
 import enum
-import os
 import pathlib
 from typing import Annotated, Any
 
@@ -734,11 +733,11 @@ class Slam:
         (N, 5) float64: earlier and later time [s], x [m], y [m], heading [rad] of the later pose seen from the earlier one.
         """
 
-    def save(self, path: str | os.PathLike) -> None:
+    def save(self, path: pathlib.Path) -> None:
         """Keeps the map in a file with all that is behind it."""
 
     @staticmethod
-    def load(path: str | os.PathLike, map_from_base: Pose2D | None = None) -> Slam:
+    def load(path: pathlib.Path, map_from_base: Pose2D | None = None) -> Slam:
         """A map that was kept, to be looked at or to go on with."""
 
 class Prism:
@@ -1328,6 +1327,27 @@ class SensorHealth:
 
     def __repr__(self) -> str: ...
 
+class TrackedPerson:
+    """Somebody who walks, as the robot's lidar sees them. `odom` frame."""
+
+    @property
+    def id(self) -> int:
+        """the same as long as somebody is not lost sight of"""
+
+    @property
+    def position(self) -> tuple[float, float]:
+        """(x, y) [m]"""
+
+    @property
+    def velocity(self) -> tuple[float, float]:
+        """(vx, vy) [m/s]"""
+
+    @property
+    def covariance(self) -> Annotated[NDArray[numpy.float64], dict(shape=(4, 4), writable=False)]:
+        """(4, 4) float64, of x, y [m], vx, vy [m/s]"""
+
+    def __repr__(self) -> str: ...
+
 class Progress:
     """How far a motion has come."""
 
@@ -1594,6 +1614,8 @@ class Runtime:
     def image(self, camera: str) -> RGBDImage: ...
 
     def rgbd_image(self) -> RGBDImage: ...
+
+    def people(self) -> list[TrackedPerson]: ...
 
     def health(self) -> list[SensorHealth]: ...
 

@@ -37,7 +37,6 @@ from threewe._core import (
     MoveResult,
     OccupancyGrid,
     Odometry,
-    Person,
     Pose2D,
     Progress,
     RangeData,
@@ -45,6 +44,7 @@ from threewe._core import (
     RobotProfile,
     SensorHealth,
     SensorType,
+    TrackedPerson,
     Velocity,
     Zone,
 )
@@ -416,7 +416,7 @@ class Robot(InRobotTime):
         """What each ultrasonic sensor heard last, by the sensors' names. Raises HardwareError without any."""
         return self._read().ultrasonic_ranges()
 
-    def get_people(self) -> list[Person]:
+    def get_people(self) -> list[TrackedPerson]:
         """Who walks around the robot, as its lidar sees them, in `odom`. Raises HardwareError without a lidar.
 
         Somebody who has stood for some seconds counts as an obstacle like others.

@@ -298,8 +298,8 @@ void PeopleTracker::end_tracks(Time stamp) {
   }
 }
 
-std::vector<Person> PeopleTracker::people(Time now) const {
-  std::vector<Person> people;
+std::vector<TrackedPerson> PeopleTracker::people(Time now) const {
+  std::vector<TrackedPerson> people;
   const double t = std::max(0.0, to_seconds(now - stamp_));
   for (const Track& track : tracks_) {
     if (track.id == 0) continue;
@@ -307,11 +307,11 @@ std::vector<Person> PeopleTracker::people(Time now) const {
     const double pp = track.pp + 2.0 * t * track.pv + t * t * track.vv + q * t * t * t / 3.0;
     const double pv = track.pv + t * track.vv + q * t * t / 2.0;
     const double vv = track.vv + q * t;
-    Person person{track.id, track.position + t * track.velocity, track.velocity, {}};
+    TrackedPerson person{track.id, track.position + t * track.velocity, track.velocity, {}};
     person.covariance = {pp, 0, pv, 0, 0, pp, 0, pv, pv, 0, vv, 0, 0, pv, 0, vv};
     people.push_back(person);
   }
-  std::ranges::sort(people, {}, &Person::id);
+  std::ranges::sort(people, {}, &TrackedPerson::id);
   return people;
 }
 

@@ -65,7 +65,7 @@ std::span<const Vec2> Runtime::path() const {
 }
 
 std::span<const Vec2> Runtime::obstacles() const { return impl_->obstacles_in_odom(); }
-std::span<const nav::Person> Runtime::people() const {
+std::span<const nav::TrackedPerson> Runtime::people() const {
   const State& state = impl_->reading();
   if (features().has(SensorType::lidar)) return state.people;
   throw HardwareError("robot '" + profile().name + "' has no sensor 'lidar', by which people are seen");

@@ -32,7 +32,7 @@ struct Runtime::State {
   Duration waited{};  // for sensors in trouble, which the navigator does not notice
   slam::PoseEstimate estimate;
   nav::PeopleTracker tracker;
-  std::vector<nav::Person> people;  // in `odom`, now
+  std::vector<nav::TrackedPerson> people;  // in `odom`, now
   std::optional<HeldVelocity> held;
   safety::GateState gate;
   // heard by a robot without a lidar: now, and before

@@ -135,7 +135,7 @@ def test_wrong_maps_are_one_error(apartment: Path, tmp_path: Path) -> None:
         Robot(map=apartment, localization="truth")
 
 
-async def test_nobody_is_carried_into_a_wall(apartment: Path) -> None:
+async def test_nobody_is_carried_into_a_wall() -> None:
     wall = threewe.Scene.load("apartment_v1").walls[0]
     async with Robot(scene="apartment_v1") as robot:
         assert robot.simulation is not None

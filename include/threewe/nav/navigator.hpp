@@ -71,7 +71,7 @@ struct Observation {
   const map::ChangeLog* map_changes = nullptr;
   std::span<const Peer> peers{};
   /// Who walks around the robot now, in `odom`; empty without a lidar.
-  std::span<const Person> people{};
+  std::span<const TrackedPerson> people{};
 };
 
 struct Progress {

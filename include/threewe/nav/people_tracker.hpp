@@ -13,12 +13,12 @@
 namespace threewe::nav {
 
 /// Somebody who walks, or has just stopped. In the frame that the tracker works in: the robot's `odom`.
-struct Person {
+struct TrackedPerson {
   std::uint32_t id = 0;               ///< the same as long as somebody is not lost sight of
   Vec2 position;                      ///< [m]
   Vec2 velocity;                      ///< [m/s]
   std::array<double, 16> covariance;  ///< of (x, y, vx, vy), row-major
-  friend bool operator==(const Person&, const Person&) = default;
+  friend bool operator==(const TrackedPerson&, const TrackedPerson&) = default;
 };
 
 /// Follows people by the scans of one planar lidar near the floor, in which they are two legs. Plain data.
@@ -34,7 +34,7 @@ class PeopleTracker {
   void see(const LaserScan& scan, Time began, Time ended, const Pose2D& odom_from_lidar_then,
            const Pose2D& odom_from_lidar);
   /// Where people are at a time at or after the newest scan, by the order of their ids.
-  std::vector<Person> people(Time now) const;
+  std::vector<TrackedPerson> people(Time now) const;
 
  private:
   static constexpr std::size_t kBins = 360;

@@ -79,7 +79,7 @@ class Robot {
   /// What each ultrasonic sensor heard last, by the sensors' names.
   std::map<std::string, RangeData> get_ultrasonic_ranges() const;
   /// Who walks around the robot, as its lidar sees them, in `odom`.
-  std::span<const nav::Person> get_people() const { return runtime_->people(); }
+  std::span<const nav::TrackedPerson> get_people() const { return runtime_->people(); }
   /// How each sensor is; see `Runtime::health`.
   const std::vector<SensorHealth>& health() const { return runtime_->health(); }
   /// `target_from_source` among `map`, `odom`, `base` and the sensors' names.

@@ -99,7 +99,7 @@ class Runtime {
   /// What its collision monitor looks out for: where the newest scan, or echoes, hit something, in `odom`.
   std::span<const Vec2> obstacles() const;
   /// Who walks around the robot, as its lidar sees them, in `odom`; one who has stood for some seconds is left out.
-  std::span<const nav::Person> people() const;
+  std::span<const nav::TrackedPerson> people() const;
   /// How each sensor is. One that the robot needs and that is in trouble keeps it still: a motion waits for up to 10 s,
   /// and goes on when the sensor is sound again. What a sensor in trouble delivers is used by nobody.
   const std::vector<SensorHealth>& health() const;

@@ -11,7 +11,7 @@
 
 using namespace threewe;
 using nav::PeopleTracker;
-using nav::Person;
+using nav::TrackedPerson;
 
 namespace {
 
@@ -100,7 +100,7 @@ struct Watch {
     now += 0.1;
     ++scans;
   }
-  std::vector<Person> people() const { return tracker.people(from_seconds(now)); }
+  std::vector<TrackedPerson> people() const { return tracker.people(from_seconds(now)); }
 
   Room room;
   std::vector<Walker> walkers;
@@ -144,7 +144,7 @@ TEST_CASE("somebody who walks is one person, where and as fast as they are, with
       watch.turn();
       if (i < 16) continue;  // looks through, then walks
       ++looks;
-      const std::vector<Person> people = watch.people();
+      const std::vector<TrackedPerson> people = watch.people();
       if (people.empty()) ++missed;
       if (people.size() != 1) continue;
       if (id && people[0].id != *id) ++more;
@@ -171,7 +171,7 @@ TEST_CASE("people who meet stay two") {
   for (std::uint64_t seed = 0; seed < kRooms; ++seed) {
     Watch watch(seed, {{{-2.2, 1.2}, {0.9, 0.0}}, {{2.2, 2.2}, {-0.9, 0.0}}}, false);
     for (int i = 0; i < 40; ++i) watch.turn();
-    const std::vector<Person> people = watch.people();
+    const std::vector<TrackedPerson> people = watch.people();
     kept += people.size() == 2 && people[0].velocity.x * people[1].velocity.x < 0.0 ? 1 : 0;
   }
   CHECK(kept >= kRooms * 9 / 10);
