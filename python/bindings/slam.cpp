@@ -3,8 +3,8 @@
 
 #include <algorithm>
 #include <array>
-
-#include <nanobind/stl/filesystem.h>
+#include <optional>
+#include <string>
 
 #include "bindings.hpp"
 

@@ -73,7 +73,7 @@ std::optional<LoopMatch> LoopCloser::find(std::span<const map::Beam> view, int s
   const double enough = std::max<double>(kKnownHits * scans, kKnownShare * static_cast<double>(hits));
   if (match.agreement < kAgreement || match.known_hits < enough) return {};
 
-  const LoopMatch found{match.at.pose, covariance_of(match, prior, scans), seen->score, match.agreement};
+  LoopMatch found{match.at.pose, covariance_of(match, prior, scans), seen->score, match.agreement};
   if (most_deviation(found.covariance) > kMostDeviation || chi_squared(found, belief) > kMostChi) return {};
   return found;
 }

@@ -39,6 +39,9 @@ constexpr double kTryNext = 3.0;         // [m] driven, before any submap is tri
 constexpr double kTryAgain = 8.0;        // [m] ... and before the same is tried again
 constexpr double kViewLength = 4.0;      // [m] of the way that is looked at together ...
 constexpr double kViewDistance = 0.9;    // [m] ... at scans so far apart
+constexpr double kUnsure = 1.0;          // [m] deviation, above which a closure must be confirmed ...
+constexpr double kSamePlace = 0.1;       // [m] by another that puts the robot in the same place ...
+constexpr double kSameHeading = 0.02;    // [rad] ... with the same heading, about
 constexpr double kSolveDistance = 10.0;  // [m] driven, after which closures are solved for ...
 constexpr double kSolveChi = 4.0;        // ... unless they are so far off
 constexpr int kStepsOfSolution = 10;
@@ -145,62 +148,85 @@ void Trail::keep_scan(const TrailPoint& point) {
 
 // Looks for the robot in the nearest submap that it has left long ago, and takes what is found into the graph.
 void Trail::close_loop(double range_bias) {
+  if (unconfirmed_) return confirm_loop(range_bias);
   if (driven() - tried_at_ < kTryNext) return;
-  const Nearby near = nearest_submap();
-  if (near.submap < 0) return;
-  tried_at_ = driven();
+  const std::vector<Nearby> near = nearby(data_.graph.poses().back().position(), kFar, kTryAgain);
+  for (std::size_t i = 0; i < std::min(near.size(), kAsked); ++i) {
+    const Matrix3 covariance = between(near[i].keyframe);
+    const double deviation = exact::sqrt(std::max(covariance(kX, kX), covariance(kY, kY)));
+    if (near[i].away >= kNear + 2.0 * deviation) continue;
+    tried_at_ = driven();
+    const Pose2D keyframe_from_base = inverse(data_.pose_of(near[i].keyframe)) * data_.graph.poses().back();
+    const auto closure = search(near[i], {keyframe_from_base, covariance}, range_bias);
+    if (closure && deviation < kUnsure) take(*closure);
+    if (closure && deviation >= kUnsure) unconfirmed_ = closure;
+    return;
+  }
+}
+
+// Who has lost the way for metres may take one door for another: only when what is seen farther on fits as well, where
+// that closure says it must be, both count.
+void Trail::confirm_loop(double range_bias) {
+  const Constraint first = *unconfirmed_;
+  if (driven() - data_.driven_at(first.to) < kViewLength) return;
+  unconfirmed_.reset();
+  const Pose2D way = inverse(data_.pose_of(first.to)) * data_.graph.poses().back();
+  const Pose2D map_from_base = data_.pose_of(first.from) * first.from_from_to * way;
+  const std::vector<Nearby> near = nearby(map_from_base.position(), kNear, 0.0);
+  if (near.empty()) return;
+  const Matrix3 covariance = Vector3(square(kSamePlace), square(kSamePlace), square(kSameHeading)).asDiagonal();
+  const Pose2D keyframe_from_base = inverse(data_.pose_of(near.front().keyframe)) * map_from_base;
+  const auto second = search(near.front(), {keyframe_from_base, covariance}, range_bias);
+  if (!second) return;
+  take(first);
+  take(*second);
+}
+
+// The submaps that were left long ago, were not tried for `again` metres and lead by a place; the nearest first.
+std::vector<Trail::Nearby> Trail::nearby(Vec2 place, double within, double again) const {
+  std::vector<Nearby> found;
+  for (std::size_t i = 0; i < data_.submaps.size(); ++i) {
+    const Submap& submap = data_.submaps[i];
+    const double left_at = data_.driven_at(submap.last);
+    if (driven() - left_at < kLoopLength || driven() - submap.tried_at < again) continue;
+    Nearby nearest{static_cast<int>(i), submap.first, within};
+    for (int k = submap.first; k <= submap.last; ++k) {
+      const double away = distance(data_.pose_of(k).position(), place);
+      if (away < nearest.away) nearest = {static_cast<int>(i), k, away};
+    }
+    if (nearest.away < within) found.push_back(nearest);
+  }
+  std::ranges::stable_sort(found, {}, &Nearby::away);
+  return found;
+}
+
+// Searches for the robot in a submap; `belief` is about where it is, seen from the keyframe nearby. What is found is
+// told from the keyframe that is then nearest, so that a bend of the submap counts little.
+std::optional<Constraint> Trail::search(const Nearby& near, const PoseBelief& belief, double range_bias) {
   Submap& submap = data_.submaps[static_cast<std::size_t>(near.submap)];
   submap.tried_at = driven();
   const LoopCloser& closer = closer_of(submap, range_bias);
+  const std::vector<Pose2D>& places = submap.submap_from_keyframe;
+  const Pose2D& from = places[static_cast<std::size_t>(near.keyframe - submap.first)];
   int scans = 0;
   const std::vector<map::Beam> seen = view(&scans);
-  const auto match = closer.find(seen, scans, belief_in(submap, near.keyframe), range_bias);
-  if (!match) return;
-
-  // to the keyframe that is nearest, so that a bend of the submap counts little
-  const auto& places = submap.submap_from_keyframe;
+  const PoseBelief in_submap{from * belief.pose, rotated(belief.covariance, from.theta)};
+  const auto match = closer.find(seen, scans, in_submap, range_bias);
+  if (!match) return {};
   const auto nearest = std::ranges::min_element(
       places, {}, [&](const Pose2D& place) { return distance(place.position(), match->map_from_base.position()); });
-  const int here = data_.newest();
-  const Matrix3 covariance = rotated(match->covariance, -nearest->theta);
-  const int constraint =
-      data_.graph.add_constraint({submap.first + static_cast<int>(nearest - places.begin()), here,
-                                  inverse(*nearest) * match->map_from_base, information_of(covariance), true});
+  return Constraint{submap.first + static_cast<int>(nearest - places.begin()), data_.newest(),
+                    inverse(*nearest) * match->map_from_base,
+                    information_of(rotated(match->covariance, -nearest->theta)), true};
+}
+
+// Solves the graph at once where the closure says something new.
+void Trail::take(const Constraint& closure) {
+  const int constraint = data_.graph.add_constraint(closure);
   if (driven() - solved_at_ < kSolveDistance && data_.graph.fit(constraint).chi_squared < kSolveChi) return;
   data_.graph.solve(kStepsOfSolution);
   graph_covariance_.reset();
   solved_at_ = driven();
-}
-
-// Of the submaps whose way may lead past here, the nearest.
-Trail::Nearby Trail::nearest_submap() {
-  std::vector<Nearby> nearby;
-  const Vec2 here = data_.graph.poses().back().position();
-  for (std::size_t i = 0; i < data_.submaps.size(); ++i) {
-    const Submap& submap = data_.submaps[i];
-    const double left_at = data_.driven_at(submap.last);
-    if (driven() - left_at < kLoopLength || driven() - submap.tried_at < kTryAgain) continue;
-    Nearby nearest{static_cast<int>(i), submap.first, kFar};
-    for (int k = submap.first; k <= submap.last; ++k) {
-      const double away = distance(data_.pose_of(k).position(), here);
-      if (away < nearest.away) nearest = {static_cast<int>(i), k, away};
-    }
-    if (nearest.away < kFar) nearby.push_back(nearest);
-  }
-  std::ranges::stable_sort(nearby, {}, &Nearby::away);
-  for (std::size_t i = 0; i < std::min(nearby.size(), kAsked); ++i) {
-    const Matrix3 covariance = nearby[i].away < kNear ? Matrix3::Zero() : between(nearby[i].keyframe);
-    const double deviation = exact::sqrt(std::max(covariance(kX, kX), covariance(kY, kY)));
-    if (nearby[i].away < kNear + 2.0 * deviation) return nearby[i];
-  }
-  return {};
-}
-
-// Where the robot should be in a submap's map, seen from one of its keyframes.
-PoseBelief Trail::belief_in(const Submap& submap, int keyframe) {
-  const Pose2D& submap_from_keyframe = submap.submap_from_keyframe[static_cast<std::size_t>(keyframe - submap.first)];
-  const Pose2D keyframe_from_base = inverse(data_.pose_of(keyframe)) * data_.graph.poses().back();
-  return {submap_from_keyframe * keyframe_from_base, rotated(between(keyframe), submap_from_keyframe.theta)};
 }
 
 // Of the newest keyframe, seen from another. The graph's covariance is worked out now and then; from there on the steps
@@ -224,6 +250,7 @@ Matrix3 Trail::between(int keyframe) {
 
 // What follows from the trail, when that was changed otherwise than at its end.
 void Trail::forget() {
+  unconfirmed_.reset();
   graph_covariance_.reset();
   closers_.clear();
 }

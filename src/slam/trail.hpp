@@ -91,7 +91,7 @@ class Trail {
 
  private:
   struct Nearby {
-    int submap = -1;
+    int submap = 0;
     int keyframe = 0;   // of it, the nearest
     double away = 0.0;  // [m]
   };
@@ -99,11 +99,13 @@ class Trail {
   void begin_keyframe(const TrailPoint& point);
   void keep_scan(const TrailPoint& point);
   void close_loop(double range_bias);
-  Nearby nearest_submap();
-  PoseBelief belief_in(const Submap& submap, int keyframe);
+  void confirm_loop(double range_bias);
+  std::vector<Nearby> nearby(Vec2 place, double within, double again) const;
+  std::optional<Constraint> search(const Nearby& near, const PoseBelief& belief, double range_bias);
   Matrix3 between(int keyframe);
   const LoopCloser& closer_of(Submap& submap, double range_bias);
   std::vector<map::Beam> view(int* scans) const;
+  void take(const Constraint& closure);
   void forget();
   double driven() const { return data_.driven_at(data_.newest()); }
 
@@ -111,9 +113,10 @@ class Trail {
   std::optional<Pose2D> goes_on_at_;  // map_from_base of the next point, which nothing measured relates to the last
   Pose2D local_from_keyframe_;        // of the newest
   Matrix3 covariance_at_keyframe_ = Matrix3::Zero();
-  Pose2D scan_kept_at_;     // local_from_base
-  double tried_at_ = 0.0;   // [m] driven when the last loop was looked for
-  double solved_at_ = 0.0;  // [m] driven
+  Pose2D scan_kept_at_;                    // local_from_base
+  std::optional<Constraint> unconfirmed_;  // a closure that the next one may confirm
+  double tried_at_ = 0.0;                  // [m] driven when the last loop was looked for
+  double solved_at_ = 0.0;                 // [m] driven
 
   // what follows from the rest
   std::unique_ptr<GraphCovariance> graph_covariance_;

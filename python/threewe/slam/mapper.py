@@ -60,7 +60,7 @@ class Slam:
         """Keeps the map in a file with all that is behind it: configuration, pose graph, scans and trajectory, without
         losing a bit. Raises ConfigError when it cannot be written; a file that was there then stays as it was.
         """
-        self._core.save(Path(path))
+        self._core.save(str(path))
 
     @staticmethod
     def load(path: Path | str, pose: PoseLike | None = None) -> Slam:
@@ -70,6 +70,6 @@ class Slam:
         last was taken. Raises ConfigError with file:line when the file is wrong.
         """
         slam = Slam.__new__(Slam)
-        slam._core = _core.Slam.load(Path(path), None if pose is None else as_pose("pose", pose))
+        slam._core = _core.Slam.load(str(path), None if pose is None else as_pose("pose", pose))
         slam._time = float(slam._core.trajectory()[-1, 0])
         return slam
