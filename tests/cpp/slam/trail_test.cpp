@@ -20,7 +20,8 @@ using threewe::testing::TinyWall;
 /// A hall with a pillar and cabinets along its walls, and a robot that goes round it on a circle.
 class Hall {
  public:
-  explicit Hall(std::uint64_t seed) : draw_(seed) {
+  /// `lost`: the front-end takes 5 % too much for each step, and knows that it may be far off.
+  explicit Hall(std::uint64_t seed, bool lost = false) : draw_(seed), lost_(lost) {
     add_box(walls_, {-6, -5}, {6, 5});
     add_box(walls_, {-0.4, -0.3}, {0.4, 0.3});
     for (int i = 0; i < 5; ++i) {
@@ -34,8 +35,10 @@ class Hall {
   TrailPoint next() {
     const double turn = 0.5 / kRadius;
     truth_ = integrate(truth_, {0.5, 0.0, turn}, 1.0);
-    local_ = integrate(local_, {0.5 + draw_(-0.01, 0.01), draw_(-0.01, 0.01), turn + draw_(-0.002, 0.002)}, 1.0);
+    local_ = integrate(
+        local_, {(lost_ ? 0.525 : 0.5) + draw_(-0.01, 0.01), draw_(-0.01, 0.01), turn + draw_(-0.002, 0.002)}, 1.0);
     TrailPoint point{from_seconds(static_cast<double>(++steps_)), local_, Matrix3::Zero(), {}, 0.0};
+    if (lost_) point.covariance.diagonal() << 0.05 * steps_, 0.05 * steps_, 0.0;
     for (int i = 0; i < 180; ++i) {
       const double angle = (i - 90) * exact::kPi / 180.0;
       const double range = tiny_range(walls_, truth_.position(), truth_.theta + angle, 30.0) + draw_(-0.015, 0.015);
@@ -47,6 +50,7 @@ class Hall {
  private:
   static constexpr double kRadius = 3.0;
   Draw draw_;
+  bool lost_;
   std::vector<TinyWall> walls_;
   Pose2D truth_{kRadius, 0.0, 0.5 * exact::kPi};
   Pose2D local_;
@@ -90,6 +94,39 @@ TEST_CASE("in a bounded place memory is bounded, and the map stays right") {
       sum += distance(data.pose_of(data.steps[i]).position(), truth[i].position());
     }
     CHECK(sum / 1200.0 < 0.06);
+  }
+}
+
+TEST_CASE("who has lost the way for metres finds it again, when two closures agree") {
+  for (std::uint64_t seed = 0; seed < 5; ++seed) {
+    CAPTURE(seed);
+    Hall hall(seed, true);
+    const TrailPoint first = hall.next();
+    const Pose2D hall_from_map = hall.truth();
+    Trail trail;
+    trail.add(first);
+    std::vector<Pose2D> truth{{}};
+    double farthest = 0.0;
+    for (int i = 1; i < 120; ++i) {
+      const TrailPoint point = hall.next();
+      truth.push_back(inverse(hall_from_map) * hall.truth());
+      farthest = std::max(farthest, distance(trail.add(point).position(), truth.back().position()));
+    }
+    CHECK(farthest > 0.3);
+    const TrailData& data = trail.data();
+    int closures = 0;
+    for (const Constraint& c : data.graph.constraints()) {
+      if (!c.doubtful) continue;
+      ++closures;
+      const auto truth_of = [&](int keyframe) {
+        const Time stamp = data.keyframes[static_cast<std::size_t>(keyframe)].stamp;
+        return truth[static_cast<std::size_t>((stamp - data.keyframes.front().stamp) / 1s)];
+      };
+      const Pose2D off = inverse(inverse(truth_of(c.from)) * truth_of(c.to)) * c.from_from_to;
+      CHECK(norm(off.position()) < 0.15);
+      CHECK(std::fabs(off.theta) < 0.05);
+    }
+    CHECK(closures >= 2);
   }
 }
 
