@@ -1,6 +1,6 @@
 // A robot in a map that another drew: does it find itself, and does it notice when somebody carries it away?
-// `map SCENE SEED FILE` explores a scene and saves the map; `truth SCENE SEED FILE` does so with a mind that is told where
-// it is; `find SCENE SEED FILE` puts a robot somewhere into a map.
+// `map SCENE SEED FILE` explores a scene and saves the map; `truth SCENE SEED FILE` does so with a mind that is told
+// where it is; `find SCENE SEED FILE` puts a robot somewhere into a map.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -23,10 +23,10 @@ namespace {
 
 using namespace threewe;
 
-constexpr double kRight = 0.3;        // [m] a claim farther off is false
-constexpr double kPatience = 10.0;    // [s] to find itself
-constexpr double kKidnapped = 30.0;   // [s] to find itself again
-constexpr double kDrive = 20.0;       // [s] of a drive before it is carried away
+constexpr double kRight = 0.3;       // [m] a claim farther off is false
+constexpr double kPatience = 10.0;   // [s] to find itself
+constexpr double kKidnapped = 30.0;  // [s] to find itself again
+constexpr double kDrive = 20.0;      // [s] of a drive before it is carried away
 
 void draw_map(const std::string& scene, std::uint64_t seed, const std::string& file, const std::string& localization) {
   Robot robot({.scene = scene, .seed = seed, .mind = mind_with(localization)});
@@ -88,8 +88,9 @@ class Claims {
 
 // Waits until something holds; for how long [s], or -1.
 double wait_until(Robot& robot, double limit, const std::function<bool()>& holds) {
-  for (double t = 0.0; t <= limit; t += 0.02) {
-    if (holds()) return t;
+  const int ticks = static_cast<int>(50.0 * limit);
+  for (int tick = 0; tick <= ticks; ++tick) {
+    if (holds()) return 0.02 * tick;
     robot.sleep(0.02);
   }
   return -1.0;
@@ -101,8 +102,9 @@ std::optional<Pose2D> place_in(const map::OccupancyGrid& grid, Simulation& simul
   for (std::uint64_t i = 0; i < 100; ++i) {
     const Pose2D pose = simulation.sample_free_pose(1000 * seed + i);
     bool known = true;
-    for (double angle = 0.0; angle < 6.28; angle += 0.2) {
-      known = known && grid.at(grid.cell(pose.position() + kAround * Vec2{std::cos(angle), std::sin(angle)})) != -1;
+    for (int way = 0; way < 32; ++way) {
+      const Vec2 around = rotate({kAround, 0.0}, 0.196 * way);
+      known = known && grid.at(grid.cell(pose.position() + around)) != map::OccupancyGrid::kUnknown;
     }
     if (known) return pose;
   }

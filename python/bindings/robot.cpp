@@ -216,8 +216,7 @@ void bind_time(nb::module_& m) {
             new (self) World(options);
           },
           nb::kw_only(), "backend"_a, "scene"_a, "robots"_a, "noise"_a, "seed"_a, "realtime"_a, "start_poses"_a,
-          "initial_poses"_a, "localization"_a = "slam", "image_size"_a = nb::none(),
-          "map"_a.none() = nb::none())
+          "initial_poses"_a, "localization"_a = "slam", "image_size"_a = nb::none(), "map"_a.none() = nb::none())
       .def_prop_ro("robot_count", &World::robot_count)
       .def("robot", nb::overload_cast<std::size_t>(&World::robot), "index"_a, nb::rv_policy::reference_internal)
       .def_prop_ro("now", &World::now, "[s] of robot time")

@@ -75,9 +75,12 @@ void init_slam(nb::module_& m) {
           "closures", [](const Slam& slam) { return rows_of(slam.closures()); },
           "(N, 5) float64: earlier and later time [s], x [m], y [m], heading [rad] of the later pose seen from the "
           "earlier one.")
-      .def("save", &Slam::save, "path"_a, nb::sig("def save(self, path: pathlib.Path) -> None"), WithoutGil(),
-           "Keeps the map in a file with all that is behind it.")
-      .def_static("load", &Slam::load, "path"_a, "map_from_base"_a = nb::none(),
-                  nb::sig("def load(path: pathlib.Path, map_from_base: Pose2D | None = None) -> Slam"), WithoutGil(),
-                  "A map that was kept, to be looked at or to go on with.");
+      .def(
+          "save", [](const Slam& slam, const std::string& path) { slam.save(path); }, "path"_a, WithoutGil(),
+          "Keeps the map in a file with all that is behind it.")
+      .def_static(
+          "load",
+          [](const std::string& path, std::optional<Pose2D> map_from_base) { return Slam::load(path, map_from_base); },
+          "path"_a, "map_from_base"_a = nb::none(), WithoutGil(),
+          "A map that was kept, to be looked at or to go on with.");
 }

@@ -210,10 +210,10 @@ void save_ros_map(const OccupancyGrid& grid, const std::filesystem::path& yaml) 
   }
   const std::string name = YAML::Dump(YAML::Node(image.filename().string()));
   write_file(image, picture);
-  write_file(yaml, fmt::format("image: {}\nmode: trinary\nresolution: {}\norigin: [{}, {}, 0]\nnegate: 0\n"
-                               "occupied_thresh: {}\nfree_thresh: {}\n",
-                               name, grid.resolution, grid.origin.x, grid.origin.y, kOccupiedThreshold,
-                               kFreeThreshold));
+  write_file(yaml,
+             fmt::format("image: {}\nmode: trinary\nresolution: {}\norigin: [{}, {}, 0]\nnegate: 0\n"
+                         "occupied_thresh: {}\nfree_thresh: {}\n",
+                         name, grid.resolution, grid.origin.x, grid.origin.y, kOccupiedThreshold, kFreeThreshold));
 }
 
 }  // namespace threewe::map

@@ -29,10 +29,12 @@ void check_map(const map::OccupancyGrid& map) {
   if (!map::fits_a_grid(map.width, map.height)) {
     throw ContractError("map must have at most 8192 cells a side and 16.7 million in all");
   }
-  if (!(map.resolution >= 0.001 && map.resolution <= 10.0)) {
+  const auto is_in = [](double value, double low, double high) { return value >= low && value <= high; };  // no NaN is
+  if (!is_in(map.resolution, 0.001, 10.0)) {
     throw ContractError("map: resolution must lie in [0.001, 10] m, not " + std::to_string(map.resolution));
   }
-  if (!(std::abs(map.origin.x) <= backend::kMaxCoordinate && std::abs(map.origin.y) <= backend::kMaxCoordinate)) {
+  constexpr double kFar = backend::kMaxCoordinate;
+  if (!is_in(map.origin.x, -kFar, kFar) || !is_in(map.origin.y, -kFar, kFar)) {
     throw ContractError("map: origin must be within 1000 km of (0, 0)");
   }
 }

@@ -14,10 +14,10 @@ namespace threewe::slam {
 
 /// What a scan, taken from some pose, has to do with a map.
 struct Resemblance {
-  int hits = 0;            ///< that lie where the map knows something
-  int on_surface = 0;      ///< of these, next to what the map has occupied
-  int beams = 0;           ///< that went through anything that the map knows
-  int through_walls = 0;   ///< of these, through what it has occupied
+  int hits = 0;           ///< that lie where the map knows something
+  int on_surface = 0;     ///< of these, next to what the map has occupied
+  int beams = 0;          ///< that went through anything that the map knows
+  int through_walls = 0;  ///< of these, through what it has occupied
   double agreement() const { return hits > 0 ? static_cast<double>(on_surface) / hits : 0.0; }
   double contradiction() const { return beams > 0 ? static_cast<double>(through_walls) / beams : 0.0; }
 };

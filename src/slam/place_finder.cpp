@@ -11,18 +11,18 @@ constexpr double kGlimpseDistance = 0.3;  // [m] what is seen is remembered afte
 constexpr double kGlimpseTurn = 0.5;      // [rad] ... or turning ...
 constexpr double kGlimpseAge = 4.0;       // [m] ... until the robot has driven on so far
 constexpr std::size_t kMostGlimpses = 12;
-constexpr std::size_t kMostHits = 800;         // that one search looks for
-constexpr double kGoodScore = 0.65;            // most places score so much: searching for that is quick
-constexpr double kLeastScore = 0.50;           // in a place that has changed
-constexpr Duration kPeriod = 200ms;            // between searches ...
-constexpr Duration kLongestPause = 4s;         // ... and where nothing new is to be seen
-constexpr int kConfirmations = 3;              // scans in a row that fit
+constexpr std::size_t kMostHits = 800;  // that one search looks for
+constexpr double kGoodScore = 0.65;     // most places score so much: searching for that is quick
+constexpr double kLeastScore = 0.50;    // in a place that has changed
+constexpr Duration kPeriod = 200ms;     // between searches ...
+constexpr Duration kLongestPause = 4s;  // ... and where nothing new is to be seen
+constexpr int kConfirmations = 3;       // scans in a row that fit
 
 // A wrong place may fit well too, but then others fit as well. Of 168 scans, of each of seven scenes in the maps of the
-// six others, 17 scored 0.6 and more, all but a few of them at most 0.06 more than elsewhere in the same map. Of 48 scans
-// in their own scenes' maps the right place came first each time, by 0.13 to 0.54.
+// six others, 17 scored 0.6 and more, all but a few of them at most 0.06 more than elsewhere in the same map. Of 48
+// scans in their own scenes' maps the right place came first each time, by 0.13 to 0.54.
 constexpr double kLead = 0.10;
-constexpr double kLeastAgreement = 0.60;    // of hits: in their own maps 0.92 and more
+constexpr double kLeastAgreement = 0.60;     // of hits: in their own maps 0.92 and more
 constexpr double kMostContradiction = 0.35;  // of beams: in their own maps 0.02 to 0.22, that graze what they pass
 
 }  // namespace
@@ -30,7 +30,7 @@ constexpr double kMostContradiction = 0.35;  // of beams: in their own maps 0.02
 // What is seen now and was seen before is looked for together; what is found must fit the scans to come.
 std::optional<Pose2D> PlaceFinder::look(Time stamp, const Pose2D& odom_from_base, std::span<const map::Beam> beams) {
   if (remember(odom_from_base, beams)) due_ = std::min(due_, stamp + kPeriod), pause_ = kPeriod;
-  const std::optional<Pose2D> place = confirmed_ > 0 ? search_near(map_from_odom_ * odom_from_base, beams)
+  const std::optional<Pose2D> place = confirmed_ > 0  ? search_near(map_from_odom_ * odom_from_base, beams)
                                       : stamp >= due_ ? search_everywhere(odom_from_base, beams)
                                                       : std::nullopt;
   if (place) {

@@ -45,8 +45,8 @@ class LogOddsMap {
 
   LogOddsMap() : LogOddsMap(Settings{}) {}
   explicit LogOddsMap(const Settings& settings);
-  /// Goes on from a map that somebody gave: what is occupied or free in it counts as seen often, each occupied cell next
-  /// to free ones as a surface through its middle. The version begins at 1, at 0 where `given` has no cells.
+  /// Goes on from a map that somebody gave: what is occupied or free in it counts as seen often, each occupied cell
+  /// next to free ones as a surface through its middle. The version begins at 1, at 0 where `given` has no cells.
   static LogOddsMap going_on_from(const OccupancyGrid& given);
 
   /// Adds one scan whose ranges are measured too long by `range_bias` [m]. A cell changes once: where any beam hit it,

@@ -136,7 +136,7 @@ TEST_CASE("a robot that draws its own map finds back into it") {
 
 TEST_CASE("what was moved since the map was drawn, and people, do not matter") {
   std::vector<TinyWall> changed = flat();
-  changed.resize(changed.size() - 4);          // the shelf in the other room is gone
+  changed.resize(changed.size() - 4);           // the shelf in the other room is gone
   add_box(changed, {-0.5, -1.9}, {0.3, -1.2});  // and these are new
   add_box(changed, {4.4, 0.9}, {4.9, 1.4});
   Wakening robot({0.4, 0.9, 2.1}, {drawn(), {}}, changed);

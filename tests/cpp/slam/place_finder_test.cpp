@@ -36,8 +36,8 @@ Resemblance compare_slowly(const map::OccupancyGrid& grid, const Pose2D& pose, s
       sum.on_surface += near ? 1 : 0;
     }
     bool through = false;
-    for (double d = 0.0; d < beam.range - 0.25; d += 0.0005) {
-      through = through || occupied(grid, grid.cell(from + d * ray));
+    for (int step = 0; 0.0005 * step < beam.range - 0.25; ++step) {
+      through = through || occupied(grid, grid.cell(from + (0.0005 * step) * ray));
     }
     sum.through_walls += through ? 1 : 0;
   }
@@ -58,12 +58,13 @@ TEST_CASE("what a scan has to do with a map is what every step along its beams s
     const KnownMap known(grid);
     const Pose2D pose{grid.origin.x + draw(0.2, 2.8), grid.origin.y + draw(0.2, 2.3), draw(-3.0, 3.0)};
     std::vector<map::Beam> beams;
-    for (int i = 0; i < 90; ++i) beams.push_back({{0.1, 0.0}, rotate({1.0, 0.0}, i * 0.07), draw(0.3, 3.0), i % 7 != 0});
+    for (int i = 0; i < 90; ++i)
+      beams.push_back({{0.1, 0.0}, rotate({1.0, 0.0}, i * 0.07), draw(0.3, 3.0), i % 7 != 0});
     const Resemblance fast = known.compare(pose, beams);
     const Resemblance slow = compare_slowly(grid, pose, beams);
     CHECK(fast.hits == slow.hits);
     CHECK(fast.on_surface == slow.on_surface);
-    if (fast.beams == 0) continue;  // it begins where nothing is known
+    if (fast.beams == 0) continue;                    // it begins where nothing is known
     CHECK(fast.through_walls >= slow.through_walls);  // corners are between the steps
     grazed += fast.through_walls - slow.through_walls;
     through += slow.through_walls;
@@ -122,8 +123,8 @@ struct Room {
       place.slice.segments.push_back({s.b, s.a});
     }
     Draw draw(1);
-    for (double x = -3.0; x <= 3.0; x += 1.0) {
-      const Pose2D pose{x, 0.3, 0.0};
+    for (int x = -3; x <= 3; ++x) {
+      const Pose2D pose{1.0 * x, 0.3, 0.0};
       std::vector<map::Beam> beams = place.look(draw, pose);
       for (map::Beam& b : beams) b.origin = pose.position();
       for (int again = 0; again < 4; ++again) place.map.insert(beams);
