@@ -81,9 +81,9 @@ def time_to_be_back(case: Case) -> float:
     return float(case["recovered"] if case["recovered"] >= 0.0 else QUICK)
 
 
-def time_to_notice(case: Case) -> float:
-    """[s] until it says that it is lost, or is right."""
-    return float(case["noticed"] if case["noticed"] >= 0.0 else 30.0)
+def notices(case: Case) -> bool:
+    """It says soon that it is lost, or is right."""
+    return bool(0.0 <= case["noticed"] <= 5.0)
 
 
 def honest(name: str, low: float, high: float) -> Row:
