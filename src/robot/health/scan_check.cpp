@@ -47,9 +47,9 @@ Shift shift_when_turned(const LaserScan& before, const LaserScan& scan, std::ptr
 }  // namespace
 
 double scatter_of(const LaserScan& scan) {
-  // of Gaussian scatter s the second differences have a deviation of sqrt(6) s, and a quarter of them is below 0.3186
-  // deviations
-  constexpr double kQuarter = 0.3186;
+  // of Gaussian scatter s the second differences have a deviation of sqrt(6) s, and a quarter of them is below
+  // 1 / 3.1384 of it
+  constexpr double kQuarters = 3.1384;
   const std::size_t n = scan.ranges.size();
   std::vector<float> bends;
   bends.reserve(n);
@@ -60,7 +60,7 @@ double scatter_of(const LaserScan& scan) {
   if (bends.size() < kFewBeams) return 0.0;
   const auto quarter = bends.begin() + static_cast<std::ptrdiff_t>(bends.size() / 4);
   std::nth_element(bends.begin(), quarter, bends.end());
-  return static_cast<double>(*quarter) / (kQuarter * exact::sqrt(6.0));
+  return kQuarters * static_cast<double>(*quarter) / exact::sqrt(6.0);
 }
 
 Shift shift_between(const LaserScan& before, const LaserScan& scan, double turned) {
