@@ -53,8 +53,41 @@ WheelGeometry read_wheels(ConfigNode node) {
   wheels.half_length =
       holonomic ? node.number_in("half_length", 0.001, kMaxLength) : node.number_in("half_length", 0.0, 0.0);
   wheels.half_width = node.number_in("half_width", 0.001, kMaxLength);
+  wheels.width = node.number_in("width", 0.001, 1.0);
+  wheels.mass = node.number_in("mass", 0.0001, kMaxMass);
+  if (holonomic) wheels.rollers = node.integer_in("rollers", 4, 64);
   node.finish();
+  if (holonomic && wheels.width >= wheels.radius)
+    node.at("width").fail("must be less than the radius of a mecanum wheel");
   return wheels;
+}
+
+std::vector<Caster> read_casters(const ConfigNode& node) {
+  constexpr std::size_t kMostCasters = 8;
+  std::vector<Caster> casters;
+  for (ConfigNode item : node.items(kMostCasters)) {
+    Caster& caster = casters.emplace_back();
+    caster.position = item.at("position").vec2(kMaxLength);
+    caster.radius = item.number_in("radius", 0.001, 1.0);
+    item.finish();
+  }
+  if (casters.empty()) node.fail("two wheels alone do not stand: expected a list of {position: [x, y], radius}");
+  return casters;
+}
+
+// The wheels must not weigh more than the robot, nor make it harder to turn.
+void check_wheels(const Body& body, ConfigNode node) {
+  const WheelGeometry& wheels = body.wheels;
+  const double mass = wheels.wheel_count() * wheels.mass;
+  if (mass >= body.mass) {
+    node.at("mass").fail(fmt::format("{} wheels of {} kg leave nothing of the robot's {} kg", wheels.wheel_count(),
+                                     wheels.mass, body.mass));
+  }
+  const double inertia = mass * (wheels.half_length * wheels.half_length + wheels.half_width * wheels.half_width);
+  if (inertia >= body.inertia) {
+    node.at("mass").fail(
+        fmt::format("the wheels alone have {:.5f} of the robot's {} kg m^2 of inertia", inertia, body.inertia));
+  }
 }
 
 Body read_body(ConfigNode node) {
@@ -64,6 +97,8 @@ Body read_body(ConfigNode node) {
   body.mass = node.number_in("mass", 0.01, kMaxMass);
   body.inertia = node.number_in("inertia", kSmall, kMaxMass);
   body.wheels = read_wheels(node.at("wheels"));
+  check_wheels(body, node.at("wheels"));
+  if (body.wheels.kinematics == Kinematics::differential) body.casters = read_casters(node.at("casters"));
   body.friction = node.number_in("friction", 0.01, 5.0);
   body.rolling_resistance = node.number_in("rolling_resistance", 0.0, 1.0);
   body.stall_torque = node.number_in("stall_torque", 0.001, 1000.0);

@@ -26,6 +26,13 @@ struct Limits {
   friend bool operator==(const Limits&, const Limits&) = default;
 };
 
+/// A ball that rolls any way and carries what two driven wheels cannot.
+struct Caster {
+  Vec2 position;        ///< [m] of where it stands on the floor
+  double radius = 0.0;  ///< [m]
+  friend bool operator==(const Caster&, const Caster&) = default;
+};
+
 /// The body and its drive.
 struct Body {
   Footprint footprint;
@@ -33,6 +40,7 @@ struct Body {
   double mass = 0.0;     ///< [kg]
   double inertia = 0.0;  ///< [kg m^2] about the vertical axis
   WheelGeometry wheels;
+  std::vector<Caster> casters;      ///< of a differential base, at least one
   double friction = 0.0;            ///< coefficient between wheel and floor
   double rolling_resistance = 0.0;  ///< the share of the weight that opposes rolling; it costs energy alone
   double stall_torque = 0.0;        ///< [N m] of one wheel's motor at the wheel
