@@ -8,6 +8,7 @@ find_dependency(nlohmann_json)
 find_dependency(yaml-cpp)
 find_dependency(fmt)
 find_dependency(tl-expected)
+find_dependency(pugixml)
 
 # yaml-cpp 0.7 (Debian 12) has no namespaced target, 0.8 (Ubuntu 24.04) has
 if(NOT TARGET yaml-cpp::yaml-cpp)
@@ -15,4 +16,4 @@ if(NOT TARGET yaml-cpp::yaml-cpp)
 endif()
 
 set(THREEWE_DEPENDENCIES Threads::Threads Eigen3::Eigen hwy::hwy nlohmann_json::nlohmann_json yaml-cpp::yaml-cpp
-                         fmt::fmt tl::expected)
+                         fmt::fmt tl::expected pugixml::pugixml)

@@ -33,6 +33,7 @@ void init_plugin(nb::module_& m);
 void init_robot(nb::module_& m);
 void init_env(nb::module_& m);
 void init_benchmark(nb::module_& m);
+void init_export(nb::module_& m);
 
 /// While C++ works, other Python threads run.
 using WithoutGil = nb::call_guard<nb::gil_scoped_release>;

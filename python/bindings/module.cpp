@@ -15,4 +15,5 @@ NB_MODULE(_core, m) {
   init_robot(m);
   init_env(m);
   init_benchmark(m);
+  init_export(m);
 }

@@ -58,6 +58,7 @@ from threewe.errors import (
     ThreeweError,
     TimeoutError,
 )
+from threewe.exporting import export
 from threewe.gym import register_envs as _register_envs
 from threewe.robot import Robot
 from threewe.simulation import CoverageMeter, Simulation
@@ -123,6 +124,7 @@ __all__ = [
     "asset_directories",
     "available_targets",
     "backend_names",
+    "export",
     "force_target",
     "profile_names",
     "register_backend",

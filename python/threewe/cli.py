@@ -137,6 +137,20 @@ def generate_scene(
     console.print(f"{len(scene.rooms)} rooms, {len(scene.objects)} objects, saved to [bold]{escape(str(path))}[/]")
 
 
+@app.command("export")
+def export_to(
+    format: Annotated[
+        str, typer.Option(help="mjcf (MuJoCo), urdf (ROS 2), sdf (Gazebo), usd (Isaac Sim) or map (ROS).")
+    ],
+    scene: Annotated[str, typer.Option(help="Its name, or a file that ends in .yaml.")] = "office_v2",
+    robot: Annotated[str, typer.Option(help="Its name, or a file that ends in .yaml.")] = "3we_standard_v2",
+    output: Annotated[Path, typer.Option("--output", "-o", help="Folder for the files.")] = Path("export"),
+) -> None:
+    """Write a scene and a robot for other simulators and for ROS."""
+    for path in threewe.export(scene, robot, format, output):
+        console.print(str(path), highlight=False, soft_wrap=True)
+
+
 @app.command()
 def doctor() -> None:
     """What is installed, what works, and what to do about the rest."""

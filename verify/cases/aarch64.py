@@ -11,7 +11,16 @@ TREE = ROOT / "build" / "aarch64"
 LIBRARIES = TREE / "root" / "usr" / "lib" / "aarch64-linux-gnu"
 EMULATOR = "qemu-aarch64"
 ENVIRONMENT = {"QEMU_LD_PREFIX": "/usr/aarch64-linux-gnu", "QEMU_SET_ENV": f"LD_LIBRARY_PATH={LIBRARIES}"}
-PACKAGES = ["libyaml-cpp-dev", "libyaml-cpp0.7", "libfmt-dev", "libfmt9", "libhwy-dev", "libhwy1"]
+PACKAGES = [
+    "libyaml-cpp-dev",
+    "libyaml-cpp0.7",
+    "libfmt-dev",
+    "libfmt9",
+    "libhwy-dev",
+    "libhwy1",
+    "libpugixml-dev",
+    "libpugixml1v5",
+]
 
 
 def missing() -> str | None:
