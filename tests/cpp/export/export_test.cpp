@@ -3,11 +3,16 @@
 
 #include <doctest/doctest.h>
 
+#include <array>
 #include <filesystem>
 #include <fstream>
+#include <set>
 #include <sstream>
 
+#include <pugixml.hpp>
+
 #include "threewe/core/errors.hpp"
+#include "threewe/export/mjcf.hpp"
 
 namespace threewe::exports {
 namespace {
@@ -49,6 +54,25 @@ TEST_CASE("every format of every scene and robot is written, and is the same eac
     }
   }
   fs::remove_all(folder);
+}
+
+TEST_CASE("several robots share a MuJoCo model, each under its own name") {
+  const scene::Scene scene = scene::Scene::load("apartment_v1");
+  const std::array robots = {
+      PlacedRobot{.name = "a", .description = describe(load_profile("3we_standard_v2")), .scene_from_base = {}},
+      PlacedRobot{.name = "b", .description = describe(load_profile("turtlebot_like")), .scene_from_base = {1, 0, 2}}};
+  pugi::xml_document model;
+  REQUIRE(model.load_string(mjcf(scene, robots).c_str()));
+  for (const char* kind : {"body", "joint", "geom", "site", "camera", "general"}) {
+    CAPTURE(kind);
+    std::set<std::string> names;
+    for (const auto& found : model.select_nodes(("//" + std::string(kind) + "[@name]").c_str())) {
+      CHECK(names.insert(found.node().attribute("name").value()).second);
+    }
+    CHECK_FALSE(names.empty());
+  }
+  CHECK(model.select_nodes("//actuator/general").size() == 6);
+  CHECK(model.select_nodes("//freejoint").size() == 2);
 }
 
 TEST_CASE("a format that is none names the nearest") {

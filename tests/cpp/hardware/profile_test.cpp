@@ -56,6 +56,8 @@ TEST_CASE("the standard robot is the one that is sold") {
   CHECK(robot.body.footprint == Footprint::rectangle(0.25, 0.22));
   CHECK(robot.body.mass == 2.5);
   CHECK(robot.body.wheels.radius == 0.0325);
+  CHECK(robot.body.wheels.rollers == 9);
+  CHECK(robot.body.casters.empty());
   CHECK(robot.hardware_limits.linear == 1.2);
   CHECK(robot.hardware_limits.angular == 3.0);
   CHECK(robot.operating_limits.linear == 0.5);
@@ -121,6 +123,10 @@ TEST_CASE("the differential robot has its base between the wheels, ahead of its 
   const RobotProfile robot = load_profile("turtlebot_like");
   CHECK(robot.kinematics() == Kinematics::differential);
   CHECK(robot.body.wheels.wheel_count() == 2);
+  REQUIRE(robot.body.casters.size() == 1);
+  CHECK(robot.body.casters.front().position == Vec2{-0.081, 0.0});
+  CHECK(robot.body.wheels.width == 0.018);
+  CHECK(robot.body.wheels.rollers == 0);
   CHECK(robot.body.footprint.contains({-0.1, 0.0}));
   CHECK_FALSE(robot.body.footprint.contains({0.05, 0.0}));
 }
@@ -158,6 +164,10 @@ TEST_CASE("every mistake names its file, its line and what would be right") {
       {"mass: 2.5", "mass: 2500000", "outside"},
       {"kinematics: holonomic", "kinematics: holonomous", "did you mean 'holonomic'"},
       {"radius: 0.0325", "radius: 32.5", "outside"},
+      {"width: 0.03 ", "width: 0.04 ", "less than the radius of a mecanum wheel"},
+      {"mass: 0.06", "mass: 0.7", "leave nothing of the robot's 2.5 kg"},
+      {"mass: 0.06", "mass: 0.4", "kg m^2 of inertia"},
+      {"rollers: 9", "rollers: 2", "outside"},
       {"{length: 0.25, width: 0.22}", "{corners: [[0.1, 0.1], [0.1, -0.1], [-0.1, 0]]}", "counter-clockwise"},
       {"{length: 0.25, width: 0.22}", "{corners: [[0.1, 0.1], [-0.1, -0.1]]}", "at least 3 corners"},
       {"{length: 0.25, width: 0.22}", "{length: 0.25, width: 0.22, hight: 1}", "unknown field 'hight'"},
