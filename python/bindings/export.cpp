@@ -12,8 +12,7 @@ using namespace threewe;
 void init_export(nb::module_& m) {
   m.def(
       "export_files",
-      [](const scene::Scene& scene, const RobotProfile& robot, std::string_view format,
-         const std::string& folder) {
+      [](const scene::Scene& scene, const RobotProfile& robot, std::string_view format, const std::string& folder) {
         const exports::Format wanted = exports::format_named(format);
         const nb::gil_scoped_release without_gil;
         return exports::write(exports::files(scene, robot, wanted), folder);
