@@ -12,6 +12,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
@@ -50,7 +51,7 @@ class Draws {
 // A robot in a place, used for one case after another.
 class Place {
  public:
-  Place(const std::string& in, const std::string& with) : scene(in), hardware(with) {
+  Place(std::string in, std::string with) : scene(std::move(in)), hardware(std::move(with)) {
     backend::WorldOptions options;
     options.scene = scene;
     options.robots = {hardware};

@@ -163,7 +163,8 @@ TEST_CASE("gyro and wheels: systematic differences are learned, a sudden bias is
       for (int i = from; i < from + ticks; ++i) {
         const Velocity v{0.4, 0.0, 0.8 * std::sin(0.02 * i)};
         for (int half = 1; half <= 2; ++half) {
-          const double noise = 0.0017 * normal(key, static_cast<std::uint64_t>(2 * i + half));
+          const double noise =
+              0.0017 * normal(key, 2 * static_cast<std::uint64_t>(i) + static_cast<std::uint64_t>(half));
           check.add_gyro(20ms * i + 10ms * half, v.omega - per_speed * v.vx + bias + fault + noise);
         }
         wheels = {integrate(wheels.pose, v, 0.02), v};
