@@ -107,7 +107,7 @@ class Audience:
         """As `Robot` takes it. Raises ConfigError where more than one is chosen."""
         chosen = [self.rerun, self.save is not None, self.serve]
         if sum(chosen) > 1:
-            raise threewe.ConfigError("--rerun opens a window, --save records, --serve serves browsers: choose one")
+            raise threewe.ConfigError("choose one: --rerun opens a window, --save records, --serve serves browsers")
         if self.save is not None and self.save.suffix != ".rrd":
             raise threewe.ConfigError(f"the name of a recording ends in .rrd, not '{self.save.suffix}'")
         return str(self.save) if self.save else "web" if self.serve else "rerun" if self.rerun else None

@@ -294,7 +294,7 @@ Decision PathNavigator::find_itself(const Observation& seen) {
   if (recovery_.state() == Recovery::State::replanning) recovery_.end(), motion_.looked_round = now_;
   if (recovery_.active()) return {recovery_.step(now_, odom_from_base_, tracker_)};
   if (now_ - motion_.looked_round <= kLostPatience) return wait();
-  return finish(Reason::lost, "nothing around is where the map has it");
+  return finish(Reason::lost, "no place in the map fits what is seen");
 }
 
 }  // namespace threewe::nav
