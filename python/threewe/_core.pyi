@@ -733,11 +733,11 @@ class Slam:
         (N, 5) float64: earlier and later time [s], x [m], y [m], heading [rad] of the later pose seen from the earlier one.
         """
 
-    def save(self, path: pathlib.Path) -> None:
+    def save(self, path: str) -> None:
         """Keeps the map in a file with all that is behind it."""
 
     @staticmethod
-    def load(path: pathlib.Path, map_from_base: Pose2D | None = None) -> Slam:
+    def load(path: str, map_from_base: Pose2D | None = None) -> Slam:
         """A map that was kept, to be looked at or to go on with."""
 
 class Prism:
@@ -2017,4 +2017,9 @@ def nearest_frontier(tables: SceneTables, profile: RobotProfile, start: Pose2D) 
     """
     An exploration to the nearest frontier (Yamauchi 1997), again and again until none can be reached: with a
     perfect pose and a lidar without noise, along shortest paths. Raises HardwareError without a lidar.
+    """
+
+def export_files(scene: Scene, robot: RobotProfile, format: str, folder: str) -> list[pathlib.Path]:
+    """
+    Writes a scene, and a robot at its first start, into a folder; returns the files. Formats: mjcf, urdf, sdf, usd, map. Raises ConfigError for another format, and for a folder that cannot be written.
     """
