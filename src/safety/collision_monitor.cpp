@@ -9,7 +9,7 @@
 #include <span>
 #include <vector>
 
-#include "safety/limits.hpp"
+#include "threewe/hardware/limits.hpp"
 
 namespace threewe::safety {
 namespace {

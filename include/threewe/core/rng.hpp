@@ -21,6 +21,7 @@ enum class Stream : std::uint32_t {
   sampler,
   localization,
   randomization,
+  control,
 };
 
 /// Names one sequence of random numbers.

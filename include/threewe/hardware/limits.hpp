@@ -1,4 +1,4 @@
-// How fast a robot may go: the one place where a velocity is scaled down to it.
+// How fast a robot may go, and how fast that may change: the one place where a velocity is cut down to it.
 #pragma once
 
 #include "threewe/core/pose.hpp"
@@ -12,5 +12,8 @@ Velocity within_limits(const Limits& limits, Velocity v);
 
 /// The velocity that an action asks for: its components are shares of the limits, and count as -1 or 1 beyond that.
 Velocity scaled_to(const Limits& limits, const Velocity& shares);
+
+/// The velocity on the way from `last` to `target` that one control period allows. Passes its own result unchanged.
+Velocity within_acceleration(const Limits& limits, const Velocity& last, const Velocity& target);
 
 }  // namespace threewe

@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "draw.hpp"
-#include "safety/limits.hpp"
 #include "threewe/hardware/limits.hpp"
 
 using namespace threewe;

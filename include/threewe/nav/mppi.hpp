@@ -1,0 +1,97 @@
+// Model predictive path integral control: thousands of noisy variations of a plan are rolled out and priced each tick,
+// and their average, weighted by price, is the next plan (Williams et al. 2018, "Information-Theoretic Model Predictive
+// Control: Theory and Applications to Autonomous Driving", IEEE T-RO 34(6)).
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "threewe/core/pose.hpp"
+#include "threewe/hardware/profile.hpp"
+
+namespace threewe::nav {
+
+/// Someone who walks, in `odom`.
+struct Person {
+  Vec2 position;        ///< [m]
+  Vec2 velocity;        ///< [m/s]
+  double radius = 0.3;  ///< [m]
+};
+
+/// What each critic's price weighs. All prices of a plan are added up; the way of 1 m that is left costs 1 at each look.
+struct MppiWeights {
+  double path_left = 1.0;         ///< [1/m] of the path that is left
+  double path_beside = 2.0;       ///< [1/m^2] beside the path
+  double goal_distance = 1.0;     ///< [1/m] to the end of the path, where it is within reach
+  double goal_speed = 2.0;        ///< [s^2/m^2] of not resting there
+  double obstacle_contact = 20.0; ///< of an outline nearer than the margin
+  double obstacle_depth = 200.0;  ///< [1/m] and more, the deeper
+  double obstacle_close = 0.3;    ///< of an outline at the margin, none `obstacle_reach` beyond it
+  double obstacle_speed = 4.0;    ///< [s^2/m^2] and more, the faster it moves there
+  double heading_along = 0.5;     ///< of not facing along the path
+  double heading_sideways = 0.3;  ///< [s^2/m^2] of driving sideways
+  double heading_backward = 1.0;  ///< [s^2/m^2] of driving against the way it is to go
+  double heading_turn = 1.0;      ///< [1/rad] of what is left of a turn on the spot
+  double smooth_linear = 1.0;     ///< [s^2/m^2] of changes of velocity
+  double smooth_angular = 0.1;    ///< [s^2/rad^2]
+  double people_contact = 30.0;   ///< of an outline's disc that meets a person's
+  double people_close = 2.0;      ///< of one beside a person, none `people_reach` beyond it
+};
+
+struct MppiSettings {
+  int samples = 2000;            ///< a multiple of 16 is rolled out: the next one
+  double step = 0.05;            ///< [s] of a plan, which has 56
+  double temperature = 0.3;      ///< samples that cost so much more count e times less
+  double control_cost = 0.02;    ///< of steering away from the plan before, in temperatures
+  double linear_noise = 0.15;    ///< [m/s] standard deviation
+  double angular_noise = 0.5;    ///< [rad/s] standard deviation
+  double obstacle_reach = 0.15;  ///< [m]
+  double people_reach = 0.4;     ///< [m]
+  std::uint64_t seed = 0;        ///< of the noise
+  MppiWeights weights;
+};
+
+/// What the controller is to do.
+struct MppiTask {
+  std::span<const Vec2> path;  ///< in `odom`, followed to rest at its end; empty: stay
+  bool backwards = false;      ///< drive the path backwards
+  double aside = 0.0;          ///< [rad] to face to the left of the path
+  std::optional<double> turn{};  ///< [rad] left to turn on the spot, more than a full turn too; without a path
+  double margin = 0.0;         ///< [m] to keep free around the outline
+};
+
+/// What it sees at one tick.
+struct MppiObservation {
+  Pose2D odom_from_base;
+  Velocity commanded;               ///< what the robot was told to do in the period before
+  std::span<const Vec2> obstacles;  ///< in `odom` [m], of the newest scan
+  std::span<const Person> people;
+};
+
+/// The controller of one robot. It can be copied; copies go on alike, to the bit.
+class Mppi {
+ public:
+  explicit Mppi(const RobotProfile& profile, const MppiSettings& settings = {});
+  Mppi(const Mppi& other);
+  Mppi& operator=(const Mppi& other);
+  Mppi(Mppi&&) noexcept;
+  Mppi& operator=(Mppi&&) noexcept;
+  ~Mppi();
+
+  /// One control period: the next command, within the operating limits and within reach of the one before.
+  Velocity step(const MppiObservation& seen, const MppiTask& task);
+  /// A period in which something else drives: forgets the plan, and notes what the robot was told in the one before.
+  void pause(const Velocity& commanded);
+
+  /// Where the plan leads: a pose in `odom` for each of its steps.
+  std::vector<Pose2D> predicted() const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace threewe::nav

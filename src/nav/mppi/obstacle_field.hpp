@@ -1,0 +1,55 @@
+// What stands around a robot, ready to be looked up by its rollouts.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "nav/mppi/rollout.hpp"
+#include "threewe/core/footprint.hpp"
+
+namespace threewe::nav::mppi {
+
+/// A square window of kSide x kSide cells with the axes of `odom`. For each cell and each of kBins headings of the
+/// robot there, it knows which obstacle is nearest to the outline; the distance itself then follows to the bit of a
+/// float, wherever in the cell the robot is. The outline is the box around the footprint.
+class ObstacleField {
+ public:
+  /// `reach` [m]: how far from its middle the robot may get. Obstacles beyond `sight` [m] from the outline do not count.
+  ObstacleField(const Footprint& footprint, double reach, double sight);
+
+  /// Looks at all obstacles anew, points in `odom` [m]; the window's middle is then `middle`.
+  void update(std::span<const Vec2> obstacles, Vec2 middle);
+
+  Vec2 middle() const { return middle_; }
+  double unit() const { return unit_; }
+  FieldView view() const;
+
+ private:
+  void stamp(float x, float y);
+
+  double cell_;  // [m]
+  double unit_;  // [m]
+  float half_length_;
+  float half_width_;
+  Vec2 base_to_middle_;
+  float sight_;
+  Vec2 middle_;
+  std::vector<std::int32_t> cells_;  // (kBins, kSide, kSide), packed obstacles
+  std::vector<float> nearest_;       // (kBins, kSide, kSide), how near they are, see `stamp_rows`
+};
+
+/// A box of cells around an obstacle, for the kernel.
+struct Stamp {
+  float x = 0.0F, y = 0.0F;  ///< [m] of the obstacle, from the corner of cell (0, 0)
+  std::int32_t packed = 0;
+  int first_column = 0, first_row = 0, columns = 0, rows = 0;
+  float cell = 0.0F;  ///< [m]
+  float half_length = 0.0F, half_width = 0.0F;
+};
+
+/// Where the obstacle is nearer to the outline than what was stamped before, it takes its place. Distances are kept as
+/// their squares outside of the outline and as they are (negative) inside: the order is the same.
+void stamp_rows(const Stamp& stamp, std::span<std::int32_t> cells, std::span<float> nearest);
+
+}  // namespace threewe::nav::mppi
