@@ -37,7 +37,8 @@ void run(benchmark::State& state, const std::string& robot, bool new_scans) {
   int tick = 0;
   for (auto _ : state) {
     const std::size_t scan = new_scans ? static_cast<std::size_t>(tick++ / 5 % 2) : 0;
-    command = mppi.step({{0.0, 0.02, 0.1}, command, scans[scan], people}, {.path = path, .margin = 0.05});
+    mppi.see({{0.0, 0.02, 0.1}, command, scans[scan], people});
+    command = mppi.step({.path = path, .margin = 0.05});
     benchmark::DoNotOptimize(command);
   }
   state.counters["samples"] = benchmark::Counter(static_cast<double>(settings.samples));

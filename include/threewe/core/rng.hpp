@@ -21,7 +21,6 @@ enum class Stream : std::uint32_t {
   sampler,
   localization,
   randomization,
-  control,
 };
 
 /// Names one sequence of random numbers.

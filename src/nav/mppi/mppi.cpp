@@ -19,6 +19,9 @@ using mppi::Plan;
 
 constexpr double kPeriod = to_seconds(kControlPeriod);
 constexpr double kBackward = 0.5;    // share of its speed that a differential base may drive backwards
+constexpr double kRest = 0.05;        // [m] so near the end of its path the robot keeps its heading
+constexpr double kLine = 50.0;        // times as dear is it to leave a line that is to be kept
+constexpr std::uint32_t kOtherMeans = 2;  // stand still, and pursue the path
 constexpr double kAstray = 0.15;      // [m] from the middle of the obstacle field
 constexpr double kNotNearer = 0.005;  // [m] what is nearer than the margin may come so much nearer, no more
 
@@ -45,7 +48,8 @@ struct Mppi::Impl {
   std::vector<Velocity> commanded;  // the newest first, as many periods as the delay has
   std::vector<Vec2> seen;           // what the field was made of
   Pose2D start;                     // where the plan begins, in odom
-  Velocity velocity;                // the robot's there
+  std::vector<Person> people;
+  bool stepped = false;             // in the period before
   mppi::PathTable path;
   std::vector<float> costs;
 
@@ -59,18 +63,15 @@ struct Mppi::Impl {
         field(footprint, reach, s.obstacle_reach + 0.06),
         commanded(static_cast<std::size_t>(delay / kPeriod) + 1) {}
 
-  void note_command(const Velocity& v) {
-    std::rotate(commanded.begin(), commanded.end() - 1, commanded.end());
-    commanded.front() = v;
-  }
   void predict_start(const MppiObservation& now);
-  void see_obstacles(const MppiObservation& now);
+  void see_obstacles(std::span<const Vec2> obstacles);
   void lay_out(const MppiTask& task);
-  mppi::Problem pose_problem(const MppiObservation& now, const MppiTask& task) const;
   void shift_plan();
-  double free_margin(std::span<const Vec2> obstacles, double wanted) const;
-  void add_people(std::span<const Person> people, mppi::PeopleCritic& critic) const;
-  Velocity take_first(const Velocity& last) const;
+  std::array<float, 3> deviation() const;
+  mppi::Problem pose_problem(const MppiTask& task) const;
+  double free_margin(double wanted) const;
+  void add_people(mppi::PeopleCritic& critic) const;
+  Velocity take_first() const;
 };
 
 Mppi::Mppi(const RobotProfile& profile, const MppiSettings& settings)
@@ -84,30 +85,31 @@ Mppi::Mppi(Mppi&&) noexcept = default;
 Mppi& Mppi::operator=(Mppi&&) noexcept = default;
 Mppi::~Mppi() = default;
 
-void Mppi::pause(const Velocity& commanded) {
-  impl_->note_command(commanded);
-  impl_->plan = {};
+void Mppi::see(const MppiObservation& seen) {
+  if (!impl_->stepped) impl_->plan = {};
+  impl_->stepped = false;
+  impl_->predict_start(seen);
+  impl_->people.assign(seen.people.begin(), seen.people.end());
+  impl_->see_obstacles(seen.obstacles);
 }
 
-Velocity Mppi::step(const MppiObservation& seen, const MppiTask& task) {
+Velocity Mppi::step(const MppiTask& task) {
   Impl& me = *impl_;
-  me.predict_start(seen);
-  me.see_obstacles(seen);
   me.lay_out(task);
   me.shift_plan();
-  const mppi::Problem problem = me.pose_problem(seen, task);
-  const std::array<float, 3> deviation = {narrow(me.settings.linear_noise), narrow(me.settings.linear_noise),
-                                          narrow(me.settings.angular_noise)};
-  const auto blocks = mppi::draw_blocks(me.settings.samples, 2, deviation, me.settings.seed, me.tick++);
+  const mppi::Problem problem = me.pose_problem(task);
+  const auto blocks = mppi::draw_blocks(me.settings.samples, kOtherMeans, me.deviation(), me.settings.seed, me.tick++);
   me.costs.resize(blocks.size() * mppi::kBlock);
   mppi::roll_out(problem, blocks, me.costs);
   me.plan = mppi::average(problem, blocks, me.costs, narrow(me.settings.temperature));
-  return me.take_first(seen.commanded);
+  me.stepped = true;
+  return me.take_first();
 }
 
 // Where the robot will be when the first command of the plan takes effect: it obeys until then what it was told before.
 void Mppi::Impl::predict_start(const MppiObservation& now) {
-  note_command(now.commanded);
+  std::rotate(commanded.begin(), commanded.end() - 1, commanded.end());
+  commanded.front() = now.commanded;
   start = now.odom_from_base;
   double rest = delay;
   for (std::size_t i = commanded.size(); i-- > 0;) {
@@ -115,19 +117,18 @@ void Mppi::Impl::predict_start(const MppiObservation& now) {
     start = integrate(start, commanded[i], seconds);
     rest -= seconds;
   }
-  velocity = now.commanded;
 }
 
 // The field is made once per scan. People are no obstacles: they have a critic of their own.
-void Mppi::Impl::see_obstacles(const MppiObservation& now) {
-  const bool same = std::equal(seen.begin(), seen.end(), now.obstacles.begin(), now.obstacles.end());
+void Mppi::Impl::see_obstacles(std::span<const Vec2> obstacles) {
+  const bool same = std::equal(seen.begin(), seen.end(), obstacles.begin(), obstacles.end());
   if (same && distance(start.position(), field.middle()) < kAstray) return;
-  seen.assign(now.obstacles.begin(), now.obstacles.end());
+  seen.assign(obstacles.begin(), obstacles.end());
   std::vector<Vec2> still;
   const double far = reach + settings.obstacle_reach + footprint.circumscribed_radius();
   for (const Vec2 p : seen) {
     const auto is_part = [p](const Person& person) { return distance(p, person.position) <= person.radius + 0.05; };
-    if (distance(p, start.position()) > far || std::any_of(now.people.begin(), now.people.end(), is_part)) continue;
+    if (distance(p, start.position()) > far || std::any_of(people.begin(), people.end(), is_part)) continue;
     still.push_back(p);
   }
   field.update(still, start.position());
@@ -148,7 +149,11 @@ void Mppi::Impl::shift_plan() {
   }
 }
 
-mppi::Problem Mppi::Impl::pose_problem(const MppiObservation& now, const MppiTask& task) const {
+std::array<float, 3> Mppi::Impl::deviation() const {
+  return {narrow(settings.linear_noise), narrow(settings.linear_noise), narrow(settings.angular_noise)};
+}
+
+mppi::Problem Mppi::Impl::pose_problem(const MppiTask& task) const {
   const MppiWeights& w = settings.weights;
   const double dt = settings.step;
   mppi::Problem p;
@@ -168,30 +173,33 @@ mppi::Problem Mppi::Impl::pose_problem(const MppiObservation& now, const MppiTas
              .cos = narrow(cos),
              .sin = narrow(sin),
              .theta = narrow(start.theta),
-             .vx = narrow(velocity.vx),
-             .vy = narrow(velocity.vy),
-             .omega = narrow(velocity.omega)};
+             .vx = narrow(commanded.front().vx),
+             .vy = narrow(commanded.front().vy),
+             .omega = narrow(commanded.front().omega)};
   p.means[0] = plan;
   p.means[2] = mppi::pursue(path, task, limits, kinematics, dt, start);
   p.noise = mppi::noise_pool().data();
 
+  const double corner = footprint.circumscribed_radius();
   p.obstacle = {.field = field.view(),
-                .margin = narrow(free_margin(now.obstacles, task.margin)),
+                .margin = narrow(free_margin(task.margin)),
                 .per_reach = narrow(1.0 / settings.obstacle_reach),
                 .contact = narrow(w.obstacle_contact),
                 .depth = narrow(w.obstacle_depth),
                 .close = narrow(w.obstacle_close),
-                .close_speed = narrow(w.obstacle_speed)};
+                .close_speed = narrow(w.obstacle_speed),
+                .close_turn = narrow(w.obstacle_speed * corner * corner)};
   const bool turning = task.turn.has_value();
-  p.path = {.path = path.view(), .left = narrow(turning ? 0.0 : w.path_left), .beside = narrow(w.path_beside)};
+  const bool resting = !turning && path.length() < kRest;
+  p.path = {.path = path.view(), .left = narrow(turning ? 0.0 : w.path_left), .beside = narrow((task.keep_line ? kLine : 1.0) * w.path_beside)};
   const exact::SinCos aside = exact::sincos(task.aside + (task.backwards ? exact::kPi : 0.0));
-  p.heading = {.along = narrow(turning || path.length() < 0.05 ? 0.0 : w.heading_along),
+  p.heading = {.along = narrow(turning || resting ? 0.0 : w.heading_along),
                .aside_cos = narrow(aside.cos),
                .aside_sin = narrow(aside.sin),
                .sideways = narrow(w.heading_sideways),
                .backward = narrow(w.heading_backward),
                .sign = task.backwards ? -1.0F : 1.0F,
-               .turn = narrow(turning ? w.heading_turn : 0.0),
+               .turn = narrow(turning || resting ? w.heading_turn : 0.0),
                .turn_to = narrow(start.theta + task.turn.value_or(0.0))};
   if (path.ends()) {
     const Vec2 goal = path.end() - field.middle();
@@ -199,7 +207,7 @@ mppi::Problem Mppi::Impl::pose_problem(const MppiObservation& now, const MppiTas
               .speed = narrow(w.goal_speed)};
   }
   p.smoothness = {.linear = narrow(w.smooth_linear), .angular = narrow(w.smooth_angular)};
-  add_people(now.people, p.people);
+  add_people(p.people);
 
   // lambda times u' Sigma^-1 e of the update's derivation, in part
   const double share = settings.control_cost * settings.temperature;
@@ -210,11 +218,11 @@ mppi::Problem Mppi::Impl::pose_problem(const MppiObservation& now, const MppiTas
 }
 
 // The margin that is wanted or, where something is nearer already, what is left of it.
-double Mppi::Impl::free_margin(std::span<const Vec2> obstacles, double wanted) const {
+double Mppi::Impl::free_margin(double wanted) const {
   const Pose2D base_from_odom = inverse(start);
   const double far = footprint.circumscribed_radius() + wanted + kNotNearer;
   double least = wanted + kNotNearer;
-  for (const Vec2 p : obstacles) {
+  for (const Vec2 p : seen) {
     const Vec2 d = p - start.position();
     if (dot(d, d) <= far * far) least = std::min(least, footprint.signed_distance(base_from_odom * p));
   }
@@ -222,8 +230,8 @@ double Mppi::Impl::free_margin(std::span<const Vec2> obstacles, double wanted) c
 }
 
 // The nearest of them, where they will be when the plan begins.
-void Mppi::Impl::add_people(std::span<const Person> people, mppi::PeopleCritic& critic) const {
-  std::vector<Person> nearest(people.begin(), people.end());
+void Mppi::Impl::add_people(mppi::PeopleCritic& critic) const {
+  std::vector<Person> nearest = people;
   std::stable_sort(nearest.begin(), nearest.end(), [&](const Person& a, const Person& b) {
     return distance(a.position, start.position()) < distance(b.position, start.position());
   });
@@ -243,10 +251,10 @@ void Mppi::Impl::add_people(std::span<const Person> people, mppi::PeopleCritic& 
 }
 
 // What the plan wants first, as far as one period allows it.
-Velocity Mppi::Impl::take_first(const Velocity& last) const {
+Velocity Mppi::Impl::take_first() const {
   Velocity wanted{plan.vx.front(), plan.vy.front(), plan.omega.front()};
   if (kinematics == Kinematics::differential) wanted.vy = 0.0;
-  return within_acceleration(limits, last, within_limits(limits, wanted));
+  return within_acceleration(limits, commanded.front(), within_limits(limits, wanted));
 }
 
 std::vector<Pose2D> Mppi::predicted() const {

@@ -10,7 +10,7 @@ namespace {
 std::vector<float> draw_pool() {
   constexpr double kAlike = 0.9;  // correlation of neighbours: half a second at steps of 50 ms
   const double fresh = exact::sqrt(1.0 - kAlike * kAlike);
-  const RngKey key{.stream = Stream::control};
+  const RngKey key{.sensor = 1, .stream = Stream::sampler};
   std::vector<float> pool((kNoiseRows + kSteps) * kBlock);
   for (std::size_t lane = 0; lane < kBlock; ++lane) {
     double value = 0.0;
@@ -34,7 +34,7 @@ std::vector<Block> draw_blocks(int samples, std::uint32_t means, const std::arra
                                std::uint64_t seed, std::uint64_t tick) {
   constexpr std::size_t kOthers = 8;
   constexpr float kSmall = 0.1F;
-  const RngKey key{.seed = seed, .robot = 1, .stream = Stream::control};
+  const RngKey key{.seed = seed, .sensor = 2, .stream = Stream::sampler};
   std::vector<Block> blocks((static_cast<std::size_t>(samples) + kBlock - 1) / kBlock);
   for (std::size_t i = 0; i < blocks.size(); ++i) {
     Block& block = blocks[i];

@@ -73,7 +73,8 @@ struct ObstacleCritic {
   float contact = 0.0F;   ///< of each look
   float depth = 0.0F;     ///< [1/m] of each look, more where the outline is deeper within the margin
   float close = 0.0F;
-  float close_speed = 0.0F;  ///< [s^2/m^2] closeness counts with the square of the speed
+  float close_speed = 0.0F;  ///< [s^2/m^2] closeness counts with the square of the speed, of the body ...
+  float close_turn = 0.0F;   ///< [s^2/rad^2] ... and of its corners as it turns
 };
 
 /// The path ahead, at even spacing, with its direction.

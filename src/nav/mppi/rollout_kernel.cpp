@@ -16,7 +16,7 @@
 #include "nav/mppi/critics/path-inl.hpp"
 #include "nav/mppi/critics/people-inl.hpp"
 #include "nav/mppi/critics/smoothness-inl.hpp"
-#include "threewe/core/exact-inl.hpp"
+#include "threewe/core/exact_exp-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace threewe::nav::mppi::HWY_NAMESPACE {

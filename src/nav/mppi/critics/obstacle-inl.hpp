@@ -49,7 +49,9 @@ HWY_INLINE V obstacle_cost(const ObstacleCritic& critic, const Sample& at) {
   const V inside = hn::Max(hn::Neg(beyond), hn::Zero(kFloats));
   const V contact = hn::Add(number(critic.contact), hn::Mul(number(critic.depth), inside));
   const V near = above_zero(hn::Sub(number(1.0F), hn::Mul(above_zero(beyond), number(critic.per_reach))));
-  const V weight = hn::Add(number(critic.close), hn::Mul(number(critic.close_speed), squared(at.speed)));
+  const V motion = hn::Add(hn::Mul(number(critic.close_speed), squared(at.speed)),
+                           hn::Mul(number(critic.close_turn), squared(at.omega)));
+  const V weight = hn::Add(number(critic.close), motion);
   const V closeness = hn::Mul(squared(near), weight);
   return hn::Add(closeness, hn::IfThenElseZero(hn::Lt(beyond, hn::Zero(kFloats)), contact));
 }
