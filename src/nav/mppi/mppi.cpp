@@ -60,7 +60,7 @@ struct Mppi::Impl {
         footprint(profile.body.footprint),
         delay(to_seconds(profile.command_latency + profile.body.motor_lag)),
         reach(reach_of(profile, s)),
-        field(footprint, reach, s.obstacle_reach + 0.06),
+        field(footprint, reach, s.obstacle_reach + profile.margin()),
         commanded(static_cast<std::size_t>(delay / kPeriod) + 1) {}
 
   void predict_start(const MppiObservation& now);

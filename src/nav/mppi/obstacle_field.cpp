@@ -113,11 +113,10 @@ void ObstacleField::stamp(float x, float y) {
   stamp.rows = std::min(bounded(y + around), kSide - 1) + 1 - stamp.first_row;
   if (stamp.columns <= 0 || stamp.rows <= 0) return;
 
-  // whole blocks of columns, so that no vector crosses the end of a row
+  // whole blocks of columns, none of which crosses the end of a row
   constexpr int kWhole = static_cast<int>(kBlock);
-  const int end = (stamp.first_column + stamp.columns + kWhole - 1) / kWhole * kWhole;
-  stamp.first_column = stamp.first_column / kWhole * kWhole;
-  stamp.columns = end - stamp.first_column;
+  stamp.columns = (stamp.columns + kWhole - 1) / kWhole * kWhole;
+  stamp.first_column = std::min(stamp.first_column, kSide - stamp.columns);
   const auto in_units = [&](float along) {
     return static_cast<int>(std::lround((static_cast<double>(along) - 0.5 * kSide * cell_) / unit_));
   };
