@@ -22,7 +22,8 @@ std::vector<Vec2> scan_of_a_room(double shift) {
     points.push_back({(range + shift) * c, (range + shift) * s});
   }
   for (const Vec2 leg : {Vec2{0.6, 0.35}, {0.6, -0.4}, {1.2, 0.35}, {1.2, -0.4}}) points.push_back(leg);
-  for (int i = 0; i < 40; ++i) points.push_back({1.5 + shift, 0.2 + 0.01 * i}), points.push_back({1.5, -0.2 - 0.01 * i});
+  for (int i = 0; i < 40; ++i)
+    points.push_back({1.5 + shift, 0.2 + 0.01 * i}), points.push_back({1.5, -0.2 - 0.01 * i});
   return points;
 }
 

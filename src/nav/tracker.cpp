@@ -13,6 +13,7 @@ namespace {
 constexpr double kReaction = 0.12;      // [s] from a command to its effect
 constexpr double kLargestSpare = 0.05;  // [m]
 constexpr double kNotNearer = 0.005;    // [m] what is nearer than the margin may come so much nearer, no more
+constexpr double kInside = 0.03;        // [m] of the margin that plans may use: scans are noisy, and the gate keeps it
 constexpr double kHorizon = 1.2;        // [s] looked ahead along a motion
 constexpr double kStep = 0.02;          // [m] or 0.1 rad between the poses that are tried
 constexpr double kLookahead = 0.3;      // [m] along the path to where a differential base faces before it drives
@@ -26,6 +27,13 @@ RobotProfile driven_carefully(RobotProfile profile) {
   double& linear = profile.operating_limits.linear;
   if (!profile.lidar) linear = std::min(linear, kUnsighted);
   return profile;
+}
+
+// A quarter of the samples drives as well here and leaves the robot's computer to others.
+MppiSettings settings() {
+  MppiSettings s;
+  s.samples = 512;
+  return s;
 }
 
 Velocity scaled(const Velocity& v, double s) { return {s * v.vx, s * v.vy, s * v.omega}; }
@@ -49,7 +57,7 @@ double Outline::clearance(Vec2 p) const {
 }
 
 Tracker::Tracker(const RobotProfile& profile)
-    : mppi_(driven_carefully(profile)),
+    : mppi_(driven_carefully(profile), settings()),
       limits_(driven_carefully(profile).operating_limits),
       kinematics_(profile.kinematics()),
       outline_(profile.body.footprint),
@@ -82,7 +90,7 @@ Velocity Tracker::follow(std::span<const Vec2> path) {
     const double bearing = exact::atan2(ahead.y, ahead.x);
     if (faces_first(bearing)) return face(bearing);
   }
-  return mppi_.step({.path = path, .aside = aside_, .margin = margin_ + spare_});
+  return mppi_.step({.path = path, .aside = aside_, .margin = margin_ + spare_ - kInside});
 }
 
 // A differential base turns on the spot towards what is not ahead, until it is.
@@ -107,13 +115,14 @@ Velocity Tracker::face(double bearing) {
   return turn(turning_ * (shorter ? std::fabs(bearing) : 2.0 * exact::kPi - std::fabs(bearing)));
 }
 
-Velocity Tracker::turn(double angle) { return mppi_.step({.turn = angle, .margin = margin_ + spare_}); }
+Velocity Tracker::turn(double angle) { return mppi_.step({.turn = angle, .margin = margin_ + spare_ - kInside}); }
 
 Velocity Tracker::straight(double distance, double offset, double heading) {
   const Vec2 along = rotate({1.0, 0.0}, heading);
   const Vec2 from = offset * Vec2{-along.y, along.x};
   const std::array<Vec2, 2> line = {odom_from_base_ * from, odom_from_base_ * (from + distance * along)};
-  return mppi_.step({.path = line, .backwards = distance < 0.0, .keep_line = true, .margin = margin_ + spare_});
+  return mppi_.step(
+      {.path = line, .backwards = distance < 0.0, .keep_line = true, .margin = margin_ + spare_ - kInside});
 }
 
 double Tracker::escape_speed() const { return kEscape * limits_.linear; }

@@ -3,8 +3,8 @@
 #include <algorithm>
 
 #include "safety/collision_monitor.hpp"
-#include "threewe/hardware/limits.hpp"
 #include "threewe/core/errors.hpp"
+#include "threewe/hardware/limits.hpp"
 
 namespace threewe::safety {
 namespace {

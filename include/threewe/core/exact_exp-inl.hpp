@@ -15,8 +15,8 @@ namespace hn = hwy::HWY_NAMESPACE;
 template <class D, class V = hn::Vec<D>>
 HWY_INLINE V exp(D d, V x) {
   const V whole = hn::Floor(hn::Add(hn::Mul(x, hn::Set(d, 1.44269504088896341F)), hn::Set(d, 0.5F)));
-  const V rest = hn::Sub(hn::Sub(x, hn::Mul(whole, hn::Set(d, 0.693359375F))),
-                         hn::Mul(whole, hn::Set(d, -2.12194440e-4F)));
+  const V rest =
+      hn::Sub(hn::Sub(x, hn::Mul(whole, hn::Set(d, 0.693359375F))), hn::Mul(whole, hn::Set(d, -2.12194440e-4F)));
   V p = hn::Add(hn::Mul(rest, hn::Set(d, 1.9875691500e-4F)), hn::Set(d, 1.3981999507e-3F));
   p = hn::Add(hn::Mul(p, rest), hn::Set(d, 8.3334519073e-3F));
   p = hn::Add(hn::Mul(p, rest), hn::Set(d, 4.1665795894e-2F));

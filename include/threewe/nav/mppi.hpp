@@ -21,24 +21,25 @@ struct Person {
   double radius = 0.3;  ///< [m]
 };
 
-/// What each critic's price weighs. All prices of a plan are added up; 1 m of the path that is left costs 3 at each of 14 looks.
+/// What each critic's price weighs. All prices of a plan are added up; 1 m of the path that is left costs 3 at each of
+/// 14 looks.
 struct MppiWeights {
-  double path_left = 3.0;         ///< [1/m] of the path that is left
-  double path_beside = 2.0;       ///< [1/m^2] beside the path
-  double goal_distance = 3.0;     ///< [1/m] to the end of the path, where it is within reach
-  double goal_speed = 2.0;        ///< [s^2/m^2] of not resting there
+  double path_left = 3.0;          ///< [1/m] of the path that is left
+  double path_beside = 2.0;        ///< [1/m^2] beside the path
+  double goal_distance = 3.0;      ///< [1/m] to the end of the path, where it is within reach
+  double goal_speed = 2.0;         ///< [s^2/m^2] of not resting there
   double obstacle_contact = 60.0;  ///< of an outline nearer than the margin
   double obstacle_depth = 1000.0;  ///< [1/m] and more, the deeper
-  double obstacle_close = 0.1;    ///< of an outline at the margin, none `obstacle_reach` beyond it
-  double obstacle_speed = 6.0;    ///< [s^2/m^2] and more, the faster its body and corners move there
-  double heading_along = 0.5;     ///< of not facing along the path
-  double heading_sideways = 0.3;  ///< [s^2/m^2] of driving sideways
-  double heading_backward = 1.0;  ///< [s^2/m^2] of driving against the way it is to go
-  double heading_turn = 3.0;      ///< [1/rad] of what is left of a turn on the spot
-  double smooth_linear = 1.0;     ///< [s^2/m^2] of changes of velocity
-  double smooth_angular = 0.1;    ///< [s^2/rad^2]
-  double people_contact = 30.0;   ///< of an outline's disc that meets a person's
-  double people_close = 2.0;      ///< of one beside a person, none `people_reach` beyond it
+  double obstacle_close = 0.1;     ///< of an outline at the margin, none `obstacle_reach` beyond it
+  double obstacle_speed = 10.0;    ///< [s^2/m^2] and more, the faster its body and corners move there
+  double heading_along = 0.5;      ///< of not facing along the path
+  double heading_sideways = 0.3;   ///< [s^2/m^2] of driving sideways
+  double heading_backward = 1.0;   ///< [s^2/m^2] of driving against the way it is to go
+  double heading_turn = 3.0;       ///< [1/rad] of what is left of a turn on the spot
+  double smooth_linear = 1.0;      ///< [s^2/m^2] of changes of velocity
+  double smooth_angular = 0.1;     ///< [s^2/rad^2]
+  double people_contact = 100.0;   ///< of an outline's disc that meets a person's
+  double people_close = 2.0;       ///< of one beside a person, none `people_reach` beyond it
 };
 
 struct MppiSettings {
@@ -49,7 +50,7 @@ struct MppiSettings {
   double linear_noise = 0.15;    ///< [m/s] standard deviation
   double angular_noise = 0.5;    ///< [rad/s] standard deviation
   double obstacle_reach = 0.15;  ///< [m]
-  double people_reach = 0.4;     ///< [m]
+  double people_reach = 0.5;     ///< [m]
   std::uint64_t seed = 0;        ///< of the noise
   MppiWeights weights{};
 };
@@ -57,11 +58,11 @@ struct MppiSettings {
 /// What the controller is to do.
 struct MppiTask {
   std::span<const Vec2> path{};  ///< in `odom`, followed to rest at its end; empty: stay
-  bool backwards = false;      ///< drive the path backwards
-  double aside = 0.0;          ///< [rad] to face to the left of the path
+  bool backwards = false;        ///< drive the path backwards
+  double aside = 0.0;            ///< [rad] to face to the left of the path
   std::optional<double> turn{};  ///< [rad] left to turn on the spot, more than a full turn too; without a path
   bool keep_line = false;        ///< what stands on the path is not driven around
-  double margin = 0.0;         ///< [m] to keep free around the outline
+  double margin = 0.0;           ///< [m] to keep free around the outline
 };
 
 /// What it sees at one tick.

@@ -18,12 +18,12 @@ using mppi::kSteps;
 using mppi::Plan;
 
 constexpr double kPeriod = to_seconds(kControlPeriod);
-constexpr double kBackward = 0.5;    // share of its speed that a differential base may drive backwards
-constexpr double kRest = 0.05;        // [m] so near the end of its path the robot keeps its heading
-constexpr double kLine = 50.0;        // times as dear is it to leave a line that is to be kept
+constexpr double kBackward = 0.5;         // share of its speed that a differential base may drive backwards
+constexpr double kRest = 0.05;            // [m] so near the end of its path the robot keeps its heading
+constexpr double kLine = 50.0;            // times as dear is it to leave a line that is to be kept
 constexpr std::uint32_t kOtherMeans = 2;  // stand still, and pursue the path
-constexpr double kAstray = 0.15;      // [m] from the middle of the obstacle field
-constexpr double kNotNearer = 0.005;  // [m] what is nearer than the margin may come so much nearer, no more
+constexpr double kAstray = 0.15;          // [m] from the middle of the obstacle field
+constexpr double kNotNearer = 0.005;      // [m] what is nearer than the margin may come so much nearer, no more
 
 float narrow(double x) { return static_cast<float>(x); }
 
@@ -49,7 +49,7 @@ struct Mppi::Impl {
   std::vector<Vec2> seen;           // what the field was made of
   Pose2D start;                     // where the plan begins, in odom
   std::vector<Person> people;
-  bool stepped = false;             // in the period before
+  bool stepped = false;  // in the period before
   mppi::PathTable path;
   std::vector<float> costs;
 
@@ -191,7 +191,9 @@ mppi::Problem Mppi::Impl::pose_problem(const MppiTask& task) const {
                 .close_turn = narrow(w.obstacle_speed * corner * corner)};
   const bool turning = task.turn.has_value();
   const bool resting = !turning && path.length() < kRest;
-  p.path = {.path = path.view(), .left = narrow(turning ? 0.0 : w.path_left), .beside = narrow((task.keep_line ? kLine : 1.0) * w.path_beside)};
+  p.path = {.path = path.view(),
+            .left = narrow(turning ? 0.0 : w.path_left),
+            .beside = narrow((task.keep_line ? kLine : 1.0) * w.path_beside)};
   const exact::SinCos aside = exact::sincos(task.aside + (task.backwards ? exact::kPi : 0.0));
   p.heading = {.along = narrow(turning || resting ? 0.0 : w.heading_along),
                .aside_cos = narrow(aside.cos),
@@ -203,8 +205,8 @@ mppi::Problem Mppi::Impl::pose_problem(const MppiTask& task) const {
                .turn_to = narrow(start.theta + task.turn.value_or(0.0))};
   if (path.ends()) {
     const Vec2 goal = path.end() - field.middle();
-    p.goal = {.x = narrow(goal.x), .y = narrow(goal.y), .distance = narrow(w.goal_distance),
-              .speed = narrow(w.goal_speed)};
+    p.goal = {
+        .x = narrow(goal.x), .y = narrow(goal.y), .distance = narrow(w.goal_distance), .speed = narrow(w.goal_speed)};
   }
   p.smoothness = {.linear = narrow(w.smooth_linear), .angular = narrow(w.smooth_angular)};
   add_people(p.people);

@@ -15,7 +15,8 @@ namespace threewe::nav::mppi {
 /// float, wherever in the cell the robot is. The outline is the box around the footprint.
 class ObstacleField {
  public:
-  /// `reach` [m]: how far from its middle the robot may get. Obstacles beyond `sight` [m] from the outline do not count.
+  /// `reach` [m]: how far from its middle the robot may get. Obstacles beyond `sight` [m] from the outline do not
+  /// count.
   ObstacleField(const Footprint& footprint, double reach, double sight);
 
   /// Looks at all obstacles anew, points in `odom` [m]; the window's middle is then `middle`.

@@ -9,8 +9,8 @@
 
 namespace threewe::nav::mppi {
 
-/// The plan that pursues the path from `start`, in `odom`, or turns on the spot. It knows nothing of obstacles; as one of
-/// the means that samples vary it shows where to go when the plan before has become useless.
+/// The plan that pursues the path from `start`, in `odom`, or turns on the spot. It knows nothing of obstacles; as one
+/// of the means that samples vary it shows where to go when the plan before has become useless.
 Plan pursue(const PathTable& path, const MppiTask& task, const Limits& limits, Kinematics kinematics, double step,
             const Pose2D& start);
 

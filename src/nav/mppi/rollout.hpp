@@ -39,39 +39,39 @@ struct Block {
 
 /// What the robot can do within a step.
 struct Reach {
-  float dt = 0.05F;                  ///< [s]
-  float linear = 0.0F;               ///< [m/s]
-  float backward = 0.0F;             ///< [m/s] of a differential base
-  float acceleration = 0.0F;         ///< [m/s] in a step, speeding up
-  float braking = 0.0F;              ///< [m/s] in a step, slowing down
-  float angular = 0.0F;              ///< [rad/s]
+  float dt = 0.05F;                   ///< [s]
+  float linear = 0.0F;                ///< [m/s]
+  float backward = 0.0F;              ///< [m/s] of a differential base
+  float acceleration = 0.0F;          ///< [m/s] in a step, speeding up
+  float braking = 0.0F;               ///< [m/s] in a step, slowing down
+  float angular = 0.0F;               ///< [rad/s]
   float angular_acceleration = 0.0F;  ///< [rad/s] in a step
   bool holonomic = false;
 };
 
 /// Where and how fast the robot is as the plan begins.
 struct Start {
-  float x = 0.0F, y = 0.0F;              ///< [m] in the window
-  float cos = 1.0F, sin = 0.0F;          ///< of its heading
-  float theta = 0.0F;                    ///< [rad]
+  float x = 0.0F, y = 0.0F;      ///< [m] in the window
+  float cos = 1.0F, sin = 0.0F;  ///< of its heading
+  float theta = 0.0F;            ///< [rad]
   float vx = 0.0F, vy = 0.0F, omega = 0.0F;
-  float progress = 0.0F;                 ///< [m] along the path
+  float progress = 0.0F;  ///< [m] along the path
 };
 
 /// For each cell and heading the obstacle that is nearest to the outline, packed.
 struct FieldView {
   const std::int32_t* cells = nullptr;  ///< (kBins, kSide, kSide)
   float cells_per_metre = 0.0F;
-  float unit = 0.0F;  ///< [m] of packed coordinates
+  float unit = 0.0F;                            ///< [m] of packed coordinates
   float half_length = 0.0F, half_width = 0.0F;  ///< [m] of the outline, a box ...
   float middle_x = 0.0F, middle_y = 0.0F;       ///< [m] ... whose middle lies here in the base frame
 };
 struct ObstacleCritic {
   FieldView field;
-  float margin = 0.0F;    ///< [m] nearer than this counts as contact
+  float margin = 0.0F;     ///< [m] nearer than this counts as contact
   float per_reach = 0.0F;  ///< [1/m] one over the distance beyond the margin that is still close
-  float contact = 0.0F;   ///< of each look
-  float depth = 0.0F;     ///< [1/m] of each look, more where the outline is deeper within the margin
+  float contact = 0.0F;    ///< of each look
+  float depth = 0.0F;      ///< [1/m] of each look, more where the outline is deeper within the margin
   float close = 0.0F;
   float close_speed = 0.0F;  ///< [s^2/m^2] closeness counts with the square of the speed, of the body ...
   float close_turn = 0.0F;   ///< [s^2/rad^2] ... and of its corners as it turns
@@ -92,13 +92,13 @@ struct PathCritic {
   float beside = 0.0F;  ///< [1/m^2]
 };
 struct HeadingCritic {
-  float along = 0.0F;               ///< of facing another way than the path
+  float along = 0.0F;                        ///< of facing another way than the path
   float aside_cos = 1.0F, aside_sin = 0.0F;  ///< of the angle to face to the left of the path; a half turn backwards
-  float sideways = 0.0F;            ///< [s^2/m^2]
-  float backward = 0.0F;            ///< [s^2/m^2] of driving against the way it is to go
-  float sign = 1.0F;                ///< -1 where it is to go backwards
-  float turn = 0.0F;                ///< [1/rad] of what is left of a turn on the spot
-  float turn_to = 0.0F;             ///< [rad], counted from `Start::theta` on, not wrapped
+  float sideways = 0.0F;                     ///< [s^2/m^2]
+  float backward = 0.0F;                     ///< [s^2/m^2] of driving against the way it is to go
+  float sign = 1.0F;                         ///< -1 where it is to go backwards
+  float turn = 0.0F;                         ///< [1/rad] of what is left of a turn on the spot
+  float turn_to = 0.0F;                      ///< [rad], counted from `Start::theta` on, not wrapped
 };
 struct GoalCritic {
   float x = 0.0F, y = 0.0F;  ///< [m] in the window

@@ -80,8 +80,8 @@ HWY_INLINE void move(float dt, Sample& at) {
 HWY_INLINE Sample begin(const Start& start) {
   const V vx = number(start.vx);
   const V vy = number(start.vy);
-  return {number(start.x),     number(start.y), number(start.cos), number(start.sin),
-          number(start.theta), vx,              vy,                number(start.omega), length(vx, vy)};
+  return {number(start.x),     number(start.y), number(start.cos), number(start.sin), number(start.theta), vx, vy,
+          number(start.omega), length(vx, vy)};
 }
 
 // A vector of samples from the beginning of their plans to the end.

@@ -360,9 +360,8 @@ TEST_CASE("a copy of a mind decides as the original does, to the bit") {
     for (const Sample& s : samples) drive.localizer->add(s);
     const Time now = drive.world.now();
     const Velocity commanded = drive.command;
-    const Decision a =
-        drive.navigator->step({now, drive.localizer->estimate(now), drive.localizer->map(),
-                               drive.localizer->map_version(), drive.localizer->obstacles(), commanded});
+    const Decision a = drive.navigator->step({now, drive.localizer->estimate(now), drive.localizer->map(),
+                                              drive.localizer->map_version(), drive.localizer->obstacles(), commanded});
     drive.command = a.velocity;
     if (!localizer) continue;
     for (const Sample& s : samples) localizer->add(s);

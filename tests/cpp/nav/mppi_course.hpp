@@ -1,5 +1,6 @@
-// Courses for a controller alone: walls, people, a robot whose motors lag and whose commands arrive late, and a lidar of
-// exact points. No localiser, no planner and no gate are involved, so that what is touched is the controller's fault.
+// Courses for a controller alone: walls, people, a robot whose motors lag and whose commands arrive late, and a lidar
+// of exact points. No localiser, no planner and no gate are involved, so that what is touched is the controller's
+// fault.
 #pragma once
 
 #include <algorithm>

@@ -52,7 +52,8 @@ float clearance(const FieldView& f, const Robot& r) {
 float obstacle(const ObstacleCritic& c, const Robot& r) {
   const float beyond = clearance(c.field, r) - c.margin;
   const float near = above_zero(1.0F - above_zero(beyond) * c.per_reach);
-  const float closeness = squared(near) * (c.close + (c.close_speed * squared(r.speed) + c.close_turn * squared(r.omega)));
+  const float closeness =
+      squared(near) * (c.close + (c.close_speed * squared(r.speed) + c.close_turn * squared(r.omega)));
   return closeness + (beyond < 0.0F ? c.contact + c.depth * -beyond : 0.0F);
 }
 
@@ -261,21 +262,39 @@ Problem draw_problem(Draw& draw, const Tables& tables) {
              draw.between(0.05, 0.5), draw.between(0.5, 3.0), draw.between(0.1, 0.5), holonomic};
   const double heading = draw.between(-3.14, 3.14);
   const auto [s, c] = exact::sincos(heading);
-  p.start = {draw.between(-1.0, 1.0), draw.between(-1.0, 1.0), static_cast<float>(c), static_cast<float>(s),
-             static_cast<float>(heading), draw.between(-0.5, 0.5), holonomic ? draw.between(-0.5, 0.5) : 0.0F,
-             draw.between(-1.0, 1.0), draw.between(0.0, 0.5)};
+  p.start = {draw.between(-1.0, 1.0),
+             draw.between(-1.0, 1.0),
+             static_cast<float>(c),
+             static_cast<float>(s),
+             static_cast<float>(heading),
+             draw.between(-0.5, 0.5),
+             holonomic ? draw.between(-0.5, 0.5) : 0.0F,
+             draw.between(-1.0, 1.0),
+             draw.between(0.0, 0.5)};
   for (Plan& mean : p.means) mean = draw_plan(draw);
   p.noise = noise_pool().data();
-  const FieldView field{tables.cells.data(), draw.between(20.0, 50.0), 1e-4F, draw.between(0.05, 0.2),
-                        draw.between(0.05, 0.2), draw.between(-0.05, 0.05), draw.between(-0.05, 0.05)};
-  p.obstacle = {field, draw.between(0.0, 0.1), draw.between(4.0, 10.0), draw.between(0.0, 50.0),
-                draw.between(0.0, 500.0), draw.between(0.0, 1.0), draw.between(0.0, 8.0), draw.between(0.0, 1.0)};
-  const PathView path{tables.points.data(), tables.directions.data(), 1e-4F, 40.0F, 0.025F,
+  const FieldView field{tables.cells.data(),      draw.between(20.0, 50.0), 1e-4F,
+                        draw.between(0.05, 0.2),  draw.between(0.05, 0.2),  draw.between(-0.05, 0.05),
+                        draw.between(-0.05, 0.05)};
+  p.obstacle = {field,
+                draw.between(0.0, 0.1),
+                draw.between(4.0, 10.0),
+                draw.between(0.0, 50.0),
+                draw.between(0.0, 500.0),
+                draw.between(0.0, 1.0),
+                draw.between(0.0, 8.0),
+                draw.between(0.0, 1.0)};
+  const PathView path{tables.points.data(),
+                      tables.directions.data(),
+                      1e-4F,
+                      40.0F,
+                      0.025F,
                       static_cast<float>(draw.whole(1, kPathPoints - 1))};
   p.path = {path, draw.between(0.0, 4.0), draw.between(0.0, 4.0)};
   const auto [as, ac] = exact::sincos(static_cast<double>(draw.between(-1.0, 1.0)));
-  p.heading = {draw.between(0.0, 1.0), static_cast<float>(ac), static_cast<float>(as), draw.between(0.0, 1.0),
-               draw.between(0.0, 2.0), draw.chance(0.5) ? 1.0F : -1.0F, draw.between(0.0, 3.0), draw.between(-7.0, 7.0)};
+  p.heading = {draw.between(0.0, 1.0), static_cast<float>(ac), static_cast<float>(as),
+               draw.between(0.0, 1.0), draw.between(0.0, 2.0), draw.chance(0.5) ? 1.0F : -1.0F,
+               draw.between(0.0, 3.0), draw.between(-7.0, 7.0)};
   p.goal = {draw.between(-1.0, 1.0), draw.between(-1.0, 1.0), draw.between(0.0, 3.0), draw.between(0.0, 3.0)};
   p.smoothness = {draw.between(0.0, 2.0), draw.between(0.0, 1.0)};
   p.people.count = static_cast<std::size_t>(draw.whole(0, kPeople));

@@ -188,8 +188,9 @@ TEST_CASE("the obstacle field knows the real outline's clearance wherever the ro
         const int bin = static_cast<int>(std::floor(pose.theta * mppi::kBins / exact::kPi)) & (mppi::kBins - 1);
         const std::int32_t packed =
             view.cells[(bin * mppi::kSide + cell(in_window.y)) * mppi::kSide + cell(in_window.x)];
-        const Vec2 nearest = field.middle() + field.unit() * Vec2{static_cast<double>(static_cast<std::int16_t>(packed)),
-                                                                   static_cast<double>(packed >> 16)};
+        const Vec2 nearest =
+            field.middle() + field.unit() * Vec2{static_cast<double>(static_cast<std::int16_t>(packed)),
+                                                 static_cast<double>(packed >> 16)};
         const double found = footprint.signed_distance(inverse(pose) * nearest);
         CHECK(found > expected - 1e-4);
         if (expected > 0.2) continue;

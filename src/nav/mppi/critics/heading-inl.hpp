@@ -24,8 +24,7 @@ HWY_INLINE V heading_cost(const HeadingCritic& critic, const Sample& at, const P
 
 HWY_INLINE V direction_cost(const HeadingCritic& critic, const Sample& at) {
   const V against = above_zero(hn::Mul(at.vx, number(-critic.sign)));
-  return hn::Add(hn::Mul(number(critic.sideways), squared(at.vy)),
-                 hn::Mul(number(critic.backward), squared(against)));
+  return hn::Add(hn::Mul(number(critic.sideways), squared(at.vy)), hn::Mul(number(critic.backward), squared(against)));
 }
 
 }  // namespace threewe::nav::mppi::HWY_NAMESPACE

@@ -14,10 +14,10 @@ namespace threewe::nav::mppi::HWY_NAMESPACE {
 /// Where each sample is along the path, followed from look to look, so that a path that comes back to a place is not
 /// cut short.
 struct Progress {
-  V x, y;     // [m] of the robot at the last look
-  V tx, ty;   // the path's direction there
-  V along;    // [m] from the beginning of the path
-  V beside;   // [m] to the left of it
+  V x, y;    // [m] of the robot at the last look
+  V tx, ty;  // the path's direction there
+  V along;   // [m] from the beginning of the path
+  V beside;  // [m] to the left of it
 };
 
 HWY_INLINE void look_at_path(const PathView& path, V x, V y, V guess, Progress& progress) {
@@ -33,14 +33,14 @@ HWY_INLINE void look_at_path(const PathView& path, V x, V y, V guess, Progress& 
   progress.y = y;
   progress.tx = direction.a;
   progress.ty = direction.b;
-  progress.along = hn::Add(hn::Mul(index, number(path.spacing)),
-                           hn::Add(hn::Mul(dx, direction.a), hn::Mul(dy, direction.b)));
+  progress.along =
+      hn::Add(hn::Mul(index, number(path.spacing)), hn::Add(hn::Mul(dx, direction.a), hn::Mul(dy, direction.b)));
   progress.beside = hn::Sub(hn::Mul(dy, direction.a), hn::Mul(dx, direction.b));
 }
 
 HWY_INLINE V path_cost(const PathCritic& critic, const Sample& at, Progress& progress) {
-  const V moved = hn::Add(hn::Mul(hn::Sub(at.x, progress.x), progress.tx),
-                          hn::Mul(hn::Sub(at.y, progress.y), progress.ty));
+  const V moved =
+      hn::Add(hn::Mul(hn::Sub(at.x, progress.x), progress.tx), hn::Mul(hn::Sub(at.y, progress.y), progress.ty));
   look_at_path(critic.path, at.x, at.y, hn::Add(progress.along, moved), progress);
   const V length_of_path = number(critic.path.last * critic.path.spacing);
   const V left = hn::Abs(hn::Sub(length_of_path, progress.along));

@@ -24,12 +24,12 @@ HWY_INLINE V above_zero(V x) { return hn::Max(x, hn::Zero(kFloats)); }
 
 /// The robot of each sample at the end of a step.
 struct Sample {
-  V x, y;         // [m] in the window
-  V cos, sin;     // of its heading
-  V theta;        // [rad], not wrapped
-  V vx, vy;       // [m/s] in the base frame
-  V omega;        // [rad/s]
-  V speed;        // [m/s], that the body may have
+  V x, y;      // [m] in the window
+  V cos, sin;  // of its heading
+  V theta;     // [rad], not wrapped
+  V vx, vy;    // [m/s] in the base frame
+  V omega;     // [rad/s]
+  V speed;     // [m/s], that the body may have
 };
 
 /// Two numbers of `pack`.
