@@ -29,7 +29,8 @@ RobotProfile driven_carefully(RobotProfile profile) {
   return profile;
 }
 
-// A quarter of the samples drives as well here and leaves the robot's computer to others.
+// A quarter of the samples takes a quarter of the time. They reach as many goals in the scenes, but a differential base
+// may fail at doors 5 cm wider than itself, where all 2,000 do not.
 MppiSettings settings() {
   MppiSettings s;
   s.samples = 512;
