@@ -31,7 +31,7 @@ struct MppiWeights {
   double obstacle_contact = 60.0;  ///< of an outline nearer than the margin
   double obstacle_depth = 1000.0;  ///< [1/m] and more, the deeper
   double obstacle_close = 0.1;     ///< of an outline at the margin, none `obstacle_reach` beyond it
-  double obstacle_speed = 10.0;    ///< [s^2/m^2] and more, the faster its body and corners move there
+  double obstacle_speed = 6.0;     ///< [s^2/m^2] and more, the faster its body and corners move there
   double heading_along = 0.5;      ///< of not facing along the path
   double heading_sideways = 0.3;   ///< [s^2/m^2] of driving sideways
   double heading_backward = 1.0;   ///< [s^2/m^2] of driving against the way it is to go

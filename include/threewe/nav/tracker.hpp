@@ -74,6 +74,7 @@ class Tracker {
   Kinematics kinematics_;
   Outline outline_;
   double margin_;       // [m]
+  double inside_;       // [m] of it that plans may use
   double aside_ = 0.0;  // [rad]
   double spare_ = 0.0;  // [m]
   Pose2D odom_from_base_;
