@@ -48,7 +48,7 @@ class Tracker {
   /// The velocity for following `path`, in `odom` from the robot on, to a stop at its end.
   Velocity follow(std::span<const Vec2> path);
   /// The velocity for turning by `angle` [rad] on the spot.
-  Velocity turn(double angle) const;
+  Velocity turn(double angle);
   /// The velocity for driving along the base's x axis by `distance` [m], off the line by `offset` [m] (positive: the
   /// line is to the left) and by `heading` [rad] (positive: the line points to the left).
   Velocity straight(double distance, double offset, double heading);

@@ -360,13 +360,19 @@ TEST_CASE("a copy of a mind decides as the original does, to the bit") {
     for (const Sample& s : samples) drive.localizer->add(s);
     const Time now = drive.world.now();
     const Velocity commanded = drive.command;
-    const Decision a = drive.navigator->step({now, drive.localizer->estimate(now), drive.localizer->map(),
-                                              drive.localizer->map_version(), drive.localizer->obstacles(), commanded});
+    const auto seen_by = [&](const slam::Localizer& by) {
+      return Observation{.now = now,
+                         .pose = by.estimate(now),
+                         .map = by.map(),
+                         .map_version = by.map_version(),
+                         .obstacles = by.obstacles(),
+                         .commanded = commanded};
+    };
+    const Decision a = drive.navigator->step(seen_by(*drive.localizer));
     drive.command = a.velocity;
     if (!localizer) continue;
     for (const Sample& s : samples) localizer->add(s);
-    const Decision b = navigator->step(
-        {now, localizer->estimate(now), localizer->map(), localizer->map_version(), localizer->obstacles(), commanded});
+    const Decision b = navigator->step(seen_by(*localizer));
     REQUIRE(a.velocity == b.velocity);
     REQUIRE(localizer->map() == drive.localizer->map());
   }
