@@ -131,7 +131,6 @@ void PathNavigator::note(const Observation& seen) {
   for (const Vec2 p : seen.obstacles) {
     in_base_.push_back({base_from_odom.x + c * p.x - s * p.y, base_from_odom.y + s * p.x + c * p.y});
   }
-  tracker_.look({seen.pose.odom_from_base, seen.commanded, seen.obstacles, {}});
   tracker_.see(in_base_, recovery_.active() || now_ < motion_.tight_until ? 0.0 : kSpare);
   if (!has_lidar_) tracker_.look_aside(sweep_aside(now_ - motion_.started));
 }
@@ -205,7 +204,7 @@ Decision PathNavigator::drive(const Explore&, const Observation& seen) {
     const bool explored = !route_.plan_to_frontier(seen);
     if (proven(explored)) return finish(Reason::reached, "nothing that can be reached is left to see");
   }
-  return route_.has_path() ? follow(seen) : wait();
+  return route_.has_path() ? follow() : wait();
 }
 
 // Towards the end of the route: reached, given up, or on the way along a plan that is kept fresh.
@@ -222,13 +221,13 @@ Decision PathNavigator::travel(const Observation& seen, Vec2 goal, double tolera
     const bool impossible = !route_.plan_to_goal(seen, tolerance);
     if (proven(impossible)) return finish(Reason::no_path, "everything within reach was searched");
   }
-  return route_.has_path() ? follow(seen) : wait();
+  return route_.has_path() ? follow() : wait();
 }
 
-Decision PathNavigator::follow(const Observation& seen) {
+Decision PathNavigator::follow() {
   route_.advance(progress_.pose.position());
   progress_.distance_left = path_length(route_.path());
-  return {tracker_.follow(transformed(inverse(seen.pose.map_from_odom), route_.path()))};
+  return {tracker_.follow(route_.path(), route_.costmap(), progress_.pose)};
 }
 
 // Stands still on purpose, which is not being stuck.

@@ -37,7 +37,7 @@ class PathNavigator final : public Navigator {
   void estimate_time_left();
   Velocity within_zones(const Velocity& velocity) const;
   Decision travel(const Observation& seen, Vec2 goal, double tolerance);
-  Decision follow(const Observation& seen);
+  Decision follow();
   Decision wait();
   void mark_moved();
   Decision finish(Reason reason, std::string_view detail = {});

@@ -59,7 +59,7 @@ void Recovery::enter(State state, Time now, const Pose2D& odom_from_base) {
   escape_ = {};
 }
 
-Velocity Recovery::step(Time now, const Pose2D& odom_from_base, Tracker& tracker) {
+Velocity Recovery::step(Time now, const Pose2D& odom_from_base, const Tracker& tracker) {
   turned_ += wrap_angle(odom_from_base.theta - heading_);
   heading_ = odom_from_base.theta;
   switch (state_) {
@@ -76,7 +76,7 @@ Velocity Recovery::step(Time now, const Pose2D& odom_from_base, Tracker& tracker
 }
 
 // The way it came; where that is closed too, wherever there is most room.
-Velocity Recovery::back_off(Time now, const Pose2D& odom_from_base, Tracker& tracker) {
+Velocity Recovery::back_off(Time now, const Pose2D& odom_from_base, const Tracker& tracker) {
   const double moved = distance(odom_from_base.position(), entered_at_);
   if (now - entered_ < kBackingOff && moved < kFirstWay + kMoreEachTime * (attempts_ - 1)) {
     if (escape_ == Velocity{}) {
@@ -109,7 +109,7 @@ Velocity Recovery::along_trail(const Pose2D& odom_from_base, double speed) {
 }
 
 // From one direction to the next, each as near as there is room to turn.
-Velocity Recovery::look(Time now, const Pose2D& odom_from_base, Tracker& tracker) {
+Velocity Recovery::look(Time now, const Pose2D& odom_from_base, const Tracker& tracker) {
   if (std::fabs(looks_.front() - turned_) <= kLooked || now - entered_ >= kLooking) {
     looks_.erase(looks_.begin());
     enter(looks_.empty() ? State::replanning : State::looking, now, odom_from_base);

@@ -33,7 +33,7 @@ class Recovery {
   /// The robot is lost: it turns once round itself.
   void look_round(Time now, const Pose2D& odom_from_base);
   /// One period of what has begun.
-  Velocity step(Time now, const Pose2D& odom_from_base, Tracker& tracker);
+  Velocity step(Time now, const Pose2D& odom_from_base, const Tracker& tracker);
   /// Drives on: the plan has been made, or the robot is lost no more.
   void end() { state_ = State::driving; }
 
@@ -48,9 +48,9 @@ class Recovery {
 
  private:
   void enter(State state, Time now, const Pose2D& odom_from_base);
-  Velocity back_off(Time now, const Pose2D& odom_from_base, Tracker& tracker);
+  Velocity back_off(Time now, const Pose2D& odom_from_base, const Tracker& tracker);
   Velocity along_trail(const Pose2D& odom_from_base, double speed);
-  Velocity look(Time now, const Pose2D& odom_from_base, Tracker& tracker);
+  Velocity look(Time now, const Pose2D& odom_from_base, const Tracker& tracker);
 
   Kinematics kinematics_;
   bool hard_of_seeing_;

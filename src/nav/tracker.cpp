@@ -13,29 +13,25 @@ namespace {
 constexpr double kReaction = 0.12;      // [s] from a command to its effect
 constexpr double kLargestSpare = 0.05;  // [m]
 constexpr double kNotNearer = 0.005;    // [m] what is nearer than the margin may come so much nearer, no more
-constexpr double kInside = 0.03;        // [m] of the margin that plans may use: scans are noisy, and the gate keeps it
 constexpr double kHorizon = 1.2;        // [s] looked ahead along a motion
 constexpr double kStep = 0.02;          // [m] or 0.1 rad between the poses that are tried
-constexpr double kLookahead = 0.3;      // [m] along the path to where a differential base faces before it drives
+constexpr double kLookahead = 0.45;     // [m]
+constexpr int kLookaheads = 8;          // each 5 cm less than the one before
+constexpr double kSlowest = 0.04;       // [m/s] towards the goal
 constexpr double kTurnFirst = 0.8;      // [rad] differential: beyond this turn on the spot ...
-constexpr double kTurnDone = 0.2;       // [rad] ... until the path is this straight ahead
-constexpr double kEscape = 0.4;         // share of the speed limit when backing off
+constexpr double kTurnDone = 0.2;       // [rad] ... until the target is this straight ahead
+
+constexpr double kEscape = 0.4;  // share of the speed limit when backing off
+
+// Deviations from the straight way to the target that are tried when it is not free [rad].
+constexpr std::array<double, 12> kFan = {0.2, -0.2, 0.4, -0.4, 0.6, -0.6, 0.9, -0.9, 1.2, -1.2, 1.6, -1.6};
 
 // Robots without a lidar hear what is ahead late and not always: they drive slowly.
-RobotProfile driven_carefully(RobotProfile profile) {
+Limits tracking_limits(const RobotProfile& profile) {
   constexpr double kUnsighted = 0.25;  // [m/s]
-  double& linear = profile.operating_limits.linear;
-  if (!profile.lidar) linear = std::min(linear, kUnsighted);
-  return profile;
-}
-
-// A quarter of the samples takes a quarter of the time. They reach as many goals in the scenes, but a differential base
-// fails more often at doors 5 cm wider than itself.
-MppiSettings settings() {
-  MppiSettings s;
-  s.samples = 512;
-  s.weights.obstacle_speed = 10.0;
-  return s;
+  Limits limits = profile.operating_limits;
+  if (!profile.lidar) limits.linear = std::min(limits.linear, kUnsighted);
+  return limits;
 }
 
 Velocity scaled(const Velocity& v, double s) { return {s * v.vx, s * v.vy, s * v.omega}; }
@@ -59,22 +55,14 @@ double Outline::clearance(Vec2 p) const {
 }
 
 Tracker::Tracker(const RobotProfile& profile)
-    : mppi_(driven_carefully(profile), settings()),
-      limits_(driven_carefully(profile).operating_limits),
+    : limits_(tracking_limits(profile)),
       kinematics_(profile.kinematics()),
       outline_(profile.body.footprint),
       margin_(profile.margin()),
-      inside_(profile.lidar ? kInside : 0.0),
       reach_(profile.body.footprint.circumscribed_radius() + margin_ + kLargestSpare +
              kHorizon * profile.operating_limits.linear) {}
 
-void Tracker::look(const MppiObservation& seen) {
-  odom_from_base_ = seen.odom_from_base;
-  mppi_.see(seen);
-}
-
 void Tracker::see(std::span<const Vec2> obstacles_in_base, double spare) {
-  spare_ = spare;
   near_.clear();
   least_.clear();
   for (const Vec2 p : obstacles_in_base) {
@@ -85,15 +73,55 @@ void Tracker::see(std::span<const Vec2> obstacles_in_base, double spare) {
   }
 }
 
-Velocity Tracker::follow(std::span<const Vec2> path) {
+Velocity Tracker::follow(std::span<const Vec2> path, const map::Costmap& costmap, const Pose2D& pose) {
   if (path.empty()) return {};
-  if (kinematics_ == Kinematics::differential) {
-    const PathPoint here = nearest_on_path(path, odom_from_base_.position());
-    const Vec2 ahead = inverse(odom_from_base_) * point_after(path, here, kLookahead);
-    const double bearing = exact::atan2(ahead.y, ahead.x);
-    if (faces_first(bearing)) return face(bearing);
+  const PathPoint here = nearest_on_path(path, pose.position());
+  const double left = length_after(path, here);
+
+  // as far ahead as a straight line to the path stays clear of obstacles
+  Vec2 target = path.back();
+  for (int i = 0; i < kLookaheads; ++i) {
+    target = point_after(path, here, kLookahead - 0.05 * i);
+    if (std::isfinite(costmap.line_cost(pose.position(), target))) break;
   }
-  return mppi_.step({.path = path, .aside = aside_, .margin = margin_ + spare_ - inside_});
+  const Vec2 in_base = inverse(pose) * target;
+  return towards(in_base, std::max(kSlowest, speed_before(left)));
+}
+
+// Straight to the target where that is free, else along the direction of the fan that brings most.
+Velocity Tracker::towards(Vec2 target, double speed_limit) {
+  const double bearing = exact::atan2(target.y, target.x);
+  const double away = norm(target);
+  const double speed = std::min(speed_limit, limits_.linear);
+
+  const auto velocity_along = [&](double direction) -> Velocity {
+    const double rate = std::clamp(2.5 * (direction + aside_), -limits_.angular, limits_.angular);
+    if (kinematics_ == Kinematics::holonomic) {
+      // sideways motion is the least certain, so it is slow while the robot turns into its path
+      const double share = std::clamp(1.3 - std::fabs(direction) / 1.2, 0.35, 1.0);
+      return {share * speed * exact::cos(direction), share * speed * exact::sin(direction), rate};
+    }
+    const double curvature = 2.0 * exact::sin(direction) / std::max(away, 0.15);
+    const double slow = std::min(speed, 0.9 * limits_.angular / std::max(std::fabs(curvature), 1e-6));
+    const double omega = std::clamp(slow * curvature, -limits_.angular, limits_.angular);
+    return {slow * std::max(exact::cos(direction), 0.0), 0.0, omega};
+  };
+
+  if (kinematics_ == Kinematics::differential && faces_first(bearing)) return face(bearing);
+
+  const Velocity direct = velocity_along(bearing);
+  const double direct_share = allowed_fraction(direct);
+  if (direct_share >= 0.9) return scaled(direct, direct_share);
+
+  Velocity best = scaled(direct, direct_share);
+  double best_gain = direct_share * 1.1;
+  for (const double deviation : kFan) {
+    const Velocity v = velocity_along(wrap_angle(bearing + deviation));
+    const double share = allowed_fraction(v);
+    const double gain = share * exact::cos(deviation);
+    if (gain > best_gain) best_gain = gain, best = scaled(v, share);
+  }
+  return best;
 }
 
 // A differential base turns on the spot towards what is not ahead, until it is.
@@ -106,26 +134,32 @@ bool Tracker::faces_first(double bearing) {
 
 // The turn keeps its direction, even the long way round, and changes it only where something is in the way.
 Velocity Tracker::face(double bearing) {
-  constexpr double kBlocked = 0.2;  // a turn slower than this share of its speed leads nowhere
-  const auto is_blocked = [&](int direction) {
-    return allowed_fraction({0.0, 0.0, direction * limits_.angular}) < kBlocked;
+  const auto turned = [&](int direction) -> Velocity {
+    const double left = direction * bearing > 0.0 ? std::fabs(bearing) : 2.0 * exact::kPi - std::fabs(bearing);
+    return {0.0, 0.0, direction * turn_rate_before(left)};
   };
-  if (is_blocked(turning_) && !is_blocked(-turning_)) {
+  constexpr double kBlocked = 0.2;  // a turn slower than this share of its speed leads nowhere
+  if (allowed_fraction(turned(turning_)) < kBlocked && allowed_fraction(turned(-turning_)) >= kBlocked) {
     turning_ = -turning_;
     ++turned_back_;
   }
-  const bool shorter = turning_ * bearing > 0.0;
-  return turn(turning_ * (shorter ? std::fabs(bearing) : 2.0 * exact::kPi - std::fabs(bearing)));
+  return safe(turned(turning_));
 }
 
-Velocity Tracker::turn(double angle) { return mppi_.step({.turn = angle, .margin = margin_ + spare_ - inside_}); }
+Velocity Tracker::turn(double angle) const {
+  const double rate = std::max(0.08, turn_rate_before(std::fabs(angle)));
+  return safe({0.0, 0.0, angle >= 0.0 ? rate : -rate});
+}
 
 Velocity Tracker::straight(double distance, double offset, double heading) {
-  const Vec2 along = rotate({1.0, 0.0}, heading);
-  const Vec2 from = offset * Vec2{-along.y, along.x};
-  const std::array<Vec2, 2> line = {odom_from_base_ * from, odom_from_base_ * (from + distance * along)};
-  return mppi_.step(
-      {.path = line, .backwards = distance < 0.0, .keep_line = true, .margin = margin_ + spare_ - inside_});
+  const double speed = std::max(kSlowest, speed_before(std::fabs(distance)));
+  const double forward = distance >= 0.0 ? speed : -speed;
+  if (kinematics_ == Kinematics::holonomic) {
+    const double aside = std::clamp(1.5 * offset, -0.1, 0.1);
+    return safe({forward, aside, std::clamp(2.0 * heading, -0.5, 0.5)});
+  }
+  const double omega = 2.0 * heading + 4.0 * (forward >= 0.0 ? offset : -offset) * std::min(1.0, speed / 0.1);
+  return safe({forward, 0.0, std::clamp(omega, -0.5, 0.5)});
 }
 
 double Tracker::escape_speed() const { return kEscape * limits_.linear; }
@@ -183,6 +217,19 @@ Sweep Tracker::sweep(const Velocity& v, double horizon) const {
     }
   }
   return {horizon, true};
+}
+
+// The speed from which the robot comes to rest within `distance`, reacting late and braking gently.
+double Tracker::speed_before(double distance) const {
+  const double b = std::min(0.4 * limits_.linear_braking, 0.8);
+  const double v = b * (exact::sqrt(kReaction * kReaction + 2.0 * std::max(distance, 0.0) / b) - kReaction);
+  return std::min(v, limits_.linear);
+}
+
+double Tracker::turn_rate_before(double angle) const {
+  const double b = std::min(0.4 * limits_.angular_acceleration, 2.0);
+  const double w = b * (exact::sqrt(kReaction * kReaction + 2.0 * std::max(angle, 0.0) / b) - kReaction);
+  return std::min(w, limits_.angular);
 }
 
 }  // namespace threewe::nav

@@ -116,15 +116,9 @@ nav::Observation Runtime::Impl::observation() const {
             .obstacles = obstacles_in_odom(),
             .map_changes = localizer.map_changes(),
             .peers = peers,
-            .people = state->people,
-            .commanded = state->gate.last()};
+            .people = state->people};
   }
-  return {.now = time,
-          .pose = state->estimate,
-          .map = state->echo_map.grid(),
-          .map_version = state->echo_map.version(),
-          .obstacles = obstacles_in_odom(),
-          .commanded = state->gate.last()};
+  return {time, state->estimate, state->echo_map.grid(), state->echo_map.version(), obstacles_in_odom()};
 }
 
 std::vector<Sample> Runtime::Impl::perceive() {

@@ -72,8 +72,6 @@ struct Observation {
   std::span<const Peer> peers{};
   /// Who walks around the robot now, in `odom`; empty without a lidar.
   std::span<const TrackedPerson> people{};
-  /// What the robot was told to do in the period before, by whoever had the last word.
-  Velocity commanded{};
 };
 
 struct Progress {

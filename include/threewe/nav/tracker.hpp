@@ -1,5 +1,5 @@
-// From a path to velocities: model predictive control, what to do before it can begin, and how to get out of where it
-// has no way on.
+// From a path to velocities: regulated pursuit that looks ahead along its own motion and never drives into what the
+// lidar sees.
 #pragma once
 
 #include <span>
@@ -7,7 +7,7 @@
 
 #include "threewe/core/pose.hpp"
 #include "threewe/hardware/profile.hpp"
-#include "threewe/nav/mppi.hpp"
+#include "threewe/map/costmap.hpp"
 
 namespace threewe::nav {
 
@@ -32,23 +32,21 @@ struct Sweep {
   bool free = false;     ///< nothing within the horizon
 };
 
-/// Follows paths.
+/// Follows paths. All it remembers is the direction of a turn that has begun.
 class Tracker {
  public:
   explicit Tracker(const RobotProfile& profile);
 
-  /// What is so now; once every control period.
-  void look(const MppiObservation& seen);
   /// What is near: points in the base frame [m]. The robot's margin and `spare` [m], at most 0.05, are kept free around
   /// the outline; what is nearer already comes no nearer.
   void see(std::span<const Vec2> obstacles_in_base, double spare);
 
   /// A holonomic base faces so far [rad] to the left of where it drives, from now on.
   void look_aside(double angle) { aside_ = angle; }
-  /// The velocity for following `path`, in `odom` from the robot on, to a stop at its end.
-  Velocity follow(std::span<const Vec2> path);
+  /// The velocity for following `path` (in `map`) from `pose`, to a stop at its end.
+  Velocity follow(std::span<const Vec2> path, const map::Costmap& costmap, const Pose2D& pose);
   /// The velocity for turning by `angle` [rad] on the spot.
-  Velocity turn(double angle);
+  Velocity turn(double angle) const;
   /// The velocity for driving along the base's x axis by `distance` [m], off the line by `offset` [m] (positive: the
   /// line is to the left) and by `heading` [rad] (positive: the line points to the left).
   Velocity straight(double distance, double offset, double heading);
@@ -64,20 +62,19 @@ class Tracker {
   Velocity safe(const Velocity& wanted) const;
 
  private:
+  Velocity towards(Vec2 target_in_base, double speed_limit);
   bool faces_first(double bearing);
   Velocity face(double bearing);
   Sweep sweep(const Velocity& velocity, double horizon) const;
   double allowed_fraction(const Velocity& velocity) const;
+  double speed_before(double distance) const;
+  double turn_rate_before(double angle) const;
 
-  Mppi mppi_;
   Limits limits_;
   Kinematics kinematics_;
   Outline outline_;
   double margin_;       // [m]
-  double inside_;       // [m] of it that plans may use
   double aside_ = 0.0;  // [rad]
-  double spare_ = 0.0;  // [m]
-  Pose2D odom_from_base_;
   double reach_ = 0.0;  // [m] points farther away do not matter
   std::vector<Vec2> near_;
   std::vector<double> least_;  // [m] how near each point may come

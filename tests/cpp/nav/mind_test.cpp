@@ -73,10 +73,7 @@ struct Drive {
             localizer->map(),
             localizer->map_version(),
             localizer->obstacles(),
-            localizer->map_changes(),
-            {},
-            {},
-            command};
+            localizer->map_changes()};
   }
 
   // `meddle` may change what is there, and what is seen of it, before each tick.
@@ -95,7 +92,6 @@ struct Drive {
       seen.pose = next.pose;
       seen.map_version = next.map_version;
       seen.obstacles = next.obstacles;
-      seen.commanded = next.commanded;
       if (meddle) meddle(seen);
     }
     return {{}, Reason::timeout};
@@ -359,20 +355,13 @@ TEST_CASE("a copy of a mind decides as the original does, to the bit") {
     const std::vector<Sample> samples = drive.world.tick(drive.command);
     for (const Sample& s : samples) drive.localizer->add(s);
     const Time now = drive.world.now();
-    const Velocity commanded = drive.command;
-    const auto seen_by = [&](const slam::Localizer& by) {
-      return Observation{.now = now,
-                         .pose = by.estimate(now),
-                         .map = by.map(),
-                         .map_version = by.map_version(),
-                         .obstacles = by.obstacles(),
-                         .commanded = commanded};
-    };
-    const Decision a = drive.navigator->step(seen_by(*drive.localizer));
+    const Decision a = drive.navigator->step({now, drive.localizer->estimate(now), drive.localizer->map(),
+                                              drive.localizer->map_version(), drive.localizer->obstacles()});
     drive.command = a.velocity;
     if (!localizer) continue;
     for (const Sample& s : samples) localizer->add(s);
-    const Decision b = navigator->step(seen_by(*localizer));
+    const Decision b = navigator->step(
+        {now, localizer->estimate(now), localizer->map(), localizer->map_version(), localizer->obstacles()});
     REQUIRE(a.velocity == b.velocity);
     REQUIRE(localizer->map() == drive.localizer->map());
   }

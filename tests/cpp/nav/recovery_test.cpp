@@ -21,7 +21,6 @@ struct Body {
   Outline outline;
   Recovery recovery;
   Pose2D pose;
-  Velocity command;
   Time now{};
   std::vector<Vec2> points{};
   std::vector<State> states{};  // that it went through
@@ -50,7 +49,6 @@ struct Body {
       note();
       std::vector<Vec2> in_base;
       for (const Vec2 p : points) in_base.push_back(inverse(pose) * p);
-      tracker.look({pose, command, points, {}});
       tracker.see(in_base, 0.0);
       move(recovery.step(now, pose, tracker));
       REQUIRE(now - began < 30s);
@@ -66,7 +64,6 @@ struct Body {
   }
 
   void move(const Velocity& velocity) {
-    command = velocity;
     pose = integrate(pose, velocity, to_seconds(kControlPeriod));
     now += kControlPeriod;
   }

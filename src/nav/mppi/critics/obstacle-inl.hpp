@@ -6,6 +6,8 @@
 #define THREEWE_NAV_MPPI_OBSTACLE_INL
 #endif
 
+#include <numbers>
+
 #include "nav/mppi/critics/sample-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
@@ -26,7 +28,7 @@ HWY_INLINE V clearance(const FieldView& field, const Sample& at) {
   const V most = number(kSide - 1);
   const V column = clamp(hn::Floor(hn::Add(hn::Mul(x, per_metre), half)), zero, most);
   const V row = clamp(hn::Floor(hn::Add(hn::Mul(y, per_metre), half)), zero, most);
-  const V bin = hn::Floor(hn::Mul(at.theta, number(kBins / 3.14159265F)));
+  const V bin = hn::Floor(hn::Mul(at.theta, number(kBins / std::numbers::pi_v<float>)));
   const auto layer = hn::And(hn::ConvertTo(Ints(), bin), hn::Set(Ints(), kBins - 1));
   const auto cell = hn::ConvertTo(Ints(), hn::Add(hn::Mul(row, number(kSide)), column));
   const auto index = hn::Add(hn::ShiftLeft<14>(layer), cell);
