@@ -95,7 +95,8 @@ void bind_results(nb::module_& m) {
                            h.detail.empty() ? "" : ", " + h.detail);
       });
 
-  nb::class_<nav::TrackedPerson>(m, "TrackedPerson", "Somebody who walks, as the robot's lidar sees them. `odom` frame.")
+  nb::class_<nav::TrackedPerson>(m, "TrackedPerson",
+                                 "Somebody who walks, as the robot's lidar sees them. `odom` frame.")
       .def_ro("id", &nav::TrackedPerson::id, "the same as long as somebody is not lost sight of")
       .def_ro("position", &nav::TrackedPerson::position, "(x, y) [m]")
       .def_ro("velocity", &nav::TrackedPerson::velocity, "(vx, vy) [m/s]")
@@ -104,8 +105,8 @@ void bind_results(nb::module_& m) {
           [](const nav::TrackedPerson& p) { return ArrayView<double, nb::shape<4, 4>>(p.covariance.data(), {4, 4}); },
           nb::rv_policy::reference_internal, "(4, 4) float64, of x, y [m], vx, vy [m/s]")
       .def("__repr__", [](const nav::TrackedPerson& p) {
-        return fmt::format("TrackedPerson({} at ({:.2f}, {:.2f}), {:.2f}, {:.2f} m/s)", p.id, p.position.x, p.position.y,
-                           p.velocity.x, p.velocity.y);
+        return fmt::format("TrackedPerson({} at ({:.2f}, {:.2f}), {:.2f}, {:.2f} m/s)", p.id, p.position.x,
+                           p.position.y, p.velocity.x, p.velocity.y);
       });
 
   nb::class_<Progress>(m, "Progress", "How far a motion has come.")

@@ -51,9 +51,9 @@ class World {
     Mind mind;
     /// What every robot is localised in; each draws its own where null.
     std::shared_ptr<const map::OccupancyGrid> map;
-    /// Where each robot starts in its `map` frame. Where left out: at the origin of its own map, anywhere in a given one.
-    /// Robots that are all given one have the same `map` frame: they share what they have mapped, and who goes where,
-    /// when they explore.
+    /// Where each robot starts in its `map` frame. Where left out: at the origin of its own map, anywhere in a given
+    /// one. Robots that are all given one have the same `map` frame: they share what they have mapped, and who goes
+    /// where, when they explore.
     std::vector<Pose2D> initial_poses;
   };
   /// Throws HardwareError for a robot without a lidar that is given a map.
