@@ -10,6 +10,7 @@
 #include <random>
 #include <vector>
 
+#include "draw.hpp"
 #include "nav/random_costmap.hpp"
 #include "threewe/nav/frontiers.hpp"
 
@@ -58,7 +59,7 @@ TEST_CASE("a path to one target is as cheap as Dijkstra's, and costs what it say
   GridSearch search;
   int found = 0;
   int unreachable = 0;
-  for (std::uint64_t seed = 0; seed < 3000; ++seed) {
+  for (std::uint64_t seed = 0; seed < cases(3000); ++seed) {
     CAPTURE(seed);
     std::mt19937_64 bits(seed);
     const Costmap costmap = random_costmap(bits);

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <vector>
 
+#include "draw.hpp"
 #include "threewe/core/rng.hpp"
 
 namespace threewe::nav {
@@ -157,7 +158,7 @@ TEST_CASE("a lost robot turns once round itself") {
 }
 
 TEST_CASE("whatever stands around, it ends, and runs into nothing") {
-  for (std::uint64_t seed = 0; seed < 2000; ++seed) {
+  for (std::uint64_t seed = 0; seed < cases(2000); ++seed) {
     CAPTURE(seed);
     const RngKey key{.seed = seed};
     Body body(seed % 2 == 0 ? "3we_standard_v2" : "turtlebot_like");
@@ -165,7 +166,7 @@ TEST_CASE("whatever stands around, it ends, and runs into nothing") {
     body.drive({0.3, 0.0, turn}, 3s);
     const int count = static_cast<int>(uniform(key, 1, 0, 0.0, 20.0));
     for (int i = 0; i < count; ++i) {
-      const auto lane = static_cast<std::uint64_t>(i + 2);
+      const auto lane = static_cast<std::uint64_t>(i) + 2;
       const Vec2 point{uniform(key, lane, 0, -0.6, 0.6), uniform(key, lane, 1, -0.6, 0.6)};
       if (body.outline.clearance(point) > body.profile.margin()) body.points.push_back(body.pose * point);
     }
