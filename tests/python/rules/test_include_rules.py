@@ -91,11 +91,13 @@ def sources() -> list[Path]:
 
 
 def module_of(file: Path) -> str:
-    """The module whose file this is: its folder under include/threewe or src, or the one around that folder."""
+    """The module whose file this is: its folder under include/threewe or src, or the nearest one around it."""
     folder = file.parent
     base = next(ROOT / top for top in ("include/threewe", "src") if folder.is_relative_to(ROOT / top))
     name = folder.relative_to(base).as_posix()
-    return name if name in MAY_USE else name.rpartition("/")[0] or name
+    while name not in MAY_USE and "/" in name:
+        name = name.rpartition("/")[0]
+    return name
 
 
 def includes(file: Path) -> Iterator[tuple[int, Path]]:
