@@ -38,9 +38,9 @@ std::size_t bin_of(double angle, std::size_t bins) {
   return static_cast<std::size_t>(std::floor(share * static_cast<double>(bins))) % bins;
 }
 
-bool is_hit(const LaserScan& scan, std::size_t beam) {
+bool is_valid(const LaserScan& scan, std::size_t beam) {
   const auto range = static_cast<double>(scan.ranges[beam]);
-  return range > 0.0 && range >= scan.range_min && range < scan.range_max;
+  return range > 0.0 && range >= scan.range_min;
 }
 
 // Where the lidar was as it measured a beam.
@@ -54,26 +54,35 @@ Pose2D pose_at(const LaserScan& scan, std::size_t beam, const Pose2D& then, cons
 void PeopleTracker::see(const LaserScan& scan, Time began, Time ended, const Pose2D& odom_from_lidar_then,
                         const Pose2D& odom_from_lidar) {
   const Time stamp = began + (ended - began) / 2;
-  find_hits(scan, odom_from_lidar_then, odom_from_lidar);
+  find_ends(scan, odom_from_lidar_then, odom_from_lidar);
+  find_hits(scan);
   group_hits(scan, odom_from_lidar.position());
   merge_legs();
   predict(stamp);
   assign(stamp);
   begin_tracks(stamp);
   end_tracks(stamp);
-  remember(scan, stamp, odom_from_lidar_then, odom_from_lidar);
+  remember(scan, stamp, interpolate(odom_from_lidar_then, odom_from_lidar, 0.5).position());
+}
+
+// How far beams could be seen along, each from where the lidar was then.
+void PeopleTracker::find_ends(const LaserScan& scan, const Pose2D& then, const Pose2D& now) {
+  ends_.assign(scan.ranges.size(), {});
+  for (std::size_t i = 0; i < scan.ranges.size(); ++i) {
+    if (!is_valid(scan, i)) continue;
+    const Pose2D lidar = pose_at(scan, i, then, now);
+    const double angle = lidar.theta + scan.angle_min + static_cast<double>(i) * scan.angle_increment;
+    ends_[i] = lidar.position() + rotate({static_cast<double>(scan.ranges[i]), 0.0}, angle);
+  }
 }
 
 // Where beams hit something, and whether it was there before.
-void PeopleTracker::find_hits(const LaserScan& scan, const Pose2D& then, const Pose2D& now) {
+void PeopleTracker::find_hits(const LaserScan& scan) {
   hits_.clear();
   for (std::size_t i = 0; i < scan.ranges.size(); ++i) {
     const auto range = static_cast<double>(scan.ranges[i]);
-    if (!is_hit(scan, i) || range > kFarthest) continue;
-    const Pose2D lidar = pose_at(scan, i, then, now);
-    const double angle = lidar.theta + scan.angle_min + static_cast<double>(i) * scan.angle_increment;
-    const Vec2 at = lidar.position() + rotate({range, 0.0}, angle);
-    hits_.push_back({at, i, range, was_free(at, kFreeBy)});
+    if (!is_valid(scan, i) || range >= scan.range_max || range > kFarthest) continue;
+    hits_.push_back({ends_[i], i, range, was_free(ends_[i], kFreeBy)});
   }
 }
 
@@ -97,14 +106,11 @@ bool PeopleTracker::was_free(Vec2 point, double margin) const {
   return false;
 }
 
-void PeopleTracker::remember(const LaserScan& scan, Time stamp, const Pose2D& then, const Pose2D& now) {
-  View view{stamp, interpolate(then, now, 0.5).position(), {}};
+void PeopleTracker::remember(const LaserScan& scan, Time stamp, Vec2 from) {
+  View view{stamp, from, {}};
   for (std::size_t i = 0; i < scan.ranges.size(); ++i) {
-    const auto range = static_cast<double>(scan.ranges[i]);
-    if (range <= 0.0 || range < scan.range_min) continue;
-    const Pose2D lidar = pose_at(scan, i, then, now);
-    const double angle = lidar.theta + scan.angle_min + static_cast<double>(i) * scan.angle_increment;
-    const Vec2 d = lidar.position() + rotate({range, 0.0}, angle) - view.from;
+    if (!is_valid(scan, i)) continue;
+    const Vec2 d = ends_[i] - view.from;
     float& nearest = view.ranges[bin_of(bearing(d), kBins)];
     const auto length = static_cast<float>(norm(d));
     nearest = nearest == 0.0F ? length : std::min(nearest, length);
@@ -205,16 +211,20 @@ void PeopleTracker::merge_legs() {
   taken_.assign(groups_.size(), 0);
 }
 
+// Where somebody is `t` seconds later, and how surely.
+PeopleTracker::Track PeopleTracker::later(Track track, double t) {
+  constexpr double kNoise = kAcceleration * kAcceleration;  // of white acceleration, per second
+  track.position = track.position + t * track.velocity;
+  track.pp += 2.0 * t * track.pv + t * t * track.vv + kNoise * t * t * t / 3.0;
+  track.pv += t * track.vv + kNoise * t * t / 2.0;
+  track.vv += kNoise * t;
+  return track;
+}
+
 void PeopleTracker::predict(Time stamp) {
   const double t = to_seconds(stamp - stamp_);
   if (t <= 0.0) return;
-  const double q = kAcceleration * kAcceleration;  // of white acceleration, per second
-  for (Track& track : tracks_) {
-    track.position = track.position + t * track.velocity;
-    track.pp += 2.0 * t * track.pv + t * t * track.vv + q * t * t * t / 3.0;
-    track.pv += t * track.vv + q * t * t / 2.0;
-    track.vv += q * t;
-  }
+  for (Track& track : tracks_) track = later(track, t);
 }
 
 // How far a group is from where a track was as it was seen.
@@ -303,13 +313,9 @@ std::vector<TrackedPerson> PeopleTracker::people(Time now) const {
   const double t = std::max(0.0, to_seconds(now - stamp_));
   for (const Track& track : tracks_) {
     if (track.id == 0) continue;
-    const double q = kAcceleration * kAcceleration;
-    const double pp = track.pp + 2.0 * t * track.pv + t * t * track.vv + q * t * t * t / 3.0;
-    const double pv = track.pv + t * track.vv + q * t * t / 2.0;
-    const double vv = track.vv + q * t;
-    TrackedPerson person{track.id, track.position + t * track.velocity, track.velocity, {}};
-    person.covariance = {pp, 0, pv, 0, 0, pp, 0, pv, pv, 0, vv, 0, 0, pv, 0, vv};
-    people.push_back(person);
+    const Track then = later(track, t);
+    const double pp = then.pp, pv = then.pv, vv = then.vv;
+    people.push_back({then.id, then.position, then.velocity, {pp, 0, pv, 0, 0, pp, 0, pv, pv, 0, vv, 0, 0, pv, 0, vv}});
   }
   std::ranges::sort(people, {}, &TrackedPerson::id);
   return people;

@@ -74,12 +74,14 @@ class PeopleTracker {
     int misses = 0;     // in a row
   };
 
-  void find_hits(const LaserScan& scan, const Pose2D& then, const Pose2D& now);
+  void find_ends(const LaserScan& scan, const Pose2D& then, const Pose2D& now);
+  void find_hits(const LaserScan& scan);
   bool was_free(Vec2 point, double margin) const;
-  void remember(const LaserScan& scan, Time stamp, const Pose2D& then, const Pose2D& now);
+  void remember(const LaserScan& scan, Time stamp, Vec2 from);
   void group_hits(const LaserScan& scan, Vec2 lidar);
   Group group_of(std::size_t first, std::size_t last, const LaserScan& scan, Vec2 lidar) const;
   static Vec2 offset(const Track& track, const Group& group);
+  static Track later(Track track, double t);
   void merge_legs();
   void predict(Time stamp);
   void assign(Time stamp);
@@ -88,6 +90,7 @@ class PeopleTracker {
 
   std::vector<View> views_;  // a ring
   std::size_t next_view_ = 0;
+  std::vector<Vec2> ends_;     // of the newest scan's beams; (0, 0) of those that are not valid
   std::vector<Hit> hits_;      // of the newest scan, by beam
   std::vector<Group> groups_;  // likewise
   std::vector<char> taken_;    // of the groups, those that belong to a track
