@@ -115,7 +115,6 @@ class Trail {
   Matrix3 covariance_at_keyframe_ = Matrix3::Zero();
   Pose2D scan_kept_at_;                    // local_from_base
   std::optional<Constraint> unconfirmed_;  // a closure that the next one may confirm
-  double tried_at_ = 0.0;                  // [m] driven when the last loop was looked for
   double solved_at_ = 0.0;                 // [m] driven
 
   // what follows from the rest
