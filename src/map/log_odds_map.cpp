@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cassert>
 #include <cmath>
 #include <limits>
 
@@ -31,6 +32,12 @@ const std::array<std::int8_t, 256>& occupancy_table() {
 bool is_occupied(std::int8_t value) { return value >= OccupancyGrid::kOccupiedThreshold; }
 bool is_free(std::int8_t value) { return value >= 0 && value <= OccupancyGrid::kFreeThreshold; }
 
+// The cells of a grid, counted from the raster's origin.
+Region extent(const OccupancyGrid& grid) {
+  const Cell low = raster_cell(grid);
+  return {low, {low.x + grid.width, low.y + grid.height}};
+}
+
 int floor_to_chunk(double cells) { return kChunk * static_cast<int>(std::floor(cells / kChunk)); }
 
 // The old contents of a grid of `size` in a larger one, `offset` cells further in.
@@ -45,6 +52,21 @@ std::vector<T> moved_into(const std::vector<T>& old, int old_width, Cell offset,
                 wider.begin() + static_cast<std::ptrdiff_t>(target));
   }
   return wider;
+}
+
+// The cells, counted from the raster's origin, in which two grids differ.
+Region difference(const OccupancyGrid& a, const OccupancyGrid& b) {
+  const Region all = united(extent(a), extent(b));
+  const Cell a_low = raster_cell(a);
+  const Cell b_low = raster_cell(b);
+  Region changed;
+  for (int y = all.low.y; y < all.high.y; ++y) {
+    for (int x = all.low.x; x < all.high.x; ++x) {
+      if (a.at({x - a_low.x, y - a_low.y}) == b.at({x - b_low.x, y - b_low.y})) continue;
+      changed = united(changed, {{x, y}, {x + 1, y + 1}});
+    }
+  }
+  return changed;
 }
 
 }  // namespace
@@ -158,6 +180,15 @@ void LogOddsMap::make_room(Vec2 low, Vec2 high) {
   grid_.width = width;
   grid_.height = height;
   grid_.origin = raster_ + Vec2{x0 * r, y0 * r};
+}
+
+void LogOddsMap::replace(LogOddsMap other) {
+  assert(raster_ == other.raster_ && grid_.resolution == other.grid_.resolution);
+  const Region changed = difference(grid_, other.grid_);
+  other.version_ = version_ + 1;
+  other.changes_ = changes_;
+  other.changes_.note(other.version_, changed);
+  *this = std::move(other);
 }
 
 void LogOddsMap::add_hit(const Beam& beam, double range_bias) {

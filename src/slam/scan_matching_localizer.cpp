@@ -7,6 +7,7 @@
 #include <Eigen/LU>
 
 #include "slam/dead_reckoning.hpp"
+#include "slam/growing_map.hpp"
 #include "slam/known_map.hpp"
 #include "slam/place_finder.hpp"
 #include "slam/pose_filter.hpp"
@@ -40,6 +41,8 @@ constexpr double kToldPosition = 0.25;     // [m] what somebody says of where th
 constexpr double kToldHeading = 0.15;      // [rad]
 constexpr double kFoundPosition = 0.1;     // [m] ... and what a search finds
 constexpr double kFoundHeading = 0.05;     // [rad]
+constexpr double kRedrawnPosition = 0.02;  // [m] in a map that was drawn anew the robot's place is known so well
+constexpr double kRedrawnHeading = 0.004;  // [rad]
 constexpr double kDoubtful = 0.45;         // a given map that resembles the scans less than so for long ...
 constexpr double kCertain = 0.55;          // ... until it does again
 
@@ -52,7 +55,7 @@ class ScanMatchingLocalizer final : public Localizer {
         map_from_odom_(beginning.map_from_start.value_or(Pose2D{})) {
     if (!beginning.map) return;
     given_ = std::make_shared<const KnownMap>(*beginning.map);
-    map_ = given_->surfaces();
+    map_ = GrowingMap(given_->surfaces());
     if (beginning.map_from_start) {
       filter_.restart(kToldPosition, kToldHeading);
     } else {
@@ -72,10 +75,9 @@ class ScanMatchingLocalizer final : public Localizer {
   }
 
   PoseEstimate estimate(Time now) const override;
-  const map::OccupancyGrid& map() const override { return map_.grid(); }
-  std::uint64_t map_version() const override { return versions_before_ + map_.version(); }
-  // of a map that has taken the place of another, versions are counted on and changes are not
-  const map::ChangeLog* map_changes() const override { return versions_before_ == 0 ? &map_.changes() : nullptr; }
+  const map::OccupancyGrid& map() const override { return map_.map().grid(); }
+  std::uint64_t map_version() const override { return map_.map().version(); }
+  const map::ChangeLog* map_changes() const override { return &map_.map().changes(); }
   std::span<const Vec2> obstacles() const override { return obstacles_; }
   std::unique_ptr<Localizer> clone() const override { return std::make_unique<ScanMatchingLocalizer>(*this); }
 
@@ -93,13 +95,14 @@ class ScanMatchingLocalizer final : public Localizer {
   void shift(const Vector7& by, const Pose2D& map_from_base, const Pose2D& odom_from_base);
   void judge(Time stamp, const Match& match);
   void extend_map(Time stamp);
+  void follow(const Pose2D& new_from_old);
 
   SensorModel sensors_;
   DeadReckoning track_;
   PoseFilter filter_;
   Time filter_stamp_{};  // the filter stands at the newest scan, without a lidar at the newest odometry
   Pose2D map_from_odom_;
-  map::LogOddsMap map_;
+  GrowingMap map_;
   Pose2D keyframe_;  // map_from_base when the map last took a scan
   Time keyframe_stamp_{};
   double driven_ = 0.0;  // [m] since the start
@@ -114,7 +117,6 @@ class ScanMatchingLocalizer final : public Localizer {
   double trust_ = 1.0;                     // how well the given map has fitted the scans lately
   bool nowhere_ = false;                   // no place was ever known
   bool looked_ = false;                    // a scan has arrived
-  std::uint64_t versions_before_ = 0;      // of maps that were given up
 
   std::vector<map::Beam> beams_;  // the newest scan, in the base frame at the end of its turn
   std::vector<Vec2> obstacles_;   // its hits in odom, and what is too near to be seen
@@ -231,10 +233,7 @@ bool ScanMatchingLocalizer::is_better(const Pose2D& other, const Pose2D& map_fro
 void ScanMatchingLocalizer::settle(const Pose2D& map_from_base, Time stamp) {
   map_from_odom_ = map_from_base * inverse(track_.at(stamp));
   filter_.restart(kFoundPosition, kFoundHeading);
-  if (given_) {
-    versions_before_ += map_.version();
-    map_ = given_->surfaces();
-  }
+  if (given_) map_.begin_again(given_->surfaces());
   finder_.reset();
   nowhere_ = lost_ = false;
   agreed_ = resembled_ = stamp;
@@ -243,13 +242,14 @@ void ScanMatchingLocalizer::settle(const Pose2D& map_from_base, Time stamp) {
 
 void ScanMatchingLocalizer::get_lost() {
   lost_ = true;
-  home_ = given_ ? given_ : std::make_shared<const KnownMap>(map_.grid());
+  map_.break_off();
+  home_ = given_ ? given_ : std::make_shared<const KnownMap>(map());
   finder_.emplace(home_);
 }
 
 // Fits the scan to the map; far away first, if it does not fit where it should.
 void ScanMatchingLocalizer::correct(Time stamp) {
-  if (map_.version() == 0) {
+  if (map_version() == 0) {
     agreed_ = resembled_ = stamp;
     return;
   }
@@ -257,14 +257,14 @@ void ScanMatchingLocalizer::correct(Time stamp) {
   const Pose2D predicted = map_from_odom_ * odom_from_base;
   filter_.widen(0.0005, 0.0002);  // deskewing and stamps are never perfect; also keeps the covariance invertible
   const Placement prior{predicted, track_.calibration().range_bias};
-  Match match = match_scan(map_, beams_, prior, filter_.scan_covariance().inverse(), predicted);
+  Match match = match_scan(map_.map(), beams_, prior, filter_.scan_covariance().inverse(), predicted);
 
   if (match.agreement < kPoorAgreement && match.known_hits >= kFewHits) {
     const SearchWindow window = lost_ ? SearchWindow{0.6, 0.35} : SearchWindow{};
-    const Pose2D found = search_pose(map_, beams_, predicted, window);
+    const Pose2D found = search_pose(map_.map(), beams_, predicted, window);
     PoseFilter wide = filter_;
     wide.widen(0.5 * window.position, 0.5 * window.heading);
-    const Match other = match_scan(map_, beams_, prior, wide.scan_covariance().inverse(), found);
+    const Match other = match_scan(map_.map(), beams_, prior, wide.scan_covariance().inverse(), found);
     if (other.agreement > match.agreement + 0.15) {
       match = other;
       filter_.widen(0.5 * window.position, 0.5 * window.heading);
@@ -304,16 +304,25 @@ void ScanMatchingLocalizer::judge(Time stamp, const Match& match) {
 }
 
 void ScanMatchingLocalizer::extend_map(Time stamp) {
+  if (const std::optional<Pose2D> new_from_old = map_.redraw()) follow(*new_from_old);
   if (!agrees_ || lost_) return;
   const Pose2D map_from_base = map_from_odom_ * track_.at(stamp);
   const Pose2D since = inverse(keyframe_) * map_from_base;
-  const bool due = map_.version() < kFirstScans || norm(since.position()) > kKeyframeDistance ||
+  const bool due = map_version() < kFirstScans || norm(since.position()) > kKeyframeDistance ||
                    std::fabs(since.theta) > kKeyframeTurn || stamp - keyframe_stamp_ >= kKeyframeAge;
   if (!due) return;
 
-  map_.insert(transformed(map_from_base, beams_), track_.calibration().range_bias);
+  const Matrix3 covariance = filter_.covariance().topLeftCorner<3, 3>();
+  map_.insert({stamp, map_from_base, covariance, beams_, track_.calibration().range_bias});
   keyframe_ = map_from_base;
   keyframe_stamp_ = stamp;
+}
+
+// A loop has closed, and the map has been drawn anew: the robot is where its surroundings are now.
+void ScanMatchingLocalizer::follow(const Pose2D& new_from_old) {
+  map_from_odom_ = new_from_old * map_from_odom_;
+  keyframe_ = new_from_old * keyframe_;
+  filter_.widen(kRedrawnPosition, kRedrawnHeading);
 }
 
 PoseEstimate ScanMatchingLocalizer::estimate(Time now) const {
@@ -343,7 +352,7 @@ PoseEstimate ScanMatchingLocalizer::estimate(Time now) const {
     covariance(kX, kX) += kGivenOrigin * kGivenOrigin;
     covariance(kY, kY) += kGivenOrigin * kGivenOrigin;
     covariance(kTheta, kTheta) += kGivenHeading * kGivenHeading;
-  } else if (map_.version() > 0) {
+  } else if (map_version() > 0) {
     covariance(kX, kX) += kMapOrigin * kMapOrigin + kMapDrift * kMapDrift * driven_;
     covariance(kY, kY) += kMapOrigin * kMapOrigin + kMapDrift * kMapDrift * driven_;
     covariance(kTheta, kTheta) += kMapHeading * kMapHeading + kMapTurn * kMapTurn * driven_;

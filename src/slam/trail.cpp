@@ -101,23 +101,25 @@ bool TrailData::extend_submaps() {
 
 Trail::Trail(TrailData data, const Pose2D& map_from_base) : data_(std::move(data)), goes_on_at_(map_from_base) {}
 
-Pose2D Trail::add(const TrailPoint& point) {
+Pose2D Trail::add(const TrailPoint& point, bool closes_loops) {
   const bool begins = data_.keyframes.empty() || goes_on_at_ ||
                       is_apart(kKeyframeDistance, kKeyframeTurn, local_from_keyframe_, point.local_from_base);
   if (begins) begin_keyframe(point);
+  if (!keeps_steps_) data_.steps.clear();
   data_.steps.push_back({point.stamp, data_.newest(), inverse(local_from_keyframe_) * point.local_from_base});
   keep_scan(point);
   if (begins) {
     if (data_.extend_submaps() && data_.prune()) forget();
-    close_loop(point.range_bias);
+    if (closes_loops) close_loop(point.range_bias);
   }
   return data_.pose_of(data_.steps.back());
 }
 
 void Trail::begin_keyframe(const TrailPoint& point) {
   if (data_.keyframes.empty()) {
-    data_.graph.add_node({}, true);
+    data_.graph.add_node(goes_on_at_.value_or(Pose2D{}), true);
     data_.keyframes.push_back({point.stamp, 0.0, {}});
+    goes_on_at_.reset();
   } else {
     const int before = data_.newest();
     Pose2D step = inverse(local_from_keyframe_) * point.local_from_base;
@@ -223,6 +225,7 @@ void Trail::take(const Constraint& closure) {
   const int constraint = data_.graph.add_constraint(closure);
   if (driven() - solved_at_ < kSolveDistance && data_.graph.fit(constraint).chi_squared < kSolveChi) return;
   data_.graph.solve(kStepsOfSolution);
+  ++solutions_;
   graph_covariance_.reset();
   solved_at_ = driven();
 }
@@ -232,7 +235,7 @@ void Trail::take(const Constraint& closure) {
 Matrix3 Trail::between(int keyframe) {
   const int here = data_.newest();
   if (!graph_covariance_ || uncovered_.size() >= kUncovered || keyframe > here - static_cast<int>(uncovered_.size())) {
-    graph_covariance_ = std::make_unique<GraphCovariance>(data_.graph);
+    graph_covariance_ = std::make_shared<const GraphCovariance>(data_.graph);
     uncovered_.clear();
   }
   int k = here - static_cast<int>(uncovered_.size());
@@ -274,7 +277,7 @@ const LoopCloser& Trail::closer_of(Submap& submap, double range_bias) {
   }
   map::LogOddsMap map = drawn(scans, {.resolution = kCell, .free_range = kFreeRange}, submap.range_bias);
   if (closers_.size() == kClosers) closers_.erase(closers_.begin());
-  closers_.push_back({submap.first, std::make_unique<const LoopCloser>(std::move(map))});
+  closers_.push_back({submap.first, std::make_shared<const LoopCloser>(std::move(map))});
   return *closers_.back().closer;
 }
 

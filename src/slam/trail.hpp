@@ -76,18 +76,25 @@ struct TrailData {
   bool prune();
 };
 
-/// The way, point by point. Its first keyframe is where the frame `map` begins.
+/// The way, point by point. Its first keyframe is where the frame `map` begins, unless it is told otherwise. A copy goes
+/// on with the same bits.
 class Trail {
  public:
-  Trail() = default;
+  /// Without `keeps_steps` it forgets where the robot was at each scan, and is bounded in a bounded place.
+  explicit Trail(bool keeps_steps = true) : keeps_steps_(keeps_steps) {}
   /// Goes on with a way that was kept. The next point is taken at `map_from_base`, wherever `local` has it; half a
   /// metre and ten degrees off do no harm.
   Trail(TrailData data, const Pose2D& map_from_base);
 
-  /// Takes a point and closes what loops it closes. Returns map_from_base.
-  Pose2D add(const TrailPoint& point);
+  /// Takes a point and closes what loops it closes, unless all is to stay where it is. Returns map_from_base.
+  Pose2D add(const TrailPoint& point, bool closes_loops = true);
+  /// The next point is taken at `map_from_base`: the first one, or one that nothing measured relates to the last, as
+  /// above.
+  void go_on_at(const Pose2D& map_from_base) { goes_on_at_ = map_from_base; }
 
   const TrailData& data() const { return data_; }
+  /// Counts how often closures have moved the way.
+  int solutions() const { return solutions_; }
 
  private:
   struct Nearby {
@@ -110,6 +117,8 @@ class Trail {
   double driven() const { return data_.driven_at(data_.newest()); }
 
   TrailData data_;
+  bool keeps_steps_ = true;
+  int solutions_ = 0;
   std::optional<Pose2D> goes_on_at_;  // map_from_base of the next point, which nothing measured relates to the last
   Pose2D local_from_keyframe_;        // of the newest
   Matrix3 covariance_at_keyframe_ = Matrix3::Zero();
@@ -118,11 +127,11 @@ class Trail {
   double solved_at_ = 0.0;                 // [m] driven
 
   // what follows from the rest
-  std::unique_ptr<GraphCovariance> graph_covariance_;
+  std::shared_ptr<const GraphCovariance> graph_covariance_;
   std::vector<Matrix3> uncovered_;  // covariances of the steps to the newest keyframes, which that one lacks
   struct Cached {
     int first = 0;  // keyframe of its submap
-    std::unique_ptr<const LoopCloser> closer;
+    std::shared_ptr<const LoopCloser> closer;
   };
   std::vector<Cached> closers_;  // the latest used last
 };

@@ -57,6 +57,9 @@ class LogOddsMap {
   /// Nothing happens where the map would outgrow its limits.
   void make_room(Vec2 low, Vec2 high);
 
+  /// Takes what another map, of cells of the same raster, has in place of all that it has itself. Versions go on.
+  void replace(LogOddsMap other);
+
   /// The map as others see it. A copy of the evidence that is kept up to date cell by cell.
   const OccupancyGrid& grid() const { return grid_; }
   /// Counts the insertions.

@@ -223,6 +223,37 @@ TEST_CASE("beams from far away are ignored, so that one mad pose costs no gigaby
   CHECK(map.grid().width > 6000);
 }
 
+TEST_CASE("a map in place of another tells what has changed, and where") {
+  for (std::uint64_t seed = 0; seed < 100; ++seed) {
+    CAPTURE(seed);
+    Draw draw(seed);
+    LogOddsMap map;
+    LogOddsMap other;
+    for (int i = draw.whole(0, 5); i >= 0; --i) map.insert(random_scan(draw));
+    for (int i = draw.whole(0, 5); i >= 0; --i) other.insert(random_scan(draw));
+    const LogOddsMap old = map;
+    map.replace(other);
+    CHECK(map.grid() == other.grid());
+    CHECK(map.hits() == other.hits());
+    CHECK(map.version() == old.version() + 1);
+    const std::optional<Region> changed = map.changes().since(old.version());
+    REQUIRE(changed);
+    // the smallest rectangle around all cells that differ
+    Region all;
+    for (int y = -400; y < 400; ++y) {
+      for (int x = -400; x < 400; ++x) {
+        const Vec2 place{0.05 * (x + 0.5), 0.05 * (y + 0.5)};
+        if (old.grid().at(old.grid().cell(place)) == map.grid().at(map.grid().cell(place))) continue;
+        all = united(all, {{x, y}, {x + 1, y + 1}});
+      }
+    }
+    CHECK(*changed == all);
+    // and on it goes
+    map.insert(random_scan(draw));
+    CHECK(map.changes().since(old.version()).has_value());
+  }
+}
+
 TEST_CASE("what two versions differ in is where the log of changes says") {
   for (std::uint64_t seed = 0; seed < 10; ++seed) {
     CAPTURE(seed);

@@ -1,0 +1,83 @@
+#include "slam/growing_map.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "slam/scan_beams.hpp"
+
+namespace threewe::slam {
+namespace {
+
+constexpr double kOff = 0.04;        // [m] keyframes that are so far from where they were drawn are drawn anew ...
+constexpr double kArm = 5.0;         // [m] ... as are those of which things so far away are
+constexpr std::size_t kAtOnce = 10;  // scans drawn again in one go, about a millisecond
+
+}  // namespace
+
+void GrowingMap::insert(const TrailPoint& scan) {
+  const Pose2D map_from_base = scan.local_from_base;
+  map_.insert(transformed(map_from_base, scan.beams), scan.range_bias);
+  if (!trail_) return;
+  range_bias_ = scan.range_bias;
+
+  TrailPoint point = scan;
+  point.local_from_base = inverse(map_from_local_) * map_from_base;
+  if (std::exchange(broken_off_, false)) trail_->go_on_at(map_from_base);
+  trail_->add(point, !drawing_);
+  if (trail_->data().keyframes.back().stamp == scan.stamp) drawn_.push_back({scan.stamp, map_from_base});
+}
+
+std::optional<Pose2D> GrowingMap::redraw() {
+  if (!trail_) return {};
+  if (!drawing_ && trail_->solutions() != std::exchange(solutions_, trail_->solutions()) && lies_elsewhere()) {
+    drawing_.emplace();
+    const map::OccupancyGrid& grid = map_.grid();
+    const Vec2 size{grid.width * grid.resolution, grid.height * grid.resolution};
+    drawing_->map.make_room(grid.origin, grid.origin + size);
+  }
+  if (!drawing_) return {};
+  draw_some();
+  if (drawing_->until < trail_->data().keyframes.back().stamp) return {};
+  return put_in_place();
+}
+
+// Whether some keyframe is no longer where the map has it. Forgets those that the trail has forgotten.
+bool GrowingMap::lies_elsewhere() {
+  const TrailData& trail = trail_->data();
+  bool moved = false;
+  std::size_t k = 0;
+  std::erase_if(drawn_, [&](const Drawn& drawn) {
+    if (trail.keyframes[k].stamp != drawn.stamp) return true;
+    const Pose2D off = inverse(drawn.map_from_base) * trail.graph.poses()[k++];
+    moved = moved || norm(off.position()) + kArm * std::fabs(off.theta) > kOff;
+    return false;
+  });
+  return moved;
+}
+
+void GrowingMap::draw_some() {
+  const TrailData& trail = trail_->data();
+  auto next = std::ranges::upper_bound(trail.keyframes, drawing_->until, {}, &Keyframe::stamp);
+  for (std::size_t scans = 0; next != trail.keyframes.end() && scans < kAtOnce; ++next) {
+    const Pose2D& map_from_keyframe = trail.graph.poses()[static_cast<std::size_t>(next - trail.keyframes.begin())];
+    for (const Keyframe::Scan& scan : next->scans) {
+      drawing_->map.insert(unpacked(scan.beams, map_from_keyframe * scan.keyframe_from_base), range_bias_);
+      ++scans;
+    }
+    drawing_->until = next->stamp;
+  }
+}
+
+// The new map instead of the old one.
+Pose2D GrowingMap::put_in_place() {
+  lies_elsewhere();
+  const TrailData& trail = trail_->data();
+  const Pose2D new_from_old = trail.graph.poses().back() * inverse(drawn_.back().map_from_base);
+  map_.replace(std::move(drawing_->map));
+  drawing_.reset();
+  map_from_local_ = new_from_old * map_from_local_;
+  for (std::size_t k = 0; k < drawn_.size(); ++k) drawn_[k].map_from_base = trail.graph.poses()[k];
+  return new_from_old;
+}
+
+}  // namespace threewe::slam
