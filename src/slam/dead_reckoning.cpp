@@ -30,7 +30,6 @@ void DeadReckoning::add_gyro(Time stamp, double rate) {
 void DeadReckoning::add_odometry(Time stamp, const Odometry& odometry) {
   TrackPoint next;
   next.stamp = stamp;
-  next.gyro_rate = gyro_rate_;
   const double heading = gyro_heading(stamp);
   const bool gyro_fresh = has_gyro_ && std::fabs(to_seconds(stamp - gyro_stamp_)) <= kMaxGyroAge;
   const double rate = gyro_fresh ? gyro_rate_ - calibration_.gyro_bias : odometry.velocity.omega;

@@ -23,13 +23,12 @@ struct Calibration {
 struct TrackPoint {
   Time stamp{};
   Pose2D odom_from_base;
-  Velocity velocity;       ///< body frame, calibrated
-  Vec2 step;               ///< [m] moved, in the body frame half way through the turn
-  double turn = 0.0;       ///< [rad] turned
-  double seconds = 0.0;    ///< [s] since the sample before
-  double gyro_rate = 0.0;  ///< [rad/s] of the newest gyro sample, as measured
-  bool by_gyro = false;    ///< the gyro told the turn, not the wheels
-  int standing = 0;        ///< for so many samples the wheels have not turned
+  Velocity velocity;     ///< body frame, calibrated
+  Vec2 step;             ///< [m] moved, in the body frame half way through the turn
+  double turn = 0.0;     ///< [rad] turned
+  double seconds = 0.0;  ///< [s] since the sample before
+  bool by_gyro = false;  ///< the gyro told the turn, not the wheels
+  int standing = 0;      ///< for so many samples the wheels have not turned
 };
 
 /// Integrates wheel translation and gyro rotation into the `odom` frame, which never jumps, and remembers the last

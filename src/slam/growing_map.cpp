@@ -8,7 +8,7 @@
 namespace threewe::slam {
 namespace {
 
-constexpr double kOff = 0.04;        // [m] keyframes that are so far from where they were drawn are drawn anew ...
+constexpr double kOff = 0.025;       // [m] keyframes that are so far from where they were drawn are drawn anew ...
 constexpr double kArm = 5.0;         // [m] ... as are those of which things so far away are
 constexpr std::size_t kAtOnce = 10;  // scans drawn again in one go, about a millisecond
 

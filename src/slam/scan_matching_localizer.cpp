@@ -9,6 +9,7 @@
 #include "slam/dead_reckoning.hpp"
 #include "slam/growing_map.hpp"
 #include "slam/known_map.hpp"
+#include "slam/map_error.hpp"
 #include "slam/place_finder.hpp"
 #include "slam/pose_filter.hpp"
 #include "slam/scan_beams.hpp"
@@ -22,6 +23,7 @@ constexpr double kKeyframeDistance = 0.08;  // [m] the map takes a scan after so
 constexpr double kKeyframeTurn = 0.07;      // [rad] ... or turning ...
 constexpr Duration kKeyframeAge = 1s;       // ... or time
 constexpr std::uint64_t kFirstScans = 3;    // all of these make the first map
+constexpr Duration kStart = 1s;             // after which the gyro's bias is known
 constexpr double kPoorAgreement = 0.6;      // below this the scan seems to be elsewhere
 constexpr double kGoodAgreement = 0.7;
 constexpr int kFewHits = 30;               // fewer hits in known space tell nothing
@@ -31,10 +33,6 @@ constexpr Duration kLostAtOnceAfter = 1s;  // ... earlier
 constexpr double kBiasCreep = 0.004;       // [rad/s] by which a gyro's bias may have changed unnoticed ...
 constexpr double kBiasJump = 5.0;          // ... and so many deviations of it are too many
 constexpr int kStandingSamples = 10;       // wheels at rest for so many samples: the robot stands
-constexpr double kMapDrift = 0.005;        // [m/sqrt(m)] the map itself wanders from its origin as it grows ...
-constexpr double kMapTurn = 0.001;         // [rad/sqrt(m)]
-constexpr double kMapOrigin = 0.003;       // [m] ... and lies a little off it from the start
-constexpr double kMapHeading = 0.003;      // [rad]
 constexpr double kGivenOrigin = 0.02;      // [m] a given map is known so well, from cells and by whoever drew it ...
 constexpr double kGivenHeading = 0.006;    // [rad]
 constexpr double kToldPosition = 0.25;     // [m] what somebody says of where the robot starts is so good ...
@@ -52,7 +50,8 @@ class ScanMatchingLocalizer final : public Localizer {
       : sensors_(sensors),
         track_({.lateral_scale = sensors.lateral_scale}),
         filter_(sensors),
-        map_from_odom_(beginning.map_from_start.value_or(Pose2D{})) {
+        map_from_start_(beginning.map_from_start.value_or(Pose2D{})),
+        map_from_odom_(map_from_start_) {
     if (!beginning.map) return;
     given_ = std::make_shared<const KnownMap>(*beginning.map);
     map_ = GrowingMap(given_->surfaces());
@@ -101,11 +100,14 @@ class ScanMatchingLocalizer final : public Localizer {
   DeadReckoning track_;
   PoseFilter filter_;
   Time filter_stamp_{};  // the filter stands at the newest scan, without a lidar at the newest odometry
+  Pose2D map_from_start_;
   Pose2D map_from_odom_;
   GrowingMap map_;
   Pose2D keyframe_;  // map_from_base when the map last took a scan
   Time keyframe_stamp_{};
-  double driven_ = 0.0;  // [m] since the start
+  MapError map_error_;
+  bool rolled_ = false;  // the wheels have turned
+  Time began_{};         // first scan
   bool agrees_ = true;   // the newest scan fits the map
   Time agreed_{};        // when a scan last did ...
   Time resembled_{};     // ... or nearly
@@ -173,23 +175,25 @@ void ScanMatchingLocalizer::keep_unseen(const std::vector<Vec2>& before, Vec2 li
 void ScanMatchingLocalizer::predict_to(Time stamp) {
   int standing = 0;
   int steps = 0;
-  double rate = 0.0;
+  double turned = 0.0;
+  double seconds = 0.0;
   for (std::size_t age = track_.size(); age-- > 0;) {
     const TrackPoint& p = track_.point(age);
     if (p.stamp <= filter_stamp_ || p.stamp > stamp) continue;
     const double heading = map_from_odom_.theta + p.odom_from_base.theta - 0.5 * p.turn;
     filter_.predict(heading, p.step, p.turn, p.seconds, p.by_gyro);
-    driven_ += norm(p.step);
-    rate += p.gyro_rate;
-    standing += p.by_gyro && p.standing >= kStandingSamples ? 1 : 0;
+    rolled_ = rolled_ || (p.seconds > 0.0 && p.standing == 0);
+    turned += p.turn;
+    seconds += p.seconds;
+    standing += p.by_gyro && (p.standing >= kStandingSamples || !rolled_) ? 1 : 0;
     ++steps;
   }
   filter_stamp_ = std::max(filter_stamp_, stamp);
 
   // while the robot stands the gyro shows its bias
-  if (steps == 0 || standing < steps) return;
-  const double error = rate / steps - track_.calibration().gyro_bias;
-  const double variance = sensors_.gyro_sigma * sensors_.gyro_sigma / steps + 1e-7;
+  if (seconds <= 0.0 || standing < steps) return;
+  const double error = turned / seconds;
+  const double variance = sensors_.gyro_sigma * sensors_.gyro_sigma * 0.01 / seconds + 1e-7;
   // a bias creeps; what jumps is a fault, and would be held against the gyro once it is over
   const double known = filter_.covariance()(kGyroBias, kGyroBias) + kBiasCreep * kBiasCreep;
   if (error * error > kBiasJump * kBiasJump * known) return;
@@ -243,17 +247,22 @@ void ScanMatchingLocalizer::settle(const Pose2D& map_from_base, Time stamp) {
 void ScanMatchingLocalizer::get_lost() {
   lost_ = true;
   map_.break_off();
+  map_error_.forget_way();
   home_ = given_ ? given_ : std::make_shared<const KnownMap>(map());
   finder_.emplace(home_);
 }
 
 // Fits the scan to the map; far away first, if it does not fit where it should.
 void ScanMatchingLocalizer::correct(Time stamp) {
-  if (map_version() == 0) {
-    agreed_ = resembled_ = stamp;
+  const Pose2D odom_from_base = track_.at(stamp);
+  if (map_version() == 0) began_ = agreed_ = resembled_ = stamp;
+  if (!given_ && !rolled_ && stamp - began_ < kStart) {
+    // it stands where its map begins; of what the gyro has told of a turn its bias is not known yet
+    map_from_odom_ = map_from_start_ * inverse(odom_from_base);
+    filter_.restart(0.0, 0.0);
     return;
   }
-  const Pose2D odom_from_base = track_.at(stamp);
+  if (map_version() == 0) return;
   const Pose2D predicted = map_from_odom_ * odom_from_base;
   filter_.widen(0.0005, 0.0002);  // deskewing and stamps are never perfect; also keeps the covariance invertible
   const Placement prior{predicted, track_.calibration().range_bias};
@@ -276,6 +285,9 @@ void ScanMatchingLocalizer::correct(Time stamp) {
   const Vector4 moved{match.at.pose.x - predicted.x, match.at.pose.y - predicted.y,
                       wrap_angle(match.at.pose.theta - predicted.theta), match.at.range_bias - prior.range_bias};
   shift(filter_.condition(moved, match.information.inverse()), predicted, odom_from_base);
+  const auto hits = std::ranges::count_if(beams_, [](const map::Beam& beam) { return beam.hit; });
+  const double known = hits > 0 ? static_cast<double>(match.known_hits) / static_cast<double>(hits) : 1.0;
+  map_error_.see(match.at.pose.position(), 1.0 - known);
 }
 
 // Moves the estimate: the pose by moving map_from_odom, the calibration for the steps to come.
@@ -353,9 +365,7 @@ PoseEstimate ScanMatchingLocalizer::estimate(Time now) const {
     covariance(kY, kY) += kGivenOrigin * kGivenOrigin;
     covariance(kTheta, kTheta) += kGivenHeading * kGivenHeading;
   } else if (map_version() > 0) {
-    covariance(kX, kX) += kMapOrigin * kMapOrigin + kMapDrift * kMapDrift * driven_;
-    covariance(kY, kY) += kMapOrigin * kMapOrigin + kMapDrift * kMapDrift * driven_;
-    covariance(kTheta, kTheta) += kMapHeading * kMapHeading + kMapTurn * kMapTurn * driven_;
+    covariance.topLeftCorner<3, 3>() += map_error_.covariance();
   }
   std::size_t i = 0;
   for (int row = 0; row < 3; ++row) {

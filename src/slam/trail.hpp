@@ -76,8 +76,8 @@ struct TrailData {
   bool prune();
 };
 
-/// The way, point by point. Its first keyframe is where the frame `map` begins, unless it is told otherwise. A copy goes
-/// on with the same bits.
+/// The way, point by point. Its first keyframe is where the frame `map` begins, unless it is told otherwise. A copy
+/// goes on with the same bits.
 class Trail {
  public:
   /// Without `keeps_steps` it forgets where the robot was at each scan, and is bounded in a bounded place.

@@ -113,7 +113,8 @@ TEST_CASE("where a loop has closed, map and robot are where they should be") {
       if (!new_from_old) continue;
       CHECK(map.map().version() == version + 2);
       if (redrawn++ == 0) before = block.error();
-      largest_step = std::max(largest_step, norm((*new_from_old * block.believed).position() - block.believed.position()));
+      largest_step =
+          std::max(largest_step, norm((*new_from_old * block.believed).position() - block.believed.position()));
       block.believed = *new_from_old * block.believed;
     }
     CHECK(redrawn >= 1);

@@ -1,0 +1,89 @@
+// How far off the map is said to be, where the robot is.
+#include "slam/map_error.hpp"
+
+#include <doctest/doctest.h>
+
+#include <vector>
+
+#include <Eigen/Eigenvalues>
+
+#include "draw.hpp"
+
+namespace threewe::slam {
+namespace {
+
+/// There and back along a line, a scan every 10 cm; on the way there a thirtieth of each shows something new.
+double trace_after(MapError& error, double from, double to, double unknown) {
+  const double step = to > from ? 0.1 : -0.1;
+  for (double x = from; (to - x) * step > 0.0; x += step) error.see({x, 0.0}, unknown);
+  return error.covariance().trace();
+}
+
+TEST_CASE("new places are less certain, and a place is as certain as it was when the robot comes back") {
+  MapError error;
+  error.see({}, 0.0);
+  std::vector<double> there{error.covariance().trace()};
+  for (int metre = 1; metre <= 20; ++metre) there.push_back(trace_after(error, metre - 1, metre, 1.0 / 30.0));
+  for (std::size_t i = 1; i < there.size(); ++i) CHECK(there[i] > there[i - 1]);
+  for (int metre = 15; metre >= 0; --metre) {
+    CAPTURE(metre);
+    const double back = trace_after(error, metre == 15 ? 20 : metre + 1, metre, 0.0);
+    CHECK(back < 1.3 * there[static_cast<std::size_t>(metre + 2)]);
+    CHECK(back > 0.5 * there[static_cast<std::size_t>(metre)]);
+  }
+}
+
+TEST_CASE("to and fro in a known place nothing grows, for however long") {
+  MapError error;
+  trace_after(error, 0.0, 8.0, 1.0 / 30.0);
+  const double first = trace_after(error, 8.0, 0.0, 0.0);
+  for (int lap = 0; lap < 100; ++lap) {
+    trace_after(error, 0.0, 8.0, 0.0);
+    CHECK(trace_after(error, 8.0, 0.0, 0.0) <= first + 1e-12);
+  }
+}
+
+TEST_CASE("a turned map is off to the side, seen from where it was turned") {
+  MapError error;
+  error.see({}, 0.0);
+  trace_after(error, 0.0, 10.0, 1.0 / 30.0);
+  const Matrix3 covariance = error.covariance();
+  CHECK(covariance(kY, kY) > 2.0 * covariance(kX, kX));
+  CHECK(covariance(kY, kTheta) > 0.0);
+}
+
+TEST_CASE("whoever was put elsewhere is as certain as the place is") {
+  MapError error;
+  error.see({}, 0.0);
+  const double at_start = error.covariance().trace();
+  trace_after(error, 0.0, 20.0, 1.0 / 30.0);
+  error.forget_way();
+  error.see({0.1, 0.0}, 0.0);
+  CHECK(error.covariance().trace() < 1.1 * at_start);
+  error.forget_way();
+  error.see({19.0, 0.0}, 0.0);
+  CHECK(error.covariance().trace() > 2.0 * at_start);
+}
+
+TEST_CASE("it is a covariance wherever the robot goes, and a copy goes on the same") {
+  for (std::uint64_t seed = 0; seed < cases(200); ++seed) {
+    CAPTURE(seed);
+    Draw draw(seed);
+    MapError error;
+    Vec2 at;
+    for (int i = 0; i < 300; ++i) {
+      at = at + draw.point(-0.5, 0.5);
+      if (draw.whole(0, 60) == 0) error.forget_way();
+      const double unknown = draw(0.0, 0.2);
+      MapError copy = error;
+      error.see(at, unknown);
+      copy.see(at, unknown);
+      REQUIRE(copy.covariance() == error.covariance());
+      const Eigen::SelfAdjointEigenSolver<Matrix3> eigen(error.covariance());
+      REQUIRE(eigen.eigenvalues().minCoeff() > 0.0);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace threewe::slam
