@@ -22,6 +22,7 @@ from verify.cases.localization import (
     write_model,
 )
 from verify.cases.logs import SURVEYS, TOURS, closed, mapped
+from verify.cases.trajectories import absolute_error, honest_covariance, kept_track
 from verify.harness import Experiment, all_of, median_of, share_of, worst_of
 
 EXPERIMENTS = [
@@ -39,6 +40,23 @@ EXPERIMENTS = [
             *agrees(MODEL, spread=0.30, correlation=0.15),
         ],
         learn=write_model,
+    ),
+    *(
+        Experiment(
+            f"ten minutes in {scene}, {noise}",
+            kept_track,
+            {"scene": scene, "randomization": randomization},
+            cases=10,
+            sample=1 if (scene, noise) in [("office_v2", "realistic"), ("corridor_v1", "hard")] else 0,
+            rows=[
+                absolute_error(scene, randomization),
+                honest_covariance(),
+                all_of("never lost", lambda case: case["lost"] == 0),
+                median_of("CPU of a robot minute [s]", lambda case: case["cpu"] / 10.0, at_most=6.0),
+            ],
+        )
+        for noise, randomization in (("realistic", "none"), ("hard", "hard"))
+        for scene in SCENES
     ),
     Experiment(
         "in maps of its own",

@@ -39,13 +39,13 @@ bool has_scan(const TickView& tick) {
                              [](const Sample& sample) { return std::holds_alternative<LaserScan>(sample.data); });
 }
 
-void drive(const std::string& name, std::uint64_t seed, const std::string&, double seconds) {
+void drive(const std::string& name, std::uint64_t seed, const std::string& randomization, double seconds) {
   const auto scene = std::make_shared<const scene::Scene>(scene::Scene::load(name));
   const RobotProfile profile = load_profile(Robot::Options{}.hardware);
   const scene::SceneTables tables(scene, profile.body.footprint, profile.body.height);
   const scene::Episode first = sample_episode(tables, seed, 0);
   const Pose2D map_from_scene = inverse(first.start);
-  Robot robot({.scene = name, .seed = first.seed, .start_pose = first.start});
+  Robot robot({.scene = name, .seed = first.seed, .start_pose = first.start, .randomization = randomization});
 
   robot.runtime().observe([&](const TickView& tick) {
     if (has_scan(tick)) print(tick, map_from_scene * robot.simulation()->true_pose());

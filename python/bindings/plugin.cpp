@@ -222,6 +222,9 @@ std::unique_ptr<backend::World> make_python_world(const std::string& name, const
   if (options.robots.size() != 1) {
     throw ConfigError(fmt::format("backend '{}' has one robot, not {}", name, options.robots.size()));
   }
+  if (options.randomization != "none") {
+    throw ConfigError(fmt::format("randomization: backend '{}' knows none, the embedded simulator does", name));
+  }
   const nb::gil_scoped_acquire python_runs;
   const nb::object open = nb::module_::import_("threewe.backend").attr("_open");
   const nb::object pose = options.poses.empty() ? nb::none() : nb::cast(options.poses.front());

@@ -200,7 +200,7 @@ void bind_time(nb::module_& m) {
           [](World* self, std::string backend, std::string scene, std::vector<std::string> robots,
              std::string_view noise, std::uint64_t seed, bool realtime, std::vector<Pose2D> start_poses,
              std::vector<Pose2D> initial_poses, std::string_view localization,
-             std::optional<std::pair<int, int>> image_size, const map::OccupancyGrid* map) {
+             std::optional<std::pair<int, int>> image_size, const map::OccupancyGrid* map, std::string randomization) {
             World::Options options;
             options.backend = std::move(backend);
             options.scene = std::move(scene);
@@ -213,11 +213,13 @@ void bind_time(nb::module_& m) {
             if (map != nullptr) options.map = std::make_shared<const map::OccupancyGrid>(*map);
             options.mind = mind_with(localization);
             if (image_size) options.image_size = ImageSize{image_size->second, image_size->first};
+            options.randomization = std::move(randomization);
             const nb::gil_scoped_release other_threads_run;
             new (self) World(options);
           },
           nb::kw_only(), "backend"_a, "scene"_a, "robots"_a, "noise"_a, "seed"_a, "realtime"_a, "start_poses"_a,
-          "initial_poses"_a, "localization"_a = "slam", "image_size"_a = nb::none(), "map"_a.none() = nb::none())
+          "initial_poses"_a, "localization"_a = "slam", "image_size"_a = nb::none(), "map"_a.none() = nb::none(),
+          "randomization"_a = "none")
       .def_prop_ro("robot_count", &World::robot_count)
       .def("robot", nb::overload_cast<std::size_t>(&World::robot), "index"_a, nb::rv_policy::reference_internal)
       .def_prop_ro("now", &World::now, "[s] of robot time")

@@ -83,6 +83,8 @@ class Robot(InRobotTime):
         localization: `slam`, the robot's own; or `truth`, which simulators know: where what is asked is how well the
             rest does without doubts about the pose.
         image_size: (height, width) [px] of what the camera delivers; as the profile states where left out.
+        randomization: how the robot differs from its profile in the embedded simulator, drawn anew for each seed and
+            episode: `none`, `mild`, `paper`, `hard`, or a file that ends in .yaml.
         viewer: streams to Rerun from `connect` to `disconnect`: `rerun` opens a window, `web` serves browsers, a file
             that ends in .rrd is recorded.
 
@@ -109,6 +111,7 @@ class Robot(InRobotTime):
         start_pose: PoseLike | None = None,
         localization: str = "slam",
         image_size: Sequence[int] | None = None,
+        randomization: str | os.PathLike[str] = "none",
         viewer: str | None = None,
     ) -> None:
         initial = None if initial_pose is None else as_pose("initial_pose", initial_pose)
@@ -124,6 +127,7 @@ class Robot(InRobotTime):
             localization=as_text("localization", localization),
             image_size=None if image_size is None else as_image_size("image_size", image_size),
             map=None if map is None else as_map("map", map),
+            randomization=as_asset("randomization", randomization),
         )
         self._set_up(world, RobotTime(world), 0, Pose2D() if initial is None and map is None else initial)
         if viewer is not None:

@@ -32,6 +32,7 @@ class World(InRobotTime):
         initial_poses: where each starts in its `map` frame; where left out, as for Robot. Robots that are all given one
             have the same `map` frame: they share what they have mapped, and who goes where, when they explore.
         map: as for Robot, for all of them.
+        randomization: as for Robot, drawn for each of them.
 
     Raises:
         ConfigError: as for Robot.
@@ -50,6 +51,7 @@ class World(InRobotTime):
         start_poses: Sequence[PoseLike] = (),
         initial_poses: Sequence[PoseLike] = (),
         map: OccupancyGrid | str | os.PathLike[str] | None = None,
+        randomization: str | os.PathLike[str] = "none",
     ) -> None:
         profiles = [as_asset("robots", hardware) for hardware in as_list("robots", robots)]
         starts = [as_pose("start_poses", pose) for pose in as_list("start_poses", start_poses)]
@@ -64,6 +66,7 @@ class World(InRobotTime):
             start_poses=starts,
             initial_poses=initial,
             map=None if map is None else as_map("map", map),
+            randomization=as_asset("randomization", randomization),
         )
         self._world = world
         self._time = RobotTime(world)

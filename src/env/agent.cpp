@@ -77,7 +77,7 @@ void Agent::end_turn(const AgentModel& model, const sim::RobotModel& robot, cons
   if (!whole) return;
   Scan& scan = scans_[taken_++ % scans_.size()];
   scan.end = state.time();
-  scan.arrives = scan.end + varied_latency(model.profile.lidar->latency, state.variation);
+  scan.arrives = scan.end + sim::varied_latency(model.profile.lidar->latency, state.variation);
   scan.odom_at_begin = began;
   scan.odom_at_end = turn_began_;
   const auto points = sim::scan_points(robot, state);

@@ -33,11 +33,6 @@ bool draws(const models::Randomization& randomization, std::string_view knob) {
          std::ranges::any_of(randomization.interval, is_it);
 }
 
-Duration varied_latency(Duration latency, const models::Variation& variation) {
-  const double varied = variation.sensor_latency * static_cast<double>(latency.count());
-  return static_cast<Duration::rep>(std::floor(varied / static_cast<double>(sim::kStep.count()) + 0.5)) * sim::kStep;
-}
-
 Clock make_clock(const Options& options, const sim::RobotModel& robot) {
   Clock clock;
   clock.settle = first_complete(options.hardware);

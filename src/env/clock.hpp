@@ -25,9 +25,6 @@ struct Clock {
 /// Whether a knob is drawn at any time.
 bool draws(const models::Randomization& randomization, std::string_view knob);
 
-/// A sensor's latency in an episode, rounded to whole steps.
-Duration varied_latency(Duration latency, const models::Variation& variation);
-
 Clock make_clock(const Options& options, const sim::RobotModel& robot);
 
 }  // namespace threewe::env

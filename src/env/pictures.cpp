@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "env/clock.hpp"
+#include "threewe/sim/step.hpp"
 
 namespace threewe::env {
 namespace {
@@ -10,7 +10,7 @@ namespace {
 // The newest picture that has arrived; the end of all if none has.
 auto newest(std::vector<sim::Shot>& shots, const CameraSpec& camera, Time now) {
   const auto later = std::ranges::find_if(shots, [&](const sim::Shot& shot) {
-    return static_cast<Time::rep>(shot.step) * sim::kStep + varied_latency(camera.latency, shot.variation) > now;
+    return static_cast<Time::rep>(shot.step) * sim::kStep + sim::varied_latency(camera.latency, shot.variation) > now;
   });
   return later == shots.begin() ? shots.end() : later - 1;
 }

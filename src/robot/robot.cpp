@@ -33,6 +33,7 @@ World::Options world_options(const Robot::Options& o) {
   options.realtime = o.realtime;
   options.mind = o.mind;
   options.image_size = o.image_size;
+  options.randomization = o.randomization;
   options.map = o.map;
   if (o.start_pose) options.poses = {*o.start_pose};
   if (o.initial_pose) options.initial_poses = {*o.initial_pose};

@@ -266,6 +266,11 @@ void vary(const RobotModel& robot, const models::Variation& variation, RobotStat
   }
 }
 
+Duration varied_latency(Duration latency, const models::Variation& variation) {
+  const double varied = variation.sensor_latency * static_cast<double>(latency.count());
+  return static_cast<Duration::rep>(std::floor(varied / static_cast<double>(kStep.count()) + 0.5)) * kStep;
+}
+
 void step(std::span<const World> worlds, int steps) {
   std::array<const World*, kAtATime> singles;
   std::size_t count = 0;

@@ -58,6 +58,7 @@ def test_errors_are_also_the_built_in_ones() -> None:
         ({"backend": "mok"}, "unknown backend 'mok'; did you mean 'mock'"),
         ({"hardware": "3we_standart_v2"}, "did you mean '3we_standard_v2'"),
         ({"noise": "real"}, "noise.*'real'"),
+        ({"randomization": "hrad"}, "unknown randomization 'hrad'; did you mean 'hard'"),
         ({"noise": "idael"}, "did you mean 'ideal'"),
         ({"sceen": "office_v2"}, "unknown option 'sceen'; did you mean 'scene'"),
         ({"scene": "no_such_file.yaml"}, "no_such_file.yaml"),

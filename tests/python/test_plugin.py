@@ -386,6 +386,12 @@ def test_options_arrive() -> None:
     assert options.start_pose == threewe.Pose2D(1.0, 2.0, 0.0)
 
 
+def test_a_backend_that_knows_no_randomization_says_so() -> None:
+    register("quiet", QuietBackend)
+    with pytest.raises(ConfigError, match="randomization: backend 'quiet' knows none"):
+        Robot(backend="quiet", randomization="hard")
+
+
 def test_a_backend_has_one_robot() -> None:
     register("quiet", QuietBackend)
     with pytest.raises(ConfigError, match="backend 'quiet' has one robot, not 2"):

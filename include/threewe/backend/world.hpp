@@ -100,6 +100,8 @@ struct WorldOptions {
   std::vector<Pose2D> poses = {};  // NOLINT(readability-redundant-member-init): g++ warns where it is left out
   /// What the robots' cameras deliver, where that is to be another size than their profiles state.
   std::optional<ImageSize> image_size = {};  // NOLINT(readability-redundant-member-init): likewise
+  /// How simulated robots differ from their profiles, see `models::load_randomization`.
+  std::string randomization = "none";
 };
 
 }  // namespace threewe::backend

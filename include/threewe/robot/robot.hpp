@@ -45,6 +45,8 @@ class Robot {
     Mind mind = {};  ///< ours by default; `mind_with("truth")` is told where the robot is
     /// What its camera delivers, where that is to be another size than its profile states.
     std::optional<ImageSize> image_size = {};
+    /// How the simulated robot differs from its profile, see `models::load_randomization`.
+    std::string randomization = "none";
   };
   /// A robot in a world of its own, connected and with every sensor's first sample at hand.
   Robot();

@@ -19,6 +19,9 @@ RobotState begin(const Model& model, std::size_t robot, const Pose2D& pose, std:
 /// Changes how a robot differs from its profile, from its next step on, in what need not stay for an episode.
 void vary(const RobotModel& robot, const models::Variation& variation, RobotState& state);
 
+/// After what time a reading arrives that takes `latency` by the profile: a whole number of steps.
+Duration varied_latency(Duration latency, const models::Variation& variation);
+
 /// Which sensors work in a step. Leaving one out changes nothing that others measure, nor how anything moves; a scan is
 /// whole only if its lidar worked in every step of the turn.
 struct Sensing {

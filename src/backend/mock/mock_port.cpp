@@ -108,7 +108,8 @@ void MockPort::collect() {
       case SensorType::lidar: {
         if (!sim::scan_ready(robot, state)) break;
         const LidarSpec& lidar = *simulated.lidar;
-        send(i, models::scan_time(lidar, state.time() - lidar.turn), lidar.latency,
+        send(i, models::scan_time(lidar, state.time() - lidar.turn),
+             sim::varied_latency(lidar.latency, state.variation),
              models::make_scan(lidar, sim::scan_points(robot, state)));
         break;
       }
@@ -131,7 +132,7 @@ void MockPort::collect() {
         break;
       case SensorType::camera:
         if (sim::picture_ready(robot, state)) {
-          send(i, state.time(), simulated.camera->latency, Picture(),
+          send(i, state.time(), sim::varied_latency(simulated.camera->latency, state.variation), Picture(),
                sim::take_shot(world_.states_, world_.people_, index_));
         }
         break;

@@ -15,11 +15,12 @@
 namespace threewe::backend::mock {
 namespace {
 
-constexpr std::array<char, 8> kSavedAs{'3', 'w', 'e', 'm', 'o', 'c', 'k', '2'};
+constexpr std::array<char, 8> kSavedAs{'3', 'w', 'e', 'm', 'o', 'c', 'k', '3'};
 
 }  // namespace
 
-MockWorld::MockWorld(const WorldOptions& options) : noise_(options.noise) {
+MockWorld::MockWorld(const WorldOptions& options)
+    : noise_(options.noise), randomization_(models::load_randomization(options.randomization)) {
   constexpr std::size_t kMostRobots = 100;
   if (options.robots.empty()) throw ConfigError("robots: a world needs at least one");
   if (options.robots.size() > kMostRobots) {
@@ -59,7 +60,20 @@ void MockWorld::step() {
   for (std::size_t i = 0; i < ports_.size(); ++i) commands_[i] = ports_[i]->command_at(begin);
   sim::step(*model_, states_, commands_, people_);
   ++steps_;
+  vary();
   for (const auto& port : ports_) port->collect();
+}
+
+// Draws anew what changes again and again.
+void MockWorld::vary() {
+  const Time now = static_cast<Duration::rep>(steps_) * sim::kStep;
+  if (randomization_.interval.empty() || now < next_draw_) return;
+  const auto& [seed, episode] = std::pair(states_.front().seed, states_.front().episode);
+  ++draws_;
+  for (std::size_t i = 0; i < ports_.size(); ++i) {
+    sim::vary(model_->robots[i], models::draw_variation(randomization_, seed, episode, i, draws_), states_[i]);
+  }
+  next_draw_ = now + models::draw_interval(randomization_, seed, episode, draws_);
 }
 
 std::vector<Pose2D> MockWorld::start_poses(const std::vector<Pose2D>& asked) const {
@@ -124,12 +138,15 @@ void MockWorld::begin(const ResetOptions& options) {
   const std::vector<Pose2D> starts = start_poses(options.poses);
   std::vector<sim::RobotState> states;
   for (std::size_t i = 0; i < ports_.size(); ++i) {
-    states.push_back(sim::begin(*model_, i, starts[i], options.seed, options.episode));
+    const auto variation = models::draw_variation(randomization_, options.seed, options.episode, i);
+    states.push_back(sim::begin(*model_, i, starts[i], options.seed, options.episode, variation));
   }
   people_ = sim::begin_people(*model_, states, options.seed, options.episode);
   states_ = std::move(states);
   now_ = {};
   steps_ = 0;
+  draws_ = 0;
+  next_draw_ = models::draw_interval(randomization_, options.seed, options.episode, 0);
   for (const auto& port : ports_) port->reset();
   commands_.assign(ports_.size(), {});
 }
@@ -139,10 +156,13 @@ std::vector<std::byte> MockWorld::save() const {
   bytes.put(kSavedAs);
   bytes.put(model_->scene->name);
   bytes.put(noise_);
+  bytes.put(randomization_.name);
   bytes.put(std::uint64_t{ports_.size()});
   for (const auto& port : ports_) bytes.put(port->profile().name);
   bytes.put(now_);
   bytes.put(steps_);
+  bytes.put(draws_);
+  bytes.put(next_draw_);
   for (const sim::RobotState& state : states_) bytes.put(state);
   for (const sim::PersonState& person : people_) bytes.put(person);
   for (const auto& port : ports_) port->state().save(bytes);
@@ -159,16 +179,21 @@ void MockWorld::restore(const std::vector<std::byte>& state) {
   expect(kSavedAs, "format");
   expect(model_->scene->name, "scene");
   expect(noise_, "noise");
+  expect(randomization_.name, "randomization");
   expect(std::uint64_t{ports_.size()}, "number of robots");
   for (const auto& port : ports_) expect(port->profile().name, "hardware profile");
 
   // everything is read before anything changes
   Time now{};
   std::uint64_t steps = 0;
+  std::uint64_t draws = 0;
+  Time next_draw{};
   std::vector<sim::RobotState> states(ports_.size());
   std::vector<PortState> ports(ports_.size());
   bytes.get(now);
   bytes.get(steps);
+  bytes.get(draws);
+  bytes.get(next_draw);
   for (sim::RobotState& robot : states) bytes.get(robot);
   std::vector<sim::PersonState> people(people_.size());
   for (sim::PersonState& person : people) bytes.get(person);
@@ -177,6 +202,8 @@ void MockWorld::restore(const std::vector<std::byte>& state) {
 
   now_ = now;
   steps_ = steps;
+  draws_ = draws;
+  next_draw_ = next_draw;
   states_ = std::move(states);
   people_ = std::move(people);
   for (std::size_t i = 0; i < ports.size(); ++i) ports_[i]->restore(std::move(ports[i]));

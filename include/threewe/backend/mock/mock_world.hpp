@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "threewe/backend/world.hpp"
+#include "threewe/models/randomization.hpp"
 #include "threewe/sim/model.hpp"
 #include "threewe/sim/people.hpp"
 #include "threewe/sim/state.hpp"
@@ -39,14 +40,18 @@ class MockWorld : public World {
 
   void begin(const ResetOptions& options);
   void step();
+  void vary();
   std::vector<Pose2D> start_poses(const std::vector<Pose2D>& asked) const;
   void require_free(std::size_t robot, const Pose2D& pose, const std::string& name,
                     std::span<const Pose2D> others) const;
 
   std::shared_ptr<const sim::Model> model_;
   NoiseLevel noise_{};
+  models::Randomization randomization_;
   Time now_{};
   std::uint64_t steps_ = 0;
+  std::uint64_t draws_ = 0;  // of what changes in the middle of an episode ...
+  Time next_draw_{};         // ... and when it does again, if at all
   std::vector<sim::RobotState> states_;
   std::vector<sim::PersonState> people_;
   std::vector<Velocity> commands_;  // of each robot, in the step to come

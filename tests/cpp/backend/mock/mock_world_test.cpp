@@ -3,6 +3,8 @@
 #include <doctest/doctest.h>
 
 #include <cmath>
+#include <filesystem>
+#include <fstream>
 #include <limits>
 #include <string>
 #include <vector>
@@ -292,6 +294,51 @@ TEST_CASE("a world restored anywhere, with samples on their way, goes on to the 
       CHECK(same(drive(*world, 8, 60, at), expected));
     }
   }
+}
+
+TEST_CASE("a robot differs from its profile as its seed says, and again and again in an episode") {
+  const auto state_after = [](World& world, int periods) {
+    drive(world, 5, periods);
+    return world.save();
+  };
+  const WorldOptions hard{.seed = 3, .randomization = "hard"};
+  const auto world = make(hard);
+  const auto early = state_after(*world, 150);
+  const auto late = state_after(*world, 450);  // 9 s, in which floors and lamps have changed
+  const auto other = make(hard);
+  CHECK(state_after(*other, 150) == early);
+  drive(*other, 9, 300);
+  other->restore(early);
+  CHECK(state_after(*other, 450) == late);
+  other->reset({.seed = 3});
+  CHECK(state_after(*other, 150) == early);
+  other->reset({.seed = 4});
+  CHECK(state_after(*other, 150) != early);
+
+  const auto plain = make({.seed = 3});
+  const Pose2D before = plain->robot(0).truth()->true_pose();
+  CHECK(state_after(*plain, 150) != early);
+  CHECK_FALSE(before == plain->robot(0).truth()->true_pose());
+  CHECK(error_of<ContractError>([&] { plain->restore(early); }) ==
+        "restore: saved from a world with another randomization");
+  CHECK(error_of<ConfigError>([] { make({.randomization = "hrad"}); }).find("hard") != std::string::npos);
+}
+
+TEST_CASE("what arrives late by the draw arrives so late") {
+  const auto arrival_of_scan = [](const std::string& randomization) {
+    const auto world = make({.randomization = randomization});
+    for (;;) {
+      world->advance_to(world->now() + 2ms);
+      for (const Sample& sample : world->robot(0).poll()) {
+        if (std::holds_alternative<LaserScan>(sample.data)) return sample.received;
+      }
+    }
+  };
+  const auto file = std::filesystem::temp_directory_path() / "threewe_late.yaml";
+  std::ofstream(file) << "description: Late\nreset: {sensor_latency: [2.0, 2.0]}\n";
+  CHECK(arrival_of_scan("none") == 120ms);
+  CHECK(arrival_of_scan(file.string()) == 140ms);
+  std::filesystem::remove(file);
 }
 
 TEST_CASE("bytes that are no saved world of this kind change nothing") {
