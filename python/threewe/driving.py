@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import math
+import os
 from collections.abc import Awaitable, Callable
 from contextlib import suppress
 from dataclasses import dataclass
@@ -31,10 +32,18 @@ Realtime = Annotated[bool, typer.Option("--realtime", help="As slowly as a real 
 Rerun = Annotated[bool, typer.Option("--rerun", help="Show it in the Rerun viewer, too.")]
 Save = Annotated[Path | None, typer.Option(metavar="FILE.rrd", help="Record it for the Rerun viewer.")]
 Serve = Annotated[bool, typer.Option("--serve", help="Serve the Rerun viewer to browsers.")]
+Map = Annotated[
+    Path | None, typer.Option("--map", metavar="FILE.yaml", help="A map to find itself in, as ROS has maps.")
+]
+SaveMap = Annotated[
+    Path | None, typer.Option(metavar="DIR/NAME", help="Leave the map there in the end: NAME.yaml and NAME.pgm.")
+]
 
 
 def drive(
-    to: Annotated[tuple[float, float], typer.Option(help="Where to, in metres from where the robot starts.")],
+    to: Annotated[
+        tuple[float, float], typer.Option(help="Where to, in metres: from where the robot starts, or in --map.")
+    ],
     heading: Annotated[float | None, typer.Option(help="To turn to in the end, in degrees.")] = None,
     scene: SceneName = "office_v2",
     backend: Backend = "mock",
@@ -42,17 +51,21 @@ def drive(
     seed: Seed = 0,
     seconds: Seconds = None,
     realtime: Realtime = False,
+    known_map: Map = None,
+    save_map: SaveMap = None,
     rerun: Rerun = False,
     save: Save = None,
     serve: Serve = False,
 ) -> None:
-    """Drive to a place, through a scene that the robot has never seen."""
+    """Drive to a place, through a scene that the robot has never seen or has a map of."""
     audience = Audience(rerun, save, serve)
-    robot = threewe.Robot(backend, hardware, scene, seed=seed, realtime=realtime, viewer=audience.viewer)
+    keep = map_file(save_map)
+    robot = threewe.Robot(backend, hardware, scene, known_map, seed=seed, realtime=realtime, viewer=audience.viewer)
     theta = None if heading is None else math.radians(heading)
     task = f"driving to ({to[0]:g}, {to[1]:g})"
-    result = watch(robot, task, to, lambda look: robot.move_to(*to, theta, timeout=seconds, on_progress=look))
+    result = watch(robot, task, to, keep, lambda look: robot.move_to(*to, theta, timeout=seconds, on_progress=look))
     tell(result, f"{result.distance_to_goal:.2f} m from the goal by its own belief")
+    tell_of_map(keep)
     audience.leave()
     if not result.success:
         raise typer.Exit(1)
@@ -65,16 +78,20 @@ def explore(
     seed: Seed = 0,
     seconds: Seconds = None,
     realtime: Realtime = False,
+    known_map: Map = None,
+    save_map: SaveMap = None,
     rerun: Rerun = False,
     save: Save = None,
     serve: Serve = False,
 ) -> None:
-    """Map a scene that the robot has never seen."""
+    """Map a scene that the robot has never seen, or what a map of it lacks."""
     audience = Audience(rerun, save, serve)
-    robot = threewe.Robot(backend, hardware, scene, seed=seed, realtime=realtime, viewer=audience.viewer)
+    keep = map_file(save_map)
+    robot = threewe.Robot(backend, hardware, scene, known_map, seed=seed, realtime=realtime, viewer=audience.viewer)
     task = f"exploring {scene}"
-    result = watch(robot, task, None, lambda look: robot.explore(timeout=seconds, on_progress=look))
+    result = watch(robot, task, None, keep, lambda look: robot.explore(timeout=seconds, on_progress=look))
     tell(result, f"{result.explored_area:.0f} m² explored")
+    tell_of_map(keep)
     audience.leave()
     if result.reason not in (threewe.Reason.reached, threewe.Reason.timeout):
         raise typer.Exit(1)
@@ -91,7 +108,8 @@ def view(
     serve: Serve = False,
 ) -> None:
     """Watch a robot explore a scene, in the Rerun viewer."""
-    explore(scene, backend, hardware, seed, seconds, realtime, not save and not serve, save, serve)
+    rerun = not save and not serve
+    explore(scene, backend, hardware, seed, seconds, realtime, rerun=rerun, save=save, serve=serve)
 
 
 @dataclass
@@ -123,18 +141,39 @@ class Audience:
                 Event().wait()
 
 
+def map_file(name: Path | None) -> Path | None:
+    """The file that `--save-map` names. Raises ConfigError, before anything is driven, where it cannot be written."""
+    if name is None:
+        return None
+    if name.suffix not in ("", ".yaml"):
+        raise threewe.ConfigError(f"--save-map: the name of a map ends in .yaml or in nothing, not '{name.suffix}'")
+    if not name.parent.is_dir():
+        raise threewe.ConfigError(f"--save-map: there is no folder '{name.parent}'")
+    file = name.with_suffix(".yaml")
+    for part in (file, file.with_suffix(".pgm")):
+        if part.is_dir() or not os.access(part if part.exists() else part.parent, os.W_OK):
+            raise threewe.ConfigError(f"--save-map: '{part}' cannot be written")
+    return file
+
+
 def watch(
     robot: threewe.Robot,
     task: str,
     goal: tuple[float, float] | None,
+    keep: Path | None,
     motion: Callable[[Dashboard], Awaitable[Result]],
 ) -> Result:
-    """Connects, and lets a motion run to its end, drawn in the terminal."""
+    """Connects, lets a motion run to its end, drawn in the terminal, and keeps the map however it ended."""
 
     async def run() -> Result:
         async with robot:
+            if keep is not None:
+                robot.get_map()  # who has none says so now, not after the drive
             with Dashboard(robot, console, task, goal) as dashboard:
-                return await motion(dashboard)
+                result = await motion(dashboard)
+            if keep is not None:
+                robot.save_map(keep)
+            return result
 
     return asyncio.run(run())
 
@@ -145,3 +184,9 @@ def tell(result: threewe.MoveResult | threewe.ExploreResult, figures: str) -> No
     why = f", {escape(result.detail)}" if result.detail else ""
     driven = f"{result.distance:.1f} m driven in {result.duration:.0f} robot s"
     console.print(f"[bold {color}]{result.reason.name}[/]{why}: {driven}, {figures}", soft_wrap=True)
+
+
+def tell_of_map(file: Path | None) -> None:
+    """Where it is."""
+    if file is not None:
+        console.print(f"map saved to [bold]{escape(str(file))}[/]", soft_wrap=True)

@@ -6,11 +6,13 @@ import subprocess
 import sys
 from pathlib import Path
 
+import numpy as np
 import pytest
 import threewe
 from PIL import Image
-from threewe import cli
+from threewe import OccupancyGrid, cli
 from threewe.doctor import Finding
+from threewe.slam import load_map, save_map
 
 
 def run(*arguments: str, cwd: Path | None = None, without: str = "") -> subprocess.CompletedProcess[str]:
@@ -121,6 +123,60 @@ def test_a_drive_that_fails_says_why() -> None:
     assert done.stdout.startswith("timeout, after 1.00 s: ")
 
 
+def test_a_map_is_saved_and_driven_in(tmp_path: Path) -> None:
+    (tmp_path / "maps").mkdir()
+    done = run("drive", "--to", "2", "1", "--seconds", "2", "--save-map", "maps/office", cwd=tmp_path)
+    assert done.returncode == 1  # the map is kept however the drive ends
+    assert "map saved to maps/office.yaml" in done.stdout
+    assert {file.name for file in (tmp_path / "maps").iterdir()} == {"office.yaml", "office.pgm"}
+
+    done = run("drive", "--to", "1", "0.5", "--map", "maps/office.yaml", "--save-map", "maps/more.yaml", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    first, more = (load_map(tmp_path / "maps" / name) for name in ("office.yaml", "more.yaml"))
+    assert np.count_nonzero(more.data >= 0) >= np.count_nonzero(first.data >= 0)
+
+    done = run("explore", "--seconds", "2", "--map", "maps/office.yaml", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert "timeout, after 2.00 s: " in done.stdout
+
+
+def test_a_robot_in_a_map_of_another_place_says_that_it_is_lost(tmp_path: Path) -> None:
+    save_map(OccupancyGrid(np.zeros((40, 40), np.int8)), tmp_path / "bare.yaml")
+    done = run("explore", "--map", "bare.yaml", cwd=tmp_path)
+    assert done.returncode == 1
+    assert done.stdout.startswith("lost, no place in the map")
+
+
+@pytest.mark.parametrize("command", [["drive", "--to", "1", "0"], ["explore"]])
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["--map", "missing.yaml"], "missing.yaml"),
+        (["--map", "not_a.yaml"], "not_a.yaml"),
+        (["--map", "no_picture.yaml"], "no_picture.pgm"),
+        (["--map", "map.pgm"], "map.pgm"),
+        (["--save-map", "missing/office"], "there is no folder 'missing'"),
+        (["--save-map", "office.png"], "ends in .yaml or in nothing, not '.png'"),
+        (["--save-map", "folder"], "'folder.yaml' cannot be written"),
+    ],
+)
+def test_maps_that_cannot_be_read_or_kept_cost_no_drive(
+    command: list[str], arguments: list[str], message: str, tmp_path: Path
+) -> None:
+    (tmp_path / "not_a.yaml").write_text("image: [\n")
+    (tmp_path / "no_picture.yaml").write_text(
+        "image: no_picture.pgm\nresolution: 0.05\norigin: [0, 0, 0]\n"
+        "occupied_thresh: 0.65\nfree_thresh: 0.196\nnegate: 0\n"
+    )
+    (tmp_path / "map.pgm").write_text("P5 1 1 255 ")
+    (tmp_path / "folder.yaml").mkdir()
+    done = run(*command, *arguments, cwd=tmp_path)
+    assert done.returncode == 2
+    assert done.stdout == ""
+    assert message in done.stderr.replace("\n", "")
+    assert "Traceback" not in done.stderr
+
+
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
@@ -128,6 +184,7 @@ def test_a_drive_that_fails_says_why() -> None:
         (["drive", "--to", "1"], "'--to' requires 2 arguments"),
         (["drive", "--to", "1", "1", "--scene", "ofice_v2"], "did you mean 'office_v2'?"),
         (["explore", "--hardware", "3we_base_v2"], "lidar"),
+        (["drive", "--to", "1", "0", "--hardware", "3we_base_v2", "--save-map", "x"], "lidar"),
         (["explore", "--save", "a.rrd", "--serve"], "choose one"),
         (["explore", "--save", "a.txt"], "ends in .rrd"),
     ],
