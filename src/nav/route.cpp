@@ -112,7 +112,17 @@ bool Route::try_plan(const Observation& seen, double tolerance) {
 }
 
 bool Route::plan_to_frontier(const Observation& seen) {
+  if (try_frontier(seen)) return true;
+  if (avoided_.empty()) return false;
+
+  // what is avoided may have closed the only way
+  avoided_.clear();
+  return try_frontier(seen);
+}
+
+bool Route::try_frontier(const Observation& seen) {
   renew_costmap(seen);
+  if (has_path() && !std::isfinite(path_cost(costmap_, path_))) note_closure();
   find_frontiers(costmap_, frontiers_);
   const auto bonus = [&](std::uint32_t index) {
     return frontiers_[index] >= kMinFrontier ? std::optional(bonus_of_frontier(index, seen)) : std::nullopt;
@@ -161,8 +171,9 @@ void Route::advance(Vec2 robot) {
 
 bool Route::avoid_ahead(bool end_too) {
   constexpr double kAhead = 0.25;  // [m]
-  if (!has_path() || path_length(path_) <= kAhead) return false;
+  if (!has_path()) return false;
   if (end_too) avoided_.push_back(path_.back());
+  if (path_length(path_) <= kAhead) return false;
   return avoid(point_after(path_, {0, path_.front()}, kAhead));
 }
 
@@ -211,7 +222,8 @@ bool Route::passed_waypoint(Vec2 robot) const {
 }
 
 // Plans avoid a place of the path until there is no other way. Where that happened often and the path leads into
-// unknown space, they avoid it for good: the robot cannot look there. True when that has been decided.
+// unknown space, or to a frontier, they avoid it for good: the robot cannot look there. True when that has been
+// decided.
 bool Route::avoid(Vec2 place) {
   constexpr double kBeyond = 1.5;  // [m]
   constexpr int kAttempts = 3;
@@ -221,9 +233,9 @@ bool Route::avoid(Vec2 place) {
   if (std::count_if(failures_.begin(), failures_.end(), is_same) < kAttempts) return false;
   const auto is_entrance = [&](Vec2 p) { return costmap_.unknown(costmap_.cell(p)) && distance(p, place) < kBeyond; };
   const std::optional<Vec2> entrance = first_along(path_, is_entrance);
-  if (!entrance) return false;
+  if (!entrance && !waypoints_.empty()) return false;
   barred_.push_back(place);
-  barred_.push_back(*entrance);
+  if (entrance) barred_.push_back(*entrance);
   return true;
 }
 

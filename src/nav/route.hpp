@@ -29,15 +29,16 @@ class Route {
   /// searched. A path that is open is kept unless a new one is clearly better, so that the robot does not waver.
   bool plan_to_goal(const Observation& seen, double tolerance);
   /// Plans to the frontier that is most worth it: by the cost of the way there, how much there is to see, and what
-  /// other robots are about to see; not to another one than before unless that is clearly better. False: none can be
-  /// reached.
+  /// other robots are about to see; not to another one than before unless that is clearly better. Ways that turned out
+  /// to be closed more than once are tried again when there is nothing else. False: none can be reached.
   bool plan_to_frontier(const Observation& seen);
   /// Forgets the path, so that the next plan is due at once.
   void drop();
   /// Forgets what lies behind the robot, waypoints included.
   void advance(Vec2 robot);
   /// The robot could not go on: plans avoid the place before it and, if `end_too`, the end of the path. Where it failed
-  /// to enter unknown space a few times, no plan of this motion enters it any more; true when that has been decided.
+  /// a few times to enter unknown space, or to come to a frontier, no plan of this motion leads any more; true when
+  /// that has been decided.
   bool avoid_ahead(bool end_too);
 
   bool has_path() const { return !path_.empty(); }
@@ -54,6 +55,7 @@ class Route {
 
  private:
   bool try_plan(const Observation& seen, double tolerance);
+  bool try_frontier(const Observation& seen);
   int bonus_of_frontier(std::uint32_t index, const Observation& seen) const;
   void renew_costmap(const Observation& seen);
   void take_map(const Observation& seen, const std::vector<Vec2>& obstacles, const std::vector<Vec2>& include);
