@@ -1,6 +1,6 @@
 """Drives to sampled goals in places that the robot has never seen; explores; listens to no simulator's lies."""
 
-from verify.cases.driving import arrived, drive, drive_in_vain, explore
+from verify.cases.driving import arrived, drive, drive_in_vain, drives_in_a_map, explore
 from verify.cases.journey import lies
 from verify.cases.people import among_people, ratio
 from verify.harness import Experiment, all_of, mean_of, ratio_of, share_of, worst_of
@@ -36,6 +36,22 @@ EXPERIMENTS = [
             ],
         )
         for scene, hardware, enough in ROBOTS
+    ),
+    *(
+        Experiment(
+            f"move_to in a given map, {hardware} in {scene}",
+            drives_in_a_map,
+            {"scene": scene, "drives": 10},
+            cases=20,
+            sample=1 if scene == "office_v2" else 0,
+            rows=[
+                mean_of("reached, truly within 0.25 m", lambda case: case["arrived"], at_least=enough),
+                mean_of("SPL", lambda case: case["spl"], at_least=0.93),
+                worst_of("contact by its own motion [m/s]", lambda case: case["contact_speed"], at_most=0.05),
+            ],
+        )
+        for scene, hardware, enough in ROBOTS
+        if hardware == "3we_standard_v2"
     ),
     *(
         Experiment(
@@ -93,6 +109,8 @@ EXPERIMENTS = [
             ratio("tracks that never were with anybody", "false_tracks", "people", at_most=0.15),
             mean_of("position off, RMS [m]", lambda case: case["position"], at_most=0.20),
             mean_of("velocity off, RMS [m/s]", lambda case: case["velocity"], at_most=0.60),
+            mean_of("somebody waits for the robot [s a minute]", lambda case: case["waiting"], at_least=1.0),
+            worst_of("contact by its own motion [m/s]", lambda case: case["contact"], at_most=0.1),
         ],
     ),
     Experiment(

@@ -23,8 +23,10 @@ EXPERIMENTS = [
         rows=[
             median_of("simulation alone, times real time", lambda case: case["simulation"], at_least=300.0),
             median_of("localising and mapping, times real time", lambda case: case["mind"], at_least=100.0),
+            median_of("whole mind on, robot seconds a wall second", lambda case: case["whole_mind"], at_least=100.0),
+            median_of("the same, robot seconds a CPU second", lambda case: case["whole_mind_cpu"], at_least=100.0),
             median_of(
-                "the same with a camera of 640x480 at 30 Hz, times real time",
+                "localising and mapping, with a camera of 640x480 at 30 Hz, times real time",
                 lambda case: case["camera"],
                 at_least=20.0,
             ),
@@ -32,6 +34,7 @@ EXPERIMENTS = [
                 "pixels really drawn a second", lambda case: case["camera_pixels_per_second"], at_least=640 * 480 * 30
             ),
             worst_of("really driven meanwhile [m]", lambda case: case["mind_metres"], at_least=25.0),
+            worst_of("the same, whole mind on [m]", lambda case: case["whole_mind_metres"], at_least=25.0),
         ],
         alone=True,
     )

@@ -26,8 +26,9 @@ using namespace threewe;
 
 namespace {
 
-constexpr double kSight = 5.0;  // [m]
-constexpr double kNear = 0.5;   // [m] a track so near to somebody is theirs
+constexpr double kSight = 5.0;     // [m]
+constexpr double kNear = 0.5;      // [m] a track so near to somebody is theirs
+constexpr double kWalking = 0.05;  // [m/s] at least, who does not wait: people stop for robots only
 constexpr Duration kSeenFor = 1s;
 constexpr Duration kScan = 100ms;
 
@@ -41,6 +42,7 @@ struct Counts {
   int swaps = 0;                          // tracks that go on with somebody else
   double position = 0.0, velocity = 0.0;  // sums of squares of errors
   int matched = 0;
+  int waiting = 0;  // people who stand, at all scans
 };
 
 struct Truth {
@@ -48,6 +50,7 @@ struct Truth {
   Vec2 position;
   Vec2 velocity;
   Duration in_sight{};
+  int looks = 0;
 };
 
 // People and their velocities, from one scan to the next.
@@ -62,6 +65,7 @@ class Crowd {
       truth.velocity = (1.0 / to_seconds(kScan)) * (at - (truth.name.empty() ? at : truth.position));
       truth.name = person.name;
       truth.position = at;
+      ++truth.looks;
       const Vec2 d = at - lidar;
       const double free = scene::cast_ray(slice_, lidar, std::atan2(d.y, d.x), kSight);
       const bool visible = norm(d) < kSight && free > norm(d) - person.radius;
@@ -103,6 +107,7 @@ class Referee {
       ++counts.matched;
     }
     for (const auto& [name, truth] : crowd.people()) {
+      if (truth.looks > 1 && norm(truth.velocity) < kWalking) ++counts.waiting;
       if (truth.in_sight < kSeenFor) continue;
       ++counts.seen;
       if (!found.contains(name)) ++counts.missed;
@@ -142,10 +147,11 @@ void run(std::uint64_t seed, Duration duration) {
   const Counts c = referee.total();
   const double matched = std::max(1, c.matched);
   fmt::print(
-      R"({{"seed": {}, "seconds": {:.1f}, "seen": {}, "missed": {}, "tracks": {}, "ghosts": {}, "people": {}, "false_tracks": {}, "swaps": {}, "position": {:.4f}, "velocity": {:.4f}, "matched": {}, "contact": {:.3f}}})"
+      R"({{"seed": {}, "seconds": {:.1f}, "seen": {}, "missed": {}, "tracks": {}, "ghosts": {}, "people": {}, "false_tracks": {}, "swaps": {}, "position": {:.4f}, "velocity": {:.4f}, "matched": {}, "waiting": {:.2f}, "contact": {:.3f}}})"
       "\n",
       seed, to_seconds(duration), c.seen, c.missed, c.tracks, c.ghosts, c.people, c.false_tracks, c.swaps,
-      std::sqrt(c.position / matched), std::sqrt(c.velocity / matched), c.matched, simulation.max_collision_speed());
+      std::sqrt(c.position / matched), std::sqrt(c.velocity / matched), c.matched,
+      60.0 * c.waiting * to_seconds(kScan) / to_seconds(duration), simulation.max_collision_speed());
 }
 
 }  // namespace

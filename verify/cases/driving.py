@@ -5,7 +5,7 @@ import math
 import random
 from typing import Any
 
-from threewe import CoverageMeter, Pose2D, Robot, RobotProfile, Scene, SceneTables, TickView
+from threewe import CoverageMeter, OccupancyGrid, Pose2D, Robot, RobotProfile, Scene, SceneTables, TickView
 from threewe.benchmark import nearest_frontier, optimist, spl
 
 TOLERANCE = 0.1  # [m] of drives in vain
@@ -44,6 +44,45 @@ def drive(seed: int, scene: str, hardware: str) -> dict[str, Any]:
             }
 
     return asyncio.run(run())
+
+
+def drives_in_a_map(seed: int, scene: str, drives: int) -> dict[str, Any]:
+    """From sampled starts to sampled goals, in a map that a robot drew by exploring; it is told where it starts."""
+    tables = SceneTables(Scene.load(scene), RobotProfile.load("3we_standard_v2"))
+
+    async def draw() -> OccupancyGrid:
+        async with Robot(scene=scene, seed=seed) as robot:
+            await robot.explore()
+            return robot.get_map()
+
+    async def follow(grid: OccupancyGrid, drive: int) -> dict[str, Any]:
+        episode = tables.sample_episode(seed, drive)
+        # the map was begun at the scene's own start pose, so that its frame is the scene's
+        async with Robot(
+            scene=scene, map=grid, seed=seed + 1 + drive, start_pose=episode.start, initial_pose=episode.start
+        ) as robot:
+            truth = robot.simulation
+            assert truth is not None
+            result = await robot.move_to(*episode.goal)
+            await robot.sleep(0.5)
+            pose = truth.true_pose()
+            true_distance = math.hypot(pose.x - episode.goal[0], pose.y - episode.goal[1])
+            success = result.reason.name == "reached" and true_distance <= 0.25
+            return {
+                "reason": result.reason.name,
+                "arrived": success,
+                "spl": spl(success, episode.geodesic, truth.distance_driven()),
+                "contact_speed": truth.max_collision_speed(),
+            }
+
+    grid = asyncio.run(draw())
+    cases = [asyncio.run(follow(grid, drive)) for drive in range(drives)]
+    return {
+        "reasons": [case["reason"] for case in cases],
+        "arrived": sum(case["arrived"] for case in cases) / drives,
+        "spl": sum(case["spl"] for case in cases) / drives,
+        "contact_speed": max(case["contact_speed"] for case in cases),
+    }
 
 
 def arrived(case: dict[str, Any]) -> bool:
