@@ -53,6 +53,7 @@ EXPERIMENTS = [
                 honest_covariance(),
                 all_of("never lost", lambda case: case["lost"] == 0),
                 median_of("CPU of a robot minute [s]", lambda case: case["cpu"] / 10.0, at_most=6.0),
+                median_of("CPU of a tick, 99 % of them [ms]", lambda case: case["tick"], at_most=4.0),
             ],
         )
         for noise, randomization in (("realistic", "none"), ("hard", "hard"))

@@ -8,9 +8,10 @@ namespace threewe::slam {
 namespace {
 
 // Fitted to ten-minute drives in all scenes by maximum likelihood, with verify_trajectory on seeds from 1000000 on.
-constexpr double kTurn = 0.0023;     // [rad] a view that is new lies turned by so much against what was known
-constexpr double kOrigin = 0.0067;   // [m] what shows nothing new lies off by so much ...
-constexpr double kHeading = 0.0018;  // [rad] ... and turned
+constexpr double kTurn = 0.0014;     // [rad] a view that is new lies turned by so much against what was known ...
+constexpr double kShift = 0.004;     // [m] ... and shifted
+constexpr double kOrigin = 0.004;    // [m] of the robot's own place so much comes and goes on a few metres ...
+constexpr double kHeading = 0.0018;  // [rad] ... and so much of its heading
 
 constexpr double kApart = 1.0;  // [m] between places that are remembered
 constexpr double kNear = 1.5;   // [m] from one, much the same is seen as from there ...
@@ -30,6 +31,8 @@ void MapError::see(Vec2 position, double unknown) {
   here_.turns(kTheta, kTheta) += unknown;
   come_back();
 }
+
+MapError::MapError() { here_.turns(kTheta, kTheta) = here_.views; }
 
 void MapError::forget_way() { elsewhere_ = true; }
 
@@ -53,7 +56,8 @@ void MapError::come_back() {
 }
 
 Matrix3 MapError::covariance() const {
-  const Matrix3 beside = Vector3(square(kOrigin), square(kOrigin), square(kHeading)).asDiagonal();
+  const double position = square(kOrigin) + square(kShift) * here_.views;
+  const Matrix3 beside = Vector3(position, position, square(kHeading)).asDiagonal();
   return square(kTurn) * here_.turns + beside;
 }
 

@@ -14,6 +14,8 @@ namespace threewe::slam {
 /// who comes back has the errors that it had there before. A random walk over the distance would grow for ever.
 class MapError {
  public:
+  MapError();
+
   /// The robot is at `position` [m]; of the newest scan, `unknown` is the share of hits where the map knew nothing.
   void see(Vec2 position, double unknown);
   /// Somebody has put the robot elsewhere: what counts is where it is next.
@@ -26,7 +28,7 @@ class MapError {
   /// A spot that was reached, and what had been seen by then.
   struct Place {
     Vec2 position;
-    double views = 0.0;               ///< sum of the shares that were new
+    double views = 1.0;               ///< sum of the shares that were new, all of the first view among them
     double driven = 0.0;              ///< [m]
     Matrix3 turns = Matrix3::Zero();  ///< what a turn of 1 rad^2 for each view has made of the pose
   };

@@ -24,7 +24,7 @@ def kept_track(seed: int, scene: str, randomization: str) -> Case:
     command = [PROGRAM, scene, str(seed), randomization, str(SECONDS)]
     lines = subprocess.run(command, capture_output=True, text=True, check=True).stdout.splitlines()
     track = np.array([line.split() for line in lines[:-1]], dtype=np.float64)
-    driven, motions, reached, cpu = (float(word) for word in lines[-1].split()[1:])
+    driven, motions, reached, cpu, tick, longest = (float(word) for word in lines[-1].split()[1:])
     off = track[:, 5:8] - track[:, 2:5]
     off[:, 2] = (off[:, 2] + np.pi) % (2.0 * np.pi) - np.pi
     xx, xy, xt, yy, yt, tt = track[:, 8:].T
@@ -41,6 +41,8 @@ def kept_track(seed: int, scene: str, randomization: str) -> Case:
         "motions": motions,
         "reached": reached,
         "cpu": cpu,
+        "tick": tick,
+        "longest_tick": longest,
     }
 
 
