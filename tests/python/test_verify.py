@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from verify.cases.localization import ROOT, Track, fit, imitation
+from verify.cases.trajectories import absolute_error, chi_squared, honest_covariance
 from verify.harness import all_of, ratio_of, share_of, wilson
 
 
@@ -88,3 +89,32 @@ def test_the_fit_finds_the_model_that_made_the_errors() -> None:
 
 def figure(part: str, name: str) -> float:
     return float(re.search(rf"{name}: ([\d.e-]+)", part)[1])
+
+
+@pytest.mark.parametrize(
+    ("degrees", "low", "high"), [(3, 0.2158, 9.3484), (12, 4.4038, 23.3367), (30, 16.7908, 46.9792)]
+)
+def test_quantiles_of_chi_squared_as_tabulated(degrees: int, low: float, high: float) -> None:
+    tolerance = 0.05 if degrees < 30 else 0.02
+    assert chi_squared(degrees, -1.959964) == pytest.approx(low, abs=tolerance)
+    assert chi_squared(degrees, 1.959964) == pytest.approx(high, abs=tolerance)
+
+
+@pytest.mark.parametrize(("nees", "status"), [(0.5, "FAIL"), (2.0, "pass"), (4.5, "pass"), (9.0, "FAIL")])
+def test_a_covariance_may_be_neither_too_small_nor_too_large(nees: float, status: str) -> None:
+    assert honest_covariance().judge([{"nees": nees}] * 10, False).status == status
+
+
+@pytest.mark.parametrize(
+    ("scene", "randomization", "rmse", "status"),
+    [
+        ("office_v2", "none", 0.049, "pass"),
+        ("office_v2", "none", 0.051, "FAIL"),
+        ("office_v2", "hard", 0.079, "pass"),
+        ("corridor_v1", "none", 0.99, "pass"),
+        ("corridor_v1", "none", 1.01, "FAIL"),
+    ],
+)
+def test_how_far_off_a_drive_may_be(scene: str, randomization: str, rmse: float, status: str) -> None:
+    case = {"rmse": rmse, "rmse_heading": 0.0, "worst": rmse, "driven": 200.0}
+    assert absolute_error(scene, randomization).judge([case] * 3, False).status == status
