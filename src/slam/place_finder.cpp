@@ -29,19 +29,65 @@ constexpr double kMostContradiction = 0.35;  // of beams: in their own maps 0.02
 
 // What is seen now and was seen before is looked for together; what is found must fit the scans to come.
 std::optional<Pose2D> PlaceFinder::look(Time stamp, const Pose2D& odom_from_base, std::span<const map::Beam> beams) {
+  stamp_ = stamp;
   if (remember(odom_from_base, beams)) due_ = std::min(due_, stamp + kPeriod), pause_ = kPeriod;
-  const std::optional<Pose2D> place = confirmed_ > 0  ? search_near(map_from_odom_ * odom_from_base, beams)
-                                      : stamp >= due_ ? search_everywhere(odom_from_base, beams)
-                                                      : std::nullopt;
-  if (place) {
-    map_from_odom_ = *place * inverse(odom_from_base);
-    if (++confirmed_ >= kConfirmations) return place;
-  } else if (confirmed_ > 0 || stamp >= due_) {
-    confirmed_ = 0;
-    due_ = stamp + pause_;
-    pause_ = std::min(2 * pause_, kLongestPause);
+  if (confirmed_ > 0) {
+    const std::optional<Pose2D> place = search_near(map_from_odom_ * odom_from_base, beams);
+    if (!place) {
+      give_up();
+    } else {
+      map_from_odom_ = *place * inverse(odom_from_base);
+      if (++confirmed_ >= kConfirmations) return place;
+    }
+  } else if (!hunt_ && stamp >= due_) {
+    begin_hunt(odom_from_base, beams);
   }
   return {};
+}
+
+// Searches that expect much are quick. Nothing elsewhere may only mean that nothing scores the least that was asked
+// for.
+void PlaceFinder::go_on(std::int64_t work) {
+  while (hunt_ && work > 0) {
+    if (!hunt_->search.go_on(work)) return;
+    const std::optional<ScanSearch::Found> found = hunt_->search.found();
+    if (!found && hunt_->least == kGoodScore) {
+      hunt_again(kLeastScore);
+    } else if (found && found->elsewhere == 0.0 && hunt_->least > found->score - kLead) {
+      hunt_again(found->score - kLead);
+    } else {
+      end_hunt(found);
+    }
+  }
+}
+
+void PlaceFinder::begin_hunt(const Pose2D& odom_from_base, std::span<const map::Beam> beams) {
+  const ScanSearch& map = map_->search();
+  std::vector<map::Beam> seen = all_seen(odom_from_base, beams);
+  ScanSearch::Search search(map, seen, map.everywhere(), kGoodScore);
+  hunt_ = {odom_from_base, {beams.begin(), beams.end()}, std::move(seen), kGoodScore, std::move(search)};
+}
+
+void PlaceFinder::hunt_again(double least) {
+  hunt_->least = least;
+  hunt_->search = ScanSearch::Search(map_->search(), hunt_->seen, map_->search().everywhere(), least);
+}
+
+void PlaceFinder::end_hunt(const std::optional<ScanSearch::Found>& found) {
+  const bool alone = found && found->elsewhere < found->score - kLead;
+  if (alone && fits(found->pose, hunt_->beams)) {
+    map_from_odom_ = found->pose * inverse(hunt_->odom_from_base);
+    confirmed_ = 1;
+  } else {
+    give_up();
+  }
+  hunt_.reset();
+}
+
+void PlaceFinder::give_up() {
+  confirmed_ = 0;
+  due_ = stamp_ + pause_;
+  pause_ = std::min(2 * pause_, kLongestPause);
 }
 
 // Whether it was something new.
@@ -53,29 +99,25 @@ bool PlaceFinder::remember(const Pose2D& odom_from_base, std::span<const map::Be
     const Pose2D since = inverse(glimpses_.back().odom_from_base) * odom_from_base;
     if (norm(since.position()) < kGlimpseDistance && std::fabs(since.theta) < kGlimpseTurn) return false;
   }
-  Glimpse glimpse{odom_from_base, {}, driven_};
-  for (const map::Beam& beam : beams) {
-    if (beam.hit) glimpse.hits.push_back(beam);
-  }
-  glimpses_.push_back(std::move(glimpse));
+  glimpses_.push_back({odom_from_base, {beams.begin(), beams.end()}, driven_});
   if (glimpses_.size() > kMostGlimpses) glimpses_.erase(glimpses_.begin());
   return true;
 }
 
-// In the frame of the base as it is now: each cell that was hit, once, as a beam from the base.
+// In the frame of the base as it is now: each cell that was hit, once, as a beam from the base. The newest first.
 std::vector<map::Beam> PlaceFinder::all_seen(const Pose2D& odom_from_base, std::span<const map::Beam> beams) const {
   std::vector<map::Beam> hits;
-  for (const map::Beam& beam : beams) {
-    if (beam.hit) hits.push_back(beam);
-  }
-  for (const Glimpse& glimpse : glimpses_) {
-    const Pose2D now_from_then = inverse(odom_from_base) * glimpse.odom_from_base;
-    for (map::Beam beam : glimpse.hits) {
+  const auto add = [&](const Pose2D& now_from_then, std::span<const map::Beam> scan) {
+    for (map::Beam beam : scan) {
+      if (!beam.hit) continue;
       beam.origin = now_from_then * beam.origin;
       beam.direction = rotate(beam.direction, now_from_then.theta);
       hits.push_back(beam);
     }
-  }
+  };
+  add({}, beams);
+  for (const Glimpse& glimpse : glimpses_) add(inverse(odom_from_base) * glimpse.odom_from_base, glimpse.beams);
+
   // one hit a cell, in order of cells
   const double resolution = map_->surfaces().grid().resolution;
   struct Placed {
@@ -97,20 +139,6 @@ std::vector<map::Beam> PlaceFinder::all_seen(const Pose2D& odom_from_base, std::
   std::vector<map::Beam> seen;
   for (std::size_t i = 0; i < placed.size(); i += every) seen.push_back(hits[placed[i].index]);
   return seen;
-}
-
-std::optional<Pose2D> PlaceFinder::search_everywhere(const Pose2D& odom_from_base,
-                                                     std::span<const map::Beam> beams) const {
-  const ScanSearch& search = map_->search();
-  const std::vector<map::Beam> seen = all_seen(odom_from_base, beams);
-  std::optional<ScanSearch::Found> found = search.find(seen, search.everywhere(), kGoodScore);
-  if (!found) found = search.find(seen, search.everywhere(), kLeastScore);
-  if (!found) return {};
-  // nothing elsewhere may only mean that nothing scores the least that was asked for
-  const double rival = found->score - kLead;
-  if (found->elsewhere == 0.0) found = search.find(seen, search.everywhere(), rival);
-  if (found->elsewhere >= rival || !fits(found->pose, beams)) return {};
-  return found->pose;
 }
 
 std::optional<Pose2D> PlaceFinder::search_near(const Pose2D& place, std::span<const map::Beam> beams) const {

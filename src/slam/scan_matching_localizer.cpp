@@ -41,6 +41,8 @@ constexpr double kFoundPosition = 0.1;     // [m] ... and what a search finds
 constexpr double kFoundHeading = 0.05;     // [rad]
 constexpr double kRedrawnPosition = 0.02;  // [m] in a map that was drawn anew the robot's place is known so well
 constexpr double kRedrawnHeading = 0.004;  // [rad]
+constexpr Duration kSearchUnit = 50ns;     // for each of these a search does the work of one hit, in 3 to 5 ns ...
+constexpr Duration kMostSearching = 20ms;  // ... at most for so long at once
 constexpr double kDoubtful = 0.45;         // a given map that resembles the scans less than so for long ...
 constexpr double kCertain = 0.55;          // ... until it does again
 
@@ -69,6 +71,7 @@ class ScanMatchingLocalizer final : public Localizer {
     if (const auto* odometry = std::get_if<Odometry>(&sample.data)) {
       track_.add_odometry(sample.measured, *odometry);
       if (!sensors_.lidar) predict_to(sample.measured);  // no scan will do it
+      search_on(sample.measured);
     }
     if (const auto* scan = std::get_if<LaserScan>(&sample.data)) add_scan(sample.measured, *scan);
   }
@@ -86,6 +89,7 @@ class ScanMatchingLocalizer final : public Localizer {
   void keep_unseen(const std::vector<Vec2>& before, Vec2 lidar_in_odom, double nearest_seen);
   void predict_to(Time stamp);
   void find_place(Time stamp);
+  void search_on(Time now);
   void doubt(const Pose2D& map_from_base);
   bool is_better(const Pose2D& other, const Pose2D& map_from_base) const;
   void settle(const Pose2D& map_from_base, Time stamp);
@@ -116,6 +120,7 @@ class ScanMatchingLocalizer final : public Localizer {
   std::shared_ptr<const KnownMap> given_;  // null: the robot draws its own map alone
   std::shared_ptr<const KnownMap> home_;   // where a lost robot looks for itself
   std::optional<PlaceFinder> finder_;      // while the robot is lost, or doubts its place
+  Time searched_{};                        // how far it has searched on
   double trust_ = 1.0;                     // how well the given map has fitted the scans lately
   bool nowhere_ = false;                   // no place was ever known
   bool looked_ = false;                    // a scan has arrived
@@ -217,6 +222,13 @@ void ScanMatchingLocalizer::find_place(Time stamp) {
   if (!finder_) return;
   const std::optional<Pose2D> found = finder_->look(stamp, odom_from_base, beams_);
   if (found && (nowhere_ || is_better(*found, believed))) settle(*found, stamp);
+}
+
+// A search of a large map takes longer than a tick: it gets its share of each.
+void ScanMatchingLocalizer::search_on(Time now) {
+  const Duration since = std::clamp<Duration>(now - searched_, 0ns, kMostSearching);
+  searched_ = now;
+  if (finder_) finder_->go_on(since / kSearchUnit);
 }
 
 // Scans that fit what the robot has mapped by itself say little: it would fit anywhere that it was taken for.

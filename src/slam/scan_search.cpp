@@ -2,8 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <queue>
-#include <tuple>
+#include <limits>
 #include <utility>
 
 #include "threewe/core/errors.hpp"
@@ -16,12 +15,8 @@
 #define THREEWE_SLAM_SCAN_SEARCH_TILE
 namespace threewe::slam {
 
-// Poses are scored in tiles of so many by so many neighbours.
-inline constexpr int kTile = 8;
 // Hits that fit into sums of 16 bits.
 inline constexpr std::size_t kBlock = 256;
-
-using Sums = std::array<std::uint32_t, static_cast<std::size_t>(kTile) * kTile>;
 
 }  // namespace threewe::slam
 #endif
@@ -33,12 +28,12 @@ namespace hn = hwy::HWY_NAMESPACE;
 
 // Adds up the tiles that begin at some bytes; rows are `stride` bytes apart.
 void add_tiles(const std::uint8_t* const* begins, std::size_t count, std::size_t stride, std::uint32_t* sums) {
-  const hn::CappedTag<std::uint8_t, kTile> bytes;
+  const hn::CappedTag<std::uint8_t, ScanSearch::kTile> bytes;
   const hn::Rebind<std::uint16_t, decltype(bytes)> words;
   const auto add = [&](auto& sum, const std::uint8_t* row) {
     sum = hn::Add(sum, hn::PromoteTo(words, hn::LoadU(bytes, row)));
   };
-  for (std::size_t column = 0; column < kTile; column += hn::Lanes(bytes)) {
+  for (std::size_t column = 0; column < ScanSearch::kTile; column += hn::Lanes(bytes)) {
     auto a = hn::Zero(words), b = a, c = a, d = a, e = a, f = a, g = a, h = a;
     for (std::size_t i = 0; i < count; ++i) {
       const std::uint8_t* row = begins[i] + column;
@@ -47,10 +42,10 @@ void add_tiles(const std::uint8_t* const* begins, std::size_t count, std::size_t
     }
     std::uint32_t* to = sums + column;
     const auto store = [&](auto sum) {
-      alignas(64) std::uint16_t lanes[kTile];
+      alignas(64) std::uint16_t lanes[ScanSearch::kTile];
       hn::Store(sum, words, lanes);
       for (std::size_t k = 0; k < hn::Lanes(words); ++k) to[k] += lanes[k];
-      to += kTile;
+      to += ScanSearch::kTile;
     };
     store(a), store(b), store(c), store(d), store(e), store(f), store(g), store(h);
   }
@@ -73,6 +68,7 @@ constexpr double kTurned = exact::kPi / 12;  // [rad]
 constexpr double kLeastTurn = 0.001;         // [rad] from one heading to the next, however far they are ...
 constexpr double kMostTurn = 0.1;            // ... or near
 constexpr double kFull = 255.0;              // what a hit on an occupied cell scores
+constexpr std::int64_t kQueueing = 16;       // the work of one visit to the queue
 
 // What a hit scores by how many cells, across and along, lie between it and the nearest occupied one: a normal
 // distribution of one cell's deviation, cut off after the neighbours. Over 240 searches in generated scenes all of the
@@ -121,131 +117,125 @@ std::vector<Vec2> thinned(std::span<const map::Beam> scan, double apart) {
 
 }  // namespace
 
-// One search: headings and hits, and what is yet to be looked into.
-class ScanSearch::Search {
- public:
-  Search(const ScanSearch& map, std::span<const Vec2> hits, const Window& window, double least);
-  std::optional<Found> run();
+ScanSearch::Search::Search(const ScanSearch& map, std::span<const map::Beam> scan, const Window& window, double least)
+    : map_(&map), window_(window) {
+  const bool sane = is_finite(window.center) && window.reach.x >= 0.0 && window.reach.y >= 0.0 && window.turn >= 0.0 &&
+                    map::fits_a_grid(2.0 * window.reach.x / map.resolution_, 2.0 * window.reach.y / map.resolution_);
+  if (!sane || std::isnan(least)) {
+    throw ContractError(
+        "scan search: center, reach, turn and least must be numbers, none of a window negative or "
+        "beyond 400 m");
+  }
+  hits_ = thinned(scan, 0.5 * map.resolution_);
+  if (hits_.empty() || map.levels_.empty()) {
+    phase_ = Phase::ended;
+    return;
+  }
+  choose_headings();
+  reach_x_ = map::to_cell(window.reach.x / map.resolution_);
+  reach_y_ = map::to_cell(window.reach.y / map.resolution_);
+  const double most = kFull * static_cast<double>(hits_.size());
+  least_ = static_cast<std::uint32_t>(std::ceil(std::clamp(least, 0.0, 2.0) * most));
+  cells_.reserve(hits_.size() * static_cast<std::size_t>(last_turn_ - first_turn_ + 1));
+}
 
- private:
-  // The poses of one heading in a square of cells, kTile^level wide, that begins at (x, y); at level 0 a pose.
-  struct Node {
-    std::uint32_t bound = 0;  // no pose in it has a higher sum of scores; a pose has this one
-    int level = 0;
-    int turn = 0;
-    int x = 0;
-    int y = 0;
-    friend bool operator<(const Node& a, const Node& b) { return a.bound < b.bound; }
-  };
-  // Orders poses, the best last.
-  using Merit = std::tuple<std::uint32_t, std::int64_t, int, int, int, int>;
-
-  void find_best();
-  std::uint32_t best_elsewhere();
-  template <class Visit>
-  void for_each_child(const Node& node, Visit visit) const;
-  void expand(const Node& node);
-  Sums bounds_of_children(const Node& node) const;
-  Merit merit(const Node& pose) const;
-  bool is_elsewhere(const Node& node) const;
-  Pose2D pose_of(const Node& pose) const;
-
-  const ScanSearch& map_;
-  Window window_;
-  std::size_t count_;  // of hits
-  double step_;        // [rad] between headings
-  int first_turn_;     // headings are so many steps from the center's
-  int last_turn_;
-  int reach_x_;  // [cells]
-  int reach_y_;
-  std::vector<map::Cell> cells_;  // of the hits at the center, heading by heading
-  std::uint32_t least_;           // sum of scores
-  std::priority_queue<Node> waiting_;
-  std::vector<Node> looked_into_;  // of level 1
-  std::optional<Node> best_;
-};
-
-ScanSearch::Search::Search(const ScanSearch& map, std::span<const Vec2> hits, const Window& window, double least)
-    : map_(map), window_(window), count_(hits.size()) {
+void ScanSearch::Search::choose_headings() {
   double farthest = 0.0;
-  for (const Vec2& hit : hits) farthest = std::max(farthest, norm(hit));
-  step_ = std::clamp(kFarthestMoves * map.resolution_ / farthest, kLeastTurn, kMostTurn);
-  if (window.turn >= exact::kPi) {
+  for (const Vec2& hit : hits_) farthest = std::max(farthest, norm(hit));
+  step_ = std::clamp(kFarthestMoves * map_->resolution_ / farthest, kLeastTurn, kMostTurn);
+  if (window_.turn >= exact::kPi) {
     const int headings = static_cast<int>(std::ceil(2.0 * exact::kPi / step_));
     step_ = 2.0 * exact::kPi / headings;
     first_turn_ = -(headings - 1) / 2;
     last_turn_ = first_turn_ + headings - 1;
   } else {
-    last_turn_ = static_cast<int>(window.turn / step_);
+    last_turn_ = static_cast<int>(window_.turn / step_);
     first_turn_ = -last_turn_;
   }
-  reach_x_ = map::to_cell(window.reach.x / map.resolution_);
-  reach_y_ = map::to_cell(window.reach.y / map.resolution_);
-  least_ = static_cast<std::uint32_t>(std::ceil(std::clamp(least, 0.0, 2.0) * kFull * static_cast<double>(count_)));
+}
 
-  cells_.reserve(hits.size() * static_cast<std::size_t>(last_turn_ - first_turn_ + 1));
-  for (int turn = first_turn_; turn <= last_turn_; ++turn) {
-    const auto [s, c] = exact::sincos(wrap_angle(window.center.theta + turn * step_));
-    for (const Vec2& hit : hits) {
-      const Vec2 at = window.center.position() + Vec2{c * hit.x - s * hit.y, s * hit.x + c * hit.y};
-      cells_.push_back({map::to_cell((at.x - map.origin_.x) / map.resolution_),
-                        map::to_cell((at.y - map.origin_.y) / map.resolution_)});
-    }
+bool ScanSearch::Search::go_on(std::int64_t& work) {
+  const std::int64_t before = work_;
+  while (phase_ != Phase::ended && work_ - before < work) step();
+  work -= work_ - before;
+  return phase_ == Phase::ended;
+}
+
+// What promises most is looked into first, until nothing promises as much as the best pose has. Then what is left, and
+// what surrounds the best, for the best elsewhere.
+void ScanSearch::Search::step() {
+  switch (phase_) {
+    case Phase::opening: return open_heading();
+    case Phase::best: return look_for_best();
+    case Phase::reopening:
+      if (looked_into_.empty()) {
+        phase_ = Phase::elsewhere;
+        return;
+      }
+      waiting_.push(looked_into_.back());
+      looked_into_.pop_back();
+      work_ += kQueueing;
+      return;
+    case Phase::elsewhere: return look_elsewhere();
+    case Phase::ended: return;
   }
 }
 
-std::optional<ScanSearch::Found> ScanSearch::Search::run() {
-  find_best();
-  if (!best_) return {};
-  const double full = kFull * static_cast<double>(count_);
-  return Found{pose_of(*best_), best_->bound / full, best_elsewhere() / full};
-}
-
-// What promises most is looked into first, until nothing promises as much as the best pose has.
-void ScanSearch::Search::find_best() {
-  const int top = static_cast<int>(map_.levels_.size());
+void ScanSearch::Search::open_heading() {
+  const int turn = first_turn_ + static_cast<int>(cells_.size() / hits_.size());
+  const auto [s, c] = exact::sincos(wrap_angle(window_.center.theta + turn * step_));
+  for (const Vec2& hit : hits_) {
+    const Vec2 at = window_.center.position() + Vec2{c * hit.x - s * hit.y, s * hit.x + c * hit.y};
+    cells_.push_back({map::to_cell((at.x - map_->origin_.x) / map_->resolution_),
+                      map::to_cell((at.y - map_->origin_.y) / map_->resolution_)});
+  }
+  work_ += static_cast<std::int64_t>(hits_.size());
+  const int top = static_cast<int>(map_->levels_.size());
   const int width = 1 << (kTileShift * top);
-  for (int turn = first_turn_; turn <= last_turn_; ++turn) {
-    for (int y = -reach_y_; y <= reach_y_; y += width) {
-      for (int x = -reach_x_; x <= reach_x_; x += width) expand({0, top, turn, x, y});
-    }
+  for (int y = -reach_y_; y <= reach_y_; y += width) {
+    for (int x = -reach_x_; x <= reach_x_; x += width) expand({0, top, turn, x, y});
   }
-  while (!waiting_.empty() && (!best_ || waiting_.top().bound >= best_->bound)) {
-    const Node node = waiting_.top();
-    waiting_.pop();
-    if (node.level > 1) {
-      expand(node);
-      continue;
-    }
-    looked_into_.push_back(node);
-    for_each_child(node, [this](const Node& pose) {
-      if (pose.bound >= least_ && (!best_ || merit(pose) > merit(*best_))) best_ = pose;
-    });
-  }
+  if (turn == last_turn_) phase_ = Phase::best;
 }
 
-// Goes on where the search for the best has stopped.
-std::uint32_t ScanSearch::Search::best_elsewhere() {
-  for (const Node& node : looked_into_) waiting_.push(node);
-  std::uint32_t second = 0;
-  while (!waiting_.empty() && waiting_.top().bound > second) {
-    const Node node = waiting_.top();
-    waiting_.pop();
-    if (!is_elsewhere(node)) continue;
-    if (node.level > 1) {
-      expand(node);
-      continue;
-    }
-    for_each_child(node, [&](const Node& pose) {
-      if (pose.bound >= least_ && pose.bound > second && is_elsewhere(pose)) second = pose.bound;
-    });
+void ScanSearch::Search::look_for_best() {
+  if (waiting_.empty() || (best_ && waiting_.top().bound < best_->bound)) {
+    phase_ = best_ ? Phase::reopening : Phase::ended;
+    return;
   }
-  return second;
+  const Node node = waiting_.top();
+  waiting_.pop();
+  if (node.level > 1) return expand(node);
+  looked_into_.push_back(node);
+  for_each_child(node, [this](const Node& pose) {
+    if (pose.bound >= least_ && (!best_ || merit(pose) > merit(*best_))) best_ = pose;
+  });
+}
+
+void ScanSearch::Search::look_elsewhere() {
+  if (waiting_.empty() || waiting_.top().bound <= second_) return end();
+  const Node node = waiting_.top();
+  waiting_.pop();
+  work_ += kQueueing;
+  if (!is_elsewhere(node)) return;
+  if (node.level > 1) return expand(node);
+  for_each_child(node, [this](const Node& pose) {
+    if (pose.bound >= least_ && pose.bound > second_ && is_elsewhere(pose)) second_ = pose.bound;
+  });
+}
+
+void ScanSearch::Search::end() {
+  const double most = kFull * static_cast<double>(hits_.size());
+  found_ = {pose_of(*best_), best_->bound / most, second_ / most};
+  phase_ = Phase::ended;
 }
 
 template <class Visit>
-void ScanSearch::Search::for_each_child(const Node& node, Visit visit) const {
-  const Sums bounds = bounds_of_children(node);
+void ScanSearch::Search::for_each_child(const Node& node, Visit visit) {
+  const std::size_t first = static_cast<std::size_t>(node.turn - first_turn_) * hits_.size();
+  const Sums bounds =
+      map_->sums_of_tile(std::span(cells_).subspan(first, hits_.size()), node.level - 1, {node.x, node.y});
+  work_ += static_cast<std::int64_t>(hits_.size()) + kTile * kTile;
   const int width = 1 << (kTileShift * (node.level - 1));
   for (int i = 0; i < kTile * kTile; ++i) {
     const int x = node.x + (i % kTile) * width;
@@ -262,9 +252,9 @@ void ScanSearch::Search::expand(const Node& node) {
   });
 }
 
-Sums ScanSearch::Search::bounds_of_children(const Node& node) const {
-  const Level& level = map_.levels_[static_cast<std::size_t>(node.level - 1)];
-  const std::span<const map::Cell> cells(&cells_[static_cast<std::size_t>(node.turn - first_turn_) * count_], count_);
+// For each square of a tile of them, that begins `offset` cells from `cells`, the sum of the scores there.
+ScanSearch::Sums ScanSearch::sums_of_tile(std::span<const map::Cell> cells, int at, map::Cell offset) const {
+  const Level& level = levels_[static_cast<std::size_t>(at)];
   Sums sums{};
   std::array<const std::uint8_t*, kBlock> tiles;  // NOLINT: what is used is filled
   std::size_t n = 0;
@@ -273,7 +263,7 @@ Sums ScanSearch::Search::bounds_of_children(const Node& node) const {
     n = 0;
   };
   for (const map::Cell cell : cells) {
-    const std::uint8_t* tile = level.tile({cell.x + node.x, cell.y + node.y});
+    const std::uint8_t* tile = level.tile({cell.x + offset.x, cell.y + offset.y});
     if (tile == nullptr) continue;
     tiles[n++] = tile;
     if (n == kBlock) add();
@@ -294,11 +284,11 @@ bool ScanSearch::Search::is_elsewhere(const Node& node) const {
   const int last = (1 << (kTileShift * node.level)) - 1;
   const double dx = std::max(std::abs(node.x - best_->x), std::abs(node.x + last - best_->x));
   const double dy = std::max(std::abs(node.y - best_->y), std::abs(node.y + last - best_->y));
-  return exact::hypot(dx, dy) * map_.resolution_ > kElsewhere;
+  return exact::hypot(dx, dy) * map_->resolution_ > kElsewhere;
 }
 
 Pose2D ScanSearch::Search::pose_of(const Node& pose) const {
-  return {window_.center.x + pose.x * map_.resolution_, window_.center.y + pose.y * map_.resolution_,
+  return {window_.center.x + pose.x * map_->resolution_, window_.center.y + pose.y * map_->resolution_,
           wrap_angle(window_.center.theta + pose.turn * step_)};
 }
 
@@ -348,16 +338,10 @@ ScanSearch::Window ScanSearch::everywhere() const {
 
 std::optional<ScanSearch::Found> ScanSearch::find(std::span<const map::Beam> scan, const Window& window,
                                                   double least) const {
-  const bool sane = is_finite(window.center) && window.reach.x >= 0.0 && window.reach.y >= 0.0 && window.turn >= 0.0 &&
-                    map::fits_a_grid(2.0 * window.reach.x / resolution_, 2.0 * window.reach.y / resolution_);
-  if (!sane || std::isnan(least)) {
-    throw ContractError(
-        "scan search: center, reach, turn and least must be numbers, none of a window negative or "
-        "beyond 400 m");
-  }
-  const std::vector<Vec2> hits = thinned(scan, 0.5 * resolution_);
-  if (hits.empty() || levels_.empty()) return {};
-  return Search(*this, hits, window, least).run();
+  Search search(*this, scan, window, least);
+  std::int64_t work = std::numeric_limits<std::int64_t>::max();
+  (void)search.go_on(work);
+  return search.found();
 }
 
 std::size_t ScanSearch::bytes() const {

@@ -2,10 +2,13 @@
 // that was carried off.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <queue>
 #include <span>
+#include <tuple>
 #include <vector>
 
 #include "threewe/core/pose.hpp"
@@ -31,13 +34,18 @@ class ScanSearch {
     double elsewhere = 0.0;  ///< best score more than 0.5 m or 15 degrees away; 0 when that is below the least score
   };
 
+  /// Poses are scored in tiles of so many by so many neighbours.
+  static constexpr int kTile = 8;
+  /// One search, that stops and goes on. The ScanSearch must outlive it.
+  class Search;
+
   explicit ScanSearch(const map::OccupancyGrid& grid);
 
   /// The whole map and all headings.
   Window everywhere() const;
   /// The best pose; empty when none scores `least` or more, or nothing was hit. Of equal ones the one whose position is
   /// nearest to the center wins, then the least turn, then the lower y, the lower x, the clockwise turn. `scan`: in the
-  /// base frame. Of hits less than half a cell apart one counts.
+  /// base frame. Of hits less than half a cell apart one counts. Throws ContractError for a window that is none.
   std::optional<Found> find(std::span<const map::Beam> scan, const Window& window, double least) const;
 
   std::size_t bytes() const;
@@ -67,13 +75,74 @@ class ScanSearch {
     int rows;
     std::vector<std::uint8_t> data;
   };
-  class Search;
+  using Sums = std::array<std::uint32_t, static_cast<std::size_t>(kTile) * kTile>;
+
+  Sums sums_of_tile(std::span<const map::Cell> cells, int level, map::Cell offset) const;
 
   double resolution_;
   Vec2 origin_;
   int width_;
   int height_;
   std::vector<Level> levels_;  // finest first
+};
+
+/// What has been looked into and what is yet to be. Plain data: a copy goes on the same.
+class ScanSearch::Search {
+ public:
+  /// As ScanSearch::find takes them.
+  Search(const ScanSearch& map, std::span<const map::Beam> scan, const Window& window, double least);
+
+  /// Goes on for about so much work: what it takes to place a hit or to add a row of scores counts as one. What it
+  /// finds does not depend on where it stopped. Returns whether it has ended; takes from `work` what it has done.
+  bool go_on(std::int64_t& work);
+  /// As ScanSearch::find returns it, once the search has ended.
+  const std::optional<Found>& found() const { return found_; }
+
+ private:
+  enum class Phase : std::uint8_t { opening, best, reopening, elsewhere, ended };
+  // The poses of one heading in a square of cells, kTile^level wide, that begins at (x, y); at level 0 a pose.
+  struct Node {
+    std::uint32_t bound = 0;  // no pose in it has a higher sum of scores; a pose has this one
+    int level = 0;
+    int turn = 0;
+    int x = 0;
+    int y = 0;
+    friend bool operator<(const Node& a, const Node& b) { return a.bound < b.bound; }
+  };
+  // Orders poses, the best last.
+  using Merit = std::tuple<std::uint32_t, std::int64_t, int, int, int, int>;
+
+  void choose_headings();
+  void step();
+  void open_heading();
+  void look_for_best();
+  void look_elsewhere();
+  void end();
+  template <class Visit>
+  void for_each_child(const Node& node, Visit visit);
+  void expand(const Node& node);
+  Merit merit(const Node& pose) const;
+  bool is_elsewhere(const Node& node) const;
+  Pose2D pose_of(const Node& pose) const;
+
+  const ScanSearch* map_;
+  Window window_;
+  std::vector<Vec2> hits_;  // [m]
+  double step_ = 0.0;       // [rad] between headings
+  int first_turn_ = 0;      // headings are so many steps from the center's
+  int last_turn_ = 0;
+  int reach_x_ = 0;  // [cells]
+  int reach_y_ = 0;
+  std::uint32_t least_ = 0;  // sum of scores
+  std::int64_t work_ = 0;    // that was done
+
+  Phase phase_ = Phase::opening;
+  std::vector<map::Cell> cells_;  // of the hits at the center, heading by heading
+  std::priority_queue<Node> waiting_;
+  std::vector<Node> looked_into_;  // of level 1; when all is opened again, those that are left
+  std::optional<Node> best_;
+  std::uint32_t second_ = 0;  // the best sum of scores elsewhere
+  std::optional<Found> found_;
 };
 
 }  // namespace threewe::slam

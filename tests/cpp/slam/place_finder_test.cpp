@@ -17,6 +17,14 @@ namespace {
 using testing::Place;
 using testing::place_of;
 
+// One scan, and all the time that the search takes.
+std::optional<Pose2D> look(PlaceFinder& finder, Time stamp, const Pose2D& odom_from_base,
+                           const std::vector<map::Beam>& beams) {
+  const std::optional<Pose2D> place = finder.look(stamp, odom_from_base, beams);
+  while (finder.searching()) finder.go_on(1'000'000);
+  return place;
+}
+
 bool occupied(const map::OccupancyGrid& grid, map::Cell c) { return grid.at(c) >= 65; }
 
 // The same as KnownMap::compare, step by step along every beam.
@@ -85,7 +93,7 @@ TEST_CASE("a robot that wakes up in a mapped place finds itself within three sca
       PlaceFinder finder(known);
       std::optional<Pose2D> result;
       for (int scan = 0; scan < 4 && !result; ++scan) {
-        result = finder.look(scan * 100ms, {}, place.look(draw, truth));
+        result = look(finder, scan * 100ms, {}, place.look(draw, truth));
         if (scan < 2) CHECK_FALSE(result);
       }
       if (!result) continue;
@@ -98,6 +106,35 @@ TEST_CASE("a robot that wakes up in a mapped place finds itself within three sca
   CHECK(found >= 50);
 }
 
+TEST_CASE("a robot that drives on while it searches finds where it has come to, and so does its copy") {
+  for (std::uint64_t seed = 20; seed < 26; ++seed) {
+    CAPTURE(seed);
+    Draw draw(seed);
+    const Place place = place_of(scene::generate(seed), draw, 40);
+    const auto known = std::make_shared<const KnownMap>(place.map.grid());
+    const Pose2D start = place.random_pose(draw);
+    const Pose2D map_from_odom = start * inverse(Pose2D{3.0, -2.0, 1.0});
+    PlaceFinder finder(known);
+    std::optional<Pose2D> found;
+    int searching = 0;
+    for (int scan = 0; scan < 100 && !found; ++scan) {
+      const Pose2D truth{start.x, start.y, wrap_angle(start.theta + 0.02 * scan)};  // it turns
+      const std::vector<map::Beam> beams = place.look(draw, truth);
+      const Pose2D odom_from_base = inverse(map_from_odom) * truth;
+      PlaceFinder copy = finder;
+      found = finder.look(scan * 100ms, odom_from_base, beams);
+      CHECK(copy.look(scan * 100ms, odom_from_base, beams) == found);
+      for (int tick = 0; tick < 5; ++tick) finder.go_on(100'000), copy.go_on(100'000);
+      CHECK(copy.searching() == finder.searching());
+      searching += finder.searching() ? 1 : 0;
+      if (found) CHECK(distance(found->position(), truth.position()) < 0.1);
+      finder = copy;
+    }
+    CHECK(found);
+    CHECK(searching > 0);
+  }
+}
+
 TEST_CASE("in another place it finds nothing") {
   Draw draw(7);
   const auto known = std::make_shared<const KnownMap>(place_of(scene::Scene::load("office_v2"), draw, 60).map.grid());
@@ -106,7 +143,7 @@ TEST_CASE("in another place it finds nothing") {
     CAPTURE(i);
     const Pose2D truth = other.random_pose(draw);
     PlaceFinder finder(known);
-    for (int scan = 0; scan < 12; ++scan) CHECK_FALSE(finder.look(scan * 100ms, {}, other.look(draw, truth)));
+    for (int scan = 0; scan < 12; ++scan) CHECK_FALSE(look(finder, scan * 100ms, {}, other.look(draw, truth)));
   }
 }
 
@@ -138,13 +175,13 @@ TEST_CASE("a room that looks the same from both ends is no place to be sure in")
   const Pose2D truth{1.5, 0.4, 0.7};
   const Room bare({});
   PlaceFinder unsure(bare.known);
-  for (int scan = 0; scan < 100; ++scan) CHECK_FALSE(unsure.look(scan * 100ms, {}, bare.place.look(draw, truth)));
+  for (int scan = 0; scan < 100; ++scan) CHECK_FALSE(look(unsure, scan * 100ms, {}, bare.place.look(draw, truth)));
 
   const Room furnished({{{-4, 1}, {-2.5, 1}}, {{-2.5, 1}, {-2.5, 2.5}}});
   PlaceFinder sure(furnished.known);
   std::optional<Pose2D> found;
   for (int scan = 0; scan < 4 && !found; ++scan) {
-    found = sure.look(scan * 100ms, {}, furnished.place.look(draw, truth));
+    found = look(sure, scan * 100ms, {}, furnished.place.look(draw, truth));
   }
   REQUIRE(found);
   CHECK(distance(found->position(), truth.position()) < 0.1);
@@ -162,7 +199,7 @@ TEST_CASE("what one look cannot tell apart, a drive can") {
   for (int scan = 0; scan < 200 && !found; ++scan) {
     if (scan > 30) driven += 0.03;
     const Pose2D truth{start.x - driven, start.y, 0.0};
-    found = finder.look(scan * 100ms, inverse(map_from_odom) * truth, room.place.look(draw, truth, 2.4));
+    found = look(finder, scan * 100ms, inverse(map_from_odom) * truth, room.place.look(draw, truth, 2.4));
     if (driven == 0.0) CHECK_FALSE(found);
     if (found) CHECK(distance(found->position(), truth.position()) < 0.1);
   }

@@ -179,6 +179,27 @@ TEST_CASE("brute force finds the same in generated scenes, up to the whole map a
   }
 }
 
+TEST_CASE(
+    "a search that stops and goes on, or whose copy does, finds the same and does no more at once than it is told") {
+  for (std::uint64_t seed = 0; seed < 8; ++seed) {
+    CAPTURE(seed);
+    Draw draw(seed);
+    const Place place = place_of(scene::generate(seed), draw, 10);
+    const ScanSearch map(place.map.grid());
+    const std::vector<Beam> scan = place.look(draw, place.random_pose(draw));
+    const double least = draw(0.2, 0.6);
+    ScanSearch::Search search(map, scan, map.everywhere(), least);
+    for (bool ended = false; !ended;) {
+      std::int64_t work = draw.whole(1, 400'000);
+      ended = search.go_on(work);
+      CHECK(work > -20'000);  // the last step, a heading at most, is done to its end
+      if (!ended) CHECK(work <= 0);
+      if (draw.whole(0, 3) == 0) search = ScanSearch::Search(search);
+    }
+    CHECK(same(search.found(), map.find(scan, map.everywhere(), least)));
+  }
+}
+
 TEST_CASE("a scan is found anywhere in its scene, with any heading") {
   int found = 0;
   double best_elsewhere = 0.0;
