@@ -41,8 +41,6 @@ constexpr double kFoundPosition = 0.1;     // [m] ... and what a search finds
 constexpr double kFoundHeading = 0.05;     // [rad]
 constexpr double kRedrawnPosition = 0.02;  // [m] in a map that was drawn anew the robot's place is known so well
 constexpr double kRedrawnHeading = 0.004;  // [rad]
-constexpr Duration kSearchUnit = 50ns;     // for each of these a search does the work of one hit, in 3 to 5 ns ...
-constexpr Duration kMostSearching = 20ms;  // ... at most for so long at once
 constexpr double kDoubtful = 0.45;         // a given map that resembles the scans less than so for long ...
 constexpr double kCertain = 0.55;          // ... until it does again
 
@@ -226,9 +224,11 @@ void ScanMatchingLocalizer::find_place(Time stamp) {
 
 // A search of a large map takes longer than a tick: it gets its share of each.
 void ScanMatchingLocalizer::search_on(Time now) {
-  const Duration since = std::clamp<Duration>(now - searched_, 0ns, kMostSearching);
+  constexpr Duration kUnit = 50ns;  // for each of these it does the work of one hit, in 3 to 5 ns ...
+  constexpr Duration kMost = 20ms;  // ... at most for so long at once
+  const Duration since = std::clamp<Duration>(now - searched_, 0ns, kMost);
   searched_ = now;
-  if (finder_) finder_->go_on(since / kSearchUnit);
+  if (finder_) finder_->go_on(since / kUnit);
 }
 
 // Scans that fit what the robot has mapped by itself say little: it would fit anywhere that it was taken for.
