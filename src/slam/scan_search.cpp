@@ -235,7 +235,7 @@ void ScanSearch::Search::for_each_child(const Node& node, Visit visit) {
   const std::size_t first = static_cast<std::size_t>(node.turn - first_turn_) * hits_.size();
   const Sums bounds =
       map_->sums_of_tile(std::span(cells_).subspan(first, hits_.size()), node.level - 1, {node.x, node.y});
-  work_ += static_cast<std::int64_t>(hits_.size()) + kTile * kTile;
+  work_ += static_cast<std::int64_t>(hits_.size() + bounds.size());
   const int width = 1 << (kTileShift * (node.level - 1));
   for (int i = 0; i < kTile * kTile; ++i) {
     const int x = node.x + (i % kTile) * width;
