@@ -12,7 +12,7 @@
 namespace threewe::nav {
 namespace {
 
-using map::Cell, map::OccupancyGrid;
+using map::OccupancyGrid;
 
 constexpr double kBody = 0.17;  // [m]
 
@@ -28,7 +28,7 @@ void fill(OccupancyGrid& grid, Vec2 low, Vec2 high, std::int8_t value) {
 // A hall of 12 x 4 m. Its east end has not been seen, nor has most of the closet in its north-west, behind a slit of
 // 0.4 m at (2, 2.5) through which the robot would just fit.
 OccupancyGrid hall() {
-  OccupancyGrid grid{240, 80, 0.05, {0.0, 0.0}, std::vector<std::int8_t>(240 * 80, OccupancyGrid::kOccupied)};
+  OccupancyGrid grid{240, 80, 0.05, {0.0, 0.0}, std::vector<std::int8_t>(19'200, OccupancyGrid::kOccupied)};
   fill(grid, {0.1, 0.1}, {10.5, 3.9}, OccupancyGrid::kFree);
   fill(grid, {10.5, 0.1}, {11.9, 3.9}, OccupancyGrid::kUnknown);
   fill(grid, {0.1, 2.45}, {4.0, 2.55}, OccupancyGrid::kOccupied);
