@@ -24,7 +24,9 @@ void GrowingMap::insert(const TrailPoint& scan) {
   point.local_from_base = inverse(map_from_local_) * map_from_base;
   if (std::exchange(broken_off_, false)) trail_->go_on_at(map_from_base);
   trail_->add(point, !drawing_);
-  if (trail_->data().keyframes.back().stamp == scan.stamp) drawn_.push_back({scan.stamp, map_from_base});
+  const std::vector<Keyframe>& keyframes = trail_->data().keyframes;
+  if (keyframes.back().stamp == scan.stamp) drawn_.push_back({scan.stamp, map_from_base});
+  if (drawn_.size() > keyframes.size()) forget_dropped();
 }
 
 std::optional<Pose2D> GrowingMap::redraw() {
@@ -41,18 +43,24 @@ std::optional<Pose2D> GrowingMap::redraw() {
   return put_in_place();
 }
 
-// Whether some keyframe is no longer where the map has it. Forgets those that the trail has forgotten.
-bool GrowingMap::lies_elsewhere() {
-  const TrailData& trail = trail_->data();
-  bool moved = false;
-  std::size_t k = 0;
+// The trail drops ways that others lead along too.
+void GrowingMap::forget_dropped() {
+  const std::vector<Keyframe>& keyframes = trail_->data().keyframes;
+  auto next = keyframes.begin();
   std::erase_if(drawn_, [&](const Drawn& drawn) {
-    if (trail.keyframes[k].stamp != drawn.stamp) return true;
-    const Pose2D off = inverse(drawn.map_from_base) * trail.graph.poses()[k++];
-    moved = moved || norm(off.position()) + kArm * std::fabs(off.theta) > kOff;
+    if (next->stamp != drawn.stamp) return true;
+    ++next;
     return false;
   });
-  return moved;
+}
+
+// Whether some keyframe is no longer where the map has it.
+bool GrowingMap::lies_elsewhere() const {
+  for (std::size_t k = 0; k < drawn_.size(); ++k) {
+    const Pose2D off = inverse(drawn_[k].map_from_base) * trail_->data().graph.poses()[k];
+    if (norm(off.position()) + kArm * std::fabs(off.theta) > kOff) return true;
+  }
+  return false;
 }
 
 void GrowingMap::draw_some() {
@@ -70,7 +78,6 @@ void GrowingMap::draw_some() {
 
 // The new map instead of the old one.
 Pose2D GrowingMap::put_in_place() {
-  lies_elsewhere();
   const TrailData& trail = trail_->data();
   const Pose2D new_from_old = trail.graph.poses().back() * inverse(drawn_.back().map_from_base);
   map_.replace(std::move(drawing_->map));

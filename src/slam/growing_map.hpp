@@ -46,7 +46,8 @@ class GrowingMap {
     Time until = Time::min();  // the last keyframe that is drawn
   };
 
-  bool lies_elsewhere();
+  void forget_dropped();
+  bool lies_elsewhere() const;
   void draw_some();
   Pose2D put_in_place();
 
