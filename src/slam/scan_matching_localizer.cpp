@@ -23,6 +23,7 @@ constexpr double kKeyframeDistance = 0.08;  // [m] the map takes a scan after so
 constexpr double kKeyframeTurn = 0.07;      // [rad] ... or turning ...
 constexpr Duration kKeyframeAge = 1s;       // ... or time
 constexpr std::uint64_t kFirstScans = 3;    // all of these make the first map
+constexpr Duration kBlindAfter = 500ms;     // without a scan, wheels and gyro go on alone
 constexpr Duration kStart = 1s;             // after which the gyro's bias is known
 constexpr double kPoorAgreement = 0.6;      // below this the scan seems to be elsewhere
 constexpr double kGoodAgreement = 0.7;
@@ -68,7 +69,8 @@ class ScanMatchingLocalizer final : public Localizer {
       track_.add_gyro(sample.measured, imu->angular_velocity[2]);
     if (const auto* odometry = std::get_if<Odometry>(&sample.data)) {
       track_.add_odometry(sample.measured, *odometry);
-      if (!sensors_.lidar) predict_to(sample.measured);  // no scan will do it
+      const bool blind = !sensors_.lidar || sample.measured - scanned_ > kBlindAfter;
+      if (blind) predict_to(sample.measured);  // no scan will do it
       search_on(sample.measured);
     }
     if (const auto* scan = std::get_if<LaserScan>(&sample.data)) add_scan(sample.measured, *scan);
@@ -110,6 +112,7 @@ class ScanMatchingLocalizer final : public Localizer {
   MapError map_error_;
   bool rolled_ = false;  // the wheels have turned
   Time began_{};         // first scan
+  Time scanned_{};       // newest one
   bool agrees_ = true;   // the newest scan fits the map
   Time agreed_{};        // when a scan last did ...
   Time resembled_{};     // ... or nearly
@@ -131,6 +134,7 @@ class ScanMatchingLocalizer final : public Localizer {
 // the map, let the map grow.
 void ScanMatchingLocalizer::add_scan(Time measured, const LaserScan& scan) {
   const Time stamp = deskew(measured, scan);
+  scanned_ = stamp;
   predict_to(stamp);
   find_place(stamp);
   if (nowhere_) return;

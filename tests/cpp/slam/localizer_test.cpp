@@ -142,6 +142,20 @@ TEST_CASE("without a lidar, the gyro's bias is learned while the robot stands") 
   CHECK(heading_error(1s) < 0.02);
 }
 
+TEST_CASE("a robot whose lidar has failed learns the gyro's bias while it stands") {
+  TinyErrors errors;
+  errors.gyro_bias = 0.03;
+  errors.gyro_sigma = 0.0017;
+  TinyWorld world(room(), {}, errors, 8);
+  const auto localizer = make_scan_matching_localizer(model());
+  while (world.now() < 60s) {
+    for (const Sample& s : world.tick({})) {
+      if (world.now() < 200ms || !std::holds_alternative<LaserScan>(s.data)) localizer->add(s);
+    }
+  }
+  CHECK(std::fabs(localizer->estimate(world.now()).map_from_base().theta) < 0.1);  // 1.8 rad by the gyro as it is
+}
+
 TEST_CASE("a robot that is carried away says that it is lost") {
   TinyWorld world(room(), {}, {}, 5);
   const auto localizer = make_scan_matching_localizer(model());
