@@ -79,15 +79,14 @@ def honest_covariance() -> Row:
     """
 
     def judge(cases: list[Case], sample: bool) -> Verdict:
-        low, high = (chi_squared(3 * len(cases), z) / len(cases) for z in (-1.959964, 1.959964))
+        z = 3.290527 if sample else 1.959964  # one drive is to fail once in a thousand times
+        low, high = (chi_squared(3 * len(cases), side) / len(cases) for side in (-z, z))
         target = f"in [{low:.2f}, {high:.2f}]"
         if any("error" in case for case in cases):
             return Verdict("cases broke", target, "FAIL")
         mean = float(np.mean([case["nees"] for case in cases]))
         most = max(case["nees"] for case in cases)
-        # one drive shows overconfidence alone: where it happens to be right, it is right
-        holds = mean <= high if sample else low <= mean <= high
-        return Verdict(f"mean {mean:.2f}, worst drive {most:.2f}", target, "pass" if holds else "FAIL")
+        return Verdict(f"mean {mean:.2f}, worst drive {most:.2f}", target, "pass" if low <= mean <= high else "FAIL")
 
     return Row("squared error over covariance", judge)
 
