@@ -33,13 +33,13 @@ void run(benchmark::State& state, const std::string& robot, bool new_scans) {
   nav::Mppi mppi(load_profile(robot), settings);
   const std::vector<Vec2> scans[2] = {scan_of_a_room(0.0), scan_of_a_room(0.003)};
   const std::vector<Vec2> path = {{0.0, 0.0}, {1.0, 0.0}, {1.6, 0.05}, {2.5, 1.0}};
-  const std::vector<nav::Person> people = {{{1.5, 1.5}, {-0.3, -0.5}}, {{-1.0, 1.0}, {0.5, 0.0}}};
+  const std::vector<nav::MovingDisc> people = {{{1.5, 1.5}, {-0.3, -0.5}}, {{-1.0, 1.0}, {0.5, 0.0}}};
   Velocity command;
   int tick = 0;
   for (auto _ : state) {
-    const std::size_t scan = new_scans ? static_cast<std::size_t>(tick++ / 5 % 2) : 0;
-    mppi.see({{0.0, 0.02, 0.1}, command, scans[scan], people});
-    command = mppi.step({.path = path, .margin = 0.05});
+    const std::size_t scan = new_scans ? static_cast<std::size_t>(tick / 5 % 2) : 0;
+    command = mppi.step({tick++ * kControlPeriod, {0.0, 0.02, 0.1}, command, scans[scan], people},
+                        {.path = path, .margin = 0.05});
     benchmark::DoNotOptimize(command);
   }
   state.counters["samples"] = benchmark::Counter(static_cast<double>(settings.samples));

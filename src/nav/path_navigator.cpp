@@ -24,6 +24,9 @@ constexpr double kMovedTurn = 0.3;        // [rad]
 constexpr Duration kProof = 2500ms;       // for so long no plan may exist before it is believed
 constexpr Duration kLostPatience = 8s;    // after having looked round
 constexpr double kZoneReaction = 0.2;     // [s] from a command to its effect, and some for doubts about the pose
+constexpr double kPersonRadius = 0.2;     // [m]
+constexpr double kBorderSpacing = 0.02;   // [m] between points on the border of a zone ...
+constexpr double kBorderSight = 2.5;      // [m] ... that are so near
 constexpr Duration kMapPatience = 1s;     // how long to wait for a first scan
 
 map::Costmap::Settings costmap_settings(const RobotProfile& profile) {
@@ -132,7 +135,6 @@ void PathNavigator::note(const Observation& seen) {
     in_base_.push_back({base_from_odom.x + c * p.x - s * p.y, base_from_odom.y + s * p.x + c * p.y});
   }
   tracker_.see(in_base_, recovery_.active() || now_ < motion_.tight_until ? 0.0 : kSpare);
-  if (!has_lidar_) tracker_.look_aside(sweep_aside(now_ - motion_.started));
 }
 
 // At the pace of this motion so far, to begin with at three quarters of the speed limit.
@@ -204,7 +206,7 @@ Decision PathNavigator::drive(const Explore&, const Observation& seen) {
     const bool explored = !route_.plan_to_frontier(seen);
     if (proven(explored)) return finish(Reason::reached, "nothing that can be reached is left to see");
   }
-  return route_.has_path() ? follow() : wait();
+  return route_.has_path() ? follow(seen) : wait();
 }
 
 // Towards the end of the route: reached, given up, or on the way along a plan that is kept fresh.
@@ -221,13 +223,48 @@ Decision PathNavigator::travel(const Observation& seen, Vec2 goal, double tolera
     const bool impossible = !route_.plan_to_goal(seen, tolerance);
     if (proven(impossible)) return finish(Reason::no_path, "everything within reach was searched");
   }
-  return route_.has_path() ? follow() : wait();
+  return route_.has_path() ? follow(seen) : wait();
 }
 
-Decision PathNavigator::follow() {
+Decision PathNavigator::follow(const Observation& seen) {
   route_.advance(progress_.pose.position());
   progress_.distance_left = path_length(route_.path());
-  return {tracker_.follow(route_.path(), route_.costmap(), progress_.pose)};
+  if (has_lidar_) return {follow_by_plan(seen)};
+  return {tracker_.pursue(route_.path(), route_.costmap(), progress_.pose, sweep_aside(now_ - motion_.started))};
+}
+
+// Round what the lidar sees and zones to keep out of, away from people and other robots.
+Velocity PathNavigator::follow_by_plan(const Observation& seen) {
+  const Pose2D odom_from_map = inverse(seen.pose.map_from_odom);
+  std::vector<Vec2> obstacles = transformed(odom_from_map, borders_near(progress_.pose.position()));
+  obstacles.insert(obstacles.begin(), seen.obstacles.begin(), seen.obstacles.end());
+
+  std::vector<MovingDisc> moving;
+  for (const TrackedPerson& person : seen.people) moving.push_back({person.position, person.velocity, kPersonRadius});
+  for (const Peer& peer : seen.peers) {
+    const Pose2D at = odom_from_map * peer.map_from_base;
+    moving.push_back({at.position(), rotate({peer.velocity.vx, peer.velocity.vy}, at.theta), peer.radius});
+  }
+  return tracker_.follow(transformed(odom_from_map, route_.path()),
+                         {now_, odom_from_base_, seen.commanded, obstacles, moving});
+}
+
+// Points on the borders of zones to keep out of, in `map`.
+std::vector<Vec2> PathNavigator::borders_near(Vec2 robot) const {
+  std::vector<Vec2> points;
+  for (const map::Zone& zone : zones_) {
+    if (zone.speed_limit) continue;
+    for (std::size_t i = 0; i < zone.corners.size(); ++i) {
+      const Vec2 a = zone.corners[i];
+      const Vec2 side = zone.corners[(i + 1) % zone.corners.size()] - a;
+      const int parts = 1 + static_cast<int>(norm(side) / kBorderSpacing);
+      for (int k = 0; k < parts; ++k) {
+        const Vec2 p = a + (static_cast<double>(k) / parts) * side;
+        if (distance(p, robot) <= kBorderSight) points.push_back(p);
+      }
+    }
+  }
+  return points;
 }
 
 // Stands still on purpose, which is not being stuck.

@@ -37,7 +37,9 @@ class PathNavigator final : public Navigator {
   void estimate_time_left();
   Velocity within_zones(const Velocity& velocity) const;
   Decision travel(const Observation& seen, Vec2 goal, double tolerance);
-  Decision follow();
+  Decision follow(const Observation& seen);
+  Velocity follow_by_plan(const Observation& seen);
+  std::vector<Vec2> borders_near(Vec2 robot) const;
   Decision wait();
   void mark_moved();
   Decision finish(Reason reason, std::string_view detail = {});

@@ -31,16 +31,20 @@ inline PathPoint nearest_on_path(std::span<const Vec2> path, Vec2 p, double reac
   return best;
 }
 
-/// The point `ahead` [m] further along, at most the end.
-inline Vec2 point_after(std::span<const Vec2> path, const PathPoint& from, double ahead) {
+/// The place `ahead` [m] further along, at most the end.
+inline PathPoint place_after(std::span<const Vec2> path, const PathPoint& from, double ahead) {
   Vec2 here = from.point;
   for (std::size_t i = from.piece; i + 1 < path.size(); ++i) {
     const double length = distance(here, path[i + 1]);
-    if (length >= ahead && length > 0.0) return here + (ahead / length) * (path[i + 1] - here);
+    if (length >= ahead && length > 0.0) return {i, here + (ahead / length) * (path[i + 1] - here)};
     ahead -= length;
     here = path[i + 1];
   }
-  return path.back();
+  return {path.size() - 1, path.back()};
+}
+
+inline Vec2 point_after(std::span<const Vec2> path, const PathPoint& from, double ahead) {
+  return place_after(path, from, ahead).point;
 }
 
 /// Length [m] from a point on the path to its end.

@@ -17,6 +17,8 @@ constexpr double kHorizon = 1.2;        // [s] looked ahead along a motion
 constexpr double kStep = 0.02;          // [m] or 0.1 rad between the poses that are tried
 constexpr double kLookahead = 0.45;     // [m]
 constexpr int kLookaheads = 8;          // each 5 cm less than the one before
+constexpr double kInside = 0.03;        // [m] of the margin that plans may use: scans are noisy, and the gate keeps it
+constexpr double kFaced = 0.3;          // [m] along the path to where a differential base faces before it drives
 constexpr double kSlowest = 0.04;       // [m/s] towards the goal
 constexpr double kTurnFirst = 0.8;      // [rad] differential: beyond this turn on the spot ...
 constexpr double kTurnDone = 0.2;       // [rad] ... until the target is this straight ahead
@@ -32,6 +34,21 @@ Limits tracking_limits(const RobotProfile& profile) {
   Limits limits = profile.operating_limits;
   if (!profile.lidar) limits.linear = std::min(limits.linear, kUnsighted);
   return limits;
+}
+
+// A quarter of the samples and a fifth of the plans that the computer could make: more of either bring a robot nowhere
+// sooner or more surely, see docs/architecture.md. What is near slows it down, but only what is very near.
+MppiSettings mppi_settings() {
+  MppiSettings s;
+  s.samples = 512;
+  s.periods = 5;
+  s.temperature = 0.05;
+  s.obstacle_reach = 0.05;
+  s.people_reach = 0.25;
+  s.weights.obstacle_speed = 20.0;
+  s.weights.people_close = 1.0;
+  s.weights.people_contact = 100.0;
+  return s;
 }
 
 Velocity scaled(const Velocity& v, double s) { return {s * v.vx, s * v.vy, s * v.omega}; }
@@ -58,11 +75,13 @@ Tracker::Tracker(const RobotProfile& profile)
     : limits_(tracking_limits(profile)),
       kinematics_(profile.kinematics()),
       outline_(profile.body.footprint),
+      mppi_(profile.lidar ? std::optional(Mppi(profile, mppi_settings())) : std::nullopt),
       margin_(profile.margin()),
       reach_(profile.body.footprint.circumscribed_radius() + margin_ + kLargestSpare +
              kHorizon * profile.operating_limits.linear) {}
 
 void Tracker::see(std::span<const Vec2> obstacles_in_base, double spare) {
+  spare_ = spare;
   near_.clear();
   least_.clear();
   for (const Vec2 p : obstacles_in_base) {
@@ -73,7 +92,20 @@ void Tracker::see(std::span<const Vec2> obstacles_in_base, double spare) {
   }
 }
 
-Velocity Tracker::follow(std::span<const Vec2> path, const map::Costmap& costmap, const Pose2D& pose) {
+Velocity Tracker::follow(std::span<const Vec2> path, const MppiObservation& seen) {
+  if (path.empty()) return {};
+  if (kinematics_ == Kinematics::differential) {
+    const PathPoint here = nearest_on_path(path, seen.odom_from_base.position());
+    const Vec2 ahead = inverse(seen.odom_from_base) * point_after(path, here, kFaced);
+    const double bearing = exact::atan2(ahead.y, ahead.x);
+    if (faces_first(bearing)) return face(bearing);
+  }
+  // a plan takes what it sees for fixed; what comes towards the robot unannounced needs more room than that
+  const Velocity planned = mppi_->step(seen, {.path = path, .margin = margin_ + spare_ - kInside});
+  return scaled(planned, allowed_fraction(planned, kInside));
+}
+
+Velocity Tracker::pursue(std::span<const Vec2> path, const map::Costmap& costmap, const Pose2D& pose, double aside) {
   if (path.empty()) return {};
   const PathPoint here = nearest_on_path(path, pose.position());
   const double left = length_after(path, here);
@@ -85,17 +117,17 @@ Velocity Tracker::follow(std::span<const Vec2> path, const map::Costmap& costmap
     if (std::isfinite(costmap.line_cost(pose.position(), target))) break;
   }
   const Vec2 in_base = inverse(pose) * target;
-  return towards(in_base, std::max(kSlowest, speed_before(left)));
+  return towards(in_base, std::max(kSlowest, speed_before(left)), aside);
 }
 
 // Straight to the target where that is free, else along the direction of the fan that brings most.
-Velocity Tracker::towards(Vec2 target, double speed_limit) {
+Velocity Tracker::towards(Vec2 target, double speed_limit, double aside) {
   const double bearing = exact::atan2(target.y, target.x);
   const double away = norm(target);
   const double speed = std::min(speed_limit, limits_.linear);
 
   const auto velocity_along = [&](double direction) -> Velocity {
-    const double rate = std::clamp(2.5 * (direction + aside_), -limits_.angular, limits_.angular);
+    const double rate = std::clamp(2.5 * (direction + aside), -limits_.angular, limits_.angular);
     if (kinematics_ == Kinematics::holonomic) {
       // sideways motion is the least certain, so it is slow while the robot turns into its path
       const double share = std::clamp(1.3 - std::fabs(direction) / 1.2, 0.35, 1.0);
@@ -186,8 +218,8 @@ Velocity Tracker::most_room() const {
 Velocity Tracker::safe(const Velocity& wanted) const { return scaled(wanted, allowed_fraction(wanted)); }
 
 // Slower along the same curve, until the robot can stop before contact.
-double Tracker::allowed_fraction(const Velocity& v) const {
-  const Sweep s = sweep(v, kHorizon);
+double Tracker::allowed_fraction(const Velocity& v, double inside) const {
+  const Sweep s = sweep(v, kHorizon, inside);
   if (s.free) return 1.0;
 
   // at a fraction f contact comes after seconds / f; stopping takes reaction + f * braking
@@ -200,20 +232,22 @@ double Tracker::allowed_fraction(const Velocity& v) const {
   return f < 0.03 ? 0.0 : std::min(f, 1.0);
 }
 
-Sweep Tracker::sweep(const Velocity& v, double horizon) const {
+Sweep Tracker::sweep(const Velocity& v, double horizon, double inside) const {
   const double speed = exact::hypot(v.vx, v.vy);
   const double pace = std::max(speed / kStep, std::fabs(v.omega) / 0.1);
   if (pace <= 0.0 || near_.empty()) return {horizon, true};
   const double dt = 1.0 / pace;
   const Pose2D step = integrate({}, v, dt);
   const int steps = static_cast<int>(horizon / dt);
+  const double most = margin_ + spare_ - inside;
   Pose2D pose;
   for (int n = 0; n < steps; ++n) {
     pose = pose * step;
     const auto [s, c] = exact::sincos(pose.theta);
     for (std::size_t i = 0; i < near_.size(); ++i) {
       const Vec2 d = near_[i] - pose.position();
-      if (outline_.clearance({c * d.x + s * d.y, c * d.y - s * d.x}) < least_[i]) return {n * dt, false};
+      if (outline_.clearance({c * d.x + s * d.y, c * d.y - s * d.x}) < std::min(least_[i], most))
+        return {n * dt, false};
     }
   }
   return {horizon, true};

@@ -75,9 +75,16 @@ std::vector<Vec2> EchoMap::occupied_near(Vec2 point, double radius) const {
   const map::Cell low = map.cell(point - Vec2{radius, radius});
   const map::Cell high = map.cell(point + Vec2{radius, radius});
   std::vector<Vec2> occupied;
-  for (int y = std::max(low.y, 0); y <= std::min(high.y, map.height - 1); ++y) {
-    for (int x = std::max(low.x, 0); x <= std::min(high.x, map.width - 1); ++x) {
-      if (map.at({x, y}) < map::OccupancyGrid::kOccupiedThreshold) continue;
+  const int from = std::max(low.x, 0);
+  const int to = std::min(high.x, map.width - 1);
+  for (int y = std::max(low.y, 0); y <= std::min(high.y, map.height - 1) && from <= to; ++y) {
+    // next to nothing is occupied: a look at the whole row, without a branch for each cell
+    const std::int8_t* row = map.data.data() + map.index({0, y});
+    std::int8_t most = map::OccupancyGrid::kUnknown;
+    for (int x = from; x <= to; ++x) most = std::max(most, row[x]);
+    if (most < map::OccupancyGrid::kOccupiedThreshold) continue;
+    for (int x = from; x <= to; ++x) {
+      if (row[x] < map::OccupancyGrid::kOccupiedThreshold) continue;
       const Vec2 center = map.center({x, y});
       if (distance(center, point) <= radius) occupied.push_back(center);
     }

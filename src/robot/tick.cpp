@@ -100,8 +100,11 @@ void Runtime::Impl::listen_to_peers() {
     const Impl& other = *robot->impl_;
     if (&other == this || !other.healthy() || !other.port.profile().lidar) continue;
     const std::span<const Vec2> path = other.motion ? other.state->navigator->path() : std::span<const Vec2>();
-    peers.push_back({other.state->estimate.map_from_base(), path.empty() ? std::nullopt : std::optional(path.back()),
-                     &other.state->localizer->map()});
+    peers.push_back({.map_from_base = other.state->estimate.map_from_base(),
+                     .velocity = other.state->estimate.velocity,
+                     .radius = other.port.profile().body.footprint.circumscribed_radius(),
+                     .bound_for = path.empty() ? std::nullopt : std::optional(path.back()),
+                     .map = &other.state->localizer->map()});
   }
 }
 
@@ -116,9 +119,15 @@ nav::Observation Runtime::Impl::observation() const {
             .obstacles = obstacles_in_odom(),
             .map_changes = localizer.map_changes(),
             .peers = peers,
-            .people = state->people};
+            .people = state->people,
+            .commanded = state->gate.last()};
   }
-  return {time, state->estimate, state->echo_map.grid(), state->echo_map.version(), obstacles_in_odom()};
+  return {.now = time,
+          .pose = state->estimate,
+          .map = state->echo_map.grid(),
+          .map_version = state->echo_map.version(),
+          .obstacles = obstacles_in_odom(),
+          .commanded = state->gate.last()};
 }
 
 std::vector<Sample> Runtime::Impl::perceive() {

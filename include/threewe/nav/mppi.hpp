@@ -10,12 +10,13 @@
 #include <vector>
 
 #include "threewe/core/pose.hpp"
+#include "threewe/core/time.hpp"
 #include "threewe/hardware/profile.hpp"
 
 namespace threewe::nav {
 
-/// Someone who walks, in `odom`.
-struct Person {
+/// Somebody who walks, or another robot, in `odom`.
+struct MovingDisc {
   Vec2 position;        ///< [m]
   Vec2 velocity;        ///< [m/s]
   double radius = 0.3;  ///< [m]
@@ -33,22 +34,24 @@ struct MppiWeights {
   double obstacle_close = 0.1;     ///< of an outline at the margin, none `obstacle_reach` beyond it
   double obstacle_speed = 6.0;     ///< [s^2/m^2] and more, the faster its body and corners move there
   double heading_along = 0.5;      ///< of not facing along the path
-  double heading_sideways = 0.3;   ///< [s^2/m^2] of driving sideways
+  double heading_sideways = 20.0;  ///< [s^2/m^2] of driving sideways faster than `sideways_free`
   double heading_backward = 1.0;   ///< [s^2/m^2] of driving against the way it is to go
   double heading_turn = 3.0;       ///< [1/rad] of what is left of a turn on the spot
   double smooth_linear = 1.0;      ///< [s^2/m^2] of changes of velocity
   double smooth_angular = 0.1;     ///< [s^2/rad^2]
-  double people_contact = 100.0;   ///< of an outline's disc that meets a person's
-  double people_close = 2.0;       ///< of one beside a person, none `people_reach` beyond it
+  double people_contact = 200.0;   ///< [s/m] of driving where an outline's disc meets one that moves
+  double people_close = 4.0;       ///< [s/m] of driving beside it, none `people_reach` beyond it
 };
 
 struct MppiSettings {
   int samples = 2000;            ///< a multiple of 16 is rolled out: the next one
   double step = 0.05;            ///< [s] of a plan, which has 56
+  int periods = 1;               ///< control periods from one plan to the next; it is followed in between
   double temperature = 0.3;      ///< samples that cost so much more count e times less
   double control_cost = 0.02;    ///< of steering away from the plan before, in temperatures
   double linear_noise = 0.15;    ///< [m/s] standard deviation
   double angular_noise = 0.5;    ///< [rad/s] standard deviation
+  double sideways_free = 0.15;   ///< [m/s] a mecanum base slips least surely sideways: slowly it may
   double obstacle_reach = 0.15;  ///< [m]
   double people_reach = 0.5;     ///< [m]
   std::uint64_t seed = 0;        ///< of the noise
@@ -67,10 +70,11 @@ struct MppiTask {
 
 /// What it sees at one tick.
 struct MppiObservation {
+  Time now{};
   Pose2D odom_from_base;
-  Velocity commanded;               ///< what the robot was told to do in the period before
-  std::span<const Vec2> obstacles;  ///< in `odom` [m], of the newest scan
-  std::span<const Person> people;
+  Velocity commanded;                    ///< what the robot was told to do in the period before
+  std::span<const Vec2> obstacles;       ///< in `odom` [m], of the newest scan
+  std::span<const MovingDisc> moving{};  ///< of which obstacles are no obstacles
 };
 
 /// The controller of one robot. It can be copied; copies go on alike, to the bit.
@@ -83,11 +87,9 @@ class Mppi {
   Mppi& operator=(Mppi&&) noexcept;
   ~Mppi();
 
-  /// What is so now; once every control period.
-  void see(const MppiObservation& seen);
-  /// The next command, within the operating limits and within reach of the one before; at most once after each `see`.
-  /// The plan goes on from period to period; where one is left out, it starts anew.
-  Velocity step(const MppiTask& task);
+  /// The next command, within the operating limits and within reach of the one before. The plan goes on from period to
+  /// period; where one is left out, it starts anew.
+  Velocity step(const MppiObservation& seen, const MppiTask& task);
 
   /// Where the plan leads: a pose in `odom` for each of its steps.
   std::vector<Pose2D> predicted() const;

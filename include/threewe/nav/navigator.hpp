@@ -54,8 +54,10 @@ using Goal = std::variant<MoveTo, Rotate, MoveForward, FollowPath, Explore>;
 
 /// What another robot tells that has the same `map` frame.
 struct Peer {
-  Pose2D map_from_base;                     ///< where it believes that it is
-  std::optional<Vec2> bound_for;            ///< [m] the end of the path that it follows, in `map`
+  Pose2D map_from_base{};                   ///< where it believes that it is
+  Velocity velocity{};                      ///< of its base
+  double radius = 0.0;                      ///< [m] of a disc around its body
+  std::optional<Vec2> bound_for{};          ///< [m] the end of the path that it follows, in `map`
   const map::OccupancyGrid* map = nullptr;  ///< what it has mapped
 };
 
@@ -72,6 +74,8 @@ struct Observation {
   std::span<const Peer> peers{};
   /// Who walks around the robot now, in `odom`; empty without a lidar.
   std::span<const TrackedPerson> people{};
+  /// What the robot was told to do in the period before, by whoever had the last word.
+  Velocity commanded{};
 };
 
 struct Progress {

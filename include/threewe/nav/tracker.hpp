@@ -1,13 +1,15 @@
-// From a path to velocities: regulated pursuit that looks ahead along its own motion and never drives into what the
-// lidar sees.
+// From a path to velocities: plans by path integrals for robots with a lidar, a careful pursuit for those without, and
+// the turns, straight lines and escapes of both.
 #pragma once
 
+#include <optional>
 #include <span>
 #include <vector>
 
 #include "threewe/core/pose.hpp"
 #include "threewe/hardware/profile.hpp"
 #include "threewe/map/costmap.hpp"
+#include "threewe/nav/mppi.hpp"
 
 namespace threewe::nav {
 
@@ -32,7 +34,7 @@ struct Sweep {
   bool free = false;     ///< nothing within the horizon
 };
 
-/// Follows paths. All it remembers is the direction of a turn that has begun.
+/// Follows paths.
 class Tracker {
  public:
   explicit Tracker(const RobotProfile& profile);
@@ -41,10 +43,12 @@ class Tracker {
   /// the outline; what is nearer already comes no nearer.
   void see(std::span<const Vec2> obstacles_in_base, double spare);
 
-  /// A holonomic base faces so far [rad] to the left of where it drives, from now on.
-  void look_aside(double angle) { aside_ = angle; }
-  /// The velocity for following `path` (in `map`) from `pose`, to a stop at its end.
-  Velocity follow(std::span<const Vec2> path, const map::Costmap& costmap, const Pose2D& pose);
+  /// The velocity for following `path`, in `odom` from the robot on, to a stop at its end. For robots with a lidar.
+  Velocity follow(std::span<const Vec2> path, const MppiObservation& seen);
+  /// The same without a lidar, `path` and `pose` in `map`. What echoes tell is too coarse to be rolled out against: it
+  /// leads along where nothing was heard, at the pace that leaves room to stop. A holonomic base faces so far `aside`
+  /// [rad] to the left of where it drives.
+  Velocity pursue(std::span<const Vec2> path, const map::Costmap& costmap, const Pose2D& pose, double aside);
   /// The velocity for turning by `angle` [rad] on the spot.
   Velocity turn(double angle) const;
   /// The velocity for driving along the base's x axis by `distance` [m], off the line by `offset` [m] (positive: the
@@ -62,20 +66,21 @@ class Tracker {
   Velocity safe(const Velocity& wanted) const;
 
  private:
-  Velocity towards(Vec2 target_in_base, double speed_limit);
+  Velocity towards(Vec2 target_in_base, double speed_limit, double aside);
   bool faces_first(double bearing);
   Velocity face(double bearing);
-  Sweep sweep(const Velocity& velocity, double horizon) const;
-  double allowed_fraction(const Velocity& velocity) const;
+  Sweep sweep(const Velocity& velocity, double horizon, double inside = 0.0) const;
+  double allowed_fraction(const Velocity& velocity, double inside = 0.0) const;  // of the margin [m]
   double speed_before(double distance) const;
   double turn_rate_before(double angle) const;
 
   Limits limits_;
   Kinematics kinematics_;
   Outline outline_;
-  double margin_;       // [m]
-  double aside_ = 0.0;  // [rad]
-  double reach_ = 0.0;  // [m] points farther away do not matter
+  std::optional<Mppi> mppi_;  // of a robot with a lidar
+  double margin_;             // [m]
+  double spare_ = 0.0;        // [m]
+  double reach_ = 0.0;        // [m] points farther away do not matter
   std::vector<Vec2> near_;
   std::vector<double> least_;  // [m] how near each point may come
   int turned_back_ = 0;        // how often this turn met an obstacle and changed its direction

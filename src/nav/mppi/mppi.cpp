@@ -8,6 +8,7 @@
 #include "nav/mppi/path_table.hpp"
 #include "nav/mppi/pursuit.hpp"
 #include "nav/mppi/rollout.hpp"
+#include "nav/polyline.hpp"
 #include "threewe/core/time.hpp"
 #include "threewe/hardware/limits.hpp"
 
@@ -22,7 +23,8 @@ constexpr double kBackward = 0.5;         // share of its speed that a different
 constexpr double kRest = 0.05;            // [m] so near the end of its path the robot keeps its heading
 constexpr double kLine = 50.0;            // times as dear is it to leave a line that is to be kept
 constexpr std::uint32_t kOtherMeans = 2;  // stand still, and pursue the path
-constexpr double kAstray = 0.15;          // [m] from the middle of the obstacle field
+constexpr double kStray = 0.35;           // [m] beside its path that a plan may lead with its eyes open
+constexpr double kAstray = 0.05;          // [m] more, so that the obstacle field need not be made anew each time
 constexpr double kNotNearer = 0.005;      // [m] what is nearer than the margin may come so much nearer, no more
 
 float narrow(double x) { return static_cast<float>(x); }
@@ -30,6 +32,22 @@ float narrow(double x) { return static_cast<float>(x); }
 // What is not known to be out of reach [m].
 double reach_of(const RobotProfile& profile, const MppiSettings& settings) {
   return profile.operating_limits.linear * kSteps * settings.step + 0.2;
+}
+
+// What is left of a plan after so many steps; it goes on as it ends.
+Plan later(const Plan& plan, double steps) {
+  Plan rest;
+  for (std::size_t i = 0; i < kSteps; ++i) {
+    const double at = std::min(static_cast<double>(i) + steps, kSteps - 1.0);
+    const auto before = static_cast<std::size_t>(at);
+    const std::size_t after = std::min(before + 1, kSteps - 1);
+    const float share = narrow(at - static_cast<double>(before));
+    for (auto component : {&Plan::vx, &Plan::vy, &Plan::omega}) {
+      const auto& values = plan.*component;
+      (rest.*component)[i] = values[before] + share * (values[after] - values[before]);
+    }
+  }
+  return rest;
 }
 
 }  // namespace
@@ -46,10 +64,11 @@ struct Mppi::Impl {
   Plan plan;
   std::uint64_t tick = 0;
   std::vector<Velocity> commanded;  // the newest first, as many periods as the delay has
-  std::vector<Vec2> seen;           // what the field was made of
+  std::vector<Vec2> obstacles;      // what the field was made of
   Pose2D start;                     // where the plan begins, in odom
-  std::vector<Person> people;
-  bool stepped = false;  // in the period before
+  std::vector<MovingDisc> moving;
+  std::optional<Time> last;  // when it was asked
+  int followed = 0;          // periods since the plan was made
   mppi::PathTable path;
   std::vector<float> costs;
 
@@ -63,15 +82,18 @@ struct Mppi::Impl {
         field(footprint, reach, s.obstacle_reach + profile.margin()),
         commanded(static_cast<std::size_t>(delay / kPeriod) + 1) {}
 
-  void predict_start(const MppiObservation& now);
-  void see_obstacles(std::span<const Vec2> obstacles);
+  void go_on(const MppiObservation& seen);
+  bool is_due() const { return followed >= settings.periods; }
+  void predict_start(const Pose2D& odom_from_base);
+  void see_obstacles(const MppiObservation& now, const MppiTask& task);
+  std::pair<Vec2, Vec2> surroundings(const MppiTask& task) const;
   void lay_out(const MppiTask& task);
-  void shift_plan();
+  void plan_anew(const MppiTask& task);
   std::array<float, 3> deviation() const;
   mppi::Problem pose_problem(const MppiTask& task) const;
   double free_margin(double wanted) const;
-  void add_people(mppi::PeopleCritic& critic) const;
-  Velocity take_first() const;
+  void add_moving(mppi::PeopleCritic& critic) const;
+  Velocity command() const;
 };
 
 Mppi::Mppi(const RobotProfile& profile, const MppiSettings& settings)
@@ -85,32 +107,46 @@ Mppi::Mppi(Mppi&&) noexcept = default;
 Mppi& Mppi::operator=(Mppi&&) noexcept = default;
 Mppi::~Mppi() = default;
 
-void Mppi::see(const MppiObservation& seen) {
-  if (!impl_->stepped) impl_->plan = {};
-  impl_->stepped = false;
-  impl_->predict_start(seen);
-  impl_->people.assign(seen.people.begin(), seen.people.end());
-  impl_->see_obstacles(seen.obstacles);
+Velocity Mppi::step(const MppiObservation& seen, const MppiTask& task) {
+  Impl& me = *impl_;
+  me.go_on(seen);
+  if (me.is_due()) {
+    me.predict_start(seen.odom_from_base);
+    me.see_obstacles(seen, task);
+    me.lay_out(task);
+    me.plan_anew(task);
+  }
+  return me.command();
 }
 
-Velocity Mppi::step(const MppiTask& task) {
-  Impl& me = *impl_;
-  me.lay_out(task);
-  me.shift_plan();
-  const mppi::Problem problem = me.pose_problem(task);
-  const auto blocks = mppi::draw_blocks(me.settings.samples, kOtherMeans, me.deviation(), me.settings.seed, me.tick++);
-  me.costs.resize(blocks.size() * mppi::kBlock);
-  mppi::roll_out(problem, blocks, me.costs);
-  me.plan = mppi::average(problem, blocks, me.costs, narrow(me.settings.temperature));
-  me.stepped = true;
-  return me.take_first();
+// A period has passed since. After a longer while nothing is known of what was commanded meanwhile: likely the same.
+void Mppi::Impl::go_on(const MppiObservation& seen) {
+  if (last && seen.now - *last == kControlPeriod) {
+    std::rotate(commanded.begin(), commanded.end() - 1, commanded.end());
+    commanded.front() = seen.commanded;
+    ++followed;
+  } else {
+    std::ranges::fill(commanded, seen.commanded);
+    followed = settings.periods;
+    plan = {};
+  }
+  last = seen.now;
+}
+
+// A variation of what is left of the plan before.
+void Mppi::Impl::plan_anew(const MppiTask& task) {
+  plan = later(plan, kPeriod / settings.step * followed);
+  followed = 0;
+  const mppi::Problem problem = pose_problem(task);
+  const auto blocks = mppi::draw_blocks(settings.samples, kOtherMeans, deviation(), settings.seed, tick++);
+  costs.resize(blocks.size() * mppi::kBlock);
+  mppi::roll_out(problem, blocks, costs);
+  plan = mppi::average(problem, blocks, costs, narrow(settings.temperature));
 }
 
 // Where the robot will be when the first command of the plan takes effect: it obeys until then what it was told before.
-void Mppi::Impl::predict_start(const MppiObservation& now) {
-  std::rotate(commanded.begin(), commanded.end() - 1, commanded.end());
-  commanded.front() = now.commanded;
-  start = now.odom_from_base;
+void Mppi::Impl::predict_start(const Pose2D& odom_from_base) {
+  start = odom_from_base;
   double rest = delay;
   for (std::size_t i = commanded.size(); i-- > 0;) {
     const double seconds = std::clamp(rest - kPeriod * static_cast<double>(i), 0.0, kPeriod);
@@ -119,34 +155,45 @@ void Mppi::Impl::predict_start(const MppiObservation& now) {
   }
 }
 
-// The field is made once per scan. People are no obstacles: they have a critic of their own.
-void Mppi::Impl::see_obstacles(std::span<const Vec2> obstacles) {
-  const bool same = std::equal(seen.begin(), seen.end(), obstacles.begin(), obstacles.end());
-  if (same && distance(start.position(), field.middle()) < kAstray) return;
-  seen.assign(obstacles.begin(), obstacles.end());
+// The field is made once per scan. What moves is no obstacle: it has a critic of its own.
+void Mppi::Impl::see_obstacles(const MppiObservation& now, const MppiTask& task) {
+  moving.assign(now.moving.begin(), now.moving.end());
   std::vector<Vec2> still;
   const double far = reach + settings.obstacle_reach + footprint.circumscribed_radius();
-  for (const Vec2 p : seen) {
-    const auto is_part = [p](const Person& person) { return distance(p, person.position) <= person.radius + 0.05; };
-    if (distance(p, start.position()) > far || std::any_of(people.begin(), people.end(), is_part)) continue;
-    still.push_back(p);
+  for (const Vec2 p : now.obstacles) {
+    const auto is_part = [p](const MovingDisc& disc) { return distance(p, disc.position) <= disc.radius + 0.05; };
+    if (distance(p, start.position()) <= far && std::ranges::none_of(moving, is_part)) still.push_back(p);
   }
-  field.update(still, start.position());
+  const auto [low, high] = surroundings(task);
+  if (still == obstacles && distance(start.position(), field.middle()) < kAstray && field.covers(low, high)) return;
+  obstacles = std::move(still);
+  const Vec2 more{kAstray, kAstray};
+  field.update(obstacles, start.position(), low - more, high + more);
+}
+
+// Two corners between which lie the next metres of the path, and what is beside it.
+std::pair<Vec2, Vec2> Mppi::Impl::surroundings(const MppiTask& task) const {
+  Vec2 low = start.position();
+  Vec2 high = low;
+  const auto include = [&](Vec2 p) {
+    low = {std::min(low.x, p.x), std::min(low.y, p.y)};
+    high = {std::max(high.x, p.x), std::max(high.y, p.y)};
+  };
+  if (!task.path.empty()) {
+    const PathPoint here = nearest_on_path(task.path, start.position());
+    const PathPoint end = place_after(task.path, here, reach);
+    include(here.point);
+    for (std::size_t i = here.piece + 1; i <= end.piece; ++i) include(task.path[i]);
+    include(end.point);
+  }
+  const Vec2 stray{kStray, kStray};
+  return {low - stray, high + stray};
 }
 
 void Mppi::Impl::lay_out(const MppiTask& task) {
   const Vec2 here = start.position();
   const std::array<Vec2, 1> stay = {here};
   path.lay_out(task.path.empty() ? std::span<const Vec2>(stay) : task.path, here, field.middle(), field.unit(), reach);
-}
-
-// A period has passed since the plan was made, a part of a step.
-void Mppi::Impl::shift_plan() {
-  const float share = narrow(kPeriod / settings.step);
-  for (auto component : {&Plan::vx, &Plan::vy, &Plan::omega}) {
-    auto& values = plan.*component;
-    for (std::size_t i = 0; i + 1 < kSteps; ++i) values[i] = values[i] + share * (values[i + 1] - values[i]);
-  }
 }
 
 std::array<float, 3> Mppi::Impl::deviation() const {
@@ -198,7 +245,8 @@ mppi::Problem Mppi::Impl::pose_problem(const MppiTask& task) const {
   p.heading = {.along = narrow(turning || resting ? 0.0 : w.heading_along),
                .aside_cos = narrow(aside.cos),
                .aside_sin = narrow(aside.sin),
-               .sideways = narrow(w.heading_sideways),
+               .sideways = narrow(turning ? 0.0 : w.heading_sideways),
+               .sideways_free = narrow(settings.sideways_free),
                .backward = narrow(w.heading_backward),
                .sign = task.backwards ? -1.0F : 1.0F,
                .turn = narrow(turning || resting ? w.heading_turn : 0.0),
@@ -209,7 +257,7 @@ mppi::Problem Mppi::Impl::pose_problem(const MppiTask& task) const {
         .x = narrow(goal.x), .y = narrow(goal.y), .distance = narrow(w.goal_distance), .speed = narrow(w.goal_speed)};
   }
   p.smoothness = {.linear = narrow(w.smooth_linear), .angular = narrow(w.smooth_angular)};
-  add_people(p.people);
+  add_moving(p.people);
 
   // lambda times u' Sigma^-1 e of the update's derivation, in part
   const double share = settings.control_cost * settings.temperature;
@@ -224,7 +272,7 @@ double Mppi::Impl::free_margin(double wanted) const {
   const Pose2D base_from_odom = inverse(start);
   const double far = footprint.circumscribed_radius() + wanted + kNotNearer;
   double least = wanted + kNotNearer;
-  for (const Vec2 p : seen) {
+  for (const Vec2 p : obstacles) {
     const Vec2 d = p - start.position();
     if (dot(d, d) <= far * far) least = std::min(least, footprint.signed_distance(base_from_odom * p));
   }
@@ -232,9 +280,9 @@ double Mppi::Impl::free_margin(double wanted) const {
 }
 
 // The nearest of them, where they will be when the plan begins.
-void Mppi::Impl::add_people(mppi::PeopleCritic& critic) const {
-  std::vector<Person> nearest = people;
-  std::stable_sort(nearest.begin(), nearest.end(), [&](const Person& a, const Person& b) {
+void Mppi::Impl::add_moving(mppi::PeopleCritic& critic) const {
+  std::vector<MovingDisc> nearest = moving;
+  std::stable_sort(nearest.begin(), nearest.end(), [&](const MovingDisc& a, const MovingDisc& b) {
     return distance(a.position, start.position()) < distance(b.position, start.position());
   });
   critic.count = std::min(nearest.size(), mppi::kPeople);
@@ -242,19 +290,24 @@ void Mppi::Impl::add_people(mppi::PeopleCritic& critic) const {
   critic.contact = narrow(settings.weights.people_contact);
   critic.close = narrow(settings.weights.people_close);
   for (std::size_t i = 0; i < critic.count; ++i) {
-    const Person& person = nearest[i];
-    const Vec2 at = person.position + delay * person.velocity - field.middle();
+    const MovingDisc& disc = nearest[i];
+    const Vec2 at = disc.position + delay * disc.velocity - field.middle();
     critic.x[i] = narrow(at.x);
     critic.y[i] = narrow(at.y);
-    critic.vx[i] = narrow(person.velocity.x);
-    critic.vy[i] = narrow(person.velocity.y);
-    critic.apart[i] = narrow(person.radius + footprint.circumscribed_radius());
+    critic.vx[i] = narrow(disc.velocity.x);
+    critic.vy[i] = narrow(disc.velocity.y);
+    critic.apart[i] = narrow(disc.radius + footprint.circumscribed_radius());
   }
 }
 
-// What the plan wants first, as far as one period allows it.
-Velocity Mppi::Impl::take_first() const {
-  Velocity wanted{plan.vx.front(), plan.vy.front(), plan.omega.front()};
+// What the plan wants now, as far as one period allows it.
+Velocity Mppi::Impl::command() const {
+  const double at = std::min(kPeriod / settings.step * followed, kSteps - 2.0);
+  const auto before = static_cast<std::size_t>(at);
+  const double share = at - static_cast<double>(before);
+  const Velocity a{plan.vx[before], plan.vy[before], plan.omega[before]};
+  const Velocity b{plan.vx[before + 1], plan.vy[before + 1], plan.omega[before + 1]};
+  Velocity wanted{a.vx + share * (b.vx - a.vx), a.vy + share * (b.vy - a.vy), a.omega + share * (b.omega - a.omega)};
   if (kinematics == Kinematics::differential) wanted.vy = 0.0;
   return within_acceleration(limits, commanded.front(), within_limits(limits, wanted));
 }

@@ -15,39 +15,49 @@ using Floats = hn::CappedTag<float, kBlock>;
 using Ints = hn::RebindToSigned<Floats>;
 using V = hn::Vec<Floats>;
 
-// One row of cells, for a robot whose heading has this sine and cosine.
-HWY_INLINE void stamp_row(const Stamp& stamp, float sin, float cos, float dy, std::int32_t* cells, float* nearest) {
+// A column of vectors, for a robot whose heading has this sine and cosine.
+HWY_INLINE void stamp_column(const StampShape& shape, const Stamp& stamp, float sin, float cos, int column,
+                             std::int32_t* cells, float* nearest) {
   const Floats d;
   const V zero = hn::Zero(d);
-  const V packed_lanes = hn::BitCast(d, hn::Set(Ints(), stamp.packed));
-  for (int column = 0; column < stamp.columns; column += static_cast<int>(hn::Lanes(d))) {
-    const V centre = hn::Iota(d, static_cast<float>(stamp.first_column + column) + 0.5F);
-    const V dx = hn::Sub(hn::Set(d, stamp.x), hn::Mul(centre, hn::Set(d, stamp.cell)));
-    const V ahead = hn::Add(hn::Mul(hn::Set(d, cos), dx), hn::Set(d, sin * dy));
-    const V left = hn::Sub(hn::Set(d, cos * dy), hn::Mul(hn::Set(d, sin), dx));
-    const V beyond_x = hn::Sub(hn::Abs(ahead), hn::Set(d, stamp.half_length));
-    const V beyond_y = hn::Sub(hn::Abs(left), hn::Set(d, stamp.half_width));
+  const V packed = hn::BitCast(d, hn::Set(Ints(), stamp.packed));
+  const V centre = hn::Iota(d, static_cast<float>(column) + 0.5F);
+  const V dx = hn::Sub(hn::Set(d, stamp.x), hn::Mul(centre, hn::Set(d, shape.cell)));
+  const V cos_dx = hn::Mul(hn::Set(d, cos), dx);
+  const V sin_dx = hn::Mul(hn::Set(d, sin), dx);
+  std::ptrdiff_t at = stamp.cells.first_row * kSide + column;
+  for (int row = stamp.cells.first_row; row < stamp.cells.first_row + stamp.cells.rows; ++row, at += kSide) {
+    const float dy = stamp.y - (static_cast<float>(row) + 0.5F) * shape.cell;
+    const V ahead = hn::Add(cos_dx, hn::Set(d, sin * dy));
+    const V left = hn::Sub(hn::Set(d, cos * dy), sin_dx);
+    const V beyond_x = hn::Sub(hn::Abs(ahead), hn::Set(d, shape.half_length));
+    const V beyond_y = hn::Sub(hn::Abs(left), hn::Set(d, shape.half_width));
     const V out_x = hn::Max(beyond_x, zero);
     const V out_y = hn::Max(beyond_y, zero);
     const V outside = hn::Add(hn::Mul(out_x, out_x), hn::Mul(out_y, out_y));
     const V distance = hn::Add(outside, hn::Min(hn::Max(beyond_x, beyond_y), zero));
-    const V before = hn::LoadU(d, nearest + column);
+    const V before = hn::LoadU(d, nearest + at);
     const auto nearer = hn::Lt(distance, before);
-    hn::StoreU(hn::IfThenElse(nearer, distance, before), d, nearest + column);
-    const V other = hn::BitCast(d, hn::LoadU(Ints(), cells + column));
-    hn::StoreU(hn::BitCast(Ints(), hn::IfThenElse(nearer, packed_lanes, other)), Ints(), cells + column);
+    if (hn::AllFalse(d, nearer)) continue;
+    hn::StoreU(hn::IfThenElse(nearer, distance, before), d, nearest + at);
+    const V other = hn::BitCast(d, hn::LoadU(Ints(), cells + at));
+    hn::StoreU(hn::BitCast(Ints(), hn::IfThenElse(nearer, packed, other)), Ints(), cells + at);
   }
 }
 
-void stamp_all(const Stamp& stamp, std::int32_t* cells, float* nearest) {
+// Heading by heading, since all cells of one stay near in memory.
+void stamp_all(const StampShape& shape, std::span<const Stamp> stamps, std::int32_t* cells, float* nearest) {
+  constexpr int kLanes = static_cast<int>(hn::MaxLanes(Floats()));
   for (int bin = 0; bin < kBins; ++bin) {
     const exact::SinCos heading = exact::sincos((bin + 0.5) * exact::kPi / kBins);
-    for (int row = stamp.first_row; row < stamp.first_row + stamp.rows; ++row) {
-      const float dy = stamp.y - (static_cast<float>(row) + 0.5F) * stamp.cell;
-      const std::ptrdiff_t first = (bin * kSide + row) * kSide + stamp.first_column;
-      stamp_row(stamp, static_cast<float>(heading.sin), static_cast<float>(heading.cos), dy, cells + first,
-                nearest + first);
+    for (const Stamp& stamp : stamps) {
+      for (int column = 0; column < stamp.cells.columns; column += kLanes) {
+        stamp_column(shape, stamp, static_cast<float>(heading.sin), static_cast<float>(heading.cos),
+                     stamp.cells.first_column + column, cells, nearest);
+      }
     }
+    cells += kSide * kSide;
+    nearest += kSide * kSide;
   }
 }
 
@@ -63,12 +73,13 @@ HWY_EXPORT(stamp_all);
 constexpr std::size_t kCells = std::size_t{kBins} * kSide * kSide;
 constexpr std::int32_t kNothing = static_cast<std::int32_t>(0x80008000);  // far outside of the window
 constexpr int kUnitsPerCell = 240;  // the window and all around it that matters fit into 16 bits
-constexpr double kThinned = 0.006;  // [m] of obstacles nearer to each other one is enough
+constexpr double kThinned = 0.012;  // [m] of obstacles nearer to each other one is enough
 
 }  // namespace
 
-void stamp_rows(const Stamp& stamp, std::span<std::int32_t> cells, std::span<float> nearest) {
-  HWY_DYNAMIC_DISPATCH(stamp_all)(stamp, cells.data(), nearest.data());
+void stamp_rows(const StampShape& shape, std::span<const Stamp> stamps, std::span<std::int32_t> cells,
+                std::span<float> nearest) {
+  HWY_DYNAMIC_DISPATCH(stamp_all)(shape, stamps, cells.data(), nearest.data());
 }
 
 ObstacleField::ObstacleField(const Footprint& footprint, double reach, double sight)
@@ -88,40 +99,64 @@ ObstacleField::ObstacleField(const Footprint& footprint, double reach, double si
   base_to_middle_ = 0.5 * (low + high);
 }
 
-void ObstacleField::update(std::span<const Vec2> obstacles, Vec2 middle) {
+void ObstacleField::update(std::span<const Vec2> obstacles, Vec2 middle, Vec2 low, Vec2 high) {
   middle_ = middle;
-  std::fill(cells_.begin(), cells_.end(), kNothing);
-  std::fill(nearest_.begin(), nearest_.end(), sight_ * sight_);
+  filled_ = cells_around(low, high);
+  for (int bin = 0; bin < kBins; ++bin) {
+    for (int row = filled_.first_row; row < filled_.first_row + filled_.rows; ++row) {
+      const std::ptrdiff_t first = (bin * kSide + row) * kSide + filled_.first_column;
+      std::fill_n(cells_.begin() + first, filled_.columns, kNothing);
+      std::fill_n(nearest_.begin() + first, filled_.columns, sight_ * sight_);
+    }
+  }
+  stamps_.clear();
   const double corner = -0.5 * kSide * cell_;
   Vec2 last{1e9, 1e9};  // scans come in order, so that neighbours follow each other
   for (const Vec2 p : obstacles) {
     if (distance(p, last) < kThinned) continue;
     last = p;
-    stamp(static_cast<float>(p.x - middle.x - corner), static_cast<float>(p.y - middle.y - corner));
+    add_stamp(static_cast<float>(p.x - middle.x - corner), static_cast<float>(p.y - middle.y - corner));
   }
+  stamp_rows({static_cast<float>(cell_), half_length_, half_width_}, stamps_, cells_, nearest_);
 }
 
-// On all cells from which it can be within sight.
-void ObstacleField::stamp(float x, float y) {
+bool ObstacleField::covers(Vec2 low, Vec2 high) const {
+  const Cells asked = cells_around(low, high);
+  return asked.first_column >= filled_.first_column && asked.first_row >= filled_.first_row &&
+         asked.first_column + asked.columns <= filled_.first_column + filled_.columns &&
+         asked.first_row + asked.rows <= filled_.first_row + filled_.rows;
+}
+
+// Whole vectors of them, within the window.
+Cells ObstacleField::cells_around(Vec2 low, Vec2 high) const {
+  const auto row = [&](double along) {
+    return std::clamp(static_cast<int>(std::floor(along / cell_)) + kSide / 2, 0, kSide - 1);
+  };
+  constexpr int kWhole = static_cast<int>(kBlock);
+  const int first = row(low.x - middle_.x) / kWhole * kWhole;
+  const int columns = row(high.x - middle_.x) / kWhole * kWhole + kWhole - first;
+  return {first, row(low.y - middle_.y), columns, row(high.y - middle_.y) + 1 - row(low.y - middle_.y)};
+}
+
+// On all filled cells from which it can be within sight.
+void ObstacleField::add_stamp(float x, float y) {
   const auto cell = static_cast<float>(cell_);
   const float around = sight_ + exact::sqrt(half_length_ * half_length_ + half_width_ * half_width_);
-  const auto bounded = [&](float along) { return std::clamp(static_cast<int>(std::floor(along / cell)), -1, kSide); };
-  Stamp stamp{.x = x, .y = y, .cell = cell, .half_length = half_length_, .half_width = half_width_};
-  stamp.first_column = std::max(bounded(x - around), 0);
-  stamp.first_row = std::max(bounded(y - around), 0);
-  stamp.columns = std::min(bounded(x + around), kSide - 1) + 1 - stamp.first_column;
-  stamp.rows = std::min(bounded(y + around), kSide - 1) + 1 - stamp.first_row;
-  if (stamp.columns <= 0 || stamp.rows <= 0) return;
-
-  // whole blocks of columns, none of which crosses the end of a row
+  const auto at = [&](float along) { return static_cast<int>(std::floor(std::clamp(along / cell, -1e4F, 1e4F))); };
   constexpr int kWhole = static_cast<int>(kBlock);
-  stamp.columns = (stamp.columns + kWhole - 1) / kWhole * kWhole;
-  stamp.first_column = std::min(stamp.first_column, kSide - stamp.columns);
+  const int first_column = std::max(at(x - around), filled_.first_column);
+  const int last_column = std::min(at(x + around), filled_.first_column + filled_.columns - 1);
+  const int first_row = std::max(at(y - around), filled_.first_row);
+  const int last_row = std::min(at(y + around), filled_.first_row + filled_.rows - 1);
+  if (last_column < first_column || last_row < first_row) return;
+
+  // vectors may begin anywhere, but none crosses the end of what is filled
+  const int columns = (last_column - first_column + kWhole) / kWhole * kWhole;
+  const int from = std::min(first_column, filled_.first_column + filled_.columns - columns);
   const auto in_units = [&](float along) {
     return static_cast<int>(std::lround((static_cast<double>(along) - 0.5 * kSide * cell_) / unit_));
   };
-  stamp.packed = pack(in_units(x), in_units(y));
-  stamp_rows(stamp, cells_, nearest_);
+  stamps_.push_back({x, y, pack(in_units(x), in_units(y)), {from, first_row, columns, last_row + 1 - first_row}});
 }
 
 FieldView ObstacleField::view() const {
@@ -131,7 +166,11 @@ FieldView ObstacleField::view() const {
           .half_length = half_length_,
           .half_width = half_width_,
           .middle_x = static_cast<float>(base_to_middle_.x),
-          .middle_y = static_cast<float>(base_to_middle_.y)};
+          .middle_y = static_cast<float>(base_to_middle_.y),
+          .first_column = static_cast<float>(filled_.first_column),
+          .last_column = static_cast<float>(filled_.first_column + filled_.columns - 1),
+          .first_row = static_cast<float>(filled_.first_row),
+          .last_row = static_cast<float>(filled_.first_row + filled_.rows - 1)};
 }
 
 }  // namespace threewe::nav::mppi

@@ -10,24 +10,52 @@
 
 namespace threewe::nav::mppi {
 
+/// A box of cells.
+struct Cells {
+  int first_column = 0, first_row = 0, columns = 0, rows = 0;
+};
+
+/// An obstacle and the cells from which it can be within sight.
+struct Stamp {
+  float x = 0.0F, y = 0.0F;  ///< [m] from the corner of cell (0, 0)
+  std::int32_t packed = 0;
+  Cells cells;  ///< whole vectors wide
+};
+
+/// What all stamps share.
+struct StampShape {
+  float cell = 0.0F;  ///< [m]
+  float half_length = 0.0F, half_width = 0.0F;
+};
+
+/// Where an obstacle is nearer to the outline than those before it, it takes their place. Distances are kept as their
+/// squares outside of the outline and as they are (negative) inside: the order is the same.
+void stamp_rows(const StampShape& shape, std::span<const Stamp> stamps, std::span<std::int32_t> cells,
+                std::span<float> nearest);
+
 /// A square window of kSide x kSide cells with the axes of `odom`. For each cell and each of kBins headings of the
 /// robot there, it knows which obstacle is nearest to the outline; the distance itself then follows to the bit of a
-/// float, wherever in the cell the robot is. The outline is the box around the footprint.
+/// float, wherever in the cell the robot is. The outline is the box around the footprint. Cells are filled where the
+/// robot may get; seen from elsewhere, things are as from the nearest place there.
 class ObstacleField {
  public:
   /// `reach` [m]: how far from its middle the robot may get. Obstacles beyond `sight` [m] from the outline do not
   /// count.
   ObstacleField(const Footprint& footprint, double reach, double sight);
 
-  /// Looks at all obstacles anew, points in `odom` [m]; the window's middle is then `middle`.
-  void update(std::span<const Vec2> obstacles, Vec2 middle);
+  /// Looks at all obstacles anew, points in `odom` [m]; the window's middle is then `middle`, and the robot stays
+  /// between the corners `low` and `high`.
+  void update(std::span<const Vec2> obstacles, Vec2 middle, Vec2 low, Vec2 high);
 
   Vec2 middle() const { return middle_; }
+  /// The robot may get to all places between two corners.
+  bool covers(Vec2 low, Vec2 high) const;
   double unit() const { return unit_; }
   FieldView view() const;
 
  private:
-  void stamp(float x, float y);
+  Cells cells_around(Vec2 low, Vec2 high) const;
+  void add_stamp(float x, float y);
 
   double cell_;  // [m]
   double unit_;  // [m]
@@ -36,21 +64,10 @@ class ObstacleField {
   Vec2 base_to_middle_;
   float sight_;
   Vec2 middle_;
+  Cells filled_;
+  std::vector<Stamp> stamps_;
   std::vector<std::int32_t> cells_;  // (kBins, kSide, kSide), packed obstacles
   std::vector<float> nearest_;       // (kBins, kSide, kSide), how near they are, see `stamp_rows`
 };
-
-/// A box of cells around an obstacle, for the kernel.
-struct Stamp {
-  float x = 0.0F, y = 0.0F;  ///< [m] of the obstacle, from the corner of cell (0, 0)
-  std::int32_t packed = 0;
-  int first_column = 0, first_row = 0, columns = 0, rows = 0;
-  float cell = 0.0F;  ///< [m]
-  float half_length = 0.0F, half_width = 0.0F;
-};
-
-/// Where the obstacle is nearer to the outline than what was stamped before, it takes its place. Distances are kept as
-/// their squares outside of the outline and as they are (negative) inside: the order is the same.
-void stamp_rows(const Stamp& stamp, std::span<std::int32_t> cells, std::span<float> nearest);
 
 }  // namespace threewe::nav::mppi

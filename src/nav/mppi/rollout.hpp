@@ -65,6 +65,7 @@ struct FieldView {
   float unit = 0.0F;                            ///< [m] of packed coordinates
   float half_length = 0.0F, half_width = 0.0F;  ///< [m] of the outline, a box ...
   float middle_x = 0.0F, middle_y = 0.0F;       ///< [m] ... whose middle lies here in the base frame
+  float first_column = 0.0F, last_column = kSide - 1, first_row = 0.0F, last_row = kSide - 1;  ///< that are filled
 };
 struct ObstacleCritic {
   FieldView field;
@@ -94,7 +95,8 @@ struct PathCritic {
 struct HeadingCritic {
   float along = 0.0F;                        ///< of facing another way than the path
   float aside_cos = 1.0F, aside_sin = 0.0F;  ///< of the angle to face to the left of the path; a half turn backwards
-  float sideways = 0.0F;                     ///< [s^2/m^2]
+  float sideways = 0.0F;                     ///< [s^2/m^2] of driving sideways ...
+  float sideways_free = 0.0F;                ///< [m/s] ... faster than this
   float backward = 0.0F;                     ///< [s^2/m^2] of driving against the way it is to go
   float sign = 1.0F;                         ///< -1 where it is to go backwards
   float turn = 0.0F;                         ///< [1/rad] of what is left of a turn on the spot

@@ -73,7 +73,10 @@ struct Drive {
             localizer->map(),
             localizer->map_version(),
             localizer->obstacles(),
-            localizer->map_changes()};
+            localizer->map_changes(),
+            {},
+            {},
+            command};
   }
 
   // `meddle` may change what is there, and what is seen of it, before each tick.
@@ -92,6 +95,7 @@ struct Drive {
       seen.pose = next.pose;
       seen.map_version = next.map_version;
       seen.obstacles = next.obstacles;
+      seen.commanded = next.commanded;
       if (meddle) meddle(seen);
     }
     return {{}, Reason::timeout};
@@ -355,13 +359,20 @@ TEST_CASE("a copy of a mind decides as the original does, to the bit") {
     const std::vector<Sample> samples = drive.world.tick(drive.command);
     for (const Sample& s : samples) drive.localizer->add(s);
     const Time now = drive.world.now();
-    const Decision a = drive.navigator->step({now, drive.localizer->estimate(now), drive.localizer->map(),
-                                              drive.localizer->map_version(), drive.localizer->obstacles()});
+    const Velocity commanded = drive.command;
+    const auto seen_by = [&](const slam::Localizer& by) {
+      return Observation{.now = now,
+                         .pose = by.estimate(now),
+                         .map = by.map(),
+                         .map_version = by.map_version(),
+                         .obstacles = by.obstacles(),
+                         .commanded = commanded};
+    };
+    const Decision a = drive.navigator->step(seen_by(*drive.localizer));
     drive.command = a.velocity;
     if (!localizer) continue;
     for (const Sample& s : samples) localizer->add(s);
-    const Decision b = navigator->step(
-        {now, localizer->estimate(now), localizer->map(), localizer->map_version(), localizer->obstacles()});
+    const Decision b = navigator->step(seen_by(*localizer));
     REQUIRE(a.velocity == b.velocity);
     REQUIRE(localizer->map() == drive.localizer->map());
   }

@@ -25,7 +25,7 @@ using threewe::testing::TinyWall;
 /// What is to be driven.
 struct Course {
   std::vector<TinyWall> walls;
-  std::vector<Person> people;  // they walk on as they do, and give way to nobody
+  std::vector<MovingDisc> people;  // they walk on as they do, and give way to nobody
   Pose2D start;
   std::vector<Vec2> path;
   double seconds = 60.0;  // to be done in
@@ -57,7 +57,7 @@ class CourseWorld {
 
   const Pose2D& pose() const { return pose_; }
   const Velocity& velocity() const { return velocity_; }
-  const std::vector<Person>& people() const { return course_.people; }
+  const std::vector<MovingDisc>& people() const { return course_.people; }
 
   void tick(const Velocity& command) {
     pending_.push_back(command);
@@ -71,7 +71,7 @@ class CourseWorld {
       velocity_.vy += gain * (obeyed.vy - velocity_.vy);
       velocity_.omega += gain * (obeyed.omega - velocity_.omega);
       pose_ = integrate(pose_, velocity_, dt);
-      for (Person& person : course_.people) person.position = person.position + dt * person.velocity;
+      for (MovingDisc& person : course_.people) person.position = person.position + dt * person.velocity;
     }
   }
 
@@ -82,7 +82,7 @@ class CourseWorld {
       const double angle = pose_.theta + i * exact::kPi / 180.0;
       const auto [s, c] = exact::sincos(angle);
       double range = tiny_range(course_.walls, pose_.position(), angle, 8.0);
-      for (const Person& person : course_.people) {
+      for (const MovingDisc& person : course_.people) {
         const Vec2 to = person.position - pose_.position();
         const double along = c * to.x + s * to.y;
         const double room = person.radius * person.radius - (dot(to, to) - along * along);
@@ -105,7 +105,7 @@ class CourseWorld {
         if (distance(p, pose_.position()) < 0.6) least = std::min(least, footprint.signed_distance(inverse(pose_) * p));
       }
     }
-    for (const Person& person : course_.people) {
+    for (const MovingDisc& person : course_.people) {
       const Vec2 p = inverse(pose_) * person.position;
       least = std::min(least, footprint.signed_distance(p) - person.radius);
     }
@@ -134,8 +134,8 @@ Outcome drive(const RobotProfile& profile, const Course& course, const MppiSetti
     const PathPoint here = nearest_on_path(path, world.pose().position());
     path.erase(path.begin(), path.begin() + static_cast<std::ptrdiff_t>(here.piece));
     path.front() = here.point;
-    mppi.see({world.pose(), command, points, world.people()});
-    command = mppi.step({.path = path, .margin = 0.01});
+    command = mppi.step({tick * kControlPeriod, world.pose(), command, points, world.people()},
+                        {.path = path, .margin = 0.01});
     world.tick(command);
     outcome.seconds = to_seconds((tick + 1) * kControlPeriod);
     if (tick % 2 == 0) outcome.clearance = std::min(outcome.clearance, world.clearance());

@@ -38,8 +38,9 @@ float second_of(std::int32_t packed, float unit) { return static_cast<float>(pac
 float clearance(const FieldView& f, const Robot& r) {
   const float x = r.x + (r.cos * f.middle_x - r.sin * f.middle_y);
   const float y = r.y + (r.sin * f.middle_x + r.cos * f.middle_y);
-  const int column = static_cast<int>(bounded(std::floor(x * f.cells_per_metre + 64.0F), 0.0F, 127.0F));
-  const int row = static_cast<int>(bounded(std::floor(y * f.cells_per_metre + 64.0F), 0.0F, 127.0F));
+  const int column =
+      static_cast<int>(bounded(std::floor(x * f.cells_per_metre + 64.0F), f.first_column, f.last_column));
+  const int row = static_cast<int>(bounded(std::floor(y * f.cells_per_metre + 64.0F), f.first_row, f.last_row));
   const int bin = static_cast<int>(std::floor(r.theta * (kBins / 3.14159265F))) & (kBins - 1);
   const std::int32_t packed = f.cells[(bin * kSide + row) * kSide + column];
   const float dx = first_of(packed, f.unit) - x;
@@ -58,7 +59,8 @@ float obstacle(const ObstacleCritic& c, const Robot& r) {
 }
 
 float direction(const HeadingCritic& c, const Robot& r) {
-  return c.sideways * squared(r.vy) + c.backward * squared(above_zero(r.vx * -c.sign));
+  return c.sideways * squared(above_zero(std::fabs(r.vy) - c.sideways_free)) +
+         c.backward * squared(above_zero(r.vx * -c.sign));
 }
 
 float people(const PeopleCritic& c, const Robot& r, float seconds) {
@@ -69,7 +71,7 @@ float people(const PeopleCritic& c, const Robot& r, float seconds) {
     cost = cost + c.close * squared(above_zero(1.0F - above_zero(beyond) * c.per_reach));
     cost = cost + (beyond < 0.0F ? c.contact : 0.0F);
   }
-  return cost;
+  return cost * r.speed;
 }
 
 struct OnPath {
@@ -273,9 +275,17 @@ Problem draw_problem(Draw& draw, const Tables& tables) {
              draw.between(0.0, 0.5)};
   for (Plan& mean : p.means) mean = draw_plan(draw);
   p.noise = noise_pool().data();
-  const FieldView field{tables.cells.data(),      draw.between(20.0, 50.0), 1e-4F,
-                        draw.between(0.05, 0.2),  draw.between(0.05, 0.2),  draw.between(-0.05, 0.05),
-                        draw.between(-0.05, 0.05)};
+  const FieldView field{tables.cells.data(),
+                        draw.between(20.0, 50.0),
+                        1e-4F,
+                        draw.between(0.05, 0.2),
+                        draw.between(0.05, 0.2),
+                        draw.between(-0.05, 0.05),
+                        draw.between(-0.05, 0.05),
+                        16.0F * static_cast<float>(draw.whole(0, 3)),
+                        127.0F,
+                        static_cast<float>(draw.whole(0, 30)),
+                        static_cast<float>(draw.whole(80, 127))};
   p.obstacle = {field,
                 draw.between(0.0, 0.1),
                 draw.between(4.0, 10.0),
@@ -292,9 +302,9 @@ Problem draw_problem(Draw& draw, const Tables& tables) {
                       static_cast<float>(draw.whole(1, kPathPoints - 1))};
   p.path = {path, draw.between(0.0, 4.0), draw.between(0.0, 4.0)};
   const auto [as, ac] = exact::sincos(static_cast<double>(draw.between(-1.0, 1.0)));
-  p.heading = {draw.between(0.0, 1.0), static_cast<float>(ac), static_cast<float>(as),
-               draw.between(0.0, 1.0), draw.between(0.0, 2.0), draw.chance(0.5) ? 1.0F : -1.0F,
-               draw.between(0.0, 3.0), draw.between(-7.0, 7.0)};
+  p.heading = {draw.between(0.0, 1.0),          static_cast<float>(ac), static_cast<float>(as),
+               draw.between(0.0, 1.0),          draw.between(0.0, 0.2), draw.between(0.0, 2.0),
+               draw.chance(0.5) ? 1.0F : -1.0F, draw.between(0.0, 3.0), draw.between(-7.0, 7.0)};
   p.goal = {draw.between(-1.0, 1.0), draw.between(-1.0, 1.0), draw.between(0.0, 3.0), draw.between(0.0, 3.0)};
   p.smoothness = {draw.between(0.0, 2.0), draw.between(0.0, 1.0)};
   p.people.count = static_cast<std::size_t>(draw.whole(0, kPeople));

@@ -61,8 +61,8 @@ TEST_CASE("commands keep to the limits, and to what a period can change, whateve
         for (int i = 0; i < 30; ++i) obstacles.push_back({draw.between(-1.0, 1.0), draw.between(-1.0, 1.0)});
         const std::vector<Vec2> path = {{0.0, 0.0}, {draw.between(-2.0, 2.0), draw.between(-2.0, 2.0)}};
         const Pose2D pose{draw.between(-0.2, 0.2), draw.between(-0.2, 0.2), draw.between(-3.0, 3.0)};
-        mppi.see({pose, last, obstacles, {}});
-        const Velocity v = mppi.step({.path = path, .backwards = seed % 5 == 0, .margin = 0.05});
+        const Velocity v = mppi.step({tick * kControlPeriod, pose, last, obstacles},
+                                     {.path = path, .backwards = seed % 5 == 0, .margin = 0.05});
         REQUIRE(is_finite(v));
         REQUIRE(exact::hypot(v.vx, v.vy) <= limits.linear + 1e-9);
         REQUIRE(std::fabs(v.omega) <= limits.angular + 1e-9);
@@ -83,8 +83,7 @@ Pose2D carry_out(const RobotProfile& profile, const Course& course, Task task, d
   std::vector<Vec2> points;
   for (int tick = 0; to_seconds(tick * kControlPeriod) < seconds; ++tick) {
     if (tick % 5 == 0) points = world.scan();
-    mppi.see({world.pose(), command, points, {}});
-    command = mppi.step(task(world.pose()));
+    command = mppi.step({tick * kControlPeriod, world.pose(), command, points}, task(world.pose()));
     world.tick(command);
   }
   return world.pose();
@@ -149,11 +148,10 @@ TEST_CASE("a copy goes on as the original does, to the bit") {
   for (int tick = 0; tick < 100; ++tick) {
     const std::vector<Vec2> points = world.scan();
     if (tick == 40) copy.push_back(mppi);
-    mppi.see({world.pose(), command, points, {}});
-    const Velocity next = mppi.step({.path = course.path});
+    const MppiObservation seen{tick * kControlPeriod, world.pose(), command, points};
+    const Velocity next = mppi.step(seen, {.path = course.path});
     if (!copy.empty()) {
-      copy.front().see({world.pose(), command, points, {}});
-      REQUIRE(copy.front().step({.path = course.path}) == next);
+      REQUIRE(copy.front().step(seen, {.path = course.path}) == next);
     }
     command = next;
     world.tick(command);
@@ -170,7 +168,7 @@ TEST_CASE("the obstacle field knows the real outline's clearance wherever the ro
       mppi::ObstacleField field(footprint, 1.4, 0.25);
       std::vector<Vec2> obstacles;
       for (int i = 0; i < 60; ++i) obstacles.push_back({5.0 + draw.between(-1.5, 1.5), draw.between(-1.5, 1.5)});
-      field.update(obstacles, {5.0, 0.0});
+      field.update(obstacles, {5.0, 0.0}, {3.6, -1.35}, {6.4, 1.35});
       int close = 0;
       int off = 0;  // by so much that it matters: seen from the middle of the cell another obstacle was nearer
       const mppi::FieldView view = field.view();

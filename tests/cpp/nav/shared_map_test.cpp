@@ -30,7 +30,7 @@ TEST_CASE("our own knowledge comes first, then that of peers in their order, and
     const OccupancyGrid ours = random_grid(bits);
     const OccupancyGrid first = random_grid(bits);
     const OccupancyGrid second = random_grid(bits);
-    const std::vector<Peer> peers = {{{}, {}, &first}, {{}, {}, &second}};
+    const std::vector<Peer> peers = {{.map = &first}, {.map = &second}};
     OccupancyGrid merged;
     merge_maps(ours, peers, merged);
     const auto known = [](const OccupancyGrid& grid, Vec2 p) { return grid.at(grid.cell(p)); };
@@ -54,7 +54,7 @@ TEST_CASE("a peer that is too far away is left out") {
   OccupancyGrid far = random_grid(bits);
   far.origin = {1e6, 0.0};
   OccupancyGrid merged;
-  merge_maps(ours, std::vector<Peer>{{{}, {}, &far}}, merged);
+  merge_maps(ours, std::vector<Peer>{{.map = &far}}, merged);
   CHECK(merged == ours);
 }
 

@@ -24,7 +24,9 @@ HWY_INLINE V heading_cost(const HeadingCritic& critic, const Sample& at, const P
 
 HWY_INLINE V direction_cost(const HeadingCritic& critic, const Sample& at) {
   const V against = above_zero(hn::Mul(at.vx, number(-critic.sign)));
-  return hn::Add(hn::Mul(number(critic.sideways), squared(at.vy)), hn::Mul(number(critic.backward), squared(against)));
+  const V sideways = above_zero(hn::Sub(hn::Abs(at.vy), number(critic.sideways_free)));
+  return hn::Add(hn::Mul(number(critic.sideways), squared(sideways)),
+                 hn::Mul(number(critic.backward), squared(against)));
 }
 
 }  // namespace threewe::nav::mppi::HWY_NAMESPACE

@@ -25,9 +25,11 @@ HWY_INLINE V clearance(const FieldView& field, const Sample& at) {
   const V per_metre = number(field.cells_per_metre);
   const V half = number(0.5F * kSide);
   const V zero = hn::Zero(kFloats);
-  const V most = number(kSide - 1);
-  const V column = clamp(hn::Floor(hn::Add(hn::Mul(x, per_metre), half)), zero, most);
-  const V row = clamp(hn::Floor(hn::Add(hn::Mul(y, per_metre), half)), zero, most);
+  const auto bounded = [&](V along, float first, float last) {
+    return clamp(hn::Floor(hn::Add(hn::Mul(along, per_metre), half)), number(first), number(last));
+  };
+  const V column = bounded(x, field.first_column, field.last_column);
+  const V row = bounded(y, field.first_row, field.last_row);
   const V bin = hn::Floor(hn::Mul(at.theta, number(kBins / std::numbers::pi_v<float>)));
   const auto layer = hn::And(hn::ConvertTo(Ints(), bin), hn::Set(Ints(), kBins - 1));
   const auto cell = hn::ConvertTo(Ints(), hn::Add(hn::Mul(row, number(kSide)), column));

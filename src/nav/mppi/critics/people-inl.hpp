@@ -1,4 +1,4 @@
-// People: keep away from where they will be, if they walk on as they do.
+// People: do not drive where they will be, if they walk on as they do. They walk round who stands still.
 #if defined(THREEWE_NAV_MPPI_PEOPLE_INL) == defined(HWY_TARGET_TOGGLE)
 #ifdef THREEWE_NAV_MPPI_PEOPLE_INL
 #undef THREEWE_NAV_MPPI_PEOPLE_INL
@@ -23,7 +23,7 @@ HWY_INLINE V people_cost(const PeopleCritic& critic, const Sample& at, float sec
     cost = hn::Add(cost, hn::Mul(number(critic.close), squared(near)));
     cost = hn::Add(cost, hn::IfThenElseZero(touches, number(critic.contact)));
   }
-  return cost;
+  return hn::Mul(cost, at.speed);
 }
 
 }  // namespace threewe::nav::mppi::HWY_NAMESPACE
