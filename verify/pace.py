@@ -14,7 +14,31 @@ def pace(seed: int) -> Case:
     return {name: float(value) for name, value in (line.split() for line in output.splitlines())}
 
 
+def tick(seed: int, scene: str) -> Case:
+    """What 10,000 control ticks of a robot on its way from goal to goal take."""
+    output = subprocess.run([PROGRAMS / "verify_tick", scene, str(seed)], capture_output=True, text=True, check=True)
+    case: Case = {name: float(value) for name, value in (line.split() for line in output.stdout.splitlines())}
+    print(f"    {scene}: p99 of a tick by the wall's clock {case['wall_p99_ms']} ms", flush=True)
+    return case
+
+
 EXPERIMENTS = [
+    *(
+        Experiment(
+            f"a control tick, everything on, driving in {scene}",
+            tick,
+            {"scene": scene},
+            cases=5,
+            sample=2,
+            rows=[
+                worst_of("p99 of thread CPU time [ms]", lambda case: case["cpu_p99_ms"], at_most=4.0),
+                median_of("the whole mind on, times real time", lambda case: case["times_real_time"], at_least=100.0),
+                worst_of("really driven meanwhile [m]", lambda case: case["metres"], at_least=25.0),
+            ],
+            alone=True,
+        )
+        for scene in ("office_v2", "dynamic_v1")
+    ),
     Experiment(
         "one robot in office_v2, realistic noise",
         pace,
@@ -37,5 +61,5 @@ EXPERIMENTS = [
             worst_of("the same, whole mind on [m]", lambda case: case["whole_mind_metres"], at_least=25.0),
         ],
         alone=True,
-    )
+    ),
 ]
