@@ -229,8 +229,11 @@ Decision PathNavigator::travel(const Observation& seen, Vec2 goal, double tolera
 Decision PathNavigator::follow(const Observation& seen) {
   route_.advance(progress_.pose.position());
   progress_.distance_left = path_length(route_.path());
-  if (has_lidar_) return {follow_by_plan(seen)};
-  return {tracker_.pursue(route_.path(), route_.costmap(), progress_.pose, sweep_aside(now_ - motion_.started))};
+  constexpr double kLast = 0.2;  // [m] to the end, where it may be too tight for what the noise of plans finds
+  const bool at_end = distance(progress_.pose.position(), route_.path().back()) < kLast;
+  if (has_lidar_ && !at_end) return {follow_by_plan(seen)};
+  const double aside = has_lidar_ ? 0.0 : sweep_aside(now_ - motion_.started);
+  return {tracker_.pursue(route_.path(), route_.costmap(), progress_.pose, aside)};
 }
 
 // Round what the lidar sees and zones to keep out of, away from people and other robots.

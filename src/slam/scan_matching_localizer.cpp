@@ -45,6 +45,8 @@ constexpr double kRedrawnHeading = 0.004;  // [rad]
 constexpr double kDoubtful = 0.45;         // a given map that resembles the scans less than so for long ...
 constexpr double kCertain = 0.55;          // ... until it does again
 
+bool rolls(const TrackPoint& point) { return point.seconds > 0.0 && point.standing == 0; }
+
 class ScanMatchingLocalizer final : public Localizer {
  public:
   ScanMatchingLocalizer(const SensorModel& sensors, const Beginning& beginning)
@@ -189,13 +191,14 @@ void ScanMatchingLocalizer::predict_to(Time stamp) {
     if (p.stamp <= filter_stamp_ || p.stamp > stamp) continue;
     const double heading = map_from_odom_.theta + p.odom_from_base.theta - 0.5 * p.turn;
     filter_.predict(heading, p.step, p.turn, p.seconds, p.by_gyro);
-    rolled_ = rolled_ || (p.seconds > 0.0 && p.standing == 0);
+    rolled_ = rolled_ || rolls(p);
     turned += p.turn;
     seconds += p.seconds;
     standing += p.by_gyro && (p.standing >= kStandingSamples || !rolled_) ? 1 : 0;
     ++steps;
   }
   filter_stamp_ = std::max(filter_stamp_, stamp);
+  rolled_ = rolled_ || (track_.size() > 0 && rolls(track_.point(0)));  // also where scans are stamped ahead of wheels
 
   // while the robot stands the gyro shows its bias
   if (seconds <= 0.0 || standing < steps) return;

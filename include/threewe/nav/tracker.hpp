@@ -45,9 +45,9 @@ class Tracker {
 
   /// The velocity for following `path`, in `odom` from the robot on, to a stop at its end. For robots with a lidar.
   Velocity follow(std::span<const Vec2> path, const MppiObservation& seen);
-  /// The same without a lidar, `path` and `pose` in `map`. What echoes tell is too coarse to be rolled out against: it
-  /// leads along where nothing was heard, at the pace that leaves room to stop. A holonomic base faces so far `aside`
-  /// [rad] to the left of where it drives.
+  /// The same for the last bit of the way, which may be tight, and without a lidar: what echoes tell is too coarse to
+  /// be rolled out against. It leads along where nothing is in the way, at the pace that leaves room to stop. `path`
+  /// and `pose` are in `map`. A holonomic base faces so far `aside` [rad] to the left of where it drives.
   Velocity pursue(std::span<const Vec2> path, const map::Costmap& costmap, const Pose2D& pose, double aside);
   /// The velocity for turning by `angle` [rad] on the spot.
   Velocity turn(double angle) const;
