@@ -123,7 +123,8 @@ TEST_CASE("there is a way through tiles exactly where there is a path, and it co
     sum += ratio - 1.0;
     worst = std::max(worst, ratio);
   }
-  MESSAGE("dearer than the cheapest by ", 100.0 * sum / static_cast<double>(found), " % on average, ", 100.0 * (worst - 1.0), " % at most");
+  MESSAGE("dearer than the cheapest by ", 100.0 * sum / static_cast<double>(found), " % on average, ",
+          100.0 * (worst - 1.0), " % at most");
   CHECK(found > cases(500));
   CHECK(none > cases(200));
   CHECK(sum / static_cast<double>(found) < 0.01);
