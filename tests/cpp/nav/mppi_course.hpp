@@ -4,6 +4,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <string>
@@ -219,5 +220,14 @@ inline Course dead_end(const RobotProfile& profile, std::uint64_t seed) {
   course.path = {course.start.position(), {-1.3, 0.0}, {draw.between(-2.0, -1.6), draw.between(-1.0, 1.0)}};
   return course;
 }
+
+struct NamedCourse {
+  const char* name;
+  Course (*make)(const RobotProfile&, std::uint64_t);
+};
+inline constexpr std::array<NamedCourse, 4> kCourses = {{{"a door 5 cm wider than the robot", door},
+                                                         {"a slalom", slalom},
+                                                         {"people who cross", people},
+                                                         {"a dead end", dead_end}}};
 
 }  // namespace threewe::nav::testing

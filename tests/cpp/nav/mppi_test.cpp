@@ -19,16 +19,8 @@ namespace {
 
 using testing::Course;
 using testing::CourseWorld;
+using testing::kCourses;
 using testing::Outcome;
-
-struct NamedCourse {
-  const char* name;
-  Course (*make)(const RobotProfile&, std::uint64_t);
-};
-constexpr std::array<NamedCourse, 4> kCourses = {{{"a door 5 cm wider than the robot", testing::door},
-                                                  {"a slalom", testing::slalom},
-                                                  {"people who cross", testing::people},
-                                                  {"a dead end", testing::dead_end}}};
 
 TEST_CASE("both kinematics drive all courses, and touch nothing") {
   for (const char* robot : {"3we_standard_v2", "turtlebot_like"}) {
