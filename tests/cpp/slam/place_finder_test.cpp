@@ -6,6 +6,7 @@
 #include <optional>
 #include <vector>
 
+#include "draw.hpp"
 #include "slam/known_map.hpp"
 #include "slam/place_finder.hpp"
 #include "slam/scan_search_cases.hpp"
@@ -139,7 +140,7 @@ TEST_CASE("in another place it finds nothing") {
   Draw draw(7);
   const auto known = std::make_shared<const KnownMap>(place_of(scene::Scene::load("office_v2"), draw, 60).map.grid());
   const Place other = place_of(scene::Scene::load("warehouse_v1"), draw, 30);
-  for (int i = 0; i < 15; ++i) {
+  for (std::uint64_t i = 0; i < cases(15); ++i) {
     CAPTURE(i);
     const Pose2D truth = other.random_pose(draw);
     PlaceFinder finder(known);
