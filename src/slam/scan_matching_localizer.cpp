@@ -198,7 +198,7 @@ void ScanMatchingLocalizer::predict_to(Time stamp) {
     ++steps;
   }
   filter_stamp_ = std::max(filter_stamp_, stamp);
-  rolled_ = rolled_ || (track_.size() > 0 && rolls(track_.point(0)));  // also where scans are stamped ahead of wheels
+  rolled_ = rolled_ || (!track_.empty() && rolls(track_.point(0)));  // also where scans are stamped ahead of wheels
 
   // while the robot stands the gyro shows its bias
   if (seconds <= 0.0 || standing < steps) return;
