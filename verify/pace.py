@@ -29,10 +29,8 @@ EXPERIMENTS = [
             tick,
             {"scene": scene},
             cases=5,
-            sample=2,
             rows=[
                 worst_of("p99 of thread CPU time [ms]", lambda case: case["cpu_p99_ms"], at_most=4.0),
-                median_of("the whole mind on, times real time", lambda case: case["times_real_time"], at_least=100.0),
                 worst_of("really driven meanwhile [m]", lambda case: case["metres"], at_least=25.0),
             ],
             alone=True,
@@ -47,8 +45,6 @@ EXPERIMENTS = [
         rows=[
             median_of("simulation alone, times real time", lambda case: case["simulation"], at_least=300.0),
             median_of("localising and mapping, times real time", lambda case: case["mind"], at_least=100.0),
-            median_of("whole mind on, robot seconds a wall second", lambda case: case["whole_mind"], at_least=100.0),
-            median_of("the same, robot seconds a CPU second", lambda case: case["whole_mind_cpu"], at_least=100.0),
             median_of(
                 "localising and mapping, with a camera of 640x480 at 30 Hz, times real time",
                 lambda case: case["camera"],
@@ -58,7 +54,18 @@ EXPERIMENTS = [
                 "pixels really drawn a second", lambda case: case["camera_pixels_per_second"], at_least=640 * 480 * 30
             ),
             worst_of("really driven meanwhile [m]", lambda case: case["mind_metres"], at_least=25.0),
-            worst_of("the same, whole mind on [m]", lambda case: case["whole_mind_metres"], at_least=25.0),
+        ],
+        alone=True,
+    ),
+    Experiment(
+        "the whole mind of one robot in office_v2",
+        pace,
+        cases=7,
+        sample=0,  # it is so near to its limit that a busy machine decides
+        rows=[
+            median_of("robot seconds a wall second", lambda case: case["whole_mind"], at_least=100.0),
+            median_of("robot seconds a CPU second", lambda case: case["whole_mind_cpu"], at_least=100.0),
+            worst_of("really driven meanwhile [m]", lambda case: case["whole_mind_metres"], at_least=25.0),
         ],
         alone=True,
     ),

@@ -55,9 +55,6 @@ int main(int argc, char** argv) {
     cpu.push_back(seconds_by(CLOCK_THREAD_CPUTIME_ID) - cpu_before);
     wall.push_back(seconds_by(CLOCK_MONOTONIC) - wall_before);
   }
-  double all = 0.0;
-  for (const double seconds : cpu) all += seconds;
   std::printf("cpu_p99_ms %.3f\nwall_p99_ms %.3f\n", 1e3 * percentile_99(cpu), 1e3 * percentile_99(wall));
-  std::printf("times_real_time %.1f\n", kTicks * to_seconds(kControlPeriod) / all);
   std::printf("metres %.1f\n", robot.simulation()->distance_driven());
 }
