@@ -91,8 +91,15 @@ def limit(fault: dict[str, Any]) -> float:
 
 
 def in_time(drive: dict[str, Any]) -> bool:
-    """What broke was noticed within its limit, of moving where it takes that to notice."""
-    return all(seconds(fault) <= limit(fault) for fault in drive["faults"])
+    """What broke was noticed within its limit, of moving where it takes that to notice.
+
+    Where nothing is to be heard, a frozen echo sensor says what a sound one says.
+    """
+
+    def silent(fault: dict[str, Any]) -> bool:
+        return fault["kind"] == "frozen" and str(fault["sensor"]).startswith("ultrasonic") and harmless(drive)
+
+    return all(seconds(fault) <= limit(fault) or silent(fault) for fault in drive["faults"])
 
 
 def seconds(fault: dict[str, Any]) -> float:
