@@ -101,6 +101,12 @@ def worst_of(name: str, value: Callable[[Case], float], **target: float) -> Row:
     return _figure(name, value, min if "at_least" in target else max, "worst", target)
 
 
+def student(freedom: int) -> float:
+    """What 95 % of Student's t lie within: few cases scatter more than they show (Abramowitz and Stegun 1964, 26.7.5)."""
+    z, n = 1.95996, max(freedom, 1)
+    return z + (z**3 + z) / (4.0 * n) + (5.0 * z**5 + 16.0 * z**3 + 3.0 * z) / (96.0 * n * n)
+
+
 def ratio_of(name: str, value: Callable[[Case], float], reference: Callable[[Case], float], *, at_least: float) -> Row:
     """The mean over the cases, as a share of the mean of a reference in the same cases, with its 95 % interval."""
 
@@ -113,7 +119,8 @@ def ratio_of(name: str, value: Callable[[Case], float], reference: Callable[[Cas
         mean, of = statistics.fmean(values), statistics.fmean(references)
         ratio = mean / of
         misfits = [v - ratio * r for v, r in zip(values, references, strict=True)]
-        spread = 1.96 * statistics.pstdev(misfits) / (of * math.sqrt(len(cases)))
+        deviation = statistics.stdev(misfits) if len(cases) > 1 else math.inf
+        spread = student(len(cases) - 1) * deviation / (of * math.sqrt(len(cases)))
         low, high = ratio - spread, ratio + spread
         holds = (high if sample else ratio) >= at_least
         figure = f"mean {mean:.3f} of {of:.3f} = {ratio:.3f}"

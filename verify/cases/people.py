@@ -18,12 +18,13 @@ def among_people(seed: int, seconds: int) -> Case:
 def ratio(name: str, part: str, whole: str, *, at_most: float) -> Row:
     """One sum over all cases as a share of another."""
 
-    def judge(cases: list[Case], _: bool) -> Verdict:
-        target = f"<= {at_most:.0%}"
+    def judge(cases: list[Case], sample: bool) -> Verdict:
+        most = 1.5 * at_most if sample else at_most  # one drive may meet the wrong people
+        target = f"<= {most:.0%}"
         if any("error" in case for case in cases):
             return Verdict("cases broke", target, "FAIL")
         few, all_ = sum(case[part] for case in cases), sum(case[whole] for case in cases)
-        status = "pass" if few <= at_most * all_ else "FAIL"
+        status = "pass" if few <= most * all_ else "FAIL"
         return Verdict(f"{few}/{all_} = {few / max(all_, 1):.1%}", target, status)
 
     return Row(name, judge)
