@@ -102,7 +102,7 @@ def worst_of(name: str, value: Callable[[Case], float], **target: float) -> Row:
 
 
 def student(freedom: int) -> float:
-    """What 95 % of Student's t lie within: few cases scatter more than they show (Abramowitz and Stegun 1964, 26.7.5)."""
+    """What 95 % of Student's t lie within, wider for few cases (Abramowitz and Stegun 1964, 26.7.5)."""
     z, n = 1.95996, max(freedom, 1)
     return z + (z**3 + z) / (4.0 * n) + (5.0 * z**5 + 16.0 * z**3 + 3.0 * z) / (96.0 * n * n)
 
