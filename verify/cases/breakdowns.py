@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator
 from typing import Any
 
 from verify.cases.trees import PROGRAMS
-from verify.harness import Case, Row, Verdict, wilson
+from verify.harness import SURELY, Case, Row, Verdict, wilson
 
 AT_ONCE = 50  # of one place
 
@@ -45,7 +45,7 @@ def share_of_drives(name: str, holds: Callable[[dict[str, Any]], bool], *, at_le
         found = [holds(drive) for drive in drives(cases)]
         hits, count = sum(found), len(found)
         low, high = wilson(hits, count)
-        passed = (high if sample else hits / count) >= at_least
+        passed = (wilson(hits, count, SURELY)[1] if sample else hits / count) >= at_least
         figure = f"{hits}/{count} = {hits / count:.1%}"
         return Verdict(figure, target, "pass" if passed else "FAIL", f"[{low:.1%}, {high:.1%}]")
 
