@@ -1,15 +1,14 @@
 // How many times faster than real time one core simulates a robot, and runs its mind: verify_pace SEED.
 //
 // The robot wanders through the office by set_velocity, noise on, and turns away from what its lidar sees ahead; how
-// far it came is printed too. Then it drives from goal to goal with its whole mind. Times are CPU seconds of this one
-// thread; of the whole mind wall seconds, too.
+// far it came is printed too. Times are CPU seconds of this one thread.
 #include <cmath>
 #include <cstdio>
-#include <ctime>
 #include <memory>
 #include <variant>
 
 #include "number.hpp"
+#include "seconds.hpp"
 #include "threewe/backend/registry.hpp"
 #include "threewe/robot/robot.hpp"
 #include "threewe/scene/truth_view.hpp"
@@ -20,17 +19,7 @@ namespace {
 
 constexpr Duration kDrive = 120s;
 
-double wall_seconds() {
-  std::timespec t{};
-  clock_gettime(CLOCK_MONOTONIC, &t);
-  return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
-}
-
-double cpu_seconds() {
-  std::timespec t{};
-  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
-  return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
-}
+double cpu_seconds() { return seconds_by(CLOCK_PROCESS_CPUTIME_ID); }
 
 // Ahead in gentle arcs; on the spot, to the left, while something is near ahead.
 Velocity wander(const LaserScan& scan, Time now) {
@@ -73,30 +62,6 @@ Pace with_mind(std::uint64_t seed, bool watching) {
   return {to_seconds(kDrive) / seconds, robot.simulation()->distance_driven(), pixels};
 }
 
-// From goal to goal, through rooms that it has never seen: everything that a mind does.
-struct WholePace {
-  double times_wall_time;
-  double times_cpu_time;
-  double metres;
-};
-
-WholePace with_whole_mind(std::uint64_t seed) {
-  Robot robot({.seed = seed});
-  const double wall = wall_seconds();
-  const double cpu = cpu_seconds();
-  const Time end = robot.world().now() + kDrive;
-  for (std::uint64_t goal = 0; robot.world().now() < end;) {
-    if (!robot.runtime().motion()) {
-      const Pose2D place = robot.simulation()->sample_free_pose(1000 * seed + goal++);
-      (void)robot.move_to(place.x, place.y);
-    }
-    robot.sleep(0.1);
-  }
-  const double robot_seconds = to_seconds(kDrive);
-  return {robot_seconds / (wall_seconds() - wall), robot_seconds / (cpu_seconds() - cpu),
-          robot.simulation()->distance_driven()};
-}
-
 Pace simulation_alone(std::uint64_t seed) {
   backend::WorldOptions options;
   options.seed = seed;
@@ -126,11 +91,8 @@ int main(int argc, char** argv) {
   const Pace simulation = simulation_alone(*seed);
   const Pace mind = with_mind(*seed, false);
   const Pace camera = with_mind(*seed, true);
-  const WholePace whole = with_whole_mind(*seed);
   std::printf("simulation %.1f\nsimulation_metres %.1f\n", simulation.times_real_time, simulation.metres);
   std::printf("mind %.1f\nmind_metres %.1f\n", mind.times_real_time, mind.metres);
-  std::printf("whole_mind %.1f\nwhole_mind_cpu %.1f\nwhole_mind_metres %.1f\n", whole.times_wall_time,
-              whole.times_cpu_time, whole.metres);
   std::printf("camera %.1f\ncamera_pixels_per_second %.0f\n", camera.times_real_time,
               static_cast<double>(camera.pixels) / to_seconds(kDrive));
 }

@@ -9,13 +9,13 @@
 #include <algorithm>
 #include <cstdint>
 #include <cstdio>
-#include <ctime>
 #include <memory>
 #include <string>
 #include <variant>
 #include <vector>
 
 #include "number.hpp"
+#include "seconds.hpp"
 #include "threewe/robot/robot.hpp"
 #include "threewe/scene/episodes.hpp"
 
@@ -23,11 +23,7 @@ using namespace threewe;
 
 namespace {
 
-double cpu_seconds() {
-  std::timespec t{};
-  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
-  return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
-}
+double cpu_seconds() { return seconds_by(CLOCK_PROCESS_CPUTIME_ID); }
 
 void print(const TickView& tick, const Pose2D& truth) {
   const Pose2D believed = tick.pose.map_from_base();
