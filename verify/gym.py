@@ -3,9 +3,14 @@
 from __future__ import annotations
 
 import itertools
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
 from typing import Any
 
 import numpy as np
+import yaml
 from numpy.typing import NDArray
 from threewe import Scene, sync
 from threewe.gym import TASKS, Env, VectorEnv
@@ -13,7 +18,7 @@ from threewe.gym.batch import TASK_FIELDS
 from threewe.gym.episodes import Episode, load_episodes
 
 from verify.cases.wander import wander
-from verify.harness import Case, Experiment, Row, Verdict, all_of, share_of
+from verify.harness import ROOT, Case, Experiment, Row, Verdict, all_of, share_of
 
 EPISODES = 50  # of one case of agreement
 AROUND_ROBOTS = 20  # episodes of one case of agreement between the native form and that around a robot
@@ -79,8 +84,24 @@ def same_alone(env: Env, seed: int, place: int, actions: Any, history: Any, outc
     return True
 
 
+@contextmanager
+def deaf_robot() -> Iterator[Path]:
+    """The file of a robot without ultrasonic sensors: the native form has none, and a robot slows down for an echo."""
+    profile = yaml.safe_load((ROOT / "assets/robots/3we_standard_v2.yaml").read_text())
+    del profile["sensors"]["ultrasonics"]
+    with tempfile.TemporaryDirectory() as folder:
+        file = Path(folder) / "3we_deaf.yaml"
+        file.write_text(yaml.safe_dump(profile))
+        yield file
+
+
 def agree_with_robot(seed: int, task: str) -> dict[str, Any]:
     """Random episodes in the native form and around a robot that knows the truth."""
+    with deaf_robot() as hardware:
+        return compare_with_robot(seed, task, hardware)
+
+
+def compare_with_robot(seed: int, task: str, hardware: Path) -> dict[str, Any]:
     rng = np.random.default_rng(seed)
     options: dict[str, Any] = {
         "task": task,
@@ -88,6 +109,7 @@ def agree_with_robot(seed: int, task: str) -> dict[str, Any]:
         "observations": ("lidar", "pose", "velocity", *TASK_FIELDS[task]),
         "noise": str(rng.choice(["realistic", "ideal"])),
         "localization": "truth",
+        "hardware": hardware,
         "max_steps": 60,
     }
     native, robot = Env(**options), Env(backend="mock", **options)
@@ -178,9 +200,10 @@ def run_policy(seed: int) -> dict[str, Any]:
         "lidar_beams": BEAMS,
         "max_steps": 400,
     }
-    native = drive_env(Env(localization="truth", **options), episode)
-    with sync.Robot(scene=scene, noise=noise, localization="truth") as robot:
-        driven = drive_robot(robot, episode, len(native["way"]) - 1)
+    with deaf_robot() as hardware:
+        native = drive_env(Env(localization="truth", hardware=hardware, **options), episode)
+        with sync.Robot(scene=scene, noise=noise, localization="truth", hardware=hardware) as robot:
+            driven = drive_robot(robot, episode, len(native["way"]) - 1)
     mind = drive_env(Env(backend="mock", **options), episode)
     apart = np.hypot(*(np.array(mind["way"][-1]) - native["way"][-1])[:2])
     return {

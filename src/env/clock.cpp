@@ -21,7 +21,7 @@ std::uint64_t first_complete(const RobotProfile& profile) {
   if (profile.imu) wait(profile.imu->period + profile.imu->latency);
   if (profile.lidar) wait(profile.lidar->turn + profile.lidar->latency);
   if (profile.ultrasonics) wait(profile.ultrasonics->period() + profile.ultrasonics->latency);
-  if (profile.camera) wait(profile.camera->period + sim::kStep + profile.camera->latency);
+  if (profile.camera) wait(steps(profile.camera->period) * sim::kStep + profile.camera->latency);
   return rounded_up(steps(last), kTick);
 }
 

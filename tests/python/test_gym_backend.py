@@ -7,12 +7,14 @@ import itertools
 import math
 import warnings
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 import gymnasium
 import numpy as np
 import pytest
 import threewe
+import yaml
 from gymnasium.utils.env_checker import check_env
 from numpy.typing import NDArray
 from threewe import ConfigError, ConnectionError, ContractError, Pose2D, Robot
@@ -21,6 +23,7 @@ from threewe.gym import TASKS, Env, MultiAgentEnv, VectorEnv
 
 from .toy_backend import QuietBackend, Simulator
 
+ROBOTS = Path(__file__).parents[2] / "assets/robots"
 IDS = [f"3we/{name}-v1" for name in TASKS]
 SMALL: dict[str, Any] = {"scene": [threewe.Scene.generate(1, size=(8.0, 6.0))], "max_steps": 15}
 Policy = Callable[[dict[str, NDArray[Any]]], NDArray[np.float32]]
@@ -68,6 +71,17 @@ def test_with_the_truth_it_is_the_native_form_to_the_bit(task: str, noise: str) 
         assert same(ours, theirs), f"step {step}"
         if theirs[2] or theirs[3]:
             assert same(robot.reset(), native.reset())
+
+
+@pytest.mark.parametrize("dropped", ["ultrasonics", "camera", "imu"])
+def test_an_episode_begins_as_the_last_sensor_has_spoken_whichever_there_are(tmp_path: Path, dropped: str) -> None:
+    profile = yaml.safe_load((ROBOTS / "3we_standard_v2.yaml").read_text())
+    del profile["sensors"][dropped]
+    hardware = tmp_path / "robot.yaml"
+    hardware.write_text(yaml.safe_dump(profile))
+    options: dict[str, Any] = {**SMALL, "observations": ("lidar", "pose"), "localization": "truth"}
+    robot, native = (Env(task="navigation", hardware=hardware, backend=name, **options) for name in ("mock", None))
+    assert same(robot.reset(seed=3), native.reset(seed=3))
 
 
 def towards_goal(observation: dict[str, NDArray[Any]]) -> NDArray[np.float32]:
