@@ -42,16 +42,24 @@ void DeadReckoning::add_odometry(Time stamp, const Odometry& odometry) {
     if (stamp <= last.stamp) return;
     next.seconds = to_seconds(stamp - last.stamp);
 
-    // the wheels' own chord, seen from half way through their turn, is what they rolled
     const Pose2D moved = inverse(wheels_.pose) * odometry.pose;
-    const Vec2 rolled = rotate(moved.position(), -0.5 * moved.theta);
-    next.step = {calibration_.forward_scale * rolled.x, calibration_.lateral_scale * rolled.y};
-    next.turn = gyro_fresh ? heading - heading_used_ : moved.theta;
     next.standing = moved == Pose2D{} ? last.standing + 1 : 0;
-
-    const double middle = last.odom_from_base.theta + 0.5 * next.turn;
-    const Vec2 position = last.odom_from_base.position() + rotate(next.step, middle);
-    next.odom_from_base = {position.x, position.y, wrap_angle(last.odom_from_base.theta + next.turn)};
+    if (scans_follow_ && next.seconds > kMaxExtrapolation) {
+      // it has gone on as was guessed, and scans have corrected that
+      next.odom_from_base = at(stamp);
+      const Pose2D guessed = inverse(last.odom_from_base) * next.odom_from_base;
+      next.step = rotate(guessed.position(), -0.5 * guessed.theta);
+      next.turn = next.rolled = guessed.theta;
+    } else {
+      // the wheels' own chord, seen from half way through their turn, is what they rolled
+      const Vec2 rolled = rotate(moved.position(), -0.5 * moved.theta);
+      next.step = {calibration_.forward_scale * rolled.x, calibration_.lateral_scale * rolled.y};
+      next.turn = gyro_fresh ? heading - heading_used_ : moved.theta;
+      next.rolled = moved.theta;
+      const double middle = last.odom_from_base.theta + 0.5 * next.turn;
+      const Vec2 position = last.odom_from_base.position() + rotate(next.step, middle);
+      next.odom_from_base = {position.x, position.y, wrap_angle(last.odom_from_base.theta + next.turn)};
+    }
   }
   heading_used_ = heading;
   wheels_ = odometry;

@@ -26,6 +26,7 @@ struct TrackPoint {
   Velocity velocity;     ///< body frame, calibrated
   Vec2 step;             ///< [m] moved, in the body frame half way through the turn
   double turn = 0.0;     ///< [rad] turned
+  double rolled = 0.0;   ///< [rad] turned as the wheels say
   double seconds = 0.0;  ///< [s] since the sample before
   bool by_gyro = false;  ///< the gyro told the turn, not the wheels
   int standing = 0;      ///< for so many samples the wheels have not turned
@@ -35,7 +36,10 @@ struct TrackPoint {
 /// second. Heading comes from the wheels while there is no gyro.
 class DeadReckoning {
  public:
-  explicit DeadReckoning(const Calibration& calibration) : calibration_(calibration) {}
+  /// `scans_follow`: where odometry falls silent for long, scans tell where the robot goes, and what wheels and gyro
+  /// tell of that time afterwards is left out.
+  explicit DeadReckoning(const Calibration& calibration, bool scans_follow = false)
+      : calibration_(calibration), scans_follow_(scans_follow) {}
 
   void add_gyro(Time stamp, double rate);
   void add_odometry(Time stamp, const Odometry& odometry);
@@ -57,6 +61,7 @@ class DeadReckoning {
 
   static constexpr std::size_t kCapacity = 64;
   Calibration calibration_;
+  bool scans_follow_ = false;
   std::array<TrackPoint, kCapacity> points_{};
   std::size_t count_ = 0;
   Odometry wheels_;  // the newest odometry sample

@@ -34,6 +34,9 @@ constexpr Duration kLostAtOnceAfter = 1s;  // ... earlier
 constexpr double kBiasCreep = 0.004;       // [rad/s] by which a gyro's bias may have changed unnoticed ...
 constexpr double kBiasJump = 5.0;          // ... and so many deviations of it are too many
 constexpr int kStandingSamples = 10;       // wheels at rest for so many samples: the robot stands
+constexpr double kAlike = 0.004;           // [rad] by which wheels and gyro may differ from scan to scan ...
+constexpr double kAlikeTurning = 0.02;     // [rad/rad] ... and more as the robot turns
+constexpr Duration kSilent = 100ms;        // after so long without odometry nobody knows whether the robot moves on
 constexpr double kGivenOrigin = 0.02;      // [m] a given map is known so well, from cells and by whoever drew it ...
 constexpr double kGivenHeading = 0.006;    // [rad]
 constexpr double kToldPosition = 0.25;     // [m] what somebody says of where the robot starts is so good ...
@@ -51,7 +54,7 @@ class ScanMatchingLocalizer final : public Localizer {
  public:
   ScanMatchingLocalizer(const SensorModel& sensors, const Beginning& beginning)
       : sensors_(sensors),
-        track_({.lateral_scale = sensors.lateral_scale}),
+        track_({.lateral_scale = sensors.lateral_scale}, sensors.lidar),
         filter_(sensors),
         map_from_start_(beginning.map_from_start.value_or(Pose2D{})),
         map_from_odom_(map_from_start_) {
@@ -97,6 +100,7 @@ class ScanMatchingLocalizer final : public Localizer {
   void settle(const Pose2D& map_from_base, Time stamp);
   void get_lost();
   void correct(Time stamp);
+  bool may_be_elsewhere() const;
   void shift(const Vector7& by, const Pose2D& map_from_base, const Pose2D& odom_from_base);
   void judge(Time stamp, const Match& match);
   void extend_map(Time stamp);
@@ -113,6 +117,7 @@ class ScanMatchingLocalizer final : public Localizer {
   Time keyframe_stamp_{};
   MapError map_error_;
   bool rolled_ = false;  // the wheels have turned
+  double apart_ = 0.0;   // [rad] by which wheels and gyro told too different turns between the newest two scans
   Time began_{};         // first scan
   Time scanned_{};       // newest one
   bool agrees_ = true;   // the newest scan fits the map
@@ -185,20 +190,33 @@ void ScanMatchingLocalizer::predict_to(Time stamp) {
   int standing = 0;
   int steps = 0;
   double turned = 0.0;
+  double apart = 0.0;
   double seconds = 0.0;
+  Pose2D guessed;
+  const auto guess = [&](const TrackPoint& last, Time until) {
+    const Duration unseen = until - std::max(last.stamp + kSilent, filter_stamp_);
+    if (unseen > 0ns) guessed = integrate(guessed, last.velocity, to_seconds(unseen));
+  };
   for (std::size_t age = track_.size(); age-- > 0;) {
     const TrackPoint& p = track_.point(age);
     if (p.stamp <= filter_stamp_ || p.stamp > stamp) continue;
+    if (age + 1 < track_.size()) guess(track_.point(age + 1), p.stamp);
     const double heading = map_from_odom_.theta + p.odom_from_base.theta - 0.5 * p.turn;
     filter_.predict(heading, p.step, p.turn, p.seconds, p.by_gyro);
     rolled_ = rolled_ || rolls(p);
     turned += p.turn;
+    apart += p.turn - p.rolled;
     seconds += p.seconds;
     standing += p.by_gyro && (p.standing >= kStandingSamples || !rolled_) ? 1 : 0;
     ++steps;
   }
+  if (!track_.empty()) guess(track_.point(0), stamp);
   filter_stamp_ = std::max(filter_stamp_, stamp);
   rolled_ = rolled_ || (!track_.empty() && rolls(track_.point(0)));  // also where scans are stamped ahead of wheels
+
+  // where wheels and gyro differ one of them errs, and only a scan can tell which
+  apart_ = std::fabs(guessed.theta) + std::max(0.0, std::fabs(apart) - kAlike - kAlikeTurning * std::fabs(turned));
+  filter_.widen(norm(guessed.position()), apart_);
 
   // while the robot stands the gyro shows its bias
   if (seconds <= 0.0 || standing < steps) return;
@@ -293,7 +311,7 @@ void ScanMatchingLocalizer::correct(Time stamp) {
     PoseFilter wide = filter_;
     wide.widen(0.5 * window.position, 0.5 * window.heading);
     const Match other = match_scan(map_.map(), beams_, prior, wide.scan_covariance().inverse(), found);
-    if (other.agreement > match.agreement + 0.15) {
+    if (other.agreement > match.agreement + 0.15 && may_be_elsewhere()) {
       match = other;
       filter_.widen(0.5 * window.position, 0.5 * window.heading);
     }
@@ -307,6 +325,11 @@ void ScanMatchingLocalizer::correct(Time stamp) {
   const auto hits = std::ranges::count_if(beams_, [](const map::Beam& beam) { return beam.hit; });
   const double known = hits > 0 ? static_cast<double>(match.known_hits) / static_cast<double>(hits) : 1.0;
   map_error_.see(match.at.pose.position(), 1.0 - known);
+}
+
+// Nobody is carried away whose wheels and gyro tell of one motion: a scan that says so is late.
+bool ScanMatchingLocalizer::may_be_elsewhere() const {
+  return lost_ || apart_ > 0.0 || track_.empty() || track_.point(0).standing >= kStandingSamples;
 }
 
 // Moves the estimate: the pose by moving map_from_odom, the calibration for the steps to come.

@@ -131,8 +131,8 @@ def untouched(drive: dict[str, Any]) -> bool:
 
 
 def named(drive: dict[str, Any]) -> bool:
-    """Of what was noticed, the right sensor is named."""
-    return all(fault["named"] or fault["noticed"] is None for fault in drive["faults"])
+    """Of what was noticed, the right sensor is named, unless another was in trouble before."""
+    return drive["alarms_before"] > 0 or all(f["named"] or f["noticed"] is None for f in drive["faults"])
 
 
 def stood(drive: dict[str, Any]) -> bool:

@@ -13,8 +13,10 @@ constexpr double kTurnOff = 0.3;    // [rad/s]
 constexpr double kShareOff = 0.3;   // ... and this share of what was told: motors lag, and pull more or less
 constexpr std::size_t kFor = 5;     // periods after which what was told has come about
 
-constexpr double kLeastWay = 0.012;  // [m] between corrections: less tells nothing
-constexpr double kTakenBack = 0.25;  // share of the way
+constexpr double kDriving = 0.1;      // [m/s] less may come to nothing ...
+constexpr double kDrivingTurn = 0.3;  // [rad/s]
+constexpr double kLeastWay = 0.012;   // [m] between corrections: less tells nothing
+constexpr double kTakenBack = 0.25;   // share of the way
 constexpr double kAdded = 0.4;
 
 double speed(const Velocity& v) { return exact::hypot(v.vx, v.vy); }
@@ -46,6 +48,16 @@ bool DriveCheck::is_disobeyed(const Velocity& command, const Velocity& wheels) {
 bool DriveCheck::told_to_stand() const {
   for (std::size_t i = 0; i < std::min(count_, delay_ + kFor); ++i) {
     if (command(i) != Velocity{}) return false;
+  }
+  return true;
+}
+
+bool DriveCheck::told_to_drive() const {
+  const std::size_t since = delay_ + kFor;
+  if (count_ < since) return false;
+  for (std::size_t i = 0; i < since; ++i) {
+    const Velocity& c = command(i);
+    if (speed(c) < kDriving && std::fabs(c.omega) < kDrivingTurn) return false;
   }
   return true;
 }

@@ -18,11 +18,15 @@ class DriveCheck {
   /// `reaction`: from a command to its effect.
   explicit DriveCheck(Duration reaction);
 
+  /// What was commanded before has come to an end.
+  void begin() { count_ = 0; }
   /// One period: what was commanded in it, and how the wheels turn at its end. True when they do not do as they are
   /// told.
   bool is_disobeyed(const Velocity& command, const Velocity& wheels);
   /// True when the robot has been told to stand for some time, and must not be moving.
   bool told_to_stand() const;
+  /// True when the robot has been told to drive for some time, and must be moving.
+  bool told_to_drive() const;
 
  private:
   static constexpr std::size_t kWindow = 25;  // periods

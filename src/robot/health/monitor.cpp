@@ -57,6 +57,7 @@ void Monitor::begin(Time now) {
     sensors_[i] = {sensors_[i].name, Trouble::none, "", now, sensors_[i].needed};
   }
   changes_.clear();
+  drive_.begin();
 }
 
 bool Monitor::examine(const Sample& sample, const backend::Features& features, const RobotProfile& profile) {
@@ -167,7 +168,10 @@ Motion Monitor::motion() const {
   const Velocity v = wheels_known ? wheels_->velocity : Velocity{};
   const bool rolls = exact::hypot(v.vx, v.vy) > kSlow || std::fabs(v.omega) > kSlowTurn;
   const bool turns = believed(SensorType::imu) && std::fabs(gyro_rate_) > kTurning;
-  return {.moving = rolls || turns, .still = wheels_known && !rolls && !turns && drive_.told_to_stand()};
+  const bool driven = drive_.told_to_drive();
+  return {.moving = rolls || turns || driven,
+          .driven = driven,
+          .still = wheels_known && !rolls && !turns && drive_.told_to_stand()};
 }
 
 const SensorHealth* Monitor::obstacle() const {

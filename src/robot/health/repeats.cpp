@@ -59,15 +59,15 @@ bool RepeatCheck::is_frozen(const SampleData& data, const Motion& motion) {
   // echoes without noise are the same at rest, whether their sensor is frozen or not: the robot has to try
   const bool lively = changes_at_rest_ >= kLively;
   if (motion.still && !lively && std::holds_alternative<RangeData>(data)) return false;
-  return !is_empty(data) && should_have_changed(data);
+  return !is_empty(data) && should_have_changed(data, motion);
 }
 
-bool RepeatCheck::should_have_changed(const SampleData& data) const {
+bool RepeatCheck::should_have_changed(const SampleData& data, const Motion& motion) const {
   const bool lively = changes_at_rest_ >= kLively;
   if (const auto* odometry = std::get_if<Odometry>(&data)) {
-    // wheels that turn, at the same place
+    // wheels that turn, or are told to, at the same place
     const Velocity& v = odometry->velocity;
-    return repeats_ >= 2 && (exact::hypot(v.vx, v.vy) > 0.01 || std::fabs(v.omega) > 0.05);
+    return repeats_ >= 2 && (motion.driven || exact::hypot(v.vx, v.vy) > 0.01 || std::fabs(v.omega) > 0.05);
   }
   if (std::holds_alternative<IMUData>(data)) return lively && repeats_ >= 4;
   if (std::holds_alternative<RangeData>(data)) return lively || changes_ >= kLivelyOnWay;

@@ -10,6 +10,7 @@ namespace threewe::health {
 /// What is known about the robot's motion, by whom it does not matter.
 struct Motion {
   bool moving = false;  ///< somebody says so
+  bool driven = false;  ///< it has been told to for some time
   bool still = false;   ///< nobody says otherwise
 };
 
@@ -21,7 +22,7 @@ class RepeatCheck {
   bool is_frozen(const SampleData& data, const Motion& motion);
 
  private:
-  bool should_have_changed(const SampleData& data) const;
+  bool should_have_changed(const SampleData& data, const Motion& motion) const;
 
   std::optional<SampleData> before_;
   int repeats_ = 0;  // in a row, while the robot moved

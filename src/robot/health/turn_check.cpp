@@ -10,16 +10,16 @@
 namespace threewe::health {
 namespace {
 
-constexpr double kWindow = 0.4;      // [s]
-constexpr double kMaxStep = 0.1;     // [s] a sample stands for no longer than this
-constexpr double kSigma = 0.008;     // [rad/s] of the difference over a window, where nothing changes ...
-constexpr double kTurnSigma = 0.02;  // ... more per rad/s of turning: wheels slip as they turn ...
-constexpr double kJerkSigma = 0.05;  // ... and per rad/s by which the rate of turning changes: they never start as one
-constexpr double kPushSigma = 0.03;  // [rad/s] per m/s by which the speed changes
-constexpr double kWalk = 1e-5;       // [(rad/s)^2] by which the variances of the factors grow each window
-constexpr double kSmall = 0.03;      // [rad/s] less than this does no harm
-constexpr double kLearnable = 2.0;   // deviations: farther off is not learned from ...
-constexpr double kTwice = 2.0;       // ... and counts for more when it comes twice
+constexpr double kWindow = 0.4;       // [s]
+constexpr double kMaxStep = 0.1;      // [s] a sample stands for no longer than this
+constexpr double kSigma = 0.006;      // [rad/s] of the difference over a window, where nothing changes ...
+constexpr double kTurnSigma = 0.01;   // ... more per rad/s of turning: wheels slip as they turn ...
+constexpr double kJerkSigma = 0.015;  // ... and per rad/s by which the rate of turning changes: they never start as one
+constexpr double kPushSigma = 0.015;  // [rad/s] per m/s by which the speed changes
+constexpr double kWalk = 1e-5;        // [(rad/s)^2] by which the variances of the factors grow each window
+constexpr double kSmall = 0.03;       // [rad/s] less than this does no harm
+constexpr double kLearnable = 2.0;    // deviations: farther off is not learned from ...
+constexpr double kTwice = 2.0;        // ... and counts for more when it comes twice
 
 }  // namespace
 

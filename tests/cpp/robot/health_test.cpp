@@ -144,6 +144,7 @@ TEST_CASE("repeated readings are a fault where something must have changed") {
     CHECK(check.is_frozen(Odometry{{1.0, 0.0, 0.0}, {0.2, 0.0, 0.0}}, moving));
     health::RepeatCheck standing;
     for (int i = 0; i < 10; ++i) CHECK_FALSE(standing.is_frozen(Odometry{{1.0, 0.0, 0.0}, {}}, moving));
+    CHECK(standing.is_frozen(Odometry{{1.0, 0.0, 0.0}, {}}, {.moving = true, .driven = true}));
   }
 }
 
@@ -177,6 +178,26 @@ TEST_CASE("gyro and wheels: systematic differences are learned, a sudden bias is
     drive(1500, 60);
     CHECK(worst > 4.0);
   }
+}
+
+TEST_CASE("who has been told to drive, or to stand, for longer than it takes to obey, does so") {
+  health::DriveCheck check(60ms);
+  const auto tell = [&](const Velocity& command, int periods) {
+    for (int i = 0; i < periods; ++i) (void)check.is_disobeyed(command, {});
+  };
+  CHECK_FALSE(check.told_to_drive());
+  tell({0.2, 0.0, 0.0}, 4);
+  CHECK_FALSE(check.told_to_drive());
+  tell({0.0, 0.0, 0.5}, 4);
+  CHECK(check.told_to_drive());
+  CHECK_FALSE(check.told_to_stand());
+  tell({}, 1);
+  CHECK_FALSE(check.told_to_drive());
+  tell({}, 8);
+  CHECK(check.told_to_stand());
+  tell({0.2, 0.0, 0.0}, 20);
+  check.begin();
+  CHECK_FALSE(check.told_to_drive());
 }
 
 TEST_CASE("wheels that do as they are told, late, are no fault; those that do not are") {

@@ -69,6 +69,29 @@ TEST_CASE("without a gyro the wheels tell the heading") {
   CHECK(track.at(980ms).theta == doctest::Approx(0.8 * 0.98));
 }
 
+TEST_CASE(
+    "after a silence odom goes on as it was guessed where scans have followed, and as wheels say where none have") {
+  for (const bool scans_follow : {false, true}) {
+    CAPTURE(scans_follow);
+    DeadReckoning track({}, scans_follow);
+    const Velocity v{0.4, 0.0, 0.5};
+    Odometry wheels{{}, v};
+    track.add_odometry(0ms, wheels);
+    wheels.pose = integrate({}, v, 0.02);
+    track.add_odometry(20ms, wheels);
+    const Pose2D guessed = track.at(2000ms);
+    CHECK(distance(guessed.position(), integrate({}, v, 0.32).position()) < 1e-9);  // no farther than it may be
+    wheels = {integrate({}, v, 0.1), {}};                                           // it has stopped much earlier
+    track.add_odometry(2000ms, wheels);
+    const Pose2D expected = scans_follow ? guessed : wheels.pose;
+    CHECK(distance(track.at(2000ms).position(), expected.position()) < 1e-6);
+    CHECK(track.at(2000ms).theta == doctest::Approx(expected.theta));
+    wheels.pose = integrate(wheels.pose, v, 0.02);
+    track.add_odometry(2020ms, wheels);
+    CHECK(distance(track.at(2020ms).position(), integrate(expected, v, 0.02).position()) < 1e-5);
+  }
+}
+
 TEST_CASE("conditioning on pose and bias is the Kalman update with the information that a scan brought") {
   for (std::uint64_t seed = 0; seed < 300; ++seed) {
     CAPTURE(seed);
