@@ -31,8 +31,8 @@ SUBTLE = (
     "wheel_blocked",
 )
 
-HELD = ("silent", "nan", "stamps_back", "stamps_ahead", "lidar_bias", "delay", "wheel_slip")
-"""Those that are noticed in every drive so far, and are sampled: of the others some per cent still are not."""
+RARELY_MISNAMED = ("frozen", "noise")
+"""Not sampled: in one drive of some hundred a robot without a lidar bumps into something meanwhile, and tells of that."""
 
 
 def always(*, knowing: float) -> list[Row]:
@@ -67,7 +67,7 @@ def rows(kind: str) -> list[Row]:
 
 EXPERIMENTS = [
     *(
-        Experiment(kind, breakdowns, {"kind": kind}, cases=20, sample=int(kind in HELD), rows=rows(kind))
+        Experiment(kind, breakdowns, {"kind": kind}, cases=20, sample=int(kind not in RARELY_MISNAMED), rows=rows(kind))
         for kind in PLAIN + SUBTLE
     ),
     Experiment(

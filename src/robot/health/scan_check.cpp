@@ -79,6 +79,7 @@ Shift shift_between(const LaserScan& before, const LaserScan& scan, double turne
 
 Trouble ScanCheck::check(Time measured, const LaserScan& scan, const Pose2D& at) {
   const double scatter = scatter_of(scan);
+  if (usual_scatter_ == 0.0) usual_scatter_ = std::max(least_scatter_, scatter);  // as it is from the first
   if (scatter > kNoisy * usual_scatter_ && usual_scatter_ > 0.0) return Trouble::noisy;
 
   View view{measured, scan, at};

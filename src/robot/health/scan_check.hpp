@@ -27,7 +27,7 @@ class ScanCheck {
  public:
   ScanCheck() = default;
   /// `sigma`: how much ranges scatter by the data sheet [m].
-  explicit ScanCheck(double sigma) : least_scatter_(sigma), usual_scatter_(sigma) {}
+  explicit ScanCheck(double sigma) : least_scatter_(sigma) {}
   /// `at`: where the robot is by its wheels.
   Trouble check(Time measured, const LaserScan& scan, const Pose2D& at);
 
@@ -41,7 +41,7 @@ class ScanCheck {
   void judge_shift(const View& view);
 
   double least_scatter_ = 0.0;  // [m] what is usual at least
-  double usual_scatter_ = 0.0;  // [m]
+  double usual_scatter_ = 0.0;  // [m] 0 before the first scan
   View reference_;              // the newest that was in order
   View before_;                 // the newest that was not noisy
   double shift_ = 0.0;          // [m] since the reference

@@ -88,6 +88,13 @@ TEST_CASE("scans that are noisy or shifted are told from others, until they are 
   }
 }
 
+TEST_CASE("a lidar that scatters more than its data sheet says from the first is usual; more than that is not") {
+  health::ScanCheck check(0.01);
+  Time t{};
+  for (std::uint64_t i = 0; i < 20; ++i) CHECK(check.check(t += 100ms, room(i, 0.04), {}) == Trouble::none);
+  CHECK(check.check(t += 100ms, room(20, 0.16), {}) == Trouble::noisy);
+}
+
 TEST_CASE("stamps: backwards, from the future, too old; what is merely slow is usual") {
   health::StampCheck check;
   Time t{};
