@@ -31,7 +31,7 @@ env::Options make_options(std::size_t worlds) {
     return task::make_navigation(setting, reactive);
   };
   options.hardware = load_profile("3we_standard_v2");
-  options.localization_model = models::load_localization("slam_v1");
+  options.localization_model = models::load_localization("slam_v2");
   options.observed.pose = options.observed.velocity = false;
   options.lidar_beams = kBeams;
   options.max_steps = 300;

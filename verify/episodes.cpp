@@ -31,7 +31,7 @@ env::Options options(const env::TaskFactory& task, std::uint64_t seed) {
   options.task = task;
   options.hardware = load_profile("3we_depth_v2");
   options.observed.image = options.observed.depth = true;
-  options.localization_model = models::load_localization("slam_v1");
+  options.localization_model = models::load_localization("slam_v2");
   options.randomization = models::load_randomization("hard");
   options.max_steps = kSteps * 2 / 5;  // so that each world begins a third episode
   options.worlds = kWorlds;

@@ -41,7 +41,7 @@ env::Options options(std::uint64_t seed, env::Gate gate) {
   options.task = one_of(1, all_tasks());
   options.randomization = models::load_randomization(one_of(2, kRandomizations));
   options.hardware = with_noise(load_profile(one_of(3, kProfiles)), one_of(4, kNoises));
-  options.localization_model = models::load_localization("slam_v1");
+  options.localization_model = models::load_localization("slam_v2");
   options.gate = gate;
   options.worlds = kWorlds;
   return options;

@@ -24,7 +24,7 @@ COMPLETE = [
     "py.typed",
     "assets/scenes/office_v2.yaml",
     "assets/objects/chair.yaml",
-    "assets/localization/slam_v1.yaml",
+    "assets/localization/slam_v2.yaml",
 ]
 
 

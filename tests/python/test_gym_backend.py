@@ -260,7 +260,7 @@ class OwnRobot(Simulator):
         ({"backend": "mock", "gate": "limits"}, "gate: with a backend it is 'full', the one that every Robot has"),
         ({"backend": "mock", "randomization": "mild"}, "randomization: with a backend there is none"),
         ({"backend": "mock", "localization": "noisy"}, "unknown localization 'noisy'; known: slam, truth"),
-        ({"backend": "mock", "localization_model": "slam_v1"}, "localization_model: with a backend the robot's own"),
+        ({"backend": "mock", "localization_model": "slam_v2"}, "localization_model: with a backend the robot's own"),
         ({"backend": "mock", "hardware": threewe.RobotProfile.load("3we_base_v2")}, "hardware: with a backend it is"),
         ({"backend": "mock", "scene": "ofice_v2"}, "unknown scene 'ofice_v2'; did you mean 'office_v2'?"),
         ({"backend": "mock", "control_rate": 60}, "control_rate: 50 Hz over a whole number"),

@@ -75,9 +75,9 @@ def test_the_fit_finds_the_model_that_made_the_errors() -> None:
         lines[:, 0] = 0.1 * np.arange(len(place))
         lines[:, 3:5] = lines[:, 6:8] = place
         known = Track({"scene": "hall", "seed": seed, "held_out": False, "track": lines})
-        tracks.append(imitation("slam_v1", known))
+        tracks.append(imitation("slam_v2", known))
     found = fit(tracks)
-    text = (ROOT / "assets/localization/slam_v1.yaml").read_text()
+    text = (ROOT / "assets/localization/slam_v2.yaml").read_text()
     maps, local, scatter = (re.search(rf"{part}: {{.*}}", text)[0] for part in ("map", "local", "scatter"))
     expected = [figure(maps, "turn"), figure(maps, "stretch"), figure(maps, "heading"), figure(local, "position")]
     expected += [figure(scatter, "position"), figure(scatter, "heading")]

@@ -16,7 +16,7 @@ from verify.cases.trees import PROGRAMS, ROOT
 from verify.harness import Case, Row, Verdict
 
 PROGRAM = PROGRAMS / "verify_slam"
-MODEL = "slam_v1"
+MODEL = "slam_v2"
 SCENES = ["office_v2", "corridor_v1", "apartment_v1", "warehouse_v1", "cluttered_v1", "outdoor_v1", "dynamic_v1"]
 Array = NDArray[np.float64]
 

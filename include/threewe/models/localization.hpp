@@ -18,7 +18,7 @@ namespace threewe::models {
 /// over the distance that the robot moves (Gauss-Markov processes); a robot that stands keeps its error. The default is
 /// perfect.
 struct LocalizationSpec {
-  std::string name;  ///< for results, with its version: "slam_v1"
+  std::string name;  ///< for results, with its version: "slam_v2"
   std::string description;
   Duration period = 100ms;  ///< between corrections
   /// From the end of what was measured until the correction. For information: its effect is part of the errors.

@@ -68,7 +68,7 @@ double squared(double x) { return x * x; }
 
 std::string shipped_text() {
   std::ostringstream text;
-  text << std::ifstream(find_asset("localization", "slam_v1")).rdbuf();
+  text << std::ifstream(find_asset("localization", "slam_v2")).rdbuf();
   return text.str();
 }
 
@@ -236,9 +236,9 @@ TEST_CASE("each part changes that one thing, and noise is a function of seed, ep
 }
 
 TEST_CASE("the shipped model is that of our own SLAM") {
-  CHECK(localization_names() == std::vector<std::string>{"slam_v1"});
-  const LocalizationSpec spec = load_localization("slam_v1");
-  CHECK(spec.name == "slam_v1");
+  CHECK(localization_names() == std::vector<std::string>{"slam_v1", "slam_v2"});
+  const LocalizationSpec spec = load_localization("slam_v2");
+  CHECK(spec.name == "slam_v2");
   CHECK(spec.period == 100ms);
   CHECK(spec.delay == 20ms);
   CHECK(spec.measured.hardware == "3we_standard_v2");
@@ -251,10 +251,10 @@ TEST_CASE("the shipped model is that of our own SLAM") {
 
 TEST_CASE("an unknown model names the nearest, and every mistake its file, its line and what would be right") {
   try {
-    load_localization("slam_v2");
+    load_localization("slam_v22");
     FAIL("did not throw");
   } catch (const ConfigError& error) {
-    CHECK(std::string(error.what()) == "unknown localization 'slam_v2'; did you mean 'slam_v1'?");
+    CHECK(std::string(error.what()) == "unknown localization 'slam_v22'; did you mean 'slam_v2'?");
   }
   CHECK_THROWS_AS(load_localization("no/such/file.yaml"), ConfigError);
 
