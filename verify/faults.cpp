@@ -161,19 +161,21 @@ bool blames(const Outcome& outcome, const SensorHealth& health) {
 }
 
 void look(Outcome& outcome, Place& place) {
-  if (place.now() <= outcome.fault.from || place.now() > outcome.fault.until) return;
+  if (place.now() <= outcome.fault.from) return;
   const double since = to_seconds(place.now() - outcome.fault.from);
-  if (!outcome.noticed && moves(place.truth().true_velocity())) outcome.moved += to_seconds(kControlPeriod);
-  for (const SensorHealth& health : place.robot().health()) {
-    if (health.sound()) continue;
-    if (!outcome.noticed) {
-      outcome.noticed = since;
-      outcome.trouble = health.name + " " + std::string(to_string(health.trouble));
+  const bool moving = moves(place.truth().true_velocity());
+  if (place.now() <= outcome.fault.until) {
+    if (!outcome.noticed && moving) outcome.moved += to_seconds(kControlPeriod);
+    for (const SensorHealth& health : place.robot().health()) {
+      if (health.sound()) continue;
+      if (!outcome.noticed) {
+        outcome.noticed = since;
+        outcome.trouble = health.name + " " + std::string(to_string(health.trouble));
+      }
+      outcome.named = outcome.named || blames(outcome, health);
     }
-    outcome.named = outcome.named || blames(outcome, health);
   }
-  if (outcome.noticed && !outcome.stopped && !moves(place.truth().true_velocity()))
-    outcome.stopped = since - *outcome.noticed;
+  if (outcome.noticed && !outcome.stopped && !moving) outcome.stopped = since - *outcome.noticed;
 }
 
 std::string json(const std::optional<double>& value) { return value ? fmt::format("{:.3f}", *value) : "null"; }

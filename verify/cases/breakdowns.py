@@ -131,8 +131,11 @@ def untouched(drive: dict[str, Any]) -> bool:
 
 
 def named(drive: dict[str, Any]) -> bool:
-    """Of what was noticed, the right sensor is named, unless another was in trouble before."""
-    return drive["alarms_before"] > 0 or all(f["named"] or f["noticed"] is None for f in drive["faults"])
+    """Of what was noticed, the right sensor is named, unless there was another reason to notice something: trouble
+    before, or a bump, after which gyro and wheels do contradict each other.
+    """
+    other_reason = drive["alarms_before"] > 0 or float(drive["contact"]) > 0.05
+    return other_reason or all(fault["named"] or fault["noticed"] is None for fault in drive["faults"])
 
 
 def stood(drive: dict[str, Any]) -> bool:
