@@ -8,6 +8,10 @@ namespace {
 
 constexpr double kMaxGyroAge = 0.1;        // [s] a gyro sample stands for no longer than this
 constexpr double kMaxExtrapolation = 0.3;  // [s]
+constexpr double kAlike = 0.004;           // [rad] by which wheels and gyro may differ from scan to scan ...
+constexpr double kAlikeTurning = 0.02;     // [rad/rad] ... and more as the robot turns
+constexpr Duration kSilent = 100ms;        // after so long without odometry nobody knows whether the robot moves on
+constexpr int kStandingSamples = 10;       // wheels at rest for so many samples: the robot stands
 
 }  // namespace
 
@@ -44,6 +48,7 @@ void DeadReckoning::add_odometry(Time stamp, const Odometry& odometry) {
 
     const Pose2D moved = inverse(wheels_.pose) * odometry.pose;
     next.standing = moved == Pose2D{} ? last.standing + 1 : 0;
+    rolled_ = rolled_ || next.standing == 0;
     if (scans_follow_ && next.seconds > kMaxExtrapolation) {
       // it has gone on as was guessed, and scans have corrected that
       next.odom_from_base = at(stamp);
@@ -83,6 +88,33 @@ Pose2D DeadReckoning::at(Time stamp) const {
   }
   return point(size() - 1).odom_from_base;
 }
+
+MotionSummary DeadReckoning::between(Time from, Time to) const {
+  MotionSummary sum;
+  sum.at_rest = true;
+  double apart = 0.0;
+  Pose2D guessed;
+  const auto guess = [&](const TrackPoint& last, Time until) {
+    const Duration unseen = until - std::max(last.stamp + kSilent, from);
+    if (unseen > 0ns) guessed = integrate(guessed, last.velocity, to_seconds(unseen));
+  };
+  for (std::size_t age = size(); age-- > 0;) {
+    const TrackPoint& p = point(age);
+    if (p.stamp <= from || p.stamp > to) continue;
+    if (age + 1 < size()) guess(point(age + 1), p.stamp);
+    sum.turned += p.turn;
+    sum.seconds += p.seconds;
+    sum.at_rest = sum.at_rest && p.by_gyro && (p.standing >= kStandingSamples || !rolled_);
+    apart += p.turn - p.rolled;
+  }
+  if (!empty()) guess(point(0), to);
+  sum.doubtful_way = norm(guessed.position());
+  const double usual = kAlike + kAlikeTurning * std::fabs(sum.turned);
+  sum.doubtful_turn = std::fabs(guessed.theta) + std::max(0.0, std::fabs(apart) - usual);
+  return sum;
+}
+
+bool DeadReckoning::stands() const { return empty() || point(0).standing >= kStandingSamples; }
 
 double DeadReckoning::gyro_heading(Time stamp) const {
   const double ahead = std::clamp(to_seconds(stamp - gyro_stamp_), -kMaxGyroAge, kMaxGyroAge);

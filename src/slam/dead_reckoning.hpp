@@ -32,6 +32,15 @@ struct TrackPoint {
   int standing = 0;      ///< for so many samples the wheels have not turned
 };
 
+/// What wheels and gyro told between two times.
+struct MotionSummary {
+  double turned = 0.0;         ///< [rad]
+  double seconds = 0.0;        ///< of the samples in between
+  bool at_rest = false;        ///< the gyro told the turn, and the wheels stood all the while
+  double doubtful_way = 0.0;   ///< [m] that was guessed, where odometry was silent
+  double doubtful_turn = 0.0;  ///< [rad] likewise, and by which wheels and gyro differ more than they should
+};
+
 /// Integrates wheel translation and gyro rotation into the `odom` frame, which never jumps, and remembers the last
 /// second. Heading comes from the wheels while there is no gyro.
 class DeadReckoning {
@@ -55,6 +64,12 @@ class DeadReckoning {
   /// odom_from_base at a time: interpolated, extrapolated from the newest point by at most 0.3 s, held before the
   /// oldest. Identity while there is no point.
   Pose2D at(Time stamp) const;
+  /// What has been told of the time after `from`, up to `to`.
+  MotionSummary between(Time from, Time to) const;
+  /// The wheels have turned since the beginning.
+  bool has_rolled() const { return rolled_; }
+  /// The wheels have been at rest for some time.
+  bool stands() const;
 
  private:
   double gyro_heading(Time stamp) const;
@@ -65,6 +80,7 @@ class DeadReckoning {
   std::array<TrackPoint, kCapacity> points_{};
   std::size_t count_ = 0;
   Odometry wheels_;  // the newest odometry sample
+  bool rolled_ = false;
   bool has_gyro_ = false;
   Time gyro_stamp_{};
   double gyro_rate_ = 0.0;     // as measured

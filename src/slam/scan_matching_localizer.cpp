@@ -33,10 +33,6 @@ constexpr double kNoAgreement = 0.35;      // ... and if not even so much of any
 constexpr Duration kLostAtOnceAfter = 1s;  // ... earlier
 constexpr double kBiasCreep = 0.004;       // [rad/s] by which a gyro's bias may have changed unnoticed ...
 constexpr double kBiasJump = 5.0;          // ... and so many deviations of it are too many
-constexpr int kStandingSamples = 10;       // wheels at rest for so many samples: the robot stands
-constexpr double kAlike = 0.004;           // [rad] by which wheels and gyro may differ from scan to scan ...
-constexpr double kAlikeTurning = 0.02;     // [rad/rad] ... and more as the robot turns
-constexpr Duration kSilent = 100ms;        // after so long without odometry nobody knows whether the robot moves on
 constexpr double kGivenOrigin = 0.02;      // [m] a given map is known so well, from cells and by whoever drew it ...
 constexpr double kGivenHeading = 0.006;    // [rad]
 constexpr double kToldPosition = 0.25;     // [m] what somebody says of where the robot starts is so good ...
@@ -47,8 +43,6 @@ constexpr double kRedrawnPosition = 0.02;  // [m] in a map that was drawn anew t
 constexpr double kRedrawnHeading = 0.004;  // [rad]
 constexpr double kDoubtful = 0.45;         // a given map that resembles the scans less than so for long ...
 constexpr double kCertain = 0.55;          // ... until it does again
-
-bool rolls(const TrackPoint& point) { return point.seconds > 0.0 && point.standing == 0; }
 
 class ScanMatchingLocalizer final : public Localizer {
  public:
@@ -93,6 +87,7 @@ class ScanMatchingLocalizer final : public Localizer {
   Time deskew(Time measured, const LaserScan& scan);
   void keep_unseen(const std::vector<Vec2>& before, Vec2 lidar_in_odom, double nearest_seen);
   void predict_to(Time stamp);
+  void learn_gyro_bias(const MotionSummary& motion, Time stamp);
   void find_place(Time stamp);
   void search_on(Time now);
   void doubt(const Pose2D& map_from_base);
@@ -116,13 +111,12 @@ class ScanMatchingLocalizer final : public Localizer {
   Pose2D keyframe_;  // map_from_base when the map last took a scan
   Time keyframe_stamp_{};
   MapError map_error_;
-  bool rolled_ = false;  // the wheels have turned
-  double apart_ = 0.0;   // [rad] by which wheels and gyro told too different turns between the newest two scans
-  Time began_{};         // first scan
-  Time scanned_{};       // newest one
-  bool agrees_ = true;   // the newest scan fits the map
-  Time agreed_{};        // when a scan last did ...
-  Time resembled_{};     // ... or nearly
+  double doubtful_turn_ = 0.0;  // [rad] since the scan before
+  Time began_{};                // first scan
+  Time scanned_{};              // newest one
+  bool agrees_ = true;          // the newest scan fits the map
+  Time agreed_{};               // when a scan last did ...
+  Time resembled_{};            // ... or nearly
   bool lost_ = false;
 
   std::shared_ptr<const KnownMap> given_;  // null: the robot draws its own map alone
@@ -187,41 +181,23 @@ void ScanMatchingLocalizer::keep_unseen(const std::vector<Vec2>& before, Vec2 li
 
 // The belief at the time of the scan, from the odometry since the scan before.
 void ScanMatchingLocalizer::predict_to(Time stamp) {
-  int standing = 0;
-  int steps = 0;
-  double turned = 0.0;
-  double apart = 0.0;
-  double seconds = 0.0;
-  Pose2D guessed;
-  const auto guess = [&](const TrackPoint& last, Time until) {
-    const Duration unseen = until - std::max(last.stamp + kSilent, filter_stamp_);
-    if (unseen > 0ns) guessed = integrate(guessed, last.velocity, to_seconds(unseen));
-  };
   for (std::size_t age = track_.size(); age-- > 0;) {
     const TrackPoint& p = track_.point(age);
     if (p.stamp <= filter_stamp_ || p.stamp > stamp) continue;
-    if (age + 1 < track_.size()) guess(track_.point(age + 1), p.stamp);
     const double heading = map_from_odom_.theta + p.odom_from_base.theta - 0.5 * p.turn;
     filter_.predict(heading, p.step, p.turn, p.seconds, p.by_gyro);
-    rolled_ = rolled_ || rolls(p);
-    turned += p.turn;
-    apart += p.turn - p.rolled;
-    seconds += p.seconds;
-    standing += p.by_gyro && (p.standing >= kStandingSamples || !rolled_) ? 1 : 0;
-    ++steps;
   }
-  if (!track_.empty()) guess(track_.point(0), stamp);
+  const MotionSummary motion = track_.between(filter_stamp_, stamp);
   filter_stamp_ = std::max(filter_stamp_, stamp);
-  rolled_ = rolled_ || (!track_.empty() && rolls(track_.point(0)));  // also where scans are stamped ahead of wheels
+  doubtful_turn_ = motion.doubtful_turn;  // only a scan can tell
+  filter_.widen(motion.doubtful_way, motion.doubtful_turn);
+  if (motion.at_rest && motion.seconds > 0.0) learn_gyro_bias(motion, stamp);
+}
 
-  // where wheels and gyro differ one of them errs, and only a scan can tell which
-  apart_ = std::fabs(guessed.theta) + std::max(0.0, std::fabs(apart) - kAlike - kAlikeTurning * std::fabs(turned));
-  filter_.widen(norm(guessed.position()), apart_);
-
-  // while the robot stands the gyro shows its bias
-  if (seconds <= 0.0 || standing < steps) return;
-  const double error = turned / seconds;
-  const double variance = sensors_.gyro_sigma * sensors_.gyro_sigma * 0.01 / seconds + 1e-7;
+// While the robot stands the gyro shows its bias.
+void ScanMatchingLocalizer::learn_gyro_bias(const MotionSummary& motion, Time stamp) {
+  const double error = motion.turned / motion.seconds;
+  const double variance = sensors_.gyro_sigma * sensors_.gyro_sigma * 0.01 / motion.seconds + 1e-7;
   // a bias creeps; what jumps is a fault, and would be held against the gyro once it is over
   const double known = filter_.covariance()(kGyroBias, kGyroBias) + kBiasCreep * kBiasCreep;
   if (error * error > kBiasJump * kBiasJump * known) return;
@@ -293,7 +269,7 @@ void ScanMatchingLocalizer::get_lost() {
 void ScanMatchingLocalizer::correct(Time stamp) {
   const Pose2D odom_from_base = track_.at(stamp);
   if (map_version() == 0) began_ = agreed_ = resembled_ = stamp;
-  if (!given_ && !rolled_ && stamp - began_ < kStart) {
+  if (!given_ && !track_.has_rolled() && stamp - began_ < kStart) {
     // it stands where its map begins; of what the gyro has told of a turn its bias is not known yet
     map_from_odom_ = map_from_start_ * inverse(odom_from_base);
     filter_.restart(0.0, 0.0);
@@ -328,9 +304,7 @@ void ScanMatchingLocalizer::correct(Time stamp) {
 }
 
 // Nobody is carried away whose wheels and gyro tell of one motion: a scan that says so is late.
-bool ScanMatchingLocalizer::may_be_elsewhere() const {
-  return lost_ || apart_ > 0.0 || track_.empty() || track_.point(0).standing >= kStandingSamples;
-}
+bool ScanMatchingLocalizer::may_be_elsewhere() const { return lost_ || doubtful_turn_ > 0.0 || track_.stands(); }
 
 // Moves the estimate: the pose by moving map_from_odom, the calibration for the steps to come.
 void ScanMatchingLocalizer::shift(const Vector7& by, const Pose2D& map_from_base, const Pose2D& odom_from_base) {
