@@ -12,6 +12,7 @@ NB_MODULE(_core, m) {
   init_sim(m);
   init_backend(m);
   init_plugin(m);
+  init_nav(m);
   init_robot(m);
   init_env(m);
   init_benchmark(m);

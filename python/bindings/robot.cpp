@@ -51,17 +51,6 @@ Duration timeout_of(std::optional<double> timeout) {
 }
 
 void bind_results(nb::module_& m) {
-  nb::enum_<Reason>(m, "Reason", "How a motion ends, and why.")
-      .value("running", Reason::running, "It has not ended.")
-      .value("reached", Reason::reached, "Success.")
-      .value("no_path", Reason::no_path, "No way leads there: the goal is in a wall, outside the world or cut off.")
-      .value("blocked", Reason::blocked, "Something in the way did not go away.")
-      .value("timeout", Reason::timeout, "Robot time ran out.")
-      .value("cancelled", Reason::cancelled, "Somebody stopped it.")
-      .value("estop", Reason::estop, "The emergency stop was latched.")
-      .value("lost", Reason::lost, "The robot no longer knows where it is.")
-      .value("fault", Reason::fault, "The robot or its backend failed.");
-
   nb::enum_<Intervention>(m, "Intervention", "Why the safety gate changed a command.")
       .value("none", Intervention::none)
       .value("limited", Intervention::limited)
@@ -93,31 +82,6 @@ void bind_results(nb::module_& m) {
       .def("__repr__", [](const SensorHealth& h) {
         return fmt::format("SensorHealth('{}': {}{})", h.name, h.sound() ? "sound" : to_string(h.trouble),
                            h.detail.empty() ? "" : ", " + h.detail);
-      });
-
-  nb::class_<nav::TrackedPerson>(m, "TrackedPerson",
-                                 "Somebody who walks, as the robot's lidar sees them. `odom` frame.")
-      .def_ro("id", &nav::TrackedPerson::id, "the same as long as somebody is not lost sight of")
-      .def_ro("position", &nav::TrackedPerson::position, "(x, y) [m]")
-      .def_ro("velocity", &nav::TrackedPerson::velocity, "(vx, vy) [m/s]")
-      .def_prop_ro(
-          "covariance",
-          [](const nav::TrackedPerson& p) { return ArrayView<double, nb::shape<4, 4>>(p.covariance.data(), {4, 4}); },
-          nb::rv_policy::reference_internal, "(4, 4) float64, of x, y [m], vx, vy [m/s]")
-      .def("__repr__", [](const nav::TrackedPerson& p) {
-        return fmt::format("TrackedPerson({} at ({:.2f}, {:.2f}), {:.2f}, {:.2f} m/s)", p.id, p.position.x,
-                           p.position.y, p.velocity.x, p.velocity.y);
-      });
-
-  nb::class_<Progress>(m, "Progress", "How far a motion has come.")
-      .def_ro("distance_left", &Progress::distance_left, "[m] along the path; when exploring to the next frontier")
-      .def_ro("time_left", &Progress::time_left,
-              "[s] that this, and turning to a heading, will take at the pace so far")
-      .def_ro("distance_driven", &Progress::distance_driven, "[m] since the start of the motion")
-      .def_ro("pose", &Progress::pose, "in `map`")
-      .def("__repr__", [](const Progress& p) {
-        return fmt::format("Progress({:.2f} m and {:.1f} s left, {:.2f} m driven)", p.distance_left, p.time_left,
-                           p.distance_driven);
       });
 
   nb::class_<MoveResult>(m, "MoveResult", "How a motion ended. `map` frame.")
@@ -288,6 +252,7 @@ void bind_readings(nb::class_<Runtime>& runtime) {
              const std::span<const Vec2> path = robot.path();
              return std::vector<Vec2>(path.begin(), path.end());
            })
+      .def("plan", &Runtime::plan, WithoutGil())
       .def("transform", &Runtime::transform, "target"_a, "source"_a)
       .def("commanded", [](const Runtime& robot) { return robot.commanded().command; });
 }

@@ -1255,6 +1255,114 @@ class Reason(enum.Enum):
     fault = 8
     """The robot or its backend failed."""
 
+class RecoveryState(enum.Enum):
+    """
+    What a robot does that does not get on: in this order, as often as it takes or until it gives up.
+    """
+
+    driving = 0
+    """It gets on."""
+
+    clearing = 1
+    """It stands still until what it sees is fresh."""
+
+    backing_off = 2
+    """The way it came, or where there is most room."""
+
+    looking = 3
+    """It turns to look; all the way round where it is lost."""
+
+    replanning = 4
+    """It plans anew, for one period."""
+
+    given_up = 5
+    """The result's `detail` says why."""
+
+class Progress:
+    """How far a motion has come."""
+
+    @property
+    def distance_left(self) -> float:
+        """[m] along the path; when exploring to the next frontier"""
+
+    @property
+    def time_left(self) -> float:
+        """[s] that this, and turning to a heading, will take at the pace so far"""
+
+    @property
+    def distance_driven(self) -> float:
+        """[m] since the start of the motion"""
+
+    @property
+    def pose(self) -> Pose2D:
+        """in `map`"""
+
+    @property
+    def recovery(self) -> RecoveryState:
+        """what it does that does not get on"""
+
+    def __repr__(self) -> str: ...
+
+class SampledPlan:
+    """
+    A plan, and the samples of which it is the weighted mean.
+
+    Poses in `odom`, at the ends of the steps; velocities in the body frame, as they are asked for: the poses are where these lead within the limits of the base.
+    """
+
+    @property
+    def made(self) -> float:
+        """
+        [s] of robot time; it begins a little later, when its first command takes effect
+        """
+
+    @property
+    def step(self) -> float:
+        """[s]"""
+
+    @property
+    def poses(self) -> Annotated[NDArray[numpy.float64], dict(shape=(None, 3), writable=False)]:
+        """(steps, 3) where the plan leads: x, y [m], theta [rad]"""
+
+    @property
+    def velocities(self) -> Annotated[NDArray[numpy.float64], dict(shape=(None, 3), writable=False)]:
+        """(steps, 3) what it asks for: vx, vy [m/s], omega [rad/s]"""
+
+    @property
+    def trajectories(self) -> Annotated[NDArray[numpy.float64], dict(shape=(None, None, 3), writable=False)]:
+        """(samples, steps, 3) where each sample leads, as `poses`"""
+
+    @property
+    def controls(self) -> Annotated[NDArray[numpy.float64], dict(shape=(None, None, 3), writable=False)]:
+        """(samples, steps, 3) what each asks for, as `velocities`"""
+
+    @property
+    def weights(self) -> Annotated[NDArray[numpy.float64], dict(shape=(None,), writable=False)]:
+        """(samples,) how much each counts; 1 in all"""
+
+    def __repr__(self) -> str: ...
+
+class TrackedPerson:
+    """Somebody who walks, as the robot's lidar sees them. `odom` frame."""
+
+    @property
+    def id(self) -> int:
+        """the same as long as somebody is not lost sight of"""
+
+    @property
+    def position(self) -> tuple[float, float]:
+        """(x, y) [m]"""
+
+    @property
+    def velocity(self) -> tuple[float, float]:
+        """(vx, vy) [m/s]"""
+
+    @property
+    def covariance(self) -> Annotated[NDArray[numpy.float64], dict(shape=(4, 4), writable=False)]:
+        """(4, 4) float64, of x, y [m], vx, vy [m/s]"""
+
+    def __repr__(self) -> str: ...
+
 class Intervention(enum.Enum):
     """Why the safety gate changed a command."""
 
@@ -1324,48 +1432,6 @@ class SensorHealth:
     @property
     def needed(self) -> bool:
         """the robot stands still while this sensor is in trouble"""
-
-    def __repr__(self) -> str: ...
-
-class TrackedPerson:
-    """Somebody who walks, as the robot's lidar sees them. `odom` frame."""
-
-    @property
-    def id(self) -> int:
-        """the same as long as somebody is not lost sight of"""
-
-    @property
-    def position(self) -> tuple[float, float]:
-        """(x, y) [m]"""
-
-    @property
-    def velocity(self) -> tuple[float, float]:
-        """(vx, vy) [m/s]"""
-
-    @property
-    def covariance(self) -> Annotated[NDArray[numpy.float64], dict(shape=(4, 4), writable=False)]:
-        """(4, 4) float64, of x, y [m], vx, vy [m/s]"""
-
-    def __repr__(self) -> str: ...
-
-class Progress:
-    """How far a motion has come."""
-
-    @property
-    def distance_left(self) -> float:
-        """[m] along the path; when exploring to the next frontier"""
-
-    @property
-    def time_left(self) -> float:
-        """[s] that this, and turning to a heading, will take at the pace so far"""
-
-    @property
-    def distance_driven(self) -> float:
-        """[m] since the start of the motion"""
-
-    @property
-    def pose(self) -> Pose2D:
-        """in `map`"""
 
     def __repr__(self) -> str: ...
 
@@ -1630,6 +1696,8 @@ class Runtime:
     def map_version(self) -> int: ...
 
     def path(self) -> list[tuple[float, float]]: ...
+
+    def plan(self) -> SampledPlan | None: ...
 
     def transform(self, target: str, source: str) -> Pose2D: ...
 

@@ -42,6 +42,7 @@ from threewe._core import (
     RangeData,
     RGBDImage,
     RobotProfile,
+    SampledPlan,
     SensorHealth,
     SensorType,
     TrackedPerson,
@@ -462,6 +463,14 @@ class Robot(InRobotTime):
     def get_path(self) -> NDArray[np.float64]:
         """The path being followed, from the robot to its goal: (N, 2) [m] in `map`; empty between motions."""
         return np.array(self._read().path(), np.float64).reshape(-1, 2)
+
+    def get_plan(self) -> SampledPlan | None:
+        """The plan being followed and all the samples of which it is the weighted mean, in `odom`.
+
+        None while no plan is followed: between motions, during turns and recoveries, on the last 0.2 m to a goal and
+        without a lidar. The samples are rolled out once more for whoever asks, which changes nothing.
+        """
+        return self._read().plan()
 
     def get_camera_image(self) -> NDArray[np.uint8]:
         """The newest image of the camera: (H, W, 3) uint8, BGR; yours to draw on. See `get_image`."""

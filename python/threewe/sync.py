@@ -254,6 +254,7 @@ class Robot(_OnThread):
     get_map = _returns(threewe.Robot.get_map)
     save_map = _returns(threewe.Robot.save_map)
     get_path = _returns(threewe.Robot.get_path)
+    get_plan = _returns(threewe.Robot.get_plan)
     get_observation = _returns(threewe.Robot.get_observation)
     get_camera_image = _returns(threewe.Robot.get_camera_image)
     get_image = _returns(threewe.Robot.get_image)

@@ -17,4 +17,16 @@ std::string_view to_string(Reason reason) {
   return "unknown";
 }
 
+std::string_view to_string(RecoveryState state) {
+  switch (state) {
+    case RecoveryState::driving: return "driving";
+    case RecoveryState::clearing: return "clearing";
+    case RecoveryState::backing_off: return "backing_off";
+    case RecoveryState::looking: return "looking";
+    case RecoveryState::replanning: return "replanning";
+    case RecoveryState::given_up: return "given_up";
+  }
+  return "unknown";
+}
+
 }  // namespace threewe::nav

@@ -126,6 +126,7 @@ void PathNavigator::note(const Observation& seen) {
   motion_.turned += wrap_angle(seen.pose.odom_from_base.theta - odom_from_base_.theta);
   odom_from_base_ = seen.pose.odom_from_base;
   progress_.pose = pose;
+  progress_.recovery = RecoveryState::driving;
   now_ = seen.now;
 
   const Pose2D base_from_odom = inverse(odom_from_base_);
@@ -304,6 +305,7 @@ bool PathNavigator::stuck() {
 // Not the same way again nor, after a second failure, to explore the same place; a blocked turn blames no place.
 Decision PathNavigator::get_unstuck() {
   recovery_.begin(now_, odom_from_base_, progress_.pose.position());
+  progress_.recovery = recovery_.state();
   if (recovery_.state() == Recovery::State::given_up) return finish(Reason::blocked, recovery_.reason());
   const bool exploring = std::holds_alternative<Explore>(goal_);
   const bool end_too = exploring && recovery_.attempts() >= 2;
@@ -314,12 +316,18 @@ Decision PathNavigator::get_unstuck() {
 }
 
 Decision PathNavigator::recover() {
-  const Velocity velocity = recovery_.step(now_, odom_from_base_, tracker_);
+  const Velocity velocity = step_recovery();
   if (recovery_.state() != Recovery::State::replanning) return {velocity};
   recovery_.end();
   mark_moved();
   motion_.tight_until = now_ + kTightFor;
   return {};
+}
+
+Velocity PathNavigator::step_recovery() {
+  const Velocity velocity = recovery_.step(now_, odom_from_base_, tracker_);
+  progress_.recovery = recovery_.state();
+  return velocity;
 }
 
 // Turns round itself to look; what has been recognised until some time after that, or has not, decides.
@@ -332,7 +340,7 @@ Decision PathNavigator::find_itself(const Observation& seen) {
     return wait();
   }
   if (recovery_.state() == Recovery::State::replanning) recovery_.end(), motion_.looked_round = now_;
-  if (recovery_.active()) return {recovery_.step(now_, odom_from_base_, tracker_)};
+  if (recovery_.active()) return {step_recovery()};
   if (now_ - motion_.looked_round <= kLostPatience) return wait();
   return finish(Reason::lost, "no place in the map fits what is seen");
 }

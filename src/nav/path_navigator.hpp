@@ -23,6 +23,7 @@ class PathNavigator final : public Navigator {
   Progress progress() const override { return progress_; }
   std::span<const Vec2> path() const override { return route_.path(); }
   void set_zones(const std::vector<map::Zone>& zones) override;
+  std::optional<SampledPlan> plan() const override { return route_.has_path() ? tracker_.plan(now_) : std::nullopt; }
   std::unique_ptr<Navigator> clone() const override { return std::make_unique<PathNavigator>(*this); }
 
  private:
@@ -47,6 +48,7 @@ class PathNavigator final : public Navigator {
   bool stuck();
   Decision get_unstuck();
   Decision recover();
+  Velocity step_recovery();
   Decision find_itself(const Observation& seen);
 
   /// What belongs to one motion.

@@ -1,12 +1,12 @@
 // What a robot does that does not get on: a small state machine.
 #pragma once
 
-#include <cstdint>
 #include <string_view>
 #include <vector>
 
 #include "threewe/core/pose.hpp"
 #include "threewe/core/time.hpp"
+#include "threewe/nav/navigator.hpp"
 #include "threewe/nav/tracker.hpp"
 
 namespace threewe::nav {
@@ -19,7 +19,7 @@ namespace threewe::nav {
 ///      |-> given_up
 class Recovery {
  public:
-  enum class State : std::uint8_t { driving, clearing, backing_off, looking, replanning, given_up };
+  using State = RecoveryState;
 
   /// `hard_of_seeing`: it looks each time, for it hears in a few directions only.
   Recovery(Kinematics kinematics, bool hard_of_seeing) : kinematics_(kinematics), hard_of_seeing_(hard_of_seeing) {}

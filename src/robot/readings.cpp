@@ -64,6 +64,10 @@ std::span<const Vec2> Runtime::path() const {
   return impl_->motion ? impl_->state->navigator->path() : std::span<const Vec2>();
 }
 
+std::optional<nav::SampledPlan> Runtime::plan() const {
+  return impl_->motion ? impl_->state->navigator->plan() : std::nullopt;
+}
+
 std::span<const Vec2> Runtime::obstacles() const { return impl_->obstacles_in_odom(); }
 std::span<const nav::TrackedPerson> Runtime::people() const {
   const State& state = impl_->reading();

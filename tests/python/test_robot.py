@@ -11,7 +11,21 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 import threewe
-from threewe import MoveResult, Pose2D, Progress, Reason, Robot, TickView, TimeoutError, Trouble, Velocity, World, Zone
+from threewe import (
+    MoveResult,
+    Pose2D,
+    Progress,
+    Reason,
+    RecoveryState,
+    Robot,
+    SampledPlan,
+    TickView,
+    TimeoutError,
+    Trouble,
+    Velocity,
+    World,
+    Zone,
+)
 
 
 @pytest.mark.parametrize("scene", threewe.scene_names())
@@ -126,6 +140,44 @@ async def test_progress_and_the_path(robot: Robot) -> None:
     assert any(len(path) for _, path in seen)
     assert all(path.shape[1] == 2 for _, path in seen)
     assert robot.get_path().shape == (0, 2)
+
+
+@pytest.mark.parametrize("hardware", ["3we_standard_v2", "turtlebot_like", "3we_base_v2"])
+async def test_plans_and_their_samples(hardware: str) -> None:
+    async def drive(looks: bool) -> tuple[list[SampledPlan], list[Velocity], set[RecoveryState]]:
+        plans: list[SampledPlan] = []
+        commands: list[Velocity] = []
+        states: set[RecoveryState] = set()
+
+        def look(progress: Progress) -> None:
+            states.add(progress.recovery)
+            plan = robot.get_plan() if looks else None
+            if plan is not None:
+                assert robot.now - 0.12 < plan.made < robot.now
+                plans.append(plan)
+
+        async with Robot(hardware=hardware) as robot:
+            robot.observe(lambda tick: commands.append(tick.commanded))
+            assert (await robot.move_to(1.0, 0.5, on_progress=look)).success
+            assert robot.get_plan() is None
+        return plans, commands, states
+
+    plans, commands, states = await drive(True)
+    assert commands == (await drive(False))[1]
+    assert states == {RecoveryState.driving}
+    assert (len(plans) > 10) == (hardware != "3we_base_v2")
+    for plan in plans:
+        samples, steps = len(plan.weights), len(plan.poses)
+        assert plan.poses.shape == plan.velocities.shape == (steps, 3)
+        assert plan.trajectories.shape == plan.controls.shape == (samples, steps, 3)
+        assert plan.weights.sum() == pytest.approx(1.0)
+        np.testing.assert_allclose(np.tensordot(plan.weights, plan.controls, 1), plan.velocities, atol=1e-5)
+        assert repr(plan).startswith(f"SampledPlan({samples} samples of {steps} steps of 0.05 s")
+    ways = [plan.trajectories for plan in plans]
+    kept = [way.copy() for way in ways]
+    plans.clear()
+    for way, before in zip(ways, kept, strict=True):  # an array outlives its plan
+        np.testing.assert_array_equal(way, before)
 
 
 async def test_tolerances_are_how_far_off_a_motion_may_end(robot: Robot) -> None:

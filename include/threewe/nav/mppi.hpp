@@ -12,6 +12,7 @@
 #include "threewe/core/pose.hpp"
 #include "threewe/core/time.hpp"
 #include "threewe/hardware/profile.hpp"
+#include "threewe/nav/sampled_plan.hpp"
 
 namespace threewe::nav {
 
@@ -91,8 +92,9 @@ class Mppi {
   /// period; where one is left out, it starts anew.
   Velocity step(const MppiObservation& seen, const MppiTask& task);
 
-  /// Where the plan leads: a pose in `odom` for each of its steps.
-  std::vector<Pose2D> predicted() const;
+  /// The plan that was followed at `now`, with its samples; empty where none was. They are rolled out once more for
+  /// whoever asks: nobody else pays for them, and nothing changes.
+  std::optional<SampledPlan> plan(Time now) const;
 
  private:
   struct Impl;

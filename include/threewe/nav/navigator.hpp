@@ -14,6 +14,7 @@
 #include "threewe/map/occupancy_grid.hpp"
 #include "threewe/map/zone.hpp"
 #include "threewe/nav/people_tracker.hpp"
+#include "threewe/nav/sampled_plan.hpp"
 #include "threewe/slam/localizer.hpp"
 
 namespace threewe::nav {
@@ -78,11 +79,23 @@ struct Observation {
   Velocity commanded{};
 };
 
+/// What a robot does that does not get on: in this order, as often as it takes or until it gives up.
+enum class RecoveryState : std::uint8_t {
+  driving,      ///< it gets on
+  clearing,     ///< stands still until what it sees is fresh
+  backing_off,  ///< the way it came, or where there is most room
+  looking,      ///< turns to look; all the way round where it is lost
+  replanning,   ///< plans anew, for one period
+  given_up,     ///< the result's `detail` says why
+};
+std::string_view to_string(RecoveryState state);
+
 struct Progress {
   double distance_left = 0.0;    ///< [m] along the path; when exploring to the next frontier
   double time_left = 0.0;        ///< [s] that this, and turning to a heading, will take at the pace so far
   double distance_driven = 0.0;  ///< [m] since the start of the motion
   Pose2D pose;                   ///< in `map`
+  RecoveryState recovery = RecoveryState::driving;
 };
 
 /// What the navigator wants.
@@ -106,6 +119,9 @@ class Navigator {
   virtual void set_zones(const std::vector<map::Zone>& zones) = 0;
   /// The path being followed, in `map`, from the robot to its goal; empty between motions.
   virtual std::span<const Vec2> path() const = 0;
+  /// The plan followed in the last period and its samples, put together for whoever asks; empty where none was, and of
+  /// navigators that do not sample any.
+  virtual std::optional<SampledPlan> plan() const { return {}; }
   virtual std::unique_ptr<Navigator> clone() const = 0;
 };
 

@@ -45,6 +45,8 @@ class Tracker {
 
   /// The velocity for following `path`, in `odom` from the robot on, to a stop at its end. For robots with a lidar.
   Velocity follow(std::span<const Vec2> path, const MppiObservation& seen);
+  /// The plan that `follow` followed at `now`, see Mppi::plan.
+  std::optional<SampledPlan> plan(Time now) const { return mppi_ ? mppi_->plan(now) : std::nullopt; }
   /// The same for the last bit of the way, which may be tight, and without a lidar: what echoes tell is too coarse to
   /// be rolled out against. It leads along where nothing is in the way, at the pace that leaves room to stop. `path`
   /// and `pose` are in `map`. A holonomic base faces so far `aside` [rad] to the left of where it drives.

@@ -12,6 +12,7 @@ namespace threewe {
 
 using nav::Progress;
 using nav::Reason;
+using nav::RecoveryState;
 
 /// How a motion ended. `map` frame.
 struct MoveResult {

@@ -82,6 +82,8 @@ class Robot {
   std::map<std::string, RangeData> get_ultrasonic_ranges() const;
   /// Who walks around the robot, as its lidar sees them, in `odom`.
   std::span<const nav::TrackedPerson> get_people() const { return runtime_->people(); }
+  /// The plan being followed and the samples that it was made of, in `odom`; see `Runtime::plan`.
+  std::optional<nav::SampledPlan> get_plan() const { return runtime_->plan(); }
   /// How each sensor is; see `Runtime::health`.
   const std::vector<SensorHealth>& health() const { return runtime_->health(); }
   /// `target_from_source` among `map`, `odom`, `base` and the sensors' names.

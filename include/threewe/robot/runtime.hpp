@@ -94,6 +94,9 @@ class Runtime {
   std::uint64_t map_version() const;
   /// The path being followed, in `map`.
   std::span<const Vec2> path() const;
+  /// The plan being followed, with the samples of which it is the mean; empty while nothing is followed by a plan.
+  /// Rolled out for whoever asks: nobody else pays for it, and nothing changes.
+  std::optional<nav::SampledPlan> plan() const;
   /// `target_from_source` among `map`, `odom`, `base` and the sensors' names. Throws ContractError naming the nearest.
   Pose2D transform(std::string_view target, std::string_view source) const;
   /// What its collision monitor looks out for: where the newest scan, or echoes, hit something, in `odom`.

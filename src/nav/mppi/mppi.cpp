@@ -50,6 +50,29 @@ Plan later(const Plan& plan, double steps) {
   return rest;
 }
 
+// Where the samples of a plan came from: they are rolled out once more for whoever asks.
+struct Origin {
+  Time made{};
+  Vec2 middle;  // of the window, in `odom`
+  mppi::Motion motion;
+  std::vector<mppi::Block> blocks;
+};
+
+// What the first `count` samples of a block ask for, and in `odom` where that leads.
+void append_ways(const mppi::Motion& motion, const mppi::Block& block, std::size_t count, Vec2 middle,
+                 std::vector<Velocity>& velocities, std::vector<Pose2D>& poses) {
+  const auto wide = [](float x) { return static_cast<double>(x); };
+  mppi::Traces traces;
+  mppi::trace(motion, block, traces);
+  for (std::size_t lane = 0; lane < count; ++lane) {
+    for (std::size_t i = lane; i < traces.x.size(); i += mppi::kBlock) {
+      velocities.emplace_back(wide(traces.vx[i]), wide(traces.vy[i]), wide(traces.omega[i]));
+      const double theta = wrap_angle(wide(traces.theta[i]));
+      poses.emplace_back(middle.x + wide(traces.x[i]), middle.y + wide(traces.y[i]), theta);
+    }
+  }
+}
+
 }  // namespace
 
 struct Mppi::Impl {
@@ -70,7 +93,8 @@ struct Mppi::Impl {
   std::optional<Time> last;  // when it was asked
   int followed = 0;          // periods since the plan was made
   mppi::PathTable path;
-  std::vector<float> costs;
+  std::vector<float> costs;  // of the samples, then how much each counts
+  Origin origin;
 
   Impl(const RobotProfile& profile, const MppiSettings& s)
       : settings(s),
@@ -138,10 +162,11 @@ void Mppi::Impl::plan_anew(const MppiTask& task) {
   plan = later(plan, kPeriod / settings.step * followed);
   followed = 0;
   const mppi::Problem problem = pose_problem(task);
-  const auto blocks = mppi::draw_blocks(settings.samples, kOtherMeans, deviation(), settings.seed, tick++);
+  auto blocks = mppi::draw_blocks(settings.samples, kOtherMeans, deviation(), settings.seed, tick++);
   costs.resize(blocks.size() * mppi::kBlock);
   mppi::roll_out(problem, blocks, costs);
   plan = mppi::average(problem, blocks, costs, narrow(settings.temperature));
+  origin = {*last, field.middle(), problem, std::move(blocks)};
 }
 
 // Where the robot will be when the first command of the plan takes effect: it obeys until then what it was told before.
@@ -312,14 +337,22 @@ Velocity Mppi::Impl::command() const {
   return within_acceleration(limits, commanded.front(), within_limits(limits, wanted));
 }
 
-std::vector<Pose2D> Mppi::predicted() const {
-  std::vector<Pose2D> poses;
-  Pose2D pose = impl_->start;
-  for (std::size_t i = 0; i < kSteps; ++i) {
-    pose = integrate(pose, {impl_->plan.vx[i], impl_->plan.vy[i], impl_->plan.omega[i]}, impl_->settings.step);
-    poses.push_back(pose);
+std::optional<SampledPlan> Mppi::plan(Time now) const {
+  const Impl& me = *impl_;
+  if (me.last != now) return {};
+  SampledPlan plan{.made = me.origin.made, .step = me.settings.step};
+
+  // the plan itself is a sample without noise
+  mppi::Motion motion = me.origin.motion;
+  motion.means[0] = me.plan;
+  append_ways(motion, {}, 1, me.origin.middle, plan.velocities, plan.poses);
+  for (const mppi::Block& block : me.origin.blocks) {
+    append_ways(me.origin.motion, block, mppi::kBlock, me.origin.middle, plan.controls, plan.trajectories);
   }
-  return poses;
+  double total = 0.0;
+  for (const float weight : me.costs) total += static_cast<double>(weight);
+  for (const float weight : me.costs) plan.weights.push_back(static_cast<double>(weight) / total);
+  return plan;
 }
 
 }  // namespace threewe::nav

@@ -120,12 +120,16 @@ struct PeopleCritic {
   float close = 0.0F;
 };
 
-/// One tick's problem.
-struct Problem {
+/// Which ways samples may take.
+struct Motion {
   Reach reach;
   Start start;
   std::array<Plan, kMeans> means;
   const float* noise = nullptr;  ///< (kNoiseRows + kSteps, kBlock), standard deviation 1
+};
+
+/// One tick's problem.
+struct Problem : Motion {
   ObstacleCritic obstacle;
   PathCritic path;
   HeadingCritic heading;
@@ -143,6 +147,16 @@ void roll_out(const Problem& problem, std::span<const Block> blocks, std::span<f
 /// of Williams et al. 2018 ("Information-Theoretic Model Predictive Control: Theory and Applications to Autonomous
 /// Driving", IEEE T-RO 34(6), algorithm 1), with several means as in Trevisan and Alonso-Mora 2024 ("Biased-MPPI").
 Plan average(const Problem& problem, std::span<const Block> blocks, std::span<float> costs, float temperature);
+
+/// A block's samples, step by step: what each asks for, and where that leads.
+struct Traces {
+  using Values = std::array<float, kSteps * kBlock>;  ///< (kSteps, kBlock)
+  Values vx{}, vy{}, omega{};                         ///< [m/s], [m/s], [rad/s]
+  Values x{}, y{}, theta{};                           ///< [m] in the window, [rad] counted from `Start::theta` on
+};
+
+/// The ways that `roll_out` prices.
+void trace(const Motion& motion, const Block& block, Traces& traces);
 
 /// Samples whose cost exceeds the least by so many temperatures count for nothing.
 inline constexpr float kNegligible = 16.0F;

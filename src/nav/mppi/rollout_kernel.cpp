@@ -28,9 +28,24 @@ struct Noise {
   const float* omega;
 };
 
-HWY_INLINE Noise noise_of(const Problem& problem, const Block& block, std::size_t lane) {
-  return {problem.noise + block.row[0] * kBlock + lane, problem.noise + block.row[1] * kBlock + lane,
-          problem.noise + block.row[2] * kBlock + lane};
+HWY_INLINE Noise noise_of(const Motion& motion, const Block& block, std::size_t lane) {
+  return {motion.noise + block.row[0] * kBlock + lane, motion.noise + block.row[1] * kBlock + lane,
+          motion.noise + block.row[2] * kBlock + lane};
+}
+
+// How far the samples deviate from their mean at one step.
+struct Deviation {
+  V vx;
+  V vy;
+  V omega;
+};
+
+HWY_INLINE Deviation deviation_of(const Motion& motion, const Block& block, const Noise& noise, std::size_t step) {
+  const V vx = hn::Mul(hn::LoadU(kFloats, noise.vx + step * kBlock), number(block.scale[0]));
+  const V omega = hn::Mul(hn::LoadU(kFloats, noise.omega + step * kBlock), number(block.scale[2]));
+  V vy = hn::Zero(kFloats);
+  if (motion.reach.holonomic) vy = hn::Mul(hn::LoadU(kFloats, noise.vy + step * kBlock), number(block.scale[1]));
+  return {vx, vy, omega};
 }
 
 // What was asked for, as far as the limits allow it within a step.
@@ -93,10 +108,7 @@ HWY_INLINE V cost_of(const Problem& problem, const Block& block, std::size_t lan
   look_at_path(problem.path.path, at.x, at.y, number(problem.start.progress), progress);
   V cost = hn::Zero(kFloats);
   for (std::size_t step = 0; step < kSteps; ++step) {
-    const V nx = hn::Mul(hn::LoadU(kFloats, noise.vx + step * kBlock), number(block.scale[0]));
-    const V nw = hn::Mul(hn::LoadU(kFloats, noise.omega + step * kBlock), number(block.scale[2]));
-    V ny = hn::Zero(kFloats);
-    if (problem.reach.holonomic) ny = hn::Mul(hn::LoadU(kFloats, noise.vy + step * kBlock), number(block.scale[1]));
+    const auto [nx, ny, nw] = deviation_of(problem, block, noise, step);
     V control = hn::Add(hn::Mul(nx, number(mean.vx[step] * problem.per_variance[0])),
                         hn::Mul(nw, number(mean.omega[step] * problem.per_variance[2])));
     control = hn::Add(control, hn::Mul(ny, number(mean.vy[step] * problem.per_variance[1])));
@@ -128,6 +140,30 @@ void roll_out_all(const Problem& problem, std::span<const Block> blocks, float* 
       hn::StoreU(cost_of(problem, block, lane), kFloats, costs + lane);
     }
     costs += kBlock;
+  }
+}
+
+// As `cost_of`, without the prices.
+void trace_all(const Motion& motion, const Block& block, Traces& traces) {
+  const Plan& mean = motion.means[block.mean];
+  for (std::size_t lane = 0; lane < kBlock; lane += hn::Lanes(kFloats)) {
+    const Noise noise = noise_of(motion, block, lane);
+    Sample at = begin(motion.start);
+    for (std::size_t step = 0; step < kSteps; ++step) {
+      const auto [nx, ny, nw] = deviation_of(motion, block, noise, step);
+      const V vx = hn::Add(nx, number(mean.vx[step]));
+      const V vy = motion.reach.holonomic ? hn::Add(ny, number(mean.vy[step])) : ny;
+      const V omega = hn::Add(nw, number(mean.omega[step]));
+      accelerate(motion.reach, vx, vy, omega, at);
+      move(motion.reach.dt, at);
+      const std::size_t i = step * kBlock + lane;
+      hn::StoreU(vx, kFloats, traces.vx.data() + i);
+      hn::StoreU(vy, kFloats, traces.vy.data() + i);
+      hn::StoreU(omega, kFloats, traces.omega.data() + i);
+      hn::StoreU(at.x, kFloats, traces.x.data() + i);
+      hn::StoreU(at.y, kFloats, traces.y.data() + i);
+      hn::StoreU(at.theta, kFloats, traces.theta.data() + i);
+    }
   }
 }
 
@@ -169,6 +205,7 @@ namespace threewe::nav::mppi {
 namespace {
 
 HWY_EXPORT(roll_out_all);
+HWY_EXPORT(trace_all);
 HWY_EXPORT(weigh_all);
 HWY_EXPORT(add_noise);
 
@@ -177,6 +214,10 @@ HWY_EXPORT(add_noise);
 void roll_out(const Problem& problem, std::span<const Block> blocks, std::span<float> costs) {
   assert(costs.size() == blocks.size() * kBlock);
   HWY_DYNAMIC_DISPATCH(roll_out_all)(problem, blocks, costs.data());
+}
+
+void trace(const Motion& motion, const Block& block, Traces& traces) {
+  HWY_DYNAMIC_DISPATCH(trace_all)(motion, block, traces);
 }
 
 Plan average(const Problem& problem, std::span<const Block> blocks, std::span<float> costs, float temperature) {

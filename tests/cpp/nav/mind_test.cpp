@@ -59,6 +59,7 @@ struct Drive {
   Velocity command;
   double worst_error = 0.0;
   double least_clearance = 1.0;
+  bool held = false;  // by somebody: it stays where it is
 
   Drive(const std::string& name, std::vector<TinyWall> walls, std::uint64_t seed)
       : profile(profile_named(name)),
@@ -67,7 +68,7 @@ struct Drive {
         navigator(make_navigator(profile)) {}
 
   Observation see() {
-    for (const Sample& sample : world.tick(command)) localizer->add(sample);
+    for (const Sample& sample : world.tick(held ? Velocity{} : command)) localizer->add(sample);
     return {world.now(),
             localizer->estimate(world.now()),
             localizer->map(),
@@ -248,6 +249,28 @@ TEST_CASE("a door that closes for good leaves no path") {
     CHECK(to_string(end.reason) == "no_path");
     CHECK(drive.least_clearance > 0.01);
   }
+}
+
+TEST_CASE("who is held back recovers step by step, tells so, and gives up with the reason") {
+  using State = RecoveryState;
+  Drive drive("3we_standard_v2", three_rooms(), 17);
+  std::vector<State> states = {State::driving};
+  const Decision end = drive.run(MoveTo{{2.4, 0.0}}, 300s, [&](Observation&) {
+    const Progress progress = drive.navigator->progress();
+    if (progress.recovery != states.back()) states.push_back(progress.recovery);
+    drive.held = progress.distance_driven > 0.5;
+  });
+  CHECK(end.reason == Reason::blocked);
+  CHECK(end.detail == "there is no room to move");
+  CHECK(drive.navigator->progress().recovery == State::given_up);
+  std::vector<State> expected;
+  for (int attempt = 1; attempt <= 8; ++attempt) {
+    expected.insert(expected.end(), {State::driving, State::clearing, State::backing_off});
+    if (attempt >= 3) expected.push_back(State::looking);
+    expected.push_back(State::replanning);
+  }
+  expected.push_back(State::driving);
+  CHECK(states == expected);
 }
 
 TEST_CASE("a lost robot turns round to look, goes on where it finds itself, and gives up where it does not") {

@@ -158,6 +158,24 @@ float cost_of(const Problem& p, const Block& block, std::size_t lane) {
   return cost + p.goal.speed * squared(r.speed);
 }
 
+// What a sample asks for at each step, and where it is after it.
+std::array<std::array<float, 6>, kSteps> way_of(const Motion& m, const Block& block, std::size_t lane) {
+  const Plan& mean = m.means[block.mean];
+  const Start& s = m.start;
+  Robot r{s.x, s.y, s.cos, s.sin, s.theta, s.vx, s.vy, s.omega, length(s.vx, s.vy)};
+  std::array<std::array<float, 6>, kSteps> way{};
+  for (std::size_t i = 0; i < kSteps; ++i) {
+    const auto noise = [&](std::size_t c) { return m.noise[(block.row[c] + i) * kBlock + lane] * block.scale[c]; };
+    const float vx = noise(0) + mean.vx[i];
+    const float vy = m.reach.holonomic ? noise(1) + mean.vy[i] : 0.0F;
+    const float omega = noise(2) + mean.omega[i];
+    accelerate(m.reach, vx, vy, omega, r);
+    move(m.reach.dt, r);
+    way[i] = {vx, vy, omega, r.x, r.y, r.theta};
+  }
+  return way;
+}
+
 // The exponential of Cephes, expf.c.
 float exponential(float x) {
   const float whole = std::floor(x * 1.44269504088896341F + 0.5F);
@@ -344,6 +362,35 @@ TEST_CASE("rollouts and their average are those of the plain twin, to the bit, w
         REQUIRE(std::bit_cast<std::uint32_t>(costs[i]) == std::bit_cast<std::uint32_t>(expected[i]));
       }
       REQUIRE(average(problem, blocks, costs, temperature) == plan);
+    }
+    force_target("");
+  }
+}
+
+TEST_CASE("traces are those of the plain twin, to the bit, with any vectors") {
+  Tables tables;
+  Draw table_draw(1);
+  draw_tables(table_draw, tables);
+  for (std::uint64_t seed = 0; seed < 400; ++seed) {
+    CAPTURE(seed);
+    Draw draw(seed);
+    const Problem problem = draw_problem(draw, tables);
+    const std::vector<Block> blocks = draw_blocks(160, 3, {0.2F, 0.2F, 0.6F}, seed, seed);
+    const Block& block = blocks[seed % blocks.size()];
+    for (const std::string& target : available_targets()) {
+      CAPTURE(target);
+      force_target(target);
+      Traces traces;
+      trace(problem, block, traces);
+      for (std::size_t lane = 0; lane < kBlock; ++lane) {
+        const auto way = plain::way_of(problem, block, lane);
+        for (std::size_t step = 0; step < kSteps; ++step) {
+          const std::size_t i = step * kBlock + lane;
+          const std::array<float, 6> found = {traces.vx[i], traces.vy[i], traces.omega[i],
+                                              traces.x[i],  traces.y[i],  traces.theta[i]};
+          REQUIRE(found == way[step]);
+        }
+      }
     }
     force_target("");
   }

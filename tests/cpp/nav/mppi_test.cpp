@@ -151,6 +151,67 @@ TEST_CASE("a copy goes on as the original does, to the bit") {
   }
 }
 
+TEST_CASE("a plan is the weighted mean of its samples, and to read it changes nothing") {
+  for (const char* robot : {"3we_standard_v2", "turtlebot_like"}) {
+    CAPTURE(robot);
+    const RobotProfile profile = load_profile(robot);
+    const bool holonomic = profile.kinematics() == Kinematics::holonomic;
+    const MppiSettings settings{.samples = 100, .periods = 3};  // a multiple of 16 is rolled out
+    const Course course = testing::slalom(profile, 6);
+    CourseWorld world(profile, course);
+    Mppi read(profile, settings);
+    Mppi unread(profile, settings);
+    CHECK_FALSE(read.plan({}).has_value());
+    Velocity command;
+    for (int tick = 0; tick < 150; ++tick) {
+      CAPTURE(tick);
+      const std::vector<Vec2> points = world.scan();
+      const Time now = tick * kControlPeriod;
+      const MppiObservation seen{now, world.pose(), command, points};
+      command = read.step(seen, {.path = course.path});
+      REQUIRE(command == unread.step(seen, {.path = course.path}));
+      CHECK_FALSE(read.plan(now + kControlPeriod).has_value());
+      const std::optional<SampledPlan> plan = Mppi(read).plan(now);
+      REQUIRE(plan.has_value());
+      CHECK(plan->made == tick / 3 * 3 * kControlPeriod);
+      REQUIRE(plan->poses.size() == mppi::kSteps);
+      REQUIRE(plan->velocities.size() == mppi::kSteps);
+      REQUIRE(plan->weights.size() == 112);
+      REQUIRE(plan->trajectories.size() == 112 * mppi::kSteps);
+      REQUIRE(plan->controls.size() == 112 * mppi::kSteps);
+
+      double total = 0.0;
+      std::vector<Velocity> mean(mppi::kSteps);
+      for (std::size_t sample = 0; sample < plan->weights.size(); ++sample) {
+        const double weight = plan->weights[sample];
+        REQUIRE(weight >= 0.0);
+        total += weight;
+        for (std::size_t i = 0; i < mppi::kSteps; ++i) {
+          const Velocity& v = plan->controls[sample * mppi::kSteps + i];
+          mean[i] = {mean[i].vx + weight * v.vx, mean[i].vy + weight * v.vy, mean[i].omega + weight * v.omega};
+        }
+      }
+      CHECK(total == doctest::Approx(1.0).epsilon(1e-12));
+      for (std::size_t i = 0; i < mppi::kSteps; ++i) {
+        const Velocity& v = plan->velocities[i];
+        REQUIRE(std::fabs(v.vx - mean[i].vx) < 1e-5);
+        REQUIRE(std::fabs(v.vy - mean[i].vy) < 1e-5);
+        REQUIRE(std::fabs(v.omega - mean[i].omega) < 1e-5);
+        if (!holonomic) REQUIRE(v.vy == 0.0);
+      }
+
+      // no way leaps, and all begin where the robot is or soon will be
+      const double step = 1.1 * profile.operating_limits.linear * settings.step;  // a turn while braking may be faster
+      for (std::size_t i = 0; i < plan->trajectories.size(); ++i) {
+        const bool first = i % mppi::kSteps == 0;
+        const Vec2 before = first ? world.pose().position() : plan->trajectories[i - 1].position();
+        REQUIRE(distance(before, plan->trajectories[i].position()) < step + (first ? 0.15 : 0.0));
+      }
+      world.tick(command);
+    }
+  }
+}
+
 TEST_CASE("the obstacle field knows the real outline's clearance wherever the robot may be") {
   for (const char* robot : {"3we_standard_v2", "turtlebot_like"}) {
     const Footprint footprint = load_profile(robot).body.footprint;

@@ -182,6 +182,23 @@ TEST_CASE("the same seed gives the same drive to the bit, another seed another")
   CHECK(driven(3) != driven(4));
 }
 
+TEST_CASE("whoever looks at plans sees them while they are followed, and changes nothing") {
+  const auto driven = [](bool looks) {
+    Robot robot;
+    auto record = std::make_unique<Record>(robot.runtime());
+    int plans = 0;
+    CHECK_FALSE(robot.get_plan().has_value());
+    const MoveResult result = robot.wait(robot.move_to(1.0, 0.5), [&](const Progress&) {
+      if (looks && robot.get_plan()) ++plans;
+    });
+    CHECK(result.success);
+    CHECK((plans > 10) == looks);
+    CHECK_FALSE(robot.get_plan().has_value());
+    return std::pair(record->poses, record->commands);
+  };
+  CHECK(driven(true) == driven(false));
+}
+
 TEST_CASE("a restored world goes on as the one that was saved, to the bit") {
   for (std::uint64_t seed = 0; seed < 2; ++seed) {
     CAPTURE(seed);
