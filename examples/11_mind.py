@@ -1,8 +1,10 @@
-"""Pictures of what goes on in the robot's mind: a map that grows, a loop that closes, a robot that was carried away.
+"""Pictures of what goes on in the robot's mind: a map that grows, a loop that closes, a robot that was carried away,
+the ways that a plan is chosen from, and how a robot gets out where it is stuck.
 
     python 11_mind.py
 
-leaves mind_map.png, mind_loop.png and mind_lost.png in the current folder. It needs `pip install "threewe[demo]"`.
+leaves mind_map.png, mind_loop.png, mind_lost.png, mind_fan.png and mind_stuck.png in the current folder. It needs
+`pip install "threewe[demo]"`.
 """
 
 import argparse
@@ -12,11 +14,12 @@ from pathlib import Path
 
 import numpy as np
 import threewe
-from PIL import Image
-from threewe import Robot, drawing
+from PIL import Image, ImageDraw
+from threewe import Pose2D, Robot, SampledPlan, drawing
 from threewe.slam import Slam, SlamConfig, read_log, synthesize
 
 BEFORE, AFTER = (206, 92, 92, 255), (40, 110, 200, 255)
+SAMPLE, FAINT, CHOSEN = (190, 196, 206, 255), (160, 194, 232, 255), (16, 40, 110, 255)
 
 
 def beside(pictures: list[Image.Image], gap: int = 12) -> Image.Image:
@@ -30,6 +33,22 @@ def beside(pictures: list[Image.Image], gap: int = 12) -> Image.Image:
     return row
 
 
+def is_due(robot: Robot, moments: list[float], pictures: list[Image.Image]) -> bool:
+    """Is it time [s] for the next picture?"""
+    return len(pictures) < len(moments) and robot.now >= moments[len(pictures)]
+
+
+def captioned(picture: Image.Image, caption: str) -> Image.Image:
+    """The picture at its final size, framed, under a line of text."""
+    above, done = 38, drawing.finish(picture)
+    page = Image.new("RGB", (done.width, above + done.height), "white")
+    page.paste(done, (0, above))
+    draw = ImageDraw.Draw(page)
+    draw.rectangle((0, above, page.width - 1, page.height - 1), outline=drawing.UNKNOWN)
+    draw.text((2, 0), caption, drawing.INK, drawing.text_font(26))
+    return page
+
+
 async def growing_map(moments: list[float]) -> Image.Image:
     """A robot explores: its map, the way that it came, and where it is going, at some moments [s]."""
     async with Robot(scene="apartment_v1") as robot:
@@ -38,7 +57,7 @@ async def growing_map(moments: list[float]) -> Image.Image:
 
         def look(progress: threewe.Progress) -> None:
             trail.append((progress.pose.x, progress.pose.y))
-            if len(pictures) == len(moments) or robot.now < moments[len(pictures)]:
+            if not is_due(robot, moments, pictures):
                 return
             picture = drawing.draw_map(robot.get_map(), view)
             drawing.draw_path(picture, view, trail, drawing.TRAIL)
@@ -97,13 +116,87 @@ async def carried_away() -> Image.Image:
     return drawing.finish(picture)
 
 
+def draw_plan(picture: Image.Image, view: drawing.View, plan: SampledPlan, map_from_odom: Pose2D) -> None:
+    """All ways that were tried, grey; those that count, the bluer the more; and dark the plan that is their mean."""
+
+    def draw(way: np.ndarray, color: drawing.Color, width: float) -> None:
+        points = [map_from_odom.transform((x, y)) for x, y, _ in way]
+        drawing.draw_path(picture, view, points, color, width)
+
+    most = plan.weights.max()
+    for sample in np.argsort(plan.weights, kind="stable"):
+        weight = plan.weights[sample]
+        color = SAMPLE
+        if weight > 0.0:
+            share = 1.0 + np.log(weight / most) / 16.0  # less than exp(-16) of the best counts for nothing
+            color = tuple(round(a + share * (b - a)) for a, b in zip(FAINT, AFTER, strict=True))
+        draw(plan.trajectories[sample], color, 0.006 if weight == 0.0 else 0.009)
+    draw(plan.poses, CHOSEN, 0.03)
+
+
+async def fan_of_plans(moments: list[float]) -> Image.Image:
+    """A robot drives among people: what its plan is chosen from, at some moments [s]."""
+    async with Robot(scene="dynamic_v1") as robot:
+        pictures = []
+
+        def look(progress: threewe.Progress) -> None:
+            plan = robot.get_plan()
+            if plan is None or not is_due(robot, moments, pictures):
+                return
+            map_from_odom = robot.get_transform("map", "odom")
+            middle = map_from_odom.transform(plan.poses[len(plan.poses) // 2, :2])
+            view = drawing.View((middle[0] - 1.2, middle[1] - 1.1), (middle[0] + 1.2, middle[1] + 1.1), 175)
+            picture = drawing.draw_map(robot.get_map(), view)
+            draw_plan(picture, view, plan, map_from_odom)
+            drawing.draw_path(picture, view, robot.get_path(), drawing.PLAN, 0.02, dashed=True)
+            for person in robot.get_people():
+                ahead = np.add(person.position, person.velocity)
+                way = [map_from_odom.transform(place) for place in (person.position, ahead)]
+                drawing.draw_path(picture, view, way, drawing.ROUTE, 0.03)
+                drawing.draw_person(picture, view, way[0], 0.2)
+            drawing.draw_robot(picture, view, progress.pose, robot.profile)
+            pictures.append(captioned(picture, f"{robot.now:.1f} s"))
+
+        await robot.move_to(11.3, -3.2, timeout=moments[-1] + 1.0, on_progress=look)
+    return beside(pictures)
+
+
+async def stuck_robot(moments: list[float]) -> Image.Image:
+    """A robot has driven into a gap that is too narrow, and gets out again: what it does at some moments [s]."""
+    robot = Robot(scene="cluttered_v1", hardware="turtlebot_like", start_pose=(8.0, 2.2, 1.9), seed=5)
+    async with robot:
+        view = drawing.View((-2.0, 0.1), (-0.3, 1.6), 196)
+        pictures, trail = [], []
+
+        def look(progress: threewe.Progress) -> None:
+            trail.append((progress.pose.x, progress.pose.y))
+            if not is_due(robot, moments, pictures):
+                return
+            picture = drawing.draw_map(robot.get_map(), view)
+            drawing.draw_path(picture, view, trail, drawing.TRAIL, 0.025)
+            drawing.draw_path(picture, view, robot.get_path(), drawing.PLAN, 0.025, dashed=True)
+            drawing.draw_robot(picture, view, progress.pose, robot.profile)
+            pictures.append(captioned(picture, f"{robot.now:.1f} s: {progress.recovery.name.replace('_', ' ')}"))
+
+        result = await robot.move_to(-3.9, 1.3, on_progress=look)
+        print(result)
+    return beside(pictures)
+
+
+def save(picture: Image.Image, name: str) -> None:
+    """As a small file: few colours are enough."""
+    picture.quantize(128).save(name)
+
+
 def main() -> None:
     arguments = argparse.ArgumentParser(description=__doc__)
     arguments.add_argument("--quick", action="store_true", help="less to see")
     quick = arguments.parse_args().quick
-    asyncio.run(growing_map([1.0, 2.0] if quick else [1.0, 15.0, 45.0, 100.0])).save("mind_map.png")
-    closed_loop("laboratory" if quick else "office_loop").save("mind_loop.png")
-    asyncio.run(carried_away()).save("mind_lost.png")
+    save(asyncio.run(growing_map([1.0, 2.0] if quick else [1.0, 15.0, 45.0, 120.0])), "mind_map.png")
+    save(closed_loop("laboratory" if quick else "office_loop"), "mind_loop.png")
+    save(asyncio.run(carried_away()), "mind_lost.png")
+    save(asyncio.run(fan_of_plans([1.0, 2.0] if quick else [2.0, 3.6, 22.0])), "mind_fan.png")
+    save(asyncio.run(stuck_robot([1.0, 2.0] if quick else [9.8, 13.2, 15.1, 29.6, 32.6])), "mind_stuck.png")
 
 
 if __name__ == "__main__":
