@@ -3,22 +3,19 @@
 from __future__ import annotations
 
 import itertools
-import tempfile
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-import yaml
 from numpy.typing import NDArray
 from threewe import Scene, sync
 from threewe.gym import TASKS, Env, VectorEnv
 from threewe.gym.batch import TASK_FIELDS
 from threewe.gym.episodes import Episode, load_episodes
 
+from verify.cases.deaf_robot import deaf_robot
 from verify.cases.wander import wander
-from verify.harness import ROOT, Case, Experiment, Row, Verdict, all_of, share_of
+from verify.harness import Case, Experiment, Row, Verdict, all_of, share_of
 
 EPISODES = 50  # of one case of agreement
 AROUND_ROBOTS = 20  # episodes of one case of agreement between the native form and that around a robot
@@ -82,17 +79,6 @@ def same_alone(env: Env, seed: int, place: int, actions: Any, history: Any, outc
         if not same(observation, then):
             return False
     return True
-
-
-@contextmanager
-def deaf_robot() -> Iterator[Path]:
-    """The file of a robot without ultrasonic sensors: the native form has none, and a robot slows down for an echo."""
-    profile = yaml.safe_load((ROOT / "assets/robots/3we_standard_v2.yaml").read_text())
-    del profile["sensors"]["ultrasonics"]
-    with tempfile.TemporaryDirectory() as folder:
-        file = Path(folder) / "3we_deaf.yaml"
-        file.write_text(yaml.safe_dump(profile))
-        yield file
 
 
 def agree_with_robot(seed: int, task: str) -> dict[str, Any]:
