@@ -261,6 +261,7 @@ EXPERIMENTS = [
             {"gate": gate, "assertions": assertions},
             cases=cases,
             sample=int(not assertions),
+            limit=3600.0,
             rows=[
                 all_of("a million steps, to the end", lambda case: case["steps"] >= 1_000_000),
                 all_of("no NaN, nothing outside its space", lambda case: case["bad"] == 0),

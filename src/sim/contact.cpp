@@ -343,11 +343,11 @@ Twist resolve(const RigidBody& body, Contacts& contacts, Twist twist, double sec
     if (largest < 1e-9) break;
   }
 
-  // what the sweeps left over: standing still is always allowed, so scaling down ends every violation
+  // what the sweeps left over: standing still is always allowed, so scaling down ends every approach that is too fast
   double share = 1.0;
   for (const Contact& contact : contacts.items()) {
     const double closing = -contact.speed(twist) * seconds;
-    if (closing * share > contact.gap) share = std::max(contact.gap, 0.0) / closing;
+    if (closing > 0.0 && closing * share > contact.gap) share = std::max(contact.gap, 0.0) / closing;
   }
   const double after = energy(body, twist);
   if (after > before) share = std::min(share, exact::sqrt(before / after));

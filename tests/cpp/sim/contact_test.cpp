@@ -170,6 +170,26 @@ TEST_CASE("contact adds no energy and nothing is entered, among random obstacles
   CHECK(touched > 10'000);
 }
 
+TEST_CASE("a body that touches a disc to the last bit stays where it is, slides or leaves") {
+  // distances of zero round to either side of it: nothing may be divided by what the body does not move
+  const RigidBody body = robot();
+  for (std::uint64_t seed = 0; seed < 20000; ++seed) {
+    CAPTURE(seed);
+    const RngKey key{.seed = seed};
+    const scene::Circle disc{{uniform(key, 0, 0, -5.0, 5.0), uniform(key, 1, 0, -5.0, 5.0)},
+                             uniform(key, 2, 0, 0.01, 0.3)};
+    const double heading = uniform(key, 3, 0, -3.0, 3.0);
+    const Vec2 base = disc.center - rotate({0.125 + disc.radius, 0.0}, heading);
+    const Velocity velocity{seed % 4 == 0 ? -0.1 : 0.0, seed % 2 == 0 ? 0.0 : 0.3, 0.0};
+    const Pose2D pose{base.x, base.y, heading};
+    const std::vector<scene::Circle> discs{disc};
+    const Motion motion = move(body, index({}), {{}, discs}, pose, velocity, {}, kSeconds);
+    CHECK(std::isfinite(motion.pose.x));
+    CHECK(std::isfinite(motion.velocity.vx));
+    CHECK(distance(motion.pose.position(), pose.position()) < 0.0035);
+  }
+}
+
 TEST_CASE("other robots stop a body as walls do") {
   const RigidBody body = robot();
   const ShapeIndex nothing;
