@@ -53,6 +53,31 @@ MppiSettings mppi_settings() {
 
 Velocity scaled(const Velocity& v, double s) { return {s * v.vx, s * v.vy, s * v.omega}; }
 
+// The poses of a constant motion, each a step after the one before, as far as they are asked for.
+class Motion {
+ public:
+  explicit Motion(const Pose2D& step) : step_(step) {}
+  // A point in the base frame of the beginning in that after `n` more steps than one.
+  Vec2 in_base(Vec2 point, int n) {
+    while (poses_.size() <= static_cast<std::size_t>(n)) go_on();
+    const Placed& at = poses_[static_cast<std::size_t>(n)];
+    const Vec2 d = point - at.pose.position();
+    return {at.heading.cos * d.x + at.heading.sin * d.y, at.heading.cos * d.y - at.heading.sin * d.x};
+  }
+
+ private:
+  struct Placed {
+    Pose2D pose;
+    exact::SinCos heading;
+  };
+  void go_on() {
+    const Pose2D pose = poses_.empty() ? Pose2D{} * step_ : poses_.back().pose * step_;
+    poses_.push_back({pose, exact::sincos(pose.theta)});
+  }
+  Pose2D step_;
+  std::vector<Placed> poses_;
+};
+
 }  // namespace
 
 Outline::Outline(const Footprint& footprint) {
@@ -232,6 +257,8 @@ double Tracker::allowed_fraction(const Velocity& v, double inside) const {
   return f < 0.03 ? 0.0 : std::min(f, 1.0);
 }
 
+// Point by point. A point comes nearer to the outline by no more than it moves in the base frame, so that those far from
+// it are looked at seldom.
 Sweep Tracker::sweep(const Velocity& v, double horizon, double inside) const {
   const double speed = exact::hypot(v.vx, v.vy);
   const double pace = std::max(speed / kStep, std::fabs(v.omega) / 0.1);
@@ -240,17 +267,24 @@ Sweep Tracker::sweep(const Velocity& v, double horizon, double inside) const {
   const Pose2D step = integrate({}, v, dt);
   const int steps = static_cast<int>(horizon / dt);
   const double most = margin_ + spare_ - inside;
-  Pose2D pose;
-  for (int n = 0; n < steps; ++n) {
-    pose = pose * step;
-    const auto [s, c] = exact::sincos(pose.theta);
-    for (std::size_t i = 0; i < near_.size(); ++i) {
-      const Vec2 d = near_[i] - pose.position();
-      if (outline_.clearance({c * d.x + s * d.y, c * d.y - s * d.x}) < std::min(least_[i], most))
-        return {n * dt, false};
+  constexpr double kRounding = 1e-6;  // [m] more than what rounding does to where a point is
+  const double way = norm(step.position());
+  const double nearer = way + std::fabs(step.theta) * (reach_ + steps * way) + kRounding;  // at most, each step
+
+  Motion motion(step);
+  int contact = steps;
+  for (std::size_t i = 0; i < near_.size(); ++i) {
+    const double least = std::min(least_[i], most);
+    for (int n = 0; n < contact;) {
+      const double spare = outline_.clearance(motion.in_base(near_[i], n)) - least;
+      if (spare < 0.0) {
+        contact = n;
+      } else {
+        n += 1 + static_cast<int>(std::min(spare / nearer, 1.0 * steps));
+      }
     }
   }
-  return {horizon, true};
+  return contact < steps ? Sweep{contact * dt, false} : Sweep{horizon, true};
 }
 
 // The speed from which the robot comes to rest within `distance`, reacting late and braking gently.
