@@ -1,6 +1,7 @@
 #include "slam/scan_matcher.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <vector>
 
@@ -20,6 +21,30 @@ constexpr int kMaxIterations = 6;
 constexpr double kMaxCellWeight = 12.0;  // hits in one cell beyond this add nothing to its weight
 
 double square(double x) { return x * x; }
+
+// What the number of hits in a cell makes of their sums.
+struct CellScale {
+  double place = 0.0;   // of the hits' places, to their mean in cells
+  double weight = 0.0;  // of the cell
+  double from = 0.0;    // of the directions that they were seen from, to their weighted mean
+};
+
+constexpr CellScale scale_of(int count) {
+  const double weight = std::min<double>(count, kMaxCellWeight);
+  return {1.0 / (256.0 * count), weight, weight / (100.0 * count)};
+}
+
+// Those of the usual numbers, since divisions are slow.
+constexpr std::array<CellScale, 65> kScales = [] {
+  std::array<CellScale, 65> scales{};
+  for (std::size_t i = 1; i < scales.size(); ++i) scales[i] = scale_of(static_cast<int>(i));
+  return scales;
+}();
+
+CellScale known_scale_of(int count) {
+  const auto i = static_cast<std::size_t>(count);
+  return i < kScales.size() ? kScales[i] : scale_of(count);
+}
 
 struct NormalEquations {
   Matrix4 h = Matrix4::Zero();
@@ -93,15 +118,14 @@ std::optional<Surface> surface_at(const map::LogOddsMap& map, Vec2 point, Vec2 b
     const map::CellHits* row = &map.hits()[grid.index({middle.x, middle.y + dy})];
     for (int dx = -1; dx <= 1; ++dx) {
       const map::CellHits& h = row[dx];
-      const double facing = h.sum_from_x * back.x + h.sum_from_y * back.y;
+      if (h.count == 0) continue;
+      const Vec2 sum_from{static_cast<double>(h.sum_from_x), static_cast<double>(h.sum_from_y)};
       const bool from_all_sides = h.sum_from_x == 0 && h.sum_from_y == 0;
-      if (h.count == 0 || (facing <= 0.0 && !from_all_sides)) continue;
-      const double scale = 1.0 / (256.0 * h.count);
+      if (dot(sum_from, back) <= 0.0 && !from_all_sides) continue;
+      const auto [scale, weight, from_scale] = known_scale_of(h.count);
       const double px = dx + scale * h.sum_x;
       const double py = dy + scale * h.sum_y;
-      const double weight = std::min<double>(h.count, kMaxCellWeight);
-      from = from +
-             (weight / (100.0 * h.count)) * Vec2{static_cast<double>(h.sum_from_x), static_cast<double>(h.sum_from_y)};
+      from = from + from_scale * sum_from;
       w += weight, x += weight * px, y += weight * py;
       xx += weight * px * px, xy += weight * px * py, yy += weight * py * py;
     }
