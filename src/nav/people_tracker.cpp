@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "nav/bearing_bin.hpp"
+
 namespace threewe::nav {
 namespace {
 
@@ -30,13 +32,6 @@ constexpr int kMisses = 2;                 // in a row end a track that is nobod
 constexpr Duration kUnseen = 500ms;        // ends one that is
 constexpr Duration kStanding = 3s;         // likewise
 constexpr double kSamePlace = 0.3;         // [m] tracks nearer than this are one
-
-double bearing(Vec2 d) { return exact::atan2(d.y, d.x); }
-
-std::size_t bin_of(double angle, std::size_t bins) {
-  const double share = (angle + exact::kPi) / (2.0 * exact::kPi);
-  return static_cast<std::size_t>(std::floor(share * static_cast<double>(bins))) % bins;
-}
 
 bool is_valid(const LaserScan& scan, std::size_t beam) {
   const auto range = static_cast<double>(scan.ranges[beam]);
@@ -79,6 +74,7 @@ void PeopleTracker::find_ends(const LaserScan& scan, const Pose2D& then, const P
 // Where beams hit something, and whether it was there before.
 void PeopleTracker::find_hits(const LaserScan& scan) {
   hits_.clear();
+  choose_views();
   for (std::size_t i = 0; i < scan.ranges.size(); ++i) {
     const auto range = static_cast<double>(scan.ranges[i]);
     if (!is_valid(scan, i) || range >= scan.range_max || range > kFarthest) continue;
@@ -86,34 +82,44 @@ void PeopleTracker::find_hits(const LaserScan& scan) {
   }
 }
 
+void PeopleTracker::choose_views() {
+  old_views_.clear();
+  for (std::size_t i = 0; i < views_.size(); ++i) {
+    if (views_[i].stamp + kYoungestView <= stamp_ + 100ms) old_views_.push_back({i, 0});
+  }
+}
+
 // Did several earlier scans look through this point?
-bool PeopleTracker::was_free(Vec2 point, double margin) const {
+bool PeopleTracker::was_free(Vec2 point, double margin) {
   int through = 0;
-  for (const View& view : views_) {
-    if (view.stamp + kYoungestView > stamp_ + 100ms) continue;
+  int left = static_cast<int>(old_views_.size());
+  for (auto& [index, bin] : old_views_) {
+    if (through + left-- < kViewsThrough) return false;
+    const View& view = views_[index];
     const Vec2 d = point - view.from;
+    bin = bearing_bin(d, bin);  // near where the hit before was
     const auto needed = static_cast<float>(norm(d) + margin);
-    const std::size_t middle = bin_of(bearing(d), kBins) + kBins;
-    bool free = true;
-    bool looked = false;
-    for (std::size_t bin = middle - kAside; free && bin <= middle + kAside; ++bin) {
-      const float range = view.ranges[bin % kBins];
-      looked = looked || range > 0.0F;
-      free = range == 0.0F || range > needed;
-    }
-    if (free && looked && ++through >= kViewsThrough) return true;
+    if (view.open[bin] > needed && ++through >= kViewsThrough) return true;
   }
   return false;
 }
 
 void PeopleTracker::remember(const LaserScan& scan, Time stamp, Vec2 from) {
-  View view{stamp, from, {}};
+  static_assert(kBins == kBearingBins);
+  const auto nearer = [](float a, float b) { return a == 0.0F ? b : b == 0.0F ? a : std::min(a, b); };
+  std::array<float, kBins> ranges{};
+  std::size_t bin = 0;
   for (std::size_t i = 0; i < scan.ranges.size(); ++i) {
     if (!is_valid(scan, i)) continue;
-    const Vec2 d = ends_[i] - view.from;
-    float& nearest = view.ranges[bin_of(bearing(d), kBins)];
-    const auto length = static_cast<float>(norm(d));
-    nearest = nearest == 0.0F ? length : std::min(nearest, length);
+    const Vec2 d = ends_[i] - from;
+    bin = bearing_bin(d, bin);
+    ranges[bin] = nearer(ranges[bin], static_cast<float>(norm(d)));
+  }
+  View view{stamp, from, {}};
+  for (std::size_t i = 0; i < kBins; ++i) {
+    for (std::size_t k = kBins - kAside; k <= kBins + kAside; ++k) {
+      view.open[i] = nearer(view.open[i], ranges[(i + k) % kBins]);
+    }
   }
   if (views_.size() < kRemembered) {
     views_.push_back(view);

@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "threewe/core/pose.hpp"
@@ -40,11 +41,11 @@ class PeopleTracker {
   static constexpr std::size_t kBins = 360;
   static constexpr std::size_t kRemembered = 11;  // scans
 
-  /// What a scan saw: the nearest range in each direction from a point, 0 where it did not look.
+  /// How far a scan looked from a point: in each direction and those beside it the least range, 0 where it did not look.
   struct View {
     Time stamp{};
     Vec2 from;
-    std::array<float, kBins> ranges{};
+    std::array<float, kBins> open{};
   };
   /// A beam that hit something.
   struct Hit {
@@ -76,7 +77,8 @@ class PeopleTracker {
 
   void find_ends(const LaserScan& scan, const Pose2D& then, const Pose2D& now);
   void find_hits(const LaserScan& scan);
-  bool was_free(Vec2 point, double margin) const;
+  void choose_views();
+  bool was_free(Vec2 point, double margin);
   void remember(const LaserScan& scan, Time stamp, Vec2 from);
   void group_hits(const LaserScan& scan, Vec2 lidar);
   Group group_of(std::size_t first, std::size_t last, const LaserScan& scan, Vec2 lidar) const;
@@ -90,6 +92,7 @@ class PeopleTracker {
 
   std::vector<View> views_;  // a ring
   std::size_t next_view_ = 0;
+  std::vector<std::pair<std::size_t, std::size_t>> old_views_;  // those long ago enough, and where each looked at last
   std::vector<Vec2> ends_;     // of the newest scan's beams; (0, 0) of those that are not valid
   std::vector<Hit> hits_;      // of the newest scan, by beam
   std::vector<Group> groups_;  // likewise
