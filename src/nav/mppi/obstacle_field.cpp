@@ -15,21 +15,68 @@ using Floats = hn::CappedTag<float, kBlock>;
 using Ints = hn::RebindToSigned<Floats>;
 using V = hn::Vec<Floats>;
 
-// A column of vectors, for a robot whose heading has this sine and cosine.
-HWY_INLINE void stamp_column(const StampShape& shape, const Stamp& stamp, float sin, float cos, int column,
-                             std::int32_t* cells, float* nearest) {
+// How a robot stands, and what follows from it for all stamps.
+struct Heading {
+  float sin, cos;
+  float columns, rows;               // [cells] from an obstacle to where it is out of sight
+  float tan, cot;                    // rows for each column along the sides of the outline, and across
+  float half_width, half_length;     // [rows] from the middle line to where obstacles beside it are out of sight
+};
+
+Heading heading_of(const StampShape& shape, double angle) {
+  const exact::SinCos exactly = exact::sincos(angle);
+  const auto sin = static_cast<float>(exactly.sin);
+  const auto cos = static_cast<float>(exactly.cos);
+  const float s = std::fabs(sin);
+  const float c = std::fabs(cos);
+  return {.sin = sin,
+          .cos = cos,
+          .columns = (shape.half_length * c + shape.half_width * s + shape.sight) / shape.cell,
+          .rows = (shape.half_length * s + shape.half_width * c + shape.sight) / shape.cell,
+          .tan = sin / cos,
+          .cot = cos / sin,
+          .half_width = (shape.half_width + shape.sight) / (c * shape.cell),
+          .half_length = (shape.half_length + shape.sight) / (s * shape.cell)};
+}
+
+// Whole numbers from `low` to `high`, and within some bounds; a little more, since both are rounded.
+struct Range {
+  int first, end;
+};
+HWY_INLINE Range whole(float low, float high, int first, int end) {
+  constexpr float kRounding = 0.01F;
+  return {std::max(first, static_cast<int>(std::max(low + (1.0F - kRounding), 0.0F))),
+          std::min(end, static_cast<int>(std::max(high + (1.0F + kRounding), 0.0F)))};
+}
+
+// The rows in which some cell of a vector of columns sees an obstacle: the outline and what is within sight of it lie
+// between two pairs of lines.
+HWY_INLINE Range rows_in_sight(const Heading& heading, const Cells& filled, float right, float row) {
+  constexpr float kHalf = 0.5F * static_cast<float>(hn::MaxLanes(Floats()) - 1);
+  const float along = heading.tan * right;
+  const float across = -heading.cot * right;
+  const float beside = heading.half_width + std::fabs(heading.tan) * kHalf;
+  const float beyond = heading.half_length + std::fabs(heading.cot) * kHalf;
+  const float up = std::min({heading.rows, along + beside, across + beyond});
+  const float down = std::max({-heading.rows, along - beside, across - beyond});
+  return whole(row - up, row - down, filled.first_row, filled.first_row + filled.rows);
+}
+
+// A column of vectors.
+HWY_INLINE void stamp_column(const StampShape& shape, const Stamp& stamp, const Heading& heading, int column,
+                             const Range& rows, std::int32_t* cells, float* nearest) {
   const Floats d;
   const V zero = hn::Zero(d);
   const V packed = hn::BitCast(d, hn::Set(Ints(), stamp.packed));
   const V centre = hn::Iota(d, static_cast<float>(column) + 0.5F);
   const V dx = hn::Sub(hn::Set(d, stamp.x), hn::Mul(centre, hn::Set(d, shape.cell)));
-  const V cos_dx = hn::Mul(hn::Set(d, cos), dx);
-  const V sin_dx = hn::Mul(hn::Set(d, sin), dx);
-  std::ptrdiff_t at = stamp.cells.first_row * kSide + column;
-  for (int row = stamp.cells.first_row; row < stamp.cells.first_row + stamp.cells.rows; ++row, at += kSide) {
+  const V cos_dx = hn::Mul(hn::Set(d, heading.cos), dx);
+  const V sin_dx = hn::Mul(hn::Set(d, heading.sin), dx);
+  std::ptrdiff_t at = rows.first * kSide + column;
+  for (int row = rows.first; row < rows.end; ++row, at += kSide) {
     const float dy = stamp.y - (static_cast<float>(row) + 0.5F) * shape.cell;
-    const V ahead = hn::Add(cos_dx, hn::Set(d, sin * dy));
-    const V left = hn::Sub(hn::Set(d, cos * dy), sin_dx);
+    const V ahead = hn::Add(cos_dx, hn::Set(d, heading.sin * dy));
+    const V left = hn::Sub(hn::Set(d, heading.cos * dy), sin_dx);
     const V beyond_x = hn::Sub(hn::Abs(ahead), hn::Set(d, shape.half_length));
     const V beyond_y = hn::Sub(hn::Abs(left), hn::Set(d, shape.half_width));
     const V out_x = hn::Max(beyond_x, zero);
@@ -45,15 +92,24 @@ HWY_INLINE void stamp_column(const StampShape& shape, const Stamp& stamp, float 
   }
 }
 
-// Heading by heading, since all cells of one stay near in memory.
-void stamp_all(const StampShape& shape, std::span<const Stamp> stamps, std::int32_t* cells, float* nearest) {
+// Heading by heading, since all cells of one stay near in memory. Vectors may begin anywhere, but none crosses the end of
+// what is filled.
+void stamp_all(const StampShape& shape, const Cells& filled, std::span<const Stamp> stamps, std::int32_t* cells,
+               float* nearest) {
   constexpr int kLanes = static_cast<int>(hn::MaxLanes(Floats()));
+  const int end = filled.first_column + filled.columns;
   for (int bin = 0; bin < kBins; ++bin) {
-    const exact::SinCos heading = exact::sincos((bin + 0.5) * exact::kPi / kBins);
+    const Heading heading = heading_of(shape, (bin + 0.5) * exact::kPi / kBins);
     for (const Stamp& stamp : stamps) {
-      for (int column = 0; column < stamp.cells.columns; column += kLanes) {
-        stamp_column(shape, stamp, static_cast<float>(heading.sin), static_cast<float>(heading.cos),
-                     stamp.cells.first_column + column, cells, nearest);
+      const float middle = stamp.x / shape.cell - 0.5F;
+      const float row = stamp.y / shape.cell - 0.5F;
+      const Range columns = whole(middle - heading.columns, middle + heading.columns, filled.first_column, end);
+      const int vectors = (columns.end - columns.first + kLanes - 1) / kLanes;
+      int column = std::min(columns.first, end - vectors * kLanes);
+      for (int i = 0; i < vectors; ++i, column += kLanes) {
+        const float right = middle - (static_cast<float>(column) + 0.5F * static_cast<float>(kLanes - 1));
+        const Range rows = rows_in_sight(heading, filled, right, row);
+        stamp_column(shape, stamp, heading, column, rows, cells, nearest);
       }
     }
     cells += kSide * kSide;
@@ -77,9 +133,9 @@ constexpr double kThinned = 0.012;  // [m] of obstacles nearer to each other one
 
 }  // namespace
 
-void stamp_rows(const StampShape& shape, std::span<const Stamp> stamps, std::span<std::int32_t> cells,
-                std::span<float> nearest) {
-  HWY_DYNAMIC_DISPATCH(stamp_all)(shape, stamps, cells.data(), nearest.data());
+void stamp_rows(const StampShape& shape, const Cells& filled, std::span<const Stamp> stamps,
+                std::span<std::int32_t> cells, std::span<float> nearest) {
+  HWY_DYNAMIC_DISPATCH(stamp_all)(shape, filled, stamps, cells.data(), nearest.data());
 }
 
 ObstacleField::ObstacleField(const Footprint& footprint, double reach, double sight)
@@ -117,7 +173,7 @@ void ObstacleField::update(std::span<const Vec2> obstacles, Vec2 middle, Vec2 lo
     last = p;
     add_stamp(static_cast<float>(p.x - middle.x - corner), static_cast<float>(p.y - middle.y - corner));
   }
-  stamp_rows({static_cast<float>(cell_), half_length_, half_width_}, stamps_, cells_, nearest_);
+  stamp_rows({static_cast<float>(cell_), half_length_, half_width_, sight_}, filled_, stamps_, cells_, nearest_);
 }
 
 bool ObstacleField::covers(Vec2 low, Vec2 high) const {
@@ -138,25 +194,18 @@ Cells ObstacleField::cells_around(Vec2 low, Vec2 high) const {
   return {first, row(low.y - middle_.y), columns, row(high.y - middle_.y) + 1 - row(low.y - middle_.y)};
 }
 
-// On all filled cells from which it can be within sight.
+// Where it can be within sight of some filled cell.
 void ObstacleField::add_stamp(float x, float y) {
   const auto cell = static_cast<float>(cell_);
   const float around = sight_ + exact::sqrt(half_length_ * half_length_ + half_width_ * half_width_);
-  const auto at = [&](float along) { return static_cast<int>(std::floor(std::clamp(along / cell, -1e4F, 1e4F))); };
-  constexpr int kWhole = static_cast<int>(kBlock);
-  const int first_column = std::max(at(x - around), filled_.first_column);
-  const int last_column = std::min(at(x + around), filled_.first_column + filled_.columns - 1);
-  const int first_row = std::max(at(y - around), filled_.first_row);
-  const int last_row = std::min(at(y + around), filled_.first_row + filled_.rows - 1);
-  if (last_column < first_column || last_row < first_row) return;
-
-  // vectors may begin anywhere, but none crosses the end of what is filled
-  const int columns = (last_column - first_column + kWhole) / kWhole * kWhole;
-  const int from = std::min(first_column, filled_.first_column + filled_.columns - columns);
+  const auto is_far = [&](float along, int first, int count) {
+    return along < static_cast<float>(first) * cell - around || along > static_cast<float>(first + count) * cell + around;
+  };
+  if (is_far(x, filled_.first_column, filled_.columns) || is_far(y, filled_.first_row, filled_.rows)) return;
   const auto in_units = [&](float along) {
     return static_cast<int>(std::lround((static_cast<double>(along) - 0.5 * kSide * cell_) / unit_));
   };
-  stamps_.push_back({x, y, pack(in_units(x), in_units(y)), {from, first_row, columns, last_row + 1 - first_row}});
+  stamps_.push_back({x, y, pack(in_units(x), in_units(y))});
 }
 
 FieldView ObstacleField::view() const {

@@ -15,23 +15,24 @@ struct Cells {
   int first_column = 0, first_row = 0, columns = 0, rows = 0;
 };
 
-/// An obstacle and the cells from which it can be within sight.
+/// An obstacle.
 struct Stamp {
   float x = 0.0F, y = 0.0F;  ///< [m] from the corner of cell (0, 0)
   std::int32_t packed = 0;
-  Cells cells;  ///< whole vectors wide
 };
 
 /// What all stamps share.
 struct StampShape {
   float cell = 0.0F;  ///< [m]
-  float half_length = 0.0F, half_width = 0.0F;
+  float half_length = 0.0F, half_width = 0.0F;  ///< [m] of the outline
+  float sight = 0.0F;                           ///< [m] beyond, obstacles do not count
 };
 
 /// Where an obstacle is nearer to the outline than those before it, it takes their place. Distances are kept as their
-/// squares outside of the outline and as they are (negative) inside: the order is the same.
-void stamp_rows(const StampShape& shape, std::span<const Stamp> stamps, std::span<std::int32_t> cells,
-                std::span<float> nearest);
+/// squares outside of the outline and as they are (negative) inside: the order is the same. None in `nearest` exceeds
+/// the square of the sight. `filled` is whole blocks wide.
+void stamp_rows(const StampShape& shape, const Cells& filled, std::span<const Stamp> stamps,
+                std::span<std::int32_t> cells, std::span<float> nearest);
 
 /// A square window of kSide x kSide cells with the axes of `odom`. For each cell and each of kBins headings of the
 /// robot there, it knows which obstacle is nearest to the outline; the distance itself then follows to the bit of a
