@@ -1,7 +1,7 @@
 #include "robot/echo_map.hpp"
 
 #include <algorithm>
-#include <cstddef>
+#include <utility>
 
 namespace threewe {
 namespace {
@@ -50,7 +50,7 @@ void EchoMap::hear(const RangeData& echo, const Pose2D& map_from_sensor, bool ex
       beams.push_back(beam(map_from_sensor, share * echo.field_of_view, range, true));
     }
   }
-  map_.insert(beams);
+  insert(beams);
 }
 
 bool EchoMap::feel(Vec2 push, const Footprint& footprint, const Pose2D& map_from_base) {
@@ -66,30 +66,36 @@ bool EchoMap::feel(Vec2 push, const Footprint& footprint, const Pose2D& map_from
     const Vec2 point = (reach + kOutside) * towards + aside * Vec2{-towards.y, towards.x};
     beams.push_back(beam(map_from_base, exact::atan2(point.y, point.x), norm(point), true));
   }
-  for (int i = 0; i < 3; ++i) map_.insert(beams);  // felt is surer than heard
+  for (int i = 0; i < 3; ++i) insert(beams);  // felt is surer than heard
   return true;
 }
 
-std::vector<Vec2> EchoMap::occupied_near(Vec2 point, double radius) const {
-  const map::OccupancyGrid& map = grid();
-  const map::Cell low = map.cell(point - Vec2{radius, radius});
-  const map::Cell high = map.cell(point + Vec2{radius, radius});
-  std::vector<Vec2> occupied;
-  const int from = std::max(low.x, 0);
-  const int to = std::min(high.x, map.width - 1);
-  for (int y = std::max(low.y, 0); y <= std::min(high.y, map.height - 1) && from <= to; ++y) {
-    // next to nothing is occupied: a look at the whole row, without a branch for each cell
-    const std::int8_t* row = map.data.data() + map.index({0, y});
-    std::int8_t most = map::OccupancyGrid::kUnknown;
-    for (int x = from; x <= to; ++x) most = std::max(most, row[x]);
-    if (most < map::OccupancyGrid::kOccupiedThreshold) continue;
-    for (int x = from; x <= to; ++x) {
-      if (row[x] < map::OccupancyGrid::kOccupiedThreshold) continue;
-      const Vec2 center = map.center({x, y});
-      if (distance(center, point) <= radius) occupied.push_back(center);
+// Echoes change little at a time: what is occupied is looked up there only.
+void EchoMap::insert(std::span<const map::Beam> beams) {
+  const std::uint64_t before = map_.version();
+  map_.insert(beams);
+  const map::Region changed = map_.changes().since(before).value();
+  if (changed.empty()) return;
+  std::erase_if(occupied_, [&](map::Cell c) {
+    return c.x >= changed.low.x && c.y >= changed.low.y && c.x < changed.high.x && c.y < changed.high.y;
+  });
+  const map::Cell low = map::raster_cell(grid());
+  for (int y = changed.low.y; y < changed.high.y; ++y) {
+    for (int x = changed.low.x; x < changed.high.x; ++x) {
+      if (grid().at({x - low.x, y - low.y}) >= map::OccupancyGrid::kOccupiedThreshold) occupied_.push_back({x, y});
     }
   }
-  return occupied;
+  std::ranges::sort(occupied_, [](map::Cell a, map::Cell b) { return std::pair(a.y, a.x) < std::pair(b.y, b.x); });
+}
+
+std::vector<Vec2> EchoMap::occupied_near(Vec2 point, double radius) const {
+  const map::Cell low = map::raster_cell(grid());
+  std::vector<Vec2> near;
+  for (const map::Cell c : occupied_) {
+    const Vec2 center = grid().center({c.x - low.x, c.y - low.y});
+    if (distance(center, point) <= radius) near.push_back(center);
+  }
+  return near;
 }
 
 }  // namespace threewe

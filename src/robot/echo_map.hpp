@@ -27,11 +27,14 @@ class EchoMap {
 
   const map::OccupancyGrid& grid() const { return map_.grid(); }
   std::uint64_t version() const { return map_.version(); }
-  /// The middles of occupied cells within `radius` [m] of a point.
+  /// The middles of occupied cells within `radius` [m] of a point, row by row.
   std::vector<Vec2> occupied_near(Vec2 point, double radius) const;
 
  private:
+  void insert(std::span<const map::Beam> beams);
+
   map::LogOddsMap map_;
+  std::vector<map::Cell> occupied_;  // row by row, counted from the raster's origin
 };
 
 }  // namespace threewe
