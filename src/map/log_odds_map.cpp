@@ -5,8 +5,9 @@
 #include <cassert>
 #include <cmath>
 #include <limits>
+#include <utility>
 
-#include "threewe/core/grid_line.hpp"
+#include "map/scan_kernel.hpp"
 
 namespace threewe::map {
 namespace {
@@ -79,7 +80,7 @@ LogOddsMap LogOddsMap::going_on_from(const OccupancyGrid& given) {
   map.raster_ = given.origin;
   map.log_odds_.assign(given.data.size(), 0);
   map.hits_.resize(given.data.size());
-  map.marks_.assign(given.data.size(), Mark::none);
+  map.marks_.assign(given.data.size(), kUnseen);
   map.version_ = given.data.empty() ? 0 : 1;
   for (std::size_t i = 0; i < given.data.size(); ++i) {
     if (is_occupied(given.data[i])) map.log_odds_[i] = map.settings_.max;
@@ -115,11 +116,11 @@ void LogOddsMap::add_given_surface(Cell c) {
 void LogOddsMap::insert(std::span<const Beam> scan, double range_bias) {
   const std::vector<Beam> beams = within_reach(scan);
   grow_to_hold(beams);
+  const Region seen = mark_free(beams, range_bias);
   for (const Beam& beam : beams) {
     if (beam.hit) add_hit(beam, range_bias);
   }
-  for (const Beam& beam : beams) mark_free(beam, range_bias);
-  apply_touched();
+  apply_marks(seen);
 }
 
 // The beams that the map can hold without growing beyond its limits.
@@ -176,7 +177,7 @@ void LogOddsMap::make_room(Vec2 low, Vec2 high) {
   log_odds_ = moved_into(log_odds_, grid_.width, offset, width, height, std::int8_t{0});
   hits_ = moved_into(hits_, grid_.width, offset, width, height, CellHits{});
   grid_.data = moved_into(grid_.data, grid_.width, offset, width, height, OccupancyGrid::kUnknown);
-  marks_.assign(grid_.data.size(), Mark::none);
+  marks_.assign(grid_.data.size(), kUnseen);
   grid_.width = width;
   grid_.height = height;
   grid_.origin = raster_ + Vec2{x0 * r, y0 * r};
@@ -195,8 +196,7 @@ void LogOddsMap::add_hit(const Beam& beam, double range_bias) {
   const Vec2 measured = beam.origin + beam.range * beam.direction;
   const Cell c = grid_.cell(measured - range_bias * beam.direction);
   const std::size_t index = grid_.index(c);
-  if (marks_[index] == Mark::none) touched_.push_back(static_cast<std::uint32_t>(index));
-  marks_[index] = Mark::hit;
+  marks_[index] = kHit;
 
   CellHits& h = hits_[index];
   if (h.count >= kMaxHits) {
@@ -215,53 +215,59 @@ void LogOddsMap::add_hit(const Beam& beam, double range_bias) {
   ++h.count;
 }
 
-void LogOddsMap::mark_free(const Beam& beam, double range_bias) {
-  // no further than beams are trusted to be free
-  const double length = std::clamp(beam.range - (beam.hit ? range_bias : 0.0), 0.0, settings_.free_range);
-  const Vec2 end = beam.origin + length * beam.direction;
-
+// Marks what beams passed through. Returns where all lie that the scan saw.
+Region LogOddsMap::mark_free(std::span<const Beam> beams, double range_bias) {
+  if (beams.empty()) return {};
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
   const double cells = 1.0 / grid_.resolution;
-  walk_grid_line(cells * (beam.origin - grid_.origin), cells * (end - grid_.origin), [this](int x, int y) {
-    const std::size_t index = grid_.index({x, y});
-    if (marks_[index] == Mark::none) {
-      marks_[index] = Mark::pass;
-      touched_.push_back(static_cast<std::uint32_t>(index));
+  Vec2 low{kInfinity, kInfinity};
+  Vec2 high{-kInfinity, -kInfinity};
+  std::vector<GridLine> lines;
+  lines.reserve(beams.size());
+  for (const Beam& beam : beams) {
+    // no further than beams are trusted to be free
+    const double measured = std::max(beam.range - (beam.hit ? range_bias : 0.0), 0.0);
+    const Vec2 end = beam.origin + std::min(measured, settings_.free_range) * beam.direction;
+    lines.push_back({cells * (beam.origin - grid_.origin), cells * (end - grid_.origin)});
+    const Vec2 hit = cells * (beam.origin + (beam.range - range_bias) * beam.direction - grid_.origin);
+    for (const Vec2 p : {lines.back().from, lines.back().to, hit}) {
+      low = {std::min(low.x, p.x), std::min(low.y, p.y)};
+      high = {std::max(high.x, p.x), std::max(high.y, p.y)};
     }
-    return true;
-  });
+  }
+  mark_passed(lines, grid_.width, marks_);
+  // and a cell around, since a hit's may be reckoned otherwise
+  return {{std::max(to_cell(low.x) - 1, 0), std::max(to_cell(low.y) - 1, 0)},
+          {std::min(to_cell(high.x) + 2, grid_.width), std::min(to_cell(high.y) + 2, grid_.height)}};
 }
 
 // What becomes of the cells that the scan saw, and where others see a difference.
-void LogOddsMap::apply_touched() {
+void LogOddsMap::apply_marks(const Region& seen) {
+  const Evidence evidence{settings_.hit, settings_.pass, settings_.max, settings_.min};
+  changed_.clear();
+  for (int y = seen.low.y; y < seen.high.y; ++y) {
+    add_evidence(evidence, grid_.index({seen.low.x, y}), grid_.index({seen.high.x - 1, y}) + 1, marks_, log_odds_,
+                 changed_);
+  }
+
+  const std::array<std::int8_t, 256>& occupancy = occupancy_table();
   Region changed;
   const auto width = static_cast<std::uint32_t>(std::max(grid_.width, 1));
-  for (const std::uint32_t index : touched_) {
-    const std::int8_t before = grid_.data[index];
-    apply(index);
-    if (grid_.data[index] == before) continue;
+  for (const std::uint32_t index : changed_) {
+    const std::int8_t value = log_odds_[index];
+    // what is seen through has no surface any more
+    if (value < 0) hits_[index] = CellHits{};
+    const std::int8_t now = occupancy[static_cast<std::uint8_t>(value + 128)];
+    if (std::exchange(grid_.data[index], now) == now) continue;
     const Cell c{static_cast<int>(index % width), static_cast<int>(index / width)};
     changed = united(changed, {c, {c.x + 1, c.y + 1}});
   }
-  touched_.clear();
 
   const Cell low = raster_cell(grid_);
   if (!changed.empty()) {
     changed = {{changed.low.x + low.x, changed.low.y + low.y}, {changed.high.x + low.x, changed.high.y + low.y}};
   }
   changes_.note(++version_, changed);
-}
-
-void LogOddsMap::apply(std::size_t index) {
-  const bool hit = marks_[index] == Mark::hit;
-  int value = log_odds_[index] + (hit ? settings_.hit : settings_.pass);
-  if (value == 0) value = hit ? 1 : -1;  // 0 is for cells that were never seen
-  value = std::clamp<int>(value, settings_.min, settings_.max);
-  log_odds_[index] = static_cast<std::int8_t>(value);
-  grid_.data[index] = occupancy_table()[static_cast<std::uint8_t>(value + 128)];
-  marks_[index] = Mark::none;
-
-  // what is seen through has no surface any more
-  if (value < 0) hits_[index] = CellHits{};
 }
 
 }  // namespace threewe::map

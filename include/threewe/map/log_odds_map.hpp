@@ -72,14 +72,11 @@ class LogOddsMap {
   const std::vector<CellHits>& hits() const { return hits_; }
 
  private:
-  enum class Mark : std::uint8_t { none, pass, hit };
-
   std::vector<Beam> within_reach(std::span<const Beam> beams) const;
   void grow_to_hold(std::span<const Beam> beams);
   void add_hit(const Beam& beam, double range_bias);
-  void mark_free(const Beam& beam, double range_bias);
-  void apply_touched();
-  void apply(std::size_t index);
+  Region mark_free(std::span<const Beam> beams, double range_bias);
+  void apply_marks(const Region& seen);
   void add_given_surface(Cell c);
 
   Settings settings_;
@@ -87,8 +84,8 @@ class LogOddsMap {
   Vec2 raster_;  // [m] where the corner of some cell is: (0, 0) unless the map was given
   std::vector<std::int8_t> log_odds_;
   std::vector<CellHits> hits_;
-  std::vector<Mark> marks_;             // what the present scan saw; all `none` between scans
-  std::vector<std::uint32_t> touched_;  // the cells it saw
+  std::vector<std::uint8_t> marks_;     // what the present scan saw; all 0 between scans
+  std::vector<std::uint32_t> changed_;  // the cells that it changed or hit
   std::uint64_t version_ = 0;
   ChangeLog changes_;
 };
