@@ -9,49 +9,6 @@
 
 namespace threewe::map {
 
-// Distances along columns first, then the least of dx^2 + column^2 along rows. Plain loops over int16, which compilers
-// vectorise.
-void squared_distances(std::span<const std::uint8_t> occupied, int width, int height,
-                       std::vector<std::int16_t>& squared) {
-  const auto w = static_cast<std::size_t>(width);
-  const auto h = static_cast<std::size_t>(height);
-  constexpr std::int16_t kFar = kMaxDistance;
-  squared.resize(w * h);
-
-  for (std::size_t i = 0; i < w * h; ++i) squared[i] = occupied[i] != 0 ? std::int16_t{0} : kFar;
-  const auto relax = [w, &squared](std::size_t row, std::size_t from) {
-    std::int16_t* target = &squared[row * w];
-    const std::int16_t* source = &squared[from * w];
-    for (std::size_t x = 0; x < w; ++x) {
-      target[x] = std::min(target[x], static_cast<std::int16_t>(source[x] + 1));
-    }
-  };
-  for (std::size_t y = 1; y < h; ++y) relax(y, y - 1);
-  for (std::size_t y = h; y-- > 1;) relax(y - 1, y);
-
-  // a row with room on both sides, so that the inner loop has no edges
-  std::vector<std::int16_t> row(w + 2 * std::size_t{kMaxDistance}, std::int16_t{kFar * kFar});
-  for (std::size_t y = 0; y < h; ++y) {
-    std::int16_t* out = &squared[y * w];
-    bool near = false;
-    for (std::size_t x = 0; x < w; ++x) {
-      row[x + kMaxDistance] = static_cast<std::int16_t>(out[x] * out[x]);
-      near = near || out[x] < kFar;
-    }
-    for (std::size_t x = 0; x < w; ++x) out[x] = row[x + kMaxDistance];
-    if (!near) continue;
-    for (std::size_t dx = 1; dx < kMaxDistance; ++dx) {
-      const std::int16_t* left = &row[kMaxDistance - dx];
-      const std::int16_t* right = &row[kMaxDistance + dx];
-      const auto add = static_cast<std::int16_t>(dx * dx);
-      for (std::size_t x = 0; x < w; ++x) {
-        const std::int16_t nearer = std::min(left[x], right[x]);
-        out[x] = std::min(out[x], static_cast<std::int16_t>(nearer + add));
-      }
-    }
-  }
-}
-
 namespace {
 
 constexpr double kMostSlower = 20.0;  // beyond, a zone is no dearer
@@ -136,7 +93,7 @@ void Costmap::move_to(const Frame& frame) {
   const std::size_t size = static_cast<std::size_t>(frame.width) * static_cast<std::size_t>(frame.height);
   moved.occupied_.assign(size, 0);
   moved.unknown_.assign(size, 1);
-  moved.squared_.assign(size, std::int16_t{kMaxDistance * kMaxDistance});
+  moved.squared_.assign(size, std::uint8_t{kMaxDistance * kMaxDistance});
   moved.weights_.assign(size, static_cast<Weight>(weight_at_.back() + settings_.unknown_weight));
   moved.stale_.assign(size / (std::size_t{kTile} * kTile), kDistances);
   moved.stamps_.resize(moved.stale_.size());
@@ -162,6 +119,7 @@ void Costmap::move_to(const Frame& frame) {
   moved.resolution_ = resolution_;
   moved.weight_at_ = weight_at_;
   moved.set_zones(zones_, zone_speed_);
+  moved.zoned_ = zoned_;
   if (!slow_.empty()) {
     for (std::uint8_t& stale : moved.stale_) stale |= kWeights;
   }
@@ -254,6 +212,8 @@ void Costmap::take_obstacles(std::span<const Vec2> points) {
 // All of them anew, where they or the frame have changed.
 void Costmap::take_zones() {
   if (std::exchange(zones_taken_, true)) return;
+  if (zones_.empty() && !zoned_) return;
+  zoned_ = !zones_.empty();
   std::vector<Weight> slow(weights_.size(), 0);
   bool slows = false;
   for (int y = 0; y < height_; ++y) {
@@ -319,15 +279,18 @@ void Costmap::measure(const Region& region) {
   const Cell high{std::min(width_, region.high.x + kReach), std::min(height_, region.high.y + kReach)};
   const int width = high.x - low.x;
   std::vector<std::uint8_t> occupied;
+  occupied.reserve(static_cast<std::size_t>(width) * static_cast<std::size_t>(high.y - low.y));
   for (int y = low.y; y < high.y; ++y) {
     const auto row = occupied_.begin() + static_cast<std::ptrdiff_t>(index({low.x, y}));
     occupied.insert(occupied.end(), row, row + width);
   }
-  std::vector<std::int16_t> squared;
-  squared_distances(occupied, width, high.y - low.y, squared);
-  for (int y = region.low.y; y < region.high.y; ++y) {
-    const auto offset = static_cast<std::ptrdiff_t>(y - low.y) * width + region.low.x - low.x;
-    std::copy_n(squared.begin() + offset, region.high.x - region.low.x, &squared_[index({region.low.x, y})]);
+  const Cell corner{region.low.x - low.x, region.low.y - low.y};
+  const int columns = region.high.x - region.low.x;
+  const int rows = region.high.y - region.low.y;
+  std::vector<std::uint8_t> squared;
+  squared_distances(occupied, width, high.y - low.y, {corner, {corner.x + columns, corner.y + rows}}, squared);
+  for (int y = 0; y < rows; ++y) {
+    std::copy_n(squared.begin() + y * columns, columns, &squared_[index({region.low.x, region.low.y + y})]);
   }
 }
 
@@ -339,20 +302,31 @@ void Costmap::weigh(Cell corner) {
   const std::size_t first = index(corner);
   const Weight at_corner = weights_[first];
   for (int y = 0; y < kTile; ++y) {
-    const std::size_t row = index({corner.x, corner.y + y});
-    bool here = false;
-    for (std::size_t i = row; i < row + kTile; ++i) {
-      const Weight w = weight_at_[static_cast<std::size_t>(squared_[i])];
-      Weight weight = w != kLethal && unknown_[i] != 0 ? static_cast<Weight>(w + settings_.unknown_weight) : w;
-      if (w != kLethal && !slow_.empty()) weight = static_cast<Weight>(weight + slow_[i]);
-      here = here || weight != weights_[i];
-      left = left || (i == row && weight != weights_[i]);
-      weights_[i] = weight;
-    }
-    any = any || here;
-    below = below || (y == 0 && here);
+    const std::size_t at = index({corner.x, corner.y + y});
+    const std::array<Weight, kTile> row = row_of_weights(at);
+    const bool differs = !std::equal(row.begin(), row.end(), &weights_[at]);
+    any = any || differs;
+    left = left || row[0] != weights_[at];
+    below = below || (y == 0 && differs);
+    if (differs) std::ranges::copy(row, &weights_[at]);
   }
   if (any) restamp(corner, left, below, weights_[first] != at_corner);
+}
+
+// A row of a tile. Loops without branches, since a tile has a thousand cells.
+std::array<Costmap::Weight, Costmap::kTile> Costmap::row_of_weights(std::size_t at) const {
+  std::array<Weight, kTile> more{};
+  const auto unknown_weight = static_cast<Weight>(settings_.unknown_weight);
+  for (std::size_t x = 0; x < kTile; ++x) more[x] = unknown_[at + x] != 0 ? unknown_weight : Weight{0};
+  if (!slow_.empty()) {
+    for (std::size_t x = 0; x < kTile; ++x) more[x] = static_cast<Weight>(more[x] + slow_[at + x]);
+  }
+  std::array<Weight, kTile> row{};
+  for (std::size_t x = 0; x < kTile; ++x) row[x] = weight_at_[squared_[at + x]];
+  for (std::size_t x = 0; x < kTile; ++x) {
+    row[x] = row[x] == kLethal ? kLethal : static_cast<Weight>(row[x] + more[x]);
+  }
+  return row;
 }
 
 void Costmap::set_weight(Cell c, Weight weight) {
@@ -377,7 +351,7 @@ void Costmap::restamp(Cell c, bool left, bool below, bool corner) {
 void Costmap::open_around(Vec2 point, double radius) {
   const Cell middle = cell(point);
   if (!contains(middle)) return;
-  const std::int16_t least = std::max(squared_[index(middle)], std::int16_t{1});
+  const std::uint8_t least = std::max(squared_[index(middle)], std::uint8_t{1});
   const int reach = static_cast<int>(radius / resolution_) + 1;
   for (int y = middle.y - reach; y <= middle.y + reach; ++y) {
     for (int x = middle.x - reach; x <= middle.x + reach; ++x) {

@@ -14,11 +14,11 @@
 
 namespace threewe::map {
 
-/// Squared distance, in cells, from each cell of a row-major grid to the nearest that is not 0 in `occupied`; never
-/// more than kMaxDistance^2. Exact.
+/// Squared distance, in cells, from each cell of a region of a row-major grid to the nearest that is not 0 in
+/// `occupied`, within the region or not; never more than kMaxDistance^2. Exact. `squared`: the shape of the region.
 inline constexpr int kMaxDistance = 15;
-void squared_distances(std::span<const std::uint8_t> occupied, int width, int height,
-                       std::vector<std::int16_t>& squared);
+void squared_distances(std::span<const std::uint8_t> occupied, int width, int height, const Region& region,
+                       std::vector<std::uint8_t>& squared);
 
 /// A grid of weights for planning: the cost of a path is its length times the weight under it.
 ///
@@ -106,6 +106,7 @@ class Costmap {
   void inflate();
   void measure(const Region& region);
   void weigh(Cell corner);
+  std::array<Weight, kTile> row_of_weights(std::size_t at) const;
   void set_weight(Cell c, Weight weight);
   void restamp(Cell c, bool left, bool below, bool corner);
   // The tile that a cell is counted in.
@@ -123,7 +124,7 @@ class Costmap {
   Vec2 origin_;
   std::vector<std::uint8_t> occupied_;
   std::vector<std::uint8_t> unknown_;
-  std::vector<std::int16_t> squared_;
+  std::vector<std::uint8_t> squared_;
   std::vector<Weight> weights_;
   std::vector<std::uint64_t> stamps_;  // of tiles
   std::vector<std::uint8_t> stale_;    // of tiles, 0 between updates
@@ -132,6 +133,7 @@ class Costmap {
   std::vector<Zone> zones_;
   double zone_speed_ = 0.0;
   bool zones_taken_ = true;
+  bool zoned_ = false;        // cells may count as occupied, or as slow, for zones
   std::vector<Weight> slow_;  // added where zones limit the speed; empty where none does
 };
 

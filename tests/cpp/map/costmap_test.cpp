@@ -10,7 +10,11 @@
 #include <map>
 #include <optional>
 #include <random>
+#include <string>
 #include <vector>
+
+#include "draw.hpp"
+#include "threewe/core/targets.hpp"
 
 namespace threewe::map {
 namespace {
@@ -29,20 +33,21 @@ OccupancyGrid random_grid(std::mt19937_64& bits) {
   return grid;
 }
 
-TEST_CASE("squared distances are those of brute force") {
+TEST_CASE("squared distances are those of brute force, with any vectors") {
   for (std::uint64_t seed = 0; seed < 1000; ++seed) {
     CAPTURE(seed);
-    std::mt19937_64 bits(seed);
-    const int width = 1 + static_cast<int>(bits() % 45);
-    const int height = 1 + static_cast<int>(bits() % 45);
+    Draw draw(seed);
+    const int width = draw.whole(1, 100);
+    const int height = draw.whole(1, 45);
     std::vector<std::uint8_t> occupied(static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
-    const auto density = 1 + bits() % 60;
-    for (auto& o : occupied) o = bits() % 1000 < density ? 1 : 0;
+    const int density = draw.whole(1, 60);
+    for (auto& o : occupied) o = draw.whole(0, 999) < density ? static_cast<std::uint8_t>(draw.whole(1, 8)) : 0;
+    const Cell low{draw.whole(0, width), draw.whole(0, height)};
+    const Region region{low, {draw.whole(low.x, width), draw.whole(low.y, height)}};
 
-    std::vector<std::int16_t> squared;
-    squared_distances(occupied, width, height, squared);
-    for (int y = 0; y < height; ++y) {
-      for (int x = 0; x < width; ++x) {
+    std::vector<std::uint8_t> expected;
+    for (int y = region.low.y; y < region.high.y; ++y) {
+      for (int x = region.low.x; x < region.high.x; ++x) {
         int nearest = kMaxDistance * kMaxDistance;
         for (int v = std::max(0, y - kMaxDistance); v < std::min(height, y + kMaxDistance); ++v) {
           for (int u = std::max(0, x - kMaxDistance); u < std::min(width, x + kMaxDistance); ++u) {
@@ -52,10 +57,17 @@ TEST_CASE("squared distances are those of brute force") {
             }
           }
         }
-        REQUIRE(squared[static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x)] ==
-                nearest);
+        expected.push_back(static_cast<std::uint8_t>(nearest));
       }
     }
+    for (const std::string& target : available_targets()) {
+      CAPTURE(target);
+      force_target(target);
+      std::vector<std::uint8_t> squared;
+      squared_distances(occupied, width, height, region, squared);
+      REQUIRE(squared == expected);
+    }
+    force_target("");
   }
 }
 
