@@ -28,8 +28,8 @@ struct Evidence {
 };
 
 /// Adds evidence to the cells `first` ... `last` - 1 by their marks, which become kUnseen; never to 0, which is for
-/// cells that were never seen. May do so with cells after `last`, too. Adds the cells to `changed` in which it is another
-/// one than before, or which were hit, in order.
+/// cells that were never seen. May do so with cells after `last`, too. Adds the cells to `changed` in which it is
+/// another one than before, or which were hit, in order.
 void add_evidence(const Evidence& evidence, std::size_t first, std::size_t last, std::span<std::uint8_t> marks,
                   std::span<std::int8_t> log_odds, std::vector<std::uint32_t>& changed);
 

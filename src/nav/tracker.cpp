@@ -257,8 +257,8 @@ double Tracker::allowed_fraction(const Velocity& v, double inside) const {
   return f < 0.03 ? 0.0 : std::min(f, 1.0);
 }
 
-// Point by point. A point comes nearer to the outline by no more than it moves in the base frame, so that those far from
-// it are looked at seldom.
+// Point by point. A point comes nearer to the outline by no more than it moves in the base frame, so that those far
+// from it are looked at seldom.
 Sweep Tracker::sweep(const Velocity& v, double horizon, double inside) const {
   const double speed = exact::hypot(v.vx, v.vy);
   const double pace = std::max(speed / kStep, std::fabs(v.omega) / 0.1);

@@ -41,7 +41,8 @@ class PeopleTracker {
   static constexpr std::size_t kBins = 360;
   static constexpr std::size_t kRemembered = 11;  // scans
 
-  /// How far a scan looked from a point: in each direction and those beside it the least range, 0 where it did not look.
+  /// How far a scan looked from a point: in each direction and those beside it the least range, 0 where it did not
+  /// look.
   struct View {
     Time stamp{};
     Vec2 from;

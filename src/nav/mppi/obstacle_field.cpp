@@ -18,9 +18,9 @@ using V = hn::Vec<Floats>;
 // How a robot stands, and what follows from it for all stamps.
 struct Heading {
   float sin, cos;
-  float columns, rows;               // [cells] from an obstacle to where it is out of sight
-  float tan, cot;                    // rows for each column along the sides of the outline, and across
-  float half_width, half_length;     // [rows] from the middle line to where obstacles beside it are out of sight
+  float columns, rows;            // [cells] from an obstacle to where it is out of sight
+  float tan, cot;                 // rows for each column along the sides of the outline, and across
+  float half_width, half_length;  // [rows] from the middle line to where obstacles beside it are out of sight
 };
 
 Heading heading_of(const StampShape& shape, double angle) {
@@ -92,8 +92,8 @@ HWY_INLINE void stamp_column(const StampShape& shape, const Stamp& stamp, const 
   }
 }
 
-// Heading by heading, since all cells of one stay near in memory. Vectors may begin anywhere, but none crosses the end of
-// what is filled.
+// Heading by heading, since all cells of one stay near in memory. Vectors may begin anywhere, but none crosses the end
+// of what is filled.
 void stamp_all(const StampShape& shape, const Cells& filled, std::span<const Stamp> stamps, std::int32_t* cells,
                float* nearest) {
   constexpr int kLanes = static_cast<int>(hn::MaxLanes(Floats()));
@@ -199,7 +199,8 @@ void ObstacleField::add_stamp(float x, float y) {
   const auto cell = static_cast<float>(cell_);
   const float around = sight_ + exact::sqrt(half_length_ * half_length_ + half_width_ * half_width_);
   const auto is_far = [&](float along, int first, int count) {
-    return along < static_cast<float>(first) * cell - around || along > static_cast<float>(first + count) * cell + around;
+    return along < static_cast<float>(first) * cell - around ||
+           along > static_cast<float>(first + count) * cell + around;
   };
   if (is_far(x, filled_.first_column, filled_.columns) || is_far(y, filled_.first_row, filled_.rows)) return;
   const auto in_units = [&](float along) {

@@ -23,7 +23,7 @@ struct Stamp {
 
 /// What all stamps share.
 struct StampShape {
-  float cell = 0.0F;  ///< [m]
+  float cell = 0.0F;                            ///< [m]
   float half_length = 0.0F, half_width = 0.0F;  ///< [m] of the outline
   float sight = 0.0F;                           ///< [m] beyond, obstacles do not count
 };

@@ -22,8 +22,8 @@ TEST_CASE("the bin of a direction is that of its arc tangent, wherever the searc
     Draw draw(seed);
     // every second one on a border between bins, or as near to it as numbers get
     const bool border = draw.whole(0, 1) == 1;
-    const double angle = border ? draw.whole(-180, 180) * exact::kPi / 180.0 + draw.whole(-3, 3) * 4e-16
-                                : draw(-exact::kPi, exact::kPi);
+    const double angle =
+        border ? draw.whole(-180, 180) * exact::kPi / 180.0 + draw.whole(-3, 3) * 4e-16 : draw(-exact::kPi, exact::kPi);
     const Vec2 d = rotate({draw(1e-6, 20.0), 0.0}, angle);
     const std::size_t expected = by_arc_tangent(d);
     REQUIRE(bearing_bin(d, static_cast<std::size_t>(draw.whole(0, 359))) == expected);

@@ -100,7 +100,8 @@ TEST_CASE("each cell and heading knows the obstacle that is nearest to the outli
       const bool first = expected.empty();
       for (int bin = 0; bin < kBins; ++bin) {
         for (int row = static_cast<int>(view.first_row); row <= static_cast<int>(view.last_row); ++row) {
-          for (int column = static_cast<int>(view.first_column); column <= static_cast<int>(view.last_column); ++column) {
+          for (int column = static_cast<int>(view.first_column); column <= static_cast<int>(view.last_column);
+               ++column) {
             found.push_back(view.cells[(bin * kSide + row) * kSide + column]);
             if (first) expected.push_back(twin.nearest(bin, row, column));
           }
@@ -109,9 +110,8 @@ TEST_CASE("each cell and heading knows the obstacle that is nearest to the outli
       REQUIRE(found == expected);
     }
     force_target("");
-    seen += std::ranges::count_if(expected, [](std::int32_t packed) {
-      return packed != static_cast<std::int32_t>(0x80008000);
-    });
+    seen += std::ranges::count_if(expected,
+                                  [](std::int32_t packed) { return packed != static_cast<std::int32_t>(0x80008000); });
   }
   CHECK(seen > 100'000);
 }
