@@ -62,7 +62,8 @@ HWY_INLINE Range rows_in_sight(const Heading& heading, const Cells& filled, floa
   return whole(row - up, row - down, filled.first_row, filled.first_row + filled.rows);
 }
 
-// A column of vectors.
+// A column of vectors. Distances are kept as their squares outside of the outline and as they are (negative) inside:
+// the order is the same.
 HWY_INLINE void stamp_column(const StampShape& shape, const Stamp& stamp, const Heading& heading, int column,
                              const Range& rows, std::int32_t* cells, float* nearest) {
   const Floats d;
@@ -98,7 +99,11 @@ void stamp_all(const StampShape& shape, const Cells& filled, std::span<const Sta
                float* nearest) {
   constexpr int kLanes = static_cast<int>(hn::MaxLanes(Floats()));
   const int end = filled.first_column + filled.columns;
-  for (int bin = 0; bin < kBins; ++bin) {
+  for (int bin = 0; bin < kBins; ++bin, cells += kSide * kSide) {
+    for (int row = filled.first_row; row < filled.first_row + filled.rows; ++row) {
+      std::fill_n(cells + row * kSide + filled.first_column, filled.columns, kNothing);
+      std::fill_n(nearest + row * kSide + filled.first_column, filled.columns, shape.sight * shape.sight);
+    }
     const Heading heading = heading_of(shape, (bin + 0.5) * exact::kPi / kBins);
     for (const Stamp& stamp : stamps) {
       const float middle = stamp.x / shape.cell - 0.5F;
@@ -112,8 +117,6 @@ void stamp_all(const StampShape& shape, const Cells& filled, std::span<const Sta
         stamp_column(shape, stamp, heading, column, rows, cells, nearest);
       }
     }
-    cells += kSide * kSide;
-    nearest += kSide * kSide;
   }
 }
 
@@ -127,7 +130,6 @@ namespace {
 HWY_EXPORT(stamp_all);
 
 constexpr std::size_t kCells = std::size_t{kBins} * kSide * kSide;
-constexpr std::int32_t kNothing = static_cast<std::int32_t>(0x80008000);  // far outside of the window
 constexpr int kUnitsPerCell = 240;  // the window and all around it that matters fit into 16 bits
 constexpr double kThinned = 0.012;  // [m] of obstacles nearer to each other one is enough
 
@@ -143,7 +145,7 @@ ObstacleField::ObstacleField(const Footprint& footprint, double reach, double si
       unit_(cell_ / kUnitsPerCell),
       sight_(static_cast<float>(sight)),
       cells_(kCells, kNothing),
-      nearest_(kCells, sight_ * sight_) {
+      nearest_(std::size_t{kSide} * kSide) {
   Vec2 low = footprint.corners().front();
   Vec2 high = low;
   for (const Vec2 c : footprint.corners()) {
@@ -158,13 +160,6 @@ ObstacleField::ObstacleField(const Footprint& footprint, double reach, double si
 void ObstacleField::update(std::span<const Vec2> obstacles, Vec2 middle, Vec2 low, Vec2 high) {
   middle_ = middle;
   filled_ = cells_around(low, high);
-  for (int bin = 0; bin < kBins; ++bin) {
-    for (int row = filled_.first_row; row < filled_.first_row + filled_.rows; ++row) {
-      const std::ptrdiff_t first = (bin * kSide + row) * kSide + filled_.first_column;
-      std::fill_n(cells_.begin() + first, filled_.columns, kNothing);
-      std::fill_n(nearest_.begin() + first, filled_.columns, sight_ * sight_);
-    }
-  }
   stamps_.clear();
   const double corner = -0.5 * kSide * cell_;
   Vec2 last{1e9, 1e9};  // scans come in order, so that neighbours follow each other

@@ -28,9 +28,11 @@ struct StampShape {
   float sight = 0.0F;                           ///< [m] beyond, obstacles do not count
 };
 
-/// Where an obstacle is nearer to the outline than those before it, it takes their place. Distances are kept as their
-/// squares outside of the outline and as they are (negative) inside: the order is the same. None in `nearest` exceeds
-/// the square of the sight. `filled` is whole blocks wide.
+inline constexpr std::int32_t kNothing = static_cast<std::int32_t>(0x80008000);  ///< far outside of the window
+
+/// For each heading and each of the cells that are to be filled, whole blocks wide, the obstacle that is nearest to the
+/// outline; of those that are equally near the first. `cells`: (kBins, kSide, kSide). `nearest`: (kSide, kSide), room
+/// for how near they are.
 void stamp_rows(const StampShape& shape, const Cells& filled, std::span<const Stamp> stamps,
                 std::span<std::int32_t> cells, std::span<float> nearest);
 
@@ -68,7 +70,7 @@ class ObstacleField {
   Cells filled_;
   std::vector<Stamp> stamps_;
   std::vector<std::int32_t> cells_;  // (kBins, kSide, kSide), packed obstacles
-  std::vector<float> nearest_;       // (kBins, kSide, kSide), how near they are, see `stamp_rows`
+  std::vector<float> nearest_;       // see `stamp_rows`
 };
 
 }  // namespace threewe::nav::mppi

@@ -60,7 +60,7 @@ class SlowTwin {
     const exact::SinCos heading = exact::sincos((bin + 0.5) * exact::kPi / kBins);
     const auto sin = static_cast<float>(heading.sin);
     const auto cos = static_cast<float>(heading.cos);
-    auto found = static_cast<std::int32_t>(0x80008000);
+    auto found = kNothing;
     float least = sight_ * sight_;
     for (const Stamp& stamp : stamps_) {
       const float dx = stamp.x - (static_cast<float>(column) + 0.5F) * cell_;
@@ -110,8 +110,7 @@ TEST_CASE("each cell and heading knows the obstacle that is nearest to the outli
       REQUIRE(found == expected);
     }
     force_target("");
-    seen += std::ranges::count_if(expected,
-                                  [](std::int32_t packed) { return packed != static_cast<std::int32_t>(0x80008000); });
+    seen += std::ranges::count_if(expected, [](std::int32_t packed) { return packed != kNothing; });
   }
   CHECK(seen > 100'000);
 }
