@@ -190,6 +190,7 @@ void Costmap::take_block(Cell at, std::span<const std::int8_t> values) {
     const Cell c{at.x + static_cast<int>(i), at.y};
     if (unknown[i] != is_unknown(i)) stale_[tile_of(c)] |= kWeights;
     unknown[i] = is_unknown(i);
+    if ((occupied[i] & kMapped) == is_occupied(i)) continue;
     set_occupied(c, static_cast<std::uint8_t>((occupied[i] & ~kMapped) | is_occupied(i)));
   }
 }

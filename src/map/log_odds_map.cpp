@@ -249,25 +249,33 @@ void LogOddsMap::apply_marks(const Region& seen) {
     add_evidence(evidence, grid_.index({seen.low.x, y}), grid_.index({seen.high.x - 1, y}) + 1, marks_, log_odds_,
                  changed_);
   }
+  Region changed = show_changed();
+  const Cell low = raster_cell(grid_);
+  if (!changed.empty()) {
+    changed = {{changed.low.x + low.x, changed.low.y + low.y}, {changed.high.x + low.x, changed.high.y + low.y}};
+  }
+  changes_.note(++version_, changed);
+}
 
+// Brings grid and surfaces up to date where the evidence has changed. Returns where the grid is another one.
+Region LogOddsMap::show_changed() {
   const std::array<std::int8_t, 256>& occupancy = occupancy_table();
-  Region changed;
-  const auto width = static_cast<std::uint32_t>(std::max(grid_.width, 1));
+  const auto width = static_cast<std::uint32_t>(grid_.width);
+  std::uint32_t row = 0;  // where it begins; cells come in order
+  int y = 0;
+  Region changed{{grid_.width, grid_.height}, {0, 0}};
   for (const std::uint32_t index : changed_) {
     const std::int8_t value = log_odds_[index];
     // what is seen through has no surface any more
     if (value < 0) hits_[index] = CellHits{};
     const std::int8_t now = occupancy[static_cast<std::uint8_t>(value + 128)];
     if (std::exchange(grid_.data[index], now) == now) continue;
-    const Cell c{static_cast<int>(index % width), static_cast<int>(index / width)};
-    changed = united(changed, {c, {c.x + 1, c.y + 1}});
+    for (; index >= row + width; row += width) ++y;
+    const int x = static_cast<int>(index - row);
+    changed.low = {std::min(changed.low.x, x), std::min(changed.low.y, y)};
+    changed.high = {std::max(changed.high.x, x + 1), y + 1};
   }
-
-  const Cell low = raster_cell(grid_);
-  if (!changed.empty()) {
-    changed = {{changed.low.x + low.x, changed.low.y + low.y}, {changed.high.x + low.x, changed.high.y + low.y}};
-  }
-  changes_.note(++version_, changed);
+  return changed.empty() ? Region{} : changed;
 }
 
 }  // namespace threewe::map

@@ -29,16 +29,17 @@ std::size_t bearing_bin(Vec2 d, std::size_t near) {
   constexpr double kDoubtful = 1e-9;  // [rad] next to a border, rounding decides
   const double doubtful = kDoubtful * (std::fabs(d.x) + std::fabs(d.y));
   std::size_t bin = near;
-  for (int i = 0; i < kMost; ++i) {
-    const double past_first = cross(kBorders[bin], d);
-    const double past_last = cross(kBorders[bin + 1], d);
-    if (past_first > doubtful && past_last < -doubtful) return bin;
-    if (past_first < -doubtful) {
+  double past = cross(kBorders[bin], d);
+  if (past > doubtful) {
+    for (int i = 0; i < kMost && past > doubtful; ++i, bin = (bin + 1) % kBearingBins) {
+      past = cross(kBorders[bin + 1], d);
+      if (past < -doubtful) return bin;
+    }
+  } else {
+    for (int i = 0; i < kMost && past < -doubtful; ++i) {
       bin = (bin + kBearingBins - 1) % kBearingBins;
-    } else if (past_last > doubtful) {
-      bin = (bin + 1) % kBearingBins;
-    } else {
-      break;
+      past = cross(kBorders[bin], d);
+      if (past > doubtful) return bin;
     }
   }
   return bin_by_angle(d);

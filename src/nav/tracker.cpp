@@ -270,6 +270,7 @@ Sweep Tracker::sweep(const Velocity& v, double horizon, double inside) const {
   constexpr double kRounding = 1e-6;  // [m] more than what rounding does to where a point is
   const double way = norm(step.position());
   const double nearer = way + std::fabs(step.theta) * (reach_ + steps * way) + kRounding;  // at most, each step
+  const double steps_per_metre = 1.0 / nearer;
 
   Motion motion(step);
   int contact = steps;
@@ -280,7 +281,7 @@ Sweep Tracker::sweep(const Velocity& v, double horizon, double inside) const {
       if (spare < 0.0) {
         contact = n;
       } else {
-        n += 1 + static_cast<int>(std::min(spare / nearer, 1.0 * steps));
+        n += 1 + static_cast<int>(std::min(spare * steps_per_metre, 1.0 * steps));
       }
     }
   }

@@ -77,6 +77,7 @@ class LogOddsMap {
   void add_hit(const Beam& beam, double range_bias);
   Region mark_free(std::span<const Beam> beams, double range_bias);
   void apply_marks(const Region& seen);
+  Region show_changed();
   void add_given_surface(Cell c);
 
   Settings settings_;
