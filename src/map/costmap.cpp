@@ -291,7 +291,8 @@ void Costmap::measure(const Region& region) {
   std::vector<std::uint8_t> squared;
   squared_distances(occupied, width, high.y - low.y, {corner, {corner.x + columns, corner.y + rows}}, squared);
   for (int y = 0; y < rows; ++y) {
-    std::copy_n(squared.begin() + y * columns, columns, &squared_[index({region.low.x, region.low.y + y})]);
+    const std::ptrdiff_t first = std::ptrdiff_t{y} * columns;
+    std::copy_n(squared.begin() + first, columns, &squared_[index({region.low.x, region.low.y + y})]);
   }
 }
 

@@ -67,12 +67,13 @@ void squared_distances(std::span<const std::uint8_t> occupied, int width, int he
   // room on both sides, so that vectors along a row need not mind its ends
   constexpr std::size_t kRoom = 64 + kMaxDistance;
   const auto w = static_cast<std::size_t>(width);
+  const auto h = static_cast<std::size_t>(height);
   const std::size_t stride = w + 2 * kRoom;
-  std::vector<std::uint8_t> columns(stride * static_cast<std::size_t>(height), std::uint8_t{kMaxDistance});
-  for (std::size_t y = 0; y < static_cast<std::size_t>(height); ++y) {
+  std::vector<std::uint8_t> columns(stride * h, std::uint8_t{kMaxDistance});
+  for (std::size_t y = 0; y < h; ++y) {
     const std::uint8_t* from = &occupied[y * w];
     std::uint8_t* to = &columns[y * stride + kRoom];
-    for (std::size_t x = 0; x < w; ++x) to[x] = from[x] != 0 ? 0 : kMaxDistance;
+    for (std::size_t x = 0; x < w; ++x) to[x] = from[x] != 0 ? std::uint8_t{0} : std::uint8_t{kMaxDistance};
   }
   HWY_DYNAMIC_DISPATCH(measure_all)(columns, stride, kRoom, region, squared);
 }

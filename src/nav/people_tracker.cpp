@@ -85,7 +85,7 @@ void PeopleTracker::find_hits(const LaserScan& scan) {
 void PeopleTracker::choose_views() {
   old_views_.clear();
   for (std::size_t i = 0; i < views_.size(); ++i) {
-    if (views_[i].stamp + kYoungestView <= stamp_ + 100ms) old_views_.push_back({i, 0});
+    if (views_[i].stamp + kYoungestView <= stamp_ + 100ms) old_views_.emplace_back(i, 0);
   }
 }
 

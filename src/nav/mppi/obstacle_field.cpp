@@ -99,10 +99,11 @@ void stamp_all(const StampShape& shape, const Cells& filled, std::span<const Sta
                float* nearest) {
   constexpr int kLanes = static_cast<int>(hn::MaxLanes(Floats()));
   const int end = filled.first_column + filled.columns;
-  for (int bin = 0; bin < kBins; ++bin, cells += kSide * kSide) {
+  for (int bin = 0; bin < kBins; ++bin, cells += std::ptrdiff_t{kSide} * kSide) {
     for (int row = filled.first_row; row < filled.first_row + filled.rows; ++row) {
-      std::fill_n(cells + row * kSide + filled.first_column, filled.columns, kNothing);
-      std::fill_n(nearest + row * kSide + filled.first_column, filled.columns, shape.sight * shape.sight);
+      const std::ptrdiff_t first = row * kSide + filled.first_column;
+      std::fill_n(cells + first, filled.columns, kNothing);
+      std::fill_n(nearest + first, filled.columns, shape.sight * shape.sight);
     }
     const Heading heading = heading_of(shape, (bin + 0.5) * exact::kPi / kBins);
     for (const Stamp& stamp : stamps) {

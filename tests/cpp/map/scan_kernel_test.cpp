@@ -42,10 +42,10 @@ TEST_CASE("the cells that are marked along lines are those that a walk along eac
       lines.push_back({together ? from : draw_point(draw, width, height), straight ? Vec2{to.x, from.y} : to});
     }
 
-    std::vector<std::uint8_t> expected(static_cast<std::size_t>(width * height), kUnseen);
+    std::vector<std::uint8_t> expected(static_cast<std::size_t>(width) * static_cast<std::size_t>(height), kUnseen);
     for (const GridLine& line : lines) {
       walk_grid_line(line.from, line.to, [&](int x, int y) {
-        expected[static_cast<std::size_t>(y * width + x)] = kPassed;
+        expected[static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x)] = kPassed;
         return true;
       });
     }
