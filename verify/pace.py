@@ -62,7 +62,7 @@ EXPERIMENTS = [
         tick,
         {"scene": "office_v2"},
         cases=7,
-        sample=0,  # it is so near to its limit that a busy machine decides
+        sample=0,  # by the wall a busy machine decides
         rows=[
             median_of("robot seconds a wall second", lambda case: case["wall_times"], at_least=100.0),
             median_of("robot seconds a CPU second", lambda case: case["cpu_times"], at_least=100.0),
