@@ -108,8 +108,8 @@ std::uint16_t draw_sensor(Draws& draws, const backend::Features& features, std::
   if (features.has(SensorType::lidar)) std::erase(types, SensorType::ultrasonic);
   const SensorType type = types.at(draws.below(types.size()));
   std::vector<std::uint16_t> places;
-  for (std::uint16_t i = 0; i < features.sensors.size(); ++i) {
-    if (features.sensors[i].type == type) places.push_back(i);
+  for (std::size_t i = 0; i < features.sensors.size(); ++i) {
+    if (features.sensors[i].type == type) places.push_back(static_cast<std::uint16_t>(i));
   }
   return places.at(draws.below(places.size()));
 }
@@ -272,7 +272,7 @@ int main(int argc, char** argv) {
   }
   set_warning_handler([](std::string_view) {});
   Draws draws(*seed);
-  const std::string scene = kScenes[draws.below(kScenes.size())];
+  const std::string& scene = kScenes[draws.below(kScenes.size())];
   const double which = draws.between(0.0, 1.0);
   // without a lidar nothing tells how far a robot goes but its wheels: that all of them slip alike it cannot know
   const bool blind = which > 0.8 && what != "lidar_bias" && what != "slip" && what != "clean";

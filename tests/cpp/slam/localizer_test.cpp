@@ -245,9 +245,9 @@ class ShortSighted {
   // [m] how far the wall at x = 4, beside the robot, is from obstacles at most.
   double largest_gap() const {
     double largest = 0.0;
-    for (double y = -0.2; y <= 0.2; y += 0.01) {
+    for (int i = -20; i <= 20; ++i) {
       double least = 1e9;
-      for (const Vec2 p : localizer_->obstacles()) least = std::min(least, distance(p, {4.0, y}));
+      for (const Vec2 p : localizer_->obstacles()) least = std::min(least, distance(p, {4.0, 0.01 * i}));
       largest = std::max(largest, least);
     }
     return largest;
