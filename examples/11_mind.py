@@ -38,6 +38,17 @@ def is_due(robot: Robot, moments: list[float], pictures: list[Image.Image]) -> b
     return len(pictures) < len(moments) and robot.now >= moments[len(pictures)]
 
 
+def draw_drive(
+    robot: Robot, pose: Pose2D, view: drawing.View, trail: list[tuple[float, float]], width: float
+) -> Image.Image:
+    """The map, the way that the robot came, where it is going, in lines so wide [m], and the robot."""
+    picture = drawing.draw_map(robot.get_map(), view)
+    drawing.draw_path(picture, view, trail, drawing.TRAIL, width)
+    drawing.draw_path(picture, view, robot.get_path(), drawing.PLAN, width, dashed=True)
+    drawing.draw_robot(picture, view, pose, robot.profile)
+    return picture
+
+
 def captioned(picture: Image.Image, caption: str) -> Image.Image:
     """The picture at its final size, framed, under a line of text."""
     above, done = 38, drawing.finish(picture)
@@ -57,13 +68,8 @@ async def growing_map(moments: list[float]) -> Image.Image:
 
         def look(progress: threewe.Progress) -> None:
             trail.append((progress.pose.x, progress.pose.y))
-            if not is_due(robot, moments, pictures):
-                return
-            picture = drawing.draw_map(robot.get_map(), view)
-            drawing.draw_path(picture, view, trail, drawing.TRAIL)
-            drawing.draw_path(picture, view, robot.get_path(), drawing.PLAN, dashed=True)
-            drawing.draw_robot(picture, view, progress.pose, robot.profile)
-            pictures.append(drawing.finish(picture))
+            if is_due(robot, moments, pictures):
+                pictures.append(drawing.finish(draw_drive(robot, progress.pose, view, trail, 0.06)))
 
         await robot.explore(timeout=moments[-1] + 1.0, on_progress=look)
     return beside(pictures)
@@ -170,13 +176,9 @@ async def stuck_robot(moments: list[float]) -> Image.Image:
 
         def look(progress: threewe.Progress) -> None:
             trail.append((progress.pose.x, progress.pose.y))
-            if not is_due(robot, moments, pictures):
-                return
-            picture = drawing.draw_map(robot.get_map(), view)
-            drawing.draw_path(picture, view, trail, drawing.TRAIL, 0.025)
-            drawing.draw_path(picture, view, robot.get_path(), drawing.PLAN, 0.025, dashed=True)
-            drawing.draw_robot(picture, view, progress.pose, robot.profile)
-            pictures.append(captioned(picture, f"{robot.now:.1f} s: {progress.recovery.name.replace('_', ' ')}"))
+            if is_due(robot, moments, pictures):
+                caption = f"{robot.now:.1f} s: {progress.recovery.name.replace('_', ' ')}"
+                pictures.append(captioned(draw_drive(robot, progress.pose, view, trail, 0.025), caption))
 
         result = await robot.move_to(-3.9, 1.3, on_progress=look)
         print(result)

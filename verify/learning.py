@@ -46,8 +46,7 @@ def through_robot(ppo: ModuleType, policy: Any, episodes: list[Episode]) -> dict
         saved = ppo.load_weights(Path(folder) / "policy.safetensors")
 
     def drive(episode: Episode, **options: Any) -> Any:
-        shared = {"max_steps": 300, **options, **ppo.DRIVING}
-        [outcome] = evaluate(ppo.Driver(saved, episode.index), [episode], **shared)
+        [outcome] = evaluate(ppo.Driver(saved, episode.index), [episode], max_steps=300, **options, **ppo.DRIVING)
         return outcome
 
     with deaf_robot() as hardware:

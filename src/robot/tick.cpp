@@ -180,10 +180,8 @@ void Runtime::Impl::hear_beside_lidar(const Sample& sample) {
   const Pose2D odom_from_sensor =
       integrate(now_at.odom_from_base, now_at.velocity, -to_seconds(sample.received - sample.measured)) *
       port.profile().base_from_sensor(sensor.type, sensor.name);
-  const Pose2D sensor_from_odom = inverse(odom_from_sensor);
-  const auto [s, c] = exact::sincos(sensor_from_odom.theta);
-  const bool explained = std::ranges::any_of(state->localizer->obstacles(), [&, s = s, c = c](Vec2 point) {
-    const Vec2 p = sensor_from_odom.position() + Vec2{c * point.x - s * point.y, s * point.x + c * point.y};
+  const auto seen = transformed(inverse(odom_from_sensor), state->localizer->obstacles());
+  const bool explained = std::ranges::any_of(seen, [&](Vec2 p) {
     return norm(p) < echo->range + kSame && std::abs(exact::atan2(p.y, p.x)) < 0.5 * echo->field_of_view + kAside;
   });
   state->echo_map.hear(*echo, now_at.map_from_odom * odom_from_sensor, explained);
