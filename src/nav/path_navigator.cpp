@@ -5,6 +5,9 @@
 #include <limits>
 #include <variant>
 
+#include "nav/polyline.hpp"
+#include "threewe/map/scan_hits.hpp"
+
 namespace threewe::nav {
 namespace {
 
@@ -57,9 +60,12 @@ PathNavigator::PathNavigator(const RobotProfile& profile)
     : route_(costmap_settings(profile), profile.body.footprint.circumscribed_radius()),
       limits_(profile.operating_limits),
       body_radius_(profile.body.footprint.circumscribed_radius()),
+      margin_(profile.margin()),
       tracker_(profile),
       recovery_(profile.kinematics(), !profile.lidar),
-      has_lidar_(profile.lidar.has_value()) {}
+      passage_(profile) {
+  if (profile.lidar) lidar_ = profile.lidar->base_from_lidar.position();
+}
 
 void PathNavigator::start(const Goal& goal, const Observation& seen) {
   goal_ = goal;
@@ -72,6 +78,7 @@ void PathNavigator::start(const Goal& goal, const Observation& seen) {
   motion_.started = motion_.last_moved_at = motion_.tight_until = seen.now;
   tracker_.forget_turn();
   recovery_.reset();
+  passage_.end();
 
   const auto* move = std::get_if<MoveTo>(&goal);
   const auto* follow = std::get_if<FollowPath>(&goal);
@@ -89,7 +96,7 @@ Decision PathNavigator::step(const Observation& seen) {
 
 // Keep still without a map, look round without a place in it, else drive.
 Decision PathNavigator::decide(const Observation& seen) {
-  if (has_lidar_ && seen.map_version == 0) {
+  if (lidar_ && seen.map_version == 0) {
     return now_ - motion_.started < kMapPatience ? Decision{} : finish(Reason::fault, "no scan has arrived");
   }
   const bool relative = std::holds_alternative<Rotate>(goal_) || std::holds_alternative<MoveForward>(goal_);
@@ -219,10 +226,12 @@ Decision PathNavigator::travel(const Observation& seen, Vec2 goal, double tolera
   const bool at_end = route_.has_path() && distance(here, route_.path().back()) <= kArrived;
   if (left <= tolerance - kWithin && route_.gap() > 0.0 && at_end) return finish(Reason::reached);
 
+  if (passage_.active()) return pass(seen);
   if (stuck()) return left <= tolerance - kStuckWithin ? finish(Reason::reached) : get_unstuck();
   if (route_.is_stale(seen, kReplanPeriod)) {
     const bool impossible = !route_.plan_to_goal(seen, tolerance);
-    if (proven(impossible)) return finish(Reason::no_path, "everything within reach was searched");
+    if (proven(impossible) && !(lidar_ && route_.plan_through_gaps(seen, tolerance)))
+      return finish(Reason::no_path, "everything within reach was searched");
   }
   return route_.has_path() ? follow(seen) : wait();
 }
@@ -230,15 +239,72 @@ Decision PathNavigator::travel(const Observation& seen, Vec2 goal, double tolera
 Decision PathNavigator::follow(const Observation& seen) {
   route_.advance(progress_.pose.position());
   progress_.distance_left = path_length(route_.path());
+  if (is_before_bottleneck()) return begin_passage(seen);
+  const std::vector<Vec2> way = way_to_bottleneck();
+  const std::span<const Vec2> path = way.empty() ? route_.path() : way;
   constexpr double kLast = 0.2;  // [m] to the end, where it may be too tight for what the noise of plans finds
-  const bool at_end = distance(progress_.pose.position(), route_.path().back()) < kLast;
-  if (has_lidar_ && !at_end) return {follow_by_plan(seen)};
-  const double aside = has_lidar_ ? 0.0 : sweep_aside(now_ - motion_.started);
-  return {tracker_.pursue(route_.path(), route_.costmap(), progress_.pose, aside)};
+  const bool at_end = distance(progress_.pose.position(), path.back()) < kLast;
+  if (lidar_ && !at_end) return {follow_by_plan(seen, path)};
+  const double aside = lidar_ ? 0.0 : sweep_aside(now_ - motion_.started);
+  return {tracker_.pursue(path, route_.costmap(), progress_.pose, aside)};
+}
+
+// The path as far as the place from which the robot lines up for the first gap; empty where there is none.
+std::vector<Vec2> PathNavigator::way_to_bottleneck() const {
+  const std::optional<Bottleneck>& neck = route_.bottleneck();
+  if (!neck) return {};
+  constexpr double kStep = 0.05;  // [m]
+  const Vec2 entry = neck->map_from_middle * Vec2{passage_.entry(neck->half_length), 0.0};
+  const double before = distance(entry, neck->map_from_middle.position());
+  std::vector<Vec2> way = {route_.path().front()};
+  PathPoint at{0, way.front()};
+  const int steps = static_cast<int>(progress_.distance_left / kStep);
+  for (int i = 0; i < steps; ++i) {
+    at = place_after(route_.path(), at, kStep);
+    if (distance(at.point, neck->map_from_middle.position()) < before + kStep) break;
+    way.push_back(at.point);
+  }
+  way.push_back(entry);
+  return way;
+}
+
+bool PathNavigator::is_before_bottleneck() const {
+  constexpr double kNear = 0.08;  // [m]
+  const std::optional<Bottleneck>& neck = route_.bottleneck();
+  if (!neck) return false;
+  const Vec2 in_neck = inverse(neck->map_from_middle) * progress_.pose.position();
+  const double entry = passage_.entry(neck->half_length);
+  return std::fabs(in_neck.y) < kNear && std::fabs(in_neck.x - entry) < kNear;
+}
+
+Decision PathNavigator::begin_passage(const Observation& seen) {
+  const Bottleneck& neck = *route_.bottleneck();
+  passage_.begin(now_, inverse(seen.pose.map_from_odom) * neck.map_from_middle, neck.half_length);
+  return pass(seen);
+}
+
+// Through a gap, with less room than the gate keeps elsewhere.
+Decision PathNavigator::pass(const Observation& seen) {
+  constexpr double kSight = 0.7;     // [m]
+  constexpr double kTouches = 0.004;  // [m] nearer is not kept free
+  mark_moved();                      // it is patient by itself
+  std::vector<Vec2> near;
+  for (const Vec2 p : seen.obstacles) {
+    if (distance(p, odom_from_base_.position()) < kSight) near.push_back(p);
+  }
+  const std::vector<Vec2> hits = map::smoothed(near, odom_from_base_ * *lidar_);
+  tracker_.see(transformed(inverse(odom_from_base_), hits), kTouches - margin_);
+
+  const Velocity velocity = passage_.step(now_, odom_from_base_, hits, tracker_);
+  if (passage_.state() == Passage::State::closed) route_.bar(seen.pose.map_from_odom * passage_.gap().middle.position());
+  if (passage_.state() == Passage::State::through) route_.drop();
+  const bool creeping = passage_.creeping();
+  if (!route_.has_path()) passage_.end();
+  return {velocity, Reason::running, {}, creeping};
 }
 
 // Round what the lidar sees and zones to keep out of, away from people and other robots.
-Velocity PathNavigator::follow_by_plan(const Observation& seen) {
+Velocity PathNavigator::follow_by_plan(const Observation& seen, std::span<const Vec2> path) {
   const Pose2D odom_from_map = inverse(seen.pose.map_from_odom);
   std::vector<Vec2> obstacles = transformed(odom_from_map, borders_near(progress_.pose.position()));
   obstacles.insert(obstacles.begin(), seen.obstacles.begin(), seen.obstacles.end());
@@ -249,7 +315,7 @@ Velocity PathNavigator::follow_by_plan(const Observation& seen) {
     const Pose2D at = odom_from_map * peer.map_from_base;
     moving.push_back({at.position(), rotate({peer.velocity.vx, peer.velocity.vy}, at.theta), peer.radius});
   }
-  return tracker_.follow(transformed(odom_from_map, route_.path()),
+  return tracker_.follow(transformed(odom_from_map, path),
                          {now_, odom_from_base_, seen.commanded, obstacles, moving});
 }
 

@@ -2,10 +2,12 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <span>
 #include <string_view>
 #include <vector>
 
+#include "nav/passage.hpp"
 #include "nav/recovery.hpp"
 #include "nav/route.hpp"
 #include "threewe/hardware/profile.hpp"
@@ -39,7 +41,11 @@ class PathNavigator final : public Navigator {
   Velocity within_zones(const Velocity& velocity) const;
   Decision travel(const Observation& seen, Vec2 goal, double tolerance);
   Decision follow(const Observation& seen);
-  Velocity follow_by_plan(const Observation& seen);
+  std::vector<Vec2> way_to_bottleneck() const;
+  Velocity follow_by_plan(const Observation& seen, std::span<const Vec2> path);
+  bool is_before_bottleneck() const;
+  Decision begin_passage(const Observation& seen);
+  Decision pass(const Observation& seen);
   std::vector<Vec2> borders_near(Vec2 robot) const;
   Decision wait();
   void mark_moved();
@@ -70,10 +76,12 @@ class PathNavigator final : public Navigator {
   Route route_;
   Limits limits_;
   double body_radius_;  // [m] of a disc around the body
+  double margin_;       // [m] that the safety gate keeps free
   std::vector<map::Zone> zones_;
   Tracker tracker_;
   Recovery recovery_;
-  bool has_lidar_;
+  Passage passage_;
+  std::optional<Vec2> lidar_;  // [m] in the base frame
   Goal goal_;
   Motion motion_;
   Progress progress_;

@@ -52,7 +52,27 @@ std::optional<Vec2> first_along(std::span<const Vec2> path, Holds holds) {
 
 Vec2 robot_in(const Observation& seen) { return seen.pose.map_from_base().position(); }
 
+// Through gaps that cells cannot tell from closed ones: the wall's cell, the path's and the map may each be off by half
+// a cell.
+map::Costmap::Settings through_gaps(map::Costmap::Settings settings) {
+  constexpr double kCoarse = 0.06;  // [m]
+  constexpr double kLeast = 0.055;  // [m] of two cells side by side there is room for none
+  settings.lethal_radius = std::max(settings.lethal_radius - kCoarse, kLeast);
+  return settings;
+}
+
 }  // namespace
+
+Route::Route(const map::Costmap::Settings& costmap, double body_radius)
+    : clear_{map::Costmap(costmap), {}, {}},
+      squeezed_{map::Costmap(through_gaps(costmap)), {}, {}},
+      body_radius_(body_radius) {}
+
+void Route::set_zones(const std::vector<map::Zone>& zones, double speed) {
+  clear_.costmap.set_zones(zones, speed);
+  squeezed_.costmap.set_zones(zones, speed);
+  drop();
+}
 
 void Route::begin(std::vector<Vec2> waypoints, bool drawn) {
   waypoints_ = std::move(waypoints);
@@ -67,16 +87,25 @@ void Route::begin(std::vector<Vec2> waypoints, bool drawn) {
 }
 
 bool Route::plan_to_goal(const Observation& seen, double tolerance) {
-  if (try_plan(seen, tolerance)) return true;
+  if (bottleneck_) path_.clear();  // a path that keeps its distance is better, wherever it leads
+  bottleneck_.reset();
+  if (try_plan(clear_, seen, tolerance)) return true;
   if (avoided_.empty()) return false;
 
   // what is avoided may have closed the only way
   avoided_.clear();
-  return try_plan(seen, tolerance);
+  return try_plan(clear_, seen, tolerance);
 }
 
-bool Route::try_plan(const Observation& seen, double tolerance) {
-  renew_costmap(seen);
+bool Route::plan_through_gaps(const Observation& seen, double tolerance) {
+  if (!try_plan(squeezed_, seen, tolerance)) return false;
+  bottleneck_ = find_bottleneck();
+  return true;
+}
+
+bool Route::try_plan(Layer& layer, const Observation& seen, double tolerance) {
+  renew(layer, seen);
+  const map::Costmap& costmap = layer.costmap;
 
   // leg by leg; straight where the user drew a line that is free
   std::vector<Vec2> path = {robot_in(seen)};
@@ -84,10 +113,10 @@ bool Route::try_plan(const Observation& seen, double tolerance) {
   double gap = 0.0;
   for (const Vec2 ordered : waypoints_) {
     const Vec2 waypoint = within_horizon(seen.map, ordered);
-    if (drawn_ && std::isfinite(costmap_.line_cost(path.back(), waypoint))) {
+    if (drawn_ && std::isfinite(costmap.line_cost(path.back(), waypoint))) {
       path.push_back(waypoint);
     } else {
-      const PlannedPath leg = planner_.plan(costmap_, path.back(), waypoint, tolerance);
+      const PlannedPath leg = layer.planner.plan(costmap, path.back(), waypoint, tolerance);
       gap = leg.gap;
       if (leg.points.empty() || (gap > 0.0 && gap > tolerance - kWithin)) {
         path_.clear();
@@ -99,16 +128,36 @@ bool Route::try_plan(const Observation& seen, double tolerance) {
   }
 
   if (has_path()) {
-    const double rest = path_cost(costmap_, path_);
+    const double rest = path_cost(costmap, path_);
     if (!std::isfinite(rest)) note_closure();
     const bool same_end = path_.back() == path.back();
-    if (std::isfinite(rest) && same_end && path_cost(costmap_, path) > kBetter * rest) return true;
+    if (std::isfinite(rest) && same_end && path_cost(costmap, path) > kBetter * rest) return true;
   }
   gap_ = gap;
   corners_from_.clear();
   for (const std::size_t end : ends) corners_from_.push_back(path.size() - end + 1);
   path_ = std::move(path);
   return true;
+}
+
+// Where the path, once it has left what the robot stands in, comes nearer to something than other paths do.
+std::optional<Bottleneck> Route::find_bottleneck() const {
+  constexpr double kStep = 0.01;  // [m]
+  const auto point_at = [&](int i) { return point_after(path_, {0, path_.front()}, kStep * i); };
+  const auto is_narrow = [&](int i) {
+    return clear_.costmap.weight(clear_.costmap.cell(point_at(i))) == map::Costmap::kLethal;
+  };
+  const int steps = static_cast<int>(path_length(path_) / kStep);
+  int first = 0;
+  while (first <= steps && is_narrow(first)) ++first;
+  while (first <= steps && !is_narrow(first)) ++first;
+  if (first > steps) return {};
+  int last = first;
+  while (last < steps && is_narrow(last + 1)) ++last;
+
+  const Vec2 way = point_at(last + 1) - point_at(first - 1);
+  const Vec2 middle = 0.5 * (point_at(first) + point_at(last));
+  return Bottleneck{{middle.x, middle.y, exact::atan2(way.y, way.x)}, 0.5 * norm(way)};
 }
 
 bool Route::plan_to_frontier(const Observation& seen) {
@@ -121,28 +170,30 @@ bool Route::plan_to_frontier(const Observation& seen) {
 }
 
 bool Route::try_frontier(const Observation& seen) {
-  renew_costmap(seen);
-  if (has_path() && !std::isfinite(path_cost(costmap_, path_))) note_closure();
-  find_frontiers(costmap_, frontiers_);
+  renew(clear_, seen);
+  const map::Costmap& costmap = clear_.costmap;
+  if (has_path() && !std::isfinite(path_cost(costmap, path_))) note_closure();
+  find_frontiers(costmap, frontiers_);
   const auto bonus = [&](std::uint32_t index) {
     return frontiers_[index] >= kMinFrontier ? std::optional(bonus_of_frontier(index, seen)) : std::nullopt;
   };
   constexpr int kMost = static_cast<int>(kPerMetre * (kGain * kLongest + kStay));
-  const SearchResult found = search_.to_best(costmap_, costmap_.cell(robot_in(seen)), bonus, kMost,
-                                             [&](std::uint32_t index) { return costmap_.unknown()[index] != 0; });
+  const SearchResult found = search_.to_best(costmap, costmap.cell(robot_in(seen)), bonus, kMost,
+                                             [&](std::uint32_t index) { return costmap.unknown()[index] != 0; });
   path_.clear();
   frontier_.reset();
   if (!found.found) return false;
-  frontier_ = costmap_.center(found.path.back());
-  path_ = straighten(costmap_, found.path, robot_in(seen), *frontier_);
+  frontier_ = costmap.center(found.path.back());
+  path_ = straighten(costmap, found.path, robot_in(seen), *frontier_);
   return true;
 }
 
 // In the units of the search. What another robot is bound for and nearer to is left to it, as long as there is more.
 int Route::bonus_of_frontier(std::uint32_t index, const Observation& seen) const {
-  const auto width = static_cast<std::uint32_t>(costmap_.width());
-  const Vec2 place = costmap_.center({static_cast<int>(index % width), static_cast<int>(index / width)});
-  double worth = kGain * std::min(kLongest, frontiers_[index] * costmap_.resolution());
+  const map::Costmap& costmap = clear_.costmap;
+  const auto width = static_cast<std::uint32_t>(costmap.width());
+  const Vec2 place = costmap.center({static_cast<int>(index % width), static_cast<int>(index / width)});
+  double worth = kGain * std::min(kLongest, frontiers_[index] * costmap.resolution());
   if (frontier_ && distance(place, *frontier_) < kSameFrontier) worth += kStay;
   for (const Peer& peer : seen.peers) {
     if (!peer.bound_for || distance(*peer.bound_for, place) > kClaim) continue;
@@ -153,6 +204,7 @@ int Route::bonus_of_frontier(std::uint32_t index, const Observation& seen) const
 
 void Route::drop() {
   path_.clear();
+  bottleneck_.reset();
   corners_from_.clear();
   planned_once_ = false;
 }
@@ -182,37 +234,38 @@ bool Route::is_stale(const Observation& seen, Duration period) const {
   return seen.map_version != planned_version_ && age(seen.now) >= period;
 }
 
-void Route::renew_costmap(const Observation& seen) {
+void Route::renew(Layer& layer, const Observation& seen) {
   // what the lidar sees now counts too, where the map may not have it yet
   std::vector<Vec2> obstacles = avoided_;
   obstacles.insert(obstacles.end(), barred_.begin(), barred_.end());
   for (const Vec2 p : seen.obstacles) obstacles.push_back(seen.pose.map_from_odom * p);
   std::vector<Vec2> include = {robot_in(seen)};
   for (const Vec2 waypoint : waypoints_) include.push_back(within_horizon(seen.map, waypoint));
-  take_map(seen, obstacles, include);
-  costmap_.open_around(robot_in(seen), body_radius_ + 0.1);
+  take_map(layer, seen, obstacles, include);
+  layer.costmap.open_around(robot_in(seen), body_radius_ + 0.1);
   planned_once_ = true;
   planned_ = seen.now;
   planned_version_ = seen.map_version;
 }
 
 // Where peers tell what they know, that too; else only what has changed since the last time.
-void Route::take_map(const Observation& seen, const std::vector<Vec2>& obstacles, const std::vector<Vec2>& include) {
+void Route::take_map(Layer& layer, const Observation& seen, const std::vector<Vec2>& obstacles,
+                     const std::vector<Vec2>& include) {
   constexpr int kRim = 20;  // [cells] unknown all around
   if (!seen.peers.empty()) {
     merge_maps(seen.map, seen.peers, shared_);
-    costmap_.update(shared_, obstacles, include, kRim);
-    costmap_version_.reset();
+    layer.costmap.update(shared_, obstacles, include, kRim);
+    layer.version.reset();
     return;
   }
   std::optional<map::Region> changed;
-  if (seen.map_changes != nullptr && costmap_version_) changed = seen.map_changes->since(*costmap_version_);
+  if (seen.map_changes != nullptr && layer.version) changed = seen.map_changes->since(*layer.version);
   if (changed) {
     const map::Cell low = map::raster_cell(seen.map);
     changed = {{changed->low.x - low.x, changed->low.y - low.y}, {changed->high.x - low.x, changed->high.y - low.y}};
   }
-  costmap_.update(seen.map, obstacles, include, kRim, changed);
-  costmap_version_ = seen.map_version;
+  layer.costmap.update(seen.map, obstacles, include, kRim, changed);
+  layer.version = seen.map_version;
 }
 
 // Near the next waypoint, or past it along the path.
@@ -231,7 +284,7 @@ bool Route::avoid(Vec2 place) {
   failures_.push_back(place);
   const auto is_same = [&](Vec2 other) { return distance(place, other) < kSamePlace; };
   if (std::count_if(failures_.begin(), failures_.end(), is_same) < kAttempts) return false;
-  const auto is_entrance = [&](Vec2 p) { return costmap_.unknown(costmap_.cell(p)) && distance(p, place) < kBeyond; };
+  const auto is_entrance = [&](Vec2 p) { return clear_.costmap.unknown(clear_.costmap.cell(p)) && distance(p, place) < kBeyond; };
   const std::optional<Vec2> entrance = first_along(path_, is_entrance);
   if (!entrance && !waypoints_.empty()) return false;
   barred_.push_back(place);
@@ -243,7 +296,7 @@ bool Route::avoid(Vec2 place) {
 void Route::note_closure() {
   bool left = false;  // the lethal cells that the robot may stand in
   const std::optional<Vec2> closed = first_along(path_, [&](Vec2 p) {
-    const bool lethal = costmap_.weight(costmap_.cell(p)) == map::Costmap::kLethal;
+    const bool lethal = clear_.costmap.weight(clear_.costmap.cell(p)) == map::Costmap::kLethal;
     left = left || !lethal;
     return left && lethal;
   });

@@ -14,20 +14,33 @@
 
 namespace threewe::nav {
 
+/// Where a path is too narrow for plans that keep their distance: it leads along the x axis of `map_from_middle`, half
+/// of it [m] on either side.
+struct Bottleneck {
+  Pose2D map_from_middle;
+  double half_length = 0.0;
+};
+
 /// Waypoints, a path through them, and what was learned about places that cannot be passed. All in `map`.
 class Route {
  public:
   /// `body_radius` [m]: of a disc around the robot, where it evidently fits.
-  Route(const map::Costmap::Settings& costmap, double body_radius) : costmap_(costmap), body_radius_(body_radius) {}
+  Route(const map::Costmap::Settings& costmap, double body_radius);
 
   /// Begins anew, through `waypoints`; along the straight lines between them where those are free, if `drawn`.
   void begin(std::vector<Vec2> waypoints, bool drawn);
 
   /// Where plans may not lead, or better not, at a speed [m/s] elsewhere.
-  void set_zones(const std::vector<map::Zone>& zones, double speed) { costmap_.set_zones(zones, speed), drop(); }
+  void set_zones(const std::vector<map::Zone>& zones, double speed);
   /// Plans through the waypoints that are left, to within `tolerance` [m] of each. False: everything within reach was
   /// searched. A path that is open is kept unless a new one is clearly better, so that the robot does not waver.
   bool plan_to_goal(const Observation& seen, double tolerance);
+  /// The same, once there is no other way, through gaps that may be just wide enough: cells are too coarse to tell.
+  bool plan_through_gaps(const Observation& seen, double tolerance);
+  /// The first such gap of the path.
+  const std::optional<Bottleneck>& bottleneck() const { return bottleneck_; }
+  /// No plan of this motion leads to a place [m] any more.
+  void bar(Vec2 place) { barred_.push_back(place), drop(); }
   /// Plans to the frontier that is most worth it: by the cost of the way there, how much there is to see, and what
   /// other robots are about to see; not to another one than before unless that is clearly better. Ways that turned out
   /// to be closed more than once are tried again when there is nothing else. False: none can be reached.
@@ -46,7 +59,7 @@ class Route {
   /// [m] from the end of the path to the goal.
   double gap() const { return gap_; }
   bool on_last_leg() const { return waypoints_.size() <= 1; }
-  const map::Costmap& costmap() const { return costmap_; }
+  const map::Costmap& costmap() const { return clear_.costmap; }
 
   /// There is no path, or the map has changed for `period` since the last plan.
   bool is_stale(const Observation& seen, Duration period) const;
@@ -54,17 +67,26 @@ class Route {
   Duration age(Time now) const { return planned_once_ ? now - planned_ : Duration::max(); }
 
  private:
-  bool try_plan(const Observation& seen, double tolerance);
+  /// A costmap, and what belongs to it.
+  struct Layer {
+    map::Costmap costmap;
+    Planner planner;
+    std::optional<std::uint64_t> version;  // of our map, where the costmap has that alone
+  };
+
+  bool try_plan(Layer& layer, const Observation& seen, double tolerance);
   bool try_frontier(const Observation& seen);
   int bonus_of_frontier(std::uint32_t index, const Observation& seen) const;
-  void renew_costmap(const Observation& seen);
-  void take_map(const Observation& seen, const std::vector<Vec2>& obstacles, const std::vector<Vec2>& include);
+  void renew(Layer& layer, const Observation& seen);
+  void take_map(Layer& layer, const Observation& seen, const std::vector<Vec2>& obstacles,
+                const std::vector<Vec2>& include);
+  std::optional<Bottleneck> find_bottleneck() const;
   bool avoid(Vec2 place);
   bool passed_waypoint(Vec2 robot) const;
   void note_closure();
 
-  map::Costmap costmap_;
-  Planner planner_;
+  Layer clear_;     // of paths that keep their distance
+  Layer squeezed_;  // of those through gaps
   GridSearch search_;  // for frontiers
   double body_radius_;
 
@@ -73,15 +95,15 @@ class Route {
   std::vector<Vec2> path_;                 // from the robot on; empty while there is none
   std::vector<std::size_t> corners_from_;  // for each waypoint, how many corners of the path lie from there on
   double gap_ = 0.0;
+  std::optional<Bottleneck> bottleneck_;
   bool planned_once_ = false;
   Time planned_{};
   std::uint64_t planned_version_ = 0;
-  std::optional<std::uint64_t> costmap_version_;  // of our map, where the costmap has that alone
-  map::OccupancyGrid shared_;                     // with what peers have mapped
-  std::vector<Vec2> avoided_;                     // [m] the planner saw a way here, the tracker did not
-  std::vector<Vec2> closures_;                    // [m] where a path that was followed turned out to be blocked
-  std::vector<Vec2> failures_;                    // [m] what was ever avoided in this motion
-  std::vector<Vec2> barred_;                      // [m] what it has failed to look into too often
+  map::OccupancyGrid shared_;     // with what peers have mapped
+  std::vector<Vec2> avoided_;     // [m] the planner saw a way here, the tracker did not
+  std::vector<Vec2> closures_;    // [m] where a path that was followed turned out to be blocked
+  std::vector<Vec2> failures_;    // [m] what was ever avoided in this motion
+  std::vector<Vec2> barred_;      // [m] what it has failed to look into too often, or is too narrow
   std::vector<std::uint16_t> frontiers_;
   std::optional<Vec2> frontier_;  // [m] that it is on the way to
 };

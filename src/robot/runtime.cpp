@@ -25,6 +25,7 @@ Runtime::Impl::Impl(World& w, backend::RobotPort& p, Options mind)
     : world(w),
       port(p),
       gate_model(safety::make_gate_model(p.profile())),
+      creeping_gate(safety::creeping(gate_model)),
       fresh(std::move(mind), p.features(), p.profile()),
       state(std::make_unique<State>(fresh)) {}
 

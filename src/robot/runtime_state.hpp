@@ -92,6 +92,7 @@ struct Runtime::Impl {
   std::optional<std::string> halt();
 
   // act
+  safety::GateOutput gated(Time now);
   Velocity request();
   Velocity wait_for(const SensorHealth& sensor);
   Velocity steer();
@@ -116,6 +117,7 @@ struct Runtime::Impl {
   World& world;
   backend::RobotPort& port;
   const safety::GateModel gate_model;
+  const safety::GateModel creeping_gate;
   const State fresh;  // as it was before anything happened
   std::unique_ptr<State> state;
   bool connected = false;

@@ -1,10 +1,12 @@
 // The two halves of a tick: act and sense.
 #include <algorithm>
 #include <exception>
+#include <iterator>
 
 #include "robot/goals.hpp"
 #include "robot/runtime_state.hpp"
 #include "threewe/backend/sample_checks.hpp"
+#include "threewe/map/scan_hits.hpp"
 #include "threewe/robot/warning.hpp"
 
 namespace threewe {
@@ -35,8 +37,7 @@ void Runtime::act(Time now) {
   try {
     State& state = *impl_->state;
     state.requested = impl_->request();
-    state.commanded = safety::gate(impl_->gate_model, state.gate, state.requested, impl_->obstacles_in_odom(), now,
-                                   state.estimate.odom_from_base);
+    state.commanded = impl_->gated(now);
     impl_->port.command(state.commanded.command, now + kCommandLifetime);
   } catch (const std::exception& error) {
     fail(error.what());
@@ -53,6 +54,18 @@ void Runtime::sense(Time now) {
   }
   tell({now, samples, impl_->state->estimate, impl_->state->requested, impl_->state->commanded, *this});
   impl_->end_motion_if_over();
+}
+
+// Near things, and slowly, where a motion creeps through a gap; without their scatter, for that would close it.
+safety::GateOutput Runtime::Impl::gated(Time now) {
+  constexpr double kNear = 0.5;  // [m], farther than anybody creeps within a few periods
+  const Pose2D& base = state->estimate.odom_from_base;
+  const std::span<const Vec2> seen = obstacles_in_odom();
+  if (!motion || !motion->decision.creeping) return safety::gate(gate_model, state->gate, state->requested, seen, now, base);
+  std::vector<Vec2> near;
+  std::ranges::copy_if(seen, std::back_inserter(near), [&](Vec2 p) { return distance(p, base.position()) < kNear; });
+  const Vec2 lidar = base * port.profile().lidar->base_from_lidar.position();
+  return safety::gate(creeping_gate, state->gate, state->requested, map::smoothed(near, lidar), now, base);
 }
 
 // A motion owns the robot; without one, a velocity that was asked for holds until it expires.

@@ -64,6 +64,18 @@ GateModel make_gate_model(const RobotProfile& profile) {
   return model;
 }
 
+GateModel creeping(const GateModel& model) {
+  constexpr double kMargin = 0.003;  // [m]
+  constexpr double kLinear = 0.04;   // [m/s]
+  constexpr double kCorners = 0.05;  // [m/s]
+  GateModel slow = model;
+  slow.margin = std::min(slow.margin, kMargin);
+  slow.limits.linear = std::min(slow.limits.linear, kLinear);
+  slow.limits.angular =
+      std::min(slow.limits.angular, (kCorners - kLinear) / model.footprint.circumscribed_radius());
+  return slow;
+}
+
 GateOutput gate(const GateModel& model, GateState& state, const Velocity& requested, std::span<const Vec2> obstacles,
                 Time now, const Pose2D& base) {
   const GateOutput output = decide(model, state, requested, obstacles, now, base);

@@ -103,6 +103,7 @@ struct Decision {
   Velocity velocity;
   Reason reason = Reason::running;
   std::string_view detail{};  ///< a constant text that says more about a failure; may be empty
+  bool creeping = false;      ///< through a gap: slowly, and nearer to what is beside it than the robot would come else
 };
 
 /// Planning and control of one robot. It sees estimates and scans, never the truth.

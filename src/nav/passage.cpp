@@ -1,0 +1,143 @@
+#include "nav/passage.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+namespace threewe::nav {
+namespace {
+
+constexpr double kAside = 0.12;            // [m] to either side that the middle may be
+constexpr double kSight = 0.5;             // [m] to either side that is looked at
+constexpr double kTurn = 0.35;             // [rad] to either side that the direction may be
+constexpr int kTurns = 14;                 // tried to either side
+constexpr double kPerTurn = 0.002;         // [m] of width that a turn away from the guess must bring
+constexpr double kGain = 0.05;             // of what a look shows: a scan is looked at five times
+constexpr double kSpareWidth = 0.012;      // [m] beyond the robot's without which nothing goes
+constexpr Duration kMeasuring = 1500ms;    // at least
+constexpr Duration kPatience = 5s;         // to line up, and without ...
+constexpr double kProgress = 0.01;         // [m] ... so much of progress
+constexpr int kMostAttempts = 3;
+constexpr double kInLine = 0.01;           // [m]
+constexpr double kAligned = 0.03;          // [rad]
+constexpr double kBefore = 0.1;            // [m/s] before it is narrow, and after
+constexpr double kNarrow = 0.04;           // [m/s]
+constexpr double kConvergence = 0.08;      // [m] of way in which a differential base comes back to its line
+constexpr double kPerSecond = 1.5;         // of what a holonomic base is off
+
+}  // namespace
+
+Gap widest_way(std::span<const Vec2> hits, const Gap& guess) {
+  Gap best = guess;
+  double most = -std::numeric_limits<double>::infinity();
+  std::vector<double> sides;
+  for (int turn = -kTurns; turn <= kTurns; ++turn) {
+    Pose2D middle = guess.middle;
+    middle.theta = wrap_angle(middle.theta + kTurn * turn / kTurns);
+    const auto [s, c] = exact::sincos(middle.theta);
+    sides = {-kSight, kSight};
+    for (const Vec2 hit : hits) {
+      const Vec2 d = hit - middle.position();
+      const double across = c * d.y - s * d.x;
+      if (std::fabs(c * d.x + s * d.y) <= guess.half_length && std::fabs(across) < kSight) sides.push_back(across);
+    }
+    std::sort(sides.begin(), sides.end());
+    for (std::size_t i = 1; i < sides.size(); ++i) {
+      const double off = 0.5 * (sides[i - 1] + sides[i]);
+      const double width = sides[i] - sides[i - 1];
+      if (std::fabs(off) > kAside || width - kPerTurn * std::abs(turn) <= most) continue;
+      most = width - kPerTurn * std::abs(turn);
+      best.middle = {middle.x - s * off, middle.y + c * off, middle.theta};
+      best.width = width;
+    }
+  }
+  return best;
+}
+
+Passage::Passage(const RobotProfile& profile) : kinematics_(profile.kinematics()) {
+  const auto& corners = profile.body.footprint.corners();
+  const auto [rear, front] = std::ranges::minmax(corners, {}, &Vec2::x);
+  const auto [right, left] = std::ranges::minmax(corners, {}, &Vec2::y);
+  front_ = front.x;
+  back_ = -rear.x;
+  width_ = left.y - right.y;
+  aside_ = 0.5 * (left.y + right.y);
+}
+
+void Passage::begin(Time now, const Pose2D& odom_from_middle, double half_length) {
+  gap_ = {odom_from_middle, half_length, 0.0};
+  attempts_ = 0;
+  enter(State::lining_up, now);
+}
+
+void Passage::enter(State state, Time now) {
+  state_ = state;
+  entered_ = furthest_at_ = now;
+  furthest_ = -std::numeric_limits<double>::infinity();
+}
+
+Velocity Passage::step(Time now, const Pose2D& odom_from_base, std::span<const Vec2> hits, Tracker& tracker) {
+  measure(hits);
+  const Pose2D in_gap = inverse(gap_.middle) * odom_from_base;
+  const double nose = in_gap.x + front_;
+  const double tail = in_gap.x - back_;
+  creeping_ = nose > -gap_.half_length && tail < gap_.half_length;
+  const double speed = creeping_ ? kNarrow : kBefore;
+  switch (state_) {
+    case State::lining_up: return line_up(in_gap, now, tracker);
+    case State::entering:
+      if (tail >= gap_.half_length) enter(State::through, now);
+      if (stands_still(now, in_gap.x)) enter(++attempts_ < kMostAttempts ? State::backing_out : State::closed, now);
+      return drive(in_gap, speed, tracker);
+    case State::backing_out:
+      if (in_gap.x <= entry(gap_.half_length) || stands_still(now, -in_gap.x)) enter(State::lining_up, now);
+      return drive(in_gap, -speed, tracker);
+    case State::idle:
+    case State::through:
+    case State::closed: return {};
+  }
+  return {};
+}
+
+void Passage::measure(std::span<const Vec2> hits) {
+  const Gap seen = widest_way(hits, gap_);
+  const double gain = gap_.width > 0.0 ? kGain : 1.0;
+  const Vec2 shift = gain * (seen.middle.position() - gap_.middle.position());
+  gap_.middle = {gap_.middle.x + shift.x, gap_.middle.y + shift.y,
+                 wrap_angle(gap_.middle.theta + gain * wrap_angle(seen.middle.theta - gap_.middle.theta))};
+  gap_.width += gain * (seen.width - gap_.width);
+}
+
+bool Passage::stands_still(Time now, double along) {
+  if (along > furthest_ + kProgress) furthest_ = along, furthest_at_ = now;
+  return now - furthest_at_ > kPatience;
+}
+
+// Onto the line through the gap, as far as the base can, and along it; what is too narrow is seen from there.
+Velocity Passage::line_up(const Pose2D& in_gap, Time now, Tracker& tracker) {
+  const bool measured = now - entered_ >= kMeasuring;
+  if (measured && gap_.width < width_ + kSpareWidth) return enter(State::closed, now), Velocity{};
+  const double off = -aside_ - in_gap.y;
+  const bool in_line = kinematics_ == Kinematics::differential || std::fabs(off) <= kInLine;
+  if (measured && in_line && std::fabs(in_gap.theta) <= kAligned) enter(State::entering, now);
+  if (now - entered_ > kPatience) enter(State::entering, now);
+  if (std::fabs(in_gap.theta) > kAligned) return tracker.turn(-in_gap.theta);
+  return drive(in_gap, 0.0, tracker);
+}
+
+// Along the line, and back onto it.
+Velocity Passage::drive(const Pose2D& in_gap, double speed, const Tracker& tracker) const {
+  const double off = -aside_ - in_gap.y;
+  if (kinematics_ == Kinematics::holonomic) {
+    const double most = std::max(std::fabs(speed), kNarrow);
+    const Vec2 along = rotate({speed, std::clamp(kPerSecond * off, -most, most)}, -in_gap.theta);
+    return tracker.safe({along.x, along.y, std::clamp(-kPerSecond * in_gap.theta, -0.3, 0.3)});
+  }
+  // critically damped along the way, forwards or backwards
+  const double direction = speed < 0.0 ? -1.0 : 1.0;
+  const double curvature = (direction * off / kConvergence - 2.0 * in_gap.theta) / kConvergence;
+  return tracker.safe({speed, 0.0, std::clamp(std::fabs(speed) * curvature, -0.3, 0.3)});
+}
+
+}  // namespace threewe::nav

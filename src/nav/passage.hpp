@@ -1,0 +1,74 @@
+// Through a gap that is hardly wider than the robot.
+#pragma once
+
+#include <span>
+
+#include "threewe/core/pose.hpp"
+#include "threewe/core/time.hpp"
+#include "threewe/hardware/profile.hpp"
+#include "threewe/nav/tracker.hpp"
+
+namespace threewe::nav {
+
+/// A straight way between what the lidar hits, in `odom`.
+struct Gap {
+  Pose2D middle;             ///< x points through
+  double half_length = 0.0;  ///< [m] of the narrow part
+  double width = 0.0;        ///< [m] from side to side, at most 1
+};
+
+/// The widest straight way of the same length whose middle is within 12 cm to either side of the guess's and whose
+/// direction within 20 degrees of it.
+Gap widest_way(std::span<const Vec2> hits, const Gap& guess);
+
+/// Lines up before a gap, measures it, and creeps through its middle, straight; backs out and tries again where it gets
+/// stuck.
+///
+///   idle -> lining_up -> entering -> through
+///               ^  |        |
+///               |  |-> closed <- (too often) - backing_out
+///               |___________________________________|
+class Passage {
+ public:
+  enum class State { idle, lining_up, entering, backing_out, through, closed };
+
+  explicit Passage(const RobotProfile& profile);
+
+  /// Where along the way through [m], counted from its middle, the robot lines up.
+  double entry(double half_length) const { return -(half_length + front_ + kRoomToTurn); }
+  void begin(Time now, const Pose2D& odom_from_middle, double half_length);
+  void end() { state_ = State::idle; }
+  /// One period. `hits`: what is near, in `odom`, cleared of scatter; `tracker` sees the same.
+  Velocity step(Time now, const Pose2D& odom_from_base, std::span<const Vec2> hits, Tracker& tracker);
+
+  State state() const { return state_; }
+  bool active() const { return state_ != State::idle; }
+  /// Some of the robot is where it is narrow.
+  bool creeping() const { return creeping_; }
+  const Gap& gap() const { return gap_; }
+
+ private:
+  static constexpr double kRoomToTurn = 0.06;  // [m] ahead of the robot as it lines up
+
+  void measure(std::span<const Vec2> hits);
+  void enter(State state, Time now);
+  bool stands_still(Time now, double along);
+  Velocity line_up(const Pose2D& in_gap, Time now, Tracker& tracker);
+  Velocity drive(const Pose2D& in_gap, double speed, const Tracker& tracker) const;
+
+  Kinematics kinematics_;
+  double front_;   // [m] ahead of the base ...
+  double back_;    // ... and behind it
+  double width_;   // [m] of the body ...
+  double aside_;   // ... whose middle is so far to the left of the base
+
+  State state_ = State::idle;
+  Gap gap_;
+  bool creeping_ = false;
+  int attempts_ = 0;
+  Time entered_{};        // the state
+  double furthest_ = 0.0;  // [m] along the way in this state ...
+  Time furthest_at_{};     // ... and when
+};
+
+}  // namespace threewe::nav
