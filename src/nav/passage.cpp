@@ -10,11 +10,12 @@ namespace {
 
 constexpr double kAside = 0.12;            // [m] to either side that the middle may be
 constexpr double kSight = 0.5;             // [m] to either side that is looked at
-constexpr double kTurn = 0.35;             // [rad] to either side that the direction may be
-constexpr int kTurns = 14;                 // tried to either side
+constexpr double kTurn = 0.6;              // [rad] to either side that the direction may be
+constexpr int kTurns = 24;                 // tried to either side
 constexpr double kPerTurn = 0.002;         // [m] of width that a turn away from the guess must bring
 constexpr double kGain = 0.05;             // of what a look shows: a scan is looked at five times
-constexpr double kSpareWidth = 0.012;      // [m] beyond the robot's without which nothing goes
+constexpr double kLeastSpare = 0.012;      // [m] beyond the robot's width without which nothing goes ...
+constexpr double kMostSpare = 0.3;         // [m] ... and with which it has nothing to do with gaps
 constexpr Duration kMeasuring = 1500ms;    // at least
 constexpr Duration kPatience = 5s;         // to line up, and without ...
 constexpr double kProgress = 0.01;         // [m] ... so much of progress
@@ -65,10 +66,12 @@ Passage::Passage(const RobotProfile& profile) : kinematics_(profile.kinematics()
   aside_ = 0.5 * (left.y + right.y);
 }
 
-void Passage::begin(Time now, const Pose2D& odom_from_middle, double half_length) {
+void Passage::begin(Time now, const Pose2D& odom_from_base, const Pose2D& odom_from_middle, double half_length) {
+  constexpr double kNear = 0.03;  // [m]
   gap_ = {odom_from_middle, half_length, 0.0};
   attempts_ = 0;
-  enter(State::lining_up, now);
+  const double along = (inverse(odom_from_middle) * odom_from_base.position()).x;
+  enter(along > entry(half_length) + kNear ? State::backing_out : State::lining_up, now);
 }
 
 void Passage::enter(State state, Time now) {
@@ -95,7 +98,9 @@ Velocity Passage::step(Time now, const Pose2D& odom_from_base, std::span<const V
       return drive(in_gap, -speed, tracker);
     case State::idle:
     case State::through:
-    case State::closed: return {};
+    case State::closed:
+    case State::too_narrow:
+    case State::wide: return {};
   }
   return {};
 }
@@ -117,7 +122,8 @@ bool Passage::stands_still(Time now, double along) {
 // Onto the line through the gap, as far as the base can, and along it; what is too narrow is seen from there.
 Velocity Passage::line_up(const Pose2D& in_gap, Time now, Tracker& tracker) {
   const bool measured = now - entered_ >= kMeasuring;
-  if (measured && gap_.width < width_ + kSpareWidth) return enter(State::closed, now), Velocity{};
+  if (measured && gap_.width < width_ + kLeastSpare) return enter(State::too_narrow, now), Velocity{};
+  if (measured && gap_.width > width_ + kMostSpare) return enter(State::wide, now), Velocity{};
   const double off = -aside_ - in_gap.y;
   const bool in_line = kinematics_ == Kinematics::differential || std::fabs(off) <= kInLine;
   if (measured && in_line && std::fabs(in_gap.theta) <= kAligned) enter(State::entering, now);

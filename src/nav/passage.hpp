@@ -1,6 +1,7 @@
 // Through a gap that is hardly wider than the robot.
 #pragma once
 
+#include <cstdint>
 #include <span>
 
 #include "threewe/core/pose.hpp"
@@ -18,25 +19,28 @@ struct Gap {
 };
 
 /// The widest straight way of the same length whose middle is within 12 cm to either side of the guess's and whose
-/// direction within 20 degrees of it.
+/// direction within 0.6 rad of it.
 Gap widest_way(std::span<const Vec2> hits, const Gap& guess);
 
 /// Lines up before a gap, measures it, and creeps through its middle, straight; backs out and tries again where it gets
 /// stuck.
 ///
-///   idle -> lining_up -> entering -> through
-///               ^  |        |
-///               |  |-> closed <- (too often) - backing_out
-///               |___________________________________|
+///   lining_up -> entering -> through
+///    ^   |          |
+///    |   |          |-> closed: it got stuck too often
+///    |   |          |-> backing_out
+///    |   |-> too_narrow   |
+///    |   |-> wide         |
+///    |____________________|
 class Passage {
  public:
-  enum class State { idle, lining_up, entering, backing_out, through, closed };
+  enum class State : std::uint8_t { idle, lining_up, entering, backing_out, through, closed, too_narrow, wide };
 
   explicit Passage(const RobotProfile& profile);
 
   /// Where along the way through [m], counted from its middle, the robot lines up.
   double entry(double half_length) const { return -(half_length + front_ + kRoomToTurn); }
-  void begin(Time now, const Pose2D& odom_from_middle, double half_length);
+  void begin(Time now, const Pose2D& odom_from_base, const Pose2D& odom_from_middle, double half_length);
   void end() { state_ = State::idle; }
   /// One period. `hits`: what is near, in `odom`, cleared of scatter; `tracker` sees the same.
   Velocity step(Time now, const Pose2D& odom_from_base, std::span<const Vec2> hits, Tracker& tracker);
@@ -45,7 +49,7 @@ class Passage {
   bool active() const { return state_ != State::idle; }
   /// Some of the robot is where it is narrow.
   bool creeping() const { return creeping_; }
-  const Gap& gap() const { return gap_; }
+
 
  private:
   static constexpr double kRoomToTurn = 0.06;  // [m] ahead of the robot as it lines up

@@ -230,7 +230,7 @@ Decision PathNavigator::travel(const Observation& seen, Vec2 goal, double tolera
   if (stuck()) return left <= tolerance - kStuckWithin ? finish(Reason::reached) : get_unstuck();
   if (route_.is_stale(seen, kReplanPeriod)) {
     const bool impossible = !route_.plan_to_goal(seen, tolerance);
-    if (proven(impossible) && !(lidar_ && route_.plan_through_gaps(seen, tolerance)))
+    if (proven(impossible) && !plan_through_gaps(seen, tolerance))
       return finish(Reason::no_path, "everything within reach was searched");
   }
   return route_.has_path() ? follow(seen) : wait();
@@ -247,6 +247,25 @@ Decision PathNavigator::follow(const Observation& seen) {
   if (lidar_ && !at_end) return {follow_by_plan(seen, path)};
   const double aside = lidar_ ? 0.0 : sweep_aside(now_ - motion_.started);
   return {tracker_.pursue(path, route_.costmap(), progress_.pose, aside)};
+}
+
+// What is nearer than `sight` [m], in `odom`.
+std::vector<Vec2> PathNavigator::smoothed_hits(const Observation& seen, double sight) const {
+  std::vector<Vec2> near;
+  for (const Vec2 p : seen.obstacles) {
+    if (distance(p, odom_from_base_.position()) < sight) near.push_back(p);
+  }
+  return map::smoothed(near, odom_from_base_ * *lidar_);
+}
+
+// What scatters would close a gap.
+bool PathNavigator::plan_through_gaps(const Observation& seen, double tolerance) {
+  constexpr double kSight = 1.5;  // [m], beyond which the map is good enough
+  if (!lidar_) return false;
+  const std::vector<Vec2> hits = smoothed_hits(seen, kSight);
+  Observation smooth = seen;
+  smooth.obstacles = hits;
+  return route_.plan_through_gaps(smooth, tolerance);
 }
 
 // The path as far as the place from which the robot lines up for the first gap; empty where there is none.
@@ -273,31 +292,32 @@ bool PathNavigator::is_before_bottleneck() const {
   const std::optional<Bottleneck>& neck = route_.bottleneck();
   if (!neck) return false;
   const Vec2 in_neck = inverse(neck->map_from_middle) * progress_.pose.position();
-  const double entry = passage_.entry(neck->half_length);
-  return std::fabs(in_neck.y) < kNear && std::fabs(in_neck.x - entry) < kNear;
+  return std::fabs(in_neck.y) < kNear && in_neck.x > passage_.entry(neck->half_length) - kNear && in_neck.x < 0.0;
 }
 
 Decision PathNavigator::begin_passage(const Observation& seen) {
   const Bottleneck& neck = *route_.bottleneck();
-  passage_.begin(now_, inverse(seen.pose.map_from_odom) * neck.map_from_middle, neck.half_length);
+  const Pose2D odom_from_map = inverse(seen.pose.map_from_odom);
+  passage_.begin(now_, odom_from_base_, odom_from_map * neck.map_from_middle, neck.half_length);
   return pass(seen);
 }
 
 // Through a gap, with less room than the gate keeps elsewhere.
 Decision PathNavigator::pass(const Observation& seen) {
-  constexpr double kSight = 0.7;     // [m]
-  constexpr double kTouches = 0.004;  // [m] nearer is not kept free
-  mark_moved();                      // it is patient by itself
-  std::vector<Vec2> near;
-  for (const Vec2 p : seen.obstacles) {
-    if (distance(p, odom_from_base_.position()) < kSight) near.push_back(p);
-  }
-  const std::vector<Vec2> hits = map::smoothed(near, odom_from_base_ * *lidar_);
-  tracker_.see(transformed(inverse(odom_from_base_), hits), kTouches - margin_);
+  constexpr double kSight = 0.7;  // [m]
+  constexpr double kFree = 0.004;  // [m] beside the robot
+  mark_moved();                   // it is patient by itself
+  const std::vector<Vec2> hits = smoothed_hits(seen, kSight);
+  tracker_.see(transformed(inverse(odom_from_base_), hits), kFree - margin_);
 
   const Velocity velocity = passage_.step(now_, odom_from_base_, hits, tracker_);
-  if (passage_.state() == Passage::State::closed) route_.bar(seen.pose.map_from_odom * passage_.gap().middle.position());
-  if (passage_.state() == Passage::State::through) route_.drop();
+  switch (passage_.state()) {
+    case Passage::State::through: route_.drop(); break;
+    case Passage::State::closed: route_.judge_bottleneck(Route::Verdict::closed); break;
+    case Passage::State::too_narrow: route_.judge_bottleneck(Route::Verdict::too_narrow); break;
+    case Passage::State::wide: route_.judge_bottleneck(Route::Verdict::wide); break;
+    default: break;
+  }
   const bool creeping = passage_.creeping();
   if (!route_.has_path()) passage_.end();
   return {velocity, Reason::running, {}, creeping};
@@ -375,7 +395,8 @@ Decision PathNavigator::get_unstuck() {
   if (recovery_.state() == Recovery::State::given_up) return finish(Reason::blocked, recovery_.reason());
   const bool exploring = std::holds_alternative<Explore>(goal_);
   const bool end_too = exploring && recovery_.attempts() >= 2;
-  if (!tracker_.trapped() && route_.avoid_ahead(end_too)) recovery_.forget_attempts();
+  const bool tight = lidar_ && !exploring && !tracker_.trapped() && route_.tight_ahead();
+  if (!tight && !tracker_.trapped() && route_.avoid_ahead(end_too)) recovery_.forget_attempts();
   route_.drop();
   tracker_.forget_turn();
   return {};

@@ -41,6 +41,8 @@ class PathNavigator final : public Navigator {
   Velocity within_zones(const Velocity& velocity) const;
   Decision travel(const Observation& seen, Vec2 goal, double tolerance);
   Decision follow(const Observation& seen);
+  std::vector<Vec2> smoothed_hits(const Observation& seen, double sight) const;
+  bool plan_through_gaps(const Observation& seen, double tolerance);
   std::vector<Vec2> way_to_bottleneck() const;
   Velocity follow_by_plan(const Observation& seen, std::span<const Vec2> path);
   bool is_before_bottleneck() const;

@@ -19,6 +19,8 @@ constexpr double kHorizon = 4.0;           // [m] plans end so far outside of th
 constexpr double kBetter = 0.85;           // a new path replaces an open one when it costs less than this share of it
 constexpr double kWithin = 0.05;           // [m] a path must end so much within the tolerance
 constexpr Duration kRetry = 200ms;         // without a path, plan so often
+constexpr double kReach = 1000.0;          // [m] of paths that are looked at
+constexpr double kTight = 0.07;            // [m] beyond what is lethal: for the gate's margin, and half a cell
 constexpr double kSamePlace = 0.4;         // [m] failures nearer to each other are one and the same
 
 // What a frontier is worth, in metres of way through free space.
@@ -56,7 +58,7 @@ Vec2 robot_in(const Observation& seen) { return seen.pose.map_from_base().positi
 // a cell.
 map::Costmap::Settings through_gaps(map::Costmap::Settings settings) {
   constexpr double kCoarse = 0.06;  // [m]
-  constexpr double kLeast = 0.055;  // [m] of two cells side by side there is room for none
+  constexpr double kLeast = 0.045;  // [m] a free cell between two others, then
   settings.lethal_radius = std::max(settings.lethal_radius - kCoarse, kLeast);
   return settings;
 }
@@ -66,7 +68,8 @@ map::Costmap::Settings through_gaps(map::Costmap::Settings settings) {
 Route::Route(const map::Costmap::Settings& costmap, double body_radius)
     : clear_{map::Costmap(costmap), {}, {}},
       squeezed_{map::Costmap(through_gaps(costmap)), {}, {}},
-      body_radius_(body_radius) {}
+      body_radius_(body_radius),
+      tight_clearance_(costmap.lethal_radius + kTight) {}
 
 void Route::set_zones(const std::vector<map::Zone>& zones, double speed) {
   clear_.costmap.set_zones(zones, speed);
@@ -83,24 +86,67 @@ void Route::begin(std::vector<Vec2> waypoints, bool drawn) {
   avoided_.clear();
   closures_.clear();
   failures_.clear();
+  tight_.clear();
   barred_.clear();
 }
 
 bool Route::plan_to_goal(const Observation& seen, double tolerance) {
-  if (bottleneck_) path_.clear();  // a path that keeps its distance is better, wherever it leads
-  bottleneck_.reset();
-  if (try_plan(clear_, seen, tolerance)) return true;
-  if (avoided_.empty()) return false;
-
-  // what is avoided may have closed the only way
-  avoided_.clear();
-  return try_plan(clear_, seen, tolerance);
+  if (squeezed_path_) drop();  // a path that keeps its distance is better, wherever it leads
+  bool found = try_plan(clear_, seen, tolerance);
+  if (!found && !avoided_.empty()) {
+    // what is avoided may have closed the only way
+    avoided_.clear();
+    found = try_plan(clear_, seen, tolerance);
+  }
+  if (found) bottleneck_ = known_bottleneck();
+  return found;
 }
 
 bool Route::plan_through_gaps(const Observation& seen, double tolerance) {
-  if (!try_plan(squeezed_, seen, tolerance)) return false;
-  bottleneck_ = find_bottleneck();
+  squeezed_path_ = try_plan(squeezed_, seen, tolerance);
+  if (!squeezed_path_) return false;
+  // what the robot has been able to drive into it can drive out of
+  const auto is_lethal = [&](Vec2 p) { return clear_.costmap.weight(clear_.costmap.cell(p)) == map::Costmap::kLethal; };
+  bool left = false;
+  const std::optional<Vec2> place = first_along(path_, [&](Vec2 p) {
+    left = left || !is_lethal(p);
+    return left && is_lethal(p);
+  });
+  bottleneck_ = place ? std::optional(bottleneck_about(*place, is_lethal)) : known_bottleneck();
   return true;
+}
+
+bool Route::tight_ahead() {
+  constexpr double kAhead = 0.6;  // [m]
+  const auto is_tight = [&](Vec2 p) { return clearance(p) < tight_clearance_; };
+  const std::optional<Vec2> place = first_along(path_, is_tight);
+  if (!place || distance(*place, path_.front()) > kAhead) return false;
+  const Vec2 middle = bottleneck_about(*place, is_tight).map_from_middle.position();
+  const auto is_same = [&](Vec2 other) { return distance(middle, other) < kSamePlace; };
+  if (std::ranges::any_of(tight_, is_same)) return false;
+  tight_.push_back(middle);
+  return true;
+}
+
+// The path through a gap in which the robot got stuck.
+std::optional<Bottleneck> Route::known_bottleneck() const {
+  constexpr double kAside = 0.1;  // [m]
+  for (const Vec2 gap : tight_) {
+    const PathPoint nearest = nearest_on_path(path_, gap, kReach);
+    if (distance(nearest.point, gap) > kAside) continue;
+    return bottleneck_about(nearest.point, [&](Vec2 p) { return clearance(p) < tight_clearance_; });
+  }
+  return {};
+}
+
+void Route::judge_bottleneck(Verdict verdict) {
+  const Vec2 place = bottleneck_->map_from_middle.position();
+  switch (verdict) {
+    case Verdict::wide: std::erase_if(tight_, [&](Vec2 gap) { return distance(gap, place) < kSamePlace; }); break;
+    case Verdict::closed: avoid(place); break;
+    case Verdict::too_narrow: barred_.push_back(place); break;
+  }
+  drop();
 }
 
 bool Route::try_plan(Layer& layer, const Observation& seen, double tolerance) {
@@ -140,25 +186,43 @@ bool Route::try_plan(Layer& layer, const Observation& seen, double tolerance) {
   return true;
 }
 
-// Where the path, once it has left what the robot stands in, comes nearer to something than other paths do.
-std::optional<Bottleneck> Route::find_bottleneck() const {
-  constexpr double kStep = 0.01;  // [m]
+// About the tightest place of a part of the path that is narrow all along, as far as it is straight there.
+template <class Narrow>
+Bottleneck Route::bottleneck_about(Vec2 place, Narrow narrow) const {
+  constexpr double kStep = 0.01;      // [m]
+  constexpr int kBeside = 10;         // [steps] before and after, between which it has a direction
+  constexpr double kAside = 0.03;     // [m] that is still straight
+  constexpr double kShortest = 0.15;  // [m] of half a gap: that of less could be anywhere
+  const double length = path_length(path_);
   const auto point_at = [&](int i) { return point_after(path_, {0, path_.front()}, kStep * i); };
-  const auto is_narrow = [&](int i) {
-    return clear_.costmap.weight(clear_.costmap.cell(point_at(i))) == map::Costmap::kLethal;
-  };
-  const int steps = static_cast<int>(path_length(path_) / kStep);
-  int first = 0;
-  while (first <= steps && is_narrow(first)) ++first;
-  while (first <= steps && !is_narrow(first)) ++first;
-  if (first > steps) return {};
-  int last = first;
-  while (last < steps && is_narrow(last + 1)) ++last;
+  const int steps = static_cast<int>(length / kStep);
+  const int here = static_cast<int>((length - length_after(path_, nearest_on_path(path_, place, kReach))) / kStep);
+  int first = here;
+  while (first > 0 && narrow(point_at(first - 1))) --first;
+  int last = here;
+  while (last < steps && narrow(point_at(last + 1))) ++last;
 
-  const Vec2 way = point_at(last + 1) - point_at(first - 1);
-  const Vec2 middle = 0.5 * (point_at(first) + point_at(last));
-  return Bottleneck{{middle.x, middle.y, exact::atan2(way.y, way.x)}, 0.5 * norm(way)};
+  int from = first;
+  int to = first;
+  for (int i = first; i <= last; ++i) {
+    if (clearance(point_at(i)) < clearance(point_at(from))) from = i;
+    if (clearance(point_at(i)) <= clearance(point_at(from))) to = i;
+  }
+  const int tightest = (from + to) / 2;
+  const Vec2 way = point_at(tightest + kBeside) - point_at(std::max(tightest - kBeside, 0));
+  const Vec2 middle = point_at(tightest);
+  const Pose2D map_from_middle{middle.x, middle.y, exact::atan2(way.y, way.x)};
+  const Pose2D middle_from_map = inverse(map_from_middle);
+  const auto is_straight = [&](int i) { return std::fabs((middle_from_map * point_at(i)).y) < kAside; };
+  const auto beside = [&](int direction, int end) {
+    int i = tightest;
+    while (i != end && is_straight(i + direction)) i += direction;
+    return std::fabs((middle_from_map * point_at(i)).x);
+  };
+  return {map_from_middle, std::max({beside(-1, first), beside(1, last), kShortest})};
 }
+
+double Route::clearance(Vec2 place) const { return clear_.costmap.clearance(clear_.costmap.cell(place)); }
 
 bool Route::plan_to_frontier(const Observation& seen) {
   if (try_frontier(seen)) return true;
@@ -204,6 +268,7 @@ int Route::bonus_of_frontier(std::uint32_t index, const Observation& seen) const
 
 void Route::drop() {
   path_.clear();
+  squeezed_path_ = false;
   bottleneck_.reset();
   corners_from_.clear();
   planned_once_ = false;

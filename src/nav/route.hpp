@@ -39,8 +39,11 @@ class Route {
   bool plan_through_gaps(const Observation& seen, double tolerance);
   /// The first such gap of the path.
   const std::optional<Bottleneck>& bottleneck() const { return bottleneck_; }
-  /// No plan of this motion leads to a place [m] any more.
-  void bar(Vec2 place) { barred_.push_back(place), drop(); }
+  /// The robot could not go on: is it before a gap of the path that has not been known for tight? From now on it is.
+  bool tight_ahead();
+  /// The gap turned out to be no gap at all; closed; or too narrow, so that no plan of this motion leads there any more.
+  enum class Verdict : std::uint8_t { wide, closed, too_narrow };
+  void judge_bottleneck(Verdict verdict);
   /// Plans to the frontier that is most worth it: by the cost of the way there, how much there is to see, and what
   /// other robots are about to see; not to another one than before unless that is clearly better. Ways that turned out
   /// to be closed more than once are tried again when there is nothing else. False: none can be reached.
@@ -80,7 +83,10 @@ class Route {
   void renew(Layer& layer, const Observation& seen);
   void take_map(Layer& layer, const Observation& seen, const std::vector<Vec2>& obstacles,
                 const std::vector<Vec2>& include);
-  std::optional<Bottleneck> find_bottleneck() const;
+  double clearance(Vec2 place) const;
+  std::optional<Bottleneck> known_bottleneck() const;
+  template <class Narrow>
+  Bottleneck bottleneck_about(Vec2 place, Narrow narrow) const;
   bool avoid(Vec2 place);
   bool passed_waypoint(Vec2 robot) const;
   void note_closure();
@@ -89,12 +95,14 @@ class Route {
   Layer squeezed_;  // of those through gaps
   GridSearch search_;  // for frontiers
   double body_radius_;
+  double tight_clearance_;  // [m] where paths may need care
 
   std::vector<Vec2> waypoints_;  // still to pass, the last is the goal
   bool drawn_ = false;
   std::vector<Vec2> path_;                 // from the robot on; empty while there is none
   std::vector<std::size_t> corners_from_;  // for each waypoint, how many corners of the path lie from there on
   double gap_ = 0.0;
+  bool squeezed_path_ = false;  // it leads through gaps that other paths do not enter
   std::optional<Bottleneck> bottleneck_;
   bool planned_once_ = false;
   Time planned_{};
@@ -103,6 +111,7 @@ class Route {
   std::vector<Vec2> avoided_;     // [m] the planner saw a way here, the tracker did not
   std::vector<Vec2> closures_;    // [m] where a path that was followed turned out to be blocked
   std::vector<Vec2> failures_;    // [m] what was ever avoided in this motion
+  std::vector<Vec2> tight_;       // [m] gaps in which it got stuck
   std::vector<Vec2> barred_;      // [m] what it has failed to look into too often, or is too narrow
   std::vector<std::uint16_t> frontiers_;
   std::optional<Vec2> frontier_;  // [m] that it is on the way to

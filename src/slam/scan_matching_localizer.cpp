@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
+#include <iterator>
+#include <span>
 #include <vector>
 
 #include <Eigen/LU>
@@ -15,6 +18,7 @@
 #include "slam/scan_beams.hpp"
 #include "slam/scan_matcher.hpp"
 #include "threewe/map/log_odds_map.hpp"
+#include "threewe/map/scan_hits.hpp"
 
 namespace threewe::slam {
 namespace {
@@ -85,7 +89,8 @@ class ScanMatchingLocalizer final : public Localizer {
  private:
   void add_scan(Time measured, const LaserScan& scan);
   Time deskew(Time measured, const LaserScan& scan);
-  void keep_unseen(const std::vector<Vec2>& before, Vec2 lidar_in_odom, double nearest_seen);
+  std::vector<Vec2> what_may_vanish(Vec2 lidar_in_odom, double nearest_seen) const;
+  void keep_unseen(const std::vector<Vec2>& nearby);
   void predict_to(Time stamp);
   void learn_gyro_bias(const MotionSummary& motion, Time stamp);
   void find_place(Time stamp);
@@ -129,6 +134,7 @@ class ScanMatchingLocalizer final : public Localizer {
 
   std::vector<map::Beam> beams_;  // the newest scan, in the base frame at the end of its turn
   std::vector<Vec2> obstacles_;   // its hits in odom, and what is too near to be seen
+  std::size_t seen_ = 0;          // how many of these are hits
 };
 
 // One scan: undo the motion during its turn, carry the belief there, find out where on the map that may be, fit it to
@@ -155,26 +161,40 @@ Time ScanMatchingLocalizer::deskew(Time measured, const LaserScan& scan) {
 
   beams_ = beams_of(scan, scan.range_max,
                     [&](std::size_t i) { return base_from_odom * track_.at(beam_time(i)) * sensors_.base_from_lidar; });
-  std::vector<Vec2> before;
-  before.swap(obstacles_);
+  const double nearest_seen = scan.range_min - track_.calibration().range_bias;
+  const std::vector<Vec2> nearby = what_may_vanish((odom_from_base * sensors_.base_from_lidar).position(), nearest_seen);
+  obstacles_.clear();
   for (const map::Beam& b : beams_) {
     if (b.hit)
       obstacles_.push_back(odom_from_base * (b.origin + (b.range - track_.calibration().range_bias) * b.direction));
   }
-  const double nearest_seen = scan.range_min - track_.calibration().range_bias;
-  keep_unseen(before, (odom_from_base * sensors_.base_from_lidar).position(), nearest_seen);
+  seen_ = obstacles_.size();
+  keep_unseen(nearby);
   return end;
 }
 
+// Of what is known, that which is nearer than the lidar can see; its scatter would add up from scan to scan.
+std::vector<Vec2> ScanMatchingLocalizer::what_may_vanish(Vec2 lidar_in_odom, double nearest_seen) const {
+  constexpr double kBlur = 0.03;        // [m] around the least range some beams see and some do not
+  constexpr double kNeighbours = 0.08;  // [m]
+  const auto within = [&](double more) {
+    return [=](Vec2 p) { return distance(p, lidar_in_odom) < nearest_seen + kBlur + more; };
+  };
+  const auto fresh = std::span(obstacles_).first(seen_);
+  std::vector<Vec2> near;
+  std::ranges::copy_if(fresh, std::back_inserter(near), within(kNeighbours));
+  near = map::smoothed(near, lidar_in_odom);
+  std::erase_if(near, std::not_fn(within(0.0)));
+  std::ranges::copy_if(std::span(obstacles_).subspan(seen_), std::back_inserter(near), within(0.0));
+  return near;
+}
+
 // What came nearer than the lidar can see is still there.
-void ScanMatchingLocalizer::keep_unseen(const std::vector<Vec2>& before, Vec2 lidar_in_odom, double nearest_seen) {
+void ScanMatchingLocalizer::keep_unseen(const std::vector<Vec2>& nearby) {
   constexpr double kSame = 0.01;  // [m] points nearer to each other are one
-  constexpr double kBlur = 0.03;  // [m] around the least range some beams see and some do not
-  const std::size_t seen = obstacles_.size();
-  for (const Vec2 p : before) {
-    if (distance(p, lidar_in_odom) >= nearest_seen + kBlur) continue;
+  for (const Vec2 p : nearby) {
     const auto is_same = [p](Vec2 other) { return distance(p, other) < kSame; };
-    const auto kept = obstacles_.begin() + static_cast<std::ptrdiff_t>(seen);
+    const auto kept = obstacles_.begin() + static_cast<std::ptrdiff_t>(seen_);
     if (std::none_of(kept, obstacles_.end(), is_same)) obstacles_.push_back(p);
   }
 }
