@@ -1,5 +1,6 @@
 """Drives to sampled goals in places that the robot has never seen; explores; listens to no simulator's lies."""
 
+from verify.cases.doorways import through_a_doorway
 from verify.cases.driving import arrived, drive, drive_in_vain, drives_in_a_map, explore
 from verify.cases.journey import lies
 from verify.cases.people import among_people, ratio
@@ -67,6 +68,39 @@ EXPERIMENTS = [
             ],
         )
         for scene, hardware, _ in ROBOTS[:2]
+    ),
+    *(
+        Experiment(
+            f"a doorway {1000 * spare:.0f} mm wider than the robot, {hardware}",
+            through_a_doorway,
+            {"hardware": hardware, "spare": spare},
+            cases=200,
+            sample=sample,
+            rows=[
+                share_of("reached, truly within 0.25 m", arrived, at_least=enough),
+                worst_of("contact by its own motion [m/s]", lambda case: case["contact_speed"], at_most=0.05),
+            ],
+        )
+        for hardware, spare, enough, sample in [
+            ("3we_standard_v2", 0.05, 0.97, 8),
+            ("3we_standard_v2", 0.1, 0.97, 4),
+            ("turtlebot_like", 0.07, 0.9, 4),
+        ]
+    ),
+    *(
+        Experiment(
+            f"a doorway 10 mm narrower than the robot, {hardware}",
+            through_a_doorway,
+            {"hardware": hardware, "spare": -0.01},
+            cases=100,
+            sample=2,
+            rows=[
+                share_of("no_path", lambda case: case["reason"] == "no_path", at_least=0.95),
+                all_of("never reached", lambda case: case["reason"] != "reached"),
+                worst_of("contact by its own motion [m/s]", lambda case: case["contact_speed"], at_most=0.05),
+            ],
+        )
+        for hardware in ("3we_standard_v2", "turtlebot_like")
     ),
     Experiment(
         "move_to by echoes, 3we_base_v2 in office_v2",

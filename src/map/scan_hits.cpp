@@ -12,8 +12,8 @@ namespace {
 
 constexpr double kReach = 0.08;        // [m] of a neighbourhood
 constexpr double kOverlap = 0.01;      // [m] by which it reaches over to the other side
-constexpr double kLeastSpread = 0.02;  // [m] along the line, deviation; less shows no direction
-constexpr double kStraight = 0.5;      // the deviation across the line, as a share of that along it, at most
+constexpr double kLeastSpread = 0.012;  // [m] along the line, deviation; less shows no direction
+constexpr double kStraight = 0.75;      // the deviation across the line, as a share of that along it, at most
 constexpr int kFewest = 6;             // hits that make a line
 constexpr double kGrazing = 0.3;       // sine of the angle between ray and surface
 constexpr double kDiagonal = 0.70710678118654752;

@@ -12,7 +12,7 @@ constexpr double kAside = 0.12;            // [m] to either side that the middle
 constexpr double kSight = 0.5;             // [m] to either side that is looked at
 constexpr double kTurn = 0.6;              // [rad] to either side that the direction may be
 constexpr int kTurns = 24;                 // tried to either side
-constexpr double kPerTurn = 0.002;         // [m] of width that a turn away from the guess must bring
+constexpr double kPerTurn = 0.0005;        // [m] of width that a turn away from the guess must bring
 constexpr double kGain = 0.05;             // of what a look shows: a scan is looked at five times
 constexpr double kLeastSpare = 0.012;      // [m] beyond the robot's width without which nothing goes ...
 constexpr double kMostSpare = 0.3;         // [m] ... and with which it has nothing to do with gaps
@@ -22,6 +22,7 @@ constexpr double kProgress = 0.01;         // [m] ... so much of progress
 constexpr int kMostAttempts = 3;
 constexpr double kInLine = 0.01;           // [m]
 constexpr double kAligned = 0.03;          // [rad]
+constexpr double kRoomBefore = 0.1;        // [m] by which it may begin earlier than the map says
 constexpr double kBefore = 0.1;            // [m/s] before it is narrow, and after
 constexpr double kNarrow = 0.04;           // [m/s]
 constexpr double kConvergence = 0.08;      // [m] of way in which a differential base comes back to its line
@@ -85,7 +86,7 @@ Velocity Passage::step(Time now, const Pose2D& odom_from_base, std::span<const V
   const Pose2D in_gap = inverse(gap_.middle) * odom_from_base;
   const double nose = in_gap.x + front_;
   const double tail = in_gap.x - back_;
-  creeping_ = nose > -gap_.half_length && tail < gap_.half_length;
+  creeping_ = nose > -(gap_.half_length + kRoomBefore) && tail < gap_.half_length;
   const double speed = creeping_ ? kNarrow : kBefore;
   switch (state_) {
     case State::lining_up: return line_up(in_gap, now, tracker);

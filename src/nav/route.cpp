@@ -144,9 +144,16 @@ void Route::judge_bottleneck(Verdict verdict) {
   switch (verdict) {
     case Verdict::wide: std::erase_if(tight_, [&](Vec2 gap) { return distance(gap, place) < kSamePlace; }); break;
     case Verdict::closed: avoid(place); break;
-    case Verdict::too_narrow: barred_.push_back(place); break;
+    case Verdict::too_narrow: bar(*bottleneck_); break;
   }
   drop();
+}
+
+// A row of points from side to side, without a gap.
+void Route::bar(const Bottleneck& neck) {
+  constexpr double kSpacing = 0.04;  // [m]
+  const double half_width = clear_.costmap.resolution() + tight_clearance_;
+  for (double y = -half_width; y <= half_width; y += kSpacing) barred_.push_back(neck.map_from_middle * Vec2{0.0, y});
 }
 
 bool Route::try_plan(Layer& layer, const Observation& seen, double tolerance) {

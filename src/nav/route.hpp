@@ -88,6 +88,7 @@ class Route {
   template <class Narrow>
   Bottleneck bottleneck_about(Vec2 place, Narrow narrow) const;
   bool avoid(Vec2 place);
+  void bar(const Bottleneck& neck);
   bool passed_waypoint(Vec2 robot) const;
   void note_closure();
 
