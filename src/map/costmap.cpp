@@ -70,11 +70,14 @@ void Costmap::begin(const OccupancyGrid& grid) {
   other.set_zones(zones_, zone_speed_);
   *this = std::move(other);
   resolution_ = grid.resolution;
-  for (std::size_t i = 0; i < weight_at_.size(); ++i) {
+  for (std::size_t i = 0; i < kUnknown; ++i) {
     const double d = resolution_ * exact::sqrt(static_cast<double>(i));
     const double t =
         std::clamp((settings_.caution_radius - d) / (settings_.caution_radius - settings_.lethal_radius), 0.0, 1.0);
-    weight_at_[i] = d < settings_.lethal_radius ? kLethal : static_cast<Weight>(kFree + settings_.near_weight * t * t);
+    const auto known = static_cast<Weight>(kFree + settings_.near_weight * t * t);
+    const auto unknown = static_cast<Weight>(known + settings_.unknown_weight);
+    weight_at_[i] = d < settings_.lethal_radius ? kLethal : known;
+    weight_at_[kUnknown + i] = d < std::max(settings_.lethal_radius, settings_.unknown_radius) ? kLethal : unknown;
   }
 }
 
@@ -94,7 +97,7 @@ void Costmap::move_to(const Frame& frame) {
   moved.occupied_.assign(size, 0);
   moved.unknown_.assign(size, 1);
   moved.squared_.assign(size, std::uint8_t{kMaxDistance * kMaxDistance});
-  moved.weights_.assign(size, static_cast<Weight>(weight_at_.back() + settings_.unknown_weight));
+  moved.weights_.assign(size, weight_at_.back());
   moved.stale_.assign(size / (std::size_t{kTile} * kTile), kDistances);
   moved.stamps_.resize(moved.stale_.size());
   for (std::uint64_t& stamp : moved.stamps_) stamp = new_stamp();
@@ -317,16 +320,11 @@ void Costmap::weigh(Cell corner) {
 
 // A row of a tile. Loops without branches, since a tile has a thousand cells.
 std::array<Costmap::Weight, Costmap::kTile> Costmap::row_of_weights(std::size_t at) const {
-  std::array<Weight, kTile> more{};
-  const auto unknown_weight = static_cast<Weight>(settings_.unknown_weight);
-  for (std::size_t x = 0; x < kTile; ++x) more[x] = unknown_[at + x] != 0 ? unknown_weight : Weight{0};
-  if (!slow_.empty()) {
-    for (std::size_t x = 0; x < kTile; ++x) more[x] = static_cast<Weight>(more[x] + slow_[at + x]);
-  }
   std::array<Weight, kTile> row{};
-  for (std::size_t x = 0; x < kTile; ++x) row[x] = weight_at_[squared_[at + x]];
+  for (std::size_t x = 0; x < kTile; ++x) row[x] = weight_at_[squared_[at + x] + kUnknown * unknown_[at + x]];
+  if (slow_.empty()) return row;
   for (std::size_t x = 0; x < kTile; ++x) {
-    row[x] = row[x] == kLethal ? kLethal : static_cast<Weight>(row[x] + more[x]);
+    row[x] = row[x] == kLethal ? kLethal : static_cast<Weight>(row[x] + slow_[at + x]);
   }
   return row;
 }

@@ -10,15 +10,15 @@
 namespace threewe::map {
 namespace {
 
-constexpr double kReach = 0.08;        // [m] of a neighbourhood
-constexpr double kOverlap = 0.01;      // [m] by which it reaches over to the other side
+constexpr double kReach = 0.08;         // [m] of a neighbourhood
+constexpr double kOverlap = 0.01;       // [m] by which it reaches over to the other side
 constexpr double kLeastSpread = 0.012;  // [m] along the line, deviation; less shows no direction
 constexpr double kStraight = 0.75;      // the deviation across the line, as a share of that along it, at most
-constexpr int kFewest = 6;             // hits that make a line
-constexpr double kGrazing = 0.3;       // sine of the angle between ray and surface
+constexpr int kFewest = 6;              // hits that make a line
+constexpr double kGrazing = 0.3;        // sine of the angle between ray and surface
 constexpr double kDiagonal = 0.70710678118654752;
-constexpr double kAlong = 0.5;         // cosine at most between a side and the normal of its line: what lies to the side
-                                       // of a wall is chosen by its scatter
+constexpr double kAlong = 0.5;  // cosine at most between a side and the normal of its line: what lies to the side
+                                // of a wall is chosen by its scatter
 constexpr std::array<Vec2, 9> kSides = {{{0.0, 0.0},  // all around
                                          {1.0, 0.0},
                                          {kDiagonal, kDiagonal},
@@ -97,7 +97,8 @@ std::vector<Vec2> smoothed(std::span<const Vec2> hits, Vec2 lidar) {
     for (std::size_t side = 0; side < kSides.size(); ++side) {
       if (around[side].count < kFewest) continue;
       const Line line = line_through(around[side]);
-      if (line.across >= best.across || !is_straight(line) || std::abs(dot(line.normal, kSides[side])) > kAlong) continue;
+      if (line.across >= best.across || !is_straight(line) || std::abs(dot(line.normal, kSides[side])) > kAlong)
+        continue;
       best = line;
     }
     moved.push_back(hit + onto(best, hit - lidar));

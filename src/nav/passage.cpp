@@ -8,25 +8,25 @@
 namespace threewe::nav {
 namespace {
 
-constexpr double kAside = 0.12;            // [m] to either side that the middle may be
-constexpr double kSight = 0.5;             // [m] to either side that is looked at
-constexpr double kTurn = 0.6;              // [rad] to either side that the direction may be
-constexpr int kTurns = 24;                 // tried to either side
-constexpr double kPerTurn = 0.0005;        // [m] of width that a turn away from the guess must bring
-constexpr double kGain = 0.05;             // of what a look shows: a scan is looked at five times
-constexpr double kLeastSpare = 0.012;      // [m] beyond the robot's width without which nothing goes ...
-constexpr double kMostSpare = 0.3;         // [m] ... and with which it has nothing to do with gaps
-constexpr Duration kMeasuring = 1500ms;    // at least
-constexpr Duration kPatience = 5s;         // to line up, and without ...
-constexpr double kProgress = 0.01;         // [m] ... so much of progress
+constexpr double kAside = 0.12;          // [m] to either side that the middle may be
+constexpr double kSight = 0.5;           // [m] to either side that is looked at
+constexpr double kTurn = 0.6;            // [rad] to either side that the direction may be
+constexpr int kTurns = 24;               // tried to either side
+constexpr double kPerTurn = 0.0005;      // [m] of width that a turn away from the guess must bring
+constexpr double kGain = 0.05;           // of what a look shows: a scan is looked at five times
+constexpr double kLeastSpare = 0.012;    // [m] beyond the robot's width without which nothing goes ...
+constexpr double kMostSpare = 0.3;       // [m] ... and with which it has nothing to do with gaps
+constexpr Duration kMeasuring = 1500ms;  // at least
+constexpr Duration kPatience = 5s;       // to line up, and without ...
+constexpr double kProgress = 0.01;       // [m] ... so much of progress
 constexpr int kMostAttempts = 3;
-constexpr double kInLine = 0.01;           // [m]
-constexpr double kAligned = 0.03;          // [rad]
-constexpr double kRoomBefore = 0.1;        // [m] by which it may begin earlier than the map says
-constexpr double kBefore = 0.1;            // [m/s] before it is narrow, and after
-constexpr double kNarrow = 0.04;           // [m/s]
-constexpr double kConvergence = 0.08;      // [m] of way in which a differential base comes back to its line
-constexpr double kPerSecond = 1.5;         // of what a holonomic base is off
+constexpr double kInLine = 0.01;       // [m]
+constexpr double kAligned = 0.03;      // [rad]
+constexpr double kRoomBefore = 0.1;    // [m] by which it may begin earlier than the map says
+constexpr double kBefore = 0.1;        // [m/s] before it is narrow, and after
+constexpr double kNarrow = 0.04;       // [m/s]
+constexpr double kConvergence = 0.08;  // [m] of way in which a differential base comes back to its line
+constexpr double kPerSecond = 1.5;     // of what a holonomic base is off
 
 }  // namespace
 

@@ -50,7 +50,6 @@ class Passage {
   /// Some of the robot is where it is narrow.
   bool creeping() const { return creeping_; }
 
-
  private:
   static constexpr double kRoomToTurn = 0.06;  // [m] ahead of the robot as it lines up
 
@@ -61,16 +60,16 @@ class Passage {
   Velocity drive(const Pose2D& in_gap, double speed, const Tracker& tracker) const;
 
   Kinematics kinematics_;
-  double front_;   // [m] ahead of the base ...
-  double back_;    // ... and behind it
-  double width_;   // [m] of the body ...
-  double aside_;   // ... whose middle is so far to the left of the base
+  double front_;  // [m] ahead of the base ...
+  double back_;   // ... and behind it
+  double width_;  // [m] of the body ...
+  double aside_;  // ... whose middle is so far to the left of the base
 
   State state_ = State::idle;
   Gap gap_;
   bool creeping_ = false;
   int attempts_ = 0;
-  Time entered_{};        // the state
+  Time entered_{};         // the state
   double furthest_ = 0.0;  // [m] along the way in this state ...
   Time furthest_at_{};     // ... and when
 };

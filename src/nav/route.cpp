@@ -54,11 +54,12 @@ std::optional<Vec2> first_along(std::span<const Vec2> path, Holds holds) {
 
 Vec2 robot_in(const Observation& seen) { return seen.pose.map_from_base().position(); }
 
-// Through gaps that cells cannot tell from closed ones: the wall's cell, the path's and the map may each be off by half
-// a cell.
+// Through gaps that cells cannot tell from closed ones, since the wall's cell, the path's and the map may each be off
+// by half a cell; but not where a wall has hardly been seen yet.
 map::Costmap::Settings through_gaps(map::Costmap::Settings settings) {
   constexpr double kCoarse = 0.06;  // [m]
-  constexpr double kLeast = 0.045;  // [m] a free cell between two others, then
+  constexpr double kLeast = 0.055;  // [m] or it would slip between cells of a wall that is askew
+  settings.unknown_radius = settings.lethal_radius;
   settings.lethal_radius = std::max(settings.lethal_radius - kCoarse, kLeast);
   return settings;
 }
@@ -356,7 +357,9 @@ bool Route::avoid(Vec2 place) {
   failures_.push_back(place);
   const auto is_same = [&](Vec2 other) { return distance(place, other) < kSamePlace; };
   if (std::count_if(failures_.begin(), failures_.end(), is_same) < kAttempts) return false;
-  const auto is_entrance = [&](Vec2 p) { return clear_.costmap.unknown(clear_.costmap.cell(p)) && distance(p, place) < kBeyond; };
+  const auto is_entrance = [&](Vec2 p) {
+    return clear_.costmap.unknown(clear_.costmap.cell(p)) && distance(p, place) < kBeyond;
+  };
   const std::optional<Vec2> entrance = first_along(path_, is_entrance);
   if (!entrance && !waypoints_.empty()) return false;
   barred_.push_back(place);

@@ -41,7 +41,8 @@ class Route {
   const std::optional<Bottleneck>& bottleneck() const { return bottleneck_; }
   /// The robot could not go on: is it before a gap of the path that has not been known for tight? From now on it is.
   bool tight_ahead();
-  /// The gap turned out to be no gap at all; closed; or too narrow, so that no plan of this motion leads there any more.
+  /// The gap turned out to be no gap at all; closed; or too narrow, so that no plan of this motion leads there any
+  /// more.
   enum class Verdict : std::uint8_t { wide, closed, too_narrow };
   void judge_bottleneck(Verdict verdict);
   /// Plans to the frontier that is most worth it: by the cost of the way there, how much there is to see, and what
@@ -92,8 +93,8 @@ class Route {
   bool passed_waypoint(Vec2 robot) const;
   void note_closure();
 
-  Layer clear_;     // of paths that keep their distance
-  Layer squeezed_;  // of those through gaps
+  Layer clear_;        // of paths that keep their distance
+  Layer squeezed_;     // of those through gaps
   GridSearch search_;  // for frontiers
   double body_radius_;
   double tight_clearance_;  // [m] where paths may need care
@@ -108,12 +109,12 @@ class Route {
   bool planned_once_ = false;
   Time planned_{};
   std::uint64_t planned_version_ = 0;
-  map::OccupancyGrid shared_;     // with what peers have mapped
-  std::vector<Vec2> avoided_;     // [m] the planner saw a way here, the tracker did not
-  std::vector<Vec2> closures_;    // [m] where a path that was followed turned out to be blocked
-  std::vector<Vec2> failures_;    // [m] what was ever avoided in this motion
-  std::vector<Vec2> tight_;       // [m] gaps in which it got stuck
-  std::vector<Vec2> barred_;      // [m] what it has failed to look into too often, or is too narrow
+  map::OccupancyGrid shared_;   // with what peers have mapped
+  std::vector<Vec2> avoided_;   // [m] the planner saw a way here, the tracker did not
+  std::vector<Vec2> closures_;  // [m] where a path that was followed turned out to be blocked
+  std::vector<Vec2> failures_;  // [m] what was ever avoided in this motion
+  std::vector<Vec2> tight_;     // [m] gaps in which it got stuck
+  std::vector<Vec2> barred_;    // [m] what it has failed to look into too often, or is too narrow
   std::vector<std::uint16_t> frontiers_;
   std::optional<Vec2> frontier_;  // [m] that it is on the way to
 };

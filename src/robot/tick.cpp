@@ -61,7 +61,8 @@ safety::GateOutput Runtime::Impl::gated(Time now) {
   constexpr double kNear = 0.5;  // [m], farther than anybody creeps within a few periods
   const Pose2D& base = state->estimate.odom_from_base;
   const std::span<const Vec2> seen = obstacles_in_odom();
-  if (!motion || !motion->decision.creeping) return safety::gate(gate_model, state->gate, state->requested, seen, now, base);
+  if (!motion || !motion->decision.creeping)
+    return safety::gate(gate_model, state->gate, state->requested, seen, now, base);
   std::vector<Vec2> near;
   std::ranges::copy_if(seen, std::back_inserter(near), [&](Vec2 p) { return distance(p, base.position()) < kNear; });
   const Vec2 lidar = base * port.profile().lidar->base_from_lidar.position();

@@ -71,8 +71,7 @@ GateModel creeping(const GateModel& model) {
   GateModel slow = model;
   slow.margin = std::min(slow.margin, kMargin);
   slow.limits.linear = std::min(slow.limits.linear, kLinear);
-  slow.limits.angular =
-      std::min(slow.limits.angular, (kCorners - kLinear) / model.footprint.circumscribed_radius());
+  slow.limits.angular = std::min(slow.limits.angular, (kCorners - kLinear) / model.footprint.circumscribed_radius());
   return slow;
 }
 

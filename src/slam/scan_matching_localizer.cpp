@@ -162,7 +162,8 @@ Time ScanMatchingLocalizer::deskew(Time measured, const LaserScan& scan) {
   beams_ = beams_of(scan, scan.range_max,
                     [&](std::size_t i) { return base_from_odom * track_.at(beam_time(i)) * sensors_.base_from_lidar; });
   const double nearest_seen = scan.range_min - track_.calibration().range_bias;
-  const std::vector<Vec2> nearby = what_may_vanish((odom_from_base * sensors_.base_from_lidar).position(), nearest_seen);
+  const std::vector<Vec2> nearby =
+      what_may_vanish((odom_from_base * sensors_.base_from_lidar).position(), nearest_seen);
   obstacles_.clear();
   for (const map::Beam& b : beams_) {
     if (b.hit)

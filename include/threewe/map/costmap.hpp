@@ -28,7 +28,8 @@ void squared_distances(std::span<const std::uint8_t> occupied, int width, int he
 class Costmap {
  public:
   struct Settings {
-    double lethal_radius = 0.13;   ///< [m] no path comes so near to an obstacle
+    double lethal_radius = 0.13;   ///< [m] no path comes so near to an obstacle ...
+    double unknown_radius = 0.0;   ///< [m] ... nor, where nothing is known, so near, if that is more
     double caution_radius = 0.50;  ///< [m] weights fall to kFree here
     int near_weight = 32;          ///< added at the lethal radius
     int unknown_weight = 2;        ///< added where nothing is known: optimistic, but dearer than known to be free
@@ -116,7 +117,8 @@ class Costmap {
   }
 
   Settings settings_;
-  std::array<Weight, kMaxDistance * kMaxDistance + 1> weight_at_{};  // by squared distance
+  static constexpr std::size_t kUnknown = kMaxDistance * kMaxDistance + 1;
+  std::array<Weight, 2 * kUnknown> weight_at_{};  // by squared distance; then the same where nothing is known
   int width_ = 0;
   int height_ = 0;
   double resolution_ = 0.0;

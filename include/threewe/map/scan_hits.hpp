@@ -8,10 +8,10 @@
 
 namespace threewe::map {
 
-/// Each hit [m], seen from `lidar`, moved along its ray onto the line that its neighbours within 8 cm lie on: on a flat
-/// surface the scatter of 40 hits shrinks to a fifth. Of the neighbourhoods all around and to each of its sides the
-/// straightest counts, so that corners stay (Kuwahara et al. 1976, for pictures). A hit with too few neighbours, or none
-/// in a line, stays where it is. Takes time as hits squared: meant for those near the robot.
+/// Each hit [m], seen from `lidar`, moved along its ray onto the line that its neighbours within 8 cm lie on, where a
+/// flat surface scatters half as much. Of the neighbourhoods all around and to each of its sides the
+/// straightest counts, so that corners stay (Kuwahara et al. 1976, for pictures). A hit with too few neighbours, or
+/// none in a line, stays where it is. Takes time as hits squared: meant for those near the robot.
 std::vector<Vec2> smoothed(std::span<const Vec2> hits, Vec2 lidar);
 
 }  // namespace threewe::map

@@ -72,11 +72,11 @@ TEST_CASE("squared distances are those of brute force, with any vectors") {
 }
 
 TEST_CASE("cells are lethal within the radius, dear near it, and unknown ones a little dearer than free ones") {
-  const Costmap::Settings settings;
   for (std::uint64_t seed = 0; seed < 200; ++seed) {
     CAPTURE(seed);
     std::mt19937_64 bits(seed);
     const OccupancyGrid grid = random_grid(bits);
+    const Costmap::Settings settings{.unknown_radius = seed % 2 == 0 ? 0.0 : 0.2};
     Costmap costmap(settings);
     costmap.update(grid, {}, {});
     for (int y = 0; y < costmap.height(); ++y) {
@@ -84,9 +84,11 @@ TEST_CASE("cells are lethal within the radius, dear near it, and unknown ones a 
         const Cell c{x, y};
         const double d = costmap.clearance(c);
         const bool unknown = grid.at(grid.cell(costmap.center(c))) == OccupancyGrid::kUnknown;
-        REQUIRE((costmap.weight(c) == Costmap::kLethal) == (d < settings.lethal_radius));
+        const double lethal =
+            unknown ? std::max(settings.lethal_radius, settings.unknown_radius) : settings.lethal_radius;
+        REQUIRE((costmap.weight(c) == Costmap::kLethal) == (d < lethal));
         REQUIRE(costmap.unknown(c) == unknown);
-        if (d < settings.lethal_radius) continue;
+        if (d < lethal) continue;
         const int extra = unknown ? settings.unknown_weight : 0;
         REQUIRE(costmap.weight(c) >= Costmap::kFree + extra);
         REQUIRE(costmap.weight(c) <= Costmap::kFree + settings.near_weight + extra);

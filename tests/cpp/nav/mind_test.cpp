@@ -251,6 +251,27 @@ TEST_CASE("a door that closes for good leaves no path") {
   }
 }
 
+TEST_CASE("a doorway hardly wider than the robot is driven through; one that is narrower is no path") {
+  for (const char* name : {"3we_standard_v2", "turtlebot_like"}) {
+    const double spare = name == std::string("3we_standard_v2") ? 0.05 : 0.08;
+    CAPTURE(name);
+    double width = 0.0;
+    const RobotProfile profile = profile_named(name);
+    for (const Vec2 c : profile.body.footprint.corners()) width = std::max(width, 2.0 * std::fabs(c.y));
+    for (const double gap : {width + spare, width - 0.01}) {
+      CAPTURE(gap);
+      std::vector<TinyWall> walls;
+      add_box(walls, {-1, -1}, {4, 2});
+      add_box(walls, {1.5, -1}, {1.6, 0.3 - 0.5 * gap});
+      add_box(walls, {1.5, 0.3 + 0.5 * gap}, {1.6, 2});
+      Drive drive(name, walls, 23);
+      const Decision end = drive.run(MoveTo{{3.0, 0.8}}, 200s);
+      CHECK(to_string(end.reason) == (gap > width ? "reached" : "no_path"));
+      CHECK(drive.least_clearance > 0.0);
+    }
+  }
+}
+
 TEST_CASE("who is held back recovers step by step, tells so, and gives up with the reason") {
   using State = RecoveryState;
   Drive drive("3we_standard_v2", three_rooms(), 17);

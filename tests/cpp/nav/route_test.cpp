@@ -97,5 +97,61 @@ TEST_CASE("what was avoided is tried again before an exploration ends") {
   CHECK(steps < 600);
 }
 
+TEST_CASE("a slit as wide as the robot is passed only when there is no other way, and barred once it is too narrow") {
+  // a closet behind a slit of three cells
+  OccupancyGrid grid = hall();
+  fill(grid, {0.1, 2.55}, {3.9, 3.9}, OccupancyGrid::kFree);
+  fill(grid, {0.1, 2.45}, {4.0, 2.55}, OccupancyGrid::kOccupied);
+  fill(grid, {1.9, 2.45}, {2.05, 2.55}, OccupancyGrid::kFree);
+  Route route({.lethal_radius = 0.12, .caution_radius = 0.4, .near_weight = 16}, kBody);
+  slam::PoseEstimate pose;
+  pose.odom_from_base = {1.0, 1.2, 0.0};
+  const Observation seen{Time{}, pose, grid, 1, {}};
+
+  route.begin({{3.0, 3.3}}, false);
+  CHECK_FALSE(route.plan_to_goal(seen, 0.1));
+  REQUIRE(route.plan_through_gaps(seen, 0.1));
+  REQUIRE(route.bottleneck());
+  const Pose2D middle = route.bottleneck()->map_from_middle;
+  CHECK(distance(middle.position(), {1.975, 2.5}) < 0.1);
+  CHECK(std::fabs(wrap_angle(middle.theta - 0.5 * exact::kPi)) < 0.8);
+
+  route.judge_bottleneck(Route::Verdict::too_narrow);
+  CHECK_FALSE(route.has_path());
+  CHECK_FALSE(route.plan_to_goal(seen, 0.1));
+  CHECK_FALSE(route.plan_through_gaps(seen, 0.1));
+
+  // the next motion knows nothing of that; and where a wall has a door, that is taken
+  fill(grid, {3.0, 2.45}, {3.6, 2.55}, OccupancyGrid::kFree);
+  route.begin({{3.0, 3.3}}, false);
+  CHECK(route.plan_to_goal({Time{}, pose, grid, 2, {}}, 0.1));
+  CHECK_FALSE(route.bottleneck());
+}
+
+TEST_CASE("a gap of the path in which the robot got stuck is known from then on") {
+  OccupancyGrid grid = hall();
+  fill(grid, {0.1, 2.55}, {3.9, 3.9}, OccupancyGrid::kFree);
+  fill(grid, {1.8, 2.45}, {2.1, 2.55}, OccupancyGrid::kFree);
+  fill(grid, {2.1, 2.45}, {2.3, 2.55}, OccupancyGrid::kOccupied);
+  Route route({.lethal_radius = 0.12, .caution_radius = 0.4, .near_weight = 16}, kBody);
+  slam::PoseEstimate pose;
+  pose.odom_from_base = {1.95, 2.1, 0.0};
+  const Observation seen{Time{}, pose, grid, 1, {}};
+  route.begin({{1.95, 3.3}}, false);
+  REQUIRE(route.plan_to_goal(seen, 0.1));
+  CHECK_FALSE(route.bottleneck());
+  CHECK(route.tight_ahead());
+  CHECK_FALSE(route.tight_ahead());  // it is known now
+  route.drop();
+  REQUIRE(route.plan_to_goal(seen, 0.1));
+  REQUIRE(route.bottleneck());
+  CHECK(distance(route.bottleneck()->map_from_middle.position(), {1.95, 2.5}) < 0.08);
+
+  // seen from near it turned out to be wide: nothing special any more
+  route.judge_bottleneck(Route::Verdict::wide);
+  REQUIRE(route.plan_to_goal(seen, 0.1));
+  CHECK_FALSE(route.bottleneck());
+}
+
 }  // namespace
 }  // namespace threewe::nav

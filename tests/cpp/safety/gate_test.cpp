@@ -359,3 +359,30 @@ TEST_CASE("the emergency stop acts at once and stays latched") {
     CHECK(speed(gate({0.5, 0.0, 0.0}).command) <= gate.model.limits.linear_acceleration * kPeriod * (1 + 1e-9));
   }
 }
+
+TEST_CASE("who creeps comes nearer than others, and is nowhere faster than a touch may be") {
+  const GateModel careful = [] {
+    GateModel m = model();
+    m.margin = 0.05;
+    return m;
+  }();
+  const GateModel slow = creeping(careful);
+  const std::vector<Vec2> ahead = {{0.3, 0.0}};
+  const auto driven = [&](const GateModel& m) {
+    GateState state;
+    state.scan_seen = true;
+    Pose2D base;
+    double fastest = 0.0;
+    for (Time now{}; now < Time{20s}; now += kControlPeriod) {
+      state.last_scan = now;
+      const Velocity v = gate(m, state, {0.5, 0.0, 1.0}, ahead, now, base).command;
+      fastest = std::max(fastest, std::hypot(v.vx, v.vy) + std::fabs(v.omega) * m.footprint.circumscribed_radius());
+      base = integrate(base, {v.vx, 0.0, 0.0}, kPeriod);  // straight on
+    }
+    return std::pair(0.3 - 0.125 - base.x, fastest);
+  };
+  CHECK(driven(careful).first > 0.049);
+  CHECK(driven(slow).first > 0.0029);
+  CHECK(driven(slow).first < 0.01);
+  CHECK(driven(slow).second <= 0.0501);
+}

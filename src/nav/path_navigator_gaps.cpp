@@ -1,0 +1,86 @@
+// The path navigator before gaps that are hardly wider than the robot, and in them.
+#include <cmath>
+#include <optional>
+#include <vector>
+
+#include "nav/path_navigator.hpp"
+#include "nav/polyline.hpp"
+#include "threewe/map/scan_hits.hpp"
+
+namespace threewe::nav {
+
+// What is nearer than `sight` [m], in `odom`.
+std::vector<Vec2> PathNavigator::smoothed_hits(const Observation& seen, double sight) const {
+  std::vector<Vec2> near;
+  for (const Vec2 p : seen.obstacles) {
+    if (distance(p, odom_from_base_.position()) < sight) near.push_back(p);
+  }
+  return map::smoothed(near, odom_from_base_ * *lidar_);
+}
+
+// What scatters would close a gap.
+bool PathNavigator::plan_through_gaps(const Observation& seen, double tolerance) {
+  constexpr double kSight = 1.5;  // [m], beyond which the map is good enough
+  if (!lidar_) return false;
+  const std::vector<Vec2> hits = smoothed_hits(seen, kSight);
+  Observation smooth = seen;
+  smooth.obstacles = hits;
+  return route_.plan_through_gaps(smooth, tolerance);
+}
+
+// The path as far as the place from which the robot lines up for the first gap; empty where there is none.
+std::vector<Vec2> PathNavigator::way_to_bottleneck() const {
+  const std::optional<Bottleneck>& neck = route_.bottleneck();
+  if (!neck) return {};
+  constexpr double kStep = 0.05;  // [m]
+  const Vec2 entry = neck->map_from_middle * Vec2{passage_.entry(neck->half_length), 0.0};
+  const double before = distance(entry, neck->map_from_middle.position());
+  std::vector<Vec2> way = {route_.path().front()};
+  PathPoint at{0, way.front()};
+  const int steps = static_cast<int>(progress_.distance_left / kStep);
+  for (int i = 0; i < steps; ++i) {
+    at = place_after(route_.path(), at, kStep);
+    if (distance(at.point, neck->map_from_middle.position()) < before + kStep) break;
+    way.push_back(at.point);
+  }
+  way.push_back(entry);
+  return way;
+}
+
+bool PathNavigator::is_before_bottleneck() const {
+  constexpr double kNear = 0.08;  // [m]
+  const std::optional<Bottleneck>& neck = route_.bottleneck();
+  if (!neck) return false;
+  const Vec2 in_neck = inverse(neck->map_from_middle) * progress_.pose.position();
+  return std::fabs(in_neck.y) < kNear && in_neck.x > passage_.entry(neck->half_length) - kNear && in_neck.x < 0.0;
+}
+
+Decision PathNavigator::begin_passage(const Observation& seen) {
+  const Bottleneck& neck = *route_.bottleneck();
+  const Pose2D odom_from_map = inverse(seen.pose.map_from_odom);
+  passage_.begin(now_, odom_from_base_, odom_from_map * neck.map_from_middle, neck.half_length);
+  return pass(seen);
+}
+
+// Through a gap, with less room than the gate keeps elsewhere.
+Decision PathNavigator::pass(const Observation& seen) {
+  constexpr double kSight = 0.7;   // [m]
+  constexpr double kFree = 0.004;  // [m] beside the robot
+  mark_moved();                    // it is patient by itself
+  const std::vector<Vec2> hits = smoothed_hits(seen, kSight);
+  tracker_.see(transformed(inverse(odom_from_base_), hits), kFree - margin_);
+
+  const Velocity velocity = passage_.step(now_, odom_from_base_, hits, tracker_);
+  switch (passage_.state()) {
+    case Passage::State::through: route_.drop(); break;
+    case Passage::State::closed: route_.judge_bottleneck(Route::Verdict::closed); break;
+    case Passage::State::too_narrow: route_.judge_bottleneck(Route::Verdict::too_narrow); break;
+    case Passage::State::wide: route_.judge_bottleneck(Route::Verdict::wide); break;
+    default: break;
+  }
+  const bool creeping = passage_.creeping();
+  if (!route_.has_path()) passage_.end();
+  return {velocity, Reason::running, {}, creeping};
+}
+
+}  // namespace threewe::nav
