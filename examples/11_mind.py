@@ -168,10 +168,10 @@ async def fan_of_plans(moments: list[float]) -> Image.Image:
 
 
 async def stuck_robot(moments: list[float]) -> Image.Image:
-    """A robot has driven into a gap that is too narrow, and gets out again: what it does at some moments [s]."""
-    robot = Robot(scene="cluttered_v1", hardware="turtlebot_like", start_pose=(8.0, 2.2, 1.9), seed=5)
+    """A robot gets stuck in a gap, backs off, and creeps through: what it does at some moments [s]."""
+    robot = Robot(scene="cluttered_v1", hardware="turtlebot_like", start_pose=(11.03, 1.12, 0.46), seed=5)
     async with robot:
-        view = drawing.View((-2.0, 0.1), (-0.3, 1.6), 196)
+        view = drawing.View((-4.1, 0.0), (-2.4, 1.5), 196)
         pictures, trail = [], []
 
         def look(progress: threewe.Progress) -> None:
@@ -180,7 +180,7 @@ async def stuck_robot(moments: list[float]) -> Image.Image:
                 caption = f"{robot.now:.1f} s: {progress.recovery.name.replace('_', ' ')}"
                 pictures.append(captioned(draw_drive(robot, progress.pose, view, trail, 0.025), caption))
 
-        result = await robot.move_to(-3.9, 1.3, on_progress=look)
+        result = await robot.move_to(-4.02, -0.11, on_progress=look)
         print(result)
     return beside(pictures)
 
@@ -198,7 +198,7 @@ def main() -> None:
     save(closed_loop("laboratory" if quick else "office_loop"), "mind_loop.png")
     save(asyncio.run(carried_away()), "mind_lost.png")
     save(asyncio.run(fan_of_plans([1.0, 2.0] if quick else [2.0, 3.6, 22.0])), "mind_fan.png")
-    save(asyncio.run(stuck_robot([1.0, 2.0] if quick else [9.8, 13.2, 15.1, 29.6, 32.6])), "mind_stuck.png")
+    save(asyncio.run(stuck_robot([1.0, 2.0] if quick else [30.6, 33.3, 34.9, 40.2, 48.0])), "mind_stuck.png")
 
 
 if __name__ == "__main__":

@@ -153,8 +153,8 @@ void Route::judge_bottleneck(Verdict verdict) {
 // A row of points from side to side, without a gap.
 void Route::bar(const Bottleneck& neck) {
   constexpr double kSpacing = 0.04;  // [m]
-  const double half_width = clear_.costmap.resolution() + tight_clearance_;
-  for (double y = -half_width; y <= half_width; y += kSpacing) barred_.push_back(neck.map_from_middle * Vec2{0.0, y});
+  const int beside = 1 + static_cast<int>((clear_.costmap.resolution() + tight_clearance_) / kSpacing);
+  for (int i = -beside; i <= beside; ++i) barred_.push_back(neck.map_from_middle * Vec2{0.0, kSpacing * i});
 }
 
 bool Route::try_plan(Layer& layer, const Observation& seen, double tolerance) {
