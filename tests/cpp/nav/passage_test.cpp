@@ -17,11 +17,13 @@ namespace {
 // The hits on the jambs of a gap, and on the wall beside it, in its own frame: x leads through.
 std::vector<Vec2> wall_with_gap(const Pose2D& middle, double width, double thickness, double spacing = 0.005) {
   std::vector<Vec2> hits;
+  const int deep = static_cast<int>(thickness / spacing);
   for (const double side : {0.5 * width, -0.5 * width}) {
-    for (double x = -0.5 * thickness; x <= 0.5 * thickness; x += spacing) hits.push_back(middle * Vec2{x, side});
-    for (double y = 0.0; y < 0.5; y += spacing) {
-      hits.push_back(middle * Vec2{-0.5 * thickness, std::copysign(std::fabs(side) + y, side)});
-      hits.push_back(middle * Vec2{0.5 * thickness, std::copysign(std::fabs(side) + y, side)});
+    for (int i = 0; i <= deep; ++i) hits.push_back(middle * Vec2{-0.5 * thickness + i * thickness / deep, side});
+    for (int i = 0; i < 100; ++i) {
+      const double y = std::copysign(std::fabs(side) + spacing * i, side);
+      hits.push_back(middle * Vec2{-0.5 * thickness, y});
+      hits.push_back(middle * Vec2{0.5 * thickness, y});
     }
   }
   return hits;
