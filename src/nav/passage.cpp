@@ -22,6 +22,7 @@ constexpr double kProgress = 0.01;       // [m] ... so much of progress
 constexpr int kMostAttempts = 3;
 constexpr double kInLine = 0.01;       // [m]
 constexpr double kAligned = 0.03;      // [rad]
+constexpr double kAskew = 0.3;         // [rad] with which there is no entering
 constexpr double kRoomBefore = 0.1;    // [m] by which it may begin earlier than the map says
 constexpr double kBefore = 0.1;        // [m/s] before it is narrow, and after
 constexpr double kNarrow = 0.04;       // [m/s]
@@ -61,8 +62,8 @@ Passage::Passage(const RobotProfile& profile) : kinematics_(profile.kinematics()
   const auto& corners = profile.body.footprint.corners();
   const auto [rear, front] = std::ranges::minmax(corners, {}, &Vec2::x);
   const auto [right, left] = std::ranges::minmax(corners, {}, &Vec2::y);
-  front_ = front.x;
-  back_ = -rear.x;
+  ahead_ = front.x;
+  behind_ = -rear.x;
   width_ = left.y - right.y;
   aside_ = 0.5 * (left.y + right.y);
 }
@@ -71,6 +72,9 @@ void Passage::begin(Time now, const Pose2D& odom_from_base, const Pose2D& odom_f
   constexpr double kNear = 0.03;  // [m]
   gap_ = {odom_from_middle, half_length, 0.0};
   attempts_ = 0;
+  // who drives in all directions need not turn round
+  const double turned = wrap_angle(odom_from_base.theta - odom_from_middle.theta);
+  facing_ = kinematics_ == Kinematics::holonomic && std::fabs(turned) > 0.5 * exact::kPi ? exact::kPi : 0.0;
   const double along = (inverse(odom_from_middle) * odom_from_base.position()).x;
   enter(along > entry(half_length) + kNear ? State::backing_out : State::lining_up, now);
 }
@@ -84,15 +88,19 @@ void Passage::enter(State state, Time now) {
 Velocity Passage::step(Time now, const Pose2D& odom_from_base, std::span<const Vec2> hits, Tracker& tracker) {
   measure(hits);
   const Pose2D in_gap = inverse(gap_.middle) * odom_from_base;
-  const double nose = in_gap.x + front_;
-  const double tail = in_gap.x - back_;
-  creeping_ = nose > -(gap_.half_length + kRoomBefore) && tail < gap_.half_length;
+  const double nose = in_gap.x + (facing_ == 0.0 ? ahead_ : behind_);
+  const double tail = in_gap.x - (facing_ == 0.0 ? behind_ : ahead_);
+  const bool is_beside = nose > -(gap_.half_length + kRoomBefore) && tail < gap_.half_length;
+  creeping_ = is_beside && state_ != State::lining_up;  // there it may turn as fast as anywhere
   const double speed = creeping_ ? kNarrow : kBefore;
   switch (state_) {
     case State::lining_up: return line_up(in_gap, now, tracker);
     case State::entering:
-      if (tail >= gap_.half_length) enter(State::through, now);
-      if (stands_still(now, in_gap.x)) enter(++attempts_ < kMostAttempts ? State::backing_out : State::closed, now);
+      if (tail >= gap_.half_length) {
+        enter(State::through, now);
+      } else if (stands_still(now, in_gap.x)) {
+        enter(++attempts_ < kMostAttempts ? State::backing_out : State::closed, now);
+      }
       return drive(in_gap, speed, tracker);
     case State::backing_out:
       if (in_gap.x <= entry(gap_.half_length) || stands_still(now, -in_gap.x)) enter(State::lining_up, now);
@@ -125,25 +133,30 @@ Velocity Passage::line_up(const Pose2D& in_gap, Time now, Tracker& tracker) {
   const bool measured = now - entered_ >= kMeasuring;
   if (measured && gap_.width < width_ + kLeastSpare) return enter(State::too_narrow, now), Velocity{};
   if (measured && gap_.width > width_ + kMostSpare) return enter(State::wide, now), Velocity{};
-  const double off = -aside_ - in_gap.y;
-  const bool in_line = kinematics_ == Kinematics::differential || std::fabs(off) <= kInLine;
-  if (measured && in_line && std::fabs(in_gap.theta) <= kAligned) enter(State::entering, now);
-  if (now - entered_ > kPatience) enter(State::entering, now);
-  if (std::fabs(in_gap.theta) > kAligned) return tracker.turn(-in_gap.theta);
-  return drive(in_gap, 0.0, tracker);
+  const double turn = wrap_angle(facing_ - in_gap.theta);
+  const bool in_line = kinematics_ == Kinematics::differential || std::fabs(aside(in_gap)) <= kInLine;
+  const bool in_vain = now - entered_ > kPatience;
+  if (measured && std::fabs(turn) <= kAligned && (in_line || in_vain)) enter(State::entering, now);
+  if (in_vain && std::fabs(turn) > kAskew) return enter(State::closed, now), Velocity{};
+  if (in_vain) enter(State::entering, now);
+  return std::fabs(turn) > kAligned ? tracker.turn(turn) : drive(in_gap, 0.0, tracker);
 }
+
+// [m] by which the middle of the body is to go to the left of the way through.
+double Passage::aside(const Pose2D& in_gap) const { return (facing_ == 0.0 ? -aside_ : aside_) - in_gap.y; }
 
 // Along the line, and back onto it.
 Velocity Passage::drive(const Pose2D& in_gap, double speed, const Tracker& tracker) const {
-  const double off = -aside_ - in_gap.y;
+  const double off = aside(in_gap);
+  const double turn = wrap_angle(facing_ - in_gap.theta);
   if (kinematics_ == Kinematics::holonomic) {
     const double most = std::max(std::fabs(speed), kNarrow);
     const Vec2 along = rotate({speed, std::clamp(kPerSecond * off, -most, most)}, -in_gap.theta);
-    return tracker.safe({along.x, along.y, std::clamp(-kPerSecond * in_gap.theta, -0.3, 0.3)});
+    return tracker.safe({along.x, along.y, std::clamp(kPerSecond * turn, -0.3, 0.3)});
   }
   // critically damped along the way, forwards or backwards
   const double direction = speed < 0.0 ? -1.0 : 1.0;
-  const double curvature = (direction * off / kConvergence - 2.0 * in_gap.theta) / kConvergence;
+  const double curvature = (direction * off / kConvergence + 2.0 * turn) / kConvergence;
   return tracker.safe({speed, 0.0, std::clamp(std::fabs(speed) * curvature, -0.3, 0.3)});
 }
 

@@ -27,8 +27,9 @@ Gap widest_way(std::span<const Vec2> hits, const Gap& guess);
 ///
 ///   lining_up -> entering -> through
 ///    ^   |          |
-///    |   |          |-> closed: it got stuck too often
+///    |   |          |-> closed: stuck too often
 ///    |   |          |-> backing_out
+///    |   |-> closed: no room to turn
 ///    |   |-> too_narrow   |
 ///    |   |-> wide         |
 ///    |____________________|
@@ -39,7 +40,7 @@ class Passage {
   explicit Passage(const RobotProfile& profile);
 
   /// Where along the way through [m], counted from its middle, the robot lines up.
-  double entry(double half_length) const { return -(half_length + front_ + kRoomToTurn); }
+  double entry(double half_length) const { return -(half_length + ahead_ + kRoomToTurn); }
   void begin(Time now, const Pose2D& odom_from_base, const Pose2D& odom_from_middle, double half_length);
   void end() { state_ = State::idle; }
   /// One period. `hits`: what is near, in `odom`, cleared of scatter; `tracker` sees the same.
@@ -57,16 +58,18 @@ class Passage {
   void enter(State state, Time now);
   bool stands_still(Time now, double along);
   Velocity line_up(const Pose2D& in_gap, Time now, Tracker& tracker);
+  double aside(const Pose2D& in_gap) const;
   Velocity drive(const Pose2D& in_gap, double speed, const Tracker& tracker) const;
 
   Kinematics kinematics_;
-  double front_;  // [m] ahead of the base ...
-  double back_;   // ... and behind it
-  double width_;  // [m] of the body ...
-  double aside_;  // ... whose middle is so far to the left of the base
+  double ahead_;   // [m] of the base the body reaches ...
+  double behind_;  // ... and this behind it
+  double width_;   // [m] of the body ...
+  double aside_;   // ... whose middle is so far to the left of the base
 
   State state_ = State::idle;
   Gap gap_;
+  double facing_ = 0.0;  // [rad] from the way through: 0, or pi
   bool creeping_ = false;
   int attempts_ = 0;
   Time entered_{};         // the state

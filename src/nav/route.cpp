@@ -87,6 +87,7 @@ void Route::begin(std::vector<Vec2> waypoints, bool drawn) {
   avoided_.clear();
   closures_.clear();
   failures_.clear();
+  suspected_.clear();
   tight_.clear();
   barred_.clear();
 }
@@ -99,6 +100,7 @@ bool Route::plan_to_goal(const Observation& seen, double tolerance) {
     avoided_.clear();
     found = try_plan(clear_, seen, tolerance);
   }
+  if (avoided_.empty()) tight_.insert(tight_.end(), suspected_.begin(), suspected_.end()), suspected_.clear();
   if (found) bottleneck_ = known_bottleneck();
   return found;
 }
@@ -117,16 +119,12 @@ bool Route::plan_through_gaps(const Observation& seen, double tolerance) {
   return true;
 }
 
-bool Route::tight_ahead() {
+void Route::suspect_ahead() {
   constexpr double kAhead = 0.6;  // [m]
   const auto is_tight = [&](Vec2 p) { return clearance(p) < tight_clearance_; };
   const std::optional<Vec2> place = first_along(path_, is_tight);
-  if (!place || distance(*place, path_.front()) > kAhead) return false;
-  const Vec2 middle = bottleneck_about(*place, is_tight).map_from_middle.position();
-  const auto is_same = [&](Vec2 other) { return distance(middle, other) < kSamePlace; };
-  if (std::ranges::any_of(tight_, is_same)) return false;
-  tight_.push_back(middle);
-  return true;
+  if (!place || distance(*place, path_.front()) > kAhead) return;
+  suspected_.push_back(bottleneck_about(*place, is_tight).map_from_middle.position());
 }
 
 // The path through a gap in which the robot got stuck.
@@ -140,21 +138,21 @@ std::optional<Bottleneck> Route::known_bottleneck() const {
   return {};
 }
 
-void Route::judge_bottleneck(Verdict verdict) {
+void Route::clear_bottleneck() {
   const Vec2 place = bottleneck_->map_from_middle.position();
-  switch (verdict) {
-    case Verdict::wide: std::erase_if(tight_, [&](Vec2 gap) { return distance(gap, place) < kSamePlace; }); break;
-    case Verdict::closed: avoid(place); break;
-    case Verdict::too_narrow: bar(*bottleneck_); break;
-  }
+  std::erase_if(tight_, [&](Vec2 gap) { return distance(gap, place) < kSamePlace; });
   drop();
 }
 
-// A row of points from side to side, without a gap.
-void Route::bar(const Bottleneck& neck) {
-  constexpr double kSpacing = 0.04;  // [m]
-  const int beside = 1 + static_cast<int>((clear_.costmap.resolution() + tight_clearance_) / kSpacing);
-  for (int i = -beside; i <= beside; ++i) barred_.push_back(neck.map_from_middle * Vec2{0.0, kSpacing * i});
+void Route::close_bottleneck(bool too_narrow) {
+  constexpr double kSpacing = 0.04;  // [m] of a row of points from side to side
+  const Pose2D middle = bottleneck_->map_from_middle;
+  avoid(middle.position());
+  if (too_narrow || failed_often(middle.position())) {
+    const int beside = 1 + static_cast<int>((clear_.costmap.resolution() + tight_clearance_) / kSpacing);
+    for (int i = -beside; i <= beside; ++i) barred_.push_back(middle * Vec2{0.0, kSpacing * i});
+  }
+  drop();
 }
 
 bool Route::try_plan(Layer& layer, const Observation& seen, double tolerance) {
@@ -352,11 +350,9 @@ bool Route::passed_waypoint(Vec2 robot) const {
 // decided.
 bool Route::avoid(Vec2 place) {
   constexpr double kBeyond = 1.5;  // [m]
-  constexpr int kAttempts = 3;
   avoided_.push_back(place);
   failures_.push_back(place);
-  const auto is_same = [&](Vec2 other) { return distance(place, other) < kSamePlace; };
-  if (std::count_if(failures_.begin(), failures_.end(), is_same) < kAttempts) return false;
+  if (!failed_often(place)) return false;
   const auto is_entrance = [&](Vec2 p) {
     return clear_.costmap.unknown(clear_.costmap.cell(p)) && distance(p, place) < kBeyond;
   };
@@ -365,6 +361,12 @@ bool Route::avoid(Vec2 place) {
   barred_.push_back(place);
   if (entrance) barred_.push_back(*entrance);
   return true;
+}
+
+bool Route::failed_often(Vec2 place) const {
+  constexpr int kAttempts = 3;
+  const auto is_same = [&](Vec2 other) { return distance(place, other) < kSamePlace; };
+  return std::ranges::count_if(failures_, is_same) >= kAttempts;
 }
 
 // The path is blocked. A place that looked open from afar twice and was not is avoided from then on.

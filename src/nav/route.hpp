@@ -39,16 +39,18 @@ class Route {
   bool plan_through_gaps(const Observation& seen, double tolerance);
   /// The first such gap of the path.
   const std::optional<Bottleneck>& bottleneck() const { return bottleneck_; }
-  /// The robot could not go on: is it before a gap of the path that has not been known for tight? From now on it is.
-  bool tight_ahead();
-  /// The gap turned out to be no gap at all; closed; or too narrow, so that no plan of this motion leads there any
-  /// more.
-  enum class Verdict : std::uint8_t { wide, closed, too_narrow };
-  void judge_bottleneck(Verdict verdict);
   /// Plans to the frontier that is most worth it: by the cost of the way there, how much there is to see, and what
   /// other robots are about to see; not to another one than before unless that is clearly better. Ways that turned out
   /// to be closed more than once are tried again when there is nothing else. False: none can be reached.
   bool plan_to_frontier(const Observation& seen);
+  /// The robot could not go on: is it before a gap of the path? That counts as a bottleneck once nothing leads round
+  /// it.
+  void suspect_ahead();
+  /// The bottleneck turned out to be none.
+  void clear_bottleneck();
+  /// It turned out to be closed. Is it too narrow, or has that been so too often, no plan of this motion leads there
+  /// any more.
+  void close_bottleneck(bool too_narrow);
   /// Forgets the path, so that the next plan is due at once.
   void drop();
   /// Forgets what lies behind the robot, waypoints included.
@@ -89,7 +91,7 @@ class Route {
   template <class Narrow>
   Bottleneck bottleneck_about(Vec2 place, Narrow narrow) const;
   bool avoid(Vec2 place);
-  void bar(const Bottleneck& neck);
+  bool failed_often(Vec2 place) const;
   bool passed_waypoint(Vec2 robot) const;
   void note_closure();
 
@@ -109,12 +111,13 @@ class Route {
   bool planned_once_ = false;
   Time planned_{};
   std::uint64_t planned_version_ = 0;
-  map::OccupancyGrid shared_;   // with what peers have mapped
-  std::vector<Vec2> avoided_;   // [m] the planner saw a way here, the tracker did not
-  std::vector<Vec2> closures_;  // [m] where a path that was followed turned out to be blocked
-  std::vector<Vec2> failures_;  // [m] what was ever avoided in this motion
-  std::vector<Vec2> tight_;     // [m] gaps in which it got stuck
-  std::vector<Vec2> barred_;    // [m] what it has failed to look into too often, or is too narrow
+  map::OccupancyGrid shared_;    // with what peers have mapped
+  std::vector<Vec2> avoided_;    // [m] the planner saw a way here, the tracker did not
+  std::vector<Vec2> closures_;   // [m] where a path that was followed turned out to be blocked
+  std::vector<Vec2> failures_;   // [m] what was ever avoided in this motion
+  std::vector<Vec2> suspected_;  // [m] gaps in which it got stuck ...
+  std::vector<Vec2> tight_;      // [m] ... and round which nothing leads
+  std::vector<Vec2> barred_;     // [m] what it has failed to look into too often, or is too narrow
   std::vector<std::uint16_t> frontiers_;
   std::optional<Vec2> frontier_;  // [m] that it is on the way to
 };

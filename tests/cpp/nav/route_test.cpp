@@ -116,7 +116,7 @@ TEST_CASE("a slit as wide as the robot is passed only when there is no other way
   CHECK(distance(middle.position(), {1.975, 2.5}) < 0.1);
   CHECK(std::fabs(wrap_angle(middle.theta - 0.5 * exact::kPi)) < 0.8);
 
-  route.judge_bottleneck(Route::Verdict::too_narrow);
+  route.close_bottleneck(true);
   CHECK_FALSE(route.has_path());
   CHECK_FALSE(route.plan_to_goal(seen, 0.1));
   CHECK_FALSE(route.plan_through_gaps(seen, 0.1));
@@ -128,7 +128,7 @@ TEST_CASE("a slit as wide as the robot is passed only when there is no other way
   CHECK_FALSE(route.bottleneck());
 }
 
-TEST_CASE("a gap of the path in which the robot got stuck is known from then on") {
+TEST_CASE("a gap in which the robot got stuck counts as a bottleneck when nothing leads round it") {
   OccupancyGrid grid = hall();
   fill(grid, {0.1, 2.55}, {3.9, 3.9}, OccupancyGrid::kFree);
   fill(grid, {1.8, 2.45}, {2.1, 2.55}, OccupancyGrid::kFree);
@@ -140,17 +140,28 @@ TEST_CASE("a gap of the path in which the robot got stuck is known from then on"
   route.begin({{1.95, 3.3}}, false);
   REQUIRE(route.plan_to_goal(seen, 0.1));
   CHECK_FALSE(route.bottleneck());
-  CHECK(route.tight_ahead());
-  CHECK_FALSE(route.tight_ahead());  // it is known now
+  route.suspect_ahead();
+  route.avoid_ahead(false);
   route.drop();
-  REQUIRE(route.plan_to_goal(seen, 0.1));
+  REQUIRE(route.plan_to_goal(seen, 0.1));  // nothing leads round it
   REQUIRE(route.bottleneck());
   CHECK(distance(route.bottleneck()->map_from_middle.position(), {1.95, 2.5}) < 0.08);
 
   // seen from near it turned out to be wide: nothing special any more
-  route.judge_bottleneck(Route::Verdict::wide);
+  route.clear_bottleneck();
   REQUIRE(route.plan_to_goal(seen, 0.1));
   CHECK_FALSE(route.bottleneck());
+
+  // with a door elsewhere that is taken
+  fill(grid, {3.0, 2.45}, {3.6, 2.55}, OccupancyGrid::kFree);
+  route.begin({{1.95, 3.3}}, false);
+  REQUIRE(route.plan_to_goal({Time{}, pose, grid, 2, {}}, 0.1));
+  route.suspect_ahead();
+  route.avoid_ahead(false);
+  route.drop();
+  REQUIRE(route.plan_to_goal({Time{}, pose, grid, 2, {}}, 0.1));
+  CHECK_FALSE(route.bottleneck());
+  CHECK(path_length(route.path()) > 2.0);
 }
 
 }  // namespace
