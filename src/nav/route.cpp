@@ -87,6 +87,7 @@ void Route::begin(std::vector<Vec2> waypoints, bool drawn) {
   avoided_.clear();
   closures_.clear();
   failures_.clear();
+  attempts_.clear();
   suspected_.clear();
   tight_.clear();
   barred_.clear();
@@ -106,17 +107,36 @@ bool Route::plan_to_goal(const Observation& seen, double tolerance) {
 }
 
 bool Route::plan_through_gaps(const Observation& seen, double tolerance) {
-  squeezed_path_ = try_plan(squeezed_, seen, tolerance);
-  if (!squeezed_path_) return false;
-  // what the robot has been able to drive into it can drive out of
-  const auto is_lethal = [&](Vec2 p) { return clear_.costmap.weight(clear_.costmap.cell(p)) == map::Costmap::kLethal; };
-  bool left = false;
-  const std::optional<Vec2> place = first_along(path_, [&](Vec2 p) {
-    left = left || !is_lethal(p);
-    return left && is_lethal(p);
-  });
-  bottleneck_ = place ? std::optional(bottleneck_about(*place, is_lethal)) : known_bottleneck();
-  return true;
+  constexpr int kMostAtOnce = 3;  // that are given up
+  for (int i = 0; i < kMostAtOnce; ++i) {
+    squeezed_path_ = try_plan(squeezed_, seen, tolerance);
+    if (!squeezed_path_) return false;
+    // what the robot has been able to drive into it can drive out of
+    const auto is_lethal = [&](Vec2 p) {
+      return clear_.costmap.weight(clear_.costmap.cell(p)) == map::Costmap::kLethal;
+    };
+    bool left = false;
+    const std::optional<Vec2> place = first_along(path_, [&](Vec2 p) {
+      left = left || !is_lethal(p);
+      return left && is_lethal(p);
+    });
+    bottleneck_ = place ? std::optional(bottleneck_about(*place, is_lethal)) : known_bottleneck();
+    if (!bottleneck_ || seen.now < patience_with(*bottleneck_, seen.now)) return true;
+    close_bottleneck(true);
+  }
+  return false;
+}
+
+// Until when a gap is tried: for long enough to drive there, and for a while.
+Time Route::patience_with(const Bottleneck& neck, Time now) {
+  constexpr Duration kAtLeast = 60s;
+  constexpr double kPerMetre = 8.0;  // [s]
+  const Vec2 place = neck.map_from_middle.position();
+  const auto is_same = [&](const Attempt& other) { return distance(place, other.place) < kSamePlace; };
+  const auto known = std::ranges::find_if(attempts_, is_same);
+  if (known != attempts_.end()) return known->until;
+  attempts_.push_back({place, now + kAtLeast + from_seconds(kPerMetre * path_length(path_))});
+  return attempts_.back().until;
 }
 
 void Route::suspect_ahead() {

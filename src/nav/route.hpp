@@ -80,6 +80,12 @@ class Route {
     std::optional<std::uint64_t> version;  // of our map, where the costmap has that alone
   };
 
+  /// A gap that paths lead through for the time being.
+  struct Attempt {
+    Vec2 place;
+    Time until{};
+  };
+
   bool try_plan(Layer& layer, const Observation& seen, double tolerance);
   bool try_frontier(const Observation& seen);
   int bonus_of_frontier(std::uint32_t index, const Observation& seen) const;
@@ -87,6 +93,7 @@ class Route {
   void take_map(Layer& layer, const Observation& seen, const std::vector<Vec2>& obstacles,
                 const std::vector<Vec2>& include);
   double clearance(Vec2 place) const;
+  Time patience_with(const Bottleneck& neck, Time now);
   std::optional<Bottleneck> known_bottleneck() const;
   template <class Narrow>
   Bottleneck bottleneck_about(Vec2 place, Narrow narrow) const;
@@ -111,10 +118,11 @@ class Route {
   bool planned_once_ = false;
   Time planned_{};
   std::uint64_t planned_version_ = 0;
-  map::OccupancyGrid shared_;    // with what peers have mapped
-  std::vector<Vec2> avoided_;    // [m] the planner saw a way here, the tracker did not
-  std::vector<Vec2> closures_;   // [m] where a path that was followed turned out to be blocked
-  std::vector<Vec2> failures_;   // [m] what was ever avoided in this motion
+  map::OccupancyGrid shared_;   // with what peers have mapped
+  std::vector<Vec2> avoided_;   // [m] the planner saw a way here, the tracker did not
+  std::vector<Vec2> closures_;  // [m] where a path that was followed turned out to be blocked
+  std::vector<Vec2> failures_;  // [m] what was ever avoided in this motion
+  std::vector<Attempt> attempts_;
   std::vector<Vec2> suspected_;  // [m] gaps in which it got stuck ...
   std::vector<Vec2> tight_;      // [m] ... and round which nothing leads
   std::vector<Vec2> barred_;     // [m] what it has failed to look into too often, or is too narrow
