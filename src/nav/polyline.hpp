@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <optional>
 #include <span>
 
 #include "threewe/core/pose.hpp"
@@ -56,6 +57,19 @@ inline double length_after(std::span<const Vec2> path, const PathPoint& from) {
     here = path[i];
   }
   return sum;
+}
+
+/// The first point of a polyline for which `holds`, in steps of 5 cm.
+template <class Holds>
+std::optional<Vec2> first_along(std::span<const Vec2> path, Holds holds) {
+  constexpr double kStep = 0.05;  // [m]
+  if (path.empty()) return {};
+  const int steps = static_cast<int>(length_after(path, {0, path.front()}) / kStep);
+  for (int i = 0; i <= steps; ++i) {
+    const Vec2 p = point_after(path, {0, path.front()}, kStep * i);
+    if (holds(p)) return p;
+  }
+  return {};
 }
 
 }  // namespace threewe::nav

@@ -19,7 +19,6 @@ constexpr double kHorizon = 4.0;           // [m] plans end so far outside of th
 constexpr double kBetter = 0.85;           // a new path replaces an open one when it costs less than this share of it
 constexpr double kWithin = 0.05;           // [m] a path must end so much within the tolerance
 constexpr Duration kRetry = 200ms;         // without a path, plan so often
-constexpr double kReach = 1000.0;          // [m] of paths that are looked at
 constexpr double kTight = 0.07;            // [m] beyond what is lethal: for the gate's margin, and half a cell
 constexpr double kSamePlace = 0.4;         // [m] failures nearer to each other are one and the same
 
@@ -37,19 +36,6 @@ Vec2 within_horizon(const map::OccupancyGrid& map, Vec2 point) {
   const Vec2 low = map.origin - Vec2{kHorizon, kHorizon};
   const Vec2 high = map.origin + Vec2{map.width * map.resolution + kHorizon, map.height * map.resolution + kHorizon};
   return {std::clamp(point.x, low.x, high.x), std::clamp(point.y, low.y, high.y)};
-}
-
-// The first point of a path for which `holds`.
-template <class Holds>
-std::optional<Vec2> first_along(std::span<const Vec2> path, Holds holds) {
-  constexpr double kStep = 0.05;  // [m]
-  if (path.empty()) return {};
-  const int steps = static_cast<int>(path_length(path) / kStep);
-  for (int i = 0; i <= steps; ++i) {
-    const Vec2 p = point_after(path, {0, path.front()}, kStep * i);
-    if (holds(p)) return p;
-  }
-  return {};
 }
 
 Vec2 robot_in(const Observation& seen) { return seen.pose.map_from_base().position(); }
@@ -106,75 +92,6 @@ bool Route::plan_to_goal(const Observation& seen, double tolerance) {
   return found;
 }
 
-bool Route::plan_through_gaps(const Observation& seen, double tolerance) {
-  constexpr int kMostAtOnce = 3;  // that are given up
-  for (int i = 0; i < kMostAtOnce; ++i) {
-    squeezed_path_ = try_plan(squeezed_, seen, tolerance);
-    if (!squeezed_path_) return false;
-    // what the robot has been able to drive into it can drive out of
-    const auto is_lethal = [&](Vec2 p) {
-      return clear_.costmap.weight(clear_.costmap.cell(p)) == map::Costmap::kLethal;
-    };
-    bool left = false;
-    const std::optional<Vec2> place = first_along(path_, [&](Vec2 p) {
-      left = left || !is_lethal(p);
-      return left && is_lethal(p);
-    });
-    bottleneck_ = place ? std::optional(bottleneck_about(*place, is_lethal)) : known_bottleneck();
-    if (!bottleneck_ || seen.now < patience_with(*bottleneck_, seen.now)) return true;
-    close_bottleneck(true);
-  }
-  return false;
-}
-
-// Until when a gap is tried: for long enough to drive there, and for a while.
-Time Route::patience_with(const Bottleneck& neck, Time now) {
-  constexpr Duration kAtLeast = 60s;
-  constexpr double kPerMetre = 8.0;  // [s]
-  const Vec2 place = neck.map_from_middle.position();
-  const auto is_same = [&](const Attempt& other) { return distance(place, other.place) < kSamePlace; };
-  const auto known = std::ranges::find_if(attempts_, is_same);
-  if (known != attempts_.end()) return known->until;
-  attempts_.push_back({place, now + kAtLeast + from_seconds(kPerMetre * path_length(path_))});
-  return attempts_.back().until;
-}
-
-void Route::suspect_ahead() {
-  constexpr double kAhead = 0.6;  // [m]
-  const auto is_tight = [&](Vec2 p) { return clearance(p) < tight_clearance_; };
-  const std::optional<Vec2> place = first_along(path_, is_tight);
-  if (!place || distance(*place, path_.front()) > kAhead) return;
-  suspected_.push_back(bottleneck_about(*place, is_tight).map_from_middle.position());
-}
-
-// The path through a gap in which the robot got stuck.
-std::optional<Bottleneck> Route::known_bottleneck() const {
-  constexpr double kAside = 0.1;  // [m]
-  for (const Vec2 gap : tight_) {
-    const PathPoint nearest = nearest_on_path(path_, gap, kReach);
-    if (distance(nearest.point, gap) > kAside) continue;
-    return bottleneck_about(nearest.point, [&](Vec2 p) { return clearance(p) < tight_clearance_; });
-  }
-  return {};
-}
-
-void Route::clear_bottleneck() {
-  const Vec2 place = bottleneck_->map_from_middle.position();
-  std::erase_if(tight_, [&](Vec2 gap) { return distance(gap, place) < kSamePlace; });
-  drop();
-}
-
-void Route::close_bottleneck(bool too_narrow) {
-  constexpr double kSpacing = 0.04;  // [m] of a row of points from side to side
-  const Pose2D middle = bottleneck_->map_from_middle;
-  avoid(middle.position());
-  if (too_narrow || failed_often(middle.position())) {
-    const int beside = 1 + static_cast<int>((clear_.costmap.resolution() + tight_clearance_) / kSpacing);
-    for (int i = -beside; i <= beside; ++i) barred_.push_back(middle * Vec2{0.0, kSpacing * i});
-  }
-  drop();
-}
-
 bool Route::try_plan(Layer& layer, const Observation& seen, double tolerance) {
   renew(layer, seen);
   const map::Costmap& costmap = layer.costmap;
@@ -211,44 +128,6 @@ bool Route::try_plan(Layer& layer, const Observation& seen, double tolerance) {
   path_ = std::move(path);
   return true;
 }
-
-// About the tightest place of a part of the path that is narrow all along, as far as it is straight there.
-template <class Narrow>
-Bottleneck Route::bottleneck_about(Vec2 place, Narrow narrow) const {
-  constexpr double kStep = 0.01;      // [m]
-  constexpr int kBeside = 10;         // [steps] before and after, between which it has a direction
-  constexpr double kAside = 0.03;     // [m] that is still straight
-  constexpr double kShortest = 0.15;  // [m] of half a gap: that of less could be anywhere
-  const double length = path_length(path_);
-  const auto point_at = [&](int i) { return point_after(path_, {0, path_.front()}, kStep * i); };
-  const int steps = static_cast<int>(length / kStep);
-  const int here = static_cast<int>((length - length_after(path_, nearest_on_path(path_, place, kReach))) / kStep);
-  int first = here;
-  while (first > 0 && narrow(point_at(first - 1))) --first;
-  int last = here;
-  while (last < steps && narrow(point_at(last + 1))) ++last;
-
-  int from = first;
-  int to = first;
-  for (int i = first; i <= last; ++i) {
-    if (clearance(point_at(i)) < clearance(point_at(from))) from = i;
-    if (clearance(point_at(i)) <= clearance(point_at(from))) to = i;
-  }
-  const int tightest = (from + to) / 2;
-  const Vec2 way = point_at(tightest + kBeside) - point_at(std::max(tightest - kBeside, 0));
-  const Vec2 middle = point_at(tightest);
-  const Pose2D map_from_middle{middle.x, middle.y, exact::atan2(way.y, way.x)};
-  const Pose2D middle_from_map = inverse(map_from_middle);
-  const auto is_straight = [&](int i) { return std::fabs((middle_from_map * point_at(i)).y) < kAside; };
-  const auto beside = [&](int direction, int end) {
-    int i = tightest;
-    while (i != end && is_straight(i + direction)) i += direction;
-    return std::fabs((middle_from_map * point_at(i)).x);
-  };
-  return {map_from_middle, std::max({beside(-1, first), beside(1, last), kShortest})};
-}
-
-double Route::clearance(Vec2 place) const { return clear_.costmap.clearance(clear_.costmap.cell(place)); }
 
 bool Route::plan_to_frontier(const Observation& seen) {
   if (try_frontier(seen)) return true;
