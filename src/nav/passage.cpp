@@ -75,8 +75,10 @@ void Passage::begin(Time now, const Pose2D& odom_from_base, const Pose2D& odom_f
   // who drives in all directions need not turn round
   const double turned = wrap_angle(odom_from_base.theta - odom_from_middle.theta);
   facing_ = kinematics_ == Kinematics::holonomic && std::fabs(turned) > 0.5 * exact::kPi ? exact::kPi : 0.0;
-  const double along = (inverse(odom_from_middle) * odom_from_base.position()).x;
-  enter(along > entry(half_length) + kNear ? State::backing_out : State::lining_up, now);
+  const Pose2D in_gap = inverse(odom_from_middle) * odom_from_base;
+  const bool is_inside = in_gap.x > -half_length && std::fabs(wrap_angle(facing_ - in_gap.theta)) < kAskew;
+  const bool is_beyond_entry = in_gap.x > entry(half_length) + kNear;
+  enter(is_inside ? State::entering : is_beyond_entry ? State::backing_out : State::lining_up, now);
 }
 
 void Passage::enter(State state, Time now) {

@@ -317,8 +317,8 @@ Decision PathNavigator::get_unstuck() {
   if (recovery_.state() == Recovery::State::given_up) return finish(Reason::blocked, recovery_.reason());
   const bool exploring = std::holds_alternative<Explore>(goal_);
   const bool end_too = exploring && recovery_.attempts() >= 2;
-  if (lidar_ && !exploring && !tracker_.trapped()) route_.suspect_ahead();
-  if (!tracker_.trapped() && route_.avoid_ahead(end_too)) recovery_.forget_attempts();
+  const bool tight = lidar_ && !exploring && route_.suspect_ahead(progress_.pose.position());
+  if (!tight && !tracker_.trapped() && route_.avoid_ahead(end_too)) recovery_.forget_attempts();
   route_.drop();
   tracker_.forget_turn();
   return {};

@@ -72,7 +72,7 @@ Decision PathNavigator::pass(const Observation& seen) {
 
   const Velocity velocity = passage_.step(now_, odom_from_base_, hits, tracker_);
   switch (passage_.state()) {
-    case Passage::State::through: route_.drop(); break;
+    case Passage::State::through: route_.leave_bottleneck(progress_.pose.position()); break;
     case Passage::State::closed: route_.close_bottleneck(false); break;
     case Passage::State::too_narrow: route_.close_bottleneck(true); break;
     case Passage::State::wide: route_.clear_bottleneck(); break;

@@ -44,8 +44,10 @@ class Route {
   /// to be closed more than once are tried again when there is nothing else. False: none can be reached.
   bool plan_to_frontier(const Observation& seen);
   /// The robot could not go on: is it before a gap of the path? That counts as a bottleneck once nothing leads round
-  /// it.
-  void suspect_ahead();
+  /// it, or when it cannot go on there again; true then.
+  bool suspect_ahead(Vec2 robot);
+  /// It has been passed as far as it was straight; where it is still narrow it goes on.
+  void leave_bottleneck(Vec2 robot);
   /// The bottleneck turned out to be none.
   void clear_bottleneck();
   /// It turned out to be closed. Is it too narrow, or has that been so too often, no plan of this motion leads there

@@ -84,12 +84,21 @@ Time Route::patience_with(const Bottleneck& neck, Time now) {
   return attempts_.back().until;
 }
 
-void Route::suspect_ahead() {
+bool Route::suspect_ahead(Vec2 robot) {
   constexpr double kAhead = 0.6;  // [m]
   const auto is_tight = [&](Vec2 p) { return clearance(p) < tight_clearance_; };
   const std::optional<Vec2> place = first_along(path_, is_tight);
-  if (!place || distance(*place, path_.front()) > kAhead) return;
-  suspected_.push_back(bottleneck_about(*place, is_tight).map_from_middle.position());
+  const bool ahead = place && distance(*place, robot) <= kAhead;
+  const Vec2 gap = ahead ? bottleneck_about(*place, is_tight).map_from_middle.position() : robot;
+  const auto suspect = std::ranges::find_if(suspected_, [&](Vec2 other) { return distance(gap, other) < kSameGap; });
+  if (suspect == suspected_.end()) {
+    if (ahead) suspected_.push_back(gap);
+    return false;
+  }
+  tight_.push_back(*suspect);
+  std::erase_if(avoided_, [&](Vec2 other) { return distance(*suspect, other) < kSameGap; });
+  suspected_.erase(suspect);
+  return true;
 }
 
 // The path through a gap in which the robot got stuck.
@@ -101,6 +110,11 @@ std::optional<Bottleneck> Route::known_bottleneck() const {
     return bottleneck_about(nearest.point, [&](Vec2 p) { return clearance(p) < tight_clearance_; });
   }
   return {};
+}
+
+void Route::leave_bottleneck(Vec2 robot) {
+  if (clearance(robot) < tight_clearance_) tight_.push_back(robot);
+  drop();
 }
 
 void Route::clear_bottleneck() {

@@ -140,7 +140,7 @@ TEST_CASE("a gap in which the robot got stuck counts as a bottleneck when nothin
   route.begin({{1.95, 3.3}}, false);
   REQUIRE(route.plan_to_goal(seen, 0.1));
   CHECK_FALSE(route.bottleneck());
-  route.suspect_ahead();
+  CHECK_FALSE(route.suspect_ahead({1.95, 2.1}));
   route.avoid_ahead(false);
   route.drop();
   REQUIRE(route.plan_to_goal(seen, 0.1));  // nothing leads round it
@@ -156,7 +156,7 @@ TEST_CASE("a gap in which the robot got stuck counts as a bottleneck when nothin
   fill(grid, {3.0, 2.45}, {3.6, 2.55}, OccupancyGrid::kFree);
   route.begin({{1.95, 3.3}}, false);
   REQUIRE(route.plan_to_goal({Time{}, pose, grid, 2, {}}, 0.1));
-  route.suspect_ahead();
+  CHECK_FALSE(route.suspect_ahead({1.95, 2.1}));
   route.avoid_ahead(false);
   route.drop();
   REQUIRE(route.plan_to_goal({Time{}, pose, grid, 2, {}}, 0.1));
