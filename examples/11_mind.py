@@ -198,7 +198,7 @@ def main() -> None:
     save(closed_loop("laboratory" if quick else "office_loop"), "mind_loop.png")
     save(asyncio.run(carried_away()), "mind_lost.png")
     save(asyncio.run(fan_of_plans([1.0, 2.0] if quick else [2.0, 3.6, 22.0])), "mind_fan.png")
-    save(asyncio.run(stuck_robot([1.0, 2.0] if quick else [30.6, 33.3, 34.9, 47.4, 54.0])), "mind_stuck.png")
+    save(asyncio.run(stuck_robot([1.0, 2.0] if quick else [33.3, 34.9, 48.1, 74.6, 82.0])), "mind_stuck.png")
 
 
 if __name__ == "__main__":

@@ -23,6 +23,7 @@ constexpr double kMoved = 0.06;           // [m] ... or turned by kMovedTurn
 constexpr double kMovedTurn = 0.3;        // [rad]
 constexpr Duration kProof = 2500ms;       // for so long no plan may exist before it is believed
 constexpr Duration kLostPatience = 8s;    // after having looked round
+constexpr int kSqueezeFrom = 3;           // which time in one place it creeps on instead of avoiding the place
 constexpr double kZoneReaction = 0.2;     // [s] from a command to its effect, and some for doubts about the pose
 constexpr double kPersonRadius = 0.2;     // [m]
 constexpr double kBorderSpacing = 0.02;   // [m] between points on the border of a zone ...
@@ -317,7 +318,8 @@ Decision PathNavigator::get_unstuck() {
   if (recovery_.state() == Recovery::State::given_up) return finish(Reason::blocked, recovery_.reason());
   const bool exploring = std::holds_alternative<Explore>(goal_);
   const bool end_too = exploring && recovery_.attempts() >= 2;
-  const bool tight = lidar_ && !exploring && route_.suspect_ahead(progress_.pose.position());
+  const bool again = lidar_ && !exploring && recovery_.attempts() >= kSqueezeFrom;
+  const bool tight = again && route_.squeeze_ahead(progress_.pose.position());
   if (!tight && !tracker_.trapped() && route_.avoid_ahead(end_too)) recovery_.forget_attempts();
   route_.drop();
   tracker_.forget_turn();

@@ -74,8 +74,8 @@ void Route::begin(std::vector<Vec2> waypoints, bool drawn) {
   closures_.clear();
   failures_.clear();
   attempts_.clear();
-  suspected_.clear();
   tight_.clear();
+  exhausted_.clear();
   barred_.clear();
 }
 
@@ -87,7 +87,6 @@ bool Route::plan_to_goal(const Observation& seen, double tolerance) {
     avoided_.clear();
     found = try_plan(clear_, seen, tolerance);
   }
-  if (avoided_.empty()) tight_.insert(tight_.end(), suspected_.begin(), suspected_.end()), suspected_.clear();
   if (found) bottleneck_ = known_bottleneck();
   return found;
 }

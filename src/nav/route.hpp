@@ -43,9 +43,9 @@ class Route {
   /// other robots are about to see; not to another one than before unless that is clearly better. Ways that turned out
   /// to be closed more than once are tried again when there is nothing else. False: none can be reached.
   bool plan_to_frontier(const Observation& seen);
-  /// The robot could not go on: is it before a gap of the path? That counts as a bottleneck once nothing leads round
-  /// it, or when it cannot go on there again; true then.
-  bool suspect_ahead(Vec2 robot);
+  /// The robot could not go on, more than once. True where it is before a gap of the path: from now on that counts as
+  /// a bottleneck.
+  bool squeeze_ahead(Vec2 robot);
   /// It has been passed as far as it was straight; where it is still narrow it goes on.
   void leave_bottleneck(Vec2 robot);
   /// The bottleneck turned out to be none.
@@ -125,8 +125,8 @@ class Route {
   std::vector<Vec2> closures_;  // [m] where a path that was followed turned out to be blocked
   std::vector<Vec2> failures_;  // [m] what was ever avoided in this motion
   std::vector<Attempt> attempts_;
-  std::vector<Vec2> suspected_;  // [m] gaps in which it got stuck ...
-  std::vector<Vec2> tight_;      // [m] ... and round which nothing leads
+  std::vector<Vec2> tight_;      // [m] gaps in which it got stuck ...
+  std::vector<Vec2> exhausted_;  // [m] ... and could not be passed
   std::vector<Vec2> barred_;     // [m] what it has failed to look into too often, or is too narrow
   std::vector<std::uint16_t> frontiers_;
   std::optional<Vec2> frontier_;  // [m] that it is on the way to

@@ -84,20 +84,16 @@ Time Route::patience_with(const Bottleneck& neck, Time now) {
   return attempts_.back().until;
 }
 
-bool Route::suspect_ahead(Vec2 robot) {
+bool Route::squeeze_ahead(Vec2 robot) {
   constexpr double kAhead = 0.6;  // [m]
   const auto is_tight = [&](Vec2 p) { return clearance(p) < tight_clearance_; };
   const std::optional<Vec2> place = first_along(path_, is_tight);
-  const bool ahead = place && distance(*place, robot) <= kAhead;
-  const Vec2 gap = ahead ? bottleneck_about(*place, is_tight).map_from_middle.position() : robot;
-  const auto suspect = std::ranges::find_if(suspected_, [&](Vec2 other) { return distance(gap, other) < kSameGap; });
-  if (suspect == suspected_.end()) {
-    if (ahead) suspected_.push_back(gap);
-    return false;
-  }
-  tight_.push_back(*suspect);
-  std::erase_if(avoided_, [&](Vec2 other) { return distance(*suspect, other) < kSameGap; });
-  suspected_.erase(suspect);
+  if (!place || distance(*place, robot) > kAhead) return false;
+  const Vec2 gap = bottleneck_about(*place, is_tight).map_from_middle.position();
+  const auto is_same = [&](Vec2 other) { return distance(gap, other) < kSameGap; };
+  if (std::ranges::any_of(tight_, is_same) || std::ranges::any_of(exhausted_, is_same)) return false;
+  tight_.push_back(gap);
+  std::erase_if(avoided_, is_same);
   return true;
 }
 
@@ -113,7 +109,8 @@ std::optional<Bottleneck> Route::known_bottleneck() const {
 }
 
 void Route::leave_bottleneck(Vec2 robot) {
-  if (clearance(robot) < tight_clearance_) tight_.push_back(robot);
+  const auto is_same = [&](Vec2 other) { return distance(robot, other) < kSameGap; };
+  if (clearance(robot) < tight_clearance_ && std::ranges::none_of(exhausted_, is_same)) tight_.push_back(robot);
   drop();
 }
 
@@ -126,6 +123,8 @@ void Route::clear_bottleneck() {
 void Route::close_bottleneck(bool too_narrow) {
   constexpr double kSpacing = 0.04;  // [m] of a row of points from side to side
   const Pose2D middle = bottleneck_->map_from_middle;
+  std::erase_if(tight_, [&](Vec2 gap) { return distance(gap, middle.position()) < kSameGap; });
+  exhausted_.push_back(middle.position());
   avoid(middle.position());
   if (too_narrow || failed_often(middle.position())) {
     const int beside = 1 + static_cast<int>((clear_.costmap.resolution() + tight_clearance_) / kSpacing);
