@@ -8,6 +8,7 @@
 #include <bit>
 #include <cmath>
 #include <cstdint>
+#include <numbers>
 #include <string>
 #include <vector>
 
@@ -41,7 +42,7 @@ float clearance(const FieldView& f, const Robot& r) {
   const int column =
       static_cast<int>(bounded(std::floor(x * f.cells_per_metre + 64.0F), f.first_column, f.last_column));
   const int row = static_cast<int>(bounded(std::floor(y * f.cells_per_metre + 64.0F), f.first_row, f.last_row));
-  const int bin = static_cast<int>(std::floor(r.theta * (kBins / 3.14159265F))) & (kBins - 1);
+  const int bin = static_cast<int>(std::floor(r.theta * (kBins / std::numbers::pi_v<float>))) & (kBins - 1);
   const std::int32_t packed = f.cells[(bin * kSide + row) * kSide + column];
   const float dx = first_of(packed, f.unit) - x;
   const float dy = second_of(packed, f.unit) - y;
@@ -93,7 +94,7 @@ void accelerate(const Reach& reach, float vx, float vy, float omega, Robot& r) {
   r.omega = bounded(omega, r.omega - reach.angular_acceleration, r.omega + reach.angular_acceleration);
   if (reach.holonomic) {
     const float asked = length(vx, vy);
-    r.speed = std::min(asked, std::min(reach.linear, r.speed + reach.acceleration));
+    r.speed = std::min({asked, reach.linear, r.speed + reach.acceleration});
     const float share = r.speed / std::max(asked, 1e-6F);
     r.vx = bounded(share * vx, r.vx - reach.braking, r.vx + reach.braking);
     r.vy = bounded(share * vy, r.vy - reach.braking, r.vy + reach.braking);
@@ -178,8 +179,8 @@ std::array<std::array<float, 6>, kSteps> way_of(const Motion& m, const Block& bl
 
 // The exponential of Cephes, expf.c.
 float exponential(float x) {
-  const float whole = std::floor(x * 1.44269504088896341F + 0.5F);
-  const float r = x - whole * 0.693359375F - whole * -2.12194440e-4F;
+  const float whole = std::floor(x * std::numbers::log2e_v<float> + 0.5F);
+  const float r = x - whole * 0.693359375F - whole * -2.12194440e-4F;  // NOLINT: ln(2) in two parts
   float p = 1.9875691500e-4F;
   for (const float c : {1.3981999507e-3F, 8.3334519073e-3F, 4.1665795894e-2F, 1.6666665459e-1F, 5.0000001201e-1F}) {
     p = p * r + c;

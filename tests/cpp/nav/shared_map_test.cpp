@@ -9,7 +9,7 @@
 namespace threewe::nav {
 namespace {
 
-using map::Cell, map::OccupancyGrid;
+using map::OccupancyGrid;
 
 OccupancyGrid random_grid(std::mt19937_64& bits) {
   OccupancyGrid grid;

@@ -3,6 +3,7 @@
 
 #include <doctest/doctest.h>
 
+#include <cmath>
 #include <vector>
 
 #include <Eigen/Eigenvalues>
@@ -15,7 +16,8 @@ namespace {
 /// There and back along a line, a scan every 10 cm; on the way there a thirtieth of each shows something new.
 double trace_after(MapError& error, double from, double to, double unknown) {
   const double step = to > from ? 0.1 : -0.1;
-  for (double x = from; (to - x) * step > 0.0; x += step) error.see({x, 0.0}, unknown);
+  const int steps = static_cast<int>(std::ceil((to - from) / step));
+  for (int i = 0; i < steps; ++i) error.see({from + step * i, 0.0}, unknown);
   return error.covariance().trace();
 }
 
