@@ -1,5 +1,6 @@
 // Backends by name, and what a robot can do.
 #include "bindings.hpp"
+#include "threewe/backend/mujoco/mujoco.hpp"
 #include "threewe/backend/registry.hpp"
 #include "threewe/backend/world.hpp"
 
@@ -35,4 +36,7 @@ void init_backend(nb::module_& m) {
       .def_ro("external_localization", &Features::external_localization)
       .def_ro("external_navigation", &Features::external_navigation);
   m.def("backend_names", &backend::backend_names, "The names of all backends.");
+  m.def("use_mujoco", &backend::mujoco::use_library, "path"_a,
+        "Says where MuJoCo's library is; it is loaded when a world is first made.");
+  m.attr("MUJOCO_VERSION") = backend::mujoco::kVersion;
 }

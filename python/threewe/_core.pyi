@@ -1165,6 +1165,13 @@ class Features:
 def backend_names() -> list[str]:
     """The names of all backends."""
 
+def use_mujoco(path: str) -> None:
+    """
+    Says where MuJoCo's library is; it is loaded when a world is first made.
+    """
+
+MUJOCO_VERSION: str = '4.0.0'
+
 class BackendMailbox:
     """Between the core and the thread of a backend written in Python."""
 

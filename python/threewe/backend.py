@@ -23,6 +23,7 @@ from __future__ import annotations
 
 import atexit
 import importlib.metadata
+import importlib.util
 import inspect
 import logging
 import math
@@ -256,7 +257,18 @@ def known_backend(name: str) -> str:
     """Looks for `name` among the backends of installed packages, unless it is known already. Returns it."""
     if name not in _core.backend_names():
         _discover()
+    if name == "mujoco":
+        _find_mujoco()
     return name
+
+
+def _find_mujoco() -> None:
+    """Tells the core where MuJoCo's package has its library; nothing of it is imported."""
+    package = importlib.util.find_spec("mujoco")
+    if package and package.origin:
+        library = Path(package.origin).with_name(f"libmujoco.so.{_core.MUJOCO_VERSION}")
+        if library.exists():
+            _core.use_mujoco(str(library))
 
 
 def _discover() -> None:

@@ -20,6 +20,8 @@ MAY_USE = {
     "sim": ["core", "scene", "hardware", "models"],
     "backend": ["core", "hardware", "scene/truth_view"],
     "backend/mock": ["backend", "core", "hardware", "scene", "models", "sim"],
+    "backend/mujoco": ["backend", "core", "hardware", "scene", "models", "export"],
+    "backend/known": ["backend", "backend/mock", "backend/mujoco", "core"],
     "safety": ["core", "hardware"],
     "robot": ["core", "backend", "safety", "slam", "nav", "map", "hardware", "scene/truth_view"],  # robot.simulation
     "export": ["core", "scene", "hardware", "map"],

@@ -85,14 +85,6 @@ bool same(const std::vector<Sample>& a, const std::vector<Sample>& b) {
 
 }  // namespace
 
-TEST_CASE("backends by name") {
-  CHECK(backend_names() == std::vector<std::string>{"mock"});
-  CHECK(error_of<ConfigError>([] { make_world("mokc", {}); }).find("did you mean 'mock'") != std::string::npos);
-  register_backend("twin", [](const WorldOptions& options) { return make_world("mock", options); });
-  CHECK(backend_names().size() == 2);
-  CHECK(make_world("twin", {})->robot_count() == 1);
-}
-
 TEST_CASE("the mock backend keeps the contract, with either robot and either noise") {
   for (const char* robot : {"3we_standard_v2", "turtlebot_like"}) {
     for (const NoiseLevel noise : {NoiseLevel::realistic, NoiseLevel::ideal}) {

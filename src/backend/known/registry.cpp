@@ -1,5 +1,5 @@
-// Backends by name. The table stands here, above the first implementation, so that it knows that one from the start
-// and `backend` itself need know none.
+// Backends by name. The table stands here, above our own implementations, so that it knows them from the start and
+// `backend` itself need know none.
 #include "threewe/backend/registry.hpp"
 
 #include <map>
@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "threewe/backend/mock/mock_world.hpp"
+#include "threewe/backend/mujoco/mujoco.hpp"
 #include "threewe/core/errors.hpp"
 #include "threewe/core/names.hpp"
 
@@ -17,6 +18,7 @@ struct Registry {
   std::mutex mutex;
   std::map<std::string, WorldFactory, std::less<>> factories{
       {"mock", [](const WorldOptions& options) { return std::make_unique<mock::MockWorld>(options); }},
+      {"mujoco", mujoco::make_world},
   };
 };
 

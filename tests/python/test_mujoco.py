@@ -1,0 +1,68 @@
+"""Robots on MuJoCo's physics, as users see them."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from importlib.util import find_spec
+
+import pytest
+import threewe
+import threewe.sync
+from threewe.testing import check_backend
+
+WITHOUT_MUJOCO = """
+import importlib.util
+import threewe
+found = importlib.util.find_spec
+importlib.util.find_spec = lambda name, *rest: None if name == "mujoco" else found(name, *rest)
+try:
+    threewe.Robot(backend="mujoco")
+except threewe.ConfigError as error:
+    print(error)
+"""
+
+needs_mujoco = pytest.mark.skipif(find_spec("mujoco") is None, reason="not shown: mujoco-core is not installed")
+
+
+def test_without_mujoco_the_error_names_the_command() -> None:
+    run = subprocess.run([sys.executable, "-c", WITHOUT_MUJOCO], capture_output=True, text=True, check=True)
+    assert "pip install mujoco-core==4.0.0" in run.stdout
+
+
+@needs_mujoco
+def test_a_robot_drives_to_its_goal_in_the_office() -> None:
+    with threewe.sync.Robot(backend="mujoco") as robot:
+        result = robot.move_to(x=2.0, y=1.0)
+        assert result.success
+        assert robot.simulation is not None
+        pose = robot.simulation.true_pose()
+        assert (pose.x, pose.y) == pytest.approx((2.0, 1.0), abs=0.25)
+        assert robot.simulation.max_collision_speed() == 0.0
+
+
+@needs_mujoco
+def test_two_runs_are_the_same_and_mock_is_another() -> None:
+    def end(backend: str) -> tuple[float, float, float]:
+        with threewe.sync.Robot(backend=backend, seed=7) as robot:
+            robot.move_to(x=1.0, y=0.5)
+            assert robot.simulation is not None
+            pose = robot.simulation.true_pose()
+            return pose.x, pose.y, pose.theta
+
+    first = end("mujoco")
+    assert end("mujoco") == first
+    assert end("mock") != first
+    assert end("mock") == pytest.approx(first, abs=0.3)
+
+
+@needs_mujoco
+def test_a_camera_is_refused_by_name() -> None:
+    with threewe.sync.Robot(backend="mujoco") as robot, pytest.raises(threewe.HardwareError, match="camera"):
+        robot.get_camera_image()
+
+
+@needs_mujoco
+def test_the_contract_is_kept_by_name() -> None:
+    (result,) = check_backend("mujoco", checks=["truth_agrees_with_odometry"], show=False)
+    assert result.passed, result.detail
