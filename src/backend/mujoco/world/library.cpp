@@ -57,7 +57,7 @@ Library load(const std::string& path) {
   find(handle, found.mj_fwdPosition, "mj_fwdPosition");
   find(handle, found.mj_step1, "mj_step1");
   find(handle, found.mj_step2, "mj_step2");
-  find(handle, found.mj_multiRay, "mj_multiRay");
+  find(handle, found.mj_ray, "mj_ray");
   find(handle, found.mj_stateSize, "mj_stateSize");
   find(handle, found.mj_getState, "mj_getState");
   find(handle, found.mj_setState, "mj_setState");

@@ -23,7 +23,7 @@ struct Library {
   decltype(&::mj_fwdPosition) mj_fwdPosition;
   decltype(&::mj_step1) mj_step1;
   decltype(&::mj_step2) mj_step2;
-  decltype(&::mj_multiRay) mj_multiRay;
+  decltype(&::mj_ray) mj_ray;
   decltype(&::mj_stateSize) mj_stateSize;
   decltype(&::mj_getState) mj_getState;
   decltype(&::mj_setState) mj_setState;

@@ -14,8 +14,6 @@ namespace {
 using exports::Quaternion;
 using exports::Vec3;
 
-static_assert(sizeof(Vec3) == 3 * sizeof(mjtNum), "MuJoCo takes vectors as three numbers in a row");
-
 constexpr const char* kRobot = "robot";
 constexpr mjtByte kOwnGroup = 5;  // of the robot's geoms, which its own rays pass
 
@@ -207,16 +205,17 @@ std::array<double, 4> Physics::wheel_angles() const {
   return angles;
 }
 
-void Physics::cast(const Vec3& from, std::span<const Vec3> directions, double range_max, std::span<double> distances,
-                   std::span<Vec3> normals) {
-  if (directions.empty()) return;
+Physics::Hit Physics::cast(const Vec3& from, const Vec3& direction) const {
   std::array<mjtByte, mjNGROUP> groups{};
   groups.fill(1);
   groups[kOwnGroup] = 0;
   const std::array<double, 3> point{from.x, from.y, from.z};
-  mj_.mj_multiRay(model_.get(), data_.get(), point.data(), &directions.front().x, groups.data(), true, -1, nullptr,
-                  distances.data(), normals.empty() ? nullptr : &normals.front().x, static_cast<int>(directions.size()),
-                  range_max);
+  const std::array<double, 3> along{direction.x, direction.y, direction.z};
+  std::array<double, 3> normal{};
+  std::array<int, 1> geom{};
+  const double distance = mj_.mj_ray(model_.get(), data_.get(), point.data(), along.data(), groups.data(), true, -1,
+                                     geom.data(), normal.data());
+  return {distance, {normal[0], normal[1], normal[2]}};
 }
 
 std::size_t Physics::state_size() const {

@@ -58,10 +58,13 @@ class Physics {
   /// Its base at the beginning of the last step, after each of MuJoCo's in it, and hence now, tilted as it may be.
   const std::vector<Transform>& track() const { return track_; }
 
-  /// Rays from one point along unit vectors to what is not the robot: how far [m], -1 where nothing is hit within
-  /// `range_max`. `normals` are of the surfaces hit, where they are asked for.
-  void cast(const exports::Vec3& from, std::span<const exports::Vec3> directions, double range_max,
-            std::span<double> distances, std::span<exports::Vec3> normals = {});
+  /// What a ray along a unit vector meets that is not the robot. One by one: `mj_multiRay` first works out the angles
+  /// at which every geom is seen, which costs more than hundreds of rays do.
+  struct Hit {
+    double distance = 0.0;  ///< [m]; negative where nothing is met
+    exports::Vec3 normal;   ///< of the surface
+  };
+  Hit cast(const exports::Vec3& from, const exports::Vec3& direction) const;
 
   /// All that its future depends on.
   std::vector<double> state() const;

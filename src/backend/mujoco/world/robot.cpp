@@ -70,54 +70,27 @@ void pay(const RobotModel& robot, const Pose2D& pose_before, const Velocity& bef
   models::drain_battery(*robot.profile.battery, power, to_seconds(kStep), state.battery);
 }
 
-// Points of a lidar that turns while the body moves along `track`: all from one origin that were taken within one of
-// MuJoCo's steps, each along its own direction.
-void cast_rolling(const Vec3& mount, std::span<const Vec3> beams, double range_max, Physics& physics,
-                  std::span<float> ranges) {
-  const std::span<const Transform> track = physics.track();
-  const std::size_t parts = track.size() - 1;
-  std::vector<Vec3> directions;
-  std::vector<double> distances;
-  for (std::size_t part = 0, first = 0; part < parts; ++part) {
-    const std::size_t end = beams.size() * (part + 1) / parts;
-    directions.clear();
-    for (std::size_t i = first; i < end; ++i) {
-      const double t = static_cast<double>(i * parts) / static_cast<double>(beams.size()) - static_cast<double>(part);
-      directions.push_back(rotated(between(track[part], track[part + 1], t).rotation, beams[i]));
-    }
-    distances.resize(directions.size());
-    physics.cast(between(track[part], track[part + 1], 0.5) * mount, directions, range_max, distances);
-    for (std::size_t i = first; i < end; ++i) {
-      const double hit = distances[i - first];
-      ranges[i] = static_cast<float>(hit < 0.0 || hit > range_max ? range_max : hit);
-    }
-    first = end;
-  }
-}
-
-// All at once, from where the body is now.
-void cast_at_once(const Vec3& mount, std::span<const Vec3> beams, double range_max, Physics& physics,
-                  std::span<float> ranges) {
-  const Transform& base = physics.track().back();
-  std::vector<Vec3> directions;
-  for (const Vec3& beam : beams) directions.push_back(rotated(base.rotation, beam));
-  std::vector<double> distances(beams.size());
-  physics.cast(base * mount, directions, range_max, distances);
-  for (std::size_t i = 0; i < beams.size(); ++i) {
-    ranges[i] = static_cast<float>(distances[i] < 0.0 || distances[i] > range_max ? range_max : distances[i]);
-  }
+// Where the body was at a share of the last step, and at its end where the share is 1.
+Transform place_at(std::span<const Transform> track, double share) {
+  const double parts = static_cast<double>(track.size() - 1) * share;
+  const std::size_t part = std::min(static_cast<std::size_t>(parts), track.size() - 2);
+  return between(track[part], track[part + 1], parts - static_cast<double>(part));
 }
 
 // The share of a turn that a step sweeps; or the whole turn at its end.
-void sweep_lidar(const RobotModel& robot, Physics& physics, RobotState& state) {
+void sweep_lidar(const RobotModel& robot, const Physics& physics, RobotState& state) {
   const LidarSpec& lidar = *robot.profile.lidar;
   const std::uint64_t points = robot.beams.size();
   const std::uint64_t share = lidar.rolling ? points / robot.turn : points;
   const std::uint64_t first = lidar.rolling ? (state.steps - 1) % robot.turn * share : 0;
   const std::span<float> ranges = std::span(state.lidar_points).subspan(first, share);
-  const auto beams = std::span(robot.beams).subspan(first, share);
   const Vec3 mount{lidar.base_from_lidar.x, lidar.base_from_lidar.y, lidar.height};
-  (lidar.rolling ? cast_rolling : cast_at_once)(mount, beams, lidar.range_max, physics, ranges);
+  for (std::size_t i = 0; i < share; ++i) {
+    const double when = lidar.rolling ? static_cast<double>(i) / static_cast<double>(share) : 1.0;
+    const Transform base = place_at(physics.track(), when);
+    const double hit = physics.cast(base * mount, rotated(base.rotation, robot.beams[first + i])).distance;
+    ranges[i] = static_cast<float>(hit < 0.0 ? lidar.range_max : std::min(hit, lidar.range_max));
+  }
 
   const std::uint64_t turns = (state.steps - 1) / robot.turn;
   models::measure_ranges(lidar, state.key(Stream::lidar), state.lidar_bias, turns * points + first, ranges);
@@ -125,31 +98,25 @@ void sweep_lidar(const RobotModel& robot, Physics& physics, RobotState& state) {
 
 // The nearest surface in the cone, along the height of the sensor, that sends the sound back; what it glances off still
 // hides what stands behind.
-double nearest_echo(const UltrasonicSpec& spec, const Pose2D& mount, Physics& physics) {
+double nearest_echo(const UltrasonicSpec& spec, const Pose2D& mount, const Physics& physics) {
   constexpr double kBetweenRays = 0.25 * exact::kPi / 180.0;  // [rad]; a leg of 2 cm at 2 m is twice as wide
   const Transform& base = physics.track().back();
   const int rays = 1 + static_cast<int>(spec.field_of_view / kBetweenRays);
-  std::vector<Vec3> directions;
+  const Vec3 from = base * Vec3{mount.x, mount.y, spec.height};
+  const double steepest = exact::cos(spec.max_incidence);
+  double nearest = spec.range_max;
   for (int i = 0; i < rays; ++i) {
     const double bearing = spec.field_of_view * (static_cast<double>(i) / (rays - 1) - 0.5);
     const auto [sin, cos] = exact::sincos(mount.theta + bearing);
-    directions.push_back(rotated(base.rotation, {cos, sin, 0.0}));
-  }
-  std::vector<double> distances(directions.size());
-  std::vector<Vec3> normals(directions.size());
-  physics.cast(base * Vec3{mount.x, mount.y, spec.height}, directions, spec.range_max, distances, normals);
-
-  const double steepest = exact::cos(spec.max_incidence);
-  double nearest = spec.range_max;
-  for (std::size_t i = 0; i < directions.size(); ++i) {
-    const Vec3& d = directions[i];
-    const double facing = -(d.x * normals[i].x + d.y * normals[i].y + d.z * normals[i].z);
-    if (distances[i] >= 0.0 && facing >= steepest) nearest = std::min(nearest, distances[i]);
+    const Vec3 direction = rotated(base.rotation, {cos, sin, 0.0});
+    const auto [distance, normal] = physics.cast(from, direction);
+    const double facing = -(direction.x * normal.x + direction.y * normal.y + direction.z * normal.z);
+    if (distance >= 0.0 && facing >= steepest) nearest = std::min(nearest, distance);
   }
   return nearest;
 }
 
-void ping(const RobotModel& robot, std::size_t sensor, Physics& physics, RobotState& state) {
+void ping(const RobotModel& robot, std::size_t sensor, const Physics& physics, RobotState& state) {
   const UltrasonicSpec& spec = *robot.profile.ultrasonics;
   const double echo = nearest_echo(spec, spec.mounts[sensor].base_from_ultrasonic, physics);
   const std::uint64_t pings = state.steps / robot.ultrasonic_interval;
@@ -157,7 +124,7 @@ void ping(const RobotModel& robot, std::size_t sensor, Physics& physics, RobotSt
       spec, state.key(Stream::ultrasonic, static_cast<std::uint16_t>(sensor)), (pings - 1) / spec.mounts.size(), echo);
 }
 
-void sense(const RobotModel& robot, const Passage& passage, Physics& physics, RobotState& state) {
+void sense(const RobotModel& robot, const Passage& passage, const Physics& physics, RobotState& state) {
   const RobotProfile& profile = robot.profile;
   if (imu_ready(robot, state)) {
     state.imu = models::measure_imu(*profile.imu, state.key(Stream::imu), passage.yaw_rate, passage.acceleration,
