@@ -1,69 +1,33 @@
 // One robot of a simulated world, as a runtime sees it.
 #pragma once
 
-#include <cstdint>
+#include <cstddef>
 #include <optional>
-#include <utility>
-#include <vector>
 
-#include "backend/bytes.hpp"
 #include "backend/mock/mock_truth.hpp"
+#include "backend/simulated_port.hpp"
 #include "threewe/backend/mock/mock_world.hpp"
 #include "threewe/sim/camera.hpp"
 
 namespace threewe::backend::mock {
 
-/// What a port knows beyond the simulated robot: the command in force, and samples on their way.
-struct PortState {
-  struct Arrival {
-    Time time;
-    Sample sample;
-    std::optional<sim::Shot> shot;  ///< of which a camera's picture is made once it has arrived
-  };
-
-  Velocity command;
-  Time valid_until{};
-  std::vector<Arrival> arrivals;         ///< by time
-  std::vector<std::uint64_t> sequences;  ///< the next number of each sensor
-
-  void save(ByteWriter& bytes) const;
-  void load(ByteReader& bytes, std::size_t sensors);
-};
-
-class MockPort : public RobotPort {
+/// A picture is made of its shot once it has arrived and is looked at.
+class MockPort : public SimulatedPort<std::optional<sim::Shot>> {
  public:
-  MockPort(const MockWorld& world, std::size_t index, RobotProfile profile);
+  MockPort(const MockWorld& world, std::size_t index, const RobotProfile& profile);
 
-  const Features& features() const override { return features_; }
-  const RobotProfile& profile() const override { return profile_; }
-  void connect() override;
-  void disconnect() override;
-  std::vector<Sample> poll() override;
-  void command(const Velocity& velocity, Time valid_until) override;
   const scene::TruthView* truth() const override { return &truth_; }
-
-  // For the world that holds the port.
-
-  /// What the robot is told to do in a step that begins at `t`: nothing once the command has expired.
-  Velocity command_at(Time t) const { return t < state_.valid_until ? state_.command : Velocity{}; }
-  /// Sends on what became ready in the step that the world has just taken.
+  /// For the world: sends on what became ready in the step that it has just taken.
   void collect();
-  void reset();
-  const PortState& state() const { return state_; }
-  void restore(PortState state) { state_ = std::move(state); }
 
  private:
-  void send(std::size_t sensor, Time measured, Duration latency, SampleData data,
-            std::optional<sim::Shot> shot = std::nullopt);
-  Picture picture_of(sim::Shot shot) const;
+  void finish(Sample& sample, std::optional<sim::Shot> shot) const override;
+  void put(ByteWriter& bytes, const std::optional<sim::Shot>& shot) const override;
+  void get(ByteReader& bytes, const Sample& sample, std::optional<sim::Shot>& shot) const override;
 
   const MockWorld& world_;
   std::size_t index_;
-  RobotProfile profile_;  // as its maker states it, whatever the noise
-  Features features_;
   MockTruth truth_;
-  bool connected_ = false;
-  PortState state_;
 };
 
 }  // namespace threewe::backend::mock

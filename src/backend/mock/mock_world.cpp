@@ -36,7 +36,7 @@ MockWorld::MockWorld(const WorldOptions& options)
   }
   model_ = sim::make_model(std::make_shared<const scene::Scene>(scene::Scene::load(options.scene)), simulated);
   for (std::size_t i = 0; i < profiles.size(); ++i) {
-    ports_.push_back(std::make_unique<MockPort>(*this, i, std::move(profiles[i])));
+    ports_.push_back(std::make_unique<MockPort>(*this, i, profiles[i]));
   }
   begin({.seed = options.seed, .poses = options.poses});
 }
@@ -165,7 +165,7 @@ std::vector<std::byte> MockWorld::save() const {
   bytes.put(next_draw_);
   for (const sim::RobotState& state : states_) bytes.put(state);
   for (const sim::PersonState& person : people_) bytes.put(person);
-  for (const auto& port : ports_) port->state().save(bytes);
+  for (const auto& port : ports_) port->save(bytes);
   return bytes.take();
 }
 
@@ -189,7 +189,7 @@ void MockWorld::restore(const std::vector<std::byte>& state) {
   std::uint64_t draws = 0;
   Time next_draw{};
   std::vector<sim::RobotState> states(ports_.size());
-  std::vector<PortState> ports(ports_.size());
+  std::vector<MockPort::State> ports;
   bytes.get(now);
   bytes.get(steps);
   bytes.get(draws);
@@ -197,7 +197,7 @@ void MockWorld::restore(const std::vector<std::byte>& state) {
   for (sim::RobotState& robot : states) bytes.get(robot);
   std::vector<sim::PersonState> people(people_.size());
   for (sim::PersonState& person : people) bytes.get(person);
-  for (std::size_t i = 0; i < ports.size(); ++i) ports[i].load(bytes, ports_[i]->features().sensors.size());
+  for (const auto& port : ports_) ports.push_back(port->load(bytes));
   bytes.finish();
 
   now_ = now;

@@ -107,7 +107,7 @@ std::vector<std::byte> MujocoWorld::save() const {
   bytes.put(now_);
   bytes.put(state_);
   bytes.put(physics_.state());
-  port_.state().save(bytes);
+  port_.save(bytes);
   return bytes.take();
 }
 
@@ -127,12 +127,11 @@ void MujocoWorld::restore(const std::vector<std::byte>& saved) {
   Time now{};
   RobotState state;
   std::vector<double> physics;
-  PortState port;
   bytes.get(now);
   bytes.get(state);
   bytes.get(physics);
   if (physics.size() != physics_.state_size()) throw ContractError("restore: these bytes are no saved world");
-  port.load(bytes, port_.features().sensors.size());
+  MujocoPort::State port = port_.load(bytes);
   bytes.finish();
 
   now_ = now;
