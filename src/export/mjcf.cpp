@@ -71,9 +71,14 @@ pugi::xml_node add_geom(pugi::xml_node parent, const std::string& name, const Sh
 
 void add_settings(pugi::xml_node model) {
   add(model, "compiler", {{"angle", "radian"}, {"autolimits", "true"}});
-  // elliptic cones and a large impratio keep wheels from creeping (MuJoCo's modelling guide)
+  // elliptic cones and a large impratio keep wheels from creeping (MuJoCo's modelling guide), and so does a tolerance
+  // far below how deep rollers sink: a floor of several patches is boxes, whose contacts are found by iteration
   add(model, "option",
-      {{"timestep", text(kTimestep)}, {"integrator", "implicitfast"}, {"cone", "elliptic"}, {"impratio", "10"}});
+      {{"timestep", text(kTimestep)},
+       {"integrator", "implicitfast"},
+       {"cone", "elliptic"},
+       {"impratio", "10"},
+       {"ccd_tolerance", "1e-10"}});
   add(add(model, "visual"), "map", {{"znear", "0.001"}, {"zfar", "10"}});
   // contacts as stiff as the step allows: a softer floor swallows the corners of rollers, and 8 % of the speed with
   // them

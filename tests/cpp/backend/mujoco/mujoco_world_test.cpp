@@ -198,6 +198,20 @@ TEST_CASE("its lidar sees what the embedded simulator's does, from anywhere in t
   CHECK(static_cast<double>(differ) <= 0.001 * static_cast<double>(beams));
 }
 
+TEST_CASE("a robot that is left alone stays where it is, on one floor and on patches") {
+  for (const char* scene : {"office_v2", "outdoor_v1"}) {
+    WorldOptions options;
+    options.scene = scene;
+    const auto world = make(options);
+    world->advance_to(1s);
+    const Pose2D before = world->robot(0).truth()->true_pose();
+    world->advance_to(6s);
+    const Pose2D after = world->robot(0).truth()->true_pose();
+    CHECK_MESSAGE(distance(before.position(), after.position()) < 1e-5, scene);
+    CHECK_MESSAGE(std::abs(after.theta - before.theta) < 1e-5, scene);
+  }
+}
+
 TEST_CASE("a wall stops the robot, and the truth says how fast it came") {
   const auto world = make(in_small_room(NoiseLevel::ideal));
   const scene::TruthView& truth = *world->robot(0).truth();
