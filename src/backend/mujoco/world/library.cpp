@@ -47,6 +47,10 @@ Library load(const std::string& path) {
   find(handle, found.mj_parseXMLString, "mj_parseXMLString");
   find(handle, found.mj_compile, "mj_compile");
   find(handle, found.mjs_getError, "mjs_getError");
+  find(handle, found.mjs_firstElement, "mjs_firstElement");
+  find(handle, found.mjs_nextElement, "mjs_nextElement");
+  find(handle, found.mjs_asSensor, "mjs_asSensor");
+  find(handle, found.mjs_delete, "mjs_delete");
   find(handle, found.mj_deleteSpec, "mj_deleteSpec");
   find(handle, found.mj_deleteModel, "mj_deleteModel");
   find(handle, found.mj_makeData, "mj_makeData");

@@ -13,6 +13,10 @@ struct Library {
   decltype(&::mj_parseXMLString) mj_parseXMLString;
   decltype(&::mj_compile) mj_compile;
   decltype(&::mjs_getError) mjs_getError;
+  decltype(&::mjs_firstElement) mjs_firstElement;
+  decltype(&::mjs_nextElement) mjs_nextElement;
+  decltype(&::mjs_asSensor) mjs_asSensor;
+  decltype(&::mjs_delete) mjs_delete;
   decltype(&::mj_deleteSpec) mj_deleteSpec;
   decltype(&::mj_deleteModel) mj_deleteModel;
   decltype(&::mj_makeData) mj_makeData;

@@ -49,11 +49,22 @@ void Physics::compile(const std::string& xml) {
   if (spec == nullptr) fail(error.data());
   const auto discard = [this](mjSpec* read) { mj_.mj_deleteSpec(read); };
   const std::unique_ptr<mjSpec, decltype(discard)> owner(spec, discard);
+  delete_rangefinders(spec);
   model_ = {mj_.mj_compile(spec, nullptr), Free{&mj_}};
   if (!model_) fail(mj_.mjs_getError(spec));
   // what has come apart is told to the user, not silently put back to the start
   model_->opt.disableflags |= mjDSBL_AUTORESET;
   data_ = {mj_.mj_makeData(model_.get()), Free{&mj_}};
+}
+
+// They would look in each of MuJoCo's steps, where our ultrasonic sensors cast rays when they ping.
+void Physics::delete_rangefinders(mjSpec* spec) const {
+  std::vector<mjsElement*> rangefinders;
+  for (mjsElement* sensor = mj_.mjs_firstElement(spec, mjOBJ_SENSOR); sensor != nullptr;
+       sensor = mj_.mjs_nextElement(spec, sensor)) {
+    if (mj_.mjs_asSensor(sensor)->type == mjSENS_RANGEFINDER) rangefinders.push_back(sensor);
+  }
+  for (mjsElement* rangefinder : rangefinders) mj_.mjs_delete(spec, rangefinder);
 }
 
 int Physics::id(mjtObj type, const std::string& name) const { return mj_.mj_name2id(model_.get(), type, name.c_str()); }

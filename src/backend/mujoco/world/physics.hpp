@@ -84,6 +84,7 @@ class Physics {
   };
 
   void compile(const std::string& xml);
+  void delete_rangefinders(mjSpec* spec) const;
   int id(mjtObj type, const std::string& name) const;
   void find_parts();
   void set_pose(const Pose2D& pose);
