@@ -67,11 +67,21 @@ def _has(folder: Path, name: str) -> bool:
 
 
 def _backends() -> list[Finding]:
-    others = [name for name in threewe.backend_names() if name != "mock"]
+    others = [name for name in threewe.backend_names() if name not in ("mock", "mujoco")]
     return [
         _works("backend mock", _contract),
+        _mujoco(),
         *(Finding(f"backend {name}", "ok", "found, not tried") for name in others),
     ]
+
+
+def _mujoco() -> Finding:
+    try:
+        threewe.Robot(backend="mujoco")
+    except threewe.ConfigError as error:
+        remedy = f"{sys.executable} -m pip install 'threewe[mujoco]'"
+        return Finding("backend mujoco", "missing", str(error).splitlines()[0], remedy)
+    return Finding("backend mujoco", "ok", "a robot stands in its world")
 
 
 def _contract() -> str:
