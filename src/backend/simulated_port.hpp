@@ -60,7 +60,7 @@ class SimulatedPort : public RobotPort {
     std::vector<Sample> samples;
     for (auto arrival = arrivals.begin(); arrival != arrived; ++arrival) {
       Sample& sample = samples.emplace_back(std::move(arrival->sample));
-      finish(sample, std::move(arrival->recipe));
+      finish(sample, arrival->recipe);
       sample.sequence = state_.sequences[sample.sensor]++;
       sample.received = world_.now();
     }
@@ -132,7 +132,8 @@ class SimulatedPort : public RobotPort {
   }
 
  private:
-  virtual void finish(Sample&, Recipe) const {}
+  /// Makes a sample that has arrived complete; its recipe may be taken apart.
+  virtual void finish(Sample&, Recipe&) const {}
   virtual void put(ByteWriter&, const Recipe&) const {}
   virtual void get(ByteReader&, const Sample&, Recipe&) const {}
 

@@ -15,7 +15,7 @@ MockPort::MockPort(const MockWorld& world, std::size_t index, const RobotProfile
       index_(index),
       truth_(world.model_, index, world.states_, world.people_) {}
 
-void MockPort::finish(Sample& sample, std::optional<sim::Shot> shot) const {
+void MockPort::finish(Sample& sample, std::optional<sim::Shot>& shot) const {
   if (!shot) return;
   sample.data = Picture([model = world_.model_, taken = std::move(*shot)] { return sim::draw_picture(*model, taken); });
 }

@@ -21,7 +21,7 @@ class MockPort : public SimulatedPort<std::optional<sim::Shot>> {
   void collect();
 
  private:
-  void finish(Sample& sample, std::optional<sim::Shot> shot) const override;
+  void finish(Sample& sample, std::optional<sim::Shot>& shot) const override;
   void put(ByteWriter& bytes, const std::optional<sim::Shot>& shot) const override;
   void get(ByteReader& bytes, const Sample& sample, std::optional<sim::Shot>& shot) const override;
 
