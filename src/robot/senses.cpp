@@ -13,7 +13,11 @@ std::vector<std::size_t> sensors_of(const backend::Features& features, const Rob
     if (features.sensors[i].type == type) sensors.push_back(i);
   }
   if (!sensors.empty()) return sensors;
-  throw HardwareError("robot '" + profile.name + "' has no sensor '" + std::string(to_string(type)) + "'");
+  const std::string sensor = "sensor '" + std::string(to_string(type)) + "'";
+  if (profile.has(type)) {
+    throw HardwareError("this backend does not deliver " + sensor + ", which robot '" + profile.name + "' has");
+  }
+  throw HardwareError("robot '" + profile.name + "' has no " + sensor);
 }
 
 const Sample& Senses::newest(const backend::Features& features, std::size_t sensor) const {

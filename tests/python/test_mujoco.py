@@ -66,6 +66,7 @@ def test_an_emergency_stop_holds_it() -> None:
         robot.sleep(0.5)
         robot.emergency_stop()
         robot.sleep(0.5)
+        assert robot.simulation is not None
         before = robot.simulation.true_pose()
         robot.sleep(1.0)
         after = robot.simulation.true_pose()
@@ -100,8 +101,12 @@ def test_two_runs_are_the_same_and_mock_is_another() -> None:
 
 @needs_mujoco
 def test_a_camera_is_refused_by_name() -> None:
-    with threewe.sync.Robot(backend="mujoco") as robot, pytest.raises(threewe.HardwareError, match="camera"):
-        robot.get_camera_image()
+    with threewe.sync.Robot(backend="mujoco") as robot:
+        with pytest.raises(threewe.HardwareError, match="this backend does not deliver sensor 'camera'"):
+            robot.get_camera_image()
+        assert robot.simulation is not None
+        with pytest.raises(threewe.HardwareError, match="'mujoco' draws no pictures yet"):
+            robot.simulation.look()
 
 
 @needs_mujoco
