@@ -74,6 +74,7 @@ void Route::begin(std::vector<Vec2> waypoints, bool drawn) {
   closures_.clear();
   failures_.clear();
   attempts_.clear();
+  passed_.clear();
   tight_.clear();
   exhausted_.clear();
   barred_.clear();

@@ -125,6 +125,8 @@ class Route {
   std::vector<Vec2> closures_;  // [m] where a path that was followed turned out to be blocked
   std::vector<Vec2> failures_;  // [m] what was ever avoided in this motion
   std::vector<Attempt> attempts_;
+  Time hope_{};                  // until when gaps are tried
+  std::vector<Vec2> passed_;     // [m] behind gaps
   std::vector<Vec2> tight_;      // [m] gaps in which it got stuck ...
   std::vector<Vec2> exhausted_;  // [m] ... and could not be passed
   std::vector<Vec2> barred_;     // [m] what it has failed to look into too often, or is too narrow

@@ -11,6 +11,7 @@ namespace threewe::nav {
 namespace {
 
 constexpr double kReach = 1000.0;  // [m] of paths that are looked at
+constexpr Duration kHope = 180s;   // for so long gaps are tried, and again when one has been passed
 constexpr double kSameGap = 0.4;   // [m] gaps nearer to each other are one and the same
 
 }  // namespace
@@ -53,6 +54,7 @@ Bottleneck Route::bottleneck_about(Vec2 place, Narrow narrow) const {
 
 bool Route::plan_through_gaps(const Observation& seen, double tolerance) {
   constexpr int kMostAtOnce = 3;  // that are given up
+  if (!attempts_.empty() && seen.now > hope_) return false;
   for (int i = 0; i < kMostAtOnce; ++i) {
     squeezed_path_ = try_plan(squeezed_, seen, tolerance);
     if (!squeezed_path_) return false;
@@ -80,6 +82,7 @@ Time Route::patience_with(const Bottleneck& neck, Time now) {
   const auto is_same = [&](const Attempt& other) { return distance(place, other.place) < kSameGap; };
   const auto known = std::ranges::find_if(attempts_, is_same);
   if (known != attempts_.end()) return known->until;
+  if (attempts_.empty()) hope_ = now + kHope;
   attempts_.push_back({place, now + kAtLeast + from_seconds(kPerMetre * path_length(path_))});
   return attempts_.back().until;
 }
@@ -110,6 +113,7 @@ std::optional<Bottleneck> Route::known_bottleneck() const {
 
 void Route::leave_bottleneck(Vec2 robot) {
   const auto is_same = [&](Vec2 other) { return distance(robot, other) < kSameGap; };
+  if (std::ranges::none_of(passed_, is_same)) passed_.push_back(robot), hope_ = std::max(hope_, planned_ + kHope);
   if (clearance(robot) < tight_clearance_ && std::ranges::none_of(exhausted_, is_same)) tight_.push_back(robot);
   drop();
 }
