@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <iterator>
 
 #include "threewe/core/exact.hpp"
 
@@ -104,6 +105,12 @@ std::vector<Vec2> smoothed(std::span<const Vec2> hits, Vec2 lidar) {
     moved.push_back(hit + onto(best, hit - lidar));
   }
   return moved;
+}
+
+std::vector<Vec2> smoothed_near(Vec2 point, double reach, std::span<const Vec2> hits, Vec2 lidar) {
+  std::vector<Vec2> near;
+  std::ranges::copy_if(hits, std::back_inserter(near), [&](Vec2 hit) { return distance(hit, point) < reach; });
+  return smoothed(near, lidar);
 }
 
 }  // namespace threewe::map

@@ -11,11 +11,7 @@ namespace threewe::nav {
 
 // What is nearer than `sight` [m], in `odom`.
 std::vector<Vec2> PathNavigator::smoothed_hits(const Observation& seen, double sight) const {
-  std::vector<Vec2> near;
-  for (const Vec2 p : seen.obstacles) {
-    if (distance(p, odom_from_base_.position()) < sight) near.push_back(p);
-  }
-  return map::smoothed(near, odom_from_base_ * *lidar_);
+  return map::smoothed_near(odom_from_base_.position(), sight, seen.obstacles, odom_from_base_ * *lidar_);
 }
 
 // What scatters would close a gap.

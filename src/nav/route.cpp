@@ -262,6 +262,20 @@ bool Route::avoid(Vec2 place) {
   return true;
 }
 
+// Of the path, once it has left the lethal cells that the robot may stand in.
+std::optional<Vec2> Route::first_lethal() const {
+  bool left = false;
+  return first_along(path_, [&](Vec2 p) {
+    const bool lethal = is_lethal(p);
+    left = left || !lethal;
+    return left && lethal;
+  });
+}
+
+bool Route::is_lethal(Vec2 place) const {
+  return clear_.costmap.weight(clear_.costmap.cell(place)) == map::Costmap::kLethal;
+}
+
 bool Route::failed_often(Vec2 place) const {
   constexpr int kAttempts = 3;
   const auto is_same = [&](Vec2 other) { return distance(place, other) < kSamePlace; };
@@ -270,12 +284,7 @@ bool Route::failed_often(Vec2 place) const {
 
 // The path is blocked. A place that looked open from afar twice and was not is avoided from then on.
 void Route::note_closure() {
-  bool left = false;  // the lethal cells that the robot may stand in
-  const std::optional<Vec2> closed = first_along(path_, [&](Vec2 p) {
-    const bool lethal = clear_.costmap.weight(clear_.costmap.cell(p)) == map::Costmap::kLethal;
-    left = left || !lethal;
-    return left && lethal;
-  });
+  const std::optional<Vec2> closed = first_lethal();
   if (!closed) return;
   const auto is_same = [&](Vec2 other) { return distance(*closed, other) < kSamePlace; };
   const bool again = std::any_of(closures_.begin(), closures_.end(), is_same);

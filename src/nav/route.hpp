@@ -95,6 +95,8 @@ class Route {
   void take_map(Layer& layer, const Observation& seen, const std::vector<Vec2>& obstacles,
                 const std::vector<Vec2>& include);
   double clearance(Vec2 place) const;
+  bool is_lethal(Vec2 place) const;
+  std::optional<Vec2> first_lethal() const;
   Time patience_with(const Bottleneck& neck, Time now);
   std::optional<Bottleneck> known_bottleneck() const;
   template <class Narrow>

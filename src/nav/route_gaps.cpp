@@ -59,15 +59,9 @@ bool Route::plan_through_gaps(const Observation& seen, double tolerance) {
     squeezed_path_ = try_plan(squeezed_, seen, tolerance);
     if (!squeezed_path_) return false;
     // what the robot has been able to drive into it can drive out of
-    const auto is_lethal = [&](Vec2 p) {
-      return clear_.costmap.weight(clear_.costmap.cell(p)) == map::Costmap::kLethal;
-    };
-    bool left = false;
-    const std::optional<Vec2> place = first_along(path_, [&](Vec2 p) {
-      left = left || !is_lethal(p);
-      return left && is_lethal(p);
-    });
-    bottleneck_ = place ? std::optional(bottleneck_about(*place, is_lethal)) : known_bottleneck();
+    const std::optional<Vec2> place = first_lethal();
+    bottleneck_ =
+        place ? std::optional(bottleneck_about(*place, [&](Vec2 p) { return is_lethal(p); })) : known_bottleneck();
     if (!bottleneck_ || seen.now < patience_with(*bottleneck_, seen.now)) return true;
     close_bottleneck(true);
   }

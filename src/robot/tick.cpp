@@ -1,7 +1,6 @@
 // The two halves of a tick: act and sense.
 #include <algorithm>
 #include <exception>
-#include <iterator>
 
 #include "robot/goals.hpp"
 #include "robot/runtime_state.hpp"
@@ -63,10 +62,9 @@ safety::GateOutput Runtime::Impl::gated(Time now) {
   const std::span<const Vec2> seen = obstacles_in_odom();
   if (!motion || !motion->decision.creeping)
     return safety::gate(gate_model, state->gate, state->requested, seen, now, base);
-  std::vector<Vec2> near;
-  std::ranges::copy_if(seen, std::back_inserter(near), [&](Vec2 p) { return distance(p, base.position()) < kNear; });
   const Vec2 lidar = base * port.profile().lidar->base_from_lidar.position();
-  return safety::gate(creeping_gate, state->gate, state->requested, map::smoothed(near, lidar), now, base);
+  const std::vector<Vec2> hits = map::smoothed_near(base.position(), kNear, seen, lidar);
+  return safety::gate(creeping_gate, state->gate, state->requested, hits, now, base);
 }
 
 // A motion owns the robot; without one, a velocity that was asked for holds until it expires.

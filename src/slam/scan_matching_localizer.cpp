@@ -178,15 +178,12 @@ Time ScanMatchingLocalizer::deskew(Time measured, const LaserScan& scan) {
 std::vector<Vec2> ScanMatchingLocalizer::what_may_vanish(Vec2 lidar_in_odom, double nearest_seen) const {
   constexpr double kBlur = 0.03;        // [m] around the least range some beams see and some do not
   constexpr double kNeighbours = 0.08;  // [m]
-  const auto within = [&](double more) {
-    return [=](Vec2 p) { return distance(p, lidar_in_odom) < nearest_seen + kBlur + more; };
-  };
-  const auto fresh = std::span(obstacles_).first(seen_);
-  std::vector<Vec2> near;
-  std::ranges::copy_if(fresh, std::back_inserter(near), within(kNeighbours));
-  near = map::smoothed(near, lidar_in_odom);
-  std::erase_if(near, std::not_fn(within(0.0)));
-  std::ranges::copy_if(std::span(obstacles_).subspan(seen_), std::back_inserter(near), within(0.0));
+  const double reach = nearest_seen + kBlur;
+  const auto is_unseen = [&](Vec2 p) { return distance(p, lidar_in_odom) < reach; };
+  const auto known = std::span(obstacles_);
+  std::vector<Vec2> near = map::smoothed_near(lidar_in_odom, reach + kNeighbours, known.first(seen_), lidar_in_odom);
+  std::erase_if(near, std::not_fn(is_unseen));
+  std::ranges::copy_if(known.subspan(seen_), std::back_inserter(near), is_unseen);
   return near;
 }
 

@@ -13,5 +13,7 @@ namespace threewe::map {
 /// straightest counts, so that corners stay (Kuwahara et al. 1976, for pictures). A hit with too few neighbours, or
 /// none in a line, stays where it is. Takes time as hits squared: meant for those near the robot.
 std::vector<Vec2> smoothed(std::span<const Vec2> hits, Vec2 lidar);
+/// Those less than `reach` [m] from a point, and nothing else taken into account.
+std::vector<Vec2> smoothed_near(Vec2 point, double reach, std::span<const Vec2> hits, Vec2 lidar);
 
 }  // namespace threewe::map
