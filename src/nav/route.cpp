@@ -20,6 +20,7 @@ constexpr double kBetter = 0.85;           // a new path replaces an open one wh
 constexpr double kWithin = 0.05;           // [m] a path must end so much within the tolerance
 constexpr Duration kRetry = 200ms;         // without a path, plan so often
 constexpr double kTight = 0.07;            // [m] beyond what is lethal: for the gate's margin, and half a cell
+constexpr double kDrivenSpacing = 0.1;     // [m]
 constexpr double kSamePlace = 0.4;         // [m] failures nearer to each other are one and the same
 
 // What a frontier is worth, in metres of way through free space.
@@ -78,6 +79,7 @@ void Route::begin(std::vector<Vec2> waypoints, bool drawn) {
   tight_.clear();
   exhausted_.clear();
   barred_.clear();
+  driven_.clear();
 }
 
 bool Route::plan_to_goal(const Observation& seen, double tolerance) {
@@ -180,6 +182,7 @@ void Route::drop() {
 }
 
 void Route::advance(Vec2 robot) {
+  if (driven_.empty() || distance(driven_.back(), robot) > kDrivenSpacing) driven_.push_back(robot);
   if (has_path()) {
     const PathPoint here = nearest_on_path(path_, robot);
     path_.erase(path_.begin(), path_.begin() + static_cast<std::ptrdiff_t>(here.piece));
@@ -251,7 +254,7 @@ bool Route::avoid(Vec2 place) {
   constexpr double kBeyond = 1.5;  // [m]
   avoided_.push_back(place);
   failures_.push_back(place);
-  if (!failed_often(place)) return false;
+  if (!failed_often(place) || has_driven(place)) return false;
   const auto is_entrance = [&](Vec2 p) {
     return clear_.costmap.unknown(clear_.costmap.cell(p)) && distance(p, place) < kBeyond;
   };
@@ -280,6 +283,11 @@ bool Route::failed_often(Vec2 place) const {
   constexpr int kAttempts = 3;
   const auto is_same = [&](Vec2 other) { return distance(place, other) < kSamePlace; };
   return std::ranges::count_if(failures_, is_same) >= kAttempts;
+}
+
+// Where it has been it can go, whatever a narrow place looks like from within.
+bool Route::has_driven(Vec2 place) const {
+  return std::ranges::any_of(driven_, [&](Vec2 driven) { return distance(driven, place) < 2.0 * kDrivenSpacing; });
 }
 
 // The path is blocked. A place that looked open from afar twice and was not is avoided from then on.

@@ -103,6 +103,7 @@ class Route {
   Bottleneck bottleneck_about(Vec2 place, Narrow narrow) const;
   bool avoid(Vec2 place);
   bool failed_often(Vec2 place) const;
+  bool has_driven(Vec2 place) const;
   bool passed_waypoint(Vec2 robot) const;
   void note_closure();
 
@@ -132,6 +133,7 @@ class Route {
   std::vector<Vec2> tight_;      // [m] gaps in which it got stuck ...
   std::vector<Vec2> exhausted_;  // [m] ... and could not be passed
   std::vector<Vec2> barred_;     // [m] what it has failed to look into too often, or is too narrow
+  std::vector<Vec2> driven_;     // [m] where it has been in this motion
   std::vector<std::uint16_t> frontiers_;
   std::optional<Vec2> frontier_;  // [m] that it is on the way to
 };

@@ -51,11 +51,14 @@ struct Explorer {
   Explorer() { route.begin({}, false); }
 
   // False: nothing is left that can be reached.
-  bool step(const std::vector<Vec2>& obstacles) {
+  bool plan(const std::vector<Vec2>& obstacles) {
     now += 600ms;
     slam::PoseEstimate pose;
     pose.odom_from_base = {here.x, here.y, 0.0};
-    if (!route.plan_to_frontier({now, pose, grid, version, obstacles})) return false;
+    return route.plan_to_frontier({now, pose, grid, version, obstacles});
+  }
+  bool step(const std::vector<Vec2>& obstacles) {
+    if (!plan(obstacles)) return false;
     const Vec2 end = route.path().back();
     if (bound_for && distance(*bound_for, end) > 2.0) ++changes_of_mind;
     bound_for = end;
@@ -95,6 +98,29 @@ TEST_CASE("what was avoided is tried again before an exploration ends") {
   while (steps < 600 && explorer.step({})) ++steps;
   CHECK(explorer.has_seen_the_east());
   CHECK(steps < 600);
+}
+
+TEST_CASE("where it has driven it is never barred, or it would call an end what is a trap of its own") {
+  Explorer explorer;
+  const auto put = [&](Vec2 low, Vec2 high, std::int8_t value) { fill(explorer.grid, low, high, value); };
+  put({6.0, 0.1}, {6.1, 1.8}, OccupancyGrid::kOccupied);
+  put({6.0, 2.2}, {6.1, 3.9}, OccupancyGrid::kOccupied);
+  put({1.8, 2.45}, {2.2, 2.55}, OccupancyGrid::kOccupied);
+  while (explorer.here.x < 6.3 && explorer.step({})) continue;
+  REQUIRE(explorer.here.x >= 6.3);
+
+  // it gets stuck on its way back, again and again
+  put({10.5, 0.1}, {11.9, 3.9}, OccupancyGrid::kFree);
+  put({0.1, 0.1}, {1.0, 2.45}, OccupancyGrid::kUnknown);
+  ++explorer.version;
+  for (int i = 0; i < 4; ++i) {
+    REQUIRE(explorer.plan({}));
+    explorer.route.avoid_ahead(false);
+    explorer.route.drop();
+  }
+  int steps = 0;
+  while (steps < 200 && explorer.here.x > 1.5 && explorer.step({})) ++steps;
+  CHECK(explorer.here.x <= 1.5);
 }
 
 TEST_CASE("a slit as wide as the robot is passed only when there is no other way, and barred once it is too narrow") {
