@@ -31,6 +31,7 @@ EXPERIMENTS = [
             cases=5,
             rows=[
                 worst_of("p99 of thread CPU time [ms]", lambda case: case["cpu_p99_ms"], at_most=4.0),
+                median_of("the worst tick of all 10,000 [ms]", lambda case: case["cpu_worst_ms"], at_most=20.0),
                 worst_of("really driven meanwhile [m]", lambda case: case["metres"], at_least=25.0),
             ],
             alone=True,

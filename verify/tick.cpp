@@ -51,6 +51,7 @@ int main(int argc, char** argv) {
     wall.push_back(seconds_by(CLOCK_MONOTONIC) - wall_before);
   }
   std::printf("cpu_p99_ms %.3f\nwall_p99_ms %.3f\n", 1e3 * percentile_99(cpu), 1e3 * percentile_99(wall));
+  std::printf("cpu_worst_ms %.3f\n", 1e3 * *std::ranges::max_element(cpu));
   const auto faster = [](const std::vector<double>& ticks) {
     return kTicks * to_seconds(kControlPeriod) / std::accumulate(ticks.begin(), ticks.end(), 0.0);
   };
