@@ -1,4 +1,4 @@
-// Places on a polyline.
+// Places on a polyline, and near others.
 #pragma once
 
 #include <algorithm>
@@ -9,6 +9,11 @@
 #include "threewe/core/pose.hpp"
 
 namespace threewe::nav {
+
+/// Whether a point is nearer to `place` than `reach` [m], of points that are given later.
+inline auto near(Vec2 place, double reach) {
+  return [=](Vec2 p) { return distance(p, place) < reach; };
+}
 
 /// A point on piece `piece`, between corners `piece` and `piece + 1`.
 struct PathPoint {

@@ -281,22 +281,17 @@ bool Route::is_lethal(Vec2 place) const {
 
 bool Route::failed_often(Vec2 place) const {
   constexpr int kAttempts = 3;
-  const auto is_same = [&](Vec2 other) { return distance(place, other) < kSamePlace; };
-  return std::ranges::count_if(failures_, is_same) >= kAttempts;
+  return std::ranges::count_if(failures_, near(place, kSamePlace)) >= kAttempts;
 }
 
 // Where it has been it can go, whatever a narrow place looks like from within.
-bool Route::has_driven(Vec2 place) const {
-  return std::ranges::any_of(driven_, [&](Vec2 driven) { return distance(driven, place) < 2.0 * kDrivenSpacing; });
-}
+bool Route::has_driven(Vec2 place) const { return std::ranges::any_of(driven_, near(place, 2.0 * kDrivenSpacing)); }
 
 // The path is blocked. A place that looked open from afar twice and was not is avoided from then on.
 void Route::note_closure() {
   const std::optional<Vec2> closed = first_lethal();
   if (!closed) return;
-  const auto is_same = [&](Vec2 other) { return distance(*closed, other) < kSamePlace; };
-  const bool again = std::any_of(closures_.begin(), closures_.end(), is_same);
-  if (again) {
+  if (std::ranges::any_of(closures_, near(*closed, kSamePlace))) {
     avoid(*closed);
   } else {
     closures_.push_back(*closed);

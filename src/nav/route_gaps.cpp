@@ -73,8 +73,7 @@ Time Route::patience_with(const Bottleneck& neck, Time now) {
   constexpr Duration kAtLeast = 60s;
   constexpr double kPerMetre = 8.0;  // [s]
   const Vec2 place = neck.map_from_middle.position();
-  const auto is_same = [&](const Attempt& other) { return distance(place, other.place) < kSameGap; };
-  const auto known = std::ranges::find_if(attempts_, is_same);
+  const auto known = std::ranges::find_if(attempts_, near(place, kSameGap), &Attempt::place);
   if (known != attempts_.end()) return known->until;
   if (attempts_.empty()) hope_ = now + kHope;
   attempts_.push_back({place, now + kAtLeast + from_seconds(kPerMetre * path_length(path_))});
@@ -87,7 +86,7 @@ bool Route::squeeze_ahead(Vec2 robot) {
   const std::optional<Vec2> place = first_along(path_, is_tight);
   if (!place || distance(*place, robot) > kAhead) return false;
   const Vec2 gap = bottleneck_about(*place, is_tight).map_from_middle.position();
-  const auto is_same = [&](Vec2 other) { return distance(gap, other) < kSameGap; };
+  const auto is_same = near(gap, kSameGap);
   if (std::ranges::any_of(tight_, is_same) || std::ranges::any_of(exhausted_, is_same)) return false;
   tight_.push_back(gap);
   std::erase_if(avoided_, is_same);
@@ -106,22 +105,21 @@ std::optional<Bottleneck> Route::known_bottleneck() const {
 }
 
 void Route::leave_bottleneck(Vec2 robot) {
-  const auto is_same = [&](Vec2 other) { return distance(robot, other) < kSameGap; };
+  const auto is_same = near(robot, kSameGap);
   if (std::ranges::none_of(passed_, is_same)) passed_.push_back(robot), hope_ = std::max(hope_, planned_ + kHope);
   if (clearance(robot) < tight_clearance_ && std::ranges::none_of(exhausted_, is_same)) tight_.push_back(robot);
   drop();
 }
 
 void Route::clear_bottleneck() {
-  const Vec2 place = bottleneck_->map_from_middle.position();
-  std::erase_if(tight_, [&](Vec2 gap) { return distance(gap, place) < kSameGap; });
+  std::erase_if(tight_, near(bottleneck_->map_from_middle.position(), kSameGap));
   drop();
 }
 
 void Route::close_bottleneck(bool too_narrow) {
   constexpr double kSpacing = 0.04;  // [m] of a row of points from side to side
   const Pose2D middle = bottleneck_->map_from_middle;
-  std::erase_if(tight_, [&](Vec2 gap) { return distance(gap, middle.position()) < kSameGap; });
+  std::erase_if(tight_, near(middle.position(), kSameGap));
   exhausted_.push_back(middle.position());
   avoid(middle.position());
   if (too_narrow || failed_often(middle.position())) {
