@@ -2,44 +2,28 @@
 // rollouts of 56 steps, update. The obstacle field is made once per scan, so every fifth tick here has a new one.
 #include <benchmark/benchmark.h>
 
-#include <cmath>
 #include <string>
 #include <vector>
 
-#include "threewe/core/exact.hpp"
+#include "control_room.hpp"
 #include "threewe/nav/mppi.hpp"
 
 namespace {
 
 using namespace threewe;
 
-// What a lidar with 360 beams sees in a room of 6 m x 4 m with a table's legs and a door's jambs before it.
-std::vector<Vec2> scan_of_a_room(double shift) {
-  std::vector<Vec2> points;
-  for (int i = 0; i < 360; ++i) {
-    const auto [s, c] = exact::sincos(i * exact::kPi / 180.0);
-    const double range = std::min(3.0 / std::max(std::fabs(c), 1e-9), 2.0 / std::max(std::fabs(s), 1e-9));
-    points.push_back({(range + shift) * c, (range + shift) * s});
-  }
-  for (const Vec2 leg : {Vec2{0.6, 0.35}, {0.6, -0.4}, {1.2, 0.35}, {1.2, -0.4}}) points.push_back(leg);
-  for (int i = 0; i < 40; ++i)
-    points.push_back({1.5 + shift, 0.2 + 0.01 * i}), points.push_back({1.5, -0.2 - 0.01 * i});
-  return points;
-}
-
 void run(benchmark::State& state, const std::string& robot, bool new_scans) {
   nav::MppiSettings settings;
   settings.samples = static_cast<int>(state.range(0));
   nav::Mppi mppi(load_profile(robot), settings);
   const std::vector<Vec2> scans[2] = {scan_of_a_room(0.0), scan_of_a_room(0.003)};
-  const std::vector<Vec2> path = {{0.0, 0.0}, {1.0, 0.0}, {1.6, 0.05}, {2.5, 1.0}};
   const std::vector<nav::MovingDisc> people = {{{1.5, 1.5}, {-0.3, -0.5}}, {{-1.0, 1.0}, {0.5, 0.0}}};
   Velocity command;
   int tick = 0;
   for (auto _ : state) {
     const std::size_t scan = new_scans ? static_cast<std::size_t>(tick / 5 % 2) : 0;
     command = mppi.step({tick++ * kControlPeriod, {0.0, 0.02, 0.1}, command, scans[scan], people},
-                        {.path = path, .margin = 0.05});
+                        {.path = kPathThroughADoor, .margin = 0.05});
     benchmark::DoNotOptimize(command);
   }
   state.counters["samples"] = benchmark::Counter(static_cast<double>(settings.samples));

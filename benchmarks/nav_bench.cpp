@@ -11,7 +11,7 @@
 #include <utility>
 #include <vector>
 
-#include "furnished_place.hpp"
+#include "course.hpp"
 #include "threewe/core/grid_line.hpp"
 #include "threewe/map/log_odds_map.hpp"
 #include "threewe/nav/frontiers.hpp"
@@ -139,43 +139,17 @@ double dense_cost(const map::Costmap& costmap, map::Cell start, map::Cell goal) 
   return costs[costmap.index(goal)] * costmap.resolution();
 }
 
-// 100 starts and goals whose way is 70 to 80 m long, and what Dijkstra finds between them.
-struct Journey {
-  Vec2 from;
-  Vec2 to;
-  double least = 0.0;  // [m times weight]
-};
+// The course, and what Dijkstra finds between each start and goal [m times weight].
+struct PricedCourse : Course {
+  std::vector<double> least;
 
-struct Campus {
-  FurnishedPlace place;
-  map::Costmap costmap;
-  std::vector<Journey> journeys;
-
-  Campus() {
-    costmap.update(place.grid, {}, {});
-    std::mt19937_64 bits(1);
-    nav::Planner planner;
-    const auto somewhere = [&] {
-      for (;;) {
-        const map::Cell c{static_cast<int>(bits() % static_cast<unsigned>(place.grid.width)),
-                          static_cast<int>(bits() % static_cast<unsigned>(place.grid.height))};
-        const Vec2 p = place.grid.center(c);
-        if (costmap.weight(costmap.cell(p)) == map::Costmap::kFree) return p;
-      }
-    };
-    while (journeys.size() < 100) {
-      const Vec2 from = somewhere();
-      const Vec2 to = somewhere();
-      if (distance(from, to) > 80.0 || distance(from, to) < 35.0) continue;
-      const double length = nav::path_length(planner.plan(costmap, from, to, 0.25).points);
-      if (length < 70.0 || length > 80.0) continue;
-      journeys.push_back({from, to, dense_cost(costmap, costmap.cell(from), costmap.cell(to))});
-    }
+  PricedCourse() : Course(campus()) {
+    for (const Journey& j : journeys) least.push_back(dense_cost(costmap, costmap.cell(j.from), costmap.cell(j.to)));
   }
 };
 
-Campus& campus() {
-  static Campus all;
+const PricedCourse& course() {
+  static const PricedCourse all;
   return all;
 }
 
@@ -190,7 +164,7 @@ double quantile(std::vector<double> values, double share) {
 
 // All journeys, one after the other; tables of tiles are kept, as they are while the costmap stays as it is.
 void BM_plan_75_m(benchmark::State& state) {
-  const Campus& c = campus();
+  const PricedCourse& c = course();
   nav::Planner planner;
   const auto start = std::chrono::steady_clock::now();
   for (const Journey& j : c.journeys) planner.plan(c.costmap, j.from, j.to, 0.25);
@@ -198,11 +172,11 @@ void BM_plan_75_m(benchmark::State& state) {
   std::vector<double> times;
   std::vector<double> ratios;
   for (auto _ : state) {
-    for (const Journey& j : c.journeys) {
+    for (std::size_t i = 0; i < c.journeys.size(); ++i) {
       const auto begin = std::chrono::steady_clock::now();
-      const nav::PlannedPath path = planner.plan(c.costmap, j.from, j.to, 0.25);
+      const nav::PlannedPath path = planner.plan(c.costmap, c.journeys[i].from, c.journeys[i].to, 0.25);
       times.push_back(milliseconds_since(begin));
-      ratios.push_back(path.cost / j.least);
+      ratios.push_back(path.cost / c.least[i]);
     }
   }
   state.counters["median_ms"] = quantile(times, 0.5);
@@ -235,11 +209,11 @@ std::vector<Vec2> scan(const map::OccupancyGrid& grid, Vec2 from, std::mt19937_6
 
 // The costmap takes over the next scan, then the same journey is planned again.
 void BM_replan_75_m(benchmark::State& state) {
-  Campus& c = campus();
+  const PricedCourse& c = course();
   nav::Planner planner;
   std::mt19937_64 bits(7);
   map::Costmap costmap;
-  costmap.update(c.place.grid, {}, {});
+  costmap.update(c.grid, {}, {});
   std::vector<double> updates;
   std::vector<double> plans;
   std::size_t tables = 0;
@@ -247,9 +221,9 @@ void BM_replan_75_m(benchmark::State& state) {
     for (const Journey& j : c.journeys) {
       planner.plan(costmap, j.from, j.to, 0.25);
       for (int i = 0; i < 3; ++i) {
-        const std::vector<Vec2> seen = scan(c.place.grid, j.from, bits);
+        const std::vector<Vec2> seen = scan(c.grid, j.from, bits);
         const auto begin = std::chrono::steady_clock::now();
-        costmap.update(c.place.grid, seen, {}, 20, map::Region{});
+        costmap.update(c.grid, seen, {}, 20, map::Region{});
         updates.push_back(milliseconds_since(begin));
         const std::size_t before = planner.graph().tables_made();
         const auto planned = std::chrono::steady_clock::now();

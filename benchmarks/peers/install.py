@@ -1,4 +1,4 @@
-"""Installs the peers that come from PyPI into build/peers, an environment of their own: 1 GB on disk.
+"""Installs the peers that come from PyPI into build/peers, an environment of their own: 2 GB on disk.
 
 .venv/bin/python benchmarks/peers/install.py
 """
