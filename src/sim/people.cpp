@@ -76,16 +76,19 @@ double swing_of(const PersonState& state) {
   return 0.085 * exact::sin(2.0 * exact::kPi * state.along / kStride);
 }
 
+std::array<scene::Circle, 2> legs_of(const scene::Person& person, const PersonState& state) {
+  const PersonPlace place = place_on(person, state);
+  const double size = place.circle.radius / 0.25;
+  const Vec2 aside{-place.direction.y, place.direction.x};  // to the left
+  const Vec2 leg = size * (swing_of(state) * place.direction + kLegAside * aside);
+  return {{{place.circle.center + leg, size * kLegRadius, -1}, {place.circle.center - leg, size * kLegRadius, -1}}};
+}
+
 std::vector<scene::Circle> legs_of(const Model& model, std::span<const PersonState> people) {
   std::vector<scene::Circle> legs;
   legs.reserve(2 * people.size());
   for (std::size_t i = 0; i < people.size(); ++i) {
-    const PersonPlace place = place_on(model.scene->people[i], people[i]);
-    const double size = place.circle.radius / 0.25;
-    const Vec2 aside{-place.direction.y, place.direction.x};  // to the left
-    const Vec2 leg = size * (swing_of(people[i]) * place.direction + kLegAside * aside);
-    legs.push_back({place.circle.center + leg, size * kLegRadius, -1});
-    legs.push_back({place.circle.center - leg, size * kLegRadius, -1});
+    for (const scene::Circle& leg : legs_of(model.scene->people[i], people[i])) legs.push_back(leg);
   }
   return legs;
 }

@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 import threewe
 import threewe.sync
+from threewe.gym import TASKS
 from threewe.testing import check_backend
 
 WITHOUT_MUJOCO = """
@@ -74,14 +75,41 @@ def test_an_emergency_stop_holds_it() -> None:
 
 
 @needs_mujoco
-def test_learning_environments_run_on_it() -> None:
-    env = gymnasium.make("3we/Navigation-v1", backend="mujoco", observations=("lidar", "goal"), lidar_beams=72)
-    observation, _ = env.reset(seed=3)
-    again, _ = env.reset(seed=3)
-    assert np.array_equal(observation["lidar"], again["lidar"])
-    moved = [env.step(np.array([1.0, 0.0, 0.0], np.float32))[0] for _ in range(10)][-1]
-    assert not np.array_equal(moved["lidar"], observation["lidar"])
+@pytest.mark.parametrize("task", TASKS)
+def test_learning_environments_run_on_it_and_repeat(task: str) -> None:
+    env = gymnasium.make(f"3we/{task}-v1", backend="mujoco")
+
+    def episode(seed: int) -> list[bytes]:
+        observation, _ = env.reset(seed=seed)
+        seen = [observation]
+        for action in ([1.0, 0.0, 0.5], [1.0, 0.5, 0.0], [0.0, 0.0, -1.0]):
+            padded = np.zeros(env.action_space.shape or (), np.float32)
+            padded[:3] = action
+            seen.append(env.step(padded)[0])
+        return [values[key].tobytes() for values in seen for key in sorted(values)]
+
+    first = episode(3)
+    assert episode(4) != first
+    assert episode(3) == first
     env.close()
+
+
+@needs_mujoco
+@pytest.mark.parametrize("arguments", [["drive", "--to", "1", "0.5"], ["explore", "--seconds", "5"]])
+def test_the_command_line_drives_it(arguments: list[str]) -> None:
+    command = [
+        sys.executable,
+        "-c",
+        "from threewe.cli import main; main()",
+        *arguments,
+        "--backend",
+        "mujoco",
+        "--scene",
+        "apartment_v1",
+    ]
+    run = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert run.stdout.startswith(("reached", "timeout")), run.stderr
+    assert "m driven in" in run.stdout
 
 
 @needs_mujoco
@@ -100,13 +128,33 @@ def test_two_runs_are_the_same_and_mock_is_another() -> None:
 
 
 @needs_mujoco
-def test_a_camera_is_refused_by_name() -> None:
-    with threewe.sync.Robot(backend="mujoco") as robot:
-        with pytest.raises(threewe.HardwareError, match="this backend does not deliver sensor 'camera'"):
-            robot.get_camera_image()
-        assert robot.simulation is not None
-        with pytest.raises(threewe.HardwareError, match="'mujoco' draws no pictures yet"):
-            robot.simulation.look()
+def test_cameras_see_what_the_embedded_ones_see() -> None:
+    seen = {}
+    for backend in ("mujoco", "mock"):
+        with threewe.sync.Robot(backend=backend, hardware="3we_depth_v2", noise="ideal") as robot:
+            robot.sleep(0.5)
+            assert robot.simulation is not None
+            seen[backend] = (robot.get_rgbd_image(), robot.simulation.look())
+    (ours, truth), (expected, embedded) = seen["mujoco"], seen["mock"]
+    assert ours.color.shape == (480, 640, 3)
+    assert truth.names == embedded.names
+    assert np.mean(truth.ids == embedded.ids) > 0.99
+    assert np.mean(np.abs(truth.depth - embedded.depth) <= np.maximum(0.02, 0.01 * embedded.depth)) > 0.99
+    assert np.mean(ours.depth == 0.0) == pytest.approx(np.mean(expected.depth == 0.0), abs=0.01)
+    difference = ours.color.astype(float).mean((0, 1)) - expected.color.astype(float).mean((0, 1))
+    assert np.abs(difference).max() < 40.0, "blue, green and red are about as bright"
+
+
+@needs_mujoco
+async def test_several_robots_and_people_share_a_world() -> None:
+    starts = [(0.0, 0.0, 0.0), (0.0, 0.6, 0.0)]
+    async with threewe.World(backend="mujoco", scene="dynamic_v1", start_poses=starts) as world:
+        first, second = world.robots
+        assert (await first.move_forward(0.3)).success
+        assert first.simulation is not None
+        assert second.simulation is not None
+        assert len(first.simulation.people()) == 8
+        assert second.simulation.distance_driven() < 0.01
 
 
 @needs_mujoco

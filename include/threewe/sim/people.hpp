@@ -1,6 +1,7 @@
 // People who walk round and round their routes, and wait for robots in their way.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <span>
 #include <type_traits>
@@ -32,8 +33,10 @@ std::vector<scene::Circle> circles_of(const Model& model, std::span<const Person
 
 /// How far the left leg has swung forward [m], of somebody who keeps within 0.25 m; the right one is as far behind.
 double swing_of(const PersonState& state);
-/// Both legs of everybody, below the knee: what robots touch, and what their sensors see. They swing with the way that
+/// Both legs of somebody, below the knee: what robots touch, and what their sensors see. They swing with the way that
 /// was walked, and stay within the person's circle.
+std::array<scene::Circle, 2> legs_of(const scene::Person& person, const PersonState& state);
+/// Those of everybody.
 std::vector<scene::Circle> legs_of(const Model& model, std::span<const PersonState> people);
 inline constexpr double kLegRadius = 0.062;  ///< [m] of somebody who keeps within 0.25 m, and so on
 inline constexpr double kLegAside = 0.09;    ///< [m] from the middle

@@ -7,8 +7,9 @@
 
 #include "threewe/core/errors.hpp"
 #if THREEWE_WITH_MUJOCO
+#include "backend/mujoco/world/engine.hpp"
 #include "backend/mujoco/world/library.hpp"
-#include "backend/mujoco/world/mujoco_world.hpp"
+#include "threewe/backend/simulated/simulated_world.hpp"
 #endif
 
 namespace threewe::backend::mujoco {
@@ -17,7 +18,11 @@ namespace threewe::backend::mujoco {
 
 void use_library(std::string path) { set_library(std::move(path)); }
 
-std::unique_ptr<World> make_world(const WorldOptions& options) { return std::make_unique<MujocoWorld>(options); }
+std::unique_ptr<World> make_world(const WorldOptions& options) {
+  return std::make_unique<simulated::SimulatedWorld>(options, "3wemjco2", [](std::shared_ptr<const sim::Model> model) {
+    return std::make_unique<MujocoEngine>(std::move(model));
+  });
+}
 
 #else
 

@@ -19,8 +19,9 @@ MAY_USE = {
     "nav": ["core", "hardware", "map", "slam"],
     "sim": ["core", "scene", "hardware", "models"],
     "backend": ["core", "hardware", "scene/truth_view"],
-    "backend/mock": ["backend", "core", "hardware", "scene", "models", "sim"],
-    "backend/mujoco": ["backend", "core", "hardware", "scene", "models", "export"],
+    "backend/simulated": ["backend", "core", "hardware", "scene", "models", "sim"],
+    "backend/mock": ["backend", "backend/simulated", "core", "sim"],
+    "backend/mujoco": ["backend", "backend/simulated", "core", "hardware", "scene", "models", "sim", "export"],
     "backend/known": ["backend", "backend/mock", "backend/mujoco", "core"],
     "safety": ["core", "hardware"],
     "robot": ["core", "backend", "safety", "slam", "nav", "map", "hardware", "scene/truth_view"],  # robot.simulation

@@ -16,7 +16,7 @@ inline constexpr const char* kInstall = "pip install mujoco-core==4.0.0";
 /// default). Python says here where its package is. Must be told before the first world is made.
 void use_library(std::string path);
 
-/// Makes a world of one robot, without people and cameras. Throws ConfigError where MuJoCo cannot be loaded, naming the
+/// Makes a world, without cameras. Throws ConfigError where MuJoCo cannot be loaded, naming the
 /// command that installs it, and for all that it cannot simulate yet.
 std::unique_ptr<World> make_world(const WorldOptions& options);
 

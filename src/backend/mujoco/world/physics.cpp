@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include <fmt/format.h>
 
+#include "backend/mujoco/world/compile.hpp"
 #include "threewe/core/errors.hpp"
 #include "threewe/export/mjcf.hpp"
 
@@ -14,212 +16,219 @@ namespace {
 using exports::Quaternion;
 using exports::Vec3;
 
-constexpr const char* kRobot = "robot";
-constexpr mjtByte kOwnGroup = 5;  // of the robot's geoms, which its own rays pass
+constexpr mjtByte kLooking = 5;  // the group of geoms of the robot that looks, which its own rays pass
+
+// Whose friction counts where two geoms touch: a tread's on the floor, that of what stands around on all but casters,
+// which slide on anything.
+constexpr int kTreadPriority = 2;
+constexpr int kObstaclePriority = 3;
+constexpr int kCasterPriority = 4;
 
 double yaw(const Quaternion& q) {
   return exact::atan2(2.0 * (q.w * q.z + q.x * q.y), 1.0 - 2.0 * (q.y * q.y + q.z * q.z));
 }
 
+std::vector<exports::PlacedRobot> placed(const sim::Model& world) {
+  std::vector<exports::PlacedRobot> robots;
+  for (const sim::RobotModel& robot : world.robots) {
+    robots.push_back({robot_name(robots.size()), exports::describe(robot.profile), {}});
+  }
+  return robots;
+}
+
 }  // namespace
 
-Physics::Physics(const scene::Scene& scene, const RobotProfile& profile) : mj_(library()) {
-  const exports::PlacedRobot robot{kRobot, exports::describe(profile), {}};
-  stall_torque_ = robot.description.drive.stall_torque;
-  motor_damping_ = robot.description.drive.damping;
+std::string robot_name(std::size_t robot) { return fmt::format("robot_{}", robot); }
 
-  compile(exports::mjcf(scene, {&robot, 1}));
-  find_parts();
-  for (const exports::Joint& joint : robot.description.joints) {
-    if (joint.kind != exports::Joint::Kind::wheel) continue;
-    const std::string name = fmt::format("{}/{}", kRobot, joint.child);
-    const int hinge = id(mjOBJ_JOINT, name);
-    wheels_.push_back({model_->jnt_qposadr[hinge], model_->jnt_dofadr[hinge], id(mjOBJ_ACTUATOR, name)});
-  }
-
-  substeps_ = static_cast<int>(std::lround(to_seconds(kStep) / model_->opt.timestep));
-  track_.resize(static_cast<std::size_t>(substeps_) + 1);
-  place({});
-}
-
-void Physics::compile(const std::string& xml) {
-  const auto fail = [](const char* what) { throw ConfigError(fmt::format("MuJoCo refuses the model: {}", what)); };
-  std::array<char, 1000> error{};
-  mjSpec* spec = mj_.mj_parseXMLString(xml.c_str(), nullptr, error.data(), error.size());
-  if (spec == nullptr) fail(error.data());
-  const auto discard = [this](mjSpec* read) { mj_.mj_deleteSpec(read); };
-  const std::unique_ptr<mjSpec, decltype(discard)> owner(spec, discard);
-  delete_rangefinders(spec);
-  model_ = {mj_.mj_compile(spec, nullptr), Free{&mj_}};
-  if (!model_) fail(mj_.mjs_getError(spec));
-  // what has come apart is told to the user, not silently put back to the start
-  model_->opt.disableflags |= mjDSBL_AUTORESET;
+Physics::Physics(std::shared_ptr<const sim::Model> world) : mj_(library()), world_(std::move(world)) {
+  const ErrorsThrown errors;
+  const std::vector<exports::PlacedRobot> robots = placed(*world_);
+  model_ = {compile(mj_, exports::mjcf(*world_->scene, robots), world_->scene->people), Free{&mj_}};
   data_ = {mj_.mj_makeData(model_.get()), Free{&mj_}};
-}
+  substeps_ = static_cast<int>(std::lround(to_seconds(sim::kStep) / model_->opt.timestep));
 
-// They would look in each of MuJoCo's steps, where our ultrasonic sensors cast rays when they ping.
-void Physics::delete_rangefinders(mjSpec* spec) const {
-  std::vector<mjsElement*> rangefinders;
-  for (mjsElement* sensor = mj_.mjs_firstElement(spec, mjOBJ_SENSOR); sensor != nullptr;
-       sensor = mj_.mjs_nextElement(spec, sensor)) {
-    if (mj_.mjs_asSensor(sensor)->type == mjSENS_RANGEFINDER) rangefinders.push_back(sensor);
+  for (int geom = 0; geom < model_->ngeom; ++geom) {
+    const char* name = mj_.mj_id2name(model_.get(), mjOBJ_GEOM, geom);
+    floor_.push_back(name != nullptr && std::string_view(name).starts_with("ground"));
   }
-  for (mjsElement* rangefinder : rangefinders) mj_.mjs_delete(spec, rangefinder);
+  robot_of_.assign(floor_.size(), -1);
+  for (const exports::PlacedRobot& robot : robots) robots_.push_back(find_robot(robot));
+  for (const scene::Person& person : world_->scene->people) people_.push_back(find_person(person));
+  passages_.resize(robots_.size());
+  set_priorities();
+  nominal_ = {mj_.mj_copyModel(nullptr, model_.get()), Free{&mj_}};
+  for (std::size_t i = 0; i < robots_.size(); ++i) vary(i, {});
 }
 
 int Physics::id(mjtObj type, const std::string& name) const { return mj_.mj_name2id(model_.get(), type, name.c_str()); }
 
-void Physics::find_parts() {
-  const int base = id(mjOBJ_BODY, fmt::format("{}/base_link", kRobot));
-  const int joint = model_->body_jntadr[base];
-  qpos_ = model_->jnt_qposadr[joint];
-  dof_ = model_->jnt_dofadr[joint];
-  const auto readings_of = [this](const char* name) {
-    const int sensor = id(mjOBJ_SENSOR, fmt::format("{}/{}", kRobot, name));
+Physics::Robot Physics::find_robot(const exports::PlacedRobot& placed) {
+  const exports::RobotDescription& description = placed.description;
+  Robot robot;
+  robot.base = id(mjOBJ_BODY, fmt::format("{}/{}", placed.name, description.base().name));
+  robot.bodies = static_cast<int>(description.links.size());
+  const int joint = model_->body_jntadr[robot.base];
+  robot.qpos = model_->jnt_qposadr[joint];
+  robot.dof = model_->jnt_dofadr[joint];
+  robot.dofs = 6 + static_cast<int>(description.joints.size());
+  const auto readings_of = [&](const char* name) {
+    const int sensor = id(mjOBJ_SENSOR, fmt::format("{}/{}", placed.name, name));
     return sensor < 0 ? -1 : model_->sensor_adr[sensor];
   };
-  gyro_ = readings_of("gyro");
-  accelerometer_ = readings_of("accelerometer");
-
+  robot.gyro = readings_of("gyro");
+  robot.accelerometer = readings_of("accelerometer");
+  for (const exports::Joint& wheel : description.joints) {
+    if (wheel.kind == exports::Joint::Kind::wheel) robot.wheels.push_back(find_wheel(placed.name + "/" + wheel.child));
+  }
   for (int geom = 0; geom < model_->ngeom; ++geom) {
-    const bool own = model_->body_rootid[model_->geom_bodyid[geom]] == base;
-    const char* name = mj_.mj_id2name(model_.get(), mjOBJ_GEOM, geom);
-    of_robot_.push_back(own);
-    floor_.push_back(name != nullptr && std::string_view(name).starts_with("ground"));
-    if (own) model_->geom_group[geom] = kOwnGroup;
+    if (model_->body_rootid[model_->geom_bodyid[geom]] != robot.base) continue;
+    robot.geoms.push_back(geom);
+    robot_of_[static_cast<std::size_t>(geom)] = static_cast<int>(robots_.size());
+  }
+  robot.drive = description.drive;
+  robot.friction = description.profile.body.friction;
+  robot.track.resize(static_cast<std::size_t>(substeps_) + 1);
+  return robot;
+}
+
+Physics::Wheel Physics::find_wheel(const std::string& name) const {
+  const int hinge = id(mjOBJ_JOINT, name);
+  Wheel wheel{model_->jnt_qposadr[hinge], model_->jnt_dofadr[hinge], id(mjOBJ_ACTUATOR, name), {}};
+  const int body = model_->jnt_bodyid[hinge];
+  for (int geom = 0; geom < model_->ngeom; ++geom) {
+    const int of = model_->geom_bodyid[geom];
+    const bool felt = model_->geom_contype[geom] != 0 || model_->geom_conaffinity[geom] != 0;
+    if (felt && (of == body || model_->body_parentid[of] == body)) wheel.treads.push_back(geom);
+  }
+  return wheel;
+}
+
+Physics::Person Physics::find_person(const scene::Person& person) const {
+  const auto mocap = [this](const std::string& name) { return model_->body_mocapid[id(mjOBJ_BODY, name)]; };
+  const PersonBodies names = bodies_of(person);
+  return {mocap(names.trunk), {mocap(names.legs[0]), mocap(names.legs[1])}};
+}
+
+void Physics::set_priorities() {
+  for (std::size_t geom = 0; geom < floor_.size(); ++geom) {
+    int& priority = model_->geom_priority[geom];
+    if (robot_of_[geom] < 0 && !floor_[geom]) priority = kObstaclePriority;
+    if (robot_of_[geom] >= 0 && priority > 0) priority = kCasterPriority;
+  }
+  for (const Robot& robot : robots_) {
+    for (const Wheel& wheel : robot.wheels) {
+      for (const int tread : wheel.treads) model_->geom_priority[tread] = kTreadPriority;
+    }
   }
 }
 
-void Physics::set_pose(const Pose2D& pose) {
+void Physics::set_pose(const Robot& robot, const Pose2D& pose) {
   const auto [sin, cos] = exact::sincos(0.5 * pose.theta);
   const std::array<double, 7> qpos{pose.x, pose.y, 0.0, cos, 0.0, 0.0, sin};
-  std::ranges::copy(qpos, data_->qpos + qpos_);
+  std::ranges::copy(qpos, data_->qpos + robot.qpos);
 }
 
-void Physics::place(const Pose2D& pose) {
+void Physics::place(std::span<const Pose2D> poses) {
+  const ErrorsThrown errors;
   mj_.mj_resetData(model_.get(), data_.get());
-  set_pose(pose);
-  std::ranges::fill(track_, base());
-}
-
-void Physics::carry(const Pose2D& pose) {
-  set_pose(pose);
-  std::fill_n(data_->qvel, model_->nv, 0.0);
-  std::fill_n(data_->qacc_warmstart, model_->nv, 0.0);
-  std::ranges::fill(track_, base());
-}
-
-std::optional<std::string> Physics::find_collision(const Pose2D& pose) {
-  const std::vector<double> before = state();
-  mj_.mj_resetData(model_.get(), data_.get());
-  set_pose(pose);
-  mj_.mj_fwdPosition(model_.get(), data_.get());
-  std::optional<std::string> found;
-  for (int i = 0; i < data_->ncon && !found; ++i) {
-    const mjContact& contact = data_->contact[i];
-    const int other = of_robot_[static_cast<std::size_t>(contact.geom[0])] ? contact.geom[1] : contact.geom[0];
-    if (is_obstacle(other)) found = mj_.mj_id2name(model_.get(), mjOBJ_GEOM, other);
-  }
-  restore(before);
-  return found;
-}
-
-Passage Physics::step(const WheelSpeeds& setpoints, double supply) {
-  Passage passage;
-  const double share = 1.0 / substeps_;
-  track_.front() = base();
-  for (int i = 0; i < substeps_; ++i) {
-    mj_.mj_step1(model_.get(), data_.get());
-    passage.approach_speed = std::max(passage.approach_speed, approach_speed());
-    set_motors(setpoints, supply);
-    mj_.mj_step2(model_.get(), data_.get());
-    require_sane();
-
-    const Transform& before = track_[static_cast<std::size_t>(i)];
-    const Transform& after = track_[static_cast<std::size_t>(i) + 1] = base();
-    passage.distance_driven += exact::hypot(after.position.x - before.position.x, after.position.y - before.position.y);
-    if (gyro_ >= 0) passage.yaw_rate += share * data_->sensordata[gyro_ + 2];
-    if (accelerometer_ >= 0) {
-      const double* force = data_->sensordata + accelerometer_;
-      passage.acceleration = passage.acceleration + share * Vec2{force[0], force[1]};
-    }
-  }
-  return passage;
-}
-
-// The line of `models::drive_motors`: torque falls from stall to nothing at the no-load speed, both in proportion to
-// the supply, and the driver's current limit caps all of it. MuJoCo adds the joint's damping to the force that is
-// limited here, so that is taken out of the limits.
-void Physics::set_motors(const WheelSpeeds& setpoints, double supply) {
-  for (std::size_t i = 0; i < wheels_.size(); ++i) {
-    const Wheel& wheel = wheels_[i];
-    const double damping = motor_damping_ * data_->qvel[wheel.dof];
-    const auto limited = [this](double torque) { return std::clamp(torque, -stall_torque_, stall_torque_); };
-    mjtNum* range = model_->actuator_forcerange + static_cast<std::ptrdiff_t>(2) * wheel.actuator;
-    range[0] = limited(-supply * stall_torque_ - damping) + damping;
-    range[1] = limited(supply * stall_torque_ - damping) + damping;
-    data_->ctrl[wheel.actuator] = setpoints[i];
+  for (std::size_t i = 0; i < robots_.size(); ++i) {
+    set_pose(robots_[i], poses[i]);
+    std::ranges::fill(robots_[i].track, base(i));
   }
 }
 
-// As contacts are first found: their forces slow the robot down in the rest of the step.
-double Physics::approach_speed() const {
-  double fastest = 0.0;
-  const double* position = data_->qpos + qpos_;
-  const double* linear = data_->qvel + dof_;
-  const double omega = data_->qvel[dof_ + 5];
-  for (int i = 0; i < data_->ncon; ++i) {
-    const mjContact& contact = data_->contact[i];
-    const bool first = of_robot_[static_cast<std::size_t>(contact.geom[0])];
-    if (!is_obstacle(contact.geom[first ? 1 : 0])) continue;
-    const double vx = linear[0] - omega * (contact.pos[1] - position[1]);
-    const double vy = linear[1] + omega * (contact.pos[0] - position[0]);
-    const double along = vx * contact.frame[0] + vy * contact.frame[1];
-    fastest = std::max(fastest, first ? along : -along);
-  }
-  return fastest;
+void Physics::carry(std::size_t robot, const Pose2D& pose) {
+  Robot& carried = robots_[robot];
+  set_pose(carried, pose);
+  std::fill_n(data_->qvel + carried.dof, carried.dofs, 0.0);
+  std::fill_n(data_->qacc_warmstart + carried.dof, carried.dofs, 0.0);
+  std::ranges::fill(carried.track, base(robot));
 }
 
-void Physics::require_sane() const {
-  for (const mjtWarning kind : {mjWARN_BADQPOS, mjWARN_BADQVEL, mjWARN_BADQACC}) {
-    if (data_->warning[kind].number > 0) {
-      throw ContractError(fmt::format("MuJoCo's physics came apart {} s after the start", data_->time));
-    }
+// Mass and inertia scale together, and with them all that MuJoCo has worked out from them beforehand. The speed loop
+// keeps its time constant whatever it moves.
+void Physics::vary(std::size_t robot, const models::Variation& variation) {
+  Robot& varied = robots_[robot];
+  const double mass = variation.mass;
+  for (int body = varied.base; body < varied.base + varied.bodies; ++body) {
+    model_->body_mass[body] = mass * nominal_->body_mass[body];
+    model_->body_subtreemass[body] = mass * nominal_->body_subtreemass[body];
+    for (int i = 3 * body; i < 3 * body + 3; ++i) model_->body_inertia[i] = mass * nominal_->body_inertia[i];
+    for (int i = 2 * body; i < 2 * body + 2; ++i) model_->body_invweight0[i] = nominal_->body_invweight0[i] / mass;
+  }
+  for (int dof = varied.dof; dof < varied.dof + varied.dofs; ++dof) {
+    model_->dof_M0[dof] = mass * nominal_->dof_M0[dof];
+    model_->dof_invweight0[dof] = nominal_->dof_invweight0[dof] / mass;
+  }
+  varied.gain = varied.drive.gain * mass / variation.motor_lag;
+  varied.grip = varied.friction * variation.friction;
+  set_friction(robot);
+}
+
+// What a tread has on the floor beneath its wheel.
+void Physics::set_friction(std::size_t robot) {
+  const Robot& gripping = robots_[robot];
+  const Pose2D at = pose(robot);
+  for (std::size_t i = 0; i < gripping.wheels.size(); ++i) {
+    const double friction = gripping.grip * world_->scene->grip_at(at * world_->robots[robot].wheels[i]);
+    for (const int tread : gripping.wheels[i].treads) model_->geom_friction[std::ptrdiff_t{3} * tread] = friction;
   }
 }
 
-Transform Physics::base() const {
-  const double* q = data_->qpos + qpos_;
+void Physics::lead(std::span<const sim::PersonState> people) {
+  for (std::size_t i = 0; i < people_.size(); ++i) {
+    const scene::Person& person = world_->scene->people[i];
+    const auto put = [this](int mocap, Vec2 at) {
+      double* position = data_->mocap_pos + std::ptrdiff_t{3} * mocap;
+      position[0] = at.x;
+      position[1] = at.y;
+    };
+    put(people_[i].trunk, sim::place_on(person, people[i]).circle.center);
+    const std::array<scene::Circle, 2> legs = sim::legs_of(person, people[i]);
+    for (std::size_t leg = 0; leg < legs.size(); ++leg) put(people_[i].legs[leg], legs[leg].center);
+  }
+}
+
+Transform Physics::base(std::size_t robot) const {
+  const double* q = data_->qpos + robots_[robot].qpos;
   return {{q[0], q[1], q[2]}, {q[3], q[4], q[5], q[6]}};
 }
 
-Pose2D Physics::pose() const {
-  const auto [position, rotation] = base();
+Pose2D Physics::pose(std::size_t robot) const {
+  const auto [position, rotation] = base(robot);
   return {position.x, position.y, yaw(rotation)};
 }
 
-Velocity Physics::velocity() const {
-  const double* v = data_->qvel + dof_;
-  const auto [sin, cos] = exact::sincos(pose().theta);
+Velocity Physics::velocity(std::size_t robot) const {
+  const double* v = data_->qvel + robots_[robot].dof;
+  const auto [sin, cos] = exact::sincos(pose(robot).theta);
   return {cos * v[0] + sin * v[1], cos * v[1] - sin * v[0], v[5]};
 }
 
-WheelSpeeds Physics::wheel_speeds() const {
+WheelSpeeds Physics::wheel_speeds(std::size_t robot) const {
   WheelSpeeds speeds{};
-  for (std::size_t i = 0; i < wheels_.size(); ++i) speeds[i] = data_->qvel[wheels_[i].dof];
+  const std::vector<Wheel>& wheels = robots_[robot].wheels;
+  for (std::size_t i = 0; i < wheels.size(); ++i) speeds[i] = data_->qvel[wheels[i].dof];
   return speeds;
 }
 
-std::array<double, 4> Physics::wheel_angles() const {
+std::array<double, 4> Physics::wheel_angles(std::size_t robot) const {
   std::array<double, 4> angles{};
-  for (std::size_t i = 0; i < wheels_.size(); ++i) angles[i] = data_->qpos[wheels_[i].qpos];
+  const std::vector<Wheel>& wheels = robots_[robot].wheels;
+  for (std::size_t i = 0; i < wheels.size(); ++i) angles[i] = data_->qpos[wheels[i].qpos];
   return angles;
+}
+
+void Physics::look_for(std::size_t robot) {
+  for (const int geom : robots_[looking_].geoms) model_->geom_group[geom] = nominal_->geom_group[geom];
+  for (const int geom : robots_[robot].geoms) model_->geom_group[geom] = kLooking;
+  looking_ = robot;
 }
 
 Physics::Hit Physics::cast(const Vec3& from, const Vec3& direction) const {
   std::array<mjtByte, mjNGROUP> groups{};
   groups.fill(1);
-  groups[kOwnGroup] = 0;
+  groups[kLooking] = 0;
   const std::array<double, 3> point{from.x, from.y, from.z};
   const std::array<double, 3> along{direction.x, direction.y, direction.z};
   std::array<double, 3> normal{};
@@ -229,17 +238,18 @@ Physics::Hit Physics::cast(const Vec3& from, const Vec3& direction) const {
   return {distance, {normal[0], normal[1], normal[2]}};
 }
 
-std::size_t Physics::state_size() const {
-  return static_cast<std::size_t>(mj_.mj_stateSize(model_.get(), mjSTATE_INTEGRATION));
-}
-
 std::vector<double> Physics::state() const {
-  std::vector<double> state(state_size());
+  const ErrorsThrown errors;
+  std::vector<double> state(static_cast<std::size_t>(mj_.mj_stateSize(model_.get(), mjSTATE_INTEGRATION)));
   mj_.mj_getState(model_.get(), data_.get(), state.data(), mjSTATE_INTEGRATION);
   return state;
 }
 
 void Physics::restore(std::span<const double> state) {
+  const ErrorsThrown errors;
+  if (state.size() != static_cast<std::size_t>(mj_.mj_stateSize(model_.get(), mjSTATE_INTEGRATION))) {
+    throw ContractError("restore: these bytes are no saved world");
+  }
   mj_.mj_resetData(model_.get(), data_.get());
   mj_.mj_setState(model_.get(), data_.get(), state.data(), mjSTATE_INTEGRATION);
 }

@@ -1,10 +1,10 @@
-// One robot in a scene, as MuJoCo moves it: a free body on wheels with rollers, driven by torque.
+// A scene with robots and people, as MuJoCo moves it: robots are free bodies on wheels with rollers, driven by torque;
+// people are led.
 #pragma once
 
 #include <array>
 #include <cstddef>
 #include <memory>
-#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -12,19 +12,24 @@
 #include "backend/mujoco/world/library.hpp"
 #include "threewe/core/kinematics.hpp"
 #include "threewe/core/pose.hpp"
-#include "threewe/core/time.hpp"
+#include "threewe/export/mjcf.hpp"
 #include "threewe/export/transform.hpp"
-#include "threewe/hardware/profile.hpp"
-#include "threewe/scene/scene.hpp"
+#include "threewe/models/variation.hpp"
+#include "threewe/sim/model.hpp"
+#include "threewe/sim/people.hpp"
 
 namespace threewe::backend::mujoco {
 
-/// What sensors read in; a whole number of MuJoCo's own, shorter steps. Two make a control period.
-inline constexpr Duration kStep = 10ms;
-
 using exports::Transform;
 
-/// What happened to the body in one step, beyond where it is in the end.
+/// What a robot's motors are told for one step.
+struct Drive {
+  WheelSpeeds setpoints{};         ///< [rad/s]
+  double supply = 1.0;             ///< the battery's voltage over the nominal one
+  std::array<double, 4> shares{};  ///< of the torque that comes of it
+};
+
+/// What happened to a body in one step, beyond where it is in the end.
 struct Passage {
   double approach_speed = 0.0;   ///< [m/s], the fastest of its own motion into what it touched
   double distance_driven = 0.0;  ///< [m]
@@ -33,42 +38,50 @@ struct Passage {
   Vec2 acceleration;      ///< [m/s^2]
 };
 
+/// The name of a robot in the model.
+std::string robot_name(std::size_t robot);
+
 class Physics {
  public:
   /// Throws ConfigError where MuJoCo cannot be loaded or refuses the model.
-  Physics(const scene::Scene& scene, const RobotProfile& profile);
+  explicit Physics(std::shared_ptr<const sim::Model> world);
 
-  /// The world as a robot that stands at a pose finds it, at rest.
-  void place(const Pose2D& pose);
-  /// Somebody lifts the robot and puts it down at a pose, where it stands still; its wheels have turned as far as
-  /// before.
-  void carry(const Pose2D& pose);
-  /// The first thing that a robot at a pose would stand in, if any. Changes nothing.
-  std::optional<std::string> find_collision(const Pose2D& pose);
-  /// Moves everything on by `kStep`, while motors turn the wheels to `setpoints` [rad/s] on a battery of `supply` times
-  /// its nominal voltage. Throws ThreeweError when the physics has come apart.
-  Passage step(const WheelSpeeds& setpoints, double supply);
+  /// All robots stand at rest.
+  void place(std::span<const Pose2D> poses);
+  /// Somebody lifts a robot and puts it down at a pose, where it stands still; its wheels have turned as far as before.
+  void carry(std::size_t robot, const Pose2D& pose);
+  /// A robot has another mass, its wheels another friction, its motors another lag.
+  void vary(std::size_t robot, const models::Variation& variation);
+  /// Where people are.
+  void lead(std::span<const sim::PersonState> people);
+  /// Moves everything on by `sim::kStep`; what happened to each robot is valid until the next call. Throws ThreeweError
+  /// when the physics has come apart.
+  std::span<const Passage> step(std::span<const Drive> drives);
 
-  // The robot now, in the scene's frame.
+  // A robot now, in the scene's frame.
 
-  Pose2D pose() const;
-  Velocity velocity() const;                   ///< in the base frame
-  WheelSpeeds wheel_speeds() const;            ///< [rad/s]
-  std::array<double, 4> wheel_angles() const;  ///< [rad] turned since it was placed
+  Pose2D pose(std::size_t robot) const;
+  Velocity velocity(std::size_t robot) const;                   ///< in the base frame
+  WheelSpeeds wheel_speeds(std::size_t robot) const;            ///< [rad/s]
+  std::array<double, 4> wheel_angles(std::size_t robot) const;  ///< [rad] turned since it was placed
   /// Its base at the beginning of the last step, after each of MuJoCo's in it, and hence now, tilted as it may be.
-  const std::vector<Transform>& track() const { return track_; }
+  const std::vector<Transform>& track(std::size_t robot) const { return robots_[robot].track; }
 
-  /// What a ray along a unit vector meets that is not the robot. One by one: `mj_multiRay` first works out the angles
-  /// at which every geom is seen, which costs more than hundreds of rays do.
+  /// From now on `cast` looks for this robot, which passes through itself.
+  void look_for(std::size_t robot);
+  /// What a ray along a unit vector meets. One by one: `mj_multiRay` first works out the angles at which every geom is
+  /// seen, which costs more than hundreds of rays do.
   struct Hit {
     double distance = 0.0;  ///< [m]; negative where nothing is met
     exports::Vec3 normal;   ///< of the surface
   };
   Hit cast(const exports::Vec3& from, const exports::Vec3& direction) const;
 
-  /// All that its future depends on.
+  /// What it steps, where robots are as their profiles say.
+  const mjModel& model() const { return *nominal_; }
+  /// All that its future depends on but for how robots vary.
   std::vector<double> state() const;
-  std::size_t state_size() const;
+  /// Throws ContractError where the state is of another world.
   void restore(std::span<const double> state);
 
  private:
@@ -81,35 +94,56 @@ class Physics {
     int qpos = 0;
     int dof = 0;
     int actuator = 0;
+    std::vector<int> treads;  // geoms that roll on the floor
+  };
+  struct Robot {
+    int base = 0;    // its body; those of its wheels and rollers follow
+    int bodies = 0;  // how many they are
+    int qpos = 0;    // where the base's pose begins
+    int dof = 0;     // and its velocity; those of all its joints follow
+    int dofs = 0;    // how many they are
+    int gyro = -1;   // where its readings begin; -1 without one
+    int accelerometer = -1;
+    std::vector<Wheel> wheels;
+    std::vector<int> geoms;
+    exports::WheelDrive drive;  // by the profile ...
+    double friction = 0.0;
+    double gain = 0.0;  // ... and as it varies
+    double grip = 0.0;
+    std::vector<Transform> track;
+  };
+  // Bodies that MuJoCo does not move.
+  struct Person {
+    int trunk = 0;
+    std::array<int, 2> legs{};
   };
 
-  void compile(const std::string& xml);
-  void delete_rangefinders(mjSpec* spec) const;
   int id(mjtObj type, const std::string& name) const;
-  void find_parts();
-  void set_pose(const Pose2D& pose);
-  void set_motors(const WheelSpeeds& setpoints, double supply);
-  double approach_speed() const;
-  bool is_obstacle(int geom) const {
-    return !of_robot_[static_cast<std::size_t>(geom)] && !floor_[static_cast<std::size_t>(geom)];
-  }
-  Transform base() const;
+  Robot find_robot(const exports::PlacedRobot& placed);
+  Wheel find_wheel(const std::string& name) const;
+  Person find_person(const scene::Person& person) const;
+  void set_priorities();
+  void set_pose(const Robot& robot, const Pose2D& pose);
+  void set_friction(std::size_t robot);
+  void set_motors(const Robot& robot, const Drive& drive);
+  void note_contacts();
+  void note_motion(std::size_t robot, std::size_t substep);
+  Vec2 velocity_at(const Robot& robot, const double* point) const;
+  Transform base(std::size_t robot) const;
   void require_sane() const;
 
   const Library& mj_;
-  std::unique_ptr<mjModel, Free> model_;  // const but for the motors' limits, which follow from the state
+  std::shared_ptr<const sim::Model> world_;
+  std::unique_ptr<mjModel, Free> model_;  // what varies of it follows from the robots' variations and the state
   std::unique_ptr<mjData, Free> data_;
-  double stall_torque_ = 0.0;   // [N m]
-  double motor_damping_ = 0.0;  // [N m s/rad]
-  int qpos_ = 0;                // where the base's pose begins
-  int dof_ = 0;                 // and its velocity
-  int gyro_ = -1;               // where its readings begin; -1 without one
-  int accelerometer_ = -1;
-  std::vector<Wheel> wheels_;
-  std::vector<bool> of_robot_;  // of each geom
-  std::vector<bool> floor_;
+  std::unique_ptr<mjModel, Free> nominal_;  // as it was compiled
+  std::vector<Robot> robots_;
+  std::vector<Person> people_;
+  std::vector<int> robot_of_;  // by geom; -1 for what belongs to none
+  std::vector<bool> floor_;    // likewise
+  std::size_t looking_ = 0;
   int substeps_ = 0;
-  std::vector<Transform> track_;
+  std::vector<Passage> passages_;
 };
 
 }  // namespace threewe::backend::mujoco

@@ -1,105 +1,27 @@
 #if THREEWE_WITH_MUJOCO
 #include <cmath>
-#include <filesystem>
-#include <fstream>
+#include <cstring>
+#include <limits>
 #include <string>
 #include <vector>
 
 #include <doctest/doctest.h>
 
+#include "backend/mujoco/world/library.hpp"
+#include "backend/mujoco/worlds.hpp"
+#include "backend/twins.hpp"
 #include "threewe/backend/conformance.hpp"
 #include "threewe/backend/mock/mock_world.hpp"
-#include "threewe/backend/mujoco/mujoco.hpp"
 #include "threewe/core/errors.hpp"
-#include "threewe/core/rng.hpp"
-#include "threewe/scene/truth_view.hpp"
 
 namespace threewe::backend {
 namespace {
 
-/// One room without furniture, the robot's start 4.5 m from the wall ahead.
-std::string small_room() {
-  const std::filesystem::path folder = std::filesystem::temp_directory_path() / "threewe_mujoco";
-  std::filesystem::create_directories(folder);
-  const std::filesystem::path file = folder / "small_room.yaml";
-  std::ofstream(file) << R"(
-name: small_room
-description: A room of 6 x 5 m
-starts:
-  - [1.5, 2, 0]
-rooms:
-  - {name: room, min: [0, 0], max: [6, 5], floor: wood, anchor: [3, 2]}
-walls:
-  - {a: [0, 0], b: [6, 0]}
-  - {a: [6, 0], b: [6, 5]}
-  - {a: [6, 5], b: [0, 5]}
-  - {a: [0, 5], b: [0, 0]}
-)";
-  return file.string();
-}
+using namespace testing;
 
-WorldOptions in_small_room(NoiseLevel noise, const char* robot = "3we_standard_v2") {
-  WorldOptions options;
-  options.scene = small_room();
-  options.robots = {robot};
-  options.noise = noise;
-  return options;
-}
+WorldOptions in_small_room(NoiseLevel noise) { return testing::in_small_room("3we_standard_v2", noise); }
 
-std::unique_ptr<World> make(const WorldOptions& options) {
-  mujoco::use_library(MUJOCO_LIBRARY);
-  auto world = mujoco::make_world(options);
-  world->robot(0).connect();
-  return world;
-}
-
-/// The newest data of one kind.
-template <typename Data>
-void keep_newest(std::vector<Sample>& samples, Data& newest) {
-  for (Sample& sample : samples) {
-    if (auto* data = std::get_if<Data>(&sample.data)) newest = std::move(*data);
-  }
-}
-
-struct Readings {
-  LaserScan scan;
-  Odometry odometry;
-};
-
-/// Commands `velocity` for `periods` of 20 ms.
-void drive(World& world, const Velocity& velocity, int periods, Readings& readings) {
-  for (int i = 0; i < periods; ++i) {
-    world.robot(0).command(velocity, world.now() + 200ms);
-    world.advance_to(world.now() + kControlPeriod);
-    std::vector<Sample> samples = world.robot(0).poll();
-    keep_newest(samples, readings.scan);
-    keep_newest(samples, readings.odometry);
-  }
-}
-
-/// The same by random commands, which last 0.2 s each.
-void drive_anyhow(World& world, std::uint64_t seed, int first, int count) {
-  Readings unused;
-  const RngKey key{.seed = seed};
-  for (int i = first; i < first + count; ++i) {
-    const auto draw = static_cast<std::uint64_t>(i);
-    drive(world, {uniform(key, draw, 0, -0.5, 0.5), uniform(key, draw, 1, -0.5, 0.5), uniform(key, draw, 2, -1.0, 1.0)},
-          10, unused);
-  }
-}
-
-double ahead(const LaserScan& scan) {
-  return scan.ranges[static_cast<std::size_t>(std::lround(-scan.angle_min / scan.angle_increment))];
-}
-
-std::string refusal(const WorldOptions& options) {
-  try {
-    make(options);
-  } catch (const ConfigError& error) {
-    return error.what();
-  }
-  return "";
-}
+std::unique_ptr<World> make(const WorldOptions& options) { return connected(options); }
 
 TEST_CASE("a metre driven is a metre in odometry, lidar and truth") {
   const auto world = make(in_small_room(NoiseLevel::ideal));
@@ -241,30 +163,52 @@ TEST_CASE("a robot starts nowhere but on free floor, and a refused start changes
   CHECK(carried.theta == doctest::Approx(3.5 - 2.0 * exact::kPi));
 }
 
-TEST_CASE("what cannot be simulated yet is refused by name") {
-  WorldOptions people;
-  people.scene = "dynamic_v1";
-  CHECK(refusal(people).find("people") != std::string::npos);
-  WorldOptions several;
-  several.robots = {"3we_standard_v2", "3we_standard_v2"};
-  CHECK(refusal(several).find("robots: 2") != std::string::npos);
-  WorldOptions pictures;
-  pictures.image_size = ImageSize{};
-  CHECK(refusal(pictures).find("cameras") != std::string::npos);
-  WorldOptions randomized;
-  randomized.randomization = "paper";
-  CHECK(refusal(randomized).find("'paper'") != std::string::npos);
+TEST_CASE("an error inside MuJoCo is an error of ours, and where physics comes apart it says so") {
+  constexpr double kNowhere = std::numeric_limits<double>::quiet_NaN();
+  WorldOptions options = in_small_room(NoiseLevel::ideal);
+  options.poses = {{0.512345678, 0.0, 0.0}};
+  const auto world = make(options);
+  {
+    const mujoco::ErrorsThrown errors;
+    constexpr int kNoSuchPart = -1;
+    CHECK_THROWS_WITH_AS(mujoco::library().mj_stateSize(nullptr, kNoSuchPart), doctest::Contains("MuJoCo: "),
+                         ContractError);
+  }
+
+  // everything that says where the robot is says nothing any more
+  std::vector<std::byte> saved = world->save();
+  const double x = truth(*world).true_pose().x;
+  for (std::size_t i = 0; i + sizeof(double) <= saved.size(); ++i) {
+    double value = 0.0;
+    std::memcpy(&value, &saved[i], sizeof(double));
+    if (value == x) std::memcpy(&saved[i], &kNowhere, sizeof(double));
+  }
+  world->restore(saved);
+  CHECK_THROWS_WITH_AS(world->advance_to(world->now() + 100ms), doctest::Contains("came apart"), ContractError);
+  world->reset({.seed = 1, .poses = options.poses});
+  world->advance_to(100ms);
+  CHECK(truth(*world).true_pose().x == doctest::Approx(x).epsilon(0.001));
 }
 
-TEST_CASE("the MuJoCo backend keeps the contract, with either robot") {
-  for (const char* robot : {"3we_standard_v2", "turtlebot_like"}) {
-    const WorldFactory factory = [](const WorldOptions& options) {
-      mujoco::use_library(MUJOCO_LIBRARY);
-      return mujoco::make_world(options);
-    };
-    for (const CheckResult& result : check_backend(factory, in_small_room(NoiseLevel::realistic, robot))) {
+TEST_CASE("the MuJoCo backend keeps the contract, whatever the robot") {
+  for (const std::string robot : {"3we_depth_v2", "turtlebot_like"}) {
+    std::size_t applied = 0;
+    for (const CheckResult& result : check_backend(mujoco_world, testing::in_small_room(robot))) {
       CHECK_MESSAGE(result.passed(), robot << ": " << result.name << ": " << result.detail);
+      if (result.outcome == Outcome::passed) ++applied;
     }
+    MESSAGE(robot << ": " << applied << " of " << check_names().size() << " checks apply");
+  }
+}
+
+TEST_CASE("every check catches a broken twin of the MuJoCo backend") {
+  std::string before;
+  for (const auto& [check, fault] : twins()) {
+    if (check == std::exchange(before, check)) continue;  // the embedded simulator has all of a check's twins
+    const WorldOptions options =
+        testing::in_small_room(check == "sideways_is_refused" ? "turtlebot_like" : "3we_depth_v2");
+    const CheckResult broken = check_backend(with_fault(mujoco_world, fault), options, check);
+    CHECK_MESSAGE(broken.outcome == Outcome::failed, check << " does not catch its twin: " << broken.detail);
   }
 }
 
