@@ -60,8 +60,7 @@ MujocoEngine::MujocoEngine(std::shared_ptr<const sim::Model> model)
 void MujocoEngine::place(std::span<const sim::RobotState> robots, std::span<const sim::PersonState> people) {
   std::vector<Pose2D> poses;
   for (const sim::RobotState& robot : robots) poses.push_back(robot.pose);
-  physics_.place(poses);
-  physics_.lead(people);
+  physics_.place(poses, people);
   for (std::size_t i = 0; i < robots.size(); ++i) vary(i, robots[i]);
 }
 

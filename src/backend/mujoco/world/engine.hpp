@@ -30,6 +30,8 @@ class MujocoEngine : public simulated::Engine {
   SemanticImage look(const simulated::Moment& moment, const CameraIntrinsics& camera, const sim::CameraPose& view,
                      bool with_itself) const override;
 
+  const Physics& physics() const { return physics_; }
+
  private:
   std::shared_ptr<const sim::Model> model_;
   Physics physics_;

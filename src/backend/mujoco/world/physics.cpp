@@ -128,13 +128,15 @@ void Physics::set_pose(const Robot& robot, const Pose2D& pose) {
   std::ranges::copy(qpos, data_->qpos + robot.qpos);
 }
 
-void Physics::place(std::span<const Pose2D> poses) {
+void Physics::place(std::span<const Pose2D> poses, std::span<const sim::PersonState> people) {
   const ErrorsThrown errors;
   mj_.mj_resetData(model_.get(), data_.get());
   for (std::size_t i = 0; i < robots_.size(); ++i) {
     set_pose(robots_[i], poses[i]);
     std::ranges::fill(robots_[i].track, base(i));
   }
+  lead(people);
+  mj_.mj_kinematics(model_.get(), data_.get());
 }
 
 void Physics::carry(std::size_t robot, const Pose2D& pose) {

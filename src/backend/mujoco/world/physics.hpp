@@ -46,8 +46,8 @@ class Physics {
   /// Throws ConfigError where MuJoCo cannot be loaded or refuses the model.
   explicit Physics(std::shared_ptr<const sim::Model> world);
 
-  /// All robots stand at rest.
-  void place(std::span<const Pose2D> poses);
+  /// All robots stand at rest, and people are where they are. Rays may be cast at once.
+  void place(std::span<const Pose2D> poses, std::span<const sim::PersonState> people);
   /// Somebody lifts a robot and puts it down at a pose, where it stands still; its wheels have turned as far as before.
   void carry(std::size_t robot, const Pose2D& pose);
   /// A robot has another mass, its wheels another friction, its motors another lag.
