@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import subprocess
 import sys
 from importlib.util import find_spec
@@ -24,6 +25,16 @@ try:
     threewe.Robot(backend="mujoco")
 except threewe.ConfigError as error:
     print(error)
+"""
+
+WITHOUT_A_RENDERER = """
+import threewe, threewe.sync
+with threewe.sync.Robot(backend="mujoco") as robot:
+    assert robot.move_forward(0.2).success, "nobody looks, so nothing is drawn"
+    try:
+        robot.get_camera_image()
+    except threewe.HardwareError as error:
+        print(error)
 """
 
 needs_mujoco = pytest.mark.skipif(find_spec("mujoco") is None, reason="not shown: mujoco-core is not installed")
@@ -143,6 +154,19 @@ def test_cameras_see_what_the_embedded_ones_see() -> None:
     assert np.mean(ours.depth == 0.0) == pytest.approx(np.mean(expected.depth == 0.0), abs=0.01)
     difference = ours.color.astype(float).mean((0, 1)) - expected.color.astype(float).mean((0, 1))
     assert np.abs(difference).max() < 40.0, "blue, green and red are about as bright"
+
+
+@needs_mujoco
+@pytest.mark.parametrize("lacks", ["the library", "a driver"])
+def test_without_a_renderer_the_error_names_the_command(lacks: str, tmp_path: Path) -> None:
+    (tmp_path / "libEGL.so.1").write_text("no library")
+    where = {
+        "the library": {"LD_LIBRARY_PATH": str(tmp_path)},
+        "a driver": {"__EGL_VENDOR_LIBRARY_FILENAMES": str(tmp_path / "none.json")},
+    }[lacks]
+    command = [sys.executable, "-c", WITHOUT_A_RENDERER]
+    run = subprocess.run(command, capture_output=True, text=True, check=False, env={**os.environ, **where})
+    assert "apt-get install libegl1 libgl1-mesa-dri" in run.stdout, run.stderr
 
 
 @needs_mujoco

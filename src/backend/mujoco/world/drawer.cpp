@@ -268,6 +268,7 @@ void Drawer::draw(const CameraIntrinsics& camera, const Transform& scene_from_ca
   view.frustum_center = static_cast<float>(kNear * (0.5 * camera.width - camera.cx) / camera.fx);
   view.frustum_bottom = static_cast<float>(-kNear * (camera.height - camera.cy) / camera.fy);
   view.frustum_top = static_cast<float>(kNear * camera.cy / camera.fy);
+  view.frustum_width = static_cast<float>(0.5 * kNear * camera.width / camera.fx);
   view.frustum_near = static_cast<float>(kNear);
   view.frustum_far = static_cast<float>(kFar);
   scene_->camera[0] = scene_->camera[1] = view;

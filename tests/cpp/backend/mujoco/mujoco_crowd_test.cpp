@@ -2,8 +2,6 @@
 #if THREEWE_WITH_MUJOCO
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
-#include <fstream>
 #include <string>
 #include <vector>
 
@@ -25,13 +23,6 @@ WorldOptions together(std::vector<std::string> robots, std::vector<Pose2D> poses
   options.robots = std::move(robots);
   options.poses = std::move(poses);
   return options;
-}
-
-/// A randomization that always draws the same.
-std::string always(const std::string& knobs) {
-  const std::filesystem::path file = std::filesystem::temp_directory_path() / "always.yaml";
-  std::ofstream(file) << "description: always the same\nreset: {" << knobs << "}\n";
-  return file.string();
 }
 
 TEST_CASE("a robot sees others, and not itself") {

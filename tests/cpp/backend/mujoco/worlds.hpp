@@ -4,7 +4,11 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <filesystem>
+#include <fstream>
 #include <memory>
+#include <stdexcept>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -25,6 +29,13 @@ inline std::unique_ptr<World> connected(const WorldOptions& options) {
   auto world = mujoco_world(options);
   for (std::size_t i = 0; i < world->robot_count(); ++i) world->robot(i).connect();
   return world;
+}
+
+/// A randomization that always draws the same.
+inline std::string always(const std::string& knobs) {
+  const std::filesystem::path file = std::filesystem::temp_directory_path() / "always.yaml";
+  std::ofstream(file) << "description: always the same\nreset: {" << knobs << "}\n";
+  return file.string();
 }
 
 /// The newest data of one kind.
@@ -68,7 +79,11 @@ inline void drive_anyhow(World& world, std::uint64_t seed, int first, int count)
   }
 }
 
-inline const scene::TruthView& truth(World& world, std::size_t robot = 0) { return *world.robot(robot).truth(); }
+inline const scene::TruthView& truth(World& world, std::size_t robot = 0) {
+  const scene::TruthView* truth = world.robot(robot).truth();
+  if (truth == nullptr) throw std::logic_error("no simulated world");  // g++ fears a null
+  return *truth;
+}
 
 /// What the lidar says of what is ahead [m].
 inline double ahead(const LaserScan& scan) {
