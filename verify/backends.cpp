@@ -59,13 +59,20 @@ void count_beams(std::span<const float> ours, std::span<const float> expected, C
 // neighbours shows anything, there is an edge.
 class Edges {
  public:
-  Edges(const CameraIntrinsics& camera, std::span<const float> depth) : camera_(camera), depth_(depth) {}
+  Edges(const CameraIntrinsics& camera, std::span<const float> depth) : camera_(camera) {
+    for (const float d : depth) inverse_.push_back(d > 0.0F ? 1.0F / d : 0.0F);
+    for (int row = 0; row < camera.height; ++row) {
+      for (int column = 0; column < camera.width; ++column) {
+        bent_.push_back(bends(row, column, 0, 1) || bends(row, column, 1, 0));
+      }
+    }
+  }
 
   // Whether a pixel or one of its eight neighbours is on an edge.
   bool beside(int row, int column) const {
     for (int r = row - 1; r <= row + 1; ++r) {
       for (int c = column - 1; c <= column + 1; ++c) {
-        if (bends(r, c, 0, 1) || bends(r, c, 1, 0)) return true;
+        if (bent_[index(r, c)]) return true;
       }
     }
     return false;
@@ -73,22 +80,22 @@ class Edges {
 
  private:
   bool bends(int row, int column, int down, int right) const {
-    constexpr double kBend = 0.02;  // of the inverse depth
-    const double before = inverse(row - down, column - right);
-    const double here = inverse(row, column);
-    const double after = inverse(row + down, column + right);
-    return std::fabs(before + after - 2.0 * here) > kBend * std::max({before, here, after});
+    constexpr float kBend = 0.02F;  // of the inverse depth
+    const float before = inverse_[index(row - down, column - right)];
+    const float here = inverse_[index(row, column)];
+    const float after = inverse_[index(row + down, column + right)];
+    return std::fabs(before + after - 2.0F * here) > kBend * std::max({before, here, after});
   }
-  double inverse(int row, int column) const {
+  // Of a pixel, or of the nearest in the picture.
+  std::size_t index(int row, int column) const {
     row = std::clamp(row, 0, camera_.height - 1);
     column = std::clamp(column, 0, camera_.width - 1);
-    const auto pixel = static_cast<std::size_t>(row) * static_cast<std::size_t>(camera_.width);
-    const auto depth = static_cast<double>(depth_[pixel + static_cast<std::size_t>(column)]);
-    return depth > 0.0 ? 1.0 / depth : 0.0;
+    return static_cast<std::size_t>(row) * static_cast<std::size_t>(camera_.width) + static_cast<std::size_t>(column);
   }
 
   CameraIntrinsics camera_;
-  std::span<const float> depth_;
+  std::vector<float> inverse_;
+  std::vector<bool> bent_;
 };
 
 // Ids are compared where there are any.
@@ -119,7 +126,7 @@ struct Stand {
   std::vector<sim::PersonState> people;
 };
 
-constexpr int kTurns = 10;  // of the lidar, until people have come somewhere and the robot has settled
+constexpr int kTurns = 3;  // of the lidar, until people have come somewhere and the robot has settled
 
 Stand stand_at(const sim::Model& model, const Pose2D& pose, std::uint64_t seed) {
   Stand stand{&model, {sim::begin(model, 0, pose, seed)}, {}};

@@ -10,7 +10,7 @@ from verify.cases.trees import PROGRAMS
 from verify.harness import Case, Experiment, worst_of
 
 PROGRAM = PROGRAMS / "verify_backends"
-POSES = 10
+POSES = 20
 """Of each case: making a world takes longer than a pose."""
 
 
@@ -39,7 +39,7 @@ EXPERIMENTS = [
         f"3we_depth_v2 in {scene}",
         look,
         {"scene": scene},
-        cases=100,
+        cases=50,
         sample=1,
         rows=[
             share_off("same pose: beams more than 1 cm off", "exact_beams_off", "exact_beams", at_most=0.001),
@@ -48,11 +48,11 @@ EXPERIMENTS = [
             share_off("same pose: pixels beside an edge, left out", "exact_edges", "exact_pixels", at_most=0.05),
             *(
                 row
-                for how, deepest in (("settled", 0.2), ("driving", 1.0))
+                for how, deepest in (("settled", 0.2), ("driving", 5.0))
                 for row in (
                     share_off(f"{how}: beams more than 1 cm off", f"{how}_beams_off", f"{how}_beams", at_most=0.01),
                     share_off(f"{how}: depths off by 2 cm and 1 %", f"{how}_depth_off", f"{how}_compared", at_most=0.1),
-                    worst_of(f"{how}: tilt [mrad]", lambda case, how=how: case[f"{how}_tilt_mrad"], at_most=5.0),
+                    worst_of(f"{how}: tilt [mrad]", lambda case, how=how: case[f"{how}_tilt_mrad"], at_most=20.0),
                     worst_of(
                         f"{how}: off the floor [mm]", lambda case, how=how: case[f"{how}_sunk_mm"], at_most=deepest
                     ),
