@@ -70,18 +70,25 @@ def _backends() -> list[Finding]:
     others = [name for name in threewe.backend_names() if name not in ("mock", "mujoco")]
     return [
         _works("backend mock", _contract),
-        _mujoco(),
+        *_mujoco(),
         *(Finding(f"backend {name}", "ok", "found, not tried") for name in others),
     ]
 
 
-def _mujoco() -> Finding:
+def _mujoco() -> list[Finding]:
     try:
-        threewe.Robot(backend="mujoco")
+        simulation = threewe.Robot(backend="mujoco").simulation
     except threewe.ConfigError as error:
         remedy = f"{sys.executable} -m pip install 'threewe[mujoco]'"
-        return Finding("backend mujoco", "missing", str(error).splitlines()[0], remedy)
-    return Finding("backend mujoco", "ok", "a robot stands in its world")
+        return [Finding("backend mujoco", "missing", str(error).splitlines()[0], remedy)]
+    stands = Finding("backend mujoco", "ok", "a robot stands in its world")
+    try:
+        if simulation:
+            simulation.look()
+    except threewe.HardwareError as error:
+        what, remedy = str(error).split("\n", 1)
+        return [stands, Finding("cameras on mujoco", "missing", what, remedy)]
+    return [stands, Finding("cameras on mujoco", "ok", "its renderer draws")]
 
 
 def _contract() -> str:

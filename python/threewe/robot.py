@@ -84,7 +84,7 @@ class Robot(InRobotTime):
         localization: `slam`, the robot's own; or `truth`, which simulators know: where what is asked is how well the
             rest does without doubts about the pose.
         image_size: (height, width) [px] of what the camera delivers; as the profile states where left out.
-        randomization: how the robot differs from its profile in the embedded simulator, drawn anew for each seed and
+        randomization: how the robot differs from its profile in a simulator, drawn anew for each seed and
             episode: `none`, `mild`, `paper`, `hard`, or a file that ends in .yaml.
         viewer: streams to Rerun from `connect` to `disconnect`: `rerun` opens a window, `web` serves browsers, a file
             that ends in .rrd is recorded.

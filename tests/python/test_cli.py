@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import subprocess
 import sys
+from importlib.util import find_spec
 from pathlib import Path
 
 import numpy as np
@@ -234,3 +235,4 @@ def test_doctor_finds_a_working_installation() -> None:
     assert "simulated drive" in done.stdout
     assert "backend mock" in done.stdout
     assert "broken" not in done.stdout
+    assert ("cameras on mujoco" in done.stdout) == (find_spec("mujoco") is not None)

@@ -16,8 +16,8 @@ inline constexpr const char* kInstall = "pip install mujoco-core==4.0.0";
 /// default). Python says here where its package is. Must be told before the first world is made.
 void use_library(std::string path);
 
-/// Makes a world, without cameras. Throws ConfigError where MuJoCo cannot be loaded, naming the
-/// command that installs it, and for all that it cannot simulate yet.
+/// Makes a world. Throws ConfigError where MuJoCo cannot be loaded, naming the command that installs it, and what any
+/// simulated world throws. What cameras see is drawn by OpenGL, which EGL must offer once somebody looks.
 std::unique_ptr<World> make_world(const WorldOptions& options);
 
 }  // namespace threewe::backend::mujoco

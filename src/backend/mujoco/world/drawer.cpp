@@ -69,7 +69,6 @@ Drawer::Drawer(std::shared_ptr<const sim::Model> world, const mjModel& compiled)
   // round enough: what is 1 m wide is off by 1 mm
   model_->vis.quality.numslices = 48;
   model_->vis.quality.numstacks = 4;
-  for (int geom = 0; geom < model_->ngeom; ++geom) appearances_.push_back(appearance_of(geom));
 }
 
 // What the renderer holds ends with the context that it drew in.
@@ -103,8 +102,12 @@ Drawer::Appearance Drawer::appearance_of(int geom) const {
 
 void Drawer::set_up() {
   if (scene_) return;
+  appearances_.clear();
+  for (int geom = 0; geom < model_->ngeom; ++geom) appearances_.push_back(appearance_of(geom));
   data_ = {mj_.mj_makeData(model_.get()), Free{&mj_}};
   gl_.emplace();
+  static std::mutex finding;  // MuJoCo keeps OpenGL's functions for all contexts, and finds them anew for each
+  const std::scoped_lock lock(finding);
   const GlContext::Current current(*gl_);
   context_ = std::make_unique<mjrContext>();
   mj_.mjr_defaultContext(context_.get());

@@ -93,6 +93,16 @@ TEST_CASE("a picture is the same to the bit on every thread, and outlives its wo
   CHECK(!first.image().depth.empty());
 }
 
+TEST_CASE("worlds draw side by side") {
+  std::vector<Picture> pictures;
+  for (int i = 0; i < 3; ++i) pictures.push_back(take_picture(*connected(with_depth("apartment_v1"))));
+  std::vector<std::thread> threads;
+  for (const Picture& picture : pictures) threads.emplace_back([&picture] { CHECK(!picture.image().color.empty()); });
+  for (std::thread& thread : threads) thread.join();
+  CHECK(pictures[0].image() == pictures[1].image());
+  CHECK(pictures[0].image() == pictures[2].image());
+}
+
 TEST_CASE("a robot sees another, and itself only where it is asked to") {
   WorldOptions options = with_depth("warehouse_v1", 2);
   const Pose2D start = truth(*connected(with_depth("warehouse_v1"))).true_pose();
