@@ -17,4 +17,5 @@ NB_MODULE(_core, m) {
   init_env(m);
   init_benchmark(m);
   init_export(m);
+  init_calibration(m);
 }

@@ -49,6 +49,7 @@ from threewe._core import (
 )
 from threewe._notebook import show
 from threewe.backend import backend_names, register_backend
+from threewe.calibration import Calibration, calibrate
 from threewe.errors import (
     ConfigError,
     ConnectionError,
@@ -75,6 +76,7 @@ _register_envs()
 
 __all__ = [
     "BatteryState",
+    "Calibration",
     "CameraIntrinsics",
     "ConfigError",
     "ConnectionError",
@@ -128,6 +130,7 @@ __all__ = [
     "asset_directories",
     "available_targets",
     "backend_names",
+    "calibrate",
     "export",
     "force_target",
     "profile_names",

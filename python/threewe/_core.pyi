@@ -2098,3 +2098,111 @@ def export_files(scene: Scene, robot: RobotProfile, format: str, folder: str) ->
     """
     Writes a scene, and a robot at its first start, into a folder; returns the files. Formats: mjcf, urdf, sdf, usd, map. Raises ConfigError for another format, and for a folder that cannot be written.
     """
+
+class Pace(enum.Enum):
+    """How fast commands change."""
+
+    operating = 0
+    """within the operating limits, as whatever drives a robot makes them"""
+
+    hardware = 1
+    """within what the profile says that the drive can do"""
+
+    abrupt = 2
+    """at once: wheels slip"""
+
+class Figure:
+    """One figure of a profile, as it was fitted."""
+
+    @property
+    def name(self) -> str:
+        """of its field below `body`"""
+
+    @property
+    def before(self) -> float:
+        """in the profile, or what follows from it"""
+
+    @property
+    def value(self) -> float:
+        """fitted, in the profile's unit"""
+
+    @property
+    def spread(self) -> float:
+        """half of its 95 % interval"""
+
+    @property
+    def told(self) -> bool:
+        """Whether the manoeuvres say more about it than was assumed beforehand."""
+
+    def __repr__(self) -> str: ...
+
+class Deviation:
+    """
+    How far the embedded simulator's motion is from another robot's: shares.
+    """
+
+    @property
+    def linear(self) -> float:
+        """
+        of (vx, vy): root mean square of the difference over that of the other's velocity
+        """
+
+    @property
+    def angular(self) -> float:
+        """the same of omega"""
+
+    @property
+    def combined(self) -> float:
+        """the same of both, weighed as kinetic energy weighs them"""
+
+    @property
+    def pose(self) -> float:
+        """
+        of the distance driven, how far apart they end: mean over all sequences
+        """
+
+    @property
+    def farthest_pose(self) -> float:
+        """the worst of them"""
+
+    def __repr__(self) -> str: ...
+
+class Calibration:
+    """What came of `threewe.calibrate`."""
+
+    @property
+    def profile(self) -> RobotProfile:
+        """the fitted one"""
+
+    @property
+    def figures(self) -> list[Figure]:
+        """what was fitted"""
+
+    @property
+    def source(self) -> str:
+        """
+        "truth" where a simulator tells how its body moves, "sensors" where wheels and gyro do
+        """
+
+    @property
+    def seconds(self) -> float:
+        """[s] of robot time driven"""
+
+    @property
+    def before(self) -> Deviation:
+        """of the manoeuvres, by the profile as it was; their poses mean little"""
+
+    @property
+    def after(self) -> Deviation:
+        """the same by the fitted one"""
+
+def calibrate(backend: str, hardware: str) -> Calibration:
+    """Drives the standard manoeuvres and fits the profile to them."""
+
+def calibrated_yaml(hardware: str, calibration: Calibration) -> str:
+    """The profile as a file, with the fitted figures in place of its own."""
+
+def deviation(backend: str, hardware: str, profile: RobotProfile, seed: int, count: int, pace: Pace) -> Deviation:
+    """
+    How far the embedded simulator with `profile` is from a backend with `hardware`, on random sequences of 10 s.
+    """

@@ -13,7 +13,7 @@ from rich.markup import escape
 from rich.table import Column, Table
 
 import threewe
-from threewe import driving
+from threewe import calibration, driving
 from threewe.slam import cli as slam
 
 app = typer.Typer(
@@ -24,6 +24,7 @@ app.add_typer(scenes, name="scenes")
 app.add_typer(slam.app, name="slam")
 for command in (driving.drive, driving.explore, driving.view):
     app.command()(command)
+app.command("calibrate")(calibration.command)
 
 console = Console()
 complaints = Console(stderr=True)

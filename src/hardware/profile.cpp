@@ -90,6 +90,22 @@ void check_wheels(const Body& body, ConfigNode node) {
   }
 }
 
+TractionSpec read_traction(ConfigNode node, Kinematics kinematics) {
+  TractionSpec traction;
+  traction.ahead = node.number_in("ahead", 0.5, 1.5);
+  traction.turning = node.number_in("turning", 0.5, 1.5);
+  traction.turning_lag = duration_in(node, "turning_lag", 0.0001, 1.0);
+  traction.load = node.number_in("load", 0.1, 1.0);
+  traction.mass_height = node.number_in("mass_height", 0.0, kMaxLength);
+  if (kinematics == Kinematics::holonomic) {
+    traction.sideways = node.number_in("sideways", 0.5, 1.5);
+    traction.shift = node.number_in("shift", 0.0, 1.0);
+    traction.shift_speed = node.number_in("shift_speed", 0.001, kMaxSpeed);
+  }
+  node.finish();
+  return traction;
+}
+
 Body read_body(ConfigNode node) {
   Body body;
   body.footprint = read_footprint(node.at("footprint"));
@@ -104,6 +120,7 @@ Body read_body(ConfigNode node) {
   body.stall_torque = node.number_in("stall_torque", 0.001, 1000.0);
   body.no_load_speed = node.number_in("no_load_speed", 0.1, 1000.0);
   body.motor_lag = duration_in(node, "motor_lag", 0.001, 1.0);
+  if (node.has("traction")) body.traction = read_traction(node.at("traction"), body.wheels.kinematics);
   node.finish();
   return body;
 }

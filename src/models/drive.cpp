@@ -42,6 +42,9 @@ Traction make_traction(const RobotProfile& profile, Duration step, const Variati
   traction.stall_change = body.stall_torque / (wheel_mass * body.wheels.radius * body.wheels.radius) * h;
   traction.grip_change = variation.friction * body.friction * kGravity * h;
   traction.motor_noise = variation.motor_noise;
+  if (body.traction) {
+    traction.turn_response = 1.0 - exact::exp(-h / (variation.motor_lag * to_seconds(body.traction->turning_lag)));
+  }
   return traction;
 }
 

@@ -15,6 +15,7 @@
 #include "threewe/hardware/limits-inl.hpp"
 #include "threewe/models/drive-inl.hpp"
 #include "threewe/models/odometry-inl.hpp"
+#include "threewe/models/pull-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace threewe::sim::kernel::HWY_NAMESPACE {
@@ -134,18 +135,25 @@ HWY_INLINE std::byte* bytes_of(const T& data) {
 // What stays the same from step to step.
 struct Constants {
   models::DriveOf<V> drive;
+  models::PullOf<V> pull;
+  bool pulls;  // whether any of them has a measured traction: only then is there a `pull`
   models::BatteryOf<V> battery;
 };
 
 HWY_INLINE Constants constants_of(const Group& group) {
   Constants constants;
-  auto& [drive, battery] = constants;
+  auto& [drive, pull, pulls, battery] = constants;
   V unused;
   Places drives;
+  Places tractions;
   Places batteries;
+  pulls = false;
   for (std::size_t i = 0; i < kLanes; ++i) {
-    drives[i] = bytes_of(group.drivers[i]->robot->drive);
-    batteries[i] = bytes_of(group.drivers[i]->robot->battery);
+    const RobotModel& robot = *group.drivers[i]->robot;
+    drives[i] = bytes_of(robot.drive);
+    tractions[i] = bytes_of(robot.pull);
+    batteries[i] = bytes_of(robot.battery);
+    pulls = pulls || robot.pull.present != 0.0;
   }
   gather(drives, 0, drive.turns_per_metre, drive.turn_arm, drive.sideways, drive.roll);
   gather(drives, kRow, drive.roll_turn, drive.linear_limit, drive.angular_limit, drive.per_no_load_speed);
@@ -153,6 +161,12 @@ HWY_INLINE Constants constants_of(const Group& group) {
   gather(batteries, 0, battery.present, battery.voltage_empty, battery.voltage_span, battery.per_nominal);
   gather(batteries, offsetof(models::Battery, per_nominal), unused, battery.idle_power, battery.per_efficiency,
          battery.per_capacity);
+  if (pulls) {
+    gather(tractions, 0, pull.present, pull.ahead, pull.sideways, pull.turning);
+    gather(tractions, kRow, pull.turn_inertia, pull.hold, pull.load, pull.shift);
+    gather(tractions, 2 * kRow, pull.per_shift_speed, pull.pitch, pull.rear_pitch, pull.roll);
+    gather(tractions, 3 * kRow, pull.wheel_share, unused, unused, unused);
+  }
   return constants;
 }
 
@@ -172,8 +186,14 @@ HWY_INLINE formulae::WheelsOf<V> motor_shares(const Group& group, V noise) {
   return shares;
 }
 
+template <class Mask>
+HWY_INLINE VelocityOf<V> where(Mask mask, const VelocityOf<V>& yes, const VelocityOf<V>& no) {
+  return {lanes::where(mask, yes.vx, no.vx), lanes::where(mask, yes.vy, no.vy),
+          lanes::where(mask, yes.omega, no.omega)};
+}
+
 HWY_INLINE void drive_group(const Group& group, const Constants& constants) {
-  const auto& [drive, battery] = constants;
+  const auto& [drive, pull, pulls, battery] = constants;
   const V seconds = lanes::number<V>(to_seconds(kStep));
 
   V unused;
@@ -196,13 +216,14 @@ HWY_INLINE void drive_group(const Group& group, const Constants& constants) {
   V grip_change;
   V mass;
   V noise;
+  V turn_response;
   V resistance;
   formulae::ChargeOf<V> charge;
   formulae::WheelsOf<V> wheels;
   formulae::WheelsOf<V> angles;
   gather(group.states, kLateral, lateral, charge.voltage, charge.current, charge.charge);
   gather(group.states, kTraction, response, stall_change, grip_change, mass);
-  gather(group.states, kNoise, noise, resistance, unused, unused);
+  gather(group.states, kNoise, noise, turn_response, resistance, unused);
   gather(group.states, offsetof(RobotState, wheel_speeds), wheels.at[0], wheels.at[1], wheels.at[2], wheels.at[3]);
   gather(group.states, offsetof(RobotState, wheel_angles), angles.at[0], angles.at[1], angles.at[2], angles.at[3]);
   const formulae::WheelsOf<V> setpoints = formulae::roll_at(drive, command);
@@ -211,12 +232,7 @@ HWY_INLINE void drive_group(const Group& group, const Constants& constants) {
   for (std::size_t i = 0; i < 4; ++i) {
     wheels.at[i] = formulae::drive_motor(drive.per_no_load_speed, response, stall_change, wheels.at[i], setpoints.at[i],
                                          supply, shares.at[i]);
-    angles.at[i] = angles.at[i] + seconds * wheels.at[i];
   }
-  scatter(group.next_states, offsetof(RobotState, wheel_speeds), wheels.at[0], wheels.at[1], wheels.at[2],
-          wheels.at[3]);
-  scatter(group.next_states, offsetof(RobotState, wheel_angles), angles.at[0], angles.at[1], angles.at[2],
-          angles.at[3]);
 
   // momentum keeps its direction while the body turns beneath it
   Pose2DOf<V> pose;
@@ -230,10 +246,24 @@ HWY_INLINE void drive_group(const Group& group, const Constants& constants) {
   carried = {linear.x, linear.y, carried.omega};
 
   // wheels pull the body
+  const V given = hn::Load(Doubles(), floors) * grip_change;
   VelocityOf<V> rolling = formulae::rolling_velocity(drive.roll, drive.roll_turn, drive.sideways, wheels);
   rolling.vy = rolling.vy * lateral;
-  const VelocityOf<V> after =
-      formulae::grip(drive.turn_weight, hn::Load(Doubles(), floors) * grip_change, carried, rolling);
+  VelocityOf<V> after = formulae::grip(drive.turn_weight, given, carried, rolling);
+  if (pulls) {
+    const formulae::PulledOf<V> pulled = formulae::pull_body(
+        drive, pull, {response, turn_response, stall_change, given, supply, shares}, lateral, command, carried);
+    const auto own = pull.present != lanes::number<V>(0.0);
+    const VelocityOf<V> spun = formulae::rolling_velocity(drive.roll, drive.roll_turn, drive.sideways, pulled.wheels);
+    for (std::size_t i = 0; i < 4; ++i) wheels.at[i] = lanes::where(own, pulled.wheels.at[i], wheels.at[i]);
+    rolling = where(own, spun, rolling);
+    after = where(own, pulled.body, after);
+  }
+  for (std::size_t i = 0; i < 4; ++i) angles.at[i] = angles.at[i] + seconds * wheels.at[i];
+  scatter(group.next_states, offsetof(RobotState, wheel_speeds), wheels.at[0], wheels.at[1], wheels.at[2],
+          wheels.at[3]);
+  scatter(group.next_states, offsetof(RobotState, wheel_angles), angles.at[0], angles.at[1], angles.at[2],
+          angles.at[3]);
 
   // and the battery pays
   const V power = formulae::drive_power(drive, mass, carried, after, rolling);
@@ -326,12 +356,13 @@ namespace threewe::sim::kernel {
 HWY_EXPORT(drive_all);
 HWY_EXPORT(measure_all);
 
-static_assert(offsetof(models::Traction, motor_noise) + sizeof(double) == sizeof(models::Traction) &&
+static_assert(offsetof(models::Traction, motor_noise) + 2 * sizeof(double) == sizeof(models::Traction) &&
                   offsetof(RobotState, battery_resistance) ==
                       offsetof(RobotState, traction) + sizeof(models::Traction) &&
                   offsetof(RobotState, battery) == offsetof(RobotState, wheel_errors) + sizeof(models::WheelErrors) &&
                   offsetof(RobotState, distance_driven) == offsetof(RobotState, pose) + 7 * sizeof(double) &&
-                  offsetof(models::OdometryState, read) == 6 * sizeof(double) && sizeof(Driven) == 12 * sizeof(double),
+                  offsetof(models::OdometryState, read) == 6 * sizeof(double) &&
+                  sizeof(Driven) == 12 * sizeof(double) && sizeof(models::Pull) == 16 * sizeof(double),
               "the kernel takes over rows of four numbers, in this order");
 
 void drive(std::span<const Driver> drivers, std::span<Driven> driven) {

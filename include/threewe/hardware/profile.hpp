@@ -33,6 +33,19 @@ struct Caster {
   friend bool operator==(const Caster&, const Caster&) = default;
 };
 
+/// How wheels pull that spin freely once they slip, as measured on one robot or simulator.
+struct TractionSpec {
+  // the share of a commanded velocity that the body reaches
+  double ahead = 1.0;
+  double sideways = 1.0;  ///< of four wheels; two have none
+  double turning = 1.0;
+  Duration turning_lag{};    ///< time constant of turns, beside `motor_lag`: a body is easier to turn than to push
+  double load = 1.0;         ///< the share of the weight that stands on driven wheels
+  double mass_height = 0.0;  ///< [m] of the centre of mass: by accelerations, load moves from wheel to wheel
+  double shift = 0.0;        ///< of a mecanum wheel's load, what the diagonal pair that slips takes from the other
+  double shift_speed = 0.0;  ///< [m/s] of slip at which it takes all of that; 0 where there is no shift
+};
+
 /// The body and its drive.
 struct Body {
   Footprint footprint;
@@ -46,6 +59,8 @@ struct Body {
   double stall_torque = 0.0;        ///< [N m] of one wheel's motor at the wheel
   double no_load_speed = 0.0;       ///< [rad/s] of one wheel at nominal voltage
   Duration motor_lag{};             ///< time constant of the speed loop
+  /// Without it wheels keep to what their motors do, whatever they pull.
+  std::optional<TractionSpec> traction;
 };
 
 /// A lidar that turns, and the scan that is made of its turn.

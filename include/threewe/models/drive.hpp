@@ -43,11 +43,12 @@ Drive make_drive(const RobotProfile& profile, Duration step);
 
 /// How hard one robot's motors and wheels pull: the part of a drive that a variation changes. Plain data.
 struct Traction {
-  double response = 0.0;      ///< the share of a speed error that the speed loop removes in one step
-  double stall_change = 0.0;  ///< [rad/s] that stall torque adds to a wheel's speed in one step
-  double grip_change = 0.0;   ///< [m/s] that friction can add to the body's speed in one step
-  double mass = 0.0;          ///< [kg]
-  double motor_noise = 0.0;   ///< standard deviation of each motor's torque in each step, as a share of it
+  double response = 0.0;       ///< the share of a speed error that the speed loop removes in one step
+  double stall_change = 0.0;   ///< [rad/s] that stall torque adds to a wheel's speed in one step
+  double grip_change = 0.0;    ///< [m/s] that friction can add to the body's speed in one step
+  double mass = 0.0;           ///< [kg]
+  double motor_noise = 0.0;    ///< standard deviation of each motor's torque in each step, as a share of it
+  double turn_response = 0.0;  ///< as `response`, of turns; of wheels that spin freely alone, see pull.hpp
 };
 
 Traction make_traction(const RobotProfile& profile, Duration step, const Variation& variation = {});

@@ -12,6 +12,7 @@
 #include "threewe/models/drive.hpp"
 #include "threewe/models/lidar.hpp"
 #include "threewe/models/odometry.hpp"
+#include "threewe/models/pull.hpp"
 #include "threewe/scene/scene.hpp"
 #include "threewe/sim/contact.hpp"
 #include "threewe/sim/ray_caster.hpp"
@@ -31,6 +32,7 @@ inline constexpr int kMaxLidarPoints = 512;
 struct RobotModel {
   RobotProfile profile;
   models::Drive drive;
+  models::Pull pull;
   models::Battery battery;
   models::Odometer odometer;
   std::vector<Vec2> wheels;  ///< where the driven ones touch the floor, in the base frame

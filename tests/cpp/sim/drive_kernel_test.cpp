@@ -101,13 +101,22 @@ kernel::Driven drive(const kernel::Driver& driver) {
   for (std::size_t i = 0; i < (robot.drive.sideways == 0.0 ? 2 : 4); ++i) {
     state.wheel_speeds[i] =
         turn_motor(robot.drive, state.traction, state.wheel_speeds[i], wanted[i], supplied, shares[i]);
-    state.wheel_angles[i] += 0.01 * state.wheel_speeds[i];
   }
   const Vec2 linear = rotate({state.velocity.vx, state.velocity.vy}, -0.01 * state.velocity.omega);
   const Velocity carried{linear.x, linear.y, state.velocity.omega};
   Velocity rolling = rolling_velocity(robot.drive, state.wheel_speeds);
   rolling.vy *= state.wheel_errors.lateral;
-  const Velocity after = grip(robot.drive, driver.floor * state.traction.grip_change, carried, rolling);
+  Velocity after = grip(robot.drive, driver.floor * state.traction.grip_change, carried, rolling);
+  if (robot.profile.body.traction) {
+    // the formula for one robot, which has a twin of its own in the tests of the models
+    const auto [body, wheels] =
+        models::pull(robot.drive, robot.pull, state.traction, carried, within_limits(robot.drive, *driver.command),
+                     state.wheel_errors.lateral, supplied, driver.floor, shares);
+    after = body;
+    state.wheel_speeds = wheels;
+    rolling = rolling_velocity(robot.drive, wheels);
+  }
+  for (std::size_t i = 0; i < 4; ++i) state.wheel_angles[i] += 0.01 * state.wheel_speeds[i];
   state.battery = drain(robot.battery, state.battery_resistance,
                         power(robot.drive, state.traction.mass, carried, after, rolling), state.battery);
   const Pose2D end = integrate(state.pose, after, 0.01);
@@ -159,7 +168,18 @@ std::vector<std::shared_ptr<const Model>> models_of_all_kinds() {
   RobotProfile icy = standard;
   icy.body.friction = 0.05;
   std::vector<std::shared_ptr<const Model>> all;
-  for (RobotProfile* profile : {&standard, &turtle, &endless, &icy}) {
+  RobotProfile light = standard;
+  light.body.traction = {.ahead = 0.99,
+                         .sideways = 0.97,
+                         .turning = 0.98,
+                         .turning_lag = 8ms,
+                         .load = 1.0,
+                         .mass_height = 0.08,
+                         .shift = 0.5,
+                         .shift_speed = 0.6};
+  RobotProfile light_turtle = turtle;
+  light_turtle.body.traction = {.turning_lag = 30ms, .load = 0.6, .mass_height = 0.05};
+  for (RobotProfile* profile : {&standard, &turtle, &endless, &icy, &light, &light_turtle}) {
     profile->lidar.reset();
     profile->ultrasonics.reset();
     all.push_back(make_model(scene, {*profile}));

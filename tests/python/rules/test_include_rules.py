@@ -29,6 +29,7 @@ MAY_USE = {
     "task": ["core", "hardware", "scene"],
     "env": ["core", "hardware", "scene", "task", "sim", "models", "safety"],
     "env/robot": ["core", "hardware", "scene", "task", "sim", "env", "backend", "slam", "robot"],
+    "calibration": ["core", "hardware", "scene", "models", "sim", "backend"],
     "benchmark": ["core", "hardware", "scene", "robot", "task", "env"],
     "record": ["core", "robot", "task", "env"],
 }

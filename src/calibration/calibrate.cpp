@@ -1,0 +1,75 @@
+#include "threewe/calibration/calibrate.hpp"
+
+#include <array>
+#include <fstream>
+#include <memory>
+#include <utility>
+
+#include <fmt/format.h>
+#include <yaml-cpp/yaml.h>
+
+#include "threewe/backend/registry.hpp"
+#include "threewe/core/assets.hpp"
+#include "threewe/core/errors.hpp"
+
+namespace threewe::calibration {
+namespace {
+
+// A backend's robot in the hall, connected.
+std::unique_ptr<backend::World> connect(std::string_view backend, const std::string& hardware) {
+  auto world = backend::make_world(backend, {.scene = hall(), .robots = {hardware}, .noise = NoiseLevel::ideal});
+  world->robot(0).connect();
+  return world;
+}
+
+Source source_of(backend::World& world) { return world.robot(0).truth() != nullptr ? Source::truth : Source::sensors; }
+
+Twin twin_of(backend::World& world) {
+  return {std::make_shared<const scene::Scene>(scene::Scene::load(hall())), source_of(world)};
+}
+
+// "traction.load" is the field `load` of `traction`.
+void set(YAML::Node body, const std::string& name, double value) {
+  const std::string text = fmt::format("{:.5g}", value);
+  const std::size_t dot = name.find('.');
+  if (dot == std::string::npos) {
+    body[name] = text;
+  } else {
+    body[name.substr(0, dot)][name.substr(dot + 1)] = text;
+  }
+}
+
+}  // namespace
+
+Calibration calibrate(std::string_view backend, const std::string& hardware) {
+  const RobotProfile profile = load_profile(hardware);
+  const auto world = connect(backend, hardware);
+  const auto manoeuvres = standard_manoeuvres(profile, world->robot(0).features().can_reset);
+  const std::vector<Track> tracks = drive(*world, manoeuvres);
+  return fit(profile, twin_of(*world), manoeuvres, tracks, source_of(*world));
+}
+
+std::string to_yaml(const std::string& hardware, const Calibration& calibration) {
+  YAML::Node root = YAML::LoadFile(find_asset("robots", hardware).string());
+  YAML::Node body = root["body"];
+  for (const Figure& figure : calibration.figures) set(body, figure.name, figure.value);
+  if (!body["traction"]["load"]) set(body, "traction.load", 1.0);
+  YAML::Emitter out;
+  out << root;
+  std::string text = fmt::format("# {} as `threewe calibrate` measured it, by {} of {:.0f} s:\n", hardware,
+                                 to_string(calibration.source), calibration.seconds);
+  for (const auto& [name, before, value, spread, told] : calibration.figures) {
+    text += fmt::format("#   {:22} {:8.5g} +- {:.2g}{}\n", name, value, spread, told ? "" : " (hardly told)");
+  }
+  return text + out.c_str() + "\n";
+}
+
+Deviation deviation(std::string_view backend, const std::string& hardware, const RobotProfile& profile,
+                    std::uint64_t seed, std::size_t count, Pace pace) {
+  const auto world = connect(backend, hardware);
+  const auto sequences = random_sequences(load_profile(hardware), seed, count, pace);
+  const std::vector<Track> reference = drive(*world, sequences);
+  return compare(profile, twin_of(*world).drive(profile, sequences), reference);
+}
+
+}  // namespace threewe::calibration
