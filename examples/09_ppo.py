@@ -50,6 +50,7 @@ class Settings:
     seed: int = 1
     # noise, generated scenes, updates: first without noise, where a step costs half as much; then as it will be
     lessons: tuple[tuple[str, int, int], ...] = (("ideal", 20, 26), ("realistic", 12, 14))
+    randomization: str = "none"  # how its robots differ from their profile
     blur: float = 0.02  # [m] standard deviation that is added to what the policy sees
     max_steps: int = 200  # of an episode in training
     num_envs: int = 1024
@@ -324,7 +325,8 @@ def classroom(noise: str, scenes: int, seed: int, settings: Settings) -> VectorE
     difficulties = np.linspace(0.2, 1.0, scenes).tolist()
     places = [Scene.generate(seed + i, difficulty=difficulty) for i, difficulty in enumerate(difficulties)]
     several = {"num_envs": settings.num_envs, "num_threads": settings.threads, "copy": False}
-    return VectorEnv(scene=places, noise=noise, episodes="reactive", max_steps=settings.max_steps, **several, **DRIVING)
+    lesson = {"noise": noise, "randomization": settings.randomization, "max_steps": settings.max_steps}
+    return VectorEnv(scene=places, episodes="reactive", **lesson, **several, **DRIVING)
 
 
 class Driver:

@@ -44,7 +44,15 @@ void init_calibration(nb::module_& m) {
   m.def("calibrated_yaml", &calibration::to_yaml, "hardware"_a, "calibration"_a,
         "The profile as a file, with the fitted figures in place of its own.");
   m.def(
-      "deviation", &calibration::deviation, "backend"_a, "hardware"_a, "profile"_a, "seed"_a, "count"_a, "pace"_a,
-      WithoutGil(),
-      "How far the embedded simulator with `profile` is from a backend with `hardware`, on random sequences of 10 s.");
+      "deviations",
+      [](std::string_view backend, const std::string& hardware, const std::vector<RobotProfile>& profiles,
+         std::uint64_t seed, std::size_t count, Pace pace) {
+        const nb::gil_scoped_release without_gil;
+        return calibration::deviations(backend, hardware, profiles, seed, count, pace);
+      },
+      "backend"_a, "hardware"_a, "profiles"_a, "seed"_a, "count"_a, "pace"_a,
+      "How far the embedded simulator with each profile is from a backend with `hardware`, on random sequences of 10 "
+      "s.");
+  m.def("scatter", &calibration::scatter, "backend"_a, "hardware"_a, "seed"_a, "count"_a, "pace"_a, WithoutGil(),
+        "How far a backend is from itself, when wheels have turned a little before the same random sequences.");
 }

@@ -2202,7 +2202,12 @@ def calibrate(backend: str, hardware: str) -> Calibration:
 def calibrated_yaml(hardware: str, calibration: Calibration) -> str:
     """The profile as a file, with the fitted figures in place of its own."""
 
-def deviation(backend: str, hardware: str, profile: RobotProfile, seed: int, count: int, pace: Pace) -> Deviation:
+def deviations(backend: str, hardware: str, profiles: Sequence[RobotProfile], seed: int, count: int, pace: Pace) -> list[Deviation]:
     """
-    How far the embedded simulator with `profile` is from a backend with `hardware`, on random sequences of 10 s.
+    How far the embedded simulator with each profile is from a backend with `hardware`, on random sequences of 10 s.
+    """
+
+def scatter(backend: str, hardware: str, seed: int, count: int, pace: Pace) -> Deviation:
+    """
+    How far a backend is from itself, when wheels have turned a little before the same random sequences.
     """

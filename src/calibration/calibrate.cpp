@@ -1,6 +1,5 @@
 #include "threewe/calibration/calibrate.hpp"
 
-#include <array>
 #include <fstream>
 #include <memory>
 #include <utility>
@@ -10,7 +9,6 @@
 
 #include "threewe/backend/registry.hpp"
 #include "threewe/core/assets.hpp"
-#include "threewe/core/errors.hpp"
 
 namespace threewe::calibration {
 namespace {
@@ -64,12 +62,40 @@ std::string to_yaml(const std::string& hardware, const Calibration& calibration)
   return text + out.c_str() + "\n";
 }
 
-Deviation deviation(std::string_view backend, const std::string& hardware, const RobotProfile& profile,
-                    std::uint64_t seed, std::size_t count, Pace pace) {
+std::vector<Deviation> deviations(std::string_view backend, const std::string& hardware,
+                                  std::span<const RobotProfile> profiles, std::uint64_t seed, std::size_t count,
+                                  Pace pace) {
   const auto world = connect(backend, hardware);
   const auto sequences = random_sequences(load_profile(hardware), seed, count, pace);
   const std::vector<Track> reference = drive(*world, sequences);
-  return compare(profile, twin_of(*world).drive(profile, sequences), reference);
+  const Twin twin = twin_of(*world);
+  std::vector<Deviation> deviations;
+  for (const RobotProfile& profile : profiles) {
+    deviations.push_back(compare(profile, twin.drive(profile, sequences), reference));
+  }
+  return deviations;
+}
+
+Deviation scatter(std::string_view backend, const std::string& hardware, std::uint64_t seed, std::size_t count,
+                  Pace pace) {
+  constexpr std::size_t kSecond = 1s / kControlPeriod;
+  constexpr Velocity kCrawl{0.0237, 0.0, 0.0};  // so far that no roller of a mecanum wheel is where another was
+  const RobotProfile profile = load_profile(hardware);
+  const auto world = connect(backend, hardware);
+  const auto sequences = random_sequences(profile, seed, count, pace);
+  auto later = sequences;
+  for (Manoeuvre& manoeuvre : later) {
+    manoeuvre.commands.insert(manoeuvre.commands.begin(), kSecond, Velocity{});
+    manoeuvre.commands.insert(manoeuvre.commands.begin(), kSecond, kCrawl);
+  }
+  std::vector<Track> tracks = drive(*world, sequences);
+  std::vector<Track> again = drive(*world, later);
+  for (Track& track : tracks) track.poses.clear();
+  for (Track& track : again) {
+    track.poses.clear();
+    track.velocities.erase(track.velocities.begin(), track.velocities.begin() + 2 * kSecond);
+  }
+  return compare(profile, again, tracks);
 }
 
 }  // namespace threewe::calibration

@@ -11,7 +11,7 @@ from threewe.benchmark import nearest_frontier, optimist, spl
 TOLERANCE = 0.1  # [m] of drives in vain
 
 
-def drive(seed: int, scene: str, hardware: str) -> dict[str, Any]:
+def drive(seed: int, scene: str, hardware: str, backend: str = "mock") -> dict[str, Any]:
     """From a sampled start to a sampled goal, in a place that the robot has never seen."""
     profile = RobotProfile.load(hardware)
     tables = SceneTables(Scene.load(scene), profile)
@@ -20,7 +20,7 @@ def drive(seed: int, scene: str, hardware: str) -> dict[str, Any]:
     goal = episode.start.inverse() * Pose2D(*episode.goal, 0.0)
 
     async def run() -> dict[str, Any]:
-        async with Robot(scene=scene, hardware=hardware, seed=seed, start_pose=episode.start) as robot:
+        async with Robot(backend, hardware, scene, seed=seed, start_pose=episode.start) as robot:
             truth = robot.simulation
             assert truth is not None
             result = await robot.move_to(goal.x, goal.y)

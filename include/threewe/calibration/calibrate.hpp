@@ -42,8 +42,14 @@ Calibration calibrate(std::string_view backend, const std::string& hardware);
 /// The profile `hardware` as a file, with the figures of a calibration in place of its own.
 std::string to_yaml(const std::string& hardware, const Calibration& calibration);
 
-/// How far the embedded simulator with `profile` is from a backend with `hardware`, on random sequences.
-Deviation deviation(std::string_view backend, const std::string& hardware, const RobotProfile& profile,
-                    std::uint64_t seed, std::size_t count, Pace pace);
+/// How far the embedded simulator with each of `profiles` is from a backend with `hardware`, on random sequences.
+std::vector<Deviation> deviations(std::string_view backend, const std::string& hardware,
+                                  std::span<const RobotProfile> profiles, std::uint64_t seed, std::size_t count,
+                                  Pace pace);
+
+/// How far a backend is from itself, on the same sequences, when the robot's wheels have turned a little before: what
+/// no model of it can be nearer to than a share of 0.7. Velocities alone.
+Deviation scatter(std::string_view backend, const std::string& hardware, std::uint64_t seed, std::size_t count,
+                  Pace pace);
 
 }  // namespace threewe::calibration

@@ -117,9 +117,12 @@ TEST_CASE("a calibration is a profile that loads, and drives as it was fitted") 
   CHECK(loaded.body.traction->load == doctest::Approx(found.profile.body.traction->load).epsilon(1e-4));
   CHECK(loaded.lidar->points_per_turn == 230);
   CHECK(loaded.body.casters.size() == 1);
-  CHECK(deviation("mock", "turtlebot_like", load_profile("turtlebot_like"), 1'000'000, 2, Pace::operating).combined <
-        1e-12);
-  CHECK(deviation("mock", "turtlebot_like", loaded, 1'000'000, 4, Pace::operating).combined < 0.05);
+  const std::vector<RobotProfile> profiles = {load_profile("turtlebot_like"), loaded};
+  const auto apart = deviations("mock", "turtlebot_like", profiles, 1'000'000, 4, Pace::operating);
+  CHECK(apart[0].combined < 1e-12);
+  CHECK(apart[0].farthest_pose < 1e-12);
+  CHECK(apart[1].combined < 0.05);
+  CHECK(scatter("mock", "turtlebot_like", 1'000'000, 2, Pace::abrupt).combined < 0.01);
   std::filesystem::remove(file);
 }
 
