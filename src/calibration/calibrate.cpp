@@ -1,6 +1,6 @@
 #include "threewe/calibration/calibrate.hpp"
 
-#include <fstream>
+#include <algorithm>
 #include <memory>
 #include <utility>
 
@@ -37,6 +37,13 @@ void set(YAML::Node body, const std::string& name, double value) {
   }
 }
 
+// Wheels alone do not tell how far a body slips aside.
+bool measures_sideways(const Calibration& calibration) {
+  return calibration.source == Source::truth && std::ranges::any_of(calibration.figures, [](const Figure& figure) {
+           return figure.name == "traction.sideways" && figure.told;
+         });
+}
+
 }  // namespace
 
 Calibration calibrate(std::string_view backend, const std::string& hardware) {
@@ -52,6 +59,12 @@ std::string to_yaml(const std::string& hardware, const Calibration& calibration)
   YAML::Node body = root["body"];
   for (const Figure& figure : calibration.figures) set(body, figure.name, figure.value);
   if (!body["traction"]["load"]) set(body, "traction.load", 1.0);
+  if (measures_sideways(calibration)) {
+    // what stood for it while nobody had measured
+    YAML::Node scale = root["sensors"]["odometry"]["lateral_scale"];
+    scale[0] = "1.0";
+    scale[1] = "1.0";
+  }
   YAML::Emitter out;
   out << root;
   std::string text = fmt::format("# {} as `threewe calibrate` measured it, by {} of {:.0f} s:\n", hardware,

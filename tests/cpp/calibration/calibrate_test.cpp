@@ -49,6 +49,14 @@ void add_noise(std::vector<Track>& tracks, std::uint64_t seed) {
   }
 }
 
+RobotProfile loaded_from(const std::string& yaml) {
+  const std::string file = (std::filesystem::temp_directory_path() / "threewe_fitted.yaml").string();
+  std::ofstream(file) << yaml;
+  RobotProfile profile = load_profile(file);
+  std::filesystem::remove(file);
+  return profile;
+}
+
 TEST_CASE("figures of a robot that is simulated as it is fitted are found, within their intervals") {
   for (const char* name : {"3we_standard_v2", "turtlebot_like"}) {
     CAPTURE(name);
@@ -75,6 +83,9 @@ TEST_CASE("figures of a robot that is simulated as it is fitted are found, withi
       if (profile.kinematics() == Kinematics::holonomic) {
         CHECK(found.profile.body.friction == doctest::Approx(truly.body.friction).epsilon(0.05));
         CHECK(found.profile.body.traction->shift == doctest::Approx(0.4).epsilon(0.1));
+        const RobotProfile written = loaded_from(to_yaml(name, found));
+        CHECK(written.body.traction->sideways == doctest::Approx(0.94).epsilon(0.01));
+        CHECK(written.odometry.lateral_scale_min == 1.0);  // what is measured is not drawn as well
       }
       // a second fit from the truth itself says what each figure would be
       const Calibration from_truth = fit(truly, twin, manoeuvres, tracks, Source::truth);
@@ -109,9 +120,7 @@ TEST_CASE("what wheels alone do not tell is said to be hardly told") {
 TEST_CASE("a calibration is a profile that loads, and drives as it was fitted") {
   const Calibration found = calibrate("mock", "turtlebot_like");
   CHECK(found.source == Source::truth);
-  const std::string file = (std::filesystem::temp_directory_path() / "threewe_fitted.yaml").string();
-  std::ofstream(file) << to_yaml("turtlebot_like", found);
-  const RobotProfile loaded = load_profile(file);
+  const RobotProfile loaded = loaded_from(to_yaml("turtlebot_like", found));
   REQUIRE(loaded.body.traction);
   CHECK(loaded.body.friction == doctest::Approx(found.profile.body.friction).epsilon(1e-4));
   CHECK(loaded.body.traction->load == doctest::Approx(found.profile.body.traction->load).epsilon(1e-4));
@@ -123,7 +132,6 @@ TEST_CASE("a calibration is a profile that loads, and drives as it was fitted") 
   CHECK(apart[0].farthest_pose < 1e-12);
   CHECK(apart[1].combined < 0.05);
   CHECK(scatter("mock", "turtlebot_like", 1'000'000, 2, Pace::abrupt).combined < 0.01);
-  std::filesystem::remove(file);
 }
 
 TEST_CASE("commands keep to their pace") {

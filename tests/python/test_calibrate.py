@@ -1,0 +1,65 @@
+"""The embedded simulator fitted to another robot, as users see it."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from importlib.util import find_spec
+from pathlib import Path
+
+import pytest
+import threewe
+import threewe.sync
+from threewe import _core
+from threewe._core import Pace
+from threewe.backend import known_backend
+
+FITTED = Path(threewe.asset_directories()[0]) / "calibration"
+
+needs_mujoco = pytest.mark.skipif(find_spec("mujoco") is None, reason="not shown: mujoco-core is not installed")
+
+
+@needs_mujoco
+@pytest.mark.parametrize("hardware", ["3we_standard_v2", "turtlebot_like"])
+def test_once_fitted_it_moves_as_mujoco_does(hardware: str) -> None:
+    profiles = [threewe.RobotProfile.load(name) for name in (hardware, str(FITTED / f"{hardware}_mujoco.yaml"))]
+    plain, fitted = _core.deviations(known_backend("mujoco"), hardware, profiles, 1_000_000, 4, Pace.operating)
+    assert fitted.linear < 0.05
+    assert fitted.angular < 0.05
+    assert fitted.pose < 0.03
+    assert fitted.combined < 0.7 * plain.combined
+
+
+@needs_mujoco
+def test_a_calibration_leaves_a_profile_that_a_robot_takes(tmp_path: Path) -> None:
+    file = tmp_path / "fitted.yaml"
+    found = threewe.calibrate("mujoco", "turtlebot_like", output=file)
+    assert found.source == "truth"
+    assert found.after.linear < 0.6 * found.before.linear
+    known = {figure.name: figure for figure in found.figures}
+    assert known["motor_lag"].told
+    assert known["motor_lag"].value == pytest.approx(0.0377, abs=0.001)  # as it was shipped
+    with threewe.sync.Robot(hardware=str(file)) as robot:
+        assert robot.move_to(x=1.0, y=0.3).success
+
+
+def test_a_standard_robot_with_a_measured_drive_arrives() -> None:
+    with threewe.sync.Robot(hardware=str(FITTED / "3we_standard_v2_mujoco.yaml")) as robot:
+        assert robot.move_to(x=2.0, y=1.0).success
+
+
+def test_mistakes_are_told(tmp_path: Path) -> None:
+    with pytest.raises(threewe.ConfigError, match=r"\.yaml"):
+        threewe.calibrate("mock", output=tmp_path / "fitted.txt")
+    with pytest.raises(threewe.ConfigError, match="did you mean 'mujoco'"):
+        threewe.calibrate("mujocco")
+
+
+def test_the_command_says_what_it_found(tmp_path: Path) -> None:
+    file = tmp_path / "mine.yaml"
+    words = ["calibrate", "--backend", "mock", "--hardware", "turtlebot_like", "-o", str(file)]
+    program = [sys.executable, "-c", "from threewe.cli import main; main()", *words]
+    done = subprocess.run(program, capture_output=True, text=True, check=True)
+    assert "motor_lag" in done.stdout
+    assert "linear velocity" in done.stdout
+    assert threewe.RobotProfile.load(str(file)).name == "mine"
