@@ -131,7 +131,7 @@ TEST_CASE("a calibration is a profile that loads, and drives as it was fitted") 
   CHECK(apart[0].combined < 1e-12);
   CHECK(apart[0].farthest_pose < 1e-12);
   CHECK(apart[1].combined < 0.05);
-  CHECK(scatter("mock", "turtlebot_like", 1'000'000, 2, Pace::abrupt).combined < 0.01);
+  CHECK(scatter("mock", "turtlebot_like", 1'000'000, 2, Pace::abrupt).combined < 0.03);  // its battery is emptier
 }
 
 TEST_CASE("commands keep to their pace") {
