@@ -1,4 +1,4 @@
-"""python -m verify [area ...] [--sample] [--count N] [--seed N] [--write-model]: runs areas, or lists them."""
+"""python -m verify [area ...] [--sample] [--count N] [--seed N] [--write-model] [--write PAGE]: runs or lists areas."""
 
 import argparse
 import importlib
@@ -19,7 +19,10 @@ def main() -> int:
     parser.add_argument("--count", type=int, help="so many cases of each experiment")
     parser.add_argument("--seed", type=int, help="draws the cases; by default from the commit")
     parser.add_argument("--write-model", action="store_true", help="slam: write the localisation model measured")
+    parser.add_argument("--write", type=Path, metavar="PAGE.md", help="put the rows into a page, between its two marks")
     options = parser.parse_args()
+    if options.write and len(options.areas) != 1:
+        parser.error("--write takes the rows of one area")
     if unknown := set(options.areas) - set(AREAS):
         parser.error(f"no area {', '.join(unknown)}; there are {', '.join(AREAS)}")
     if not options.areas and not options.sample:
@@ -37,6 +40,7 @@ def main() -> int:
             count=options.count,
             sample=options.sample,
             write_model=options.write_model,
+            page=options.write,
         )
     passed, failed, hidden = (statuses.count(status) for status in ("pass", "FAIL", "not shown"))
     print(f"\nverify: {passed} passed, {failed} failed" + (f", {hidden} skipped" if hidden else ""))

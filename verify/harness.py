@@ -176,13 +176,16 @@ def verify(
     count: int | None = None,
     sample: bool = False,
     write_model: bool = False,
+    page: Path | None = None,
 ) -> list[str]:
-    """Runs an area's experiments, writes a model where one is learned, and prints the rows; the status of each."""
+    """Runs an area's experiments, writes a model where one is learned, prints the rows and writes them into a page; the
+    status of each.
+    """
     commit, default_seed = revision()
     seed = default_seed if seed is None else seed
     print(f"\nverify {area}: commit {commit}, seed {seed}", flush=True)
     journal = Journal(ROOT / f"build/verify/{area}-{commit}-{seed}.jsonl")
-    statuses = []
+    judged = []
     for experiment in experiments:
         cases = run_cases(experiment, seed, count or (experiment.sample if sample else experiment.cases), journal)
         if not cases:  # too long for a sample
@@ -193,8 +196,30 @@ def verify(
         for row in experiment.rows:
             verdict = row.judge(shown, sample) if shown else Verdict(cases[0]["not_shown"], "", "not shown")
             print_row(f"{experiment.name}: {row.name}", verdict)
-            statuses.append(verdict.status)
-    return statuses
+            judged.append((experiment.name, row.name, verdict))
+    if page:
+        write_into(page, f"`./dev verify {area} --seed {seed}`, commit {commit}", judged)
+    return [verdict.status for _, _, verdict in judged]
+
+
+BEGINNING, END = "<!-- figures: begin -->\n", "<!-- figures: end -->"
+
+
+def write_into(page: Path, origin: str, judged: list[tuple[str, str, Verdict]]) -> None:
+    """Puts a table for each experiment between the two marks of a page, in place of what stands there."""
+    before, beginning, rest = page.read_text().partition(BEGINNING)
+    _, end, after = rest.partition(END)
+    if not (beginning and end):
+        raise ValueError(f"{page} has no two lines '{BEGINNING.strip()}' and '{END}'")
+    lines = [f"From {origin}.", ""]
+    for name in dict.fromkeys(experiment for experiment, _, _ in judged):
+        lines += [f"**{name}**", "", "| | figure | target | 95 % |", "|---|---|---|---|"]
+        for _, row, verdict in (one for one in judged if one[0] == name):
+            missed = " **missed**" if verdict.status == "FAIL" else ""
+            figure = verdict.figure if verdict.status != "not shown" else f"not shown: {verdict.figure}"
+            lines.append(f"| {row} | {figure}{missed} | {verdict.target} | {verdict.interval} |")
+        lines.append("")
+    page.write_text(before + BEGINNING + "\n".join(lines) + END + after)
 
 
 def print_row(name: str, verdict: Verdict) -> None:

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import re
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 from verify.cases.localization import ROOT, Track, fit, imitation
 from verify.cases.trajectories import absolute_error, chi_squared, honest_covariance
-from verify.harness import all_of, ratio_of, share_of, wilson
+from verify.harness import Verdict, all_of, ratio_of, share_of, wilson, write_into
 
 
 def test_wilson_is_exact_at_its_ends() -> None:
@@ -118,3 +119,23 @@ def test_a_covariance_may_be_neither_too_small_nor_too_large(nees: float, status
 def test_how_far_off_a_drive_may_be(scene: str, randomization: str, rmse: float, status: str) -> None:
     case = {"rmse": rmse, "rmse_heading": 0.0, "worst": rmse, "driven": 200.0}
     assert absolute_error(scene, randomization).judge([case] * 3, False).status == status
+
+
+def test_figures_are_written_between_their_marks_and_again(tmp_path: Path) -> None:
+    page = tmp_path / "page.md"
+    page.write_text("# Title\n\n<!-- figures: begin -->\nold\n<!-- figures: end -->\n\nThe rest.\n")
+    judged = [
+        ("one", "reached", Verdict("9/10", ">= 95 %", "FAIL", "[60 %, 98 %]")),
+        ("two", "speed", Verdict("3", "", "pass")),
+    ]
+    for _ in range(2):
+        write_into(page, "here", judged)
+        text = page.read_text()
+        assert text.startswith("# Title\n\n<!-- figures: begin -->\nFrom here.\n")
+        assert text.endswith("<!-- figures: end -->\n\nThe rest.\n")
+        assert "| reached | 9/10 **missed** | >= 95 % | [60 %, 98 %] |" in text
+        assert "old" not in text
+        assert text.count("**two**") == 1
+    page.write_text("no marks")
+    with pytest.raises(ValueError, match="figures: begin"):
+        write_into(page, "here", judged)
