@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
+import math
 import subprocess
 import sys
+from collections.abc import Iterable
 from importlib.util import find_spec
 from pathlib import Path
 
 import pytest
 import threewe
 import threewe.sync
-from threewe import _core
+from threewe import Velocity, _core
 from threewe._core import Pace
-from threewe.backend import known_backend
+from threewe.backend import Reading, known_backend, register_backend
+from toy_backend import QuietBackend
 
 FITTED = Path(threewe.asset_directories()[0]) / "calibration"
 
@@ -63,3 +66,25 @@ def test_the_command_says_what_it_found(tmp_path: Path) -> None:
     assert "motor_lag" in done.stdout
     assert "linear velocity" in done.stdout
     assert threewe.RobotProfile.load(str(file)).name == "mine"
+
+
+class LaggingBackend(QuietBackend):
+    """A robot that tells no truth, and obeys with a lag of 50 ms."""
+
+    lagging = Velocity()
+
+    def step(self, t: float, velocity: Velocity) -> Iterable[Reading]:
+        share = 1.0 - math.exp(-(t - self.now) / 0.05)
+        pairs = zip(self.lagging, velocity, strict=True)
+        self.lagging = Velocity(*(was + share * (told - was) for was, told in pairs))
+        return super().step(t, self.lagging)
+
+
+def test_a_robot_without_truth_is_calibrated_by_its_wheels_and_gyro() -> None:
+    register_backend("lagging", LaggingBackend)
+    found = threewe.calibrate("lagging")
+    known = {figure.name: figure for figure in found.figures}
+    assert found.source == "sensors"
+    assert known["motor_lag"].value == pytest.approx(0.05, abs=0.01)
+    assert known["traction.turning_lag"].value == pytest.approx(0.05, abs=0.01)
+    assert found.after.combined < 0.5 * found.before.combined
