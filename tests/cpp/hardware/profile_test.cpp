@@ -140,6 +140,29 @@ TEST_CASE("every profile loads, and brakes within friction") {
   }
 }
 
+TEST_CASE("how wheels pull that slip freely is told by a profile, or not") {
+  CHECK_FALSE(load_profile("3we_standard_v2").body.traction);
+  const std::string lag = "  motor_lag: 0.03 ";
+  const std::string traction =
+      "  traction: {ahead: 0.99, turning: 0.98, turning_lag: 0.005, load: 1, mass_height: 0.08, sideways: 0.97, shift: "
+      "0.5, shift_speed: 0.6}\n" +
+      lag;
+  const RobotProfile fitted = load_profile(break_profile(lag, traction).file);
+  REQUIRE(fitted.body.traction);
+  CHECK(fitted.body.traction->sideways == 0.97);
+  CHECK(fitted.body.traction->turning_lag == 5ms);
+  CHECK(fitted.body.traction->shift_speed == 0.6);
+
+  const auto says = [&](const std::string& from, const std::string& to) {
+    std::string wrong = traction;
+    wrong.replace(wrong.find(from), from.size(), to);
+    return error_of(break_profile(lag, wrong).file);
+  };
+  CHECK(says("load: 1", "lode: 1").find("missing field 'load'") != std::string::npos);
+  CHECK(says("ahead: 0.99", "ahead: 99").find("outside [0.5, 1.5]") != std::string::npos);
+  CHECK(says("shift_speed: 0.6", "shift_speed: 0.6, shiver: 1").find("unknown field 'shiver'") != std::string::npos);
+}
+
 TEST_CASE("an unknown profile names the nearest") {
   try {
     load_profile("3we_standart_v2");
