@@ -19,9 +19,13 @@ Knob of_traction(const char* name, double low, double high, double doubt, double
 
 // [m] of the middle of a footprint ahead of the base
 double middle(const Footprint& footprint) {
-  const auto ahead = [](Vec2 corner) { return corner.x; };
-  const auto [rear, front] = std::ranges::minmax(footprint.corners(), {}, ahead);
-  return 0.5 * (rear.x + front.x);
+  double rear = footprint.corners().front().x;
+  double front = rear;
+  for (const Vec2 corner : footprint.corners()) {
+    rear = std::min(rear, corner.x);
+    front = std::max(front, corner.x);
+  }
+  return 0.5 * (rear + front);
 }
 
 // What casters leave to the driven wheels of a weight in the middle of the footprint.

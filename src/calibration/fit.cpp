@@ -15,6 +15,7 @@ using Eigen::VectorXd;
 
 constexpr int kRows = 3;  // of a period: vx, vy, omega
 constexpr int kMostIterations = 30;
+constexpr int kMostAttempts = 16;    // of an iteration, each damped four times as much as the one before
 constexpr double kConverged = 1e-5;  // of the sum of squares
 constexpr double kNudge = 1e-3;      // of a figure's doubt, for its derivative
 
@@ -136,7 +137,7 @@ Optimum minimise(const Misfit& misfit) {
         best.jacobian.transpose() * best.residuals + best.prior.cwiseProduct(best.x - misfit.assumed());
     const double before = cost(best.x, best.residuals);
     double gained = 0.0;
-    for (; damping < 1e6 && gained == 0.0; damping *= 4.0) {
+    for (int attempt = 0; attempt < kMostAttempts && gained == 0.0; ++attempt) {
       const MatrixXd damped = curvature + damping * MatrixXd(curvature.diagonal().asDiagonal());
       const VectorXd x = misfit.within_bounds(best.x - damped.ldlt().solve(slope));
       const VectorXd residuals = misfit.residuals(x);
@@ -145,6 +146,7 @@ Optimum minimise(const Misfit& misfit) {
         best.x = x;
         best.residuals = residuals;
       }
+      damping *= 4.0;
     }
     damping = std::max(damping / 16.0, 1e-9);
     if (gained < kConverged) break;
