@@ -5,7 +5,7 @@ import statistics
 from collections.abc import Callable
 
 from verify.cases.transfer import OTHER, drive_on_both, motion, policy_on_both
-from verify.harness import Case, Experiment, Row, Verdict, mean_of, ratio_of, share_of, wilson, worst_of
+from verify.harness import Case, Experiment, Row, Verdict, ratio_of, share_of, student, wilson, worst_of
 from verify.learning import told
 
 STATIC = ["office_v2", "apartment_v1", "corridor_v1", "warehouse_v1", "cluttered_v1", "outdoor_v1"]
@@ -18,6 +18,23 @@ EPISODES = 60  # of each policy
 def of_motion(pace: str, profile: str, figure: str) -> Callable[[Case], float]:
     """One figure of a case of motion."""
     return lambda case: float(case[pace][profile][figure])
+
+
+def mean_share(name: str, value: Callable[[Case], float], *, at_most: float) -> Row:
+    """The mean over the cases is at most so much, with its 95 % interval."""
+
+    def judge(cases: list[Case], sample: bool) -> Verdict:
+        wanted = f"<= {at_most:.0%}"
+        if any("error" in case for case in cases):
+            return Verdict("cases broke", wanted, "FAIL")
+        values = [value(case) for case in cases]
+        mean = statistics.fmean(values)
+        deviation = statistics.stdev(values) if len(values) > 1 else math.inf
+        spread = student(len(values) - 1) * deviation / math.sqrt(len(values))
+        status = "pass" if (mean - spread if sample else mean) <= at_most else "FAIL"
+        return Verdict(f"{mean:.2%}", wanted, status, f"[{max(mean - spread, 0.0):.2%}, {mean + spread:.2%}]")
+
+    return Row(name, judge)
 
 
 def beside_each_other(pace: str, figure: str) -> Row:
@@ -58,9 +75,9 @@ EXPERIMENTS = [
             cases=4,
             sample=1 if hardware == "turtlebot_like" else 0,
             rows=[
-                mean_of("linear velocity apart", of_motion("operating", "fitted", "linear"), at_most=0.05),
-                mean_of("angular velocity apart", of_motion("operating", "fitted", "angular"), at_most=0.05),
-                mean_of("final poses apart", of_motion("operating", "fitted", "pose"), at_most=0.03),
+                mean_share("linear velocity apart", of_motion("operating", "fitted", "linear"), at_most=0.05),
+                mean_share("angular velocity apart", of_motion("operating", "fitted", "angular"), at_most=0.05),
+                mean_share("final poses apart", of_motion("operating", "fitted", "pose"), at_most=0.03),
                 worst_of("the worst of them", of_motion("operating", "fitted", "farthest_pose"), at_most=0.05),
                 *(beside_each_other(pace, figure) for pace in PACES for figure in ("linear", "angular", "combined")),
                 *(
