@@ -35,7 +35,7 @@ void init_calibration(nb::module_& m) {
       .def_ro("figures", &Calibration::figures, "what was fitted")
       .def_prop_ro(
           "source", [](const Calibration& c) { return std::string(to_string(c.source)); },
-          "\"truth\" where a simulator tells how its body moves, \"sensors\" where wheels and gyro do")
+          R"("truth" where a simulator tells how its body moves, "sensors" where wheels and gyro do)")
       .def_ro("seconds", &Calibration::seconds, "[s] of robot time driven")
       .def_ro("before", &Calibration::before, "of the manoeuvres, by the profile as it was; their poses mean little")
       .def_ro("after", &Calibration::after, "the same by the fitted one");

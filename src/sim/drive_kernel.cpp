@@ -192,6 +192,19 @@ HWY_INLINE VelocityOf<V> where(Mask mask, const VelocityOf<V>& yes, const Veloci
           lanes::where(mask, yes.omega, no.omega)};
 }
 
+// Of those whose wheels spin freely once they slip: what became of wheels and body, in place of what is there.
+HWY_INLINE void pull_freely(const Constants& constants, const formulae::GivenOf<V>& given, V lateral,
+                            const VelocityOf<V>& command, const VelocityOf<V>& carried, formulae::WheelsOf<V>& wheels,
+                            VelocityOf<V>& rolling, VelocityOf<V>& after) {
+  const auto& drive = constants.drive;
+  const formulae::PulledOf<V> pulled = formulae::pull_body(drive, constants.pull, given, lateral, command, carried);
+  const auto own = constants.pull.present != lanes::number<V>(0.0);
+  const VelocityOf<V> spun = formulae::rolling_velocity(drive.roll, drive.roll_turn, drive.sideways, pulled.wheels);
+  for (std::size_t i = 0; i < 4; ++i) wheels.at[i] = lanes::where(own, pulled.wheels.at[i], wheels.at[i]);
+  rolling = where(own, spun, rolling);
+  after = where(own, pulled.body, after);
+}
+
 HWY_INLINE void drive_group(const Group& group, const Constants& constants) {
   const auto& [drive, pull, pulls, battery] = constants;
   const V seconds = lanes::number<V>(to_seconds(kStep));
@@ -251,13 +264,8 @@ HWY_INLINE void drive_group(const Group& group, const Constants& constants) {
   rolling.vy = rolling.vy * lateral;
   VelocityOf<V> after = formulae::grip(drive.turn_weight, given, carried, rolling);
   if (pulls) {
-    const formulae::PulledOf<V> pulled = formulae::pull_body(
-        drive, pull, {response, turn_response, stall_change, given, supply, shares}, lateral, command, carried);
-    const auto own = pull.present != lanes::number<V>(0.0);
-    const VelocityOf<V> spun = formulae::rolling_velocity(drive.roll, drive.roll_turn, drive.sideways, pulled.wheels);
-    for (std::size_t i = 0; i < 4; ++i) wheels.at[i] = lanes::where(own, pulled.wheels.at[i], wheels.at[i]);
-    rolling = where(own, spun, rolling);
-    after = where(own, pulled.body, after);
+    pull_freely(constants, {response, turn_response, stall_change, given, supply, shares}, lateral, command, carried,
+                wheels, rolling, after);
   }
   for (std::size_t i = 0; i < 4; ++i) angles.at[i] = angles.at[i] + seconds * wheels.at[i];
   scatter(group.next_states, offsetof(RobotState, wheel_speeds), wheels.at[0], wheels.at[1], wheels.at[2],

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <numbers>
 #include <utility>
 
 #include "threewe/core/rng.hpp"
@@ -69,7 +70,8 @@ std::pair<Velocity, WheelSpeeds> pull(const RobotProfile& profile, const Tractio
       } else {
         load -= per_gain / 0.081 * gained.vx;  // the turtle's caster
       }
-      const double holds = floor * traction.grip_change * std::clamp(load, 0.0, 2.0) / (mecanum ? std::sqrt(2.0) : 1.0);
+      const double holds =
+          floor * traction.grip_change * std::clamp(load, 0.0, 2.0) / (mecanum ? std::numbers::sqrt2 : 1.0);
       pushes[wheel] = std::clamp(wanted[wheel], -holds, holds);
       next.vx += pushes[wheel] / count;
       next.vy += mecanum ? kAcross[wheel] * pushes[wheel] / count : 0.0;
@@ -175,10 +177,10 @@ TEST_CASE("on a floor that holds, the body follows with the motors' lag") {
 TEST_CASE("a mecanum wheel that slips pushes with its friction, along its roller") {
   const RobotProfile profile = lossless("3we_standard_v2", 0.2);
   const double pushed = 0.2 * kGravity * 0.01;  // of the whole weight, in a step
-  CHECK(after_steps(profile, {0.5, 0.0, 0.0}, 1).vx == doctest::Approx(pushed / std::sqrt(2.0)));
+  CHECK(after_steps(profile, {0.5, 0.0, 0.0}, 1).vx == doctest::Approx(pushed / std::numbers::sqrt2));
   // straight along a diagonal two wheels push, and two roll
   const Velocity diagonal = after_steps(profile, {0.4, 0.4, 0.0}, 1);
-  CHECK(diagonal.vx == doctest::Approx(0.5 * pushed / std::sqrt(2.0)));
+  CHECK(diagonal.vx == doctest::Approx(0.5 * pushed / std::numbers::sqrt2));
   CHECK(diagonal.vy == doctest::Approx(diagonal.vx));
 }
 
