@@ -1,7 +1,7 @@
 """Drives to sampled goals in places that the robot has never seen; explores; listens to no simulator's lies."""
 
 from verify.cases.doorways import through_a_doorway
-from verify.cases.driving import arrived, drive, drive_in_vain, drives_in_a_map, explore
+from verify.cases.driving import arrived, drive, drive_in_vain, drives_in_a_map, explore, tells_the_truth
 from verify.cases.journey import lies
 from verify.cases.people import among_people, ratio
 from verify.harness import Experiment, all_of, mean_of, ratio_of, share_of, worst_of
@@ -63,7 +63,8 @@ EXPERIMENTS = [
             sample=1,
             rows=[
                 share_of("no_path", lambda case: case["reason"] == "no_path", at_least=0.95),
-                all_of("never reached", lambda case: case["reason"] != "reached"),
+                # it may creep where grids of 5 cm see no way
+                all_of("never reached, unless it truly is there", tells_the_truth),
                 worst_of("contact by its own motion [m/s]", lambda case: case["contact_speed"], at_most=0.05),
             ],
         )

@@ -23,20 +23,28 @@ constexpr double kMoved = 0.06;           // [m] ... or turned by kMovedTurn
 constexpr double kMovedTurn = 0.3;        // [rad]
 constexpr Duration kProof = 2500ms;       // for so long no plan may exist before it is believed
 constexpr Duration kLostPatience = 8s;    // after having looked round
-constexpr int kSqueezeFrom = 3;           // which time in one place it creeps on instead of avoiding the place
 constexpr double kZoneReaction = 0.2;     // [s] from a command to its effect, and some for doubts about the pose
 constexpr double kPersonRadius = 0.2;     // [m]
 constexpr double kBorderSpacing = 0.02;   // [m] between points on the border of a zone ...
 constexpr double kBorderSight = 2.5;      // [m] ... that are so near
 constexpr Duration kMapPatience = 1s;     // how long to wait for a first scan
 
+// [m] Robots move along x, so that this passes where they pass.
+double half_width(const RobotProfile& profile) {
+  double most = 0.0;
+  for (const Vec2 c : profile.body.footprint.corners()) most = std::max(most, std::fabs(c.y));
+  return most;
+}
+
+// Which time in one place a robot creeps on instead of avoiding the place: sooner where it sees what is beside it.
+int squeeze_from(const RobotProfile& profile) {
+  return profile.lidar && profile.lidar->range_min < half_width(profile) ? 2 : 3;
+}
+
 map::Costmap::Settings costmap_settings(const RobotProfile& profile) {
-  // robots move along x, so that half their width passes where they pass
-  double half_width = 0.0;
-  for (const Vec2 c : profile.body.footprint.corners()) half_width = std::max(half_width, std::fabs(c.y));
   const double spare = profile.lidar ? 0.01 : 0.04;  // echoes are less exact
   map::Costmap::Settings s;
-  s.lethal_radius = std::max(profile.body.footprint.inscribed_radius(), half_width) + spare;
+  s.lethal_radius = std::max(profile.body.footprint.inscribed_radius(), half_width(profile)) + spare;
   s.caution_radius = s.lethal_radius + (profile.lidar ? 0.25 : 0.35);
   s.near_weight = profile.lidar ? 16 : 32;
   return s;
@@ -59,6 +67,7 @@ PathNavigator::PathNavigator(const RobotProfile& profile)
       limits_(profile.operating_limits),
       body_radius_(profile.body.footprint.circumscribed_radius()),
       margin_(profile.margin()),
+      squeeze_from_(squeeze_from(profile)),
       tracker_(profile),
       recovery_(profile.kinematics(), !profile.lidar),
       passage_(profile) {
@@ -318,7 +327,7 @@ Decision PathNavigator::get_unstuck() {
   if (recovery_.state() == Recovery::State::given_up) return finish(Reason::blocked, recovery_.reason());
   const bool exploring = std::holds_alternative<Explore>(goal_);
   const bool end_too = exploring && recovery_.attempts() >= 2;
-  const bool again = lidar_ && !exploring && recovery_.attempts() >= kSqueezeFrom;
+  const bool again = lidar_ && !exploring && recovery_.attempts() >= squeeze_from_;
   const bool tight = again && route_.squeeze_ahead(progress_.pose.position());
   if (!tight && !tracker_.trapped() && route_.avoid_ahead(end_too)) recovery_.forget_attempts();
   route_.drop();

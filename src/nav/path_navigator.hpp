@@ -79,6 +79,7 @@ class PathNavigator final : public Navigator {
   Limits limits_;
   double body_radius_;  // [m] of a disc around the body
   double margin_;       // [m] that the safety gate keeps free
+  int squeeze_from_;    // which time in one place it creeps on
   std::vector<map::Zone> zones_;
   Tracker tracker_;
   Recovery recovery_;
