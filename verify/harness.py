@@ -68,15 +68,23 @@ def share_of(name: str, holds: Callable[[Case], bool], *, at_least: float) -> Ro
 
     def judge(cases: list[Case], sample: bool) -> Verdict:
         hits = sum("error" not in case and holds(case) for case in cases)
-        share = hits / len(cases)
-        low, high = wilson(hits, len(cases))
-        # a sample fails only when it contradicts the claim, and of some hundred rows one does by chance at 95 %
-        possible = wilson(hits, len(cases), SURELY)[1]
-        passed = (possible if sample else share) >= at_least
-        figure = f"{hits}/{len(cases)} = {share:.1%}"
-        return Verdict(figure, f">= {at_least:.1%}", "pass" if passed else "FAIL", f"[{low:.1%}, {high:.1%}]")
+        return verdict_on_share(hits, len(cases), at_least, sample)
 
     return Row(name, judge)
+
+
+def verdict_on_share(hits: int, count: int, at_least: float, sample: bool) -> Verdict:
+    """Of a sample: whether it contradicts the claim."""
+    low, high = wilson(hits, count)
+    passed = chance_of_so_few(hits, count, at_least) >= BY_CHANCE if sample else hits >= at_least * count
+    status = "pass" if passed else "FAIL"
+    return Verdict(f"{hits}/{count} = {hits / count:.1%}", f">= {at_least:.1%}", status, f"[{low:.1%}, {high:.1%}]")
+
+
+def chance_of_so_few(hits: int, count: int, share: float) -> float:
+    """That of so many no more succeed, when a share of all does: the binomial's tail, exact where the share is near 1
+    and intervals made of deviations are far too narrow."""
+    return sum(math.comb(count, k) * share**k * (1.0 - share) ** (count - k) for k in range(hits + 1))
 
 
 def all_of(name: str, holds: Callable[[Case], bool]) -> Row:
@@ -102,8 +110,8 @@ def worst_of(name: str, value: Callable[[Case], float], **target: float) -> Row:
     return _figure(name, value, min if "at_least" in target else max, "worst", target)
 
 
-SURELY = 3.29
-"""Deviations that one figure in a thousand is beyond by chance."""
+BY_CHANCE = 0.0005
+"""A sample fails only when what it shows has less than this chance: it has some hundred rows."""
 
 
 def student(freedom: int) -> float:

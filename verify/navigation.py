@@ -85,7 +85,7 @@ EXPERIMENTS = [
         for hardware, spare, enough, sample in [
             ("3we_standard_v2", 0.05, 0.97, 8),
             ("3we_standard_v2", 0.1, 0.97, 4),
-            ("turtlebot_like", 0.07, 0.75, 4),
+            ("turtlebot_like", 0.07, 0.9, 4),
         ]
     ),
     *(

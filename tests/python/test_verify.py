@@ -10,7 +10,16 @@ import pytest
 
 from verify.cases.localization import ROOT, Track, fit, imitation
 from verify.cases.trajectories import absolute_error, chi_squared, honest_covariance
-from verify.harness import Verdict, all_of, ratio_of, share_of, wilson, write_into
+from verify.harness import (
+    BY_CHANCE,
+    Verdict,
+    all_of,
+    chance_of_so_few,
+    ratio_of,
+    share_of,
+    wilson,
+    write_into,
+)
 
 
 def test_wilson_is_exact_at_its_ends() -> None:
@@ -22,6 +31,19 @@ def test_wilson_is_exact_at_its_ends() -> None:
 def test_wilson_as_published() -> None:
     # Newcombe 1998, table I: 81 of 263
     assert wilson(81, 263) == pytest.approx((0.2553, 0.3662), abs=1e-4)
+
+
+def test_a_claim_that_just_holds_fails_in_a_sample_as_seldom_as_said() -> None:
+    draw = np.random.default_rng(8)
+    for share, count in [(0.995, 50), (0.95, 20), (0.97, 200)]:
+        hits = draw.binomial(count, share, 200_000)
+        for few in range(count - 6, count + 1):
+            assert np.mean(hits <= few) == pytest.approx(chance_of_so_few(few, count, share), abs=0.003)
+        row = share_of("most", lambda case: case["right"], at_least=share)
+        statuses = np.array(
+            [row.judge([{"right": i < n} for i in range(count)], True).status == "FAIL" for n in range(count + 1)]
+        )
+        assert 0 < np.mean(statuses[hits]) < BY_CHANCE
 
 
 @pytest.mark.parametrize("count", range(1, 60))

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator
 from typing import Any
 
 from verify.cases.trees import PROGRAMS
-from verify.harness import SURELY, Case, Row, Verdict, wilson
+from verify.harness import Case, Row, Verdict, verdict_on_share
 
 AT_ONCE = 50  # of one place
 
@@ -39,15 +39,10 @@ def share_of_drives(name: str, holds: Callable[[dict[str, Any]], bool], *, at_le
     """The share of drives, not of cases, in which something holds."""
 
     def judge(cases: list[Case], sample: bool) -> Verdict:
-        target = f">= {at_least:.1%}"
         if any("error" in case for case in cases):
-            return Verdict("cases broke", target, "FAIL")
+            return Verdict("cases broke", f">= {at_least:.1%}", "FAIL")
         found = [holds(drive) for drive in drives(cases)]
-        hits, count = sum(found), len(found)
-        low, high = wilson(hits, count)
-        passed = (wilson(hits, count, SURELY)[1] if sample else hits / count) >= at_least
-        figure = f"{hits}/{count} = {hits / count:.1%}"
-        return Verdict(figure, target, "pass" if passed else "FAIL", f"[{low:.1%}, {high:.1%}]")
+        return verdict_on_share(sum(found), len(found), at_least, sample)
 
     return Row(name, judge)
 

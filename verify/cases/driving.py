@@ -91,8 +91,8 @@ def arrived(case: dict[str, Any]) -> bool:
 
 
 def tells_the_truth(case: dict[str, Any]) -> bool:
-    """It says that it is there only where it is, to within a grid's cell."""
-    return bool(case["reason"] != "reached" or case["true_distance"] <= TOLERANCE + 0.05)
+    """It says that it is there only where it is."""
+    return bool(case["reason"] != "reached" or case["true_distance"] <= TOLERANCE)
 
 
 def drive_in_vain(seed: int, scene: str, hardware: str) -> dict[str, Any]:
