@@ -76,7 +76,7 @@ def share_of(name: str, holds: Callable[[Case], bool], *, at_least: float) -> Ro
 def verdict_on_share(hits: int, count: int, at_least: float, sample: bool) -> Verdict:
     """Of a sample: whether it contradicts the claim."""
     low, high = wilson(hits, count)
-    passed = chance_of_so_few(hits, count, at_least) >= BY_CHANCE if sample else hits >= at_least * count
+    passed = chance_of_so_few(hits, count, at_least) >= BY_CHANCE if sample else hits / count >= at_least
     status = "pass" if passed else "FAIL"
     return Verdict(f"{hits}/{count} = {hits / count:.1%}", f">= {at_least:.1%}", status, f"[{low:.1%}, {high:.1%}]")
 

@@ -101,9 +101,8 @@ Deviation scatter(std::string_view backend, const std::string& hardware, std::ui
     manoeuvre.commands.insert(manoeuvre.commands.begin(), kSecond, Velocity{});
     manoeuvre.commands.insert(manoeuvre.commands.begin(), kSecond, kCrawl);
   }
-  std::vector<Track> tracks = drive(*world, sequences);
+  const std::vector<Track> tracks = drive(*world, sequences);
   std::vector<Track> again = drive(*world, later);
-  for (Track& track : tracks) track.poses.clear();
   for (Track& track : again) {
     track.poses.clear();
     track.velocities.erase(track.velocities.begin(), track.velocities.begin() + 2 * kSecond);

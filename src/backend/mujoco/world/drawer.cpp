@@ -222,8 +222,7 @@ void Drawer::add(mjtGeom type, const Vec3& half, const Transform& pose, std::int
 
 Transform Drawer::base(std::size_t robot) const {
   const int body = mj_.mj_name2id(model_.get(), mjOBJ_BODY, (robot_name(robot) + "/base_link").c_str());
-  const double* q = data_->qpos + model_->jnt_qposadr[model_->body_jntadr[body]];
-  return {{q[0], q[1], q[2]}, {q[3], q[4], q[5], q[6]}};
+  return placement(data_->qpos + model_->jnt_qposadr[model_->body_jntadr[body]]);
 }
 
 void Drawer::add_solid(const sim::VisibleSolid& visible, const exports::Color& color) {

@@ -40,6 +40,10 @@ std::vector<exports::PlacedRobot> placed(const sim::Model& world) {
 
 std::string robot_name(std::size_t robot) { return fmt::format("robot_{}", robot); }
 
+Transform placement(const double* qpos) {
+  return {{qpos[0], qpos[1], qpos[2]}, {qpos[3], qpos[4], qpos[5], qpos[6]}};
+}
+
 Physics::Physics(std::shared_ptr<const sim::Model> world) : mj_(library()), world_(std::move(world)) {
   const ErrorsThrown errors;
   const std::vector<exports::PlacedRobot> robots = placed(*world_);
@@ -191,10 +195,7 @@ void Physics::lead(std::span<const sim::PersonState> people) {
   }
 }
 
-Transform Physics::base(std::size_t robot) const {
-  const double* q = data_->qpos + robots_[robot].qpos;
-  return {{q[0], q[1], q[2]}, {q[3], q[4], q[5], q[6]}};
-}
+Transform Physics::base(std::size_t robot) const { return placement(data_->qpos + robots_[robot].qpos); }
 
 Pose2D Physics::pose(std::size_t robot) const {
   const auto [position, rotation] = base(robot);

@@ -40,6 +40,8 @@ struct Passage {
 
 /// The name of a robot in the model.
 std::string robot_name(std::size_t robot);
+/// Where the seven numbers of a free joint put its body.
+Transform placement(const double* qpos);
 
 class Physics {
  public:
