@@ -1,7 +1,15 @@
 """Drives to sampled goals in places that the robot has never seen; explores; listens to no simulator's lies."""
 
 from verify.cases.doorways import through_a_doorway
-from verify.cases.driving import arrived, drive, drive_in_vain, drives_in_a_map, explore, tells_the_truth
+from verify.cases.driving import (
+    arrived,
+    drive,
+    drive_in_vain,
+    drives_in_a_map,
+    explore,
+    explore_together,
+    tells_the_truth,
+)
 from verify.cases.journey import lies
 from verify.cases.people import among_people, ratio
 from verify.harness import Experiment, all_of, mean_of, ratio_of, share_of, worst_of
@@ -131,6 +139,17 @@ EXPERIMENTS = [
             ],
         )
         for scene in ("office_v2", "apartment_v1", "warehouse_v1")
+    ),
+    *(
+        Experiment(
+            f"two {whom} explore office_v2",
+            explore_together,
+            {"scene": "office_v2", "strangers": whom == "strangers"},
+            cases=60,
+            sample=2,
+            rows=[worst_of("contact by their own motion [m/s]", lambda case: case["contact_speed"], at_most=0.05)],
+        )
+        for whom in ("robots that share a map frame", "strangers")
     ),
     Experiment(
         "people in dynamic_v1",

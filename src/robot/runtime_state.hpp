@@ -93,6 +93,7 @@ struct Runtime::Impl {
 
   // act
   safety::GateOutput gated(Time now);
+  std::vector<Vec2> with_approaching(Time now) const;
   Velocity request();
   Velocity wait_for(const SensorHealth& sensor);
   Velocity steer();

@@ -60,11 +60,33 @@ safety::GateOutput Runtime::Impl::gated(Time now) {
   constexpr double kNear = 0.5;  // [m], farther than anybody creeps within a few periods
   const Pose2D& base = state->estimate.odom_from_base;
   const std::span<const Vec2> seen = obstacles_in_odom();
-  if (!motion || !motion->decision.creeping)
-    return safety::gate(gate_model, state->gate, state->requested, seen, now, base);
+  if (!motion || !motion->decision.creeping) {
+    const std::vector<Vec2> expected = motion ? with_approaching(now) : std::vector<Vec2>();
+    return safety::gate(gate_model, state->gate, state->requested, expected.empty() ? seen : expected, now, base);
+  }
   const Vec2 lidar = base * port.profile().lidar->base_from_lidar.position();
   const std::vector<Vec2> hits = map::smoothed_near(base.position(), kNear, seen, lidar);
   return safety::gate(creeping_gate, state->gate, state->requested, hits, now, base);
+}
+
+// What is in the way, and what comes nearer as it will be when the robot has come to a stop: two robots that meet would
+// each stop short of where the other was (ISO 13855:2010, 6.1, counts on what approaches likewise). Nothing where
+// nothing comes nearer.
+std::vector<Vec2> Runtime::Impl::with_approaching(Time now) const {
+  if (state->tracker.approaching().empty()) return {};
+  const std::span<const Vec2> seen = obstacles_in_odom();
+  std::vector<Vec2> expected(seen.begin(), seen.end());
+  const Vec2 robot = state->estimate.odom_from_base.position();
+  const double nearest = gate_model.footprint.inscribed_radius();
+  const Velocity& last = state->gate.last();
+  const double stopping =
+      to_seconds(gate_model.reaction) + std::hypot(last.vx, last.vy) / gate_model.limits.linear_braking;
+  for (const nav::Approaching& it : state->tracker.approaching()) {
+    const Vec2 d = robot - it.position;
+    const double way = std::min(it.speed * (stopping + to_seconds(now - it.seen)), norm(d) - nearest);
+    if (way > 0.0) expected.push_back(it.position + (way / norm(d)) * d);
+  }
+  return expected;
 }
 
 // A motion owns the robot; without one, a velocity that was asked for holds until it expires.

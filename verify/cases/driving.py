@@ -1,11 +1,12 @@
 """What the areas that drive have in common: one sampled episode, driven and judged by the truth."""
 
 import asyncio
+import itertools
 import math
 import random
 from typing import Any
 
-from threewe import CoverageMeter, OccupancyGrid, Pose2D, Robot, RobotProfile, Scene, SceneTables, TickView
+from threewe import CoverageMeter, OccupancyGrid, Pose2D, Robot, RobotProfile, Scene, SceneTables, TickView, World
 from threewe.benchmark import nearest_frontier, optimist, spl
 
 TOLERANCE = 0.1  # [m] of drives in vain
@@ -161,6 +162,27 @@ def explore(seed: int, scene: str) -> dict[str, Any]:
                 "contact_speed": truth.max_collision_speed(),
                 "reference_seconds": reference.duration,
                 "reference_coverage": reference.coverage,
+            }
+
+    return asyncio.run(run())
+
+
+def explore_together(seed: int, scene: str, strangers: bool) -> dict[str, Any]:
+    """Two robots explore at once, from starts near one another; strangers know of one another what they see."""
+    profile = RobotProfile.load("3we_standard_v2")
+    tables = SceneTables(Scene.load(scene), profile)
+    first = tables.sample_free_pose(seed)
+    candidates = (tables.sample_free_pose(seed + 1000 * k) for k in itertools.count(1))
+    starts = [first, next(pose for pose in candidates if 0.6 < math.hypot(pose.x - first.x, pose.y - first.y) < 3.0)]
+
+    async def run() -> dict[str, Any]:
+        initial = [] if strangers else starts
+        async with World(scene=scene, seed=seed, start_poses=starts, initial_poses=initial) as world:
+            truths = [robot.simulation for robot in world.robots]
+            await asyncio.gather(*(robot.explore(timeout=400.0) for robot in world.robots))
+            return {
+                "contact_speed": max(truth.max_collision_speed() for truth in truths if truth),
+                "driven": sum(truth.distance_driven() for truth in truths if truth),
             }
 
     return asyncio.run(run())
