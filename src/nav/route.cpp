@@ -14,7 +14,7 @@ namespace threewe::nav {
 namespace {
 
 constexpr double kWaypointPassed = 0.15;   // [m]
-constexpr std::uint16_t kMinFrontier = 8;  // [cells] smaller frontiers are not worth a drive
+constexpr std::uint16_t kMinFrontier = 6;  // [cells] smaller frontiers are not worth a drive
 constexpr double kHorizon = 4.0;           // [m] plans end so far outside of the map: all is unknown there
 constexpr double kBetter = 0.85;           // a new path replaces an open one when it costs less than this share of it
 constexpr double kWithin = 0.05;           // [m] a path must end so much within the tolerance
