@@ -326,18 +326,18 @@ void bind_robot_env(nb::module_& m) {
           [](RobotEnv* self, const std::string& backend, const std::string& task,
              const std::vector<std::string>& scenes, const std::string& hardware, const std::string& noise,
              const std::optional<std::vector<std::string>>& observations, int lidar_beams,
-             std::pair<int, int> image_size, const std::string& localization,
-             const models::Randomization& randomization, const std::string& gate, int max_steps, double control_period,
-             const std::string& episodes, const std::string& goal_frame) {
+             std::pair<int, int> image_size, const std::string& localization, const std::string& randomization,
+             const std::string& gate, int max_steps, double control_period, const std::string& episodes,
+             const std::string& goal_frame) {
             env::Options options = task_options(task, observations, lidar_beams, image_size, max_steps, control_period,
                                                 episodes, goal_frame);
-            options.randomization = randomization;
             options.gate = gate_of(gate);
             World::Options robot;
             robot.backend = backend;
             robot.robots = {hardware};
             robot.noise = noise_level(noise);
             robot.mind = mind_with(localization);
+            robot.randomization = randomization;
             const nb::gil_scoped_release release;
             new (self) RobotEnv(std::move(options), robot, scenes);
           },

@@ -73,6 +73,22 @@ def test_with_the_truth_it_is_the_native_form_to_the_bit(task: str, noise: str) 
             assert same(robot.reset(), native.reset())
 
 
+@pytest.mark.parametrize("randomization", ["hard", {"startup": {"camera_yaw": [-0.1, 0.1]}, "reset": {"mass": 1.3}}])
+def test_a_randomised_robot_is_the_native_forms_to_the_bit(randomization: Any) -> None:
+    options: dict[str, Any] = {**SMALL, "task": "navigation", "localization": "truth", "randomization": randomization}
+    options["observations"] = ("lidar", "image", "pose", "velocity")
+    robot, native = Env(backend="mock", **options), Env(**options)
+    rng = np.random.default_rng(9)
+    for seed in range(4):
+        assert same(robot.reset(seed=seed), native.reset(seed=seed))
+        for step in range(15):
+            action = rng.uniform(-1.0, 1.0, 3).astype(np.float32)
+            ours, theirs = robot.step(action), native.step(action)
+            assert same(ours, theirs), f"seed {seed}, step {step}"
+            if theirs[2] or theirs[3]:
+                break
+
+
 @pytest.mark.parametrize("dropped", ["ultrasonics", "camera", "imu"])
 def test_an_episode_begins_as_the_last_sensor_has_spoken_whichever_there_are(tmp_path: Path, dropped: str) -> None:
     profile = yaml.safe_load((ROBOTS / "3we_standard_v2.yaml").read_text())
@@ -258,7 +274,9 @@ class OwnRobot(Simulator):
         ({"backend": OwnRobot, "observations": ("image",)}, "image_size: the pictures of backend 'OwnRobot' are"),
         ({"backend": "mock", "hardware": "3we_base_v2", "observations": ("lidar",)}, "observations: 'lidar' needs a"),
         ({"backend": "mock", "gate": "limits"}, "gate: with a backend it is 'full', the one that every Robot has"),
-        ({"backend": "mock", "randomization": "mild"}, "randomization: with a backend there is none"),
+        ({"backend": "mock", "randomization": "papr"}, "unknown randomization 'papr'; did you mean 'paper'?"),
+        ({"backend": "mock", "randomization": {"reset": {"mas": 1}}}, "randomization:1: reset.mas: unknown knob 'mas'"),
+        ({"backend": Simulator, "randomization": "mild"}, "randomization: backend 'Simulator' knows none"),
         ({"backend": "mock", "localization": "noisy"}, "unknown localization 'noisy'; known: slam, truth"),
         ({"backend": "mock", "localization_model": "slam_v2"}, "localization_model: with a backend the robot's own"),
         ({"backend": "mock", "hardware": threewe.RobotProfile.load("3we_base_v2")}, "hardware: with a backend it is"),

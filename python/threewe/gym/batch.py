@@ -194,6 +194,7 @@ def make_batch(
         num_robots=num_robots,
         num_threads=num_threads,
         autoreset=autoreset,
+        randomization=load_randomization(options["randomization"]),
         **common_arguments(options),
     )
     return Batch(core, scenes, profile, options, observation_space(core), action_space())
@@ -210,7 +211,7 @@ def make_robot_env(task: str, **given: Any) -> Batch[_core.RobotEnv]:
         raise ConfigError(
             "localization_model: with a backend the robot's own localisation is there, and no model of it"
         )
-    with scene_files(options) as scenes:
+    with scene_files(options) as scenes, randomization_file(options) as randomization:
         core = _core.RobotEnv(
             backend=backend,
             task=task,
@@ -218,6 +219,7 @@ def make_robot_env(task: str, **given: Any) -> Batch[_core.RobotEnv]:
             hardware=hardware,
             observations=observation_names(task, options["observations"]),
             localization=as_text("localization", options["localization"] or "slam"),
+            randomization=randomization,
             **common_arguments(options),
         )
     return Batch(core, core.scenes, core.hardware, options, observation_space(core), action_space())
@@ -241,7 +243,6 @@ def common_arguments(options: EnvOptions) -> dict[str, Any]:
         "lidar_beams": options["lidar_beams"] or 0,
         "image_size": options["image_size"],
         "gate": as_text("gate", options["gate"]),
-        "randomization": load_randomization(options["randomization"]),
         "max_steps": options["max_steps"],
         "control_period": round(1e9 / control_rate) * 1e-9,
         "episodes": as_text("episodes", options["episodes"]),
@@ -263,6 +264,20 @@ def load_randomization(given: str | Mapping[str, Any]) -> _core.Randomization:
     except (TypeError, ValueError) as error:
         raise ContractError(f"randomization must hold names, finite numbers and lists: {error}") from None
     return _core.Randomization.parse(text, "randomization")  # JSON is YAML
+
+
+@contextmanager
+def randomization_file(options: EnvOptions) -> Iterator[str]:
+    """The randomisation as any backend takes it, by name or file."""
+    given = options["randomization"]
+    load_randomization(given)  # what is wrong with it is said of what the user wrote
+    if not isinstance(given, Mapping):
+        yield as_asset("randomization", given)
+        return
+    with TemporaryDirectory() as folder:
+        file = Path(folder, "randomization.yaml")
+        file.write_text(json.dumps(given))  # JSON is YAML
+        yield as_asset("randomization", file)
 
 
 def load_scenes(options: EnvOptions) -> list[Scene]:

@@ -14,9 +14,6 @@ void check(const Options& options) {
     if (wrong) throw ConfigError(message);
   };
   refuse(options.gate != Gate::full, "gate: with a backend it is 'full', the one that every Robot has");
-  const models::Randomization& drawn = options.randomization;
-  refuse(!drawn.startup.empty() || !drawn.reset.empty() || !drawn.interval.empty(),
-         "randomization: with a backend there is none");
   refuse(options.worlds != 1 || options.robots != 1 || options.threads != 1,
          "num_envs, num_robots, num_threads: with a backend there is one environment with one robot");
 }

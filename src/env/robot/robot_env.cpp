@@ -71,6 +71,7 @@ struct RobotEnv::Impl {
 RobotEnv::Impl::Impl(Options wanted, const World::Options& robot, const std::vector<std::string>& scenes)
     : places(make_robot_places(wanted, robot, scenes)) {
   wanted.hardware = hardware_of(places.front(), robot.robots.front());
+  wanted.randomization = models::load_randomization(robot.randomization);
   wanted.scenes.clear();
   task::Scenes tables;
   for (const RobotPlace& place : places) {
@@ -101,6 +102,7 @@ void RobotEnv::Impl::begin(const Reset& reset) {
   action = {};
   reward = 0.0;
   terminated = truncated = 0;
+  variation = models::draw_variation(options.randomization, info.seed, info.episode, 0);
 
   robot().connect();
   places[info.scene].world->reset({.seed = info.seed, .poses = {start}, .episode = info.episode});

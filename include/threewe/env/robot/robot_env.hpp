@@ -22,9 +22,9 @@ namespace threewe::env {
 /// simulator, observations, rewards, ends and metrics are those of a `Batch` with `Localization::truth`, to the bit.
 class RobotEnv {
  public:
-  /// Of `options`, scenes and hardware are as the backend has them. `robot` says which backend, profile, noise and
-  /// mind; each of the `scenes`, names or files, gets a world of its own. Throws ConfigError naming what the backend
-  /// lacks, or an option that robots have no use for.
+  /// Of `options`, scenes, hardware and randomisation are as the backend has them. `robot` says which backend, profile,
+  /// noise, randomisation and mind; each of the `scenes`, names or files, gets a world of its own. Throws ConfigError
+  /// naming what the backend lacks, or an option that robots have no use for.
   RobotEnv(Options options, const World::Options& robot, const std::vector<std::string>& scenes);
   ~RobotEnv();
   RobotEnv(const RobotEnv&) = delete;
@@ -49,7 +49,7 @@ class RobotEnv {
   EpisodeInfo episode(std::size_t world = 0) const;
   std::string words(std::size_t world = 0) const;
   std::string words_name() const;
-  /// What it is as its profile says: robots are not randomised.
+  /// How the backend has the robot differ from its profile, as the episode began: simulators draw it alike.
   const models::Variation& variation(std::size_t world = 0, std::size_t robot = 0) const;
   TopView top_view(std::size_t world = 0) const;
 
