@@ -42,8 +42,9 @@ def main() -> int:
             write_model=options.write_model,
             page=options.write,
         )
-    passed, failed, hidden = (statuses.count(status) for status in ("pass", "FAIL", "not shown"))
-    print(f"\nverify: {passed} passed, {failed} failed" + (f", {hidden} skipped" if hidden else ""))
+    passed, failed, told, hidden = (statuses.count(status) for status in ("pass", "FAIL", "told", "not shown"))
+    others = "".join(f", {count} {what}" for count, what in [(told, "told"), (hidden, "skipped")] if count)
+    print(f"\nverify: {passed} passed, {failed} failed{others}")
     return int(failed > 0)
 
 

@@ -30,7 +30,7 @@ class Verdict:
 
     figure: str
     target: str
-    status: str  # "pass", "FAIL" or "not shown"
+    status: str  # "pass", "FAIL", "told" where nothing is asked, or "not shown"
     interval: str = ""
 
 
@@ -138,6 +138,36 @@ def ratio_of(name: str, value: Callable[[Case], float], reference: Callable[[Cas
         holds = (high if sample else ratio) >= at_least
         figure = f"mean {mean:.3f} of {of:.3f} = {ratio:.3f}"
         return Verdict(figure, wanted, "pass" if holds else "FAIL", f"[{low:.3f}, {high:.3f}]")
+
+    return Row(name, judge)
+
+
+def mean_share(name: str, value: Callable[[Case], float], *, at_most: float) -> Row:
+    """The mean share over the cases, with its 95 % interval where there are several."""
+
+    def judge(cases: list[Case], sample: bool) -> Verdict:
+        wanted = f"<= {at_most:.0%}"
+        if any("error" in case for case in cases):
+            return Verdict("cases broke", wanted, "FAIL")
+        values = [value(case) for case in cases]
+        mean, low, interval = statistics.fmean(values), 0.0, ""
+        if len(values) > 1:
+            spread = student(len(values) - 1) * statistics.stdev(values) / math.sqrt(len(values))
+            low = max(mean - spread, 0.0)
+            interval = f"[{low:.2%}, {mean + spread:.2%}]"
+        holds = (low if sample and interval else mean) <= at_most
+        return Verdict(f"{mean:.2%}", wanted, "pass" if holds else "FAIL", interval)
+
+    return Row(name, judge)
+
+
+def told(name: str, figure: Callable[[list[Case]], str]) -> Row:
+    """A figure beside those that have a target."""
+
+    def judge(cases: list[Case], _: bool) -> Verdict:
+        if any("error" in case for case in cases):
+            return Verdict("cases broke", "", "FAIL")
+        return Verdict(figure(cases), "", "told")
 
     return Row(name, judge)
 

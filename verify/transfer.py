@@ -5,8 +5,18 @@ import statistics
 from collections.abc import Callable
 
 from verify.cases.transfer import OTHER, drive_on_both, motion, policy_on_both
-from verify.harness import Case, Experiment, Row, Verdict, ratio_of, share_of, student, wilson, worst_of
-from verify.learning import told
+from verify.harness import (
+    Case,
+    Experiment,
+    Row,
+    Verdict,
+    mean_share,
+    ratio_of,
+    share_of,
+    told,
+    wilson,
+    worst_of,
+)
 
 STATIC = ["office_v2", "apartment_v1", "corridor_v1", "warehouse_v1", "cluttered_v1", "outdoor_v1"]
 ROBOTS = ["3we_standard_v2", "turtlebot_like"]
@@ -20,35 +30,22 @@ def of_motion(pace: str, profile: str, figure: str) -> Callable[[Case], float]:
     return lambda case: float(case[pace][profile][figure])
 
 
-def mean_share(name: str, value: Callable[[Case], float], *, at_most: float) -> Row:
-    """The mean over the cases is at most so much, with its 95 % interval."""
-
-    def judge(cases: list[Case], sample: bool) -> Verdict:
-        wanted = f"<= {at_most:.0%}"
-        if any("error" in case for case in cases):
-            return Verdict("cases broke", wanted, "FAIL")
-        values = [value(case) for case in cases]
-        mean = statistics.fmean(values)
-        deviation = statistics.stdev(values) if len(values) > 1 else math.inf
-        spread = student(len(values) - 1) * deviation / math.sqrt(len(values))
-        status = "pass" if (mean - spread if sample else mean) <= at_most else "FAIL"
-        return Verdict(f"{mean:.2%}", wanted, status, f"[{max(mean - spread, 0.0):.2%}, {mean + spread:.2%}]")
-
-    return Row(name, judge)
-
-
 def beside_each_other(pace: str, figure: str) -> Row:
-    """With the profile as it is, with the fitted one, and of MuJoCo against itself; without a target."""
+    """With the profile as it is, with the fitted one, and of MuJoCo against itself."""
+    profiles = ("plain", "fitted", "itself")
+    return told(
+        f"{pace}, {figure}: profile, fitted, MuJoCo itself",
+        lambda cases: ", ".join(f"{mean(cases, of_motion(pace, profile, figure)):.2%}" for profile in profiles),
+    )
 
-    def judge(cases: list[Case], _: bool) -> Verdict:
-        if any("error" in case for case in cases):
-            return Verdict("cases broke", "", "not shown")
-        means = [
-            statistics.fmean(case[pace][profile][figure] for case in cases) for profile in ("plain", "fitted", "itself")
-        ]
-        return Verdict("{:.2%}, {:.2%}, {:.2%}".format(*means), "", "pass")
 
-    return Row(f"{pace}, {figure}: profile, fitted, MuJoCo itself", judge)
+def poses_apart(pace: str) -> Row:
+    """At the ends, with the fitted profile."""
+    return told(f"{pace}, final poses apart", lambda cases: f"{mean(cases, of_motion(pace, 'fitted', 'pose')):.2%}")
+
+
+def mean(cases: list[Case], value: Callable[[Case], float]) -> float:
+    return statistics.fmean(value(case) for case in cases)
 
 
 def policy_ratio(cases: list[Case], _: bool) -> Verdict:
@@ -80,10 +77,7 @@ EXPERIMENTS = [
                 mean_share("final poses apart", of_motion("operating", "fitted", "pose"), at_most=0.03),
                 worst_of("the worst of them", of_motion("operating", "fitted", "farthest_pose"), at_most=0.05),
                 *(beside_each_other(pace, figure) for pace in PACES for figure in ("linear", "angular", "combined")),
-                *(
-                    told(f"{pace}, final poses apart", of_motion(pace, "fitted", "pose"), "{:.2%}")
-                    for pace in PACES[1:]
-                ),
+                *(poses_apart(pace) for pace in PACES[1:]),
             ],
         )
         for hardware in ROBOTS

@@ -15,8 +15,10 @@ from verify.harness import (
     Verdict,
     all_of,
     chance_of_so_few,
+    mean_share,
     ratio_of,
     share_of,
+    told,
     wilson,
     write_into,
 )
@@ -44,6 +46,20 @@ def test_a_claim_that_just_holds_fails_in_a_sample_as_seldom_as_said() -> None:
             [row.judge([{"right": i < n} for i in range(count)], True).status == "FAIL" for n in range(count + 1)]
         )
         assert 0 < np.mean(statuses[hits]) < BY_CHANCE
+
+
+def test_a_share_of_one_case_has_no_interval_and_is_judged() -> None:
+    row = mean_share("apart", lambda case: case["apart"], at_most=0.05)
+    assert row.judge([{"apart": 0.04}], True) == Verdict("4.00%", "<= 5%", "pass")
+    assert row.judge([{"apart": 0.06}], True).status == "FAIL"
+    several = [{"apart": 0.05 + off} for off in (-0.03, 0.0, 0.04)]
+    assert (row.judge(several, True).status, row.judge(several, False).status) == ("pass", "FAIL")
+
+
+def test_what_has_no_target_is_told_unless_a_case_broke() -> None:
+    row = told("cases", lambda cases: str(len(cases)))
+    assert row.judge([{}, {}], False) == Verdict("2", "", "told")
+    assert row.judge([{}, {"error": "boom"}], False).status == "FAIL"
 
 
 @pytest.mark.parametrize("count", range(1, 60))

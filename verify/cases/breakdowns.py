@@ -6,22 +6,22 @@ from collections.abc import Callable, Iterator
 from typing import Any
 
 from verify.cases.trees import PROGRAMS
-from verify.harness import Case, Row, Verdict, verdict_on_share
+from verify.harness import Case, Row, Verdict, told, verdict_on_share
 
 AT_ONCE = 50  # of one place
 
 
 def breakdowns(seed: int, kind: str) -> Case:
     """Fifty robots in one of the scenes; something breaks for 3 of their 10 seconds."""
-    return {"drives": told(kind, seed, AT_ONCE)}
+    return {"drives": answers(kind, seed, AT_ONCE)}
 
 
 def undisturbed(seed: int, seconds: int) -> Case:
     """A robot on its way from goal to goal, whose sensors are in order."""
-    return {"drives": told("clean", seed, seconds)}
+    return {"drives": answers("clean", seed, seconds)}
 
 
-def told(what: str, seed: int, count: int) -> list[dict[str, Any]]:
+def answers(what: str, seed: int, count: int) -> list[dict[str, Any]]:
     """What the program says, line by line."""
     command = [PROGRAMS / "verify_faults", what, str(seed), str(count)]
     done = subprocess.run(command, capture_output=True, text=True)
@@ -50,14 +50,14 @@ def share_of_drives(name: str, holds: Callable[[dict[str, Any]], bool], *, at_le
 def times_of(name: str, time: Callable[[dict[str, Any]], float | None]) -> Row:
     """How long something took in those drives in which it came about: 50, 95, 99 % and the longest."""
 
-    def judge(cases: list[Case], _: bool) -> Verdict:
+    def figure(cases: list[Case]) -> str:
         times = sorted(t for drive in drives(cases) if (t := time(drive)) is not None)
         if not times:
-            return Verdict("never", "", "not shown")
+            return "never"
         shown = [times[min(len(times) - 1, int(share * len(times)))] for share in (0.5, 0.95, 0.99, 1.0)]
-        return Verdict(f"50, 95, 99, 100 %: {', '.join(f'{t:.2f}' for t in shown)} s", "", "pass")
+        return f"50, 95, 99, 100 %: {', '.join(f'{t:.2f}' for t in shown)} s"
 
-    return Row(name, judge)
+    return told(name, figure)
 
 
 def alarms_an_hour(at_most: float) -> Row:
