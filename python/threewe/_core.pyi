@@ -1986,7 +1986,7 @@ class RobotEnv:
     One environment around a robot of any backend. As EnvBatch with one environment.
     """
 
-    def __init__(self, *, backend: str, task: str, scenes: Sequence[str], hardware: str, noise: str, observations: Sequence[str] | None, lidar_beams: int, image_size: tuple[int, int], localization: str, randomization: Randomization, gate: str, max_steps: int, control_period: float, episodes: str, goal_frame: str) -> None: ...
+    def __init__(self, *, backend: str, task: str, scenes: Sequence[str], hardware: str, noise: str, observations: Sequence[str] | None, lidar_beams: int, image_size: tuple[int, int], localization: str, randomization: str, gate: str, max_steps: int, control_period: float, episodes: str, goal_frame: str) -> None: ...
 
     @property
     def scenes(self) -> list[Scene]:
