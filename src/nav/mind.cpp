@@ -13,6 +13,7 @@ std::unique_ptr<Localizer> make_localizer(const RobotProfile& profile, const Beg
   sensors.lidar = profile.lidar.has_value();
   if (profile.lidar) {
     sensors.base_from_lidar = profile.lidar->base_from_lidar;
+    sensors.range_sigma = profile.lidar->sigma;
     sensors.range_bias_sigma = kUniform * profile.lidar->bias;
   }
   if (profile.imu) {

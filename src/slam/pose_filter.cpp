@@ -86,7 +86,9 @@ void PoseFilter::widen(double position_sigma, double heading_sigma) {
   covariance_(kX, kX) += square(position_sigma);
   covariance_(kY, kY) += square(position_sigma);
   covariance_(kTheta, kTheta) += square(heading_sigma);
-  covariance_(kRangeBias, kRangeBias) += square(kLeastRangeSigma);
+  widen_range_bias(kLeastRangeSigma);
 }
+
+void PoseFilter::widen_range_bias(double sigma) { covariance_(kRangeBias, kRangeBias) += square(sigma); }
 
 }  // namespace threewe::slam

@@ -35,6 +35,8 @@ class PoseFilter {
   void restart(double position_sigma, double heading_sigma);
   /// Admits that the pose may be far off.
   void widen(double position_sigma, double heading_sigma);
+  /// The lidar may be biased by so much more [m].
+  void widen_range_bias(double sigma);
 
   const Matrix7& covariance() const { return covariance_; }
   /// Of what a scan tells: pose and range bias.

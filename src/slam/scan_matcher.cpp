@@ -13,7 +13,8 @@ namespace {
 // Every beam of a scan shares the errors of map and deskewing, so that a scan knows less than its beams together: the
 // deviation of one residual is set so that the posterior is honest, not to the lidar's 1 cm.
 constexpr double kSigma = 0.025;       // [m]
-constexpr double kRobustWidth = 0.06;  // [m] residuals well beyond this count little
+constexpr double kRobustWidth = 0.06;  // [m] residuals well beyond this count little ...
+constexpr double kUsual = 0.012;       // [m] ... both with a lidar that scatters no more than this; else in proportion
 constexpr double kSpotSize = 0.015;    // [m] hits spread less than this in every direction make a spot
 constexpr double kAgreement = 0.10;    // [m] a hit this near to a surface lies on it
 constexpr double kApart = 0.3;         // [rad] between two views of a surface that tell about the lidar's bias
@@ -66,8 +67,12 @@ Residual residual_in_map(const Surface& surface, Vec2 direction, Vec2 point, Vec
   return {value, {direction.x, direction.y, cross(arm, direction), by_bias}};
 }
 
-NormalEquations linearize(const map::LogOddsMap& map, std::span<const map::Beam> beams, const Placement& at) {
+NormalEquations linearize(const map::LogOddsMap& map, std::span<const map::Beam> beams, const Placement& at,
+                          double scatter) {
   NormalEquations sum;
+  const double worse = std::max(scatter / kUsual, 1.0);
+  const double sigma = worse * kSigma;
+  const double width = worse * kRobustWidth;
   const auto [s, c] = exact::sincos(at.pose.theta);
   const auto turned = [s = s, c = c](Vec2 p) { return Vec2{c * p.x - s * p.y, s * p.x + c * p.y}; };
   for (const map::Beam& beam : beams) {
@@ -85,8 +90,8 @@ NormalEquations linearize(const map::LogOddsMap& map, std::span<const map::Beam>
     const auto add = [&](Vec2 direction) {
       Residual r = residual_in_map(*surface, direction, point, ray, arm, at.range_bias);
       if (!tells_bias) r.jacobian(3) = 0.0;
-      const double variance = square(kSigma) + surface->spread;
-      sum.add(r, 1.0 / (variance * square(1.0 + square(r.value / kRobustWidth))));
+      const double variance = square(sigma) + surface->spread;
+      sum.add(r, 1.0 / (variance * square(1.0 + square(r.value / width))));
       return std::fabs(r.value) < kAgreement;
     };
     // far walls are hit so sparsely that they look like spots too; only thin things really are some
@@ -163,14 +168,15 @@ Residual residual(const Surface& surface, Vec2 direction, const Placement& at, c
 }
 
 Match match_scan(const map::LogOddsMap& map, std::span<const map::Beam> beams, const Placement& prior,
-                 const Matrix4& prior_information, const Pose2D& start) {
+                 const Matrix4& prior_information, const Pose2D& start, double scatter) {
   Match match;
   match.at = {start, prior.range_bias};
   for (int i = 0; i < kMaxIterations; ++i) {
-    const NormalEquations scan = linearize(map, beams, match.at);
+    const NormalEquations scan = linearize(map, beams, match.at, scatter);
     const Pose2D& pose = match.at.pose;
     const Vector4 off{pose.x - prior.pose.x, pose.y - prior.pose.y, wrap_angle(pose.theta - prior.pose.theta),
                       match.at.range_bias - prior.range_bias};
+    match.told = scan.h;
     match.information = scan.h + prior_information;
     match.known_hits = scan.on_surface + scan.in_free_space;
     match.agreement = match.known_hits > 0 ? static_cast<double>(scan.on_surface) / match.known_hits : 1.0;

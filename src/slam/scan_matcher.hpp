@@ -44,15 +44,16 @@ Residual residual(const Surface& surface, Vec2 direction, const Placement& at, c
 struct Match {
   Placement at;
   Matrix4 information = Matrix4::Zero();  ///< of scan and prior together
+  Matrix4 told = Matrix4::Zero();         ///< of it, what the scan tells
   double agreement = 0.0;                 ///< the share of hits in known space that lie on a surface
   int known_hits = 0;                     ///< how many hits lie in known space
 };
 
 /// The most likely placement given the scan and a Gaussian belief (mean `prior`, inverse covariance
 /// `prior_information`): Gauss-Newton on robust point-to-surface distances, starting at `start`. `beams`: in the base
-/// frame.
+/// frame. `scatter`: deviation of a range [m], where that is known; up to 12 mm other errors weigh more.
 Match match_scan(const map::LogOddsMap& map, std::span<const map::Beam> beams, const Placement& prior,
-                 const Matrix4& prior_information, const Pose2D& start);
+                 const Matrix4& prior_information, const Pose2D& start, double scatter = 0.0);
 
 /// How wide to search.
 struct SearchWindow {

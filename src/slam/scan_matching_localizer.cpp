@@ -15,6 +15,7 @@
 #include "slam/map_error.hpp"
 #include "slam/place_finder.hpp"
 #include "slam/pose_filter.hpp"
+#include "slam/range_scatter.hpp"
 #include "slam/scan_beams.hpp"
 #include "slam/scan_matcher.hpp"
 #include "threewe/map/log_odds_map.hpp"
@@ -53,6 +54,7 @@ class ScanMatchingLocalizer final : public Localizer {
   ScanMatchingLocalizer(const SensorModel& sensors, const Beginning& beginning)
       : sensors_(sensors),
         track_({.lateral_scale = sensors.lateral_scale}, sensors.lidar),
+        scatter_(sensors.range_sigma),
         filter_(sensors),
         map_from_start_(beginning.map_from_start.value_or(Pose2D{})),
         map_from_odom_(map_from_start_) {
@@ -88,6 +90,7 @@ class ScanMatchingLocalizer final : public Localizer {
 
  private:
   void add_scan(Time measured, const LaserScan& scan);
+  void judge_lidar(const LaserScan& scan);
   Time deskew(Time measured, const LaserScan& scan);
   std::vector<Vec2> what_may_vanish(Vec2 lidar_in_odom, double nearest_seen) const;
   void keep_unseen(const std::vector<Vec2>& nearby);
@@ -108,6 +111,8 @@ class ScanMatchingLocalizer final : public Localizer {
 
   SensorModel sensors_;
   DeadReckoning track_;
+  RangeScatter scatter_;
+  double worse_ = 1.0;  // than its data sheet the lidar is taken to be
   PoseFilter filter_;
   Time filter_stamp_{};  // the filter stands at the newest scan, without a lidar at the newest odometry
   Pose2D map_from_start_;
@@ -137,9 +142,10 @@ class ScanMatchingLocalizer final : public Localizer {
   std::size_t seen_ = 0;          // how many of these are hits
 };
 
-// One scan: undo the motion during its turn, carry the belief there, find out where on the map that may be, fit it to
-// the map, let the map grow.
+// One scan: learn how good it is, undo the motion during its turn, carry the belief there, find out where on the map
+// that may be, fit it to the map, let the map grow.
 void ScanMatchingLocalizer::add_scan(Time measured, const LaserScan& scan) {
+  judge_lidar(scan);
   const Time stamp = deskew(measured, scan);
   scanned_ = stamp;
   predict_to(stamp);
@@ -147,6 +153,17 @@ void ScanMatchingLocalizer::add_scan(Time measured, const LaserScan& scan) {
   if (nowhere_) return;
   correct(stamp);
   extend_map(stamp);
+}
+
+// A lidar that scatters more than its maker says may be biased more, too. What begins on the way is another thing.
+void ScanMatchingLocalizer::judge_lidar(const LaserScan& scan) {
+  constexpr double kUsual = 1.2;    // times the scatter of one point is that of beams, of whatever width
+  constexpr double kLeast = 0.005;  // [m] where the data sheet promises wonders
+  scatter_.add(scan);
+  const double worse = scatter_.sigma() / (kUsual * std::max(sensors_.range_sigma, kLeast));
+  if (track_.has_rolled() || worse <= worse_) return;
+  filter_.widen_range_bias(sensors_.range_bias_sigma * exact::sqrt(worse * worse - worse_ * worse_));
+  worse_ = worse;
 }
 
 // Beams as if all were measured when the turn ended. Returns that time.
@@ -297,14 +314,15 @@ void ScanMatchingLocalizer::correct(Time stamp) {
   const Pose2D predicted = map_from_odom_ * odom_from_base;
   filter_.widen(0.0005, 0.0002);  // deskewing and stamps are never perfect; also keeps the covariance invertible
   const Placement prior{predicted, track_.calibration().range_bias};
-  Match match = match_scan(map_.map(), beams_, prior, filter_.scan_covariance().inverse(), predicted);
+  Match match = match_scan(map_.map(), beams_, prior, filter_.scan_covariance().inverse(), predicted, scatter_.sigma());
 
   if (match.agreement < kPoorAgreement && match.known_hits >= kFewHits) {
     const SearchWindow window = lost_ ? SearchWindow{0.6, 0.35} : SearchWindow{};
     const Pose2D found = search_pose(map_.map(), beams_, predicted, window);
     PoseFilter wide = filter_;
     wide.widen(0.5 * window.position, 0.5 * window.heading);
-    const Match other = match_scan(map_.map(), beams_, prior, wide.scan_covariance().inverse(), found);
+    const Match other =
+        match_scan(map_.map(), beams_, prior, wide.scan_covariance().inverse(), found, scatter_.sigma());
     if (other.agreement > match.agreement + 0.15 && may_be_elsewhere()) {
       match = other;
       filter_.widen(0.5 * window.position, 0.5 * window.heading);
@@ -318,7 +336,7 @@ void ScanMatchingLocalizer::correct(Time stamp) {
   shift(filter_.condition(moved, match.information.inverse()), predicted, odom_from_base);
   const auto hits = std::ranges::count_if(beams_, [](const map::Beam& beam) { return beam.hit; });
   const double known = hits > 0 ? static_cast<double>(match.known_hits) / static_cast<double>(hits) : 1.0;
-  map_error_.see(match.at.pose.position(), 1.0 - known);
+  map_error_.see(match.at.pose.position(), {1.0 - known, scatter_.sigma(), match.told.topLeftCorner<3, 3>()});
 }
 
 // Nobody is carried away whose wheels and gyro tell of one motion: a scan that says so is late.

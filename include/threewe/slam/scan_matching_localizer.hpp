@@ -17,6 +17,7 @@ struct SensorModel {
   double gyro_bias_walk = 1e-4;       ///< [rad/s/sqrt(s)]
   double wheel_drift = 0.0;           ///< [rad/sqrt(m)] of the heading, where wheels alone tell it
   double wheel_slip = 0.0;            ///< [m/sqrt(m)] of the position, beyond what good wheels have
+  double range_sigma = 0.01;          ///< [m] of the scatter of one range
   double range_bias_sigma = 0.017;    ///< [m] of the lidar's constant error
   double forward_scale_sigma = 0.01;  ///< of true over measured motion ahead
   double lateral_scale = 1.0;         ///< expected true over measured motion sideways
