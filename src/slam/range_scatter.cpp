@@ -35,9 +35,9 @@ void RangeScatter::add(const LaserScan& scan) {
   std::vector<double> off;
   off.reserve(scan.ranges.size());
   for (std::size_t i = 2; i < scan.ranges.size(); ++i) {
-    const double before = static_cast<double>(scan.ranges[i - 2]);
-    const double middle = static_cast<double>(scan.ranges[i - 1]);
-    const double after = static_cast<double>(scan.ranges[i]);
+    const auto before = static_cast<double>(scan.ranges[i - 2]);
+    const auto middle = static_cast<double>(scan.ranges[i - 1]);
+    const auto after = static_cast<double>(scan.ranges[i]);
     if (!is_hit(before) || !is_hit(middle) || !is_hit(after)) continue;
     const double steepest = kSlope * 2.0 * middle * scan.angle_increment + kDistinguishable;
     if (std::fabs(after - before) > steepest) continue;
