@@ -1,4 +1,4 @@
-#include "slam/range_scatter.hpp"
+#include "threewe/slam/range_scatter.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -29,7 +29,7 @@ double distance_from_line(double before, double middle, double after, double twi
 
 }  // namespace
 
-void RangeScatter::add(const LaserScan& scan) {
+double scatter_of(const LaserScan& scan) {
   const double twice_cos = 2.0 * exact::sincos(scan.angle_increment).cos;
   const auto is_hit = [&](double range) { return range > 0.0 && range >= scan.range_min && range < scan.range_max; };
   std::vector<double> off;
@@ -43,11 +43,17 @@ void RangeScatter::add(const LaserScan& scan) {
     if (std::fabs(after - before) > steepest) continue;
     off.push_back(distance_from_line(before, middle, after, twice_cos));
   }
-  if (off.size() < kFew) return;
+  if (off.size() < kFew) return 0.0;
   const auto median = off.begin() + static_cast<std::ptrdiff_t>(off.size() / 2);
   std::ranges::nth_element(off, median);
+  return *median / kMedian;
+}
+
+void RangeScatter::add(const LaserScan& scan) {
+  const double scatter = scatter_of(scan);
+  if (scatter == 0.0) return;
   scans_ = std::min(scans_ + 1, kMemory);
-  sigma_ += (*median / kMedian - sigma_) / (kBelief + scans_);
+  sigma_ += (scatter - sigma_) / (kBelief + scans_);
 }
 
 }  // namespace threewe::slam

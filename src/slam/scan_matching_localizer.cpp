@@ -15,11 +15,11 @@
 #include "slam/map_error.hpp"
 #include "slam/place_finder.hpp"
 #include "slam/pose_filter.hpp"
-#include "slam/range_scatter.hpp"
 #include "slam/scan_beams.hpp"
 #include "slam/scan_matcher.hpp"
 #include "threewe/map/log_odds_map.hpp"
 #include "threewe/map/scan_hits.hpp"
+#include "threewe/slam/range_scatter.hpp"
 
 namespace threewe::slam {
 namespace {

@@ -6,6 +6,7 @@
 
 #include "threewe/core/exact.hpp"
 #include "threewe/core/pose.hpp"
+#include "threewe/slam/range_scatter.hpp"
 
 namespace threewe::health {
 namespace {
@@ -46,23 +47,6 @@ Shift shift_when_turned(const LaserScan& before, const LaserScan& scan, std::ptr
 
 }  // namespace
 
-double scatter_of(const LaserScan& scan) {
-  // of Gaussian scatter s the second differences have a deviation of sqrt(6) s, and a quarter of them is below
-  // 1 / 3.1384 of it
-  constexpr double kQuarters = 3.1384;
-  const std::size_t n = scan.ranges.size();
-  std::vector<float> bends;
-  bends.reserve(n);
-  for (std::size_t i = 1; i + 1 < n; ++i) {
-    if (hits(scan, i - 1) && hits(scan, i) && hits(scan, i + 1))
-      bends.push_back(std::fabs(scan.ranges[i - 1] - 2.0F * scan.ranges[i] + scan.ranges[i + 1]));
-  }
-  if (bends.size() < kFewBeams) return 0.0;
-  const auto quarter = bends.begin() + static_cast<std::ptrdiff_t>(bends.size() / 4);
-  std::nth_element(bends.begin(), quarter, bends.end());
-  return kQuarters * static_cast<double>(*quarter) / exact::sqrt(6.0);
-}
-
 Shift shift_between(const LaserScan& before, const LaserScan& scan, double turned) {
   const std::size_t n = scan.ranges.size();
   if (before.ranges.size() != n || n == 0) return {};
@@ -78,7 +62,7 @@ Shift shift_between(const LaserScan& before, const LaserScan& scan, double turne
 }
 
 Trouble ScanCheck::check(Time measured, const LaserScan& scan, const Pose2D& at) {
-  const double scatter = scatter_of(scan);
+  const double scatter = slam::scatter_of(scan);
   if (usual_scatter_ == 0.0) usual_scatter_ = std::max(least_scatter_, scatter);  // as it is from the first
   if (scatter > kNoisy * usual_scatter_ && usual_scatter_ > 0.0) return Trouble::noisy;
 

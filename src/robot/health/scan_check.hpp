@@ -9,10 +9,6 @@
 
 namespace threewe::health {
 
-/// How much the ranges of a scan scatter [m], standard deviation: from how far each is off the line between its
-/// neighbours. Surfaces bend and end, so that only the quietest quarter counts. 0 where too little was hit.
-double scatter_of(const LaserScan& scan);
-
 /// How two scans differ.
 struct Shift {
   double metres = 0.0;  ///< by which ranges became longer: the median

@@ -1,5 +1,5 @@
 // What scans tell of their own scatter, in drawn rooms whose lidar's scatter is known.
-#include "slam/range_scatter.hpp"
+#include "threewe/slam/range_scatter.hpp"
 
 #include <doctest/doctest.h>
 
