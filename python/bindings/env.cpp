@@ -229,7 +229,7 @@ void bind_top_view(nb::module_& m) {
       .def_prop_ro("ground_resolution", [](const env::TopView& view) { return view.task.ground.frame.resolution; });
 }
 
-void bind_batch(nb::module_& m) {
+void bind_descriptions(nb::module_& m) {
   nb::class_<env::EpisodeInfo>(m, "EpisodeInfo", "A world's episode.")
       .def_ro("seed", &env::EpisodeInfo::seed)
       .def_ro("episode", &env::EpisodeInfo::episode, "counted from 0 since the seed was given")
@@ -249,7 +249,9 @@ void bind_batch(nb::module_& m) {
         }
         return "";
       });
+}
 
+void bind_batch(nb::module_& m) {
   nb::class_<Batch> bound(m, "EnvBatch",
                           "Many environments at once. Arrays are views of C++ memory, one row for each robot, which "
                           "every call of `reset` and `step` overwrites.");
@@ -377,6 +379,7 @@ void bind_randomization(nb::module_& m) {
 void init_env(nb::module_& m) {
   bind_randomization(m);
   bind_top_view(m);
+  bind_descriptions(m);
   bind_batch(m);
   bind_robot_env(m);
 }

@@ -40,9 +40,7 @@ std::vector<exports::PlacedRobot> placed(const sim::Model& world) {
 
 std::string robot_name(std::size_t robot) { return fmt::format("robot_{}", robot); }
 
-Transform placement(const double* qpos) {
-  return {{qpos[0], qpos[1], qpos[2]}, {qpos[3], qpos[4], qpos[5], qpos[6]}};
-}
+Transform placement(const double* qpos) { return {{qpos[0], qpos[1], qpos[2]}, {qpos[3], qpos[4], qpos[5], qpos[6]}}; }
 
 Physics::Physics(std::shared_ptr<const sim::Model> world) : mj_(library()), world_(std::move(world)) {
   const ErrorsThrown errors;
