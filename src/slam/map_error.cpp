@@ -14,6 +14,7 @@ namespace {
 constexpr double kCarried = 2.4;     // errors of one scan's fit, of which much is not its own: they pass into the map
 constexpr double kOrigin = 0.003;    // [m] of the robot's own place so much comes and goes on a few metres ...
 constexpr double kHeading = 0.0009;  // [rad] ... and so much of its heading
+constexpr double kStretch = 0.0005;  // of the way from where the map began
 constexpr double kUsual = 0.0115;    // [m] all that with a lidar that scatters so much, and in proportion ...
 constexpr double kLeast = 0.5;       // ... but no less than this: there are other errors
 
@@ -35,6 +36,7 @@ Matrix3 covariance_of(const Matrix3& information) {
 }  // namespace
 
 void MapError::see(Vec2 position, const View& view) {
+  if (!began_) origin_ = position;
   const Vec2 moved = began_ ? position - here_.position : Vec2{};
   worse_ = std::max(view.scatter / kUsual, kLeast);
   // a little that is new counts for little, and is later judged beside much that was there before
@@ -70,7 +72,10 @@ void MapError::come_back() {
 
 Matrix3 MapError::covariance() const {
   const Vector3 here(square(kOrigin), square(kOrigin), square(kHeading));
-  return square(kCarried) * here_.covariance + Matrix3((square(worse_) * here).asDiagonal());
+  const Vec2 way = here_.position - origin_;
+  const Vector3 stretched = kStretch * Vector3(way.x, way.y, 0.0);
+  return square(kCarried) * here_.covariance + Matrix3((square(worse_) * here).asDiagonal()) +
+         stretched * stretched.transpose();
 }
 
 }  // namespace threewe::slam

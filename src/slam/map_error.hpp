@@ -19,7 +19,8 @@ struct View {
 /// hears how far off the map is. What is drawn is as far off as the robot was that drew it, and a little more with each
 /// scan that shows new things: the more, the less its fit told of the pose, and the more its ranges scatter. So the
 /// errors of a place are those of the way by which it was first reached; who comes back has the errors that it had
-/// there before. A random walk over the distance would grow for ever.
+/// there before. A random walk over the distance would grow for ever. What is common to all views, such as what is left
+/// of the lidar's bias, stretches the map.
 class MapError {
  public:
   /// The robot is at `position` [m] of the map.
@@ -40,6 +41,7 @@ class MapError {
   };
   void come_back();
 
+  Vec2 origin_;  // where it saw first
   Place here_;
   double worse_ = 1.0;  // times the usual scatter is that of the newest scan
   bool began_ = false;

@@ -57,6 +57,17 @@ TEST_CASE("a turned map is off to the side, seen from where it was turned") {
   CHECK(covariance(kY, kTheta) > 0.0);
 }
 
+TEST_CASE("far from where it began the map may be stretched") {
+  const auto along = [](double x) {
+    MapError error;
+    error.see({1.0, 0.0}, view(0.0));
+    for (int i = 1; i <= 10; ++i) error.see({1.0 + 0.1 * i * (x - 1.0), 0.0}, view(0.0));
+    return error.covariance();
+  };
+  const Matrix3 grown = along(21.0) - along(1.0);
+  CHECK(std::sqrt(grown(kX, kX)) == doctest::Approx(20.0 * 0.0005).epsilon(0.01));
+}
+
 TEST_CASE("a lidar that scatters more draws worse maps, and a map that it drew stays so") {
   MapError good;
   MapError bad;
