@@ -80,7 +80,7 @@ std::vector<Vec2> Runtime::Impl::with_approaching(Time now) const {
   const double nearest = gate_model.footprint.inscribed_radius();
   const Velocity& last = state->gate.last();
   const double stopping =
-      to_seconds(gate_model.reaction) + std::hypot(last.vx, last.vy) / gate_model.limits.linear_braking;
+      to_seconds(gate_model.reaction) + exact::hypot(last.vx, last.vy) / gate_model.limits.linear_braking;
   for (const nav::Approaching& it : state->tracker.approaching()) {
     const Vec2 d = robot - it.position;
     const double way = std::min(it.speed * (stopping + to_seconds(now - it.seen)), norm(d) - nearest);
