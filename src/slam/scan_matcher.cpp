@@ -5,6 +5,7 @@
 #include <cmath>
 #include <vector>
 
+#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 
 namespace threewe::slam {
@@ -18,6 +19,7 @@ constexpr double kUsual = 0.012;       // [m] ... both with a lidar that scatter
 constexpr double kSpotSize = 0.015;    // [m] hits spread less than this in every direction make a spot
 constexpr double kAgreement = 0.10;    // [m] a hit this near to a surface lies on it
 constexpr double kApart = 0.3;         // [rad] between two views of a surface that tell about the lidar's bias
+constexpr double kObserved = 10.0;     // times what the noise of normals tells is told of a direction that is observed
 constexpr int kMaxIterations = 6;
 constexpr double kMaxCellWeight = 12.0;  // hits in one cell beyond this add nothing to its weight
 
@@ -50,6 +52,7 @@ CellScale known_scale_of(int count) {
 struct NormalEquations {
   Matrix4 h = Matrix4::Zero();
   Vector4 g = Vector4::Zero();
+  Eigen::Matrix2d by_tilt = Eigen::Matrix2d::Zero();  // of the information on the position, what noise in normals makes
   int on_surface = 0;
   int in_free_space = 0;
 
@@ -57,7 +60,25 @@ struct NormalEquations {
     h.noalias() += weight * r.jacobian * r.jacobian.transpose();
     g.noalias() += (weight * r.value) * r.jacobian;
   }
+  void add_tilt(Vec2 along, double weight) {
+    const Eigen::Vector2d t(along.x, along.y);
+    by_tilt.noalias() += weight * t * t.transpose();
+  }
 };
+
+// Along a bare corridor the walls tell nothing of the position, but the noise of their normals seems to: it would hold
+// the robot back where the map ends. A direction of which not clearly more is told than by such noise counts as not
+// observed (solution remapping: Zhang, Kaess & Singh 2016, "On degeneracy of optimization-based state estimation
+// problems").
+void forget_unobserved(NormalEquations& scan) {
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> told(scan.h.topLeftCorner<2, 2>());
+  const Eigen::Vector2d least = told.eigenvectors().col(0);
+  if (told.eigenvalues()(0) > kObserved * least.dot(scan.by_tilt * least)) return;
+  const Vector4 direction(least(0), least(1), 0.0, 0.0);
+  const Matrix4 rest = Matrix4::Identity() - direction * direction.transpose();
+  scan.h = (rest * scan.h * rest).eval();
+  scan.g = (rest * scan.g).eval();
+}
 
 // The residual of a hit at `point` in `map`, hit by a beam that goes along `ray`, `arm` away from the base.
 Residual residual_in_map(const Surface& surface, Vec2 direction, Vec2 point, Vec2 ray, Vec2 arm, double range_bias) {
@@ -98,6 +119,7 @@ NormalEquations linearize(const map::LogOddsMap& map, std::span<const map::Beam>
     bool agrees = false;
     if (surface->line) {
       agrees = add(surface->normal);
+      sum.add_tilt({-surface->normal.y, surface->normal.x}, surface->tilt / (square(sigma) + surface->spread));
     } else if (beam.thin) {
       const bool along = add(surface->normal);
       agrees = add({-surface->normal.y, surface->normal.x}) && along;
@@ -154,6 +176,7 @@ std::optional<Surface> surface_at(const map::LogOddsMap& map, Vec2 point, Vec2 b
   surface.from = (1.0 / w) * from;
   surface.spread = small * r * r;
   surface.line = large * r * r > square(kSpotSize);
+  surface.tilt = std::max(surface.spread, square(kUsual)) / (w * large * r * r);
   // (c - small I) has rows along the other eigenvector; the longer one is the better conditioned
   Vec2 along = cxx >= cyy ? Vec2{cxx - small, cxy} : Vec2{cxy, cyy - small};
   const double length = norm(along);
@@ -172,7 +195,8 @@ Match match_scan(const map::LogOddsMap& map, std::span<const map::Beam> beams, c
   Match match;
   match.at = {start, prior.range_bias};
   for (int i = 0; i < kMaxIterations; ++i) {
-    const NormalEquations scan = linearize(map, beams, match.at, scatter);
+    NormalEquations scan = linearize(map, beams, match.at, scatter);
+    forget_unobserved(scan);
     const Pose2D& pose = match.at.pose;
     const Vector4 off{pose.x - prior.pose.x, pose.y - prior.pose.y, wrap_angle(pose.theta - prior.pose.theta),
                       match.at.range_bias - prior.range_bias};

@@ -19,6 +19,7 @@ struct Surface {
   Vec2 normal;          ///< unit; of the line through them
   double spread = 0.0;  ///< [m^2] of the hits along the normal
   bool line = false;    ///< false: a spot, known in both directions alike
+  double tilt = 0.0;    ///< [rad^2] variance of the normal's direction: few hits close together fix it badly
 };
 
 /// The surface at `point`, from the hits in the 3 x 3 cells around it that were seen from a side that looks back along

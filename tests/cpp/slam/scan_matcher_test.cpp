@@ -128,6 +128,31 @@ TEST_CASE("a scan finds its place from some centimetres away, whatever the belie
   MESSAGE("worst error " << worst << " m");
 }
 
+TEST_CASE("in a bare corridor noisy walls neither hold the robot back nor seem to tell its position along them") {
+  for (std::uint64_t seed = 0; seed < 100; ++seed) {
+    CAPTURE(seed);
+    Draw draw(seed);
+    const std::vector<TinyWall> walls = {{{-40, 1.2}, {40, 1.2}}, {{-40, -1.2}, {40, -1.2}}};
+    const auto noisy_look = [&](const Pose2D& pose) {
+      std::vector<Beam> beams = look(walls, pose);
+      for (Beam& beam : beams) beam.range += draw(-0.02, 0.02);
+      return beams;
+    };
+    map::LogOddsMap map;
+    for (int i = 0; i < 30; ++i) {
+      const Pose2D pose{0.08 * i - 2.4, draw(-0.002, 0.002), draw(-0.001, 0.001)};
+      add_to_map(map, noisy_look(pose), pose);
+    }
+    const Pose2D truth{0.08, 0.0, 0.0};
+    const Pose2D guess{truth.x + draw(-0.05, 0.05), draw(-0.03, 0.03), draw(-0.02, 0.02)};
+    const Match match = match_scan(map, noisy_look(truth), {guess, 0.0}, information(0.05, 0.02, 1e-4), guess);
+    CHECK(std::fabs(match.at.pose.x - guess.x) < 0.001);
+    CHECK(std::fabs(match.at.pose.y) < 0.005);
+    CHECK(match.told(0, 0) < 1e-3 * match.told(1, 1));
+    CHECK(match.told(1, 1) > 1e4);
+  }
+}
+
 TEST_CASE("in a bare corridor a scan corrects across it and leaves the belief along it alone") {
   const std::vector<TinyWall> walls = {{{-40, 1}, {40, 1}}, {{-40, -1}, {40, -1}}};
   map::LogOddsMap map;
