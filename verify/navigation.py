@@ -10,6 +10,7 @@ from verify.cases.driving import (
     explore_together,
     tells_the_truth,
 )
+from verify.cases.generated import arrived_share, ends_standing, far_drives, no_clock, no_false_arrival, worst_contact
 from verify.cases.journey import lies
 from verify.cases.people import among_people, ratio
 from verify.harness import Experiment, all_of, mean_of, ratio_of, share_of, worst_of
@@ -25,7 +26,34 @@ ROBOTS = [  # where, who, and how often it arrives at least
     ("office_v2", "turtlebot_like", 0.97),
 ]
 
+FAR_DRIVES = [  # where, who, in how many places, how many drives in each, and how many of them arrive at least
+    ("building", "3we_standard_v2", 100, 8, 0.95),
+    ("building", "turtlebot_like", 50, 4, 0.85),
+    ("hall", "turtlebot_like", 40, 2, None),
+    ("hall", "3we_standard_v2", 40, 2, None),
+    ("corridor", "turtlebot_like", 40, 2, None),
+    ("corridor", "3we_standard_v2", 40, 2, None),
+]
+
 EXPERIMENTS = [
+    *(
+        Experiment(
+            f"far goals, {hardware} in a generated {place}",
+            far_drives,
+            {"place": place, "hardware": hardware, "drives": drives},
+            cases=places,
+            sample=3,
+            rows=[
+                all_of("no drive ends by a clock", no_clock),
+                all_of("no false arrival", no_false_arrival),
+                all_of("arrives standing", ends_standing),
+                worst_of("contact by its own motion [m/s]", worst_contact, at_most=0.05),
+                mean_of("reached, truly within 0.25 m", arrived_share, **({"at_least": enough} if enough else {})),
+            ],
+            limit=3600.0,
+        )
+        for place, hardware, places, drives, enough in FAR_DRIVES
+    ),
     *(
         Experiment(
             f"move_to, {hardware} in {scene}",

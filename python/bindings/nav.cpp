@@ -38,6 +38,8 @@ void bind_motions(nb::module_& m) {
       .value("cancelled", Reason::cancelled, "Somebody stopped it.")
       .value("estop", Reason::estop, "The emergency stop was latched.")
       .value("lost", Reason::lost, "The robot no longer knows where it is.")
+      .value("uncertain", Reason::uncertain,
+             "By its estimate it is at its goal, but that is known less well than the tolerance asks for.")
       .value("fault", Reason::fault, "The robot or its backend failed.");
 
   nb::enum_<RecoveryState>(m, "RecoveryState",

@@ -44,10 +44,9 @@ struct Snapshot {
   std::shared_ptr<const World::Snapshot> state;
 };
 
-/// The duration of a motion; None and 0 stand for the default.
-Duration timeout_of(std::optional<double> timeout) {
+std::optional<Duration> timeout_of(std::optional<double> timeout) {
   if (timeout && *timeout == 0.0) throw ContractError("timeout must be a finite number of seconds > 0, got 0");
-  return timeout ? seconds("timeout", *timeout) : Duration{};
+  return timeout ? std::optional(seconds("timeout", *timeout)) : std::nullopt;
 }
 
 void bind_results(nb::module_& m) {
@@ -88,9 +87,11 @@ void bind_results(nb::module_& m) {
       .def_ro("success", &MoveResult::success)
       .def_ro("reason", &MoveResult::reason)
       .def_ro("detail", &MoveResult::detail, "says more about a failure; may be empty")
-      .def_ro("pose", &MoveResult::pose, "where the robot believes it is")
-      .def_ro("distance_to_goal", &MoveResult::distance_to_goal, "[m], by its own belief")
-      .def_ro("distance", &MoveResult::distance, "[m] driven, by its own belief")
+      .def_ro("pose", &MoveResult::pose, "where the robot estimates that it is")
+      .def_ro("position_uncertainty", &MoveResult::position_uncertainty,
+              "[m] radius around `pose` that holds the true position with 95 %, by the robot's own covariance")
+      .def_ro("distance_to_goal", &MoveResult::distance_to_goal, "[m], by its own estimate")
+      .def_ro("distance", &MoveResult::distance, "[m] driven, by its own estimate")
       .def_ro("duration", &MoveResult::duration, "[s] of robot time")
       .def("raise_for_failure", &MoveResult::raise_for_failure,
            "Raises the error that matches `reason`; nothing after success.")
@@ -106,7 +107,7 @@ void bind_results(nb::module_& m) {
       .def_ro("reason", &ExploreResult::reason)
       .def_ro("detail", &ExploreResult::detail, "says more about a failure; may be empty")
       .def_ro("explored_area", &ExploreResult::explored_area, "[m^2] known to be free")
-      .def_ro("distance", &ExploreResult::distance, "[m] driven, by its own belief")
+      .def_ro("distance", &ExploreResult::distance, "[m] driven, by its own estimate")
       .def_ro("duration", &ExploreResult::duration, "[s] of robot time")
       .def("raise_for_failure", &ExploreResult::raise_for_failure,
            "Raises the error that matches `reason`; nothing after success.")

@@ -245,12 +245,15 @@ class Robot(InRobotTime):
             frame: `map`, `odom` or `base`.
             tolerance: [m] from the goal that counts as reached.
             angle_tolerance: [rad] from the heading that counts as reached.
-            timeout: [s] of robot time; 30 s + 4 x straight distance / speed limit where left out.
+            timeout: [s] of robot time; none where left out: the motion ends when it has arrived and stands, is proved
+                impossible, makes no progress any more, or has no battery left.
             on_progress: called every 0.1 s of robot time with a Progress: distance left [m], time left [s], pose; what
                 it raises ends the motion.
 
         Returns:
-            The result with `success` and `reason`: `reached no_path blocked timeout cancelled estop lost fault`.
+            The result with `success` and `reason`: `reached no_path blocked timeout cancelled estop lost uncertain
+            fault`. `reached` means that the robot stands within the tolerance of its goal, wherever within its
+            `position_uncertainty` it truly is.
 
         Raises:
             ContractError: a goal that is not finite, or an unknown frame.
@@ -316,7 +319,7 @@ class Robot(InRobotTime):
 
     @known_options
     async def explore(self, *, timeout: float | None = None, on_progress: OnProgress | None = None) -> ExploreResult:
-        """Maps everything that can be reached, for at most `timeout` (600) seconds of robot time. Needs a lidar."""
+        """Maps everything that can be reached, for at most `timeout` seconds of robot time. Needs a lidar."""
         motion = await self._drive(self._runtime.explore, timeout, on_progress)
         return motion.explore_result()
 
@@ -431,6 +434,10 @@ class Robot(InRobotTime):
     def get_pose(self) -> Pose2D:
         """Where the robot believes it is, in `map`; while it is `lost`, no more than where it was last."""
         return self._read().pose().map_from_base
+
+    def get_pose_covariance(self) -> NDArray[np.float64]:
+        """How sure it is of that: (3, 3) covariance of x, y [m] and theta [rad], along the axes of `map`."""
+        return np.array(self._read().pose().covariance)
 
     @property
     def lost(self) -> bool:

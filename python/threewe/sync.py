@@ -249,6 +249,7 @@ class Robot(_OnThread):
     get_people = _returns(threewe.Robot.get_people)
     get_ultrasonic_ranges = _returns(threewe.Robot.get_ultrasonic_ranges)
     get_pose = _returns(threewe.Robot.get_pose)
+    get_pose_covariance = _returns(threewe.Robot.get_pose_covariance)
     get_velocity = _returns(threewe.Robot.get_velocity)
     get_transform = _returns(threewe.Robot.get_transform)
     get_map = _returns(threewe.Robot.get_map)

@@ -12,6 +12,7 @@ std::string_view to_string(Reason reason) {
     case Reason::cancelled: return "cancelled";
     case Reason::estop: return "estop";
     case Reason::lost: return "lost";
+    case Reason::uncertain: return "uncertain";
     case Reason::fault: return "fault";
   }
   return "unknown";

@@ -10,7 +10,8 @@ namespace {
 
 constexpr double kSpare = 0.01;        // [m] kept free beyond the safety gate's margin ...
 constexpr Duration kTightFor = 6s;     // ... but not for so long after it got stuck
-constexpr double kArrived = 0.05;      // [m] near enough to a goal to stop
+constexpr double kArrived = 0.02;      // [m] near enough to a goal to stop
+constexpr double kPathEnd = 0.05;      // [m] the same, to the end of a path that leads no nearer
 constexpr double kWithin = 0.05;       // [m] less than the tolerance, where a goal itself cannot be reached
 constexpr double kStuckWithin = 0.02;  // [m] the same, where the robot cannot get nearer either
 constexpr double kAlong = 0.01;        // [m] the same, of a distance straight ahead
@@ -23,6 +24,8 @@ constexpr double kMoved = 0.06;           // [m] ... or turned by kMovedTurn
 constexpr double kMovedTurn = 0.3;        // [rad]
 constexpr Duration kProof = 2500ms;       // for so long no plan may exist before it is believed
 constexpr Duration kLostPatience = 8s;    // after having looked round
+constexpr Duration kCourtesy = 15s;       // for whoever stands in the only way to go on
+constexpr double kUsualPace = 0.4;        // share of the speed limit at which a robot covers ground, all in all
 constexpr double kZoneReaction = 0.2;     // [s] from a command to its effect, and some for doubts about the pose
 constexpr double kPersonRadius = 0.2;     // [m]
 constexpr double kBorderSpacing = 0.02;   // [m] between points on the border of a zone ...
@@ -70,7 +73,8 @@ PathNavigator::PathNavigator(const RobotProfile& profile)
       squeeze_from_(squeeze_from(profile)),
       tracker_(profile),
       recovery_(profile.kinematics(), !profile.lidar),
-      passage_(profile) {
+      passage_(profile),
+      monitor_(kUsualPace * profile.operating_limits.linear) {
   if (profile.lidar) lidar_ = profile.lidar->base_from_lidar.position();
 }
 
@@ -86,6 +90,8 @@ void PathNavigator::start(const Goal& goal, const Observation& seen) {
   tracker_.forget_turn();
   recovery_.reset();
   passage_.end();
+  monitor_.begin(seen.now);
+  movers_.clear();
 
   const auto* move = std::get_if<MoveTo>(&goal);
   const auto* follow = std::get_if<FollowPath>(&goal);
@@ -108,6 +114,7 @@ Decision PathNavigator::decide(const Observation& seen) {
   }
   const bool relative = std::holds_alternative<Rotate>(goal_) || std::holds_alternative<MoveForward>(goal_);
   if (!relative && (seen.pose.lost || motion_.lost)) return find_itself(seen);
+  if (!relative && monitor_.stalled(now_)) return finish(Reason::blocked, and_who_is_near("it makes no progress"));
   if (recovery_.active()) return recover();
   recovery_.remember(odom_from_base_);
   return std::visit([&](const auto& goal) { return drive(goal, seen); }, goal_);
@@ -149,6 +156,8 @@ void PathNavigator::note(const Observation& seen) {
   for (const Vec2 p : seen.obstacles) {
     in_base_.push_back({base_from_odom.x + c * p.x - s * p.y, base_from_odom.y + s * p.x + c * p.y});
   }
+  monitor_.update(now_, pose.position(), progress_.distance_left);
+  remember_movers(seen);
   tracker_.see(in_base_, recovery_.active() || now_ < motion_.tight_until ? 0.0 : kSpare);
 }
 
@@ -230,15 +239,14 @@ Decision PathNavigator::travel(const Observation& seen, Vec2 goal, double tolera
   const bool last_leg = route_.on_last_leg();
   const double left = last_leg ? distance(here, goal) : std::numeric_limits<double>::infinity();
   if (left <= std::min(kArrived, tolerance)) return finish(Reason::reached);
-  const bool at_end = route_.has_path() && distance(here, route_.path().back()) <= kArrived;
+  const bool at_end = route_.has_path() && distance(here, route_.path().back()) <= kPathEnd;
   if (left <= tolerance - kWithin && route_.gap() > 0.0 && at_end) return finish(Reason::reached);
 
   if (passage_.active()) return pass(seen);
   if (stuck()) return left <= tolerance - kStuckWithin ? finish(Reason::reached) : get_unstuck();
   if (route_.is_stale(seen, kReplanPeriod)) {
     const bool impossible = !route_.plan_to_goal(seen, tolerance);
-    if (proven(impossible) && !plan_through_gaps(seen, tolerance))
-      return finish(Reason::no_path, "everything within reach was searched");
+    if (proven(impossible) && !plan_through_gaps(seen, tolerance)) return give_up_path(seen, tolerance);
   }
   return route_.has_path() ? follow(seen) : wait();
 }
@@ -300,9 +308,36 @@ void PathNavigator::mark_moved() {
   motion_.last_moved_at = now_;
 }
 
-Decision PathNavigator::finish(Reason reason, std::string_view detail) {
+Decision PathNavigator::finish(Reason reason, std::string detail) {
   route_.drop();
-  return {{}, reason, detail};
+  return {{}, reason, std::move(detail)};
+}
+
+// No path is a proof only of what does not move: who stands in the way may leave.
+Decision PathNavigator::give_up_path(const Observation& seen, double tolerance) {
+  const std::optional<Mover> mover = route_.mover_in_the_way(seen, tolerance, movers_);
+  if (!mover) return finish(Reason::no_path, "everything within reach was searched");
+  if (now_ - motion_.impossible_since <= kCourtesy) return wait();
+  return finish(Reason::blocked, to_string(*mover) + " stands in the only way");
+}
+
+// Peers where they say that they are, everybody else where they were last seen to move.
+void PathNavigator::remember_movers(const Observation& seen) {
+  const auto remember = [&](const std::string& name, Vec2 position, double radius) {
+    const auto known = std::ranges::find(movers_, name, &Mover::name);
+    known == movers_.end() ? void(movers_.push_back({name, position, radius})) : void(known->position = position);
+  };
+  for (const Peer& peer : seen.peers) remember(peer.name, peer.map_from_base.position(), peer.radius);
+  for (const TrackedPerson& person : seen.people) {
+    remember("moving obstacle " + std::to_string(person.id), seen.pose.map_from_odom * person.position, kPersonRadius);
+  }
+}
+
+std::string PathNavigator::and_who_is_near(std::string_view reason) const {
+  constexpr double kNear = 0.8;  // [m] between it and the robot's outline
+  std::string text(reason);
+  const Mover* mover = mover_near(progress_.pose.position(), movers_, kNear + body_radius_);
+  return mover == nullptr ? text : text + "; near it is " + to_string(*mover);
 }
 
 // One look may be wrong: what is impossible must have been so for a while.
@@ -324,7 +359,8 @@ bool PathNavigator::stuck() {
 Decision PathNavigator::get_unstuck() {
   recovery_.begin(now_, odom_from_base_, progress_.pose.position());
   progress_.recovery = recovery_.state();
-  if (recovery_.state() == Recovery::State::given_up) return finish(Reason::blocked, recovery_.reason());
+  if (recovery_.state() == Recovery::State::given_up)
+    return finish(Reason::blocked, and_who_is_near(recovery_.reason()));
   const bool exploring = std::holds_alternative<Explore>(goal_);
   const bool end_too = exploring && recovery_.attempts() >= 2;
   const bool again = lidar_ && !exploring && recovery_.attempts() >= squeeze_from_;

@@ -4,10 +4,12 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <string>
 #include <string_view>
 #include <vector>
 
 #include "nav/passage.hpp"
+#include "nav/progress_monitor.hpp"
 #include "nav/recovery.hpp"
 #include "nav/route.hpp"
 #include "threewe/hardware/profile.hpp"
@@ -51,7 +53,10 @@ class PathNavigator final : public Navigator {
   std::vector<Vec2> borders_near(Vec2 robot) const;
   Decision wait();
   void mark_moved();
-  Decision finish(Reason reason, std::string_view detail = {});
+  Decision finish(Reason reason, std::string detail = {});
+  Decision give_up_path(const Observation& seen, double tolerance);
+  void remember_movers(const Observation& seen);
+  std::string and_who_is_near(std::string_view reason) const;
   bool proven(bool impossible);
   bool stuck();
   Decision get_unstuck();
@@ -84,6 +89,8 @@ class PathNavigator final : public Navigator {
   Tracker tracker_;
   Recovery recovery_;
   Passage passage_;
+  ProgressMonitor monitor_;
+  std::vector<Mover> movers_;  // met in this motion, where each was last seen to move, and peers
   std::optional<Vec2> lidar_;  // [m] in the base frame
   Goal goal_;
   Motion motion_;

@@ -15,6 +15,7 @@ namespace {
 
 constexpr double kWaypointPassed = 0.15;   // [m]
 constexpr std::uint16_t kMinFrontier = 6;  // [cells] smaller frontiers are not worth a drive
+constexpr int kRim = 20;                   // [cells] unknown all around the map
 constexpr double kHorizon = 4.0;           // [m] plans end so far outside of the map: all is unknown there
 constexpr double kBetter = 0.85;           // a new path replaces an open one when it costs less than this share of it
 constexpr double kWithin = 0.05;           // [m] a path must end so much within the tolerance
@@ -131,6 +132,38 @@ bool Route::try_plan(Layer& layer, const Observation& seen, double tolerance) {
   return true;
 }
 
+// Plans in a map from which they have been erased.
+std::optional<Mover> Route::mover_in_the_way(const Observation& seen, double tolerance,
+                                             std::span<const Mover> movers) const {
+  if (movers.empty()) return {};
+  map::OccupancyGrid grid = seen.map;
+  if (!seen.peers.empty()) merge_maps(seen.map, seen.peers, grid);
+  erase_movers(grid, movers);
+  std::vector<Vec2> obstacles;
+  for (const Vec2 p : seen.obstacles) {
+    const Vec2 in_map = seen.pose.map_from_odom * p;
+    if (mover_near(in_map, movers, kMoverBlur) == nullptr) obstacles.push_back(in_map);
+  }
+  map::Costmap costmap(clear_.costmap.settings());
+  costmap.update(grid, obstacles, relevant_places(seen), kRim);
+  costmap.open_around(robot_in(seen), body_radius_ + 0.1);
+
+  Planner planner;
+  Vec2 from = robot_in(seen);
+  const Mover* met = nullptr;
+  for (const Vec2 ordered : waypoints_) {
+    const Vec2 waypoint = within_horizon(seen.map, ordered);
+    const PlannedPath leg = planner.plan(costmap, from, waypoint, tolerance);
+    if (leg.points.empty()) return {};
+    first_along(leg.points, [&](Vec2 p) {
+      if (met == nullptr) met = mover_near(p, movers, body_radius_);
+      return met != nullptr;
+    });
+    from = waypoint;
+  }
+  return met != nullptr ? std::optional(*met) : std::nullopt;
+}
+
 bool Route::plan_to_frontier(const Observation& seen) {
   if (try_frontier(seen)) return true;
   if (avoided_.empty()) return false;
@@ -212,19 +245,23 @@ void Route::renew(Layer& layer, const Observation& seen) {
   std::vector<Vec2> obstacles = avoided_;
   obstacles.insert(obstacles.end(), barred_.begin(), barred_.end());
   for (const Vec2 p : seen.obstacles) obstacles.push_back(seen.pose.map_from_odom * p);
-  std::vector<Vec2> include = {robot_in(seen)};
-  for (const Vec2 waypoint : waypoints_) include.push_back(within_horizon(seen.map, waypoint));
-  take_map(layer, seen, obstacles, include);
+  take_map(layer, seen, obstacles, relevant_places(seen));
   layer.costmap.open_around(robot_in(seen), body_radius_ + 0.1);
   planned_once_ = true;
   planned_ = seen.now;
   planned_version_ = seen.map_version;
 }
 
+// What the costmap must hold.
+std::vector<Vec2> Route::relevant_places(const Observation& seen) const {
+  std::vector<Vec2> places = {robot_in(seen)};
+  for (const Vec2 waypoint : waypoints_) places.push_back(within_horizon(seen.map, waypoint));
+  return places;
+}
+
 // Where peers tell what they know, that too; else only what has changed since the last time.
 void Route::take_map(Layer& layer, const Observation& seen, const std::vector<Vec2>& obstacles,
                      const std::vector<Vec2>& include) {
-  constexpr int kRim = 20;  // [cells] unknown all around
   if (!seen.peers.empty()) {
     merge_maps(seen.map, seen.peers, shared_);
     layer.costmap.update(shared_, obstacles, include, kRim);

@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include "nav/mover.hpp"
 #include "threewe/map/costmap.hpp"
 #include "threewe/nav/grid_search.hpp"
 #include "threewe/nav/navigator.hpp"
@@ -37,6 +38,9 @@ class Route {
   bool plan_to_goal(const Observation& seen, double tolerance);
   /// The same, once there is no other way, through gaps that may be just wide enough: cells are too coarse to tell.
   bool plan_through_gaps(const Observation& seen, double tolerance);
+  /// The first of these on a path to the goal that would be open without them; empty where there is no path then
+  /// either.
+  std::optional<Mover> mover_in_the_way(const Observation& seen, double tolerance, std::span<const Mover> movers) const;
   /// The first such gap of the path.
   const std::optional<Bottleneck>& bottleneck() const { return bottleneck_; }
   /// Plans to the frontier that is most worth it: by the cost of the way there, how much there is to see, and what
@@ -88,6 +92,7 @@ class Route {
     Time until{};
   };
 
+  std::vector<Vec2> relevant_places(const Observation& seen) const;
   bool try_plan(Layer& layer, const Observation& seen, double tolerance);
   bool try_frontier(const Observation& seen);
   int bonus_of_frontier(std::uint32_t index, const Observation& seen) const;

@@ -8,10 +8,6 @@
 namespace threewe {
 namespace {
 
-constexpr double kGrace = 30.0;         // [s]
-constexpr double kPatience = 4.0;       // times what the straight way takes
-constexpr double kExploration = 600.0;  // [s]
-
 template <class... Visitors>
 struct Overloaded : Visitors... {
   using Visitors::operator()...;
@@ -24,15 +20,6 @@ void require_finite(double value, const char* what) {
 void require_positive(double value, const char* what) {
   require_finite(value, what);
   if (value <= 0.0) throw ContractError(std::string(what) + " must be positive, not " + std::to_string(value));
-}
-
-double length_of(const std::vector<Vec2>& path, Vec2 start) {
-  double length = 0.0;
-  for (const Vec2 point : path) {
-    length += distance(start, point);
-    start = point;
-  }
-  return length;
 }
 
 }  // namespace
@@ -87,19 +74,14 @@ void check_velocity(const RobotProfile& profile, const Velocity& velocity) {
   }
 }
 
-Duration default_timeout(const RobotProfile& profile, const nav::Goal& goal, const Pose2D& map_from_base) {
-  const Limits& limits = profile.operating_limits;
-  const Vec2 here = map_from_base.position();
-  const double least = std::visit(Overloaded{
-                                      [&](const nav::MoveTo& g) { return distance(here, g.goal) / limits.linear; },
-                                      [&](const nav::Rotate& g) { return std::abs(g.angle) / limits.angular; },
-                                      [&](const nav::MoveForward& g) { return std::abs(g.distance) / limits.linear; },
-                                      [&](const nav::FollowPath& g) { return length_of(g.path, here) / limits.linear; },
-                                      [&](const nav::Explore&) { return (kExploration - kGrace) / kPatience; },
-                                  },
-                                  goal);
-  constexpr double kLongest = 1e8;  // [s], three years: beyond, nanoseconds would overflow
-  return from_seconds(std::min(kGrace + kPatience * least, kLongest));
+std::optional<double> tolerance_in_map(const nav::Goal& goal) {
+  using Tolerance = std::optional<double>;
+  return std::visit(Overloaded{
+                        [](const nav::MoveTo& g) -> Tolerance { return g.tolerance; },
+                        [](const nav::FollowPath& g) -> Tolerance { return g.tolerance; },
+                        [](const auto&) -> Tolerance { return {}; },
+                    },
+                    goal);
 }
 
 double distance_to_goal(const nav::Goal& goal, const Pose2D& map_from_base, const nav::Progress& progress) {

@@ -1,6 +1,8 @@
 // What may be asked of a robot.
 #pragma once
 
+#include <optional>
+
 #include "threewe/hardware/profile.hpp"
 #include "threewe/nav/navigator.hpp"
 
@@ -12,8 +14,8 @@ void check_goal(const nav::Goal& goal);
 void check_zone(const map::Zone& zone);
 /// Throws ContractError unless a velocity is finite and the base can drive it.
 void check_velocity(const RobotProfile& profile, const Velocity& velocity);
-/// 30 s + 4 x what the goal takes along the straight way at the speed limit; 600 s for an exploration.
-Duration default_timeout(const RobotProfile& profile, const nav::Goal& goal, const Pose2D& map_from_base);
+/// The tolerance [m] of a goal that is a place in `map`; empty for goals relative to where the robot starts.
+std::optional<double> tolerance_in_map(const nav::Goal& goal);
 /// [m] from where the robot believes it is to where it should be.
 double distance_to_goal(const nav::Goal& goal, const Pose2D& map_from_base, const nav::Progress& progress);
 

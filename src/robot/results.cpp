@@ -17,7 +17,8 @@ void raise(const char* what, Reason reason, const std::string& detail) {
     case Reason::no_path:
     case Reason::blocked:
     case Reason::cancelled:
-    case Reason::lost: throw NavigationError(message);
+    case Reason::lost:
+    case Reason::uncertain: throw NavigationError(message);
   }
 }
 

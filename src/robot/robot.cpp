@@ -17,10 +17,8 @@ Duration duration(double seconds, const char* what) {
   throw ContractError(std::string(what) + " must lie in [0, 1e8] s, not " + std::to_string(seconds));
 }
 
-Duration timeout_of(const std::optional<double>& seconds) {
-  if (!seconds) return Duration::zero();
-  if (*seconds == 0.0) throw ContractError("timeout must be positive");
-  return duration(*seconds, "timeout");
+std::optional<Duration> timeout_of(const std::optional<double>& seconds) {
+  return seconds ? std::optional(duration(*seconds, "timeout")) : std::nullopt;
 }
 
 World::Options world_options(const Robot::Options& o) {

@@ -102,10 +102,10 @@ void Runtime::stop() {
   impl_->end_motion(Reason::cancelled, "stopped");
 }
 
-MotionHandle Runtime::start(const nav::Goal& goal, Duration timeout) {
+MotionHandle Runtime::start(const nav::Goal& goal, std::optional<Duration> timeout) {
   impl_->require_healthy();
   check_goal(goal);
-  if (timeout < Duration::zero()) throw ContractError("timeout must not be negative");
+  if (timeout) require_positive(*timeout, "timeout");
   if (std::holds_alternative<nav::Explore>(goal) && !features().has(SensorType::lidar)) {
     throw HardwareError("robot '" + profile().name + "' has no sensor 'lidar', which exploring needs");
   }
@@ -115,14 +115,14 @@ MotionHandle Runtime::start(const nav::Goal& goal, Duration timeout) {
   impl_->listen_to_peers();
   state.navigator->start(goal, impl_->observation());
   state.held.reset();
-  if (timeout == Duration::zero()) timeout = default_timeout(profile(), goal, state.estimate.map_from_base());
 
   auto handle = std::make_shared<Motion>();
   handle->runtime_ = this;
   handle->progress_ = state.navigator->progress();
   const Time now = impl_->now();
-  impl_->motion = OpenMotion{handle, goal, now, now + timeout, 0.0, {}, {}};
-  impl_->shared().waits.add(handle, WaitList::Kind::motion, now + timeout);
+  const auto times_out = timeout ? std::optional(now + *timeout) : std::nullopt;
+  impl_->motion = OpenMotion{handle, goal, now, times_out, 0.0, {}, {}, {}};
+  impl_->shared().waits.add(handle, WaitList::Kind::motion, times_out.value_or(Time::max()));
   return handle;
 }
 

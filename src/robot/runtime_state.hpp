@@ -73,10 +73,11 @@ struct OpenMotion {
   MotionHandle handle;
   nav::Goal goal;
   Time began{};
-  Time times_out{};
+  std::optional<Time> times_out;
   double distance = 0.0;   // [m] driven, by the robot's own belief
   nav::Decision decision;  // the navigator's latest
-  std::string given_up;    // why, when a sensor has been in trouble for too long
+  std::string given_up;    // why, when it cannot go on whatever the navigator does
+  std::optional<Time> stands_by;  // decided to end: as soon as the robot stands, at the latest then
 };
 
 struct Runtime::Impl {
@@ -108,6 +109,8 @@ struct Runtime::Impl {
   void join_obstacles();
   void look_for_people(const Sample& sample);
   void end_motion_if_over();
+  bool stands() const;
+  std::pair<Reason, std::string> verdict() const;
   void end_motion(Reason reason, const std::string& detail);
   void end_ready();
 

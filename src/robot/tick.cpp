@@ -18,10 +18,13 @@ double free_area(const map::OccupancyGrid& grid) {
   return static_cast<double>(free) * grid.resolution * grid.resolution;
 }
 
-std::string in_seconds(Duration d) {
-  const auto text = std::to_string(to_seconds(d));
-  return text.substr(0, text.find('.') + 3) + " s";
+std::string with_two_decimals(double value) {
+  const auto text = std::to_string(value);
+  return text.substr(0, text.find('.') + 3);
 }
+
+std::string in_seconds(Duration d) { return with_two_decimals(to_seconds(d)) + " s"; }
+std::string in_metres(double metres) { return with_two_decimals(metres) + " m"; }
 
 // A sensor's trouble in words.
 std::string told(const SensorHealth& sensor, const char* verb) {
@@ -99,7 +102,7 @@ Velocity Runtime::Impl::request() {
 Velocity Runtime::Impl::wait_for(const SensorHealth& sensor) {
   (void)held_velocity();  // which may expire meanwhile
   state->waited += kControlPeriod;
-  if (!motion) return {};
+  if (!motion || motion->stands_by) return {};
   motion->decision = {};
   if (now() - sensor.since >= kSensorPatience)
     motion->given_up = told(sensor, "has been") + " for " + in_seconds(kSensorPatience);
@@ -107,6 +110,7 @@ Velocity Runtime::Impl::wait_for(const SensorHealth& sensor) {
 }
 
 Velocity Runtime::Impl::steer() {
+  if (motion->stands_by) return {};  // it has ended but for coming to a stop
   listen_to_peers();
   motion->decision = state->navigator->step(observation());
   motion->handle->progress_ = state->navigator->progress();
@@ -130,11 +134,12 @@ Velocity Runtime::Impl::held_velocity() {
 void Runtime::Impl::listen_to_peers() {
   peers.clear();
   if (!shared().one_map_frame) return;
-  for (const auto& robot : shared().robots) {
-    const Impl& other = *robot->impl_;
+  for (std::size_t i = 0; i < shared().robots.size(); ++i) {
+    const Impl& other = *shared().robots[i]->impl_;
     if (&other == this || !other.healthy() || !other.port.profile().lidar) continue;
     const std::span<const Vec2> path = other.motion ? other.state->navigator->path() : std::span<const Vec2>();
-    peers.push_back({.map_from_base = other.state->estimate.map_from_base(),
+    peers.push_back({.name = "robot " + std::to_string(i),
+                     .map_from_base = other.state->estimate.map_from_base(),
                      .velocity = other.state->estimate.velocity,
                      .radius = other.port.profile().body.footprint.circumscribed_radius(),
                      .bound_for = path.empty() ? std::nullopt : std::optional(path.back()),
@@ -173,6 +178,8 @@ std::vector<Sample> Runtime::Impl::perceive() {
     sound.push_back(&sample);
     state->senses.remember(sample);
     state->localizer->add(sample);
+    if (const auto* battery = std::get_if<BatteryState>(&sample.data); battery && battery->charge <= 0.0 && motion)
+      motion->given_up = "the battery is empty";
     if (looks_with(port.features().sensors[sample.sensor].type)) {
       state->gate.last_scan = sample.received;
       state->gate.scan_seen = true;
@@ -287,12 +294,39 @@ void Runtime::tell(const TickView& view) {
   }
 }
 
+// A motion that the navigator ends is over when the robot stands; a time limit and a fault do not wait for that.
 void Runtime::Impl::end_motion_if_over() {
+  constexpr Duration kStops = 1s;  // a robot that has not stopped by then is pushed
   if (!motion) return;
-  const auto& [reason, detail] = std::pair(motion->decision.reason, motion->decision.detail);
-  if (reason != Reason::running) return end_motion(reason, std::string(detail));
-  if (now() >= motion->times_out) return end_motion(Reason::timeout, "after " + in_seconds(now() - motion->began));
-  if (!motion->given_up.empty()) end_motion(Reason::fault, std::string(motion->given_up));
+  if (motion->times_out && now() >= *motion->times_out)
+    return end_motion(Reason::timeout, "after " + in_seconds(now() - motion->began));
+  if (!motion->given_up.empty()) return end_motion(Reason::fault, std::string(motion->given_up));
+  if (motion->decision.reason == Reason::running) return;
+  if (!motion->stands_by) motion->stands_by = now() + kStops;
+  if (!stands() && now() < *motion->stands_by) return;
+  const auto [reason, detail] = verdict();
+  end_motion(reason, detail);
+}
+
+bool Runtime::Impl::stands() const {
+  constexpr double kStill = 0.01;      // [m/s]
+  constexpr double kStillTurn = 0.02;  // [rad/s]
+  const Velocity& moving = state->estimate.velocity;
+  return state->commanded.command == Velocity{} && exact::hypot(moving.vx, moving.vy) < kStill &&
+         std::abs(moving.omega) < kStillTurn;
+}
+
+// What the navigator says; but within the tolerance is only who is so wherever the true position may be.
+std::pair<Reason, std::string> Runtime::Impl::verdict() const {
+  const nav::Decision& decision = motion->decision;
+  const std::optional<double> tolerance = tolerance_in_map(motion->goal);
+  const double uncertainty = state->estimate.position_uncertainty();
+  const double away = distance_to_goal(motion->goal, state->estimate.map_from_base(), motion->handle->progress_);
+  if (decision.reason != Reason::reached || !tolerance || away + uncertainty <= *tolerance)
+    return {decision.reason, decision.detail};
+  return {Reason::uncertain, "it stands " + in_metres(away) + " from its goal by an estimate that may be off by " +
+                                 in_metres(uncertainty) + ", which the tolerance of " + in_metres(*tolerance) +
+                                 " does not allow for"};
 }
 
 void Runtime::Impl::end_motion(Reason reason, const std::string& detail) {
@@ -307,6 +341,7 @@ void Runtime::Impl::end_motion(Reason reason, const std::string& detail) {
                     .reason = reason,
                     .detail = detail,
                     .pose = pose,
+                    .position_uncertainty = state->estimate.position_uncertainty(),
                     .distance_to_goal = distance_to_goal(ended.goal, pose, handle.progress_),
                     .distance = ended.distance,
                     .duration = to_seconds(now() - ended.began)};

@@ -55,6 +55,7 @@ class Costmap {
   /// instead, until the next update: the robot is so near already. No slit in a wall opens by that.
   void open_around(Vec2 point, double radius);
 
+  const Settings& settings() const { return settings_; }
   int width() const { return width_; }
   int height() const { return height_; }
   double resolution() const { return resolution_; }

@@ -4,6 +4,7 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <string>
 #include <string_view>
 #include <variant>
 #include <vector>
@@ -20,7 +21,18 @@
 namespace threewe::nav {
 
 /// How a motion ends, and why.
-enum class Reason : std::uint8_t { running, reached, no_path, blocked, timeout, cancelled, estop, lost, fault };
+enum class Reason : std::uint8_t {
+  running,
+  reached,
+  no_path,
+  blocked,
+  timeout,
+  cancelled,
+  estop,
+  lost,
+  uncertain,
+  fault
+};
 std::string_view to_string(Reason reason);
 
 // A motion aims at its goal itself, a few centimetres and a degree or two. Its tolerances say how far off it may end
@@ -55,6 +67,7 @@ using Goal = std::variant<MoveTo, Rotate, MoveForward, FollowPath, Explore>;
 
 /// What another robot tells that has the same `map` frame.
 struct Peer {
+  std::string name{};                       ///< what results call it
   Pose2D map_from_base{};                   ///< where it believes that it is
   Velocity velocity{};                      ///< of its base
   double radius = 0.0;                      ///< [m] of a disc around its body
@@ -102,8 +115,8 @@ struct Progress {
 struct Decision {
   Velocity velocity;
   Reason reason = Reason::running;
-  std::string_view detail{};  ///< a constant text that says more about a failure; may be empty
-  bool creeping = false;      ///< through a gap: slowly, and nearer to what is beside it than the robot would come else
+  std::string detail{};   ///< says more about a failure; may be empty
+  bool creeping = false;  ///< through a gap: slowly, and nearer to what is beside it than the robot would come else
 };
 
 /// Planning and control of one robot. It sees estimates and scans, never the truth.

@@ -18,11 +18,12 @@ using nav::RecoveryState;
 struct MoveResult {
   bool success = false;
   Reason reason = Reason::running;
-  std::string detail;             ///< says more about a failure; may be empty
-  Pose2D pose;                    ///< where the robot believes it is
-  double distance_to_goal = 0.0;  ///< [m], by its own belief
-  double distance = 0.0;          ///< [m] driven, by its own belief
-  double duration = 0.0;          ///< [s] of robot time
+  std::string detail;                 ///< says more about a failure; may be empty
+  Pose2D pose;                        ///< where the robot estimates that it is
+  double position_uncertainty = 0.0;  ///< [m] around `pose`, see PoseEstimate::position_uncertainty
+  double distance_to_goal = 0.0;      ///< [m], by its own estimate
+  double distance = 0.0;              ///< [m] driven, by its own estimate
+  double duration = 0.0;              ///< [s] of robot time
 
   /// Throws the error that matches `reason`; does nothing after success.
   void raise_for_failure() const;

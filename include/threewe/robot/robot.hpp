@@ -101,7 +101,7 @@ class Robot {
     std::string frame = "map";           ///< of the goal: `map`, `odom` or `base`
     double tolerance = 0.25;             ///< [m]
     double angle_tolerance = 0.1;        ///< [rad] of the final heading
-    std::optional<double> timeout = {};  ///< [s]; 30 s + 4 x straight distance / speed limit where empty
+    std::optional<double> timeout = {};  ///< [s] of robot time; none where empty
   };
   // Motions begin at once and are driven by `wait`. They aim at their goals themselves; tolerances [m] and [rad] say
   // how far off they may end where something is in the way, see nav::MoveTo.

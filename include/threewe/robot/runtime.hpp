@@ -5,6 +5,7 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -119,10 +120,11 @@ class Runtime {
   WaitHandle execute_action(const std::array<double, 3>& action, Duration period);
   /// Ends a motion as `cancelled` and brings the robot to a stand-still. Always allowed.
   void stop();
-  /// Begins a motion. A `timeout` of 0 takes the default: 30 s + 4 x what it takes at the speed limit, for an
-  /// exploration 600 s. Throws ContractError on a goal that is not finite, EmergencyStopError, SafetyError while
-  /// another motion owns the robot, HardwareError for an exploration without a lidar.
-  MotionHandle start(const nav::Goal& goal, Duration timeout);
+  /// Begins a motion, which ends when it has arrived and stands, is proved impossible, makes no progress any more or
+  /// has no battery left, and at `timeout` where one is given. Throws ContractError on a goal that is not finite,
+  /// EmergencyStopError, SafetyError while another motion owns the robot, HardwareError for an exploration without a
+  /// lidar.
+  MotionHandle start(const nav::Goal& goal, std::optional<Duration> timeout = {});
   /// The motion in progress, or null.
   MotionHandle motion() const;
   /// Where motions may not lead, or only slowly, in `map`: until it is called again, or the world begins anew. Throws

@@ -31,6 +31,9 @@ struct PoseEstimate {
   bool lost = false;                   ///< map_from_odom is no more than where the robot was last believed to be
 
   Pose2D map_from_base() const { return map_from_odom * odom_from_base; }
+  /// Radius [m] of the disc around the estimated position that holds the true one with a probability of 95 %, as far as
+  /// the covariance is consistent.
+  double position_uncertainty() const;
 };
 
 /// Localisation and mapping of one robot. It sees samples and nothing else.

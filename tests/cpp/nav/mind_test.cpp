@@ -128,6 +128,26 @@ TEST_CASE("a heading is taken where one is asked for") {
   }
 }
 
+TEST_CASE("a robot in the only doorway is no proof that there is no path, and the result names it") {
+  std::vector<TinyWall> walls;
+  add_box(walls, {-1, -1}, {6, 2});
+  walls.push_back({{3, -1}, {3, 0.2}});
+  walls.push_back({{3, 0.8}, {3, 2}});
+  add_box(walls, {2.9, 0.35}, {3.1, 0.65});
+  const map::OccupancyGrid empty;
+  const std::vector<Peer> peers = {
+      {.name = "robot 1", .map_from_base = {3.0, 0.5, 0.0}, .radius = 0.15, .map = &empty}};
+  for (const bool known : {true, false}) {
+    CAPTURE(known);
+    Drive drive("3we_standard_v2", walls, 4);
+    const Decision end = drive.run(MoveTo{{5, 0.5}}, 300s, [&](Observation& seen) {
+      if (known) seen.peers = peers;
+    });
+    CHECK(to_string(end.reason) == (known ? "blocked" : "no_path"));
+    CHECK((end.detail.find("robot 1 at (3.00, 0.50)") != std::string::npos) == known);
+  }
+}
+
 TEST_CASE("a goal outside the walls has no path, and one in a closed cupboard neither") {
   Drive drive("3we_standard_v2", three_rooms(), 2);
   CHECK(drive.run(MoveTo{{30, 40}}, 200s).reason == Reason::no_path);

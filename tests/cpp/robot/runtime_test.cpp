@@ -40,7 +40,7 @@ TEST_CASE("nothing can be asked of a robot that is not connected") {
     CHECK_THROWS_AS(robot.ready(), ConnectionError);
     CHECK_THROWS_AS(robot.set_velocity({}, 1s), ConnectionError);
     CHECK_THROWS_AS(robot.execute_action({}, 20ms), ConnectionError);
-    CHECK_THROWS_AS(robot.start(nav::Rotate{1.0}, 0s), ConnectionError);
+    CHECK_THROWS_AS(robot.start(nav::Rotate{1.0}), ConnectionError);
   };
   refuses_all();
   robot.connect();
@@ -238,25 +238,67 @@ TEST_CASE("a motion ends when its time is over") {
   CHECK_THROWS_AS(result.raise_for_failure(), threewe::TimeoutError);
 }
 
-TEST_CASE("the default time is 30 s and 4 x what the straight way takes") {
-  const RobotProfile profile = load_profile("3we_standard_v2");
-  const double v = profile.operating_limits.linear;
-  const double omega = profile.operating_limits.angular;
-  const Pose2D here{1.0, 1.0, 0.0};
-  const auto seconds = [&](const nav::Goal& goal) { return to_seconds(default_timeout(profile, goal, here)); };
-  CHECK(seconds(nav::MoveTo{.goal = {4.0, 5.0}, .theta = {}}) == doctest::Approx(30.0 + 4.0 * 5.0 / v));
-  CHECK(seconds(nav::MoveForward{-2.0}) == doctest::Approx(30.0 + 4.0 * 2.0 / v));
-  CHECK(seconds(nav::Rotate{-3.0}) == doctest::Approx(30.0 + 4.0 * 3.0 / omega));
-  CHECK(seconds(nav::FollowPath{{{1.0, 2.0}, {3.0, 2.0}}}) == doctest::Approx(30.0 + 4.0 * 3.0 / v));
-  CHECK(seconds(nav::Explore{}) == doctest::Approx(600.0));
-  CHECK(seconds(nav::MoveTo{.goal = {1e300, 0.0}, .theta = {}}) == doctest::Approx(1e8));
+TEST_CASE("a motion without a time limit goes on for as long as its navigator does") {
+  Toy toy({"3we_standard_v2"}, scripted([](const nav::Observation& seen) {
+            return nav::Decision{{}, seen.now < 2000s ? Reason::running : Reason::no_path, ""};
+          }));
+  Robot robot(*toy.world);
+  const MoveResult result = robot.wait(robot.move_to(0.5, 0.0));
+  CHECK(result.reason == Reason::no_path);
+  CHECK(result.duration > 1999.0);
+}
+
+TEST_CASE("a motion that its navigator ends is over when the robot stands") {
+  for (const Reason reason : {Reason::reached, Reason::no_path}) {
+    Toy toy({"3we_standard_v2"}, scripted([reason](const nav::Observation& seen) {
+              const bool there = seen.pose.map_from_base().x > 0.3;
+              return nav::Decision{{0.4, 0.0, 0.0}, there ? reason : Reason::running, ""};
+            }));
+    Robot robot(*toy.world);
+    const MoveResult result = robot.wait(robot.move_to(0.4, 0.0));
+    CHECK(result.reason == reason);
+    CHECK(toy.port().commands.back() == Velocity{});
+    CHECK(robot.runtime().pose().velocity.vx < 0.01);
+  }
+}
+
+TEST_CASE("who is not within the tolerance wherever the true position may be has not reached the goal") {
+  const auto drive = [](double goal, double tolerance) {
+    Toy toy({"3we_standard_v2"}, scripted([](const auto&) { return nav::Decision{{}, Reason::reached, ""}; }));
+    Robot robot(*toy.world);
+    robot.sleep(1.0);
+    return robot.wait(robot.move_to(goal, 0.0, {.tolerance = tolerance}));
+  };
+  const MoveResult there = drive(0.01, 0.1);
+  CHECK(there.reason == Reason::reached);
+  CHECK(there.position_uncertainty > 0.0);
+  CHECK(there.position_uncertainty < 0.09);
+  CHECK(drive(2.0, 0.1).reason == Reason::uncertain);
+  const MoveResult known_too_badly = drive(0.01, 0.01 + 0.9 * there.position_uncertainty);
+  CHECK(known_too_badly.reason == Reason::uncertain);
+  CHECK(known_too_badly.detail.find("may be off by") != std::string::npos);
+  CHECK_THROWS_AS(known_too_badly.raise_for_failure(), NavigationError);
+}
+
+TEST_CASE("a motion ends where the battery is empty") {
+  Toy toy({"3we_standard_v2"}, restless());
+  toy.port().on_samples = [&](std::vector<Sample>& samples) {
+    if (toy.world->now() < 1s) return;
+    for (Sample& sample : samples) {
+      if (auto* battery = std::get_if<BatteryState>(&sample.data)) battery->charge = 0.0;
+    }
+  };
+  Robot robot(*toy.world);
+  const MoveResult result = robot.wait(robot.move_to(2.0, 0.0));
+  CHECK(result.reason == Reason::fault);
+  CHECK(result.detail == "the battery is empty");
 }
 
 TEST_CASE("every reason a navigator gives becomes a result") {
   for (const Reason reason : {Reason::reached, Reason::no_path, Reason::blocked, Reason::lost}) {
     Toy toy({"3we_standard_v2"}, scripted([reason](const auto&) { return nav::Decision{{}, reason, "so it is"}; }));
     Robot robot(*toy.world);
-    const MoveResult result = robot.wait(robot.move_to(2.0, 0.0));
+    const MoveResult result = robot.wait(robot.move_to(0.0, 0.0));
     CHECK(result.reason == reason);
     CHECK(result.success == (reason == Reason::reached));
     CHECK(result.detail == "so it is");

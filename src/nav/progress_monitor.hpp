@@ -1,0 +1,36 @@
+// Detector of motions that make no progress.
+#pragma once
+
+#include <limits>
+#include <set>
+#include <utility>
+
+#include "threewe/core/pose.hpp"
+#include "threewe/core/time.hpp"
+
+namespace threewe::nav {
+
+/// A motion makes progress while the robot comes to places where it has not been in this motion, or nearer to its goal
+/// than ever before. One that has not for two minutes and twice as long as the rest of its path takes is stalled: it
+/// circles, wavers between two ways, or waits for what does not go away. A bounded place has finitely many places and
+/// metres, so every motion ends, and none ends by a clock while it gets on. Plain data.
+class ProgressMonitor {
+ public:
+  /// `speed` [m/s]: at which the robot covers ground, all its turns and stops included.
+  explicit ProgressMonitor(double speed) : speed_(speed) {}
+
+  /// A motion begins.
+  void begin(Time now);
+  /// One control period: where the robot is in `map`, and how long [m] its path still is.
+  void update(Time now, Vec2 position, double distance_left);
+  bool stalled(Time now) const;
+
+ private:
+  double speed_;
+  std::set<std::pair<int, int>> visited_;                     // cells
+  double nearest_ = std::numeric_limits<double>::infinity();  // [m] the least that was left
+  double longest_ = 0.0;                                      // [m] the most that was left since the last progress
+  Time last_{};                                               // of progress
+};
+
+}  // namespace threewe::nav
