@@ -74,9 +74,9 @@ struct OpenMotion {
   nav::Goal goal;
   Time began{};
   std::optional<Time> times_out;
-  double distance = 0.0;   // [m] driven, by the robot's own belief
-  nav::Decision decision;  // the navigator's latest
-  std::string given_up;    // why, when it cannot go on whatever the navigator does
+  double distance = 0.0;          // [m] driven, by the robot's own belief
+  nav::Decision decision;         // the navigator's latest
+  std::string given_up;           // why, when it cannot go on whatever the navigator does
   std::optional<Time> stands_by;  // decided to end: as soon as the robot stands, at the latest then
 };
 
