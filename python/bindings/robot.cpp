@@ -9,11 +9,29 @@
 #include <nanobind/stl/variant.h>
 
 #include "bindings.hpp"
+#include "one_thread.hpp"
 #include "threewe/robot/runtime.hpp"
 #include "threewe/robot/simulation.hpp"
 #include "threewe/robot/warning.hpp"
 #include "threewe/robot/world.hpp"
 #include "threewe/scene/scene.hpp"
+
+template <>
+inline constexpr const char* kSecondThread<threewe::World> =
+    "a robot may be used on the thread of its event loop only; from other threads use loop.call_soon_threadsafe(...), "
+    "asyncio.run_coroutine_threadsafe(...) or threewe.sync.Robot";
+
+using OneThreadWorld = Guarded<threewe::World>;
+
+template <>
+OneThread& thread_of(const threewe::Runtime& robot) {
+  return static_cast<const OneThreadWorld&>(robot.world()).one_thread;
+}
+
+template <>
+OneThread& thread_of(const threewe::Simulation& truth) {
+  return static_cast<const OneThreadWorld&>(truth.world()).one_thread;
+}
 
 namespace {
 
@@ -157,11 +175,12 @@ void bind_time(nb::module_& m) {
   nb::class_<Snapshot>(m, "Snapshot", "Everything the future of a world depends on.")
       .def("__repr__", [](const Snapshot&) { return "Snapshot()"; });
 
-  nb::class_<World>(m, "World",
-                    "A backend world with a runtime for each of its robots. One thread at a time may use it.")
+  OneThreadClass<OneThreadWorld> bound(
+      m, "World", "A backend world with a runtime for each of its robots. One thread at a time may use it.");
+  bound
       .def(
           "__init__",
-          [](World* self, std::string backend, std::string scene, std::vector<std::string> robots,
+          [](OneThreadWorld* self, std::string backend, std::string scene, std::vector<std::string> robots,
              std::string_view noise, std::uint64_t seed, bool realtime, std::vector<Pose2D> start_poses,
              std::vector<Pose2D> initial_poses, std::string_view localization,
              std::optional<std::pair<int, int>> image_size, const map::OccupancyGrid* map, std::string randomization) {
@@ -179,7 +198,7 @@ void bind_time(nb::module_& m) {
             if (image_size) options.image_size = ImageSize{image_size->second, image_size->first};
             options.randomization = std::move(randomization);
             const nb::gil_scoped_release other_threads_run;
-            new (self) World(options);
+            new (self) OneThreadWorld(options);
           },
           nb::kw_only(), "backend"_a, "scene"_a, "robots"_a, "noise"_a, "seed"_a, "realtime"_a, "start_poses"_a,
           "initial_poses"_a, "localization"_a = "slam", "image_size"_a = nb::none(), "map"_a.none() = nb::none(),
@@ -207,9 +226,16 @@ void bind_time(nb::module_& m) {
           "charge"_a)
       .def_prop_ro("held", &World::held)
       .def("save", [](const World& world) { return Snapshot{world.save()}; }, WithoutGil());
+  nb::class_<OneThreadWorld>(bound)
+      .def(
+          "claim_thread", [](const OneThreadWorld& w) { w.one_thread.claim(); },
+          "The calling thread alone may use it and its robots, until `release_thread`.")
+      .def(
+          "release_thread", [](const OneThreadWorld& w) { w.one_thread.release(); },
+          "Any thread may be the next. For the owner, or for anybody once its event loop is closed.");
 }
 
-void bind_readings(nb::class_<Runtime>& runtime) {
+void bind_readings(OneThreadClass<Runtime>& runtime) {
   runtime.def("connect", &Runtime::connect, WithoutGil())
       .def("disconnect", &Runtime::disconnect, WithoutGil())
       .def_prop_ro("connected", &Runtime::connected)
@@ -257,7 +283,7 @@ void bind_readings(nb::class_<Runtime>& runtime) {
       .def("commanded", [](const Runtime& robot) { return robot.commanded().command; });
 }
 
-void bind_commands(nb::class_<Runtime>& runtime) {
+void bind_commands(OneThreadClass<Runtime>& runtime) {
   runtime
       .def(
           "set_velocity",
@@ -319,7 +345,7 @@ void bind_commands(nb::class_<Runtime>& runtime) {
 }
 
 void bind_runtime(nb::module_& m) {
-  nb::class_<Runtime> runtime(m, "Runtime", "One robot of a world: mind, gate and port.");
+  OneThreadClass<Runtime> runtime(m, "Runtime", "One robot of a world: mind, gate and port.");
   bind_readings(runtime);
   bind_commands(runtime);
 }
@@ -332,10 +358,10 @@ void bind_simulation(nb::module_& m) {
       .def("__repr__", [](const scene::PersonPose& person) {
         return fmt::format("PersonPose('{}' at ({:.2f}, {:.2f}))", person.name, person.pose.x, person.pose.y);
       });
-  nb::class_<Simulation>(m, "Simulation",
-                         "The truth about a robot in a simulated world, for metrics, drawings and training.\n\n"
-                         "All poses are in the scene's frame. Robots never see it.")
-      .def(nb::init<World&, std::size_t>(), "world"_a, "robot"_a, nb::keep_alive<1, 2>())
+  OneThreadClass<Simulation>(m, "Simulation",
+                             "The truth about a robot in a simulated world, for metrics, drawings and training.\n\n"
+                             "All poses are in the scene's frame. Robots never see it.")
+      .def(nb::init<OneThreadWorld&, std::size_t>(), "world"_a, "robot"_a, nb::keep_alive<1, 2>())
       .def_prop_ro("scene", &Simulation::scene)
       .def("true_pose", &Simulation::true_pose, WithoutGil())
       .def("true_velocity", &Simulation::true_velocity, WithoutGil(), "In the body frame.")

@@ -1652,6 +1652,16 @@ class World:
 
     def save(self) -> Snapshot: ...
 
+    def claim_thread(self) -> None:
+        """
+        The calling thread alone may use it and its robots, until `release_thread`.
+        """
+
+    def release_thread(self) -> None:
+        """
+        Any thread may be the next. For the owner, or for anybody once its event loop is closed.
+        """
+
 class Runtime:
     """One robot of a world: mind, gate and port."""
 

@@ -147,11 +147,14 @@ class Robot(InRobotTime):
         self._world = world
         self._time = robot_time
         self._runtime = world.robot(index)
+        self._profile, self._features = self._runtime.profile, self._runtime.features
         self._simulation = Simulation(world, index, robot_time, initial_pose) if self._runtime.simulated else None
         self._map: tuple[int, OccupancyGrid] | None = None
         self._observers = Observers(self._runtime)
 
     def __repr__(self) -> str:
+        if self._time.elsewhere:
+            return f"Robot({self.profile.name!r}, in use on another thread)"
         state = "connected" if self.connected else "not connected"
         return f"Robot({self.profile.name!r}, {state}, robot time {self.now:.2f} s)"
 
@@ -198,12 +201,12 @@ class Robot(InRobotTime):
     @property
     def profile(self) -> RobotProfile:
         """What the robot is: its body, limits and sensors."""
-        return self._runtime.profile
+        return self._profile
 
     @property
     def features(self) -> Features:
         """What the robot can do on this backend, readable before connecting."""
-        return self._runtime.features
+        return self._features
 
     @property
     def health(self) -> dict[str, SensorHealth]:
@@ -262,7 +265,7 @@ class Robot(InRobotTime):
         heading = None if theta is None else as_number("goal theta", theta)
         within = as_number("tolerance", tolerance)
         turned_within = as_number("angle_tolerance", angle_tolerance)
-        goal = self._read().transform("map", as_text("frame", frame)) * Pose2D(x, y, heading or 0.0)
+        goal = self._runtime.transform("map", as_text("frame", frame)) * Pose2D(x, y, heading or 0.0)
 
         def begin(limit: float | None) -> Motion:
             theta = None if heading is None else goal.theta
@@ -353,7 +356,6 @@ class Robot(InRobotTime):
             EmergencyStopError: the emergency stop is latched.
             SafetyError: a motion owns the robot.
         """
-        self._time.check_thread()
         vx, vy, omega = as_number("vx", vx), as_number("vy", vy), as_number("omega", omega)
         self._runtime.set_velocity(vx, vy, omega, as_seconds("hold", hold))
 
@@ -367,7 +369,6 @@ class Robot(InRobotTime):
         Raises:
             ContractError: a zone that is no polygon of finite corners, or whose limit is not positive.
         """
-        self._time.check_thread()
         given = as_list("zones", zones)
         for zone in given:
             if not isinstance(zone, Zone):
@@ -376,7 +377,6 @@ class Robot(InRobotTime):
 
     def stop(self) -> None:
         """Ends a motion as `cancelled` and brings the robot to a stand-still. Always allowed."""
-        self._time.check_thread()
         self._runtime.stop()
         self._time.wake()
 
@@ -391,7 +391,6 @@ class Robot(InRobotTime):
 
     def release_emergency_stop(self) -> None:
         """Lets the robot move again."""
-        self._time.check_thread()
         self._runtime.release_estop()
 
     @property
@@ -403,51 +402,51 @@ class Robot(InRobotTime):
 
     def get_lidar_scan(self) -> LaserScan:
         """The newest scan. Raises HardwareError without a lidar."""
-        return self._read().lidar_scan()
+        return self._runtime.lidar_scan()
 
     def get_imu(self) -> IMUData:
         """The newest reading of the inertial unit. Raises HardwareError without one."""
-        return self._read().imu()
+        return self._runtime.imu()
 
     def get_odometry(self) -> Odometry:
         """Where the wheels alone say that the robot is, in `odom`."""
-        return self._read().odometry()
+        return self._runtime.odometry()
 
     def get_battery_state(self) -> BatteryState:
         """The state of the battery. Raises HardwareError without one."""
-        return self._read().battery()
+        return self._runtime.battery()
 
     def get_ultrasonic_ranges(self) -> dict[str, RangeData]:
         """What each ultrasonic sensor heard last, by the sensors' names. Raises HardwareError without any."""
-        return self._read().ultrasonic_ranges()
+        return self._runtime.ultrasonic_ranges()
 
     def get_people(self) -> list[TrackedPerson]:
         """Who walks around the robot, as its lidar sees them, in `odom`. Raises HardwareError without a lidar.
 
         Somebody who has stood for some seconds counts as an obstacle like others.
         """
-        return self._read().people()
+        return self._runtime.people()
 
     def get_pose(self) -> Pose2D:
         """Where the robot believes it is, in `map`; while it is `lost`, no more than where it was last."""
-        return self._read().pose().map_from_base
+        return self._runtime.pose().map_from_base
 
     @property
     def lost(self) -> bool:
         """True while the robot does not know where it is: it looks for itself in its map, and motions wait."""
-        return self._read().pose().lost
+        return self._runtime.pose().lost
 
     def get_velocity(self) -> Velocity:
         """The body velocity, as the robot estimates it."""
-        return self._read().pose().velocity
+        return self._runtime.pose().velocity
 
     def get_transform(self, target: str, source: str) -> Pose2D:
         """`target_from_source` among `map`, `odom`, `base` and the sensors' names."""
-        return self._read().transform(as_text("target", target), as_text("source", source))
+        return self._runtime.transform(as_text("target", target), as_text("source", source))
 
     def get_map(self) -> OccupancyGrid:
         """The map so far: the same object until it changes, which never changes itself."""
-        runtime = self._read()
+        runtime = self._runtime
         version = runtime.map_version()
         if self._map is None or self._map[0] != version:
             self._map = version, runtime.map()
@@ -462,7 +461,7 @@ class Robot(InRobotTime):
 
     def get_path(self) -> NDArray[np.float64]:
         """The path being followed, from the robot to its goal: (N, 2) [m] in `map`; empty between motions."""
-        return np.array(self._read().path(), np.float64).reshape(-1, 2)
+        return np.array(self._runtime.path(), np.float64).reshape(-1, 2)
 
     def get_plan(self) -> SampledPlan | None:
         """The plan being followed and all the samples of which it is the weighted mean, in `odom`.
@@ -470,7 +469,7 @@ class Robot(InRobotTime):
         None while no plan is followed: between motions, during turns and recoveries, on the last 0.2 m to a goal and
         without a lidar. The samples are rolled out once more for whoever asks, which changes nothing.
         """
-        return self._read().plan()
+        return self._runtime.plan()
 
     def get_camera_image(self) -> NDArray[np.uint8]:
         """The newest image of the camera: (H, W, 3) uint8, BGR; yours to draw on. See `get_image`."""
@@ -482,11 +481,11 @@ class Robot(InRobotTime):
         `camera` is a level view without distortion, see `profile.camera.intrinsics`. Only real robots have the raw
         image of a lens, `fisheye`. Raises HardwareError without that camera.
         """
-        return self._read().image(as_text("name", name)).color.copy()
+        return self._runtime.image(as_text("name", name)).color.copy()
 
     def get_rgbd_image(self) -> RGBDImage:
         """The newest image of a camera that measures depth. Raises HardwareError without one."""
-        return self._read().rgbd_image()
+        return self._runtime.rgbd_image()
 
     def get_observation(self) -> dict[str, NDArray[Any]]:
         """What the robot knows, as arrays: what its sensors say, and where it believes that it is.
@@ -495,7 +494,7 @@ class Robot(InRobotTime):
         [m], `ultrasonic` (K,) [m] in the order of `features.sensors`, `image` (H, W, 3) uint8 BGR and `depth` (H, W)
         float32 [m].
         """
-        runtime = self._read()
+        runtime = self._runtime
         estimate = runtime.pose()
         observation: dict[str, NDArray[Any]] = {
             "pose": np.array([*estimate.map_from_base]),
@@ -513,10 +512,6 @@ class Robot(InRobotTime):
             if image.depth is not None:
                 observation["depth"] = image.depth
         return observation
-
-    def _read(self) -> _core.Runtime:
-        self._time.check_thread()
-        return self._runtime
 
     # Observers
 

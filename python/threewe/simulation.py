@@ -41,7 +41,6 @@ class Simulation(_core.Simulation):
         it. The robot starts at `pose`, or at the scene's own start pose without it. Raises ConfigError when that is
         inside an obstacle.
         """
-        self._time.check_thread()
         super().reset(
             seed=None if seed is None else as_seed("seed", seed),
             pose=None if pose is None else as_pose("pose", pose),
@@ -54,7 +53,6 @@ class Simulation(_core.Simulation):
 
         Raises ConfigError when something stands there.
         """
-        self._time.check_thread()
         super().carry(as_pose("pose", pose))
 
     def sample_free_pose(self, seed: int) -> Pose2D:
@@ -103,12 +101,10 @@ class Simulation(_core.Simulation):
 
     def save(self) -> Snapshot:
         """Everything the future depends on. Raises ContractError while a motion is in progress or in an observer."""
-        self._time.check_thread()
         return super().save()
 
     def restore(self, snapshot: Snapshot) -> None:
         """Goes on from where `save` was called. Sleeps end."""
-        self._time.check_thread()
         if not isinstance(snapshot, Snapshot):
             raise ContractError(f"snapshot must be what `save` returned, got {snapshot!r}")
         super().restore(snapshot)

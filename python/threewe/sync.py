@@ -178,7 +178,7 @@ class Robot(_OnThread):
     @property
     def connected(self) -> bool:
         """True between `connect` and `disconnect`."""
-        return self._robot.connected
+        return self._thread.call(lambda: self._robot.connected)
 
     @property
     def profile(self) -> RobotProfile:
@@ -214,7 +214,7 @@ class Robot(_OnThread):
     def simulation(self) -> Simulation | None:
         """The truth, in a simulated world; None on a real robot."""
         truth = self._robot.simulation
-        return None if truth is None else Simulation(self, truth)
+        return None if truth is None else self._thread.call(lambda: Simulation(self, truth))
 
     @contextmanager
     def thinking(self, seconds: float | None = None) -> Iterator[None]:
