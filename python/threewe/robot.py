@@ -164,8 +164,7 @@ class Robot(InRobotTime):
         """Connects and waits until every sensor has delivered. Raises ConnectionError. Twice is as good as once."""
         self._time.start()
         try:
-            self._runtime.connect()
-            await self._time.wait(self._runtime.ready())
+            await self._time.wait(self._begin_connecting())
             if self._viewer is not None:
                 self._viewer.begin()
         except BaseException:  # also when cancelled: a robot that nobody has got must not stay connected
@@ -173,6 +172,11 @@ class Robot(InRobotTime):
                 await self.disconnect()
             raise
         return self
+
+    def _begin_connecting(self) -> _core.Wait:
+        """What becomes done when every sensor has delivered."""
+        self._runtime.connect()
+        return self._runtime.ready()
 
     async def disconnect(self) -> None:
         """Ends a motion as `cancelled`, stops the robot and lets go of it."""

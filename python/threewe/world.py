@@ -80,10 +80,11 @@ class World(InRobotTime):
         return f"World({', '.join(robot.profile.name for robot in self.robots)}; robot time {self.now:.2f} s)"
 
     async def connect(self) -> Self:
-        """Connects every robot and waits until all their sensors have delivered."""
+        """Connects every robot and waits until all their sensors have delivered: all robots at the same time."""
+        self._time.start()
         try:
-            for robot in self.robots:
-                await robot.connect()
+            for ready in [robot._begin_connecting() for robot in self.robots]:
+                await self._time.wait(ready)
         except BaseException:
             with suppress(ThreeweError):
                 await self.disconnect()
