@@ -13,13 +13,12 @@ from threading import Event
 from typing import Annotated, TypeVar
 
 import typer
-from rich.console import Console
-from rich.markup import escape
 
 import threewe
+from threewe._console import plain_console, styled
 from threewe.terminal import Dashboard
 
-console = Console()
+console = plain_console()
 
 Result = TypeVar("Result", threewe.MoveResult, threewe.ExploreResult)
 
@@ -133,8 +132,8 @@ class Audience:
     def leave(self) -> None:
         """Says where the recording is; browsers are served until Ctrl-C."""
         if self.save is not None:
-            name = escape(str(self.save))
-            console.print(f"recorded to [bold]{name}[/]; open it with: rerun {name}", soft_wrap=True)
+            name = str(self.save)
+            console.print(styled("recorded to ", (name, "bold"), f"; open it with: rerun {name}"), soft_wrap=True)
         if self.serve:
             with suppress(KeyboardInterrupt):
                 console.print("serving until Ctrl-C")
@@ -181,12 +180,13 @@ def watch(
 def tell(result: threewe.MoveResult | threewe.ExploreResult, figures: str) -> None:
     """How it ended."""
     color = "green" if result.success else "yellow"
-    why = f", {escape(result.detail)}" if result.detail else ""
+    why = f", {result.detail}" if result.detail else ""
     driven = f"{result.distance:.1f} m driven in {result.duration:.0f} robot s"
-    console.print(f"[bold {color}]{result.reason.name}[/]{why}: {driven}, {figures}", soft_wrap=True)
+    reason = (result.reason.name, f"bold {color}")
+    console.print(styled(reason, f"{why}: {driven}, {figures}"), soft_wrap=True)
 
 
 def tell_of_map(file: Path | None) -> None:
     """Where it is."""
     if file is not None:
-        console.print(f"map saved to [bold]{escape(str(file))}[/]", soft_wrap=True)
+        console.print(styled("map saved to ", (str(file), "bold")), soft_wrap=True)
