@@ -10,7 +10,7 @@ import typer
 from rich.table import Table
 
 from threewe import _core
-from threewe._arguments import as_text
+from threewe._arguments import as_file, as_text
 from threewe._console import plain_console, styled
 from threewe._core import Calibration, Deviation, Figure
 from threewe.backend import known_backend
@@ -37,7 +37,7 @@ def calibrate(
     Raises:
         ConfigError: an unknown backend or profile, or an output that does not end in .yaml.
     """
-    path = None if output is None else Path(output)
+    path = None if output is None else as_file("output", output)
     if path is not None and path.suffix != ".yaml":
         raise ConfigError(f"output: the name of a profile's file ends in .yaml, not '{path.suffix}'")
     name = as_text("hardware", hardware)

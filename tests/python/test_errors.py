@@ -142,7 +142,10 @@ def test_options_of_a_wrong_type(options: dict[str, object], make: Callable[...,
 @pytest.mark.parametrize(
     ("options", "message"),
     [
-        ({"robots": "3we_standard_v2"}, "robots must be a list, got '3we_standard_v2'"),
+        (
+            {"robots": "3we_standard_v2"},
+            "robots must be a list with one profile for each robot, such as \\['3we_standard_v2'\\]",
+        ),
         ({"robots": None}, "robots must be a list, got None"),
         ({"robots": [None]}, "robots must be a string, got None"),
         ({"start_poses": 3}, "start_poses must be a list, got 3"),
