@@ -9,12 +9,14 @@
 #include <nanobind/stl/variant.h>
 
 #include "bindings.hpp"
+#include "named_enum.hpp"
 #include "one_thread.hpp"
 #include "threewe/robot/runtime.hpp"
 #include "threewe/robot/simulation.hpp"
 #include "threewe/robot/warning.hpp"
 #include "threewe/robot/world.hpp"
 #include "threewe/scene/scene.hpp"
+#include "value.hpp"
 
 template <>
 inline constexpr const char* kSecondThread<threewe::World> =
@@ -47,15 +49,16 @@ struct Tick {
   Velocity requested;
   Velocity commanded;
   Intervention intervention{};
-
-  explicit Tick(const TickView& view)
-      : now(to_seconds(view.now)),
-        samples(view.samples.begin(), view.samples.end()),
-        pose(view.pose),
-        requested(view.requested),
-        commanded(view.commanded.command),
-        intervention(view.commanded.intervention) {}
 };
+
+Tick tick_of(const TickView& view) {
+  return {to_seconds(view.now),
+          {view.samples.begin(), view.samples.end()},
+          view.pose,
+          view.requested,
+          view.commanded.command,
+          view.commanded.intervention};
+}
 
 /// The state of a world.
 struct Snapshot {
@@ -69,7 +72,7 @@ Duration timeout_of(std::optional<double> timeout) {
 }
 
 void bind_results(nb::module_& m) {
-  nb::enum_<Intervention>(m, "Intervention", "Why the safety gate changed a command.")
+  NamedEnum<Intervention>(m, "Intervention", "Why the safety gate changed a command.")
       .value("none", Intervention::none)
       .value("limited", Intervention::limited)
       .value("slowed_for_obstacle", Intervention::slowed_for_obstacle)
@@ -77,7 +80,7 @@ void bind_results(nb::module_& m) {
       .value("stale_sensors", Intervention::stale_sensors)
       .value("estop", Intervention::estop);
 
-  nb::enum_<Trouble>(m, "Trouble", "What may be wrong with a sensor.")
+  NamedEnum<Trouble>(m, "Trouble", "What may be wrong with a sensor.")
       .value("none", Trouble::none, "Nothing.")
       .value("silent", Trouble::silent, "Nothing has arrived for too long.")
       .value("frozen", Trouble::frozen, "The same reading again and again, while the robot moves.")
@@ -89,6 +92,7 @@ void bind_results(nb::module_& m) {
       .value("contradicted", Trouble::contradicted, "Other sensors say otherwise.");
 
   nb::class_<SensorHealth>(m, "SensorHealth", "How one sensor is.")
+      .def(Value())
       .def_ro("name", &SensorHealth::name)
       .def_prop_ro("sound", &SensorHealth::sound, "nothing is wrong")
       .def_ro("trouble", &SensorHealth::trouble)
@@ -103,6 +107,7 @@ void bind_results(nb::module_& m) {
       });
 
   nb::class_<MoveResult>(m, "MoveResult", "How a motion ended. `map` frame.")
+      .def(Value())
       .def_ro("success", &MoveResult::success)
       .def_ro("reason", &MoveResult::reason)
       .def_ro("detail", &MoveResult::detail, "says more about a failure; may be empty")
@@ -120,6 +125,7 @@ void bind_results(nb::module_& m) {
       });
 
   nb::class_<ExploreResult>(m, "ExploreResult", "How an exploration ended.")
+      .def(Value())
       .def_ro("success", &ExploreResult::success, "nothing that can be reached is left to see")
       .def_ro("reason", &ExploreResult::reason)
       .def_ro("detail", &ExploreResult::detail, "says more about a failure; may be empty")
@@ -138,6 +144,7 @@ void bind_results(nb::module_& m) {
 
 void bind_views(nb::module_& m) {
   nb::class_<PoseEstimate>(m, "PoseEstimate", "What is known about the robot's pose at one moment.")
+      .def(Value())
       .def_ro("stamp", &PoseEstimate::stamp, "[s] of robot time")
       .def_ro("odom_from_base", &PoseEstimate::odom_from_base, "smooth: wheels and gyro, never jumps")
       .def_ro("map_from_odom", &PoseEstimate::map_from_odom, "moves when a scan or a loop closure corrects the drift")
@@ -150,6 +157,7 @@ void bind_views(nb::module_& m) {
       .def_ro("lost", &PoseEstimate::lost);
 
   nb::class_<Tick>(m, "TickView", "What an observer sees at the end of every tick.")
+      .def(Value())
       .def_ro("now", &Tick::now, "[s] of robot time")
       .def_ro("samples", &Tick::samples, "that arrived in this tick")
       .def_ro("pose", &Tick::pose)
@@ -338,7 +346,7 @@ void bind_commands(OneThreadClass<Runtime>& runtime) {
       .def(
           "observe",
           [](Runtime& robot, std::function<void(const Tick&)> observer) {
-            return robot.observe([observer = std::move(observer)](const TickView& view) { observer(Tick(view)); });
+            return robot.observe([observer = std::move(observer)](const TickView& view) { observer(tick_of(view)); });
           },
           "observer"_a)
       .def("unobserve", &Runtime::unobserve, "id"_a);
@@ -352,6 +360,7 @@ void bind_runtime(nb::module_& m) {
 
 void bind_simulation(nb::module_& m) {
   nb::class_<scene::PersonPose>(m, "PersonPose", "Where somebody of a simulated scene is.")
+      .def(Value())
       .def_ro("name", &scene::PersonPose::name)
       .def_ro("pose", &scene::PersonPose::pose, "in the scene's frame, facing the way they walk or wait to walk")
       .def_ro("radius", &scene::PersonPose::radius, "[m] of the circle that they fill on the floor")

@@ -21,6 +21,7 @@ from threewe._arguments import (
     as_list,
     as_map,
     as_number,
+    as_path,
     as_pose,
     as_seconds,
     as_seed,
@@ -50,7 +51,7 @@ from threewe._core import (
     Zone,
 )
 from threewe._observers import Observer, Observers
-from threewe._options import known_options
+from threewe._options import known_options, known_options_but
 from threewe._time import InRobotTime, RobotTime
 from threewe.backend import known_backend
 from threewe.errors import ContractError, ThreeweError
@@ -60,6 +61,8 @@ if TYPE_CHECKING:
     from threewe.viewer import Viewer
 
 OnProgress = Callable[[Progress], object]
+
+SEVERAL = "a Robot is one robot, with its `hardware`; several in one world are a World(robots=[...])"
 
 
 class Robot(InRobotTime):
@@ -86,8 +89,9 @@ class Robot(InRobotTime):
         image_size: (height, width) [px] of what the camera delivers; as the profile states where left out.
         randomization: how the robot differs from its profile in a simulator, drawn anew for each seed and
             episode: `none`, `mild`, `paper`, `hard`, or a file that ends in .yaml.
-        viewer: streams to Rerun from `connect` to `disconnect`: `rerun` opens a window, `web` serves browsers, a file
-            that ends in .rrd is recorded.
+        viewer: streams to Rerun from `connect` to `disconnect`: `rerun` opens a window, `web` serves browsers on
+            this machine, `network` all who can reach it, without asking them for a password; a file that ends in .rrd
+            is recorded.
 
     Raises:
         ConfigError: an unknown backend, profile, scene, viewer or option (with the nearest right name), a start in a
@@ -97,7 +101,7 @@ class Robot(InRobotTime):
 
     _viewer: Viewer | None = None
 
-    @known_options
+    @known_options_but({"robots": SEVERAL, "start_poses": SEVERAL, "initial_poses": SEVERAL})
     def __init__(
         self,
         backend: str = "mock",
@@ -115,6 +119,8 @@ class Robot(InRobotTime):
         randomization: str | os.PathLike[str] = "none",
         viewer: str | None = None,
     ) -> None:
+        if isinstance(hardware, list | tuple):
+            raise ContractError(f"hardware must be a string, got {hardware!r}: {SEVERAL}")
         initial = None if initial_pose is None else as_pose("initial_pose", initial_pose)
         world = _core.World(
             backend=known_backend(as_text("backend", backend)),
@@ -309,14 +315,17 @@ class Robot(InRobotTime):
     @known_options
     async def follow_path(
         self,
-        path: ArrayLike,
+        path: ArrayLike | Sequence[PoseLike],
         *,
         tolerance: float = 0.25,
         timeout: float | None = None,
         on_progress: OnProgress | None = None,
     ) -> MoveResult:
-        """Drives along a polyline in `map`: (N, 2) positions [m]. See `move_to`."""
-        points = [(x, y) for x, y in as_array("path", path, (None, 2)).tolist()]
+        """Drives along a polyline in `map`: (N, 2) positions [m], or a list of Pose2Ds, whose headings it ignores.
+
+        See `move_to`.
+        """
+        points = as_path("path", path)
         within = as_number("tolerance", tolerance)
         motion = await self._drive(lambda t: self._runtime.follow_path(points, within, t), timeout, on_progress)
         return motion.result()
@@ -494,22 +503,22 @@ class Robot(InRobotTime):
     def get_observation(self) -> dict[str, NDArray[Any]]:
         """What the robot knows, as arrays: what its sensors say, and where it believes that it is.
 
-        `pose` (3,) in `map`, `velocity` (3,) in the body frame and, of the sensors that it has, `lidar` (N,) float32
-        [m], `ultrasonic` (K,) [m] in the order of `features.sensors`, `image` (H, W, 3) uint8 BGR and `depth` (H, W)
-        float32 [m].
+        All are float32, as in the learning environments, but for images: `pose` (3,) in `map`, `velocity` (3,) in the
+        body frame and, of the sensors that it has, `lidar` (N,) [m], `ultrasonic` (K,) [m] in the order of
+        `features.sensors`, `image` (H, W, 3) uint8 BGR and `depth` (H, W) [m].
         """
         runtime = self._runtime
         estimate = runtime.pose()
         observation: dict[str, NDArray[Any]] = {
-            "pose": np.array([*estimate.map_from_base]),
-            "velocity": np.array([*estimate.velocity]),
+            "pose": np.array(estimate.map_from_base, np.float32),
+            "velocity": np.array(estimate.velocity, np.float32),
         }
         sensors = self.features.sensors
         if any(sensor.type is SensorType.lidar for sensor in sensors):
             observation["lidar"] = runtime.lidar_scan().ranges
         if ears := [sensor.name for sensor in sensors if sensor.type is SensorType.ultrasonic]:
             ranges = runtime.ultrasonic_ranges()
-            observation["ultrasonic"] = np.array([ranges[name].range for name in ears])
+            observation["ultrasonic"] = np.array([ranges[name].range for name in ears], np.float32)
         if any(sensor.type is SensorType.camera for sensor in sensors):
             image = runtime.image("camera")
             observation["image"] = image.color
@@ -531,4 +540,4 @@ class Robot(InRobotTime):
     def unobserve(self, number: int) -> None:
         """Stops calling an observer."""
         self._time.check_thread()
-        self._observers.remove(number)
+        self._observers.remove(as_seed("number", number))

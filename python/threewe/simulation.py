@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-from numpy.typing import ArrayLike
-
 from threewe import _core
-from threewe._arguments import PoseLike, as_array, as_number, as_pose, as_seed, as_switch
+from threewe._arguments import PoseLike, as_number, as_point, as_pose, as_seed, as_switch
 from threewe._core import CameraIntrinsics, OccupancyGrid, Pose2D, RobotProfile, SemanticImage, Snapshot
 from threewe._options import known_options
 from threewe._time import RobotTime
@@ -59,10 +57,9 @@ class Simulation(_core.Simulation):
         """A pose where the robot fits with 5 cm to spare: a pure function of the seed."""
         return super().sample_free_pose(as_seed("seed", seed))
 
-    def geodesic(self, a: ArrayLike, b: ArrayLike) -> float:
-        """Length [m] of the shortest path from a to b, (x, y) each, for the robot's footprint; infinity without one."""
-        (ax, ay), (bx, by) = as_array("a", a, (2,)).tolist(), as_array("b", b, (2,)).tolist()
-        return super().geodesic((ax, ay), (bx, by))
+    def geodesic(self, a: PoseLike, b: PoseLike) -> float:
+        """Length [m] of the shortest path for the robot's footprint, (x, y) or Pose2D each; infinity without one."""
+        return super().geodesic(as_point("a", a), as_point("b", b))
 
     @known_options
     def look(  # type: ignore[override]
