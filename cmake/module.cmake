@@ -35,22 +35,29 @@ function(threewe_library)
   set_target_properties(threewe PROPERTIES LINKER_LANGUAGE CXX VERSION ${PROJECT_VERSION})
   target_link_libraries(threewe PUBLIC threewe_flags ${THREEWE_DEPENDENCIES})
 
-  # where assets are: in a wheel beside the module, while developing beside the sources, else where they are installed
+  # where assets are: in a wheel beside the module, while developing beside the sources, else where they are installed;
+  # and as seen from the folders of libraries and of programs, for an installation that was moved
   set(assets "${CMAKE_INSTALL_FULL_DATADIR}/threewe/assets")
+  file(RELATIVE_PATH from_library "${CMAKE_INSTALL_FULL_LIBDIR}" "${assets}")
+  file(RELATIVE_PATH from_program "${CMAKE_INSTALL_FULL_BINDIR}" "${assets}")
   if(SKBUILD)
     set(assets "assets")
   elseif(THREEWE_DEVELOPER)
     set(assets "${PROJECT_SOURCE_DIR}/assets")
   endif()
-  set_source_files_properties("${PROJECT_SOURCE_DIR}/src/core/assets.cpp"
-                              PROPERTIES COMPILE_DEFINITIONS "THREEWE_ASSET_DIR=\"${assets}\"")
+  set_property(SOURCE "${PROJECT_SOURCE_DIR}/src/core/assets.cpp"
+               PROPERTY COMPILE_DEFINITIONS "THREEWE_ASSET_DIR=\"${assets}\""
+                        "THREEWE_ASSETS_FROM_LIBRARY=\"${from_library}\""
+                        "THREEWE_ASSETS_FROM_PROGRAM=\"${from_program}\"")
 
   include(CMakePackageConfigHelpers)
   set(package "${CMAKE_INSTALL_LIBDIR}/cmake/threewe")
   write_basic_package_version_file(threewe-config-version.cmake COMPATIBILITY SameMinorVersion)
+  configure_package_config_file(cmake/threewe-config.cmake.in threewe-config.cmake INSTALL_DESTINATION ${package}
+                                PATH_VARS CMAKE_INSTALL_DATADIR NO_CHECK_REQUIRED_COMPONENTS_MACRO)
   install(TARGETS threewe threewe_flags EXPORT threewe)
   install(EXPORT threewe DESTINATION ${package} NAMESPACE threewe:: FILE threewe-targets.cmake)
-  install(FILES "${PROJECT_SOURCE_DIR}/cmake/threewe-config.cmake" "${PROJECT_SOURCE_DIR}/cmake/dependencies.cmake"
+  install(FILES "${CMAKE_CURRENT_BINARY_DIR}/threewe-config.cmake" "${PROJECT_SOURCE_DIR}/cmake/dependencies.cmake"
                 "${CMAKE_CURRENT_BINARY_DIR}/threewe-config-version.cmake" DESTINATION ${package})
   install(DIRECTORY "${PROJECT_SOURCE_DIR}/include/" DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
   install(DIRECTORY "${PROJECT_SOURCE_DIR}/assets" DESTINATION ${CMAKE_INSTALL_DATADIR}/threewe OPTIONAL)

@@ -3,12 +3,14 @@
 #include "threewe/backend/mujoco/mujoco.hpp"
 #include "threewe/backend/registry.hpp"
 #include "threewe/backend/world.hpp"
+#include "value.hpp"
 
 using namespace threewe;
 using backend::Features, backend::SensorInfo;
 
 void init_backend(nb::module_& m) {
   nb::class_<SensorInfo>(m, "SensorInfo", "One sensor of a robot, as it is known before connecting.")
+      .def(Value())
       .def(nb::init<std::string, SensorType, double>(), "name"_a, "type"_a, "rate"_a)
       .def_ro("name", &SensorInfo::name, "unique on a robot; also the name of its frame")
       .def_ro("type", &SensorInfo::type)
@@ -16,6 +18,7 @@ void init_backend(nb::module_& m) {
       .def("__repr__", [](const SensorInfo& s) { return fmt::format("SensorInfo('{}', {} Hz)", s.name, s.rate); });
 
   nb::class_<Features>(m, "Features", "What a robot can do, readable before connecting.")
+      .def(Value())
       .def(
           "__init__",
           [](Features* self, std::vector<SensorInfo> sensors, Kinematics kinematics, bool lockstep, bool deterministic,

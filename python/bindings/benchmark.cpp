@@ -7,12 +7,14 @@
 #include "threewe/benchmark/nearest_frontier.hpp"
 #include "threewe/benchmark/optimist.hpp"
 #include "threewe/task/stop_task.hpp"
+#include "value.hpp"
 
 using namespace threewe;
 using benchmark::ReferenceDrive, benchmark::ReferenceExploration;
 
 void init_benchmark(nb::module_& m) {
   nb::class_<ReferenceDrive>(m, "ReferenceDrive", "A drive as it could have been.")
+      .def(Value())
       .def_ro("reached", &ReferenceDrive::reached)
       .def_ro("length", &ReferenceDrive::length, "[m]")
       .def_ro("duration", &ReferenceDrive::duration, "[s] at the speed limit")
@@ -21,6 +23,7 @@ void init_benchmark(nb::module_& m) {
                            d.duration);
       });
   nb::class_<ReferenceExploration>(m, "ReferenceExploration", "An exploration as it could have been.")
+      .def(Value())
       .def_ro("coverage", &ReferenceExploration::coverage, "the share, 0 to 1, of what can be reached")
       .def_ro("length", &ReferenceExploration::length, "[m]")
       .def_ro("duration", &ReferenceExploration::duration, "[s] at the speed limit, until no frontier is left")

@@ -2,16 +2,19 @@
 #include "threewe/calibration/calibrate.hpp"
 
 #include "bindings.hpp"
+#include "named_enum.hpp"
+#include "value.hpp"
 
 using namespace threewe;
 using calibration::Calibration, calibration::Deviation, calibration::Figure, calibration::Pace;
 
 void init_calibration(nb::module_& m) {
-  nb::enum_<Pace>(m, "Pace", "How fast commands change.")
+  NamedEnum<Pace>(m, "Pace", "How fast commands change.")
       .value("operating", Pace::operating, "within the operating limits, as whatever drives a robot makes them")
       .value("hardware", Pace::hardware, "within what the profile says that the drive can do")
       .value("abrupt", Pace::abrupt, "at once: wheels slip");
   nb::class_<Figure>(m, "Figure", "One figure of a profile, as it was fitted.")
+      .def(Value())
       .def_ro("name", &Figure::name, "of its field below `body`")
       .def_ro("before", &Figure::before, "in the profile, or what follows from it")
       .def_ro("value", &Figure::value, "fitted, in the profile's unit")
@@ -20,6 +23,7 @@ void init_calibration(nb::module_& m) {
       .def("__repr__",
            [](const Figure& f) { return fmt::format("Figure({}={:.5g} +- {:.2g})", f.name, f.value, f.spread); });
   nb::class_<Deviation>(m, "Deviation", "How far the embedded simulator's motion is from another robot's: shares.")
+      .def(Value())
       .def_ro("linear", &Deviation::linear,
               "of (vx, vy): root mean square of the difference over that of the other's velocity")
       .def_ro("angular", &Deviation::angular, "the same of omega")
@@ -31,6 +35,7 @@ void init_calibration(nb::module_& m) {
                            d.angular, d.combined, d.pose);
       });
   nb::class_<Calibration>(m, "Calibration", "What came of `threewe.calibrate`.")
+      .def(Value())
       .def_ro("profile", &Calibration::profile, "the fitted one")
       .def_ro("figures", &Calibration::figures, "what was fitted")
       .def_prop_ro(

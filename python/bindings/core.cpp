@@ -5,12 +5,15 @@
 
 #include <fmt/ranges.h>
 
+#include "as_array.hpp"
 #include "bindings.hpp"
+#include "named_enum.hpp"
 #include "threewe/core/assets.hpp"
 #include "threewe/core/kinematics.hpp"
 #include "threewe/core/names.hpp"
 #include "threewe/core/samples.hpp"
 #include "threewe/core/targets.hpp"
+#include "value.hpp"
 
 namespace {
 
@@ -24,19 +27,14 @@ std::string unknown(std::string_view kind, std::string_view name, const std::vec
   return unknown_name(kind, name, candidates);
 }
 
-// nanobind answers NotImplemented where the other object is of another type
-constexpr const char* kEqual = "def __eq__(self, other: object) -> bool";
-template <typename T>
-bool equal(const T& a, const T& b) {
-  return a == b;
-}
-
-nb::object iterate(const nb::tuple& values) { return nb::steal(PyObject_GetIter(values.ptr())); }
+nb::object iterate(nb::handle values) { return nb::steal(PyObject_GetIter(values.ptr())); }
+nb::object as_tuple(nb::handle values) { return nb::tuple(values); }
 
 void bind_poses(nb::module_& m) {
   nb::class_<Pose2D>(m, "Pose2D",
                      "A pose in the plane: position [m] and heading [rad] in (-pi, pi], X forward, Y left.\n\n"
                      "A transform is a pose too: `map_from_base * base_from_lidar` is `map_from_lidar`.")
+      .def(Value())
       .def(
           "__init__",
           [](Pose2D* self, double x, double y, double theta) { new (self) Pose2D{x, y, wrap_angle(theta)}; },
@@ -57,12 +55,13 @@ void bind_poses(nb::module_& m) {
       .def(
           "__iter__", [](const Pose2D& p) { return iterate(nb::make_tuple(p.x, p.y, p.theta)); },
           nb::sig("def __iter__(self) -> collections.abc.Iterator[float]"), "x, y, theta")
-      .def("__eq__", equal<Pose2D>, nb::is_operator(), nb::sig(kEqual))
-      .def("__hash__", [](const Pose2D& p) { return nb::hash(nb::make_tuple(p.x, p.y, p.theta)); })
+      .def(AsArray("(3,) float64: x, y [m], theta [rad]", as_tuple, true))
+      .def("__len__", [](const Pose2D&) { return 3; })
       .def("__repr__", [](const Pose2D& pose) { return repr(pose); });
 
   nb::class_<Velocity>(m, "Velocity",
                        "A velocity in the body frame: forward, left [m/s] and counter-clockwise [rad/s].")
+      .def(Value())
       .def(nb::init<double, double, double>(), "vx"_a = 0.0, "vy"_a = 0.0, "omega"_a = 0.0)
       .def_ro("vx", &Velocity::vx, "[m/s], forward")
       .def_ro("vy", &Velocity::vy, "[m/s], to the left")
@@ -70,8 +69,8 @@ void bind_poses(nb::module_& m) {
       .def(
           "__iter__", [](const Velocity& v) { return iterate(nb::make_tuple(v.vx, v.vy, v.omega)); },
           nb::sig("def __iter__(self) -> collections.abc.Iterator[float]"), "vx, vy, omega")
-      .def("__eq__", equal<Velocity>, nb::is_operator(), nb::sig(kEqual))
-      .def("__hash__", [](const Velocity& v) { return nb::hash(nb::make_tuple(v.vx, v.vy, v.omega)); })
+      .def(AsArray("(3,) float64: vx, vy [m/s], omega [rad/s]", as_tuple, true))
+      .def("__len__", [](const Velocity&) { return 3; })
       .def("__repr__", [](const Velocity& velocity) { return repr(velocity); });
 }
 
@@ -81,6 +80,7 @@ void bind_scans(nb::module_& m) {
       "One turn of a planar lidar.\n\n"
       "Beam i points along `angle_min + i * angle_increment`, counter-clockwise, in the sensor's frame, and was\n"
       "measured `i * time_increment` seconds after beam 0 (before it, where that is negative).")
+      .def(Value())
       .def(
           "__init__",
           [](LaserScan* self, const nb::ndarray<const float, nb::ndim<1>, nb::c_contig, nb::device::cpu>& ranges,
@@ -94,6 +94,11 @@ void bind_scans(nb::module_& m) {
           "ranges",
           [](const LaserScan& scan) { return ArrayView<float, nb::ndim<1>>(scan.ranges.data(), {scan.ranges.size()}); },
           nb::rv_policy::reference_internal, "(N,) float32 [m]; no return = range_max, invalid = 0.0")
+      .def(AsArray("`ranges`", [](nb::handle scan) { return nb::object(scan.attr("ranges")); }))
+      .def("__len__", [](const LaserScan& scan) { return scan.ranges.size(); })
+      .def(
+          "__iter__", [](nb::handle scan) { return iterate(scan.attr("ranges")); },
+          nb::sig("def __iter__(self) -> collections.abc.Iterator[float]"), "the ranges")
       .def_ro("angle_min", &LaserScan::angle_min, "[rad], of beam 0")
       .def_ro("angle_increment", &LaserScan::angle_increment, "[rad], positive")
       .def_ro("time_increment", &LaserScan::time_increment, "[s], negative for a device that turns clockwise")
@@ -129,6 +134,7 @@ void bind_images(nb::module_& m) {
       m, "CameraIntrinsics",
       "A pinhole without distortion: a point (x forward, y left, z up) of the camera's frame is seen at column\n"
       "cx - fx y / x and row cy - fy z / x; the middle of the first pixel is at (0.5, 0.5).")
+      .def(Value())
       .def(
           "__init__",
           [](CameraIntrinsics* self, int width, int height, double fx, double fy, double cx, double cy) {
@@ -157,6 +163,8 @@ void bind_images(nb::module_& m) {
       });
 
   nb::class_<Picture>(m, "RGBDImage", "One image of a camera. Arrays are read-only views.")
+      .def(Value())
+      .def(NoArray("`color` or `depth`"))
       .def_prop_ro(
           "color", [](const Picture& picture) { return color_of(picture.image()); }, nb::rv_policy::reference_internal,
           "(H, W, 3) uint8, BGR")
@@ -176,6 +184,8 @@ void bind_images(nb::module_& m) {
       });
 
   nb::class_<SemanticImage>(m, "SemanticImage", "What is truly there to be seen. Arrays are read-only views.")
+      .def(Value())
+      .def(NoArray("`color`, `depth` or `ids`"))
       .def_prop_ro(
           "color", [](const SemanticImage& truth) { return color_of(truth.image); }, nb::rv_policy::reference_internal,
           "(H, W, 3) uint8, BGR, without noise")
@@ -195,6 +205,8 @@ void bind_images(nb::module_& m) {
 
 void bind_samples(nb::module_& m) {
   nb::class_<IMUData>(m, "IMUData", "One reading of the inertial unit, in the robot's base frame.")
+      .def(Value())
+      .def(NoArray("`angular_velocity` or `linear_acceleration`"))
       .def(nb::init<std::array<double, 3>, std::array<double, 3>>(), "angular_velocity"_a, "linear_acceleration"_a)
       .def_prop_ro(
           "angular_velocity",
@@ -210,6 +222,8 @@ void bind_samples(nb::module_& m) {
       });
 
   nb::class_<Odometry>(m, "Odometry", "Where the wheels alone say that the robot is, and how fast it moves.")
+      .def(Value())
+      .def(NoArray("`pose` or `velocity`"))
       .def(nb::init<Pose2D, Velocity>(), "pose"_a, "velocity"_a)
       .def_ro("pose", &Odometry::pose, "in the `odom` frame")
       .def_ro("velocity", &Odometry::velocity, "in the body frame")
@@ -218,6 +232,7 @@ void bind_samples(nb::module_& m) {
       });
 
   nb::class_<BatteryState>(m, "BatteryState", "The state of the battery.")
+      .def(Value())
       .def(nb::init<double, double, double>(), "voltage"_a, "current"_a, "charge"_a)
       .def_ro("voltage", &BatteryState::voltage, "[V]")
       .def_ro("current", &BatteryState::current, "[A], positive when discharging")
@@ -229,6 +244,7 @@ void bind_samples(nb::module_& m) {
 
   nb::class_<RangeData>(m, "RangeData",
                         "One reading of a sensor that tells the distance to something within a cone, not where in it.")
+      .def(Value())
       .def(nb::init<double, double, double, double>(), "field_of_view"_a, "range_min"_a, "range_max"_a, "range"_a)
       .def_ro("field_of_view", &RangeData::field_of_view, "[rad] from edge to edge of the cone")
       .def_ro("range_min", &RangeData::range_min, "[m]")
@@ -240,7 +256,7 @@ void bind_samples(nb::module_& m) {
 
   bind_images(m);
 
-  nb::enum_<SensorType>(m, "SensorType", "The kinds of sensor that the contract knows.")
+  NamedEnum<SensorType>(m, "SensorType", "The kinds of sensor that the contract knows.")
       .value("lidar", SensorType::lidar)
       .value("imu", SensorType::imu)
       .value("odometry", SensorType::odometry)
@@ -249,6 +265,7 @@ void bind_samples(nb::module_& m) {
       .value("camera", SensorType::camera);
 
   nb::class_<Sample>(m, "Sample", "A reading with its stamps.")
+      .def(Value())
       .def(
           "__init__",
           [](Sample* self, std::uint16_t sensor, std::uint64_t sequence, Time measured, SampleData data) {

@@ -20,6 +20,7 @@
 #include "threewe/task/navigation.hpp"
 #include "threewe/task/object_nav.hpp"
 #include "threewe/task/vln.hpp"
+#include "value.hpp"
 
 namespace {
 
@@ -231,6 +232,7 @@ void bind_top_view(nb::module_& m) {
 
 void bind_descriptions(nb::module_& m) {
   nb::class_<env::EpisodeInfo>(m, "EpisodeInfo", "A world's episode.")
+      .def(Value())
       .def_ro("seed", &env::EpisodeInfo::seed)
       .def_ro("episode", &env::EpisodeInfo::episode, "counted from 0 since the seed was given")
       .def_ro("scene", &env::EpisodeInfo::scene, "place in the list of scenes")

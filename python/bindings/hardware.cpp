@@ -3,6 +3,8 @@
 #include "threewe/hardware/profile.hpp"
 
 #include "bindings.hpp"
+#include "named_enum.hpp"
+#include "value.hpp"
 
 namespace {
 
@@ -10,6 +12,7 @@ using namespace threewe;
 
 void bind_sensors(nb::module_& m) {
   nb::class_<LidarSpec>(m, "LidarSpec", "A lidar that turns, and the scan that is made of its turn.")
+      .def(Value())
       .def_ro("base_from_lidar", &LidarSpec::base_from_lidar)
       .def_ro("height", &LidarSpec::height, "[m] of the scan plane above the floor")
       .def_ro("points_per_turn", &LidarSpec::points_per_turn, "measured by the device")
@@ -21,6 +24,7 @@ void bind_sensors(nb::module_& m) {
       .def_ro("sigma", &LidarSpec::sigma, "[m] of each range")
       .def_ro("latency", &LidarSpec::latency, "[s] from the end of a turn to its arrival");
   nb::class_<UltrasonicSpec>(m, "UltrasonicSpec", "Ultrasonic sensors of one kind, pinged in turn.")
+      .def(Value())
       .def_prop_ro(
           "mounts",
           [](const UltrasonicSpec& spec) {
@@ -39,10 +43,12 @@ void bind_sensors(nb::module_& m) {
       .def_ro("sigma", &UltrasonicSpec::sigma, "[m] of each range")
       .def_ro("latency", &UltrasonicSpec::latency, "[s] from a ping to the arrival of its range");
   nb::class_<DepthSpec>(m, "DepthSpec", "How well a camera measures depth along its optical axis.")
+      .def(Value())
       .def_ro("range_min", &DepthSpec::range_min, "[m], nearer is invalid")
       .def_ro("range_max", &DepthSpec::range_max, "[m], farther is invalid")
       .def_ro("sigma", &DepthSpec::sigma, "[m] at 1 m; it grows with the square of the depth");
   nb::class_<CameraSpec>(m, "CameraSpec", "A camera: what its level, rectified pinhole view shows, and how well.")
+      .def(Value())
       .def_ro("base_from_camera", &CameraSpec::base_from_camera, "It looks along its x axis.")
       .def_ro("mount_height", &CameraSpec::mount_height, "[m] of its optical axis above the floor")
       .def_prop_ro("intrinsics", &CameraSpec::intrinsics)
@@ -51,12 +57,14 @@ void bind_sensors(nb::module_& m) {
       .def_ro("latency", &CameraSpec::latency, "[s] from an image to its arrival")
       .def_ro("depth", &CameraSpec::depth);
   nb::class_<IMUSpec>(m, "IMUSpec", "An inertial unit.")
+      .def(Value())
       .def_ro("period", &IMUSpec::period, "[s]")
       .def_ro("gyro_sigma", &IMUSpec::gyro_sigma, "[rad/s] of each sample")
       .def_ro("gyro_bias", &IMUSpec::gyro_bias, "[rad/s] at most, at the start")
       .def_ro("accelerometer_sigma", &IMUSpec::accelerometer_sigma, "[m/s^2]")
       .def_ro("latency", &IMUSpec::latency, "[s]");
   nb::class_<BatterySpec>(m, "BatterySpec", "A battery.")
+      .def(Value())
       .def_ro("capacity", &BatterySpec::capacity, "[Wh]")
       .def_ro("voltage_full", &BatterySpec::voltage_full, "[V]")
       .def_ro("voltage_empty", &BatterySpec::voltage_empty, "[V]")
@@ -66,11 +74,12 @@ void bind_sensors(nb::module_& m) {
 }  // namespace
 
 void init_hardware(nb::module_& m) {
-  nb::enum_<Kinematics>(m, "Kinematics", "How the wheels move the body.")
+  NamedEnum<Kinematics>(m, "Kinematics", "How the wheels move the body.")
       .value("holonomic", Kinematics::holonomic, "any direction")
       .value("differential", Kinematics::differential, "ahead and turning, never sideways");
 
   nb::class_<Limits>(m, "Limits", "Bounds on a body velocity and on how fast it may change.")
+      .def(Value())
       .def_ro("linear", &Limits::linear, "[m/s], of the vector (vx, vy)")
       .def_ro("angular", &Limits::angular, "[rad/s]")
       .def_ro("linear_acceleration", &Limits::linear_acceleration, "[m/s^2], speeding up")
@@ -83,6 +92,7 @@ void init_hardware(nb::module_& m) {
 
   nb::class_<RobotProfile>(m, "RobotProfile",
                            "What a robot is: its body, its limits, its sensors. Sensors it lacks are None.")
+      .def(Value())
       .def_static("load", &load_profile, "name"_a,
                   "Reads a profile by name, or from a file that ends in .yaml. Raises ConfigError naming the nearest "
                   "right name.")

@@ -1,10 +1,12 @@
 // Maps.
 #include <nanobind/stl/pair.h>
 
+#include "as_array.hpp"
 #include "bindings.hpp"
 #include "threewe/map/occupancy_grid.hpp"
 #include "threewe/map/ros_map.hpp"
 #include "threewe/map/zone.hpp"
+#include "value.hpp"
 
 using namespace threewe;
 using map::Cell, map::OccupancyGrid;
@@ -12,6 +14,7 @@ using map::Cell, map::OccupancyGrid;
 void init_map(nb::module_& m) {
   nb::class_<map::Zone>(m, "Zone",
                         "A polygon on the floor, in `map`, to keep out of; with a `speed_limit` to drive slowly in.")
+      .def(Value())
       .def(
           "__init__",
           [](map::Zone* self, std::vector<Vec2> corners, std::optional<double> speed_limit) {
@@ -29,6 +32,7 @@ void init_map(nb::module_& m) {
       m, "OccupancyGrid",
       "What is free, occupied and unknown, as ROS defines it: -1 unknown, 0 free to 100 occupied.\n\n"
       "Row-major; cell (0, 0) has its lower left corner at `origin`, axes along the map frame's.")
+      .def(Value())
       .def(
           "__init__",
           [](OccupancyGrid* self,
@@ -45,6 +49,7 @@ void init_map(nb::module_& m) {
                 grid.data.data(), {static_cast<std::size_t>(grid.height), static_cast<std::size_t>(grid.width)});
           },
           nb::rv_policy::reference_internal, "(H, W) int8: -1 unknown, 0 free to 100 occupied; row 0 is the lowest y")
+      .def(AsArray("`data`", [](nb::handle grid) { return nb::object(grid.attr("data")); }))
       .def_ro("width", &OccupancyGrid::width, "cells along x")
       .def_ro("height", &OccupancyGrid::height, "cells along y")
       .def_ro("resolution", &OccupancyGrid::resolution, "[m] a cell")

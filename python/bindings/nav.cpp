@@ -2,7 +2,9 @@
 #include <type_traits>
 
 #include "bindings.hpp"
+#include "named_enum.hpp"
 #include "threewe/nav/navigator.hpp"
+#include "value.hpp"
 
 namespace {
 
@@ -29,7 +31,7 @@ ArrayView<double, nb::shape<-1, -1, 3>> tables(const SampledPlan& plan, const st
 }
 
 void bind_motions(nb::module_& m) {
-  nb::enum_<Reason>(m, "Reason", "How a motion ends, and why.")
+  NamedEnum<Reason>(m, "Reason", "How a motion ends, and why.")
       .value("running", Reason::running, "It has not ended.")
       .value("reached", Reason::reached, "Success.")
       .value("no_path", Reason::no_path, "No way leads there: the goal is in a wall, outside the world or cut off.")
@@ -42,7 +44,7 @@ void bind_motions(nb::module_& m) {
              "By its estimate it is at its goal, but that is known less well than the tolerance asks for.")
       .value("fault", Reason::fault, "The robot or its backend failed.");
 
-  nb::enum_<RecoveryState>(m, "RecoveryState",
+  NamedEnum<RecoveryState>(m, "RecoveryState",
                            "What a robot does that does not get on: in this order, as often as it takes or until it "
                            "gives up.")
       .value("driving", RecoveryState::driving, "It gets on.")
@@ -53,6 +55,7 @@ void bind_motions(nb::module_& m) {
       .value("given_up", RecoveryState::given_up, "The result's `detail` says why.");
 
   nb::class_<Progress>(m, "Progress", "How far a motion has come.")
+      .def(Value())
       .def_ro("distance_left", &Progress::distance_left, "[m] along the path; when exploring to the next frontier")
       .def_ro("time_left", &Progress::time_left,
               "[s] that this, and turning to a heading, will take at the pace so far")
@@ -70,6 +73,7 @@ void bind_plan(nb::module_& m) {
                           "A plan, and the samples of which it is the weighted mean.\n\n"
                           "Poses in `odom`, at the ends of the steps; velocities in the body frame, as they are "
                           "asked for: the poses are where these lead within the limits of the base.")
+      .def(Value())
       .def_ro("made", &SampledPlan::made,
               "[s] of robot time; it begins a little later, when its first command takes effect")
       .def_ro("step", &SampledPlan::step, "[s]")
@@ -97,6 +101,7 @@ void bind_plan(nb::module_& m) {
 
 void bind_people(nb::module_& m) {
   nb::class_<TrackedPerson>(m, "TrackedPerson", "Somebody who walks, as the robot's lidar sees them. `odom` frame.")
+      .def(Value())
       .def_ro("id", &TrackedPerson::id, "the same as long as somebody is not lost sight of")
       .def_ro("position", &TrackedPerson::position, "(x, y) [m]")
       .def_ro("velocity", &TrackedPerson::velocity, "(vx, vy) [m/s]")

@@ -7,10 +7,12 @@
 #include <fmt/ranges.h>
 
 #include "bindings.hpp"
+#include "named_enum.hpp"
 #include "plugin_truth.hpp"
 #include "threewe/backend/conformance.hpp"
 #include "threewe/backend/plugin.hpp"
 #include "threewe/backend/registry.hpp"
+#include "value.hpp"
 
 namespace {
 
@@ -269,11 +271,12 @@ void bind_plugins(nb::module_& m) {
 }
 
 void bind_conformance(nb::module_& m) {
-  nb::enum_<Outcome>(m, "Outcome", "How a check of a backend ended.")
+  NamedEnum<Outcome>(m, "Outcome", "How a check of a backend ended.")
       .value("passed", Outcome::passed)
       .value("failed", Outcome::failed)
       .value("not_applicable", Outcome::not_applicable, "The backend does not claim the feature.");
   nb::class_<CheckResult>(m, "CheckResult", "What one check of a backend found.")
+      .def(Value())
       .def_ro("name", &CheckResult::name)
       .def_ro("outcome", &CheckResult::outcome)
       .def_ro("detail", &CheckResult::detail, "what was wrong, or why the check does not apply; empty when passed")

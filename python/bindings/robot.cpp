@@ -9,11 +9,31 @@
 #include <nanobind/stl/variant.h>
 
 #include "bindings.hpp"
+#include "named_enum.hpp"
+#include "one_thread.hpp"
 #include "threewe/robot/runtime.hpp"
 #include "threewe/robot/simulation.hpp"
 #include "threewe/robot/warning.hpp"
 #include "threewe/robot/world.hpp"
 #include "threewe/scene/scene.hpp"
+#include "value.hpp"
+
+template <>
+inline constexpr const char* kSecondThread<threewe::World> =
+    "a robot may be used on the thread of its event loop only; from other threads use loop.call_soon_threadsafe(...), "
+    "asyncio.run_coroutine_threadsafe(...) or threewe.sync.Robot";
+
+using OneThreadWorld = Guarded<threewe::World>;
+
+template <>
+OneThread& thread_of(const threewe::Runtime& robot) {
+  return static_cast<const OneThreadWorld&>(robot.world()).one_thread;
+}
+
+template <>
+OneThread& thread_of(const threewe::Simulation& truth) {
+  return static_cast<const OneThreadWorld&>(truth.world()).one_thread;
+}
 
 namespace {
 
@@ -29,15 +49,16 @@ struct Tick {
   Velocity requested;
   Velocity commanded;
   Intervention intervention{};
-
-  explicit Tick(const TickView& view)
-      : now(to_seconds(view.now)),
-        samples(view.samples.begin(), view.samples.end()),
-        pose(view.pose),
-        requested(view.requested),
-        commanded(view.commanded.command),
-        intervention(view.commanded.intervention) {}
 };
+
+Tick tick_of(const TickView& view) {
+  return {to_seconds(view.now),
+          {view.samples.begin(), view.samples.end()},
+          view.pose,
+          view.requested,
+          view.commanded.command,
+          view.commanded.intervention};
+}
 
 /// The state of a world.
 struct Snapshot {
@@ -50,7 +71,7 @@ std::optional<Duration> timeout_of(std::optional<double> timeout) {
 }
 
 void bind_results(nb::module_& m) {
-  nb::enum_<Intervention>(m, "Intervention", "Why the safety gate changed a command.")
+  NamedEnum<Intervention>(m, "Intervention", "Why the safety gate changed a command.")
       .value("none", Intervention::none)
       .value("limited", Intervention::limited)
       .value("slowed_for_obstacle", Intervention::slowed_for_obstacle)
@@ -58,7 +79,7 @@ void bind_results(nb::module_& m) {
       .value("stale_sensors", Intervention::stale_sensors)
       .value("estop", Intervention::estop);
 
-  nb::enum_<Trouble>(m, "Trouble", "What may be wrong with a sensor.")
+  NamedEnum<Trouble>(m, "Trouble", "What may be wrong with a sensor.")
       .value("none", Trouble::none, "Nothing.")
       .value("silent", Trouble::silent, "Nothing has arrived for too long.")
       .value("frozen", Trouble::frozen, "The same reading again and again, while the robot moves.")
@@ -70,6 +91,7 @@ void bind_results(nb::module_& m) {
       .value("contradicted", Trouble::contradicted, "Other sensors say otherwise.");
 
   nb::class_<SensorHealth>(m, "SensorHealth", "How one sensor is.")
+      .def(Value())
       .def_ro("name", &SensorHealth::name)
       .def_prop_ro("sound", &SensorHealth::sound, "nothing is wrong")
       .def_ro("trouble", &SensorHealth::trouble)
@@ -84,6 +106,7 @@ void bind_results(nb::module_& m) {
       });
 
   nb::class_<MoveResult>(m, "MoveResult", "How a motion ended. `map` frame.")
+      .def(Value())
       .def_ro("success", &MoveResult::success)
       .def_ro("reason", &MoveResult::reason)
       .def_ro("detail", &MoveResult::detail, "says more about a failure; may be empty")
@@ -103,6 +126,7 @@ void bind_results(nb::module_& m) {
       });
 
   nb::class_<ExploreResult>(m, "ExploreResult", "How an exploration ended.")
+      .def(Value())
       .def_ro("success", &ExploreResult::success, "nothing that can be reached is left to see")
       .def_ro("reason", &ExploreResult::reason)
       .def_ro("detail", &ExploreResult::detail, "says more about a failure; may be empty")
@@ -121,6 +145,7 @@ void bind_results(nb::module_& m) {
 
 void bind_views(nb::module_& m) {
   nb::class_<PoseEstimate>(m, "PoseEstimate", "What is known about the robot's pose at one moment.")
+      .def(Value())
       .def_ro("stamp", &PoseEstimate::stamp, "[s] of robot time")
       .def_ro("odom_from_base", &PoseEstimate::odom_from_base, "smooth: wheels and gyro, never jumps")
       .def_ro("map_from_odom", &PoseEstimate::map_from_odom, "moves when a scan or a loop closure corrects the drift")
@@ -133,6 +158,7 @@ void bind_views(nb::module_& m) {
       .def_ro("lost", &PoseEstimate::lost);
 
   nb::class_<Tick>(m, "TickView", "What an observer sees at the end of every tick.")
+      .def(Value())
       .def_ro("now", &Tick::now, "[s] of robot time")
       .def_ro("samples", &Tick::samples, "that arrived in this tick")
       .def_ro("pose", &Tick::pose)
@@ -158,11 +184,12 @@ void bind_time(nb::module_& m) {
   nb::class_<Snapshot>(m, "Snapshot", "Everything the future of a world depends on.")
       .def("__repr__", [](const Snapshot&) { return "Snapshot()"; });
 
-  nb::class_<World>(m, "World",
-                    "A backend world with a runtime for each of its robots. One thread at a time may use it.")
+  OneThreadClass<OneThreadWorld> bound(
+      m, "World", "A backend world with a runtime for each of its robots. One thread at a time may use it.");
+  bound
       .def(
           "__init__",
-          [](World* self, std::string backend, std::string scene, std::vector<std::string> robots,
+          [](OneThreadWorld* self, std::string backend, std::string scene, std::vector<std::string> robots,
              std::string_view noise, std::uint64_t seed, bool realtime, std::vector<Pose2D> start_poses,
              std::vector<Pose2D> initial_poses, std::string_view localization,
              std::optional<std::pair<int, int>> image_size, const map::OccupancyGrid* map, std::string randomization) {
@@ -180,7 +207,7 @@ void bind_time(nb::module_& m) {
             if (image_size) options.image_size = ImageSize{image_size->second, image_size->first};
             options.randomization = std::move(randomization);
             const nb::gil_scoped_release other_threads_run;
-            new (self) World(options);
+            new (self) OneThreadWorld(options);
           },
           nb::kw_only(), "backend"_a, "scene"_a, "robots"_a, "noise"_a, "seed"_a, "realtime"_a, "start_poses"_a,
           "initial_poses"_a, "localization"_a = "slam", "image_size"_a = nb::none(), "map"_a.none() = nb::none(),
@@ -208,9 +235,16 @@ void bind_time(nb::module_& m) {
           "charge"_a)
       .def_prop_ro("held", &World::held)
       .def("save", [](const World& world) { return Snapshot{world.save()}; }, WithoutGil());
+  nb::class_<OneThreadWorld>(bound)
+      .def(
+          "claim_thread", [](const OneThreadWorld& w) { w.one_thread.claim(); },
+          "The calling thread alone may use it and its robots, until `release_thread`.")
+      .def(
+          "release_thread", [](const OneThreadWorld& w) { w.one_thread.release(); },
+          "Any thread may be the next. For the owner, or for anybody once its event loop is closed.");
 }
 
-void bind_readings(nb::class_<Runtime>& runtime) {
+void bind_readings(OneThreadClass<Runtime>& runtime) {
   runtime.def("connect", &Runtime::connect, WithoutGil())
       .def("disconnect", &Runtime::disconnect, WithoutGil())
       .def_prop_ro("connected", &Runtime::connected)
@@ -258,7 +292,7 @@ void bind_readings(nb::class_<Runtime>& runtime) {
       .def("commanded", [](const Runtime& robot) { return robot.commanded().command; });
 }
 
-void bind_commands(nb::class_<Runtime>& runtime) {
+void bind_commands(OneThreadClass<Runtime>& runtime) {
   runtime
       .def(
           "set_velocity",
@@ -313,30 +347,31 @@ void bind_commands(nb::class_<Runtime>& runtime) {
       .def(
           "observe",
           [](Runtime& robot, std::function<void(const Tick&)> observer) {
-            return robot.observe([observer = std::move(observer)](const TickView& view) { observer(Tick(view)); });
+            return robot.observe([observer = std::move(observer)](const TickView& view) { observer(tick_of(view)); });
           },
           "observer"_a)
       .def("unobserve", &Runtime::unobserve, "id"_a);
 }
 
 void bind_runtime(nb::module_& m) {
-  nb::class_<Runtime> runtime(m, "Runtime", "One robot of a world: mind, gate and port.");
+  OneThreadClass<Runtime> runtime(m, "Runtime", "One robot of a world: mind, gate and port.");
   bind_readings(runtime);
   bind_commands(runtime);
 }
 
 void bind_simulation(nb::module_& m) {
   nb::class_<scene::PersonPose>(m, "PersonPose", "Where somebody of a simulated scene is.")
+      .def(Value())
       .def_ro("name", &scene::PersonPose::name)
       .def_ro("pose", &scene::PersonPose::pose, "in the scene's frame, facing the way they walk or wait to walk")
       .def_ro("radius", &scene::PersonPose::radius, "[m] of the circle that they fill on the floor")
       .def("__repr__", [](const scene::PersonPose& person) {
         return fmt::format("PersonPose('{}' at ({:.2f}, {:.2f}))", person.name, person.pose.x, person.pose.y);
       });
-  nb::class_<Simulation>(m, "Simulation",
-                         "The truth about a robot in a simulated world, for metrics, drawings and training.\n\n"
-                         "All poses are in the scene's frame. Robots never see it.")
-      .def(nb::init<World&, std::size_t>(), "world"_a, "robot"_a, nb::keep_alive<1, 2>())
+  OneThreadClass<Simulation>(m, "Simulation",
+                             "The truth about a robot in a simulated world, for metrics, drawings and training.\n\n"
+                             "All poses are in the scene's frame. Robots never see it.")
+      .def(nb::init<OneThreadWorld&, std::size_t>(), "world"_a, "robot"_a, nb::keep_alive<1, 2>())
       .def_prop_ro("scene", &Simulation::scene)
       .def("true_pose", &Simulation::true_pose, WithoutGil())
       .def("true_velocity", &Simulation::true_velocity, WithoutGil(), "In the body frame.")

@@ -9,6 +9,7 @@
 #include <nanobind/stl/shared_ptr.h>
 
 #include "bindings.hpp"
+#include "named_enum.hpp"
 #include "threewe/core/exact.hpp"
 #include "threewe/hardware/profile.hpp"
 #include "threewe/map/occupancy_grid.hpp"
@@ -16,6 +17,7 @@
 #include "threewe/scene/episodes.hpp"
 #include "threewe/scene/generator.hpp"
 #include "threewe/scene/scene_tables.hpp"
+#include "value.hpp"
 
 namespace {
 
@@ -42,8 +44,9 @@ std::vector<Vec2> outline(const Prism& prism) {
 
 void bind_parts(nb::module_& m) {
   nb::class_<Prism> prism(m, "Prism", "A vertical prism over a rectangle or a disc, in the frame of its object.");
-  nb::enum_<Prism::Shape>(prism, "Shape").value("box", Prism::Shape::box).value("cylinder", Prism::Shape::cylinder);
-  prism.def_ro("shape", &Prism::shape)
+  NamedEnum<Prism::Shape>(prism, "Shape").value("box", Prism::Shape::box).value("cylinder", Prism::Shape::cylinder);
+  prism.def(Value())
+      .def_ro("shape", &Prism::shape)
       .def_ro("pose", &Prism::pose, "of its middle")
       .def_ro("length", &Prism::length, "[m] along x, of a box")
       .def_ro("width", &Prism::width, "[m] along y, of a box")
@@ -53,15 +56,18 @@ void bind_parts(nb::module_& m) {
       .def_ro("material", &Prism::material)
       .def("outline", &outline, "Its corners seen from above, counter-clockwise [m]; a disc has 24.");
   nb::class_<Wall>(m, "Wall", "A straight wall of some thickness: the piece between two doorways.")
+      .def(Value())
       .def_ro("a", &Wall::a, "(x, y) [m]")
       .def_ro("b", &Wall::b, "(x, y) [m]")
       .def_ro("thickness", &Wall::thickness, "[m]")
       .def_ro("height", &Wall::height, "[m]");
   nb::class_<Door>(m, "Door", "A doorway in a wall.")
+      .def(Value())
       .def_ro("name", &Door::name)
       .def_ro("center", &Door::center, "(x, y) [m]")
       .def_ro("width", &Door::width, "[m]");
   nb::class_<Room>(m, "Room", "A named room: an axis-aligned rectangle.")
+      .def(Value())
       .def_ro("name", &Room::name)
       .def_ro("min", &Room::min, "(x, y) [m]")
       .def_ro("max", &Room::max, "(x, y) [m]")
@@ -71,17 +77,20 @@ void bind_parts(nb::module_& m) {
         return fmt::format("Room('{}', anchor=({:.2f}, {:.2f}))", room.name, room.anchor.x, room.anchor.y);
       });
   nb::class_<Patch>(m, "Patch", "A patch of floor with a grip of its own: an axis-aligned rectangle.")
+      .def(Value())
       .def_ro("name", &Patch::name)
       .def_ro("min", &Patch::min, "(x, y) [m]")
       .def_ro("max", &Patch::max, "(x, y) [m]")
       .def_ro("floor", &Patch::floor, "its material")
       .def_ro("grip", &Patch::grip, "times the friction that wheels have on a hard floor");
   nb::class_<Person>(m, "Person", "Somebody who walks round and round a closed route.")
+      .def(Value())
       .def_ro("name", &Person::name)
       .def_ro("route", &Person::route, "waypoints (x, y) [m]; after the last comes the first")
       .def_ro("speed", &Person::speed, "[m/s]")
       .def_ro("radius", &Person::radius, "[m]");
   nb::class_<Object>(m, "Object", "A piece of furniture.")
+      .def(Value())
       .def_ro("name", &Object::name, "unique in its scene, such as `chair_3`")
       .def_ro("category", &Object::category, "such as `chair`")
       .def_ro("shape", &Object::shape, "which of the category's shapes, such as `wooden`")
@@ -129,6 +138,7 @@ class BaseCoverageMeter {
 
 void bind_measures(nb::module_& m) {
   nb::class_<Episode>(m, "Episode", "One task: from a pose to a place, in the scene's frame.")
+      .def(Value())
       .def_ro("start", &Episode::start)
       .def_ro("goal", &Episode::goal, "(x, y) [m]")
       .def_ro("geodesic", &Episode::geodesic, "[m], from start to goal")

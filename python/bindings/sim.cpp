@@ -3,11 +3,13 @@
 #include "threewe/sim/survey.hpp"
 
 #include "bindings.hpp"
+#include "value.hpp"
 
 void init_sim(nb::module_& m) {
   using namespace threewe;
   using sim::Survey, sim::SurveyScan;
   nb::class_<SurveyScan>(m, "SurveyScan", "What a survey's robot recorded at one moment, and the truth.")
+      .def(Value())
       .def_ro("time", &SurveyScan::stamp, "[s]")
       .def_ro("truth", &SurveyScan::scene_from_base, "where it was, in the scene's frame")
       .def_ro("odometry", &SurveyScan::odom_from_base, "where its wheels had it")

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "bindings.hpp"
+#include "value.hpp"
 
 namespace {
 
@@ -46,6 +47,7 @@ auto rows_of(const std::vector<LoopClosure>& closures) {
 void init_slam(nb::module_& m) {
   const SlamConfig defaults;
   nb::class_<SlamConfig>(m, "SlamConfig", "What `threewe.slam.Slam` knows about the robot beforehand.")
+      .def(Value())
       .def(
           "__init__",
           [](SlamConfig* self, const Pose2D& base_from_lidar, double range_max, double resolution,

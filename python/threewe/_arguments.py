@@ -6,6 +6,7 @@ import math
 import operator
 import os
 from collections.abc import Callable, Iterable, Sequence
+from pathlib import Path
 from typing import Any, SupportsIndex, TypeAlias, TypeVar
 
 import numpy as np
@@ -32,6 +33,13 @@ def as_text(name: str, value: str) -> str:
 def as_asset(name: str, value: str | os.PathLike[str]) -> str:
     """The name of a scene or a robot, or the path of its file. Raises ContractError."""
     return as_text(name, os.fspath(value) if isinstance(value, os.PathLike) else value)
+
+
+def as_file(name: str, value: str | os.PathLike[str]) -> Path:
+    """The path of a file or a folder. Raises ContractError."""
+    if not isinstance(value, str | os.PathLike):
+        raise ContractError(f"{name} must be a path, got {value!r}")
+    return Path(value)
 
 
 def as_switch(name: str, value: bool) -> bool:
@@ -106,6 +114,21 @@ def as_pose(name: str, pose: PoseLike) -> Pose2D:
     if len(numbers) not in (2, 3):
         raise ContractError(f"{name} must be a Pose2D, (x, y) or (x, y, theta), got {pose!r}")
     return Pose2D(*numbers)
+
+
+def as_point(name: str, point: PoseLike) -> tuple[float, float]:
+    """(x, y), also that of a Pose2D. Raises ContractError."""
+    if isinstance(point, Pose2D):
+        return point.x, point.y
+    x, y = as_array(name, point, (2,)).tolist()
+    return x, y
+
+
+def as_path(name: str, points: ArrayLike | Iterable[PoseLike]) -> list[tuple[float, float]]:
+    """A polyline: (N, 2) numbers, or a list in which Pose2Ds stand for their positions. Raises ContractError."""
+    if isinstance(points, list | tuple) and any(isinstance(point, Pose2D) for point in points):
+        return [as_point(f"{name}[{i}]", point) for i, point in enumerate(points)]
+    return [(x, y) for x, y in as_array(name, points, (None, 2)).tolist()]  # type: ignore[arg-type]
 
 
 def as_map(name: str, value: OccupancyGrid | str | os.PathLike[str]) -> OccupancyGrid:

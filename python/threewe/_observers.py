@@ -43,6 +43,9 @@ class Observers:
                 continue
             try:
                 observer(tick)
+            except (SystemExit, KeyboardInterrupt):  # end the program
+                self.remove(number)
+                raise
             except Exception as error:
                 self.remove(number)
                 message = f"an observer of '{self._runtime.profile.name}' failed and is not called any more"

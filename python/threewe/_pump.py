@@ -155,9 +155,14 @@ class Pump:
         self._scheduled = False
         if self._something_is_ready():
             self.wake()
-        elif self._collect_finished() or self._run_slice():
-            self._resume_finished()
-            self.wake()
+        else:
+            ran = True
+            try:
+                ran = self._collect_finished() or self._run_slice()
+            finally:  # also when an observer raised SystemExit: the loop may be run again
+                if ran:
+                    self._resume_finished()
+                    self.wake()
 
     def _something_is_ready(self) -> bool:
         self._busy_turns += 1
@@ -216,10 +221,12 @@ class Pump:
 
     def _beat(self, world: World) -> None:
         """Time of this world goes by on its own: one tick whenever one is due, unless a hold is open."""
-        if not world.held and world.due() <= 0.0 and self._guard(world, lambda world: world.tick()):
-            self._resume_finished()
-        if world in self._worlds:
-            self._beats[world] = self._loop.call_later(max(world.due(), SHORTEST_BEAT), self._beat, world)
+        try:
+            if not world.held and world.due() <= 0.0 and self._guard(world, lambda world: world.tick()):
+                self._resume_finished()
+        finally:  # also when an observer raised SystemExit: the loop may be run again
+            if world in self._worlds:
+                self._beats[world] = self._loop.call_later(max(world.due(), SHORTEST_BEAT), self._beat, world)
 
 
 def pump_of_running_loop() -> Pump:

@@ -30,6 +30,8 @@ class LockstepWorld(World, Protocol):
     def open_hold(self) -> None: ...
     def close_hold(self, charge: float, /) -> Any: ...
     def disconnect(self) -> None: ...
+    def claim_thread(self) -> None: ...
+    def release_thread(self) -> None: ...
 
 
 class Motion(Wait, Protocol):
@@ -57,6 +59,9 @@ class RobotTime:
         loop = asyncio.get_running_loop()
         if self._loop is not None and self._loop is not loop and not self._loop.is_closed():
             raise ConnectionError("this world is connected on another event loop; disconnect it there first")
+        if self._loop is not loop:
+            self._world.release_thread()
+        self._world.claim_thread()
         self._loop, self._thread, self._pump = loop, threading.get_ident(), pump_of_running_loop()
         self._pump.attach(self._world)
         if self._dropped is not None:
@@ -71,6 +76,7 @@ class RobotTime:
         if self._pump is not None and self._loop is not None and not self._loop.is_closed():
             self._pump.detach(self._world)
         self._pump = self._loop = None
+        self._world.release_thread()
 
     @property
     def now(self) -> float:
@@ -86,9 +92,14 @@ class RobotTime:
         """True on the thread whose event loop ticks the world."""
         return threading.get_ident() == self._thread
 
+    @property
+    def elsewhere(self) -> bool:
+        """True on any other thread, while the world is connected."""
+        return self._pump is not None and not self.on_own_thread()
+
     def check_thread(self) -> None:
-        """Raises ContractError on any thread but the one whose event loop ticks the world."""
-        if self._pump is not None and not self.on_own_thread():
+        """Raises ContractError on any thread but the one whose event loop ticks the world; so does the world itself."""
+        if self.elsewhere:
             raise ContractError(
                 "a robot may be used on the thread of its event loop only; from other threads use "
                 "loop.call_soon_threadsafe(...), asyncio.run_coroutine_threadsafe(...) or threewe.sync.Robot"
@@ -157,6 +168,7 @@ def _let_go(loop: asyncio.AbstractEventLoop, pump: Pump, world: LockstepWorld) -
 
     def release() -> None:
         pump.detach(world)
+        world.release_thread()
         world.disconnect()
 
     try:

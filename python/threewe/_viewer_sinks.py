@@ -2,9 +2,15 @@
 
 from __future__ import annotations
 
+import atexit
 import os
+import signal
 import socket
+import subprocess
 import sys
+import time
+import webbrowser
+from contextlib import suppress
 from pathlib import Path
 from urllib.parse import quote
 
@@ -14,7 +20,9 @@ from rerun.blueprint import Blueprint
 from threewe._core import unknown_name
 from threewe.errors import ConfigError
 
-VIEWERS = ["rerun", "web"]
+VIEWERS = ["rerun", "web", "network"]
+LISTENS_ON = {"web": "127.0.0.1", "network": "0.0.0.0"}
+PATIENCE = 20.0  # [s] of wall time for a server to begin
 
 
 def check_sink(where: str) -> None:
@@ -24,7 +32,7 @@ def check_sink(where: str) -> None:
     if where == "rerun" and not has_display():
         raise ConfigError(
             "viewer 'rerun' opens a window, and there is no display: "
-            "'web' (--serve) serves browsers, 'run.rrd' (--save run.rrd) records"
+            "'web' (--serve) serves browsers on this machine, 'run.rrd' (--save run.rrd) records"
         )
 
 
@@ -39,8 +47,13 @@ def open_recording(where: str, blueprint: Blueprint) -> rr.RecordingStream:
     try:
         if where == "rerun":
             rr.spawn(recording=recording, executable_path=_executable(), default_blueprint=blueprint)
-        elif where == "web":
-            print(f"Rerun viewer: {_serve(recording, blueprint)}", flush=True)
+        elif where in LISTENS_ON:
+            address = _serve(recording, blueprint, LISTENS_ON[where])
+            print(f"Rerun viewer: {address}", flush=True)
+            if where == "network":
+                print("Everybody on the network can watch: nobody is asked for a password.", flush=True)
+            if has_display():
+                webbrowser.open(address)
         else:
             recording.save(where, default_blueprint=blueprint)
     except RuntimeError as error:  # such as a folder that is not there
@@ -54,12 +67,44 @@ def _executable() -> str | None:
     return str(path) if path.exists() else None
 
 
-def _serve(recording: rr.RecordingStream, blueprint: Blueprint) -> str:
-    """The address for browsers. Rerun's own ports are used where they are free."""
-    data = recording.serve_grpc(grpc_port=_free_port(9876), default_blueprint=blueprint)
-    port = _free_port(9090)
-    rr.serve_web_viewer(web_port=port, connect_to=data, open_browser=has_display())
-    return f"http://localhost:{port}?url={quote(data, safe='')}"
+def _serve(recording: rr.RecordingStream, blueprint: Blueprint, interface: str) -> str:
+    """The address for browsers. Rerun's own ports are used where they are free.
+
+    The server is a process of its own, which ends with this one: in this process Rerun listens on all interfaces.
+    """
+    data, page = _free_port(9876), _free_port(9090)
+    options = ["--bind", interface, "--port", str(data), "--web-viewer-port", str(page)]
+    server = subprocess.Popen(
+        [_executable() or "rerun", "--serve-web", *options],
+        stdin=subprocess.DEVNULL,
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.DEVNULL,
+        start_new_session=True,  # of the command and of what it starts itself
+    )
+    atexit.register(_end, server)
+    _wait_for(server, data)
+    _wait_for(server, page)
+    source = f"rerun+http://localhost:{data}/proxy"
+    recording.connect_grpc(f"rerun+http://127.0.0.1:{data}/proxy", default_blueprint=blueprint)
+    return f"http://localhost:{page}?url={quote(source, safe='')}"
+
+
+def _wait_for(server: subprocess.Popen[bytes], port: int) -> None:
+    """Returns when somebody answers at a port of this machine."""
+    deadline = time.monotonic() + PATIENCE
+    while server.poll() is None and time.monotonic() < deadline:
+        with socket.socket() as probe:
+            if probe.connect_ex(("127.0.0.1", port)) == 0:
+                return
+        time.sleep(0.02)
+    _end(server)
+    raise RuntimeError("Rerun's server does not begin: try `rerun --serve-web`")
+
+
+def _end(server: subprocess.Popen[bytes]) -> None:
+    with suppress(ProcessLookupError):
+        os.killpg(server.pid, signal.SIGTERM)
+    server.wait()
 
 
 def _free_port(preferred: int) -> int:

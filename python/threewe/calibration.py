@@ -7,12 +7,11 @@ from pathlib import Path
 from typing import Annotated
 
 import typer
-from rich.console import Console
-from rich.markup import escape
 from rich.table import Table
 
 from threewe import _core
-from threewe._arguments import as_text
+from threewe._arguments import as_file, as_text
+from threewe._console import plain_console, styled
 from threewe._core import Calibration, Deviation, Figure
 from threewe.backend import known_backend
 from threewe.errors import ConfigError
@@ -38,7 +37,7 @@ def calibrate(
     Raises:
         ConfigError: an unknown backend or profile, or an output that does not end in .yaml.
     """
-    path = None if output is None else Path(output)
+    path = None if output is None else as_file("output", output)
     if path is not None and path.suffix != ".yaml":
         raise ConfigError(f"output: the name of a profile's file ends in .yaml, not '{path.suffix}'")
     name = as_text("hardware", hardware)
@@ -59,7 +58,7 @@ def command(
 ) -> None:
     """Fit the embedded simulator's motors and wheels to a robot, and write its profile."""
     path = output or Path(f"{Path(hardware).stem}_{backend}.yaml")
-    console = Console()
+    console = plain_console()
     with console.status("driving"):
         found = calibrate(backend, hardware, output=path)
     table = Table("figure", "profile", "fitted", "95 %", title=f"{hardware} on {backend}, by its {found.source}")
@@ -74,4 +73,4 @@ def command(
         ("angular velocity", found.before.angular, found.after.angular),
     ):
         console.print(f"{what}: {before:.1%} off before, {after:.1%} after (root mean square of {found.seconds:.0f} s)")
-    console.print(f"saved to [bold]{escape(str(path))}[/]")
+    console.print(styled("saved to ", (str(path), "bold")))

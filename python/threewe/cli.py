@@ -8,26 +8,30 @@ from pathlib import Path
 from typing import Annotated, NoReturn
 
 import typer
-from rich.console import Console
-from rich.markup import escape
 from rich.table import Column, Table
 
 import threewe
 from threewe import calibration, driving
+from threewe._console import plain_console, styled
 from threewe.slam import cli as slam
 
 app = typer.Typer(
-    help="3we: one robot program, on simulators and on the robot.", no_args_is_help=True, pretty_exceptions_enable=False
+    help="3we: one robot program, on simulators and on the robot.",
+    no_args_is_help=True,
+    pretty_exceptions_enable=False,
+    rich_markup_mode=None,  # it takes [m] in a help text for markup
 )
-scenes = typer.Typer(help="Scenes: those that come with 3we, your own, and new ones.", no_args_is_help=True)
+scenes = typer.Typer(
+    help="Scenes: those that come with 3we, your own, and new ones.", no_args_is_help=True, rich_markup_mode=None
+)
 app.add_typer(scenes, name="scenes")
 app.add_typer(slam.app, name="slam")
 for command in (driving.drive, driving.explore, driving.view):
     app.command()(command)
 app.command("calibrate")(calibration.command)
 
-console = Console()
-complaints = Console(stderr=True)
+console = plain_console()
+complaints = plain_console(stderr=True)
 
 EXTRAS = {
     "PIL": "demo",
@@ -50,7 +54,7 @@ def main() -> None:
 
 def fail(message: str) -> NoReturn:
     """Ends the program."""
-    complaints.print(f"[bold red]error:[/] {escape(message)}", highlight=False)
+    complaints.print(styled(("error:", "bold red"), f" {message}"), highlight=False)
     raise SystemExit(2)
 
 
@@ -68,9 +72,8 @@ def demo(
     from threewe.demo import run
 
     summary = asyncio.run(run(scene, hardware, place, seed, output, console))
-    console.print(
-        f"The film is in [bold]{escape(str(output))}/[/]: run.mp4, run.gif, map.png, camera.png, summary.json"
-    )
+    files = "run.mp4, run.gif, map.png, camera.png, summary.json"
+    console.print(styled("The film is in ", (f"{output}/", "bold"), f": {files}"))
     if not summary.arrived:
         raise typer.Exit(1)
 
@@ -84,12 +87,12 @@ def list_scenes() -> None:
         try:
             scene = threewe.Scene.load(name)
         except threewe.ConfigError as error:
-            table.add_row(escape(name), "[bold red]broken[/]", "", "", escape(str(error)))
+            table.add_row(name, styled(("broken", "bold red")), "", "", str(error))
             broken = True
             continue
         width, depth = scene.max[0] - scene.min[0], scene.max[1] - scene.min[1]
         counts = str(len(scene.rooms)), str(len(scene.objects))
-        table.add_row(escape(name), f"{width:.0f} x {depth:.0f} m", *counts, escape(scene.description))
+        table.add_row(name, f"{width:.0f} x {depth:.0f} m", *counts, scene.description)
     console.print(table)
     if broken:
         raise typer.Exit(1)
@@ -112,9 +115,9 @@ def show_scene(
     picture.save(path)
     table = Table("room", "x", "y", "floor")
     for room in scene.rooms:
-        table.add_row(escape(room.name), f"{room.anchor[0]:.1f}", f"{room.anchor[1]:.1f}", room.floor)
+        table.add_row(room.name, f"{room.anchor[0]:.1f}", f"{room.anchor[1]:.1f}", room.floor)
     console.print(table)
-    console.print(f"drawn to [bold]{escape(str(path))}[/]")
+    console.print(styled("drawn to ", (str(path), "bold")))
 
 
 @scenes.command("generate")
@@ -135,7 +138,8 @@ def generate_scene(
     if path.suffix != ".yaml":
         raise threewe.ConfigError(f"the name of a scene's file ends in .yaml, not '{path.suffix}'")
     path.write_text(scene.to_yaml(name=path.stem), encoding="utf-8")
-    console.print(f"{len(scene.rooms)} rooms, {len(scene.objects)} objects, saved to [bold]{escape(str(path))}[/]")
+    counts = f"{len(scene.rooms)} rooms, {len(scene.objects)} objects"
+    console.print(styled(f"{counts}, saved to ", (str(path), "bold")))
 
 
 @app.command("export")
@@ -160,8 +164,8 @@ def doctor() -> None:
     table = Table("part", Column("state", overflow="fold"), Column("what to do", overflow="fold"))
     findings = examine()
     for finding in findings:
-        mark = {"ok": "[green]ok[/]", "missing": "[yellow]missing[/]", "broken": "[bold red]broken[/]"}[finding.state]
-        table.add_row(finding.part, f"{mark} {escape(finding.detail)}", escape(finding.remedy))
+        color = {"ok": "green", "missing": "yellow", "broken": "bold red"}[finding.state]
+        table.add_row(finding.part, styled((finding.state, color), f" {finding.detail}"), finding.remedy)
     console.print(table)
     if any(finding.state == "broken" for finding in findings):
         raise typer.Exit(1)

@@ -9,11 +9,12 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 
 from rich.console import Console
-from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
+from rich.progress import BarColumn, Progress, TimeElapsedColumn
 from rich.table import Table
 
 import threewe
 from threewe import CoverageMeter, Robot, TickView
+from threewe._console import plain_column
 from threewe.film import Film
 
 
@@ -92,9 +93,9 @@ async def run(scene: str, hardware: str, place: str, seed: int, output: Path, co
     started = time.perf_counter()
     output.mkdir(parents=True, exist_ok=True)
     columns = (
-        TextColumn("{task.description:<22}"),
+        plain_column("{task.description:<22}"),
         BarColumn(32),
-        TextColumn("{task.fields[figures]}"),
+        plain_column("{task.fields[figures]}"),
         TimeElapsedColumn(),
     )
     with Progress(*columns, console=console) as bar:

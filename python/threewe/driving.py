@@ -13,13 +13,12 @@ from threading import Event
 from typing import Annotated, TypeVar
 
 import typer
-from rich.console import Console
-from rich.markup import escape
 
 import threewe
+from threewe._console import plain_console, styled
 from threewe.terminal import Dashboard
 
-console = Console()
+console = plain_console()
 
 Result = TypeVar("Result", threewe.MoveResult, threewe.ExploreResult)
 
@@ -31,7 +30,11 @@ Seconds = Annotated[float | None, typer.Option(help="Of robot time, at most.")]
 Realtime = Annotated[bool, typer.Option("--realtime", help="As slowly as a real robot.")]
 Rerun = Annotated[bool, typer.Option("--rerun", help="Show it in the Rerun viewer, too.")]
 Save = Annotated[Path | None, typer.Option(metavar="FILE.rrd", help="Record it for the Rerun viewer.")]
-Serve = Annotated[bool, typer.Option("--serve", help="Serve the Rerun viewer to browsers.")]
+Serve = Annotated[bool, typer.Option("--serve", help="Serve the Rerun viewer to browsers on this machine.")]
+ServeNetwork = Annotated[
+    bool,
+    typer.Option("--serve-network", help="Serve it to everybody on the network: all can watch, without a password."),
+]
 Map = Annotated[
     Path | None, typer.Option("--map", metavar="FILE.yaml", help="A map to find itself in, as ROS has maps.")
 ]
@@ -56,9 +59,10 @@ def drive(
     rerun: Rerun = False,
     save: Save = None,
     serve: Serve = False,
+    serve_network: ServeNetwork = False,
 ) -> None:
     """Drive to a place, through a scene that the robot has never seen or has a map of."""
-    audience = Audience(rerun, save, serve)
+    audience = Audience(rerun, save, serve, serve_network)
     keep = map_file(save_map)
     robot = threewe.Robot(backend, hardware, scene, known_map, seed=seed, realtime=realtime, viewer=audience.viewer)
     theta = None if heading is None else math.radians(heading)
@@ -83,9 +87,10 @@ def explore(
     rerun: Rerun = False,
     save: Save = None,
     serve: Serve = False,
+    serve_network: ServeNetwork = False,
 ) -> None:
     """Map a scene that the robot has never seen, or what a map of it lacks."""
-    audience = Audience(rerun, save, serve)
+    audience = Audience(rerun, save, serve, serve_network)
     keep = map_file(save_map)
     robot = threewe.Robot(backend, hardware, scene, known_map, seed=seed, realtime=realtime, viewer=audience.viewer)
     task = f"exploring {scene}"
@@ -106,10 +111,12 @@ def view(
     realtime: Realtime = False,
     save: Save = None,
     serve: Serve = False,
+    serve_network: ServeNetwork = False,
 ) -> None:
     """Watch a robot explore a scene, in the Rerun viewer."""
-    rerun = not save and not serve
-    explore(scene, backend, hardware, seed, seconds, realtime, rerun=rerun, save=save, serve=serve)
+    rerun = not save and not serve and not serve_network
+    told = (scene, backend, hardware, seed, seconds, realtime)
+    explore(*told, rerun=rerun, save=save, serve=serve, serve_network=serve_network)
 
 
 @dataclass
@@ -119,23 +126,28 @@ class Audience:
     rerun: bool
     save: Path | None
     serve: bool
+    serve_network: bool
 
     @property
     def viewer(self) -> str | None:
         """As `Robot` takes it. Raises ConfigError where more than one is chosen."""
-        chosen = [self.rerun, self.save is not None, self.serve]
+        chosen = [self.rerun, self.save is not None, self.serve, self.serve_network]
         if sum(chosen) > 1:
-            raise threewe.ConfigError("choose one: --rerun opens a window, --save records, --serve serves browsers")
+            raise threewe.ConfigError(
+                "choose one: --rerun opens a window, --save records, --serve serves browsers on this machine, "
+                "--serve-network everybody on the network"
+            )
         if self.save is not None and self.save.suffix != ".rrd":
             raise threewe.ConfigError(f"the name of a recording ends in .rrd, not '{self.save.suffix}'")
-        return str(self.save) if self.save else "web" if self.serve else "rerun" if self.rerun else None
+        ways = {"rerun": self.rerun, "web": self.serve, "network": self.serve_network, str(self.save): bool(self.save)}
+        return next((way for way, is_chosen in ways.items() if is_chosen), None)
 
     def leave(self) -> None:
         """Says where the recording is; browsers are served until Ctrl-C."""
         if self.save is not None:
-            name = escape(str(self.save))
-            console.print(f"recorded to [bold]{name}[/]; open it with: rerun {name}", soft_wrap=True)
-        if self.serve:
+            name = str(self.save)
+            console.print(styled("recorded to ", (name, "bold"), f"; open it with: rerun {name}"), soft_wrap=True)
+        if self.serve or self.serve_network:
             with suppress(KeyboardInterrupt):
                 console.print("serving until Ctrl-C")
                 Event().wait()
@@ -181,12 +193,13 @@ def watch(
 def tell(result: threewe.MoveResult | threewe.ExploreResult, figures: str) -> None:
     """How it ended."""
     color = "green" if result.success else "yellow"
-    why = f", {escape(result.detail)}" if result.detail else ""
+    why = f", {result.detail}" if result.detail else ""
     driven = f"{result.distance:.1f} m driven in {result.duration:.0f} robot s"
-    console.print(f"[bold {color}]{result.reason.name}[/]{why}: {driven}, {figures}", soft_wrap=True)
+    reason = (result.reason.name, f"bold {color}")
+    console.print(styled(reason, f"{why}: {driven}, {figures}"), soft_wrap=True)
 
 
 def tell_of_map(file: Path | None) -> None:
     """Where it is."""
     if file is not None:
-        console.print(f"map saved to [bold]{escape(str(file))}[/]", soft_wrap=True)
+        console.print(styled("map saved to ", (str(file), "bold")), soft_wrap=True)

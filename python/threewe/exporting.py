@@ -5,19 +5,21 @@ from __future__ import annotations
 import os
 from pathlib import Path
 
+from threewe._arguments import as_asset, as_file, as_text
 from threewe._core import RobotProfile, Scene, export_files
 
 
 def export(
-    scene: str | Scene, robot: str | RobotProfile, format: str, folder: str | os.PathLike[str] = "."
+    scene: str | os.PathLike[str] | Scene,
+    robot: str | os.PathLike[str] | RobotProfile,
+    format: str,
+    folder: str | os.PathLike[str] = ".",
 ) -> list[Path]:
     """Writes a scene, and a robot at its first start, for another simulator; returns the files.
 
     Formats: `mjcf` (MuJoCo), `urdf` (ROS 2), `sdf` (Gazebo Harmonic), `usd` (Isaac Sim), `map` (ROS). Scene and robot
     are names, files that end in .yaml, or objects. Raises ConfigError, with nothing written, where one is unknown.
     """
-    if isinstance(scene, str):
-        scene = Scene.load(scene)
-    if isinstance(robot, str):
-        robot = RobotProfile.load(robot)
-    return export_files(scene, robot, format, os.fspath(folder))
+    place = scene if isinstance(scene, Scene) else Scene.load(as_asset("scene", scene))
+    profile = robot if isinstance(robot, RobotProfile) else RobotProfile.load(as_asset("robot", robot))
+    return export_files(place, profile, as_text("format", format), str(as_file("folder", folder)))

@@ -21,6 +21,7 @@ from threewe._arguments import (
     as_list,
     as_map,
     as_number,
+    as_path,
     as_pose,
     as_seconds,
     as_seed,
@@ -50,7 +51,7 @@ from threewe._core import (
     Zone,
 )
 from threewe._observers import Observer, Observers
-from threewe._options import known_options
+from threewe._options import known_options, known_options_but
 from threewe._time import InRobotTime, RobotTime
 from threewe.backend import known_backend
 from threewe.errors import ContractError, ThreeweError
@@ -60,6 +61,8 @@ if TYPE_CHECKING:
     from threewe.viewer import Viewer
 
 OnProgress = Callable[[Progress], object]
+
+SEVERAL = "a Robot is one robot, with its `hardware`; several in one world are a World(robots=[...])"
 
 
 class Robot(InRobotTime):
@@ -86,8 +89,9 @@ class Robot(InRobotTime):
         image_size: (height, width) [px] of what the camera delivers; as the profile states where left out.
         randomization: how the robot differs from its profile in a simulator, drawn anew for each seed and
             episode: `none`, `mild`, `paper`, `hard`, or a file that ends in .yaml.
-        viewer: streams to Rerun from `connect` to `disconnect`: `rerun` opens a window, `web` serves browsers, a file
-            that ends in .rrd is recorded.
+        viewer: streams to Rerun from `connect` to `disconnect`: `rerun` opens a window, `web` serves browsers on
+            this machine, `network` all who can reach it, without asking them for a password; a file that ends in .rrd
+            is recorded.
 
     Raises:
         ConfigError: an unknown backend, profile, scene, viewer or option (with the nearest right name), a start in a
@@ -97,7 +101,7 @@ class Robot(InRobotTime):
 
     _viewer: Viewer | None = None
 
-    @known_options
+    @known_options_but({"robots": SEVERAL, "start_poses": SEVERAL, "initial_poses": SEVERAL})
     def __init__(
         self,
         backend: str = "mock",
@@ -115,6 +119,8 @@ class Robot(InRobotTime):
         randomization: str | os.PathLike[str] = "none",
         viewer: str | None = None,
     ) -> None:
+        if isinstance(hardware, list | tuple):
+            raise ContractError(f"hardware must be a string, got {hardware!r}: {SEVERAL}")
         initial = None if initial_pose is None else as_pose("initial_pose", initial_pose)
         world = _core.World(
             backend=known_backend(as_text("backend", backend)),
@@ -147,11 +153,14 @@ class Robot(InRobotTime):
         self._world = world
         self._time = robot_time
         self._runtime = world.robot(index)
+        self._profile, self._features = self._runtime.profile, self._runtime.features
         self._simulation = Simulation(world, index, robot_time, initial_pose) if self._runtime.simulated else None
         self._map: tuple[int, OccupancyGrid] | None = None
         self._observers = Observers(self._runtime)
 
     def __repr__(self) -> str:
+        if self._time.elsewhere:
+            return f"Robot({self.profile.name!r}, in use on another thread)"
         state = "connected" if self.connected else "not connected"
         return f"Robot({self.profile.name!r}, {state}, robot time {self.now:.2f} s)"
 
@@ -161,8 +170,7 @@ class Robot(InRobotTime):
         """Connects and waits until every sensor has delivered. Raises ConnectionError. Twice is as good as once."""
         self._time.start()
         try:
-            self._runtime.connect()
-            await self._time.wait(self._runtime.ready())
+            await self._time.wait(self._begin_connecting())
             if self._viewer is not None:
                 self._viewer.begin()
         except BaseException:  # also when cancelled: a robot that nobody has got must not stay connected
@@ -170,6 +178,11 @@ class Robot(InRobotTime):
                 await self.disconnect()
             raise
         return self
+
+    def _begin_connecting(self) -> _core.Wait:
+        """What becomes done when every sensor has delivered."""
+        self._runtime.connect()
+        return self._runtime.ready()
 
     async def disconnect(self) -> None:
         """Ends a motion as `cancelled`, stops the robot and lets go of it."""
@@ -198,12 +211,12 @@ class Robot(InRobotTime):
     @property
     def profile(self) -> RobotProfile:
         """What the robot is: its body, limits and sensors."""
-        return self._runtime.profile
+        return self._profile
 
     @property
     def features(self) -> Features:
         """What the robot can do on this backend, readable before connecting."""
-        return self._runtime.features
+        return self._features
 
     @property
     def health(self) -> dict[str, SensorHealth]:
@@ -265,7 +278,7 @@ class Robot(InRobotTime):
         heading = None if theta is None else as_number("goal theta", theta)
         within = as_number("tolerance", tolerance)
         turned_within = as_number("angle_tolerance", angle_tolerance)
-        goal = self._read().transform("map", as_text("frame", frame)) * Pose2D(x, y, heading or 0.0)
+        goal = self._runtime.transform("map", as_text("frame", frame)) * Pose2D(x, y, heading or 0.0)
 
         def begin(limit: float | None) -> Motion:
             theta = None if heading is None else goal.theta
@@ -305,14 +318,17 @@ class Robot(InRobotTime):
     @known_options
     async def follow_path(
         self,
-        path: ArrayLike,
+        path: ArrayLike | Sequence[PoseLike],
         *,
         tolerance: float = 0.25,
         timeout: float | None = None,
         on_progress: OnProgress | None = None,
     ) -> MoveResult:
-        """Drives along a polyline in `map`: (N, 2) positions [m]. See `move_to`."""
-        points = [(x, y) for x, y in as_array("path", path, (None, 2)).tolist()]
+        """Drives along a polyline in `map`: (N, 2) positions [m], or a list of Pose2Ds, whose headings it ignores.
+
+        See `move_to`.
+        """
+        points = as_path("path", path)
         within = as_number("tolerance", tolerance)
         motion = await self._drive(lambda t: self._runtime.follow_path(points, within, t), timeout, on_progress)
         return motion.result()
@@ -356,7 +372,6 @@ class Robot(InRobotTime):
             EmergencyStopError: the emergency stop is latched.
             SafetyError: a motion owns the robot.
         """
-        self._time.check_thread()
         vx, vy, omega = as_number("vx", vx), as_number("vy", vy), as_number("omega", omega)
         self._runtime.set_velocity(vx, vy, omega, as_seconds("hold", hold))
 
@@ -370,7 +385,6 @@ class Robot(InRobotTime):
         Raises:
             ContractError: a zone that is no polygon of finite corners, or whose limit is not positive.
         """
-        self._time.check_thread()
         given = as_list("zones", zones)
         for zone in given:
             if not isinstance(zone, Zone):
@@ -379,7 +393,6 @@ class Robot(InRobotTime):
 
     def stop(self) -> None:
         """Ends a motion as `cancelled` and brings the robot to a stand-still. Always allowed."""
-        self._time.check_thread()
         self._runtime.stop()
         self._time.wake()
 
@@ -394,7 +407,6 @@ class Robot(InRobotTime):
 
     def release_emergency_stop(self) -> None:
         """Lets the robot move again."""
-        self._time.check_thread()
         self._runtime.release_estop()
 
     @property
@@ -406,34 +418,34 @@ class Robot(InRobotTime):
 
     def get_lidar_scan(self) -> LaserScan:
         """The newest scan. Raises HardwareError without a lidar."""
-        return self._read().lidar_scan()
+        return self._runtime.lidar_scan()
 
     def get_imu(self) -> IMUData:
         """The newest reading of the inertial unit. Raises HardwareError without one."""
-        return self._read().imu()
+        return self._runtime.imu()
 
     def get_odometry(self) -> Odometry:
         """Where the wheels alone say that the robot is, in `odom`."""
-        return self._read().odometry()
+        return self._runtime.odometry()
 
     def get_battery_state(self) -> BatteryState:
         """The state of the battery. Raises HardwareError without one."""
-        return self._read().battery()
+        return self._runtime.battery()
 
     def get_ultrasonic_ranges(self) -> dict[str, RangeData]:
         """What each ultrasonic sensor heard last, by the sensors' names. Raises HardwareError without any."""
-        return self._read().ultrasonic_ranges()
+        return self._runtime.ultrasonic_ranges()
 
     def get_people(self) -> list[TrackedPerson]:
         """Who walks around the robot, as its lidar sees them, in `odom`. Raises HardwareError without a lidar.
 
         Somebody who has stood for some seconds counts as an obstacle like others.
         """
-        return self._read().people()
+        return self._runtime.people()
 
     def get_pose(self) -> Pose2D:
         """Where the robot believes it is, in `map`; while it is `lost`, no more than where it was last."""
-        return self._read().pose().map_from_base
+        return self._runtime.pose().map_from_base
 
     def get_pose_covariance(self) -> NDArray[np.float64]:
         """How sure it is of that: (3, 3) covariance of x, y [m] and theta [rad], along the axes of `map`."""
@@ -442,19 +454,19 @@ class Robot(InRobotTime):
     @property
     def lost(self) -> bool:
         """True while the robot does not know where it is: it looks for itself in its map, and motions wait."""
-        return self._read().pose().lost
+        return self._runtime.pose().lost
 
     def get_velocity(self) -> Velocity:
         """The body velocity, as the robot estimates it."""
-        return self._read().pose().velocity
+        return self._runtime.pose().velocity
 
     def get_transform(self, target: str, source: str) -> Pose2D:
         """`target_from_source` among `map`, `odom`, `base` and the sensors' names."""
-        return self._read().transform(as_text("target", target), as_text("source", source))
+        return self._runtime.transform(as_text("target", target), as_text("source", source))
 
     def get_map(self) -> OccupancyGrid:
         """The map so far: the same object until it changes, which never changes itself."""
-        runtime = self._read()
+        runtime = self._runtime
         version = runtime.map_version()
         if self._map is None or self._map[0] != version:
             self._map = version, runtime.map()
@@ -469,7 +481,7 @@ class Robot(InRobotTime):
 
     def get_path(self) -> NDArray[np.float64]:
         """The path being followed, from the robot to its goal: (N, 2) [m] in `map`; empty between motions."""
-        return np.array(self._read().path(), np.float64).reshape(-1, 2)
+        return np.array(self._runtime.path(), np.float64).reshape(-1, 2)
 
     def get_plan(self) -> SampledPlan | None:
         """The plan being followed and all the samples of which it is the weighted mean, in `odom`.
@@ -477,7 +489,7 @@ class Robot(InRobotTime):
         None while no plan is followed: between motions, during turns and recoveries, on the last 0.2 m to a goal and
         without a lidar. The samples are rolled out once more for whoever asks, which changes nothing.
         """
-        return self._read().plan()
+        return self._runtime.plan()
 
     def get_camera_image(self) -> NDArray[np.uint8]:
         """The newest image of the camera: (H, W, 3) uint8, BGR; yours to draw on. See `get_image`."""
@@ -489,41 +501,37 @@ class Robot(InRobotTime):
         `camera` is a level view without distortion, see `profile.camera.intrinsics`. Only real robots have the raw
         image of a lens, `fisheye`. Raises HardwareError without that camera.
         """
-        return self._read().image(as_text("name", name)).color.copy()
+        return self._runtime.image(as_text("name", name)).color.copy()
 
     def get_rgbd_image(self) -> RGBDImage:
         """The newest image of a camera that measures depth. Raises HardwareError without one."""
-        return self._read().rgbd_image()
+        return self._runtime.rgbd_image()
 
     def get_observation(self) -> dict[str, NDArray[Any]]:
         """What the robot knows, as arrays: what its sensors say, and where it believes that it is.
 
-        `pose` (3,) in `map`, `velocity` (3,) in the body frame and, of the sensors that it has, `lidar` (N,) float32
-        [m], `ultrasonic` (K,) [m] in the order of `features.sensors`, `image` (H, W, 3) uint8 BGR and `depth` (H, W)
-        float32 [m].
+        All are float32, as in the learning environments, but for images: `pose` (3,) in `map`, `velocity` (3,) in the
+        body frame and, of the sensors that it has, `lidar` (N,) [m], `ultrasonic` (K,) [m] in the order of
+        `features.sensors`, `image` (H, W, 3) uint8 BGR and `depth` (H, W) [m].
         """
-        runtime = self._read()
+        runtime = self._runtime
         estimate = runtime.pose()
         observation: dict[str, NDArray[Any]] = {
-            "pose": np.array([*estimate.map_from_base]),
-            "velocity": np.array([*estimate.velocity]),
+            "pose": np.array(estimate.map_from_base, np.float32),
+            "velocity": np.array(estimate.velocity, np.float32),
         }
         sensors = self.features.sensors
         if any(sensor.type is SensorType.lidar for sensor in sensors):
             observation["lidar"] = runtime.lidar_scan().ranges
         if ears := [sensor.name for sensor in sensors if sensor.type is SensorType.ultrasonic]:
             ranges = runtime.ultrasonic_ranges()
-            observation["ultrasonic"] = np.array([ranges[name].range for name in ears])
+            observation["ultrasonic"] = np.array([ranges[name].range for name in ears], np.float32)
         if any(sensor.type is SensorType.camera for sensor in sensors):
             image = runtime.image("camera")
             observation["image"] = image.color
             if image.depth is not None:
                 observation["depth"] = image.depth
         return observation
-
-    def _read(self) -> _core.Runtime:
-        self._time.check_thread()
-        return self._runtime
 
     # Observers
 
@@ -539,4 +547,4 @@ class Robot(InRobotTime):
     def unobserve(self, number: int) -> None:
         """Stops calling an observer."""
         self._time.check_thread()
-        self._observers.remove(number)
+        self._observers.remove(as_seed("number", number))

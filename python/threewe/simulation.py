@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-from numpy.typing import ArrayLike
-
 from threewe import _core
-from threewe._arguments import PoseLike, as_array, as_number, as_pose, as_seed, as_switch
+from threewe._arguments import PoseLike, as_number, as_point, as_pose, as_seed, as_switch
 from threewe._core import CameraIntrinsics, OccupancyGrid, Pose2D, RobotProfile, SemanticImage, Snapshot
 from threewe._options import known_options
 from threewe._time import RobotTime
@@ -41,7 +39,6 @@ class Simulation(_core.Simulation):
         it. The robot starts at `pose`, or at the scene's own start pose without it. Raises ConfigError when that is
         inside an obstacle.
         """
-        self._time.check_thread()
         super().reset(
             seed=None if seed is None else as_seed("seed", seed),
             pose=None if pose is None else as_pose("pose", pose),
@@ -54,17 +51,15 @@ class Simulation(_core.Simulation):
 
         Raises ConfigError when something stands there.
         """
-        self._time.check_thread()
         super().carry(as_pose("pose", pose))
 
     def sample_free_pose(self, seed: int) -> Pose2D:
         """A pose where the robot fits with 5 cm to spare: a pure function of the seed."""
         return super().sample_free_pose(as_seed("seed", seed))
 
-    def geodesic(self, a: ArrayLike, b: ArrayLike) -> float:
-        """Length [m] of the shortest path from a to b, (x, y) each, for the robot's footprint; infinity without one."""
-        (ax, ay), (bx, by) = as_array("a", a, (2,)).tolist(), as_array("b", b, (2,)).tolist()
-        return super().geodesic((ax, ay), (bx, by))
+    def geodesic(self, a: PoseLike, b: PoseLike) -> float:
+        """Length [m] of the shortest path for the robot's footprint, (x, y) or Pose2D each; infinity without one."""
+        return super().geodesic(as_point("a", a), as_point("b", b))
 
     @known_options
     def look(  # type: ignore[override]
@@ -103,12 +98,10 @@ class Simulation(_core.Simulation):
 
     def save(self) -> Snapshot:
         """Everything the future depends on. Raises ContractError while a motion is in progress or in an observer."""
-        self._time.check_thread()
         return super().save()
 
     def restore(self, snapshot: Snapshot) -> None:
         """Goes on from where `save` was called. Sleeps end."""
-        self._time.check_thread()
         if not isinstance(snapshot, Snapshot):
             raise ContractError(f"snapshot must be what `save` returned, got {snapshot!r}")
         super().restore(snapshot)

@@ -8,9 +8,7 @@ with Robot() as robot:
 
 from __future__ import annotations
 
-import asyncio
 import functools
-import threading
 import time
 import weakref
 from collections.abc import Callable, Coroutine, Iterator
@@ -19,68 +17,24 @@ from types import TracebackType
 from typing import Any, Concatenate, ParamSpec, Self, TypeVar
 
 import threewe
-from threewe._arguments import as_seconds
+from threewe._arguments import as_function, as_seconds
 from threewe._core import Features, Pose2D, RobotProfile, SensorHealth
-from threewe.errors import ConnectionError, ContractError
+from threewe._loop_thread import LoopThread
 
 P = ParamSpec("P")
 R = TypeVar("R")
-Init = Callable[Concatenate["Robot", P], None]
+Owner = TypeVar("Owner", bound="_Connected")
+Target = TypeVar("Target")
 
 
-class _LoopThread:
-    """A thread that runs an event loop, on which everything about one robot happens."""
+def _options(
+    make: Callable[P, Target],
+) -> Callable[[Callable[[Owner, Target], None]], Callable[Concatenate[Owner, P], None]]:
+    """Lets a constructor that takes a robot or a world take the options of it."""
 
-    def __init__(self, at_the_end: Callable[[], Coroutine[Any, Any, None]]) -> None:
-        self._at_the_end = at_the_end
-        self._loop = asyncio.new_event_loop()
-        self._thread = threading.Thread(target=self._run, name="threewe.sync", daemon=True)
-        self._thread.start()
-
-    def _run(self) -> None:
-        asyncio.set_event_loop(self._loop)
-        try:
-            self._loop.run_forever()
-            self._loop.run_until_complete(self._at_the_end())
-        finally:
-            self._loop.close()
-
-    def wait(self, work: Callable[[], Coroutine[Any, Any, R]]) -> R:
-        """What the coroutine returns or raises. Ctrl-C cancels it, and with it a motion."""
-        if threading.current_thread() is self._thread:
-            raise ContractError("an observer or on_progress cannot wait for robot time")
-        if self._loop.is_closed():
-            raise ConnectionError("Python is ending, and has disconnected this robot")
-        future = asyncio.run_coroutine_threadsafe(work(), self._loop)
-        try:
-            return future.result()
-        except BaseException:
-            future.cancel()
-            raise
-
-    def call(self, work: Callable[[], R]) -> R:
-        """What a function returns or raises on the loop's thread."""
-        if threading.current_thread() is self._thread:
-            return work()
-
-        async def run() -> R:
-            return work()
-
-        return self.wait(run)
-
-    def close(self) -> None:
-        """Ends the thread."""
-        self._loop.call_soon_threadsafe(self._loop.stop)
-        if threading.current_thread() is not self._thread:
-            self._thread.join()
-
-
-def _options(make: Callable[P, threewe.Robot]) -> Callable[[Callable[[Robot, threewe.Robot], None]], Init[P]]:
-    """Lets a constructor that takes a robot take the options of that robot."""
-
-    def decorate(init: Callable[[Robot, threewe.Robot], None]) -> Init[P]:
+    def decorate(init: Callable[[Owner, Target], None]) -> Callable[Concatenate[Owner, P], None]:
         @functools.wraps(make.__init__)
-        def construct(self: Robot, /, *args: P.args, **options: P.kwargs) -> None:
+        def construct(self: Owner, /, *args: P.args, **options: P.kwargs) -> None:
             init(self, make(*args, **options))
 
         return construct
@@ -91,7 +45,7 @@ def _options(make: Callable[P, threewe.Robot]) -> Callable[[Callable[[Robot, thr
 class _OnThread:
     """Something whose methods run on a loop's thread."""
 
-    _thread: _LoopThread
+    _thread: LoopThread
     _target: Any
 
 
@@ -146,26 +100,27 @@ class Simulation(_OnThread):
     restore = _returns(threewe.Simulation.restore)
 
 
-class Robot(_OnThread):
-    """`threewe.Robot` for scripts: the same options and methods, each of which blocks until it is done.
+class _Connected(_OnThread):
+    """What a robot and a world of robots share: a thread, a connection and robot time."""
 
-    The robot lives on an event loop in a thread of its own; robot time stands still between two calls. It is
-    disconnected at the end of a `with` block, and at the latest when nobody has it any more or Python ends.
-    """
+    _target: threewe.Robot | threewe.World
 
-    @_options(threewe.Robot)
-    def __init__(self, robot: threewe.Robot) -> None:
-        self._target = self._robot = robot
-        self._thread = _LoopThread(robot.disconnect)
+    def _begin(self, target: threewe.Robot | threewe.World) -> None:
+        self._target = target
+        self._thread = LoopThread(target.disconnect)
         weakref.finalize(self, self._thread.close)
 
     def __repr__(self) -> str:
-        return self._thread.call(lambda: f"sync.{self._robot!r}")
+        return self._thread.call(lambda: f"sync.{self._target!r}")
 
     def connect(self) -> Self:
         """Connects and waits until every sensor has delivered. Raises ConnectionError."""
-        self._thread.wait(self._robot.connect)
+        self._thread.wait(self._target.connect)
         return self
+
+    def disconnect(self) -> None:
+        """Ends motions as `cancelled`, stops and lets go."""
+        self._thread.wait(self._target.disconnect)
 
     def __enter__(self) -> Self:
         return self.connect()
@@ -176,45 +131,13 @@ class Robot(_OnThread):
         self.disconnect()
 
     @property
-    def connected(self) -> bool:
-        """True between `connect` and `disconnect`."""
-        return self._robot.connected
-
-    @property
-    def profile(self) -> RobotProfile:
-        """What the robot is: its body, limits and sensors."""
-        return self._robot.profile
-
-    @property
-    def features(self) -> Features:
-        """What the robot can do on this backend."""
-        return self._robot.features
-
-    @property
-    def health(self) -> dict[str, SensorHealth]:
-        """How each sensor is, by its name."""
-        return self._thread.call(lambda: self._robot.health)
-
-    @property
     def now(self) -> float:
         """Robot time [s]."""
-        return self._thread.call(lambda: self._robot.now)
+        return self._thread.call(lambda: self._target.now)
 
-    @property
-    def lost(self) -> bool:
-        """True while the robot does not know where it is."""
-        return self._thread.call(lambda: self._robot.lost)
-
-    @property
-    def emergency_stopped(self) -> bool:
-        """True while the emergency stop is latched."""
-        return self._thread.call(lambda: self._robot.emergency_stopped)
-
-    @property
-    def simulation(self) -> Simulation | None:
-        """The truth, in a simulated world; None on a real robot."""
-        truth = self._robot.simulation
-        return None if truth is None else Simulation(self, truth)
+    def sleep(self, seconds: float) -> None:
+        """Lets `seconds` of robot time go by."""
+        self._thread.wait(lambda: self._target.sleep(seconds))
 
     @contextmanager
     def thinking(self, seconds: float | None = None) -> Iterator[None]:
@@ -225,11 +148,73 @@ class Robot(_OnThread):
         charge = None if seconds is None else as_seconds("seconds", seconds)
         began = time.perf_counter()
         yield
-        if self.features.lockstep:
+        if self._lockstep():
             self.sleep(time.perf_counter() - began if charge is None else charge)
 
-    disconnect = _waits(threewe.Robot.disconnect)
-    sleep = _waits(threewe.Robot.sleep)
+    def _lockstep(self) -> bool:
+        raise NotImplementedError
+
+
+class Robot(_Connected):
+    """`threewe.Robot` for scripts: the same options and methods, each of which blocks until it is done.
+
+    The robot lives on an event loop in a thread of its own; robot time stands still between two calls. It is
+    disconnected at the end of a `with` block, and at the latest when nobody has it any more or Python ends.
+    """
+
+    _target: threewe.Robot
+    _world: World | None = None  # which ends its thread when nobody has it any more
+
+    @_options(threewe.Robot)
+    def __init__(self, robot: threewe.Robot) -> None:
+        self._begin(robot)
+
+    @classmethod
+    def _of_world(cls, world: World, robot: threewe.Robot) -> Self:
+        """A robot of a world that others share."""
+        shared = cls.__new__(cls)
+        shared._world, shared._thread, shared._target = world, world._thread, robot
+        return shared
+
+    @property
+    def connected(self) -> bool:
+        """True between `connect` and `disconnect`."""
+        return self._thread.call(lambda: self._target.connected)
+
+    @property
+    def profile(self) -> RobotProfile:
+        """What the robot is: its body, limits and sensors."""
+        return self._target.profile
+
+    @property
+    def features(self) -> Features:
+        """What the robot can do on this backend."""
+        return self._target.features
+
+    @property
+    def health(self) -> dict[str, SensorHealth]:
+        """How each sensor is, by its name."""
+        return self._thread.call(lambda: self._target.health)
+
+    @property
+    def lost(self) -> bool:
+        """True while the robot does not know where it is."""
+        return self._thread.call(lambda: self._target.lost)
+
+    @property
+    def emergency_stopped(self) -> bool:
+        """True while the emergency stop is latched."""
+        return self._thread.call(lambda: self._target.emergency_stopped)
+
+    @property
+    def simulation(self) -> Simulation | None:
+        """The truth, in a simulated world; None on a real robot."""
+        truth = self._target.simulation
+        return None if truth is None else self._thread.call(lambda: Simulation(self, truth))
+
+    def _lockstep(self) -> bool:
+        return self.features.lockstep
+
     move_to = _waits(threewe.Robot.move_to)
     move_forward = _waits(threewe.Robot.move_forward)
     rotate = _waits(threewe.Robot.rotate)
@@ -262,3 +247,29 @@ class Robot(_OnThread):
     get_rgbd_image = _returns(threewe.Robot.get_rgbd_image)
     observe = _returns(threewe.Robot.observe)
     unobserve = _returns(threewe.Robot.unobserve)
+
+
+class World(_Connected):
+    """`threewe.World` for scripts: several robots in one world, on one thread; `together` lets them act at once."""
+
+    _target: threewe.World
+
+    @_options(threewe.World)
+    def __init__(self, world: threewe.World) -> None:
+        self._begin(world)
+
+    @property
+    def robots(self) -> tuple[Robot, ...]:
+        """The robots, in the order in which they were named."""
+        return tuple(Robot._of_world(self, robot) for robot in self._target.robots)
+
+    def together(self, *calls: Callable[[], R]) -> list[R]:
+        """What several calls return that begin at the same moment of robot time and go on side by side.
+
+        `world.together(lambda: a.move_to(2, 1), b.explore)`. Each is one call that waits for robot time. Where one
+        raises, the others are cancelled.
+        """
+        return self._thread.wait_together([as_function("calls", call) for call in calls])
+
+    def _lockstep(self) -> bool:
+        return all(robot.features.lockstep for robot in self._target.robots)

@@ -4,13 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from rich.console import Console
-from rich.markup import escape
 from rich.progress import track
 from rich.table import Table
 
 from threewe import _core
 from threewe._arguments import as_list, as_seed, as_text
+from threewe._console import plain_console, styled
 from threewe._core import CheckResult, Outcome, check_names
 from threewe.backend import known_backend
 from threewe.errors import ConfigError, ContractError
@@ -64,7 +63,7 @@ def check_backend(
         for name in track(names, "checking", disable=not show, transient=True)
     ]
     if show:
-        Console().print(_table(backend, results))
+        plain_console().print(_table(backend, results))
     failures = [f"\n  {result.name}: {result.detail}" for result in results if not result.passed]
     if failures and raise_failures:
         raise ContractError(f"backend '{backend}' fails {len(failures)} of {len(results)} checks:{''.join(failures)}")
@@ -78,5 +77,5 @@ def _table(backend: str, results: Sequence[CheckResult]) -> Table:
     table.add_column("detail")
     for result in results:
         outcome = result.outcome.name.replace("_", " ")
-        table.add_row(result.name, f"[{COLORS[result.outcome]}]{outcome}[/]", escape(result.detail))
+        table.add_row(result.name, styled((outcome, COLORS[result.outcome])), result.detail)
     return table

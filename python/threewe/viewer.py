@@ -103,7 +103,7 @@ class Viewer:
         self._robot.unobserve(self._observer)
         self._observer = None
         self._recording.flush()
-        if self._where != "web":
+        if self._where not in sinks.LISTENS_ON:
             self._recording.disconnect()
 
     def _look(self, tick: TickView) -> None:

@@ -11,11 +11,13 @@ from typing import Self
 from threewe import _core
 from threewe._arguments import PoseLike, as_asset, as_list, as_map, as_pose, as_seed, as_switch, as_text
 from threewe._core import OccupancyGrid, Pose2D
-from threewe._options import known_options
+from threewe._options import known_options_but
 from threewe._time import InRobotTime, RobotTime
 from threewe.backend import known_backend
-from threewe.errors import ThreeweError
+from threewe.errors import ContractError, ThreeweError
 from threewe.robot import Robot
+
+ONLY_OF_ROBOTS = ("localization", "image_size", "viewer")
 
 
 class World(InRobotTime):
@@ -38,7 +40,12 @@ class World(InRobotTime):
         ConfigError: as for Robot.
     """
 
-    @known_options
+    @known_options_but(
+        {
+            "hardware": "a World has `robots`, one hardware profile for each: World(robots=['3we_standard_v2', ...])",
+            **{name: f"{name} is an option of Robot, and a World has none" for name in ONLY_OF_ROBOTS},
+        }
+    )
     def __init__(
         self,
         backend: str = "mock",
@@ -53,6 +60,8 @@ class World(InRobotTime):
         map: OccupancyGrid | str | os.PathLike[str] | None = None,
         randomization: str | os.PathLike[str] = "none",
     ) -> None:
+        if isinstance(robots, str):
+            raise ContractError(f"robots must be a list with one profile for each robot, such as [{robots!r}]")
         profiles = [as_asset("robots", hardware) for hardware in as_list("robots", robots)]
         starts = [as_pose("start_poses", pose) for pose in as_list("start_poses", start_poses)]
         initial = [as_pose("initial_poses", pose) for pose in as_list("initial_poses", initial_poses)]
@@ -80,10 +89,11 @@ class World(InRobotTime):
         return f"World({', '.join(robot.profile.name for robot in self.robots)}; robot time {self.now:.2f} s)"
 
     async def connect(self) -> Self:
-        """Connects every robot and waits until all their sensors have delivered."""
+        """Connects every robot and waits until all their sensors have delivered: all robots at the same time."""
+        self._time.start()
         try:
-            for robot in self.robots:
-                await robot.connect()
+            for ready in [robot._begin_connecting() for robot in self.robots]:
+                await self._time.wait(ready)
         except BaseException:
             with suppress(ThreeweError):
                 await self.disconnect()

@@ -12,6 +12,9 @@
 #include "threewe/core/errors.hpp"
 #include "threewe/core/names.hpp"
 
+// Defined in programs that were built with the CMake package: see cmake/threewe-config.cmake.in.
+extern "C" const char* threewe_package_assets() __attribute__((weak));
+
 namespace threewe {
 namespace {
 
@@ -43,12 +46,44 @@ void check_directory(const fs::path& directory, std::string_view origin) {
 
 bool names_a_file(std::string_view name) { return name.ends_with(".yaml") || name.ends_with(".yml"); }
 
-// A relative folder is one beside the file that this code was loaded from: a wheel may be unpacked anywhere.
-fs::path installed_directory() {
-  fs::path directory = THREEWE_ASSET_DIR;
+// The folder of the library or the program that this code was loaded from; empty where nobody knows.
+fs::path loaded_from() {
   Dl_info loaded{};
-  if (directory.is_absolute() || dladdr(&added_mutex, &loaded) == 0) return directory;
-  return fs::absolute(loaded.dli_fname).parent_path() / directory;
+  if (dladdr(&added_mutex, &loaded) == 0) return {};
+  std::error_code gone;
+  const fs::path file = fs::canonical(loaded.dli_fname, gone);
+  return (gone ? fs::absolute(loaded.dli_fname) : file).parent_path();
+}
+
+// An installation may be moved, and a wheel unpacked anywhere. So the folder is the one that the CMake package has told
+// the program (a program that contains the library is elsewhere), else one that lies where it should as seen from the
+// library or from a program installed beside it, else the one known when the library was configured.
+fs::path find_installed_directory() {
+  std::error_code unusable;
+  if (threewe_package_assets != nullptr && fs::is_directory(threewe_package_assets(), unusable)) {
+    return threewe_package_assets();
+  }
+  const fs::path here = loaded_from();
+  for (const char* way : {THREEWE_ASSETS_FROM_LIBRARY, THREEWE_ASSETS_FROM_PROGRAM}) {
+    const fs::path directory = (here / way).lexically_normal();
+    if (fs::is_directory(directory, unusable)) return directory;
+  }
+  return here / THREEWE_ASSET_DIR;
+}
+
+const fs::path& installed_directory() {
+  static const fs::path directory = find_installed_directory();
+  return directory;
+}
+
+// Without the folder of the installation nothing can be found.
+void require_installed(const fs::path& directory) {
+  std::error_code unusable;
+  if (fs::is_directory(directory, unusable)) return;
+  throw ConfigError(
+      fmt::format("there is no folder '{}' with what was installed with 3we: set THREEWE_ASSETS to where "
+                  "the installation has share/threewe/assets",
+                  directory.string()));
 }
 
 // "scenes" -> "scene", for messages
@@ -130,6 +165,7 @@ fs::path find_asset(std::string_view kind, std::string_view name) {
     if (!files.empty()) return files.front();
     refuse_yml(kind, name);
   }
+  require_installed(asset_directories().front());
   const auto names = asset_names(kind);
   throw ConfigError(unknown_name(singular(kind), name, names));
 }

@@ -67,6 +67,7 @@ void Runtime::disconnect() {
 bool Runtime::connected() const { return impl_->connected; }
 const std::string& Runtime::fault() const { return impl_->fault; }
 const RobotProfile& Runtime::profile() const { return impl_->port.profile(); }
+const World& Runtime::world() const { return impl_->world; }
 const backend::Features& Runtime::features() const { return impl_->port.features(); }
 const scene::TruthView* Runtime::truth() const { return impl_->port.truth(); }
 

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import asyncio
 import builtins
+import functools
+import inspect
 import math
-from collections.abc import Awaitable, Callable
+from collections.abc import Awaitable, Callable, Iterator
 from contextlib import AbstractAsyncContextManager
 from fractions import Fraction
 from pathlib import Path
@@ -140,7 +142,10 @@ def test_options_of_a_wrong_type(options: dict[str, object], make: Callable[...,
 @pytest.mark.parametrize(
     ("options", "message"),
     [
-        ({"robots": "3we_standard_v2"}, "robots must be a list, got '3we_standard_v2'"),
+        (
+            {"robots": "3we_standard_v2"},
+            "robots must be a list with one profile for each robot, such as \\['3we_standard_v2'\\]",
+        ),
         ({"robots": None}, "robots must be a list, got None"),
         ({"robots": [None]}, "robots must be a string, got None"),
         ({"start_poses": 3}, "start_poses must be a list, got 3"),
@@ -430,10 +435,62 @@ async def test_the_emergency_stop_works_from_any_thread(robot: Robot) -> None:
     assert (await moving).reason is Reason.estop
 
 
+CALLED_WITH: dict[str, dict[str, object]] = {
+    "get_transform": {"target": "map", "source": "base"},
+    "save_map": {"path": "map.yaml"},
+    "set_zones": {"zones": []},
+    "observe": {"observer": print},
+    "unobserve": {"number": 1},
+    "sample_free_pose": {"seed": 1},
+    "geodesic": {"a": (0.0, 0.0), "b": (1.0, 0.0)},
+    "carry": {"pose": (0.0, 0.0)},
+}
+
+
+def reads_and_commands(owner: object) -> Iterator[tuple[str, Callable[[], object]]]:
+    """Every public property and method of something that a thread uses, but for coroutines and what never changes."""
+    lasting = {"profile", "features", "simulation", "timeout", "thinking", "restore", "emergency_stop", "disconnect"}
+    for name, member in inspect.getmembers(type(owner)):
+        if name.startswith("_") or name in lasting:
+            continue
+        if callable(member):
+            if inspect.iscoroutinefunction(inspect.unwrap(member)):
+                continue
+            yield name, functools.partial(getattr(owner, name), **CALLED_WITH.get(name, {}))
+        else:
+            yield name, functools.partial(getattr, owner, name)
+
+
+def outcome(call: Callable[[], object]) -> str:
+    """What a call raises, or returns."""
+    try:
+        return f"returned {call()!r}"
+    except Exception as error:
+        return f"{type(error).__name__}: {error}"
+
+
 async def test_everything_else_is_refused_on_other_threads(robot: Robot) -> None:
-    for call in (robot.get_pose, robot.stop, robot.set_velocity, robot.get_map):
-        with pytest.raises(ContractError, match="thread"):
-            await asyncio.to_thread(call)
+    assert robot.simulation is not None
+    calls = [*reads_and_commands(robot), *reads_and_commands(robot.simulation)]
+    names = {name for name, _ in calls}
+    assert {"health", "lost", "now", "get_image", "true_pose", "look", "reset", "save", "scene"} <= names
+    answered = {name: await asyncio.to_thread(outcome, call) for name, call in calls}
+    assert {name: answer for name, answer in answered.items() if "threewe.sync.Robot" not in answer} == {}
+    assert "another thread" in await asyncio.to_thread(repr, robot)
+
+
+async def test_a_world_is_whosever_connects_it() -> None:
+    robot = Robot(noise="ideal")
+    await asyncio.to_thread(lambda: robot.now)
+
+    async def there() -> float:
+        async with robot:
+            await robot.sleep(0.1)
+            return robot.get_pose().x
+
+    assert await asyncio.to_thread(lambda: asyncio.run(there())) == 0.0
+    async with robot:
+        assert robot.lost is False
 
 
 async def test_resetting_into_a_wall(robot: Robot) -> None:

@@ -1,10 +1,10 @@
 """Every code block of the README and docs/ runs.
 
 `python` blocks of a page run in order in one namespace, as a reader would paste them into a notebook; the lines of a
-`console` block that begin with "$ " run in a shell (but for ./dev, which is running); `cpp` blocks are compiled. A
-`yaml` block that begins with a path, as a comment, is a file that all of them find. Other commands and programs are
-left out only if the line before the block says why: <!-- not run: needs a robot -->. A `python` block after
-<!-- needs: torch --> runs where that package is installed.
+`console` block that begin with "$ " run in a shell (but for ./dev, which is running); `cpp` blocks are programs, built
+against the library of `./dev build`, and run. A `yaml` block that begins with a path, as a comment, is a file that all
+of them find. Other commands and programs are left out only if the line before the block says why:
+<!-- not run: needs a robot -->. A `python` block after <!-- needs: torch --> runs where that package is installed.
 """
 
 import ast
@@ -20,6 +20,7 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
+LIBRARY = ROOT / "build/dev/libthreewe.a"
 PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").rglob("*.md"))]
 REMARK = r"(?:<!-- not run: (?P<reason>.+?) -->\n+|<!-- needs: (?P<needs>\w+) -->\n+)?"
 BLOCK = re.compile(REMARK + r"^```(?P<language>\w*)\n(?P<code>.*?)^```$", re.M | re.S)
@@ -86,8 +87,19 @@ def test_cpp(page: str, tmp_path: Path) -> None:
     for number, (where, code) in enumerate(blocks(ROOT / page, "cpp")):
         source = tmp_path / f"snippet_{number}.cpp"
         source.write_text(f'#line 1 "{where}"\n{code}')
-        flags = ["-std=c++20", "-fsyntax-only", f"-I{ROOT / 'include'}", "-isystem", "/usr/include/eigen3"]
-        assert subprocess.run(["c++", *flags, source]).returncode == 0, where
+        program = tmp_path / f"snippet_{number}"
+        flags = [
+            "-std=c++20",
+            "-Wall",
+            "-Wextra",
+            "-Werror",
+            f"-I{ROOT / 'include'}",
+            "-isystem",
+            "/usr/include/eigen3",
+        ]
+        libraries = [LIBRARY, *(f"-l{name}" for name in ("yaml-cpp", "fmt", "hwy", "pugixml"))]
+        assert subprocess.run(["c++", *flags, source, "-o", program, *libraries]).returncode == 0, where
+        assert subprocess.run([program], cwd=tmp_path).returncode == 0, where
 
 
 def test_every_block_is_of_a_kind_that_runs() -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import gc
 import inspect
 import math
@@ -17,7 +18,7 @@ import pytest
 import threewe
 from threewe import ConnectionError, ContractError, Progress, Reason
 from threewe.backend import BackendOptions
-from threewe.sync import Robot
+from threewe.sync import Robot, World
 
 from .toy_backend import QuietBackend
 
@@ -178,7 +179,7 @@ def test_a_robot_is_disconnected_when_python_ends_and_says_so_to_whoever_comes_l
 import atexit, sys
 sys.path.insert(0, {str(Path(__file__).parent)!r})
 import threewe
-from threewe.sync import Robot
+from threewe.sync import Robot, World
 from toy_backend import QuietBackend
 
 class Noisy(QuietBackend):
@@ -206,3 +207,85 @@ def test_thinking_for_impossible_times(seconds: float, robot: Robot) -> None:
     with pytest.raises(ContractError, match=r"^seconds must"), robot.thinking(seconds):
         thought = True
     assert not thought
+
+
+@pytest.mark.parametrize("error", [SystemExit, KeyboardInterrupt])
+def test_a_callback_that_ends_the_program_reaches_the_caller(robot: Robot, error: type[BaseException]) -> None:
+    def end(_: object) -> None:
+        raise error
+
+    with pytest.raises(error):
+        robot.move_forward(1.0, on_progress=end)
+    robot.observe(end)
+    with pytest.raises(error):
+        robot.move_forward(1.0)
+    before = robot.now
+    robot.sleep(0.5)
+    assert robot.now == pytest.approx(before + 0.5)
+    assert robot.move_forward(0.1).reason is Reason.reached
+
+
+def test_an_observer_that_ends_the_program_in_real_time() -> None:
+    def end(_: object) -> None:
+        raise SystemExit(3)
+
+    with Robot(scene="corridor_v1", noise="ideal", realtime=True) as robot:
+        robot.observe(end)
+        with pytest.raises(SystemExit):
+            robot.sleep(60.0)
+        robot.sleep(0.1)
+
+
+FORKED = """
+import os, sys
+from threewe import ContractError
+from threewe.sync import Robot, World
+
+with Robot(scene="corridor_v1", noise="ideal") as robot:
+    if (child := os.fork()) == 0:
+        for call in (robot.get_pose, lambda: robot.move_forward(0.1), lambda: robot.now, robot.disconnect):
+            try:
+                call()
+            except ContractError as error:
+                print(error, flush=True)
+        del robot
+        os._exit(7)
+    assert os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) == 7
+    robot.move_forward(0.1).raise_for_failure()
+"""
+
+
+def test_a_forked_process_is_refused_by_name() -> None:
+    done = subprocess.run([sys.executable, "-c", FORKED], capture_output=True, text=True, timeout=60)
+    assert (done.returncode, done.stderr) == (0, "")
+    assert done.stdout.count("of the process that made it: after a fork make a new one") == 4
+
+
+def test_a_world_of_several_robots() -> None:
+    threads = threads_of_robots()
+    with World(scene="warehouse_v1", noise="ideal") as world:
+        first, second = world.robots
+        before = world.now
+        drives = [functools.partial(robot.move_forward, 0.4) for robot in world.robots]
+        results = world.together(*drives)
+        assert [result.reason for result in results] == [Reason.reached] * 2
+        assert world.now - before < 1.2 * max(result.duration for result in results)
+        first.set_velocity(0.2)
+        world.sleep(0.3)
+        assert first.get_velocity().vx > 0.1
+        assert repr(world).startswith("sync.World(3we_standard_v2, 3we_standard_v2; robot time")
+        with pytest.raises(ContractError, match="waits for robot time"):
+            world.together(first.get_pose)
+        with pytest.raises(ContractError, match="goal x must be finite"):
+            world.together(functools.partial(first.move_to, math.inf, first.get_pose().y), second.explore)
+        assert second.move_forward(0.1).success
+    assert not first.connected
+    del world
+    assert threads_of_robots() == threads + 1  # its robots keep it
+    assert first.profile.name == "3we_standard_v2"
+    del first, second, drives, results
+    assert threads_of_robots() == threads
+
+
+def test_a_world_has_all_that_the_other_world_has() -> None:
+    assert {name for name in dir(threewe.World) if not name.startswith("_")} - set(dir(World)) == {"timeout"}

@@ -4,11 +4,14 @@ from __future__ import annotations
 
 import io
 import math
+import re
+from pathlib import Path
 
 import numpy as np
 import pytest
+import threewe
 from rich.console import Console
-from threewe import OccupancyGrid, Pose2D, Robot
+from threewe import OccupancyGrid, Pose2D, Robot, cli, driving
 from threewe.terminal import (
     ARROWS,
     FREE,
@@ -23,6 +26,7 @@ from threewe.terminal import (
     Dashboard,
     picture,
 )
+from typer.testing import CliRunner
 
 NOWHERE = np.empty((0, 2))
 
@@ -88,3 +92,33 @@ async def test_a_drive_in_a_terminal_and_where_nobody_looks() -> None:
     last = shown.getvalue().split("driving")[-1]
     assert "m driven" in last
     assert any(arrow in shown.getvalue() for arrow in ARROWS)
+
+
+STRANGE = "[m] :100: [/bold] [red]x"
+
+
+def test_the_terminal_prints_text_as_it_is(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    folder = tmp_path / "[m]:100:[red]"
+    folder.mkdir()
+    with pytest.raises(SystemExit):
+        cli.fail(STRANGE)
+    assert STRANGE in capsys.readouterr().err
+    cli.generate_scene(3, output=folder / "a.yaml")
+    driving.tell_of_map(folder / "b.yaml")
+    shown = capsys.readouterr().out.replace("\n", "")
+    assert f"{folder}/a.yaml" in shown
+    assert f"{folder}/b.yaml" in shown
+
+
+def test_help_texts_keep_their_units() -> None:
+    shown = CliRunner().invoke(cli.app, ["slam", "replay", "--help"]).output
+    assert shown.count("[m]") == 2
+
+
+def test_nobody_prints_with_markup() -> None:
+    package = Path(threewe.__file__).parent
+    for file in package.rglob("*.py"):
+        text = file.read_text()
+        if file.name != "_console.py":
+            assert "rich.markup" not in text, file
+            assert not re.search(r"\b(?:Console|TextColumn)\(", text), file

@@ -6,6 +6,7 @@ import asyncio
 import io
 import itertools
 import math
+import re
 import signal
 import subprocess
 import sys
@@ -516,14 +517,26 @@ def test_what_cannot_be_viewed_is_one_line(arguments: list[str], complaint: str,
     assert "Traceback" not in complaints
 
 
-def test_view_serves_browsers_until_ctrl_c(tmp_path: Path) -> None:
-    process = threewe_command("view", "corridor_v1", "--seconds", "1", "--serve", cwd=tmp_path)
+def listeners(port: int) -> set[str]:
+    """The addresses on which somebody listens at a port, as /proc has them."""
+    lines = [line.split() for name in ("tcp", "tcp6") for line in Path(f"/proc/net/{name}").read_text().splitlines()]
+    listening = [line[1].split(":") for line in lines if line[3] == "0A"]
+    return {address for address, at in listening if int(at, 16) == port}
+
+
+@pytest.mark.parametrize(("option", "addresses"), [("--serve", {"0100007F"}), ("--serve-network", {"00000000"})])
+def test_view_serves_browsers_until_ctrl_c(option: str, addresses: set[str], tmp_path: Path) -> None:
+    process = threewe_command("view", "corridor_v1", "--seconds", "1", option, cwd=tmp_path)
     assert process.stdout is not None
     address = process.stdout.readline().removeprefix("Rerun viewer: ").strip()
     while "until Ctrl-C" not in (line := process.stdout.readline()):
         assert line, "it ended too early"
     with urllib.request.urlopen(address) as page:
         assert b"Rerun" in page.read()
+    page_port, data_port = (int(port) for port in re.findall(r"localhost(?::|%3A)(\d+)", address))
+    assert listeners(page_port) == addresses
+    assert listeners(data_port) == addresses
     process.send_signal(signal.SIGINT)
     process.communicate()
     assert process.returncode == 0
+    assert listeners(page_port) == set()

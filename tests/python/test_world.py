@@ -138,3 +138,11 @@ def test_people_in_a_script() -> None:
         person = robot.simulation.people()[0]
         assert person.radius > 0.0
         assert person.name in repr(person)
+
+
+async def test_robots_connect_all_at_once() -> None:
+    async with Robot(scene="warehouse_v1") as robot:
+        alone = robot.now
+    async with World(scene="warehouse_v1", robots=HARDWARE) as world:
+        assert world.now == pytest.approx(alone, abs=0.1)
+        assert all(robot.get_battery_state().charge > 0.9 for robot in world.robots)

@@ -74,6 +74,7 @@ class Runtime {
   const std::string& fault() const;
   const RobotProfile& profile() const;
   const backend::Features& features() const;
+  const World& world() const;
   /// The truth about this robot in a simulated world, for metrics and drawings; null on a real one.
   const scene::TruthView* truth() const;
 

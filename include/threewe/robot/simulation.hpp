@@ -54,6 +54,7 @@ class Simulation {
   void restore(const std::shared_ptr<const World::Snapshot>& snapshot) { world_->restore(snapshot); }
 
   const scene::TruthView& truth() const;
+  const World& world() const { return *world_; }
 
  private:
   World* world_;

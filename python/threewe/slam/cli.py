@@ -8,13 +8,12 @@ from pathlib import Path
 from typing import Annotated
 
 import typer
-from rich.console import Console
-from rich.markup import escape
-from rich.progress import BarColumn, TextColumn, TimeElapsedColumn
+from rich.progress import BarColumn, TimeElapsedColumn
 from rich.progress import Progress as ProgressBar
 from rich.table import Table
 
 import threewe
+from threewe._console import plain_column, plain_console, styled
 from threewe._core import SlamConfig, survey_names
 from threewe.slam.formats import read_log
 from threewe.slam.log import Progress
@@ -22,8 +21,12 @@ from threewe.slam.relations import Accuracy, Relations, accuracy
 from threewe.slam.replay import Replay, replay
 from threewe.slam.synth import synthesize
 
-app = typer.Typer(help="Mapping on its own: from recorded logs, with how good the maps are.", no_args_is_help=True)
-console = Console()
+app = typer.Typer(
+    help="Mapping on its own: from recorded logs, with how good the maps are.",
+    no_args_is_help=True,
+    rich_markup_mode=None,
+)
+console = plain_console()
 
 
 @app.command("replay")
@@ -51,7 +54,7 @@ def replay_log(
     folder = output or Path(log.stem)
     result.write(folder, error)
     console.print(table_of(result, error))
-    console.print(f"map.pgm, map.yaml, trajectory.tum and summary.json are in [bold]{escape(str(folder))}/[/]")
+    console.print(styled("map.pgm, map.yaml, trajectory.tum and summary.json are in ", (f"{folder}/", "bold")))
 
 
 @app.command("synth")
@@ -64,15 +67,15 @@ def synthesize_logs(
 ) -> None:
     """Record logs and relations like those of old robots, in the embedded simulator."""
     for name in names or survey_names():
-        with console.status(f"driving {name}"):
+        with console.status(styled(f"driving {name}")):
             log, relations = synthesize(name, output, seed)
-        console.print(f"[bold]{escape(str(log))}[/] and [bold]{escape(str(relations))}[/]", soft_wrap=True)
+        console.print(styled((str(log), "bold"), " and ", (str(relations), "bold")), soft_wrap=True)
 
 
 @contextmanager
 def progress(what: str) -> Iterator[Progress]:
     """A bar in the terminal, while the work in the block says how far it is."""
-    columns = TextColumn("{task.description}"), BarColumn(), TimeElapsedColumn()
+    columns = plain_column("{task.description}"), BarColumn(), TimeElapsedColumn()
     with ProgressBar(*columns, console=console, transient=True) as bar:
         task = bar.add_task(what, total=1.0)
         yield lambda share: bar.update(task, completed=share)

@@ -1,2 +1,0 @@
-include("${CMAKE_CURRENT_LIST_DIR}/dependencies.cmake")
-include("${CMAKE_CURRENT_LIST_DIR}/threewe-targets.cmake")
