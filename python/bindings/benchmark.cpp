@@ -33,11 +33,12 @@ void init_benchmark(nb::module_& m) {
       });
   m.def("spl", &task::success_weighted_by_path_length, "success"_a, "shortest"_a, "driven"_a,
         "Success weighted by path length (Anderson et al. 2018): 0 for a failure, else the shortest length over the\n"
-        "one driven, at most 1. Lengths in [m].");
+        "one driven, at most 1; 1 for a success where the shortest length is 0. Lengths in [m].");
   m.def("optimist", &benchmark::optimist, "tables"_a, "profile"_a, "start"_a, "goal"_a, WithoutGil(),
         "A drive in a place of which nothing is known at first, as no robot can expect to beat it: with a perfect\n"
         "pose and a lidar without noise, along shortest paths for the inscribed radius through all that is not known\n"
-        "to be an obstacle. `start` and `goal` (x, y) in the scene's frame. Raises HardwareError without a lidar.");
+        "to be an obstacle. `start` and `goal` (x, y) in the scene's frame. Raises HardwareError without a lidar,\n"
+        "ContractError for a place outside of the scene.");
   m.def(
       "nearest_frontier",
       [](const std::shared_ptr<scene::SceneTables>& tables, const RobotProfile& profile, const Pose2D& start) {
@@ -45,5 +46,7 @@ void init_benchmark(nb::module_& m) {
       },
       "tables"_a, "profile"_a, "start"_a, WithoutGil(),
       "An exploration to the nearest frontier (Yamauchi 1997), again and again until none can be reached: with a\n"
-      "perfect pose and a lidar without noise, along shortest paths. Raises HardwareError without a lidar.");
+      "perfect pose and a lidar without noise, along shortest paths. Raises HardwareError without a lidar, "
+      "ContractError for a\n"
+      "start outside of the scene.");
 }

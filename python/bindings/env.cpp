@@ -81,8 +81,9 @@ env::Observed observed(const std::optional<std::vector<std::string>>& wanted) {
   return observed;
 }
 
-env::Gate gate_of(const std::string& name) {
-  return chosen<env::Gate>("gate", name, {{"full", env::Gate::full}, {"limits", env::Gate::limits}});
+std::optional<env::Gate> gate_of(const std::optional<std::string>& name) {
+  if (!name) return std::nullopt;
+  return chosen<env::Gate>("gate", *name, {{"full", env::Gate::full}, {"limits", env::Gate::limits}});
 }
 
 /// What all environments are asked in the same way.
@@ -190,8 +191,9 @@ void bind_results(nb::class_<Env>& c) {
           "variation",
           [](const Env& env, std::size_t world, std::size_t robot) {
             std::map<std::string, double> values;
+            const models::Variation variation = env.variation(world, robot);
             for (std::size_t i = 0; i < models::knob_names().size(); ++i) {
-              values[models::knob_names()[i]] = models::knob(env.variation(world, robot), i);
+              values[models::knob_names()[i]] = models::knob(variation, i);
             }
             return values;
           },
@@ -264,9 +266,9 @@ void bind_batch(nb::module_& m) {
              const RobotProfile& hardware, const std::string& noise,
              const std::optional<std::vector<std::string>>& observations, int lidar_beams,
              std::pair<int, int> image_size, const std::string& localization, const std::string& localization_model,
-             const models::Randomization& randomization, const std::string& gate, int max_steps, double control_period,
-             std::size_t num_envs, std::size_t num_robots, std::size_t num_threads, const std::string& autoreset,
-             const std::string& episodes, const std::string& goal_frame) {
+             const models::Randomization& randomization, const std::optional<std::string>& gate, int max_steps,
+             double control_period, std::size_t num_envs, std::size_t num_robots, std::size_t num_threads,
+             const std::string& autoreset, const std::string& episodes, const std::string& goal_frame) {
             env::Options options = task_options(task, observations, lidar_beams, image_size, max_steps, control_period,
                                                 episodes, goal_frame);
             options.scenes.assign(scenes.begin(), scenes.end());
@@ -292,7 +294,7 @@ void bind_batch(nb::module_& m) {
             new (self) Batch(std::move(options));
           },
           nb::kw_only(), "task"_a, "scenes"_a, "hardware"_a, "noise"_a, "observations"_a.none(), "lidar_beams"_a,
-          "image_size"_a, "localization"_a, "localization_model"_a, "randomization"_a, "gate"_a, "max_steps"_a,
+          "image_size"_a, "localization"_a, "localization_model"_a, "randomization"_a, "gate"_a.none(), "max_steps"_a,
           "control_period"_a, "num_envs"_a, "num_robots"_a, "num_threads"_a, "autoreset"_a, "episodes"_a,
           "goal_frame"_a)
       .def(
@@ -331,7 +333,7 @@ void bind_robot_env(nb::module_& m) {
              const std::vector<std::string>& scenes, const std::string& hardware, const std::string& noise,
              const std::optional<std::vector<std::string>>& observations, int lidar_beams,
              std::pair<int, int> image_size, const std::string& localization, const std::string& randomization,
-             const std::string& gate, int max_steps, double control_period, const std::string& episodes,
+             const std::optional<std::string>& gate, int max_steps, double control_period, const std::string& episodes,
              const std::string& goal_frame) {
             env::Options options = task_options(task, observations, lidar_beams, image_size, max_steps, control_period,
                                                 episodes, goal_frame);
@@ -346,7 +348,7 @@ void bind_robot_env(nb::module_& m) {
             new (self) RobotEnv(std::move(options), robot, scenes);
           },
           nb::kw_only(), "backend"_a, "task"_a, "scenes"_a, "hardware"_a, "noise"_a, "observations"_a.none(),
-          "lidar_beams"_a, "image_size"_a, "localization"_a, "randomization"_a, "gate"_a, "max_steps"_a,
+          "lidar_beams"_a, "image_size"_a, "localization"_a, "randomization"_a, "gate"_a.none(), "max_steps"_a,
           "control_period"_a, "episodes"_a, "goal_frame"_a)
       .def_prop_ro(
           "scenes", [](const RobotEnv& robot) { return scenes_of(robot.options()); }, "As the backend has them.")

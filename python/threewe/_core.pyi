@@ -2321,7 +2321,7 @@ class EnvBatch:
     Many environments at once. Arrays are views of C++ memory, one row for each robot, which every call of `reset` and `step` overwrites.
     """
 
-    def __init__(self, *, task: str, scenes: Sequence[Scene], hardware: RobotProfile, noise: str, observations: Sequence[str] | None, lidar_beams: int, image_size: tuple[int, int], localization: str, localization_model: str, randomization: Randomization, gate: str, max_steps: int, control_period: float, num_envs: int, num_robots: int, num_threads: int, autoreset: str, episodes: str, goal_frame: str) -> None: ...
+    def __init__(self, *, task: str, scenes: Sequence[Scene], hardware: RobotProfile, noise: str, observations: Sequence[str] | None, lidar_beams: int, image_size: tuple[int, int], localization: str, localization_model: str, randomization: Randomization, gate: str | None, max_steps: int, control_period: float, num_envs: int, num_robots: int, num_threads: int, autoreset: str, episodes: str, goal_frame: str) -> None: ...
 
     def reset(self, seeds: Sequence[int | None], episodes: Sequence[int | None], scenes: Sequence[int | None], start: Pose2D | None, goal: tuple[float, float] | None, category: str | None, mask: Sequence[bool]) -> None: ...
 
@@ -2386,7 +2386,7 @@ class RobotEnv:
     One environment around a robot of any backend. As EnvBatch with one environment.
     """
 
-    def __init__(self, *, backend: str, task: str, scenes: Sequence[str], hardware: str, noise: str, observations: Sequence[str] | None, lidar_beams: int, image_size: tuple[int, int], localization: str, randomization: str, gate: str, max_steps: int, control_period: float, episodes: str, goal_frame: str) -> None: ...
+    def __init__(self, *, backend: str, task: str, scenes: Sequence[str], hardware: str, noise: str, observations: Sequence[str] | None, lidar_beams: int, image_size: tuple[int, int], localization: str, randomization: str, gate: str | None, max_steps: int, control_period: float, episodes: str, goal_frame: str) -> None: ...
 
     @property
     def scenes(self) -> list[Scene]:
@@ -2494,20 +2494,22 @@ class ReferenceExploration:
 def spl(success: bool, shortest: float, driven: float) -> float:
     """
     Success weighted by path length (Anderson et al. 2018): 0 for a failure, else the shortest length over the
-    one driven, at most 1. Lengths in [m].
+    one driven, at most 1; 1 for a success where the shortest length is 0. Lengths in [m].
     """
 
 def optimist(tables: SceneTables, profile: RobotProfile, start: Pose2D, goal: tuple[float, float]) -> ReferenceDrive:
     """
     A drive in a place of which nothing is known at first, as no robot can expect to beat it: with a perfect
     pose and a lidar without noise, along shortest paths for the inscribed radius through all that is not known
-    to be an obstacle. `start` and `goal` (x, y) in the scene's frame. Raises HardwareError without a lidar.
+    to be an obstacle. `start` and `goal` (x, y) in the scene's frame. Raises HardwareError without a lidar,
+    ContractError for a place outside of the scene.
     """
 
 def nearest_frontier(tables: SceneTables, profile: RobotProfile, start: Pose2D) -> ReferenceExploration:
     """
     An exploration to the nearest frontier (Yamauchi 1997), again and again until none can be reached: with a
-    perfect pose and a lidar without noise, along shortest paths. Raises HardwareError without a lidar.
+    perfect pose and a lidar without noise, along shortest paths. Raises HardwareError without a lidar, ContractError for a
+    start outside of the scene.
     """
 
 def export_files(scene: Scene, robot: RobotProfile, format: str, folder: str) -> list[pathlib.Path]:

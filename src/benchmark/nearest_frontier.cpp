@@ -89,6 +89,7 @@ class Explorer {
 
 ReferenceExploration nearest_frontier(const std::shared_ptr<const scene::SceneTables>& tables,
                                       const RobotProfile& profile, const Pose2D& start) {
+  require_inside(*tables, "start", start.position());
   Explorer explorer(*tables, profile);
   scene::CoverageMeter meter(tables, profile.lidar->height);
   Walk walk(start.position());

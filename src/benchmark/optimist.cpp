@@ -14,6 +14,8 @@ constexpr double kLongest = 500.0;  // [m] no drive in our scenes is longer
 
 // Obstacles only ever come in, so that a shortest path stays one for as long as it is open.
 ReferenceDrive optimist(const scene::SceneTables& tables, const RobotProfile& profile, const Pose2D& start, Vec2 goal) {
+  require_inside(tables, "start", start.position());
+  require_inside(tables, "goal", goal);
   Sight sight(tables, profile, kAround);
   Walk walk(start.position());
   std::vector<Vec2> path;

@@ -68,6 +68,13 @@ void Sight::look(const Pose2D& scene_from_base) {
   });
 }
 
+void require_inside(const scene::SceneTables& tables, const char* name, Vec2 place) {
+  const auto& [low, high] = std::pair(tables.scene().min, tables.scene().max);
+  if (place.x >= low.x && place.x <= high.x && place.y >= low.y && place.y <= high.y) return;
+  throw ContractError(fmt::format("{}: ({:g}, {:g}) is outside of scene '{}', which spans ({:g}, {:g}) to ({:g}, {:g})",
+                                  name, place.x, place.y, tables.scene().name, low.x, low.y, high.x, high.y));
+}
+
 bool Sight::is_open(const std::vector<Vec2>& path) const {
   const auto open = [&](CellIndex cell) { return open_.value_or(cell, 0) != 0; };
   for (std::size_t i = 1; i < path.size(); ++i) {

@@ -41,6 +41,9 @@ class Sight {
   scene::CellSet known_;
 };
 
+/// Throws ContractError for a place that is not among a scene's cells, where nothing would ever be met.
+void require_inside(const scene::SceneTables& tables, const char* name, Vec2 place);
+
 /// A point that walks along polylines and counts its steps.
 class Walk {
  public:

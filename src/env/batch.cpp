@@ -1,12 +1,14 @@
 #include "threewe/env/batch.hpp"
 
 #include <array>
+#include <new>
 #include <utility>
 
 #include <fmt/format.h>
 
 #include "env/batch_impl.hpp"
 #include "env/checks.hpp"
+#include "env/exclusive_use.hpp"
 #include "env/observations.hpp"
 #include "threewe/core/errors.hpp"
 
@@ -89,13 +91,27 @@ void Batch::Impl::for_blocks(const Chosen& chosen, const Work& work) {
   });
 }
 
-Batch::Batch(Options options) : impl_(std::make_unique<Impl>(std::move(options))) {}
+Batch::Batch(Options options) {
+  const std::size_t worlds = options.worlds;
+  try {
+    impl_ = std::make_unique<Impl>(std::move(options));
+  } catch (const std::bad_alloc&) {
+    throw ConfigError(fmt::format("num_envs: there is no memory for {} environments", worlds));
+  }
+}
 Batch::~Batch() = default;
 
 const Options& Batch::options() const { return impl_->options; }
 
 void Batch::reset(std::span<const Reset> resets, std::span<const bool> mask) {
   Impl& impl = *impl_;
+  const ExclusiveUse use(impl.busy, "reset");
+  const auto fits = [&](std::size_t size) { return size == 0 || size == impl.options.worlds; };
+  if (!fits(resets.size()) || !fits(mask.size())) {
+    throw ContractError(
+        fmt::format("reset: one reset and one flag of the mask for each of {} environments, got {} and {}",
+                    impl.options.worlds, resets.size(), mask.size()));
+  }
   for (std::size_t world = 0; world < impl.options.worlds; ++world) {
     if (!mask.empty() && !mask[world]) continue;
     if (!impl.episodes[world].begun && (resets.empty() || !resets[world].seed)) {
@@ -119,6 +135,7 @@ void Batch::reset(std::span<const Reset> resets, std::span<const bool> mask) {
 
 void Batch::step(std::span<const float> actions) {
   Impl& impl = *impl_;
+  const ExclusiveUse use(impl.busy, "step");
   impl.check_actions(actions);
   impl.for_blocks([](std::size_t) { return true; },
                   [&](Impl::Worlds worlds, std::size_t part) { impl.step_block(worlds, actions, part); });
@@ -136,12 +153,31 @@ std::span<const double> Batch::metrics() const { return impl_->metrics; }
 std::span<const double> Batch::final_metrics() const { return impl_->final_metrics; }
 std::span<const double> Batch::true_poses() const { return impl_->true_poses; }
 std::span<const double> Batch::scan_ages() const { return impl_->scan_ages; }
-const models::Variation& Batch::variation(std::size_t world, std::size_t robot) const {
+std::string Batch::words_name() const { return impl_->task->words_name(); }
+
+EpisodeInfo Batch::episode(std::size_t world) const {
+  check_place(world, impl_->options.worlds);
+  const ExclusiveUse use(impl_->busy, "episode");
+  return impl_->episodes[world].info;
+}
+
+std::string Batch::words(std::size_t world) const {
+  check_place(world, impl_->options.worlds);
+  const ExclusiveUse use(impl_->busy, "words");
+  if (!impl_->episodes[world].begun) throw ContractError("words() before the first reset()");
+  return impl_->task->words(world);
+}
+
+models::Variation Batch::variation(std::size_t world, std::size_t robot) const {
+  check_place(world, impl_->options.worlds, robot, impl_->options.robots);
+  const ExclusiveUse use(impl_->busy, "variation");
   return impl_->states[impl_->row(world, robot)].variation;
 }
-std::string Batch::words(std::size_t world) const { return impl_->task->words(world); }
-std::string Batch::words_name() const { return impl_->task->words_name(); }
-EpisodeInfo Batch::episode(std::size_t world) const { return impl_->episodes[world].info; }
-TopView Batch::top_view(std::size_t world) const { return impl_->top_view(world); }
+
+TopView Batch::top_view(std::size_t world) const {
+  check_place(world, impl_->options.worlds);
+  const ExclusiveUse use(impl_->busy, "top_view");
+  return impl_->top_view(world);
+}
 
 }  // namespace threewe::env

@@ -2,6 +2,7 @@
 // episodes, stepping.cpp lets time go by, observing.cpp looks.
 #pragma once
 
+#include <atomic>
 #include <memory>
 #include <span>
 #include <string>
@@ -108,6 +109,7 @@ struct Batch::Impl {
   std::vector<Array> observations;
   std::vector<Array> final_observations;
 
+  std::atomic<bool> busy{};  // with a call
   Workers workers;
   std::vector<Scratch> scratch;  // of each thread
 };

@@ -31,6 +31,19 @@ void check_lidar(Options& options) {
                                 robot.name, divisors, options.lidar_beams));
 }
 
+void check_pictures(const Options& options) {
+  const RobotProfile& robot = options.hardware;
+  if (!options.observed.image && !options.observed.depth) return;
+  require(robot.camera.has_value(), fmt::format("observations: '{}' has no camera", robot.name));
+  require(!options.observed.depth || robot.camera->depth,
+          fmt::format("observations: the camera of '{}' measures no depth", robot.name));
+  const int width = options.image_width;
+  const int height = options.image_height;
+  require(std::min(width, height) >= 1 && std::max(width, height) <= kMostImageSide,
+          fmt::format("image_size: 1 to {} pixels each way, got ({}, {})", kMostImageSide, height, width));
+  check(make_intrinsics(width, height, robot.camera->horizontal_fov));
+}
+
 }  // namespace
 
 Options checked(Options options) {
@@ -40,10 +53,13 @@ Options checked(Options options) {
     options.observed.image = options.observed.image && robot.camera;
   }
   require(!options.scenes.empty(), "scene: at least one is needed");
-  require(options.worlds > 0, "num_envs: at least one is needed");
+  require(options.worlds > 0 && options.worlds <= kMostWorlds,
+          fmt::format("num_envs: 1 to {}, got {}", kMostWorlds, options.worlds));
   require(options.robots > 0 && options.robots <= kMostRobots,
           fmt::format("num_robots: 1 to {}, got {}", kMostRobots, options.robots));
   require(options.threads > 0, "num_threads: at least one is needed");
+  options.threads = std::min(options.threads, options.worlds);
+  if (!options.gate) options.gate = robot.lidar ? Gate::full : Gate::limits;
   require(options.max_steps > 0, fmt::format("max_steps: at least 1, got {}", options.max_steps));
   require(options.control_period > Duration::zero() && options.control_period % kControlPeriod == Duration::zero(),
           fmt::format("control_rate: 50 Hz over a whole number, such as 50, 25, 10 or 5; got {:.6g}",
@@ -52,13 +68,13 @@ Options checked(Options options) {
           fmt::format("localization: corrections every {} s do not fit control periods of {} s",
                       to_seconds(options.localization_model.period), to_seconds(kControlPeriod)));
   check_lidar(options);
-  if (options.observed.image || options.observed.depth) {
-    require(robot.camera.has_value(), fmt::format("observations: '{}' has no camera", robot.name));
-    check(make_intrinsics(options.image_width, options.image_height, robot.camera->horizontal_fov));
-  }
-  require(!options.observed.depth || robot.camera->depth,
-          fmt::format("observations: the camera of '{}' measures no depth", robot.name));
+  check_pictures(options);
   return options;
+}
+
+void check_place(std::size_t world, std::size_t worlds, std::size_t robot, std::size_t robots) {
+  if (world >= worlds) throw ContractError(fmt::format("env: there is no environment {}, only {}", world, worlds));
+  if (robot >= robots) throw ContractError(fmt::format("robot: there is no robot {}, only {}", robot, robots));
 }
 
 std::size_t rays_of(const task::Task& task, const RobotProfile& robot) {

@@ -155,7 +155,7 @@ class Exploration final : public Task {
   }
 
   std::vector<Field> fields() const override {
-    return {{"coverage_map", Field::Type::uint8, {kWindow, kWindow}, 0.0, 255.0}};
+    return {{"coverage_map", Field::Type::uint8, {kWindow, kWindow, 1}, 0.0, 255.0}};
   }
   std::vector<std::string> metrics() const override {
     return {"success", "coverage", "path_length", "collision_speed"};

@@ -127,6 +127,18 @@ struct Place {
     return false;
   }
 
+  // The passable cells within reach of any of the instances: no success is anywhere else.
+  std::vector<std::size_t> in_reach(std::span<const Instance> instances) const {
+    const GridFrame& frame = tables.passable().frame;
+    std::vector<std::size_t> cells;
+    for (const Instance& instance : instances) {
+      cells_near(frame, instance, kGoalReach + frame.resolution, 1, [&](std::size_t cell) {
+        if (tables.passable().cells[cell]) cells.push_back(cell);
+      });
+    }
+    return cells;
+  }
+
   void add_successes(const Instance& instance, std::vector<std::size_t>& cells) const {
     const GridFrame& frame = tables.passable().frame;
     std::vector<Solid> around;
@@ -205,12 +217,14 @@ std::unique_ptr<const ObjectNav::Goal> ObjectNav::Goal::make(const Place& place,
       std::make_unique<Goal>(Goal{std::move(instances), std::move(bound),
                                   GeodesicField(place.tables.passable(), successes), std::vector<std::size_t>{}});
 
-  // where an episode may start
+  // where an episode may start: long things are near at one end and in reach at the other, so both are asked
   const GridFrame& frame = place.tables.passable().frame;
   const GeodesicField to_nearest(place.tables.passable(), nearest, kGoalDistance + 0.5);
+  const GeodesicField to_reach(place.tables.passable(), place.in_reach(goal->instances), kShortestSearch + 0.5);
   for (const std::size_t cell : place.tables.roomy()) {
     const Vec2 middle = frame.center(frame.cell(cell));
-    if (to_nearest.length_from(middle) >= kGoalDistance && goal->to_success.length_from(middle) < kInfinity) {
+    if (to_nearest.length_from(middle) >= kGoalDistance && to_reach.length_from(middle) >= kShortestSearch &&
+        goal->to_success.length_from(middle) < kInfinity) {
       goal->starts.push_back(cell);
     }
   }

@@ -12,6 +12,8 @@ PROFILE = RobotProfile.load("3we_standard_v2")
 def test_spl_as_published() -> None:
     assert spl(success=True, shortest=4.0, driven=5.0) == pytest.approx(0.8)
     assert spl(success=True, shortest=4.0, driven=3.0) == 1.0
+    assert spl(success=True, shortest=0.0, driven=0.2) == 1.0
+    assert spl(success=False, shortest=0.0, driven=0.0) == 0.0
     assert spl(success=False, shortest=4.0, driven=4.0) == 0.0
 
 

@@ -53,8 +53,8 @@ def test_what_is_observed_by_default_and_on_request(name: str) -> None:
         "depth": (48, 64),
         "lidar": (72,),
     }
-    few, _ = fewer.reset(seed=0)
-    assert few["depth"].max() > 0.3
+    few = [fewer.reset(seed=seed)[0] for seed in range(4)]  # one of them may face a wall that is too near to measure
+    assert max(one["depth"].max() for one in few) > 0.3
 
 
 def test_fewer_beams_are_every_kth() -> None:
@@ -89,7 +89,9 @@ def test_a_native_batch_does_what_gymnasium_makes_of_single_ones(task: str, mode
             assert_same(native.reset(seed=[4, 1, 9]), sync.reset(seed=[4, 1, 9]))
 
 
-TOLD_BY_METHODS = {"scene", "seed", "episode", "true_pose", "scan_age", "randomization", "instruction", "object_goal"}
+TOLD_BY_METHODS = {
+    *("scene", "seed", "episode_number", "true_pose", "scan_age", "randomization", "instruction", "object_goal")
+}
 
 
 def assert_same(ours: Any, theirs: Any, where: str = "") -> None:
@@ -175,7 +177,7 @@ def test_episodes_can_be_repeated() -> None:
     env.reset(seed=8)
     begins = [env.reset() for _ in range(4)]
     for observation, info in reversed(begins):
-        again, same = env.reset(seed=info["seed"], options={"episode": info["episode"]})
+        again, same = env.reset(seed=info["seed"], options={"episode_number": info["episode_number"]})
         assert_same(again, observation)
         np.testing.assert_array_equal(info["true_pose"], same["true_pose"])
     _, asked = env.reset(options={"start": (0.0, 0.0, 0.5), "goal": (2.0, 1.0)})
@@ -259,7 +261,7 @@ def test_what_is_randomised_is_told_and_can_be_repeated() -> None:
     assert len(set(masses)) == 21
     assert all(0.9 <= mass <= 1.1 for mass in masses)
     assert len({info["randomization"]["camera_yaw"] for info in seen}) == 1  # drawn at startup
-    _, again = env.reset(seed=3, options={"episode": 7})
+    _, again = env.reset(seed=3, options={"episode_number": 7})
     assert again["randomization"] == seen[7]["randomization"]
     _, plain = Env(**lean("navigation")).reset(seed=3)
     assert plain["randomization"]["mass"] == 1.0
@@ -296,8 +298,8 @@ def test_masks_and_seeds_that_do_not_fit_are_refused() -> None:
         env.reset(seed=[1, 2, 3])
     with pytest.raises(ContractError, match="seed must be a whole number"):
         env.reset(seed=-1)
-    with pytest.raises(ConfigError, match="did you mean 'episode'"):
-        env.reset(options={"epsode": 1})
+    with pytest.raises(ConfigError, match="did you mean 'episode_number'"):
+        env.reset(options={"epsode_number": 1})
 
 
 def test_nan_in_a_batch_names_the_place() -> None:

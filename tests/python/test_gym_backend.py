@@ -109,7 +109,7 @@ def towards_goal(observation: dict[str, NDArray[Any]]) -> NDArray[np.float32]:
 
 
 def driven_by_env(env: Env, policy: Policy, seed: int, episode: int, place: dict[str, Any]) -> list[tuple[float, ...]]:
-    observation, info = env.reset(seed=seed, options={"episode": episode, **place})
+    observation, info = env.reset(seed=seed, options={"episode_number": episode, **place})
     way = [info["true_pose"]]
     for _ in range(15):
         observation, _, terminated, _, info = env.step(policy(observation))
@@ -219,7 +219,7 @@ def test_episodes_of_a_simulator_in_python() -> None:
         assert after["path_length"] > 0.0
         assert reward == pytest.approx(info["distance_to_goal"] - after["distance_to_goal"] - 0.01, abs=1e-9)
     assert len(set(starts)) == 3
-    env.reset(seed=1, options={"episode": 2})
+    env.reset(seed=1, options={"episode_number": 2})
     assert tuple(env.step(np.zeros(3, np.float32))[4]["true_pose"]) == pytest.approx(starts[2])
 
 

@@ -173,8 +173,8 @@ def test_what_does_not_fit_is_refused_by_name() -> None:
         env.step({"robot_0": AHEAD, "robot_1": np.zeros(2, np.float32)})
     with pytest.raises(ContractError, match=r"actions\[1, 0\] is nan"):
         env.step({"robot_0": AHEAD, "robot_1": np.full(3, np.nan, np.float32)})
-    with pytest.raises(ConfigError, match="did you mean 'episode'"):
-        env.reset(options={"epsode": 1})
+    with pytest.raises(ConfigError, match="did you mean 'episode_number'"):
+        env.reset(options={"epsode_number": 1})
 
 
 def test_without_pettingzoo_the_extra_is_named() -> None:

@@ -16,7 +16,7 @@ pytest.importorskip("stable_baselines3", reason="not shown: stable-baselines3 is
 from stable_baselines3 import PPO
 from stable_baselines3.common.env_checker import check_env
 from stable_baselines3.common.vec_env import DummyVecEnv, VecMonitor
-from threewe.gym.sb3 import ImageChannels, SB3VecEnv
+from threewe.gym.sb3 import SB3VecEnv
 
 SMALL: dict[str, Any] = {"scene": [threewe.Scene.generate(1, size=(8.0, 6.0))], "max_steps": 15}
 LEAN: dict[str, Any] = {**SMALL, "observations": ("lidar", "velocity", "goal"), "lidar_beams": 72}
@@ -26,15 +26,14 @@ LEAN: dict[str, Any] = {**SMALL, "observations": ("lidar", "velocity", "goal"), 
 def test_check_env_finds_nothing(name: str) -> None:
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        check_env(ImageChannels(gymnasium.make(f"3we/{name}-v1", **SMALL)), warn=True)
-        check_env(gymnasium.make("3we/Navigation-v1", **SMALL), warn=True)
+        check_env(gymnasium.make(f"3we/{name}-v1", **SMALL), warn=True)
 
 
 @pytest.mark.parametrize("task", TASKS.values())
 def test_the_batch_does_what_single_environments_do(task: str) -> None:
     count = 3
     options: dict[str, Any] = {**SMALL, "task": task, "gate": "limits", "max_steps": 40}
-    batch, single = SB3VecEnv(num_envs=count, **options), DummyVecEnv([lambda: ImageChannels(Env(**options))] * count)
+    batch, single = SB3VecEnv(num_envs=count, **options), DummyVecEnv([lambda: Env(**options)] * count)
     assert batch.observation_space == single.observation_space
     assert batch.action_space == single.action_space
     for env in (batch, single):
@@ -99,9 +98,9 @@ def test_seeds_and_options_are_those_of_the_next_reset() -> None:
     env.seed(3)
     assert_same(env.reset(), first)
     env.seed(3)
-    env.set_options({"episode": 1})
+    env.set_options({"episode_number": 1})
     assert_same(env.reset(), second)
-    env.set_options([{"episode": 1}, {"episode": 2}])
+    env.set_options([{"episode_number": 1}, {"episode_number": 2}])
     with pytest.raises(ContractError, match="the same options"):
         env.reset()
 

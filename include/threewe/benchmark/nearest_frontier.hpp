@@ -18,7 +18,7 @@ struct ReferenceExploration {
 
 /// Drives to the nearest frontier (Yamauchi 1997) until none can be reached: with a perfect pose and a lidar without
 /// noise, along shortest paths, without any time to speed up, brake or turn. `start` in the scene's frame. People are
-/// not there. Throws HardwareError for a robot without a lidar.
+/// not there. Throws HardwareError for a robot without a lidar, ContractError for a start outside of the scene.
 ReferenceExploration nearest_frontier(const std::shared_ptr<const scene::SceneTables>& tables,
                                       const RobotProfile& profile, const Pose2D& start);
 

@@ -17,7 +17,8 @@ struct ReferenceDrive {
 /// Drives from `start` to `goal`, both in the scene's frame, in a place of which nothing is known at first: with a
 /// perfect pose and a lidar without noise, every 5 cm along a shortest path for the inscribed radius, where all that
 /// has not been seen is taken to be free. An obstacle that no beam can meet is known once it is touched. People are not
-/// there. Throws HardwareError for a robot without a lidar.
+/// there. Throws HardwareError for a robot without a lidar, ContractError for a start or a goal outside of
+/// the scene.
 ReferenceDrive optimist(const scene::SceneTables& tables, const RobotProfile& profile, const Pose2D& start, Vec2 goal);
 
 }  // namespace threewe::benchmark

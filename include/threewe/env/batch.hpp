@@ -51,9 +51,12 @@ struct TopView {
 ///
 /// An episode begins as a `Robot`'s does: the robot stands until each of its sensors has delivered once. Actions are
 /// held for one control period; the gate looks at them every 20 ms.
+///
+/// One thread at a time uses a batch: a call during another one's throws ContractError and changes nothing.
 class Batch {
  public:
-  /// Makes tables of all scenes, which takes some 0.1 s each. Throws ConfigError where options don't fit together.
+  /// Makes tables of all scenes, which takes some 0.1 s each. Throws ConfigError where options don't fit together,
+  /// or more is asked for than the system has.
   explicit Batch(Options options);
   ~Batch();
   Batch(const Batch&) = delete;
@@ -89,12 +92,15 @@ class Batch {
   std::span<const double> true_poses() const;
   /// (rows,) [s] since the newest scan was complete.
   std::span<const double> scan_ages() const;
+
+  // Of one world. They throw ContractError where there is no such world, or no such robot in it.
   EpisodeInfo episode(std::size_t world) const;
-  /// What a world's episode is about, and what these words are called, see `task::Task`.
+  /// What a world's episode is about, see `task::Task`; `words_name` says what these words are called. Throws
+  /// ContractError before the first reset.
   std::string words(std::size_t world) const;
   std::string words_name() const;
   /// How a robot differs from its profile now.
-  const models::Variation& variation(std::size_t world, std::size_t robot = 0) const;
+  models::Variation variation(std::size_t world, std::size_t robot = 0) const;
   /// Throws ContractError before the first reset.
   TopView top_view(std::size_t world) const;
 

@@ -61,17 +61,18 @@ struct Options {
   std::optional<RobotProfile> data_sheet;
   Observed observed;
   int lidar_beams = 0;    ///< every k-th of the profile's; 0 = all
-  int image_width = 64;   ///< [px] of the profile's view, with its horizontal field of view and square pixels
-  int image_height = 64;  ///< [px]
+  int image_width = 64;   ///< [px] of the profile's view, with its horizontal field of view and square pixels; to 2048
+  int image_height = 64;  ///< [px], to 2048
   Localization localization = Localization::noisy;
   models::LocalizationSpec localization_model;  ///< of `Localization::noisy`
   models::Randomization randomization;
-  Gate gate = Gate::full;
+  /// Where left out: `full`; `limits` for a robot without the lidar that the collision monitor of a batch goes by.
+  std::optional<Gate> gate{};
   int max_steps = 500;              ///< an episode is truncated after so many
   Duration control_period = 100ms;  ///< of one step; a whole number of control periods of the robot
-  std::size_t worlds = 1;
-  std::size_t robots = 1;  ///< in each world
-  std::size_t threads = 1;
+  std::size_t worlds = 1;           ///< up to a million
+  std::size_t robots = 1;           ///< in each world
+  std::size_t threads = 1;          ///< at most; none has less than a world
   Autoreset autoreset = Autoreset::next_step;
 };
 

@@ -20,9 +20,9 @@ struct ExplorationOptions {
 /// the first part being potential-based; a contact counts when a robot meets an obstacle faster than it has before, and
 /// faster than 0.05 m/s. An episode ends in success when enough is covered.
 ///
-/// Field `coverage_map` (64, 64): what the robots of the world have seen so far, by their own scans and beliefs: 0
-/// unknown, 127 free, 255 occupied, in cells of 0.25 m. Rows go along the map's y axis, columns along x; the robot is
-/// at the corner between cells (31, 31) and (32, 32). Metrics: `success`, `coverage`, both of all robots together,
+/// Field `coverage_map` (64, 64, 1), an image of one channel: what the robots of the world have seen so far, by their
+/// own scans and beliefs: 0 unknown, 127 free, 255 occupied, in cells of 0.25 m. Rows go along the map's y axis,
+/// columns along x; the robot is at the corner between cells (31, 31) and (32, 32). Metrics: `success`, `coverage`, both of all robots together,
 /// `path_length` [m] and `collision_speed` [m/s] of the fastest contact.
 std::unique_ptr<Task> make_exploration(const Setting& setting, const ExplorationOptions& options = {});
 

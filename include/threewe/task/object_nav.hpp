@@ -33,6 +33,8 @@ inline constexpr double kGoalReach = 1.0;  ///< [m] or less from the base centre
 inline constexpr int kGoalPixels = 200;    ///< shows this many pixels or more in the camera's current frame ...
 inline constexpr double kGoalShare = 0.1;  ///< and this share of those it would have if nothing stood in front.
 inline constexpr double kGoalDistance = 3.0;  ///< [m] from a start to everything of that kind, at least
+/// [m] from a start by the shortest path to all places within reach of the kind, at least.
+inline constexpr double kShortestSearch = 1.0;
 
 inline constexpr std::int16_t kFirstObjectId{scene::kSurfaceNames.size()};
 
@@ -64,7 +66,7 @@ class ObjectNav {
 
   /// Episode `index` of a seed: a kind of `goals()`, each as likely, or the one that is named; a start that is uniform
   /// over the roomy cells 3 m or more, by the shortest path, from the nearest reachable point of everything of that
-  /// kind, heading so that nothing of it is in view (200 pixels would be; what hides behind low furniture counts as
+  /// kind and 1 m or more from every place within reach of it, so that there is a way to drive; heading so that nothing of it is in view (200 pixels would be; what hides behind low furniture counts as
   /// seen). A pure function of scene, robot, seed and index. Throws ConfigError for a kind that is not in `goals()`.
   ObjectNavEpisode sample(std::uint64_t seed, std::uint32_t index, std::string_view category = {}) const;
 

@@ -69,11 +69,11 @@ StopTaskStep advance(StopTaskState& state, std::span<const float, 3> action, Dur
 }
 
 /// Success weighted by path length (Anderson et al. 2018, "On evaluation of embodied navigation agents"): 0 for a
-/// failure, else the shortest length over the one driven, at most 1. Lengths in [m].
+/// failure, else the shortest length over the one driven, at most 1. Where the shortest length is 0, as from a start
+/// that was asked for, no way is too long: 1 for a success. Lengths in [m].
 inline double success_weighted_by_path_length(bool success, double shortest, double driven) {
   if (!success) return 0.0;
-  const double longer = std::max(shortest, driven);
-  return longer > 0.0 ? shortest / longer : 1.0;
+  return shortest > 0.0 ? shortest / std::max(shortest, driven) : 1.0;
 }
 
 }  // namespace threewe::task

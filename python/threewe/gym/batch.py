@@ -5,17 +5,18 @@ from __future__ import annotations
 import json
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any, Generic, TypedDict, TypeVar
 
 import numpy as np
 from gymnasium import spaces
+from gymnasium.envs.registration import EnvSpec
 from numpy.typing import NDArray
 
 from threewe import _core
-from threewe._arguments import as_asset, as_list, as_number, as_pose, as_seed, as_text
+from threewe._arguments import as_asset, as_image_size, as_list, as_number, as_pose, as_seed, as_text
 from threewe._core import RobotProfile, Scene
 from threewe.backend import known_backend
 from threewe.errors import ConfigError, ContractError
@@ -29,7 +30,11 @@ TASK_FIELDS = {
     "vln": ("instruction_tokens", "instruction_embedding"),
 }
 TEAM_TASKS = ("exploration", "navigation")  # for several robots in one place
-RESET_OPTIONS = ("start", "goal", "object_goal", "scene", "episode", "reset_mask")
+RESET_OPTIONS = ("start", "goal", "object_goal", "scene", "episode_number", "reset_mask")
+
+
+class UnknownOptionError(ConfigError, TypeError):
+    """An unknown keyword argument. A TypeError as of any function, by which libraries find out what they can pass."""
 
 
 class EnvOptions(TypedDict, total=False):
@@ -41,7 +46,7 @@ class EnvOptions(TypedDict, total=False):
       theta [rad] in the map frame, `velocity` (3,) float32 vx, vy [m/s], omega [rad/s] in the body frame, and the
       task's own. By default all that the robot has but `depth`.
     - `lidar_beams`: every k-th of the profile's beams (360, 180, 120, 90, 72, 60, ...).
-    - `image_size`: (height, width) [px].
+    - `image_size`: (height, width) [px], up to 2048 each.
     - `scene`: a name, a file, a Scene, or a list of them, of which each episode draws one; `"procedural"` for generated
       ones.
     - `difficulty`, `num_scenes`, `scene_seed`: of procedural scenes, 0 to 1; how many; the first one's seed.
@@ -53,7 +58,8 @@ class EnvOptions(TypedDict, total=False):
       between corrections that are off as those of our own SLAM are; `"odometry"`: the wheels alone; `"truth"`. With a
       backend: `"slam"`, the robot's own (the default), or `"truth"`.
     - `localization_model`: of `"noisy"`, or a file: see assets/localization.
-    - `gate`: `"full"`, as in `Robot`; `"limits"` without the collision monitor.
+    - `gate`: `"full"`, as in `Robot`; `"limits"` without the collision monitor. By default `"full"`, but `"limits"` in
+      the native form for a robot without the lidar that the monitor goes by there.
     - `randomization`: `"none"`, `"mild"`, `"paper"`, `"hard"`, a file, or a dict of the same form as the files:
       `{"reset": {"mass": [0.9, 1.1]}}`; see assets/randomization.
     - `max_steps`: an episode is truncated after so many.
@@ -74,7 +80,7 @@ class EnvOptions(TypedDict, total=False):
     noise: str
     localization: str | None
     localization_model: str
-    gate: str
+    gate: str | None
     randomization: str | Mapping[str, Any]
     max_steps: int
     control_rate: float
@@ -95,7 +101,7 @@ DEFAULTS = EnvOptions(
     noise="realistic",
     localization=None,
     localization_model="slam_v2",
-    gate="full",
+    gate=None,
     randomization="none",
     max_steps=500,
     control_rate=10.0,
@@ -125,7 +131,8 @@ class Batch(Generic[Core]):
                 raise ConfigError(_core.unknown_name("reset option", name, list(RESET_OPTIONS)))
         n = len(seeds)
         scene = self._scene_index(options["scene"]) if options.get("scene") is not None else None
-        episode = as_seed("options['episode']", options["episode"]) if options.get("episode") is not None else None
+        number = options.get("episode_number")
+        episode = None if number is None else as_seed("options['episode_number']", number, 32)
         start = as_pose("options['start']", options["start"]) if options.get("start") is not None else None
         goal = as_pose("options['goal']", options["goal"]) if options.get("goal") is not None else None
         category = options.get("object_goal")
@@ -154,7 +161,7 @@ class Batch(Generic[Core]):
             info[core.words_name] = core.words(0)
         info["scene"] = self.scenes[episode.scene].name
         info["seed"] = episode.seed
-        info["episode"] = episode.episode
+        info["episode_number"] = episode.episode
         return info
 
     def first_info(self, robot: int = 0) -> dict[str, Any]:
@@ -190,9 +197,9 @@ def make_batch(
         observations=observation_names(task, options["observations"]),
         localization=as_text("localization", options["localization"] or "noisy"),
         localization_model=as_asset("localization_model", options["localization_model"]),
-        num_envs=num_envs,
-        num_robots=num_robots,
-        num_threads=num_threads,
+        num_envs=as_seed("num_envs", num_envs),
+        num_robots=as_seed("num_robots", num_robots),
+        num_threads=as_seed("num_threads", num_threads),
         autoreset=autoreset,
         randomization=load_randomization(options["randomization"]),
         **common_arguments(options),
@@ -229,7 +236,9 @@ def filled(given: Mapping[str, Any]) -> EnvOptions:
     """All options. Raises ConfigError for an unknown one, with the nearest right name."""
     for name in given:
         if name not in DEFAULTS:
-            raise ConfigError(_core.unknown_name("option", name, list(DEFAULTS)))
+            raise UnknownOptionError(
+                f"unexpected keyword argument {name!r}: {_core.unknown_name('option', name, list(DEFAULTS))}"
+            )
     return EnvOptions(**{**DEFAULTS, **given})  # type: ignore[typeddict-item]
 
 
@@ -240,14 +249,22 @@ def common_arguments(options: EnvOptions) -> dict[str, Any]:
         raise ConfigError(f"control_rate must be positive, got {control_rate:g}")
     return {
         "noise": as_text("noise", options["noise"]),
-        "lidar_beams": options["lidar_beams"] or 0,
-        "image_size": options["image_size"],
-        "gate": as_text("gate", options["gate"]),
-        "max_steps": options["max_steps"],
+        "lidar_beams": as_seed("lidar_beams", options["lidar_beams"] or 0, 31),
+        "image_size": as_image_size("image_size", options["image_size"]),
+        "gate": None if options["gate"] is None else as_text("gate", options["gate"]),
+        "max_steps": as_seed("max_steps", options["max_steps"], 31),
         "control_period": round(1e9 / control_rate) * 1e-9,
         "episodes": as_text("episodes", options["episodes"]),
         "goal_frame": as_text("goal_frame", options["goal_frame"]),
     }
+
+
+def with_limit(spec: EnvSpec | None, max_steps: int) -> EnvSpec | None:
+    """A spec that tells after how many steps an episode is truncated, which some wrappers and libraries ask for."""
+    if spec is None:
+        return None
+    given = spec.max_episode_steps or 0  # of a wrapper around the environment
+    return replace(spec, max_episode_steps=given if 0 < given < max_steps else max_steps)
 
 
 def action_space() -> spaces.Box:
@@ -285,10 +302,9 @@ def load_scenes(options: EnvOptions) -> list[Scene]:
     scene = options["scene"]
     if isinstance(scene, str) and scene == "procedural":
         first = as_seed("scene_seed", options["scene_seed"])
-        return [
-            Scene.generate(seed, difficulty=options["difficulty"])
-            for seed in range(first, first + options["num_scenes"])
-        ]
+        difficulty = as_number("difficulty", options["difficulty"])
+        count = as_seed("num_scenes", options["num_scenes"], 31)
+        return [Scene.generate(seed, difficulty=difficulty) for seed in range(first, first + count)]
     several: Iterable[Any] = [scene] if isinstance(scene, str | Scene) or hasattr(scene, "__fspath__") else scene
     return [s if isinstance(s, Scene) else Scene.load(as_asset("scene", s)) for s in as_list("scene", several)]
 

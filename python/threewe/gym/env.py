@@ -5,13 +5,15 @@ from __future__ import annotations
 from typing import Any, Unpack
 
 import gymnasium
+from gymnasium.envs.registration import EnvSpec
+from gymnasium.utils import EzPickle
 
 from threewe._arguments import as_seed
-from threewe.gym.batch import Batch, EnvOptions, Observation, as_actions, make_batch, make_robot_env
+from threewe.gym.batch import Batch, EnvOptions, Observation, as_actions, make_batch, make_robot_env, with_limit
 from threewe.gym.rendering import RENDER_MODES, make_onlooker
 
 
-class Env(gymnasium.Env[Any, Any]):
+class Env(gymnasium.Env[Any, Any], EzPickle):
     """A task, as `gymnasium.make("3we/Navigation-v1")` makes it: in the embedded simulator, or around a `Robot`.
 
     Without a `backend` it is a batch of one: with the same seeds and actions, `VectorEnv` gives the same bits. With one
@@ -19,8 +21,10 @@ class Env(gymnasium.Env[Any, Any]):
     counter-clockwise as shares of the robot's operating limits.
 
     `reset(options=...)` takes `start` (x, y, theta) and `goal` (x, y) in the scene's frame, `object_goal` of ObjectNav,
-    `scene` (one of its own, by name) and `episode`, the number of an episode since the seed was given: `info` names
-    both, so that any episode can be repeated.
+    `scene` (one of its own, by name) and `episode_number`, that of an episode since the seed was given: `info` names it
+    and the seed, so that any episode can be repeated.
+
+    Copies (`copy.deepcopy`, `pickle`) are new environments with the same arguments, and begin with a reset.
 
     Args:
         task: `navigation`, `exploration`, `object_nav`, `vln`.
@@ -32,6 +36,7 @@ class Env(gymnasium.Env[Any, Any]):
     metadata: dict[str, Any] = {"render_modes": RENDER_MODES, "render_fps": 10}  # noqa: RUF012
 
     def __init__(self, *, task: str, render_mode: str | None = None, **options: Unpack[EnvOptions]) -> None:
+        EzPickle.__init__(self, task=task, render_mode=render_mode, **options)
         self._batch: Batch[Any]
         if options.get("backend") is None:
             self._batch = make_batch(task, num_envs=1, num_robots=1, num_threads=1, autoreset="disabled", **options)
@@ -44,6 +49,7 @@ class Env(gymnasium.Env[Any, Any]):
         self.metadata = {**self.metadata, "render_fps": self._batch.options["control_rate"]}
         self._onlooker = make_onlooker(render_mode, self._batch)
         self._begun = False
+        self._spec: EnvSpec | None = None
 
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
@@ -71,6 +77,15 @@ class Env(gymnasium.Env[Any, Any]):
             bool(self._core.truncated[0]),
             self._batch.info(),
         )
+
+    @property
+    def spec(self) -> EnvSpec | None:
+        """What the environment was made from, with `max_episode_steps`."""
+        return self._spec
+
+    @spec.setter
+    def spec(self, spec: EnvSpec | None) -> None:
+        self._spec = with_limit(spec, self._batch.options["max_steps"])
 
     @property
     def metric_names(self) -> list[str]:

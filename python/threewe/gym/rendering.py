@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from importlib.util import find_spec
 from typing import Any
 
 from threewe._core import unknown_name
@@ -9,7 +10,9 @@ from threewe.errors import ConfigError
 from threewe.gym.batch import Batch
 from threewe.gym.onlooker import Onlooker
 
-RENDER_MODES = ["rgb_array", "human"]
+NEEDED = {"rgb_array": ("PIL",), "human": ("PIL", "rerun")}
+RENDER_MODES = [mode for mode, modules in NEEDED.items() if all(map(find_spec, modules))]
+"""Those whose packages are installed."""
 
 
 def make_onlooker(render_mode: str | None, batch: Batch[Any]) -> Onlooker | None:
@@ -25,4 +28,4 @@ def make_onlooker(render_mode: str | None, batch: Batch[Any]) -> Onlooker | None
             from threewe.gym.window import Window, default_sink  # needs Rerun
 
             return Window(batch, default_sink())
-    raise ConfigError(unknown_name("render_mode", str(render_mode), RENDER_MODES))
+    raise ConfigError(unknown_name("render_mode", str(render_mode), list(NEEDED)))

@@ -5,9 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import Any, Unpack
 
-import gymnasium
 import numpy as np
-from gymnasium import spaces
 from gymnasium.vector import AutoresetMode
 from numpy.typing import NDArray
 
@@ -21,21 +19,6 @@ except ImportError as missing:
     raise ConfigError(f'SB3VecEnv: {missing}; install what it needs: pip install "threewe[train]"') from missing
 
 Indices = int | Iterable[int] | None
-
-
-class ImageChannels(gymnasium.ObservationWrapper[Any, Any, Any]):
-    """Shows maps, such as `coverage_map`, as images (H, W, 1), which policies of Stable-Baselines3 look at with a CNN.
-
-    `SB3VecEnv` does so by itself.
-    """
-
-    def __init__(self, env: gymnasium.Env[Any, Any]) -> None:
-        super().__init__(env)
-        self.observation_space = _with_channels(env.observation_space)
-
-    def observation(self, observation: Observation) -> Observation:
-        """Views of the observation."""
-        return _in_shape(observation, self.observation_space)
 
 
 class SB3VecEnv(VecEnv):  # type: ignore[misc]
@@ -60,8 +43,7 @@ class SB3VecEnv(VecEnv):  # type: ignore[misc]
             **options,
         )
         self._nothing: list[dict[str, Any]] = [{} for _ in range(num_envs)]
-        self._space = _with_channels(self._batch.single_observation_space)
-        super().__init__(num_envs, self._space, self._batch.single_action_space)
+        super().__init__(num_envs, self._batch.single_observation_space, self._batch.single_action_space)
 
     def reset(self) -> Observation:
         """Begins an episode in every environment, with the seeds of `seed` and the options of `set_options`."""
@@ -71,7 +53,7 @@ class SB3VecEnv(VecEnv):  # type: ignore[misc]
         observations, _ = self._batch.reset(seed=None if unseeded else self._seeds, options=self._options[0] or None)
         self._reset_seeds()
         self._reset_options()
-        return _in_shape(observations, self._space)
+        return observations
 
     def step_async(self, actions: NDArray[np.float32]) -> None:
         """Keeps the actions for `step_wait`."""
@@ -89,11 +71,11 @@ class SB3VecEnv(VecEnv):  # type: ignore[misc]
             for i in np.flatnonzero(ended):
                 told[i] = {
                     **{name: final[name][i].item() for name in names},
-                    "terminal_observation": _in_shape(infos["final_obs"][i], self._space),
+                    "terminal_observation": infos["final_obs"][i],
                     "TimeLimit.truncated": bool(truncated[i]),
                     "is_success": bool(final["success"][i]),
                 }
-        return _in_shape(observations, self._space), rewards.astype(np.float32), ended, told
+        return observations, rewards.astype(np.float32), ended, told
 
     def close(self) -> None:
         """Ends the batch."""
@@ -117,23 +99,3 @@ class SB3VecEnv(VecEnv):  # type: ignore[misc]
     def env_is_wrapped(self, wrapper_class: type, indices: Indices = None) -> list[bool]:  # noqa: ARG002
         """None of them is."""
         return [False for _ in self._get_indices(indices)]
-
-
-def _with_channels(space: Any) -> spaces.Dict:
-    """The same, with one channel where there is a map."""
-    return spaces.Dict(
-        {
-            name: spaces.Box(0, 255, (*box.shape, 1), np.uint8)
-            if box.dtype == np.uint8 and len(box.shape) == 2
-            else box
-            for name, box in space.spaces.items()
-        }
-    )
-
-
-def _in_shape(observations: Observation, space: Any) -> Observation:
-    """One, or one for each environment, in the shapes of the space."""
-    return {
-        name: values if values.shape[-len(space[name].shape) :] == space[name].shape else values[..., np.newaxis]
-        for name, values in observations.items()
-    }

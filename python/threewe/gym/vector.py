@@ -6,6 +6,8 @@ from typing import Any, Unpack
 
 import gymnasium
 import numpy as np
+from gymnasium.envs.registration import EnvSpec
+from gymnasium.utils import EzPickle
 from gymnasium.vector import AutoresetMode
 from gymnasium.vector.utils import batch_space
 from numpy.typing import NDArray
@@ -13,7 +15,7 @@ from numpy.typing import NDArray
 from threewe._arguments import as_seed
 from threewe._core import EpisodeInfo
 from threewe.errors import ConfigError, ContractError
-from threewe.gym.batch import EnvOptions, Observation, as_actions, make_batch
+from threewe.gym.batch import EnvOptions, Observation, as_actions, make_batch, with_limit
 
 MODES = {
     AutoresetMode.NEXT_STEP: "next_step",
@@ -22,12 +24,15 @@ MODES = {
 }
 
 
-class VectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
+class VectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any], EzPickle):
     """A batch of environments in one process, as `gymnasium.make_vec("3we/Navigation-v1", num_envs=1024)` makes it.
 
     Environment i with seed s gives the same bits as `Env` with that seed, wherever it stands in the batch and on
     however many threads. `reset(seed=s)` seeds environment i with s + i. `reset(options={"reset_mask": mask})` resets
     some of them.
+
+    One thread at a time uses a batch: a call during another one's raises ContractError. A process that is forked makes
+    its own (with `num_threads=1` a batch can be taken along). Copies are new batches with the same arguments.
 
     Args:
         task: see `Env`.
@@ -55,6 +60,17 @@ class VectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
         render_mode: str | None = None,
         **options: Unpack[EnvOptions],
     ) -> None:
+        EzPickle.__init__(
+            self,
+            task=task,
+            num_envs=num_envs,
+            num_robots=num_robots,
+            num_threads=num_threads,
+            autoreset_mode=autoreset_mode,
+            copy=copy,
+            render_mode=render_mode,
+            **options,
+        )
         mode = AutoresetMode(autoreset_mode)
         if render_mode is not None:
             raise ConfigError("render_mode: a batch is not drawn; use a single environment")
@@ -71,6 +87,7 @@ class VectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
         self._copy = copy
         self._same_step = mode == AutoresetMode.SAME_STEP
         self._begun = False
+        self._spec: EnvSpec | None = None
         self._scene_names = np.array([scene.name for scene in self._batch.scenes], dtype=object)
         self._everyone = np.ones(num_envs, dtype=np.bool_)
         self.num_envs = num_envs
@@ -121,9 +138,18 @@ class VectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
             return self._copied(self._observations), rewards.copy(), terminated.copy(), truncated.copy(), infos
         return self._observations, rewards, terminated, truncated, infos
 
+    @property
+    def spec(self) -> EnvSpec | None:
+        """What the batch was made from, with `max_episode_steps`."""
+        return self._spec
+
+    @spec.setter
+    def spec(self, spec: EnvSpec | None) -> None:
+        self._spec = with_limit(spec, self._batch.options["max_steps"])
+
     def episode(self, env: int) -> EpisodeInfo:
-        """Which episode an environment is in: `reset(seed=[...], options={"episode": ...})` repeats it."""
-        return self._core.episode(env)
+        """Which episode an environment is in: `reset(seed=[...], options={"episode_number": ...})` repeats it."""
+        return self._core.episode(as_seed("env", env))
 
     @property
     def true_poses(self) -> NDArray[np.float64]:
@@ -132,11 +158,11 @@ class VectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
 
     def words(self, env: int) -> str:
         """What an environment's episode is about: the instruction of VLN, the `object_goal` of ObjectNav."""
-        return self._core.words(env)
+        return self._core.words(as_seed("env", env))
 
     def randomization(self, env: int) -> dict[str, float]:
         """How an environment's robot differs from its profile now: the value of each knob."""
-        return self._core.variation(env)
+        return self._core.variation(as_seed("env", env))
 
     def _seeds(self, seed: int | list[int | None] | None) -> list[int | None]:
         if seed is None:

@@ -9,10 +9,11 @@
 namespace threewe::env {
 namespace {
 
-void check(const Options& options) {
+void check(Options& options) {
   const auto refuse = [](bool wrong, const char* message) {
     if (wrong) throw ConfigError(message);
   };
+  options.gate = options.gate.value_or(Gate::full);
   refuse(options.gate != Gate::full, "gate: with a backend it is 'full', the one that every Robot has");
   refuse(options.worlds != 1 || options.robots != 1 || options.threads != 1,
          "num_envs, num_robots, num_threads: with a backend there is one environment with one robot");

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cmath>
 #include <cstring>
 #include <utility>
@@ -10,6 +11,7 @@
 
 #include "env/checks.hpp"
 #include "env/episodes.hpp"
+#include "env/exclusive_use.hpp"
 #include "env/observations.hpp"
 #include "env/robot/places.hpp"
 #include "threewe/core/errors.hpp"
@@ -51,6 +53,7 @@ struct RobotEnv::Impl {
   EpisodeInfo info;
   bool begun = false;
   bool over = false;
+  std::atomic<bool> busy{};
   Velocity action;  // in force
 
   // what the last call came to
@@ -224,6 +227,7 @@ RobotEnv::~RobotEnv() = default;
 const Options& RobotEnv::options() const { return impl_->options; }
 
 void RobotEnv::reset(const Reset& reset) {
+  const ExclusiveUse use(impl_->busy, "reset");
   if (!impl_->begun && !reset.seed) throw ContractError("reset: the first episode needs a seed");
   if (reset.scene && *reset.scene >= impl_->places.size()) {
     throw ContractError(fmt::format("reset: there is no scene {}, only {}", *reset.scene, impl_->places.size()));
@@ -233,6 +237,7 @@ void RobotEnv::reset(const Reset& reset) {
 }
 
 void RobotEnv::step(std::span<const float> action) {
+  const ExclusiveUse use(impl_->busy, "step");
   check_actions(action, 1);
   if (!impl_->begun) throw ContractError("step() before the first reset()");
   if (impl_->over) throw ContractError("step(): the episode of environment 0 is over; reset it first");
@@ -249,14 +254,30 @@ const std::vector<std::string>& RobotEnv::metric_names() const { return impl_->m
 std::span<const double> RobotEnv::metrics() const { return impl_->metrics; }
 std::span<const double> RobotEnv::true_poses() const { return impl_->true_pose; }
 std::span<const double> RobotEnv::scan_ages() const { return {&impl_->scan_age, 1}; }
-EpisodeInfo RobotEnv::episode(std::size_t /*world*/) const { return impl_->info; }
-std::string RobotEnv::words(std::size_t /*world*/) const { return impl_->task->words(0); }
+EpisodeInfo RobotEnv::episode(std::size_t world) const {
+  check_place(world, 1);
+  const ExclusiveUse use(impl_->busy, "episode");
+  return impl_->info;
+}
+
+std::string RobotEnv::words(std::size_t world) const {
+  check_place(world, 1);
+  const ExclusiveUse use(impl_->busy, "words");
+  if (!impl_->begun) throw ContractError("words() before the first reset()");
+  return impl_->task->words(0);
+}
+
 std::string RobotEnv::words_name() const { return impl_->task->words_name(); }
-const models::Variation& RobotEnv::variation(std::size_t /*world*/, std::size_t /*robot*/) const {
+
+models::Variation RobotEnv::variation(std::size_t world, std::size_t robot) const {
+  check_place(world, 1, robot, 1);
+  const ExclusiveUse use(impl_->busy, "variation");
   return impl_->variation;
 }
 
-TopView RobotEnv::top_view(std::size_t /*world*/) const {
+TopView RobotEnv::top_view(std::size_t world) const {
+  check_place(world, 1);
+  const ExclusiveUse use(impl_->busy, "top_view");
   if (!impl_->begun) throw ContractError("there is nothing to see before the first reset()");
   TopView view;
   const Pose2D pose = impl_->truth().true_pose();

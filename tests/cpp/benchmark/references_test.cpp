@@ -1,6 +1,7 @@
 // References know nothing beforehand, go through nothing, and are hard to beat.
 #include <doctest/doctest.h>
 
+#include <limits>
 #include <memory>
 #include <string>
 
@@ -63,6 +64,19 @@ TEST_CASE("nobody gets through a wall, and the optimist finds that out") {
   const ReferenceDrive drive = optimist(*tables, profile, {}, {8.0, 0.0});
   CHECK_FALSE(drive.reached);
   CHECK(drive.length < 60.0);
+}
+
+TEST_CASE("a place outside of the building is refused by name") {
+  const RobotProfile profile = load_profile("3we_standard_v2");
+  const auto tables = hall("", profile);
+  constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+  for (const Vec2 outside : {Vec2{100.0, 100.0}, Vec2{-8.0, 3.0}, Vec2{kNan, 0.0}}) {
+    CHECK_THROWS_AS(optimist(*tables, profile, {}, outside), ContractError);
+    CHECK_THROWS_AS(optimist(*tables, profile, {outside.x, outside.y, 0.0}, {6.0, 2.5}), ContractError);
+    CHECK_THROWS_AS(nearest_frontier(tables, profile, {outside.x, outside.y, 0.0}), ContractError);
+  }
+  CHECK_THROWS_WITH(optimist(*tables, profile, {}, {20.0, 0.0}),
+                    doctest::Contains("goal: (20, 0) is outside of scene 'hall', which spans"));
 }
 
 TEST_CASE("in drawn buildings the optimist arrives, no shorter than the truth and seldom much longer") {

@@ -2,11 +2,16 @@
 #include "threewe/env/batch.hpp"
 
 #include <doctest/doctest.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
+#include <atomic>
 #include <cmath>
 #include <cstring>
 #include <limits>
 #include <memory>
+#include <string>
+#include <thread>
 #include <vector>
 
 #include "draw.hpp"
@@ -174,6 +179,75 @@ TEST_CASE("an action that is none changes nothing") {
   CHECK(batch.episode(0).steps == 0);
 }
 
+TEST_CASE("a world or a robot that is not there is refused by name") {
+  Batch batch(navigation(2, 2));
+  CHECK_THROWS_WITH_AS(batch.words(0), "words() before the first reset()", ContractError);
+  batch.reset(seeded(2, 0));
+  const char* const no_world = "env: there is no environment 2, only 2";
+  CHECK_THROWS_WITH_AS(batch.episode(2), no_world, ContractError);
+  CHECK_THROWS_WITH_AS(batch.words(2), no_world, ContractError);
+  CHECK_THROWS_WITH_AS(batch.top_view(2), no_world, ContractError);
+  CHECK_THROWS_WITH_AS(batch.variation(2), no_world, ContractError);
+  CHECK_THROWS_WITH_AS(batch.variation(1, 2), "robot: there is no robot 2, only 2", ContractError);
+  CHECK_THROWS_AS(batch.episode(std::numeric_limits<std::size_t>::max()), ContractError);
+  CHECK_THROWS_AS(batch.reset(seeded(3, 0)), ContractError);
+  const bool mask[] = {true};
+  CHECK_THROWS_AS(batch.reset({}, mask), ContractError);
+  CHECK(batch.variation(1, 1).mass == 1.0);
+}
+
+TEST_CASE("a second thread is refused while the first is at work, and spoils nothing") {
+  constexpr std::size_t kWorlds = 32;
+  Batch batch(navigation(kWorlds));
+  Batch alone(navigation(kWorlds));
+  batch.reset(seeded(kWorlds, 0));
+  alone.reset(seeded(kWorlds, 0));
+  const std::vector<float> ahead(3 * kWorlds, 0.5F);
+  std::atomic<int> steps = 0;
+  std::atomic<int> refused = 0;
+  const auto drive = [&] {
+    while (refused < 20 || steps < 5) {
+      try {
+        batch.step(ahead);
+        ++steps;
+      } catch (const ContractError& error) {
+        CHECK(std::string(error.what()).starts_with("step() while another thread"));
+        ++refused;
+      }
+    }
+  };
+  {
+    const std::jthread one(drive);
+    const std::jthread other(drive);
+  }
+  for (int step = 0; step < steps; ++step) alone.step(ahead);
+  for (std::size_t world = 0; world < kWorlds; ++world) CHECK(seen_of(batch, world) == seen_of(alone, world));
+}
+
+TEST_CASE("a batch with threads is refused in a process forked since, and ends there") {
+  Options options = navigation(4);
+  options.threads = 2;
+  auto batch = std::make_unique<Batch>(options);
+  batch->reset(seeded(4, 0));
+  const pid_t child = fork();
+  if (child == 0) {
+    alarm(20);  // what would hang is killed
+    bool refused = false;
+    try {
+      batch->step(std::vector<float>(12));
+    } catch (const ContractError& error) {
+      refused = std::string(error.what()).find("forked") != std::string::npos;
+    }
+    batch.reset();
+    _exit(refused ? 0 : 1);
+  }
+  int status = -1;
+  REQUIRE(waitpid(child, &status, 0) == child);
+  CHECK(WIFEXITED(status));
+  CHECK(WEXITSTATUS(status) == 0);
+  batch->step(std::vector<float>(12));  // here all is as it was
+}
+
 TEST_CASE("without autoreset a step after the end is refused, and a mask chooses who begins") {
   Options options = navigation(3);
   options.autoreset = Autoreset::disabled;
@@ -258,6 +332,7 @@ TEST_CASE("options that don't fit are refused by name") {
   CHECK(refused([](Options& o) {
           o.hardware = load_profile("3we_base_v2");
           o.observed.lidar = false;
+          o.gate = Gate::full;
         }).find("gate: '3we_base_v2' hears obstacles") != std::string::npos);
   CHECK(refused([](Options& o) {
           o = exploration(1, 1);
@@ -267,6 +342,15 @@ TEST_CASE("options that don't fit are refused by name") {
         }) == "hardware: this task counts what a lidar could see, and '3we_base_v2' has none");
   CHECK(refused([](Options& o) { o.scenes.clear(); }).find("scene") == 0);
   CHECK(refused([](Options& o) { o.worlds = 0; }).find("num_envs") == 0);
+  CHECK(refused([](Options& o) { o.worlds = 1'000'000'000'000; }) == "num_envs: 1 to 1000000, got 1000000000000");
+  CHECK(refused([](Options& o) {
+          o.observed.image = true;
+          o.image_height = 8192;
+        }) == "image_size: 1 to 2048 pixels each way, got (8192, 64)");
+  CHECK(refused([](Options& o) {  // with its gate left out it goes by the limits
+          o.hardware = load_profile("3we_base_v2");
+          o.observed.lidar = false;
+        }) == "accepted");
 }
 
 }  // namespace

@@ -141,6 +141,33 @@ TEST_CASE("starts are 3 m by the shortest path from every instance's nearest rea
   }
 }
 
+TEST_CASE("every episode has a way to drive") {
+  for (const auto& [name, nav] : everywhere()) {
+    CAPTURE(name);
+    const scene::CellSet& passable = nav.tables().passable();
+    const Scene& scene = nav.tables().scene();
+    for (std::uint32_t i = 0; i < 400; ++i) {
+      CAPTURE(i);
+      const ObjectNavEpisode episode = nav.sample(2, i);
+      CHECK(episode.geodesic >= kShortestSearch);
+      if (i >= 10) continue;
+      // no place within reach is nearer, whatever the camera shows there
+      const scene::GeodesicField from_start = nav.tables().geodesic_field(episode.start.position(), 3.0);
+      for (std::size_t k = 0; k < scene.objects.size(); ++k) {
+        if (scene.objects[k].category != kObjectGoals[episode.goal]) continue;
+        const std::vector<Solid> solids = solids_of(scene, k);
+        double nearest = 1e9;
+        for (std::size_t cell = 0; cell < passable.frame.size(); ++cell) {
+          const Vec2 middle = passable.frame.center(passable.frame.cell(cell));
+          if (!passable.cells[cell] || footprint_distance(solids, middle) > kGoalReach) continue;
+          nearest = std::min(nearest, from_start.length_from(middle));
+        }
+        CHECK(nearest >= kShortestSearch);
+      }
+    }
+  }
+}
+
 TEST_CASE("an episode is a function of seed and index alone, and every kind is as likely") {
   const ObjectNav& nav = everywhere().at("office_v2");
   const ObjectNav again(tables_of(Scene::load("office_v2")), robot());

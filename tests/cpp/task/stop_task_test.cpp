@@ -67,6 +67,8 @@ TEST_CASE("success weighted by path length") {
   CHECK(success_weighted_by_path_length(true, 4.0, 5.0) == doctest::Approx(0.8));
   CHECK(success_weighted_by_path_length(true, 4.0, 3.9) == 1.0);
   CHECK(success_weighted_by_path_length(true, 0.0, 0.0) == 1.0);
+  CHECK(success_weighted_by_path_length(true, 0.0, 0.2) == 1.0);
+  CHECK(success_weighted_by_path_length(false, 0.0, 0.0) == 0.0);
 }
 
 }  // namespace

@@ -37,7 +37,7 @@ class RobotEnv {
   /// One control step, see `Batch::step`. Throws ContractError, too, where the episode is over.
   void step(std::span<const float> action);
 
-  // As of a `Batch`, one row each.
+  // As of a `Batch`, with one row.
   std::span<const Array> observations() const;
   std::span<const double> rewards() const;
   std::span<const std::uint8_t> terminated() const;
@@ -50,7 +50,7 @@ class RobotEnv {
   std::string words(std::size_t world = 0) const;
   std::string words_name() const;
   /// How the backend has the robot differ from its profile, as the episode began: simulators draw it alike.
-  const models::Variation& variation(std::size_t world = 0, std::size_t robot = 0) const;
+  models::Variation variation(std::size_t world = 0, std::size_t robot = 0) const;
   TopView top_view(std::size_t world = 0) const;
 
  private:

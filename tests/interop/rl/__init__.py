@@ -1,0 +1,1 @@
+"""Other people's learning code on the four environments, as `gymnasium.make` gives them: `./dev interop rl`."""
