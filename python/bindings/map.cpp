@@ -38,8 +38,16 @@ void init_map(nb::module_& m) {
           [](OccupancyGrid* self,
              const nb::ndarray<const std::int8_t, nb::ndim<2>, nb::c_contig, nb::device::cpu>& data, double resolution,
              Vec2 origin) {
-            new (self) OccupancyGrid{static_cast<int>(data.shape(1)), static_cast<int>(data.shape(0)), resolution,
-                                     origin, std::vector<std::int8_t>(data.data(), data.data() + data.size())};
+            if (!map::fits_a_grid(static_cast<double>(data.shape(1)), static_cast<double>(data.shape(0)))) {
+              throw ContractError(
+                  fmt::format("data must have at most 8192 cells a side and 16.7 million in all, not {}"
+                              " x {}",
+                              data.shape(0), data.shape(1)));
+            }
+            OccupancyGrid grid{static_cast<int>(data.shape(1)), static_cast<int>(data.shape(0)), resolution, origin,
+                               std::vector<std::int8_t>(data.data(), data.data() + data.size())};
+            check_bounds(grid);
+            new (self) OccupancyGrid(std::move(grid));
           },
           "data"_a, "resolution"_a = 0.05, "origin"_a = Vec2{})
       .def_prop_ro(

@@ -11,6 +11,7 @@
 #include "bindings.hpp"
 #include "named_enum.hpp"
 #include "threewe/core/exact.hpp"
+#include "threewe/core/names.hpp"
 #include "threewe/hardware/profile.hpp"
 #include "threewe/map/occupancy_grid.hpp"
 #include "threewe/scene/coverage.hpp"
@@ -197,6 +198,7 @@ void init_scene(nb::module_& m) {
       .def(
           "to_yaml",
           [](Scene scene, std::optional<std::string> name) {
+            if (name && !is_name(*name)) throw ContractError(fmt::format("name: {}", not_a_name(*name)));
             if (name) scene.name = *name;
             return scene::to_yaml(scene);
           },

@@ -8,6 +8,7 @@
 
 #include "bindings.hpp"
 #include "value.hpp"
+#include "threewe/core/bounds.hpp"
 
 namespace {
 
@@ -66,6 +67,13 @@ void init_slam(nb::module_& m) {
       .def_ro("distance_sigma", &SlamConfig::distance_sigma, "share by which the odometry's distances may all be wrong")
       .def_ro("position_drift", &SlamConfig::position_drift, "[m/sqrt(m)] by which the odometry's position wanders")
       .def_ro("heading_drift", &SlamConfig::heading_drift, "[rad/sqrt(m)] by which the odometry's heading wanders");
+  m.def(
+      "check_reading",
+      [](const LaserScan& scan, const Pose2D& odometry) {
+        check_bounds("odometry", odometry);
+        check_bounds(scan);
+      },
+      "scan"_a, "odometry"_a, "Raises ContractError where `Slam.add` would for these numbers, whatever came before.");
   nb::class_<Slam>(m, "Slam", "Mapping from scans and odometry: what `threewe.slam.Slam` is made of.")
       .def(nb::init<const SlamConfig&>(), "config"_a = defaults)
       .def("add", &Slam::add, "time"_a, "scan"_a, "odometry"_a, WithoutGil(), "One scan; where the robot is.")

@@ -916,6 +916,11 @@ class SlamConfig:
     def heading_drift(self) -> float:
         """[rad/sqrt(m)] by which the odometry's heading wanders"""
 
+def check_reading(scan: LaserScan, odometry: Pose2D) -> None:
+    """
+    Raises ContractError where `Slam.add` would for these numbers, whatever came before.
+    """
+
 class Slam:
     """Mapping from scans and odometry: what `threewe.slam.Slam` is made of."""
 

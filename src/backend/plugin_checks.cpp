@@ -56,11 +56,8 @@ void check_stamp(const PluginReading& reading, Time newest, Time latest) {
 
 void check_truth(const PluginTruth& truth) {
   const auto fail = [](const std::string& what) { throw ContractError("truth(): " + what); };
-  const auto is_placed = [](const Pose2D& pose) {
-    return is_finite(pose) && std::abs(pose.x) <= kMaxCoordinate && std::abs(pose.y) <= kMaxCoordinate;
-  };
-  if (!is_placed(truth.start)) fail("start is not finite, or farther than 1000 km from the origin");
-  if (!is_placed(truth.pose)) fail("pose is not finite, or farther than 1000 km from the origin");
+  if (!is_bounded(truth.start)) fail("start is not finite, or farther than 1000 km from the origin");
+  if (!is_bounded(truth.pose)) fail("pose is not finite, or farther than 1000 km from the origin");
   if (!is_finite(truth.velocity)) fail("velocity is not finite");
   const auto check_number = [&](const char* name, double value) {
     if (!std::isfinite(value) || value < 0.0) fail(fmt::format("{} is {}; it must be 0 or more", name, value));

@@ -12,9 +12,6 @@
 namespace threewe::backend {
 namespace {
 
-constexpr double kMaxSpeed = 1e3;   // [m/s] or [rad/s]
-constexpr double kMaxSweep = 10.0;  // [s], of one scan
-
 // One reading under check: knows how to complain.
 struct Reading {
   const std::string& sensor;

@@ -209,6 +209,12 @@ bool ConfigNode::boolean() const {
 
 std::string ConfigNode::text() const {
   if (!node_.IsScalar()) fail("expected text");
+  if (!is_text(node_.Scalar())) fail("expected text without control characters");
+  return node_.Scalar();
+}
+
+std::string ConfigNode::name() const {
+  if (!node_.IsScalar() || !is_name(node_.Scalar())) fail(not_a_name(node_.IsScalar() ? node_.Scalar() : ""));
   return node_.Scalar();
 }
 

@@ -27,7 +27,34 @@ std::size_t edit_distance(std::string_view a, std::string_view b) {
   return std::min(row[b.size()], 1 + *std::min_element(row.begin() + static_cast<std::ptrdiff_t>(a.size()), row.end()));
 }
 
+// What no XML document holds: control characters but tabs and line feeds, and U+FFFE and U+FFFF.
+bool has_control_characters(std::string_view text, std::string_view allowed) {
+  const bool control = std::ranges::any_of(text, [&](char c) {
+    const auto byte = static_cast<unsigned char>(c);
+    return (byte < 0x20 || byte == 0x7F) && allowed.find(c) == std::string_view::npos;
+  });
+  return control || text.find("\xEF\xBF\xBE") != std::string_view::npos ||
+         text.find("\xEF\xBF\xBF") != std::string_view::npos;
+}
+
 }  // namespace
+
+bool is_text(std::string_view text) { return !has_control_characters(text, "\t\n"); }
+
+bool is_name(std::string_view text) {
+  constexpr std::size_t kLongest = 200;  // [bytes] file systems take 255, with a suffix
+  return !text.empty() && text.size() <= kLongest && text.front() != '.' && !has_control_characters(text, "") &&
+         text.find_first_of("/\\") == std::string_view::npos;
+}
+
+std::string not_a_name(std::string_view text) {
+  std::string shown(text.substr(0, 40));
+  std::ranges::replace_if(shown, [](char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7F; }, '?');
+  return fmt::format(
+      "expected a name of at most 200 bytes, without control characters and slashes, that does not begin with a dot, "
+      "got '{}'",
+      shown);
+}
 
 std::string nearest_name(std::string_view name, std::span<const std::string> candidates) {
   std::string best;

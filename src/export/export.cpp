@@ -32,7 +32,11 @@ Format format_named(std::string_view name) {
   throw ConfigError(unknown_name("format", name, format_names()));
 }
 
+// Names become names of files and of elements.
 std::vector<File> files(const scene::Scene& scene, const RobotProfile& robot, Format format) {
+  for (const std::string& name : {scene.name, robot.name}) {
+    if (!is_name(name)) throw ConfigError(fmt::format("export: {}", not_a_name(name)));
+  }
   switch (format) {
     case Format::mjcf: return mjcf_files(scene, describe(robot));
     case Format::urdf: return urdf_files(scene, without_rollers(describe(robot)));

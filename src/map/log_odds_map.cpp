@@ -7,12 +7,17 @@
 #include <limits>
 #include <utility>
 
+#include <fmt/format.h>
+
 #include "map/scan_kernel.hpp"
+#include "threewe/core/bounds.hpp"
+#include "threewe/core/errors.hpp"
 
 namespace threewe::map {
 namespace {
 
 constexpr int kChunk = 64;             // the map grows by so many cells
+constexpr double kRim = 2.0;           // [cells] around what is known, so that neighbours can be read unchecked
 constexpr int kSubcells = 256;         // steps of a hit's place within its cell
 constexpr std::int16_t kMaxHits = 64;  // older hits fade beyond this
 
@@ -39,7 +44,10 @@ Region extent(const OccupancyGrid& grid) {
   return {low, {low.x + grid.width, low.y + grid.height}};
 }
 
-int floor_to_chunk(double cells) { return kChunk * static_cast<int>(std::floor(cells / kChunk)); }
+int floor_to_chunk(double cells) {
+  const int cell = to_cell(cells);
+  return cell - (cell % kChunk + kChunk) % kChunk;
+}
 
 // The old contents of a grid of `size` in a larger one, `offset` cells further in.
 template <class T>
@@ -114,8 +122,12 @@ void LogOddsMap::add_given_surface(Cell c) {
 }
 
 void LogOddsMap::insert(std::span<const Beam> scan, double range_bias) {
+  if (!is_within(range_bias, -kMaxRangeBias, kMaxRangeBias)) {
+    throw ContractError(
+        fmt::format("range_bias must lie in [{:g}, {:g}] m, got {:g}", -kMaxRangeBias, kMaxRangeBias, range_bias));
+  }
   const std::vector<Beam> beams = within_reach(scan);
-  grow_to_hold(beams);
+  grow_to_hold(beams, range_bias);
   const Region seen = mark_free(beams, range_bias);
   for (const Beam& beam : beams) {
     if (beam.hit) add_hit(beam, range_bias);
@@ -126,6 +138,7 @@ void LogOddsMap::insert(std::span<const Beam> scan, double range_bias) {
 // The beams that the map can hold without growing beyond its limits.
 std::vector<Beam> LogOddsMap::within_reach(std::span<const Beam> beams) const {
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  constexpr double kSlack = 4 * kChunk;  // [cells] by which growing may overshoot: whole chunks and a rim
   const double r = grid_.resolution;
   const bool first = grid_.data.empty();
   Vec2 low = first ? Vec2{kInfinity, kInfinity} : grid_.origin;
@@ -134,16 +147,17 @@ std::vector<Beam> LogOddsMap::within_reach(std::span<const Beam> beams) const {
   kept.reserve(beams.size());
   for (const Beam& beam : beams) {
     const Vec2 end = beam.origin + beam.range * beam.direction;
+    if (!is_bounded(beam.origin) || !is_bounded(end)) continue;
     const Vec2 lower{std::min({low.x, beam.origin.x, end.x}), std::min({low.y, beam.origin.y, end.y})};
     const Vec2 upper{std::max({high.x, beam.origin.x, end.x}), std::max({high.y, beam.origin.y, end.y})};
-    if (!fits_a_grid((upper.x - lower.x) / r + 2 * kChunk, (upper.y - lower.y) / r + 2 * kChunk)) continue;
+    if (!fits_a_grid((upper.x - lower.x) / r + kSlack, (upper.y - lower.y) / r + kSlack)) continue;
     low = lower, high = upper;
     kept.push_back(beam);
   }
   return kept;
 }
 
-void LogOddsMap::grow_to_hold(std::span<const Beam> beams) {
+void LogOddsMap::grow_to_hold(std::span<const Beam> beams, double range_bias) {
   if (beams.empty()) return;
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
   Vec2 low{kInfinity, kInfinity};
@@ -154,21 +168,24 @@ void LogOddsMap::grow_to_hold(std::span<const Beam> beams) {
       high = {std::max(high.x, p.x), std::max(high.y, p.y)};
     }
   }
-  make_room(low, high);
+  // hits lie where they are without the bias
+  grow_to(low, high, std::max(kRim, std::ceil(std::fabs(range_bias) / grid_.resolution) + 1.0));
 }
 
-void LogOddsMap::make_room(Vec2 low, Vec2 high) {
-  // whole chunks, and at least two cells more than needed so that neighbours can be read unchecked
+void LogOddsMap::make_room(Vec2 low, Vec2 high) { grow_to(low, high, kRim); }
+
+// Whole chunks, and at least `rim` cells more than needed.
+void LogOddsMap::grow_to(Vec2 low, Vec2 high, double rim) {
   const double r = grid_.resolution;
   low = low - raster_, high = high - raster_;
   const Vec2 corner = grid_.origin - raster_;
   const bool first = grid_.data.empty();
-  const int old_x = first ? floor_to_chunk(low.x / r) : static_cast<int>(std::floor(corner.x / r + 0.5));
-  const int old_y = first ? floor_to_chunk(low.y / r) : static_cast<int>(std::floor(corner.y / r + 0.5));
-  const int x0 = std::min(old_x, floor_to_chunk(low.x / r - 2));
-  const int y0 = std::min(old_y, floor_to_chunk(low.y / r - 2));
-  const int x1 = std::max(old_x + grid_.width, floor_to_chunk(high.x / r + 2) + kChunk);
-  const int y1 = std::max(old_y + grid_.height, floor_to_chunk(high.y / r + 2) + kChunk);
+  const int old_x = first ? floor_to_chunk(low.x / r) : to_cell(corner.x / r + 0.5);
+  const int old_y = first ? floor_to_chunk(low.y / r) : to_cell(corner.y / r + 0.5);
+  const int x0 = std::min(old_x, floor_to_chunk(low.x / r - rim));
+  const int y0 = std::min(old_y, floor_to_chunk(low.y / r - rim));
+  const int x1 = std::max(old_x + grid_.width, floor_to_chunk(high.x / r + rim) + kChunk);
+  const int y1 = std::max(old_y + grid_.height, floor_to_chunk(high.y / r + rim) + kChunk);
   if ((x1 - x0 == grid_.width && y1 - y0 == grid_.height) || !fits_a_grid(x1 - x0, y1 - y0)) return;
 
   const Cell offset{old_x - x0, old_y - y0};

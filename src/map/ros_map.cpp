@@ -24,9 +24,6 @@ constexpr unsigned char kGrey = 205;
 constexpr double kFreeThreshold = 0.196;
 constexpr double kOccupiedThreshold = 0.65;
 
-constexpr double kCoarsest = 10.0;  // [m] a cell
-constexpr double kFinest = 0.001;
-
 struct Picture {
   int width = 0;
   int height = 0;
@@ -172,7 +169,7 @@ OccupancyGrid load_ros_map(const std::filesystem::path& yaml) {
   // other fields are let be: ROS programs add their own
   ConfigNode root = ConfigNode::load(yaml);
   OccupancyGrid grid;
-  grid.resolution = root.number_in("resolution", kFinest, kCoarsest);
+  grid.resolution = root.number_in("resolution", kFinestResolution, kCoarsestResolution);
   grid.origin = read_origin(root.at("origin"));
   const Meaning meaning = read_meaning(root);
   const std::string image = root.text("image");

@@ -55,6 +55,7 @@ double path_length(std::span<const Vec2> path) {
 // To the nearest cell of the goal that can be reached; mostly the goal itself.
 PlannedPath Planner::plan(const Costmap& costmap, Vec2 from, Vec2 to, double tolerance) {
   const Cell start = costmap.cell(from);
+  if (!costmap.contains(start)) return {};
   const std::optional<Cell> target = first_reached(costmap, start, to, tolerance);
   if (!target) return {};
 

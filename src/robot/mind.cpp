@@ -15,6 +15,7 @@ Mind mind_with(std::string_view localization) {
   if (localization == names[0]) return mind;
   if (localization != names[1]) throw ConfigError(unknown_name("localization", localization, names));
   mind.localizer = make_truth_localizer;
+  mind.localization = localization;
   return mind;
 }
 

@@ -5,9 +5,11 @@
 #include <exception>
 #include <utility>
 
+#include <fmt/format.h>
+
 #include "robot/world_state.hpp"
 #include "threewe/backend/registry.hpp"
-#include "threewe/backend/sample_checks.hpp"
+#include "threewe/core/bounds.hpp"
 #include "threewe/core/errors.hpp"
 #include "threewe/nav/mind.hpp"
 
@@ -23,19 +25,24 @@ Runtime::Options make_mind(const Mind& mind, const backend::RobotPort& port, con
           mind.navigator ? mind.navigator(profile) : nav::make_navigator(profile)};
 }
 
-void check_map(const map::OccupancyGrid& map) {
-  const auto cells = static_cast<std::size_t>(map.width) * static_cast<std::size_t>(map.height);
-  if (map.width < 1 || map.height < 1 || map.data.size() != cells) throw ContractError("map must have cells");
-  if (!map::fits_a_grid(map.width, map.height)) {
-    throw ContractError("map must have at most 8192 cells a side and 16.7 million in all");
+std::string size_of_pictures(const RobotProfile& profile) {
+  return profile.camera ? fmt::format("{} x {}", profile.camera->width, profile.camera->height) : "none";
+}
+
+// Throws unless a state of a world made in one way can go on in a world made in another.
+void require_like(const Setting& saved, const Setting& ours) {
+  const auto fail = [](const std::string& what) {
+    throw ContractError(fmt::format("restore: saved from a world with {}", what));
+  };
+  if (saved.localization != ours.localization) {
+    fail(fmt::format("localization '{}', this one has '{}'", saved.localization, ours.localization));
   }
-  const auto is_in = [](double value, double low, double high) { return value >= low && value <= high; };  // no NaN is
-  if (!is_in(map.resolution, 0.001, 10.0)) {
-    throw ContractError("map: resolution must lie in [0.001, 10] m, not " + std::to_string(map.resolution));
-  }
-  constexpr double kFar = backend::kMaxCoordinate;
-  if (!is_in(map.origin.x, -kFar, kFar) || !is_in(map.origin.y, -kFar, kFar)) {
-    throw ContractError("map: origin must be within 1000 km of (0, 0)");
+  const bool same_map = saved.map && ours.map ? *saved.map == *ours.map : saved.map == ours.map;
+  if (!same_map) fail("another map");
+  if (saved.initial_poses != ours.initial_poses) fail("another initial_pose");
+  for (std::size_t i = 0; i < ours.cameras.size(); ++i) {
+    if (saved.cameras[i] == ours.cameras[i]) continue;
+    fail(fmt::format("pictures of {} px of robot {}, this one has {}", saved.cameras[i], i, ours.cameras[i]));
   }
 }
 
@@ -57,6 +64,7 @@ struct World::Snapshot {
   Time now{};
   std::vector<std::byte> backend;
   std::vector<std::shared_ptr<const Runtime::State>> robots;
+  Setting setting;
 };
 
 World::World(const Options& options)
@@ -71,11 +79,13 @@ World::World(std::unique_ptr<backend::World> backend, bool realtime, const Mind&
   impl_->backend = std::move(backend);
   impl_->now = impl_->backend->now();
   impl_->paced = realtime;
+  impl_->setting = {mind.localization, map, initial_poses, {}};
   if (initial_poses.size() > impl_->backend->robot_count()) {
     throw ConfigError("there are " + std::to_string(initial_poses.size()) + " initial_poses for " +
                       std::to_string(impl_->backend->robot_count()) + " robots");
   }
-  if (map) check_map(*map);
+  if (map) check_bounds(*map);
+  if (map && map->data.empty()) throw ContractError("map must have cells");
   impl_->one_map_frame = initial_poses.size() > 1 && initial_poses.size() == impl_->backend->robot_count();
   for (std::size_t i = 0; i < impl_->backend->robot_count(); ++i) {
     backend::RobotPort& port = impl_->backend->robot(i);
@@ -83,12 +93,10 @@ World::World(std::unique_ptr<backend::World> backend, bool realtime, const Mind&
     slam::Beginning beginning{map, {}};
     if (i < initial_poses.size()) {
       const Pose2D& pose = initial_poses[i];
-      if (!is_finite(pose)) throw ContractError("initial_pose must be finite");
-      if (std::abs(pose.x) > backend::kMaxCoordinate || std::abs(pose.y) > backend::kMaxCoordinate) {
-        throw ContractError("initial_pose must be within 1000 km of the origin");
-      }
+      check_bounds("initial_pose", pose);
       beginning.map_from_start = pose;
     }
+    impl_->setting.cameras.push_back(size_of_pictures(port.profile()));
     impl_->robots.push_back(std::make_unique<Runtime>(*this, port, make_mind(mind, port, beginning)));
   }
 }
@@ -246,7 +254,7 @@ void World::reset(const backend::ResetOptions& options) {
 void World::carry(std::size_t robot, const Pose2D& pose) {
   impl_->require_no_tick();
   if (robot >= robot_count()) throw ContractError("no robot " + std::to_string(robot));
-  if (!is_finite(pose)) throw ContractError("pose must be finite");
+  check_bounds("pose", pose);
   impl_->backend->carry(robot, pose);
 }
 
@@ -256,12 +264,14 @@ std::shared_ptr<const World::Snapshot> World::save() const {
   for (const auto& robot : impl_->robots) snapshot->robots.push_back(robot->save());
   snapshot->backend = impl_->backend->save();
   snapshot->now = now();
+  snapshot->setting = impl_->setting;
   return snapshot;
 }
 
 void World::restore(const std::shared_ptr<const Snapshot>& snapshot) {
   impl_->require_no_tick();
   if (!snapshot || snapshot->robots.size() != robot_count()) throw ContractError("the snapshot is of another world");
+  require_like(snapshot->setting, impl_->setting);
   impl_->backend->restore(snapshot->backend);
   for (std::size_t i = 0; i < robot_count(); ++i) impl_->robots[i]->restore(*snapshot->robots[i]);
   impl_->begin_anew_at(snapshot->now);

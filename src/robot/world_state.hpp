@@ -13,9 +13,18 @@
 
 namespace threewe {
 
+/// What the minds of a world were made with, besides what the backend knows of: a state goes on only in a like one.
+struct Setting {
+  std::string localization;
+  std::shared_ptr<const map::OccupancyGrid> map;
+  std::vector<Pose2D> initial_poses;
+  std::vector<std::string> cameras;  // the size of each robot's pictures
+};
+
 struct World::Impl {
   std::unique_ptr<backend::World> backend;
   std::vector<std::unique_ptr<Runtime>> robots;
+  Setting setting;
   Time now{};              // the tick that begins next
   std::uint64_t seed = 0;  // of all noise, unless a reset is given another
   WaitList waits;

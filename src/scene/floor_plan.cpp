@@ -107,7 +107,8 @@ class Draughtsman {
     std::vector<Neighbours> candidates = neighbours();
     random_.shuffle(candidates);
     const auto corridors = static_cast<std::size_t>(plan_.corridors);
-    std::ranges::stable_partition(candidates, [&](const Neighbours& n) { return n.a < corridors || n.b < corridors; });
+    std::stable_partition(candidates.begin(), candidates.end(),
+                          [&](const Neighbours& n) { return n.a < corridors || n.b < corridors; });
 
     std::vector<bool> connected(plan_.rooms.size(), false);
     connected[0] = true;

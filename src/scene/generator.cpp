@@ -150,13 +150,14 @@ class Generator {
     }
   }
 
-  // The middle of a room, or else the space in front of its door, which is always free.
+  // The middle of a room, or else the space in front of its door, or in the only room the start: both are always free.
   Vec2 anchor(std::size_t index, const Obstacles& obstacles) const {
     const Box& box = plan_.rooms[index];
     const Vec2 middle = at((box.x0 + box.x1) / 2, (box.y0 + box.y1) / 2);
     if (obstacles.clearance(middle) >= kAnchorClearance) return middle;
     const auto passage =
         std::ranges::find_if(plan_.passages, [&](const Passage& p) { return p.room_a == index || p.room_b == index; });
+    if (passage == plan_.passages.end()) return {0.0, 0.0};
     const WallLine& wall = plan_.lines[passage->line];
     const int inside = wall.at + (passage->room_a == index ? -50 : 50);
     return wall.along_x ? at(passage->at, inside) : at(inside, passage->at);

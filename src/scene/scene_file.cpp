@@ -61,7 +61,7 @@ class SceneFromFile {
 class SceneReader {
  public:
   Scene read(ConfigNode root) {
-    scene_.name = root.text("name");
+    scene_.name = root.name("name");
     scene_.description = root.text("description");
     read_starts(root.at("starts"));
     if (root.has("ceiling")) scene_.ceiling = root.at("ceiling").boolean();
@@ -105,7 +105,7 @@ class SceneReader {
   void read_rooms(const ConfigNode& list) {
     for (ConfigNode node : list.items()) {
       Room room;
-      room.name = node.text("name");
+      room.name = node.name("name");
       std::tie(room.min, room.max) = read_rectangle(node, fmt::format("room '{}'", room.name), kSmallestRoom);
       room.floor = node.choice("floor", kFloors);
       room.anchor = node.has("anchor") ? from_file_(node.at("anchor").vec2()) : 0.5 * (room.min + room.max);
@@ -139,7 +139,7 @@ class SceneReader {
   void read_doors(const ConfigNode& list, WallPlan& plan) {
     const double length = distance(plan.wall.a, plan.wall.b);
     for (ConfigNode node : list.items()) {
-      Doorway door{.name = node.text("name"), .at = node.number("at"), .width = node.number_in("width", 0.3, 10.0)};
+      Doorway door{.name = node.name("name"), .at = node.number("at"), .width = node.number_in("width", 0.3, 10.0)};
       node.finish();
 
       if (door.width > length) node.fail(fmt::format("door '{}' is wider than its wall ({:.2f} m)", door.name, length));
@@ -164,7 +164,8 @@ class SceneReader {
       object.shape = node.text("shape");
       object.prisms = library_.prisms(node.at("category"), node.at("shape"));
       object.pose = from_file_(node.at("pose").pose());
-      object.name = node.text("name", fmt::format("{}_{}", object.category, ++count[object.category]));
+      const std::string numbered = fmt::format("{}_{}", object.category, ++count[object.category]);
+      object.name = node.has("name") ? node.name("name") : numbered;
       node.finish();
       take_name(object.name, node);
       scene_.objects.push_back(std::move(object));
@@ -175,7 +176,7 @@ class SceneReader {
   void read_patches(const ConfigNode& list) {
     for (ConfigNode node : list.items()) {
       Patch patch;
-      patch.name = node.text("name");
+      patch.name = node.name("name");
       std::tie(patch.min, patch.max) = read_rectangle(node, fmt::format("patch '{}'", patch.name), kSmallestPatch);
       patch.floor = node.choice("floor", kFloors);
       patch.grip = node.number_in("grip", kLeastGrip, kMostGrip);
@@ -188,7 +189,7 @@ class SceneReader {
   void read_people(const ConfigNode& list) {
     for (ConfigNode node : list.items(kMostPeople)) {
       Person person;
-      person.name = node.text("name");
+      person.name = node.name("name");
       for (const ConfigNode& waypoint : node.at("route").items(kMostWaypoints)) {
         const Vec2 point = from_file_(waypoint.vec2());
         if (!person.route.empty() && distance(person.route.back(), point) < kShortestLeg) {

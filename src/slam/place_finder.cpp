@@ -132,8 +132,8 @@ std::vector<map::Beam> PlaceFinder::all_seen(const Pose2D& odom_from_base, std::
   std::ranges::sort(placed, [](const Placed& a, const Placed& b) {
     return std::tuple(a.cell.y, a.cell.x, a.index) < std::tuple(b.cell.y, b.cell.x, b.index);
   });
-  const auto rest = std::ranges::unique(placed, [](const Placed& a, const Placed& b) { return a.cell == b.cell; });
-  placed.erase(rest.begin(), rest.end());
+  const auto same = [](const Placed& a, const Placed& b) { return a.cell == b.cell; };
+  placed.erase(std::unique(placed.begin(), placed.end(), same), placed.end());
 
   const std::size_t every = (placed.size() + kMostHits - 1) / kMostHits;
   std::vector<map::Beam> seen;

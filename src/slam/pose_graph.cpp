@@ -219,7 +219,7 @@ void PoseGraph::Normal::lay_out(std::span<const Constraint> constraints) {
   }
   for (std::vector<int>& column : rows) {
     std::ranges::sort(column);
-    column.erase(std::ranges::unique(column).begin(), column.end());
+    column.erase(std::unique(column.begin(), column.end()), column.end());
     diagonal_.push_back(static_cast<int>(column.size()) - 1);
   }
   for (std::size_t i = 0; i < constraints.size(); ++i) {

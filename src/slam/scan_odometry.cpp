@@ -7,6 +7,7 @@
 #include <Eigen/LU>
 
 #include "slam/scan_beams.hpp"
+#include "threewe/core/bounds.hpp"
 
 namespace threewe::slam {
 namespace {
@@ -44,7 +45,10 @@ void ScanOdometry::predict(Time stamp, const Pose2D& odom_from_base) {
     const double seconds = to_seconds(stamp - track_.point(0).stamp);
     const Pose2D moved = inverse(odometry_.pose) * odom_from_base;
     const Vec2 rolled = rotate(moved.position(), -0.5 * moved.theta);
-    velocity = {rolled.x / seconds, rolled.y / seconds, moved.theta / seconds};
+    // odometry that jumps says nothing about how the robot moves
+    const Velocity since{rolled.x / seconds, rolled.y / seconds, moved.theta / seconds};
+    const bool jumped = norm({since.vx, since.vy}) > kMaxSpeed || std::fabs(since.omega) > kMaxSpeed;
+    velocity = jumped ? Velocity{} : since;
   }
   odometry_ = {odom_from_base, velocity};
   track_.add_odometry(stamp, odometry_);

@@ -1,6 +1,5 @@
 #include "threewe/slam/slam.hpp"
 
-#include <cmath>
 #include <utility>
 
 #include <fmt/format.h>
@@ -10,6 +9,7 @@
 #include "slam/slam_config.hpp"
 #include "slam/slam_file.hpp"
 #include "slam/trail.hpp"
+#include "threewe/core/bounds.hpp"
 #include "threewe/core/errors.hpp"
 
 namespace threewe::slam {
@@ -23,24 +23,6 @@ SensorModel sensors(const SlamConfig& config) {
   model.wheel_slip = config.position_drift;
   model.wheel_drift = config.heading_drift;
   return model;
-}
-
-void check(const LaserScan& scan) {
-  if (!(scan.angle_increment > 0.0) || !std::isfinite(scan.angle_increment) || !std::isfinite(scan.angle_min)) {
-    throw ContractError(
-        fmt::format("a scan's angles must be finite and go up, got angle_min {:g}, angle_increment {:g}",
-                    scan.angle_min, scan.angle_increment));
-  }
-  if (!std::isfinite(scan.time_increment)) throw ContractError("a scan's time_increment must be finite");
-  if (!(scan.range_min >= 0.0) || !(scan.range_max > scan.range_min) || !std::isfinite(scan.range_max)) {
-    throw ContractError(
-        fmt::format("a scan needs 0 <= range_min < range_max, got {:g} and {:g}", scan.range_min, scan.range_max));
-  }
-  for (std::size_t i = 0; i < scan.ranges.size(); ++i) {
-    if (scan.ranges[i] >= 0.0F && std::isfinite(scan.ranges[i])) continue;
-    throw ContractError(
-        fmt::format("range {} of a scan is {:g}: no return is range_max, invalid is 0", i, scan.ranges[i]));
-  }
 }
 
 }  // namespace
@@ -63,11 +45,8 @@ Slam::Slam(Slam&&) noexcept = default;
 Slam& Slam::operator=(Slam&&) noexcept = default;
 
 Pose2D Slam::add(Time stamp, const LaserScan& scan, const Pose2D& odom_from_base) {
-  if (!is_finite(odom_from_base)) {
-    throw ContractError(fmt::format("odometry must be finite, got ({:g}, {:g}, {:g})", odom_from_base.x,
-                                    odom_from_base.y, odom_from_base.theta));
-  }
-  check(scan);
+  check_bounds("odometry", odom_from_base);
+  check_bounds(scan);
   State& s = *state_;
   s.check_order(stamp, scan);
 
@@ -125,7 +104,7 @@ void Slam::save(const std::filesystem::path& path) const {
 }
 
 Slam Slam::load(const std::filesystem::path& path, const std::optional<Pose2D>& map_from_base) {
-  if (map_from_base && !is_finite(*map_from_base)) throw ContractError("where the robot goes on must be finite");
+  if (map_from_base) check_bounds("where the robot goes on", *map_from_base);
   SlamFile file = read_slam_file(path);
   Slam slam(file.config);
   slam.state_ = std::make_unique<State>(file.config, file.range_bias);

@@ -14,15 +14,13 @@
 #include <fmt/format.h>
 
 #include "slam/slam_config.hpp"
+#include "threewe/core/bounds.hpp"
 #include "threewe/core/errors.hpp"
 
 namespace threewe::slam {
 namespace {
 
 constexpr std::string_view kFirstLine = "threewe slam 1";
-constexpr std::int64_t kMostBeams = 100'000;                 // of a scan
-constexpr double kLongestRange = 1000.0;                     // [m]
-constexpr double kFarthestPose = 1e6;                        // [m]
 constexpr std::int64_t kLatest = 1'000'000'000'000'000'000;  // [ns] 30 years
 constexpr std::size_t kShown = 24;                           // characters of what is no number
 
@@ -67,10 +65,13 @@ class Line {
     if (value < low || value > high) fail(fmt::format("{} must lie in [{}, {}], got {}", what, low, high, value));
     return value;
   }
+  Vec2 place(std::string_view what) {
+    const double x = number_in(what, -kMaxCoordinate, kMaxCoordinate);
+    return {x, number_in(what, -kMaxCoordinate, kMaxCoordinate)};
+  }
   Pose2D pose(std::string_view what) {
-    const double x = number_in(what, -kFarthestPose, kFarthestPose);
-    const double y = number_in(what, -kFarthestPose, kFarthestPose);
-    return {x, y, number_in(what, -kFarthestPose, kFarthestPose)};
+    const Vec2 position = place(what);
+    return {position.x, position.y, number_in(what, -kMaxAngle, kMaxAngle)};
   }
   void finish() const {
     if (!rest_.empty()) fail(fmt::format("a line '{}' has more numbers than it should: '{}'", word_, rest_));
@@ -115,8 +116,12 @@ void write_keyframe(const TrailData& trail, int keyframe, std::string& text) {
 // Reads a file line by line, in the order in which they are written.
 class Reader {
  public:
-  explicit Reader(const std::filesystem::path& path) : path_(path), file_(path, std::ios::binary) {
-    if (!file_) throw ConfigError(fmt::format("{}: cannot be read; a map is saved by Slam.save", path.string()));
+  explicit Reader(const std::filesystem::path& path) : path_(path) {
+    std::error_code error;  // a device or a pipe may never end
+    if (std::filesystem::is_regular_file(path, error)) file_.open(path, std::ios::binary);
+    if (!file_.is_open()) {
+      throw ConfigError(fmt::format("{}: cannot be read; a map is saved by Slam.save", path.string()));
+    }
   }
 
   SlamFile read();
@@ -189,7 +194,7 @@ void Reader::read_settings(Line& line) {
   if (line.word() == "lidar") {
     config.base_from_lidar = line.pose("base_from_lidar");
     config.range_max = line.number("range_max");
-    content_.range_bias = line.number("range_bias");
+    content_.range_bias = line.number_in("range_bias", -map::kMaxRangeBias, map::kMaxRangeBias);
     config.range_bias_sigma = line.number("range_bias_sigma");
   } else if (line.word() == "map") {
     config.resolution = line.number("resolution");
@@ -218,12 +223,11 @@ void Reader::read_keyframe(Line& line) {
 void Reader::read_scan(Line& line) {
   Keyframe::Scan scan;
   scan.keyframe_from_base = line.pose("a pose");
-  scan.beams.origin.x = line.number_in("an origin", -kFarthestPose, kFarthestPose);
-  scan.beams.origin.y = line.number_in("an origin", -kFarthestPose, kFarthestPose);
-  const std::int64_t beams = line.integer("the number of beams", 0, kMostBeams);
+  scan.beams.origin = line.place("an origin");
+  const std::int64_t beams = line.integer("the number of beams", 0, kMaxBeams);
   for (std::int64_t i = 0; i < beams; ++i) {
     PackedBeam& beam = scan.beams.beams.emplace_back();
-    beam.range = static_cast<float>(line.number_in("a range", 0.0, kLongestRange));
+    beam.range = static_cast<float>(line.number_in("a range", 0.0, kMaxCoordinate));
     beam.direction = static_cast<std::uint16_t>(line.integer("a direction", 0, 65535));
     beam.origin_x = static_cast<std::int16_t>(line.integer("an origin", -32767, 32767));
     beam.origin_y = static_cast<std::int16_t>(line.integer("an origin", -32767, 32767));

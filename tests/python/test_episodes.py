@@ -77,5 +77,5 @@ def test_a_robot_that_knows_the_truth_has_the_same_outcomes() -> None:
 def test_unknown_sets_are_refused(tmp_path: Path) -> None:
     with pytest.raises(ConfigError, match="did you mean 'reactive_v1'"):
         load_episodes("reactive_v2")
-    with pytest.raises(FileNotFoundError):
+    with pytest.raises(ConfigError, match=r"none\.json: no such file"):
         load_episodes(tmp_path / "none.json")

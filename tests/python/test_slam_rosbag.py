@@ -128,9 +128,79 @@ def test_what_is_missing_is_told(tmp_path: Path) -> None:
     (tmp_path / "empty").mkdir()
     for name in ("garbage.db3", "garbage.mcap"):
         (tmp_path / name).write_text("no recording at all")
-    for name in ("empty", "garbage.db3", "garbage.mcap", "nothing.mcap"):
+    for name in ("empty", "garbage.db3", "garbage.mcap"):
         with pytest.raises(threewe.ConfigError, match=rf"{name}: not a rosbag2 that can be read"):
             read_log(tmp_path / name)
+    with pytest.raises(threewe.ConfigError, match=r"nothing\.mcap: no such file"):
+        read_log(tmp_path / "nothing.mcap")
+
+
+def test_transforms_in_a_ring_end(tmp_path: Path) -> None:
+    poses = [(0.05 * i, threewe.Pose2D(0.02 * i, 0.0, 0.0)) for i in range(60)]
+    ring = [transform(a, b, 1.0, 0.0, 0.0) for a, b in ("ab", "bc", "ca")]
+    base = [transform("a", "base_footprint", 0.0, 0.0, 0.0), transform("a", "a", 0.0, 0.0, 0.0)]
+    for name, fixed in (("ring", ring + base), ("none", ring)):
+        bag = write(
+            tmp_path / name,
+            {
+                "/odom": [(t, odometry(t, pose)) for t, pose in poses],
+                "/scan": [(1.0, scan(1.0, [1.0, 2.0], 0.0, 0.1))],
+                "/tf_static": [(0.0, make("tf2_msgs/msg/TFMessage", transforms=fixed))],
+            },
+        )
+        assert read_log(bag).base_from_lidar == threewe.Pose2D()
+
+
+@pytest.mark.parametrize(
+    ("field", "value"),
+    [
+        ("angle_min", 1e30),
+        ("angle_increment", 1e9),
+        ("angle_increment", 0.0),
+        ("range_max", math.inf),
+        ("time_increment", 1e9),
+    ],
+)
+def test_a_scan_that_no_lidar_makes_is_named(field: str, value: float, tmp_path: Path) -> None:
+    wild = scan(1.0, [1.0, 2.0, 3.0], 0.0, 0.1)
+    object.__setattr__(wild, field, value)
+    bag = write(
+        tmp_path / "bag",
+        {"/odom": [(0.1 * i, odometry(0.1 * i, threewe.Pose2D())) for i in range(20)], "/scan": [(1.0, wild)]},
+    )
+    with pytest.raises(threewe.ConfigError, match=r"bag: scan 1: a scan"):
+        read_log(bag)
+
+
+@pytest.mark.parametrize("far", [1e7, 1e200, math.inf, math.nan])
+def test_odometry_that_no_map_holds_is_named(far: float, tmp_path: Path) -> None:
+    bag = write(
+        tmp_path / "bag",
+        {
+            "/odom": [(0.1 * i, odometry(0.1 * i, threewe.Pose2D(far, 0.0, 0.0))) for i in range(20)],
+            "/scan": [(1.0, scan(1.0, [1.0, 2.0, 3.0], 0.0, 0.1))],
+        },
+    )
+    with pytest.raises(threewe.ConfigError, match=r"bag: (scan 1: odometry|message 1 of /odom: a pose) must be finite"):
+        read_log(bag)
+
+
+def test_bytes_that_were_cut_off_are_named(tmp_path: Path) -> None:
+    recording(tmp_path / "bag")
+    metadata = tmp_path / "bag/metadata.yaml"
+    good = metadata.read_text()
+    for bad in ("", "7", "rosbag2_bagfile_information: []", "[" * 5000, good.replace("version: 9", "version: x")):
+        metadata.write_text(bad)
+        with pytest.raises(threewe.ConfigError, match=r"bag: "):
+            read_log(tmp_path / "bag")
+    metadata.write_text(good)
+    database = next((tmp_path / "bag").glob("*.db3"))
+    content = bytearray(database.read_bytes())
+    for at in range(5000, len(content), 97):
+        content[at] ^= 0xFF
+    database.write_bytes(content)
+    with pytest.raises(threewe.ConfigError, match=r"bag: "):
+        read_log(tmp_path / "bag")
 
 
 def test_the_command_maps_it(tmp_path: Path) -> None:

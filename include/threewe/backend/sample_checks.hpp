@@ -2,13 +2,12 @@
 #pragma once
 
 #include "threewe/backend/world.hpp"
+#include "threewe/core/bounds.hpp"
 #include "threewe/core/samples.hpp"
 #include "threewe/hardware/profile.hpp"
 
 namespace threewe::backend {
 
-/// The furthest from an origin that a pose may be [m]: far beyond any robot, and near enough to compute with.
-inline constexpr double kMaxCoordinate = 1e6;
 /// How far off a range or a depth may be that was kept as a float [m].
 inline constexpr double kRangeTolerance = 1e-4;
 

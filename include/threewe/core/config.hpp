@@ -41,7 +41,8 @@ class ConfigNode {
   double number_in(double low, double high) const;  ///< within [low, high], or ConfigError
   int integer_in(int low, int high) const;          ///< the same, and whole
   bool boolean() const;
-  std::string text() const;
+  std::string text() const;  ///< without control characters but tabs and line feeds, or ConfigError
+  std::string name() const;  ///< that other formats and file systems take too (`is_name`), or ConfigError
   Vec2 vec2(double limit = kFarthest) const;    ///< [x, y], each within +-limit
   Pose2D pose(double limit = kFarthest) const;  ///< [x, y, theta], theta in radians; theta may be left out
 
@@ -53,6 +54,7 @@ class ConfigNode {
   std::string text(std::string_view field, std::string fallback) {
     return has(field) ? at(field).text() : std::move(fallback);
   }
+  std::string name(std::string_view field) { return at(field).name(); }
   /// One of `choices`, or ConfigError with the nearest of them.
   std::string choice(std::string_view field, const std::vector<std::string>& choices);
 

@@ -11,6 +11,21 @@
 
 namespace threewe {
 
+/// So far from the first a column or row is outside of any grid, and still a number to compute with.
+inline constexpr double kFarCell = 1 << 28;
+inline double clamp_to_far_cells(double cells) {
+  if (!(cells > -kFarCell)) return -kFarCell;  // NaN as well
+  return cells < kFarCell ? cells : kFarCell;
+}
+inline Vec2 clamp_to_far_cells(Vec2 cells) { return {clamp_to_far_cells(cells.x), clamp_to_far_cells(cells.y)}; }
+
+/// The column or row `cells` cells from the first. Points too far away for any grid, and NaN, end far outside instead.
+inline int to_cell(double cells) {
+  const double within = clamp_to_far_cells(cells);
+  const int towards_zero = static_cast<int>(within);
+  return towards_zero - (within < towards_zero ? 1 : 0);  // where floor is a call, it takes longer than all the rest
+}
+
 /// Calls `visit(x, y)` for every cell on the way from `a` to `b`, in order, both ends included, while it returns true
 /// (Amanatides & Woo 1987). Returns whether all were visited. Points are in cells: the cell of (x, y) is
 /// (floor(x), floor(y)). A line through a corner of four cells goes along y first.
@@ -28,6 +43,7 @@ bool walk_grid_line(Vec2 a, Vec2 b, Visit visit) {
     const double next = d > 0.0 ? (cell + 1 - from) * step : d < 0.0 ? (from - cell) * step : step;
     return Axis{cell, d > 0.0 ? 1 : -1, left, next, step};
   };
+  a = clamp_to_far_cells(a), b = clamp_to_far_cells(b);
   Axis x = axis(a.x, b.x);
   Axis y = axis(a.y, b.y);
   while (visit(x.cell, y.cell)) {
@@ -45,6 +61,7 @@ bool walk_grid_line(Vec2 a, Vec2 b, Visit visit) {
 template <class Visit>
 void mark_grid_line(Vec2 a, Vec2 b, Visit visit) {
   constexpr double kOne = 0x1p32;
+  a = clamp_to_far_cells(a), b = clamp_to_far_cells(b);
   const bool steep = std::fabs(b.y - a.y) > std::fabs(b.x - a.x);
   if (steep) std::swap(a.x, a.y), std::swap(b.x, b.y);
   if (a.x > b.x) std::swap(a, b);

@@ -7,6 +7,14 @@
 
 namespace threewe {
 
+/// Whether a text can name a thing in every format that things are exported to, and be a file's name: UTF-8 of 1 to 200
+/// bytes without control characters, slashes and backslashes that does not begin with a dot.
+bool is_name(std::string_view text);
+/// Whether a text has no control characters but tabs and line feeds.
+bool is_text(std::string_view text);
+/// "expected a name of ..., got '...'"
+std::string not_a_name(std::string_view text);
+
 /// The candidate with the smallest edit distance to `name`; empty when none is near enough to be meant.
 std::string nearest_name(std::string_view name, std::span<const std::string> candidates);
 

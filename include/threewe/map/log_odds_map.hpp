@@ -11,6 +11,9 @@
 
 namespace threewe::map {
 
+/// How much too long or too short all ranges of a lidar may be [m].
+inline constexpr double kMaxRangeBias = 1.0;
+
 /// One measured line of sight.
 struct Beam {
   Vec2 origin;         ///< [m] where the sensor was
@@ -50,7 +53,8 @@ class LogOddsMap {
   static LogOddsMap going_on_from(const OccupancyGrid& given);
 
   /// Adds one scan whose ranges are measured too long by `range_bias` [m]. A cell changes once: where any beam hit it,
-  /// it counts as hit, whatever passed through it. Beams that the map would outgrow its limits for are ignored.
+  /// it counts as hit, whatever passed through it. Beams that the map would outgrow its limits for are ignored. Throws
+  /// ContractError where the bias is beyond kMaxRangeBias.
   void insert(std::span<const Beam> scan, double range_bias = 0.0);
 
   /// Makes room for a box at once, where many scans will be inserted: growing scan by scan copies the map each time.
@@ -73,7 +77,8 @@ class LogOddsMap {
 
  private:
   std::vector<Beam> within_reach(std::span<const Beam> beams) const;
-  void grow_to_hold(std::span<const Beam> beams);
+  void grow_to_hold(std::span<const Beam> beams, double range_bias);
+  void grow_to(Vec2 low, Vec2 high, double rim);
   void add_hit(const Beam& beam, double range_bias);
   Region mark_free(std::span<const Beam> beams, double range_bias);
   void apply_marks(const Region& seen);

@@ -1,10 +1,10 @@
 // A map of what is free, occupied and unknown.
 #pragma once
 
-#include <algorithm>
 #include <cstdint>
 #include <vector>
 
+#include "threewe/core/grid_line.hpp"
 #include "threewe/core/pose.hpp"
 
 namespace threewe::map {
@@ -16,13 +16,7 @@ struct Cell {
   friend bool operator==(const Cell&, const Cell&) = default;
 };
 
-/// The column or row `cells` cells from the first. Points too far away for any grid end far outside instead.
-inline int to_cell(double cells) {
-  constexpr double kFar = 1 << 28;
-  const double within = std::clamp(cells, -kFar, kFar);
-  const int towards_zero = static_cast<int>(within);
-  return towards_zero - (within < towards_zero ? 1 : 0);  // where floor is a call, it takes longer than all the rest
-}
+using threewe::to_cell;
 
 /// Whether a map or costmap of so many cells is small enough to keep: 400 m across, 200 m x 200 m in all at 5 cm, so
 /// that one mad pose costs neither gigabytes nor seconds.
@@ -61,6 +55,12 @@ struct OccupancyGrid {
   static constexpr std::int8_t kFreeThreshold = 25;
   friend bool operator==(const OccupancyGrid&, const OccupancyGrid&) = default;
 };
+
+inline constexpr double kFinestResolution = 0.001;  ///< [m] a cell
+inline constexpr double kCoarsestResolution = 10.0;
+/// Throws ContractError naming the field unless a grid is of cells that a map can have, as many as it says, no farther
+/// away than places are.
+void check_bounds(const OccupancyGrid& grid);
 
 /// Where cell (0, 0) of a grid is in its raster: counted from the cell whose lower left corner is at (0, 0) m.
 inline Cell raster_cell(const OccupancyGrid& grid) {

@@ -31,8 +31,9 @@ std::vector<Vec2> straighten(const map::Costmap& costmap, const std::vector<map:
 /// `Route`.
 class Planner {
  public:
-  /// `costmap` must hold both points. Where the goal's own cell cannot be reached the path ends in the nearest one,
-  /// less than `tolerance` [m] away, that can. No path means that there is none: everything within reach was searched.
+  /// No path where `costmap` does not hold `from`: the robot is farther from its map than a grid goes. Where the goal's
+  /// own cell cannot be reached the path ends in the nearest one, less than `tolerance` [m] away, that can. No path
+  /// means that there is none: everything within reach was searched.
   PlannedPath plan(const map::Costmap& costmap, Vec2 from, Vec2 to, double tolerance);
   const TileGraph& graph() const { return graph_; }
 

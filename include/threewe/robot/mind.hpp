@@ -3,6 +3,7 @@
 
 #include <functional>
 #include <memory>
+#include <string>
 #include <string_view>
 
 #include "threewe/hardware/profile.hpp"
@@ -20,6 +21,7 @@ struct Mind {
   using NavigatorFactory = std::function<std::unique_ptr<nav::Navigator>(const RobotProfile& profile)>;
   LocalizerFactory localizer;
   NavigatorFactory navigator;
+  std::string localization = "slam";  ///< its name: states of one are of no use to another
 };
 
 /// `slam` is our own mind. With `truth` the robot always knows where it is, as it can in simulated worlds alone, see

@@ -50,8 +50,8 @@ class Slam {
   Slam& operator=(Slam&&) noexcept;
 
   /// One scan whose beam 0 was measured at `stamp`, where odometry had the robot at `odom_from_base`. Returns
-  /// map_from_base. Throws ContractError, and changes nothing, when a number is not finite, when time does not go on,
-  /// and when the scan has not as many ranges as the first.
+  /// map_from_base. Throws ContractError, and changes nothing, when a number is out of bounds (core/bounds.hpp), when
+  /// time does not go on, and when the scan has not as many ranges as the first.
   Pose2D add(Time stamp, const LaserScan& scan, const Pose2D& odom_from_base);
 
   /// The map: every scan that brought something new, drawn where `trajectory` has it.

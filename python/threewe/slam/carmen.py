@@ -21,13 +21,19 @@ from typing import NoReturn
 import numpy as np
 from numpy.typing import NDArray
 
+from threewe import _core
 from threewe._core import LaserScan, Pose2D
-from threewe.errors import ConfigError
+from threewe._files import require_file
+from threewe.errors import ConfigError, ContractError
 from threewe.slam.log import Log, Progress
 
 SICK_RANGE_MAX = 80.0  # [m] that readers assume where an old log does not tell; beyond it a SICK saw nothing
 LASERS = ("FLASER", "ROBOTLASER1")
 OFFSETS = ("robot_frontlaser_offset", "robot_frontlaser_side_offset", "robot_frontlaser_angular_offset")
+RANGE_MAX = "robot_front_laser_max"
+PARAMETERS = (*OFFSETS, RANGE_MAX)  # that concern anybody here
+FARTHEST = 1000.0  # [m], [rad] that a laser is from its robot's middle, or sees
+LONGEST_LINE = 2**20  # [bytes] a scan of 16384 ranges takes 200 kB
 STEADY = 0.02  # [m], [rad] by which a laser may move on its robot because numbers were rounded
 
 
@@ -42,19 +48,24 @@ def read_carmen(path: Path, *, on_progress: Progress | None = None) -> Log:
     for number, line in _lines(path, on_progress):
         words = line.split()
         name = words[0] if words else "#"
-        if name == "PARAM" and len(words) > 2:
-            parameters[words[1]] = _number(words[2])
+        if name == "PARAM" and len(words) > 2 and words[1] in PARAMETERS:
+            parameters[words[1]] = _parameter(path, number, words)
         if name not in LASERS or (kind and name != kind):  # newer logs hold the same scan in both forms
             continue
         kind = name
         try:
             time, scan, laser, base = (_flaser if name == "FLASER" else _robotlaser)(words, parameters)
-        except (ValueError, IndexError):
+            _core.check_reading(scan, base)
+            _core.check_reading(scan, laser)
+        except (ValueError, IndexError, OverflowError):
             log.skip("broken lines")
             continue
         if log.scans and len(scan.ranges) != len(log.scans[0].ranges):
             _fail(path, number, f"a scan of {len(scan.ranges)} ranges after scans of {len(log.scans[0].ranges)}")
-        log.add(time, scan, base)
+        try:
+            log.add(time, scan, base)
+        except ContractError as error:
+            _fail(path, number, str(error))
         offsets.append(base.inverse() * laser)
     if not log.scans:
         _fail(path, 1, f"no scan in it; a CARMEN log has lines that begin with {' or '.join(LASERS)}")
@@ -72,7 +83,7 @@ def write_carmen(path: Path, log: Log) -> None:
         for name, value in zip(OFFSETS, mount, strict=True):
             file.write(f"PARAM {name} {value:.6f} 0 nohost 0\n")
         if log.scans:
-            file.write(f"PARAM robot_front_laser_max {log.scans[0].range_max:.2f} 0 nohost 0\n")
+            file.write(f"PARAM {RANGE_MAX} {log.scans[0].range_max:.2f} 0 nohost 0\n")
         for i, (time, scan, base) in enumerate(zip(log.times, log.scans, log.odometry, strict=True)):
             if not np.allclose([scan.angle_min, scan.angle_increment], _fan(len(scan.ranges))):
                 raise ConfigError(
@@ -93,7 +104,7 @@ def _flaser(words: list[str], parameters: dict[str, float]) -> Message:
     angle_min, increment = _fan(count)
     ranges = _numbers(words[2 : 2 + count], count)
     x, y, theta, *base, time = _numbers(words[2 + count : 9 + count], 7)
-    limit = parameters.get("robot_front_laser_max", SICK_RANGE_MAX)
+    limit = parameters.get(RANGE_MAX, SICK_RANGE_MAX)
     return time, _scan(ranges, angle_min, increment, limit), Pose2D(x, y, theta), Pose2D(*base)
 
 
@@ -140,18 +151,25 @@ def _numbers(words: list[str], count: int) -> NDArray[np.float64]:
     return numbers
 
 
-def _number(word: str) -> float:
+def _parameter(path: Path, line: int, words: list[str]) -> float:
     try:
-        return float(word)
+        value = float(words[2])
     except ValueError:
-        return 0.0  # parameters that are words concern nobody here
+        value = math.nan
+    low = FARTHEST if words[1] in OFFSETS else 0.0
+    if not -low <= value <= FARTHEST:
+        _fail(path, line, f"{words[1]} must be a number in [{-low:g}, {FARTHEST:g}], got {words[2][:24]!r}")
+    return value
 
 
 def _lines(path: Path, on_progress: Progress | None) -> Iterator[tuple[int, str]]:
+    require_file(path)
     size = max(path.stat().st_size, 1)
     done = 0
     with path.open("rb") as file:
-        for number, line in enumerate(file, 1):
+        for number, line in enumerate(iter(lambda: file.readline(LONGEST_LINE + 1), b""), 1):
+            if len(line) > LONGEST_LINE:
+                _fail(path, number, f"a line of more than {LONGEST_LINE} bytes: this is no CARMEN log")
             done += len(line)
             if on_progress and number % 100 == 0:
                 on_progress(done / size)

@@ -9,7 +9,9 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from threewe._core import LaserScan, Pose2D
+from threewe._arguments import LONGEST
+from threewe._core import LaserScan, Pose2D, check_reading
+from threewe.errors import ContractError
 
 Progress = Callable[[float], None]
 """Is told which share of the work is done, 0 to 1."""
@@ -30,7 +32,12 @@ class Log:
         self.skipped[reason] = self.skipped.get(reason, 0) + 1
 
     def add(self, time: float, scan: LaserScan, odometry: Pose2D) -> None:
-        """A scan; one that is no later than the last is skipped."""
+        """A scan; one that is no later than the last is skipped. Numbers that `Slam` takes from nobody raise
+        ContractError.
+        """
+        check_reading(scan, odometry)
+        if self.times and not abs(time - self.times[0]) <= LONGEST:
+            raise ContractError(f"a time of {time:g} s after one of {self.times[0]:g} s")
         if self.times and time <= self.times[-1]:
             self.skip("scans no later than the one before")
             return

@@ -14,7 +14,9 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from threewe.errors import ConfigError
+from threewe._arguments import as_array
+from threewe._files import read_text
+from threewe.errors import ConfigError, ContractError
 
 Array = NDArray[np.float64]
 
@@ -35,7 +37,7 @@ class Relations:
         of another form.
         """
         rows = []
-        for number, line in enumerate(path.read_text(encoding="utf-8").splitlines(), 1):
+        for number, line in enumerate(read_text(path).splitlines(), 1):
             words = line.split("#")[0].split()
             if not words:
                 continue
@@ -81,6 +83,12 @@ def relation_errors(trajectory: Array, relations: Relations) -> tuple[Array, Arr
     """Of each relation the error of translation [m] and rotation [rad], and how many were left out as the trajectory,
     (N, 4) time, x, y, heading, does not reach them.
     """
+    trajectory = as_array("trajectory", trajectory, (None, 4))
+    relations = Relations(
+        as_array("times", relations.times, (None, 2)), as_array("poses", relations.poses, (len(relations.times), 3))
+    )
+    if not len(trajectory):
+        raise ContractError("trajectory must have a pose at least")
     reached = ((relations.times >= trajectory[0, 0] - NEAR) & (relations.times <= trajectory[-1, 0] + NEAR)).all(axis=1)
     first, second = (poses_at(trajectory, relations.times[reached, end]) for end in (0, 1))
     known = relations.poses[reached]

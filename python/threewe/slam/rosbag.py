@@ -3,49 +3,83 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from rosbags.highlevel import AnyReader, AnyReaderError
-from rosbags.rosbag2 import ReaderError
+from rosbags.highlevel import AnyReader
 from rosbags.typesys import Stores, get_typestore
 
-from threewe._core import LaserScan, Pose2D
+from threewe._core import LaserScan, Pose2D, check_reading
+from threewe._files import require_file
 from threewe.errors import ConfigError
 from threewe.slam.log import Log, Progress
 
 SCAN, ODOMETRY, TRANSFORMS = "sensor_msgs/msg/LaserScan", "nav_msgs/msg/Odometry", "tf2_msgs/msg/TFMessage"
+
+Scans = list[tuple[float, LaserScan, str]]  # [s], and the frame
+Poses = list[tuple[float, Pose2D, str]]
 
 
 def read_rosbag(path: Path, *, on_progress: Progress | None = None) -> Log:
     """Reads the topic of type LaserScan and the one of type Odometry; where there are several, that with most messages.
     Scans before the first or after the last odometry are skipped and counted. Raises ConfigError.
     """
+    for file in sorted(path.iterdir()) if path.is_dir() else [path]:
+        if not file.is_dir():
+            require_file(file)
+    with ExitStack() as stack:
+        with _readable(path, "not a rosbag2 that can be read"):
+            reader = stack.enter_context(AnyReader([path], default_typestore=get_typestore(Stores.ROS2_HUMBLE)))
+            start, duration = reader.start_time, reader.duration
+        return _read(
+            path, reader, lambda stamp: on_progress((stamp - start) / max(duration, 1)) if on_progress else None
+        )
+
+
+@contextmanager
+def _readable(path: Path, place: str) -> Iterator[None]:
+    """What the library raises about bytes that were forged or cut off is of any kind: each is one ConfigError."""
     try:
-        with AnyReader([path], default_typestore=get_typestore(Stores.ROS2_HUMBLE)) as reader:
-            return _read(path, reader, on_progress)
-    except (AnyReaderError, ReaderError, FileNotFoundError) as error:
-        raise ConfigError(f"{path}: not a rosbag2 that can be read: {error}") from None
+        yield
+    except ConfigError:
+        raise
+    except Exception as error:
+        raise ConfigError(f"{path}: {place}: {str(error)[:200] or type(error).__name__}") from None
 
 
-def _read(path: Path, reader: AnyReader, on_progress: Progress | None) -> Log:
+def _read(path: Path, reader: AnyReader, tell: Callable[[int], None]) -> Log:
     wanted = [_busiest(path, reader, kind) for kind in (SCAN, ODOMETRY)]
     wanted += [c for c in reader.connections if c.msgtype == TRANSFORMS and c.topic.endswith("tf_static")]
-    scans: list[Any] = []
-    odometry: list[Any] = []
+    scans: Scans = []
+    odometry: Poses = []
     transforms: dict[str, tuple[str, Pose2D]] = {}
-    for connection, stamp, data in reader.messages(wanted):
-        message: Any = reader.deserialize(data, connection.msgtype)
-        if connection.msgtype == TRANSFORMS:
-            for t in message.transforms:
-                transforms[t.child_frame_id] = t.header.frame_id, _pose(t.transform.translation, t.transform.rotation)
-        else:
-            (scans if connection.msgtype == SCAN else odometry).append(message)
-        if on_progress:
-            on_progress((stamp - reader.start_time) / max(reader.duration, 1))
-    return _log(scans, odometry, transforms)
+    counts: dict[str, int] = {}
+    messages = reader.messages(wanted)
+    while True:
+        with _readable(path, f"after message {sum(counts.values())}"):
+            found = next(messages, None)
+        if found is None:
+            break
+        connection, stamp, data = found
+        counts[connection.topic] = counts.get(connection.topic, 0) + 1
+        with _readable(path, f"message {counts[connection.topic]} of {connection.topic}"):
+            message: Any = reader.deserialize(data, connection.msgtype)
+            if connection.msgtype == TRANSFORMS:
+                for t in message.transforms:
+                    pose = _pose(t.transform.translation, t.transform.rotation)
+                    transforms[t.child_frame_id] = t.header.frame_id, pose
+            elif connection.msgtype == SCAN:
+                scans.append((_time(message), _scan(message), message.header.frame_id))
+            else:
+                pose = _pose(message.pose.pose.position, message.pose.pose.orientation)
+                odometry.append((_time(message), pose, message.child_frame_id))
+        tell(stamp)
+    if not scans or not odometry:
+        raise ConfigError(f"{path}: {len(scans)} scans and {len(odometry)} odometry messages in it; both are needed")
+    return _log(path, scans, odometry, transforms)
 
 
 def _busiest(path: Path, reader: AnyReader, kind: str) -> Any:
@@ -55,20 +89,24 @@ def _busiest(path: Path, reader: AnyReader, kind: str) -> Any:
     return max(found, key=lambda connection: connection.msgcount)
 
 
-def _log(scans: Sequence[Any], odometry: Sequence[Any], transforms: dict[str, tuple[str, Pose2D]]) -> Log:
-    log = Log(base_from_lidar=_mount(odometry[0].child_frame_id, scans[0].header.frame_id, transforms))
-    times = np.array([_time(message) for message in odometry])
-    poses = [_pose(message.pose.pose.position, message.pose.pose.orientation) for message in odometry]
-    x, y = ([getattr(pose, axis) for pose in poses] for axis in "xy")
-    theta = np.unwrap([pose.theta for pose in poses])
-    for message in scans:
-        time = _time(message)
+def _log(path: Path, scans: Scans, odometry: Poses, transforms: dict[str, tuple[str, Pose2D]]) -> Log:
+    log = Log(base_from_lidar=_mount(odometry[0][2], scans[0][2], transforms))
+    times = np.array([time for time, _, _ in odometry])
+    x, y = (np.array([getattr(pose, axis) for _, pose, _ in odometry]) for axis in "xy")
+    theta = np.unwrap([pose.theta for _, pose, _ in odometry])
+    for number, (time, scan, _) in enumerate(scans, 1):
         if not times[0] <= time <= times[-1]:
             log.skip("scans without odometry around them")
             continue
-        log.add(time, _scan(message), Pose2D(*(float(np.interp(time, times, values)) for values in (x, y, theta))))
+        place = Pose2D(*(float(np.interp(time, times, values)) for values in (x, y, theta)))
+        with _readable(path, f"scan {number}"):
+            log.add(time, scan, place)
     if not log.scans:
-        raise ConfigError("no scan lies between the first and the last odometry: are these stamps of one clock?")
+        raise ConfigError(
+            f"{path}: no scan lies between the first and the last odometry: are these stamps of one clock?"
+        )
+    with _readable(path, "the transforms from the robot to its lidar"):
+        check_reading(log.scans[0], log.base_from_lidar)
     return log
 
 
@@ -97,14 +135,19 @@ def _mount(base: str, lidar: str, transforms: dict[str, tuple[str, Pose2D]]) -> 
         return base_from_lidar
     # the odometer's frame may hang below what both share, as base_footprint does
     ancestor, ancestor_from_base = base, Pose2D()
-    while ancestor not in chains and ancestor in transforms:
+    seen: set[str] = set()
+    while ancestor not in chains and ancestor in transforms and ancestor not in seen:
+        seen.add(ancestor)
         ancestor, parent = transforms[ancestor]
         ancestor_from_base = parent * ancestor_from_base
     return ancestor_from_base.inverse() * chains[ancestor] if ancestor in chains else Pose2D()
 
 
 def _pose(position: Any, turned: Any) -> Pose2D:
-    yaw = math.atan2(2.0 * (turned.w * turned.z + turned.x * turned.y), 1.0 - 2.0 * (turned.y**2 + turned.z**2))
+    x, y, z, w = turned.x, turned.y, turned.z, turned.w
+    yaw = math.atan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z))
+    if not math.isfinite(position.x + position.y + yaw):
+        raise ValueError(f"a pose must be finite, got ({position.x:g}, {position.y:g}) and a heading of {yaw:g}")
     return Pose2D(position.x, position.y, yaw)
 
 

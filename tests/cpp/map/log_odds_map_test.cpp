@@ -5,12 +5,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <set>
 #include <utility>
 #include <vector>
 
 #include "draw.hpp"
+#include "threewe/core/errors.hpp"
 
 namespace threewe::map {
 namespace {
@@ -221,6 +223,37 @@ TEST_CASE("beams from far away are ignored, so that one mad pose costs no gigaby
   }
   map.insert(std::vector{beam({300.0, 0.0}, 0.0, 1.0)});
   CHECK(map.grid().width > 6000);
+}
+
+TEST_CASE("a map does not begin where no cell can be counted") {
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+  for (const double far : {-2e6, 1e9, 1e18, 1e300, kInfinity, -kInfinity, kNan}) {
+    CAPTURE(far);
+    LogOddsMap map;
+    map.insert(std::vector{beam({far, 0.0}, 1.0, 5.0), beam({0.0, far}, 1.0, 5.0), beam({0.0, 0.0}, 1.0, far)});
+    CHECK(map.grid().data.empty());
+    map.make_room({far, far}, {far + 1.0, far + 1.0});
+    map.insert(std::vector{beam({1.0, 1.0}, 0.0, 1.0)});
+  }
+}
+
+TEST_CASE("hits stay in the map whatever the lidar's bias") {
+  for (const double resolution : {0.02, 0.05}) {
+    for (const double bias : {-1.0, -0.3, 0.3, 1.0}) {
+      for (double angle = 0.0; angle < 6.3; angle += 0.1) {
+        LogOddsMap map({.resolution = resolution});
+        map.insert(std::vector{beam({63.9 * resolution, 63.9 * resolution}, angle, 0.05)}, bias);
+        std::int64_t hits = 0;
+        for (const CellHits& h : map.hits()) hits += h.count;
+        CHECK(hits == 1);
+      }
+    }
+  }
+  LogOddsMap map;
+  for (const double bias : {-1.1, 1e9, std::numeric_limits<double>::quiet_NaN()}) {
+    CHECK_THROWS_AS(map.insert(std::vector{beam({0, 0}, 0.0, 1.0)}, bias), ContractError);
+  }
 }
 
 TEST_CASE("a map in place of another tells what has changed, and where") {

@@ -251,5 +251,21 @@ TEST_CASE("a goal that is occupied is approached as near as its tolerance allows
   CHECK(path.gap < 0.2);
   CHECK(distance(path.points.back(), goal) == doctest::Approx(path.gap));
 }
+
+TEST_CASE("from outside of the grid no path leads anywhere") {
+  OccupancyGrid grid;
+  grid.width = grid.height = 60;
+  grid.data.assign(3600, OccupancyGrid::kFree);
+  Costmap costmap;
+  costmap.update(grid, {}, std::vector<Vec2>{{410.0, 0.0}, {0.0, 1e300}});
+  for (const double far : {410.0, -410.0, 1e6, 1e300}) {
+    Planner planner;
+    CHECK(planner.plan(costmap, {far, 1.5}, {1.0, 1.5}, 0.25).points.empty());
+    CHECK(planner.plan(costmap, {1.5, far}, {1.0, 1.5}, 0.25).points.empty());
+    CHECK(planner.plan(costmap, {1.0, 1.5}, {far, 1.5}, 0.25).points.empty());
+    CHECK_FALSE(planner.plan(costmap, {1.0, 1.5}, {2.0, 1.5}, 0.25).points.empty());
+  }
+}
+
 }  // namespace
 }  // namespace threewe::nav

@@ -63,6 +63,17 @@ TEST_CASE("a generated scene is a place where robots can work") {
 }
 
 // The reader refuses overlapping walls, rooms and furniture, doors that do not fit, blocked anchors.
+TEST_CASE("a building of one room is one, too") {
+  std::size_t lone = 0;
+  for (std::uint64_t seed = 0; seed < 60; ++seed) {
+    CAPTURE(seed);
+    const Scene scene = generate(seed, {.difficulty = 1.0, .size = {7.0, 6.5}});
+    lone += scene.rooms.size() == 1 ? 1U : 0U;
+    for (const Room& room : scene.rooms) CHECK(scene.room_at(room.anchor) == &room);
+  }
+  CHECK(lone > 0);
+}
+
 TEST_CASE("a generated scene passes every check of the reader, and reads back equal") {
   for (std::uint64_t seed = 0; seed < 120; ++seed) {
     CAPTURE(seed);

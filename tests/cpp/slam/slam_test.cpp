@@ -15,6 +15,7 @@
 
 #include "draw.hpp"
 #include "slam/tiny_world.hpp"
+#include "threewe/core/bounds.hpp"
 #include "threewe/core/errors.hpp"
 
 namespace threewe::slam {
@@ -251,6 +252,9 @@ TEST_CASE("a file that is no map is one clear error, with file and line") {
   CHECK(error(changed("\nmap 0.05", "\nmap x")) == "10: resolution must be a finite number, got 'x'");
   CHECK(error(changed("\nmap 0.05", "\nmap")) == "10: a line 'map' ends before resolution");
   CHECK(error(changed("\nmap 0.05", "\nmap 0.05 1")) == "10: a line 'map' has more numbers than it should: ' 1'");
+  CHECK(error(changed("\nlidar 0 ", "\nlidar 1e300 ")) ==
+        "9: base_from_lidar must lie in [-1000000, 1000000], got 1e+300");
+  CHECK(error(changed("\nlidar 0 0 0 30 ", "\nlidar 0 0 0 30 9 ")) == "9: range_bias must lie in [-1, 1], got 9");
   CHECK(error(changed("\nkeyframe", "\nframe")) ==
         "12: 'frame' is none of lidar, map, odometry, keyframe, scan, step, constraint, end");
   CHECK(error(changed("\nkeyframe", "\nstep 0 0 0 0\nkeyframe")) == "12: a line 'step' before the first keyframe");
@@ -366,7 +370,7 @@ TEST_CASE("wrong input is one clear error, and changes nothing") {
     return "nothing";
   };
 
-  CHECK(error(2s, good, {nan, 0, 0}) == "odometry must be finite, got (nan, 0, 0)");
+  CHECK(error(2s, good, {nan, 0, 0}) == "odometry must be finite and within 1000 km of the origin, got (nan, 0)");
   CHECK(error(1s, good, {}) == "time must go on from scan to scan: 1.000000 s after 1.000000 s");
   LaserScan bad = good;
   bad.ranges[7] = std::numeric_limits<float>::quiet_NaN();
@@ -376,14 +380,53 @@ TEST_CASE("wrong input is one clear error, and changes nothing") {
   CHECK(error(2s, bad, {}) == "a scan of 299 ranges after scans of 300: begin a new Slam for another lidar");
   bad = good;
   bad.angle_increment = 0.0;
-  CHECK(error(2s, bad, {}) == "a scan's angles must be finite and go up, got angle_min -1.5, angle_increment 0");
+  CHECK(error(2s, bad, {}) ==
+        "a scan's angles must go up and stay within +-100000 rad, got angle_min -1.5, angle_increment 0");
   bad = good;
   bad.range_max = 0.0;
-  CHECK(error(2s, bad, {}) == "a scan needs 0 <= range_min < range_max, got 0 and 0");
+  CHECK(error(2s, bad, {}) == "a scan needs 0 <= range_min < range_max <= 1e+06, got 0 and 0");
   CHECK(slam.trajectory().size() == 1);
   CHECK_THROWS_WITH_AS(Slam({.resolution = 0.0}), "resolution must lie in [0.02, 0.2] m, got 0", ContractError);
-  CHECK_THROWS_WITH_AS(Slam({.base_from_lidar = {0, nan, 0}}), "base_from_lidar must be finite, got (0, nan, 0)",
-                       ContractError);
+  CHECK_THROWS_WITH_AS(Slam({.base_from_lidar = {0, nan, 0}}),
+                       "base_from_lidar must be finite and within 1000 km of the origin, got (0, nan)", ContractError);
+}
+
+TEST_CASE("numbers that no map holds are refused, the largest that are not do no harm") {
+  const LaserScan good{-1.5, 0.01, 0.0, 0.0, 80.0, std::vector<float>(300, 2.0F)};
+  const auto refused = [](const LaserScan& scan, const Pose2D& odometry, const Pose2D& mount) {
+    Slam slam({.base_from_lidar = mount});
+    slam.add(1s, scan, odometry);
+  };
+  for (const double huge : {1.1e6, 1e9, 1e18, 1e300, std::numeric_limits<double>::infinity()}) {
+    for (const double far : {huge, -huge}) {
+      CAPTURE(far);
+      CHECK_THROWS_AS(refused(good, {far, 0, 0}, {}), ContractError);
+      CHECK_THROWS_AS(refused(good, {0, far, 0}, {}), ContractError);
+      CHECK_THROWS_AS(refused(good, {0, 0, far}, {}), ContractError);
+      CHECK_THROWS_AS(refused(good, {}, {far, 0, 0}), ContractError);
+      CHECK_THROWS_AS(refused(good, {}, {0, 0, far}), ContractError);
+      for (double LaserScan::* field :
+           {&LaserScan::angle_min, &LaserScan::angle_increment, &LaserScan::time_increment, &LaserScan::range_max}) {
+        LaserScan bad = good;
+        bad.*field = far;
+        CHECK_THROWS_AS(refused(bad, {}, {}), ContractError);
+      }
+    }
+  }
+  LaserScan many = good;
+  many.ranges.assign(kMaxBeams + 1, 2.0F);
+  CHECK_THROWS_AS(refused(many, {}, {}), ContractError);
+
+  // odometry that jumps from one end of the world to the other, a lidar far away from its robot
+  Slam slam({.base_from_lidar = {kMaxCoordinate, -kMaxCoordinate, kMaxAngle}});
+  for (int i = 1; i < 6; ++i) {
+    const double far = i % 2 == 0 ? -kMaxCoordinate : kMaxCoordinate;
+    LaserScan scan = good;
+    scan.time_increment = far < 0.0 ? 0.03 : -0.03;
+    slam.add(Time(i), scan, {far, -far, far / 10.0});
+  }
+  CHECK(slam.trajectory().size() == 5);
+  CHECK(slam.map().data.size() <= 4096U * 4096U);
 }
 
 }  // namespace
