@@ -1412,7 +1412,12 @@ class Trouble(enum.Enum):
     shifted = 7
     """All ranges are too long or too short by the same."""
 
-    contradicted = 8
+    blind = 8
+    """
+    So many beams are invalid side by side that the robot would fit between two that are not.
+    """
+
+    contradicted = 9
     """Other sensors say otherwise."""
 
 class SensorHealth:
