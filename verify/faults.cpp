@@ -114,9 +114,12 @@ std::uint16_t draw_sensor(Draws& draws, const backend::Features& features, std::
   return places.at(draws.below(places.size()));
 }
 
-const std::vector<std::string> kKinds = {"silent", "frozen",     "nan",          "stamps_back", "stamps_ahead",
-                                         "noise",  "lidar_bias", "gyro_bias",    "delay",       "delay_restamped",
-                                         "slip",   "wheel_slip", "wheel_blocked"};
+const std::vector<double> kDropouts = {0.2, 0.5, 0.8, 0.9, 0.97, 0.99, 1.0};
+const std::vector<std::string> kKinds = {"silent",  "frozen",     "nan",       "stamps_back", "stamps_ahead",
+                                         "noise",   "lidar_bias", "gyro_bias", "delay",       "delay_restamped",
+                                         "dropout", "covered",    "slip",      "wheel_slip",  "wheel_blocked"};
+
+bool is_of_lidar(const std::string& kind) { return kind == "lidar_bias" || kind == "dropout" || kind == "covered"; }
 
 SensorFault draw_fault(const std::string& name, Draws& draws, const backend::Features& features) {
   using enum SensorType;
@@ -126,7 +129,7 @@ SensorFault draw_fault(const std::string& name, Draws& draws, const backend::Fea
   fault.kind = static_cast<FaultKind>(known - kFaultNames.begin());
   std::vector<SensorType> types = {lidar, imu, odometry, ultrasonic};
   if (name == "noise") types = {lidar, imu, ultrasonic};
-  if (name == "lidar_bias") types = {lidar};
+  if (is_of_lidar(name)) types = {lidar};
   if (name == "gyro_bias") types = {imu};
   if (fault.kind >= FaultKind::slip) types = {odometry};
   fault.sensor = draw_sensor(draws, features, types);
@@ -137,6 +140,11 @@ SensorFault draw_fault(const std::string& name, Draws& draws, const backend::Fea
     case FaultKind::bias: fault.size = draws.sign() * (name == "lidar_bias" ? 0.2 : 5.0 * exact::kPi / 180.0); break;
     case FaultKind::delay:
     case FaultKind::delay_restamped: fault.size = 0.5; break;
+    case FaultKind::dropout: fault.size = kDropouts.at(draws.below(kDropouts.size())); break;
+    case FaultKind::covered:
+      fault.size = 0.5 * exact::kPi;
+      fault.bearing = draws.below(2) == 0 ? 0.0 : draws.between(-exact::kPi, exact::kPi);
+      break;
     default: break;
   }
   fault.wheel = draws.below(4);
@@ -200,7 +208,9 @@ void run_case(const std::vector<std::string>& kinds, std::uint64_t seed, Place& 
     outcome.kind = kind;
     outcome.fault = draw_fault(kind, draws, features);
     outcome.sensor = features.sensors[outcome.fault.sensor].name;
-    outcome.fault.from = place.now() + from_seconds(draws.between(2.0, 4.0));
+    // a lens may have been covered before anybody switched the robot on
+    const bool at_once = (kind == "dropout" || kind == "covered") && draws.below(3) == 0;
+    outcome.fault.from = place.now() + (at_once ? Duration{} : from_seconds(draws.between(2.0, 4.0)));
     outcome.fault.until = outcome.fault.from + 3s;
     faults.push_back(outcome.fault);
     outcomes.push_back(outcome);
@@ -275,10 +285,10 @@ int main(int argc, char** argv) {
   const std::string& scene = kScenes[draws.below(kScenes.size())];
   const double which = draws.between(0.0, 1.0);
   // without a lidar nothing tells how far a robot goes but its wheels: that all of them slip alike it cannot know
-  const bool blind = which > 0.8 && what != "lidar_bias" && what != "slip" && what != "clean";
+  const bool blind = which > 0.8 && !is_of_lidar(what) && what != "slip" && what != "clean";
   Place place(scene, blind ? "3we_base_v2" : which > 0.6 ? "turtlebot_like" : "3we_standard_v2");
   std::vector<std::string> kinds = kKinds;
-  if (blind) std::erase_if(kinds, [](const std::string& kind) { return kind == "lidar_bias" || kind == "slip"; });
+  if (blind) std::erase_if(kinds, [](const std::string& kind) { return is_of_lidar(kind) || kind == "slip"; });
   if (what == "clean") {
     run_clean(*seed, std::chrono::seconds(*count), place);
     return 0;

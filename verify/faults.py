@@ -26,6 +26,8 @@ SUBTLE = (
     "gyro_bias",
     "delay",
     "delay_restamped",
+    "dropout",
+    "covered",
     "slip",
     "wheel_slip",
     "wheel_blocked",

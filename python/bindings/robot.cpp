@@ -88,6 +88,8 @@ void bind_results(nb::module_& m) {
       .value("late", Trouble::late, "Readings arrive much later than they used to.")
       .value("noisy", Trouble::noisy, "Readings scatter more than they used to.")
       .value("shifted", Trouble::shifted, "All ranges are too long or too short by the same.")
+      .value("blind", Trouble::blind,
+             "So many beams are invalid side by side that the robot would fit between two that are not.")
       .value("contradicted", Trouble::contradicted, "Other sensors say otherwise.");
 
   nb::class_<SensorHealth>(m, "SensorHealth", "How one sensor is.")

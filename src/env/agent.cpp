@@ -44,6 +44,7 @@ AgentModel make_agent_model(const Options& options) {
   }
   if (model.profile.lidar) {
     const LidarSpec& lidar = *model.profile.lidar;
+    model.sight_model = safety::make_sight_model(options.data_sheet.value_or(model.profile), model.gate);
     model.scans = static_cast<std::size_t>(most_latency(options) * lidar.latency / lidar.turn) + 2;
     model.sight = farthest_way(options, model.gate, lidar) + norm(lidar.base_from_lidar.position()) +
                   model.gate.margin + model.gate.footprint.circumscribed_radius();
@@ -59,6 +60,7 @@ AgentModel make_agent_model(const Options& options) {
 
 void Agent::begin(const AgentModel& model) {
   gate_ = {};
+  sight_.forget();
   localization_ = {};
   scans_.resize(model.scans);
   taken_ = arrived_ = 0;
@@ -101,7 +103,20 @@ void Agent::perceive(const AgentModel& model, const sim::RobotState& state, Time
     const auto ranges = scan(model, std::span(beams).first(static_cast<std::size_t>(lidar.beams)));
     obstacles_.clear();
     safety::append_scan_points(lidar, ranges, newest()->odom_at_begin, newest()->odom_at_end, obstacles_, model.sight);
+    look_for_gaps(model, ranges);
   }
+}
+
+// What the newest scan does not see counts as an obstacle.
+void Agent::look_for_gaps(const AgentModel& model, std::span<const float> ranges) {
+  const LidarSpec& lidar = *model.profile.lidar;
+  const Scan& scan = *newest();
+  const Pose2D& began = lidar.rolling ? scan.odom_at_begin : scan.odom_at_end;
+  const Pose2D& first = lidar.clockwise ? scan.odom_at_end : began;
+  const Pose2D& last = lidar.clockwise ? began : scan.odom_at_end;
+  sight_.add(model.sight_model, {scan.end, first * lidar.base_from_lidar, last * lidar.base_from_lidar}, ranges,
+             scan.odom_at_end);
+  obstacles_.insert(obstacles_.end(), sight_.unseen().begin(), sight_.unseen().end());
 }
 
 std::vector<Vec2> Agent::hits(const AgentModel& model, const sim::RobotState& state) const {

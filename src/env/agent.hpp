@@ -10,6 +10,7 @@
 #include "threewe/models/lidar.hpp"
 #include "threewe/models/localization.hpp"
 #include "threewe/safety/gate.hpp"
+#include "threewe/safety/unseen.hpp"
 #include "threewe/sim/model.hpp"
 #include "threewe/sim/state.hpp"
 
@@ -19,6 +20,7 @@ namespace threewe::env {
 struct AgentModel {
   RobotProfile profile;
   safety::GateModel gate;
+  safety::SightModel sight_model;
   Localization localization{};
   models::LocalizationSpec localization_model;
   double sight = 0.0;                     ///< [m], points farther from the lidar than this can't concern the gate
@@ -60,17 +62,19 @@ class Agent {
   double scan_age(Time now) const { return newest() ? to_seconds(now - newest()->end) : 0.0; }
 
  private:
+  void look_for_gaps(const AgentModel& model, std::span<const float> ranges);
   Pose2D odom_from_base(const AgentModel& model, const sim::RobotState& state) const;
   /// Of the scans that have arrived; null before the first.
   const Scan* newest() const { return arrived_ == 0 ? nullptr : &scans_[(arrived_ - 1) % scans_.size()]; }
 
   safety::GateState gate_;
+  safety::Sight sight_;
   models::LocalizationState localization_;
   std::vector<Scan> scans_;  // a ring
   std::size_t taken_ = 0;    // scans so far
   std::size_t arrived_ = 0;
   Pose2D turn_began_;            // odom_from_base then
-  std::vector<Vec2> obstacles_;  // of the newest scan, in odom
+  std::vector<Vec2> obstacles_;  // of the newest scan, and what it does not see, in odom
 };
 
 }  // namespace threewe::env

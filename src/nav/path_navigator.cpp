@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 #include <variant>
 
@@ -37,6 +38,12 @@ double half_width(const RobotProfile& profile) {
   double most = 0.0;
   for (const Vec2 c : profile.body.footprint.corners()) most = std::max(most, std::fabs(c.y));
   return most;
+}
+
+bool has_free_cell(const map::OccupancyGrid& map) {
+  return std::ranges::any_of(map.data, [](std::int8_t value) {
+    return value != map::OccupancyGrid::kUnknown && value <= map::OccupancyGrid::kFreeThreshold;
+  });
 }
 
 // Which time in one place a robot creeps on instead of avoiding the place: sooner where it sees what is beside it.
@@ -228,7 +235,10 @@ Decision PathNavigator::drive(const Explore&, const Observation& seen) {
   const bool near = route_.has_path() && distance(progress_.pose.position(), route_.path().back()) < kNear;
   if (route_.age(now_) >= (near || !route_.has_path() ? kShortestPeriod : kExplorePeriod)) {
     const bool explored = !route_.plan_to_frontier(seen);
-    if (proven(explored)) return finish(Reason::reached, "nothing that can be reached is left to see");
+    if (proven(explored)) {
+      if (!has_free_cell(seen.map)) return finish(Reason::blocked, "nothing around the robot has been seen to be free");
+      return finish(Reason::reached, "nothing that can be reached is left to see");
+    }
   }
   return route_.has_path() ? follow(seen) : wait();
 }

@@ -26,6 +26,7 @@ Runtime::Impl::Impl(World& w, backend::RobotPort& p, Options mind)
       port(p),
       gate_model(safety::make_gate_model(p.profile())),
       creeping_gate(safety::creeping(gate_model)),
+      sight_model(safety::make_sight_model(p.profile(), gate_model)),
       fresh(std::move(mind), p.features(), p.profile()),
       state(std::make_unique<State>(fresh)) {}
 
@@ -46,6 +47,7 @@ void Runtime::connect() {
   state.senses = impl_->fresh.senses;
   state.health.begin(impl_->now());
   state.gate = {.estop = state.gate.estop};
+  state.sight.forget();
   state.tracker = {};
   state.people.clear();
   state.echoes = {};

@@ -13,6 +13,7 @@
 #include "robot/world_state.hpp"
 #include "threewe/robot/runtime.hpp"
 #include "threewe/safety/echoes.hpp"
+#include "threewe/safety/unseen.hpp"
 
 namespace threewe {
 
@@ -35,6 +36,7 @@ struct Runtime::State {
   std::vector<nav::TrackedPerson> people;  // in `odom`, now
   std::optional<HeldVelocity> held;
   safety::GateState gate;
+  safety::Sight sight;
   // heard by a robot without a lidar: now, and before
   safety::Echoes echoes;
   EchoMap echo_map;
@@ -59,6 +61,7 @@ struct Runtime::State {
         people(other.people),
         held(other.held),
         gate(other.gate),
+        sight(other.sight),
         echoes(other.echoes),
         echo_map(other.echo_map),
         echoes_in_odom(other.echoes_in_odom),
@@ -107,7 +110,7 @@ struct Runtime::Impl {
   void hear_and_feel(const Sample& sample);
   void hear_beside_lidar(const Sample& sample);
   void join_obstacles();
-  void look_for_people(const Sample& sample);
+  void look_around(const Sample& sample);
   void end_motion_if_over();
   bool stands() const;
   std::pair<Reason, std::string> verdict() const;
@@ -122,6 +125,7 @@ struct Runtime::Impl {
   backend::RobotPort& port;
   const safety::GateModel gate_model;
   const safety::GateModel creeping_gate;
+  const safety::SightModel sight_model;
   const State fresh;  // as it was before anything happened
   std::unique_ptr<State> state;
   bool connected = false;

@@ -58,18 +58,24 @@ void Runtime::sense(Time now) {
   impl_->end_motion_if_over();
 }
 
-// Near things, and slowly, where a motion creeps through a gap; without their scatter, for that would close it.
+// Near things, and slowly, where a motion creeps through a gap; without their scatter, for that would close it. What
+// the lidar does not see counts as an obstacle.
 safety::GateOutput Runtime::Impl::gated(Time now) {
   constexpr double kNear = 0.5;  // [m], farther than anybody creeps within a few periods
   const Pose2D& base = state->estimate.odom_from_base;
   const std::span<const Vec2> seen = obstacles_in_odom();
-  if (!motion || !motion->decision.creeping) {
-    const std::vector<Vec2> expected = motion ? with_approaching(now) : std::vector<Vec2>();
-    return safety::gate(gate_model, state->gate, state->requested, expected.empty() ? seen : expected, now, base);
+  const std::span<const Vec2> unseen = state->sight.unseen();
+  const bool creeping = motion && motion->decision.creeping;
+  std::vector<Vec2> expected;
+  if (creeping) {
+    const Vec2 lidar = base * port.profile().lidar->base_from_lidar.position();
+    expected = map::smoothed_near(base.position(), kNear, seen, lidar);
+  } else if (motion) {
+    expected = with_approaching(now);
   }
-  const Vec2 lidar = base * port.profile().lidar->base_from_lidar.position();
-  const std::vector<Vec2> hits = map::smoothed_near(base.position(), kNear, seen, lidar);
-  return safety::gate(creeping_gate, state->gate, state->requested, hits, now, base);
+  if (!creeping && expected.empty()) expected.assign(seen.begin(), seen.end());
+  expected.insert(expected.end(), unseen.begin(), unseen.end());
+  return safety::gate(creeping ? creeping_gate : gate_model, state->gate, state->requested, expected, now, base);
 }
 
 // What is in the way, and what comes nearer as it will be when the robot has come to a stop: two robots that meet would
@@ -190,7 +196,7 @@ std::vector<Sample> Runtime::Impl::perceive() {
   watch_over_sensors();
   for (const Sample* sample : sound) {
     port.profile().lidar ? hear_beside_lidar(*sample) : hear_and_feel(*sample);
-    look_for_people(*sample);
+    look_around(*sample);
   }
   join_obstacles();
   state->people = state->tracker.people(now());
@@ -265,19 +271,24 @@ void Runtime::Impl::hear_and_feel(const Sample& sample) {
   state->echoes_in_odom.insert(state->echoes_in_odom.end(), heard.begin(), heard.end());
 }
 
-// Where the robot was as the lidar turned follows from how it moves now.
-void Runtime::Impl::look_for_people(const Sample& sample) {
+// People, and where the lidar is blind. Where the robot was as the lidar turned follows from how it moves now.
+void Runtime::Impl::look_around(const Sample& sample) {
   const auto* scan = std::get_if<LaserScan>(&sample.data);
   if (scan == nullptr || !port.profile().lidar) return;
-  const auto turn = from_seconds(scan->time_increment * static_cast<double>(scan->ranges.size()));
-  const Time began = std::min(sample.measured, sample.measured + turn);
-  const Time ended = std::max(sample.measured, sample.measured + turn);
-  const auto odom_from_lidar = [&](Time t) {
+  const Time first = sample.measured;
+  const Time last = first + from_seconds(scan->time_increment * static_cast<double>(scan->ranges.size()));
+  const auto odom_from_base = [&](Time t) {
     const double ago = to_seconds(sample.received - t);
-    return integrate(state->estimate.odom_from_base, state->estimate.velocity, -ago) *
-           port.profile().lidar->base_from_lidar;
+    return integrate(state->estimate.odom_from_base, state->estimate.velocity, -ago);
   };
-  state->tracker.see(*scan, began, ended, odom_from_lidar(began), odom_from_lidar(ended));
+  const Pose2D base_from_lidar = port.profile().lidar->base_from_lidar;
+  const auto [began, ended] = std::minmax(first, last);
+  state->tracker.see(*scan, began, ended, odom_from_base(began) * base_from_lidar,
+                     odom_from_base(ended) * base_from_lidar);
+
+  const Pose2D turned = base_from_lidar * Pose2D{0.0, 0.0, wrap_angle(scan->angle_min + exact::kPi)};
+  state->sight.add(sight_model, {ended, odom_from_base(first) * turned, odom_from_base(last) * turned}, scan->ranges,
+                   odom_from_base(ended));
 }
 
 void Runtime::tell(const TickView& view) {

@@ -19,6 +19,7 @@ enum class Trouble : std::uint8_t {
   late,          ///< readings arrive much later than they used to
   noisy,         ///< readings scatter more than they used to
   shifted,       ///< all ranges are too long or too short by the same
+  blind,         ///< so many beams are invalid side by side that the robot would fit between two that are not
   contradicted   ///< others say otherwise
 };
 /// In words, as in "the sensor is silent".

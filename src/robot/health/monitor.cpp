@@ -4,6 +4,8 @@
 #include <cmath>
 #include <utility>
 
+#include <fmt/format.h>
+
 #include "threewe/backend/sample_checks.hpp"
 #include "threewe/core/errors.hpp"
 #include "threewe/core/exact.hpp"
@@ -36,6 +38,7 @@ bool is_needed(SensorType type, const RobotProfile& profile) {
 
 Monitor::Monitor(const backend::Features& features, const RobotProfile& profile)
     : scan_(profile.lidar ? profile.lidar->sigma : 0.0),
+      blind_(profile.lidar ? BlindCheck(profile) : BlindCheck()),
       turn_(profile),
       drive_(profile.command_latency + profile.body.motor_lag) {
   for (const backend::SensorInfo& sensor : features.sensors) {
@@ -71,19 +74,17 @@ bool Monitor::examine(const Sample& sample, const backend::Features& features, c
     report(sample.sensor, Trouble::implausible, text.substr(text.find("': ") + 3), kSoundFor);
     return false;
   }
-  const Trouble trouble = check(watch, sample);
-  if (trouble != Trouble::none) report(sample.sensor, trouble, "", kSoundFor);
+  const Finding found = check(watch, sample);
+  if (found.trouble != Trouble::none) report(sample.sensor, found.trouble, found.detail, kSoundFor);
   return sensors_[sample.sensor].sound() || watch.believed;
 }
 
 // Everything that one sensor's samples tell about it.
-Trouble Monitor::check(Watch& watch, const Sample& sample) {
+Monitor::Finding Monitor::check(Watch& watch, const Sample& sample) {
   const Trouble stamps = watch.stamps.check(sample.measured, sample.received);
-  if (stamps != Trouble::none) return stamps;
-  if (watch.repeats.is_frozen(sample.data, motion())) return Trouble::frozen;
-  if (const auto* scan = std::get_if<LaserScan>(&sample.data)) {
-    return scan_.check(sample.measured, *scan, wheels_ ? wheels_->pose : Pose2D{});
-  }
+  if (stamps != Trouble::none) return {stamps};
+  if (watch.repeats.is_frozen(sample.data, motion())) return {Trouble::frozen};
+  if (const auto* scan = std::get_if<LaserScan>(&sample.data)) return check_scan(sample.measured, *scan);
   if (const auto* imu = std::get_if<IMUData>(&sample.data)) {
     gyro_rate_ = imu->angular_velocity[2];
     turn_.add_gyro(sample.measured, gyro_rate_);
@@ -92,7 +93,16 @@ Trouble Monitor::check(Watch& watch, const Sample& sample) {
     wheels_ = *odometry;
     if (const auto off = turn_.add_odometry(sample.measured, *odometry)) turn_off_ = off;
   }
-  return Trouble::none;
+  return {};
+}
+
+Monitor::Finding Monitor::check_scan(Time measured, const LaserScan& scan) {
+  constexpr double kDegree = exact::kPi / 180.0;
+  const Pose2D at = wheels_ ? wheels_->pose : Pose2D{};
+  const auto blind = blind_.check(scan, at);
+  if (!blind) return {scan_.check(measured, scan, at)};
+  return {Trouble::blind,
+          fmt::format("no beam is valid from {:.0f} to {:.0f} degrees", blind->from / kDegree, blind->to / kDegree)};
 }
 
 void Monitor::judge(Time now, const Velocity& command, const slam::PoseEstimate& estimate) {
@@ -195,6 +205,7 @@ std::string_view to_string(Trouble trouble) {
     case Trouble::late: return "late";
     case Trouble::noisy: return "noisy";
     case Trouble::shifted: return "shifted";
+    case Trouble::blind: return "blind";
     case Trouble::contradicted: return "contradicted";
   }
   return "unknown";

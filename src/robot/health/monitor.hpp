@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "robot/health/blind_check.hpp"
 #include "robot/health/drive_check.hpp"
 #include "robot/health/repeats.hpp"
 #include "robot/health/scan_check.hpp"
@@ -48,7 +49,12 @@ class Monitor {
     Duration penalty{};    // how long the last contradiction was waited for
     Time ended{};
   };
-  Trouble check(Watch& watch, const Sample& sample);
+  struct Finding {
+    Trouble trouble = Trouble::none;
+    std::string detail{};
+  };
+  Finding check(Watch& watch, const Sample& sample);
+  Finding check_scan(Time measured, const LaserScan& scan);
   void report(std::size_t sensor, Trouble trouble, const std::string& detail, Duration hold, bool believed = false);
   void contradict(SensorType type, const std::string& detail, bool believed);
   void watch_silence(std::size_t sensor);
@@ -60,6 +66,7 @@ class Monitor {
   Time begun_{};
   Time now_{};
   ScanCheck scan_;
+  BlindCheck blind_;
   TurnCheck turn_;
   DriveCheck drive_;
   WayCheck way_;

@@ -228,6 +228,24 @@ TEST_CASE("a polyline is followed along its corners, round what stands in its wa
   CHECK(drive.least_clearance > 0.01);
 }
 
+TEST_CASE("who has seen nothing has not explored it") {
+  Drive drive("3we_standard_v2", three_rooms(), 8);
+  const auto see = [&] {
+    for (Sample& sample : drive.world.tick({})) {
+      if (auto* scan = std::get_if<LaserScan>(&sample.data)) std::ranges::fill(scan->ranges, 0.0F);
+      drive.localizer->add(sample);
+    }
+    const Time now = drive.world.now();
+    const slam::Localizer& localizer = *drive.localizer;
+    return Observation{now, localizer.estimate(now), localizer.map(), localizer.map_version(), localizer.obstacles()};
+  };
+  drive.navigator->start(Explore{}, see());
+  Decision decision;
+  for (int tick = 0; tick < 2000 && decision.reason == Reason::running; ++tick) decision = drive.navigator->step(see());
+  CHECK(decision.reason == Reason::blocked);
+  CHECK(decision.detail == "nothing around the robot has been seen to be free");
+}
+
 TEST_CASE("exploring ends when all is seen") {
   Drive drive("3we_standard_v2", three_rooms(), 8);
   CHECK(drive.run(Explore{}, 200s).reason == Reason::reached);

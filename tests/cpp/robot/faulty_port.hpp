@@ -29,16 +29,19 @@ enum class FaultKind : std::uint8_t {
   bias,
   delay,
   delay_restamped,  ///< late, and stamped as if it were not
+  dropout,          ///< beams are invalid here and there
+  covered,          ///< beams within a sector are invalid
   slip,             ///< the robot moves half as far as its wheels, which turn as they are told
   wheel_slip,       ///< one wheel turns by half more than it should
   wheel_blocked     ///< one wheel does not turn
 };
-inline constexpr std::array<const char*, 12> kFaultNames = {"silent",          "frozen", "nan",        "stamps_back",
-                                                            "stamps_ahead",    "noise",  "bias",       "delay",
-                                                            "delay_restamped", "slip",   "wheel_slip", "wheel_blocked"};
+inline constexpr std::array<const char*, 14> kFaultNames = {
+    "silent", "frozen",          "nan",     "stamps_back", "stamps_ahead", "noise",      "bias",
+    "delay",  "delay_restamped", "dropout", "covered",     "slip",         "wheel_slip", "wheel_blocked"};
 
 /// One thing that breaks, from when until when. `size`: of the jump of stamps [s], the noise (times what is usual), the
-/// bias ([m] of a range, [rad/s] of a gyro), the delay [s].
+/// bias ([m] of a range, [rad/s] of a gyro), the delay [s], the share of beams that drop out, the sector [rad] that is
+/// covered.
 struct SensorFault {
   FaultKind kind{};
   std::uint16_t sensor = 0;
@@ -46,6 +49,7 @@ struct SensorFault {
   Time from = Time::max();
   Time until = Time::max();
   std::size_t wheel = 0;
+  double bearing = 0.0;  // [rad] of the middle of the sector
   std::uint64_t seed = 0;
 
   bool holds(Time t) const { return from <= t && t < until; }
@@ -144,6 +148,12 @@ class FaultyPort final : public backend::RobotPort {
         if (!holds) break;
         late_[&fault].push_back(std::move(sample));
         return;
+      case Kind::dropout:
+        if (holds) drop_out(fault, sample);
+        break;
+      case Kind::covered:
+        if (holds) cover(fault, sample);
+        break;
       case Kind::slip:
       case Kind::wheel_slip: roll_on(fault, sample); break;
       case Kind::wheel_blocked: break;
@@ -211,6 +221,23 @@ class FaultyPort final : public backend::RobotPort {
       for (float& range : scan->ranges) move_range(*profile().lidar, fault.size, range);
     }
     if (auto* imu = std::get_if<IMUData>(&sample.data)) imu->angular_velocity[2] += fault.size;
+  }
+
+  static void drop_out(const SensorFault& fault, Sample& sample) {
+    auto& scan = std::get<LaserScan>(sample.data);
+    const RngKey key{.seed = fault.seed, .sensor = sample.sensor};
+    for (std::uint32_t i = 0; i < scan.ranges.size(); ++i) {
+      if (uniform(key, sample.sequence, i, 0.0, 1.0) < fault.size) scan.ranges[i] = 0.0F;
+    }
+  }
+
+  void cover(const SensorFault& fault, Sample& sample) const {
+    auto& scan = std::get<LaserScan>(sample.data);
+    for (std::size_t i = 0; i < scan.ranges.size(); ++i) {
+      const double angle = scan.angle_min + static_cast<double>(i) * scan.angle_increment;
+      const double off = wrap_angle(profile().lidar->base_from_lidar.theta + angle - fault.bearing);
+      if (std::abs(off) <= 0.5 * fault.size) scan.ranges[i] = 0.0F;
+    }
   }
 
   // Wheels that count more than the robot goes.

@@ -262,6 +262,8 @@ TEST_CASE("a robot waits for a sensor that breaks, says which, and reaches its g
                                    {FaultKind::bias, SensorType::lidar, 0.2, Trouble::shifted},
                                    {FaultKind::bias, SensorType::imu, 0.0873, Trouble::contradicted},
                                    {FaultKind::delay, SensorType::lidar, 0.5, Trouble::silent},
+                                   {FaultKind::dropout, SensorType::lidar, 0.97, Trouble::blind},
+                                   {FaultKind::covered, SensorType::lidar, 1.0, Trouble::blind},
                                    {FaultKind::slip, SensorType::odometry, 0.0, Trouble::contradicted},
                                    {FaultKind::wheel_slip, SensorType::odometry, 0.0, Trouble::contradicted},
                                    {FaultKind::wheel_blocked, SensorType::odometry, 0.0, Trouble::contradicted}};
