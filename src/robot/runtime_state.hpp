@@ -119,6 +119,7 @@ struct Runtime::Impl {
   backend::RobotPort& port;
   const safety::GateModel gate_model;
   const safety::GateModel creeping_gate;
+  const bool may_creep;
   const State fresh;  // as it was before anything happened
   std::unique_ptr<State> state;
   bool connected = false;

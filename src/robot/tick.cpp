@@ -60,7 +60,8 @@ safety::GateOutput Runtime::Impl::gated(Time now) {
   constexpr double kNear = 0.5;  // [m], farther than anybody creeps within a few periods
   const Pose2D& base = state->estimate.odom_from_base;
   const std::span<const Vec2> seen = obstacles_in_odom();
-  if (!motion || !motion->decision.creeping) {
+  const bool creeping = may_creep && motion && motion->decision.creeping;
+  if (!creeping) {
     const std::vector<Vec2> expected = motion ? with_approaching(now) : std::vector<Vec2>();
     return safety::gate(gate_model, state->gate, state->requested, expected.empty() ? seen : expected, now, base);
   }
