@@ -372,6 +372,19 @@ void bind_randomization(nb::module_& m) {
       .def_static("load", &models::load_randomization, "name"_a,
                   "Reads one by name, or from a file that ends in .yaml. Raises ConfigError with file and line.")
       .def_static("parse", &models::parse_randomization, "text"_a, "name"_a)
+      .def(
+          "draw",
+          [](const models::Randomization& randomization, std::uint64_t seed) {
+            const models::Variation drawn = models::draw_variation(randomization, seed, 0, 0);
+            std::map<std::string, double> values;
+            for (std::size_t i = 0; i < models::knob_names().size(); ++i) {
+              values[models::knob_names()[i]] = models::knob(drawn, i);
+            }
+            return values;
+          },
+          "seed"_a,
+          "How the robot differs in the episode of a seed: every knob's value, those that are not drawn as they "
+          "are without randomisation.")
       .def_ro("name", &models::Randomization::name)
       .def_ro("description", &models::Randomization::description);
   m.def("randomization_names", &models::randomization_names, "The names of all randomisations.");

@@ -46,7 +46,12 @@ struct Field {
 
   Time time(const char* field) const {
     const double value = number(field);
-    if (!(std::abs(value) <= 1e9)) fail(field, fmt::format("is {}; it must be a finite number of seconds", value));
+    if (!std::isfinite(value)) fail(field, fmt::format("is {}; it must be a finite number of seconds", value));
+    if (std::abs(value) > 1e9) {  // no robot runs for 30 years
+      fail(field, fmt::format("is {:.0f}, which looks like wall-clock time; it must be robot time, which begins at 0 s "
+                              "when the world is made or reset: stamp with the `t` of step()",
+                              value));
+    }
     return from_seconds(value);
   }
 
@@ -224,17 +229,15 @@ std::unique_ptr<backend::World> make_python_world(const std::string& name, const
   if (options.robots.size() != 1) {
     throw ConfigError(fmt::format("backend '{}' has one robot, not {}", name, options.robots.size()));
   }
-  if (options.randomization != "none") {
-    throw ConfigError(fmt::format("randomization: backend '{}' knows none, the embedded simulator does", name));
-  }
   const nb::gil_scoped_acquire python_runs;
   const nb::object open = nb::module_::import_("threewe.backend").attr("_open");
   const nb::object pose = options.poses.empty() ? nb::none() : nb::cast(options.poses.front());
   const nb::object size = options.image_size
                               ? nb::object(nb::make_tuple(options.image_size->height, options.image_size->width))
                               : nb::none();
-  const nb::object mailbox = open(name, options.scene, options.robots.front(),
-                                  options.noise == NoiseLevel::ideal ? "ideal" : "realistic", options.seed, pose, size);
+  const nb::object mailbox =
+      open(name, options.scene, options.robots.front(), options.noise == NoiseLevel::ideal ? "ideal" : "realistic",
+           options.seed, pose, size, options.randomization);
   const auto& [link, scene, call] = nb::cast<Mailbox&>(mailbox);
   std::unique_ptr<const scene::TruthView> truth;
   if (scene) truth = std::make_unique<PluginTruthView>(link, scene);
@@ -289,7 +292,7 @@ void bind_conformance(nb::module_& m) {
   m.def(
       "run_check",
       [](const std::string& check, const std::string& name, const std::string& scene, const std::string& hardware,
-         const std::string& noise, std::uint64_t seed) {
+         const std::string& noise, std::uint64_t seed, std::string color_ahead) {
         WorldOptions options;
         options.scene = scene;
         options.robots = {hardware};
@@ -303,10 +306,10 @@ void bind_conformance(nb::module_& m) {
             throw ContractError(fmt::format("{}: {}", kind_of(error.value()), text(error.value())));
           }
         };
-        return backend::check_backend(make, options, check);
+        return backend::check_backend(make, options, check, {.color_ahead = std::move(color_ahead)});
       },
-      "check"_a, nb::kw_only(), "backend"_a, "scene"_a, "hardware"_a, "noise"_a, "seed"_a, WithoutGil(),
-      "Runs one check on a fresh world.");
+      "check"_a, nb::kw_only(), "backend"_a, "scene"_a, "hardware"_a, "noise"_a, "seed"_a, "color_ahead"_a = "",
+      WithoutGil(), "Runs one check on a fresh world.");
 }
 
 }  // namespace

@@ -1534,7 +1534,7 @@ class CheckResult:
 def check_names() -> list[str]:
     """The names of all checks of a backend, in the order in which they run."""
 
-def run_check(check: str, *, backend: str, scene: str, hardware: str, noise: str, seed: int) -> CheckResult:
+def run_check(check: str, *, backend: str, scene: str, hardware: str, noise: str, seed: int, color_ahead: str = '') -> CheckResult:
     """Runs one check on a fresh world."""
 
 class Reason(enum.StrEnum):
@@ -2234,6 +2234,11 @@ class Randomization:
 
     @staticmethod
     def parse(text: str, name: str) -> Randomization: ...
+
+    def draw(self, seed: int) -> dict[str, float]:
+        """
+        How the robot differs in the episode of a seed: every knob's value, those that are not drawn as they are without randomisation.
+        """
 
     @property
     def name(self) -> str: ...

@@ -41,7 +41,7 @@ from numpy.typing import NDArray
 
 from threewe import _core
 from threewe._arguments import as_function, as_text
-from threewe._core import Features, Pose2D, RobotProfile, Scene, SensorType, Velocity
+from threewe._core import Features, Pose2D, Randomization, RobotProfile, Scene, SensorType, Velocity
 from threewe.errors import ConfigError, ContractError
 
 logger = logging.getLogger("threewe")
@@ -68,6 +68,9 @@ class BackendOptions:
     """Where a simulated robot starts in its scene; the scene's own start where None."""
     image_size: tuple[int, int] | None = None
     """(height, width) [px] of what the camera is to deliver; as the profile states where None."""
+    randomization: str = "none"
+    """How a simulated robot differs from its profile: a name, or a file that ends in .yaml. Anything but `none` comes
+    only to a backend that sets `can_randomize`; `Backend.draw_variation` draws from it."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -173,13 +176,25 @@ class CameraReading(Reading):
 class Backend(ABC):
     """One robot, from 3we's side. All of its methods are called by one thread, one at a time."""
 
+    can_randomize: ClassVar[bool] = False
+    """Whether it obeys `options.randomization`. `Robot(randomization=...)` is refused where it does not say so."""
+
     def __init__(self, options: BackendOptions) -> None:
         """Must not touch the hardware: `connect` does."""
         self.options = options
         self.profile = RobotProfile.load(options.hardware)
         """What the robot is; known before connecting. Replace it where the robot brings its own."""
+        self._randomization = Randomization.load(options.randomization)
         if options.image_size is not None:
             self.profile = self.profile.with_image_size(*options.image_size)
+
+    def draw_variation(self, seed: int) -> dict[str, float]:
+        """How the robot of an episode differs from its profile, by `options.randomization`: the same for the same seed.
+
+        Names and units are those of the files in assets/randomization: `mass` 1.1 is a robot heavier by a tenth. Draw
+        at the start, with `options.seed`, and at each reset with its seed.
+        """
+        return self._randomization.draw(seed)
 
     @property
     @abstractmethod
@@ -229,6 +244,9 @@ class Backend(ABC):
         """Goes on from where `save` was called."""
         raise NotImplementedError
 
+
+BackendBase = Backend
+"""The same class, as the paper on 3we names it."""
 
 BackendFactory = Callable[[BackendOptions], Backend]
 
@@ -302,12 +320,19 @@ def _open(
     seed: int,
     start_pose: Pose2D | None,
     image_size: tuple[int, int] | None,
+    randomization: str,
 ) -> _core.BackendMailbox:
     """Makes a backend and starts its thread. Called by the core when a world is made."""
-    backend = _factories[name](BackendOptions(scene, hardware, noise, seed, start_pose, image_size))
+    options = BackendOptions(scene, hardware, noise, seed, start_pose, image_size, randomization)
+    backend = _factories[name](options)
     if not isinstance(backend, Backend):
         raise ContractError(
             f"backend '{name}': its factory made a {type(backend).__name__}, not a threewe.backend.Backend"
+        )
+    if randomization != "none" and not backend.can_randomize:
+        raise ConfigError(
+            f"randomization is '{randomization}', but backend '{name}' does not say that it can randomize "
+            f"(can_randomize = True in {type(backend).__name__}); it must be 'none'"
         )
     features, profile = backend.features, backend.profile
     if not isinstance(features, Features):

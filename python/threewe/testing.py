@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 
 from rich.progress import track
@@ -26,6 +27,7 @@ def check_backend(
     scene: str = "office_v2",
     noise: str = "realistic",
     seed: int = 0,
+    color_ahead: str = "",
     checks: Sequence[str] | None = None,
     show: bool = True,
     raise_failures: bool = False,
@@ -41,6 +43,8 @@ def check_backend(
         scene: as for Robot.
         noise: as for Robot.
         seed: as for Robot.
+        color_ahead: `red` or `blue`, where such a thing fills the middle of the camera's image at the start. Without
+            one, the order of colours is checked only of simulators that paint scenes as ours do.
         checks: some of `check_names()`; all of them where None.
         show: print progress and the table.
         raise_failures: raise ContractError with all failures, where there are any.
@@ -59,23 +63,48 @@ def check_backend(
             hardware=as_text("hardware", hardware),
             noise=as_text("noise", noise),
             seed=as_seed("seed", seed),
+            color_ahead=as_text("color_ahead", color_ahead),
         )
         for name in track(names, "checking", disable=not show, transient=True)
     ]
+    failures = _group([result for result in results if not result.passed])
     if show:
-        plain_console().print(_table(backend, results))
-    failures = [f"\n  {result.name}: {result.detail}" for result in results if not result.passed]
+        console = plain_console()
+        console.print(_table(backend, results, failures))
+        for group in failures:  # a table's column is too narrow for what must be read to the end
+            console.print(styled((group[0].name, COLORS[Outcome.failed])), f": {_told(group)}", sep="")
     if failures and raise_failures:
-        raise ContractError(f"backend '{backend}' fails {len(failures)} of {len(results)} checks:{''.join(failures)}")
+        count = sum(len(group) for group in failures)
+        told = "".join(f"\n  {group[0].name}: {_told(group)}" for group in failures)
+        raise ContractError(f"backend '{backend}' fails {count} of {len(results)} checks:{told}")
     return results
 
 
-def _table(backend: str, results: Sequence[CheckResult]) -> Table:
+def _group(failures: Sequence[CheckResult]) -> list[list[CheckResult]]:
+    """Failures of one cause together: those whose details differ in nothing but numbers."""
+    groups: dict[str, list[CheckResult]] = {}
+    for failure in failures:
+        groups.setdefault(re.sub(r"-?\d+(\.\d+)?(e[+-]?\d+)?", "#", failure.detail), []).append(failure)
+    return list(groups.values())
+
+
+def _told(group: Sequence[CheckResult]) -> str:
+    """What a group of failures has in common, once."""
+    others = len(group) - 1
+    more = f" (the same at {others} more check{'s' if others > 1 else ''})" if others else ""
+    return group[0].detail + more
+
+
+def _table(backend: str, results: Sequence[CheckResult], failures: Sequence[Sequence[CheckResult]]) -> Table:
     table = Table(title=f"backend '{backend}'")
     table.add_column("check", no_wrap=True)
     table.add_column("outcome", no_wrap=True)
     table.add_column("detail")
+    details = {result.name: result.detail for result in results}
+    for first, *others in failures:
+        details[first.name] = "see below"
+        details.update({other.name: f"as {first.name}" for other in others})
     for result in results:
         outcome = result.outcome.name.replace("_", " ")
-        table.add_row(result.name, styled((outcome, COLORS[result.outcome])), result.detail)
+        table.add_row(result.name, styled((outcome, COLORS[result.outcome])), details[result.name])
     return table

@@ -13,8 +13,9 @@ using namespace conformance;
 
 std::vector<Check> all_checks() {
   std::vector<Check> all;
-  for (const auto& table : {connection_checks(), time_checks(), sample_checks(), lidar_checks(), ultrasonic_checks(),
-                            camera_checks(), motion_checks(), command_checks(), repeat_checks(), truth_checks()}) {
+  for (const auto& table : {connection_checks(), time_checks(), sample_checks(), delay_checks(), lidar_checks(),
+                            mount_checks(), ultrasonic_checks(), camera_checks(), scenery_checks(), motion_checks(),
+                            command_checks(), repeat_checks(), truth_checks(), place_checks()}) {
     all.insert(all.end(), table.begin(), table.end());
   }
   return all;
@@ -29,6 +30,13 @@ CheckResult run(const Check& check, const Context& context) {
   } catch (const std::exception& error) {
     return {check.name, Outcome::failed, error.what()};
   }
+}
+
+void check(const Surroundings& surroundings) {
+  const std::string& color = surroundings.color_ahead;
+  if (color.empty() || color == "red" || color == "blue") return;
+  throw ConfigError(
+      fmt::format("color_ahead is '{}'; it must be 'red' or 'blue', or empty where none is known", color));
 }
 
 }  // namespace
@@ -48,17 +56,21 @@ std::vector<std::string> check_names() {
   return names;
 }
 
-std::vector<CheckResult> check_backend(const WorldFactory& make, const WorldOptions& options) {
+std::vector<CheckResult> check_backend(const WorldFactory& make, const WorldOptions& options,
+                                       const Surroundings& surroundings) {
+  check(surroundings);
   std::vector<CheckResult> results;
-  for (const Check& check : all_checks()) results.push_back(run(check, {make, options}));
+  for (const Check& check : all_checks()) results.push_back(run(check, {make, options, surroundings}));
   return results;
 }
 
-CheckResult check_backend(const WorldFactory& make, const WorldOptions& options, std::string_view check) {
+CheckResult check_backend(const WorldFactory& make, const WorldOptions& options, std::string_view check,
+                          const Surroundings& surroundings) {
+  backend::check(surroundings);
   const std::vector<Check> all = all_checks();
   const auto found = std::find_if(all.begin(), all.end(), [check](const Check& c) { return c.name == check; });
   if (found == all.end()) throw ConfigError(unknown_name("check", check, check_names()));
-  return run(*found, {make, options});
+  return run(*found, {make, options, surroundings});
 }
 
 }  // namespace threewe::backend

@@ -68,8 +68,10 @@ std::vector<Sample> Bench::of(SensorType type) {
 bool Bench::has(SensorType type) { return features().has(type); }
 
 Odometry Bench::odometry() {
+  const Time begin = now();
+  while (of(SensorType::odometry).empty() && now() < begin + 1s) drive({}, kControlPeriod);
   const std::vector<Sample> found = of(SensorType::odometry);
-  expect(!found.empty(), "no odometry has arrived");
+  if (found.empty()) throw Failure("no odometry has arrived");
   return std::get<Odometry>(found.back().data);
 }
 
@@ -83,7 +85,16 @@ LaserScan Bench::next_scan() {
     const double span = scan.time_increment * static_cast<double>(scan.ranges.size());
     if (std::min(scans.back().measured, scans.back().measured + from_seconds(span)) >= begin) return scan;
   }
-  throw Failure("no scan arrived within 2 s");
+  fail_without_new(SensorType::lidar, begin);
+}
+
+void Bench::fail_without_new(SensorType type, Time begin) {
+  const std::vector<Sample> samples = of(type);
+  expect(!samples.empty(), "no {} sample arrived within 2 s", to_string(type));
+  throw Failure(
+      fmt::format("{} samples arrive, but none that was measured in the 2 s from {:.2f} s on: the newest is "
+                  "stamped {:.2f} s",
+                  to_string(type), to_seconds(begin), to_seconds(samples.back().measured)));
 }
 
 double Bench::cruise() { return std::min(0.3, profile().operating_limits.linear); }
@@ -99,13 +110,20 @@ Bench Context::connected(std::uint64_t seed) const {
   return bench;
 }
 
+bool hits_something(const LaserScan& scan, std::size_t i) {
+  const auto range = static_cast<double>(scan.ranges[i]);
+  return range > 0.0 && range < scan.range_max - kRounding;
+}
+
+Vec2 point_of(const LaserScan& scan, std::size_t i) {
+  const auto [sin, cos] = exact::sincos(scan.angle_min + static_cast<double>(i) * scan.angle_increment);
+  return static_cast<double>(scan.ranges[i]) * Vec2{cos, sin};
+}
+
 std::vector<Vec2> hits(const LaserScan& scan, const Pose2D& base_from_lidar) {
   std::vector<Vec2> points;
   for (std::size_t i = 0; i < scan.ranges.size(); ++i) {
-    const auto range = static_cast<double>(scan.ranges[i]);
-    if (range <= 0.0 || range >= scan.range_max - kRounding) continue;
-    const auto [sin, cos] = exact::sincos(scan.angle_min + static_cast<double>(i) * scan.angle_increment);
-    points.push_back(base_from_lidar * Vec2{range * cos, range * sin});
+    if (hits_something(scan, i)) points.push_back(base_from_lidar * point_of(scan, i));
   }
   return points;
 }

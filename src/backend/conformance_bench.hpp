@@ -10,6 +10,7 @@
 
 #include <fmt/format.h>
 
+#include "threewe/backend/conformance.hpp"
 #include "threewe/backend/registry.hpp"
 #include "threewe/core/errors.hpp"
 
@@ -75,10 +76,13 @@ class Bench {
   std::vector<Sample> of(SensorType type);
   std::vector<Sample> of_sensor(std::size_t sensor) const;
   bool has(SensorType type);
-  /// The newest odometry. Fails when none has arrived.
+  /// The newest odometry. Stands for up to a second until the first one has arrived, and fails when none has.
   Odometry odometry();
   /// A scan whose every beam was measured from now on.
   LaserScan next_scan();
+
+  /// Fails, since no sample of a kind has arrived that was measured from `begin` on.
+  [[noreturn]] void fail_without_new(SensorType type, Time begin);
 
   /// A speed to drive at [m/s] and one to turn at [rad/s], within what the robot is asked to do by default.
   double cruise();
@@ -93,6 +97,7 @@ class Bench {
 struct Context {
   const WorldFactory& make;
   const WorldOptions& options;
+  const Surroundings& surroundings;
 
   Bench fresh() const { return Bench(make(options)); }
   Bench connected() const;
@@ -105,6 +110,10 @@ struct Check {
   void (*run)(const Context&);
 };
 
+/// Whether beam `i` hit something: it is neither invalid nor without a return.
+bool hits_something(const LaserScan& scan, std::size_t i);
+/// Where beam `i` ends, in the lidar's frame.
+Vec2 point_of(const LaserScan& scan, std::size_t i);
 /// Where the beams hit something, in the base frame.
 std::vector<Vec2> hits(const LaserScan& scan, const Pose2D& base_from_lidar);
 
@@ -116,12 +125,16 @@ double misfit(const std::vector<Vec2>& before, const std::vector<Vec2>& after, c
 std::span<const Check> connection_checks();
 std::span<const Check> time_checks();
 std::span<const Check> sample_checks();
+std::span<const Check> delay_checks();
 std::span<const Check> lidar_checks();
+std::span<const Check> mount_checks();
 std::span<const Check> ultrasonic_checks();
 std::span<const Check> camera_checks();
+std::span<const Check> scenery_checks();
 std::span<const Check> motion_checks();
 std::span<const Check> command_checks();
 std::span<const Check> repeat_checks();
 std::span<const Check> truth_checks();
+std::span<const Check> place_checks();
 
 }  // namespace threewe::backend::conformance

@@ -125,20 +125,48 @@ Witnesses watch(Bench& bench, const Velocity& velocity, double seconds) {
   return seen;
 }
 
-/// The motion as odometry has it must explain the scans better than none, half, twice, or the opposite of it.
-void expect_best_fit(const Witnesses& seen, const char* motion) {
-  const Pose2D& m = seen.motion;
-  const double true_misfit = best_misfit(seen.before, seen.after, m);
-  const std::pair<const char*, Pose2D> others[] = {{"none of it", {}},
-                                                   {"half of it", {0.5 * m.x, 0.5 * m.y, 0.5 * m.theta}},
-                                                   {"twice as much", {2.0 * m.x, 2.0 * m.y, 2.0 * m.theta}},
-                                                   {"the opposite", inverse(m)}};
-  for (const auto& [what, other] : others) {
-    const double misfit_of_other = best_misfit(seen.before, seen.after, other);
-    expect(true_misfit < misfit_of_other,
-           "by the scans, {} by ({:.2f} m, {:.2f} rad) was rather {}: they fit within {:.3f} m instead of {:.3f} m",
-           motion, m.x, m.theta, what, misfit_of_other, true_misfit);
+/// A motion that scans may show instead of the one that odometry has, and what that would mean.
+struct Mistake {
+  Pose2D motion;
+  const char* shown = "";
+  const char* cause = "";
+};
+
+std::vector<Mistake> mistakes(const Pose2D& m) {
+  std::vector<Mistake> all{
+      {{}, "no motion", "are they new, and of this robot?"},
+      {{0.5 * m.x, 0.5 * m.y, 0.5 * m.theta}, "half of it", "are their ranges too short, or is odometry too long?"},
+      {{2.0 * m.x, 2.0 * m.y, 2.0 * m.theta}, "twice as much", "are their ranges too long, or is odometry too short?"},
+      {inverse(m), "the opposite",
+       "do beams come clockwise, are front and back swapped, or has odometry a wrong sign?"}};
+  const auto aside = [&m](double angle) {
+    const Vec2 there = rotate(m.position(), angle);
+    return Pose2D{there.x, there.y, m.theta};
+  };
+  if (norm(m.position()) > 0.3) {
+    all.push_back({aside(0.25 * kTurn), "a motion to the left",
+                   "are they turned by 90 degrees: do angle_min and base_from_lidar say where beam 0 points?"});
+    all.push_back({aside(-0.25 * kTurn), "a motion to the right",
+                   "are they turned by -90 degrees: do angle_min and base_from_lidar say where beam 0 points?"});
   }
+  return all;
+}
+
+/// The motion as odometry has it must explain the scans better than any mistake does.
+void expect_best_fit(const Witnesses& seen, const char* motion) {
+  const double fit = best_misfit(seen.before, seen.after, seen.motion);
+  double best = std::numeric_limits<double>::infinity();
+  Mistake likeliest;
+  for (const Mistake& mistake : mistakes(seen.motion)) {
+    const double other = best_misfit(seen.before, seen.after, mistake.motion);
+    if (other >= best) continue;
+    best = other;
+    likeliest = mistake;
+  }
+  expect(fit < best,
+         "odometry shows {} by ({:.2f} m, {:.2f} rad), scans show {}, which fits them within {:.3f} m instead "
+         "of {:.3f} m: {}",
+         motion, seen.motion.x, seen.motion.theta, likeliest.shown, best, fit, likeliest.cause);
 }
 
 void lidar_sees_the_robot_drive_forward(const Context& context) {

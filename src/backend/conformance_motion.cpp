@@ -88,6 +88,20 @@ void odometry_velocity_fits_its_pose(const Context& context) {
          integral);
 }
 
+/// Odometry that turns left and then drives forward must go where it heads: a flipped y shows on no straight drive.
+void odometry_drives_where_it_heads(const Context& context) {
+  Bench bench = context.connected();
+  bench.drive_and_stop({0.0, 0.0, bench.turning()}, from_seconds(1.0 / bench.turning()));
+  const Pose2D before = bench.odometry().pose;
+  bench.drive_and_stop({bench.cruise(), 0.0, 0.0}, from_seconds(0.5 / bench.cruise()));
+  const Vec2 driven = bench.odometry().pose.position() - before.position();
+  expect(norm(driven) > 0.25, "driving forward by 0.5 m moved odometry by {:.3f} m", norm(driven));
+  const double course = exact::atan2(driven.y, driven.x);
+  expect(std::abs(wrap_angle(course - before.theta)) < 0.3,
+         "odometry heads {:.2f} rad, but driving forward moved it along {:.2f} rad{}", before.theta, course,
+         std::abs(wrap_angle(course + before.theta)) < 0.3 ? ": y, or the heading, has the wrong sign" : "");
+}
+
 void sideways_is_left(const Context& context) {
   Bench bench = context.connected();
   applies_if(bench.features().kinematics == Kinematics::holonomic, "the base cannot drive sideways");
@@ -155,6 +169,7 @@ constexpr Check kChecks[] = {
     {"heading_stays_within_pi", heading_stays_within_pi},
     {"odometry_velocity_is_in_the_body_frame", odometry_velocity_is_in_the_body_frame},
     {"odometry_velocity_fits_its_pose", odometry_velocity_fits_its_pose},
+    {"odometry_drives_where_it_heads", odometry_drives_where_it_heads},
     {"sideways_is_left", sideways_is_left},
     {"gyro_agrees_with_odometry", gyro_agrees_with_odometry},
     {"imu_at_rest_feels_gravity_alone", imu_at_rest_feels_gravity_alone},

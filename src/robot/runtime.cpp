@@ -27,6 +27,7 @@ Runtime::Impl::Impl(World& w, backend::RobotPort& p, Options mind)
       gate_model(safety::make_gate_model(p.profile())),
       creeping_gate(safety::creeping(gate_model)),
       sight_model(safety::make_sight_model(p.profile(), gate_model)),
+      may_creep(mind.may_creep),
       fresh(std::move(mind), p.features(), p.profile()),
       state(std::make_unique<State>(fresh)) {}
 

@@ -126,6 +126,7 @@ struct Runtime::Impl {
   const safety::GateModel gate_model;
   const safety::GateModel creeping_gate;
   const safety::SightModel sight_model;
+  const bool may_creep;
   const State fresh;  // as it was before anything happened
   std::unique_ptr<State> state;
   bool connected = false;

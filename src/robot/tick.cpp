@@ -65,7 +65,7 @@ safety::GateOutput Runtime::Impl::gated(Time now) {
   const Pose2D& base = state->estimate.odom_from_base;
   const std::span<const Vec2> seen = obstacles_in_odom();
   const std::span<const Vec2> unseen = state->sight.unseen();
-  const bool creeping = motion && motion->decision.creeping;
+  const bool creeping = may_creep && motion && motion->decision.creeping;
   std::vector<Vec2> expected;
   if (creeping) {
     const Vec2 lidar = base * port.profile().lidar->base_from_lidar.position();

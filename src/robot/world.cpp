@@ -22,7 +22,8 @@ Runtime::Options make_mind(const Mind& mind, const backend::RobotPort& port, con
     throw HardwareError("robot '" + profile.name + "' has no sensor 'lidar', which finding its place in a map needs");
   }
   return {mind.localizer ? mind.localizer(profile, beginning, port.truth()) : slam::make_localizer(profile, beginning),
-          mind.navigator ? mind.navigator(profile) : nav::make_navigator(profile)};
+          mind.navigator ? mind.navigator(profile) : nav::make_navigator(profile),
+          !mind.navigator && profile.lidar.has_value()};
 }
 
 std::string size_of_pictures(const RobotProfile& profile) {

@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+import re
 from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
 from typing import Any
 
+import numpy as np
 import pytest
 import threewe
-from threewe import ConfigError, ContractError
+from threewe import ConfigError, ContractError, Features, SensorInfo, SensorType, Velocity
+from threewe.backend import CameraReading, Reading
 from threewe.testing import Outcome, check_backend, check_names
 
 from .toy_backend import QuietBackend
@@ -78,6 +82,66 @@ def test_a_failure_is_shown_and_raised_with_what_was_wrong(capsys: pytest.Captur
     good, bad = check_backend("lying", checks=checks, show=False)
     assert (good.passed, bad.passed) == (True, False)
     assert repr(good) == "CheckResult('sensor_rates_are_positive', passed)"
+
+
+class WallClockBackend(QuietBackend):
+    """Stamps with the time of day."""
+
+    def readings(self, t: float, velocity: Velocity) -> list[Reading]:
+        return [replace(reading, measured=1763900000.0 + t) for reading in super().readings(t, velocity)]
+
+
+def test_one_error_at_many_checks_is_told_once(capsys: pytest.CaptureFixture[str]) -> None:
+    threewe.register_backend("wall_clock", WallClockBackend)
+    with pytest.raises(ContractError, match="backend 'wall_clock' fails") as error:
+        check_backend("wall_clock", raise_failures=True)
+    told = str(error.value)
+    assert told.count("which looks like wall-clock time") == 1
+    assert re.search(r"\(the same at \d\d more checks\)", told)
+    shown = " ".join(capsys.readouterr().out.split())
+    assert shown.count("the same at") == 1
+    assert shown.count("│ as ") >= 30
+
+
+def test_a_colour_that_is_stated_tells_blue_from_red() -> None:
+    class Sighted(QuietBackend):
+        """Sees a red sheet; `order` is how it orders blue, green and red."""
+
+        order = (0, 1, 2)
+
+        @property
+        def features(self) -> Features:
+            quiet = super().features
+            return Features(
+                [*quiet.sensors, SensorInfo("camera", SensorType.camera, 50.0)], quiet.kinematics, lockstep=True
+            )
+
+        def readings(self, t: float, velocity: Velocity) -> list[Reading]:
+            camera = self.profile.camera
+            assert camera is not None
+            size = camera.intrinsics
+            color = np.full((size.height, size.width, 3), (30, 30, 200), np.uint8)[..., list(self.order)]
+            return [*super().readings(t, velocity), CameraReading(measured=t, color=color)]
+
+    threewe.register_backend("sighted", Sighted)
+    threewe.register_backend("swapped", type("Swapped", (Sighted,), {"order": (2, 1, 0)}))
+
+    def outcome(backend: str, color: str) -> tuple[Outcome, str]:
+        checks = ["images_are_blue_green_red"]
+        (result,) = check_backend(backend, hardware="3we_standard_v2", checks=checks, color_ahead=color, show=False)
+        return result.outcome, result.detail
+
+    assert outcome("sighted", "red") == (Outcome.passed, "")
+    assert outcome("swapped", "blue") == (Outcome.passed, "")
+    for backend, color in [("swapped", "red"), ("sighted", "blue")]:
+        found, detail = outcome(backend, color)
+        assert found == Outcome.failed
+        assert "channel 0 must be blue, 2 red" in detail
+    found, detail = outcome("swapped", "")
+    assert found == Outcome.not_applicable
+    assert "put something red or blue there, and state it (color_ahead)" in detail
+    with pytest.raises(ConfigError, match="color_ahead is 'green'; it must be 'red' or 'blue'"):
+        outcome("sighted", "green")
 
 
 def test_unknown_names_are_errors_with_the_nearest_right_one() -> None:

@@ -276,7 +276,7 @@ class OwnRobot(Simulator):
         ({"backend": "mock", "gate": "limits"}, "gate: with a backend it is 'full', the one that every Robot has"),
         ({"backend": "mock", "randomization": "papr"}, "unknown randomization 'papr'; did you mean 'paper'?"),
         ({"backend": "mock", "randomization": {"reset": {"mas": 1}}}, "randomization:1: reset.mas: unknown knob 'mas'"),
-        ({"backend": Simulator, "randomization": "mild"}, "randomization: backend 'Simulator' knows none"),
+        ({"backend": Simulator, "randomization": "mild"}, "backend 'Simulator' does not say that it can randomize"),
         ({"backend": "mock", "localization": "noisy"}, "unknown localization 'noisy'; known: slam, truth"),
         ({"backend": "mock", "localization_model": "slam_v2"}, "localization_model: with a backend the robot's own"),
         ({"backend": "mock", "hardware": threewe.RobotProfile.load("3we_base_v2")}, "hardware: with a backend it is"),

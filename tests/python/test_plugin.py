@@ -117,6 +117,9 @@ def test_a_backend_drives_and_is_stopped() -> None:
         (lambda r: [replace(r[2], measured=None)], "'odometry': measured must be a number, got NoneType"),
         (lambda r: [replace(r[2], measured=float("nan"))], "'odometry': measured is nan"),
         (lambda r: [replace(r[2], measured=r[2].measured + 1.0)], "in the future"),
+        (lambda r: [replace(r[2], measured=1763900000.0)], "which looks like wall-clock time; it must be robot time"),
+        (lambda r: [replace(r[2], measured=r[2].measured + 5e4)], "it looks like another clock's time"),
+        (lambda r: [replace(r[2], measured=float("nan"))], "measured is nan; it must be a finite number of seconds"),
         (lambda r: [replace(r[2], measured=0.1)], "'odometry': measured is 0.1 s, not after"),
         (lambda r: [r[2], r[2]], "'odometry': measured is"),
         (lambda r: [replace(r[2], sensor="odometri")], "unknown sensor 'odometri'; did you mean 'odometry'?"),
@@ -386,10 +389,27 @@ def test_options_arrive() -> None:
     assert options.start_pose == threewe.Pose2D(1.0, 2.0, 0.0)
 
 
-def test_a_backend_that_knows_no_randomization_says_so() -> None:
+def test_a_backend_that_cannot_randomize_is_refused_by_name() -> None:
     register("quiet", QuietBackend)
-    with pytest.raises(ConfigError, match="randomization: backend 'quiet' knows none"):
+    with pytest.raises(ConfigError, match="randomization is 'hard', but backend 'quiet' does not say that it can"):
         Robot(backend="quiet", randomization="hard")
+
+
+def test_a_backend_that_can_randomize_is_given_what_to_draw_from() -> None:
+    made = register("varied", type("Varied", (QuietBackend,), {"can_randomize": True}))
+    Robot(backend="varied", randomization="hard")
+    Robot(backend="varied")
+    varied, plain = made
+    assert (varied.options.randomization, plain.options.randomization) == ("hard", "none")
+    drawn = varied.draw_variation(7)
+    assert drawn == varied.draw_variation(7) != varied.draw_variation(8)
+    assert drawn["mass"] != 1.0
+    assert plain.draw_variation(7)["mass"] == 1.0
+    assert set(drawn) == set(threewe._core.knob_names())
+
+
+def test_the_papers_name_of_the_base_class_is_the_same_class() -> None:
+    assert threewe.backend.BackendBase is Backend
 
 
 def test_a_backend_has_one_robot() -> None:

@@ -24,6 +24,13 @@ struct CheckResult {
   bool passed() const { return outcome != Outcome::failed; }
 };
 
+/// What the caller knows about the place, and no check can find out by itself.
+struct Surroundings {
+  /// "red" or "blue": the colour of a thing that fills the middle of the camera's image at the start. Empty where there
+  /// is none: the order of an image's colours is then checked only of simulators that paint scenes as ours do.
+  std::string color_ahead;
+};
+
 /// The names of all checks, in the order in which they run.
 std::vector<std::string> check_names();
 
@@ -32,8 +39,10 @@ std::vector<std::string> check_names();
 /// A check sees what a runtime sees: the `World` and its first `RobotPort`. It drives the robot, so the start pose
 /// needs 1.5 m of free floor ahead and 0.6 m to the left. Never throws: a world that cannot be made, or that throws,
 /// fails.
-std::vector<CheckResult> check_backend(const WorldFactory& make, const WorldOptions& options = {});
+std::vector<CheckResult> check_backend(const WorldFactory& make, const WorldOptions& options = {},
+                                       const Surroundings& surroundings = {});
 /// Runs one check. Throws ConfigError naming the nearest right check.
-CheckResult check_backend(const WorldFactory& make, const WorldOptions& options, std::string_view check);
+CheckResult check_backend(const WorldFactory& make, const WorldOptions& options, std::string_view check,
+                          const Surroundings& surroundings = {});
 
 }  // namespace threewe::backend

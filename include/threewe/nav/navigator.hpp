@@ -115,8 +115,10 @@ struct Progress {
 struct Decision {
   Velocity velocity;
   Reason reason = Reason::running;
-  std::string detail{};   ///< says more about a failure; may be empty
-  bool creeping = false;  ///< through a gap: slowly, and nearer to what is beside it than the robot would come else
+  std::string detail{};  ///< says more about a failure; may be empty
+  /// Through a gap that it has measured: slowly, and nearer to what is beside it than the robot would come else. Obeyed
+  /// of our own navigator on a robot with a lidar; others keep the gate's margin, whatever they say.
+  bool creeping = false;
 };
 
 /// Planning and control of one robot. It sees estimates and scans, never the truth.

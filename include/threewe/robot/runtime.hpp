@@ -58,6 +58,8 @@ class Runtime {
   struct Options {
     std::unique_ptr<slam::Localizer> localizer;
     std::unique_ptr<nav::Navigator> navigator;
+    /// Whether `nav::Decision::creeping` is obeyed: of our own navigator, which measures a gap with a lidar before.
+    bool may_creep = false;
   };
   Runtime(World& world, backend::RobotPort& port, Options mind);
   ~Runtime();

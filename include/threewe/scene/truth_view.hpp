@@ -43,6 +43,9 @@ class TruthView {
   /// itself.
   virtual SemanticImage look(const CameraIntrinsics& camera, const Pose2D& pose, double height,
                              bool with_itself) const = 0;
+  /// Range [m] of a perfect beam that leaves `pose` along its heading, `height` [m] above the floor, to the scene's
+  /// walls and furniture: people and robots are left out. Infinity where there is nothing.
+  virtual double range(const Pose2D& pose, double height) const = 0;
   /// Length [m] of the shortest path for the robot's footprint; infinity where there is none.
   virtual double geodesic(Vec2 a, Vec2 b) const = 0;
 };

@@ -51,6 +51,7 @@ class FaultyTruth : public scene::TruthView {
                      bool with_itself) const override {
     return truth_.look(camera, pose, height, with_itself);
   }
+  double range(const Pose2D& pose, double height) const override { return truth_.range(pose, height); }
   double geodesic(Vec2 a, Vec2 b) const override { return changed(fault_.geodesic, truth_.geodesic(a, b)); }
 
  private:

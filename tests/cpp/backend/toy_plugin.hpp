@@ -47,7 +47,10 @@ class ToyRobot {
       case Call::connect: return {};
       case Call::disconnect: return {};
       case Call::step: return {.readings = step(request.t, request.velocity), .state = {}};
-      case Call::reset: state_ = {.seed = request.seed}; return {};
+      case Call::reset:
+        start_ = request.pose.value_or(Pose2D{});
+        state_ = {.seed = request.seed};
+        return {};
       case Call::save: return {.readings = {}, .state = bytes()};
       case Call::restore: std::memcpy(&state_, request.state.data(), sizeof state_); return {};
       case Call::truth: return {};  // never asked: no view of it is given to the world
@@ -93,7 +96,7 @@ class ToyRobot {
   // The nearest of a fan of rays: every wall of this room sends sound back.
   RangeData echo(const Pose2D& base_from_ultrasonic) const {
     const UltrasonicSpec& spec = *profile_.ultrasonics;
-    const Pose2D sensor = state_.pose * base_from_ultrasonic;
+    const Pose2D sensor = in_room() * base_from_ultrasonic;
     double nearest = spec.range_max;
     for (int i = -5; i <= 5; ++i) {
       nearest = std::min(nearest, to_wall(sensor.position(), sensor.theta + 0.1 * i * spec.field_of_view));
@@ -110,7 +113,7 @@ class ToyRobot {
                    .range_min = spec.range_min,
                    .range_max = spec.range_max,
                    .ranges = std::vector<float>(static_cast<std::size_t>(spec.beams))};
-    const Pose2D lidar = state_.pose * spec.base_from_lidar;
+    const Pose2D lidar = in_room() * spec.base_from_lidar;
     const RngKey key{.seed = state_.seed, .stream = Stream::lidar};
     for (std::size_t i = 0; i < scan.ranges.size(); ++i) {
       const double angle = lidar.theta + scan.angle_min + static_cast<double>(i) * scan.angle_increment;
@@ -128,8 +131,11 @@ class ToyRobot {
     return {begin, begin + sizeof state_};
   }
 
+  Pose2D in_room() const { return start_ * state_.pose; }
+
   RobotProfile profile_;
   double sigma_;  // [m] of each range
+  Pose2D start_{};
   State state_;
 };
 

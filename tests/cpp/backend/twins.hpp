@@ -56,6 +56,62 @@ inline auto creep(double speed) {
   };
 }
 
+/// Swaps the left and the right of an image.
+inline void mirror(RGBDImage& image) {
+  const auto width = static_cast<std::size_t>(image.intrinsics.width);
+  const auto height = static_cast<std::size_t>(image.intrinsics.height);
+  for (std::size_t y = 0; y < height; ++y) {
+    for (std::size_t x = 0; x < width / 2; ++x) {
+      const std::size_t a = y * width + x;
+      const std::size_t b = y * width + width - 1 - x;
+      for (std::size_t c = 0; c < 3; ++c) std::swap(image.color[3 * a + c], image.color[3 * b + c]);
+      if (!image.depth.empty()) std::swap(image.depth[a], image.depth[b]);
+    }
+  }
+}
+
+/// Delivers each `Data` as measured `delay` later than it was: what is late, yet stamped as it arrives.
+template <typename Data>
+Fault late(Duration delay) {
+  return {.samples = [held = std::vector<Sample>(), delay](std::vector<Sample>& samples, World& world) mutable {
+    std::erase_if(samples, [&held](const Sample& sample) {
+      const bool is_late = std::holds_alternative<Data>(sample.data);
+      if (is_late) held.push_back(sample);
+      return is_late;
+    });
+    std::erase_if(held, [&](Sample sample) {
+      sample.measured += delay;
+      sample.received = world.now();
+      const bool is_due = sample.measured <= world.now();
+      if (is_due) samples.push_back(sample);
+      return is_due;
+    });
+  }};
+}
+
+/// Delivers each other `Data` as what the one before held.
+template <typename Data>
+auto repeated() {
+  return [last = Data(), n = 0](Data& data) mutable { ++n % 2 == 0 ? void(data = last) : void(last = data); };
+}
+
+/// What a lidar at `base_from_lidar` delivers that thinks that it is at `thought`: its points, moved by the difference.
+template <typename Change>
+void replace_points(LaserScan& scan, Change change) {
+  std::vector<float> ranges(scan.ranges.size(), static_cast<float>(scan.range_max));
+  const auto beams = static_cast<double>(ranges.size());
+  for (std::size_t i = 0; i < scan.ranges.size(); ++i) {
+    const auto range = static_cast<double>(scan.ranges[i]);
+    if (range <= 0.0 || range >= scan.range_max) continue;
+    const double angle = scan.angle_min + static_cast<double>(i) * scan.angle_increment;
+    const Vec2 point = change(range * Vec2{exact::cos(angle), exact::sin(angle)});
+    const double turned = (exact::atan2(point.y, point.x) - scan.angle_min) / scan.angle_increment;
+    const auto beam = static_cast<std::size_t>(std::lround(turned + beams)) % ranges.size();
+    ranges[beam] = static_cast<float>(norm(point));
+  }
+  scan.ranges = std::move(ranges);
+}
+
 /// Commands that stay in force for ever.
 inline Fault never_expiring() {
   return {.command = [](RobotPort& port, Velocity velocity, Time) { port.command(velocity, 1000000s); }};
@@ -142,6 +198,15 @@ inline std::multimap<std::string, Fault> twins() {
       {"rates_are_as_listed", {.features = [](Features& f, bool) { f.sensors[0].rate *= 1.25; }}},
       {"rates_are_as_listed", {.samples = every([](Sample& sample) { sample.measured = sample.measured / 2; })}},
 
+      // delays
+      {"each_sample_is_new", {.samples = each<LaserScan>(repeated<LaserScan>())}},
+      {"each_sample_is_new", {.samples = each<Odometry>(repeated<Odometry>())}},
+      {"odometry_answers_the_command_in_time", late<Odometry>(300ms)},
+      {"imu_and_odometry_are_of_one_time", late<IMUData>(300ms)},
+      {"imu_and_odometry_are_of_one_time", late<Odometry>(300ms)},
+      {"lidar_and_odometry_are_of_one_time", late<LaserScan>(300ms)},
+      {"lidar_and_odometry_are_of_one_time", late<Odometry>(300ms)},
+
       // lidar
       {"scan_has_the_profiles_beams", {.samples = each<LaserScan>([](LaserScan& scan) { scan.ranges.pop_back(); })}},
       {"scan_limits_are_the_profiles", {.samples = each<LaserScan>([](LaserScan& scan) { scan.range_max *= 2.0; })}},
@@ -173,6 +238,19 @@ inline std::multimap<std::string, Fault> twins() {
       {"lidar_sees_the_robot_turn_left", {.samples = each<LaserScan>([](LaserScan& scan) {
                                             std::reverse(scan.ranges.begin(), scan.ranges.end());  // clockwise
                                           })}},
+
+      {"lidar_sees_the_robot_drive_forward", {.samples = each<LaserScan>([](LaserScan& scan) {
+                                                const auto quarter =  // counted from the left
+                                                    static_cast<std::ptrdiff_t>(scan.ranges.size() / 4);
+                                                std::rotate(scan.ranges.begin(), scan.ranges.begin() + quarter,
+                                                            scan.ranges.end());
+                                              })}},
+      {"the_lidar_looks_past_the_robot", {.samples = each<LaserScan>([](LaserScan& scan) {
+                                            for (std::size_t i = 0; i < 9; ++i) scan.ranges[i] = 0.13F;  // a post
+                                          })}},
+      {"the_lidar_is_where_the_profile_says", {.samples = each<LaserScan>([](LaserScan& scan) {
+                                                 replace_points(scan, [](Vec2 p) { return p + Vec2{0.08, 0.0}; });
+                                               })}},
 
       // ultrasonics
       {"ultrasonics_are_mounted",
@@ -217,6 +295,13 @@ inline std::multimap<std::string, Fault> twins() {
         })}},
       {"images_show_what_is_there",
        {.samples = each_image([](RGBDImage& image) { std::ranges::fill(image.color, std::uint8_t{128}); })}},
+      {"images_show_what_is_there", {.samples = each_image(mirror)}},
+      {"images_turn_with_the_robot", {.samples = each_image(mirror)}},
+      {"depth_shows_what_is_there", {.samples = each_image(mirror)}},
+      {"depth_shows_what_is_there",  // in decimetres
+       {.samples = each_image([](RGBDImage& image) {
+          for (float& depth : image.depth) depth *= 0.1F;
+        })}},
       {"images_are_blue_green_red", {.samples = each_image([](RGBDImage& image) {
                                        for (std::size_t i = 0; i < image.color.size(); i += 3) {
                                          std::swap(image.color[i], image.color[i + 2]);
@@ -240,6 +325,11 @@ inline std::multimap<std::string, Fault> twins() {
           }
         })}},
 
+      {"depth_agrees_with_lidar",  // from behind the middle of the base
+       {.samples = each_image([](RGBDImage& image) {
+          for (float& depth : image.depth) depth += depth > 0.0F ? 0.21F : 0.0F;
+        })}},
+
       // motion
       {"odometry_starts_at_the_origin", {.samples = each<Odometry>([](Odometry& o) { o.pose.x += 1.0; })}},
       {"a_metre_driven_is_a_metre_in_odometry", {.samples = each<Odometry>([](Odometry& o) { o.pose.x *= 0.5; })}},
@@ -255,6 +345,7 @@ inline std::multimap<std::string, Fault> twins() {
                                                     o.velocity = {in_odom.x, in_odom.y, o.velocity.omega};
                                                   })}},
       {"odometry_velocity_fits_its_pose", {.samples = each<Odometry>([](Odometry& o) { o.velocity.vx *= 1.3; })}},
+      {"odometry_drives_where_it_heads", {.samples = each<Odometry>([](Odometry& o) { o.pose.y *= -1.0; })}},
       {"sideways_is_left",
        {.command = [](RobotPort& port, Velocity v, Time until) { port.command({v.vx, -v.vy, v.omega}, until); }}},
       {"gyro_agrees_with_odometry", {.samples = each<IMUData>([](IMUData& imu) { imu.angular_velocity[2] *= -1.0; })}},
@@ -341,6 +432,13 @@ inline std::multimap<std::string, Fault> twins() {
       {"free_poses_follow_from_the_seed", {.free_pose = [](Pose2D) { return Pose2D{1.0, 2.0, 3.0}; }}},
       {"free_poses_follow_from_the_seed",
        {.free_pose = [n = 0](Pose2D pose) mutable { return Pose2D{pose.x + ++n, pose.y, pose.theta}; }}},
+      {"the_robot_starts_where_it_is_told", {.options = [](WorldOptions& options) { options.poses.clear(); }}},
+      {"reset_puts_the_robot_at_its_pose",
+       {.reset = [](World& world, const ResetOptions& options) { world.reset({.seed = options.seed, .poses = {}}); }}},
+      {"truth_is_in_the_frame_of_the_scene",
+       {.true_pose = [](Pose2D pose) { return Pose2D{pose.x + 1.0, pose.y - 2.0, pose.theta}; }}},
+      {"truth_is_in_the_frame_of_the_scene",
+       {.true_pose = [](Pose2D pose) { return Pose2D{pose.x, -pose.y, -pose.theta}; }}},
       {"no_path_is_shorter_than_the_straight_line", {.geodesic = [](double length) { return 0.5 * length; }}},
   };
 }

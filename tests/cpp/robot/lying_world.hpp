@@ -33,6 +33,7 @@ class FalseTruth final : public scene::TruthView {
   SemanticImage look(const CameraIntrinsics& camera, const Pose2D&, double height, bool) const override {
     return truth_.look(camera, {}, height, true);
   }
+  double range(const Pose2D& pose, double height) const override { return truth_.range(pose, height) + 1.0; }
   double geodesic(Vec2 a, Vec2 b) const override { return truth_.geodesic(a, b) + 100.0; }
 
  private:

@@ -225,6 +225,24 @@ TEST_CASE("cancelling commands zero within one period, and stand-still follows")
   motion->cancel();  // does nothing
 }
 
+TEST_CASE("a navigator that is not ours cannot shrink the gate's margin by creeping") {
+  for (const char* hardware : {"3we_standard_v2", "blind"}) {
+    std::vector<std::vector<Velocity>> commands;
+    for (const bool creeping : {false, true}) {
+      Toy toy({hardware}, scripted([creeping](const auto&) {
+                return nav::Decision{{0.3, 0.0, 0.0}, Reason::running, "", creeping};
+              }));
+      Robot robot(*toy.world);
+      const MotionHandle motion = robot.move_to(3.0, 0.0);
+      robot.sleep(15.0);
+      commands.push_back(toy.port().commands);
+      CHECK_FALSE(motion->done());
+    }
+    CAPTURE(hardware);
+    CHECK(commands[0] == commands[1]);
+  }
+}
+
 TEST_CASE("a motion ends when its time is over") {
   Toy toy({"3we_standard_v2"}, scripted([](const auto&) { return nav::Decision{}; }));
   Robot robot(*toy.world);

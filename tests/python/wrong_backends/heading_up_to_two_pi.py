@@ -1,6 +1,7 @@
 """Headings run from 0 to 2 pi: the border refuses those beyond half a turn.
 
-fails: heading_stays_within_pi, battery_is_a_fraction_and_never_rises
+fails: imu_and_odometry_are_of_one_time, lidar_and_odometry_are_of_one_time,
+heading_stays_within_pi, battery_is_a_fraction_and_never_rises
 """
 
 import math

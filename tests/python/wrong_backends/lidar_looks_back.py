@@ -1,6 +1,6 @@
 """Beam 0 points backwards, yet is said to point forwards.
 
-fails: lidar_sees_the_robot_drive_forward
+fails: lidar_sees_the_robot_drive_forward, the_lidar_is_where_the_profile_says
 """
 
 from collections.abc import Iterator

@@ -1,7 +1,9 @@
 """Stamps count milliseconds where seconds are meant: 1.5 s becomes 0.0015.
 
 fails: samples_are_recent, rates_are_as_listed, odometry_velocity_fits_its_pose, gyro_agrees_with_odometry,
-lidar_sees_the_robot_drive_forward, lidar_sees_the_robot_turn_left
+lidar_sees_the_robot_drive_forward, lidar_sees_the_robot_turn_left, imu_and_odometry_are_of_one_time,
+lidar_and_odometry_are_of_one_time, the_lidar_looks_past_the_robot, the_lidar_is_where_the_profile_says,
+the_robot_starts_where_it_is_told, reset_puts_the_robot_at_its_pose, truth_is_in_the_frame_of_the_scene
 """
 
 from collections.abc import Iterator

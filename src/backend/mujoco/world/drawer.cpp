@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include "backend/mujoco/world/patterns.hpp"
 #include "backend/mujoco/world/physics.hpp"
 #include "sim/renderer/looks.hpp"
 #include "threewe/core/errors.hpp"
@@ -50,6 +51,10 @@ void brighten(const sim::Shot& shot, std::span<std::uint8_t> color) {
     color[i] = static_cast<std::uint8_t>(std::min(std::lround(gains[i % 3] * color[i]), 255L));
   }
 }
+
+std::uint32_t texture_of(const sim::Shot& shot) { return static_cast<std::uint32_t>(shot.variation.texture); }
+
+double depth_of(float nearness) { return kNear * kFar / (kNear + static_cast<double>(nearness) * (kFar - kNear)); }
 
 void put(const Vec3& v, float* out) {
   out[0] = static_cast<float>(v.x);
@@ -139,7 +144,7 @@ RGBDImage Drawer::picture(const simulated::Moment& moment) {
   set_up();
   compose(moment, robot);
   const Transform base_from_camera = upright(spec.base_from_camera, spec.mount_height);
-  draw(picture.intrinsics, base(robot) * base_from_camera, {picture.color, picture.depth, {}});
+  draw(picture.intrinsics, base(robot) * base_from_camera, {picture.color, picture.depth, {}}, texture_of(shot));
   brighten(shot, picture.color);
   models::add_color_noise(spec, shot.key, shot.step, picture.color);
   if (spec.depth) models::measure_depth(*spec.depth, shot.key, shot.step, picture.depth);
@@ -157,7 +162,8 @@ SemanticImage Drawer::look(const simulated::Moment& moment, const CameraIntrinsi
   const ErrorsThrown errors;
   set_up();
   compose(moment, with_itself ? world_->robots.size() : moment.shot.key.robot);
-  draw(camera, upright(view.pose, view.height), {truth.image.color, truth.image.depth, truth.ids});
+  draw(camera, upright(view.pose, view.height), {truth.image.color, truth.image.depth, truth.ids},
+       texture_of(moment.shot));
   brighten(moment.shot, truth.image.color);
   return truth;
 }
@@ -264,7 +270,8 @@ void Drawer::light() {
   scene_->lights[0] = sun;
 }
 
-void Drawer::draw(const CameraIntrinsics& camera, const Transform& scene_from_camera, const Pixels& pixels) {
+void Drawer::draw(const CameraIntrinsics& camera, const Transform& scene_from_camera, const Pixels& pixels,
+                  std::uint32_t texture) {
   mjvGLCamera view{};
   put(scene_from_camera.position, view.pos);
   put(rotated(scene_from_camera.rotation, {1.0, 0.0, 0.0}), view.forward);
@@ -284,6 +291,22 @@ void Drawer::draw(const CameraIntrinsics& camera, const Transform& scene_from_ca
   mj_.mjr_setBuffer(mjFB_OFFSCREEN, context_.get());
   if (!pixels.color.empty() || !pixels.depth.empty()) read_colors(camera, pixels);
   if (!pixels.ids.empty()) read_ids(camera, pixels.ids);
+  if (texture != 0) wear(camera, scene_from_camera, pixels, texture);
+}
+
+// MuJoCo paints plainly; patterns come on top of what it painted.
+void Drawer::wear(const CameraIntrinsics& camera, const Transform& scene_from_camera, const Pixels& pixels,
+                  std::uint32_t texture) {
+  std::vector<std::int16_t> ids(pixels_of(camera));
+  std::vector<float> depth(ids.size());
+  read_ids(camera, ids);
+  const auto width = static_cast<std::size_t>(camera.width);
+  const auto height = static_cast<std::size_t>(camera.height);
+  for (std::size_t i = 0; i < depth.size(); ++i) {
+    const float nearness = depth_[(height - 1 - i / width) * width + i % width];
+    if (nearness > 0.0F) depth[i] = static_cast<float>(depth_of(nearness));
+  }
+  wear_patterns(*world_, texture, camera, scene_from_camera, {ids, depth}, pixels.color);
 }
 
 void Drawer::render(const CameraIntrinsics& camera) {
@@ -314,8 +337,7 @@ void Drawer::read_colors(const CameraIntrinsics& camera, const Pixels& pixels) {
             nearness > 0.0F ? rgb_[3 * from + 2 - i] : static_cast<std::uint8_t>(std::lround(nothing[i]));
       }
       if (pixels.depth.empty()) continue;
-      const double depth = kNear * kFar / (kNear + static_cast<double>(nearness) * (kFar - kNear));
-      pixels.depth[to] = nearness > 0.0F ? static_cast<float>(depth) : 0.0F;
+      pixels.depth[to] = nearness > 0.0F ? static_cast<float>(depth_of(nearness)) : 0.0F;
     }
   }
 }

@@ -17,7 +17,7 @@
 namespace threewe::backend::mujoco {
 
 /// Draws moments of one world, any thread one at a time. What stands and drives is drawn as physics has it, people and
-/// lintels as the embedded camera shows them, all in the episode's colours.
+/// lintels as the embedded camera shows them, all in the episode's colours and, where textures are drawn, its patterns.
 class Drawer {
  public:
   /// `compiled` is copied. Drawing is set up when a picture is first looked at.
@@ -58,7 +58,10 @@ class Drawer {
   void add_solid(const sim::VisibleSolid& solid, const exports::Color& color);
   void add_ground();
   void light();
-  void draw(const CameraIntrinsics& camera, const exports::Transform& scene_from_camera, const Pixels& pixels);
+  void draw(const CameraIntrinsics& camera, const exports::Transform& scene_from_camera, const Pixels& pixels,
+            std::uint32_t texture);
+  void wear(const CameraIntrinsics& camera, const exports::Transform& scene_from_camera, const Pixels& pixels,
+            std::uint32_t texture);
   void render(const CameraIntrinsics& camera);
   void read_colors(const CameraIntrinsics& camera, const Pixels& pixels);
   void read_ids(const CameraIntrinsics& camera, std::span<std::int16_t> ids);

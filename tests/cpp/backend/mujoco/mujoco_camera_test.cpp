@@ -126,6 +126,33 @@ TEST_CASE("a robot sees another, and itself only where it is asked to") {
   CHECK(among(names_in(behind, false), "robot_0") == 0);
 }
 
+TEST_CASE("other textures change colours alone") {
+  WorldOptions options = with_depth("apartment_v1");
+  const auto pictures = [&options](const char* texture) {
+    options.randomization = always(texture);
+    const auto world = connected(options);
+    return std::pair(take_picture(*world).image(),
+                     truth(*world).look(make_intrinsics(160, 120, 1.4), {0.3, 0.2, 0.5}, 0.6, true));
+  };
+  const auto [plain, plainly_there] = pictures("texture: 0");
+  const auto [brick, there] = pictures("texture: 3");
+  const auto changed = [](const RGBDImage& a, const RGBDImage& b) {
+    std::size_t count = 0;
+    for (std::size_t i = 0; i < a.color.size(); ++i) count += std::abs(a.color[i] - b.color[i]) > 3 ? 1U : 0U;
+    return static_cast<double>(count) / static_cast<double>(a.color.size());
+  };
+  CHECK(changed(plain, brick) > 0.3);
+  CHECK(changed(plainly_there.image, there.image) > 0.3);
+  CHECK(brick == pictures("texture: 3").first);
+  CHECK(changed(brick, pictures("texture: 4").first) > 0.1);
+  CHECK(brick.depth == plain.depth);
+  CHECK(there.image.depth == plainly_there.image.depth);
+  CHECK(there.ids == plainly_there.ids);
+  for (std::size_t i = 0; i < 3; ++i) {
+    CHECK(mean_color(there)[i] == doctest::Approx(mean_color(plainly_there)[i]).epsilon(0.2));
+  }
+}
+
 TEST_CASE("light and exposure vary") {
   WorldOptions options = with_depth("apartment_v1");
   const auto brightness = [&options] {

@@ -1,0 +1,26 @@
+// The patterns that surfaces wear where domain randomisation draws other textures.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "threewe/core/camera.hpp"
+#include "threewe/export/transform.hpp"
+#include "threewe/sim/model.hpp"
+
+namespace threewe::backend::mujoco {
+
+/// What pixels show, row by row.
+struct Shown {
+  std::span<const std::int16_t> ids;
+  std::span<const float> depth;  ///< [m] along the optical axis, 0 where there is nothing
+};
+
+/// Darkens and brightens an image by the patterns of an episode whose `sim::Paint::texture` is `texture`: those that
+/// the embedded renderer lays on the same surfaces, here along the scene's axes. Does nothing for 0, whose surfaces are
+/// plain; people and robots stay so.
+void wear_patterns(const sim::Model& world, std::uint32_t texture, const CameraIntrinsics& camera,
+                   const exports::Transform& scene_from_camera, const Shown& shown, std::span<std::uint8_t> color);
+
+}  // namespace threewe::backend::mujoco

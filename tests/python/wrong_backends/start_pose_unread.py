@@ -1,0 +1,13 @@
+"""`options.start_pose` is not obeyed.
+
+fails: the_robot_starts_where_it_is_told
+"""
+
+from threewe.backend import BackendOptions
+from toy import ToyBackend
+
+
+class Wrong(ToyBackend):
+    def __init__(self, options: BackendOptions) -> None:
+        super().__init__(options)
+        self.state = self.new_state(options.seed, None)
