@@ -1276,13 +1276,16 @@ class RecoveryState(enum.Enum):
     backing_off = 2
     """The way it came, or where there is most room."""
 
-    looking = 3
+    manoeuvring = 3
+    """Where it cannot turn: out in arcs, forwards and backwards."""
+
+    looking = 4
     """It turns to look; all the way round where it is lost."""
 
-    replanning = 4
+    replanning = 5
     """It plans anew, for one period."""
 
-    given_up = 5
+    given_up = 6
     """The result's `detail` says why."""
 
 class Progress:
