@@ -50,6 +50,7 @@ void bind_motions(nb::module_& m) {
       .value("driving", RecoveryState::driving, "It gets on.")
       .value("clearing", RecoveryState::clearing, "It stands still until what it sees is fresh.")
       .value("backing_off", RecoveryState::backing_off, "The way it came, or where there is most room.")
+      .value("manoeuvring", RecoveryState::manoeuvring, "Where it cannot turn: out in arcs, forwards and backwards.")
       .value("looking", RecoveryState::looking, "It turns to look; all the way round where it is lost.")
       .value("replanning", RecoveryState::replanning, "It plans anew, for one period.")
       .value("given_up", RecoveryState::given_up, "The result's `detail` says why.");

@@ -79,10 +79,10 @@ PathNavigator::PathNavigator(const RobotProfile& profile)
       margin_(profile.margin()),
       squeeze_from_(squeeze_from(profile)),
       tracker_(profile),
-      recovery_(profile.kinematics(), !profile.lidar),
+      recovery_(profile),
       passage_(profile),
       monitor_(kUsualPace * profile.operating_limits.linear) {
-  if (profile.lidar) lidar_ = profile.lidar->base_from_lidar.position();
+  if (profile.lidar) lidar_ = profile.lidar->base_from_lidar.position(), range_min_ = profile.lidar->range_min;
 }
 
 void PathNavigator::start(const Goal& goal, const Observation& seen) {
@@ -106,7 +106,10 @@ void PathNavigator::start(const Goal& goal, const Observation& seen) {
 }
 
 // One period: note what is seen, decide, and keep to the limits of zones.
-Decision PathNavigator::step(const Observation& seen) {
+Decision PathNavigator::step(const Observation& observed) {
+  Observation seen = observed;
+  const std::vector<Vec2> obstacles = with_blind_surface(observed);
+  seen.obstacles = obstacles;
   note(seen);
   Decision decision = decide(seen);
   decision.velocity = within_zones(decision.velocity);
@@ -122,7 +125,7 @@ Decision PathNavigator::decide(const Observation& seen) {
   const bool relative = std::holds_alternative<Rotate>(goal_) || std::holds_alternative<MoveForward>(goal_);
   if (!relative && (seen.pose.lost || motion_.lost)) return find_itself(seen);
   if (!relative && monitor_.stalled(now_)) return finish(Reason::blocked, and_who_is_near("it makes no progress"));
-  if (recovery_.active()) return recover();
+  if (recovery_.active()) return recover(seen);
   recovery_.remember(odom_from_base_);
   return std::visit([&](const auto& goal) { return drive(goal, seen); }, goal_);
 }
@@ -381,19 +384,14 @@ Decision PathNavigator::get_unstuck() {
   return {};
 }
 
-Decision PathNavigator::recover() {
-  const Velocity velocity = step_recovery();
-  if (recovery_.state() != Recovery::State::replanning) return {velocity};
+Decision PathNavigator::recover(const Observation& seen) {
+  const Velocity velocity = step_recovery(seen);
+  const bool creeping = lidar_ && recovery_.creeping();
+  if (recovery_.state() != Recovery::State::replanning) return {velocity, Reason::running, {}, creeping};
   recovery_.end();
   mark_moved();
   motion_.tight_until = now_ + kTightFor;
   return {};
-}
-
-Velocity PathNavigator::step_recovery() {
-  const Velocity velocity = recovery_.step(now_, odom_from_base_, tracker_);
-  progress_.recovery = recovery_.state();
-  return velocity;
 }
 
 // Turns round itself to look; what has been recognised until some time after that, or has not, decides.
@@ -406,7 +404,7 @@ Decision PathNavigator::find_itself(const Observation& seen) {
     return wait();
   }
   if (recovery_.state() == Recovery::State::replanning) recovery_.end(), motion_.looked_round = now_;
-  if (recovery_.active()) return {step_recovery()};
+  if (recovery_.active()) return {step_recovery(seen)};
   if (now_ - motion_.looked_round <= kLostPatience) return wait();
   return finish(Reason::lost, "no place in the map fits what is seen");
 }

@@ -23,7 +23,7 @@ class PathNavigator final : public Navigator {
   explicit PathNavigator(const RobotProfile& profile);
 
   void start(const Goal& goal, const Observation& seen) override;
-  Decision step(const Observation& seen) override;
+  Decision step(const Observation& observed) override;
   Progress progress() const override { return progress_; }
   std::span<const Vec2> path() const override { return route_.path(); }
   void set_zones(const std::vector<map::Zone>& zones) override;
@@ -43,6 +43,7 @@ class PathNavigator final : public Navigator {
   Velocity within_zones(const Velocity& velocity) const;
   Decision travel(const Observation& seen, Vec2 goal, double tolerance);
   Decision follow(const Observation& seen);
+  std::vector<Vec2> with_blind_surface(const Observation& seen) const;
   std::vector<Vec2> smoothed_hits(const Observation& seen, double sight) const;
   bool plan_through_gaps(const Observation& seen, double tolerance);
   std::vector<Vec2> way_to_bottleneck() const;
@@ -60,8 +61,8 @@ class PathNavigator final : public Navigator {
   bool proven(bool impossible);
   bool stuck();
   Decision get_unstuck();
-  Decision recover();
-  Velocity step_recovery();
+  Decision recover(const Observation& seen);
+  Velocity step_recovery(const Observation& seen);
   Decision find_itself(const Observation& seen);
 
   /// What belongs to one motion.
@@ -92,6 +93,7 @@ class PathNavigator final : public Navigator {
   ProgressMonitor monitor_;
   std::vector<Mover> movers_;  // met in this motion, where each was last seen to move, and peers
   std::optional<Vec2> lidar_;  // [m] in the base frame
+  double range_min_ = 0.0;     // [m] of the lidar
   Goal goal_;
   Motion motion_;
   Progress progress_;

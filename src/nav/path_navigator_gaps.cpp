@@ -5,9 +5,24 @@
 
 #include "nav/path_navigator.hpp"
 #include "nav/polyline.hpp"
+#include "threewe/map/blind_surface.hpp"
 #include "threewe/map/scan_hits.hpp"
 
 namespace threewe::nav {
+namespace {
+
+constexpr double kFree = 0.004;  // [m] around a robot that creeps
+
+}  // namespace
+
+// What the lidar hits, in `odom`, and the walls beside it that are too near to be seen.
+std::vector<Vec2> PathNavigator::with_blind_surface(const Observation& seen) const {
+  std::vector<Vec2> points(seen.obstacles.begin(), seen.obstacles.end());
+  if (!lidar_) return points;
+  const std::vector<Vec2> more = map::blind_surface(seen.obstacles, seen.pose.odom_from_base * *lidar_, range_min_);
+  points.insert(points.end(), more.begin(), more.end());
+  return points;
+}
 
 // What is nearer than `sight` [m], in `odom`.
 std::vector<Vec2> PathNavigator::smoothed_hits(const Observation& seen, double sight) const {
@@ -58,11 +73,24 @@ Decision PathNavigator::begin_passage(const Observation& seen) {
   return pass(seen);
 }
 
+// By what is seen without its scatter, to which a manoeuvre may come as near as in a gap; not into zones to keep out
+// of.
+Velocity PathNavigator::step_recovery(const Observation& seen) {
+  constexpr double kSight = 1.5;  // [m]
+  std::vector<Vec2> hits = in_base_;
+  if (lidar_) hits = transformed(inverse(odom_from_base_), smoothed_hits(seen, kSight));
+  const std::vector<Vec2> borders = transformed(inverse(progress_.pose), borders_near(progress_.pose.position()));
+  hits.insert(hits.end(), borders.begin(), borders.end());
+  if (lidar_ && recovery_.state() == RecoveryState::manoeuvring) tracker_.see(hits, kFree - margin_);
+  const Velocity velocity = recovery_.step(now_, odom_from_base_, hits, tracker_);
+  progress_.recovery = recovery_.state();
+  return velocity;
+}
+
 // Through a gap, with less room than the gate keeps elsewhere.
 Decision PathNavigator::pass(const Observation& seen) {
-  constexpr double kSight = 0.7;   // [m]
-  constexpr double kFree = 0.004;  // [m] beside the robot
-  mark_moved();                    // it is patient by itself
+  constexpr double kSight = 0.7;  // [m]
+  mark_moved();                   // it is patient by itself
   const std::vector<Vec2> hits = smoothed_hits(seen, kSight);
   tracker_.see(transformed(inverse(odom_from_base_), hits), kFree - margin_);
 

@@ -10,13 +10,14 @@ constexpr double kSamePlace = 0.5;     // [m]
 constexpr int kMostAttempts = 8;       // in one place
 constexpr Duration kClearing = 300ms;  // longer than a turn of a lidar takes to arrive
 constexpr Duration kBackingOff = 2500ms;
-constexpr double kFirstWay = 0.15;     // [m] to back off, more each time
-constexpr double kMoreEachTime = 0.1;  // [m]
-constexpr double kNoRoom = 0.03;       // [m] who cannot back off so far has no room
-constexpr int kLookFrom = 3;           // which attempt in one place is the first to look
-constexpr double kLook = 0.8;          // [rad] to both sides: sensors a quarter turn apart then hear all around
-constexpr double kLooked = 0.1;        // [rad]
-constexpr Duration kLooking = 5s;      // at most for one direction
+constexpr Duration kManoeuvring = 90s;  // at most
+constexpr double kFirstWay = 0.15;      // [m] to back off, more each time
+constexpr double kMoreEachTime = 0.1;   // [m]
+constexpr double kNoRoom = 0.03;        // [m] who cannot back off so far has no room
+constexpr int kLookFrom = 3;            // which attempt in one place is the first to look
+constexpr double kLook = 0.8;           // [rad] to both sides: sensors a quarter turn apart then hear all around
+constexpr double kLooked = 0.1;         // [rad]
+constexpr Duration kLooking = 5s;       // at most for one direction
 constexpr double kTrailSpacing = 0.03;
 constexpr double kTrailTurn = 0.1;
 constexpr std::size_t kTrailLength = 40;
@@ -24,7 +25,11 @@ constexpr double kBarely = 0.02;  // [m/s] slower than this leads nowhere
 
 }  // namespace
 
-void Recovery::reset() { *this = Recovery(kinematics_, hard_of_seeing_); }
+void Recovery::reset() {
+  end();
+  attempts_ = 0, had_room_ = false;
+  trail_.clear();
+}
 
 void Recovery::remember(const Pose2D& odom_from_base) {
   if (!trail_.empty()) {
@@ -59,14 +64,15 @@ void Recovery::enter(State state, Time now, const Pose2D& odom_from_base) {
   escape_ = {};
 }
 
-Velocity Recovery::step(Time now, const Pose2D& odom_from_base, const Tracker& tracker) {
+Velocity Recovery::step(Time now, const Pose2D& odom_from_base, std::span<const Vec2> hits, const Tracker& tracker) {
   turned_ += wrap_angle(odom_from_base.theta - heading_);
   heading_ = odom_from_base.theta;
   switch (state_) {
     case State::clearing:
       if (now - entered_ >= kClearing) enter(State::backing_off, now, odom_from_base);
       return {};
-    case State::backing_off: return back_off(now, odom_from_base, tracker);
+    case State::backing_off: return back_off(now, odom_from_base, hits, tracker);
+    case State::manoeuvring: return manoeuvre(now, odom_from_base, hits, tracker);
     case State::looking: return look(now, odom_from_base, tracker);
     case State::driving:
     case State::replanning:
@@ -75,21 +81,39 @@ Velocity Recovery::step(Time now, const Pose2D& odom_from_base, const Tracker& t
   return {};
 }
 
-// The way it came; where that is closed too, wherever there is most room.
-Velocity Recovery::back_off(Time now, const Pose2D& odom_from_base, const Tracker& tracker) {
+// The way it came; where that is closed too, out of a place too tight to turn in, or wherever there is most room.
+Velocity Recovery::back_off(Time now, const Pose2D& odom_from_base, std::span<const Vec2> hits,
+                            const Tracker& tracker) {
   const double moved = distance(odom_from_base.position(), entered_at_);
-  if (now - entered_ < kBackingOff && moved < kFirstWay + kMoreEachTime * (attempts_ - 1)) {
-    if (escape_ == Velocity{}) {
-      const Velocity back = tracker.safe(along_trail(odom_from_base, tracker.escape_speed()));
-      if (exact::hypot(back.vx, back.vy) >= kBarely) return back;
-      escape_ = tracker.most_room();
-    }
-    return tracker.safe(escape_);
+  const bool in_time = now - entered_ < kBackingOff && moved < kFirstWay + kMoreEachTime * (attempts_ - 1);
+  if (in_time && escape_ == Velocity{}) {
+    const Velocity back = tracker.safe(along_trail(odom_from_base, tracker.escape_speed()));
+    if (exact::hypot(back.vx, back.vy) >= kBarely) return back;
+    if (!is_wedged(hits)) return escape_ = tracker.most_room();
   }
+  if (in_time && escape_ != Velocity{}) return tracker.safe(escape_);
   had_room_ = had_room_ || moved >= kNoRoom;
+  if (is_wedged(hits)) {
+    manoeuvre_.begin(now);
+    enter(State::manoeuvring, now, odom_from_base);
+  } else {
+    look_or_replan(now, odom_from_base);
+  }
+  return {};
+}
+
+// In arcs, to where it can turn.
+Velocity Recovery::manoeuvre(Time now, const Pose2D& odom_from_base, std::span<const Vec2> hits,
+                             const Tracker& tracker) {
+  const Velocity velocity = manoeuvre_.step(now, odom_from_base, hits, tracker);
+  had_room_ = had_room_ || distance(odom_from_base.position(), entered_at_) >= kNoRoom;
+  if (manoeuvre_.over() || now - entered_ >= kManoeuvring) look_or_replan(now, odom_from_base);
+  return velocity;
+}
+
+void Recovery::look_or_replan(Time now, const Pose2D& odom_from_base) {
   looks_ = {turned_ + kLook, turned_ - kLook, turned_};
   enter(hard_of_seeing_ || attempts_ >= kLookFrom ? State::looking : State::replanning, now, odom_from_base);
-  return {};
 }
 
 Velocity Recovery::along_trail(const Pose2D& odom_from_base, double speed) {

@@ -1,9 +1,11 @@
 // What a robot does that does not get on: a small state machine.
 #pragma once
 
+#include <span>
 #include <string_view>
 #include <vector>
 
+#include "nav/manoeuvre.hpp"
 #include "threewe/core/pose.hpp"
 #include "threewe/core/time.hpp"
 #include "threewe/nav/navigator.hpp"
@@ -11,18 +13,20 @@
 
 namespace threewe::nav {
 
-/// A robot that does not get on stands still until what it sees is fresh, backs off the way it came, turns to look, and
-/// plans anew; after a few times in one place it gives up and says why. A robot that is lost only turns to look.
+/// A robot that does not get on stands still until what it sees is fresh, backs off the way it came, leaves in arcs
+/// where it cannot turn, turns to look, and plans anew; after a few times in one place it gives up and says why. A
+/// robot that is lost only turns to look.
 ///
-///   driving -> clearing -> backing_off -> looking -> replanning -> driving
-///      |                        |________________________^
+///   driving -> clearing -> backing_off -> manoeuvring -> looking -> replanning -> driving
+///      |                        |______________|______________________^
 ///      |-> given_up
 class Recovery {
  public:
   using State = RecoveryState;
 
-  /// `hard_of_seeing`: it looks each time, for it hears in a few directions only.
-  Recovery(Kinematics kinematics, bool hard_of_seeing) : kinematics_(kinematics), hard_of_seeing_(hard_of_seeing) {}
+  /// A robot without a lidar looks each time, for it hears in a few directions only.
+  explicit Recovery(const RobotProfile& profile)
+      : kinematics_(profile.kinematics()), hard_of_seeing_(!profile.lidar), manoeuvre_(profile) {}
 
   /// Forgets everything: another motion begins.
   void reset();
@@ -32,13 +36,19 @@ class Recovery {
   void begin(Time now, const Pose2D& odom_from_base, Vec2 place);
   /// The robot is lost: it turns once round itself.
   void look_round(Time now, const Pose2D& odom_from_base);
-  /// One period of what has begun.
-  Velocity step(Time now, const Pose2D& odom_from_base, const Tracker& tracker);
+  /// One period of what has begun. `hits` [m]: what is near, in the base frame; `tracker` sees the same.
+  Velocity step(Time now, const Pose2D& odom_from_base, std::span<const Vec2> hits, const Tracker& tracker);
   /// Drives on: the plan has been made, or the robot is lost no more.
   void end() { state_ = State::driving; }
 
   State state() const { return state_; }
   bool active() const { return state_ != State::driving; }
+  /// It moves where something is nearer than the margin.
+  bool creeping() const { return state_ == State::manoeuvring && manoeuvre_.creeping(); }
+  /// A differential base cannot turn here, so that it can only leave as it came, or in arcs.
+  bool is_wedged(std::span<const Vec2> hits) const {
+    return kinematics_ == Kinematics::differential && !manoeuvre_.can_turn(hits);
+  }
   /// How often it has begun in this place.
   int attempts() const { return attempts_; }
   /// There is another way now, so that it may try as often again.
@@ -48,12 +58,15 @@ class Recovery {
 
  private:
   void enter(State state, Time now, const Pose2D& odom_from_base);
-  Velocity back_off(Time now, const Pose2D& odom_from_base, const Tracker& tracker);
+  Velocity back_off(Time now, const Pose2D& odom_from_base, std::span<const Vec2> hits, const Tracker& tracker);
+  Velocity manoeuvre(Time now, const Pose2D& odom_from_base, std::span<const Vec2> hits, const Tracker& tracker);
+  void look_or_replan(Time now, const Pose2D& odom_from_base);
   Velocity along_trail(const Pose2D& odom_from_base, double speed);
   Velocity look(Time now, const Pose2D& odom_from_base, const Tracker& tracker);
 
   Kinematics kinematics_;
   bool hard_of_seeing_;
+  Manoeuvre manoeuvre_;
 
   State state_ = State::driving;
   Time entered_{};             // the state ...

@@ -97,6 +97,7 @@ enum class RecoveryState : std::uint8_t {
   driving,      ///< it gets on
   clearing,     ///< stands still until what it sees is fresh
   backing_off,  ///< the way it came, or where there is most room
+  manoeuvring,  ///< where it cannot turn: out in arcs, forwards and backwards
   looking,      ///< turns to look; all the way round where it is lost
   replanning,   ///< plans anew, for one period
   given_up,     ///< the result's `detail` says why

@@ -1,0 +1,78 @@
+// A manoeuvre as it is driven.
+#include <algorithm>
+#include <cmath>
+
+#include "nav/manoeuvre.hpp"
+
+namespace threewe::nav {
+namespace {
+
+constexpr int kMostPlans = 6;
+constexpr Duration kPatience = 1500ms;  // without ...
+constexpr double kMoved = 0.006;        // [m] ... so much of progress ...
+constexpr double kTurned = 0.03;        // [rad] ... or this
+constexpr double kCreep = 0.04;         // [m/s] what the creeping gate allows of speed ...
+constexpr double kCorners = 0.01;       // [m/s] ... and of turning, at the corners
+constexpr double kQuick = 0.1;          // [m/s] where the margin is free ...
+constexpr double kQuickTurn = 0.5;      // [rad/s]
+constexpr double kConvergence = 0.05;   // [m] of way in which a heading is put right
+
+// [rad or m] of a step that is left, counted along it.
+double left_of(const ArcStep& step, const Pose2D& odom_from_base) {
+  const Velocity& v = step.direction;
+  const Pose2D in_end = inverse(step.end) * odom_from_base;
+  const double speed = exact::hypot(v.vx, v.vy);
+  if (speed == 0.0) return -std::copysign(1.0, v.omega) * in_end.theta;
+  // the end's heading is that of the velocity there
+  return -(v.vx * in_end.x + v.vy * in_end.y) / speed;
+}
+
+}  // namespace
+
+void Manoeuvre::begin(Time now) {
+  steps_.clear();
+  plans_ = 0;
+  over_ = false;
+  moved_ = now;
+}
+
+bool Manoeuvre::plan(Time now, const Pose2D& odom_from_base, std::span<const Vec2> hits_in_base) {
+  steps_.clear();
+  if (planner_.has_room(hits_in_base) || ++plans_ > kMostPlans) return false;
+  steps_ = planner_.plan(hits_in_base);
+  for (ArcStep& step : steps_) step.end = odom_from_base * step.end;
+  moved_at_ = odom_from_base, moved_ = now;
+  return !steps_.empty();
+}
+
+bool Manoeuvre::stands_still(Time now, const Pose2D& odom_from_base) {
+  const Pose2D since = inverse(moved_at_) * odom_from_base;
+  if (norm(since.position()) > kMoved || std::fabs(since.theta) > kTurned) moved_at_ = odom_from_base, moved_ = now;
+  return now - moved_ > kPatience;
+}
+
+Velocity Manoeuvre::step(Time now, const Pose2D& odom_from_base, std::span<const Vec2> hits_in_base,
+                         const Tracker& tracker) {
+  creeping_ = planner_.is_tight(hits_in_base);
+  while (!steps_.empty() && left_of(steps_.front(), odom_from_base) <= 0.0) steps_.erase(steps_.begin());
+  const bool due = steps_.empty() || stands_still(now, odom_from_base);
+  if (due && !plan(now, odom_from_base, hits_in_base)) return over_ = true, Velocity{};
+  return tracker.safe(along(steps_.front(), odom_from_base));
+}
+
+// As fast as corners may move, and so that the step ends with the heading that was planned.
+Velocity Manoeuvre::along(const ArcStep& step, const Pose2D& odom_from_base) const {
+  const Velocity& v = step.direction;
+  const double speed = exact::hypot(v.vx, v.vy);
+  const double most = creeping_ ? kCreep : std::min(kQuick, quick_.linear);
+  const double most_turn = creeping_ ? kCorners / planner_.radius() : std::min(kQuickTurn, quick_.angular);
+  if (speed == 0.0) return {0.0, 0.0, std::copysign(most_turn, v.omega)};
+  const double bend = v.omega / speed;
+  const double pace = std::min(most, most_turn / std::max(std::fabs(bend), 1e-9));
+  const double planned = step.end.theta - bend * std::max(left_of(step, odom_from_base), 0.0);
+  const double off = wrap_angle(planned - odom_from_base.theta);
+  const double omega = std::clamp(pace * (bend + off / kConvergence), -most_turn, most_turn);
+  return {pace * v.vx / speed, pace * v.vy / speed, omega};
+}
+
+}  // namespace threewe::nav
