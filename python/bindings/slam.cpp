@@ -7,8 +7,8 @@
 #include <string>
 
 #include "bindings.hpp"
-#include "value.hpp"
 #include "threewe/core/bounds.hpp"
+#include "value.hpp"
 
 namespace {
 

@@ -10,7 +10,8 @@ from threewe.errors import ContractError
 
 OPENING, CLOSING = "([{<", ")]}>"
 NUMBERS = {"int", "bool"}  # what a float may be given as; an int may be given as numpy has integers, too
-LISTS = {"list", "tuple", "range", "ndarray", "numpy.ndarray"}
+ARRAYS = {"ndarray", "numpy.ndarray"}
+LISTS = {"list", "tuple", "range"} | ARRAYS
 
 
 @dataclass(frozen=True)
@@ -60,6 +61,8 @@ class Signature:
                 return self._error(parameter, f"got {in_words(given[parameter.name])}")
         # the type may be right, and what is in it is not: the first that can hold something wrong
         for parameter in passed:
+            if given[parameter.name] in ARRAYS:
+                return self._error(parameter, "and the array given differs in type or shape")
             if given[parameter.name] in LISTS:
                 return self._error(parameter, f"and something in the {given[parameter.name]} given is none")
         for parameter in passed:

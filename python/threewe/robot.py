@@ -449,7 +449,7 @@ class Robot(InRobotTime):
 
     def get_pose_covariance(self) -> NDArray[np.float64]:
         """How sure it is of that: (3, 3) covariance of x, y [m] and theta [rad], along the axes of `map`."""
-        return np.array(self._read().pose().covariance)
+        return np.array(self._runtime.pose().covariance)
 
     @property
     def lost(self) -> bool:

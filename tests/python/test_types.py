@@ -9,7 +9,7 @@ import weakref
 import numpy as np
 import pytest
 import threewe
-from threewe import LaserScan, OccupancyGrid, Pose2D, Velocity
+from threewe import ContractError, LaserScan, OccupancyGrid, Pose2D, Velocity
 
 
 def matrix(pose: Pose2D) -> np.ndarray:
@@ -84,9 +84,11 @@ def test_a_map_is_an_int8_array_that_outlives_its_map() -> None:
 
 
 def test_wrong_arrays_are_refused() -> None:
-    with pytest.raises(TypeError):
+    with pytest.raises(
+        ContractError, match=r"ranges must be a float32 array of shape \(\*\), and the array given differs"
+    ):
         LaserScan(np.zeros((3, 3), np.float32), 0.0, 0.1, 0.0, 1.0)  # type: ignore[arg-type]
-    with pytest.raises(TypeError):
+    with pytest.raises(ContractError, match=r"data must be an int8 array of shape \(\*, \*\), and the array given"):
         OccupancyGrid(np.zeros(3, np.int8))  # type: ignore[arg-type]
 
 
