@@ -2,12 +2,16 @@
 //
 //   verify_faults KIND SEED COUNT     so many cases of a kind of fault, or of `pair`: two faults of any kind
 //   verify_faults clean SEED SECONDS  nothing breaks; every sensor that is in trouble all the same is told
+//   verify_faults honest SEED SECONDS the same of robots, noise and randomisations of all kinds, in bare corridors too,
+//                                     and straight ahead and back in between
 //
 // One line of JSON a case. Truth is looked at here and nowhere else.
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <cstdio>
+#include <filesystem>
+#include <fstream>
 #include <memory>
 #include <optional>
 #include <string>
@@ -51,8 +55,8 @@ class Draws {
 // A robot in a place, used for one case after another.
 class Place {
  public:
-  Place(std::string in, std::string with) : scene(std::move(in)), hardware(std::move(with)) {
-    backend::WorldOptions options;
+  Place(std::string in, std::string with, backend::WorldOptions options = {})
+      : scene(std::move(in)), hardware(std::move(with)) {
     options.scene = scene;
     options.robots = {hardware};
     auto faulty = std::make_unique<WorldOfFaults>(backend::make_world("mock", options));
@@ -70,9 +74,10 @@ class Place {
   }
   void break_with(const std::vector<SensorFault>& faults) { port_->break_with(faults); }
 
-  // One period on the way to somewhere.
-  void tick() {
-    if (!robot_->runtime().motion() && robot_->runtime().fault().empty()) set_out();
+  // One period on the way to somewhere, unless it is driven otherwise.
+  void tick(bool may_be_driven = false) {
+    const bool driven = may_be_driven && robot_->runtime().requested() != Velocity{};
+    if (!driven && !robot_->runtime().motion() && robot_->runtime().fault().empty()) set_out();
     world_->tick();
   }
   Robot& robot() { return *robot_; }
@@ -245,14 +250,39 @@ void run_case(const std::vector<std::string>& kinds, std::uint64_t seed, Place& 
       alarms_before, json(recovered), went_on, place.robot().runtime().fault());
 }
 
+// A corridor in which a lidar cannot tell how far along it is. Returns the file.
+std::string bare_corridor(double width) {
+  const std::string name = fmt::format("bare_corridor_{}", static_cast<int>(100.0 * width));
+  const auto file = std::filesystem::temp_directory_path() / (name + ".yaml");
+  std::ofstream(file) << fmt::format(
+      "name: {2}\ndescription: A bare corridor of 60 m\nstarts:\n  - [30.0, {1:.2f}, 0]\nrooms:\n"
+      "  - {{name: corridor, min: [0, 0], max: [60, {0:.2f}], floor: vinyl, anchor: [30.0, {1:.2f}]}}\nwalls:\n"
+      "  - {{a: [0, 0], b: [60, 0], thickness: 0.15}}\n  - {{a: [60, 0], b: [60, {0:.2f}], thickness: 0.15}}\n"
+      "  - {{a: [60, {0:.2f}], b: [0, {0:.2f}], thickness: 0.15}}\n  - {{a: [0, {0:.2f}], b: [0, 0], thickness: "
+      "0.15}}\n",
+      width, 0.5 * width, name);
+  return file.string();
+}
+
+// Where the robot is driven straight ahead and back, if at all, and then drives from goal to goal.
+void drive_straight(Time begun, Place& place) {
+  constexpr Duration kPeriod = 20s;
+  constexpr Duration kWay = 4s;
+  const Duration phase = (place.now() - begun) % kPeriod;
+  if (phase >= 2 * kWay || !place.robot().runtime().fault().empty()) return;
+  place.robot().stop();
+  place.robot().set_velocity(phase < kWay ? 0.2 : -0.2, 0.0, 0.0);
+}
+
 // Nothing breaks.
-void run_clean(std::uint64_t seed, Duration duration, Place& place) {
+void run_clean(std::uint64_t seed, Duration duration, Place& place, bool straight = false) {
   place.begin(seed);
   const Time begun = place.now();
   std::vector<std::string> alarms;
   std::vector<bool> sound(place.robot().health().size(), true);
   while (place.now() - begun < duration) {
-    place.tick();
+    if (straight) drive_straight(begun, place);
+    place.tick(straight);
     for (std::size_t i = 0; i < sound.size(); ++i) {
       const SensorHealth& health = place.robot().health()[i];
       if (sound[i] && !health.sound()) {
@@ -269,19 +299,42 @@ void run_clean(std::uint64_t seed, Duration duration, Place& place) {
       place.truth().max_collision_speed());
 }
 
+// Of all shipped robots with a lidar: one without bumps into things, whereupon gyro and wheels do contradict each
+// other. Echoes without noise repeat themselves along any wall, which looks frozen.
+void run_honest(std::uint64_t seed, Duration duration, Draws& draws) {
+  backend::WorldOptions options;
+  const bool ideal = draws.below(2) == 0;
+  options.noise = ideal ? NoiseLevel::ideal : NoiseLevel::realistic;
+  options.randomization = !ideal && draws.below(2) == 0 ? "hard" : "none";
+  std::vector<std::string> robots = profile_names();
+  std::erase_if(robots, [ideal](const std::string& name) {
+    const RobotProfile profile = load_profile(name);
+    return !profile.lidar || (ideal && profile.ultrasonics);
+  });
+  const std::string& hardware = robots[draws.below(robots.size())];
+  const bool bare = draws.below(3) == 0;
+  Place place(bare ? bare_corridor(draws.between(1.2, 3.0)) : kScenes[draws.below(kScenes.size())], hardware, options);
+  run_clean(seed, duration, place, true);
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
   const std::string what = argc == 4 ? argv[1] : "";
   const auto seed = parse_number(argc == 4 ? argv[2] : "");
   const auto count = parse_number(argc == 4 ? argv[3] : "");
-  const bool known = what == "clean" || what == "pair" || std::ranges::find(kKinds, what) != kKinds.end();
+  const bool known =
+      what == "clean" || what == "honest" || what == "pair" || std::ranges::find(kKinds, what) != kKinds.end();
   if (!seed || !count || !known) {
-    std::fputs("usage: verify_faults KIND|pair SEED COUNT | clean SEED SECONDS\n", stderr);
+    std::fputs("usage: verify_faults KIND|pair SEED COUNT | clean|honest SEED SECONDS\n", stderr);
     return 2;
   }
   set_warning_handler([](std::string_view) {});
   Draws draws(*seed);
+  if (what == "honest") {
+    run_honest(*seed, std::chrono::seconds(*count), draws);
+    return 0;
+  }
   const std::string& scene = kScenes[draws.below(kScenes.size())];
   const double which = draws.between(0.0, 1.0);
   // without a lidar nothing tells how far a robot goes but its wheels: that all of them slip alike it cannot know

@@ -9,6 +9,7 @@ from verify.cases.breakdowns import (
     named,
     noticed_after,
     one_soon_or_harmless,
+    others_undisturbed,
     share_of_drives,
     soon_or_harmless,
     stood,
@@ -83,6 +84,14 @@ EXPERIMENTS = [
             share_of_drives("one of them noticed within 2 s, or harmless", one_soon_or_harmless, at_least=1.0),
             *always(knowing=0.95),
         ],
+    ),
+    Experiment(
+        "nothing breaks, on all robots",
+        others_undisturbed,
+        {"seconds": 300},
+        cases=200,
+        sample=2,
+        rows=[alarms_an_hour(1.0)],
     ),
     Experiment("nothing breaks", undisturbed, {"seconds": 1200}, cases=60, sample=1, rows=[alarms_an_hour(1.0)]),
 ]

@@ -33,7 +33,7 @@ struct Polar {
   double range = 0.0;  // [m]
 };
 Polar polar(const PlacedScan& scan, Vec2 point) {
-  const double beams = static_cast<double>(scan.ranges.size());
+  const auto beams = static_cast<double>(scan.ranges.size());
   Polar at{0.5 * beams, 0.0};
   for (int i = 0; i < 2; ++i) {  // the beam tells when, and that tells the beam, more exactly
     const Vec2 seen = inverse(pose_at_beam(scan, at.beam)) * point;
@@ -164,7 +164,7 @@ std::vector<double> Sight::still_unseen(const PlacedScan& scan) const {
   for (const Vec2 point : unseen_) {
     const Polar at = polar(scan, point);
     if (is_passed(scan, at, 0.0)) continue;
-    double& range = nearest[static_cast<std::size_t>(at.beam + 0.5) % nearest.size()];
+    double& range = nearest[static_cast<std::size_t>(std::floor(at.beam + 0.5)) % nearest.size()];
     range = std::min(range, at.range);
   }
   return nearest;

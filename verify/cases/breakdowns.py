@@ -21,6 +21,11 @@ def undisturbed(seed: int, seconds: int) -> Case:
     return {"drives": answers("clean", seed, seconds)}
 
 
+def others_undisturbed(seed: int, seconds: int) -> Case:
+    """The same of any robot, noise and randomisation, in bare corridors too."""
+    return {"drives": answers("honest", seed, seconds)}
+
+
 def answers(what: str, seed: int, count: int) -> list[dict[str, Any]]:
     """What the program says, line by line."""
     command = [PROGRAMS / "verify_faults", what, str(seed), str(count)]

@@ -18,8 +18,17 @@ constexpr double kDrivingTurn = 0.3;  // [rad/s]
 constexpr double kLeastWay = 0.012;   // [m] between corrections: less tells nothing
 constexpr double kTakenBack = 0.25;   // share of the way
 constexpr double kAdded = 0.4;
+constexpr double kSeen = 3.0;  // deviations of the place along the way that the corrections must add up to: along a
+                               // bare corridor scans tell nothing, and what they correct is noise
 
 double speed(const Velocity& v) { return exact::hypot(v.vx, v.vy); }
+
+// [m] of the place, in a direction in the base frame.
+double deviation_along(const slam::PoseEstimate& estimate, Vec2 in_base) {
+  const Vec2 d = rotate(in_base, estimate.map_from_base().theta);
+  const auto& c = estimate.covariance;
+  return exact::sqrt(std::max(0.0, d.x * (c[0] * d.x + c[1] * d.y) + d.y * (c[3] * d.x + c[4] * d.y)));
+}
 
 }  // namespace
 
@@ -74,8 +83,13 @@ bool WayCheck::is_contradicted(const slam::PoseEstimate& estimate) {
   const double length = norm(way);
   if (length < kLeastWay) return false;
   // the correction is told in the base frame, which has turned since
-  shares_[count_++ % kCorrections] = dot(rotate(by, turned), way) / (length * length);
+  const double along = dot(rotate(by, turned), way) / length;
+  shares_[count_ % kCorrections] = along / length;
+  corrections_[count_++ % kCorrections] = along;
   if (count_ < kCorrections) return false;
+  double sum = 0.0;
+  for (const double correction : corrections_) sum += correction;
+  if (std::fabs(sum) < kSeen * deviation_along(estimate, (1.0 / length) * way)) return false;
 
   std::array<double, kCorrections> sorted = shares_;
   std::ranges::nth_element(sorted, sorted.begin() + kCorrections / 2);

@@ -52,7 +52,8 @@ class WayCheck {
 
   std::optional<slam::PoseEstimate> corrected_;  // when it last was
   std::size_t count_ = 0;
-  std::array<double, kCorrections> shares_{};  // of the way, taken back by each correction
+  std::array<double, kCorrections> shares_{};       // of the way, added by each correction
+  std::array<double, kCorrections> corrections_{};  // [m] along the way
 };
 
 }  // namespace threewe::health

@@ -34,13 +34,19 @@ bool is_needed(SensorType type, const RobotProfile& profile) {
   }
 }
 
+Velocity rotated(const Velocity& v, double angle) {
+  const Vec2 linear = rotate({v.vx, v.vy}, angle);
+  return {linear.x, linear.y, v.omega};
+}
+
 }  // namespace
 
 Monitor::Monitor(const backend::Features& features, const RobotProfile& profile)
     : scan_(profile.lidar ? profile.lidar->sigma : 0.0),
       blind_(profile.lidar ? BlindCheck(profile) : BlindCheck()),
       turn_(profile),
-      drive_(profile.command_latency + profile.body.motor_lag) {
+      drive_(profile.command_latency + profile.body.motor_lag),
+      lidar_heading_(profile.lidar ? profile.lidar->base_from_lidar.theta : 0.0) {
   for (const backend::SensorInfo& sensor : features.sensors) {
     sensors_.push_back({sensor.name, Trouble::none, "", {}, is_needed(sensor.type, profile)});
     Watch watch;
@@ -83,7 +89,9 @@ bool Monitor::examine(const Sample& sample, const backend::Features& features, c
 Monitor::Finding Monitor::check(Watch& watch, const Sample& sample) {
   const Trouble stamps = watch.stamps.check(sample.measured, sample.received);
   if (stamps != Trouble::none) return {stamps};
-  if (watch.repeats.is_frozen(sample.data, motion())) return {Trouble::frozen};
+  Motion motion = this->motion();
+  if (watch.type == SensorType::lidar) motion.velocity = rotated(motion.velocity, -lidar_heading_);
+  if (watch.repeats.is_frozen(sample.data, motion)) return {Trouble::frozen};
   if (const auto* scan = std::get_if<LaserScan>(&sample.data)) return check_scan(sample.measured, *scan);
   if (const auto* imu = std::get_if<IMUData>(&sample.data)) {
     gyro_rate_ = imu->angular_velocity[2];
@@ -181,7 +189,8 @@ Motion Monitor::motion() const {
   const bool driven = drive_.told_to_drive();
   return {.moving = rolls || turns || driven,
           .driven = driven,
-          .still = wheels_known && !rolls && !turns && drive_.told_to_stand()};
+          .still = wheels_known && !rolls && !turns && drive_.told_to_stand(),
+          .velocity = v};
 }
 
 const SensorHealth* Monitor::obstacle() const {

@@ -70,6 +70,7 @@ class Monitor {
   TurnCheck turn_;
   DriveCheck drive_;
   WayCheck way_;
+  double lidar_heading_ = 0.0;      // [rad] in the base frame
   std::optional<double> turn_off_;  // the newest innovation, until it is judged
   std::optional<Odometry> wheels_;
   double gyro_rate_ = 0.0;  // [rad/s]

@@ -136,6 +136,48 @@ TEST_CASE("repeated readings are a fault where something must have changed") {
     }
     CHECK(frozen);
   }
+  SUBCASE("an inertial unit without noise, which changes as the robot sets out, stops and turns") {
+    health::RepeatCheck quiet;
+    const auto read = [&](double rate, const health::Motion& motion) {
+      return quiet.is_frozen(IMUData{{0.0, 0.0, rate}, {}}, motion);
+    };
+    for (int start = 0; start < 5; ++start) {
+      for (int i = 0; i < 6; ++i) CHECK_FALSE(read(0.0, still));
+      for (int i = 1; i < 4; ++i) CHECK_FALSE(read(0.01 * i, still));  // it has just stopped
+      for (int i = 0; i < 20; ++i) CHECK_FALSE(read(0.0, moving));
+    }
+  }
+  SUBCASE("a camera, if it has noise") {
+    const auto image = [](std::uint8_t level) {
+      RGBDImage made;
+      made.color.assign(12, level);
+      return Picture(std::move(made));
+    };
+    health::RepeatCheck quiet;
+    health::RepeatCheck noisy;
+    for (std::uint8_t i = 0; i < 8; ++i) {
+      CHECK_FALSE(quiet.is_frozen(image(7), still));
+      CHECK_FALSE(noisy.is_frozen(image(i), still));
+    }
+    for (int i = 0; i < 8; ++i) CHECK_FALSE(quiet.is_frozen(image(7), moving));
+    (void)noisy.is_frozen(image(9), moving);
+    CHECK(noisy.is_frozen(image(9), moving));
+  }
+  SUBCASE("a lidar without noise between bare walls, which cannot tell how far along them it is") {
+    LaserScan walls = room(1, 0.0);
+    for (std::size_t i = 0; i < walls.ranges.size(); ++i) {
+      const double angle = walls.angle_min + static_cast<double>(i) * walls.angle_increment;
+      walls.ranges[i] = static_cast<float>(std::min(12.0, 1.0 / std::max(1e-9, std::fabs(std::sin(angle)))));
+    }
+    const health::Motion along{.moving = true, .velocity = {0.3, 0.0, 0.0}};
+    const health::Motion across{.moving = true, .velocity = {0.0, 0.3, 0.0}};
+    health::RepeatCheck check;
+    for (int i = 0; i < 20; ++i) CHECK_FALSE(check.is_frozen(walls, along));
+    CHECK(check.is_frozen(walls, across));
+    health::RepeatCheck closed;
+    for (int i = 0; i < 3; ++i) (void)closed.is_frozen(room(1, 0.0), along);
+    CHECK(closed.is_frozen(room(1, 0.0), along));
+  }
   SUBCASE("wheels that turn and get nowhere") {
     health::RepeatCheck check;
     for (int i = 0; i < 3; ++i) (void)check.is_frozen(Odometry{{1.0, 0.0, 0.0}, {0.2, 0.0, 0.0}}, moving);
@@ -175,6 +217,77 @@ TEST_CASE("gyro and wheels: systematic differences are learned, a sudden bias is
     fault = 0.087;
     drive(1500, 60);
     CHECK(worst > 4.0);
+  }
+}
+
+TEST_CASE("an honest gyro and honest wheels of another make contradict each other nowhere") {
+  struct Make {
+    const char* what;
+    double per_speed;  // [rad/m] by which the robot veers off straight
+    double bias;       // [rad/s] of the gyro
+    double noise;      // [rad/s] of the gyro
+    Duration latency;  // of the gyro
+    int every;         // ticks from odometry to odometry
+  };
+  const std::vector<Make> makes = {{"wheels worn by 3 %", 0.1, 0.0, 0.002, 0ms, 1},
+                                   {"a gyro that nobody zeroed", 0.0, 0.05, 0.002, 0ms, 1},
+                                   {"a noisy gyro", 0.0, 0.0, 0.03, 0ms, 1},
+                                   {"a late gyro", 0.0, 0.0, 0.002, 100ms, 1},
+                                   {"odometry ten times a second", 0.02, 0.01, 0.002, 0ms, 5},
+                                   {"odometry five times a second", 0.02, 0.01, 0.002, 0ms, 10}};
+  for (const char* robot : {"3we_standard_v2", "turtlebot_like"}) {
+    for (const Make& make : makes) {
+      for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+        CAPTURE(robot);
+        CAPTURE(make.what);
+        CAPTURE(seed);
+        const RngKey key{.seed = seed};
+        health::TurnCheck check(load_profile(robot));
+        Odometry wheels;
+        double worst = 0.0;
+        double fault = 0.0;
+        bool noticed = false;
+        std::deque<std::pair<Time, double>> on_the_way;
+        for (int tick = 0; tick < 1100; ++tick) {
+          const double phase = tick % 500 * 0.02;
+          const double speed = phase < 1.0 ? 0.0 : 0.2 * std::min(1.0, 5.0 * std::min(phase - 1.0, 10.0 - phase));
+          const double omega = phase > 4.0 ? 0.8 * std::sin(1.5 * (phase - 4.0)) : 0.0;
+          if (tick == 1000) fault = 0.0873;
+          for (int half = 1; half <= 2; ++half) {
+            const auto draw = 2 * static_cast<std::uint64_t>(tick) + static_cast<std::uint64_t>(half);
+            const double rate = omega - make.per_speed * speed + make.bias + fault + make.noise * normal(key, draw);
+            on_the_way.emplace_back(20ms * tick + 10ms * half, rate);
+          }
+          const Time now = 20ms * (tick + 1);
+          for (; !on_the_way.empty() && on_the_way.front().first + make.latency <= now; on_the_way.pop_front())
+            check.add_gyro(on_the_way.front().first, on_the_way.front().second);
+          wheels = {integrate(wheels.pose, {speed, 0.0, omega}, 0.02), {speed, 0.0, omega}};
+          if (tick % make.every != 0) continue;
+          const auto off = check.add_odometry(now, wheels);
+          if (off && tick < 1000) worst = std::max(worst, std::fabs(*off));
+          if (off && tick >= 1000) noticed = noticed || std::fabs(*off) > 4.0;
+        }
+        CHECK(worst < 4.0);
+        CHECK(noticed);
+      }
+    }
+  }
+}
+
+TEST_CASE("corrections along the way that are no more than what is uncertain of it say nothing of the wheels") {
+  for (const double deviation : {0.01, 0.5}) {
+    CAPTURE(deviation);
+    health::WayCheck check;
+    slam::PoseEstimate estimate;
+    estimate.covariance[0] = deviation * deviation;
+    estimate.covariance[4] = 1e-4;
+    bool contradicted = false;
+    for (int scan = 0; scan < 20; ++scan) {
+      estimate.odom_from_base.x += 0.05;
+      estimate.map_from_odom.x -= 0.025;
+      contradicted = check.is_contradicted(estimate) || contradicted;
+    }
+    CHECK(contradicted == (deviation < 0.1));
   }
 }
 
