@@ -251,7 +251,7 @@ Decision PathNavigator::travel(const Observation& seen, Vec2 goal, double tolera
   const Vec2 here = progress_.pose.position();
   const bool last_leg = route_.on_last_leg();
   const double left = last_leg ? distance(here, goal) : std::numeric_limits<double>::infinity();
-  if (left <= std::min(kArrived, tolerance)) return finish(Reason::reached);
+  if (left <= std::min(kArrived, 0.5 * tolerance)) return finish(Reason::reached);
   const bool at_end = route_.has_path() && distance(here, route_.path().back()) <= kPathEnd;
   if (left <= tolerance - kWithin && route_.gap() > 0.0 && at_end) return finish(Reason::reached);
 

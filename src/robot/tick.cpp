@@ -2,6 +2,8 @@
 #include <algorithm>
 #include <exception>
 
+#include <fmt/format.h>
+
 #include "robot/goals.hpp"
 #include "robot/runtime_state.hpp"
 #include "threewe/backend/sample_checks.hpp"
@@ -18,13 +20,8 @@ double free_area(const map::OccupancyGrid& grid) {
   return static_cast<double>(free) * grid.resolution * grid.resolution;
 }
 
-std::string with_two_decimals(double value) {
-  const auto text = std::to_string(value);
-  return text.substr(0, text.find('.') + 3);
-}
-
-std::string in_seconds(Duration d) { return with_two_decimals(to_seconds(d)) + " s"; }
-std::string in_metres(double metres) { return with_two_decimals(metres) + " m"; }
+std::string in_seconds(Duration d) { return fmt::format("{:.2f} s", to_seconds(d)); }
+std::string in_metres(double metres) { return fmt::format("{:.2f} m", metres); }
 
 // A sensor's trouble in words.
 std::string told(const SensorHealth& sensor, const char* verb) {
