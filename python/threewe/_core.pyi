@@ -1601,6 +1601,11 @@ class Reason(enum.StrEnum):
     lost = 'lost'
     """The robot no longer knows where it is."""
 
+    uncertain = 'uncertain'
+    """
+    By its estimate it is at its goal, but that is known less well than the tolerance asks for.
+    """
+
     fault = 'fault'
     """The robot or its backend failed."""
 
@@ -1619,6 +1624,9 @@ class RecoveryState(enum.StrEnum):
 
     backing_off = 'backing_off'
     """The way it came, or where there is most room."""
+
+    manoeuvring = 'manoeuvring'
+    """Where it cannot turn: out in arcs, forwards and backwards."""
 
     looking = 'looking'
     """It turns to look; all the way round where it is lost."""
@@ -1784,6 +1792,11 @@ class Trouble(enum.StrEnum):
     shifted = 'shifted'
     """All ranges are too long or too short by the same."""
 
+    blind = 'blind'
+    """
+    So many beams are invalid side by side that the robot would fit between two that are not.
+    """
+
     contradicted = 'contradicted'
     """Other sensors say otherwise."""
 
@@ -1845,15 +1858,21 @@ class MoveResult:
 
     @property
     def pose(self) -> Pose2D:
-        """where the robot believes it is"""
+        """where the robot estimates that it is"""
+
+    @property
+    def position_uncertainty(self) -> float:
+        """
+        [m] radius around `pose` that holds the true position with 95 %, by the robot's own covariance
+        """
 
     @property
     def distance_to_goal(self) -> float:
-        """[m], by its own belief"""
+        """[m], by its own estimate"""
 
     @property
     def distance(self) -> float:
-        """[m] driven, by its own belief"""
+        """[m] driven, by its own estimate"""
 
     @property
     def duration(self) -> float:
@@ -1894,7 +1913,7 @@ class ExploreResult:
 
     @property
     def distance(self) -> float:
-        """[m] driven, by its own belief"""
+        """[m] driven, by its own estimate"""
 
     @property
     def duration(self) -> float:
