@@ -5,15 +5,27 @@
 #include <array>
 #include <optional>
 #include <string>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+#include <nanobind/stl/pair.h>
 
 #include "bindings.hpp"
+#include "one_thread.hpp"
 #include "threewe/core/bounds.hpp"
 #include "value.hpp"
+
+template <>
+inline constexpr const char* kSecondThread<threewe::slam::Slam> =
+    "a Slam is in use on another thread, and one thread at a time may use it: wait for that call, or guard the Slam "
+    "with a lock of your own";
 
 namespace {
 
 using namespace threewe;
-using slam::LoopClosure, slam::Slam, slam::SlamConfig, slam::StampedPose;
+using slam::LoopClosure, slam::SlamConfig, slam::SlamEvent, slam::StampedPose;
+using Slam = Guarded<slam::Slam>;
 
 template <int Columns>
 using Rows = nb::ndarray<nb::numpy, double, nb::shape<-1, Columns>>;
@@ -74,13 +86,48 @@ void init_slam(nb::module_& m) {
         check_bounds(scan);
       },
       "scan"_a, "odometry"_a, "Raises ContractError where `Slam.add` would for these numbers, whatever came before.");
-  nb::class_<Slam>(m, "Slam", "Mapping from scans and odometry: what `threewe.slam.Slam` is made of.")
+  nb::class_<SlamEvent>(m, "SlamEvent",
+                        "What was wrong with a mapper's input, from the first scan concerned to the last.")
+      .def_prop_ro(
+          "incident", [](const SlamEvent& e) { return std::string(to_string(e.incident)); },
+          "lidar_frozen, odometry_jumped, odometry_stopped, track_lost or components_joined")
+      .def_prop_ro(
+          "begin", [](const SlamEvent& e) { return to_seconds(e.begin); }, "[s] of the first scan concerned")
+      .def_prop_ro(
+          "end", [](const SlamEvent& e) { return to_seconds(e.end); }, "[s] of the last one")
+      .def_ro("scans", &SlamEvent::scans, "how many are concerned")
+      .def("__repr__", [](const SlamEvent& e) {
+        return fmt::format("SlamEvent({}, begin={:.3f}, end={:.3f}, scans={})", to_string(e.incident),
+                           to_seconds(e.begin), to_seconds(e.end), e.scans);
+      });
+  OneThreadClass<Slam>(m, "Slam", "Mapping from scans and odometry: what `threewe.slam.Slam` is made of.")
       .def(nb::init<const SlamConfig&>(), "config"_a = defaults)
-      .def("add", &Slam::add, "time"_a, "scan"_a, "odometry"_a, WithoutGil(), "One scan; where the robot is.")
-      .def("map", &Slam::map, WithoutGil(), "The map so far.")
+      .def(
+          "add",
+          [](Slam& slam, Time time, const LaserScan& scan, const std::optional<Pose2D>& odometry) {
+            const std::size_t before = slam.events().size();
+            const Pose2D pose = odometry ? slam.add(time, scan, *odometry) : slam.add(time, scan);
+            std::vector<SlamEvent> events = slam.events();
+            events.erase(events.begin(), events.begin() + static_cast<std::ptrdiff_t>(before));
+            return std::pair(pose, std::move(events));
+          },
+          "time"_a, "scan"_a, "odometry"_a.none(), WithoutGil(), "One scan; where the robot is, and events that began.")
+      .def(
+          "map", [](const Slam& slam, int component) { return slam.map(component); }, "component"_a = 0, WithoutGil(),
+          "The map so far, of one component.")
       .def(
           "trajectory", [](const Slam& slam) { return rows_of(slam.trajectory()); },
           "(N, 4) float64: time [s], x [m], y [m], heading [rad] at each scan.")
+      .def(
+          "components",
+          [](const Slam& slam) {
+            std::vector<int> components;
+            for (const StampedPose& pose : slam.trajectory()) components.push_back(pose.component);
+            return components;
+          },
+          "The component of the pose graph that each scan belongs to; 0 is the map's.")
+      .def(
+          "events", [](const Slam& slam) { return slam.events(); }, "What was wrong with the input, in order of time.")
       .def(
           "closures", [](const Slam& slam) { return rows_of(slam.closures()); },
           "(N, 5) float64: earlier and later time [s], x [m], y [m], heading [rad] of the later pose seen from the "
@@ -90,7 +137,9 @@ void init_slam(nb::module_& m) {
           "Keeps the map in a file with all that is behind it.")
       .def_static(
           "load",
-          [](const std::string& path, std::optional<Pose2D> map_from_base) { return Slam::load(path, map_from_base); },
+          [](const std::string& path, std::optional<Pose2D> map_from_base) {
+            return new Slam(slam::Slam::load(path, map_from_base));
+          },
           "path"_a, "map_from_base"_a = nb::none(), WithoutGil(),
           "A map that was kept, to be looked at or to go on with.");
 }

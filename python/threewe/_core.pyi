@@ -921,19 +921,52 @@ def check_reading(scan: LaserScan, odometry: Pose2D) -> None:
     Raises ContractError where `Slam.add` would for these numbers, whatever came before.
     """
 
+class SlamEvent:
+    """
+    What was wrong with a mapper's input, from the first scan concerned to the last.
+    """
+
+    @property
+    def incident(self) -> str:
+        """
+        lidar_frozen, odometry_jumped, odometry_stopped, track_lost or components_joined
+        """
+
+    @property
+    def begin(self) -> float:
+        """[s] of the first scan concerned"""
+
+    @property
+    def end(self) -> float:
+        """[s] of the last one"""
+
+    @property
+    def scans(self) -> int:
+        """how many are concerned"""
+
+    def __repr__(self) -> str: ...
+
 class Slam:
     """Mapping from scans and odometry: what `threewe.slam.Slam` is made of."""
 
     def __init__(self, config: SlamConfig = ...) -> None: ...
 
-    def add(self, time: float, scan: LaserScan, odometry: Pose2D) -> Pose2D:
-        """One scan; where the robot is."""
+    def add(self, time: float, scan: LaserScan, odometry: Pose2D | None) -> tuple[Pose2D, list[SlamEvent]]:
+        """One scan; where the robot is, and events that began."""
 
-    def map(self) -> OccupancyGrid:
-        """The map so far."""
+    def map(self, component: int = 0) -> OccupancyGrid:
+        """The map so far, of one component."""
 
     def trajectory(self) -> Annotated[NDArray[numpy.float64], dict(shape=(None, 4))]:
         """(N, 4) float64: time [s], x [m], y [m], heading [rad] at each scan."""
+
+    def components(self) -> list[int]:
+        """
+        The component of the pose graph that each scan belongs to; 0 is the map's.
+        """
+
+    def events(self) -> list[SlamEvent]:
+        """What was wrong with the input, in order of time."""
 
     def closures(self) -> Annotated[NDArray[numpy.float64], dict(shape=(None, 5))]:
         """

@@ -1,6 +1,8 @@
 #include "slam/scan_beams.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <span>
 
 namespace threewe::slam {
 namespace {
@@ -33,6 +35,26 @@ bool is_thin(const LaserScan& scan, std::size_t i, bool full_turn) {
   const std::size_t left = edge(1, full_turn ? n - 1 : n - 1 - i);
   const std::size_t right = edge(n - 1, full_turn ? n - 1 : i);
   return left > 0 && right > 0 && left + right - 2 < widest;
+}
+
+Vec2 hit_of(const map::Beam& beam) { return beam.origin + beam.range * beam.direction; }
+
+// Whether four beams side by side hit one flat surface.
+bool lies_flat(std::span<const map::Beam, 4> beams) {
+  constexpr double kMostGap = 1.0;  // [m] from hit to hit
+  constexpr double kFlat = 0.06;    // [m] that the outer ones may be off the line through the inner ones
+  for (const map::Beam& beam : beams) {
+    if (!beam.hit || beam.thin) return false;
+  }
+  const Vec2 from = hit_of(beams[1]);
+  const Vec2 way = hit_of(beams[2]) - from;
+  const double length = norm(way);
+  if (length == 0.0 || length > kMostGap) return false;
+  const auto continues = [&](const map::Beam& outer, const map::Beam& inner) {
+    const Vec2 off = hit_of(outer) - from;
+    return std::fabs(cross(way, off)) < kFlat * length && distance(hit_of(outer), hit_of(inner)) < kMostGap;
+  };
+  return continues(beams[0], beams[1]) && continues(beams[3], beams[2]);
 }
 
 }  // namespace
@@ -70,6 +92,24 @@ std::vector<map::Beam> transformed(const Pose2D& a_from_b, std::vector<map::Beam
     beam.direction = turned(beam.direction);
   }
   return beams_in_b;
+}
+
+std::vector<map::Beam> filled(const std::vector<map::Beam>& beams, double spacing) {
+  std::vector<map::Beam> all;
+  all.reserve(2 * beams.size());
+  for (std::size_t i = 0; i < beams.size(); ++i) {
+    all.push_back(beams[i]);
+    if (i < 1 || i + 2 >= beams.size() || !lies_flat(std::span(beams).subspan(i - 1).first<4>())) continue;
+    const Vec2 from = hit_of(beams[i]);
+    const Vec2 way = hit_of(beams[i + 1]) - from;
+    const int pieces = static_cast<int>(norm(way) / spacing) + 1;
+    for (int k = 1; k < pieces; ++k) {
+      const Vec2 ray = from + (static_cast<double>(k) / pieces) * way - beams[i].origin;
+      const double range = norm(ray);
+      all.push_back({beams[i].origin, (1.0 / range) * ray, range, true, false});
+    }
+  }
+  return all;
 }
 
 map::LogOddsMap drawn(const std::vector<std::vector<map::Beam>>& scans, const map::LogOddsMap::Settings& settings,

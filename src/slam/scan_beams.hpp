@@ -18,6 +18,10 @@ std::vector<map::Beam> beams_of(const LaserScan& scan, double range_max,
 /// The same beams seen from another frame.
 std::vector<map::Beam> transformed(const Pose2D& a_from_b, std::vector<map::Beam> beams_in_b);
 
+/// With beams in between those that hit one flat surface more than `spacing` [m] apart: what a scan shows of a far wall
+/// is no row of posts. `beams`: in order of angle, in one frame.
+std::vector<map::Beam> filled(const std::vector<map::Beam>& beams, double spacing);
+
 /// A map of some scans, made as large as it will be at once.
 map::LogOddsMap drawn(const std::vector<std::vector<map::Beam>>& scans, const map::LogOddsMap::Settings& settings,
                       double range_bias);

@@ -1,10 +1,12 @@
 #include "threewe/slam/slam.hpp"
 
+#include <algorithm>
+#include <array>
 #include <utility>
 
 #include <fmt/format.h>
 
-#include "slam/scan_beams.hpp"
+#include "slam/relocalizer.hpp"
 #include "slam/scan_odometry.hpp"
 #include "slam/slam_config.hpp"
 #include "slam/slam_file.hpp"
@@ -25,18 +27,47 @@ SensorModel sensors(const SlamConfig& config) {
   return model;
 }
 
+// Components as users see them: counted, in order of time.
+std::vector<int> numbered(std::vector<int> components) {
+  std::vector<int> number(components.size());
+  int count = 0;
+  for (std::size_t k = 0; k < components.size(); ++k) {
+    const auto root = static_cast<std::size_t>(components[k]);
+    if (root == k) number[k] = count++;
+    components[k] = number[root];
+  }
+  return components;
+}
+
 }  // namespace
+
+std::string_view to_string(SlamIncident incident) {
+  switch (incident) {
+    case SlamIncident::lidar_frozen: return "lidar_frozen";
+    case SlamIncident::odometry_jumped: return "odometry_jumped";
+    case SlamIncident::odometry_stopped: return "odometry_stopped";
+    case SlamIncident::track_lost: return "track_lost";
+    case SlamIncident::components_joined: return "components_joined";
+  }
+  return "";
+}
 
 struct Slam::State {
   explicit State(const SlamConfig& c, double range_bias = 0.0)
       : config((check(c), c)), front({.sensors = sensors(c), .range_max = c.range_max, .range_bias = range_bias}) {}
 
+  Pose2D add(Time stamp, const LaserScan& scan, const std::optional<Pose2D>& odom_from_base);
   void check_order(Time stamp, const LaserScan& scan) const;
+  void record(Time stamp, bool joined);
+  void record(Time stamp, SlamIncident incident, bool happens);
 
   SlamConfig config;
   ScanOdometry front;
-  std::size_t beams = 0;  // of each scan; 0 before the first
+  std::size_t beam_count = 0;  // of each scan; 0 before the first
   Trail trail;
+  Relocalizer relocalizer;
+  std::vector<SlamEvent> events;
+  std::array<bool, 5> happening{};  // by incident, at the newest scan
 };
 
 Slam::Slam(const SlamConfig& config) : state_(std::make_unique<State>(config)) {}
@@ -46,20 +77,56 @@ Slam& Slam::operator=(Slam&&) noexcept = default;
 
 Pose2D Slam::add(Time stamp, const LaserScan& scan, const Pose2D& odom_from_base) {
   check_bounds("odometry", odom_from_base);
-  check_bounds(scan);
-  State& s = *state_;
-  s.check_order(stamp, scan);
+  return state_->add(stamp, scan, odom_from_base);
+}
 
-  s.beams = scan.ranges.size();
-  const Pose2D local_from_base = s.front.add(stamp, scan, odom_from_base);
-  return s.trail.add({stamp, local_from_base, s.front.covariance(), s.front.beams(), s.front.range_bias()});
+Pose2D Slam::add(Time stamp, const LaserScan& scan) { return state_->add(stamp, scan, {}); }
+
+// Checks the scan, registers it with the last metres, takes it into the graph, looks for a robot that was lost.
+Pose2D Slam::State::add(Time stamp, const LaserScan& scan, const std::optional<Pose2D>& odom_from_base) {
+  check_bounds(scan);
+  check_order(stamp, scan);
+
+  beam_count = scan.ranges.size();
+  const Pose2D local_from_base = front.add(stamp, scan, odom_from_base);
+  const std::vector<map::Beam>& beams = front.beams();
+  const bool lost = front.registration().scan == Registration::Scan::lost;
+  const int joined_before = trail.joined();
+  trail.add({stamp, local_from_base, front.covariance(), beams, front.range_bias(), lost});
+  const auto found = relocalizer.look(trail, stamp, local_from_base, beams, front.range_bias());
+  if (found) trail.join_at(found->component, found->map_from_base, front.range_bias());
+  record(stamp, trail.joined() != joined_before);
+  return trail.data().pose_of(trail.data().steps.back());
+}
+
+void Slam::State::record(Time stamp, bool joined) {
+  const Registration& newest = front.registration();
+  record(stamp, SlamIncident::lidar_frozen, newest.frozen);
+  record(stamp, SlamIncident::odometry_jumped, newest.odometry_jumped);
+  record(stamp, SlamIncident::odometry_stopped, newest.odometry_stopped);
+  record(stamp, SlamIncident::track_lost, newest.scan == Registration::Scan::lost);
+  record(stamp, SlamIncident::components_joined, joined);
+}
+
+// An incident that goes on from the scan before is the same event.
+void Slam::State::record(Time stamp, SlamIncident incident, bool happens) {
+  bool& happening_before = happening[static_cast<std::size_t>(incident)];
+  const bool goes_on = std::exchange(happening_before, happens) && happens;
+  if (!happens) return;
+  if (!goes_on) {
+    events.push_back({incident, stamp, stamp, 1});
+    return;
+  }
+  const auto same = std::ranges::find(events.rbegin(), events.rend(), incident, &SlamEvent::incident);
+  same->end = stamp;
+  ++same->scans;
 }
 
 void Slam::State::check_order(Time stamp, const LaserScan& scan) const {
   if (trail.data().steps.empty()) return;
-  if (beams != 0 && scan.ranges.size() != beams) {
+  if (beam_count != 0 && scan.ranges.size() != beam_count) {
     throw ContractError(fmt::format("a scan of {} ranges after scans of {}: begin a new Slam for another lidar",
-                                    scan.ranges.size(), beams));
+                                    scan.ranges.size(), beam_count));
   }
   if (stamp <= trail.data().steps.back().stamp) {
     throw ContractError(fmt::format("time must go on from scan to scan: {:.6f} s after {:.6f} s", to_seconds(stamp),
@@ -67,17 +134,14 @@ void Slam::State::check_order(Time stamp, const LaserScan& scan) const {
   }
 }
 
-map::OccupancyGrid Slam::map() const {
-  const TrailData& trail = state_->trail.data();
-  std::vector<std::vector<map::Beam>> scans;
-  for (std::size_t k = 0; k < trail.keyframes.size(); ++k) {
-    const Pose2D& map_from_keyframe = trail.graph.poses()[k];
-    for (const Keyframe::Scan& scan : trail.keyframes[k].scans) {
-      scans.push_back(unpacked(scan.beams, map_from_keyframe * scan.keyframe_from_base));
-    }
-  }
-  return drawn(scans, {.resolution = state_->config.resolution}, state_->front.range_bias()).grid();
+map::OccupancyGrid Slam::map(int component) const {
+  const State& s = *state_;
+  return drawn_component(s.trail.data(), numbered(s.trail.components()), component, s.config.resolution,
+                         s.front.range_bias())
+      .grid();
 }
+
+std::vector<SlamEvent> Slam::events() const { return state_->events; }
 
 std::vector<LoopClosure> Slam::closures() const {
   const TrailData& trail = state_->trail.data();
@@ -93,7 +157,10 @@ std::vector<StampedPose> Slam::trajectory() const {
   const TrailData& trail = state_->trail.data();
   std::vector<StampedPose> poses;
   poses.reserve(trail.steps.size());
-  for (const TrailStep& step : trail.steps) poses.push_back({step.stamp, trail.pose_of(step)});
+  const std::vector<int> component = numbered(state_->trail.components());
+  for (const TrailStep& step : trail.steps) {
+    poses.push_back({step.stamp, trail.pose_of(step), component[static_cast<std::size_t>(step.keyframe)]});
+  }
   return poses;
 }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <utility>
 
 #include <Eigen/LU>
@@ -32,6 +33,9 @@ constexpr double kLeastTurnDrift = 0.0015;  // [rad]
 constexpr double kAnywhere = 0.5;  // [m] off is a robot that goes on with a map that was kept ...
 constexpr double kAnyTurn = 0.2;   // [rad]
 
+constexpr double kNowhere = 100.0;   // [m] off may be one that was lost ...
+constexpr double kSomewhere = 10.0;  // [m] ... constraints beyond this join nothing
+
 constexpr double kLoopLength = 10.0;     // [m] driven since, before a submap may be met again
 constexpr double kNear = 3.0;            // [m] from a submap's way, beyond the deviation of where the robot is ...
 constexpr double kFar = 20.0;            // [m] ... and never farther
@@ -42,6 +46,8 @@ constexpr double kViewDistance = 0.9;    // [m] ... at scans so far apart
 constexpr double kUnsure = 1.0;          // [m] deviation, above which a closure must be confirmed ...
 constexpr double kSamePlace = 0.1;       // [m] by another that puts the robot in the same place ...
 constexpr double kSameHeading = 0.02;    // [rad] ... with the same heading, about
+constexpr double kFoundPlace = 0.2;      // [m] so well one that was lost is found again in the whole map ...
+constexpr double kFoundHeading = 0.07;   // [rad]
 constexpr double kSolveDistance = 10.0;  // [m] driven, after which closures are solved for ...
 constexpr double kSolveChi = 4.0;        // ... unless they are so far off
 constexpr int kStepsOfSolution = 10;
@@ -99,10 +105,30 @@ bool TrailData::extend_submaps() {
   return begins;
 }
 
-Trail::Trail(TrailData data, const Pose2D& map_from_base) : data_(std::move(data)), goes_on_at_(map_from_base) {}
+bool joins(const Constraint& constraint) { return constraint.information(kX, kX) > 1.0 / square(kSomewhere); }
+
+// The root of each keyframe is the first of its component.
+std::vector<int> TrailData::components() const {
+  std::vector<int> parent(keyframes.size());
+  std::iota(parent.begin(), parent.end(), 0);
+  const auto root = [&](int k) {
+    while (parent[static_cast<std::size_t>(k)] != k) k = parent[static_cast<std::size_t>(k)];
+    return k;
+  };
+  for (const Constraint& c : graph.constraints()) {
+    if (!joins(c)) continue;
+    const auto [low, high] = std::minmax({root(c.from), root(c.to)});
+    parent[static_cast<std::size_t>(high)] = low;
+  }
+  for (int k = 0; k <= newest(); ++k) parent[static_cast<std::size_t>(k)] = root(k);
+  return parent;
+}
+
+Trail::Trail(TrailData data, const Pose2D& map_from_base)
+    : data_(std::move(data)), goes_on_at_(map_from_base), components_(data_.components()) {}
 
 Pose2D Trail::add(const TrailPoint& point, bool closes_loops) {
-  const bool begins = data_.keyframes.empty() || goes_on_at_ ||
+  const bool begins = data_.keyframes.empty() || goes_on_at_ || point.lost ||
                       is_apart(kKeyframeDistance, kKeyframeTurn, local_from_keyframe_, point.local_from_base);
   if (begins) begin_keyframe(point);
   if (!keeps_steps_) data_.steps.clear();
@@ -119,6 +145,7 @@ void Trail::begin_keyframe(const TrailPoint& point) {
   if (data_.keyframes.empty()) {
     data_.graph.add_node(goes_on_at_.value_or(Pose2D{}), true);
     data_.keyframes.push_back({point.stamp, 0.0, {}});
+    components_.push_back(0);
     goes_on_at_.reset();
   } else {
     const int before = data_.newest();
@@ -131,11 +158,16 @@ void Trail::begin_keyframe(const TrailPoint& point) {
       covariance = Vector3(square(kAnywhere), square(kAnywhere), square(kAnyTurn)).asDiagonal();
       length = kLoopLength;  // all that was there before may be met at once
       goes_on_at_.reset();
+    } else if (point.lost) {
+      covariance = Vector3(square(kNowhere), square(kNowhere), square(exact::kPi)).asDiagonal();
+      length = kSubmapLength + kLoopLength;  // nothing that was seen before is seen together with this
+      unconfirmed_.reset();
     }
     const int node = data_.graph.add_node(data_.pose_of(before) * step);
     data_.graph.add_constraint({before, node, step, information_of(covariance)});
     uncovered_.push_back(covariance);
     data_.keyframes.push_back({point.stamp, driven() + length, {}});
+    components_.push_back(point.lost ? node : component_of(before));
   }
   local_from_keyframe_ = point.local_from_base;
   covariance_at_keyframe_ = point.covariance;
@@ -143,6 +175,7 @@ void Trail::begin_keyframe(const TrailPoint& point) {
 
 void Trail::keep_scan(const TrailPoint& point) {
   Keyframe& keyframe = data_.keyframes.back();
+  if (point.beams.empty()) return;
   if (!keyframe.scans.empty() && !is_apart(kScanDistance, kScanTurn, scan_kept_at_, point.local_from_base)) return;
   keyframe.scans.push_back({data_.steps.back().keyframe_from_base, packed(point.beams)});
   scan_kept_at_ = point.local_from_base;
@@ -151,7 +184,7 @@ void Trail::keep_scan(const TrailPoint& point) {
 // Looks for the robot in the nearest submap that it has left long ago, and takes what is found into the graph.
 void Trail::close_loop(double range_bias) {
   if (unconfirmed_) return confirm_loop(range_bias);
-  const std::vector<Nearby> near = nearby(data_.graph.poses().back().position(), kFar, kTryAgain);
+  const std::vector<Nearby> near = nearby(components_.back(), data_.graph.poses().back().position(), kFar, kTryAgain);
   for (std::size_t i = 0; i < std::min(near.size(), kAsked); ++i) {
     const Matrix3 covariance = between(near[i].keyframe);
     const double deviation = exact::sqrt(std::max(covariance(kX, kX), covariance(kY, kY)));
@@ -172,21 +205,35 @@ void Trail::confirm_loop(double range_bias) {
   unconfirmed_.reset();
   const Pose2D way = inverse(data_.pose_of(first.to)) * data_.graph.poses().back();
   const Pose2D map_from_base = data_.pose_of(first.from) * first.from_from_to * way;
-  const std::vector<Nearby> near = nearby(map_from_base.position(), kNear, 0.0);
+  const std::vector<Nearby> near = nearby(component_of(first.from), map_from_base.position(), kNear, 0.0);
   if (near.empty()) return;
   const Matrix3 covariance = Vector3(square(kSamePlace), square(kSamePlace), square(kSameHeading)).asDiagonal();
   const Pose2D keyframe_from_base = inverse(data_.pose_of(near.front().keyframe)) * map_from_base;
   const auto second = search(near.front(), {keyframe_from_base, covariance}, range_bias);
   if (!second) return;
+  const bool joins = component_of(first.from) != component_of(first.to);
   take(first);
   take(*second);
+  if (joins) solve();  // one closure alone may be a little turned
 }
 
-// The submaps that were left long ago, were not tried for `again` metres and lead by a place; the nearest first.
-std::vector<Trail::Nearby> Trail::nearby(Vec2 place, double within, double again) const {
+void Trail::join_at(int component, const Pose2D& map_from_base, double range_bias) {
+  if (unconfirmed_) return;
+  const Pose2D map_from_keyframe = map_from_base * inverse(data_.steps.back().keyframe_from_base);
+  const std::vector<Nearby> near = nearby(component, map_from_keyframe.position(), kNear, 0.0);
+  if (near.empty()) return;
+  const Matrix3 covariance = Vector3(square(kFoundPlace), square(kFoundPlace), square(kFoundHeading)).asDiagonal();
+  const Pose2D keyframe_from_base = inverse(data_.pose_of(near.front().keyframe)) * map_from_keyframe;
+  unconfirmed_ = search(near.front(), {keyframe_from_base, covariance}, range_bias);
+}
+
+// The submaps of a component that were left long ago, were not tried for `again` metres and lead by a place; the
+// nearest first.
+std::vector<Trail::Nearby> Trail::nearby(int component, Vec2 place, double within, double again) const {
   std::vector<Nearby> found;
   for (std::size_t i = 0; i < data_.submaps.size(); ++i) {
     const Submap& submap = data_.submaps[i];
+    if (component_of(submap.first) != component) continue;
     const double left_at = data_.driven_at(submap.last);
     if (driven() - left_at < kLoopLength || driven() - submap.tried_at < again) continue;
     Nearby nearest{static_cast<int>(i), submap.first, within};
@@ -222,12 +269,34 @@ std::optional<Constraint> Trail::search(const Nearby& near, const PoseBelief& be
 
 // Solves the graph at once where the closure says something new.
 void Trail::take(const Constraint& closure) {
+  align(closure);
   const int constraint = data_.graph.add_constraint(closure);
   if (driven() - solved_at_ < kSolveDistance && data_.graph.fit(constraint).chi_squared < kSolveChi) return;
+  solve();
+}
+
+void Trail::solve() {
   data_.graph.solve(kStepsOfSolution);
   ++solutions_;
   graph_covariance_.reset();
   solved_at_ = driven();
+}
+
+// A closure between two components makes them one: the later moves to where the closure has it.
+void Trail::align(const Constraint& closure) {
+  const auto [stays, moves] = std::minmax({component_of(closure.from), component_of(closure.to)});
+  if (stays == moves) return;
+  const Pose2D to = data_.pose_of(closure.from) * closure.from_from_to;
+  const Pose2D from = data_.pose_of(closure.to) * inverse(closure.from_from_to);
+  const Pose2D new_from_old = moves == component_of(closure.to) ? to * inverse(data_.pose_of(closure.to))
+                                                                : from * inverse(data_.pose_of(closure.from));
+  for (int k = 0; k <= data_.newest(); ++k) {
+    int& component = components_[static_cast<std::size_t>(k)];
+    if (component != moves) continue;
+    data_.graph.set_pose(k, new_from_old * data_.pose_of(k));
+    component = stays;
+  }
+  ++joined_;
 }
 
 // Of the newest keyframe, seen from another. The graph's covariance is worked out now and then; from there on the steps
@@ -254,6 +323,7 @@ void Trail::forget() {
   unconfirmed_.reset();
   graph_covariance_.reset();
   closers_.clear();
+  components_ = data_.components();
 }
 
 const LoopCloser& Trail::closer_of(Submap& submap, double range_bias) {

@@ -23,6 +23,7 @@ struct TrailPoint {
   Matrix3 covariance = Matrix3::Zero();  ///< of it [m^2, rad^2]; what counts is by how much it grows
   std::vector<map::Beam> beams;          ///< in the base frame
   double range_bias = 0.0;               ///< [m]
+  bool lost = false;                     ///< nothing relates it to the point before: another component begins
 };
 
 /// A metre of the way, which is taken for rigid; a node of the graph. It lies where its first scan was taken.
@@ -57,6 +58,10 @@ struct TrailStep {
   friend bool operator==(const TrailStep&, const TrailStep&) = default;
 };
 
+/// Whether a constraint relates two keyframes: one that merely says where a lost robot was last believed to be does
+/// not.
+bool joins(const Constraint& constraint);
+
 /// All that is known of the way. What is needed besides follows from it.
 struct TrailData {
   std::vector<Keyframe> keyframes;
@@ -67,6 +72,9 @@ struct TrailData {
   const Pose2D& pose_of(int keyframe) const { return graph.poses()[static_cast<std::size_t>(keyframe)]; }
   Pose2D pose_of(const TrailStep& step) const { return pose_of(step.keyframe) * step.keyframe_from_base; }
   double driven_at(int keyframe) const { return keyframes[static_cast<std::size_t>(keyframe)].driven; }
+  /// Of each keyframe the connected component of the graph that it belongs to, by the first keyframe in it; the
+  /// component of keyframe 0 is the map's.
+  std::vector<int> components() const;
   int newest() const { return static_cast<int>(keyframes.size()) - 1; }
   /// Puts the newest keyframe into the newest submap or, when that is long enough, into the next one; then returns
   /// true.
@@ -95,6 +103,13 @@ class Trail {
   const TrailData& data() const { return data_; }
   /// Counts how often closures have moved the way.
   int solutions() const { return solutions_; }
+  /// Counts how often two components became one.
+  int joined() const { return joined_; }
+  /// Of each keyframe, see TrailData.
+  const std::vector<int>& components() const { return components_; }
+  /// The newest point may lie at `map_from_base` in another component than its own: looks for it there. When it is
+  /// found, and found again some metres on, the two become one.
+  void join_at(int component, const Pose2D& map_from_base, double range_bias);
 
  private:
   struct Nearby {
@@ -107,18 +122,22 @@ class Trail {
   void keep_scan(const TrailPoint& point);
   void close_loop(double range_bias);
   void confirm_loop(double range_bias);
-  std::vector<Nearby> nearby(Vec2 place, double within, double again) const;
+  std::vector<Nearby> nearby(int component, Vec2 place, double within, double again) const;
   std::optional<Constraint> search(const Nearby& near, const PoseBelief& belief, double range_bias);
   Matrix3 between(int keyframe);
   const LoopCloser& closer_of(Submap& submap, double range_bias);
   std::vector<map::Beam> view(int* scans) const;
   void take(const Constraint& closure);
+  void align(const Constraint& closure);
+  void solve();
+  int component_of(int keyframe) const { return components_[static_cast<std::size_t>(keyframe)]; }
   void forget();
   double driven() const { return data_.driven_at(data_.newest()); }
 
   TrailData data_;
   bool keeps_steps_ = true;
   int solutions_ = 0;
+  int joined_ = 0;
   std::optional<Pose2D> goes_on_at_;  // map_from_base of the next point, which nothing measured relates to the last
   Pose2D local_from_keyframe_;        // of the newest
   Matrix3 covariance_at_keyframe_ = Matrix3::Zero();
@@ -127,6 +146,7 @@ class Trail {
   double solved_at_ = 0.0;                 // [m] driven
 
   // what follows from the rest
+  std::vector<int> components_;
   std::shared_ptr<const GraphCovariance> graph_covariance_;
   std::vector<Matrix3> uncovered_;  // covariances of the steps to the newest keyframes, which that one lacks
   struct Cached {

@@ -30,13 +30,21 @@ bool leads_by(const TrailData& trail, const Submap& submap, const Pose2D& place)
   return false;
 }
 
-// Whether all of its way is seen by enough others too.
-bool is_redundant(const TrailData& trail, std::size_t index) {
+// Whether the robot was lost before a keyframe, so that nothing measured relates it to the one before.
+bool begins_component(const TrailData& trail, int keyframe) {
+  return std::ranges::any_of(trail.graph.constraints(),
+                             [&](const Constraint& c) { return !c.doubtful && c.to == keyframe && !joins(c); });
+}
+
+// Whether all of its way is seen by enough others too, of its own component.
+bool is_redundant(const TrailData& trail, const std::vector<int>& components, std::size_t index) {
   const Submap& submap = trail.submaps[index];
+  const auto component = [&](int keyframe) { return components[static_cast<std::size_t>(keyframe)]; };
   for (int k = submap.first; k <= submap.last; ++k) {
     std::size_t others = 0;
     for (std::size_t i = 0; i < trail.submaps.size() && others < kEnough; ++i) {
-      if (i != index && leads_by(trail, trail.submaps[i], trail.pose_of(k))) ++others;
+      const bool same = component(trail.submaps[i].first) == component(submap.first);
+      if (i != index && same && leads_by(trail, trail.submaps[i], trail.pose_of(k))) ++others;
     }
     if (others < kEnough) return false;
   }
@@ -49,10 +57,11 @@ std::optional<std::size_t> find_redundant(const TrailData& trail) {
   if (trail.submaps.size() <= kNotFinished + kEnough) return {};
   const std::size_t finished = trail.submaps.size() - kNotFinished;
   const Submap& last = trail.submaps[finished];
+  const std::vector<int> components = trail.components();
   for (std::size_t i = 1; i < finished; ++i) {
     bool meets = false;
     for (int k = last.first; k <= last.last && !meets; ++k) meets = leads_by(trail, trail.submaps[i], trail.pose_of(k));
-    if (meets && is_redundant(trail, i)) return i;
+    if (meets && is_redundant(trail, components, i) && !begins_component(trail, trail.submaps[i].first)) return i;
   }
   return {};
 }

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import dataclasses
 import json
 import math
+import re
 import subprocess
 import sys
+import threading
 from pathlib import Path
 
 import numpy as np
@@ -145,6 +148,58 @@ def test_a_corrected_log_has_no_laser_that_flies_around(tmp_path: Path) -> None:
     text = "".join(f"FLASER 2 1 1 {i} {0.1 * i} 0 {i} 0 0 {i + 1} h 1\n" for i in range(5))
     (tmp_path / "corrected.log").write_text(text)
     assert list(read_carmen(tmp_path / "corrected.log").base_from_lidar) == [0, 0, 0]
+
+
+def stamped(log: Log, stamps: list[float], logged: list[float], path: Path) -> Path:
+    """The log with other stamps."""
+    write_carmen(path, log)
+    lines = path.read_text().splitlines()
+    scans = [i for i, line in enumerate(lines) if line.startswith("FLASER")]
+    for i, ipc, logger in zip(scans, stamps, logged, strict=True):
+        lines[i] = " ".join([*lines[i].split()[:-3], f"{ipc:.6f}", "nohost", f"{logger:.6f}"])
+    path.write_text("\n".join(lines) + "\n")
+    return path
+
+
+@pytest.mark.parametrize("kind", ["equal", "backward", "set back", "whole seconds"])
+def test_scans_whose_stamps_do_not_advance_are_numbered(kind: str, recorded: tuple[Log, Array], tmp_path: Path) -> None:
+    log, truth = recorded
+    times = np.array(log.times)
+    stamps = {
+        "equal": np.zeros(len(times)),
+        "backward": 1e9 - times,
+        "set back": np.where(times < 10.0, times + 3600.0, times),
+        "whole seconds": np.floor(times / 5.0) * 5.0,
+    }[kind].tolist()
+
+    # the logger's own stamps advance
+    read = read_carmen(stamped(log, stamps, log.times, tmp_path / "logger.log"))
+    assert read.times == pytest.approx(log.times, abs=1e-5)
+    assert re.fullmatch(
+        r".*logger\.log:\d+: \d+ of \d+ stamps are no later than .*: times are the logger's", read.clock
+    )
+
+    # nothing does
+    path = stamped(log, stamps, stamps, tmp_path / "none.log")
+    read = read_carmen(path)
+    assert len(read.scans) == len(log.scans)
+    assert read.skipped == {}
+    assert read.times == pytest.approx(0.2 * np.arange(len(log.scans)))
+    assert read.clock.startswith(f"{path}:")
+    assert read.clock.endswith("scans are numbered, 0.2 s apart")
+    result = replay(read)
+    np.testing.assert_allclose(result.trajectory[:, 1:3], truth[:, 1:3], atol=0.08)
+    assert result.summary()["clock"] == read.clock
+    with pytest.raises(threewe.ConfigError, match=r"none\.log:\d+: .* relations refer to stamps"):
+        result.accuracy(true_relations(truth))
+
+
+def test_a_few_stamps_that_do_not_advance_are_skipped(recorded: tuple[Log, Array], tmp_path: Path) -> None:
+    log, _ = recorded
+    stamps = list(log.times)
+    stamps[7] = stamps[6]
+    read = read_carmen(stamped(log, stamps, stamps, tmp_path / "few.log"))
+    assert (read.clock, read.skipped) == ("", {"scans no later than the one before": 1})
 
 
 # relations
@@ -322,6 +377,76 @@ def test_wrong_input_is_one_error(recorded: tuple[Log, Array]) -> None:
         Slam(SlamConfig(range_max=0.0))
 
 
+def test_what_is_wrong_with_the_input_is_told(recorded: tuple[Log, Array], caplog: pytest.LogCaptureFixture) -> None:
+    log, truth = recorded
+    assert replay(log).events == []
+    assert caplog.records == []
+
+    reset = len(log.scans) // 2
+    there = log.odometry[reset].inverse()
+    odometry = [pose if i < reset else there * pose for i, pose in enumerate(log.odometry)]
+    result = replay(dataclasses.replace(log, odometry=odometry))
+    assert [event.incident for event in result.events] == ["odometry_jumped"]
+    assert result.events[0].begin == pytest.approx(log.times[reset] - log.times[0], abs=1e-6)
+    assert "odometry_jumped: scans contradict a step of the odometry" in caplog.text
+    np.testing.assert_allclose(result.trajectory[:, 1:3], truth[:, 1:3], atol=0.1)
+
+    scans = [log.scans[reset] if reset < i < reset + 8 else scan for i, scan in enumerate(log.scans)]
+    events = replay(dataclasses.replace(log, scans=scans)).events
+    assert "lidar_frozen" in [event.incident for event in events]
+
+
+def test_scans_that_overlap_need_no_odometry() -> None:
+    slam = Slam()
+    for i in range(60):
+        x = 0.02 * i  # ahead, from one end of a room to the other
+        angles = np.linspace(-np.pi, np.pi, 360, endpoint=False)
+        with np.errstate(divide="ignore"):
+            walls = [
+                (4.0 - x) / np.cos(angles),
+                (-1.0 - x) / np.cos(angles),
+                2.0 / np.sin(angles),
+                -1.5 / np.sin(angles),
+            ]
+        ranges = np.min([np.where(wall > 0.0, wall, np.inf) for wall in walls], axis=0).astype(np.float32)
+        pose = slam.add(threewe.LaserScan(ranges, -np.pi, np.pi / 180, range_min=0.0, range_max=30.0), None, 0.1 * i)
+    assert list(pose) == pytest.approx([1.18, 0.0, 0.0], abs=0.03)
+    assert slam.events() == []
+
+
+def test_a_second_thread_is_refused(recorded: tuple[Log, Array]) -> None:
+    log, _ = recorded
+    slam = Slam()
+    refused: list[str] = []
+    done = threading.Event()
+
+    def look() -> None:
+        while not done.is_set():
+            for call in (slam.map, slam.trajectory, slam.events, slam.closures, slam.components):
+                try:
+                    call()
+                except threewe.ContractError as error:
+                    refused.append(str(error))
+
+    other = threading.Thread(target=look)
+    other.start()
+    added = 0
+    for time, scan, odometry in zip(log.times, log.scans, log.odometry, strict=True):
+        try:
+            slam.add(scan, odometry, time)
+            added += 1
+        except threewe.ContractError as error:
+            refused.append(str(error))
+    done.set()
+    other.join()
+    assert refused
+    assert set(refused) == {
+        "a Slam is in use on another thread, and one thread at a time may use it: wait for that call, or guard the "
+        "Slam with a lock of your own"
+    }
+    assert len(slam.trajectory()) == added
+
+
 # the commands
 
 
@@ -343,6 +468,29 @@ def test_synth_and_replay(survey: str, tmp_path: Path) -> None:
         "trajectory.tum",
         "summary.json",
     }
+
+
+def test_a_robot_that_was_carried_away_is_reported(recorded: tuple[Log, Array], tmp_path: Path) -> None:
+    log, truth = recorded
+    rng = np.random.default_rng(1)
+    scans, odometry = list(log.scans), list(log.odometry)
+    for i in range(12):  # in a place of its own, whose walls are where no walls were
+        x = 0.3 * i
+        angles = log.scans[0].angle_min + log.scans[0].angle_increment * np.arange(180)
+        walls = [(9.0 - x) / np.maximum(np.cos(angles), 1e-9), 0.6 / np.maximum(np.abs(np.sin(angles)), 1e-9)]
+        ranges = np.min(walls, axis=0) + rng.normal(0.0, 0.01, 180)
+        scans.append(threewe.LaserScan(ranges.astype(np.float32), angles[0], log.scans[0].angle_increment, 0.0, 80.0))
+        odometry.append(log.odometry[-1] * threewe.Pose2D(x, 0.0, 0.0))
+    times = [*log.times, *(log.times[-1] + 1.0 + np.arange(12.0))]
+    write_carmen(tmp_path / "carried.log", Log(times, scans, odometry, log.base_from_lidar))
+    true_relations(truth).write(tmp_path / "carried.relations")
+    done = run("replay", "carried.log", "--relations", "carried.relations", "-o", "out", cwd=tmp_path)
+    assert done.returncode == 1
+    assert "track_lost" in done.stdout
+    summary = json.loads((tmp_path / "out/summary.json").read_text())
+    assert [event["incident"] for event in summary["events"]] == ["track_lost"]
+    assert 8 <= summary["scans_outside_map"] <= 12
+    assert summary["accuracy"]["translation"][0] < 0.03
 
 
 def test_a_seed_names_a_log_to_the_byte(survey: str, tmp_path: Path) -> None:

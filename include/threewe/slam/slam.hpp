@@ -2,9 +2,11 @@
 // built on it; a robot that drives uses a `Localizer` instead.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <string_view>
 #include <vector>
 
 #include "threewe/core/pose.hpp"
@@ -28,6 +30,9 @@ struct SlamConfig {
 struct StampedPose {
   Time stamp{};
   Pose2D map_from_base;
+  /// The component of the pose graph that it belongs to, 0 for the map's. Components are not related to each other by
+  /// any measurement: one that is not 0 lies where the robot was last believed to be.
+  int component = 0;
   friend bool operator==(const StampedPose&, const StampedPose&) = default;
 };
 
@@ -39,8 +44,28 @@ struct LoopClosure {
   friend bool operator==(const LoopClosure&, const LoopClosure&) = default;
 };
 
+/// What may be wrong with the input of a mapper, and what it does then.
+enum class SlamIncident : std::uint8_t {
+  lidar_frozen,      ///< scans repeat to the bit while odometry moves: they are left out, odometry goes on alone
+  odometry_jumped,   ///< scans contradict a step of the odometry, such as a reset to zero: it is left out
+  odometry_stopped,  ///< scans move while odometry does not: they go on alone, as long as they overlap a lot
+  track_lost,        ///< scans in a row fit nowhere near, as of a robot that was carried: another component begins
+  components_joined  ///< the robot was recognised in another component: the two are one from then on
+};
+std::string_view to_string(SlamIncident incident);
+
+/// An incident, from the first scan concerned to the last.
+struct SlamEvent {
+  SlamIncident incident{};
+  Time begin{};
+  Time end{};
+  int scans = 1;  ///< concerned
+  friend bool operator==(const SlamEvent&, const SlamEvent&) = default;
+};
+
 /// Simultaneous localisation and mapping from scans of any field of view, as often or as rarely as they come as long as
-/// neighbours overlap, and odometry as poses. The frame `map` begins where the robot is at the first scan.
+/// neighbours overlap, and odometry as poses. The frame `map` begins where the robot is at the first scan. Neither
+/// sensor is trusted blindly: see `events`.
 class Slam {
  public:
   /// Throws ContractError where a figure is out of its range.
@@ -53,13 +78,18 @@ class Slam {
   /// map_from_base. Throws ContractError, and changes nothing, when a number is out of bounds (core/bounds.hpp), when
   /// time does not go on, and when the scan has not as many ranges as the first.
   Pose2D add(Time stamp, const LaserScan& scan, const Pose2D& odom_from_base);
+  /// A scan of a robot without odometry: scans alone tell how it moves, which takes that they overlap a lot.
+  Pose2D add(Time stamp, const LaserScan& scan);
 
-  /// The map: every scan that brought something new, drawn where `trajectory` has it.
-  map::OccupancyGrid map() const;
+  /// The map: every scan that brought something new, drawn where `trajectory` has it. Only of one component of the pose
+  /// graph, by default the one that the map began with; empty for one that does not exist.
+  map::OccupancyGrid map(int component = 0) const;
   /// Where the robot was at each scan, as it is known now: what `add` returned may have been corrected since.
   std::vector<StampedPose> trajectory() const;
   /// The places that were recognised, by comparing scans.
   std::vector<LoopClosure> closures() const;
+  /// What was wrong with the input since this Slam was made or loaded, in order of time.
+  std::vector<SlamEvent> events() const;
 
   /// Keeps the map in a file with all that is behind it: configuration, pose graph, scans and trajectory, without
   /// losing a bit. Throws ConfigError when it cannot be written; a file that was there then stays as it was.

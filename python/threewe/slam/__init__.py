@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from threewe._core import SlamConfig, Survey, survey_names
+from threewe._core import SlamConfig, SlamEvent, Survey, survey_names
 from threewe.slam.carmen import read_carmen, write_carmen
 from threewe.slam.formats import read_log
 from threewe.slam.log import Log
@@ -19,6 +19,7 @@ __all__ = [
     "Replay",
     "Slam",
     "SlamConfig",
+    "SlamEvent",
     "Survey",
     "accuracy",
     "load_map",

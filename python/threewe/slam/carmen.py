@@ -16,7 +16,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from pathlib import Path
-from typing import NoReturn
+from typing import NamedTuple, NoReturn
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,6 +28,8 @@ from threewe.errors import ConfigError, ContractError
 from threewe.slam.log import Log, Progress
 
 SICK_RANGE_MAX = 80.0  # [m] that readers assume where an old log does not tell; beyond it a SICK saw nothing
+NOMINAL_PERIOD = 0.2  # [s] between scans where no stamps tell: a SICK on a serial line gives about five a second
+MOST_LATE = 1 / 3  # of the scans may be no later than one before them, for stamps to be taken for a clock
 LASERS = ("FLASER", "ROBOTLASER1")
 OFFSETS = ("robot_frontlaser_offset", "robot_frontlaser_side_offset", "robot_frontlaser_angular_offset")
 RANGE_MAX = "robot_front_laser_max"
@@ -39,11 +41,13 @@ STEADY = 0.02  # [m], [rad] by which a laser may move on its robot because numbe
 
 def read_carmen(path: Path, *, on_progress: Progress | None = None) -> Log:
     """Reads a log. A line that is cut short or holds no numbers is skipped and counted, as loggers that were stopped
-    left such; a log without a single scan raises ConfigError.
+    left such; a log without a single scan raises ConfigError. Where stamps do not advance, the logger's own are taken;
+    where those do not either, scans are numbered, `NOMINAL_PERIOD` apart: `Log.clock` says so.
     """
     log = Log()
     parameters: dict[str, float] = {}
-    offsets: list[Pose2D] = []
+    messages: list[Message] = []
+    lines: list[int] = []
     kind = ""
     for number, line in _lines(path, on_progress):
         words = line.split()
@@ -54,22 +58,26 @@ def read_carmen(path: Path, *, on_progress: Progress | None = None) -> Log:
             continue
         kind = name
         try:
-            time, scan, laser, base = (_flaser if name == "FLASER" else _robotlaser)(words, parameters)
-            _core.check_reading(scan, base)
-            _core.check_reading(scan, laser)
+            message = (_flaser if name == "FLASER" else _robotlaser)(words, parameters)
+            _core.check_reading(message.scan, message.base)
+            _core.check_reading(message.scan, message.laser)
         except (ValueError, IndexError, OverflowError):
             log.skip("broken lines")
             continue
-        if log.scans and len(scan.ranges) != len(log.scans[0].ranges):
-            _fail(path, number, f"a scan of {len(scan.ranges)} ranges after scans of {len(log.scans[0].ranges)}")
+        count, first = len(message.scan.ranges), len((messages or [message])[0].scan.ranges)
+        if count != first:
+            _fail(path, number, f"a scan of {count} ranges after scans of {first}")
+        messages.append(message)
+        lines.append(number)
+    if not messages:
+        _fail(path, 1, f"no scan in it; a CARMEN log has lines that begin with {' or '.join(LASERS)}")
+    times, log.clock = _clock(path, messages, lines)
+    for number, time, message in zip(lines, times, messages, strict=True):
         try:
-            log.add(time, scan, base)
+            log.add(float(time), message.scan, message.base)
         except ContractError as error:
             _fail(path, number, str(error))
-        offsets.append(base.inverse() * laser)
-    if not log.scans:
-        _fail(path, 1, f"no scan in it; a CARMEN log has lines that begin with {' or '.join(LASERS)}")
-    log.base_from_lidar = _mount(parameters, offsets)
+    log.base_from_lidar = _mount(parameters, [message.base.inverse() * message.laser for message in messages])
     return log
 
 
@@ -96,7 +104,35 @@ def write_carmen(path: Path, log: Log) -> None:
             file.write(f"FLASER {len(scan.ranges)} {ranges} {poses} {time:.6f} nohost {time:.6f}\n")
 
 
-Message = tuple[float, LaserScan, Pose2D, Pose2D]  # time, scan, odom_from_lidar, odom_from_base
+class Message(NamedTuple):
+    """A scan as a line has it."""
+
+    time: float  # [s] when it was measured
+    logged: float  # [s] when it was written; NaN where the line does not say
+    scan: LaserScan
+    laser: Pose2D  # odom_from_lidar
+    base: Pose2D  # odom_from_base
+
+
+def _clock(path: Path, messages: list[Message], lines: list[int]) -> tuple[NDArray[np.float64], str]:
+    """[s] of each scan; and where that is not its stamp, what it is and why."""
+    stamps = np.array([message.time for message in messages])
+    logged = np.array([message.logged for message in messages])
+    late = _late(stamps)
+    if late.mean() <= MOST_LATE:
+        return stamps, ""
+    where = f"{path}:{lines[int(late.argmax())]}: {late.sum()} of {len(late)} stamps are no later than one before them"
+    if np.isfinite(logged).all() and _late(logged).mean() <= MOST_LATE:
+        return logged, f"{where}: times are the logger's"
+    return np.arange(
+        len(messages), dtype=np.float64
+    ) * NOMINAL_PERIOD, f"{where}: scans are numbered, {NOMINAL_PERIOD:g} s apart"
+
+
+def _late(stamps: NDArray[np.float64]) -> NDArray[np.bool_]:
+    """Which are no later than the latest before them."""
+    late: NDArray[np.bool_] = np.r_[False, stamps[1:] <= np.maximum.accumulate(stamps)[:-1]]
+    return late
 
 
 def _flaser(words: list[str], parameters: dict[str, float]) -> Message:
@@ -105,7 +141,8 @@ def _flaser(words: list[str], parameters: dict[str, float]) -> Message:
     ranges = _numbers(words[2 : 2 + count], count)
     x, y, theta, *base, time = _numbers(words[2 + count : 9 + count], 7)
     limit = parameters.get(RANGE_MAX, SICK_RANGE_MAX)
-    return time, _scan(ranges, angle_min, increment, limit), Pose2D(x, y, theta), Pose2D(*base)
+    scan = _scan(ranges, angle_min, increment, limit)
+    return Message(time, _logged(words, 10 + count), scan, Pose2D(x, y, theta), Pose2D(*base))
 
 
 def _robotlaser(words: list[str], _: dict[str, float]) -> Message:
@@ -116,7 +153,8 @@ def _robotlaser(words: list[str], _: dict[str, float]) -> Message:
     tail = _numbers(words[after : after + 12], 12)
     if increment <= 0.0 or limit <= 0.0:
         raise ValueError
-    return tail[11], _scan(ranges, angle_min, increment, limit), Pose2D(*tail[:3]), Pose2D(*tail[3:6])
+    scan = _scan(ranges, angle_min, increment, limit)
+    return Message(tail[11], _logged(words, after + 13), scan, Pose2D(*tail[:3]), Pose2D(*tail[3:6]))
 
 
 def _fan(count: int) -> tuple[float, float]:
@@ -142,6 +180,14 @@ def _mount(parameters: dict[str, float], offsets: list[Pose2D]) -> Pose2D:
         return Pose2D(*(parameters.get(name, 0.0) for name in OFFSETS))
     differences = np.abs(np.array([tuple(offset) for offset in offsets]) - tuple(offsets[0]))
     return offsets[0] if (differences.max() < STEADY and offsets[0].distance(Pose2D()) < 2.0) else Pose2D()
+
+
+def _logged(words: list[str], at: int) -> float:
+    """[s] The logger's own stamp, the last word of a line."""
+    try:
+        return float(words[at])
+    except (ValueError, IndexError):
+        return math.nan
 
 
 def _numbers(words: list[str], count: int) -> NDArray[np.float64]:

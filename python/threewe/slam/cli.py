@@ -17,7 +17,8 @@ from threewe._console import plain_column, plain_console, styled
 from threewe._core import SlamConfig, survey_names
 from threewe.slam.formats import read_log
 from threewe.slam.log import Progress
-from threewe.slam.relations import Accuracy, Relations, accuracy
+from threewe.slam.mapper import MEANING
+from threewe.slam.relations import Accuracy, Relations
 from threewe.slam.replay import Replay, replay
 from threewe.slam.synth import synthesize
 
@@ -41,7 +42,7 @@ def replay_log(
     range_max: Annotated[float, typer.Option(help="What a scan sees farther away is left out [m].")] = 30.0,
     resolution: Annotated[float, typer.Option(help="A cell of the map [m].")] = 0.05,
 ) -> None:
-    """Map a log; leaves map.pgm, map.yaml, trajectory.tum and summary.json."""
+    """Map a log; leaves map.pgm, map.yaml, trajectory.tum and summary.json. Ends with 1 where a part is not mapped."""
     if not log.exists():
         raise threewe.ConfigError(f"{log}: no such log")
     known = Relations.read(relations) if relations else None
@@ -50,11 +51,13 @@ def replay_log(
     config = SlamConfig(base_from_lidar=read.base_from_lidar, range_max=range_max, resolution=resolution)
     with progress("mapping") as tell:
         result = replay(read, config, on_progress=tell)
-    error = accuracy(result.trajectory, known) if known else None
+    error = result.accuracy(known) if known else None
     folder = output or Path(log.stem)
     result.write(folder, error)
     console.print(table_of(result, error))
     console.print(styled("map.pgm, map.yaml, trajectory.tum and summary.json are in ", (f"{folder}/", "bold")))
+    if result.outside:
+        raise typer.Exit(1)
 
 
 @app.command("synth")
@@ -89,6 +92,13 @@ def table_of(result: Replay, error: Accuracy | None) -> Table:
     table.add_row("scans", f"{len(log.scans)}, of {len(log.scans[0].ranges)} beams")
     for reason, count in log.skipped.items():
         table.add_row("skipped", f"{count} {reason}")
+    if log.clock:
+        table.add_row("times", log.clock)
+    for event in result.events:
+        scans = f"{event.scans} scans from {event.begin:.1f} to {event.end:.1f} s"
+        table.add_row("noticed", f"{event.incident}, {scans}: {MEANING[event.incident]}")
+    if result.outside:
+        table.add_row("not mapped", f"{result.outside} scans: nothing relates them to the rest")
     table.add_row("driven", f"{summary['distance']:.1f} m in {log.seconds:.0f} s")
     table.add_row("loops closed", f"{summary['loop_closures']} times")
     table.add_row("computing", f"{result.computing_seconds:.2f} s: {summary['data_seconds_per_second']:.0f} data s/s")

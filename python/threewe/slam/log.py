@@ -26,6 +26,7 @@ class Log:
     odometry: list[Pose2D] = field(default_factory=list)  # odom_from_base at each scan
     base_from_lidar: Pose2D = field(default_factory=Pose2D)
     skipped: dict[str, int] = field(default_factory=dict)  # why lines or messages were left out -> how many
+    clock: str = ""  # where `times` are not the stamps that relations refer to: what they are, and why, with file:line
 
     def skip(self, reason: str) -> None:
         """Counts something that was left out."""

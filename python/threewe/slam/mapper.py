@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 from pathlib import Path
 
 import numpy as np
@@ -9,15 +10,29 @@ from numpy.typing import NDArray
 
 from threewe import _core
 from threewe._arguments import PoseLike, as_pose, as_seconds
-from threewe._core import LaserScan, OccupancyGrid, Pose2D, SlamConfig
+from threewe._core import LaserScan, OccupancyGrid, Pose2D, SlamConfig, SlamEvent
 from threewe.errors import ContractError
 from threewe.slam.relations import Relations
+
+logger = logging.getLogger("threewe")
+
+MEANING = {
+    "lidar_frozen": "scans repeat to the bit while odometry moves: they are left out, odometry goes on alone",
+    "odometry_jumped": "scans contradict a step of the odometry, such as a reset to zero: it is left out",
+    "odometry_stopped": "scans move while odometry does not: they go on alone",
+    "track_lost": "scans fit nowhere near, as of a robot that was carried: a component of its own begins, "
+    "which is no part of the map until the robot is recognised in it",
+    "components_joined": "the robot was recognised in another component: the two are one from now on",
+}
+"""Of the incidents of `Slam.events()`, and what the mapper does then."""
 
 
 class Slam:
     """Simultaneous localisation and mapping from scans of any field of view, and odometry as poses.
 
-    The frame `map` begins where the robot is at the first scan.
+    The frame `map` begins where the robot is at the first scan. Neither sensor is trusted blindly: what is wrong with
+    them is logged as a warning when it begins, and told by `events()`. One thread at a time may use a Slam; a second
+    one gets ContractError.
     """
 
     def __init__(self, config: SlamConfig | None = None) -> None:
@@ -25,8 +40,10 @@ class Slam:
         self._core = _core.Slam(config or SlamConfig())
         self._time: float | None = None
 
-    def add(self, scan: LaserScan, odometry: PoseLike, time: float | None = None) -> Pose2D:
+    def add(self, scan: LaserScan, odometry: PoseLike | None, time: float | None = None) -> Pose2D:
         """One scan, and where odometry had the robot as its first beam was measured; returns where the robot is.
+
+        Without odometry, None, scans alone tell how the robot moves, which takes that they overlap a lot.
 
         `time` [s] of that beam; one second after the scan before, if it is left out. What is wrong, such as a NaN,
         another number of ranges than before, or a time that does not go on, raises ContractError and changes nothing.
@@ -35,19 +52,34 @@ class Slam:
             raise ContractError(f"scan must be a LaserScan, got {scan!r}")
         if time is None:
             time = 0.0 if self._time is None else self._time + 1.0
-        pose = self._core.add(as_seconds("time", time), scan, as_pose("odometry", odometry))
+        place = None if odometry is None else as_pose("odometry", odometry)
+        pose, events = self._core.add(as_seconds("time", time), scan, place)
         self._time = time
+        for event in events:
+            logger.warning("Slam at %.3f s: %s: %s", event.begin, event.incident, MEANING[event.incident])
         return pose
 
-    def map(self) -> OccupancyGrid:
-        """The map so far, drawn afresh from all scans."""
-        return self._core.map()
+    def map(self, component: int = 0) -> OccupancyGrid:
+        """The map so far, drawn afresh from all scans of a component of the pose graph: by default the one in which the
+        map began; see `components`.
+        """
+        return self._core.map(component)
 
     def trajectory(self) -> NDArray[np.float64]:
         """(N, 4) time [s], x [m], y [m], heading [rad] at each scan, as it is known now: what `add` returned may have
         been corrected since.
         """
         return self._core.trajectory()
+
+    def components(self) -> NDArray[np.int64]:
+        """(N,) the component of the pose graph that each scan of the trajectory belongs to; 0 is the map's. No
+        measurement relates components: poses of one that is not 0 lie where the robot was last believed to be.
+        """
+        return np.array(self._core.components(), dtype=np.int64)
+
+    def events(self) -> list[SlamEvent]:
+        """What was wrong with the input since this Slam was made or loaded, in order of time; see `MEANING`."""
+        return self._core.events()
 
     def closures(self) -> Relations:
         """The places that were recognised by comparing scans: at which two times, and where the robot was at the later

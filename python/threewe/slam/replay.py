@@ -12,10 +12,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from threewe._core import OccupancyGrid, SlamConfig
+from threewe._core import OccupancyGrid, SlamConfig, SlamEvent
+from threewe.errors import ConfigError
 from threewe.slam.log import Log, Progress, write_tum
 from threewe.slam.mapper import Slam
-from threewe.slam.relations import Accuracy, Relations
+from threewe.slam.relations import Accuracy, Relations, accuracy
 from threewe.slam.ros_map import save_map
 
 
@@ -27,7 +28,28 @@ class Replay:
     map: OccupancyGrid
     trajectory: NDArray[np.float64]  # (N, 4) time as in the log [s], x [m], y [m], heading [rad]
     closures: Relations  # the places that were recognised, times as in the log
+    components: NDArray[np.int64]  # (N,) of the pose graph; scans of any but 0 are no part of the map
+    events: list[SlamEvent]  # what was wrong with the log, times from its first scan [s]
     computing_seconds: float  # of one core, for adding all scans and drawing the map; not for reading and writing files
+
+    @property
+    def outside(self) -> int:
+        """How many scans are no part of the map."""
+        return int((self.components != 0).sum())
+
+    def accuracy(self, relations: Relations) -> Accuracy:
+        """How well the map fits what is known, where both places of a relation lie in it. Raises ConfigError where the
+        log's times are not those that relations refer to, and where none of these lies within the map.
+        """
+        if self.log.clock:
+            raise ConfigError(f"{self.log.clock}; relations refer to stamps")
+        times = self.trajectory[:, 0]
+        later = np.clip(np.searchsorted(times, relations.times), 1, max(len(times) - 1, 1))
+        mapped = (self.components == 0)[np.clip([later - 1, later], 0, len(times) - 1)].all(axis=(0, 2))
+        if not mapped.any():
+            raise ConfigError("no relation lies within the map")
+        result = accuracy(self.trajectory, Relations(relations.times[mapped], relations.poses[mapped]))
+        return dataclasses.replace(result, left_out=result.left_out + int((~mapped).sum()))
 
     def summary(self, accuracy: Accuracy | None = None) -> dict[str, Any]:
         """The figures, as summary.json has them."""
@@ -36,6 +58,7 @@ class Replay:
             "scans": len(self.log.scans),
             "beams": len(self.log.scans[0].ranges),
             "skipped": self.log.skipped,
+            "clock": self.log.clock or "stamps",
             "base_from_lidar": list(self.log.base_from_lidar),
             "data_seconds": round(self.log.seconds, 3),
             "computing_seconds": round(self.computing_seconds, 4),
@@ -43,6 +66,8 @@ class Replay:
             "distance": round(float(driven), 3),
             "odometry_distance": round(self.log.distance, 3),
             "loop_closures": len(self.closures.times),
+            "events": [{"incident": e.incident, "begin": e.begin, "end": e.end, "scans": e.scans} for e in self.events],
+            "scans_outside_map": self.outside,
             "map_size": [self.map.width * self.map.resolution, self.map.height * self.map.resolution],
             "accuracy": None if accuracy is None else dataclasses.asdict(accuracy),
         }
@@ -72,4 +97,5 @@ def replay(log: Log, config: SlamConfig | None = None, *, on_progress: Progress 
     trajectory = slam.trajectory()
     trajectory[:, 0] = log.times
     closures = slam.closures()
-    return Replay(log, grid, trajectory, Relations(closures.times + begin, closures.poses), seconds)
+    closures = Relations(closures.times + begin, closures.poses)
+    return Replay(log, grid, trajectory, closures, slam.components(), slam.events(), seconds)

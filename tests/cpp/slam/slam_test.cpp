@@ -14,70 +14,20 @@
 #include <vector>
 
 #include "draw.hpp"
-#include "slam/tiny_world.hpp"
+#include "slam/tour.hpp"
 #include "threewe/core/bounds.hpp"
 #include "threewe/core/errors.hpp"
 
 namespace threewe::slam {
 namespace {
 
-using testing::add_box;
+using testing::building;
+using testing::Fan;
+using testing::look;
 using testing::tiny_range;
 using testing::TinyWall;
-
-/// How a lidar looks around.
-struct Fan {
-  int beams = 180;
-  double angle_min = -0.5 * exact::kPi;
-  double increment = exact::kPi / 180.0;
-  double sigma = 0.01;
-};
-
-LaserScan look(const std::vector<TinyWall>& walls, const Pose2D& lidar, const Fan& fan, Draw& draw) {
-  LaserScan scan{fan.angle_min, fan.increment, 0.0, 0.0, 80.0, {}};
-  for (int i = 0; i < fan.beams; ++i) {
-    const double range = tiny_range(walls, lidar.position(), lidar.theta + fan.angle_min + i * fan.increment, 80.0);
-    const double noise = draw(-1.7, 1.7) * fan.sigma;  // of the deviation sigma
-    scan.ranges.push_back(static_cast<float>(range < 80.0 ? range + noise : 80.0));
-  }
-  return scan;
-}
-
-/// Rooms beside a hall, with things in them.
-std::vector<TinyWall> building(Draw& draw) {
-  std::vector<TinyWall> walls;
-  add_box(walls, {-2, -6}, {14, 6});
-  for (double x : {2.0, 6.0, 10.0}) {
-    walls.push_back({{x, 2}, {x, 6}});
-    walls.push_back({{x + 1, -6}, {x + 1, -3.2}});
-  }
-  for (double x : {-2.0, 2.0, 6.0, 10.0}) walls.push_back({{x + 1.0, 2}, {x + 3.4, 2}});
-  for (int i = 0; i < 6; ++i) {
-    const Vec2 corner{-1.0 + 2.5 * i, i % 2 == 0 ? 4.2 : -5.0};
-    add_box(walls, corner, corner + Vec2{draw(0.3, 0.9), draw(0.3, 0.9)});
-  }
-  return walls;
-}
-
-/// A robot on an oval course, whose odometry is wrong in scale and heading; a scan every `stride` metres.
-struct Tour {
-  std::vector<Pose2D> truth;
-  std::vector<Pose2D> odometry;
-};
-Tour tour(Draw& draw, double metres, double stride = 0.5) {
-  const double scale = draw(0.98, 1.02);
-  const double veer = draw(-0.04, 0.04);                  // [rad/m]
-  const double wobble = 0.1 * exact::sqrt(3.0 * stride);  // [rad], uniform: 0.1 rad/sqrt(m)
-  Tour t{{{0, 0, 0}}, {{draw(-5, 5), draw(-5, 5), draw(-3, 3)}}};
-  for (int i = 1; i * stride < metres; ++i) {
-    const bool ahead = std::fmod((i - 1) * stride, 14.0) < 10.0;  // then round, on half a circle of 4 m
-    const double turn = ahead ? 0.0 : -exact::kPi / 4.0 * stride;
-    t.truth.push_back(integrate(t.truth.back(), {stride, 0.0, turn}, 1.0));
-    const double believed = turn + veer * stride + draw(-wobble, wobble);
-    t.odometry.push_back(integrate(t.odometry.back(), {stride * scale, 0.0, believed}, 1.0));
-  }
-  return t;
-}
+using testing::Tour;
+using testing::tour;
 
 TEST_CASE("scans of any field of view find the way that odometry loses") {
   const std::vector<Fan> fans = {{180, -0.5 * exact::kPi, exact::kPi / 180.0},
@@ -125,6 +75,27 @@ TEST_CASE("scans may come at any rate") {
       }
       CHECK(worst < 0.1);
     }
+  }
+}
+
+TEST_CASE("far walls, which few beams hit, tell the heading that odometry does not") {
+  for (std::uint64_t seed = 0; seed < 6; ++seed) {
+    CAPTURE(seed);
+    Draw draw(seed);
+    std::vector<TinyWall> walls;
+    testing::add_box(walls, {-14, -15}, {17, 14});  // a hall
+    for (const Vec2 corner : {Vec2{-8, -8}, Vec2{8, -9}, Vec2{9, 7}})
+      testing::add_box(walls, corner, corner + Vec2{1, 1});
+    Tour way{{{-6, 0, 0}}, {{}}};
+    for (int i = 1; i < 9; ++i) {
+      way.truth.push_back(integrate(way.truth.back(), {1.5, 0.0, 0.0}, 1.0));
+      way.odometry.push_back(integrate(way.odometry.back(), {1.5, 0.0, draw(-0.25, 0.25)}, 1.0));
+    }
+    Slam slam({.range_max = 80.0});
+    for (std::size_t i = 0; i < way.truth.size(); ++i) {
+      slam.add(from_seconds(static_cast<double>(i)), look(walls, way.truth[i], {}, draw), way.odometry[i]);
+    }
+    for (const StampedPose& pose : slam.trajectory()) CHECK(std::fabs(pose.map_from_base.theta) < 0.01);
   }
 }
 

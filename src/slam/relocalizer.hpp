@@ -1,0 +1,50 @@
+// Relocalizer: finds a robot whose track was lost in the parts of its map that it is no longer related to.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "slam/place_finder.hpp"
+#include "slam/trail.hpp"
+#include "threewe/core/pose.hpp"
+#include "threewe/core/time.hpp"
+#include "threewe/map/log_odds_map.hpp"
+
+namespace threewe::slam {
+
+/// The scans of one component of a trail's graph, drawn where the graph has them; `components` as TrailData has them.
+map::LogOddsMap drawn_component(const TrailData& trail, const std::vector<int>& components, int component,
+                                double resolution, double range_bias);
+
+/// Searches the maps of all components but the one that the robot is in, with what it sees there. While there is one
+/// component alone it does nothing.
+class Relocalizer {
+ public:
+  /// Where the robot seems to be: in which component, and where that lies in the map.
+  struct Found {
+    int component = 0;
+    Pose2D map_from_base;
+  };
+
+  /// One scan, its beams in the base frame, in order of time; it is the newest of the trail. A search of large maps
+  /// takes some scans.
+  std::optional<Found> look(const Trail& trail, Time stamp, const Pose2D& local_from_base,
+                            std::span<const map::Beam> beams, double range_bias);
+
+ private:
+  struct Search {
+    Time component{};
+    PlaceFinder finder;
+  };
+  void begin(const Trail& trail, double range_bias);
+
+  // components are named by the stamps of their first keyframes here, as indices change when a trail is pruned
+  Time component_{};       // that the robot is in
+  std::size_t count_ = 1;  // components
+  bool begun_ = false;     // the searches are of these
+  std::vector<Search> searches_;
+};
+
+}  // namespace threewe::slam
