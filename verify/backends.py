@@ -1,13 +1,20 @@
-"""MuJoCo's sensors see what the embedded simulator's do, in every scene; and what a body that tilts changes."""
+"""MuJoCo's sensors see what the embedded simulator's do, in every scene; and what a body that tilts changes. An honest
+backend passes every check of the contract, whatever its robot, scene and seed.
+"""
 
 import importlib.util
 import json
+import random
 import subprocess
+import sys
 from pathlib import Path
 
+import threewe
+from threewe.testing import check_backend
+
 from verify.camera import SCENES, share_off
-from verify.cases.trees import PROGRAMS
-from verify.harness import Case, Experiment, worst_of
+from verify.cases.trees import PROGRAMS, ROOT
+from verify.harness import Case, Experiment, all_of, worst_of
 
 PROGRAM = PROGRAMS / "verify_backends"
 POSES = 20
@@ -34,31 +41,79 @@ def look(seed: int, scene: str) -> Case:
     return {name: json.loads(value) for name, value in (line.split() for line in output.splitlines())}
 
 
-EXPERIMENTS = [
+def toy_backend() -> None:
+    """Registers the backend of examples/06_toy_backend.py."""
+    spec = importlib.util.spec_from_file_location("toy", ROOT / "examples/06_toy_backend.py")
+    assert spec is not None
+    assert spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    sys.modules["toy"] = module
+    spec.loader.exec_module(module)
+    threewe.register_backend("toy", module.ToyBackend)
+
+
+def keep_the_contract(seed: int, backend: str, robots: list[str]) -> Case:
+    """The checks that an honest backend fails, with a robot, a scene and noise drawn by the seed."""
+    if backend == "mujoco" and library() is None:
+        return {"not_shown": "mujoco-core is not installed"}
+    if backend == "toy":
+        toy_backend()
+    draw = random.Random(seed)
+    drawn = {
+        "hardware": draw.choice(robots),
+        "scene": draw.choice(SCENES),
+        "noise": draw.choice(["realistic", "ideal"]),
+    }
+    results = check_backend(backend, seed=seed, show=False, **drawn)
+    return {**drawn, "failed": [f"{result.name}: {result.detail}" for result in results if not result.passed]}
+
+
+HONEST = [
     Experiment(
-        f"3we_depth_v2 in {scene}",
-        look,
-        {"scene": scene},
-        cases=50,
+        f"check_backend of {backend}",
+        keep_the_contract,
+        {"backend": backend, "robots": robots},
+        cases=cases,
         sample=1,
-        rows=[
-            share_off("same pose: beams more than 1 cm off", "exact_beams_off", "exact_beams", at_most=0.001),
-            share_off("same pose: depths off by 2 cm and 1 %", "exact_depth_off", "exact_compared", at_most=0.01),
-            share_off("same pose: another id", "exact_ids_off", "exact_compared", at_most=0.01),
-            share_off("same pose: pixels beside an edge, left out", "exact_edges", "exact_pixels", at_most=0.05),
-            *(
-                row
-                for how, deepest in (("settled", 0.2), ("driving", 5.0))
-                for row in (
-                    share_off(f"{how}: beams more than 1 cm off", f"{how}_beams_off", f"{how}_beams", at_most=0.01),
-                    share_off(f"{how}: depths off by 2 cm and 1 %", f"{how}_depth_off", f"{how}_compared", at_most=0.1),
-                    worst_of(f"{how}: tilt [mrad]", lambda case, how=how: case[f"{how}_tilt_mrad"], at_most=20.0),
-                    worst_of(
-                        f"{how}: off the floor [mm]", lambda case, how=how: case[f"{how}_sunk_mm"], at_most=deepest
-                    ),
-                )
-            ),
-        ],
+        rows=[all_of("no check fails", lambda case: not case["failed"])],
     )
-    for scene in SCENES
+    for backend, robots, cases in [
+        ("mock", ["3we_standard_v2", "3we_base_v2", "3we_depth_v2", "turtlebot_like"], 50),
+        ("toy", ["3we_standard_v2", "turtlebot_like"], 30),
+        ("mujoco", ["3we_standard_v2", "3we_depth_v2", "turtlebot_like"], 20),
+    ]
+]
+
+EXPERIMENTS = [
+    *HONEST,
+    *(
+        Experiment(
+            f"3we_depth_v2 in {scene}",
+            look,
+            {"scene": scene},
+            cases=50,
+            sample=1,
+            rows=[
+                share_off("same pose: beams more than 1 cm off", "exact_beams_off", "exact_beams", at_most=0.001),
+                share_off("same pose: depths off by 2 cm and 1 %", "exact_depth_off", "exact_compared", at_most=0.01),
+                share_off("same pose: another id", "exact_ids_off", "exact_compared", at_most=0.01),
+                share_off("same pose: pixels beside an edge, left out", "exact_edges", "exact_pixels", at_most=0.05),
+                *(
+                    row
+                    for how, deepest in (("settled", 0.2), ("driving", 5.0))
+                    for row in (
+                        share_off(f"{how}: beams more than 1 cm off", f"{how}_beams_off", f"{how}_beams", at_most=0.01),
+                        share_off(
+                            f"{how}: depths off by 2 cm and 1 %", f"{how}_depth_off", f"{how}_compared", at_most=0.1
+                        ),
+                        worst_of(f"{how}: tilt [mrad]", lambda case, how=how: case[f"{how}_tilt_mrad"], at_most=20.0),
+                        worst_of(
+                            f"{how}: off the floor [mm]", lambda case, how=how: case[f"{how}_sunk_mm"], at_most=deepest
+                        ),
+                    )
+                ),
+            ],
+        )
+        for scene in SCENES
+    ),
 ]

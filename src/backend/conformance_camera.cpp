@@ -127,9 +127,8 @@ void depth_agrees_with_lidar(const Context& context) {
       {"as half as much", misfit_of([](double depth, double) { return 0.5 * depth; }, mount)},
       {"from a mount with the other sign", misfit_of(as_is, {-mount.x, -mount.y, -mount.theta})},
       {"from the middle of the base", misfit_of(as_is, {})}};
-  for (const auto& [how, other] : others) {
-    expect(fit <= other + 0.01, "depth fits the scan within {:.3f} m; read {} within {:.3f} m", fit, how, other);
-  }
+  const auto& [how, other] = *std::ranges::min_element(others, {}, &std::pair<const char*, double>::second);
+  expect(fit <= other + 0.01, "depth fits the scan within {:.3f} m; read {} within {:.3f} m", fit, how, other);
   expect(fit <= 0.2, "depth fits the scan within {:.3f} m only", fit);
 }
 

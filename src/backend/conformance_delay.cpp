@@ -13,8 +13,9 @@ namespace {
 
 /// What a stamp may be off by [s]. A robot that turns at 1 rad/s then misplaces what it sees by 0.1 rad.
 constexpr double kMostOff = 0.1;
-constexpr double kFarthest = 0.6;  // [s] that a delay is looked for
-constexpr double kStep = 0.02;     // [s] between the delays that are tried
+constexpr double kStep = 0.02;                // [s] between the delays that are tried
+constexpr int kSteps = 30;                    // of them each way
+constexpr double kFarthest = kSteps * kStep;  // [s]
 
 /// The heading over time that a sensor shows: unwrapped, linear between its samples.
 struct Headings {
@@ -71,8 +72,8 @@ template <typename Misfit>
 double best_delay(Misfit misfit) {
   double best = 0.0;
   double least = misfit(0.0);
-  for (double delay = kStep; delay <= kFarthest; delay += kStep) {
-    for (const double signed_delay : {delay, -delay}) {
+  for (int step = 1; step <= kSteps; ++step) {
+    for (const double signed_delay : {step * kStep, -step * kStep}) {
       const double other = misfit(signed_delay);
       if (other >= least) continue;
       least = other;
@@ -123,8 +124,9 @@ void imu_and_odometry_are_of_one_time(const Context& context) {
   const auto spread = [&](auto value) {  // about the mean, for a bias is no delay
     double sum = 0.0;
     double squares = 0.0;
-    int count = 0;
-    for (double t = begin; t < end; t += kStep, ++count) {
+    const int count = static_cast<int>((end - begin) / kStep) + 1;
+    for (int step = 0; step < count; ++step) {
+      const double t = begin + step * kStep;
       sum += value(t);
       squares += value(t) * value(t);
     }

@@ -205,7 +205,7 @@ double misfit_shifted(const Small& before, const Small& after, int shift) {
   for (std::size_t y = 0; y < before.height; ++y) {
     for (std::size_t x = 0; x < before.width; ++x) {
       const auto to = static_cast<std::ptrdiff_t>(x) + shift;
-      if (to < 0 || to >= static_cast<std::ptrdiff_t>(after.width)) continue;
+      if (to < 0 || std::cmp_greater_equal(to, after.width)) continue;
       sum += std::abs(before.at(x, y) - after.at(static_cast<std::size_t>(to), y));
       count += 1.0;
     }
@@ -229,8 +229,8 @@ void images_turn_with_the_robot(const Context& context) {
     const double expected = image.intrinsics.fx * turned / kBlock;
     const auto least = [&](double direction) {  // around what a perfect camera and odometry would show
       double best = misfit_shifted(before, after, static_cast<int>(std::lround(direction * expected)));
-      for (double share = 0.6; share <= 1.4; share += 0.05) {
-        const auto shift = static_cast<int>(std::lround(direction * share * expected));
+      for (int percent = 60; percent <= 140; percent += 5) {
+        const auto shift = static_cast<int>(std::lround(direction * 0.01 * percent * expected));
         best = std::min(best, misfit_shifted(before, after, shift));
       }
       return best;
