@@ -51,7 +51,8 @@ Workers::Workers(std::size_t threads) : process_(getpid()), crew_(std::make_uniq
 
 // A forked process has a copy of what the threads share but not the threads, for which any end would wait.
 Workers::~Workers() {
-  if (getpid() != process_) static_cast<void>(crew_.release());
+  if (getpid() == process_) return;
+  [[maybe_unused]] const Crew* const left_as_it_is = crew_.release();
 }
 
 void Workers::run(std::size_t count, const std::function<void(std::size_t, std::size_t, std::size_t)>& work) {

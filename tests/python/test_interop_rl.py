@@ -18,6 +18,7 @@ import gymnasium
 import numpy as np
 import pytest
 import threewe
+import threewe.sync
 from gymnasium.utils.env_checker import check_env
 from gymnasium.vector import AsyncVectorEnv, SyncVectorEnv
 from gymnasium.wrappers import (
@@ -110,8 +111,13 @@ def test_the_longest_episode_is_in_the_spec(name: str) -> None:
     stacked = FrameStackObservation(TimeAwareObservation(FlattenObservation(env)), 3)
     observation, _ = stacked.reset(seed=1)
     assert observation in stacked.observation_space
-    spec = gymnasium.envs.registration.EnvSpec.from_json(gymnasium.make(name).spec.to_json())  # type: ignore[union-attr]
-    assert gymnasium.make(pickle.loads(pickle.dumps(spec))).spec.max_episode_steps == 500  # type: ignore[union-attr]
+
+
+def test_a_spec_can_be_written_down() -> None:
+    spec = gymnasium.make("3we/Navigation-v1").spec
+    assert spec is not None
+    read = gymnasium.envs.registration.EnvSpec.from_json(spec.to_json())
+    assert gymnasium.make(pickle.loads(pickle.dumps(read))).spec.max_episode_steps == 500  # type: ignore[union-attr]
 
 
 @pytest.mark.parametrize("copied", [copy.deepcopy, lambda env: pickle.loads(pickle.dumps(env))])
@@ -132,7 +138,7 @@ sys.modules[{missing!r}] = None
 import gymnasium, threewe
 from gymnasium.utils.env_checker import check_env
 for name in {IDS!r}:
-    env = gymnasium.make(name, scene="corridor_v1", observations=("pose",)).unwrapped
+    env = gymnasium.make(name, scene=[threewe.Scene.generate(1, size=(8.0, 6.0))], observations=("pose",)).unwrapped
     check_env(env)
 print(env.metadata["render_modes"])
 """
@@ -159,6 +165,19 @@ def test_a_robot_without_lidar_has_its_own_default_observations() -> None:
         gymnasium.make("3we/Exploration-v1", **SMALL, hardware="3we_base_v2")
     with pytest.raises(ConfigError, match="use 'limits'"):
         gymnasium.make("3we/Navigation-v1", **SMALL, hardware="3we_base_v2", gate="full")
+
+
+@pytest.mark.parametrize("backend", [None, "mock"])
+def test_what_is_observed_has_the_types_of_a_robot(backend: str | None) -> None:
+    options: dict[str, Any] = {**SMALL, "hardware": "3we_depth_v2", "image_size": (48, 64), "backend": backend}
+    env = Env(task="navigation", observations=("image", "depth", "lidar", "pose", "velocity"), **options)
+    observation, _ = env.reset(seed=0)
+    with threewe.sync.Robot(scene="office_v2", hardware="3we_depth_v2", image_size=(48, 64)) as robot:
+        pictures = robot.get_rgbd_image()
+        own = {"image": pictures.color, "depth": pictures.depth, "lidar": robot.get_lidar_scan().ranges}
+    for name, values in own.items():
+        assert (observation[name].dtype, observation[name].shape) == (values.dtype, values.shape)
+    assert [observation[name].dtype for name in ("pose", "velocity")] == [np.float32, np.float32]
 
 
 @pytest.mark.parametrize("backend", [None, "mock"])

@@ -22,8 +22,8 @@ struct ExplorationOptions {
 ///
 /// Field `coverage_map` (64, 64, 1), an image of one channel: what the robots of the world have seen so far, by their
 /// own scans and beliefs: 0 unknown, 127 free, 255 occupied, in cells of 0.25 m. Rows go along the map's y axis,
-/// columns along x; the robot is at the corner between cells (31, 31) and (32, 32). Metrics: `success`, `coverage`, both of all robots together,
-/// `path_length` [m] and `collision_speed` [m/s] of the fastest contact.
+/// columns along x; the robot is at the corner between cells (31, 31) and (32, 32). Metrics: `success`, `coverage`,
+/// both of all robots together, `path_length` [m] and `collision_speed` [m/s] of the fastest contact.
 std::unique_ptr<Task> make_exploration(const Setting& setting, const ExplorationOptions& options = {});
 
 }  // namespace threewe::task

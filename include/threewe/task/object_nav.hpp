@@ -66,8 +66,9 @@ class ObjectNav {
 
   /// Episode `index` of a seed: a kind of `goals()`, each as likely, or the one that is named; a start that is uniform
   /// over the roomy cells 3 m or more, by the shortest path, from the nearest reachable point of everything of that
-  /// kind and 1 m or more from every place within reach of it, so that there is a way to drive; heading so that nothing of it is in view (200 pixels would be; what hides behind low furniture counts as
-  /// seen). A pure function of scene, robot, seed and index. Throws ConfigError for a kind that is not in `goals()`.
+  /// kind and 1 m or more from every place within reach of it, so that there is a way to drive; heading so that nothing
+  /// of it is in view (200 pixels would be; what hides behind low furniture counts as seen). A pure function of scene,
+  /// robot, seed and index. Throws ConfigError for a kind that is not in `goals()`.
   ObjectNavEpisode sample(std::uint64_t seed, std::uint32_t index, std::string_view category = {}) const;
 
   /// The shortest path [m] to a place of success; infinity where there is none.

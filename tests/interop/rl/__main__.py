@@ -1,5 +1,7 @@
 """Trains with every library on every task, each in a process of its own, and prints a row for each.
 
+Then it runs the tests of our own faces to these libraries.
+
 python -m tests.interop.rl                        # all of them
 python -m tests.interop.rl cleanrl Navigation     # one of them, in this process
 """
@@ -15,6 +17,7 @@ import threewe  # noqa: F401 (registers the environments)
 LIBRARIES = ("sb3", "sb3_tools", "cleanrl", "rllib", "torchrl")
 TASKS = ("Navigation", "Exploration", "ObjectNav", "VLN")
 STEPS = 2_000
+TESTS = ("tests/python/test_gym_sb3.py", "tests/python/test_gym_torch.py")  # which need what is installed here
 ENVIRONMENT = {"OMP_NUM_THREADS": "1", "CUDA_VISIBLE_DEVICES": "", "RAY_USAGE_STATS_ENABLED": "0"}
 
 
@@ -23,9 +26,11 @@ def main(arguments: list[str]) -> int:
         library, task = arguments
         print(importlib.import_module(f"tests.interop.rl.{library}").train(f"3we/{task}-v1", STEPS))
         return 0
-    failed = [f"{library} {task}" for library in LIBRARIES for task in TASKS if not works(library, task)]
-    print(f"{len(LIBRARIES) * len(TASKS) - len(failed)} of {len(LIBRARIES) * len(TASKS)} work", *failed, sep="\n")
-    return int(bool(failed))
+    pairs = [(library, task) for library in LIBRARIES for task in TASKS]
+    failed = [f"{library} {task}" for library, task in pairs if not works(library, task)]
+    print(f"{len(pairs) - len(failed)} of {len(pairs)} work", *failed, sep="\n", flush=True)
+    tests = subprocess.run([sys.executable, "-m", "pytest", "-q", *TESTS], env={**os.environ, **ENVIRONMENT})
+    return int(bool(failed) or tests.returncode != 0)
 
 
 def works(library: str, task: str) -> bool:
