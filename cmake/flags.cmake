@@ -8,6 +8,9 @@ set(CMAKE_CXX_EXTENSIONS OFF)
 set(CMAKE_POSITION_INDEPENDENT_CODE ON)
 set(CMAKE_EXPORT_COMPILE_COMMANDS ON)
 
+if(THREEWE_FUZZ) # with THREEWE_SANITIZE
+  add_compile_options(-g -fsanitize=fuzzer-no-link)
+endif()
 if(THREEWE_SANITIZE)
   set(CMAKE_BUILD_TYPE "None") # assertions stay on
   add_compile_options(-O1 -fsanitize=address,undefined -fno-sanitize=null,alignment,vptr,object-size)

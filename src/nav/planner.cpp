@@ -16,11 +16,11 @@ using map::Costmap;
 std::vector<Cell> free_cells_near(const Costmap& costmap, Vec2 point, double radius) {
   const Cell middle = costmap.cell(point);
   std::vector<std::pair<double, Cell>> cells;
-  const int reach = static_cast<int>(radius / costmap.resolution()) + 1;
-  for (int y = middle.y - reach; y <= middle.y + reach; ++y) {
-    for (int x = middle.x - reach; x <= middle.x + reach; ++x) {
+  const int reach = map::to_cell(radius / costmap.resolution()) + 1;
+  for (int y = std::max(0, middle.y - reach); y <= std::min(costmap.height() - 1, middle.y + reach); ++y) {
+    for (int x = std::max(0, middle.x - reach); x <= std::min(costmap.width() - 1, middle.x + reach); ++x) {
       const Cell c{x, y};
-      if (!costmap.contains(c) || costmap.weight(c) == Costmap::kLethal) continue;
+      if (costmap.weight(c) == Costmap::kLethal) continue;
       const double d = c == middle ? 0.0 : distance(costmap.center(c), point);
       if (d < radius || c == middle) cells.emplace_back(d, c);
     }

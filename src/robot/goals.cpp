@@ -22,6 +22,13 @@ void require_positive(double value, const char* what) {
   if (value <= 0.0) throw ContractError(std::string(what) + " must be positive, not " + std::to_string(value));
 }
 
+// Who searches for places farther from the goal than that searches all of the map.
+void require_tolerance(double value) {
+  constexpr double kMost = 10.0;  // [m]
+  require_positive(value, "tolerance");
+  if (value > kMost) throw ContractError("tolerance must be at most 10 m, not " + std::to_string(value));
+}
+
 }  // namespace
 
 void check_goal(const nav::Goal& goal) {
@@ -30,7 +37,7 @@ void check_goal(const nav::Goal& goal) {
                    require_finite(g.goal.x, "goal x");
                    require_finite(g.goal.y, "goal y");
                    if (g.theta) require_finite(*g.theta, "goal theta");
-                   require_positive(g.tolerance, "tolerance");
+                   require_tolerance(g.tolerance);
                    require_positive(g.angle_tolerance, "angle tolerance");
                  },
                  [](const nav::Rotate& g) {
@@ -39,7 +46,7 @@ void check_goal(const nav::Goal& goal) {
                  },
                  [](const nav::MoveForward& g) {
                    require_finite(g.distance, "distance");
-                   require_positive(g.tolerance, "tolerance");
+                   require_tolerance(g.tolerance);
                  },
                  [](const nav::FollowPath& g) {
                    if (g.path.empty()) throw ContractError("path must have at least one point");
@@ -47,7 +54,7 @@ void check_goal(const nav::Goal& goal) {
                      require_finite(p.x, "path x");
                      require_finite(p.y, "path y");
                    }
-                   require_positive(g.tolerance, "tolerance");
+                   require_tolerance(g.tolerance);
                  },
                  [](const nav::Explore&) {},
              },

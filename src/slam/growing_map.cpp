@@ -32,7 +32,7 @@ void GrowingMap::insert(const TrailPoint& scan) {
 std::optional<Pose2D> GrowingMap::redraw() {
   if (!trail_) return {};
   if (!drawing_ && trail_->solutions() != std::exchange(solutions_, trail_->solutions()) && lies_elsewhere()) {
-    drawing_.emplace();
+    drawing_ = Drawing{};
     const map::OccupancyGrid& grid = map_.grid();
     const Vec2 size{grid.width * grid.resolution, grid.height * grid.resolution};
     drawing_->map.make_room(grid.origin, grid.origin + size);

@@ -192,6 +192,7 @@ WRONG_CALLS: dict[str, tuple[Call, type[Exception], str]] = {
     "tolerance negative": (lambda r: r.move_to(1.0, 0.0, tolerance=-0.1), ContractError, "tolerance"),
     "angle tolerance NaN": (lambda r: r.move_to(1.0, 0.0, angle_tolerance=NAN), ContractError, "angle_tolerance"),
     "angle tolerance zero": (lambda r: r.rotate(1.0, angle_tolerance=0.0), ContractError, "angle tolerance"),
+    "tolerance without end": (lambda r: r.move_to(1.0, 0.0, tolerance=1e6), ContractError, "at most 10 m"),
     "tolerance of a distance": (lambda r: r.move_forward(1.0, tolerance=-1.0), ContractError, "tolerance"),
     "zones no list": (lambda r: r.set_zones(3), ContractError, "zones must be a list"),  # type: ignore[arg-type]
     "zone no Zone": (lambda r: r.set_zones([(0, 0)]), ContractError, "zones must hold Zones"),  # type: ignore[list-item]

@@ -1,0 +1,1 @@
+"""Fuzzers: one per format that others may have written."""
