@@ -13,7 +13,7 @@ from verify.cases.driving import (
 from verify.cases.generated import arrived_share, ends_standing, far_drives, no_clock, no_false_arrival, worst_contact
 from verify.cases.journey import lies
 from verify.cases.people import among_people, ratio
-from verify.cases.walls import away_from_a_wall, touches_gently
+from verify.cases.walls import away_from_a_wall, out_of_a_slot, touches_gently
 from verify.harness import Experiment, all_of, mean_of, ratio_of, share_of, worst_of
 
 ROBOTS = [  # where, who, and how often it arrives at least
@@ -159,6 +159,20 @@ EXPERIMENTS = [
             ("turtlebot_like", 1.0),
             ("3we_base_v2", 0.99),
         ]
+    ),
+    *(
+        Experiment(
+            f"at the end of a slot, {hardware}",
+            out_of_a_slot,
+            {"hardware": hardware},
+            cases=200,
+            sample=4,
+            rows=[
+                share_of("gets out and reaches a goal, truly within 0.25 m", arrived, at_least=0.95),
+                share_of("touches nothing faster than 0.05 m/s", touches_gently, at_least=1.0),
+            ],
+        )
+        for hardware in ("3we_standard_v2", "turtlebot_like")
     ),
     Experiment(
         "move_to by echoes, 3we_base_v2 in office_v2",

@@ -55,13 +55,13 @@ std::vector<Vec2> thinned(std::span<const Vec2> hits, double reach) {
 /// Weighted A* (Pohl 1970); the estimate is the way of a disc within the outline.
 class ManoeuvrePlanner::Search {
  public:
-  Search(const ManoeuvrePlanner& planner, std::span<const Vec2> hits)
+  Search(const ManoeuvrePlanner& planner, std::span<const Vec2> hits, double tolerance)
       : planner_(planner),
         hits_(thinned(hits, kReach + planner.ends_at_)),
         field_(hits_, planner.least_room_, planner.ends_at_, kReach) {
     for (const Vec2 p : hits_) {
       const double now = planner_.outline_.clearance(p);
-      least_.push_back(std::min(kFree, now > 0.0 ? std::max(now - kNotNearer, 0.0) : now));
+      least_.push_back(std::min(kFree, now > 0.0 ? std::max(now - kNotNearer, 0.0) : now) - tolerance);
     }
   }
 
@@ -238,8 +238,8 @@ bool ManoeuvrePlanner::is_tight(std::span<const Vec2> hits_in_base) const {
   return std::ranges::any_of(hits_in_base, [&](Vec2 p) { return outline_.clearance(p) < margin_ + kStepWay; });
 }
 
-std::vector<ArcStep> ManoeuvrePlanner::plan(std::span<const Vec2> hits_in_base) const {
-  return Search(*this, hits_in_base).run();
+std::vector<ArcStep> ManoeuvrePlanner::plan(std::span<const Vec2> hits_in_base, double tolerance) const {
+  return Search(*this, hits_in_base, tolerance).run();
 }
 
 }  // namespace threewe::nav

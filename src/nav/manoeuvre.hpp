@@ -27,7 +27,7 @@ class ManoeuvrePlanner {
   /// The quickest steps, in the base frame, to a pose in which the robot can turn on the spot with its whole margin
   /// free; where none is within a metre, a metre on. Hits [m] are in the base frame. What is nearer than a few
   /// millimetres already comes no nearer. Empty where there is no way.
-  std::vector<ArcStep> plan(std::span<const Vec2> hits_in_base) const;
+  std::vector<ArcStep> plan(std::span<const Vec2> hits_in_base, double tolerance = 0.0) const;
   /// Nothing is so near that a turn on the spot would come closer to it than the margin, however the hits scatter.
   bool can_turn(std::span<const Vec2> hits_in_base) const { return room(hits_in_base, {}) >= turns_from_; }
   /// The same, and some more: a plan ends here.
@@ -83,6 +83,8 @@ class Manoeuvre {
   Limits quick_;
   std::vector<ArcStep> steps_;  // in `odom`, still to drive
   int plans_ = 0;
+  double tolerance_ = 0.0;  // [m] of the plan
+  Time next_plan_{};        // when the next may be made
   bool over_ = true;
   bool creeping_ = false;
   Pose2D moved_at_;  // where ...

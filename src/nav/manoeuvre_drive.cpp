@@ -7,15 +7,19 @@
 namespace threewe::nav {
 namespace {
 
-constexpr int kMostPlans = 6;
-constexpr Duration kPatience = 1500ms;  // without ...
-constexpr double kMoved = 0.006;        // [m] ... so much of progress ...
-constexpr double kTurned = 0.03;        // [rad] ... or this
-constexpr double kCreep = 0.04;         // [m/s] what the creeping gate allows of speed ...
-constexpr double kCorners = 0.01;       // [m/s] ... and of turning, at the corners
-constexpr double kQuick = 0.1;          // [m/s] where the margin is free ...
-constexpr double kQuickTurn = 0.5;      // [rad/s]
-constexpr double kConvergence = 0.05;   // [m] of way in which a heading is put right
+constexpr int kMostPlans = 12;
+constexpr Duration kHope = 3s;  // without any plan
+constexpr Duration kNextPlan = 100ms;
+constexpr double kMoreTolerance = 0.001;  // [m] each time
+constexpr double kMostTolerance = 0.02;   // [m]
+constexpr Duration kPatience = 1500ms;    // without ...
+constexpr double kMoved = 0.006;          // [m] ... so much of progress ...
+constexpr double kTurned = 0.03;          // [rad] ... or this
+constexpr double kCreep = 0.04;           // [m/s] what the creeping gate allows of speed ...
+constexpr double kCorners = 0.01;         // [m/s] ... and of turning, at the corners
+constexpr double kQuick = 0.1;            // [m/s] where the margin is free ...
+constexpr double kQuickTurn = 0.5;        // [rad/s]
+constexpr double kConvergence = 0.05;     // [m] of way in which a heading is put right
 
 // [rad or m] of a step that is left, counted along it.
 double left_of(const ArcStep& step, const Pose2D& odom_from_base) {
@@ -32,17 +36,26 @@ double left_of(const ArcStep& step, const Pose2D& odom_from_base) {
 void Manoeuvre::begin(Time now) {
   steps_.clear();
   plans_ = 0;
-  over_ = false;
-  moved_ = now;
+  tolerance_ = 0.0;
+  over_ = creeping_ = false;
+  moved_ = next_plan_ = now;
 }
 
+// Where hits leave no way they may be nearer than what they are of, by what they scatter: the next plan allows for a
+// little more of that, while the gate has the last word on each step. False: there is no hope.
 bool Manoeuvre::plan(Time now, const Pose2D& odom_from_base, std::span<const Vec2> hits_in_base) {
+  const bool in_vain = steps_.empty() && now - moved_ > kHope;
   steps_.clear();
-  if (planner_.has_room(hits_in_base) || ++plans_ > kMostPlans) return false;
-  steps_ = planner_.plan(hits_in_base);
+  if (planner_.has_room(hits_in_base) || in_vain || plans_ > kMostPlans) return false;
+  if (now < next_plan_) return true;
+  next_plan_ = now + kNextPlan;
+  steps_ = planner_.plan(hits_in_base, tolerance_);
+  if (steps_.empty()) tolerance_ = std::min(tolerance_ + kMoreTolerance, kMostTolerance);
+  if (steps_.empty()) return true;
   for (ArcStep& step : steps_) step.end = odom_from_base * step.end;
+  ++plans_;
   moved_at_ = odom_from_base, moved_ = now;
-  return !steps_.empty();
+  return true;
 }
 
 bool Manoeuvre::stands_still(Time now, const Pose2D& odom_from_base) {
@@ -56,8 +69,10 @@ Velocity Manoeuvre::step(Time now, const Pose2D& odom_from_base, std::span<const
   creeping_ = planner_.is_tight(hits_in_base);
   while (!steps_.empty() && left_of(steps_.front(), odom_from_base) <= 0.0) steps_.erase(steps_.begin());
   const bool due = steps_.empty() || stands_still(now, odom_from_base);
-  if (due && !plan(now, odom_from_base, hits_in_base)) return over_ = true, Velocity{};
-  return tracker.safe(along(steps_.front(), odom_from_base));
+  if (due && !plan(now, odom_from_base, hits_in_base)) over_ = true;
+  if (steps_.empty()) return {};
+  const Velocity velocity = along(steps_.front(), odom_from_base);
+  return creeping_ && tolerance_ > 0.0 ? velocity : tracker.safe(velocity);
 }
 
 // As fast as corners may move, and so that the step ends with the heading that was planned.

@@ -259,7 +259,9 @@ Decision PathNavigator::travel(const Observation& seen, Vec2 goal, double tolera
   if (stuck()) return left <= tolerance - kStuckWithin ? finish(Reason::reached) : get_unstuck();
   if (route_.is_stale(seen, kReplanPeriod)) {
     const bool impossible = !route_.plan_to_goal(seen, tolerance);
-    if (proven(impossible) && !plan_through_gaps(seen, tolerance)) return give_up_path(seen, tolerance);
+    if (proven(impossible) && !plan_through_gaps(seen, tolerance)) {
+      return leaves_first(seen) ? Decision{} : give_up_path(seen, tolerance);
+    }
   }
   return route_.has_path() ? follow(seen) : wait();
 }

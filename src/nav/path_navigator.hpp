@@ -63,6 +63,8 @@ class PathNavigator final : public Navigator {
   Decision get_unstuck();
   Decision recover(const Observation& seen);
   Velocity step_recovery(const Observation& seen);
+  std::vector<Vec2> hits_around(const Observation& seen) const;
+  bool leaves_first(const Observation& seen);
   Decision find_itself(const Observation& seen);
 
   /// What belongs to one motion.
@@ -78,6 +80,7 @@ class PathNavigator final : public Navigator {
     Time looked_round{};  // when it had, lost
     Pose2D last_moved;    // where and when the robot last got on
     Time last_moved_at{};
+    int departures = 0;  // from tight places where no plan was found
     Time tight_until{};  // a smaller margin is enough until then
   };
 

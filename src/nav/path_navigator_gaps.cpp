@@ -73,18 +73,33 @@ Decision PathNavigator::begin_passage(const Observation& seen) {
   return pass(seen);
 }
 
-// By what is seen without its scatter, to which a manoeuvre may come as near as in a gap; not into zones to keep out
-// of.
-Velocity PathNavigator::step_recovery(const Observation& seen) {
+// What is near without its scatter, and zones to keep out of, in the base frame.
+std::vector<Vec2> PathNavigator::hits_around(const Observation& seen) const {
   constexpr double kSight = 1.5;  // [m]
   std::vector<Vec2> hits = in_base_;
   if (lidar_) hits = transformed(inverse(odom_from_base_), smoothed_hits(seen, kSight));
   const std::vector<Vec2> borders = transformed(inverse(progress_.pose), borders_near(progress_.pose.position()));
   hits.insert(hits.end(), borders.begin(), borders.end());
+  return hits;
+}
+
+// A manoeuvre may come as near to what is around as in a gap.
+Velocity PathNavigator::step_recovery(const Observation& seen) {
+  const std::vector<Vec2> hits = hits_around(seen);
   if (lidar_ && recovery_.state() == RecoveryState::manoeuvring) tracker_.see(hits, kFree - margin_);
   const Velocity velocity = recovery_.step(now_, odom_from_base_, hits, tracker_);
   progress_.recovery = recovery_.state();
   return velocity;
+}
+
+// From within a tight place the cells around look closed: that there is no path is said from outside of it.
+bool PathNavigator::leaves_first(const Observation& seen) {
+  constexpr int kMost = 3;
+  if (motion_.departures >= kMost || recovery_.can_turn(hits_around(seen))) return false;
+  ++motion_.departures;
+  motion_.impossible = false;
+  recovery_.leave(now_, odom_from_base_);
+  return true;
 }
 
 // Through a gap, with less room than the gate keeps elsewhere.

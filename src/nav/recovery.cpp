@@ -47,6 +47,11 @@ void Recovery::begin(Time now, const Pose2D& odom_from_base, Vec2 place) {
   enter(++attempts_ > kMostAttempts ? State::given_up : State::clearing, now, odom_from_base);
 }
 
+void Recovery::leave(Time now, const Pose2D& odom_from_base) {
+  manoeuvre_.begin(now);
+  enter(State::manoeuvring, now, odom_from_base);
+}
+
 void Recovery::look_round(Time now, const Pose2D& odom_from_base) {
   looks_ = {0.5 * exact::kPi, exact::kPi, 1.5 * exact::kPi, 2.0 * exact::kPi};
   heading_ = odom_from_base.theta, turned_ = 0.0;
@@ -94,8 +99,7 @@ Velocity Recovery::back_off(Time now, const Pose2D& odom_from_base, std::span<co
   if (in_time && escape_ != Velocity{}) return tracker.safe(escape_);
   had_room_ = had_room_ || moved >= kNoRoom;
   if (is_wedged(hits)) {
-    manoeuvre_.begin(now);
-    enter(State::manoeuvring, now, odom_from_base);
+    leave(now, odom_from_base);
   } else {
     look_or_replan(now, odom_from_base);
   }

@@ -34,6 +34,8 @@ class Recovery {
   void remember(const Pose2D& odom_from_base);
   /// The robot does not get on in a place [m in `map`].
   void begin(Time now, const Pose2D& odom_from_base, Vec2 place);
+  /// The robot stands where it is tight and plans lead nowhere: it leaves in arcs, and plans anew.
+  void leave(Time now, const Pose2D& odom_from_base);
   /// The robot is lost: it turns once round itself.
   void look_round(Time now, const Pose2D& odom_from_base);
   /// One period of what has begun. `hits` [m]: what is near, in the base frame; `tracker` sees the same.
@@ -47,8 +49,9 @@ class Recovery {
   bool creeping() const { return state_ == State::manoeuvring && manoeuvre_.creeping(); }
   /// A differential base cannot turn here, so that it can only leave as it came, or in arcs.
   bool is_wedged(std::span<const Vec2> hits) const {
-    return kinematics_ == Kinematics::differential && !manoeuvre_.can_turn(hits);
+    return kinematics_ == Kinematics::differential && !can_turn(hits);
   }
+  bool can_turn(std::span<const Vec2> hits) const { return manoeuvre_.can_turn(hits); }
   /// How often it has begun in this place.
   int attempts() const { return attempts_; }
   /// There is another way now, so that it may try as often again.

@@ -1,4 +1,4 @@
-"""A robot beside a wall, all else free: it gets away and reaches a goal."""
+"""A robot beside a wall, or at the end of a slot, all else free: it gets away and reaches a goal."""
 
 import asyncio
 import math
@@ -21,6 +21,10 @@ walls:
   - {{a: [3, 3], b: [-3, 3], thickness: 0.1}}
   - {{a: [-3, 3], b: [-3, -3], thickness: 0.1}}
 """
+SLOT = """\
+  - {{a: [{right:.4f}, -3], b: [{right:.4f}, {mouth:.4f}], thickness: 0.1}}
+  - {{a: [{left:.4f}, -3], b: [{left:.4f}, {mouth:.4f}], thickness: 0.1}}
+"""
 SURFACE = -2.95  # [m] of the wall to the south
 
 
@@ -35,6 +39,19 @@ def away_from_a_wall(seed: int, hardware: str) -> dict[str, Any]:
         scene = Path(folder) / f"room_{seed}.yaml"
         scene.write_text(ROOM.format(name=scene.stem))
         return {"free": free, **asyncio.run(drive(seed, str(scene), hardware, start, goal))}
+
+
+def out_of_a_slot(seed: int, hardware: str) -> dict[str, Any]:
+    """At the end of a slot, 12 to 24 cm wider than the robot and up to 1.2 m deep, nose first; the goal is anywhere."""
+    rng = np.random.default_rng(seed)
+    half = depth(hardware, 0.0) + rng.uniform(0.06, 0.12)
+    start = Pose2D(rng.uniform(-0.02, 0.02), SURFACE + depth(hardware, -0.5 * math.pi) + 0.08, -0.5 * math.pi)
+    slot = SLOT.format(left=-half - 0.05, right=half + 0.05, mouth=SURFACE + rng.uniform(0.5, 1.2))
+    goal = rng.uniform(-2.0, 2.0), rng.uniform(-1.0, 2.0)
+    with tempfile.TemporaryDirectory() as folder:
+        scene = Path(folder) / f"slot_{seed}.yaml"
+        scene.write_text(ROOM.format(name=scene.stem) + slot)
+        return {"half": half, **asyncio.run(drive(seed, str(scene), hardware, start, goal))}
 
 
 def touches_gently(case: dict[str, Any]) -> bool:
