@@ -46,7 +46,7 @@ class Surfaces {
 double brightness(Material worn, std::int16_t id, const Vec3& point, double texels_per_metre) {
   const double tile = sim::view::spec(worn).tile_size;
   const double texels = sim::view::kTileSide / (tile * texels_per_metre);  // of a tile's finest level in one pixel
-  const int level = std::clamp(static_cast<int>(std::log2(std::max(texels, 1.0))), 0, sim::view::kTileLevels - 1);
+  const int level = std::clamp(std::ilogb(std::max(texels, 1.0)), 0, sim::view::kTileLevels - 1);
   const bool is_level = id == sim::kFloorId || id == sim::kCeilingId;
   const double u = is_level ? point.x : point.x + point.y;
   const double v = is_level ? point.y : point.z;
