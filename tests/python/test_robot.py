@@ -180,6 +180,30 @@ async def test_plans_and_their_samples(hardware: str) -> None:
         np.testing.assert_array_equal(way, before)
 
 
+@pytest.mark.parametrize("hardware", ["3we_standard_v2", "turtlebot_like"])
+async def test_motions_end_standing_within_two_centimetres_of_their_goal(hardware: str) -> None:
+    async with Robot(hardware=hardware, seed=3) as robot:
+        for goal in [(2.0, 1.0), (0.5, 0.3), (0.0, 0.0)]:
+            result = await robot.move_to(*goal)
+            assert result.success
+            assert result.distance_to_goal <= 0.02
+            assert result.distance_to_goal + result.position_uncertainty <= 0.25
+            velocity = robot.get_velocity()
+            assert math.hypot(velocity.vx, velocity.vy) < 0.02
+            assert abs(velocity.omega) < 0.03
+
+
+async def test_the_covariance_of_the_pose_is_that_of_a_good_estimate(robot: Robot) -> None:
+    await robot.move_to(2.0, 1.0)
+    covariance = robot.get_pose_covariance()
+    assert (covariance.shape, covariance.dtype) == ((3, 3), np.float64)
+    np.testing.assert_allclose(covariance, covariance.T)
+    assert (np.linalg.eigvalsh(covariance) > 0.0).all()
+    assert np.sqrt(np.diag(covariance))[:2].max() < 0.05
+    covariance[:] = 0.0  # a copy
+    assert robot.get_pose_covariance().any()
+
+
 async def test_tolerances_are_how_far_off_a_motion_may_end(robot: Robot) -> None:
     result = await robot.move_to(0.5, 0.0, 1.0, tolerance=0.02, angle_tolerance=0.01)
     assert result.success
