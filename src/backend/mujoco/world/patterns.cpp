@@ -43,9 +43,9 @@ class Surfaces {
 };
 
 /// How bright a pattern is at a point: on level surfaces laid along x and y, on others along the wall and z.
-double brightness(Material worn, std::int16_t id, const Vec3& point, double texels_per_metre) {
+double brightness(Material worn, std::int16_t id, const Vec3& point, double pixels_per_metre) {
   const double tile = sim::view::spec(worn).tile_size;
-  const double texels = sim::view::kTileSide / (tile * texels_per_metre);  // of a tile's finest level in one pixel
+  const double texels = sim::view::kTileSide / (tile * pixels_per_metre);  // of a tile's finest level in one pixel
   const int level = std::clamp(std::ilogb(std::max(texels, 1.0)), 0, sim::view::kTileLevels - 1);
   const bool is_level = id == sim::kFloorId || id == sim::kCeilingId;
   const double u = is_level ? point.x : point.x + point.y;
@@ -62,10 +62,11 @@ void wear_patterns(const sim::Model& world, std::uint32_t texture, const CameraI
   const auto worn = sim::view::patterns_of(texture);
   const auto width = static_cast<std::size_t>(camera.width);
   for (std::size_t i = 0; i < shown.ids.size(); ++i) {
+    const std::size_t row = i / width;
     const auto depth = static_cast<double>(shown.depth[i]);
     if (depth <= 0.0) continue;
     const double left = (camera.cx - (static_cast<double>(i % width) + 0.5)) / camera.fx;
-    const double up = (camera.cy - (static_cast<double>(i / width) + 0.5)) / camera.fy;
+    const double up = (camera.cy - (static_cast<double>(row) + 0.5)) / camera.fy;
     const Vec3 ray = rotated(scene_from_camera.rotation, {depth, depth * left, depth * up});
     const Vec3 eye = scene_from_camera.position;
     const Vec3 point{eye.x + ray.x, eye.y + ray.y, eye.z + ray.z};
