@@ -103,7 +103,8 @@ class ManoeuvrePlanner::Search {
 
   static std::uint64_t key(const Pose2D& pose) {
     const auto cell = [](double v, double size) {
-      return static_cast<std::uint64_t>(static_cast<int>(std::floor(v / size + 0.5)) + 1024);
+      const int number = static_cast<int>(std::floor(v / size + 0.5)) + 1024;
+      return static_cast<std::uint64_t>(number);
     };
     return (cell(pose.x, kCell) * 4096 + cell(pose.y, kCell)) * 4096 + cell(pose.theta, kBin);
   }

@@ -23,11 +23,12 @@ double room_at(Vec2 place, std::span<const Vec2> hits, double most) {
 
 RoomField::RoomField(std::span<const Vec2> hits, double least, double wanted, double reach)
     : half_(static_cast<int>(std::ceil(reach / kCell))), least_(least) {
-  const auto side = static_cast<std::size_t>(2 * half_ + 1);
-  way_.assign(side * side, kInfinity);
+  const int side = 2 * half_ + 1;
+  const int cells = side * side;
+  way_.assign(static_cast<std::size_t>(cells), kInfinity);
   std::vector<std::size_t> wide;
   std::vector<std::size_t> edge;
-  for (std::size_t i = 0; i < side * side; ++i) {
+  for (std::size_t i = 0; i < way_.size(); ++i) {
     room_.push_back(room_at(center(i), hits, wanted));
     if (room_.back() >= wanted) wide.push_back(i);
     if (room_.back() >= least && norm(center(i)) >= reach - kCell) edge.push_back(i);
@@ -40,13 +41,15 @@ double RoomField::way_from(Vec2 place) const { return way_[cell(place)]; }
 
 std::size_t RoomField::cell(Vec2 place) const {
   const auto along = [&](double v) { return std::clamp(static_cast<int>(std::floor(v / kCell + 0.5)), -half_, half_); };
-  return static_cast<std::size_t>((along(place.y) + half_) * (2 * half_ + 1) + along(place.x) + half_);
+  const int number = (along(place.y) + half_) * (2 * half_ + 1) + along(place.x) + half_;
+  return static_cast<std::size_t>(number);
 }
 
 Vec2 RoomField::center(std::size_t cell) const {
   const int side = 2 * half_ + 1;
-  const int i = static_cast<int>(cell);
-  return {kCell * (i % side - half_), kCell * (i / side - half_)};
+  const int row = static_cast<int>(cell) / side;
+  const int column = static_cast<int>(cell) % side;
+  return {kCell * (column - half_), kCell * (row - half_)};
 }
 
 // Dijkstra's algorithm from all ends at once; the robot's own cell counts as free, it stands there.
@@ -65,7 +68,8 @@ void RoomField::spread(const std::vector<std::size_t>& ends) {
       const int dx = k % 3 - 1;
       const int dy = k / 3 - 1;
       if (x + dx < 0 || y + dy < 0 || x + dx >= side || y + dy >= side) continue;
-      const auto next = static_cast<std::size_t>((y + dy) * side + x + dx);
+      const int neighbour = (y + dy) * side + x + dx;
+      const auto next = static_cast<std::size_t>(neighbour);
       const double there = way + kCell * exact::sqrt(static_cast<double>(dx * dx + dy * dy));
       if (there >= way_[next] || (room_[next] < least_ && norm(center(next)) > kCell * 1.5)) continue;
       way_[next] = there;
