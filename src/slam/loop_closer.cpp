@@ -68,7 +68,7 @@ std::optional<LoopMatch> LoopCloser::find(std::span<const map::Beam> view, int s
   const Matrix4 prior =
       Vector4(1.0 / square(kWeakPrior), 1.0 / square(kWeakPrior), 1.0 / square(kWeakTurn), 1.0 / square(kBiasSigma))
           .asDiagonal();
-  const Match match = match_scan(map_, view, {seen->pose, range_bias}, prior, seen->pose);
+  const Match match = match_scan(map_, view, {seen->pose, range_bias}, prior, seen->pose, 0.0, Directions::all);
   const auto hits = std::ranges::count_if(view, [](const map::Beam& beam) { return beam.hit; });
   const double enough = std::max<double>(kKnownHits * scans, kKnownShare * static_cast<double>(hits));
   if (match.agreement < kAgreement || match.known_hits < enough) return {};

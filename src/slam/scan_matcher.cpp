@@ -191,12 +191,12 @@ Residual residual(const Surface& surface, Vec2 direction, const Placement& at, c
 }
 
 Match match_scan(const map::LogOddsMap& map, std::span<const map::Beam> beams, const Placement& prior,
-                 const Matrix4& prior_information, const Pose2D& start, double scatter) {
+                 const Matrix4& prior_information, const Pose2D& start, double scatter, Directions directions) {
   Match match;
   match.at = {start, prior.range_bias};
   for (int i = 0; i < kMaxIterations; ++i) {
     NormalEquations scan = linearize(map, beams, match.at, scatter);
-    forget_unobserved(scan);
+    if (directions == Directions::observed) forget_unobserved(scan);
     const Pose2D& pose = match.at.pose;
     const Vector4 off{pose.x - prior.pose.x, pose.y - prior.pose.y, wrap_angle(pose.theta - prior.pose.theta),
                       match.at.range_bias - prior.range_bias};

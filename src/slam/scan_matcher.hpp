@@ -1,6 +1,7 @@
 // Where a scan fits a map.
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <span>
 
@@ -50,11 +51,17 @@ struct Match {
   int known_hits = 0;                     ///< how many hits lie in known space
 };
 
+/// Along which directions a scan tells the position. In a map of fine cells that a robot drew over many scans, noise of
+/// the walls' normals seems to tell where it is along a bare corridor: only `observed` directions count then. A map of
+/// a few scans metres apart tells too little for that to be judged: there it takes `all` directions.
+enum class Directions : std::uint8_t { all, observed };
+
 /// The most likely placement given the scan and a Gaussian belief (mean `prior`, inverse covariance
 /// `prior_information`): Gauss-Newton on robust point-to-surface distances, starting at `start`. `beams`: in the base
 /// frame. `scatter`: deviation of a range [m], where that is known; up to 12 mm other errors weigh more.
 Match match_scan(const map::LogOddsMap& map, std::span<const map::Beam> beams, const Placement& prior,
-                 const Matrix4& prior_information, const Pose2D& start, double scatter = 0.0);
+                 const Matrix4& prior_information, const Pose2D& start, double scatter = 0.0,
+                 Directions directions = Directions::observed);
 
 /// How wide to search.
 struct SearchWindow {

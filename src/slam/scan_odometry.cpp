@@ -220,7 +220,8 @@ void ScanOdometry::correct(const Motion& motion) {
   const bool guessed = motion.position_sigma > 0.0;
   if (guessed) filter.widen(motion.position_sigma, motion.heading_sigma);
   const Placement prior{predicted, range_bias()};
-  Match match = match_scan(reference(), beams_, prior, filter.scan_covariance().inverse(), predicted);
+  Match match =
+      match_scan(reference(), beams_, prior, filter.scan_covariance().inverse(), predicted, 0.0, Directions::all);
 
   const Matrix4 belief = filter.scan_covariance();
   const double turned = exact::sqrt(belief(kTheta, kTheta));
@@ -234,7 +235,8 @@ void ScanOdometry::correct(const Motion& motion) {
     const Pose2D found = search_pose(reference(), beams_, predicted, window);
     PoseFilter wide = filter;
     if (poor) wide.widen(0.5 * window.position, 0.5 * window.heading);
-    const Match other = match_scan(reference(), beams_, prior, wide.scan_covariance().inverse(), found);
+    const Match other =
+        match_scan(reference(), beams_, prior, wide.scan_covariance().inverse(), found, 0.0, Directions::all);
     if (other.agreement > match.agreement + (poor ? 0.1 : 0.02)) {
       match = other;
       filter = std::move(wide);
@@ -267,7 +269,7 @@ bool ScanOdometry::has_moved() const {
   const Matrix4 prior =
       Vector4(1.0 / square(kFreePrior), 1.0 / square(kFreePrior), 1.0 / square(kFreeTurn), 1.0 / square(kFreeBias))
           .asDiagonal();
-  const Match free = match_scan(reference(), beams_, {here, range_bias()}, prior, here);
+  const Match free = match_scan(reference(), beams_, {here, range_bias()}, prior, here, 0.0, Directions::all);
   const Vector3 off(free.at.pose.x - here.x, free.at.pose.y - here.y, wrap_angle(free.at.pose.theta - here.theta));
   const bool far = off.head<2>().norm() > kMoved || std::fabs(off.z()) > kTurned;
   return far && is_confirmed(free) && off.dot(free.told.topLeftCorner<3, 3>() * off) > kMovedChi;
