@@ -5,9 +5,10 @@ The C++ core of 3we. Use it through `threewe`, which adds what Python can do bet
 from collections.abc import Callable, Iterator, Sequence
 import enum
 import pathlib
-from typing import Annotated, Any
+from typing import Annotated, Any, NoReturn
 
 import numpy
+import numpy.typing
 from numpy.typing import NDArray
 
 
@@ -19,6 +20,14 @@ class Pose2D:
     """
 
     def __init__(self, x: float = 0.0, y: float = 0.0, theta: float = 0.0) -> None: ...
+
+    def __eq__(self, other: object) -> bool: ...
+
+    def __hash__(self) -> int: ...
+
+    def __getstate__(self) -> bytes: ...
+
+    def __setstate__(self, arg: bytes, /) -> None: ...
 
     @property
     def x(self) -> float:
@@ -46,9 +55,10 @@ class Pose2D:
     def __iter__(self) -> Iterator[float]:
         """x, y, theta"""
 
-    def __eq__(self, other: object) -> bool: ...
+    def __array__(self, dtype: numpy.typing.DTypeLike | None = None, *, copy: bool | None = None) -> numpy.typing.NDArray[Any]:
+        """(3,) float64: x, y [m], theta [rad]"""
 
-    def __hash__(self) -> int: ...
+    def __len__(self) -> int: ...
 
     def __repr__(self) -> str: ...
 
@@ -58,6 +68,14 @@ class Velocity:
     """
 
     def __init__(self, vx: float = 0.0, vy: float = 0.0, omega: float = 0.0) -> None: ...
+
+    def __eq__(self, other: object) -> bool: ...
+
+    def __hash__(self) -> int: ...
+
+    def __getstate__(self) -> bytes: ...
+
+    def __setstate__(self, arg: bytes, /) -> None: ...
 
     @property
     def vx(self) -> float:
@@ -74,9 +92,10 @@ class Velocity:
     def __iter__(self) -> Iterator[float]:
         """vx, vy, omega"""
 
-    def __eq__(self, other: object) -> bool: ...
+    def __array__(self, dtype: numpy.typing.DTypeLike | None = None, *, copy: bool | None = None) -> numpy.typing.NDArray[Any]:
+        """(3,) float64: vx, vy [m/s], omega [rad/s]"""
 
-    def __hash__(self) -> int: ...
+    def __len__(self) -> int: ...
 
     def __repr__(self) -> str: ...
 
@@ -90,9 +109,25 @@ class LaserScan:
 
     def __init__(self, ranges: Annotated[NDArray[numpy.float32], dict(shape=(None,), order='C', device='cpu', writable=False)], angle_min: float, angle_increment: float, range_min: float, range_max: float, time_increment: float = 0.0) -> None: ...
 
+    def __eq__(self, other: object) -> bool: ...
+
+    def __hash__(self) -> int: ...
+
+    def __getstate__(self) -> bytes: ...
+
+    def __setstate__(self, arg: bytes, /) -> None: ...
+
     @property
     def ranges(self) -> Annotated[NDArray[numpy.float32], dict(shape=(None,), writable=False)]:
         """(N,) float32 [m]; no return = range_max, invalid = 0.0"""
+
+    def __array__(self, dtype: numpy.typing.DTypeLike | None = None, *, copy: bool | None = None) -> numpy.typing.NDArray[Any]:
+        """`ranges`"""
+
+    def __len__(self) -> int: ...
+
+    def __iter__(self) -> Iterator[float]:
+        """the ranges"""
 
     @property
     def angle_min(self) -> float:
@@ -121,6 +156,16 @@ class IMUData:
 
     def __init__(self, angular_velocity: Sequence[float], linear_acceleration: Sequence[float]) -> None: ...
 
+    def __eq__(self, other: object) -> bool: ...
+
+    def __hash__(self) -> int: ...
+
+    def __getstate__(self) -> bytes: ...
+
+    def __setstate__(self, arg: bytes, /) -> None: ...
+
+    def __array__(self, *args: object, **kwargs: object) -> NoReturn: ...
+
     @property
     def angular_velocity(self) -> Annotated[NDArray[numpy.float64], dict(shape=(3), writable=False)]:
         """(3,) float64 [rad/s] about x, y, z"""
@@ -136,6 +181,16 @@ class Odometry:
 
     def __init__(self, pose: Pose2D, velocity: Velocity) -> None: ...
 
+    def __eq__(self, other: object) -> bool: ...
+
+    def __hash__(self) -> int: ...
+
+    def __getstate__(self) -> bytes: ...
+
+    def __setstate__(self, arg: bytes, /) -> None: ...
+
+    def __array__(self, *args: object, **kwargs: object) -> NoReturn: ...
+
     @property
     def pose(self) -> Pose2D:
         """in the `odom` frame"""
@@ -150,6 +205,14 @@ class BatteryState:
     """The state of the battery."""
 
     def __init__(self, voltage: float, current: float, charge: float) -> None: ...
+
+    def __eq__(self, other: object) -> bool: ...
+
+    def __hash__(self) -> int: ...
+
+    def __getstate__(self) -> bytes: ...
+
+    def __setstate__(self, arg: bytes, /) -> None: ...
 
     @property
     def voltage(self) -> float:
@@ -171,6 +234,14 @@ class RangeData:
     """
 
     def __init__(self, field_of_view: float, range_min: float, range_max: float, range: float) -> None: ...
+
+    def __eq__(self, other: object) -> bool: ...
+
+    def __hash__(self) -> int: ...
+
+    def __getstate__(self) -> bytes: ...
+
+    def __setstate__(self, arg: bytes, /) -> None: ...
 
     @property
     def field_of_view(self) -> float:
@@ -197,6 +268,14 @@ class CameraIntrinsics:
     """
 
     def __init__(self, width: int, height: int, fx: float, fy: float, cx: float, cy: float) -> None: ...
+
+    def __eq__(self, other: object) -> bool: ...
+
+    def __hash__(self) -> int: ...
+
+    def __getstate__(self) -> bytes: ...
+
+    def __setstate__(self, arg: bytes, /) -> None: ...
 
     @staticmethod
     def of_view(width: int, height: int, horizontal_fov: float) -> CameraIntrinsics:
@@ -231,6 +310,16 @@ class CameraIntrinsics:
 class RGBDImage:
     """One image of a camera. Arrays are read-only views."""
 
+    def __eq__(self, other: object) -> bool: ...
+
+    def __hash__(self) -> int: ...
+
+    def __getstate__(self) -> bytes: ...
+
+    def __setstate__(self, arg: bytes, /) -> None: ...
+
+    def __array__(self, *args: object, **kwargs: object) -> NoReturn: ...
+
     @property
     def color(self) -> Annotated[NDArray[numpy.uint8], dict(shape=(None, None, 3), writable=False)]:
         """(H, W, 3) uint8, BGR"""
@@ -248,6 +337,16 @@ class RGBDImage:
 
 class SemanticImage:
     """What is truly there to be seen. Arrays are read-only views."""
+
+    def __eq__(self, other: object) -> bool: ...
+
+    def __hash__(self) -> int: ...
+
+    def __getstate__(self) -> bytes: ...
+
+    def __setstate__(self, arg: bytes, /) -> None: ...
+
+    def __array__(self, *args: object, **kwargs: object) -> NoReturn: ...
 
     @property
     def color(self) -> Annotated[NDArray[numpy.uint8], dict(shape=(None, None, 3), writable=False)]:
@@ -272,25 +371,35 @@ class SemanticImage:
 
     def __repr__(self) -> str: ...
 
-class SensorType(enum.Enum):
+class SensorType(enum.StrEnum):
     """The kinds of sensor that the contract knows."""
 
-    lidar = 0
+    def __str__(self) -> str: ...
 
-    imu = 1
+    lidar = 'lidar'
 
-    odometry = 2
+    imu = 'imu'
 
-    battery = 3
+    odometry = 'odometry'
 
-    ultrasonic = 4
+    battery = 'battery'
 
-    camera = 5
+    ultrasonic = 'ultrasonic'
+
+    camera = 'camera'
 
 class Sample:
     """A reading with its stamps."""
 
     def __init__(self, sensor: int, sequence: int, measured: float, data: LaserScan | IMUData | Odometry | BatteryState | RangeData | RGBDImage) -> None: ...
+
+    def __eq__(self, other: object) -> bool: ...
+
+    def __hash__(self) -> int: ...
+
+    def __getstate__(self) -> bytes: ...
+
+    def __setstate__(self, arg: bytes, /) -> None: ...
 
     @property
     def sensor(self) -> int:
@@ -337,17 +446,27 @@ def asset_directories() -> list[pathlib.Path]:
 def unknown_name(kind: str, name: str, candidates: Sequence[str]) -> str:
     """"unknown scene 'ofice_v2'; did you mean 'office_v2'?\""""
 
-class Kinematics(enum.Enum):
+class Kinematics(enum.StrEnum):
     """How the wheels move the body."""
 
-    holonomic = 0
+    def __str__(self) -> str: ...
+
+    holonomic = 'holonomic'
     """any direction"""
 
-    differential = 1
+    differential = 'differential'
     """ahead and turning, never sideways"""
 
 class Limits:
     """Bounds on a body velocity and on how fast it may change."""
+
+    def __eq__(self, other: object) -> bool: ...
+
+    def __hash__(self) -> int: ...
+
+    def __getstate__(self) -> bytes: ...
+
+    def __setstate__(self, arg: bytes, /) -> None: ...
 
     @property
     def linear(self) -> float:
@@ -373,6 +492,14 @@ class Limits:
 
 class LidarSpec:
     """A lidar that turns, and the scan that is made of its turn."""
+
+    def __eq__(self, other: object) -> bool: ...
+
+    def __hash__(self) -> int: ...
+
+    def __getstate__(self) -> bytes: ...
+
+    def __setstate__(self, arg: bytes, /) -> None: ...
 
     @property
     def base_from_lidar(self) -> Pose2D: ...
@@ -416,6 +543,14 @@ class LidarSpec:
 class UltrasonicSpec:
     """Ultrasonic sensors of one kind, pinged in turn."""
 
+    def __eq__(self, other: object) -> bool: ...
+
+    def __hash__(self) -> int: ...
+
+    def __getstate__(self) -> bytes: ...
+
+    def __setstate__(self, arg: bytes, /) -> None: ...
+
     @property
     def mounts(self) -> dict[str, Pose2D]:
         """
@@ -457,6 +592,14 @@ class UltrasonicSpec:
 class DepthSpec:
     """How well a camera measures depth along its optical axis."""
 
+    def __eq__(self, other: object) -> bool: ...
+
+    def __hash__(self) -> int: ...
+
+    def __getstate__(self) -> bytes: ...
+
+    def __setstate__(self, arg: bytes, /) -> None: ...
+
     @property
     def range_min(self) -> float:
         """[m], nearer is invalid"""
@@ -471,6 +614,14 @@ class DepthSpec:
 
 class CameraSpec:
     """A camera: what its level, rectified pinhole view shows, and how well."""
+
+    def __eq__(self, other: object) -> bool: ...
+
+    def __hash__(self) -> int: ...
+
+    def __getstate__(self) -> bytes: ...
+
+    def __setstate__(self, arg: bytes, /) -> None: ...
 
     @property
     def base_from_camera(self) -> Pose2D:
@@ -501,6 +652,14 @@ class CameraSpec:
 class IMUSpec:
     """An inertial unit."""
 
+    def __eq__(self, other: object) -> bool: ...
+
+    def __hash__(self) -> int: ...
+
+    def __getstate__(self) -> bytes: ...
+
+    def __setstate__(self, arg: bytes, /) -> None: ...
+
     @property
     def period(self) -> float:
         """[s]"""
@@ -524,6 +683,14 @@ class IMUSpec:
 class BatterySpec:
     """A battery."""
 
+    def __eq__(self, other: object) -> bool: ...
+
+    def __hash__(self) -> int: ...
+
+    def __getstate__(self) -> bytes: ...
+
+    def __setstate__(self, arg: bytes, /) -> None: ...
+
     @property
     def capacity(self) -> float:
         """[Wh]"""
@@ -544,6 +711,14 @@ class RobotProfile:
     """
     What a robot is: its body, its limits, its sensors. Sensors it lacks are None.
     """
+
+    def __eq__(self, other: object) -> bool: ...
+
+    def __hash__(self) -> int: ...
+
+    def __getstate__(self) -> bytes: ...
+
+    def __setstate__(self, arg: bytes, /) -> None: ...
 
     @staticmethod
     def load(name: str) -> RobotProfile:
@@ -619,6 +794,14 @@ class Zone:
 
     def __init__(self, corners: Sequence[tuple[float, float]], *, speed_limit: float | None = None) -> None: ...
 
+    def __eq__(self, other: object) -> bool: ...
+
+    def __hash__(self) -> int: ...
+
+    def __getstate__(self) -> bytes: ...
+
+    def __setstate__(self, arg: bytes, /) -> None: ...
+
     @property
     def corners(self) -> list[tuple[float, float]]:
         """(x, y) [m], in order; the last is joined to the first"""
@@ -641,9 +824,20 @@ class OccupancyGrid:
 
     def __init__(self, data: Annotated[NDArray[numpy.int8], dict(shape=(None, None), order='C', device='cpu', writable=False)], resolution: float = 0.05, origin: tuple[float, float] = (0.0, 0.0)) -> None: ...
 
+    def __eq__(self, other: object) -> bool: ...
+
+    def __hash__(self) -> int: ...
+
+    def __getstate__(self) -> bytes: ...
+
+    def __setstate__(self, arg: bytes, /) -> None: ...
+
     @property
     def data(self) -> Annotated[NDArray[numpy.int8], dict(shape=(None, None), writable=False)]:
         """(H, W) int8: -1 unknown, 0 free to 100 occupied; row 0 is the lowest y"""
+
+    def __array__(self, dtype: numpy.typing.DTypeLike | None = None, *, copy: bool | None = None) -> numpy.typing.NDArray[Any]:
+        """`data`"""
 
     @property
     def width(self) -> int:
@@ -686,6 +880,14 @@ class SlamConfig:
 
     def __init__(self, *, base_from_lidar: Pose2D = ..., range_max: float = 30.0, resolution: float = 0.05, range_bias_sigma: float = 0.01, distance_sigma: float = 0.02, position_drift: float = 0.05, heading_drift: float = 0.15) -> None: ...
 
+    def __eq__(self, other: object) -> bool: ...
+
+    def __hash__(self) -> int: ...
+
+    def __getstate__(self) -> bytes: ...
+
+    def __setstate__(self, arg: bytes, /) -> None: ...
+
     @property
     def base_from_lidar(self) -> Pose2D:
         """where the lidar is on the robot"""
@@ -714,19 +916,57 @@ class SlamConfig:
     def heading_drift(self) -> float:
         """[rad/sqrt(m)] by which the odometry's heading wanders"""
 
+def check_reading(scan: LaserScan, odometry: Pose2D) -> None:
+    """
+    Raises ContractError where `Slam.add` would for these numbers, whatever came before.
+    """
+
+class SlamEvent:
+    """
+    What was wrong with a mapper's input, from the first scan concerned to the last.
+    """
+
+    @property
+    def incident(self) -> str:
+        """
+        lidar_frozen, odometry_jumped, odometry_stopped, track_lost or components_joined
+        """
+
+    @property
+    def begin(self) -> float:
+        """[s] of the first scan concerned"""
+
+    @property
+    def end(self) -> float:
+        """[s] of the last one"""
+
+    @property
+    def scans(self) -> int:
+        """how many are concerned"""
+
+    def __repr__(self) -> str: ...
+
 class Slam:
     """Mapping from scans and odometry: what `threewe.slam.Slam` is made of."""
 
     def __init__(self, config: SlamConfig = ...) -> None: ...
 
-    def add(self, time: float, scan: LaserScan, odometry: Pose2D) -> Pose2D:
-        """One scan; where the robot is."""
+    def add(self, time: float, scan: LaserScan, odometry: Pose2D | None) -> tuple[Pose2D, list[SlamEvent]]:
+        """One scan; where the robot is, and events that began."""
 
-    def map(self) -> OccupancyGrid:
-        """The map so far."""
+    def map(self, component: int = 0) -> OccupancyGrid:
+        """The map so far, of one component."""
 
     def trajectory(self) -> Annotated[NDArray[numpy.float64], dict(shape=(None, 4))]:
         """(N, 4) float64: time [s], x [m], y [m], heading [rad] at each scan."""
+
+    def components(self) -> list[int]:
+        """
+        The component of the pose graph that each scan belongs to; 0 is the map's.
+        """
+
+    def events(self) -> list[SlamEvent]:
+        """What was wrong with the input, in order of time."""
 
     def closures(self) -> Annotated[NDArray[numpy.float64], dict(shape=(None, 5))]:
         """
@@ -745,10 +985,20 @@ class Prism:
     A vertical prism over a rectangle or a disc, in the frame of its object.
     """
 
-    class Shape(enum.Enum):
-        box = 0
+    class Shape(enum.StrEnum):
+        def __str__(self) -> str: ...
 
-        cylinder = 1
+        box = 'box'
+
+        cylinder = 'cylinder'
+
+    def __eq__(self, other: object) -> bool: ...
+
+    def __hash__(self) -> int: ...
+
+    def __getstate__(self) -> bytes: ...
+
+    def __setstate__(self, arg: bytes, /) -> None: ...
 
     @property
     def shape(self) -> Prism.Shape: ...
@@ -786,6 +1036,14 @@ class Prism:
 class Wall:
     """A straight wall of some thickness: the piece between two doorways."""
 
+    def __eq__(self, other: object) -> bool: ...
+
+    def __hash__(self) -> int: ...
+
+    def __getstate__(self) -> bytes: ...
+
+    def __setstate__(self, arg: bytes, /) -> None: ...
+
     @property
     def a(self) -> tuple[float, float]:
         """(x, y) [m]"""
@@ -805,6 +1063,14 @@ class Wall:
 class Door:
     """A doorway in a wall."""
 
+    def __eq__(self, other: object) -> bool: ...
+
+    def __hash__(self) -> int: ...
+
+    def __getstate__(self) -> bytes: ...
+
+    def __setstate__(self, arg: bytes, /) -> None: ...
+
     @property
     def name(self) -> str: ...
 
@@ -818,6 +1084,14 @@ class Door:
 
 class Room:
     """A named room: an axis-aligned rectangle."""
+
+    def __eq__(self, other: object) -> bool: ...
+
+    def __hash__(self) -> int: ...
+
+    def __getstate__(self) -> bytes: ...
+
+    def __setstate__(self, arg: bytes, /) -> None: ...
 
     @property
     def name(self) -> str: ...
@@ -843,6 +1117,14 @@ class Room:
 class Patch:
     """A patch of floor with a grip of its own: an axis-aligned rectangle."""
 
+    def __eq__(self, other: object) -> bool: ...
+
+    def __hash__(self) -> int: ...
+
+    def __getstate__(self) -> bytes: ...
+
+    def __setstate__(self, arg: bytes, /) -> None: ...
+
     @property
     def name(self) -> str: ...
 
@@ -865,6 +1147,14 @@ class Patch:
 class Person:
     """Somebody who walks round and round a closed route."""
 
+    def __eq__(self, other: object) -> bool: ...
+
+    def __hash__(self) -> int: ...
+
+    def __getstate__(self) -> bytes: ...
+
+    def __setstate__(self, arg: bytes, /) -> None: ...
+
     @property
     def name(self) -> str: ...
 
@@ -882,6 +1172,14 @@ class Person:
 
 class Object:
     """A piece of furniture."""
+
+    def __eq__(self, other: object) -> bool: ...
+
+    def __hash__(self) -> int: ...
+
+    def __getstate__(self) -> bytes: ...
+
+    def __setstate__(self, arg: bytes, /) -> None: ...
 
     @property
     def name(self) -> str:
@@ -998,6 +1296,14 @@ def scene_names() -> list[str]:
 class Episode:
     """One task: from a pose to a place, in the scene's frame."""
 
+    def __eq__(self, other: object) -> bool: ...
+
+    def __hash__(self) -> int: ...
+
+    def __getstate__(self) -> bytes: ...
+
+    def __setstate__(self, arg: bytes, /) -> None: ...
+
     @property
     def start(self) -> Pose2D: ...
 
@@ -1064,6 +1370,14 @@ class CoverageMeter:
 class SurveyScan:
     """What a survey's robot recorded at one moment, and the truth."""
 
+    def __eq__(self, other: object) -> bool: ...
+
+    def __hash__(self) -> int: ...
+
+    def __getstate__(self) -> bytes: ...
+
+    def __setstate__(self, arg: bytes, /) -> None: ...
+
     @property
     def time(self) -> float:
         """[s]"""
@@ -1118,6 +1432,14 @@ class SensorInfo:
 
     def __init__(self, name: str, type: SensorType, rate: float) -> None: ...
 
+    def __eq__(self, other: object) -> bool: ...
+
+    def __hash__(self) -> int: ...
+
+    def __getstate__(self) -> bytes: ...
+
+    def __setstate__(self, arg: bytes, /) -> None: ...
+
     @property
     def name(self) -> str:
         """unique on a robot; also the name of its frame"""
@@ -1135,6 +1457,14 @@ class Features:
     """What a robot can do, readable before connecting."""
 
     def __init__(self, sensors: Sequence[SensorInfo], kinematics: Kinematics, *, lockstep: bool = False, deterministic: bool = False, can_reset: bool = False, can_save: bool = False, external_localization: bool = False, external_navigation: bool = False) -> None: ...
+
+    def __eq__(self, other: object) -> bool: ...
+
+    def __hash__(self) -> int: ...
+
+    def __getstate__(self) -> bytes: ...
+
+    def __setstate__(self, arg: bytes, /) -> None: ...
 
     @property
     def sensors(self) -> list[SensorInfo]: ...
@@ -1195,18 +1525,28 @@ class BackendMailbox:
 def register_backend(name: str) -> None:
     """Makes a backend of threewe.backend known to the core."""
 
-class Outcome(enum.Enum):
+class Outcome(enum.StrEnum):
     """How a check of a backend ended."""
 
-    passed = 0
+    def __str__(self) -> str: ...
 
-    failed = 1
+    passed = 'passed'
 
-    not_applicable = 2
+    failed = 'failed'
+
+    not_applicable = 'not_applicable'
     """The backend does not claim the feature."""
 
 class CheckResult:
     """What one check of a backend found."""
+
+    def __eq__(self, other: object) -> bool: ...
+
+    def __hash__(self) -> int: ...
+
+    def __getstate__(self) -> bytes: ...
+
+    def __setstate__(self, arg: bytes, /) -> None: ...
 
     @property
     def name(self) -> str: ...
@@ -1227,66 +1567,86 @@ class CheckResult:
 def check_names() -> list[str]:
     """The names of all checks of a backend, in the order in which they run."""
 
-def run_check(check: str, *, backend: str, scene: str, hardware: str, noise: str, seed: int) -> CheckResult:
+def run_check(check: str, *, backend: str, scene: str, hardware: str, noise: str, seed: int, color_ahead: str = '') -> CheckResult:
     """Runs one check on a fresh world."""
 
-class Reason(enum.Enum):
+class Reason(enum.StrEnum):
     """How a motion ends, and why."""
 
-    running = 0
+    def __str__(self) -> str: ...
+
+    running = 'running'
     """It has not ended."""
 
-    reached = 1
+    reached = 'reached'
     """Success."""
 
-    no_path = 2
+    no_path = 'no_path'
     """
     No way leads there: the goal is in a wall, outside the world or cut off.
     """
 
-    blocked = 3
+    blocked = 'blocked'
     """Something in the way did not go away."""
 
-    timeout = 4
+    timeout = 'timeout'
     """Robot time ran out."""
 
-    cancelled = 5
+    cancelled = 'cancelled'
     """Somebody stopped it."""
 
-    estop = 6
+    estop = 'estop'
     """The emergency stop was latched."""
 
-    lost = 7
+    lost = 'lost'
     """The robot no longer knows where it is."""
 
-    fault = 8
+    uncertain = 'uncertain'
+    """
+    By its estimate it is at its goal, but that is known less well than the tolerance asks for.
+    """
+
+    fault = 'fault'
     """The robot or its backend failed."""
 
-class RecoveryState(enum.Enum):
+class RecoveryState(enum.StrEnum):
     """
     What a robot does that does not get on: in this order, as often as it takes or until it gives up.
     """
 
-    driving = 0
+    def __str__(self) -> str: ...
+
+    driving = 'driving'
     """It gets on."""
 
-    clearing = 1
+    clearing = 'clearing'
     """It stands still until what it sees is fresh."""
 
-    backing_off = 2
+    backing_off = 'backing_off'
     """The way it came, or where there is most room."""
 
-    looking = 3
+    manoeuvring = 'manoeuvring'
+    """Where it cannot turn: out in arcs, forwards and backwards."""
+
+    looking = 'looking'
     """It turns to look; all the way round where it is lost."""
 
-    replanning = 4
+    replanning = 'replanning'
     """It plans anew, for one period."""
 
-    given_up = 5
+    given_up = 'given_up'
     """The result's `detail` says why."""
 
 class Progress:
     """How far a motion has come."""
+
+    def __eq__(self, other: object) -> bool: ...
+
+    def __hash__(self) -> int: ...
+
+    def __getstate__(self) -> bytes: ...
+
+    def __setstate__(self, arg: bytes, /) -> None: ...
 
     @property
     def distance_left(self) -> float:
@@ -1316,6 +1676,14 @@ class SampledPlan:
 
     Poses in `odom`, at the ends of the steps; velocities in the body frame, as they are asked for: the poses are where these lead within the limits of the base.
     """
+
+    def __eq__(self, other: object) -> bool: ...
+
+    def __hash__(self) -> int: ...
+
+    def __getstate__(self) -> bytes: ...
+
+    def __setstate__(self, arg: bytes, /) -> None: ...
 
     @property
     def made(self) -> float:
@@ -1352,6 +1720,14 @@ class SampledPlan:
 class TrackedPerson:
     """Somebody who walks, as the robot's lidar sees them. `odom` frame."""
 
+    def __eq__(self, other: object) -> bool: ...
+
+    def __hash__(self) -> int: ...
+
+    def __getstate__(self) -> bytes: ...
+
+    def __setstate__(self, arg: bytes, /) -> None: ...
+
     @property
     def id(self) -> int:
         """the same as long as somebody is not lost sight of"""
@@ -1370,53 +1746,70 @@ class TrackedPerson:
 
     def __repr__(self) -> str: ...
 
-class Intervention(enum.Enum):
+class Intervention(enum.StrEnum):
     """Why the safety gate changed a command."""
 
-    none = 0
+    def __str__(self) -> str: ...
 
-    limited = 1
+    none = 'none'
 
-    slowed_for_obstacle = 2
+    limited = 'limited'
 
-    stopped_for_obstacle = 3
+    slowed_for_obstacle = 'slowed_for_obstacle'
 
-    stale_sensors = 4
+    stopped_for_obstacle = 'stopped_for_obstacle'
 
-    estop = 5
+    stale_sensors = 'stale_sensors'
 
-class Trouble(enum.Enum):
+    estop = 'estop'
+
+class Trouble(enum.StrEnum):
     """What may be wrong with a sensor."""
 
-    none = 0
+    def __str__(self) -> str: ...
+
+    none = 'none'
     """Nothing."""
 
-    silent = 1
+    silent = 'silent'
     """Nothing has arrived for too long."""
 
-    frozen = 2
+    frozen = 'frozen'
     """The same reading again and again, while the robot moves."""
 
-    implausible = 3
+    implausible = 'implausible'
     """A reading that no such sensor can make, such as NaN."""
 
-    wrong_stamps = 4
+    wrong_stamps = 'wrong_stamps'
     """Times that run backwards, or come from the future."""
 
-    late = 5
+    late = 'late'
     """Readings arrive much later than they used to."""
 
-    noisy = 6
+    noisy = 'noisy'
     """Readings scatter more than they used to."""
 
-    shifted = 7
+    shifted = 'shifted'
     """All ranges are too long or too short by the same."""
 
-    contradicted = 8
+    blind = 'blind'
+    """
+    So many beams are invalid side by side that the robot would fit between two that are not.
+    """
+
+    contradicted = 'contradicted'
     """Other sensors say otherwise."""
 
 class SensorHealth:
     """How one sensor is."""
+
+    def __eq__(self, other: object) -> bool: ...
+
+    def __hash__(self) -> int: ...
+
+    def __getstate__(self) -> bytes: ...
+
+    def __setstate__(self, arg: bytes, /) -> None: ...
 
     @property
     def name(self) -> str: ...
@@ -1445,6 +1838,14 @@ class SensorHealth:
 class MoveResult:
     """How a motion ended. `map` frame."""
 
+    def __eq__(self, other: object) -> bool: ...
+
+    def __hash__(self) -> int: ...
+
+    def __getstate__(self) -> bytes: ...
+
+    def __setstate__(self, arg: bytes, /) -> None: ...
+
     @property
     def success(self) -> bool: ...
 
@@ -1457,15 +1858,21 @@ class MoveResult:
 
     @property
     def pose(self) -> Pose2D:
-        """where the robot believes it is"""
+        """where the robot estimates that it is"""
+
+    @property
+    def position_uncertainty(self) -> float:
+        """
+        [m] radius around `pose` that holds the true position with 95 %, by the robot's own covariance
+        """
 
     @property
     def distance_to_goal(self) -> float:
-        """[m], by its own belief"""
+        """[m], by its own estimate"""
 
     @property
     def distance(self) -> float:
-        """[m] driven, by its own belief"""
+        """[m] driven, by its own estimate"""
 
     @property
     def duration(self) -> float:
@@ -1480,6 +1887,14 @@ class MoveResult:
 
 class ExploreResult:
     """How an exploration ended."""
+
+    def __eq__(self, other: object) -> bool: ...
+
+    def __hash__(self) -> int: ...
+
+    def __getstate__(self) -> bytes: ...
+
+    def __setstate__(self, arg: bytes, /) -> None: ...
 
     @property
     def success(self) -> bool:
@@ -1498,7 +1913,7 @@ class ExploreResult:
 
     @property
     def distance(self) -> float:
-        """[m] driven, by its own belief"""
+        """[m] driven, by its own estimate"""
 
     @property
     def duration(self) -> float:
@@ -1513,6 +1928,14 @@ class ExploreResult:
 
 class PoseEstimate:
     """What is known about the robot's pose at one moment."""
+
+    def __eq__(self, other: object) -> bool: ...
+
+    def __hash__(self) -> int: ...
+
+    def __getstate__(self) -> bytes: ...
+
+    def __setstate__(self, arg: bytes, /) -> None: ...
 
     @property
     def stamp(self) -> float:
@@ -1542,6 +1965,14 @@ class PoseEstimate:
 
 class TickView:
     """What an observer sees at the end of every tick."""
+
+    def __eq__(self, other: object) -> bool: ...
+
+    def __hash__(self) -> int: ...
+
+    def __getstate__(self) -> bytes: ...
+
+    def __setstate__(self, arg: bytes, /) -> None: ...
 
     @property
     def now(self) -> float:
@@ -1652,6 +2083,16 @@ class World:
 
     def save(self) -> Snapshot: ...
 
+    def claim_thread(self) -> None:
+        """
+        The calling thread alone may use it and its robots, until `release_thread`.
+        """
+
+    def release_thread(self) -> None:
+        """
+        Any thread may be the next. For the owner, or for anybody once its event loop is closed.
+        """
+
 class Runtime:
     """One robot of a world: mind, gate and port."""
 
@@ -1744,6 +2185,14 @@ class Runtime:
 
 class PersonPose:
     """Where somebody of a simulated scene is."""
+
+    def __eq__(self, other: object) -> bool: ...
+
+    def __hash__(self) -> int: ...
+
+    def __getstate__(self) -> bytes: ...
+
+    def __setstate__(self, arg: bytes, /) -> None: ...
 
     @property
     def name(self) -> str: ...
@@ -1838,6 +2287,11 @@ class Randomization:
     @staticmethod
     def parse(text: str, name: str) -> Randomization: ...
 
+    def draw(self, seed: int) -> dict[str, float]:
+        """
+        How the robot differs in the episode of a seed: every knob's value, those that are not drawn as they are without randomisation.
+        """
+
     @property
     def name(self) -> str: ...
 
@@ -1883,6 +2337,14 @@ class TopView:
 class EpisodeInfo:
     """A world's episode."""
 
+    def __eq__(self, other: object) -> bool: ...
+
+    def __hash__(self) -> int: ...
+
+    def __getstate__(self) -> bytes: ...
+
+    def __setstate__(self, arg: bytes, /) -> None: ...
+
     @property
     def seed(self) -> int: ...
 
@@ -1921,7 +2383,7 @@ class EnvBatch:
     Many environments at once. Arrays are views of C++ memory, one row for each robot, which every call of `reset` and `step` overwrites.
     """
 
-    def __init__(self, *, task: str, scenes: Sequence[Scene], hardware: RobotProfile, noise: str, observations: Sequence[str] | None, lidar_beams: int, image_size: tuple[int, int], localization: str, localization_model: str, randomization: Randomization, gate: str, max_steps: int, control_period: float, num_envs: int, num_robots: int, num_threads: int, autoreset: str, episodes: str, goal_frame: str) -> None: ...
+    def __init__(self, *, task: str, scenes: Sequence[Scene], hardware: RobotProfile, noise: str, observations: Sequence[str] | None, lidar_beams: int, image_size: tuple[int, int], localization: str, localization_model: str, randomization: Randomization, gate: str | None, max_steps: int, control_period: float, num_envs: int, num_robots: int, num_threads: int, autoreset: str, episodes: str, goal_frame: str) -> None: ...
 
     def reset(self, seeds: Sequence[int | None], episodes: Sequence[int | None], scenes: Sequence[int | None], start: Pose2D | None, goal: tuple[float, float] | None, category: str | None, mask: Sequence[bool]) -> None: ...
 
@@ -1986,7 +2448,7 @@ class RobotEnv:
     One environment around a robot of any backend. As EnvBatch with one environment.
     """
 
-    def __init__(self, *, backend: str, task: str, scenes: Sequence[str], hardware: str, noise: str, observations: Sequence[str] | None, lidar_beams: int, image_size: tuple[int, int], localization: str, randomization: str, gate: str, max_steps: int, control_period: float, episodes: str, goal_frame: str) -> None: ...
+    def __init__(self, *, backend: str, task: str, scenes: Sequence[str], hardware: str, noise: str, observations: Sequence[str] | None, lidar_beams: int, image_size: tuple[int, int], localization: str, randomization: str, gate: str | None, max_steps: int, control_period: float, episodes: str, goal_frame: str) -> None: ...
 
     @property
     def scenes(self) -> list[Scene]:
@@ -2045,6 +2507,14 @@ class RobotEnv:
 class ReferenceDrive:
     """A drive as it could have been."""
 
+    def __eq__(self, other: object) -> bool: ...
+
+    def __hash__(self) -> int: ...
+
+    def __getstate__(self) -> bytes: ...
+
+    def __setstate__(self, arg: bytes, /) -> None: ...
+
     @property
     def reached(self) -> bool: ...
 
@@ -2060,6 +2530,14 @@ class ReferenceDrive:
 
 class ReferenceExploration:
     """An exploration as it could have been."""
+
+    def __eq__(self, other: object) -> bool: ...
+
+    def __hash__(self) -> int: ...
+
+    def __getstate__(self) -> bytes: ...
+
+    def __setstate__(self, arg: bytes, /) -> None: ...
 
     @property
     def coverage(self) -> float:
@@ -2078,20 +2556,22 @@ class ReferenceExploration:
 def spl(success: bool, shortest: float, driven: float) -> float:
     """
     Success weighted by path length (Anderson et al. 2018): 0 for a failure, else the shortest length over the
-    one driven, at most 1. Lengths in [m].
+    one driven, at most 1; 1 for a success where the shortest length is 0. Lengths in [m].
     """
 
 def optimist(tables: SceneTables, profile: RobotProfile, start: Pose2D, goal: tuple[float, float]) -> ReferenceDrive:
     """
     A drive in a place of which nothing is known at first, as no robot can expect to beat it: with a perfect
     pose and a lidar without noise, along shortest paths for the inscribed radius through all that is not known
-    to be an obstacle. `start` and `goal` (x, y) in the scene's frame. Raises HardwareError without a lidar.
+    to be an obstacle. `start` and `goal` (x, y) in the scene's frame. Raises HardwareError without a lidar,
+    ContractError for a place outside of the scene.
     """
 
 def nearest_frontier(tables: SceneTables, profile: RobotProfile, start: Pose2D) -> ReferenceExploration:
     """
     An exploration to the nearest frontier (Yamauchi 1997), again and again until none can be reached: with a
-    perfect pose and a lidar without noise, along shortest paths. Raises HardwareError without a lidar.
+    perfect pose and a lidar without noise, along shortest paths. Raises HardwareError without a lidar, ContractError for a
+    start outside of the scene.
     """
 
 def export_files(scene: Scene, robot: RobotProfile, format: str, folder: str) -> list[pathlib.Path]:
@@ -2099,20 +2579,30 @@ def export_files(scene: Scene, robot: RobotProfile, format: str, folder: str) ->
     Writes a scene, and a robot at its first start, into a folder; returns the files. Formats: mjcf, urdf, sdf, usd, map. Raises ConfigError for another format, and for a folder that cannot be written.
     """
 
-class Pace(enum.Enum):
+class Pace(enum.StrEnum):
     """How fast commands change."""
 
-    operating = 0
+    def __str__(self) -> str: ...
+
+    operating = 'operating'
     """within the operating limits, as whatever drives a robot makes them"""
 
-    hardware = 1
+    hardware = 'hardware'
     """within what the profile says that the drive can do"""
 
-    abrupt = 2
+    abrupt = 'abrupt'
     """at once: wheels slip"""
 
 class Figure:
     """One figure of a profile, as it was fitted."""
+
+    def __eq__(self, other: object) -> bool: ...
+
+    def __hash__(self) -> int: ...
+
+    def __getstate__(self) -> bytes: ...
+
+    def __setstate__(self, arg: bytes, /) -> None: ...
 
     @property
     def name(self) -> str:
@@ -2140,6 +2630,14 @@ class Deviation:
     """
     How far the embedded simulator's motion is from another robot's: shares.
     """
+
+    def __eq__(self, other: object) -> bool: ...
+
+    def __hash__(self) -> int: ...
+
+    def __getstate__(self) -> bytes: ...
+
+    def __setstate__(self, arg: bytes, /) -> None: ...
 
     @property
     def linear(self) -> float:
@@ -2169,6 +2667,14 @@ class Deviation:
 
 class Calibration:
     """What came of `threewe.calibrate`."""
+
+    def __eq__(self, other: object) -> bool: ...
+
+    def __hash__(self) -> int: ...
+
+    def __getstate__(self) -> bytes: ...
+
+    def __setstate__(self, arg: bytes, /) -> None: ...
 
     @property
     def profile(self) -> RobotProfile:

@@ -336,7 +336,11 @@ void ScanMatchingLocalizer::correct(Time stamp) {
   shift(filter_.condition(moved, match.information.inverse()), predicted, odom_from_base);
   const auto hits = std::ranges::count_if(beams_, [](const map::Beam& beam) { return beam.hit; });
   const double known = hits > 0 ? static_cast<double>(match.known_hits) / static_cast<double>(hits) : 1.0;
-  map_error_.see(match.at.pose.position(), {1.0 - known, scatter_.sigma(), match.told.topLeftCorner<3, 3>()});
+  // of fewer beams each surface is known less well, too; but the errors of a scan are common to all of its beams
+  constexpr double kUsualBeams = 360.0;
+  const double fewer = kUsualBeams / static_cast<double>(beams_.size());
+  map_error_.see(match.at.pose.position(),
+                 {1.0 - known, scatter_.sigma(), fewer * fewer * match.told.topLeftCorner<3, 3>()});
 }
 
 // Nobody is carried away whose wheels and gyro tell of one motion: a scan that says so is late.
