@@ -102,6 +102,8 @@ class Viewer:
             return
         self._robot.unobserve(self._observer)
         self._observer = None
+        if self._draws_maps and self._robot.connected:
+            self._draw_map()  # as it was at last
         self._recording.flush()
         if self._where not in sinks.LISTENS_ON:
             self._recording.disconnect()

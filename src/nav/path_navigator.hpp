@@ -80,8 +80,8 @@ class PathNavigator final : public Navigator {
     Time looked_round{};  // when it had, lost
     Pose2D last_moved;    // where and when the robot last got on
     Time last_moved_at{};
-    int departures = 0;  // from tight places where no plan was found
-    Time tight_until{};  // a smaller margin is enough until then
+    bool departed = false;  // from a tight place, before the proof that there is no path
+    Time tight_until{};     // a smaller margin is enough until then
   };
 
   Route route_;

@@ -92,11 +92,11 @@ Velocity PathNavigator::step_recovery(const Observation& seen) {
   return velocity;
 }
 
-// From within a tight place the cells around look closed: that there is no path is said from outside of it.
+// From within a tight place the cells around look closed: that there is no path is said from outside of it, or once the
+// robot has tried to leave.
 bool PathNavigator::leaves_first(const Observation& seen) {
-  constexpr int kMost = 3;
-  if (motion_.departures >= kMost || recovery_.can_turn(hits_around(seen))) return false;
-  ++motion_.departures;
+  if (motion_.departed || recovery_.can_turn(hits_around(seen))) return false;
+  motion_.departed = true;
   motion_.impossible = false;
   recovery_.leave(now_, odom_from_base_);
   return true;

@@ -57,13 +57,16 @@ def far_drives(seed: int, place: str, hardware: str, drives: int) -> dict[str, A
         text = PLACES[place](seed)
         path = Path(folder) / f"{place}_{seed}.yaml"
         path.write_text(text)
-        tables = SceneTables(Scene.load(str(path)), profile)
-        outcomes = [asyncio.run(drive_far(str(path), tables, hardware, seed + drive)) for drive in range(drives)]
+        scene = Scene.load(str(path))
+        tables = SceneTables(scene, profile)
+        tasks = [far_goal(scene, tables, seed + drive) for drive in range(drives)]
+        outcomes = [asyncio.run(drive_far(str(path), hardware, seed + k, *task)) for k, task in enumerate(tasks)]
     return {"drives": outcomes}
 
 
-async def drive_far(scene: str, tables: SceneTables, hardware: str, seed: int) -> dict[str, Any]:
-    start, goal, geodesic = far_goal(tables, seed)
+async def drive_far(
+    scene: str, hardware: str, seed: int, start: Pose2D, goal: tuple[float, float], geodesic: float
+) -> dict[str, Any]:
     to = start.inverse() * Pose2D(*goal, 0.0)
     async with Robot(scene=scene, hardware=hardware, seed=seed, start_pose=start) as robot:
         truth = robot.simulation
@@ -86,10 +89,10 @@ async def drive_far(scene: str, tables: SceneTables, hardware: str, seed: int) -
         }
 
 
-def far_goal(tables: SceneTables, seed: int) -> tuple[Pose2D, tuple[float, float], float]:
+def far_goal(scene: Scene, tables: SceneTables, seed: int) -> tuple[Pose2D, tuple[float, float], float]:
     """A start, a goal, and the length [m] of the shortest path between them."""
     draw = random.Random(seed)
-    low, high = tables.scene.min, tables.scene.max
+    low, high = scene.min, scene.max
     least = FAR * math.hypot(high[0] - low[0], high[1] - low[1])
     while True:
         start, goal = (tables.sample_free_pose(draw.randrange(2**31)) for _ in range(2))
