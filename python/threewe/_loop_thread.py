@@ -15,7 +15,7 @@ Work = Callable[[], Coroutine[Any, Any, R]]
 
 
 class _Exit:
-    """SystemExit or KeyboardInterrupt on its way to whoever waits: raised on the loop it would end the loop."""
+    """SystemExit or KeyboardInterrupt on its way to the waiting caller: raised on the loop it would end the loop."""
 
     def __init__(self, error: BaseException) -> None:
         self.error = error

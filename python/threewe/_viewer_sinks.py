@@ -51,7 +51,7 @@ def open_recording(where: str, blueprint: Blueprint) -> rr.RecordingStream:
             address = _serve(recording, blueprint, LISTENS_ON[where])
             print(f"Rerun viewer: {address}", flush=True)
             if where == "network":
-                print("Everybody on the network can watch: nobody is asked for a password.", flush=True)
+                print("Everybody on the network can watch, without a password.", flush=True)
             if has_display():
                 webbrowser.open(address)
         else:
@@ -90,7 +90,7 @@ def _serve(recording: rr.RecordingStream, blueprint: Blueprint, interface: str) 
 
 
 def _wait_for(server: subprocess.Popen[bytes], port: int) -> None:
-    """Returns when somebody answers at a port of this machine."""
+    """Returns when a server answers at a port of this machine."""
     deadline = time.monotonic() + PATIENCE
     while server.poll() is None and time.monotonic() < deadline:
         with socket.socket() as probe:

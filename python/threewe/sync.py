@@ -73,7 +73,7 @@ class Simulation(_OnThread):
     """`threewe.Simulation` for scripts."""
 
     def __init__(self, robot: Robot, truth: threewe.Simulation) -> None:
-        self._robot = robot  # which ends its thread when nobody has it any more
+        self._robot = robot  # which ends its thread when it is garbage-collected
         self._thread = robot._thread
         self._target = truth
         self.scene = truth.scene
@@ -159,11 +159,11 @@ class Robot(_Connected):
     """`threewe.Robot` for scripts: the same options and methods, each of which blocks until it is done.
 
     The robot lives on an event loop in a thread of its own; robot time stands still between two calls. It is
-    disconnected at the end of a `with` block, and at the latest when nobody has it any more or Python ends.
+    disconnected at the end of a `with` block, and at the latest when it is garbage-collected or Python ends.
     """
 
     _target: threewe.Robot
-    _world: World | None = None  # which ends its thread when nobody has it any more
+    _world: World | None = None  # which ends its thread when it is garbage-collected
 
     @_options(threewe.Robot)
     def __init__(self, robot: threewe.Robot) -> None:

@@ -96,6 +96,11 @@ def tells_the_truth(case: dict[str, Any]) -> bool:
     return bool(case["reason"] != "reached" or case["true_distance"] <= TOLERANCE)
 
 
+def truly_there(case: dict[str, Any]) -> bool:
+    """It says that it is there only where it is, within the usual tolerance."""
+    return bool(case["reason"] != "reached" or case["true_distance"] <= 0.25)
+
+
 def drive_in_vain(seed: int, scene: str, hardware: str) -> dict[str, Any]:
     """To a place that nobody can reach: in a wall, under furniture, outside. Time enough to look everywhere."""
     place = Scene.load(scene)

@@ -33,7 +33,7 @@ class Log:
         self.skipped[reason] = self.skipped.get(reason, 0) + 1
 
     def add(self, time: float, scan: LaserScan, odometry: Pose2D) -> None:
-        """A scan; one that is no later than the last is skipped. Numbers that `Slam` takes from nobody raise
+        """A scan; one that is no later than the last is skipped. Numbers that no `Slam` can take raise
         ContractError.
         """
         check_reading(scan, odometry)

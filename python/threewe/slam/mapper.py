@@ -31,7 +31,7 @@ class Slam:
     """Simultaneous localisation and mapping from scans of any field of view, and odometry as poses.
 
     The frame `map` begins where the robot is at the first scan. Neither sensor is trusted blindly: what is wrong with
-    them is logged as a warning when it begins, and told by `events()`. One thread at a time may use a Slam; a second
+    them is logged as a warning when it begins, and listed by `events()`. One thread at a time may use a Slam; a second
     one gets ContractError.
     """
 
