@@ -7,9 +7,9 @@
 namespace threewe::nav {
 
 const Mover* mover_near(Vec2 point, std::span<const Mover> movers, double reach) {
-  const auto found =
-      std::ranges::find_if(movers, [&](const Mover& m) { return distance(point, m.position) < m.radius + reach; });
-  return found == movers.end() ? nullptr : &*found;
+  const auto is_near = [&](const Mover& mover) { return distance(point, mover.position) < mover.radius + reach; };
+  const auto found = std::find_if(movers.rbegin(), movers.rend(), is_near);
+  return found == movers.rend() ? nullptr : &*found;
 }
 
 void erase_movers(map::OccupancyGrid& grid, std::span<const Mover> movers) {

@@ -19,7 +19,7 @@ struct Mover {
 /// [m] around a mover that its hits may be off.
 inline constexpr double kMoverBlur = 0.1;
 
-/// The first of `movers` that a point is nearer to than `reach` [m] beyond its disc; null where there is none.
+/// The last of `movers` that a point is nearer to than `reach` [m] beyond its disc; null where there is none.
 const Mover* mover_near(Vec2 point, std::span<const Mover> movers, double reach);
 /// Frees the cells that movers cover: these were free when they came there.
 void erase_movers(map::OccupancyGrid& grid, std::span<const Mover> movers);

@@ -98,7 +98,6 @@ void PathNavigator::start(const Goal& goal, const Observation& seen) {
   recovery_.reset();
   passage_.end();
   monitor_.begin(seen.now);
-  movers_.clear();
 
   const auto* move = std::get_if<MoveTo>(&goal);
   const auto* follow = std::get_if<FollowPath>(&goal);
@@ -330,28 +329,26 @@ Decision PathNavigator::finish(Reason reason, std::string detail) {
 
 // No path is a proof only of what does not move: who stands in the way may leave.
 Decision PathNavigator::give_up_path(const Observation& seen, double tolerance) {
-  const std::optional<Mover> mover = route_.mover_in_the_way(seen, tolerance, movers_);
+  const std::optional<Mover> mover = route_.mover_in_the_way(seen, tolerance);
   if (!mover) return finish(Reason::no_path, "everything within reach was searched");
   if (now_ - motion_.impossible_since <= kCourtesy) return wait();
   return finish(Reason::blocked, to_string(*mover) + " stands in the only way");
 }
 
-// Peers where they say that they are, everybody else where they were last seen to move.
+// Peers where they say that they are, and all that moves where it was last seen to: a peer, too, may have left its mark
+// in the map.
 void PathNavigator::remember_movers(const Observation& seen) {
-  const auto remember = [&](const std::string& name, Vec2 position, double radius) {
-    const auto known = std::ranges::find(movers_, name, &Mover::name);
-    known == movers_.end() ? void(movers_.push_back({name, position, radius})) : void(known->position = position);
-  };
-  for (const Peer& peer : seen.peers) remember(peer.name, peer.map_from_base.position(), peer.radius);
+  for (const Peer& peer : seen.peers) route_.note_mover(peer.name, peer.map_from_base.position(), peer.radius);
   for (const TrackedPerson& person : seen.people) {
-    remember("moving obstacle " + std::to_string(person.id), seen.pose.map_from_odom * person.position, kPersonRadius);
+    const Vec2 position = seen.pose.map_from_odom * person.position;
+    route_.note_mover("moving obstacle " + std::to_string(person.id), position, kPersonRadius);
   }
 }
 
 std::string PathNavigator::and_who_is_near(std::string_view reason) const {
   constexpr double kNear = 0.8;  // [m] between it and the robot's outline
   std::string text(reason);
-  const Mover* mover = mover_near(progress_.pose.position(), movers_, kNear + body_radius_);
+  const Mover* mover = mover_near(progress_.pose.position(), route_.movers(), kNear + body_radius_);
   return mover == nullptr ? text : text + "; near it is " + to_string(*mover);
 }
 

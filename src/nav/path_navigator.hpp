@@ -94,7 +94,6 @@ class PathNavigator final : public Navigator {
   Recovery recovery_;
   Passage passage_;
   ProgressMonitor monitor_;
-  std::vector<Mover> movers_;  // met in this motion, where each was last seen to move, and peers
   std::optional<Vec2> lidar_;  // [m] in the base frame
   double range_min_ = 0.0;     // [m] of the lidar
   Goal goal_;

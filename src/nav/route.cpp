@@ -81,6 +81,25 @@ void Route::begin(std::vector<Vec2> waypoints, bool drawn) {
   exhausted_.clear();
   barred_.clear();
   driven_.clear();
+  movers_.clear();
+}
+
+// Places before the newest may still be marked in the map.
+void Route::note_mover(const std::string& name, Vec2 position, double radius) {
+  constexpr std::size_t kMost = 64;
+  const auto newest = std::find_if(movers_.rbegin(), movers_.rend(), [&](const Mover& m) { return m.name == name; });
+  if (newest != movers_.rend() && distance(newest->position, position) < radius) {
+    newest->position = position;
+    return;
+  }
+  if (movers_.size() == kMost) movers_.erase(movers_.begin());
+  movers_.push_back({name, position, radius});
+}
+
+// As near as a robot comes that waits for it, or meets it in a doorway.
+bool Route::is_near_mover(Vec2 place) const {
+  constexpr double kBetween = 0.8;  // [m]
+  return mover_near(place, movers_, body_radius_ + kBetween) != nullptr;
 }
 
 bool Route::plan_to_goal(const Observation& seen, double tolerance) {
@@ -133,16 +152,15 @@ bool Route::try_plan(Layer& layer, const Observation& seen, double tolerance) {
 }
 
 // Plans in a map from which they have been erased.
-std::optional<Mover> Route::mover_in_the_way(const Observation& seen, double tolerance,
-                                             std::span<const Mover> movers) const {
-  if (movers.empty()) return {};
+std::optional<Mover> Route::mover_in_the_way(const Observation& seen, double tolerance) const {
+  if (movers_.empty()) return {};
   map::OccupancyGrid grid = seen.map;
   if (!seen.peers.empty()) merge_maps(seen.map, seen.peers, grid);
-  erase_movers(grid, movers);
-  std::vector<Vec2> obstacles;
+  erase_movers(grid, movers_);
+  std::vector<Vec2> obstacles = barred_;
   for (const Vec2 p : seen.obstacles) {
     const Vec2 in_map = seen.pose.map_from_odom * p;
-    if (mover_near(in_map, movers, kMoverBlur) == nullptr) obstacles.push_back(in_map);
+    if (mover_near(in_map, movers_, kMoverBlur) == nullptr) obstacles.push_back(in_map);
   }
   map::Costmap costmap(clear_.costmap.settings());
   costmap.update(grid, obstacles, relevant_places(seen), kRim);
@@ -156,7 +174,7 @@ std::optional<Mover> Route::mover_in_the_way(const Observation& seen, double tol
     const PlannedPath leg = planner.plan(costmap, from, waypoint, tolerance);
     if (leg.points.empty()) return {};
     first_along(leg.points, [&](Vec2 p) {
-      if (met == nullptr) met = mover_near(p, movers, body_radius_);
+      if (met == nullptr) met = mover_near(p, movers_, body_radius_);
       return met != nullptr;
     });
     from = waypoint;
@@ -290,6 +308,7 @@ bool Route::passed_waypoint(Vec2 robot) const {
 bool Route::avoid(Vec2 place) {
   constexpr double kBeyond = 1.5;  // [m]
   avoided_.push_back(place);
+  if (is_near_mover(place)) return false;
   failures_.push_back(place);
   if (!failed_often(place) || has_driven(place)) return false;
   const auto is_entrance = [&](Vec2 p) {

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "nav/mover.hpp"
@@ -31,6 +32,11 @@ class Route {
   /// Begins anew, through `waypoints`; along the straight lines between them where those are free, if `drawn`.
   void begin(std::vector<Vec2> waypoints, bool drawn);
 
+  /// A peer or a moving obstacle is here. What closes near it is open again when it has gone: that is held against no
+  /// place.
+  void note_mover(const std::string& name, Vec2 position, double radius);
+  /// Where movers have been in this motion, the newest last.
+  std::span<const Mover> movers() const { return movers_; }
   /// Where plans may not lead, or better not, at a speed [m/s] elsewhere.
   void set_zones(const std::vector<map::Zone>& zones, double speed);
   /// Plans through the waypoints that are left, to within `tolerance` [m] of each. False: everything within reach was
@@ -40,7 +46,7 @@ class Route {
   bool plan_through_gaps(const Observation& seen, double tolerance);
   /// The first of these on a path to the goal that would be open without them; empty where there is no path then
   /// either.
-  std::optional<Mover> mover_in_the_way(const Observation& seen, double tolerance, std::span<const Mover> movers) const;
+  std::optional<Mover> mover_in_the_way(const Observation& seen, double tolerance) const;
   /// The first such gap of the path.
   const std::optional<Bottleneck>& bottleneck() const { return bottleneck_; }
   /// Plans to the frontier that is most worth it: by the cost of the way there, how much there is to see, and what
@@ -108,6 +114,7 @@ class Route {
   Bottleneck bottleneck_about(Vec2 place, Narrow narrow) const;
   bool avoid(Vec2 place);
   bool failed_often(Vec2 place) const;
+  bool is_near_mover(Vec2 place) const;
   bool has_driven(Vec2 place) const;
   bool passed_waypoint(Vec2 robot) const;
   void note_closure();
@@ -139,6 +146,7 @@ class Route {
   std::vector<Vec2> exhausted_;  // [m] ... and could not be passed
   std::vector<Vec2> barred_;     // [m] what it has failed to look into too often, or is too narrow
   std::vector<Vec2> driven_;     // [m] where it has been in this motion
+  std::vector<Mover> movers_;
   std::vector<std::uint16_t> frontiers_;
   std::optional<Vec2> frontier_;  // [m] that it is on the way to
 };

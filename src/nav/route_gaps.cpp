@@ -120,6 +120,7 @@ void Route::close_bottleneck(bool too_narrow) {
   constexpr double kSpacing = 0.04;  // [m] of a row of points from side to side
   const Pose2D middle = bottleneck_->map_from_middle;
   std::erase_if(tight_, near(middle.position(), kSameGap));
+  if (is_near_mover(middle.position())) return drop();
   exhausted_.push_back(middle.position());
   avoid(middle.position());
   if (too_narrow || failed_often(middle.position())) {

@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+import asyncio
 import math
+from pathlib import Path
 
 import numpy as np
 import pytest
 import threewe
 import threewe.sync
 from threewe import ConfigError, Pose2D, Robot, World
+
+from verify.cases.doorways import two_rooms
 
 HARDWARE = ("3we_standard_v2", "3we_depth_v2", "turtlebot_like")
 IN_RECEIVING = (Pose2D(0.0, 0.0, 0.0), Pose2D(1.5, 0.0, 3.0), Pose2D(0.7, 1.3, -1.5))
@@ -146,3 +150,25 @@ async def test_robots_connect_all_at_once() -> None:
     async with World(scene="warehouse_v1", robots=HARDWARE) as world:
         assert world.now == pytest.approx(alone, abs=0.1)
         assert all(robot.get_battery_state().charge > 0.9 for robot in world.robots)
+
+
+@pytest.mark.parametrize(("share_a_map_frame", "seed"), [(True, 0), (True, 2), (False, 2), (False, 3)])
+async def test_robots_that_swap_through_a_passage_do_not_take_each_other_for_walls(
+    share_a_map_frame: bool, seed: int, tmp_path: Path
+) -> None:
+    scene = tmp_path / "passage.yaml"
+    scene.write_text(two_rooms(scene.stem, 0.6, np.random.default_rng(seed)))
+    starts = [Pose2D(-1.0, 0.0, 0.0), Pose2D(5.0, 0.0, math.pi)]
+    goals = [Pose2D(5.0, 0.3, 0.0), Pose2D(-1.0, 0.3, 0.0)]
+    initial_poses = starts if share_a_map_frame else []
+    robots = ["3we_standard_v2"] * 2
+    async with World(
+        scene=str(scene), seed=seed, robots=robots, start_poses=starts, initial_poses=initial_poses
+    ) as world:
+        if not share_a_map_frame:
+            goals = [start.inverse() * goal for start, goal in zip(starts, goals, strict=True)]
+        motions = [robot.move_to(goal.x, goal.y) for robot, goal in zip(world.robots, goals, strict=True)]
+        for robot, result in zip(world.robots, await asyncio.gather(*motions), strict=True):
+            assert result.reason == "reached" or (result.reason == "blocked" and " at (" in result.detail), result
+            assert robot.simulation is not None
+            assert robot.simulation.max_collision_speed() <= 0.05
