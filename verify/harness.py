@@ -142,6 +142,23 @@ def ratio_of(name: str, value: Callable[[Case], float], reference: Callable[[Cas
     return Row(name, judge)
 
 
+def mean_of_all(name: str, values: Callable[[Case], list[float]], *, at_least: float) -> Row:
+    """The mean over all values of all cases, with its 95 % interval; a sample fails where all of that is below."""
+
+    def judge(cases: list[Case], sample: bool) -> Verdict:
+        wanted = f">= {at_least:g}"
+        if any("error" in case for case in cases):
+            return Verdict("cases broke", wanted, "FAIL")
+        every = [value for case in cases for value in values(case)]
+        mean = statistics.fmean(every)
+        spread = student(len(every) - 1) * statistics.stdev(every) / math.sqrt(len(every))
+        holds = (mean + spread if sample else mean) >= at_least
+        interval = f"[{mean - spread:.3f}, {mean + spread:.3f}]"
+        return Verdict(f"mean {mean:.3f} of {len(every)}", wanted, "pass" if holds else "FAIL", interval)
+
+    return Row(name, judge)
+
+
 def mean_share(name: str, value: Callable[[Case], float], *, at_most: float) -> Row:
     """The mean share over the cases, with its 95 % interval where there are several."""
 

@@ -15,6 +15,7 @@ from verify.harness import (
     Verdict,
     all_of,
     chance_of_so_few,
+    mean_of_all,
     mean_share,
     ratio_of,
     share_of,
@@ -99,6 +100,15 @@ def test_a_ratio_of_means_has_the_interval_that_repeated_draws_have() -> None:
     samples = [modest.judge(cases(), True).status for _ in range(50)]
     assert samples.count("pass") > 25, "a sample fails only when it contradicts the claim"
     assert row.judge([*cases(), {"error": "boom"}], False).status == "FAIL"
+
+
+def test_a_mean_over_all_values_fails_in_a_sample_only_where_its_whole_interval_misses() -> None:
+    row = mean_of_all("SPL", lambda case: case["spl"], at_least=0.93)
+    one_detour = [{"spl": [0.97, 0.95, 0.98, 0.08]}, {"spl": [0.99, 0.96, 0.98, 0.97]}]
+    assert row.judge(one_detour, True).status == "pass"
+    assert row.judge(one_detour, False).status == "FAIL"
+    assert row.judge([{"spl": [0.80, 0.82, 0.84, 0.83, 0.80]}], True).status == "FAIL"
+    assert row.judge([{"error": "broke"}], True).status == "FAIL"
 
 
 def test_the_fit_finds_the_model_that_made_the_errors() -> None:

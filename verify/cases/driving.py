@@ -81,7 +81,7 @@ def drives_in_a_map(seed: int, scene: str, drives: int) -> dict[str, Any]:
     return {
         "reasons": [case["reason"] for case in cases],
         "arrived": sum(case["arrived"] for case in cases) / drives,
-        "spl": sum(case["spl"] for case in cases) / drives,
+        "spl": [case["spl"] for case in cases],
         "contact_speed": max(case["contact_speed"] for case in cases),
     }
 
