@@ -21,6 +21,7 @@ constexpr double kMappedDistance = 0.10;  // [m] the maps take a scan after so m
 constexpr double kMappedTurn = 0.07;      // [rad] ... or turning
 constexpr double kSearchAbove = 0.05;     // [rad] deviation of the heading: the fit is searched for, not followed
 constexpr double kSearchMost = 0.5;       // [m], [rad] to each side
+constexpr double kSearchFarthest = 1.0;   // [m] the same where the motion is a guess: every cell of it is tried
 constexpr double kPoorAgreement = 0.6;    // below this the scan may be elsewhere, and is searched for
 constexpr double kNoAgreement = 0.4;      // below this it is not where it was found ...
 constexpr double kLikeUsual = 0.8;        // of what scans agree usually, or more, confirms a place
@@ -229,7 +230,7 @@ void ScanOdometry::correct(const Motion& motion) {
   const bool poor = match.agreement < kPoorAgreement && match.known_hits >= kFewHits;
   if (poor || turned > kSearchAbove) {
     const double least = poor && guessed ? kSearchMost : 0.0;
-    const double most = std::max(kSearchMost, 3.0 * motion.position_sigma);
+    const double most = std::clamp(3.0 * motion.position_sigma, kSearchMost, kSearchFarthest);
     const SearchWindow window{std::clamp(3.0 * moved_by, std::max(least, 0.1), most),
                               std::clamp(3.0 * turned, std::max(least, 0.05), kSearchMost)};
     const Pose2D found = search_pose(reference(), beams_, predicted, window);
