@@ -178,13 +178,8 @@ def closing_bracket(text: str, opening: int) -> int:
 def split(text: str, separator: str) -> list[str]:
     """Pieces between separators that are outside of all brackets and quotes."""
     depth, start, pieces = 0, 0, []
-    quoted = ""
-    for at, character in enumerate(text):
-        if quoted:
-            quoted = "" if character == quoted else quoted
-        elif character in "'\"":
-            quoted = character
-        elif character in OPENING:
+    for at, character in unquoted(text):
+        if character in OPENING:
             depth += 1
         elif character in CLOSING:
             depth -= text[at - 1 : at + 1] != "->"
@@ -196,11 +191,18 @@ def split(text: str, separator: str) -> list[str]:
 
 def brackets(text: str) -> Iterator[tuple[int, str]]:
     """Where brackets are, outside of quotes."""
+    for at, character in unquoted(text):
+        if character in OPENING or (character in CLOSING and text[at - 1 : at + 1] != "->"):
+            yield at, character
+
+
+def unquoted(text: str) -> Iterator[tuple[int, str]]:
+    """The characters outside of quotes, and where each is."""
     quoted = ""
     for at, character in enumerate(text):
         if quoted:
             quoted = "" if character == quoted else quoted
         elif character in "'\"":
             quoted = character
-        elif character in OPENING or (character in CLOSING and text[at - 1 : at + 1] != "->"):
+        else:
             yield at, character

@@ -107,8 +107,13 @@ void PathNavigator::start(const Goal& goal, const Observation& seen) {
 // One period: note what is seen, decide, and keep to the limits of zones.
 Decision PathNavigator::step(const Observation& observed) {
   Observation seen = observed;
-  const std::vector<Vec2> obstacles = with_blind_surface(observed);
-  seen.obstacles = obstacles;
+  const std::vector<Vec2> more = blind_surface(observed);
+  std::vector<Vec2> obstacles;
+  if (!more.empty()) {
+    obstacles.assign(observed.obstacles.begin(), observed.obstacles.end());
+    obstacles.insert(obstacles.end(), more.begin(), more.end());
+    seen.obstacles = obstacles;
+  }
   note(seen);
   Decision decision = decide(seen);
   decision.velocity = within_zones(decision.velocity);

@@ -43,7 +43,7 @@ class PathNavigator final : public Navigator {
   Velocity within_zones(const Velocity& velocity) const;
   Decision travel(const Observation& seen, Vec2 goal, double tolerance);
   Decision follow(const Observation& seen);
-  std::vector<Vec2> with_blind_surface(const Observation& seen) const;
+  std::vector<Vec2> blind_surface(const Observation& seen) const;
   std::vector<Vec2> smoothed_hits(const Observation& seen, double sight) const;
   bool plan_through_gaps(const Observation& seen, double tolerance);
   std::vector<Vec2> way_to_bottleneck() const;

@@ -15,13 +15,10 @@ constexpr double kFree = 0.004;  // [m] around a robot that creeps
 
 }  // namespace
 
-// What the lidar hits, in `odom`, and the walls beside it that are too near to be seen.
-std::vector<Vec2> PathNavigator::with_blind_surface(const Observation& seen) const {
-  std::vector<Vec2> points(seen.obstacles.begin(), seen.obstacles.end());
-  if (!lidar_) return points;
-  const std::vector<Vec2> more = map::blind_surface(seen.obstacles, seen.pose.odom_from_base * *lidar_, range_min_);
-  points.insert(points.end(), more.begin(), more.end());
-  return points;
+// Walls beside the robot that are too near for its lidar, in `odom`.
+std::vector<Vec2> PathNavigator::blind_surface(const Observation& seen) const {
+  if (!lidar_) return {};
+  return map::blind_surface(seen.obstacles, seen.pose.odom_from_base * *lidar_, range_min_);
 }
 
 // What is nearer than `sight` [m], in `odom`.

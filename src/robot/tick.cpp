@@ -70,7 +70,9 @@ safety::GateOutput Runtime::Impl::gated(Time now) {
   } else if (motion) {
     expected = with_approaching(now);
   }
-  if (!creeping && expected.empty()) expected.assign(seen.begin(), seen.end());
+  const bool as_seen = !creeping && expected.empty();  // a copy only where something is to be added
+  if (as_seen && unseen.empty()) return safety::gate(gate_model, state->gate, state->requested, seen, now, base);
+  if (as_seen) expected.assign(seen.begin(), seen.end());
   expected.insert(expected.end(), unseen.begin(), unseen.end());
   return safety::gate(creeping ? creeping_gate : gate_model, state->gate, state->requested, expected, now, base);
 }
