@@ -266,6 +266,7 @@ Decision PathNavigator::travel(const Observation& seen, Vec2 goal, double tolera
     if (proven(impossible) && !plan_through_gaps(seen, tolerance)) {
       return leaves_first(seen) ? Decision{} : give_up_path(seen, tolerance);
     }
+    if (!impossible) plan_shortcut(seen, tolerance);
   }
   return route_.has_path() ? follow(seen) : wait();
 }

@@ -46,6 +46,8 @@ class PathNavigator final : public Navigator {
   std::vector<Vec2> blind_surface(const Observation& seen) const;
   std::vector<Vec2> smoothed_hits(const Observation& seen, double sight) const;
   bool plan_through_gaps(const Observation& seen, double tolerance);
+  void plan_shortcut(const Observation& seen, double tolerance);
+  Observation without_noise(const Observation& seen, std::vector<Vec2>& hits) const;
   std::vector<Vec2> way_to_bottleneck() const;
   Velocity follow_by_plan(const Observation& seen, std::span<const Vec2> path);
   bool is_before_bottleneck() const;

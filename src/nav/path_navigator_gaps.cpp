@@ -11,7 +11,8 @@
 namespace threewe::nav {
 namespace {
 
-constexpr double kFree = 0.004;  // [m] around a robot that creeps
+constexpr double kFree = 0.004;        // [m] around a robot that creeps
+constexpr double kPaceOfDrives = 0.8;  // share of the speed limit at which a robot covers a path that is free
 
 }  // namespace
 
@@ -26,14 +27,27 @@ std::vector<Vec2> PathNavigator::smoothed_hits(const Observation& seen, double s
   return map::smoothed_near(odom_from_base_.position(), sight, seen.obstacles, odom_from_base_ * *lidar_);
 }
 
-// What scatters would close a gap.
-bool PathNavigator::plan_through_gaps(const Observation& seen, double tolerance) {
+// Noise of the lidar would close a gap. The observation refers to `hits`.
+Observation PathNavigator::without_noise(const Observation& seen, std::vector<Vec2>& hits) const {
   constexpr double kSight = 1.5;  // [m], beyond which the map is good enough
-  if (!lidar_) return false;
-  const std::vector<Vec2> hits = smoothed_hits(seen, kSight);
+  hits = smoothed_hits(seen, kSight);
   Observation smooth = seen;
   smooth.obstacles = hits;
-  return route_.plan_through_gaps(smooth, tolerance);
+  return smooth;
+}
+
+bool PathNavigator::plan_through_gaps(const Observation& seen, double tolerance) {
+  if (!lidar_) return false;
+  std::vector<Vec2> hits;
+  return route_.plan_through_gaps(without_noise(seen, hits), tolerance);
+}
+
+// A gap is worth the time that it takes where the way round takes longer.
+void PathNavigator::plan_shortcut(const Observation& seen, double tolerance) {
+  constexpr double kPassing = 30.0;  // [s] to line up, measure, and creep through
+  if (!lidar_) return;
+  std::vector<Vec2> hits;
+  route_.plan_shortcut(without_noise(seen, hits), tolerance, kPassing * kPaceOfDrives * limits_.linear);
 }
 
 // The path as far as the place from which the robot lines up for the first gap; empty where there is none.

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <optional>
+#include <ranges>
 #include <utility>
 
 #include "nav/polyline.hpp"
@@ -84,11 +85,13 @@ void Route::begin(std::vector<Vec2> waypoints, bool drawn) {
   movers_.clear();
 }
 
-// Places before the newest may still be marked in the map.
+// Where it has come by may still be marked in the map: a trail of places, the newest of which follows it.
 void Route::note_mover(const std::string& name, Vec2 position, double radius) {
-  constexpr std::size_t kMost = 64;
-  const auto newest = std::find_if(movers_.rbegin(), movers_.rend(), [&](const Mover& m) { return m.name == name; });
-  if (newest != movers_.rend() && distance(newest->position, position) < radius) {
+  constexpr std::size_t kMost = 256;
+  const auto is_it = [&](const Mover& m) { return m.name == name; };
+  const auto newest = std::find_if(movers_.rbegin(), movers_.rend(), is_it);
+  const auto before = newest == movers_.rend() ? newest : std::find_if(newest + 1, movers_.rend(), is_it);
+  if (before != movers_.rend() && distance(newest->position, before->position) < 0.5 * radius) {
     newest->position = position;
     return;
   }
@@ -151,7 +154,7 @@ bool Route::try_plan(Layer& layer, const Observation& seen, double tolerance) {
   return true;
 }
 
-// Plans in a map from which they have been erased.
+// Plans in a map from which they have been erased. Who is met is said to be where it was last seen.
 std::optional<Mover> Route::mover_in_the_way(const Observation& seen, double tolerance) const {
   if (movers_.empty()) return {};
   map::OccupancyGrid grid = seen.map;
@@ -179,7 +182,8 @@ std::optional<Mover> Route::mover_in_the_way(const Observation& seen, double tol
     });
     from = waypoint;
   }
-  return met != nullptr ? std::optional(*met) : std::nullopt;
+  if (met == nullptr) return {};
+  return *std::ranges::find(std::views::reverse(movers_), met->name, &Mover::name);
 }
 
 bool Route::plan_to_frontier(const Observation& seen) {

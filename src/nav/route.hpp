@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <span>
 #include <string>
@@ -42,8 +43,13 @@ class Route {
   /// Plans through the waypoints that are left, to within `tolerance` [m] of each. False: everything within reach was
   /// searched. A path that is open is kept unless a new one is clearly better, so that the robot does not waver.
   bool plan_to_goal(const Observation& seen, double tolerance);
-  /// The same, once there is no other way, through gaps that may be just wide enough: cells are too coarse to tell.
-  bool plan_through_gaps(const Observation& seen, double tolerance);
+  /// The same, once there is no other way, through gaps that may be just wide enough, on a path of at most `longest`
+  /// [m]: cells are too coarse to tell.
+  bool plan_through_gaps(const Observation& seen, double tolerance,
+                         double longest = std::numeric_limits<double>::infinity());
+  /// The same, where a path has turned out to be blocked and the one planned instead is a detour of more than `detour`
+  /// [m]. False: the path stays what it was.
+  bool plan_shortcut(const Observation& seen, double tolerance, double detour);
   /// The first of these on a path to the goal that would be open without them; empty where there is no path then
   /// either.
   std::optional<Mover> mover_in_the_way(const Observation& seen, double tolerance) const;

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "nav/polyline.hpp"
@@ -52,12 +53,13 @@ Bottleneck Route::bottleneck_about(Vec2 place, Narrow narrow) const {
   return {map_from_middle, std::max({beside(-1, first), beside(1, last), kShortest})};
 }
 
-bool Route::plan_through_gaps(const Observation& seen, double tolerance) {
+bool Route::plan_through_gaps(const Observation& seen, double tolerance, double longest) {
   constexpr int kMostAtOnce = 3;  // that are given up
   if (!attempts_.empty() && seen.now > hope_) return false;
   for (int i = 0; i < kMostAtOnce; ++i) {
     squeezed_path_ = try_plan(squeezed_, seen, tolerance);
     if (!squeezed_path_) return false;
+    if (path_length(path_) > longest) return false;
     // what the robot has been able to drive into it can drive out of
     const std::optional<Vec2> place = first_lethal();
     bottleneck_ =
@@ -65,6 +67,27 @@ bool Route::plan_through_gaps(const Observation& seen, double tolerance) {
     if (!bottleneck_ || seen.now < patience_with(*bottleneck_, seen.now)) return true;
     close_bottleneck(true);
   }
+  return false;
+}
+
+// What a mover has closed it will open; what is avoided is tried again until it has failed often.
+bool Route::plan_shortcut(const Observation& seen, double tolerance, double detour) {
+  const double longest = path_length(path_) - detour;
+  if (longest < distance(path_.front(), waypoints_.back())) return false;
+  if (std::ranges::all_of(closures_, [&](Vec2 p) { return is_near_mover(p); })) return false;
+
+  std::vector<Vec2> path = std::exchange(path_, {});
+  std::vector<Vec2> avoided = avoided_;
+  std::erase_if(avoided_, [&](Vec2 p) { return !failed_often(p); });
+  std::vector<std::size_t> corners_from = corners_from_;
+  const double gap = gap_;
+  if (plan_through_gaps(seen, tolerance, longest)) return true;
+  squeezed_path_ = false;
+  path_ = std::move(path);
+  avoided_ = std::move(avoided);
+  corners_from_ = std::move(corners_from);
+  gap_ = gap;
+  bottleneck_ = known_bottleneck();
   return false;
 }
 

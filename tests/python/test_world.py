@@ -152,7 +152,10 @@ async def test_robots_connect_all_at_once() -> None:
         assert all(robot.get_battery_state().charge > 0.9 for robot in world.robots)
 
 
-@pytest.mark.parametrize(("share_a_map_frame", "seed"), [(True, 0), (True, 2), (False, 2), (False, 3)])
+SWAPS = [(True, 0), (True, 25), (True, 28), (False, 2), (False, 7), (False, 11)]
+
+
+@pytest.mark.parametrize(("share_a_map_frame", "seed"), SWAPS)
 async def test_robots_that_swap_through_a_passage_do_not_take_each_other_for_walls(
     share_a_map_frame: bool, seed: int, tmp_path: Path
 ) -> None:

@@ -7,6 +7,7 @@
 #include <optional>
 #include <vector>
 
+#include "nav/polyline.hpp"
 #include "threewe/map/occupancy_grid.hpp"
 
 namespace threewe::nav {
@@ -152,6 +153,41 @@ TEST_CASE("a slit as wide as the robot is passed only when there is no other way
   route.begin({{3.0, 3.3}}, false);
   CHECK(route.plan_to_goal({Time{}, pose, grid, 2, {}}, 0.1));
   CHECK_FALSE(route.bottleneck());
+}
+
+TEST_CASE("a path that closes before the robot is worth a slit where the way round is long") {
+  OccupancyGrid grid = hall();
+  fill(grid, {0.1, 2.55}, {3.9, 3.9}, OccupancyGrid::kFree);
+  fill(grid, {0.1, 2.45}, {4.0, 2.55}, OccupancyGrid::kOccupied);
+  fill(grid, {0.3, 2.45}, {0.6, 2.55}, OccupancyGrid::kFree);
+  fill(grid, {3.4, 2.45}, {3.9, 2.55}, OccupancyGrid::kFree);
+  Route route({.lethal_radius = 0.12, .caution_radius = 0.4, .near_weight = 16}, kBody);
+  slam::PoseEstimate pose;
+  pose.odom_from_base = {0.45, 1.9, 0.0};
+  const Observation before{Time{}, pose, grid, 1, {}};
+  route.begin({{0.45, 3.3}}, false);
+  REQUIRE(route.plan_to_goal(before, 0.1));
+  const double direct = path_length(route.path());
+  CHECK_FALSE(route.plan_shortcut(before, 0.1, 1.0));
+
+  // from near it is a slit of three cells
+  OccupancyGrid closed = grid;
+  fill(closed, {0.3, 2.45}, {0.45, 2.55}, OccupancyGrid::kOccupied);
+  const Observation seen{Time{} + 1s, pose, closed, 2, {}};
+  REQUIRE(route.plan_to_goal(seen, 0.1));
+  const double round = path_length(route.path());
+  CHECK(round > direct + 3.0);
+  CHECK_FALSE(route.plan_shortcut(seen, 0.1, round));
+  CHECK(path_length(route.path()) == round);
+  REQUIRE(route.plan_shortcut(seen, 0.1, 2.0));
+  CHECK(path_length(route.path()) < direct + 0.3);
+  CHECK(route.bottleneck());
+
+  // where nothing has closed, plans keep their distance
+  route.begin({{0.45, 3.3}}, false);
+  REQUIRE(route.plan_to_goal(seen, 0.1));
+  CHECK_FALSE(route.plan_shortcut(seen, 0.1, 2.0));
+  CHECK(path_length(route.path()) == round);
 }
 
 TEST_CASE("a gap in which the robot got stuck again and again counts as a bottleneck, once") {
