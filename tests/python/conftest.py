@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import inspect
+import re
 import signal
 from collections.abc import Iterator
 from contextlib import AsyncExitStack
@@ -11,6 +12,26 @@ from typing import Any
 
 import pytest
 import threewe
+
+
+def pytest_addoption(parser: pytest.Parser) -> None:
+    """What ./dev test asks for, since it installs every package."""
+    parser.addoption("--complete", action="store_true", help="fail where a package is missing that a test needs")
+
+
+@pytest.hookimpl(trylast=True)
+def pytest_sessionfinish(session: pytest.Session) -> None:
+    """With --complete, a test that was skipped for a package has failed."""
+    reporter = session.config.pluginmanager.get_plugin("terminalreporter")
+    if reporter is None or not session.config.getoption("--complete"):
+        return
+    reasons = {str(report.longrepr[2]) for report in reporter.stats.get("skipped", []) if report.longrepr}
+    if missing := sorted(filter(MISSING_PACKAGE.search, reasons)):
+        reporter.write_line("\nmissing packages: " + "; ".join(missing), red=True)
+        session.exitstatus = pytest.ExitCode.TESTS_FAILED
+
+
+MISSING_PACKAGE = re.compile("is not installed|could not import|needs ")
 
 
 @pytest.fixture(autouse=True, scope="session")

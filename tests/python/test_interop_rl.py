@@ -1,17 +1,19 @@
-"""What other people's learning code does with an environment, as far as Gymnasium alone shows it.
+"""What other people's learning code does with an environment: Gymnasium's, and three trainers on a task each.
 
-`./dev interop rl` trains with the libraries themselves.
+`./dev interop rl` trains with every library on every task.
 """
 
 from __future__ import annotations
 
 import copy
+import os
 import pickle
 import subprocess
 import sys
 import threading
 import warnings
 from collections.abc import Callable, Iterator
+from pathlib import Path
 from typing import Any
 
 import gymnasium
@@ -36,6 +38,7 @@ from gymnasium.wrappers import vector as of_vectors
 from threewe import ConfigError, ContractError
 from threewe.gym import TASKS, Env, VectorEnv
 
+ROOT = Path(__file__).resolve().parents[2]
 IDS = [f"3we/{name}-v1" for name in TASKS]
 SMALL: dict[str, Any] = {"scene": [threewe.Scene.generate(1, size=(8.0, 6.0))], "max_steps": 4}
 GOAL: dict[str, Any] = {**SMALL, "task": "navigation", "observations": ("goal",)}
@@ -278,3 +281,13 @@ made[2].step(np.ones((2, 3), np.float32))
 """
     said = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True).stdout
     assert "before the process was forked" in said
+
+
+@pytest.mark.parametrize(("library", "task"), [("sb3", "Navigation"), ("cleanrl", "ObjectNav"), ("sb3_tools", "VLN")])
+def test_other_peoples_trainers_learn_without_a_warning(library: str, task: str) -> None:
+    pytest.importorskip("stable_baselines3", reason="not shown: stable-baselines3 is not installed")
+    pytest.importorskip("moviepy", reason="not shown: moviepy is not installed")
+    command = [sys.executable, "-m", "tests.interop.rl", library, task]
+    environment = {**os.environ, "OMP_NUM_THREADS": "1"}
+    done = subprocess.run(command, cwd=ROOT, env=environment, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr[-3000:]
