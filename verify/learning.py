@@ -34,6 +34,7 @@ def learn(_: int, seed: int) -> dict[str, Any]:
     seconds = time.perf_counter() - began
     episodes = ppo.load_episodes("reactive_v1")["episodes"]
     shares = {gate: ppo.success_by_scene(policy, settings, episodes, gate=gate) for gate in ("full", "limits")}
+    shares["untrained"] = ppo.success_by_scene(ppo.Policy.untrained(), settings, episodes, gate="full")
     shares["pointnav"] = ppo.success_by_scene(policy, settings, pointnav(seed), gate="full")
     costs = {"seconds": seconds, "cpu_seconds": curve[-1]["cpu_s"], "steps": curve[-1]["steps"]}
     return {**costs, **shares, "robot": through_robot(ppo, policy, episodes[:: len(episodes) // ROBOT_EPISODES])}
@@ -146,6 +147,10 @@ EXPERIMENTS = [
                 worst_of("success in the worst of them", lambda case: min(still(case)), at_least=0.90),
                 worst_of("wall time [s] of scenes and training", lambda case: case["seconds"], at_most=120.0),
                 figure_of("CPU time [s] of it", lambda case: case["cpu_seconds"], "{:.0f}"),
+                figure_of(
+                    "mean success of the map with nothing learned, static scenes",
+                    lambda case: mean(still(case, "untrained")),
+                ),
                 figure_of('mean success with gate="limits"', lambda case: mean(still(case, "limits"))),
                 figure_of(f"success in {PEOPLE}", lambda case: case["full"][PEOPLE]),
                 figure_of("mean success in full PointNav, static scenes", lambda case: mean(still(case, "pointnav"))),
