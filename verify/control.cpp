@@ -1,9 +1,9 @@
-// The controller alone on its courses, with some numbers of samples:
+// The controller that robots drive with, alone on its courses:
 //
-//   verify_control SEED SAMPLES...
+//   verify_control SEED
 //
-// For each number it prints how many of the courses were driven to their end, by robots of both kinematics, touching
-// nothing, and how many there were.
+// A line of JSON for each course and robot of either kinematics: whether it came to its end, and how near [m] its
+// outline came to what is around. The controller is the path follower as it is in every robot, with its own settings.
 #include <cstdint>
 #include <cstdio>
 
@@ -11,36 +11,39 @@
 
 #include "nav/mppi_course.hpp"
 #include "number.hpp"
+#include "threewe/nav/tracker.hpp"
 
 using namespace threewe;
 
 namespace {
 
-int driven(std::uint64_t seed, int samples, int& courses) {
-  int count = 0;
-  for (const char* robot : {"3we_standard_v2", "turtlebot_like"}) {
-    const RobotProfile profile = load_profile(robot);
-    for (const nav::testing::NamedCourse& course : nav::testing::kCourses) {
-      const auto outcome = nav::testing::drive(profile, course.make(profile, seed), {.samples = samples, .seed = seed});
-      count += outcome.arrived && outcome.clearance > 0.0 ? 1 : 0;
-      ++courses;
-    }
-  }
-  return count;
+nav::testing::Outcome drive(const RobotProfile& profile, const nav::testing::Course& course) {
+  nav::Tracker tracker(profile);
+  return nav::testing::drive(profile, course, [&](const nav::MppiObservation& seen, std::span<const Vec2> path) {
+    std::vector<Vec2> in_base;
+    for (const Vec2 point : seen.obstacles) in_base.push_back(inverse(seen.odom_from_base) * point);
+    tracker.see(in_base, 0.0);
+    return tracker.follow(path, seen);
+  });
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
-  const auto seed = parse_number(argc > 2 ? argv[1] : "");
-  for (int i = 2; i < argc && seed; ++i) {
-    const auto samples = parse_number(argv[i]);
-    if (!samples) break;
-    int courses = 0;
-    const int count = driven(*seed, static_cast<int>(*samples), courses);
-    fmt::print("{} {} {}\n", *samples, count, courses);
-    if (i + 1 == argc) return 0;
+  const auto seed = parse_number(argc == 2 ? argv[1] : "");
+  if (!seed) {
+    std::fputs("usage: verify_control SEED\n", stderr);
+    return 2;
   }
-  std::fputs("usage: verify_control SEED SAMPLES...\n", stderr);
-  return 2;
+  for (const char* robot : {"3we_standard_v2", "turtlebot_like"}) {
+    const RobotProfile profile = load_profile(robot);
+    for (const nav::testing::NamedCourse& course : nav::testing::kCourses) {
+      const auto outcome = drive(profile, course.make(profile, *seed));
+      fmt::print(
+          R"({{"hardware": "{}", "course": "{}", "arrived": {}, "seconds": {:.2f}, "clearance": {:.4f}, "contact_speed": {:.4f}}})"
+          "\n",
+          robot, course.name, outcome.arrived, outcome.seconds, outcome.clearance, outcome.contact_speed);
+    }
+  }
+  return 0;
 }

@@ -36,21 +36,6 @@ Limits tracking_limits(const RobotProfile& profile) {
   return limits;
 }
 
-// A quarter of the samples and a fifth of the plans that the computer could make: more of either bring a robot nowhere
-// sooner or more surely, see docs/architecture.md. What is near slows it down, but only what is very near.
-MppiSettings mppi_settings() {
-  MppiSettings s;
-  s.samples = 512;
-  s.periods = 5;
-  s.temperature = 0.05;
-  s.obstacle_reach = 0.05;
-  s.people_reach = 0.25;
-  s.weights.obstacle_speed = 20.0;
-  s.weights.people_close = 1.0;
-  s.weights.people_contact = 100.0;
-  return s;
-}
-
 Velocity scaled(const Velocity& v, double s) { return {s * v.vx, s * v.vy, s * v.omega}; }
 
 // The poses of a constant motion, each a step after the one before, as far as they are asked for.
@@ -100,7 +85,7 @@ Tracker::Tracker(const RobotProfile& profile)
     : limits_(tracking_limits(profile)),
       kinematics_(profile.kinematics()),
       outline_(profile.body.footprint),
-      mppi_(profile.lidar ? std::optional(Mppi(profile, mppi_settings())) : std::nullopt),
+      mppi_(profile.lidar ? std::optional(Mppi(profile)) : std::nullopt),
       margin_(profile.margin()),
       reach_(profile.body.footprint.circumscribed_radius() + margin_ + kLargestSpare +
              kHorizon * profile.operating_limits.linear) {}

@@ -33,28 +33,31 @@ struct MppiWeights {
   double obstacle_contact = 60.0;  ///< of an outline nearer than the margin
   double obstacle_depth = 1000.0;  ///< [1/m] and more, the deeper
   double obstacle_close = 0.1;     ///< of an outline at the margin, none `obstacle_reach` beyond it
-  double obstacle_speed = 6.0;     ///< [s^2/m^2] and more, the faster its body and corners move there
+  double obstacle_speed = 20.0;    ///< [s^2/m^2] and more, the faster its body and corners move there
   double heading_along = 0.5;      ///< of not facing along the path
   double heading_sideways = 20.0;  ///< [s^2/m^2] of driving sideways faster than `sideways_free`
   double heading_backward = 1.0;   ///< [s^2/m^2] of driving against the way it is to go
   double heading_turn = 3.0;       ///< [1/rad] of what is left of a turn on the spot
   double smooth_linear = 1.0;      ///< [s^2/m^2] of changes of velocity
   double smooth_angular = 0.1;     ///< [s^2/rad^2]
-  double people_contact = 200.0;   ///< [s/m] of driving where an outline's disc meets one that moves
-  double people_close = 4.0;       ///< [s/m] of driving beside it, none `people_reach` beyond it
+  double people_contact = 100.0;   ///< [s/m] of driving where an outline's disc meets one that moves
+  double people_close = 1.0;       ///< [s/m] of driving beside it, none `people_reach` beyond it
 };
 
+/// The defaults are what robots drive with, and what is tested, benchmarked and verified. More samples, or more plans a
+/// second, bring a robot nowhere sooner or more surely, see docs/architecture.md. What is near slows it down, but only
+/// what is very near.
 struct MppiSettings {
-  int samples = 2000;            ///< a multiple of 16 is rolled out: the next one
+  int samples = 512;             ///< a multiple of 16 is rolled out: the next one
   double step = 0.05;            ///< [s] of a plan, which has 56
-  int periods = 1;               ///< control periods from one plan to the next; it is followed in between
-  double temperature = 0.3;      ///< samples that cost so much more count e times less
+  int periods = 5;               ///< control periods from one plan to the next; it is followed in between
+  double temperature = 0.05;     ///< samples that cost so much more count e times less
   double control_cost = 0.02;    ///< of steering away from the plan before, in temperatures
   double linear_noise = 0.15;    ///< [m/s] standard deviation
   double angular_noise = 0.5;    ///< [rad/s] standard deviation
   double sideways_free = 0.15;   ///< [m/s] a mecanum base slips least surely sideways: slowly it may
-  double obstacle_reach = 0.15;  ///< [m]
-  double people_reach = 0.5;     ///< [m]
+  double obstacle_reach = 0.05;  ///< [m]
+  double people_reach = 0.25;    ///< [m]
   std::uint64_t seed = 0;        ///< of the noise
   MppiWeights weights{};
 };
