@@ -1,51 +1,65 @@
-"""python -m verify [area ...] [--sample] [--count N] [--seed N] [--write-model] [--write PAGE]: runs or lists areas."""
+"""python -m verify [area ...] [options]: runs areas, lists them, or makes the page of claims (`claims`)."""
 
 import argparse
 import importlib
 import sys
+from collections import Counter
 from pathlib import Path
 
-from verify.harness import verify
+from verify.harness import claims
+from verify.harness.area import Options, verify
 
 HERE = Path(__file__).parent
-AREAS = sorted(path.stem for path in HERE.glob("*.py") if path.stem not in ("__init__", "__main__", "harness"))
+AREAS = sorted(path.stem for path in HERE.glob("*.py") if path.stem not in ("__init__", "__main__"))
+STATUSES = {"pass": "passed", "FAIL": "failed", "known miss": "known misses", "info": "info", "not shown": "not shown"}
 
 
 def main() -> int:
     """Runs what was asked for; 1 if a claim failed."""
-    parser = argparse.ArgumentParser(prog="./dev verify", description="Runs the full counts behind published claims.")
-    parser.add_argument("areas", nargs="*", metavar="area", help=", ".join(AREAS))
-    parser.add_argument("--sample", action="store_true", help="a few cases of each experiment")
-    parser.add_argument("--count", type=int, help="so many cases of each experiment")
-    parser.add_argument("--seed", type=int, help="draws the cases; by default from the commit")
-    parser.add_argument("--write-model", action="store_true", help="slam: write the localisation model measured")
-    parser.add_argument("--write", type=Path, metavar="PAGE.md", help="put the rows into a page, between its two marks")
-    options = parser.parse_args()
-    if options.write and len(options.areas) != 1:
-        parser.error("--write takes the rows of one area")
-    if unknown := set(options.areas) - set(AREAS):
-        parser.error(f"no area {', '.join(unknown)}; there are {', '.join(AREAS)}")
+    options = parse()
+    titles = {area: (importlib.import_module(f"verify.{area}").__doc__ or "").splitlines()[0] for area in AREAS}
+    if options.areas == ["claims"]:
+        claims.PAGE.write_text(claims.page(titles))
+        return 0
     if not options.areas and not options.sample:
-        for area in AREAS:
-            print(f"{area:16}{(importlib.import_module(f'verify.{area}').__doc__ or '').splitlines()[0]}")
+        for area, title in titles.items():
+            print(f"{area:16}{title}")
         return 0
 
-    statuses = []
-    for area in options.areas or AREAS:
-        experiments = importlib.import_module(f"verify.{area}").EXPERIMENTS
-        statuses += verify(
-            area,
-            experiments,
-            seed=options.seed,
-            count=options.count,
-            sample=options.sample,
-            write_model=options.write_model,
-            page=options.write,
-        )
-    passed, failed, told, hidden = (statuses.count(status) for status in ("pass", "FAIL", "told", "not shown"))
-    others = "".join(f", {count} {what}" for count, what in [(told, "told"), (hidden, "skipped")] if count)
-    print(f"\nverify: {passed} passed, {failed} failed{others}")
-    return int(failed > 0)
+    how = {name: value for name, value in vars(options).items() if name != "areas"}
+    outcomes = {
+        area: verify(area, importlib.import_module(f"verify.{area}").EXPERIMENTS, Options(**how))
+        for area in options.areas or AREAS
+    }
+    if options.write:
+        claims.PAGE.write_text(claims.page(titles))
+    total = sum((outcome.statuses for outcome in outcomes.values()), Counter())
+    print("\ntook " + ", ".join(f"{area} {outcome.seconds:.0f} s" for area, outcome in outcomes.items()))
+    print("verify: " + ", ".join(f"{total[status]} {word}" for status, word in STATUSES.items()))
+    return int(total["FAIL"] > 0)
+
+
+def parse() -> argparse.Namespace:
+    """The options, which go together."""
+    parser = argparse.ArgumentParser(prog="./dev verify", description="Runs the full counts behind published claims.")
+    parser.add_argument("areas", nargs="*", metavar="area", help=f"{', '.join(AREAS)}; or claims: makes their page")
+    parser.add_argument("--sample", action="store_true", help="a few cases of each experiment, tested with the record")
+    parser.add_argument("--count", type=int, help="so many cases of each experiment")
+    parser.add_argument("--seed", type=int, help="draws the cases; by default from the commit")
+    parser.add_argument("--only", default="", metavar="TEXT", help="experiments with this text in their names")
+    parser.add_argument("--record", action="store_true", help="with --sample: add what was seen to verify/record.jsonl")
+    parser.add_argument("--write", action="store_true", help="write a full run into verify/results and docs/claims.md")
+    parser.add_argument("--write-model", action="store_true", help="slam: write the localisation model measured")
+    options = parser.parse_args()
+    if unknown := set(options.areas) - {*AREAS, "claims"}:
+        parser.error(f"no area {', '.join(unknown)}; there are {', '.join(AREAS)}")
+    if "claims" in options.areas and len(options.areas) > 1:
+        parser.error("claims makes a page: it goes with no area")
+    if options.record and not options.sample:
+        parser.error("--record keeps samples: it goes with --sample")
+    if options.write and (options.sample or options.count or options.only):
+        parser.error("--write publishes full runs: it goes without --sample, --count and --only")
+    return options
 
 
 if __name__ == "__main__":

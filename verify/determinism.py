@@ -1,17 +1,14 @@
 """Robots among people, and learning environments: the same bits on every vector target and processor."""
 
 from verify.cases.journey import processors, targets
-from verify.harness import Case, Experiment, Row, Verdict, all_of
+from verify.harness import Case, Experiment, Row, all_of, info
 
 
 def was_run(target: str, name: str) -> Row:
-    """Whether the machine had that target, so that the claim above includes it."""
-
-    def judge(cases: list[Case], _sample: bool) -> Verdict:
-        runs = sum(target in case.get("targets", []) for case in cases)
-        return Verdict(f"{runs}/{len(cases)} cases", "all", "pass" if runs == len(cases) else "not shown")
-
-    return Row(f"{name} was among them", judge)
+    """In how many cases the machine had that target, so that the claim above includes it."""
+    return info(
+        f"{name} was among them", lambda cases: f"{sum(target in case['targets'] for case in cases)}/{len(cases)} cases"
+    )
 
 
 def several_targets(case: Case) -> bool:
@@ -20,7 +17,7 @@ def several_targets(case: Case) -> bool:
 
 
 RUNS = {
-    "verify_journey": "three robots among people: world, minds and gates, fresh and restored",
+    "verify_journey": "three robots among people: world, autonomy stacks and gates, fresh and restored",
     "verify_episodes": "learning environments: every task, ten seconds",
 }
 EXPERIMENTS = [

@@ -1,11 +1,11 @@
 // A robot whose sensors and wheels break while it drives from goal to goal, told case by case:
 //
-//   verify_faults KIND SEED COUNT     so many cases of a kind of fault, or of `pair`: two faults of any kind
-//   verify_faults clean SEED SECONDS  nothing breaks; every sensor that is in trouble all the same is told
-//   verify_faults honest SEED SECONDS the same of robots, noise and randomisations of all kinds, in bare corridors too,
-//                                     and straight ahead and back in between
+//   verify_faults KIND SEED COUNT [SCENE]  so many cases of a kind of fault, or of `pair`: two faults of any kind
+//   verify_faults clean SEED SECONDS       nothing breaks; every sensor that is in trouble all the same is printed
+//   verify_faults honest SEED SECONDS      the same of robots, noise and randomisations of all kinds, in bare corridors
+//                                          too, and straight ahead and back in between
 //
-// One line of JSON a case. Truth is looked at here and nowhere else.
+// Without a scene one of the named ones is drawn. One line of JSON a case. Truth is looked at here and nowhere else.
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -320,13 +320,14 @@ void run_honest(std::uint64_t seed, Duration duration, Draws& draws) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  const std::string what = argc == 4 ? argv[1] : "";
-  const auto seed = parse_number(argc == 4 ? argv[2] : "");
-  const auto count = parse_number(argc == 4 ? argv[3] : "");
+  const bool complete = argc == 4 || argc == 5;
+  const std::string what = complete ? argv[1] : "";
+  const auto seed = parse_number(complete ? argv[2] : "");
+  const auto count = parse_number(complete ? argv[3] : "");
   const bool known =
       what == "clean" || what == "honest" || what == "pair" || std::ranges::find(kKinds, what) != kKinds.end();
   if (!seed || !count || !known) {
-    std::fputs("usage: verify_faults KIND|pair SEED COUNT | clean|honest SEED SECONDS\n", stderr);
+    std::fputs("usage: verify_faults KIND|pair SEED COUNT [SCENE] | clean|honest SEED SECONDS\n", stderr);
     return 2;
   }
   set_warning_handler([](std::string_view) {});
@@ -335,7 +336,8 @@ int main(int argc, char** argv) {
     run_honest(*seed, std::chrono::seconds(*count), draws);
     return 0;
   }
-  const std::string& scene = kScenes[draws.below(kScenes.size())];
+  const std::string& named = kScenes[draws.below(kScenes.size())];
+  const std::string scene = argc == 5 ? argv[4] : named;
   const double which = draws.between(0.0, 1.0);
   // without a lidar nothing tells how far a robot goes but its wheels: that all of them slip alike it cannot know
   const bool blind = which > 0.8 && !is_of_lidar(what) && what != "slip" && what != "clean";

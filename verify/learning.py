@@ -12,7 +12,7 @@ from threewe import RobotProfile, Scene, SceneTables
 from threewe.gym.episodes import Episode, Outcome, evaluate
 
 from verify.cases.deaf_robot import deaf_robot
-from verify.harness import Experiment, Row, all_of, told, worst_of
+from verify.harness import Experiment, Row, all_of, info, worst_of
 
 EXAMPLE = Path(__file__).resolve().parent.parent / "examples/09_ppo.py"
 SEEDS = (1, 2, 3)
@@ -41,7 +41,7 @@ def learn(_: int, seed: int) -> dict[str, Any]:
 
 
 def through_robot(ppo: ModuleType, policy: Any, episodes: list[Episode]) -> dict[str, int]:
-    """The saved policy by `Robot.execute_action`, with the truth and with the robot's own mind, and in the batch."""
+    """The saved policy by `Robot.execute_action`, with the truth and with its own localization, and in the batch."""
     with tempfile.TemporaryDirectory() as folder:
         ppo.save_weights(policy, Path(folder) / "policy.safetensors")
         saved = ppo.load_weights(Path(folder) / "policy.safetensors")
@@ -116,7 +116,7 @@ def robot_arrivals(case: dict[str, Any]) -> str:
 
 def figure_of(name: str, figure: Any, form: str = "{:.1%}") -> Row:
     """Of each training, without a target."""
-    return told(name, lambda cases: ", ".join(form.format(figure(case)) for case in cases))
+    return info(name, lambda cases: ", ".join(form.format(figure(case)) for case in cases))
 
 
 def mean(shares: list[float]) -> float:

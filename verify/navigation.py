@@ -1,123 +1,148 @@
-"""Drives to sampled goals in places that the robot has never seen; explores; listens to no simulator's lies."""
+"""Drives to sampled goals in places that the robot has never seen; explores; listens to no simulator's lies.
+
+Held-out places, drawn from the commit, come first; the seven named scenes, which robots were developed in, are the
+regression.
+"""
 
 from verify.cases.doorways import through_a_doorway
 from verify.cases.driving import (
     arrived,
+    contact,
     drive,
     drive_in_vain,
     drives_in_a_map,
     explore,
     explore_together,
+    spl_of,
     tells_the_truth,
     truly_there,
 )
-from verify.cases.generated import (
-    arrivals,
-    arrived_share,
-    ends_standing,
-    far_drives,
-    no_clock,
-    no_false_arrival,
-    worst_contact,
-)
+from verify.cases.generated import drive_far, ends_standing, in_generated, no_clock
 from verify.cases.journey import lies
-from verify.cases.people import among_people, ratio
+from verify.cases.people import PEOPLE, among_people
 from verify.cases.walls import away_from_a_wall, comes_to_its_goal, out_of_a_slot, touches_gently
-from verify.harness import Experiment, all_of, mean_of, mean_of_all, ratio_of, share_of, told, worst_of
-
-ROBOTS = [  # where, who, and how often it arrives at least
-    ("office_v2", "3we_standard_v2", 0.99),
-    ("corridor_v1", "3we_standard_v2", 0.99),
-    ("apartment_v1", "3we_standard_v2", 0.99),
-    ("warehouse_v1", "3we_standard_v2", 0.99),
-    ("cluttered_v1", "3we_standard_v2", 0.99),
-    ("outdoor_v1", "3we_standard_v2", 0.99),
-    ("dynamic_v1", "3we_standard_v2", 0.97),
-    ("office_v2", "turtlebot_like", 0.97),
-]
+from verify.harness import (
+    Case,
+    Experiment,
+    Row,
+    all_of,
+    each,
+    info,
+    mean_of,
+    ratio_of,
+    share_of,
+    where,
+    within,
+    worst_of,
+)
 
 ARRIVED = "reached, truly within 0.25 m"
-
-FAR_DRIVES = [  # where, who, in how many places, how many drives in each, and how many of them arrive at least
-    ("building", "3we_standard_v2", 100, 8, 0.95),
-    ("building", "turtlebot_like", 50, 4, 0.85),
-    ("hall", "turtlebot_like", 40, 2, None),
-    ("hall", "3we_standard_v2", 40, 2, None),
-    ("corridor", "turtlebot_like", 40, 2, None),
-    ("corridor", "3we_standard_v2", 40, 2, None),
+STANDARD, TURTLEBOT, BASE = "3we_standard_v2", "turtlebot_like", "3we_base_v2"
+NAMED = [  # scenes, and how often the standard robot arrives at least
+    ("office_v2", 0.99),
+    ("corridor_v1", 0.99),
+    ("apartment_v1", 0.99),
+    ("warehouse_v1", 0.99),
+    ("cluttered_v1", 0.99),
+    ("outdoor_v1", 0.99),
+    ("dynamic_v1", 0.97),
 ]
+SCENES = [scene for scene, _ in NAMED]
+STILL = [scene for scene, enough in NAMED if enough == 0.99]
+ROBOTS = [STANDARD, TURTLEBOT]
 
-EXPERIMENTS = [
+
+def no_contact(robot: str = "its") -> Row:
+    """By the robot's own motion."""
+    return worst_of(f"contact by {robot} own motion [m/s]", contact, at_most=0.05)
+
+
+def no_detour() -> Row:
+    """Beside a robot that sees as far, believes the unknown to be free, and has a perfect pose."""
+    return ratio_of("SPL over the optimistic replanner's", spl_of, lambda case: case["optimist_spl"], at_least=0.95)
+
+
+def arrival(enough: float) -> Row:
+    return share_of(ARRIVED, arrived, at_least=enough)
+
+
+def far_rows(place: str, enough: float | None) -> list[Row]:
+    """What is asked of far drives; nothing of how many arrive where no robot can know its position."""
+    shown = info(ARRIVED, lambda cases: f"{sum(map(arrived, cases))}/{len(cases)}")
+    return [
+        arrival(enough) if enough else shown,
+        all_of("ends by no clock", no_clock),
+        all_of(f"no false arrival in a {place}", truly_there),
+        all_of("arrives standing", ends_standing),
+        no_contact(),
+    ]
+
+
+def still_and_standard(case: Case) -> bool:
+    return case["scene"] in STILL and case["hardware"] == STANDARD
+
+
+HELD_OUT = [
     *(
         Experiment(
-            f"far goals, {hardware} in a generated {place}",
-            far_drives,
-            {"place": place, "hardware": hardware, "drives": drives},
-            cases=places,
-            sample=3,
+            f"move_to, {hardware} in generated buildings",
+            in_generated,
+            {"run": drive, "hardware": hardware},
+            cases=cases,
+            sample=sample,
             rows=[
-                all_of("no drive ends by a clock", no_clock),
-                all_of("no false arrival", no_false_arrival),
-                all_of("arrives standing", ends_standing),
-                worst_of("contact by its own motion [m/s]", worst_contact, at_most=0.05),
-                mean_of_all(ARRIVED, arrivals, at_least=enough) if enough else told(ARRIVED, arrived_share),
+                arrival(enough),
+                all_of("never reached, unless it truly is there", truly_there),
+                no_detour(),
+                no_contact(),
             ],
+        )
+        for hardware, cases, sample, enough in [(STANDARD, 600, 32, 0.97), (TURTLEBOT, 300, 16, 0.90)]
+    ),
+    *(
+        Experiment(
+            f"far goals, {hardware} in generated buildings",
+            in_generated,
+            {"run": drive_far, "hardware": hardware},
+            cases=cases,
+            sample=sample,
+            rows=far_rows("building", enough),
             limit=3600.0,
         )
-        for place, hardware, places, drives, enough in FAR_DRIVES
+        for hardware, cases, sample, enough in [(STANDARD, 800, 12, 0.95), (TURTLEBOT, 200, 8, 0.85)]
     ),
-    *(
-        Experiment(
-            f"move_to, {hardware} in {scene}",
-            drive,
-            {"scene": scene, "hardware": hardware},
-            cases=200,
-            sample=8,
-            rows=[
-                share_of("reached, truly within 0.25 m", arrived, at_least=enough),
-                ratio_of(
-                    "SPL, as a share of the optimist's",
-                    lambda case: case["spl"],
-                    lambda case: case["optimist_spl"],
-                    at_least=0.95,
-                ),
-                worst_of("contact by its own motion [m/s]", lambda case: case["contact_speed"], at_most=0.05),
-            ],
-        )
-        for scene, hardware, enough in ROBOTS
+    Experiment(
+        "far goals in generated halls and corridors",
+        in_generated,
+        {"run": drive_far},
+        variants=[{"place": place, "hardware": hardware} for place in ("hall", "corridor") for hardware in ROBOTS],
+        cases=320,
+        sample=8,
+        rows=far_rows("hall or corridor", None),
+        limit=3600.0,
     ),
-    *(
-        Experiment(
-            f"move_to in a given map, {hardware} in {scene}",
-            drives_in_a_map,
-            {"scene": scene, "drives": 10},
-            cases=20,
-            sample=1 if scene == "office_v2" else 0,
-            rows=[
-                mean_of("reached, truly within 0.25 m", lambda case: case["arrived"], at_least=enough),
-                mean_of_all("SPL", lambda case: case["spl"], at_least=0.93),
-                worst_of("contact by its own motion [m/s]", lambda case: case["contact_speed"], at_most=0.05),
-            ],
-        )
-        for scene, hardware, enough in ROBOTS
-        if hardware == "3we_standard_v2"
+    Experiment(
+        "explore generated buildings",
+        in_generated,
+        {"run": explore},
+        cases=60,
+        sample=3,
+        rows=[
+            worst_of("coverage in 1.5 times what nearest-frontier takes", lambda case: case["coverage"], at_least=0.97),
+            no_contact(),
+        ],
     ),
-    *(
-        Experiment(
-            f"move_to where nobody can, {hardware} in {scene}",
-            drive_in_vain,
-            {"scene": scene, "hardware": hardware},
-            cases=40,
-            sample=1,
-            rows=[
-                share_of("no_path", lambda case: case["reason"] == "no_path", at_least=0.95),
-                # it may creep where grids of 5 cm see no way
-                all_of("never reached, unless it truly is there", tells_the_truth),
-                worst_of("contact by its own motion [m/s]", lambda case: case["contact_speed"], at_most=0.05),
-            ],
-        )
-        for scene, hardware, _ in ROBOTS[:2]
+    Experiment(
+        "people in generated buildings",
+        in_generated,
+        {"run": among_people, "place": "peopled", "seconds": 120},
+        cases=60,
+        sample=4,
+        rows=PEOPLE,
     ),
+]
+
+DOORS = [
     *(
         Experiment(
             f"a doorway {1000 * spare:.0f} mm wider than the robot, {hardware}",
@@ -125,129 +150,166 @@ EXPERIMENTS = [
             {"hardware": hardware, "spare": spare},
             cases=200,
             sample=sample,
-            rows=[
-                share_of("reached, truly within 0.25 m", arrived, at_least=enough),
-                worst_of("contact by its own motion [m/s]", lambda case: case["contact_speed"], at_most=0.05),
-            ],
+            rows=[arrival(enough), no_contact()],
         )
         for hardware, spare, enough, sample in [
-            ("3we_standard_v2", 0.05, 0.97, 8),
-            ("3we_standard_v2", 0.1, 0.97, 4),
-            ("turtlebot_like", 0.07, 0.9, 4),
+            (STANDARD, 0.05, 0.97, 12),
+            (STANDARD, 0.1, 0.97, 8),
+            (TURTLEBOT, 0.07, 0.9, 8),
         ]
-    ),
-    *(
-        Experiment(
-            f"a doorway 10 mm narrower than the robot, {hardware}",
-            through_a_doorway,
-            {"hardware": hardware, "spare": -0.01},
-            cases=100,
-            sample=2,
-            rows=[
-                share_of("no_path", lambda case: case["reason"] == "no_path", at_least=0.95),
-                all_of("never reached", lambda case: case["reason"] != "reached"),
-                worst_of("contact by its own motion [m/s]", lambda case: case["contact_speed"], at_most=0.05),
-            ],
-        )
-        for hardware in ("3we_standard_v2", "turtlebot_like")
-    ),
-    *(
-        Experiment(
-            f"beside a wall, {hardware}",
-            away_from_a_wall,
-            {"hardware": hardware},
-            cases=1000,
-            sample=8,
-            rows=[
-                share_of("gets away and reaches a goal, truly within 0.25 m", arrived, at_least=0.99),
-                # four cones and no lidar: what is beside a corner that turns is not always heard
-                share_of("touches nothing faster than 0.05 m/s", touches_gently, at_least=gently),
-            ],
-        )
-        for hardware, gently in [
-            ("3we_standard_v2", 1.0),
-            ("3we_depth_v2", 1.0),
-            ("turtlebot_like", 1.0),
-            ("3we_base_v2", 0.99),
-        ]
-    ),
-    *(
-        Experiment(
-            f"at the end of a slot, {hardware}",
-            out_of_a_slot,
-            {"hardware": hardware},
-            cases=200,
-            sample=4,
-            rows=[
-                share_of("gets out and comes to its goal, truly within 0.25 m", comes_to_its_goal, at_least=0.95),
-                share_of("touches nothing faster than 0.05 m/s", touches_gently, at_least=1.0),
-            ],
-        )
-        for hardware in ("3we_standard_v2", "turtlebot_like")
     ),
     Experiment(
-        "move_to by echoes, 3we_base_v2 in office_v2",
-        drive,
-        {"scene": "office_v2", "hardware": "3we_base_v2"},
+        "a doorway 10 mm narrower than the robot",
+        through_a_doorway,
+        {"spare": -0.01},
+        variants=[{"hardware": hardware} for hardware in ROBOTS],
         cases=200,
         sample=8,
+        rows=[
+            share_of("no_path", lambda case: case["reason"] == "no_path", at_least=0.95),
+            all_of("never reached", lambda case: case["reason"] != "reached"),
+            no_contact(),
+        ],
+    ),
+]
+
+TIGHT = [
+    Experiment(
+        "beside a wall",
+        away_from_a_wall,
+        variants=[{"hardware": hardware} for hardware in (STANDARD, "3we_depth_v2", TURTLEBOT, BASE)],
+        cases=4000,
+        sample=24,
+        rows=[
+            share_of("gets away and reaches a goal, truly within 0.25 m", arrived, at_least=0.99),
+            where(
+                all_of("with a lidar: touches nothing faster than 0.05 m/s", touches_gently),
+                lambda case: case["hardware"] != BASE,
+            ),
+            # four cones and no lidar: what is beside a corner that turns does not always return an echo
+            where(
+                share_of("without one: touches nothing faster than 0.05 m/s", touches_gently, at_least=0.99),
+                lambda case: case["hardware"] == BASE,
+            ),
+            *each(
+                "hardware",
+                (STANDARD, "3we_depth_v2", TURTLEBOT, BASE),
+                lambda _: share_of("gets away and reaches a goal, truly within 0.25 m", arrived, at_least=0.99),
+            ),
+        ],
+    ),
+    Experiment(
+        "at the end of a slot",
+        out_of_a_slot,
+        variants=[{"hardware": hardware} for hardware in ROBOTS],
+        cases=400,
+        sample=12,
+        rows=[
+            share_of("gets out and comes to its goal, truly within 0.25 m", comes_to_its_goal, at_least=0.95),
+            all_of("touches nothing faster than 0.05 m/s", touches_gently),
+        ],
+    ),
+]
+
+REGRESSION = [
+    Experiment(
+        "move_to in the named scenes",
+        drive,
+        variants=[
+            *({"scene": scene, "hardware": STANDARD} for scene in SCENES),
+            {"scene": "office_v2", "hardware": TURTLEBOT},
+        ],
+        cases=1600,
+        sample=24,
+        rows=[
+            where(share_of(f"{ARRIVED}, {STANDARD}, nobody walks", arrived, at_least=0.99), still_and_standard),
+            where(
+                share_of(f"{ARRIVED}, {STANDARD} in dynamic_v1, {TURTLEBOT} in office_v2", arrived, at_least=0.97),
+                lambda case: not still_and_standard(case),
+            ),
+            no_detour(),
+            no_contact(),
+            *each("scene", SCENES, lambda scene: share_of(ARRIVED, arrived, at_least=dict(NAMED)[scene])),
+        ],
+    ),
+    Experiment(
+        "move_to in given maps of the named scenes",
+        drives_in_a_map,
+        {"drives": 10},
+        variants=[{"scene": scene} for scene in SCENES],
+        cases=140,
+        sample=2,
+        rows=[
+            within(share_of(ARRIVED, arrived, at_least=0.985), lambda case: case["drives"]),
+            within(mean_of("SPL", spl_of, at_least=0.93), lambda case: case["drives"]),
+            within(no_contact(), lambda case: case["drives"]),
+        ],
+    ),
+    Experiment(
+        "move_to where nobody can",
+        drive_in_vain,
+        variants=[{"scene": scene, "hardware": STANDARD} for scene in ("office_v2", "corridor_v1")],
+        cases=80,
+        sample=4,
+        rows=[
+            share_of("no_path", lambda case: case["reason"] == "no_path", at_least=0.95),
+            # it may creep where grids of 5 cm see no way
+            all_of("never reached, unless it truly is there", tells_the_truth),
+            no_contact(),
+        ],
+    ),
+    Experiment(
+        f"move_to by echoes, {BASE} in office_v2",
+        drive,
+        {"scene": "office_v2", "hardware": BASE},
+        cases=200,
+        sample=16,
         rows=[
             # most drives end as `uncertain`: wheels and gyro alone know less than a tolerance of 0.25 m asks for
             share_of("ends truly within 0.25 m", lambda case: case["true_distance"] <= 0.25, at_least=0.55),
             all_of("never reached, unless it truly is there", truly_there),
             # it drives at 0.25 m/s at most, and its corners turn as fast again
-            worst_of("contact by its own motion [m/s]", lambda case: case["contact_speed"], at_most=0.45),
+            worst_of("contact by its own motion [m/s]", contact, at_most=0.45),
             share_of("without any contact", lambda case: case["contact_speed"] == 0.0, at_least=0.30),
         ],
     ),
-    *(
-        Experiment(
-            f"explore {scene}",
-            explore,
-            {"scene": scene},
-            cases=20,
-            sample=2,
-            rows=[
-                worst_of(
-                    "coverage in 1.5 times what nearest-frontier takes", lambda case: case["coverage"], at_least=0.97
-                ),
-                worst_of("contact by its own motion [m/s]", lambda case: case["contact_speed"], at_most=0.05),
-            ],
-        )
-        for scene in ("office_v2", "apartment_v1", "warehouse_v1")
+    Experiment(
+        "explore the named scenes",
+        explore,
+        variants=[{"scene": scene} for scene in ("office_v2", "apartment_v1", "warehouse_v1")],
+        cases=60,
+        sample=3,
+        rows=[
+            worst_of("coverage in 1.5 times what nearest-frontier takes", lambda case: case["coverage"], at_least=0.97),
+            no_contact(),
+        ],
     ),
-    *(
-        Experiment(
-            f"two {whom} explore office_v2",
-            explore_together,
-            {"scene": "office_v2", "strangers": whom == "strangers"},
-            cases=60,
-            sample=2,
-            rows=[worst_of("contact by their own motion [m/s]", lambda case: case["contact_speed"], at_most=0.05)],
-        )
-        for whom in ("robots that share a map frame", "strangers")
+    Experiment(
+        "two robots explore office_v2",
+        explore_together,
+        {"scene": "office_v2"},
+        variants=[{"strangers": False}, {"strangers": True}],
+        cases=120,
+        sample=4,
+        rows=[no_contact("their")],
     ),
     Experiment(
         "people in dynamic_v1",
         among_people,
-        {"seconds": 300},
+        {"scene": "dynamic_v1", "seconds": 300},
         cases=20,
-        sample=1,
         rows=[
-            ratio("in sight within 5 m, and not tracked", "missed", "seen", at_most=0.10),
-            ratio("tracks with nobody within 0.5 m", "ghosts", "tracks", at_most=0.10),
-            ratio("tracks that never were with anybody", "false_tracks", "people", at_most=0.15),
-            mean_of("position off, RMS [m]", lambda case: case["position"], at_most=0.20),
-            mean_of("velocity off, RMS [m/s]", lambda case: case["velocity"], at_most=0.60),
-            mean_of("somebody waits for the robot [s a minute]", lambda case: case["waiting"], at_least=1.0),
-            worst_of("contact by its own motion [m/s]", lambda case: case["contact"], at_most=0.1),
+            *PEOPLE,
+            mean_of("people wait for the robot [s a minute]", lambda case: case["waiting"], at_least=1.0),
         ],
     ),
     Experiment(
-        "honesty",
+        "truth isolation",
         lies,
         cases=100,
         sample=4,
         rows=[all_of("same commands when the truth is shifted and people scrambled", lambda case: case["equal"])],
     ),
 ]
+
+EXPERIMENTS = [*HELD_OUT, *DOORS, *TIGHT, *REGRESSION]

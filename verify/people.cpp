@@ -1,6 +1,6 @@
 // How well a robot that drives among people sees them:
 //
-//   verify_people SEED SECONDS
+//   verify_people SCENE SEED SECONDS
 //
 // One line of JSON. At each scan the tracks are held against where people truly are; truth is looked at here and
 // nowhere else. Who counts is within 5 m and in sight of the lidar for a second at least, whatever people may hide one
@@ -125,8 +125,8 @@ class Referee {
   std::map<std::uint32_t, std::string> owners_;
 };
 
-void run(std::uint64_t seed, Duration duration) {
-  Robot robot({.scene = "dynamic_v1", .seed = seed});
+void run(const std::string& scene, std::uint64_t seed, Duration duration) {
+  Robot robot({.scene = scene, .seed = seed});
   Simulation& simulation = *robot.simulation();
   simulation.reset(seed, simulation.sample_free_pose(seed));
   Crowd crowd(simulation.scene());
@@ -157,13 +157,13 @@ void run(std::uint64_t seed, Duration duration) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  const auto seed = parse_number(argc == 3 ? argv[1] : "");
-  const auto seconds = parse_number(argc == 3 ? argv[2] : "");
+  const auto seed = parse_number(argc == 4 ? argv[2] : "");
+  const auto seconds = parse_number(argc == 4 ? argv[3] : "");
   if (!seed || !seconds) {
-    std::fputs("usage: verify_people SEED SECONDS\n", stderr);
+    std::fputs("usage: verify_people SCENE SEED SECONDS\n", stderr);
     return 2;
   }
   set_warning_handler([](std::string_view) {});
-  run(*seed, std::chrono::seconds(*seconds));
+  run(argv[1], *seed, std::chrono::seconds(*seconds));
   return 0;
 }

@@ -1,11 +1,10 @@
 """ObjectNav and VLN: goals are as pictures show them, instructions can be followed by their text."""
 
 import subprocess
-from collections.abc import Callable
 
 from verify import camera
 from verify.cases.trees import PROGRAMS
-from verify.harness import Case, Experiment, Row, Verdict, wilson
+from verify.harness import Case, Experiment, Row, counted_of, whole_of, worst_of
 
 SCENES = [*camera.SCENES, "generated", "generated", "generated"]
 EACH = 50  # episodes of a case
@@ -22,7 +21,7 @@ def look(seed: int) -> Case:
 
 
 def run(program: str, seed: int) -> Case:
-    """What a program counts in one scene, and the texts that it prints: all, and those that lost the stranger."""
+    """What a program counts in one scene, and the texts that it prints: all, and those that the other parser lost."""
     scene = SCENES[seed % len(SCENES)]
     command = [str(PROGRAMS / program), str(seed), scene, str(EACH)]
     output = subprocess.run(command, capture_output=True, text=True, check=True).stdout
@@ -32,25 +31,15 @@ def run(program: str, seed: int) -> Case:
     return {"scene": scene, **texts, **counts}
 
 
-def pooled(name: str, hits: str, of: str, holds: Callable[[float], bool], target: str) -> Row:
+def share(name: str, hits: str, of: str, **target: float) -> Row:
     """A share of the counts of all cases."""
-
-    def judge(cases: list[Case], _sample: bool) -> Verdict:
-        count, total = (sum(case.get(key, 0) for case in cases) for key in (hits, of))
-        complete = total > 0 and all(of in case for case in cases)
-        low, high = wilson(count, max(total, 1))
-        ok = complete and holds(count / total)
-        figure = f"{count}/{total} = {count / max(total, 1):.1%}"
-        return Verdict(figure, target, "pass" if ok else "FAIL", f"[{low:.1%}, {high:.1%}]")
-
-    return Row(name, judge)
+    return counted_of(name, lambda case: case[hits], lambda case: case[of], **target)
 
 
-def distinct(cases: list[Case], _sample: bool) -> Verdict:
+def distinct(cases: list[Case]) -> tuple[str, str, bool]:
     """How many texts there are among all instructions."""
-    texts = [text for case in cases for text in case.get("text", [])]
-    share = len(set(texts)) / len(texts) if texts else 0.0
-    return Verdict(f"{len(set(texts))} of {len(texts)}", ">= 95 %", "pass" if share >= 0.95 else "FAIL")
+    texts = [text for case in cases for text in case["text"]]
+    return f"{len(set(texts))} of {len(texts)}", ">= 95 %", len(set(texts)) >= 0.95 * len(texts)
 
 
 EXPERIMENTS = [
@@ -58,29 +47,29 @@ EXPERIMENTS = [
         "VLN, instructions in shipped and generated scenes",
         follow,
         cases=40,
-        sample=3,
+        sample=6,
         rows=[
-            pooled("followed by text and map", "followed", "instructions", lambda s: s >= 0.98, ">= 98 %"),
-            pooled("by a stranger who shares no code", "by_stranger", "instructions", lambda s: s >= 0.95, ">= 95 %"),
-            pooled("with another's text", "shuffled", "instructions", lambda s: s <= 0.30, "<= 30 %"),
-            pooled("with left and right swapped", "swapped", "with_sides", lambda s: s <= 0.30, "<= 30 %"),
-            Row("distinct texts", distinct),
+            share("followed by text and map", "followed", "instructions", at_least=0.98),
+            share("by a parser that shares no code", "by_stranger", "instructions", at_least=0.95),
+            share("with another's text", "shuffled", "instructions", at_most=0.30),
+            share("with left and right swapped", "swapped", "with_sides", at_most=0.30),
+            whole_of("distinct texts", distinct),
         ],
     ),
     Experiment(
         "ObjectNav, episodes in shipped and generated scenes",
         look,
         cases=20,
-        sample=3,
+        sample=6,
         rows=[
-            pooled("goal in view at the start", "seen_at_start", "episodes", lambda s: s == 0.0, "none"),
-            pooled("STOP can be right where the path ends", "right_at_end", "episodes", lambda s: s >= 0.99, ">= 99 %"),
-            pooled(
+            worst_of("goal in view at the start", lambda case: case["seen_at_start"], at_most=0.0),
+            share("STOP can be right where the path ends", "right_at_end", "episodes", at_least=0.99),
+            counted_of(
                 "silhouettes unlike a picture of the thing alone",
-                "silhouettes_off",
-                "silhouettes",
-                lambda s: s <= 0.001,
-                "<= 0.1 %",
+                lambda case: case["silhouettes_off"],
+                lambda case: case["silhouettes"],
+                form="{:.2%}",
+                at_most=0.001,
             ),
         ],
     ),

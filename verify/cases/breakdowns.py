@@ -2,18 +2,26 @@
 
 import json
 import subprocess
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from typing import Any
 
+from verify.cases.generated import in_generated
 from verify.cases.trees import PROGRAMS
-from verify.harness import Case, Row, Verdict, told, verdict_on_share
+from verify.harness import Case
 
-AT_ONCE = 50  # of one place
+BASE = "3we_base_v2"  # without a lidar
+SOON = 2.02  # [s] and the period in which it is noticed
 
 
-def breakdowns(seed: int, kind: str) -> Case:
-    """Fifty robots in one of the scenes; something breaks for 3 of their 10 seconds."""
-    return {"drives": answers(kind, seed, AT_ONCE)}
+def breakdowns(seed: int, kind: str, drives: int, place: str = "") -> Case:
+    """Robots in a generated place, or in one of the named scenes; something breaks for 3 of their 10 seconds."""
+    if place:
+        return in_generated(seed, breakdowns_in, place, kind=kind, drives=drives)
+    return {"drives": answers(kind, seed, drives)}
+
+
+def breakdowns_in(seed: int, scene: str, kind: str, drives: int) -> Case:
+    return {"drives": answers(kind, seed, drives, scene)}
 
 
 def undisturbed(seed: int, seconds: int) -> Case:
@@ -26,60 +34,36 @@ def others_undisturbed(seed: int, seconds: int) -> Case:
     return {"drives": answers("honest", seed, seconds)}
 
 
-def answers(what: str, seed: int, count: int) -> list[dict[str, Any]]:
-    """What the program says, line by line."""
-    command = [PROGRAMS / "verify_faults", what, str(seed), str(count)]
+def answers(what: str, seed: int, count: int, *scene: str) -> list[dict[str, Any]]:
+    """What the program prints, line by line."""
+    command = [PROGRAMS / "verify_faults", what, str(seed), str(count), *scene]
     done = subprocess.run(command, capture_output=True, text=True)
     if done.returncode != 0:
         raise RuntimeError(f"{command} ended with {done.returncode}: {done.stderr}")
     return [json.loads(line) for line in done.stdout.splitlines()]
 
 
-def drives(cases: list[Case]) -> Iterator[dict[str, Any]]:
-    for case in cases:
-        yield from case["drives"]
+def drives_of(case: Case) -> Iterator[dict[str, Any]]:
+    """Each drive, with what its case is about."""
+    for drive in case["drives"]:
+        yield {**{key: value for key, value in case.items() if key != "drives"}, **drive}
 
 
-def share_of_drives(name: str, holds: Callable[[dict[str, Any]], bool], *, at_least: float) -> Row:
-    """The share of drives, not of cases, in which something holds."""
-
-    def judge(cases: list[Case], sample: bool) -> Verdict:
-        if any("error" in case for case in cases):
-            return Verdict("cases broke", f">= {at_least:.1%}", "FAIL")
-        found = [holds(drive) for drive in drives(cases)]
-        return verdict_on_share(sum(found), len(found), at_least, sample)
-
-    return Row(name, judge)
+# which drives a row is about
 
 
-def times_of(name: str, time: Callable[[dict[str, Any]], float | None]) -> Row:
-    """How long something took in those drives in which it came about: 50, 95, 99 % and the longest."""
-
-    def figure(cases: list[Case]) -> str:
-        times = sorted(t for drive in drives(cases) if (t := time(drive)) is not None)
-        if not times:
-            return "never"
-        shown = [times[min(len(times) - 1, int(share * len(times)))] for share in (0.5, 0.95, 0.99, 1.0)]
-        return f"50, 95, 99, 100 %: {', '.join(f'{t:.2f}' for t in shown)} s"
-
-    return told(name, figure)
+def has_lidar(drive: dict[str, Any]) -> bool:
+    return str(drive["hardware"]) != BASE
 
 
-def alarms_an_hour(at_most: float) -> Row:
-    """How often a sensor is said to be in trouble while none is."""
+def echo_froze(drive: dict[str, Any]) -> bool:
+    """Where nothing returns an echo, a frozen sonar says what a sound one says."""
+    return any(f["kind"] == "frozen" and str(f["sensor"]).startswith("ultrasonic") for f in drive["faults"])
 
-    def judge(cases: list[Case], sample: bool) -> Verdict:
-        target = f"<= {at_most:g}"
-        if any("error" in case for case in cases):
-            return Verdict("cases broke", target, "FAIL")
-        alarms = sum(len(drive["alarms"]) for drive in drives(cases))
-        hours = sum(drive["seconds"] for drive in drives(cases)) / 3600.0
-        rate = alarms / hours
-        # one alarm in a short sample contradicts nothing
-        passed = alarms <= max(1.0, at_most * hours) if sample else rate <= at_most
-        return Verdict(f"{alarms} in {hours:.1f} robot hours = {rate:.2f}", target, "pass" if passed else "FAIL")
 
-    return Row("false alarms a robot hour", judge)
+def noticed_first(drive: dict[str, Any]) -> bool:
+    """Without an alarm before, or a bump, after which gyro and wheels do contradict each other."""
+    return drive["alarms_before"] == 0 and float(drive["contact"]) <= 0.05
 
 
 # what is asked of one drive
@@ -91,15 +75,12 @@ def limit(fault: dict[str, Any]) -> float:
 
 
 def in_time(drive: dict[str, Any]) -> bool:
-    """What broke was noticed within its limit, of moving where it takes that to notice.
+    """What broke was noticed within its limit, of moving where it takes that to notice."""
+    return all(seconds(fault) <= limit(fault) for fault in drive["faults"])
 
-    Where nothing is to be heard, a frozen echo sensor says what a sound one says.
-    """
 
-    def silent(fault: dict[str, Any]) -> bool:
-        return fault["kind"] == "frozen" and str(fault["sensor"]).startswith("ultrasonic") and harmless(drive)
-
-    return all(seconds(fault) <= limit(fault) or silent(fault) for fault in drive["faults"])
+def in_time_or_harmless(drive: dict[str, Any]) -> bool:
+    return in_time(drive) or harmless(drive)
 
 
 def seconds(fault: dict[str, Any]) -> float:
@@ -111,13 +92,13 @@ def seconds(fault: dict[str, Any]) -> float:
 
 def soon_or_harmless(drive: dict[str, Any]) -> bool:
     """Everything was noticed within 2 s, or nothing came of it."""
-    return harmless(drive) or all(f["noticed"] is not None and f["noticed"] <= 2.02 for f in drive["faults"])
+    return harmless(drive) or all(f["noticed"] is not None and f["noticed"] <= SOON for f in drive["faults"])
 
 
 def one_soon_or_harmless(drive: dict[str, Any]) -> bool:
     """The same where two things break: the robot stands still for either."""
     first = noticed_after(drive)
-    return harmless(drive) or (first is not None and first <= 2.02)
+    return harmless(drive) or (first is not None and first <= SOON)
 
 
 def harmless(drive: dict[str, Any]) -> bool:
@@ -126,16 +107,13 @@ def harmless(drive: dict[str, Any]) -> bool:
 
 
 def untouched(drive: dict[str, Any]) -> bool:
-    """Without contact; a robot without a lidar bumps into what it does not hear, with sound sensors too."""
-    return float(drive["contact"]) <= 0.05 or str(drive["hardware"]) == "3we_base_v2"
+    """Without contact faster than 0.05 m/s."""
+    return float(drive["contact"]) <= 0.05
 
 
 def named(drive: dict[str, Any]) -> bool:
-    """Of what was noticed, the right sensor is named, unless there was another reason to notice something: trouble
-    before, or a bump, after which gyro and wheels do contradict each other.
-    """
-    other_reason = drive["alarms_before"] > 0 or float(drive["contact"]) > 0.05
-    return other_reason or all(fault["named"] or fault["noticed"] is None for fault in drive["faults"])
+    """Of what was noticed, the right sensor is named."""
+    return all(fault["named"] or fault["noticed"] is None for fault in drive["faults"])
 
 
 def stood(drive: dict[str, Any]) -> bool:

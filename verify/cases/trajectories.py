@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from verify.cases.trees import PROGRAMS
-from verify.harness import Case, Row, Verdict
+from verify.harness import Case, Row, info, mean_of, worst_of
 
 PROGRAM = PROGRAMS / "verify_trajectory"
 SECONDS = 600
@@ -46,55 +46,41 @@ def kept_track(seed: int, scene: str, randomization: str) -> Case:
     }
 
 
-def limit(case: Case, scene: str, randomization: str) -> float:
+def limit(case: Case) -> float:
     """[m] that a drive may be off."""
-    most = max(0.10, 0.005 * float(case["driven"])) if scene in FEATURELESS else 0.05
-    return most * (HARDER if randomization == "hard" else 1.0)
+    most = max(0.10, 0.005 * float(case["driven"])) if case.get("scene") in FEATURELESS else 0.05
+    return most * (HARDER if case["randomization"] == "hard" else 1.0)
 
 
-def absolute_error(scene: str, randomization: str) -> Row:
-    """The error of all drives together, as a share of what is allowed; one drive alone may be twice that far off."""
-
-    def judge(cases: list[Case], sample: bool) -> Verdict:
-        if any("error" in case for case in cases):
-            return Verdict("cases broke", "", "FAIL")
-        shares = np.array([case["rmse"] / limit(case, scene, randomization) for case in cases])
-        share = float(np.sqrt(np.square(shares).mean()))
-        errors = np.array([case["rmse"] for case in cases])
-        heading = np.array([case["rmse_heading"] for case in cases])
-        figure = (
-            f"{1e3 * rms(errors):.1f} mm, {1e3 * rms(heading):.1f} mrad; worst drive {1e3 * errors.max():.1f} mm, "
-            f"moment {1e3 * max(case['worst'] for case in cases):.0f} mm; {share:.0%} of the limit"
-        )
-        most = 2.0 if sample else 1.0
-        allowed = most * min(limit(case, scene, randomization) for case in cases)
-        return Verdict(figure, f"<= {1e3 * allowed:.0f} mm", "pass" if share <= most else "FAIL")
-
-    return Row("absolute trajectory error", judge)
+def share_of_limit(case: Case) -> float:
+    """The error of a drive over what is allowed."""
+    return float(case["rmse"]) / limit(case)
 
 
-def honest_covariance() -> Row:
-    """The mean squared error, in deviations that the robot itself states: 3 where it knows how far off it is. The band
-    holds 95 % of the means over as many drives, each counted as one draw, for its errors hardly change.
+def trajectory_rows() -> list[Row]:
+    """The error of all drives together, of the worst, and whether robots know how far off they are: the mean squared
+    error in standard deviations that the robot itself states is 3 where it does.
     """
-
-    def judge(cases: list[Case], sample: bool) -> Verdict:
-        z = 3.290527 if sample else 1.959964  # one drive is to fail once in a thousand times
-        low, high = (chi_squared(3 * len(cases), side) / len(cases) for side in (-z, z))
-        target = f"in [{low:.2f}, {high:.2f}]"
-        if any("error" in case for case in cases):
-            return Verdict("cases broke", target, "FAIL")
-        mean = float(np.mean([case["nees"] for case in cases]))
-        most = max(case["nees"] for case in cases)
-        return Verdict(f"mean {mean:.2f}, worst drive {most:.2f}", target, "pass" if low <= mean <= high else "FAIL")
-
-    return Row("squared error over covariance", judge)
+    return [
+        mean_of("absolute trajectory error, over what is allowed", share_of_limit, at_most=1.0),
+        worst_of("the same of the worst drive", share_of_limit, at_most=2.0),
+        mean_of("squared error over covariance, not overconfident", lambda case: case["nees"], at_most=4.7),
+        mean_of("squared error over covariance, not timid", lambda case: case["nees"], at_least=1.68),
+    ]
 
 
-def chi_squared(degrees: int, z: float) -> float:
-    """A quantile, by that of the normal distribution (Wilson and Hilferty 1931)."""
-    spread = 2.0 / (9.0 * degrees)
-    return float(degrees * (1.0 - spread + z * np.sqrt(spread)) ** 3)
+def errors(cases: list[Case]) -> str:
+    """Of all corrections."""
+    errors = np.array([case["rmse"] for case in cases])
+    heading = np.array([case["rmse_heading"] for case in cases])
+    return (
+        f"{1e3 * rms(errors):.1f} mm, {1e3 * rms(heading):.1f} mrad; worst drive {1e3 * errors.max():.1f} mm, "
+        f"moment {1e3 * max(case['worst'] for case in cases):.0f} mm"
+    )
+
+
+def errors_row() -> Row:
+    return info("root mean square of errors", errors)
 
 
 def rms(values: NDArray[np.float64]) -> float:

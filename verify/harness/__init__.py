@@ -1,0 +1,53 @@
+"""The harness of `./dev verify`, from the bottom up:
+
+distributions   intervals and tails
+sequential      tests of a sample and the record against a target: what they catch, when they give the alarm
+rows            claims: what cases show, judged by a test
+journal         finished cases, the commit and the seed that follows from it
+running         experiments, whose cases run in processes of their own
+record          what samples of earlier commits saw
+claims          results of full runs, and the page that is made of them
+area            all of that, for one area
+"""
+
+from verify.harness.rows import (
+    Case,
+    Row,
+    Verdict,
+    all_of,
+    counted_of,
+    each,
+    info,
+    known_miss,
+    mean_of,
+    rate_of,
+    ratio_of,
+    share_of,
+    time_of,
+    where,
+    whole_of,
+    within,
+    worst_of,
+)
+from verify.harness.running import Experiment
+
+__all__ = [
+    "Case",
+    "Experiment",
+    "Row",
+    "Verdict",
+    "all_of",
+    "counted_of",
+    "each",
+    "info",
+    "known_miss",
+    "mean_of",
+    "rate_of",
+    "ratio_of",
+    "share_of",
+    "time_of",
+    "where",
+    "whole_of",
+    "within",
+    "worst_of",
+]

@@ -1,0 +1,99 @@
+"""One area: its experiments are run, its rows judged and printed, and what they saw is kept where that is asked for."""
+
+import time
+from collections import Counter
+from dataclasses import dataclass, field
+from typing import Any
+
+from verify.cases.trees import ROOT
+from verify.harness import claims
+from verify.harness.journal import Journal, Revision
+from verify.harness.record import Record
+from verify.harness.rows import Row, Verdict
+from verify.harness.running import Cases, Experiment, run_cases
+from verify.harness.sequential import RUNS
+
+
+@dataclass(frozen=True)
+class Options:
+    """How much is run, and what is kept of it."""
+
+    seed: int | None = None  # by default from the commit
+    count: int | None = None  # of cases of each experiment
+    sample: bool = False
+    only: str = ""  # experiments with this in their names
+    record: bool = False
+    write: bool = False
+    write_model: bool = False
+
+
+@dataclass
+class Outcome:
+    """How an area went."""
+
+    statuses: Counter[str] = field(default_factory=Counter)
+    seconds: float = 0.0  # by the wall
+
+
+def verify(area: str, experiments: list[Experiment], options: Options) -> Outcome:
+    """Runs an area's experiments, prints their rows, and keeps what is to be kept."""
+    begun = time.monotonic()
+    revision = Revision.here()
+    seed = revision.seed if options.seed is None else options.seed
+    print(f"\nverify {area}: commit {revision.commit}, seed {seed}", flush=True)
+    journal = Journal(ROOT / f"build/verify/{area}-{revision.commit}-{seed}.jsonl")
+    record = Record()
+    judged: list[tuple[str, Row, Verdict, int]] = []
+    for experiment in (one for one in experiments if options.only in one.name):
+        count = options.count or (experiment.sample if options.sample else experiment.cases)
+        if count == 0:  # too long for a sample
+            continue
+        cases = run_cases(experiment, seed, count, journal)
+        if options.write_model and experiment.learn:
+            experiment.learn(cases.all, revision.commit, seed)
+        for row in (one for one in experiment.rows if not (options.sample and one.full_only)):
+            earlier = record.earlier(area, name_of(experiment, row), revision.commit, seed)
+            verdict = judge(row, cases, sample=options.sample, earlier=earlier)
+            print_row(name_of(experiment, row), verdict, cost(cases, verdict, options.sample))
+            judged.append((experiment.name, row, verdict, len(cases.all)))
+    keep(area, revision, seed, judged, record, options)
+    return Outcome(Counter(verdict.status for _, _, verdict, _ in judged), time.monotonic() - begun)
+
+
+def judge(row: Row, cases: Cases, **how: Any) -> Verdict:
+    """The row's verdict; `not shown` where no case could be run here."""
+    return row.judge(cases.shown, **how) if cases.shown else Verdict(cases.all[0]["not_shown"], "", "not shown")
+
+
+def keep(
+    area: str,
+    revision: Revision,
+    seed: int,
+    judged: list[tuple[str, Row, Verdict, int]],
+    record: Record,
+    options: Options,
+) -> None:
+    """Adds a sample to the record, writes a full run into the claims."""
+    if options.record:
+        record.add(area, revision.commit, seed, {f"{name}: {row.name}": verdict for name, row, verdict, _ in judged})
+    if options.write:
+        print(f"wrote {claims.save(area, revision, seed, judged).relative_to(ROOT)}")
+
+
+def name_of(experiment: Experiment, row: Row) -> str:
+    return f"{experiment.name}: {row.name}"
+
+
+def cost(cases: Cases, verdict: Verdict, sample: bool) -> str:
+    """What such a power costs."""
+    if not verdict.power or not verdict.seen:
+        return ""
+    runs = f"{RUNS} x " if sample else ""
+    return f"({runs}{len(cases.all)} cases, {runs}{cases.seconds:.0f} s)"
+
+
+def print_row(name: str, verdict: Verdict, cost: str) -> None:
+    """One line: status, what, figure, target, interval, and what would be caught nine times in ten, at what cost."""
+    power = f"catches {verdict.power} {cost}".rstrip() if verdict.power else ""
+    words = [f"{verdict.status:10}", f"{name:60}", verdict.figure, verdict.target, verdict.interval, power]
+    print("  ".join(word for word in words if word), flush=True)

@@ -1,0 +1,259 @@
+"""Rows: one claim each. What the cases show becomes a figure; a test says whether it holds, and what it would catch.
+
+full run     a row passes on its figure
+a sample     a row fails where the sequential test of it and the record gives the alarm, and passes where they speak for
+             the target; what is undecided, and a row that could not even notice a fall to half of its target, is
+             printed as `info` and never counted as passed
+a broken case is a FAIL of every row of its experiment; what cannot be judged is a FAIL too
+"""
+
+import math
+import statistics
+import traceback
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+from verify.harness.sequential import ALARM, RUNS, Always, Mean, Rate, Seen, Share, Test, log_odds
+
+Case = dict[str, Any]
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """What a row comes to."""
+
+    figure: str
+    target: str
+    status: str  # "pass", "FAIL", "known miss", "info" where nothing is decided, or "not shown"
+    interval: str = ""
+    power: str = ""  # the drop that is caught nine times in ten
+    seen: Seen = ()  # for the record
+
+
+@dataclass(frozen=True)
+class KnownMiss:
+    """Why a row misses its target, and the figure that it had: a sample is tested against that."""
+
+    why: str
+    figure: float
+
+
+@dataclass(frozen=True)
+class Row:
+    """One claim. `parts` are what it is about, `seen` what the test makes of them; without a test the row is a whole:
+    a figure, a target, and whether it is met.
+    """
+
+    name: str
+    seen: Callable[[list[Case]], Seen] | None = None
+    test: Test | None = None
+    whole: Callable[[list[Case]], tuple[str, str, bool | None]] | None = None
+    parts: Callable[[Case], Iterable[Case]] = lambda case: [case]
+    words: Callable[[list[Case]], str] | None = None  # to go with the figure
+    known_miss: KnownMiss | None = None
+    full_only: bool = False  # too few cases of a sample are about it
+
+    def judge(self, cases: Sequence[Case], *, sample: bool = False, earlier: Iterable[Seen] = ()) -> Verdict:
+        """The verdict on cases of which none is `not_shown`; whatever they hold, it is one."""
+        broken = sum("error" in case for case in cases)
+        target = self.test.wanted() if self.test else ""
+        if broken:
+            return Verdict(f"{broken} of {len(cases)} cases broke", target, "FAIL")
+        try:
+            parts = [part for case in cases for part in self.parts(case)]
+            if not parts:
+                return Verdict("nothing to judge", target, "info")
+            return self.judge_whole(parts, sample) if self.test is None else self.judge_seen(parts, sample, earlier)
+        except Exception:
+            return Verdict(f"not to be judged: {traceback.format_exc(limit=-1).splitlines()[-1]}", target, "FAIL")
+
+    def judge_whole(self, parts: list[Case], sample: bool) -> Verdict:
+        assert self.whole is not None
+        figure, target, met = self.whole(parts)
+        if met is None:
+            return Verdict(figure, target, "info")
+        if sample:
+            return Verdict(figure, target, "info", power="nothing: only full runs are judged")
+        return Verdict(figure, target, self.missed() if not met else "pass")
+
+    def judge_seen(self, parts: list[Case], sample: bool, earlier: Iterable[Seen]) -> Verdict:
+        assert self.test is not None
+        assert self.seen is not None
+        seen, test = self.seen(parts), self.test
+        figure = test.figure(seen) + (f"; {self.words(parts)}" if self.words else "")
+        runs = RUNS if sample else 1
+        if sample and self.known_miss:  # it is to get no worse
+            test = missed_by(test, self.known_miss.figure)
+        drop = test.drop(seen, runs)
+        able = test.has_power(drop)
+        power = (f"{test.power(drop)} in {runs} such run{'s' * (runs > 1)}") if math.isfinite(drop) else "nothing"
+        if sample:
+            status = self.status_of(log_odds(test, drop, earlier, seen), able)
+        else:
+            status = "pass" if test.holds(seen) else self.missed()
+        return Verdict(figure, self.test.wanted(), status, self.test.interval(seen), power, seen)
+
+    def status_of(self, odds: float, able: bool) -> str:
+        """Of a sample; what is undecided, or could not notice much, decides nothing."""
+        if odds >= ALARM:
+            return "FAIL"
+        if self.known_miss:
+            return "known miss"
+        return "pass" if able and odds <= 0.0 else "info"
+
+    def missed(self) -> str:
+        return "known miss" if self.known_miss else "FAIL"
+
+
+def missed_by(test: Test, figure: float) -> Test:
+    """The test against what was measured instead."""
+    return Share(figure) if isinstance(test, Always) else replace(test, target=figure)
+
+
+def share_of(name: str, holds: Callable[[Case], bool], *, at_least: float) -> Row:
+    """The share of cases in which something holds; of all of them where `at_least` is 1."""
+
+    def seen(parts: list[Case]) -> Seen:
+        return float(sum(bool(holds(part)) for part in parts)), float(len(parts))
+
+    if at_least >= 1.0:
+        return Row(name, seen, Always())
+    return Row(name, seen, Share(at_least))
+
+
+def all_of(name: str, holds: Callable[[Case], bool]) -> Row:
+    """Something holds in every case."""
+    return share_of(name, holds, at_least=1.0)
+
+
+def worst_of(name: str, value: Callable[[Case], float], **target: float) -> Row:
+    """Every case is `at_least` or `at_most` something; the worst of them is shown too."""
+    bound, at_least = sense(target)
+
+    def words(parts: list[Case]) -> str:
+        worst = (min if at_least else max)(value(part) for part in parts)
+        return f"worst {worst:.4g}, wanted {'>=' if at_least else '<='} {bound:g}"
+
+    row = all_of(name, lambda part: value(part) >= bound if at_least else value(part) <= bound)
+    return replace(row, words=words)
+
+
+def mean_of(name: str, value: Callable[[Case], float], *, form: str = "{:.3g}", **target: float) -> Row:
+    """The mean over the cases is `at_least` or `at_most` something."""
+    bound, at_least = sense(target)
+
+    def seen(parts: list[Case]) -> Seen:
+        return mean_and_error([value(part) for part in parts])
+
+    return Row(name, seen, Mean(bound, at_least, form))
+
+
+def time_of(name: str, value: Callable[[Case], float], **target: float) -> Row:
+    """The geometric mean of timings, or of paces."""
+    bound, at_least = sense(target)
+
+    def seen(parts: list[Case]) -> Seen:
+        return mean_and_error([math.log(max(value(part), 1e-12)) for part in parts])
+
+    return Row(name, seen, Mean(bound, at_least, geometric=True))
+
+
+def ratio_of(
+    name: str,
+    value: Callable[[Case], float],
+    reference: Callable[[Case], float],
+    *,
+    form: str = "{:.3f}",
+    **target: float,
+) -> Row:
+    """The sum over the cases as a share of that of a reference in the same cases."""
+    bound, at_least = sense(target)
+
+    def seen(parts: list[Case]) -> Seen:
+        values, references = [value(part) for part in parts], [reference(part) for part in parts]
+        of = statistics.fmean(references)
+        if of == 0.0:
+            raise ValueError("the reference is zero in all cases")
+        ratio = statistics.fmean(values) / of
+        misfits = [(v - ratio * r) / of for v, r in zip(values, references, strict=True)]
+        return ratio, mean_and_error(misfits)[1], float(len(parts))
+
+    def words(parts: list[Case]) -> str:
+        return f"{sum(map(value, parts)):g} of {sum(map(reference, parts)):g}"
+
+    return Row(name, seen, Mean(bound, at_least, form), words=words)
+
+
+def counted_of(
+    name: str, hits: Callable[[Case], float], of: Callable[[Case], float], *, form: str = "{:.1%}", **target: float
+) -> Row:
+    """The share of what each case counts; cases may differ. Its error is no less than if all were counted alone: that
+    a few cases are alike shows nothing.
+    """
+    bound, at_least = sense(target)
+    ratio = ratio_of(name, hits, of, form=form, **target)
+    assert ratio.seen is not None
+    seen_ratio = ratio.seen
+
+    def seen(parts: list[Case]) -> Seen:
+        share, error, cases = seen_ratio(parts)
+        return share, max(error, math.sqrt(bound * (1.0 - bound) / sum(map(of, parts)))), cases
+
+    return replace(ratio, seen=seen, test=Mean(bound, at_least, form, share=True))
+
+
+def rate_of(name: str, events: Callable[[Case], float], exposure: Callable[[Case], float], *, at_most: float) -> Row:
+    """How often something comes, in the exposure of all cases."""
+
+    def seen(parts: list[Case]) -> Seen:
+        return float(sum(map(events, parts))), float(sum(map(exposure, parts)))
+
+    return Row(name, seen, Rate(at_most))
+
+
+def whole_of(name: str, judge: Callable[[list[Case]], tuple[str, str, bool | None]]) -> Row:
+    """A figure of all cases together, of which no part is a test: its target, and whether it is met."""
+    return Row(name, whole=judge)
+
+
+def info(name: str, figure: Callable[[list[Case]], str]) -> Row:
+    """A figure beside those that have a target."""
+    return Row(name, whole=lambda parts: (figure(parts), "", None))
+
+
+def within(row: Row, parts: Callable[[Case], Iterable[Case]]) -> Row:
+    """The row about parts of cases."""
+    return replace(row, parts=parts)
+
+
+def where(row: Row, holds: Callable[[Case], bool]) -> Row:
+    """The row about those cases, or parts, for which something holds: the row's name says so."""
+    return replace(row, parts=lambda case: [part for part in row.parts(case) if holds(part)])
+
+
+def each(key: str, values: Iterable[Any], row: Callable[[Any], Row]) -> list[Row]:
+    """A row for each value of an argument of the cases: claims of full runs, whose samples are pooled."""
+    return [
+        replace(where(made, lambda part, value=value: part[key] == value), name=f"{made.name}, {value}", full_only=True)
+        for value in values
+        for made in [row(value)]
+    ]
+
+
+def known_miss(row: Row, figure: float, why: str) -> Row:
+    """The row, known to miss its target by so much."""
+    return replace(row, known_miss=KnownMiss(why, figure))
+
+
+def sense(target: dict[str, float]) -> tuple[float, bool]:
+    """The bound, and whether it is one from below."""
+    ((word, bound),) = target.items()
+    return bound, {"at_least": True, "at_most": False}[word]
+
+
+def mean_and_error(values: list[float]) -> Seen:
+    """A mean, its standard error, and of how many."""
+    count = len(values)
+    error = statistics.stdev(values) / math.sqrt(count) if count > 1 else math.inf
+    return statistics.fmean(values), error, float(count)
