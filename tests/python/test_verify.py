@@ -240,21 +240,21 @@ def test_rows_have_names_of_their_own(area: str) -> None:
     assert len(names) == len(set(names))
 
 
-def dies(seed: int, how: str) -> Any:
+def dies(seed: int, how: str, value: int = 5) -> Any:
     if how == "raises":
         raise RuntimeError("boom")
     if how == "exits":
         os._exit(3)
-    return {"well": {"seed": seed, "value": 1.0}, "no case": 5, "not to be sent": {"value": lambda: 0}}[how]
+    return {"well": {"seed": seed, "value": 1.0}, "no case": value, "not to be sent": {"value": lambda: 0}}[how]
 
 
 def test_cases_that_raise_die_or_come_to_nothing_are_broken(tmp_path: Path) -> None:
     ways = ["well", "raises", "exits", "no case", "not to be sent", "well"]
-    experiment = Experiment("deaths", dies, variants=[{"how": how} for how in ways], limit=60.0)
+    experiment = Experiment("deaths", dies, {"value": 5}, variants=[{"how": how} for how in ways], limit=60.0)
     journal = Journal(tmp_path / "journal.jsonl")
     cases = run_cases(experiment, 1, len(ways), journal).all
     assert ["error" in case for case in cases] == [how != "well" for how in ways]
-    assert cases[0]["how"] == "well"
+    assert (cases[0]["how"], cases[0]["value"]) == ("well", 1.0), "its arguments stay beside what it came to"
     again = Journal(tmp_path / "journal.jsonl")
     assert len(again.known) == 2, "those that broke are run again"
 

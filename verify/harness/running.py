@@ -103,7 +103,7 @@ def run_case(function: Callable[..., Case], seed: int, arguments: Case, limit: f
     """Runs one case in this process, which ends with it if that takes too long."""
     faulthandler.dump_traceback_later(limit, exit=True)
     try:
-        return {**function(seed, **arguments), **named(arguments)}
+        return {**named(arguments), **function(seed, **arguments)}
     except Exception:
         return {"error": traceback.format_exc()}
     finally:
