@@ -1,7 +1,7 @@
 """Learning environments on one core through the Python batch API, as tables.
 
 A step is one action, one control period, one scan, reward, termination and autoreset, of 1,024 environments in
-office_v2. Each row states ticks (of 20 ms) a step, noise, beams and gate.
+office_v2. Each row states ticks (of 20 ms) a step, noise, beams and gate, what is wanted, and whether that is missed.
 """
 
 from __future__ import annotations
@@ -79,7 +79,7 @@ def main() -> int:
         rate = 1.0 / statistics.median(seconds)
         print(
             f"{kind.beams:5} {kind.ticks:5} {kind.noise:>9} {kind.gate:>6} {rate:12,.0f} {1e9 / rate:8.0f} "
-            f"{wanted:10,.0f} {rate / wanted:.2f} of it",
+            f"{wanted:10,.0f} {rate / wanted:.2f} of it{'' if rate >= wanted else '  MISSED'}",
             flush=True,
         )
         speeds.append({**asdict(kind), "seconds": seconds, "wanted": wanted})

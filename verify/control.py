@@ -4,7 +4,7 @@ import json
 import subprocess
 
 from verify.cases.trees import PROGRAMS
-from verify.harness import Case, Experiment, each, info, share_of, where, within
+from verify.harness import Case, Experiment, each, info, share_of, share_within, within
 
 STANDARD, TURTLEBOT = "3we_standard_v2", "turtlebot_like"
 NARROW = "a door 5 cm wider than the robot"
@@ -21,6 +21,10 @@ def drives_of(case: Case) -> list[Case]:
     return [drive for drive in case["drives"] if drive["course"] != NARROW]
 
 
+def touches_gently(drive: Case) -> bool:
+    return bool(drive["contact_speed"] <= 0.05)
+
+
 def arrived(drive: Case) -> bool:
     return bool(drive["arrived"])
 
@@ -33,19 +37,16 @@ EXPERIMENTS = [
         sample=10,
         rows=[
             *(
-                where(
-                    within(share_of(f"{robot} comes to the end", arrived, at_least=enough), drives_of),
-                    lambda drive, robot=robot: drive["hardware"] == robot,
+                share_within(
+                    f"{robot} comes to the end",
+                    lambda case, robot=robot: [drive for drive in drives_of(case) if drive["hardware"] == robot],
+                    arrived,
+                    at_least=enough,
                 )
                 for robot, enough in ((STANDARD, 0.99), (TURTLEBOT, 0.90))
             ),
             # people give way to nothing here, and no gate watches over the robot
-            within(
-                share_of(
-                    "touches nothing faster than 0.05 m/s", lambda drive: drive["contact_speed"] <= 0.05, at_least=0.97
-                ),
-                drives_of,
-            ),
+            share_within("touches nothing faster than 0.05 m/s", drives_of, touches_gently, at_least=0.97),
             *each("course", COURSES, lambda _: within(share_of("comes to the end", arrived, at_least=0.85), drives_of)),
             # robots drive through these by another behaviour, which `navigation` measures
             within(

@@ -31,6 +31,7 @@ from verify.harness import (
     mean_of,
     ratio_of,
     share_of,
+    share_within,
     where,
     within,
     worst_of,
@@ -240,7 +241,7 @@ REGRESSION = [
         cases=140,
         sample=2,
         rows=[
-            within(share_of(ARRIVED, arrived, at_least=0.985), lambda case: case["drives"]),
+            share_within(ARRIVED, lambda case: case["drives"], arrived, at_least=0.985),
             within(mean_of("SPL", spl_of, at_least=0.93), lambda case: case["drives"]),
             within(no_contact(), lambda case: case["drives"]),
         ],

@@ -19,13 +19,14 @@ from verify.cases.localization import (
     close,
     close_all_the_way,
     drives,
+    drives_of,
     errors_of_all,
     of_drives,
     write_model,
 )
 from verify.cases.logs import SURVEYS, TOURS, closed, mapped
 from verify.cases.trajectories import errors_row, kept_track, trajectory_rows
-from verify.harness import Experiment, Row, all_of, each, share_of, time_of, worst_of
+from verify.harness import Experiment, Row, all_of, each, share_within, time_of, worst_of
 
 
 def localising() -> list[Row]:
@@ -33,7 +34,7 @@ def localising() -> list[Row]:
     return [
         close(position=0.10, heading=0.010),
         errors_of_all(),
-        of_drives(share_of("drives within 0.10 m from beginning to end", close_all_the_way, at_least=0.95)),
+        share_within("drives within 0.10 m from beginning to end", drives_of, close_all_the_way, at_least=0.95),
         of_drives(all_of("never lost", lambda drive: drive["lost"] == 0)),
         of_drives(worst_of("between corrections [s]", lambda drive: drive["period"], at_most=0.1001)),
         of_drives(worst_of("from a scan's end to its correction [s]", lambda drive: drive["delay"], at_most=0.021)),
@@ -54,11 +55,11 @@ def tracking() -> list[Row]:
 def in_own_maps() -> list[Row]:
     """What is asked of robots that are put into a map, and carried away."""
     return [
-        of_placements(share_of("finds itself within 10 s, standing", finds_itself, at_least=0.95)),
-        of_placements(share_of("never claims a pose that is 0.3 m off", claims_the_truth, at_least=0.99)),
-        of_those_carried(share_of("relocalized within 10 s after it was carried away", is_back, at_least=0.95)),
-        of_those_carried(share_of("relocalized within 3 s", lambda case: time_to_be_back(case) <= 3.0, at_least=0.5)),
-        of_those_carried(share_of("notices within 5 s that it was carried away", notices, at_least=0.95)),
+        of_placements("finds itself within 10 s, standing", finds_itself, 0.95),
+        of_placements("never claims a pose that is 0.3 m off", claims_the_truth, 0.99),
+        of_those_carried("relocalized within 10 s after it was carried away", is_back, 0.95),
+        of_those_carried("relocalized within 3 s", lambda placement: time_to_be_back(placement) <= 3.0, 0.5),
+        of_those_carried("notices within 5 s that it was carried away", notices, 0.95),
     ]
 
 
@@ -131,7 +132,7 @@ REGRESSION = [
         cases=35,
         sample=3,
         rows=[
-            of_placements(share_of("never claims a pose that is 0.3 m off", claims_the_truth, at_least=0.99)),
+            of_placements("never claims a pose that is 0.3 m off", claims_the_truth, 0.99),
             consistent("squared error over covariance, not overconfident", at_most=4.0),
             consistent("squared error over covariance, not timid", at_least=0.3),
         ],

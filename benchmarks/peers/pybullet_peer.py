@@ -38,7 +38,8 @@ def main() -> None:
     bullet.setTimeStep(PERIOD / SUBSTEPS)
     furnish(world)
     for beams in BEAMS:
-        row = {"who": f"{NAME}, rayTestBatch", "differs": f"exact, among {len(world.solids)} solids in 3D; Python"}
+        differs = f"exact, among {len(world.solids)} solids; Python"
+        row = {"who": f"{NAME}, rayTestBatch", "differs": differs, "work": "rays in 3D"}
         report_scans(row, world, beams, scanner(world, beams, 0.0))
     robot = build_robot()
     for beams in (0, *BEAMS):
@@ -148,7 +149,8 @@ def time_drives(world: World, robot: int, beams: int) -> None:
         sys.exit(f"its robot went from {world.poses[0]} to {x, y} in {5 * PERIOD} s")
     row = {
         "who": f"{NAME}, two wheels",
-        "differs": "rigid bodies in 3D: wheels roll on the floor by friction, contact with all solids",
+        "differs": "wheels roll on the floor by friction",
+        "work": "rigid bodies and contacts in 3D",
         "substeps": SUBSTEPS,
     }
     report_drives(row, world, beams, begin, step)

@@ -11,14 +11,16 @@ import numpy as np
 import pytest
 
 from verify.harness import Row, all_of, mean_of, rate_of, ratio_of, share_of, time_of
-from verify.harness.rows import mean_and_error
+from verify.harness.rows import mean_and_error, ratio_and_error
 from verify.harness.sequential import (
     ALARM,
+    ALPHA,
     CAUGHT,
     FALSE_ALARMS,
     ROWS,
     RUNS,
     Always,
+    Counted,
     Mean,
     Rate,
     Seen,
@@ -73,6 +75,38 @@ def test_a_planted_drop_of_a_mean_is_caught(cases: int, at_least: bool) -> None:
     see = lambda d: mean_and_error(list(d.normal(drop, 0.1, cases)))  # noqa: E731
     found = caught(test, drop, runs_of(np.random.default_rng(3), see, 2_000 if cases == 30 else DRAWS))
     assert found >= CAUGHT - 3.0 * CHANCE * (cases == 30) - CHANCE
+
+
+def cluster(draw: Draw, cases: int, each: int, share: float, alike: float) -> Seen:
+    """Cases of a few drives each, which are alike: shares of cases differ as a beta distribution does."""
+    if alike > 0.0:
+        shares = draw.beta(share * (1.0 / alike - 1.0), (1.0 - share) * (1.0 / alike - 1.0), cases)
+    else:
+        shares = np.full(cases, share)
+    pairs = [(float(hits), float(each)) for hits in draw.binomial(each, shares)]
+    return *ratio_and_error(pairs), float(cases), float(cases * each)
+
+
+@pytest.mark.parametrize("alike", [0.0, 0.1])
+@pytest.mark.parametrize(("target", "cases"), [(0.95, 20), (0.99, 40), (0.95, 8)])
+def test_a_planted_drop_of_what_cases_count_is_caught(target: float, cases: int, alike: float) -> None:
+    test, each = Counted(target, at_least=True), 5
+    draw = np.random.default_rng(9)
+    share = test.drop((target, 0.0, cases, cases * each), RUNS)
+    for _ in range(5):  # the error that such cases truly have at the share that the drop is at
+        error = math.sqrt(share * (1.0 - share) * (1.0 + (each - 1) * alike) / (cases * each))
+        share = test.drop((target, error, cases, cases * each), RUNS)
+    runs = runs_of(draw, lambda d: cluster(d, cases, each, share, alike), 2_000)
+    assert caught(test, share, runs) >= CAUGHT - 3.0 * CHANCE
+
+
+@pytest.mark.parametrize("alike", [0.0, 0.3])
+def test_targets_that_cases_which_are_alike_just_meet_are_refused_as_seldom(alike: float) -> None:
+    draw, alarms = np.random.default_rng(10), 0
+    for target, cases in [(0.95, 20), (0.99, 40), (0.9, 12)]:
+        test = Counted(target, at_least=True)
+        alarms += sum(log_odds(test, 0.0, [], cluster(draw, cases, 5, target, alike)) >= ALARM for _ in range(DRAWS))
+    assert alarms <= 3.0 * DRAWS * ALPHA + 4.0
 
 
 @pytest.mark.parametrize(("target", "hours"), [(1.0, 0.5), (1.0, 5.0), (0.1, 10.0)])

@@ -56,6 +56,11 @@ def has_lidar(drive: dict[str, Any]) -> bool:
     return str(drive["hardware"]) != BASE
 
 
+def has_none(drive: dict[str, Any]) -> bool:
+    """Without a lidar it bumps into what returns no echo, also while nothing is broken."""
+    return not has_lidar(drive)
+
+
 def echo_froze(drive: dict[str, Any]) -> bool:
     """Where nothing returns an echo, a frozen sonar says what a sound one says."""
     return any(f["kind"] == "frozen" and str(f["sensor"]).startswith("ultrasonic") for f in drive["faults"])
@@ -90,9 +95,22 @@ def seconds(fault: dict[str, Any]) -> float:
     return float(fault["moved"] if fault["kind"] == "frozen" else noticed)
 
 
+def soon(drive: dict[str, Any]) -> bool:
+    """Everything was noticed within 2 s."""
+    return all(f["noticed"] is not None and f["noticed"] <= SOON for f in drive["faults"])
+
+
 def soon_or_harmless(drive: dict[str, Any]) -> bool:
-    """Everything was noticed within 2 s, or nothing came of it."""
-    return harmless(drive) or all(f["noticed"] is not None and f["noticed"] <= SOON for f in drive["faults"])
+    return soon(drive) or harmless(drive)
+
+
+def soon_or_never_far_off(drive: dict[str, Any]) -> bool:
+    return soon(drive) or never_far_off(drive)
+
+
+def never_far_off(drive: dict[str, Any]) -> bool:
+    """It knew where it was to 0.25 m all the way."""
+    return float(drive["worst_error"]) <= 0.25
 
 
 def one_soon_or_harmless(drive: dict[str, Any]) -> bool:
@@ -103,7 +121,7 @@ def one_soon_or_harmless(drive: dict[str, Any]) -> bool:
 
 def harmless(drive: dict[str, Any]) -> bool:
     """No contact by the robot's own motion, and it knew where it was to 0.25 m."""
-    return untouched(drive) and float(drive["worst_error"]) <= 0.25
+    return untouched(drive) and never_far_off(drive)
 
 
 def untouched(drive: dict[str, Any]) -> bool:

@@ -2,11 +2,12 @@
 
 import subprocess
 import tempfile
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 from verify.cases.trees import PROGRAMS
-from verify.harness import Case, Row, ratio_of, where, within
+from verify.harness import Case, Row, ratio_of, share_within, within
 
 PROGRAM = PROGRAMS / "verify_localization"
 PLACES = 5  # in each map
@@ -40,14 +41,14 @@ def run(what: str, scene: str, seed: int, file: Path) -> str:
     return subprocess.run(command, capture_output=True, text=True, check=True).stdout
 
 
-def of_placements(row: Row) -> Row:
-    """The row, about placements instead of cases."""
-    return within(row, lambda case: case["placements"])
+def of_placements(name: str, holds: Callable[[Case], bool], enough: float) -> Row:
+    """The share of placements in which something holds."""
+    return share_within(name, lambda case: case["placements"], holds, at_least=enough)
 
 
-def of_those_carried(row: Row) -> Row:
-    """The row, about placements in which the robot knew where it was before it was carried away."""
-    return where(of_placements(row), lambda placement: bool(placement["knew"]))
+def of_those_carried(name: str, holds: Callable[[Case], bool], enough: float) -> Row:
+    """The same of placements in which the robot knew where it was before it was carried away."""
+    return share_within(name, lambda case: [one for one in case["placements"] if one["knew"]], holds, at_least=enough)
 
 
 def finds_itself(case: Case) -> bool:
@@ -77,4 +78,5 @@ def notices(case: Case) -> bool:
 
 def consistent(name: str, **target: float) -> Row:
     """The mean normalised squared error of poses, 3 where covariances are right."""
-    return of_placements(ratio_of(name, lambda case: case["nees"], lambda case: case["counted"], **target))
+    row = ratio_of(name, lambda case: case["nees"], lambda case: case["counted"], **target)
+    return within(row, lambda case: case["placements"])

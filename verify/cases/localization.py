@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from verify.cases.trees import PROGRAMS, ROOT
-from verify.harness import Case, Row, info, share_of, whole_of, within
+from verify.harness import Case, Row, info, share_within, whole_of, within
 
 PROGRAM = PROGRAMS / "verify_slam"
 MODEL = "slam_v2"
@@ -47,9 +47,13 @@ def drive(scene: str, seed: int, held_out: bool) -> dict[str, Any]:
 # what the rows say
 
 
+def drives_of(case: Case) -> list[Case]:
+    return list(case["drives"])
+
+
 def of_drives(row: Row) -> Row:
     """The row, about drives instead of cases."""
-    return within(row, lambda case: case["drives"])
+    return within(row, drives_of)
 
 
 def close_all_the_way(drive: Case) -> bool:
@@ -67,7 +71,7 @@ def close(position: float, heading: float) -> Row:
         return bool(off <= position and turned <= heading)
 
     name = f"drives of which 95 % of corrections are within {1e3 * position:.0f} mm and {1e3 * heading:.0f} mrad"
-    return of_drives(share_of(name, holds, at_least=0.95))
+    return share_within(name, drives_of, holds, at_least=0.95)
 
 
 def errors_of_all() -> Row:

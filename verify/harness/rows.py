@@ -14,7 +14,7 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
-from verify.harness.sequential import ALARM, RUNS, Always, Mean, Rate, Seen, Share, Test, log_odds
+from verify.harness.sequential import ALARM, RUNS, Always, Counted, Mean, Rate, Seen, Share, Test, log_odds
 
 Case = dict[str, Any]
 
@@ -171,13 +171,7 @@ def ratio_of(
     bound, at_least = sense(target)
 
     def seen(parts: list[Case]) -> Seen:
-        values, references = [value(part) for part in parts], [reference(part) for part in parts]
-        of = statistics.fmean(references)
-        if of == 0.0:
-            raise ValueError("the reference is zero in all cases")
-        ratio = statistics.fmean(values) / of
-        misfits = [(v - ratio * r) / of for v, r in zip(values, references, strict=True)]
-        return ratio, mean_and_error(misfits)[1], float(len(parts))
+        return *ratio_and_error([(value(part), reference(part)) for part in parts]), float(len(parts))
 
     def words(parts: list[Case]) -> str:
         return f"{sum(map(value, parts)):g} of {sum(map(reference, parts)):g}"
@@ -188,19 +182,29 @@ def ratio_of(
 def counted_of(
     name: str, hits: Callable[[Case], float], of: Callable[[Case], float], *, form: str = "{:.1%}", **target: float
 ) -> Row:
-    """The share of what each case counts; cases may differ. Its error is no less than if all were counted alone: that
-    a few cases are alike shows nothing.
-    """
+    """The share of what each case counts; what is counted in one case may be alike, cases are not."""
     bound, at_least = sense(target)
-    ratio = ratio_of(name, hits, of, form=form, **target)
-    assert ratio.seen is not None
-    seen_ratio = ratio.seen
 
     def seen(parts: list[Case]) -> Seen:
-        share, error, cases = seen_ratio(parts)
-        return share, max(error, math.sqrt(bound * (1.0 - bound) / sum(map(of, parts)))), cases
+        counted = [(hits(part), of(part)) for part in parts if of(part) > 0]
+        return *ratio_and_error(counted), float(len(counted)), float(sum(of for _, of in counted))
 
-    return replace(ratio, seen=seen, test=Mean(bound, at_least, form, share=True))
+    return Row(name, seen, Counted(bound, at_least, form))
+
+
+def share_within(
+    name: str, parts: Callable[[Case], Iterable[Case]], holds: Callable[[Case], bool], *, at_least: float
+) -> Row:
+    """The share of parts of cases, such as the drives in one place, in which something holds."""
+    if at_least >= 1.0:
+        return within(all_of(name, holds), parts)
+    row = counted_of(
+        name,
+        lambda case: sum(bool(holds(part)) for part in parts(case)),
+        lambda case: sum(1 for _ in parts(case)),
+        at_least=at_least,
+    )
+    return replace(row, parts=lambda case: [case] if any(True for _ in parts(case)) else [])
 
 
 def rate_of(name: str, events: Callable[[Case], float], exposure: Callable[[Case], float], *, at_most: float) -> Row:
@@ -250,6 +254,15 @@ def sense(target: dict[str, float]) -> tuple[float, bool]:
     """The bound, and whether it is one from below."""
     ((word, bound),) = target.items()
     return bound, {"at_least": True, "at_most": False}[word]
+
+
+def ratio_and_error(pairs: list[tuple[float, float]]) -> tuple[float, float]:
+    """The ratio of two sums, and its standard error."""
+    of = statistics.fmean(reference for _, reference in pairs)
+    if of == 0.0:
+        raise ValueError("the reference is zero in all cases")
+    ratio = statistics.fmean(value for value, _ in pairs) / of
+    return ratio, mean_and_error([(value - ratio * reference) / of for value, reference in pairs])[1]
 
 
 def mean_and_error(values: list[float]) -> Seen:

@@ -122,7 +122,6 @@ class Mean:
     at_least: bool
     form: str = "{:.3g}"
     geometric: bool = False  # of logarithms: for timings, which differ by factors
-    share: bool = False  # within 0 and 1
 
     def holds(self, seen: Seen) -> bool:
         return seen[0] >= self.bound if self.at_least else seen[0] <= self.bound
@@ -137,21 +136,26 @@ class Mean:
     def interval(self, seen: Seen) -> str:
         if seen[2] < 2:
             return ""
-        half = student_quantile(Z95, int(seen[2]) - 1) * seen[1]
-        low, high = seen[0] - half, seen[0] + half
-        if self.share:
-            low, high = max(low, 0.0), min(high, 1.0)
-        return f"[{self.shown(low)}, {self.shown(high)}]"
+        half = student_quantile(Z95, int(seen[2]) - 1) * self.error(seen, seen[0])
+        return f"[{self.shown(seen[0] - half)}, {self.shown(seen[0] + half)}]"
 
     def wanted(self) -> str:
         return f"{'>=' if self.at_least else '<='} {self.form.format(self.target)}"
 
     def drop(self, seen: Seen, runs: int) -> float:
         """The mean that is so many standard errors of this run beyond the target; nan where cases show no error."""
-        if seen[2] < 2 or seen[1] == 0.0:
+        if seen[2] < 2:
             return math.nan
-        off = student_quantile(self.shift(runs), int(seen[2]) - 1) * seen[1]
-        return self.bound - off if self.at_least else self.bound + off
+        scores, drop = student_quantile(self.shift(runs), int(seen[2]) - 1), self.bound
+        for _ in range(100):  # what scatters more where it is lower is found by and by
+            off = scores * self.error(seen, drop)
+            drop = 0.5 * (drop + (self.bound - off if self.at_least else self.bound + off))
+        return drop if off > 0.0 else math.nan
+
+    def error(self, seen: Seen, mean: float) -> float:
+        """The standard error of this run, had it this mean."""
+        del mean
+        return seen[1]
 
     @staticmethod
     def shift(runs: int) -> float:
@@ -170,13 +174,42 @@ class Mean:
 
     def log_odds(self, seen: Seen, drop: float) -> float:
         del drop  # which is so many standard errors of whatever run
+        if seen[2] < 2:
+            return math.nan
         off = self.bound - seen[0] if self.at_least else seen[0] - self.bound
-        t = off / seen[1] if seen[1] > 0.0 else math.inf if off > 0.0 else -math.inf
+        error = self.error(seen, self.bound)
+        t = off / error if error > 0.0 else math.inf if off > 0.0 else -math.inf
         score = normal_score(t, int(seen[2]) - 1)
         return self.shift(RUNS) * (score - 0.5 * self.shift(RUNS))
 
     def shown(self, value: float) -> str:
         return self.form.format(math.exp(value) if self.geometric else value)
+
+
+@dataclass(frozen=True)
+class Counted(Mean):
+    """A share of what cases count, such as the drives in one place, which are alike.
+
+    Seen: share, its standard error from case to case, cases, counted.
+    """
+
+    form: str = "{:.1%}"
+
+    def figure(self, seen: Seen) -> str:
+        return f"{seen[0] * seen[3]:.0f}/{seen[3]:.0f} = {self.shown(seen[0])}"
+
+    def interval(self, seen: Seen) -> str:
+        if seen[2] < 2:
+            return ""
+        low, high = wilson(round(seen[0] * seen[3]), int(seen[3]))
+        half = student_quantile(Z95, int(seen[2]) - 1) * seen[1]
+        low, high = max(min(low, seen[0] - half), 0.0), min(max(high, seen[0] + half), 1.0)
+        return f"[{self.shown(low)}, {self.shown(high)}]"
+
+    def error(self, seen: Seen, mean: float) -> float:
+        """No less than if all that is counted were alone: that a few cases are alike shows nothing."""
+        share = min(max(mean, 0.0), 1.0)
+        return max(seen[1], math.sqrt(share * (1.0 - share) / seen[3]))
 
 
 @dataclass(frozen=True)
@@ -226,7 +259,7 @@ class Rate:
         return seen[0] * math.log(drop / self.target) - (drop - self.target) * seen[1]
 
 
-Test = Share | Always | Mean | Rate
+Test = Share | Always | Mean | Rate  # and Counted, which is a Mean
 
 
 def log_odds(test: Test, drop: float, earlier: Iterable[Seen], now: Seen) -> float:
