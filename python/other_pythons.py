@@ -1,6 +1,6 @@
 """Runs what depends on the interpreter, the pump and the concurrency tests, on each other Python from 3.11 to 3.13.
 
-    .venv/bin/python -m tests.other_pythons [pytest arguments]
+    .venv/bin/python -m python.other_pythons [pytest arguments]
 
 The package is installed there from a wheel, as a user would get it. A Python that is not installed is named as
 not shown.

@@ -5,7 +5,7 @@ import sys
 from pathlib import Path
 
 from python.make_wheel import OWN_VERSION, VERSIONS, interpreters
-from tests.other_pythons import TESTS, environment
+from python.other_pythons import TESTS, environment
 from verify.cases.trees import ROOT
 from verify.harness import Case, Experiment, all_of
 

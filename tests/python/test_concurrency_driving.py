@@ -139,7 +139,7 @@ def test_the_five_lines_end_alike_on_every_python(version: str) -> None:
     sources = [*ROOT.glob("src/**/*"), *ROOT.glob("include/**/*")]
     if not modules or modules[0].stat().st_mtime < max(source.stat().st_mtime for source in sources):
         pytest.skip(
-            f"not shown: the package of now is not in {environment}; `python -m tests.other_pythons` puts it there"
+            f"not shown: the package of now is not in {environment}; `python -m python.other_pythons` puts it there"
         )
     without_path = {name: value for name, value in os.environ.items() if name != "PYTHONPATH"}
     here = subprocess.check_output([sys.executable, "-c", FIVE_LINES], text=True)
