@@ -236,9 +236,9 @@ REGRESSION = [
     Experiment(
         "move_to in given maps of the named scenes",
         drives_in_a_map,
-        {"drives": 10},
+        {"drives": 5},
         variants=[{"scene": scene} for scene in SCENES],
-        cases=140,
+        cases=280,
         sample=2,
         rows=[
             share_within(ARRIVED, lambda case: case["drives"], arrived, at_least=0.985),
@@ -251,7 +251,7 @@ REGRESSION = [
         drive_in_vain,
         variants=[{"scene": scene, "hardware": STANDARD} for scene in ("office_v2", "corridor_v1")],
         cases=80,
-        sample=4,
+        sample=2,
         rows=[
             share_of("no_path", lambda case: case["reason"] == "no_path", at_least=0.95),
             # it may creep where grids of 5 cm see no way

@@ -126,6 +126,7 @@ def test_no_sample_passes_with_nothing_or_with_half() -> None:
 def test_a_row_that_could_not_notice_half_is_info_and_may_fail_all_the_same() -> None:
     row = share_of("most", right, at_least=0.55)
     assert row.judge(hits(4, 4), sample=True).status == "info"
+    assert row.judge(hits(4, 4), sample=True).power.endswith(": too little to judge by")
     assert row.judge(hits(30, 30), sample=True).status == "pass"
     assert row.judge(hits(0, 30), sample=True).status == "FAIL"
     assert all_of("all", right).judge(hits(0, 1), sample=True).status == "FAIL"
@@ -134,7 +135,7 @@ def test_a_row_that_could_not_notice_half_is_info_and_may_fail_all_the_same() ->
 def test_a_small_drop_is_caught_by_the_record_alone() -> None:
     row = share_of("most", right, at_least=0.97)
     now = row.judge(hits(35, 40), sample=True)
-    assert now.status == "info", "undecided"
+    assert (now.status, now.power) == ("info", "<= 86.7% in 5 such runs: undecided")
     statuses = [row.judge(hits(35, 40), sample=True, earlier=[now.seen] * k).status for k in range(5)]
     assert "FAIL" in statuses
     assert statuses[: statuses.index("FAIL")].count("info") == statuses.index("FAIL") >= 1

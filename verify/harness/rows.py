@@ -90,6 +90,8 @@ class Row:
         power = (f"{test.power(drop)} in {runs} such run{'s' * (runs > 1)}") if math.isfinite(drop) else "nothing"
         if sample:
             status = self.status_of(log_odds(test, drop, earlier, seen), able)
+            if status == "info":
+                power += ": undecided" if able else ": too little to judge by"
         else:
             status = "pass" if test.holds(seen) else self.missed()
         return Verdict(figure, self.test.wanted(), status, self.test.interval(seen), power, seen)
