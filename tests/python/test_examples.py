@@ -7,7 +7,11 @@ from pathlib import Path
 import pytest
 
 EXAMPLES = Path(__file__).resolve().parents[2] / "examples"
-NEEDS = {"09_ppo.py": ["torch", "safetensors"], "10_sb3.py": ["stable_baselines3"]}  # extra "train"
+NEEDS = {
+    "09_ppo.py": ["torch", "safetensors"],
+    "10_sb3.py": ["stable_baselines3"],
+    "12_end_to_end.py": ["stable_baselines3"],
+}  # extra "train"
 
 
 @pytest.mark.parametrize("name", sorted(path.name for path in EXAMPLES.glob("*.py")))
