@@ -206,6 +206,10 @@ class Counted(Mean):
         low, high = max(min(low, seen[0] - half), 0.0), min(max(high, seen[0] + half), 1.0)
         return f"[{self.shown(low)}, {self.shown(high)}]"
 
+    def has_power(self, drop: float) -> bool:
+        """It would notice half of what is to be much; of what is to be rare, twice as much or one more in a hundred."""
+        return drop >= 0.5 * self.target if self.at_least else drop <= max(2.0 * self.target, self.target + 0.01)
+
     def error(self, seen: Seen, mean: float) -> float:
         """No less than if all that is counted were alone: that a few cases are alike shows nothing."""
         share = min(max(mean, 0.0), 1.0)
