@@ -297,8 +297,9 @@ REGRESSION = [
     Experiment(
         "people in dynamic_v1",
         among_people,
-        {"scene": "dynamic_v1", "seconds": 300},
-        cases=20,
+        {"scene": "dynamic_v1", "seconds": 120},
+        cases=50,
+        sample=3,
         rows=[
             *PEOPLE,
             mean_of("people wait for the robot [s a minute]", lambda case: case["waiting"], at_least=1.0),

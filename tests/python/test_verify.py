@@ -197,6 +197,7 @@ def test_means_of_a_full_run_have_the_interval_that_repeated_draws_have() -> Non
 def test_cases_that_are_all_alike_have_no_power() -> None:
     assert mean_of("mean", value, at_least=0.9).judge(values(1.0, 1.0, 1.0), sample=True).status == "info"
     assert mean_of("mean", value, at_least=0.9).judge(values(0.8, 0.8, 0.8), sample=True).status == "FAIL"
+    assert mean_of("mean", value, at_least=0.9).judge(values(0.1), sample=True).status == "info", "one case alone"
     alike = [{"right": 50.0, "of": 50.0}] * 6
     row = counted_of("counted", lambda case: case["right"], lambda case: case["of"], at_least=0.98)
     assert row.judge(alike, sample=True).power == "<= 91.0% in 5 such runs"
