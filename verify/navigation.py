@@ -98,7 +98,7 @@ HELD_OUT = [
                 no_contact(),
             ],
         )
-        for hardware, cases, sample, enough in [(STANDARD, 600, 32, 0.97), (TURTLEBOT, 300, 16, 0.90)]
+        for hardware, cases, sample, enough in [(STANDARD, 600, 80, 0.97), (TURTLEBOT, 300, 40, 0.90)]
     ),
     *(
         Experiment(
@@ -110,7 +110,7 @@ HELD_OUT = [
             rows=far_rows("building", enough),
             limit=3600.0,
         )
-        for hardware, cases, sample, enough in [(STANDARD, 800, 12, 0.95), (TURTLEBOT, 200, 8, 0.85)]
+        for hardware, cases, sample, enough in [(STANDARD, 800, 24, 0.95), (TURTLEBOT, 200, 16, 0.85)]
     ),
     Experiment(
         "far goals in generated halls and corridors",
@@ -118,7 +118,7 @@ HELD_OUT = [
         {"run": drive_far},
         variants=[{"place": place, "hardware": hardware} for place in ("hall", "corridor") for hardware in ROBOTS],
         cases=320,
-        sample=8,
+        sample=12,
         rows=far_rows("hall or corridor", None),
         limit=3600.0,
     ),
@@ -127,7 +127,7 @@ HELD_OUT = [
         in_generated,
         {"run": explore},
         cases=60,
-        sample=3,
+        sample=8,
         rows=[
             worst_of("coverage in 1.5 times what nearest-frontier takes", lambda case: case["coverage"], at_least=0.97),
             no_contact(),
@@ -138,7 +138,7 @@ HELD_OUT = [
         in_generated,
         {"run": among_people, "place": "peopled", "seconds": 120},
         cases=60,
-        sample=4,
+        sample=12,
         rows=PEOPLE,
     ),
 ]
@@ -154,9 +154,9 @@ DOORS = [
             rows=[arrival(enough), no_contact()],
         )
         for hardware, spare, enough, sample in [
-            (STANDARD, 0.05, 0.97, 12),
-            (STANDARD, 0.1, 0.97, 8),
-            (TURTLEBOT, 0.07, 0.9, 8),
+            (STANDARD, 0.05, 0.97, 24),
+            (STANDARD, 0.1, 0.97, 16),
+            (TURTLEBOT, 0.07, 0.9, 16),
         ]
     ),
     Experiment(
@@ -165,7 +165,7 @@ DOORS = [
         {"spare": -0.01},
         variants=[{"hardware": hardware} for hardware in ROBOTS],
         cases=200,
-        sample=8,
+        sample=16,
         rows=[
             share_of("no_path", lambda case: case["reason"] == "no_path", at_least=0.95),
             all_of("never reached", lambda case: case["reason"] != "reached"),
@@ -180,7 +180,7 @@ TIGHT = [
         away_from_a_wall,
         variants=[{"hardware": hardware} for hardware in (STANDARD, "3we_depth_v2", TURTLEBOT, BASE)],
         cases=4000,
-        sample=24,
+        sample=64,
         rows=[
             share_of("gets away and reaches a goal, truly within 0.25 m", arrived, at_least=0.99),
             where(
@@ -204,7 +204,7 @@ TIGHT = [
         out_of_a_slot,
         variants=[{"hardware": hardware} for hardware in ROBOTS],
         cases=400,
-        sample=12,
+        sample=24,
         rows=[
             share_of("gets out and comes to its goal, truly within 0.25 m", comes_to_its_goal, at_least=0.95),
             all_of("touches nothing faster than 0.05 m/s", touches_gently),
@@ -221,7 +221,7 @@ REGRESSION = [
             {"scene": "office_v2", "hardware": TURTLEBOT},
         ],
         cases=1600,
-        sample=24,
+        sample=48,
         rows=[
             where(share_of(f"{ARRIVED}, {STANDARD}, nobody walks", arrived, at_least=0.99), still_and_standard),
             where(
@@ -239,7 +239,7 @@ REGRESSION = [
         {"drives": 5},
         variants=[{"scene": scene} for scene in SCENES],
         cases=280,
-        sample=2,
+        sample=4,
         rows=[
             share_within(ARRIVED, lambda case: case["drives"], arrived, at_least=0.985),
             within(mean_of("SPL", spl_of, at_least=0.93), lambda case: case["drives"]),
@@ -251,7 +251,7 @@ REGRESSION = [
         drive_in_vain,
         variants=[{"scene": scene, "hardware": STANDARD} for scene in ("office_v2", "corridor_v1")],
         cases=80,
-        sample=2,
+        sample=4,
         rows=[
             share_of("no_path", lambda case: case["reason"] == "no_path", at_least=0.95),
             # it may creep where grids of 5 cm see no way
@@ -264,7 +264,7 @@ REGRESSION = [
         drive,
         {"scene": "office_v2", "hardware": BASE},
         cases=200,
-        sample=16,
+        sample=40,
         rows=[
             # most drives end as `uncertain`: wheels and gyro alone know less than a tolerance of 0.25 m asks for
             share_of("ends truly within 0.25 m", lambda case: case["true_distance"] <= 0.25, at_least=0.55),
@@ -299,7 +299,7 @@ REGRESSION = [
         among_people,
         {"scene": "dynamic_v1", "seconds": 120},
         cases=50,
-        sample=3,
+        sample=6,
         rows=[
             *PEOPLE,
             mean_of("people wait for the robot [s a minute]", lambda case: case["waiting"], at_least=1.0),

@@ -65,7 +65,7 @@ def in_own_maps() -> list[Row]:
 
 HELD_OUT = [
     Experiment(
-        "localising in generated buildings", in_generated, {"run": drives}, cases=200, sample=8, rows=localising()
+        "localising in generated buildings", in_generated, {"run": drives}, cases=200, sample=16, rows=localising()
     ),
     Experiment(
         "ten minutes in generated buildings",
@@ -73,7 +73,7 @@ HELD_OUT = [
         {"run": kept_track},
         variants=[{"randomization": randomization} for randomization in ("none", "hard")],
         cases=60,
-        sample=4,
+        sample=8,
         rows=tracking(),
     ),
     Experiment(
@@ -81,7 +81,7 @@ HELD_OUT = [
         in_generated,
         {"run": placements},
         cases=60,
-        sample=4,
+        sample=8,
         rows=in_own_maps(),
     ),
 ]
@@ -92,7 +92,7 @@ REGRESSION = [
         drives,
         variants=[{"scene": scene} for scene in SCENES],
         cases=350,
-        sample=7,
+        sample=14,
         rows=[
             *localising(),
             *each("scene", SCENES, lambda _: close(position=0.10, heading=0.010)),
