@@ -29,6 +29,7 @@ EXPERIMENTS = [
             tick,
             {"scene": scene},
             cases=5,
+            sample=3,
             rows=[
                 worst_of("p99 of thread CPU time [ms]", lambda case: case["cpu_p99_ms"], at_most=4.0),
                 time_of("the worst tick of all 10,000 [ms]", lambda case: case["cpu_worst_ms"], at_most=20.0),

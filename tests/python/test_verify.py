@@ -38,6 +38,7 @@ from verify.harness import (
     worst_of,
 )
 from verify.harness.area import Options, verify
+from verify.harness.counts import Always
 from verify.harness.distributions import (
     beta_share,
     binomial_at_most,
@@ -50,7 +51,7 @@ from verify.harness.distributions import (
 from verify.harness.journal import Journal, Revision
 from verify.harness.record import Record
 from verify.harness.running import run_cases
-from verify.harness.sequential import ROWS, Always
+from verify.harness.sequential import ROWS
 
 
 def right(case: dict[str, Any]) -> bool:

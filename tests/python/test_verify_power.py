@@ -12,7 +12,9 @@ import numpy as np
 import pytest
 
 from verify.harness import Row, all_of, mean_of, rate_of, ratio_of, share_of, time_of
-from verify.harness.rows import ratio_and_error
+from verify.harness.counts import Always, Rate, Share
+from verify.harness.kinds import ratio_and_error
+from verify.harness.means import Counted, Mean
 from verify.harness.sequential import (
     ALARM,
     ALPHA,
@@ -20,12 +22,7 @@ from verify.harness.sequential import (
     FALSE_ALARMS,
     ROWS,
     RUNS,
-    Always,
-    Counted,
-    Mean,
-    Rate,
     Seen,
-    Share,
     log_odds,
 )
 

@@ -1,8 +1,10 @@
 """The harness of `./dev verify`, from the bottom up:
 
 distributions   intervals and tails
-sequential      tests of a sample and the record against a target: what they catch, when they give the alarm
+sequential      samples and the record against a target: when they give the alarm
+counts, means   the tests: what they catch
 rows            claims: what cases show, judged by a test
+kinds           kinds of rows, and rows about some of the cases
 journal         finished cases, the commit and the seed that follows from it
 running         experiments, whose cases run in processes of their own
 record          what samples of earlier commits saw
@@ -10,10 +12,7 @@ claims          results of full runs, and the page that is made of them
 area            all of that, for one area
 """
 
-from verify.harness.rows import (
-    Case,
-    Row,
-    Verdict,
+from verify.harness.kinds import (
     all_of,
     counted_of,
     each,
@@ -30,6 +29,7 @@ from verify.harness.rows import (
     within,
     worst_of,
 )
+from verify.harness.rows import Case, Row, Verdict
 from verify.harness.running import Experiment
 
 __all__ = [
