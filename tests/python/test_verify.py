@@ -204,6 +204,12 @@ def test_cases_that_are_all_alike_have_no_power() -> None:
     assert row.judge(alike, sample=True).power == "<= 91.0% in 5 such runs"
 
 
+def test_timings_of_a_few_cases_may_say_next_to_nothing() -> None:
+    row = time_of("time", value, at_most=20.0)
+    assert row.judge(values(2.0, 90.0)).status == "pass"
+    assert row.judge(values(2.0, 90.0), sample=True).status == "info"
+
+
 def test_a_known_miss_stays_in_and_may_get_no_worse() -> None:
     row = known_miss(all_of("all", right), 0.95, "one in twenty")
     assert row.judge(hits(20, 20), sample=True).status == "known miss"

@@ -6,6 +6,8 @@ from dataclasses import dataclass
 from verify.harness.distributions import NORMAL, Z95, normal_score, student_quantile, wilson
 from verify.harness.sequential import ALARM, CAUGHT, RUNS, Seen
 
+LARGE = 700.0  # of logarithms whose numbers can be written
+
 
 @dataclass(frozen=True)
 class Mean:
@@ -79,7 +81,7 @@ class Mean:
         return self.shift(RUNS) * (score - 0.5 * self.shift(RUNS))
 
     def shown(self, value: float) -> str:
-        return self.form.format(math.exp(value) if self.geometric else value)
+        return self.form.format(math.exp(min(value, LARGE)) if self.geometric else value)
 
 
 @dataclass(frozen=True)
