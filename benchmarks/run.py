@@ -8,7 +8,9 @@ import os
 import subprocess
 import sys
 import time
+from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 ROOT = Path(__file__).resolve().parent.parent
 PROGRAMS = ROOT / "build" / "dev" / "benchmarks"
@@ -42,8 +44,19 @@ def main(names: list[str]) -> int:
             context = [f"--benchmark_context={key}={str(value).replace(',', ' ')}" for key, value in machine.items()]
             done = subprocess.run([*command, *options, *context], preexec_fn=lambda: os.sched_setaffinity(0, {cpu}))
             failed |= done.returncode
+            if done.returncode == 0:
+                print(*beside_what_is_wanted(json.loads(raw.read_text())), sep="\n")
         print(f"raw results: {raw.relative_to(ROOT)}\n", flush=True)
     return int(failed != 0)
+
+
+def beside_what_is_wanted(results: dict[str, Any]) -> Iterator[str]:
+    """A line for each benchmark that names what is wanted, misses marked."""
+    for one in results["benchmarks"]:
+        if one.get("aggregate_name") == "median" and "wanted" in one:
+            pace, wanted = one["times_real_time"], one["wanted"]
+            missed = "" if pace >= wanted else "  MISSED"
+            yield f"{one['run_name']}: {pace:.0f} x real time, wanted {wanted:.0f}{missed}"
 
 
 def quietness(cpu: int) -> dict[str, str]:

@@ -1,5 +1,5 @@
 // The whole stack, tick by tick, in the office with realistic noise: how many times faster than real time it runs.
-// Targets on one core: the simulator alone >= 300 x, localising and mapping while driven by hand >= 100 x.
+// What is wanted on one core stands beside it.
 #include <benchmark/benchmark.h>
 
 #include "threewe/backend/registry.hpp"
@@ -11,7 +11,9 @@ namespace {
 
 constexpr Duration kSlice = 1s;  // of robot time between two readings of the clock
 
-void report(benchmark::State& state) {
+// `wanted`: times real time; 0: nothing.
+void report(benchmark::State& state, double wanted) {
+  if (wanted > 0.0) state.counters["wanted"] = benchmark::Counter(wanted);
   state.counters["times_real_time"] =
       benchmark::Counter(static_cast<double>(state.iterations()) * to_seconds(kSlice), benchmark::Counter::kIsRate);
   state.counters["ticks_per_second"] = benchmark::Counter(
@@ -37,7 +39,7 @@ void simulation_alone(benchmark::State& state) {
       benchmark::DoNotOptimize(port.poll());
     }
   }
-  report(state);
+  report(state, 300.0);
 }
 
 // Simulator, localisation, mapping, gate, runtime.
@@ -50,7 +52,7 @@ void driven_by_hand(benchmark::State& state) {
       robot.sleep(0.2);
     }
   }
-  report(state);
+  report(state, 100.0);
 }
 
 // The same with planning and control: exploring, begun anew when there is nothing left to see.
@@ -65,7 +67,7 @@ void exploring(benchmark::State& state) {
     exploration = robot.explore();
     state.ResumeTiming();
   }
-  report(state);
+  report(state, 0.0);
 }
 
 }  // namespace
