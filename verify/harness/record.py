@@ -26,8 +26,8 @@ class Record:
 
     def add(self, area: str, commit: str, seed: int, verdicts: dict[str, Verdict]) -> None:
         """Puts a run at the end, in place of one with the same cases."""
-        told = {name: verdict.seen for name, verdict in verdicts.items() if verdict.seen}
-        rows = {name: seen for name, seen in told.items() if all(map(math.isfinite, seen))}  # one case has no interval
+        # one case alone has no interval
+        rows = {name: one.seen for name, one in verdicts.items() if one.seen and all(map(math.isfinite, one.seen))}
         known = (area, commit, seed)
         kept = [run for run in self.runs if (run["area"], run["commit"], run["seed"]) != known]
         self.runs = [*kept, {"area": area, "commit": commit, "seed": seed, "rows": rows}]
