@@ -5,9 +5,10 @@
 #include <span>
 #include <vector>
 
+#include "core/exact.hpp"
+#include "sim/camera.hpp"
+#include "sim/step.hpp"
 #include "threewe/scene/scene.hpp"
-#include "threewe/sim/camera.hpp"
-#include "threewe/sim/step.hpp"
 
 namespace {
 

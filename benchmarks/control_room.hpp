@@ -5,7 +5,7 @@
 #include <cmath>
 #include <vector>
 
-#include "threewe/core/exact.hpp"
+#include "core/exact.hpp"
 #include "threewe/core/pose.hpp"
 
 namespace threewe {

@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "furnished_place.hpp"
-#include "threewe/map/costmap.hpp"
-#include "threewe/nav/planner.hpp"
+#include "map/costmap.hpp"
+#include "nav/planner.hpp"
 
 namespace threewe {
 

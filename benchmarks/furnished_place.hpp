@@ -3,9 +3,9 @@
 
 #include <algorithm>
 
+#include "scene/occupancy.hpp"
 #include "threewe/map/occupancy_grid.hpp"
 #include "threewe/scene/generator.hpp"
-#include "threewe/scene/occupancy.hpp"
 
 namespace threewe {
 

@@ -5,7 +5,7 @@
 
 #include <memory>
 
-#include "threewe/scene/scene_tables.hpp"
+#include "scene/scene_tables.hpp"
 
 namespace threewe::scene {
 namespace {

@@ -4,10 +4,11 @@
 #include <random>
 #include <vector>
 
+#include "core/exact.hpp"
 #include "lidar_room.hpp"
-#include "threewe/scene/obstacles.hpp"
+#include "scene/obstacles.hpp"
+#include "sim/ray_caster.hpp"
 #include "threewe/scene/scene.hpp"
-#include "threewe/sim/ray_caster.hpp"
 
 namespace {
 

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "control_room.hpp"
-#include "threewe/nav/mppi.hpp"
+#include "nav/mppi.hpp"
 
 namespace {
 

@@ -11,11 +11,12 @@
 
 #include <benchmark/benchmark.h>
 
+#include "backend/mujoco/mujoco.hpp"
 #include "backend/mujoco/world/library.hpp"
-#include "threewe/backend/mujoco/mujoco.hpp"
+#include "core/exact.hpp"
+#include "export/mjcf.hpp"
+#include "models/lidar.hpp"
 #include "threewe/backend/registry.hpp"
-#include "threewe/export/mjcf.hpp"
-#include "threewe/models/lidar.hpp"
 
 using namespace threewe;
 using backend::mujoco::Library;

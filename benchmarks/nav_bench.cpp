@@ -11,13 +11,15 @@
 #include <utility>
 #include <vector>
 
+#include "core/exact.hpp"
+#include "core/grid_line.hpp"
 #include "course.hpp"
-#include "threewe/core/grid_line.hpp"
-#include "threewe/map/log_odds_map.hpp"
-#include "threewe/nav/frontiers.hpp"
-#include "threewe/nav/planner.hpp"
-#include "threewe/scene/geometry.hpp"
+#include "map/change_log.hpp"
+#include "map/log_odds_map.hpp"
+#include "nav/frontiers.hpp"
+#include "nav/planner.hpp"
 #include "threewe/scene/scene.hpp"
+#include "threewe/scene/solid.hpp"
 
 namespace {
 

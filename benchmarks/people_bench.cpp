@@ -4,9 +4,10 @@
 #include <cmath>
 #include <vector>
 
-#include "threewe/nav/people_tracker.hpp"
-#include "threewe/scene/geometry.hpp"
+#include "core/exact.hpp"
+#include "nav/people_tracker.hpp"
 #include "threewe/scene/scene.hpp"
+#include "threewe/scene/solid.hpp"
 
 namespace {
 

@@ -3,8 +3,9 @@
 
 #include <memory>
 
-#include "threewe/scene/coverage.hpp"
-#include "threewe/scene/episodes.hpp"
+#include "scene/coverage.hpp"
+#include "scene/episodes.hpp"
+#include "scene/scene_tables.hpp"
 
 namespace threewe::scene {
 namespace {

@@ -5,11 +5,12 @@
 #include <algorithm>
 #include <vector>
 
+#include "core/exact.hpp"
 #include "slam/pose_graph.hpp"
 #include "slam/scan_matcher.hpp"
 #include "slam/scan_search.hpp"
-#include "threewe/scene/geometry.hpp"
 #include "threewe/scene/scene.hpp"
+#include "threewe/scene/solid.hpp"
 
 namespace {
 

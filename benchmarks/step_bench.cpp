@@ -9,13 +9,13 @@
 #include <memory>
 #include <vector>
 
+#include "core/rng.hpp"
+#include "scene/episodes.hpp"
+#include "scene/scene_tables.hpp"
+#include "sim/step.hpp"
 #include "threewe/backend/registry.hpp"
-#include "threewe/core/rng.hpp"
-#include "threewe/scene/episodes.hpp"
 #include "threewe/scene/scene.hpp"
-#include "threewe/scene/scene_tables.hpp"
 #include "threewe/scene/truth_view.hpp"
-#include "threewe/sim/step.hpp"
 
 namespace {
 

@@ -1,6 +1,6 @@
-# How every source of ours is compiled.
-#   threewe_flags     what the library's bits depend on; users of the library inherit it
-#   threewe_warnings  ours alone
+# How every source of ours is compiled. Users of the installed library inherit none of it.
+#   threewe_flags     what the library's bits depend on
+#   threewe_warnings  what is warned about
 
 set(CMAKE_CXX_STANDARD 20)
 set(CMAKE_CXX_STANDARD_REQUIRED ON)
@@ -30,8 +30,7 @@ add_library(threewe_flags INTERFACE)
 target_compile_features(threewe_flags INTERFACE cxx_std_20)
 target_compile_options(threewe_flags INTERFACE -ffp-contract=off)
 target_compile_definitions(threewe_flags INTERFACE EIGEN_DONT_VECTORIZE)
-target_include_directories(threewe_flags INTERFACE $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/include>
-                                                   $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
+target_include_directories(threewe_flags INTERFACE "${PROJECT_SOURCE_DIR}/include" "${PROJECT_SOURCE_DIR}/src")
 
 # Highway's functions for 64-bit Arm may use AES, and the compiler puts them only into code that may use it too. Nothing
 # of ours does: processors without it are as good

@@ -1,5 +1,11 @@
-# A module is include/threewe/<module> and src/<module>, built as the library threewe_<module> of its own;
-# libthreewe is all of their objects in one.
+# A module is src/<module>, with what users call of it in include/threewe/<module>, built as the library
+# threewe_<module> of its own; libthreewe is all of their objects in one.
+
+# What the sources include and nobody links: libraries that are headers alone.
+find_package(Eigen3 REQUIRED)
+find_package(nlohmann_json REQUIRED)
+find_package(tl-expected REQUIRED)
+set(THREEWE_INCLUDED Eigen3::Eigen nlohmann_json::nlohmann_json tl::expected)
 
 # Defines the library of one module. Files are found by themselves, also in the named FOLDERS within the module; a module
 # without sources is its headers.
@@ -12,8 +18,7 @@ function(threewe_module module)
   file(GLOB sources CONFIGURE_DEPENDS "${PROJECT_SOURCE_DIR}/src/${module}/*.cpp" ${folders})
   if(sources)
     add_library(${target} STATIC ${sources})
-    target_include_directories(${target} PRIVATE "${PROJECT_SOURCE_DIR}/src")
-    target_link_libraries(${target} PRIVATE $<BUILD_INTERFACE:threewe_warnings>)
+    target_link_libraries(${target} PRIVATE threewe_warnings)
     set(scope PUBLIC)
     set_property(GLOBAL APPEND PROPERTY threewe_objects $<TARGET_OBJECTS:${target}>)
   else()
@@ -23,17 +28,25 @@ function(threewe_module module)
 
   string(REPLACE "/" "_" uses "${ARG_USES}")
   list(TRANSFORM uses PREPEND threewe_)
-  target_link_libraries(${target} ${scope} threewe_flags ${THREEWE_DEPENDENCIES} ${uses})
+  target_link_libraries(${target} ${scope} threewe_flags ${THREEWE_INCLUDED} ${THREEWE_LINKED} ${uses})
   set_property(GLOBAL APPEND PROPERTY threewe_modules ${module})
 endfunction()
 
-# Defines libthreewe and how it, its headers, its assets and its CMake package are installed.
+# Defines libthreewe and how it, its headers, its assets and its CMake package are installed. An outside project gets
+# C++20 and the folder of the headers from it; what a static library links itself comes for the linker alone.
 function(threewe_library)
   get_property(objects GLOBAL PROPERTY threewe_objects)
   add_library(threewe ${objects})
   add_library(threewe::threewe ALIAS threewe)
   set_target_properties(threewe PROPERTIES LINKER_LANGUAGE CXX VERSION ${PROJECT_VERSION})
-  target_link_libraries(threewe PUBLIC threewe_flags ${THREEWE_DEPENDENCIES})
+  target_compile_features(threewe PUBLIC cxx_std_20)
+  target_include_directories(threewe PUBLIC $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/include>
+                                            $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
+  target_link_libraries(threewe PRIVATE ${THREEWE_LINKED})
+
+  # for programs of ours, which may include what is in src and are compiled as the library is
+  add_library(threewe_inside INTERFACE)
+  target_link_libraries(threewe_inside INTERFACE threewe threewe_flags ${THREEWE_INCLUDED} ${THREEWE_LINKED})
 
   # where assets are: in a wheel beside the module, while developing beside the sources, else where they are installed;
   # and as seen from the folders of libraries and of programs, for an installation that was moved
@@ -53,9 +66,10 @@ function(threewe_library)
   include(CMakePackageConfigHelpers)
   set(package "${CMAKE_INSTALL_LIBDIR}/cmake/threewe")
   write_basic_package_version_file(threewe-config-version.cmake COMPATIBILITY SameMinorVersion)
+  get_target_property(kind threewe TYPE)
   configure_package_config_file(cmake/threewe-config.cmake.in threewe-config.cmake INSTALL_DESTINATION ${package}
                                 PATH_VARS CMAKE_INSTALL_DATADIR NO_CHECK_REQUIRED_COMPONENTS_MACRO)
-  install(TARGETS threewe threewe_flags EXPORT threewe)
+  install(TARGETS threewe EXPORT threewe)
   install(EXPORT threewe DESTINATION ${package} NAMESPACE threewe:: FILE threewe-targets.cmake)
   install(FILES "${CMAKE_CURRENT_BINARY_DIR}/threewe-config.cmake" "${PROJECT_SOURCE_DIR}/cmake/dependencies.cmake"
                 "${CMAKE_CURRENT_BINARY_DIR}/threewe-config-version.cmake" DESTINATION ${package})

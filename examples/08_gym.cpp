@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "threewe/env/batch.hpp"
-#include "threewe/task/navigation.hpp"
+#include "threewe/task/tasks.hpp"
 #include "threewe/threewe.hpp"
 
 namespace {

@@ -3,11 +3,10 @@
 
 #include <vector>
 
+#include "task/object_nav.hpp"
+#include "task/vln.hpp"
 #include "threewe/env/batch.hpp"
-#include "threewe/task/exploration.hpp"
-#include "threewe/task/navigation.hpp"
-#include "threewe/task/object_nav.hpp"
-#include "threewe/task/vln.hpp"
+#include "threewe/task/tasks.hpp"
 
 inline std::vector<threewe::env::TaskFactory> all_tasks() {
   using threewe::task::Setting;

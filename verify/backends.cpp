@@ -17,12 +17,13 @@
 #include <string>
 #include <vector>
 
+#include "backend/mujoco/mujoco.hpp"
 #include "backend/mujoco/world/engine.hpp"
 #include "backend/mujoco/world/senses.hpp"
-#include "threewe/backend/mujoco/mujoco.hpp"
-#include "threewe/models/lidar.hpp"
-#include "threewe/scene/scene_tables.hpp"
-#include "threewe/sim/step.hpp"
+#include "core/exact.hpp"
+#include "models/lidar.hpp"
+#include "scene/scene_tables.hpp"
+#include "sim/step.hpp"
 
 using namespace threewe;
 using backend::mujoco::MujocoEngine;

@@ -8,12 +8,12 @@
 #include <string>
 #include <vector>
 
+#include "models/lidar.hpp"
 #include "number.hpp"
+#include "scene/scene_tables.hpp"
 #include "sim/comparison.hpp"
-#include "threewe/models/lidar.hpp"
-#include "threewe/scene/scene_tables.hpp"
-#include "threewe/sim/figures.hpp"
-#include "threewe/sim/step.hpp"
+#include "sim/figures.hpp"
+#include "sim/step.hpp"
 
 using namespace threewe;
 

@@ -12,10 +12,10 @@
 #include <vector>
 
 #include "all_tasks.hpp"
+#include "core/rng.hpp"
+#include "core/targets.hpp"
 #include "hash.hpp"
 #include "number.hpp"
-#include "threewe/core/rng.hpp"
-#include "threewe/core/targets.hpp"
 #include "threewe/scene/generator.hpp"
 
 using namespace threewe;

@@ -22,12 +22,13 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "core/exact.hpp"
 #include "number.hpp"
 #include "robot/faulty_port.hpp"
+#include "scene/episodes.hpp"
 #include "threewe/backend/registry.hpp"
 #include "threewe/robot/robot.hpp"
 #include "threewe/robot/warning.hpp"
-#include "threewe/scene/episodes.hpp"
 
 using namespace threewe;
 using namespace threewe::test;

@@ -10,11 +10,12 @@
 #include <vector>
 
 #include "number.hpp"
+#include "scene/scene_tables.hpp"
 #include "stranger.hpp"
+#include "task/interpreter.hpp"
+#include "task/vln.hpp"
 #include "threewe/hardware/profile.hpp"
 #include "threewe/scene/generator.hpp"
-#include "threewe/task/interpreter.hpp"
-#include "threewe/task/vln.hpp"
 
 using namespace threewe;
 

@@ -19,13 +19,14 @@
 #include <variant>
 #include <vector>
 
+#include "core/targets.hpp"
 #include "hash.hpp"
 #include "number.hpp"
 #include "robot/lying_world.hpp"
+#include "scene/episodes.hpp"
+#include "scene/scene_tables.hpp"
 #include "threewe/backend/registry.hpp"
-#include "threewe/core/targets.hpp"
 #include "threewe/robot/robot.hpp"
-#include "threewe/scene/episodes.hpp"
 
 using namespace threewe;
 

@@ -11,11 +11,13 @@
 #include <string>
 #include <vector>
 
+#include "core/exact.hpp"
 #include "number.hpp"
+#include "scene/scene_tables.hpp"
+#include "sim/renderer.hpp"
+#include "task/object_nav.hpp"
+#include "task/sight.hpp"
 #include "threewe/scene/generator.hpp"
-#include "threewe/sim/renderer.hpp"
-#include "threewe/task/object_nav.hpp"
-#include "threewe/task/sight.hpp"
 
 using namespace threewe;
 

@@ -19,8 +19,8 @@
 #include "number.hpp"
 #include "threewe/robot/robot.hpp"
 #include "threewe/robot/warning.hpp"
-#include "threewe/scene/geometry.hpp"
 #include "threewe/scene/scene.hpp"
+#include "threewe/scene/solid.hpp"
 
 using namespace threewe;
 

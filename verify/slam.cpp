@@ -14,10 +14,12 @@
 #include <string_view>
 #include <variant>
 
+#include "models/localization_error.hpp"
 #include "number.hpp"
+#include "scene/episodes.hpp"
+#include "scene/scene_tables.hpp"
 #include "threewe/models/localization.hpp"
 #include "threewe/robot/robot.hpp"
-#include "threewe/scene/episodes.hpp"
 
 using namespace threewe;
 

@@ -11,8 +11,8 @@
 #include <string>
 #include <vector>
 
-#include "threewe/scene/scene_tables.hpp"
-#include "threewe/task/language.hpp"
+#include "scene/scene_tables.hpp"
+#include "task/language.hpp"
 
 namespace threewe {
 

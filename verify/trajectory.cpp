@@ -15,9 +15,10 @@
 #include <vector>
 
 #include "number.hpp"
+#include "scene/episodes.hpp"
+#include "scene/scene_tables.hpp"
 #include "seconds.hpp"
 #include "threewe/robot/robot.hpp"
-#include "threewe/scene/episodes.hpp"
 
 using namespace threewe;
 

@@ -17,8 +17,8 @@
 #include <vector>
 
 #include "all_tasks.hpp"
+#include "core/rng.hpp"
 #include "number.hpp"
-#include "threewe/core/rng.hpp"
 #include "threewe/scene/generator.hpp"
 
 using namespace threewe;

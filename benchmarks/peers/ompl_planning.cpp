@@ -9,8 +9,8 @@
 #include <ompl/geometric/planners/rrt/RRTstar.h>
 #include <ompl/util/Console.h>
 
+#include "core/grid_line.hpp"
 #include "course.hpp"
-#include "threewe/core/grid_line.hpp"
 
 namespace {
 

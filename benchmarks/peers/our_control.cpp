@@ -2,7 +2,7 @@
 #include <optional>
 
 #include "../control_room.hpp"
-#include "threewe/nav/mppi.hpp"
+#include "nav/mppi.hpp"
 #include "world.hpp"
 
 namespace {

@@ -1,8 +1,9 @@
 // Ours beside them, in C++: the lidar and the camera. Steps of environments are timed through Python, as they are used.
+#include "core/exact.hpp"
+#include "sim/camera.hpp"
+#include "sim/ray_caster.hpp"
+#include "sim/renderer.hpp"
 #include "threewe/scene/scene.hpp"
-#include "threewe/sim/camera.hpp"
-#include "threewe/sim/ray_caster.hpp"
-#include "threewe/sim/renderer.hpp"
 #include "world.hpp"
 
 namespace {

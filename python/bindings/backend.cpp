@@ -1,6 +1,6 @@
 // Backends by name, and what a robot can do.
+#include "backend/mujoco/mujoco.hpp"
 #include "bindings.hpp"
-#include "threewe/backend/mujoco/mujoco.hpp"
 #include "threewe/backend/registry.hpp"
 #include "threewe/backend/world.hpp"
 #include "value.hpp"

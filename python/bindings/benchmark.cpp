@@ -3,10 +3,11 @@
 
 #include <nanobind/stl/shared_ptr.h>
 
+#include "benchmark/nearest_frontier.hpp"
+#include "benchmark/optimist.hpp"
 #include "bindings.hpp"
-#include "threewe/benchmark/nearest_frontier.hpp"
-#include "threewe/benchmark/optimist.hpp"
-#include "threewe/task/stop_task.hpp"
+#include "scene/scene_tables.hpp"
+#include "task/stop_task.hpp"
 #include "value.hpp"
 
 using namespace threewe;

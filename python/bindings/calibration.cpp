@@ -2,6 +2,7 @@
 #include "threewe/calibration/calibrate.hpp"
 
 #include "bindings.hpp"
+#include "calibration/fit.hpp"
 #include "named_enum.hpp"
 #include "value.hpp"
 

@@ -7,12 +7,12 @@
 
 #include "as_array.hpp"
 #include "bindings.hpp"
+#include "core/names.hpp"
+#include "core/targets.hpp"
 #include "named_enum.hpp"
 #include "threewe/core/assets.hpp"
 #include "threewe/core/kinematics.hpp"
-#include "threewe/core/names.hpp"
 #include "threewe/core/samples.hpp"
-#include "threewe/core/targets.hpp"
 #include "value.hpp"
 
 namespace {

@@ -14,12 +14,11 @@
 #include <nanobind/stl/tuple.h>
 
 #include "bindings.hpp"
-#include "threewe/core/names.hpp"
+#include "core/names.hpp"
+#include "task/object_nav.hpp"
+#include "task/vln.hpp"
 #include "threewe/env/robot/robot_env.hpp"
-#include "threewe/task/exploration.hpp"
-#include "threewe/task/navigation.hpp"
-#include "threewe/task/object_nav.hpp"
-#include "threewe/task/vln.hpp"
+#include "threewe/task/tasks.hpp"
 #include "value.hpp"
 
 namespace {

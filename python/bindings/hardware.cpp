@@ -1,5 +1,4 @@
 // Robot profiles.
-#include "threewe/hardware/image_size.hpp"
 #include "threewe/hardware/profile.hpp"
 
 #include "bindings.hpp"

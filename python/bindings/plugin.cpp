@@ -6,11 +6,12 @@
 
 #include <fmt/ranges.h>
 
+#include "backend/plugin.hpp"
 #include "bindings.hpp"
+#include "core/exact.hpp"
 #include "named_enum.hpp"
 #include "plugin_truth.hpp"
 #include "threewe/backend/conformance.hpp"
-#include "threewe/backend/plugin.hpp"
 #include "threewe/backend/registry.hpp"
 #include "value.hpp"
 

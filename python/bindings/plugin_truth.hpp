@@ -6,10 +6,10 @@
 #include <utility>
 #include <vector>
 
-#include "threewe/backend/plugin.hpp"
-#include "threewe/scene/table_truth.hpp"
-#include "threewe/sim/camera.hpp"
-#include "threewe/sim/model.hpp"
+#include "backend/plugin.hpp"
+#include "scene/table_truth.hpp"
+#include "sim/camera.hpp"
+#include "sim/model.hpp"
 
 /// What the plug-in answers, and what follows from its scene. People are where it has them, of which nobody tells.
 class PluginTruthView final : public threewe::scene::TableTruth {

@@ -9,15 +9,15 @@
 #include <nanobind/stl/shared_ptr.h>
 
 #include "bindings.hpp"
+#include "core/exact.hpp"
+#include "core/names.hpp"
 #include "named_enum.hpp"
-#include "threewe/core/exact.hpp"
-#include "threewe/core/names.hpp"
+#include "scene/coverage.hpp"
+#include "scene/episodes.hpp"
+#include "scene/scene_tables.hpp"
 #include "threewe/hardware/profile.hpp"
 #include "threewe/map/occupancy_grid.hpp"
-#include "threewe/scene/coverage.hpp"
-#include "threewe/scene/episodes.hpp"
 #include "threewe/scene/generator.hpp"
-#include "threewe/scene/scene_tables.hpp"
 #include "value.hpp"
 
 namespace {

@@ -1,6 +1,6 @@
 // Tours that the embedded simulator records.
+#include "sim/survey.hpp"
 #include "threewe/core/errors.hpp"
-#include "threewe/sim/survey.hpp"
 
 #include "bindings.hpp"
 #include "value.hpp"

@@ -12,8 +12,8 @@
 #include <nanobind/stl/pair.h>
 
 #include "bindings.hpp"
+#include "core/bounds.hpp"
 #include "one_thread.hpp"
-#include "threewe/core/bounds.hpp"
 #include "value.hpp"
 
 template <>

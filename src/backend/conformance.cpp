@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "backend/conformance_bench.hpp"
-#include "threewe/core/names.hpp"
+#include "core/names.hpp"
 
 namespace threewe::backend {
 

@@ -5,7 +5,7 @@
 #include <optional>
 
 #include "backend/conformance_bench.hpp"
-#include "threewe/core/exact.hpp"
+#include "core/exact.hpp"
 
 namespace threewe::backend::conformance {
 

@@ -4,8 +4,8 @@
 #include <limits>
 
 #include "backend/conformance_bench.hpp"
-#include "threewe/backend/sample_checks.hpp"
-#include "threewe/core/exact.hpp"
+#include "backend/sample_checks.hpp"
+#include "core/exact.hpp"
 
 namespace threewe::backend::conformance {
 

@@ -2,7 +2,7 @@
 #include <cmath>
 
 #include "backend/conformance_bench.hpp"
-#include "threewe/core/exact.hpp"
+#include "core/exact.hpp"
 
 namespace threewe::backend::conformance {
 

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "backend/conformance_bench.hpp"
-#include "threewe/core/exact.hpp"
+#include "core/exact.hpp"
 #include "threewe/scene/truth_view.hpp"
 
 namespace threewe::backend::conformance {

@@ -6,7 +6,7 @@
 #include <optional>
 
 #include "backend/conformance_bench.hpp"
-#include "threewe/backend/sample_checks.hpp"
+#include "backend/sample_checks.hpp"
 
 namespace threewe::backend::conformance {
 

@@ -6,9 +6,9 @@
 
 #include <fmt/format.h>
 
-#include "threewe/backend/sample_checks.hpp"
+#include "backend/sample_checks.hpp"
+#include "core/names.hpp"
 #include "threewe/core/errors.hpp"
-#include "threewe/core/names.hpp"
 
 namespace threewe::backend {
 

@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <string>
 
-#include "threewe/backend/plugin.hpp"
+#include "backend/plugin.hpp"
 
 namespace threewe::backend {
 

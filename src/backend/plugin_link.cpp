@@ -4,9 +4,9 @@
 
 #include <fmt/format.h>
 
+#include "backend/plugin.hpp"
 #include "backend/plugin_checks.hpp"
-#include "threewe/backend/plugin.hpp"
-#include "threewe/backend/sample_checks.hpp"
+#include "backend/sample_checks.hpp"
 #include "threewe/core/errors.hpp"
 
 namespace threewe::backend {

@@ -5,10 +5,10 @@
 #include <fmt/format.h>
 
 #include "backend/bytes.hpp"
-#include "threewe/backend/plugin.hpp"
+#include "backend/plugin.hpp"
+#include "core/rng.hpp"
+#include "hardware/limits.hpp"
 #include "threewe/core/errors.hpp"
-#include "threewe/core/rng.hpp"
-#include "threewe/hardware/limits.hpp"
 
 namespace threewe::backend {
 

@@ -1,4 +1,4 @@
-#include "threewe/backend/sample_checks.hpp"
+#include "backend/sample_checks.hpp"
 
 #include <cmath>
 #include <utility>
@@ -6,8 +6,8 @@
 
 #include <fmt/format.h>
 
+#include "core/exact.hpp"
 #include "threewe/core/errors.hpp"
-#include "threewe/core/exact.hpp"
 
 namespace threewe::backend {
 namespace {

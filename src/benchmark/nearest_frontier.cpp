@@ -1,10 +1,10 @@
-#include "threewe/benchmark/nearest_frontier.hpp"
+#include "benchmark/nearest_frontier.hpp"
 
 #include <cstddef>
 #include <vector>
 
 #include "benchmark/sight.hpp"
-#include "threewe/scene/coverage.hpp"
+#include "scene/coverage.hpp"
 
 namespace threewe::benchmark {
 namespace {

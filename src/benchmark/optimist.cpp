@@ -1,4 +1,4 @@
-#include "threewe/benchmark/optimist.hpp"
+#include "benchmark/optimist.hpp"
 
 #include <vector>
 

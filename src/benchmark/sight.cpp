@@ -5,9 +5,10 @@
 
 #include <fmt/format.h>
 
+#include "core/exact.hpp"
+#include "scene/cell_lines.hpp"
+#include "scene/coverage.hpp"
 #include "threewe/core/errors.hpp"
-#include "threewe/core/exact.hpp"
-#include "threewe/scene/coverage.hpp"
 
 namespace threewe::benchmark {
 namespace {

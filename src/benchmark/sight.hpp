@@ -4,9 +4,9 @@
 #include <cstddef>
 #include <vector>
 
+#include "scene/scene_tables.hpp"
 #include "threewe/core/pose.hpp"
 #include "threewe/hardware/profile.hpp"
-#include "threewe/scene/scene_tables.hpp"
 
 namespace threewe::benchmark {
 

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 #include <yaml-cpp/yaml.h>
 
+#include "calibration/fit.hpp"
 #include "threewe/backend/registry.hpp"
 #include "threewe/core/assets.hpp"
 

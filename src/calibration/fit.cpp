@@ -1,3 +1,5 @@
+#include "calibration/fit.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -5,7 +7,6 @@
 #include <Eigen/Dense>
 
 #include "calibration/figures.hpp"
-#include "threewe/calibration/calibrate.hpp"
 
 namespace threewe::calibration {
 namespace {

@@ -1,14 +1,14 @@
-#include "threewe/calibration/manoeuvres.hpp"
+#include "calibration/manoeuvres.hpp"
 
 #include <algorithm>
 #include <array>
 
 #include <fmt/format.h>
 
+#include "core/rng.hpp"
+#include "hardware/limits.hpp"
 #include "threewe/core/assets.hpp"
-#include "threewe/core/rng.hpp"
 #include "threewe/core/time.hpp"
-#include "threewe/hardware/limits.hpp"
 
 namespace threewe::calibration {
 namespace {

@@ -1,4 +1,4 @@
-#include "threewe/calibration/tracks.hpp"
+#include "calibration/tracks.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -6,9 +6,9 @@
 #include <utility>
 #include <variant>
 
+#include "sim/step.hpp"
 #include "threewe/core/time.hpp"
 #include "threewe/scene/truth_view.hpp"
-#include "threewe/sim/step.hpp"
 
 namespace threewe::calibration {
 namespace {

@@ -9,8 +9,8 @@
 
 #include <fmt/format.h>
 
+#include "core/names.hpp"
 #include "threewe/core/errors.hpp"
-#include "threewe/core/names.hpp"
 
 // Defined in programs that were built with the CMake package: see cmake/threewe-config.cmake.in.
 extern "C" const char* threewe_package_assets() __attribute__((weak));

@@ -1,4 +1,4 @@
-#include "threewe/core/bounds.hpp"
+#include "core/bounds.hpp"
 
 #include <cmath>
 

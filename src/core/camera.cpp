@@ -7,8 +7,8 @@
 
 #include <fmt/format.h>
 
+#include "core/exact.hpp"
 #include "threewe/core/errors.hpp"
-#include "threewe/core/exact.hpp"
 
 namespace threewe {
 namespace {

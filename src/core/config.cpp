@@ -1,4 +1,4 @@
-#include "threewe/core/config.hpp"
+#include "core/config.hpp"
 
 #include <algorithm>
 #include <array>
@@ -12,8 +12,8 @@
 #include <fmt/format.h>
 #include <yaml-cpp/eventhandler.h>
 
+#include "core/names.hpp"
 #include "threewe/core/errors.hpp"
-#include "threewe/core/names.hpp"
 
 namespace threewe {
 namespace {

@@ -1,4 +1,4 @@
-#include "threewe/core/exact.hpp"
+#include "core/exact.hpp"
 
 #include <bit>
 #include <cstdint>
@@ -6,7 +6,7 @@
 
 #include <hwy/highway.h>
 
-#include "threewe/core/exact-inl.hpp"
+#include "core/exact-inl.hpp"
 
 namespace threewe::exact {
 namespace {

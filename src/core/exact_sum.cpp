@@ -1,10 +1,10 @@
-#include "threewe/core/exact.hpp"
+#include "core/exact.hpp"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "core/exact_sum.cpp"
-#include "threewe/core/highway-inl.hpp"
+#include "core/highway-inl.hpp"
 //
-#include "threewe/core/exact-inl.hpp"
+#include "core/exact-inl.hpp"
 
 #if HWY_ONCE
 namespace threewe::exact {

@@ -5,6 +5,7 @@
 #include <limits>
 #include <utility>
 
+#include "core/exact.hpp"
 #include "threewe/core/errors.hpp"
 
 namespace threewe {

@@ -1,4 +1,4 @@
-#include "threewe/core/names.hpp"
+#include "core/names.hpp"
 
 #include <algorithm>
 #include <numeric>

@@ -2,7 +2,8 @@
 
 #include <hwy/highway.h>
 
-#include "threewe/core/pose-inl.hpp"
+#include "core/exact.hpp"
+#include "core/pose-inl.hpp"
 
 namespace threewe {
 

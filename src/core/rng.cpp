@@ -1,8 +1,8 @@
-#include "threewe/core/rng.hpp"
+#include "core/rng.hpp"
 
 #include <span>
 
-#include "threewe/core/exact.hpp"
+#include "core/exact.hpp"
 
 namespace threewe {
 namespace {

@@ -1,13 +1,13 @@
-#include "threewe/core/targets.hpp"
+#include "core/targets.hpp"
 
 #include <algorithm>
 #include <cstdint>
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "core/targets.cpp"
+#include "core/highway-inl.hpp"
+#include "core/names.hpp"
 #include "threewe/core/errors.hpp"
-#include "threewe/core/highway-inl.hpp"
-#include "threewe/core/names.hpp"
 
 #if HWY_ONCE
 namespace threewe {

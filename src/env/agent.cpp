@@ -4,11 +4,12 @@
 #include <utility>
 
 #include "env/clock.hpp"
+#include "hardware/limits.hpp"
+#include "models/lidar.hpp"
+#include "models/localization_error.hpp"
+#include "safety/scan_points.hpp"
+#include "sim/step.hpp"
 #include "threewe/core/errors.hpp"
-#include "threewe/hardware/limits.hpp"
-#include "threewe/models/lidar.hpp"
-#include "threewe/safety/scan_points.hpp"
-#include "threewe/sim/step.hpp"
 
 namespace threewe::env {
 namespace {

@@ -6,13 +6,14 @@
 #include <span>
 #include <vector>
 
+#include "models/lidar.hpp"
+#include "models/localization_error.hpp"
+#include "safety/gate.hpp"
+#include "safety/unseen.hpp"
+#include "sim/model.hpp"
+#include "sim/state.hpp"
 #include "threewe/env/options.hpp"
-#include "threewe/models/lidar.hpp"
 #include "threewe/models/localization.hpp"
-#include "threewe/safety/gate.hpp"
-#include "threewe/safety/unseen.hpp"
-#include "threewe/sim/model.hpp"
-#include "threewe/sim/state.hpp"
 
 namespace threewe::env {
 

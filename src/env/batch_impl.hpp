@@ -13,8 +13,8 @@
 #include "env/pictures.hpp"
 #include "env/places.hpp"
 #include "env/workers.hpp"
+#include "sim/people.hpp"
 #include "threewe/env/batch.hpp"
-#include "threewe/sim/people.hpp"
 
 namespace threewe::env {
 

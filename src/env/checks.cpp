@@ -6,8 +6,8 @@
 
 #include <fmt/format.h>
 
+#include "sim/state.hpp"
 #include "threewe/core/errors.hpp"
-#include "threewe/sim/state.hpp"
 
 namespace threewe::env {
 namespace {

@@ -2,14 +2,14 @@
 #include <algorithm>
 #include <array>
 
+#include "core/exact.hpp"
+#include "core/rng.hpp"
 #include "env/batch_impl.hpp"
 #include "env/checks.hpp"
 #include "env/episodes.hpp"
-#include "threewe/core/exact.hpp"
-#include "threewe/core/rng.hpp"
-#include "threewe/models/camera.hpp"
-#include "threewe/sim/camera.hpp"
-#include "threewe/sim/step.hpp"
+#include "models/camera.hpp"
+#include "sim/camera.hpp"
+#include "sim/step.hpp"
 
 namespace threewe::env {
 namespace {

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "threewe/sim/step.hpp"
+#include "sim/step.hpp"
 
 namespace threewe::env {
 namespace {

@@ -4,10 +4,10 @@
 #include <span>
 #include <vector>
 
-#include "threewe/sim/camera.hpp"
-#include "threewe/sim/model.hpp"
-#include "threewe/sim/people.hpp"
-#include "threewe/sim/state.hpp"
+#include "sim/camera.hpp"
+#include "sim/model.hpp"
+#include "sim/people.hpp"
+#include "sim/state.hpp"
 
 namespace threewe::env {
 

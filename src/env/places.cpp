@@ -1,7 +1,7 @@
 #include "env/places.hpp"
 
-#include "threewe/hardware/image_size.hpp"
-#include "threewe/scene/scene_tables.hpp"
+#include "scene/scene_tables.hpp"
+#include "threewe/hardware/profile.hpp"
 
 namespace threewe::env {
 

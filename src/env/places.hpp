@@ -4,8 +4,8 @@
 #include <memory>
 #include <vector>
 
+#include "sim/model.hpp"
 #include "threewe/env/options.hpp"
-#include "threewe/sim/model.hpp"
 
 namespace threewe::env {
 

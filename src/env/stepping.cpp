@@ -3,7 +3,7 @@
 #include <array>
 
 #include "env/batch_impl.hpp"
-#include "threewe/sim/step.hpp"
+#include "sim/step.hpp"
 
 namespace threewe::env {
 namespace {

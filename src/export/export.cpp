@@ -6,9 +6,9 @@
 
 #include <fmt/format.h>
 
+#include "core/names.hpp"
+#include "export/mjcf.hpp"
 #include "threewe/core/errors.hpp"
-#include "threewe/core/names.hpp"
-#include "threewe/export/mjcf.hpp"
 #include "writers.hpp"
 
 namespace threewe::exports {

@@ -1,10 +1,11 @@
-#include "threewe/export/mjcf.hpp"
+#include "export/mjcf.hpp"
 
 #include <algorithm>
 
 #include <fmt/format.h>
 
-#include "threewe/export/scene_blocks.hpp"
+#include "core/exact.hpp"
+#include "export/scene_blocks.hpp"
 #include "xml.hpp"
 
 namespace threewe::exports {

@@ -1,4 +1,4 @@
-#include "threewe/export/robot_description.hpp"
+#include "export/robot_description.hpp"
 
 #include <algorithm>
 #include <array>
@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "core/exact.hpp"
 #include "threewe/core/errors.hpp"
 
 namespace threewe::exports {

@@ -1,6 +1,6 @@
 #include <fmt/format.h>
 
-#include "threewe/scene/occupancy.hpp"
+#include "scene/occupancy.hpp"
 #include "writers.hpp"
 
 namespace threewe::exports {

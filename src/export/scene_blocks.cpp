@@ -1,4 +1,5 @@
-#include "threewe/export/scene_blocks.hpp"
+#include "export/scene_blocks.hpp"
+#include "core/exact.hpp"
 
 #include <algorithm>
 #include <functional>

@@ -1,4 +1,5 @@
 #include "sdf_sensors.hpp"
+#include "core/exact.hpp"
 
 #include <fmt/format.h>
 

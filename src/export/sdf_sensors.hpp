@@ -1,7 +1,7 @@
 // Sensors as Gazebo has them: in SDF, and within the <gazebo> elements of URDF.
 #pragma once
 
-#include "threewe/export/robot_description.hpp"
+#include "export/robot_description.hpp"
 #include "xml.hpp"
 
 namespace threewe::exports {

@@ -1,4 +1,4 @@
-#include "threewe/export/shape.hpp"
+#include "export/shape.hpp"
 
 #include <algorithm>
 #include <array>

@@ -1,4 +1,4 @@
-#include "threewe/export/transform.hpp"
+#include "export/transform.hpp"
 
 #include <algorithm>
 

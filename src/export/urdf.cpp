@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "core/exact.hpp"
 #include "sdf_sensors.hpp"
 #include "writers.hpp"
 #include "xml.hpp"

@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "core/exact.hpp"
 #include "sdf_sensors.hpp"
 #include "usd_text.hpp"
 #include "writers.hpp"

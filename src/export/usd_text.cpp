@@ -1,4 +1,5 @@
 #include "usd_text.hpp"
+#include "core/exact.hpp"
 
 #include <cctype>
 

@@ -4,9 +4,9 @@
 #include <string>
 #include <vector>
 
+#include "export/robot_description.hpp"
+#include "export/scene_blocks.hpp"
 #include "threewe/export/export.hpp"
-#include "threewe/export/robot_description.hpp"
-#include "threewe/export/scene_blocks.hpp"
 
 namespace threewe::exports {
 

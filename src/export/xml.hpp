@@ -7,7 +7,7 @@
 
 #include <pugixml.hpp>
 
-#include "threewe/export/shape.hpp"
+#include "export/shape.hpp"
 
 namespace threewe::exports {
 

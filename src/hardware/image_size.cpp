@@ -1,4 +1,4 @@
-#include "threewe/hardware/image_size.hpp"
+#include "threewe/hardware/profile.hpp"
 
 namespace threewe {
 

@@ -1,10 +1,10 @@
-#include "threewe/hardware/limits.hpp"
+#include "hardware/limits.hpp"
 
 #include <algorithm>
 
 #include <hwy/highway.h>
 
-#include "threewe/hardware/limits-inl.hpp"
+#include "hardware/limits-inl.hpp"
 
 namespace threewe {
 namespace {

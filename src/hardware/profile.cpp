@@ -4,10 +4,10 @@
 
 #include <fmt/format.h>
 
+#include "core/config.hpp"
+#include "core/names.hpp"
 #include "threewe/core/assets.hpp"
-#include "threewe/core/config.hpp"
 #include "threewe/core/errors.hpp"
-#include "threewe/core/names.hpp"
 
 namespace threewe {
 namespace {

@@ -1,4 +1,4 @@
-#include "threewe/hardware/turn.hpp"
+#include "hardware/turn.hpp"
 
 #include <algorithm>
 

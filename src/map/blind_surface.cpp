@@ -1,10 +1,10 @@
-#include "threewe/map/blind_surface.hpp"
+#include "map/blind_surface.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
 
-#include "threewe/core/exact.hpp"
+#include "core/exact.hpp"
 
 namespace threewe::map {
 namespace {

@@ -1,4 +1,4 @@
-#include "threewe/map/change_log.hpp"
+#include "map/change_log.hpp"
 
 #include <algorithm>
 

@@ -1,4 +1,5 @@
-#include "threewe/map/costmap.hpp"
+#include "map/costmap.hpp"
+#include "core/exact.hpp"
 
 #include <algorithm>
 #include <array>

@@ -2,11 +2,11 @@
 #include <algorithm>
 #include <cassert>
 
-#include "threewe/map/costmap.hpp"
+#include "map/costmap.hpp"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "map/distances.cpp"
-#include "threewe/core/highway-inl.hpp"
+#include "core/highway-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace threewe::map::HWY_NAMESPACE {

@@ -1,4 +1,4 @@
-#include "threewe/map/log_odds_map.hpp"
+#include "map/log_odds_map.hpp"
 
 #include <algorithm>
 #include <array>
@@ -9,8 +9,9 @@
 
 #include <fmt/format.h>
 
+#include "core/bounds.hpp"
+#include "core/exact.hpp"
 #include "map/scan_kernel.hpp"
-#include "threewe/core/bounds.hpp"
 #include "threewe/core/errors.hpp"
 
 namespace threewe::map {

@@ -10,7 +10,7 @@
 
 #include <fmt/format.h>
 
-#include "threewe/core/config.hpp"
+#include "core/config.hpp"
 #include "threewe/core/errors.hpp"
 
 namespace threewe::map {

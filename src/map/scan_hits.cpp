@@ -1,4 +1,4 @@
-#include "threewe/map/scan_hits.hpp"
+#include "map/scan_hits.hpp"
 
 #include <algorithm>
 #include <array>
@@ -6,7 +6,7 @@
 #include <cstddef>
 #include <iterator>
 
-#include "threewe/core/exact.hpp"
+#include "core/exact.hpp"
 
 namespace threewe::map {
 namespace {

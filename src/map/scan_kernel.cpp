@@ -8,7 +8,7 @@
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "map/scan_kernel.cpp"
-#include "threewe/core/highway-inl.hpp"
+#include "core/highway-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace threewe::map::HWY_NAMESPACE {

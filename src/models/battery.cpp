@@ -1,8 +1,8 @@
-#include "threewe/models/battery.hpp"
+#include "models/battery.hpp"
 
 #include <hwy/highway.h>
 
-#include "threewe/models/drive-inl.hpp"
+#include "models/drive-inl.hpp"
 
 namespace threewe::models {
 namespace {

@@ -1,6 +1,6 @@
 // Noise for a million values an image. Each draws from a hash of its own place, whose parts are added up to something
 // bell-shaped. Whole numbers throughout for colours, so that the bits are the same for every target.
-#include "threewe/models/camera.hpp"
+#include "models/camera.hpp"
 
 #include <algorithm>
 #include <array>
@@ -9,7 +9,7 @@
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "models/camera.cpp"
-#include "threewe/core/highway-inl.hpp"
+#include "core/highway-inl.hpp"
 
 #ifndef THREEWE_MODELS_CAMERA_ONCE
 #define THREEWE_MODELS_CAMERA_ONCE

@@ -1,8 +1,9 @@
-#include "threewe/models/drive.hpp"
+#include "models/drive.hpp"
 
 #include <hwy/highway.h>
 
-#include "threewe/models/drive-inl.hpp"
+#include "core/exact.hpp"
+#include "models/drive-inl.hpp"
 
 namespace threewe::models {
 namespace {

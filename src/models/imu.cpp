@@ -1,6 +1,7 @@
-#include "threewe/models/imu.hpp"
+#include "models/imu.hpp"
 
-#include "threewe/models/drive.hpp"
+#include "core/exact.hpp"
+#include "models/drive.hpp"
 
 namespace threewe::models {
 namespace {

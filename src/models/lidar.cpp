@@ -1,8 +1,9 @@
-#include "threewe/models/lidar.hpp"
+#include "models/lidar.hpp"
 
 #include <algorithm>
 #include <limits>
 
+#include "core/exact.hpp"
 #include "models/lidar_noise.hpp"
 
 namespace threewe::models {

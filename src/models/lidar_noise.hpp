@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <span>
 
-#include "threewe/core/rng.hpp"
+#include "core/rng.hpp"
 
 namespace threewe::models {
 

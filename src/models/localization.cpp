@@ -4,8 +4,10 @@
 #include <cstddef>
 #include <limits>
 
+#include "core/config.hpp"
+#include "core/exact.hpp"
+#include "models/localization_error.hpp"
 #include "threewe/core/assets.hpp"
-#include "threewe/core/config.hpp"
 
 namespace threewe::models {
 namespace {

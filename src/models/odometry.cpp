@@ -1,8 +1,9 @@
-#include "threewe/models/odometry.hpp"
+#include "models/odometry.hpp"
 
 #include <hwy/highway.h>
 
-#include "threewe/models/odometry-inl.hpp"
+#include "core/exact.hpp"
+#include "models/odometry-inl.hpp"
 
 namespace threewe::models {
 

@@ -1,4 +1,4 @@
-#include "threewe/models/pull.hpp"
+#include "models/pull.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -6,7 +6,7 @@
 
 #include <hwy/highway.h>
 
-#include "threewe/models/pull-inl.hpp"
+#include "models/pull-inl.hpp"
 
 namespace threewe::models {
 namespace {

@@ -8,11 +8,11 @@
 
 #include <fmt/format.h>
 
+#include "core/config.hpp"
+#include "core/exact.hpp"
+#include "core/names.hpp"
+#include "core/rng.hpp"
 #include "threewe/core/assets.hpp"
-#include "threewe/core/config.hpp"
-#include "threewe/core/exact.hpp"
-#include "threewe/core/names.hpp"
-#include "threewe/core/rng.hpp"
 
 namespace threewe::models {
 namespace {

@@ -1,4 +1,4 @@
-#include "threewe/models/ultrasonic.hpp"
+#include "models/ultrasonic.hpp"
 
 #include <algorithm>
 

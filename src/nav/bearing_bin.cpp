@@ -1,4 +1,5 @@
 #include "nav/bearing_bin.hpp"
+#include "core/exact.hpp"
 
 #include <array>
 #include <cmath>

@@ -1,8 +1,8 @@
-#include "threewe/nav/frontiers.hpp"
+#include "nav/frontiers.hpp"
 
 #include <algorithm>
 
-#include "threewe/nav/grid_search.hpp"
+#include "nav/grid_search.hpp"
 
 namespace threewe::nav {
 

@@ -1,4 +1,4 @@
-#include "threewe/nav/grid_search.hpp"
+#include "nav/grid_search.hpp"
 
 #include <algorithm>
 

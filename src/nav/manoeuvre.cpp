@@ -10,6 +10,7 @@
 #include <unordered_map>
 #include <utility>
 
+#include "core/exact.hpp"
 #include "nav/room_field.hpp"
 
 namespace threewe::nav {

@@ -5,10 +5,10 @@
 #include <span>
 #include <vector>
 
+#include "nav/tracker.hpp"
 #include "threewe/core/pose.hpp"
 #include "threewe/core/time.hpp"
 #include "threewe/hardware/profile.hpp"
-#include "threewe/nav/tracker.hpp"
 
 namespace threewe::nav {
 

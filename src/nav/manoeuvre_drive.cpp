@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/exact.hpp"
 #include "nav/manoeuvre.hpp"
 
 namespace threewe::nav {

@@ -1,9 +1,9 @@
-#include "threewe/nav/mind.hpp"
+#include "nav/mind.hpp"
 
 #include <numbers>
 
 #include "nav/path_navigator.hpp"
-#include "threewe/slam/scan_matching_localizer.hpp"
+#include "slam/scan_matching_localizer.hpp"
 
 namespace threewe::slam {
 

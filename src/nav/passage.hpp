@@ -4,10 +4,10 @@
 #include <cstdint>
 #include <span>
 
+#include "nav/tracker.hpp"
 #include "threewe/core/pose.hpp"
 #include "threewe/core/time.hpp"
 #include "threewe/hardware/profile.hpp"
-#include "threewe/nav/tracker.hpp"
 
 namespace threewe::nav {
 

@@ -1,4 +1,5 @@
 #include "nav/path_navigator.hpp"
+#include "core/exact.hpp"
 
 #include <algorithm>
 #include <cmath>

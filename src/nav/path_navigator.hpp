@@ -12,9 +12,9 @@
 #include "nav/progress_monitor.hpp"
 #include "nav/recovery.hpp"
 #include "nav/route.hpp"
+#include "nav/tracker.hpp"
 #include "threewe/hardware/profile.hpp"
 #include "threewe/nav/navigator.hpp"
-#include "threewe/nav/tracker.hpp"
 
 namespace threewe::nav {
 

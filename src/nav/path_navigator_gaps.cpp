@@ -3,10 +3,10 @@
 #include <optional>
 #include <vector>
 
+#include "map/blind_surface.hpp"
+#include "map/scan_hits.hpp"
 #include "nav/path_navigator.hpp"
 #include "nav/polyline.hpp"
-#include "threewe/map/blind_surface.hpp"
-#include "threewe/map/scan_hits.hpp"
 
 namespace threewe::nav {
 namespace {

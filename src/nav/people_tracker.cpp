@@ -1,4 +1,4 @@
-#include "threewe/nav/people_tracker.hpp"
+#include "nav/people_tracker.hpp"
 
 #include <algorithm>
 #include <cmath>

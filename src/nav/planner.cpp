@@ -1,4 +1,4 @@
-#include "threewe/nav/planner.hpp"
+#include "nav/planner.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -6,6 +6,7 @@
 #include <optional>
 #include <span>
 
+#include "core/exact.hpp"
 #include "threewe/core/pose.hpp"
 
 namespace threewe::nav {

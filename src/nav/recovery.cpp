@@ -1,4 +1,5 @@
 #include "nav/recovery.hpp"
+#include "core/exact.hpp"
 
 #include <algorithm>
 #include <cmath>

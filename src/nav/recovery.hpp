@@ -6,10 +6,10 @@
 #include <vector>
 
 #include "nav/manoeuvre.hpp"
+#include "nav/tracker.hpp"
 #include "threewe/core/pose.hpp"
 #include "threewe/core/time.hpp"
 #include "threewe/nav/navigator.hpp"
-#include "threewe/nav/tracker.hpp"
 
 namespace threewe::nav {
 

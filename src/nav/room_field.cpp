@@ -1,4 +1,5 @@
 #include "nav/room_field.hpp"
+#include "core/exact.hpp"
 
 #include <algorithm>
 #include <cmath>

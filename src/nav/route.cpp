@@ -7,9 +7,10 @@
 #include <ranges>
 #include <utility>
 
+#include "map/change_log.hpp"
+#include "nav/frontiers.hpp"
 #include "nav/polyline.hpp"
 #include "nav/shared_map.hpp"
-#include "threewe/nav/frontiers.hpp"
 
 namespace threewe::nav {
 namespace {

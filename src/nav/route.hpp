@@ -9,11 +9,11 @@
 #include <string>
 #include <vector>
 
+#include "map/costmap.hpp"
+#include "nav/grid_search.hpp"
 #include "nav/mover.hpp"
-#include "threewe/map/costmap.hpp"
-#include "threewe/nav/grid_search.hpp"
+#include "nav/planner.hpp"
 #include "threewe/nav/navigator.hpp"
-#include "threewe/nav/planner.hpp"
 
 namespace threewe::nav {
 

@@ -5,6 +5,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/exact.hpp"
 #include "nav/polyline.hpp"
 #include "nav/route.hpp"
 

@@ -1,8 +1,8 @@
 // Costs within one tile of a costmap.
 #pragma once
 
+#include "map/costmap.hpp"
 #include "nav/tile_kernel.hpp"
-#include "threewe/map/costmap.hpp"
 
 namespace threewe::nav {
 

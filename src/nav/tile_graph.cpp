@@ -1,8 +1,9 @@
-#include "threewe/nav/tile_graph.hpp"
+#include "nav/tile_graph.hpp"
 
 #include <algorithm>
 #include <memory>
 
+#include "core/exact.hpp"
 #include "nav/tile_field.hpp"
 
 namespace threewe::nav {

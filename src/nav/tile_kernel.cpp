@@ -5,7 +5,7 @@
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "nav/tile_kernel.cpp"
-#include "threewe/core/highway-inl.hpp"
+#include "core/highway-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace threewe::nav::kernel::HWY_NAMESPACE {

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "threewe/nav/tile_graph.hpp"
+#include "nav/tile_graph.hpp"
 
 namespace threewe::nav {
 

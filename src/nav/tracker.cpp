@@ -1,10 +1,11 @@
-#include "threewe/nav/tracker.hpp"
+#include "nav/tracker.hpp"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
 
+#include "core/exact.hpp"
 #include "nav/polyline.hpp"
 
 namespace threewe::nav {

@@ -1,4 +1,6 @@
 #include "robot/echo_map.hpp"
+#include "core/exact.hpp"
+#include "map/change_log.hpp"
 
 #include <algorithm>
 #include <utility>

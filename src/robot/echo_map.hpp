@@ -6,10 +6,10 @@
 #include <span>
 #include <vector>
 
+#include "map/log_odds_map.hpp"
 #include "threewe/core/footprint.hpp"
 #include "threewe/core/pose.hpp"
 #include "threewe/core/samples.hpp"
-#include "threewe/map/log_odds_map.hpp"
 
 namespace threewe {
 

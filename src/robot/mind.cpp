@@ -3,9 +3,9 @@
 #include <string>
 #include <vector>
 
+#include "core/names.hpp"
+#include "robot/truth_localizer.hpp"
 #include "threewe/core/errors.hpp"
-#include "threewe/core/names.hpp"
-#include "threewe/robot/truth_localizer.hpp"
 
 namespace threewe {
 

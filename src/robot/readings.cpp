@@ -3,9 +3,9 @@
 #include <string>
 #include <vector>
 
+#include "core/names.hpp"
 #include "robot/runtime_state.hpp"
 #include "threewe/core/errors.hpp"
-#include "threewe/core/names.hpp"
 #include "threewe/robot/warning.hpp"
 
 namespace threewe {

@@ -4,10 +4,11 @@
 #include <exception>
 #include <utility>
 
+#include "hardware/limits.hpp"
 #include "robot/goals.hpp"
 #include "robot/runtime_state.hpp"
+#include "safety/gate.hpp"
 #include "threewe/core/errors.hpp"
-#include "threewe/hardware/limits.hpp"
 #include "threewe/robot/warning.hpp"
 
 namespace threewe {

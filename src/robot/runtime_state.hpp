@@ -7,13 +7,15 @@
 #include <utility>
 #include <vector>
 
+#include "nav/people_tracker.hpp"
 #include "robot/echo_map.hpp"
 #include "robot/health/monitor.hpp"
 #include "robot/senses.hpp"
 #include "robot/world_state.hpp"
+#include "safety/echoes.hpp"
+#include "safety/gate.hpp"
+#include "safety/unseen.hpp"
 #include "threewe/robot/runtime.hpp"
-#include "threewe/safety/echoes.hpp"
-#include "threewe/safety/unseen.hpp"
 
 namespace threewe {
 

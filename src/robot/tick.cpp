@@ -4,10 +4,13 @@
 
 #include <fmt/format.h>
 
+#include "backend/sample_checks.hpp"
+#include "core/exact.hpp"
+#include "map/scan_hits.hpp"
+#include "nav/people_tracker.hpp"
 #include "robot/goals.hpp"
 #include "robot/runtime_state.hpp"
-#include "threewe/backend/sample_checks.hpp"
-#include "threewe/map/scan_hits.hpp"
+#include "safety/gate.hpp"
 #include "threewe/robot/warning.hpp"
 
 namespace threewe {

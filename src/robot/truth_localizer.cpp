@@ -1,15 +1,16 @@
-#include "threewe/robot/truth_localizer.hpp"
+#include "robot/truth_localizer.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <optional>
 #include <vector>
 
+#include "core/exact.hpp"
+#include "hardware/turn.hpp"
+#include "map/change_log.hpp"
+#include "map/log_odds_map.hpp"
+#include "safety/scan_points.hpp"
 #include "threewe/core/errors.hpp"
-#include "threewe/core/exact.hpp"
-#include "threewe/hardware/turn.hpp"
-#include "threewe/map/log_odds_map.hpp"
-#include "threewe/safety/scan_points.hpp"
 
 namespace threewe {
 namespace {

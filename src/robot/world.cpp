@@ -7,11 +7,11 @@
 
 #include <fmt/format.h>
 
+#include "core/bounds.hpp"
+#include "nav/mind.hpp"
 #include "robot/world_state.hpp"
 #include "threewe/backend/registry.hpp"
-#include "threewe/core/bounds.hpp"
 #include "threewe/core/errors.hpp"
-#include "threewe/nav/mind.hpp"
 
 namespace threewe {
 namespace {

@@ -9,7 +9,8 @@
 #include <span>
 #include <vector>
 
-#include "threewe/hardware/limits.hpp"
+#include "core/exact.hpp"
+#include "hardware/limits.hpp"
 
 namespace threewe::safety {
 namespace {

@@ -3,7 +3,7 @@
 
 #include <span>
 
-#include "threewe/safety/gate.hpp"
+#include "safety/gate.hpp"
 
 namespace threewe::safety {
 

@@ -1,4 +1,5 @@
-#include "threewe/safety/echoes.hpp"
+#include "safety/echoes.hpp"
+#include "core/exact.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,10 +1,10 @@
-#include "threewe/safety/gate.hpp"
+#include "safety/gate.hpp"
 
 #include <algorithm>
 
+#include "hardware/limits.hpp"
 #include "safety/collision_monitor.hpp"
 #include "threewe/core/errors.hpp"
-#include "threewe/hardware/limits.hpp"
 
 namespace threewe::safety {
 namespace {

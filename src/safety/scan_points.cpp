@@ -1,17 +1,17 @@
-#include "threewe/safety/scan_points.hpp"
+#include "safety/scan_points.hpp"
 
 #include <algorithm>
 #include <array>
 #include <cstddef>
 #include <optional>
 
-#include "threewe/core/exact.hpp"
+#include "core/exact.hpp"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "safety/scan_points.cpp"
-#include "threewe/core/highway-inl.hpp"
+#include "core/highway-inl.hpp"
 //
-#include "threewe/core/pose-inl.hpp"
+#include "core/pose-inl.hpp"
 
 #ifndef THREEWE_SAFETY_SCAN_POINTS_HITS
 #define THREEWE_SAFETY_SCAN_POINTS_HITS

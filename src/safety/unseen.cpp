@@ -1,12 +1,12 @@
-#include "threewe/safety/unseen.hpp"
+#include "safety/unseen.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <limits>
 
-#include "threewe/core/exact.hpp"
-#include "threewe/safety/invalid_beams.hpp"
+#include "core/exact.hpp"
+#include "safety/invalid_beams.hpp"
 
 namespace threewe::safety {
 namespace {

@@ -1,9 +1,11 @@
-#include "threewe/scene/coverage.hpp"
+#include "scene/coverage.hpp"
 
 #include <algorithm>
 #include <utility>
 
-#include "threewe/scene/geometry.hpp"
+#include "core/exact.hpp"
+#include "scene/cell_lines.hpp"
+#include "threewe/scene/solid.hpp"
 
 namespace threewe::scene {
 namespace {

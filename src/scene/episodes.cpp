@@ -1,9 +1,10 @@
-#include "threewe/scene/episodes.hpp"
+#include "scene/episodes.hpp"
 
 #include <array>
 
 #include <fmt/format.h>
 
+#include "core/exact.hpp"
 #include "threewe/core/errors.hpp"
 
 namespace threewe::scene {

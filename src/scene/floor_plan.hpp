@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "threewe/core/rng.hpp"
+#include "core/rng.hpp"
 
 namespace threewe::scene {
 

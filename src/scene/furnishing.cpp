@@ -8,6 +8,7 @@
 #include <tuple>
 #include <utility>
 
+#include "core/exact.hpp"
 #include "object_library.hpp"
 
 namespace threewe::scene {

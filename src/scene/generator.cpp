@@ -10,8 +10,8 @@
 
 #include "floor_plan.hpp"
 #include "furnishing.hpp"
+#include "scene/occupancy.hpp"
 #include "threewe/core/errors.hpp"
-#include "threewe/scene/occupancy.hpp"
 
 namespace threewe::scene {
 namespace {

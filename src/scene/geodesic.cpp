@@ -1,4 +1,6 @@
-#include "threewe/scene/geodesic.hpp"
+#include "scene/geodesic.hpp"
+#include "core/exact.hpp"
+#include "scene/cell_lines.hpp"
 
 #include <algorithm>
 #include <array>

@@ -1,4 +1,5 @@
-#include "threewe/scene/geometry.hpp"
+#include "core/exact.hpp"
+#include "threewe/scene/solid.hpp"
 
 #include <algorithm>
 #include <limits>

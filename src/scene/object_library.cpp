@@ -4,9 +4,9 @@
 
 #include <fmt/format.h>
 
+#include "core/names.hpp"
 #include "threewe/core/assets.hpp"
 #include "threewe/core/errors.hpp"
-#include "threewe/core/names.hpp"
 
 namespace threewe::scene {
 namespace {

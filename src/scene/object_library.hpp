@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "threewe/core/config.hpp"
+#include "core/config.hpp"
 #include "threewe/scene/scene.hpp"
 
 namespace threewe::scene {

@@ -1,4 +1,5 @@
-#include "threewe/scene/obstacles.hpp"
+#include "scene/obstacles.hpp"
+#include "core/exact.hpp"
 
 #include <algorithm>
 #include <limits>

@@ -1,4 +1,5 @@
-#include "threewe/scene/occupancy.hpp"
+#include "scene/occupancy.hpp"
+#include "core/exact.hpp"
 
 #include <algorithm>
 #include <array>

@@ -2,9 +2,10 @@
 
 #include <algorithm>
 
+#include "core/exact.hpp"
+#include "core/names.hpp"
 #include "threewe/core/assets.hpp"
 #include "threewe/core/errors.hpp"
-#include "threewe/core/names.hpp"
 
 namespace threewe::scene {
 Solid solid_of(const Wall& wall) {

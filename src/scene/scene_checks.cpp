@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "core/exact.hpp"
 #include "wall_plan.hpp"
 
 namespace threewe::scene {

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "threewe/core/config.hpp"
+#include "core/config.hpp"
 #include "threewe/scene/scene.hpp"
 
 namespace threewe::scene {

@@ -8,10 +8,11 @@
 
 #include <fmt/format.h>
 
+#include "core/exact.hpp"
 #include "object_library.hpp"
+#include "scene/surfaces.hpp"
 #include "scene_checks.hpp"
 #include "threewe/core/assets.hpp"
-#include "threewe/scene/surfaces.hpp"
 
 namespace threewe::scene {
 namespace {

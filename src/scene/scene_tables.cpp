@@ -1,4 +1,4 @@
-#include "threewe/scene/scene_tables.hpp"
+#include "scene/scene_tables.hpp"
 
 #include <algorithm>
 #include <limits>
@@ -6,8 +6,8 @@
 
 #include <fmt/format.h>
 
+#include "scene/episodes.hpp"
 #include "threewe/core/errors.hpp"
-#include "threewe/scene/episodes.hpp"
 
 namespace threewe::scene {
 namespace {

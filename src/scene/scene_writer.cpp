@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "core/exact.hpp"
 #include "threewe/scene/scene.hpp"
 
 namespace threewe::scene {

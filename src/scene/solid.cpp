@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "core/exact.hpp"
 #include "threewe/core/footprint.hpp"
 
 namespace threewe::scene {

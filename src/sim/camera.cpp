@@ -1,11 +1,11 @@
-#include "threewe/sim/camera.hpp"
+#include "sim/camera.hpp"
 
 #include <algorithm>
 #include <cassert>
 
+#include "models/camera.hpp"
+#include "sim/figures.hpp"
 #include "threewe/core/errors.hpp"
-#include "threewe/models/camera.hpp"
-#include "threewe/sim/figures.hpp"
 
 namespace threewe::sim {
 namespace {

@@ -1,4 +1,5 @@
-#include "threewe/sim/contact.hpp"
+#include "sim/contact.hpp"
+#include "core/exact.hpp"
 
 #include <algorithm>
 #include <cstddef>

@@ -1,4 +1,5 @@
 #include "sim/crowd.hpp"
+#include "core/exact.hpp"
 
 #include <algorithm>
 #include <limits>

@@ -4,8 +4,8 @@
 #include <span>
 #include <vector>
 
+#include "sim/contact.hpp"
 #include "threewe/core/pose.hpp"
-#include "threewe/sim/contact.hpp"
 
 namespace threewe::sim {
 

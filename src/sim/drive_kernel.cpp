@@ -9,13 +9,13 @@
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "sim/drive_kernel.cpp"
-#include "threewe/core/highway-inl.hpp"
+#include "core/highway-inl.hpp"
 //
-#include "threewe/core/pose-inl.hpp"
-#include "threewe/hardware/limits-inl.hpp"
-#include "threewe/models/drive-inl.hpp"
-#include "threewe/models/odometry-inl.hpp"
-#include "threewe/models/pull-inl.hpp"
+#include "core/pose-inl.hpp"
+#include "hardware/limits-inl.hpp"
+#include "models/drive-inl.hpp"
+#include "models/odometry-inl.hpp"
+#include "models/pull-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace threewe::sim::kernel::HWY_NAMESPACE {

@@ -3,8 +3,8 @@
 
 #include <span>
 
-#include "threewe/sim/model.hpp"
-#include "threewe/sim/state.hpp"
+#include "sim/model.hpp"
+#include "sim/state.hpp"
 
 namespace threewe::sim::kernel {
 

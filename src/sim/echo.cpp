@@ -1,7 +1,8 @@
 // Directions in a cone are told by their slope: (1, t) in the sensor's frame. All bounds of what is seen of a shape, or
 // sends an echo, are lines through the sensor, hence linear in t; so what a shape has to do with the cone is an
 // interval.
-#include "threewe/sim/echo.hpp"
+#include "sim/echo.hpp"
+#include "core/exact.hpp"
 
 #include <algorithm>
 #include <array>

@@ -1,4 +1,4 @@
-#include "threewe/sim/figures.hpp"
+#include "sim/figures.hpp"
 
 #include <algorithm>
 #include <array>
@@ -7,10 +7,11 @@
 
 #include <fmt/format.h>
 
+#include "core/exact.hpp"
+#include "core/rng.hpp"
+#include "scene/surfaces.hpp"
 #include "sim/renderer/looks.hpp"
 #include "threewe/core/errors.hpp"
-#include "threewe/core/rng.hpp"
-#include "threewe/scene/surfaces.hpp"
 
 namespace threewe::sim {
 namespace {

@@ -1,4 +1,4 @@
-#include "threewe/sim/model.hpp"
+#include "sim/model.hpp"
 
 #include <algorithm>
 #include <cstddef>

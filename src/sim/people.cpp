@@ -1,10 +1,11 @@
-#include "threewe/sim/people.hpp"
+#include "sim/people.hpp"
 
 #include <algorithm>
 #include <cmath>
 
 #include <fmt/format.h>
 
+#include "core/exact.hpp"
 #include "threewe/core/errors.hpp"
 
 namespace threewe::sim {

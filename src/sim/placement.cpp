@@ -1,4 +1,4 @@
-#include "threewe/sim/placement.hpp"
+#include "sim/placement.hpp"
 
 #include <algorithm>
 

@@ -1,4 +1,4 @@
-#include "threewe/sim/ray_caster.hpp"
+#include "sim/ray_caster.hpp"
 
 #include <algorithm>
 #include <array>

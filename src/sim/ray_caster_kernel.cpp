@@ -16,9 +16,10 @@
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "sim/ray_caster_kernel.cpp"
-#include "threewe/core/highway-inl.hpp"
+#include "core/highway-inl.hpp"
 //
-#include "threewe/core/exact-inl.hpp"
+#include "core/exact-inl.hpp"
+#include "core/exact.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace threewe::sim::kernel::HWY_NAMESPACE {

@@ -6,7 +6,7 @@
 #include <span>
 
 #include "threewe/core/pose.hpp"
-#include "threewe/scene/geometry.hpp"
+#include "threewe/scene/solid.hpp"
 
 namespace threewe::sim::kernel {
 

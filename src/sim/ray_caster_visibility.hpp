@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "threewe/core/pose.hpp"
-#include "threewe/scene/geometry.hpp"
+#include "threewe/scene/solid.hpp"
 
 namespace threewe::sim {
 

@@ -1,4 +1,4 @@
-#include "threewe/sim/renderer.hpp"
+#include "sim/renderer.hpp"
 
 #include <algorithm>
 #include <array>

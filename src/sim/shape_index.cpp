@@ -1,4 +1,4 @@
-#include "threewe/sim/shape_index.hpp"
+#include "sim/shape_index.hpp"
 
 #include <algorithm>
 #include <limits>

@@ -1,4 +1,4 @@
-#include "threewe/sim/step.hpp"
+#include "sim/step.hpp"
 
 #include <algorithm>
 #include <array>
@@ -10,10 +10,10 @@
 
 #include <hwy/cache_control.h>
 
+#include "models/ultrasonic.hpp"
 #include "sim/crowd.hpp"
 #include "sim/drive_kernel.hpp"
-#include "threewe/models/ultrasonic.hpp"
-#include "threewe/sim/echo.hpp"
+#include "sim/echo.hpp"
 
 namespace threewe::sim {
 namespace {

@@ -1,4 +1,4 @@
-#include "threewe/sim/survey.hpp"
+#include "sim/survey.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -6,12 +6,13 @@
 
 #include <fmt/format.h>
 
+#include "core/config.hpp"
+#include "core/exact.hpp"
+#include "core/rng.hpp"
+#include "models/lidar.hpp"
+#include "scene/scene_tables.hpp"
 #include "threewe/core/assets.hpp"
-#include "threewe/core/config.hpp"
 #include "threewe/core/errors.hpp"
-#include "threewe/core/rng.hpp"
-#include "threewe/models/lidar.hpp"
-#include "threewe/scene/scene_tables.hpp"
 
 namespace threewe::sim {
 namespace {

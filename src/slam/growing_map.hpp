@@ -5,10 +5,10 @@
 #include <utility>
 #include <vector>
 
+#include "map/log_odds_map.hpp"
 #include "slam/trail.hpp"
 #include "threewe/core/pose.hpp"
 #include "threewe/core/time.hpp"
-#include "threewe/map/log_odds_map.hpp"
 
 namespace threewe::slam {
 

@@ -2,7 +2,8 @@
 
 #include <numbers>
 
-#include "threewe/core/grid_line.hpp"
+#include "core/exact.hpp"
+#include "core/grid_line.hpp"
 
 namespace threewe::slam {
 namespace {

@@ -5,9 +5,9 @@
 #include <span>
 #include <vector>
 
+#include "map/log_odds_map.hpp"
 #include "slam/scan_search.hpp"
 #include "threewe/core/pose.hpp"
-#include "threewe/map/log_odds_map.hpp"
 #include "threewe/map/occupancy_grid.hpp"
 
 namespace threewe::slam {

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "threewe/core/exact.hpp"
+#include "core/exact.hpp"
 
 namespace threewe::slam {
 

@@ -5,6 +5,7 @@
 
 #include <Eigen/LU>
 
+#include "core/exact.hpp"
 #include "slam/scan_matcher.hpp"
 
 namespace threewe::slam {

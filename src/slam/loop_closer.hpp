@@ -4,10 +4,10 @@
 #include <optional>
 #include <span>
 
+#include "map/log_odds_map.hpp"
 #include "slam/pose_filter.hpp"
 #include "slam/scan_search.hpp"
 #include "threewe/core/pose.hpp"
-#include "threewe/map/log_odds_map.hpp"
 
 namespace threewe::slam {
 

@@ -4,6 +4,7 @@
 
 #include <Eigen/LU>
 
+#include "core/exact.hpp"
 #include "slam/pose_covariance.hpp"
 
 namespace threewe::slam {

@@ -1,4 +1,5 @@
 #include "slam/packed_scan.hpp"
+#include "core/exact.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -5,8 +5,8 @@
 #include <span>
 #include <vector>
 
+#include "map/log_odds_map.hpp"
 #include "threewe/core/pose.hpp"
-#include "threewe/map/log_odds_map.hpp"
 
 namespace threewe::slam {
 

@@ -8,10 +8,10 @@
 #include <span>
 #include <vector>
 
+#include "map/log_odds_map.hpp"
 #include "slam/known_map.hpp"
 #include "threewe/core/pose.hpp"
 #include "threewe/core/time.hpp"
-#include "threewe/map/log_odds_map.hpp"
 
 namespace threewe::slam {
 

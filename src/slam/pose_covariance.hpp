@@ -1,6 +1,7 @@
 // How uncertain poses add up. Covariances are of (x, y, theta), of a pose along the axes of the frame that it is in.
 #pragma once
 
+#include "core/exact.hpp"
 #include "slam/pose_filter.hpp"
 #include "threewe/core/pose.hpp"
 

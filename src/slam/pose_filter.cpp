@@ -1,4 +1,5 @@
 #include "slam/pose_filter.hpp"
+#include "core/exact.hpp"
 
 #include <cmath>
 

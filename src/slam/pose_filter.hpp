@@ -3,8 +3,8 @@
 
 #include <Eigen/Core>
 
+#include "slam/scan_matching_localizer.hpp"
 #include "threewe/core/pose.hpp"
-#include "threewe/slam/scan_matching_localizer.hpp"
 
 namespace threewe::slam {
 

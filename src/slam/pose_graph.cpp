@@ -12,6 +12,7 @@
 #include <Eigen/SparseCholesky>
 #include <Eigen/SparseCore>
 
+#include "core/exact.hpp"
 #include "threewe/core/errors.hpp"
 
 namespace threewe::slam {

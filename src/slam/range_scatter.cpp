@@ -1,11 +1,11 @@
-#include "threewe/slam/range_scatter.hpp"
+#include "slam/range_scatter.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <vector>
 
-#include "threewe/core/exact.hpp"
+#include "core/exact.hpp"
 
 namespace threewe::slam {
 namespace {

@@ -6,11 +6,11 @@
 #include <span>
 #include <vector>
 
+#include "map/log_odds_map.hpp"
 #include "slam/place_finder.hpp"
 #include "slam/trail.hpp"
 #include "threewe/core/pose.hpp"
 #include "threewe/core/time.hpp"
-#include "threewe/map/log_odds_map.hpp"
 
 namespace threewe::slam {
 

@@ -1,4 +1,5 @@
 #include "slam/scan_beams.hpp"
+#include "core/exact.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -4,9 +4,9 @@
 #include <functional>
 #include <vector>
 
+#include "map/log_odds_map.hpp"
 #include "threewe/core/pose.hpp"
 #include "threewe/core/samples.hpp"
-#include "threewe/map/log_odds_map.hpp"
 
 namespace threewe::slam {
 

@@ -1,4 +1,5 @@
 #include "slam/scan_matcher.hpp"
+#include "core/exact.hpp"
 
 #include <algorithm>
 #include <array>

@@ -7,9 +7,9 @@
 
 #include <Eigen/Core>
 
+#include "map/log_odds_map.hpp"
 #include "slam/pose_filter.hpp"
 #include "threewe/core/pose.hpp"
-#include "threewe/map/log_odds_map.hpp"
 
 namespace threewe::slam {
 

@@ -1,4 +1,4 @@
-#include "threewe/slam/scan_matching_localizer.hpp"
+#include "slam/scan_matching_localizer.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -9,17 +9,19 @@
 
 #include <Eigen/LU>
 
+#include "core/exact.hpp"
+#include "map/change_log.hpp"
+#include "map/log_odds_map.hpp"
+#include "map/scan_hits.hpp"
 #include "slam/dead_reckoning.hpp"
 #include "slam/growing_map.hpp"
 #include "slam/known_map.hpp"
 #include "slam/map_error.hpp"
 #include "slam/place_finder.hpp"
 #include "slam/pose_filter.hpp"
+#include "slam/range_scatter.hpp"
 #include "slam/scan_beams.hpp"
 #include "slam/scan_matcher.hpp"
-#include "threewe/map/log_odds_map.hpp"
-#include "threewe/map/scan_hits.hpp"
-#include "threewe/slam/range_scatter.hpp"
 
 namespace threewe::slam {
 namespace {

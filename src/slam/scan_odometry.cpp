@@ -6,9 +6,10 @@
 
 #include <Eigen/LU>
 
+#include "core/bounds.hpp"
+#include "core/exact.hpp"
+#include "core/grid_line.hpp"
 #include "slam/scan_beams.hpp"
-#include "threewe/core/bounds.hpp"
-#include "threewe/core/grid_line.hpp"
 
 namespace threewe::slam {
 namespace {

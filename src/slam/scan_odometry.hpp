@@ -5,12 +5,12 @@
 #include <optional>
 #include <vector>
 
+#include "map/log_odds_map.hpp"
 #include "slam/dead_reckoning.hpp"
 #include "slam/pose_filter.hpp"
 #include "slam/scan_matcher.hpp"
 #include "threewe/core/pose.hpp"
 #include "threewe/core/samples.hpp"
-#include "threewe/map/log_odds_map.hpp"
 
 namespace threewe::slam {
 

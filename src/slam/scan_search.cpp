@@ -9,7 +9,8 @@
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "slam/scan_search.cpp"
-#include "threewe/core/highway-inl.hpp"
+#include "core/exact.hpp"
+#include "core/highway-inl.hpp"
 
 #ifndef THREEWE_SLAM_SCAN_SEARCH_TILE
 #define THREEWE_SLAM_SCAN_SEARCH_TILE

@@ -11,8 +11,9 @@
 #include <tuple>
 #include <vector>
 
+#include "core/exact.hpp"
+#include "map/log_odds_map.hpp"
 #include "threewe/core/pose.hpp"
-#include "threewe/map/log_odds_map.hpp"
 #include "threewe/map/occupancy_grid.hpp"
 
 namespace threewe::slam {

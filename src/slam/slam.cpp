@@ -6,12 +6,12 @@
 
 #include <fmt/format.h>
 
+#include "core/bounds.hpp"
 #include "slam/relocalizer.hpp"
 #include "slam/scan_odometry.hpp"
 #include "slam/slam_config.hpp"
 #include "slam/slam_file.hpp"
 #include "slam/trail.hpp"
-#include "threewe/core/bounds.hpp"
 #include "threewe/core/errors.hpp"
 
 namespace threewe::slam {

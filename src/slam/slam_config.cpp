@@ -4,7 +4,7 @@
 
 #include <fmt/format.h>
 
-#include "threewe/core/bounds.hpp"
+#include "core/bounds.hpp"
 #include "threewe/core/errors.hpp"
 
 namespace threewe::slam {

@@ -13,8 +13,8 @@
 
 #include <fmt/format.h>
 
+#include "core/bounds.hpp"
 #include "slam/slam_config.hpp"
-#include "threewe/core/bounds.hpp"
 #include "threewe/core/errors.hpp"
 
 namespace threewe::slam {

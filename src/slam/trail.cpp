@@ -7,6 +7,7 @@
 
 #include <Eigen/LU>
 
+#include "core/exact.hpp"
 #include "slam/pose_covariance.hpp"
 #include "slam/scan_beams.hpp"
 

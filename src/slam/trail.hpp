@@ -6,13 +6,13 @@
 #include <optional>
 #include <vector>
 
+#include "map/log_odds_map.hpp"
 #include "slam/loop_closer.hpp"
 #include "slam/packed_scan.hpp"
 #include "slam/pose_filter.hpp"
 #include "slam/pose_graph.hpp"
 #include "threewe/core/pose.hpp"
 #include "threewe/core/time.hpp"
-#include "threewe/map/log_odds_map.hpp"
 
 namespace threewe::slam {
 

@@ -10,8 +10,9 @@
 #include <limits>
 #include <span>
 
+#include "core/exact.hpp"
+#include "task/sight.hpp"
 #include "threewe/scene/solid.hpp"
-#include "threewe/task/sight.hpp"
 
 namespace threewe::task {
 

@@ -1,4 +1,4 @@
-#include "threewe/task/distance_field.hpp"
+#include "task/distance_field.hpp"
 
 #include <algorithm>
 #include <cmath>

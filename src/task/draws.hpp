@@ -3,8 +3,9 @@
 
 #include <cstddef>
 
-#include "threewe/core/rng.hpp"
-#include "threewe/scene/episodes.hpp"
+#include "core/rng.hpp"
+#include "scene/episodes.hpp"
+#include "scene/scene_tables.hpp"
 #include "threewe/task/task.hpp"
 
 namespace threewe::task {

@@ -1,4 +1,4 @@
-#include "threewe/task/exploration.hpp"
+#include "threewe/task/tasks.hpp"
 
 #include <algorithm>
 #include <array>
@@ -6,10 +6,12 @@
 
 #include <fmt/format.h>
 
+#include "core/exact.hpp"
+#include "scene/cell_lines.hpp"
+#include "scene/coverage.hpp"
+#include "scene/scene_tables.hpp"
 #include "task/draws.hpp"
 #include "threewe/core/errors.hpp"
-#include "threewe/core/exact.hpp"
-#include "threewe/scene/coverage.hpp"
 
 namespace threewe::task {
 namespace {

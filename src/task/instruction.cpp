@@ -1,4 +1,4 @@
-#include "threewe/task/instruction.hpp"
+#include "task/instruction.hpp"
 
 #include <algorithm>
 #include <array>
@@ -8,8 +8,8 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "core/names.hpp"
 #include "threewe/core/errors.hpp"
-#include "threewe/core/names.hpp"
 
 namespace threewe::task {
 namespace {

@@ -1,4 +1,4 @@
-#include "threewe/task/interpreter.hpp"
+#include "task/interpreter.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,10 +1,10 @@
-#include "threewe/task/language.hpp"
+#include "task/language.hpp"
 
 #include <algorithm>
 
+#include "core/config.hpp"
+#include "core/exact.hpp"
 #include "threewe/core/assets.hpp"
-#include "threewe/core/config.hpp"
-#include "threewe/core/exact.hpp"
 
 namespace threewe::task {
 namespace {

@@ -6,8 +6,8 @@
 #include <limits>
 #include <utility>
 
-#include "threewe/task/interpreter.hpp"
-#include "threewe/task/path_score.hpp"
+#include "task/interpreter.hpp"
+#include "task/path_score.hpp"
 
 namespace threewe::task {
 namespace {

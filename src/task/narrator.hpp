@@ -4,8 +4,8 @@
 #include <optional>
 #include <vector>
 
-#include "threewe/core/rng.hpp"
-#include "threewe/task/instruction.hpp"
+#include "core/rng.hpp"
+#include "task/instruction.hpp"
 
 namespace threewe::task {
 

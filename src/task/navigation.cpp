@@ -1,4 +1,4 @@
-#include "threewe/task/navigation.hpp"
+#include "threewe/task/tasks.hpp"
 
 #include <algorithm>
 #include <array>
@@ -8,13 +8,17 @@
 
 #include <fmt/format.h>
 
+#include "scene/episodes.hpp"
+#include "scene/scene_tables.hpp"
 #include "task/draws.hpp"
+#include "task/goal_pool.hpp"
+#include "task/stop_task.hpp"
 #include "threewe/core/errors.hpp"
-#include "threewe/scene/episodes.hpp"
-#include "threewe/task/stop_task.hpp"
 
 namespace threewe::task {
 namespace {
+
+static_assert(NavigationOptions{}.detours == scene::kDetourShare, "as of scene::sample_episode");
 
 constexpr double kStepCost = 0.01;
 constexpr double kContactCost = 10.0;

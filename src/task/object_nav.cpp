@@ -1,4 +1,4 @@
-#include "threewe/task/object_nav.hpp"
+#include "task/object_nav.hpp"
 
 #include <algorithm>
 #include <iterator>
@@ -9,10 +9,11 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "core/exact.hpp"
+#include "core/names.hpp"
+#include "core/rng.hpp"
+#include "task/sight.hpp"
 #include "threewe/core/errors.hpp"
-#include "threewe/core/names.hpp"
-#include "threewe/core/rng.hpp"
-#include "threewe/task/sight.hpp"
 #include "view_bound.hpp"
 
 namespace threewe::task {

@@ -3,9 +3,9 @@
 #include <array>
 #include <cstring>
 
+#include "task/object_nav.hpp"
 #include "task/stop_metrics.hpp"
 #include "threewe/core/errors.hpp"
-#include "threewe/task/object_nav.hpp"
 
 namespace threewe::task {
 namespace {

@@ -1,4 +1,5 @@
-#include "threewe/task/path_score.hpp"
+#include "task/path_score.hpp"
+#include "core/exact.hpp"
 
 #include <algorithm>
 #include <cassert>

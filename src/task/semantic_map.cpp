@@ -1,4 +1,4 @@
-#include "threewe/task/semantic_map.hpp"
+#include "task/semantic_map.hpp"
 
 #include <algorithm>
 #include <limits>

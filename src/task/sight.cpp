@@ -1,4 +1,4 @@
-#include "threewe/task/sight.hpp"
+#include "task/sight.hpp"
 
 #include <cmath>
 #include <vector>

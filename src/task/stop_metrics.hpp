@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "threewe/task/stop_task.hpp"
+#include "task/stop_task.hpp"
 #include "threewe/task/task.hpp"
 
 namespace threewe::task {

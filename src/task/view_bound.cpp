@@ -1,4 +1,5 @@
 #include "view_bound.hpp"
+#include "core/exact.hpp"
 
 #include <utility>
 

@@ -6,9 +6,9 @@
 #include <vector>
 
 #include "camera_frame.hpp"
+#include "task/sight.hpp"
 #include "threewe/core/camera.hpp"
 #include "threewe/scene/scene.hpp"
-#include "threewe/task/sight.hpp"
 
 namespace threewe::task {
 

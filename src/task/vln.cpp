@@ -1,4 +1,4 @@
-#include "threewe/task/vln.hpp"
+#include "task/vln.hpp"
 
 #include <algorithm>
 #include <limits>
@@ -7,12 +7,12 @@
 
 #include <fmt/format.h>
 
+#include "core/rng.hpp"
 #include "narrator.hpp"
+#include "scene/episodes.hpp"
+#include "task/instruction.hpp"
+#include "task/interpreter.hpp"
 #include "threewe/core/errors.hpp"
-#include "threewe/core/rng.hpp"
-#include "threewe/scene/episodes.hpp"
-#include "threewe/task/instruction.hpp"
-#include "threewe/task/interpreter.hpp"
 
 namespace threewe::task {
 namespace {

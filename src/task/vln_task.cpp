@@ -4,8 +4,8 @@
 #include <cstring>
 
 #include "task/stop_metrics.hpp"
+#include "task/vln.hpp"
 #include "threewe/core/errors.hpp"
-#include "threewe/task/vln.hpp"
 
 namespace threewe::task {
 namespace {

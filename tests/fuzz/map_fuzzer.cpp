@@ -1,7 +1,7 @@
 // ROS maps: the YAML file, a line "---8<---", and the picture.
 #include "fuzz.hpp"
-#include "threewe/map/costmap.hpp"
-#include "threewe/map/log_odds_map.hpp"
+#include "map/costmap.hpp"
+#include "map/log_odds_map.hpp"
 #include "threewe/map/ros_map.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

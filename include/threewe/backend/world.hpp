@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "threewe/core/samples.hpp"
-#include "threewe/hardware/image_size.hpp"
 #include "threewe/hardware/profile.hpp"
 
 namespace threewe::scene {

@@ -1,14 +1,30 @@
 // What the embedded simulator's drive must be like so that it moves as another robot does.
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <string_view>
 #include <vector>
 
-#include "threewe/calibration/tracks.hpp"
+#include "threewe/hardware/profile.hpp"
 
 namespace threewe::calibration {
 
+/// Where velocities come from.
+enum class Source : std::uint8_t {
+  truth,   ///< a simulator tells how its body moves
+  sensors  ///< wheel odometry, and the gyro for turns where there is one: slip of all wheels alike stays unseen
+};
+std::string_view to_string(Source source);
+
+/// How far apart two sets of tracks are.
+struct Deviation {
+  double linear = 0.0;         ///< of (vx, vy): root mean square of the difference over that of the reference
+  double angular = 0.0;        ///< the same of omega
+  double combined = 0.0;       ///< the same of both, weighed as kinetic energy weighs them
+  double pose = 0.0;           ///< where they end, over the distance driven: mean
+  double farthest_pose = 0.0;  ///< the worst
+};
 /// One figure of a profile, as it was fitted.
 struct Figure {
   std::string name;     ///< of its field below `body`
@@ -28,28 +44,11 @@ struct Calibration {
   Deviation after;              ///< and by the fitted one
 };
 
-/// Fits a profile's drive to tracks of manoeuvres: least squares of the body's velocity over all periods, by Levenberg
-/// and Marquardt through the simulator itself, with derivatives by differences. What the tracks do not tell stays near
-/// the profile's own figure. Intervals are robust against errors that belong together within a manoeuvre (Liang and
-/// Zeger 1986).
-Calibration fit(const RobotProfile& profile, const Twin& twin, std::span<const Manoeuvre> manoeuvres,
-                std::span<const Track> tracks, Source source);
-
 /// Drives the standard manoeuvres on a backend, and fits the profile to them. The backend's robot has no noise where it
 /// is simulated. Throws ConfigError for an unknown backend or profile.
 Calibration calibrate(std::string_view backend, const std::string& hardware);
 
 /// The profile `hardware` as a file, with the figures of a calibration in place of its own.
 std::string to_yaml(const std::string& hardware, const Calibration& calibration);
-
-/// How far the embedded simulator with each of `profiles` is from a backend with `hardware`, on random sequences.
-std::vector<Deviation> deviations(std::string_view backend, const std::string& hardware,
-                                  std::span<const RobotProfile> profiles, std::uint64_t seed, std::size_t count,
-                                  Pace pace);
-
-/// How far a backend is from itself, on the same sequences, when the robot's wheels have turned a little before: what
-/// no model of it can be nearer to than a share of 0.7. Velocities alone.
-Deviation scatter(std::string_view backend, const std::string& hardware, std::uint64_t seed, std::size_t count,
-                  Pace pace);
 
 }  // namespace threewe::calibration

@@ -37,7 +37,7 @@ class Footprint {
   /// than the distance to the outline.
   double distance_to_box(Vec2 point_in_base) const {
     const Vec2 off = beyond_box(point_in_base);
-    return exact::hypot(std::max(off.x, 0.0), std::max(off.y, 0.0));
+    return norm({std::max(off.x, 0.0), std::max(off.y, 0.0)});
   }
   friend bool operator==(const Footprint&, const Footprint&) = default;
 

@@ -2,10 +2,9 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 #include <span>
 #include <vector>
-
-#include "threewe/core/exact.hpp"
 
 namespace threewe {
 
@@ -22,7 +21,7 @@ constexpr Vec2 operator*(double s, Vec2 a) { return {s * a.x, s * a.y}; }
 constexpr double dot(Vec2 a, Vec2 b) { return a.x * b.x + a.y * b.y; }
 /// The z component of the cross product: positive when `b` lies counter-clockwise of `a`.
 constexpr double cross(Vec2 a, Vec2 b) { return a.x * b.y - a.y * b.x; }
-inline double norm(Vec2 a) { return exact::sqrt(dot(a, a)); }
+inline double norm(Vec2 a) { return std::sqrt(dot(a, a)); }  // correctly rounded on every machine (IEEE 754)
 inline double distance(Vec2 a, Vec2 b) { return norm(a - b); }
 /// The point between `a` and `b` that is nearest to `p`.
 constexpr Vec2 closest_on_segment(Vec2 p, Vec2 a, Vec2 b) {

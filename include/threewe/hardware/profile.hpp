@@ -189,4 +189,14 @@ NoiseLevel noise_level(std::string_view name);
 /// body obeys (motor lag, torque, friction) stays.
 RobotProfile with_noise(RobotProfile profile, NoiseLevel noise);
 
+/// Width and height of an image [px].
+struct ImageSize {
+  int width = 0;
+  int height = 0;
+};
+
+/// The same robot, whose camera delivers pictures of another size: with the same horizontal field of view and square
+/// pixels. A robot without a camera stays as it is. Throws ConfigError for a size that no picture has.
+RobotProfile with_image_size(RobotProfile profile, const ImageSize& size);
+
 }  // namespace threewe

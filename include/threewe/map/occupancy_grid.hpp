@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "threewe/core/grid_line.hpp"
+#include "threewe/core/grid_index.hpp"
 #include "threewe/core/pose.hpp"
 
 namespace threewe::map {

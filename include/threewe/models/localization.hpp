@@ -5,11 +5,8 @@
 #include <cstdint>
 #include <string>
 #include <string_view>
-#include <type_traits>
 #include <vector>
 
-#include "threewe/core/pose.hpp"
-#include "threewe/core/rng.hpp"
 #include "threewe/core/time.hpp"
 
 namespace threewe::models {
@@ -59,30 +56,5 @@ struct LocalizationSpec {
 LocalizationSpec load_localization(std::string_view name);
 /// The names of all localisation models.
 std::vector<std::string> localization_names();
-
-/// What localisation carries from correction to correction. Plain data; as it is by default, an episode begins: at the
-/// origin of `map`, which is where the robot starts.
-struct LocalizationState {
-  // the newest correction: where the robot believed to be, and what its odometer showed
-  Pose2D map_from_base;
-  Pose2D odom_from_base;
-
-  Vec2 position;  ///< [m] where it truly was
-  // what is slowly varying of the error
-  double turn = 0.0;     ///< [rad]
-  double stretch = 0.0;  ///< [m/m]
-  double heading = 0.0;  ///< [rad] without `turn`
-  Vec2 local;            ///< [m]
-};
-static_assert(std::is_trivially_copyable_v<LocalizationState>);
-static_assert(sizeof(LocalizationState) == 13 * sizeof(double), "no padding");
-
-/// Correction number `correction` of an episode, counted from 0, of a robot that truly stands at `truth` (in `map`,
-/// whose origin is the start) while its odometer shows `odom_from_base`. A perfect one gives the truth to the bit.
-void correct_localization(const LocalizationSpec& spec, const RngKey& key, std::uint64_t correction,
-                          const Pose2D& truth, const Pose2D& odom_from_base, LocalizationState& state);
-
-/// Where the robot believes to be, `map_from_base`, when its odometer shows `odom_from_base`.
-Pose2D localized_pose(const LocalizationState& state, const Pose2D& odom_from_base);
 
 }  // namespace threewe::models

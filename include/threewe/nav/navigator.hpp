@@ -1,6 +1,8 @@
 // From a goal to velocities. The runtime knows this interface alone, so that an external navigation can stand in.
 #pragma once
 
+#include <array>
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <span>
@@ -11,11 +13,8 @@
 
 #include "threewe/core/pose.hpp"
 #include "threewe/core/time.hpp"
-#include "threewe/map/change_log.hpp"
 #include "threewe/map/occupancy_grid.hpp"
 #include "threewe/map/zone.hpp"
-#include "threewe/nav/people_tracker.hpp"
-#include "threewe/nav/sampled_plan.hpp"
 #include "threewe/slam/localizer.hpp"
 
 namespace threewe::nav {
@@ -64,6 +63,15 @@ struct FollowPath {
 struct Explore {};
 
 using Goal = std::variant<MoveTo, Rotate, MoveForward, FollowPath, Explore>;
+
+/// Somebody who walks, or has just stopped. In the robot's `odom`.
+struct TrackedPerson {
+  std::uint32_t id = 0;               ///< the same as long as somebody is not lost sight of
+  Vec2 position;                      ///< [m]
+  Vec2 velocity;                      ///< [m/s]
+  std::array<double, 16> covariance;  ///< of (x, y, vx, vy), row-major
+  friend bool operator==(const TrackedPerson&, const TrackedPerson&) = default;
+};
 
 /// What another robot tells that has the same `map` frame.
 struct Peer {
@@ -120,6 +128,18 @@ struct Decision {
   /// Through a gap that it has measured: slowly, and nearer to what is beside it than the robot would come else. Obeyed
   /// of our own navigator on a robot with a lidar; others keep the gate's margin, whatever they say.
   bool creeping = false;
+};
+
+/// A plan, and the samples of which it is the weighted mean. Poses in `odom`, at the ends of the steps; velocities in
+/// the body frame, as they are asked for: the poses are where these lead within the limits of the base.
+struct SampledPlan {
+  Time made{};                         ///< it begins a little later, when its first command takes effect
+  double step = 0.0;                   ///< [s]
+  std::vector<Pose2D> poses{};         ///< (steps,) where the plan leads
+  std::vector<Velocity> velocities{};  ///< (steps,) what it asks for
+  std::vector<Pose2D> trajectories{};  ///< (samples, steps) where each sample leads
+  std::vector<Velocity> controls{};    ///< (samples, steps) what each asks for
+  std::vector<double> weights{};       ///< (samples,) how much each counts; 1 in all
 };
 
 /// Planning and control of one robot. It sees estimates and scans, never the truth.

@@ -16,7 +16,7 @@
 #include "threewe/robot/health.hpp"
 #include "threewe/robot/results.hpp"
 #include "threewe/robot/world.hpp"
-#include "threewe/safety/gate.hpp"
+#include "threewe/safety/intervention.hpp"
 #include "threewe/slam/localizer.hpp"
 
 namespace threewe {

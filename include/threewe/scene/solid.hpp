@@ -8,7 +8,6 @@
 #include <vector>
 
 #include "threewe/core/pose.hpp"
-#include "threewe/scene/geometry.hpp"
 
 namespace threewe::scene {
 
@@ -44,6 +43,30 @@ double distance_to(const Solid& solid, std::span<const Vec2> polygon);
 bool overlaps(const Solid& solid, std::span<const Vec2> polygon, double depth = 0.0);
 /// The same for two solids, seen from above; their heights are not compared.
 bool overlaps(const Solid& a, const Solid& b, double depth = 0.0);
+
+/// A straight edge of a solid shape. Shapes list their edges counter-clockwise, so the solid lies to the left of a ->
+/// b. `object` is the index of what it belongs to in `Scene::objects`, or -1 for walls.
+struct Segment {
+  Vec2 a;
+  Vec2 b;
+  int object = -1;
+};
+
+struct Circle {
+  Vec2 center;
+  double radius = 0.0;
+  int object = -1;
+};
+
+/// Everything that a horizontal plane, or a slab between two heights, cuts out of a scene.
+struct Slice {
+  std::vector<Segment> segments;
+  std::vector<Circle> circles;
+};
+
+/// Range [m] along a ray to the nearest shape, or `range_max`: every shape is tried. Shapes are seen from outside: a
+/// ray that begins inside one leaves it unhindered. The slow, obvious twin of the lidar, also used by metrics.
+double cast_ray(const Slice& slice, Vec2 origin, double angle, double range_max);
 
 /// The outlines of solids. Of several with one outline, as the boards of a shelf, the first is taken.
 Slice outlines(std::span<const Solid> solids);

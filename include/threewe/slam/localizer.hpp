@@ -9,8 +9,11 @@
 
 #include "threewe/core/pose.hpp"
 #include "threewe/core/samples.hpp"
-#include "threewe/map/change_log.hpp"
 #include "threewe/map/occupancy_grid.hpp"
+
+namespace threewe::map {
+class ChangeLog;
+}
 
 namespace threewe::slam {
 

@@ -13,7 +13,11 @@
 #include "threewe/core/pose.hpp"
 #include "threewe/core/time.hpp"
 #include "threewe/hardware/profile.hpp"
-#include "threewe/scene/scene_tables.hpp"
+#include "threewe/scene/cell_grid.hpp"
+
+namespace threewe::scene {
+class SceneTables;
+}
 
 namespace threewe::task {
 

@@ -6,10 +6,10 @@
 #include <mutex>
 #include <utility>
 
-#include "threewe/backend/mock/mock_world.hpp"
-#include "threewe/backend/mujoco/mujoco.hpp"
+#include "backend/mock/mock_world.hpp"
+#include "backend/mujoco/mujoco.hpp"
+#include "core/names.hpp"
 #include "threewe/core/errors.hpp"
-#include "threewe/core/names.hpp"
 
 namespace threewe::backend {
 namespace {

@@ -1,8 +1,8 @@
-#include "threewe/backend/mock/mock_world.hpp"
+#include "backend/mock/mock_world.hpp"
 
 #include <utility>
 
-#include "threewe/sim/step.hpp"
+#include "sim/step.hpp"
 
 namespace threewe::backend::mock {
 namespace {

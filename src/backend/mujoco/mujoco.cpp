@@ -1,5 +1,5 @@
 // What is always built: where this library was compiled without MuJoCo's headers, the backend says so.
-#include "threewe/backend/mujoco/mujoco.hpp"
+#include "backend/mujoco/mujoco.hpp"
 
 #include <utility>
 
@@ -9,7 +9,7 @@
 #if THREEWE_WITH_MUJOCO
 #include "backend/mujoco/world/engine.hpp"
 #include "backend/mujoco/world/library.hpp"
-#include "threewe/backend/simulated/simulated_world.hpp"
+#include "backend/simulated/simulated_world.hpp"
 #endif
 
 namespace threewe::backend::mujoco {

@@ -6,10 +6,10 @@
 
 #include <fmt/format.h>
 
+#include "models/lidar.hpp"
+#include "models/ultrasonic.hpp"
+#include "sim/step.hpp"
 #include "threewe/core/errors.hpp"
-#include "threewe/models/lidar.hpp"
-#include "threewe/models/ultrasonic.hpp"
-#include "threewe/sim/step.hpp"
 
 namespace threewe::backend::simulated {
 namespace {

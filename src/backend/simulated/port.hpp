@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "backend/bytes.hpp"
+#include "backend/simulated/simulated_world.hpp"
 #include "backend/simulated/truth.hpp"
-#include "threewe/backend/simulated/simulated_world.hpp"
 
 namespace threewe::backend::simulated {
 

@@ -1,4 +1,4 @@
-#include "threewe/backend/simulated/simulated_world.hpp"
+#include "backend/simulated/simulated_world.hpp"
 
 #include <utility>
 
@@ -6,11 +6,11 @@
 
 #include "backend/bytes.hpp"
 #include "backend/simulated/port.hpp"
+#include "sim/camera.hpp"
+#include "sim/placement.hpp"
+#include "sim/step.hpp"
 #include "threewe/core/errors.hpp"
 #include "threewe/scene/scene.hpp"
-#include "threewe/sim/camera.hpp"
-#include "threewe/sim/placement.hpp"
-#include "threewe/sim/step.hpp"
 
 namespace threewe::backend::simulated {
 

@@ -1,4 +1,5 @@
 #include "backend/simulated/truth.hpp"
+#include "core/exact.hpp"
 
 namespace threewe::backend::simulated {
 

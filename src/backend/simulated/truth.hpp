@@ -4,8 +4,8 @@
 #include <cstddef>
 #include <vector>
 
-#include "threewe/backend/simulated/simulated_world.hpp"
-#include "threewe/scene/table_truth.hpp"
+#include "backend/simulated/simulated_world.hpp"
+#include "scene/table_truth.hpp"
 
 namespace threewe::backend::simulated {
 

@@ -6,11 +6,11 @@
 #include <utility>
 #include <vector>
 
+#include "scene/scene_tables.hpp"
+#include "sim/ray_caster.hpp"
 #include "threewe/env/options.hpp"
 #include "threewe/robot/runtime.hpp"
 #include "threewe/robot/world.hpp"
-#include "threewe/scene/scene_tables.hpp"
-#include "threewe/sim/ray_caster.hpp"
 
 namespace threewe::env {
 

@@ -9,16 +9,16 @@
 
 #include <fmt/format.h>
 
+#include "core/exact.hpp"
 #include "env/checks.hpp"
 #include "env/episodes.hpp"
 #include "env/exclusive_use.hpp"
 #include "env/observations.hpp"
 #include "env/robot/places.hpp"
+#include "hardware/turn.hpp"
+#include "sim/model.hpp"
 #include "threewe/core/errors.hpp"
-#include "threewe/core/exact.hpp"
-#include "threewe/hardware/turn.hpp"
 #include "threewe/robot/runtime.hpp"
-#include "threewe/sim/model.hpp"
 
 namespace threewe::env {
 

@@ -1,8 +1,10 @@
-#include "threewe/nav/mppi.hpp"
+#include "nav/mppi.hpp"
 
 #include <algorithm>
 #include <cmath>
 
+#include "core/exact.hpp"
+#include "hardware/limits.hpp"
 #include "nav/mppi/noise.hpp"
 #include "nav/mppi/obstacle_field.hpp"
 #include "nav/mppi/path_table.hpp"
@@ -10,7 +12,6 @@
 #include "nav/mppi/rollout.hpp"
 #include "nav/polyline.hpp"
 #include "threewe/core/time.hpp"
-#include "threewe/hardware/limits.hpp"
 
 namespace threewe::nav {
 namespace {

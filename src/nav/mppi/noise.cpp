@@ -1,7 +1,7 @@
 #include "nav/mppi/noise.hpp"
 
-#include "threewe/core/exact.hpp"
-#include "threewe/core/rng.hpp"
+#include "core/exact.hpp"
+#include "core/rng.hpp"
 
 namespace threewe::nav::mppi {
 namespace {

@@ -5,7 +5,8 @@
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "nav/mppi/obstacle_field.cpp"
-#include "threewe/core/highway-inl.hpp"
+#include "core/exact.hpp"
+#include "core/highway-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace threewe::nav::mppi::HWY_NAMESPACE {

@@ -1,4 +1,5 @@
 #include "nav/mppi/pursuit.hpp"
+#include "core/exact.hpp"
 
 #include <algorithm>
 #include <cmath>

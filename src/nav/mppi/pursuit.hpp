@@ -1,11 +1,11 @@
 // A plan without any search: drive at a point of the path ahead.
 #pragma once
 
+#include "nav/mppi.hpp"
 #include "nav/mppi/path_table.hpp"
 #include "nav/mppi/rollout.hpp"
 #include "threewe/core/pose.hpp"
 #include "threewe/hardware/profile.hpp"
-#include "threewe/nav/mppi.hpp"
 
 namespace threewe::nav::mppi {
 

@@ -3,20 +3,20 @@
 #include <algorithm>
 #include <cassert>
 
+#include "core/exact.hpp"
 #include "nav/mppi/rollout.hpp"
-#include "threewe/core/exact.hpp"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "nav/mppi/rollout_kernel.cpp"
-#include "threewe/core/highway-inl.hpp"
+#include "core/highway-inl.hpp"
 //
+#include "core/exact_exp-inl.hpp"
 #include "nav/mppi/critics/goal-inl.hpp"
 #include "nav/mppi/critics/heading-inl.hpp"
 #include "nav/mppi/critics/obstacle-inl.hpp"
 #include "nav/mppi/critics/path-inl.hpp"
 #include "nav/mppi/critics/people-inl.hpp"
 #include "nav/mppi/critics/smoothness-inl.hpp"
-#include "threewe/core/exact_exp-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace threewe::nav::mppi::HWY_NAMESPACE {

@@ -5,10 +5,10 @@
 #include <cstddef>
 #include <limits>
 
-#include "threewe/core/exact.hpp"
-#include "threewe/safety/gate.hpp"
-#include "threewe/safety/invalid_beams.hpp"
-#include "threewe/safety/unseen.hpp"
+#include "core/exact.hpp"
+#include "safety/gate.hpp"
+#include "safety/invalid_beams.hpp"
+#include "safety/unseen.hpp"
 
 namespace threewe::health {
 namespace {

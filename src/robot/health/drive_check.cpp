@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "threewe/core/exact.hpp"
+#include "core/exact.hpp"
 
 namespace threewe::health {
 namespace {

@@ -6,9 +6,9 @@
 
 #include <fmt/format.h>
 
-#include "threewe/backend/sample_checks.hpp"
+#include "backend/sample_checks.hpp"
+#include "core/exact.hpp"
 #include "threewe/core/errors.hpp"
-#include "threewe/core/exact.hpp"
 
 namespace threewe::health {
 namespace {

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <type_traits>
 
-#include "threewe/core/exact.hpp"
-#include "threewe/slam/range_scatter.hpp"
+#include "core/exact.hpp"
+#include "slam/range_scatter.hpp"
 
 namespace threewe::health {
 namespace {

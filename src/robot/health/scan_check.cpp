@@ -4,9 +4,9 @@
 #include <cmath>
 #include <utility>
 
-#include "threewe/core/exact.hpp"
+#include "core/exact.hpp"
+#include "slam/range_scatter.hpp"
 #include "threewe/core/pose.hpp"
-#include "threewe/slam/range_scatter.hpp"
 
 namespace threewe::health {
 namespace {

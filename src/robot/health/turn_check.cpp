@@ -6,7 +6,7 @@
 #include <numbers>
 #include <utility>
 
-#include "threewe/core/exact.hpp"
+#include "core/exact.hpp"
 
 namespace threewe::health {
 namespace {

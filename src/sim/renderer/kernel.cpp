@@ -9,7 +9,7 @@
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "sim/renderer/kernel.cpp"
-#include "threewe/core/highway-inl.hpp"
+#include "core/highway-inl.hpp"
 //
 #include "sim/renderer/shade-inl.hpp"
 #include "sim/renderer/visible-inl.hpp"

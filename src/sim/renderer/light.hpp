@@ -7,7 +7,7 @@
 #include <span>
 #include <vector>
 
-#include "threewe/sim/renderer.hpp"
+#include "sim/renderer.hpp"
 
 namespace threewe::sim::view {
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/exact.hpp"
 #include "sim/renderer/light.hpp"
 #include "sim/renderer/textures.hpp"
 

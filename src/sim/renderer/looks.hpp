@@ -4,7 +4,7 @@
 #include <array>
 #include <string_view>
 
-#include "threewe/sim/renderer.hpp"
+#include "sim/renderer.hpp"
 
 namespace threewe::sim::view {
 

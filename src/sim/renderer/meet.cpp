@@ -5,7 +5,7 @@
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "sim/renderer/meet.cpp"
-#include "threewe/core/highway-inl.hpp"
+#include "core/highway-inl.hpp"
 //
 #include "sim/renderer/meet-inl.hpp"
 

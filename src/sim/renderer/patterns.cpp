@@ -6,8 +6,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "threewe/core/exact.hpp"
-#include "threewe/core/rng.hpp"
+#include "core/exact.hpp"
+#include "core/rng.hpp"
 
 namespace threewe::sim::view {
 namespace {

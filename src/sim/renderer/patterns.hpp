@@ -3,7 +3,7 @@
 
 #include <functional>
 
-#include "threewe/sim/renderer.hpp"
+#include "sim/renderer.hpp"
 
 namespace threewe::sim::view {
 

@@ -6,9 +6,9 @@
 
 #include <fmt/format.h>
 
+#include "core/rng.hpp"
 #include "sim/renderer/textures.hpp"
 #include "threewe/core/errors.hpp"
-#include "threewe/core/rng.hpp"
 
 namespace threewe::sim::view {
 namespace {

@@ -6,12 +6,12 @@
 #include <span>
 #include <vector>
 
+#include "sim/renderer.hpp"
 #include "sim/renderer/light.hpp"
 #include "sim/renderer/looks.hpp"
 #include "sim/renderer/meet.hpp"
 #include "sim/renderer/sides.hpp"
 #include "sim/renderer/walls.hpp"
-#include "threewe/sim/renderer.hpp"
 
 namespace threewe::sim::view {
 

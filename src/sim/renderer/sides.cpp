@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "threewe/core/exact.hpp"
+#include "core/exact.hpp"
 
 namespace threewe::sim::view {
 

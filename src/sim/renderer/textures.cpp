@@ -6,8 +6,8 @@
 #include <cmath>
 #include <span>
 
+#include "core/rng.hpp"
 #include "sim/renderer/patterns.hpp"
-#include "threewe/core/rng.hpp"
 
 namespace threewe::sim::view {
 namespace {

@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "threewe/sim/renderer.hpp"
+#include "sim/renderer.hpp"
 
 namespace threewe::sim::view {
 

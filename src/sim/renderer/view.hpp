@@ -3,8 +3,8 @@
 
 #include <limits>
 
+#include "core/exact.hpp"
 #include "sim/renderer/place.hpp"
-#include "threewe/core/exact.hpp"
 
 namespace threewe::sim::view {
 

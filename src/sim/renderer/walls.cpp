@@ -3,9 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/exact.hpp"
+#include "core/rng.hpp"
 #include "sim/renderer/sides.hpp"
 #include "sim/renderer/textures.hpp"
-#include "threewe/core/rng.hpp"
 
 namespace threewe::sim::view {
 namespace {

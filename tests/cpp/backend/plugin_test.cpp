@@ -1,5 +1,5 @@
 // What a plug-in may do wrong, and what becomes of the robot then.
-#include "threewe/backend/plugin.hpp"
+#include "backend/plugin.hpp"
 
 #include <atomic>
 #include <cmath>
@@ -12,6 +12,7 @@
 #include <doctest/doctest.h>
 
 #include "backend/toy_plugin.hpp"
+#include "core/exact.hpp"
 
 namespace threewe::backend {
 namespace {

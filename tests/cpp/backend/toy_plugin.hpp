@@ -9,10 +9,11 @@
 #include <utility>
 #include <vector>
 
-#include "threewe/backend/plugin.hpp"
+#include "backend/plugin.hpp"
+#include "core/exact.hpp"
+#include "core/rng.hpp"
 #include "threewe/backend/registry.hpp"
 #include "threewe/core/errors.hpp"
-#include "threewe/core/rng.hpp"
 
 namespace threewe::backend::testing {
 

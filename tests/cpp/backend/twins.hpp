@@ -12,8 +12,8 @@
 #include <vector>
 
 #include "backend/faulty_world.hpp"
+#include "core/exact.hpp"
 #include "threewe/core/errors.hpp"
-#include "threewe/core/exact.hpp"
 
 namespace threewe::backend::testing {
 

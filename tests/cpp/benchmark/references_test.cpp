@@ -5,10 +5,11 @@
 #include <memory>
 #include <string>
 
-#include "threewe/benchmark/nearest_frontier.hpp"
-#include "threewe/benchmark/optimist.hpp"
+#include "benchmark/nearest_frontier.hpp"
+#include "benchmark/optimist.hpp"
+#include "scene/episodes.hpp"
+#include "scene/scene_tables.hpp"
 #include "threewe/core/errors.hpp"
-#include "threewe/scene/episodes.hpp"
 #include "threewe/scene/generator.hpp"
 
 namespace threewe::benchmark {

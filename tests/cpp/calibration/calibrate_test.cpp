@@ -10,8 +10,9 @@
 #include <string>
 #include <vector>
 
+#include "calibration/fit.hpp"
+#include "core/rng.hpp"
 #include "threewe/core/errors.hpp"
-#include "threewe/core/rng.hpp"
 
 namespace threewe::calibration {
 namespace {

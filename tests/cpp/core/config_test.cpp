@@ -1,5 +1,5 @@
 // Every way in which a configuration file can be wrong gives one error that says where and what would be right.
-#include "threewe/core/config.hpp"
+#include "core/config.hpp"
 
 #include <doctest/doctest.h>
 

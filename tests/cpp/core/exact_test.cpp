@@ -1,5 +1,5 @@
 // The library's elementary functions against libm in long double, in units in the last place.
-#include "threewe/core/exact.hpp"
+#include "core/exact.hpp"
 
 #include <doctest/doctest.h>
 

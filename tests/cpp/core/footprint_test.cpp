@@ -6,6 +6,7 @@
 #include <limits>
 #include <random>
 
+#include "core/exact.hpp"
 #include "threewe/core/errors.hpp"
 
 namespace threewe {

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "core/exact.hpp"
 #include "draw.hpp"
 
 namespace threewe {

@@ -1,4 +1,4 @@
-#include "threewe/core/rng.hpp"
+#include "core/rng.hpp"
 
 #include <doctest/doctest.h>
 

@@ -1,5 +1,5 @@
 // Vector functions on every target of this machine, forced in turn: the same bits on all, near the truth on each.
-#include "threewe/core/targets.hpp"
+#include "core/targets.hpp"
 
 #include <doctest/doctest.h>
 
@@ -11,16 +11,16 @@
 #include <string>
 #include <vector>
 
+#include "core/exact.hpp"
 #include "threewe/core/errors.hpp"
-#include "threewe/core/exact.hpp"
 #include "threewe/core/pose.hpp"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "core/targets_test.cpp"
-#include "threewe/core/highway-inl.hpp"
+#include "core/highway-inl.hpp"
 //
-#include "threewe/core/exact-inl.hpp"
-#include "threewe/core/pose-inl.hpp"
+#include "core/exact-inl.hpp"
+#include "core/pose-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace threewe::HWY_NAMESPACE {

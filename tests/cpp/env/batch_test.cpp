@@ -17,8 +17,7 @@
 #include "draw.hpp"
 #include "threewe/core/errors.hpp"
 #include "threewe/scene/generator.hpp"
-#include "threewe/task/exploration.hpp"
-#include "threewe/task/navigation.hpp"
+#include "threewe/task/tasks.hpp"
 
 namespace threewe::env {
 namespace {

@@ -11,8 +11,8 @@
 
 #include <pugixml.hpp>
 
+#include "export/mjcf.hpp"
 #include "threewe/core/errors.hpp"
-#include "threewe/export/mjcf.hpp"
 
 namespace threewe::exports {
 namespace {

@@ -1,13 +1,13 @@
 // What is exported of a robot is what its profile says.
-#include "threewe/export/robot_description.hpp"
+#include "export/robot_description.hpp"
 
 #include <doctest/doctest.h>
 
 #include <algorithm>
 #include <cmath>
 
+#include "core/rng.hpp"
 #include "threewe/core/errors.hpp"
-#include "threewe/core/rng.hpp"
 
 namespace threewe::exports {
 namespace {

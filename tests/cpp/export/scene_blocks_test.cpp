@@ -1,15 +1,15 @@
 // What is exported of a scene is what the scene is: the same cells are occupied, floors hold alike.
-#include "threewe/export/scene_blocks.hpp"
+#include "export/scene_blocks.hpp"
 
 #include <doctest/doctest.h>
 
 #include <set>
 
-#include "threewe/core/rng.hpp"
+#include "core/rng.hpp"
+#include "scene/occupancy.hpp"
 #include "threewe/export/export.hpp"
 #include "threewe/hardware/profile.hpp"
 #include "threewe/scene/generator.hpp"
-#include "threewe/scene/occupancy.hpp"
 
 namespace threewe::exports {
 namespace {

@@ -1,4 +1,4 @@
-#include "threewe/hardware/limits.hpp"
+#include "hardware/limits.hpp"
 
 #include <doctest/doctest.h>
 
@@ -6,7 +6,7 @@
 #include <cmath>
 #include <limits>
 
-#include "threewe/core/rng.hpp"
+#include "core/rng.hpp"
 
 using namespace threewe;
 

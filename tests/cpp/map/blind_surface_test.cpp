@@ -1,5 +1,5 @@
 // Walls nearer than a lidar can measure.
-#include "threewe/map/blind_surface.hpp"
+#include "map/blind_surface.hpp"
 
 #include <doctest/doctest.h>
 
@@ -9,8 +9,9 @@
 #include <limits>
 #include <vector>
 
+#include "core/exact.hpp"
+#include "core/rng.hpp"
 #include "draw.hpp"
-#include "threewe/core/rng.hpp"
 
 namespace threewe::map {
 namespace {

@@ -1,5 +1,5 @@
 // Distances against brute force, and what costs mean.
-#include "threewe/map/costmap.hpp"
+#include "map/costmap.hpp"
 
 #include <doctest/doctest.h>
 
@@ -13,8 +13,8 @@
 #include <string>
 #include <vector>
 
+#include "core/targets.hpp"
 #include "draw.hpp"
-#include "threewe/core/targets.hpp"
 
 namespace threewe::map {
 namespace {

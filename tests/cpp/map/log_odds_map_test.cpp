@@ -1,5 +1,5 @@
 // The map against a slow twin that keeps a set of cells, and what a user sees of it.
-#include "threewe/map/log_odds_map.hpp"
+#include "map/log_odds_map.hpp"
 
 #include <doctest/doctest.h>
 
@@ -11,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/exact.hpp"
 #include "draw.hpp"
 #include "threewe/core/errors.hpp"
 

@@ -1,4 +1,4 @@
-#include "threewe/map/scan_hits.hpp"
+#include "map/scan_hits.hpp"
 
 #include <doctest/doctest.h>
 
@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/exact.hpp"
 #include "draw.hpp"
 
 namespace threewe::map {

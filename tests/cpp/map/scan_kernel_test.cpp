@@ -9,9 +9,9 @@
 #include <string>
 #include <vector>
 
+#include "core/grid_line.hpp"
+#include "core/targets.hpp"
 #include "draw.hpp"
-#include "threewe/core/grid_line.hpp"
-#include "threewe/core/targets.hpp"
 
 namespace threewe::map {
 namespace {

@@ -8,8 +8,8 @@
 #include <limits>
 #include <vector>
 
-#include "threewe/core/exact.hpp"
-#include "threewe/core/rng.hpp"
+#include "core/exact.hpp"
+#include "core/rng.hpp"
 
 namespace threewe::map {
 namespace {

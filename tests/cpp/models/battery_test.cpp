@@ -1,10 +1,10 @@
-#include "threewe/models/battery.hpp"
+#include "models/battery.hpp"
 
 #include <doctest/doctest.h>
 
 #include <algorithm>
 
-#include "threewe/core/rng.hpp"
+#include "core/rng.hpp"
 
 using namespace threewe;
 using namespace threewe::models;

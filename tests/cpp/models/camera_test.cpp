@@ -1,4 +1,4 @@
-#include "threewe/models/camera.hpp"
+#include "models/camera.hpp"
 
 #include <doctest/doctest.h>
 
@@ -7,7 +7,7 @@
 #include <cmath>
 #include <vector>
 
-#include "threewe/core/targets.hpp"
+#include "core/targets.hpp"
 
 using namespace threewe;
 using namespace threewe::models;

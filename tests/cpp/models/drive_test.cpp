@@ -1,4 +1,4 @@
-#include "threewe/models/drive.hpp"
+#include "models/drive.hpp"
 
 #include <doctest/doctest.h>
 
@@ -6,7 +6,7 @@
 #include <cmath>
 #include <cstdint>
 
-#include "threewe/core/rng.hpp"
+#include "core/rng.hpp"
 
 using namespace threewe;
 using namespace threewe::models;

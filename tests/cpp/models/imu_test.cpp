@@ -1,4 +1,4 @@
-#include "threewe/models/imu.hpp"
+#include "models/imu.hpp"
 
 #include <doctest/doctest.h>
 

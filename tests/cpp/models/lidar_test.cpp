@@ -1,4 +1,4 @@
-#include "threewe/models/lidar.hpp"
+#include "models/lidar.hpp"
 
 #include <doctest/doctest.h>
 
@@ -8,7 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "threewe/core/targets.hpp"
+#include "core/exact.hpp"
+#include "core/targets.hpp"
 
 using namespace threewe;
 using namespace threewe::models;

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "mistakes.hpp"
+#include "models/localization_error.hpp"
 #include "threewe/core/assets.hpp"
 #include "threewe/core/errors.hpp"
 

@@ -1,4 +1,4 @@
-#include "threewe/models/odometry.hpp"
+#include "models/odometry.hpp"
 
 #include <doctest/doctest.h>
 

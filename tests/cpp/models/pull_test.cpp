@@ -1,5 +1,5 @@
 // Wheels that spin freely: beside a slow twin that takes them one by one, and what such a drive must do.
-#include "threewe/models/pull.hpp"
+#include "models/pull.hpp"
 
 #include <doctest/doctest.h>
 
@@ -11,7 +11,7 @@
 #include <numbers>
 #include <utility>
 
-#include "threewe/core/rng.hpp"
+#include "core/rng.hpp"
 
 namespace threewe::models {
 namespace {

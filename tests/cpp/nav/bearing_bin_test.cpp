@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdint>
 
+#include "core/exact.hpp"
 #include "draw.hpp"
 
 namespace threewe::nav {

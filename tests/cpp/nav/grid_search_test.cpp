@@ -1,5 +1,5 @@
 // The search for the nearest target against a plain Dijkstra, and frontiers.
-#include "threewe/nav/grid_search.hpp"
+#include "nav/grid_search.hpp"
 
 #include <doctest/doctest.h>
 
@@ -11,8 +11,8 @@
 #include <vector>
 
 #include "draw.hpp"
+#include "nav/frontiers.hpp"
 #include "nav/random_costmap.hpp"
-#include "threewe/nav/frontiers.hpp"
 
 namespace threewe::nav {
 namespace {

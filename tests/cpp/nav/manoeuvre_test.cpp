@@ -10,8 +10,9 @@
 #include <string>
 #include <vector>
 
+#include "core/exact.hpp"
+#include "core/rng.hpp"
 #include "draw.hpp"
-#include "threewe/core/rng.hpp"
 
 namespace threewe::nav {
 namespace {

@@ -1,5 +1,5 @@
 // A whole mind, localiser and navigator, that drives a robot with bad sensors through a small world.
-#include "threewe/nav/mind.hpp"
+#include "nav/mind.hpp"
 
 #include <doctest/doctest.h>
 
@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "core/exact.hpp"
 #include "slam/tiny_world.hpp"
 
 namespace threewe::nav {

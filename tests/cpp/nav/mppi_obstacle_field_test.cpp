@@ -9,8 +9,9 @@
 #include <string>
 #include <vector>
 
+#include "core/exact.hpp"
+#include "core/targets.hpp"
 #include "draw.hpp"
-#include "threewe/core/targets.hpp"
 
 namespace threewe::nav::mppi {
 namespace {

@@ -12,10 +12,10 @@
 #include <string>
 #include <vector>
 
+#include "core/exact.hpp"
+#include "core/rng.hpp"
+#include "core/targets.hpp"
 #include "nav/mppi/noise.hpp"
-#include "threewe/core/exact.hpp"
-#include "threewe/core/rng.hpp"
-#include "threewe/core/targets.hpp"
 
 namespace threewe::nav::mppi {
 namespace {

@@ -1,5 +1,5 @@
 // The controller driven: courses for both kinematics, and what its commands obey.
-#include "threewe/nav/mppi.hpp"
+#include "nav/mppi.hpp"
 
 #include <doctest/doctest.h>
 
@@ -10,10 +10,11 @@
 #include <string>
 #include <vector>
 
+#include "core/exact.hpp"
 #include "draw.hpp"
+#include "hardware/limits.hpp"
 #include "nav/mppi/obstacle_field.hpp"
 #include "nav/mppi_course.hpp"
-#include "threewe/hardware/limits.hpp"
 
 namespace threewe::nav {
 namespace {

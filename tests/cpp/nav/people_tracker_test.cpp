@@ -6,8 +6,9 @@
 #include <optional>
 #include <vector>
 
-#include "threewe/core/rng.hpp"
-#include "threewe/nav/people_tracker.hpp"
+#include "core/exact.hpp"
+#include "core/rng.hpp"
+#include "nav/people_tracker.hpp"
 
 using namespace threewe;
 using nav::PeopleTracker;

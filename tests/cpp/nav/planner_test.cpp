@@ -1,6 +1,6 @@
 // Ways through tiles against Dijkstra over cells: they exist where paths do, cost hardly more, and do not depend on
 // what was planned before.
-#include "threewe/nav/planner.hpp"
+#include "nav/planner.hpp"
 
 #include <doctest/doctest.h>
 

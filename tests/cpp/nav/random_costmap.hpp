@@ -5,7 +5,7 @@
 #include <cstdlib>
 #include <random>
 
-#include "threewe/map/costmap.hpp"
+#include "map/costmap.hpp"
 
 namespace threewe::nav::testing {
 

@@ -7,8 +7,9 @@
 #include <cmath>
 #include <vector>
 
+#include "core/exact.hpp"
+#include "core/rng.hpp"
 #include "draw.hpp"
-#include "threewe/core/rng.hpp"
 
 namespace threewe::nav {
 namespace {

@@ -7,6 +7,7 @@
 #include <optional>
 #include <vector>
 
+#include "core/exact.hpp"
 #include "nav/polyline.hpp"
 #include "threewe/map/occupancy_grid.hpp"
 

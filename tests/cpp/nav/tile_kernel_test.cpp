@@ -10,8 +10,8 @@
 #include <utility>
 #include <vector>
 
+#include "core/targets.hpp"
 #include "draw.hpp"
-#include "threewe/core/targets.hpp"
 
 namespace threewe::nav::kernel {
 namespace {

@@ -1,5 +1,5 @@
 // How much of a velocity a robot may drive, against a look at every point from every pose.
-#include "threewe/nav/tracker.hpp"
+#include "nav/tracker.hpp"
 
 #include <doctest/doctest.h>
 
@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "core/exact.hpp"
 #include "draw.hpp"
 
 namespace threewe::nav {

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "core/exact.hpp"
 #include "robot/faulty_port.hpp"
 #include "robot/warnings.hpp"
 #include "threewe/backend/registry.hpp"

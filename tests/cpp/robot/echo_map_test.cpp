@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "threewe/core/rng.hpp"
+#include "core/rng.hpp"
 
 using namespace threewe;
 

@@ -5,6 +5,7 @@
 #include <deque>
 #include <vector>
 
+#include "core/exact.hpp"
 #include "robot/faulty_port.hpp"
 #include "robot/health/drive_check.hpp"
 #include "robot/health/repeats.hpp"

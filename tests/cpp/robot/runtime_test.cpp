@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/exact.hpp"
 #include "robot/goals.hpp"
 #include "robot/minds.hpp"
 #include "robot/toy_world.hpp"

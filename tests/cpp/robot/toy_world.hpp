@@ -12,6 +12,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/exact.hpp"
 #include "threewe/backend/world.hpp"
 #include "threewe/core/errors.hpp"
 #include "threewe/hardware/profile.hpp"

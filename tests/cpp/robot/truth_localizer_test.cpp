@@ -1,5 +1,5 @@
 // A mind that is told where the robot is: it never drifts, and sees obstacles where they are.
-#include "threewe/robot/truth_localizer.hpp"
+#include "robot/truth_localizer.hpp"
 
 #include <doctest/doctest.h>
 

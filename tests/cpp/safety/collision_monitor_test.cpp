@@ -8,8 +8,10 @@
 #include <span>
 #include <vector>
 
+#include "core/exact.hpp"
 #include "draw.hpp"
-#include "threewe/hardware/limits.hpp"
+#include "hardware/limits.hpp"
+#include "safety/gate.hpp"
 
 using namespace threewe;
 using namespace threewe::safety;

@@ -1,4 +1,4 @@
-#include "threewe/safety/gate.hpp"
+#include "safety/gate.hpp"
 
 #include <doctest/doctest.h>
 
@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "threewe/core/rng.hpp"
+#include "core/rng.hpp"
 
 using namespace threewe;
 using namespace threewe::safety;

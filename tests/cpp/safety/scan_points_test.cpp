@@ -1,9 +1,9 @@
-#include "threewe/safety/scan_points.hpp"
+#include "safety/scan_points.hpp"
 
 #include <doctest/doctest.h>
 
-#include "threewe/core/exact.hpp"
-#include "threewe/core/rng.hpp"
+#include "core/exact.hpp"
+#include "core/rng.hpp"
 
 using namespace threewe;
 using namespace threewe::safety;

@@ -1,4 +1,4 @@
-#include "threewe/safety/unseen.hpp"
+#include "safety/unseen.hpp"
 
 #include <doctest/doctest.h>
 
@@ -8,10 +8,11 @@
 #include <string>
 #include <vector>
 
-#include "threewe/core/exact.hpp"
-#include "threewe/core/rng.hpp"
-#include "threewe/safety/invalid_beams.hpp"
-#include "threewe/safety/scan_points.hpp"
+#include "core/exact.hpp"
+#include "core/rng.hpp"
+#include "safety/gate.hpp"
+#include "safety/invalid_beams.hpp"
+#include "safety/scan_points.hpp"
 
 using namespace threewe;
 using namespace threewe::safety;

@@ -8,6 +8,7 @@
 #include <cstdlib>
 #include <vector>
 
+#include "scene/cell_lines.hpp"
 #include "scene/random_solids.hpp"
 
 namespace threewe::scene {

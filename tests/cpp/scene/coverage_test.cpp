@@ -1,5 +1,7 @@
 // Coverage counts what is reachable, was crossed by a ray, and is marked free: nothing else.
-#include "threewe/scene/coverage.hpp"
+#include "scene/coverage.hpp"
+#include "core/exact.hpp"
+#include "scene/scene_tables.hpp"
 
 #include <doctest/doctest.h>
 

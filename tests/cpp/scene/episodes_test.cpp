@@ -1,5 +1,5 @@
 // Episodes and free poses: valid, spread out, and the same for the same seed.
-#include "threewe/scene/episodes.hpp"
+#include "scene/episodes.hpp"
 
 #include <doctest/doctest.h>
 
@@ -9,6 +9,8 @@
 #include <memory>
 #include <set>
 
+#include "core/exact.hpp"
+#include "scene/scene_tables.hpp"
 #include "threewe/core/errors.hpp"
 
 namespace threewe::scene {

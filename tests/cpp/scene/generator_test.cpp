@@ -6,10 +6,10 @@
 #include <algorithm>
 #include <memory>
 
+#include "core/rng.hpp"
+#include "scene/episodes.hpp"
+#include "scene/scene_tables.hpp"
 #include "threewe/core/errors.hpp"
-#include "threewe/core/rng.hpp"
-#include "threewe/scene/episodes.hpp"
-#include "threewe/scene/scene_tables.hpp"
 
 namespace threewe::scene {
 namespace {

@@ -1,13 +1,15 @@
 // Path lengths agree with a visibility graph around the same obstacles.
-#include "threewe/scene/geodesic.hpp"
+#include "scene/geodesic.hpp"
 
 #include <doctest/doctest.h>
 
 #include <algorithm>
 #include <limits>
 
+#include "core/exact.hpp"
+#include "scene/cell_lines.hpp"
+#include "scene/occupancy.hpp"
 #include "scene/random_solids.hpp"
-#include "threewe/scene/occupancy.hpp"
 
 namespace threewe::scene {
 namespace {

@@ -1,11 +1,12 @@
 // Grids of a scene agree with a search through all solids and all cells.
-#include "threewe/scene/occupancy.hpp"
+#include "scene/occupancy.hpp"
 
 #include <doctest/doctest.h>
 
 #include <algorithm>
 #include <limits>
 
+#include "core/exact.hpp"
 #include "scene/random_solids.hpp"
 
 namespace threewe::scene {

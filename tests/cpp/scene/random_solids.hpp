@@ -3,7 +3,8 @@
 
 #include <vector>
 
-#include "threewe/core/rng.hpp"
+#include "core/exact.hpp"
+#include "core/rng.hpp"
 #include "threewe/scene/solid.hpp"
 
 namespace threewe::scene {

@@ -5,6 +5,7 @@
 #include <fstream>
 #include <string>
 
+#include "core/exact.hpp"
 #include "threewe/core/assets.hpp"
 #include "threewe/core/errors.hpp"
 #include "threewe/scene/scene.hpp"

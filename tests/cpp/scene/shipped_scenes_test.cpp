@@ -6,11 +6,11 @@
 #include <memory>
 #include <set>
 
+#include "core/config.hpp"
+#include "scene/episodes.hpp"
+#include "scene/scene_tables.hpp"
 #include "threewe/core/assets.hpp"
-#include "threewe/core/config.hpp"
 #include "threewe/core/errors.hpp"
-#include "threewe/scene/episodes.hpp"
-#include "threewe/scene/scene_tables.hpp"
 
 namespace threewe::scene {
 namespace {

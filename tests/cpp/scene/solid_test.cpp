@@ -6,9 +6,10 @@
 #include <algorithm>
 #include <limits>
 
+#include "core/exact.hpp"
+#include "scene/obstacles.hpp"
 #include "scene/random_solids.hpp"
 #include "threewe/core/footprint.hpp"
-#include "threewe/scene/obstacles.hpp"
 
 namespace threewe::scene {
 namespace {

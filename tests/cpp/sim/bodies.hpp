@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <vector>
 
+#include "sim/contact.hpp"
 #include "threewe/scene/solid.hpp"
-#include "threewe/sim/contact.hpp"
 
 namespace threewe::sim {
 

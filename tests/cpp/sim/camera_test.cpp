@@ -1,5 +1,5 @@
 // What a robot's camera delivers of a moment, drawn into anybody's memory.
-#include "threewe/sim/camera.hpp"
+#include "sim/camera.hpp"
 
 #include <doctest/doctest.h>
 
@@ -12,9 +12,9 @@
 #include <utility>
 #include <vector>
 
+#include "models/camera.hpp"
+#include "sim/step.hpp"
 #include "threewe/core/errors.hpp"
-#include "threewe/models/camera.hpp"
-#include "threewe/sim/step.hpp"
 
 using namespace threewe;
 using namespace threewe::sim;

@@ -1,12 +1,12 @@
-#include "threewe/sim/contact.hpp"
+#include "sim/contact.hpp"
 
 #include <doctest/doctest.h>
 
 #include <cmath>
 #include <vector>
 
+#include "core/rng.hpp"
 #include "sim/bodies.hpp"
-#include "threewe/core/rng.hpp"
 
 using namespace threewe;
 using namespace threewe::sim;

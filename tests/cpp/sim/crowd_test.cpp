@@ -7,8 +7,8 @@
 #include <cmath>
 #include <vector>
 
+#include "core/rng.hpp"
 #include "sim/bodies.hpp"
-#include "threewe/core/rng.hpp"
 
 using namespace threewe;
 using namespace threewe::sim;

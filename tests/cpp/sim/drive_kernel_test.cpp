@@ -12,9 +12,9 @@
 #include <string>
 #include <vector>
 
-#include "threewe/core/rng.hpp"
-#include "threewe/core/targets.hpp"
-#include "threewe/sim/step.hpp"
+#include "core/rng.hpp"
+#include "core/targets.hpp"
+#include "sim/step.hpp"
 
 using namespace threewe;
 using namespace threewe::sim;

@@ -1,5 +1,5 @@
 // Echoes against fans of dense rays.
-#include "threewe/sim/echo.hpp"
+#include "sim/echo.hpp"
 
 #include <doctest/doctest.h>
 
@@ -7,7 +7,7 @@
 #include <limits>
 #include <vector>
 
-#include "threewe/core/rng.hpp"
+#include "core/rng.hpp"
 #include "threewe/scene/solid.hpp"
 
 using namespace threewe;

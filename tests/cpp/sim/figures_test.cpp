@@ -1,4 +1,4 @@
-#include "threewe/sim/figures.hpp"
+#include "sim/figures.hpp"
 
 #include <doctest/doctest.h>
 
@@ -9,9 +9,10 @@
 #include <string>
 #include <vector>
 
+#include "core/exact.hpp"
 #include "sim/ray_tracer.hpp"
+#include "sim/step.hpp"
 #include "threewe/core/errors.hpp"
-#include "threewe/sim/step.hpp"
 
 using namespace threewe;
 using namespace threewe::sim;

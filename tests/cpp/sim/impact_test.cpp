@@ -5,9 +5,9 @@
 #include <cmath>
 #include <vector>
 
+#include "core/rng.hpp"
 #include "sim/bodies.hpp"
-#include "threewe/core/rng.hpp"
-#include "threewe/sim/contact.hpp"
+#include "sim/contact.hpp"
 
 using namespace threewe;
 using namespace threewe::sim;

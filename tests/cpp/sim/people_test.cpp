@@ -1,4 +1,4 @@
-#include "threewe/sim/people.hpp"
+#include "sim/people.hpp"
 
 #include <doctest/doctest.h>
 
@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
+#include "sim/step.hpp"
 #include "threewe/core/errors.hpp"
-#include "threewe/sim/step.hpp"
 
 using namespace threewe;
 using namespace threewe::sim;

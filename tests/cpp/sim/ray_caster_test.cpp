@@ -1,5 +1,5 @@
 // The ray caster against its slow, obvious twin that tries every shape, on every vector target of this machine.
-#include "threewe/sim/ray_caster.hpp"
+#include "sim/ray_caster.hpp"
 
 #include <doctest/doctest.h>
 
@@ -10,9 +10,10 @@
 #include <thread>
 #include <vector>
 
+#include "core/exact.hpp"
+#include "core/targets.hpp"
 #include "draw.hpp"
 #include "sim/ray_caster_visibility.hpp"
-#include "threewe/core/targets.hpp"
 
 namespace threewe::sim {
 namespace {

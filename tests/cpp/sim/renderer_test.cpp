@@ -1,5 +1,5 @@
 // The renderer against a ray tracer that tries every solid for every pixel, on every vector target of this machine.
-#include "threewe/sim/renderer.hpp"
+#include "sim/renderer.hpp"
 
 #include <doctest/doctest.h>
 
@@ -13,11 +13,12 @@
 #include <tuple>
 #include <vector>
 
+#include "core/exact.hpp"
+#include "core/targets.hpp"
 #include "draw.hpp"
 #include "sim/comparison.hpp"
 #include "sim/ray_tracer.hpp"
 #include "threewe/core/errors.hpp"
-#include "threewe/core/targets.hpp"
 
 namespace threewe::sim {
 namespace {

@@ -1,11 +1,11 @@
-#include "threewe/sim/shape_index.hpp"
+#include "sim/shape_index.hpp"
 
 #include <doctest/doctest.h>
 
 #include <algorithm>
 #include <cmath>
 
-#include "threewe/core/rng.hpp"
+#include "core/rng.hpp"
 
 using namespace threewe;
 using namespace threewe::sim;

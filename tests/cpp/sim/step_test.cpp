@@ -1,4 +1,4 @@
-#include "threewe/sim/step.hpp"
+#include "sim/step.hpp"
 
 #include <doctest/doctest.h>
 
@@ -12,8 +12,8 @@
 #include <utility>
 #include <vector>
 
+#include "sim/placement.hpp"
 #include "threewe/core/errors.hpp"
-#include "threewe/sim/placement.hpp"
 
 using namespace threewe;
 using namespace threewe::sim;

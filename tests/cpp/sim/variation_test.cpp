@@ -12,7 +12,7 @@
 #include <string>
 #include <vector>
 
-#include "threewe/sim/step.hpp"
+#include "sim/step.hpp"
 
 using namespace threewe;
 using namespace threewe::sim;

@@ -5,8 +5,8 @@
 #include <memory>
 #include <vector>
 
+#include "slam/scan_matching_localizer.hpp"
 #include "slam/tiny_world.hpp"
-#include "threewe/slam/scan_matching_localizer.hpp"
 
 namespace threewe::slam {
 namespace {

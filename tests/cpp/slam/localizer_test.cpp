@@ -7,8 +7,9 @@
 #include <utility>
 #include <vector>
 
+#include "core/exact.hpp"
+#include "slam/scan_matching_localizer.hpp"
 #include "slam/tiny_world.hpp"
-#include "threewe/slam/scan_matching_localizer.hpp"
 
 namespace threewe::slam {
 namespace {

@@ -7,6 +7,7 @@
 #include <optional>
 #include <vector>
 
+#include "core/exact.hpp"
 #include "draw.hpp"
 #include "slam/scan_search_cases.hpp"
 #include "slam/tiny_world.hpp"

@@ -8,9 +8,10 @@
 #include <utility>
 #include <vector>
 
+#include "core/exact.hpp"
+#include "core/rng.hpp"
 #include "draw.hpp"
 #include "slam/pose_graph.hpp"
-#include "threewe/core/rng.hpp"
 
 namespace threewe::slam::testing {
 

@@ -5,6 +5,7 @@
 
 #include <vector>
 
+#include "core/exact.hpp"
 #include "draw.hpp"
 
 namespace threewe::slam {

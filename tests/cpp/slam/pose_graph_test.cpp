@@ -13,6 +13,7 @@
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
 
+#include "core/exact.hpp"
 #include "draw.hpp"
 #include "slam/manhattan.hpp"
 #include "threewe/core/errors.hpp"

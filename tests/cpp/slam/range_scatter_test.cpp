@@ -1,10 +1,11 @@
 // What scans tell of their own scatter, in drawn rooms whose lidar's scatter is known.
-#include "threewe/slam/range_scatter.hpp"
+#include "slam/range_scatter.hpp"
 
 #include <doctest/doctest.h>
 
 #include <vector>
 
+#include "core/exact.hpp"
 #include "draw.hpp"
 #include "slam/tiny_world.hpp"
 

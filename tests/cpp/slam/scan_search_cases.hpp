@@ -4,11 +4,12 @@
 #include <cmath>
 #include <vector>
 
+#include "core/exact.hpp"
+#include "core/rng.hpp"
 #include "draw.hpp"
-#include "threewe/core/rng.hpp"
-#include "threewe/map/log_odds_map.hpp"
-#include "threewe/scene/geometry.hpp"
+#include "map/log_odds_map.hpp"
 #include "threewe/scene/scene.hpp"
+#include "threewe/scene/solid.hpp"
 
 namespace threewe::slam::testing {
 

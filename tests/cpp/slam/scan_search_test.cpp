@@ -10,10 +10,11 @@
 #include <tuple>
 #include <vector>
 
+#include "core/exact.hpp"
+#include "core/targets.hpp"
 #include "draw.hpp"
 #include "slam/scan_search_cases.hpp"
 #include "threewe/core/errors.hpp"
-#include "threewe/core/targets.hpp"
 #include "threewe/scene/generator.hpp"
 
 namespace threewe::slam {

@@ -13,9 +13,10 @@
 #include <tuple>
 #include <vector>
 
+#include "core/bounds.hpp"
+#include "core/exact.hpp"
 #include "draw.hpp"
 #include "slam/tour.hpp"
-#include "threewe/core/bounds.hpp"
 #include "threewe/core/errors.hpp"
 
 namespace threewe::slam {

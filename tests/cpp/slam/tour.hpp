@@ -4,6 +4,7 @@
 #include <cmath>
 #include <vector>
 
+#include "core/exact.hpp"
 #include "draw.hpp"
 #include "slam/tiny_world.hpp"
 #include "threewe/core/pose.hpp"

@@ -1,5 +1,5 @@
 // Fields against the exact ones they are made of.
-#include "threewe/task/distance_field.hpp"
+#include "task/distance_field.hpp"
 
 #include <doctest/doctest.h>
 
@@ -8,7 +8,8 @@
 #include <memory>
 
 #include "draw.hpp"
-#include "threewe/scene/episodes.hpp"
+#include "scene/episodes.hpp"
+#include "scene/scene_tables.hpp"
 
 namespace threewe::task {
 namespace {

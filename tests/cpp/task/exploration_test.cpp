@@ -1,5 +1,5 @@
 // Exploration: its coverage against the meter that explorations of robots are measured with.
-#include "threewe/task/exploration.hpp"
+#include "threewe/task/tasks.hpp"
 
 #include <doctest/doctest.h>
 
@@ -7,10 +7,11 @@
 #include <memory>
 #include <vector>
 
+#include "core/exact.hpp"
+#include "scene/coverage.hpp"
+#include "scene/scene_tables.hpp"
 #include "threewe/core/errors.hpp"
-#include "threewe/core/exact.hpp"
-#include "threewe/scene/coverage.hpp"
-#include "threewe/scene/geometry.hpp"
+#include "threewe/scene/solid.hpp"
 
 namespace threewe::task {
 namespace {

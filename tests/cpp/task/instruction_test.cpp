@@ -1,15 +1,16 @@
 // Instructions in English say what they should, and are understood as they were meant.
-#include "threewe/task/instruction.hpp"
+#include "task/instruction.hpp"
 
 #include <doctest/doctest.h>
 
 #include <algorithm>
 #include <set>
 
+#include "core/exact.hpp"
 #include "draw.hpp"
+#include "task/interpreter.hpp"
 #include "task/small_house.hpp"
 #include "threewe/core/errors.hpp"
-#include "threewe/task/interpreter.hpp"
 
 namespace threewe::task {
 namespace {

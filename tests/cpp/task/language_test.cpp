@@ -1,11 +1,12 @@
 // Words as numbers: what networks have learnt must not change behind their backs.
-#include "threewe/task/language.hpp"
+#include "task/language.hpp"
 
 #include <doctest/doctest.h>
 
 #include <cstdint>
 #include <set>
 
+#include "core/exact.hpp"
 #include "draw.hpp"
 
 namespace threewe::task {

@@ -1,5 +1,5 @@
 // Navigation as a pure function of moments.
-#include "threewe/task/navigation.hpp"
+#include "threewe/task/tasks.hpp"
 
 #include <doctest/doctest.h>
 
@@ -9,6 +9,7 @@
 #include <memory>
 #include <set>
 
+#include "scene/scene_tables.hpp"
 #include "threewe/core/errors.hpp"
 
 namespace threewe::task {

@@ -1,5 +1,5 @@
 // ObjectNav: episodes keep their promises, and success is what a picture shows.
-#include "threewe/task/object_nav.hpp"
+#include "task/object_nav.hpp"
 
 #include <doctest/doctest.h>
 
@@ -8,7 +8,9 @@
 #include <set>
 #include <string>
 
+#include "core/exact.hpp"
 #include "draw.hpp"
+#include "scene/scene_tables.hpp"
 #include "task/slow_sight.hpp"
 #include "threewe/core/errors.hpp"
 #include "threewe/scene/generator.hpp"

@@ -1,5 +1,5 @@
 // nDTW step by step is nDTW by its definition.
-#include "threewe/task/path_score.hpp"
+#include "task/path_score.hpp"
 
 #include <doctest/doctest.h>
 

@@ -1,10 +1,11 @@
 // Pixels of an object, counted column by column, are those that a ray tracer counts one by one.
-#include "threewe/task/sight.hpp"
+#include "task/sight.hpp"
 
 #include <doctest/doctest.h>
 
 #include <cstdlib>
 
+#include "core/exact.hpp"
 #include "draw.hpp"
 #include "task/slow_sight.hpp"
 

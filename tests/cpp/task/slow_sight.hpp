@@ -6,7 +6,8 @@
 #include <span>
 #include <vector>
 
-#include "threewe/task/sight.hpp"
+#include "core/exact.hpp"
+#include "task/sight.hpp"
 
 namespace threewe::task {
 

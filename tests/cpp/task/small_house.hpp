@@ -10,7 +10,8 @@
 #include <memory>
 #include <utility>
 
-#include "threewe/task/semantic_map.hpp"
+#include "scene/scene_tables.hpp"
+#include "task/semantic_map.hpp"
 
 namespace threewe::task {
 

@@ -1,5 +1,5 @@
 // STOP, the reward of the tasks that end with it, and success weighted by path length.
-#include "threewe/task/stop_task.hpp"
+#include "task/stop_task.hpp"
 
 #include <doctest/doctest.h>
 

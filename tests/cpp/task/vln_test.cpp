@@ -1,5 +1,5 @@
 // VLN: instructions are true, lead where the path leads, and can be followed by their text alone.
-#include "threewe/task/vln.hpp"
+#include "task/vln.hpp"
 
 #include <doctest/doctest.h>
 
@@ -8,11 +8,12 @@
 #include <set>
 
 #include "draw.hpp"
+#include "scene/scene_tables.hpp"
+#include "task/interpreter.hpp"
 #include "task/small_house.hpp"
 #include "threewe/core/errors.hpp"
 #include "threewe/hardware/profile.hpp"
 #include "threewe/scene/generator.hpp"
-#include "threewe/task/interpreter.hpp"
 
 namespace threewe::task {
 namespace {

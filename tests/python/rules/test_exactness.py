@@ -8,7 +8,7 @@ import pytest
 
 ROOT = Path(__file__).resolve().parents[3]
 
-# Their bits differ between instruction sets, or between C libraries. threewe/core/exact.hpp has what to use instead.
+# Their bits differ between instruction sets, or between C libraries. src/core/exact.hpp has what to use instead.
 FORBIDDEN = re.compile(
     r"\b(MulAdd|MulSub|NegMulAdd|NegMulSub|MulAddSub|ApproximateReciprocal|ApproximateReciprocalSqrt)\b"
     r"|\bstd::(fma|fmaf|sin|cos|tan|asin|acos|atan|atan2|sinh|cosh|tanh|exp|exp2|expm1|log|log2|log10|log1p|pow|hypot"

@@ -34,6 +34,10 @@ MAY_USE = {
     "record": ["core", "robot", "task", "env"],
 }
 
+# What users call, and what is installed.
+PUBLIC = ROOT / "include/threewe"
+MOST_PUBLIC_HEADERS = 45
+
 # The robot's mind never sees, through however many includes, what only a simulator knows.
 MIND = ["map", "slam", "nav"]
 HIDDEN_FROM_THE_MIND = ["scene", "sim", "backend"]
@@ -58,6 +62,20 @@ def test_the_mind_sees_no_truth() -> None:
         if module_of(target).split("/")[0] in HIDDEN_FROM_THE_MIND
     ]
     assert not wrong, "\n".join(wrong)
+
+
+def test_installed_headers_include_installed_ones_alone() -> None:
+    wrong = [
+        f"{file.relative_to(ROOT)}:{line}: {text}"
+        for file in PUBLIC.rglob("*.hpp")
+        for line, text in enumerate(file.read_text().splitlines(), 1)
+        if (match := re.match(r'#include "([^"]+)"', text)) and not (ROOT / "include" / match[1]).is_file()
+    ]
+    assert not wrong, "\n".join(wrong)
+
+
+def test_few_headers_are_installed() -> None:
+    assert len(list(PUBLIC.rglob("*.hpp"))) <= MOST_PUBLIC_HEADERS, "what no user calls belongs into src/<module>"
 
 
 def test_every_folder_is_a_known_module() -> None:

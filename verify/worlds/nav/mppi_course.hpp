@@ -10,12 +10,13 @@
 #include <string>
 #include <vector>
 
+#include "core/exact.hpp"
+#include "core/rng.hpp"
+#include "nav/mppi.hpp"
 #include "nav/polyline.hpp"
 #include "slam/tiny_world.hpp"
 #include "threewe/core/footprint.hpp"
-#include "threewe/core/rng.hpp"
 #include "threewe/hardware/profile.hpp"
-#include "threewe/nav/mppi.hpp"
 
 namespace threewe::nav::testing {
 

@@ -12,9 +12,9 @@
 #include <utility>
 #include <vector>
 
+#include "core/rng.hpp"
 #include "threewe/backend/world.hpp"
 #include "threewe/core/kinematics.hpp"
-#include "threewe/core/rng.hpp"
 
 namespace threewe::test {
 

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "sim/ray_tracer.hpp"
-#include "threewe/sim/renderer.hpp"
+#include "sim/renderer.hpp"
 
 namespace threewe::sim {
 

@@ -6,9 +6,9 @@
 #include <limits>
 #include <vector>
 
+#include "sim/renderer.hpp"
 #include "sim/renderer/place.hpp"
 #include "sim/renderer/textures.hpp"
-#include "threewe/sim/renderer.hpp"
 
 namespace threewe::sim {
 

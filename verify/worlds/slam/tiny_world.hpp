@@ -6,9 +6,10 @@
 #include <cmath>
 #include <vector>
 
+#include "core/exact.hpp"
+#include "core/rng.hpp"
 #include "threewe/core/footprint.hpp"
 #include "threewe/core/pose.hpp"
-#include "threewe/core/rng.hpp"
 #include "threewe/core/samples.hpp"
 #include "threewe/core/time.hpp"
 

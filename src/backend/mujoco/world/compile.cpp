@@ -6,8 +6,8 @@
 
 #include <fmt/format.h>
 
+#include "sim/people.hpp"
 #include "threewe/core/errors.hpp"
-#include "threewe/sim/people.hpp"
 
 namespace threewe::backend::mujoco {
 namespace {

@@ -10,10 +10,11 @@
 
 #include "backend/mujoco/world/patterns.hpp"
 #include "backend/mujoco/world/physics.hpp"
+#include "core/exact.hpp"
+#include "models/camera.hpp"
+#include "sim/figures.hpp"
 #include "sim/renderer/looks.hpp"
 #include "threewe/core/errors.hpp"
-#include "threewe/models/camera.hpp"
-#include "threewe/sim/figures.hpp"
 
 namespace threewe::backend::mujoco {
 namespace {

@@ -10,9 +10,9 @@
 
 #include "backend/mujoco/world/gl.hpp"
 #include "backend/mujoco/world/library.hpp"
-#include "threewe/backend/simulated/engine.hpp"
-#include "threewe/export/shape.hpp"
-#include "threewe/export/transform.hpp"
+#include "backend/simulated/engine.hpp"
+#include "export/shape.hpp"
+#include "export/transform.hpp"
 
 namespace threewe::backend::mujoco {
 

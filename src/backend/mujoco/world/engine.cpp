@@ -4,9 +4,10 @@
 #include <utility>
 
 #include "backend/mujoco/world/senses.hpp"
-#include "threewe/hardware/limits.hpp"
-#include "threewe/models/battery.hpp"
-#include "threewe/models/drive.hpp"
+#include "core/exact.hpp"
+#include "hardware/limits.hpp"
+#include "models/battery.hpp"
+#include "models/drive.hpp"
 
 namespace threewe::backend::mujoco {
 namespace {

@@ -8,7 +8,7 @@
 
 #include "backend/mujoco/world/drawer.hpp"
 #include "backend/mujoco/world/physics.hpp"
-#include "threewe/backend/simulated/engine.hpp"
+#include "backend/simulated/engine.hpp"
 
 namespace threewe::backend::mujoco {
 

@@ -7,7 +7,7 @@
 #include <dlfcn.h>
 #include <fmt/format.h>
 
-#include "threewe/backend/mujoco/mujoco.hpp"
+#include "backend/mujoco/mujoco.hpp"
 #include "threewe/core/errors.hpp"
 
 namespace threewe::backend::mujoco {

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include "backend/mujoco/world/physics.hpp"
+#include "core/exact.hpp"
 #include "threewe/core/errors.hpp"
 
 namespace threewe::backend::mujoco {

@@ -5,9 +5,9 @@
 #include <span>
 #include <vector>
 
+#include "export/transform.hpp"
+#include "sim/model.hpp"
 #include "threewe/core/camera.hpp"
-#include "threewe/export/transform.hpp"
-#include "threewe/sim/model.hpp"
 
 namespace threewe::backend::mujoco {
 

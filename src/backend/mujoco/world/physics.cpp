@@ -7,8 +7,9 @@
 #include <fmt/format.h>
 
 #include "backend/mujoco/world/compile.hpp"
+#include "core/exact.hpp"
+#include "export/mjcf.hpp"
 #include "threewe/core/errors.hpp"
-#include "threewe/export/mjcf.hpp"
 
 namespace threewe::backend::mujoco {
 namespace {

@@ -10,13 +10,13 @@
 #include <vector>
 
 #include "backend/mujoco/world/library.hpp"
+#include "export/mjcf.hpp"
+#include "export/transform.hpp"
+#include "sim/model.hpp"
+#include "sim/people.hpp"
 #include "threewe/core/kinematics.hpp"
 #include "threewe/core/pose.hpp"
-#include "threewe/export/mjcf.hpp"
-#include "threewe/export/transform.hpp"
 #include "threewe/models/variation.hpp"
-#include "threewe/sim/model.hpp"
-#include "threewe/sim/people.hpp"
 
 namespace threewe::backend::mujoco {
 

@@ -4,11 +4,12 @@
 #include <cstdint>
 #include <span>
 
-#include "threewe/models/imu.hpp"
-#include "threewe/models/lidar.hpp"
-#include "threewe/models/odometry.hpp"
-#include "threewe/models/ultrasonic.hpp"
-#include "threewe/sim/step.hpp"
+#include "core/exact.hpp"
+#include "models/imu.hpp"
+#include "models/lidar.hpp"
+#include "models/odometry.hpp"
+#include "models/ultrasonic.hpp"
+#include "sim/step.hpp"
 
 namespace threewe::backend::mujoco {
 namespace {

@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "backend/mujoco/world/physics.hpp"
-#include "threewe/sim/model.hpp"
-#include "threewe/sim/state.hpp"
+#include "sim/model.hpp"
+#include "sim/state.hpp"
 
 namespace threewe::backend::mujoco {
 

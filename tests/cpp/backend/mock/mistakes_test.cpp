@@ -7,9 +7,9 @@
 #include <sstream>
 #include <string>
 
+#include "backend/sample_checks.hpp"
 #include "mistakes.hpp"
 #include "threewe/backend/registry.hpp"
-#include "threewe/backend/sample_checks.hpp"
 #include "threewe/core/assets.hpp"
 
 namespace threewe::backend {

@@ -5,10 +5,10 @@
 #include <utility>
 #include <vector>
 
-#include "threewe/backend/mock/mock_world.hpp"
+#include "backend/mock/mock_world.hpp"
+#include "sim/camera.hpp"
 #include "threewe/backend/registry.hpp"
 #include "threewe/scene/truth_view.hpp"
-#include "threewe/sim/camera.hpp"
 
 using namespace threewe;
 using namespace threewe::backend;

@@ -1,4 +1,4 @@
-#include "threewe/backend/mock/mock_world.hpp"
+#include "backend/mock/mock_world.hpp"
 
 #include <doctest/doctest.h>
 
@@ -9,11 +9,11 @@
 #include <string>
 #include <vector>
 
+#include "core/rng.hpp"
+#include "core/targets.hpp"
 #include "threewe/backend/conformance.hpp"
 #include "threewe/backend/registry.hpp"
 #include "threewe/core/errors.hpp"
-#include "threewe/core/rng.hpp"
-#include "threewe/core/targets.hpp"
 #include "threewe/scene/scene.hpp"
 #include "threewe/scene/truth_view.hpp"
 

@@ -10,8 +10,8 @@
 #include <string>
 #include <vector>
 
+#include "core/rng.hpp"
 #include "threewe/backend/registry.hpp"
-#include "threewe/core/rng.hpp"
 #include "threewe/scene/scene.hpp"
 #include "threewe/scene/truth_view.hpp"
 

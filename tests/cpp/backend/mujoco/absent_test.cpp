@@ -3,7 +3,7 @@
 
 #include <doctest/doctest.h>
 
-#include "threewe/backend/mujoco/mujoco.hpp"
+#include "backend/mujoco/mujoco.hpp"
 #include "threewe/core/errors.hpp"
 
 namespace threewe::backend {

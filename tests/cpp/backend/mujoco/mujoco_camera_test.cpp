@@ -11,8 +11,8 @@
 
 #include <doctest/doctest.h>
 
+#include "backend/mock/mock_world.hpp"
 #include "backend/mujoco/worlds.hpp"
-#include "threewe/backend/mock/mock_world.hpp"
 
 namespace threewe::backend {
 namespace {

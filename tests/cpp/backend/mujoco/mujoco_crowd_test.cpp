@@ -7,8 +7,9 @@
 
 #include <doctest/doctest.h>
 
+#include "backend/mock/mock_world.hpp"
 #include "backend/mujoco/worlds.hpp"
-#include "threewe/backend/mock/mock_world.hpp"
+#include "core/exact.hpp"
 #include "threewe/core/errors.hpp"
 #include "threewe/scene/scene.hpp"
 

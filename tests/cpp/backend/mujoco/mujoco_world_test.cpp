@@ -7,11 +7,12 @@
 
 #include <doctest/doctest.h>
 
+#include "backend/mock/mock_world.hpp"
 #include "backend/mujoco/world/library.hpp"
 #include "backend/mujoco/worlds.hpp"
 #include "backend/twins.hpp"
+#include "core/exact.hpp"
 #include "threewe/backend/conformance.hpp"
-#include "threewe/backend/mock/mock_world.hpp"
 #include "threewe/core/errors.hpp"
 
 namespace threewe::backend {

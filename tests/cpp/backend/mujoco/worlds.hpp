@@ -12,9 +12,9 @@
 #include <utility>
 #include <vector>
 
+#include "backend/mujoco/mujoco.hpp"
 #include "backend/small_room.hpp"
-#include "threewe/backend/mujoco/mujoco.hpp"
-#include "threewe/core/rng.hpp"
+#include "core/rng.hpp"
 #include "threewe/scene/truth_view.hpp"
 
 namespace threewe::backend::testing {

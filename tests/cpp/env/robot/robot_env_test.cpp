@@ -9,13 +9,12 @@
 #include <vector>
 
 #include "draw.hpp"
+#include "robot/truth_localizer.hpp"
+#include "task/object_nav.hpp"
+#include "task/vln.hpp"
 #include "threewe/backend/registry.hpp"
 #include "threewe/core/errors.hpp"
-#include "threewe/robot/truth_localizer.hpp"
-#include "threewe/task/exploration.hpp"
-#include "threewe/task/navigation.hpp"
-#include "threewe/task/object_nav.hpp"
-#include "threewe/task/vln.hpp"
+#include "threewe/task/tasks.hpp"
 
 namespace threewe::env {
 namespace {

@@ -1,0 +1,72 @@
+// An instruction as what it says, and as English. The two are made from one another by a grammar:
+//
+//   instruction  clauses, joined by "," "and" "then" "."
+//   clause       "turn left|right|around" | "go straight ahead"
+//                "walk past THING on your left|right"
+//                "walk to THING"
+//                "go through DOOR [into ROOM]" | "enter ROOM [through DOOR]" | "leave ROOM through DOOR"
+//                "stop at THING" | "stop in the middle of ROOM" | "stop just inside [ROOM]"
+//   THING        "the [first|second|third|fourth|nearest|farthest] NOUN [on your left|right] [next to the NOUN]"
+//   DOOR         "the [first|second|third|fourth] door [on your left|right|straight ahead|behind you]"
+//   ROOM         "the NAME", or "NAME" where it ends in a number
+//
+// Most words have synonyms: "take" for "go through", "doorway" for "door", "wait" for "stop", and so on.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "core/rng.hpp"
+#include "task/semantic_map.hpp"
+
+namespace threewe::task {
+
+/// As seen by somebody who walks.
+enum class Side : std::uint8_t { left, right, ahead, behind };
+
+/// The lowest and the highest number that is said: "first" to "fourth".
+inline constexpr int kLastOrdinal = 4;
+
+/// Which thing is meant. What is not said is empty.
+struct Thing {
+  enum class Which : std::uint8_t { any, nth, nearest, farthest };
+  Which which = Which::any;
+  int ordinal = 0;  ///< 1 to 4, of those that lie ahead, for `nth`
+  std::string noun;
+  std::optional<Side> side;  ///< left or right
+  std::string next_to;       ///< noun of another thing beside it
+  friend bool operator==(const Thing&, const Thing&) = default;
+};
+
+/// Which door is meant.
+struct DoorPhrase {
+  int ordinal = 0;  ///< 1 to 4, of those that lie ahead on the side; 0 = not said
+  std::optional<Side> side;
+  friend bool operator==(const DoorPhrase&, const DoorPhrase&) = default;
+};
+
+/// One thing to do.
+struct Clause {
+  enum class Kind : std::uint8_t { turn, pass, approach, cross, stop_at, stop_in_middle, stop_inside };
+  Kind kind{};
+  Side side{};                     ///< turn: where to, ahead for "straight ahead"; pass: where the thing is
+  Thing thing;                     ///< pass, approach, stop_at
+  std::optional<DoorPhrase> door;  ///< cross
+  std::string from;                ///< cross: the room that is left
+  std::string room;                ///< cross: the room that is entered; stop_in_middle, stop_inside
+  friend bool operator==(const Clause&, const Clause&) = default;
+};
+
+using Instruction = std::vector<Clause>;
+
+/// The instruction in English; synonyms are drawn from `key`.
+std::string to_text(const Instruction& instruction, const RngKey& key);
+
+/// What a text says, with the names of rooms and things of a map. Throws ConfigError where it cannot be understood.
+Instruction parse(std::string_view text, const SemanticMap& map);
+
+}  // namespace threewe::task
