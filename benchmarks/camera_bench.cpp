@@ -34,7 +34,7 @@ enum Wanted : int { colour = 1, depth = 2, ids = 4 };
 
 void render(benchmark::State& state) {
   const sim::Renderer renderer(office());
-  const sim::Paint paint{0, 0};
+  const sim::Shading shading{0, 0};
   const CameraIntrinsics camera =
       make_intrinsics(static_cast<int>(state.range(0)), static_cast<int>(state.range(1)), 1.2);
   const std::size_t pixels = static_cast<std::size_t>(camera.width) * static_cast<std::size_t>(camera.height);
@@ -45,7 +45,7 @@ void render(benchmark::State& state) {
   const auto poses = ring();
   std::size_t i = 0;
   for (auto _ : state) {
-    renderer.render(camera, poses[i++ % poses.size()], paint, {bgr, metres, seen}, scratch);
+    renderer.render(camera, poses[i++ % poses.size()], shading, {bgr, metres, seen}, scratch);
     benchmark::ClobberMemory();
   }
   state.counters["frames_per_s"] =
@@ -69,7 +69,7 @@ void draw(benchmark::State& state) {
   std::vector<std::uint8_t> bgr(3 * pixels);
   std::vector<float> metres(pixels);
   sim::DrawScratch scratch;
-  sim::Shot shot;
+  sim::CapturePose capture;
   std::vector<sim::RobotState> robots;
   for (const sim::CameraPose& view : ring()) {
     models::Variation variation;
@@ -79,8 +79,8 @@ void draw(benchmark::State& state) {
   }
   std::size_t i = 0;
   for (auto _ : state) {
-    sim::take_shot(std::span(robots).subspan(i++ % robots.size(), 1), {}, 0, shot);
-    sim::draw(*model, shot, camera, {bgr, metres}, scratch);
+    sim::capture_pose(std::span(robots).subspan(i++ % robots.size(), 1), {}, 0, capture);
+    sim::draw(*model, capture, camera, {bgr, metres}, scratch);
     benchmark::ClobberMemory();
   }
   state.counters["frames_per_s"] =

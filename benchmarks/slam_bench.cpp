@@ -6,9 +6,9 @@
 #include <vector>
 
 #include "core/exact.hpp"
+#include "slam/branch_and_bound_matcher.hpp"
 #include "slam/pose_graph.hpp"
 #include "slam/scan_matcher.hpp"
-#include "slam/scan_search.hpp"
 #include "threewe/scene/scene.hpp"
 #include "threewe/scene/solid.hpp"
 
@@ -93,29 +93,29 @@ const map::LogOddsMap& office_map() {
   return office;
 }
 
-void BM_build_scan_search(benchmark::State& state) {
+void BM_build_branch_and_bound(benchmark::State& state) {
   const map::OccupancyGrid& grid = office_map().grid();
-  for (auto _ : state) benchmark::DoNotOptimize(slam::ScanSearch(grid));
-  state.counters["bytes"] = static_cast<double>(slam::ScanSearch(grid).bytes());
+  for (auto _ : state) benchmark::DoNotOptimize(slam::BranchAndBoundMatcher(grid));
+  state.counters["bytes"] = static_cast<double>(slam::BranchAndBoundMatcher(grid).bytes());
 }
-BENCHMARK(BM_build_scan_search)->Unit(benchmark::kMillisecond);
+BENCHMARK(BM_build_branch_and_bound)->Unit(benchmark::kMillisecond);
 
 // 5 m each way, 30 degrees: is the robot back at a submap that it left long ago?
-void BM_scan_search_loop(benchmark::State& state) {
-  const slam::ScanSearch search(office_map().grid());
+void BM_branch_and_bound_loop(benchmark::State& state) {
+  const slam::BranchAndBoundMatcher search(office_map().grid());
   const std::vector<map::Beam> beams = look(scene::Scene::load("office_v2").at_height(0.135), {1.23, 0.1, 0.31});
-  const slam::ScanSearch::Window window{{-1.9, 3.3, 0.1}, {5.0, 5.0}, exact::kPi / 6};
+  const slam::BranchAndBoundMatcher::Window window{{-1.9, 3.3, 0.1}, {5.0, 5.0}, exact::kPi / 6};
   for (auto _ : state) benchmark::DoNotOptimize(search.find(beams, window, 0.55));
 }
-BENCHMARK(BM_scan_search_loop)->Unit(benchmark::kMillisecond);
+BENCHMARK(BM_branch_and_bound_loop)->Unit(benchmark::kMillisecond);
 
 // The whole map and all headings: where am I?
-void BM_scan_search_everywhere(benchmark::State& state) {
-  const slam::ScanSearch search(office_map().grid());
+void BM_branch_and_bound_everywhere(benchmark::State& state) {
+  const slam::BranchAndBoundMatcher search(office_map().grid());
   const std::vector<map::Beam> beams = look(scene::Scene::load("office_v2").at_height(0.135), {1.23, 0.1, 0.31});
   for (auto _ : state) benchmark::DoNotOptimize(search.find(beams, search.everywhere(), 0.55));
 }
-BENCHMARK(BM_scan_search_everywhere)->Unit(benchmark::kMillisecond);
+BENCHMARK(BM_branch_and_bound_everywhere)->Unit(benchmark::kMillisecond);
 
 // A walk to and fro over a square, in steps of 1 m, with odometry that turns a little too far, and a closure to the
 // lane before from every second node.

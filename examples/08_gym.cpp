@@ -24,11 +24,11 @@ env::Options make_options(std::size_t worlds) {
   for (const char* name : {"apartment_v1", "office_v2"}) {
     options.scenes.push_back(std::make_shared<const scene::Scene>(scene::Scene::load(name)));
   }
-  options.task = [](const task::Setting& setting) {
+  options.task = [](const task::TaskContext& context) {
     task::NavigationOptions reactive;  // 2 to 8 m, without detours
     reactive.longest = 8.0;
     reactive.detours = 0.0;
-    return task::make_navigation(setting, reactive);
+    return task::make_navigation(context, reactive);
   };
   options.hardware = load_profile("3we_standard_v2");
   options.localization_model = models::load_localization("slam_v2");

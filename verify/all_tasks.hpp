@@ -9,8 +9,8 @@
 #include "threewe/task/tasks.hpp"
 
 inline std::vector<threewe::env::TaskFactory> all_tasks() {
-  using threewe::task::Setting;
-  return {[](const Setting& setting) { return threewe::task::make_navigation(setting, {.goals = 4}); },
-          [](const Setting& setting) { return threewe::task::make_exploration(setting); },
+  using threewe::task::TaskContext;
+  return {[](const TaskContext& context) { return threewe::task::make_navigation(context, {.goals = 4}); },
+          [](const TaskContext& context) { return threewe::task::make_exploration(context); },
           threewe::task::make_object_nav, threewe::task::make_vln};
 }

@@ -159,9 +159,9 @@ void compare_exact(Stand stand, Physics& physics, const MujocoEngine& engine, Co
 
   const CameraSpec& camera = *profile.camera;
   const sim::CameraPose view{state.pose * camera.base_from_camera, camera.mount_height};
-  const backend::simulated::Moment moment{sim::take_shot(stand.robots, stand.people, 0), physics.state()};
-  const SemanticImage ours = engine.look(moment, camera.intrinsics(), view, false);
-  const SemanticImage expected = sim::draw_truth(model, moment.shot, camera.intrinsics(), view, false);
+  const backend::simulated::WorldCapture capture{sim::capture_pose(stand.robots, stand.people, 0), physics.state()};
+  const SemanticImage ours = engine.look(capture, camera.intrinsics(), view, false);
+  const SemanticImage expected = sim::draw_truth(model, capture.state, camera.intrinsics(), view, false);
   count_pixels(ours.image, expected.image, ours.ids, expected.ids, counts);
 }
 
@@ -196,9 +196,9 @@ void compare_body(Stand stand, MujocoEngine& engine, bool drives, std::uint64_t 
   count_beams(models::make_scan(lidar, sim::scan_points(robot, stand.robots[0])).ranges,
               models::make_scan(lidar, sim::scan_points(robot, twin)).ranges, body.counts);
 
-  const backend::simulated::Moment moment{sim::take_shot(stand.robots, stand.people, 0), engine.state()};
-  const Picture ours = engine.picture(moment);
-  count_pixels(ours.image(), sim::draw_picture(model, moment.shot), {}, {}, body.counts);
+  const backend::simulated::WorldCapture capture{sim::capture_pose(stand.robots, stand.people, 0), engine.state()};
+  const Picture ours = engine.picture(capture);
+  count_pixels(ours.image(), sim::draw_picture(model, capture.state), {}, {}, body.counts);
 
   const exports::Transform base = engine.physics().track(0).back();
   const Vec3 up = rotated(base.rotation, {0.0, 0.0, 1.0});

@@ -11,8 +11,8 @@
 #include "models/lidar.hpp"
 #include "number.hpp"
 #include "scene/scene_tables.hpp"
+#include "sim/actor_geometry.hpp"
 #include "sim/comparison.hpp"
-#include "sim/figures.hpp"
 #include "sim/step.hpp"
 
 using namespace threewe;
@@ -40,7 +40,7 @@ Place stand_in(const std::string& name, std::uint64_t seed) {
   do {
     sim::step(*place.model, place.robots, {&still, 1}, place.people);
   } while (!sim::scan_ready(place.model->robots[0], place.robots[0]) || place.robots[0].time() < 1s);
-  sim::find_figures(*place.model, std::vector{place.robots[0].pose}, 0, place.people, seed, 0, place.figures);
+  sim::find_actors(*place.model, std::vector{place.robots[0].pose}, 0, place.people, seed, 0, place.figures);
   return place;
 }
 
@@ -51,12 +51,12 @@ int beams_off(const Place& place, const sim::Renderer& renderer) {
   const LaserScan scan = models::make_scan(lidar, sim::scan_points(robot, place.robots[0]));
   const Pose2D eye = place.robots[0].pose * lidar.base_from_lidar;
   const CameraIntrinsics pixel{1, 1, 100.0, 100.0, 0.5, 0.5};
-  const sim::Paint paint{0, 0};
+  const sim::Shading shading{0, 0};
   int off = 0;
   for (std::size_t i = 0; i < scan.ranges.size(); ++i) {
     const double angle = scan.angle_min + static_cast<double>(i) * scan.angle_increment;
     const sim::CameraPose view{{eye.x, eye.y, wrap_angle(eye.theta + angle)}, lidar.height};
-    const auto depth = static_cast<double>(sim::take(renderer, pixel, view, paint, place.figures).depth[0]);
+    const auto depth = static_cast<double>(sim::take(renderer, pixel, view, shading, place.figures).depth[0]);
     const double seen = depth > 0.0 ? std::min(depth, lidar.range_max) : lidar.range_max;
     off += std::fabs(seen - static_cast<double>(scan.ranges[i])) > kAgree ? 1 : 0;
   }
@@ -67,10 +67,10 @@ sim::Comparison compare_picture(const Place& place, const sim::Renderer& rendere
   const CameraSpec& camera = *place.model->robots[0].profile.camera;
   const CameraIntrinsics intrinsics = make_intrinsics(80, 60, camera.horizontal_fov);
   const sim::CameraPose view{place.robots[0].pose * camera.base_from_camera, camera.mount_height};
-  const sim::Paint paint{seed, 0};
+  const sim::Shading shading{seed, 0};
   sim::Comparison comparison;
-  comparison.compare({*place.model->scene, intrinsics, view, paint, place.figures}, intrinsics,
-                     sim::take(renderer, intrinsics, view, paint, place.figures));
+  comparison.compare({*place.model->scene, intrinsics, view, shading, place.figures}, intrinsics,
+                     sim::take(renderer, intrinsics, view, shading, place.figures));
   return comparison;
 }
 

@@ -10,15 +10,15 @@
 #include <fmt/format.h>
 
 #include "nav/mppi_course.hpp"
+#include "nav/path_follower.hpp"
 #include "number.hpp"
-#include "threewe/nav/tracker.hpp"
 
 using namespace threewe;
 
 namespace {
 
 nav::testing::Outcome drive(const RobotProfile& profile, const nav::testing::Course& course) {
-  nav::Tracker tracker(profile);
+  nav::PathFollower tracker(profile);
   return nav::testing::drive(profile, course, [&](const nav::MppiObservation& seen, std::span<const Vec2> path) {
     std::vector<Vec2> in_base;
     for (const Vec2 point : seen.obstacles) in_base.push_back(inverse(seen.odom_from_base) * point);

@@ -1,6 +1,6 @@
 """Robots among people, and learning environments: the same bits on every vector target and processor."""
 
-from verify.cases.journey import processors, targets
+from verify.cases.end_to_end_hash import processors, targets
 from verify.harness import Case, Experiment, Row, all_of, info
 
 
@@ -17,7 +17,7 @@ def several_targets(case: Case) -> bool:
 
 
 RUNS = {
-    "verify_journey": "three robots among people: world, autonomy stacks and gates, fresh and restored",
+    "verify_end_to_end_hash": "three robots among people: world, autonomy stacks and gates, fresh and restored",
     "verify_episodes": "learning environments: every task, ten seconds",
 }
 EXPERIMENTS = [

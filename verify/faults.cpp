@@ -1,7 +1,7 @@
 // A robot whose sensors and wheels break while it drives from goal to goal, told case by case:
 //
 //   verify_faults KIND SEED COUNT [SCENE]  so many cases of a kind of fault, or of `pair`: two faults of any kind
-//   verify_faults clean SEED SECONDS       nothing breaks; every sensor that is in trouble all the same is printed
+//   verify_faults clean SEED SECONDS       nothing breaks; every sensor that is at fault all the same is printed
 //   verify_faults honest SEED SECONDS      the same of robots, noise and randomisations of all kinds, in bare corridors
 //                                          too, and straight ahead and back in between
 //
@@ -73,7 +73,7 @@ class Place {
     goals_ = Draws(seed ^ 0x90A15);
     if (!robot_->runtime().connected() || !robot_->runtime().fault().empty()) robot_->connect();
   }
-  void break_with(const std::vector<SensorFault>& faults) { port_->break_with(faults); }
+  void break_with(const std::vector<InjectedFault>& faults) { port_->break_with(faults); }
 
   // One period on the way to somewhere, unless it is driven otherwise.
   void tick(bool may_be_driven = false) {
@@ -127,9 +127,9 @@ const std::vector<std::string> kKinds = {"silent",  "frozen",     "nan",       "
 
 bool is_of_lidar(const std::string& kind) { return kind == "lidar_bias" || kind == "dropout" || kind == "covered"; }
 
-SensorFault draw_fault(const std::string& name, Draws& draws, const backend::Features& features) {
+InjectedFault draw_fault(const std::string& name, Draws& draws, const backend::Features& features) {
   using enum SensorType;
-  SensorFault fault;
+  InjectedFault fault;
   const bool is_bias = name == "lidar_bias" || name == "gyro_bias";
   const auto known = std::ranges::find(kFaultNames, is_bias ? std::string("bias") : name);
   fault.kind = static_cast<FaultKind>(known - kFaultNames.begin());
@@ -161,17 +161,17 @@ SensorFault draw_fault(const std::string& name, Draws& draws, const backend::Fea
 // What came of one fault.
 struct Outcome {
   std::string kind;
-  SensorFault fault;
+  InjectedFault fault;
   std::string sensor;
   double moved = 0.0;             // [s] of moving from its beginning until it was noticed
   std::optional<double> noticed;  // [s] after its beginning, by whatever sensor
-  std::string trouble;            // and what was said of it
-  bool named = false;             // the right sensor is among those that were in trouble
+  std::string reported;           // and what was said of it
+  bool named = false;             // the right sensor is among those at fault
   std::optional<double> stopped;  // [s] after it was noticed
 };
 
 bool blames(const Outcome& outcome, const SensorHealth& health) {
-  return !health.sound() && health.name == outcome.sensor;
+  return !health.ok() && health.name == outcome.sensor;
 }
 
 void look(Outcome& outcome, Place& place) {
@@ -181,10 +181,10 @@ void look(Outcome& outcome, Place& place) {
   if (place.now() <= outcome.fault.until) {
     if (!outcome.noticed && moving) outcome.moved += to_seconds(kControlPeriod);
     for (const SensorHealth& health : place.robot().health()) {
-      if (health.sound()) continue;
+      if (health.ok()) continue;
       if (!outcome.noticed) {
         outcome.noticed = since;
-        outcome.trouble = health.name + " " + std::string(to_string(health.trouble));
+        outcome.reported = health.name + " " + std::string(to_string(health.fault));
       }
       outcome.named = outcome.named || blames(outcome, health);
     }
@@ -196,18 +196,18 @@ std::string json(const std::optional<double>& value) { return value ? fmt::forma
 
 std::string json(const Outcome& o, double rate, bool needed) {
   return fmt::format(
-      R"({{"kind": "{}", "sensor": "{}", "size": {:.3f}, "rate": {:.3f}, "needed": {}, "noticed": {}, "moved": {:.3f}, "trouble": "{}", "named": {}, "stopped": {}}})",
-      o.kind, o.sensor, o.fault.size, rate, needed, json(o.noticed), o.moved, o.trouble, o.named, json(o.stopped));
+      R"({{"kind": "{}", "sensor": "{}", "size": {:.3f}, "rate": {:.3f}, "needed": {}, "noticed": {}, "moved": {:.3f}, "reported": "{}", "named": {}, "stopped": {}}})",
+      o.kind, o.sensor, o.fault.size, rate, needed, json(o.noticed), o.moved, o.reported, o.named, json(o.stopped));
 }
 
-bool all_sound(Place& place) { return std::ranges::all_of(place.robot().health(), &SensorHealth::sound); }
+bool all_ok(Place& place) { return std::ranges::all_of(place.robot().health(), &SensorHealth::ok); }
 
 // Ten seconds: on the way, then something breaks for a while, then all is well again.
 void run_case(const std::vector<std::string>& kinds, std::uint64_t seed, Place& place) {
   place.begin(seed);
   Draws draws(seed);
   std::vector<Outcome> outcomes;
-  std::vector<SensorFault> faults;
+  std::vector<InjectedFault> faults;
   const backend::Features& features = place.robot().runtime().features();
   for (const std::string& kind : kinds) {
     Outcome outcome;
@@ -232,11 +232,11 @@ void run_case(const std::vector<std::string>& kinds, std::uint64_t seed, Place& 
   bool went_on = false;
   while (place.now() < end) {
     place.tick();
-    if (place.now() <= begins && !all_sound(place)) ++alarms_before;
+    if (place.now() <= begins && !all_ok(place)) ++alarms_before;
     for (Outcome& outcome : outcomes) look(outcome, place);
     finite = finite && is_finite(place.robot().runtime().commanded().command);
     worst_error = std::max(worst_error, place.error());
-    if (place.now() > over && !recovered && all_sound(place)) recovered = to_seconds(place.now() - over);
+    if (place.now() > over && !recovered && all_ok(place)) recovered = to_seconds(place.now() - over);
     if (place.now() > over && moves(place.truth().true_velocity())) went_on = true;
   }
   std::string told;
@@ -280,17 +280,17 @@ void run_clean(std::uint64_t seed, Duration duration, Place& place, bool straigh
   place.begin(seed);
   const Time begun = place.now();
   std::vector<std::string> alarms;
-  std::vector<bool> sound(place.robot().health().size(), true);
+  std::vector<bool> ok(place.robot().health().size(), true);
   while (place.now() - begun < duration) {
     if (straight) drive_straight(begun, place);
     place.tick(straight);
-    for (std::size_t i = 0; i < sound.size(); ++i) {
+    for (std::size_t i = 0; i < ok.size(); ++i) {
       const SensorHealth& health = place.robot().health()[i];
-      if (sound[i] && !health.sound()) {
+      if (ok[i] && !health.ok()) {
         alarms.push_back(fmt::format(R"("{:.2f} s: {} {} {}")", to_seconds(place.now() - begun), health.name,
-                                     to_string(health.trouble), health.detail));
+                                     to_string(health.fault), health.detail));
       }
-      sound[i] = health.sound();
+      ok[i] = health.ok();
     }
   }
   fmt::print(
@@ -301,7 +301,7 @@ void run_clean(std::uint64_t seed, Duration duration, Place& place, bool straigh
 }
 
 // Of all shipped robots with a lidar: one without bumps into things, whereupon gyro and wheels do contradict each
-// other. Echoes without noise repeat themselves along any wall, which looks frozen.
+// other. SonarReturns without noise repeat themselves along any wall, which looks frozen.
 void run_honest(std::uint64_t seed, Duration duration, Draws& draws) {
   backend::WorldOptions options;
   const bool ideal = draws.below(2) == 0;

@@ -13,8 +13,8 @@ from threewe.gym import TASKS, Env, VectorEnv
 from threewe.gym.batch import TASK_FIELDS
 from threewe.gym.episodes import Episode, load_episodes
 
-from verify.cases.deaf_robot import deaf_robot
-from verify.cases.wander import wander
+from verify.cases.no_sonar_profile import no_sonar_profile
+from verify.cases.soak import soak
 from verify.harness import Case, Experiment, all_of, each, info, mean_of, share_of
 
 EPISODES = 50  # of one case of agreement
@@ -83,7 +83,7 @@ def same_alone(env: Env, seed: int, place: int, actions: Any, history: Any, outc
 
 def agree_with_robot(seed: int, task: str) -> dict[str, Any]:
     """Random episodes in the native form and around a robot that knows the truth."""
-    with deaf_robot() as hardware:
+    with no_sonar_profile() as hardware:
         return compare_with_robot(seed, task, hardware)
 
 
@@ -186,7 +186,7 @@ def run_policy(seed: int) -> dict[str, Any]:
         "lidar_beams": BEAMS,
         "max_steps": 400,
     }
-    with deaf_robot() as hardware:
+    with no_sonar_profile() as hardware:
         native = drive_env(Env(localization="truth", hardware=hardware, **options), episode)
         with sync.Robot(scene=scene, noise=noise, localization="truth", hardware=hardware) as robot:
             driven = drive_robot(robot, episode, len(native["way"]) - 1)
@@ -264,7 +264,7 @@ EXPERIMENTS = [
     *(
         Experiment(
             f"a million random steps a case, gate {gate}{', with assertions' * assertions}",
-            wander,
+            soak,
             {"gate": gate, "assertions": assertions},
             cases=cases,
             sample=int(not assertions),

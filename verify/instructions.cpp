@@ -2,16 +2,16 @@
 //
 // COUNT episodes of VLN are drawn in a scene: one of assets/scenes, or one that is generated from the seed. Somebody
 // who is given a text, a start and a map made of the scene anew follows it; then the text of another episode, and its
-// own with left and right swapped. Then comes a stranger, who shares no code with the generator. Printed are the texts,
-// then how many ended within a metre of the path's end.
+// own with left and right swapped. Then comes an independent parser, which shares no code with the generator. Printed
+// are the texts, then how many ended within a metre of the path's end.
 #include <cstdio>
 #include <memory>
 #include <string>
 #include <vector>
 
+#include "independent_parser.hpp"
 #include "number.hpp"
 #include "scene/scene_tables.hpp"
-#include "stranger.hpp"
 #include "task/interpreter.hpp"
 #include "task/vln.hpp"
 #include "threewe/hardware/profile.hpp"
@@ -71,8 +71,8 @@ int main(int argc, char** argv) {
 
   const auto own_tables = tables_of(scene, *seed);
   const task::Language language = task::Language::load();
-  Stranger stranger(*own_tables, language);
-  int by_stranger = 0;
+  IndependentParser parser(*own_tables, language);
+  int by_independent_parser = 0;
   int followed = 0;
   int shuffled = 0;
   int with_sides = 0;
@@ -84,14 +84,14 @@ int main(int argc, char** argv) {
     const bool names_sides = task::words_of(mirrored) != task::words_of(episode.instruction);
     std::printf("text %s\n", episode.instruction.c_str());
     followed += follower.succeeds(episode.instruction, vln, episode) ? 1 : 0;
-    const auto end = stranger.follow(episode.instruction, episode.start);
+    const auto end = parser.follow(episode.instruction, episode.start);
     const bool arrived = end && vln.distance(episode.ending, *end) <= task::kPathEndReach;
-    by_stranger += arrived ? 1 : 0;
+    by_independent_parser += arrived ? 1 : 0;
     if (!arrived) std::printf("lost %s\n", episode.instruction.c_str());
     shuffled += follower.succeeds(other, vln, episode) ? 1 : 0;
     with_sides += names_sides ? 1 : 0;
     swapped += names_sides && follower.succeeds(mirrored, vln, episode) ? 1 : 0;
   }
-  std::printf("instructions %zu\nfollowed %d\nby_stranger %d\nshuffled %d\nwith_sides %d\nswapped %d\n",
-              episodes.size(), followed, by_stranger, shuffled, with_sides, swapped);
+  std::printf("instructions %zu\nfollowed %d\nby_independent_parser %d\nshuffled %d\nwith_sides %d\nswapped %d\n",
+              episodes.size(), followed, by_independent_parser, shuffled, with_sides, swapped);
 }

@@ -11,7 +11,7 @@ from typing import Any
 from threewe import RobotProfile, Scene, SceneTables
 from threewe.gym.episodes import Episode, Outcome, evaluate
 
-from verify.cases.deaf_robot import deaf_robot
+from verify.cases.no_sonar_profile import no_sonar_profile
 from verify.harness import Experiment, Row, all_of, info, worst_of
 
 EXAMPLE = Path(__file__).resolve().parent.parent / "examples/09_ppo.py"
@@ -50,7 +50,7 @@ def through_robot(ppo: ModuleType, policy: Any, episodes: list[Episode]) -> dict
         [outcome] = evaluate(ppo.Driver(saved, episode.index), [episode], max_steps=300, **options, **ppo.DRIVING)
         return outcome
 
-    with deaf_robot() as hardware:
+    with no_sonar_profile() as hardware:
         known = {"localization": "truth", "hardware": hardware}
         batch = [drive(episode, **known) for episode in episodes]
         truth = [drive(episode, backend="mock", **known) for episode in episodes]

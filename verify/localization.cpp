@@ -29,7 +29,7 @@ constexpr double kKidnapped = 30.0;  // [s] to find itself again
 constexpr double kDrive = 20.0;      // [s] of a drive before it is carried away
 
 void draw_map(const std::string& scene, std::uint64_t seed, const std::string& file, const std::string& localization) {
-  Robot robot({.scene = scene, .seed = seed, .mind = mind_with(localization)});
+  Robot robot({.scene = scene, .seed = seed, .autonomy = autonomy_with(localization)});
   const ExploreResult result = robot.wait(robot.explore(600.0));
   robot.save_map(file);
   std::printf("explored %s %.0f %.1f\n", std::string(to_string(result.reason)).c_str(), result.duration,
@@ -136,7 +136,7 @@ void find(const std::string& scene, std::uint64_t seed, const std::string& file)
 
   // carried away
   try {
-    robot.simulation()->carry(*other);
+    robot.simulation()->teleport(*other);
   } catch (const ThreeweError& error) {
     std::printf("not_carried %s\n", error.what());
     return;

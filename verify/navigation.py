@@ -1,4 +1,4 @@
-"""Drives to sampled goals in places that the robot has never seen; explores; listens to no simulator's lies.
+"""Drives to sampled goals in places that the robot has never seen; explores; ignores a false ground truth.
 
 Held-out places, drawn from the commit, come first; the seven named scenes, which robots were developed in, are the
 regression.
@@ -17,8 +17,8 @@ from verify.cases.driving import (
     tells_the_truth,
     truly_there,
 )
+from verify.cases.end_to_end_hash import truth_isolation
 from verify.cases.generated import drive_far, ends_standing, in_generated, no_clock
-from verify.cases.journey import lies
 from verify.cases.people import PEOPLE, among_people
 from verify.cases.walls import away_from_a_wall, comes_to_its_goal, out_of_a_slot, touches_gently
 from verify.harness import (
@@ -317,7 +317,7 @@ REGRESSION = [
     ),
     Experiment(
         "truth isolation",
-        lies,
+        truth_isolation,
         cases=100,
         sample=4,
         rows=[all_of("same commands when the truth is shifted and people scrambled", lambda case: case["equal"])],

@@ -33,7 +33,7 @@ class Camera {
   std::span<const std::int16_t> look(const Pose2D& base) {
     const CameraIntrinsics view = camera_.intrinsics();
     ids_.resize(static_cast<std::size_t>(view.width) * static_cast<std::size_t>(view.height));
-    renderer_.render(view, {base * camera_.base_from_camera, camera_.mount_height}, paint_,
+    renderer_.render(view, {base * camera_.base_from_camera, camera_.mount_height}, shading_,
                      {.colour = {}, .depth = {}, .ids = ids_}, scratch_);
     return ids_;
   }
@@ -41,7 +41,7 @@ class Camera {
  private:
   CameraSpec camera_;
   sim::Renderer renderer_;
-  sim::Paint paint_{0, 0};
+  sim::Shading shading_{0, 0};
   sim::RenderScratch scratch_;
   std::vector<std::int16_t> ids_;
 };

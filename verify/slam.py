@@ -5,7 +5,7 @@ from verify.cases.given_maps import (
     claims_the_truth,
     consistent,
     finds_itself,
-    is_back,
+    is_relocalized,
     notices,
     of_placements,
     of_those_carried,
@@ -57,7 +57,7 @@ def in_own_maps() -> list[Row]:
     return [
         of_placements("finds itself within 10 s, standing", finds_itself, 0.95),
         of_placements("never claims a pose that is 0.3 m off", claims_the_truth, 0.99),
-        of_those_carried("relocalized within 10 s after it was carried away", is_back, 0.95),
+        of_those_carried("relocalized within 10 s after it was carried away", is_relocalized, 0.95),
         of_those_carried("relocalized within 3 s", lambda placement: time_to_be_back(placement) <= 3.0, 0.5),
         of_those_carried("notices within 5 s that it was carried away", notices, 0.95),
     ]

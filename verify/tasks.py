@@ -50,7 +50,7 @@ EXPERIMENTS = [
         sample=6,
         rows=[
             share("followed by text and map", "followed", "instructions", at_least=0.98),
-            share("by a parser that shares no code", "by_stranger", "instructions", at_least=0.95),
+            share("by a parser that shares no code", "by_independent_parser", "instructions", at_least=0.95),
             share("with another's text", "shuffled", "instructions", at_most=0.30),
             share("with left and right swapped", "swapped", "with_sides", at_most=0.30),
             whole_of("distinct texts", distinct),

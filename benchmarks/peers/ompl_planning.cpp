@@ -49,9 +49,9 @@ class CellsCrossed : public ob::MotionValidator {
   const peers::Course& course_;
 };
 
-class Setting {
+class PlanningProblem {
  public:
-  explicit Setting(const peers::Course& course)
+  explicit PlanningProblem(const peers::Course& course)
       : course_(course), space_(std::make_shared<ob::RealVectorStateSpace>(2)) {
     ob::RealVectorBounds bounds(2);
     bounds.setHigh(0, course.width * course.resolution);
@@ -100,11 +100,11 @@ class Setting {
 template <class Planner>
 void report(const peers::Course& course, const std::string& name, const std::string& differs, std::size_t queries) {
   constexpr bool kSimplify = std::is_same_v<Planner, og::RRTConnect>;
-  Setting setting(course);
+  PlanningProblem problem(course);
   const std::string version = std::to_string(OMPL_MAJOR_VERSION) + "." + std::to_string(OMPL_MINOR_VERSION) + "." +
                               std::to_string(OMPL_PATCH_VERSION);
   peers::report_plans("OMPL " + version + ", " + name, differs + "; C++", course, queries,
-                      [&](const peers::Query& q) { return setting.solve<Planner>(q, kSimplify); });
+                      [&](const peers::Query& q) { return problem.solve<Planner>(q, kSimplify); });
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-// Everything a program that drives a robot needs.
+// Umbrella header: everything a program that drives a robot needs.
 #pragma once
 
 #include "threewe/core/errors.hpp"

@@ -4,7 +4,7 @@
 #include <nanobind/stl/shared_ptr.h>
 
 #include "benchmark/nearest_frontier.hpp"
-#include "benchmark/optimist.hpp"
+#include "benchmark/optimistic_replanning.hpp"
 #include "bindings.hpp"
 #include "scene/scene_tables.hpp"
 #include "task/stop_task.hpp"
@@ -35,7 +35,8 @@ void init_benchmark(nb::module_& m) {
   m.def("spl", &task::success_weighted_by_path_length, "success"_a, "shortest"_a, "driven"_a,
         "Success weighted by path length (Anderson et al. 2018): 0 for a failure, else the shortest length over the\n"
         "one driven, at most 1; 1 for a success where the shortest length is 0. Lengths in [m].");
-  m.def("optimist", &benchmark::optimist, "tables"_a, "profile"_a, "start"_a, "goal"_a, WithoutGil(),
+  m.def("optimistic_replanning", &benchmark::optimistic_replanning, "tables"_a, "profile"_a, "start"_a, "goal"_a,
+        WithoutGil(),
         "A drive in a place of which nothing is known at first, as no robot can expect to beat it: with a perfect\n"
         "pose and a lidar without noise, along shortest paths for the inscribed radius through all that is not known\n"
         "to be an obstacle. `start` and `goal` (x, y) in the scene's frame. Raises HardwareError without a lidar,\n"

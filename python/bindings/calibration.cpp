@@ -7,20 +7,22 @@
 #include "value.hpp"
 
 using namespace threewe;
-using calibration::Calibration, calibration::Deviation, calibration::Figure, calibration::Pace;
+using calibration::Calibration, calibration::Deviation, calibration::Figure, calibration::VelocityProfile;
 
 void init_calibration(nb::module_& m) {
-  NamedEnum<Pace>(m, "Pace", "How fast commands change.")
-      .value("operating", Pace::operating, "within the operating limits, as whatever drives a robot makes them")
-      .value("hardware", Pace::hardware, "within what the profile says that the drive can do")
-      .value("abrupt", Pace::abrupt, "at once: wheels slip");
+  NamedEnum<VelocityProfile>(m, "VelocityProfile", "How fast commands change.")
+      .value("operating", VelocityProfile::operating,
+             "within the operating limits, as whatever drives a robot makes them")
+      .value("hardware", VelocityProfile::hardware, "within what the profile says that the drive can do")
+      .value("abrupt", VelocityProfile::abrupt, "at once: wheels slip");
   nb::class_<Figure>(m, "Figure", "One figure of a profile, as it was fitted.")
       .def(Value())
       .def_ro("name", &Figure::name, "of its field below `body`")
       .def_ro("before", &Figure::before, "in the profile, or what follows from it")
       .def_ro("value", &Figure::value, "fitted, in the profile's unit")
       .def_ro("spread", &Figure::spread, "half of its 95 % interval")
-      .def_ro("told", &Figure::told, "Whether the manoeuvres say more about it than was assumed beforehand.")
+      .def_ro("identifiable", &Figure::identifiable,
+              "Whether the excitation sequences say more about it than was assumed beforehand.")
       .def("__repr__",
            [](const Figure& f) { return fmt::format("Figure({}={:.5g} +- {:.2g})", f.name, f.value, f.spread); });
   nb::class_<Deviation>(m, "Deviation", "How far the embedded simulator's motion is from another robot's: shares.")
@@ -43,22 +45,23 @@ void init_calibration(nb::module_& m) {
           "source", [](const Calibration& c) { return std::string(to_string(c.source)); },
           R"("truth" where a simulator tells how its body moves, "sensors" where wheels and gyro do)")
       .def_ro("seconds", &Calibration::seconds, "[s] of robot time driven")
-      .def_ro("before", &Calibration::before, "of the manoeuvres, by the profile as it was; their poses mean little")
+      .def_ro("before", &Calibration::before, "of the sequences, by the profile as it was; their poses mean little")
       .def_ro("after", &Calibration::after, "the same by the fitted one");
   m.def("calibrate", &calibration::calibrate, "backend"_a, "hardware"_a, WithoutGil(),
-        "Drives the standard manoeuvres and fits the profile to them.");
+        "Drives the standard excitation sequences and fits the profile to them.");
   m.def("calibrated_yaml", &calibration::to_yaml, "hardware"_a, "calibration"_a,
         "The profile as a file, with the fitted figures in place of its own.");
   m.def(
       "deviations",
       [](std::string_view backend, const std::string& hardware, const std::vector<RobotProfile>& profiles,
-         std::uint64_t seed, std::size_t count, Pace pace) {
+         std::uint64_t seed, std::size_t count, VelocityProfile velocity_profile) {
         const nb::gil_scoped_release without_gil;
-        return calibration::deviations(backend, hardware, profiles, seed, count, pace);
+        return calibration::deviations(backend, hardware, profiles, seed, count, velocity_profile);
       },
-      "backend"_a, "hardware"_a, "profiles"_a, "seed"_a, "count"_a, "pace"_a,
+      "backend"_a, "hardware"_a, "profiles"_a, "seed"_a, "count"_a, "velocity_profile"_a,
       "How far the embedded simulator with each profile is from a backend with `hardware`, on random sequences of 10 "
       "s.");
-  m.def("scatter", &calibration::scatter, "backend"_a, "hardware"_a, "seed"_a, "count"_a, "pace"_a, WithoutGil(),
+  m.def("repeatability", &calibration::repeatability, "backend"_a, "hardware"_a, "seed"_a, "count"_a,
+        "velocity_profile"_a, WithoutGil(),
         "How far a backend is from itself, when wheels have turned a little before the same random sequences.");
 }

@@ -249,7 +249,7 @@ void bind_samples(nb::module_& m) {
       .def_ro("field_of_view", &RangeData::field_of_view, "[rad] from edge to edge of the cone")
       .def_ro("range_min", &RangeData::range_min, "[m]")
       .def_ro("range_max", &RangeData::range_max, "[m]")
-      .def_ro("range", &RangeData::range, "[m]; no echo = range_max, invalid = 0.0")
+      .def_ro("range", &RangeData::range, "[m]; no return = range_max, invalid = 0.0")
       .def("__repr__", [](const RangeData& echo) {
         return fmt::format("RangeData({:.3f} m, range_max={:.1f} m)", echo.range, echo.range_max);
       });

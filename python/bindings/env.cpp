@@ -50,8 +50,8 @@ env::TaskFactory task_factory(std::string_view task, const task::NavigationOptio
   return chosen<env::TaskFactory>(
       "task", task,
       {{"navigation",
-        [navigation](const task::Setting& setting) { return task::make_navigation(setting, navigation); }},
-       {"exploration", [](const task::Setting& setting) { return task::make_exploration(setting); }},
+        [navigation](const task::TaskContext& context) { return task::make_navigation(context, navigation); }},
+       {"exploration", [](const task::TaskContext& context) { return task::make_exploration(context); }},
        {"object_nav", task::make_object_nav},
        {"vln", task::make_vln}});
 }
@@ -197,8 +197,9 @@ void bind_results(nb::class_<Env>& c) {
             return values;
           },
           "env"_a, "robot"_a = 0, "How a robot differs from its profile now: the value of each knob.")
-      .def_prop_ro("words_name", &Env::words_name, "What `words` are called; empty where a task has none.")
-      .def("words", &Env::words, "env"_a, "What an episode is about: an instruction, a category.")
+      .def_prop_ro("instruction_name", &Env::instruction_name,
+                   "What `instruction` is called; empty where a task has none.")
+      .def("instruction", &Env::instruction, "env"_a, "What an episode is about: an instruction, a category.")
       .def("episode", &Env::episode, "env"_a)
       .def("top_view", &Env::top_view, "env"_a, WithoutGil());
 }
@@ -341,7 +342,7 @@ void bind_robot_env(nb::module_& m) {
             robot.backend = backend;
             robot.robots = {hardware};
             robot.noise = noise_level(noise);
-            robot.mind = mind_with(localization);
+            robot.autonomy = autonomy_with(localization);
             robot.randomization = randomization;
             const nb::gil_scoped_release release;
             new (self) RobotEnv(std::move(options), robot, scenes);

@@ -36,7 +36,7 @@ void bind_sensors(nb::module_& m) {
       .def_ro("interval", &UltrasonicSpec::interval, "[s] from one ping to the next, of another sensor")
       .def_ro("field_of_view", &UltrasonicSpec::field_of_view, "[rad] of the cone of sound, from edge to edge")
       .def_ro("max_incidence", &UltrasonicSpec::max_incidence,
-              "[rad] off a surface's normal, beyond which no echo comes back")
+              "[rad] off a surface's normal, beyond which no sound comes back")
       .def_ro("range_min", &UltrasonicSpec::range_min, "[m]")
       .def_ro("range_max", &UltrasonicSpec::range_max, "[m]")
       .def_ro("sigma", &UltrasonicSpec::sigma, "[m] of each range")

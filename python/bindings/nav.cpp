@@ -50,7 +50,7 @@ void bind_motions(nb::module_& m) {
       .value("driving", RecoveryState::driving, "It gets on.")
       .value("clearing", RecoveryState::clearing, "It stands still until what it sees is fresh.")
       .value("backing_off", RecoveryState::backing_off, "The way it came, or where there is most room.")
-      .value("manoeuvring", RecoveryState::manoeuvring, "Where it cannot turn: out in arcs, forwards and backwards.")
+      .value("arc_escape", RecoveryState::arc_escape, "Where it cannot turn: out in arcs, forwards and backwards.")
       .value("looking", RecoveryState::looking, "It turns to look; all the way round where it is lost.")
       .value("replanning", RecoveryState::replanning, "It plans anew, for one period.")
       .value("given_up", RecoveryState::given_up, "The result's `detail` says why.");
@@ -103,7 +103,7 @@ void bind_plan(nb::module_& m) {
 void bind_people(nb::module_& m) {
   nb::class_<TrackedPerson>(m, "TrackedPerson", "Somebody who walks, as the robot's lidar sees them. `odom` frame.")
       .def(Value())
-      .def_ro("id", &TrackedPerson::id, "the same as long as somebody is not lost sight of")
+      .def_ro("id", &TrackedPerson::id, "the same as long as the person is not lost sight of")
       .def_ro("position", &TrackedPerson::position, "(x, y) [m]")
       .def_ro("velocity", &TrackedPerson::velocity, "(vx, vy) [m/s]")
       .def_prop_ro(

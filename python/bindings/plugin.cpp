@@ -49,9 +49,10 @@ struct Field {
     const double value = number(field);
     if (!std::isfinite(value)) fail(field, fmt::format("is {}; it must be a finite number of seconds", value));
     if (std::abs(value) > 1e9) {  // no robot runs for 30 years
-      fail(field, fmt::format("is {:.0f}, which looks like wall-clock time; it must be robot time, which begins at 0 s "
-                              "when the world is made or reset: stamp with the `t` of step()",
-                              value));
+      fail(field,
+           fmt::format("is {:.0f}, which is probably wall-clock time; it must be robot time, which begins at 0 s "
+                       "when the world is made or reset: stamp with the `t` of step()",
+                       value));
     }
     return from_seconds(value);
   }

@@ -31,9 +31,9 @@ class PluginTruthView final : public threewe::scene::TableTruth {
   threewe::SemanticImage look(const threewe::CameraIntrinsics& camera, const threewe::Pose2D& pose, double height,
                               bool with_itself) const override {
     std::call_once(drawn_, [this] { model_ = threewe::sim::make_model(scene_, {link_->profile()}); });
-    threewe::sim::Shot shot;
-    shot.robots = {true_pose()};
-    return threewe::sim::draw_truth(*model_, shot, camera, {pose, height}, with_itself);
+    threewe::sim::CapturePose capture;
+    capture.robots = {true_pose()};
+    return threewe::sim::draw_truth(*model_, capture, camera, {pose, height}, with_itself);
   }
 
  private:

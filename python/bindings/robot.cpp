@@ -79,31 +79,31 @@ void bind_results(nb::module_& m) {
       .value("stale_sensors", Intervention::stale_sensors)
       .value("estop", Intervention::estop);
 
-  NamedEnum<Trouble>(m, "Trouble", "What may be wrong with a sensor.")
-      .value("none", Trouble::none, "Nothing.")
-      .value("silent", Trouble::silent, "Nothing has arrived for too long.")
-      .value("frozen", Trouble::frozen, "The same reading again and again, while the robot moves.")
-      .value("implausible", Trouble::implausible, "A reading that no such sensor can make, such as NaN.")
-      .value("wrong_stamps", Trouble::wrong_stamps, "Times that run backwards, or come from the future.")
-      .value("late", Trouble::late, "Readings arrive much later than they used to.")
-      .value("noisy", Trouble::noisy, "Readings scatter more than they used to.")
-      .value("shifted", Trouble::shifted, "All ranges are too long or too short by the same.")
-      .value("blind", Trouble::blind,
+  NamedEnum<SensorFault>(m, "SensorFault", "A fault of a sensor.")
+      .value("none", SensorFault::none, "Nothing.")
+      .value("silent", SensorFault::silent, "Nothing has arrived for too long.")
+      .value("frozen", SensorFault::frozen, "The same reading again and again, while the robot moves.")
+      .value("implausible", SensorFault::implausible, "A reading that no such sensor can make, such as NaN.")
+      .value("wrong_stamps", SensorFault::wrong_stamps, "Times that run backwards, or come from the future.")
+      .value("late", SensorFault::late, "Readings arrive much later than they used to.")
+      .value("noisy", SensorFault::noisy, "Readings are noisier than they used to be.")
+      .value("shifted", SensorFault::shifted, "All ranges are too long or too short by the same.")
+      .value("blind", SensorFault::blind,
              "So many beams are invalid side by side that the robot would fit between two that are not.")
-      .value("contradicted", Trouble::contradicted, "Other sensors say otherwise.");
+      .value("contradicted", SensorFault::contradicted, "Other sensors say otherwise.");
 
   nb::class_<SensorHealth>(m, "SensorHealth", "How one sensor is.")
       .def(Value())
       .def_ro("name", &SensorHealth::name)
-      .def_prop_ro("sound", &SensorHealth::sound, "nothing is wrong")
-      .def_ro("trouble", &SensorHealth::trouble)
+      .def_prop_ro("ok", &SensorHealth::ok, "nothing is wrong")
+      .def_ro("fault", &SensorHealth::fault)
       .def_ro("detail", &SensorHealth::detail, "says more; may be empty")
       .def_prop_ro(
           "since", [](const SensorHealth& h) { return to_seconds(h.since); },
-          "[s] of robot time when the trouble was noticed, or was over")
-      .def_ro("needed", &SensorHealth::needed, "the robot stands still while this sensor is in trouble")
+          "[s] of robot time when the fault was noticed, or was over")
+      .def_ro("needed", &SensorHealth::needed, "the robot stands still while this sensor is at fault")
       .def("__repr__", [](const SensorHealth& h) {
-        return fmt::format("SensorHealth('{}': {}{})", h.name, h.sound() ? "sound" : to_string(h.trouble),
+        return fmt::format("SensorHealth('{}': {}{})", h.name, h.ok() ? "ok" : to_string(h.fault),
                            h.detail.empty() ? "" : ", " + h.detail);
       });
 
@@ -205,7 +205,7 @@ void bind_time(nb::module_& m) {
             options.poses = std::move(start_poses);
             options.initial_poses = std::move(initial_poses);
             if (map != nullptr) options.map = std::make_shared<const map::OccupancyGrid>(*map);
-            options.mind = mind_with(localization);
+            options.autonomy = autonomy_with(localization);
             if (image_size) options.image_size = ImageSize{image_size->second, image_size->first};
             options.randomization = std::move(randomization);
             const nb::gil_scoped_release other_threads_run;
@@ -356,13 +356,13 @@ void bind_commands(OneThreadClass<Runtime>& runtime) {
 }
 
 void bind_runtime(nb::module_& m) {
-  OneThreadClass<Runtime> runtime(m, "Runtime", "One robot of a world: mind, gate and port.");
+  OneThreadClass<Runtime> runtime(m, "Runtime", "One robot of a world: autonomy stack, gate and port.");
   bind_readings(runtime);
   bind_commands(runtime);
 }
 
 void bind_simulation(nb::module_& m) {
-  nb::class_<scene::PersonPose>(m, "PersonPose", "Where somebody of a simulated scene is.")
+  nb::class_<scene::PersonPose>(m, "PersonPose", "Where a person of a simulated scene is.")
       .def(Value())
       .def_ro("name", &scene::PersonPose::name)
       .def_ro("pose", &scene::PersonPose::pose, "in the scene's frame, facing the way they walk or wait to walk")
@@ -388,7 +388,7 @@ void bind_simulation(nb::module_& m) {
       .def("geodesic", &Simulation::geodesic, "a"_a, "b"_a,
            "Length [m] of the shortest path between (x, y) points for the robot's footprint; infinity where there is "
            "none.")
-      .def("carry", &Simulation::carry, "pose"_a, WithoutGil(),
+      .def("teleport", &Simulation::teleport, "pose"_a, WithoutGil(),
            "Somebody lifts the robot and puts it down at a pose, and does not tell it.")
       .def("look",
            nb::overload_cast<const CameraIntrinsics&, const Pose2D&, double, bool>(&Simulation::look, nb::const_),
@@ -398,7 +398,7 @@ void bind_simulation(nb::module_& m) {
            "itself.")
       .def("reset", &Simulation::reset, nb::kw_only(), "seed"_a = nb::none(), "pose"_a = nb::none(), "episode"_a = 0,
            WithoutGil(),
-           "Begins anew at time 0, with the world's own seed and at the scene's own start pose unless told "
+           "Begins anew at time 0, with the world's own seed and at the scene's own start pose unless said "
            "otherwise; all noise is that of an episode of the seed.\n\n"
            "Raises ConfigError when that is inside an obstacle.")
       .def(

@@ -77,13 +77,13 @@ void bind_parts(nb::module_& m) {
       .def("__repr__", [](const Room& room) {
         return fmt::format("Room('{}', anchor=({:.2f}, {:.2f}))", room.name, room.anchor.x, room.anchor.y);
       });
-  nb::class_<Patch>(m, "Patch", "A patch of floor with a grip of its own: an axis-aligned rectangle.")
+  nb::class_<Patch>(m, "Patch", "A patch of floor with a friction of its own: an axis-aligned rectangle.")
       .def(Value())
       .def_ro("name", &Patch::name)
       .def_ro("min", &Patch::min, "(x, y) [m]")
       .def_ro("max", &Patch::max, "(x, y) [m]")
       .def_ro("floor", &Patch::floor, "its material")
-      .def_ro("grip", &Patch::grip, "times the friction that wheels have on a hard floor");
+      .def_ro("friction", &Patch::friction, "times the friction that wheels have on a hard floor");
   nb::class_<Person>(m, "Person", "Somebody who walks round and round a closed route.")
       .def(Value())
       .def_ro("name", &Person::name)
@@ -220,7 +220,7 @@ void init_scene(nb::module_& m) {
            "A room by name. Raises ConfigError naming the nearest right one.")
       .def("room_at", &Scene::room_at, "point"_a, nb::rv_policy::reference_internal,
            "The room that holds a point (x, y), or None.")
-      .def("grip_at", &Scene::grip_at, "point"_a,
+      .def("friction_at", &Scene::friction_at, "point"_a,
            "How well wheels hold at a point (x, y), times their friction on a hard floor.")
       .def("__repr__", [](const Scene& scene) {
         return fmt::format("Scene('{}', {:.0f} x {:.0f} m, {} rooms, {} objects)", scene.name,

@@ -257,7 +257,7 @@ class RangeData:
 
     @property
     def range(self) -> float:
-        """[m]; no echo = range_max, invalid = 0.0"""
+        """[m]; no return = range_max, invalid = 0.0"""
 
     def __repr__(self) -> str: ...
 
@@ -571,7 +571,7 @@ class UltrasonicSpec:
 
     @property
     def max_incidence(self) -> float:
-        """[rad] off a surface's normal, beyond which no echo comes back"""
+        """[rad] off a surface's normal, beyond which no sound comes back"""
 
     @property
     def range_min(self) -> float:
@@ -1115,7 +1115,9 @@ class Room:
     def __repr__(self) -> str: ...
 
 class Patch:
-    """A patch of floor with a grip of its own: an axis-aligned rectangle."""
+    """
+    A patch of floor with a friction of its own: an axis-aligned rectangle.
+    """
 
     def __eq__(self, other: object) -> bool: ...
 
@@ -1141,7 +1143,7 @@ class Patch:
         """its material"""
 
     @property
-    def grip(self) -> float:
+    def friction(self) -> float:
         """times the friction that wheels have on a hard floor"""
 
 class Person:
@@ -1283,7 +1285,7 @@ class Scene:
     def room_at(self, point: tuple[float, float]) -> Room:
         """The room that holds a point (x, y), or None."""
 
-    def grip_at(self, point: tuple[float, float]) -> float:
+    def friction_at(self, point: tuple[float, float]) -> float:
         """
         How well wheels hold at a point (x, y), times their friction on a hard floor.
         """
@@ -1367,8 +1369,8 @@ class CoverageMeter:
     def crossed(self) -> float:
         """The share, 0 to 1, that was crossed."""
 
-class SurveyScan:
-    """What a survey's robot recorded at one moment, and the truth."""
+class RecordedScan:
+    """One recorded scan with the odometry and the truth at that time."""
 
     def __eq__(self, other: object) -> bool: ...
 
@@ -1393,13 +1395,15 @@ class SurveyScan:
     @property
     def scan(self) -> LaserScan: ...
 
-class Survey:
-    """A tour through a scene, for `threewe slam synth`."""
+class LogSpec:
+    """
+    Specification of a synthetic log, a tour through a scene, for `threewe slam synth`.
+    """
 
     @staticmethod
-    def load(name: str) -> Survey:
+    def load(name: str) -> LogSpec:
         """
-        Reads a survey by name, or from a file that ends in .yaml. Raises ConfigError with file and line.
+        Reads a log specification by name, or from a file that ends in .yaml. Raises ConfigError with file and line.
         """
 
     @property
@@ -1415,17 +1419,17 @@ class Survey:
     def stops(self) -> list[tuple[float, float]]:
         """(x, y) [m] one after the other, in the scene's frame"""
 
-    def drive(self, seed: int = 0) -> list[SurveyScan]:
+    def drive(self, seed: int = 0) -> list[RecordedScan]:
         """
         Drives the tour with the sensors of a robot of the year 2000: 180 beams, slipping wheels, no gyro. A pure
         function of the seed. Raises ConfigError where a stop cannot be reached.
         """
 
-def survey_names() -> list[str]:
-    """The names of all surveys."""
+def log_names() -> list[str]:
+    """The names of all log specifications."""
 
-def survey_lidar() -> Pose2D:
-    """Where the lidar of a survey's robot is."""
+def log_lidar() -> Pose2D:
+    """Where the lidar of a recorded log's robot is."""
 
 class SensorInfo:
     """One sensor of a robot, as it is known before connecting."""
@@ -1625,7 +1629,7 @@ class RecoveryState(enum.StrEnum):
     backing_off = 'backing_off'
     """The way it came, or where there is most room."""
 
-    manoeuvring = 'manoeuvring'
+    arc_escape = 'arc_escape'
     """Where it cannot turn: out in arcs, forwards and backwards."""
 
     looking = 'looking'
@@ -1730,7 +1734,7 @@ class TrackedPerson:
 
     @property
     def id(self) -> int:
-        """the same as long as somebody is not lost sight of"""
+        """the same as long as the person is not lost sight of"""
 
     @property
     def position(self) -> tuple[float, float]:
@@ -1763,8 +1767,8 @@ class Intervention(enum.StrEnum):
 
     estop = 'estop'
 
-class Trouble(enum.StrEnum):
-    """What may be wrong with a sensor."""
+class SensorFault(enum.StrEnum):
+    """A fault of a sensor."""
 
     def __str__(self) -> str: ...
 
@@ -1787,7 +1791,7 @@ class Trouble(enum.StrEnum):
     """Readings arrive much later than they used to."""
 
     noisy = 'noisy'
-    """Readings scatter more than they used to."""
+    """Readings are noisier than they used to be."""
 
     shifted = 'shifted'
     """All ranges are too long or too short by the same."""
@@ -1815,11 +1819,11 @@ class SensorHealth:
     def name(self) -> str: ...
 
     @property
-    def sound(self) -> bool:
+    def ok(self) -> bool:
         """nothing is wrong"""
 
     @property
-    def trouble(self) -> Trouble: ...
+    def fault(self) -> SensorFault: ...
 
     @property
     def detail(self) -> str:
@@ -1827,11 +1831,11 @@ class SensorHealth:
 
     @property
     def since(self) -> float:
-        """[s] of robot time when the trouble was noticed, or was over"""
+        """[s] of robot time when the fault was noticed, or was over"""
 
     @property
     def needed(self) -> bool:
-        """the robot stands still while this sensor is in trouble"""
+        """the robot stands still while this sensor is at fault"""
 
     def __repr__(self) -> str: ...
 
@@ -2094,7 +2098,7 @@ class World:
         """
 
 class Runtime:
-    """One robot of a world: mind, gate and port."""
+    """One robot of a world: autonomy stack, gate and port."""
 
     def connect(self) -> None: ...
 
@@ -2184,7 +2188,7 @@ class Runtime:
     def unobserve(self, id: int) -> None: ...
 
 class PersonPose:
-    """Where somebody of a simulated scene is."""
+    """Where a person of a simulated scene is."""
 
     def __eq__(self, other: object) -> bool: ...
 
@@ -2250,7 +2254,7 @@ class Simulation:
         Length [m] of the shortest path between (x, y) points for the robot's footprint; infinity where there is none.
         """
 
-    def carry(self, pose: Pose2D) -> None:
+    def teleport(self, pose: Pose2D) -> None:
         """
         Somebody lifts the robot and puts it down at a pose, and does not tell it.
         """
@@ -2262,7 +2266,7 @@ class Simulation:
 
     def reset(self, *, seed: int | None = None, pose: Pose2D | None = None, episode: int = 0) -> None:
         """
-        Begins anew at time 0, with the world's own seed and at the scene's own start pose unless told otherwise; all noise is that of an episode of the seed.
+        Begins anew at time 0, with the world's own seed and at the scene's own start pose unless said otherwise; all noise is that of an episode of the seed.
 
         Raises ConfigError when that is inside an obstacle.
         """
@@ -2433,10 +2437,10 @@ class EnvBatch:
         """How a robot differs from its profile now: the value of each knob."""
 
     @property
-    def words_name(self) -> str:
-        """What `words` are called; empty where a task has none."""
+    def instruction_name(self) -> str:
+        """What `instruction` is called; empty where a task has none."""
 
-    def words(self, env: int) -> str:
+    def instruction(self, env: int) -> str:
         """What an episode is about: an instruction, a category."""
 
     def episode(self, env: int) -> EpisodeInfo: ...
@@ -2494,10 +2498,10 @@ class RobotEnv:
         """How a robot differs from its profile now: the value of each knob."""
 
     @property
-    def words_name(self) -> str:
-        """What `words` are called; empty where a task has none."""
+    def instruction_name(self) -> str:
+        """What `instruction` is called; empty where a task has none."""
 
-    def words(self, env: int) -> str:
+    def instruction(self, env: int) -> str:
         """What an episode is about: an instruction, a category."""
 
     def episode(self, env: int) -> EpisodeInfo: ...
@@ -2559,7 +2563,7 @@ def spl(success: bool, shortest: float, driven: float) -> float:
     one driven, at most 1; 1 for a success where the shortest length is 0. Lengths in [m].
     """
 
-def optimist(tables: SceneTables, profile: RobotProfile, start: Pose2D, goal: tuple[float, float]) -> ReferenceDrive:
+def optimistic_replanning(tables: SceneTables, profile: RobotProfile, start: Pose2D, goal: tuple[float, float]) -> ReferenceDrive:
     """
     A drive in a place of which nothing is known at first, as no robot can expect to beat it: with a perfect
     pose and a lidar without noise, along shortest paths for the inscribed radius through all that is not known
@@ -2579,7 +2583,7 @@ def export_files(scene: Scene, robot: RobotProfile, format: str, folder: str) ->
     Writes a scene, and a robot at its first start, into a folder; returns the files. Formats: mjcf, urdf, sdf, usd, map. Raises ConfigError for another format, and for a folder that cannot be written.
     """
 
-class Pace(enum.StrEnum):
+class VelocityProfile(enum.StrEnum):
     """How fast commands change."""
 
     def __str__(self) -> str: ...
@@ -2621,8 +2625,10 @@ class Figure:
         """half of its 95 % interval"""
 
     @property
-    def told(self) -> bool:
-        """Whether the manoeuvres say more about it than was assumed beforehand."""
+    def identifiable(self) -> bool:
+        """
+        Whether the excitation sequences say more about it than was assumed beforehand.
+        """
 
     def __repr__(self) -> str: ...
 
@@ -2696,24 +2702,24 @@ class Calibration:
 
     @property
     def before(self) -> Deviation:
-        """of the manoeuvres, by the profile as it was; their poses mean little"""
+        """of the sequences, by the profile as it was; their poses mean little"""
 
     @property
     def after(self) -> Deviation:
         """the same by the fitted one"""
 
 def calibrate(backend: str, hardware: str) -> Calibration:
-    """Drives the standard manoeuvres and fits the profile to them."""
+    """Drives the standard excitation sequences and fits the profile to them."""
 
 def calibrated_yaml(hardware: str, calibration: Calibration) -> str:
     """The profile as a file, with the fitted figures in place of its own."""
 
-def deviations(backend: str, hardware: str, profiles: Sequence[RobotProfile], seed: int, count: int, pace: Pace) -> list[Deviation]:
+def deviations(backend: str, hardware: str, profiles: Sequence[RobotProfile], seed: int, count: int, velocity_profile: VelocityProfile) -> list[Deviation]:
     """
     How far the embedded simulator with each profile is from a backend with `hardware`, on random sequences of 10 s.
     """
 
-def scatter(backend: str, hardware: str, seed: int, count: int, pace: Pace) -> Deviation:
+def repeatability(backend: str, hardware: str, seed: int, count: int, velocity_profile: VelocityProfile) -> Deviation:
     """
     How far a backend is from itself, when wheels have turned a little before the same random sequences.
     """

@@ -23,7 +23,7 @@ from threewe.errors import ContractError
 FREE = (255, 255, 255, 255)
 HITS, SEEN = "#e0701c", "#f0a030"
 TEXT = 'font-family="system-ui,sans-serif" font-size="12" fill="currentColor"'
-SCALE_WIDTH = 66  # [px] of the scale beside a depth image
+SCALE_WIDTH = 66  # [px] of the scale next to a depth image
 LINE = 'stroke="currentColor" fill="none"'
 
 

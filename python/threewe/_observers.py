@@ -1,4 +1,4 @@
-"""Who wants to hear of every tick of a robot."""
+"""Observers of every tick of a robot."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ Observer = Callable[[TickView], object]
 
 
 class Observers:
-    """The observers of one robot. One that raises is reported, once, and hears of nothing more."""
+    """The observers of one robot. One that raises is reported, once, and not called any more."""
 
     def __init__(self, runtime: Runtime) -> None:
         self._runtime = runtime

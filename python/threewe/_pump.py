@@ -6,7 +6,7 @@ on the loop, and each of its turns is one of these:
     something else is ready to run      let it run first
     a wait is done                      resume who waits for it, by (deadline, creation)
     worlds have pending waits, no hold  run them, for at most 10 ms of wall time, with the GIL released
-    none of these                       rest, until somebody calls `wake`
+    none of these                       rest, until `wake` is called
 
 So a tick starts only when the program has nothing left to do at the present robot time, and the same program sees the
 same robot times whatever the machine is busy with. Several worlds on a loop run in rounds, one tick each, in the order
@@ -69,7 +69,7 @@ Resume = Callable[[Exception | None], None]
 
 
 class Watched(NamedTuple):
-    """A wait that somebody waits for."""
+    """A wait with a waiter."""
 
     creation: int
     world: World
@@ -194,7 +194,7 @@ class Pump:
                 return
 
     def _guard(self, world: World, advance: Callable[[World], object]) -> bool:
-        """A world that breaks down stops; those who wait for it hear why, and so does the log."""
+        """A world that breaks down stops; those who wait for it get the reason, and so does the log."""
         try:
             advance(world)
         except Exception as error:

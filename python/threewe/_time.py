@@ -55,7 +55,7 @@ class RobotTime:
         self.thoughts: set[object] = set()
 
     def start(self) -> None:
-        """Binds the world to the running event loop; robot time runs when somebody waits for it."""
+        """Binds the world to the running event loop; robot time runs while a coroutine waits for it."""
         loop = asyncio.get_running_loop()
         if self._loop is not None and self._loop is not loop and not self._loop.is_closed():
             raise ConnectionError("this world is connected on another event loop; disconnect it there first")
@@ -164,7 +164,7 @@ class RobotTime:
 
 
 def _let_go(loop: asyncio.AbstractEventLoop, pump: Pump, world: LockstepWorld) -> None:
-    """Nobody can reach this world any more, and yet nobody disconnected it. Called on whichever thread noticed."""
+    """This world cannot be reached any more, and yet was not disconnected. Called on whichever thread noticed."""
 
     def release() -> None:
         pump.detach(world)

@@ -85,7 +85,7 @@ def body_outline(profile: RobotProfile, color: Color) -> rr.LineStrips3D:
 
 
 def figure(radius: float) -> rr.Capsules3D:
-    """Somebody who stands at the origin."""
+    """A person who stands at the origin."""
     return rr.Capsules3D(
         lengths=[PERSON_HEIGHT - 2 * radius],
         radii=[radius],

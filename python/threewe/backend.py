@@ -6,7 +6,7 @@ from `Backend`, register the class, and every program runs on it:
     threewe.register_backend("toy", ToyBackend)
     async with Robot(backend="toy") as robot: ...
 
-A package registers its backends by entry points instead, so that nobody needs to import it:
+A package registers its backends by entry points instead, so that no import is needed:
 
     [project.entry-points."threewe.backends"]
     toy = "toy_package:ToyBackend"
@@ -111,7 +111,7 @@ class LidarReading(Reading):
     angle_min: float = -math.pi
     """[rad] where beam 0 points; 0 is forward."""
     time_increment: float = 0.0
-    """[s] from beam to beam; negative for a device that turns clockwise, 0 for a scan taken at one moment."""
+    """[s] from beam to beam; negative for a device that turns clockwise, 0 for a scan taken at one time."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -158,7 +158,7 @@ class UltrasonicReading(Reading):
 
     type: ClassVar[SensorType] = SensorType.ultrasonic
     range: float
-    """[m]; no echo = the profile's range_max, invalid = 0.0"""
+    """[m]; no return = the profile's range_max, invalid = 0.0"""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -201,7 +201,7 @@ class Backend(ABC):
     def features(self) -> Features:
         """What the robot can do: its sensors with their rates, and what else of the below holds. Never changes.
 
-        `lockstep`: time advances only when `step` is told to; else it is the wall clock.
+        `lockstep`: time advances only when `step` is asked to; else it is the wall clock.
         `deterministic`: the same seed and velocities give the same readings, to the bit.
         `can_reset`, `can_save`: the methods are there.
         """

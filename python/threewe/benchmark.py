@@ -1,15 +1,15 @@
 """What robots are measured by: success weighted by path length, and drives as they could have been.
 
 from threewe import RobotProfile, Scene, SceneTables
-from threewe.benchmark import optimist, spl
+from threewe.benchmark import optimistic_replanning, spl
 
 profile = RobotProfile.load("3we_standard_v2")
 tables = SceneTables(Scene.load("office_v2"), profile)
 episode = tables.sample_episode(1)
-best = optimist(tables, profile, episode.start, episode.goal)
+best = optimistic_replanning(tables, profile, episode.start, episode.goal)
 print(spl(best.reached, episode.geodesic, best.length))
 """
 
-from threewe._core import ReferenceDrive, ReferenceExploration, nearest_frontier, optimist, spl
+from threewe._core import ReferenceDrive, ReferenceExploration, nearest_frontier, optimistic_replanning, spl
 
-__all__ = ["ReferenceDrive", "ReferenceExploration", "nearest_frontier", "optimist", "spl"]
+__all__ = ["ReferenceDrive", "ReferenceExploration", "nearest_frontier", "optimistic_replanning", "spl"]

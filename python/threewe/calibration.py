@@ -63,7 +63,7 @@ def command(
         found = calibrate(backend, hardware, output=path)
     table = Table("figure", "profile", "fitted", "95 %", title=f"{hardware} on {backend}, by its {found.source}")
     for figure in found.figures:
-        remark = "" if figure.told else "  hardly told"
+        remark = "" if figure.identifiable else "  hardly identifiable"
         table.add_row(
             figure.name, f"{figure.before:.4g}", f"{figure.value:.4g}", f"+- {figure.spread:.2g}{remark}", style=None
         )

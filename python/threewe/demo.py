@@ -126,7 +126,7 @@ async def run(scene: str, hardware: str, place: str, seed: int, output: Path, co
             film.close()
             referee.close()
 
-            task = bar.add_task("drawing the film", total=1.0, figures=f"{len(film.moments)} moments")
+            task = bar.add_task("drawing the film", total=1.0, figures=f"{len(film.states)} states")
             film.save(output, lambda done: bar.update(task, completed=done))
             pose = truth.true_pose()
             summary = Summary(

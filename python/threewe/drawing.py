@@ -18,13 +18,13 @@ from threewe._colors import Color, map_colors
 Points = Sequence[tuple[float, float]] | NDArray[np.float64]
 
 PAPER: Color = (250, 249, 246, 255)
-TRAIL: Color = (52, 116, 219, 255)
+TRAJECTORY: Color = (52, 116, 219, 255)
 PLAN: Color = (226, 62, 120, 255)
 RAYS: Color = (255, 190, 40, 70)
 HITS: Color = (214, 96, 20, 255)
 BODY: Color = (255, 122, 46, 255)
 # bodies, ways and goals of several robots
-TEAM: list[Color] = [BODY, TRAIL, (46, 160, 92, 255), (140, 84, 200, 255)]
+TEAM: list[Color] = [BODY, TRAJECTORY, (46, 160, 92, 255), (140, 84, 200, 255)]
 
 FLOORS: dict[str, Color] = {
     "wood": (236, 222, 196, 255),
@@ -193,7 +193,7 @@ def draw_goal(picture: Image.Image, view: View, goal: tuple[float, float], radiu
 
 
 def draw_person(picture: Image.Image, view: View, place: tuple[float, float], radius: float) -> None:
-    """Somebody's head and shoulders."""
+    """A person's head and shoulders."""
     draw = ImageDraw.Draw(picture)
     x, y = view.point(*place)
     for share, color in ((1.0, ROUTE), (0.5, (255, 226, 196, 255))):
@@ -232,13 +232,13 @@ def _transform(pose: Pose2D, x: float, y: float) -> tuple[float, float]:
 
 
 def _draw_patches(picture: Image.Image, scene: Scene, view: View) -> Image.Image:
-    """Floors of their own grip, in their own colour with a blue cast: the less grip, the deeper."""
+    """Floors of their own friction, in their own colour with a blue cast: the less friction, the deeper."""
     layer = Image.new("RGBA", picture.size)
     draw = ImageDraw.Draw(layer)
     for patch in scene.patches:
         corners = [*view.point(patch.min[0], patch.max[1]), *view.point(patch.max[0], patch.min[1])]
         ImageDraw.Draw(picture).rectangle(corners, floor_color(patch.floor))
-        draw.rectangle(corners, (*PATCH[:3], round(PATCH[3] * max(0.2, 2.0 * (1.0 - patch.grip)))))
+        draw.rectangle(corners, (*PATCH[:3], round(PATCH[3] * max(0.2, 2.0 * (1.0 - patch.friction)))))
     picture.alpha_composite(layer)
     return picture
 

@@ -115,13 +115,13 @@ def view(
 ) -> None:
     """Watch a robot explore a scene, in the Rerun viewer."""
     rerun = not save and not serve and not serve_network
-    told = (scene, backend, hardware, seed, seconds, realtime)
-    explore(*told, rerun=rerun, save=save, serve=serve, serve_network=serve_network)
+    options = (scene, backend, hardware, seed, seconds, realtime)
+    explore(*options, rerun=rerun, save=save, serve=serve, serve_network=serve_network)
 
 
 @dataclass
 class Audience:
-    """Who looks on, beside the terminal."""
+    """Viewers besides the terminal."""
 
     rerun: bool
     save: Path | None

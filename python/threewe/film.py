@@ -23,7 +23,7 @@ GIF_SIZE = 6 * 1024 * 1024  # [bytes]
 
 
 @dataclass
-class Moment:
+class FilmState:
     """What one frame shows."""
 
     time: float
@@ -47,7 +47,7 @@ class Film:
             raise ValueError("a film shows the true scene, which only simulated robots have")
         self.status = ""
         self.coverage = 0.0
-        self.moments: list[Moment] = []
+        self.states: list[FilmState] = []
         self._robot = robot
         self._truth = robot.simulation
         self._period = period
@@ -66,8 +66,8 @@ class Film:
         self._next = tick.now + self._period
         grid = self._robot.get_map()
         pose = self._robot.get_pose()
-        self.moments.append(
-            Moment(
+        self.states.append(
+            FilmState(
                 time=tick.now,
                 true_pose=self._truth.true_pose(),
                 pose=pose,
@@ -107,10 +107,10 @@ class Film:
 
         `on_progress` gets the share done, 0 to 1.
         """
-        if not self.moments:
+        if not self.states:
             raise ValueError("nothing was filmed: the robot has not moved in time")
-        studio = _Studio(self._robot, self.moments)
-        chosen = _spread(len(self.moments), VIDEO_FRAMES)
+        studio = _Studio(self._robot, self.states)
+        chosen = _spread(len(self.states), VIDEO_FRAMES)
         for_gif = {chosen[i] for i in _spread(len(chosen), GIF_FRAMES)}
         stills: list[Image.Image] = []
         with _Video(folder / "run.mp4", studio.size) as video:
@@ -134,70 +134,70 @@ class _Studio:
     GAP = 12
     SIGHT_WIDTH = (2 * PANEL_WIDTH + GAP - 2 * _sight.GAP) // 3
 
-    def __init__(self, robot: Robot, moments: list[Moment]) -> None:
+    def __init__(self, robot: Robot, states: list[FilmState]) -> None:
         assert robot.simulation is not None
         self.profile = robot.profile
-        self.moments = moments
+        self.states = states
         self.scene = robot.simulation.scene
         self.view = d.View.of(self.scene, self.PANEL_WIDTH)
         self.stage = d.draw_scene(self.scene, self.view)
         panel = self.stage.width // d.SUPERSAMPLING, self.stage.height // d.SUPERSAMPLING
         width, height = 2 * panel[0] + 3 * self.GAP, panel[1] + self.HEADER + self.GAP
         self.sight_top = height + self.HEADER - self.GAP
-        if moments[0].sight:
-            height = self.sight_top + Image.open(io.BytesIO(moments[0].sight)).height + self.GAP
+        if states[0].sight:
+            height = self.sight_top + Image.open(io.BytesIO(states[0].sight)).height + self.GAP
         self.size = width + width % 2, height + height % 2
-        self.true_trail = np.array([(m.true_pose.x, m.true_pose.y) for m in moments])
-        self.own_trail = np.array([(m.pose.x, m.pose.y) for m in moments])
+        self.true_trajectory = np.array([(m.true_pose.x, m.true_pose.y) for m in states])
+        self.own_trajectory = np.array([(m.pose.x, m.pose.y) for m in states])
 
     def frame(self, index: int) -> Image.Image:
-        moment = self.moments[index]
-        left = d.finish(self._truth(moment, index))
-        right = d.finish(self._own(moment, index))
+        state = self.states[index]
+        left = d.finish(self._truth(state, index))
+        right = d.finish(self._own(state, index))
         frame = Image.new("RGB", self.size, d.PAPER[:3])
         frame.paste(left, (self.GAP, self.HEADER))
         frame.paste(right, (left.width + 2 * self.GAP, self.HEADER))
-        self._header(frame, moment, left.width + 2 * self.GAP)
-        if moment.sight:
-            frame.paste(Image.open(io.BytesIO(moment.sight)), (self.GAP, self.sight_top))
+        self._header(frame, state, left.width + 2 * self.GAP)
+        if state.sight:
+            frame.paste(Image.open(io.BytesIO(state.sight)), (self.GAP, self.sight_top))
             self._sight_header(frame)
         return frame
 
     def map_picture(self) -> Image.Image:
         """The final map, larger, with the way the robot took."""
         view = d.View.of(self.scene, 2 * self.PANEL_WIDTH)
-        picture = d.draw_map(_grid(self.moments[-1]), view)
-        d.draw_path(picture, view, self.own_trail, d.TRAIL, 0.04)
-        d.draw_robot(picture, view, self.moments[-1].pose, self.profile)
+        picture = d.draw_map(_grid(self.states[-1]), view)
+        d.draw_path(picture, view, self.own_trajectory, d.TRAJECTORY, 0.04)
+        d.draw_robot(picture, view, self.states[-1].pose, self.profile)
         return d.finish(picture)
 
-    def _truth(self, moment: Moment, index: int) -> Image.Image:
+    def _truth(self, state: FilmState, index: int) -> Image.Image:
         picture = self.stage.copy()
-        pose = moment.true_pose
-        turn = pose.theta - moment.pose.theta
+        pose = state.true_pose
+        turn = pose.theta - state.pose.theta
         c, s = np.cos(turn), np.sin(turn)
         origin = (pose.x, pose.y)
-        d.draw_rays(picture, self.view, origin, moment.hits @ np.array([[c, s], [-s, c]]) + np.array(origin))
-        d.draw_path(picture, self.view, self.true_trail[: index + 1], d.TRAIL, 0.05)
-        d.draw_path(picture, self.view, moment.plan, d.PLAN, 0.07, dashed=True)
+        d.draw_rays(picture, self.view, origin, state.hits @ np.array([[c, s], [-s, c]]) + np.array(origin))
+        d.draw_path(picture, self.view, self.true_trajectory[: index + 1], d.TRAJECTORY, 0.05)
+        d.draw_path(picture, self.view, state.plan, d.PLAN, 0.07, dashed=True)
         d.draw_robot(picture, self.view, pose, self.profile)
         return picture
 
-    def _own(self, moment: Moment, index: int) -> Image.Image:
-        picture = d.draw_map(_grid(moment), self.view)
-        d.draw_path(picture, self.view, self.own_trail[: index + 1], d.TRAIL, 0.05)
-        d.draw_path(picture, self.view, moment.plan, d.PLAN, 0.07, dashed=True)
-        d.draw_robot(picture, self.view, moment.pose, self.profile)
+    def _own(self, state: FilmState, index: int) -> Image.Image:
+        picture = d.draw_map(_grid(state), self.view)
+        d.draw_path(picture, self.view, self.own_trajectory[: index + 1], d.TRAJECTORY, 0.05)
+        d.draw_path(picture, self.view, state.plan, d.PLAN, 0.07, dashed=True)
+        d.draw_robot(picture, self.view, state.pose, self.profile)
         return picture
 
-    def _header(self, frame: Image.Image, moment: Moment, second: int) -> None:
+    def _header(self, frame: Image.Image, state: FilmState, second: int) -> None:
         draw = ImageDraw.Draw(frame)
         middle = self.HEADER / 2
         title, small = d.text_font(19), d.text_font(16)
         draw.text((self.GAP, middle), "the world", d.INK, title, anchor="lm")
         draw.text((second, middle), "what the robot knows", d.INK, title, anchor="lm")
-        draw.text((second - 2 * self.GAP, middle), moment.status, (96, 104, 120), small, anchor="rm")
-        figures = f"{moment.time:5.0f} s    {100 * moment.coverage:3.0f} % seen"
+        draw.text((second - 2 * self.GAP, middle), state.status, (96, 104, 120), small, anchor="rm")
+        figures = f"{state.time:5.0f} s    {100 * state.coverage:3.0f} % seen"
         draw.text((frame.width - self.GAP, middle), figures, (96, 104, 120), small, anchor="rm")
 
     def _sight_header(self, frame: Image.Image) -> None:
@@ -261,6 +261,6 @@ def _spread(count: int, most: int) -> list[int]:
     return [round(i * (count - 1) / (most - 1)) for i in range(most)]
 
 
-def _grid(moment: Moment) -> OccupancyGrid:
-    cells = np.frombuffer(zlib.decompress(moment.grid), np.int8).reshape(moment.shape)
-    return OccupancyGrid(cells, 0.05, moment.origin)
+def _grid(state: FilmState) -> OccupancyGrid:
+    cells = np.frombuffer(zlib.decompress(state.grid), np.int8).reshape(state.shape)
+    return OccupancyGrid(cells, 0.05, state.origin)

@@ -173,7 +173,7 @@ class Robot(InRobotTime):
             await self._time.wait(self._begin_connecting())
             if self._viewer is not None:
                 self._viewer.begin()
-        except BaseException:  # also when cancelled: a robot that nobody has got must not stay connected
+        except BaseException:  # also when cancelled: a robot that no caller has got must not stay connected
             with suppress(ThreeweError):
                 await self.disconnect()
             raise
@@ -222,8 +222,8 @@ class Robot(InRobotTime):
     def health(self) -> dict[str, SensorHealth]:
         """How each sensor is, by its name.
 
-        What a sensor in trouble delivers is used by nobody. One that the robot needs keeps it still: a motion waits for
-        up to 10 s, and goes on when the sensor is sound again.
+        What a sensor at fault delivers is not used. One that the robot needs keeps it still: a motion waits for
+        up to 10 s, and goes on when the sensor is ok again.
         """
         return {sensor.name: sensor for sensor in self._runtime.health()}
 
@@ -345,9 +345,9 @@ class Robot(InRobotTime):
         """Begins a motion, given its time limit, and returns it when it has ended."""
         self._time.check_waiting()
         limit = None if timeout is None else as_seconds("timeout", timeout)
-        told = None if on_progress is None else as_function("on_progress", on_progress)
+        callback = None if on_progress is None else as_function("on_progress", on_progress)
         motion = begin(limit)
-        await self._time.wait_for_motion(motion, told)
+        await self._time.wait_for_motion(motion, callback)
         return motion
 
     @known_options
@@ -433,13 +433,13 @@ class Robot(InRobotTime):
         return self._runtime.battery()
 
     def get_ultrasonic_ranges(self) -> dict[str, RangeData]:
-        """What each ultrasonic sensor heard last, by the sensors' names. Raises HardwareError without any."""
+        """What each ultrasonic sensor measured last, by the sensors' names. Raises HardwareError without any."""
         return self._runtime.ultrasonic_ranges()
 
     def get_people(self) -> list[TrackedPerson]:
         """Who walks around the robot, as its lidar sees them, in `odom`. Raises HardwareError without a lidar.
 
-        Somebody who has stood for some seconds counts as an obstacle like others.
+        A person who has stood for some seconds counts as an obstacle like others.
         """
         return self._runtime.people()
 
@@ -473,7 +473,7 @@ class Robot(InRobotTime):
         return self._map[1]
 
     def save_map(self, path: str | os.PathLike[str]) -> None:
-        """Writes the map so far as ROS has maps: `path`, which ends in .yaml, and the picture beside it.
+        """Writes the map so far as ROS has maps: `path`, which ends in .yaml, and the image next to it.
 
         Raises ConfigError where it cannot be written.
         """

@@ -26,7 +26,7 @@ class Simulation(_core.Simulation):
     def scene_from_map(self) -> Pose2D:
         """Where the origin of the robot's map truly is. A perfect map drifts from it in nothing.
 
-        Nobody knows that of a given map without an `initial_pose`: it is taken for one of the scene, origin and all.
+        Unknown for a given map without an `initial_pose`, which is taken for one of the scene, origin and all.
         """
         return Pose2D() if self._map_from_start is None else self.start_pose() * self._map_from_start.inverse()
 
@@ -46,12 +46,12 @@ class Simulation(_core.Simulation):
         )
         self._time.wake()
 
-    def carry(self, pose: PoseLike) -> None:
-        """Somebody lifts the robot and puts it down at `pose`, and does not tell it.
+    def teleport(self, pose: PoseLike) -> None:
+        """Teleports the robot to `pose` without its noticing, as a kidnapped robot.
 
         Raises ConfigError when something stands there.
         """
-        super().carry(as_pose("pose", pose))
+        super().teleport(as_pose("pose", pose))
 
     def sample_free_pose(self, seed: int) -> Pose2D:
         """A pose where the robot fits with 5 cm to spare: a pure function of the seed."""

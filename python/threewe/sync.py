@@ -94,7 +94,7 @@ class Simulation(_OnThread):
     look = _returns(threewe.Simulation.look)
     sample_free_pose = _returns(threewe.Simulation.sample_free_pose)
     geodesic = _returns(threewe.Simulation.geodesic)
-    carry = _returns(threewe.Simulation.carry)
+    teleport = _returns(threewe.Simulation.teleport)
     reset = _returns(threewe.Simulation.reset)
     save = _returns(threewe.Simulation.save)
     restore = _returns(threewe.Simulation.restore)

@@ -28,10 +28,10 @@ ROOM_FOR_FIGURES = 5  # lines
 OCCUPIED, FREE = 65, 25  # as ROS has it: at least, at most
 
 # What a pixel shows; what comes later covers what comes before.
-NOTHING, GROUND, TRAIL, PATH, WALL, GOAL = range(6)
+NOTHING, GROUND, TRAJECTORY, PATH, WALL, GOAL = range(6)
 COLORS = {
     GROUND: Color.from_rgb(58, 68, 86),
-    TRAIL: Color.from_rgb(70, 120, 190),
+    TRAJECTORY: Color.from_rgb(70, 120, 190),
     PATH: Color.from_rgb(232, 90, 150),
     WALL: Color.from_rgb(206, 214, 226),
     GOAL: Color.from_rgb(120, 220, 120),
@@ -158,7 +158,7 @@ class Dashboard:
 
 def picture(
     grid: OccupancyGrid,
-    trail: NDArray[np.float64],
+    trajectory: NDArray[np.float64],
     path: NDArray[np.float64],
     goal: NDArray[np.float64],
     columns: int,
@@ -167,12 +167,12 @@ def picture(
     """The map, the way that was driven, the one ahead, and the goal; all of it within so many characters."""
     rows, cols = np.nonzero(grid.data >= 0)
     cells = np.array(grid.origin) + (np.column_stack([cols, rows]) + 0.5) * grid.resolution
-    seen = np.concatenate([cells, trail, goal])
+    seen = np.concatenate([cells, trajectory, goal])
     canvas = Canvas.around(seen.min(axis=0) - MARGIN, seen.max(axis=0) + MARGIN, columns, lines)
     values = grid.data[rows, cols]
     canvas.mark(cells[values <= FREE], GROUND)
     canvas.mark(cells[values >= OCCUPIED], WALL)
-    canvas.line(trail, TRAIL)
+    canvas.line(trajectory, TRAJECTORY)
     canvas.line(path, PATH)
     canvas.mark(goal, GOAL)
     return canvas

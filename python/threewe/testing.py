@@ -1,4 +1,4 @@
-"""Does a backend keep the contract? The same checks for ours and for a stranger's."""
+"""Does a backend keep the contract? The same checks for ours and for a third party's."""
 
 from __future__ import annotations
 
@@ -72,11 +72,11 @@ def check_backend(
         console = plain_console()
         console.print(_table(backend, results, failures))
         for group in failures:  # a table's column is too narrow for what must be read to the end
-            console.print(styled((group[0].name, COLORS[Outcome.failed])), f": {_told(group)}", sep="")
+            console.print(styled((group[0].name, COLORS[Outcome.failed])), f": {_summary(group)}", sep="")
     if failures and raise_failures:
         count = sum(len(group) for group in failures)
-        told = "".join(f"\n  {group[0].name}: {_told(group)}" for group in failures)
-        raise ContractError(f"backend '{backend}' fails {count} of {len(results)} checks:{told}")
+        failed = "".join(f"\n  {group[0].name}: {_summary(group)}" for group in failures)
+        raise ContractError(f"backend '{backend}' fails {count} of {len(results)} checks:{failed}")
     return results
 
 
@@ -88,7 +88,7 @@ def _group(failures: Sequence[CheckResult]) -> list[list[CheckResult]]:
     return list(groups.values())
 
 
-def _told(group: Sequence[CheckResult]) -> str:
+def _summary(group: Sequence[CheckResult]) -> str:
     """What a group of failures has in common, once."""
     others = len(group) - 1
     more = f" (the same at {others} more check{'s' if others > 1 else ''})" if others else ""

@@ -45,7 +45,7 @@ MAP_EVERY = 1.0
 POSES_KEPT = 64  # of the last ticks: longer ago than that, no sample was measured
 
 TRUE_COLOR = d.BODY
-ESTIMATED_COLOR = d.TRAIL
+ESTIMATED_COLOR = d.TRAJECTORY
 PATH_STEP = 0.05  # [m]
 PATHS = {  # colour, radius and height [m]: the estimated path is a thin line upon the broad true one
     "scene/true": (TRUE_COLOR, 0.045, 0.03),
@@ -198,8 +198,8 @@ class Viewer:
         match sample.data:
             case LaserScan() as scan:
                 self._draw_scan(name, scan, sample.measured)
-            case RangeData() as echo:
-                self._draw_echo(name, echo, sample.measured)
+            case RangeData() as sonar:
+                self._draw_sonar(name, sonar, sample.measured)
             case RGBDImage() as image if self._is_due("pictures", PICTURES_EVERY):  # others are never drawn
                 self._draw_image(name, image, sample.measured)
             case BatteryState() as battery:
@@ -223,20 +223,20 @@ class Viewer:
         )
         self._recording.log(f"map/{name}", rr.Points3D(points, colors=[solids.SCAN_COLOR], radii=0.03))
 
-    def _draw_echo(self, name: str, echo: RangeData, measured: float) -> None:
-        """An arc: nobody knows where in its cone the surface is."""
-        heard = 0.0 < echo.range < echo.range_max
+    def _draw_sonar(self, name: str, sonar: RangeData, measured: float) -> None:
+        """An arc: unknown is where in its cone the surface is."""
+        returned = 0.0 < sonar.range < sonar.range_max
         sensor = self._pose_at(measured) * self._robot.get_transform("base", name)
-        angles = sensor.theta + np.linspace(-0.5, 0.5, 9) * echo.field_of_view
+        angles = sensor.theta + np.linspace(-0.5, 0.5, 9) * sonar.field_of_view
         arc = np.stack(
             [
-                sensor.x + echo.range * np.cos(angles),
-                sensor.y + echo.range * np.sin(angles),
+                sensor.x + sonar.range * np.cos(angles),
+                sensor.y + sonar.range * np.sin(angles),
                 np.full(9, self._height(name)),
             ],
             axis=1,
         )
-        self._recording.log(f"map/{name}", rr.LineStrips3D([arc] if heard else [], colors=[d.PLAN], radii=0.015))
+        self._recording.log(f"map/{name}", rr.LineStrips3D([arc] if returned else [], colors=[d.PLAN], radii=0.015))
 
     def _draw_image(self, name: str, image: RGBDImage, measured: float) -> None:
         """What a camera sees, from where it was when it saw it."""
@@ -316,5 +316,5 @@ def depth_image(depth: NDArray[np.float32], farthest: float) -> rr.DepthImage:
 
 
 def _series(names: list[str], width: float) -> rr.SeriesLines:
-    colors = [d.BODY, (80, 190, 120, 255), d.TRAIL]
+    colors = [d.BODY, (80, 190, 120, 255), d.TRAJECTORY]
     return rr.SeriesLines(names=names, colors=colors, widths=[width] * len(names))

@@ -1,4 +1,4 @@
-// A saved world as bytes: written and read field by field, so that no padding gets in.
+// Byte serialization of a saved world, field by field, so that no padding gets in.
 #pragma once
 
 #include <cstddef>

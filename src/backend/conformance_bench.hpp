@@ -1,4 +1,4 @@
-// What every conformance check stands on: a fresh world, a robot to drive, and all that it delivered.
+// Test bench of the conformance checks: a fresh world, a robot to drive, and all that it delivered.
 #pragma once
 
 #include <memory>

@@ -1,4 +1,4 @@
-// What the checks of cameras share.
+// Shared parts of the conformance checks of cameras.
 #pragma once
 
 #include "backend/conformance_bench.hpp"

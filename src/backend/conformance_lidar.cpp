@@ -80,7 +80,7 @@ void scan_times_fit_the_turn(const Context& context) {
     const auto& scan = std::get<LaserScan>(sample.data);
     const double span = scan.time_increment * static_cast<double>(scan.ranges.size());
     expect(span == 0.0 || std::abs(std::abs(span) - turn) <= 0.02 * turn,
-           "the beams span {} s; a turn takes {} s (0 for a scan taken at one moment)", span, turn);
+           "the beams span {} s; a turn takes {} s (0 for a scan taken at one time)", span, turn);
     const Time last = sample.measured + from_seconds(span - scan.time_increment);
     expect(std::max(sample.measured, last) <= sample.received, "a beam measured at {} s was received at {} s",
            to_seconds(std::max(sample.measured, last)), to_seconds(sample.received));

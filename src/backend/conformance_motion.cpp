@@ -127,7 +127,7 @@ void gyro_agrees_with_odometry(const Context& context) {
          integral);
 }
 
-void imu_at_rest_feels_gravity_alone(const Context& context) {
+void imu_at_rest_measures_gravity_alone(const Context& context) {
   Bench bench = with(SensorType::imu, context, "the robot has no IMU");
   bench.drive({}, 2s);
   const std::vector<Sample> imu = bench.of(SensorType::imu);
@@ -172,7 +172,7 @@ constexpr Check kChecks[] = {
     {"odometry_drives_where_it_heads", odometry_drives_where_it_heads},
     {"sideways_is_left", sideways_is_left},
     {"gyro_agrees_with_odometry", gyro_agrees_with_odometry},
-    {"imu_at_rest_feels_gravity_alone", imu_at_rest_feels_gravity_alone},
+    {"imu_at_rest_measures_gravity_alone", imu_at_rest_measures_gravity_alone},
     {"battery_is_a_fraction_and_never_rises", battery_is_a_fraction_and_never_rises},
 };
 

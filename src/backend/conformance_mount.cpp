@@ -30,7 +30,7 @@ std::vector<bool> ends_at_the_robot(const LaserScan& scan, const RobotProfile& p
 }
 
 /// What is there at whichever heading turns with the robot, and so is the robot.
-void the_lidar_looks_past_the_robot(const Context& context) {
+void the_lidar_does_not_hit_the_robot(const Context& context) {
   constexpr int kHeadings = 4;
   constexpr int kMostMissed = 1;  // of them, by a beam that met nothing
   Bench bench = with_lidar(context);
@@ -113,7 +113,7 @@ void the_lidar_is_where_the_profile_says(const Context& context) {
 }
 
 constexpr Check kChecks[] = {
-    {"the_lidar_looks_past_the_robot", the_lidar_looks_past_the_robot},
+    {"the_lidar_does_not_hit_the_robot", the_lidar_does_not_hit_the_robot},
     {"the_lidar_is_where_the_profile_says", the_lidar_is_where_the_profile_says},
 };
 

@@ -130,7 +130,7 @@ void expect_stands_at(Bench& bench, const Pose2D& pose, const char* how) {
   expect_seen_from(bench, pose, {}, "where it was put");
 }
 
-void the_robot_starts_where_it_is_told(const Context& context) {
+void the_robot_starts_at_the_commanded_pose(const Context& context) {
   Pose2D pose;
   {
     Bench bench = context.connected();
@@ -178,7 +178,7 @@ void reset_puts_the_robot_at_its_pose(const Context& context) {
 }
 
 constexpr Check kChecks[] = {
-    {"the_robot_starts_where_it_is_told", the_robot_starts_where_it_is_told},
+    {"the_robot_starts_at_the_commanded_pose", the_robot_starts_at_the_commanded_pose},
     {"reset_puts_the_robot_at_its_pose", reset_puts_the_robot_at_its_pose},
     {"truth_is_in_the_frame_of_the_scene", truth_is_in_the_frame_of_the_scene},
 };

@@ -40,20 +40,20 @@ void ultrasonics_are_mounted(const Context& context) {
   }
 }
 
-void echo_limits_are_the_profiles(const Context& context) {
+void sonar_limits_are_the_profiles(const Context& context) {
   Bench bench = with_ultrasonics(context);
   const UltrasonicSpec& spec = *bench.profile().ultrasonics;
   for (const Sample& sample : some_pings(bench)) {
     const auto& echo = std::get<RangeData>(sample.data);
     expect(echo.range_min == spec.range_min && echo.range_max == spec.range_max,
-           "an echo from {} to {} m; the profile has {} to {} m", echo.range_min, echo.range_max, spec.range_min,
+           "a range from {} to {} m; the profile has {} to {} m", echo.range_min, echo.range_max, spec.range_min,
            spec.range_max);
     expect(std::abs(echo.field_of_view - spec.field_of_view) <= 1e-6, "a cone of {} rad; the profile has {} rad",
            echo.field_of_view, spec.field_of_view);
   }
 }
 
-void echo_ranges_are_valid(const Context& context) {
+void sonar_ranges_are_valid(const Context& context) {
   Bench bench = with_ultrasonics(context);
   for (const Sample& sample : some_pings(bench)) {
     const auto& echo = std::get<RangeData>(sample.data);
@@ -72,7 +72,7 @@ void one_ultrasonic_pings_at_a_time(const Context& context) {
   std::ranges::sort(times);
   for (std::size_t i = 1; i < times.size(); ++i) {
     expect(times[i] - times[i - 1] >= interval / 2,
-           "pings at {} s and {} s: an echo of one may be heard by the other; the profile leaves {} s between them",
+           "pings at {} s and {} s: a return of one may reach the other; the profile leaves {} s between them",
            to_seconds(times[i - 1]), to_seconds(times[i]), to_seconds(interval));
   }
 }
@@ -96,7 +96,7 @@ std::vector<std::optional<double>> heard_ahead(Bench& bench) {
 }
 
 /// What stands ahead comes nearer by what is driven. One sensor that says so is enough: others may have lost the wall.
-void ultrasonics_hear_the_robot_drive_forward(const Context& context) {
+void ultrasonics_measure_the_robot_drive_forward(const Context& context) {
   Bench bench = with_ultrasonics(context);
   bench.drive({}, 1s);
   const auto before = heard_ahead(bench);
@@ -110,17 +110,17 @@ void ultrasonics_hear_the_robot_drive_forward(const Context& context) {
   for (std::size_t i = 0; i < before.size(); ++i) {
     if (before[i] && after[i]) nearest = std::min(nearest, std::abs(*before[i] - *after[i] - driven));
   }
-  applies_if(std::isfinite(nearest), "no sensor hears anything ahead of the robot");
+  applies_if(std::isfinite(nearest), "no sensor measures anything ahead of the robot");
   expect(nearest <= 0.1, "driving {:.2f} m forward changed no range ahead by that: the best is off by {:.2f} m", driven,
          nearest);
 }
 
 constexpr Check kChecks[] = {
     {"ultrasonics_are_mounted", ultrasonics_are_mounted},
-    {"echo_limits_are_the_profiles", echo_limits_are_the_profiles},
-    {"echo_ranges_are_valid", echo_ranges_are_valid},
+    {"sonar_limits_are_the_profiles", sonar_limits_are_the_profiles},
+    {"sonar_ranges_are_valid", sonar_ranges_are_valid},
     {"one_ultrasonic_pings_at_a_time", one_ultrasonic_pings_at_a_time},
-    {"ultrasonics_hear_the_robot_drive_forward", ultrasonics_hear_the_robot_drive_forward},
+    {"ultrasonics_measure_the_robot_drive_forward", ultrasonics_measure_the_robot_drive_forward},
 };
 
 }  // namespace

@@ -52,12 +52,12 @@ void check_stamp(const PluginReading& reading, Time newest, Time latest) {
   };
   if (reading.measured > latest) {
     constexpr Duration kAnotherClock = 10s;  // ahead: no rounding, and no step that is too long
-    fail(
-        fmt::format("in the future: now is {} s{}", to_seconds(latest),
-                    reading.measured < latest + kAnotherClock
-                        ? ""
-                        : "; it looks like another clock's time, where robot time begins at 0 s when the world is made "
-                          "or reset"));
+    fail(fmt::format(
+        "in the future: now is {} s{}", to_seconds(latest),
+        reading.measured < latest + kAnotherClock
+            ? ""
+            : "; it is probably another clock's time, where robot time begins at 0 s when the world is made "
+              "or reset"));
   }
   if (reading.measured <= newest) fail(fmt::format("not after {} s of the reading before", to_seconds(newest)));
 }

@@ -1,4 +1,4 @@
-// What a plug-in says of itself and of time is checked before anything else sees it.
+// Contract checks of what a plug-in says of itself and of time.
 #pragma once
 
 #include <cstddef>

@@ -82,8 +82,8 @@ void check(const Reading& reading, const RangeData& echo, const RobotProfile& pr
   reading.finite("range_max", echo.range_max);
   const bool within = echo.range >= spec.range_min - kRangeTolerance && echo.range <= spec.range_max + kRangeTolerance;
   if (echo.range == 0.0 || within) return;
-  reading.fail("range", "is {}; it must be 0 (invalid) or within {} to {} m (no echo: {})", echo.range, spec.range_min,
-               spec.range_max, spec.range_max);
+  reading.fail("range", "is {}; it must be 0 (invalid) or within {} to {} m (no return: {})", echo.range,
+               spec.range_min, spec.range_max, spec.range_max);
 }
 
 void check(const Reading& reading, const Picture& picture, const RobotProfile& profile) {

@@ -1,4 +1,4 @@
-// The border between a backend and everything above it: what no sensor of the robot can have measured is refused.
+// Contract checks of samples: what no sensor of the robot can have measured is refused.
 #pragma once
 
 #include "core/bounds.hpp"

@@ -12,9 +12,7 @@ bool Features::has(SensorType type) const {
 
 void World::reset(const ResetOptions&) { throw ContractError("this backend cannot be reset"); }
 
-void World::carry(std::size_t, const Pose2D&) {
-  throw ContractError("on this backend a robot can be carried by hand alone");
-}
+void World::teleport(std::size_t, const Pose2D&) { throw ContractError("this backend cannot teleport a robot"); }
 
 std::vector<std::byte> World::save() const { throw ContractError("this backend cannot be saved"); }
 

@@ -1,4 +1,4 @@
-// The exploration that others are measured by.
+// Nearest-frontier exploration baseline.
 #pragma once
 
 #include <memory>

@@ -1,4 +1,4 @@
-// What has been seen of a scene so far, without noise: it only ever grows.
+// Noise-free visibility of a scene so far: it only ever grows.
 #pragma once
 
 #include <cstddef>

@@ -16,7 +16,7 @@ namespace {
 
 // A backend's robot in the hall, connected.
 std::unique_ptr<backend::World> connect(std::string_view backend, const std::string& hardware) {
-  auto world = backend::make_world(backend, {.scene = hall(), .robots = {hardware}, .noise = NoiseLevel::ideal});
+  auto world = backend::make_world(backend, {.scene = test_arena(), .robots = {hardware}, .noise = NoiseLevel::ideal});
   world->robot(0).connect();
   return world;
 }
@@ -24,7 +24,7 @@ std::unique_ptr<backend::World> connect(std::string_view backend, const std::str
 Source source_of(backend::World& world) { return world.robot(0).truth() != nullptr ? Source::truth : Source::sensors; }
 
 Twin twin_of(backend::World& world) {
-  return {std::make_shared<const scene::Scene>(scene::Scene::load(hall())), source_of(world)};
+  return {std::make_shared<const scene::Scene>(scene::Scene::load(test_arena())), source_of(world)};
 }
 
 // "traction.load" is the field `load` of `traction`.
@@ -41,7 +41,7 @@ void set(YAML::Node body, const std::string& name, double value) {
 // Wheels alone do not tell how far a body slips aside.
 bool measures_sideways(const Calibration& calibration) {
   return calibration.source == Source::truth && std::ranges::any_of(calibration.figures, [](const Figure& figure) {
-           return figure.name == "traction.sideways" && figure.told;
+           return figure.name == "traction.sideways" && figure.identifiable;
          });
 }
 
@@ -50,9 +50,9 @@ bool measures_sideways(const Calibration& calibration) {
 Calibration calibrate(std::string_view backend, const std::string& hardware) {
   const RobotProfile profile = load_profile(hardware);
   const auto world = connect(backend, hardware);
-  const auto manoeuvres = standard_manoeuvres(profile, world->robot(0).features().can_reset);
-  const std::vector<Track> tracks = drive(*world, manoeuvres);
-  return fit(profile, twin_of(*world), manoeuvres, tracks, source_of(*world));
+  const auto sequences = standard_excitation(profile, world->robot(0).features().can_reset);
+  const std::vector<Track> tracks = drive(*world, sequences);
+  return fit(profile, twin_of(*world), sequences, tracks, source_of(*world));
 }
 
 std::string to_yaml(const std::string& hardware, const Calibration& calibration) {
@@ -70,17 +70,18 @@ std::string to_yaml(const std::string& hardware, const Calibration& calibration)
   out << root;
   std::string text = fmt::format("# {} as `threewe calibrate` measured it, by {} of {:.0f} s:\n", hardware,
                                  to_string(calibration.source), calibration.seconds);
-  for (const auto& [name, before, value, spread, told] : calibration.figures) {
-    text += fmt::format("#   {:22} {:8.5g} +- {:.2g}{}\n", name, value, spread, told ? "" : " (hardly told)");
+  for (const auto& [name, before, value, spread, identifiable] : calibration.figures) {
+    text += fmt::format("#   {:22} {:8.5g} +- {:.2g}{}\n", name, value, spread,
+                        identifiable ? "" : " (hardly identifiable)");
   }
   return text + out.c_str() + "\n";
 }
 
 std::vector<Deviation> deviations(std::string_view backend, const std::string& hardware,
                                   std::span<const RobotProfile> profiles, std::uint64_t seed, std::size_t count,
-                                  Pace pace) {
+                                  VelocityProfile velocity_profile) {
   const auto world = connect(backend, hardware);
-  const auto sequences = random_sequences(load_profile(hardware), seed, count, pace);
+  const auto sequences = random_sequences(load_profile(hardware), seed, count, velocity_profile);
   const std::vector<Track> reference = drive(*world, sequences);
   const Twin twin = twin_of(*world);
   std::vector<Deviation> deviations;
@@ -90,17 +91,17 @@ std::vector<Deviation> deviations(std::string_view backend, const std::string& h
   return deviations;
 }
 
-Deviation scatter(std::string_view backend, const std::string& hardware, std::uint64_t seed, std::size_t count,
-                  Pace pace) {
+Deviation repeatability(std::string_view backend, const std::string& hardware, std::uint64_t seed, std::size_t count,
+                        VelocityProfile velocity_profile) {
   constexpr std::size_t kSecond = 1s / kControlPeriod;
   constexpr Velocity kCrawl{0.0237, 0.0, 0.0};  // so far that no roller of a mecanum wheel is where another was
   const RobotProfile profile = load_profile(hardware);
   const auto world = connect(backend, hardware);
-  const auto sequences = random_sequences(profile, seed, count, pace);
+  const auto sequences = random_sequences(profile, seed, count, velocity_profile);
   auto later = sequences;
-  for (Manoeuvre& manoeuvre : later) {
-    manoeuvre.commands.insert(manoeuvre.commands.begin(), kSecond, Velocity{});
-    manoeuvre.commands.insert(manoeuvre.commands.begin(), kSecond, kCrawl);
+  for (ExcitationSequence& sequence : later) {
+    sequence.commands.insert(sequence.commands.begin(), kSecond, Velocity{});
+    sequence.commands.insert(sequence.commands.begin(), kSecond, kCrawl);
   }
   const std::vector<Track> tracks = drive(*world, sequences);
   std::vector<Track> again = drive(*world, later);

@@ -23,11 +23,11 @@ constexpr double kNudge = 1e-3;      // of a figure's doubt, for its derivative
 // What is minimised: how far the twin's velocities are from those measured, and its figures from those assumed.
 class Misfit {
  public:
-  Misfit(const RobotProfile& profile, const Twin& twin, std::span<const Manoeuvre> manoeuvres,
+  Misfit(const RobotProfile& profile, const Twin& twin, std::span<const ExcitationSequence> sequences,
          std::span<const Track> tracks)
       : profile_(profile),
         twin_(twin),
-        manoeuvres_(manoeuvres),
+        manoeuvres_(sequences),
         tracks_(tracks),
         knobs_(knobs(profile)),
         turn_weight_(std::sqrt(profile.body.inertia / profile.body.mass)) {
@@ -94,7 +94,7 @@ class Misfit {
  private:
   const RobotProfile& profile_;
   const Twin& twin_;
-  std::span<const Manoeuvre> manoeuvres_;
+  std::span<const ExcitationSequence> manoeuvres_;
   std::span<const Track> tracks_;
   std::vector<Knob> knobs_;
   double turn_weight_;  // [m]
@@ -159,17 +159,17 @@ Optimum minimise(const Misfit& misfit) {
 // Standard deviations: errors within a manoeuvre may belong together in any way, those of two do not.
 VectorXd deviations(const Optimum& best, std::span<const Track> tracks) {
   const Eigen::Index count = best.x.size();
-  MatrixXd scatter = MatrixXd::Zero(count, count);
-  scatter.diagonal() = best.variance * best.prior;
+  MatrixXd repeatability = MatrixXd::Zero(count, count);
+  repeatability.diagonal() = best.variance * best.prior;
   Eigen::Index row = 0;
   for (const Track& track : tracks) {
     const auto rows = static_cast<Eigen::Index>(kRows * track.velocities.size());
     const VectorXd slope = best.jacobian.middleRows(row, rows).transpose() * best.residuals.segment(row, rows);
-    for (Eigen::Index i = 0; i < count; ++i) scatter.col(i) += slope[i] * slope;
+    for (Eigen::Index i = 0; i < count; ++i) repeatability.col(i) += slope[i] * slope;
     row += rows;
   }
   const MatrixXd inverse = curvature_of(best).ldlt().solve(MatrixXd::Identity(count, count));
-  return (inverse * scatter * inverse).diagonal().cwiseMax(0.0).cwiseSqrt();
+  return (inverse * repeatability * inverse).diagonal().cwiseMax(0.0).cwiseSqrt();
 }
 
 double seconds_of(std::span<const Track> tracks) {
@@ -180,10 +180,10 @@ double seconds_of(std::span<const Track> tracks) {
 
 }  // namespace
 
-Calibration fit(const RobotProfile& profile, const Twin& twin, std::span<const Manoeuvre> manoeuvres,
+Calibration fit(const RobotProfile& profile, const Twin& twin, std::span<const ExcitationSequence> sequences,
                 std::span<const Track> tracks, Source source) {
   const RobotProfile start = with_traction(profile);
-  const Misfit misfit(start, twin, manoeuvres, tracks);
+  const Misfit misfit(start, twin, sequences, tracks);
   const Optimum best = minimise(misfit);
   const VectorXd spread = deviations(best, tracks);
 
@@ -191,8 +191,8 @@ Calibration fit(const RobotProfile& profile, const Twin& twin, std::span<const M
   calibration.profile = misfit.with(best.x);
   calibration.source = source;
   calibration.seconds = seconds_of(tracks);
-  calibration.before = compare(profile, twin.drive(profile, manoeuvres), tracks);
-  calibration.after = compare(profile, twin.drive(calibration.profile, manoeuvres), tracks);
+  calibration.before = compare(profile, twin.drive(profile, sequences), tracks);
+  calibration.after = compare(profile, twin.drive(calibration.profile, sequences), tracks);
   for (Eigen::Index i = 0; i < best.x.size(); ++i) {
     constexpr double kNormal95 = 1.96;
     const Knob& knob = misfit.figures()[static_cast<std::size_t>(i)];

@@ -32,10 +32,10 @@ class Feeling {
   std::optional<double> gyro_;
 };
 
-void begin(backend::World& world, const Manoeuvre& manoeuvre) {
+void begin(backend::World& world, const ExcitationSequence& sequence) {
   backend::RobotPort& port = world.robot(0);
   if (port.features().can_reset) {
-    world.reset({.poses = {manoeuvre.start}});
+    world.reset({.poses = {sequence.start}});
     return;
   }
   const Time still = world.now() + kRest;
@@ -46,14 +46,14 @@ void begin(backend::World& world, const Manoeuvre& manoeuvre) {
   port.poll();
 }
 
-Track drive(backend::World& world, const Manoeuvre& manoeuvre) {
-  begin(world, manoeuvre);
+Track drive(backend::World& world, const ExcitationSequence& sequence) {
+  begin(world, sequence);
   backend::RobotPort& port = world.robot(0);
   const scene::TruthView* truth = port.truth();
   const Pose2D start = truth != nullptr ? truth->true_pose() : Pose2D{};
   Feeling feeling;
   Track track;
-  for (const Velocity& command : manoeuvre.commands) {
+  for (const Velocity& command : sequence.commands) {
     port.command(command, world.now() + kCommandHolds);
     world.advance_to(world.now() + kControlPeriod);
     feeling.take(port.poll());
@@ -95,41 +95,41 @@ double way_of(const Track& track) {
 
 std::string_view to_string(Source source) { return source == Source::truth ? "truth" : "sensors"; }
 
-std::vector<Track> drive(backend::World& world, std::span<const Manoeuvre> manoeuvres) {
+std::vector<Track> drive(backend::World& world, std::span<const ExcitationSequence> sequences) {
   std::vector<Track> tracks;
-  tracks.reserve(manoeuvres.size());
-  for (const Manoeuvre& manoeuvre : manoeuvres) tracks.push_back(drive(world, manoeuvre));
+  tracks.reserve(sequences.size());
+  for (const ExcitationSequence& sequence : sequences) tracks.push_back(drive(world, sequence));
   return tracks;
 }
 
 Twin::Twin(std::shared_ptr<const scene::Scene> scene, Source like) : scene_(std::move(scene)), like_(like) {}
 
-std::vector<Track> Twin::drive(const RobotProfile& profile, std::span<const Manoeuvre> manoeuvres) const {
+std::vector<Track> Twin::drive(const RobotProfile& profile, std::span<const ExcitationSequence> sequences) const {
   const auto model = sim::make_model(scene_, {bare(profile)});
   std::vector<sim::RobotState> states;
   std::size_t longest = 0;
-  for (const Manoeuvre& manoeuvre : manoeuvres) {
-    states.push_back(sim::begin(*model, 0, manoeuvre.start, 0));
-    longest = std::max(longest, manoeuvre.commands.size());
+  for (const ExcitationSequence& sequence : sequences) {
+    states.push_back(sim::begin(*model, 0, sequence.start, 0));
+    longest = std::max(longest, sequence.commands.size());
   }
 
   constexpr int kSteps = static_cast<int>(kControlPeriod / sim::kStep);
-  std::vector<Track> tracks(manoeuvres.size());
-  std::vector<Velocity> commands(manoeuvres.size());
+  std::vector<Track> tracks(sequences.size());
+  std::vector<Velocity> commands(sequences.size());
   for (std::size_t t = 0; t < longest; ++t) {
-    for (std::size_t i = 0; i < manoeuvres.size(); ++i) {
-      const auto& given = manoeuvres[i].commands;
+    for (std::size_t i = 0; i < sequences.size(); ++i) {
+      const auto& given = sequences[i].commands;
       commands[i] = t < given.size() ? given[t] : Velocity{};
     }
     for (int k = 0; k < kSteps; ++k) sim::step(*model, states, commands);
-    for (std::size_t i = 0; i < manoeuvres.size(); ++i) {
-      if (t >= manoeuvres[i].commands.size()) continue;
+    for (std::size_t i = 0; i < sequences.size(); ++i) {
+      if (t >= sequences[i].commands.size()) continue;
       const sim::RobotState& state = states[i];
       const Velocity& wheels = state.odometry.reading.velocity;
       const bool true_ones = like_ == Source::truth;
       const double turning = profile.imu ? state.imu.angular_velocity[2] : wheels.omega;
       tracks[i].velocities.push_back(true_ones ? state.velocity : Velocity{wheels.vx, wheels.vy, turning});
-      if (true_ones) tracks[i].poses.push_back(inverse(manoeuvres[i].start) * state.pose);
+      if (true_ones) tracks[i].poses.push_back(inverse(sequences[i].start) * state.pose);
     }
   }
   return tracks;

@@ -1,4 +1,4 @@
-// How a robot moved when it was told something: on any backend, and in the embedded simulator.
+// Recorded response of a robot to excitation sequences, on any backend and in the embedded simulator.
 #pragma once
 
 #include <cstdint>
@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-#include "calibration/manoeuvres.hpp"
+#include "calibration/excitation.hpp"
 #include "threewe/backend/world.hpp"
 #include "threewe/calibration/calibrate.hpp"
 #include "threewe/scene/scene.hpp"
@@ -22,7 +22,7 @@ struct Track {
 
 /// Drives the first robot of a world, which is connected, through all of them: each from its start where the world
 /// can be reset, else from wherever the one before ended. Truth is used where the world has it.
-std::vector<Track> drive(backend::World& world, std::span<const Manoeuvre> manoeuvres);
+std::vector<Track> drive(backend::World& world, std::span<const ExcitationSequence> sequences);
 
 /// The embedded simulator without noise, as the same robot's twin.
 class Twin {
@@ -30,7 +30,7 @@ class Twin {
   /// `like`: the truth where `source` says so, else what sensors would say.
   Twin(std::shared_ptr<const scene::Scene> scene, Source like);
 
-  std::vector<Track> drive(const RobotProfile& profile, std::span<const Manoeuvre> manoeuvres) const;
+  std::vector<Track> drive(const RobotProfile& profile, std::span<const ExcitationSequence> sequences) const;
 
  private:
   std::shared_ptr<const scene::Scene> scene_;

@@ -39,8 +39,8 @@ void check_directory(const fs::path& directory, std::string_view origin) {
   if (!fs::is_directory(directory, unusable)) fail("is not a folder");
   const auto holds = [&](std::string_view kind) { return fs::is_directory(directory / kind, unusable); };
   if (!holds("scenes") && !holds("objects") && !holds("robots") && !holds("localization") && !holds("randomization") &&
-      !holds("surveys")) {
-    fail("has no folder 'scenes', 'objects', 'robots', 'localization', 'randomization' or 'surveys' in it");
+      !holds("logs")) {
+    fail("has no folder 'scenes', 'objects', 'robots', 'localization', 'randomization' or 'logs' in it");
   }
 }
 

@@ -1,5 +1,5 @@
-// What no robot, sensor or map exceeds: numbers beyond are refused where they come in, by an API or a file. So cells
-// can be counted in 32 bits and angles keep their digits, whatever a caller or a recording holds.
+// Bounds of robots, sensors and maps: numbers beyond are refused where they come in, by an API or a file. So cells can
+// be counted in 32 bits and angles keep their digits, whatever a caller or a recording holds.
 #pragma once
 
 #include <cstddef>

@@ -1,4 +1,4 @@
-// Reading configuration files so that every mistake is one clear error: file:line, what is wrong, what would be right.
+// YAML configuration reader whose every mistake is one clear error: file:line, what is wrong, what would be right.
 #pragma once
 
 #include <cstddef>

@@ -1,4 +1,4 @@
-// Names that people type, and the nearest right one when they mistype.
+// Edit distance: the nearest right name of a mistyped one.
 #pragma once
 
 #include <span>

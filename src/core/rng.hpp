@@ -1,4 +1,5 @@
-// Noise as a pure function of where it is used, so that switching one sensor off changes no other.
+// Counter-based random numbers: noise is a pure function of where it is used, so that switching one sensor off changes
+// no other.
 #pragma once
 
 #include <array>

@@ -1,5 +1,4 @@
-// Which vector instructions the library's kernels use. The results do not depend on it; tests prove that by forcing
-// each in turn.
+// Vector instruction targets of the kernels. Results do not depend on them; tests prove that by forcing each in turn.
 #pragma once
 
 #include <string>

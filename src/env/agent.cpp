@@ -40,8 +40,9 @@ AgentModel make_agent_model(const Options& options) {
   model.localization_model = options.localization_model;
   if (options.gate == Gate::limits) model.gate.collision_monitor = false;
   if (model.gate.collision_monitor && !model.profile.lidar) {
-    throw ConfigError("gate: '" + model.profile.name +
-                      "' hears obstacles and has no lidar; batches look out for them with lidars alone: use 'limits'");
+    throw ConfigError(
+        "gate: '" + model.profile.name +
+        "' detects obstacles by sonar and has no lidar; batches detect them with lidars alone: use 'limits'");
   }
   if (model.profile.lidar) {
     const LidarSpec& lidar = *model.profile.lidar;

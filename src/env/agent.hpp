@@ -1,4 +1,4 @@
-// What a robot in an environment has instead of a mind: the newest scan, a belief about its pose, and the gate.
+// Agent of a robot in an environment in place of the autonomy stack: newest scan, pose belief, and the gate.
 #pragma once
 
 #include <cstddef>

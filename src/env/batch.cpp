@@ -153,7 +153,7 @@ std::span<const double> Batch::metrics() const { return impl_->metrics; }
 std::span<const double> Batch::final_metrics() const { return impl_->final_metrics; }
 std::span<const double> Batch::true_poses() const { return impl_->true_poses; }
 std::span<const double> Batch::scan_ages() const { return impl_->scan_ages; }
-std::string Batch::words_name() const { return impl_->task->words_name(); }
+std::string Batch::instruction_name() const { return impl_->task->instruction_name(); }
 
 EpisodeInfo Batch::episode(std::size_t world) const {
   check_place(world, impl_->options.worlds);
@@ -161,11 +161,11 @@ EpisodeInfo Batch::episode(std::size_t world) const {
   return impl_->episodes[world].info;
 }
 
-std::string Batch::words(std::size_t world) const {
+std::string Batch::instruction(std::size_t world) const {
   check_place(world, impl_->options.worlds);
-  const ExclusiveUse use(impl_->busy, "words");
-  if (!impl_->episodes[world].begun) throw ContractError("words() before the first reset()");
-  return impl_->task->words(world);
+  const ExclusiveUse use(impl_->busy, "instruction");
+  if (!impl_->episodes[world].begun) throw ContractError("instruction() before the first reset()");
+  return impl_->task->instruction(world);
 }
 
 models::Variation Batch::variation(std::size_t world, std::size_t robot) const {

@@ -35,7 +35,7 @@ struct Episode {
 struct Scratch {
   std::size_t world = 0;
   std::vector<task::FrameIds> looks;
-  std::vector<task::Moment> moments;
+  std::vector<task::TaskState> moments;
   std::vector<task::Outcome> outcomes;
   std::vector<task::Belief> beliefs;
   std::vector<std::vector<float>> scans;  // beams, where points have to be sorted into them

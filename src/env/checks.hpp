@@ -1,4 +1,4 @@
-// Whether options fit together.
+// Validation of environment options.
 #pragma once
 
 #include <span>

@@ -1,4 +1,4 @@
-// When things happen in an episode, counted in steps of physics since it began.
+// Episode clock: when things happen, counted in steps of physics since it began.
 #pragma once
 
 #include <cstdint>

@@ -71,7 +71,7 @@ void Batch::Impl::end_step(std::size_t world, std::size_t part) {
   own.world = world;
   for (std::size_t robot = 0; robot < options.robots; ++robot) {
     const sim::RobotState& state = states[first + robot];
-    task::Moment& now = own.moments[robot];
+    task::TaskState& now = own.moments[robot];
     now.pose = state.pose;
     now.action = actions[first + robot];
     now.distance_driven = state.distance_driven;
@@ -110,9 +110,9 @@ std::span<const std::int16_t> Batch::Impl::look(std::size_t world, std::size_t r
   if (!options.hardware.camera) return {};
   const sim::RobotState& state = states[row(world, robot)];
   const CameraSpec camera = models::varied(*options.hardware.camera, state.variation);
-  const sim::Shot shot = sim::take_shot(robots_of(world), episodes[world].people, robot);
+  const sim::CapturePose capture = sim::capture_pose(robots_of(world), episodes[world].people, robot);
   SemanticImage& seen = scratch[part].seen;
-  seen = sim::draw_truth(model_of(world), shot, camera.intrinsics(),
+  seen = sim::draw_truth(model_of(world), capture, camera.intrinsics(),
                          {state.pose * camera.base_from_camera, camera.mount_height}, false);
   return seen.ids;
 }

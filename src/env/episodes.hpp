@@ -1,4 +1,4 @@
-// Which episode comes next.
+// Episode sequence: which episode comes next.
 #pragma once
 
 #include "threewe/env/batch.hpp"

@@ -1,4 +1,4 @@
-// The arrays that a batch fills with what its robots observe.
+// Observation arrays that a batch fills.
 #pragma once
 
 #include <array>

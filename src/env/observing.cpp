@@ -13,7 +13,7 @@ void Batch::Impl::observe(std::size_t world, std::vector<Array>& arrays, std::si
   std::vector<task::Belief>& beliefs = scratch[part].beliefs;
   for (std::size_t robot = 0; robot < options.robots; ++robot) {
     beliefs[robot] = belief_of(world, robot, part);
-    task->hear(world, beliefs[robot]);
+    task->update(world, beliefs[robot]);
   }
   for (std::size_t robot = 0; robot < options.robots; ++robot) {
     const std::size_t i = row(world, robot);
@@ -65,7 +65,7 @@ TopView Batch::Impl::top_view(std::size_t world) const {
     view.hits.push_back(transformed(states[i].pose, agents[i].hits(agent_model, states[i])));
   }
   view.people = sim::circles_of(model_of(world), episode.people);
-  view.task = task->sketch(world);
+  view.task = task->debug_overlay(world);
   return view;
 }
 

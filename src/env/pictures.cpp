@@ -8,9 +8,10 @@ namespace threewe::env {
 namespace {
 
 // The newest picture that has arrived; the end of all if none has.
-auto newest(std::vector<sim::Shot>& shots, const CameraSpec& camera, Time now) {
-  const auto later = std::ranges::find_if(shots, [&](const sim::Shot& shot) {
-    return static_cast<Time::rep>(shot.step) * sim::kStep + sim::varied_latency(camera.latency, shot.variation) > now;
+auto newest(std::vector<sim::CapturePose>& shots, const CameraSpec& camera, Time now) {
+  const auto later = std::ranges::find_if(shots, [&](const sim::CapturePose& capture) {
+    return static_cast<Time::rep>(capture.step) * sim::kStep + sim::varied_latency(camera.latency, capture.variation) >
+           now;
   });
   return later == shots.begin() ? shots.end() : later - 1;
 }
@@ -21,18 +22,18 @@ void Pictures::note(const sim::Model& model, std::span<const sim::RobotState> ro
                     std::span<const sim::PersonState> people) {
   if (!sim::picture_ready(model.robots[0], robots[0])) return;
   for (std::size_t i = 0; i < robots.size(); ++i) {
-    std::vector<sim::Shot>& shots = taken_[i];
+    std::vector<sim::CapturePose>& shots = taken_[i];
     const auto seen = newest(shots, *model.robots[i].profile.camera, robots[i].time());
     if (seen != shots.end()) shots.erase(shots.begin(), seen);
-    shots.push_back(sim::take_shot(robots, people, i));
+    shots.push_back(sim::capture_pose(robots, people, i));
   }
 }
 
 void Pictures::draw(const sim::Model& model, std::size_t robot, const sim::RobotState& state,
                     std::span<std::byte> color, std::span<std::byte> depth, sim::DrawScratch& scratch) {
   const CameraSpec& camera = *model.robots[robot].profile.camera;
-  const auto shot = newest(taken_[robot], camera, state.time());
-  if (shot == taken_[robot].end()) {
+  const auto capture = newest(taken_[robot], camera, state.time());
+  if (capture == taken_[robot].end()) {
     std::ranges::fill(color, std::byte{});
     std::ranges::fill(depth, std::byte{});
     return;
@@ -40,7 +41,7 @@ void Pictures::draw(const sim::Model& model, std::size_t robot, const sim::Robot
   const auto as = []<typename T>(std::span<std::byte> bytes, T*) {
     return std::span(reinterpret_cast<T*>(bytes.data()), bytes.size() / sizeof(T));  // NOLINT: it was made as such
   };
-  sim::draw(model, *shot, camera.intrinsics(),
+  sim::draw(model, *capture, camera.intrinsics(),
             {as(color, static_cast<std::uint8_t*>(nullptr)), as(depth, static_cast<float*>(nullptr))}, scratch);
 }
 

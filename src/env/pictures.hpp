@@ -1,4 +1,4 @@
-// The pictures that the robots of one world have taken and not yet looked at.
+// Lazily rendered camera images of the robots of one world.
 #pragma once
 
 #include <span>
@@ -23,7 +23,7 @@ class Pictures {
             std::span<std::byte> depth, sim::DrawScratch& scratch);
 
  private:
-  std::vector<std::vector<sim::Shot>> taken_;  // by each robot, oldest first
+  std::vector<std::vector<sim::CapturePose>> taken_;  // by each robot, oldest first
 };
 
 }  // namespace threewe::env

@@ -1,4 +1,4 @@
-// The scenes of a batch, ready to be simulated.
+// Simulation-ready scenes of a batch.
 #pragma once
 
 #include <memory>

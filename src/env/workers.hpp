@@ -1,4 +1,4 @@
-// Threads that share the work of a batch.
+// Thread pool that shares the work of a batch.
 #pragma once
 
 #include <cstddef>

@@ -91,16 +91,16 @@ void add_floor(pugi::xml_node world, const SceneBlocks& blocks, double friction)
   for (const FloorTile& tile : blocks.floor_looks) {
     add_geom(world, tile.name, floor_box(tile), kNothing, kSeen);
   }
-  for (const FloorTile& tile : blocks.floor_grips) {
+  for (const FloorTile& tile : blocks.floor_friction) {
     Shape ground = floor_box(tile);
     ground.visible = false;  // to rays, too: the looks above stop them
     pugi::xml_node geom = add_geom(world, tile.name, ground, kSurroundings, kFelt);
-    if (blocks.floor_grips.size() == 1) {
+    if (blocks.floor_friction.size() == 1) {
       geom.attribute("type").set_value("plane");
       geom.attribute("size").set_value(fmt::format("0 0 {}", kFloorThickness).c_str());
       geom.attribute("pos").set_value("0 0 0");
     }
-    geom.append_attribute("friction").set_value(fmt::format("{} 0.005 0.0001", text(friction * tile.grip)).c_str());
+    geom.append_attribute("friction").set_value(fmt::format("{} 0.005 0.0001", text(friction * tile.friction)).c_str());
     geom.append_attribute("priority").set_value(text(kFloorPriority).c_str());
   }
 }

@@ -93,8 +93,8 @@ Link roller_link(const WheelGeometry& wheels, const std::string& name) {
 // The rollers of a wheel in turn, the first one lowest; x is along their axle.
 Joint roller_joint(const WheelGeometry& wheels, std::size_t wheel, const std::string& parent, int number) {
   const Quaternion turn = about_y(2 * exact::kPi * number / wheels.rollers);
-  const Vec3 grip = grip_direction(wheel);
-  const Quaternion along = about_z(exact::atan2(grip.y, grip.x));
+  const Vec3 friction = friction_direction(wheel);
+  const Quaternion along = about_z(exact::atan2(friction.y, friction.x));
   const std::string name = fmt::format("{}_roller_{}", parent, number);
   const Vec3 place = rotated(turn, {0.0, 0.0, -roller_of(wheels).ring});
   return {name + "_joint", Joint::Kind::roller, parent, name, {place, turn * along}, {1.0, 0.0, 0.0}};
@@ -292,7 +292,7 @@ RobotDescription without_rollers(RobotDescription robot) {
   return robot;
 }
 
-Vec3 grip_direction(std::size_t wheel) {
+Vec3 friction_direction(std::size_t wheel) {
   const double diagonal = 1 / std::numbers::sqrt2;
   const bool front_left_or_rear_right = wheel == 0 || wheel == 3;
   return {diagonal, front_left_or_rear_right ? -diagonal : diagonal, 0.0};

@@ -1,4 +1,4 @@
-// A robot as physics engines want it: links with masses and shapes, joints, and where its sensors are. Made of its
+// Robot description for physics engines: links with masses and shapes, joints, and where its sensors are. Made of its
 // profile alone; every format is written from this.
 #pragma once
 
@@ -71,7 +71,7 @@ RobotDescription describe(const RobotProfile& profile);
 RobotDescription without_rollers(RobotDescription robot);
 
 /// The direction along the floor, in the base frame, in which a mecanum wheel holds: its lowest roller's axle.
-Vec3 grip_direction(std::size_t wheel);
+Vec3 friction_direction(std::size_t wheel);
 
 /// What the whole robot has while its joints stand at zero: mass, centre of mass in the base frame, and moments about
 /// axes through it that are parallel to the base's.

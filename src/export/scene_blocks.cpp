@@ -97,7 +97,7 @@ std::vector<double> sorted_cuts(std::vector<double> cuts, double low, double hig
 
 using KindOfFloor = std::function<FloorTile(Vec2 point)>;  // material and grip there
 
-bool same_kind(const FloorTile& a, const FloorTile& b) { return a.material == b.material && a.grip == b.grip; }
+bool same_kind(const FloorTile& a, const FloorTile& b) { return a.material == b.material && a.friction == b.friction; }
 
 // The floor as few tiles that do not overlap: it is cut at the edges of all rectangles, then cells that are alike are
 // joined, along x first.
@@ -159,11 +159,11 @@ std::vector<FloorTile> looks_of(const scene::Scene& scene) {
   });
 }
 
-std::vector<FloorTile> grips_of(const scene::Scene& scene) {
+std::vector<FloorTile> friction_of(const scene::Scene& scene) {
   std::vector<Rectangle> rectangles;
   for (const scene::Patch& patch : scene.patches) rectangles.push_back({patch.min, patch.max});
   return tiles_of(floor_of(scene), rectangles, "ground",
-                  [&](Vec2 point) { return FloorTile{.grip = scene.grip_at(point)}; });
+                  [&](Vec2 point) { return FloorTile{.friction = scene.friction_at(point)}; });
 }
 
 }  // namespace
@@ -174,7 +174,7 @@ SceneBlocks blocks_of(const scene::Scene& scene) {
           .people = people_of(scene),
           .ceiling = ceiling_of(scene),
           .floor_looks = looks_of(scene),
-          .floor_grips = grips_of(scene)};
+          .floor_friction = friction_of(scene)};
 }
 
 Shape floor_box(const FloorTile& tile) {

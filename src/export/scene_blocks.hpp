@@ -1,4 +1,4 @@
-// A scene as physics engines want it: named boxes and cylinders, floors by how well they hold, and people.
+// Scene description for physics engines: named boxes and cylinders, floors by their friction, and people.
 #pragma once
 
 #include <string>
@@ -15,18 +15,18 @@ struct FloorTile {
   Vec2 min{};
   Vec2 max{};
   std::string material{};
-  double grip = 1.0;  ///< times the friction that wheels have on a hard floor
+  double friction = 1.0;  ///< times the friction that wheels have on a hard floor
   friend bool operator==(const FloorTile&, const FloorTile&) = default;
 };
 
 /// Everything of a scene, in its frame.
 struct SceneBlocks {
   std::vector<Shape> walls;
-  std::vector<Shape> furniture;        ///< one for every prism, named `<object>/<number>`
-  std::vector<Shape> people;           ///< each where its route begins
-  std::vector<Shape> ceiling;          ///< none under the open sky
-  std::vector<FloorTile> floor_looks;  ///< what is seen of the floor; tiles do not overlap
-  std::vector<FloorTile> floor_grips;  ///< what wheels feel of it: a single tile where it holds alike
+  std::vector<Shape> furniture;           ///< one for every prism, named `<object>/<number>`
+  std::vector<Shape> people;              ///< each where its route begins
+  std::vector<Shape> ceiling;             ///< none under the open sky
+  std::vector<FloorTile> floor_looks;     ///< what is seen of the floor; tiles do not overlap
+  std::vector<FloorTile> floor_friction;  ///< what wheels feel of it: a single tile where it holds alike
 };
 
 SceneBlocks blocks_of(const scene::Scene& scene);

@@ -93,7 +93,7 @@ void add_wheel(pugi::xml_node model, const RobotDescription& robot, std::size_t 
     if (robot.profile.kinematics() == Kinematics::differential) {
       add_friction(add_collision(link, shape), friction, friction, nullptr, {});
     } else {
-      const Vec3 direction = grip_direction(wheel);
+      const Vec3 direction = friction_direction(wheel);
       add_friction(add_collision(link, shape), friction, 0.0, &direction, robot.base().name);
     }
   }
@@ -190,9 +190,9 @@ pugi::xml_node add_static_model(pugi::xml_node world, const std::string& name) {
 void add_scene(pugi::xml_node world, const SceneBlocks& blocks, double friction) {
   pugi::xml_node floor = add_static_model(world, "floor");
   for (const FloorTile& tile : blocks.floor_looks) add_visual(floor, floor_box(tile));
-  for (const FloorTile& tile : blocks.floor_grips) {
-    const double grip = friction * tile.grip;
-    add_friction(add_collision(floor, floor_box(tile)), grip, grip, nullptr, {});
+  for (const FloorTile& tile : blocks.floor_friction) {
+    const double of_tile = friction * tile.friction;
+    add_friction(add_collision(floor, floor_box(tile)), of_tile, of_tile, nullptr, {});
   }
   pugi::xml_node walls = add_static_model(world, "walls");
   for (const Shape& wall : blocks.walls) {

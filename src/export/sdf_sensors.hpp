@@ -1,4 +1,4 @@
-// Sensors as Gazebo has them: in SDF, and within the <gazebo> elements of URDF.
+// Gazebo sensors: in SDF, and within the <gazebo> elements of URDF.
 #pragma once
 
 #include "export/robot_description.hpp"

@@ -1,4 +1,4 @@
-// What every exported thing is made of: simple bodies with a colour.
+// Exported shapes: simple bodies with a colour.
 #pragma once
 
 #include <cstdint>

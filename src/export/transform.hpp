@@ -1,4 +1,4 @@
-// Positions and orientations in space, as exported files state them. Right-handed, X forward, Y left, Z up.
+// Rigid transforms in space, as exported files state them. Right-handed, X forward, Y left, Z up.
 #pragma once
 
 #include "core/exact.hpp"

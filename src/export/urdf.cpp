@@ -131,7 +131,7 @@ void add_gazebo(pugi::xml_node root, const RobotDescription& robot) {
     add_text(reference, "mu2", mecanum ? 0.0 : friction);
     if (!mecanum) continue;
     pugi::xml_node direction = add(reference, "fdir1", {{"gz:expressed_in", robot.base().name}});
-    direction.text().set(text(grip_direction(wheel)).c_str());
+    direction.text().set(text(friction_direction(wheel)).c_str());
   }
   for (const SensorMount& mount : robot.sensors) {
     add_sdf_sensor(add(root, "gazebo", {{"reference", mount.name}}), mount, robot.profile, {});

@@ -74,7 +74,7 @@ void add_floor(UsdText& usd, const SceneBlocks& blocks) {
   usd.close();
   usd.open("Xform", "ground");
   usd.line("token visibility = \"invisible\"");
-  for (const FloorTile& tile : blocks.floor_grips) add_shape(usd, tile.name, floor_box(tile), floor_material(tile));
+  for (const FloorTile& tile : blocks.floor_friction) add_shape(usd, tile.name, floor_box(tile), floor_material(tile));
   usd.close();
 }
 
@@ -112,7 +112,7 @@ void add_scene(UsdText& usd, const SceneBlocks& blocks) {
 // Wheels' friction times the floor's grip is what holds them, in simulators that combine frictions as PhysX does.
 void add_materials(UsdText& usd, const SceneBlocks& blocks, const Body& body) {
   usd.open("Scope", "Materials");
-  for (const FloorTile& tile : blocks.floor_grips) add_friction(usd, tile.name, tile.grip, true);
+  for (const FloorTile& tile : blocks.floor_friction) add_friction(usd, tile.name, tile.friction, true);
   add_friction(usd, "wheel", body.friction, true);
   add_friction(usd, "body", kBodyFriction, false);
   if (!body.casters.empty()) add_friction(usd, "caster", 0.0, true);

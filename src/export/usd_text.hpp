@@ -1,4 +1,4 @@
-// USD as text: prims within prims, indented.
+// USD text writer: prims within prims, indented.
 #pragma once
 
 #include <set>

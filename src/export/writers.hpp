@@ -1,4 +1,4 @@
-// The writers of formats, each a short file of its own.
+// Writers of the export formats, each a short file of its own.
 #pragma once
 
 #include <string>

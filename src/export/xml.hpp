@@ -1,4 +1,4 @@
-// XML as it is written here: an element, its attributes, its children.
+// XML writer: an element, its attributes, its children.
 #pragma once
 
 #include <initializer_list>

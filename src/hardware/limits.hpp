@@ -1,4 +1,4 @@
-// How fast a robot may go, and how fast that may change: the one place where a velocity is cut down to it.
+// Velocity and acceleration limits: the one place where a velocity is cut down to them.
 #pragma once
 
 #include "threewe/core/pose.hpp"

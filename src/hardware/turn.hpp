@@ -1,4 +1,4 @@
-// When the turn of a lidar ended whose scan has arrived.
+// Time at which the turn of a lidar ended whose scan has arrived.
 #pragma once
 
 #include "threewe/core/samples.hpp"

@@ -1,4 +1,4 @@
-// What stands nearer to a lidar than it can measure, inferred from what stands on both sides of that.
+// Blind-zone obstacles: what is nearer to a lidar than it can measure, inferred from what stands on both sides.
 #pragma once
 
 #include <span>

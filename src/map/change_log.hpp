@@ -1,4 +1,4 @@
-// Where a map has changed, version by version.
+// Change log of a map: the regions that changed, version by version.
 #pragma once
 
 #include <array>

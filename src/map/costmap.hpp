@@ -1,4 +1,4 @@
-// What it costs a robot to be in a cell: nothing far from obstacles, more near them, everything inside its own radius.
+// Costmap: nothing far from obstacles, more near them, everything inside the robot's own radius.
 #pragma once
 
 #include <array>

@@ -1,4 +1,4 @@
-// A map that grows from scans: for each cell the evidence that it is occupied, and where in it the hits were.
+// Log-odds occupancy map built from scans, with the mean position of the hits in each cell.
 #pragma once
 
 #include <cstdint>

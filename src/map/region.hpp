@@ -1,4 +1,4 @@
-// A rectangle of cells.
+// Region of a map: a rectangle of cells.
 #pragma once
 
 #include "threewe/map/occupancy_grid.hpp"

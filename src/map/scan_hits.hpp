@@ -1,4 +1,4 @@
-// What a lidar hits, cleared of its scatter.
+// Filtered hits of a lidar: range noise averaged out along surfaces.
 #pragma once
 
 #include <span>

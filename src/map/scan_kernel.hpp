@@ -1,4 +1,4 @@
-// What a scan does to the cells of a map, many at a time.
+// Vectorised insertion of a scan into the cells of a map.
 #pragma once
 
 #include <cstddef>

@@ -1,4 +1,4 @@
-// A battery: its voltage falls with its charge, and sags under load.
+// Battery model: its voltage falls with its charge, and sags under load.
 #pragma once
 
 #include <optional>

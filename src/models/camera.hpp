@@ -1,4 +1,4 @@
-// A camera: where it is, and how well it tells colours and depth.
+// Camera noise model: mounting, colour noise and depth noise.
 #pragma once
 
 #include <array>

@@ -64,7 +64,8 @@ HWY_INLINE V drive_motor(V per_no_load_speed, V response, V stall_change, V spee
 }
 
 template <class V>
-HWY_INLINE VelocityOf<V> grip(V turn_weight, V given, const VelocityOf<V>& body, const VelocityOf<V>& rolling) {
+HWY_INLINE VelocityOf<V> limit_by_friction(V turn_weight, V given, const VelocityOf<V>& body,
+                                           const VelocityOf<V>& rolling) {
   const VelocityOf<V> change{rolling.vx - body.vx, rolling.vy - body.vy, rolling.omega - body.omega};
   // a torque is measured by the force that it takes at the wheels
   const V turning = change.omega * turn_weight;

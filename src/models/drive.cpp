@@ -41,7 +41,7 @@ Traction make_traction(const RobotProfile& profile, Duration step, const Variati
   const double wheel_mass = traction.mass / body.wheels.wheel_count();
   traction.response = 1.0 - exact::exp(-h / (variation.motor_lag * to_seconds(body.motor_lag)));
   traction.stall_change = body.stall_torque / (wheel_mass * body.wheels.radius * body.wheels.radius) * h;
-  traction.grip_change = variation.friction * body.friction * kGravity * h;
+  traction.friction_change = variation.friction * body.friction * kGravity * h;
   traction.motor_noise = variation.motor_noise;
   if (body.traction) {
     traction.turn_response = 1.0 - exact::exp(-h / (variation.motor_lag * to_seconds(body.traction->turning_lag)));
@@ -67,10 +67,10 @@ WheelSpeeds drive_motors(const Drive& drive, const Traction& traction, const Whe
   return next;
 }
 
-Velocity grip(const Drive& drive, const Traction& traction, const Velocity& body, const Velocity& rolling,
-              double floor) {
-  const auto [vx, vy, omega] =
-      HWY_NAMESPACE::grip(drive.turn_weight, floor * traction.grip_change, numbers(body), numbers(rolling));
+Velocity limit_by_friction(const Drive& drive, const Traction& traction, const Velocity& body, const Velocity& rolling,
+                           double floor) {
+  const auto [vx, vy, omega] = HWY_NAMESPACE::limit_by_friction(drive.turn_weight, floor * traction.friction_change,
+                                                                numbers(body), numbers(rolling));
   return {vx, vy, omega};
 }
 

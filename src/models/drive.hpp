@@ -1,4 +1,5 @@
-// From a commanded velocity to the motion of the body: motors with lag and limited torque, wheels with limited grip.
+// Drive model, from a commanded velocity to the motion of the body: motors with lag and limited torque, wheels with
+// limited friction.
 #pragma once
 
 #include <array>
@@ -43,12 +44,12 @@ Drive make_drive(const RobotProfile& profile, Duration step);
 
 /// How hard one robot's motors and wheels pull: the part of a drive that a variation changes. Plain data.
 struct Traction {
-  double response = 0.0;       ///< the share of a speed error that the speed loop removes in one step
-  double stall_change = 0.0;   ///< [rad/s] that stall torque adds to a wheel's speed in one step
-  double grip_change = 0.0;    ///< [m/s] that friction can add to the body's speed in one step
-  double mass = 0.0;           ///< [kg]
-  double motor_noise = 0.0;    ///< standard deviation of each motor's torque in each step, as a share of it
-  double turn_response = 0.0;  ///< as `response`, of turns; of wheels that spin freely alone, see pull.hpp
+  double response = 0.0;         ///< the share of a speed error that the speed loop removes in one step
+  double stall_change = 0.0;     ///< [rad/s] that stall torque adds to a wheel's speed in one step
+  double friction_change = 0.0;  ///< [m/s] that friction can add to the body's speed in one step
+  double mass = 0.0;             ///< [kg]
+  double motor_noise = 0.0;      ///< standard deviation of each motor's torque in each step, as a share of it
+  double turn_response = 0.0;    ///< as `response`, of turns; of wheels that spin freely alone, see `TractionModel`.hpp
 };
 
 Traction make_traction(const RobotProfile& profile, Duration step, const Variation& variation = {});
@@ -69,8 +70,8 @@ WheelSpeeds drive_motors(const Drive& drive, const Traction& traction, const Whe
 /// The wheels pull the body to their own velocity, with no more force than friction gives: an ellipsoid in
 /// (force, torque), the usual limit surface (Howe and Cutkosky 1996). Implicit, hence stable at any step, and it never
 /// overshoots. `floor` is how well the floor holds: times the wheels' friction on a hard one.
-Velocity grip(const Drive& drive, const Traction& traction, const Velocity& body, const Velocity& rolling,
-              double floor = 1.0);
+Velocity limit_by_friction(const Drive& drive, const Traction& traction, const Velocity& body, const Velocity& rolling,
+                           double floor = 1.0);
 
 /// Mechanical power [W] that the wheels took to change the velocity from `before` to `after` while they rolled at
 /// `rolling`: force times speed where it is made, so that wheels that spin are paid for; and what rolling resists with.

@@ -1,4 +1,4 @@
-// An inertial unit: biases that wander, and scatter.
+// IMU noise model: white noise, and biases that follow a random walk.
 #pragma once
 
 #include <array>

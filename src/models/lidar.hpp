@@ -1,4 +1,4 @@
-// A turning lidar: where and when its points are taken, how well, and the uniform scan that is made of a turn.
+// Lidar model: when and where the points of a turn are measured, how well, and the uniform scan that is made of them.
 #pragma once
 
 #include <cstdint>

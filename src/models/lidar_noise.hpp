@@ -1,4 +1,4 @@
-// What is wrong with the ranges of a lidar, many points at once, vectorised.
+// Vectorised range noise, bias and dropout of a lidar.
 #pragma once
 
 #include <cstdint>

@@ -36,8 +36,8 @@ LocalizationSpec::Local read_local(ConfigNode node) {
   return local;
 }
 
-LocalizationSpec::Scatter read_scatter(ConfigNode node) {
-  LocalizationSpec::Scatter scatter;
+LocalizationSpec::Noise read_noise(ConfigNode node) {
+  LocalizationSpec::Noise scatter;
   scatter.position = node.number_in("position", 0.0, kMaxError);
   scatter.heading = node.number_in("heading", 0.0, kMaxError);
   node.finish();
@@ -105,7 +105,7 @@ LocalizationSpec load_localization(std::string_view name) {
   spec.delay = from_seconds(root.number_in("delay", 0.0, 10.0));
   spec.map = read_map(root.at("map"));
   spec.local = read_local(root.at("local"));
-  spec.scatter = read_scatter(root.at("scatter"));
+  spec.noise = read_noise(root.at("noise"));
   spec.measured = read_measurement(root.at("measured"));
   root.finish();
   return spec;
@@ -131,10 +131,10 @@ void correct_localization(const LocalizationSpec& spec, const RngKey& key, std::
   // turned and stretched by little, about the start
   const double along = state.stretch * truth.x - state.turn * truth.y;
   const double across = state.turn * truth.x + state.stretch * truth.y;
-  state.map_from_base.x = truth.x + (along + state.local.x + spec.scatter.position * draws[kScatterX]);
-  state.map_from_base.y = truth.y + (across + state.local.y + spec.scatter.position * draws[kScatterY]);
+  state.map_from_base.x = truth.x + (along + state.local.x + spec.noise.position * draws[kScatterX]);
+  state.map_from_base.y = truth.y + (across + state.local.y + spec.noise.position * draws[kScatterY]);
   state.map_from_base.theta =
-      wrap_angle(truth.theta + (state.turn + state.heading + spec.scatter.heading * draws[kScatterHeading]));
+      wrap_angle(truth.theta + (state.turn + state.heading + spec.noise.heading * draws[kScatterHeading]));
   state.odom_from_base = odom_from_base;
 }
 

@@ -1,4 +1,4 @@
-// Odometry from wheel encoders: it knows what the wheels did, not what the body did.
+// Wheel-odometry model: encoders know what the wheels did, not what the body did.
 #pragma once
 
 #include <array>

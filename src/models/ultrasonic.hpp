@@ -1,4 +1,4 @@
-// An ultrasonic sensor: how well it tells the distance of an echo.
+// Ultrasonic noise model: the measured range of a sonar return.
 #pragma once
 
 #include <cstdint>

@@ -1,4 +1,4 @@
-// In which of 360 equal parts of a turn a direction lies.
+// Bearing bins: in which of 360 equal parts of a turn a direction is.
 #pragma once
 
 #include <cstddef>

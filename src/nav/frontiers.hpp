@@ -1,4 +1,4 @@
-// Where the known free space ends.
+// Frontier detection: where the known free space ends.
 #pragma once
 
 #include <cstdint>

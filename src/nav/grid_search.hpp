@@ -1,4 +1,4 @@
-// Shortest paths on a grid of weights.
+// Dijkstra search over a costmap, for the nearest of many targets.
 #pragma once
 
 #include <algorithm>

@@ -23,7 +23,7 @@ std::string_view to_string(RecoveryState state) {
     case RecoveryState::driving: return "driving";
     case RecoveryState::clearing: return "clearing";
     case RecoveryState::backing_off: return "backing_off";
-    case RecoveryState::manoeuvring: return "manoeuvring";
+    case RecoveryState::arc_escape: return "arc_escape";
     case RecoveryState::looking: return "looking";
     case RecoveryState::replanning: return "replanning";
     case RecoveryState::given_up: return "given_up";

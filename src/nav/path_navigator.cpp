@@ -79,9 +79,9 @@ PathNavigator::PathNavigator(const RobotProfile& profile)
       body_radius_(profile.body.footprint.circumscribed_radius()),
       margin_(profile.margin()),
       squeeze_from_(squeeze_from(profile)),
-      tracker_(profile),
+      follower_(profile),
       recovery_(profile),
-      passage_(profile),
+      narrow_passage_(profile),
       monitor_(kUsualPace * profile.operating_limits.linear) {
   if (profile.lidar) lidar_ = profile.lidar->base_from_lidar.position(), range_min_ = profile.lidar->range_min;
 }
@@ -95,9 +95,9 @@ void PathNavigator::start(const Goal& goal, const Observation& seen) {
   motion_.start = odom_from_base_ = seen.pose.odom_from_base;
   motion_.last_moved = progress_.pose;
   motion_.started = motion_.last_moved_at = motion_.tight_until = seen.now;
-  tracker_.forget_turn();
+  follower_.forget_turn();
   recovery_.reset();
-  passage_.end();
+  narrow_passage_.end();
   monitor_.begin(seen.now);
 
   const auto* move = std::get_if<MoveTo>(&goal);
@@ -173,7 +173,7 @@ void PathNavigator::note(const Observation& seen) {
   }
   monitor_.update(now_, pose.position(), progress_.distance_left);
   remember_movers(seen);
-  tracker_.see(in_base_, recovery_.active() || now_ < motion_.tight_until ? 0.0 : kSpare);
+  follower_.see(in_base_, recovery_.active() || now_ < motion_.tight_until ? 0.0 : kSpare);
 }
 
 // At the pace of this motion so far, to begin with at three quarters of the speed limit.
@@ -181,8 +181,8 @@ void PathNavigator::estimate_time_left() {
   constexpr double kPrior = 3.0;  // [s] for which the limit counts
   constexpr double kShare = 0.75;
   const double elapsed = to_seconds(now_ - motion_.started);
-  const double pace = (progress_.distance_driven + kPrior * kShare * limits_.linear) / (elapsed + kPrior);
-  progress_.time_left = progress_.distance_left / pace + motion_.turn_left / (kShare * limits_.angular);
+  const double mean_speed = (progress_.distance_driven + kPrior * kShare * limits_.linear) / (elapsed + kPrior);
+  progress_.time_left = progress_.distance_left / mean_speed + motion_.turn_left / (kShare * limits_.angular);
 }
 
 Decision PathNavigator::drive(const MoveTo& goal, const Observation& seen) {
@@ -199,7 +199,7 @@ Decision PathNavigator::drive(const MoveTo& goal, const Observation& seen) {
   const double angle = wrap_angle(*goal.theta - progress_.pose.theta);
   motion_.turn_left = std::fabs(angle);
   if (std::fabs(angle) <= std::min(2.0 * kTurned, goal.angle_tolerance)) return finish(Reason::reached);
-  if (!stuck()) return {tracker_.turn(angle)};
+  if (!stuck()) return {follower_.turn(angle)};
   if (std::fabs(angle) <= goal.angle_tolerance) return finish(Reason::reached);
   return finish(Reason::blocked, "no room to turn to the heading");
 }
@@ -213,7 +213,7 @@ Decision PathNavigator::drive(const Rotate& goal, const Observation&) {
     return motion_.turn_left <= goal.angle_tolerance ? finish(Reason::reached)
                                                      : finish(Reason::blocked, "no room to turn");
   }
-  return {tracker_.turn(left)};
+  return {follower_.turn(left)};
 }
 
 Decision PathNavigator::drive(const MoveForward& goal, const Observation&) {
@@ -227,7 +227,7 @@ Decision PathNavigator::drive(const MoveForward& goal, const Observation&) {
     return std::fabs(left) <= goal.tolerance ? finish(Reason::reached)
                                              : finish(Reason::blocked, "something stands in the way");
   }
-  return {tracker_.straight(left, -along.y, -along.theta)};
+  return {follower_.straight(left, -along.y, -along.theta)};
 }
 
 Decision PathNavigator::drive(const FollowPath& goal, const Observation& seen) {
@@ -260,7 +260,7 @@ Decision PathNavigator::travel(const Observation& seen, Vec2 goal, double tolera
   const bool at_end = route_.has_path() && distance(here, route_.path().back()) <= kPathEnd;
   if (left <= tolerance - kWithin && route_.gap() > 0.0 && at_end) return finish(Reason::reached);
 
-  if (passage_.active()) return pass(seen);
+  if (narrow_passage_.active()) return pass(seen);
   if (stuck()) return left <= tolerance - kStuckWithin ? finish(Reason::reached) : get_unstuck();
   if (route_.is_stale(seen, kReplanPeriod)) {
     const bool impossible = !route_.plan_to_goal(seen, tolerance);
@@ -282,7 +282,7 @@ Decision PathNavigator::follow(const Observation& seen) {
   const bool at_end = distance(progress_.pose.position(), path.back()) < kLast;
   if (lidar_ && !at_end) return {follow_by_plan(seen, path)};
   const double aside = lidar_ ? 0.0 : sweep_aside(now_ - motion_.started);
-  return {tracker_.pursue(path, route_.costmap(), progress_.pose, aside)};
+  return {follower_.pursue(path, route_.costmap(), progress_.pose, aside)};
 }
 
 // Round what the lidar sees and zones to keep out of, away from people and other robots.
@@ -297,7 +297,7 @@ Velocity PathNavigator::follow_by_plan(const Observation& seen, std::span<const 
     const Pose2D at = odom_from_map * peer.map_from_base;
     moving.push_back({at.position(), rotate({peer.velocity.vx, peer.velocity.vy}, at.theta), peer.radius});
   }
-  return tracker_.follow(transformed(odom_from_map, path), {now_, odom_from_base_, seen.commanded, obstacles, moving});
+  return follower_.follow(transformed(odom_from_map, path), {now_, odom_from_base_, seen.commanded, obstacles, moving});
 }
 
 // Points on the borders of zones to keep out of, in `map`.
@@ -371,7 +371,7 @@ bool PathNavigator::stuck() {
   const bool moved = distance(progress_.pose.position(), motion_.last_moved.position()) > kMoved ||
                      std::fabs(wrap_angle(progress_.pose.theta - motion_.last_moved.theta)) > kMovedTurn;
   if (moved) mark_moved();
-  return tracker_.trapped() || now_ - motion_.last_moved_at > kStuckAfter;
+  return follower_.trapped() || now_ - motion_.last_moved_at > kStuckAfter;
 }
 
 // Not the same way again nor, after a second failure, to explore the same place; a blocked turn blames no place.
@@ -384,16 +384,16 @@ Decision PathNavigator::get_unstuck() {
   const bool end_too = exploring && recovery_.attempts() >= 2;
   const bool again = lidar_ && !exploring && recovery_.attempts() >= squeeze_from_;
   const bool tight = again && route_.squeeze_ahead(progress_.pose.position());
-  if (!tight && !tracker_.trapped() && route_.avoid_ahead(end_too)) recovery_.forget_attempts();
+  if (!tight && !follower_.trapped() && route_.avoid_ahead(end_too)) recovery_.forget_attempts();
   route_.drop();
-  tracker_.forget_turn();
+  follower_.forget_turn();
   return {};
 }
 
 Decision PathNavigator::recover(const Observation& seen) {
   const Velocity velocity = step_recovery(seen);
-  const bool creeping = lidar_ && recovery_.creeping();
-  if (recovery_.state() != Recovery::State::replanning) return {velocity, Reason::running, {}, creeping};
+  const bool creep_mode = lidar_ && recovery_.creep_mode();
+  if (recovery_.state() != Recovery::State::replanning) return {velocity, Reason::running, {}, creep_mode};
   recovery_.end();
   mark_moved();
   motion_.tight_until = now_ + kTightFor;

@@ -8,11 +8,11 @@
 #include <string_view>
 #include <vector>
 
-#include "nav/passage.hpp"
+#include "nav/narrow_passage.hpp"
+#include "nav/path_follower.hpp"
 #include "nav/progress_monitor.hpp"
 #include "nav/recovery.hpp"
 #include "nav/route.hpp"
-#include "nav/tracker.hpp"
 #include "threewe/hardware/profile.hpp"
 #include "threewe/nav/navigator.hpp"
 
@@ -27,7 +27,7 @@ class PathNavigator final : public Navigator {
   Progress progress() const override { return progress_; }
   std::span<const Vec2> path() const override { return route_.path(); }
   void set_zones(const std::vector<map::Zone>& zones) override;
-  std::optional<SampledPlan> plan() const override { return route_.has_path() ? tracker_.plan(now_) : std::nullopt; }
+  std::optional<SampledPlan> plan() const override { return route_.has_path() ? follower_.plan(now_) : std::nullopt; }
   std::unique_ptr<Navigator> clone() const override { return std::make_unique<PathNavigator>(*this); }
 
  private:
@@ -92,9 +92,9 @@ class PathNavigator final : public Navigator {
   double margin_;       // [m] that the safety gate keeps free
   int squeeze_from_;    // which time in one place it creeps on
   std::vector<map::Zone> zones_;
-  Tracker tracker_;
+  PathFollower follower_;
   Recovery recovery_;
-  Passage passage_;
+  NarrowPassage narrow_passage_;
   ProgressMonitor monitor_;
   std::optional<Vec2> lidar_;  // [m] in the base frame
   double range_min_ = 0.0;     // [m] of the lidar

@@ -55,7 +55,7 @@ std::vector<Vec2> PathNavigator::way_to_bottleneck() const {
   const std::optional<Bottleneck>& neck = route_.bottleneck();
   if (!neck) return {};
   constexpr double kStep = 0.05;  // [m]
-  const Vec2 entry = neck->map_from_middle * Vec2{passage_.entry(neck->half_length), 0.0};
+  const Vec2 entry = neck->map_from_middle * Vec2{narrow_passage_.entry(neck->half_length), 0.0};
   const double before = distance(entry, neck->map_from_middle.position());
   std::vector<Vec2> way = {route_.path().front()};
   PathPoint at{0, way.front()};
@@ -74,13 +74,14 @@ bool PathNavigator::is_before_bottleneck() const {
   const std::optional<Bottleneck>& neck = route_.bottleneck();
   if (!neck) return false;
   const Vec2 in_neck = inverse(neck->map_from_middle) * progress_.pose.position();
-  return std::fabs(in_neck.y) < kNear && in_neck.x > passage_.entry(neck->half_length) - kNear && in_neck.x < 0.0;
+  return std::fabs(in_neck.y) < kNear && in_neck.x > narrow_passage_.entry(neck->half_length) - kNear &&
+         in_neck.x < 0.0;
 }
 
 Decision PathNavigator::begin_passage(const Observation& seen) {
   const Bottleneck& neck = *route_.bottleneck();
   const Pose2D odom_from_map = inverse(seen.pose.map_from_odom);
-  passage_.begin(now_, odom_from_base_, odom_from_map * neck.map_from_middle, neck.half_length);
+  narrow_passage_.begin(now_, odom_from_base_, odom_from_map * neck.map_from_middle, neck.half_length);
   return pass(seen);
 }
 
@@ -97,8 +98,8 @@ std::vector<Vec2> PathNavigator::hits_around(const Observation& seen) const {
 // A manoeuvre may come as near to what is around as in a gap.
 Velocity PathNavigator::step_recovery(const Observation& seen) {
   const std::vector<Vec2> hits = hits_around(seen);
-  if (lidar_ && recovery_.state() == RecoveryState::manoeuvring) tracker_.see(hits, kFree - margin_);
-  const Velocity velocity = recovery_.step(now_, odom_from_base_, hits, tracker_);
+  if (lidar_ && recovery_.state() == RecoveryState::arc_escape) follower_.see(hits, kFree - margin_);
+  const Velocity velocity = recovery_.step(now_, odom_from_base_, hits, follower_);
   progress_.recovery = recovery_.state();
   return velocity;
 }
@@ -118,19 +119,19 @@ Decision PathNavigator::pass(const Observation& seen) {
   constexpr double kSight = 0.7;  // [m]
   mark_moved();                   // it is patient by itself
   const std::vector<Vec2> hits = smoothed_hits(seen, kSight);
-  tracker_.see(transformed(inverse(odom_from_base_), hits), kFree - margin_);
+  follower_.see(transformed(inverse(odom_from_base_), hits), kFree - margin_);
 
-  const Velocity velocity = passage_.step(now_, odom_from_base_, hits, tracker_);
-  switch (passage_.state()) {
-    case Passage::State::through: route_.leave_bottleneck(progress_.pose.position()); break;
-    case Passage::State::closed: route_.close_bottleneck(false); break;
-    case Passage::State::too_narrow: route_.close_bottleneck(true); break;
-    case Passage::State::wide: route_.clear_bottleneck(); break;
+  const Velocity velocity = narrow_passage_.step(now_, odom_from_base_, hits, follower_);
+  switch (narrow_passage_.state()) {
+    case NarrowPassage::State::through: route_.leave_bottleneck(progress_.pose.position()); break;
+    case NarrowPassage::State::closed: route_.close_bottleneck(false); break;
+    case NarrowPassage::State::too_narrow: route_.close_bottleneck(true); break;
+    case NarrowPassage::State::wide: route_.clear_bottleneck(); break;
     default: break;
   }
-  const bool creeping = passage_.creeping();
-  if (!route_.has_path()) passage_.end();
-  return {velocity, Reason::running, {}, creeping};
+  const bool creep_mode = narrow_passage_.creep_mode();
+  if (!route_.has_path()) narrow_passage_.end();
+  return {velocity, Reason::running, {}, creep_mode};
 }
 
 }  // namespace threewe::nav

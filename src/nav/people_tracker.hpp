@@ -1,4 +1,4 @@
-// People around the robot, as its lidar sees them: what moves where nothing was before.
+// People tracker: Kalman-filter tracks of what moves in the scans of a lidar.
 #pragma once
 
 #include <array>

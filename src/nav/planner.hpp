@@ -1,4 +1,4 @@
-// From a map to a path.
+// Global path planner on a costmap.
 #pragma once
 
 #include <optional>

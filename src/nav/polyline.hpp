@@ -1,4 +1,4 @@
-// Places on a polyline, and near others.
+// Polyline geometry: places on a polyline, and near others.
 #pragma once
 
 #include <algorithm>

@@ -49,8 +49,8 @@ void Recovery::begin(Time now, const Pose2D& odom_from_base, Vec2 place) {
 }
 
 void Recovery::leave(Time now, const Pose2D& odom_from_base) {
-  manoeuvre_.begin(now);
-  enter(State::manoeuvring, now, odom_from_base);
+  arc_escape_.begin(now);
+  enter(State::arc_escape, now, odom_from_base);
 }
 
 void Recovery::look_round(Time now, const Pose2D& odom_from_base) {
@@ -70,16 +70,17 @@ void Recovery::enter(State state, Time now, const Pose2D& odom_from_base) {
   escape_ = {};
 }
 
-Velocity Recovery::step(Time now, const Pose2D& odom_from_base, std::span<const Vec2> hits, const Tracker& tracker) {
+Velocity Recovery::step(Time now, const Pose2D& odom_from_base, std::span<const Vec2> hits,
+                        const PathFollower& follower) {
   turned_ += wrap_angle(odom_from_base.theta - heading_);
   heading_ = odom_from_base.theta;
   switch (state_) {
     case State::clearing:
       if (now - entered_ >= kClearing) enter(State::backing_off, now, odom_from_base);
       return {};
-    case State::backing_off: return back_off(now, odom_from_base, hits, tracker);
-    case State::manoeuvring: return manoeuvre(now, odom_from_base, hits, tracker);
-    case State::looking: return look(now, odom_from_base, tracker);
+    case State::backing_off: return back_off(now, odom_from_base, hits, follower);
+    case State::arc_escape: return arc_escape(now, odom_from_base, hits, follower);
+    case State::looking: return look(now, odom_from_base, follower);
     case State::driving:
     case State::replanning:
     case State::given_up: return {};
@@ -89,15 +90,15 @@ Velocity Recovery::step(Time now, const Pose2D& odom_from_base, std::span<const 
 
 // The way it came; where that is closed too, out of a place too tight to turn in, or wherever there is most room.
 Velocity Recovery::back_off(Time now, const Pose2D& odom_from_base, std::span<const Vec2> hits,
-                            const Tracker& tracker) {
+                            const PathFollower& follower) {
   const double moved = distance(odom_from_base.position(), entered_at_);
   const bool in_time = now - entered_ < kBackingOff && moved < kFirstWay + kMoreEachTime * (attempts_ - 1);
   if (in_time && escape_ == Velocity{}) {
-    const Velocity back = tracker.safe(along_trail(odom_from_base, tracker.escape_speed()));
+    const Velocity back = follower.safe(along_trail(odom_from_base, follower.escape_speed()));
     if (exact::hypot(back.vx, back.vy) >= kBarely) return back;
-    if (!is_wedged(hits)) return escape_ = tracker.most_room();
+    if (!is_wedged(hits)) return escape_ = follower.most_room();
   }
-  if (in_time && escape_ != Velocity{}) return tracker.safe(escape_);
+  if (in_time && escape_ != Velocity{}) return follower.safe(escape_);
   had_room_ = had_room_ || moved >= kNoRoom;
   if (is_wedged(hits)) {
     leave(now, odom_from_base);
@@ -108,11 +109,11 @@ Velocity Recovery::back_off(Time now, const Pose2D& odom_from_base, std::span<co
 }
 
 // In arcs, to where it can turn.
-Velocity Recovery::manoeuvre(Time now, const Pose2D& odom_from_base, std::span<const Vec2> hits,
-                             const Tracker& tracker) {
-  const Velocity velocity = manoeuvre_.step(now, odom_from_base, hits, tracker);
+Velocity Recovery::arc_escape(Time now, const Pose2D& odom_from_base, std::span<const Vec2> hits,
+                              const PathFollower& follower) {
+  const Velocity velocity = arc_escape_.step(now, odom_from_base, hits, follower);
   had_room_ = had_room_ || distance(odom_from_base.position(), entered_at_) >= kNoRoom;
-  if (manoeuvre_.over() || now - entered_ >= kManoeuvring) look_or_replan(now, odom_from_base);
+  if (arc_escape_.over() || now - entered_ >= kManoeuvring) look_or_replan(now, odom_from_base);
   return velocity;
 }
 
@@ -138,12 +139,12 @@ Velocity Recovery::along_trail(const Pose2D& odom_from_base, double speed) {
 }
 
 // From one direction to the next, each as near as there is room to turn.
-Velocity Recovery::look(Time now, const Pose2D& odom_from_base, const Tracker& tracker) {
+Velocity Recovery::look(Time now, const Pose2D& odom_from_base, const PathFollower& follower) {
   if (std::fabs(looks_.front() - turned_) <= kLooked || now - entered_ >= kLooking) {
     looks_.erase(looks_.begin());
     enter(looks_.empty() ? State::replanning : State::looking, now, odom_from_base);
   }
-  return looks_.empty() ? Velocity{} : tracker.turn(looks_.front() - turned_);
+  return looks_.empty() ? Velocity{} : follower.turn(looks_.front() - turned_);
 }
 
 }  // namespace threewe::nav

@@ -1,12 +1,12 @@
-// What a robot does that does not get on: a small state machine.
+// Recovery behaviours of a robot that makes no progress: a small state machine.
 #pragma once
 
 #include <span>
 #include <string_view>
 #include <vector>
 
-#include "nav/manoeuvre.hpp"
-#include "nav/tracker.hpp"
+#include "nav/arc_escape.hpp"
+#include "nav/path_follower.hpp"
 #include "threewe/core/pose.hpp"
 #include "threewe/core/time.hpp"
 #include "threewe/nav/navigator.hpp"
@@ -17,7 +17,7 @@ namespace threewe::nav {
 /// where it cannot turn, turns to look, and plans anew; after a few times in one place it gives up and says why. A
 /// robot that is lost only turns to look.
 ///
-///   driving -> clearing -> backing_off -> manoeuvring -> looking -> replanning -> driving
+///   driving -> clearing -> backing_off -> arc_escape -> looking -> replanning -> driving
 ///      |                        |______________|______________________^
 ///      |-> given_up
 class Recovery {
@@ -26,7 +26,7 @@ class Recovery {
 
   /// A robot without a lidar looks each time, for it hears in a few directions only.
   explicit Recovery(const RobotProfile& profile)
-      : kinematics_(profile.kinematics()), hard_of_seeing_(!profile.lidar), manoeuvre_(profile) {}
+      : kinematics_(profile.kinematics()), hard_of_seeing_(!profile.lidar), arc_escape_(profile) {}
 
   /// Forgets everything: another motion begins.
   void reset();
@@ -38,20 +38,20 @@ class Recovery {
   void leave(Time now, const Pose2D& odom_from_base);
   /// The robot is lost: it turns once round itself.
   void look_round(Time now, const Pose2D& odom_from_base);
-  /// One period of what has begun. `hits` [m]: what is near, in the base frame; `tracker` sees the same.
-  Velocity step(Time now, const Pose2D& odom_from_base, std::span<const Vec2> hits, const Tracker& tracker);
+  /// One period of what has begun. `hits` [m]: what is near, in the base frame; `follower` sees the same.
+  Velocity step(Time now, const Pose2D& odom_from_base, std::span<const Vec2> hits, const PathFollower& follower);
   /// Drives on: the plan has been made, or the robot is lost no more.
   void end() { state_ = State::driving; }
 
   State state() const { return state_; }
   bool active() const { return state_ != State::driving; }
   /// It moves where something is nearer than the margin.
-  bool creeping() const { return state_ == State::manoeuvring && manoeuvre_.creeping(); }
+  bool creep_mode() const { return state_ == State::arc_escape && arc_escape_.creep_mode(); }
   /// A differential base cannot turn here, so that it can only leave as it came, or in arcs.
   bool is_wedged(std::span<const Vec2> hits) const {
     return kinematics_ == Kinematics::differential && !can_turn(hits);
   }
-  bool can_turn(std::span<const Vec2> hits) const { return manoeuvre_.can_turn(hits); }
+  bool can_turn(std::span<const Vec2> hits) const { return arc_escape_.can_turn(hits); }
   /// How often it has begun in this place.
   int attempts() const { return attempts_; }
   /// There is another way now, so that it may try as often again.
@@ -61,15 +61,15 @@ class Recovery {
 
  private:
   void enter(State state, Time now, const Pose2D& odom_from_base);
-  Velocity back_off(Time now, const Pose2D& odom_from_base, std::span<const Vec2> hits, const Tracker& tracker);
-  Velocity manoeuvre(Time now, const Pose2D& odom_from_base, std::span<const Vec2> hits, const Tracker& tracker);
+  Velocity back_off(Time now, const Pose2D& odom_from_base, std::span<const Vec2> hits, const PathFollower& follower);
+  Velocity arc_escape(Time now, const Pose2D& odom_from_base, std::span<const Vec2> hits, const PathFollower& follower);
   void look_or_replan(Time now, const Pose2D& odom_from_base);
   Velocity along_trail(const Pose2D& odom_from_base, double speed);
-  Velocity look(Time now, const Pose2D& odom_from_base, const Tracker& tracker);
+  Velocity look(Time now, const Pose2D& odom_from_base, const PathFollower& follower);
 
   Kinematics kinematics_;
   bool hard_of_seeing_;
-  Manoeuvre manoeuvre_;
+  ArcEscape arc_escape_;
 
   State state_ = State::driving;
   Time entered_{};             // the state ...

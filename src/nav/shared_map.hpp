@@ -1,4 +1,4 @@
-// What several robots know together.
+// Map merged from several robots.
 #pragma once
 
 #include <span>

@@ -1,4 +1,4 @@
-// What may be asked of a robot.
+// Validation of goals.
 #pragma once
 
 #include <optional>

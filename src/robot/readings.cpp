@@ -107,7 +107,7 @@ const Runtime::State& Runtime::Impl::reading() const {
   reads_stamp = now();
   if (++reads >= kManyReads && !warned_of_reads && !world.realtime()) {
     warned_of_reads = true;
-    warn("1,000 readings at one moment: reading does not let time go by; wait with robot.sleep(...) in between");
+    warn("1,000 readings at one time: reading does not let time go by; wait with robot.sleep(...) in between");
   }
   return *state;
 }

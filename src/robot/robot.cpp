@@ -29,7 +29,7 @@ World::Options world_options(const Robot::Options& o) {
   options.noise = o.noise;
   options.seed = o.seed;
   options.realtime = o.realtime;
-  options.mind = o.mind;
+  options.autonomy = o.autonomy;
   options.image_size = o.image_size;
   options.randomization = o.randomization;
   options.map = o.map;

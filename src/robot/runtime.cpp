@@ -22,18 +22,18 @@ void require_positive(Duration duration, const char* what) {
 
 }  // namespace
 
-Runtime::Impl::Impl(World& w, backend::RobotPort& p, Options mind)
+Runtime::Impl::Impl(World& w, backend::RobotPort& p, Options autonomy)
     : world(w),
       port(p),
       gate_model(safety::make_gate_model(p.profile())),
-      creeping_gate(safety::creeping(gate_model)),
+      creep_gate(safety::creep_mode(gate_model)),
       sight_model(safety::make_sight_model(p.profile(), gate_model)),
-      may_creep(mind.may_creep),
-      fresh(std::move(mind), p.features(), p.profile()),
+      may_creep(autonomy.may_creep),
+      fresh(std::move(autonomy), p.features(), p.profile()),
       state(std::make_unique<State>(fresh)) {}
 
-Runtime::Runtime(World& world, backend::RobotPort& port, Options mind)
-    : impl_(std::make_unique<Impl>(world, port, std::move(mind))) {}
+Runtime::Runtime(World& world, backend::RobotPort& port, Options autonomy)
+    : impl_(std::make_unique<Impl>(world, port, std::move(autonomy))) {}
 
 Runtime::~Runtime() { impl_->end_motion(Reason::cancelled, "the robot is gone"); }
 
@@ -52,8 +52,8 @@ void Runtime::connect() {
   state.sight.forget();
   state.tracker = {};
   state.people.clear();
-  state.echoes = {};
-  state.echoes_in_odom.clear();
+  state.sonar_returns = {};
+  state.sonar_points_in_odom.clear();
   state.beside_lidar.clear();
   state.estimate = state.localizer->estimate(impl_->now());
 }

@@ -1,4 +1,4 @@
-// What a runtime keeps: the state that its future depends on, and the bookkeeping around it.
+// State of a runtime that its future depends on, and the bookkeeping around it.
 #pragma once
 
 #include <memory>
@@ -8,12 +8,12 @@
 #include <vector>
 
 #include "nav/people_tracker.hpp"
-#include "robot/echo_map.hpp"
 #include "robot/health/monitor.hpp"
 #include "robot/senses.hpp"
+#include "robot/sonar_grid.hpp"
 #include "robot/world_state.hpp"
-#include "safety/echoes.hpp"
 #include "safety/gate.hpp"
+#include "safety/sonar_returns.hpp"
 #include "safety/unseen.hpp"
 #include "threewe/robot/runtime.hpp"
 
@@ -40,16 +40,16 @@ struct Runtime::State {
   safety::GateState gate;
   safety::Sight sight;
   // heard by a robot without a lidar: now, and before
-  safety::Echoes echoes;
-  EchoMap echo_map;
-  std::vector<Vec2> echoes_in_odom;  // both, around the robot
-  std::vector<Vec2> beside_lidar;    // what the lidar hits, and what only echoes tell of; empty without the latter
+  safety::SonarReturns sonar_returns;
+  SonarGrid sonar_grid;
+  std::vector<Vec2> sonar_points_in_odom;  // both, around the robot
+  std::vector<Vec2> beside_lidar;  // what the lidar hits, and what only echoes tell of; empty without the latter
   Velocity requested;
   safety::GateOutput commanded;
 
-  State(Options mind, const backend::Features& features, const RobotProfile& profile)
-      : localizer(std::move(mind.localizer)),
-        navigator(std::move(mind.navigator)),
+  State(Options autonomy, const backend::Features& features, const RobotProfile& profile)
+      : localizer(std::move(autonomy.localizer)),
+        navigator(std::move(autonomy.navigator)),
         senses(features.sensors.size()),
         health(features, profile) {}
   State(const State& other)
@@ -64,9 +64,9 @@ struct Runtime::State {
         held(other.held),
         gate(other.gate),
         sight(other.sight),
-        echoes(other.echoes),
-        echo_map(other.echo_map),
-        echoes_in_odom(other.echoes_in_odom),
+        sonar_returns(other.sonar_returns),
+        sonar_grid(other.sonar_grid),
+        sonar_points_in_odom(other.sonar_points_in_odom),
         beside_lidar(other.beside_lidar),
         requested(other.requested),
         commanded(other.commanded) {}
@@ -86,7 +86,7 @@ struct OpenMotion {
 };
 
 struct Runtime::Impl {
-  Impl(World& world, backend::RobotPort& port, Options mind);
+  Impl(World& world, backend::RobotPort& port, Options autonomy);
 
   // what may be done now
   bool healthy() const { return connected && fault.empty(); }
@@ -109,8 +109,8 @@ struct Runtime::Impl {
 
   // sense
   std::vector<Sample> perceive();
-  void hear_and_feel(const Sample& sample);
-  void hear_beside_lidar(const Sample& sample);
+  void update_sonar_and_bumps(const Sample& sample);
+  void update_sonar_beside_lidar(const Sample& sample);
   void join_obstacles();
   void look_around(const Sample& sample);
   void end_motion_if_over();
@@ -126,7 +126,7 @@ struct Runtime::Impl {
   World& world;
   backend::RobotPort& port;
   const safety::GateModel gate_model;
-  const safety::GateModel creeping_gate;
+  const safety::GateModel creep_gate;
   const safety::SightModel sight_model;
   const bool may_creep;
   const State fresh;  // as it was before anything happened

@@ -1,4 +1,4 @@
-// What a robot has perceived last.
+// Newest sample of each sensor.
 #pragma once
 
 #include <optional>

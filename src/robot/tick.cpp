@@ -28,7 +28,7 @@ std::string in_metres(double metres) { return fmt::format("{:.2f} m", metres); }
 
 // A sensor's trouble in words.
 std::string told(const SensorHealth& sensor, const char* verb) {
-  std::string text = "sensor '" + sensor.name + "' " + verb + " " + std::string(to_string(sensor.trouble));
+  std::string text = "sensor '" + sensor.name + "' " + verb + " " + std::string(to_string(sensor.fault));
   return sensor.detail.empty() ? text : text + " (" + sensor.detail + ")";
 }
 
@@ -65,19 +65,19 @@ safety::GateOutput Runtime::Impl::gated(Time now) {
   const Pose2D& base = state->estimate.odom_from_base;
   const std::span<const Vec2> seen = obstacles_in_odom();
   const std::span<const Vec2> unseen = state->sight.unseen();
-  const bool creeping = may_creep && motion && motion->decision.creeping;
+  const bool creep_mode = may_creep && motion && motion->decision.creep_mode;
   std::vector<Vec2> expected;
-  if (creeping) {
+  if (creep_mode) {
     const Vec2 lidar = base * port.profile().lidar->base_from_lidar.position();
     expected = map::smoothed_near(base.position(), kNear, seen, lidar);
   } else if (motion) {
     expected = with_approaching(now);
   }
-  const bool as_seen = !creeping && expected.empty();  // a copy only where something is to be added
+  const bool as_seen = !creep_mode && expected.empty();  // a copy only where something is to be added
   if (as_seen && unseen.empty()) return safety::gate(gate_model, state->gate, state->requested, seen, now, base);
   if (as_seen) expected.assign(seen.begin(), seen.end());
   expected.insert(expected.end(), unseen.begin(), unseen.end());
-  return safety::gate(creeping ? creeping_gate : gate_model, state->gate, state->requested, expected, now, base);
+  return safety::gate(creep_mode ? creep_gate : gate_model, state->gate, state->requested, expected, now, base);
 }
 
 // What is in the way, and what comes nearer as it will be when the robot has come to a stop: two robots that meet would
@@ -102,7 +102,7 @@ std::vector<Vec2> Runtime::Impl::with_approaching(Time now) const {
 
 // A motion owns the robot; without one, a velocity that was asked for holds until it expires.
 Velocity Runtime::Impl::request() {
-  if (const SensorHealth* sensor = state->health.obstacle()) return wait_for(*sensor);
+  if (const SensorHealth* sensor = state->health.blocking_sensor()) return wait_for(*sensor);
   return motion ? steer() : held_velocity();
 }
 
@@ -171,19 +171,19 @@ nav::Observation Runtime::Impl::observation() const {
   }
   return {.now = time,
           .pose = state->estimate,
-          .map = state->echo_map.grid(),
-          .map_version = state->echo_map.version(),
+          .map = state->sonar_grid.grid(),
+          .map_version = state->sonar_grid.version(),
           .obstacles = obstacles_in_odom(),
           .commanded = state->gate.last()};
 }
 
 std::vector<Sample> Runtime::Impl::perceive() {
   std::vector<Sample> samples = port.poll();
-  std::vector<const Sample*> sound;
+  std::vector<const Sample*> usable;
   for (const Sample& sample : samples) {
     backend::check_kind(port.features(), sample);
     if (!state->health.examine(sample, port.features(), port.profile())) continue;
-    sound.push_back(&sample);
+    usable.push_back(&sample);
     state->senses.remember(sample);
     state->localizer->add(sample);
     if (const auto* battery = std::get_if<BatteryState>(&sample.data); battery && battery->charge <= 0.0 && motion)
@@ -196,8 +196,8 @@ std::vector<Sample> Runtime::Impl::perceive() {
   const Vec2 before = state->estimate.odom_from_base.position();
   state->estimate = state->localizer->estimate(now());
   watch_over_sensors();
-  for (const Sample* sample : sound) {
-    port.profile().lidar ? hear_beside_lidar(*sample) : hear_and_feel(*sample);
+  for (const Sample* sample : usable) {
+    port.profile().lidar ? update_sonar_beside_lidar(*sample) : update_sonar_and_bumps(*sample);
     look_around(*sample);
   }
   join_obstacles();
@@ -213,13 +213,13 @@ bool Runtime::Impl::looks_with(SensorType type) const {
 }
 
 std::span<const Vec2> Runtime::Impl::obstacles_in_odom() const {
-  if (!port.profile().lidar) return state->echoes_in_odom;
+  if (!port.profile().lidar) return state->sonar_points_in_odom;
   return state->beside_lidar.empty() ? state->localizer->obstacles() : std::span<const Vec2>(state->beside_lidar);
 }
 
 // Beside a lidar echoes count only where they come from what no beam has met: too low, or of glass. The arcs of all
 // others would close doors that the lidar sees open.
-void Runtime::Impl::hear_beside_lidar(const Sample& sample) {
+void Runtime::Impl::update_sonar_beside_lidar(const Sample& sample) {
   constexpr double kSame = 0.15;  // [m] that an echo and a beam may differ by who tell of one thing, which may move
   constexpr double kAside = 0.1;  // [rad] beyond the cone
   const auto* echo = std::get_if<RangeData>(&sample.data);
@@ -233,7 +233,7 @@ void Runtime::Impl::hear_beside_lidar(const Sample& sample) {
   const bool explained = std::ranges::any_of(seen, [&](Vec2 p) {
     return norm(p) < echo->range + kSame && std::abs(exact::atan2(p.y, p.x)) < 0.5 * echo->field_of_view + kAside;
   });
-  state->echo_map.hear(*echo, now_at.map_from_odom * odom_from_sensor, explained);
+  state->sonar_grid.update(*echo, now_at.map_from_odom * odom_from_sensor, explained);
 }
 
 void Runtime::Impl::join_obstacles() {
@@ -241,7 +241,7 @@ void Runtime::Impl::join_obstacles() {
   if (!port.profile().lidar) return;
   const slam::PoseEstimate& now_at = state->estimate;
   state->beside_lidar.clear();
-  const auto remembered = state->echo_map.occupied_near(now_at.map_from_base().position(), kFar);
+  const auto remembered = state->sonar_grid.occupied_near(now_at.map_from_base().position(), kFar);
   if (remembered.empty()) return;
   state->beside_lidar = transformed(inverse(now_at.map_from_odom), remembered);
   const auto seen = state->localizer->obstacles();
@@ -249,7 +249,7 @@ void Runtime::Impl::join_obstacles() {
 }
 
 // Without a lidar: echoes and bumps, remembered where the robot was as it noticed them.
-void Runtime::Impl::hear_and_feel(const Sample& sample) {
+void Runtime::Impl::update_sonar_and_bumps(const Sample& sample) {
   constexpr double kNear = 1.2;  // [m] around the robot
   const slam::PoseEstimate& now_at = state->estimate;
   const Pose2D odom_from_base =
@@ -259,18 +259,18 @@ void Runtime::Impl::hear_and_feel(const Sample& sample) {
   if (const auto* echo = std::get_if<RangeData>(&sample.data)) {
     const backend::SensorInfo& sensor = port.features().sensors[sample.sensor];
     const Pose2D base_from_sensor = port.profile().base_from_sensor(sensor.type, sensor.name);
-    state->echoes.hear(sample.sensor, *echo, odom_from_base * base_from_sensor);
-    state->echo_map.hear(*echo, map_from_base * base_from_sensor);
+    state->sonar_returns.update(sample.sensor, *echo, odom_from_base * base_from_sensor);
+    state->sonar_grid.update(*echo, map_from_base * base_from_sensor);
   } else if (const auto* imu = std::get_if<IMUData>(&sample.data)) {
     const Vec2 push{imu->linear_acceleration[0], imu->linear_acceleration[1]};
-    if (!state->echo_map.feel(push, port.profile().body.footprint, map_from_base)) return;
+    if (!state->sonar_grid.detect_bump(push, port.profile().body.footprint, map_from_base)) return;
   } else {
     return;
   }
-  const auto remembered = state->echo_map.occupied_near(map_from_base.position(), kNear);
-  state->echoes_in_odom = transformed(inverse(now_at.map_from_odom), remembered);
-  const auto heard = state->echoes.points_in_odom();
-  state->echoes_in_odom.insert(state->echoes_in_odom.end(), heard.begin(), heard.end());
+  const auto remembered = state->sonar_grid.occupied_near(map_from_base.position(), kNear);
+  state->sonar_points_in_odom = transformed(inverse(now_at.map_from_odom), remembered);
+  const auto received = state->sonar_returns.points_in_odom();
+  state->sonar_points_in_odom.insert(state->sonar_points_in_odom.end(), received.begin(), received.end());
 }
 
 // People, and where the lidar is blind. Where the robot was as the lidar turned follows from how it moves now.
@@ -372,8 +372,8 @@ void Runtime::Impl::watch_over_sensors() {
   for (const std::size_t i : health.take_changes()) {
     const SensorHealth& sensor = health.sensors()[i];
     const std::string whose = "robot '" + port.profile().name + "': ";
-    if (sensor.sound()) {
-      warn(whose + "sensor '" + sensor.name + "' is sound again");
+    if (sensor.ok()) {
+      warn(whose + "sensor '" + sensor.name + "' is ok again");
     } else {
       warn(whose + told(sensor, "is") + (sensor.needed ? "; it stands still until that is over" : "; it does without"));
     }

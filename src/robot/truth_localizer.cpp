@@ -22,9 +22,9 @@ constexpr double kFreeNoReturn = 4.0;       // [m] a beam without return clears 
 
 class TruthLocalizer final : public slam::Localizer {
  public:
-  TruthLocalizer(const RobotProfile& profile, const slam::Beginning& beginning, const scene::TruthView& truth)
-      : lidar_(profile.lidar), map_from_odom_(beginning.map_from_start.value_or(Pose2D{})), truth_(&truth) {
-    if (beginning.map) map_ = map::LogOddsMap::going_on_from(*beginning.map);
+  TruthLocalizer(const RobotProfile& profile, const slam::InitialState& initial, const scene::TruthView& truth)
+      : lidar_(profile.lidar), map_from_odom_(initial.map_from_start.value_or(Pose2D{})), truth_(&truth) {
+    if (initial.map) map_ = map::LogOddsMap::going_on_from(*initial.map);
   }
 
   void add(const Sample& sample) override {
@@ -116,16 +116,16 @@ void TruthLocalizer::extend_map(const LaserScan& scan, Time measured) {
 
 }  // namespace
 
-std::unique_ptr<slam::Localizer> make_truth_localizer(const RobotProfile& profile, const slam::Beginning& beginning,
+std::unique_ptr<slam::Localizer> make_truth_localizer(const RobotProfile& profile, const slam::InitialState& initial,
                                                       const scene::TruthView* truth) {
   if (truth == nullptr) {
-    throw ContractError("localization 'truth' needs a simulator that tells it; nobody knows where robot '" +
+    throw ContractError("localization 'truth' needs a simulator that states it; unknown is where robot '" +
                         profile.name + "' truly is on this backend");
   }
-  if (beginning.map && !beginning.map_from_start) {
+  if (initial.map && !initial.map_from_start) {
     throw ContractError("localization 'truth' in a given map needs initial_pose: the truth knows nothing of that map");
   }
-  return std::make_unique<TruthLocalizer>(profile, beginning, *truth);
+  return std::make_unique<TruthLocalizer>(profile, initial, *truth);
 }
 
 }  // namespace threewe

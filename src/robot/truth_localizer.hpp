@@ -1,4 +1,4 @@
-// Localisation by the truth: what a robot could do if it always knew where it is.
+// Ground-truth localizer, for experiments in a simulated world.
 #pragma once
 
 #include <memory>
@@ -9,10 +9,10 @@
 
 namespace threewe {
 
-/// For experiments in a simulated world, as a `Mind::localizer`. `odom` lies where the robot started, and never drifts;
-/// the map is drawn by scans at their true poses. Throws ContractError on a real robot, of which nobody knows the
-/// truth, and for a given map of which nobody said where the robot starts in it.
-std::unique_ptr<slam::Localizer> make_truth_localizer(const RobotProfile& profile, const slam::Beginning& beginning,
+/// For experiments in a simulated world, as a `Autonomy::localizer`. `odom` lies where the robot started, and never
+/// drifts; the map is drawn by scans at their true poses. Throws ContractError on a real robot, of which nobody knows
+/// the truth, and for a given map of which nobody said where the robot starts in it.
+std::unique_ptr<slam::Localizer> make_truth_localizer(const RobotProfile& profile, const slam::InitialState& initial,
                                                       const scene::TruthView* truth);
 
 }  // namespace threewe

@@ -1,4 +1,4 @@
-// Who waits for what in one world.
+// Wait list of one world: who waits for what.
 #pragma once
 
 #include <algorithm>

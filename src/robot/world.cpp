@@ -8,7 +8,7 @@
 #include <fmt/format.h>
 
 #include "core/bounds.hpp"
-#include "nav/mind.hpp"
+#include "nav/autonomy.hpp"
 #include "robot/world_state.hpp"
 #include "threewe/backend/registry.hpp"
 #include "threewe/core/errors.hpp"
@@ -16,14 +16,16 @@
 namespace threewe {
 namespace {
 
-Runtime::Options make_mind(const Mind& mind, const backend::RobotPort& port, const slam::Beginning& beginning) {
+Runtime::Options make_autonomy(const Autonomy& autonomy, const backend::RobotPort& port,
+                               const slam::InitialState& initial) {
   const RobotProfile& profile = port.profile();
-  if (beginning.map && !profile.lidar) {
+  if (initial.map && !profile.lidar) {
     throw HardwareError("robot '" + profile.name + "' has no sensor 'lidar', which finding its place in a map needs");
   }
-  return {mind.localizer ? mind.localizer(profile, beginning, port.truth()) : slam::make_localizer(profile, beginning),
-          mind.navigator ? mind.navigator(profile) : nav::make_navigator(profile),
-          !mind.navigator && profile.lidar.has_value()};
+  return {
+      autonomy.localizer ? autonomy.localizer(profile, initial, port.truth()) : slam::make_localizer(profile, initial),
+      autonomy.navigator ? autonomy.navigator(profile) : nav::make_navigator(profile),
+      !autonomy.navigator && profile.lidar.has_value()};
 }
 
 std::string size_of_pictures(const RobotProfile& profile) {
@@ -31,7 +33,7 @@ std::string size_of_pictures(const RobotProfile& profile) {
 }
 
 // Throws unless a state of a world made in one way can go on in a world made in another.
-void require_like(const Setting& saved, const Setting& ours) {
+void require_like(const WorldSetup& saved, const WorldSetup& ours) {
   const auto fail = [](const std::string& what) {
     throw ContractError(fmt::format("restore: saved from a world with {}", what));
   };
@@ -65,22 +67,22 @@ struct World::Snapshot {
   Time now{};
   std::vector<std::byte> backend;
   std::vector<std::shared_ptr<const Runtime::State>> robots;
-  Setting setting;
+  WorldSetup setup;
 };
 
 World::World(const Options& options)
-    : World(backend::make_world(options.backend, options), options.realtime, options.mind, options.initial_poses,
+    : World(backend::make_world(options.backend, options), options.realtime, options.autonomy, options.initial_poses,
             options.map) {
   impl_->seed = options.seed;
 }
 
-World::World(std::unique_ptr<backend::World> backend, bool realtime, const Mind& mind,
+World::World(std::unique_ptr<backend::World> backend, bool realtime, const Autonomy& autonomy,
              const std::vector<Pose2D>& initial_poses, const std::shared_ptr<const map::OccupancyGrid>& map)
     : impl_(std::make_unique<Impl>()) {
   impl_->backend = std::move(backend);
   impl_->now = impl_->backend->now();
   impl_->paced = realtime;
-  impl_->setting = {mind.localization, map, initial_poses, {}};
+  impl_->setup = {autonomy.localization, map, initial_poses, {}};
   if (initial_poses.size() > impl_->backend->robot_count()) {
     throw ConfigError("there are " + std::to_string(initial_poses.size()) + " initial_poses for " +
                       std::to_string(impl_->backend->robot_count()) + " robots");
@@ -91,14 +93,14 @@ World::World(std::unique_ptr<backend::World> backend, bool realtime, const Mind&
   for (std::size_t i = 0; i < impl_->backend->robot_count(); ++i) {
     backend::RobotPort& port = impl_->backend->robot(i);
     impl_->lockstep = impl_->lockstep && port.features().lockstep;
-    slam::Beginning beginning{map, {}};
+    slam::InitialState initial{map, {}};
     if (i < initial_poses.size()) {
       const Pose2D& pose = initial_poses[i];
       check_bounds("initial_pose", pose);
-      beginning.map_from_start = pose;
+      initial.map_from_start = pose;
     }
-    impl_->setting.cameras.push_back(size_of_pictures(port.profile()));
-    impl_->robots.push_back(std::make_unique<Runtime>(*this, port, make_mind(mind, port, beginning)));
+    impl_->setup.cameras.push_back(size_of_pictures(port.profile()));
+    impl_->robots.push_back(std::make_unique<Runtime>(*this, port, make_autonomy(autonomy, port, initial)));
   }
 }
 
@@ -121,7 +123,7 @@ void World::tick() {
   impl_->require_no_tick();
   if (held()) throw ContractError("robot time stands still while a `thinking` block is open");
   if (!impl_->broken.empty()) throw ConnectionError(impl_->broken);
-  if (impl_->paced && impl_->lockstep) impl_->pace.wait(now());
+  if (impl_->paced && impl_->lockstep) impl_->pacer.wait(now());
 
   {
     const Ticking ticking(impl_->ticking);
@@ -152,17 +154,17 @@ bool World::Impl::advance() {
 }
 
 bool World::run(Duration wall) {
-  const auto end = Pace::Clock::now() + wall;
+  const auto end = RealTimePacer::Clock::now() + wall;
   do {
     if (impl_->waits.has_finished()) return true;
     if (held() || !(has_pending() || realtime())) return false;
-    const Duration left = std::max<Duration>(Duration::zero(), end - Pace::Clock::now());
+    const Duration left = std::max<Duration>(Duration::zero(), end - RealTimePacer::Clock::now());
     if (due() > left) {
       std::this_thread::sleep_for(left);
       return false;
     }
     tick();
-  } while (Pace::Clock::now() < end);
+  } while (RealTimePacer::Clock::now() < end);
   return impl_->waits.has_finished();
 }
 
@@ -223,7 +225,7 @@ bool World::has_pending() const { return impl_->waits.has_pending(); }
 bool World::realtime() const { return impl_->paced || !impl_->lockstep; }
 
 Duration World::due() const {
-  if (impl_->lockstep) return impl_->paced ? impl_->pace.due(now()) : Duration::zero();
+  if (impl_->lockstep) return impl_->paced ? impl_->pacer.due(now()) : Duration::zero();
   return std::max(Duration::zero(), now() + kControlPeriod - impl_->backend->now());
 }
 
@@ -241,7 +243,7 @@ bool World::held() const { return impl_->holds > 0 && impl_->lockstep; }
 void World::Impl::begin_anew_at(Time time) {
   waits.begin_anew(time - now);
   now = time;
-  pace.forget();
+  pacer.forget();
   broken.clear();
 }
 
@@ -252,11 +254,11 @@ void World::reset(const backend::ResetOptions& options) {
   impl_->begin_anew_at(impl_->backend->now());
 }
 
-void World::carry(std::size_t robot, const Pose2D& pose) {
+void World::teleport(std::size_t robot, const Pose2D& pose) {
   impl_->require_no_tick();
   if (robot >= robot_count()) throw ContractError("no robot " + std::to_string(robot));
   check_bounds("pose", pose);
-  impl_->backend->carry(robot, pose);
+  impl_->backend->teleport(robot, pose);
 }
 
 std::shared_ptr<const World::Snapshot> World::save() const {
@@ -265,14 +267,14 @@ std::shared_ptr<const World::Snapshot> World::save() const {
   for (const auto& robot : impl_->robots) snapshot->robots.push_back(robot->save());
   snapshot->backend = impl_->backend->save();
   snapshot->now = now();
-  snapshot->setting = impl_->setting;
+  snapshot->setup = impl_->setup;
   return snapshot;
 }
 
 void World::restore(const std::shared_ptr<const Snapshot>& snapshot) {
   impl_->require_no_tick();
   if (!snapshot || snapshot->robots.size() != robot_count()) throw ContractError("the snapshot is of another world");
-  require_like(snapshot->setting, impl_->setting);
+  require_like(snapshot->setup, impl_->setup);
   impl_->backend->restore(snapshot->backend);
   for (std::size_t i = 0; i < robot_count(); ++i) impl_->robots[i]->restore(*snapshot->robots[i]);
   impl_->begin_anew_at(snapshot->now);

@@ -1,4 +1,4 @@
-// What a world keeps, for itself and for the runtimes of its robots.
+// State of a world, for itself and for the runtimes of its robots.
 #pragma once
 
 #include <cstdint>
@@ -7,14 +7,14 @@
 #include <string>
 #include <vector>
 
-#include "robot/pace.hpp"
+#include "robot/real_time_pacer.hpp"
 #include "robot/wait_list.hpp"
 #include "threewe/robot/runtime.hpp"
 
 namespace threewe {
 
 /// What the minds of a world were made with, besides what the backend knows of: a state goes on only in a like one.
-struct Setting {
+struct WorldSetup {
   std::string localization;
   std::shared_ptr<const map::OccupancyGrid> map;
   std::vector<Pose2D> initial_poses;
@@ -24,7 +24,7 @@ struct Setting {
 struct World::Impl {
   std::unique_ptr<backend::World> backend;
   std::vector<std::unique_ptr<Runtime>> robots;
-  Setting setting;
+  WorldSetup setup;
   Time now{};              // the tick that begins next
   std::uint64_t seed = 0;  // of all noise, unless a reset is given another
   WaitList waits;
@@ -33,7 +33,7 @@ struct World::Impl {
   bool lockstep = true;        // time advances only when it is told to
   bool paced = false;          // to the wall clock
   bool one_map_frame = false;  // the robots' maps are in the same frame
-  Pace pace;
+  RealTimePacer pacer;
   std::string broken;                 // why time cannot go on; empty while it can
   std::exception_ptr observer_error;  // the first of this tick
 

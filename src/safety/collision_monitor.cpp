@@ -254,8 +254,8 @@ Velocity clear_of_obstacles(const GateModel& model, const GateState& state, cons
     (keeps_clear(between(middle)) ? safe : unsafe) = middle;
   }
   const Velocity slowed = between(safe);
-  const bool creeping = exact::hypot(slowed.vx, slowed.vy) < kStandStill && std::abs(slowed.omega) < kStandStill;
-  return creeping && fallback == Velocity{} ? Velocity{} : slowed;
+  const bool creep_mode = exact::hypot(slowed.vx, slowed.vy) < kStandStill && std::abs(slowed.omega) < kStandStill;
+  return creep_mode && fallback == Velocity{} ? Velocity{} : slowed;
 }
 
 }  // namespace threewe::safety

@@ -1,4 +1,4 @@
-// Keeps the footprint clear of what the lidar sees.
+// Collision monitor: keeps the footprint clear of obstacle points.
 #pragma once
 
 #include <span>

@@ -64,7 +64,7 @@ GateModel make_gate_model(const RobotProfile& profile) {
   return model;
 }
 
-GateModel creeping(const GateModel& model) {
+GateModel creep_mode(const GateModel& model) {
   constexpr double kMargin = 0.003;  // [m]
   constexpr double kLinear = 0.04;   // [m/s]
   constexpr double kCorners = 0.05;  // [m/s]

@@ -1,4 +1,4 @@
-// The last word on every command: limits, acceleration, watchdog, collision monitor, latched emergency stop.
+// Safety gate, the last word on every command: limits, acceleration, watchdog, collision monitor, emergency stop.
 // Model and plain State, so that a whole batch can run it.
 #pragma once
 
@@ -32,7 +32,7 @@ GateModel make_gate_model(const RobotProfile& profile);
 
 /// The same for a robot that creeps through a gap: so slow that a touch would do no harm, 0.05 m/s at its corners, it
 /// keeps no more free than is lost to the scatter of what it sees.
-GateModel creeping(const GateModel& model);
+GateModel creep_mode(const GateModel& model);
 
 /// The longest reaction that the gate can look ahead over.
 inline constexpr Duration kMaxReaction = 320ms;

@@ -1,4 +1,4 @@
-// What a lidar's scan says about obstacles, as points for the collision monitor.
+// Lidar scan as obstacle points for the collision monitor.
 #pragma once
 
 #include <limits>

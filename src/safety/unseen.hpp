@@ -1,4 +1,4 @@
-// What a lidar has not seen lately, as points for the collision monitor: unknown is not free.
+// Unobserved sectors as obstacle points for the collision monitor: unknown is not free.
 #pragma once
 
 #include <cstddef>

@@ -1,4 +1,4 @@
-// How much of a place a robot has really seen and mapped.
+// Coverage meter: how much of a place a robot has really seen and mapped.
 #pragma once
 
 #include <functional>

@@ -1,4 +1,4 @@
-// Where robots start and where they go: one sampler for every test, environment and benchmark.
+// Episode sampler of starts and goals: one for every test, environment and benchmark.
 #pragma once
 
 #include <cstdint>

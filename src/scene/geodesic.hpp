@@ -1,4 +1,4 @@
-// Shortest path lengths around obstacles.
+// Geodesic distance fields around obstacles.
 #pragma once
 
 #include <cstddef>

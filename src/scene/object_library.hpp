@@ -1,4 +1,4 @@
-// The shapes that furniture comes in, read from assets/objects.
+// Object library: the shapes of furniture, read from assets/objects.
 #pragma once
 
 #include <map>

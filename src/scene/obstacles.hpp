@@ -1,4 +1,4 @@
-// What stands in a robot's way, with exact collision tests.
+// Obstacle index with exact collision tests.
 #pragma once
 
 #include <vector>

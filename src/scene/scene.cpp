@@ -66,11 +66,11 @@ const Room& Scene::room(std::string_view room_name) const {
   throw ConfigError(unknown_name("room", room_name, names));
 }
 
-double Scene::grip_at(Vec2 point) const {
+double Scene::friction_at(Vec2 point) const {
   const auto patch = std::ranges::find_if(patches, [&](const Patch& p) {
     return p.min.x <= point.x && point.x < p.max.x && p.min.y <= point.y && point.y < p.max.y;
   });
-  return patch == patches.end() ? 1.0 : patch->grip;
+  return patch == patches.end() ? 1.0 : patch->friction;
 }
 
 std::vector<std::string> scene_names() { return asset_names("scenes"); }

@@ -1,4 +1,4 @@
-// What a scene must be to make sense as a place. Each mistake is reported where it was written.
+// Validation of scenes as places. Each mistake is reported where it was written.
 #pragma once
 
 #include <vector>

@@ -22,8 +22,8 @@ constexpr double kQuarterTurn = 0.5 * exact::kPi;
 constexpr double kLargestArea = 1e5;    // [m^2] around all walls: its tables take 300 MB
 constexpr double kSmallestRoom = 0.5;   // [m]
 constexpr double kSmallestPatch = 0.1;  // [m]
-constexpr double kLeastGrip = 0.2;      // wet ice
-constexpr double kMostGrip = 1.5;       // rubber matting
+constexpr double kLeastFriction = 0.2;  // wet ice
+constexpr double kMostFriction = 1.5;   // rubber matting
 constexpr double kShortestLeg = 0.1;    // [m] of a route
 constexpr std::size_t kMostPeople = 100;
 constexpr std::size_t kMostWaypoints = 100;
@@ -180,7 +180,7 @@ class SceneReader {
       patch.name = node.name("name");
       std::tie(patch.min, patch.max) = read_rectangle(node, fmt::format("patch '{}'", patch.name), kSmallestPatch);
       patch.floor = node.choice("floor", kFloors);
-      patch.grip = node.number_in("grip", kLeastGrip, kMostGrip);
+      patch.friction = node.number_in("friction", kLeastFriction, kMostFriction);
       node.finish();
       scene_.patches.push_back(patch);
       draft_.patches.push_back(node);

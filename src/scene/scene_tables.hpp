@@ -1,4 +1,4 @@
-// What is true about a scene for one robot: where it can be, and how far it is from place to place.
+// Precomputed tables of a scene for one robot: where it can be, and how far it is from place to place.
 #pragma once
 
 #include <cstdint>

@@ -55,8 +55,8 @@ class Writer {
     });
     list("walls", scene.plan, wall);
     list("patches", scene.patches, [](const Patch& patch) {
-      return fmt::format("{{name: {}, min: {}, max: {}, floor: {}, grip: {}}}", text(patch.name), point(patch.min),
-                         point(patch.max), patch.floor, patch.grip);
+      return fmt::format("{{name: {}, min: {}, max: {}, floor: {}, friction: {}}}", text(patch.name), point(patch.min),
+                         point(patch.max), patch.floor, patch.friction);
     });
     list("people", scene.people, person);
     list("objects", scene.objects, [](const Object& object) {

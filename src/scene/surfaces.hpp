@@ -1,4 +1,4 @@
-// What pictures show besides objects, people and robots.
+// Semantic classes of surfaces: what images show besides objects, people and robots.
 #pragma once
 
 #include <array>

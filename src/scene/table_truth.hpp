@@ -1,4 +1,4 @@
-// The part of the truth that follows from the scene alone.
+// Ground truth that follows from the scene alone.
 #pragma once
 
 #include <limits>

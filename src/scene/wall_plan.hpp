@@ -1,4 +1,4 @@
-// How walls meet.
+// Wall joints: where walls share corners.
 #pragma once
 
 #include "threewe/scene/scene.hpp"

@@ -16,7 +16,7 @@
 namespace threewe::sim {
 
 /// A moment of a world: all that a picture shows follows from this and the model.
-struct Shot {
+struct CapturePose {
   RngKey key;              ///< of the camera's noise; its robot holds the camera
   std::uint64_t step = 0;  ///< at whose end it was taken
   models::Variation variation;
@@ -29,9 +29,10 @@ struct Shot {
 bool picture_ready(const RobotModel& robot, const RobotState& state);
 
 /// The moment that `world[robot]` sees now. `world` are the robots of one world.
-Shot take_shot(std::span<const RobotState> world, std::span<const PersonState> people, std::size_t robot);
+CapturePose capture_pose(std::span<const RobotState> world, std::span<const PersonState> people, std::size_t robot);
 /// The same into a shot that keeps its memory.
-void take_shot(std::span<const RobotState> world, std::span<const PersonState> people, std::size_t robot, Shot& shot);
+void capture_pose(std::span<const RobotState> world, std::span<const PersonState> people, std::size_t robot,
+                  CapturePose& capture);
 
 /// Working memory of one thread that draws. Keeps its size from picture to picture; holds nothing between them.
 struct DrawScratch {
@@ -48,14 +49,14 @@ struct PictureSpans {
 /// Draws what the robot's camera would deliver if its view had these intrinsics: with noise. Allocates nothing once
 /// `scratch` has grown. Depth of a camera that measures none is refused with a ConfigError; a robot without a camera is
 /// a programmer's mistake.
-void draw(const Model& model, const Shot& shot, const CameraIntrinsics& camera, const PictureSpans& picture,
+void draw(const Model& model, const CapturePose& capture, const CameraIntrinsics& camera, const PictureSpans& picture,
           DrawScratch& scratch);
 
 /// What the robot's camera delivers of it: with noise, and depth where it measures any.
-RGBDImage draw_picture(const Model& model, const Shot& shot);
+RGBDImage draw_picture(const Model& model, const CapturePose& capture);
 
 /// What some camera would truly show of it, with or without the robot itself.
-SemanticImage draw_truth(const Model& model, const Shot& shot, const CameraIntrinsics& camera, const CameraPose& view,
-                         bool with_itself);
+SemanticImage draw_truth(const Model& model, const CapturePose& capture, const CameraIntrinsics& camera,
+                         const CameraPose& view, bool with_itself);
 
 }  // namespace threewe::sim

@@ -1,4 +1,4 @@
-// How a convex body moves among obstacles: it stops at them and slides along them, and never passes into one.
+// Rigid-body contact in the plane: a convex body stops at obstacles and slides along them, and never passes into one.
 #pragma once
 
 #include "sim/ray_caster.hpp"

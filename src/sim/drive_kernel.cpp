@@ -15,7 +15,7 @@
 #include "hardware/limits-inl.hpp"
 #include "models/drive-inl.hpp"
 #include "models/odometry-inl.hpp"
-#include "models/pull-inl.hpp"
+#include "models/traction-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace threewe::sim::kernel::HWY_NAMESPACE {
@@ -135,14 +135,14 @@ HWY_INLINE std::byte* bytes_of(const T& data) {
 // What stays the same from step to step.
 struct Constants {
   models::DriveOf<V> drive;
-  models::PullOf<V> pull;
-  bool pulls;  // whether any of them has a measured traction: only then is there a `pull`
+  models::TractionModelOf<V> traction_model;
+  bool pulls;  // whether any of them has a measured traction: only then is there a `traction_model`
   models::BatteryOf<V> battery;
 };
 
 HWY_INLINE Constants constants_of(const Group& group) {
   Constants constants;
-  auto& [drive, pull, pulls, battery] = constants;
+  auto& [drive, traction_model, pulls, battery] = constants;
   V unused;
   Places drives;
   Places tractions;
@@ -151,9 +151,9 @@ HWY_INLINE Constants constants_of(const Group& group) {
   for (std::size_t i = 0; i < kLanes; ++i) {
     const RobotModel& robot = *group.drivers[i]->robot;
     drives[i] = bytes_of(robot.drive);
-    tractions[i] = bytes_of(robot.pull);
+    tractions[i] = bytes_of(robot.traction_model);
     batteries[i] = bytes_of(robot.battery);
-    pulls = pulls || robot.pull.present != 0.0;
+    pulls = pulls || robot.traction_model.present != 0.0;
   }
   gather(drives, 0, drive.turns_per_metre, drive.turn_arm, drive.sideways, drive.roll);
   gather(drives, kRow, drive.roll_turn, drive.linear_limit, drive.angular_limit, drive.per_no_load_speed);
@@ -162,10 +162,12 @@ HWY_INLINE Constants constants_of(const Group& group) {
   gather(batteries, offsetof(models::Battery, per_nominal), unused, battery.idle_power, battery.per_efficiency,
          battery.per_capacity);
   if (pulls) {
-    gather(tractions, 0, pull.present, pull.ahead, pull.sideways, pull.turning);
-    gather(tractions, kRow, pull.turn_inertia, pull.hold, pull.load, pull.shift);
-    gather(tractions, 2 * kRow, pull.per_shift_speed, pull.pitch, pull.rear_pitch, pull.roll);
-    gather(tractions, 3 * kRow, pull.wheel_share, unused, unused, unused);
+    gather(tractions, 0, traction_model.present, traction_model.ahead, traction_model.sideways, traction_model.turning);
+    gather(tractions, kRow, traction_model.turn_inertia, traction_model.hold, traction_model.load,
+           traction_model.shift);
+    gather(tractions, 2 * kRow, traction_model.per_shift_speed, traction_model.pitch, traction_model.rear_pitch,
+           traction_model.roll);
+    gather(tractions, 3 * kRow, traction_model.wheel_share, unused, unused, unused);
   }
   return constants;
 }
@@ -197,8 +199,9 @@ HWY_INLINE void pull_freely(const Constants& constants, const formulae::GivenOf<
                             const VelocityOf<V>& command, const VelocityOf<V>& carried, formulae::WheelsOf<V>& wheels,
                             VelocityOf<V>& rolling, VelocityOf<V>& after) {
   const auto& drive = constants.drive;
-  const formulae::PulledOf<V> pulled = formulae::pull_body(drive, constants.pull, given, lateral, command, carried);
-  const auto own = constants.pull.present != lanes::number<V>(0.0);
+  const formulae::TractionStepOf<V> pulled =
+      formulae::push_body(drive, constants.traction_model, given, lateral, command, carried);
+  const auto own = constants.traction_model.present != lanes::number<V>(0.0);
   const VelocityOf<V> spun = formulae::rolling_velocity(drive.roll, drive.roll_turn, drive.sideways, pulled.wheels);
   for (std::size_t i = 0; i < 4; ++i) wheels.at[i] = lanes::where(own, pulled.wheels.at[i], wheels.at[i]);
   rolling = where(own, spun, rolling);
@@ -206,7 +209,7 @@ HWY_INLINE void pull_freely(const Constants& constants, const formulae::GivenOf<
 }
 
 HWY_INLINE void drive_group(const Group& group, const Constants& constants) {
-  const auto& [drive, pull, pulls, battery] = constants;
+  const auto& [drive, traction_model, pulls, battery] = constants;
   const V seconds = lanes::number<V>(to_seconds(kStep));
 
   V unused;
@@ -226,7 +229,7 @@ HWY_INLINE void drive_group(const Group& group, const Constants& constants) {
   V lateral;
   V response;
   V stall_change;
-  V grip_change;
+  V friction_change;
   V mass;
   V noise;
   V turn_response;
@@ -235,7 +238,7 @@ HWY_INLINE void drive_group(const Group& group, const Constants& constants) {
   formulae::WheelsOf<V> wheels;
   formulae::WheelsOf<V> angles;
   gather(group.states, kLateral, lateral, charge.voltage, charge.current, charge.charge);
-  gather(group.states, kTraction, response, stall_change, grip_change, mass);
+  gather(group.states, kTraction, response, stall_change, friction_change, mass);
   gather(group.states, kNoise, noise, turn_response, resistance, unused);
   gather(group.states, offsetof(RobotState, wheel_speeds), wheels.at[0], wheels.at[1], wheels.at[2], wheels.at[3]);
   gather(group.states, offsetof(RobotState, wheel_angles), angles.at[0], angles.at[1], angles.at[2], angles.at[3]);
@@ -259,10 +262,10 @@ HWY_INLINE void drive_group(const Group& group, const Constants& constants) {
   carried = {linear.x, linear.y, carried.omega};
 
   // wheels pull the body
-  const V given = hn::Load(Doubles(), floors) * grip_change;
+  const V given = hn::Load(Doubles(), floors) * friction_change;
   VelocityOf<V> rolling = formulae::rolling_velocity(drive.roll, drive.roll_turn, drive.sideways, wheels);
   rolling.vy = rolling.vy * lateral;
-  VelocityOf<V> after = formulae::grip(drive.turn_weight, given, carried, rolling);
+  VelocityOf<V> after = formulae::limit_by_friction(drive.turn_weight, given, carried, rolling);
   if (pulls) {
     pull_freely(constants, {response, turn_response, stall_change, given, supply, shares}, lateral, command, carried,
                 wheels, rolling, after);
@@ -370,7 +373,7 @@ static_assert(offsetof(models::Traction, motor_noise) + 2 * sizeof(double) == si
                   offsetof(RobotState, battery) == offsetof(RobotState, wheel_errors) + sizeof(models::WheelErrors) &&
                   offsetof(RobotState, distance_driven) == offsetof(RobotState, pose) + 7 * sizeof(double) &&
                   offsetof(models::OdometryState, read) == 6 * sizeof(double) &&
-                  sizeof(Driven) == 12 * sizeof(double) && sizeof(models::Pull) == 16 * sizeof(double),
+                  sizeof(Driven) == 12 * sizeof(double) && sizeof(models::TractionModel) == 16 * sizeof(double),
               "the kernel takes over rows of four numbers, in this order");
 
 void drive(std::span<const Driver> drivers, std::span<Driven> driven) {

@@ -1,4 +1,4 @@
-// The inner part of a step: how motors and wheels pull many robots, vectorised over robots.
+// Vectorised drive step: motors and wheels of many robots at once.
 #pragma once
 
 #include <span>

@@ -66,7 +66,7 @@ RobotModel make_robot(const scene::Scene& scene, const RobotProfile& profile) {
   RobotModel robot;
   robot.profile = profile;
   robot.drive = models::make_drive(profile, kStep);
-  robot.pull = models::make_pull(profile, kStep);
+  robot.traction_model = models::make_traction_model(profile, kStep);
   robot.battery = models::make_battery(profile.battery);
   robot.odometer = models::make_odometer(profile.odometry, profile.body.wheels);
   robot.wheels = wheel_places(profile.body.wheels);

@@ -1,4 +1,4 @@
-// What never changes while a simulation runs: the scene, the robots in it, and all that follows from both.
+// Simulation model: what never changes while a simulation runs: the scene, the robots in it, and all that follows.
 #pragma once
 
 #include <memory>
@@ -10,7 +10,7 @@
 #include "models/drive.hpp"
 #include "models/lidar.hpp"
 #include "models/odometry.hpp"
-#include "models/pull.hpp"
+#include "models/traction.hpp"
 #include "sim/contact.hpp"
 #include "sim/ray_caster.hpp"
 #include "sim/renderer.hpp"
@@ -32,7 +32,7 @@ inline constexpr int kMaxLidarPoints = 512;
 struct RobotModel {
   RobotProfile profile;
   models::Drive drive;
-  models::Pull pull;
+  models::TractionModel traction_model;
   models::Battery battery;
   models::Odometer odometer;
   std::vector<Vec2> wheels;  ///< where the driven ones touch the floor, in the base frame

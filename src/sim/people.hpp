@@ -1,4 +1,4 @@
-// People who walk round and round their routes, and wait for robots in their way.
+// Pedestrian model: people walk closed routes, and wait for robots in their way.
 #pragma once
 
 #include <array>

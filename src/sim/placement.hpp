@@ -1,4 +1,4 @@
-// Where a robot can be put down.
+// Placement check: where a robot can be put down.
 #pragma once
 
 #include <optional>

@@ -54,7 +54,7 @@ VisibleSet everything(const scene::Slice& slice) {
 }
 
 // Lets beams meet shapes that are in no table, a few at a time.
-void meet_moving(const MovingShapes& moving, kernel::Fan& fan) {
+void intersect_moving(const MovingShapes& moving, kernel::Fan& fan) {
   constexpr std::size_t kAtOnce = kBlock;
   const Vec2 center = fan.sweep.origin;
   for (std::size_t i = 0; i < std::max(moving.segments.size(), moving.circles.size()); i += kAtOnce) {
@@ -72,7 +72,7 @@ void meet_moving(const MovingShapes& moving, kernel::Fan& fan) {
     for (std::size_t k = i; k < std::min(i + kAtOnce, moving.circles.size()); ++k) {
       put(circles, shapes.circle_count++, moving.circles[k], center, static_cast<int>(k));
     }
-    meet(shapes, fan);
+    intersect(shapes, fan);
   }
 }
 
@@ -152,8 +152,8 @@ void RayCaster::cast_part(const Sweep& sweep, std::span<float> ranges, const Mov
   }
   kernel::Fan fan;
   kernel::begin(sweep, range_max_, fan);
-  kernel::meet(table_->seen_from(cell), fan);
-  meet_moving(moving, fan);
+  kernel::intersect(table_->seen_from(cell), fan);
+  intersect_moving(moving, fan);
   kernel::finish(fan, range_max_, ranges.data());
 }
 

@@ -1,4 +1,4 @@
-// The lidar's rays, exact: no grid, no marching. What each place can see is known beforehand.
+// Exact ray caster of the lidar: no grid, no marching. What each place can see is known beforehand.
 #pragma once
 
 #include <memory>

@@ -258,7 +258,7 @@ HWY_INLINE void keep_larger_carefully(Fan& fan, int first, int last, const Inver
 
 HWY_INLINE V cross(V ax, V ay, V bx, V by) { return hn::Sub(hn::Mul(ax, by), hn::Mul(ay, bx)); }
 
-void meet_carefully(Fan& fan, int first, int last, const scene::Segment& segment) {
+void intersect_carefully(Fan& fan, int first, int last, const scene::Segment& segment) {
   const Doubles d;
   const V along_x = hn::Set(d, segment.b.x - segment.a.x);
   const V along_y = hn::Set(d, segment.b.y - segment.a.y);
@@ -275,7 +275,7 @@ void meet_carefully(Fan& fan, int first, int last, const scene::Segment& segment
   });
 }
 
-void meet_carefully(Fan& fan, int first, int last, const scene::Circle& circle) {
+void intersect_carefully(Fan& fan, int first, int last, const scene::Circle& circle) {
   const Doubles d;
   const V radius_squared = hn::Set(d, circle.radius * circle.radius);
   keep_larger_carefully(fan, first, last, [&](V x, V y, V c, V s) HWY_ATTR {
@@ -384,8 +384,8 @@ HWY_INLINE void find_beams(const SegmentBatch& batch, int count, const Frame& fr
 }
 
 template <bool kInPairs>
-HWY_INLINE void meet_standing(Fan& fan, const Tasks& tasks, std::size_t task, const SegmentBatch& batch,
-                              std::size_t place) {
+HWY_INLINE void intersect_standing(Fan& fan, const Tasks& tasks, std::size_t task, const SegmentBatch& batch,
+                                   std::size_t place) {
   const Floats d;
   const F a = hn::Set(d, batch.of_cos[place]);
   const F b = hn::Set(d, batch.of_sin[place]);
@@ -395,8 +395,8 @@ HWY_INLINE void meet_standing(Fan& fan, const Tasks& tasks, std::size_t task, co
 
 // On the way: each beam from its own origin, both ends tested.
 template <bool kInPairs>
-HWY_INLINE void meet_moving(Fan& fan, const Tasks& tasks, std::size_t task, const SegmentBatch& batch,
-                            std::size_t place, const Frame& frame) {
+HWY_INLINE void intersect_moving(Fan& fan, const Tasks& tasks, std::size_t task, const SegmentBatch& batch,
+                                 std::size_t place, const Frame& frame) {
   const Floats d;
   const float along_x = batch.along_x[place];
   const float along_y = batch.along_y[place];
@@ -473,8 +473,8 @@ HWY_INLINE void find_beams(const CircleBatch& batch, int count, const Frame& fra
 }
 
 template <bool kInPairs>
-HWY_INLINE void meet_standing(Fan& fan, const Tasks& tasks, std::size_t task, const CircleBatch& batch,
-                              std::size_t place) {
+HWY_INLINE void intersect_standing(Fan& fan, const Tasks& tasks, std::size_t task, const CircleBatch& batch,
+                                   std::size_t place) {
   const Floats d;
   const F x = hn::Set(d, batch.x[place]);
   const F y = hn::Set(d, batch.y[place]);
@@ -492,8 +492,8 @@ HWY_INLINE void meet_standing(Fan& fan, const Tasks& tasks, std::size_t task, co
 
 // On the way: each beam from its own origin.
 template <bool kInPairs>
-HWY_INLINE void meet_moving(Fan& fan, const Tasks& tasks, std::size_t task, const CircleBatch& batch, std::size_t place,
-                            const Frame& frame) {
+HWY_INLINE void intersect_moving(Fan& fan, const Tasks& tasks, std::size_t task, const CircleBatch& batch,
+                                 std::size_t place, const Frame& frame) {
   const Floats d;
   const F x0 = hn::Set(d, batch.x[place]);
   const F y0 = hn::Set(d, batch.y[place]);
@@ -561,8 +561,8 @@ HWY_INLINE int choose(const Block* blocks, int count, const Frame& frame, Block*
 
 // Looks at a batch of candidates after the other, finds the beams that each concerns, and lets these meet it.
 template <class Batch, bool kMoves, bool kInPairs, class Block, class Shape>
-HWY_INLINE void meet_candidates(std::span<const Block> all_blocks, int all, std::span<const Shape> shapes,
-                                const Frame& frame, Fan& fan) {
+HWY_INLINE void intersect_candidates(std::span<const Block> all_blocks, int all, std::span<const Shape> shapes,
+                                     const Frame& frame, Fan& fan) {
   const int lanes = static_cast<int>(hn::Lanes(Floats()));
   for (int start = 0; start < all; start += kBatch) {
     Batch batch;
@@ -582,17 +582,17 @@ HWY_INLINE void meet_candidates(std::span<const Block> all_blocks, int all, std:
       const auto place = static_cast<std::size_t>(tasks.place[t]);
       if (batch.care[place] > 0.0F) {
         const std::int32_t index = blocks[place / kBlock].index[place % kBlock];
-        meet_carefully(fan, tasks.first[t], tasks.last[t], shapes[static_cast<std::size_t>(index)]);
+        intersect_carefully(fan, tasks.first[t], tasks.last[t], shapes[static_cast<std::size_t>(index)]);
       } else if constexpr (kMoves) {
-        meet_moving<kInPairs>(fan, tasks, t, batch, place, frame);
+        intersect_moving<kInPairs>(fan, tasks, t, batch, place, frame);
       } else {
-        meet_standing<kInPairs>(fan, tasks, t, batch, place);
+        intersect_standing<kInPairs>(fan, tasks, t, batch, place);
       }
     }
   }
 }
 
-void meet_shapes(const Shapes& shapes, Fan& fan) {
+void intersect_shapes(const Shapes& shapes, Fan& fan) {
   const Sweep& sweep = fan.sweep;
   const double middle = 0.5 * (sweep.count - 1);
   const Vec2 from_center = sweep.origin + middle * sweep.step - shapes.center;
@@ -616,19 +616,19 @@ void meet_shapes(const Shapes& shapes, Fan& fan) {
       .right_cos = fan.cos[right],
       .right_sin = fan.sin[right],
   };
-  const auto meet_all = [&](auto is_moving, auto in_pairs) HWY_ATTR {
-    meet_candidates<SegmentBatch, is_moving(), in_pairs()>(shapes.segment_blocks, shapes.segment_count, shapes.segments,
-                                                           frame, fan);
-    meet_candidates<CircleBatch, is_moving(), in_pairs()>(shapes.circle_blocks, shapes.circle_count, shapes.circles,
-                                                          frame, fan);
+  const auto intersect_all = [&](auto is_moving, auto in_pairs) HWY_ATTR {
+    intersect_candidates<SegmentBatch, is_moving(), in_pairs()>(shapes.segment_blocks, shapes.segment_count,
+                                                                shapes.segments, frame, fan);
+    intersect_candidates<CircleBatch, is_moving(), in_pairs()>(shapes.circle_blocks, shapes.circle_count,
+                                                               shapes.circles, frame, fan);
   };
   constexpr std::true_type kYes;
   constexpr std::false_type kNo;
   const bool many = sweep.count > kManyBeams;
   if (moves) {
-    many ? meet_all(kYes, kYes) : meet_all(kYes, kNo);
+    many ? intersect_all(kYes, kYes) : intersect_all(kYes, kNo);
   } else {
-    many ? meet_all(kNo, kYes) : meet_all(kNo, kNo);
+    many ? intersect_all(kNo, kYes) : intersect_all(kNo, kNo);
   }
 }
 
@@ -656,7 +656,7 @@ HWY_AFTER_NAMESPACE();
 namespace threewe::sim::kernel {
 
 HWY_EXPORT(point);
-HWY_EXPORT(meet_shapes);
+HWY_EXPORT(intersect_shapes);
 HWY_EXPORT(invert);
 
 void put(SegmentBlock& block, int place, const scene::Segment& segment, Vec2 center, int index) {
@@ -709,7 +709,7 @@ void begin(const Sweep& sweep, double range_max, Fan& fan) {
   HWY_DYNAMIC_DISPATCH(point)(fan, static_cast<float>(0.5 / range_max));
 }
 
-void meet(const Shapes& shapes, Fan& fan) { HWY_DYNAMIC_DISPATCH(meet_shapes)(shapes, fan); }
+void intersect(const Shapes& shapes, Fan& fan) { HWY_DYNAMIC_DISPATCH(intersect_shapes)(shapes, fan); }
 
 void finish(const Fan& fan, double range_max, float* ranges) {
   HWY_DYNAMIC_DISPATCH(invert)(fan, static_cast<float>(range_max), ranges);

@@ -71,7 +71,7 @@ struct Fan {
 /// Points the beams of a sweep of at most kMaxBeams.
 void begin(const Sweep& sweep, double range_max, Fan& fan);
 /// Lets the beams meet shapes.
-void meet(const Shapes& shapes, Fan& fan);
+void intersect(const Shapes& shapes, Fan& fan);
 /// Writes the ranges [m].
 void finish(const Fan& fan, double range_max, float* ranges);
 

@@ -90,7 +90,7 @@ std::size_t convex_loop(std::span<const Segment> segments, std::size_t first) {
 }
 
 // The corner where two neighbouring lines meet.
-Vec2 meeting(const Line& a, const Line& b) {
+Vec2 intersection(const Line& a, const Line& b) {
   const double det = cross(a.normal, b.normal);
   return (1.0 / det) *
          Vec2{a.offset * b.normal.y - b.offset * a.normal.y, b.offset * a.normal.x - a.offset * b.normal.x};
@@ -100,7 +100,7 @@ Occluder solid(std::span<const Segment> loop) {
   Occluder occluder;
   for (const Segment& side : loop) occluder.lines[occluder.line_count++] = line_of(side);
   for (std::size_t i = 0; i < loop.size(); ++i) {
-    occluder.corners[occluder.corner_count++] = meeting(occluder.lines[i], occluder.lines[(i + 1) % loop.size()]);
+    occluder.corners[occluder.corner_count++] = intersection(occluder.lines[i], occluder.lines[(i + 1) % loop.size()]);
   }
   return occluder;
 }

@@ -1,4 +1,4 @@
-// What may be seen from where: for each cell of a grid, the shapes that some ray from it could meet first.
+// Visibility sets of the ray caster: for each cell of a grid, the shapes that some ray from it could hit first.
 #pragma once
 
 #include <cmath>

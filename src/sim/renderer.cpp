@@ -55,8 +55,8 @@ void check_view(const CameraPose& view) {
   }
 }
 
-void check_paint(const Paint& paint) {
-  for (const float gain : {paint.gain.b, paint.gain.g, paint.gain.r}) {
+void check_shading(const Shading& shading) {
+  for (const float gain : {shading.gain.b, shading.gain.g, shading.gain.r}) {
     if (gain >= 0.0F && gain <= kMostGain) continue;
     throw ConfigError(fmt::format("a gain of the picture's colours is {}: it must be 0 to {}", gain, kMostGain));
   }
@@ -108,21 +108,21 @@ void begin_rows(const view::View& seen, const view::Place& place, view::Rows& ro
 
 Renderer::Renderer(const scene::Scene& scene) : place_(std::make_shared<const view::Place>(scene)) {}
 
-void Renderer::render(const CameraIntrinsics& camera, const CameraPose& view, const Paint& paint, const Images& images,
-                      RenderScratch& scratch, std::span<const VisibleSolid> moving) const {
+void Renderer::render(const CameraIntrinsics& camera, const CameraPose& view, const Shading& shading,
+                      const Images& images, RenderScratch& scratch, std::span<const VisibleSolid> moving) const {
   check(camera);
   check_view(view);
   check_images(camera, images);
-  check_paint(paint);
+  check_shading(shading);
 
   RenderScratch::Buffers& work = *scratch.buffers_;
   const view::View seen(camera, view, place_->ceiling);
   view::find_candidates(*place_, seen, moving, work.candidates);
   begin_rows(seen, *place_, work.rows);
-  view::draw({*place_, seen, work.rows, work.candidates, paint, images}, work.work);
+  view::draw({*place_, seen, work.rows, work.candidates, shading, images}, work.work);
 }
 
-Colour Renderer::colour(const Paint& paint, std::size_t solid) const { return place_->colour(paint, solid); }
+Colour Renderer::colour(const Shading& shading, std::size_t solid) const { return place_->colour(shading, solid); }
 const std::vector<VisibleSolid>& Renderer::solids() const { return place_->solids; }
 double Renderer::ceiling() const { return place_->ceiling; }
 

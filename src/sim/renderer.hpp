@@ -1,4 +1,4 @@
-// The camera's pictures: colour, depth and what is seen, in one pass, of a place made of vertical prisms.
+// Camera renderer: colour, depth and semantics in one pass, of a place made of vertical prisms.
 #pragma once
 
 #include <array>
@@ -27,7 +27,7 @@ enum class Material : std::uint8_t {
   floor_carpet,
   floor_concrete,
   floor_vinyl,
-  paint,
+  shading,
   trim,
   ceiling,
   sky,
@@ -66,11 +66,11 @@ struct VisibleSolid {
   scene::Solid solid;
   Material material{};
   std::int16_t id = kNothingId;
-  Colour colour{};  ///< of a moving solid; those of the scene are coloured by `Paint`
+  Colour colour{};  ///< of a moving solid; those of the scene are coloured by `Shading`
 };
 
 /// How things look in an episode: seed and episode name their colours.
-struct Paint {
+struct Shading {
   std::uint64_t seed = 0;
   std::uint32_t episode = 0;
   std::uint32_t texture = 0;      ///< 0: what surfaces are made of; else which other patterns they wear
@@ -119,11 +119,11 @@ class Renderer {
   explicit Renderer(const scene::Scene& scene);
 
   /// The colour of a solid of the scene: a pure function of seed, episode, and the index and material of its object.
-  Colour colour(const Paint& paint, std::size_t solid) const;
+  Colour colour(const Shading& shading, std::size_t solid) const;
 
   /// Fills the images. `moving` are solids that are elsewhere at every call: people, other robots. Throws ConfigError
   /// for an impossible camera, a height that is not above the floor, a gain out of range, or images of the wrong size.
-  void render(const CameraIntrinsics& camera, const CameraPose& view, const Paint& paint, const Images& images,
+  void render(const CameraIntrinsics& camera, const CameraPose& view, const Shading& shading, const Images& images,
               RenderScratch& scratch, std::span<const VisibleSolid> moving = {}) const;
 
   /// All that stands in the scene: its walls, a lintel over each doorway, the prisms of its objects.

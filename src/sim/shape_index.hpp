@@ -1,4 +1,4 @@
-// What a robot can run into or hear, and where near it something stands at all.
+// Spatial index of shapes for contact and sonar.
 #pragma once
 
 #include <cstdint>

@@ -1,4 +1,4 @@
-// All that changes while a simulation runs, as plain data: copied, saved, restored and compared as bytes.
+// Simulation state as plain data: copied, saved, restored and compared as bytes.
 #pragma once
 
 #include <array>

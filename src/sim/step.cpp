@@ -11,9 +11,9 @@
 #include <hwy/cache_control.h>
 
 #include "models/ultrasonic.hpp"
-#include "sim/crowd.hpp"
 #include "sim/drive_kernel.hpp"
-#include "sim/echo.hpp"
+#include "sim/multi_body_contact.hpp"
+#include "sim/sonar_return.hpp"
 
 namespace threewe::sim {
 namespace {
@@ -26,9 +26,9 @@ constexpr std::size_t kAtATime = 16;
 
 // How well the floor holds, as the mean under the driven wheels: they share the weight, and the friction of the whole
 // body is what limits its pull. So grip changes wheel by wheel as a robot drives onto ice.
-double floor_grip(const scene::Scene& scene, const RobotModel& robot, const Pose2D& pose) {
+double floor_friction_at(const scene::Scene& scene, const RobotModel& robot, const Pose2D& pose) {
   double sum = 0.0;
-  for (const Vec2 wheel : robot.wheels) sum += scene.grip_at(pose * wheel);
+  for (const Vec2 wheel : robot.wheels) sum += scene.friction_at(pose * wheel);
   return sum / static_cast<double>(robot.wheels.size());
 }
 
@@ -39,7 +39,7 @@ inline void begin_step(const Model& model, const RobotModel& robot, RobotState& 
   driver.robot = &robot;
   driver.state = &state;
   driver.command = &state.commands[state.steps % kMaxLatencySteps];
-  driver.floor = model.scene->patches.empty() ? 1.0 : floor_grip(*model.scene, robot, state.pose);
+  driver.floor = model.scene->patches.empty() ? 1.0 : floor_friction_at(*model.scene, robot, state.pose);
 }
 
 void arrive(RobotState& state, const Motion& motion) {
@@ -116,8 +116,8 @@ void sweep_lidar(const RobotModel& robot, Others& others, const Pose2D& before, 
 void ping(const RobotModel& robot, std::size_t sensor, Others& others, RobotState& state) {
   const UltrasonicSpec& spec = *robot.profile.ultrasonics;
   const Pose2D pose = state.pose * spec.mounts[sensor].base_from_ultrasonic;
-  const SoundCone cone{pose, spec.field_of_view, spec.max_incidence, spec.range_max};
-  const double echo = nearest_echo(cone, *robot.audible, others.at(spec.height)).range;
+  const SonarCone cone{pose, spec.field_of_view, spec.max_incidence, spec.range_max};
+  const double echo = nearest_sonar_return(cone, *robot.audible, others.at(spec.height)).range;
 
   RngKey key = state.key(Stream::ultrasonic);
   key.sensor = static_cast<std::uint16_t>(sensor);

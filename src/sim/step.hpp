@@ -1,4 +1,4 @@
-// The simulator's one step, for one world or many.
+// Simulation step, for one world or many.
 #pragma once
 
 #include <cstddef>

@@ -1,4 +1,4 @@
-// Where wheels and gyro say the robot went.
+// Dead reckoning by wheels and gyro.
 #pragma once
 
 #include <array>

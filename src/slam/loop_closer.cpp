@@ -30,7 +30,7 @@ constexpr double kBiasSigma = 0.001;     // [m] of the range bias, which is know
 
 double square(double x) { return x * x; }
 
-ScanSearch::Window window_of(const PoseBelief& belief) {
+BranchAndBoundMatcher::Window window_of(const PoseBelief& belief) {
   const auto reach = [&](int i) { return kDeviations * exact::sqrt(belief.covariance(i, i)); };
   return {belief.pose,
           {std::clamp(reach(kX), kLeastReach, kMostReach), std::clamp(reach(kY), kLeastReach, kMostReach)},

@@ -1,12 +1,12 @@
-// Is the robot back where it was before? Searching for it, and making sure.
+// Loop closure detection: search for the robot in a submap, and verification.
 #pragma once
 
 #include <optional>
 #include <span>
 
 #include "map/log_odds_map.hpp"
+#include "slam/branch_and_bound_matcher.hpp"
 #include "slam/pose_filter.hpp"
-#include "slam/scan_search.hpp"
 #include "threewe/core/pose.hpp"
 
 namespace threewe::slam {
@@ -41,7 +41,7 @@ class LoopCloser {
 
  private:
   map::LogOddsMap map_;
-  ScanSearch search_;
+  BranchAndBoundMatcher search_;
 };
 
 }  // namespace threewe::slam

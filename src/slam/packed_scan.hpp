@@ -1,4 +1,4 @@
-// Scans that are kept for long, in a quarter of the memory.
+// Compressed scans that are kept for long, in a quarter of the memory.
 #pragma once
 
 #include <cstdint>

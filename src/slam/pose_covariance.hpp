@@ -1,4 +1,4 @@
-// How uncertain poses add up. Covariances are of (x, y, theta), of a pose along the axes of the frame that it is in.
+// Covariance propagation of poses: of (x, y, theta), of a pose along the axes of the frame that it is in.
 #pragma once
 
 #include "core/exact.hpp"

@@ -1,4 +1,4 @@
-// How sure we are of the pose and of the sensors' systematic errors, and how they hang together.
+// Kalman filter of the pose and of the sensors' systematic errors.
 #pragma once
 
 #include <Eigen/Core>

@@ -1,4 +1,4 @@
-// Where all places are, given how they lie to one another: the back-end of SLAM.
+// Pose-graph optimizer: the back-end of SLAM.
 #pragma once
 
 #include <cstddef>

@@ -4,8 +4,8 @@
 #include <cstdint>
 #include <utility>
 
-#include "slam/known_map.hpp"
 #include "slam/packed_scan.hpp"
+#include "slam/prior_map.hpp"
 #include "slam/scan_beams.hpp"
 
 namespace threewe::slam {
@@ -13,7 +13,7 @@ namespace {
 
 constexpr double kCell = 0.10;                 // [m] of the maps that are searched
 constexpr std::ptrdiff_t kLeastKeyframes = 3;  // less of a map tells nothing
-constexpr std::int64_t kWorkOfScan = 200'000;  // about a millisecond for each scan, see ScanSearch::Search
+constexpr std::int64_t kWorkOfScan = 200'000;  // about a millisecond for each scan, see BranchAndBoundMatcher::Search
 
 // The first keyframe of each component.
 std::vector<int> roots_of(const std::vector<int>& components) {
@@ -26,23 +26,26 @@ std::vector<int> roots_of(const std::vector<int>& components) {
 
 }  // namespace
 
-map::LogOddsMap drawn_component(const TrailData& trail, const std::vector<int>& components, int component,
-                                double resolution, double range_bias) {
+map::LogOddsMap drawn_component(const KeyframeGraphData& keyframe_graph, const std::vector<int>& components,
+                                int component, double resolution, double range_bias) {
   std::vector<std::vector<map::Beam>> scans;
-  for (std::size_t k = 0; k < trail.keyframes.size(); ++k) {
+  for (std::size_t k = 0; k < keyframe_graph.keyframes.size(); ++k) {
     if (components[k] != component) continue;
-    const Pose2D& map_from_keyframe = trail.graph.poses()[k];
-    for (const Keyframe::Scan& scan : trail.keyframes[k].scans) {
+    const Pose2D& map_from_keyframe = keyframe_graph.graph.poses()[k];
+    for (const Keyframe::Scan& scan : keyframe_graph.keyframes[k].scans) {
       scans.push_back(unpacked(scan.beams, map_from_keyframe * scan.keyframe_from_base));
     }
   }
   return drawn(scans, {.resolution = resolution}, range_bias);
 }
 
-std::optional<Relocalizer::Found> Relocalizer::look(const Trail& trail, Time stamp, const Pose2D& local_from_base,
-                                                    std::span<const map::Beam> beams, double range_bias) {
-  const std::vector<int>& components = trail.components();
-  const auto stamp_of = [&](int keyframe) { return trail.data().keyframes[static_cast<std::size_t>(keyframe)].stamp; };
+std::optional<Relocalizer::Found> Relocalizer::look(const KeyframeGraph& keyframe_graph, Time stamp,
+                                                    const Pose2D& local_from_base, std::span<const map::Beam> beams,
+                                                    double range_bias) {
+  const std::vector<int>& components = keyframe_graph.components();
+  const auto stamp_of = [&](int keyframe) {
+    return keyframe_graph.data().keyframes[static_cast<std::size_t>(keyframe)].stamp;
+  };
   const std::vector<int> roots = roots_of(components);
   if (stamp_of(components.back()) != component_ || roots.size() != count_) {
     component_ = stamp_of(components.back());
@@ -52,7 +55,7 @@ std::optional<Relocalizer::Found> Relocalizer::look(const Trail& trail, Time sta
   }
   if (count_ == 1 || beams.empty()) return {};
   if (!begun_ && std::ranges::count(components, components.back()) < kLeastKeyframes) return {};
-  if (!begun_) begin(trail, range_bias);
+  if (!begun_) begin(keyframe_graph, range_bias);
 
   std::optional<Found> found;
   for (Search& search : searches_) {
@@ -63,13 +66,13 @@ std::optional<Relocalizer::Found> Relocalizer::look(const Trail& trail, Time sta
   return found;
 }
 
-void Relocalizer::begin(const Trail& trail, double range_bias) {
-  const std::vector<int>& components = trail.components();
+void Relocalizer::begin(const KeyframeGraph& keyframe_graph, double range_bias) {
+  const std::vector<int>& components = keyframe_graph.components();
   for (const int c : roots_of(components)) {
     if (c == components.back() || std::ranges::count(components, c) < kLeastKeyframes) continue;
-    const map::LogOddsMap map = drawn_component(trail.data(), components, c, kCell, range_bias);
-    const Time first = trail.data().keyframes[static_cast<std::size_t>(c)].stamp;
-    searches_.push_back({first, PlaceFinder(std::make_shared<const KnownMap>(map.grid()))});
+    const map::LogOddsMap map = drawn_component(keyframe_graph.data(), components, c, kCell, range_bias);
+    const Time first = keyframe_graph.data().keyframes[static_cast<std::size_t>(c)].stamp;
+    searches_.push_back({first, GlobalLocalizer(std::make_shared<const PriorMap>(map.grid()))});
   }
   begun_ = true;
 }

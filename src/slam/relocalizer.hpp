@@ -7,16 +7,17 @@
 #include <vector>
 
 #include "map/log_odds_map.hpp"
-#include "slam/place_finder.hpp"
-#include "slam/trail.hpp"
+#include "slam/global_localizer.hpp"
+#include "slam/keyframe_graph.hpp"
 #include "threewe/core/pose.hpp"
 #include "threewe/core/time.hpp"
 
 namespace threewe::slam {
 
-/// The scans of one component of a trail's graph, drawn where the graph has them; `components` as TrailData has them.
-map::LogOddsMap drawn_component(const TrailData& trail, const std::vector<int>& components, int component,
-                                double resolution, double range_bias);
+/// The scans of one component of a trail's graph, drawn where the graph has them; `components` as KeyframeGraphData has
+/// them.
+map::LogOddsMap drawn_component(const KeyframeGraphData& keyframe_graph, const std::vector<int>& components,
+                                int component, double resolution, double range_bias);
 
 /// Searches the maps of all components but the one that the robot is in, with what it sees there. While there is one
 /// component alone it does nothing.
@@ -30,15 +31,15 @@ class Relocalizer {
 
   /// One scan, its beams in the base frame, in order of time; it is the newest of the trail. A search of large maps
   /// takes some scans.
-  std::optional<Found> look(const Trail& trail, Time stamp, const Pose2D& local_from_base,
+  std::optional<Found> look(const KeyframeGraph& keyframe_graph, Time stamp, const Pose2D& local_from_base,
                             std::span<const map::Beam> beams, double range_bias);
 
  private:
   struct Search {
     Time component{};
-    PlaceFinder finder;
+    GlobalLocalizer finder;
   };
-  void begin(const Trail& trail, double range_bias);
+  void begin(const KeyframeGraph& keyframe_graph, double range_bias);
 
   // components are named by the stamps of their first keyframes here, as indices change when a trail is pruned
   Time component_{};       // that the robot is in

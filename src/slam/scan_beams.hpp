@@ -1,4 +1,4 @@
-// A scan as the beams that maps and the matcher take.
+// Conversion of a scan into the beams that maps and the matcher take.
 #pragma once
 
 #include <functional>

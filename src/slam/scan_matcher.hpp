@@ -1,4 +1,4 @@
-// Where a scan fits a map.
+// Scan-to-map matcher: local least squares against the surfaces of a map.
 #pragma once
 
 #include <cstdint>

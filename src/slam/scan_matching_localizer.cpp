@@ -14,12 +14,12 @@
 #include "map/log_odds_map.hpp"
 #include "map/scan_hits.hpp"
 #include "slam/dead_reckoning.hpp"
-#include "slam/growing_map.hpp"
-#include "slam/known_map.hpp"
-#include "slam/map_error.hpp"
-#include "slam/place_finder.hpp"
+#include "slam/global_localizer.hpp"
+#include "slam/map_uncertainty.hpp"
+#include "slam/online_map.hpp"
 #include "slam/pose_filter.hpp"
-#include "slam/range_scatter.hpp"
+#include "slam/prior_map.hpp"
+#include "slam/range_noise_estimator.hpp"
 #include "slam/scan_beams.hpp"
 #include "slam/scan_matcher.hpp"
 
@@ -53,17 +53,17 @@ constexpr double kCertain = 0.55;          // ... until it does again
 
 class ScanMatchingLocalizer final : public Localizer {
  public:
-  ScanMatchingLocalizer(const SensorModel& sensors, const Beginning& beginning)
+  ScanMatchingLocalizer(const SensorModel& sensors, const InitialState& initial)
       : sensors_(sensors),
         track_({.lateral_scale = sensors.lateral_scale}, sensors.lidar),
-        scatter_(sensors.range_sigma),
+        range_noise_(sensors.range_sigma),
         filter_(sensors),
-        map_from_start_(beginning.map_from_start.value_or(Pose2D{})),
+        map_from_start_(initial.map_from_start.value_or(Pose2D{})),
         map_from_odom_(map_from_start_) {
-    if (!beginning.map) return;
-    given_ = std::make_shared<const KnownMap>(*beginning.map);
-    map_ = GrowingMap(given_->surfaces());
-    if (beginning.map_from_start) {
+    if (!initial.map) return;
+    given_ = std::make_shared<const PriorMap>(*initial.map);
+    map_ = OnlineMap(given_->surfaces());
+    if (initial.map_from_start) {
       filter_.restart(kToldPosition, kToldHeading);
     } else {
       nowhere_ = true;
@@ -113,16 +113,16 @@ class ScanMatchingLocalizer final : public Localizer {
 
   SensorModel sensors_;
   DeadReckoning track_;
-  RangeScatter scatter_;
+  RangeNoiseEstimator range_noise_;
   double worse_ = 1.0;  // than its data sheet the lidar is taken to be
   PoseFilter filter_;
   Time filter_stamp_{};  // the filter stands at the newest scan, without a lidar at the newest odometry
   Pose2D map_from_start_;
   Pose2D map_from_odom_;
-  GrowingMap map_;
+  OnlineMap map_;
   Pose2D keyframe_;  // map_from_base when the map last took a scan
   Time keyframe_stamp_{};
-  MapError map_error_;
+  MapUncertainty map_error_;
   double doubtful_turn_ = 0.0;  // [rad] since the scan before
   Time began_{};                // first scan
   Time scanned_{};              // newest one
@@ -131,9 +131,9 @@ class ScanMatchingLocalizer final : public Localizer {
   Time resembled_{};            // ... or nearly
   bool lost_ = false;
 
-  std::shared_ptr<const KnownMap> given_;  // null: the robot draws its own map alone
-  std::shared_ptr<const KnownMap> home_;   // where a lost robot looks for itself
-  std::optional<PlaceFinder> finder_;      // while the robot is lost, or doubts its place
+  std::shared_ptr<const PriorMap> given_;  // null: the robot draws its own map alone
+  std::shared_ptr<const PriorMap> home_;   // where a lost robot looks for itself
+  std::optional<GlobalLocalizer> finder_;  // while the robot is lost, or doubts its place
   Time searched_{};                        // how far it has searched on
   double trust_ = 1.0;                     // how well the given map has fitted the scans lately
   bool nowhere_ = false;                   // no place was ever known
@@ -161,8 +161,8 @@ void ScanMatchingLocalizer::add_scan(Time measured, const LaserScan& scan) {
 void ScanMatchingLocalizer::judge_lidar(const LaserScan& scan) {
   constexpr double kUsual = 1.2;    // times the scatter of one point is that of beams, of whatever width
   constexpr double kLeast = 0.005;  // [m] where the data sheet promises wonders
-  scatter_.add(scan);
-  const double worse = scatter_.sigma() / (kUsual * std::max(sensors_.range_sigma, kLeast));
+  range_noise_.add(scan);
+  const double worse = range_noise_.sigma() / (kUsual * std::max(sensors_.range_sigma, kLeast));
   if (track_.has_rolled() || worse <= worse_) return;
   filter_.widen_range_bias(sensors_.range_bias_sigma * exact::sqrt(worse * worse - worse_ * worse_));
   worse_ = worse;
@@ -248,7 +248,8 @@ void ScanMatchingLocalizer::find_place(Time stamp) {
   const Pose2D believed = map_from_odom_ * odom_from_base;
   if (!looked_) agreed_ = resembled_ = stamp;
   if (given_ && !looked_ && !nowhere_) {
-    const ScanSearch::Window near_told{believed, {3.0 * kToldPosition, 3.0 * kToldPosition}, 3.0 * kToldHeading};
+    const BranchAndBoundMatcher::Window near_told{
+        believed, {3.0 * kToldPosition, 3.0 * kToldPosition}, 3.0 * kToldHeading};
     const auto found = given_->search().find(beams_, near_told, kDoubtful);
     if (found && given_->compare(found->pose, beams_).agreement() > kCertain) settle(found->pose, stamp);
   }
@@ -298,7 +299,7 @@ void ScanMatchingLocalizer::get_lost() {
   lost_ = true;
   map_.break_off();
   map_error_.forget_way();
-  home_ = given_ ? given_ : std::make_shared<const KnownMap>(map());
+  home_ = given_ ? given_ : std::make_shared<const PriorMap>(map());
   finder_.emplace(home_);
 }
 
@@ -316,7 +317,8 @@ void ScanMatchingLocalizer::correct(Time stamp) {
   const Pose2D predicted = map_from_odom_ * odom_from_base;
   filter_.widen(0.0005, 0.0002);  // deskewing and stamps are never perfect; also keeps the covariance invertible
   const Placement prior{predicted, track_.calibration().range_bias};
-  Match match = match_scan(map_.map(), beams_, prior, filter_.scan_covariance().inverse(), predicted, scatter_.sigma());
+  Match match =
+      match_scan(map_.map(), beams_, prior, filter_.scan_covariance().inverse(), predicted, range_noise_.sigma());
 
   if (match.agreement < kPoorAgreement && match.known_hits >= kFewHits) {
     const SearchWindow window = lost_ ? SearchWindow{0.6, 0.35} : SearchWindow{};
@@ -324,7 +326,7 @@ void ScanMatchingLocalizer::correct(Time stamp) {
     PoseFilter wide = filter_;
     wide.widen(0.5 * window.position, 0.5 * window.heading);
     const Match other =
-        match_scan(map_.map(), beams_, prior, wide.scan_covariance().inverse(), found, scatter_.sigma());
+        match_scan(map_.map(), beams_, prior, wide.scan_covariance().inverse(), found, range_noise_.sigma());
     if (other.agreement > match.agreement + 0.15 && may_be_elsewhere()) {
       match = other;
       filter_.widen(0.5 * window.position, 0.5 * window.heading);
@@ -342,7 +344,7 @@ void ScanMatchingLocalizer::correct(Time stamp) {
   constexpr double kUsualBeams = 360.0;
   const double fewer = kUsualBeams / static_cast<double>(beams_.size());
   map_error_.see(match.at.pose.position(),
-                 {1.0 - known, scatter_.sigma(), fewer * fewer * match.told.topLeftCorner<3, 3>()});
+                 {1.0 - known, range_noise_.sigma(), fewer * fewer * match.told.topLeftCorner<3, 3>()});
 }
 
 // Nobody is carried away whose wheels and gyro tell of one motion: a scan that says so is late.
@@ -434,8 +436,8 @@ PoseEstimate ScanMatchingLocalizer::estimate(Time now) const {
 
 }  // namespace
 
-std::unique_ptr<Localizer> make_scan_matching_localizer(const SensorModel& sensors, const Beginning& beginning) {
-  return std::make_unique<ScanMatchingLocalizer>(sensors, beginning);
+std::unique_ptr<Localizer> make_scan_matching_localizer(const SensorModel& sensors, const InitialState& initial) {
+  return std::make_unique<ScanMatchingLocalizer>(sensors, initial);
 }
 
 }  // namespace threewe::slam

@@ -1,4 +1,4 @@
-// Localisation and mapping by wheels, gyro and lidar.
+// Scan-matching localizer: localization and mapping by wheels, gyro and lidar.
 #pragma once
 
 #include <memory>
@@ -26,6 +26,6 @@ struct SensorModel {
 
 /// Scan-to-map localisation on top of dead reckoning, see `src/slam/scan_matching_localizer.cpp` for the story. A robot
 /// that is lost looks for itself in the whole map: in the one that was given, or in its own.
-std::unique_ptr<Localizer> make_scan_matching_localizer(const SensorModel& sensors, const Beginning& beginning = {});
+std::unique_ptr<Localizer> make_scan_matching_localizer(const SensorModel& sensors, const InitialState& initial = {});
 
 }  // namespace threewe::slam

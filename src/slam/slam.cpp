@@ -7,11 +7,11 @@
 #include <fmt/format.h>
 
 #include "core/bounds.hpp"
+#include "slam/keyframe_graph.hpp"
 #include "slam/relocalizer.hpp"
 #include "slam/scan_odometry.hpp"
 #include "slam/slam_config.hpp"
 #include "slam/slam_file.hpp"
-#include "slam/trail.hpp"
 #include "threewe/core/errors.hpp"
 
 namespace threewe::slam {
@@ -64,7 +64,7 @@ struct Slam::State {
   SlamConfig config;
   ScanOdometry front;
   std::size_t beam_count = 0;  // of each scan; 0 before the first
-  Trail trail;
+  KeyframeGraph keyframe_graph;
   Relocalizer relocalizer;
   std::vector<SlamEvent> events;
   std::array<bool, 5> happening{};  // by incident, at the newest scan
@@ -91,12 +91,12 @@ Pose2D Slam::State::add(Time stamp, const LaserScan& scan, const std::optional<P
   const Pose2D local_from_base = front.add(stamp, scan, odom_from_base);
   const std::vector<map::Beam>& beams = front.beams();
   const bool lost = front.registration().scan == Registration::Scan::lost;
-  const int joined_before = trail.joined();
-  trail.add({stamp, local_from_base, front.covariance(), beams, front.range_bias(), lost});
-  const auto found = relocalizer.look(trail, stamp, local_from_base, beams, front.range_bias());
-  if (found) trail.join_at(found->component, found->map_from_base, front.range_bias());
-  record(stamp, trail.joined() != joined_before);
-  return trail.data().pose_of(trail.data().steps.back());
+  const int joined_before = keyframe_graph.joined();
+  keyframe_graph.add({stamp, local_from_base, front.covariance(), beams, front.range_bias(), lost});
+  const auto found = relocalizer.look(keyframe_graph, stamp, local_from_base, beams, front.range_bias());
+  if (found) keyframe_graph.join_at(found->component, found->map_from_base, front.range_bias());
+  record(stamp, keyframe_graph.joined() != joined_before);
+  return keyframe_graph.data().pose_of(keyframe_graph.data().steps.back());
 }
 
 void Slam::State::record(Time stamp, bool joined) {
@@ -123,51 +123,52 @@ void Slam::State::record(Time stamp, SlamIncident incident, bool happens) {
 }
 
 void Slam::State::check_order(Time stamp, const LaserScan& scan) const {
-  if (trail.data().steps.empty()) return;
+  if (keyframe_graph.data().steps.empty()) return;
   if (beam_count != 0 && scan.ranges.size() != beam_count) {
     throw ContractError(fmt::format("a scan of {} ranges after scans of {}: begin a new Slam for another lidar",
                                     scan.ranges.size(), beam_count));
   }
-  if (stamp <= trail.data().steps.back().stamp) {
+  if (stamp <= keyframe_graph.data().steps.back().stamp) {
     throw ContractError(fmt::format("time must go on from scan to scan: {:.6f} s after {:.6f} s", to_seconds(stamp),
-                                    to_seconds(trail.data().steps.back().stamp)));
+                                    to_seconds(keyframe_graph.data().steps.back().stamp)));
   }
 }
 
 map::OccupancyGrid Slam::map(int component) const {
   const State& s = *state_;
-  return drawn_component(s.trail.data(), numbered(s.trail.components()), component, s.config.resolution,
-                         s.front.range_bias())
+  return drawn_component(s.keyframe_graph.data(), numbered(s.keyframe_graph.components()), component,
+                         s.config.resolution, s.front.range_bias())
       .grid();
 }
 
 std::vector<SlamEvent> Slam::events() const { return state_->events; }
 
 std::vector<LoopClosure> Slam::closures() const {
-  const TrailData& trail = state_->trail.data();
-  const auto stamp = [&](int keyframe) { return trail.keyframes[static_cast<std::size_t>(keyframe)].stamp; };
+  const KeyframeGraphData& keyframe_graph = state_->keyframe_graph.data();
+  const auto stamp = [&](int keyframe) { return keyframe_graph.keyframes[static_cast<std::size_t>(keyframe)].stamp; };
   std::vector<LoopClosure> closures;
-  for (const Constraint& c : trail.graph.constraints()) {
+  for (const Constraint& c : keyframe_graph.graph.constraints()) {
     if (c.doubtful) closures.push_back({stamp(c.from), stamp(c.to), c.from_from_to});
   }
   return closures;
 }
 
 std::vector<StampedPose> Slam::trajectory() const {
-  const TrailData& trail = state_->trail.data();
+  const KeyframeGraphData& keyframe_graph = state_->keyframe_graph.data();
   std::vector<StampedPose> poses;
-  poses.reserve(trail.steps.size());
-  const std::vector<int> component = numbered(state_->trail.components());
-  for (const TrailStep& step : trail.steps) {
-    poses.push_back({step.stamp, trail.pose_of(step), component[static_cast<std::size_t>(step.keyframe)]});
+  poses.reserve(keyframe_graph.steps.size());
+  const std::vector<int> component = numbered(state_->keyframe_graph.components());
+  for (const TrajectoryStep& step : keyframe_graph.steps) {
+    poses.push_back({step.stamp, keyframe_graph.pose_of(step), component[static_cast<std::size_t>(step.keyframe)]});
   }
   return poses;
 }
 
 void Slam::save(const std::filesystem::path& path) const {
   const State& s = *state_;
-  if (s.trail.data().steps.empty()) throw ContractError("a map without any scan cannot be saved: add one first");
-  write_slam_file(path, {s.config, s.front.range_bias(), s.trail.data()});
+  if (s.keyframe_graph.data().steps.empty())
+    throw ContractError("a map without any scan cannot be saved: add one first");
+  write_slam_file(path, {s.config, s.front.range_bias(), s.keyframe_graph.data()});
 }
 
 Slam Slam::load(const std::filesystem::path& path, const std::optional<Pose2D>& map_from_base) {
@@ -175,8 +176,8 @@ Slam Slam::load(const std::filesystem::path& path, const std::optional<Pose2D>& 
   SlamFile file = read_slam_file(path);
   Slam slam(file.config);
   slam.state_ = std::make_unique<State>(file.config, file.range_bias);
-  const Pose2D last = file.trail.pose_of(file.trail.steps.back());
-  slam.state_->trail = Trail(std::move(file.trail), map_from_base.value_or(last));
+  const Pose2D last = file.keyframe_graph.pose_of(file.keyframe_graph.steps.back());
+  slam.state_->keyframe_graph = KeyframeGraph(std::move(file.keyframe_graph), map_from_base.value_or(last));
   return slam;
 }
 

@@ -1,4 +1,4 @@
-// What a SlamConfig may hold.
+// Validation of a SlamConfig.
 #pragma once
 
 #include "threewe/slam/slam.hpp"

@@ -99,10 +99,10 @@ class Line {
 
 std::string text_of(const Pose2D& pose) { return fmt::format("{} {} {}", pose.x, pose.y, pose.theta); }
 
-void write_keyframe(const TrailData& trail, int keyframe, std::string& text) {
+void write_keyframe(const KeyframeGraphData& keyframe_graph, int keyframe, std::string& text) {
   const auto to = std::back_inserter(text);
-  const Keyframe& k = trail.keyframes[static_cast<std::size_t>(keyframe)];
-  fmt::format_to(to, "keyframe {} {} {}\n", k.stamp.count(), k.driven, text_of(trail.pose_of(keyframe)));
+  const Keyframe& k = keyframe_graph.keyframes[static_cast<std::size_t>(keyframe)];
+  fmt::format_to(to, "keyframe {} {} {}\n", k.stamp.count(), k.driven, text_of(keyframe_graph.pose_of(keyframe)));
   for (const Keyframe::Scan& scan : k.scans) {
     const auto& [origin, beams] = scan.beams;
     fmt::format_to(to, "scan {} {} {} {}", text_of(scan.keyframe_from_base), origin.x, origin.y, beams.size());
@@ -151,10 +151,10 @@ SlamFile Reader::read() {
   while (next_line()) {
     Line here = line();
     if (here.word() == "end") {
-      TrailData& trail = content_.trail;
-      if (trail.steps.empty()) here.fail("a map has one keyframe and one step at least");
+      KeyframeGraphData& keyframe_graph = content_.keyframe_graph;
+      if (keyframe_graph.steps.empty()) here.fail("a map has one keyframe and one step at least");
       try {
-        trail.graph.solve(0);
+        keyframe_graph.graph.solve(0);
       } catch (const ContractError& error) {
         here.fail(error.what());
       }
@@ -185,7 +185,7 @@ void Reader::read_line(Line& line) {
     line.fail(fmt::format("'{}' is none of lidar, map, odometry, keyframe, scan, step, constraint, end",
                           word.substr(0, kShown)));
   }
-  if (content_.trail.keyframes.empty()) line.fail(fmt::format("a line '{}' before the first keyframe", word));
+  if (content_.keyframe_graph.keyframes.empty()) line.fail(fmt::format("a line '{}' before the first keyframe", word));
   word == "scan" ? read_scan(line) : read_step(line);
 }
 
@@ -211,13 +211,14 @@ void Reader::read_settings(Line& line) {
 }
 
 void Reader::read_keyframe(Line& line) {
-  TrailData& trail = content_.trail;
+  KeyframeGraphData& keyframe_graph = content_.keyframe_graph;
   const auto stamp = Time(line.integer("stamp", 0, kLatest));
   const double driven = line.number("driven");
-  if (!trail.keyframes.empty() && driven < trail.keyframes.back().driven) line.fail("driven must not go back");
-  trail.graph.add_node(line.pose("a pose"), trail.keyframes.empty());
-  trail.keyframes.push_back({stamp, driven, {}});
-  trail.extend_submaps();
+  if (!keyframe_graph.keyframes.empty() && driven < keyframe_graph.keyframes.back().driven)
+    line.fail("driven must not go back");
+  keyframe_graph.graph.add_node(line.pose("a pose"), keyframe_graph.keyframes.empty());
+  keyframe_graph.keyframes.push_back({stamp, driven, {}});
+  keyframe_graph.extend_submaps();
 }
 
 void Reader::read_scan(Line& line) {
@@ -233,22 +234,22 @@ void Reader::read_scan(Line& line) {
     beam.origin_y = static_cast<std::int16_t>(line.integer("an origin", -32767, 32767));
     beam.hit_or_thin = static_cast<std::uint16_t>(line.integer("the kind of a beam", 0, 3));
   }
-  content_.trail.keyframes.back().scans.push_back(std::move(scan));
+  content_.keyframe_graph.keyframes.back().scans.push_back(std::move(scan));
 }
 
 void Reader::read_step(Line& line) {
-  TrailData& trail = content_.trail;
+  KeyframeGraphData& keyframe_graph = content_.keyframe_graph;
   const auto stamp = Time(line.integer("stamp", 0, kLatest));
-  if (!trail.steps.empty() && stamp <= trail.steps.back().stamp) {
+  if (!keyframe_graph.steps.empty() && stamp <= keyframe_graph.steps.back().stamp) {
     line.fail(fmt::format("time must go on from step to step: {} ns after {} ns", stamp.count(),
-                          trail.steps.back().stamp.count()));
+                          keyframe_graph.steps.back().stamp.count()));
   }
-  trail.steps.push_back({stamp, trail.newest(), line.pose("a pose")});
+  keyframe_graph.steps.push_back({stamp, keyframe_graph.newest(), line.pose("a pose")});
 }
 
 void Reader::read_constraint(Line& line) {
   Constraint c;
-  const std::int64_t newest = content_.trail.newest();
+  const std::int64_t newest = content_.keyframe_graph.newest();
   c.from = static_cast<int>(line.integer("a keyframe", 0, newest));
   c.to = static_cast<int>(line.integer("a keyframe", 0, newest));
   c.from_from_to = line.pose("a pose");
@@ -259,7 +260,7 @@ void Reader::read_constraint(Line& line) {
   }
   c.doubtful = line.integer("whether a loop was closed", 0, 1) == 1;
   try {
-    content_.trail.graph.add_constraint(c);
+    content_.keyframe_graph.graph.add_constraint(c);
   } catch (const ContractError& error) {
     line.fail(error.what());
   }
@@ -268,21 +269,21 @@ void Reader::read_constraint(Line& line) {
 }  // namespace
 
 void write_slam_file(const std::filesystem::path& path, const SlamFile& content) {
-  const auto& [config, range_bias, trail] = content;
+  const auto& [config, range_bias, keyframe_graph] = content;
   std::string text = fmt::format("{}\n{}", kFirstLine, kComments);
   const auto to = std::back_inserter(text);
   fmt::format_to(to, "lidar {} {} {} {}\n", text_of(config.base_from_lidar), config.range_max, range_bias,
                  config.range_bias_sigma);
   fmt::format_to(to, "map {}\nodometry {} {} {}\n", config.resolution, config.distance_sigma, config.position_drift,
                  config.heading_drift);
-  auto step = trail.steps.begin();
-  for (int k = 0; k <= trail.newest(); ++k) {
-    write_keyframe(trail, k, text);
-    for (; step != trail.steps.end() && step->keyframe == k; ++step) {
+  auto step = keyframe_graph.steps.begin();
+  for (int k = 0; k <= keyframe_graph.newest(); ++k) {
+    write_keyframe(keyframe_graph, k, text);
+    for (; step != keyframe_graph.steps.end() && step->keyframe == k; ++step) {
       fmt::format_to(to, "step {} {}\n", step->stamp.count(), text_of(step->keyframe_from_base));
     }
   }
-  for (const Constraint& c : trail.graph.constraints()) {
+  for (const Constraint& c : keyframe_graph.graph.constraints()) {
     const Eigen::Matrix3d& i = c.information;
     fmt::format_to(to, "constraint {} {} {} {} {} {} {} {} {} {}\n", c.from, c.to, text_of(c.from_from_to), i(0, 0),
                    i(0, 1), i(0, 2), i(1, 1), i(1, 2), i(2, 2), c.doubtful ? 1 : 0);

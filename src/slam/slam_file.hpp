@@ -1,9 +1,9 @@
-// A map with all that is behind it, in a file: the pose graph, the scans at its nodes, and the way.
+// SLAM map file with all that is behind it: the pose graph, the scans at its nodes, and the trajectory.
 #pragma once
 
 #include <filesystem>
 
-#include "slam/trail.hpp"
+#include "slam/keyframe_graph.hpp"
 #include "threewe/slam/slam.hpp"
 
 namespace threewe::slam {
@@ -13,7 +13,7 @@ namespace threewe::slam {
 struct SlamFile {
   SlamConfig config;
   double range_bias = 0.0;  ///< [m] by which all ranges are too long
-  TrailData trail;
+  KeyframeGraphData keyframe_graph;
 };
 
 /// Writes it beside the place first, so that a file that was there is replaced as a whole or stays as it is. Throws

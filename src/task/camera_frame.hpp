@@ -1,4 +1,4 @@
-// Outlines as a level camera sees them: in its frame, x along the optical axis and y to the left.
+// Outlines in the frame of a level camera: x along the optical axis and y to the left.
 //
 // A column of the picture is a ray y = t x in that plane; along it depth is x, and a row is a slope of height over
 // depth.

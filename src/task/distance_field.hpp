@@ -1,4 +1,4 @@
-// Shortest path lengths to one target: small enough to keep many, quick enough to ask at every step.
+// Compact geodesic distance field to one target: small enough to keep many, quick enough to ask at every step.
 #pragma once
 
 #include <cstdint>

@@ -139,7 +139,7 @@ class SeenMap {
 };
 
 // One world's episode.
-struct Survey {
+struct CoverageState {
   std::size_t scene = 0;
   Bits left;  // to be covered
   std::size_t covered = 0;
@@ -151,8 +151,8 @@ struct Survey {
 
 class Exploration final : public Task {
  public:
-  Exploration(const Setting& setting, const ExplorationOptions& options)
-      : options_(options), scenes_(setting.scenes), robots_(setting.robots), surveys_(setting.worlds) {
+  Exploration(const TaskContext& context, const ExplorationOptions& options)
+      : options_(options), scenes_(context.scenes), robots_(context.robots), coverages_(context.worlds) {
     for (const auto& scene : scenes_) grounds_.emplace_back(*scene);
   }
 
@@ -166,26 +166,26 @@ class Exploration final : public Task {
 
   void begin(std::size_t world, const EpisodeKey& key, const EpisodeRequest& request,
              std::span<Pose2D> starts) override;
-  void step(std::size_t world, std::span<const Moment> robots, std::span<Outcome> outcomes) override;
-  void hear(std::size_t world, const Belief& belief) override { surveys_[world].seen.add_scan(belief); }
+  void step(std::size_t world, std::span<const TaskState> robots, std::span<Outcome> outcomes) override;
+  void update(std::size_t world, const Belief& belief) override { coverages_[world].seen.add_scan(belief); }
   void observe(std::size_t world, std::size_t /*robot*/, const Belief& belief,
                std::span<const std::span<std::byte>> fields) override {
-    surveys_[world].seen.fill(belief.map_from_base.position(), fields[0]);
+    coverages_[world].seen.fill(belief.map_from_base.position(), fields[0]);
   }
   void measure(std::size_t world, std::span<double> metrics) const override;
-  Sketch sketch(std::size_t world) const override;
+  DebugOverlay debug_overlay(std::size_t world) const override;
 
  private:
-  double share(const Survey& survey) const {
-    return static_cast<double>(survey.covered) / static_cast<double>(grounds_[survey.scene].cells);
+  double share(const CoverageState& coverage) const {
+    return static_cast<double>(coverage.covered) / static_cast<double>(grounds_[coverage.scene].cells);
   }
-  void cover(const Moment& moment, Survey& survey) const;
+  void cover(const TaskState& moment, CoverageState& coverage) const;
 
   ExplorationOptions options_;
   Scenes scenes_;
   std::size_t robots_;
-  std::vector<Ground> grounds_;  // by scene
-  std::vector<Survey> surveys_;  // by world
+  std::vector<Ground> grounds_;           // by scene
+  std::vector<CoverageState> coverages_;  // by world
 };
 
 // The first robot starts anywhere, the others near it.
@@ -209,71 +209,71 @@ void Exploration::begin(std::size_t world, const EpisodeKey& key, const EpisodeR
     if (near && std::ranges::none_of(starts.first(robot), too_near)) ++robot;
   }
 
-  Survey& survey = surveys_[world];
-  survey.scene = key.scene;
-  survey.left = grounds_[key.scene].coverable;
-  survey.covered = 0;
-  survey.seen.begin(grounds_[key.scene].reach);
-  survey.driven.assign(robots_, 0.0);
-  survey.contact.assign(robots_, 0.0);
-  survey.success = false;
+  CoverageState& coverage = coverages_[world];
+  coverage.scene = key.scene;
+  coverage.left = grounds_[key.scene].coverable;
+  coverage.covered = 0;
+  coverage.seen.begin(grounds_[key.scene].reach);
+  coverage.driven.assign(robots_, 0.0);
+  coverage.contact.assign(robots_, 0.0);
+  coverage.success = false;
 }
 
-void Exploration::step(std::size_t world, std::span<const Moment> robots, std::span<Outcome> outcomes) {
-  Survey& survey = surveys_[world];
-  const double before = share(survey);
+void Exploration::step(std::size_t world, std::span<const TaskState> robots, std::span<Outcome> outcomes) {
+  CoverageState& coverage = coverages_[world];
+  const double before = share(coverage);
   int contacts = 0;
   for (std::size_t robot = 0; robot < robots_; ++robot) {
-    cover(robots[robot], survey);
-    survey.driven[robot] = robots[robot].distance_driven;
+    cover(robots[robot], coverage);
+    coverage.driven[robot] = robots[robot].distance_driven;
     const double contact = robots[robot].max_collision_speed;
-    if (contact > std::max(survey.contact[robot], kContactSpeed)) ++contacts;
-    survey.contact[robot] = contact;
+    if (contact > std::max(coverage.contact[robot], kContactSpeed)) ++contacts;
+    coverage.contact[robot] = contact;
   }
-  survey.success = share(survey) >= options_.enough;
-  const double gained = kRewardPerArea * grounds_[survey.scene].area() * (share(survey) - before);
-  const double reward = gained - kStepCost + (survey.success ? kSuccessReward : 0.0) - contacts * kContactCost;
-  for (Outcome& outcome : outcomes) outcome = {reward, survey.success};
+  coverage.success = share(coverage) >= options_.enough;
+  const double gained = kRewardPerArea * grounds_[coverage.scene].area() * (share(coverage) - before);
+  const double reward = gained - kStepCost + (coverage.success ? kSuccessReward : 0.0) - contacts * kContactCost;
+  for (Outcome& outcome : outcomes) outcome = {reward, coverage.success};
 }
 
-void Exploration::cover(const Moment& moment, Survey& survey) const {
-  const scene::GridFrame& frame = grounds_[survey.scene].frame;
+void Exploration::cover(const TaskState& moment, CoverageState& coverage) const {
+  const scene::GridFrame& frame = grounds_[coverage.scene].frame;
   const Vec2 origin = moment.lidar.position();
   Directions directions(moment.lidar.theta, 2.0 * exact::kPi / static_cast<double>(moment.ranges.size()));
   for (const float beam : moment.ranges) {
     const double range = std::min(static_cast<double>(beam), scene::kCoverageRange);
     mark_line(frame, origin, origin + range * directions.next(), [&](std::size_t i) {
-      if (!survey.left.get(i)) return;
-      survey.left.clear(i);
-      ++survey.covered;
+      if (!coverage.left.get(i)) return;
+      coverage.left.clear(i);
+      ++coverage.covered;
     });
   }
 }
 
 void Exploration::measure(std::size_t world, std::span<double> metrics) const {
-  const Survey& survey = surveys_[world];
+  const CoverageState& coverage = coverages_[world];
   auto to = metrics.begin();
   for (std::size_t robot = 0; robot < robots_; ++robot) {
-    const std::array<double, 4> values{survey.success ? 1.0 : 0.0, share(survey), survey.driven[robot],
-                                       survey.contact[robot]};
+    const std::array<double, 4> values{coverage.success ? 1.0 : 0.0, share(coverage), coverage.driven[robot],
+                                       coverage.contact[robot]};
     to = std::ranges::copy(values, to).out;
   }
 }
 
-Sketch Exploration::sketch(std::size_t world) const {
-  const Survey& survey = surveys_[world];
-  const Ground& ground = grounds_[survey.scene];
-  Sketch sketch{.ground = {ground.frame, 0}};
+DebugOverlay Exploration::debug_overlay(std::size_t world) const {
+  const CoverageState& coverage = coverages_[world];
+  const Ground& ground = grounds_[coverage.scene];
+  DebugOverlay debug_overlay{.ground = {ground.frame, 0}};
   for (std::size_t i = 0; i < ground.frame.size(); ++i) {
-    if (ground.coverable.get(i)) sketch.ground.cells[i] = survey.left.get(i) ? 1 : 2;
+    if (ground.coverable.get(i)) debug_overlay.ground.cells[i] = coverage.left.get(i) ? 1 : 2;
   }
-  return sketch;
+  return debug_overlay;
 }
 
 }  // namespace
 
-std::unique_ptr<Task> make_exploration(const Setting& setting, const ExplorationOptions& options) {
-  return std::make_unique<Exploration>(setting, options);
+std::unique_ptr<Task> make_exploration(const TaskContext& context, const ExplorationOptions& options) {
+  return std::make_unique<Exploration>(context, options);
 }
 
 }  // namespace threewe::task

@@ -1,4 +1,4 @@
-// An instruction as what it says, and as English. The two are made from one another by a grammar:
+// Navigation instruction: its meaning and its English. The two are made from one another by a grammar:
 //
 //   instruction  clauses, joined by "," "and" "then" "."
 //   clause       "turn left|right|around" | "go straight ahead"

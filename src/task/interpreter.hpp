@@ -1,4 +1,4 @@
-// Where an instruction leads, by the map alone.
+// Instruction interpreter: where an instruction leads, by the map alone.
 #pragma once
 
 #include <optional>

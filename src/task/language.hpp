@@ -1,4 +1,4 @@
-// Words as numbers, and what rooms and things are called. Read from assets/languages/english_v1.yaml.
+// Vocabulary and word embeddings of instructions. Read from assets/languages/english_v1.yaml.
 #pragma once
 
 #include <array>

@@ -1,4 +1,4 @@
-// Puts a path into words.
+// Instruction generator: English for a path.
 #pragma once
 
 #include <optional>

@@ -39,8 +39,8 @@ struct Trip {
 
 class Navigation final : public Task {
  public:
-  Navigation(const Setting& setting, const NavigationOptions& options)
-      : options_(options), scenes_(setting.scenes), robots_(setting.robots), trips_(setting.worlds * robots_) {
+  Navigation(const TaskContext& context, const NavigationOptions& options)
+      : options_(options), scenes_(context.scenes), robots_(context.robots), trips_(context.worlds * robots_) {
     for (const auto& scene : scenes_) pools_.emplace_back(scene, options.goals, kPoolSeed);
   }
 
@@ -51,11 +51,11 @@ class Navigation final : public Task {
 
   void begin(std::size_t world, const EpisodeKey& key, const EpisodeRequest& request,
              std::span<Pose2D> starts) override;
-  void step(std::size_t world, std::span<const Moment> robots, std::span<Outcome> outcomes) override;
+  void step(std::size_t world, std::span<const TaskState> robots, std::span<Outcome> outcomes) override;
   void observe(std::size_t world, std::size_t robot, const Belief& belief,
                std::span<const std::span<std::byte>> fields) override;
   void measure(std::size_t world, std::span<double> metrics) const override;
-  Sketch sketch(std::size_t world) const override;
+  DebugOverlay debug_overlay(std::size_t world) const override;
 
  private:
   std::shared_ptr<const DistanceField> choose_trip(const EpisodeKey& key, const EpisodeRequest& request,
@@ -121,12 +121,12 @@ bool Navigation::choose_start(const scene::SceneTables& tables, const DistanceFi
   return false;
 }
 
-void Navigation::step(std::size_t world, std::span<const Moment> robots, std::span<Outcome> outcomes) {
+void Navigation::step(std::size_t world, std::span<const TaskState> robots, std::span<Outcome> outcomes) {
   for (std::size_t robot = 0; robot < robots_; ++robot) {
     Trip& trip = trips_[world * robots_ + robot];
     outcomes[robot] = {};
     if (trip.over) continue;
-    const Moment& now = robots[robot];
+    const TaskState& now = robots[robot];
     const double length = trip.field->length_from(now.pose.position());
     const double before = trip.left;
     if (std::isfinite(length)) trip.left = length;  // squeezed against something it is as far as it was
@@ -160,12 +160,12 @@ void Navigation::measure(std::size_t world, std::span<double> metrics) const {
   }
 }
 
-Sketch Navigation::sketch(std::size_t world) const {
-  Sketch sketch;
+DebugOverlay Navigation::debug_overlay(std::size_t world) const {
+  DebugOverlay debug_overlay;
   for (const Trip& trip : std::span(trips_).subspan(world * robots_, robots_)) {
-    sketch.goals.push_back(trip.field->target());
+    debug_overlay.goals.push_back(trip.field->target());
   }
-  return sketch;
+  return debug_overlay;
 }
 
 }  // namespace
@@ -191,8 +191,8 @@ std::shared_ptr<const DistanceField> GoalPool::field_to(Vec2 target) const {
   return field(static_cast<std::size_t>(known - goals_.begin()));
 }
 
-std::unique_ptr<Task> make_navigation(const Setting& setting, const NavigationOptions& options) {
-  return std::make_unique<Navigation>(setting, options);
+std::unique_ptr<Task> make_navigation(const TaskContext& context, const NavigationOptions& options) {
+  return std::make_unique<Navigation>(context, options);
 }
 
 }  // namespace threewe::task

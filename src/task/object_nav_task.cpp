@@ -12,17 +12,17 @@ namespace {
 
 class ObjectNavTask final : public Task {
  public:
-  explicit ObjectNavTask(const Setting& setting) : period_(setting.period), searches_(setting.worlds) {
-    if (setting.robots != 1) throw ConfigError("ObjectNav is a task for one robot");
-    for (const auto& scene : setting.scenes) scenes_.emplace_back(scene, setting.robot);
+  explicit ObjectNavTask(const TaskContext& context) : period_(context.period), searches_(context.worlds) {
+    if (context.robots != 1) throw ConfigError("ObjectNav is a task for one robot");
+    for (const auto& scene : context.scenes) scenes_.emplace_back(scene, context.robot);
   }
 
   std::vector<Field> fields() const override {
     return {{"object_goal", Field::Type::float32, {kObjectGoals.size()}, 0.0, 1.0}};
   }
   std::vector<std::string> metrics() const override { return stop_metric_names(); }
-  std::string words_name() const override { return "object_goal"; }
-  std::string words(std::size_t world) const override {
+  std::string instruction_name() const override { return "object_goal"; }
+  std::string instruction(std::size_t world) const override {
     return std::string(kObjectGoals[searches_[world].episode.goal]);
   }
 
@@ -37,9 +37,9 @@ class ObjectNavTask final : public Task {
     starts[0] = search.episode.start;
   }
 
-  void step(std::size_t world, std::span<const Moment> robots, std::span<Outcome> outcomes) override {
+  void step(std::size_t world, std::span<const TaskState> robots, std::span<Outcome> outcomes) override {
     Search& search = searches_[world];
-    const Moment& now = robots[0];
+    const TaskState& now = robots[0];
     const StopTaskStep step =
         scenes_[search.scene].step(search.episode, search.state, now.pose, asked(now), period_, *now.look);
     search.trip = {now.distance_driven, now.max_collision_speed, step.terminated, step.success};
@@ -74,6 +74,6 @@ class ObjectNavTask final : public Task {
 
 }  // namespace
 
-std::unique_ptr<Task> make_object_nav(const Setting& setting) { return std::make_unique<ObjectNavTask>(setting); }
+std::unique_ptr<Task> make_object_nav(const TaskContext& context) { return std::make_unique<ObjectNavTask>(context); }
 
 }  // namespace threewe::task

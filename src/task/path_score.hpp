@@ -1,4 +1,4 @@
-// How well a robot kept to a path, not only where it ended: normalised dynamic time warping.
+// Path fidelity score: normalised dynamic time warping.
 #pragma once
 
 #include <array>

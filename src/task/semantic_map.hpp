@@ -1,4 +1,4 @@
-// A scene as instructions speak of it: named rooms, the ways between them, and things by which one can find one's way.
+// Semantic map of a scene, as instructions speak of it: named rooms, the ways between them, and landmarks.
 #pragma once
 
 #include <array>

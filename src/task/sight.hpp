@@ -1,4 +1,4 @@
-// How much of an object a level camera sees: exact counts of pixels, without a picture.
+// Exact visibility of an object in a level camera: counts of pixels, without a picture.
 #pragma once
 
 #include <span>

@@ -1,4 +1,4 @@
-// The metrics that ObjectNav and VLN share.
+// Metrics that ObjectNav and VLN share.
 #pragma once
 
 #include <array>
@@ -33,7 +33,7 @@ inline std::array<double, 7> stop_metrics(const StopTrip& trip, double shortest,
 }
 
 /// A moment's action as it was asked for.
-inline std::array<float, 3> asked(const Moment& moment) {
+inline std::array<float, 3> asked(const TaskState& moment) {
   return {static_cast<float>(moment.action.vx), static_cast<float>(moment.action.vy),
           static_cast<float>(moment.action.omega)};
 }

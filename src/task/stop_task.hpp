@@ -1,4 +1,4 @@
-// What ObjectNav and VLN share: the robot says STOP where it thinks it has arrived, and that ends the episode.
+// STOP termination and reward that ObjectNav and VLN share: the robot says STOP where it believes it has arrived.
 #pragma once
 
 #include <algorithm>

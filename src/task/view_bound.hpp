@@ -1,4 +1,4 @@
-// Whether any of some objects may be in view: a quick answer that is never "no" for what a camera shows.
+// Conservative view test: whether any of some objects may be in view.
 #pragma once
 
 #include <cstddef>

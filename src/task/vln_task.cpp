@@ -14,9 +14,9 @@ constexpr double kMostWords = 1e6;  // that a vocabulary has
 
 class VlnTask final : public Task {
  public:
-  explicit VlnTask(const Setting& setting) : period_(setting.period), walks_(setting.worlds) {
-    if (setting.robots != 1) throw ConfigError("VLN is a task for one robot");
-    for (const auto& scene : setting.scenes) scenes_.emplace_back(scene);
+  explicit VlnTask(const TaskContext& context) : period_(context.period), walks_(context.worlds) {
+    if (context.robots != 1) throw ConfigError("VLN is a task for one robot");
+    for (const auto& scene : context.scenes) scenes_.emplace_back(scene);
   }
 
   std::vector<Field> fields() const override {
@@ -28,8 +28,8 @@ class VlnTask final : public Task {
     names.emplace_back("ndtw");
     return names;
   }
-  std::string words_name() const override { return "instruction"; }
-  std::string words(std::size_t world) const override { return walks_[world].episode.instruction; }
+  std::string instruction_name() const override { return "instruction"; }
+  std::string instruction(std::size_t world) const override { return walks_[world].episode.instruction; }
 
   void begin(std::size_t world, const EpisodeKey& key, const EpisodeRequest& request,
              std::span<Pose2D> starts) override {
@@ -45,9 +45,9 @@ class VlnTask final : public Task {
     starts[0] = walk.episode.start;
   }
 
-  void step(std::size_t world, std::span<const Moment> robots, std::span<Outcome> outcomes) override {
+  void step(std::size_t world, std::span<const TaskState> robots, std::span<Outcome> outcomes) override {
     Walk& walk = walks_[world];
-    const Moment& now = robots[0];
+    const TaskState& now = robots[0];
     const StopTaskStep step =
         scenes_[walk.scene].step(walk.episode, walk.state, now.pose.position(), asked(now), period_);
     walk.trip = {now.distance_driven, now.max_collision_speed, step.terminated, step.success};
@@ -86,6 +86,6 @@ class VlnTask final : public Task {
 
 }  // namespace
 
-std::unique_ptr<Task> make_vln(const Setting& setting) { return std::make_unique<VlnTask>(setting); }
+std::unique_ptr<Task> make_vln(const TaskContext& context) { return std::make_unique<VlnTask>(context); }
 
 }  // namespace threewe::task

@@ -139,7 +139,7 @@ def mapping(draw: Draw) -> list[Call]:
         lambda: drive(slam.Slam()),
         lambda: drive(slam.Slam(slam.SlamConfig(base_from_lidar=threewe.Pose2D(draw.choice(NUMBERS), 0.0, 0.0)))),
         lambda: slam.relation_errors(draw.array(), slam.Relations(draw.array(), draw.array())),
-        lambda: slam.Survey.load("office_loop").drive(draw.choice([-1, 2**64, None, 0.5])),
+        lambda: slam.LogSpec.load("office_loop").drive(draw.choice([-1, 2**64, None, 0.5])),
     ]
 
 
@@ -157,7 +157,7 @@ def scenes(draw: Draw) -> list[Call]:
         lambda: threewe.Scene.load(draw.choice(OTHERS)),
         lambda: threewe.Scene.parse(draw.choice(OTHERS), draw.choice(OTHERS)),
         lambda: scene.to_yaml(draw.choice(OTHERS)),
-        lambda: (scene.room_at(draw.place()), scene.grip_at(draw.place())),
+        lambda: (scene.room_at(draw.place()), scene.friction_at(draw.place())),
         lambda: scene.room(draw.choice(OTHERS)),
         lambda: (tables.collides(draw.pose()), tables.clearance(draw.pose())),
         lambda: tables.geodesic(draw.place(), draw.place()),
@@ -205,7 +205,7 @@ def robots(draw: Draw) -> list[Call]:
         lambda: truth.look(threewe.CameraIntrinsics.of_view(32, 24, 1.0), p(), n()),
         lambda: truth.geodesic(draw.place(), draw.place()),
         lambda: truth.sample_free_pose(draw.whole()),
-        lambda: truth.carry(p()),
+        lambda: truth.teleport(p()),
         lambda: truth.reset(seed=draw.whole(), pose=p(), episode=draw.whole()),
         lambda: truth.reset(),
         lambda: truth.restore(draw.choice([truth.save(), *OTHERS])),

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 from threewe import HardwareError, RobotProfile, Scene, SceneTables
-from threewe.benchmark import nearest_frontier, optimist, spl
+from threewe.benchmark import nearest_frontier, optimistic_replanning, spl
 
 PROFILE = RobotProfile.load("3we_standard_v2")
 
@@ -21,7 +21,7 @@ def test_the_optimist_is_hard_to_beat_and_not_beyond_the_truth() -> None:
     tables = SceneTables(Scene.load("apartment_v1"), PROFILE)
     for seed in range(3):
         episode = tables.sample_episode(seed)
-        best = optimist(tables, PROFILE, episode.start, episode.goal)
+        best = optimistic_replanning(tables, PROFILE, episode.start, episode.goal)
         assert best.reached, seed
         assert 0.98 * episode.geodesic < best.length < 4.0 * episode.geodesic, seed
         assert best.duration == pytest.approx(best.length / PROFILE.operating_limits.linear)
@@ -40,4 +40,4 @@ def test_references_need_a_lidar() -> None:
     profile = RobotProfile.load("3we_base_v2")
     tables = SceneTables(Scene.load("apartment_v1"), profile)
     with pytest.raises(HardwareError, match="'3we_base_v2' has no sensor 'lidar'"):
-        optimist(tables, profile, tables.sample_free_pose(0), (1.0, 0.0))
+        optimistic_replanning(tables, profile, tables.sample_free_pose(0), (1.0, 0.0))

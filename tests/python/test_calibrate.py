@@ -13,7 +13,7 @@ import pytest
 import threewe
 import threewe.sync
 from threewe import Velocity, _core
-from threewe._core import Pace
+from threewe._core import VelocityProfile
 from threewe.backend import Reading, known_backend, register_backend
 from toy_backend import QuietBackend
 
@@ -26,7 +26,9 @@ needs_mujoco = pytest.mark.skipif(find_spec("mujoco") is None, reason="not shown
 @pytest.mark.parametrize("hardware", ["3we_standard_v2", "turtlebot_like"])
 def test_once_fitted_it_moves_as_mujoco_does(hardware: str) -> None:
     profiles = [threewe.RobotProfile.load(name) for name in (hardware, str(FITTED / f"{hardware}_mujoco.yaml"))]
-    plain, fitted = _core.deviations(known_backend("mujoco"), hardware, profiles, 1_000_000, 4, Pace.operating)
+    plain, fitted = _core.deviations(
+        known_backend("mujoco"), hardware, profiles, 1_000_000, 4, VelocityProfile.operating
+    )
     assert fitted.linear < 0.05
     assert fitted.angular < 0.05
     assert fitted.pose < 0.03
@@ -40,7 +42,7 @@ def test_a_calibration_leaves_a_profile_that_a_robot_takes(tmp_path: Path) -> No
     assert found.source == "truth"
     assert found.after.linear < 0.6 * found.before.linear
     known = {figure.name: figure for figure in found.figures}
-    assert known["motor_lag"].told
+    assert known["motor_lag"].identifiable
     assert known["motor_lag"].value == pytest.approx(0.0377, abs=0.001)  # as it was shipped
     with threewe.sync.Robot(hardware=str(file)) as robot:
         assert robot.move_to(x=1.0, y=0.3).success

@@ -96,7 +96,7 @@ def test_one_error_at_many_checks_is_told_once(capsys: pytest.CaptureFixture[str
     with pytest.raises(ContractError, match="backend 'wall_clock' fails") as error:
         check_backend("wall_clock", raise_failures=True)
     told = str(error.value)
-    assert told.count("which looks like wall-clock time") == 1
+    assert told.count("which is probably wall-clock time") == 1
     assert re.search(r"\(the same at \d\d more checks\)", told)
     shown = " ".join(capsys.readouterr().out.split())
     assert shown.count("the same at") == 1

@@ -444,7 +444,7 @@ CALLED_WITH: dict[str, dict[str, object]] = {
     "unobserve": {"number": 1},
     "sample_free_pose": {"seed": 1},
     "geodesic": {"a": (0.0, 0.0), "b": (1.0, 0.0)},
-    "carry": {"pose": (0.0, 0.0)},
+    "teleport": {"pose": (0.0, 0.0)},
 }
 
 

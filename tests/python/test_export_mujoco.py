@@ -176,7 +176,7 @@ def test_floors_hold_as_the_scene_says(tmp_path: Path) -> None:
     tiles = [model.geom(i) for i in range(model.ngeom) if model.geom(i).name.startswith("ground")]
     assert len(tiles) > 1
     for tile in tiles:
-        assert tile.friction[0] == pytest.approx(0.7 * scene.grip_at((tile.pos[0], tile.pos[1])), rel=1e-12)
+        assert tile.friction[0] == pytest.approx(0.7 * scene.friction_at((tile.pos[0], tile.pos[1])), rel=1e-12)
         assert tile.pos[2] + tile.size[2] == pytest.approx(0, abs=1e-15)
 
 

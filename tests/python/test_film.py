@@ -20,14 +20,14 @@ async def film_of(seconds: float, folder: Path, period: float) -> int:
         film.close()
         await robot.sleep(1.0)
         film.save(folder)
-        return len(film.moments)
+        return len(film.states)
 
 
 def test_a_film_keeps_its_limits(tmp_path: Path) -> None:
     import asyncio
 
-    moments = asyncio.run(film_of(13.0, tmp_path, 0.02))
-    assert 600 < moments <= 651
+    states = asyncio.run(film_of(13.0, tmp_path, 0.02))
+    assert 600 < states <= 651
     with av.open(str(tmp_path / "run.mp4")) as video:
         frames = [frame.to_ndarray(format="rgb24") for frame in video.decode(video=0)]
     assert len(frames) == VIDEO_FRAMES

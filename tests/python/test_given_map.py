@@ -56,7 +56,7 @@ async def test_a_robot_that_is_carried_away_in_the_middle_of_a_drive_arrives(apa
         assert not robot.lost
         drive = asyncio.create_task(robot.move_to(*kitchen, timeout=120.0))
         await robot.sleep(2.0)
-        robot.simulation.carry((2.0, 1.0, 2.0))
+        robot.simulation.teleport((2.0, 1.0, 2.0))
         await robot.sleep(1.4)
         assert robot.lost
         assert (await drive).success
@@ -140,6 +140,6 @@ async def test_nobody_is_carried_into_a_wall() -> None:
     async with Robot(scene="apartment_v1") as robot:
         assert robot.simulation is not None
         with pytest.raises(ConfigError, match="is inside a wall"):
-            robot.simulation.carry(((wall.a[0] + wall.b[0]) / 2, (wall.a[1] + wall.b[1]) / 2))
+            robot.simulation.teleport(((wall.a[0] + wall.b[0]) / 2, (wall.a[1] + wall.b[1]) / 2))
         with pytest.raises(ContractError, match="pose must"):
-            robot.simulation.carry("there")  # type: ignore[arg-type]
+            robot.simulation.teleport("there")  # type: ignore[arg-type]

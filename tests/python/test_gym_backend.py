@@ -334,7 +334,7 @@ def test_a_truth_that_nobody_can_believe_is_refused() -> None:
 
 
 def test_nobody_knows_the_truth_of_a_real_robot() -> None:
-    with pytest.raises(ContractError, match="localization 'truth' needs a simulator that tells it"):
+    with pytest.raises(ContractError, match="localization 'truth' needs a simulator that states it"):
         Robot(backend=register(QuietBackend), localization="truth")
 
 

@@ -70,14 +70,14 @@ def test_robot_goal_and_way_are_where_they_are() -> None:
     for _ in range(30):
         *_, info = env.step(AHEAD)
     driven = env.render()
-    assert drawing.TRAIL[2] > drawing.TRAIL[0]
+    assert drawing.TRAJECTORY[2] > drawing.TRAJECTORY[0]
     way = color_at(driven, scene, 0.05, 0.0)
-    assert is_near(way, drawing.TRAIL, 60)
+    assert is_near(way, drawing.TRAJECTORY, 60)
     x, y, theta = info["true_pose"]
     assert math.hypot(x, y) > 0.5
     assert is_near(color_at(driven, scene, x - 0.09 * math.sin(theta), y + 0.09 * math.cos(theta)), drawing.BODY, 60)
     env.reset()
-    assert not is_near(color_at(env.render(), scene, 0.05, 0.0), drawing.TRAIL, 60)  # a way ends with its episode
+    assert not is_near(color_at(env.render(), scene, 0.05, 0.0), drawing.TRAJECTORY, 60)  # a way ends with its episode
 
 
 def test_people_are_where_they_are() -> None:

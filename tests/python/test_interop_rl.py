@@ -193,14 +193,14 @@ def test_object_nav_always_has_a_way_to_drive(backend: str | None) -> None:
     for seed in np.argsort(infos["shortest_path"])[:3].tolist():
         _, info = env.reset(seed=seed)
         assert info["shortest_path"] == infos["shortest_path"][seed]
-        assert info["object_goal"] == many.words(seed)
+        assert info["object_goal"] == many.instruction(seed)
 
 
 @pytest.mark.parametrize("env", [2, -1, 10**9, 10**30, 0.5])
 def test_an_environment_that_is_not_there_is_refused(env: Any) -> None:
     envs = VectorEnv(num_envs=2, **GOAL)
     envs.reset(seed=0)
-    for ask in (envs.episode, envs.words, envs.randomization):
+    for ask in (envs.episode, envs.instruction, envs.randomization):
         with pytest.raises(ContractError, match=r"^env"):
             ask(env)
     assert envs.episode(1).seed == 1

@@ -19,9 +19,9 @@ from threewe import (
     RecoveryState,
     Robot,
     SampledPlan,
+    SensorFault,
     TickView,
     TimeoutError,
-    Trouble,
     Velocity,
     World,
     Zone,
@@ -51,11 +51,11 @@ async def test_notebooks_connect_with_a_bare_await(robot: Robot) -> None:
 
 async def test_every_sensor_has_a_name_and_its_health(robot: Robot) -> None:
     assert set(robot.health) == {sensor.name for sensor in robot.features.sensors}
-    assert robot.health["lidar"].trouble is Trouble.none
+    assert robot.health["lidar"].fault is SensorFault.none
     assert robot.health["lidar"].needed
     assert not robot.health["camera"].needed
     await robot.move_forward(0.5)
-    assert all(sensor.sound for sensor in robot.health.values()), robot.health
+    assert all(sensor.ok for sensor in robot.health.values()), robot.health
 
 
 async def test_reading_takes_no_robot_time(robot: Robot) -> None:

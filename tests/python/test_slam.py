@@ -22,12 +22,12 @@ from threewe.slam import (
     SlamConfig,
     accuracy,
     load_map,
+    log_names,
     read_carmen,
     read_log,
     relation_errors,
     replay,
     save_map,
-    survey_names,
     synthesize,
     write_carmen,
 )
@@ -61,16 +61,16 @@ objects:
 
 
 @pytest.fixture(scope="module")
-def survey(tmp_path_factory: pytest.TempPathFactory) -> str:
-    folder = tmp_path_factory.mktemp("survey")
+def log_spec(tmp_path_factory: pytest.TempPathFactory) -> str:
+    folder = tmp_path_factory.mktemp("log_spec")
     (folder / "small.yaml").write_text(SCENE)
     (folder / "tour.yaml").write_text(TOUR)
     return str(folder / "tour.yaml")
 
 
 @pytest.fixture(scope="module")
-def recorded(survey: str) -> tuple[Log, Array]:
-    return record(survey, 3)
+def recorded(log_spec: str) -> tuple[Log, Array]:
+    return record(log_spec, 3)
 
 
 # logs
@@ -235,9 +235,7 @@ def test_the_figures_are_means_and_deviations() -> None:
     assert result.translation == pytest.approx((0.2, 0.1))
     assert result.squared_translation == pytest.approx((0.05, 0.04))
     assert result.rotation == pytest.approx((math.degrees(0.05), math.degrees(0.05)))
-    with pytest.raises(
-        threewe.ConfigError, match=r"no relation lies within the trajectory: times from 5\.000 to 9\.000"
-    ):
+    with pytest.raises(threewe.ConfigError, match=r"no relation is within the trajectory: times from 5\.000 to 9\.000"):
         accuracy(trajectory, Relations(np.array([[5.0, 9.0]]), np.zeros((1, 3))))
 
 
@@ -300,8 +298,8 @@ def test_a_map_is_saved_as_ros_has_it(tmp_path: Path) -> None:
     assert (again.resolution, again.origin) == (0.1, (-1.0, 2.5))
 
 
-def test_places_are_recognised_where_the_robot_comes_back(survey: str) -> None:
-    longer = Path(survey).with_name("longer.yaml")
+def test_places_are_recognised_where_the_robot_comes_back(log_spec: str) -> None:
+    longer = Path(log_spec).with_name("longer.yaml")
     longer.write_text(TOUR + "laps: 3\n")
     log, truth = record(str(longer), 4)
     result = replay(log)
@@ -455,8 +453,8 @@ def run(*arguments: str, cwd: Path) -> subprocess.CompletedProcess[str]:
     return subprocess.run([program, "slam", *arguments], capture_output=True, text=True, cwd=cwd)
 
 
-def test_synth_and_replay(survey: str, tmp_path: Path) -> None:
-    assert run("synth", survey, "-o", "logs", "--seed", "3", cwd=tmp_path).returncode == 0
+def test_synth_and_replay(log_spec: str, tmp_path: Path) -> None:
+    assert run("synth", log_spec, "-o", "logs", "--seed", "3", cwd=tmp_path).returncode == 0
     done = run("replay", "logs/tour.log", "--relations", "logs/tour.relations", "-o", "out", cwd=tmp_path)
     assert done.returncode == 0, done.stderr
     summary = json.loads((tmp_path / "out/summary.json").read_text())
@@ -493,10 +491,10 @@ def test_a_robot_that_was_carried_away_is_reported(recorded: tuple[Log, Array], 
     assert summary["accuracy"]["translation"][0] < 0.03
 
 
-def test_a_seed_names_a_log_to_the_byte(survey: str, tmp_path: Path) -> None:
+def test_a_seed_names_a_log_to_the_byte(log_spec: str, tmp_path: Path) -> None:
     texts = []
     for folder, seed in [("a", 1), ("b", 1), ("c", 2)]:
-        log, relations = synthesize(survey, tmp_path / folder, seed)
+        log, relations = synthesize(log_spec, tmp_path / folder, seed)
         texts.append((log.read_bytes(), relations.read_bytes()))
     assert texts[0] == texts[1]
     assert texts[0][0] != texts[2][0]
@@ -508,7 +506,7 @@ def test_a_seed_names_a_log_to_the_byte(survey: str, tmp_path: Path) -> None:
     [
         (["replay", "none.log"], "error: none.log: no such log"),
         (["replay", "empty.log"], "error: empty.log:1: no scan in it"),
-        (["synth", "labratory"], "unknown survey 'labratory'; did you mean 'laboratory'?"),
+        (["synth", "labratory"], "unknown log 'labratory'; did you mean 'laboratory'?"),
     ],
 )
 def test_mistakes_are_one_line(arguments: list[str], message: str, tmp_path: Path) -> None:
@@ -519,7 +517,7 @@ def test_mistakes_are_one_line(arguments: list[str], message: str, tmp_path: Pat
     assert "Traceback" not in done.stderr
 
 
-def test_the_four_surveys_can_be_read() -> None:
-    assert set(survey_names()) == {"laboratory", "office_loop", "long_corridor", "campus_loop"}
-    for name in survey_names():
-        assert len(threewe.slam.Survey.load(name).stops) > 3
+def test_the_four_log_specifications_can_be_read() -> None:
+    assert set(log_names()) == {"laboratory", "office_loop", "long_corridor", "campus_loop"}
+    for name in log_names():
+        assert len(threewe.slam.LogSpec.load(name).stops) > 3

@@ -20,7 +20,7 @@ from threewe.terminal import (
     NOTHING,
     OCCUPIED,
     PATH,
-    TRAIL,
+    TRAJECTORY,
     WALL,
     Canvas,
     Dashboard,
@@ -55,14 +55,14 @@ def test_a_map_of_any_size_fits_and_is_drawn_cell_by_cell(seed: int) -> None:
     canvas = picture(grid, middle[None], NOWHERE, NOWHERE, columns, lines)
     assert canvas.pixels.shape[0] <= 2 * lines
     assert canvas.pixels.shape[1] <= columns
-    shown = np.where(canvas.pixels == TRAIL, GROUND, canvas.pixels)
+    shown = np.where(canvas.pixels == TRAJECTORY, GROUND, canvas.pixels)
     np.testing.assert_array_equal(shown, slowly(grid, canvas), f"seed {seed}")
 
 
 def test_what_matters_most_is_on_top() -> None:
     canvas = Canvas.around(np.array([0.0, 0.0]), np.array([10.0, 4.0]), columns=10, lines=2)
     canvas.line(np.array([[0.5, 0.5], [9.5, 0.5]]), PATH)
-    canvas.line(np.array([[0.5, 0.5], [9.5, 0.5]]), TRAIL)
+    canvas.line(np.array([[0.5, 0.5], [9.5, 0.5]]), TRAJECTORY)
     canvas.mark(np.array([[9.5, 0.5], [99.0, 99.0]]), GOAL)
     assert canvas.pixels[3].tolist() == [PATH] * 9 + [GOAL]
     assert not canvas.pixels[:3].any()

@@ -327,7 +327,7 @@ def test_the_fit_finds_the_model_that_made_the_errors() -> None:
         tracks.append(imitation("slam_v2", known))
     found = fit(tracks)
     text = (ROOT / "assets/localization/slam_v2.yaml").read_text()
-    maps, local, scatter = (re.search(rf"{part}: {{.*}}", text)[0] for part in ("map", "local", "scatter"))
+    maps, local, scatter = (re.search(rf"{part}: {{.*}}", text)[0] for part in ("map", "local", "noise"))
     expected = [figure(maps, "turn"), figure(maps, "stretch"), figure(maps, "heading"), figure(local, "position")]
     expected += [figure(scatter, "position"), figure(scatter, "heading")]
     # lengths and deviations of what is slow make up for one another; what they come to is well known

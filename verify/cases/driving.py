@@ -7,7 +7,7 @@ import random
 from typing import Any
 
 from threewe import CoverageMeter, OccupancyGrid, Pose2D, Robot, RobotProfile, Scene, SceneTables, TickView, World
-from threewe.benchmark import nearest_frontier, optimist, spl
+from threewe.benchmark import nearest_frontier, optimistic_replanning, spl
 
 TOLERANCE = 0.1  # [m] of drives in vain
 
@@ -17,7 +17,7 @@ def drive(seed: int, scene: str, hardware: str, backend: str = "mock") -> dict[s
     profile = RobotProfile.load(hardware)
     tables = SceneTables(Scene.load(scene), profile)
     episode = tables.sample_episode(seed, 0)
-    best = optimist(tables, profile, episode.start, episode.goal) if profile.lidar else None
+    best = optimistic_replanning(tables, profile, episode.start, episode.goal) if profile.lidar else None
     goal = episode.start.inverse() * Pose2D(*episode.goal, 0.0)
 
     async def run() -> dict[str, Any]:

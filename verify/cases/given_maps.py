@@ -61,7 +61,7 @@ def claims_the_truth(case: Case) -> bool:
     return bool(case["wrong"] == case["wrong_after"] == 0.0)
 
 
-def is_back(case: Case) -> bool:
+def is_relocalized(case: Case) -> bool:
     """It knows where it is soon after it was carried away."""
     return bool(0.0 <= case["recovered"] <= QUICK)
 

@@ -220,7 +220,7 @@ delay: {delay:.2g}  # from the end of a scan to its correction; what comes of it
 # standard deviations; what is slow has fallen to 1/e after `length` driven
 map: {{turn: {turn:.3g}, stretch: {stretch:.3g}, heading: {heading:.3g}, length: {fitted["map_length"]:.3g}}}
 local: {{position: {local:.3g}, length: {fitted["local_length"]:.3g}}}
-scatter: {{position: {scatter:.3g}, heading: {scatter_heading:.3g}}}
+noise: {{position: {scatter:.3g}, heading: {scatter_heading:.3g}}}
 measured:
   commit: "{commit}"
   seed: {seed}

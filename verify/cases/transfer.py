@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from threewe import RobotProfile, _core, calibrate
-from threewe._core import Deviation, Pace
+from threewe._core import Deviation, VelocityProfile
 from threewe.backend import known_backend
 from threewe.gym.episodes import Episode, evaluate
 
@@ -34,9 +34,9 @@ def motion(seed: int, hardware: str, sequences: int) -> dict[str, Any]:
     case: dict[str, Any] = {
         "figures": {figure.name: [figure.before, figure.value, figure.spread] for figure in found.figures}
     }
-    for pace in (Pace.operating, Pace.hardware, Pace.abrupt):
+    for pace in (VelocityProfile.operating, VelocityProfile.hardware, VelocityProfile.abrupt):
         plain, fitted = _core.deviations(known_backend(OTHER), hardware, profiles, seed, sequences, pace)
-        itself = _core.scatter(OTHER, hardware, seed, max(2, sequences // 5), pace)
+        itself = _core.repeatability(OTHER, hardware, seed, max(2, sequences // 5), pace)
         case[pace.name] = {"plain": figures(plain), "fitted": figures(fitted), "itself": figures(itself)}
     return case
 

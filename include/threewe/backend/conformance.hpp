@@ -1,4 +1,4 @@
-// The contract of a backend as checks that run against any of them, ours or a stranger's.
+// Conformance suite of the backend contract: checks that run against any backend, ours or a third party's.
 #pragma once
 
 #include <cstdint>

@@ -1,4 +1,4 @@
-// Backends by name.
+// Backend registry: factories of worlds by name.
 #pragma once
 
 #include <functional>

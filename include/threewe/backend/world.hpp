@@ -1,4 +1,4 @@
-// The whole of what a backend is: it keeps time, delivers samples, takes a body velocity.
+// Backend interface: a world that keeps time and, for each robot, a port that delivers samples and takes a velocity.
 #pragma once
 
 #include <cstddef>
@@ -28,7 +28,7 @@ struct SensorInfo {
 struct Features {
   std::vector<SensorInfo> sensors;
   Kinematics kinematics{};
-  bool lockstep = false;       ///< time advances only when it is told to
+  bool lockstep = false;       ///< time advances only when asked to
   bool deterministic = false;  ///< the same seed and commands give the same samples, to the bit
   bool can_reset = false;
   bool can_save = false;
@@ -81,9 +81,9 @@ class World {
   virtual void advance_to(Time t) = 0;
   /// Throws ContractError where `can_reset` is false, ConfigError when a robot would start inside an obstacle.
   virtual void reset(const ResetOptions& options);
-  /// Somebody lifts a robot and puts it down at `pose`, in the scene's frame, where it stands still. Throws
+  /// Teleports a robot to `pose`, in the scene's frame, where it stands still. Throws
   /// ContractError where `can_reset` is false or it cannot be done, ConfigError when something stands there.
-  virtual void carry(std::size_t robot, const Pose2D& pose);
+  virtual void teleport(std::size_t robot, const Pose2D& pose);
   /// Everything that the future depends on. Throws ContractError where `can_save` is false.
   virtual std::vector<std::byte> save() const;
   virtual void restore(const std::vector<std::byte>& state);

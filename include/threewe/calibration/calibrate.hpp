@@ -1,4 +1,4 @@
-// What the embedded simulator's drive must be like so that it moves as another robot does.
+// Drive-model calibration: fits the embedded simulator's drive to the motion of another robot or simulator.
 #pragma once
 
 #include <cstdint>
@@ -27,11 +27,11 @@ struct Deviation {
 };
 /// One figure of a profile, as it was fitted.
 struct Figure {
-  std::string name;     ///< of its field below `body`
-  double before = 0.0;  ///< in the profile, or what follows from it
-  double value = 0.0;   ///< fitted, in the profile's unit
-  double spread = 0.0;  ///< half of its 95 % interval
-  bool told = false;    ///< whether the manoeuvres say more about it than was assumed beforehand
+  std::string name;           ///< of its field below `body`
+  double before = 0.0;        ///< in the profile, or what follows from it
+  double value = 0.0;         ///< fitted, in the profile's unit
+  double spread = 0.0;        ///< half of its 95 % interval
+  bool identifiable = false;  ///< whether the sequences say more about it than was assumed beforehand
 };
 
 /// The outcome of a calibration.
@@ -40,11 +40,11 @@ struct Calibration {
   std::vector<Figure> figures;  ///< what was fitted
   Source source{};              ///< of the velocities
   double seconds = 0.0;         ///< of robot time driven
-  Deviation before;             ///< of the manoeuvres, by the profile as it was
+  Deviation before;             ///< of the sequences, by the profile as it was
   Deviation after;              ///< and by the fitted one
 };
 
-/// Drives the standard manoeuvres on a backend, and fits the profile to them. The backend's robot has no noise where it
+/// Drives the standard sequences on a backend, and fits the profile to them. The backend's robot has no noise where it
 /// is simulated. Throws ConfigError for an unknown backend or profile.
 Calibration calibrate(std::string_view backend, const std::string& hardware);
 

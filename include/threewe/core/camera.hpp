@@ -1,4 +1,4 @@
-// What a camera is: how its pixels look into space, and what it delivers.
+// Pinhole camera intrinsics, and the images that a camera delivers.
 #pragma once
 
 #include <cstdint>
@@ -43,19 +43,19 @@ struct SemanticImage {
   std::vector<std::string> names;  ///< by id: "nothing", "floor", "wall", "ceiling", then objects, people, robots
 };
 
-/// An image that a simulator draws when somebody looks at it, so that images nobody looks at cost nothing. Copies share
+/// An image that a simulator draws on first access, so that images that are not accessed cost nothing. Copies share
 /// it; it never changes.
 class Picture {
  public:
   /// Of nothing: no pixels.
   Picture() = default;
   explicit Picture(RGBDImage image);
-  /// `draw` is called at most once, by the first who looks, and must give the same on every thread.
+  /// `draw` is called at most once, on first access, and must give the same on every thread.
   explicit Picture(std::function<RGBDImage()> draw);
 
   /// The image, drawn first where that has not been done. Any thread may ask. Throws what drawing throws.
   const RGBDImage& image() const;
-  /// False while nobody has looked.
+  /// False before the first access.
   bool is_drawn() const;
 
  private:

@@ -1,4 +1,4 @@
-// What the library throws at its edge. A failed action in the world is no exception but a result with a reason.
+// Exception hierarchy of the library. A failed action in the world is no exception but a result with a reason.
 #pragma once
 
 #include <stdexcept>

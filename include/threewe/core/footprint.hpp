@@ -1,4 +1,4 @@
-// The robot's outline on the floor.
+// Robot footprint: a convex polygon on the floor around the base.
 #pragma once
 
 #include <algorithm>

@@ -1,4 +1,4 @@
-// How wheels move a body: four mecanum wheels, or two driven ones.
+// Forward and inverse kinematics of wheeled bases: four mecanum wheels, or a differential drive.
 #pragma once
 
 #include <array>

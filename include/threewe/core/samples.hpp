@@ -1,4 +1,4 @@
-// What sensors deliver, on every backend.
+// Sensor samples: laser scan, IMU, odometry, battery, range and image, with their stamps.
 #pragma once
 
 #include <array>
@@ -50,7 +50,7 @@ struct RangeData {
   double field_of_view = 0.0;  ///< [rad] from edge to edge of the cone
   double range_min = 0.0;      ///< [m]
   double range_max = 0.0;      ///< [m]
-  double range = 0.0;          ///< [m]; no echo = range_max, invalid = 0.0
+  double range = 0.0;          ///< [m]; no return = range_max, invalid = 0.0
 };
 
 /// The kinds of sensor that the contract knows, in the order of `SampleData`.

@@ -1,4 +1,4 @@
-// Many environments at once: the same simulator, gate and tasks as everywhere else, without a mind.
+// Batched learning environments: the same simulator, gate and tasks as everywhere else, without the autonomy stack.
 #pragma once
 
 #include <cstddef>
@@ -43,7 +43,7 @@ struct TopView {
   std::vector<Pose2D> robots;
   std::vector<std::vector<Vec2>> hits;  ///< [m] what each robot's newest scan hit, from where it truly was
   std::vector<scene::Circle> people;
-  task::Sketch task;
+  task::DebugOverlay task;
 };
 
 /// Worlds with one or more robots each, every one an environment of its own. A world's episode is a pure function of
@@ -81,7 +81,7 @@ class Batch {
   std::span<const std::uint8_t> truncated() const;   ///< of each robot: `max_steps` are over
   /// Worlds whose episode ended in the last step.
   std::span<const std::uint8_t> ended() const;
-  /// Of each robot: its part of the episode is over. What it is told to do counts for nothing until the next one.
+  /// Of each robot: its part of the episode is over. What it is commanded counts for nothing until the next one.
   std::span<const std::uint8_t> done() const;
   /// Names of the metrics, and their values: shape (rows, names). With `Autoreset::same_step` those of episodes that
   /// have just begun, and `final_metrics` those at the end of the ones before.
@@ -95,10 +95,10 @@ class Batch {
 
   // Of one world. They throw ContractError where there is no such world, or no such robot in it.
   EpisodeInfo episode(std::size_t world) const;
-  /// What a world's episode is about, see `task::Task`; `words_name` says what these words are called. Throws
+  /// What a world's episode is about, see `task::Task`; `instruction_name` says what these words are called. Throws
   /// ContractError before the first reset.
-  std::string words(std::size_t world) const;
-  std::string words_name() const;
+  std::string instruction(std::size_t world) const;
+  std::string instruction_name() const;
   /// How a robot differs from its profile now.
   models::Variation variation(std::size_t world, std::size_t robot = 0) const;
   /// Throws ContractError before the first reset.

@@ -1,4 +1,4 @@
-// What kind of environments are wanted.
+// Options of learning environments: observations, localization, gate, randomization and autoreset.
 #pragma once
 
 #include <cstddef>
@@ -18,7 +18,7 @@
 
 namespace threewe::env {
 
-/// What a robot observes beside the fields of its task. Each costs time only when it is asked for.
+/// What a robot observes besides the fields of its task. Each costs time only when it is asked for.
 struct Observed {
   bool image = false;    ///< (H, W, 3) uint8 BGR
   bool depth = false;    ///< (H, W) float32 [m] along the optical axis, invalid = 0
@@ -51,7 +51,7 @@ enum class Autoreset : std::uint8_t {
 };
 
 /// Makes the task of a batch.
-using TaskFactory = std::function<std::unique_ptr<task::Task>(const task::Setting& setting)>;
+using TaskFactory = std::function<std::unique_ptr<task::Task>(const task::TaskContext& context)>;
 
 struct Options {
   std::vector<std::shared_ptr<const scene::Scene>> scenes;  ///< each episode is in one of them, drawn by its seed

@@ -1,4 +1,4 @@
-// Files for other simulators and for ROS, from the one description that scenes and robot profiles are.
+// Exporters of scenes and robots to MJCF, URDF, SDF, USD and ROS maps.
 #pragma once
 
 #include <cstdint>

@@ -1,4 +1,4 @@
-// What a robot is: its body, its limits, its sensors and how well they measure. Read from assets/robots/NAME.yaml.
+// Robot profile: body, limits, sensors and their noise. Read from assets/robots/NAME.yaml.
 #pragma once
 
 #include <cstdint>
@@ -26,7 +26,7 @@ struct Limits {
   friend bool operator==(const Limits&, const Limits&) = default;
 };
 
-/// A ball that rolls any way and carries what two driven wheels cannot.
+/// A ball that rolls any way and bears what two driven wheels cannot.
 struct Caster {
   Vec2 position;        ///< [m] of where it stands on the floor
   double radius = 0.0;  ///< [m]
@@ -39,7 +39,7 @@ struct TractionSpec {
   double ahead = 1.0;
   double sideways = 1.0;  ///< of four wheels; two have none
   double turning = 1.0;
-  Duration turning_lag{};    ///< time constant of turns, beside `motor_lag`: a body is easier to turn than to push
+  Duration turning_lag{};    ///< time constant of turns, besides `motor_lag`: a body is easier to turn than to push
   double load = 1.0;         ///< the share of the weight that stands on driven wheels
   double mass_height = 0.0;  ///< [m] of the centre of mass: by accelerations, load moves from wheel to wheel
   double shift = 0.0;        ///< of a mecanum wheel's load, what the diagonal pair that slips takes from the other
@@ -122,7 +122,7 @@ struct CameraSpec {
   CameraIntrinsics intrinsics() const { return make_intrinsics(width, height, horizontal_fov); }
 };
 
-/// Ultrasonic sensors of one kind, pinged in turn so that none hears another's sound.
+/// Ultrasonic sensors of one kind, pinged in turn so that none receives another's sound.
 struct UltrasonicSpec {
   struct Mount {
     std::string name;  ///< of the sensor, such as "ultrasonic_front_left"
@@ -132,7 +132,7 @@ struct UltrasonicSpec {
   double height = 0.0;         ///< [m] of all of them above the floor
   Duration interval{};         ///< from one ping to the next, of another sensor
   double field_of_view = 0.0;  ///< [rad] of the cone of sound, from edge to edge
-  double max_incidence = 0.0;  ///< [rad] off a surface's normal, beyond which no echo comes back
+  double max_incidence = 0.0;  ///< [rad] off a surface's normal, beyond which no sound comes back
   double range_min = 0.0;      ///< [m]
   double range_max = 0.0;      ///< [m]
   double sigma = 0.0;          ///< [m] of each range

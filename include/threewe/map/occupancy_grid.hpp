@@ -1,4 +1,4 @@
-// A map of what is free, occupied and unknown.
+// Occupancy grid: cells that are free, occupied or unknown.
 #pragma once
 
 #include <cstdint>

@@ -1,4 +1,4 @@
-// Maps as ROS keeps them: `map.yaml`, which says where the picture `map.pgm` lies (nav2_map_server).
+// Reader and writer of ROS maps (nav2_map_server): `map.yaml`, which names the image `map.pgm`.
 #pragma once
 
 #include <filesystem>
@@ -11,7 +11,7 @@ namespace threewe::map {
 /// thresholds. Throws ConfigError naming the file and the field that is wrong, and what would be right.
 OccupancyGrid load_ros_map(const std::filesystem::path& yaml);
 
-/// Writes `yaml`, whose name ends in .yaml, and the picture beside it, which has the same name and ends in .pgm: what
+/// Writes `yaml`, whose name ends in .yaml, and the image next to it, which has the same name and ends in .pgm: what
 /// `load_ros_map` and ROS read back is free, occupied and unknown where `grid` is by ROS's default thresholds. Throws
 /// ConfigError on a grid without cells, or where it cannot be written.
 void save_ros_map(const OccupancyGrid& grid, const std::filesystem::path& yaml);

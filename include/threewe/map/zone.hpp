@@ -1,4 +1,4 @@
-// Where robots may not go, or only slowly.
+// Keep-out and speed-limit zones: polygons on the floor.
 #pragma once
 
 #include <optional>

@@ -1,5 +1,5 @@
-// Where a robot believes itself to be, without running its mind: wheel odometry between corrections that are off as
-// those of our own SLAM are. `./dev verify slam --write-model` measures how far.
+// Localization error model: wheel odometry between pose corrections that are off by Gauss-Markov drift and white noise,
+// as those of our own SLAM are. `./dev verify slam --write-model` measures how far.
 #pragma once
 
 #include <cstdint>
@@ -34,10 +34,10 @@ struct LocalizationSpec {
     double length = 1.0;    ///< [m] as above
   } local;
   /// Each correction has its own.
-  struct Scatter {
+  struct Noise {
     double position = 0.0;  ///< [m] standard deviation along each axis
     double heading = 0.0;   ///< [rad] standard deviation
-  } scatter;
+  } noise;
 
   /// From what these figures come.
   struct Measurement {

@@ -1,4 +1,4 @@
-// Domain randomisation: how far robots differ from their profile, and when that is drawn anew.
+// Domain randomization: distributions of how robots differ from their profile, and when they are drawn anew.
 #pragma once
 
 #include <cstdint>

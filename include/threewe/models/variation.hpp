@@ -1,4 +1,4 @@
-// How one robot differs from its profile: what domain randomisation draws. Plain data.
+// One draw of a domain randomization: how one robot differs from its profile. Plain data.
 #pragma once
 
 #include <cstdint>
@@ -19,10 +19,10 @@ struct Variation {
   double battery_resistance = 1.0;  ///< factor, hence of how far the voltage sags
 
   // sensors
-  double lidar_noise = 1.0;      ///< factor of scatter and of the unit's bias
+  double lidar_noise = 1.0;      ///< factor of range noise and of the unit's bias
   double lidar_dropout = 1.0;    ///< factor of the probability that a point is invalid
-  double imu_noise = 1.0;        ///< factor of scatter and of biases
-  double camera_noise = 1.0;     ///< factor of scatter, of colours and of depth
+  double imu_noise = 1.0;        ///< factor of noise and of biases
+  double camera_noise = 1.0;     ///< factor of noise, of colours and of depth
   double odometry_slip = 1.0;    ///< factor of how far wheels and lateral rolling are from what odometry assumes
   double command_latency = 1.0;  ///< factor, rounded to whole steps
   double sensor_latency = 1.0;   ///< factor of the lidar's and the camera's latency, rounded to whole steps

@@ -1,4 +1,5 @@
-// From a goal to velocities. The runtime knows this interface alone, so that an external navigation can stand in.
+// Navigator interface: planning and control from a goal to velocities. The runtime knows this interface alone, so that
+// an external navigation can stand in for ours.
 #pragma once
 
 #include <array>
@@ -64,9 +65,9 @@ struct Explore {};
 
 using Goal = std::variant<MoveTo, Rotate, MoveForward, FollowPath, Explore>;
 
-/// Somebody who walks, or has just stopped. In the robot's `odom`.
+/// A person who walks, or has just stopped. In the robot's `odom`.
 struct TrackedPerson {
-  std::uint32_t id = 0;               ///< the same as long as somebody is not lost sight of
+  std::uint32_t id = 0;               ///< the same as long as the person is in sight
   Vec2 position;                      ///< [m]
   Vec2 velocity;                      ///< [m/s]
   std::array<double, 16> covariance;  ///< of (x, y, vx, vy), row-major
@@ -91,12 +92,12 @@ struct Observation {
   std::uint64_t map_version = 0;
   /// Where the newest scan hit something: points in the `odom` frame, deskewed.
   std::span<const Vec2> obstacles;
-  /// Where the map has changed, version by version; null where nobody knows.
+  /// Where the map has changed, version by version; null where unknown.
   const map::ChangeLog* map_changes = nullptr;
   std::span<const Peer> peers{};
   /// Who walks around the robot now, in `odom`; empty without a lidar.
   std::span<const TrackedPerson> people{};
-  /// What the robot was told to do in the period before, by whoever had the last word.
+  /// The command of the period before, as the gate let it through.
   Velocity commanded{};
 };
 
@@ -105,7 +106,7 @@ enum class RecoveryState : std::uint8_t {
   driving,      ///< it gets on
   clearing,     ///< stands still until what it sees is fresh
   backing_off,  ///< the way it came, or where there is most room
-  manoeuvring,  ///< where it cannot turn: out in arcs, forwards and backwards
+  arc_escape,   ///< where it cannot turn: out in arcs, forwards and backwards
   looking,      ///< turns to look; all the way round where it is lost
   replanning,   ///< plans anew, for one period
   given_up,     ///< the result's `detail` says why
@@ -114,7 +115,7 @@ std::string_view to_string(RecoveryState state);
 
 struct Progress {
   double distance_left = 0.0;    ///< [m] along the path; when exploring to the next frontier
-  double time_left = 0.0;        ///< [s] that this, and turning to a heading, will take at the pace so far
+  double time_left = 0.0;        ///< [s] that this, and turning to a heading, will take at the mean speed so far
   double distance_driven = 0.0;  ///< [m] since the start of the motion
   Pose2D pose;                   ///< in `map`
   RecoveryState recovery = RecoveryState::driving;
@@ -125,9 +126,9 @@ struct Decision {
   Velocity velocity;
   Reason reason = Reason::running;
   std::string detail{};  ///< says more about a failure; may be empty
-  /// Through a gap that it has measured: slowly, and nearer to what is beside it than the robot would come else. Obeyed
-  /// of our own navigator on a robot with a lidar; others keep the gate's margin, whatever they say.
-  bool creeping = false;
+  /// Through a narrow passage that it has measured: slowly, and nearer to its sides than the robot would come else.
+  /// Obeyed of our own navigator on a robot with a lidar; others keep the gate's margin, whatever they say.
+  bool creep_mode = false;
 };
 
 /// A plan, and the samples of which it is the weighted mean. Poses in `odom`, at the ends of the steps; velocities in

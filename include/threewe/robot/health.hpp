@@ -1,4 +1,4 @@
-// What a robot knows about the soundness of its own sensors.
+// Sensor health: the faults that a robot detects on its own sensors.
 #pragma once
 
 #include <cstdint>
@@ -10,29 +10,29 @@
 namespace threewe {
 
 /// What may be wrong with a sensor.
-enum class Trouble : std::uint8_t {
+enum class SensorFault : std::uint8_t {
   none,
   silent,        ///< nothing has arrived for too long
   frozen,        ///< the same reading again and again, while the robot moves
   implausible,   ///< a reading that no such sensor can make: not a number, or out of its range
   wrong_stamps,  ///< times that run backwards, or come from the future
   late,          ///< readings arrive much later than they used to
-  noisy,         ///< readings scatter more than they used to
+  noisy,         ///< readings are noisier than they used to be
   shifted,       ///< all ranges are too long or too short by the same
   blind,         ///< so many beams are invalid side by side that the robot would fit between two that are not
   contradicted   ///< others say otherwise
 };
 /// In words, as in "the sensor is silent".
-std::string_view to_string(Trouble trouble);
+std::string_view to_string(SensorFault fault);
 
 /// How one sensor is.
 struct SensorHealth {
   std::string name;
-  Trouble trouble = Trouble::none;
+  SensorFault fault = SensorFault::none;
   std::string detail;   ///< says more; may be empty
-  Time since{};         ///< when the trouble was noticed, or was over
-  bool needed = false;  ///< the robot stands still while this sensor is in trouble
-  bool sound() const { return trouble == Trouble::none; }
+  Time since{};         ///< when the fault was noticed, or was over
+  bool needed = false;  ///< the robot stands still while this sensor is at fault
+  bool ok() const { return fault == SensorFault::none; }
 };
 
 }  // namespace threewe

@@ -1,4 +1,4 @@
-// How motions are followed and how they end.
+// Results of motions and explorations.
 #pragma once
 
 #include <memory>

@@ -1,4 +1,4 @@
-// The robot as its users know it. The same names as in Python; where Python awaits, C++ waits on a handle:
+// Robot: the calls of one connected robot. The same names as in Python; where Python awaits, C++ waits on a handle:
 //
 //   threewe::Robot robot;
 //   threewe::MoveResult result = robot.wait(robot.move_to(2.0, 1.0));
@@ -42,7 +42,7 @@ class Robot {
     std::optional<Pose2D> initial_pose = {};
     /// Where it starts in the scene's frame, for simulated worlds; the scene's own start pose where empty.
     std::optional<Pose2D> start_pose = {};
-    Mind mind = {};  ///< ours by default; `mind_with("truth")` is told where the robot is
+    Autonomy autonomy = {};  ///< ours by default; `autonomy_with("truth")` knows the true pose
     /// What its camera delivers, where that is to be another size than its profile states.
     std::optional<ImageSize> image_size = {};
     /// How the simulated robot differs from its profile, see `models::load_randomization`.
@@ -70,7 +70,7 @@ class Robot {
   const Odometry& get_odometry() const;
   Velocity get_velocity() const;
   const map::OccupancyGrid& get_map() const;
-  /// Writes the map as ROS has maps: `yaml`, which ends in .yaml, and the picture beside it. Throws ConfigError.
+  /// Writes the map as ROS has maps: `yaml`, which ends in .yaml, and the image next to it. Throws ConfigError.
   void save_map(const std::filesystem::path& yaml) const;
   const BatteryState& get_battery_state() const;
   /// The newest image of the camera: colour, and depth where it measures any.
@@ -78,7 +78,7 @@ class Robot {
   const RGBDImage& get_image(std::string_view camera) const;
   /// The newest image of a camera that measures depth.
   const RGBDImage& get_rgbd_image() const;
-  /// What each ultrasonic sensor heard last, by the sensors' names.
+  /// What each ultrasonic sensor measured last, by the sensors' names.
   std::map<std::string, RangeData> get_ultrasonic_ranges() const;
   /// Who walks around the robot, as its lidar sees them, in `odom`.
   std::span<const nav::TrackedPerson> get_people() const { return runtime_->people(); }
@@ -115,7 +115,7 @@ class Robot {
                                          std::optional<double> timeout = std::nullopt);
   [[nodiscard]] ExplorationHandle explore(std::optional<double> timeout = std::nullopt);
 
-  /// Is told every 0.1 s of robot time how far a motion has come.
+  /// Called every 0.1 s of robot time with how far a motion has come.
   using OnProgress = std::function<void(const Progress&)>;
   /// Lets robot time go by until the motion has ended. What `on_progress` throws cancels it.
   MoveResult wait(const MotionHandle& motion, const OnProgress& on_progress = {});

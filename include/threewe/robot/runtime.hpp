@@ -1,4 +1,4 @@
-// The mind, the gate and the port of one robot: the only place where they meet.
+// Runtime of one robot: the only place where autonomy stack, safety gate and backend port come together.
 #pragma once
 
 #include <array>
@@ -58,10 +58,11 @@ class Runtime {
   struct Options {
     std::unique_ptr<slam::Localizer> localizer;
     std::unique_ptr<nav::Navigator> navigator;
-    /// Whether `nav::Decision::creeping` is obeyed: of our own navigator, which measures a gap with a lidar before.
+    /// Whether `nav::Decision::creep_mode` is obeyed: of our own navigator, which measures a passage with a lidar
+    /// before.
     bool may_creep = false;
   };
-  Runtime(World& world, backend::RobotPort& port, Options mind);
+  Runtime(World& world, backend::RobotPort& port, Options autonomy);
   ~Runtime();
 
   /// Connects the port and clears a fault. Throws ConnectionError. The first samples arrive within a few ticks: wait
@@ -99,16 +100,16 @@ class Runtime {
   /// The path being followed, in `map`.
   std::span<const Vec2> path() const;
   /// The plan being followed, with the samples of which it is the mean; empty while nothing is followed by a plan.
-  /// Rolled out for whoever asks: nobody else pays for it, and nothing changes.
+  /// Rolled out on demand: no one else pays for it, and nothing changes.
   std::optional<nav::SampledPlan> plan() const;
   /// `target_from_source` among `map`, `odom`, `base` and the sensors' names. Throws ContractError naming the nearest.
   Pose2D transform(std::string_view target, std::string_view source) const;
-  /// What its collision monitor looks out for: where the newest scan, or echoes, hit something, in `odom`.
+  /// What its collision monitor looks out for: where the newest scan, or sonar returns, hit something, in `odom`.
   std::span<const Vec2> obstacles() const;
   /// Who walks around the robot, as its lidar sees them, in `odom`; one who has stood for some seconds is left out.
   std::span<const nav::TrackedPerson> people() const;
-  /// How each sensor is. One that the robot needs and that is in trouble keeps it still: a motion waits for up to 10 s,
-  /// and goes on when the sensor is sound again. What a sensor in trouble delivers is used by nobody.
+  /// How each sensor is. One that the robot needs and that is at fault keeps it still: a motion waits for up to 10 s,
+  /// and goes on when the sensor is ok again. What a sensor at fault delivers is not used.
   const std::vector<SensorHealth>& health() const;
   /// What was asked of the gate in the last tick, and what it let through.
   const Velocity& requested() const;

@@ -1,4 +1,4 @@
-// The truth about a robot in a simulated world, and the power to begin anew: for tests, metrics and training.
+// Ground truth and reset of one robot in a simulated world: for tests, metrics and training.
 #pragma once
 
 #include <cstdint>
@@ -47,9 +47,9 @@ class Simulation {
   /// All noise is that of an `episode` of the seed.
   void reset(std::optional<std::uint64_t> seed = std::nullopt, const std::optional<Pose2D>& pose = std::nullopt,
              std::uint32_t episode = 0);
-  /// Somebody lifts the robot and puts it down at `pose`, and does not tell it. Throws ConfigError when something
+  /// Teleports the robot to `pose` without its noticing, as a kidnapped robot. Throws ConfigError when something
   /// stands there.
-  void carry(const Pose2D& pose) { world_->carry(robot_, pose); }
+  void teleport(const Pose2D& pose) { world_->teleport(robot_, pose); }
   std::shared_ptr<const World::Snapshot> save() const { return world_->save(); }
   void restore(const std::shared_ptr<const World::Snapshot>& snapshot) { world_->restore(snapshot); }
 

@@ -1,4 +1,4 @@
-// Warnings: what deserves a line in the user's log but is no error.
+// Warning handler: what deserves a line in the user's log but is no error.
 #pragma once
 
 #include <functional>

@@ -1,4 +1,4 @@
-// A world and the robots in it, and robot time: when it may advance, and who waits for it.
+// World: the robots of one backend world, and the scheduler of robot time.
 #pragma once
 
 #include <cstdint>
@@ -8,7 +8,7 @@
 
 #include "threewe/backend/world.hpp"
 #include "threewe/core/time.hpp"
-#include "threewe/robot/mind.hpp"
+#include "threewe/robot/autonomy.hpp"
 
 namespace threewe {
 
@@ -48,7 +48,7 @@ class World {
   struct Options : backend::WorldOptions {
     std::string backend = "mock";
     bool realtime = false;  ///< pace a lockstep world to the wall clock
-    Mind mind;
+    Autonomy autonomy;
     /// What every robot is localised in; each draws its own where null.
     std::shared_ptr<const map::OccupancyGrid> map;
     /// Where each robot starts in its `map` frame. Where left out: at the origin of its own map, anywhere in a given
@@ -58,7 +58,7 @@ class World {
   };
   /// Throws HardwareError for a robot without a lidar that is given a map.
   explicit World(const Options& options);
-  explicit World(std::unique_ptr<backend::World> backend, bool realtime = false, const Mind& mind = {},
+  explicit World(std::unique_ptr<backend::World> backend, bool realtime = false, const Autonomy& autonomy = {},
                  const std::vector<Pose2D>& initial_poses = {},
                  const std::shared_ptr<const map::OccupancyGrid>& map = nullptr);
   ~World();
@@ -90,7 +90,7 @@ class World {
   WaitHandle sleep(Duration duration);
   /// The same, but time does not advance for its sake (`has_pending` ignores it): a limit on what others wait for.
   WaitHandle alarm(Duration duration);
-  /// Nobody waits for it any more: a sleep or an alarm is dropped and never done. A motion is not affected.
+  /// Drops a sleep or an alarm that no caller waits for any more: it is never done. A motion is not affected.
   void forget(const WaitHandle& wait);
   /// The waits that were done since the last call, by (deadline, creation).
   std::vector<WaitHandle> take_finished();
@@ -110,15 +110,15 @@ class World {
   WaitHandle close_hold(Duration charge);
   bool held() const;
 
-  /// Begins anew at time 0 with fresh minds: motions end as `cancelled`, sleeps are done at once, alarms go on
-  /// with what they had left, holds stay open. Throws ContractError where the backend cannot reset, or from an
+  /// Begins anew at time 0 with fresh autonomy stacks: motions end as `cancelled`, sleeps are done at once, alarms go
+  /// on with what they had left, holds stay open. Throws ContractError where the backend cannot reset, or from an
   /// observer.
   void reset(const backend::ResetOptions& options);
-  /// Somebody lifts a robot and puts it down at `pose` (scene frame), and does not tell it. Throws ContractError where
+  /// Teleports a robot to `pose` (scene frame) without its noticing, as a kidnapped robot. Throws ContractError where
   /// the backend cannot, or from an observer; ConfigError when something stands there.
-  void carry(std::size_t robot, const Pose2D& pose);
-  /// Everything the future depends on: the backend and every robot's mind and gate. Throws ContractError while a
-  /// motion is in progress, or from an observer. Restoring treats sleeps and alarms as `reset` does.
+  void teleport(std::size_t robot, const Pose2D& pose);
+  /// Everything the future depends on: the backend and every robot's autonomy stack and gate. Throws ContractError
+  /// while a motion is in progress, or from an observer. Restoring treats sleeps and alarms as `reset` does.
   struct Snapshot;
   std::shared_ptr<const Snapshot> save() const;
   void restore(const std::shared_ptr<const Snapshot>& snapshot);

@@ -1,4 +1,4 @@
-// A grid over a scene: one value for every square cell.
+// Cell grid over a scene: one value for every square cell.
 #pragma once
 
 #include <cstddef>

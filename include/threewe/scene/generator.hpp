@@ -1,4 +1,4 @@
-// Places that nobody has seen: scenes drawn from a seed.
+// Procedural scene generator: furnished buildings drawn from a seed.
 #pragma once
 
 #include <cstdint>

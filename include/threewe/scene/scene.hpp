@@ -1,4 +1,4 @@
-// A scene: walls, doors, named rooms, furniture. Data, read from assets/scenes/NAME.yaml.
+// Scene: walls, doors, named rooms, furniture and people. Data, read from assets/scenes/NAME.yaml.
 #pragma once
 
 #include <cstdint>
@@ -73,12 +73,12 @@ struct Patch {
   std::string name;
   Vec2 min;
   Vec2 max;
-  std::string floor;  ///< material
-  double grip = 1.0;  ///< times the friction that the robot's wheels have on a hard floor
+  std::string floor;      ///< material
+  double friction = 1.0;  ///< times the friction that the robot's wheels have on a hard floor
   friend bool operator==(const Patch&, const Patch&) = default;
 };
 
-/// Somebody who walks: round and round a closed route, straight from waypoint to waypoint and back to the first.
+/// A person who walks: round and round a closed route, straight from waypoint to waypoint and back to the first.
 struct Person {
   std::string name;
   std::vector<Vec2> route;
@@ -137,7 +137,7 @@ class Scene {
   /// A room by name. Throws ConfigError naming the nearest right one.
   const Room& room(std::string_view name) const;
   /// How well wheels hold at a point, times their friction on a hard floor: 1 outside all patches.
-  double grip_at(Vec2 point) const;
+  double friction_at(Vec2 point) const;
 
   /// Makes walls, doors, min and max of the plan.
   void build_walls();

@@ -1,4 +1,4 @@
-// What stands on the floor, seen from above: convex pieces with a height range, and exact tests between them.
+// Convex solids with a height range, seen from above, and exact distance and overlap tests between them.
 #pragma once
 
 #include <array>

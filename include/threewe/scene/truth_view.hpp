@@ -1,4 +1,4 @@
-// The truth about a simulated world. Robots never see it; tests, metrics and rewards do.
+// Ground truth of one robot in a simulated world. Robots never see it; tests, metrics and rewards do.
 #pragma once
 
 #include <cstdint>
@@ -13,7 +13,7 @@ namespace threewe::scene {
 
 class Scene;
 
-/// Where somebody of the scene is, and which way they walk or wait to walk.
+/// Where a person of the scene is, and which way they walk or wait to walk.
 struct PersonPose {
   std::string name;
   Pose2D pose;

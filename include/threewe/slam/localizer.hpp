@@ -1,5 +1,5 @@
-// Where the robot is and what its surroundings look like. The runtime knows this interface alone, so that an external
-// localisation can stand in for ours.
+// Localizer interface: pose estimate and map of one robot from its samples. The runtime knows this interface alone, so
+// that an external localization can stand in for ours.
 #pragma once
 
 #include <array>
@@ -18,13 +18,13 @@ class ChangeLog;
 namespace threewe::slam {
 
 /// What is known of the robot's place before its first sample.
-struct Beginning {
+struct InitialState {
   std::shared_ptr<const map::OccupancyGrid> map;  ///< to be localised in; null: it draws its own
   /// Where it starts in `map`. Empty: at the origin of its own map, anywhere in a given one.
   std::optional<Pose2D> map_from_start;
 };
 
-/// What is known about the robot's pose at one moment.
+/// What is known about the robot's pose at one time.
 struct PoseEstimate {
   Time stamp{};
   Pose2D odom_from_base;               ///< smooth: wheels and gyro, never jumps
@@ -52,7 +52,7 @@ class Localizer {
   virtual const map::OccupancyGrid& map() const = 0;
   /// Counts the changes of the map: equal numbers mean equal maps.
   virtual std::uint64_t map_version() const = 0;
-  /// Where it changed, by these versions, so that others need not look at all of it; null where nobody knows.
+  /// Where it changed, by these versions, so that others need not look at all of it; null where unknown.
   virtual const map::ChangeLog* map_changes() const { return nullptr; }
   /// Where the newest scan hit something: points in `odom`, deskewed; and where earlier ones did, for what has come
   /// nearer than the lidar can see. Valid until the next `add`.

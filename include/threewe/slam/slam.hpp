@@ -1,5 +1,5 @@
-// Mapping on its own: scans and odometry in, poses and a map out. `threewe slam replay` and `threewe.slam.Slam` are
-// built on it; a robot that drives uses a `Localizer` instead.
+// Pose-graph SLAM on its own: scans and odometry in, trajectory and occupancy grid out. `threewe slam replay` and
+// `threewe.slam.Slam` are built on it; a robot that drives uses a `Localizer` instead.
 #pragma once
 
 #include <cstdint>
@@ -49,7 +49,7 @@ enum class SlamIncident : std::uint8_t {
   lidar_frozen,      ///< scans repeat to the bit while odometry moves: they are left out, odometry goes on alone
   odometry_jumped,   ///< scans contradict a step of the odometry, such as a reset to zero: it is left out
   odometry_stopped,  ///< scans move while odometry does not: they go on alone, as long as they overlap a lot
-  track_lost,        ///< scans in a row fit nowhere near, as of a robot that was carried: another component begins
+  track_lost,        ///< scans in a row fit nowhere near, as of a kidnapped robot: another component begins
   components_joined  ///< the robot was recognised in another component: the two are one from then on
 };
 std::string_view to_string(SlamIncident incident);

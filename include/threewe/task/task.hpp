@@ -1,4 +1,4 @@
-// A task: where an episode begins, what a step is worth, when it is over, and how well it went.
+// Task interface of learning environments: episode starts, rewards, termination, observations and metrics.
 #pragma once
 
 #include <cstddef>
@@ -24,7 +24,7 @@ namespace threewe::task {
 using Scenes = std::vector<std::shared_ptr<const scene::SceneTables>>;
 
 /// What a task is set in.
-struct Setting {
+struct TaskContext {
   Scenes scenes;
   std::size_t worlds = 1;
   std::size_t robots = 1;   ///< in each world
@@ -47,7 +47,7 @@ struct Field {
 };
 
 /// The truth about one robot at the end of a control step, in the scene's frame.
-struct Moment {
+struct TaskState {
   Pose2D pose{};
   Pose2D lidar{};                    ///< where its rays come from
   Velocity action{};                 ///< that was asked for: shares of the operating limits, -1 to 1
@@ -72,7 +72,7 @@ struct Outcome {
 };
 
 /// What a picture of a world shows of its task, in the scene's frame. Privileged.
-struct Sketch {
+struct DebugOverlay {
   std::vector<Vec2> goals{};  ///< of each robot; none where the task has no goals
   scene::CellSet ground{};    ///< 0 what needs not be seen, 1 what is still to be, 2 what has been; else no cells
 };
@@ -92,7 +92,7 @@ struct EpisodeRequest {
 };
 
 /// A task in many worlds, each with one or more robots. What is drawn is a pure function of an episode's key, and
-/// rewards, ends and metrics are pure functions of the episode and of the moments since it began; the calls for
+/// rewards, ends and metrics are pure functions of the episode and of the task states since it began; the calls for
 /// different worlds may come from different threads.
 class Task {
  public:
@@ -101,7 +101,7 @@ class Task {
   /// Arrays that it adds to what a robot observes, and numbers that tell how an episode goes.
   virtual std::vector<Field> fields() const = 0;
   virtual std::vector<std::string> metrics() const = 0;
-  /// How many noise-free rays it wants to be told of in each moment, evenly over the circle, the first along the
+  /// How many noise-free rays it wants in each task state, evenly over the circle, the first along the
   /// lidar's heading.
   virtual std::size_t rays() const { return 0; }
 
@@ -109,20 +109,20 @@ class Task {
   virtual void begin(std::size_t world, const EpisodeKey& key, const EpisodeRequest& request,
                      std::span<Pose2D> starts) = 0;
   /// The end of a control step, for all robots of a world.
-  virtual void step(std::size_t world, std::span<const Moment> robots, std::span<Outcome> outcomes) = 0;
-  /// What a robot believes at the end of a control step, or as an episode begins: told of all robots of a world before
-  /// any of them observes.
-  virtual void hear(std::size_t /*world*/, const Belief& /*belief*/) {}
-  /// Fills in one robot's fields, in order; each span holds one field of one robot, or nothing where nobody wants it.
+  virtual void step(std::size_t world, std::span<const TaskState> robots, std::span<Outcome> outcomes) = 0;
+  /// What a robot believes at the end of a control step, or as an episode begins: called for all robots of a world
+  /// before any of them observes.
+  virtual void update(std::size_t /*world*/, const Belief& /*belief*/) {}
+  /// Fills in one robot's fields, in order; each span holds one field of one robot, or nothing where it is not wanted.
   virtual void observe(std::size_t world, std::size_t robot, const Belief& belief,
                        std::span<const std::span<std::byte>> fields) = 0;
   /// What a world's episode is about in words, and what these words are called: an instruction, a category. Empty where
   /// there are none.
-  virtual std::string words(std::size_t /*world*/) const { return {}; }
-  virtual std::string words_name() const { return {}; }
+  virtual std::string instruction(std::size_t /*world*/) const { return {}; }
+  virtual std::string instruction_name() const { return {}; }
   /// Fills in the metrics of a world as they are now: one row for each of its robots.
   virtual void measure(std::size_t world, std::span<double> metrics) const = 0;
-  virtual Sketch sketch(std::size_t /*world*/) const { return {}; }
+  virtual DebugOverlay debug_overlay(std::size_t /*world*/) const { return {}; }
 };
 
 }  // namespace threewe::task

@@ -1,4 +1,4 @@
-// The tasks that come with the library: point-goal navigation, exploration, ObjectNav and VLN.
+// Tasks that come with the library: point-goal navigation, exploration, ObjectNav and VLN.
 #pragma once
 
 #include <array>
@@ -31,8 +31,8 @@ struct NavigationOptions {
 ///
 /// Field `goal` (2,): the goal [m] as the robot believes it to lie, x ahead and y to its left.
 /// Metrics: `success`, `spl` (Anderson et al. 2018), `distance_to_goal` [m], `shortest_path` [m], `path_length` [m],
-/// `collision_speed` [m/s]; of a robot that has arrived or failed those of that moment.
-std::unique_ptr<Task> make_navigation(const Setting& setting, const NavigationOptions& options = {});
+/// `collision_speed` [m/s]; of a robot that has arrived or failed those at that time.
+std::unique_ptr<Task> make_navigation(const TaskContext& context, const NavigationOptions& options = {});
 
 struct ExplorationOptions {
   double enough = 0.95;  ///< the share of the place that ends an episode in success
@@ -51,7 +51,7 @@ struct ExplorationOptions {
 /// own scans and beliefs: 0 unknown, 127 free, 255 occupied, in cells of 0.25 m. Rows go along the map's y axis,
 /// columns along x; the robot is at the corner between cells (31, 31) and (32, 32). Metrics: `success`, `coverage`,
 /// both of all robots together, `path_length` [m] and `collision_speed` [m/s] of the fastest contact.
-std::unique_ptr<Task> make_exploration(const Setting& setting, const ExplorationOptions& options = {});
+std::unique_ptr<Task> make_exploration(const TaskContext& context, const ExplorationOptions& options = {});
 
 /// The kinds of things that are looked for. A door is its leaf, which can be seen and gone up to; a doorway is not.
 inline constexpr std::array<std::string_view, 10> kObjectGoals = {"chair", "desk",  "door",  "plant",        "monitor",
@@ -62,13 +62,13 @@ inline constexpr std::array<std::string_view, 10> kObjectGoals = {"chair", "desk
 /// Field `object_goal` (10,): 1 for the kind that is looked for. Words: `object_goal`, the kind.
 /// Metrics: `success`, `spl`, `distance_to_goal` [m], `shortest_path` [m], `path_length` [m], `collision_speed` [m/s],
 /// `stopped`.
-std::unique_ptr<Task> make_object_nav(const Setting& setting);
+std::unique_ptr<Task> make_object_nav(const TaskContext& context);
 
 /// `3we/VLN-v1`, for one robot in each world. See `advance` of `StopTaskState` for its reward.
 ///
 /// Fields `instruction_tokens` (48,) and `instruction_embedding` (64,), see `Language`. Words: `instruction`.
 /// Metrics: `success`, `spl`, `ndtw`, `distance_to_goal` [m], `shortest_path` [m], `path_length` [m],
 /// `collision_speed` [m/s], `stopped`.
-std::unique_ptr<Task> make_vln(const Setting& setting);
+std::unique_ptr<Task> make_vln(const TaskContext& context);
 
 }  // namespace threewe::task

@@ -157,8 +157,8 @@ class Batch(Generic[Core]):
         info["success"] = info["success"] > 0.0
         info["true_pose"] = core.true_poses[robot].copy()
         info["scan_age"] = float(core.scan_ages[robot])
-        if core.words_name:
-            info[core.words_name] = core.words(0)
+        if core.instruction_name:
+            info[core.instruction_name] = core.instruction(0)
         info["scene"] = self.scenes[episode.scene].name
         info["seed"] = episode.seed
         info["episode_number"] = episode.episode

@@ -179,7 +179,7 @@ def _drive_all(env: VectorEnv, policy: Policy, episodes: Sequence[Episode]) -> l
         observations, _, terminated, truncated, infos = env.step(policy(observations))
         steps += 1
         for i in np.flatnonzero(terminated | truncated).tolist():
-            if i not in outcomes:  # those that are done go on with other episodes, which nobody watches
+            if i not in outcomes:  # those that are done go on with other episodes, which are not watched
                 metrics = {name: float(infos[name][i]) for name in infos if not name.startswith("_")}
                 outcomes[i] = Outcome(episodes[i], steps, bool(infos["success"][i]), metrics)
     return [outcomes[i] for i in range(len(episodes))]

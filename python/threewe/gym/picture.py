@@ -56,7 +56,7 @@ class Painter(Onlooker):
         for pose, hits in zip(seen.robots, seen.hits, strict=True):
             d.draw_rays(picture, view, (pose.x, pose.y), hits)
         for i, way in enumerate(self.ways):
-            d.draw_path(picture, view, way, d.TRAIL if alone else d.team_color(i), 0.05)
+            d.draw_path(picture, view, way, d.TRAJECTORY if alone else d.team_color(i), 0.05)
         for i, goal in enumerate(seen.goals):
             d.draw_goal(picture, view, goal, GOAL_RADIUS, d.PLAN if alone else d.team_color(i))
         for x, y, radius in seen.people:
@@ -72,12 +72,12 @@ def _stage(scene: Scene, seen: TopView) -> _Stage:
 
 
 def _nearest_ground(ground: NDArray[np.uint8]) -> NDArray[np.int64]:
-    """For each cell the nearest one that is to be seen: what stands there is seen with what is beside it."""
+    """For each cell the nearest one that is to be seen: what stands there is seen with what is next to it."""
     nearest = np.where(ground.ravel() > 0, np.arange(ground.size), -1).reshape(ground.shape)
     while (nearest < 0).any() and (nearest >= 0).any():
         for lines in (nearest, nearest.T):
-            for to, beside in ((lines[1:], lines[:-1].copy()), (lines[:-1], lines[1:].copy())):
-                to[to < 0] = beside[to < 0]
+            for to, neighbour in ((lines[1:], lines[:-1].copy()), (lines[:-1], lines[1:].copy())):
+                to[to < 0] = neighbour[to < 0]
     return nearest
 
 

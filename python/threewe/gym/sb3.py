@@ -63,19 +63,19 @@ class SB3VecEnv(VecEnv):  # type: ignore[misc]
         """One control step of every environment."""
         observations, rewards, terminated, truncated, infos = self._batch.step(self._actions)
         ended = terminated | truncated
-        told = self._nothing
+        each = self._nothing
         if ended.any():
-            told = list(told)
+            each = list(each)
             final = infos["final_info"]
             names = [name for name in final if not name.startswith("_")]
             for i in np.flatnonzero(ended):
-                told[i] = {
+                each[i] = {
                     **{name: final[name][i].item() for name in names},
                     "terminal_observation": infos["final_obs"][i],
                     "TimeLimit.truncated": bool(truncated[i]),
                     "is_success": bool(final["success"][i]),
                 }
-        return observations, rewards.astype(np.float32), ended, told
+        return observations, rewards.astype(np.float32), ended, each
 
     def close(self) -> None:
         """Ends the batch."""

@@ -156,9 +156,9 @@ class VectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any], EzPickle):
         """x, y [m] and theta [rad] of every robot in its scene's frame, (num_envs * num_robots, 3). Privileged."""
         return self._core.true_poses
 
-    def words(self, env: int) -> str:
+    def instruction(self, env: int) -> str:
         """What an environment's episode is about: the instruction of VLN, the `object_goal` of ObjectNav."""
-        return self._core.words(as_seed("env", env))
+        return self._core.instruction(as_seed("env", env))
 
     def randomization(self, env: int) -> dict[str, float]:
         """How an environment's robot differs from its profile now: the value of each knob."""

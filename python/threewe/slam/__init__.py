@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from threewe._core import SlamConfig, SlamEvent, Survey, survey_names
+from threewe._core import LogSpec, SlamConfig, SlamEvent, log_names
 from threewe.slam.carmen import read_carmen, write_carmen
 from threewe.slam.formats import read_log
 from threewe.slam.log import Log
@@ -15,20 +15,20 @@ from threewe.slam.synth import synthesize
 __all__ = [
     "Accuracy",
     "Log",
+    "LogSpec",
     "Relations",
     "Replay",
     "Slam",
     "SlamConfig",
     "SlamEvent",
-    "Survey",
     "accuracy",
     "load_map",
+    "log_names",
     "read_carmen",
     "read_log",
     "relation_errors",
     "replay",
     "save_map",
-    "survey_names",
     "synthesize",
     "write_carmen",
 ]

@@ -174,7 +174,7 @@ def _scan(ranges: NDArray[np.float64], angle_min: float, increment: float, limit
 
 def _mount(parameters: dict[str, float], offsets: list[Pose2D]) -> Pose2D:
     """Where the laser is: by the log's parameters, else by the poses of laser and robot, if one stays on the other: in
-    logs that somebody has corrected, one is the corrected pose of the other.
+    logs that have been corrected, one is the corrected pose of the other.
     """
     if OFFSETS[0] in parameters:
         return Pose2D(*(parameters.get(name, 0.0) for name in OFFSETS))

@@ -14,7 +14,7 @@ from rich.table import Table
 
 import threewe
 from threewe._console import plain_column, plain_console, styled
-from threewe._core import SlamConfig, survey_names
+from threewe._core import SlamConfig, log_names
 from threewe.slam.formats import read_log
 from threewe.slam.log import Progress
 from threewe.slam.mapper import MEANING
@@ -63,13 +63,13 @@ def replay_log(
 @app.command("synth")
 def synthesize_logs(
     names: Annotated[
-        list[str] | None, typer.Argument(help="Surveys, or files that end in .yaml; all by default.")
+        list[str] | None, typer.Argument(help="Log specifications, or files that end in .yaml; all by default.")
     ] = None,
     output: Annotated[Path, typer.Option("--output", "-o", help="Folder for the logs.")] = Path(),
     seed: Annotated[int, typer.Option(min=0, max=2**64 - 1, help="Of all noise.")] = 0,
 ) -> None:
     """Record logs and relations like those of old robots, in the embedded simulator."""
-    for name in names or survey_names():
+    for name in names or log_names():
         with console.status(styled(f"driving {name}")):
             log, relations = synthesize(name, output, seed)
         console.print(styled((str(log), "bold"), " and ", (str(relations), "bold")), soft_wrap=True)

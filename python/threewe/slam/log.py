@@ -14,7 +14,7 @@ from threewe._core import LaserScan, Pose2D, check_reading
 from threewe.errors import ContractError
 
 Progress = Callable[[float], None]
-"""Is told which share of the work is done, 0 to 1."""
+"""Called with the share of the work that is done, 0 to 1."""
 
 
 @dataclass

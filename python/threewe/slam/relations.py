@@ -99,11 +99,11 @@ def relation_errors(trajectory: Array, relations: Relations) -> tuple[Array, Arr
 
 
 def accuracy(trajectory: Array, relations: Relations) -> Accuracy:
-    """The figures that Kuemmerle et al. give. Raises ConfigError where no relation lies within the trajectory."""
+    """The figures that Kuemmerle et al. give. Raises ConfigError where no relation is within the trajectory."""
     translation, rotation, left_out = relation_errors(trajectory, relations)
     if not len(translation):
         raise ConfigError(
-            f"no relation lies within the trajectory: times from {relations.times.min():.3f} to "
+            f"no relation is within the trajectory: times from {relations.times.min():.3f} to "
             f"{relations.times.max():.3f} s, against {trajectory[0, 0]:.3f} to {trajectory[-1, 0]:.3f} s"
         )
     degrees = np.degrees(rotation)

@@ -47,7 +47,7 @@ class Replay:
         later = np.clip(np.searchsorted(times, relations.times), 1, max(len(times) - 1, 1))
         mapped = (self.components == 0)[np.clip([later - 1, later], 0, len(times) - 1)].all(axis=(0, 2))
         if not mapped.any():
-            raise ConfigError("no relation lies within the map")
+            raise ConfigError("no relation is within the map")
         result = accuracy(self.trajectory, Relations(relations.times[mapped], relations.poses[mapped]))
         return dataclasses.replace(result, left_out=result.left_out + int((~mapped).sum()))
 

@@ -17,7 +17,7 @@ def load_map(path: str | os.PathLike[str]) -> OccupancyGrid:
 
 
 def save_map(grid: OccupancyGrid, path: str | os.PathLike[str]) -> None:
-    """Writes `path`, which ends in .yaml, and the picture beside it, as nav2's map saver does.
+    """Writes `path`, which ends in .yaml, and the image next to it, as nav2's map saver does.
 
     Raises ConfigError where that cannot be done.
     """

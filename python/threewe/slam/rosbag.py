@@ -102,9 +102,7 @@ def _log(path: Path, scans: Scans, odometry: Poses, transforms: dict[str, tuple[
         with _readable(path, f"scan {number}"):
             log.add(time, scan, place)
     if not log.scans:
-        raise ConfigError(
-            f"{path}: no scan lies between the first and the last odometry: are these stamps of one clock?"
-        )
+        raise ConfigError(f"{path}: no scan is between the first and the last odometry: are these stamps of one clock?")
     with _readable(path, "the transforms from the robot to its lidar"):
         check_reading(log.scans[0], log.base_from_lidar)
     return log

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from threewe._core import Survey, survey_lidar
+from threewe._core import LogSpec, log_lidar
 from threewe.slam.carmen import write_carmen
 from threewe.slam.log import Log
 from threewe.slam.relations import Relations, seen_from, wrapped
@@ -20,7 +20,7 @@ SAME_HEADING = np.pi / 4  # [rad] ... and is seen from about the same side
 
 
 def synthesize(name: str, folder: Path, seed: int = 0) -> tuple[Path, Path]:
-    """Writes NAME.log and NAME.relations: a survey that is driven with the noise of a seed."""
+    """Writes NAME.log and NAME.relations: a synthetic log with the noise of a seed."""
     log, truth = record(name, seed)
     folder.mkdir(parents=True, exist_ok=True)
     paths = folder / f"{Path(name).stem}.log", folder / f"{Path(name).stem}.relations"
@@ -30,10 +30,10 @@ def synthesize(name: str, folder: Path, seed: int = 0) -> tuple[Path, Path]:
 
 
 def record(name: str, seed: int = 0) -> tuple[Log, NDArray[np.float64]]:
-    """A survey's log, and the true trajectory (N, 4): time, x, y, heading."""
-    log = Log(base_from_lidar=survey_lidar())
+    """A synthetic log, and the true trajectory (N, 4): time, x, y, heading."""
+    log = Log(base_from_lidar=log_lidar())
     truth = []
-    for view in Survey.load(name).drive(seed):
+    for view in LogSpec.load(name).drive(seed):
         log.add(view.time, view.scan, view.odometry)
         truth.append((view.time, *view.truth))
     return log, np.array(truth)

@@ -13,7 +13,7 @@ class EmbeddedEngine : public simulated::Engine {
   explicit EmbeddedEngine(std::shared_ptr<const sim::Model> model) : model_(std::move(model)) {}
 
   void place(std::span<const sim::RobotState>, std::span<const sim::PersonState>) override {}
-  void carry(std::size_t, const sim::RobotState&) override {}
+  void teleport(std::size_t, const sim::RobotState&) override {}
   void vary(std::size_t, const sim::RobotState&) override {}
   void step(std::span<sim::RobotState> robots, std::span<const Velocity> commands,
             std::span<sim::PersonState> people) override {
@@ -23,12 +23,12 @@ class EmbeddedEngine : public simulated::Engine {
   std::vector<double> state() const override { return {}; }
   void restore(std::span<const double>, std::span<const sim::RobotState>) override {}
 
-  Picture picture(simulated::Moment moment) const override {
-    return Picture([model = model_, shot = std::move(moment.shot)] { return sim::draw_picture(*model, shot); });
+  Picture picture(simulated::WorldCapture capture) const override {
+    return Picture([model = model_, state = std::move(capture.state)] { return sim::draw_picture(*model, state); });
   }
-  SemanticImage look(const simulated::Moment& moment, const CameraIntrinsics& camera, const sim::CameraPose& view,
-                     bool with_itself) const override {
-    return sim::draw_truth(*model_, moment.shot, camera, view, with_itself);
+  SemanticImage look(const simulated::WorldCapture& capture, const CameraIntrinsics& camera,
+                     const sim::CameraPose& view, bool with_itself) const override {
+    return sim::draw_truth(*model_, capture.state, camera, view, with_itself);
   }
 
  private:

@@ -1,4 +1,4 @@
-// MuJoCo's physics as a backend. The library is no part of ours: it is loaded when a world is first made.
+// MuJoCo backend. The library is no part of ours: it is loaded when a world is first made.
 #pragma once
 
 #include <memory>

@@ -1,4 +1,4 @@
-// What a simulator has of its own: how bodies move, what rays meet, and how pictures are drawn.
+// Simulation engine interface: body dynamics, ray casts and rendering of one world.
 #pragma once
 
 #include <cstddef>
@@ -13,8 +13,8 @@
 namespace threewe::backend::simulated {
 
 /// A moment of a world: all that a picture shows follows from it and from what never changes.
-struct Moment {
-  sim::Shot shot;
+struct WorldCapture {
+  sim::CapturePose state;
   std::vector<double> physics;  ///< the engine's own, see `Engine::state`
 };
 
@@ -30,7 +30,7 @@ class Engine {
   /// Everybody stands at rest where the states say.
   virtual void place(std::span<const sim::RobotState> robots, std::span<const sim::PersonState> people) = 0;
   /// One robot has been put down elsewhere, where it stands still.
-  virtual void carry(std::size_t robot, const sim::RobotState& state) = 0;
+  virtual void teleport(std::size_t robot, const sim::RobotState& state) = 0;
   /// A robot differs from its profile in another way than before, see `sim::vary`.
   virtual void vary(std::size_t robot, const sim::RobotState& state) = 0;
   /// Moves everything on by `sim::kStep`, and takes what sensors read at its end.
@@ -43,9 +43,9 @@ class Engine {
   virtual void restore(std::span<const double> state, std::span<const sim::RobotState> robots) = 0;
 
   /// What the camera of a moment's robot delivers.
-  virtual Picture picture(Moment moment) const = 0;
+  virtual Picture picture(WorldCapture capture) const = 0;
   /// What some camera would truly show of it, with or without the robot itself.
-  virtual SemanticImage look(const Moment& moment, const CameraIntrinsics& camera, const sim::CameraPose& view,
+  virtual SemanticImage look(const WorldCapture& capture, const CameraIntrinsics& camera, const sim::CameraPose& view,
                              bool with_itself) const = 0;
 };
 

@@ -35,31 +35,31 @@ Features features_of(const RobotProfile& profile) {
   return features;
 }
 
-void put(ByteWriter& bytes, const Moment& moment) {
-  const sim::Shot& shot = moment.shot;
-  bytes.put(shot.key.seed);
-  bytes.put(shot.key.episode);
-  bytes.put(shot.key.robot);
-  bytes.put(shot.step);
-  bytes.put(shot.variation);
-  bytes.put(shot.robots);
-  bytes.put(shot.people);
-  bytes.put(moment.physics);
+void put(ByteWriter& bytes, const WorldCapture& capture) {
+  const sim::CapturePose& state = capture.state;
+  bytes.put(state.key.seed);
+  bytes.put(state.key.episode);
+  bytes.put(state.key.robot);
+  bytes.put(state.step);
+  bytes.put(state.variation);
+  bytes.put(state.robots);
+  bytes.put(state.people);
+  bytes.put(capture.physics);
 }
 
-Moment get_moment(ByteReader& bytes) {
-  Moment moment;
-  sim::Shot& shot = moment.shot;
-  shot.key.stream = Stream::camera;
-  bytes.get(shot.key.seed);
-  bytes.get(shot.key.episode);
-  bytes.get(shot.key.robot);
-  bytes.get(shot.step);
-  bytes.get(shot.variation);
-  bytes.get(shot.robots);
-  bytes.get(shot.people);
-  bytes.get(moment.physics);
-  return moment;
+WorldCapture get_capture(ByteReader& bytes) {
+  WorldCapture capture;
+  sim::CapturePose& state = capture.state;
+  state.key.stream = Stream::camera;
+  bytes.get(state.key.seed);
+  bytes.get(state.key.episode);
+  bytes.get(state.key.robot);
+  bytes.get(state.step);
+  bytes.get(state.variation);
+  bytes.get(state.robots);
+  bytes.get(state.people);
+  bytes.get(capture.physics);
+  return capture;
 }
 
 }  // namespace
@@ -83,7 +83,7 @@ std::vector<Sample> Port::poll() {
   std::vector<Sample> samples;
   for (auto arrival = arrivals.begin(); arrival != arrived; ++arrival) {
     Sample& sample = samples.emplace_back(std::move(arrival->sample));
-    if (arrival->moment) sample.data = world_.engine_->picture(std::move(*arrival->moment));
+    if (arrival->capture) sample.data = world_.engine_->picture(std::move(*arrival->capture));
     sample.sequence = state_.sequences[sample.sensor]++;
     sample.received = world_.now();
   }
@@ -142,7 +142,7 @@ void Port::collect() {
       case SensorType::camera:
         if (sim::picture_ready(robot, state)) {
           send(i, state.time(), state.time() + sim::varied_latency(simulated.camera->latency, state.variation),
-               Picture(), world_.moment(index_));
+               Picture(), world_.capture(index_));
         }
         break;
     }
@@ -150,10 +150,10 @@ void Port::collect() {
 }
 
 // What arrives at one moment keeps the order in which it was sent.
-void Port::send(std::size_t sensor, Time measured, Time arrival, SampleData data, std::optional<Moment> moment) {
+void Port::send(std::size_t sensor, Time measured, Time arrival, SampleData data, std::optional<WorldCapture> capture) {
   const auto later = std::ranges::find_if(state_.arrivals, [&](const auto& other) { return other.time > arrival; });
   state_.arrivals.insert(
-      later, {arrival, {static_cast<std::uint16_t>(sensor), 0, measured, {}, std::move(data)}, std::move(moment)});
+      later, {arrival, {static_cast<std::uint16_t>(sensor), 0, measured, {}, std::move(data)}, std::move(capture)});
 }
 
 void Port::reset() {
@@ -166,10 +166,10 @@ void Port::save(ByteWriter& bytes) const {
   bytes.put(state_.valid_until);
   for (const std::uint64_t sequence : state_.sequences) bytes.put(sequence);
   bytes.put(std::uint64_t{state_.arrivals.size()});
-  for (const auto& [time, sample, moment] : state_.arrivals) {
+  for (const auto& [time, sample, capture] : state_.arrivals) {
     bytes.put(time);
     bytes.put(sample);
-    if (moment) put(bytes, *moment);
+    if (capture) put(bytes, *capture);
   }
 }
 
@@ -180,10 +180,10 @@ Port::State Port::load(ByteReader& bytes) const {
   state.sequences.assign(features_.sensors.size(), 0);
   for (std::uint64_t& sequence : state.sequences) bytes.get(sequence);
   state.arrivals.resize(bytes.get_size());
-  for (auto& [time, sample, moment] : state.arrivals) {
+  for (auto& [time, sample, capture] : state.arrivals) {
     bytes.get(time);
     bytes.get(sample);
-    if (std::holds_alternative<Picture>(sample.data)) moment = get_moment(bytes);
+    if (std::holds_alternative<Picture>(sample.data)) capture = get_capture(bytes);
   }
   return state;
 }

@@ -1,4 +1,4 @@
-// One robot of a simulated world, as a runtime sees it.
+// Backend port of one simulated robot.
 #pragma once
 
 #include <cstddef>
@@ -20,7 +20,7 @@ class Port : public RobotPort {
     struct Arrival {
       Time time;
       Sample sample;
-      std::optional<Moment> moment;  ///< that a picture was taken of
+      std::optional<WorldCapture> capture;  ///< that a picture was taken of
     };
 
     Velocity command;
@@ -52,7 +52,7 @@ class Port : public RobotPort {
   void restore(State state) { state_ = std::move(state); }
 
  private:
-  void send(std::size_t sensor, Time measured, Time arrival, SampleData data, std::optional<Moment> moment = {});
+  void send(std::size_t sensor, Time measured, Time arrival, SampleData data, std::optional<WorldCapture> capture = {});
   void require_connection(const char* call) const;
 
   const SimulatedWorld& world_;

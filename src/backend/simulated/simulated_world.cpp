@@ -115,25 +115,25 @@ void SimulatedWorld::require_free(std::size_t robot, const Pose2D& pose, const s
   }
 }
 
-void SimulatedWorld::carry(std::size_t robot, const Pose2D& pose) {
+void SimulatedWorld::teleport(std::size_t robot, const Pose2D& pose) {
   std::vector<Pose2D> others;
   for (const sim::RobotState& state : states_) others.push_back(state.pose);
-  require_free(robot, pose, "carry", others);
+  require_free(robot, pose, "teleport", others);
   const double reach = model_->robots[robot].body.footprint.circumscribed_radius();
   for (const scene::Circle& person : sim::circles_of(*model_, people_)) {
     if (distance(person.center, pose.position()) < person.radius + reach) {
-      throw ConfigError(fmt::format("carry: somebody stands at ({}, {})", pose.x, pose.y));
+      throw ConfigError(fmt::format("teleport: a person stands at ({}, {})", pose.x, pose.y));
     }
   }
   sim::RobotState& state = states_[robot];
   state.pose = {pose.x, pose.y, wrap_angle(pose.theta)};
   state.velocity = {};
   state.wheel_speeds = {};
-  engine_->carry(robot, state);
+  engine_->teleport(robot, state);
 }
 
-Moment SimulatedWorld::moment(std::size_t robot) const {
-  return {sim::take_shot(states_, people_, robot), engine_->state()};
+WorldCapture SimulatedWorld::capture(std::size_t robot) const {
+  return {sim::capture_pose(states_, people_, robot), engine_->state()};
 }
 
 void SimulatedWorld::reset(const ResetOptions& options) { begin(options); }

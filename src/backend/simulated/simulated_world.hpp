@@ -1,4 +1,4 @@
-// What all simulators in lockstep share: a scene with robots and people, their sensors, and what is saved of them.
+// Lockstep simulated world on any engine: a scene with robots and people, their sensors, and its saved state.
 #pragma once
 
 #include <cstddef>
@@ -36,7 +36,7 @@ class SimulatedWorld : public World {
   /// Physics advances in steps of `sim::kStep`; between two of them only the clock moves.
   void advance_to(Time t) override;
   void reset(const ResetOptions& options) override;
-  void carry(std::size_t robot, const Pose2D& pose) override;
+  void teleport(std::size_t robot, const Pose2D& pose) override;
   /// Connections are not part of what is saved. A saved world fits any other made of the same options.
   std::vector<std::byte> save() const override;
   void restore(const std::vector<std::byte>& state) override;
@@ -51,7 +51,7 @@ class SimulatedWorld : public World {
   std::vector<Pose2D> start_poses(const std::vector<Pose2D>& asked) const;
   void require_free(std::size_t robot, const Pose2D& pose, const std::string& name,
                     std::span<const Pose2D> others) const;
-  Moment moment(std::size_t robot) const;
+  WorldCapture capture(std::size_t robot) const;
 
   std::string format_;
   NoiseLevel noise_{};

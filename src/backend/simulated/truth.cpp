@@ -21,7 +21,7 @@ std::vector<scene::PersonPose> Truth::people() const {
 }
 
 SemanticImage Truth::look(const CameraIntrinsics& camera, const Pose2D& pose, double height, bool with_itself) const {
-  return world_.engine_->look(world_.moment(index_), camera, {pose, height}, with_itself);
+  return world_.engine_->look(world_.capture(index_), camera, {pose, height}, with_itself);
 }
 
 }  // namespace threewe::backend::simulated

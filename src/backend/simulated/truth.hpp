@@ -1,4 +1,4 @@
-// The truth about one simulated robot.
+// Ground truth of one simulated robot.
 #pragma once
 
 #include <cstddef>

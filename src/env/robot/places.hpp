@@ -1,4 +1,4 @@
-// The worlds of an environment around a robot, one for each scene.
+// Backend worlds of an environment around a robot, one for each scene.
 #pragma once
 
 #include <memory>

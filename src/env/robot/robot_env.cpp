@@ -125,7 +125,7 @@ void RobotEnv::Impl::drive(std::span<const float> asked) {
 }
 
 void RobotEnv::Impl::end_step() {
-  task::Moment now;
+  task::TaskState now;
   now.pose = now.lidar = truth().true_pose();
   now.action = action;
   now.distance_driven = truth().distance_driven();
@@ -146,7 +146,7 @@ void RobotEnv::Impl::end_step() {
 
 void RobotEnv::Impl::observe() {
   const task::Belief belief = this->belief();
-  task->hear(0, belief);
+  task->update(0, belief);
   auto array = observations.begin();
   const auto next = [&](bool wanted) { return wanted ? (array++)->row(0) : std::span<std::byte>(); };
   const auto color = next(options.observed.image);
@@ -260,14 +260,14 @@ EpisodeInfo RobotEnv::episode(std::size_t world) const {
   return impl_->info;
 }
 
-std::string RobotEnv::words(std::size_t world) const {
+std::string RobotEnv::instruction(std::size_t world) const {
   check_place(world, 1);
-  const ExclusiveUse use(impl_->busy, "words");
-  if (!impl_->begun) throw ContractError("words() before the first reset()");
-  return impl_->task->words(0);
+  const ExclusiveUse use(impl_->busy, "instruction");
+  if (!impl_->begun) throw ContractError("instruction() before the first reset()");
+  return impl_->task->instruction(0);
 }
 
-std::string RobotEnv::words_name() const { return impl_->task->words_name(); }
+std::string RobotEnv::instruction_name() const { return impl_->task->instruction_name(); }
 
 models::Variation RobotEnv::variation(std::size_t world, std::size_t robot) const {
   check_place(world, 1, robot, 1);
@@ -287,7 +287,7 @@ TopView RobotEnv::top_view(std::size_t world) const {
   for (const scene::PersonPose& person : impl_->truth().people()) {
     view.people.push_back({person.pose.position(), person.radius});
   }
-  view.task = impl_->task->sketch(0);
+  view.task = impl_->task->debug_overlay(0);
   return view;
 }
 

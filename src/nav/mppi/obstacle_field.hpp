@@ -1,4 +1,4 @@
-// What stands around a robot, ready to be looked up by its rollouts.
+// Obstacle field around a robot, a look-up table for its rollouts.
 #pragma once
 
 #include <cstdint>

@@ -1,4 +1,4 @@
-// The path ahead of a robot, ready to be looked up by its rollouts.
+// Path ahead of a robot, a look-up table for its rollouts.
 #pragma once
 
 #include <array>

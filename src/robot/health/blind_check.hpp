@@ -1,4 +1,4 @@
-// Does a lidar see anything on each side?
+// Detector of blind sectors of a lidar.
 #pragma once
 
 #include <optional>

@@ -1,4 +1,4 @@
-// Do the wheels do what they are told, and does the robot go where its wheels say?
+// Detector of wheels that do not follow their commands, or do not move the robot as they turn.
 #pragma once
 
 #include <array>

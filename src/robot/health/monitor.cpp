@@ -48,7 +48,7 @@ Monitor::Monitor(const backend::Features& features, const RobotProfile& profile)
       drive_(profile.command_latency + profile.body.motor_lag),
       lidar_heading_(profile.lidar ? profile.lidar->base_from_lidar.theta : 0.0) {
   for (const backend::SensorInfo& sensor : features.sensors) {
-    sensors_.push_back({sensor.name, Trouble::none, "", {}, is_needed(sensor.type, profile)});
+    sensors_.push_back({sensor.name, SensorFault::none, "", {}, is_needed(sensor.type, profile)});
     Watch watch;
     watch.type = sensor.type;
     watch.patience = std::max(kLeastPatience, from_seconds(1.5 / sensor.rate) + 50ms);
@@ -63,7 +63,7 @@ void Monitor::begin(Time now) {
     fresh.type = watches_[i].type;
     fresh.patience = watches_[i].patience;
     watches_[i] = fresh;
-    sensors_[i] = {sensors_[i].name, Trouble::none, "", now, sensors_[i].needed};
+    sensors_[i] = {sensors_[i].name, SensorFault::none, "", now, sensors_[i].needed};
   }
   changes_.clear();
   drive_.begin();
@@ -77,21 +77,21 @@ bool Monitor::examine(const Sample& sample, const backend::Features& features, c
     backend::check_data(features.sensors[sample.sensor], sample.data, profile);
   } catch (const ContractError& error) {
     const std::string text = error.what();  // "sensor 'imu': what is wrong"
-    report(sample.sensor, Trouble::implausible, text.substr(text.find("': ") + 3), kSoundFor);
+    report(sample.sensor, SensorFault::implausible, text.substr(text.find("': ") + 3), kSoundFor);
     return false;
   }
   const Finding found = check(watch, sample);
-  if (found.trouble != Trouble::none) report(sample.sensor, found.trouble, found.detail, kSoundFor);
-  return sensors_[sample.sensor].sound() || watch.believed;
+  if (found.fault != SensorFault::none) report(sample.sensor, found.fault, found.detail, kSoundFor);
+  return sensors_[sample.sensor].ok() || watch.believed;
 }
 
 // Everything that one sensor's samples tell about it.
 Monitor::Finding Monitor::check(Watch& watch, const Sample& sample) {
-  const Trouble stamps = watch.stamps.check(sample.measured, sample.received);
-  if (stamps != Trouble::none) return {stamps};
+  const SensorFault stamps = watch.stamps.check(sample.measured, sample.received);
+  if (stamps != SensorFault::none) return {stamps};
   Motion motion = this->motion();
   if (watch.type == SensorType::lidar) motion.velocity = rotated(motion.velocity, -lidar_heading_);
-  if (watch.repeats.is_frozen(sample.data, motion)) return {Trouble::frozen};
+  if (watch.repeats.is_frozen(sample.data, motion)) return {SensorFault::frozen};
   if (const auto* scan = std::get_if<LaserScan>(&sample.data)) return check_scan(sample.measured, *scan);
   if (const auto* imu = std::get_if<IMUData>(&sample.data)) {
     gyro_rate_ = imu->angular_velocity[2];
@@ -109,7 +109,7 @@ Monitor::Finding Monitor::check_scan(Time measured, const LaserScan& scan) {
   const Pose2D at = wheels_ ? wheels_->pose : Pose2D{};
   const auto blind = blind_.check(scan, at);
   if (!blind) return {scan_.check(measured, scan, at)};
-  return {Trouble::blind,
+  return {SensorFault::blind,
           fmt::format("no beam is valid from {:.0f} to {:.0f} degrees", blind->from / kDegree, blind->to / kDegree)};
 }
 
@@ -126,14 +126,14 @@ void Monitor::judge(Time now, const Velocity& command, const slam::PoseEstimate&
   }
   turn_off_.reset();
   if (wheels_ && drive_.is_disobeyed(command, wheels_->velocity)) {
-    contradict(SensorType::odometry, "the wheels do not turn as they are told: one is blocked, or slips", true);
+    contradict(SensorType::odometry, "the wheels do not turn as commanded: one is blocked, or slips", true);
   }
   if (way_.is_contradicted(estimate)) {
     contradict(SensorType::odometry, "the robot does not go as far as its wheels say: they slip", true);
   }
   for (std::size_t i = 0; i < watches_.size(); ++i) {
-    if (sensors_[i].sound() || now < watches_[i].until) continue;
-    sensors_[i].trouble = Trouble::none;
+    if (sensors_[i].ok() || now < watches_[i].until) continue;
+    sensors_[i].fault = SensorFault::none;
     sensors_[i].detail.clear();
     sensors_[i].since = watches_[i].ended = now;
     changes_.push_back(i);
@@ -144,17 +144,17 @@ void Monitor::watch_silence(std::size_t sensor) {
   const Watch& watch = watches_[sensor];
   const bool silent =
       watch.received ? now_ - *watch.received > watch.patience : now_ - begun_ > kFirstPatience + watch.patience;
-  if (silent) report(sensor, Trouble::silent, "", kSoundFor);
+  if (silent) report(sensor, SensorFault::silent, "", kSoundFor);
 }
 
 // Something is wrong from now on, and for `hold` at least.
-void Monitor::report(std::size_t sensor, Trouble trouble, const std::string& detail, Duration hold, bool believed) {
+void Monitor::report(std::size_t sensor, SensorFault fault, const std::string& detail, Duration hold, bool believed) {
   SensorHealth& health = sensors_[sensor];
   Watch& watch = watches_[sensor];
   watch.until = std::max(watch.until, now_ + hold);
-  watch.believed = believed && (health.sound() || watch.believed);
-  if (!health.sound()) return;
-  health.trouble = trouble;
+  watch.believed = believed && (health.ok() || watch.believed);
+  if (!health.ok()) return;
+  health.fault = fault;
   health.detail = detail;
   health.since = now_;
   changes_.push_back(sensor);
@@ -166,11 +166,11 @@ void Monitor::contradict(SensorType type, const std::string& detail, bool believ
   for (std::size_t i = 0; i < watches_.size(); ++i) {
     Watch& watch = watches_[i];
     if (watch.type != type) continue;
-    if (sensors_[i].sound()) {
+    if (sensors_[i].ok()) {
       const bool again = watch.penalty > 0ns && now_ - watch.ended < kLongestPenalty;
       watch.penalty = again ? std::min(2 * watch.penalty, kLongestPenalty) : kFirstPenalty;
     }
-    report(i, Trouble::contradicted, detail, std::max(watch.penalty, kSoundFor), believed);
+    report(i, SensorFault::contradicted, detail, std::max(watch.penalty, kSoundFor), believed);
   }
 }
 
@@ -178,7 +178,7 @@ void Monitor::contradict(SensorType type, const std::string& detail, bool believ
 Motion Monitor::motion() const {
   const auto believed = [this](SensorType type) {
     for (std::size_t i = 0; i < watches_.size(); ++i) {
-      if (watches_[i].type == type) return sensors_[i].sound() || watches_[i].believed;
+      if (watches_[i].type == type) return sensors_[i].ok() || watches_[i].believed;
     }
     return false;
   };
@@ -193,8 +193,8 @@ Motion Monitor::motion() const {
           .velocity = v};
 }
 
-const SensorHealth* Monitor::obstacle() const {
-  const auto found = std::ranges::find_if(sensors_, [](const SensorHealth& s) { return s.needed && !s.sound(); });
+const SensorHealth* Monitor::blocking_sensor() const {
+  const auto found = std::ranges::find_if(sensors_, [](const SensorHealth& s) { return s.needed && !s.ok(); });
   return found == sensors_.end() ? nullptr : &*found;
 }
 
@@ -204,18 +204,18 @@ std::vector<std::size_t> Monitor::take_changes() { return std::exchange(changes_
 
 namespace threewe {
 
-std::string_view to_string(Trouble trouble) {
-  switch (trouble) {
-    case Trouble::none: return "none";
-    case Trouble::silent: return "silent";
-    case Trouble::frozen: return "frozen";
-    case Trouble::implausible: return "implausible";
-    case Trouble::wrong_stamps: return "stamped wrongly";
-    case Trouble::late: return "late";
-    case Trouble::noisy: return "noisy";
-    case Trouble::shifted: return "shifted";
-    case Trouble::blind: return "blind";
-    case Trouble::contradicted: return "contradicted";
+std::string_view to_string(SensorFault fault) {
+  switch (fault) {
+    case SensorFault::none: return "none";
+    case SensorFault::silent: return "silent";
+    case SensorFault::frozen: return "frozen";
+    case SensorFault::implausible: return "implausible";
+    case SensorFault::wrong_stamps: return "stamped wrongly";
+    case SensorFault::late: return "late";
+    case SensorFault::noisy: return "noisy";
+    case SensorFault::shifted: return "shifted";
+    case SensorFault::blind: return "blind";
+    case SensorFault::contradicted: return "contradicted";
   }
   return "unknown";
 }

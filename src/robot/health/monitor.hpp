@@ -1,4 +1,4 @@
-// Watches over a robot's sensors: which of them may be believed.
+// Sensor health monitor: which sensors may be believed.
 #pragma once
 
 #include <optional>
@@ -33,7 +33,7 @@ class Monitor {
 
   const std::vector<SensorHealth>& sensors() const { return sensors_; }
   /// The first sensor in trouble that the robot cannot do without; null while it may move.
-  const SensorHealth* obstacle() const;
+  const SensorHealth* blocking_sensor() const;
   /// Places of the sensors whose trouble has begun or ended since the last call.
   std::vector<std::size_t> take_changes();
 
@@ -50,12 +50,12 @@ class Monitor {
     Time ended{};
   };
   struct Finding {
-    Trouble trouble = Trouble::none;
+    SensorFault fault = SensorFault::none;
     std::string detail{};
   };
   Finding check(Watch& watch, const Sample& sample);
   Finding check_scan(Time measured, const LaserScan& scan);
-  void report(std::size_t sensor, Trouble trouble, const std::string& detail, Duration hold, bool believed = false);
+  void report(std::size_t sensor, SensorFault fault, const std::string& detail, Duration hold, bool believed = false);
   void contradict(SensorType type, const std::string& detail, bool believed);
   void watch_silence(std::size_t sensor);
   Motion motion() const;

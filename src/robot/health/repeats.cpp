@@ -5,7 +5,7 @@
 #include <type_traits>
 
 #include "core/exact.hpp"
-#include "slam/range_scatter.hpp"
+#include "slam/range_noise_estimator.hpp"
 
 namespace threewe::health {
 namespace {
@@ -116,7 +116,8 @@ bool RepeatCheck::should_have_changed(const SampleData& data, const Motion& moti
   if (std::holds_alternative<RangeData>(data)) return lively || changes_ >= kLivelyOnWay;
   // a lidar without noise sees the same where it moves between bare walls
   const auto* scan = std::get_if<LaserScan>(&data);
-  return scan == nullptr || slam::scatter_of(*scan) > kNoise || (repeats_ >= 2 && depends_on(*scan, motion.velocity));
+  return scan == nullptr || slam::range_noise_of(*scan) > kNoise ||
+         (repeats_ >= 2 && depends_on(*scan, motion.velocity));
 }
 
 }  // namespace threewe::health

@@ -1,4 +1,4 @@
-// Does a sensor deliver the same reading again and again?
+// Detector of frozen sensors: the same reading again and again.
 #pragma once
 
 #include <optional>

@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "core/exact.hpp"
-#include "slam/range_scatter.hpp"
+#include "slam/range_noise_estimator.hpp"
 #include "threewe/core/pose.hpp"
 
 namespace threewe::health {
@@ -61,19 +61,19 @@ Shift shift_between(const LaserScan& before, const LaserScan& scan, double turne
   return best;
 }
 
-Trouble ScanCheck::check(Time measured, const LaserScan& scan, const Pose2D& at) {
-  const double scatter = slam::scatter_of(scan);
+SensorFault ScanCheck::check(Time measured, const LaserScan& scan, const Pose2D& at) {
+  const double scatter = slam::range_noise_of(scan);
   if (usual_scatter_ == 0.0) usual_scatter_ = std::max(least_scatter_, scatter);  // as it is from the first
-  if (scatter > kNoisy * usual_scatter_ && usual_scatter_ > 0.0) return Trouble::noisy;
+  if (scatter > kNoisy * usual_scatter_ && usual_scatter_ > 0.0) return SensorFault::noisy;
 
   View view{measured, scan, at};
   judge_shift(view);
   before_ = view;
-  if (shift_ != 0.0) return Trouble::shifted;
+  if (shift_ != 0.0) return SensorFault::shifted;
 
   usual_scatter_ = std::max(least_scatter_, usual_scatter_ + kFollows * (scatter - usual_scatter_));
   reference_ = std::move(view);
-  return Trouble::none;
+  return SensorFault::none;
 }
 
 // Shifted since the reference, or not any more.

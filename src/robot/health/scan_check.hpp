@@ -1,4 +1,4 @@
-// Do the ranges of a scan look like those before?
+// Detector of noisy and biased scans, against those before.
 #pragma once
 
 #include <vector>
@@ -25,7 +25,7 @@ class ScanCheck {
   /// `sigma`: how much ranges scatter by the data sheet [m].
   explicit ScanCheck(double sigma) : least_scatter_(sigma) {}
   /// `at`: where the robot is by its wheels.
-  Trouble check(Time measured, const LaserScan& scan, const Pose2D& at);
+  SensorFault check(Time measured, const LaserScan& scan, const Pose2D& at);
 
  private:
   /// A scan, and what is known about it.

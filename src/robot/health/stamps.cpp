@@ -12,22 +12,22 @@ constexpr int kFew = 5;              // arrivals; some may have waited for someb
 
 }  // namespace
 
-Trouble StampCheck::check(Time measured, Time received) {
-  if (measured > received) return Trouble::wrong_stamps;
+SensorFault StampCheck::check(Time measured, Time received) {
+  if (measured > received) return SensorFault::wrong_stamps;
   const Duration age = received - measured;
-  if (arrivals_ > 0 && measured <= newest_) return Trouble::wrong_stamps;
+  if (arrivals_ > 0 && measured <= newest_) return SensorFault::wrong_stamps;
   if (arrivals_ < kFew) {
     usual_age_ = arrivals_ == 0 ? age : std::min(usual_age_, age);
     if (arrivals_ == 0 || received != arrived_) ++arrivals_;
     arrived_ = received;
     newest_ = measured;
-    return Trouble::none;
+    return SensorFault::none;
   }
-  if (age < usual_age_ - kYounger) return Trouble::wrong_stamps;
+  if (age < usual_age_ - kYounger) return SensorFault::wrong_stamps;
   newest_ = measured;
-  if (age > usual_age_ + kOlder) return Trouble::late;
+  if (age > usual_age_ + kOlder) return SensorFault::late;
   usual_age_ += (age - usual_age_) / kSlowly;
-  return Trouble::none;
+  return SensorFault::none;
 }
 
 }  // namespace threewe::health

@@ -1,4 +1,4 @@
-// Are the stamps of a sensor in order?
+// Detector of wrong stamps and late samples.
 #pragma once
 
 #include "threewe/core/time.hpp"
@@ -9,7 +9,7 @@ namespace threewe::health {
 /// Learns how old readings are when they arrive, and notices when they are not. Plain data.
 class StampCheck {
  public:
-  Trouble check(Time measured, Time received);
+  SensorFault check(Time measured, Time received);
 
  private:
   int arrivals_ = 0;  // of samples in order, up to those that are needed

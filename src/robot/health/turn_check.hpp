@@ -1,4 +1,4 @@
-// Do wheels and gyro turn alike?
+// Consistency check of wheel odometry and gyro in turns.
 #pragma once
 
 #include <array>

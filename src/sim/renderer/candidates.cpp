@@ -134,20 +134,20 @@ class Search {
     std::ranges::sort(out_.order, [](const auto& a, const auto& b) {
       return a.nearest != b.nearest ? a.nearest > b.nearest : a.candidate < b.candidate;
     });
-    Meeting meeting;
+    Intersection intersection;
     for (const Candidates::Entry& entry : out_.order) {
       const Candidate& c = out_.walls[static_cast<std::size_t>(entry.candidate)];
       for (int block = c.first_block; block <= c.last_block; ++block) {
         const auto b = static_cast<std::size_t>(block);
         if (c.nearest <= out_.farthest[b]) continue;
         double* inverse = out_.wall_inverse.data() + b * kBlock;
-        const unsigned met = meet(c.outline, out_.slopes.data() + b * kBlock, inverse, meeting);
+        const unsigned met = intersect(c.outline, out_.slopes.data() + b * kBlock, inverse, intersection);
         if (met == 0) continue;
         for (std::size_t i = 0; i < kBlock; ++i) {
           if (!(met >> i & 1U)) continue;
-          inverse[i] = meeting.near[i];
+          inverse[i] = intersection.near[i];
           out_.wall[b * kBlock + i] = entry.candidate;
-          out_.wall_face[b * kBlock + i] = static_cast<std::int32_t>(meeting.face[i]);
+          out_.wall_face[b * kBlock + i] = static_cast<std::int32_t>(intersection.face[i]);
         }
         out_.farthest[b] = *std::min_element(inverse, inverse + kBlock);
       }

@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "sim/renderer/meet.hpp"
+#include "sim/renderer/intersect.hpp"
 #include "sim/renderer/view.hpp"
 
 namespace threewe::sim::view {

@@ -116,7 +116,7 @@ HWY_INLINE void make_colours(const Parts& parts, std::size_t first, const Gain& 
 // Draws the blocks of a picture.
 class Drawer {
  public:
-  Drawer(const Drawing& drawing, BlockWork& work) : drawing_(drawing), gain_(drawing.paint.gain), work_(work) {}
+  Drawer(const Drawing& drawing, BlockWork& work) : drawing_(drawing), gain_(drawing.shading.gain), work_(work) {}
 
   void draw(std::size_t first) {
     const Columns columns = columns_of(drawing_.view, drawing_.candidates, first);
@@ -127,10 +127,10 @@ class Drawer {
     if (!images.ids.empty()) put_ids(images.ids.data() + first, width, count);
     if (!images.depth.empty()) put_depth(images.depth.data() + first, width, count);
     if (images.colour.empty()) return;
-    Painter painter(drawing_, columns, work_);
+    Shader shader(drawing_, columns, work_);
     for (std::size_t begin = 0; begin < rows(); begin += kBand) {
       const Stretch band{begin, std::min(begin + kBand, rows())};
-      painter.run(band);
+      shader.run(band);
       find_texels(band.end - band.begin);
       put_colours(band, images.colour.data() + 3 * first, 3 * width, 3 * count);
     }
@@ -238,7 +238,7 @@ void draw(const Drawing& drawing, BlockWork& work) {
   work.veil.resize(drawing.place.is_open ? kBand * kBlock : 0);
   for (LevelRows& floor : work.floors) begin(floor, rows + kBlock);
   begin(work.others, rows + kBlock);
-  work.patterns = patterns_of(drawing.paint.texture);
+  work.patterns = patterns_of(drawing.shading.texture);
   HWY_DYNAMIC_DISPATCH(draw_blocks)(drawing, work);
 }
 

@@ -94,7 +94,7 @@ struct Drawing {
   const View& view;
   const Rows& rows;
   const Candidates& candidates;
-  const Paint& paint;
+  const Shading& shading;
   const Images& images;
 };
 

@@ -256,7 +256,7 @@ Pattern pattern(Material material) {
     case Material::floor_gravel: return pebbles(310, 28);
     case Material::floor_paving: return courses(320, 2, 4, 0.005, 0.30);
     case Material::floor_asphalt: return clouds(330, 24, 128, 0.8);
-    case Material::paint: return clouds(150, 8, 64, 0.5);
+    case Material::shading: return clouds(150, 8, 64, 0.5);
     case Material::trim: return clouds(160, 4, 32, 0.5);
     case Material::ceiling: return ceiling_plates();
     case Material::roof: return roof_sheets();

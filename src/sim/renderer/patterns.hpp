@@ -1,4 +1,4 @@
-// What textures show: for every material, how bright it is at each point of a tile that repeats.
+// Texture generator: for every material, how bright it is at each point of a tile that repeats.
 #pragma once
 
 #include <functional>

@@ -67,15 +67,18 @@ std::vector<FloorRegion> make_floors(const scene::Scene& scene) {
   constexpr std::array kLamps = {1.0F, 0.94F, 1.03F, 0.90F, 0.98F, 1.05F, 0.92F};
   std::vector<FloorRegion> floors;
   for (const scene::Patch& patch : scene.patches) {
-    const auto dry = static_cast<float>(0.75 + 0.25 * std::min(patch.grip, 1.0));  // what is slippery is darker
-    floors.push_back({patch.min, patch.max, floor_look(patch.floor, dry), {}, {}});
+    const auto dry = static_cast<float>(0.75 + 0.25 * std::min(patch.friction, 1.0));  // what is slippery is darker
+    floors.push_back({patch.min, patch.max, floor_material(patch.floor, dry), {}, {}});
   }
   for (std::size_t i = 0; i < scene.rooms.size(); ++i) {
     const scene::Room& room = scene.rooms[i];
     const float light = scene.ceiling ? kLamps[i % kLamps.size()] : 1.0F;
-    const Colour paint = wall_paint(i);
-    floors.push_back(
-        {room.min, room.max, floor_look(room.floor, light), {light * paint.b, light * paint.g, light * paint.r}, {}});
+    const Colour shading = wall_colour(i);
+    floors.push_back({room.min,
+                      room.max,
+                      floor_material(room.floor, light),
+                      {light * shading.b, light * shading.g, light * shading.r},
+                      {}});
   }
   for (std::size_t i = 0; i < floors.size(); ++i) {
     for (std::size_t above = 0; above < i; ++above) {
@@ -96,14 +99,14 @@ int prism_palette(const scene::Object& object, const scene::Prism& prism) {
 }  // namespace
 
 Place::Place(const scene::Scene& scene)
-    : outside_floor(floor_look(scene.ceiling ? "concrete" : "grass", 1.0F)),
+    : outside_floor(floor_material(scene.ceiling ? "concrete" : "grass", 1.0F)),
       is_open(!scene.ceiling),
       ceiling(find_ceiling(scene)),
-      ceiling_look(view::ceiling_look(ceiling)),
+      ceiling_material(view::ceiling_material(ceiling)),
       decor(decorate(scene)) {
   constexpr std::size_t kMostObjects = std::numeric_limits<std::int16_t>::max() - kFirstObjectId + 1;
   if (scene.objects.size() > kMostObjects) {
-    throw ConfigError(fmt::format("the scene has {} objects; at most {} can be told apart in a picture",
+    throw ConfigError(fmt::format("the scene has {} objects; at most {} can be distinguished in a picture",
                                   scene.objects.size(), kMostObjects));
   }
   tiles();  // made now, not in the first picture
@@ -114,10 +117,10 @@ Place::Place(const scene::Scene& scene)
   circles = circles_of(groups);
   light = make_light(solids, is_open, decor.sun);
   corner_light = make_light(std::span(solids).first(scene.walls.size()), false, {});
-  paint_walls();
+  shade_walls();
 }
 
-void Place::paint_walls() {
+void Place::shade_walls() {
   first_tint_.push_back(0);
   for (std::size_t i = 0; i < solids.size() && solids[i].id == kWallId; ++i) {
     for (const Side& side : sides[i]) {
@@ -144,7 +147,7 @@ void Place::add_solids(const scene::Scene& scene) {
     sides.push_back(make_sides(solids.back(), is_open));
     palettes.push_back(palette);
   };
-  const Material of_walls = is_open ? Material::brick : Material::paint;
+  const Material of_walls = is_open ? Material::brick : Material::shading;
   for (const scene::Wall& wall : scene.walls) add(scene::solid_of(wall), of_walls, kWallId, -1);
   for (const Solid& lintel : lintels(scene)) add(lintel, of_walls, kWallId, -1);
   for (std::size_t i = 0; i < scene.objects.size(); ++i) {
@@ -176,7 +179,7 @@ std::span<const Decor> Place::decor_of(int solid) const {
 
 Colour Place::wall_colour(const VisibleSolid& wall, const Side& side, Vec2 point) const {
   constexpr double kFront = 0.1;  // [m]
-  Colour colour = kOutsidePaint;
+  Colour colour = kOutsideColour;
   if (is_open) {
     colour = kBrick;
   } else if (side.length < kWallEnd) {
@@ -184,12 +187,12 @@ Colour Place::wall_colour(const VisibleSolid& wall, const Side& side, Vec2 point
   } else if (const FloorRegion* room = room_at(point + kFront * side.normal)) {
     colour = room->wall;
   }
-  const float shade = wall.solid.z_min > 0.0 ? 1.0F : wall_shade(side.normal, point);
+  const float shade = wall.solid.z_min > 0.0 ? 1.0F : wall_colour(side.normal, point);
   return {shade * colour.b, shade * colour.g, shade * colour.r};
 }
 
 // Less light comes into corners.
-float Place::wall_shade(Vec2 normal, Vec2 point) const {
+float Place::wall_colour(Vec2 normal, Vec2 point) const {
   constexpr double kFront = 0.3;  // [m]
   return static_cast<float>(std::min(1.0, 0.4 + 0.6 * corner_light.at(point + kFront * normal)));
 }
@@ -199,10 +202,10 @@ std::uint32_t pack(const Colour& colour) {
   return byte(colour.b) | byte(colour.g) << 8U | byte(colour.r) << 16U;
 }
 
-Colour Place::colour(const Paint& paint, std::size_t solid) const {
+Colour Place::colour(const Shading& shading, std::size_t solid) const {
   const int index = palettes[solid];
   if (index < 0) return {};
-  const RngKey key{.seed = paint.seed, .episode = paint.episode, .stream = Stream::scene};
+  const RngKey key{.seed = shading.seed, .episode = shading.episode, .stream = Stream::scene};
   const auto object = static_cast<std::uint64_t>(solids[solid].id - kFirstObjectId);
   const auto& tints = palette(index).tints;
   return tints[random_bits(key, object, static_cast<std::uint32_t>(index))[0] % tints.size()];

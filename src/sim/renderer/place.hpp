@@ -1,4 +1,4 @@
-// What a renderer knows about its scene before it draws: solids, floors, and the light on them.
+// Renderer's precomputed scene: solids, floors, and the light on them.
 #pragma once
 
 #include <cstddef>
@@ -7,9 +7,9 @@
 #include <vector>
 
 #include "sim/renderer.hpp"
+#include "sim/renderer/intersect.hpp"
 #include "sim/renderer/light.hpp"
-#include "sim/renderer/looks.hpp"
-#include "sim/renderer/meet.hpp"
+#include "sim/renderer/materials.hpp"
 #include "sim/renderer/sides.hpp"
 #include "sim/renderer/walls.hpp"
 
@@ -19,7 +19,7 @@ namespace threewe::sim::view {
 struct FloorRegion {
   Vec2 min;
   Vec2 max;
-  Look floor;
+  SurfaceMaterial floor;
   Colour wall;                     ///< of a room
   std::vector<std::size_t> above;  ///< those that lie on it
 };
@@ -38,13 +38,13 @@ struct Place {
   std::vector<Sides> sides;          // theirs
   std::vector<Group> groups;
   Circles circles;                  // around them
-  std::vector<int> palettes;        // of each solid: what `Paint` may choose from; -1 for walls
+  std::vector<int> palettes;        // of each solid: what `Shading` may choose from; -1 for walls
   std::vector<FloorRegion> floors;  // what lies on top comes first
   std::size_t patch_count = 0;      // of those, before the rooms
-  Look outside_floor;
+  SurfaceMaterial outside_floor;
   bool is_open = false;  // under the sky
   double ceiling = 0.0;
-  Look ceiling_look;
+  SurfaceMaterial ceiling_material;
   WallDecor decor;
   FloorLight light;
   FloorLight corner_light;  // with nothing but walls
@@ -57,7 +57,7 @@ struct Place {
   /// What is on the faces of a solid, if it is a wall; -1 stands for one that moves.
   std::span<const Decor> decor_of(int solid) const;
   /// The colour of a solid in an episode; none for a wall, whose colour depends on the room before it.
-  Colour colour(const Paint& paint, std::size_t solid) const;
+  Colour colour(const Shading& shading, std::size_t solid) const;
   bool has_skirting(const VisibleSolid& solid) const {
     return solid.id == kWallId && solid.solid.z_min <= 0.0 && !is_open;
   }
@@ -69,9 +69,9 @@ struct Place {
   std::vector<std::uint32_t> wall_tints_;
   std::vector<std::size_t> first_tint_;  // by wall and face, and one more
 
-  void paint_walls();
+  void shade_walls();
   Colour wall_colour(const VisibleSolid& wall, const Side& side, Vec2 point) const;
-  float wall_shade(Vec2 normal, Vec2 point) const;
+  float wall_colour(Vec2 normal, Vec2 point) const;
 
   void add_solids(const scene::Scene& scene);
   const FloorRegion* find_floor(std::size_t first, Vec2 point) const;

@@ -17,7 +17,7 @@
 #include <cstring>
 
 #include "sim/renderer/kernel.hpp"
-#include "sim/renderer/looks.hpp"
+#include "sim/renderer/materials.hpp"
 #include "sim/renderer/textures.hpp"
 //
 #include "sim/renderer/visible-inl.hpp"
@@ -72,7 +72,7 @@ HWY_INLINE void look_up(const T* HWY_RESTRICT table, std::uint32_t* HWY_RESTRICT
 }
 
 inline double within_tile(double tiles) { return tiles - std::floor(tiles); }
-inline std::uint32_t tint_of(const Look& look) {
+inline std::uint32_t tint_of(const SurfaceMaterial& look) {
   return view::pack({look.light * look.colour.b, look.light * look.colour.g, look.light * look.colour.r});
 }
 
@@ -83,13 +83,13 @@ struct Stretch {
 };
 
 /// Gives the pixels of a block what their colours are made of.
-class Painter {
+class Shader {
  public:
-  Painter(const Drawing& drawing, const Columns& columns, BlockWork& work)
+  Shader(const Drawing& drawing, const Columns& columns, BlockWork& work)
       : place_(drawing.place),
         view_(drawing.view),
         rows_(drawing.rows),
-        paint_(drawing.paint),
+        shading_(drawing.shading),
         columns_(columns),
         work_(work) {}
 
@@ -100,7 +100,7 @@ class Painter {
     for (std::size_t begin = band.begin; begin < band.end;) {
       std::size_t end = begin + 1;
       while (end < band.end && is_same(begin, end)) ++end;
-      paint({begin, end});
+      shading({begin, end});
       begin = end;
     }
   }
@@ -128,14 +128,14 @@ class Painter {
   }
 
   // The first surface paints all columns, the others then theirs.
-  HWY_INLINE void paint(const Stretch& rows) {
+  HWY_INLINE void shading(const Stretch& rows) {
     const std::int32_t* owners = work_.owner.data() + rows.begin * kBlock;
     unsigned left = mark(owners, owners[0]) ^ kAll;
-    paint_owner<false>(owners[0], rows);
+    shade_owner<false>(owners[0], rows);
     while (left != 0) {
       const std::int32_t owner = owners[std::countr_zero(left)];
       left &= ~mark(owners, owner);
-      paint_owner<true>(owner, rows);
+      shade_owner<true>(owner, rows);
     }
   }
 
@@ -154,18 +154,18 @@ class Painter {
   }
 
   template <bool kMasked>
-  void paint_owner(std::int32_t owner, const Stretch& rows) {
-    if (owner < 0) return paint_floor<kMasked>(static_cast<std::size_t>(-1 - owner), rows);
-    if (owner == kNothing) return paint_nothing<kMasked>(rows);
-    if (owner == kSky) return paint_sky<kMasked>(Cover::clouds, rows);
-    if (owner == kOnHills) return paint_sky<kMasked>(Cover::hills, rows);
-    if (owner == kCeiling) return paint_ceiling<kMasked>(rows);
+  void shade_owner(std::int32_t owner, const Stretch& rows) {
+    if (owner < 0) return shade_floor<kMasked>(static_cast<std::size_t>(-1 - owner), rows);
+    if (owner == kNothing) return shade_nothing<kMasked>(rows);
+    if (owner == kSky) return shade_sky<kMasked>(Cover::clouds, rows);
+    if (owner == kOnHills) return shade_sky<kMasked>(Cover::hills, rows);
+    if (owner == kCeiling) return shade_ceiling<kMasked>(rows);
     Surface& surface = work_.surfaces[static_cast<std::size_t>(owner - kFirstSurface)];
     if (surface.kind == Surface::Kind::top || surface.kind == Surface::Kind::bottom) {
-      return paint_face<kMasked>(surface, rows);
+      return shade_face<kMasked>(surface, rows);
     }
     if (!surface.is_ready) make_ready(surface);
-    paint_upright<kMasked>(surface, rows);
+    shade_upright<kMasked>(surface, rows);
   }
 
   template <bool kMasked>
@@ -178,7 +178,7 @@ class Painter {
   }
 
   template <bool kMasked>
-  HWY_INLINE void paint_upright(const Surface& surface, const Stretch& rows) {
+  HWY_INLINE void shade_upright(const Surface& surface, const Stretch& rows) {
     const std::size_t band = band_;
     const Pixels to = pixels();
     const float* HWY_RESTRICT slopes = rows_.slopes.data();
@@ -203,7 +203,7 @@ class Painter {
   }
 
   // Level surfaces in the scene's frame: their texture is laid along `axis`, from `origin`.
-  struct Laying {
+  struct Filling {
     Material material{};
     double height = 0.0;  // [m] above the eye
     Vec2 origin{};
@@ -211,15 +211,15 @@ class Painter {
   };
 
   // Where each row takes its texture from.
-  HWY_INLINE void lay(const Laying& laying, const Stretch& rows, LevelRows& out) const {
+  HWY_INLINE void fill(const Filling& filling, const Stretch& rows, LevelRows& out) const {
     constexpr double kPixel = 0.35;  // the size of a pixel on the surface, against its length: it is narrow and long
     const Floats d;
-    const double per_metre = 1.0 / spec(laying.material).tile_size;
-    const Vec2 from = view_.eye - laying.origin;
-    const F u = set(within_tile(per_metre * dot(from, laying.axis)));
-    const F v = set(within_tile(per_metre * cross(laying.axis, from)));
-    const F footprint = set(kPixel / (view_.camera.fy * std::fabs(laying.height)) * kTileSide * per_metre);
-    const F height = set(laying.height);
+    const double per_metre = 1.0 / spec(filling.material).tile_size;
+    const Vec2 from = view_.eye - filling.origin;
+    const F u = set(within_tile(per_metre * dot(from, filling.axis)));
+    const F v = set(within_tile(per_metre * cross(filling.axis, from)));
+    const F footprint = set(kPixel / (view_.camera.fy * std::fabs(filling.height)) * kTileSide * per_metre);
+    const F height = set(filling.height);
     const F half = set(0.5F);
     for (std::size_t r = rows.begin; r < rows.end; r += hn::Lanes(d)) {
       const F depth = hn::Mul(height, load(&rows_.inverse[r]));
@@ -229,13 +229,13 @@ class Painter {
       store(hn::Sub(hn::Mul(v, side), half), &out.v[r]);
       store(whole(hn::Sub(side, set(1.0F))), &out.mask[r]);
       store(stride_of(side), &out.stride[r]);
-      store(first_of(laying.material, side), &out.first[r]);
+      store(first_of(filling.material, side), &out.first[r]);
     }
   }
 
   // One that is lit has a light of its own.
   template <bool kMasked, bool kIsLit = false>
-  HWY_INLINE void paint_level(const LevelRows& level, Vec2 axis, std::uint32_t tint, const Stretch& rows) {
+  HWY_INLINE void shade_level(const LevelRows& level, Vec2 axis, std::uint32_t tint, const Stretch& rows) {
     const std::size_t band = band_;
     const F x = set(axis.x);
     const F y = set(axis.y);
@@ -265,35 +265,36 @@ class Painter {
   }
 
   template <bool kMasked>
-  void paint_ceiling(const Stretch& rows) {
-    const Look& look = place_.ceiling_look;
-    lay({pattern_of(look), place_.ceiling - view_.height}, rows, work_.others);
-    paint_level<kMasked>(work_.others, {1.0, 0.0}, tint_of(look), rows);
+  void shade_ceiling(const Stretch& rows) {
+    const SurfaceMaterial& look = place_.ceiling_material;
+    fill({pattern_of(look), place_.ceiling - view_.height}, rows, work_.others);
+    shade_level<kMasked>(work_.others, {1.0, 0.0}, tint_of(look), rows);
   }
 
   // The top or the bottom of a solid, its texture along its longer side.
   template <bool kMasked>
-  void paint_face(const Surface& surface, const Stretch& rows) {
+  void shade_face(const Surface& surface, const Stretch& rows) {
     const Candidate& c = *surface.candidate;
     const bool is_top = surface.kind == Surface::Kind::top;
-    const Look look = is_top ? top_look(*c.visible, colour_of(c)) : bottom_look(*c.visible, colour_of(c));
+    const SurfaceMaterial look =
+        is_top ? top_material(*c.visible, colour_of(c)) : bottom_material(*c.visible, colour_of(c));
     const Side& a = (*c.sides)[0];
     const Side& b = (*c.sides)[3];
     const Vec2 axis = c.outline.is_disc ? Vec2{1.0, 0.0} : a.length >= b.length ? a.axis : -1.0 * b.axis;
-    lay({pattern_of(look), is_top ? c.high : c.low, c.visible->solid.center, axis}, rows, work_.others);
-    paint_level<kMasked>(work_.others, axis, tint_of(look), rows);
+    fill({pattern_of(look), is_top ? c.high : c.low, c.visible->solid.center, axis}, rows, work_.others);
+    shade_level<kMasked>(work_.others, axis, tint_of(look), rows);
   }
 
   // The floor of a region, or outside of all.
   template <bool kMasked>
-  void paint_floor(std::size_t region, const Stretch& rows) {
-    const Look& look = region < place_.floors.size() ? place_.floors[region].floor : place_.outside_floor;
+  void shade_floor(std::size_t region, const Stretch& rows) {
+    const SurfaceMaterial& look = region < place_.floors.size() ? place_.floors[region].floor : place_.outside_floor;
     LevelRows& level = work_.floors[static_cast<std::size_t>(pattern_of(look))];
     if (!level.is_known) {
-      lay({pattern_of(look), -view_.height}, {0, static_cast<std::size_t>(rows_.count)}, level);
+      fill({pattern_of(look), -view_.height}, {0, static_cast<std::size_t>(rows_.count)}, level);
       level.is_known = true;
     }
-    paint_level<kMasked, true>(level, {1.0, 0.0}, tint_of(look), rows);
+    shade_level<kMasked, true>(level, {1.0, 0.0}, tint_of(look), rows);
     light_floor<kMasked>(rows);
     if (place_.is_open) veil_floor(rows);
   }
@@ -359,7 +360,7 @@ class Painter {
   // Far away the ground is lost in haze.
   void veil_floor(const Stretch& rows) {
     const Colour sky = sky_colour(0.0F);
-    const Colour gain = paint_.gain;
+    const Colour gain = shading_.gain;
     const Colour horizon{gain.b * sky.b, gain.g * sky.g, gain.r * sky.r};
     for_lanes([&](std::size_t i) HWY_ATTR {
       for (std::size_t r = rows.begin; r < rows.end; ++r) {
@@ -374,7 +375,7 @@ class Painter {
 
   // Where one looks along the ground for ever.
   template <bool kMasked>
-  void paint_nothing(const Stretch& rows) {
+  void shade_nothing(const Stretch& rows) {
     const std::uint32_t tint = view::pack(sky_colour(0.0F));
     for_lanes([&](std::size_t i) HWY_ATTR {
       for (std::size_t r = rows.begin; r < rows.end; ++r) put_plain<kMasked>(set(tint), i, place_of(r) + i);
@@ -391,15 +392,15 @@ class Painter {
 
   // The sky, and what covers it.
   template <bool kMasked>
-  void paint_sky(Cover cover, const Stretch& rows) {
+  void shade_sky(Cover cover, const Stretch& rows) {
     const std::size_t band = band_;
     Lanes<float> share;
     for (std::size_t i = 0; i < kBlock; ++i) {
       share[i] = sun_share({static_cast<double>(columns_.x[i]), static_cast<double>(columns_.y[i])});
     }
-    const Colour own = cover == Cover::hills ? kHills : cloud_look().colour;
+    const Colour own = cover == Cover::hills ? kHills : cloud_material().colour;
     LevelRows& level = work_.others;
-    if (cover == Cover::clouds) lay({Material::sky, kCloudHeight}, rows, level);
+    if (cover == Cover::clouds) fill({Material::sky, kCloudHeight}, rows, level);
     const std::vector<std::uint8_t>& texels = tiles();
     for_lanes([&](std::size_t i) HWY_ATTR {
       const F glow = load(&share[i]);
@@ -426,34 +427,36 @@ class Painter {
     });
   }
 
-  Material pattern_of(const Look& look) const { return work_.patterns[static_cast<std::size_t>(look.material)]; }
+  Material pattern_of(const SurfaceMaterial& look) const {
+    return work_.patterns[static_cast<std::size_t>(look.material)];
+  }
   Colour colour_of(const Candidate& c) const {
-    return c.solid < 0 ? c.visible->colour : place_.colour(paint_, static_cast<std::size_t>(c.solid));
+    return c.solid < 0 ? c.visible->colour : place_.colour(shading_, static_cast<std::size_t>(c.solid));
   }
 
   // An upright surface, where the columns meet it.
   void make_ready(Surface& surface) {
     surface.is_ready = true;
     const Candidate& c = *surface.candidate;
-    if (c.outline.is_disc) return meet_round(surface);
+    if (c.outline.is_disc) return intersect_round(surface);
     bool is_first = true;
     for (std::size_t face = 0; face < 4; ++face) {
       const auto number = static_cast<float>(face);
       if (std::ranges::find(surface.face, number) == surface.face.end()) continue;
       if (surface.decor && static_cast<float>(surface.decor->face) != number) continue;
-      meet_flat(surface, face, is_first);
+      intersect_flat(surface, face, is_first);
       is_first = false;
     }
   }
 
-  void meet_flat(Surface& surface, std::size_t face, bool is_first) {
+  void intersect_flat(Surface& surface, std::size_t face, bool is_first) {
     const Candidate& c = *surface.candidate;
     const Side& side = (*c.sides)[face];
     const Vec2 from = view_.eye - side.corner;
     const bool is_wall = c.visible->id == kWallId && c.solid >= 0 && surface.kind == Surface::Kind::side;
-    Look look = side.look;
+    SurfaceMaterial look = side.look;
     if (!is_wall) look.colour = colour_of(c);
-    if (surface.kind == Surface::Kind::skirting) look = skirting_look(side.normal);
+    if (surface.kind == Surface::Kind::skirting) look = skirting_material(side.normal);
     if (surface.decor) look = surface.decor->look;
     const auto tints =
         is_wall ? place_.tints_of(static_cast<std::size_t>(c.solid), face) : std::span<const std::uint32_t>();
@@ -480,10 +483,10 @@ class Painter {
     });
   }
 
-  void meet_round(Surface& surface) {
+  void intersect_round(Surface& surface) {
     const Candidate& c = *surface.candidate;
     const scene::Solid& solid = c.visible->solid;
-    Look look = (*c.sides)[0].look;
+    SurfaceMaterial look = (*c.sides)[0].look;
     look.colour = colour_of(c);
     const Vec2 from = view_.eye - solid.center;
     for_lanes([&](std::size_t i) HWY_ATTR {
@@ -510,7 +513,8 @@ class Painter {
 
   // What pixels need of a surface in some of its columns. `along` it is where they meet it, and they look at it with
   // `facing`, the cosine of the angle of incidence.
-  HWY_INLINE void cover(Surface& surface, const Look& look, F along, F facing, W tint, M here, std::size_t i) const {
+  HWY_INLINE void cover(Surface& surface, const SurfaceMaterial& look, F along, F facing, W tint, M here,
+                        std::size_t i) const {
     constexpr double kPixel = 0.7;
     const Material pattern = pattern_of(look);
     const double per_metre = 1.0 / spec(pattern).tile_size;
@@ -539,7 +543,7 @@ class Painter {
   const Place& place_;
   const View& view_;
   const Rows& rows_;
-  const Paint& paint_;
+  const Shading& shading_;
   const Columns& columns_;
   BlockWork& work_;
   static constexpr unsigned kAll = (1U << kBlock) - 1U;

@@ -12,7 +12,7 @@ Sides make_sides(const VisibleSolid& visible, bool is_open) {
   Sides sides;
   const Solid& solid = visible.solid;
   if (solid.shape == Solid::Shape::disc) {
-    sides[0].look = side_look(visible, visible.material, 1.0F);
+    sides[0].look = side_material(visible, visible.material, 1.0F);
     return sides;
   }
   for (std::size_t i = 0; i < sides.size(); ++i) {
@@ -23,12 +23,12 @@ Sides make_sides(const VisibleSolid& visible, bool is_open) {
     side.axis = (1.0 / side.length) * edge;
     side.normal = {side.axis.y, -side.axis.x};
     const bool is_trimmed = visible.id == kWallId && !is_open && side.length < kWallEnd;
-    side.look = side_look(visible, is_trimmed ? Material::trim : visible.material, side_shade(side.normal));
+    side.look = side_material(visible, is_trimmed ? Material::trim : visible.material, side_shade(side.normal));
   }
   return sides;
 }
 
-Side round_side(const VisibleSolid& disc, const Look& look, Vec2 point) {
+Side round_side(const VisibleSolid& disc, const SurfaceMaterial& look, Vec2 point) {
   Side side;
   side.normal = (1.0 / disc.solid.radius) * (point - disc.solid.center);
   side.look = look;

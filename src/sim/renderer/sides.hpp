@@ -3,7 +3,7 @@
 
 #include <array>
 
-#include "sim/renderer/looks.hpp"
+#include "sim/renderer/materials.hpp"
 
 namespace threewe::sim::view {
 
@@ -13,14 +13,14 @@ struct Side {
   Vec2 axis;    // from there along the face
   Vec2 normal;
   double length = 0.0;  // [m]
-  Look look;
+  SurfaceMaterial look;
 };
 /// Those of a box; of a disc only the first look means something: that of a face in full light.
 using Sides = std::array<Side, 4>;
 
 Sides make_sides(const VisibleSolid& solid, bool is_open);
 /// A disc's at a point of it.
-Side round_side(const VisibleSolid& disc, const Look& look, Vec2 point);
+Side round_side(const VisibleSolid& disc, const SurfaceMaterial& look, Vec2 point);
 /// How far around a disc a normal is, about [m]: the way around a square on its corner, as long as that around the
 /// disc.
 double along_round(double radius, Vec2 normal);

@@ -129,8 +129,8 @@ std::array<Material, kMaterials> patterns_of(std::uint32_t texture) {
   using enum Material;
   static constexpr std::array kFloors = {floor_wood,  floor_tile,   floor_carpet, floor_concrete, floor_vinyl,
                                          floor_grass, floor_gravel, floor_paving, floor_asphalt};
-  static constexpr std::array kWalls = {paint, brick, stone, floor_concrete, floor_tile, fabric};
-  static constexpr std::array kCeilings = {ceiling, roof, paint, floor_vinyl};
+  static constexpr std::array kWalls = {shading, brick, stone, floor_concrete, floor_tile, fabric};
+  static constexpr std::array kCeilings = {ceiling, roof, shading, floor_vinyl};
   static constexpr std::array kThings = {wood,  metal, plastic, fabric,    leaf,  ceramic,
                                          glass, stone, paper,   cardboard, rubber};
   std::array<Material, kMaterials> patterns;
@@ -146,7 +146,7 @@ std::array<Material, kMaterials> patterns_of(std::uint32_t texture) {
   };
   draw(kFloors, kFloors);
   draw(kThings, kThings);
-  draw(std::array{paint, brick}, kWalls);
+  draw(std::array{shading, brick}, kWalls);
   draw(std::array{ceiling, roof}, kCeilings);
   return patterns;
 }

@@ -29,7 +29,7 @@ struct MaterialSpec {
 };
 const MaterialSpec& spec(Material material);
 
-/// What each material's surfaces wear instead in an episode whose `Paint::texture` is this: others for the same use.
+/// What each material's surfaces wear instead in an episode whose `Shading::texture` is this: others for the same use.
 /// Themselves for 0; some keep what they have.
 std::array<Material, kMaterials> patterns_of(std::uint32_t texture);
 

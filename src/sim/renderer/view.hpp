@@ -1,4 +1,4 @@
-// Where a camera stands and how it projects, in the plane of the floor: x ahead, y to the left.
+// Camera view in the plane of the floor: pose and projection, x ahead, y to the left.
 #pragma once
 
 #include <limits>

@@ -14,7 +14,7 @@
 
 #include "sim/renderer/kernel.hpp"
 //
-#include "sim/renderer/meet-inl.hpp"
+#include "sim/renderer/intersect-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace threewe::sim::view::HWY_NAMESPACE {
@@ -99,8 +99,8 @@ class Finder {
 
   void run() {
     work_.surface_count = 0;
-    lay_base();
-    lay_floors();
+    fill_base();
+    fill_floors();
     for (const Candidates::Entry& entry : candidates_.blocks[columns_.first / kBlock]) {
       put(candidates_.others[static_cast<std::size_t>(entry.candidate)]);
     }
@@ -199,7 +199,7 @@ class Finder {
   void keep() { ++work_.surface_count; }
 
   // Ceiling or sky, the nearest wall, the floor.
-  void lay_base() {
+  void fill_base() {
     Extent wall;
     Lanes<float> depth;
     Lanes<std::int32_t> owner;
@@ -222,8 +222,8 @@ class Finder {
     const I below = set(floor_owner(place_.floors.size()));
     const auto [first, first_all] = range_of(wall.top);
     const auto [last_all, last] = range_of(wall.bottom);
-    lay_rows(0, first, rows_.above.data(), above);
-    lay_rows(last, static_cast<std::size_t>(rows_.count), rows_.below.data(), below);
+    fill_rows(0, first, rows_.above.data(), above);
+    fill_rows(last, static_cast<std::size_t>(rows_.count), rows_.below.data(), below);
     float* HWY_RESTRICT depths = work_.depth.data();
     std::int32_t* HWY_RESTRICT owners = work_.owner.data();
     for_lanes([&](std::size_t i) HWY_ATTR {
@@ -252,8 +252,8 @@ class Finder {
       }
       at_edge(last_all, last);
     });
-    if (rows_.level >= 0) lay_horizon();
-    if (place_.is_open && !view_.is_roofed) lay_hills();
+    if (rows_.level >= 0) fill_horizon();
+    if (place_.is_open && !view_.is_roofed) fill_hills();
     hang_on_walls(wall, owner);
     bottom_ = wall.bottom;
   }
@@ -265,7 +265,7 @@ class Finder {
   }
 
   // Whole rows that look at one level surface.
-  HWY_INLINE void lay_rows(std::size_t begin, std::size_t end, const float* HWY_RESTRICT depth, I owner) {
+  HWY_INLINE void fill_rows(std::size_t begin, std::size_t end, const float* HWY_RESTRICT depth, I owner) {
     float* HWY_RESTRICT depths = work_.depth.data();
     std::int32_t* HWY_RESTRICT owners = work_.owner.data();
     for (std::size_t r = begin; r < end; ++r) {
@@ -277,14 +277,14 @@ class Finder {
   }
 
   // A row that looks exactly along the horizon sees no floor.
-  void lay_horizon() {
+  void fill_horizon() {
     const std::size_t at = static_cast<std::size_t>(rows_.level) * kBlock;
     for (std::size_t i = at; i < at + kBlock; ++i) {
       if (work_.owner[i] < 0) work_.owner[i] = kNothing;
     }
   }
 
-  void lay_hills() {
+  void fill_hills() {
     Extent hills;
     for (std::size_t i = 0; i < kBlock; ++i) {
       const double s = candidates_.slopes[columns_.first + i];
@@ -330,22 +330,22 @@ class Finder {
   }
 
   // The floors of rooms and patches, what lies on top last.
-  void lay_floors() {
+  void fill_floors() {
     const std::size_t here = candidates_.floor;
     const std::size_t count = place_.floors.size();
     if (here < count) {
       const Extent extent = extent_of(place_.floors[here]);
       if (reaches_walls(extent)) {
-        lay_floor(here, extent);
-        for (const std::size_t i : std::views::reverse(place_.floors[here].above)) lay_floor(i);
+        fill_floor(here, extent);
+        for (const std::size_t i : std::views::reverse(place_.floors[here].above)) fill_floor(i);
         return;
       }
     }
-    for (std::size_t i = count; i-- > 0;) lay_floor(i);
+    for (std::size_t i = count; i-- > 0;) fill_floor(i);
   }
 
-  void lay_floor(std::size_t i) { lay_floor(i, extent_of(place_.floors[i])); }
-  void lay_floor(std::size_t i, const Extent& extent) {
+  void fill_floor(std::size_t i) { fill_floor(i, extent_of(place_.floors[i])); }
+  void fill_floor(std::size_t i, const Extent& extent) {
     take_over(extent, floor_owner(place_.floors.size()), -1, floor_owner(i));
   }
 
@@ -388,7 +388,7 @@ class Finder {
   void put(const Candidate& c) {
     Lanes<float> near;
     Lanes<float> far;
-    if (!meet_columns(c, near, far)) return;
+    if (!intersect_columns(c, near, far)) return;
     const F high = pixels(c.high);
     const F low = pixels(c.low);
     Extent side;
@@ -429,7 +429,7 @@ class Finder {
 
   // Where the columns pass through a solid, as inverse depths; `near` is negative where they do not. False if none
   // does.
-  HWY_INLINE bool meet_columns(const Candidate& c, Lanes<float>& near, Lanes<float>& far) {
+  HWY_INLINE bool intersect_columns(const Candidate& c, Lanes<float>& near, Lanes<float>& far) {
     const Doubles d;
     const hn::Rebind<float, Doubles> df;
     Surface& surface = next_surface(Surface::Kind::side, c);

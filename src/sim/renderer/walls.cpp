@@ -45,7 +45,7 @@ void hang_pictures(const scene::Scene& scene, const Side& side, int face, std::u
     const auto draw = random_bits(random, static_cast<std::uint64_t>(i))[0];
     if (draw % 3 == 0 || !room_before(scene, side, begin, begin + size, 0.2)) continue;
     const Colour tint = palette(palette_of("fabric")).tints[draw / 3 % 8];
-    all.push_back({face, begin, begin + size, kLow, kLow + size, Look{Material::picture, tint}});
+    all.push_back({face, begin, begin + size, kLow, kLow + size, SurfaceMaterial{Material::picture, tint}});
   }
 }
 
@@ -57,7 +57,7 @@ void set_windows(const scene::Scene& scene, const Side& side, int face, WallDeco
     const double begin = side.length * (i + 0.5) / count - 0.5 * size;
     const scene::Room* room = room_before(scene, side, begin, begin + size, 0.2);
     if (!room) continue;
-    const Decor window{face, begin, begin + size, kSill, kSill + size, Look{Material::window, kDaylight}};
+    const Decor window{face, begin, begin + size, kSill, kSill + size, SurfaceMaterial{Material::window, kDaylight}};
     decor.all.push_back(window);
     let_sun_in(side, window, *room, decor.sun);
   }
@@ -73,7 +73,7 @@ WallDecor decorate(const scene::Scene& scene) {
     decor.first.push_back(decor.all.size());
     const scene::Wall& wall = scene.walls[i];
     if (!scene.ceiling || wall.height < kLowest) continue;
-    const Sides sides = make_sides({scene::solid_of(wall), Material::paint, kWallId}, false);
+    const Sides sides = make_sides({scene::solid_of(wall), Material::shading, kWallId}, false);
     for (const int face : {0, 2}) {  // the long sides
       const Side& side = sides[static_cast<std::size_t>(face)];
       const Vec2 behind = side.corner + 0.5 * side.length * side.axis - (wall.thickness + kBeyond) * side.normal;

@@ -1,10 +1,10 @@
-// What belongs to walls and is in no scene's list: lintels, windows, pictures.
+// Wall decoration that is in no scene's list: lintels, windows, pictures.
 #pragma once
 
 #include <vector>
 
 #include "sim/renderer/light.hpp"
-#include "sim/renderer/looks.hpp"
+#include "sim/renderer/materials.hpp"
 #include "threewe/scene/scene.hpp"
 
 namespace threewe::sim::view {
@@ -21,7 +21,7 @@ struct Decor {
   double end = 0.0;
   double low = 0.0;  // [m] above the floor
   double high = 0.0;
-  Look look;
+  SurfaceMaterial look;
 };
 
 /// What hangs on a scene's walls.

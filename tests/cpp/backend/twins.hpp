@@ -245,9 +245,9 @@ inline std::multimap<std::string, Fault> twins() {
                                                 std::rotate(scan.ranges.begin(), scan.ranges.begin() + quarter,
                                                             scan.ranges.end());
                                               })}},
-      {"the_lidar_looks_past_the_robot", {.samples = each<LaserScan>([](LaserScan& scan) {
-                                            for (std::size_t i = 0; i < 9; ++i) scan.ranges[i] = 0.13F;  // a post
-                                          })}},
+      {"the_lidar_does_not_hit_the_robot", {.samples = each<LaserScan>([](LaserScan& scan) {
+                                              for (std::size_t i = 0; i < 9; ++i) scan.ranges[i] = 0.13F;  // a post
+                                            })}},
       {"the_lidar_is_where_the_profile_says", {.samples = each<LaserScan>([](LaserScan& scan) {
                                                  replace_points(scan, [](Vec2 p) { return p + Vec2{0.08, 0.0}; });
                                                })}},
@@ -259,18 +259,18 @@ inline std::multimap<std::string, Fault> twins() {
               const auto echo = [](const SensorInfo& sensor) { return sensor.type == SensorType::ultrasonic; };
               std::ranges::find_if(f.sensors, echo)->name = "ultrasonic_rear";
             }}},
-      {"echo_limits_are_the_profiles", {.samples = each<RangeData>([](RangeData& echo) { echo.range_max = 5.0; })}},
-      {"echo_limits_are_the_profiles",
+      {"sonar_limits_are_the_profiles", {.samples = each<RangeData>([](RangeData& echo) { echo.range_max = 5.0; })}},
+      {"sonar_limits_are_the_profiles",
        {.samples = each<RangeData>([](RangeData& echo) { echo.field_of_view *= 180.0 / exact::kPi; })}},
-      {"echo_ranges_are_valid", {.samples = each<RangeData>([](RangeData& echo) { echo.range = kNan; })}},
-      {"echo_ranges_are_valid", {.samples = each<RangeData>([](RangeData& echo) { echo.range *= 1000.0; })}},
+      {"sonar_ranges_are_valid", {.samples = each<RangeData>([](RangeData& echo) { echo.range = kNan; })}},
+      {"sonar_ranges_are_valid", {.samples = each<RangeData>([](RangeData& echo) { echo.range *= 1000.0; })}},
       {"one_ultrasonic_pings_at_a_time",  // all at the first one's time
        {.samples = every([](Sample& sample) {
           if (std::holds_alternative<RangeData>(sample.data)) sample.measured -= sample.measured % 240ms;
         })}},
-      {"ultrasonics_hear_the_robot_drive_forward",
+      {"ultrasonics_measure_the_robot_drive_forward",
        {.samples = each<RangeData>([](RangeData& echo) { echo.range = std::min(echo.range, 1.0); })}},
-      {"ultrasonics_hear_the_robot_drive_forward",  // half the way there and back
+      {"ultrasonics_measure_the_robot_drive_forward",  // half the way there and back
        {.samples = each<RangeData>([](RangeData& echo) { echo.range *= 0.5; })}},
 
       // camera
@@ -351,11 +351,11 @@ inline std::multimap<std::string, Fault> twins() {
       {"gyro_agrees_with_odometry", {.samples = each<IMUData>([](IMUData& imu) { imu.angular_velocity[2] *= -1.0; })}},
       {"gyro_agrees_with_odometry",
        {.samples = each<IMUData>([](IMUData& imu) { imu.angular_velocity[2] *= 180.0 / exact::kPi; })}},
-      {"imu_at_rest_feels_gravity_alone",
+      {"imu_at_rest_measures_gravity_alone",
        {.samples = each<IMUData>([](IMUData& imu) { imu.linear_acceleration[2] *= -1.0; })}},
-      {"imu_at_rest_feels_gravity_alone",
+      {"imu_at_rest_measures_gravity_alone",
        {.samples = each<IMUData>([](IMUData& imu) { imu.linear_acceleration[2] = 1.0; })}},
-      {"imu_at_rest_feels_gravity_alone",
+      {"imu_at_rest_measures_gravity_alone",
        {.samples = each<IMUData>([](IMUData& imu) { imu.angular_velocity[0] += 0.1; })}},
       {"battery_is_a_fraction_and_never_rises",
        {.samples = each<BatteryState>([](BatteryState& b) { b.charge *= 100.0; })}},
@@ -432,7 +432,7 @@ inline std::multimap<std::string, Fault> twins() {
       {"free_poses_follow_from_the_seed", {.free_pose = [](Pose2D) { return Pose2D{1.0, 2.0, 3.0}; }}},
       {"free_poses_follow_from_the_seed",
        {.free_pose = [n = 0](Pose2D pose) mutable { return Pose2D{pose.x + ++n, pose.y, pose.theta}; }}},
-      {"the_robot_starts_where_it_is_told", {.options = [](WorldOptions& options) { options.poses.clear(); }}},
+      {"the_robot_starts_at_the_commanded_pose", {.options = [](WorldOptions& options) { options.poses.clear(); }}},
       {"reset_puts_the_robot_at_its_pose",
        {.reset = [](World& world, const ResetOptions& options) { world.reset({.seed = options.seed, .poses = {}}); }}},
       {"truth_is_in_the_frame_of_the_scene",

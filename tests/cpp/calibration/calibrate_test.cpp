@@ -18,7 +18,7 @@ namespace threewe::calibration {
 namespace {
 
 std::shared_ptr<const scene::Scene> the_hall() {
-  return std::make_shared<const scene::Scene>(scene::Scene::load(hall()));
+  return std::make_shared<const scene::Scene>(scene::Scene::load(test_arena()));
 }
 
 /// The same robot, of which nobody knows how it really is.
@@ -64,21 +64,21 @@ TEST_CASE("figures of a robot that is simulated as it is fitted are found, withi
     const RobotProfile profile = load_profile(name);
     const RobotProfile truly = other_than(profile);
     const Twin twin(the_hall(), Source::truth);
-    auto manoeuvres = standard_manoeuvres(profile, true);
+    auto sequences = standard_excitation(profile, true);
     std::size_t number = 0;  // a third of them will do
-    std::erase_if(manoeuvres, [&](const Manoeuvre&) { return number++ % 3 != 0; });
+    std::erase_if(sequences, [&](const ExcitationSequence&) { return number++ % 3 != 0; });
     std::size_t outside = 0;
     std::size_t figures = 0;
     for (std::uint64_t seed = 0; seed < 2; ++seed) {
       CAPTURE(seed);
-      std::vector<Track> tracks = twin.drive(truly, manoeuvres);
+      std::vector<Track> tracks = twin.drive(truly, sequences);
       add_noise(tracks, seed);
-      const Calibration found = fit(profile, twin, manoeuvres, tracks, Source::truth);
+      const Calibration found = fit(profile, twin, sequences, tracks, Source::truth);
       // what noise hid from it
-      const auto sequences = random_sequences(profile, 1'000'000 + seed, 5, Pace::hardware);
-      const auto reference = twin.drive(truly, sequences);
-      CHECK(compare(profile, twin.drive(found.profile, sequences), reference).combined <
-            0.2 * compare(profile, twin.drive(profile, sequences), reference).combined);
+      const auto held_out = random_sequences(profile, 1'000'000 + seed, 5, VelocityProfile::hardware);
+      const auto reference = twin.drive(truly, held_out);
+      CHECK(compare(profile, twin.drive(found.profile, held_out), reference).combined <
+            0.2 * compare(profile, twin.drive(profile, held_out), reference).combined);
       CHECK(to_seconds(found.profile.body.motor_lag) ==
             doctest::Approx(to_seconds(truly.body.motor_lag)).epsilon(0.05));
       CHECK(found.profile.body.traction->ahead == doctest::Approx(0.98).epsilon(0.005));
@@ -91,10 +91,10 @@ TEST_CASE("figures of a robot that is simulated as it is fitted are found, withi
         CHECK(written.odometry.lateral_scale_min == 1.0);  // what is measured is not drawn as well
       }
       // a second fit from the truth itself says what each figure would be
-      const Calibration from_truth = fit(truly, twin, manoeuvres, tracks, Source::truth);
+      const Calibration from_truth = fit(truly, twin, sequences, tracks, Source::truth);
       for (std::size_t i = 0; i < found.figures.size(); ++i) {
         const double off = std::abs(found.figures[i].value - from_truth.figures[i].before);
-        if (found.figures[i].told && off > 2.0 * found.figures[i].spread) ++outside;
+        if (found.figures[i].identifiable && off > 2.0 * found.figures[i].spread) ++outside;
         ++figures;
       }
     }
@@ -106,17 +106,17 @@ TEST_CASE("what wheels alone do not tell is said to be hardly told") {
   const RobotProfile profile = load_profile("turtlebot_like");
   const Twin twin(the_hall(), Source::sensors);
   // slow straight lines: no wheel slips, and nothing turns
-  std::vector<Manoeuvre> manoeuvres = {{"straight", {}, std::vector<Velocity>(200, Velocity{0.05, 0.0, 0.0})}};
-  std::vector<Track> tracks = twin.drive(other_than(profile), manoeuvres);
+  std::vector<ExcitationSequence> sequences = {{"straight", {}, std::vector<Velocity>(200, Velocity{0.05, 0.0, 0.0})}};
+  std::vector<Track> tracks = twin.drive(other_than(profile), sequences);
   add_noise(tracks, 1);
-  const Calibration found = fit(profile, twin, manoeuvres, tracks, Source::sensors);
+  const Calibration found = fit(profile, twin, sequences, tracks, Source::sensors);
   for (const Figure& figure : found.figures) {
     CAPTURE(figure.name);
     if (figure.name == "traction.turning" || figure.name == "traction.turning_lag" || figure.name == "traction.load") {
-      CHECK_FALSE(figure.told);
+      CHECK_FALSE(figure.identifiable);
       CHECK(figure.value == doctest::Approx(figure.before).epsilon(0.01));
     }
-    if (figure.name == "motor_lag") CHECK(figure.told);
+    if (figure.name == "motor_lag") CHECK(figure.identifiable);
   }
 }
 
@@ -130,16 +130,17 @@ TEST_CASE("a calibration is a profile that loads, and drives as it was fitted") 
   CHECK(loaded.lidar->points_per_turn == 230);
   CHECK(loaded.body.casters.size() == 1);
   const std::vector<RobotProfile> profiles = {load_profile("turtlebot_like"), loaded};
-  const auto apart = deviations("mock", "turtlebot_like", profiles, 1'000'000, 4, Pace::operating);
+  const auto apart = deviations("mock", "turtlebot_like", profiles, 1'000'000, 4, VelocityProfile::operating);
   CHECK(apart[0].combined < 1e-12);
   CHECK(apart[0].farthest_pose < 1e-12);
   CHECK(apart[1].combined < 0.05);
-  CHECK(scatter("mock", "turtlebot_like", 1'000'000, 2, Pace::abrupt).combined < 0.03);  // its battery is emptier
+  CHECK(repeatability("mock", "turtlebot_like", 1'000'000, 2, VelocityProfile::abrupt).combined <
+        0.03);  // its battery is emptier
 }
 
 TEST_CASE("commands keep to their pace") {
   const RobotProfile profile = load_profile("3we_standard_v2");
-  for (const auto& sequence : random_sequences(profile, 1'000'000, 50, Pace::operating)) {
+  for (const auto& sequence : random_sequences(profile, 1'000'000, 50, VelocityProfile::operating)) {
     REQUIRE(sequence.commands.size() == 500);
     for (std::size_t t = 1; t < sequence.commands.size(); ++t) {
       const Velocity& a = sequence.commands[t - 1];

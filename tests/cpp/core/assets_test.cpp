@@ -111,9 +111,9 @@ TEST_CASE("a file that ends in .yml is not overlooked in silence") {
 TEST_CASE("a folder that holds no assets is refused: the one above or below it may be meant") {
   const Folder folder("above");
   const fs::path below = folder.path() / "scenes";
-  const std::string message = fmt::format(
-      "'{}' has no folder 'scenes', 'objects', 'robots', 'localization', 'randomization' or 'surveys' in it",
-      below.string());
+  const std::string message =
+      fmt::format("'{}' has no folder 'scenes', 'objects', 'robots', 'localization', 'randomization' or 'logs' in it",
+                  below.string());
   CHECK_THROWS_WITH_AS(add_asset_directory(below), message.c_str(), ConfigError);
   const Environment environment(below.string());
   CHECK_THROWS_WITH_AS(asset_directories(), ("THREEWE_PATH: " + message).c_str(), ConfigError);

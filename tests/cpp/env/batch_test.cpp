@@ -33,7 +33,7 @@ const Scenes& rooms() {
 Options navigation(std::size_t worlds, std::size_t robots = 1) {
   Options options;
   options.scenes = rooms();
-  options.task = [](const task::Setting& setting) { return task::make_navigation(setting, {.goals = 8}); };
+  options.task = [](const task::TaskContext& context) { return task::make_navigation(context, {.goals = 8}); };
   options.hardware = load_profile("3we_standard_v2");
   options.worlds = worlds;
   options.robots = robots;
@@ -43,7 +43,7 @@ Options navigation(std::size_t worlds, std::size_t robots = 1) {
 
 Options exploration(std::size_t worlds, std::size_t robots) {
   Options options = navigation(worlds, robots);
-  options.task = [](const task::Setting& setting) { return task::make_exploration(setting); };
+  options.task = [](const task::TaskContext& context) { return task::make_exploration(context); };
   return options;
 }
 
@@ -180,11 +180,11 @@ TEST_CASE("an action that is none changes nothing") {
 
 TEST_CASE("a world or a robot that is not there is refused by name") {
   Batch batch(navigation(2, 2));
-  CHECK_THROWS_WITH_AS(batch.words(0), "words() before the first reset()", ContractError);
+  CHECK_THROWS_WITH_AS(batch.instruction(0), "instruction() before the first reset()", ContractError);
   batch.reset(seeded(2, 0));
   const char* const no_world = "env: there is no environment 2, only 2";
   CHECK_THROWS_WITH_AS(batch.episode(2), no_world, ContractError);
-  CHECK_THROWS_WITH_AS(batch.words(2), no_world, ContractError);
+  CHECK_THROWS_WITH_AS(batch.instruction(2), no_world, ContractError);
   CHECK_THROWS_WITH_AS(batch.top_view(2), no_world, ContractError);
   CHECK_THROWS_WITH_AS(batch.variation(2), no_world, ContractError);
   CHECK_THROWS_WITH_AS(batch.variation(1, 2), "robot: there is no robot 2, only 2", ContractError);
@@ -332,7 +332,7 @@ TEST_CASE("options that don't fit are refused by name") {
           o.hardware = load_profile("3we_base_v2");
           o.observed.lidar = false;
           o.gate = Gate::full;
-        }).find("gate: '3we_base_v2' hears obstacles") != std::string::npos);
+        }).find("gate: '3we_base_v2' detects obstacles by sonar") != std::string::npos);
   CHECK(refused([](Options& o) {
           o = exploration(1, 1);
           o.hardware = load_profile("3we_base_v2");

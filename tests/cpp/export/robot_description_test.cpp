@@ -112,8 +112,8 @@ TEST_CASE("lowest rollers hold in the directions that the kinematics assume") {
       // the point of the roller on the floor does not move along its axle
       const Vec2 p = places[wheel];
       const Vec2 moved{v.vx - v.omega * p.y - wheels.radius * speeds[wheel], v.vy + v.omega * p.x};
-      const Vec3 grip = grip_direction(wheel);
-      CHECK(grip.x * moved.x + grip.y * moved.y == Approx(0.0).epsilon(1e-12));
+      const Vec3 friction = friction_direction(wheel);
+      CHECK(friction.x * moved.x + friction.y * moved.y == Approx(0.0).epsilon(1e-12));
     }
   }
 }

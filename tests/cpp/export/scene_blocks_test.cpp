@@ -77,20 +77,20 @@ TEST_CASE("floors hold as the scene says at every point, and are of the room's m
   for (const scene::Scene& scene : scenes()) {
     CAPTURE(scene.name);
     const SceneBlocks blocks = blocks_of(scene);
-    if (scene.patches.empty()) CHECK(blocks.floor_grips.size() == 1);
+    if (scene.patches.empty()) CHECK(blocks.floor_friction.size() == 1);
     for (std::uint32_t i = 0; i < 2000; ++i) {
       CAPTURE(i);
       const auto bits = random_bits({.seed = 3, .stream = Stream::scene}, i);
       const auto share = [&](std::size_t k) { return static_cast<double>(bits[k]) / 4294967296.0; };
       const Vec2 p{scene.min.x - 4 + share(0) * (scene.max.x - scene.min.x + 8),
                    scene.min.y - 4 + share(1) * (scene.max.y - scene.min.y + 8)};
-      int grips = 0;
+      int frictions = 0;
       int looks = 0;
-      const FloorTile* grip = tile_at(blocks.floor_grips, p, grips);
+      const FloorTile* friction = tile_at(blocks.floor_friction, p, frictions);
       const FloorTile* look = tile_at(blocks.floor_looks, p, looks);
-      REQUIRE(grips == 1);
+      REQUIRE(frictions == 1);
       REQUIRE(looks == 1);
-      CHECK(grip->grip == scene.grip_at(p));
+      CHECK(friction->friction == scene.friction_at(p));
       const scene::Room* room = scene.room_at(p);
       if (room != nullptr && scene.patches.empty()) CHECK(look->material == room->floor);
     }

@@ -86,15 +86,15 @@ TEST_CASE("two wheels of a differential base turn, the other two do not exist") 
 
 TEST_CASE("the body takes the velocity of its wheels where friction allows, and never more than friction gives") {
   const double limit = robot().body.friction * 9.80665 * 0.01;
-  CHECK(grip(drive(), traction(), {}, {0.5 * limit, 0.0, 0.0}) == Velocity{0.5 * limit, 0.0, 0.0});
-  CHECK(grip(drive(), traction(), {1.0, 0.0, 0.0}, {}).vx == doctest::Approx(1.0 - limit));
-  CHECK(grip(drive(), traction(), {0.0, -1.0, 0.0}, {}).vy == doctest::Approx(-1.0 + limit));
+  CHECK(limit_by_friction(drive(), traction(), {}, {0.5 * limit, 0.0, 0.0}) == Velocity{0.5 * limit, 0.0, 0.0});
+  CHECK(limit_by_friction(drive(), traction(), {1.0, 0.0, 0.0}, {}).vx == doctest::Approx(1.0 - limit));
+  CHECK(limit_by_friction(drive(), traction(), {0.0, -1.0, 0.0}, {}).vy == doctest::Approx(-1.0 + limit));
 
   for (std::uint64_t i = 0; i < 10'000; ++i) {
     CAPTURE(i);
     const Velocity body = random_velocity(2 * i);
     const Velocity rolling = random_velocity(2 * i + 1);
-    const Velocity after = grip(drive(), traction(), body, rolling);
+    const Velocity after = limit_by_friction(drive(), traction(), body, rolling);
     CHECK(std::hypot(after.vx - body.vx, after.vy - body.vy) <= limit * (1.0 + 1e-12));
     // on the way from the one to the other, not beyond
     const double share = (after.omega - body.omega) / (rolling.omega - body.omega);
@@ -102,7 +102,7 @@ TEST_CASE("the body takes the velocity of its wheels where friction allows, and 
     CHECK(share <= 1.0 + 1e-12);
     CHECK(after.vx - body.vx == doctest::Approx(share * (rolling.vx - body.vx)));
     // wheels that stand still take energy out
-    CHECK(energy(grip(drive(), traction(), body, {})) <= energy(body));
+    CHECK(energy(limit_by_friction(drive(), traction(), body, {})) <= energy(body));
   }
 }
 
@@ -112,9 +112,11 @@ TEST_CASE("on a floor that holds less, friction gives less in proportion; on a h
     const Velocity body = random_velocity(2 * i);
     const Velocity rolling = random_velocity(2 * i + 1);
     Traction slippery = traction();
-    slippery.grip_change *= 0.3;
-    CHECK(grip(drive(), traction(), body, rolling, 0.3) == grip(drive(), slippery, body, rolling));
-    CHECK(grip(drive(), traction(), body, rolling, 1.0) == grip(drive(), traction(), body, rolling));
+    slippery.friction_change *= 0.3;
+    CHECK(limit_by_friction(drive(), traction(), body, rolling, 0.3) ==
+          limit_by_friction(drive(), slippery, body, rolling));
+    CHECK(limit_by_friction(drive(), traction(), body, rolling, 1.0) ==
+          limit_by_friction(drive(), traction(), body, rolling));
   }
 }
 

@@ -166,7 +166,7 @@ TEST_CASE("each beam is stamped with the time at which the device pointed along 
   CHECK(scan_time(ld06(), 0ms) == Time(99'750'000));
 }
 
-TEST_CASE("a scan taken at one moment carries the time of the turn's end") {
+TEST_CASE("a scan taken at one time carries the time of the turn's end") {
   LidarSpec spec = ld06();
   spec.rolling = false;
   CHECK(scan_time(spec, 300ms) == 400ms);

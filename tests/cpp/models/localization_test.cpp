@@ -27,7 +27,7 @@ LocalizationSpec noisy() {
   LocalizationSpec spec;
   spec.map = {.turn = 0.02, .stretch = 0.01, .heading = 0.03, .length = 8.0};
   spec.local = {.position = 0.05, .length = 2.0};
-  spec.scatter = {.position = 0.004, .heading = 0.005};
+  spec.noise = {.position = 0.004, .heading = 0.005};
   return spec;
 }
 
@@ -134,7 +134,7 @@ TEST_CASE("errors have the stated spread, however far, in whichever direction an
     CAPTURE(steps);
     const double r = norm(goal);
     const double map = grown(r, spec.map.length);
-    const double same = squared(spec.local.position) * grown(r, spec.local.length) + squared(spec.scatter.position);
+    const double same = squared(spec.local.position) * grown(r, spec.local.length) + squared(spec.noise.position);
     const double turn = squared(spec.map.turn) * map;
     const double stretch = squared(spec.map.stretch) * map;
     const Spread found = spread_at(spec, goal, steps);
@@ -142,9 +142,9 @@ TEST_CASE("errors have the stated spread, however far, in whichever direction an
           doctest::Approx(std::sqrt(stretch * squared(goal.x) + turn * squared(goal.y) + same)).epsilon(0.02));
     CHECK(found.y ==
           doctest::Approx(std::sqrt(stretch * squared(goal.y) + turn * squared(goal.x) + same)).epsilon(0.02));
-    CHECK(found.theta ==
-          doctest::Approx(std::sqrt(turn + squared(spec.map.heading) * map + squared(spec.scatter.heading)))
-              .epsilon(0.02));
+    CHECK(
+        found.theta ==
+        doctest::Approx(std::sqrt(turn + squared(spec.map.heading) * map + squared(spec.noise.heading))).epsilon(0.02));
   }
 }
 
@@ -196,8 +196,8 @@ TEST_CASE("a robot that stands keeps its error but for the scatter") {
   }
   CHECK(state.turn == arrived.turn);
   CHECK(state.local == arrived.local);
-  CHECK(std::sqrt(squares.x / kCorrections) == doctest::Approx(spec.scatter.position).epsilon(0.03));
-  CHECK(std::sqrt(squares.theta / kCorrections) == doctest::Approx(spec.scatter.heading).epsilon(0.03));
+  CHECK(std::sqrt(squares.x / kCorrections) == doctest::Approx(spec.noise.position).epsilon(0.03));
+  CHECK(std::sqrt(squares.theta / kCorrections) == doctest::Approx(spec.noise.heading).epsilon(0.03));
 }
 
 TEST_CASE("each part changes that one thing, and noise is a function of seed, episode, robot and correction") {
@@ -267,7 +267,7 @@ TEST_CASE("an unknown model names the nearest, and every mistake its file, its l
   for (const auto& [from, to, message] : {
            Case{"stretch:", "strech:", "map: missing field 'stretch'; is 'strech' meant to be it?"},
            {"period: 0.1", "period: 100", "period"},
-           {"scatter: {position:", "scatter: {possition:", "scatter: missing field 'position'"},
+           {"noise: {position:", "noise: {possition:", "noise: missing field 'position'"},
            {"heading: ", "heading: -", "map.heading"},
            {"local:", "locale:", "missing field 'local'"},
        }) {

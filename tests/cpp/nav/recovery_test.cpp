@@ -19,7 +19,7 @@ using State = Recovery::State;
 // A robot that does exactly as it is told, among points.
 struct Body {
   RobotProfile profile;
-  Tracker tracker;
+  PathFollower follower;
   Outline outline;
   Recovery recovery;
   Pose2D pose;
@@ -30,7 +30,7 @@ struct Body {
   double least_clearance = 1.0;
 
   explicit Body(const char* name)
-      : profile(load_profile(name)), tracker(profile), outline(profile.body.footprint), recovery(profile) {}
+      : profile(load_profile(name)), follower(profile), outline(profile.body.footprint), recovery(profile) {}
 
   void drive(const Velocity& velocity, Duration duration) {
     for (const Time end = now + duration; now < end;) {
@@ -48,8 +48,8 @@ struct Body {
       note();
       std::vector<Vec2> in_base;
       for (const Vec2 p : points) in_base.push_back(inverse(pose) * p);
-      tracker.see(in_base, recovery.creeping() ? 0.004 - profile.margin() : 0.0);
-      move(recovery.step(now, pose, in_base, tracker));
+      follower.see(in_base, recovery.creep_mode() ? 0.004 - profile.margin() : 0.0);
+      move(recovery.step(now, pose, in_base, follower));
       REQUIRE(now - began < 100s);
     }
     note();
@@ -129,7 +129,7 @@ TEST_CASE("beside a wall, too near to turn, it leaves in arcs") {
     Body body("turtlebot_like");
     for (int i = 0; i <= 400; ++i) body.points.push_back({-2.0 + 0.01 * i, -away});
     body.recover();
-    CHECK(body.states == std::vector{State::clearing, State::backing_off, State::manoeuvring, State::replanning});
+    CHECK(body.states == std::vector{State::clearing, State::backing_off, State::arc_escape, State::replanning});
     CHECK(body.pose.y > 0.19 - away);  // its corners, and the margin
     CHECK(body.least_clearance >= 0.0);
   }
@@ -159,7 +159,7 @@ TEST_CASE("a lost robot turns once round itself") {
   double turned = 0.0;
   while (body.recovery.state() == State::looking) {
     const double before = body.pose.theta;
-    body.move(body.recovery.step(body.now, body.pose, {}, body.tracker));
+    body.move(body.recovery.step(body.now, body.pose, {}, body.follower));
     turned += wrap_angle(body.pose.theta - before);
     REQUIRE(body.now < 30s);
   }

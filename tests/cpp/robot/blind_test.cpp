@@ -19,7 +19,7 @@ namespace {
 
 // A robot whose lidar breaks at some time after it was connected.
 struct Blinded {
-  Blinded(const std::string& scene, const std::string& hardware, std::uint64_t seed, SensorFault fault) {
+  Blinded(const std::string& scene, const std::string& hardware, std::uint64_t seed, InjectedFault fault) {
     backend::WorldOptions options;
     options.scene = scene;
     options.robots = {hardware};
@@ -57,7 +57,7 @@ TEST_CASE("however many beams are invalid, from the first or later, nothing is r
         const MoveResult result = d.robot->wait(d.robot->move_forward(6.0, 0.05, 30.0));
         CHECK(d.contact() <= 0.05);
         if (share < 0.99) continue;
-        CHECK(d.health().trouble == Trouble::blind);
+        CHECK(d.health().fault == SensorFault::blind);
         CHECK(result.reason == Reason::fault);
         CHECK(result.detail.find("'lidar' has been blind") != std::string::npos);
       }
@@ -76,7 +76,7 @@ TEST_CASE("a lidar that is covered on one side runs into nothing there") {
                   {.kind = FaultKind::covered, .size = width, .from = Time{}, .bearing = bearing});
         (void)d.robot->wait(d.robot->move_forward(bearing == exact::kPi ? -6.0 : 6.0, 0.05, 30.0));
         CHECK(d.contact() <= 0.05);
-        CHECK((d.health().trouble == Trouble::blind) == (width > 1.0));
+        CHECK((d.health().fault == SensorFault::blind) == (width > 1.0));
       }
     }
   }

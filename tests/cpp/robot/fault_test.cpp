@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "robot/minds.hpp"
+#include "robot/scripted_autonomy.hpp"
 #include "robot/toy_world.hpp"
 #include "robot/warnings.hpp"
 #include "threewe/core/errors.hpp"
@@ -113,13 +113,13 @@ TEST_CASE("readings that no sensor can make are used by nobody, and the robot wa
     CHECK(d.toy.port().commands.back() == Velocity{});
     CHECK_FALSE(d.motion->done());
     CHECK(d.warnings.mentioning(c.message) == 1);
-    for (const SensorHealth& health : d.robot.health()) CHECK(health.sound() == (health.name != c.sensor));
+    for (const SensorHealth& health : d.robot.health()) CHECK(health.ok() == (health.name != c.sensor));
     CHECK(std::isfinite(d.robot.get_pose().x));
 
     d.toy.port().on_samples = nullptr;
     d.robot.sleep(0.6);
     CHECK(d.toy.port().commands.back().vx > 0.0);
-    CHECK(d.warnings.mentioning(std::string(c.sensor).append("' is sound again")) == 1);
+    CHECK(d.warnings.mentioning(std::string(c.sensor).append("' is ok again")) == 1);
     d.motion->cancel();
   }
 }

@@ -72,19 +72,19 @@ TEST_CASE("scans that are noisy or shifted are told from others, until they are 
       t += 100ms;
       return check.check(t, room(seed, scatter, bias, 0.0, static_cast<std::uint32_t>(t / 100ms)), {});
     };
-    for (int i = 0; i < 10; ++i) CHECK(look(0.01, 0.03) == Trouble::none);
-    for (int i = 0; i < 5; ++i) CHECK(look(0.05, 0.03) == Trouble::noisy);
-    for (int i = 0; i < 5; ++i) CHECK(look(0.01, 0.03) == Trouble::none);
-    for (int i = 0; i < 5; ++i) CHECK(look(0.01, 0.23) == Trouble::shifted);
-    for (int i = 0; i < 5; ++i) CHECK(look(0.01, 0.03) == Trouble::none);
+    for (int i = 0; i < 10; ++i) CHECK(look(0.01, 0.03) == SensorFault::none);
+    for (int i = 0; i < 5; ++i) CHECK(look(0.05, 0.03) == SensorFault::noisy);
+    for (int i = 0; i < 5; ++i) CHECK(look(0.01, 0.03) == SensorFault::none);
+    for (int i = 0; i < 5; ++i) CHECK(look(0.01, 0.23) == SensorFault::shifted);
+    for (int i = 0; i < 5; ++i) CHECK(look(0.01, 0.03) == SensorFault::none);
   }
 }
 
 TEST_CASE("a lidar that scatters more than its data sheet says from the first is usual; more than that is not") {
   health::ScanCheck check(0.01);
   Time t{};
-  for (std::uint64_t i = 0; i < 20; ++i) CHECK(check.check(t += 100ms, room(i, 0.04), {}) == Trouble::none);
-  CHECK(check.check(t += 100ms, room(20, 0.16), {}) == Trouble::noisy);
+  for (std::uint64_t i = 0; i < 20; ++i) CHECK(check.check(t += 100ms, room(i, 0.04), {}) == SensorFault::none);
+  CHECK(check.check(t += 100ms, room(20, 0.16), {}) == SensorFault::noisy);
 }
 
 TEST_CASE("stamps: backwards, from the future, too old; what is merely slow is usual") {
@@ -94,15 +94,15 @@ TEST_CASE("stamps: backwards, from the future, too old; what is merely slow is u
     t += 100ms;
     return check.check(t - age, t);
   };
-  CHECK(arrive(90ms) == Trouble::none);  // had waited for somebody to ask
-  for (int i = 0; i < 20; ++i) CHECK(arrive(i % 2 == 0 ? 40ms : 60ms) == Trouble::none);
-  CHECK(arrive(-10ms) == Trouble::wrong_stamps);
-  CHECK(arrive(500ms) == Trouble::wrong_stamps);  // before the newest
-  CHECK(arrive(50ms) == Trouble::none);
+  CHECK(arrive(90ms) == SensorFault::none);  // had waited for somebody to ask
+  for (int i = 0; i < 20; ++i) CHECK(arrive(i % 2 == 0 ? 40ms : 60ms) == SensorFault::none);
+  CHECK(arrive(-10ms) == SensorFault::wrong_stamps);
+  CHECK(arrive(500ms) == SensorFault::wrong_stamps);  // before the newest
+  CHECK(arrive(50ms) == SensorFault::none);
   for (int i = 0; i < 10; ++i) (void)arrive(600ms);
-  CHECK(arrive(600ms) == Trouble::late);
-  CHECK(arrive(50ms) == Trouble::none);
-  CHECK(check.check(t, t + 100ms) == Trouble::none);
+  CHECK(arrive(600ms) == SensorFault::late);
+  CHECK(arrive(50ms) == SensorFault::none);
+  CHECK(check.check(t, t + 100ms) == SensorFault::none);
 }
 
 TEST_CASE("repeated readings are a fault where something must have changed") {
@@ -365,22 +365,22 @@ TEST_CASE("a robot waits for a sensor that breaks, says which, and reaches its g
     FaultKind kind;
     SensorType type;
     double size;
-    Trouble trouble;
+    SensorFault fault;
   };
-  const std::vector<Case> cases = {{FaultKind::silent, SensorType::lidar, 0.0, Trouble::silent},
-                                   {FaultKind::frozen, SensorType::lidar, 0.0, Trouble::frozen},
-                                   {FaultKind::nan, SensorType::imu, 0.0, Trouble::implausible},
-                                   {FaultKind::stamps_back, SensorType::odometry, 2.0, Trouble::wrong_stamps},
-                                   {FaultKind::stamps_ahead, SensorType::imu, 2.0, Trouble::wrong_stamps},
-                                   {FaultKind::noise, SensorType::lidar, 5.0, Trouble::noisy},
-                                   {FaultKind::bias, SensorType::lidar, 0.2, Trouble::shifted},
-                                   {FaultKind::bias, SensorType::imu, 0.0873, Trouble::contradicted},
-                                   {FaultKind::delay, SensorType::lidar, 0.5, Trouble::silent},
-                                   {FaultKind::dropout, SensorType::lidar, 0.97, Trouble::blind},
-                                   {FaultKind::covered, SensorType::lidar, 1.0, Trouble::blind},
-                                   {FaultKind::slip, SensorType::odometry, 0.0, Trouble::contradicted},
-                                   {FaultKind::wheel_slip, SensorType::odometry, 0.0, Trouble::contradicted},
-                                   {FaultKind::wheel_blocked, SensorType::odometry, 0.0, Trouble::contradicted}};
+  const std::vector<Case> cases = {{FaultKind::silent, SensorType::lidar, 0.0, SensorFault::silent},
+                                   {FaultKind::frozen, SensorType::lidar, 0.0, SensorFault::frozen},
+                                   {FaultKind::nan, SensorType::imu, 0.0, SensorFault::implausible},
+                                   {FaultKind::stamps_back, SensorType::odometry, 2.0, SensorFault::wrong_stamps},
+                                   {FaultKind::stamps_ahead, SensorType::imu, 2.0, SensorFault::wrong_stamps},
+                                   {FaultKind::noise, SensorType::lidar, 5.0, SensorFault::noisy},
+                                   {FaultKind::bias, SensorType::lidar, 0.2, SensorFault::shifted},
+                                   {FaultKind::bias, SensorType::imu, 0.0873, SensorFault::contradicted},
+                                   {FaultKind::delay, SensorType::lidar, 0.5, SensorFault::silent},
+                                   {FaultKind::dropout, SensorType::lidar, 0.97, SensorFault::blind},
+                                   {FaultKind::covered, SensorType::lidar, 1.0, SensorFault::blind},
+                                   {FaultKind::slip, SensorType::odometry, 0.0, SensorFault::contradicted},
+                                   {FaultKind::wheel_slip, SensorType::odometry, 0.0, SensorFault::contradicted},
+                                   {FaultKind::wheel_blocked, SensorType::odometry, 0.0, SensorFault::contradicted}};
   std::uint64_t seed = 1000000;
   for (const Case& c : cases) {
     Drive d(seed++);
@@ -395,14 +395,14 @@ TEST_CASE("a robot waits for a sensor that breaks, says which, and reaches its g
     while (d.world->now() < now + 3s) {
       d.world->tick();
       CHECK(is_finite(d.robot->runtime().commanded().command));
-      if (!noticed && !d.health(c.type).sound()) {
+      if (!noticed && !d.health(c.type).ok()) {
         noticed = d.world->now();
-        CHECK(d.health(c.type).trouble == c.trouble);
+        CHECK(d.health(c.type).fault == c.fault);
         CHECK(d.health(c.type).since == *noticed);
       }
     }
     REQUIRE(noticed);
-    CHECK(*noticed - now <= (c.trouble == Trouble::contradicted ? 2s : 250ms));
+    CHECK(*noticed - now <= (c.fault == SensorFault::contradicted ? 2s : 250ms));
     CHECK(d.warnings.mentioning("'" + d.health(c.type).name + "' is") > 0);
     const MoveResult result = d.robot->wait(d.motion);
     CHECK(result.success);
@@ -417,7 +417,7 @@ TEST_CASE("a robot goes on without a sensor that it does not need") {
   const Time now = d.world->now();
   d.port->break_with({{.kind = FaultKind::silent, .sensor = d.sensor(SensorType::ultrasonic), .from = now}});
   d.robot->sleep(1.0);
-  CHECK(d.health(SensorType::ultrasonic).trouble == Trouble::silent);
+  CHECK(d.health(SensorType::ultrasonic).fault == SensorFault::silent);
   CHECK_FALSE(d.health(SensorType::ultrasonic).needed);
   CHECK(d.warnings.mentioning("it does without") == 1);
   CHECK(d.robot->wait(d.motion).success);
@@ -429,9 +429,9 @@ TEST_CASE("health is part of what is saved, and everybody is sound after a reset
   const Time now = d.world->now();
   d.port->break_with({{.kind = FaultKind::silent, .sensor = d.sensor(SensorType::lidar), .from = now}});
   d.robot->sleep(1.0);
-  CHECK_FALSE(d.health(SensorType::lidar).sound());
+  CHECK_FALSE(d.health(SensorType::lidar).ok());
   d.port->break_with({});
   d.robot->simulation()->reset(1000201);
   d.robot->sleep(0.5);
-  for (const SensorHealth& health : d.robot->health()) CHECK(health.sound());
+  for (const SensorHealth& health : d.robot->health()) CHECK(health.ok());
 }

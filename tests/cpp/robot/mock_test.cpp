@@ -13,7 +13,7 @@
 #include <utility>
 #include <vector>
 
-#include "robot/lying_world.hpp"
+#include "robot/false_truth_world.hpp"
 #include "threewe/backend/registry.hpp"
 #include "threewe/core/assets.hpp"
 #include "threewe/core/errors.hpp"
@@ -308,7 +308,7 @@ TEST_CASE("honesty: where the truth is shifted and people scrambled, every comma
     options.scene = seed == 0 ? "office_v2" : "dynamic_v1";
     options.seed = seed;
     World honest(backend::make_world("mock", options));
-    World lying(std::make_unique<LyingWorld>(backend::make_world("mock", options)));
+    World lying(std::make_unique<FalseTruthWorld>(backend::make_world("mock", options)));
     Robot one(honest);
     Robot other(lying);
     CHECK(distance(one.simulation()->true_pose().position(), other.simulation()->true_pose().position()) > 100.0);

@@ -12,7 +12,7 @@
 
 #include "core/exact.hpp"
 #include "robot/goals.hpp"
-#include "robot/minds.hpp"
+#include "robot/scripted_autonomy.hpp"
 #include "robot/toy_world.hpp"
 #include "robot/warnings.hpp"
 #include "threewe/core/errors.hpp"
@@ -229,9 +229,9 @@ TEST_CASE("cancelling commands zero within one period, and stand-still follows")
 TEST_CASE("a navigator that is not ours cannot shrink the gate's margin by creeping") {
   for (const char* hardware : {"3we_standard_v2", "blind"}) {
     std::vector<std::vector<Velocity>> commands;
-    for (const bool creeping : {false, true}) {
-      Toy toy({hardware}, scripted([creeping](const auto&) {
-                return nav::Decision{{0.3, 0.0, 0.0}, Reason::running, "", creeping};
+    for (const bool creep_mode : {false, true}) {
+      Toy toy({hardware}, scripted([creep_mode](const auto&) {
+                return nav::Decision{{0.3, 0.0, 0.0}, Reason::running, "", creep_mode};
               }));
       Robot robot(*toy.world);
       const MotionHandle motion = robot.move_to(3.0, 0.0);

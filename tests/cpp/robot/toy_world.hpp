@@ -146,11 +146,11 @@ class ToyWorld final : public backend::World {
 
 /// A World over a ToyWorld that the test keeps in reach.
 struct Toy {
-  explicit Toy(const std::vector<std::string>& robots = {"3we_standard_v2"}, const Mind& mind = {},
+  explicit Toy(const std::vector<std::string>& robots = {"3we_standard_v2"}, const Autonomy& autonomy = {},
                const std::vector<Pose2D>& initial_poses = {}, bool realtime = false) {
     auto owned = std::make_unique<ToyWorld>(robots);
     backend = owned.get();
-    world = std::make_unique<World>(std::move(owned), realtime, mind, initial_poses);
+    world = std::make_unique<World>(std::move(owned), realtime, autonomy, initial_poses);
   }
   ToyPort& port(std::size_t index = 0) { return backend->robot(index); }
 

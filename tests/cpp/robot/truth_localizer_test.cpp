@@ -19,7 +19,7 @@ Robot::Options knowing(const std::string& hardware, const Pose2D& map_from_start
           .scene = "apartment_v1",
           .noise = NoiseLevel::ideal,
           .initial_pose = map_from_start,
-          .mind = mind_with("truth")};
+          .autonomy = autonomy_with("truth")};
 }
 
 TEST_CASE("it believes what is true, and obstacles are where something stands") {
@@ -63,8 +63,8 @@ TEST_CASE("a restored robot sees what it saw") {
 }
 
 TEST_CASE("it is asked for by name, of simulators alone") {
-  CHECK(!mind_with("slam").localizer);
-  CHECK_THROWS_WITH_AS(mind_with("thruth"), "unknown localization 'thruth'; did you mean 'truth'?", ConfigError);
+  CHECK(!autonomy_with("slam").localizer);
+  CHECK_THROWS_WITH_AS(autonomy_with("thruth"), "unknown localization 'thruth'; did you mean 'truth'?", ConfigError);
   CHECK_THROWS_AS(make_truth_localizer(load_profile("3we_standard_v2"), {}, nullptr), ContractError);
 }
 

@@ -54,8 +54,8 @@ class PlainMonitor {
       if (keeps_clear(turning_point, between(safe + half))) safe += half;
     }
     const Velocity slowed = between(safe);
-    const bool creeping = std::hypot(slowed.vx, slowed.vy) < 1e-3 && std::abs(slowed.omega) < 1e-3;
-    return creeping && fallback == Velocity{} ? Velocity{} : slowed;
+    const bool creep_mode = std::hypot(slowed.vx, slowed.vy) < 1e-3 && std::abs(slowed.omega) < 1e-3;
+    return creep_mode && fallback == Velocity{} ? Velocity{} : slowed;
   }
 
  private:

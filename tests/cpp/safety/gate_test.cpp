@@ -366,7 +366,7 @@ TEST_CASE("who creeps comes nearer than others, and is nowhere faster than a tou
     m.margin = 0.05;
     return m;
   }();
-  const GateModel slow = creeping(careful);
+  const GateModel slow = creep_mode(careful);
   const std::vector<Vec2> ahead = {{0.3, 0.0}};
   const auto driven = [&](const GateModel& m) {
     GateState state;

@@ -183,24 +183,24 @@ TEST_CASE("robots need room where they start and where they are sent") {
 TEST_CASE("patches of floor have their own grip") {
   const auto patch = [](const std::string& fields) { return "patches: [{name: puddle, " + fields + "}]\nobjects:"; };
   const Scene hall =
-      Scene::parse(changed("objects:", patch("min: [0.5, 1], max: [2, 3], floor: tile, grip: 0.6")), "hall.yaml");
+      Scene::parse(changed("objects:", patch("min: [0.5, 1], max: [2, 3], floor: tile, friction: 0.6")), "hall.yaml");
   CHECK(hall.patches.front().min == Vec2{-0.5, -1.0});
-  CHECK(hall.grip_at({0.0, 0.0}) == 0.6);
-  CHECK(hall.grip_at({3.0, 0.0}) == 1.0);
+  CHECK(hall.friction_at({0.0, 0.0}) == 0.6);
+  CHECK(hall.friction_at({3.0, 0.0}) == 1.0);
   CHECK(hall.ceiling);
   CHECK_FALSE(Scene::parse(changed("rooms:", "ceiling: false\nrooms:"), "hall.yaml").ceiling);
 
-  check_fails("objects:", patch("min: [0.5, 1], max: [2, 3], floor: tile, grip: 0.0"),
-              "hall.yaml:14: patches[0].grip: 0 is outside [0.2, 1.5]");
-  check_fails("objects:", patch("min: [0.5, 1], max: [2, 3], floor: tile, grip: 60"), "60 is outside [0.2, 1.5]");
-  check_fails("objects:", patch("min: [0.5, 1], max: [2, 3], floor: gras, grip: 1"), "did you mean 'grass'");
-  check_fails("objects:", patch("min: [2, 1], max: [0.5, 3], floor: tile, grip: 1"),
+  check_fails("objects:", patch("min: [0.5, 1], max: [2, 3], floor: tile, friction: 0.0"),
+              "hall.yaml:14: patches[0].friction: 0 is outside [0.2, 1.5]");
+  check_fails("objects:", patch("min: [0.5, 1], max: [2, 3], floor: tile, friction: 60"), "60 is outside [0.2, 1.5]");
+  check_fails("objects:", patch("min: [0.5, 1], max: [2, 3], floor: gras, friction: 1"), "did you mean 'grass'");
+  check_fails("objects:", patch("min: [2, 1], max: [0.5, 3], floor: tile, friction: 1"),
               "hall.yaml:14: patches[0]: patch 'puddle' is inside out");
-  check_fails("objects:", patch("min: [2, 1], max: [7, 3], floor: tile, grip: 1"),
+  check_fails("objects:", patch("min: [2, 1], max: [7, 3], floor: tile, friction: 1"),
               "hall.yaml:14: patches[0]: patch 'puddle' reaches beyond the walls");
   check_fails("objects:",
-              "patches:\n  - {name: a, min: [0, 0], max: [2, 2], floor: tile, grip: 1}\n"
-              "  - {name: b, min: [1, 1], max: [3, 3], floor: tile, grip: 1}\nobjects:",
+              "patches:\n  - {name: a, min: [0, 0], max: [2, 2], floor: tile, friction: 1}\n"
+              "  - {name: b, min: [1, 1], max: [3, 3], floor: tile, friction: 1}\nobjects:",
               "hall.yaml:16: patches[1]: patch 'b' overlaps patch 'a'");
 }
 

@@ -35,7 +35,7 @@ struct Clinic {
     const std::vector<Velocity> commands(2, {0.2, 0.0, 0.3});
     for (int i = 0; i < 120; ++i) step(*model, robots, commands, people);
   }
-  Shot shot(std::size_t robot = 0) const { return take_shot(robots, people, robot); }
+  CapturePose capture(std::size_t robot = 0) const { return capture_pose(robots, people, robot); }
 };
 
 struct Drawn {
@@ -44,10 +44,10 @@ struct Drawn {
   friend bool operator==(const Drawn&, const Drawn&) = default;
 };
 
-Drawn draw_at(const Clinic& clinic, const Shot& shot, const CameraIntrinsics& camera, DrawScratch& scratch) {
+Drawn draw_at(const Clinic& clinic, const CapturePose& capture, const CameraIntrinsics& camera, DrawScratch& scratch) {
   const auto pixels = static_cast<std::size_t>(camera.width) * static_cast<std::size_t>(camera.height);
   Drawn drawn{std::vector<std::uint8_t>(3 * pixels), std::vector<float>(pixels)};
-  draw(*clinic.model, shot, camera, {drawn.color, drawn.depth}, scratch);
+  draw(*clinic.model, capture, camera, {drawn.color, drawn.depth}, scratch);
   return drawn;
 }
 
@@ -56,8 +56,8 @@ Drawn draw_at(const Clinic& clinic, const Shot& shot, const CameraIntrinsics& ca
 TEST_CASE("at its own size a camera draws what it delivers") {
   const Clinic clinic;
   DrawScratch scratch;
-  const RGBDImage picture = draw_picture(*clinic.model, clinic.shot());
-  const Drawn drawn = draw_at(clinic, clinic.shot(), picture.intrinsics, scratch);
+  const RGBDImage picture = draw_picture(*clinic.model, clinic.capture());
+  const Drawn drawn = draw_at(clinic, clinic.capture(), picture.intrinsics, scratch);
   CHECK(drawn.color == picture.color);
   CHECK(drawn.depth == picture.depth);
 }
@@ -67,31 +67,31 @@ TEST_CASE("scratch and shots remember nothing") {
   const CameraIntrinsics small = make_intrinsics(64, 64, 1.2);
   const CameraIntrinsics large = make_intrinsics(96, 40, 0.9);
   DrawScratch fresh;
-  const Drawn expected = draw_at(clinic, clinic.shot(), small, fresh);
+  const Drawn expected = draw_at(clinic, clinic.capture(), small, fresh);
 
   DrawScratch used;
-  Shot shot = clinic.shot(1);
-  shot.robots.resize(7);
-  draw_at(clinic, clinic.shot(), large, used);
-  take_shot(clinic.robots, clinic.people, 0, shot);
-  CHECK(draw_at(clinic, shot, small, used) == expected);
+  CapturePose capture = clinic.capture(1);
+  capture.robots.resize(7);
+  draw_at(clinic, clinic.capture(), large, used);
+  capture_pose(clinic.robots, clinic.people, 0, capture);
+  CHECK(draw_at(clinic, capture, small, used) == expected);
 }
 
 TEST_CASE("an image that nobody asks for changes no other") {
   const Clinic clinic;
   const CameraIntrinsics camera = make_intrinsics(64, 64, 1.2);
   DrawScratch scratch;
-  const Drawn both = draw_at(clinic, clinic.shot(), camera, scratch);
+  const Drawn both = draw_at(clinic, clinic.capture(), camera, scratch);
   Drawn one{std::vector<std::uint8_t>(3 * 4096), std::vector<float>(4096)};
-  draw(*clinic.model, clinic.shot(), camera, {one.color, {}}, scratch);
-  draw(*clinic.model, clinic.shot(), camera, {{}, one.depth}, scratch);
+  draw(*clinic.model, clinic.capture(), camera, {one.color, {}}, scratch);
+  draw(*clinic.model, clinic.capture(), camera, {{}, one.depth}, scratch);
   CHECK(one == both);
 }
 
 TEST_CASE("depth of a camera that measures none is refused") {
   const Clinic clinic;
   DrawScratch scratch;
-  CHECK_THROWS_AS(draw_at(clinic, clinic.shot(1), make_intrinsics(8, 8, 1.2), scratch), ConfigError);
+  CHECK_THROWS_AS(draw_at(clinic, clinic.capture(1), make_intrinsics(8, 8, 1.2), scratch), ConfigError);
 }
 
 TEST_CASE("a camera that is moved on its mount sees what is seen from there") {
@@ -104,10 +104,10 @@ TEST_CASE("a camera that is moved on its mount sees what is seen from there") {
   const Pose2D& mount = spec.base_from_camera;
   const Pose2D moved{mount.x + 0.03, mount.y - 0.02, mount.theta + 0.1};
   const CameraIntrinsics camera = make_intrinsics(80, 60, spec.horizontal_fov);
-  const SemanticImage truth = draw_truth(*clinic.model, clinic.shot(), camera,
+  const SemanticImage truth = draw_truth(*clinic.model, clinic.capture(), camera,
                                          {clinic.robots[0].pose * moved, spec.mount_height + 0.04}, false);
   DrawScratch scratch;
-  const Drawn drawn = draw_at(clinic, clinic.shot(), camera, scratch);
+  const Drawn drawn = draw_at(clinic, clinic.capture(), camera, scratch);
   CHECK(drawn.color == truth.image.color);
   for (std::size_t i = 0; i < drawn.depth.size(); ++i) {
     const float true_depth = truth.image.depth[i];
@@ -123,7 +123,7 @@ TEST_CASE("noise grows by its factor and moves nothing") {
     variation.camera_noise = factor;
     const Clinic clinic(variation);
     DrawScratch scratch;
-    return draw_at(clinic, clinic.shot(), make_intrinsics(80, 60, 1.2), scratch);
+    return draw_at(clinic, clinic.capture(), make_intrinsics(80, 60, 1.2), scratch);
   };
   const Drawn clean = noise(0.0);
   const auto spread = [&](const Drawn& drawn) {
@@ -153,7 +153,7 @@ namespace {
 SemanticImage truth_with(const models::Variation& variation) {
   const Clinic clinic(variation);
   const CameraSpec& spec = *clinic.model->robots[0].profile.camera;
-  return draw_truth(*clinic.model, clinic.shot(), make_intrinsics(120, 90, spec.horizontal_fov),
+  return draw_truth(*clinic.model, clinic.capture(), make_intrinsics(120, 90, spec.horizontal_fov),
                     {clinic.robots[0].pose * spec.base_from_camera, spec.mount_height}, false);
 }
 
@@ -190,7 +190,7 @@ TEST_CASE("colours jitter by channel, each episode otherwise, and nothing else c
   const SemanticImage plain = truth_with({});
   const SemanticImage varied = truth_with(variation);
   const Clinic clinic(variation);
-  CHECK(is_scaled(varied.image, plain.image, models::color_gains(variation, clinic.shot().key)));
+  CHECK(is_scaled(varied.image, plain.image, models::color_gains(variation, clinic.capture().key)));
   CHECK(varied.image.color != plain.image.color);
   CHECK(varied.image.depth == plain.image.depth);
   CHECK(varied.ids == plain.ids);

@@ -58,7 +58,7 @@ Velocity rolling_velocity(const models::Drive& drive, const WheelSpeeds& w) {
           drive.roll_turn * ((w[1] + w[3]) - (w[0] + w[2]))};
 }
 
-Velocity grip(const models::Drive& drive, double given, const Velocity& body, const Velocity& rolling) {
+Velocity limit_by_friction(const models::Drive& drive, double given, const Velocity& body, const Velocity& rolling) {
   const Velocity change{rolling.vx - body.vx, rolling.vy - body.vy, rolling.omega - body.omega};
   const double turning = change.omega * drive.turn_weight;
   const double needed = std::sqrt(change.vx * change.vx + change.vy * change.vy + turning * turning);
@@ -106,12 +106,12 @@ kernel::Driven drive(const kernel::Driver& driver) {
   const Velocity carried{linear.x, linear.y, state.velocity.omega};
   Velocity rolling = rolling_velocity(robot.drive, state.wheel_speeds);
   rolling.vy *= state.wheel_errors.lateral;
-  Velocity after = grip(robot.drive, driver.floor * state.traction.grip_change, carried, rolling);
+  Velocity after = limit_by_friction(robot.drive, driver.floor * state.traction.friction_change, carried, rolling);
   if (robot.profile.body.traction) {
     // the formula for one robot, which has a twin of its own in the tests of the models
-    const auto [body, wheels] =
-        models::pull(robot.drive, robot.pull, state.traction, carried, within_limits(robot.drive, *driver.command),
-                     state.wheel_errors.lateral, supplied, driver.floor, shares);
+    const auto [body, wheels] = models::apply_traction(robot.drive, robot.traction_model, state.traction, carried,
+                                                       within_limits(robot.drive, *driver.command),
+                                                       state.wheel_errors.lateral, supplied, driver.floor, shares);
     after = body;
     state.wheel_speeds = wheels;
     rolling = rolling_velocity(robot.drive, wheels);

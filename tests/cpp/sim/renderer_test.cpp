@@ -106,8 +106,8 @@ TEST_CASE("random scenes") {
     for (int k = 0; k < 3; ++k) {
       const CameraIntrinsics camera = random_camera(draw);
       const CameraPose view = random_view(draw, scene);
-      const Paint paint{seed, 0};
-      comparison.compare({scene, camera, view, paint}, camera, take(renderer, camera, view, paint));
+      const Shading shading{seed, 0};
+      comparison.compare({scene, camera, view, shading}, camera, take(renderer, camera, view, shading));
       INFO("seed ", seed, ", picture ", k, ", ", comparison.first_wrong);
       REQUIRE(comparison.wrong == 0);
     }
@@ -134,8 +134,8 @@ TEST_CASE("beside walls, at corners, among and under furniture") {
     const Vec2 place = draw.whole(0, 1) ? solid.center : solid.center + rotate({solid.radius + gap, 0.0}, draw(-3, 3));
     const Vec2 target = (solid.shape == scene::Solid::Shape::box ? solid.corners[0] : solid.center) - place;
     view.pose = {place.x, place.y, draw.whole(0, 1) ? draw(-kPi, kPi) : exact::atan2(target.y, target.x)};
-    const Paint paint{seed, 0};
-    comparison.compare({scene, camera, view, paint}, camera, take(renderer, camera, view, paint));
+    const Shading shading{seed, 0};
+    comparison.compare({scene, camera, view, shading}, camera, take(renderer, camera, view, shading));
     INFO("seed ", seed, ", ", comparison.first_wrong);
     REQUIRE(comparison.wrong == 0);
   }
@@ -152,8 +152,8 @@ TEST_CASE("the shipped scenes") {
       const CameraIntrinsics camera = make_intrinsics(80, 60, draw(0.5, 1.8));
       const CameraPose view{{draw(scene.min.x, scene.max.x), draw(scene.min.y, scene.max.y), draw(-kPi, kPi)},
                             draw(0.05, 1.5)};
-      const Paint paint{seed, 1};
-      comparison.compare({scene, camera, view, paint}, camera, take(renderer, camera, view, paint));
+      const Shading shading{seed, 1};
+      comparison.compare({scene, camera, view, shading}, camera, take(renderer, camera, view, shading));
       INFO(name, ", seed ", seed, ", ", comparison.first_wrong);
       REQUIRE(comparison.wrong == 0);
     }
@@ -182,8 +182,8 @@ TEST_CASE("other patterns, and light of any colour") {
     const CameraIntrinsics camera = random_camera(draw);
     const CameraPose view = random_view(draw, scene);
     const auto gain = [&] { return static_cast<float>(draw.whole(0, 5) ? draw(0.2, 2.5) : 0.0); };
-    const Paint paint{seed, 0, static_cast<std::uint32_t>(draw.whole(0, 50)), {gain(), gain(), gain()}};
-    comparison.compare({scene, camera, view, paint}, camera, take(renderer, camera, view, paint));
+    const Shading shading{seed, 0, static_cast<std::uint32_t>(draw.whole(0, 50)), {gain(), gain(), gain()}};
+    comparison.compare({scene, camera, view, shading}, camera, take(renderer, camera, view, shading));
     INFO("seed ", seed, ", ", comparison.first_wrong);
     REQUIRE(comparison.wrong == 0);
   }
@@ -202,7 +202,7 @@ TEST_CASE("surfaces wear each of the patterns for their use, one as often as the
   CHECK(floors.size() == 9);
   for (const auto& [material, count] : floors) CHECK(std::abs(count - 1000) < 150);
   CHECK(worn_by(wood).size() == 11);
-  CHECK(worn_by(paint).size() == 6);
+  CHECK(worn_by(shading).size() == 6);
   CHECK(worn_by(ceiling).size() == 4);
   for (const Material same : {window, picture, sky, skin, trim}) CHECK(worn_by(same).size() == 1);
 
@@ -216,7 +216,7 @@ TEST_CASE("what moves is drawn as what stands") {
     Draw draw(seed);
     const scene::Scene scene = random_scene(draw);
     const Renderer renderer(scene);
-    const Paint paint{seed, 0};
+    const Shading shading{seed, 0};
     std::vector<VisibleSolid> moving;
     for (int i = draw.whole(1, 5); i > 0; --i) {
       VisibleSolid solid{scene::solid_of(random_prism(draw), draw.pose(0.0, scene.max.x), -1), Material::fabric, 100};
@@ -225,7 +225,7 @@ TEST_CASE("what moves is drawn as what stands") {
     }
     const CameraIntrinsics camera = random_camera(draw);
     const CameraPose view = random_view(draw, scene);
-    comparison.compare({scene, camera, view, paint, moving}, camera, take(renderer, camera, view, paint, moving));
+    comparison.compare({scene, camera, view, shading, moving}, camera, take(renderer, camera, view, shading, moving));
     INFO("seed ", seed, ", ", comparison.first_wrong);
     REQUIRE(comparison.wrong == 0);
   }
@@ -243,7 +243,7 @@ TEST_CASE("the lidar's plane cut out of the depth image is the scan") {
       const CameraPose view{{draw(scene.min.x, scene.max.x), draw(scene.min.y, scene.max.y), draw(-kPi, kPi)},
                             draw(0.05, 1.9)};
       const scene::Slice slice = scene.at_height(view.height);
-      const Picture picture = take(renderer, camera, view, Paint{0, 0});
+      const Picture picture = take(renderer, camera, view, Shading{0, 0});
       for (int column = 0; column < camera.width; ++column) {
         const double s = (camera.cx - (column + 0.5)) / camera.fx;
         const double angle = view.pose.theta + exact::atan2(s, 1.0);
@@ -262,10 +262,10 @@ TEST_CASE("the lidar's plane cut out of the depth image is the scan") {
 TEST_CASE("an image that is left out changes no other") {
   const scene::Scene scene = scene::Scene::load("office_v2");
   const Renderer renderer(scene);
-  const Paint paint{3, 4};
+  const Shading shading{3, 4};
   const CameraIntrinsics camera = make_intrinsics(50, 40, 1.2);
   const CameraPose view{{0.0, 0.0, 0.3}, 0.12};
-  const Picture all = take(renderer, camera, view, paint);
+  const Picture all = take(renderer, camera, view, shading);
   for (int which = 0; which < 8; ++which) {
     Picture picture(camera);
     const Picture untouched(camera);
@@ -274,7 +274,7 @@ TEST_CASE("an image that is left out changes no other") {
     if (which & 2) images.depth = picture.depth;
     if (which & 4) images.ids = picture.ids;
     RenderScratch scratch;
-    renderer.render(camera, view, paint, images, scratch);
+    renderer.render(camera, view, shading, images, scratch);
     CHECK(picture.colour == (which & 1 ? all : untouched).colour);
     CHECK(picture.depth == (which & 2 ? all : untouched).depth);
     CHECK(picture.ids == (which & 4 ? all : untouched).ids);
@@ -288,7 +288,7 @@ TEST_CASE("colours are blue, green, red") {
   red.solid.z_max = 2.0;
   red.colour = {20.0F, 40.0F, 220.0F};
   const CameraIntrinsics camera = make_intrinsics(8, 8, 0.5);
-  const Picture picture = take(renderer, camera, {{}, 0.5}, Paint{0, 0}, std::span(&red, 1));
+  const Picture picture = take(renderer, camera, {{}, 0.5}, Shading{0, 0}, std::span(&red, 1));
   for (std::size_t i = 0; i < 64; ++i) {
     CHECK(picture.colour[3 * i + 2] > 130);
     CHECK(picture.colour[3 * i] < 40);
@@ -299,9 +299,9 @@ TEST_CASE("an episode's colours are a pure function of seed, episode and object"
   const scene::Scene scene = scene::Scene::load("office_v2");
   const Renderer renderer(scene);
   const std::size_t count = renderer.solids().size();
-  const auto colours = [&](const Paint& paint) {
+  const auto colours = [&](const Shading& shading) {
     std::vector<Colour> all;
-    for (std::size_t i = 0; i < count; ++i) all.push_back(renderer.colour(paint, i));
+    for (std::size_t i = 0; i < count; ++i) all.push_back(renderer.colour(shading, i));
     return all;
   };
   CHECK(colours({5, 6}) == colours({5, 6}));
@@ -327,8 +327,8 @@ std::vector<Picture> all_kinds_of_pictures() {
     Draw draw(seed);
     const scene::Scene scene = random_scene(draw);
     const Renderer renderer(scene);
-    const Paint paint{seed, 0, static_cast<std::uint32_t>(draw.whole(0, 2)), {static_cast<float>(draw(0.1, 2.0))}};
-    all.push_back(take(renderer, random_camera(draw), random_view(draw, scene), paint));
+    const Shading shading{seed, 0, static_cast<std::uint32_t>(draw.whole(0, 2)), {static_cast<float>(draw(0.1, 2.0))}};
+    all.push_back(take(renderer, random_camera(draw), random_view(draw, scene), shading));
   }
   return all;
 }
@@ -349,7 +349,7 @@ TEST_CASE("the same bits on every target") {
 TEST_CASE("threads share a renderer, and scratch remembers nothing") {
   const scene::Scene scene = scene::Scene::load("corridor_v1");
   const Renderer renderer(scene);
-  const Paint paint{1, 2};
+  const Shading shading{1, 2};
   const auto series = [&] {
     std::vector<Picture> pictures;
     RenderScratch scratch;
@@ -357,7 +357,7 @@ TEST_CASE("threads share a renderer, and scratch remembers nothing") {
       Draw draw(seed);
       const CameraIntrinsics camera = random_camera(draw);
       Picture& picture = pictures.emplace_back(camera);
-      renderer.render(camera, random_view(draw, scene), paint, picture.images(), scratch);
+      renderer.render(camera, random_view(draw, scene), shading, picture.images(), scratch);
     }
     return pictures;
   };
@@ -366,7 +366,7 @@ TEST_CASE("threads share a renderer, and scratch remembers nothing") {
   for (std::uint64_t seed = 0; seed < 10; ++seed) {
     Draw draw(seed);
     const CameraIntrinsics camera = random_camera(draw);
-    expected.push_back(take(renderer, camera, random_view(draw, scene), paint));
+    expected.push_back(take(renderer, camera, random_view(draw, scene), shading));
   }
   std::vector<std::vector<Picture>> results(3);
   std::vector<std::thread> threads;
@@ -386,10 +386,10 @@ TEST_CASE("a scene with more objects than there are ids is refused") {
 TEST_CASE("impossible pictures are refused") {
   const scene::Scene scene;
   const Renderer renderer(scene);
-  const Paint paint{0, 0};
+  const Shading shading{0, 0};
   RenderScratch scratch;
   const auto refuses = [&](const CameraIntrinsics& camera, const CameraPose& view, const Images& images) {
-    CHECK_THROWS_AS(renderer.render(camera, view, paint, images, scratch), ConfigError);
+    CHECK_THROWS_AS(renderer.render(camera, view, shading, images, scratch), ConfigError);
   };
   const CameraPose view{{}, 0.12};
   for (const auto& [width, height] : std::vector<std::pair<int, int>>{
@@ -404,7 +404,7 @@ TEST_CASE("impossible pictures are refused") {
   refuses(make_intrinsics(8, 8, 1.0), {{}, 0.0}, {});
   refuses(make_intrinsics(8, 8, 1.0), {{NAN, 0.0, 0.0}, 0.1}, {});
   for (const float gain : {-0.1F, 50.1F, NAN}) {
-    const Paint glaring{0, 0, 0, {1.0F, gain, 1.0F}};
+    const Shading glaring{0, 0, 0, {1.0F, gain, 1.0F}};
     CHECK_THROWS_AS(renderer.render(make_intrinsics(8, 8, 1.0), view, glaring, {}, scratch), ConfigError);
   }
   Picture small(make_intrinsics(7, 8, 1.0));

@@ -96,7 +96,7 @@ TEST_CASE("each knob of the physics alone changes how a robot drives") {
     // what belongs to other knobs is as it was
     CHECK((begun.traction.mass == nominal.traction.mass) == (name != "mass"));
     CHECK((begun.traction.stall_change == nominal.traction.stall_change) == (name != "mass"));
-    CHECK((begun.traction.grip_change == nominal.traction.grip_change) == (name != "friction"));
+    CHECK((begun.traction.friction_change == nominal.traction.friction_change) == (name != "friction"));
     CHECK((begun.traction.response == nominal.traction.response) == (name != "motor_lag"));
     CHECK((begun.traction.motor_noise == nominal.traction.motor_noise) == (name != "motor_noise"));
     CHECK((begun.battery.charge == nominal.battery.charge) == (name != "battery_charge"));

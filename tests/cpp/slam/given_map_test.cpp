@@ -58,8 +58,8 @@ std::shared_ptr<const map::OccupancyGrid> drawn() {
 // One robot in that flat, and what it believes.
 class Wakening {
  public:
-  Wakening(const Pose2D& truth, const Beginning& beginning, std::vector<TinyWall> walls = flat())
-      : world_(std::move(walls), truth, kErrors, 11), localizer_(make_scan_matching_localizer(model(), beginning)) {}
+  Wakening(const Pose2D& truth, const InitialState& initial, std::vector<TinyWall> walls = flat())
+      : world_(std::move(walls), truth, kErrors, 11), localizer_(make_scan_matching_localizer(model(), initial)) {}
 
   void drive(const Velocity& v, int ticks) {
     for (int tick = 0; tick < ticks; ++tick) {
@@ -114,7 +114,7 @@ TEST_CASE("a robot that is carried to another room says so, and finds itself the
   Wakening robot({0.4, 0.9, 2.1}, {drawn(), Pose2D{0.4, 0.9, 2.1}});
   robot.drive({0.2, 0.0, 0.4}, 200);
   CHECK(robot.lost_ticks_ == 0);
-  robot.world_.carry({5.2, 1.0, -0.8});
+  robot.world_.teleport({5.2, 1.0, -0.8});
   robot.drive({}, 60);
   CHECK(robot.estimate().lost);
   robot.drive({}, 60);
@@ -128,7 +128,7 @@ TEST_CASE("a robot that draws its own map finds back into it") {
   robot.drive({0.3, 0.0, 0.0}, 900);
   robot.drive({0.0, 0.0, 0.6}, 500);
   CHECK(robot.lost_ticks_ == 0);
-  robot.world_.carry({-1.0, 0.5, 2.0});
+  robot.world_.teleport({-1.0, 0.5, 2.0});
   robot.drive({}, 150);
   CHECK_FALSE(robot.estimate().lost);
   CHECK(robot.error() < 0.08);

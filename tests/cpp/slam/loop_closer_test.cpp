@@ -9,7 +9,7 @@
 
 #include "core/exact.hpp"
 #include "draw.hpp"
-#include "slam/scan_search_cases.hpp"
+#include "slam/branch_and_bound_cases.hpp"
 #include "slam/tiny_world.hpp"
 #include "threewe/scene/generator.hpp"
 

@@ -56,7 +56,7 @@ TEST_CASE("two robots cover together what a meter says they do, and earn what th
     const std::array<Pose2D, 2> lidars{office()[0]->sample_free_pose(2 * i), office()[0]->sample_free_pose(2 * i + 1)};
     const std::vector<float> first = rays_from(lidars[0]);
     const std::vector<float> second = rays_from(lidars[1]);
-    std::array<Moment, 2> moments;
+    std::array<TaskState, 2> moments;
     moments[0] = {.pose = lidars[0], .lidar = lidars[0], .ranges = first};
     moments[1] = {.pose = lidars[1], .lidar = lidars[1], .ranges = second};
     std::array<Outcome, 2> outcomes;
@@ -81,7 +81,7 @@ TEST_CASE("the coverage map shows what was seen, around the robot") {
   std::vector<float> scan(360, 3.0F);
   scan[90] = 0.0F;  // invalid: to the right nothing is known
   const Pose2D belief{1.0, 0.0, 0.0};
-  task->hear(0, {belief, scan, {}, 12.0});
+  task->update(0, {belief, scan, {}, 12.0});
   std::vector<std::byte> map(64 * 64);
   const std::span<std::byte> bytes(map);
   task->observe(0, 0, {belief, scan, {}, 12.0}, {&bytes, 1});

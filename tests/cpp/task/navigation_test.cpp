@@ -30,7 +30,7 @@ struct Alone {
     task->begin(0, {.seed = 7, .episode = episode}, request, start);
   }
   Outcome step(const Pose2D& pose, double driven, double contact = 0.0) {
-    const Moment moment{.pose = pose, .distance_driven = driven, .max_collision_speed = contact};
+    const TaskState moment{.pose = pose, .distance_driven = driven, .max_collision_speed = contact};
     Outcome outcome;
     task->step(0, {&moment, 1}, {&outcome, 1});
     return outcome;
@@ -110,13 +110,13 @@ TEST_CASE("robots of a team have goals and metrics of their own, and keep them w
   const auto task = make_navigation({.scenes = office(), .robots = 2}, {.goals = 4});
   std::array<Pose2D, 2> starts;
   task->begin(0, {.seed = 3}, {}, starts);
-  const std::vector<Vec2> goals = task->sketch(0).goals;
+  const std::vector<Vec2> goals = task->debug_overlay(0).goals;
   REQUIRE(goals.size() == 2);
 
   // the first arrives, the second stays; then the first is hit, and counts as arrived all the same
   std::array<Outcome, 2> outcomes;
-  std::array<Moment, 2> moments{Moment{.pose = {goals[0].x, goals[0].y, 0.0}, .distance_driven = 20.0},
-                                Moment{.pose = starts[1], .distance_driven = 0.0}};
+  std::array<TaskState, 2> moments{TaskState{.pose = {goals[0].x, goals[0].y, 0.0}, .distance_driven = 20.0},
+                                   TaskState{.pose = starts[1], .distance_driven = 0.0}};
   task->step(0, moments, outcomes);
   CHECK(outcomes[0].terminated);
   CHECK_FALSE(outcomes[1].terminated);

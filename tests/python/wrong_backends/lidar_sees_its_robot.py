@@ -1,6 +1,6 @@
 """Beams to the rear end at a post that stands on the robot.
 
-fails: the_lidar_looks_past_the_robot
+fails: the_lidar_does_not_hit_the_robot
 """
 
 import numpy as np

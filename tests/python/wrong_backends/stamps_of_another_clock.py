@@ -2,8 +2,8 @@
 
 fails: samples_are_recent, rates_are_as_listed, odometry_velocity_fits_its_pose, gyro_agrees_with_odometry,
 lidar_sees_the_robot_drive_forward, lidar_sees_the_robot_turn_left, imu_and_odometry_are_of_one_time,
-lidar_and_odometry_are_of_one_time, the_lidar_looks_past_the_robot, the_lidar_is_where_the_profile_says,
-the_robot_starts_where_it_is_told, reset_puts_the_robot_at_its_pose, truth_is_in_the_frame_of_the_scene
+lidar_and_odometry_are_of_one_time, the_lidar_does_not_hit_the_robot, the_lidar_is_where_the_profile_says,
+the_robot_starts_at_the_commanded_pose, reset_puts_the_robot_at_its_pose, truth_is_in_the_frame_of_the_scene
 """
 
 from collections.abc import Iterator

@@ -1,6 +1,6 @@
 """`options.start_pose` is not obeyed.
 
-fails: the_robot_starts_where_it_is_told
+fails: the_robot_starts_at_the_commanded_pose
 """
 
 from threewe.backend import BackendOptions

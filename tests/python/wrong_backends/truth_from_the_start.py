@@ -1,6 +1,6 @@
 """The true pose is counted from where the robot started, not in the frame of the scene.
 
-fails: the_robot_starts_where_it_is_told, reset_puts_the_robot_at_its_pose
+fails: the_robot_starts_at_the_commanded_pose, reset_puts_the_robot_at_its_pose
 """
 
 from dataclasses import replace

@@ -1,6 +1,6 @@
 """The simulator's y axis points to the right, and its poses are passed on as they are.
 
-fails: truth_agrees_with_odometry, truth_is_in_the_frame_of_the_scene, the_robot_starts_where_it_is_told,
+fails: truth_agrees_with_odometry, truth_is_in_the_frame_of_the_scene, the_robot_starts_at_the_commanded_pose,
 reset_puts_the_robot_at_its_pose
 """
 

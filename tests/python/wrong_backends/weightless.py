@@ -1,6 +1,6 @@
 """The accelerometer's driver takes gravity out.
 
-fails: imu_at_rest_feels_gravity_alone
+fails: imu_at_rest_measures_gravity_alone
 """
 
 from collections.abc import Iterator

@@ -42,7 +42,7 @@ inline constexpr std::array<const char*, 14> kFaultNames = {
 /// One thing that breaks, from when until when. `size`: of the jump of stamps [s], the noise (times what is usual), the
 /// bias ([m] of a range, [rad/s] of a gyro), the delay [s], the share of beams that drop out, the sector [rad] that is
 /// covered.
-struct SensorFault {
+struct InjectedFault {
   FaultKind kind{};
   std::uint16_t sensor = 0;
   double size = 0.0;
@@ -66,7 +66,7 @@ class FaultyPort final : public backend::RobotPort {
   const scene::TruthView* truth() const override { return port_.truth(); }
 
   /// What breaks from now on. Nothing is left of faults before.
-  void break_with(std::vector<SensorFault> faults) {
+  void break_with(std::vector<InjectedFault> faults) {
     faults_ = std::move(faults);
     frozen_.clear();
     late_.clear();
@@ -76,7 +76,7 @@ class FaultyPort final : public backend::RobotPort {
 
   std::vector<Sample> poll() override {
     std::vector<Sample> samples = port_.poll();
-    for (const SensorFault& fault : faults_) {
+    for (const InjectedFault& fault : faults_) {
       std::vector<Sample> spoiled;
       for (Sample& sample : samples) {
         if (sample.sensor != place_of(fault)) {
@@ -93,7 +93,7 @@ class FaultyPort final : public backend::RobotPort {
 
   void command(const Velocity& velocity, Time valid_until) override {
     Velocity obeyed = velocity;
-    for (const SensorFault& fault : faults_) {
+    for (const InjectedFault& fault : faults_) {
       if (!fault.holds(now_)) continue;
       if (fault.kind == FaultKind::slip) obeyed = {0.5 * obeyed.vx, 0.5 * obeyed.vy, obeyed.omega};
       if (fault.kind == FaultKind::wheel_blocked) {
@@ -108,7 +108,7 @@ class FaultyPort final : public backend::RobotPort {
  private:
   using Kind = FaultKind;
 
-  std::uint16_t place_of(const SensorFault& fault) const {
+  std::uint16_t place_of(const InjectedFault& fault) const {
     if (fault.kind < Kind::slip) return fault.sensor;
     const auto& sensors = features().sensors;
     for (std::size_t i = 0; i < sensors.size(); ++i) {
@@ -118,7 +118,7 @@ class FaultyPort final : public backend::RobotPort {
   }
 
   // A sample of the sensor that breaks: as it comes out, if it does.
-  void spoil(const SensorFault& fault, Sample sample, std::vector<Sample>& out) {
+  void spoil(const InjectedFault& fault, Sample sample, std::vector<Sample>& out) {
     const Sample honest = sample;
     const bool holds = fault.holds(sample.received);
     switch (fault.kind) {
@@ -162,7 +162,7 @@ class FaultyPort final : public backend::RobotPort {
     out.push_back(std::move(sample));
   }
 
-  void deliver_late(const SensorFault& fault, std::vector<Sample>& out) {
+  void deliver_late(const InjectedFault& fault, std::vector<Sample>& out) {
     std::deque<Sample>& late = late_[&fault];
     while (!late.empty() && late.front().received + from_seconds(fault.size) <= now_) {
       Sample sample = std::move(late.front());
@@ -183,12 +183,12 @@ class FaultyPort final : public backend::RobotPort {
     if (auto* echo = std::get_if<RangeData>(&sample.data)) echo->range = kNan;
   }
 
-  double scatter(const SensorFault& fault, const Sample& sample, std::uint32_t lane) const {
+  double scatter(const InjectedFault& fault, const Sample& sample, std::uint32_t lane) const {
     return normal({.seed = fault.seed, .sensor = sample.sensor}, sample.sequence, lane);
   }
 
   // Adds what is missing to `size` times the usual scatter.
-  void make_noisy(const SensorFault& fault, Sample& sample) const {
+  void make_noisy(const InjectedFault& fault, Sample& sample) const {
     const double more = std::sqrt(fault.size * fault.size - 1.0);
     if (auto* scan = std::get_if<LaserScan>(&sample.data)) {
       const LidarSpec& spec = *profile().lidar;
@@ -216,14 +216,14 @@ class FaultyPort final : public backend::RobotPort {
     range = static_cast<float>(std::clamp(metres + by, spec.range_min, spec.range_max));
   }
 
-  void make_biased(const SensorFault& fault, Sample& sample) const {
+  void make_biased(const InjectedFault& fault, Sample& sample) const {
     if (auto* scan = std::get_if<LaserScan>(&sample.data)) {
       for (float& range : scan->ranges) move_range(*profile().lidar, fault.size, range);
     }
     if (auto* imu = std::get_if<IMUData>(&sample.data)) imu->angular_velocity[2] += fault.size;
   }
 
-  static void drop_out(const SensorFault& fault, Sample& sample) {
+  static void drop_out(const InjectedFault& fault, Sample& sample) {
     auto& scan = std::get<LaserScan>(sample.data);
     const RngKey key{.seed = fault.seed, .sensor = sample.sensor};
     for (std::uint32_t i = 0; i < scan.ranges.size(); ++i) {
@@ -231,7 +231,7 @@ class FaultyPort final : public backend::RobotPort {
     }
   }
 
-  void cover(const SensorFault& fault, Sample& sample) const {
+  void cover(const InjectedFault& fault, Sample& sample) const {
     auto& scan = std::get<LaserScan>(sample.data);
     for (std::size_t i = 0; i < scan.ranges.size(); ++i) {
       const double angle = scan.angle_min + static_cast<double>(i) * scan.angle_increment;
@@ -241,7 +241,7 @@ class FaultyPort final : public backend::RobotPort {
   }
 
   // Wheels that count more than the robot goes.
-  void roll_on(const SensorFault& fault, Sample& sample) {
+  void roll_on(const InjectedFault& fault, Sample& sample) {
     auto* odometry = std::get_if<Odometry>(&sample.data);
     if (odometry == nullptr) return;
     auto [it, is_first] = rolled_.try_emplace(&fault, Rolled{*odometry, odometry->pose});
@@ -255,7 +255,7 @@ class FaultyPort final : public backend::RobotPort {
     odometry->pose = rolled.pose;
   }
 
-  Velocity slipping(const SensorFault& fault, const Velocity& v) const {
+  Velocity slipping(const InjectedFault& fault, const Velocity& v) const {
     if (fault.kind == Kind::slip) return {2.0 * v.vx, 2.0 * v.vy, v.omega};
     WheelSpeeds speeds = wheel_speeds(profile().body.wheels, v);
     speeds[fault.wheel % static_cast<std::size_t>(profile().body.wheels.wheel_count())] *= 1.5;
@@ -268,10 +268,10 @@ class FaultyPort final : public backend::RobotPort {
   };
   backend::RobotPort& port_;
   Time now_{};
-  std::vector<SensorFault> faults_;
-  std::map<const SensorFault*, SampleData> frozen_;
-  std::map<const SensorFault*, std::deque<Sample>> late_;
-  std::map<const SensorFault*, Rolled> rolled_;
+  std::vector<InjectedFault> faults_;
+  std::map<const InjectedFault*, SampleData> frozen_;
+  std::map<const InjectedFault*, std::deque<Sample>> late_;
+  std::map<const InjectedFault*, Rolled> rolled_;
 };
 
 /// A world of such robots.

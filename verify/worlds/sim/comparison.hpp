@@ -36,10 +36,10 @@ struct Picture {
 };
 
 inline Picture take(const Renderer& renderer, const CameraIntrinsics& camera, const CameraPose& view,
-                    const Paint& paint, std::span<const VisibleSolid> moving = {}) {
+                    const Shading& shading, std::span<const VisibleSolid> moving = {}) {
   Picture picture(camera);
   RenderScratch scratch;
-  renderer.render(camera, view, paint, picture.images(), scratch, moving);
+  renderer.render(camera, view, shading, picture.images(), scratch, moving);
   return picture;
 }
 

@@ -22,9 +22,9 @@ struct Hit {
 
 class RayTracer {
  public:
-  RayTracer(const scene::Scene& scene, const CameraIntrinsics& camera, const CameraPose& view, const Paint& paint,
+  RayTracer(const scene::Scene& scene, const CameraIntrinsics& camera, const CameraPose& view, const Shading& shading,
             std::vector<VisibleSolid> moving = {})
-      : place_(scene), solids_(place_.solids), camera_(camera), view_(view), paint_(paint) {
+      : place_(scene), solids_(place_.solids), camera_(camera), view_(view), shading_(shading) {
     solids_.insert(solids_.end(), moving.begin(), moving.end());
   }
 
@@ -34,16 +34,16 @@ class RayTracer {
     const double t = (camera_.cy - v) / camera_.fy;
     const Vec2 direction = this->direction(s);
     Hit hit;
-    const auto meet = [&](double depth, std::int16_t id, int solid, int face) {
+    const auto intersect = [&](double depth, std::int16_t id, int solid, int face) {
       if (depth > 0.0 && depth < hit.depth) hit = {depth, id, solid, face};
     };
-    if (t < 0.0) meet(-view_.height / t, kFloorId, -1, view::kTopFace);
+    if (t < 0.0) intersect(-view_.height / t, kFloorId, -1, view::kTopFace);
     if (t > 0.0 && view_.height < place_.ceiling && place_.ceiling < 1e9) {
-      meet((place_.ceiling - view_.height) / t, kCeilingId, -1, view::kBottomFace);
+      intersect((place_.ceiling - view_.height) / t, kCeilingId, -1, view::kBottomFace);
     }
     for (std::size_t i = 0; i < solids_.size(); ++i) {
       const auto [depth, face] = enter(solids_[i].solid, direction, t);
-      meet(depth, solids_[i].id, static_cast<int>(i), face);
+      intersect(depth, solids_[i].id, static_cast<int>(i), face);
     }
     return hit;
   }
@@ -57,7 +57,7 @@ class RayTracer {
   Colour colour(double u, double v, const Hit& hit, const Off& off) const {
     const Colour seen = light_of(u, v, hit, off);
     const auto channel = [](float value, float gain) { return std::clamp(value * gain, 0.0F, 255.0F); };
-    return {channel(seen.b, paint_.gain.b), channel(seen.g, paint_.gain.g), channel(seen.r, paint_.gain.r)};
+    return {channel(seen.b, shading_.gain.b), channel(seen.g, shading_.gain.g), channel(seen.r, shading_.gain.r)};
   }
 
  private:
@@ -70,7 +70,7 @@ class RayTracer {
 
     if (hit.id == kFloorId) {
       const auto* floor = place_.floor_at(point);
-      const view::Look look = floor ? floor->floor : place_.outside_floor;
+      const view::SurfaceMaterial look = floor ? floor->floor : place_.outside_floor;
       const Colour bare =
           apply(look, texture(look, point, flat_footprint(hit.depth, view_.height), off), place_.light.at(point));
       if (!place_.is_open) return bare;
@@ -78,17 +78,18 @@ class RayTracer {
     }
     if (hit.id == kCeilingId) {
       const double footprint = flat_footprint(hit.depth, place_.ceiling - view_.height);
-      return apply(place_.ceiling_look, texture(place_.ceiling_look, point, footprint, off), 1.0);
+      return apply(place_.ceiling_material, texture(place_.ceiling_material, point, footprint, off), 1.0);
     }
 
     const VisibleSolid& visible = solids_[static_cast<std::size_t>(hit.solid)];
     const scene::Solid& solid = visible.solid;
     const auto index = static_cast<std::size_t>(hit.solid);
     const bool stands = index < place_.solids.size();
-    const Colour own = stands ? place_.colour(paint_, index) : visible.colour;
+    const Colour own = stands ? place_.colour(shading_, index) : visible.colour;
     if (hit.face == view::kTopFace || hit.face == view::kBottomFace) {
       const bool is_top = hit.face == view::kTopFace;
-      const view::Look look = is_top ? view::top_look(visible, own) : view::bottom_look(visible, own);
+      const view::SurfaceMaterial look =
+          is_top ? view::top_material(visible, own) : view::bottom_material(visible, own);
       const double height = std::fabs((is_top ? solid.z_max : solid.z_min) - view_.height);
       Vec2 axis{1.0, 0.0};
       if (solid.shape == scene::Solid::Shape::box) {
@@ -106,7 +107,7 @@ class RayTracer {
         is_round ? view::round_side(visible, sides[0].look, point) : sides[static_cast<std::size_t>(hit.face)];
     const Vec2 normal = side.normal;
     const double along = is_round ? view::along_round(solid.radius, normal) : dot(point - side.corner, side.axis);
-    view::Look look = side.look;
+    view::SurfaceMaterial look = side.look;
     look.colour = own;
     if (visible.id == kWallId && !is_round) {
       const auto tints = place_.tints_of(index, static_cast<std::size_t>(hit.face));
@@ -114,7 +115,7 @@ class RayTracer {
       look.colour = unpacked(tints[std::min(bin, tints.size() - 1)]);
       look.light = 1.0F;
     }
-    if (place_.has_skirting(visible) && z < view::kSkirting) look = view::skirting_look(normal);
+    if (place_.has_skirting(visible) && z < view::kSkirting) look = view::skirting_material(normal);
     Vec2 on_face{along, z};
     for (const view::Decor& d : place_.decor_of(stands ? hit.solid : -1)) {
       if (d.face != hit.face || along < d.begin || along >= d.end || z < d.low || z >= d.high) continue;
@@ -142,7 +143,7 @@ class RayTracer {
     const Colour lit{blue.b + share * sun.b, blue.g + share * sun.g, blue.r + share * sun.r};
     const bool is_hill = place_.is_open && t < view::hill_slope(direction);
     if (is_hill) return mixed(lit, view::kHills, view::kHillCover);
-    const view::Look look = view::cloud_look();
+    const view::SurfaceMaterial look = view::cloud_material();
     const double depth = view::kCloudHeight / t;
     const Vec2 point = view_.pose.position() + depth * direction;
     const double cover = texture(look, point, flat_footprint(depth, view::kCloudHeight), off);
@@ -205,8 +206,8 @@ class RayTracer {
     return depth * depth * 0.35 / (camera_.fy * std::fabs(height));
   }
 
-  double texture(const view::Look& look, Vec2 point, double footprint, const Off& off) const {
-    const Material pattern = view::patterns_of(paint_.texture)[static_cast<std::size_t>(look.material)];
+  double texture(const view::SurfaceMaterial& look, Vec2 point, double footprint, const Off& off) const {
+    const Material pattern = view::patterns_of(shading_.texture)[static_cast<std::size_t>(look.material)];
     const double size = view::spec(pattern).tile_size;
     const double texels = footprint * view::kTileSide / size;
     const int level = texels < 1.0 ? 0 : std::min(static_cast<int>(std::log2(texels)), view::kTileLevels - 1);
@@ -215,7 +216,7 @@ class RayTracer {
     return view::sample(pattern, shifted, point.x / size + shift.x, point.y / size + shift.y);
   }
 
-  static Colour apply(const view::Look& look, double brightness, double shade) {
+  static Colour apply(const view::SurfaceMaterial& look, double brightness, double shade) {
     const float light = look.light * static_cast<float>(shade * brightness);
     const auto channel = [&](float own) { return own * light; };
     return {channel(look.colour.b), channel(look.colour.g), channel(look.colour.r)};
@@ -225,7 +226,7 @@ class RayTracer {
   std::vector<VisibleSolid> solids_;
   CameraIntrinsics camera_;
   CameraPose view_;
-  Paint paint_;
+  Shading shading_;
 };
 
 }  // namespace threewe::sim

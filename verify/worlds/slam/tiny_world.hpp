@@ -67,7 +67,7 @@ class TinyWorld {
   std::vector<TinyWall>& walls() { return walls_; }
 
   /// Somebody puts the robot down elsewhere.
-  void carry(const Pose2D& pose) {
+  void teleport(const Pose2D& pose) {
     pose_ = pose;
     velocity_ = {};
   }

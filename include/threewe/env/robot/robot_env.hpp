@@ -1,4 +1,4 @@
-// One environment around a robot of any backend: the tasks of a batch, with the mind and the gate that a `Robot` has.
+// Learning environment around one robot of any backend, with the autonomy stack and the gate that a `Robot` has.
 #pragma once
 
 #include <cstddef>
@@ -18,13 +18,13 @@ namespace threewe::env {
 /// does.
 ///
 /// The backend must be able to reset, and to tell where its robot truly is. `pose`, `velocity` and goals in the robot's
-/// frame are what the robot's mind believes. With the truth for a mind (`make_truth_localizer`) and the embedded
+/// frame are what the robot believes. With the truth for a localizer (`make_truth_localizer`) and the embedded
 /// simulator, observations, rewards, ends and metrics are those of a `Batch` with `Localization::truth`, to the bit.
 class RobotEnv {
  public:
   /// Of `options`, scenes, hardware and randomisation are as the backend has them. `robot` says which backend, profile,
-  /// noise, randomisation and mind; each of the `scenes`, names or files, gets a world of its own. Throws ConfigError
-  /// naming what the backend lacks, or an option that robots have no use for.
+  /// noise, randomisation and autonomy; each of the `scenes`, names or files, gets a world of its own. Throws
+  /// ConfigError naming what the backend lacks, or an option that robots have no use for.
   RobotEnv(Options options, const World::Options& robot, const std::vector<std::string>& scenes);
   ~RobotEnv();
   RobotEnv(const RobotEnv&) = delete;
@@ -47,8 +47,8 @@ class RobotEnv {
   std::span<const double> true_poses() const;
   std::span<const double> scan_ages() const;
   EpisodeInfo episode(std::size_t world = 0) const;
-  std::string words(std::size_t world = 0) const;
-  std::string words_name() const;
+  std::string instruction(std::size_t world = 0) const;
+  std::string instruction_name() const;
   /// How the backend has the robot differ from its profile, as the episode began: simulators draw it alike.
   models::Variation variation(std::size_t world = 0, std::size_t robot = 0) const;
   TopView top_view(std::size_t world = 0) const;

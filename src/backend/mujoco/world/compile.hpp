@@ -1,4 +1,4 @@
-// From an exported scene to the model that MuJoCo steps.
+// Compiler of an exported scene into a MuJoCo model.
 #pragma once
 
 #include <array>

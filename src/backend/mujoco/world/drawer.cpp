@@ -12,8 +12,8 @@
 #include "backend/mujoco/world/physics.hpp"
 #include "core/exact.hpp"
 #include "models/camera.hpp"
-#include "sim/figures.hpp"
-#include "sim/renderer/looks.hpp"
+#include "sim/actor_geometry.hpp"
+#include "sim/renderer/materials.hpp"
 #include "threewe/core/errors.hpp"
 
 namespace threewe::backend::mujoco {
@@ -29,7 +29,7 @@ constexpr float kLamps = 0.2F;    // how much brighter ceilings are than what el
 
 exports::Color color_of(const sim::Colour& colour) { return {colour.r / 255.0F, colour.g / 255.0F, colour.b / 255.0F}; }
 
-void paint(mjvGeom& geom, const exports::Color& color) {
+void shading(mjvGeom& geom, const exports::Color& color) {
   geom.rgba[0] = static_cast<float>(color.red);
   geom.rgba[1] = static_cast<float>(color.green);
   geom.rgba[2] = static_cast<float>(color.blue);
@@ -45,15 +45,15 @@ std::size_t pixels_of(const CameraIntrinsics& camera) {
 }
 
 // By the episode's light and exposure.
-void brighten(const sim::Shot& shot, std::span<std::uint8_t> color) {
-  const std::array<double, 3> gains = models::color_gains(shot.variation, shot.key);
+void brighten(const sim::CapturePose& state, std::span<std::uint8_t> color) {
+  const std::array<double, 3> gains = models::color_gains(state.variation, state.key);
   if (gains == std::array{1.0, 1.0, 1.0}) return;
   for (std::size_t i = 0; i < color.size(); ++i) {
     color[i] = static_cast<std::uint8_t>(std::min(std::lround(gains[i % 3] * color[i]), 255L));
   }
 }
 
-std::uint32_t texture_of(const sim::Shot& shot) { return static_cast<std::uint32_t>(shot.variation.texture); }
+std::uint32_t texture_of(const sim::CapturePose& state) { return static_cast<std::uint32_t>(state.variation.texture); }
 
 double depth_of(float nearness) { return kNear * kFar / (kNear + static_cast<double>(nearness) * (kFar - kNear)); }
 
@@ -67,8 +67,8 @@ void put(const Vec3& v, float* out) {
 
 Drawer::Drawer(std::shared_ptr<const sim::Model> world, const mjModel& compiled)
     : mj_(library()), world_(std::move(world)), model_(mj_.mj_copyModel(nullptr, &compiled), Free{&mj_}) {
-  const sim::Colour paint = world_->scene->ceiling ? sim::view::wall_paint(0) : sim::view::kBrick;
-  wall_ = color_of(paint);
+  const sim::Colour shading = world_->scene->ceiling ? sim::view::wall_colour(0) : sim::view::kBrick;
+  wall_ = color_of(shading);
   // a pixel shows what the ray through its middle meets
   model_->vis.quality.offsamples = 0;
   model_->vis.quality.shadowsize = 0;
@@ -132,10 +132,10 @@ void Drawer::set_up() {
   mj_.mjv_makeScene(model_.get(), scene_.get(), static_cast<int>(most));
 }
 
-RGBDImage Drawer::picture(const simulated::Moment& moment) {
-  const sim::Shot& shot = moment.shot;
-  const std::size_t robot = shot.key.robot;
-  const CameraSpec spec = models::varied(*world_->robots[robot].profile.camera, shot.variation);
+RGBDImage Drawer::picture(const simulated::WorldCapture& capture) {
+  const sim::CapturePose& state = capture.state;
+  const std::size_t robot = state.key.robot;
+  const CameraSpec spec = models::varied(*world_->robots[robot].profile.camera, state.variation);
   RGBDImage picture{spec.intrinsics(), {}, {}};
   picture.color.resize(3 * pixels_of(picture.intrinsics));
   if (spec.depth) picture.depth.resize(pixels_of(picture.intrinsics));
@@ -143,17 +143,17 @@ RGBDImage Drawer::picture(const simulated::Moment& moment) {
   const std::scoped_lock lock(mutex_);
   const ErrorsThrown errors;
   set_up();
-  compose(moment, robot);
+  compose(capture, robot);
   const Transform base_from_camera = upright(spec.base_from_camera, spec.mount_height);
-  draw(picture.intrinsics, base(robot) * base_from_camera, {picture.color, picture.depth, {}}, texture_of(shot));
-  brighten(shot, picture.color);
-  models::add_color_noise(spec, shot.key, shot.step, picture.color);
-  if (spec.depth) models::measure_depth(*spec.depth, shot.key, shot.step, picture.depth);
+  draw(picture.intrinsics, base(robot) * base_from_camera, {picture.color, picture.depth, {}}, texture_of(state));
+  brighten(state, picture.color);
+  models::add_color_noise(spec, state.key, state.step, picture.color);
+  if (spec.depth) models::measure_depth(*spec.depth, state.key, state.step, picture.depth);
   return picture;
 }
 
-SemanticImage Drawer::look(const simulated::Moment& moment, const CameraIntrinsics& camera, const sim::CameraPose& view,
-                           bool with_itself) {
+SemanticImage Drawer::look(const simulated::WorldCapture& capture, const CameraIntrinsics& camera,
+                           const sim::CameraPose& view, bool with_itself) {
   check(camera);
   const std::size_t pixels = pixels_of(camera);
   SemanticImage truth{{camera, std::vector<std::uint8_t>(3 * pixels), std::vector<float>(pixels)},
@@ -162,16 +162,16 @@ SemanticImage Drawer::look(const simulated::Moment& moment, const CameraIntrinsi
   const std::scoped_lock lock(mutex_);
   const ErrorsThrown errors;
   set_up();
-  compose(moment, with_itself ? world_->robots.size() : moment.shot.key.robot);
+  compose(capture, with_itself ? world_->robots.size() : capture.state.key.robot);
   draw(camera, upright(view.pose, view.height), {truth.image.color, truth.image.depth, truth.ids},
-       texture_of(moment.shot));
-  brighten(moment.shot, truth.image.color);
+       texture_of(capture.state));
+  brighten(capture.state, truth.image.color);
   return truth;
 }
 
 // All that is in sight, but for the robot `without`.
-void Drawer::compose(const simulated::Moment& moment, std::size_t without) {
-  mj_.mj_setState(model_.get(), data_.get(), moment.physics.data(), mjSTATE_INTEGRATION);
+void Drawer::compose(const simulated::WorldCapture& capture, std::size_t without) {
+  mj_.mj_setState(model_.get(), data_.get(), capture.physics.data(), mjSTATE_INTEGRATION);
   mj_.mj_kinematics(model_.get(), data_.get());
   mjvOption option;
   mj_.mjv_defaultOption(&option);
@@ -183,7 +183,7 @@ void Drawer::compose(const simulated::Moment& moment, std::size_t without) {
   mj_.mjv_defaultCamera(&free_camera);
   mj_.mjv_updateScene(model_.get(), data_.get(), &option, nullptr, &free_camera, mjCAT_ALL, scene_.get());
 
-  const sim::Paint colors{moment.shot.key.seed, moment.shot.key.episode};
+  const sim::Shading colors{capture.state.key.seed, capture.state.key.episode};
   int kept = 0;
   for (int i = 0; i < scene_->ngeom; ++i) {
     mjvGeom& geom = scene_->geoms[i];
@@ -192,9 +192,9 @@ void Drawer::compose(const simulated::Moment& moment, std::size_t without) {
     const bool seen = appearance.shown && geom.rgba[3] > 0.0F && !std::cmp_equal(appearance.robot, without);
     if (!seen) continue;
     if (appearance.solid >= 0) {
-      paint(geom, color_of(world_->renderer().colour(colors, static_cast<std::size_t>(appearance.solid))));
+      shading(geom, color_of(world_->renderer().colour(colors, static_cast<std::size_t>(appearance.solid))));
     }
-    if (appearance.id == sim::kWallId) paint(geom, wall_);
+    if (appearance.id == sim::kWallId) shading(geom, wall_);
     if (appearance.id == sim::kCeilingId) geom.emission = kLamps;
     geom.segid = appearance.id;
     geom.specular = 0.0F;
@@ -207,7 +207,7 @@ void Drawer::compose(const simulated::Moment& moment, std::size_t without) {
   for (const sim::VisibleSolid& solid : world_->renderer().solids()) {
     if (solid.id == sim::kWallId && solid.solid.z_min > 0.0) add_solid(solid, wall_);  // a lintel
   }
-  sim::find_figures(*world_, {}, 0, moment.shot.people, colors.seed, colors.episode, people_);
+  sim::find_actors(*world_, {}, 0, capture.state.people, colors.seed, colors.episode, people_);
   for (const sim::VisibleSolid& part : people_) add_solid(part, color_of(part.colour));
   light();
 }
@@ -221,7 +221,7 @@ void Drawer::add(mjtGeom type, const Vec3& half, const Transform& pose, std::int
   const Vec3 z = rotated(pose.rotation, {0.0, 0.0, 1.0});
   const std::array<double, 9> axes{x.x, y.x, z.x, x.y, y.y, z.y, x.z, y.z, z.z};
   mj_.mjv_initGeom(&geom, type, size.data(), position.data(), axes.data(), nullptr);
-  paint(geom, color);
+  shading(geom, color);
   geom.category = mjCAT_STATIC;
   geom.segid = id;
   geom.specular = 0.0F;

@@ -1,4 +1,4 @@
-// What cameras see, drawn by MuJoCo's renderer.
+// Camera images drawn by MuJoCo's renderer.
 #pragma once
 
 #include <cstdint>
@@ -27,9 +27,9 @@ class Drawer {
   ~Drawer();
 
   /// See `simulated::Engine`. Throw HardwareError where nothing can be drawn.
-  RGBDImage picture(const simulated::Moment& moment);
-  SemanticImage look(const simulated::Moment& moment, const CameraIntrinsics& camera, const sim::CameraPose& view,
-                     bool with_itself);
+  RGBDImage picture(const simulated::WorldCapture& capture);
+  SemanticImage look(const simulated::WorldCapture& capture, const CameraIntrinsics& camera,
+                     const sim::CameraPose& view, bool with_itself);
 
  private:
   struct Free {
@@ -52,7 +52,7 @@ class Drawer {
 
   Appearance appearance_of(int geom) const;
   void set_up();
-  void compose(const simulated::Moment& moment, std::size_t without);
+  void compose(const simulated::WorldCapture& capture, std::size_t without);
   void add(mjtGeom type, const exports::Vec3& half, const exports::Transform& pose, std::int16_t id,
            const exports::Color& color);
   void add_solid(const sim::VisibleSolid& solid, const exports::Color& color);

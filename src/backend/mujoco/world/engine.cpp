@@ -84,13 +84,13 @@ void MujocoEngine::restore(std::span<const double> state, std::span<const sim::R
   for (std::size_t i = 0; i < robots.size(); ++i) vary(i, robots[i]);
 }
 
-Picture MujocoEngine::picture(simulated::Moment moment) const {
-  return Picture([drawer = drawer_, taken = std::move(moment)] { return drawer->picture(taken); });
+Picture MujocoEngine::picture(simulated::WorldCapture capture) const {
+  return Picture([drawer = drawer_, taken = std::move(capture)] { return drawer->picture(taken); });
 }
 
-SemanticImage MujocoEngine::look(const simulated::Moment& moment, const CameraIntrinsics& camera,
+SemanticImage MujocoEngine::look(const simulated::WorldCapture& capture, const CameraIntrinsics& camera,
                                  const sim::CameraPose& view, bool with_itself) const {
-  return drawer_->look(moment, camera, view, with_itself);
+  return drawer_->look(capture, camera, view, with_itself);
 }
 
 }  // namespace threewe::backend::mujoco

@@ -1,4 +1,4 @@
-// MuJoCo as what moves the robots and people of a world.
+// Simulation engine on MuJoCo's physics.
 #pragma once
 
 #include <cstddef>
@@ -18,7 +18,7 @@ class MujocoEngine : public simulated::Engine {
   explicit MujocoEngine(std::shared_ptr<const sim::Model> model);
 
   void place(std::span<const sim::RobotState> robots, std::span<const sim::PersonState> people) override;
-  void carry(std::size_t robot, const sim::RobotState& state) override { physics_.carry(robot, state.pose); }
+  void teleport(std::size_t robot, const sim::RobotState& state) override { physics_.teleport(robot, state.pose); }
   void vary(std::size_t robot, const sim::RobotState& state) override { physics_.vary(robot, state.variation); }
   void step(std::span<sim::RobotState> robots, std::span<const Velocity> commands,
             std::span<sim::PersonState> people) override;
@@ -26,9 +26,9 @@ class MujocoEngine : public simulated::Engine {
   std::vector<double> state() const override { return physics_.state(); }
   void restore(std::span<const double> state, std::span<const sim::RobotState> robots) override;
 
-  Picture picture(simulated::Moment moment) const override;
-  SemanticImage look(const simulated::Moment& moment, const CameraIntrinsics& camera, const sim::CameraPose& view,
-                     bool with_itself) const override;
+  Picture picture(simulated::WorldCapture capture) const override;
+  SemanticImage look(const simulated::WorldCapture& capture, const CameraIntrinsics& camera,
+                     const sim::CameraPose& view, bool with_itself) const override;
 
   const Physics& physics() const { return physics_; }
 

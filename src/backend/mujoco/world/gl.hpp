@@ -1,4 +1,4 @@
-// OpenGL without a window or a display: a context that EGL makes, on a graphics card or in software.
+// Off-screen OpenGL context by EGL, on a graphics card or in software.
 #pragma once
 
 namespace threewe::backend::mujoco {

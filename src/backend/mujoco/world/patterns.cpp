@@ -6,7 +6,7 @@
 #include <map>
 #include <optional>
 
-#include "sim/renderer/looks.hpp"
+#include "sim/renderer/materials.hpp"
 #include "sim/renderer/textures.hpp"
 
 namespace threewe::backend::mujoco {
@@ -23,9 +23,9 @@ class Surfaces {
   }
 
   std::optional<Material> material(std::int16_t id, const Vec3& point) const {
-    if (id == sim::kFloorId) return sim::view::floor_look(floor_at({point.x, point.y}), 1.0F).material;
-    if (id == sim::kWallId) return scene_.ceiling ? Material::paint : Material::brick;
-    if (id == sim::kCeilingId) return sim::view::ceiling_look(ceiling_).material;
+    if (id == sim::kFloorId) return sim::view::floor_material(floor_at({point.x, point.y}), 1.0F).material;
+    if (id == sim::kWallId) return scene_.ceiling ? Material::shading : Material::brick;
+    if (id == sim::kCeilingId) return sim::view::ceiling_material(ceiling_).material;
     const auto found = objects_.find(id);
     return found == objects_.end() ? std::nullopt : std::optional(found->second);
   }

@@ -1,4 +1,4 @@
-// The patterns that surfaces wear where domain randomisation draws other textures.
+// Surface textures that domain randomization draws.
 #pragma once
 
 #include <cstdint>
@@ -17,7 +17,7 @@ struct Shown {
   std::span<const float> depth;  ///< [m] along the optical axis, 0 where there is nothing
 };
 
-/// Darkens and brightens an image by the patterns of an episode whose `sim::Paint::texture` is `texture`: those that
+/// Darkens and brightens an image by the patterns of an episode whose `sim::Shading::texture` is `texture`: those that
 /// the embedded renderer lays on the same surfaces, here along the scene's axes. Does nothing for 0, whose surfaces are
 /// plain; people and robots stay so.
 void wear_patterns(const sim::Model& world, std::uint32_t texture, const CameraIntrinsics& camera,

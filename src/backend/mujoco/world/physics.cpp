@@ -142,7 +142,7 @@ void Physics::place(std::span<const Pose2D> poses, std::span<const sim::PersonSt
   mj_.mj_kinematics(model_.get(), data_.get());
 }
 
-void Physics::carry(std::size_t robot, const Pose2D& pose) {
+void Physics::teleport(std::size_t robot, const Pose2D& pose) {
   Robot& carried = robots_[robot];
   set_pose(carried, pose);
   std::fill_n(data_->qvel + carried.dof, carried.dofs, 0.0);
@@ -166,17 +166,17 @@ void Physics::vary(std::size_t robot, const models::Variation& variation) {
     model_->dof_invweight0[dof] = nominal_->dof_invweight0[dof] / mass;
   }
   varied.gain = varied.drive.gain * mass / variation.motor_lag;
-  varied.grip = varied.friction * variation.friction;
+  varied.wheel_friction = varied.friction * variation.friction;
   set_friction(robot);
 }
 
 // What a tread has on the floor beneath its wheel.
 void Physics::set_friction(std::size_t robot) {
-  const Robot& gripping = robots_[robot];
+  const Robot& moving = robots_[robot];
   const Pose2D at = pose(robot);
-  for (std::size_t i = 0; i < gripping.wheels.size(); ++i) {
-    const double friction = gripping.grip * world_->scene->grip_at(at * world_->robots[robot].wheels[i]);
-    for (const int tread : gripping.wheels[i].treads) model_->geom_friction[std::ptrdiff_t{3} * tread] = friction;
+  for (std::size_t i = 0; i < moving.wheels.size(); ++i) {
+    const double friction = moving.wheel_friction * world_->scene->friction_at(at * world_->robots[robot].wheels[i]);
+    for (const int tread : moving.wheels[i].treads) model_->geom_friction[std::ptrdiff_t{3} * tread] = friction;
   }
 }
 

@@ -51,7 +51,7 @@ class Physics {
   /// All robots stand at rest, and people are where they are. Rays may be cast at once.
   void place(std::span<const Pose2D> poses, std::span<const sim::PersonState> people);
   /// Somebody lifts a robot and puts it down at a pose, where it stands still; its wheels have turned as far as before.
-  void carry(std::size_t robot, const Pose2D& pose);
+  void teleport(std::size_t robot, const Pose2D& pose);
   /// A robot has another mass, its wheels another friction, its motors another lag.
   void vary(std::size_t robot, const models::Variation& variation);
   /// Where people are.
@@ -111,7 +111,7 @@ class Physics {
     exports::WheelDrive drive;  // by the profile ...
     double friction = 0.0;
     double gain = 0.0;  // ... and as it varies
-    double grip = 0.0;
+    double wheel_friction = 0.0;
     std::vector<Transform> track;
   };
   // Bodies that MuJoCo does not move.

@@ -58,7 +58,8 @@ void sweep_lidar(const sim::RobotModel& robot, std::span<const Vec3> beams, std:
 
 // The nearest surface in the cone, along the height of the sensor, that sends the sound back; what it glances off still
 // hides what stands behind.
-double nearest_echo(const UltrasonicSpec& spec, const Pose2D& mount, const Transform& base, const Physics& physics) {
+double nearest_sonar_return(const UltrasonicSpec& spec, const Pose2D& mount, const Transform& base,
+                            const Physics& physics) {
   constexpr double kBetweenRays = 0.25 * exact::kPi / 180.0;  // [rad]; a leg of 2 cm at 2 m is twice as wide
   const int rays = 1 + static_cast<int>(spec.field_of_view / kBetweenRays);
   const Vec3 from = base * Vec3{mount.x, mount.y, spec.height};
@@ -78,7 +79,7 @@ double nearest_echo(const UltrasonicSpec& spec, const Pose2D& mount, const Trans
 void ping(const sim::RobotModel& robot, std::size_t sensor, const Transform& base, const Physics& physics,
           sim::RobotState& state) {
   const UltrasonicSpec& spec = *robot.profile.ultrasonics;
-  const double echo = nearest_echo(spec, spec.mounts[sensor].base_from_ultrasonic, base, physics);
+  const double echo = nearest_sonar_return(spec, spec.mounts[sensor].base_from_ultrasonic, base, physics);
   RngKey key = state.key(Stream::ultrasonic);
   key.sensor = static_cast<std::uint16_t>(sensor);
   const std::uint64_t pings = state.steps / static_cast<std::uint64_t>(robot.ultrasonic_interval);

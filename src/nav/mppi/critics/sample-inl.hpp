@@ -1,4 +1,4 @@
-// What all critics look at: one step of many samples. For rollout_kernel.cpp, after highway-inl.hpp.
+// Inputs of all critics: one step of many samples. For rollout_kernel.cpp, after highway-inl.hpp.
 #if defined(THREEWE_NAV_MPPI_SAMPLE_INL) == defined(HWY_TARGET_TOGGLE)
 #ifdef THREEWE_NAV_MPPI_SAMPLE_INL
 #undef THREEWE_NAV_MPPI_SAMPLE_INL

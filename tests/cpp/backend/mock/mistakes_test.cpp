@@ -30,7 +30,7 @@ walls:
   - {a: [0, 4], b: [0, 0]}
   - {a: [3, 0], b: [3, 4], doors: [{name: between, at: 2, width: 1}]}
 patches:
-  - {name: puddle, min: [0.5, 1], max: [2, 3], floor: tile, grip: 0.5}
+  - {name: puddle, min: [0.5, 1], max: [2, 3], floor: tile, friction: 0.5}
 people:
   - {name: ada, route: [[1, 1], [2, 1]], speed: 1.2}
 objects:

@@ -155,9 +155,9 @@ TEST_CASE("a robot starts nowhere but on free floor, and a refused start changes
   const std::vector<std::byte> before = world->save();
   CHECK_THROWS_AS(world->reset({.seed = 1, .poses = {{4.5, 0.0, 0.0}}}), ConfigError);
   CHECK_THROWS_AS(world->reset({.seed = 1, .poses = {{100.0, 0.0, 0.0}}}), ConfigError);
-  CHECK_THROWS_AS(world->carry(0, {0.0, 3.0, 0.0}), ConfigError);
+  CHECK_THROWS_AS(world->teleport(0, {0.0, 3.0, 0.0}), ConfigError);
   CHECK(world->save() == before);
-  world->carry(0, {2.0, 1.0, 3.5});
+  world->teleport(0, {2.0, 1.0, 3.5});
   const Pose2D carried = world->robot(0).truth()->true_pose();
   CHECK(carried.x == 2.0);
   CHECK(carried.y == 1.0);

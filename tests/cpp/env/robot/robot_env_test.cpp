@@ -28,8 +28,8 @@ struct Case {
   bool image = false;
 };
 
-const TaskFactory kNavigation = [](const task::Setting& s) { return task::make_navigation(s, {.goals = 4}); };
-const TaskFactory kExploration = [](const task::Setting& s) { return task::make_exploration(s); };
+const TaskFactory kNavigation = [](const task::TaskContext& s) { return task::make_navigation(s, {.goals = 4}); };
+const TaskFactory kExploration = [](const task::TaskContext& s) { return task::make_exploration(s); };
 
 Options options_of(const Case& c) {
   Options options;
@@ -58,7 +58,7 @@ World::Options robot_of(const Case& c) {
   World::Options robot;
   robot.robots = {c.hardware};
   robot.noise = c.noise;
-  robot.mind.localizer = make_truth_localizer;
+  robot.autonomy.localizer = make_truth_localizer;
   return robot;
 }
 
@@ -98,7 +98,7 @@ void check_same(const Case& c, int episodes) {
     batch.reset({&reset, 1});
     robot.reset(reset);
     REQUIRE(told_by(robot) == told_by(batch));
-    CHECK(robot.words() == batch.words(0));
+    CHECK(robot.instruction() == batch.instruction(0));
     std::array<float, 3> action{};
     for (int step = 0; batch.done()[0] == 0; ++step) {
       CAPTURE(step);

@@ -1,0 +1,39 @@
+#include "nav/autonomy.hpp"
+
+#include <numbers>
+
+#include "nav/path_navigator.hpp"
+#include "slam/scan_matching_localizer.hpp"
+
+namespace threewe::slam {
+
+std::unique_ptr<Localizer> make_localizer(const RobotProfile& profile, const InitialState& initial) {
+  constexpr double kUniform = std::numbers::inv_sqrt3;  // deviation of what is uniform in [-1, 1]
+  SensorModel sensors;
+  sensors.lidar = profile.lidar.has_value();
+  if (profile.lidar) {
+    sensors.base_from_lidar = profile.lidar->base_from_lidar;
+    sensors.range_sigma = profile.lidar->sigma;
+    sensors.range_bias_sigma = kUniform * profile.lidar->bias;
+  }
+  if (profile.imu) {
+    sensors.gyro_sigma = profile.imu->gyro_sigma;
+    sensors.gyro_bias_sigma = kUniform * profile.imu->gyro_bias;
+    sensors.gyro_bias_walk = profile.imu->gyro_bias_walk;
+  }
+  const OdometrySpec& wheels = profile.odometry;
+  sensors.forward_scale_sigma = kUniform * wheels.wheel_scale;
+  sensors.lateral_scale = 0.5 * (wheels.lateral_scale_min + wheels.lateral_scale_max);
+  sensors.lateral_scale_sigma = kUniform * 0.5 * (wheels.lateral_scale_max - wheels.lateral_scale_min);
+  return make_scan_matching_localizer(sensors, initial);
+}
+
+}  // namespace threewe::slam
+
+namespace threewe::nav {
+
+std::unique_ptr<Navigator> make_navigator(const RobotProfile& profile) {
+  return std::make_unique<PathNavigator>(profile);
+}
+
+}  // namespace threewe::nav

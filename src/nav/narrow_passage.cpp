@@ -1,0 +1,167 @@
+#include "nav/narrow_passage.hpp"
+#include "core/exact.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+namespace threewe::nav {
+namespace {
+
+constexpr double kAside = 0.12;          // [m] to either side that the middle may be
+constexpr double kSight = 0.5;           // [m] to either side that is looked at
+constexpr double kTurn = 0.6;            // [rad] to either side that the direction may be
+constexpr int kTurns = 24;               // tried to either side
+constexpr double kPerTurn = 0.0005;      // [m] of width that a turn away from the guess must bring
+constexpr double kGain = 0.05;           // of what a look shows: a scan is looked at five times
+constexpr double kLeastSpare = 0.012;    // [m] beyond the robot's width without which nothing goes ...
+constexpr double kMostSpare = 0.3;       // [m] ... and with which it has nothing to do with gaps
+constexpr Duration kMeasuring = 1500ms;  // at least
+constexpr Duration kPatience = 5s;       // to line up, and without ...
+constexpr double kProgress = 0.01;       // [m] ... so much of progress
+constexpr int kMostAttempts = 3;
+constexpr double kInLine = 0.01;       // [m]
+constexpr double kAligned = 0.03;      // [rad]
+constexpr double kAskew = 0.3;         // [rad] with which there is no entering
+constexpr double kRoomBefore = 0.1;    // [m] by which it may begin earlier than the map says
+constexpr double kBefore = 0.1;        // [m/s] before it is narrow, and after
+constexpr double kNarrow = 0.04;       // [m/s]
+constexpr double kConvergence = 0.08;  // [m] of way in which a differential base comes back to its line
+constexpr double kPerSecond = 1.5;     // of what a holonomic base is off
+
+}  // namespace
+
+Gap widest_way(std::span<const Vec2> hits, const Gap& guess) {
+  Gap best = guess;
+  double most = -std::numeric_limits<double>::infinity();
+  std::vector<double> sides;
+  for (int turn = -kTurns; turn <= kTurns; ++turn) {
+    Pose2D middle = guess.middle;
+    middle.theta = wrap_angle(middle.theta + kTurn * turn / kTurns);
+    const auto [s, c] = exact::sincos(middle.theta);
+    sides = {-kSight, kSight};
+    for (const Vec2 hit : hits) {
+      const Vec2 d = hit - middle.position();
+      const double across = c * d.y - s * d.x;
+      if (std::fabs(c * d.x + s * d.y) <= guess.half_length && std::fabs(across) < kSight) sides.push_back(across);
+    }
+    std::sort(sides.begin(), sides.end());
+    for (std::size_t i = 1; i < sides.size(); ++i) {
+      const double off = 0.5 * (sides[i - 1] + sides[i]);
+      const double width = sides[i] - sides[i - 1];
+      if (std::fabs(off) > kAside || width - kPerTurn * std::abs(turn) <= most) continue;
+      most = width - kPerTurn * std::abs(turn);
+      best.middle = {middle.x - s * off, middle.y + c * off, middle.theta};
+      best.width = width;
+    }
+  }
+  return best;
+}
+
+NarrowPassage::NarrowPassage(const RobotProfile& profile) : kinematics_(profile.kinematics()) {
+  const auto& corners = profile.body.footprint.corners();
+  const auto [rear, front] = std::ranges::minmax(corners, {}, &Vec2::x);
+  const auto [right, left] = std::ranges::minmax(corners, {}, &Vec2::y);
+  ahead_ = front.x;
+  behind_ = -rear.x;
+  width_ = left.y - right.y;
+  aside_ = 0.5 * (left.y + right.y);
+}
+
+void NarrowPassage::begin(Time now, const Pose2D& odom_from_base, const Pose2D& odom_from_middle, double half_length) {
+  constexpr double kNear = 0.03;  // [m]
+  gap_ = {odom_from_middle, half_length, 0.0};
+  attempts_ = 0;
+  // who drives in all directions need not turn round
+  const double turned = wrap_angle(odom_from_base.theta - odom_from_middle.theta);
+  facing_ = kinematics_ == Kinematics::holonomic && std::fabs(turned) > 0.5 * exact::kPi ? exact::kPi : 0.0;
+  const Pose2D in_gap = inverse(odom_from_middle) * odom_from_base;
+  const bool is_inside = in_gap.x > -half_length && std::fabs(wrap_angle(facing_ - in_gap.theta)) < kAskew;
+  const bool is_beyond_entry = in_gap.x > entry(half_length) + kNear;
+  enter(is_inside ? State::entering : is_beyond_entry ? State::backing_out : State::lining_up, now);
+}
+
+void NarrowPassage::enter(State state, Time now) {
+  state_ = state;
+  entered_ = furthest_at_ = now;
+  furthest_ = -std::numeric_limits<double>::infinity();
+}
+
+Velocity NarrowPassage::step(Time now, const Pose2D& odom_from_base, std::span<const Vec2> hits,
+                             PathFollower& follower) {
+  measure(hits);
+  const Pose2D in_gap = inverse(gap_.middle) * odom_from_base;
+  const double nose = in_gap.x + (facing_ == 0.0 ? ahead_ : behind_);
+  const double tail = in_gap.x - (facing_ == 0.0 ? behind_ : ahead_);
+  const bool is_beside = nose > -(gap_.half_length + kRoomBefore) && tail < gap_.half_length;
+  creep_mode_ = is_beside && state_ != State::lining_up;  // there it may turn as fast as anywhere
+  const double speed = creep_mode_ ? kNarrow : kBefore;
+  switch (state_) {
+    case State::lining_up: return line_up(in_gap, now, follower);
+    case State::entering:
+      if (tail >= gap_.half_length) {
+        enter(State::through, now);
+      } else if (stands_still(now, in_gap.x)) {
+        enter(++attempts_ < kMostAttempts ? State::backing_out : State::closed, now);
+      }
+      return drive(in_gap, speed, follower);
+    case State::backing_out:
+      if (in_gap.x <= entry(gap_.half_length) || stands_still(now, -in_gap.x)) enter(State::lining_up, now);
+      return drive(in_gap, -speed, follower);
+    case State::idle:
+    case State::through:
+    case State::closed:
+    case State::too_narrow:
+    case State::wide: return {};
+  }
+  return {};
+}
+
+void NarrowPassage::measure(std::span<const Vec2> hits) {
+  const Gap seen = widest_way(hits, gap_);
+  const double gain = gap_.width > 0.0 ? kGain : 1.0;
+  const Vec2 shift = gain * (seen.middle.position() - gap_.middle.position());
+  gap_.middle = {gap_.middle.x + shift.x, gap_.middle.y + shift.y,
+                 wrap_angle(gap_.middle.theta + gain * wrap_angle(seen.middle.theta - gap_.middle.theta))};
+  gap_.width += gain * (seen.width - gap_.width);
+}
+
+bool NarrowPassage::stands_still(Time now, double along) {
+  if (along > furthest_ + kProgress) furthest_ = along, furthest_at_ = now;
+  return now - furthest_at_ > kPatience;
+}
+
+// Onto the line through the gap, as far as the base can, and along it; what is too narrow is seen from there.
+Velocity NarrowPassage::line_up(const Pose2D& in_gap, Time now, PathFollower& follower) {
+  const bool measured = now - entered_ >= kMeasuring;
+  if (measured && gap_.width < width_ + kLeastSpare) return enter(State::too_narrow, now), Velocity{};
+  if (measured && gap_.width > width_ + kMostSpare) return enter(State::wide, now), Velocity{};
+  const double turn = wrap_angle(facing_ - in_gap.theta);
+  const bool in_line = kinematics_ == Kinematics::differential || std::fabs(aside(in_gap)) <= kInLine;
+  const bool in_vain = now - entered_ > kPatience;
+  if (measured && std::fabs(turn) <= kAligned && (in_line || in_vain)) enter(State::entering, now);
+  if (in_vain && std::fabs(turn) > kAskew) return enter(State::closed, now), Velocity{};
+  if (in_vain) enter(State::entering, now);
+  return std::fabs(turn) > kAligned ? follower.turn(turn) : drive(in_gap, 0.0, follower);
+}
+
+// [m] by which the middle of the body is to go to the left of the way through.
+double NarrowPassage::aside(const Pose2D& in_gap) const { return (facing_ == 0.0 ? -aside_ : aside_) - in_gap.y; }
+
+// Along the line, and back onto it.
+Velocity NarrowPassage::drive(const Pose2D& in_gap, double speed, const PathFollower& follower) const {
+  const double off = aside(in_gap);
+  const double turn = wrap_angle(facing_ - in_gap.theta);
+  if (kinematics_ == Kinematics::holonomic) {
+    const double most = std::max(std::fabs(speed), kNarrow);
+    const Vec2 along = rotate({speed, std::clamp(kPerSecond * off, -most, most)}, -in_gap.theta);
+    return follower.safe({along.x, along.y, std::clamp(kPerSecond * turn, -0.3, 0.3)});
+  }
+  // critically damped along the way, forwards or backwards
+  const double direction = speed < 0.0 ? -1.0 : 1.0;
+  const double curvature = (direction * off / kConvergence + 2.0 * turn) / kConvergence;
+  return follower.safe({speed, 0.0, std::clamp(std::fabs(speed) * curvature, -0.3, 0.3)});
+}
+
+}  // namespace threewe::nav

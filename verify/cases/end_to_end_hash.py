@@ -1,0 +1,38 @@
+"""Runs the C++ programs that tell what happened as a hash: verify_end_to_end_hash, verify_episodes."""
+
+import os
+import subprocess
+from pathlib import Path
+from typing import Any
+
+from verify.cases import aarch64
+from verify.cases.trees import PROGRAMS
+
+
+def hashes(command: list[str | Path], **environment: str) -> dict[str, str]:
+    """What was run, and its hash."""
+    done = subprocess.run(command, capture_output=True, text=True, env={**os.environ, **environment})
+    if done.returncode != 0:
+        raise RuntimeError(f"{command} ended with {done.returncode}: {done.stderr}")
+    return dict(line.rsplit(" ", 1) for line in done.stdout.splitlines())
+
+
+def truth_isolation(seed: int) -> dict[str, Any]:
+    """A drive in a world that states the truth about the robot, and in one that falsifies it."""
+    found = hashes([PROGRAMS / "verify_end_to_end_hash", str(seed), "--false-truth"])
+    return {"equal": len(found) == 2 and len(set(found.values())) == 1}
+
+
+def targets(seed: int, program: str) -> dict[str, Any]:
+    """A program on every vector target of this machine."""
+    found = hashes([PROGRAMS / program, str(seed)])
+    return {"equal": len(set(found.values())) == 1, "targets": sorted({run.split()[0] for run in found})}
+
+
+def processors(seed: int, program: str) -> dict[str, Any]:
+    """A program on this processor and on an emulated 64-bit Arm one."""
+    if missing := aarch64.missing():
+        return {"not_shown": missing}
+    here = hashes([PROGRAMS / program, str(seed)])
+    there = hashes([aarch64.EMULATOR, aarch64.program(program), str(seed)], **aarch64.ENVIRONMENT)
+    return {"equal": len({*here.values(), *there.values()}) == 1, "targets": sorted({run.split()[0] for run in there})}

@@ -1,0 +1,84 @@
+// A simulator that lies about its robots and about people, to show that robots do not listen.
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <memory>
+#include <utility>
+#include <vector>
+
+#include "threewe/backend/world.hpp"
+#include "threewe/scene/scene.hpp"
+#include "threewe/scene/truth_view.hpp"
+
+namespace threewe {
+
+/// The truth, moved by 100 m and turned; and people under one another's names.
+class FalseTruth final : public scene::TruthView {
+ public:
+  explicit FalseTruth(const scene::TruthView& truth) : truth_(truth), scene_(truth.scene()) { scramble(scene_.people); }
+  const scene::Scene& scene() const override { return scene_; }
+  Pose2D true_pose() const override { return shifted(truth_.true_pose()); }
+  Velocity true_velocity() const override { return {}; }
+  Pose2D start_pose() const override { return shifted(truth_.start_pose()); }
+  double max_collision_speed() const override { return 7.0; }
+  double distance_driven() const override { return truth_.distance_driven() + 100.0; }
+  std::vector<scene::PersonPose> people() const override {
+    std::vector<scene::PersonPose> people = truth_.people();
+    scramble(people);
+    for (scene::PersonPose& person : people) person.pose = shifted(person.pose);
+    return people;
+  }
+  Pose2D sample_free_pose(std::uint64_t seed) const override { return shifted(truth_.sample_free_pose(seed)); }
+  SemanticImage look(const CameraIntrinsics& camera, const Pose2D&, double height, bool) const override {
+    return truth_.look(camera, {}, height, true);
+  }
+  double range(const Pose2D& pose, double height) const override { return truth_.range(pose, height) + 1.0; }
+  double geodesic(Vec2 a, Vec2 b) const override { return truth_.geodesic(a, b) + 100.0; }
+
+ private:
+  static Pose2D shifted(const Pose2D& p) { return {p.x + 100.0, p.y - 100.0, wrap_angle(p.theta + 2.0)}; }
+  // everybody goes by the name of the next
+  template <typename People>
+  static void scramble(People& people) {
+    for (std::size_t i = 0; i + 1 < people.size(); ++i) std::swap(people[i].name, people[i + 1].name);
+  }
+
+  const scene::TruthView& truth_;
+  scene::Scene scene_;
+};
+
+/// A port whose robot claims to be elsewhere. What it delivers and obeys is as it was.
+class FalseTruthPort final : public backend::RobotPort {
+ public:
+  explicit FalseTruthPort(backend::RobotPort& port) : port_(port), truth_(*port.truth()) {}
+  const backend::Features& features() const override { return port_.features(); }
+  const RobotProfile& profile() const override { return port_.profile(); }
+  void connect() override { port_.connect(); }
+  void disconnect() override { port_.disconnect(); }
+  std::vector<Sample> poll() override { return port_.poll(); }
+  void command(const Velocity& velocity, Time valid_until) override { port_.command(velocity, valid_until); }
+  const scene::TruthView* truth() const override { return &truth_; }
+
+ private:
+  backend::RobotPort& port_;
+  FalseTruth truth_;
+};
+
+/// A world of such robots.
+class FalseTruthWorld final : public backend::World {
+ public:
+  explicit FalseTruthWorld(std::unique_ptr<backend::World> world) : world_(std::move(world)) {
+    for (std::size_t i = 0; i < world_->robot_count(); ++i) ports_.emplace_back(world_->robot(i));
+  }
+  std::size_t robot_count() const override { return ports_.size(); }
+  backend::RobotPort& robot(std::size_t index) override { return ports_.at(index); }
+  Time now() const override { return world_->now(); }
+  void advance_to(Time t) override { world_->advance_to(t); }
+
+ private:
+  std::unique_ptr<backend::World> world_;
+  std::deque<FalseTruthPort> ports_;
+};
+
+}  // namespace threewe
