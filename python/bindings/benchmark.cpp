@@ -37,7 +37,8 @@ void init_benchmark(nb::module_& m) {
         "one driven, at most 1; 1 for a success where the shortest length is 0. Lengths in [m].");
   m.def("optimistic_replanning", &benchmark::optimistic_replanning, "tables"_a, "profile"_a, "start"_a, "goal"_a,
         WithoutGil(),
-        "A drive in a place of which nothing is known at first, as no robot can expect to beat it: with a perfect\n"
+        "A drive to `goal` [m] in a place of which nothing is known at first, as no robot can expect to beat it: with "
+        "a perfect\n"
         "pose and a lidar without noise, along shortest paths for the inscribed radius through all that is not known\n"
         "to be an obstacle. `start` and `goal` (x, y) in the scene's frame. Raises HardwareError without a lidar,\n"
         "ContractError for a place outside of the scene.");

@@ -18,9 +18,9 @@ void init_calibration(nb::module_& m) {
   nb::class_<Figure>(m, "Figure", "One figure of a profile, as it was fitted.")
       .def(Value())
       .def_ro("name", &Figure::name, "of its field below `body`")
-      .def_ro("before", &Figure::before, "in the profile, or what follows from it")
+      .def_ro("before", &Figure::before, "in the profile's unit: in the profile, or what follows from it")
       .def_ro("value", &Figure::value, "fitted, in the profile's unit")
-      .def_ro("spread", &Figure::spread, "half of its 95 % interval")
+      .def_ro("spread", &Figure::spread, "half of its 95 % interval, in the profile's unit")
       .def_ro("identifiable", &Figure::identifiable,
               "Whether the excitation sequences say more about it than was assumed beforehand.")
       .def("__repr__",
@@ -28,11 +28,11 @@ void init_calibration(nb::module_& m) {
   nb::class_<Deviation>(m, "Deviation", "How far the embedded simulator's motion is from another robot's: shares.")
       .def(Value())
       .def_ro("linear", &Deviation::linear,
-              "of (vx, vy): root mean square of the difference over that of the other's velocity")
-      .def_ro("angular", &Deviation::angular, "the same of omega")
-      .def_ro("combined", &Deviation::combined, "the same of both, weighed as kinetic energy weighs them")
-      .def_ro("pose", &Deviation::pose, "of the distance driven, how far apart they end: mean over all sequences")
-      .def_ro("farthest_pose", &Deviation::farthest_pose, "the worst of them")
+              "share, of (vx, vy): root mean square of the difference over that of the other's velocity")
+      .def_ro("angular", &Deviation::angular, "share, the same of omega")
+      .def_ro("combined", &Deviation::combined, "share, the same of both, weighed as kinetic energy weighs them")
+      .def_ro("pose", &Deviation::pose, "share of the distance driven, how far apart they end: mean over all sequences")
+      .def_ro("farthest_pose", &Deviation::farthest_pose, "share, the worst of them")
       .def("__repr__", [](const Deviation& d) {
         return fmt::format("Deviation(linear={:.4f}, angular={:.4f}, combined={:.4f}, pose={:.4f})", d.linear,
                            d.angular, d.combined, d.pose);

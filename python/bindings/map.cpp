@@ -23,7 +23,7 @@ void init_map(nb::module_& m) {
           "corners"_a, nb::kw_only(), "speed_limit"_a = nb::none())
       .def_ro("corners", &map::Zone::corners, "(x, y) [m], in order; the last is joined to the first")
       .def_ro("speed_limit", &map::Zone::speed_limit, "[m/s] while any part of the body is in it, or None")
-      .def("contains", &map::Zone::contains, "point"_a, "Whether a point (x, y) lies inside.")
+      .def("contains", &map::Zone::contains, "point"_a, "Whether a point (x, y) [m] lies inside.")
       .def("__repr__", [](const map::Zone& zone) {
         return zone.speed_limit ? fmt::format("Zone({} corners, {:.2f} m/s)", zone.corners.size(), *zone.speed_limit)
                                 : fmt::format("Zone({} corners, keep out)", zone.corners.size());

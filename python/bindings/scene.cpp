@@ -219,9 +219,9 @@ void init_scene(nb::module_& m) {
       .def("room", &Scene::room, "name"_a, nb::rv_policy::reference_internal,
            "A room by name. Raises ConfigError naming the nearest right one.")
       .def("room_at", &Scene::room_at, "point"_a, nb::rv_policy::reference_internal,
-           "The room that holds a point (x, y), or None.")
+           "The room that holds a point (x, y) [m], or None.")
       .def("friction_at", &Scene::friction_at, "point"_a,
-           "How well wheels hold at a point (x, y), times their friction on a hard floor.")
+           "How well wheels hold at a point (x, y) [m], times their friction on a hard floor.")
       .def("__repr__", [](const Scene& scene) {
         return fmt::format("Scene('{}', {:.0f} x {:.0f} m, {} rooms, {} objects)", scene.name,
                            scene.max.x - scene.min.x, scene.max.y - scene.min.y, scene.rooms.size(),

@@ -111,7 +111,8 @@ void init_slam(nb::module_& m) {
             events.erase(events.begin(), events.begin() + static_cast<std::ptrdiff_t>(before));
             return std::pair(pose, std::move(events));
           },
-          "time"_a, "scan"_a, "odometry"_a.none(), WithoutGil(), "One scan; where the robot is, and events that began.")
+          "time"_a, "scan"_a, "odometry"_a.none(), WithoutGil(),
+          "One scan, measured at `time` [s]; where the robot is, and events that began.")
       .def(
           "map", [](const Slam& slam, int component) { return slam.map(component); }, "component"_a = 0, WithoutGil(),
           "The map so far, of one component.")

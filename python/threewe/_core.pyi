@@ -811,7 +811,7 @@ class Zone:
         """[m/s] while any part of the body is in it, or None"""
 
     def contains(self, point: tuple[float, float]) -> bool:
-        """Whether a point (x, y) lies inside."""
+        """Whether a point (x, y) [m] lies inside."""
 
     def __repr__(self) -> str: ...
 
@@ -952,7 +952,9 @@ class Slam:
     def __init__(self, config: SlamConfig = ...) -> None: ...
 
     def add(self, time: float, scan: LaserScan, odometry: Pose2D | None) -> tuple[Pose2D, list[SlamEvent]]:
-        """One scan; where the robot is, and events that began."""
+        """
+        One scan, measured at `time` [s]; where the robot is, and events that began.
+        """
 
     def map(self, component: int = 0) -> OccupancyGrid:
         """The map so far, of one component."""
@@ -1283,11 +1285,11 @@ class Scene:
         """A room by name. Raises ConfigError naming the nearest right one."""
 
     def room_at(self, point: tuple[float, float]) -> Room:
-        """The room that holds a point (x, y), or None."""
+        """The room that holds a point (x, y) [m], or None."""
 
     def friction_at(self, point: tuple[float, float]) -> float:
         """
-        How well wheels hold at a point (x, y), times their friction on a hard floor.
+        How well wheels hold at a point (x, y) [m], times their friction on a hard floor.
         """
 
     def __repr__(self) -> str: ...
@@ -2565,7 +2567,7 @@ def spl(success: bool, shortest: float, driven: float) -> float:
 
 def optimistic_replanning(tables: SceneTables, profile: RobotProfile, start: Pose2D, goal: tuple[float, float]) -> ReferenceDrive:
     """
-    A drive in a place of which nothing is known at first, as no robot can expect to beat it: with a perfect
+    A drive to `goal` [m] in a place of which nothing is known at first, as no robot can expect to beat it: with a perfect
     pose and a lidar without noise, along shortest paths for the inscribed radius through all that is not known
     to be an obstacle. `start` and `goal` (x, y) in the scene's frame. Raises HardwareError without a lidar,
     ContractError for a place outside of the scene.
@@ -2614,7 +2616,7 @@ class Figure:
 
     @property
     def before(self) -> float:
-        """in the profile, or what follows from it"""
+        """in the profile's unit: in the profile, or what follows from it"""
 
     @property
     def value(self) -> float:
@@ -2622,7 +2624,7 @@ class Figure:
 
     @property
     def spread(self) -> float:
-        """half of its 95 % interval"""
+        """half of its 95 % interval, in the profile's unit"""
 
     @property
     def identifiable(self) -> bool:
@@ -2648,26 +2650,26 @@ class Deviation:
     @property
     def linear(self) -> float:
         """
-        of (vx, vy): root mean square of the difference over that of the other's velocity
+        share, of (vx, vy): root mean square of the difference over that of the other's velocity
         """
 
     @property
     def angular(self) -> float:
-        """the same of omega"""
+        """share, the same of omega"""
 
     @property
     def combined(self) -> float:
-        """the same of both, weighed as kinetic energy weighs them"""
+        """share, the same of both, weighed as kinetic energy weighs them"""
 
     @property
     def pose(self) -> float:
         """
-        of the distance driven, how far apart they end: mean over all sequences
+        share of the distance driven, how far apart they end: mean over all sequences
         """
 
     @property
     def farthest_pose(self) -> float:
-        """the worst of them"""
+        """share, the worst of them"""
 
     def __repr__(self) -> str: ...
 

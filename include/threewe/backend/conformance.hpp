@@ -12,12 +12,13 @@ namespace threewe::backend {
 
 /// How a check ended. A feature that the backend does not claim makes its checks `not_applicable`.
 enum class Outcome : std::uint8_t { passed, failed, not_applicable };
+/// Its name.
 std::string_view to_string(Outcome outcome);
 
 /// What one check found.
 struct CheckResult {
-  std::string name;
-  Outcome outcome{};
+  std::string name;    ///< what was checked, such as "rates_are_as_listed"
+  Outcome outcome{};   ///< passed, failed or not applicable
   std::string detail;  ///< what was wrong, or why the check does not apply; empty when passed
 
   /// False only for a failure.

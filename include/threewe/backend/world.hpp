@@ -19,21 +19,21 @@ namespace threewe::backend {
 
 /// One sensor of a robot, as it is known before connecting.
 struct SensorInfo {
-  std::string name;  ///< "lidar", "imu", "odometry", "battery", a mount of the ultrasonics; unique on a robot
-  SensorType type{};
+  std::string name;   ///< "lidar", "imu", "odometry", "battery", a mount of the ultrasonics; unique on a robot
+  SensorType type{};  ///< what it measures
   double rate = 0.0;  ///< [Hz]
 };
 
 /// What a robot can do, readable before connecting.
 struct Features {
-  std::vector<SensorInfo> sensors;
-  Kinematics kinematics{};
-  bool lockstep = false;       ///< time advances only when asked to
-  bool deterministic = false;  ///< the same seed and commands give the same samples, to the bit
-  bool can_reset = false;
-  bool can_save = false;
-  bool external_localization = false;
-  bool external_navigation = false;
+  std::vector<SensorInfo> sensors;     ///< in the order of `Sample::sensor`
+  Kinematics kinematics{};             ///< which velocities the base can drive
+  bool lockstep = false;               ///< time advances only when asked to
+  bool deterministic = false;          ///< the same seed and commands give the same samples, to the bit
+  bool can_reset = false;              ///< `reset` and moving a robot by hand work
+  bool can_save = false;               ///< `save` and `restore` work
+  bool external_localization = false;  ///< the backend localises the robot itself
+  bool external_navigation = false;    ///< the backend plans and drives by itself
 
   /// Whether any of the sensors is of this type.
   bool has(SensorType type) const;
@@ -44,10 +44,13 @@ class RobotPort {
  public:
   virtual ~RobotPort() = default;
 
+  /// What the robot has and can do; the same before and after `connect`.
   virtual const Features& features() const = 0;
+  /// The robot's data sheet.
   virtual const RobotProfile& profile() const = 0;
   /// Throws ConnectionError when the robot cannot be reached. Connecting twice does nothing.
   virtual void connect() = 0;
+  /// Stops the robot and lets it go. Disconnecting twice does nothing.
   virtual void disconnect() = 0;
   /// The samples that arrived since the last call, in order of arrival, `received` set to now.
   /// Throws ConnectionError before `connect` and after `disconnect`.
@@ -61,7 +64,7 @@ class RobotPort {
 
 /// How a world begins anew.
 struct ResetOptions {
-  std::uint64_t seed = 0;
+  std::uint64_t seed = 0;  ///< of all noise and of where people begin
   /// Where each robot starts, in the scene's frame; the scene's own start poses where empty. People who would begin
   /// there begin farther on.
   std::vector<Pose2D> poses = {};  // NOLINT(readability-redundant-member-init): g++ warns where it is left out
@@ -74,8 +77,11 @@ class World {
  public:
   virtual ~World() = default;
 
+  /// How many robots the world has; never changes.
   virtual std::size_t robot_count() const = 0;
+  /// Robot `index` < `robot_count()`.
   virtual RobotPort& robot(std::size_t index) = 0;
+  /// Robot time since the world was made or reset.
   virtual Time now() const = 0;
   /// Lockstep: simulates until `now() == t`. Real time: returns when the clock has reached `t`.
   virtual void advance_to(Time t) = 0;
@@ -86,15 +92,17 @@ class World {
   virtual void teleport(std::size_t robot, const Pose2D& pose);
   /// Everything that the future depends on. Throws ContractError where `can_save` is false.
   virtual std::vector<std::byte> save() const;
+  /// Goes back to what `save` returned. Throws ContractError where `can_save` is false or the state is of another
+  /// world.
   virtual void restore(const std::vector<std::byte>& state);
 };
 
 /// How a world is made.
 struct WorldOptions {
-  std::string scene = "office_v2";
+  std::string scene = "office_v2";                        ///< its name, or a file that ends in .yaml
   std::vector<std::string> robots = {"3we_standard_v2"};  ///< one hardware profile per robot
-  NoiseLevel noise = NoiseLevel::realistic;
-  std::uint64_t seed = 0;
+  NoiseLevel noise = NoiseLevel::realistic;               ///< of sensors and wheels
+  std::uint64_t seed = 0;                                 ///< of all noise
   /// As in ResetOptions.
   std::vector<Pose2D> poses = {};  // NOLINT(readability-redundant-member-init): g++ warns where it is left out
   /// What the robots' cameras deliver, where that is to be another size than their profiles state.

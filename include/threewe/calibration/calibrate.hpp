@@ -15,6 +15,7 @@ enum class Source : std::uint8_t {
   truth,   ///< a simulator tells how its body moves
   sensors  ///< wheel odometry, and the gyro for turns where there is one: slip of all wheels alike stays unseen
 };
+/// Its name.
 std::string_view to_string(Source source);
 
 /// How far apart two sets of tracks are.

@@ -30,7 +30,7 @@ void check(const CameraIntrinsics& camera);
 
 /// One image of a camera.
 struct RGBDImage {
-  CameraIntrinsics intrinsics;
+  CameraIntrinsics intrinsics;      ///< of both images
   std::vector<std::uint8_t> color;  ///< (H, W, 3), blue, green, red
   std::vector<float> depth;         ///< (H, W) [m] along the optical axis, invalid = 0.0; empty without a depth camera
   friend bool operator==(const RGBDImage&, const RGBDImage&) = default;
@@ -49,6 +49,7 @@ class Picture {
  public:
   /// Of nothing: no pixels.
   Picture() = default;
+  /// Of an image that is there already.
   explicit Picture(RGBDImage image);
   /// `draw` is called at most once, on first access, and must give the same on every thread.
   explicit Picture(std::function<RGBDImage()> draw);

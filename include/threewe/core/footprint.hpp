@@ -21,11 +21,13 @@ class Footprint {
   /// A rectangle centred on the base, `length` along x and `width` along y [m].
   static Footprint rectangle(double length, double width);
 
+  /// The corners [m] in the base frame, counter-clockwise.
   const std::vector<Vec2>& corners() const { return corners_; }
   /// Radius of the largest disc around the base inside the outline [m].
   double inscribed_radius() const { return inscribed_radius_; }
   /// Radius of the smallest disc around the base that holds the outline [m].
   double circumscribed_radius() const { return circumscribed_radius_; }
+  /// Whether a point [m] is inside or on the border.
   bool contains(Vec2 point_in_base) const { return signed_distance(point_in_base) <= 0.0; }
   /// Distance from a point to the outline [m], negative inside.
   double signed_distance(Vec2 point_in_base) const {

@@ -10,18 +10,24 @@ namespace threewe {
 
 /// A point or a direction in the plane [m].
 struct Vec2 {
-  double x = 0.0;
-  double y = 0.0;
+  double x = 0.0;  ///< [m] ahead
+  double y = 0.0;  ///< [m] to the left
   friend bool operator==(const Vec2&, const Vec2&) = default;
 };
 
+/// Component by component.
 constexpr Vec2 operator+(Vec2 a, Vec2 b) { return {a.x + b.x, a.y + b.y}; }
+/// Component by component.
 constexpr Vec2 operator-(Vec2 a, Vec2 b) { return {a.x - b.x, a.y - b.y}; }
+/// `s` times as long.
 constexpr Vec2 operator*(double s, Vec2 a) { return {s * a.x, s * a.y}; }
+/// The scalar product.
 constexpr double dot(Vec2 a, Vec2 b) { return a.x * b.x + a.y * b.y; }
 /// The z component of the cross product: positive when `b` lies counter-clockwise of `a`.
 constexpr double cross(Vec2 a, Vec2 b) { return a.x * b.y - a.y * b.x; }
+/// The length [m].
 inline double norm(Vec2 a) { return std::sqrt(dot(a, a)); }  // correctly rounded on every machine (IEEE 754)
+/// The distance [m] between two points.
 inline double distance(Vec2 a, Vec2 b) { return norm(a - b); }
 /// The point between `a` and `b` that is nearest to `p`.
 constexpr Vec2 closest_on_segment(Vec2 p, Vec2 a, Vec2 b) {
@@ -39,9 +45,10 @@ double wrap_angle(double angle);
 /// A pose in the plane: position [m] and heading [rad] in (-pi, pi].
 /// A transform is a pose too, and is named for what it maps: `map_from_base * base_from_lidar == map_from_lidar`.
 struct Pose2D {
-  double x = 0.0;
-  double y = 0.0;
-  double theta = 0.0;
+  double x = 0.0;      ///< [m] ahead
+  double y = 0.0;      ///< [m] to the left
+  double theta = 0.0;  ///< [rad] counter-clockwise, in (-pi, pi]
+  /// The position [m] without the heading.
   constexpr Vec2 position() const { return {x, y}; }
   friend bool operator==(const Pose2D&, const Pose2D&) = default;
 };
@@ -61,14 +68,15 @@ Vec2 rotate(Vec2 v, double angle);
 
 /// A velocity in the body frame: forward and left [m/s], counter-clockwise [rad/s].
 struct Velocity {
-  double vx = 0.0;
-  double vy = 0.0;
-  double omega = 0.0;
+  double vx = 0.0;     ///< [m/s] ahead
+  double vy = 0.0;     ///< [m/s] to the left
+  double omega = 0.0;  ///< [rad/s] counter-clockwise
   friend bool operator==(const Velocity&, const Velocity&) = default;
 };
 
 /// True when every component is finite.
 bool is_finite(const Velocity& v);
+/// True when every component is finite.
 bool is_finite(const Pose2D& p);
 
 /// The pose after moving at a constant body velocity for `seconds`, exact along the arc.

@@ -33,8 +33,8 @@ struct IMUData {
 
 /// Pose in `odom` and body velocity, from the wheels alone.
 struct Odometry {
-  Pose2D pose;
-  Velocity velocity;
+  Pose2D pose;        ///< in `odom`
+  Velocity velocity;  ///< in the body frame
 };
 
 /// The state of the battery.
@@ -55,8 +55,10 @@ struct RangeData {
 
 /// The kinds of sensor that the contract knows, in the order of `SampleData`.
 enum class SensorType : std::uint8_t { lidar, imu, odometry, battery, ultrasonic, camera };
+/// Its name, as in `Features`.
 std::string_view to_string(SensorType type);
 
+/// A reading of any kind.
 using SampleData = std::variant<LaserScan, IMUData, Odometry, BatteryState, RangeData, Picture>;
 
 /// A reading with its stamps. `received` is the robot time at which `poll()` handed it over.
@@ -64,8 +66,8 @@ struct Sample {
   std::uint16_t sensor = 0;    ///< index into `Features::sensors`
   std::uint64_t sequence = 0;  ///< counts each sensor's samples from 0, without gaps
   Time measured{};             ///< when it was taken (for a scan, beam 0 of the array)
-  Time received{};
-  SampleData data;
+  Time received{};             ///< when `poll` handed it over
+  SampleData data;             ///< the reading itself
 };
 
 }  // namespace threewe

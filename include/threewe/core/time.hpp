@@ -7,6 +7,7 @@ namespace threewe {
 
 /// Robot time since the world began, or a span of it. An integer, so that adding periods never drifts.
 using Time = std::chrono::nanoseconds;
+/// A length of time, in whole nanoseconds.
 using Duration = std::chrono::nanoseconds;
 
 using namespace std::chrono_literals;

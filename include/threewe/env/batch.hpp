@@ -16,9 +16,10 @@ namespace threewe::env {
 
 /// One observation of all robots: robot r of world w is row `w * robots + r`.
 struct Array {
-  task::Field field;
-  std::vector<std::byte> data;
-  std::size_t row_bytes = 0;
+  task::Field field;            ///< name, type and shape of a row
+  std::vector<std::byte> data;  ///< (rows, shape of the field), row-major
+  std::size_t row_bytes = 0;    ///< bytes of one row
+  /// The bytes of row `i`.
   std::span<std::byte> row(std::size_t i) { return std::span(data).subspan(i * row_bytes, row_bytes); }
 };
 
@@ -27,23 +28,23 @@ struct Reset {
   std::optional<std::uint64_t> seed{};     ///< begins with episode 0; without, the world's next episode follows
   std::optional<std::uint32_t> episode{};  ///< this one instead
   std::optional<std::size_t> scene{};      ///< instead of the one that the seed draws
-  task::EpisodeRequest request{};
+  task::EpisodeRequest request{};          ///< start, goal and category, where they are not to be drawn
 };
 
 /// A world's episode, and how it goes.
 struct EpisodeInfo {
-  std::uint64_t seed = 0;
-  std::uint32_t episode = 0;
-  std::size_t scene = 0;  ///< place in `Options::scenes`
-  int steps = 0;          ///< taken
+  std::uint64_t seed = 0;     ///< that the episode was drawn from
+  std::uint32_t episode = 0;  ///< its number since that seed was given
+  std::size_t scene = 0;      ///< place in `Options::scenes`
+  int steps = 0;              ///< taken
 };
 
 /// A world from above, in the scene's frame: for pictures. Privileged.
 struct TopView {
-  std::vector<Pose2D> robots;
+  std::vector<Pose2D> robots;           ///< where each robot truly is
   std::vector<std::vector<Vec2>> hits;  ///< [m] what each robot's newest scan hit, from where it truly was
-  std::vector<scene::Circle> people;
-  task::DebugOverlay task;
+  std::vector<scene::Circle> people;    ///< what people fill on the floor
+  task::DebugOverlay task;              ///< goals and ground of the task
 };
 
 /// Worlds with one or more robots each, every one an environment of its own. A world's episode is a pure function of
@@ -62,7 +63,9 @@ class Batch {
   Batch(const Batch&) = delete;
   Batch& operator=(const Batch&) = delete;
 
+  /// As given, with what was left out filled in.
   const Options& options() const;
+  /// Robots in all worlds: the first length of every array.
   std::size_t rows() const { return options().worlds * options().robots; }
 
   /// Begins an episode in every world, or in those of `mask` (one for each world, true = reset).
@@ -86,18 +89,20 @@ class Batch {
   /// Names of the metrics, and their values: shape (rows, names). With `Autoreset::same_step` those of episodes that
   /// have just begun, and `final_metrics` those at the end of the ones before.
   const std::vector<std::string>& metric_names() const;
-  std::span<const double> metrics() const;
-  std::span<const double> final_metrics() const;
+  std::span<const double> metrics() const;        ///< (rows, names): the metrics now.
+  std::span<const double> final_metrics() const;  ///< (rows, names): the metrics at the end of the episodes before.
   /// (rows, 3): true pose in the scene's frame. Privileged.
   std::span<const double> true_poses() const;
   /// (rows,) [s] since the newest scan was complete.
   std::span<const double> scan_ages() const;
 
   // Of one world. They throw ContractError where there is no such world, or no such robot in it.
+  /// Which episode a world is in.
   EpisodeInfo episode(std::size_t world) const;
   /// What a world's episode is about, see `task::Task`; `instruction_name` says what these words are called. Throws
   /// ContractError before the first reset.
   std::string instruction(std::size_t world) const;
+  /// What `instruction` is called, such as "object_goal"; empty where the task has none.
   std::string instruction_name() const;
   /// How a robot differs from its profile now.
   models::Variation variation(std::size_t world, std::size_t robot = 0) const;

@@ -53,27 +53,28 @@ enum class Autoreset : std::uint8_t {
 /// Makes the task of a batch.
 using TaskFactory = std::function<std::unique_ptr<task::Task>(const task::TaskContext& context)>;
 
+/// What a batch is made of.
 struct Options {
   std::vector<std::shared_ptr<const scene::Scene>> scenes;  ///< each episode is in one of them, drawn by its seed
-  TaskFactory task;
-  RobotProfile hardware;  ///< with its noise, see `with_noise`
+  TaskFactory task;                                         ///< makes the task for all worlds
+  RobotProfile hardware;                                    ///< with its noise, see `with_noise`
   /// Without: what the gate goes by, as a `Robot`'s does, which knows no noise. `hardware` where left out.
   std::optional<RobotProfile> data_sheet;
-  Observed observed;
+  Observed observed;      ///< which observations are made
   int lidar_beams = 0;    ///< every k-th of the profile's; 0 = all
   int image_width = 64;   ///< [px] of the profile's view, with its horizontal field of view and square pixels; to 2048
   int image_height = 64;  ///< [px], to 2048
-  Localization localization = Localization::noisy;
-  models::LocalizationSpec localization_model;  ///< of `Localization::noisy`
-  models::Randomization randomization;
+  Localization localization = Localization::noisy;  ///< where `pose`, `velocity` and `goal` come from
+  models::LocalizationSpec localization_model;      ///< of `Localization::noisy`
+  models::Randomization randomization;              ///< how robots differ from the profile
   /// Where left out: `full`; `limits` for a robot without the lidar that the collision monitor of a batch goes by.
   std::optional<Gate> gate{};
-  int max_steps = 500;              ///< an episode is truncated after so many
-  Duration control_period = 100ms;  ///< of one step; a whole number of control periods of the robot
-  std::size_t worlds = 1;           ///< up to a million
-  std::size_t robots = 1;           ///< in each world
-  std::size_t threads = 1;          ///< at most; none has less than a world
-  Autoreset autoreset = Autoreset::next_step;
+  int max_steps = 500;                         ///< an episode is truncated after so many
+  Duration control_period = 100ms;             ///< of one step; a whole number of control periods of the robot
+  std::size_t worlds = 1;                      ///< up to a million
+  std::size_t robots = 1;                      ///< in each world
+  std::size_t threads = 1;                     ///< at most; none has less than a world
+  Autoreset autoreset = Autoreset::next_step;  ///< what follows the end of an episode
 };
 
 }  // namespace threewe::env

@@ -23,8 +23,8 @@ std::vector<std::string> format_names();
 
 /// A file and where it belongs, relative to the folder that is exported to.
 struct File {
-  std::filesystem::path path;
-  std::string contents;
+  std::filesystem::path path;  ///< relative to the folder that is written
+  std::string contents;        ///< text or bytes
 };
 
 /// The files of a format, for a robot at the first start of a scene.

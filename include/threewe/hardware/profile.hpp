@@ -36,9 +36,9 @@ struct Caster {
 /// How wheels pull that spin freely once they slip, as measured on one robot or simulator.
 struct TractionSpec {
   // the share of a commanded velocity that the body reaches
-  double ahead = 1.0;
-  double sideways = 1.0;  ///< of four wheels; two have none
-  double turning = 1.0;
+  double ahead = 1.0;        ///< of a velocity ahead
+  double sideways = 1.0;     ///< of four wheels; two have none
+  double turning = 1.0;      ///< of a turn
   Duration turning_lag{};    ///< time constant of turns, besides `motor_lag`: a body is easier to turn than to push
   double load = 1.0;         ///< the share of the weight that stands on driven wheels
   double mass_height = 0.0;  ///< [m] of the centre of mass: by accelerations, load moves from wheel to wheel
@@ -48,11 +48,11 @@ struct TractionSpec {
 
 /// The body and its drive.
 struct Body {
-  Footprint footprint;
-  double height = 0.0;   ///< [m]
-  double mass = 0.0;     ///< [kg]
-  double inertia = 0.0;  ///< [kg m^2] about the vertical axis
-  WheelGeometry wheels;
+  Footprint footprint;              ///< outline in the base frame
+  double height = 0.0;              ///< [m]
+  double mass = 0.0;                ///< [kg]
+  double inertia = 0.0;             ///< [kg m^2] about the vertical axis
+  WheelGeometry wheels;             ///< kind, size and place of the driven wheels
   std::vector<Caster> casters;      ///< of a differential base, at least one
   double friction = 0.0;            ///< coefficient between wheel and floor
   double rolling_resistance = 0.0;  ///< the share of the weight that opposes rolling; it costs energy alone
@@ -65,7 +65,7 @@ struct Body {
 
 /// A lidar that turns, and the scan that is made of its turn.
 struct LidarSpec {
-  Pose2D base_from_lidar;
+  Pose2D base_from_lidar;   ///< where it is mounted; beams count from its x axis
   double height = 0.0;      ///< [m] of the scan plane above the floor
   int points_per_turn = 0;  ///< measured by the device
   bool clockwise = false;   ///< how the device turns; the scan is always counter-clockwise
@@ -80,23 +80,25 @@ struct LidarSpec {
   bool rolling = true;      ///< points are taken one after the other during the turn, not all at its end
 };
 
+/// An inertial unit at the base.
 struct IMUSpec {
-  Duration period{};
+  Duration period{};                 ///< from sample to sample
   double gyro_sigma = 0.0;           ///< [rad/s] of each sample
   double gyro_bias = 0.0;            ///< [rad/s], the bias at the start lies in [-gyro_bias, gyro_bias]
   double gyro_bias_walk = 0.0;       ///< [rad/s/sqrt(s)]
   double accelerometer_sigma = 0.0;  ///< [m/s^2]
   double accelerometer_bias = 0.0;   ///< [m/s^2]
-  Duration latency{};
+  Duration latency{};                ///< from a measurement to its arrival
 };
 
+/// Wheel odometry: encoders, and what is assumed of the wheels.
 struct OdometrySpec {
-  Duration period{};
+  Duration period{};               ///< from sample to sample
   double wheel_scale = 0.0;        ///< the radius assumed of each wheel is off by a factor in 1 +- this, per episode
   double lateral_scale_min = 1.0;  ///< of what the wheels roll sideways, the body moves a share from here ...
   double lateral_scale_max = 1.0;  ///< ... to here, per episode; odometry does not know
   int ticks_per_turn = 0;          ///< encoder counts of one wheel turn; 0 = a perfect encoder
-  Duration latency{};
+  Duration latency{};              ///< from a measurement to its arrival
 };
 
 /// How well a camera measures depth along its optical axis.
@@ -108,15 +110,15 @@ struct DepthSpec {
 
 /// A camera: what its level, rectified pinhole view shows, and how well.
 struct CameraSpec {
-  Pose2D base_from_camera;      ///< it looks along its x axis
-  double mount_height = 0.0;    ///< [m] of its optical axis above the floor
-  int width = 0;                ///< [px]
-  int height = 0;               ///< [px]
-  double horizontal_fov = 0.0;  ///< [rad]; pixels are square
-  Duration period{};            ///< from image to image
-  double sigma = 0.0;           ///< [levels of 255] of each pixel's colours
-  Duration latency{};           ///< from an image to its arrival
-  std::optional<DepthSpec> depth;
+  Pose2D base_from_camera;         ///< it looks along its x axis
+  double mount_height = 0.0;       ///< [m] of its optical axis above the floor
+  int width = 0;                   ///< [px]
+  int height = 0;                  ///< [px]
+  double horizontal_fov = 0.0;     ///< [rad]; pixels are square
+  Duration period{};               ///< from image to image
+  double sigma = 0.0;              ///< [levels of 255] of each pixel's colours
+  Duration latency{};              ///< from an image to its arrival
+  std::optional<DepthSpec> depth;  ///< empty for a camera without depth
 
   /// Of its rectified view.
   CameraIntrinsics intrinsics() const { return make_intrinsics(width, height, horizontal_fov); }
@@ -124,9 +126,10 @@ struct CameraSpec {
 
 /// Ultrasonic sensors of one kind, pinged in turn so that none receives another's sound.
 struct UltrasonicSpec {
+  /// Where one of them is.
   struct Mount {
-    std::string name;  ///< of the sensor, such as "ultrasonic_front_left"
-    Pose2D base_from_ultrasonic;
+    std::string name;             ///< of the sensor, such as "ultrasonic_front_left"
+    Pose2D base_from_ultrasonic;  ///< its x axis is the axis of the cone
   };
   std::vector<Mount> mounts;   ///< in the order in which they are pinged
   double height = 0.0;         ///< [m] of all of them above the floor
@@ -142,6 +145,7 @@ struct UltrasonicSpec {
   Duration period() const { return static_cast<Duration::rep>(mounts.size()) * interval; }
 };
 
+/// A battery, and what the robot takes from it.
 struct BatterySpec {
   double capacity = 0.0;          ///< [Wh]
   double voltage_full = 0.0;      ///< [V]
@@ -149,24 +153,25 @@ struct BatterySpec {
   double resistance = 0.0;        ///< [ohm], makes the voltage sag under load
   double idle_power = 0.0;        ///< [W] of everything but the drive
   double drive_efficiency = 1.0;  ///< mechanical power over electrical power of the drive
-  Duration period{};
+  Duration period{};              ///< from sample to sample
 };
 
 /// A robot, complete. Sensors it lacks are empty.
 struct RobotProfile {
-  std::string name;
-  std::string description;
-  Body body;
-  Limits hardware_limits;   ///< what the drive can do
-  Limits operating_limits;  ///< what it is asked to do by default
-  Duration command_latency{};
-  std::optional<LidarSpec> lidar;
-  std::optional<IMUSpec> imu;
-  std::optional<UltrasonicSpec> ultrasonics;
-  std::optional<CameraSpec> camera;
-  OdometrySpec odometry;
-  std::optional<BatterySpec> battery;
+  std::string name;                           ///< that of its file
+  std::string description;                    ///< one line
+  Body body;                                  ///< outline, mass, wheels and motors
+  Limits hardware_limits;                     ///< what the drive can do
+  Limits operating_limits;                    ///< what it is asked to do by default
+  Duration command_latency{};                 ///< from a command to its effect
+  std::optional<LidarSpec> lidar;             ///< a planar lidar
+  std::optional<IMUSpec> imu;                 ///< gyro and accelerometer
+  std::optional<UltrasonicSpec> ultrasonics;  ///< all of one kind
+  std::optional<CameraSpec> camera;           ///< colour, and depth where it measures any
+  OdometrySpec odometry;                      ///< every robot has it
+  std::optional<BatterySpec> battery;         ///< empty: it never runs out
 
+  /// Which velocities the base can drive.
   Kinematics kinematics() const { return body.wheels.kinematics; }
   /// Whether the robot has a sensor of a kind.
   bool has(SensorType type) const;
@@ -191,8 +196,8 @@ RobotProfile with_noise(RobotProfile profile, NoiseLevel noise);
 
 /// Width and height of an image [px].
 struct ImageSize {
-  int width = 0;
-  int height = 0;
+  int width = 0;   ///< [px]
+  int height = 0;  ///< [px]
 };
 
 /// The same robot, whose camera delivers pictures of another size: with the same horizontal field of view and square

@@ -15,8 +15,8 @@ namespace threewe::models {
 /// over the distance that the robot moves (Gauss-Markov processes); a robot that stands keeps its error. The default is
 /// perfect.
 struct LocalizationSpec {
-  std::string name;  ///< for results, with its version: "slam_v2"
-  std::string description;
+  std::string name;         ///< for results, with its version: "slam_v2"
+  std::string description;  ///< one line
   Duration period = 100ms;  ///< between corrections
   /// From the end of what was measured until the correction. For information: its effect is part of the errors.
   Duration delay = Duration::zero();
@@ -27,29 +27,29 @@ struct LocalizationSpec {
     double stretch = 0.0;  ///< standard deviation, [m] off for each metre from the start
     double heading = 0.0;  ///< [rad] standard deviation of what adds to `turn`
     double length = 1.0;   ///< [m] after which correlations have fallen to 1/e
-  } map;
+  } map;                   ///< errors of the map as a whole
   /// The neighbourhood may lie elsewhere in the map.
   struct Local {
     double position = 0.0;  ///< [m] standard deviation along each axis
     double length = 1.0;    ///< [m] as above
-  } local;
+  } local;                  ///< errors of the robot's neighbourhood
   /// Each correction has its own.
   struct Noise {
     double position = 0.0;  ///< [m] standard deviation along each axis
     double heading = 0.0;   ///< [rad] standard deviation
-  } noise;
+  } noise;                  ///< noise of each correction
 
   /// From what these figures come.
   struct Measurement {
-    std::string commit;
-    std::string hardware;
-    std::string noise;
-    std::vector<std::string> scenes;
-    std::uint64_t seed = 0;
-    int episodes = 0;
-    double hours = 0.0;       ///< of driving
-    double kilometres = 0.0;  ///< driven
-  } measured;
+    std::string commit;               ///< that was measured
+    std::string hardware;             ///< profile
+    std::string noise;                ///< level of noise
+    std::vector<std::string> scenes;  ///< in which the robot drove
+    std::uint64_t seed = 0;           ///< of the drives
+    int episodes = 0;                 ///< number of drives
+    double hours = 0.0;               ///< of driving
+    double kilometres = 0.0;          ///< driven
+  } measured;                         ///< where the numbers come from
 };
 
 /// Reads assets/localization/NAME.yaml, or the file itself where `name` ends in .yaml. Throws ConfigError.

@@ -13,16 +13,17 @@ namespace threewe::models {
 
 /// From what a number is drawn.
 struct Distribution {
+  /// Which distribution.
   enum class Kind : std::uint8_t { constant, uniform, log_uniform, normal, integer };
-  Kind kind = Kind::constant;
-  double a = 0.0;  ///< the value, the lower bound or the mean
-  double b = 0.0;  ///< the upper bound (that of `integer` included) or the standard deviation
+  Kind kind = Kind::constant;  ///< which distribution
+  double a = 0.0;              ///< the value, the lower bound or the mean
+  double b = 0.0;              ///< the upper bound (that of `integer` included) or the standard deviation
 };
 
 /// One number of a `Variation` that is drawn.
 struct RandomizedKnob {
-  std::size_t knob = 0;  ///< place in `knob_names()`
-  Distribution distribution;
+  std::size_t knob = 0;       ///< place in `knob_names()`
+  Distribution distribution;  ///< from which it is drawn
 };
 
 /// What is drawn when. The default draws nothing.
@@ -30,19 +31,21 @@ struct RandomizedKnob {
 /// `startup`: once for each environment, and kept for all its episodes; `reset`: for each episode; `interval`: again
 /// and again during an episode. What is drawn later counts.
 struct Randomization {
-  std::string name = "none";
-  std::string description;
-  std::vector<RandomizedKnob> startup;
-  std::vector<RandomizedKnob> reset;
-  std::vector<RandomizedKnob> interval;
-  Duration shortest_interval{};  ///< how long until the next draw, uniform between these
-  Duration longest_interval{};
+  std::string name = "none";             ///< that of its file
+  std::string description;               ///< one line
+  std::vector<RandomizedKnob> startup;   ///< drawn once for each environment
+  std::vector<RandomizedKnob> reset;     ///< drawn for each episode
+  std::vector<RandomizedKnob> interval;  ///< drawn again and again
+  Duration shortest_interval{};          ///< how long until the next draw, uniform between these
+  Duration longest_interval{};           ///< see `shortest_interval`
 };
 
 /// The names of all numbers that can be drawn: those of `Variation`, with `camera_x`, `camera_y` [m] and `camera_yaw`
 /// [rad] for its camera's offset.
 const std::vector<std::string>& knob_names();
+/// The number at a place in `knob_names()`, to be changed.
 double& knob(Variation& variation, std::size_t place);
+/// The number at a place in `knob_names()`.
 double knob(const Variation& variation, std::size_t place);
 
 /// The largest factor of latencies that can be drawn.

@@ -33,6 +33,7 @@ enum class Reason : std::uint8_t {
   uncertain,
   fault
 };
+/// Its name, such as "reached".
 std::string_view to_string(Reason reason);
 
 // A motion aims at its goal itself, a few centimetres and a degree or two. Its tolerances say how far off it may end
@@ -40,29 +41,30 @@ std::string_view to_string(Reason reason);
 
 /// Drive to a position in `map`, and turn to a heading where one is given.
 struct MoveTo {
-  Vec2 goal;
+  Vec2 goal;                      ///< [m] in `map`
   std::optional<double> theta{};  ///< [rad]
   double tolerance = 0.25;        ///< [m]
   double angle_tolerance = 0.1;   ///< [rad]
 };
 /// Turn on the spot by `angle` [rad], counter-clockwise; may exceed a full turn.
 struct Rotate {
-  double angle = 0.0;
+  double angle = 0.0;            ///< [rad]
   double angle_tolerance = 0.1;  ///< [rad]
 };
 /// Drive straight ahead by `distance` [m], backwards when negative.
 struct MoveForward {
-  double distance = 0.0;
+  double distance = 0.0;    ///< [m]
   double tolerance = 0.05;  ///< [m]
 };
 /// Drive along a polyline in `map`.
 struct FollowPath {
-  std::vector<Vec2> path;
-  double tolerance = 0.25;
+  std::vector<Vec2> path;   ///< [m] in `map`, from the first point to the last
+  double tolerance = 0.25;  ///< [m] about the last point
 };
 /// Map everything that can be reached.
 struct Explore {};
 
+/// Any motion.
 using Goal = std::variant<MoveTo, Rotate, MoveForward, FollowPath, Explore>;
 
 /// A person who walks, or has just stopped. In the robot's `odom`.
@@ -86,15 +88,15 @@ struct Peer {
 
 /// What the navigator sees at one tick.
 struct Observation {
-  Time now{};
-  slam::PoseEstimate pose;
-  const map::OccupancyGrid& map;
-  std::uint64_t map_version = 0;
+  Time now{};                     ///< without the time that the robot stood for a sensor
+  slam::PoseEstimate pose;        ///< in `map` and `odom`, with its covariance
+  const map::OccupancyGrid& map;  ///< that the localizer has drawn
+  std::uint64_t map_version = 0;  ///< counts its changes
   /// Where the newest scan hit something: points in the `odom` frame, deskewed.
   std::span<const Vec2> obstacles;
   /// Where the map has changed, version by version; null where unknown.
   const map::ChangeLog* map_changes = nullptr;
-  std::span<const Peer> peers{};
+  std::span<const Peer> peers{};  ///< robots with the same map frame
   /// Who walks around the robot now, in `odom`; empty without a lidar.
   std::span<const TrackedPerson> people{};
   /// The command of the period before, as the gate let it through.
@@ -111,21 +113,23 @@ enum class RecoveryState : std::uint8_t {
   replanning,   ///< plans anew, for one period
   given_up,     ///< the result's `detail` says why
 };
+/// Its name, such as "backing_off".
 std::string_view to_string(RecoveryState state);
 
+/// How far a motion has come.
 struct Progress {
   double distance_left = 0.0;    ///< [m] along the path; when exploring to the next frontier
   double time_left = 0.0;        ///< [s] that this, and turning to a heading, will take at the mean speed so far
   double distance_driven = 0.0;  ///< [m] since the start of the motion
   Pose2D pose;                   ///< in `map`
-  RecoveryState recovery = RecoveryState::driving;
+  RecoveryState recovery = RecoveryState::driving;  ///< what the robot is doing to get on
 };
 
 /// What the navigator wants.
 struct Decision {
-  Velocity velocity;
-  Reason reason = Reason::running;
-  std::string detail{};  ///< says more about a failure; may be empty
+  Velocity velocity;                ///< in the body frame
+  Reason reason = Reason::running;  ///< `running`, or why the motion is over
+  std::string detail{};             ///< says more about a failure; may be empty
   /// Through a narrow passage that it has measured: slowly, and nearer to its sides than the robot would come else.
   /// Obeyed of our own navigator on a robot with a lidar; others keep the gate's margin, whatever they say.
   bool creep_mode = false;
@@ -152,6 +156,7 @@ class Navigator {
   virtual void start(const Goal& goal, const Observation& observation) = 0;
   /// One control period of the motion.
   virtual Decision step(const Observation& observation) = 0;
+  /// How far the motion has come.
   virtual Progress progress() const = 0;
   /// Where the robot may not go, or only slowly, in `map`: from now on, in place of what was set before.
   virtual void set_zones(const std::vector<map::Zone>& zones) = 0;
@@ -160,6 +165,7 @@ class Navigator {
   /// The plan followed in the last period and its samples, put together for whoever asks; empty where none was, and of
   /// navigators that do not sample any.
   virtual std::optional<SampledPlan> plan() const { return {}; }
+  /// A copy that lives on independently, for saving and restoring.
   virtual std::unique_ptr<Navigator> clone() const = 0;
 };
 

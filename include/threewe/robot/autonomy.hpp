@@ -18,9 +18,10 @@ struct Autonomy {
   /// `truth` is null on a real robot; ours never sees it.
   using LocalizerFactory = std::function<std::unique_ptr<slam::Localizer>(
       const RobotProfile& profile, const slam::InitialState& initial, const scene::TruthView* truth)>;
+  /// Makes a navigator for a robot.
   using NavigatorFactory = std::function<std::unique_ptr<nav::Navigator>(const RobotProfile& profile)>;
-  LocalizerFactory localizer;
-  NavigatorFactory navigator;
+  LocalizerFactory localizer;         ///< empty: ours
+  NavigatorFactory navigator;         ///< empty: ours
   std::string localization = "slam";  ///< its name: states of one are of no use to another
 };
 

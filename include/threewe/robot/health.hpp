@@ -27,11 +27,12 @@ std::string_view to_string(SensorFault fault);
 
 /// How one sensor is.
 struct SensorHealth {
-  std::string name;
-  SensorFault fault = SensorFault::none;
-  std::string detail;   ///< says more; may be empty
-  Time since{};         ///< when the fault was noticed, or was over
-  bool needed = false;  ///< the robot stands still while this sensor is at fault
+  std::string name;                       ///< of the sensor, as in `Features`
+  SensorFault fault = SensorFault::none;  ///< `none` while it is ok
+  std::string detail;                     ///< says more; may be empty
+  Time since{};                           ///< when the fault was noticed, or was over
+  bool needed = false;                    ///< the robot stands still while this sensor is at fault
+  /// Whether it may be used.
   bool ok() const { return fault == SensorFault::none; }
 };
 

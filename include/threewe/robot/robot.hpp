@@ -22,20 +22,21 @@ namespace threewe {
 
 /// An exploration in progress: a motion whose result is an ExploreResult.
 struct ExplorationHandle {
-  MotionHandle motion;
+  MotionHandle motion;  ///< the motion that explores
 };
 
 /// One connected robot. Robot time advances only inside `wait`, `sleep`, `thinking` and `execute_action`.
 /// It stays where it was made, since simulation() and observers refer to it.
 class Robot {
  public:
+  /// Where the robot is, and which.
   struct Options {
-    std::string backend = "mock";
-    std::string hardware = "3we_standard_v2";
-    std::string scene = "office_v2";
-    NoiseLevel noise = NoiseLevel::realistic;
-    std::uint64_t seed = 0;
-    bool realtime = false;
+    std::string backend = "mock";              ///< see `backend::backend_names`
+    std::string hardware = "3we_standard_v2";  ///< profile, or a file that ends in .yaml
+    std::string scene = "office_v2";           ///< simulated place, or a file that ends in .yaml
+    NoiseLevel noise = NoiseLevel::realistic;  ///< of sensors and wheels
+    std::uint64_t seed = 0;                    ///< of all noise
+    bool realtime = false;                     ///< slows a simulator down to the wall clock
     /// A map to be localised in, see `map::load_ros_map`; the robot draws its own where null.
     std::shared_ptr<const map::OccupancyGrid> map = {};
     /// Where the robot starts in its `map` frame. Where empty: at the origin of its own map, anywhere in a given one.
@@ -50,6 +51,7 @@ class Robot {
   };
   /// A robot in a world of its own, connected and with every sensor's first sample at hand.
   Robot();
+  /// The same, with options. Throws ConfigError naming the option that is wrong, and ConnectionError.
   explicit Robot(const Options& options);
   /// A robot of a world that others share; the world must outlive it.
   explicit Robot(World& world, std::size_t index = 0);
@@ -57,24 +59,33 @@ class Robot {
   Robot(const Robot&) = delete;
   Robot& operator=(const Robot&) = delete;
 
+  /// Reaches the robot and waits for every sensor's first sample. Throws ConnectionError.
   void connect();
+  /// Ends a motion as `cancelled`, stops the robot and lets it go.
   void disconnect();
   /// Robot time.
   Time now() const { return world_->now(); }
 
   // Readings: what arrived last. They never advance robot time.
+  /// The newest scan. Throws HardwareError without a lidar, as all readings do of a sensor that is missing.
   const LaserScan& get_lidar_scan() const;
+  /// The newest reading of the inertial unit.
   const IMUData& get_imu() const;
   Pose2D get_pose() const;  ///< in `map`, as the robot believes
   bool lost() const;        ///< it does not know where it is: `get_pose` is no more than where it was last
+  /// Pose and velocity by the wheels alone.
   const Odometry& get_odometry() const;
+  /// The estimated body velocity.
   Velocity get_velocity() const;
+  /// The map so far; valid until robot time goes on.
   const map::OccupancyGrid& get_map() const;
   /// Writes the map as ROS has maps: `yaml`, which ends in .yaml, and the image next to it. Throws ConfigError.
   void save_map(const std::filesystem::path& yaml) const;
+  /// The newest reading of the battery.
   const BatteryState& get_battery_state() const;
   /// The newest image of the camera: colour, and depth where it measures any.
   const RGBDImage& get_camera_image() const { return get_image("camera"); }
+  /// The newest image of the camera of that name.
   const RGBDImage& get_image(std::string_view camera) const;
   /// The newest image of a camera that measures depth.
   const RGBDImage& get_rgbd_image() const;
@@ -94,8 +105,10 @@ class Robot {
   /// One control step: `action` in [-1, 1] scaled to the operating limits, held for `period` [s]; the velocity
   /// executed.
   Velocity execute_action(const std::array<double, 3>& action, double period = 0.02);
+  /// Ends a motion as `cancelled` and brakes.
   void stop();
 
+  /// How a motion to a place is to end.
   struct MoveOptions {
     std::optional<double> theta = {};    ///< [rad] final heading
     std::string frame = "map";           ///< of the goal: `map`, `odom` or `base`
@@ -105,20 +118,27 @@ class Robot {
   };
   // Motions begin at once and are driven by `wait`. They aim at their goals themselves; tolerances [m] and [rad] say
   // how far off they may end where something is in the way, see nav::MoveTo.
+  /// Drives to (x, y) [m] in `map`. Throws ContractError, SafetyError or EmergencyStopError where no motion may begin.
   [[nodiscard]] MotionHandle move_to(double x, double y);
+  /// The same with a heading, another frame, tolerances or a time limit.
   [[nodiscard]] MotionHandle move_to(double x, double y, const MoveOptions& options);
+  /// Drives straight ahead by `distance` [m], backwards when negative; `timeout` [s].
   [[nodiscard]] MotionHandle move_forward(double distance, double tolerance = 0.05,
                                           std::optional<double> timeout = std::nullopt);
+  /// Turns on the spot by `angle` [rad], counter-clockwise; `timeout` [s].
   [[nodiscard]] MotionHandle rotate(double angle, double angle_tolerance = 0.1,
                                     std::optional<double> timeout = std::nullopt);
+  /// Drives along points [m] in `map`; `timeout` [s].
   [[nodiscard]] MotionHandle follow_path(const std::vector<Vec2>& path, double tolerance = 0.25,
                                          std::optional<double> timeout = std::nullopt);
+  /// Maps everything that can be reached; `timeout` [s].
   [[nodiscard]] ExplorationHandle explore(std::optional<double> timeout = std::nullopt);
 
   /// Called every 0.1 s of robot time with how far a motion has come.
   using OnProgress = std::function<void(const Progress&)>;
   /// Lets robot time go by until the motion has ended. What `on_progress` throws cancels it.
   MoveResult wait(const MotionHandle& motion, const OnProgress& on_progress = {});
+  /// The same for an exploration.
   ExploreResult wait(const ExplorationHandle& exploration, const OnProgress& on_progress = {});
   /// Lets `seconds` of robot time go by.
   void sleep(double seconds);
@@ -128,12 +148,16 @@ class Robot {
   /// Where motions may not lead, or only slowly, in `map`; in place of what was set before. See Runtime::set_zones.
   void set_zones(const std::vector<map::Zone>& zones) { runtime_->set_zones(zones); }
 
+  /// Stops at once and refuses every motion until released.
   void emergency_stop();
+  /// Allows motions again.
   void release_emergency_stop();
 
   /// The truth, in a simulated world; null on a real robot.
   Simulation* simulation();
+  /// What runs the robot, for observers and for more readings.
   Runtime& runtime() { return *runtime_; }
+  /// The world that it is in.
   World& world() { return *world_; }
 
  private:

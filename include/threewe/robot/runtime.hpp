@@ -24,6 +24,7 @@ namespace threewe {
 /// A motion in progress. The handle may outlive the robot.
 class Motion : public Wait {
  public:
+  /// How far it has come; the last state once done.
   const Progress& progress() const { return progress_; }
   /// Ends the motion with `cancelled` at once and commands zero in the next period. Does nothing once done.
   void cancel();
@@ -39,29 +40,33 @@ class Motion : public Wait {
   MoveResult result_;
   double explored_area_ = 0.0;
 };
+/// A motion, shared by all that wait for it.
 using MotionHandle = std::shared_ptr<Motion>;
 
 /// What an observer sees at the end of every tick. References are valid during the call only.
 struct TickView {
-  Time now{};
-  std::span<const Sample> samples;  ///< that arrived in this tick
-  const slam::PoseEstimate& pose;
+  Time now{};                           ///< at the end of the tick
+  std::span<const Sample> samples;      ///< that arrived in this tick
+  const slam::PoseEstimate& pose;       ///< after this tick's samples
   const Velocity& requested;            ///< before the gate
   const safety::GateOutput& commanded;  ///< after it
-  const Runtime& robot;
+  const Runtime& robot;                 ///< whose tick it is
 };
+/// What `Runtime::observe` calls at the end of every tick. It may not let robot time go by.
 using Observer = std::function<void(const TickView&)>;
 
 /// One robot. Everything it does passes through here; see `Robot` for the calls that users make.
 class Runtime {
  public:
+  /// The autonomy stack of the robot.
   struct Options {
-    std::unique_ptr<slam::Localizer> localizer;
-    std::unique_ptr<nav::Navigator> navigator;
+    std::unique_ptr<slam::Localizer> localizer;  ///< never null
+    std::unique_ptr<nav::Navigator> navigator;   ///< never null
     /// Whether `nav::Decision::creep_mode` is obeyed: of our own navigator, which measures a passage with a lidar
     /// before.
     bool may_creep = false;
   };
+  /// Of a robot of `world` behind `port`, not connected yet.
   Runtime(World& world, backend::RobotPort& port, Options autonomy);
   ~Runtime();
 
@@ -70,22 +75,30 @@ class Runtime {
   void connect();
   /// Ends a motion as `cancelled` and stops the robot.
   void disconnect();
+  /// Whether it is connected.
   bool connected() const;
   /// Becomes done when every sensor has delivered, or 2 s later.
   WaitHandle ready();
   /// Why the robot failed; empty while it is healthy.
   const std::string& fault() const;
+  /// The robot's data sheet.
   const RobotProfile& profile() const;
+  /// What the backend says of it.
   const backend::Features& features() const;
+  /// The world that it is in.
   const World& world() const;
   /// The truth about this robot in a simulated world, for metrics and drawings; null on a real one.
   const scene::TruthView* truth() const;
 
   // Readings: what arrived last. They never advance time. Throw ConnectionError when not connected, HardwareError
   // naming the sensor that is missing or has not delivered yet.
+  /// The newest scan.
   const LaserScan& lidar_scan() const;
+  /// The newest reading of the inertial unit.
   const IMUData& imu() const;
+  /// Pose and velocity by the wheels alone.
   const Odometry& odometry() const;
+  /// The newest reading of the battery.
   const BatteryState& battery() const;
   /// The newest image of the camera of that name, drawn now where a simulator has not drawn it yet.
   const RGBDImage& image(std::string_view camera = "camera") const;
@@ -94,8 +107,11 @@ class Runtime {
   std::map<std::string, RangeData> ultrasonic_ranges() const;  ///< by the sensors' names
   /// The newest sample of a kind of sensor, with its stamps.
   const Sample& sample(SensorType type) const;
+  /// The pose estimate after the newest tick.
   const slam::PoseEstimate& pose() const;
+  /// The map so far; valid until the next tick.
   const map::OccupancyGrid& map() const;
+  /// Counts the map's changes: equal numbers mean equal maps.
   std::uint64_t map_version() const;
   /// The path being followed, in `map`.
   std::span<const Vec2> path() const;
@@ -113,6 +129,7 @@ class Runtime {
   const std::vector<SensorHealth>& health() const;
   /// What was asked of the gate in the last tick, and what it let through.
   const Velocity& requested() const;
+  /// What the gate let through in the last tick, and why.
   const safety::GateOutput& commanded() const;
 
   /// Drives at `velocity` for at most `hold`, which then stops the robot and warns once. Throws ContractError on a
@@ -136,7 +153,9 @@ class Runtime {
   void set_zones(const std::vector<map::Zone>& zones);
   /// Latches the emergency stop and ends a motion with `estop`. Always allowed.
   void estop();
+  /// Allows motions again.
   void release_estop();
+  /// Whether the emergency stop is latched.
   bool estopped() const;
   /// Ends a motion with `fault` and keeps the robot still until `connect` is called again.
   void fail(const std::string& what);
@@ -144,6 +163,7 @@ class Runtime {
   /// Calls `observer` at the end of every tick. Observers may add and remove observers. What an observer throws comes
   /// out of `World::tick` once the tick is complete.
   std::uint64_t observe(Observer observer);
+  /// Ends what `observe` began; an unknown `id` does nothing.
   void unobserve(std::uint64_t id);
 
  private:

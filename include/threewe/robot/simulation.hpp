@@ -14,9 +14,12 @@ namespace threewe {
 /// One robot of a simulated world. All poses are in the scene's frame.
 class Simulation {
  public:
+  /// Of the robot at that place in a world, which must outlive it.
   Simulation(World& world, std::size_t robot) : world_(&world), robot_(robot) {}
 
+  /// The scene it drives in.
   const scene::Scene& scene() const { return truth().scene(); }
+  /// Where the robot truly is, in the scene's frame.
   Pose2D true_pose() const { return truth().true_pose(); }
   /// In the body frame.
   Velocity true_velocity() const { return truth().true_velocity(); }
@@ -50,10 +53,14 @@ class Simulation {
   /// Teleports the robot to `pose` without its noticing, as a kidnapped robot. Throws ConfigError when something
   /// stands there.
   void teleport(const Pose2D& pose) { world_->teleport(robot_, pose); }
+  /// The state of the whole world, see `World::save`.
   std::shared_ptr<const World::Snapshot> save() const { return world_->save(); }
+  /// Goes back to a state of this world.
   void restore(const std::shared_ptr<const World::Snapshot>& snapshot) { world_->restore(snapshot); }
 
+  /// All that the simulator knows about the robot.
   const scene::TruthView& truth() const;
+  /// The world that it is in.
   const World& world() const { return *world_; }
 
  private:

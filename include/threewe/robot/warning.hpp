@@ -7,6 +7,7 @@
 
 namespace threewe {
 
+/// What is called with each warning, on the thread on which it arises.
 using WarningHandler = std::function<void(std::string_view message)>;
 
 /// Replaces where warnings go and returns what was there; an empty handler restores the default, stderr.

@@ -19,6 +19,7 @@ class WaitList;
 class Wait {
  public:
   virtual ~Wait() = default;
+  /// Whether it has come true.
   bool done() const { return done_; }
   /// When it was due: the time slept until, or the tick at which the motion ended.
   Time deadline() const { return deadline_; }
@@ -31,6 +32,7 @@ class Wait {
   Time deadline_{};
   std::uint64_t creation_ = 0;
 };
+/// A wait, shared by all that wait for it.
 using WaitHandle = std::shared_ptr<Wait>;
 
 /// One backend world with a runtime for each of its robots. Not thread-safe: one thread at a time may use it.
@@ -45,10 +47,11 @@ using WaitHandle = std::shared_ptr<Wait>;
 /// every robot, and `tick`, `run` and `wait` throw ConnectionError from then on until `reset` or `restore`.
 class World {
  public:
+  /// How a world is made.
   struct Options : backend::WorldOptions {
-    std::string backend = "mock";
-    bool realtime = false;  ///< pace a lockstep world to the wall clock
-    Autonomy autonomy;
+    std::string backend = "mock";  ///< see `backend::backend_names`
+    bool realtime = false;         ///< pace a lockstep world to the wall clock
+    Autonomy autonomy;             ///< of every robot
     /// What every robot is localised in; each draws its own where null.
     std::shared_ptr<const map::OccupancyGrid> map;
     /// Where each robot starts in its `map` frame. Where left out: at the origin of its own map, anywhere in a given
@@ -58,14 +61,19 @@ class World {
   };
   /// Throws HardwareError for a robot without a lidar that is given a map.
   explicit World(const Options& options);
+  /// Of a backend's world that was made already; arguments as in `Options`.
   explicit World(std::unique_ptr<backend::World> backend, bool realtime = false, const Autonomy& autonomy = {},
                  const std::vector<Pose2D>& initial_poses = {},
                  const std::shared_ptr<const map::OccupancyGrid>& map = nullptr);
   ~World();
 
+  /// How many robots it has.
   std::size_t robot_count() const;
+  /// Robot `index`. Throws ContractError where there is none.
   Runtime& robot(std::size_t index);
+  /// The same of a const world.
   const Runtime& robot(std::size_t index) const;
+  /// Robot time.
   Time now() const;
   /// Of all noise: the one that the world was made with; 0 for a world made from a backend.
   std::uint64_t seed() const;
@@ -107,7 +115,9 @@ class World {
   /// A wait begun inside a hold by the one who opened it can never end; `wait` throws there.
   /// Real-time backends cannot stand still: there a hold changes nothing and closing it charges nothing.
   void open_hold();
+  /// Ends a hold; the handle is done when `charge` of robot time has gone by since.
   WaitHandle close_hold(Duration charge);
+  /// Whether robot time is held by anyone.
   bool held() const;
 
   /// Begins anew at time 0 with fresh autonomy stacks: motions end as `cancelled`, sleeps are done at once, alarms go
@@ -120,7 +130,9 @@ class World {
   /// Everything the future depends on: the backend and every robot's autonomy stack and gate. Throws ContractError
   /// while a motion is in progress, or from an observer. Restoring treats sleeps and alarms as `reset` does.
   struct Snapshot;
+  /// Everything that the future depends on. Throws ContractError during a motion, or where the backend cannot save.
   std::shared_ptr<const Snapshot> save() const;
+  /// Goes back to such a state. Throws ContractError where it is of a world that was made otherwise.
   void restore(const std::shared_ptr<const Snapshot>& snapshot);
 
  private:

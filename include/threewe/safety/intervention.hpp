@@ -17,12 +17,13 @@ enum class Intervention : std::uint8_t {
   stale_sensors,
   estop
 };
+/// Its name, such as "slowed_for_obstacle".
 std::string_view to_string(Intervention intervention);
 
 /// What the gate lets through.
 struct GateOutput {
-  Velocity command;
-  Intervention intervention = Intervention::none;
+  Velocity command;                                ///< that may be sent to the port
+  Intervention intervention = Intervention::none;  ///< why it differs from the request
   friend bool operator==(const GateOutput&, const GateOutput&) = default;
 };
 

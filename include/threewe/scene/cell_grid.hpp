@@ -10,8 +10,8 @@ namespace threewe::scene {
 
 /// Column along x and row along y of a cell.
 struct CellIndex {
-  int x = 0;
-  int y = 0;
+  int x = 0;  ///< column
+  int y = 0;  ///< row
   friend bool operator==(const CellIndex&, const CellIndex&) = default;
 };
 
@@ -23,11 +23,15 @@ struct GridFrame {
   int height = 0;           ///< cells along y
   friend bool operator==(const GridFrame&, const GridFrame&) = default;
 
+  /// How many cells there are.
   std::size_t size() const { return static_cast<std::size_t>(width) * static_cast<std::size_t>(height); }
+  /// Whether there is such a cell.
   bool contains(CellIndex c) const { return c.x >= 0 && c.y >= 0 && c.x < width && c.y < height; }
+  /// The place of a cell, row by row. The cell must be on the grid.
   std::size_t index(CellIndex c) const {
     return static_cast<std::size_t>(c.y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(c.x);
   }
+  /// The cell at such a place.
   CellIndex cell(std::size_t index) const {
     const auto columns = static_cast<std::size_t>(width);
     return {static_cast<int>(index % columns), static_cast<int>(index / columns)};
@@ -36,6 +40,7 @@ struct GridFrame {
   CellIndex cell(Vec2 point) const {
     return {to_cell((point.x - origin.x) / resolution, width), to_cell((point.y - origin.y) / resolution, height)};
   }
+  /// The middle [m] of a cell.
   Vec2 center(CellIndex c) const { return {origin.x + (c.x + 0.5) * resolution, origin.y + (c.y + 0.5) * resolution}; }
 
  private:
@@ -49,13 +54,16 @@ struct GridFrame {
 /// One value for every cell of a frame, row by row.
 template <typename T>
 struct CellGrid {
-  GridFrame frame;
-  std::vector<T> cells;
+  GridFrame frame;       ///< where the cells are
+  std::vector<T> cells;  ///< (height, width), row-major
 
   CellGrid() = default;
+  /// The same value everywhere.
   CellGrid(const GridFrame& where, const T& value) : frame(where), cells(where.size(), value) {}
 
+  /// The value at a cell of the grid.
   T& operator[](CellIndex c) { return cells[frame.index(c)]; }
+  /// The value at a cell of the grid.
   const T& operator[](CellIndex c) const { return cells[frame.index(c)]; }
   /// The value at a cell, `outside` beyond the grid.
   T value_or(CellIndex c, T outside) const { return frame.contains(c) ? (*this)[c] : outside; }

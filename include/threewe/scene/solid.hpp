@@ -13,20 +13,22 @@ namespace threewe::scene {
 
 /// A rectangle or a disc in the scene's frame, from `z_min` to `z_max`.
 struct Solid {
+  /// A rectangle or a disc.
   enum class Shape : std::uint8_t { box, disc };
-  Shape shape{};
+  Shape shape{};                ///< a rectangle or a disc
   std::array<Vec2, 4> corners;  ///< of a box, counter-clockwise
-  Vec2 center;
-  double radius = 0.0;  ///< [m] of the disc, or of the circle around the box
-  double z_min = 0.0;   ///< [m]
-  double z_max = 0.0;   ///< [m]
-  int object = -1;      ///< index into `Scene::objects`, -1 for walls
+  Vec2 center;                  ///< [m]
+  double radius = 0.0;          ///< [m] of the disc, or of the circle around the box
+  double z_min = 0.0;           ///< [m]
+  double z_max = 0.0;           ///< [m]
+  int object = -1;              ///< index into `Scene::objects`, -1 for walls
   friend bool operator==(const Solid&, const Solid&) = default;
 };
 
 /// A rectangle `length` long in direction `theta` and `width` wide. Quarter turns are exact, so that furniture along a
 /// wall is exactly parallel to it.
 Solid make_box(const Pose2D& middle, double length, double width);
+/// A disc of `radius` [m] about `center` [m].
 Solid make_disc(Vec2 center, double radius);
 
 /// The corners of the smallest rectangle along the scene's axes that holds a solid.
@@ -47,21 +49,22 @@ bool overlaps(const Solid& a, const Solid& b, double depth = 0.0);
 /// A straight edge of a solid shape. Shapes list their edges counter-clockwise, so the solid lies to the left of a ->
 /// b. `object` is the index of what it belongs to in `Scene::objects`, or -1 for walls.
 struct Segment {
-  Vec2 a;
-  Vec2 b;
-  int object = -1;
+  Vec2 a;           ///< [m] where it begins
+  Vec2 b;           ///< [m] where it ends
+  int object = -1;  ///< index into `Scene::objects`, -1 for walls
 };
 
+/// A disc in the plane.
 struct Circle {
-  Vec2 center;
-  double radius = 0.0;
-  int object = -1;
+  Vec2 center;          ///< [m]
+  double radius = 0.0;  ///< [m]
+  int object = -1;      ///< index into `Scene::objects`, -1 for none
 };
 
 /// Everything that a horizontal plane, or a slab between two heights, cuts out of a scene.
 struct Slice {
-  std::vector<Segment> segments;
-  std::vector<Circle> circles;
+  std::vector<Segment> segments;  ///< edges of rectangles and walls
+  std::vector<Circle> circles;    ///< cylinders
 };
 
 /// Range [m] along a ray to the nearest shape, or `range_max`: every shape is tried. Shapes are seen from outside: a

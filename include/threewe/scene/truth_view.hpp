@@ -15,8 +15,8 @@ class Scene;
 
 /// Where a person of the scene is, and which way they walk or wait to walk.
 struct PersonPose {
-  std::string name;
-  Pose2D pose;
+  std::string name;     ///< as in the scene
+  Pose2D pose;          ///< in the scene's frame
   double radius = 0.0;  ///< [m] of the circle that they fill on the floor
   friend bool operator==(const PersonPose&, const PersonPose&) = default;
 };
@@ -26,8 +26,11 @@ class TruthView {
  public:
   virtual ~TruthView() = default;
 
+  /// The scene it drives in.
   virtual const Scene& scene() const = 0;
+  /// Where the robot truly is.
   virtual Pose2D true_pose() const = 0;
+  /// How fast it truly moves, in the body frame.
   virtual Velocity true_velocity() const = 0;
   /// Where the robot stood at the last reset: the origin of its `map` frame, unless it was given a map.
   virtual Pose2D start_pose() const = 0;

@@ -26,13 +26,14 @@ struct InitialState {
 
 /// What is known about the robot's pose at one time.
 struct PoseEstimate {
-  Time stamp{};
+  Time stamp{};                        ///< of the estimate
   Pose2D odom_from_base;               ///< smooth: wheels and gyro, never jumps
   Pose2D map_from_odom;                ///< moves when a scan or a loop closure corrects the drift
   Velocity velocity;                   ///< in the body frame
   std::array<double, 9> covariance{};  ///< of map_from_base (x, y, theta), row-major
   bool lost = false;                   ///< map_from_odom is no more than where the robot was last believed to be
 
+  /// The estimated pose in `map`.
   Pose2D map_from_base() const { return map_from_odom * odom_from_base; }
   /// Radius [m] of the disc around the estimated position that holds the true one with a probability of 95 %, as far as
   /// the covariance is consistent.

@@ -17,7 +17,7 @@ namespace threewe::slam {
 
 /// What is known about the robot beforehand.
 struct SlamConfig {
-  Pose2D base_from_lidar{};
+  Pose2D base_from_lidar{};        ///< where the lidar is mounted
   double range_max = 30.0;         ///< [m] what a scan sees farther away is left out
   double resolution = 0.05;        ///< [m] a cell of the map
   double range_bias_sigma = 0.01;  ///< [m] of the lidar's constant error
@@ -28,8 +28,8 @@ struct SlamConfig {
 
 /// Where the robot was at some time.
 struct StampedPose {
-  Time stamp{};
-  Pose2D map_from_base;
+  Time stamp{};          ///< of beam 0 of its scan
+  Pose2D map_from_base;  ///< as it is known now
   /// The component of the pose graph that it belongs to, 0 for the map's. Components are not related to each other by
   /// any measurement: one that is not 0 lies where the robot was last believed to be.
   int component = 0;
@@ -38,8 +38,8 @@ struct StampedPose {
 
 /// A place that the robot came back to.
 struct LoopClosure {
-  Time earlier{};
-  Time later{};
+  Time earlier{};             ///< when it was there first
+  Time later{};               ///< when it came back
   Pose2D earlier_from_later;  ///< where it was at the later time, seen from where it was at the earlier one
   friend bool operator==(const LoopClosure&, const LoopClosure&) = default;
 };
@@ -52,14 +52,15 @@ enum class SlamIncident : std::uint8_t {
   track_lost,        ///< scans in a row fit nowhere near, as of a kidnapped robot: another component begins
   components_joined  ///< the robot was recognised in another component: the two are one from then on
 };
+/// Its name, such as "lidar_frozen".
 std::string_view to_string(SlamIncident incident);
 
 /// An incident, from the first scan concerned to the last.
 struct SlamEvent {
-  SlamIncident incident{};
-  Time begin{};
-  Time end{};
-  int scans = 1;  ///< concerned
+  SlamIncident incident{};  ///< what was noticed
+  Time begin{};             ///< of the first scan concerned
+  Time end{};               ///< of the last one
+  int scans = 1;            ///< concerned
   friend bool operator==(const SlamEvent&, const SlamEvent&) = default;
 };
 
@@ -71,7 +72,9 @@ class Slam {
   /// Throws ContractError where a figure is out of its range.
   explicit Slam(const SlamConfig& config = {});
   ~Slam();
+  /// Moves; what was moved from may only be destroyed or assigned to.
   Slam(Slam&&) noexcept;
+  /// Moves.
   Slam& operator=(Slam&&) noexcept;
 
   /// One scan whose beam 0 was measured at `stamp`, where odometry had the robot at `odom_from_base`. Returns

@@ -21,12 +21,13 @@ class SceneTables;
 
 namespace threewe::task {
 
+/// Scenes with their tables, shared by all worlds.
 using Scenes = std::vector<std::shared_ptr<const scene::SceneTables>>;
 
 /// What a task is set in.
 struct TaskContext {
-  Scenes scenes;
-  std::size_t worlds = 1;
+  Scenes scenes;            ///< each episode is in one of them
+  std::size_t worlds = 1;   ///< in the batch
   std::size_t robots = 1;   ///< in each world
   RobotProfile robot{};     ///< all of them
   Duration period = 100ms;  ///< of a control step
@@ -38,17 +39,18 @@ using FrameIds = std::function<std::span<const std::int16_t>()>;
 
 /// An array that a task adds to what a robot observes.
 struct Field {
+  /// Type of its elements.
   enum class Type : std::uint8_t { uint8, int32, float32 };
-  std::string name;
-  Type type = Type::float32;
-  std::vector<std::size_t> shape;
-  double low = 0.0;  ///< every element lies in [low, high]
-  double high = 0.0;
+  std::string name;                ///< key in the observation
+  Type type = Type::float32;       ///< of its elements
+  std::vector<std::size_t> shape;  ///< of one robot's array
+  double low = 0.0;                ///< every element lies in [low, high]
+  double high = 0.0;               ///< see `low`
 };
 
 /// The truth about one robot at the end of a control step, in the scene's frame.
 struct TaskState {
-  Pose2D pose{};
+  Pose2D pose{};                     ///< true pose of the base
   Pose2D lidar{};                    ///< where its rays come from
   Velocity action{};                 ///< that was asked for: shares of the operating limits, -1 to 1
   double distance_driven = 0.0;      ///< [m] since the episode began
@@ -61,14 +63,14 @@ struct TaskState {
 struct Belief {
   Pose2D map_from_base{};         ///< its `map` has its origin where the first robot of its world started
   std::span<const float> scan{};  ///< [m] beams of the newest scan, counter-clockwise from the robot's back
-  Pose2D base_from_lidar{};
-  double range_max = 0.0;  ///< [m] of the scan
+  Pose2D base_from_lidar{};       ///< where its lidar is mounted
+  double range_max = 0.0;         ///< [m] of the scan
 };
 
 /// What a step came to, for one robot.
 struct Outcome {
-  double reward = 0.0;
-  bool terminated = false;
+  double reward = 0.0;      ///< of the step
+  bool terminated = false;  ///< the episode is over for this robot, in success or failure
 };
 
 /// What a picture of a world shows of its task, in the scene's frame. Privileged.
@@ -79,15 +81,15 @@ struct DebugOverlay {
 
 /// Which episode.
 struct EpisodeKey {
-  std::size_t scene = 0;  ///< place in the list of scenes
-  std::uint64_t seed = 0;
-  std::uint32_t episode = 0;
+  std::size_t scene = 0;      ///< place in the list of scenes
+  std::uint64_t seed = 0;     ///< that the episode is drawn from
+  std::uint32_t episode = 0;  ///< number since that seed was given
 };
 
 /// What may be asked of an episode, instead of being drawn.
 struct EpisodeRequest {
-  std::optional<Pose2D> start{};  ///< in the scene's frame
-  std::optional<Vec2> goal{};
+  std::optional<Pose2D> start{};          ///< in the scene's frame
+  std::optional<Vec2> goal{};             ///< [m] in the scene's frame
   std::optional<std::string> category{};  ///< of the thing that is looked for
 };
 
@@ -100,6 +102,7 @@ class Task {
 
   /// Arrays that it adds to what a robot observes, and numbers that tell how an episode goes.
   virtual std::vector<Field> fields() const = 0;
+  /// Names of the numbers that `measure` fills in.
   virtual std::vector<std::string> metrics() const = 0;
   /// How many noise-free rays it wants in each task state, evenly over the circle, the first along the
   /// lidar's heading.
@@ -119,9 +122,11 @@ class Task {
   /// What a world's episode is about in words, and what these words are called: an instruction, a category. Empty where
   /// there are none.
   virtual std::string instruction(std::size_t /*world*/) const { return {}; }
+  /// What `instruction` is called, such as "object_goal".
   virtual std::string instruction_name() const { return {}; }
   /// Fills in the metrics of a world as they are now: one row for each of its robots.
   virtual void measure(std::size_t world, std::span<double> metrics) const = 0;
+  /// What a picture of a world shows of the task.
   virtual DebugOverlay debug_overlay(std::size_t /*world*/) const { return {}; }
 };
 

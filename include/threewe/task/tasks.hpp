@@ -10,6 +10,7 @@
 
 namespace threewe::task {
 
+/// Which episodes are drawn, and what counts.
 struct NavigationOptions {
   std::size_t goals = 64;  ///< in the pool of each scene
   double shortest = 2.0;   ///< [m], bounds of the shortest path from start to goal
@@ -34,6 +35,7 @@ struct NavigationOptions {
 /// `collision_speed` [m/s]; of a robot that has arrived or failed those at that time.
 std::unique_ptr<Task> make_navigation(const TaskContext& context, const NavigationOptions& options = {});
 
+/// What counts as explored.
 struct ExplorationOptions {
   double enough = 0.95;  ///< the share of the place that ends an episode in success
 };

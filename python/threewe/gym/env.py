@@ -66,7 +66,14 @@ class Env(gymnasium.Env[Any, Any], EzPickle):
         return self._batch.observation(0), self._batch.first_info()
 
     def step(self, action: Any) -> tuple[Observation, float, bool, bool, dict[str, Any]]:
-        """One control step. Raises ContractError, and does nothing, for an action that is none."""
+        """One control step. Raises ContractError, and does nothing, for an action that is none.
+
+        Args:
+            action: (3,) in [-1, 1]: shares of the operating limits forward, left and counter-clockwise.
+
+        Returns:
+            observation, reward, terminated, truncated, info.
+        """
         self._core.step(as_actions(action, (3,)))
         if self._onlooker:
             self._onlooker.look()

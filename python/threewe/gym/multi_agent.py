@@ -96,7 +96,15 @@ class MultiAgentEnv(ParallelEnv[str, Observation, NDArray[np.float32]]):  # type
     def step(
         self, actions: dict[str, Any]
     ) -> tuple[dict[str, Observation], dict[str, float], dict[str, bool], dict[str, bool], Infos]:
-        """One control step of all `agents`, each with its action. Raises ContractError, and does nothing, otherwise."""
+        """One control step of all `agents`, each with its action. Raises ContractError, and does nothing, otherwise.
+
+        Args:
+            actions: by the agents' names, each (3,) in [-1, 1]: shares of the operating limits forward, left and
+                counter-clockwise.
+
+        Returns:
+            observations, rewards, terminated, truncated and infos, each by the agents' names.
+        """
         stepped = [i for i, agent in enumerate(self.possible_agents) if agent in self.agents]
         self._core.step(self._as_actions(actions))
         if self._onlooker:

@@ -125,7 +125,16 @@ class VectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any], EzPickle):
         return self._copied(self._observations), self._infos(self._metrics)
 
     def step(self, actions: Any) -> tuple[Observation, NDArray[Any], NDArray[Any], NDArray[Any], dict[str, Any]]:
-        """One control step of every environment. Raises ContractError, and does nothing, for an action that is none."""
+        """One control step of every environment. Raises ContractError, and does nothing, for an action that is none.
+
+        Args:
+            actions: (num_envs, 3) in [-1, 1], of teams (num_envs, num_robots, 3): shares of the operating limits
+                forward, left and counter-clockwise.
+
+        Returns:
+            observations, rewards (num_envs,) float64, terminated and truncated (num_envs,) bool, infos; of teams each
+            has num_robots as its second length.
+        """
         active = ~self._done if self._team else None
         self._core.step(as_actions(actions, (self.num_envs, *self._team, 3)))
         infos = self._infos(self._metrics)

@@ -30,6 +30,7 @@ class RobotEnv {
   RobotEnv(const RobotEnv&) = delete;
   RobotEnv& operator=(const RobotEnv&) = delete;
 
+  /// As given, with what was left out filled in.
   const Options& options() const;
   /// Connects the robot where it is not, puts it where the episode starts, and waits for its sensors. Throws
   /// ConnectionError where it fails, as `step` does.
@@ -38,19 +39,25 @@ class RobotEnv {
   void step(std::span<const float> action);
 
   // As of a `Batch`, with one row.
+  /// What the robot observes now.
   std::span<const Array> observations() const;
-  std::span<const double> rewards() const;
-  std::span<const std::uint8_t> terminated() const;
-  std::span<const std::uint8_t> truncated() const;
+  std::span<const double> rewards() const;           ///< (1,) of the last step.
+  std::span<const std::uint8_t> terminated() const;  ///< (1,) success or failure.
+  std::span<const std::uint8_t> truncated() const;   ///< (1,) `max_steps` are over.
+  /// Names of the metrics.
   const std::vector<std::string>& metric_names() const;
-  std::span<const double> metrics() const;
-  std::span<const double> true_poses() const;
-  std::span<const double> scan_ages() const;
+  std::span<const double> metrics() const;     ///< (1, names): the metrics now.
+  std::span<const double> true_poses() const;  ///< (1, 3): true pose [m, m, rad] in the scene's frame. Privileged.
+  std::span<const double> scan_ages() const;   ///< (1,) [s] since the newest scan was complete.
+  /// Which episode the world is in.
   EpisodeInfo episode(std::size_t world = 0) const;
+  /// What the episode is about, as `Batch::instruction`.
   std::string instruction(std::size_t world = 0) const;
+  /// What `instruction` is called; empty where the task has none.
   std::string instruction_name() const;
   /// How the backend has the robot differ from its profile, as the episode began: simulators draw it alike.
   models::Variation variation(std::size_t world = 0, std::size_t robot = 0) const;
+  /// The world from above. Throws ContractError before the first reset.
   TopView top_view(std::size_t world = 0) const;
 
  private:
