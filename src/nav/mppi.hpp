@@ -45,8 +45,8 @@ struct MppiWeights {
 };
 
 /// The defaults are what robots drive with, and what is tested, benchmarked and verified. More samples, or more plans a
-/// second, bring a robot nowhere sooner or more surely, see docs/architecture.md. What is near slows it down, but only
-/// what is very near.
+/// second, bring a robot nowhere sooner or more surely (docs/decisions/0014-model-predictive-control.md). What is near
+/// slows it down, but only what is very near.
 struct MppiSettings {
   int samples = 512;             ///< a multiple of 16 is rolled out: the next one
   double step = 0.05;            ///< [s] of a plan, which has 56

@@ -537,7 +537,8 @@ TEST_CASE("nothing that moves time can be called in the middle of a tick") {
       {"save", [&] { (void)world.save(); }},
       {"restore", [&] { world.restore(snapshot); }},
   };
-  for (const auto& [name, call] : calls) {
+  for (const auto& [what, call] : calls) {
+    const std::string name = what;
     CAPTURE(name);
     std::string refusal;
     const std::uint64_t id = robot.runtime().observe([&, call = call](const TickView&) {
