@@ -44,7 +44,7 @@ void BM_people_tracker(benchmark::State& state) {
   Time now{};
   std::size_t next = 0;
   const auto see = [&] {
-    tracker.see(scans[next], now, now + 100ms, {}, {});
+    tracker.update(scans[next], now, now + 100ms, {}, {});
     now += 100ms;
     next = (next + 1) % scans.size();
   };

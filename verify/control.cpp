@@ -18,12 +18,12 @@ using namespace threewe;
 namespace {
 
 nav::testing::Outcome drive(const RobotProfile& profile, const nav::testing::Course& course) {
-  nav::PathFollower tracker(profile);
+  nav::PathFollower follower(profile);
   return nav::testing::drive(profile, course, [&](const nav::MppiObservation& seen, std::span<const Vec2> path) {
     std::vector<Vec2> in_base;
     for (const Vec2 point : seen.obstacles) in_base.push_back(inverse(seen.odom_from_base) * point);
-    tracker.see(in_base, 0.0);
-    return tracker.follow(path, seen);
+    follower.update(in_base, 0.0);
+    return follower.follow(path, seen);
   });
 }
 

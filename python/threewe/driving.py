@@ -54,7 +54,7 @@ def drive(
     seed: Seed = 0,
     seconds: Seconds = None,
     realtime: Realtime = False,
-    known_map: Map = None,
+    prior_map: Map = None,
     save_map: SaveMap = None,
     rerun: Rerun = False,
     save: Save = None,
@@ -64,7 +64,7 @@ def drive(
     """Drive to a place, through a scene that the robot has never seen or has a map of."""
     audience = Audience(rerun, save, serve, serve_network)
     keep = map_file(save_map)
-    robot = threewe.Robot(backend, hardware, scene, known_map, seed=seed, realtime=realtime, viewer=audience.viewer)
+    robot = threewe.Robot(backend, hardware, scene, prior_map, seed=seed, realtime=realtime, viewer=audience.viewer)
     theta = None if heading is None else math.radians(heading)
     task = f"driving to ({to[0]:g}, {to[1]:g})"
     result = watch(robot, task, to, keep, lambda look: robot.move_to(*to, theta, timeout=seconds, on_progress=look))
@@ -82,7 +82,7 @@ def explore(
     seed: Seed = 0,
     seconds: Seconds = None,
     realtime: Realtime = False,
-    known_map: Map = None,
+    prior_map: Map = None,
     save_map: SaveMap = None,
     rerun: Rerun = False,
     save: Save = None,
@@ -92,7 +92,7 @@ def explore(
     """Map a scene that the robot has never seen, or what a map of it lacks."""
     audience = Audience(rerun, save, serve, serve_network)
     keep = map_file(save_map)
-    robot = threewe.Robot(backend, hardware, scene, known_map, seed=seed, realtime=realtime, viewer=audience.viewer)
+    robot = threewe.Robot(backend, hardware, scene, prior_map, seed=seed, realtime=realtime, viewer=audience.viewer)
     task = f"exploring {scene}"
     result = watch(robot, task, None, keep, lambda look: robot.explore(timeout=seconds, on_progress=look))
     tell(result, f"{result.explored_area:.0f} m² explored")

@@ -91,7 +91,7 @@ PathFollower::PathFollower(const RobotProfile& profile)
       reach_(profile.body.footprint.circumscribed_radius() + margin_ + kLargestSpare +
              kHorizon * profile.operating_limits.linear) {}
 
-void PathFollower::see(std::span<const Vec2> obstacles_in_base, double spare) {
+void PathFollower::update(std::span<const Vec2> obstacles_in_base, double spare) {
   spare_ = spare;
   near_.clear();
   least_.clear();

@@ -41,7 +41,7 @@ class PathFollower {
 
   /// What is near: points in the base frame [m]. The robot's margin and `spare` [m], at most 0.05, are kept free around
   /// the outline; what is nearer already comes no nearer.
-  void see(std::span<const Vec2> obstacles_in_base, double spare);
+  void update(std::span<const Vec2> obstacles_in_base, double spare);
 
   /// The velocity for following `path`, in `odom` from the robot on, to a stop at its end. For robots with a lidar.
   Velocity follow(std::span<const Vec2> path, const MppiObservation& seen);

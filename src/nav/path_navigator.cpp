@@ -173,7 +173,7 @@ void PathNavigator::note(const Observation& seen) {
   }
   monitor_.update(now_, pose.position(), progress_.distance_left);
   remember_movers(seen);
-  follower_.see(in_base_, recovery_.active() || now_ < motion_.tight_until ? 0.0 : kSpare);
+  follower_.update(in_base_, recovery_.active() || now_ < motion_.tight_until ? 0.0 : kSpare);
 }
 
 // At the pace of this motion so far, to begin with at three quarters of the speed limit.

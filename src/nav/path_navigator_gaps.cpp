@@ -98,7 +98,7 @@ std::vector<Vec2> PathNavigator::hits_around(const Observation& seen) const {
 // A manoeuvre may come as near to what is around as in a gap.
 Velocity PathNavigator::step_recovery(const Observation& seen) {
   const std::vector<Vec2> hits = hits_around(seen);
-  if (lidar_ && recovery_.state() == RecoveryState::arc_escape) follower_.see(hits, kFree - margin_);
+  if (lidar_ && recovery_.state() == RecoveryState::arc_escape) follower_.update(hits, kFree - margin_);
   const Velocity velocity = recovery_.step(now_, odom_from_base_, hits, follower_);
   progress_.recovery = recovery_.state();
   return velocity;
@@ -119,7 +119,7 @@ Decision PathNavigator::pass(const Observation& seen) {
   constexpr double kSight = 0.7;  // [m]
   mark_moved();                   // it is patient by itself
   const std::vector<Vec2> hits = smoothed_hits(seen, kSight);
-  follower_.see(transformed(inverse(odom_from_base_), hits), kFree - margin_);
+  follower_.update(transformed(inverse(odom_from_base_), hits), kFree - margin_);
 
   const Velocity velocity = narrow_passage_.step(now_, odom_from_base_, hits, follower_);
   switch (narrow_passage_.state()) {

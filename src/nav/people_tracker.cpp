@@ -52,8 +52,8 @@ Pose2D pose_at(const LaserScan& scan, std::size_t beam, const Pose2D& then, cons
 
 }  // namespace
 
-void PeopleTracker::see(const LaserScan& scan, Time began, Time ended, const Pose2D& odom_from_lidar_then,
-                        const Pose2D& odom_from_lidar) {
+void PeopleTracker::update(const LaserScan& scan, Time began, Time ended, const Pose2D& odom_from_lidar_then,
+                           const Pose2D& odom_from_lidar) {
   const Time stamp = began + (ended - began) / 2;
   find_ends(scan, odom_from_lidar_then, odom_from_lidar);
   find_hits(scan);

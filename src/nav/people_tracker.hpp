@@ -32,8 +32,8 @@ class PeopleTracker {
  public:
   /// One scan, whose turn began and ended with the lidar at these poses in `odom`, at these times; beams were measured
   /// evenly in between, the last one first where `scan.time_increment` is negative.
-  void see(const LaserScan& scan, Time began, Time ended, const Pose2D& odom_from_lidar_then,
-           const Pose2D& odom_from_lidar);
+  void update(const LaserScan& scan, Time began, Time ended, const Pose2D& odom_from_lidar_then,
+              const Pose2D& odom_from_lidar);
   /// Where people are at a time at or after the newest scan, by the order of their ids.
   std::vector<TrackedPerson> people(Time now) const;
   /// What of the newest scan is near, and was farther away along the same bearing in each of the scans before.

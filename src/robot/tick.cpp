@@ -285,8 +285,8 @@ void Runtime::Impl::look_around(const Sample& sample) {
   };
   const Pose2D base_from_lidar = port.profile().lidar->base_from_lidar;
   const auto [began, ended] = std::minmax(first, last);
-  state->tracker.see(*scan, began, ended, odom_from_base(began) * base_from_lidar,
-                     odom_from_base(ended) * base_from_lidar);
+  state->tracker.update(*scan, began, ended, odom_from_base(began) * base_from_lidar,
+                        odom_from_base(ended) * base_from_lidar);
 
   const Pose2D turned = base_from_lidar * Pose2D{0.0, 0.0, wrap_angle(scan->angle_min + exact::kPi)};
   state->sight.add(sight_model, {ended, odom_from_base(first) * turned, odom_from_base(last) * turned}, scan->ranges,

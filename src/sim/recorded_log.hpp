@@ -21,7 +21,7 @@ struct LogSpec {
   std::vector<Vec2> stops;  ///< one after the other, in the scene's frame; it begins at the scene's first start
 };
 
-/// Reads assets/surveys/NAME.yaml, or the file itself where `name` ends in .yaml. Throws ConfigError with file:line.
+/// Reads assets/logs/NAME.yaml, or the file itself where `name` ends in .yaml. Throws ConfigError with file:line.
 LogSpec load_log_spec(std::string_view name);
 /// The names of all surveys.
 std::vector<std::string> log_names();

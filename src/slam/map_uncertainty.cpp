@@ -45,7 +45,7 @@ Matrix3 covariance_of(const Matrix3& information) {
 
 }  // namespace
 
-void MapUncertainty::see(Vec2 position, const View& view) {
+void MapUncertainty::update(Vec2 position, const View& view) {
   if (!began_) origin_ = position;
   const Vec2 moved = began_ ? position - here_.position : Vec2{};
   worse_ = std::max(view.scatter / kUsual, kLeast);

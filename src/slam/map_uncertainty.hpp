@@ -24,7 +24,7 @@ struct View {
 class MapUncertainty {
  public:
   /// The robot is at `position` [m] of the map.
-  void see(Vec2 position, const View& view);
+  void update(Vec2 position, const View& view);
   /// Somebody has put the robot elsewhere: what counts is where it is next.
   void forget_way();
 

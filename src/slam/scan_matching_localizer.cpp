@@ -122,7 +122,7 @@ class ScanMatchingLocalizer final : public Localizer {
   OnlineMap map_;
   Pose2D keyframe_;  // map_from_base when the map last took a scan
   Time keyframe_stamp_{};
-  MapUncertainty map_error_;
+  MapUncertainty map_uncertainty_;
   double doubtful_turn_ = 0.0;  // [rad] since the scan before
   Time began_{};                // first scan
   Time scanned_{};              // newest one
@@ -298,7 +298,7 @@ void ScanMatchingLocalizer::settle(const Pose2D& map_from_base, Time stamp) {
 void ScanMatchingLocalizer::get_lost() {
   lost_ = true;
   map_.break_off();
-  map_error_.forget_way();
+  map_uncertainty_.forget_way();
   home_ = given_ ? given_ : std::make_shared<const PriorMap>(map());
   finder_.emplace(home_);
 }
@@ -343,8 +343,8 @@ void ScanMatchingLocalizer::correct(Time stamp) {
   // of fewer beams each surface is known less well, too; but the errors of a scan are common to all of its beams
   constexpr double kUsualBeams = 360.0;
   const double fewer = kUsualBeams / static_cast<double>(beams_.size());
-  map_error_.see(match.at.pose.position(),
-                 {1.0 - known, range_noise_.sigma(), fewer * fewer * match.told.topLeftCorner<3, 3>()});
+  map_uncertainty_.update(match.at.pose.position(),
+                          {1.0 - known, range_noise_.sigma(), fewer * fewer * match.told.topLeftCorner<3, 3>()});
 }
 
 // Nobody is carried away whose wheels and gyro tell of one motion: a scan that says so is late.
@@ -425,7 +425,7 @@ PoseEstimate ScanMatchingLocalizer::estimate(Time now) const {
     covariance(kY, kY) += kGivenOrigin * kGivenOrigin;
     covariance(kTheta, kTheta) += kGivenHeading * kGivenHeading;
   } else if (map_version() > 0) {
-    covariance.topLeftCorner<3, 3>() += map_error_.covariance();
+    covariance.topLeftCorner<3, 3>() += map_uncertainty_.covariance();
   }
   std::size_t i = 0;
   for (int row = 0; row < 3; ++row) {

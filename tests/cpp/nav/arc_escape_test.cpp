@@ -49,7 +49,7 @@ struct Body {
   bool leaves() {
     arc_escape.begin(now);
     while (now < 120s) {
-      follower.see(seen(), 0.004 - profile.margin());
+      follower.update(seen(), 0.004 - profile.margin());
       const Velocity velocity = arc_escape.step(now, pose, seen(), follower);
       if (arc_escape.over()) break;
       const double corners = exact::hypot(velocity.vx, velocity.vy) +

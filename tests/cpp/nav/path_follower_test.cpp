@@ -83,7 +83,7 @@ TEST_CASE("a velocity is slowed down as far as a look at every point from every 
       const Vec2 along = rotate({still * draw(0.0, limits.linear), 0.0}, draw(-exact::kPi, exact::kPi));
       const Velocity wanted{along.x, along.y, turning * draw(-limits.angular, limits.angular)};
 
-      follower.see(points, spare);
+      follower.update(points, spare);
       const double f = SlowTwin(profile, points, spare).allowed_fraction(wanted);
       REQUIRE(follower.safe(wanted) == Velocity{f * wanted.vx, f * wanted.vy, f * wanted.omega});
       ++(f < 1.0 ? slowed : free);

@@ -97,16 +97,16 @@ struct Watch {
       const double seen = range + 0.01 * normal(room.key, 2000 + scans, lane);
       scan.ranges.push_back(lost ? 0.0F : static_cast<float>(std::min(seen, 12.0)));
     }
-    follower.see(scan, from_seconds(now), from_seconds(now + 0.1), lidar(now), lidar(now + 0.1));
+    tracker.update(scan, from_seconds(now), from_seconds(now + 0.1), lidar(now), lidar(now + 0.1));
     now += 0.1;
     ++scans;
   }
-  std::vector<TrackedPerson> people() const { return follower.people(from_seconds(now)); }
+  std::vector<TrackedPerson> people() const { return tracker.people(from_seconds(now)); }
 
   Room room;
   std::vector<Walker> walkers;
   Velocity velocity;
-  PeopleTracker follower;
+  PeopleTracker tracker;
   double now = 0.0;
   std::uint64_t scans = 0;
 };
@@ -193,7 +193,7 @@ TEST_CASE("nothing comes nearer where nothing moves, however the robot drives") 
     Watch watch(seed, {}, true);
     for (int i = 0; i < 60; ++i) {
       watch.turn();
-      beams += static_cast<int>(watch.follower.approaching().size());
+      beams += static_cast<int>(watch.tracker.approaching().size());
     }
   }
   CHECK(beams == 0);
@@ -213,7 +213,7 @@ TEST_CASE("who comes straight at the robot comes nearer, in time and about as fa
     bool in_time = false;
     while (norm(watch.walkers[0].at(watch.now + 0.1)) > 0.6) {
       watch.turn();
-      for (const nav::Approaching& it : watch.follower.approaching()) {
+      for (const nav::Approaching& it : watch.tracker.approaching()) {
         in_time = true;
         ++told;
         fastest = std::max(fastest, it.speed);

@@ -48,7 +48,7 @@ struct Body {
       note();
       std::vector<Vec2> in_base;
       for (const Vec2 p : points) in_base.push_back(inverse(pose) * p);
-      follower.see(in_base, recovery.creep_mode() ? 0.004 - profile.margin() : 0.0);
+      follower.update(in_base, recovery.creep_mode() ? 0.004 - profile.margin() : 0.0);
       move(recovery.step(now, pose, in_base, follower));
       REQUIRE(now - began < 100s);
     }

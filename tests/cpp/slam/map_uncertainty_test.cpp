@@ -20,13 +20,13 @@ View view(double unknown, double scatter = 0.01) { return {unknown, scatter, Vec
 double trace_after(MapUncertainty& error, double from, double to, double unknown, double scatter = 0.01) {
   const double step = to > from ? 0.1 : -0.1;
   const int steps = static_cast<int>(std::ceil((to - from) / step));
-  for (int i = 0; i < steps; ++i) error.see({from + step * i, 0.0}, view(unknown, scatter));
+  for (int i = 0; i < steps; ++i) error.update({from + step * i, 0.0}, view(unknown, scatter));
   return error.covariance().trace();
 }
 
 TEST_CASE("new places are less certain, and a place is as certain as it was when the robot comes back") {
   MapUncertainty error;
-  error.see({}, view(0.0));
+  error.update({}, view(0.0));
   std::vector<double> there{error.covariance().trace()};
   for (int metre = 1; metre <= 20; ++metre) there.push_back(trace_after(error, metre - 1, metre, 0.3));
   for (std::size_t i = 1; i < there.size(); ++i) CHECK(there[i] > there[i - 1]);
@@ -50,7 +50,7 @@ TEST_CASE("to and fro in a known place nothing grows, for however long") {
 
 TEST_CASE("a turned map is off to the side, seen from where it was turned") {
   MapUncertainty error;
-  error.see({}, view(0.0));
+  error.update({}, view(0.0));
   trace_after(error, 0.0, 10.0, 0.3);
   const Matrix3 covariance = error.covariance();
   CHECK(covariance(kY, kY) > 2.0 * covariance(kX, kX));
@@ -60,8 +60,8 @@ TEST_CASE("a turned map is off to the side, seen from where it was turned") {
 TEST_CASE("far from where it began the map may be stretched") {
   const auto along = [](double x) {
     MapUncertainty error;
-    error.see({1.0, 0.0}, view(0.0));
-    for (int i = 1; i <= 10; ++i) error.see({1.0 + 0.1 * i * (x - 1.0), 0.0}, view(0.0));
+    error.update({1.0, 0.0}, view(0.0));
+    for (int i = 1; i <= 10; ++i) error.update({1.0 + 0.1 * i * (x - 1.0), 0.0}, view(0.0));
     return error.covariance();
   };
   const Matrix3 grown = along(21.0) - along(1.0);
@@ -83,20 +83,20 @@ TEST_CASE("a lidar that scatters more draws worse maps, and a map that it drew s
 TEST_CASE("along a corridor whose walls do not tell the way the map is worse that way") {
   MapUncertainty error;
   const View along{0.3, 0.01, Vector3(1e3, 2.5e5, 1e6).asDiagonal()};
-  for (int i = 0; i < 20; ++i) error.see({0.1 * i, 0.0}, along);
+  for (int i = 0; i < 20; ++i) error.update({0.1 * i, 0.0}, along);
   CHECK(error.covariance()(kX, kX) > 5.0 * error.covariance()(kY, kY));
 }
 
 TEST_CASE("whoever was put elsewhere is as certain as the place is") {
   MapUncertainty error;
-  error.see({}, view(0.0));
+  error.update({}, view(0.0));
   const double at_start = error.covariance().trace();
   trace_after(error, 0.0, 20.0, 0.3);
   error.forget_way();
-  error.see({0.1, 0.0}, view(0.0));
+  error.update({0.1, 0.0}, view(0.0));
   CHECK(error.covariance().trace() < 1.1 * at_start);
   error.forget_way();
-  error.see({19.0, 0.0}, view(0.0));
+  error.update({19.0, 0.0}, view(0.0));
   CHECK(error.covariance().trace() > 2.0 * at_start);
 }
 
@@ -115,8 +115,8 @@ TEST_CASE("it is a covariance wherever the robot goes, and a copy goes on the sa
         seen.information += 1600.0 * tells * tells.transpose();
       }
       MapUncertainty copy = error;
-      error.see(at, seen);
-      copy.see(at, seen);
+      error.update(at, seen);
+      copy.update(at, seen);
       REQUIRE(copy.covariance() == error.covariance());
       const Eigen::SelfAdjointEigenSolver<Matrix3> eigen(error.covariance());
       REQUIRE(eigen.eigenvalues().minCoeff() > 0.0);

@@ -69,12 +69,17 @@ FORBIDDEN = {
 # Whole names that have gone, of words that are good in others.
 GONE = {
     "GrowingMap": "OnlineMap",
+    "growing_map": "online_map",
     "KnownMap": "PriorMap",
+    "known_map": "prior_map",
     "MapError": "MapUncertainty",
+    "map_error": "map_uncertainty",
     "Moment": "TaskState",
     "Passage": "NarrowPassage",
     "PlaceFinder": "GlobalLocalizer",
+    "place_finder": "global_localizer",
     "ScanSearch": "BranchAndBoundMatcher",
+    "scan_search": "branch_and_bound_matcher",
     "Setting": "TaskContext",
     "Tracker": "PathFollower",
     "is_back": "is_relocalized",
