@@ -25,7 +25,8 @@ LaserScan look(const scene::Slice& office, double t) {
     const double angle = scan.angle_min + i * scan.angle_increment;
     double range = scene::cast_ray(office, {}, angle, scan.range_max);
     for (int person = 0; person < 6; ++person) {
-      const Vec2 leg{1.5 * std::sin(0.5 * t + person / 2), 1.0 + 0.5 * (person / 2) + 0.2 * (person % 2)};
+      const int row = person / 2;
+      const Vec2 leg{1.5 * std::sin(0.5 * t + row), 1.0 + 0.5 * row + 0.2 * (person % 2)};
       const Vec2 d{std::cos(angle), std::sin(angle)};
       const double aside = cross(d, leg);
       if (dot(d, leg) > 0.0 && std::fabs(aside) < 0.062)

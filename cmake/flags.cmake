@@ -8,10 +8,12 @@ set(CMAKE_CXX_EXTENSIONS OFF)
 set(CMAKE_POSITION_INDEPENDENT_CODE ON)
 set(CMAKE_EXPORT_COMPILE_COMMANDS ON)
 
+if(THREEWE_FUZZ) # with THREEWE_SANITIZE
+  add_compile_options(-g -fsanitize=fuzzer-no-link)
+endif()
 if(THREEWE_SANITIZE)
   set(CMAKE_BUILD_TYPE "None") # assertions stay on
-  add_compile_options(-O1 -gline-tables-only -fsanitize=address,undefined,fuzzer-no-link
-                      -fno-sanitize=null,alignment,vptr,object-size)
+  add_compile_options(-O1 -fsanitize=address,undefined -fno-sanitize=null,alignment,vptr,object-size)
   add_link_options(-fsanitize=address,undefined)
 elseif(NOT CMAKE_BUILD_TYPE AND NOT CMAKE_CONFIGURATION_TYPES)
   set(CMAKE_BUILD_TYPE "Release")

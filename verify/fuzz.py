@@ -15,7 +15,7 @@ FORMATS = sorted(path.name for path in (FUZZERS / "corpus").iterdir())
 def read_inputs(seed: int, name: str, inputs: int) -> Case:
     """One stretch of fuzzing."""
     native = (FUZZERS / f"{name}_fuzzer.cpp").exists()
-    if native and not (ROOT / "build/sanitized/tests/fuzz" / f"{name}_fuzzer").exists():
+    if native and not (ROOT / "build/fuzz/tests/fuzz" / f"{name}_fuzzer").exists():
         return {"not_shown": "the fuzzers are not built: `./dev fuzz` builds them"}
     command = [sys.executable, "-m", "tests.fuzz", name, "--runs", str(inputs), "--seed", str(seed % 2**31)]
     done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True)

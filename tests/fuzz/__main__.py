@@ -14,7 +14,6 @@ from tests.fuzz import python_fuzzer
 
 ROOT = Path(__file__).resolve().parent.parent.parent
 BUILD = ROOT / "build" / "fuzz"
-FUZZERS = ROOT / "build" / "sanitized" / "tests" / "fuzz"
 CORPUS = Path(__file__).parent / "corpus"
 
 NATIVE = ("scene", "object", "profile", "randomization", "map", "slam", "readings")
@@ -35,7 +34,7 @@ def fuzz(name: str, runs: int, seconds: float, seed: int = 0) -> tuple[int, str]
     for folder in (found, artifacts):
         folder.mkdir(parents=True, exist_ok=True)
     command = [
-        FUZZERS / f"{name}_fuzzer",
+        BUILD / "tests" / "fuzz" / f"{name}_fuzzer",
         found,
         CORPUS / name,
         f"-runs={runs}",

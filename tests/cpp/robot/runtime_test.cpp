@@ -537,8 +537,7 @@ TEST_CASE("nothing that moves time can be called in the middle of a tick") {
       {"save", [&] { (void)world.save(); }},
       {"restore", [&] { world.restore(snapshot); }},
   };
-  for (const auto& [what, call] : calls) {
-    const std::string name = what;
+  for (const auto& [name, call] : calls) {
     CAPTURE(name);
     std::string refusal;
     const std::uint64_t id = robot.runtime().observe([&, call = call](const TickView&) {

@@ -360,8 +360,7 @@ TEST_CASE("a floor that holds everywhere alike and one with ice elsewhere give t
 
 TEST_CASE("with half of its wheels on ice a robot has the mean of both grips") {
   const auto model = icy_hall(NoiseLevel::ideal);
-  for (const auto& [where, friction] : {std::pair(0.5, 1.0), std::pair(1.0, 0.65), std::pair(1.5, 0.3)}) {
-    const double x = where;
+  for (const auto& [x, friction] : {std::pair(0.5, 1.0), std::pair(1.0, 0.65), std::pair(1.5, 0.3)}) {
     CAPTURE(x);
     RobotState state = begin(*model, 0, {x, 0.0, 0.0}, 1);
     for (double& speed : state.wheel_speeds) speed = 30.0;  // they spin: all that friction gives is used

@@ -88,8 +88,7 @@ TEST_CASE("each knob of the physics alone changes how a robot drives") {
       {"odometry_slip", {.odometry_slip = 1.5}},
       {"command_latency", {.command_latency = 2.0}},
   };
-  for (const auto& [knob, variation] : knobs) {
-    const std::string name = knob;
+  for (const auto& [name, variation] : knobs) {
     CAPTURE(name);
     CHECK_FALSE(same_but_for_the_knob(plain, drive_about(variation)));
     const RobotState begun = begin(model(), 0, {}, 5, 0, variation);
