@@ -38,16 +38,10 @@ def train(sensor: str, steps: int, seed: int, *, num_envs: int = 128, num_scenes
     )
     vectors = [name for name in SENSORS[sensor]["observations"] if name != "image"]
     envs = VecNormalize(VecMonitor(batch), norm_obs_keys=vectors, gamma=0.98)
-    settings = {"n_steps": 32, "batch_size": 8 * num_envs, "n_epochs": 4, "gamma": 0.98}
+    settings = {"n_steps": 32, "batch_size": 8 * num_envs, "n_epochs": 4, "gamma": 0.98, "ent_coef": 0.001}
     deviation = {"log_std_init": -0.7}
     model = PPO(
-        "MultiInputPolicy",
-        envs,
-        learning_rate=lambda left: 1e-3 * left,
-        policy_kwargs=deviation,
-        seed=seed,
-        device="cpu",
-        **settings,
+        "MultiInputPolicy", envs, learning_rate=5e-4, policy_kwargs=deviation, seed=seed, device="cpu", **settings
     )
     model.learn(steps)
     return model, envs
