@@ -43,7 +43,7 @@ class NarrowPassage {
   double entry(double half_length) const { return -(half_length + ahead_ + kRoomToTurn); }
   void begin(Time now, const Pose2D& odom_from_base, const Pose2D& odom_from_middle, double half_length);
   void end() { state_ = State::idle; }
-  /// One period. `hits`: what is near, in `odom`, cleared of scatter; `follower` sees the same.
+  /// One period. `hits`: what is near, in `odom`, cleared of noise; `follower` sees the same.
   Velocity step(Time now, const Pose2D& odom_from_base, std::span<const Vec2> hits, PathFollower& follower);
 
   State state() const { return state_; }

@@ -45,9 +45,10 @@ bool PathNavigator::plan_through_gaps(const Observation& seen, double tolerance)
 // A gap is worth the time that it takes where the way round takes longer.
 void PathNavigator::plan_shortcut(const Observation& seen, double tolerance) {
   constexpr double kPassing = 30.0;  // [s] to line up, measure, and creep through
-  if (!lidar_) return;
+  const double detour = kPassing * kPaceOfDrives * limits_.linear;
+  if (!lidar_ || !route_.is_detour(detour)) return;
   std::vector<Vec2> hits;
-  route_.plan_shortcut(without_noise(seen, hits), tolerance, kPassing * kPaceOfDrives * limits_.linear);
+  route_.plan_shortcut(without_noise(seen, hits), tolerance, detour);
 }
 
 // The path as far as the place from which the robot lines up for the first gap; empty where there is none.

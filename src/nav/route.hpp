@@ -47,8 +47,9 @@ class Route {
   /// [m]: cells are too coarse to tell.
   bool plan_through_gaps(const Observation& seen, double tolerance,
                          double longest = std::numeric_limits<double>::infinity());
-  /// The same, where a path has turned out to be blocked and the one planned instead is a detour of more than `detour`
-  /// [m]. False: the path stays what it was.
+  /// A path has turned out to be blocked, and the one planned instead may be longer by more than `detour` [m].
+  bool is_detour(double detour) const;
+  /// The same where that is so. False: the path stays what it was.
   bool plan_shortcut(const Observation& seen, double tolerance, double detour);
   /// The first of these on a path to the goal that would be open without them; empty where there is no path then
   /// either.

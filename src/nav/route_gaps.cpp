@@ -71,12 +71,16 @@ bool Route::plan_through_gaps(const Observation& seen, double tolerance, double 
   return false;
 }
 
-// What a mover has closed it will open; what is avoided is tried again until it has failed often.
-bool Route::plan_shortcut(const Observation& seen, double tolerance, double detour) {
-  const double longest = path_length(path_) - detour;
-  if (longest < distance(path_.front(), waypoints_.back())) return false;
+// What a mover has closed it will open.
+bool Route::is_detour(double detour) const {
   if (std::ranges::all_of(closures_, [&](Vec2 p) { return is_near_mover(p); })) return false;
+  return path_length(path_) - detour >= distance(path_.front(), waypoints_.back());
+}
 
+// What is avoided is tried again until it has failed often.
+bool Route::plan_shortcut(const Observation& seen, double tolerance, double detour) {
+  if (!is_detour(detour)) return false;
+  const double longest = path_length(path_) - detour;
   std::vector<Vec2> path = std::exchange(path_, {});
   std::vector<Vec2> avoided = avoided_;
   std::erase_if(avoided_, [&](Vec2 p) { return !failed_often(p); });
