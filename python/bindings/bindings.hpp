@@ -33,6 +33,7 @@ void init_calibration(nb::module_& m);
 void init_plugin(nb::module_& m);
 void init_nav(nb::module_& m);
 void init_robot(nb::module_& m);
+void init_record(nb::module_& m);
 void init_env(nb::module_& m);
 void init_benchmark(nb::module_& m);
 void init_export(nb::module_& m);

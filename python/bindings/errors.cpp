@@ -29,6 +29,8 @@ void translate(const std::exception_ptr& thrown, void* /*payload*/) {
     raise("TimeoutError", error);
   } catch (const ContractError& error) {
     raise("ContractError", error);
+  } catch (const RecordingError& error) {
+    raise("RecordingError", error);
   } catch (const ConfigError& error) {
     raise("ConfigError", error);
   } catch (const ThreeweError& error) {

@@ -14,6 +14,7 @@ NB_MODULE(_core, m) {
   init_plugin(m);
   init_nav(m);
   init_robot(m);
+  init_record(m);
   init_env(m);
   init_benchmark(m);
   init_export(m);

@@ -2,7 +2,7 @@
 The C++ core of 3we. Use it through `threewe`, which adds what Python can do better.
 """
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 import enum
 import pathlib
 from typing import Annotated, Any, NoReturn
@@ -2280,6 +2280,244 @@ class Simulation:
 
     def restore(self, snapshot: Snapshot) -> None:
         """Goes on from where `save` was called."""
+
+class RecordingFrame:
+    """One camera image on its way into a journal."""
+
+    @property
+    def robot(self) -> int:
+        """its number among those recorded"""
+
+    @property
+    def sensor(self) -> int:
+        """its number among the robot's sensors"""
+
+    @property
+    def color(self) -> Annotated[NDArray[numpy.uint8], dict(shape=(None, None, 3), writable=False)]:
+        """(H, W, 3) uint8, BGR; drawn on first access"""
+
+class Recorder:
+    """Crash-safe journal of what robots sense, are asked for and do."""
+
+    def __init__(self, world: World, folder: str, robots: Sequence[int], sensors: Sequence[str], encoder: bool) -> None: ...
+
+    def start_episode(self, task: str, metadata: Mapping[str, bool | int | float | str]) -> int: ...
+
+    def end_episode(self, success: bool | None, metadata: Mapping[str, bool | int | float | str]) -> None: ...
+
+    def close(self) -> None: ...
+
+    def discard_episode(self) -> None: ...
+
+    @property
+    def recording(self) -> bool: ...
+
+    @property
+    def ticks(self) -> int: ...
+
+    def record_step(self, robot: int, action: Sequence[float]) -> None: ...
+
+    def set_instruction(self, robot: int, instruction: str) -> None: ...
+
+    def set_takeover(self, robot: int, takeover: bool) -> None: ...
+
+    def next_frame(self) -> RecordingFrame | None: ...
+
+    def put_packet(self, frame: RecordingFrame, packet: bytes) -> None: ...
+
+    def put_raw(self, frame: RecordingFrame) -> None: ...
+
+    def detach_encoder(self) -> None: ...
+
+class RecordedFrame:
+    """Where the image of a camera sample is in its journal."""
+
+    @property
+    def sensor(self) -> int: ...
+
+    @property
+    def measured(self) -> float:
+        """[s]"""
+
+    @property
+    def received(self) -> float:
+        """[s]"""
+
+    @property
+    def width(self) -> int:
+        """[px]"""
+
+    @property
+    def height(self) -> int:
+        """[px]"""
+
+    @property
+    def encoded(self) -> bool:
+        """as an H.264 access unit; raw otherwise"""
+
+    @property
+    def has_depth(self) -> bool: ...
+
+class RecordedRobot:
+    """One robot of a recorded episode."""
+
+    @property
+    def profile(self) -> str: ...
+
+    @property
+    def sensors(self) -> list[SensorInfo]: ...
+
+    @property
+    def cameras(self) -> list[CameraIntrinsics]:
+        """by the sensors' numbers; without pixels where it is no camera"""
+
+    @property
+    def samples(self) -> list[Sample]:
+        """in order of arrival; a camera's hold no image"""
+
+    @property
+    def frames(self) -> list[RecordedFrame]: ...
+
+    @property
+    def time(self) -> NDArray[numpy.float64]: ...
+
+    @property
+    def simulated(self) -> bool: ...
+
+    @property
+    def intervention(self) -> NDArray[numpy.uint8]: ...
+
+    @property
+    def lost(self) -> NDArray[numpy.bool_]: ...
+
+    @property
+    def takeover(self) -> NDArray[numpy.bool_]: ...
+
+    @property
+    def step_time(self) -> NDArray[numpy.float64]: ...
+
+    @property
+    def step_action(self) -> NDArray[numpy.float64]: ...
+
+    @property
+    def instructions(self) -> list[tuple[float, str]]: ...
+
+    @property
+    def pose(self) -> NDArray[numpy.float64]: ...
+
+    @property
+    def odom_from_base(self) -> NDArray[numpy.float64]: ...
+
+    @property
+    def true_pose(self) -> NDArray[numpy.float64]: ...
+
+    @property
+    def velocity(self) -> NDArray[numpy.float64]: ...
+
+    @property
+    def requested(self) -> NDArray[numpy.float64]: ...
+
+    @property
+    def executed(self) -> NDArray[numpy.float64]: ...
+
+    @property
+    def true_velocity(self) -> NDArray[numpy.float64]: ...
+
+class ReplayReport:
+    """How far a replay came from what was recorded."""
+
+    @property
+    def ticks(self) -> int: ...
+
+    @property
+    def max_deviation(self) -> float:
+        """[m] between true positions"""
+
+    @property
+    def first_difference(self) -> float | None:
+        """[s] of any bit of a true pose or a sample"""
+
+class WorldOrigin:
+    """Of which backend a world is, and how it was made."""
+
+    @property
+    def backend(self) -> str: ...
+
+    @property
+    def scene(self) -> str: ...
+
+    @property
+    def robots(self) -> list[str]: ...
+
+    @property
+    def seed(self) -> int: ...
+
+    @property
+    def randomization(self) -> str: ...
+
+class Journal:
+    """One recorded episode, read from its file."""
+
+    @staticmethod
+    def open(file: str) -> Journal: ...
+
+    @property
+    def episode(self) -> int: ...
+
+    @property
+    def task(self) -> str: ...
+
+    @property
+    def success(self) -> bool | None: ...
+
+    @property
+    def metadata(self) -> dict[str, bool | int | float | str]: ...
+
+    @property
+    def recovered(self) -> bool: ...
+
+    @property
+    def started(self) -> float:
+        """wall clock [s since 1970]"""
+
+    @property
+    def began(self) -> float:
+        """[s] of robot time"""
+
+    @property
+    def robots(self) -> list[RecordedRobot]: ...
+
+    @property
+    def origin(self) -> WorldOrigin | None: ...
+
+    @property
+    def can_replay(self) -> bool: ...
+
+    def color(self, frame: RecordedFrame) -> bytes:
+        """An access unit, or (H, W, 3) blue, green, red."""
+
+    def depth(self, frame: RecordedFrame) -> NDArray[numpy.uint16]:
+        """(H, W) uint16 [mm], 0 where invalid."""
+
+    def replay(self) -> ReplayReport:
+        """Makes its world anew and sends the commands that were executed."""
+
+class Recovered:
+    """What was made of a journal that a crash had cut off."""
+
+    @property
+    def file(self) -> pathlib.Path:
+        """empty where nothing of it could be saved"""
+
+    @property
+    def ticks(self) -> int: ...
+
+    @property
+    def lost_bytes(self) -> int: ...
+
+def recover_journals(folder: str) -> list[Recovered]: ...
+
+def journals(folder: str) -> list[pathlib.Path]: ...
 
 class Randomization:
     """Domain randomisation: how far robots differ from their profile."""

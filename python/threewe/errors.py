@@ -35,5 +35,9 @@ class ContractError(ThreeweError, ValueError):
     """A value broke the contract: NaN, a wrong shape, `vy` on a differential base."""
 
 
+class RecordingError(ThreeweError, OSError):
+    """A recording could not be written; the message names the file, and what is safe."""
+
+
 class ConfigError(ThreeweError, ValueError):
     """A scene, profile, option or file is wrong; the message says where, and what would be right."""

@@ -152,6 +152,7 @@ class Robot(InRobotTime):
     def _set_up(self, world: _core.World, robot_time: RobotTime, index: int, initial_pose: Pose2D | None) -> None:
         self._world = world
         self._time = robot_time
+        self._index = index
         self._runtime = world.robot(index)
         self._profile, self._features = self._runtime.profile, self._runtime.features
         self._simulation = Simulation(world, index, robot_time, initial_pose) if self._runtime.simulated else None

@@ -4,8 +4,8 @@
 
 #include <fmt/format.h>
 
-#include "backend/bytes.hpp"
 #include "backend/plugin.hpp"
+#include "core/bytes.hpp"
 #include "core/rng.hpp"
 #include "hardware/limits.hpp"
 #include "threewe/core/errors.hpp"
@@ -127,7 +127,7 @@ std::vector<std::byte> PluginWorld::save() const {
   bytes.put(std::uint64_t{link_->arrived_.size()});
   for (const Sample& sample : link_->arrived_) bytes.put(sample);
   bytes.put(std::uint64_t{reply.state.size()});
-  for (const std::byte byte : reply.state) bytes.put(byte);
+  bytes.put_bytes(reply.state);
   return bytes.take();
 }
 
@@ -139,7 +139,7 @@ void PluginWorld::restore(const std::vector<std::byte>& state) {
   std::vector<std::uint64_t> sequence(link_->sequence_.size());
   std::vector<Time> newest(link_->newest_.size());
   PluginRequest request{.call = Call::restore};
-  ByteReader bytes(state);
+  ByteReader bytes(state, kNotSaved);
   bytes.get(now);
   bytes.get(command);
   for (std::uint64_t& number : sequence) bytes.get(number);

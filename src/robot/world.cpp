@@ -74,6 +74,7 @@ World::World(const Options& options)
     : World(backend::make_world(options.backend, options), options.realtime, options.autonomy, options.initial_poses,
             options.map) {
   impl_->seed = options.seed;
+  impl_->origin = {options.backend, options};
 }
 
 World::World(std::unique_ptr<backend::World> backend, bool realtime, const Autonomy& autonomy,
@@ -117,6 +118,7 @@ const Runtime& World::robot(std::size_t index) const {
 }
 
 Time World::now() const { return impl_->now; }
+const std::optional<World::Origin>& World::origin() const { return impl_->origin; }
 std::uint64_t World::seed() const { return impl_->seed; }
 
 void World::tick() {
@@ -269,6 +271,11 @@ std::shared_ptr<const World::Snapshot> World::save() const {
   snapshot->now = now();
   snapshot->setup = impl_->setup;
   return snapshot;
+}
+
+std::vector<std::byte> World::save_backend() const {
+  impl_->require_no_tick();
+  return impl_->backend->save();
 }
 
 void World::restore(const std::shared_ptr<const Snapshot>& snapshot) {

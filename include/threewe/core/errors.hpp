@@ -39,6 +39,10 @@ class TimeoutError : public ThreeweError {
 class ContractError : public ThreeweError {
   using ThreeweError::ThreeweError;
 };
+/// A recording could not be written; the message names the file, and what is safe.
+class RecordingError : public ThreeweError {
+  using ThreeweError::ThreeweError;
+};
 /// A scene, profile, option or file is wrong; the message names file:line or field, and what would be right.
 class ConfigError : public ThreeweError {
   using ThreeweError::ThreeweError;

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -75,6 +76,13 @@ class World {
   const Runtime& robot(std::size_t index) const;
   /// Robot time.
   Time now() const;
+  /// Of which backend a world is, and how it was made.
+  struct Origin {
+    std::string backend;            ///< see `backend::backend_names`
+    backend::WorldOptions options;  ///< with all names and files as they were given
+  };
+  /// How to make such a world again; empty for one made from a backend.
+  const std::optional<Origin>& origin() const;
   /// Of all noise: the one that the world was made with; 0 for a world made from a backend.
   std::uint64_t seed() const;
   /// Disconnects every robot, which ends its motion as `cancelled` and stops it.
@@ -132,6 +140,8 @@ class World {
   struct Snapshot;
   /// Everything that the future depends on. Throws ContractError during a motion, or where the backend cannot save.
   std::shared_ptr<const Snapshot> save() const;
+  /// The same without the robots' autonomy, as bytes for a world of the same origin; during a motion, too.
+  std::vector<std::byte> save_backend() const;
   /// Goes back to such a state. Throws ContractError where it is of a world that was made otherwise.
   void restore(const std::shared_ptr<const Snapshot>& snapshot);
 

@@ -6,9 +6,9 @@
 #include <optional>
 #include <vector>
 
-#include "backend/bytes.hpp"
 #include "backend/simulated/simulated_world.hpp"
 #include "backend/simulated/truth.hpp"
+#include "core/bytes.hpp"
 
 namespace threewe::backend::simulated {
 

@@ -4,8 +4,8 @@
 
 #include <fmt/format.h>
 
-#include "backend/bytes.hpp"
 #include "backend/simulated/port.hpp"
+#include "core/bytes.hpp"
 #include "sim/camera.hpp"
 #include "sim/placement.hpp"
 #include "sim/step.hpp"
@@ -176,7 +176,7 @@ std::vector<std::byte> SimulatedWorld::save() const {
 }
 
 void SimulatedWorld::restore(const std::vector<std::byte>& state) {
-  ByteReader bytes(state);
+  ByteReader bytes(state, kNotSaved);
   const auto expect = [&bytes]<typename T>(const T& expected, const char* what) {
     T found{};
     bytes.get(found);

@@ -1,4 +1,4 @@
-// Byte serialization of a saved world, field by field, so that no padding gets in.
+// Byte serialization of samples and plain data, field by field, so that no padding gets in.
 #pragma once
 
 #include <cstddef>
@@ -7,14 +7,19 @@
 #include <span>
 #include <string>
 #include <type_traits>
+#include <utility>
 #include <variant>
 #include <vector>
 
 #include "threewe/core/errors.hpp"
 #include "threewe/core/samples.hpp"
 
-namespace threewe::backend {
+namespace threewe {
 
+/// What is wrong with bytes that are to be a saved world.
+inline constexpr const char* kNotSaved = "restore: these bytes are no saved world";
+
+/// Appends values to a buffer.
 class ByteWriter {
  public:
   template <typename T>
@@ -26,13 +31,19 @@ class ByteWriter {
   }
   void put(const std::string& text) {
     put(std::uint64_t{text.size()});
-    for (const char c : text) put(c);
+    put_bytes(std::as_bytes(std::span(text)));
   }
   template <typename T>
   void put(const std::vector<T>& values) {
     put(std::uint64_t{values.size()});
-    for (const T& value : values) put(value);
+    if constexpr (std::is_trivially_copyable_v<T>) {
+      put_bytes(std::as_bytes(std::span(values)));
+    } else {
+      for (const T& value : values) put(value);
+    }
   }
+  /// As they are, without their count.
+  void put_bytes(std::span<const std::byte> bytes) { bytes_.insert(bytes_.end(), bytes.begin(), bytes.end()); }
   void put(const Sample& sample) {
     put(sample.sensor);
     put(sample.measured);
@@ -49,16 +60,26 @@ class ByteWriter {
   /// Nothing: a picture is drawn again from what was in sight, which its world saves.
   void put(const Picture&) {}
 
-  std::vector<std::byte> take() { return std::move(bytes_); }
+  std::size_t size() const { return bytes_.size(); }
+  /// Forgets what was appended beyond a size.
+  void shrink(std::size_t size) { bytes_.resize(size); }
+  /// Replaces what was put at a place.
+  template <typename T>
+    requires std::is_trivially_copyable_v<T>
+  void put_at(std::size_t place, const T& value) {
+    std::memcpy(bytes_.data() + place, &value, sizeof(T));
+  }
+  std::vector<std::byte> take() { return std::exchange(bytes_, {}); }
 
  private:
   std::vector<std::byte> bytes_;
 };
 
-/// Throws ContractError where the bytes end too early or cannot have been saved.
+/// Reads them back. Throws ContractError with a message of its maker's where they end too early or cannot have been
+/// written.
 class ByteReader {
  public:
-  explicit ByteReader(std::span<const std::byte> bytes) : bytes_(bytes) {}
+  ByteReader(std::span<const std::byte> bytes, const char* complaint) : bytes_(bytes), complaint_(complaint) {}
 
   template <typename T>
     requires std::is_trivially_copyable_v<T>
@@ -66,6 +87,12 @@ class ByteReader {
     require(bytes_.size() >= sizeof(T));
     std::memcpy(static_cast<void*>(&value), bytes_.data(), sizeof(T));
     bytes_ = bytes_.subspan(sizeof(T));
+  }
+  void get(bool& value) {
+    std::uint8_t byte = 0;
+    get(byte);
+    require(byte <= 1);
+    value = byte == 1;
   }
   /// A count of things that take at least a byte each.
   std::size_t get_size() {
@@ -75,14 +102,30 @@ class ByteReader {
     return size;
   }
   void get(std::string& text) {
-    text.resize(get_size());
-    for (char& c : text) get(c);
+    const auto bytes = get_bytes(get_size());
+    text.assign(reinterpret_cast<const char*>(bytes.data()), bytes.size());
   }
   template <typename T>
   void get(std::vector<T>& values) {
-    values.resize(get_size());
-    for (T& value : values) get(value);
+    if constexpr (std::is_trivially_copyable_v<T>) {
+      const std::size_t size = get_size();
+      require(size <= bytes_.size() / sizeof(T));
+      values.resize(size);
+      const auto bytes = get_bytes(size * sizeof(T));
+      if (size > 0) std::memcpy(static_cast<void*>(values.data()), bytes.data(), bytes.size());
+    } else {
+      values.resize(get_size());
+      for (T& value : values) get(value);
+    }
   }
+  /// So many of them, valid as long as what is read.
+  std::span<const std::byte> get_bytes(std::size_t count) {
+    require(count <= bytes_.size());
+    const auto bytes = bytes_.first(count);
+    bytes_ = bytes_.subspan(count);
+    return bytes;
+  }
+  bool at_end() const { return bytes_.empty(); }
   void get(Sample& sample) {
     get(sample.sensor);
     get(sample.measured);
@@ -109,10 +152,11 @@ class ByteReader {
   void finish() const { require(bytes_.empty()); }
 
  private:
-  static void require(bool ok) {
-    if (!ok) throw ContractError("restore: these bytes are no saved world");
+  void require(bool ok) const {
+    if (!ok) throw ContractError(complaint_);
   }
   std::span<const std::byte> bytes_;
+  const char* complaint_;
 };
 
-}  // namespace threewe::backend
+}  // namespace threewe
