@@ -7,6 +7,7 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 import rerun as rr
+from numpy.typing import NDArray
 
 from threewe import CameraIntrinsics, Pose2D, RobotProfile, Scene
 from threewe import drawing as d
@@ -110,6 +111,47 @@ def frustum(camera: CameraIntrinsics) -> rr.Pinhole:
         camera_xyz=rr.ViewCoordinates.FLU,
         image_plane_distance=0.6,
     )
+
+
+def scan_points(
+    scan: tuple[NDArray[np.floating], NDArray[np.int64], float, float],
+    base: tuple[NDArray[np.float64], ...],
+    mount: Pose2D,
+    height: float,
+) -> rr.Points3D:
+    """What a lidar hit.
+
+    Args:
+        scan: ranges [m], the (N,) beams that are drawn, angle_min and angle_increment [rad].
+        base: x, y [m] and heading [rad] of the base when each of these beams was measured, (N,) each.
+        mount: base_from_lidar.
+        height: [m] of the lidar.
+    """
+    ranges, beams, angle_min, angle_increment = scan
+    x, y, heading = base
+    angles = heading + mount.theta + angle_min + beams * angle_increment
+    c, s = np.cos(heading), np.sin(heading)
+    points = np.stack(
+        [
+            x + c * mount.x - s * mount.y + ranges[beams] * np.cos(angles),
+            y + s * mount.x + c * mount.y + ranges[beams] * np.sin(angles),
+            np.full(len(beams), height),
+        ],
+        axis=1,
+    )
+    return rr.Points3D(points, colors=[SCAN_COLOR], radii=0.03)
+
+
+def hits(ranges: NDArray[np.floating], range_max: float) -> NDArray[np.int64]:
+    """The beams of a scan that came back."""
+    return np.flatnonzero((ranges > 0.0) & (ranges < range_max))
+
+
+def sonar_arc(sensor: Pose2D, height: float, distance: float, field_of_view: float) -> NDArray[np.float64]:
+    """(9, 3): unknown is where in its cone the surface is."""
+    angles = sensor.theta + np.linspace(-0.5, 0.5, 9) * field_of_view
+    arc = [sensor.x + distance * np.cos(angles), sensor.y + distance * np.sin(angles), np.full(9, height)]
+    return np.stack(arc, axis=1)
 
 
 def _floors(scene: Scene) -> rr.Boxes3D:

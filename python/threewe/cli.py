@@ -11,8 +11,9 @@ import typer
 from rich.table import Column, Table
 
 import threewe
-from threewe import calibration, driving
+from threewe import calibration, driving, teleoperation
 from threewe._console import plain_console, styled
+from threewe.data import cli as data
 from threewe.slam import cli as slam
 
 app = typer.Typer(
@@ -26,16 +27,22 @@ scenes = typer.Typer(
 )
 app.add_typer(scenes, name="scenes")
 app.add_typer(slam.app, name="slam")
+app.add_typer(data.app, name="data")
 for command in (driving.drive, driving.explore, driving.view):
     app.command()(command)
 app.command("calibrate")(calibration.command)
+app.command()(teleoperation.teleop)
 
 console = plain_console()
 complaints = plain_console(stderr=True)
 
 EXTRAS = {
     "PIL": "demo",
-    "av": "demo",
+    "av": "data",
+    "pyarrow": "data",
+    "h5py": "data",
+    "mcap": "data",
+    "huggingface_hub": "data",
     "rosbags": "logs",
 }  # the modules that commands import and not every installation has
 

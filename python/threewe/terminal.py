@@ -6,7 +6,8 @@ import math
 import time
 from collections.abc import Iterator
 from dataclasses import dataclass
-from itertools import pairwise
+from functools import cache
+from itertools import groupby, pairwise
 from types import TracebackType
 from typing import Self
 
@@ -80,9 +81,10 @@ class Canvas:
             cells = [half_blocks(int(a), int(b)) for a, b in zip(upper, lower, strict=True)]
             if i == at[0] and 0 <= at[1] < len(cells):
                 cells[at[1]] = Segment(arrow, Style(color=INK, bgcolor=ROBOT, bold=True))
-            yield cells
+            yield [Segment(cell.text * len(list(same)), cell.style) for cell, same in groupby(cells)]
 
 
+@cache
 def half_blocks(upper: int, lower: int) -> Segment:
     """Two pixels, one above the other, as one character."""
     if upper == lower:

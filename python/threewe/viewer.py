@@ -154,10 +154,8 @@ class Viewer:
         log, truth, profile = self._recording.log, self._robot.simulation, self._robot.profile
         log("/", rr.ViewCoordinates.RIGHT_HAND_Z_UP, static=True)
         log("map/estimated_robot", solids.body_outline(profile, ESTIMATED_COLOR), static=True)
-        log("signals/velocity/estimated", _series(["vx", "vy", "omega"], 2.0), static=True)
-        log(
-            "signals/velocity/commanded", _series(["vx commanded", "vy commanded", "omega commanded"], 1.0), static=True
-        )
+        log("signals/velocity/estimated", series(["vx", "vy", "omega"], 2.0), static=True)
+        log("signals/velocity/commanded", series(["vx commanded", "vy commanded", "omega commanded"], 1.0), static=True)
         if profile.camera is not None:
             log("map/camera", solids.frustum(profile.camera.intrinsics), static=True)
         if truth:
@@ -208,34 +206,17 @@ class Viewer:
     def _draw_scan(self, name: str, scan: LaserScan, measured: float) -> None:
         """Every beam from where the robot was when it was measured."""
         ranges = np.asarray(scan.ranges, np.float64)
-        beams = np.flatnonzero((ranges > 0.0) & (ranges < scan.range_max))
-        x, y, heading = self._poses_at(measured + beams * scan.time_increment)
+        beams = solids.hits(ranges, scan.range_max)
+        base = self._poses_at(measured + beams * scan.time_increment)
         mount, height = self._robot.get_transform("base", name), self._height(name)
-        angles = heading + mount.theta + scan.angle_min + beams * scan.angle_increment
-        c, s = np.cos(heading), np.sin(heading)
-        points = np.stack(
-            [
-                x + c * mount.x - s * mount.y + ranges[beams] * np.cos(angles),
-                y + s * mount.x + c * mount.y + ranges[beams] * np.sin(angles),
-                np.full(len(beams), height),
-            ],
-            axis=1,
-        )
-        self._recording.log(f"map/{name}", rr.Points3D(points, colors=[solids.SCAN_COLOR], radii=0.03))
+        drawn = ranges, beams, scan.angle_min, scan.angle_increment
+        self._recording.log(f"map/{name}", solids.scan_points(drawn, base, mount, height))
 
     def _draw_sonar(self, name: str, sonar: RangeData, measured: float) -> None:
         """An arc: unknown is where in its cone the surface is."""
         returned = 0.0 < sonar.range < sonar.range_max
         sensor = self._pose_at(measured) * self._robot.get_transform("base", name)
-        angles = sensor.theta + np.linspace(-0.5, 0.5, 9) * sonar.field_of_view
-        arc = np.stack(
-            [
-                sensor.x + sonar.range * np.cos(angles),
-                sensor.y + sonar.range * np.sin(angles),
-                np.full(9, self._height(name)),
-            ],
-            axis=1,
-        )
+        arc = solids.sonar_arc(sensor, self._height(name), sonar.range, sonar.field_of_view)
         self._recording.log(f"map/{name}", rr.LineStrips3D([arc] if returned else [], colors=[d.PLAN], radii=0.015))
 
     def _draw_image(self, name: str, image: RGBDImage, measured: float) -> None:
@@ -315,6 +296,7 @@ def depth_image(depth: NDArray[np.float32], farthest: float) -> rr.DepthImage:
     return rr.DepthImage(millimeters, meter=1000.0, depth_range=(0.0, 1000.0 * farthest))
 
 
-def _series(names: list[str], width: float) -> rr.SeriesLines:
+def series(names: list[str], width: float) -> rr.SeriesLines:
+    """Three lines over time."""
     colors = [d.BODY, (80, 190, 120, 255), d.TRAJECTORY]
     return rr.SeriesLines(names=names, colors=colors, widths=[width] * len(names))

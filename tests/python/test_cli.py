@@ -28,7 +28,7 @@ def test_version() -> None:
 
 def test_help_names_every_command() -> None:
     text = run("--help").stdout
-    for command in ("demo", "drive", "explore", "view", "export", "scenes", "doctor", "version"):
+    for command in ("demo", "drive", "explore", "teleop", "view", "export", "scenes", "doctor", "version"):
         assert command in text
 
 

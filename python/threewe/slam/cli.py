@@ -32,7 +32,7 @@ console = plain_console()
 
 @app.command("replay")
 def replay_log(
-    log: Annotated[Path, typer.Argument(help="A CARMEN log, or a rosbag2.")],
+    log: Annotated[Path, typer.Argument(help="A CARMEN log, a journal of a recorder, or a rosbag2.")],
     relations: Annotated[
         Path | None, typer.Option(help="Pairs of places, t1 t2 x y z roll pitch yaw: the map's error is measured.")
     ] = None,

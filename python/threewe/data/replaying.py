@@ -1,0 +1,92 @@
+"""Replays of recorded actions: in the recorded world made anew, bit by bit, or by a robot on any backend."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from threewe._core import Pose2D
+from threewe.data.recording import RecordedEpisode, Recording
+from threewe.errors import ConfigError
+from threewe.robot import Robot
+
+SETTLE = 0.2
+"""[s] that a command may take to become motion, at the end."""
+
+
+def replay_all(path: Path, backend: str | None, scene: str, only: int | None) -> Iterator[tuple[str, bool]]:
+    """A line about each episode, and whether it was as recorded."""
+    if (path / "meta").is_dir():
+        yield from _replay_dataset(path, backend or "mock", scene, only)
+        return
+    chosen = [episode for episode in Recording(path) if only is None or episode.index == only]
+    if not chosen:
+        raise ConfigError(f"{path}: has no episode {only}")
+    for episode in chosen:
+        if backend is None:
+            if episode.robot == 0:  # all robots of a world at once
+                yield _as_recorded(episode)
+        else:
+            end, driven = asyncio.run(drive(episode.executed, 50.0, backend, episode.robot_type, scene))
+            yield (
+                _line(f"episode {episode.index}", Pose2D(*episode.pose[-1]), Pose2D(*episode.pose[0]), end, driven),
+                True,
+            )
+
+
+def _as_recorded(episode: RecordedEpisode) -> tuple[str, bool]:
+    report = episode.replay()
+    same = report.first_difference is None
+    what = "the same to the bit" if same else f"differs from {report.first_difference:.2f} s on"
+    return f"episode {episode.index}: {report.ticks} ticks, {report.max_deviation:.6f} m apart, {what}", same
+
+
+def _replay_dataset(path: Path, backend: str, scene: str, only: int | None) -> Iterator[tuple[str, bool]]:
+    """Of an exported dataset: its `action` column."""
+    from threewe.data.lerobot import Dataset
+
+    dataset = Dataset.open(path)
+    if "action" not in dataset.features or dataset.features["action"].names != ["vx", "vy", "omega"]:
+        raise ConfigError(f"{path}: has no `action` of vx, vy [m/s] and omega [rad/s]; 3we cannot drive by it")
+    for episode in dataset.episodes:
+        if only is not None and episode.index != only:
+            continue
+        columns = episode.columns()
+        state = columns["observation.state"]
+        hardware = dataset.info.robot_type or "3we_standard_v2"
+        end, driven = asyncio.run(drive(columns["action"], dataset.info.fps, backend, hardware, scene))
+        recorded = Pose2D(*map(float, state[-1, :3])), Pose2D(*map(float, state[0, :3]))
+        yield _line(f"episode {episode.index}", *recorded, end, driven), True
+
+
+def _line(name: str, end: Pose2D, start: Pose2D, replayed: Pose2D, driven: float) -> str:
+    """How far apart the ends are, each seen from where it began."""
+    apart = (start.inverse() * end).distance(replayed)
+    return (
+        f"{name}: ends {apart:.3f} m from where it was recorded to end, after {driven:.2f} m, by the robot's own poses"
+    )
+
+
+async def drive(
+    actions: NDArray[np.floating], rate: float, backend: str, hardware: str, scene: str
+) -> tuple[Pose2D, float]:
+    """Drives (N, 3) velocities [m/s, m/s, rad/s] at a rate [Hz]; the safety gate stays in charge.
+
+    Returns where the robot ends, seen from where it began, and how far it has driven [m].
+    """
+    async with Robot(backend=backend, hardware=hardware, scene=scene) as robot:
+        start = last = robot.get_pose()
+        driven = 0.0
+        begun = robot.now
+        for number, action in enumerate(actions.tolist(), 1):
+            robot.set_velocity(*action, hold=1.5 / rate)
+            await robot.sleep(max(0.0, begun + number / rate - robot.now))
+            driven += robot.get_pose().distance(last)
+            last = robot.get_pose()
+        robot.stop()
+        await robot.sleep(SETTLE)
+        return start.inverse() * robot.get_pose(), driven

@@ -1,0 +1,1 @@
+"""LeRobot's side of the datasets: `./dev interop lerobot`."""
