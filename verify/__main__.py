@@ -17,26 +17,29 @@ STATUSES = {"pass": "passed", "FAIL": "failed", "known miss": "known misses", "i
 def main() -> int:
     """Runs what was asked for; 1 if a claim failed."""
     options = parse()
-    titles = {area: (importlib.import_module(f"verify.{area}").__doc__ or "").splitlines()[0] for area in AREAS}
+    areas = {name: area(name) for name in AREAS}
     if options.areas == ["claims"]:
-        claims.PAGE.write_text(claims.page(titles))
+        claims.PAGE.write_text(claims.page(areas))
         return 0
     if not options.areas and not options.sample:
-        for area, title in titles.items():
-            print(f"{area:16}{title}")
+        for name, one in areas.items():
+            print(f"{name:16}{one.title}")
         return 0
 
     how = {name: value for name, value in vars(options).items() if name != "areas"}
-    outcomes = {
-        area: verify(area, importlib.import_module(f"verify.{area}").EXPERIMENTS, Options(**how))
-        for area in options.areas or AREAS
-    }
+    outcomes = {name: verify(name, areas[name].experiments, Options(**how)) for name in options.areas or AREAS}
     if options.write:
-        claims.PAGE.write_text(claims.page(titles))
+        claims.PAGE.write_text(claims.page(areas))
     total = sum((outcome.statuses for outcome in outcomes.values()), Counter())
     print("\ntook " + ", ".join(f"{area} {outcome.seconds:.0f} s" for area, outcome in outcomes.items()))
     print("verify: " + ", ".join(f"{total[status]} {word}" for status, word in STATUSES.items()))
     return int(total["FAIL"] > 0)
+
+
+def area(name: str) -> claims.Area:
+    """What one of the files beside this one runs."""
+    module = importlib.import_module(f"verify.{name}")
+    return claims.Area((module.__doc__ or "").splitlines()[0], module.EXPERIMENTS)
 
 
 def parse() -> argparse.Namespace:
@@ -48,7 +51,11 @@ def parse() -> argparse.Namespace:
     parser.add_argument("--seed", type=int, help="draws the cases; by default from the commit")
     parser.add_argument("--only", default="", metavar="TEXT", help="experiments with this text in their names")
     parser.add_argument("--record", action="store_true", help="with --sample: add what was seen to verify/record.jsonl")
-    parser.add_argument("--write", action="store_true", help="write a full run into verify/results and docs/claims.md")
+    parser.add_argument(
+        "--write",
+        action="store_true",
+        help="write full runs, experiment by experiment, into verify/results and docs/claims.md",
+    )
     parser.add_argument("--write-model", action="store_true", help="slam: write the localisation model measured")
     options = parser.parse_args()
     if unknown := set(options.areas) - {*AREAS, "claims"}:
@@ -57,8 +64,8 @@ def parse() -> argparse.Namespace:
         parser.error("claims makes a page: it goes with no area")
     if options.record and not options.sample:
         parser.error("--record keeps samples: it goes with --sample")
-    if options.write and (options.sample or options.count or options.only):
-        parser.error("--write publishes full runs: it goes without --sample, --count and --only")
+    if options.write and (options.sample or options.count):
+        parser.error("--write publishes full runs: it goes without --sample and --count")
     return options
 
 

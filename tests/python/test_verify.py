@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from verify.__main__ import AREAS
+from verify.__main__ import AREAS, area
 from verify.cases.localization import ROOT, Track, fit, imitation
 from verify.cases.trajectories import trajectory_rows
 from verify.harness import (
@@ -288,11 +288,20 @@ def test_a_sample_is_put_on_record_once_and_full_runs_into_the_claims(
     assert Record(tmp_path / "record.jsonl").earlier("toy", "one: all", "abc", 7) == []
     assert Record(tmp_path / "record.jsonl").earlier("toy", "one: all", "later", 8) == [(2.0, 2.0)]
     verify("toy", [experiment], Options(write=True))
-    run = json.loads((tmp_path / "toy.json").read_text())
-    assert (run["commit"], run["seed"], run["rows"][0]["cases"]) == ("abc", 7, 3)
-    page = claims.page({"toy": "A toy.", "other": "Never run."}, tmp_path)
-    assert "| [toy](#toy) | 1 | 0 | 0 | 0 | 0 |" in page
-    assert "| other | no full run on file | | | | |" in page
+    another = Experiment("two", dies, {"how": "well"}, cases=2, sample=2, rows=[row])
+    verify("toy", [experiment, another], Options(write=True, only="two"))
+    runs = json.loads((tmp_path / "toy.json").read_text())
+    assert {name: (run["commit"], run["seed"], run["cases"]) for name, run in runs.items()} == {
+        "one": ("abc", 7, 3),
+        "two": ("abc", 7, 2),
+    }, "experiments are written by themselves, so that a long area may be run in pieces"
+    never = Experiment("never", dies, {"how": "well"}, cases=2, sample=2, rows=[row])
+    areas = {"toy": claims.Area("A toy.", [experiment, another, never]), "other": claims.Area("Never run.", [never])}
+    page = claims.page(areas, tmp_path)
+    assert "| [toy](#toy) | 2 | 0 | 0 | 0 | 0 | 2 of 3 experiments |" in page
+    assert "| other | 0 | 0 | 0 | 0 | 0 | 0 of 1 experiments |" in page
+    assert "**one**: 3 cases, commit abc, seed 7, on " in page
+    assert "**never**: no full run on file" in page
     assert "| pass | all | 3/3 | all | [43.9%, 100.0%] | violations in 53.6% of cases in 1 such run |" in page
     assert "would have caught" not in capsys.readouterr().out
 
@@ -304,8 +313,7 @@ def test_misses_stand_out_on_the_page() -> None:
 
 
 def test_the_page_of_claims_is_that_of_the_results_on_file() -> None:
-    titles = {area: (importlib.import_module(f"verify.{area}").__doc__ or "").splitlines()[0] for area in AREAS}
-    assert claims.PAGE.read_text() == claims.page(titles), "python -m verify claims"
+    assert claims.PAGE.read_text() == claims.page({name: area(name) for name in AREAS}), "python -m verify claims"
 
 
 # the model of localization errors

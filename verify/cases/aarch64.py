@@ -20,6 +20,8 @@ PACKAGES = [
     "libhwy1",
     "libpugixml-dev",
     "libpugixml1v5",
+    "libzstd-dev",
+    "libzstd1",
 ]
 
 

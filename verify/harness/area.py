@@ -43,7 +43,7 @@ def verify(area: str, experiments: list[Experiment], options: Options) -> Outcom
     print(f"\nverify {area}: commit {revision.commit}, seed {seed}", flush=True)
     journal = Journal(ROOT / f"build/verify/{area}-{revision.commit}-{seed}.jsonl")
     record = Record()
-    judged: list[tuple[str, Row, Verdict, int]] = []
+    judged: list[tuple[str, Verdict]] = []
     for experiment in (one for one in experiments if options.only in one.name):
         count = options.count or (experiment.sample if options.sample else experiment.cases)
         if count == 0:  # too long for a sample
@@ -51,33 +51,23 @@ def verify(area: str, experiments: list[Experiment], options: Options) -> Outcom
         cases = run_cases(experiment, seed, count, journal)
         if options.write_model and experiment.learn:
             experiment.learn(cases.all, revision.commit, seed)
+        verdicts: list[tuple[Row, Verdict]] = []
         for row in (one for one in experiment.rows if not (options.sample and one.full_only)):
             earlier = record.earlier(area, name_of(experiment, row), revision.commit, seed)
             verdict = judge(row, cases, sample=options.sample, earlier=earlier)
             print_row(name_of(experiment, row), verdict, cost(cases, verdict, options.sample))
-            judged.append((experiment.name, row, verdict, len(cases.all)))
-    keep(area, revision, seed, judged, record, options)
-    return Outcome(Counter(verdict.status for _, _, verdict, _ in judged), time.monotonic() - begun)
+            verdicts.append((row, verdict))
+        if options.write:
+            claims.save(area, experiment, revision, seed, verdicts, len(cases.all))
+        judged += [(name_of(experiment, row), verdict) for row, verdict in verdicts]
+    if options.record:
+        record.add(area, revision.commit, seed, dict(judged))
+    return Outcome(Counter(verdict.status for _, verdict in judged), time.monotonic() - begun)
 
 
 def judge(row: Row, cases: Cases, **how: Any) -> Verdict:
     """The row's verdict; `not shown` where no case could be run here."""
     return row.judge(cases.shown, **how) if cases.shown else Verdict(cases.all[0]["not_shown"], "", "not shown")
-
-
-def keep(
-    area: str,
-    revision: Revision,
-    seed: int,
-    judged: list[tuple[str, Row, Verdict, int]],
-    record: Record,
-    options: Options,
-) -> None:
-    """Adds a sample to the record, writes a full run into the claims."""
-    if options.record:
-        record.add(area, revision.commit, seed, {f"{name}: {row.name}": verdict for name, row, verdict, _ in judged})
-    if options.write:
-        print(f"wrote {claims.save(area, revision, seed, judged).relative_to(ROOT)}")
 
 
 def name_of(experiment: Experiment, row: Row) -> str:

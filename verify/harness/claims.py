@@ -1,13 +1,15 @@
 """The published claims: results of full runs, a file for each area, and the page docs/claims.md made of them."""
 
 import json
-from collections.abc import Iterable
+from collections.abc import Mapping
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from verify.cases.trees import ROOT
 from verify.harness.journal import Revision, machine
 from verify.harness.rows import Row, Verdict
+from verify.harness.running import Experiment
 
 RESULTS = ROOT / "verify/results"
 PAGE = ROOT / "docs/claims.md"
@@ -21,60 +23,72 @@ the files in `verify/results` by `./dev verify claims`.
 """
 
 
-def save(area: str, revision: Revision, seed: int, judged: Iterable[tuple[str, Row, Verdict, int]]) -> Path:
-    """Writes what a full run came to: rows with experiment, verdict and number of cases."""
+@dataclass(frozen=True)
+class Area:
+    """One of the programs of `verify`."""
+
+    title: str  # in a line
+    experiments: list[Experiment]
+
+
+def save(
+    area: str, experiment: Experiment, revision: Revision, seed: int, judged: list[tuple[Row, Verdict]], cases: int
+) -> Path:
+    """Writes what a full run of one experiment came to, in place of what was on file of it."""
     rows = [
         {
-            "experiment": experiment,
             "row": row.name,
             "status": verdict.status,
             "figure": verdict.figure,
             "target": verdict.target,
             "interval": verdict.interval,
             "power": verdict.power,
-            "cases": cases,
             **({"why": row.known_miss.why} if row.known_miss else {}),
         }
-        for experiment, row, verdict, cases in judged
+        for row, verdict in judged
     ]
+    run = {"commit": revision.commit, "seed": seed, "machine": machine(), "cases": cases, "rows": rows}
     RESULTS.mkdir(exist_ok=True)
     path = RESULTS / f"{area}.json"
-    run = {"area": area, "commit": revision.commit, "seed": seed, "machine": machine(), "rows": rows}
-    path.write_text(json.dumps(run, indent=1) + "\n")
+    runs = json.loads(path.read_text()) if path.exists() else {}
+    path.write_text(json.dumps(runs | {experiment.name: run}, indent=1) + "\n")
     return path
 
 
-def page(areas: dict[str, str], results: Path = RESULTS) -> str:
-    """The page: of each area, whose first line of help is given, what is on file."""
-    files = {area: results / f"{area}.json" for area in areas}
-    runs = {area: json.loads(file.read_text()) for area, file in files.items() if file.exists()}
+def page(areas: Mapping[str, Area], results: Path = RESULTS) -> str:
+    """The page: of each area what is on file of its experiments."""
+    files = {name: results / f"{name}.json" for name in areas}
+    runs = {name: json.loads(file.read_text()) if file.exists() else {} for name, file in files.items()}
     parts = [HEAD, summary(areas, runs)]
-    parts += [section(areas[area], run) for area, run in runs.items()]
+    parts += [section(name, area, runs[name]) for name, area in areas.items() if runs[name]]
     return "\n".join(parts)
 
 
-def summary(areas: dict[str, str], runs: dict[str, Any]) -> str:
+def summary(areas: Mapping[str, Area], runs: dict[str, Any]) -> str:
     """A line for each area, also for those of which no full run is on file."""
-    lines = ["| area | pass | FAIL | known miss | info | not shown |", "|---|---|---|---|---|---|"]
-    for area in areas:
-        if area not in runs:
-            lines.append(f"| {area} | no full run on file | | | | |")
-            continue
-        statuses = [row["status"] for row in runs[area]["rows"]]
+    lines = ["| area | pass | FAIL | known miss | info | not shown | on file |", "|---|---|---|---|---|---|---|"]
+    for name, area in areas.items():
+        on_file = [runs[name][one.name] for one in area.experiments if one.name in runs[name]]
+        statuses = [row["status"] for run in on_file for row in run["rows"]]
         counts = [statuses.count(status) for status in ("pass", "FAIL", "known miss", "info", "not shown")]
-        lines.append(f"| [{area}](#{area}) | {' | '.join(map(str, counts))} |")
+        link = f"[{name}](#{name})" if on_file else name
+        share = f"{len(on_file)} of {len(area.experiments)} experiments"
+        lines.append(f"| {link} | {' | '.join(map(str, counts))} | {share} |")
     return "\n".join([*lines, ""])
 
 
-def section(title: str, run: dict[str, Any]) -> str:
+def section(name: str, area: Area, runs: dict[str, Any]) -> str:
     """The rows of one area, a table for each experiment."""
-    lines = [f"## {run['area']}", "", title, ""]
-    lines += [f"Commit {run['commit']}, seed {run['seed']}, on {run['machine']}.", ""]
-    for experiment in dict.fromkeys(row["experiment"] for row in run["rows"]):
-        rows = [row for row in run["rows"] if row["experiment"] == experiment]
-        lines += [f"**{experiment}**, {rows[0]['cases']} cases", ""]
+    lines = [f"## {name}", "", area.title, ""]
+    for experiment in (one.name for one in area.experiments):
+        if experiment not in runs:
+            lines += [f"**{experiment}**: no full run on file", ""]
+            continue
+        run = runs[experiment]
+        of = f"{run['cases']} cases, commit {run['commit']}, seed {run['seed']}, on {run['machine']}"
+        lines += [f"**{experiment}**: {of}", ""]
         lines += ["| | | figure | target | 95 % | would catch |", "|---|---|---|---|---|---|"]
-        lines += [line(row) for row in rows] + [""]
+        lines += [line(row) for row in run["rows"]] + [""]
     return "\n".join(lines)
 
 
