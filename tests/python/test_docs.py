@@ -21,7 +21,15 @@ PAGES = [
     *sorted(DOCS.rglob("*.md")),
 ]
 DECISIONS = sorted((DOCS / "decisions").glob("0*.md"))
-PUBLIC = ["threewe", "threewe.benchmark", "threewe.calibration", "threewe.slam", "threewe.testing"]
+PUBLIC = [
+    "threewe",
+    "threewe.benchmark",
+    "threewe.calibration",
+    "threewe.data",
+    "threewe.slam",
+    "threewe.teleop",
+    "threewe.testing",
+]
 LEARNING = "threewe.gym"
 NOT_USED = "## Words that are not used"
 
