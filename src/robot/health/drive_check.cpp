@@ -21,6 +21,10 @@ constexpr double kAdded = 0.4;
 constexpr double kSeen = 3.0;  // deviations of the place along the way that the corrections must add up to: along a
                                // bare corridor scans tell nothing, and what they correct is noise
 
+// Of a motor's speed without load, at nominal voltage: an empty battery, a soft floor and a worn motor take up to a
+// third of it.
+constexpr double kMotorLimit = 0.65;
+
 double speed(const Velocity& v) { return exact::hypot(v.vx, v.vy); }
 
 // [m] of the place, in a direction in the base frame.
@@ -32,8 +36,11 @@ double deviation_along(const slam::PoseEstimate& estimate, Vec2 in_base) {
 
 }  // namespace
 
-DriveCheck::DriveCheck(Duration reaction)
-    : delay_(std::min(kMostDelay, static_cast<std::size_t>((reaction + kControlPeriod / 2) / kControlPeriod))) {}
+DriveCheck::DriveCheck(const RobotProfile& profile)
+    : base_(profile.body.wheels), motor_limit_(kMotorLimit * profile.body.no_load_speed) {
+  const Duration reaction = profile.command_latency + profile.body.motor_lag;
+  delay_ = std::min(kMostDelay, static_cast<std::size_t>((reaction + kControlPeriod / 2) / kControlPeriod));
+}
 
 bool DriveCheck::is_disobeyed(const Velocity& command, const Velocity& wheels) {
   commands_[count_ % commands_.size()] = command;
@@ -50,8 +57,22 @@ bool DriveCheck::is_disobeyed(const Velocity& command, const Velocity& wheels) {
     const Velocity& w = wheels_[i];
     done = {done.vx + kShare * w.vx, done.vy + kShare * w.vy, done.omega + kShare * w.omega};
   }
+  told = attainable(told, done);
   return exact::hypot(done.vx - told.vx, done.vy - told.vy) > kSpeedOff + kShareOff * speed(told) ||
          std::fabs(done.omega - told.omega) > kTurnOff + kShareOff * std::fabs(told.omega);
+}
+
+Velocity DriveCheck::attainable(const Velocity& commanded, const Velocity& done) const {
+  WheelSpeeds speeds = wheel_speeds(base_, commanded);
+  const WheelSpeeds turned = wheel_speeds(base_, done);
+  bool limited = false;
+  for (std::size_t i = 0; i < speeds.size(); ++i) {
+    const bool same_way = speeds[i] * turned[i] > 0.0;
+    if (!same_way || std::fabs(turned[i]) < motor_limit_ || std::fabs(turned[i]) > std::fabs(speeds[i])) continue;
+    speeds[i] = turned[i];
+    limited = true;
+  }
+  return limited ? body_velocity(base_, speeds) : commanded;
 }
 
 bool DriveCheck::told_to_stand() const {

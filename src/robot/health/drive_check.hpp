@@ -7,6 +7,7 @@
 
 #include "threewe/core/pose.hpp"
 #include "threewe/core/time.hpp"
+#include "threewe/hardware/profile.hpp"
 #include "threewe/slam/localizer.hpp"
 
 namespace threewe::health {
@@ -15,8 +16,7 @@ namespace threewe::health {
 class DriveCheck {
  public:
   DriveCheck() = default;
-  /// `reaction`: from a command to its effect.
-  explicit DriveCheck(Duration reaction);
+  explicit DriveCheck(const RobotProfile& profile);
 
   /// What was commanded before has come to an end.
   void begin() { count_ = 0; }
@@ -33,8 +33,12 @@ class DriveCheck {
   static constexpr std::size_t kMostDelay = 20;
 
   const Velocity& command(std::size_t age) const { return commands_[(count_ - 1 - age) % commands_.size()]; }
+  // What can be asked: of a wheel that turns as fast as its motor may let it, no more than it does.
+  Velocity attainable(const Velocity& commanded, const Velocity& done) const;
 
-  std::size_t delay_ = 0;  // periods
+  WheelGeometry base_;
+  double motor_limit_ = 0.0;  // [rad/s] a wheel as fast as this may be at its motor's limit
+  std::size_t delay_ = 0;     // periods, from a command to its effect
   std::size_t count_ = 0;
   std::array<Velocity, kWindow + kMostDelay> commands_{};
   std::array<Velocity, kWindow> wheels_{};

@@ -45,7 +45,7 @@ Monitor::Monitor(const backend::Features& features, const RobotProfile& profile)
     : scan_(profile.lidar ? profile.lidar->sigma : 0.0),
       blind_(profile.lidar ? BlindCheck(profile) : BlindCheck()),
       turn_(profile),
-      drive_(profile.command_latency + profile.body.motor_lag),
+      drive_(profile),
       lidar_heading_(profile.lidar ? profile.lidar->base_from_lidar.theta : 0.0) {
   for (const backend::SensorInfo& sensor : features.sensors) {
     sensors_.push_back({sensor.name, SensorFault::none, "", {}, is_needed(sensor.type, profile)});

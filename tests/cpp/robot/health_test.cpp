@@ -293,14 +293,14 @@ TEST_CASE("corrections along the way that are no more than what is uncertain of 
 }
 
 TEST_CASE("who has been told to drive, or to stand, for longer than it takes to obey, does so") {
-  health::DriveCheck check(60ms);
+  health::DriveCheck check(load_profile("3we_standard_v2"));
   const auto tell = [&](const Velocity& command, int periods) {
     for (int i = 0; i < periods; ++i) (void)check.is_disobeyed(command, {});
   };
   CHECK_FALSE(check.told_to_drive());
   tell({0.2, 0.0, 0.0}, 4);
   CHECK_FALSE(check.told_to_drive());
-  tell({0.0, 0.0, 0.5}, 4);
+  tell({0.0, 0.0, 0.5}, 5);
   CHECK(check.told_to_drive());
   CHECK_FALSE(check.told_to_stand());
   tell({}, 1);
@@ -315,7 +315,7 @@ TEST_CASE("who has been told to drive, or to stand, for longer than it takes to 
 TEST_CASE("wheels that do as they are told, late, are no fault; those that do not are") {
   for (const double share : {1.0, 0.95, 0.0, 0.4}) {
     CAPTURE(share);
-    health::DriveCheck check(70ms);
+    health::DriveCheck check(load_profile("3we_standard_v2"));
     std::deque<Velocity> on_the_way(4);
     bool disobeyed = false;
     for (int i = 0; i < 500; ++i) {
@@ -326,6 +326,26 @@ TEST_CASE("wheels that do as they are told, late, are no fault; those that do no
       disobeyed = check.is_disobeyed(command, {share * done.vx, 0.0, share * done.omega}) || disobeyed;
     }
     CHECK(disobeyed == (share < 0.5));
+  }
+}
+
+TEST_CASE("a motor at its limit is no fault, a blocked wheel of the same drive is") {
+  const RobotProfile profile = load_profile("turtlebot_like");
+  const double limit = 0.84 * profile.body.no_load_speed;  // by an empty battery
+  for (const bool blocked : {false, true}) {
+    CAPTURE(blocked);
+    for (const double turn : {-1.0, -0.6, 0.6, 1.0}) {
+      health::DriveCheck check(profile);
+      const Velocity command{0.22, 0.0, turn};
+      WheelSpeeds speeds = wheel_speeds(profile.body.wheels, command);
+      for (double& speed : speeds) speed = std::min(speed, limit);
+      if (blocked) speeds[turn > 0.0 ? 0 : 1] = 0.0;  // the slower one
+      bool disobeyed = false;
+      for (int i = 0; i < 100; ++i) {
+        disobeyed = check.is_disobeyed(command, body_velocity(profile.body.wheels, speeds)) || disobeyed;
+      }
+      CHECK(disobeyed == blocked);
+    }
   }
 }
 
