@@ -110,7 +110,7 @@ EXPERIMENTS = [
         look,
         variants=[{"scene": scene} for scene in SCENES],
         cases=350,
-        sample=7,
+        sample=4,
         rows=[*geometry(), *(row for claim in geometry() for row in each("scene", SCENES, lambda _, row=claim: row))],
     ),
 ]

@@ -27,7 +27,7 @@ EXPERIMENTS = [
             targets,
             {"program": program},
             cases=100,
-            sample=4,
+            sample=2,
             rows=[
                 all_of("same bits on every target", several_targets),
                 was_run("AVX3", "AVX-512"),

@@ -149,14 +149,14 @@ def single(where_: str, place: str, sample: int) -> list[Experiment]:
 
 
 EXPERIMENTS = [
-    *single("generated buildings", "building", 3),
-    *single("named scenes", "", 2),
+    *single("generated buildings", "building", 2),
+    *single("named scenes", "", 1),
     Experiment(
         "two faults at once in generated buildings",
         breakdowns,
         {"drives": 5, "place": "building", "kind": "pair"},
         cases=400,
-        sample=12,
+        sample=8,
         rows=[
             of_drives("with a lidar, one is noticed within 2 s, or harmless", one_soon_or_harmless, 1.0, has_lidar),
             *always(0.95),
@@ -183,7 +183,7 @@ EXPERIMENTS = [
         )
         for name, run, seconds, cases, sample in [
             ("nothing breaks, on all robots", others_undisturbed, 300, 200, 6),
-            ("nothing breaks", undisturbed, 1200, 60, 2),
+            ("nothing breaks", undisturbed, 1200, 60, 1),
         ]
     ),
 ]

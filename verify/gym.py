@@ -244,7 +244,7 @@ EXPERIMENTS = [
         "a policy through Robot.execute_action",
         run_policy,
         cases=140,
-        sample=14,
+        sample=7,
         rows=[
             all_of("with the truth its way in the native form, to the bit", lambda case: case["equal"]),
             mean_of(

@@ -113,7 +113,7 @@ HELD_OUT = [
                 no_contact(),
             ],
         )
-        for hardware, cases, sample, enough in [(STANDARD, 600, 80, 0.97), (TURTLEBOT, 300, 40, 0.90)]
+        for hardware, cases, sample, enough in [(STANDARD, 600, 40, 0.97), (TURTLEBOT, 300, 20, 0.90)]
     ),
     *(
         Experiment(
@@ -125,7 +125,7 @@ HELD_OUT = [
             rows=far_rows("building", enough),
             limit=3600.0,
         )
-        for hardware, cases, sample, enough in [(STANDARD, 800, 24, 0.95), (TURTLEBOT, 200, 16, 0.85)]
+        for hardware, cases, sample, enough in [(STANDARD, 800, 12, 0.95), (TURTLEBOT, 200, 8, 0.85)]
     ),
     Experiment(
         "far goals in generated halls and corridors",
@@ -133,7 +133,7 @@ HELD_OUT = [
         {"run": drive_far},
         variants=[{"place": place, "hardware": hardware} for place in ("hall", "corridor") for hardware in ROBOTS],
         cases=320,
-        sample=12,
+        sample=6,
         rows=far_rows("hall or corridor", None),
         limit=3600.0,
     ),
@@ -142,7 +142,7 @@ HELD_OUT = [
         in_generated,
         {"run": explore},
         cases=60,
-        sample=8,
+        sample=6,
         rows=[
             mean_of("mean coverage in 1.5 times what nearest-frontier takes", coverage, at_least=0.97),
             known_miss(
@@ -158,7 +158,7 @@ HELD_OUT = [
         in_generated,
         {"run": among_people, "place": "peopled", "seconds": 120},
         cases=60,
-        sample=12,
+        sample=8,
         rows=[
             known_miss(PEOPLE[0], 0.18, "13 to 20 % in three samples of 4 to 12 buildings; why is not known yet"),
             *PEOPLE[1:],
@@ -180,9 +180,9 @@ DOORS = [
             ],
         )
         for hardware, spare, enough, sample in [
-            (STANDARD, 0.05, 0.97, 24),
-            (STANDARD, 0.1, 0.97, 16),
-            (TURTLEBOT, 0.07, 0.9, 16),
+            (STANDARD, 0.05, 0.97, 12),
+            (STANDARD, 0.1, 0.97, 8),
+            (TURTLEBOT, 0.07, 0.9, 12),
         ]
     ),
     Experiment(
@@ -191,7 +191,7 @@ DOORS = [
         {"spare": -0.01},
         variants=[{"hardware": hardware} for hardware in ROBOTS],
         cases=200,
-        sample=16,
+        sample=12,
         rows=[
             share_of("no_path", lambda case: case["reason"] == "no_path", at_least=0.95),
             all_of("never reached", lambda case: case["reason"] != "reached"),
@@ -206,7 +206,7 @@ TIGHT = [
         away_from_a_wall,
         variants=[{"hardware": hardware} for hardware in (STANDARD, "3we_depth_v2", TURTLEBOT, BASE)],
         cases=4000,
-        sample=64,
+        sample=32,
         rows=[
             share_of("gets away and reaches a goal, truly within 0.25 m", arrived, at_least=0.99),
             where(
@@ -230,7 +230,7 @@ TIGHT = [
         out_of_a_slot,
         variants=[{"hardware": hardware} for hardware in ROBOTS],
         cases=400,
-        sample=24,
+        sample=12,
         rows=[
             share_of("gets out and comes to its goal, truly within 0.25 m", comes_to_its_goal, at_least=0.95),
             all_of("touches nothing faster than 0.05 m/s", touches_gently),
@@ -247,7 +247,7 @@ REGRESSION = [
             {"scene": "office_v2", "hardware": TURTLEBOT},
         ],
         cases=1600,
-        sample=48,
+        sample=14,
         rows=[
             where(share_of(f"{ARRIVED}, {STANDARD}, nobody walks", arrived, at_least=0.99), still_and_standard),
             where(
@@ -291,7 +291,7 @@ REGRESSION = [
         drive,
         {"scene": "office_v2", "hardware": BASE},
         cases=200,
-        sample=40,
+        sample=20,
         rows=[
             # most drives end as `uncertain`: wheels and gyro alone know less than a tolerance of 0.25 m asks for
             share_of("ends truly within 0.25 m", lambda case: case["true_distance"] <= 0.25, at_least=0.55),
@@ -318,7 +318,7 @@ REGRESSION = [
         {"scene": "office_v2"},
         variants=[{"strangers": False}, {"strangers": True}],
         cases=120,
-        sample=4,
+        sample=2,
         rows=[no_contact("their")],
     ),
     Experiment(
@@ -326,7 +326,7 @@ REGRESSION = [
         among_people,
         {"scene": "dynamic_v1", "seconds": 120},
         cases=50,
-        sample=6,
+        sample=4,
         rows=[
             *PEOPLE,
             mean_of("people wait for the robot [s a minute]", lambda case: case["waiting"], at_least=1.0),
@@ -336,7 +336,7 @@ REGRESSION = [
         "truth isolation",
         truth_isolation,
         cases=100,
-        sample=4,
+        sample=2,
         rows=[all_of("same commands when the truth is shifted and people scrambled", lambda case: case["equal"])],
     ),
 ]

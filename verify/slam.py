@@ -65,7 +65,7 @@ def in_own_maps() -> list[Row]:
 
 HELD_OUT = [
     Experiment(
-        "localising in generated buildings", in_generated, {"run": drives}, cases=200, sample=16, rows=localising()
+        "localising in generated buildings", in_generated, {"run": drives}, cases=200, sample=10, rows=localising()
     ),
     Experiment(
         "ten minutes in generated buildings",
@@ -73,7 +73,7 @@ HELD_OUT = [
         {"run": kept_track},
         variants=[{"randomization": randomization} for randomization in ("none", "hard")],
         cases=60,
-        sample=8,
+        sample=4,
         rows=tracking(),
     ),
     Experiment(
@@ -81,7 +81,7 @@ HELD_OUT = [
         in_generated,
         {"run": placements},
         cases=60,
-        sample=8,
+        sample=4,
         rows=in_own_maps(),
     ),
 ]
@@ -92,7 +92,7 @@ REGRESSION = [
         drives,
         variants=[{"scene": scene} for scene in SCENES],
         cases=350,
-        sample=14,
+        sample=7,
         rows=[
             *localising(),
             *each("scene", SCENES, lambda _: close(position=0.10, heading=0.010)),
@@ -142,7 +142,7 @@ REGRESSION = [
         mapped,
         variants=[{"survey": survey} for survey in SURVEYS],
         cases=40,
-        sample=4,
+        sample=2,
         rows=[
             worst_of(
                 "mean error of relations, over what is allowed",
@@ -166,7 +166,7 @@ REGRESSION = [
         closed,
         variants=[{"scene": scene} for scene in TOURS],
         cases=200,
-        sample=4,
+        sample=2,
         rows=[
             worst_of("closures off by more than 0.3 m or 5 degrees", lambda case: case["wrong"], at_most=0),
             worst_of("right closures in a run", lambda case: case["right"], at_least=5),

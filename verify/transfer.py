@@ -87,7 +87,7 @@ EXPERIMENTS = [
         {"hardware": "3we_standard_v2"},
         variants=[{"scene": scene} for scene in STATIC],
         cases=360,
-        sample=12,
+        sample=6,
         rows=[*of_scene(), *(row for claim in of_scene() for row in each("scene", STATIC, lambda _, row=claim: row))],
     ),
     Experiment(
@@ -95,7 +95,7 @@ EXPERIMENTS = [
         in_generated,
         {"run": drive_on_both, "hardware": "3we_standard_v2"},
         cases=60,
-        sample=6,
+        sample=4,
         rows=of_scene(),
     ),
     *(

@@ -12,7 +12,7 @@ namespace threewe {
 /// How many random cases a test takes; a tenth with sanitizers, which make code some twenty times as slow.
 constexpr std::uint64_t cases(std::uint64_t count) {
 #ifdef __SANITIZE_ADDRESS__
-  return count / 10;
+  return std::max<std::uint64_t>(count / 10, 1);
 #else
   return count;
 #endif

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from PIL import Image
 from threewe import OccupancyGrid, Pose2D, Robot, RobotProfile, Scene, drawing
-from threewe.film import GIF_FRAMES, GIF_SIZE, VIDEO_FRAMES, Film
+from threewe.film import GIF_SIZE, Film
 
 
 async def film_of(seconds: float, folder: Path, period: float) -> int:
@@ -23,17 +23,19 @@ async def film_of(seconds: float, folder: Path, period: float) -> int:
         return len(film.states)
 
 
-def test_a_film_keeps_its_limits(tmp_path: Path) -> None:
+def test_a_film_keeps_its_limits(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     import asyncio
 
-    states = asyncio.run(film_of(13.0, tmp_path, 0.02))
-    assert 600 < states <= 651
+    monkeypatch.setattr("threewe.film.VIDEO_FRAMES", 60)
+    monkeypatch.setattr("threewe.film.GIF_FRAMES", 15)
+    states = asyncio.run(film_of(3.0, tmp_path, 0.02))
+    assert 60 < states <= 151
     with av.open(str(tmp_path / "run.mp4")) as video:
         frames = [frame.to_ndarray(format="rgb24") for frame in video.decode(video=0)]
-    assert len(frames) == VIDEO_FRAMES
+    assert len(frames) == 60
     assert np.abs(frames[0].astype(int) - frames[-1]).max() > 100
     with Image.open(tmp_path / "run.gif") as gif:
-        assert gif.n_frames <= GIF_FRAMES
+        assert gif.n_frames <= 15
     assert (tmp_path / "run.gif").stat().st_size <= GIF_SIZE
     assert (tmp_path / "map.png").exists()
 

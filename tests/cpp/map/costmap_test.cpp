@@ -34,7 +34,7 @@ OccupancyGrid random_grid(std::mt19937_64& bits) {
 }
 
 TEST_CASE("squared distances are those of brute force, with any vectors") {
-  for (std::uint64_t seed = 0; seed < 1000; ++seed) {
+  for (std::uint64_t seed = 0; seed < cases(1000); ++seed) {
     CAPTURE(seed);
     Draw draw(seed);
     const int width = draw.whole(1, 100);
@@ -72,7 +72,7 @@ TEST_CASE("squared distances are those of brute force, with any vectors") {
 }
 
 TEST_CASE("cells are lethal within the radius, dear near it, and unknown ones a little dearer than free ones") {
-  for (std::uint64_t seed = 0; seed < 200; ++seed) {
+  for (std::uint64_t seed = 0; seed < cases(200); ++seed) {
     CAPTURE(seed);
     std::mt19937_64 bits(seed);
     const OccupancyGrid grid = random_grid(bits);
@@ -169,8 +169,8 @@ std::vector<Costmap::Weight> closed_tile(const Costmap& costmap, Cell low) {
 }
 
 TEST_CASE("a costmap that follows changes is that of an update from scratch, to the bit, and equal stamps do not lie") {
-  long kept = 0;
-  for (std::uint64_t seed = 0; seed < 120; ++seed) {
+  std::uint64_t kept = 0;
+  for (std::uint64_t seed = 0; seed < cases(120); ++seed) {
     CAPTURE(seed);
     std::mt19937_64 bits(seed);
     OccupancyGrid grid;
@@ -232,7 +232,7 @@ TEST_CASE("a costmap that follows changes is that of an update from scratch, to 
       }
     }
   }
-  CHECK(kept > 3000);
+  CHECK(kept > cases(3000));
 }
 
 TEST_CASE("a zone to keep out of is an obstacle, one with a limit is dearer, and gone it is as if it had never been") {

@@ -86,8 +86,8 @@ struct SlowMap {
 };
 
 TEST_CASE("every cell has the evidence that scans give it, cell by cell as a slow twin counts it") {
-  long compared = 0;
-  for (std::uint64_t seed = 0; seed < 60; ++seed) {
+  std::uint64_t compared = 0;
+  for (std::uint64_t seed = 0; seed < cases(60); ++seed) {
     CAPTURE(seed);
     Draw draw(seed);
     LogOddsMap map;
@@ -113,7 +113,7 @@ TEST_CASE("every cell has the evidence that scans give it, cell by cell as a slo
     }
     CHECK(wrong == 0);
   }
-  CHECK(compared > 1'000'000);
+  CHECK(compared > cases(1'000'000));
 }
 
 TEST_CASE("the exported grid says the same as the evidence") {
@@ -173,7 +173,7 @@ TEST_CASE("growing keeps what was known where it was") {
 }
 
 TEST_CASE("the hits of a cell know the surface within a tenth of a millimetre, the bias still in it") {
-  for (std::uint64_t seed = 0; seed < 300; ++seed) {
+  for (std::uint64_t seed = 0; seed < cases(300); ++seed) {
     CAPTURE(seed);
     Draw draw(seed);
     LogOddsMap map;
@@ -197,7 +197,7 @@ TEST_CASE("the hits of a cell know the surface within a tenth of a millimetre, t
 }
 
 TEST_CASE("a map is the same whatever the order of a scan's beams") {
-  for (std::uint64_t seed = 0; seed < 100; ++seed) {
+  for (std::uint64_t seed = 0; seed < cases(100); ++seed) {
     CAPTURE(seed);
     Draw draw(seed);
     std::vector<Beam> beams = random_scan(draw);
@@ -258,7 +258,7 @@ TEST_CASE("hits stay in the map whatever the lidar's bias") {
 }
 
 TEST_CASE("a map in place of another tells what has changed, and where") {
-  for (std::uint64_t seed = 0; seed < 100; ++seed) {
+  for (std::uint64_t seed = 0; seed < cases(100); ++seed) {
     CAPTURE(seed);
     Draw draw(seed);
     LogOddsMap map;
@@ -323,7 +323,7 @@ TEST_CASE("what two versions differ in is where the log of changes says") {
 }
 
 TEST_CASE("a map that was given room beforehand shows the same") {
-  for (std::uint64_t seed = 0; seed < 50; ++seed) {
+  for (std::uint64_t seed = 0; seed < cases(50); ++seed) {
     CAPTURE(seed);
     Draw draw(seed);
     LogOddsMap growing;

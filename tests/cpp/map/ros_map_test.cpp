@@ -52,7 +52,7 @@ const std::string kYaml =
 
 TEST_CASE("a map is the same after it was saved and loaded, apart from what is neither free nor occupied") {
   const Folder folder("ros_map_round_trip");
-  for (std::uint64_t seed = 0; seed < 300; ++seed) {
+  for (std::uint64_t seed = 0; seed < cases(300); ++seed) {
     CAPTURE(seed);
     Draw draw(seed);
     OccupancyGrid grid;
@@ -138,7 +138,7 @@ TEST_CASE("what cannot be read is one error that says where") {
 TEST_CASE("files with random mistakes are read or refused, nothing else") {
   const Folder folder("ros_map_mistakes");
   folder.write("m.pgm", "P5 2 2 255\nabcd");
-  for (std::uint64_t seed = 0; seed < 500; ++seed) {
+  for (std::uint64_t seed = 0; seed < cases(500); ++seed) {
     const std::string places[] = {(folder / "m.yaml").string() + ":", (folder / "").string()};
     testing::read_with_mistakes(kYaml, seed, {places[0], places[1]}, [&](const std::string& spoilt) {
       folder.write("m.yaml", spoilt);

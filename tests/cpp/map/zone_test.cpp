@@ -10,6 +10,7 @@
 
 #include "core/exact.hpp"
 #include "core/rng.hpp"
+#include "draw.hpp"
 
 namespace threewe::map {
 namespace {
@@ -38,7 +39,7 @@ double winding(const Zone& zone, Vec2 point) {
 }
 
 TEST_CASE("a point is inside where the outline goes round it") {
-  for (std::uint64_t seed = 0; seed < 1000; ++seed) {
+  for (std::uint64_t seed = 0; seed < cases(1000); ++seed) {
     CAPTURE(seed);
     const Zone zone = star(seed);
     for (std::uint64_t i = 0; i < 50; ++i) {
@@ -50,7 +51,7 @@ TEST_CASE("a point is inside where the outline goes round it") {
 }
 
 TEST_CASE("the distance is that to the nearest of many points on the outline") {
-  for (std::uint64_t seed = 0; seed < 300; ++seed) {
+  for (std::uint64_t seed = 0; seed < cases(300); ++seed) {
     CAPTURE(seed);
     const Zone zone = star(seed);
     const RngKey key{.seed = seed, .episode = 2};

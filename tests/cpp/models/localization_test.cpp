@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "draw.hpp"
 #include "mistakes.hpp"
 #include "models/localization_error.hpp"
 #include "threewe/core/assets.hpp"
@@ -108,7 +109,7 @@ TEST_CASE("never corrected, it is odometry") {
 
 TEST_CASE("between corrections it moves exactly as odometry does") {
   Draw draw(3);
-  for (std::uint64_t seed = 0; seed < 1000; ++seed) {
+  for (std::uint64_t seed = 0; seed < cases(1000); ++seed) {
     CAPTURE(seed);
     const Pose2D truth = draw.pose(-20.0, 20.0);
     const Pose2D odometry = draw.pose(-20.0, 20.0);
@@ -285,7 +286,7 @@ TEST_CASE("an unknown model names the nearest, and every mistake its file, its l
 TEST_CASE("localisation models with mistakes") {
   const std::string file = (std::filesystem::temp_directory_path() / "threewe_localization_mistakes.yaml").string();
   const std::string text = shipped_text();
-  for (std::uint64_t seed = 0; seed < 500; ++seed) {
+  for (std::uint64_t seed = 0; seed < cases(500); ++seed) {
     threewe::testing::read_with_mistakes(text, seed, {file + ":"}, [&](const std::string& spoilt) {
       std::ofstream(file) << spoilt;
       load_localization(file);

@@ -4,6 +4,8 @@
 
 #include <cmath>
 
+#include "draw.hpp"
+
 using namespace threewe;
 using namespace threewe::models;
 
@@ -73,7 +75,7 @@ TEST_CASE("wheel errors are drawn once per episode, within their bounds") {
   const OdometrySpec& spec = robot().odometry;
   double lowest = 1.0;
   double highest = 0.0;
-  for (std::uint64_t seed = 0; seed < 2000; ++seed) {
+  for (std::uint64_t seed = 0; seed < cases(2000); ++seed) {
     const RngKey key{.seed = seed, .stream = Stream::odometry};
     const WheelErrors errors = draw_wheel_errors(spec, key);
     for (const double scale : errors.scale) CHECK(std::fabs(scale - 1.0) <= 0.015);
@@ -91,7 +93,7 @@ TEST_CASE("wheel errors are drawn once per episode, within their bounds") {
 
 TEST_CASE("slip stretches how far the wheels are from nominal, and one changes no bit") {
   const OdometrySpec& spec = robot().odometry;
-  for (std::uint64_t seed = 0; seed < 500; ++seed) {
+  for (std::uint64_t seed = 0; seed < cases(500); ++seed) {
     CAPTURE(seed);
     const RngKey key{.seed = seed, .stream = Stream::odometry};
     const WheelErrors drawn = draw_wheel_errors(spec, key);

@@ -10,6 +10,7 @@
 #include <sstream>
 #include <vector>
 
+#include "draw.hpp"
 #include "mistakes.hpp"
 #include "threewe/core/assets.hpp"
 #include "threewe/core/errors.hpp"
@@ -129,7 +130,7 @@ TEST_CASE("randomisations with mistakes") {
     std::ifstream file(find_asset("randomization", name));
     std::stringstream text;
     text << file.rdbuf();
-    for (std::uint64_t seed = 0; seed < 200; ++seed) {
+    for (std::uint64_t seed = 0; seed < cases(200); ++seed) {
       threewe::testing::read_with_mistakes(text.str(), seed, {"spoilt:"}, [](const std::string& spoilt) {
         const Randomization read = parse_randomization(spoilt, "spoilt");
         (void)draw_variation(read, 1, 2, 0, 3);

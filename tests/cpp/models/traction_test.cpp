@@ -12,6 +12,7 @@
 #include <utility>
 
 #include "core/rng.hpp"
+#include "draw.hpp"
 
 namespace threewe::models {
 namespace {
@@ -122,7 +123,7 @@ RobotProfile random_robot(const RngKey& key) {
 
 TEST_CASE("all wheels at once do what each would alone") {
   std::size_t slipping = 0;
-  for (std::uint64_t seed = 0; seed < 20'000; ++seed) {
+  for (std::uint64_t seed = 0; seed < cases(20'000); ++seed) {
     CAPTURE(seed);
     const RngKey key{.seed = seed};
     const RobotProfile profile = random_robot(key);
@@ -145,7 +146,7 @@ TEST_CASE("all wheels at once do what each would alone") {
     for (std::size_t i = 0; i < 4; ++i) CHECK(near(pulled.wheels[i], wheels[i]));
     if (std::abs(pulled.body.vx - body.vx) < 0.5 * traction.response * std::abs(command.vx - body.vx)) ++slipping;
   }
-  CHECK(slipping > 1'000);
+  CHECK(slipping > cases(1'000));
 }
 
 // The profile with a traction that loses nothing.

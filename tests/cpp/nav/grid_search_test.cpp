@@ -91,7 +91,7 @@ TEST_CASE("a path to one target is as cheap as Dijkstra's, and costs what it say
 
 TEST_CASE("the nearest of many targets is the cheapest of them") {
   GridSearch search;
-  for (std::uint64_t seed = 0; seed < 1000; ++seed) {
+  for (std::uint64_t seed = 0; seed < cases(1000); ++seed) {
     CAPTURE(seed);
     std::mt19937_64 bits(seed);
     const Costmap costmap = random_costmap(bits);
@@ -113,7 +113,7 @@ TEST_CASE("the nearest of many targets is the cheapest of them") {
 
 TEST_CASE("the best of many targets is the one whose cost less its bonus is least") {
   GridSearch search;
-  for (std::uint64_t seed = 0; seed < 1000; ++seed) {
+  for (std::uint64_t seed = 0; seed < cases(1000); ++seed) {
     CAPTURE(seed);
     std::mt19937_64 bits(seed);
     const Costmap costmap = random_costmap(bits);
@@ -156,7 +156,7 @@ bool is_frontier(const Costmap& costmap, Cell c) {
 
 TEST_CASE("frontiers are the cells that the definition names, in groups that flood fill finds") {
   long cells = 0;
-  for (std::uint64_t seed = 0; seed < 400; ++seed) {
+  for (std::uint64_t seed = 0; seed < cases(400); ++seed) {
     CAPTURE(seed);
     std::mt19937_64 bits(seed);
     OccupancyGrid grid;

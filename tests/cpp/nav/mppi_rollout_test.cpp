@@ -15,6 +15,7 @@
 #include "core/exact.hpp"
 #include "core/rng.hpp"
 #include "core/targets.hpp"
+#include "draw.hpp"
 #include "nav/mppi/noise.hpp"
 
 namespace threewe::nav::mppi {
@@ -341,7 +342,7 @@ Problem draw_problem(Draw& draw, const Tables& tables) {
 
 TEST_CASE("rollouts and their average are those of the plain twin, to the bit, with any vectors") {
   Tables tables;
-  for (std::uint64_t seed = 0; seed < 400; ++seed) {
+  for (std::uint64_t seed = 0; seed < cases(400); ++seed) {
     CAPTURE(seed);
     Draw draw(seed);
     if (seed % 100 == 0) draw_tables(draw, tables);
@@ -372,7 +373,7 @@ TEST_CASE("traces are those of the plain twin, to the bit, with any vectors") {
   Tables tables;
   Draw table_draw(1);
   draw_tables(table_draw, tables);
-  for (std::uint64_t seed = 0; seed < 400; ++seed) {
+  for (std::uint64_t seed = 0; seed < cases(400); ++seed) {
     CAPTURE(seed);
     Draw draw(seed);
     const Problem problem = draw_problem(draw, tables);

@@ -57,7 +57,7 @@ TEST_CASE("commands keep to the limits, and to what a period can change, whateve
   for (const char* robot : {"3we_standard_v2", "turtlebot_like"}) {
     const RobotProfile profile = load_profile(robot);
     const Limits& limits = profile.operating_limits;
-    for (std::uint64_t seed = 0; seed < 60; ++seed) {
+    for (std::uint64_t seed = 0; seed < cases(60); ++seed) {
       CAPTURE(robot);
       CAPTURE(seed);
       testing::Draw draw(seed, 9);

@@ -8,6 +8,7 @@
 
 #include "core/exact.hpp"
 #include "core/rng.hpp"
+#include "draw.hpp"
 #include "nav/people_tracker.hpp"
 
 using namespace threewe;
@@ -123,7 +124,7 @@ Walker passing(std::uint64_t seed) {
 
 TEST_CASE("nobody is seen where nobody walks, however the robot drives") {
   int ghosts = 0;
-  for (std::uint64_t seed = 0; seed < 60; ++seed) {
+  for (std::uint64_t seed = 0; seed < cases(60); ++seed) {
     Watch watch(seed, {}, true);
     for (int i = 0; i < 60; ++i) watch.turn();
     ghosts += watch.people().empty() ? 0 : 1;
@@ -138,7 +139,7 @@ TEST_CASE("somebody who walks is one person, where and as fast as they are, with
   double squared = 0.0;
   double faster = 0.0;
   double normalised = 0.0;
-  for (std::uint64_t seed = 0; seed < 100; ++seed) {
+  for (std::uint64_t seed = 0; seed < cases(100); ++seed) {
     Watch watch(seed, {passing(seed)}, seed % 3 != 0);
     std::optional<std::uint32_t> id;
     for (int i = 0; i < 38; ++i) {
@@ -189,7 +190,7 @@ TEST_CASE("who stops is followed for a while, then is furniture") {
 
 TEST_CASE("nothing comes nearer where nothing moves, however the robot drives") {
   int beams = 0;
-  for (std::uint64_t seed = 0; seed < 60; ++seed) {
+  for (std::uint64_t seed = 0; seed < cases(60); ++seed) {
     Watch watch(seed, {}, true);
     for (int i = 0; i < 60; ++i) {
       watch.turn();

@@ -134,7 +134,7 @@ TEST_CASE("there is a way through tiles exactly where there is a path, and it co
 TEST_CASE("after a search in vain it is known what else can be reached") {
   int reached = 0;
   int out_of_reach = 0;
-  for (std::uint64_t seed = 0; seed < 1500; ++seed) {
+  for (std::uint64_t seed = 0; seed < cases(1500); ++seed) {
     CAPTURE(seed);
     std::mt19937_64 bits(seed);
     const Costmap costmap = random_costmap(bits, 110);
@@ -156,7 +156,7 @@ TEST_CASE("after a search in vain it is known what else can be reached") {
 }
 
 TEST_CASE("a plan is the same to the bit whatever was planned and changed before, and makes tables only where it was") {
-  for (std::uint64_t seed = 0; seed < 60; ++seed) {
+  for (std::uint64_t seed = 0; seed < cases(60); ++seed) {
     CAPTURE(seed);
     std::mt19937_64 bits(seed);
     OccupancyGrid grid = random_grid(bits, 150);
@@ -190,7 +190,7 @@ TEST_CASE("a plan is the same to the bit whatever was planned and changed before
 
 TEST_CASE("a straightened path costs what the cells do or less, keeps its ends and never meets a lethal cell") {
   int paths = 0;
-  for (std::uint64_t seed = 0; seed < 1500; ++seed) {
+  for (std::uint64_t seed = 0; seed < cases(1500); ++seed) {
     CAPTURE(seed);
     std::mt19937_64 bits(seed);
     const Costmap costmap = random_costmap(bits);

@@ -6,6 +6,8 @@
 #include <random>
 #include <vector>
 
+#include "draw.hpp"
+
 namespace threewe::nav {
 namespace {
 
@@ -24,7 +26,7 @@ OccupancyGrid random_grid(std::mt19937_64& bits) {
 }
 
 TEST_CASE("our own knowledge comes first, then that of peers in their order, and nothing is lost") {
-  for (std::uint64_t seed = 0; seed < 500; ++seed) {
+  for (std::uint64_t seed = 0; seed < cases(500); ++seed) {
     CAPTURE(seed);
     std::mt19937_64 bits(seed);
     const OccupancyGrid ours = random_grid(bits);

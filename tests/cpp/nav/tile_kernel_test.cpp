@@ -85,7 +85,7 @@ TEST_CASE("costs spread through a tile as Dijkstra says, from one place and from
   for (const std::string& target : available_targets()) {
     CAPTURE(target);
     force_target(target);
-    for (std::uint64_t seed = 0; seed < 200; ++seed) {
+    for (std::uint64_t seed = 0; seed < cases(200); ++seed) {
       CAPTURE(seed);
       Draw draw(seed);
       draw_weights(draw, *steps);

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/exact.hpp"
+#include "draw.hpp"
 #include "robot/faulty_port.hpp"
 #include "robot/health/drive_check.hpp"
 #include "robot/health/repeats.hpp"
@@ -48,7 +49,7 @@ LaserScan room(std::uint64_t seed, double scatter, double bias = 0.0, double tur
 }  // namespace
 
 TEST_CASE("a shift of all ranges is found, whatever the turn, and nothing is where there is none") {
-  for (std::uint64_t seed = 0; seed < 500; ++seed) {
+  for (std::uint64_t seed = 0; seed < cases(500); ++seed) {
     CAPTURE(seed);
     const RngKey key{.seed = seed};
     const double bias = (seed % 2 == 0 ? 1.0 : -1.0) * uniform(key, 10, 0, 0.1, 0.4);
@@ -64,7 +65,7 @@ TEST_CASE("a shift of all ranges is found, whatever the turn, and nothing is whe
 }
 
 TEST_CASE("scans that are noisy or shifted are told from others, until they are as before") {
-  for (std::uint64_t seed = 0; seed < 200; ++seed) {
+  for (std::uint64_t seed = 0; seed < cases(200); ++seed) {
     CAPTURE(seed);
     health::ScanCheck check(0.01);
     Time t{};
@@ -191,7 +192,7 @@ TEST_CASE("repeated readings are a fault where something must have changed") {
 
 TEST_CASE("gyro and wheels: systematic differences are learned, a sudden bias is noticed") {
   const RobotProfile profile = load_profile("3we_standard_v2");
-  for (std::uint64_t seed = 0; seed < 300; ++seed) {
+  for (std::uint64_t seed = 0; seed < cases(300); ++seed) {
     CAPTURE(seed);
     const RngKey key{.seed = seed};
     health::TurnCheck check(profile);

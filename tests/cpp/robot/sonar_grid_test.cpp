@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/rng.hpp"
+#include "draw.hpp"
 
 using namespace threewe;
 
@@ -82,7 +83,7 @@ TEST_CASE("a bump stands just outside of the outline, on the side that the push 
 }
 
 TEST_CASE("what is occupied near a point, echo by echo, against looking at every cell") {
-  for (std::uint64_t seed = 0; seed < 40; ++seed) {
+  for (std::uint64_t seed = 0; seed < cases(40); ++seed) {
     CAPTURE(seed);
     SonarGrid map;
     const RngKey key{.seed = seed};

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "core/rng.hpp"
+#include "draw.hpp"
 
 using namespace threewe;
 using namespace threewe::safety;
@@ -191,7 +192,7 @@ TEST_CASE("from 0.5 m/s to stand-still takes at most 0.25 s") {
 }
 
 TEST_CASE("limits and accelerations hold whatever is asked for, and whatever is in the way") {
-  for (std::uint64_t seed = 0; seed < 3000; ++seed) {
+  for (std::uint64_t seed = 0; seed < cases(3000); ++seed) {
     CAPTURE(seed);
     Draws draw(seed);
     Gate gate(random_model(draw));
@@ -215,7 +216,7 @@ TEST_CASE("limits and accelerations hold whatever is asked for, and whatever is 
 }
 
 TEST_CASE("what the gate lets through passes it again unchanged") {
-  for (std::uint64_t seed = 0; seed < 3000; ++seed) {
+  for (std::uint64_t seed = 0; seed < cases(3000); ++seed) {
     CAPTURE(seed);
     Draws draw(seed);
     Gate gate(random_model(draw));
@@ -230,7 +231,7 @@ TEST_CASE("what the gate lets through passes it again unchanged") {
 }
 
 TEST_CASE("the same states and requests give the same commands to the bit") {
-  for (std::uint64_t seed = 0; seed < 200; ++seed) {
+  for (std::uint64_t seed = 0; seed < cases(200); ++seed) {
     Draws draw(seed);
     Gate one(random_model(draw));
     Gate other = one;
@@ -254,7 +255,7 @@ TEST_CASE("the robot drives up to a wall and stops before it") {
 }
 
 TEST_CASE("the robot always stops in time, whatever stands around and however it is driven") {
-  for (std::uint64_t seed = 0; seed < 600; ++seed) {
+  for (std::uint64_t seed = 0; seed < cases(600); ++seed) {
     CAPTURE(seed);
     Draws draw(seed);
     const GateModel m = random_model(draw);
@@ -275,7 +276,7 @@ TEST_CASE("the robot always stops in time, whatever stands around and however it
 }
 
 TEST_CASE("a robot inside the margin drives out and comes no nearer") {
-  for (std::uint64_t seed = 0; seed < 300; ++seed) {
+  for (std::uint64_t seed = 0; seed < cases(300); ++seed) {
     CAPTURE(seed);
     Draws draw(seed);
     const GateModel m = random_model(draw);
@@ -347,7 +348,7 @@ TEST_CASE("a robot without a lidar needs no scans") {
 }
 
 TEST_CASE("the emergency stop acts at once and stays latched") {
-  for (std::uint64_t seed = 0; seed < 200; ++seed) {
+  for (std::uint64_t seed = 0; seed < cases(200); ++seed) {
     Draws draw(seed);
     Gate gate(random_model(draw));
     for (int i = 0; i < 50; ++i) gate(random_request(gate.model, draw));

@@ -8,6 +8,7 @@
 #include <cstdlib>
 #include <vector>
 
+#include "draw.hpp"
 #include "scene/cell_lines.hpp"
 #include "scene/random_solids.hpp"
 
@@ -61,7 +62,7 @@ double length_inside(CellIndex cell, Vec2 a, Vec2 b) {
 }
 
 TEST_CASE("every cell that a line crosses is visited once, in order, and no other") {
-  for (std::uint64_t seed = 0; seed < 2000; ++seed) {
+  for (std::uint64_t seed = 0; seed < cases(2000); ++seed) {
     CAPTURE(seed);
     const auto [a, b] = random_line(seed);
     const std::vector<CellIndex> cells = walked(a, b);
@@ -81,7 +82,7 @@ TEST_CASE("every cell that a line crosses is visited once, in order, and no othe
 }
 
 TEST_CASE("marks along a line are the cells that it crosses, and no other") {
-  for (std::uint64_t seed = 0; seed < 5000; ++seed) {
+  for (std::uint64_t seed = 0; seed < cases(5000); ++seed) {
     CAPTURE(seed);
     const auto [a, b] = random_line(seed);
     CellSet marked(kFrame, 0);

@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "core/exact.hpp"
+#include "draw.hpp"
 #include "scene/cell_lines.hpp"
 #include "scene/occupancy.hpp"
 #include "scene/random_solids.hpp"
@@ -130,7 +131,7 @@ TEST_CASE("lengths are within 2 % of a visibility graph's") {
 }
 
 TEST_CASE("along a clear line the length is the distance, from both ends") {
-  for (std::uint64_t seed = 0; seed < 200; ++seed) {
+  for (std::uint64_t seed = 0; seed < cases(200); ++seed) {
     CAPTURE(seed);
     Dice dice(seed);
     const CellSet everywhere(kFrame, 1);
@@ -212,7 +213,7 @@ TEST_CASE("to many targets: the length to the nearest of them") {
 TEST_CASE("a path is clear, as long as its length, and ends at the target") {
   double worst = 0.0;
   int paths = 0;
-  for (std::uint64_t seed = 0; seed < 40; ++seed) {
+  for (std::uint64_t seed = 0; seed < cases(40); ++seed) {
     CAPTURE(seed);
     Dice dice(seed);
     const CellSet passable = passable_cells(random_solids(dice, 14, 3.0), 0.11);

@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "core/exact.hpp"
+#include "draw.hpp"
 #include "scene/random_solids.hpp"
 
 namespace threewe::scene {
@@ -116,7 +117,7 @@ CellSet grown(const CellSet& set, CellIndex seed) {
 }
 
 TEST_CASE("connected cells are those that grow from the seed") {
-  for (std::uint64_t seed = 0; seed < 300; ++seed) {
+  for (std::uint64_t seed = 0; seed < cases(300); ++seed) {
     CAPTURE(seed);
     const RngKey key{.seed = seed, .stream = Stream::sampler};
     CellSet set({{0.0, 0.0}, 1.0, 3 + static_cast<int>(seed % 17), 2 + static_cast<int>(seed % 11)}, 0);

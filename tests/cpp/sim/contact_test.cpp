@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/rng.hpp"
+#include "draw.hpp"
 #include "sim/bodies.hpp"
 
 using namespace threewe;
@@ -137,7 +138,7 @@ TEST_CASE("passing by closely is no contact") {
 TEST_CASE("contact adds no energy and nothing is entered, among random obstacles") {
   const RigidBody bodies[] = {box_body(), off_centre_body(), triangle_body()};
   int touched = 0;
-  for (std::uint64_t seed = 0; seed < 600; ++seed) {
+  for (std::uint64_t seed = 0; seed < cases(600); ++seed) {
     CAPTURE(seed);
     const RngKey key{.seed = seed};
     const RigidBody& body = bodies[seed % 3];
@@ -173,7 +174,7 @@ TEST_CASE("contact adds no energy and nothing is entered, among random obstacles
 TEST_CASE("a body that touches a disc to the last bit stays where it is, slides or leaves") {
   // distances of zero round to either side of it: nothing may be divided by what the body does not move
   const RigidBody body = robot();
-  for (std::uint64_t seed = 0; seed < 20000; ++seed) {
+  for (std::uint64_t seed = 0; seed < cases(20000); ++seed) {
     CAPTURE(seed);
     const RngKey key{.seed = seed};
     const scene::Circle disc{{uniform(key, 0, 0, -5.0, 5.0), uniform(key, 1, 0, -5.0, 5.0)},

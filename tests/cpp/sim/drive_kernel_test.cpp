@@ -14,6 +14,7 @@
 
 #include "core/rng.hpp"
 #include "core/targets.hpp"
+#include "draw.hpp"
 #include "sim/step.hpp"
 
 using namespace threewe;
@@ -240,7 +241,7 @@ TEST_CASE("many robots, driven at once, do to the bit what each would alone, on 
     CAPTURE(target);
     force_target(target);
     std::uint64_t robots = 0;
-    for (std::uint64_t seed = 0; seed < 1'000; ++seed) {
+    for (std::uint64_t seed = 0; seed < cases(1'000); ++seed) {
       CAPTURE(seed);
       const RngKey key{.seed = seed};
       // vectors of one model, and of several; whole ones, and what is left over

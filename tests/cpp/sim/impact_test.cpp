@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/rng.hpp"
+#include "draw.hpp"
 #include "sim/bodies.hpp"
 #include "sim/contact.hpp"
 
@@ -127,7 +128,7 @@ double record(const Approach& approach, int steps, int parts) {
 TEST_CASE("every impact at the limits of the hardware is recorded with its speed, and nothing else is") {
   int hits = 0;
   int passes = 0;
-  for (std::uint64_t seed = 0; seed < 6000; ++seed) {
+  for (std::uint64_t seed = 0; seed < cases(6000); ++seed) {
     CAPTURE(seed);
     const Approach approach = random_approach(seed);
     if (gap(approach.solids, approach.body, approach.pose) < 1e-3) continue;
@@ -152,7 +153,7 @@ TEST_CASE("a wall takes nothing from the motion along it, however the body turns
   const std::vector<scene::Solid> wall{scene::make_box({1.05, 0.0, 0.0}, 0.1, 40.0)};
   const RigidBody bodies[] = {box_body(), off_centre_body(), triangle_body(), octagon_body()};
   int touched = 0;
-  for (std::uint64_t seed = 0; seed < 2000; ++seed) {
+  for (std::uint64_t seed = 0; seed < cases(2000); ++seed) {
     CAPTURE(seed);
     const RngKey key{.seed = seed};
     const RigidBody& body = bodies[seed % 4];

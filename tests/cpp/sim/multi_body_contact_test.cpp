@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/rng.hpp"
+#include "draw.hpp"
 #include "sim/bodies.hpp"
 
 using namespace threewe;
@@ -85,7 +86,7 @@ std::vector<Mover> random_bodies(std::uint64_t seed) {
 
 TEST_CASE("impacts keep momentum and never add energy, in thousands of random crowds") {
   int met = 0;
-  for (std::uint64_t seed = 0; seed < 4000; ++seed) {
+  for (std::uint64_t seed = 0; seed < cases(4000); ++seed) {
     CAPTURE(seed);
     std::vector<Mover> movers = random_bodies(seed);
     const Momentum before = momentum(movers);
@@ -100,7 +101,7 @@ TEST_CASE("impacts keep momentum and never add energy, in thousands of random cr
 }
 
 TEST_CASE("nobody's place in the list matters") {
-  for (std::uint64_t seed = 0; seed < 500; ++seed) {
+  for (std::uint64_t seed = 0; seed < cases(500); ++seed) {
     CAPTURE(seed);
     std::vector<Mover> movers = random_bodies(seed);
     std::vector<Mover> reversed(movers.rbegin(), movers.rend());
@@ -119,7 +120,7 @@ TEST_CASE("nobody's place in the list matters") {
 TEST_CASE("crowds that move for a while never overlap, and seldom have to stand still") {
   int stood = 0;
   int moved_at_all = 0;
-  for (std::uint64_t seed = 0; seed < 400; ++seed) {
+  for (std::uint64_t seed = 0; seed < cases(400); ++seed) {
     CAPTURE(seed);
     std::vector<Mover> movers = random_bodies(seed);
     for (int step = 0; step < 40; ++step) {

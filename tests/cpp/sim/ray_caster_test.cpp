@@ -179,7 +179,7 @@ void set_in_motion(Sweep& sweep, Draw& draw) {
 
 TEST_CASE("one pose in random offices") {
   Comparison comparison;
-  for (std::uint64_t seed = 0; seed < 150; ++seed) {
+  for (std::uint64_t seed = 0; seed < cases(150); ++seed) {
     Draw draw(seed);
     const double size = draw(4.0, 30.0);
     const Slice slice = office(draw, size);

@@ -99,7 +99,7 @@ CameraPose random_view(Draw& draw, const scene::Scene& scene) {
 
 TEST_CASE("random scenes") {
   Comparison comparison;
-  for (std::uint64_t seed = 0; seed < 300; ++seed) {
+  for (std::uint64_t seed = 0; seed < cases(300); ++seed) {
     Draw draw(seed);
     const scene::Scene scene = random_scene(draw);
     const Renderer renderer(scene);
@@ -238,7 +238,7 @@ TEST_CASE("the lidar's plane cut out of the depth image is the scan") {
     const scene::Scene scene = scene::Scene::load(name);
     const Renderer renderer(scene);
     const CameraIntrinsics camera{320, 1, 200.0, 200.0, 160.0, 0.5};  // one row, level
-    for (std::uint64_t seed = 0; seed < 200; ++seed) {
+    for (std::uint64_t seed = 0; seed < cases(200); ++seed) {
       Draw draw(seed);
       const CameraPose view{{draw(scene.min.x, scene.max.x), draw(scene.min.y, scene.max.y), draw(-kPi, kPi)},
                             draw(0.05, 1.9)};

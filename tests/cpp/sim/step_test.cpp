@@ -12,6 +12,7 @@
 #include <utility>
 #include <vector>
 
+#include "draw.hpp"
 #include "sim/placement.hpp"
 #include "threewe/core/errors.hpp"
 
@@ -279,7 +280,7 @@ TEST_CASE("thousands of random drives through the office enter nothing, and gain
     const Model& blind = *model;
     int hits = 0;
     double driven = 0.0;
-    for (std::uint64_t seed = 0; seed < 1500; ++seed) {
+    for (std::uint64_t seed = 0; seed < cases(1500); ++seed) {
       CAPTURE(seed);
       const RngKey key{.seed = seed, .stream = Stream::sampler};
       // anywhere in the building
@@ -630,7 +631,7 @@ TEST_CASE("three robots that drive about in a narrow place never overlap one ano
   const auto model = make_model(office(), {without_sensors(standard()), without_sensors(differential()),
                                            without_sensors(standard(NoiseLevel::ideal))});
   int met = 0;
-  for (std::uint64_t seed = 0; seed < 150; ++seed) {
+  for (std::uint64_t seed = 0; seed < cases(150); ++seed) {
     CAPTURE(seed);
     const RngKey key{.seed = seed, .stream = Stream::sampler};
     std::vector<RobotState> world{begin(*model, 0, {0.0, 0.0, 0.0}, seed), begin(*model, 1, {0.4, 0.0, 1.0}, seed),

@@ -136,7 +136,7 @@ bool is_near(const Pose2D& a, const Pose2D& b) {
 TEST_CASE("brute force finds the same pose and scores in random maps, ties included") {
   int found = 0;
   int ties = 0;
-  for (std::uint64_t seed = 0; seed < 2500; ++seed) {
+  for (std::uint64_t seed = 0; seed < cases(2500); ++seed) {
     CAPTURE(seed);
     Draw draw(seed);
     // now and then wide enough for three levels
@@ -160,7 +160,7 @@ TEST_CASE("brute force finds the same pose and scores in random maps, ties inclu
 }
 
 TEST_CASE("brute force finds the same in generated scenes, up to the whole map and all headings") {
-  for (std::uint64_t seed = 0; seed < 60; ++seed) {
+  for (std::uint64_t seed = 0; seed < cases(60); ++seed) {
     CAPTURE(seed);
     Draw draw(seed);
     const Place place = place_of(scene::generate(seed), draw, 6, seed % 3 == 0 ? 0.25 : 0.05);
@@ -182,7 +182,7 @@ TEST_CASE("brute force finds the same in generated scenes, up to the whole map a
 
 TEST_CASE(
     "a search that stops and goes on, or whose copy does, finds the same and does no more at once than it is told") {
-  for (std::uint64_t seed = 0; seed < 8; ++seed) {
+  for (std::uint64_t seed = 0; seed < cases(8); ++seed) {
     CAPTURE(seed);
     Draw draw(seed);
     const Place place = place_of(scene::generate(seed), draw, 10);

@@ -13,7 +13,7 @@ namespace threewe::slam {
 namespace {
 
 TEST_CASE("calibrated dead reckoning follows any drive exactly, in between samples too") {
-  for (std::uint64_t seed = 0; seed < 500; ++seed) {
+  for (std::uint64_t seed = 0; seed < cases(500); ++seed) {
     CAPTURE(seed);
     Draw draw(seed);
     const Calibration calibration{draw(-0.01, 0.01), draw(0.98, 1.02), draw(0.85, 1.0)};
@@ -93,7 +93,7 @@ TEST_CASE(
 }
 
 TEST_CASE("conditioning on pose and bias is the Kalman update with the information that a scan brought") {
-  for (std::uint64_t seed = 0; seed < 300; ++seed) {
+  for (std::uint64_t seed = 0; seed < cases(300); ++seed) {
     CAPTURE(seed);
     Draw draw(seed);
     SensorModel sensors;

@@ -56,7 +56,7 @@ Resemblance compare_slowly(const map::OccupancyGrid& grid, const Pose2D& pose, s
 TEST_CASE("what a scan has to do with a map is what every step along its beams says") {
   int grazed = 0;
   int through = 0;
-  for (std::uint64_t seed = 0; seed < 60; ++seed) {
+  for (std::uint64_t seed = 0; seed < cases(60); ++seed) {
     CAPTURE(seed);
     Draw draw(seed);
     map::OccupancyGrid grid{60, 50, 0.05, draw.point(-3.0, 3.0), {}};
@@ -84,7 +84,7 @@ TEST_CASE("what a scan has to do with a map is what every step along its beams s
 
 TEST_CASE("a robot that wakes up in a mapped place finds itself within three scans, and nowhere else") {
   int found = 0;
-  for (std::uint64_t seed = 0; seed < 12; ++seed) {
+  for (std::uint64_t seed = 0; seed < cases(12); ++seed) {
     CAPTURE(seed);
     Draw draw(seed);
     const Place place = place_of(scene::generate(seed), draw, 40);

@@ -99,7 +99,7 @@ TEST_CASE("in a bounded place memory is bounded, and the map stays right") {
 }
 
 TEST_CASE("who has lost the way for metres finds it again, when two closures agree") {
-  for (std::uint64_t seed = 0; seed < 5; ++seed) {
+  for (std::uint64_t seed = 0; seed < cases(5); ++seed) {
     CAPTURE(seed);
     Hall hall(seed, true);
     const FrontEndScan first = hall.next();
@@ -132,7 +132,7 @@ TEST_CASE("who has lost the way for metres finds it again, when two closures agr
 }
 
 TEST_CASE("dropping a submap moves nothing, and all that is left hangs together") {
-  for (std::uint64_t seed = 0; seed < 5; ++seed) {
+  for (std::uint64_t seed = 0; seed < cases(5); ++seed) {
     CAPTURE(seed);
     Hall hall(seed);
     KeyframeGraph keyframe_graph;

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/exact.hpp"
+#include "draw.hpp"
 #include "slam/scan_matching_localizer.hpp"
 #include "slam/tiny_world.hpp"
 
@@ -60,7 +61,7 @@ TEST_CASE("a robot that turns fast sees its room undistorted") {
 TEST_CASE("with every sensor wrong the pose stays right") {
   double worst = 0.0;
   double surprise = 0.0;  // squared error over its stated variance, 2 on average where both are right
-  for (std::uint64_t seed = 0; seed < 12; ++seed) {
+  for (std::uint64_t seed = 0; seed < cases(12); ++seed) {
     CAPTURE(seed);
     const RngKey key{seed, 0, 0, 0, Stream::episode};
     const TinyErrors errors{uniform(key, 0, 0, 0.985, 1.015),
@@ -124,7 +125,7 @@ TEST_CASE(
 TEST_CASE("what one sensor says wrongly for three seconds the other two bound, also where nobody notices") {
   enum class Lie { gyro_bias, late_gyro, late_scans, silent_wheels };
   for (const Lie lie : {Lie::gyro_bias, Lie::late_gyro, Lie::late_scans, Lie::silent_wheels}) {
-    for (std::uint64_t seed = 0; seed < 20; ++seed) {
+    for (std::uint64_t seed = 0; seed < cases(20); ++seed) {
       CAPTURE(static_cast<int>(lie));
       CAPTURE(seed);
       const RngKey key{.seed = seed};

@@ -30,7 +30,7 @@ PoseBelief about(const Pose2D& truth, Draw& draw, double metres, double radians)
 TEST_CASE("a robot that comes back is found where it is, or not at all") {
   int tried = 0;
   int found = 0;
-  for (std::uint64_t seed = 0; seed < 24; ++seed) {
+  for (std::uint64_t seed = 0; seed < cases(24); ++seed) {
     Draw draw(seed);
     const scene::Scene scene = scene::generate(seed);
     const Place place = place_of(scene, draw, 25, 0.10);
@@ -56,7 +56,7 @@ TEST_CASE("a robot that comes back is found where it is, or not at all") {
 
 TEST_CASE("what was seen elsewhere is not found here") {
   int taken = 0;
-  for (std::uint64_t seed = 0; seed < 24; ++seed) {
+  for (std::uint64_t seed = 0; seed < cases(24); ++seed) {
     Draw draw(seed);
     const Place here = place_of(scene::generate(seed), draw, 25, 0.10);
     const Place elsewhere = place_of(scene::generate(seed + 1000), draw, 25, 0.10);
@@ -95,7 +95,7 @@ TEST_CASE("a corridor's walls do not tell how far along it the robot is, a side 
       map.insert(beams);
     }
     const LoopCloser closer(std::move(map));
-    for (std::uint64_t seed = 0; seed < 20; ++seed) {
+    for (std::uint64_t seed = 0; seed < cases(20); ++seed) {
       CAPTURE(room);
       CAPTURE(seed);
       Draw draw(seed);

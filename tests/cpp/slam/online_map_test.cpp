@@ -102,7 +102,7 @@ class Block {
 };
 
 TEST_CASE("where a loop has closed, map and robot are where they should be") {
-  for (std::uint64_t seed = 0; seed < 4; ++seed) {
+  for (std::uint64_t seed = 0; seed < cases(4); ++seed) {
     CAPTURE(seed);
     Block block(seed);
     OnlineMap map;

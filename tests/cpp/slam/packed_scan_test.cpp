@@ -12,7 +12,7 @@ namespace threewe::slam {
 namespace {
 
 TEST_CASE("beams come out as they went in, seen from anywhere") {
-  for (std::uint64_t seed = 0; seed < 300; ++seed) {
+  for (std::uint64_t seed = 0; seed < cases(300); ++seed) {
     CAPTURE(seed);
     Draw draw(seed);
     const Vec2 lidar = draw.point(-0.5, 0.5);
@@ -39,7 +39,7 @@ TEST_CASE("beams come out as they went in, seen from anywhere") {
 }
 
 TEST_CASE("packing what was unpacked changes nothing") {
-  for (std::uint64_t seed = 0; seed < 100; ++seed) {
+  for (std::uint64_t seed = 0; seed < cases(100); ++seed) {
     CAPTURE(seed);
     Draw draw(seed);
     PackedScan scan{draw.point(-1.0, 1.0), {{2.0F, 7, 0, 0, 1}}};

@@ -174,7 +174,7 @@ std::string refusal(const auto& action) {
 
 TEST_CASE("solutions and covariances are those of a dense solver with numeric derivatives") {
   int left_out = 0;
-  for (std::uint64_t seed = 0; seed < 3000; ++seed) {
+  for (std::uint64_t seed = 0; seed < cases(3000); ++seed) {
     CAPTURE(seed);
     Draw draw(seed);
     const bool wrong_ones = seed % 2 == 1;

@@ -60,7 +60,7 @@ Matrix4 information(double position, double heading, double bias) {
 }
 
 TEST_CASE("the Jacobian of a residual is that of finite differences") {
-  for (std::uint64_t seed = 0; seed < 5000; ++seed) {
+  for (std::uint64_t seed = 0; seed < cases(5000); ++seed) {
     CAPTURE(seed);
     Draw draw(seed);
     const Vec2 normal = unit(draw(-3, 3));
@@ -83,7 +83,7 @@ TEST_CASE("the Jacobian of a residual is that of finite differences") {
 }
 
 TEST_CASE("the surface at a point of a straight wall is the wall") {
-  for (std::uint64_t seed = 0; seed < 500; ++seed) {
+  for (std::uint64_t seed = 0; seed < cases(500); ++seed) {
     CAPTURE(seed);
     Draw draw(seed);
     const double turn = draw(-3.1, 3.1);
@@ -109,7 +109,7 @@ TEST_CASE("the surface at a point of a straight wall is the wall") {
 
 TEST_CASE("a scan finds its place from some centimetres away, whatever the belief was") {
   double worst = 0.0;
-  for (std::uint64_t seed = 0; seed < 150; ++seed) {
+  for (std::uint64_t seed = 0; seed < cases(150); ++seed) {
     CAPTURE(seed);
     Draw draw(seed);
     const std::vector<TinyWall> walls = random_room(draw);
@@ -130,7 +130,7 @@ TEST_CASE("a scan finds its place from some centimetres away, whatever the belie
 }
 
 TEST_CASE("in a bare corridor noisy walls neither hold the robot back nor seem to tell its position along them") {
-  for (std::uint64_t seed = 0; seed < 100; ++seed) {
+  for (std::uint64_t seed = 0; seed < cases(100); ++seed) {
     CAPTURE(seed);
     Draw draw(seed);
     const std::vector<TinyWall> walls = {{{-40, 1.2}, {40, 1.2}}, {{-40, -1.2}, {40, -1.2}}};
@@ -192,7 +192,7 @@ TEST_CASE("a range bias is found where surfaces are seen from new angles, and no
 
 TEST_CASE("a search finds a pose that is far off") {
   int found = 0;
-  for (std::uint64_t seed = 0; seed < 40; ++seed) {
+  for (std::uint64_t seed = 0; seed < cases(40); ++seed) {
     Draw draw(seed);
     const std::vector<TinyWall> walls = random_room(draw);
     map::LogOddsMap map;

@@ -95,7 +95,7 @@ double sharpness(const map::OccupancyGrid& map, const std::vector<TinyWall>& wal
 }
 
 TEST_CASE("nothing is noticed where nothing is wrong") {
-  for (std::uint64_t seed = 0; seed < 8; ++seed) {
+  for (std::uint64_t seed = 0; seed < cases(8); ++seed) {
     for (const double stride : {0.05, 0.5, 0.8}) {
       CAPTURE(seed);
       CAPTURE(stride);
@@ -120,7 +120,7 @@ TEST_CASE("a robot that stands is no incident, with noise and without") {
 }
 
 TEST_CASE("a lidar that freezes is noticed, and draws nothing") {
-  for (std::uint64_t seed = 0; seed < 6; ++seed) {
+  for (std::uint64_t seed = 0; seed < cases(6); ++seed) {
     CAPTURE(seed);
     Draw draw(seed);
     const std::vector<TinyWall> walls = building(draw);
@@ -139,7 +139,7 @@ TEST_CASE("a lidar that freezes is noticed, and draws nothing") {
 }
 
 TEST_CASE("a robot that was carried within its map is noticed, and found again") {
-  for (std::uint64_t seed = 0; seed < 6; ++seed) {
+  for (std::uint64_t seed = 0; seed < cases(6); ++seed) {
     CAPTURE(seed);
     Draw draw(seed);
     const std::vector<TinyWall> walls = building(draw);
@@ -157,7 +157,7 @@ TEST_CASE("a robot that was carried within its map is noticed, and found again")
 }
 
 TEST_CASE("a robot that was carried to another building leaves the map of the first as it was") {
-  for (std::uint64_t seed = 0; seed < 6; ++seed) {
+  for (std::uint64_t seed = 0; seed < cases(6); ++seed) {
     CAPTURE(seed);
     Draw draw(seed);
     const std::vector<TinyWall> first = building(draw);
@@ -191,7 +191,7 @@ TEST_CASE("a robot that was carried to another building leaves the map of the fi
 }
 
 TEST_CASE("an odometer that is set to zero on the way does no harm") {
-  for (std::uint64_t seed = 0; seed < 6; ++seed) {
+  for (std::uint64_t seed = 0; seed < cases(6); ++seed) {
     for (const double stride : {0.1, 0.5}) {
       CAPTURE(seed);
       CAPTURE(stride);
@@ -212,7 +212,7 @@ TEST_CASE("an odometer that is set to zero on the way does no harm") {
 }
 
 TEST_CASE("a log of overlapping scans is mapped without odometry") {
-  for (std::uint64_t seed = 0; seed < 6; ++seed) {
+  for (std::uint64_t seed = 0; seed < cases(6); ++seed) {
     for (const double stride : {0.02, 0.1}) {
       CAPTURE(seed);
       CAPTURE(stride);

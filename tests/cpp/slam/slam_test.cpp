@@ -35,7 +35,7 @@ TEST_CASE("scans of any field of view find the way that odometry loses") {
                                  {181, -0.5 * exact::kPi, exact::kPi / 180.0},
                                  {361, -0.5 * exact::kPi, exact::kPi / 360.0},
                                  {360, -exact::kPi, exact::kPi / 180.0}};
-  for (std::uint64_t seed = 0; seed < 8; ++seed) {
+  for (std::uint64_t seed = 0; seed < cases(8); ++seed) {
     for (const Fan& fan : fans) {
       CAPTURE(seed);
       CAPTURE(fan.beams);
@@ -61,7 +61,7 @@ TEST_CASE("scans of any field of view find the way that odometry loses") {
 
 TEST_CASE("scans may come at any rate") {
   for (const double stride : {0.02, 0.07, 0.2, 0.8}) {
-    for (std::uint64_t seed = 0; seed < 4; ++seed) {
+    for (std::uint64_t seed = 0; seed < cases(4); ++seed) {
       CAPTURE(stride);
       CAPTURE(seed);
       Draw draw(seed);
@@ -80,7 +80,7 @@ TEST_CASE("scans may come at any rate") {
 }
 
 TEST_CASE("far walls, which few beams hit, tell the heading that odometry does not") {
-  for (std::uint64_t seed = 0; seed < 6; ++seed) {
+  for (std::uint64_t seed = 0; seed < cases(6); ++seed) {
     CAPTURE(seed);
     Draw draw(seed);
     std::vector<TinyWall> walls;
@@ -112,7 +112,7 @@ Slam mapped(const std::vector<TinyWall>& walls, const Tour& way, double range_ma
 }
 
 TEST_CASE("who goes round and round knows where it is, and what it recognised is the same place") {
-  for (std::uint64_t seed = 0; seed < 6; ++seed) {
+  for (std::uint64_t seed = 0; seed < cases(6); ++seed) {
     for (const double range_max : {30.0, 8.0}) {
       CAPTURE(seed);
       CAPTURE(range_max);
@@ -149,7 +149,7 @@ std::string text_of(const std::filesystem::path& path) {
 }
 
 TEST_CASE("a map that is kept is the same map, to the bit") {
-  for (std::uint64_t seed = 0; seed < 4; ++seed) {
+  for (std::uint64_t seed = 0; seed < cases(4); ++seed) {
     CAPTURE(seed);
     Draw draw(seed);
     const Slam slam = mapped(building(draw), tour(draw, 60.0), 30.0, draw);
@@ -168,7 +168,7 @@ TEST_CASE("a map that is kept is the same map, to the bit") {
 }
 
 TEST_CASE("a robot goes on with a map that was kept, though it starts where nobody measured it") {
-  for (std::uint64_t seed = 0; seed < 8; ++seed) {
+  for (std::uint64_t seed = 0; seed < cases(8); ++seed) {
     CAPTURE(seed);
     Draw draw(seed);
     const std::vector<TinyWall> walls = building(draw);
@@ -241,7 +241,7 @@ TEST_CASE("a file that is no map is one clear error, with file and line") {
   CHECK_THROWS_WITH_AS(Slam().save(path), "a map without any scan cannot be saved: add one first", ContractError);
 
   // any piece that is lost or turned into another character is noticed or does no harm
-  for (std::uint64_t seed = 0; seed < 300; ++seed) {
+  for (std::uint64_t seed = 0; seed < cases(300); ++seed) {
     CAPTURE(seed);
     Draw random(seed);
     std::string text = good;

@@ -67,7 +67,7 @@ Clause random_clause(Draw& draw) {
 
 TEST_CASE("what is written is read as it was meant") {
   std::set<Clause::Kind> kinds;
-  for (std::uint64_t seed = 0; seed < 5000; ++seed) {
+  for (std::uint64_t seed = 0; seed < cases(5000); ++seed) {
     CAPTURE(seed);
     Draw draw(seed);
     Instruction instruction;

@@ -74,7 +74,7 @@ TEST_CASE("an embedding is a sum of hashed words and pairs of words, of length 1
   CHECK(embedding_of("turn left") != embedding_of("left turn"));
 
   const std::vector<std::string> words = Language::load().words();
-  for (std::uint64_t seed = 0; seed < 300; ++seed) {
+  for (std::uint64_t seed = 0; seed < cases(300); ++seed) {
     CAPTURE(seed);
     Draw draw(seed);
     std::vector<std::string> drawn;

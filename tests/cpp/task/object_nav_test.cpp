@@ -93,7 +93,7 @@ TEST_CASE("episodes start where nothing of the kind is near or in view") {
     CAPTURE(name);
     const Scene& scene = nav.tables().scene();
     const std::vector<Solid> all = scene.solids();
-    for (std::uint32_t i = 0; i < 12; ++i) {
+    for (std::uint32_t i = 0; i < cases(12); ++i) {
       CAPTURE(i);
       const ObjectNavEpisode episode = nav.sample(5, i);
       CHECK(std::ranges::find(nav.goals(), episode.goal) != nav.goals().end());
@@ -148,11 +148,11 @@ TEST_CASE("every episode has a way to drive") {
     CAPTURE(name);
     const scene::CellSet& passable = nav.tables().passable();
     const Scene& scene = nav.tables().scene();
-    for (std::uint32_t i = 0; i < 400; ++i) {
+    for (std::uint32_t i = 0; i < cases(400); ++i) {
       CAPTURE(i);
       const ObjectNavEpisode episode = nav.sample(2, i);
       CHECK(episode.geodesic >= kShortestSearch);
-      if (i >= 10) continue;
+      if (i >= cases(10)) continue;
       // no place within reach is nearer, whatever the camera shows there
       const scene::GeodesicField from_start = nav.tables().geodesic_field(episode.start.position(), 3.0);
       for (std::size_t k = 0; k < scene.objects.size(); ++k) {

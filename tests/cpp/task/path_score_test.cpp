@@ -32,7 +32,7 @@ std::vector<Vec2> random_corners(Draw& draw) {
 }
 
 TEST_CASE("points along a path are evenly spaced, its ends included") {
-  for (std::uint64_t seed = 0; seed < 300; ++seed) {
+  for (std::uint64_t seed = 0; seed < cases(300); ++seed) {
     CAPTURE(seed);
     Draw draw(seed);
     const std::vector<Vec2> corners = random_corners(draw);
@@ -47,7 +47,7 @@ TEST_CASE("points along a path are evenly spaced, its ends included") {
 }
 
 TEST_CASE("the score of a drive is that of its points, 0.25 m apart") {
-  for (std::uint64_t seed = 0; seed < 300; ++seed) {
+  for (std::uint64_t seed = 0; seed < cases(300); ++seed) {
     CAPTURE(seed);
     Draw draw(seed);
     const std::vector<Vec2> reference = points_along(random_corners(draw), kPathSpacing);

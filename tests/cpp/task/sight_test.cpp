@@ -28,7 +28,7 @@ std::vector<Solid> random_solids(Draw& draw, int count) {
 
 TEST_CASE("pixels agree with a ray tracer, with and without others in front") {
   long pixels = 0;
-  for (std::uint64_t seed = 0; seed < 600; ++seed) {
+  for (std::uint64_t seed = 0; seed < cases(600); ++seed) {
     CAPTURE(seed);
     Draw draw(seed);
     const CameraIntrinsics camera = make_intrinsics(64, 48, draw(0.6, 2.2));

@@ -38,7 +38,7 @@ TEST_CASE("one command at its threshold, or not a number, and the count starts a
 }
 
 TEST_CASE("the reward is the progress, and ten for a right STOP") {
-  for (std::uint64_t seed = 0; seed < 100; ++seed) {
+  for (std::uint64_t seed = 0; seed < cases(100); ++seed) {
     CAPTURE(seed);
     Draw draw(seed);
     StopTaskState state{.stop = {}, .distance = draw(3.0, 9.0)};

@@ -11,6 +11,7 @@
 
 #include "core/rng.hpp"
 #include "core/targets.hpp"
+#include "draw.hpp"
 #include "threewe/backend/conformance.hpp"
 #include "threewe/backend/registry.hpp"
 #include "threewe/core/errors.hpp"
@@ -362,7 +363,7 @@ TEST_CASE("the truth: free places, shortest paths, and how hard the robot hit") 
   CHECK(truth.geodesic({0.0, 0.0}, {0.5, 0.0}) == doctest::Approx(0.5).epsilon(0.02));
   CHECK(truth.geodesic({0.0, 0.0}, {2.0, 1.0}) >= std::sqrt(5.0) - 1e-9);
   CHECK(std::isinf(truth.geodesic({0.0, 0.0}, {500.0, 0.0})));
-  for (std::uint64_t seed = 0; seed < 200; ++seed) {
+  for (std::uint64_t seed = 0; seed < cases(200); ++seed) {
     CAPTURE(seed);
     const Pose2D pose = truth.sample_free_pose(seed);
     CHECK(truth.sample_free_pose(seed) == pose);
