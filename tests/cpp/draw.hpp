@@ -9,13 +9,16 @@
 
 namespace threewe {
 
-/// How many random cases a test takes; a tenth with sanitizers, which make code some twenty times as slow.
-constexpr std::uint64_t cases(std::uint64_t count) {
+/// Whether the code is compiled with sanitizers, which make it some twenty times as slow.
 #ifdef __SANITIZE_ADDRESS__
-  return std::max<std::uint64_t>(count / 10, 1);
+constexpr bool kSanitized = true;
 #else
-  return count;
+constexpr bool kSanitized = false;
 #endif
+
+/// How many random cases a test takes; a tenth with sanitizers.
+constexpr std::uint64_t cases(std::uint64_t count) {
+  return kSanitized ? std::max<std::uint64_t>(count / 10, 1) : count;
 }
 
 /// Draws numbers that are the same with every standard library.

@@ -7,6 +7,7 @@
 
 #include "benchmark/nearest_frontier.hpp"
 #include "benchmark/optimistic_replanning.hpp"
+#include "draw.hpp"
 #include "scene/episodes.hpp"
 #include "scene/scene_tables.hpp"
 #include "threewe/core/errors.hpp"
@@ -84,7 +85,7 @@ TEST_CASE("in drawn buildings the optimist arrives, no shorter than the truth an
   const RobotProfile profile = load_profile("3we_standard_v2");
   double shortest = 0.0;
   double driven = 0.0;
-  for (std::uint64_t seed = 0; seed < 12; ++seed) {
+  for (std::uint64_t seed = 0; seed < cases(12); ++seed) {
     CAPTURE(seed);
     const auto tables = tables_of(scene::generate(seed, {}), profile);
     const scene::Episode episode = scene::sample_episode(*tables, seed, 0);

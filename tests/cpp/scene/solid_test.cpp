@@ -7,7 +7,6 @@
 #include <limits>
 
 #include "core/exact.hpp"
-#include "draw.hpp"
 #include "scene/obstacles.hpp"
 #include "scene/random_solids.hpp"
 #include "threewe/core/footprint.hpp"
@@ -29,7 +28,7 @@ TEST_CASE("a box at a quarter turn has sides along the axes, exactly") {
 }
 
 TEST_CASE("the distance from a point is that to the nearest sampled point of the outline") {
-  for (std::uint64_t seed = 0; seed < cases(300); ++seed) {
+  for (std::uint64_t seed = 0; seed < 300; ++seed) {
     CAPTURE(seed);
     Dice dice(seed);
     const Solid solid = random_solid(dice, 1.0);
@@ -45,7 +44,7 @@ TEST_CASE("the distance from a point is that to the nearest sampled point of the
 
 TEST_CASE("a solid and a polygon overlap where a sampled point of one lies in the other") {
   int overlapping = 0;
-  for (std::uint64_t seed = 0; seed < cases(500); ++seed) {
+  for (std::uint64_t seed = 0; seed < 500; ++seed) {
     CAPTURE(seed);
     Dice dice(seed);
     const Solid solid = random_solid(dice, 0.6);
@@ -74,7 +73,7 @@ TEST_CASE("a solid and a polygon overlap where a sampled point of one lies in th
 }
 
 TEST_CASE("whether two solids overlap does not depend on their order, nor touching on being told of as overlap") {
-  for (std::uint64_t seed = 0; seed < cases(500); ++seed) {
+  for (std::uint64_t seed = 0; seed < 500; ++seed) {
     CAPTURE(seed);
     Dice dice(seed);
     const Solid a = random_solid(dice, 0.5);
@@ -88,7 +87,7 @@ TEST_CASE("whether two solids overlap does not depend on their order, nor touchi
 }
 
 TEST_CASE("obstacles find what a search through all of them finds") {
-  for (std::uint64_t seed = 0; seed < cases(40); ++seed) {
+  for (std::uint64_t seed = 0; seed < 40; ++seed) {
     CAPTURE(seed);
     Dice dice(seed);
     const std::vector<Solid> solids = random_solids(dice, 30, 4.0);

@@ -279,7 +279,7 @@ TEST_CASE("many robots, driven at once, do to the bit what each would alone, on 
       }
       robots += count;
     }
-    CHECK(robots > 8'000);
+    CHECK(robots > cases(8'000));
   }
   force_target("");
 }

@@ -126,7 +126,7 @@ double record(const Approach& approach, int steps, int parts) {
 }  // namespace
 
 TEST_CASE("every impact at the limits of the hardware is recorded with its speed, and nothing else is") {
-  int hits = 0;
+  std::uint64_t hits = 0;
   int passes = 0;
   for (std::uint64_t seed = 0; seed < cases(6000); ++seed) {
     CAPTURE(seed);
@@ -145,14 +145,14 @@ TEST_CASE("every impact at the limits of the hardware is recorded with its speed
       CHECK(record(approach, kSteps, 1) == 0.0);
     }
   }
-  CHECK(hits > 2000);
+  CHECK(hits > cases(2000));
   CHECK(passes > 200);
 }
 
 TEST_CASE("a wall takes nothing from the motion along it, however the body turns") {
   const std::vector<scene::Solid> wall{scene::make_box({1.05, 0.0, 0.0}, 0.1, 40.0)};
   const RigidBody bodies[] = {box_body(), off_centre_body(), triangle_body(), octagon_body()};
-  int touched = 0;
+  std::uint64_t touched = 0;
   for (std::uint64_t seed = 0; seed < cases(2000); ++seed) {
     CAPTURE(seed);
     const RngKey key{.seed = seed};
@@ -179,7 +179,7 @@ TEST_CASE("a wall takes nothing from the motion along it, however the body turns
     CHECK(std::fabs(pose.y - 50 * kSeconds * world.y) < 1e-3);
     touched += met ? 1 : 0;
   }
-  CHECK(touched > 1000);
+  CHECK(touched > cases(1000));
 }
 
 TEST_CASE("a body that slides along one wall meets the next one at its full speed") {

@@ -147,7 +147,7 @@ TEST_CASE("the shipped scenes") {
     const scene::Scene scene = scene::Scene::load(name);
     const Renderer renderer(scene);
     Comparison comparison;
-    for (std::uint64_t seed = 0; seed < 8; ++seed) {
+    for (std::uint64_t seed = 0; seed < cases(8); ++seed) {
       Draw draw(seed);
       const CameraIntrinsics camera = make_intrinsics(80, 60, draw(0.5, 1.8));
       const CameraPose view{{draw(scene.min.x, scene.max.x), draw(scene.min.y, scene.max.y), draw(-kPi, kPi)},

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/rng.hpp"
+#include "draw.hpp"
 #include "threewe/scene/solid.hpp"
 
 using namespace threewe;
@@ -159,9 +160,9 @@ TEST_CASE("moving shapes are heard as those that stand") {
 
 TEST_CASE("thousands of random echoes against fans of dense rays") {
   const RngKey key{.seed = 21, .stream = Stream::scene};
-  int heard = 0;
-  int deaf = 0;
-  for (std::uint64_t round = 0; round < 6000; ++round) {
+  std::uint64_t heard = 0;
+  std::uint64_t deaf = 0;
+  for (std::uint64_t round = 0; round < cases(6000); ++round) {
     CAPTURE(round);
     const scene::Slice slice = random_slice(key, round);
     SonarCone cone = cone_at({uniform(key, round, 1000, -1.0, 1.0), uniform(key, round, 1001, -1.0, 1.0),
@@ -175,6 +176,6 @@ TEST_CASE("thousands of random echoes against fans of dense rays") {
     if (echo.range < cone.range_max) CHECK(confirmed(cone, slice, echo));
     (echo.range < cone.range_max ? heard : deaf) += 1;
   }
-  CHECK(heard > 1500);
-  CHECK(deaf > 500);
+  CHECK(heard > cases(1500));
+  CHECK(deaf > cases(500));
 }

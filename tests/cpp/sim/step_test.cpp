@@ -278,7 +278,7 @@ TEST_CASE("thousands of random drives through the office enter nothing, and gain
     const bool holonomic = std::string(name) == "office";
     const auto model = make_model(office(), {without_sensors(model_of(name).robots[0].profile)});
     const Model& blind = *model;
-    int hits = 0;
+    std::uint64_t hits = 0;
     double driven = 0.0;
     for (std::uint64_t seed = 0; seed < cases(1500); ++seed) {
       CAPTURE(seed);
@@ -303,8 +303,8 @@ TEST_CASE("thousands of random drives through the office enter nothing, and gain
       driven += state.distance_driven;
       CHECK(state.max_collision_speed < 1.8);
     }
-    CHECK(hits > 200);
-    CHECK(driven > 500.0);
+    CHECK(hits > cases(200));
+    CHECK(driven > static_cast<double>(cases(500)));
   }
 }
 
@@ -630,7 +630,7 @@ TEST_CASE("robots of one world see one another, and stop at one another") {
 TEST_CASE("three robots that drive about in a narrow place never overlap one another, nor what stands there") {
   const auto model = make_model(office(), {without_sensors(standard()), without_sensors(differential()),
                                            without_sensors(standard(NoiseLevel::ideal))});
-  int met = 0;
+  std::uint64_t met = 0;
   for (std::uint64_t seed = 0; seed < cases(150); ++seed) {
     CAPTURE(seed);
     const RngKey key{.seed = seed, .stream = Stream::sampler};
@@ -651,7 +651,7 @@ TEST_CASE("three robots that drive about in a narrow place never overlap one ano
     }
     for (const RobotState& robot : world) met += robot.max_collision_speed > 0.1 ? 1 : 0;
   }
-  CHECK(met > 100);
+  CHECK(met > cases(100));
 }
 
 TEST_CASE("three robots: a copy of their states is all that the future needs, whatever else is in the batch") {

@@ -67,7 +67,7 @@ std::size_t beams_in(const KeyframeGraphData& keyframe_graph) {
 }
 
 TEST_CASE("in a bounded place memory is bounded, and the map stays right") {
-  for (std::uint64_t seed = 0; seed < 3; ++seed) {
+  for (std::uint64_t seed = 0; seed < cases(3); ++seed) {
     CAPTURE(seed);
     Hall hall(seed);
     const FrontEndScan first = hall.next();

@@ -92,7 +92,7 @@ TEST_CASE("with every sensor wrong the pose stays right") {
         (12 * det);
   }
   CHECK(worst < 0.06);
-  CHECK(surprise > 0.05);  // a room that is seen whole from the beginning is better known than most
+  if (!kSanitized) CHECK(surprise > 0.05);  // a room that is seen whole from the beginning is better known than most
   CHECK(surprise < 6.0);
 }
 
@@ -109,7 +109,7 @@ TEST_CASE(
     return std::pair(localizer->estimate(world.now()), world.pose());
   };
   double surprise = 0.0;  // squared error over what is stated, position alone: 1 on average where it is right
-  constexpr std::uint64_t kDrives = 10;
+  constexpr std::uint64_t kDrives = cases(10);
   for (std::uint64_t seed = 0; seed < kDrives; ++seed) {
     CAPTURE(seed);
     const auto [good, ignored] = drive(0.01, seed);
