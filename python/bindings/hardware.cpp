@@ -95,6 +95,10 @@ void init_hardware(nb::module_& m) {
       .def_static("load", &load_profile, "name"_a,
                   "Reads a profile by name, or from a file that ends in .yaml. Raises ConfigError naming the nearest "
                   "right name.")
+      .def_static(
+          "parse",
+          [](std::string yaml, const std::string& name) { return parse_profile(std::move(yaml), name + ".yaml"); },
+          "yaml"_a, "name"_a, "Reads a profile from the text of such a file, as `yaml` has it.")
       .def(
           "__deepcopy__", [](nb::object self, const nb::handle&) { return self; }, "memo"_a,
           "Itself: a profile never changes.")
@@ -106,6 +110,7 @@ void init_hardware(nb::module_& m) {
           "square pixels.")
       .def_ro("name", &RobotProfile::name)
       .def_ro("description", &RobotProfile::description)
+      .def_ro("yaml", &RobotProfile::yaml, "The text that it was read from.")
       .def_prop_ro("kinematics", &RobotProfile::kinematics)
       .def_prop_ro(
           "footprint", [](const RobotProfile& p) { return p.body.footprint.corners(); },

@@ -124,6 +124,8 @@ void bind_robot(nb::module_& m) {
   nb::class_<RecordedRobot> robot(m, "RecordedRobot", "One robot of a recorded episode.");
   const auto times = [](const auto& tick) { return to_seconds(tick.now); };
   robot.def_ro("profile", &RecordedRobot::profile)
+      .def_ro("hardware", &RecordedRobot::hardware, "the profile's YAML; empty where that was made in code")
+      .def_ro("scene_from_map", &RecordedRobot::scene_from_map)
       .def_ro("sensors", &RecordedRobot::sensors)
       .def_ro("cameras", &RecordedRobot::cameras, "by the sensors' numbers; without pixels where it is no camera")
       .def_ro("samples", &RecordedRobot::samples, "in order of arrival; a camera's hold no image")
@@ -238,6 +240,9 @@ void bind_journal(nb::module_& m) {
       .def_ro("file", &Recovered::file, "empty where nothing of it could be saved")
       .def_ro("ticks", &Recovered::ticks)
       .def_ro("lost_bytes", &Recovered::lost_bytes);
+  m.def(
+      "recorded_robot_count", [](const std::string& journal) { return robot_count(journal); }, "journal"_a,
+      WithoutGil(), "Of a journal, by its header alone.");
   m.def("recover_journals", [](const std::string& folder) { return recover(folder); }, "folder"_a, WithoutGil());
   m.def("journals", [](const std::string& folder) { return journals(folder); }, "folder"_a);
 }

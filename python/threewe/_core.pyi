@@ -726,6 +726,10 @@ class RobotProfile:
         Reads a profile by name, or from a file that ends in .yaml. Raises ConfigError naming the nearest right name.
         """
 
+    @staticmethod
+    def parse(yaml: str, name: str) -> RobotProfile:
+        """Reads a profile from the text of such a file, as `yaml` has it."""
+
     def __deepcopy__(self, memo: object) -> object:
         """Itself: a profile never changes."""
 
@@ -739,6 +743,10 @@ class RobotProfile:
 
     @property
     def description(self) -> str: ...
+
+    @property
+    def yaml(self) -> str:
+        """The text that it was read from."""
 
     @property
     def kinematics(self) -> Kinematics: ...
@@ -2365,6 +2373,13 @@ class RecordedRobot:
     def profile(self) -> str: ...
 
     @property
+    def hardware(self) -> str:
+        """the profile's YAML; empty where that was made in code"""
+
+    @property
+    def scene_from_map(self) -> Pose2D | None: ...
+
+    @property
     def sensors(self) -> list[SensorInfo]: ...
 
     @property
@@ -2514,6 +2529,9 @@ class Recovered:
 
     @property
     def lost_bytes(self) -> int: ...
+
+def recorded_robot_count(journal: str) -> int:
+    """Of a journal, by its header alone."""
 
 def recover_journals(folder: str) -> list[Recovered]: ...
 

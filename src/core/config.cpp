@@ -79,7 +79,9 @@ std::vector<YAML::Mark> beginnings_of_documents(const std::string& text) {
 ConfigNode::ConfigNode(const YAML::Node& node, std::string file, std::string path, int line)
     : node_(node), file_(std::move(file)), path_(std::move(path)), line_(line) {}
 
-ConfigNode ConfigNode::load(const std::filesystem::path& file) {
+ConfigNode ConfigNode::load(const std::filesystem::path& file) { return parse(read(file), file.string()); }
+
+std::string ConfigNode::read(const std::filesystem::path& file) {
   std::error_code error;
   const bool is_file = std::filesystem::is_regular_file(file, error);
   const auto bytes = is_file ? std::filesystem::file_size(file, error) : 0;
@@ -87,7 +89,7 @@ ConfigNode ConfigNode::load(const std::filesystem::path& file) {
   if (!is_file || !std::ifstream(file).read(text.data(), static_cast<std::streamsize>(text.size()))) {
     throw ConfigError(fmt::format("{}: cannot be read", file.string()));
   }
-  return parse(text, file.string());
+  return text;
 }
 
 ConfigNode ConfigNode::parse(const std::string& text, const std::string& name) {

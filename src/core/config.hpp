@@ -24,6 +24,8 @@ class ConfigNode {
  public:
   /// Parses a file. Throws ConfigError with file:line when it is missing, malformed or huge.
   static ConfigNode load(const std::filesystem::path& file);
+  /// The text of a file, for `parse`; of a huge one no more than that refuses. Throws ConfigError when it is missing.
+  static std::string read(const std::filesystem::path& file);
   /// Parses text; `name` stands for the file in messages.
   static ConfigNode parse(const std::string& text, const std::string& name);
 

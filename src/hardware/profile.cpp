@@ -306,10 +306,15 @@ Pose2D RobotProfile::base_from_sensor(SensorType type, std::string_view sensor) 
 
 RobotProfile load_profile(std::string_view name) {
   const auto file = find_asset("robots", name);
-  ConfigNode root = ConfigNode::load(file);
+  return parse_profile(ConfigNode::read(file), file);
+}
+
+RobotProfile parse_profile(std::string yaml, const std::filesystem::path& file) {
+  ConfigNode root = ConfigNode::parse(yaml, file.string());
 
   RobotProfile profile;
   profile.name = file.stem().string();
+  profile.yaml = std::move(yaml);
   profile.description = root.text("description");
   profile.body = read_body(root.at("body"));
 

@@ -44,6 +44,12 @@ std::optional<BlockPlace> parse_header(std::span<const std::byte> header, std::u
   return sane ? std::optional(place) : std::nullopt;
 }
 
+std::optional<std::uint64_t> content_size(std::span<const std::byte> frame) {
+  const unsigned long long size = ZSTD_getFrameContentSize(frame.data(), frame.size());
+  const bool known = size != ZSTD_CONTENTSIZE_UNKNOWN && size != ZSTD_CONTENTSIZE_ERROR;
+  return known ? std::optional<std::uint64_t>(size) : std::nullopt;
+}
+
 bool decompress(std::span<const std::byte> frame, std::vector<std::byte>& content) {
   const std::size_t size = ZSTD_decompress(content.data(), content.size(), frame.data(), frame.size());
   return !ZSTD_isError(size) && size == content.size();

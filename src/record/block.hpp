@@ -45,6 +45,9 @@ struct BlockPlace {
 
 /// What a header says, given where it stands; empty where it is none.
 std::optional<BlockPlace> parse_header(std::span<const std::byte> header, std::uint64_t offset);
+/// [bytes] of content that a frame says to have; empty where it does not say. Memory is taken for no more than this
+/// and the block's header agree on.
+std::optional<std::uint64_t> content_size(std::span<const std::byte> frame);
 /// The content of a frame; false where it is torn or changed.
 bool decompress(std::span<const std::byte> frame, std::vector<std::byte>& content);
 

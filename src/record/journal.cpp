@@ -34,6 +34,19 @@ bool ends(std::span<const std::byte> content) {
   return !records.empty() && records.back().type == RecordType::end;
 }
 
+// The header, from a journal's first block.
+Header first_header(std::span<const std::byte> content) {
+  const auto records = parse_records(content);
+  if (records.empty() || records.front().type != RecordType::begin) {
+    throw ContractError("it does not begin as a journal");
+  }
+  return parse_header(records.front().payload);
+}
+
+[[noreturn]] void refuse(const std::filesystem::path& file, std::uint64_t at, const ContractError& why) {
+  throw ConfigError(fmt::format("{}: at byte {}: no 3we journal: {}", file.string(), at, why.what()));
+}
+
 }  // namespace
 
 struct Journal::Impl {
@@ -64,10 +77,9 @@ void Journal::Impl::read() {
     const std::uint64_t end = scan_blocks(file, [&](const BlockPlace& block, std::span<const std::byte> content) {
       at = block.offset;
       if (ended) return false;
+      if (std::exchange(first, false)) header = first_header(content);
       const auto records = parse_records(content);
-      if (first && (records.empty() || records.front().type != RecordType::begin)) return false;
-      first = false;
-      for (std::size_t i = 0; i < records.size(); ++i) add(records[i], {block.offset, i});
+      for (std::size_t i = at == 0 ? 1 : 0; i < records.size(); ++i) add(records[i], {block.offset, i});
       return true;
     });
     at = end;
@@ -76,13 +88,13 @@ void Journal::Impl::read() {
     if (end != std::filesystem::file_size(file)) throw ContractError("something follows its end");
     join_images();
   } catch (const ContractError& error) {
-    throw ConfigError(fmt::format("{}: at byte {}: no 3we journal: {}", file.string(), at, error.what()));
+    refuse(file, at, error);
   }
 }
 
 void Journal::Impl::add(const Record& record, const ImagePlace& place) {
   switch (record.type) {
-    case RecordType::begin: header = parse_header(record.payload); return;
+    case RecordType::begin: throw ContractError("it begins twice");
     case RecordType::state: state.assign(record.payload.begin(), record.payload.end()); return;
     case RecordType::end:
       footer = parse_footer(record.payload);
@@ -212,6 +224,16 @@ std::vector<std::uint16_t> Journal::depth(const RecordedFrame& frame) const {
   return parse_depth(impl_->image(*frame.depth, RecordType::depth));
 }
 
+std::size_t robot_count(const std::filesystem::path& journal) {
+  BlockReader reader(journal);
+  try {
+    if (!reader.read(0)) throw ContractError("it does not begin as a journal");
+    return first_header(reader.content()).robots.size();
+  } catch (const ContractError& error) {
+    refuse(journal, 0, error);
+  }
+}
+
 std::vector<std::filesystem::path> journals(const std::filesystem::path& folder) {
   return episodes_in(folder, kFinished);
 }
@@ -225,10 +247,14 @@ std::vector<Recovered> recover(const std::filesystem::path& folder, const std::s
   for (const std::filesystem::path& part : episodes_in(folder, kUnfinished)) {
     bool begun = false;
     bool ended = false;
-    const std::uint64_t sound = scan_blocks(part, [&](const BlockPlace&, std::span<const std::byte> content) {
+    const std::uint64_t sound = scan_blocks(part, [&](const BlockPlace& block, std::span<const std::byte> content) {
       if (ended) return false;
-      begun = true;
-      ended = ends(content);
+      try {
+        if (!std::exchange(begun, true)) (void)first_header(content);
+        ended = ends(content);
+      } catch (const ContractError& error) {  // no crash has done that: it stays as it is
+        refuse(part, block.offset, error);
+      }
       return true;
     });
     Recovered& it = all.emplace_back();

@@ -412,6 +412,8 @@ std::size_t Recorder::start_episode(const std::string& task, const Metadata& met
     can_save = can_save && robot.features().can_save;
     RecordedRobot& to = header.robots.emplace_back();
     to.profile = robot.profile().name;
+    to.hardware = robot.profile().yaml;
+    to.scene_from_map = it.world.scene_from_map(i);
     to.sensors = robot.features().sensors;
     for (const backend::SensorInfo& sensor : to.sensors) {
       const bool camera = sensor.type == SensorType::camera && robot.profile().camera;

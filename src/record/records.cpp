@@ -12,10 +12,9 @@ namespace threewe::record {
 namespace {
 
 constexpr const char* kBroken = "a record cannot have been written";
-constexpr std::uint32_t kFormat = 1;
+constexpr std::uint32_t kFormat = 2;
 
-// An image whose size is stated as what its bytes are.
-std::size_t pixels(const FrameKey& key) { return std::size_t{key.width} * key.height; }
+constexpr std::uint32_t kMostPixels = 8192;  // along either side, as in profiles
 
 void require(bool ok) {
   if (!ok) throw ContractError(kBroken);
@@ -81,8 +80,23 @@ Metadata get_metadata(ByteReader& bytes) {
   return metadata;
 }
 
+// Whether there is one, and what it is.
+template <typename T>
+void put_optional(ByteWriter& bytes, const std::optional<T>& value) {
+  put_fields(bytes, value.has_value(), value.value_or(T{}));
+}
+template <typename T>
+void get_optional(ByteReader& bytes, std::optional<T>& value) {
+  bool there = false;
+  T read{};
+  get_fields(bytes, there, read);
+  if (there) value = read;
+}
+
 void put_robot(ByteWriter& bytes, const RecordedRobot& robot) {
   bytes.put(robot.profile);
+  bytes.put(robot.hardware);
+  put_optional(bytes, robot.scene_from_map);
   bytes.put(std::uint64_t{robot.sensors.size()});
   for (std::size_t i = 0; i < robot.sensors.size(); ++i) {
     bytes.put(robot.sensors[i].name);
@@ -95,6 +109,8 @@ void put_robot(ByteWriter& bytes, const RecordedRobot& robot) {
 RecordedRobot get_robot(ByteReader& bytes) {
   RecordedRobot robot;
   bytes.get(robot.profile);
+  bytes.get(robot.hardware);
+  get_optional(bytes, robot.scene_from_map);
   for (std::size_t left = bytes.get_size(); left > 0; --left) {
     backend::SensorInfo& sensor = robot.sensors.emplace_back();
     bytes.get(sensor.name);
@@ -172,16 +188,14 @@ void RecordWriter::put(const Header& header) {
     bytes_.put(header.origin.has_value());
     if (!header.origin) return;
     with_options(*header.origin, [&](const auto&... fields) { put_fields(bytes_, fields...); });
-    bytes_.put(header.origin->options.image_size.has_value());
-    bytes_.put(header.origin->options.image_size.value_or(ImageSize{}));
+    put_optional(bytes_, header.origin->options.image_size);
   });
 }
 
 void RecordWriter::put(const Footer& footer) {
   check(footer.metadata);
   append(RecordType::end, [&] {
-    bytes_.put(footer.success.has_value());
-    bytes_.put(footer.success.value_or(false));
+    put_optional(bytes_, footer.success);
     bytes_.put(footer.recovered);
     put_metadata(bytes_, footer.metadata);
   });
@@ -268,10 +282,8 @@ Header parse_header(std::span<const std::byte> payload) {
   if (made_by_name) {
     World::Origin& origin = header.origin.emplace();
     with_options(origin, [&](auto&... fields) { get_fields(bytes, fields...); });
-    bool resized = false;
-    ImageSize size;
-    get_fields(bytes, resized, size);
-    if (resized) origin.options.image_size = size;
+    get_optional(bytes, origin.options.image_size);
+    require(origin.options.noise <= NoiseLevel::ideal);
   }
   bytes.finish();
   return header;
@@ -280,10 +292,8 @@ Header parse_header(std::span<const std::byte> payload) {
 Footer parse_footer(std::span<const std::byte> payload) {
   ByteReader bytes(payload, kBroken);
   Footer footer;
-  bool judged = false;
-  bool success = false;
-  get_fields(bytes, judged, success, footer.recovered);
-  if (judged) footer.success = success;
+  get_optional(bytes, footer.success);
+  bytes.get(footer.recovered);
   footer.metadata = get_metadata(bytes);
   bytes.finish();
   return footer;
@@ -312,7 +322,9 @@ std::span<const std::byte> parse_image(std::span<const std::byte> payload, Recor
   encoded = false;
   if (type == RecordType::color) bytes.get(encoded);
   const auto image = bytes.get_bytes(payload.size() - kKeySize - (type == RecordType::color ? 1 : 0));
-  require(encoded || image.size() == pixels(key) * (type == RecordType::color ? 3 : 2));
+  require(key.width <= kMostPixels && key.height <= kMostPixels);
+  const std::size_t pixels = std::size_t{key.width} * key.height;
+  require(encoded || image.size() == pixels * (type == RecordType::color ? 3 : 2));
   return image;
 }
 

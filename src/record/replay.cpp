@@ -7,6 +7,7 @@
 #include "robot/runtime_state.hpp"
 #include "threewe/backend/registry.hpp"
 #include "threewe/core/errors.hpp"
+#include "threewe/hardware/profile.hpp"
 #include "threewe/record/recorder.hpp"
 
 namespace threewe::record {
@@ -43,6 +44,16 @@ struct Recording {
   }
 };
 
+// As the world was made, with the profiles that the robots had then: their files may have changed, or be gone.
+backend::WorldOptions options_of(const Journal& journal) {
+  backend::WorldOptions options = journal.origin()->options;
+  for (const RecordedRobot& robot : journal.robots()) {
+    if (robot.hardware.empty()) return journal.origin()->options;
+    options.profiles.push_back(parse_profile(robot.hardware, robot.profile + ".yaml"));
+  }
+  return options;
+}
+
 }  // namespace
 
 ReplayReport replay(const Journal& journal) {
@@ -53,7 +64,7 @@ ReplayReport replay(const Journal& journal) {
   if (journal.robots().size() != origin->options.robots.size()) {
     throw ContractError("this episode has not all robots of its world: the others' commands are not known");
   }
-  const auto world = backend::make_world(origin->backend, origin->options);
+  const auto world = backend::make_world(origin->backend, options_of(journal));
   for (std::size_t i = 0; i < world->robot_count(); ++i) world->robot(i).connect();
   world->restore({journal.initial_state().begin(), journal.initial_state().end()});
 

@@ -20,7 +20,8 @@ BlockReader::BlockReader(const std::filesystem::path& file) {
   std::error_code error;
   if (!std::filesystem::is_regular_file(file, error)) throw ConfigError(file.string() + ": no such file");
   stream_.open(file, std::ios::binary);
-  if (!stream_) throw ConfigError(file.string() + ": cannot be read");
+  size_ = std::filesystem::file_size(file, error);
+  if (!stream_ || error) throw ConfigError(file.string() + ": cannot be read");
 }
 
 bool BlockReader::read(std::uint64_t offset) {
@@ -30,8 +31,9 @@ bool BlockReader::read(std::uint64_t offset) {
   if (!read_at(stream_, offset, header)) return false;
   const auto place = parse_header(header, offset);
   if (!place) return false;
+  if (place->end() > size_) return false;
   frame_.resize(place->compressed);
-  if (!read_at(stream_, offset + kBlockHeader, frame_)) return false;
+  if (!read_at(stream_, offset + kBlockHeader, frame_) || content_size(frame_) != place->content) return false;
   content_.resize(place->content);
   if (!decompress(frame_, content_)) return false;
   place_ = *place;

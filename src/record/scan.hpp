@@ -29,6 +29,7 @@ class BlockReader {
 
  private:
   std::ifstream stream_;
+  std::uint64_t size_ = 0;  // [bytes] of the file
   BlockPlace place_;
   bool valid_ = false;
   std::vector<std::byte> frame_, content_;

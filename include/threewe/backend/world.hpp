@@ -109,6 +109,9 @@ struct WorldOptions {
   std::optional<ImageSize> image_size = {};  // NOLINT(readability-redundant-member-init): likewise
   /// How simulated robots differ from their profiles, see `models::load_randomization`.
   std::string randomization = "none";
+  /// The profiles themselves where they are at hand, as in a recording; `robots` are their names then. Simulators alone
+  /// take them.
+  std::vector<RobotProfile> profiles = {};  // NOLINT(readability-redundant-member-init): likewise
 };
 
 }  // namespace threewe::backend

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -170,6 +171,7 @@ struct RobotProfile {
   std::optional<CameraSpec> camera;           ///< colour, and depth where it measures any
   OdometrySpec odometry;                      ///< every robot has it
   std::optional<BatterySpec> battery;         ///< empty: it never runs out
+  std::string yaml;                           ///< the text that it was read from; empty for one made in code
 
   /// Which velocities the base can drive.
   Kinematics kinematics() const { return body.wheels.kinematics; }
@@ -183,6 +185,8 @@ struct RobotProfile {
 
 /// Reads assets/robots/NAME.yaml, or the file itself where `name` ends in .yaml. Throws ConfigError.
 RobotProfile load_profile(std::string_view name);
+/// The same of a text; `file` names the profile, and stands in messages. Throws ConfigError.
+RobotProfile parse_profile(std::string yaml, const std::filesystem::path& file);
 /// The names of all profiles.
 std::vector<std::string> profile_names();
 

@@ -143,6 +143,8 @@ struct RecordedFrame {
 /// One robot of an episode.
 struct RecordedRobot {
   std::string profile;                            ///< the name of its hardware profile
+  std::string hardware;                           ///< the profile's YAML; empty where that was made in code
+  std::optional<Pose2D> scene_from_map = {};      ///< see `World::scene_from_map`
   std::vector<backend::SensorInfo> sensors;       ///< as `Sample::sensor` counts them
   std::vector<CameraIntrinsics> cameras;          ///< by the same number; without pixels where it is no camera
   std::vector<RecordedTick> ticks;                ///< in order
@@ -195,6 +197,9 @@ class Journal {
   std::unique_ptr<Impl> impl_;
 };
 
+/// How many robots a journal has recorded, by its header alone. Throws as `Journal::open`.
+std::size_t robot_count(const std::filesystem::path& journal);
+
 /// What `recover` did with a journal that was cut off.
 struct Recovered {
   std::filesystem::path file;  ///< the finished journal; empty where nothing of it could be saved
@@ -202,7 +207,7 @@ struct Recovered {
   std::size_t lost_bytes = 0;  ///< torn at its end
 };
 /// Finishes the journals in a folder that a crash has cut off. Throws RecordingError where the folder cannot be written
-/// or a recorder writes into it.
+/// or a recorder writes into it, ConfigError naming a file that no crash has left like that.
 std::vector<Recovered> recover(const std::filesystem::path& folder, const std::shared_ptr<FileSystem>& files = {});
 /// The finished journals of a folder, by their numbers.
 std::vector<std::filesystem::path> journals(const std::filesystem::path& folder);

@@ -83,6 +83,9 @@ class World {
   };
   /// How to make such a world again; empty for one made from a backend.
   const std::optional<Origin>& origin() const;
+  /// Where a robot's `map` frame lies in the scene, for recordings and drawings: no autonomy ever sees it. Empty for a
+  /// real robot, and in a given map without an initial pose.
+  std::optional<Pose2D> scene_from_map(std::size_t robot) const;
   /// Of all noise: the one that the world was made with; 0 for a world made from a backend.
   std::uint64_t seed() const;
   /// Disconnects every robot, which ends its motion as `cancelled` and stops it.

@@ -21,6 +21,7 @@ from threewe._core import (
     Odometry,
     RangeData,
     ReplayReport,
+    RobotProfile,
     Sample,
 )
 from threewe.data.video import KeyFrameDecoder
@@ -214,6 +215,8 @@ class RecordedEpisode:
         metadata: whatever was kept beside it.
         recovered: it was cut off while it was recorded.
         started: wall clock at its start [s since 1970].
+        scene_from_map: where the robot's `map` frame lies in the scene; None on a real robot, and in a given map
+            without an initial pose. For replays and drawings, never for policies.
         control_rate: [Hz] of its ticks.
     """
 
@@ -224,7 +227,7 @@ class RecordedEpisode:
         self._journal, self._recorded = journal, journal.robots[robot]
         self.index, self.task, self.success = journal.episode, journal.task, journal.success
         self.metadata, self.recovered, self.started = journal.metadata, journal.recovered, journal.started
-        self.robot_type = self._recorded.profile
+        self.robot_type, self.scene_from_map = self._recorded.profile, self._recorded.scene_from_map
 
     def __repr__(self) -> str:
         return f"RecordedEpisode({self.index}, {self.task!r}, {len(self.time) / CONTROL_RATE:.1f} s)"
@@ -268,6 +271,28 @@ class RecordedEpisode:
     def true_pose(self) -> NDArray[np.float64] | None:
         """(T, 3) [m, m, rad] in the scene's frame; None on a real robot. For metrics, never for policies."""
         return self._recorded.true_pose if self._recorded.simulated else None
+
+    @cached_property
+    def profile(self) -> RobotProfile:
+        """The robot as it was recorded, whatever has become of its profile's file.
+
+        Raises:
+            ConfigError: its profile was made in code, and has no text that could be recorded.
+        """
+        if not self.hardware:
+            raise ConfigError(
+                f"{self.file}: profile '{self.robot_type}' was made in code: exports take another, `hardware`"
+            )
+        profile = RobotProfile.parse(self.hardware, self.robot_type)
+        for camera in self._recorded.cameras:
+            if camera.width:
+                profile = profile.with_image_size(camera.height, camera.width)
+        return profile
+
+    @property
+    def hardware(self) -> str:
+        """The YAML of the robot's profile; empty where that was made in code."""
+        return self._recorded.hardware
 
     @property
     def origin(self) -> _core.WorldOrigin | None:
@@ -363,7 +388,7 @@ class Recording(Sequence[RecordedEpisode]):
             raise ConfigError(f"{self.path}: no folder of journals, and no file that ends in .journal")
         if not files:
             raise ConfigError(f"{self.path}: there are no finished journals; `threewe data recover` finishes others")
-        self._entries = [(file, robot) for file in files for robot in range(len(_core.Journal.open(str(file)).robots))]
+        self._entries = [(file, robot) for file in files for robot in range(_core.recorded_robot_count(str(file)))]
         self._opened: tuple[Path, _core.Journal] | None = None
 
     def __repr__(self) -> str:

@@ -26,8 +26,11 @@ SimulatedWorld::SimulatedWorld(const WorldOptions& options, std::string format, 
   }
   std::vector<RobotProfile> profiles;
   std::vector<RobotProfile> simulated;
-  for (const std::string& name : options.robots) {
-    profiles.push_back(load_profile(name));
+  if (!options.profiles.empty() && options.profiles.size() != options.robots.size()) {
+    throw ConfigError(fmt::format("profiles: {} for {} robots", options.profiles.size(), options.robots.size()));
+  }
+  for (std::size_t i = 0; i < options.robots.size(); ++i) {
+    profiles.push_back(options.profiles.empty() ? load_profile(options.robots[i]) : options.profiles[i]);
     if (options.image_size) profiles.back() = with_image_size(profiles.back(), *options.image_size);
     simulated.push_back(with_noise(profiles.back(), options.noise));
   }

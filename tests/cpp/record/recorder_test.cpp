@@ -8,8 +8,10 @@
 #include <doctest/doctest.h>
 #include <fmt/format.h>
 
+#include "record/block.hpp"
 #include "record/crash_trials.hpp"
 #include "threewe/core/errors.hpp"
+#include "threewe/hardware/profile.hpp"
 #include "threewe/robot/robot.hpp"
 
 using namespace threewe;
@@ -149,6 +151,64 @@ TEST_CASE("a replay of the journal is the same to the bit, also of an episode in
     CHECK(report.max_deviation == 0.0);
     CHECK_FALSE(report.first_difference.has_value());
   }
+}
+
+TEST_CASE("a journal holds the profile and the place of the map, so that a replay needs no file of the robot") {
+  const ScratchFolder folder;
+  const auto file = folder.path() / "mine.yaml";
+  std::string yaml = load_profile("3we_standard_v2").yaml;
+  const std::string mount = "base_from_lidar: [";
+  yaml.insert(yaml.find(mount) + mount.size(), "0.01, 0.02, 0.3]  # was [");
+  std::ofstream(file) << yaml;
+  World::Options options;
+  options.robots = {file.string(), "turtlebot_like"};
+  options.initial_poses = {{1.0, 2.0, 0.5}};
+  options.image_size = ImageSize{32, 24};
+  World world(options);
+  for (std::size_t i = 0; i < 2; ++i) world.robot(i).connect();
+  world.settle();
+  {
+    Recorder recorder(world, folder.path() / "journals");
+    recorder.start_episode("turn");
+    world.robot(0).set_velocity({0.1, 0.0, 0.5}, 1s);
+    for (int i = 0; i < 40; ++i) world.tick();
+    recorder.end_episode();
+  }
+  for (const bool gone : {false, true}) {
+    if (gone) std::filesystem::remove(file);
+    const auto journal = Journal::open(journals(folder.path() / "journals")[0]);
+    const RecordedRobot& robot = journal.robots()[0];
+    CHECK(robot.profile == "mine");
+    CHECK(robot.hardware == yaml);
+    CHECK(parse_profile(robot.hardware, "mine.yaml").lidar->base_from_lidar == Pose2D{0.01, 0.02, 0.3});
+    const Pose2D start = world.robot(0).truth()->start_pose();
+    REQUIRE(robot.scene_from_map);
+    CHECK(distance((*robot.scene_from_map * Pose2D{1.0, 2.0, 0.5}).position(), start.position()) < 1e-12);
+    CHECK(journal.robots()[1].scene_from_map == world.robot(1).truth()->start_pose());
+    const ReplayReport report = replay(journal);
+    CHECK(report.ticks == 40);
+    CHECK_FALSE(report.first_difference.has_value());
+    CHECK(robot_count(journals(folder.path() / "journals")[0]) == 2);
+  }
+}
+
+TEST_CASE("a journal of another format is refused with file and format") {
+  const ScratchFolder folder;
+  const auto file = folder.path() / "episode_000000.journal";
+  const auto part = folder.path() / "episode_000001.part";
+  std::vector<std::byte> content = {std::byte{1}, std::byte{4}, std::byte{0}, std::byte{0},
+                                    std::byte{0},                                             // begin, size
+                                    std::byte{1}, std::byte{0}, std::byte{0}, std::byte{0}};  // its format
+  BlockCompressor compressor;
+  const auto block = compressor.compress(content);
+  for (const auto& path : {file, part}) {
+    std::ofstream(path, std::ios::binary).write(reinterpret_cast<const char*>(block.data()), std::ssize(block));
+  }
+  const std::string wrong = ": at byte 0: no 3we journal: its format is 1, this version of 3we reads 2";
+  CHECK_THROWS_WITH_AS((void)Journal::open(file), (file.string() + wrong).c_str(), ConfigError);
+  CHECK_THROWS_WITH_AS((void)robot_count(file), (file.string() + wrong).c_str(), ConfigError);
+  CHECK_THROWS_WITH_AS((void)recover(folder.path()), (part.string() + wrong).c_str(), ConfigError);
+  CHECK(std::filesystem::exists(part));
 }
 
 TEST_CASE("what cannot be recorded is refused, and loses nothing") {

@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import threewe
-from threewe import ContractError, RecordingError, Robot, World, sync
+from threewe import ConfigError, ContractError, RecordingError, Robot, World, sync
 from threewe.data import RecordedEpisode, Recording, TrajectoryRecorder, recover
 from threewe.data.exporting import Rows, last_before
 from threewe.data.video import KeyFrameDecoder, KeyFrameEncoder
@@ -206,6 +206,31 @@ def test_a_folder_has_one_recorder_and_goes_on(tmp_path: Path) -> None:
         with pytest.raises(ContractError, match="closed"):
             recorder.start_episode()
     assert len(Recording(tmp_path)) == 2
+
+
+def test_to_list_a_recording_only_its_headers_are_read(tmp_path: Path) -> None:
+    async def main() -> None:
+        async with World(robots=["3we_depth_v2", "3we_base_v2"], scene="corridor_v1") as world:
+            with TrajectoryRecorder(world, tmp_path, video=False) as recorder:
+                for _ in range(3):
+                    recorder.start_episode()
+                    await world.robots[0].sleep(1.0)
+                    recorder.end_episode()
+
+    def bytes_read() -> int:
+        return int(Path("/proc/self/io").read_text().split()[1])
+
+    asyncio.run(main())
+    files = list(tmp_path.glob("*.journal"))
+    assert all(file.stat().st_size > 3_000_000 for file in files)
+    before = bytes_read()
+    recording = Recording(tmp_path)
+    assert bytes_read() - before < 100_000 * len(files)
+    assert len(recording) == 6
+    assert [episode.robot_type for episode in recording] == ["3we_depth_v2", "3we_base_v2"] * 3
+    files[0].write_bytes(files[0].read_bytes()[:1000])
+    with pytest.raises(ConfigError, match=rf"{files[0].name}: at byte 0: no 3we journal"):
+        Recording(tmp_path)
 
 
 def test_what_no_recorder_takes_is_refused(tmp_path: Path) -> None:

@@ -31,7 +31,7 @@ MAY_USE = {
     "env/robot": ["core", "hardware", "scene", "task", "sim", "env", "backend", "slam", "robot"],
     "calibration": ["core", "hardware", "scene", "models", "sim", "backend"],
     "benchmark": ["core", "hardware", "scene", "robot", "task", "env"],
-    "record": ["core", "backend", "robot", "scene/truth_view"],
+    "record": ["core", "hardware", "backend", "robot", "scene/truth_view"],
 }
 
 # What users call, and what is installed.
