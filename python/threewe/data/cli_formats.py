@@ -31,7 +31,7 @@ def export(
         typer.Option(help="Of a LeRobot dataset; copy takes over what is encoded."),
     ] = None,
     hardware: Annotated[
-        str | None, typer.Option(help="The robot's profile, where the recorded one is not there any more.")
+        str | None, typer.Option(help="Another robot profile than the recorded one, which says where its sensors are.")
     ] = None,
     truth: Annotated[
         bool, typer.Option("--truth", help="tum: the true trajectory, too, of a simulated robot.")
@@ -45,10 +45,15 @@ def export(
     for name, value in (("version", version), ("codec", codec), ("hardware", hardware), ("truth", truth or None)):
         if value is not None:
             options[name] = value
-    opened = Recording(recording)
+    count = 0
     with progress("exporting") as tell:
-        made = write(opened, output, format, fps=fps, on_progress=tell, **options)
-    count = len(opened)
+
+        def counted(done: int, total: int) -> None:
+            nonlocal count
+            count = done
+            tell(done, total)
+
+        made = write(Recording(recording), output, format, fps=fps, on_progress=counted, **options)
     console.print(styled((str(made), "bold"), f": {count} episode{'s' * (count != 1)} as {format}"), soft_wrap=True)
 
 

@@ -10,7 +10,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from threewe.data.exporting import OnProgress, appearing, episode_name
+from threewe._extras import needed_for
+from threewe.data.exporting import OnProgress, TickedEpisodes, appearing, episode_name
 from threewe.data.mounts import mounts, profile_of
 from threewe.data.recording import (
     BatteryTrack,
@@ -20,15 +21,11 @@ from threewe.data.recording import (
     OdometryTrack,
     RangeTrack,
     RecordedEpisode,
-    Recording,
     Track,
 )
-from threewe.errors import ConfigError
 
-try:
+with needed_for("format hdf5", "data"):
     import h5py
-except ImportError as missing:
-    raise ConfigError(f'format hdf5: {missing}; install what it needs: pip install "threewe[data]"') from missing
 
 OPTIONS = ("hardware",)
 VERSION = 1
@@ -40,16 +37,16 @@ Column = tuple[str, NDArray[Any], Attributes]
 
 
 def write(
-    recording: Recording, output: Path, fps: float, on_progress: OnProgress | None, *, hardware: str | None = None
+    episodes: TickedEpisodes, output: Path, fps: float, on_progress: OnProgress | None, *, hardware: str | None = None
 ) -> Path:
     """Writes all episodes. See `threewe.data.export`."""
     del fps  # every sample is kept
     with appearing(output) as place, h5py.File(place, "w") as file:
         file.attrs.update({"format": "3we recording", "version": VERSION})
-        for done, episode in enumerate(recording, 1):
+        for done, episode in enumerate(episodes, 1):
             _write_episode(file.create_group(episode_name(episode)), episode, hardware)
             if on_progress is not None:
-                on_progress(done, len(recording))
+                on_progress(done, len(episodes))
     return output
 
 
@@ -67,6 +64,9 @@ def _write_episode(group: h5py.Group, episode: RecordedEpisode, hardware: str | 
     group.attrs.update(attributes)
     if episode.success is not None:
         group.attrs["success"] = episode.success
+    if episode.scene_from_map is not None:
+        group.attrs["scene_from_map"] = [*episode.scene_from_map]
+    group["hardware"] = _text(episode.hardware)  # too long for an attribute
     for name, values, more in _ticks(episode):
         _add(group, f"ticks/{name}", values, more)
     steps, actions = episode.steps

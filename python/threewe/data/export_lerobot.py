@@ -8,8 +8,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from threewe.data.exporting import OnProgress, Rows
-from threewe.data.recording import CameraTrack, RecordedEpisode, Recording
+from threewe.data.exporting import OnProgress, Rows, TickedEpisodes
+from threewe.data.mounts import mounts
+from threewe.data.recording import CameraTrack, RecordedEpisode
 from threewe.errors import ConfigError
 
 STATE = ["x", "y", "theta", "vx", "vy", "omega"]
@@ -36,17 +37,17 @@ class CameraFrames:
         return self._camera.color(int(self._indices[index]))[:, :, ::-1]
 
 
-def write(recording: Recording, output: Path, fps: float, on_progress: OnProgress | None, **options: Any) -> Path:
+def write(episodes: TickedEpisodes, output: Path, fps: float, on_progress: OnProgress | None, **options: Any) -> Path:
     """Writes all episodes. See `threewe.data.export`."""
     from threewe.data.lerobot import DatasetWriter
 
     if fps != int(fps):
         raise ConfigError(f"fps of a LeRobot dataset must be whole, got {fps:g}")
-    first = recording[0]
-    judged = all(episode.success is not None for episode in recording)  # a column has no third value
+    first = next(iter(episodes))
+    judged = all(episode.success is not None for episode in episodes)  # a column has no third value
     features = _features(first, judged)
     with DatasetWriter(output, fps=int(fps), features=features, robot_type=first.robot_type, **options) as writer:
-        for done, episode in enumerate(recording, 1):
+        for done, episode in enumerate(episodes, 1):
             if _features(episode, judged) != features or episode.robot_type != first.robot_type:
                 raise ConfigError(
                     f"{episode.file}: robot '{episode.robot_type}' or its sensors differ from those of {first.file}: "
@@ -56,7 +57,7 @@ def write(recording: Recording, output: Path, fps: float, on_progress: OnProgres
             videos = {_video(name): _frames(episode, name, rows) for name in episode.cameras}
             writer.add_episode(_columns(episode, rows, judged), _tasks(episode, rows), videos)
             if on_progress is not None:
-                on_progress(done, len(recording))
+                on_progress(done, len(episodes))
     return output
 
 
@@ -87,6 +88,9 @@ def _features(episode: RecordedEpisode, judged: bool) -> dict[str, dict[str, Any
         camera = episode.camera(name)
         names = ["height", "width", "channels"]
         features[_video(name)] = {"dtype": "video", "shape": (camera.height, camera.width, 3), "names": names}
+    for name, mount in mounts(episode.profile).items() if episode.hardware else ():
+        for feature in {_video(name), f"observation.{name}"} & features.keys():
+            features[feature]["info"] = {"base_from_sensor": [*mount.base_from_sensor], "height": mount.height}
     return features
 
 

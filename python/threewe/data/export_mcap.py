@@ -17,7 +17,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from threewe._core import Pose2D
-from threewe.data.exporting import OnProgress, write_episodes
+from threewe._extras import needed_for
+from threewe.data.exporting import OnProgress, TickedEpisodes, write_episodes
 from threewe.data.mounts import mounts, profile_of
 from threewe.data.recording import (
     BatteryTrack,
@@ -27,18 +28,14 @@ from threewe.data.recording import (
     OdometryTrack,
     RangeTrack,
     RecordedEpisode,
-    Recording,
     Track,
 )
-from threewe.errors import ConfigError
 
-try:
+with needed_for("format mcap", "data"):
     from mcap.writer import Writer
     from mcap_protobuf.schema import register_schema
 
     from threewe.data import foxglove
-except ImportError as missing:
-    raise ConfigError(f'format mcap: {missing}; install what it needs: pip install "threewe[data]"') from missing
 
 OPTIONS = ("hardware",)
 
@@ -47,7 +44,7 @@ Message = tuple[int, str, Any]
 
 
 def write(
-    recording: Recording, output: Path, fps: float, on_progress: OnProgress | None, *, hardware: str | None = None
+    episodes: TickedEpisodes, output: Path, fps: float, on_progress: OnProgress | None, *, hardware: str | None = None
 ) -> Path:
     """Writes all episodes. See `threewe.data.export`."""
     del fps  # every sample is kept
@@ -56,12 +53,10 @@ def write(
         with path.open("wb") as file:
             _write_episode(episode, file, hardware)
 
-    return write_episodes(recording, output, ".mcap", on_progress, write_one)
+    return write_episodes(episodes, output, ".mcap", on_progress, write_one)
 
 
 def _write_episode(episode: RecordedEpisode, file: BinaryIO, hardware: str | None) -> None:
-    if len(episode.time) == 0:
-        raise ConfigError(f"{episode.file}: has no ticks")
     clock = Clock(episode)
     streams = [_fixed(episode, clock, hardware), _ticks(episode, clock), _instructions(episode, clock)]
     streams += [_samples(name, track, clock) for name, track in episode.tracks().items()]
@@ -73,6 +68,7 @@ def _write_episode(episode: RecordedEpisode, file: BinaryIO, hardware: str | Non
         "index": episode.index,
         "robot": episode.robot,
         "robot_type": episode.robot_type,
+        "hardware": episode.hardware,
         "task": episode.task,
         "success": episode.success,
         "recovered": episode.recovered,
@@ -148,9 +144,8 @@ def _fixed(episode: RecordedEpisode, clock: Clock, hardware: str | None) -> Iter
     for name, mount in mounts(profile_of(episode, hardware)).items():
         if name in episode.sensors:
             parts.append(foxglove.transform("base", name, mount.base_from_sensor, mount.height, start))
-    if episode.true_pose is not None:  # as if the belief had been right at the first tick: what it was is not recorded
-        scene_from_map = Pose2D(*episode.true_pose[0]) * Pose2D(*episode.pose[0]).inverse()
-        parts.append(foxglove.transform("scene", "map", scene_from_map, 0.0, start))
+    if episode.scene_from_map is not None:
+        parts.append(foxglove.transform("scene", "map", episode.scene_from_map, 0.0, start))
     parts += [foxglove.optical_transform(name, _optical(name), start) for name in episode.cameras]
     if parts:
         yield start, "/tf_static", foxglove.transforms(*parts)

@@ -8,12 +8,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from threewe._core import Pose2D, RobotProfile, Scene
-from threewe.data.exporting import OnProgress, episode_name, write_episodes
+from threewe._extras import needed_for
+from threewe.data.exporting import OnProgress, TickedEpisodes, episode_name, write_episodes
 from threewe.data.mounts import Mount, mounts, profile_of
-from threewe.data.recording import BatteryTrack, CameraTrack, LidarTrack, RangeTrack, RecordedEpisode, Recording
+from threewe.data.recording import BatteryTrack, CameraTrack, LidarTrack, RangeTrack, RecordedEpisode
 from threewe.errors import ConfigError
 
-try:
+with needed_for("format rerun", "viz"):
     import rerun as rr
 
     from threewe import _viewer_layout as layout
@@ -21,17 +22,13 @@ try:
     from threewe import _viewer_sinks as sinks
     from threewe import drawing as d
     from threewe.viewer import ESTIMATED_COLOR, PATH_STEP, PATHS, TRUE_COLOR, color_image, depth_image, series
-except ImportError as missing:
-    raise ConfigError(
-        f'format rerun: {missing}; install or update what it needs: pip install "threewe[viz]"'
-    ) from missing
 
 OPTIONS = ("hardware",)
 FAR = 8.0  # [m] to which the colours of depth images reach, of a camera whose range is not known
 
 
 def write(
-    recording: Recording, output: Path, fps: float, on_progress: OnProgress | None, *, hardware: str | None = None
+    episodes: TickedEpisodes, output: Path, fps: float, on_progress: OnProgress | None, *, hardware: str | None = None
 ) -> Path:
     """Writes all episodes. See `threewe.data.export`."""
     del fps  # every sample is kept
@@ -39,7 +36,7 @@ def write(
     def write_one(episode: RecordedEpisode, path: Path) -> None:
         show(episode, str(path), hardware)
 
-    return write_episodes(recording, output, ".rrd", on_progress, write_one)
+    return write_episodes(episodes, output, ".rrd", on_progress, write_one)
 
 
 def show(episode: RecordedEpisode, where: str, hardware: str | None = None) -> None:
@@ -64,8 +61,7 @@ def show(episode: RecordedEpisode, where: str, hardware: str | None = None) -> N
 class EpisodeDrawing:
     """An episode in Rerun. All below `scene` is the truth, all below `map` what the robot knew, as in the live viewer.
 
-    Where `map` lies in the scene is not recorded: it is laid so that truth and belief agree at the first tick, so
-    `signals/error` is how far the robot's belief drifted since.
+    `signals/error` is how far the robot's belief is from the truth, where it is known how `map` lies in the scene.
     """
 
     def __init__(self, episode: RecordedEpisode, where: str, profile: RobotProfile) -> None:
@@ -94,9 +90,10 @@ class EpisodeDrawing:
         if self._scene:
             for entity, solid in solids.scene_solids(self._scene):
                 log(f"scene/{entity}", solid, static=True)
-        if (truth := episode.true_pose) is not None:
+        if episode.true_pose is not None:
             log("scene/true_robot", solids.body_mesh(self._profile, TRUE_COLOR), static=True)
-            log("map", solids.transform(self._scene_from_map(truth)), static=True)
+        if episode.scene_from_map is not None:
+            log("map", solids.transform(episode.scene_from_map), static=True)
 
     def draw_poses(self) -> None:
         """Where the robot was, and its path so far."""
@@ -104,8 +101,8 @@ class EpisodeDrawing:
         self._draw_path("map/estimated", episode.pose)
         if (truth := episode.true_pose) is not None:
             self._draw_path("scene/true", truth)
-            scene_from_map = self._scene_from_map(truth)
-            believed = [scene_from_map * Pose2D(*pose) for pose in episode.pose]
+        if truth is not None and episode.scene_from_map is not None:
+            believed = [episode.scene_from_map * Pose2D(*pose) for pose in episode.pose]
             errors = [Pose2D(*true).distance(place) for true, place in zip(truth, believed, strict=True)]
             self._send("signals/error", episode.time, np.array(errors))
 
@@ -198,9 +195,6 @@ class EpisodeDrawing:
         """x, y [m] and heading [rad] of the base in `map`, between the ticks."""
         x, y, _ = self._episode.pose.T
         return tuple(np.interp(times, self._episode.time, values) for values in (x, y, self._heading))
-
-    def _scene_from_map(self, truth: NDArray[np.float64]) -> Pose2D:
-        return Pose2D(*truth[0]) * Pose2D(*self._episode.pose[0]).inverse()
 
 
 def _scene_of(episode: RecordedEpisode) -> Scene | None:

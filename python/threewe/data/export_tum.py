@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from threewe._arguments import as_switch
-from threewe.data.exporting import OnProgress, write_episodes
-from threewe.data.recording import RecordedEpisode, Recording
+from threewe.data.exporting import OnProgress, TickedEpisodes, write_episodes
+from threewe.data.recording import RecordedEpisode
 from threewe.errors import ConfigError
 from threewe.slam.log import write_tum
 
@@ -17,7 +17,7 @@ OPTIONS = ("truth",)
 
 
 def write(
-    recording: Recording, output: Path, fps: float, on_progress: OnProgress | None, *, truth: bool = False
+    episodes: TickedEpisodes, output: Path, fps: float, on_progress: OnProgress | None, *, truth: bool = False
 ) -> Path:
     """Writes EPISODE.tum, the pose in `map` at every tick by robot time; with `truth` also EPISODE.true.tum, the true
     pose in the scene. See `threewe.data.export`.
@@ -34,7 +34,7 @@ def write(
                 raise ConfigError(f"{episode.file}: a real robot has no true pose: leave out truth")
             write_tum(file.with_suffix(".true.tum"), _timed(episode, episode.true_pose))
 
-    return write_episodes(recording, output, ".tum", on_progress, write_one)
+    return write_episodes(episodes, output, ".tum", on_progress, write_one)
 
 
 def _timed(episode: RecordedEpisode, poses: NDArray[np.float64]) -> NDArray[np.float64]:

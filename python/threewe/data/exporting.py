@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib
+import logging
 import os
 import shutil
 import tempfile
@@ -18,6 +19,8 @@ from numpy.typing import NDArray
 from threewe._core import unknown_name
 from threewe.data.recording import CONTROL_RATE, RecordedEpisode, Recording
 from threewe.errors import ConfigError, ContractError
+
+logger = logging.getLogger("threewe")
 
 OnProgress = Callable[[int, int], object]
 """Called with the number of episodes written, and of all."""
@@ -50,19 +53,19 @@ def export(
     what was asked for in the same time. All other formats keep every tick and every sample with its own stamps.
 
     Args:
-        recording: what is exported.
+        recording: what is exported. Episodes without ticks are left out, with a warning.
         output: what is not there yet: of `lerobot` a folder, of `hdf5` a file, of the others a folder with a file an
             episode, or the file of a single episode where the name ends as the format's files do (.mcap, .rrd, .tum).
         format: `lerobot`, `hdf5`, `mcap` (Foxglove's schemas), `rerun` (.rrd) or `tum` (trajectories).
         fps: [Hz] of LeRobot's rows; the control rate, 50, where left out. Steps of `record_step` are rows themselves.
         on_progress: called with the numbers of episodes written and of all.
         options: of `lerobot`: `version` (`v3.0` or `v2.1`) and `codec` (`copy`, `h264` or `av1`); of `hdf5`, `mcap` and
-            `rerun`: `hardware`, the robot profile that says where its sensors are, if it is not the recorded one; of
+            `rerun`: `hardware`, a robot profile that says where its sensors are, in place of the recorded one; of
             `tum`: `truth`, which adds the true trajectory of simulated robots.
 
     Raises:
-        ConfigError: an unknown format or option, a package that is missing, episodes that do not fit into one dataset,
-            an output that exists or cannot be written. Nothing is left of it then.
+        ConfigError: an unknown format or option, a package that is missing, no episode that has ticks, episodes that do
+            not fit into one dataset, an output that exists or cannot be written. Nothing is left of it then.
         ContractError: a rate that is none.
     """
     if fps is not None and not 0 < fps <= CONTROL_RATE:
@@ -75,7 +78,8 @@ def export(
     for name in options:
         if name not in writer.OPTIONS:
             raise ConfigError(f"format '{format}': {unknown_name('option', name, writer.OPTIONS)}")
-    return writer.write(recording, Path(output), CONTROL_RATE if fps is None else fps, on_progress, **options)
+    episodes = TickedEpisodes(recording)
+    return writer.write(episodes, Path(output), CONTROL_RATE if fps is None else fps, on_progress, **options)
 
 
 class Writer(Protocol):
@@ -84,9 +88,47 @@ class Writer(Protocol):
     OPTIONS: tuple[str, ...]
 
     def write(
-        self, recording: Recording, output: Path, fps: float, on_progress: OnProgress | None, /, **options: str | bool
+        self,
+        episodes: TickedEpisodes,
+        output: Path,
+        fps: float,
+        on_progress: OnProgress | None,
+        /,
+        **options: str | bool,
     ) -> Path:
         """Writes all episodes. See `export`."""
+
+
+class TickedEpisodes:
+    """The episodes of a recording that have ticks, by their numbers; of the others one warning each says that they are
+    left out."""
+
+    def __init__(self, recording: Recording) -> None:
+        self._recording = recording
+        self._empty: set[int] = set()
+
+    def __len__(self) -> int:
+        """Those that are not known to be empty yet."""
+        return len(self._recording) - len(self._empty)
+
+    def __iter__(self) -> Iterator[RecordedEpisode]:
+        for place in range(len(self._recording)):
+            if place not in self._empty:
+                episode = self._recording[place]
+                if has_ticks(episode):
+                    yield episode
+                else:
+                    self._empty.add(place)
+        if len(self) == 0:
+            raise ConfigError(f"{self._recording.path}: no episode has any ticks")
+
+
+def has_ticks(episode: RecordedEpisode) -> bool:
+    """Whether there is anything of it; warns that it is left out where not."""
+    if len(episode.time):
+        return True
+    logger.warning("%s: %s has no ticks: it is left out", episode.file, episode_name(episode))
+    return False
 
 
 @contextmanager
@@ -113,7 +155,7 @@ def appearing(output: Path) -> Iterator[Path]:
 
 
 def write_episodes(
-    recording: Recording,
+    episodes: TickedEpisodes,
     output: Path,
     suffix: str,
     on_progress: OnProgress | None,
@@ -121,15 +163,15 @@ def write_episodes(
 ) -> Path:
     """Writes a file an episode into a folder; or one file, where `output` ends in the suffix."""
     single = output.suffix == suffix
-    if single and len(recording) != 1:
-        raise ConfigError(f"{output}: there are {len(recording)} episodes, each of which gets a file: name a folder")
+    if single and len(episodes) > 1 and (count := sum(1 for _ in episodes)) > 1:
+        raise ConfigError(f"{output}: there are {count} episodes, each of which gets a file: name a folder")
     with appearing(output) as place:
         if not single:
             place.mkdir()
-        for done, episode in enumerate(recording, 1):
+        for done, episode in enumerate(episodes, 1):
             write(episode, place if single else place / f"{episode_name(episode)}{suffix}")
             if on_progress is not None:
-                on_progress(done, len(recording))
+                on_progress(done, len(episodes))
     return output
 
 
@@ -150,8 +192,6 @@ class Rows:
     def of(cls, episode: RecordedEpisode, fps: float) -> Rows:
         """At a rate, or where `record_step` was called."""
         time = episode.time
-        if len(time) == 0:
-            raise ConfigError(f"{episode.file}: has no ticks")
         steps, _ = episode.steps
         if len(steps):
             at = np.maximum(steps, time[0])

@@ -6,7 +6,6 @@ from dataclasses import dataclass
 
 from threewe._core import Pose2D, RobotProfile
 from threewe.data.recording import RecordedEpisode
-from threewe.errors import ConfigError
 
 
 @dataclass(frozen=True)
@@ -21,16 +20,9 @@ def profile_of(episode: RecordedEpisode, hardware: str | None = None) -> RobotPr
     """The profile that an episode was recorded with, or another.
 
     Raises:
-        ConfigError: there is no such profile, as where it was a file that is somewhere else now.
+        ConfigError: there is no such profile.
     """
-    origin = episode.origin
-    recorded = origin.robots[episode.robot] if origin and episode.robot < len(origin.robots) else episode.robot_type
-    try:
-        return RobotProfile.load(hardware or recorded)
-    except ConfigError as error:
-        if hardware:
-            raise
-        raise ConfigError(f"{episode.file}: {error}; exports take another profile as `hardware`") from None
+    return episode.profile if hardware is None else RobotProfile.load(hardware)
 
 
 def mounts(profile: RobotProfile) -> dict[str, Mount]:

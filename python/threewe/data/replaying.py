@@ -4,12 +4,15 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 import numpy as np
 from numpy.typing import NDArray
 
-from threewe._core import Pose2D
+from threewe._core import Pose2D, RobotProfile, profile_names
+from threewe.data.exporting import has_ticks
 from threewe.data.recording import RecordedEpisode, Recording
 from threewe.errors import ConfigError
 from threewe.robot import Robot
@@ -26,16 +29,28 @@ def replay_all(path: Path, backend: str | None, scene: str, only: int | None) ->
     chosen = [episode for episode in Recording(path) if only is None or episode.index == only]
     if not chosen:
         raise ConfigError(f"{path}: has no episode {only}")
-    for episode in chosen:
+    for episode in filter(has_ticks, chosen):
         if backend is None:
             if episode.robot == 0:  # all robots of a world at once
                 yield _as_recorded(episode)
         else:
-            end, driven = asyncio.run(drive(episode.executed, 50.0, backend, episode.robot_type, scene))
-            yield (
-                _line(f"episode {episode.index}", Pose2D(*episode.pose[-1]), Pose2D(*episode.pose[0]), end, driven),
-                True,
-            )
+            with _hardware(episode) as hardware:
+                end, driven = asyncio.run(drive(episode.executed, episode.control_rate, backend, hardware, scene))
+            recorded = Pose2D(*episode.pose[-1]), Pose2D(*episode.pose[0])
+            yield _line(f"episode {episode.index}", *recorded, end, driven), True
+
+
+@contextmanager
+def _hardware(episode: RecordedEpisode) -> Iterator[str]:
+    """The name of the robot's profile; where that means another robot by now, or none, a file as it was recorded."""
+    name = episode.robot_type
+    if not episode.hardware or (name in profile_names() and RobotProfile.load(name).yaml == episode.hardware):
+        yield name
+        return
+    with TemporaryDirectory() as folder:
+        file = Path(folder) / f"{name}.yaml"
+        file.write_text(episode.hardware, encoding="utf-8")
+        yield str(file)
 
 
 def _as_recorded(episode: RecordedEpisode) -> tuple[str, bool]:

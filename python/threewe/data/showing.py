@@ -12,17 +12,16 @@ from numpy.typing import NDArray
 
 from threewe._arguments import as_file, as_seed
 from threewe._core import Pose2D, RobotProfile, Scene, profile_names
-from threewe.data.exporting import OnProgress, appearing
+from threewe._extras import needed_for
+from threewe.data.exporting import OnProgress, appearing, has_ticks
 from threewe.data.mounts import profile_of
 from threewe.data.recording import LidarTrack, RecordedEpisode, Recording
 from threewe.errors import ConfigError, ContractError
 
-try:
+with needed_for("contact sheets", "data"):
     from PIL import Image
 
     from threewe.data.contact_sheet import FRAME_WIDTH, EpisodeRow, draw_sheet
-except ImportError as missing:
-    raise ConfigError(f'contact sheets: {missing}; install what it needs: pip install "threewe[data]"') from missing
 
 if TYPE_CHECKING:
     from threewe.data.lerobot import Dataset
@@ -66,11 +65,14 @@ def contact_sheet(
     rows: list[EpisodeRow] = []
     for done, place in enumerate(chosen, 1):
         if isinstance(opened, Recording):
-            rows.append(_recorded_row(opened[place], count))
+            if has_ticks(episode := opened[place]):
+                rows.append(_recorded_row(episode, count))
         else:
             rows.append(_dataset_row(opened, opened.episodes[place], count))
         if on_progress is not None:
             on_progress(done, len(chosen))
+    if not rows:
+        raise ConfigError(f"{name}: no episode has any ticks")
     return draw_sheet(name, rows, len(numbers))
 
 
@@ -142,8 +144,6 @@ def _chosen(numbers: list[int], wanted: Sequence[int] | None, name: str) -> list
 
 def _recorded_row(episode: RecordedEpisode, count: int) -> EpisodeRow:
     """Of a recording. In a known scene the true trajectory is drawn, or what the robot believed among its scans."""
-    if len(episode.time) == 0:
-        raise ConfigError(f"{episode.file}: has no ticks")
     profile, scene, truth = _profile(episode), _scene(episode), episode.true_pose
     in_scene = scene is not None and truth is not None
     stamps, images = _frames(episode, profile, count)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import json
+import re
 import shutil
 import subprocess
 import sys
@@ -19,10 +20,14 @@ from mcap.reader import make_reader
 from mcap_protobuf.decoder import DecoderFactory
 from numpy.typing import NDArray
 from PIL import Image
-from threewe import ConfigError, Pose2D, Robot, RobotProfile, World, asset_directories
+from threewe import ConfigError, Pose2D, Robot, RobotProfile, World
 from threewe.data import Recording, TrajectoryRecorder
+from threewe.data.cli import app
 from threewe.data.exporting import export
+from threewe.data.lerobot import Dataset
+from threewe.data.replaying import replay_all
 from threewe.data.showing import contact_sheet
+from typer.testing import CliRunner
 
 
 @pytest.fixture(scope="module")
@@ -163,7 +168,7 @@ def test_mcap_transforms_lead_from_the_map_to_the_sensors(recorded: Recorded, mc
         assert [odom_from_base.parent_frame_id, odom_from_base.child_frame_id] == ["odom", "base"]
         np.testing.assert_allclose([*(flat(map_from_odom) * flat(odom_from_base))], episode.pose[i], atol=1e-9)
     fixed = {part.child_frame_id: part for part in mcap["/tf_static"][0][1].transforms}
-    np.testing.assert_allclose([*(flat(fixed["map"]) * Pose2D(*episode.pose[0]))], episode.true_pose[0], atol=1e-9)
+    np.testing.assert_allclose([*flat(fixed["map"])], [*episode.scene_from_map], atol=1e-9)
     assert fixed.keys() >= {"lidar", "camera", "camera_optical"}
     assert fixed["camera_optical"].parent_frame_id == "camera"
 
@@ -269,26 +274,117 @@ def test_a_missing_package_is_named(
         export(recorded.recording, tmp_path / "a", format)
 
 
-def test_a_profile_that_is_gone_can_be_named(tmp_path: Path) -> None:
-    (shipped,) = (path for folder in asset_directories() for path in Path(folder).glob("robots/3we_base_v2.yaml"))
-    profile = tmp_path / "mine.yaml"
-    shutil.copy(shipped, profile)
+@pytest.fixture(scope="module")
+def orphan(tmp_path_factory: pytest.TempPathFactory) -> Recording:
+    """Of a robot whose lidar is mounted elsewhere than on any known one; its profile's file is gone."""
+    folder = tmp_path_factory.mktemp("orphan")
+    profile = folder / "mine.yaml"
+    profile.write_text(re.sub(r"base_from_lidar: \[.*\]", "base_from_lidar: [0.05, -0.03, 0.4]", SHIPPED))
 
     async def main() -> None:
-        async with Robot(hardware=str(profile), scene="corridor_v1") as robot:
-            with TrajectoryRecorder(robot, tmp_path / "drive", sensors=["imu", "odometry"]) as recorder:
-                recorder.start_episode()
-                await robot.sleep(0.1)
+        start = {"start_pose": (2.0, 1.0, 0.3), "initial_pose": (1.0, 0.5, 0.1)}
+        async with Robot(hardware=str(profile), scene="corridor_v1", **start) as robot:
+            assert robot.simulation is not None
+            with TrajectoryRecorder(robot, folder / "drive", sensors=["lidar", "odometry"]) as recorder:
+                recorder.start_episode(metadata={"scene_from_map": str([*robot.simulation.scene_from_map])})
+                robot.set_velocity(0.2, 0.0, 0.3)
+                await robot.sleep(0.6)
+                robot.stop()
                 recorder.end_episode()
 
     asyncio.run(main())
     profile.unlink()
-    recording = Recording(tmp_path / "drive")
-    for format in ("mcap", "hdf5", "rerun"):
-        with pytest.raises(ConfigError, match=r"mine.yaml.*`hardware`"):
-            export(recording, tmp_path / "out", format)
-        export(recording, tmp_path / format, format, hardware="3we_base_v2")
-    assert export(recording, tmp_path / "tum", "tum").exists()
+    return Recording(folder / "drive")
+
+
+SHIPPED = RobotProfile.load("3we_standard_v2").yaml
+MOUNT = [0.05, -0.03, 0.4]
+
+
+def test_a_recording_knows_its_robot_and_where_the_map_lies(orphan: Recording) -> None:
+    episode = orphan[0]
+    assert episode.profile.name == episode.robot_type == "mine"
+    assert episode.profile.lidar is not None
+    assert [*episode.profile.lidar.base_from_lidar] == MOUNT
+    assert [*episode.scene_from_map] == json.loads(episode.metadata["scene_from_map"])
+    np.testing.assert_allclose(
+        [*(episode.scene_from_map * Pose2D(*episode.pose[0]))], episode.true_pose[0], atol=0.02
+    )  # which differ by what the robot's own localization is off
+    assert RobotProfile.load("3we_depth_v2").with_image_size(48, 64).yaml == RobotProfile.load("3we_depth_v2").yaml
+
+
+def test_every_format_has_the_mounts_of_a_robot_whose_profile_is_gone(orphan: Recording, tmp_path: Path) -> None:
+    episode = orphan[0]
+    fixed = topics(export(orphan, tmp_path / "a.mcap", "mcap"))["/tf_static"][0][1].transforms
+    found = {part.child_frame_id: flat(part) for part in fixed}
+    np.testing.assert_allclose([*found["lidar"]], MOUNT)
+    np.testing.assert_allclose([*found["map"]], [*episode.scene_from_map])
+    with (tmp_path / "a.mcap").open("rb") as file:
+        (about,) = make_reader(file).iter_metadata()
+    assert about.metadata["hardware"] == episode.hardware
+    with h5py.File(export(orphan, tmp_path / "a.h5", "hdf5")) as file:
+        group = file["episode_000000"]
+        assert group["sensors/lidar"].attrs["base_from_sensor"].tolist() == MOUNT
+        assert group.attrs["scene_from_map"].tolist() == [*episode.scene_from_map]
+        assert group["hardware"].asstr()[()] == episode.hardware
+    info = json.loads((export(orphan, tmp_path / "lerobot") / "meta" / "info.json").read_text())
+    assert info["features"]["observation.lidar"]["info"]["base_from_sensor"] == MOUNT
+    assert export(orphan, tmp_path / "rerun", "rerun").exists()
+    assert contact_sheet(orphan).width > 0
+    with pytest.raises(ConfigError, match="3we_base_v2"):
+        export(orphan, tmp_path / "b.mcap", "mcap", hardware="3we_bas_v2")
+    other = topics(export(orphan, tmp_path / "b.mcap", "mcap", hardware="3we_standard_v2"))["/tf_static"][0][1]
+    assert [*flat(next(part for part in other.transforms if part.child_frame_id == "lidar"))] != MOUNT
+
+
+@pytest.mark.parametrize("backend", [None, "mock"])
+def test_a_robot_whose_profile_is_gone_is_replayed(orphan: Recording, backend: str | None) -> None:
+    [(line, same)] = replay_all(orphan.path, backend, "corridor_v1", None)
+    assert same
+    assert ("the same to the bit" if backend is None else "from where it was recorded to end") in line
+
+
+def test_episodes_without_ticks_are_left_out_of_every_format(tmp_path: Path, caplog: pytest.LogCaptureFixture) -> None:
+    async def main() -> None:
+        async with Robot(hardware="3we_standard_v2", scene="corridor_v1") as robot:
+            with TrajectoryRecorder(robot, tmp_path / "some", sensors=["imu", "lidar"]) as recorder:
+                for seconds in (0.0, 0.2, 0.0, 0.3):
+                    recorder.start_episode()
+                    await robot.sleep(seconds)
+                    recorder.end_episode(success=True)
+            with TrajectoryRecorder(robot, tmp_path / "none") as recorder:
+                recorder.start_episode()
+                recorder.end_episode()
+
+    asyncio.run(main())
+    recording = Recording(tmp_path / "some")
+    lengths = [len(episode.time) for episode in recording]
+    assert [length > 0 for length in lengths] == [False, True, False, True]
+    for format, kept in (("lerobot", 2), ("hdf5", 2), ("mcap", 2), ("rerun", 2), ("tum", 2)):
+        caplog.clear()
+        told: list[tuple[int, int]] = []
+        made = export(recording, tmp_path / format, format, on_progress=lambda *at, told=told: told.append(at))
+        assert told[-1] == (kept, kept)
+        assert [warning.levelname for warning in caplog.records] == ["WARNING"] * 2
+        for number, warning in zip((0, 2), caplog.records, strict=True):
+            assert f"episode_{number:06d}.journal" in warning.getMessage()
+            assert "no ticks" in warning.getMessage()
+        if format == "lerobot":
+            assert [len(episode) for episode in Dataset.open(made).episodes] == [lengths[1], lengths[3]]
+        elif format == "hdf5":
+            with h5py.File(made) as file:
+                assert sorted(file) == ["episode_000001", "episode_000003"]
+        else:
+            assert sorted(path.stem for path in made.iterdir()) == ["episode_000001", "episode_000003"]
+        with pytest.raises(ConfigError, match="no episode has any ticks"):
+            export(Recording(tmp_path / "none"), tmp_path / "empty", format)
+    caplog.clear()
+    assert contact_sheet(recording).height > 0
+    assert len(caplog.records) == 2
+    with pytest.raises(ConfigError, match="no episode has any ticks"):
+        contact_sheet(Recording(tmp_path / "none"))
+    done = CliRunner().invoke(app, ["export", str(tmp_path / "some"), "-o", str(tmp_path / "x"), "-f", "tum"])
+    assert "x: 2 episodes as tum" in done.output.replace("\n", "")
 
 
 def test_robots_of_one_episode_get_files_of_their_own(tmp_path: Path) -> None:
