@@ -12,17 +12,19 @@ from gymnasium.core import ActType, ObsType
 from numpy.typing import NDArray
 
 from threewe._arguments import as_text
+from threewe.data.step_files import RecoveredSteps, StepFile, finished, read_steps, recover_steps
 from threewe.errors import ConfigError, ContractError
 
-ENDING = ".npz"
+__all__ = ["RecordSteps", "RecoveredSteps", "export_steps", "recover_steps"]
 
 
 class RecordSteps(gymnasium.Wrapper[ObsType, ActType, ObsType, ActType]):
     """Keeps observation, action, reward and end of each step, of any Gymnasium environment with Box observations, or a
     Dict of such. What stands in an image observation is BGR in 3we's environments, and RGB in an export.
 
-    A finished episode is a file of its own, which is synchronized before it gets its name: a program that dies loses
-    the current episode alone. An episode that `reset` cuts short is kept, too.
+    A finished episode is a file of its own, which is synchronized before it gets its name. A program that is killed
+    loses the last 50 steps of the current episode at most, or those of the last second; `threewe data recover FOLDER`,
+    or `recover_steps`, finishes what there is of it. An episode that `reset` cuts short is kept, too.
 
     Args:
         env: one environment, not a vector of them.
@@ -32,6 +34,7 @@ class RecordSteps(gymnasium.Wrapper[ObsType, ActType, ObsType, ActType]):
     Raises:
         ContractError: observations or actions that are neither a Box nor a Dict of them, nor Discrete actions.
         ConfigError: the folder cannot be written.
+        RecordingError: the disk failed.
     """
 
     def __init__(
@@ -45,8 +48,7 @@ class RecordSteps(gymnasium.Wrapper[ObsType, ActType, ObsType, ActType]):
             self.folder.mkdir(parents=True, exist_ok=True)
         except OSError as error:
             raise ConfigError(f"{self.folder}: cannot be made: {error.strerror}") from None
-        self._next = 1 + max((int(file.stem.split("_")[1]) for file in _files(self.folder)), default=-1)
-        self._rows: dict[str, list[Any]] = {}
+        self._file: StepFile | None = None
         self._seen: dict[str, NDArray[Any]] = {}
 
     def reset(
@@ -61,14 +63,9 @@ class RecordSteps(gymnasium.Wrapper[ObsType, ActType, ObsType, ActType]):
     def step(self, action: ActType) -> tuple[ObsType, SupportsFloat, bool, bool, dict[str, Any]]:
         """As the environment's own; keeps the step, and the episode where it ends."""
         observation, reward, terminated, truncated, info = self.env.step(action)
-        row = {
-            **self._seen,
-            "action": np.asarray(action),
-            "next.reward": np.float32(reward),
-            "next.done": np.bool_(terminated or truncated),
-        }
-        for name, value in row.items():
-            self._rows.setdefault(name, []).append(np.array(value))
+        self._file = self._file or StepFile(self.folder, self.task)
+        row = {"action": action, "next.reward": np.float32(reward), "next.done": np.bool_(terminated or truncated)}
+        self._file.add({**self._seen, **row})
         self._seen = _parts(observation)
         if terminated or truncated:
             self._save()
@@ -80,19 +77,10 @@ class RecordSteps(gymnasium.Wrapper[ObsType, ActType, ObsType, ActType]):
         super().close()
 
     def _save(self) -> None:
-        """Writes the episode beside its name, and renames it."""
-        rows, self._rows = self._rows, {}
-        if not rows:
-            return
-        path = self.folder / f"episode_{self._next:06d}{ENDING}"
-        part = path.with_suffix(".part")
-        with part.open("wb") as file:
-            arrays: dict[str, Any] = {name: np.stack(values) for name, values in rows.items()}
-            np.savez_compressed(file, task=np.array(self.task), **arrays)
-            file.flush()
-            os.fsync(file.fileno())
-        part.rename(path)
-        self._next += 1
+        """Finishes the episode."""
+        if self._file is not None:
+            self._file.finish()
+            self._file = None
 
 
 def export_steps(folder: str | os.PathLike[str], output: str | os.PathLike[str], *, fps: int) -> Path:
@@ -108,31 +96,19 @@ def export_steps(folder: str | os.PathLike[str], output: str | os.PathLike[str],
     """
     from threewe.data.lerobot import ArrayFrames, DatasetWriter
 
-    files = _files(Path(folder))
+    files = finished(Path(folder))
     if not files:
-        raise ConfigError(f"{folder}: there are no episodes")
-    first = _load(files[0])
+        raise ConfigError(f"{folder}: there are no finished episodes; `threewe data recover` finishes others")
+    first = read_steps(files[0])
     with DatasetWriter(Path(output), fps=fps, features=_features(first), codec="h264") as writer:
         for file in files:
-            columns = _load(file)
+            columns = read_steps(file)
             task = str(columns.pop("task"))
             videos = {
                 name: ArrayFrames(columns.pop(name)[..., ::-1]) for name in list(columns) if _is_image(columns[name])
             }
             writer.add_episode({name: _column(values) for name, values in columns.items()}, task, videos)
     return Path(output)
-
-
-def _files(folder: Path) -> list[Path]:
-    return sorted(folder.glob(f"episode_[0-9]*{ENDING}"))
-
-
-def _load(file: Path) -> dict[str, NDArray[Any]]:
-    try:
-        with np.load(file, allow_pickle=False) as arrays:
-            return dict(arrays)
-    except (OSError, ValueError, EOFError, KeyError) as error:
-        raise ConfigError(f"{file}: no episode: {error}") from None
 
 
 def _parts(observation: Any) -> dict[str, NDArray[Any]]:
