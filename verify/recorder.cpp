@@ -1,10 +1,10 @@
-// recorder kills SEED COUNT, recorder power SEED DISKS, recorder faults: prints what went wrong, a line each, then how
-// many trials there were.
+// recorder kills SEED COUNT, recorder power SEED DISKS, recorder faults, recorder allocations PART PARTS: prints what
+// went wrong, a line each, then how many trials there were.
 #include <cstdio>
 #include <cstring>
 
 #include "number.hpp"
-#include "record/crash_trials.hpp"
+#include "record/allocation_trials.hpp"
 
 namespace {
 
@@ -34,6 +34,21 @@ int fault_trials(threewe::World& world) {
   return done;
 }
 
+// Every `parts`-th of the allocations, from number `part` on.
+int allocation_trials(threewe::World& world, std::uint64_t part, std::uint64_t parts) {
+  const auto warnings = threewe::set_warning_handler([](std::string_view) {});
+  long count = 0;
+  report(trials::allocation_trial(world, -1, count));
+  int done = 0;
+  for (auto fails = static_cast<long>(part); fails < count; fails += static_cast<long>(parts), ++done) {
+    long ignored = 0;
+    const std::string wrong = trials::allocation_trial(world, fails, ignored);
+    report(wrong.empty() ? "" : fmt::format("allocation {}: {}", fails, wrong));
+  }
+  (void)threewe::set_warning_handler(warnings);
+  return done;
+}
+
 }  // namespace
 
 int main(int count, char** words) {
@@ -47,8 +62,10 @@ int main(int count, char** words) {
     report(trials::power_cut_trial(*world, *number(2), static_cast<int>(*number(3)), done));
   } else if (what == "faults") {
     done = fault_trials(*world);
+  } else if (what == "allocations" && number(2) && number(3).value_or(0) > 0) {
+    done = allocation_trials(*world, *number(2), *number(3));
   } else {
-    std::fprintf(stderr, "recorder kills SEED COUNT | power SEED DISKS | faults\n");
+    std::fprintf(stderr, "recorder kills SEED COUNT | power SEED DISKS | faults | allocations PART PARTS\n");
     return 2;
   }
   std::printf("trials %d\n", done);

@@ -7,6 +7,7 @@ from verify.harness import Case, Experiment, all_of, worst_of
 
 KILLS = 100  # of a case
 DISKS = 20  # that a power cut after one call may leave
+PARTS = 20  # of the allocations, by turns
 
 
 def kills(seed: int) -> Case:
@@ -22,6 +23,11 @@ def power_cuts(seed: int) -> Case:
 def failing_disk(_seed: int) -> Case:
     """Each call of the operating system fails once: disk full, input/output error, short write."""
     return trials("faults")
+
+
+def failing_allocations(_seed: int, part: int) -> Case:
+    """Each allocation of the recorder fails once: by turns, so that a part of them is a sample of all."""
+    return trials("allocations", part, PARTS)
 
 
 def hostile(seed: int) -> Case:
@@ -66,6 +72,14 @@ EXPERIMENTS = [
         cases=1,
         sample=1,
         rows=[all_of("a clear error, finished episodes readable", nothing_wrong)],
+    ),
+    Experiment(
+        "each allocation of the recorder fails once",
+        failing_allocations,
+        variants=[{"part": part} for part in range(PARTS)],
+        cases=PARTS,
+        sample=1,
+        rows=[all_of("an error, finished episodes readable", nothing_wrong)],
     ),
     Experiment(
         "200 hostile LeRobot datasets a case",
