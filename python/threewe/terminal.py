@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import time
+from abc import ABC, abstractmethod
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cache
@@ -94,22 +95,11 @@ def half_blocks(upper: int, lower: int) -> Segment:
     return Segment("▀", Style(color=COLORS[upper], bgcolor=COLORS.get(lower)))
 
 
-class Dashboard:
-    """What is to be seen of a motion: `async with Robot(...) as robot` first, then `with Dashboard(...) as look:` and
-    `on_progress=look`. It observes; what the robot does stays the same, to the bit.
+class LivePicture(ABC):
+    """What is drawn anew in a terminal while a robot is at work; a console that is no terminal stays empty."""
 
-    Args:
-        robot: connected.
-        console: where to; one that is no terminal stays empty.
-        task: what the robot is doing, in words.
-        goal: where it drives to, (x, y) [m] in `map`, if anywhere.
-    """
-
-    def __init__(self, robot: Robot, console: Console, task: str, goal: tuple[float, float] | None = None) -> None:
-        self._robot, self._console, self._task = robot, console, task
-        self._goal = np.array([goal]) if goal else np.empty((0, 2))
-        self._trail = [self._place()]
-        self._progress: Progress | None = None
+    def __init__(self, console: Console) -> None:
+        self._console = console
         self._drawn_at = -math.inf
         self._live = Live(console=console, auto_refresh=False, vertical_overflow="crop")
 
@@ -122,15 +112,48 @@ class Dashboard:
         self, kind: type[BaseException] | None, error: BaseException | None, traceback: TracebackType | None
     ) -> None:
         if self._console.is_terminal:
-            self._draw()
             self._live.stop()
+
+    @abstractmethod
+    def __rich_console__(self, console: Console, options: ConsoleOptions) -> RenderResult:
+        """What is seen now."""
+
+    def draw(self, *, at_once: bool = False) -> None:
+        """Draws what is now, unless it was drawn a moment ago."""
+        if self._console.is_terminal and (at_once or time.monotonic() - self._drawn_at >= FRAMES_EVERY):
+            self._drawn_at = time.monotonic()
+            self._live.update(self, refresh=True)
+
+
+class Dashboard(LivePicture):
+    """What is to be seen of a motion: `async with Robot(...) as robot` first, then `with Dashboard(...) as look:` and
+    `on_progress=look`. It observes; what the robot does stays the same, to the bit.
+
+    Args:
+        robot: connected.
+        console: where to; one that is no terminal stays empty.
+        task: what the robot is doing, in words.
+        goal: where it drives to, (x, y) [m] in `map`, if anywhere.
+    """
+
+    def __init__(self, robot: Robot, console: Console, task: str, goal: tuple[float, float] | None = None) -> None:
+        super().__init__(console)
+        self._robot, self._task = robot, task
+        self._goal = np.array([goal]) if goal else np.empty((0, 2))
+        self._trail = [self._place()]
+        self._progress: Progress | None = None
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, traceback: TracebackType | None
+    ) -> None:
+        self.draw(at_once=True)
+        super().__exit__(kind, error, traceback)
 
     def __call__(self, progress: Progress) -> None:
         """How far the motion is."""
         self._progress = progress
         self._trail.append(self._place())
-        if self._console.is_terminal and time.monotonic() - self._drawn_at >= FRAMES_EVERY:
-            self._draw()
+        self.draw()
 
     def __rich_console__(self, console: Console, options: ConsoleOptions) -> RenderResult:
         grid, path = self._robot.get_map(), self._robot.get_path()
@@ -140,10 +163,6 @@ class Dashboard:
             yield from row
             yield Segment.line()
         yield from self._figures(grid)
-
-    def _draw(self) -> None:
-        self._drawn_at = time.monotonic()
-        self._live.update(self, refresh=True)
 
     def _place(self) -> tuple[float, float]:
         pose = self._robot.get_pose()

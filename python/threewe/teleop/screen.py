@@ -10,7 +10,6 @@ from types import TracebackType
 from typing import Self
 
 from rich.console import Console, ConsoleOptions, RenderResult
-from rich.live import Live
 from rich.table import Table
 from rich.text import Text
 
@@ -20,11 +19,10 @@ from threewe.teleop.controls import LEVELS
 from threewe.teleop.local_map import LocalMap
 from threewe.teleop.loop import Driver, Status
 from threewe.teleop.obstacles import nearest_obstacle
+from threewe.terminal import LivePicture
 
-FRAMES_EVERY = 0.125  # [s] of wall time
 WIDTH_WITH_MAP = 96  # columns, from which the map stands to the right of the figures
 WIDTH_OF_FIGURES = 58
-MOST_COLUMNS = 72  # of the map
 WARNING_LASTS = 10.0  # [s] of wall time
 
 GATE = {
@@ -38,7 +36,7 @@ GATE = {
 DIRECTIONS = ("ahead", "ahead left", "left", "behind left", "behind", "behind right", "right", "ahead right")
 
 
-class TeleopScreen:
+class TeleopScreen(LivePicture):
     """The live status: `with TeleopScreen(...) as screen:` and `on_status=screen`.
 
     What 3we logs meanwhile is shown as a warning line; it would tear the picture.
@@ -62,22 +60,19 @@ class TeleopScreen:
         episodes: bool = False,
         hands_over: bool = False,
     ) -> None:
-        self._robot, self._console, self._title, self._keys = robot, console, title, keys
+        super().__init__(console)
+        self._robot, self._title, self._keys = robot, title, keys
         self._episodes, self._hands_over = episodes, hands_over
         self._maps = any(sensor.type is SensorType.lidar for sensor in robot.features.sensors)
         self._trajectory: list[tuple[float, float]] = []
         self._status: Status | None = None
-        self._drawn_at = -math.inf
         self._warnings = _Warnings()
-        self._live = Live(console=console, auto_refresh=False, vertical_overflow="crop")
 
     def __enter__(self) -> Self:
         logger = logging.getLogger("threewe")
         self._propagated, logger.propagate = logger.propagate, False
         logger.addHandler(self._warnings)
-        if self._console.is_terminal:
-            self._live.start()
-        return self
+        return super().__enter__()
 
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, traceback: TracebackType | None
@@ -85,18 +80,15 @@ class TeleopScreen:
         logger = logging.getLogger("threewe")
         logger.removeHandler(self._warnings)
         logger.propagate = self._propagated
-        if self._console.is_terminal:
-            self._live.stop()
+        super().__exit__(kind, error, traceback)
 
     def __call__(self, status: Status) -> None:
         """Shows what is now, at most eight times a second."""
         self._status = status
-        if self._console.is_terminal and time.monotonic() - self._drawn_at >= FRAMES_EVERY:
-            self._drawn_at = time.monotonic()
-            pose = self._robot.get_pose()
-            if not self._trajectory or math.dist(self._trajectory[-1], (pose.x, pose.y)) > 0.05:
-                self._trajectory.append((pose.x, pose.y))
-            self._live.update(self, refresh=True)
+        pose = self._robot.get_pose()
+        if not self._trajectory or math.dist(self._trajectory[-1], (pose.x, pose.y)) > 0.05:
+            self._trajectory.append((pose.x, pose.y))
+        self.draw()
 
     def __rich_console__(self, console: Console, options: ConsoleOptions) -> RenderResult:
         status = self._status
