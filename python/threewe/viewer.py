@@ -22,17 +22,15 @@ from threewe._core import (
     SensorType,
     TickView,
 )
-from threewe.errors import ConfigError
+from threewe._extras import needed_for
 
-try:
+with needed_for("viewer", "viz"):
     import rerun as rr
 
     from threewe import _viewer_layout as layout
     from threewe import _viewer_scene as solids
     from threewe import _viewer_sinks as sinks
     from threewe import drawing as d
-except ImportError as missing:
-    raise ConfigError(f'viewer: {missing}; install or update what it needs: pip install "threewe[viz]"') from missing
 
 if TYPE_CHECKING:
     from threewe.robot import Robot

@@ -11,14 +11,13 @@ from numpy.typing import NDArray
 
 from threewe import _core
 from threewe._arguments import as_seed
+from threewe._extras import needed_for
 from threewe.errors import ConfigError, ContractError
 from threewe.gym.batch import EnvOptions, Observation, as_actions, make_batch
 from threewe.gym.rendering import RENDER_MODES, make_onlooker
 
-try:
+with needed_for("MultiAgentEnv", "marl"):
     from pettingzoo import ParallelEnv
-except ImportError as missing:
-    raise ConfigError(f'MultiAgentEnv: {missing}; install what it needs: pip install "threewe[marl]"') from missing
 
 T = TypeVar("T")
 Infos = dict[str, dict[str, Any]]

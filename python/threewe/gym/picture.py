@@ -9,16 +9,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from threewe._core import Scene, TopView
-from threewe.errors import ConfigError
+from threewe._extras import needed_for
 from threewe.gym.batch import Batch
 from threewe.gym.onlooker import Onlooker
 
-try:
+with needed_for("render_mode", "viz"):
     from PIL import Image
 
     from threewe import drawing as d
-except ImportError as missing:
-    raise ConfigError(f'render_mode: {missing}; install what it needs: pip install "threewe[viz]"') from missing
 
 WIDTH = 800  # [pixels]
 GOAL_RADIUS = 0.5  # [m]

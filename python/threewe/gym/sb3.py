@@ -9,14 +9,13 @@ import numpy as np
 from gymnasium.vector import AutoresetMode
 from numpy.typing import NDArray
 
-from threewe.errors import ConfigError, ContractError
+from threewe._extras import needed_for
+from threewe.errors import ContractError
 from threewe.gym.batch import EnvOptions, Observation
 from threewe.gym.vector import VectorEnv
 
-try:
+with needed_for("SB3VecEnv", "train"):
     from stable_baselines3.common.vec_env import VecEnv
-except ImportError as missing:
-    raise ConfigError(f'SB3VecEnv: {missing}; install what it needs: pip install "threewe[train]"') from missing
 
 Indices = int | Iterable[int] | None
 

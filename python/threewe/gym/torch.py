@@ -4,13 +4,11 @@ from __future__ import annotations
 
 from typing import Any
 
-from threewe.errors import ConfigError
+from threewe._extras import needed_for
 from threewe.gym.vector import VectorEnv
 
-try:
+with needed_for("TorchVectorEnv", "train"):
     import torch
-except ImportError as missing:
-    raise ConfigError(f'TorchVectorEnv: {missing}; install what it needs: pip install "threewe[train]"') from missing
 
 
 class TorchVectorEnv(VectorEnv):

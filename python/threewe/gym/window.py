@@ -8,21 +8,18 @@ from typing import Any
 import numpy as np
 
 from threewe._core import Pose2D, TopView
-from threewe.errors import ConfigError
+from threewe._extras import needed_for
 from threewe.gym.batch import Batch
 from threewe.gym.onlooker import Onlooker
 from threewe.gym.picture import GOAL_RADIUS
 
-try:
+with needed_for('render_mode="human"', "viz"):
     import rerun as rr
 
     from threewe import _viewer_layout as layout
     from threewe import _viewer_scene as solids
     from threewe import _viewer_sinks as sinks
     from threewe import drawing as d
-except ImportError as missing:
-    message = f'render_mode="human": {missing}; install or update what it needs: pip install "threewe[viz]"'
-    raise ConfigError(message) from missing
 
 
 def default_sink() -> str:
