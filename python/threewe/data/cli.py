@@ -70,13 +70,14 @@ def record(
 def recover(folder: Annotated[Path, typer.Argument(help="Folder of a recording.")]) -> None:
     """Finish the episodes that a crash has cut off; nothing of what was on the disk is lost."""
     from threewe.data import recover as finish
+    from threewe.data.recording import CONTROL_RATE
     from threewe.data.step_files import recover_steps
 
     found = finish(folder)
     steps = recover_steps(folder)
     for one in found:
         if one.file.name:
-            what = f"{one.ticks / 50:.1f} s saved, {one.lost_bytes} torn bytes left out"
+            what = f"{one.ticks / CONTROL_RATE:.1f} s saved, {one.lost_bytes} torn bytes left out"
             console.print(styled((one.file.name, "bold"), f": {what}"), highlight=False)
         else:
             console.print("an episode had nothing yet", highlight=False)

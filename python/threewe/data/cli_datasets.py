@@ -195,15 +195,3 @@ def table_of(dataset: Dataset) -> Table:
         named = ", ".join(map(str, feature.names)) if isinstance(feature.names, list) and not feature.is_camera else ""
         table.add_row(name, styled(" ".join(word for word in words if word), f"  {named}"[: 2 + len(named)]))
     return table
-
-
-COMMANDS = {
-    "info": info,
-    "validate": validate,
-    "convert": convert,
-    "merge": merge,
-    "split": split,
-    "filter": filter_,
-    "append": append,
-}
-"""By the name that each has in `threewe data`."""

@@ -87,7 +87,3 @@ def show(
             on_progress=tell,
         )
     console.print(styled((str(made), "bold")), soft_wrap=True)
-
-
-COMMANDS = {"export": export, "show": show}
-"""By the name that each has in `threewe data`."""

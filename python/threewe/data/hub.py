@@ -22,7 +22,7 @@ from typing import TYPE_CHECKING
 from threewe._arguments import as_file, as_text
 from threewe.data.hub_card import write_card
 from threewe.data.hub_dataset import FOLDERS, VERSION, HubDataset
-from threewe.data.hub_errors import HOW_TO_LOG_IN, hub_errors
+from threewe.data.hub_errors import HOW_TO_LOG_IN, hub_errors, not_a_repo_id
 from threewe.errors import ConfigError
 
 if TYPE_CHECKING:
@@ -167,9 +167,7 @@ def _api(token: str | None) -> HfApi:
 
 def _check_repo_id(repo_id: str) -> None:
     if not re.fullmatch(r"[\w.-]{1,96}/[\w.-]{1,96}", as_text("repo_id", repo_id), re.ASCII):
-        raise ConfigError(
-            f"'{repo_id}' is no repository id: it must be user/name, of letters, digits, '-', '_' and '.'"
-        )
+        raise not_a_repo_id(repo_id)
 
 
 def _tag(api: HfApi, repo_id: str) -> None:

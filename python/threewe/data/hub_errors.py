@@ -43,9 +43,7 @@ def _translated(error: Exception, repo_id: str, deed: str, again: str) -> Threew
 
     for cause in _causes(error):
         if isinstance(cause, HFValidationError):
-            return ConfigError(
-                f"'{repo_id}' is no repository id: it must be user/name, of letters, digits, '-', '_', '.'"
-            )
+            return not_a_repo_id(repo_id)
         if isinstance(cause, OfflineModeIsEnabled):
             return ConfigError(f"{deed} '{repo_id}': HF_HUB_OFFLINE is set; unset it")
         if isinstance(cause, RevisionNotFoundError):

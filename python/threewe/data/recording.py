@@ -322,10 +322,20 @@ class RecordedEpisode:
 
     def samples(self, sensor: str) -> list[Sample]:
         """All of a sensor, in order of arrival. Raises HardwareError, naming the sensors there are."""
+        return list(self._samples[self._number(sensor)])
+
+    @cached_property
+    def _samples(self) -> list[list[Sample]]:
+        """By the sensors' numbers."""
+        found: list[list[Sample]] = [[] for _ in self._recorded.sensors]
+        for sample in self._recorded.samples:
+            found[sample.sensor].append(sample)
+        return found
+
+    def _number(self, sensor: str) -> int:
         if sensor not in self.sensors:
             raise HardwareError(f"robot '{self.robot_type}' has no sensor '{sensor}', it has {', '.join(self.sensors)}")
-        number = self.sensors.index(sensor)
-        return [sample for sample in self._recorded.samples if sample.sensor == number]
+        return self.sensors.index(sensor)
 
     def tracks(self) -> dict[str, Track]:
         """All readings but images, by the names of the sensors that have any."""
@@ -358,8 +368,7 @@ class RecordedEpisode:
 
     def camera(self, name: str = "camera") -> CameraTrack:
         """The images of one of its cameras."""
-        self.samples(name)
-        number = self.sensors.index(name)
+        number = self._number(name)
         frames = [frame for frame in self._recorded.frames if frame.sensor == number]
         return CameraTrack(self._journal, frames, self._recorded.cameras[number])
 

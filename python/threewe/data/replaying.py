@@ -67,14 +67,20 @@ def _replay_dataset(path: Path, backend: str, scene: str, only: int | None) -> I
     dataset = Dataset.open(path)
     if "action" not in dataset.features or dataset.features["action"].names != ["vx", "vy", "omega"]:
         raise ConfigError(f"{path}: has no `action` of vx, vy [m/s] and omega [rad/s]; 3we cannot drive by it")
-    for episode in dataset.episodes:
-        if only is not None and episode.index != only:
-            continue
+    state = dataset.features.get("observation.state")
+    if state is None or not isinstance(state.names, list) or state.names[:3] != ["x", "y", "theta"]:
+        raise ConfigError(
+            f"{path}: has no `observation.state` of x, y [m] and theta [rad]: there is nothing to compare"
+        )
+    chosen = [episode for episode in dataset.episodes if only is None or episode.index == only]
+    if not chosen:
+        raise ConfigError(f"{path}: has no episode {only}")
+    for episode in chosen:
         columns = episode.columns()
-        state = columns["observation.state"]
+        poses = columns["observation.state"][:, :3].astype(float)
         hardware = dataset.info.robot_type or "3we_standard_v2"
         end, driven = asyncio.run(drive(columns["action"], dataset.info.fps, backend, hardware, scene))
-        recorded = Pose2D(*map(float, state[-1, :3])), Pose2D(*map(float, state[0, :3]))
+        recorded = Pose2D(*poses[-1]), Pose2D(*poses[0])
         yield _line(f"episode {episode.index}", *recorded, end, driven), True
 
 

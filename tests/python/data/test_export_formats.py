@@ -344,6 +344,17 @@ def test_a_robot_whose_profile_is_gone_is_replayed(orphan: Recording, backend: s
     assert ("the same to the bit" if backend is None else "from where it was recorded to end") in line
 
 
+def test_what_cannot_be_replayed_is_one_error(orphan: Recording, tmp_path: Path) -> None:
+    dataset = export(orphan, tmp_path / "dataset", fps=10)
+    for path in (orphan.path, dataset):
+        with pytest.raises(ConfigError, match=r"has no episode 7$"):
+            list(replay_all(path, None, "corridor_v1", 7))
+    info = dataset / "meta" / "info.json"
+    info.write_text(info.read_text().replace('"theta"', '"heading"'))
+    with pytest.raises(ConfigError, match=r"has no `observation.state` of x, y \[m\] and theta"):
+        list(replay_all(dataset, None, "corridor_v1", None))
+
+
 def test_episodes_without_ticks_are_left_out_of_every_format(tmp_path: Path, caplog: pytest.LogCaptureFixture) -> None:
     async def main() -> None:
         async with Robot(hardware="3we_standard_v2", scene="corridor_v1") as robot:

@@ -5,20 +5,15 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-import typer
 from data.lerobot_samples import SMALL, write
-from threewe.data.cli_datasets import COMMANDS
+from threewe.data.cli import app
 from threewe.data.lerobot import Dataset
 from threewe.errors import ConfigError
 from typer.testing import CliRunner
 
-data = typer.Typer()
-for _name, _command in COMMANDS.items():
-    data.command(_name)(_command)
-
 
 def run(*words: str | Path, status: int = 0) -> str:
-    done = CliRunner().invoke(data, [str(word) for word in words], terminal_width=100)
+    done = CliRunner().invoke(app, [str(word) for word in words], terminal_width=100)
     if isinstance(done.exception, ConfigError):
         raise done.exception
     assert done.exit_code == status, done.output
@@ -57,7 +52,7 @@ def test_datasets_are_merged_converted_split_filtered_and_appended(tmp_path: Pat
 @pytest.mark.parametrize(
     ("words", "message"),
     [
-        (("info", "{}/nobody"), "no LeRobot dataset"),
+        (("info", "{}/nobody"), "no folder of journals"),
         (("split", "{}/a", "train"), "a part is NAME=SHARE"),
         (("split", "{}/a", "train=many"), "neither a share nor"),
         (("filter", "{}/a", "-o", "{}/b", "--episodes", "1-x"), "is no episode"),

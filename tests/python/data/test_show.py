@@ -6,24 +6,19 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-import typer
 from data.recorded import Recorded, record
 from numpy.typing import NDArray
 from PIL import Image
 from threewe import ConfigError, ContractError
 from threewe.data import contact_sheet as sheet
 from threewe.data import showing
-from threewe.data.cli_formats import COMMANDS
+from threewe.data.cli import app
 from threewe.data.exporting import export
 from typer.testing import CliRunner
 
-data = typer.Typer()
-for _name, _command in COMMANDS.items():
-    data.command(_name)(_command)
-
 
 def run(*words: str | Path, status: int = 0) -> str:
-    done = CliRunner().invoke(data, [str(word) for word in words], terminal_width=100)
+    done = CliRunner().invoke(app, [str(word) for word in words], terminal_width=100)
     if isinstance(done.exception, ConfigError):
         raise done.exception
     assert done.exit_code == status, done.output
