@@ -21,7 +21,7 @@ from typing import TYPE_CHECKING
 
 from threewe._arguments import as_file, as_text
 from threewe.data.hub_card import write_card
-from threewe.data.hub_dataset import FOLDERS, VERSION, HubDataset
+from threewe.data.hub_dataset import FOLDERS, VERSION, open_whole
 from threewe.data.hub_errors import HOW_TO_LOG_IN, hub_errors, not_a_repo_id
 from threewe.errors import ConfigError
 
@@ -68,7 +68,7 @@ def push(
     if license is not None and not re.fullmatch(r"[a-z0-9][a-z0-9.+-]*", license):
         raise ConfigError(f"license must be an identifier such as cc-by-4.0 or apache-2.0, not {license!r}")
     _check_repo_id(repo_id)
-    dataset = HubDataset.read(as_file("dataset_dir", dataset_dir))
+    dataset = open_whole(as_file("dataset_dir", dataset_dir))
     api = _api(token)
     if api.token is None:
         raise ConfigError(f"no token of the Hub: {HOW_TO_LOG_IN}")
@@ -81,10 +81,10 @@ def push(
         api.upload_folder(
             repo_id=repo_id,
             repo_type="dataset",
-            folder_path=dataset.folder,
+            folder_path=dataset.root,
             allow_patterns=list(PATTERNS),
             delete_patterns=list(PATTERNS),
-            commit_message=f"Upload {dataset.episodes} episodes, {dataset.frames} frames",
+            commit_message=f"Upload {len(dataset)} episodes, {dataset.info.total_frames} frames",
         )
         with tempfile.TemporaryDirectory() as folder:
             write_card(dataset, repo_id, license, Path(folder))
@@ -138,7 +138,7 @@ def pull(
         _check_space(target.parent, files)
         _download(api, repo_id, commit, files, partial, on_progress)
     _keep_only(partial, files)
-    HubDataset.read(partial)
+    open_whole(partial)
     with suppress(FileNotFoundError):
         target.rmdir()
     partial.rename(target)

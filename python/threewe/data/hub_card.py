@@ -3,15 +3,19 @@
 from __future__ import annotations
 
 import html
-import importlib
 import io
 import re
 from collections.abc import Iterator, Sequence
+from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, TypeVar
 
+import numpy as np
+
 from threewe._files import read_text
-from threewe.data.hub_dataset import Clip, Feature, HubDataset
+from threewe.data.lerobot.dataset import Dataset
+from threewe.data.lerobot.features import Feature
+from threewe.errors import ConfigError
 
 if TYPE_CHECKING:
     from PIL.Image import Image as Picture
@@ -26,9 +30,9 @@ LONGEST_TASK = 200  # characters
 MOST_TASKS = 50
 
 
-def card(dataset: HubDataset, repo_id: str, license: str | None, *, preview: bool) -> str:
+def card(dataset: Dataset, repo_id: str, license: str | None, *, preview: bool) -> str:
     """The README.md of a dataset: YAML for the Hub, figures, tasks and features."""
-    title = repo_id.partition("/")[2]
+    title, frames = repo_id.partition("/")[2], dataset.info.total_frames
     parts = [
         _front_matter(dataset, license),
         f"# {title}",
@@ -38,11 +42,11 @@ def card(dataset: HubDataset, repo_id: str, license: str | None, *, preview: boo
             ("robot", "episodes", "frames", "frames a second", "duration"),
             [
                 (
-                    _cell(dataset.robot),
-                    f"{dataset.episodes:,}",
-                    f"{dataset.frames:,}",
-                    f"{dataset.fps:g}",
-                    _duration(dataset.frames / dataset.fps),
+                    _cell(dataset.info.robot_type or "unknown"),
+                    f"{len(dataset):,}",
+                    f"{frames:,}",
+                    f"{dataset.fps}",
+                    _duration(frames / dataset.fps),
                 )
             ],
         ),
@@ -52,8 +56,8 @@ def card(dataset: HubDataset, repo_id: str, license: str | None, *, preview: boo
         _table(
             ("feature", "type", "shape", "names"),
             [
-                (f"`{_code(f.name)}`", _cell(f.dtype), " x ".join(map(str, f.shape)), _cell(", ".join(f.names)))
-                for f in dataset.features
+                (f"`{_code(name)}`", _cell(f.dtype), " x ".join(map(str, f.shape)), _cell(_names(f)))
+                for name, f in dataset.features.items()
             ],
         ),
         "## Use it",
@@ -65,11 +69,11 @@ def card(dataset: HubDataset, repo_id: str, license: str | None, *, preview: boo
     return "\n\n".join(part for part in parts if part) + "\n"
 
 
-def contact_sheet(dataset: HubDataset) -> bytes | None:
+def contact_sheet(dataset: Dataset) -> bytes | None:
     """A JPEG with a frame from the middle of up to twelve episodes; None where there is no image that can be read."""
     from PIL import Image
 
-    frames = [frame for frame in _frames(dataset) if frame is not None]
+    frames = list(_frames(dataset))
     if not frames:
         return None
     columns = min(COLUMNS, len(frames))
@@ -84,14 +88,14 @@ def contact_sheet(dataset: HubDataset) -> bytes | None:
     return file.getvalue()
 
 
-def _frames(dataset: HubDataset) -> Iterator[Picture | None]:
+def _frames(dataset: Dataset) -> Iterator[Picture]:
     """Of the first camera, be it video or images in the data."""
-    if dataset.clips:
-        yield from map(_middle_frame, _evenly(dataset.clips))
-    elif camera := next((feature for feature in dataset.features if feature.dtype == "image"), None):
-        paths = [dataset.folder / file for file in dataset.files if file.match("data/*/*.parquet")]
-        groups = [(path, i) for path in paths for i in range(_row_groups(path))]  # of an episode each
-        yield from (_middle_image(path, i, camera) for path, i in _evenly(groups))
+    from PIL import Image
+
+    cameras = [name for name, feature in dataset.features.items() if feature.is_camera and not feature.is_depth]
+    for episode in _evenly(dataset.episodes) if cameras else ():
+        with suppress(ConfigError):  # the card does without what validation will find
+            yield Image.fromarray(np.ascontiguousarray(episode.video(cameras[0]).image(episode.length // 2)))
 
 
 def _evenly(items: Sequence[T]) -> list[T]:
@@ -100,54 +104,13 @@ def _evenly(items: Sequence[T]) -> list[T]:
     return [items[i * len(items) // count] for i in range(count)]
 
 
-def _row_groups(path: Path) -> int:
-    parquet = importlib.import_module("pyarrow.parquet")  # which has no types
-    try:
-        return int(parquet.ParquetFile(path).num_row_groups)
-    except (OSError, ValueError):  # the card does without what validation will find
-        return 0
-
-
-def _middle_image(path: Path, group: int, camera: Feature) -> Picture | None:
-    from PIL import Image
-
-    parquet = importlib.import_module("pyarrow.parquet")
-    try:
-        column = parquet.ParquetFile(path).read_row_group(group, columns=[camera.name])[camera.name]
-        image = Image.open(io.BytesIO(column[len(column) // 2].as_py()["bytes"]))
-        if (image.height, image.width) != camera.shape[:2]:  # a small file may hold a huge one
-            return None
-        return image.convert("RGB")
-    except (OSError, ValueError, LookupError, TypeError):
-        return None
-
-
-def _middle_frame(clip: Clip) -> Picture | None:
-    import av
-    from PIL import Image
-
-    middle = 0.5 * (clip.begin + clip.end)
-    try:
-        with av.open(str(clip.path)) as container:
-            stream = container.streams.video[0]
-            if stream.time_base is not None:
-                container.seek(int(middle / stream.time_base), stream=stream)
-            frame = None
-            for frame in container.decode(stream):
-                if frame.time is None or frame.time >= middle - 1e-6:
-                    break
-            return None if frame is None else Image.fromarray(frame.to_ndarray(format="rgb24"))
-    except (av.FFmpegError, IndexError):  # the card does without what validation will find
-        return None
-
-
-def _front_matter(dataset: HubDataset, license: str | None) -> str:
+def _front_matter(dataset: Dataset, license: str | None) -> str:
     lines = ["---"]
     if license is not None:
         lines.append(f"license: {license}")
     lines += ["task_categories:", "- robotics", "tags:", "- LeRobot", "- 3we", "configs:", "- config_name: default"]
     return "\n".join(
-        [*lines, "  data_files: data/*/*.parquet", f"size_categories:\n- {_category(dataset.frames)}", "---"]
+        [*lines, "  data_files: data/*/*.parquet", f"size_categories:\n- {_category(dataset.info.total_frames)}", "---"]
     )
 
 
@@ -184,11 +147,15 @@ def _cell(text: str) -> str:
     return re.sub(r"([\\`*_{}\[\]()#+!|~:-])", r"\\\1", html.escape(line, quote=False))
 
 
+def _names(feature: Feature) -> str:
+    return ", ".join(map(str, feature.names)) if isinstance(feature.names, list) else ""
+
+
 def _code(text: str) -> str:
     return re.sub(r"[`|\r\n]", " ", text)
 
 
-def write_card(dataset: HubDataset, repo_id: str, license: str | None, folder: Path) -> None:
+def write_card(dataset: Dataset, repo_id: str, license: str | None, folder: Path) -> None:
     """Leaves README.md, and a preview picture where there is video, in a folder.
 
     The dataset's own README.md is taken where it has one that was not written here.
@@ -196,7 +163,7 @@ def write_card(dataset: HubDataset, repo_id: str, license: str | None, folder: P
     picture = contact_sheet(dataset)
     if picture is not None:
         (folder / PREVIEW).write_bytes(picture)
-    own = dataset.folder / "README.md"
+    own = dataset.root / "README.md"
     text = read_text(own) if own.is_file() and not own.is_symlink() else MARK
     if MARK in text:
         text = card(dataset, repo_id, license, preview=picture is not None)

@@ -51,11 +51,15 @@ def write_tiny_dataset(folder: Path, episodes: int = 3, frames: int = 8, *, fps:
     number = np.arange(count)
     actions = pa.FixedSizeListArray.from_arrays(pa.array(np.zeros(3 * count, np.float32)), 3)
     data = {"action": actions, "frame_index": number % frames, "episode_index": number // frames, "index": number}
+    data |= {"timestamp": np.float32(number % frames / fps), "task_index": np.zeros(count, np.int64)}
     pq.write_table(pa.table(data), folder / "data/chunk-000/file-000.parquet")
     zeros = [0] * episodes
     table = {
         "episode_index": list(range(episodes)),
+        "tasks": [["go to the kitchen"]] * episodes,
         "length": [frames] * episodes,
+        "dataset_from_index": [i * frames for i in range(episodes)],
+        "dataset_to_index": [(i + 1) * frames for i in range(episodes)],
         "data/chunk_index": zeros,
         "data/file_index": zeros,
         f"videos/{CAMERA}/chunk_index": zeros,
