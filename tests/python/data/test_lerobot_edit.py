@@ -174,6 +174,23 @@ def test_datasets_that_differ_are_not_merged(tmp_path: Path, change: dict[str, A
     assert validate(tmp_path / "a") == []
 
 
+def mounted(*place: float) -> dict[str, Any]:
+    """The features, with a camera that is somewhere on the robot."""
+    info = {"info": {"base_from_sensor": list(place), "height": 0.1}} if place else {}
+    return {**SMALL, CAMERA: {**SMALL[CAMERA], **info}}
+
+
+def test_datasets_are_not_merged_whose_sensors_are_mounted_elsewhere(tmp_path: Path) -> None:
+    write(tmp_path / "a", 1, features=mounted(0.1, 0.0, 0.0))
+    write(tmp_path / "b", 2, features=mounted(0.1, 0.0, 0.2))
+    write(tmp_path / "c", 3, features=mounted())
+    with pytest.raises(ConfigError, match=rf"b: the sensor of {CAMERA} is mounted elsewhere than that of .*a"):
+        merge([tmp_path / "a", tmp_path / "b"], tmp_path / "d")
+    made = merge([tmp_path / "a", tmp_path / "c"], tmp_path / "d")
+    assert made.features[CAMERA].mount == ([0.1, 0.0, 0.0], 0.1)
+    assert validate(tmp_path / "d") == []
+
+
 def test_wrong_wishes_are_refused_and_leave_nothing(tmp_path: Path) -> None:
     write(tmp_path / "a", 13, features=NUMBERS)
     wishes = [

@@ -156,6 +156,8 @@ def require_alike(first: Dataset, other: Dataset) -> None:
             if getattr(ours, what) != getattr(theirs, what):
                 found, wanted = getattr(theirs, what), getattr(ours, what)
                 raise ConfigError(f"{other.root}: {name} has {what} {found!r:.80}; {first.root} has {wanted!r:.80}")
+        if ours.mount and theirs.mount and ours.mount != theirs.mount:
+            raise ConfigError(f"{other.root}: the sensor of {name} is mounted elsewhere than that of {first.root}")
 
 
 def require_episode(dataset: Dataset, index: int) -> int:

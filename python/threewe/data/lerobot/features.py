@@ -44,6 +44,12 @@ class Feature:
         return bool(self.info.get("is_depth_map") or self.info.get("video.is_depth_map"))
 
     @property
+    def mount(self) -> tuple[Any, Any] | None:
+        """Where its sensor is, x, y [m], theta [rad] and height [m] on the robot; None where that is not noted."""
+        place = self.info.get("base_from_sensor"), self.info.get("height")
+        return None if None in place else place
+
+    @property
     def levels_per_unit(self) -> float:
         """What statistics divide an image by: 255; depth, which is in mm, by 1, or by 1000 where it notes metres."""
         if not self.is_depth:
