@@ -1,5 +1,6 @@
 // Journals are read whole but for their images, which stay in the file until they are asked for.
 #include <algorithm>
+#include <exception>
 #include <map>
 #include <tuple>
 #include <utility>
@@ -238,41 +239,56 @@ std::vector<std::filesystem::path> journals(const std::filesystem::path& folder)
   return episodes_in(folder, kFinished);
 }
 
-// Truncates each unfinished journal behind its last sound block, and finishes it as the recorder would have.
+namespace {
+
+// Truncates an unfinished journal behind its last sound block, and finishes it as the recorder would have.
+Recovered recover_one(FileSystem& files, const std::filesystem::path& part) {
+  bool begun = false;
+  bool ended = false;
+  const std::uint64_t sound = scan_blocks(part, [&](const BlockPlace& block, std::span<const std::byte> content) {
+    if (ended) return false;
+    try {
+      if (!std::exchange(begun, true)) (void)first_header(content);
+      ended = ends(content);
+    } catch (const ContractError& error) {  // no crash has done that: it stays as it is
+      refuse(part, block.offset, error);
+    }
+    return true;
+  });
+  Recovered it;
+  it.lost_bytes = std::filesystem::file_size(part) - sound;
+  std::filesystem::path stem = part;
+  stem.replace_extension();
+  JournalFile file(files, stem, sound);
+  if (!begun) {
+    file.discard();
+    return it;
+  }
+  RecordWriter footer;
+  footer.put(Footer{.success = {}, .metadata = {}, .recovered = true});
+  if (!ended) file.append(footer.take());
+  file.finish();
+  it.file = stem += kFinished;
+  it.ticks = Journal::open(it.file).robots().front().ticks.size();
+  return it;
+}
+
+}  // namespace
+
 std::vector<Recovered> recover(const std::filesystem::path& folder, const std::shared_ptr<FileSystem>& files) {
   if (!std::filesystem::is_directory(folder)) throw RecordingError(folder.string() + ": no such folder");
   const auto system = files ? files : std::make_shared<FileSystem>();
   const FolderLock lock(*system, folder);
   std::vector<Recovered> all;
+  std::exception_ptr refused;  // the first, once all others are finished
   for (const std::filesystem::path& part : episodes_in(folder, kUnfinished)) {
-    bool begun = false;
-    bool ended = false;
-    const std::uint64_t sound = scan_blocks(part, [&](const BlockPlace& block, std::span<const std::byte> content) {
-      if (ended) return false;
-      try {
-        if (!std::exchange(begun, true)) (void)first_header(content);
-        ended = ends(content);
-      } catch (const ContractError& error) {  // no crash has done that: it stays as it is
-        refuse(part, block.offset, error);
-      }
-      return true;
-    });
-    Recovered& it = all.emplace_back();
-    it.lost_bytes = std::filesystem::file_size(part) - sound;
-    std::filesystem::path stem = part;
-    stem.replace_extension();
-    JournalFile file(*system, stem, sound);
-    if (!begun) {
-      file.discard();
-      continue;
+    try {
+      all.push_back(recover_one(*system, part));
+    } catch (const ConfigError&) {
+      if (!refused) refused = std::current_exception();
     }
-    RecordWriter footer;
-    footer.put(Footer{.success = {}, .metadata = {}, .recovered = true});
-    if (!ended) file.append(footer.take());
-    file.finish();
-    it.file = stem += kFinished;
-    it.ticks = Journal::open(it.file).robots().front().ticks.size();
   }
+  if (refused) std::rethrow_exception(refused);
   return all;
 }
 

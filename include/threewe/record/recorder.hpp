@@ -207,7 +207,8 @@ struct Recovered {
   std::size_t lost_bytes = 0;  ///< torn at its end
 };
 /// Finishes the journals in a folder that a crash has cut off. Throws RecordingError where the folder cannot be written
-/// or a recorder writes into it, ConfigError naming a file that no crash has left like that.
+/// or a recorder writes into it; ConfigError naming a file that no crash has left like that, once the others are
+/// finished.
 std::vector<Recovered> recover(const std::filesystem::path& folder, const std::shared_ptr<FileSystem>& files = {});
 /// The finished journals of a folder, by their numbers.
 std::vector<std::filesystem::path> journals(const std::filesystem::path& folder);

@@ -196,6 +196,14 @@ TEST_CASE("a journal of another format is refused with file and format") {
   const ScratchFolder folder;
   const auto file = folder.path() / "episode_000000.journal";
   const auto part = folder.path() / "episode_000001.part";
+  {
+    std::ofstream(folder.path() / "episode_000001.journal");  // so that the next one is behind
+    const auto world = trials::make_world();
+    Recorder recorder(*world, folder.path());
+    CHECK(recorder.start_episode("cut off") == 2);
+    for (int i = 0; i < 20; ++i) world->tick();
+  }
+  std::filesystem::remove(folder.path() / "episode_000001.journal");
   std::vector<std::byte> content = {std::byte{1}, std::byte{4}, std::byte{0}, std::byte{0},
                                     std::byte{0},                                             // begin, size
                                     std::byte{1}, std::byte{0}, std::byte{0}, std::byte{0}};  // its format
@@ -209,6 +217,7 @@ TEST_CASE("a journal of another format is refused with file and format") {
   CHECK_THROWS_WITH_AS((void)robot_count(file), (file.string() + wrong).c_str(), ConfigError);
   CHECK_THROWS_WITH_AS((void)recover(folder.path()), (part.string() + wrong).c_str(), ConfigError);
   CHECK(std::filesystem::exists(part));
+  CHECK(Journal::open(folder.path() / "episode_000002.journal").task() == "cut off");
 }
 
 TEST_CASE("what cannot be recorded is refused, and loses nothing") {
