@@ -379,6 +379,10 @@ void bind_simulation(nb::module_& m) {
       .def("true_velocity", &Simulation::true_velocity, WithoutGil(), "In the body frame.")
       .def("start_pose", &Simulation::start_pose, WithoutGil(),
            "Where the robot stood at the last reset: the origin of its `map` frame.")
+      .def_prop_ro("scene_from_map", &Simulation::scene_from_map, WithoutGil(),
+                   "Where the origin of the robot's map truly is. A perfect map drifts from it in nothing.\n\n"
+                   "Unknown for a given map without an `initial_pose`, which is taken for one of the scene, origin and "
+                   "all.")
       .def("max_collision_speed", &Simulation::max_collision_speed, WithoutGil(),
            "The fastest approach [m/s] of the robot's own motion into an obstacle since the last reset.")
       .def("distance_driven", &Simulation::distance_driven, WithoutGil(), "[m] since the last reset.")

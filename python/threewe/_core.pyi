@@ -2243,6 +2243,14 @@ class Simulation:
         Where the robot stood at the last reset: the origin of its `map` frame.
         """
 
+    @property
+    def scene_from_map(self) -> Pose2D:
+        """
+        Where the origin of the robot's map truly is. A perfect map drifts from it in nothing.
+
+        Unknown for a given map without an `initial_pose`, which is taken for one of the scene, origin and all.
+        """
+
     def max_collision_speed(self) -> float:
         """
         The fastest approach [m/s] of the robot's own motion into an obstacle since the last reset.

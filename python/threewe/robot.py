@@ -136,26 +136,26 @@ class Robot(InRobotTime):
             map=None if map is None else as_map("map", map),
             randomization=as_asset("randomization", randomization),
         )
-        self._set_up(world, RobotTime(world), 0, Pose2D() if initial is None and map is None else initial)
+        self._set_up(world, RobotTime(world), 0)
         if viewer is not None:
             from threewe.viewer import Viewer  # needs packages that only viewers need
 
             self._viewer = Viewer(self, as_text("viewer", viewer))
 
     @classmethod
-    def _of_world(cls, world: _core.World, robot_time: RobotTime, index: int, initial_pose: Pose2D | None) -> Self:
+    def _of_world(cls, world: _core.World, robot_time: RobotTime, index: int) -> Self:
         """A robot of a world that others share."""
         robot = cls.__new__(cls)
-        robot._set_up(world, robot_time, index, initial_pose)
+        robot._set_up(world, robot_time, index)
         return robot
 
-    def _set_up(self, world: _core.World, robot_time: RobotTime, index: int, initial_pose: Pose2D | None) -> None:
+    def _set_up(self, world: _core.World, robot_time: RobotTime, index: int) -> None:
         self._world = world
         self._time = robot_time
         self._index = index
         self._runtime = world.robot(index)
         self._profile, self._features = self._runtime.profile, self._runtime.features
-        self._simulation = Simulation(world, index, robot_time, initial_pose) if self._runtime.simulated else None
+        self._simulation = Simulation(world, index, robot_time) if self._runtime.simulated else None
         self._map: tuple[int, OccupancyGrid] | None = None
         self._observers = Observers(self._runtime)
 

@@ -16,19 +16,10 @@ class Simulation(_core.Simulation):
     All poses are in the scene's frame. The robot itself never sees it.
     """
 
-    def __init__(self, world: _core.World, robot: int, robot_time: RobotTime, initial_pose: Pose2D | None) -> None:
+    def __init__(self, world: _core.World, robot: int, robot_time: RobotTime) -> None:
         super().__init__(world, robot)
         self.profile: RobotProfile = world.robot(robot).profile
         self._time = robot_time
-        self._map_from_start = initial_pose
-
-    @property
-    def scene_from_map(self) -> Pose2D:
-        """Where the origin of the robot's map truly is. A perfect map drifts from it in nothing.
-
-        Unknown for a given map without an `initial_pose`, which is taken for one of the scene, origin and all.
-        """
-        return Pose2D() if self._map_from_start is None else self.start_pose() * self._map_from_start.inverse()
 
     @known_options
     def reset(self, *, seed: int | None = None, pose: PoseLike | None = None, episode: int = 0) -> None:

@@ -10,7 +10,7 @@ from typing import Self
 
 from threewe import _core
 from threewe._arguments import PoseLike, as_asset, as_list, as_map, as_pose, as_seed, as_switch, as_text
-from threewe._core import OccupancyGrid, Pose2D
+from threewe._core import OccupancyGrid
 from threewe._options import known_options_but
 from threewe._time import InRobotTime, RobotTime
 from threewe.backend import known_backend
@@ -79,10 +79,8 @@ class World(InRobotTime):
         )
         self._world = world
         self._time = RobotTime(world)
-        elsewhere = Pose2D() if map is None else None
         self.robots: tuple[Robot, ...] = tuple(
-            Robot._of_world(world, self._time, index, initial[index] if index < len(initial) else elsewhere)
-            for index in range(world.robot_count)
+            Robot._of_world(world, self._time, index) for index in range(world.robot_count)
         )
 
     def __repr__(self) -> str:

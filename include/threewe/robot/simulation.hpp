@@ -25,6 +25,9 @@ class Simulation {
   Velocity true_velocity() const { return truth().true_velocity(); }
   /// Where the robot stood at the last reset: the origin of its `map` frame, unless it was given a map.
   Pose2D start_pose() const { return truth().start_pose(); }
+  /// Where the robot's `map` frame lies in the scene. A given map without an initial pose, of which that is not known,
+  /// is taken for one of the scene, origin and all.
+  Pose2D scene_from_map() const { return world_->scene_from_map(robot_).value_or(Pose2D{}); }
   /// The fastest approach [m/s] of the robot's own motion into an obstacle since the last reset.
   double max_collision_speed() const { return truth().max_collision_speed(); }
   /// Distance [m] driven since the last reset.
