@@ -240,9 +240,13 @@ void bind_journal(nb::module_& m) {
       .def_ro("file", &Recovered::file, "empty where nothing of it could be saved")
       .def_ro("ticks", &Recovered::ticks)
       .def_ro("lost_bytes", &Recovered::lost_bytes);
+  nb::class_<JournalHeader>(m, "JournalHeader", "What a journal says at its beginning.")
+      .def_ro("episode", &JournalHeader::episode)
+      .def_ro("task", &JournalHeader::task)
+      .def_ro("robots", &JournalHeader::robots, "the names of their hardware profiles");
   m.def(
-      "recorded_robot_count", [](const std::string& journal) { return robot_count(journal); }, "journal"_a,
-      WithoutGil(), "Of a journal, by its header alone.");
+      "read_journal_header", [](const std::string& journal) { return read_header(journal); }, "journal"_a, WithoutGil(),
+      "Reads no more of a journal, however long it is.");
   m.def("recover_journals", [](const std::string& folder) { return recover(folder); }, "folder"_a, WithoutGil());
   m.def("journals", [](const std::string& folder) { return journals(folder); }, "folder"_a);
 }

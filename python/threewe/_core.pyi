@@ -2538,8 +2538,21 @@ class Recovered:
     @property
     def lost_bytes(self) -> int: ...
 
-def recorded_robot_count(journal: str) -> int:
-    """Of a journal, by its header alone."""
+class JournalHeader:
+    """What a journal says at its beginning."""
+
+    @property
+    def episode(self) -> int: ...
+
+    @property
+    def task(self) -> str: ...
+
+    @property
+    def robots(self) -> list[str]:
+        """the names of their hardware profiles"""
+
+def read_journal_header(journal: str) -> JournalHeader:
+    """Reads no more of a journal, however long it is."""
 
 def recover_journals(folder: str) -> list[Recovered]: ...
 

@@ -225,11 +225,14 @@ std::vector<std::uint16_t> Journal::depth(const RecordedFrame& frame) const {
   return parse_depth(impl_->image(*frame.depth, RecordType::depth));
 }
 
-std::size_t robot_count(const std::filesystem::path& journal) {
+JournalHeader read_header(const std::filesystem::path& journal) {
   BlockReader reader(journal);
   try {
     if (!reader.read(0)) throw ContractError("it does not begin as a journal");
-    return first_header(reader.content()).robots.size();
+    const Header header = first_header(reader.content());
+    JournalHeader read{header.episode, header.task, {}};
+    for (const RecordedRobot& robot : header.robots) read.robots.push_back(robot.profile);
+    return read;
   } catch (const ContractError& error) {
     refuse(journal, 0, error);
   }

@@ -33,7 +33,7 @@ std::string file_of(std::string_view input) {
 
 void read_all(const std::filesystem::path& file) {
   const record::Journal journal = record::Journal::open(file);
-  if (record::robot_count(file) != journal.robots().size()) std::abort();
+  if (record::read_header(file).robots.size() != journal.robots().size()) std::abort();
   (void)journal.metadata();
   for (const record::RecordedRobot& robot : journal.robots()) {
     for (const record::RecordedFrame& frame : robot.frames) {

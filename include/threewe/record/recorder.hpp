@@ -197,8 +197,14 @@ class Journal {
   std::unique_ptr<Impl> impl_;
 };
 
-/// How many robots a journal has recorded, by its header alone. Throws as `Journal::open`.
-std::size_t robot_count(const std::filesystem::path& journal);
+/// What a journal says at its beginning.
+struct JournalHeader {
+  std::size_t episode = 0;          ///< its number in its folder
+  std::string task;                 ///< what the robots were to do
+  std::vector<std::string> robots;  ///< the names of their hardware profiles
+};
+/// Reads no more of a journal than that, however long it is. Throws as `Journal::open`.
+JournalHeader read_header(const std::filesystem::path& journal);
 
 /// What `recover` did with a journal that was cut off.
 struct Recovered {

@@ -384,7 +384,12 @@ class RecordedEpisode:
 class Recording(Sequence[RecordedEpisode]):
     """The episodes of a folder of journals, or of one journal, by their numbers; of each, one for each robot.
 
-    They are read when they are asked for. What was cut off while it was recorded is not among them before `recover`.
+    They are read when they are asked for; before that, no more than their headers. What was cut off while it was
+    recorded is not among them before `recover`.
+
+    Attributes:
+        path: of the folder, or the journal.
+        numbers: of each episode.
     """
 
     def __init__(self, path: str | os.PathLike[str]) -> None:
@@ -397,7 +402,13 @@ class Recording(Sequence[RecordedEpisode]):
             raise ConfigError(f"{self.path}: no folder of journals, and no file that ends in .journal")
         if not files:
             raise ConfigError(f"{self.path}: there are no finished journals; `threewe data recover` finishes others")
-        self._entries = [(file, robot) for file in files for robot in range(_core.recorded_robot_count(str(file)))]
+        self._entries: list[tuple[Path, int]] = []  # files and robots
+        self.numbers: list[int] = []
+        for file in files:
+            header = _core.read_journal_header(str(file))
+            for robot in range(len(header.robots)):
+                self._entries.append((file, robot))
+                self.numbers.append(header.episode)
         self._opened: tuple[Path, _core.Journal] | None = None
 
     def __repr__(self) -> str:

@@ -26,10 +26,11 @@ def replay_all(path: Path, backend: str | None, scene: str, only: int | None) ->
     if (path / "meta").is_dir():
         yield from _replay_dataset(path, backend or "mock", scene, only)
         return
-    chosen = [episode for episode in Recording(path) if only is None or episode.index == only]
-    if not chosen:
+    recording = Recording(path)
+    places = [place for place, number in enumerate(recording.numbers) if only is None or number == only]
+    if not places:
         raise ConfigError(f"{path}: has no episode {only}")
-    for episode in filter(has_ticks, chosen):
+    for episode in filter(has_ticks, (recording[place] for place in places)):
         if backend is None:
             if episode.robot == 0:  # all robots of a world at once
                 yield _as_recorded(episode)

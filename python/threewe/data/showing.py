@@ -58,7 +58,7 @@ def contact_sheet(
         raise ContractError(f"frames must lie in [1, 20], got {count}")
     opened = open_source(source)
     if isinstance(opened, Recording):
-        name, numbers = opened.path.resolve().name, [episode.index for episode in opened]
+        name, numbers = opened.path.resolve().name, opened.numbers
     else:
         name, numbers = opened.root.resolve().name, [episode.index for episode in opened.episodes]
     chosen = _chosen(numbers, episodes, name)
@@ -115,8 +115,7 @@ def show_in_rerun(
         raise ConfigError(
             "there is no display for a window of Rerun: export to format 'rerun', and open the file elsewhere"
         )
-    numbers = [each.index for each in opened]
-    place = 0 if episode is None else _chosen(numbers, [episode], opened.path.name)[0]
+    place = 0 if episode is None else _chosen(opened.numbers, [episode], opened.path.name)[0]
     export_rerun.show(opened[place], "rerun", hardware)
 
 

@@ -188,7 +188,10 @@ TEST_CASE("a journal holds the profile and the place of the map, so that a repla
     const ReplayReport report = replay(journal);
     CHECK(report.ticks == 40);
     CHECK_FALSE(report.first_difference.has_value());
-    CHECK(robot_count(journals(folder.path() / "journals")[0]) == 2);
+    const JournalHeader header = read_header(journals(folder.path() / "journals")[0]);
+    CHECK(header.episode == 0);
+    CHECK(header.task == "turn");
+    CHECK(header.robots == std::vector<std::string>{"mine", "turtlebot_like"});
   }
 }
 
@@ -214,7 +217,7 @@ TEST_CASE("a journal of another format is refused with file and format") {
   }
   const std::string wrong = ": at byte 0: no 3we journal: its format is 1, this version of 3we reads 2";
   CHECK_THROWS_WITH_AS((void)Journal::open(file), (file.string() + wrong).c_str(), ConfigError);
-  CHECK_THROWS_WITH_AS((void)robot_count(file), (file.string() + wrong).c_str(), ConfigError);
+  CHECK_THROWS_WITH_AS((void)read_header(file), (file.string() + wrong).c_str(), ConfigError);
   CHECK_THROWS_WITH_AS((void)recover(folder.path()), (part.string() + wrong).c_str(), ConfigError);
   CHECK(std::filesystem::exists(part));
   CHECK(Journal::open(folder.path() / "episode_000002.journal").task() == "cut off");

@@ -227,6 +227,7 @@ def test_to_list_a_recording_only_its_headers_are_read(tmp_path: Path) -> None:
     recording = Recording(tmp_path)
     assert bytes_read() - before < 100_000 * len(files)
     assert len(recording) == 6
+    assert recording.numbers == [0, 0, 1, 1, 2, 2]
     assert [episode.robot_type for episode in recording] == ["3we_depth_v2", "3we_base_v2"] * 3
     files[0].write_bytes(files[0].read_bytes()[:1000])
     with pytest.raises(ConfigError, match=rf"{files[0].name}: at byte 0: no 3we journal"):
