@@ -140,6 +140,19 @@ TEST_CASE("every profile loads, and brakes within friction") {
   }
 }
 
+TEST_CASE("a profile keeps its text, from which it is read again without its file") {
+  for (const std::string& name : profile_names()) {
+    const RobotProfile profile = load_profile(name);
+    CHECK(profile.yaml == text_of(name));
+    const RobotProfile again = parse_profile(profile.yaml, name + ".yaml");
+    CHECK(again.name == name);
+    CHECK(again.yaml == profile.yaml);
+    CHECK(again.body.mass == profile.body.mass);
+    CHECK(again.has(SensorType::lidar) == profile.has(SensorType::lidar));
+  }
+  CHECK_THROWS_WITH_AS((void)parse_profile("a: [", "mine.yaml"), doctest::Contains("mine.yaml:"), ConfigError);
+}
+
 TEST_CASE("how wheels pull that slip freely is told by a profile, or not") {
   CHECK_FALSE(load_profile("3we_standard_v2").body.traction);
   const std::string lag = "  motor_lag: 0.03 ";

@@ -112,6 +112,7 @@ TEST_CASE("unknown scenes, robots and impossible starts are refused with their r
   CHECK(error_for({.robots = {"turtlebot_lik"}}).find("'turtlebot_like'") != std::string::npos);
   CHECK(error_for({.robots = {}}).find("at least one") != std::string::npos);
   CHECK(error_for({.poses = {{}, {}}}).find("2 start poses for 1 robots") != std::string::npos);
+  CHECK(error_for({.profiles = {{}, {}}}).find("profiles: 2 for 1 robots") != std::string::npos);
   const std::vector<std::string> four(4, "3we_standard_v2");
   CHECK(error_for({.robots = four}).find("names 3 start poses, too few for 4 robots") != std::string::npos);
   CHECK(error_for({.poses = {{kNaN, 0.0, 0.0}}}).find("not finite") != std::string::npos);
