@@ -152,8 +152,8 @@ TEST_CASE("brute force finds the same pose and scores in random maps, ties inclu
     const double least = draw(-0.2, 0.8);
     const std::optional<Found> ours = search.find(scan, window, least);
     CHECK(same(ours, brute.find(scan, window, least)));
-    found += ours ? 1 : 0;
-    ties += ours && ours->score == ours->elsewhere ? 1 : 0;
+    found += ours ? 1U : 0U;
+    ties += ours && ours->score == ours->elsewhere ? 1U : 0U;
   }
   CHECK(found > cases(1000));
   CHECK(ties > cases(50));

@@ -191,7 +191,7 @@ TEST_CASE("a range bias is found where surfaces are seen from new angles, and no
 }
 
 TEST_CASE("a search finds a pose that is far off") {
-  int found = 0;
+  std::uint64_t found = 0;
   for (std::uint64_t seed = 0; seed < cases(40); ++seed) {
     Draw draw(seed);
     const std::vector<TinyWall> walls = random_room(draw);
@@ -207,7 +207,7 @@ TEST_CASE("a search finds a pose that is far off") {
         distance(best.position(), truth.position()) < 0.08 && std::fabs(wrap_angle(best.theta - truth.theta)) < 0.035;
     found += near ? 1 : 0;
   }
-  CHECK(found >= 38);
+  CHECK(20 * found >= 19 * cases(40));
 }
 
 }  // namespace

@@ -46,7 +46,7 @@ TEST_CASE("pixels agree with a ray tracer, with and without others in front") {
     const auto visible = count(slow_picture(camera, eye, all));
     CHECK(std::abs(visible_pixels(camera, eye, object, {}) - silhouette) <= 1);
     CHECK(std::abs(visible_pixels(camera, eye, object, others) - visible) <= 1);
-    pixels += visible;
+    pixels += static_cast<std::uint64_t>(visible);
   }
   CHECK(pixels > cases(50'000));
 }

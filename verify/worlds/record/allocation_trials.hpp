@@ -26,6 +26,9 @@ inline void* allocate(std::size_t size) {
   throw std::bad_alloc();
 }
 
+// Out of line: compilers that see `free` after a `new` of their own take it for a mistake.
+[[gnu::noinline]] inline void release(void* memory) noexcept { std::free(memory); }
+
 }  // namespace threewe::record::trials
 
 // All forms but the aligned ones: where some are replaced, sanitizers would call the others mismatched.
@@ -34,12 +37,14 @@ void* operator new(std::size_t size) { return threewe::record::trials::allocate(
 void* operator new[](std::size_t size) { return threewe::record::trials::allocate(size); }
 void* operator new(std::size_t size, const std::nothrow_t& /*tag*/) noexcept { return std::malloc(size); }
 void* operator new[](std::size_t size, const std::nothrow_t& /*tag*/) noexcept { return std::malloc(size); }
-void operator delete(void* memory) noexcept { std::free(memory); }
-void operator delete[](void* memory) noexcept { std::free(memory); }
-void operator delete(void* memory, std::size_t /*size*/) noexcept { std::free(memory); }
-void operator delete[](void* memory, std::size_t /*size*/) noexcept { std::free(memory); }
-void operator delete(void* memory, const std::nothrow_t& /*tag*/) noexcept { std::free(memory); }
-void operator delete[](void* memory, const std::nothrow_t& /*tag*/) noexcept { std::free(memory); }
+void operator delete(void* memory) noexcept { threewe::record::trials::release(memory); }
+void operator delete[](void* memory) noexcept { threewe::record::trials::release(memory); }
+void operator delete(void* memory, std::size_t /*size*/) noexcept { threewe::record::trials::release(memory); }
+void operator delete[](void* memory, std::size_t /*size*/) noexcept { threewe::record::trials::release(memory); }
+void operator delete(void* memory, const std::nothrow_t& /*tag*/) noexcept { threewe::record::trials::release(memory); }
+void operator delete[](void* memory, const std::nothrow_t& /*tag*/) noexcept {
+  threewe::record::trials::release(memory);
+}
 // NOLINTEND(misc-definitions-in-headers)
 
 namespace threewe::record::trials {
