@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "core/exact.hpp"
-#include "nav/people_tracker.hpp"
+#include "perception/people_tracker.hpp"
 #include "threewe/scene/scene.hpp"
 #include "threewe/scene/solid.hpp"
 
@@ -41,7 +41,7 @@ void BM_people_tracker(benchmark::State& state) {
   const scene::Slice office = scene::Scene::load("office_v2").at_height(0.135);
   std::vector<LaserScan> scans;
   for (int i = 0; i < 200; ++i) scans.push_back(look(office, 0.1 * i));
-  nav::PeopleTracker tracker;
+  perception::PeopleTracker tracker;
   Time now{};
   std::size_t next = 0;
   const auto see = [&] {

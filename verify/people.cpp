@@ -82,9 +82,9 @@ class Crowd {
 class Referee {
  public:
   // `scene_from_odom`: where the tracks' frame truly lies now.
-  void judge(std::span<const nav::TrackedPerson> tracks, const Crowd& crowd, const Pose2D& scene_from_odom) {
+  void judge(std::span<const perception::TrackedPerson> tracks, const Crowd& crowd, const Pose2D& scene_from_odom) {
     std::map<std::string, int> found;
-    for (const nav::TrackedPerson& track : tracks) {
+    for (const perception::TrackedPerson& track : tracks) {
       ++counts.tracks;
       const Vec2 at = scene_from_odom * track.position;
       const Truth* nearest = nullptr;

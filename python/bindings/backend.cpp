@@ -6,7 +6,7 @@
 #include "value.hpp"
 
 using namespace threewe;
-using backend::Features, backend::SensorInfo;
+using backend::Features;
 
 void init_backend(nb::module_& m) {
   nb::class_<SensorInfo>(m, "SensorInfo", "One sensor of a robot, as it is known before connecting.")

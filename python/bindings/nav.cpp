@@ -13,7 +13,7 @@ using nav::Progress;
 using nav::Reason;
 using nav::RecoveryState;
 using nav::SampledPlan;
-using nav::TrackedPerson;
+using perception::TrackedPerson;
 
 /// Poses or velocities as rows of three numbers, without a copy.
 template <typename Triple>

@@ -276,7 +276,7 @@ void bind_readings(OneThreadClass<Runtime>& runtime) {
       .def("people",
            [](const Runtime& robot) {
              const auto people = robot.people();
-             return std::vector<nav::TrackedPerson>(people.begin(), people.end());
+             return std::vector<perception::TrackedPerson>(people.begin(), people.end());
            })
       .def("health", &Runtime::health, nb::rv_policy::copy)
       .def("ultrasonic_ranges", &Runtime::ultrasonic_ranges)

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "backend/conformance_images.hpp"
-#include "backend/sample_checks.hpp"
+#include "hardware/sample_checks.hpp"
 
 namespace threewe::backend::conformance {
 

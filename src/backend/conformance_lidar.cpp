@@ -4,8 +4,8 @@
 #include <limits>
 
 #include "backend/conformance_bench.hpp"
-#include "backend/sample_checks.hpp"
 #include "core/exact.hpp"
+#include "hardware/sample_checks.hpp"
 
 namespace threewe::backend::conformance {
 

@@ -6,7 +6,7 @@
 #include <optional>
 
 #include "backend/conformance_bench.hpp"
-#include "backend/sample_checks.hpp"
+#include "hardware/sample_checks.hpp"
 
 namespace threewe::backend::conformance {
 

@@ -6,8 +6,8 @@
 
 #include <fmt/format.h>
 
-#include "backend/sample_checks.hpp"
 #include "core/names.hpp"
+#include "hardware/sample_checks.hpp"
 #include "threewe/core/errors.hpp"
 
 namespace threewe::backend {

@@ -6,7 +6,7 @@
 
 #include "backend/plugin.hpp"
 #include "backend/plugin_checks.hpp"
-#include "backend/sample_checks.hpp"
+#include "hardware/sample_checks.hpp"
 #include "threewe/core/errors.hpp"
 
 namespace threewe::backend {

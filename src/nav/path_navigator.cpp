@@ -292,7 +292,8 @@ Velocity PathNavigator::follow_by_plan(const Observation& seen, std::span<const 
   obstacles.insert(obstacles.begin(), seen.obstacles.begin(), seen.obstacles.end());
 
   std::vector<MovingDisc> moving;
-  for (const TrackedPerson& person : seen.people) moving.push_back({person.position, person.velocity, kPersonRadius});
+  for (const perception::TrackedPerson& person : seen.people)
+    moving.push_back({person.position, person.velocity, kPersonRadius});
   for (const Peer& peer : seen.peers) {
     const Pose2D at = odom_from_map * peer.map_from_base;
     moving.push_back({at.position(), rotate({peer.velocity.vx, peer.velocity.vy}, at.theta), peer.radius});
@@ -346,7 +347,7 @@ Decision PathNavigator::give_up_path(const Observation& seen, double tolerance) 
 // in the map.
 void PathNavigator::remember_movers(const Observation& seen) {
   for (const Peer& peer : seen.peers) route_.note_mover(peer.name, peer.map_from_base.position(), peer.radius);
-  for (const TrackedPerson& person : seen.people) {
+  for (const perception::TrackedPerson& person : seen.people) {
     const Vec2 position = seen.pose.map_from_odom * person.position;
     route_.note_mover("moving obstacle " + std::to_string(person.id), position, kPersonRadius);
   }

@@ -415,7 +415,7 @@ std::size_t Recorder::start_episode(const std::string& task, const Metadata& met
     to.hardware = robot.profile().yaml;
     to.scene_from_map = it.world.scene_from_map(i);
     to.sensors = robot.features().sensors;
-    for (const backend::SensorInfo& sensor : to.sensors) {
+    for (const SensorInfo& sensor : to.sensors) {
       const bool camera = sensor.type == SensorType::camera && robot.profile().camera;
       to.cameras.push_back(camera ? robot.profile().camera->intrinsics() : CameraIntrinsics{});
     }

@@ -112,7 +112,7 @@ RecordedRobot get_robot(ByteReader& bytes) {
   bytes.get(robot.hardware);
   get_optional(bytes, robot.scene_from_map);
   for (std::size_t left = bytes.get_size(); left > 0; --left) {
-    backend::SensorInfo& sensor = robot.sensors.emplace_back();
+    SensorInfo& sensor = robot.sensors.emplace_back();
     bytes.get(sensor.name);
     bytes.get(sensor.type);
     bytes.get(sensor.rate);

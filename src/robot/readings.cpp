@@ -69,13 +69,13 @@ std::optional<nav::SampledPlan> Runtime::plan() const {
 }
 
 std::span<const Vec2> Runtime::obstacles() const { return impl_->obstacles_in_odom(); }
-std::span<const nav::TrackedPerson> Runtime::people() const {
+std::span<const perception::TrackedPerson> Runtime::people() const {
   const State& state = impl_->reading();
-  if (features().has(SensorType::lidar)) return state.people;
+  if (features().has(SensorType::lidar)) return state.perception.people();
   throw HardwareError("robot '" + profile().name + "' has no sensor 'lidar', by which people are seen");
 }
 
-const std::vector<SensorHealth>& Runtime::health() const { return impl_->state->health.sensors(); }
+const std::vector<SensorHealth>& Runtime::health() const { return impl_->state->perception.health().sensors(); }
 const Velocity& Runtime::requested() const { return impl_->state->requested; }
 const safety::GateOutput& Runtime::commanded() const { return impl_->state->commanded; }
 
@@ -86,7 +86,7 @@ Pose2D Runtime::transform(std::string_view target, std::string_view source) cons
     if (frame == "odom") return {};
     if (frame == "base") return estimate.odom_from_base;
     std::vector<std::string> frames = {"map", "odom", "base"};
-    for (const backend::SensorInfo& sensor : features().sensors) {
+    for (const SensorInfo& sensor : features().sensors) {
       if (sensor.name != frame) {
         frames.push_back(sensor.name);
       } else {

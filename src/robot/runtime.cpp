@@ -25,11 +25,12 @@ void require_positive(Duration duration, const char* what) {
 Runtime::Impl::Impl(World& w, backend::RobotPort& p, Options autonomy)
     : world(w),
       port(p),
+      perception_model{p.profile(), p.features().sensors},
       gate_model(safety::make_gate_model(p.profile())),
       creep_gate(safety::creep_mode(gate_model)),
       sight_model(safety::make_sight_model(p.profile(), gate_model)),
       may_creep(autonomy.may_creep),
-      fresh(std::move(autonomy), p.features(), p.profile()),
+      fresh(std::move(autonomy), perception_model),
       state(std::make_unique<State>(fresh)) {}
 
 Runtime::Runtime(World& world, backend::RobotPort& port, Options autonomy)
@@ -47,14 +48,9 @@ void Runtime::connect() {
   // what was seen before is old by now, but an emergency stop stays latched
   State& state = *impl_->state;
   state.senses = impl_->fresh.senses;
-  state.health.begin(impl_->now());
+  state.perception.begin(impl_->now());
   state.gate = {.estop = state.gate.estop};
   state.sight.forget();
-  state.tracker = {};
-  state.people.clear();
-  state.sonar_returns = {};
-  state.sonar_points_in_odom.clear();
-  state.beside_lidar.clear();
   state.estimate = state.localizer->estimate(impl_->now());
 }
 

@@ -7,13 +7,10 @@
 #include <utility>
 #include <vector>
 
-#include "nav/people_tracker.hpp"
-#include "robot/health/monitor.hpp"
+#include "perception/perception.hpp"
 #include "robot/senses.hpp"
-#include "robot/sonar_grid.hpp"
 #include "robot/world_state.hpp"
 #include "safety/gate.hpp"
-#include "safety/sonar_returns.hpp"
 #include "safety/unseen.hpp"
 #include "threewe/robot/runtime.hpp"
 
@@ -26,48 +23,35 @@ struct HeldVelocity {
   bool quiet = false;  // part of a control step: its end is no surprise
 };
 
-/// Everything about one robot that its future depends on. Copying clones the mind.
+/// Everything about one robot that its future depends on. Copying clones the autonomy stack.
 struct Runtime::State {
   std::unique_ptr<slam::Localizer> localizer;
   std::unique_ptr<nav::Navigator> navigator;
   Senses senses;
-  health::Monitor health;
-  Duration waited{};  // for sensors in trouble, which the navigator does not notice
+  perception::Perception perception;
+  Duration waited{};  // for sensors at fault, which the navigator does not notice
   slam::PoseEstimate estimate;
-  nav::PeopleTracker tracker;
-  std::vector<nav::TrackedPerson> people;  // in `odom`, now
   std::optional<HeldVelocity> held;
   safety::GateState gate;
   safety::Sight sight;
-  // heard by a robot without a lidar: now, and before
-  safety::SonarReturns sonar_returns;
-  SonarGrid sonar_grid;
-  std::vector<Vec2> sonar_points_in_odom;  // both, around the robot
-  std::vector<Vec2> beside_lidar;  // what the lidar hits, and what only echoes tell of; empty without the latter
   Velocity requested;
   safety::GateOutput commanded;
 
-  State(Options autonomy, const backend::Features& features, const RobotProfile& profile)
+  State(Options autonomy, const perception::PerceptionModel& model)
       : localizer(std::move(autonomy.localizer)),
         navigator(std::move(autonomy.navigator)),
-        senses(features.sensors.size()),
-        health(features, profile) {}
+        senses(model.sensors.size()),
+        perception(model) {}
   State(const State& other)
       : localizer(other.localizer->clone()),
         navigator(other.navigator->clone()),
         senses(other.senses),
-        health(other.health),
+        perception(other.perception),
         waited(other.waited),
         estimate(other.estimate),
-        tracker(other.tracker),
-        people(other.people),
         held(other.held),
         gate(other.gate),
         sight(other.sight),
-        sonar_returns(other.sonar_returns),
-        sonar_grid(other.sonar_grid),
-        sonar_points_in_odom(other.sonar_points_in_odom),
-        beside_lidar(other.beside_lidar),
         requested(other.requested),
         commanded(other.commanded) {}
   State& operator=(const State&) = delete;
@@ -109,22 +93,20 @@ struct Runtime::Impl {
 
   // sense
   std::vector<Sample> perceive();
-  void update_sonar_and_bumps(const Sample& sample);
-  void update_sonar_beside_lidar(const Sample& sample);
-  void join_obstacles();
-  void look_around(const Sample& sample);
+  void look_for_unseen(const Sample& sample);
   void end_motion_if_over();
   bool stands() const;
   std::pair<Reason, std::string> verdict() const;
   void end_motion(Reason reason, const std::string& detail);
   void end_ready();
+  void warn_of_faults();
 
-  void watch_over_sensors();
   World::Impl& shared() const { return *world.impl_; }
   Time now() const { return world.now(); }
 
   World& world;
   backend::RobotPort& port;
+  const perception::PerceptionModel perception_model;
   const safety::GateModel gate_model;
   const safety::GateModel creep_gate;
   const safety::SightModel sight_model;

@@ -4,10 +4,9 @@
 
 #include <fmt/format.h>
 
-#include "backend/sample_checks.hpp"
 #include "core/exact.hpp"
+#include "hardware/sample_checks.hpp"
 #include "map/scan_hits.hpp"
-#include "nav/people_tracker.hpp"
 #include "robot/goals.hpp"
 #include "robot/runtime_state.hpp"
 #include "safety/gate.hpp"
@@ -84,7 +83,8 @@ safety::GateOutput Runtime::Impl::gated(Time now) {
 // each stop short of where the other was (ISO 13855:2010, 6.1, counts on what approaches likewise). Nothing where
 // nothing comes nearer.
 std::vector<Vec2> Runtime::Impl::with_approaching(Time now) const {
-  if (state->tracker.approaching().empty()) return {};
+  const std::span<const perception::Approaching> approaching = state->perception.approaching();
+  if (approaching.empty()) return {};
   const std::span<const Vec2> seen = obstacles_in_odom();
   std::vector<Vec2> expected(seen.begin(), seen.end());
   const Vec2 robot = state->estimate.odom_from_base.position();
@@ -92,7 +92,7 @@ std::vector<Vec2> Runtime::Impl::with_approaching(Time now) const {
   const Velocity& last = state->gate.last();
   const double stopping =
       to_seconds(gate_model.reaction) + exact::hypot(last.vx, last.vy) / gate_model.limits.linear_braking;
-  for (const nav::Approaching& it : state->tracker.approaching()) {
+  for (const perception::Approaching& it : approaching) {
     const Vec2 d = robot - it.position;
     const double way = std::min(it.speed * (stopping + to_seconds(now - it.seen)), norm(d) - nearest);
     if (way > 0.0) expected.push_back(it.position + (way / norm(d)) * d);
@@ -102,7 +102,7 @@ std::vector<Vec2> Runtime::Impl::with_approaching(Time now) const {
 
 // A motion owns the robot; without one, a velocity that was asked for holds until it expires.
 Velocity Runtime::Impl::request() {
-  if (const SensorHealth* sensor = state->health.blocking_sensor()) return wait_for(*sensor);
+  if (const SensorHealth* sensor = state->perception.health().blocking_sensor()) return wait_for(*sensor);
   return motion ? steer() : held_velocity();
 }
 
@@ -166,13 +166,13 @@ nav::Observation Runtime::Impl::observation() const {
             .obstacles = obstacles_in_odom(),
             .map_changes = localizer.map_changes(),
             .peers = peers,
-            .people = state->people,
+            .people = state->perception.people(),
             .commanded = state->gate.last()};
   }
   return {.now = time,
           .pose = state->estimate,
-          .map = state->sonar_grid.grid(),
-          .map_version = state->sonar_grid.version(),
+          .map = state->perception.sonar_grid().grid(),
+          .map_version = state->perception.sonar_grid().version(),
           .obstacles = obstacles_in_odom(),
           .commanded = state->gate.last()};
 }
@@ -181,8 +181,8 @@ std::vector<Sample> Runtime::Impl::perceive() {
   std::vector<Sample> samples = port.poll();
   std::vector<const Sample*> usable;
   for (const Sample& sample : samples) {
-    backend::check_kind(port.features(), sample);
-    if (!state->health.examine(sample, port.features(), port.profile())) continue;
+    check_kind(port.features().sensors, sample);
+    if (!state->perception.examine(perception_model, sample)) continue;
     usable.push_back(&sample);
     state->senses.remember(sample);
     state->localizer->add(sample);
@@ -195,13 +195,13 @@ std::vector<Sample> Runtime::Impl::perceive() {
   }
   const Vec2 before = state->estimate.odom_from_base.position();
   state->estimate = state->localizer->estimate(now());
-  watch_over_sensors();
-  for (const Sample* sample : usable) {
-    port.profile().lidar ? update_sonar_beside_lidar(*sample) : update_sonar_and_bumps(*sample);
-    look_around(*sample);
-  }
-  join_obstacles();
-  state->people = state->tracker.people(now());
+  state->perception.update(perception_model, {.now = now(),
+                                              .samples = usable,
+                                              .pose = state->estimate,
+                                              .hits = state->localizer->obstacles(),
+                                              .commanded = state->commanded.command});
+  warn_of_faults();
+  for (const Sample* sample : usable) look_for_unseen(*sample);
   if (motion) motion->distance += distance(before, state->estimate.odom_from_base.position());
   if (state->senses.complete()) end_ready();
   return samples;
@@ -213,82 +213,19 @@ bool Runtime::Impl::looks_with(SensorType type) const {
 }
 
 std::span<const Vec2> Runtime::Impl::obstacles_in_odom() const {
-  if (!port.profile().lidar) return state->sonar_points_in_odom;
-  return state->beside_lidar.empty() ? state->localizer->obstacles() : std::span<const Vec2>(state->beside_lidar);
+  return state->perception.obstacles(perception_model, state->localizer->obstacles());
 }
 
-// Beside a lidar echoes count only where they come from what no beam has met: too low, or of glass. The arcs of all
-// others would close doors that the lidar sees open.
-void Runtime::Impl::update_sonar_beside_lidar(const Sample& sample) {
-  constexpr double kSame = 0.15;  // [m] that an echo and a beam may differ by who tell of one thing, which may move
-  constexpr double kAside = 0.1;  // [rad] beyond the cone
-  const auto* echo = std::get_if<RangeData>(&sample.data);
-  if (echo == nullptr || state->localizer->obstacles().empty()) return;
-  const slam::PoseEstimate& now_at = state->estimate;
-  const backend::SensorInfo& sensor = port.features().sensors[sample.sensor];
-  const Pose2D odom_from_sensor =
-      integrate(now_at.odom_from_base, now_at.velocity, -to_seconds(sample.received - sample.measured)) *
-      port.profile().base_from_sensor(sensor.type, sensor.name);
-  const auto seen = transformed(inverse(odom_from_sensor), state->localizer->obstacles());
-  const bool explained = std::ranges::any_of(seen, [&](Vec2 p) {
-    return norm(p) < echo->range + kSame && std::abs(exact::atan2(p.y, p.x)) < 0.5 * echo->field_of_view + kAside;
-  });
-  state->sonar_grid.update(*echo, now_at.map_from_odom * odom_from_sensor, explained);
-}
-
-void Runtime::Impl::join_obstacles() {
-  constexpr double kFar = 4.0;  // [m] what is farther away is not in the way yet
-  if (!port.profile().lidar) return;
-  const slam::PoseEstimate& now_at = state->estimate;
-  state->beside_lidar.clear();
-  const auto remembered = state->sonar_grid.occupied_near(now_at.map_from_base().position(), kFar);
-  if (remembered.empty()) return;
-  state->beside_lidar = transformed(inverse(now_at.map_from_odom), remembered);
-  const auto seen = state->localizer->obstacles();
-  state->beside_lidar.insert(state->beside_lidar.end(), seen.begin(), seen.end());
-}
-
-// Without a lidar: echoes and bumps, remembered where the robot was as it noticed them.
-void Runtime::Impl::update_sonar_and_bumps(const Sample& sample) {
-  constexpr double kNear = 1.2;  // [m] around the robot
-  const slam::PoseEstimate& now_at = state->estimate;
-  const Pose2D odom_from_base =
-      integrate(now_at.odom_from_base, now_at.velocity, -to_seconds(sample.received - sample.measured));
-  const Pose2D map_from_base = now_at.map_from_odom * odom_from_base;
-
-  if (const auto* echo = std::get_if<RangeData>(&sample.data)) {
-    const backend::SensorInfo& sensor = port.features().sensors[sample.sensor];
-    const Pose2D base_from_sensor = port.profile().base_from_sensor(sensor.type, sensor.name);
-    state->sonar_returns.update(sample.sensor, *echo, odom_from_base * base_from_sensor);
-    state->sonar_grid.update(*echo, map_from_base * base_from_sensor);
-  } else if (const auto* imu = std::get_if<IMUData>(&sample.data)) {
-    const Vec2 push{imu->linear_acceleration[0], imu->linear_acceleration[1]};
-    if (!state->sonar_grid.detect_bump(push, port.profile().body.footprint, map_from_base)) return;
-  } else {
-    return;
-  }
-  const auto remembered = state->sonar_grid.occupied_near(map_from_base.position(), kNear);
-  state->sonar_points_in_odom = transformed(inverse(now_at.map_from_odom), remembered);
-  const auto received = state->sonar_returns.points_in_odom();
-  state->sonar_points_in_odom.insert(state->sonar_points_in_odom.end(), received.begin(), received.end());
-}
-
-// People, and where the lidar is blind. Where the robot was as the lidar turned follows from how it moves now.
-void Runtime::Impl::look_around(const Sample& sample) {
+// Where the lidar is blind. Where the robot was as it turned follows from how it moves now.
+void Runtime::Impl::look_for_unseen(const Sample& sample) {
   const auto* scan = std::get_if<LaserScan>(&sample.data);
   if (scan == nullptr || !port.profile().lidar) return;
   const Time first = sample.measured;
   const Time last = first + from_seconds(scan->time_increment * static_cast<double>(scan->ranges.size()));
-  const auto odom_from_base = [&](Time t) {
-    const double ago = to_seconds(sample.received - t);
-    return integrate(state->estimate.odom_from_base, state->estimate.velocity, -ago);
-  };
-  const Pose2D base_from_lidar = port.profile().lidar->base_from_lidar;
-  const auto [began, ended] = std::minmax(first, last);
-  state->tracker.update(*scan, began, ended, odom_from_base(began) * base_from_lidar,
-                        odom_from_base(ended) * base_from_lidar);
-
-  const Pose2D turned = base_from_lidar * Pose2D{0.0, 0.0, wrap_angle(scan->angle_min + exact::kPi)};
+  const auto odom_from_base = [&](Time t) { return state->estimate.odom_from_base_ago(sample.received - t); };
+  const Pose2D turned =
+      port.profile().lidar->base_from_lidar * Pose2D{0.0, 0.0, wrap_angle(scan->angle_min + exact::kPi)};
+  const Time ended = std::max(first, last);
   state->sight.add(sight_model, {ended, odom_from_base(first) * turned, odom_from_base(last) * turned}, scan->ranges,
                    odom_from_base(ended));
 }
@@ -365,12 +302,10 @@ void Runtime::Impl::end_ready() {
   for (const WaitHandle& wait : std::exchange(ready, {})) shared().waits.end(wait, now());
 }
 
-// Compares what sensors say, and tells of each that begins or ceases to be in trouble.
-void Runtime::Impl::watch_over_sensors() {
-  health::Monitor& health = state->health;
-  health.judge(now(), state->commanded.command, state->estimate);
-  for (const std::size_t i : health.take_changes()) {
-    const SensorHealth& sensor = health.sensors()[i];
+// Of each sensor whose fault begins or is over.
+void Runtime::Impl::warn_of_faults() {
+  for (const std::size_t i : state->perception.take_health_changes()) {
+    const SensorHealth& sensor = state->perception.health().sensors()[i];
     const std::string whose = "robot '" + port.profile().name + "': ";
     if (sensor.ok()) {
       warn(whose + "sensor '" + sensor.name + "' is ok again");

@@ -58,7 +58,7 @@ GateModel make_gate_model(const RobotProfile& profile) {
   model.footprint = profile.body.footprint;
   model.collision_monitor = profile.lidar || profile.ultrasonics;
   model.margin = profile.margin();
-  model.reaction = profile.command_latency + profile.body.motor_lag + kControlPeriod;
+  model.reaction = profile.reaction();
   if (model.reaction > kMaxReaction)
     throw ConfigError("profile '" + profile.name + "': reacts too slowly for the gate");
   return model;

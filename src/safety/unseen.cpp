@@ -6,16 +6,14 @@
 #include <limits>
 
 #include "core/exact.hpp"
-#include "safety/invalid_beams.hpp"
+#include "hardware/invalid_beams.hpp"
 
 namespace threewe::safety {
 namespace {
 
 constexpr double kThin = 0.03;      // [m] what is thinner may stand between two beams: thinner legs are rare
-constexpr double kBridged = 1.5;    // [beams] to the nearest valid one: two that drop out side by side are no gap
-constexpr std::size_t kFewest = 3;  // beams make a gap, accordingly
+constexpr std::size_t kFewest = 3;  // beams make a gap, by kBridgedBeams
 constexpr double kStep = 0.02;      // [m] along a beam
-constexpr double kBeyond = 4.0;     // deviations by which a range at a gap's edge may be too long
 constexpr int kBisections = 12;     // the edge of the margin is found to a tenth of a millimetre
 constexpr double kNone = std::numeric_limits<double>::infinity();
 
@@ -46,7 +44,7 @@ Polar polar(const PlacedScan& scan, Vec2 point) {
 bool is_passed(const PlacedScan& scan, const Polar& at, double longer) {
   const auto n = static_cast<std::ptrdiff_t>(scan.ranges.size());
   const double thin = 0.5 * kThin / (std::max(at.range, kThin) * increment_of(scan.ranges));
-  const double beside = std::max(thin, kBridged);
+  const double beside = std::max(thin, kBridgedBeams);
   const auto last = static_cast<std::ptrdiff_t>(std::floor(at.beam + beside));
   for (auto i = static_cast<std::ptrdiff_t>(std::ceil(at.beam - beside)); i <= last; ++i) {
     const auto range = static_cast<double>(scan.ranges[static_cast<std::size_t>((i % n + n) % n)]);
@@ -112,9 +110,7 @@ SightModel make_sight_model(const RobotProfile& profile, const GateModel& gate) 
   const double braking = 0.5 * gate.limits.linear / gate.limits.linear_braking;
   model.reach = farthest_corner(gate.footprint, lidar.base_from_lidar.position()) + gate.margin +
                 gate.limits.linear * (to_seconds(between) + braking);
-  const double steps =
-      kBridged + 1.0;  // along a surface, from the last beam that is too short to the first that is not
-  model.near_gap = lidar.range_min * (1.0 + steps * 2.0 * exact::kPi / lidar.beams) + kBeyond * lidar.sigma;
+  model.near_gap = near_gap(lidar);
   model.memory = gate.sensor_timeout;
   model.scans = static_cast<std::size_t>(model.memory / lidar.turn) + 2;
   return model;

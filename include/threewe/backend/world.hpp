@@ -17,13 +17,6 @@ class TruthView;
 
 namespace threewe::backend {
 
-/// One sensor of a robot, as it is known before connecting.
-struct SensorInfo {
-  std::string name;   ///< "lidar", "imu", "odometry", "battery", a mount of the ultrasonics; unique on a robot
-  SensorType type{};  ///< what it measures
-  double rate = 0.0;  ///< [Hz]
-};
-
 /// What a robot can do, readable before connecting.
 struct Features {
   std::vector<SensorInfo> sensors;     ///< in the order of `Sample::sensor`

@@ -58,6 +58,13 @@ enum class SensorType : std::uint8_t { lidar, imu, odometry, battery, ultrasonic
 /// Its name, as in `Features`.
 std::string_view to_string(SensorType type);
 
+/// One sensor of a robot, as it is known before connecting.
+struct SensorInfo {
+  std::string name;   ///< "lidar", "imu", "odometry", "battery", a mount of the ultrasonics; unique on a robot
+  SensorType type{};  ///< what it measures
+  double rate = 0.0;  ///< [Hz]
+};
+
 /// A reading of any kind.
 using SampleData = std::variant<LaserScan, IMUData, Odometry, BatteryState, RangeData, Picture>;
 

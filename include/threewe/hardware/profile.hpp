@@ -181,6 +181,8 @@ struct RobotProfile {
   Pose2D base_from_sensor(SensorType type, std::string_view sensor) const;
   /// [m] kept free around the footprint: a lidar that measures everything a little too far away must not touch either.
   double margin() const { return 0.02 + (lidar ? lidar->bias : 0.0); }
+  /// From a command to its effect, at most: latency, motor lag, and the control period in which it is given.
+  Duration reaction() const { return command_latency + body.motor_lag + kControlPeriod; }
 };
 
 /// Reads assets/robots/NAME.yaml, or the file itself where `name` ends in .yaml. Throws ConfigError.

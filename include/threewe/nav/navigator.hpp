@@ -2,7 +2,6 @@
 // an external navigation can stand in for ours.
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -16,6 +15,7 @@
 #include "threewe/core/time.hpp"
 #include "threewe/map/occupancy_grid.hpp"
 #include "threewe/map/zone.hpp"
+#include "threewe/perception/percepts.hpp"
 #include "threewe/slam/localizer.hpp"
 
 namespace threewe::nav {
@@ -67,15 +67,6 @@ struct Explore {};
 /// Any motion.
 using Goal = std::variant<MoveTo, Rotate, MoveForward, FollowPath, Explore>;
 
-/// A person who walks, or has just stopped. In the robot's `odom`.
-struct TrackedPerson {
-  std::uint32_t id = 0;               ///< the same as long as the person is in sight
-  Vec2 position;                      ///< [m]
-  Vec2 velocity;                      ///< [m/s]
-  std::array<double, 16> covariance;  ///< of (x, y, vx, vy), row-major
-  friend bool operator==(const TrackedPerson&, const TrackedPerson&) = default;
-};
-
 /// What another robot tells that has the same `map` frame.
 struct Peer {
   std::string name{};                       ///< what results call it
@@ -98,7 +89,7 @@ struct Observation {
   const map::ChangeLog* map_changes = nullptr;
   std::span<const Peer> peers{};  ///< robots with the same map frame
   /// Who walks around the robot now, in `odom`; empty without a lidar.
-  std::span<const TrackedPerson> people{};
+  std::span<const perception::TrackedPerson> people{};
   /// The command of the period before, as the gate let it through.
   Velocity commanded{};
 };

@@ -145,7 +145,7 @@ struct RecordedRobot {
   std::string profile;                            ///< the name of its hardware profile
   std::string hardware;                           ///< the profile's YAML; empty where that was made in code
   std::optional<Pose2D> scene_from_map = {};      ///< see `World::scene_from_map`
-  std::vector<backend::SensorInfo> sensors;       ///< as `Sample::sensor` counts them
+  std::vector<SensorInfo> sensors;                ///< as `Sample::sensor` counts them
   std::vector<CameraIntrinsics> cameras;          ///< by the same number; without pixels where it is no camera
   std::vector<RecordedTick> ticks;                ///< in order
   std::vector<Sample> samples;                    ///< in order of arrival; a camera's hold no image

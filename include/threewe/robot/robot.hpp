@@ -92,7 +92,7 @@ class Robot {
   /// What each ultrasonic sensor measured last, by the sensors' names.
   std::map<std::string, RangeData> get_ultrasonic_ranges() const;
   /// Who walks around the robot, as its lidar sees them, in `odom`.
-  std::span<const nav::TrackedPerson> get_people() const { return runtime_->people(); }
+  std::span<const perception::TrackedPerson> get_people() const { return runtime_->people(); }
   /// The plan being followed and the samples that it was made of, in `odom`; see `Runtime::plan`.
   std::optional<nav::SampledPlan> get_plan() const { return runtime_->plan(); }
   /// How each sensor is; see `Runtime::health`.

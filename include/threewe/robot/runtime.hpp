@@ -13,13 +13,16 @@
 
 #include "threewe/backend/world.hpp"
 #include "threewe/nav/navigator.hpp"
-#include "threewe/robot/health.hpp"
+#include "threewe/perception/percepts.hpp"
 #include "threewe/robot/results.hpp"
 #include "threewe/robot/world.hpp"
 #include "threewe/safety/intervention.hpp"
 #include "threewe/slam/localizer.hpp"
 
 namespace threewe {
+
+using perception::SensorFault;
+using perception::SensorHealth;
 
 /// A motion in progress. The handle may outlive the robot.
 class Motion : public Wait {
@@ -123,7 +126,7 @@ class Runtime {
   /// What its collision monitor looks out for: where the newest scan, or sonar returns, hit something, in `odom`.
   std::span<const Vec2> obstacles() const;
   /// Who walks around the robot, as its lidar sees them, in `odom`; one who has stood for some seconds is left out.
-  std::span<const nav::TrackedPerson> people() const;
+  std::span<const perception::TrackedPerson> people() const;
   /// How each sensor is. One that the robot needs and that is at fault keeps it still: a motion waits for up to 10 s,
   /// and goes on when the sensor is ok again. What a sensor at fault delivers is not used.
   const std::vector<SensorHealth>& health() const;

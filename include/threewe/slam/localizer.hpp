@@ -35,6 +35,8 @@ struct PoseEstimate {
 
   /// The estimated pose in `map`.
   Pose2D map_from_base() const { return map_from_odom * odom_from_base; }
+  /// `odom_from_base` a short time before, had the robot moved as it does now.
+  Pose2D odom_from_base_ago(Duration ago) const { return integrate(odom_from_base, velocity, -to_seconds(ago)); }
   /// Radius [m] of the disc around the estimated position that holds the true one with a probability of 95 %, as far as
   /// the covariance is consistent.
   double position_uncertainty() const;

@@ -26,7 +26,7 @@ struct Blinded {
     options.seed = seed;
     auto faulty = std::make_unique<WorldOfFaults>(backend::make_world("mock", options));
     const auto& sensors = faulty->robot(0).features().sensors;
-    const auto found = std::ranges::find(sensors, SensorType::lidar, &backend::SensorInfo::type);
+    const auto found = std::ranges::find(sensors, SensorType::lidar, &SensorInfo::type);
     fault.sensor = lidar = static_cast<std::uint16_t>(found - sensors.begin());
     fault.seed = seed;
     faulty->robot(0).break_with({fault});

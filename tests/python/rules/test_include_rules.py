@@ -16,7 +16,8 @@ MAY_USE = {
     "models": ["core", "hardware"],
     "map": ["core"],
     "slam": ["core", "map"],
-    "nav": ["core", "hardware", "map", "slam"],
+    "perception": ["core", "hardware", "map", "slam"],
+    "nav": ["core", "hardware", "map", "slam", "perception/percepts"],
     "sim": ["core", "scene", "hardware", "models"],
     "backend": ["core", "hardware", "scene/truth_view"],
     "backend/simulated": ["backend", "core", "hardware", "scene", "models", "sim"],
@@ -24,7 +25,7 @@ MAY_USE = {
     "backend/mujoco": ["backend", "backend/simulated", "core", "hardware", "scene", "models", "sim", "export"],
     "backend/known": ["backend", "backend/mock", "backend/mujoco", "core"],
     "safety": ["core", "hardware"],
-    "robot": ["core", "backend", "safety", "slam", "nav", "map", "hardware", "scene/truth_view"],  # robot.simulation
+    "robot": ["core", "backend", "safety", "perception", "slam", "nav", "map", "hardware", "scene/truth_view"],
     "export": ["core", "scene", "hardware", "map"],
     "task": ["core", "hardware", "scene"],
     "env": ["core", "hardware", "scene", "task", "sim", "models", "safety"],
@@ -39,7 +40,7 @@ PUBLIC = ROOT / "include/threewe"
 MOST_PUBLIC_HEADERS = 45
 
 # The robot's mind never sees, through however many includes, what only a simulator knows.
-MIND = ["map", "slam", "nav"]
+MIND = ["map", "slam", "perception", "nav"]
 HIDDEN_FROM_THE_MIND = ["scene", "sim", "backend"]
 
 

@@ -7,7 +7,7 @@
 #include <sstream>
 #include <string>
 
-#include "backend/sample_checks.hpp"
+#include "hardware/sample_checks.hpp"
 #include "mistakes.hpp"
 #include "threewe/backend/registry.hpp"
 #include "threewe/core/assets.hpp"
@@ -60,7 +60,7 @@ void drive(const std::string& scene, const std::string& robot) {
   port.command({0.3, 0.0, 0.5}, 1s);
   for (Time t = 20ms; t <= 300ms; t += 20ms) {
     world->advance_to(t);
-    for (const Sample& sample : port.poll()) check_sample(port.features(), sample, port.profile());
+    for (const Sample& sample : port.poll()) check_sample(port.features().sensors, sample, port.profile());
   }
 }
 

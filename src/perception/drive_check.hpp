@@ -1,0 +1,63 @@
+// Detector of wheels that do not follow their commands, or do not move the robot as they turn.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <optional>
+
+#include "threewe/core/pose.hpp"
+#include "threewe/core/time.hpp"
+#include "threewe/hardware/profile.hpp"
+#include "threewe/slam/localizer.hpp"
+
+namespace threewe::perception {
+
+/// Compares how the wheels turned over half a second with what they were told. Once a control period.
+class DriveCheck {
+ public:
+  DriveCheck() = default;
+  explicit DriveCheck(const RobotProfile& profile);
+
+  /// What was commanded before has come to an end.
+  void begin() { count_ = 0; }
+  /// One period: what was commanded in it, and how the wheels turn at its end. True when they do not do as they are
+  /// told.
+  bool is_disobeyed(const Velocity& command, const Velocity& wheels);
+  /// True when the robot has been told to stand for some time, and must not be moving.
+  bool told_to_stand() const;
+  /// True when the robot has been told to drive for some time, and must be moving.
+  bool told_to_drive() const;
+
+ private:
+  static constexpr std::size_t kWindow = 25;  // periods
+  static constexpr std::size_t kMostDelay = 20;
+
+  const Velocity& command(std::size_t age) const { return commands_[(count_ - 1 - age) % commands_.size()]; }
+  // What can be asked: of a wheel that turns as fast as its motor may let it, no more than it does.
+  Velocity attainable(const Velocity& commanded, const Velocity& done) const;
+
+  WheelGeometry base_;
+  double motor_limit_ = 0.0;  // [rad/s] a wheel as fast as this may be at its motor's limit
+  std::size_t delay_ = 0;     // periods, from a command to its effect
+  std::size_t count_ = 0;
+  std::array<Velocity, kWindow + kMostDelay> commands_{};
+  std::array<Velocity, kWindow> wheels_{};
+};
+
+/// Compares the way by the wheels with what the localiser makes of it: it knows the wheels' systematic errors, and
+/// corrects what is left with each scan.
+class WayCheck {
+ public:
+  /// One period. True when the last corrections all took back, or added, a large share of the way.
+  bool is_contradicted(const slam::PoseEstimate& estimate);
+
+ private:
+  static constexpr std::size_t kCorrections = 7;
+
+  std::optional<slam::PoseEstimate> corrected_;  // when it last was
+  std::size_t count_ = 0;
+  std::array<double, kCorrections> shares_{};       // of the way, added by each correction
+  std::array<double, kCorrections> corrections_{};  // [m] along the way
+};
+
+}  // namespace threewe::perception

@@ -1,0 +1,369 @@
+#include "perception/people_tracker.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "perception/bearing_bin.hpp"
+
+namespace threewe::perception {
+namespace {
+
+constexpr double kFarthest = 7.0;          // [m] farther away legs are too few beams
+constexpr double kFreeBy = 0.25;           // [m] that a beam must have gone on behind a point that was free
+constexpr std::size_t kAside = 2;          // beams to both sides must have done so too
+constexpr Duration kYoungestView = 350ms;  // what looked through: long enough ago for somebody to have moved ...
+constexpr int kViewsThrough = 3;           // ... so many scans, since thin legs of chairs are missed now and then
+constexpr double kLink = 0.10;             // [m] neighbours of one blob are no farther apart, but for ...
+constexpr double kLinkBeams = 1.6;         // ... so many beams' widths
+constexpr double kWidest = 0.8;            // [m] a person
+constexpr double kLegWidth = 0.30;         // [m] a leg
+constexpr double kStride = 0.42;           // [m] between the middles of two legs, at most
+constexpr double kStandsFree = 0.20;       // [m] what is seen beside it is farther by so much
+constexpr double kLegRadius = 0.06;        // [m] from the surface of a leg to its middle
+constexpr double kSigma = 0.08;            // [m] of a group's middle: at times only one leg is seen
+constexpr double kAcceleration = 0.9;      // [m/s^2] people change their velocity by, in a second
+constexpr double kFirstSpeed = 1.0;        // [m/s] deviation of an unknown velocity
+constexpr double kGate = 9.21;             // 99 % of a chi-square with two degrees of freedom
+constexpr double kLargestGate = 0.7;       // [m]
+constexpr int kSightings = 4;              // after so many ...
+constexpr double kWalked = 0.30;           // [m] ... over so long a way a track is somebody ...
+constexpr double kSlowest = 0.25;          // [m/s] ... who walks
+constexpr int kMisses = 2;                 // in a row end a track that is nobody yet
+constexpr Duration kUnseen = 500ms;        // ends one that is
+constexpr Duration kStanding = 3s;         // likewise
+constexpr double kSamePlace = 0.3;         // [m] tracks nearer than this are one
+constexpr double kNearby = 1.5;            // [m] what is farther away need not be looked out for yet
+constexpr Duration kComesFor = 350ms;      // to have come nearer all that time ...
+constexpr Duration kComesSince = 150ms;    // ... but for the newest scans, in which range noise is more than the way
+constexpr double kComes = 0.2;             // [m/s] at least
+constexpr double kComesFastest = 0.6;      // [m/s] what crosses the way seems to come faster than anything is
+constexpr std::size_t kComesTogether = 3;  // neighbouring beams that say so
+
+bool is_valid(const LaserScan& scan, std::size_t beam) {
+  const auto range = static_cast<double>(scan.ranges[beam]);
+  return range > 0.0 && range >= scan.range_min;
+}
+
+// Where the lidar was as it measured a beam.
+Pose2D pose_at(const LaserScan& scan, std::size_t beam, const Pose2D& then, const Pose2D& now) {
+  const double share = (static_cast<double>(beam) + 0.5) / static_cast<double>(scan.ranges.size());
+  return interpolate(then, now, scan.time_increment < 0.0 ? 1.0 - share : share);
+}
+
+}  // namespace
+
+void PeopleTracker::update(const LaserScan& scan, Time began, Time ended, const Pose2D& odom_from_lidar_then,
+                           const Pose2D& odom_from_lidar) {
+  const Time stamp = began + (ended - began) / 2;
+  find_ends(scan, odom_from_lidar_then, odom_from_lidar);
+  find_hits(scan);
+  find_approaching(stamp);
+  group_hits(scan, odom_from_lidar.position());
+  merge_legs();
+  predict(stamp);
+  assign(stamp);
+  begin_tracks(stamp);
+  end_tracks(stamp);
+  remember(scan, stamp, interpolate(odom_from_lidar_then, odom_from_lidar, 0.5).position());
+}
+
+// How far beams could be seen along, each from where the lidar was then.
+void PeopleTracker::find_ends(const LaserScan& scan, const Pose2D& then, const Pose2D& now) {
+  ends_.assign(scan.ranges.size(), {});
+  for (std::size_t i = 0; i < scan.ranges.size(); ++i) {
+    if (!is_valid(scan, i)) continue;
+    const Pose2D lidar = pose_at(scan, i, then, now);
+    const double angle = lidar.theta + scan.angle_min + static_cast<double>(i) * scan.angle_increment;
+    ends_[i] = lidar.position() + rotate({static_cast<double>(scan.ranges[i]), 0.0}, angle);
+  }
+}
+
+// Where beams hit something, and whether it was there before.
+void PeopleTracker::find_hits(const LaserScan& scan) {
+  hits_.clear();
+  choose_views();
+  for (std::size_t i = 0; i < scan.ranges.size(); ++i) {
+    const auto range = static_cast<double>(scan.ranges[i]);
+    if (!is_valid(scan, i) || range >= scan.range_max || range > kFarthest) continue;
+    hits_.push_back({ends_[i], i, range, was_free(ends_[i], kFreeBy)});
+  }
+}
+
+void PeopleTracker::find_approaching(Time stamp) {
+  approaching_.clear();
+  std::vector<Approaching> together;
+  std::size_t beam = 0;
+  const auto settle = [&] {
+    if (together.size() >= kComesTogether) approaching_.insert(approaching_.end(), together.begin(), together.end());
+    together.clear();
+  };
+  for (const Hit& hit : hits_) {
+    const double speed = hit.range < kNearby ? came(hit, stamp) : 0.0;
+    if (speed < kComes || hit.beam > beam + 2) settle();
+    if (speed >= kComes) together.push_back({hit.at, std::min(speed, kComesFastest), stamp});
+    beam = hit.beam;
+  }
+  settle();
+}
+
+// [m/s] by which it has come nearer since each of the scans before, at least; 0 where too few looked there.
+double PeopleTracker::came(const Hit& hit, Time stamp) const {
+  double slowest = kComesFastest;
+  int looked = 0;
+  for (const View& view : views_) {
+    const Duration age = stamp - view.stamp;
+    if (age < kComesSince || age > kComesFor) continue;
+    const Vec2 d = hit.at - view.from;
+    const auto before = static_cast<double>(view.open[bearing_bin(d, 0)]);
+    slowest = std::min(slowest, (before - norm(d)) / to_seconds(age));
+    ++looked;
+  }
+  return looked >= 2 ? slowest : 0.0;
+}
+
+void PeopleTracker::choose_views() {
+  old_views_.clear();
+  for (std::size_t i = 0; i < views_.size(); ++i) {
+    if (views_[i].stamp + kYoungestView <= stamp_ + 100ms) old_views_.emplace_back(i, 0);
+  }
+}
+
+// Did several earlier scans look through this point?
+bool PeopleTracker::was_free(Vec2 point, double margin) {
+  int through = 0;
+  int left = static_cast<int>(old_views_.size());
+  for (auto& [index, bin] : old_views_) {
+    if (through + left-- < kViewsThrough) return false;
+    const View& view = views_[index];
+    const Vec2 d = point - view.from;
+    bin = bearing_bin(d, bin);  // near where the hit before was
+    const auto needed = static_cast<float>(norm(d) + margin);
+    if (view.open[bin] > needed && ++through >= kViewsThrough) return true;
+  }
+  return false;
+}
+
+void PeopleTracker::remember(const LaserScan& scan, Time stamp, Vec2 from) {
+  static_assert(kBins == kBearingBins);
+  const auto nearer = [](float a, float b) { return a == 0.0F ? b : b == 0.0F ? a : std::min(a, b); };
+  std::array<float, kBins> ranges{};
+  std::size_t bin = 0;
+  for (std::size_t i = 0; i < scan.ranges.size(); ++i) {
+    if (!is_valid(scan, i)) continue;
+    const Vec2 d = ends_[i] - from;
+    bin = bearing_bin(d, bin);
+    ranges[bin] = nearer(ranges[bin], static_cast<float>(norm(d)));
+  }
+  View view{stamp, from, {}};
+  for (std::size_t i = 0; i < kBins; ++i) {
+    for (std::size_t k = kBins - kAside; k <= kBins + kAside; ++k) {
+      view.open[i] = nearer(view.open[i], ranges[(i + k) % kBins]);
+    }
+  }
+  if (views_.size() < kRemembered) {
+    views_.push_back(view);
+  } else {
+    views_[next_view_] = view;
+    next_view_ = (next_view_ + 1) % kRemembered;
+  }
+  stamp_ = stamp;
+}
+
+// Blobs of neighbouring hits that are no wider than a person and stand free of what is beside them.
+void PeopleTracker::group_hits(const LaserScan& scan, Vec2 lidar) {
+  groups_.clear();
+  const std::size_t n = hits_.size();
+  const auto linked = [&](const Hit& a, const Hit& b) {
+    const double spacing = std::max(a.range, b.range) * scan.angle_increment;
+    return b.beam - a.beam <= 2 &&
+           distance(a.at, b.at) <= kLink + kLinkBeams * spacing * static_cast<double>(b.beam - a.beam);
+  };
+  // is what the next valid beam sees farther away, or nothing?
+  const auto is_behind = [&](const Hit& hit, std::ptrdiff_t step) {
+    const auto beams = static_cast<std::ptrdiff_t>(scan.ranges.size());
+    for (std::ptrdiff_t k = 1; k <= 3; ++k) {
+      const auto other =
+          static_cast<std::size_t>(((static_cast<std::ptrdiff_t>(hit.beam) + k * step) % beams + beams) % beams);
+      const auto range = static_cast<double>(scan.ranges[other]);
+      if (range > 0.0) return range > hit.range + kStandsFree;
+    }
+    return false;
+  };
+  for (std::size_t first = 0; first < n;) {
+    std::size_t last = first;
+    while (last + 1 < n && linked(hits_[last], hits_[last + 1])) ++last;
+    const double width = distance(hits_[first].at, hits_[last].at);
+    if (width <= kWidest && is_behind(hits_[first], -1) && is_behind(hits_[last], 1))
+      groups_.push_back(group_of(first, last, scan, lidar));
+    first = last + 1;
+  }
+}
+
+PeopleTracker::Group PeopleTracker::group_of(std::size_t first, std::size_t last, const LaserScan& scan,
+                                             Vec2 lidar) const {
+  Group group;
+  group.low = group.high = hits_[first].at;
+  double beams = 0.0;
+  for (std::size_t i = first; i <= last; ++i) {
+    const Vec2 p = hits_[i].at;
+    group.center = group.center + p;
+    group.low = {std::min(group.low.x, p.x), std::min(group.low.y, p.y)};
+    group.high = {std::max(group.high.x, p.x), std::max(group.high.y, p.y)};
+    group.moved += hits_[i].moved ? 1 : 0;
+    beams += static_cast<double>(hits_[i].beam);
+    ++group.hits;
+  }
+  group.center = (1.0 / group.hits) * group.center;
+  group.late = (beams / group.hits - 0.5 * static_cast<double>(scan.ranges.size())) * scan.time_increment;
+  // only the near side was seen
+  const double depth = 0.75 * std::max(kLegRadius, 0.4 * distance(hits_[first].at, hits_[last].at));
+  const Vec2 away = group.center - lidar;
+  group.center = group.center + (depth / std::max(norm(away), depth)) * away;
+  return group;
+}
+
+// Two legs near one another are one person's; the nearest pairs first.
+void PeopleTracker::merge_legs() {
+  const auto is_leg = [](const Group& g) { return g.blobs == 1 && distance(g.low, g.high) <= kLegWidth; };
+  struct Pair {
+    double apart;
+    std::size_t a, b;
+  };
+  std::vector<Pair> pairs;
+  for (std::size_t a = 0; a < groups_.size(); ++a) {
+    for (std::size_t b = a + 1; b < groups_.size(); ++b) {
+      if (!is_leg(groups_[a]) || !is_leg(groups_[b])) continue;
+      const double apart = distance(groups_[a].center, groups_[b].center);
+      // what moves and what does not belong to different things
+      if (apart <= kStride && (groups_[a].moved > 0) == (groups_[b].moved > 0)) pairs.push_back({apart, a, b});
+    }
+  }
+  std::ranges::stable_sort(pairs, {}, &Pair::apart);
+  for (const Pair& pair : pairs) {
+    Group& a = groups_[pair.a];
+    Group& b = groups_[pair.b];
+    if (a.blobs != 1 || b.blobs != 1) continue;
+    a.center = 0.5 * (a.center + b.center);
+    a.late = 0.5 * (a.late + b.late);
+    a.low = {std::min(a.low.x, b.low.x), std::min(a.low.y, b.low.y)};
+    a.high = {std::max(a.high.x, b.high.x), std::max(a.high.y, b.high.y)};
+    a.hits += b.hits;
+    a.moved += b.moved;
+    a.blobs = 2;
+    b.blobs = 0;
+  }
+  std::erase_if(groups_, [](const Group& g) { return g.blobs == 0; });
+  taken_.assign(groups_.size(), 0);
+}
+
+// Where somebody is `t` seconds later, and how surely.
+PeopleTracker::Track PeopleTracker::later(Track track, double t) {
+  constexpr double kNoise = kAcceleration * kAcceleration;  // of white acceleration, per second
+  track.position = track.position + t * track.velocity;
+  track.pp += 2.0 * t * track.pv + t * t * track.vv + kNoise * t * t * t / 3.0;
+  track.pv += t * track.vv + kNoise * t * t / 2.0;
+  track.vv += kNoise * t;
+  return track;
+}
+
+void PeopleTracker::predict(Time stamp) {
+  const double t = to_seconds(stamp - stamp_);
+  if (t <= 0.0) return;
+  for (Track& track : tracks_) track = later(track, t);
+}
+
+// How far a group is from where a track was as it was seen.
+Vec2 PeopleTracker::offset(const Track& track, const Group& group) {
+  return group.center - group.late * track.velocity - track.position;
+}
+
+// The nearest pairs of track and group first.
+void PeopleTracker::assign(Time stamp) {
+  struct Pair {
+    double off;
+    std::size_t track, group;
+  };
+  std::vector<Pair> pairs;
+  for (std::size_t t = 0; t < tracks_.size(); ++t) {
+    const double variance = tracks_[t].pp + kSigma * kSigma;
+    for (std::size_t g = 0; g < groups_.size(); ++g) {
+      const Vec2 d = offset(tracks_[t], groups_[g]);
+      // what has not moved is somebody's only if that one was here before
+      if (groups_[g].moved == 0 && tracks_[t].id == 0) continue;
+      const double penalty = groups_[g].moved == 0 ? 4.0 : 0.0;
+      const double off = dot(d, d) / variance + penalty;
+      if (off <= kGate && norm(d) <= kLargestGate) pairs.push_back({off, t, g});
+    }
+  }
+  std::ranges::stable_sort(pairs, {}, &Pair::off);
+  for (Track& track : tracks_) ++track.misses;
+  for (const Pair& pair : pairs) {
+    Track& track = tracks_[pair.track];
+    if (track.misses == 0 || taken_[pair.group] != 0) continue;
+    const Group& group = groups_[pair.group];
+    taken_[pair.group] = 1;
+    const double variance = track.pp + kSigma * kSigma;
+    const Vec2 off = offset(track, group);
+    track.position = track.position + (track.pp / variance) * off;
+    track.velocity = track.velocity + (track.pv / variance) * off;
+    track.vv -= track.pv * track.pv / variance;
+    track.pv -= track.pp * track.pv / variance;
+    track.pp -= track.pp * track.pp / variance;
+    track.misses = 0;
+    track.seen = stamp;
+    if (group.moved > 0) track.moved = stamp;
+    ++track.sightings;
+    const bool walked = distance(track.position, track.began_at) >= kWalked && norm(track.velocity) >= kSlowest;
+    if (track.id == 0 && track.sightings >= kSightings && walked) track.id = ++known_;
+  }
+}
+
+void PeopleTracker::begin_tracks(Time stamp) {
+  for (std::size_t g = 0; g < groups_.size(); ++g) {
+    const Group& group = groups_[g];
+    if (taken_[g] != 0 || group.moved < 2 || 2 * group.moved < group.hits) continue;
+    const auto is_here = [&](const Track& track) { return distance(track.position, group.center) < kSamePlace; };
+    if (std::ranges::any_of(tracks_, is_here)) continue;
+    Track track;
+    track.position = track.began_at = group.center;
+    track.pp = kSigma * kSigma;
+    track.vv = kFirstSpeed * kFirstSpeed;
+    track.seen = track.moved = stamp;
+    track.sightings = 1;
+    tracks_.push_back(track);
+  }
+}
+
+void PeopleTracker::end_tracks(Time stamp) {
+  std::erase_if(tracks_, [&](const Track& track) {
+    if (track.id == 0) return track.misses >= kMisses;
+    return stamp - track.seen > kUnseen || stamp - track.moved > kStanding;
+  });
+  // two that have become one: the older stays
+  for (std::size_t a = 0; a < tracks_.size(); ++a) {
+    for (std::size_t b = a + 1; b < tracks_.size();) {
+      const bool same = distance(tracks_[a].position, tracks_[b].position) < 0.5 * kSamePlace;
+      if (same && tracks_[a].id == 0) tracks_[a] = tracks_[b];
+      if (same) {
+        tracks_.erase(tracks_.begin() + static_cast<std::ptrdiff_t>(b));
+      } else {
+        ++b;
+      }
+    }
+  }
+}
+
+std::vector<TrackedPerson> PeopleTracker::people(Time now) const {
+  std::vector<TrackedPerson> people;
+  const double t = std::max(0.0, to_seconds(now - stamp_));
+  for (const Track& track : tracks_) {
+    if (track.id == 0) continue;
+    const Track then = later(track, t);
+    const double pp = then.pp, pv = then.pv, vv = then.vv;
+    people.push_back({then.id, then.position, then.velocity, {pp, 0, pv, 0, 0, pp, 0, pv, pv, 0, vv, 0, 0, pv, 0, vv}});
+  }
+  std::ranges::sort(people, {}, &TrackedPerson::id);
+  return people;
+}
+
+}  // namespace threewe::perception
