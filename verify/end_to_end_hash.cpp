@@ -2,7 +2,9 @@
 // told, tick by tick:
 //
 //   verify_end_to_end_hash SEED          on every vector target that this machine has: fresh, and restored half-way
-//   verify_end_to_end_hash SEED --false-truth    with the truth as it is, and with a simulator that falsifies it
+//   verify_end_to_end_hash SEED --false-truth    with the truth as it is, and with a simulator that falsifies it: by
+//   our
+//                                                autonomy stack, and by some that peek at the truth
 //
 // One line a run: what it was, and its hash. Runs that should be equal print equal hashes.
 #include <algorithm>
@@ -23,6 +25,7 @@
 #include "hash.hpp"
 #include "number.hpp"
 #include "robot/false_truth_world.hpp"
+#include "robot/peeking_autonomy.hpp"
 #include "scene/episodes.hpp"
 #include "scene/scene_tables.hpp"
 #include "threewe/backend/registry.hpp"
@@ -88,7 +91,8 @@ Plan plan(std::uint64_t seed) {
 // The robots of a world, each of which begins its motions at the same time as the others.
 class Team {
  public:
-  explicit Team(std::unique_ptr<backend::World> backend) : world_(std::move(backend)) {
+  explicit Team(std::unique_ptr<backend::World> backend, const Autonomy& autonomy = {})
+      : world_(std::move(backend), false, autonomy) {
     for (std::size_t i = 0; i < world_.robot_count(); ++i) robots_.emplace_back(world_, i);
   }
   std::deque<Robot>& robots() { return robots_; }
@@ -175,12 +179,28 @@ std::uint64_t drive_all(const Plan& plan, bool restored) {
   return hash.value();
 }
 
-// What the robots do when the simulator tells the truth about them and about people, and when it does not.
-std::uint64_t drive(const Plan& plan, std::unique_ptr<backend::World> backend) {
-  Team team(std::move(backend));
+std::unique_ptr<backend::World> make_world(const Plan& plan, bool falsified) {
+  std::unique_ptr<backend::World> world = backend::make_world("mock", plan.options);
+  if (!falsified) return world;
+  return std::make_unique<FalseTruthWorld>(std::move(world));
+}
+
+// What the robots do when the simulator states the truth about them and about people, and when it falsifies it.
+std::uint64_t drive(const Plan& plan, bool falsified) {
+  Team team(make_world(plan, falsified));
   Listener listener(team);
   set_out(team, plan);
   go_on(team, plan);
+  return listener.hash();
+}
+
+// The same, for as long as it takes to see a difference, of robots whose autonomy stack peeks.
+std::uint64_t drive(const Plan& plan, bool falsified, const PeekingAutonomy& twin) {
+  std::unique_ptr<backend::World> world = make_world(plan, falsified);
+  const Autonomy autonomy = twin.make(*world->truth_service());
+  Team team(std::move(world), autonomy);
+  Listener listener(team);
+  set_out(team, plan);
   return listener.hash();
 }
 
@@ -188,16 +208,20 @@ std::uint64_t drive(const Plan& plan, std::unique_ptr<backend::World> backend) {
 
 int main(int argc, char** argv) {
   const auto seed = parse_number(argc > 1 ? argv[1] : "");
-  const bool lie = argc == 3 && std::strcmp(argv[2], "--false-truth") == 0;
-  if (!seed || (argc == 3 && !lie) || argc > 3) {
+  const bool false_truth = argc == 3 && std::strcmp(argv[2], "--false-truth") == 0;
+  if (!seed || (argc == 3 && !false_truth) || argc > 3) {
     std::fputs("usage: verify_end_to_end_hash SEED [--false-truth]\n", stderr);
     return 2;
   }
 
   const Plan where = plan(*seed);
-  if (lie) {
-    print_hash("truth", drive(where, backend::make_world("mock", where.options)));
-    print_hash("lies", drive(where, std::make_unique<FalseTruthWorld>(backend::make_world("mock", where.options))));
+  if (false_truth) {
+    print_hash("truth", drive(where, false));
+    print_hash("false truth", drive(where, true));
+    for (const PeekingAutonomy& twin : kPeekingAutonomies) {
+      print_hash(std::string("truth, peeking at ") + twin.at, drive(where, false, twin));
+      print_hash(std::string("false truth, peeking at ") + twin.at, drive(where, true, twin));
+    }
     return 0;
   }
   for (const std::string& target : available_targets()) {

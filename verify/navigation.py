@@ -337,7 +337,10 @@ REGRESSION = [
         truth_isolation,
         cases=100,
         sample=2,
-        rows=[all_of("same commands when the truth is shifted and people scrambled", lambda case: case["equal"])],
+        rows=[
+            all_of("same commands when the truth is shifted and people scrambled", lambda case: case["equal"]),
+            all_of("autonomy stacks that peek at the truth are found out", lambda case: case["found_out"]),
+        ],
     ),
 ]
 

@@ -77,7 +77,7 @@ Throughput simulation_alone(std::uint64_t seed) {
       if (const auto* scan = std::get_if<LaserScan>(&sample.data)) velocity = random_walk(*scan, t);
     }
   }
-  return {to_seconds(kDrive) / (cpu_seconds() - begin), port.truth()->distance_driven()};
+  return {to_seconds(kDrive) / (cpu_seconds() - begin), world->truth_service()->truth(0).distance_driven()};
 }
 
 }  // namespace

@@ -78,11 +78,11 @@ class Drawing:
 def data_flow() -> None:
     """From samples to a command, and who else has a say."""
     d = Drawing(
-        780, 470, "Samples go from the backend through sensor health, localizer and navigator to the gate and back"
+        780, 470, "Samples go from the backend through perception, localizer and navigator to the gate and back"
     )
     d.box(20, 20, 740, 52, "Your program\nPython, C++, command line, a learned policy", GREEN)
     d.frame(20, 140, 560, 168, "autonomy stack")
-    d.box(35, 180, 160, 104, "Sensor health\nfaults found,\nsamples left out", BLUE)
+    d.box(35, 180, 160, 104, "Perception\nsensor faults, people,\nobstacle points", BLUE)
     d.box(220, 180, 160, 104, "Localizer\npose, covariance,\nmap, obstacles", BLUE)
     d.box(405, 180, 160, 104, "Navigator\ngoal, path, plan,\nrecovery", BLUE)
     d.box(625, 180, 135, 104, "Safety gate\nlimits, monitor,\nemergency stop", ORANGE)
@@ -94,7 +94,7 @@ def data_flow() -> None:
         "Backend\nmock · mujoco · one of your own, on a robot or a simulator\nkeeps time, delivers samples, drives",
         GREY,
     )
-    d.box(625, 366, 135, 84, "Ground truth\nsimulators only,\nfor metrics", PINK, dashed=True)
+    d.box(625, 366, 135, 84, "Truth service\nsimulators only,\nfor metrics", PINK, dashed=True)
     d.arrow((195, 232), (220, 232))
     d.arrow((380, 232), (405, 232))
     d.arrow((565, 232), (625, 232))

@@ -215,6 +215,8 @@ void bind_time(nb::module_& m) {
           "initial_poses"_a, "localization"_a = "slam", "image_size"_a = nb::none(), "map"_a.none() = nb::none(),
           "randomization"_a = "none")
       .def_prop_ro("robot_count", &World::robot_count)
+      .def_prop_ro(
+          "simulated", [](World& world) { return world.truth_service() != nullptr; }, "whether it has a `Simulation`")
       .def("robot", nb::overload_cast<std::size_t>(&World::robot), "index"_a, nb::rv_policy::reference_internal)
       .def_prop_ro("now", &World::now, "[s] of robot time")
       .def("disconnect", &World::disconnect, WithoutGil(), "Stops every robot and lets go of it.")
@@ -254,7 +256,6 @@ void bind_readings(OneThreadClass<Runtime>& runtime) {
       .def_prop_ro("fault", &Runtime::fault)
       .def_prop_ro("profile", &Runtime::profile)
       .def_prop_ro("features", &Runtime::features)
-      .def_prop_ro("simulated", [](const Runtime& robot) { return robot.truth() != nullptr; })
       .def("lidar_scan", &Runtime::lidar_scan, nb::rv_policy::copy)
       .def("imu", &Runtime::imu, nb::rv_policy::copy)
       .def("odometry", &Runtime::odometry, nb::rv_policy::copy)

@@ -2055,6 +2055,10 @@ class World:
     @property
     def robot_count(self) -> int: ...
 
+    @property
+    def simulated(self) -> bool:
+        """whether it has a `Simulation`"""
+
     def robot(self, index: int) -> Runtime: ...
 
     @property
@@ -2127,9 +2131,6 @@ class Runtime:
 
     @property
     def features(self) -> Features: ...
-
-    @property
-    def simulated(self) -> bool: ...
 
     def lidar_scan(self) -> LaserScan: ...
 

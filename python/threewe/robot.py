@@ -155,7 +155,7 @@ class Robot(InRobotTime):
         self._index = index
         self._runtime = world.robot(index)
         self._profile, self._features = self._runtime.profile, self._runtime.features
-        self._simulation = Simulation(world, index, robot_time) if self._runtime.simulated else None
+        self._simulation = Simulation(world, index, robot_time) if world.simulated else None
         self._map: tuple[int, OccupancyGrid] | None = None
         self._observers = Observers(self._runtime)
 

@@ -56,6 +56,11 @@ class Bench {
 
   World& world() { return *world_; }
   RobotPort& port() { return world_->robot(0); }
+  /// The truth about the robot; null where the world is not simulated.
+  const scene::TruthView* truth() {
+    const TruthService* service = world_->truth_service();
+    return service == nullptr ? nullptr : &service->truth(0);
+  }
   const Features& features() { return port().features(); }
   const RobotProfile& profile() { return port().profile(); }
   Time now() { return world_->now(); }

@@ -16,7 +16,7 @@ namespace {
 constexpr double kStandsThere = 0.02;  // [m] and [rad] that a robot may be off from where it was put
 
 const scene::TruthView& truth_of(Bench& bench) {
-  const scene::TruthView* truth = bench.port().truth();
+  const scene::TruthView* truth = bench.truth();
   if (truth == nullptr) throw NotApplicable("the world is not simulated: it has no truth");
   return *truth;
 }
@@ -165,7 +165,7 @@ void expect_moved_by_reset(Bench& bench) {
 void reset_puts_the_robot_at_its_pose(const Context& context) {
   Bench bench = context.connected();
   applies_if(bench.features().can_reset, "the backend does not claim that it can be reset");
-  if (bench.port().truth() == nullptr) {
+  if (bench.truth() == nullptr) {
     applies_if(has_lidar(bench), "the world has no truth, and the robot no lidar that could tell where it is");
     return expect_moved_by_reset(bench);
   }

@@ -99,7 +99,7 @@ struct View {
 
 std::vector<View> look_around(Bench& bench) {
   constexpr int kHeadings = 3;
-  const scene::TruthView* truth = bench.port().truth();
+  const scene::TruthView* truth = bench.truth();
   if (truth == nullptr) throw NotApplicable("the world is not simulated: it has no truth");
   const CameraSpec& spec = *bench.profile().camera;
   std::vector<View> views;
@@ -270,7 +270,7 @@ void images_are_blue_green_red(const Context& context) {
   if (!context.surroundings.color_ahead.empty()) return expect_color_ahead(bench, context.surroundings.color_ahead);
   constexpr const char* kState =
       "no colour ahead of the robot is known: put something red or blue there, and state it (color_ahead)";
-  applies_if(bench.port().truth() != nullptr, kState);
+  applies_if(bench.truth() != nullptr, kState);
   double colored = 0.0;
   double as_is = 0.0;
   double swapped = 0.0;

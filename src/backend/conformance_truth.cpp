@@ -10,11 +10,11 @@ namespace {
 
 Bench with_truth(const Context& context) {
   Bench bench = context.connected();
-  applies_if(bench.port().truth() != nullptr, "the world is not simulated: it has no truth");
+  applies_if(bench.truth() != nullptr, "the world is not simulated: it has no truth");
   return bench;
 }
 
-const scene::TruthView& truth(Bench& bench) { return *bench.port().truth(); }
+const scene::TruthView& truth(Bench& bench) { return *bench.truth(); }
 
 void truth_begins_at_the_start_pose(const Context& context) {
   Bench bench = with_truth(context);

@@ -152,7 +152,7 @@ class PluginLink {
 };
 
 /// A world with one robot, whose other end is a plug-in; a simulator's comes with a view of what it answers to `truth`.
-class PluginWorld : public World, private RobotPort {
+class PluginWorld : public World, private RobotPort, private TruthService {
  public:
   explicit PluginWorld(std::shared_ptr<PluginLink> link, std::unique_ptr<const scene::TruthView> truth = nullptr);
   ~PluginWorld() override { link_->close(); }
@@ -161,6 +161,7 @@ class PluginWorld : public World, private RobotPort {
 
   std::size_t robot_count() const override { return 1; }
   RobotPort& robot(std::size_t index) override;
+  const TruthService* truth_service() const override { return truth_ ? this : nullptr; }
   Time now() const override;
   void advance_to(Time t) override;
   void reset(const ResetOptions& options) override;
@@ -174,7 +175,7 @@ class PluginWorld : public World, private RobotPort {
   void disconnect() override;
   std::vector<Sample> poll() override;
   void command(const Velocity& velocity, Time valid_until) override;
-  const scene::TruthView* truth() const override { return truth_.get(); }
+  const scene::TruthView& truth(std::size_t) const override { return *truth_; }
 
   std::shared_ptr<PluginLink> link_;
   std::unique_ptr<const scene::TruthView> truth_;

@@ -21,7 +21,7 @@ std::unique_ptr<backend::World> connect(std::string_view backend, const std::str
   return world;
 }
 
-Source source_of(backend::World& world) { return world.robot(0).truth() != nullptr ? Source::truth : Source::sensors; }
+Source source_of(backend::World& world) { return world.truth_service() != nullptr ? Source::truth : Source::sensors; }
 
 Twin twin_of(backend::World& world) {
   return {std::make_shared<const scene::Scene>(scene::Scene::load(test_arena())), source_of(world)};

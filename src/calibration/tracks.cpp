@@ -49,7 +49,8 @@ void begin(backend::World& world, const ExcitationSequence& sequence) {
 Track drive(backend::World& world, const ExcitationSequence& sequence) {
   begin(world, sequence);
   backend::RobotPort& port = world.robot(0);
-  const scene::TruthView* truth = port.truth();
+  const backend::TruthService* service = world.truth_service();
+  const scene::TruthView* truth = service == nullptr ? nullptr : &service->truth(0);
   const Pose2D start = truth != nullptr ? truth->true_pose() : Pose2D{};
   Feeling feeling;
   Track track;

@@ -19,6 +19,7 @@
 #include "threewe/core/errors.hpp"
 #include "threewe/robot/runtime.hpp"
 #include "threewe/robot/warning.hpp"
+#include "threewe/scene/truth_view.hpp"
 
 namespace threewe::record {
 namespace {
@@ -185,7 +186,8 @@ void Recorder::Impl::on_tick(std::uint8_t robot, const TickView& view) {
   }
   guarded([&] {
     if (pending.size() == 0) block_began = view.now;
-    const scene::TruthView* truth = view.robot.truth();
+    const backend::TruthService* service = world.truth_service();
+    const scene::TruthView* truth = service == nullptr ? nullptr : &service->truth(robots[robot]);
     const RecordedTick tick{.now = view.now,
                             .map_from_base = view.pose.map_from_base(),
                             .odom_from_base = view.pose.odom_from_base,

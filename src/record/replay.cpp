@@ -9,6 +9,7 @@
 #include "threewe/core/errors.hpp"
 #include "threewe/hardware/profile.hpp"
 #include "threewe/record/recorder.hpp"
+#include "threewe/scene/truth_view.hpp"
 
 namespace threewe::record {
 namespace {
@@ -84,7 +85,7 @@ ReplayReport replay(const Journal& journal) {
     for (std::size_t i = 0; i < recordings.size(); ++i) {
       const RecordedTick& tick = recordings[i].robot->ticks[t];
       const bool samples = recordings[i].same(world->robot(i).poll());
-      const Pose2D pose = world->robot(i).truth()->true_pose();
+      const Pose2D pose = world->truth_service()->truth(i).true_pose();
       report.max_deviation = std::max(report.max_deviation, distance(pose.position(), tick.true_pose.position()));
       if (!(samples && same_bits(pose, tick.true_pose)) && !report.first_difference) report.first_difference = tick.now;
     }

@@ -45,12 +45,12 @@ Robot::Robot() : Robot(Options{}) {}
 Robot::Robot(const Options& options) : owned_(std::make_unique<World>(world_options(options))) {
   world_ = owned_.get();
   runtime_ = &world_->robot(0);
-  if (runtime_->truth() != nullptr) simulation_.emplace(*world_, 0);
+  if (world_->truth_service() != nullptr) simulation_.emplace(*world_, 0);
   connect();
 }
 
 Robot::Robot(World& world, std::size_t index) : world_(&world), runtime_(&world.robot(index)) {
-  if (runtime_->truth() != nullptr) simulation_.emplace(world, index);
+  if (world_->truth_service() != nullptr) simulation_.emplace(world, index);
   connect();
 }
 

@@ -69,7 +69,6 @@ const std::string& Runtime::fault() const { return impl_->fault; }
 const RobotProfile& Runtime::profile() const { return impl_->port.profile(); }
 const World& Runtime::world() const { return impl_->world; }
 const backend::Features& Runtime::features() const { return impl_->port.features(); }
-const scene::TruthView* Runtime::truth() const { return impl_->port.truth(); }
 
 WaitHandle Runtime::ready() {
   impl_->require_healthy();

@@ -117,15 +117,11 @@ void TruthLocalizer::extend_map(const LaserScan& scan, Time measured) {
 }  // namespace
 
 std::unique_ptr<slam::Localizer> make_truth_localizer(const RobotProfile& profile, const slam::InitialState& initial,
-                                                      const scene::TruthView* truth) {
-  if (truth == nullptr) {
-    throw ContractError("localization 'truth' needs a simulator that states it; unknown is where robot '" +
-                        profile.name + "' truly is on this backend");
-  }
+                                                      const scene::TruthView& truth) {
   if (initial.map && !initial.map_from_start) {
     throw ContractError("localization 'truth' in a given map needs initial_pose: the truth knows nothing of that map");
   }
-  return std::make_unique<TruthLocalizer>(profile, initial, *truth);
+  return std::make_unique<TruthLocalizer>(profile, initial, truth);
 }
 
 }  // namespace threewe

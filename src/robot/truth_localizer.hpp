@@ -9,10 +9,10 @@
 
 namespace threewe {
 
-/// For experiments in a simulated world, as a `Autonomy::localizer`. `odom` lies where the robot started, and never
-/// drifts; the map is drawn by scans at their true poses. Throws ContractError on a real robot, of which nobody knows
-/// the truth, and for a given map of which nobody said where the robot starts in it.
+/// For experiments in a simulated world, made by whoever holds its truth service. `odom` lies where the robot started,
+/// and never drifts; the map is drawn by scans at their true poses. Throws ContractError for a given map where it is
+/// unknown where the robot starts in it.
 std::unique_ptr<slam::Localizer> make_truth_localizer(const RobotProfile& profile, const slam::InitialState& initial,
-                                                      const scene::TruthView* truth);
+                                                      const scene::TruthView& truth);
 
 }  // namespace threewe

@@ -9,6 +9,7 @@
 
 #include "core/bounds.hpp"
 #include "nav/autonomy.hpp"
+#include "robot/truth_localizer.hpp"
 #include "robot/world_state.hpp"
 #include "threewe/backend/registry.hpp"
 #include "threewe/core/errors.hpp"
@@ -16,16 +17,27 @@
 namespace threewe {
 namespace {
 
-Runtime::Options make_autonomy(const Autonomy& autonomy, const backend::RobotPort& port,
+// Only here, where the world is held, a localizer is given the truth, and only where the options say so.
+std::unique_ptr<slam::Localizer> make_localizer(const Autonomy& autonomy, const RobotProfile& profile,
+                                                const slam::InitialState& initial, const backend::TruthService* truths,
+                                                std::size_t robot) {
+  if (autonomy.localizer) return autonomy.localizer(profile, initial);
+  const std::string ours = autonomy_with(autonomy.localization).localization;  // throws for another
+  if (ours != "truth") return slam::make_localizer(profile, initial);
+  if (truths != nullptr) return make_truth_localizer(profile, initial, truths->truth(robot));
+  throw ContractError("localization 'truth' needs a simulator that states it; unknown is where robot '" + profile.name +
+                      "' truly is on this backend");
+}
+
+Runtime::Options make_autonomy(const Autonomy& autonomy, backend::World& world, std::size_t robot,
                                const slam::InitialState& initial) {
-  const RobotProfile& profile = port.profile();
+  const RobotProfile& profile = world.robot(robot).profile();
   if (initial.map && !profile.lidar) {
     throw HardwareError("robot '" + profile.name + "' has no sensor 'lidar', which finding its place in a map needs");
   }
-  return {
-      autonomy.localizer ? autonomy.localizer(profile, initial, port.truth()) : slam::make_localizer(profile, initial),
-      autonomy.navigator ? autonomy.navigator(profile) : nav::make_navigator(profile),
-      !autonomy.navigator && profile.lidar.has_value()};
+  return {make_localizer(autonomy, profile, initial, world.truth_service(), robot),
+          autonomy.navigator ? autonomy.navigator(profile) : nav::make_navigator(profile),
+          !autonomy.navigator && profile.lidar.has_value()};
 }
 
 std::string size_of_pictures(const RobotProfile& profile) {
@@ -101,7 +113,8 @@ World::World(std::unique_ptr<backend::World> backend, bool realtime, const Auton
       initial.map_from_start = pose;
     }
     impl_->setup.cameras.push_back(size_of_pictures(port.profile()));
-    impl_->robots.push_back(std::make_unique<Runtime>(*this, port, make_autonomy(autonomy, port, initial)));
+    impl_->robots.push_back(
+        std::make_unique<Runtime>(*this, port, make_autonomy(autonomy, *impl_->backend, i, initial)));
   }
 }
 
@@ -116,6 +129,8 @@ const Runtime& World::robot(std::size_t index) const {
   if (index < robot_count()) return *impl_->robots[index];
   throw ContractError("no robot " + std::to_string(index) + " in a world of " + std::to_string(robot_count()));
 }
+
+const backend::TruthService* World::truth_service() { return impl_->backend->truth_service(); }
 
 Time World::now() const { return impl_->now; }
 const std::optional<World::Origin>& World::origin() const { return impl_->origin; }

@@ -18,9 +18,13 @@ def hashes(command: list[str | Path], **environment: str) -> dict[str, str]:
 
 
 def truth_isolation(seed: int) -> dict[str, Any]:
-    """A drive in a world that states the truth about the robot, and in one that falsifies it."""
+    """Drives in a world that states the truth about robots, and in one that falsifies it, by ours and peeking ones."""
     found = hashes([PROGRAMS / "verify_end_to_end_hash", str(seed), "--false-truth"])
-    return {"equal": len(found) == 2 and len(set(found.values())) == 1}
+    peeking = [run for run in found if run.startswith("truth, peeking at ")]
+    return {
+        "equal": found["truth"] == found["false truth"],
+        "found_out": bool(peeking) and all(found[run] != found[f"false {run}"] for run in peeking),
+    }
 
 
 def targets(seed: int, program: str) -> dict[str, Any]:

@@ -51,8 +51,16 @@ class RobotPort {
   /// The body velocity to keep until `valid_until`, when the port itself brings the robot to a stop.
   /// Throws ContractError on a velocity that is not finite or that the base cannot drive.
   virtual void command(const Velocity& velocity, Time valid_until) = 0;
-  /// The truth about this robot in a simulated world; null on a real one.
-  virtual const scene::TruthView* truth() const { return nullptr; }
+};
+
+/// Ground truth of a simulated world, for metrics, rewards and drawings. It belongs to the world, not to its robots: a
+/// port, and so an autonomy stack, has no way to it.
+class TruthService {
+ public:
+  virtual ~TruthService() = default;
+
+  /// About robot `index` < `robot_count()`, for as long as the world lives.
+  virtual const scene::TruthView& truth(std::size_t index) const = 0;
 };
 
 /// How a world begins anew.
@@ -74,6 +82,8 @@ class World {
   virtual std::size_t robot_count() const = 0;
   /// Robot `index` < `robot_count()`.
   virtual RobotPort& robot(std::size_t index) = 0;
+  /// The truth about its robots where they are simulated; null where they are real.
+  virtual const TruthService* truth_service() const { return nullptr; }
   /// Robot time since the world was made or reset.
   virtual Time now() const = 0;
   /// Lockstep: simulates until `now() == t`. Real time: returns when the clock has reached `t`.

@@ -90,8 +90,6 @@ class Runtime {
   const backend::Features& features() const;
   /// The world that it is in.
   const World& world() const;
-  /// The truth about this robot in a simulated world, for metrics and drawings; null on a real one.
-  const scene::TruthView* truth() const;
 
   // Readings: what arrived last. They never advance time. Throw ConnectionError when not connected, HardwareError
   // naming the sensor that is missing or has not delivered yet.

@@ -14,8 +14,8 @@ namespace threewe {
 /// One robot of a simulated world. All poses are in the scene's frame.
 class Simulation {
  public:
-  /// Of the robot at that place in a world, which must outlive it.
-  Simulation(World& world, std::size_t robot) : world_(&world), robot_(robot) {}
+  /// Of the robot at that place in a world, which must outlive it. Throws ContractError where it is not simulated.
+  Simulation(World& world, std::size_t robot);
 
   /// The scene it drives in.
   const scene::Scene& scene() const { return truth().scene(); }
@@ -62,13 +62,14 @@ class Simulation {
   void restore(const std::shared_ptr<const World::Snapshot>& snapshot) { world_->restore(snapshot); }
 
   /// All that the simulator knows about the robot.
-  const scene::TruthView& truth() const;
+  const scene::TruthView& truth() const { return *truth_; }
   /// The world that it is in.
   const World& world() const { return *world_; }
 
  private:
   World* world_;
   std::size_t robot_;
+  const scene::TruthView* truth_;
 };
 
 }  // namespace threewe

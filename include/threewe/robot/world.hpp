@@ -74,6 +74,9 @@ class World {
   Runtime& robot(std::size_t index);
   /// The same of a const world.
   const Runtime& robot(std::size_t index) const;
+  /// The truth about its robots where they are simulated, for metrics, rewards and drawings; null where they are real.
+  /// For whoever holds the world: a robot, its observers and its autonomy stack see a const world at most.
+  const backend::TruthService* truth_service();
   /// Robot time.
   Time now() const;
   /// Of which backend a world is, and how it was made.

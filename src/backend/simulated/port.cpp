@@ -65,7 +65,7 @@ WorldCapture get_capture(ByteReader& bytes) {
 }  // namespace
 
 Port::Port(const SimulatedWorld& world, std::size_t index, const RobotProfile& profile)
-    : world_(world), index_(index), profile_(profile), features_(features_of(profile)), truth_(world, index) {
+    : world_(world), index_(index), profile_(profile), features_(features_of(profile)) {
   reset();
 }
 

@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "backend/simulated/simulated_world.hpp"
-#include "backend/simulated/truth.hpp"
 #include "core/bytes.hpp"
 
 namespace threewe::backend::simulated {
@@ -37,7 +36,6 @@ class Port : public RobotPort {
   void disconnect() override;
   std::vector<Sample> poll() override;
   void command(const Velocity& velocity, Time valid_until) override;
-  const scene::TruthView* truth() const override { return &truth_; }
 
   // For the world that holds the port.
 
@@ -59,7 +57,6 @@ class Port : public RobotPort {
   std::size_t index_;
   RobotProfile profile_;  // as its maker states it, whatever the noise
   Features features_;
-  Truth truth_;
   bool connected_ = false;
   State state_;
 };

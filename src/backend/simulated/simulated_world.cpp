@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "backend/simulated/port.hpp"
+#include "backend/simulated/truth.hpp"
 #include "core/bytes.hpp"
 #include "sim/camera.hpp"
 #include "sim/placement.hpp"
@@ -37,6 +38,7 @@ SimulatedWorld::SimulatedWorld(const WorldOptions& options, std::string format, 
   model_ = sim::make_model(std::make_shared<const scene::Scene>(scene::Scene::load(options.scene)), simulated);
   for (std::size_t i = 0; i < profiles.size(); ++i) {
     ports_.push_back(std::make_unique<Port>(*this, i, profiles[i]));
+    truths_.push_back(std::make_unique<Truth>(*this, i));
   }
   engine_ = make_engine(model_);
   begin({.seed = options.seed, .poses = options.poses});
@@ -47,6 +49,8 @@ SimulatedWorld::~SimulatedWorld() = default;
 std::size_t SimulatedWorld::robot_count() const { return ports_.size(); }
 
 RobotPort& SimulatedWorld::robot(std::size_t index) { return *ports_.at(index); }
+
+const scene::TruthView& SimulatedWorld::truth(std::size_t index) const { return *truths_.at(index); }
 
 void SimulatedWorld::advance_to(Time t) {
   if (t < now_) {

@@ -17,9 +17,10 @@
 namespace threewe::backend::simulated {
 
 class Port;
+class Truth;
 
 /// A simulated scene with one robot or more.
-class SimulatedWorld : public World {
+class SimulatedWorld : public World, private TruthService {
  public:
   using EngineFactory = std::function<std::unique_ptr<Engine>(std::shared_ptr<const sim::Model>)>;
 
@@ -32,6 +33,7 @@ class SimulatedWorld : public World {
 
   std::size_t robot_count() const override;
   RobotPort& robot(std::size_t index) override;
+  const TruthService* truth_service() const override { return this; }
   Time now() const override { return now_; }
   /// Physics advances in steps of `sim::kStep`; between two of them only the clock moves.
   void advance_to(Time t) override;
@@ -45,6 +47,7 @@ class SimulatedWorld : public World {
   friend class Port;
   friend class Truth;
 
+  const scene::TruthView& truth(std::size_t index) const override;
   void begin(const ResetOptions& options);
   void step();
   void vary();
@@ -66,6 +69,7 @@ class SimulatedWorld : public World {
   std::vector<sim::PersonState> people_;
   std::vector<Velocity> commands_;  // of each robot, in the step to come
   std::vector<std::unique_ptr<Port>> ports_;
+  std::vector<std::unique_ptr<Truth>> truths_;
 };
 
 }  // namespace threewe::backend::simulated

@@ -26,11 +26,12 @@ void require_sensor(const Runtime& robot, const std::string& backend, SensorType
 }
 
 // Of sensors that the backend lacks nothing is observed, or it is an error.
-void check(Options& options, const Runtime& robot, const std::string& backend) {
+void check(Options& options, const RobotPlace& place, const std::string& backend) {
+  const Runtime& robot = place.robot();
   if (!robot.features().can_reset) {
     throw ConfigError(fmt::format("backend: '{}' cannot reset, which every episode begins with", backend));
   }
-  if (robot.truth() == nullptr) {
+  if (place.world->truth_service() == nullptr) {
     throw ConfigError(
         fmt::format("backend: '{}' tells no truth about its robot, which rewards are made of; simulators do", backend));
   }
@@ -66,9 +67,9 @@ std::vector<RobotPlace> make_robot_places(Options& options, const World::Options
     wanted.scene = scene;
     RobotPlace& place = places.emplace_back();
     place.world = std::make_unique<World>(wanted);
-    check(options, place.robot(), robot.backend);
+    check(options, place, robot.backend);
     const Body& body = place.robot().profile().body;
-    place.scene = std::make_shared<const scene::Scene>(place.robot().truth()->scene());
+    place.scene = std::make_shared<const scene::Scene>(place.truth().scene());
     place.tables = std::make_shared<const scene::SceneTables>(place.scene, body.footprint, body.height);
   }
   return places;

@@ -11,6 +11,7 @@
 #include "threewe/env/options.hpp"
 #include "threewe/robot/runtime.hpp"
 #include "threewe/robot/world.hpp"
+#include "threewe/scene/truth_view.hpp"
 
 namespace threewe::env {
 
@@ -22,6 +23,7 @@ struct RobotPlace {
 
   Runtime& robot() { return world->robot(0); }
   const Runtime& robot() const { return std::as_const(*world).robot(0); }
+  const scene::TruthView& truth() const { return world->truth_service()->truth(0); }
 };
 
 /// Makes the worlds, and leaves in the options what can be observed there. Throws ConfigError naming what their backend

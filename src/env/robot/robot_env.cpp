@@ -39,7 +39,7 @@ struct RobotEnv::Impl {
 
   Runtime& robot() { return places[info.scene].robot(); }
   const Runtime& robot() const { return places[info.scene].robot(); }
-  const scene::TruthView& truth() const { return *robot().truth(); }
+  const scene::TruthView& truth() const { return places[info.scene].truth(); }
 
   // never changes
   std::vector<RobotPlace> places;

@@ -63,14 +63,15 @@ class FaultyTruth : public scene::TruthView {
   const Fault& fault_;
 };
 
-class FaultyWorld : public World, private RobotPort {
+class FaultyWorld : public World, private RobotPort, private TruthService {
  public:
   FaultyWorld(std::unique_ptr<World> honest, Fault fault) : honest_(std::move(honest)), fault_(std::move(fault)) {
-    if (port().truth() != nullptr) truth_.emplace(*port().truth(), fault_);
+    if (const TruthService* service = honest_->truth_service()) truth_.emplace(service->truth(0), fault_);
   }
 
   std::size_t robot_count() const override { return 1; }
   RobotPort& robot(std::size_t) override { return *this; }
+  const TruthService* truth_service() const override { return truth_ ? this : nullptr; }
   Time now() const override { return fault_.now ? fault_.now(honest_->now()) : honest_->now(); }
   void advance_to(Time t) override { fault_.advance ? fault_.advance(*honest_, t) : honest_->advance_to(t); }
   void reset(const ResetOptions& options) override {
@@ -106,7 +107,7 @@ class FaultyWorld : public World, private RobotPort {
   void command(const Velocity& velocity, Time valid_until) override {
     fault_.command ? fault_.command(port(), velocity, valid_until) : port().command(velocity, valid_until);
   }
-  const scene::TruthView* truth() const override { return truth_ ? &*truth_ : nullptr; }
+  const scene::TruthView& truth(std::size_t) const override { return *truth_; }
 
   std::unique_ptr<World> honest_;
   Fault fault_;

@@ -62,10 +62,11 @@ TEST_CASE("a restored robot sees what it saw") {
   CHECK(drive_on() == first);
 }
 
-TEST_CASE("it is asked for by name, of simulators alone") {
-  CHECK(!autonomy_with("slam").localizer);
+TEST_CASE("it is asked for by name") {
   CHECK_THROWS_WITH_AS(autonomy_with("thruth"), "unknown localization 'thruth'; did you mean 'truth'?", ConfigError);
-  CHECK_THROWS_AS(make_truth_localizer(load_profile("3we_standard_v2"), {}, nullptr), ContractError);
+  Autonomy misspelt;
+  misspelt.localization = "slm";
+  CHECK_THROWS_WITH_AS(Robot({.autonomy = misspelt}), "unknown localization 'slm'; did you mean 'slam'?", ConfigError);
 }
 
 }  // namespace

@@ -65,6 +65,18 @@ def test_the_mind_sees_no_truth() -> None:
     assert not wrong, "\n".join(wrong)
 
 
+def test_factories_and_observers_are_given_no_truth() -> None:
+    given = ["backend/world", "robot/autonomy", "robot/runtime", "robot/world", "slam/localizer", "nav/navigator"]
+    wrong = [
+        f"{name}.hpp sees {target.relative_to(ROOT)}"
+        for name in given
+        for target in reachable(PUBLIC / f"{name}.hpp")
+        if module_of(target) == "scene"
+    ]
+    assert not wrong, "\n".join(wrong)
+    assert any(module_of(target) == "scene" for target in reachable(PUBLIC / "robot/simulation.hpp"))
+
+
 def test_installed_headers_include_installed_ones_alone() -> None:
     wrong = [
         f"{file.relative_to(ROOT)}:{line}: {text}"

@@ -1,4 +1,4 @@
-// A simulator that lies about its robots and about people, to show that robots do not listen.
+// A simulator that falsifies the truth about its robots and people, to show that robots do not use it.
 #pragma once
 
 #include <cstdint>
@@ -48,37 +48,23 @@ class FalseTruth final : public scene::TruthView {
   scene::Scene scene_;
 };
 
-/// A port whose robot claims to be elsewhere. What it delivers and obeys is as it was.
-class FalseTruthPort final : public backend::RobotPort {
- public:
-  explicit FalseTruthPort(backend::RobotPort& port) : port_(port), truth_(*port.truth()) {}
-  const backend::Features& features() const override { return port_.features(); }
-  const RobotProfile& profile() const override { return port_.profile(); }
-  void connect() override { port_.connect(); }
-  void disconnect() override { port_.disconnect(); }
-  std::vector<Sample> poll() override { return port_.poll(); }
-  void command(const Velocity& velocity, Time valid_until) override { port_.command(velocity, valid_until); }
-  const scene::TruthView* truth() const override { return &truth_; }
-
- private:
-  backend::RobotPort& port_;
-  FalseTruth truth_;
-};
-
-/// A world of such robots.
-class FalseTruthWorld final : public backend::World {
+/// A world that falsifies the truth about its robots. What they sense and obey is as it was.
+class FalseTruthWorld final : public backend::World, private backend::TruthService {
  public:
   explicit FalseTruthWorld(std::unique_ptr<backend::World> world) : world_(std::move(world)) {
-    for (std::size_t i = 0; i < world_->robot_count(); ++i) ports_.emplace_back(world_->robot(i));
+    for (std::size_t i = 0; i < world_->robot_count(); ++i) truths_.emplace_back(world_->truth_service()->truth(i));
   }
-  std::size_t robot_count() const override { return ports_.size(); }
-  backend::RobotPort& robot(std::size_t index) override { return ports_.at(index); }
+  std::size_t robot_count() const override { return world_->robot_count(); }
+  backend::RobotPort& robot(std::size_t index) override { return world_->robot(index); }
+  const backend::TruthService* truth_service() const override { return this; }
   Time now() const override { return world_->now(); }
   void advance_to(Time t) override { world_->advance_to(t); }
 
  private:
+  const scene::TruthView& truth(std::size_t index) const override { return truths_.at(index); }
+
   std::unique_ptr<backend::World> world_;
-  std::deque<FalseTruthPort> ports_;
+  std::deque<FalseTruth> truths_;
 };
 
 }  // namespace threewe

@@ -63,7 +63,6 @@ class FaultyPort final : public backend::RobotPort {
   const RobotProfile& profile() const override { return port_.profile(); }
   void connect() override { port_.connect(); }
   void disconnect() override { port_.disconnect(); }
-  const scene::TruthView* truth() const override { return port_.truth(); }
 
   /// What breaks from now on. Nothing is left of faults before.
   void break_with(std::vector<InjectedFault> faults) {
@@ -282,6 +281,7 @@ class WorldOfFaults final : public backend::World {
   }
   std::size_t robot_count() const override { return ports_.size(); }
   FaultyPort& robot(std::size_t index) override { return ports_.at(index); }
+  const backend::TruthService* truth_service() const override { return world_->truth_service(); }
   Time now() const override { return world_->now(); }
   void advance_to(Time t) override {
     world_->advance_to(t);

@@ -18,7 +18,7 @@ namespace threewe::env {
 /// does.
 ///
 /// The backend must be able to reset, and to tell where its robot truly is. `pose`, `velocity` and goals in the robot's
-/// frame are what the robot believes. With the truth for a localizer (`make_truth_localizer`) and the embedded
+/// frame are what the robot believes. With the truth for a localizer (`autonomy_with("truth")`) and the embedded
 /// simulator, observations, rewards, ends and metrics are those of a `Batch` with `Localization::truth`, to the bit.
 class RobotEnv {
  public:

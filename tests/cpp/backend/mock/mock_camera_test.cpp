@@ -72,10 +72,11 @@ TEST_CASE("a picture shows what was in sight as it was taken, not as it is looke
   for (int i = 0; i < 40; ++i) {
     world->robot(0).command({0.3, 0.1, 0.5}, world->now() + 200ms);
     world->advance_to(world->now() + 10ms);
-    const Pose2D eye = world->robot(0).truth()->true_pose() * camera.base_from_camera;
+    const Pose2D eye = world->truth_service()->truth(0).true_pose() * camera.base_from_camera;
     const std::vector<Sample> samples = world->robot(0).poll();
     if (!std::holds_alternative<Picture>(samples.back().data)) continue;
-    const SemanticImage truth = world->robot(0).truth()->look(camera.intrinsics(), eye, camera.mount_height, false);
+    const SemanticImage truth =
+        world->truth_service()->truth(0).look(camera.intrinsics(), eye, camera.mount_height, false);
     world->robot(0).command({0.3, 0.1, 0.5}, world->now() + 200ms);
     world->advance_to(world->now() + 10ms);  // it has moved on before anybody looks
     CHECK(image_of(samples.back()).color == truth.image.color);

@@ -158,10 +158,10 @@ TEST_CASE("a robot that is disconnected while it drives comes to rest") {
   const auto world = make();
   world->robot(0).command({0.5, 0.0, 0.0}, 60s);
   world->advance_to(1s);
-  CHECK(world->robot(0).truth()->true_velocity().vx > 0.4);
+  CHECK(world->truth_service()->truth(0).true_velocity().vx > 0.4);
   world->robot(0).disconnect();
   world->advance_to(2s);
-  CHECK(std::fabs(world->robot(0).truth()->true_velocity().vx) < 1e-3);
+  CHECK(std::fabs(world->truth_service()->truth(0).true_velocity().vx) < 1e-3);
 }
 
 TEST_CASE("the port itself ends a command that nobody renews") {
@@ -169,7 +169,7 @@ TEST_CASE("the port itself ends a command that nobody renews") {
   world->robot(0).command({0.5, 0.0, 0.0}, 200ms);
   world->advance_to(5s);
   // 0.2 s at 0.5 m/s: what the lag costs at the start it gives back at the end
-  CHECK(world->robot(0).truth()->distance_driven() == doctest::Approx(0.1).epsilon(0.01));
+  CHECK(world->truth_service()->truth(0).distance_driven() == doctest::Approx(0.1).epsilon(0.01));
 }
 
 TEST_CASE("time between two physics steps belongs to the clock alone") {
@@ -180,7 +180,7 @@ TEST_CASE("time between two physics steps belongs to the clock alone") {
   for (Time t{}; t < 1s; t += 3'333'333ns) fine->advance_to(t);
   fine->advance_to(1s);
   coarse->advance_to(1s);
-  CHECK(fine->robot(0).truth()->true_pose() == coarse->robot(0).truth()->true_pose());
+  CHECK(fine->truth_service()->truth(0).true_pose() == coarse->truth_service()->truth(0).true_pose());
   CHECK(fine->save() == coarse->save());
 }
 
@@ -227,13 +227,13 @@ TEST_CASE("reset begins anew, to the bit") {
   const auto first = drive(*world, 5, 100);
   world->reset({.seed = 0, .poses = {}});
   CHECK(world->now() == 0s);
-  CHECK(world->robot(0).truth()->true_pose() == Pose2D{});
+  CHECK(world->truth_service()->truth(0).true_pose() == Pose2D{});
   CHECK(same(drive(*world, 5, 100), first));
   CHECK(same(drive(*make(), 5, 100), first));
   world->reset({.seed = 1, .poses = {}});
   CHECK_FALSE(same(drive(*world, 5, 100), first));
   world->reset({.seed = 0, .poses = {{0.3, 0.1, 1.0}}});
-  CHECK(world->robot(0).truth()->start_pose() == Pose2D{0.3, 0.1, 1.0});
+  CHECK(world->truth_service()->truth(0).start_pose() == Pose2D{0.3, 0.1, 1.0});
   // wherever it starts, odometry begins at zero
   world->advance_to(20ms);
   for (const Sample& sample : world->robot(0).poll()) {
@@ -311,9 +311,9 @@ TEST_CASE("a robot differs from its profile as its seed says, and again and agai
   CHECK(state_after(*other, 150) != early);
 
   const auto plain = make({.seed = 3});
-  const Pose2D before = plain->robot(0).truth()->true_pose();
+  const Pose2D before = plain->truth_service()->truth(0).true_pose();
   CHECK(state_after(*plain, 150) != early);
-  CHECK_FALSE(before == plain->robot(0).truth()->true_pose());
+  CHECK_FALSE(before == plain->truth_service()->truth(0).true_pose());
   CHECK(error_of<ContractError>([&] { plain->restore(early); }) ==
         "restore: saved from a world with another randomization");
   CHECK(error_of<ConfigError>([] { make({.randomization = "hrad"}); }).find("hard") != std::string::npos);
@@ -360,7 +360,7 @@ TEST_CASE("bytes that are no saved world of this kind change nothing") {
 
 TEST_CASE("the truth: free places, shortest paths, and how hard the robot hit") {
   const auto world = make();
-  const scene::TruthView& truth = *world->robot(0).truth();
+  const scene::TruthView& truth = world->truth_service()->truth(0);
   CHECK(truth.scene().name == "office_v2");
   CHECK(truth.geodesic({0.0, 0.0}, {0.5, 0.0}) == doctest::Approx(0.5).epsilon(0.02));
   CHECK(truth.geodesic({0.0, 0.0}, {2.0, 1.0}) >= std::sqrt(5.0) - 1e-9);

@@ -36,9 +36,9 @@ std::unique_ptr<World> clinic(std::uint64_t seed, std::vector<Pose2D> starts = {
 }
 
 const scene::TruthView& truth(World& world) {
-  const scene::TruthView* truth = world.robot(0).truth();
-  if (truth == nullptr) throw std::logic_error("no simulated world");  // g++ fears a null
-  return *truth;
+  const TruthService* service = world.truth_service();
+  if (service == nullptr) throw std::logic_error("no simulated world");  // g++ fears a null
+  return service->truth(0);
 }
 std::vector<PersonPose> people(World& world) { return truth(world).people(); }
 void wait(World& world, Duration duration) { world.advance_to(world.now() + duration); }

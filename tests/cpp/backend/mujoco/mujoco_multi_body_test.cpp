@@ -100,7 +100,7 @@ TEST_CASE("people walk, are seen as in the embedded simulator, and give way") {
     drive(*world, {}, 50, seen);
     drive(mock, {}, 50, expected);
     const auto people = truth(*world).people();
-    const auto same = mock.robot(0).truth()->people();
+    const auto same = mock.truth_service()->truth(0).people();
     REQUIRE(people.size() == same.size());
     for (std::size_t i = 0; i < people.size(); ++i) {
       CHECK(distance(people[i].pose.position(), same[i].pose.position()) < 0.02);

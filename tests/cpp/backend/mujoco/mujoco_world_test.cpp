@@ -26,7 +26,7 @@ std::unique_ptr<World> make(const WorldOptions& options) { return connected(opti
 
 TEST_CASE("a metre driven is a metre in odometry, lidar and truth") {
   const auto world = make(in_small_room(NoiseLevel::ideal));
-  const scene::TruthView& truth = *world->robot(0).truth();
+  const scene::TruthView& truth = world->truth_service()->truth(0);
   Readings before;
   Readings after;
   drive(*world, {}, 25, before);
@@ -41,7 +41,7 @@ TEST_CASE("a metre driven is a metre in odometry, lidar and truth") {
 
 TEST_CASE("left is left, and a turn is counter-clockwise") {
   const auto world = make(in_small_room(NoiseLevel::ideal));
-  const scene::TruthView& truth = *world->robot(0).truth();
+  const scene::TruthView& truth = world->truth_service()->truth(0);
   Readings readings;
   drive(*world, {0.0, 0.3, 0.0}, 100, readings);
   CHECK(truth.true_velocity().vy ==
@@ -106,7 +106,7 @@ TEST_CASE("its lidar sees what the embedded simulator's does, from anywhere in t
   Readings seen;
   Readings expected;
   for (std::uint64_t seed = 1; seed <= kPoses; ++seed) {
-    const ResetOptions anywhere{.seed = seed, .poses = {world->robot(0).truth()->sample_free_pose(seed)}};
+    const ResetOptions anywhere{.seed = seed, .poses = {world->truth_service()->truth(0).sample_free_pose(seed)}};
     world->reset(anywhere);
     mock.reset(anywhere);
     drive(*world, {}, 10, seen);
@@ -127,9 +127,9 @@ TEST_CASE("a robot that is left alone stays where it is, on one floor and on pat
     options.scene = scene;
     const auto world = make(options);
     world->advance_to(1s);
-    const Pose2D before = world->robot(0).truth()->true_pose();
+    const Pose2D before = world->truth_service()->truth(0).true_pose();
     world->advance_to(6s);
-    const Pose2D after = world->robot(0).truth()->true_pose();
+    const Pose2D after = world->truth_service()->truth(0).true_pose();
     CHECK_MESSAGE(distance(before.position(), after.position()) < 1e-5, scene);
     CHECK_MESSAGE(std::abs(after.theta - before.theta) < 1e-5, scene);
   }
@@ -137,7 +137,7 @@ TEST_CASE("a robot that is left alone stays where it is, on one floor and on pat
 
 TEST_CASE("a wall stops the robot, and the truth says how fast it came") {
   const auto world = make(in_small_room(NoiseLevel::ideal));
-  const scene::TruthView& truth = *world->robot(0).truth();
+  const scene::TruthView& truth = world->truth_service()->truth(0);
   Readings readings;
   drive(*world, {0.4, 0.0, 0.0}, 50, readings);
   CHECK(truth.max_collision_speed() == 0.0);
@@ -158,7 +158,7 @@ TEST_CASE("a robot starts nowhere but on free floor, and a refused start changes
   CHECK_THROWS_AS(world->teleport(0, {0.0, 3.0, 0.0}), ConfigError);
   CHECK(world->save() == before);
   world->teleport(0, {2.0, 1.0, 3.5});
-  const Pose2D carried = world->robot(0).truth()->true_pose();
+  const Pose2D carried = world->truth_service()->truth(0).true_pose();
   CHECK(carried.x == 2.0);
   CHECK(carried.y == 1.0);
   CHECK(carried.theta == doctest::Approx(3.5 - 2.0 * exact::kPi));

@@ -80,9 +80,9 @@ inline void drive_anyhow(World& world, std::uint64_t seed, int first, int count)
 }
 
 inline const scene::TruthView& truth(World& world, std::size_t robot = 0) {
-  const scene::TruthView* truth = world.robot(robot).truth();
-  if (truth == nullptr) throw std::logic_error("no simulated world");  // g++ fears a null
-  return *truth;
+  const TruthService* service = world.truth_service();
+  if (service == nullptr) throw std::logic_error("no simulated world");  // g++ fears a null
+  return service->truth(robot);
 }
 
 /// What the lidar says of what is ahead [m].

@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "draw.hpp"
-#include "robot/truth_localizer.hpp"
 #include "task/object_nav.hpp"
 #include "task/vln.hpp"
 #include "threewe/backend/registry.hpp"
@@ -58,7 +57,7 @@ World::Options robot_of(const Case& c) {
   World::Options robot;
   robot.robots = {c.hardware};
   robot.noise = c.noise;
-  robot.autonomy.localizer = make_truth_localizer;
+  robot.autonomy = autonomy_with("truth");
   return robot;
 }
 
