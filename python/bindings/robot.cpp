@@ -171,6 +171,91 @@ void bind_views(nb::module_& m) {
            [](const Tick& t) { return fmt::format("TickView({:.2f} s, {} samples)", t.now, t.samples.size()); });
 }
 
+using HeightAndWidth = std::optional<std::pair<int, int>>;
+
+const char* name_of(NoiseLevel noise) { return noise == NoiseLevel::ideal ? "ideal" : "realistic"; }
+
+std::optional<ImageSize> image_size_of(const HeightAndWidth& size) {
+  return size ? std::optional(ImageSize{size->second, size->first}) : std::nullopt;
+}
+
+std::shared_ptr<const map::OccupancyGrid> shared(const map::OccupancyGrid* map) {
+  return map == nullptr ? nullptr : std::make_shared<const map::OccupancyGrid>(*map);
+}
+
+// What is left out is as in the C++ aggregates: their defaults are the only ones.
+void bind_options(nb::module_& m) {
+  const RobotOptions robot;
+  nb::class_<RobotOptions>(m, "RobotOptions", "Where one robot is in a world of its own, and which.")
+      .def(
+          "__init__",
+          [](RobotOptions* self, std::string backend, std::string hardware, std::string scene, std::string_view noise,
+             std::uint64_t seed, bool realtime, const map::OccupancyGrid* map, std::optional<Pose2D> initial_pose,
+             std::optional<Pose2D> start_pose, std::string_view localization, const HeightAndWidth& image_size,
+             std::string randomization) {
+            new (self) RobotOptions{.backend = std::move(backend),
+                                    .hardware = std::move(hardware),
+                                    .scene = std::move(scene),
+                                    .noise = noise_level(noise),
+                                    .seed = seed,
+                                    .realtime = realtime,
+                                    .map = shared(map),
+                                    .initial_pose = initial_pose,
+                                    .start_pose = start_pose,
+                                    .autonomy = autonomy_with(localization),
+                                    .image_size = image_size_of(image_size),
+                                    .randomization = std::move(randomization)};
+          },
+          nb::kw_only(), "backend"_a = robot.backend, "hardware"_a = robot.hardware, "scene"_a = robot.scene,
+          "noise"_a = name_of(robot.noise), "seed"_a = robot.seed, "realtime"_a = robot.realtime,
+          "map"_a.none() = nb::none(), "initial_pose"_a = nb::none(), "start_pose"_a = nb::none(),
+          "localization"_a = robot.autonomy.localization, "image_size"_a = nb::none(),
+          "randomization"_a = robot.randomization)
+      .def_ro("backend", &RobotOptions::backend)
+      .def_ro("hardware", &RobotOptions::hardware)
+      .def_ro("scene", &RobotOptions::scene)
+      .def_prop_ro("noise", [](const RobotOptions& o) { return name_of(o.noise); })
+      .def_ro("seed", &RobotOptions::seed)
+      .def_ro("realtime", &RobotOptions::realtime)
+      .def_prop_ro(
+          "map", [](const RobotOptions& o) { return o.map.get(); }, nb::rv_policy::copy)
+      .def_ro("initial_pose", &RobotOptions::initial_pose, "in its `map` frame")
+      .def_ro("start_pose", &RobotOptions::start_pose, "in the scene's frame")
+      .def_prop_ro("localization", [](const RobotOptions& o) { return o.autonomy.localization; })
+      .def_prop_ro(
+          "image_size",
+          [](const RobotOptions& o) {
+            return o.image_size ? HeightAndWidth({o.image_size->height, o.image_size->width}) : std::nullopt;
+          },
+          "(height, width) [px]")
+      .def_ro("randomization", &RobotOptions::randomization);
+
+  const World::Options world;
+  nb::class_<World::Options>(m, "WorldOptions", "How a world of several robots is made.")
+      .def(
+          "__init__",
+          [](World::Options* self, std::string backend, std::string scene, std::vector<std::string> robots,
+             std::string_view noise, std::uint64_t seed, bool realtime, std::vector<Pose2D> start_poses,
+             std::vector<Pose2D> initial_poses, const map::OccupancyGrid* map, std::string randomization) {
+            World::Options options;
+            options.backend = std::move(backend);
+            options.scene = std::move(scene);
+            options.robots = std::move(robots);
+            options.noise = noise_level(noise);
+            options.seed = seed;
+            options.realtime = realtime;
+            options.poses = std::move(start_poses);
+            options.initial_poses = std::move(initial_poses);
+            options.map = shared(map);
+            options.randomization = std::move(randomization);
+            new (self) World::Options(std::move(options));
+          },
+          nb::kw_only(), "backend"_a = world.backend, "scene"_a = world.scene, "robots"_a = world.robots,
+          "noise"_a = name_of(world.noise), "seed"_a = world.seed, "realtime"_a = world.realtime,
+          "start_poses"_a = world.poses, "initial_poses"_a = world.initial_poses, "map"_a.none() = nb::none(),
+          "randomization"_a = world.randomization);
+}
+
 void bind_time(nb::module_& m) {
   nb::class_<Wait>(m, "Wait", "Something that becomes true at a tick.")
       .def_prop_ro("done", &Wait::done)
@@ -191,29 +276,18 @@ void bind_time(nb::module_& m) {
   bound
       .def(
           "__init__",
-          [](OneThreadWorld* self, std::string backend, std::string scene, std::vector<std::string> robots,
-             std::string_view noise, std::uint64_t seed, bool realtime, std::vector<Pose2D> start_poses,
-             std::vector<Pose2D> initial_poses, std::string_view localization,
-             std::optional<std::pair<int, int>> image_size, const map::OccupancyGrid* map, std::string randomization) {
-            World::Options options;
-            options.backend = std::move(backend);
-            options.scene = std::move(scene);
-            options.robots = std::move(robots);
-            options.noise = noise_level(noise);
-            options.seed = seed;
-            options.realtime = realtime;
-            options.poses = std::move(start_poses);
-            options.initial_poses = std::move(initial_poses);
-            if (map != nullptr) options.map = std::make_shared<const map::OccupancyGrid>(*map);
-            options.autonomy = autonomy_with(localization);
-            if (image_size) options.image_size = ImageSize{image_size->second, image_size->first};
-            options.randomization = std::move(randomization);
+          [](OneThreadWorld* self, const World::Options& options) {
             const nb::gil_scoped_release other_threads_run;
             new (self) OneThreadWorld(options);
           },
-          nb::kw_only(), "backend"_a, "scene"_a, "robots"_a, "noise"_a, "seed"_a, "realtime"_a, "start_poses"_a,
-          "initial_poses"_a, "localization"_a = "slam", "image_size"_a = nb::none(), "map"_a.none() = nb::none(),
-          "randomization"_a = "none")
+          "options"_a)
+      .def(
+          "__init__",
+          [](OneThreadWorld* self, const RobotOptions& robot) {
+            const nb::gil_scoped_release other_threads_run;
+            new (self) OneThreadWorld(robot);
+          },
+          "robot"_a, "The world of one robot.")
       .def_prop_ro("robot_count", &World::robot_count)
       .def_prop_ro(
           "simulated", [](World& world) { return world.truth_service() != nullptr; }, "whether it has a `Simulation`")
@@ -317,12 +391,13 @@ void bind_commands(OneThreadClass<Runtime>& runtime) {
       .def("motion", &Runtime::motion)
       .def(
           "move_to",
-          [](Runtime& robot, Vec2 goal, std::optional<double> theta, double tolerance, double angle_tolerance,
-             std::optional<double> timeout) {
-            return robot.start(nav::MoveTo{goal, theta, tolerance, angle_tolerance}, timeout_of(timeout));
+          [](Runtime& robot, Vec2 goal, std::optional<double> theta, const std::string& frame, double tolerance,
+             double angle_tolerance, std::optional<double> timeout) {
+            const nav::MoveTo there = robot.in_map({goal, theta, tolerance, angle_tolerance}, frame);
+            return robot.start(there, timeout_of(timeout));
           },
-          "goal"_a, "theta"_a.none(), "tolerance"_a, "angle_tolerance"_a, "timeout"_a.none(),
-          "`goal` in `map` [m], `theta` [rad].")
+          "goal"_a, "theta"_a.none(), "frame"_a, "tolerance"_a, "angle_tolerance"_a, "timeout"_a.none(),
+          "`goal` [m] and `theta` [rad] in `frame`.")
       .def(
           "move_forward",
           [](Runtime& robot, double distance, double tolerance, std::optional<double> timeout) {
@@ -425,6 +500,7 @@ void log_warning(std::string_view message) {
 void init_robot(nb::module_& m) {
   bind_results(m);
   bind_views(m);
+  bind_options(m);
   bind_time(m);
   bind_runtime(m);
   bind_simulation(m);

@@ -5,7 +5,7 @@ The C++ core of 3we. Use it through `threewe`, which adds what Python can do bet
 from collections.abc import Callable, Iterator, Mapping, Sequence
 import enum
 import pathlib
-from typing import Annotated, Any, NoReturn
+from typing import Annotated, Any, NoReturn, overload
 
 import numpy
 import numpy.typing
@@ -2013,6 +2013,55 @@ class TickView:
 
     def __repr__(self) -> str: ...
 
+class RobotOptions:
+    """Where one robot is in a world of its own, and which."""
+
+    def __init__(self, *, backend: str = 'mock', hardware: str = '3we_standard_v2', scene: str = 'office_v2', noise: str = 'realistic', seed: int = 0, realtime: bool = False, map: OccupancyGrid | None = None, initial_pose: Pose2D | None = None, start_pose: Pose2D | None = None, localization: str = 'slam', image_size: tuple[int, int] | None = None, randomization: str = 'none') -> None: ...
+
+    @property
+    def backend(self) -> str: ...
+
+    @property
+    def hardware(self) -> str: ...
+
+    @property
+    def scene(self) -> str: ...
+
+    @property
+    def noise(self) -> str: ...
+
+    @property
+    def seed(self) -> int: ...
+
+    @property
+    def realtime(self) -> bool: ...
+
+    @property
+    def map(self) -> OccupancyGrid: ...
+
+    @property
+    def initial_pose(self) -> Pose2D | None:
+        """in its `map` frame"""
+
+    @property
+    def start_pose(self) -> Pose2D | None:
+        """in the scene's frame"""
+
+    @property
+    def localization(self) -> str: ...
+
+    @property
+    def image_size(self) -> tuple[int, int] | None:
+        """(height, width) [px]"""
+
+    @property
+    def randomization(self) -> str: ...
+
+class WorldOptions:
+    """How a world of several robots is made."""
+
+    def __init__(self, *, backend: str = 'mock', scene: str = 'office_v2', robots: Sequence[str] = ['3we_standard_v2'], noise: str = 'realistic', seed: int = 0, realtime: bool = False, start_poses: Sequence[Pose2D] = [], initial_poses: Sequence[Pose2D] = [], map: OccupancyGrid | None = None, randomization: str = 'none') -> None: ...
+
 class Wait:
     """Something that becomes true at a tick."""
 
@@ -2050,7 +2099,12 @@ class World:
     A backend world with a runtime for each of its robots. One thread at a time may use it.
     """
 
-    def __init__(self, *, backend: str, scene: str, robots: Sequence[str], noise: str, seed: int, realtime: bool, start_poses: Sequence[Pose2D], initial_poses: Sequence[Pose2D], localization: str = 'slam', image_size: tuple[int, int] | None = None, map: OccupancyGrid | None = None, randomization: str = 'none') -> None: ...
+    @overload
+    def __init__(self, options: WorldOptions) -> None: ...
+
+    @overload
+    def __init__(self, robot: RobotOptions) -> None:
+        """The world of one robot."""
 
     @property
     def robot_count(self) -> int: ...
@@ -2183,8 +2237,8 @@ class Runtime:
 
     def motion(self) -> Motion: ...
 
-    def move_to(self, goal: tuple[float, float], theta: float | None, tolerance: float, angle_tolerance: float, timeout: float | None) -> Motion:
-        """`goal` in `map` [m], `theta` [rad]."""
+    def move_to(self, goal: tuple[float, float], theta: float | None, frame: str, tolerance: float, angle_tolerance: float, timeout: float | None) -> Motion:
+        """`goal` [m] and `theta` [rad] in `frame`."""
 
     def move_forward(self, distance: float, tolerance: float, timeout: float | None) -> Motion: ...
 

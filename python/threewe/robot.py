@@ -42,6 +42,7 @@ from threewe._core import (
     Progress,
     RangeData,
     RGBDImage,
+    RobotOptions,
     RobotProfile,
     SampledPlan,
     SensorHealth,
@@ -122,20 +123,21 @@ class Robot(InRobotTime):
         if isinstance(hardware, list | tuple):
             raise ContractError(f"hardware must be a string, got {hardware!r}: {SEVERAL}")
         initial = None if initial_pose is None else as_pose("initial_pose", initial_pose)
-        world = _core.World(
+        options = RobotOptions(
             backend=known_backend(as_text("backend", backend)),
+            hardware=as_asset("hardware", hardware),
             scene=as_asset("scene", scene),
-            robots=[as_asset("hardware", hardware)],
             noise=as_text("noise", noise),
             seed=as_seed("seed", seed),
             realtime=as_switch("realtime", realtime),
-            start_poses=[] if start_pose is None else [as_pose("start_pose", start_pose)],
-            initial_poses=[] if initial is None else [initial],
+            map=None if map is None else as_map("map", map),
+            initial_pose=initial,
+            start_pose=None if start_pose is None else as_pose("start_pose", start_pose),
             localization=as_text("localization", localization),
             image_size=None if image_size is None else as_image_size("image_size", image_size),
-            map=None if map is None else as_map("map", map),
             randomization=as_asset("randomization", randomization),
         )
+        world = _core.World(options)
         self._set_up(world, RobotTime(world), 0)
         if viewer is not None:
             from threewe.viewer import Viewer  # needs packages that only viewers need
@@ -279,11 +281,10 @@ class Robot(InRobotTime):
         heading = None if theta is None else as_number("goal theta", theta)
         within = as_number("tolerance", tolerance)
         turned_within = as_number("angle_tolerance", angle_tolerance)
-        goal = self._runtime.transform("map", as_text("frame", frame)) * Pose2D(x, y, heading or 0.0)
+        given_in = as_text("frame", frame)
 
         def begin(limit: float | None) -> Motion:
-            theta = None if heading is None else goal.theta
-            return self._runtime.move_to((goal.x, goal.y), theta, within, turned_within, limit)
+            return self._runtime.move_to((x, y), heading, given_in, within, turned_within, limit)
 
         motion = await self._drive(begin, timeout, on_progress)
         return motion.result()

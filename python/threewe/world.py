@@ -10,7 +10,7 @@ from typing import Self
 
 from threewe import _core
 from threewe._arguments import PoseLike, as_asset, as_list, as_map, as_pose, as_seed, as_switch, as_text
-from threewe._core import OccupancyGrid
+from threewe._core import OccupancyGrid, WorldOptions
 from threewe._options import known_options_but
 from threewe._time import InRobotTime, RobotTime
 from threewe.backend import known_backend
@@ -65,7 +65,7 @@ class World(InRobotTime):
         profiles = [as_asset("robots", hardware) for hardware in as_list("robots", robots)]
         starts = [as_pose("start_poses", pose) for pose in as_list("start_poses", start_poses)]
         initial = [as_pose("initial_poses", pose) for pose in as_list("initial_poses", initial_poses)]
-        world = _core.World(
+        options = WorldOptions(
             backend=known_backend(as_text("backend", backend)),
             scene=as_asset("scene", scene),
             robots=profiles,
@@ -77,6 +77,7 @@ class World(InRobotTime):
             map=None if map is None else as_map("map", map),
             randomization=as_asset("randomization", randomization),
         )
+        world = _core.World(options)
         self._world = world
         self._time = RobotTime(world)
         self.robots: tuple[Robot, ...] = tuple(

@@ -3,7 +3,6 @@
 #include <cmath>
 #include <utility>
 
-#include "robot/goals.hpp"
 #include "threewe/core/errors.hpp"
 #include "threewe/map/ros_map.hpp"
 
@@ -21,28 +20,11 @@ std::optional<Duration> timeout_of(const std::optional<double>& seconds) {
   return seconds ? std::optional(duration(*seconds, "timeout")) : std::nullopt;
 }
 
-World::Options world_options(const Robot::Options& o) {
-  World::Options options;
-  options.backend = o.backend;
-  options.robots = {o.hardware};
-  options.scene = o.scene;
-  options.noise = o.noise;
-  options.seed = o.seed;
-  options.realtime = o.realtime;
-  options.autonomy = o.autonomy;
-  options.image_size = o.image_size;
-  options.randomization = o.randomization;
-  options.map = o.map;
-  if (o.start_pose) options.poses = {*o.start_pose};
-  if (o.initial_pose) options.initial_poses = {*o.initial_pose};
-  return options;
-}
-
 }  // namespace
 
 Robot::Robot() : Robot(Options{}) {}
 
-Robot::Robot(const Options& options) : owned_(std::make_unique<World>(world_options(options))) {
+Robot::Robot(const Options& options) : owned_(std::make_unique<World>(options)) {
   world_ = owned_.get();
   runtime_ = &world_->robot(0);
   if (world_->truth_service() != nullptr) simulation_.emplace(*world_, 0);
@@ -94,17 +76,11 @@ void Robot::stop() { runtime_->stop(); }
 MotionHandle Robot::move_to(double x, double y) { return move_to(x, y, MoveOptions{}); }
 
 MotionHandle Robot::move_to(double x, double y, const MoveOptions& options) {
-  nav::MoveTo goal{.goal = {x, y},
-                   .theta = options.theta,
-                   .tolerance = options.tolerance,
-                   .angle_tolerance = options.angle_tolerance};
-  check_goal(goal);  // as it was given: a transform spreads what is not finite
-  if (options.frame != "map") {
-    const Pose2D map_from_frame = runtime_->transform("map", options.frame);
-    goal.goal = map_from_frame * goal.goal;
-    if (goal.theta) goal.theta = wrap_angle(map_from_frame.theta + *goal.theta);
-  }
-  return runtime_->start(goal, timeout_of(options.timeout));
+  const nav::MoveTo goal{.goal = {x, y},
+                         .theta = options.theta,
+                         .tolerance = options.tolerance,
+                         .angle_tolerance = options.angle_tolerance};
+  return runtime_->start(runtime_->in_map(goal, options.frame), timeout_of(options.timeout));
 }
 
 MotionHandle Robot::move_forward(double distance, double tolerance, std::optional<double> timeout) {

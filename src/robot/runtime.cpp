@@ -126,6 +126,15 @@ MotionHandle Runtime::start(const nav::Goal& goal, std::optional<Duration> timeo
   return handle;
 }
 
+nav::MoveTo Runtime::in_map(const nav::MoveTo& goal, std::string_view frame) const {
+  check_goal(goal);  // as it was given: a transform spreads what is not finite
+  const Pose2D map_from_frame = transform("map", frame);
+  nav::MoveTo there = goal;
+  there.goal = map_from_frame * goal.goal;
+  if (goal.theta) there.theta = wrap_angle(map_from_frame.theta + *goal.theta);
+  return there;
+}
+
 MotionHandle Runtime::motion() const { return impl_->motion ? impl_->motion->handle : nullptr; }
 
 void Runtime::set_zones(const std::vector<map::Zone>& zones) {

@@ -61,6 +61,23 @@ void require_like(const WorldSetup& saved, const WorldSetup& ours) {
   }
 }
 
+World::Options options_of(const RobotOptions& o) {
+  World::Options options;
+  options.backend = o.backend;
+  options.robots = {o.hardware};
+  options.scene = o.scene;
+  options.noise = o.noise;
+  options.seed = o.seed;
+  options.realtime = o.realtime;
+  options.autonomy = o.autonomy;
+  options.image_size = o.image_size;
+  options.randomization = o.randomization;
+  options.map = o.map;
+  if (o.start_pose) options.poses = {*o.start_pose};
+  if (o.initial_pose) options.initial_poses = {*o.initial_pose};
+  return options;
+}
+
 // True for as long as it lives, whatever is thrown.
 class Ticking {
  public:
@@ -88,6 +105,8 @@ World::World(const Options& options)
   impl_->seed = options.seed;
   impl_->origin = {options.backend, options};
 }
+
+World::World(const RobotOptions& robot) : World(options_of(robot)) {}
 
 World::World(std::unique_ptr<backend::World> backend, bool realtime, const Autonomy& autonomy,
              const std::vector<Pose2D>& initial_poses, const std::shared_ptr<const map::OccupancyGrid>& map)

@@ -22,11 +22,8 @@ GOLDEN: dict[str, Transcript] = json.loads((Path(__file__).parent / "golden/conc
 @pytest.fixture(scope="session")
 def worlds() -> list[_core.World]:
     """Three worlds for all tests: making one takes longer than any program here."""
-    options = {"backend": "mock", "scene": "corridor_v1", "noise": "ideal", "seed": 0, "realtime": False}
-    return [
-        _core.World(robots=["3we_standard_v2"], start_poses=[], initial_poses=[], **options)  # type: ignore[arg-type]
-        for _ in range(3)
-    ]
+    options = _core.RobotOptions(scene="corridor_v1", noise="ideal")
+    return [_core.World(options) for _ in range(3)]
 
 
 @pytest.fixture

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import inspect
 import itertools
 import logging
 import math
@@ -12,7 +13,9 @@ import numpy as np
 import pytest
 import threewe
 from threewe import (
+    ConfigError,
     MoveResult,
+    OccupancyGrid,
     Pose2D,
     Progress,
     Reason,
@@ -25,6 +28,7 @@ from threewe import (
     Velocity,
     World,
     Zone,
+    _core,
 )
 
 
@@ -509,3 +513,21 @@ async def test_in_real_time_a_robot_can_think_be_limited_and_begin_anew() -> Non
         assert anew <= before
         await robot.sleep(0.1)
         assert robot.now >= anew + 0.1
+
+
+def test_options_are_those_of_cpp() -> None:
+    defaults = _core.RobotOptions()
+    parameters = inspect.signature(Robot.__init__).parameters
+    ours = {name: it.default for name, it in parameters.items() if name not in ("self", "viewer")}
+    assert set(ours) == {name for name in dir(defaults) if not name.startswith("_")}
+    assert ours == {name: getattr(defaults, name) for name in ours}
+
+
+def test_options_come_back_as_given() -> None:
+    grid = OccupancyGrid(np.zeros((4, 6), np.int8))
+    given = {"scene": "corridor_v1", "noise": "ideal", "seed": 7, "localization": "truth", "image_size": (48, 64)}
+    options = _core.RobotOptions(**given, map=grid, start_pose=Pose2D(1.0, 0.0, 0.5))  # type: ignore[arg-type]
+    assert {name: getattr(options, name) for name in given} == given
+    assert (options.map, options.start_pose, options.initial_pose) == (grid, Pose2D(1.0, 0.0, 0.5), None)
+    with pytest.raises(ConfigError, match="unknown localization 'slum'; did you mean 'slam'"):
+        _core.RobotOptions(localization="slum")

@@ -30,25 +30,7 @@ struct ExplorationHandle {
 class Robot {
  public:
   /// Where the robot is, and which.
-  struct Options {
-    std::string backend = "mock";              ///< see `backend::backend_names`
-    std::string hardware = "3we_standard_v2";  ///< profile, or a file that ends in .yaml
-    std::string scene = "office_v2";           ///< simulated place, or a file that ends in .yaml
-    NoiseLevel noise = NoiseLevel::realistic;  ///< of sensors and wheels
-    std::uint64_t seed = 0;                    ///< of all noise
-    bool realtime = false;                     ///< slows a simulator down to the wall clock
-    /// A map to be localised in, see `map::load_ros_map`; the robot draws its own where null.
-    std::shared_ptr<const map::OccupancyGrid> map = {};
-    /// Where the robot starts in its `map` frame. Where empty: at the origin of its own map, anywhere in a given one.
-    std::optional<Pose2D> initial_pose = {};
-    /// Where it starts in the scene's frame, for simulated worlds; the scene's own start pose where empty.
-    std::optional<Pose2D> start_pose = {};
-    Autonomy autonomy = {};  ///< ours by default; `autonomy_with("truth")` knows the true pose
-    /// What its camera delivers, where that is to be another size than its profile states.
-    std::optional<ImageSize> image_size = {};
-    /// How the simulated robot differs from its profile, see `models::load_randomization`.
-    std::string randomization = "none";
-  };
+  using Options = RobotOptions;
   /// A robot in a world of its own, connected and with every sensor's first sample at hand.
   Robot();
   /// The same, with options. Throws ConfigError naming the option that is wrong, and ConnectionError.

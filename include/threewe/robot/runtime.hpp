@@ -147,6 +147,9 @@ class Runtime {
   /// EmergencyStopError, SafetyError while another motion owns the robot, HardwareError for an exploration without a
   /// lidar.
   MotionHandle start(const nav::Goal& goal, std::optional<Duration> timeout = {});
+  /// A goal that is given in `map`, `odom` or `base`, as it is in `map` now. Throws ContractError on one that is not
+  /// finite, and on an unknown frame.
+  nav::MoveTo in_map(const nav::MoveTo& goal, std::string_view frame) const;
   /// The motion in progress, or null.
   MotionHandle motion() const;
   /// Where motions may not lead, or only slowly, in `map`: until it is called again, or the world begins anew. Throws

@@ -36,6 +36,27 @@ class Wait {
 /// A wait, shared by all that wait for it.
 using WaitHandle = std::shared_ptr<Wait>;
 
+/// Where one robot is in a world of its own, and which: the options of `Robot`, in C++ and in Python.
+struct RobotOptions {
+  std::string backend = "mock";              ///< see `backend::backend_names`
+  std::string hardware = "3we_standard_v2";  ///< profile, or a file that ends in .yaml
+  std::string scene = "office_v2";           ///< simulated place, or a file that ends in .yaml
+  NoiseLevel noise = NoiseLevel::realistic;  ///< of sensors and wheels
+  std::uint64_t seed = 0;                    ///< of all noise
+  bool realtime = false;                     ///< slows a simulator down to the wall clock
+  /// A map to be localised in, see `map::load_ros_map`; the robot draws its own where null.
+  std::shared_ptr<const map::OccupancyGrid> map = {};
+  /// Where the robot starts in its `map` frame. Where empty: at the origin of its own map, anywhere in a given one.
+  std::optional<Pose2D> initial_pose = {};
+  /// Where it starts in the scene's frame, for simulated worlds; the scene's own start pose where empty.
+  std::optional<Pose2D> start_pose = {};
+  Autonomy autonomy = {};  ///< ours by default; `autonomy_with("truth")` knows the true pose
+  /// What its camera delivers, where that is to be another size than its profile states.
+  std::optional<ImageSize> image_size = {};
+  /// How the simulated robot differs from its profile, see `models::load_randomization`.
+  std::string randomization = "none";
+};
+
 /// One backend world with a runtime for each of its robots. Not thread-safe: one thread at a time may use it.
 ///
 /// A tick is one control period (20 ms), and every robot in the world takes part:
@@ -62,6 +83,8 @@ class World {
   };
   /// Throws HardwareError for a robot without a lidar that is given a map.
   explicit World(const Options& options);
+  /// The world of one robot.
+  explicit World(const RobotOptions& robot);
   /// Of a backend's world that was made already; arguments as in `Options`.
   explicit World(std::unique_ptr<backend::World> backend, bool realtime = false, const Autonomy& autonomy = {},
                  const std::vector<Pose2D>& initial_poses = {},

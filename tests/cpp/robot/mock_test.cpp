@@ -365,3 +365,24 @@ TEST_CASE("a goal that is not finite is named as it was given") {
   CHECK_THROWS_WITH_AS(robot.move_to(0.0, 0.0, {.theta = inf, .frame = "base"}), "goal theta must be finite, not inf",
                        ContractError);
 }
+
+TEST_CASE("the options of a robot make its world") {
+  World world(RobotOptions{.scene = "corridor_v1", .seed = 5, .start_pose = Pose2D{1.0, 0.0, 0.5}});
+  CHECK(world.robot_count() == 1);
+  CHECK(world.seed() == 5);
+  CHECK(world.origin()->options.scene == "corridor_v1");
+  CHECK(Simulation(world, 0).start_pose() == Pose2D{1.0, 0.0, 0.5});
+}
+
+TEST_CASE("a goal in another frame is where it is in the map, its heading too") {
+  Robot robot({.scene = "corridor_v1", .noise = NoiseLevel::ideal, .initial_pose = Pose2D{2.0, 1.0, 3.0}});
+  const nav::MoveTo goal{.goal = {0.5, -0.25}, .theta = 1.0};
+  const nav::MoveTo there = robot.runtime().in_map(goal, "base");
+  const Pose2D expected = robot.get_pose() * Pose2D{0.5, -0.25, 1.0};
+  CHECK(distance(there.goal, expected.position()) < 1e-12);
+  CHECK(std::fabs(wrap_angle(*there.theta - expected.theta)) < 1e-12);
+  const nav::MoveTo same = robot.runtime().in_map(goal, "map");
+  CHECK(same.goal == goal.goal);
+  CHECK(*same.theta == *goal.theta);
+  CHECK_THROWS_AS((void)robot.runtime().in_map(goal, "bse"), ContractError);
+}
