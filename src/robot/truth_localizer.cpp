@@ -44,6 +44,7 @@ class TruthLocalizer final : public slam::Localizer {
     e.velocity = truth_->true_velocity();
     return e;
   }
+  void set_truth(const scene::TruthView& truth) { truth_ = &truth; }
   const map::OccupancyGrid& map() const override { return map_.grid(); }
   std::uint64_t map_version() const override { return map_.version(); }
   const map::ChangeLog* map_changes() const override { return &map_.changes(); }
@@ -122,6 +123,10 @@ std::unique_ptr<slam::Localizer> make_truth_localizer(const RobotProfile& profil
     throw ContractError("localization 'truth' in a given map needs initial_pose: the truth knows nothing of that map");
   }
   return std::make_unique<TruthLocalizer>(profile, initial, truth);
+}
+
+void set_truth(slam::Localizer& localizer, const scene::TruthView& truth) {
+  if (auto* it = dynamic_cast<TruthLocalizer*>(&localizer)) it->set_truth(truth);
 }
 
 }  // namespace threewe

@@ -14,5 +14,7 @@ namespace threewe {
 /// unknown where the robot starts in it.
 std::unique_ptr<slam::Localizer> make_truth_localizer(const RobotProfile& profile, const slam::InitialState& initial,
                                                       const scene::TruthView& truth);
+/// Lets such a localizer, restored from the state of another world, know the truth of this one. Does nothing to others.
+void set_truth(slam::Localizer& localizer, const scene::TruthView& truth);
 
 }  // namespace threewe

@@ -9,6 +9,7 @@
 
 #include "core/bounds.hpp"
 #include "nav/autonomy.hpp"
+#include "robot/runtime_state.hpp"
 #include "robot/truth_localizer.hpp"
 #include "robot/world_state.hpp"
 #include "threewe/backend/registry.hpp"
@@ -325,7 +326,13 @@ void World::restore(const std::shared_ptr<const Snapshot>& snapshot) {
   if (!snapshot || snapshot->robots.size() != robot_count()) throw ContractError("the snapshot is of another world");
   require_like(snapshot->setup, impl_->setup);
   impl_->backend->restore(snapshot->backend);
-  for (std::size_t i = 0; i < robot_count(); ++i) impl_->robots[i]->restore(*snapshot->robots[i]);
+  for (std::size_t i = 0; i < robot_count(); ++i) {
+    impl_->robots[i]->restore(*snapshot->robots[i]);
+    // a localizer that knows the truth comes with that of the world which was saved
+    if (const auto* truths = truth_service()) {
+      set_truth(*impl_->robots[i]->impl_->state->localizer, truths->truth(i));
+    }
+  }
   impl_->begin_anew_at(snapshot->now);
 }
 

@@ -62,6 +62,19 @@ TEST_CASE("a restored robot sees what it saw") {
   CHECK(drive_on() == first);
 }
 
+TEST_CASE("restored in another world it knows the truth of that one") {
+  Robot other(knowing("3we_standard_v2", {}));
+  {
+    Robot saved(knowing("3we_standard_v2", {}));
+    saved.execute_action({1.0, 0.0, 0.5}, 1.0);
+    other.simulation()->restore(saved.simulation()->save());
+  }
+  other.execute_action({1.0, 0.3, -0.5}, 1.0);
+  const Pose2D truth = inverse(other.simulation()->start_pose()) * other.simulation()->true_pose();
+  CHECK(distance(other.get_pose().position(), truth.position()) < 1e-9);
+  CHECK(other.get_velocity() == other.simulation()->true_velocity());
+}
+
 TEST_CASE("it is asked for by name") {
   CHECK_THROWS_WITH_AS(autonomy_with("thruth"), "unknown localization 'thruth'; did you mean 'truth'?", ConfigError);
   Autonomy misspelt;
