@@ -156,12 +156,13 @@ Time World::now() const { return impl_->now; }
 const std::optional<World::Origin>& World::origin() const { return impl_->origin; }
 std::uint64_t World::seed() const { return impl_->seed; }
 
-std::optional<Pose2D> World::scene_from_map(std::size_t robot) const {
-  const scene::TruthView* truth = this->robot(robot).truth();
-  if (truth == nullptr) return {};
+std::optional<Pose2D> World::scene_from_map(std::size_t robot) {
+  const backend::TruthService* service = truth_service();
+  if (service == nullptr) return {};
+  const Pose2D start = service->truth(robot).start_pose();
   const auto& [localization, map, initial_poses, cameras] = impl_->setup;
-  if (robot < initial_poses.size()) return truth->start_pose() * inverse(initial_poses[robot]);
-  return map ? std::nullopt : std::optional(truth->start_pose());
+  if (robot < initial_poses.size()) return start * inverse(initial_poses[robot]);
+  return map ? std::nullopt : std::optional(start);
 }
 
 void World::tick() {

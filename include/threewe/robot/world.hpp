@@ -98,7 +98,7 @@ class World {
   /// The same of a const world.
   const Runtime& robot(std::size_t index) const;
   /// The truth about its robots where they are simulated, for metrics, rewards and drawings; null where they are real.
-  /// For whoever holds the world: a robot, its observers and its autonomy stack see a const world at most.
+  /// For the holder of the world: a robot, its observers and its autonomy stack see a const world at most.
   const backend::TruthService* truth_service();
   /// Robot time.
   Time now() const;
@@ -111,7 +111,7 @@ class World {
   const std::optional<Origin>& origin() const;
   /// Where a robot's `map` frame lies in the scene, for recordings and drawings: no autonomy ever sees it. Empty for a
   /// real robot, and in a given map without an initial pose.
-  std::optional<Pose2D> scene_from_map(std::size_t robot) const;
+  std::optional<Pose2D> scene_from_map(std::size_t robot);
   /// Of all noise: the one that the world was made with; 0 for a world made from a backend.
   std::uint64_t seed() const;
   /// Disconnects every robot, which ends its motion as `cancelled` and stops it.

@@ -181,10 +181,10 @@ TEST_CASE("a journal holds the profile and the place of the map, so that a repla
     CHECK(robot.profile == "mine");
     CHECK(robot.hardware == yaml);
     CHECK(parse_profile(robot.hardware, "mine.yaml").lidar->base_from_lidar == Pose2D{0.01, 0.02, 0.3});
-    const Pose2D start = world.robot(0).truth()->start_pose();
+    const Pose2D start = world.truth_service()->truth(0).start_pose();
     REQUIRE(robot.scene_from_map);
     CHECK(distance((*robot.scene_from_map * Pose2D{1.0, 2.0, 0.5}).position(), start.position()) < 1e-12);
-    CHECK(journal.robots()[1].scene_from_map == world.robot(1).truth()->start_pose());
+    CHECK(journal.robots()[1].scene_from_map == world.truth_service()->truth(1).start_pose());
     const ReplayReport report = replay(journal);
     CHECK(report.ticks == 40);
     CHECK_FALSE(report.first_difference.has_value());
