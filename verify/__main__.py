@@ -2,12 +2,15 @@
 
 import argparse
 import importlib
+import math
 import sys
+import time
 from collections import Counter
 from pathlib import Path
 
 from verify.harness import claims
 from verify.harness.area import Options, verify
+from verify.harness.journal import Revision
 
 HERE = Path(__file__).parent
 AREAS = sorted(path.stem for path in HERE.glob("*.py") if path.stem not in ("__init__", "__main__"))
@@ -26,8 +29,11 @@ def main() -> int:
             print(f"{name:16}{one.title}")
         return 0
 
-    how = {name: value for name, value in vars(options).items() if name != "areas"}
-    outcomes = {name: verify(name, areas[name].experiments, Options(**how)) for name in options.areas or AREAS}
+    how = {name: value for name, value in vars(options).items() if name not in ("areas", "seconds")}
+    how["deadline"] = time.monotonic() + options.seconds
+    first = Revision.here().seed % len(AREAS)  # so that each is run now and then where there is no time for all
+    names = options.areas or AREAS[first:] + AREAS[:first]
+    outcomes = {name: verify(name, areas[name].experiments, Options(**how)) for name in names}
     if options.write:
         claims.PAGE.write_text(claims.page(areas))
     total = sum((outcome.statuses for outcome in outcomes.values()), Counter())
@@ -48,6 +54,7 @@ def parse() -> argparse.Namespace:
     parser.add_argument("areas", nargs="*", metavar="area", help=f"{', '.join(AREAS)}; or claims: makes their page")
     parser.add_argument("--sample", action="store_true", help="a few cases of each experiment, tested with the record")
     parser.add_argument("--count", type=int, help="so many cases of each experiment")
+    parser.add_argument("--seconds", type=float, default=math.inf, help="begin no experiment after so long")
     parser.add_argument("--seed", type=int, help="draws the cases; by default from the commit")
     parser.add_argument("--only", default="", metavar="TEXT", help="experiments with this text in their names")
     parser.add_argument("--record", action="store_true", help="with --sample: add what was seen to verify/record.jsonl")

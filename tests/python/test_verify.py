@@ -306,6 +306,15 @@ def test_a_sample_is_put_on_record_once_and_full_runs_into_the_claims(
     assert "would have caught" not in capsys.readouterr().out
 
 
+def test_out_of_time_no_experiment_begins_and_each_is_named(capsys: pytest.CaptureFixture[str]) -> None:
+    row = all_of("well", lambda case: True)
+    outcome = verify(
+        "deaths", [Experiment("late", dies, cases=2, sample=1, rows=[row])], Options(sample=True, deadline=0.0)
+    )
+    assert dict(outcome.statuses) == {"not shown": 1}
+    assert "late: out of time" in capsys.readouterr().out
+
+
 def test_misses_stand_out_on_the_page() -> None:
     row = {"row": "r", "figure": "1 of 2", "target": "all", "interval": "", "power": "", "why": "it is so"}
     assert claims.line({**row, "status": "FAIL"}).startswith("| **FAIL** | r | 1 of 2 |")

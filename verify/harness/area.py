@@ -1,5 +1,6 @@
 """One area: its experiments are run, its rows judged and printed, and what they saw is kept where that is asked for."""
 
+import math
 import time
 from collections import Counter
 from dataclasses import dataclass, field
@@ -21,6 +22,7 @@ class Options:
     seed: int | None = None  # by default from the commit
     count: int | None = None  # of cases of each experiment
     sample: bool = False
+    deadline: float = math.inf  # of the monotonic clock: no experiment begins after it
     only: str = ""  # experiments with this in their names
     record: bool = False
     write: bool = False
@@ -44,9 +46,14 @@ def verify(area: str, experiments: list[Experiment], options: Options) -> Outcom
     journal = Journal(ROOT / f"build/verify/{area}-{revision.commit}-{seed}.jsonl")
     record = Record()
     judged: list[tuple[str, Verdict]] = []
+    left_out = 0
     for experiment in (one for one in experiments if options.only in one.name):
         count = options.count or (experiment.sample if options.sample else experiment.cases)
         if count == 0:  # too long for a sample
+            continue
+        if time.monotonic() > options.deadline:
+            print(f"{'not shown':10}  {experiment.name}: out of time", flush=True)
+            left_out += 1
             continue
         cases = run_cases(experiment, seed, count, journal)
         if options.write_model and experiment.learn:
@@ -62,7 +69,8 @@ def verify(area: str, experiments: list[Experiment], options: Options) -> Outcom
         judged += [(name_of(experiment, row), verdict) for row, verdict in verdicts]
     if options.record:
         record.add(area, revision.commit, seed, dict(judged))
-    return Outcome(Counter(verdict.status for _, verdict in judged), time.monotonic() - begun)
+    statuses = Counter(verdict.status for _, verdict in judged)
+    return Outcome(statuses + Counter({"not shown": left_out}), time.monotonic() - begun)
 
 
 def judge(row: Row, cases: Cases, **how: Any) -> Verdict:
