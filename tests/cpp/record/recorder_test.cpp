@@ -30,7 +30,7 @@ struct Seen {
 
 template <typename T>
 bool same_bytes(const T& a, const T& b) {
-  return std::memcmp(&a, &b, sizeof(T)) == 0;
+  return std::memcmp(&a, &b, sizeof(T)) == 0;  // NOLINT(bugprone-suspicious-memory-comparison): bit by bit, as asked
 }
 
 }  // namespace
@@ -200,7 +200,7 @@ TEST_CASE("a journal of another format is refused with file and format") {
   const auto file = folder.path() / "episode_000000.journal";
   const auto part = folder.path() / "episode_000001.part";
   {
-    std::ofstream(folder.path() / "episode_000001.journal");  // so that the next one is behind
+    std::ofstream(folder.path() / "episode_000001.journal").flush();  // so that the next one is behind
     const auto world = trials::make_world();
     Recorder recorder(*world, folder.path());
     CHECK(recorder.start_episode("cut off") == 2);
@@ -228,7 +228,7 @@ TEST_CASE("what cannot be recorded is refused, and loses nothing") {
   const auto world = trials::make_world();
   CHECK_THROWS_AS(Recorder(*world, folder.path(), {.robots = {1}}), ContractError);
   CHECK_THROWS_AS(Recorder(*world, folder.path(), {.sensors = {"nose"}}), ConfigError);
-  std::ofstream(folder.path() / "file");
+  std::ofstream(folder.path() / "file").flush();
   CHECK_THROWS_AS(Recorder(*world, folder.path() / "file"), RecordingError);
   Recorder recorder(*world, folder.path(), {.sensors = {"imu"}});
   CHECK_THROWS_AS(Recorder(*world, folder.path()), RecordingError);
