@@ -307,7 +307,7 @@ def test_a_sample_is_put_on_record_once_and_full_runs_into_the_claims(
 
 
 def test_out_of_time_no_experiment_begins_and_each_is_named(capsys: pytest.CaptureFixture[str]) -> None:
-    row = all_of("well", lambda case: True)
+    row = all_of("well", right)
     outcome = verify(
         "deaths", [Experiment("late", dies, cases=2, sample=1, rows=[row])], Options(sample=True, deadline=0.0)
     )
