@@ -117,10 +117,11 @@ ConfigNode ConfigNode::parse(const std::string& text, const std::string& name) {
   }
 }
 
-void ConfigNode::fail(const std::string& what) const {
-  const std::string where = path_.empty() ? "" : fmt::format("{}: ", path_);
-  throw ConfigError(fmt::format("{}:{}: {}{}", file_, line_, where, what));
+std::string ConfigNode::place() const {
+  return path_.empty() ? fmt::format("{}:{}", file_, line_) : fmt::format("{}:{}: {}", file_, line_, path_);
 }
+
+void ConfigNode::fail(const std::string& what) const { throw ConfigError(fmt::format("{}: {}", place(), what)); }
 
 void ConfigNode::know(std::string_view field) {
   if (!node_.IsMap()) fail("expected a mapping");
@@ -182,6 +183,7 @@ std::vector<std::pair<std::string, ConfigNode>> ConfigNode::fields() const {
 
 bool ConfigNode::is_number() const { return node_.IsScalar(); }
 bool ConfigNode::is_list() const { return node_.IsSequence(); }
+bool ConfigNode::is_map() const { return node_.IsMap(); }
 
 double ConfigNode::number() const {
   double value = 0.0;

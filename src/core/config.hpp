@@ -39,6 +39,7 @@ class ConfigNode {
 
   bool is_number() const;
   bool is_list() const;
+  bool is_map() const;
   double number() const;                            ///< finite, or ConfigError
   double number_in(double low, double high) const;  ///< within [low, high], or ConfigError
   int integer_in(int low, int high) const;          ///< the same, and whole
@@ -62,6 +63,8 @@ class ConfigNode {
 
   /// Throws ConfigError when the mapping has a field that nobody asked for, naming the nearest known one, or one twice.
   void finish() const;
+  /// Where it stands, for messages: "file:line: path".
+  std::string place() const;
   /// Throws ConfigError at this node's place.
   [[noreturn]] void fail(const std::string& what) const;
 

@@ -20,6 +20,7 @@ constexpr double kMaxMass = 1000.0;         // [kg]
 constexpr double kMaxSpeed = 20.0;          // [m/s] and [rad/s]
 constexpr double kMaxAcceleration = 200.0;  // [m/s^2] and [rad/s^2]
 constexpr double kSmall = 1e-6;             // stands for "more than zero"
+constexpr double kMaxParameter = 1e6;       // of the autonomy stack, in any unit
 constexpr double kAnyIncidence = 1.57;      // [rad], all but grazing
 
 Duration duration_in(ConfigNode& node, std::string_view field, double low, double high) {
@@ -251,6 +252,28 @@ BatterySpec read_battery(ConfigNode node) {
   return battery;
 }
 
+// The numbers of a module's parameters, whose groups may be nested: {recovery: {same_place: 0.5}}.
+void read_overrides(const ConfigNode& node, std::string_view module, const std::string& group,
+                    std::vector<ParameterOverride>& overrides) {
+  for (const auto& [field, value] : node.fields()) {
+    const std::string name = group.empty() ? field : fmt::format("{}.{}", group, field);
+    if (value.is_map()) {
+      read_overrides(value, module, name, overrides);
+    } else {
+      overrides.push_back({std::string(module), name, value.number_in(-kMaxParameter, kMaxParameter), value.place()});
+    }
+  }
+}
+
+std::vector<ParameterOverride> read_autonomy(ConfigNode node) {
+  std::vector<ParameterOverride> overrides;
+  for (const std::string_view module : {"nav", "slam", "health", "safety"}) {
+    if (node.has(module)) read_overrides(node.at(module), module, "", overrides);
+  }
+  node.finish();
+  return overrides;
+}
+
 // What is asked of the robot must be within what its drive can do.
 void check_limits(const RobotProfile& profile, ConfigNode limits) {
   const Body& body = profile.body;
@@ -333,6 +356,7 @@ RobotProfile parse_profile(std::string yaml, const std::filesystem::path& file) 
   profile.odometry = read_odometry(sensors.at("odometry"));
   sensors.finish();
   if (root.has("battery")) profile.battery = read_battery(root.at("battery"));
+  if (root.has("autonomy")) profile.autonomy = read_autonomy(root.at("autonomy"));
   root.finish();
   return profile;
 }

@@ -157,6 +157,15 @@ struct BatterySpec {
   Duration period{};              ///< from sample to sample
 };
 
+/// What a profile's `autonomy:` section sets in place of what follows from the rest of the profile.
+struct ParameterOverride {
+  std::string module;  ///< "nav", "slam", "health" or "safety"
+  std::string name;    ///< of a parameter of that module, such as "recovery.same_place"
+  double value = 0.0;  ///< in the parameter's unit; times in seconds
+  std::string place;   ///< where it stands, for messages: "file:line: field"
+  friend bool operator==(const ParameterOverride&, const ParameterOverride&) = default;
+};
+
 /// A robot, complete. Sensors it lacks are empty.
 struct RobotProfile {
   std::string name;                           ///< that of its file
@@ -171,6 +180,7 @@ struct RobotProfile {
   std::optional<CameraSpec> camera;           ///< colour, and depth where it measures any
   OdometrySpec odometry;                      ///< every robot has it
   std::optional<BatterySpec> battery;         ///< empty: it never runs out
+  std::vector<ParameterOverride> autonomy;    ///< parameters of the autonomy stack that this robot sets
   std::string yaml;                           ///< the text that it was read from; empty for one made in code
 
   /// Which velocities the base can drive.
