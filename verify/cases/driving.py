@@ -143,8 +143,10 @@ def unreachable_place(tables: SceneTables, scene: Scene, start: Pose2D, seed: in
             return x, y
 
 
-def explore(seed: int, scene: str) -> dict[str, Any]:
-    """Explores from a sampled start, for half as long again as nearest-frontier takes with a perfect pose."""
+def explore(seed: int, scene: str, times: float | None = 1.5) -> dict[str, Any]:
+    """Explores from a sampled start, for so many times as long as nearest-frontier takes with a perfect pose, or until
+    it is done.
+    """
     profile = RobotProfile.load("3we_standard_v2")
     tables = SceneTables(Scene.load(scene), profile)
     start = tables.sample_free_pose(seed)
@@ -161,7 +163,7 @@ def explore(seed: int, scene: str) -> dict[str, Any]:
                     meter.observe(truth.true_pose())
 
             robot.observe(look)
-            result = await robot.explore(timeout=1.5 * reference.duration)
+            result = await robot.explore(timeout=times * reference.duration if times else None)
             return {
                 "reason": result.reason.name,
                 "detail": result.detail,

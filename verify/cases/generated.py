@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from threewe import Pose2D, Robot, RobotProfile, Scene, SceneTables
-from threewe.benchmark import spl
+from threewe.benchmark import optimistic_replanning, spl
 from threewe.errors import ConfigError
 
 SIDES = ((10.0, 32.0), (8.0, 20.0))  # [m] of buildings, drawn from these
@@ -106,17 +106,27 @@ def in_generated(seed: int, run: Callable[..., dict[str, Any]], place: str = "bu
         return run(seed, scene=scene, **how)
 
 
-def drive_far(seed: int, scene: str, hardware: str) -> dict[str, Any]:
-    """A drive to a far goal, in an unknown map and without a time limit."""
-    tables = SceneTables(Scene.load(scene), RobotProfile.load(hardware))
-    return asyncio.run(drive_to(scene, hardware, seed, *far_goal(Scene.load(scene), tables, seed)))
+def drive_far(seed: int, scene: str, hardware: str, randomization: str = "none") -> dict[str, Any]:
+    """A drive to a far goal, in an unknown map and without a time limit, beside the optimistic replanner's."""
+    profile = RobotProfile.load(hardware)
+    tables = SceneTables(Scene.load(scene), profile)
+    start, goal, geodesic = far_goal(Scene.load(scene), tables, seed)
+    best = optimistic_replanning(tables, profile, start, goal)
+    case = asyncio.run(drive_to(scene, hardware, seed, start, goal, geodesic, randomization))
+    return case | {"geodesic": geodesic, "optimist_spl": spl(best.reached, geodesic, best.length)}
 
 
 async def drive_to(
-    scene: str, hardware: str, seed: int, start: Pose2D, goal: tuple[float, float], geodesic: float
+    scene: str,
+    hardware: str,
+    seed: int,
+    start: Pose2D,
+    goal: tuple[float, float],
+    geodesic: float,
+    randomization: str = "none",
 ) -> dict[str, Any]:
     to = start.inverse() * Pose2D(*goal, 0.0)
-    async with Robot(scene=scene, hardware=hardware, seed=seed, start_pose=start) as robot:
+    async with Robot(scene=scene, hardware=hardware, seed=seed, start_pose=start, randomization=randomization) as robot:
         truth = robot.simulation
         assert truth is not None
         result = await robot.move_to(to.x, to.y)
