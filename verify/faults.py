@@ -132,7 +132,7 @@ def of_each(kinds: Sequence[str], rows: list[Row]) -> Iterator[Row]:
         yield from each("kind", about, lambda kind, row=row: missed(row) if (kind, row.name) in RARELY else row)
 
 
-def single(where_: str, place: str, sample: int) -> list[Experiment]:
+def single(where_: str, place: str, cases: int, sample: int) -> list[Experiment]:
     """One thing breaks, in places of one sort."""
     return [
         Experiment(
@@ -140,7 +140,7 @@ def single(where_: str, place: str, sample: int) -> list[Experiment]:
             breakdowns,
             {"drives": 5, "place": place},
             variants=[{"kind": kind} for kind in kinds],
-            cases=200 * len(kinds),
+            cases=cases * len(kinds),
             sample=sample * len(kinds),
             rows=[*of_all(kinds, rows), *(of_each(kinds, rows) if place else [])],
         )
@@ -149,13 +149,13 @@ def single(where_: str, place: str, sample: int) -> list[Experiment]:
 
 
 EXPERIMENTS = [
-    *single("generated buildings", "building", 2),
-    *single("named scenes", "", 1),
+    *single("generated buildings", "building", 60, 2),
+    *single("named scenes", "", 20, 1),
     Experiment(
         "two faults at once in generated buildings",
         breakdowns,
         {"drives": 5, "place": "building", "kind": "pair"},
-        cases=400,
+        cases=100,
         sample=8,
         rows=[
             of_drives("with a lidar, one is noticed within 2 s, or harmless", one_soon_or_harmless, 1.0, has_lidar),
@@ -182,8 +182,8 @@ EXPERIMENTS = [
             ],
         )
         for name, run, seconds, cases, sample in [
-            ("nothing breaks, on all robots", others_undisturbed, 300, 200, 6),
-            ("nothing breaks", undisturbed, 1200, 60, 1),
+            ("nothing breaks, on all robots", others_undisturbed, 300, 72, 6),
+            ("nothing breaks", undisturbed, 1200, 24, 1),
         ]
     ),
 ]

@@ -125,14 +125,14 @@ HELD_OUT = [
             rows=far_rows("building", enough),
             limit=3600.0,
         )
-        for hardware, cases, sample, enough in [(STANDARD, 800, 12, 0.95), (TURTLEBOT, 200, 8, 0.85)]
+        for hardware, cases, sample, enough in [(STANDARD, 300, 12, 0.95), (TURTLEBOT, 200, 8, 0.85)]
     ),
     Experiment(
         "far goals in generated halls and corridors",
         in_generated,
         {"run": drive_far},
         variants=[{"place": place, "hardware": hardware} for place in ("hall", "corridor") for hardware in ROBOTS],
-        cases=320,
+        cases=160,
         sample=6,
         rows=far_rows("hall or corridor", None),
         limit=3600.0,
@@ -157,7 +157,7 @@ HELD_OUT = [
         "people in generated buildings",
         in_generated,
         {"run": among_people, "place": "peopled", "seconds": 120},
-        cases=60,
+        cases=30,
         sample=8,
         rows=[
             known_miss(PEOPLE[0], 0.18, "13 to 20 % in three samples of 4 to 12 buildings; why is not known yet"),
@@ -172,7 +172,7 @@ DOORS = [
             f"a doorway {1000 * spare:.0f} mm wider than the robot, {hardware}",
             through_a_doorway,
             {"hardware": hardware, "spare": spare},
-            cases=200,
+            cases=100,
             sample=sample,
             rows=[
                 known_miss(arrival(enough), 0.78, WHY_NOT) if hardware == TURTLEBOT else arrival(enough),
@@ -190,7 +190,7 @@ DOORS = [
         through_a_doorway,
         {"spare": -0.01},
         variants=[{"hardware": hardware} for hardware in ROBOTS],
-        cases=200,
+        cases=100,
         sample=12,
         rows=[
             share_of("no_path", lambda case: case["reason"] == "no_path", at_least=0.95),
@@ -229,7 +229,7 @@ TIGHT = [
         "at the end of a slot",
         out_of_a_slot,
         variants=[{"hardware": hardware} for hardware in ROBOTS],
-        cases=400,
+        cases=100,
         sample=12,
         rows=[
             share_of("gets out and comes to its goal, truly within 0.25 m", comes_to_its_goal, at_least=0.95),
@@ -246,7 +246,7 @@ REGRESSION = [
             *({"scene": scene, "hardware": STANDARD} for scene in SCENES),
             {"scene": "office_v2", "hardware": TURTLEBOT},
         ],
-        cases=1600,
+        cases=400,
         sample=14,
         rows=[
             where(share_of(f"{ARRIVED}, {STANDARD}, nobody walks", arrived, at_least=0.99), still_and_standard),
@@ -265,7 +265,7 @@ REGRESSION = [
         drives_in_a_map,
         {"drives": 5},
         variants=[{"scene": scene} for scene in SCENES],
-        cases=280,
+        cases=56,
         sample=4,
         rows=[
             share_within(ARRIVED, lambda case: case["drives"], arrived, at_least=0.985),
@@ -277,7 +277,7 @@ REGRESSION = [
         "move_to where nobody can",
         drive_in_vain,
         variants=[{"scene": scene, "hardware": STANDARD} for scene in ("office_v2", "corridor_v1")],
-        cases=80,
+        cases=30,
         sample=4,
         rows=[
             share_of("no_path", lambda case: case["reason"] == "no_path", at_least=0.95),
@@ -290,7 +290,7 @@ REGRESSION = [
         f"move_to by echoes, {BASE} in office_v2",
         drive,
         {"scene": "office_v2", "hardware": BASE},
-        cases=200,
+        cases=100,
         sample=20,
         rows=[
             # most drives end as `uncertain`: wheels and gyro alone know less than a tolerance of 0.25 m asks for
@@ -305,7 +305,7 @@ REGRESSION = [
         "explore the named scenes",
         explore,
         variants=[{"scene": scene} for scene in ("office_v2", "apartment_v1", "warehouse_v1")],
-        cases=60,
+        cases=21,
         sample=3,
         rows=[
             worst_of("coverage in 1.5 times what nearest-frontier takes", coverage, at_least=0.97),
@@ -317,7 +317,7 @@ REGRESSION = [
         explore_together,
         {"scene": "office_v2"},
         variants=[{"strangers": False}, {"strangers": True}],
-        cases=120,
+        cases=40,
         sample=2,
         rows=[no_contact("their")],
     ),
@@ -325,7 +325,7 @@ REGRESSION = [
         "people in dynamic_v1",
         among_people,
         {"scene": "dynamic_v1", "seconds": 120},
-        cases=50,
+        cases=20,
         sample=4,
         rows=[
             *PEOPLE,
@@ -335,7 +335,7 @@ REGRESSION = [
     Experiment(
         "truth isolation",
         truth_isolation,
-        cases=100,
+        cases=40,
         sample=2,
         rows=[
             all_of("same commands when the truth is shifted and people scrambled", lambda case: case["equal"]),

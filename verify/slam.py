@@ -65,14 +65,14 @@ def in_own_maps() -> list[Row]:
 
 HELD_OUT = [
     Experiment(
-        "localising in generated buildings", in_generated, {"run": drives}, cases=200, sample=10, rows=localising()
+        "localising in generated buildings", in_generated, {"run": drives}, cases=100, sample=10, rows=localising()
     ),
     Experiment(
         "ten minutes in generated buildings",
         in_generated,
         {"run": kept_track},
         variants=[{"randomization": randomization} for randomization in ("none", "hard")],
-        cases=60,
+        cases=40,
         sample=4,
         rows=tracking(),
     ),
@@ -80,7 +80,7 @@ HELD_OUT = [
         "in maps of its own, of generated buildings",
         in_generated,
         {"run": placements},
-        cases=60,
+        cases=30,
         sample=4,
         rows=in_own_maps(),
     ),
@@ -91,7 +91,7 @@ REGRESSION = [
         "localising in the named scenes",
         drives,
         variants=[{"scene": scene} for scene in SCENES],
-        cases=350,
+        cases=140,
         sample=7,
         rows=[
             *localising(),
@@ -105,7 +105,7 @@ REGRESSION = [
         "ten minutes in the named scenes",
         kept_track,
         variants=[{"scene": scene, "randomization": level} for level in ("none", "hard") for scene in SCENES],
-        cases=140,
+        cases=70,
         sample=0,
         rows=[
             *tracking(),
@@ -120,7 +120,7 @@ REGRESSION = [
         "in maps of its own",
         placements,
         variants=[{"scene": scene} for scene in SCENES],
-        cases=70,
+        cases=35,
         sample=0,
         rows=in_own_maps(),
     ),
@@ -129,7 +129,7 @@ REGRESSION = [
         placements,
         {"mind": "truth"},
         variants=[{"scene": scene} for scene in SCENES],
-        cases=35,
+        cases=21,
         sample=3,
         rows=[
             of_placements("never claims a pose that is 0.3 m off", claims_the_truth, 0.99),
@@ -165,7 +165,7 @@ REGRESSION = [
         "loops closed",
         closed,
         variants=[{"scene": scene} for scene in TOURS],
-        cases=200,
+        cases=100,
         sample=2,
         rows=[
             worst_of("closures off by more than 0.3 m or 5 degrees", lambda case: case["wrong"], at_most=0),
