@@ -89,7 +89,11 @@ def always(knowing: float) -> list[Row]:
 def plain() -> Iterator[Row]:
     """What is asked where something breaks that shows at once."""
     yield of_drives(IN_TIME, in_time, 1.0, lambda drive: not echo_froze(drive))
-    yield of_drives(SONARS, in_time_or_harmless, 1.0, echo_froze)
+    yield known_miss(
+        of_drives(SONARS, in_time_or_harmless, 1.0, echo_froze),
+        0.96,
+        "a sonar that repeats `nothing` is as one that hears nothing, and a robot without a lidar touches what it then misses",
+    )
 
 
 def subtle() -> Iterator[Row]:
