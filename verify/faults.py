@@ -92,7 +92,7 @@ def plain() -> Iterator[Row]:
     yield known_miss(
         of_drives(SONARS, in_time_or_harmless, 1.0, echo_froze),
         0.96,
-        "a sonar that repeats `nothing` is as one that hears nothing, and a robot without a lidar touches what it then misses",
+        "frozen at no return it is like one that measures none; a robot without a lidar touches what it then misses",
     )
 
 
