@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "control_room.hpp"
+#include "hardware/parameters.hpp"
 #include "nav/mppi.hpp"
 
 namespace {
@@ -14,9 +15,10 @@ namespace {
 using namespace threewe;
 
 void run(benchmark::State& state, const std::string& robot, bool new_scans) {
-  nav::MppiSettings settings;
-  settings.samples = static_cast<int>(state.range(0));
-  nav::Mppi mppi(load_profile(robot), settings);
+  const RobotProfile profile = load_profile(robot);
+  auto params = params_for<nav::Params>(profile, "nav");
+  params.mppi.samples = static_cast<int>(state.range(0));
+  nav::Mppi mppi(profile, params);
   const std::vector<Vec2> scans[2] = {scan_of_a_room(0.0), scan_of_a_room(0.003)};
   const std::vector<nav::MovingDisc> people = {{{1.5, 1.5}, {-0.3, -0.5}}, {{-1.0, 1.0}, {0.5, 0.0}}};
   Velocity command;
@@ -27,7 +29,7 @@ void run(benchmark::State& state, const std::string& robot, bool new_scans) {
                         {.path = kPathThroughADoor, .margin = 0.05});
     benchmark::DoNotOptimize(command);
   }
-  state.counters["samples"] = benchmark::Counter(static_cast<double>(settings.samples));
+  state.counters["samples"] = benchmark::Counter(static_cast<double>(params.mppi.samples));
 }
 
 void BM_mppi_tick(benchmark::State& state) { run(state, "3we_standard_v2", false); }

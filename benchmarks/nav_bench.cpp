@@ -80,7 +80,7 @@ void BM_frontiers(benchmark::State& state) {
   map::Costmap costmap;
   costmap.update(office(), {}, {});
   std::vector<std::uint16_t> size_of;
-  for (auto _ : state) nav::find_frontiers(costmap, size_of);
+  for (auto _ : state) nav::find_frontiers(costmap, {}, size_of);
 }
 BENCHMARK(BM_frontiers)->Unit(benchmark::kMicrosecond);
 

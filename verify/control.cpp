@@ -9,6 +9,7 @@
 
 #include <fmt/format.h>
 
+#include "hardware/parameters.hpp"
 #include "nav/mppi_course.hpp"
 #include "nav/path_follower.hpp"
 #include "number.hpp"
@@ -18,7 +19,7 @@ using namespace threewe;
 namespace {
 
 nav::testing::Outcome drive(const RobotProfile& profile, const nav::testing::Course& course) {
-  nav::PathFollower follower(profile);
+  nav::PathFollower follower(profile, params_for<nav::Params>(profile, "nav"));
   return nav::testing::drive(profile, course, [&](const nav::MppiObservation& seen, std::span<const Vec2> path) {
     std::vector<Vec2> in_base;
     for (const Vec2 point : seen.obstacles) in_base.push_back(inverse(seen.odom_from_base) * point);

@@ -2,6 +2,7 @@
 #include <optional>
 
 #include "../control_room.hpp"
+#include "hardware/parameters.hpp"
 #include "nav/mppi.hpp"
 #include "world.hpp"
 
@@ -28,7 +29,8 @@ struct Drive {
   double nearest = 1e9;
 };
 Drive drive() {
-  nav::Mppi mppi(load_profile(kRobot));
+  const RobotProfile profile = load_profile(kRobot);
+  nav::Mppi mppi(profile, params_for<nav::Params>(profile, "nav"));
   Drive made;
   Pose2D pose;
   Velocity command;
@@ -43,14 +45,15 @@ Drive drive() {
 
 // What a plan takes, with so many samples: robots make one in each fifth tick.
 void time_plans(int samples, const std::string& fields) {
-  nav::MppiSettings settings;
-  settings.samples = samples;
-  nav::Mppi mppi(load_profile(kRobot), settings);
+  const RobotProfile profile = load_profile(kRobot);
+  auto params = params_for<nav::Params>(profile, "nav");
+  params.mppi.samples = samples;
+  nav::Mppi mppi(profile, params);
   Velocity command;
   Time now{};
   constexpr int kPlans = 20;
   peers::report(fields, std::to_string(samples) + "x56", kPlans, [&] {
-    for (int i = 0; i < kPlans * settings.periods; ++i, now += kControlPeriod) {
+    for (int i = 0; i < kPlans * params.mppi.periods; ++i, now += kControlPeriod) {
       command = mppi.step({now, {0.0, 0.02, 0.1}, command, kPoints}, kTask);
     }
   });
@@ -65,6 +68,6 @@ int main(int, char** argv) {
       R"("kind": "control", "who": "ours", "differs": "the outline, critics of smoothness and heading )"
       R"(too, limits of acceleration, delay foreseen; C++", "arrived": )" +
       std::to_string(drove.seconds.value_or(-1.0)) + ", \"nearest\": " + std::to_string(drove.nearest);
-  time_plans(nav::MppiSettings{}.samples, fields);
+  time_plans(nav::Params{}.mppi.samples, fields);
   time_plans(2000, fields);  // as many as the peers roll out
 }

@@ -1,7 +1,6 @@
 #include "nav/arc_escape.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstdint>
 #include <functional>
@@ -16,36 +15,14 @@
 namespace threewe::nav {
 namespace {
 
-constexpr std::array<double, 7> kCurvatures = {0.0, 1.5, -1.5, 4.0, -4.0, 12.0, -12.0};  // [1/m]
-constexpr double kStepWay = 0.04;                                                        // [m] of a step, or ...
-constexpr double kStepTurn = 0.2;     // [rad] ... of one that turns more sharply
-constexpr double kSpacing = 0.02;     // [m] between the poses of a step at which the outline is looked at ...
-constexpr double kTurnSpacing = 0.1;  // [rad] ... or so much
-constexpr double kCell = 0.02;        // [m] of the lattice
-constexpr double kBin = 0.1;          // [rad] of the lattice
-constexpr double kReach = 1.2;        // [m] it looks so far
-constexpr double kScatter = 3.0;      // deviations of the nearest hit that a turn must leave room for ...
-constexpr double kFarEnough = 0.02;   // [m] ... and more, where a plan ends
-constexpr double kFree = 0.008;       // [m] kept free: more than the creeping gate does
-constexpr double kNotNearer = 0.003;  // [m] what is nearer may come so much nearer, until it touches
-constexpr double kThin = 0.015;       // [m] hits nearer to each other than that are one
-constexpr double kRaster = 0.02;      // [m] by which the estimate's cells may look narrower than they are
-constexpr double kHaste = 1.5;        // times the estimate: plans may be so much slower than the quickest, found sooner
 constexpr int kMostExpansions = 10000;
 
-// How quick a step is: as the gate lets a creeping robot go where less than the margin is free, faster elsewhere.
-constexpr double kCreep = 0.04;         // [m/s]
-constexpr double kCreepCorners = 0.01;  // [m/s] of the corners, by turning
-constexpr double kQuick = 0.1;          // [m/s]
-constexpr double kQuickTurn = 0.5;      // [rad/s]
-constexpr double kChange = 1.0;         // [s] for going back where it went ahead, and the other way round
-
 // One hit of many that lie close together.
-std::vector<Vec2> thinned(std::span<const Vec2> hits, double reach) {
+std::vector<Vec2> thinned(std::span<const Vec2> hits, double reach, double spacing) {
   std::vector<Vec2> few;
   for (const Vec2 p : hits) {
     if (dot(p, p) > reach * reach) continue;
-    const auto is_same = [&](Vec2 q) { return dot(p - q, p - q) < kThin * kThin; };
+    const auto is_same = [&](Vec2 q) { return dot(p - q, p - q) < spacing * spacing; };
     if (std::ranges::none_of(few, is_same)) few.push_back(p);
   }
   return few;
@@ -58,11 +35,13 @@ class ArcEscapePlanner::Search {
  public:
   Search(const ArcEscapePlanner& planner, std::span<const Vec2> hits, double tolerance)
       : planner_(planner),
-        hits_(thinned(hits, kReach + planner.ends_at_)),
-        field_(hits_, planner.least_room_, planner.ends_at_, kReach) {
+        params_(planner.params_),
+        hits_(thinned(hits, params_.reach + planner.ends_at_, params_.thinning)),
+        field_(hits_, params_.step, planner.least_room_, planner.ends_at_, params_.reach) {
+    const double free = 2.0 * planner_.creep_.margin;  // more than the creeping gate keeps
     for (const Vec2 p : hits_) {
       const double now = planner_.outline_.clearance(p);
-      least_.push_back(std::min(kFree, now > 0.0 ? std::max(now - kNotNearer, 0.0) : now) - tolerance);
+      least_.push_back(std::min(free, now > 0.0 ? std::max(now - params_.encroachment, 0.0) : now) - tolerance);
     }
   }
 
@@ -79,7 +58,7 @@ class ArcEscapePlanner::Search {
       const double room = room_at(pose);
       if (room >= planner_.ends_at_) return steps_to(node);
       if (room > room_at(nodes_[index(widest)].pose)) widest = node;
-      if (norm(pose.position()) < kReach) {
+      if (norm(pose.position()) < params_.reach) {
         expand(node);
       } else if (!on) {
         on = node;
@@ -102,12 +81,13 @@ class ArcEscapePlanner::Search {
 
   double room_at(const Pose2D& pose) const { return planner_.room(hits_, pose.position()); }
 
-  static std::uint64_t key(const Pose2D& pose) {
+  std::uint64_t key(const Pose2D& pose) const {
     const auto cell = [](double v, double size) {
       const int number = static_cast<int>(std::floor(v / size + 0.5)) + 1024;
       return static_cast<std::uint64_t>(number);
     };
-    return (cell(pose.x, kCell) * 4096 + cell(pose.y, kCell)) * 4096 + cell(pose.theta, kBin);
+    const double side = 0.5 * params_.step;
+    return (cell(pose.x, side) * 4096 + cell(pose.y, side)) * 4096 + cell(pose.theta, 0.5 * params_.turn_step);
   }
 
   void add(const Pose2D& pose, int gear, double cost, int before, int primitive) {
@@ -118,7 +98,8 @@ class ArcEscapePlanner::Search {
       old.closed = true;  // superseded
       known->second = static_cast<int>(nodes_.size());
     }
-    const double rest = kHaste * std::min(field_.way_from(pose.position()), 2.0 * kReach) / kQuick;
+    const double rest =
+        params_.haste * std::min(field_.way_from(pose.position()), 2.0 * params_.reach) / planner_.creep_.free_speed;
     open_.emplace(cost + rest, static_cast<int>(nodes_.size()));
     nodes_.push_back({pose, gear, cost, before, primitive});
   }
@@ -132,7 +113,7 @@ class ArcEscapePlanner::Search {
       if (!clear) continue;
       const bool changes = node.gear * step.gear < 0;
       const int gear = step.gear != 0 ? step.gear : node.gear;
-      const double cost = node.cost + planner_.seconds(step, *clear) + (changes ? kChange : 0.0);
+      const double cost = node.cost + planner_.seconds(step, *clear) + (changes ? params_.change : 0.0);
       add(node.pose * step.poses.back(), gear, cost, from, static_cast<int>(i));
     }
   }
@@ -140,7 +121,7 @@ class ArcEscapePlanner::Search {
   // What a step could come near to, in the frame of the pose in which it begins.
   void gather(const Pose2D& pose) {
     near_.clear();
-    const double reach = planner_.radius_ + planner_.margin_ + kStepWay;
+    const double reach = planner_.radius_ + planner_.margin_ + params_.step;
     const auto [s, c] = exact::sincos(pose.theta);
     for (std::size_t i = 0; i < hits_.size(); ++i) {
       const Vec2 d = hits_[i] - pose.position();
@@ -179,6 +160,7 @@ class ArcEscapePlanner::Search {
   using Entry = std::pair<double, int>;  // expected cost, node
 
   const ArcEscapePlanner& planner_;
+  const Params::Arcs& params_;
   std::vector<Vec2> hits_;
   RoomField field_;
   std::vector<double> least_;  // [m] how near each may come
@@ -188,26 +170,30 @@ class ArcEscapePlanner::Search {
   std::priority_queue<Entry, std::vector<Entry>, std::greater<>> open_;
 };
 
-ArcEscapePlanner::ArcEscapePlanner(const RobotProfile& profile)
-    : outline_(profile.body.footprint),
+ArcEscapePlanner::ArcEscapePlanner(const RobotProfile& profile, const Params& params)
+    : params_(params.arcs),
+      creep_(params.creep),
+      outline_(profile.body.footprint),
       radius_(profile.body.footprint.circumscribed_radius()),
       margin_(profile.margin()),
-      turns_from_(radius_ + margin_ + kScatter * (profile.lidar ? profile.lidar->sigma : 0.0)),
-      ends_at_(turns_from_ + kFarEnough),
-      least_room_(profile.body.footprint.inscribed_radius() - kRaster) {
+      turns_from_(radius_ + margin_ + params_.turn_noise * (profile.lidar ? profile.lidar->sigma : 0.0)),
+      ends_at_(turns_from_ + params_.room),
+      least_room_(profile.body.footprint.inscribed_radius() - 0.5 * params_.step) {
   for (const double gear : {1.0, -1.0}) {
-    for (const double curvature : kCurvatures) {
-      const double way = std::min(kStepWay, kStepTurn / std::max(std::fabs(curvature), 1e-9));
-      add_primitive({gear, 0.0, curvature}, way);
+    add_primitive({gear, 0.0, 0.0}, params_.step);
+    for (const double radius : {params_.wide_radius, params_.radius, params_.sharp_radius}) {
+      const double curvature = 1.0 / radius;
+      const double way = std::min(params_.step, params_.turn_step / curvature);
+      for (const double side : {1.0, -1.0}) add_primitive({gear, 0.0, side * curvature}, way);
     }
   }
-  for (const double turn : {1.0, -1.0}) add_primitive({0.0, 0.0, turn}, kStepTurn);
+  for (const double turn : {1.0, -1.0}) add_primitive({0.0, 0.0, turn}, params_.turn_step);
   if (profile.kinematics() == Kinematics::differential) return;
   const double diagonal = exact::sqrt(0.5);
   for (const double side : {1.0, -1.0}) {
-    add_primitive({0.0, side, 0.0}, kStepWay);
-    add_primitive({diagonal, side * diagonal, 0.0}, kStepWay);
-    add_primitive({-diagonal, side * diagonal, 0.0}, kStepWay);
+    add_primitive({0.0, side, 0.0}, params_.step);
+    add_primitive({diagonal, side * diagonal, 0.0}, params_.step);
+    add_primitive({-diagonal, side * diagonal, 0.0}, params_.step);
   }
 }
 
@@ -217,14 +203,16 @@ void ArcEscapePlanner::add_primitive(const Velocity& direction, double seconds) 
   step.gear = direction.vx > 0.0 ? 1 : direction.vx < 0.0 ? -1 : 0;
   step.way = exact::hypot(direction.vx, direction.vy) * seconds;
   step.turn = std::fabs(direction.omega) * seconds;
-  const int parts = std::max(1, static_cast<int>(std::ceil(std::max(step.way / kSpacing, step.turn / kTurnSpacing))));
+  // the outline is looked at twice in a whole step
+  const double share = std::max(step.way / params_.step, step.turn / params_.turn_step);
+  const int parts = std::max(1, static_cast<int>(std::ceil(2.0 * share)));
   for (int i = 1; i <= parts; ++i) step.poses.push_back(integrate({}, direction, seconds * i / parts));
   primitives_.push_back(std::move(step));
 }
 
 double ArcEscapePlanner::seconds(const Primitive& step, double clearance) const {
-  const double creep_mode = std::max(step.way / kCreep, step.turn * radius_ / kCreepCorners);
-  const double quick = std::max(step.way / kQuick, step.turn / kQuickTurn);
+  const double creep_mode = std::max(step.way / creep_.speed, step.turn * radius_ / creep_.corner_speed);
+  const double quick = std::max(step.way / creep_.free_speed, step.turn / creep_.free_turn_rate);
   const double share = std::clamp(clearance / margin_, 0.0, 1.0);
   return share * quick + (1.0 - share) * creep_mode;
 }
@@ -237,7 +225,7 @@ double ArcEscapePlanner::room(std::span<const Vec2> hits, Vec2 place) const {
 }
 
 bool ArcEscapePlanner::is_tight(std::span<const Vec2> hits_in_base) const {
-  return std::ranges::any_of(hits_in_base, [&](Vec2 p) { return outline_.clearance(p) < margin_ + kStepWay; });
+  return std::ranges::any_of(hits_in_base, [&](Vec2 p) { return outline_.clearance(p) < margin_ + params_.step; });
 }
 
 std::vector<ArcStep> ArcEscapePlanner::plan(std::span<const Vec2> hits_in_base, double tolerance) const {

@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "nav/params.hpp"
 #include "nav/path_follower.hpp"
 #include "threewe/core/pose.hpp"
 #include "threewe/core/time.hpp"
@@ -22,10 +23,10 @@ struct ArcStep {
 /// holonomic base, steps to all sides.
 class ArcEscapePlanner {
  public:
-  explicit ArcEscapePlanner(const RobotProfile& profile);
+  ArcEscapePlanner(const RobotProfile& profile, const Params& params);
 
   /// The quickest steps, in the base frame, to a pose in which the robot can turn on the spot with its whole margin
-  /// free; where none is within a metre, a metre on. Hits [m] are in the base frame. What is nearer than a few
+  /// free; where none is within `reach`, so far on. Hits [m] are in the base frame. What is nearer than a few
   /// millimetres already comes no nearer. Empty where there is no way.
   std::vector<ArcStep> plan(std::span<const Vec2> hits_in_base, double tolerance = 0.0) const;
   /// Nothing is so near that a turn on the spot would come closer to it than the margin, however the hits scatter.
@@ -51,6 +52,8 @@ class ArcEscapePlanner {
   void add_primitive(const Velocity& direction, double seconds);
   double seconds(const Primitive& step, double clearance) const;
 
+  Params::Arcs params_;
+  Params::Creep creep_;
   Outline outline_;
   double radius_;      // [m] of the smallest disc around the base that holds the body
   double margin_;      // [m] that is kept free elsewhere
@@ -63,7 +66,8 @@ class ArcEscapePlanner {
 /// Drives a plan step by step, slowly wherever it is tight, and plans anew where a step cannot be driven.
 class ArcEscape {
  public:
-  explicit ArcEscape(const RobotProfile& profile) : planner_(profile), quick_(profile.operating_limits) {}
+  ArcEscape(const RobotProfile& profile, const Params& params)
+      : params_(params.arcs), creep_(params.creep), planner_(profile, params), quick_(profile.operating_limits) {}
 
   void begin(Time now);
   /// One period; hits [m] are in the base frame, and `follower` sees the same.
@@ -80,6 +84,8 @@ class ArcEscape {
   bool stands_still(Time now, const Pose2D& odom_from_base);
   Velocity along(const ArcStep& step, const Pose2D& odom_from_base) const;
 
+  Params::Arcs params_;
+  Params::Creep creep_;
   ArcEscapePlanner planner_;
   Limits quick_;
   std::vector<ArcStep> steps_;  // in `odom`, still to drive

@@ -8,20 +8,6 @@
 namespace threewe::nav {
 namespace {
 
-constexpr int kMostPlans = 12;
-constexpr Duration kHope = 3s;  // without any plan
-constexpr Duration kNextPlan = 100ms;
-constexpr double kMoreTolerance = 0.001;  // [m] each time
-constexpr double kMostTolerance = 0.02;   // [m]
-constexpr Duration kPatience = 1500ms;    // without ...
-constexpr double kMoved = 0.006;          // [m] ... so much of progress ...
-constexpr double kTurned = 0.03;          // [rad] ... or this
-constexpr double kCreep = 0.04;           // [m/s] what the creeping gate allows of speed ...
-constexpr double kCorners = 0.01;         // [m/s] ... and of turning, at the corners
-constexpr double kQuick = 0.1;            // [m/s] where the margin is free ...
-constexpr double kQuickTurn = 0.5;        // [rad/s]
-constexpr double kConvergence = 0.05;     // [m] of way in which a heading is put right
-
 // [rad or m] of a step that is left, counted along it.
 double left_of(const ArcStep& step, const Pose2D& odom_from_base) {
   const Velocity& v = step.direction;
@@ -45,13 +31,13 @@ void ArcEscape::begin(Time now) {
 // Where hits leave no way they may be nearer than what they are of, by what they scatter: the next plan allows for a
 // little more of that, while the gate has the last word on each step. False: there is no hope.
 bool ArcEscape::plan(Time now, const Pose2D& odom_from_base, std::span<const Vec2> hits_in_base) {
-  const bool in_vain = steps_.empty() && now - moved_ > kHope;
+  const bool in_vain = steps_.empty() && now - moved_ > params_.patience_without;
   steps_.clear();
-  if (planner_.has_room(hits_in_base) || in_vain || plans_ > kMostPlans) return false;
+  if (planner_.has_room(hits_in_base) || in_vain || plans_ > params_.plans) return false;
   if (now < next_plan_) return true;
-  next_plan_ = now + kNextPlan;
+  next_plan_ = now + params_.replan;
   steps_ = planner_.plan(hits_in_base, tolerance_);
-  if (steps_.empty()) tolerance_ = std::min(tolerance_ + kMoreTolerance, kMostTolerance);
+  if (steps_.empty()) tolerance_ = std::min(tolerance_ + params_.tolerance_step, params_.most_tolerance);
   if (steps_.empty()) return true;
   for (ArcStep& step : steps_) step.end = odom_from_base * step.end;
   ++plans_;
@@ -61,8 +47,9 @@ bool ArcEscape::plan(Time now, const Pose2D& odom_from_base, std::span<const Vec
 
 bool ArcEscape::stands_still(Time now, const Pose2D& odom_from_base) {
   const Pose2D since = inverse(moved_at_) * odom_from_base;
-  if (norm(since.position()) > kMoved || std::fabs(since.theta) > kTurned) moved_at_ = odom_from_base, moved_ = now;
-  return now - moved_ > kPatience;
+  if (norm(since.position()) > params_.moved || std::fabs(since.theta) > params_.turned)
+    moved_at_ = odom_from_base, moved_ = now;
+  return now - moved_ > params_.patience;
 }
 
 Velocity ArcEscape::step(Time now, const Pose2D& odom_from_base, std::span<const Vec2> hits_in_base,
@@ -80,14 +67,15 @@ Velocity ArcEscape::step(Time now, const Pose2D& odom_from_base, std::span<const
 Velocity ArcEscape::along(const ArcStep& step, const Pose2D& odom_from_base) const {
   const Velocity& v = step.direction;
   const double speed = exact::hypot(v.vx, v.vy);
-  const double most = creep_mode_ ? kCreep : std::min(kQuick, quick_.linear);
-  const double most_turn = creep_mode_ ? kCorners / planner_.radius() : std::min(kQuickTurn, quick_.angular);
+  const double most = creep_mode_ ? creep_.speed : std::min(creep_.free_speed, quick_.linear);
+  const double most_turn =
+      creep_mode_ ? creep_.corner_speed / planner_.radius() : std::min(creep_.free_turn_rate, quick_.angular);
   if (speed == 0.0) return {0.0, 0.0, std::copysign(most_turn, v.omega)};
   const double bend = v.omega / speed;
   const double target_speed = std::min(most, most_turn / std::max(std::fabs(bend), 1e-9));
   const double planned = step.end.theta - bend * std::max(left_of(step, odom_from_base), 0.0);
   const double off = wrap_angle(planned - odom_from_base.theta);
-  const double omega = std::clamp(target_speed * (bend + off / kConvergence), -most_turn, most_turn);
+  const double omega = std::clamp(target_speed * (bend + off / params_.convergence), -most_turn, most_turn);
   return {target_speed * v.vx / speed, target_speed * v.vy / speed, omega};
 }
 

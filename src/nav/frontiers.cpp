@@ -1,29 +1,33 @@
 #include "nav/frontiers.hpp"
 
 #include <algorithm>
+#include <numeric>
 
 #include "nav/grid_search.hpp"
 
 namespace threewe::nav {
 
-void find_frontiers(const map::Costmap& costmap, std::vector<std::uint16_t>& size_of) {
+void find_frontiers(const map::Costmap& costmap, const Params::Frontier& params, std::vector<std::uint16_t>& size_of) {
   using map::Cell;
   constexpr std::uint16_t kCandidate = 0xFFFF;
   const std::vector<std::uint8_t>& unknown = costmap.unknown();
+  const int around = std::max(1, cells_in(params.slit, costmap.resolution()));
+  const int side = 2 * around + 1;
+  const double least = params.unknown * side * side;
   const auto gap = [&](int x, int y) {
     int count = 0;
-    for (int v = y - 2; v <= y + 2; ++v) {
-      const std::uint8_t* row = &unknown[costmap.index({x, v})];
-      count += row[-2] + row[-1] + row[0] + row[1] + row[2];
+    for (int v = y - around; v <= y + around; ++v) {
+      const std::uint8_t* row = &unknown[costmap.index({x - around, v})];
+      count += std::accumulate(row, row + side, 0);
     }
-    return count >= kGapCells;
+    return count >= least;
   };
 
   // candidates first; the rim of a costmap is unknown, so that no frontier lies near its edge
-  constexpr int kEdge = 3;
+  const int edge = around + 1;
   size_of.assign(costmap.weights().size(), 0);
-  for (int y = kEdge; y < costmap.height() - kEdge; ++y) {
-    for (int x = kEdge; x < costmap.width() - kEdge; ++x) {
+  for (int y = edge; y < costmap.height() - edge; ++y) {
+    for (int x = edge; x < costmap.width() - edge; ++x) {
       const std::size_t i = costmap.index({x, y});
       if (unknown[i] != 0 || costmap.weights()[i] == map::Costmap::kLethal) continue;
       for (std::size_t d = 0; d < 4; ++d) {
@@ -37,8 +41,8 @@ void find_frontiers(const map::Costmap& costmap, std::vector<std::uint16_t>& siz
 
   // then what hangs together
   std::vector<Cell> group;
-  for (int y = kEdge; y < costmap.height() - kEdge; ++y) {
-    for (int x = kEdge; x < costmap.width() - kEdge; ++x) {
+  for (int y = edge; y < costmap.height() - edge; ++y) {
+    for (int x = edge; x < costmap.width() - edge; ++x) {
       if (size_of[costmap.index({x, y})] != kCandidate) continue;
       group.assign(1, {x, y});
       size_of[costmap.index({x, y})] = 1;

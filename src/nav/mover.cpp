@@ -12,9 +12,9 @@ const Mover* mover_near(Vec2 point, std::span<const Mover> movers, double reach)
   return found == movers.rend() ? nullptr : &*found;
 }
 
-void erase_movers(map::OccupancyGrid& grid, std::span<const Mover> movers) {
+void erase_movers(map::OccupancyGrid& grid, std::span<const Mover> movers, double blur) {
   for (const Mover& mover : movers) {
-    const double reach = mover.radius + kMoverBlur;
+    const double reach = mover.radius + blur;
     const map::Cell low = grid.cell(mover.position - Vec2{reach, reach});
     const map::Cell high = grid.cell(mover.position + Vec2{reach, reach});
     for (int y = std::max(low.y, 0); y <= std::min(high.y, grid.height - 1); ++y) {

@@ -16,13 +16,10 @@ struct Mover {
   double radius = 0.0;  ///< [m] of a disc around it
 };
 
-/// [m] around a mover that its hits may be off.
-inline constexpr double kMoverBlur = 0.1;
-
 /// The last of `movers` that a point is nearer to than `reach` [m] beyond its disc; null where there is none.
 const Mover* mover_near(Vec2 point, std::span<const Mover> movers, double reach);
-/// Frees the cells that movers cover: these were free when they came there.
-void erase_movers(map::OccupancyGrid& grid, std::span<const Mover> movers);
+/// Frees the cells that movers, and hits that are off by `blur` [m], cover: these were free when they came there.
+void erase_movers(map::OccupancyGrid& grid, std::span<const Mover> movers, double blur);
 /// "robot 1 at (2.00, 0.50)".
 std::string to_string(const Mover& mover);
 

@@ -9,49 +9,32 @@
 namespace threewe::nav {
 namespace {
 
-constexpr double kAside = 0.12;          // [m] to either side that the middle may be
-constexpr double kSight = 0.5;           // [m] to either side that is looked at
-constexpr double kTurn = 0.6;            // [rad] to either side that the direction may be
-constexpr int kTurns = 24;               // tried to either side
-constexpr double kPerTurn = 0.0005;      // [m] of width that a turn away from the guess must bring
-constexpr double kGain = 0.05;           // of what a look shows: a scan is looked at five times
-constexpr double kLeastSpare = 0.012;    // [m] beyond the robot's width without which nothing goes ...
-constexpr double kMostSpare = 0.3;       // [m] ... and with which it has nothing to do with gaps
-constexpr Duration kMeasuring = 1500ms;  // at least
-constexpr Duration kPatience = 5s;       // to line up, and without ...
-constexpr double kProgress = 0.01;       // [m] ... so much of progress
-constexpr int kMostAttempts = 3;
-constexpr double kInLine = 0.01;       // [m]
-constexpr double kAligned = 0.03;      // [rad]
-constexpr double kAskew = 0.3;         // [rad] with which there is no entering
-constexpr double kRoomBefore = 0.1;    // [m] by which it may begin earlier than the map says
-constexpr double kBefore = 0.1;        // [m/s] before it is narrow, and after
-constexpr double kNarrow = 0.04;       // [m/s]
-constexpr double kConvergence = 0.08;  // [m] of way in which a differential base comes back to its line
-constexpr double kPerSecond = 1.5;     // of what a holonomic base is off
+constexpr int kTurns = 24;  // tried to either side
 
 }  // namespace
 
-Gap widest_way(std::span<const Vec2> hits, const Gap& guess) {
+Gap widest_way(std::span<const Vec2> hits, const Gap& guess, const Params::NarrowPassage& params) {
   Gap best = guess;
   double most = -std::numeric_limits<double>::infinity();
   std::vector<double> sides;
   for (int turn = -kTurns; turn <= kTurns; ++turn) {
     Pose2D middle = guess.middle;
-    middle.theta = wrap_angle(middle.theta + kTurn * turn / kTurns);
+    middle.theta = wrap_angle(middle.theta + params.turn * turn / kTurns);
     const auto [s, c] = exact::sincos(middle.theta);
-    sides = {-kSight, kSight};
+    sides = {-params.sight, params.sight};
     for (const Vec2 hit : hits) {
       const Vec2 d = hit - middle.position();
       const double across = c * d.y - s * d.x;
-      if (std::fabs(c * d.x + s * d.y) <= guess.half_length && std::fabs(across) < kSight) sides.push_back(across);
+      if (std::fabs(c * d.x + s * d.y) <= guess.half_length && std::fabs(across) < params.sight)
+        sides.push_back(across);
     }
     std::sort(sides.begin(), sides.end());
     for (std::size_t i = 1; i < sides.size(); ++i) {
       const double off = 0.5 * (sides[i - 1] + sides[i]);
       const double width = sides[i] - sides[i - 1];
-      if (std::fabs(off) > kAside || width - kPerTurn * std::abs(turn) <= most) continue;
-      most = width - kPerTurn * std::abs(turn);
+      const double worth = width - params.width_per_turn * std::abs(turn);
+      if (std::fabs(off) > params.offset || worth <= most) continue;
+      most = worth;
       best.middle = {middle.x - s * off, middle.y + c * off, middle.theta};
       best.width = width;
     }
@@ -59,7 +42,8 @@ Gap widest_way(std::span<const Vec2> hits, const Gap& guess) {
   return best;
 }
 
-NarrowPassage::NarrowPassage(const RobotProfile& profile) : kinematics_(profile.kinematics()) {
+NarrowPassage::NarrowPassage(const RobotProfile& profile, const Params& params)
+    : params_(params.narrow_passage), creep_(params.creep), kinematics_(profile.kinematics()) {
   const auto& corners = profile.body.footprint.corners();
   const auto [rear, front] = std::ranges::minmax(corners, {}, &Vec2::x);
   const auto [right, left] = std::ranges::minmax(corners, {}, &Vec2::y);
@@ -70,15 +54,14 @@ NarrowPassage::NarrowPassage(const RobotProfile& profile) : kinematics_(profile.
 }
 
 void NarrowPassage::begin(Time now, const Pose2D& odom_from_base, const Pose2D& odom_from_middle, double half_length) {
-  constexpr double kNear = 0.03;  // [m]
   gap_ = {odom_from_middle, half_length, 0.0};
   attempts_ = 0;
   // who drives in all directions need not turn round
   const double turned = wrap_angle(odom_from_base.theta - odom_from_middle.theta);
   facing_ = kinematics_ == Kinematics::holonomic && std::fabs(turned) > 0.5 * exact::kPi ? exact::kPi : 0.0;
   const Pose2D in_gap = inverse(odom_from_middle) * odom_from_base;
-  const bool is_inside = in_gap.x > -half_length && std::fabs(wrap_angle(facing_ - in_gap.theta)) < kAskew;
-  const bool is_beyond_entry = in_gap.x > entry(half_length) + kNear;
+  const bool is_inside = in_gap.x > -half_length && std::fabs(wrap_angle(facing_ - in_gap.theta)) < params_.askew;
+  const bool is_beyond_entry = in_gap.x > entry(half_length) + params_.entry_slack;
   enter(is_inside ? State::entering : is_beyond_entry ? State::backing_out : State::lining_up, now);
 }
 
@@ -94,16 +77,16 @@ Velocity NarrowPassage::step(Time now, const Pose2D& odom_from_base, std::span<c
   const Pose2D in_gap = inverse(gap_.middle) * odom_from_base;
   const double nose = in_gap.x + (facing_ == 0.0 ? ahead_ : behind_);
   const double tail = in_gap.x - (facing_ == 0.0 ? behind_ : ahead_);
-  const bool is_beside = nose > -(gap_.half_length + kRoomBefore) && tail < gap_.half_length;
+  const bool is_beside = nose > -(gap_.half_length + params_.room_before) && tail < gap_.half_length;
   creep_mode_ = is_beside && state_ != State::lining_up;  // there it may turn as fast as anywhere
-  const double speed = creep_mode_ ? kNarrow : kBefore;
+  const double speed = creep_mode_ ? creep_.speed : creep_.free_speed;
   switch (state_) {
     case State::lining_up: return line_up(in_gap, now, follower);
     case State::entering:
       if (tail >= gap_.half_length) {
         enter(State::through, now);
       } else if (stands_still(now, in_gap.x)) {
-        enter(++attempts_ < kMostAttempts ? State::backing_out : State::closed, now);
+        enter(++attempts_ < params_.attempts ? State::backing_out : State::closed, now);
       }
       return drive(in_gap, speed, follower);
     case State::backing_out:
@@ -119,8 +102,8 @@ Velocity NarrowPassage::step(Time now, const Pose2D& odom_from_base, std::span<c
 }
 
 void NarrowPassage::measure(std::span<const Vec2> hits) {
-  const Gap seen = widest_way(hits, gap_);
-  const double gain = gap_.width > 0.0 ? kGain : 1.0;
+  const Gap seen = widest_way(hits, gap_, params_);
+  const double gain = gap_.width > 0.0 ? params_.gain : 1.0;
   const Vec2 shift = gain * (seen.middle.position() - gap_.middle.position());
   gap_.middle = {gap_.middle.x + shift.x, gap_.middle.y + shift.y,
                  wrap_angle(gap_.middle.theta + gain * wrap_angle(seen.middle.theta - gap_.middle.theta))};
@@ -128,22 +111,22 @@ void NarrowPassage::measure(std::span<const Vec2> hits) {
 }
 
 bool NarrowPassage::stands_still(Time now, double along) {
-  if (along > furthest_ + kProgress) furthest_ = along, furthest_at_ = now;
-  return now - furthest_at_ > kPatience;
+  if (along > furthest_ + params_.progress) furthest_ = along, furthest_at_ = now;
+  return now - furthest_at_ > params_.patience;
 }
 
 // Onto the line through the gap, as far as the base can, and along it; what is too narrow is seen from there.
 Velocity NarrowPassage::line_up(const Pose2D& in_gap, Time now, PathFollower& follower) {
-  const bool measured = now - entered_ >= kMeasuring;
-  if (measured && gap_.width < width_ + kLeastSpare) return enter(State::too_narrow, now), Velocity{};
-  if (measured && gap_.width > width_ + kMostSpare) return enter(State::wide, now), Velocity{};
+  const bool measured = now - entered_ >= params_.measuring;
+  if (measured && gap_.width < width_ + params_.least_spare) return enter(State::too_narrow, now), Velocity{};
+  if (measured && gap_.width > width_ + params_.most_spare) return enter(State::wide, now), Velocity{};
   const double turn = wrap_angle(facing_ - in_gap.theta);
-  const bool in_line = kinematics_ == Kinematics::differential || std::fabs(aside(in_gap)) <= kInLine;
-  const bool in_vain = now - entered_ > kPatience;
-  if (measured && std::fabs(turn) <= kAligned && (in_line || in_vain)) enter(State::entering, now);
-  if (in_vain && std::fabs(turn) > kAskew) return enter(State::closed, now), Velocity{};
+  const bool in_line = kinematics_ == Kinematics::differential || std::fabs(aside(in_gap)) <= params_.in_line;
+  const bool in_vain = now - entered_ > params_.patience;
+  if (measured && std::fabs(turn) <= params_.aligned && (in_line || in_vain)) enter(State::entering, now);
+  if (in_vain && std::fabs(turn) > params_.askew) return enter(State::closed, now), Velocity{};
   if (in_vain) enter(State::entering, now);
-  return std::fabs(turn) > kAligned ? follower.turn(turn) : drive(in_gap, 0.0, follower);
+  return std::fabs(turn) > params_.aligned ? follower.turn(turn) : drive(in_gap, 0.0, follower);
 }
 
 // [m] by which the middle of the body is to go to the left of the way through.
@@ -154,14 +137,15 @@ Velocity NarrowPassage::drive(const Pose2D& in_gap, double speed, const PathFoll
   const double off = aside(in_gap);
   const double turn = wrap_angle(facing_ - in_gap.theta);
   if (kinematics_ == Kinematics::holonomic) {
-    const double most = std::max(std::fabs(speed), kNarrow);
-    const Vec2 along = rotate({speed, std::clamp(kPerSecond * off, -most, most)}, -in_gap.theta);
-    return follower.safe({along.x, along.y, std::clamp(kPerSecond * turn, -0.3, 0.3)});
+    const double most = std::max(std::fabs(speed), creep_.speed);
+    const Vec2 along = rotate({speed, std::clamp(params_.gain_rate * off, -most, most)}, -in_gap.theta);
+    return follower.safe(
+        {along.x, along.y, std::clamp(params_.gain_rate * turn, -params_.turn_rate, params_.turn_rate)});
   }
   // critically damped along the way, forwards or backwards
   const double direction = speed < 0.0 ? -1.0 : 1.0;
-  const double curvature = (direction * off / kConvergence + 2.0 * turn) / kConvergence;
-  return follower.safe({speed, 0.0, std::clamp(std::fabs(speed) * curvature, -0.3, 0.3)});
+  const double curvature = (direction * off / params_.convergence + 2.0 * turn) / params_.convergence;
+  return follower.safe({speed, 0.0, std::clamp(std::fabs(speed) * curvature, -params_.turn_rate, params_.turn_rate)});
 }
 
 }  // namespace threewe::nav

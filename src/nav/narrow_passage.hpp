@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <span>
 
+#include "nav/params.hpp"
 #include "nav/path_follower.hpp"
 #include "threewe/core/pose.hpp"
 #include "threewe/core/time.hpp"
@@ -15,12 +16,12 @@ namespace threewe::nav {
 struct Gap {
   Pose2D middle;             ///< x points through
   double half_length = 0.0;  ///< [m] of the narrow part
-  double width = 0.0;        ///< [m] from side to side, at most 1
+  double width = 0.0;        ///< [m] from side to side, at most twice `sight`
 };
 
-/// The widest straight way of the same length whose middle is within 12 cm to either side of the guess's and whose
-/// direction within 0.6 rad of it.
-Gap widest_way(std::span<const Vec2> hits, const Gap& guess);
+/// The widest straight way of the same length whose middle is within `offset` to either side of the guess's and whose
+/// direction within `turn` of it.
+Gap widest_way(std::span<const Vec2> hits, const Gap& guess, const Params::NarrowPassage& params);
 
 /// Lines up before a gap, measures it, and creeps through its middle, straight; backs out and tries again where it gets
 /// stuck.
@@ -37,10 +38,10 @@ class NarrowPassage {
  public:
   enum class State : std::uint8_t { idle, lining_up, entering, backing_out, through, closed, too_narrow, wide };
 
-  explicit NarrowPassage(const RobotProfile& profile);
+  NarrowPassage(const RobotProfile& profile, const Params& params);
 
   /// Where along the way through [m], counted from its middle, the robot lines up.
-  double entry(double half_length) const { return -(half_length + ahead_ + kRoomToTurn); }
+  double entry(double half_length) const { return -(half_length + ahead_ + params_.room_to_turn); }
   void begin(Time now, const Pose2D& odom_from_base, const Pose2D& odom_from_middle, double half_length);
   void end() { state_ = State::idle; }
   /// One period. `hits`: what is near, in `odom`, cleared of noise; `follower` sees the same.
@@ -52,8 +53,6 @@ class NarrowPassage {
   bool creep_mode() const { return creep_mode_; }
 
  private:
-  static constexpr double kRoomToTurn = 0.06;  // [m] ahead of the robot as it lines up
-
   void measure(std::span<const Vec2> hits);
   void enter(State state, Time now);
   bool stands_still(Time now, double along);
@@ -61,6 +60,8 @@ class NarrowPassage {
   double aside(const Pose2D& in_gap) const;
   Velocity drive(const Pose2D& in_gap, double speed, const PathFollower& follower) const;
 
+  Params::NarrowPassage params_;
+  Params::Creep creep_;
   Kinematics kinematics_;
   double ahead_;   // [m] of the base the body reaches ...
   double behind_;  // ... and this behind it

@@ -11,33 +11,24 @@
 namespace threewe::nav {
 namespace {
 
-constexpr double kReaction = 0.12;      // [s] from a command to its effect
-constexpr double kLargestSpare = 0.05;  // [m]
-constexpr double kNotNearer = 0.005;    // [m] what is nearer than the margin may come so much nearer, no more
-constexpr double kHorizon = 1.2;        // [s] looked ahead along a motion
-constexpr double kStep = 0.02;          // [m] or 0.1 rad between the poses that are tried
-constexpr double kLookahead = 0.45;     // [m]
-constexpr int kLookaheads = 8;          // each 5 cm less than the one before
-constexpr double kInside = 0.03;        // [m] of the margin that plans may use: scans are noisy, and the gate keeps it
-constexpr double kFaced = 0.3;          // [m] along the path to where a differential base faces before it drives
-constexpr double kSlowest = 0.04;       // [m/s] towards the goal
-constexpr double kTurnFirst = 0.8;      // [rad] differential: beyond this turn on the spot ...
-constexpr double kTurnDone = 0.2;       // [rad] ... until the target is this straight ahead
-
-constexpr double kEscape = 0.4;  // share of the speed limit when backing off
-
 // Deviations from the straight way to the target that are tried when it is not free [rad].
 constexpr std::array<double, 12> kFan = {0.2, -0.2, 0.4, -0.4, 0.6, -0.6, 0.9, -0.9, 1.2, -1.2, 1.6, -1.6};
 
-// Robots without a lidar hear what is ahead late and not always: they drive slowly.
-Limits tracking_limits(const RobotProfile& profile) {
-  constexpr double kUnsighted = 0.25;  // [m/s]
+constexpr int kLookaheads = 8;  // each a ninth less than the first
+
+// Robots without a lidar detect late, and not always, what is ahead: they drive slowly.
+Limits tracking_limits(const RobotProfile& profile, double blind_speed) {
   Limits limits = profile.operating_limits;
-  if (!profile.lidar) limits.linear = std::min(limits.linear, kUnsighted);
+  if (!profile.lidar) limits.linear = std::min(limits.linear, blind_speed);
   return limits;
 }
 
 Velocity scaled(const Velocity& v, double s) { return {s * v.vx, s * v.vy, s * v.omega}; }
+
+// The speed from which braking comes to rest within `way`, after the reaction.
+double speed_to_stop(double way, double braking, double reaction) {
+  return braking * (exact::sqrt(reaction * reaction + 2.0 * std::max(way, 0.0) / braking) - reaction);
+}
 
 // The poses of a constant motion, each a step after the one before, as far as they are asked for.
 class Motion {
@@ -82,24 +73,28 @@ double Outline::clearance(Vec2 p) const {
   return most;
 }
 
-PathFollower::PathFollower(const RobotProfile& profile)
-    : limits_(tracking_limits(profile)),
+PathFollower::PathFollower(const RobotProfile& profile, const Params& params)
+    : params_(params.follower),
+      creep_(params.creep),
+      limits_(tracking_limits(profile, params_.blind_speed)),
       kinematics_(profile.kinematics()),
       outline_(profile.body.footprint),
-      mppi_(profile.lidar ? std::optional(Mppi(profile)) : std::nullopt),
-      margin_(profile.margin()),
-      reach_(profile.body.footprint.circumscribed_radius() + margin_ + kLargestSpare +
-             kHorizon * profile.operating_limits.linear) {}
+      mppi_(profile.lidar ? std::optional(Mppi(profile, params)) : std::nullopt),
+      radius_(profile.body.footprint.circumscribed_radius()),
+      full_speed_(profile.operating_limits.linear),
+      margin_(profile.margin()) {}
 
 void PathFollower::update(std::span<const Vec2> obstacles_in_base, double spare) {
   spare_ = spare;
+  // beside corners an outline's clearance is less than the distance
+  reach_ = radius_ + 2.0 * (margin_ + std::max(spare, 0.0)) + params_.horizon * full_speed_;
   near_.clear();
   least_.clear();
   for (const Vec2 p : obstacles_in_base) {
     if (dot(p, p) > reach_ * reach_) continue;
     near_.push_back(p);
     const double now = outline_.clearance(p);
-    least_.push_back(std::min(margin_ + spare, now > 0.0 ? std::max(now - kNotNearer, 0.0) : now));
+    least_.push_back(std::min(margin_ + spare, now > 0.0 ? std::max(now - creep_.encroachment, 0.0) : now));
   }
 }
 
@@ -107,13 +102,13 @@ Velocity PathFollower::follow(std::span<const Vec2> path, const MppiObservation&
   if (path.empty()) return {};
   if (kinematics_ == Kinematics::differential) {
     const PathPoint here = nearest_on_path(path, seen.odom_from_base.position());
-    const Vec2 ahead = inverse(seen.odom_from_base) * point_after(path, here, kFaced);
+    const Vec2 ahead = inverse(seen.odom_from_base) * point_after(path, here, params_.faced);
     const double bearing = exact::atan2(ahead.y, ahead.x);
     if (faces_first(bearing)) return face(bearing);
   }
   // a plan takes what it sees for fixed; what comes towards the robot unannounced needs more room than that
-  const Velocity planned = mppi_->step(seen, {.path = path, .margin = margin_ + spare_ - kInside});
-  return scaled(planned, allowed_fraction(planned, kInside));
+  const Velocity planned = mppi_->step(seen, {.path = path, .margin = margin_ + spare_ - params_.inside});
+  return scaled(planned, allowed_fraction(planned, params_.inside));
 }
 
 Velocity PathFollower::pursue(std::span<const Vec2> path, const map::Costmap& costmap, const Pose2D& pose,
@@ -125,11 +120,11 @@ Velocity PathFollower::pursue(std::span<const Vec2> path, const map::Costmap& co
   // as far ahead as a straight line to the path stays clear of obstacles
   Vec2 target = path.back();
   for (int i = 0; i < kLookaheads; ++i) {
-    target = point_after(path, here, kLookahead - 0.05 * i);
+    target = point_after(path, here, params_.lookahead - params_.lookahead / (kLookaheads + 1) * i);
     if (std::isfinite(costmap.line_cost(pose.position(), target))) break;
   }
   const Vec2 in_base = inverse(pose) * target;
-  return towards(in_base, std::max(kSlowest, speed_before(left)), aside);
+  return towards(in_base, std::max(creep_.speed, speed_before(left)), aside);
 }
 
 // Straight to the target where that is free, else along the direction of the fan that brings most.
@@ -139,13 +134,13 @@ Velocity PathFollower::towards(Vec2 target, double speed_limit, double aside) {
   const double speed = std::min(speed_limit, limits_.linear);
 
   const auto velocity_along = [&](double direction) -> Velocity {
-    const double rate = std::clamp(2.5 * (direction + aside), -limits_.angular, limits_.angular);
+    const double rate = std::clamp(params_.heading_gain * (direction + aside), -limits_.angular, limits_.angular);
     if (kinematics_ == Kinematics::holonomic) {
       // sideways motion is the least certain, so it is slow while the robot turns into its path
       const double share = std::clamp(1.3 - std::fabs(direction) / 1.2, 0.35, 1.0);
       return {share * speed * exact::cos(direction), share * speed * exact::sin(direction), rate};
     }
-    const double curvature = 2.0 * exact::sin(direction) / std::max(away, 0.15);
+    const double curvature = 2.0 * exact::sin(direction) / std::max(away, params_.least_lookahead);
     const double slow = std::min(speed, 0.9 * limits_.angular / std::max(std::fabs(curvature), 1e-6));
     const double omega = std::clamp(slow * curvature, -limits_.angular, limits_.angular);
     return {slow * std::max(exact::cos(direction), 0.0), 0.0, omega};
@@ -170,8 +165,8 @@ Velocity PathFollower::towards(Vec2 target, double speed_limit, double aside) {
 
 // A differential base turns on the spot towards what is not ahead, until it is.
 bool PathFollower::faces_first(double bearing) {
-  if (turning_ == 0 && std::fabs(bearing) > kTurnFirst) turning_ = bearing > 0.0 ? 1 : -1;
-  if (std::fabs(bearing) < kTurnDone) turning_ = 0;
+  if (turning_ == 0 && std::fabs(bearing) > params_.turn_first) turning_ = bearing > 0.0 ? 1 : -1;
+  if (std::fabs(bearing) < params_.turn_done) turning_ = 0;
   if (turning_ == 0) turned_back_ = 0;
   return turning_ != 0;
 }
@@ -182,8 +177,8 @@ Velocity PathFollower::face(double bearing) {
     const double left = direction * bearing > 0.0 ? std::fabs(bearing) : 2.0 * exact::kPi - std::fabs(bearing);
     return {0.0, 0.0, direction * turn_rate_before(left)};
   };
-  constexpr double kBlocked = 0.2;  // a turn slower than this share of its speed leads nowhere
-  if (allowed_fraction(turned(turning_)) < kBlocked && allowed_fraction(turned(-turning_)) >= kBlocked) {
+  if (allowed_fraction(turned(turning_)) < params_.turn_blocked &&
+      allowed_fraction(turned(-turning_)) >= params_.turn_blocked) {
     turning_ = -turning_;
     ++turned_back_;
   }
@@ -191,22 +186,25 @@ Velocity PathFollower::face(double bearing) {
 }
 
 Velocity PathFollower::turn(double angle) const {
-  const double rate = std::max(0.08, turn_rate_before(std::fabs(angle)));
+  const double rate = std::max(params_.least_turn_rate, turn_rate_before(std::fabs(angle)));
   return safe({0.0, 0.0, angle >= 0.0 ? rate : -rate});
 }
 
 Velocity PathFollower::straight(double distance, double offset, double heading) {
-  const double speed = std::max(kSlowest, speed_before(std::fabs(distance)));
+  const double speed = std::max(creep_.speed, speed_before(std::fabs(distance)));
   const double forward = distance >= 0.0 ? speed : -speed;
+  const double most_turn = creep_.free_turn_rate;
   if (kinematics_ == Kinematics::holonomic) {
-    const double aside = std::clamp(1.5 * offset, -0.1, 0.1);
-    return safe({forward, aside, std::clamp(2.0 * heading, -0.5, 0.5)});
+    const double aside = std::clamp(params_.line_offset_gain * offset, -creep_.free_speed, creep_.free_speed);
+    return safe({forward, aside, std::clamp(params_.line_heading_gain * heading, -most_turn, most_turn)});
   }
-  const double omega = 2.0 * heading + 4.0 * (forward >= 0.0 ? offset : -offset) * std::min(1.0, speed / 0.1);
-  return safe({forward, 0.0, std::clamp(omega, -0.5, 0.5)});
+  const double towards_line = (forward >= 0.0 ? offset : -offset) / params_.line_convergence;
+  const double slow = std::min(1.0, speed / creep_.free_speed);
+  const double omega = params_.line_heading_gain * (heading + towards_line * slow);
+  return safe({forward, 0.0, std::clamp(omega, -most_turn, most_turn)});
 }
 
-double PathFollower::escape_speed() const { return kEscape * limits_.linear; }
+double PathFollower::escape_speed() const { return params_.escape_speed * limits_.linear; }
 
 Velocity PathFollower::most_room() const {
   const double speed = escape_speed();
@@ -222,7 +220,7 @@ Velocity PathFollower::most_room() const {
   Velocity best;
   double most = 0.0;
   for (const Velocity& v : tries) {
-    if (const Sweep s = sweep(v, kHorizon); s.seconds > most + 1e-9) most = s.seconds, best = v;
+    if (const Sweep s = sweep(v, params_.horizon); s.seconds > most + 1e-9) most = s.seconds, best = v;
   }
   return safe(best);
 }
@@ -231,24 +229,25 @@ Velocity PathFollower::safe(const Velocity& wanted) const { return scaled(wanted
 
 // Slower along the same curve, until the robot can stop before contact.
 double PathFollower::allowed_fraction(const Velocity& v, double inside) const {
-  const Sweep s = sweep(v, kHorizon, inside);
+  const Sweep s = sweep(v, params_.horizon, inside);
   if (s.free) return 1.0;
 
   // at a fraction f contact comes after seconds / f; stopping takes reaction + f * braking
   const double speed = exact::hypot(v.vx, v.vy);
-  const double braking = std::max(0.5 * speed / (0.6 * limits_.linear_braking),
-                                  0.5 * std::fabs(v.omega) / (0.6 * limits_.angular_acceleration));
+  const double braking = std::max(0.5 * speed / (params_.braking * limits_.linear_braking),
+                                  0.5 * std::fabs(v.omega) / (params_.braking * limits_.angular_acceleration));
   // f * reaction + f^2 * braking = seconds
-  const double root = exact::sqrt(kReaction * kReaction + 4.0 * braking * s.seconds);
-  const double f = braking > 1e-9 ? (root - kReaction) / (2.0 * braking) : 1.0;
-  return f < 0.03 ? 0.0 : std::min(f, 1.0);
+  const double reaction = params_.reaction;
+  const double root = exact::sqrt(reaction * reaction + 4.0 * braking * s.seconds);
+  const double f = braking > 1e-9 ? (root - reaction) / (2.0 * braking) : 1.0;
+  return f < params_.least_speed ? 0.0 : std::min(f, 1.0);
 }
 
 // Point by point. A point comes nearer to the outline by no more than it moves in the base frame, so that those far
 // from it are looked at seldom.
 Sweep PathFollower::sweep(const Velocity& v, double horizon, double inside) const {
   const double speed = exact::hypot(v.vx, v.vy);
-  const double rate = std::max(speed / kStep, std::fabs(v.omega) / 0.1);
+  const double rate = std::max(speed / params_.step, std::fabs(v.omega) / params_.turn_step);
   if (rate <= 0.0 || near_.empty()) return {horizon, true};
   const double dt = 1.0 / rate;
   const Pose2D step = integrate({}, v, dt);
@@ -277,15 +276,13 @@ Sweep PathFollower::sweep(const Velocity& v, double horizon, double inside) cons
 
 // The speed from which the robot comes to rest within `distance`, reacting late and braking gently.
 double PathFollower::speed_before(double distance) const {
-  const double b = std::min(0.4 * limits_.linear_braking, 0.8);
-  const double v = b * (exact::sqrt(kReaction * kReaction + 2.0 * std::max(distance, 0.0) / b) - kReaction);
-  return std::min(v, limits_.linear);
+  const double braking = std::min(params_.gentle_braking * limits_.linear_braking, params_.most_braking);
+  return std::min(speed_to_stop(distance, braking, params_.reaction), limits_.linear);
 }
 
 double PathFollower::turn_rate_before(double angle) const {
-  const double b = std::min(0.4 * limits_.angular_acceleration, 2.0);
-  const double w = b * (exact::sqrt(kReaction * kReaction + 2.0 * std::max(angle, 0.0) / b) - kReaction);
-  return std::min(w, limits_.angular);
+  const double braking = std::min(params_.gentle_braking * limits_.angular_acceleration, params_.most_turn_braking);
+  return std::min(speed_to_stop(angle, braking, params_.reaction), limits_.angular);
 }
 
 }  // namespace threewe::nav

@@ -8,6 +8,7 @@
 
 #include "map/costmap.hpp"
 #include "nav/mppi.hpp"
+#include "nav/params.hpp"
 #include "threewe/core/pose.hpp"
 #include "threewe/hardware/profile.hpp"
 
@@ -37,10 +38,10 @@ struct Sweep {
 /// Follows paths.
 class PathFollower {
  public:
-  explicit PathFollower(const RobotProfile& profile);
+  PathFollower(const RobotProfile& profile, const Params& params);
 
-  /// What is near: points in the base frame [m]. The robot's margin and `spare` [m], at most 0.05, are kept free around
-  /// the outline; what is nearer already comes no nearer.
+  /// What is near: points in the base frame [m]. The robot's margin and `spare` [m] are kept free around the outline;
+  /// what is nearer already comes no nearer.
   void update(std::span<const Vec2> obstacles_in_base, double spare);
 
   /// The velocity for following `path`, in `odom` from the robot on, to a stop at its end. For robots with a lidar.
@@ -76,10 +77,14 @@ class PathFollower {
   double speed_before(double distance) const;
   double turn_rate_before(double angle) const;
 
+  Params::Follower params_;
+  Params::Creep creep_;
   Limits limits_;
   Kinematics kinematics_;
   Outline outline_;
   std::optional<Mppi> mppi_;  // of a robot with a lidar
+  double radius_;             // [m] of a disc around the body
+  double full_speed_;         // [m/s]
   double margin_;             // [m]
   double spare_ = 0.0;        // [m]
   double reach_ = 0.0;        // [m] points farther away do not matter

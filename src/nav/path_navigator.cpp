@@ -7,32 +7,10 @@
 #include <limits>
 #include <variant>
 
+#include "hardware/parameters.hpp"
+
 namespace threewe::nav {
 namespace {
-
-constexpr double kSpare = 0.01;        // [m] kept free beyond the safety gate's margin ...
-constexpr Duration kTightFor = 6s;     // ... but not for so long after it got stuck
-constexpr double kArrived = 0.02;      // [m] near enough to a goal to stop
-constexpr double kPathEnd = 0.05;      // [m] the same, to the end of a path that leads no nearer
-constexpr double kWithin = 0.05;       // [m] less than the tolerance, where a goal itself cannot be reached
-constexpr double kStuckWithin = 0.02;  // [m] the same, where the robot cannot get nearer either
-constexpr double kAlong = 0.01;        // [m] the same, of a distance straight ahead
-constexpr double kTurned = 0.015;      // [rad]
-constexpr Duration kReplanPeriod = 1s;
-constexpr Duration kExplorePeriod = 600ms;
-constexpr Duration kShortestPeriod = 200ms;
-constexpr Duration kStuckAfter = 2500ms;  // without having moved ...
-constexpr double kMoved = 0.06;           // [m] ... or turned by kMovedTurn
-constexpr double kMovedTurn = 0.3;        // [rad]
-constexpr Duration kProof = 2500ms;       // for so long no plan may exist before it is believed
-constexpr Duration kLostPatience = 8s;    // after having looked round
-constexpr Duration kCourtesy = 15s;       // for whoever stands in the only way to go on
-constexpr double kUsualPace = 0.4;        // share of the speed limit at which a robot covers ground, all in all
-constexpr double kZoneReaction = 0.2;     // [s] from a command to its effect, and some for doubts about the pose
-constexpr double kPersonRadius = 0.2;     // [m]
-constexpr double kBorderSpacing = 0.02;   // [m] between points on the border of a zone ...
-constexpr double kBorderSight = 2.5;      // [m] ... that are so near
-constexpr Duration kMapPatience = 1s;     // how long to wait for a first scan
 
 // [m] Robots move along x, so that this passes where they pass.
 double half_width(const RobotProfile& profile) {
@@ -48,41 +26,37 @@ bool has_free_cell(const map::OccupancyGrid& map) {
 }
 
 // Which time in one place a robot creeps on instead of avoiding the place: sooner where it sees what is beside it.
-int squeeze_from(const RobotProfile& profile) {
-  return profile.lidar && profile.lidar->range_min < half_width(profile) ? 2 : 3;
+int creep_after(const RobotProfile& profile, const Params::Motion& params) {
+  const bool sees_sides = profile.lidar && profile.lidar->range_min < half_width(profile);
+  return sees_sides ? params.creep_after : params.creep_after_blind;
 }
 
-map::Costmap::Settings costmap_settings(const RobotProfile& profile) {
-  const double spare = profile.lidar ? 0.01 : 0.04;  // echoes are less exact
+map::Costmap::Settings costmap_settings(const RobotProfile& profile, const Params& params) {
+  const Params::Clearance& clearance = profile.lidar ? params.clearance : params.sonar_clearance;
   map::Costmap::Settings s;
-  s.lethal_radius = std::max(profile.body.footprint.inscribed_radius(), half_width(profile)) + spare;
-  s.caution_radius = s.lethal_radius + (profile.lidar ? 0.25 : 0.35);
-  s.near_weight = profile.lidar ? 16 : 32;
+  s.lethal_radius = std::max(profile.body.footprint.inscribed_radius(), half_width(profile)) + clearance.spare;
+  s.caution_radius = s.lethal_radius + clearance.caution;
+  s.near_weight = clearance.weight;
+  s.unknown_weight = params.route.unknown_weight;
   return s;
-}
-
-// [rad] A robot that hears in a few directions only looks about as it drives, from side to side: sensors a quarter turn
-// apart then hear all that is ahead. The heading lags behind, so that this is a little more than half of the gap.
-double sweep_aside(Duration since) {
-  constexpr double kWidest = 1.0;       // [rad]
-  constexpr Duration kPeriod = 4500ms;  // there and back
-  const double phase = to_seconds(since % kPeriod) / to_seconds(kPeriod);
-  const double triangle = phase < 0.25 ? phase : phase < 0.75 ? 0.5 - phase : phase - 1.0;  // -0.25 to 0.25
-  return 4.0 * kWidest * triangle;
 }
 
 }  // namespace
 
 PathNavigator::PathNavigator(const RobotProfile& profile)
-    : route_(costmap_settings(profile), profile.body.footprint.circumscribed_radius()),
+    : PathNavigator(profile, params_for<Params>(profile, "nav")) {}
+
+PathNavigator::PathNavigator(const RobotProfile& profile, const Params& params)
+    : params_(params),
+      route_(costmap_settings(profile, params), profile.body.footprint.circumscribed_radius(), params),
       limits_(profile.operating_limits),
       body_radius_(profile.body.footprint.circumscribed_radius()),
       margin_(profile.margin()),
-      squeeze_from_(squeeze_from(profile)),
-      follower_(profile),
-      recovery_(profile),
-      narrow_passage_(profile),
-      monitor_(kUsualPace * profile.operating_limits.linear) {
+      creep_after_(creep_after(profile, params.motion)),
+      follower_(profile, params),
+      recovery_(profile, params),
+      narrow_passage_(profile, params),
+      monitor_(profile.operating_limits.linear, params.progress) {
   if (profile.lidar) lidar_ = profile.lidar->base_from_lidar.position(), range_min_ = profile.lidar->range_min;
 }
 
@@ -125,7 +99,8 @@ Decision PathNavigator::step(const Observation& observed) {
 // Keep still without a map, look round without a place in it, else drive.
 Decision PathNavigator::decide(const Observation& seen) {
   if (lidar_ && seen.map_version == 0) {
-    return now_ - motion_.started < kMapPatience ? Decision{} : finish(Reason::fault, "no scan has arrived");
+    return now_ - motion_.started < params_.motion.map_patience ? Decision{}
+                                                                : finish(Reason::fault, "no scan has arrived");
   }
   const bool relative = std::holds_alternative<Rotate>(goal_) || std::holds_alternative<MoveForward>(goal_);
   if (!relative && (seen.pose.lost || motion_.lost)) return find_itself(seen);
@@ -142,14 +117,14 @@ void PathNavigator::set_zones(const std::vector<map::Zone>& zones) {
 
 // So slow that the body enters no zone faster than is allowed there.
 Velocity PathNavigator::within_zones(const Velocity& velocity) const {
-  constexpr double kShare = 0.5;  // of what the brakes can do
   double most = limits_.linear;
   for (const map::Zone& zone : zones_) {
     if (!zone.speed_limit) continue;
-    const double reaction = kZoneReaction * limits_.linear;
+    const double reaction = params_.motion.zone_reaction * limits_.linear;
     const double away = std::max(0.0, zone.distance_to(progress_.pose.position()) - body_radius_ - reaction);
     const double limit = *zone.speed_limit;
-    most = std::min(most, exact::sqrt(limit * limit + 2.0 * kShare * limits_.linear_braking * away));
+    most =
+        std::min(most, exact::sqrt(limit * limit + 2.0 * params_.motion.zone_braking * limits_.linear_braking * away));
   }
   const double speed = exact::hypot(velocity.vx, velocity.vy);
   const double share = speed > most ? most / speed : 1.0;
@@ -173,16 +148,16 @@ void PathNavigator::note(const Observation& seen) {
   }
   monitor_.update(now_, pose.position(), progress_.distance_left);
   remember_movers(seen);
-  follower_.update(in_base_, recovery_.active() || now_ < motion_.tight_until ? 0.0 : kSpare);
+  follower_.update(in_base_, recovery_.active() || now_ < motion_.tight_until ? 0.0 : params_.motion.spare);
 }
 
-// At the pace of this motion so far, to begin with at three quarters of the speed limit.
+// At the pace of this motion so far, to begin with at a share of the speed limit.
 void PathNavigator::estimate_time_left() {
-  constexpr double kPrior = 3.0;  // [s] for which the limit counts
-  constexpr double kShare = 0.75;
+  const double prior = params_.motion.prior_time;
+  const double share = params_.motion.expected_speed;
   const double elapsed = to_seconds(now_ - motion_.started);
-  const double mean_speed = (progress_.distance_driven + kPrior * kShare * limits_.linear) / (elapsed + kPrior);
-  progress_.time_left = progress_.distance_left / mean_speed + motion_.turn_left / (kShare * limits_.angular);
+  const double mean_speed = (progress_.distance_driven + prior * share * limits_.linear) / (elapsed + prior);
+  progress_.time_left = progress_.distance_left / mean_speed + motion_.turn_left / (share * limits_.angular);
 }
 
 Decision PathNavigator::drive(const MoveTo& goal, const Observation& seen) {
@@ -198,7 +173,7 @@ Decision PathNavigator::drive(const MoveTo& goal, const Observation& seen) {
   progress_.distance_left = distance(progress_.pose.position(), goal.goal);
   const double angle = wrap_angle(*goal.theta - progress_.pose.theta);
   motion_.turn_left = std::fabs(angle);
-  if (std::fabs(angle) <= std::min(2.0 * kTurned, goal.angle_tolerance)) return finish(Reason::reached);
+  if (std::fabs(angle) <= std::min(2.0 * params_.motion.turned, goal.angle_tolerance)) return finish(Reason::reached);
   if (!stuck()) return {follower_.turn(angle)};
   if (std::fabs(angle) <= goal.angle_tolerance) return finish(Reason::reached);
   return finish(Reason::blocked, "no room to turn to the heading");
@@ -208,7 +183,7 @@ Decision PathNavigator::drive(const Rotate& goal, const Observation&) {
   const double left = goal.angle - motion_.turned;
   progress_.distance_left = 0.0;
   motion_.turn_left = std::fabs(left);
-  if (motion_.turn_left <= std::min(kTurned, goal.angle_tolerance)) return finish(Reason::reached);
+  if (motion_.turn_left <= std::min(params_.motion.turned, goal.angle_tolerance)) return finish(Reason::reached);
   if (stuck()) {
     return motion_.turn_left <= goal.angle_tolerance ? finish(Reason::reached)
                                                      : finish(Reason::blocked, "no room to turn");
@@ -221,7 +196,7 @@ Decision PathNavigator::drive(const MoveForward& goal, const Observation&) {
   const Pose2D along = inverse(motion_.start) * odom_from_base_;
   const double left = goal.distance - along.x;
   progress_.distance_left = std::fabs(left);
-  const double there = std::min(kAlong, goal.tolerance);
+  const double there = std::min(params_.motion.along, goal.tolerance);
   if (goal.distance >= 0.0 ? left <= there : left >= -there) return finish(Reason::reached);
   if (stuck()) {
     return std::fabs(left) <= goal.tolerance ? finish(Reason::reached)
@@ -239,9 +214,10 @@ Decision PathNavigator::drive(const FollowPath& goal, const Observation& seen) {
 Decision PathNavigator::drive(const Explore&, const Observation& seen) {
   if (stuck()) return get_unstuck();
 
-  constexpr double kNear = 0.25;  // [m] from a frontier more is seen than from afar
-  const bool near = route_.has_path() && distance(progress_.pose.position(), route_.path().back()) < kNear;
-  if (route_.age(now_) >= (near || !route_.has_path() ? kShortestPeriod : kExplorePeriod)) {
+  // from near a frontier more is seen than from afar
+  const bool near =
+      route_.has_path() && distance(progress_.pose.position(), route_.path().back()) < params_.route.near_frontier;
+  if (route_.age(now_) >= (near || !route_.has_path() ? params_.route.retry : params_.route.explore)) {
     const bool explored = !route_.plan_to_frontier(seen);
     if (proven(explored)) {
       if (!has_free_cell(seen.map)) return finish(Reason::blocked, "nothing around the robot has been seen to be free");
@@ -256,13 +232,13 @@ Decision PathNavigator::travel(const Observation& seen, Vec2 goal, double tolera
   const Vec2 here = progress_.pose.position();
   const bool last_leg = route_.on_last_leg();
   const double left = last_leg ? distance(here, goal) : std::numeric_limits<double>::infinity();
-  if (left <= std::min(kArrived, 0.5 * tolerance)) return finish(Reason::reached);
-  const bool at_end = route_.has_path() && distance(here, route_.path().back()) <= kPathEnd;
-  if (left <= tolerance - kWithin && route_.gap() > 0.0 && at_end) return finish(Reason::reached);
+  if (left <= std::min(params_.motion.arrived, 0.5 * tolerance)) return finish(Reason::reached);
+  const bool at_end = route_.has_path() && distance(here, route_.path().back()) <= params_.motion.path_end;
+  if (left <= tolerance - params_.motion.path_end && route_.gap() > 0.0 && at_end) return finish(Reason::reached);
 
   if (narrow_passage_.active()) return pass(seen);
-  if (stuck()) return left <= tolerance - kStuckWithin ? finish(Reason::reached) : get_unstuck();
-  if (route_.is_stale(seen, kReplanPeriod)) {
+  if (stuck()) return left <= tolerance - params_.motion.arrived ? finish(Reason::reached) : get_unstuck();
+  if (route_.is_stale(seen, params_.route.replan)) {
     const bool impossible = !route_.plan_to_goal(seen, tolerance);
     if (proven(impossible) && !plan_through_gaps(seen, tolerance)) {
       return leaves_first(seen) ? Decision{} : give_up_path(seen, tolerance);
@@ -278,10 +254,10 @@ Decision PathNavigator::follow(const Observation& seen) {
   if (is_before_bottleneck()) return begin_passage(seen);
   const std::vector<Vec2> way = way_to_bottleneck();
   const std::span<const Vec2> path = way.empty() ? route_.path() : way;
-  constexpr double kLast = 0.2;  // [m] to the end, where it may be too tight for what the noise of plans finds
-  const bool at_end = distance(progress_.pose.position(), path.back()) < kLast;
+  // where it may be too tight for what the noise of plans finds
+  const bool at_end = distance(progress_.pose.position(), path.back()) < params_.motion.last;
   if (lidar_ && !at_end) return {follow_by_plan(seen, path)};
-  const double aside = lidar_ ? 0.0 : sweep_aside(now_ - motion_.started);
+  const double aside = lidar_ ? 0.0 : sweep_angle();
   return {follower_.pursue(path, route_.costmap(), progress_.pose, aside)};
 }
 
@@ -293,12 +269,22 @@ Velocity PathNavigator::follow_by_plan(const Observation& seen, std::span<const 
 
   std::vector<MovingDisc> moving;
   for (const perception::TrackedPerson& person : seen.people)
-    moving.push_back({person.position, person.velocity, kPersonRadius});
+    moving.push_back({person.position, person.velocity, params_.motion.person_radius});
   for (const Peer& peer : seen.peers) {
     const Pose2D at = odom_from_map * peer.map_from_base;
     moving.push_back({at.position(), rotate({peer.velocity.vx, peer.velocity.vy}, at.theta), peer.radius});
   }
   return follower_.follow(transformed(odom_from_map, path), {now_, odom_from_base_, seen.commanded, obstacles, moving});
+}
+
+// [rad] A robot that senses in a few directions only looks about as it drives, from side to side: sensors a quarter
+// turn apart then detect all that is ahead. The heading lags behind, so that this is a little more than half of the
+// gap.
+double PathNavigator::sweep_angle() const {
+  const Duration period = params_.motion.sweep_period;
+  const double phase = to_seconds((now_ - motion_.started) % period) / to_seconds(period);
+  const double triangle = phase < 0.25 ? phase : phase < 0.75 ? 0.5 - phase : phase - 1.0;  // -0.25 to 0.25
+  return 4.0 * params_.motion.sweep_angle * triangle;
 }
 
 // Points on the borders of zones to keep out of, in `map`.
@@ -309,10 +295,10 @@ std::vector<Vec2> PathNavigator::borders_near(Vec2 robot) const {
     for (std::size_t i = 0; i < zone.corners.size(); ++i) {
       const Vec2 a = zone.corners[i];
       const Vec2 side = zone.corners[(i + 1) % zone.corners.size()] - a;
-      const int parts = 1 + static_cast<int>(norm(side) / kBorderSpacing);
+      const int parts = 1 + static_cast<int>(norm(side) / params_.motion.border_spacing);
       for (int k = 0; k < parts; ++k) {
         const Vec2 p = a + (static_cast<double>(k) / parts) * side;
-        if (distance(p, robot) <= kBorderSight) points.push_back(p);
+        if (distance(p, robot) <= params_.motion.border_sight) points.push_back(p);
       }
     }
   }
@@ -339,7 +325,7 @@ Decision PathNavigator::finish(Reason reason, std::string detail) {
 Decision PathNavigator::give_up_path(const Observation& seen, double tolerance) {
   const std::optional<Mover> mover = route_.mover_in_the_way(seen, tolerance);
   if (!mover) return finish(Reason::no_path, "everything within reach was searched");
-  if (now_ - motion_.impossible_since <= kCourtesy) return wait();
+  if (now_ - motion_.impossible_since <= params_.motion.courtesy) return wait();
   return finish(Reason::blocked, to_string(*mover) + " stands in the only way");
 }
 
@@ -349,14 +335,14 @@ void PathNavigator::remember_movers(const Observation& seen) {
   for (const Peer& peer : seen.peers) route_.note_mover(peer.name, peer.map_from_base.position(), peer.radius);
   for (const perception::TrackedPerson& person : seen.people) {
     const Vec2 position = seen.pose.map_from_odom * person.position;
-    route_.note_mover("moving obstacle " + std::to_string(person.id), position, kPersonRadius);
+    route_.note_mover("moving obstacle " + std::to_string(person.id), position, params_.motion.person_radius);
   }
 }
 
 std::string PathNavigator::and_who_is_near(std::string_view reason) const {
-  constexpr double kNear = 0.8;  // [m] between it and the robot's outline
   std::string text(reason);
-  const Mover* mover = mover_near(progress_.pose.position(), route_.movers(), kNear + body_radius_);
+  const Mover* mover =
+      mover_near(progress_.pose.position(), route_.movers(), params_.route.mover_distance + body_radius_);
   return mover == nullptr ? text : text + "; near it is " + to_string(*mover);
 }
 
@@ -364,15 +350,15 @@ std::string PathNavigator::and_who_is_near(std::string_view reason) const {
 bool PathNavigator::proven(bool impossible) {
   if (impossible && !motion_.impossible) motion_.impossible_since = now_;
   motion_.impossible = impossible;
-  return impossible && now_ - motion_.impossible_since > kProof;
+  return impossible && now_ - motion_.impossible_since > params_.motion.proof;
 }
 
 // Has the robot stayed where it is for too long?
 bool PathNavigator::stuck() {
-  const bool moved = distance(progress_.pose.position(), motion_.last_moved.position()) > kMoved ||
-                     std::fabs(wrap_angle(progress_.pose.theta - motion_.last_moved.theta)) > kMovedTurn;
+  const bool moved = distance(progress_.pose.position(), motion_.last_moved.position()) > params_.motion.moved ||
+                     std::fabs(wrap_angle(progress_.pose.theta - motion_.last_moved.theta)) > params_.motion.moved_turn;
   if (moved) mark_moved();
-  return follower_.trapped() || now_ - motion_.last_moved_at > kStuckAfter;
+  return follower_.trapped() || now_ - motion_.last_moved_at > params_.motion.stuck_after;
 }
 
 // Not the same way again nor, after a second failure, to explore the same place; a blocked turn blames no place.
@@ -383,7 +369,7 @@ Decision PathNavigator::get_unstuck() {
     return finish(Reason::blocked, and_who_is_near(recovery_.reason()));
   const bool exploring = std::holds_alternative<Explore>(goal_);
   const bool end_too = exploring && recovery_.attempts() >= 2;
-  const bool again = lidar_ && !exploring && recovery_.attempts() >= squeeze_from_;
+  const bool again = lidar_ && !exploring && recovery_.attempts() >= creep_after_;
   const bool tight = again && route_.squeeze_ahead(progress_.pose.position());
   if (!tight && !follower_.trapped() && route_.avoid_ahead(end_too)) recovery_.forget_attempts();
   route_.drop();
@@ -397,7 +383,7 @@ Decision PathNavigator::recover(const Observation& seen) {
   if (recovery_.state() != Recovery::State::replanning) return {velocity, Reason::running, {}, creep_mode};
   recovery_.end();
   mark_moved();
-  motion_.tight_until = now_ + kTightFor;
+  motion_.tight_until = now_ + params_.motion.tight_for;
   return {};
 }
 
@@ -412,7 +398,7 @@ Decision PathNavigator::find_itself(const Observation& seen) {
   }
   if (recovery_.state() == Recovery::State::replanning) recovery_.end(), motion_.looked_round = now_;
   if (recovery_.active()) return {step_recovery(seen)};
-  if (now_ - motion_.looked_round <= kLostPatience) return wait();
+  if (now_ - motion_.looked_round <= params_.motion.lost_patience) return wait();
   return finish(Reason::lost, "no place in the map fits what is seen");
 }
 

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "nav/narrow_passage.hpp"
+#include "nav/params.hpp"
 #include "nav/path_follower.hpp"
 #include "nav/progress_monitor.hpp"
 #include "nav/recovery.hpp"
@@ -20,6 +21,7 @@ namespace threewe::nav {
 
 class PathNavigator final : public Navigator {
  public:
+  /// With the parameters of the profile.
   explicit PathNavigator(const RobotProfile& profile);
 
   void start(const Goal& goal, const Observation& seen) override;
@@ -31,6 +33,8 @@ class PathNavigator final : public Navigator {
   std::unique_ptr<Navigator> clone() const override { return std::make_unique<PathNavigator>(*this); }
 
  private:
+  PathNavigator(const RobotProfile& profile, const Params& params);
+
   Decision decide(const Observation& seen);
   Decision drive(const MoveTo& goal, const Observation& seen);
   Decision drive(const Rotate& goal, const Observation& seen);
@@ -54,6 +58,7 @@ class PathNavigator final : public Navigator {
   Decision begin_passage(const Observation& seen);
   Decision pass(const Observation& seen);
   std::vector<Vec2> borders_near(Vec2 robot) const;
+  double sweep_angle() const;
   Decision wait();
   void mark_moved();
   Decision finish(Reason reason, std::string detail = {});
@@ -86,11 +91,12 @@ class PathNavigator final : public Navigator {
     Time tight_until{};     // a smaller margin is enough until then
   };
 
+  Params params_;
   Route route_;
   Limits limits_;
   double body_radius_;  // [m] of a disc around the body
   double margin_;       // [m] that the safety gate keeps free
-  int squeeze_from_;    // which time in one place it creeps on
+  int creep_after_;     // attempts in one place
   std::vector<map::Zone> zones_;
   PathFollower follower_;
   Recovery recovery_;

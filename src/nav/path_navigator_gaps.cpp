@@ -9,12 +9,6 @@
 #include "nav/polyline.hpp"
 
 namespace threewe::nav {
-namespace {
-
-constexpr double kFree = 0.004;        // [m] around a robot that creeps
-constexpr double kPaceOfDrives = 0.8;  // share of the speed limit at which a robot covers a path that is free
-
-}  // namespace
 
 // Walls beside the robot that are too near for its lidar, in `odom`.
 std::vector<Vec2> PathNavigator::blind_surface(const Observation& seen) const {
@@ -29,8 +23,7 @@ std::vector<Vec2> PathNavigator::smoothed_hits(const Observation& seen, double s
 
 // Noise of the lidar would close a gap. The observation refers to `hits`.
 Observation PathNavigator::without_noise(const Observation& seen, std::vector<Vec2>& hits) const {
-  constexpr double kSight = 1.5;  // [m], beyond which the map is good enough
-  hits = smoothed_hits(seen, kSight);
+  hits = smoothed_hits(seen, params_.bottleneck.sight);  // beyond, the map is good enough
   Observation smooth = seen;
   smooth.obstacles = hits;
   return smooth;
@@ -44,8 +37,7 @@ bool PathNavigator::plan_through_gaps(const Observation& seen, double tolerance)
 
 // A gap is worth the time that it takes where the way round takes longer.
 void PathNavigator::plan_shortcut(const Observation& seen, double tolerance) {
-  constexpr double kPassing = 30.0;  // [s] to line up, measure, and creep through
-  const double detour = kPassing * kPaceOfDrives * limits_.linear;
+  const double detour = params_.bottleneck.passing * params_.bottleneck.detour_speed * limits_.linear;
   if (!lidar_ || !route_.is_detour(detour)) return;
   std::vector<Vec2> hits;
   route_.plan_shortcut(without_noise(seen, hits), tolerance, detour);
@@ -55,15 +47,15 @@ void PathNavigator::plan_shortcut(const Observation& seen, double tolerance) {
 std::vector<Vec2> PathNavigator::way_to_bottleneck() const {
   const std::optional<Bottleneck>& neck = route_.bottleneck();
   if (!neck) return {};
-  constexpr double kStep = 0.05;  // [m]
+  const double step = route_.costmap().resolution();
   const Vec2 entry = neck->map_from_middle * Vec2{narrow_passage_.entry(neck->half_length), 0.0};
   const double before = distance(entry, neck->map_from_middle.position());
   std::vector<Vec2> way = {route_.path().front()};
   PathPoint at{0, way.front()};
-  const int steps = static_cast<int>(progress_.distance_left / kStep);
+  const int steps = static_cast<int>(progress_.distance_left / step);
   for (int i = 0; i < steps; ++i) {
-    at = place_after(route_.path(), at, kStep);
-    if (distance(at.point, neck->map_from_middle.position()) < before + kStep) break;
+    at = place_after(route_.path(), at, step);
+    if (distance(at.point, neck->map_from_middle.position()) < before + step) break;
     way.push_back(at.point);
   }
   way.push_back(entry);
@@ -71,12 +63,11 @@ std::vector<Vec2> PathNavigator::way_to_bottleneck() const {
 }
 
 bool PathNavigator::is_before_bottleneck() const {
-  constexpr double kNear = 0.08;  // [m]
   const std::optional<Bottleneck>& neck = route_.bottleneck();
   if (!neck) return false;
   const Vec2 in_neck = inverse(neck->map_from_middle) * progress_.pose.position();
-  return std::fabs(in_neck.y) < kNear && in_neck.x > narrow_passage_.entry(neck->half_length) - kNear &&
-         in_neck.x < 0.0;
+  return std::fabs(in_neck.y) < params_.bottleneck.before &&
+         in_neck.x > narrow_passage_.entry(neck->half_length) - params_.bottleneck.before && in_neck.x < 0.0;
 }
 
 Decision PathNavigator::begin_passage(const Observation& seen) {
@@ -88,9 +79,8 @@ Decision PathNavigator::begin_passage(const Observation& seen) {
 
 // What is near without its scatter, and zones to keep out of, in the base frame.
 std::vector<Vec2> PathNavigator::hits_around(const Observation& seen) const {
-  constexpr double kSight = 1.5;  // [m]
   std::vector<Vec2> hits = in_base_;
-  if (lidar_) hits = transformed(inverse(odom_from_base_), smoothed_hits(seen, kSight));
+  if (lidar_) hits = transformed(inverse(odom_from_base_), smoothed_hits(seen, params_.bottleneck.sight));
   const std::vector<Vec2> borders = transformed(inverse(progress_.pose), borders_near(progress_.pose.position()));
   hits.insert(hits.end(), borders.begin(), borders.end());
   return hits;
@@ -99,7 +89,7 @@ std::vector<Vec2> PathNavigator::hits_around(const Observation& seen) const {
 // A manoeuvre may come as near to what is around as in a gap.
 Velocity PathNavigator::step_recovery(const Observation& seen) {
   const std::vector<Vec2> hits = hits_around(seen);
-  if (lidar_ && recovery_.state() == RecoveryState::arc_escape) follower_.update(hits, kFree - margin_);
+  if (lidar_ && recovery_.state() == RecoveryState::arc_escape) follower_.update(hits, params_.creep.margin - margin_);
   const Velocity velocity = recovery_.step(now_, odom_from_base_, hits, follower_);
   progress_.recovery = recovery_.state();
   return velocity;
@@ -117,10 +107,9 @@ bool PathNavigator::leaves_first(const Observation& seen) {
 
 // Through a gap, with less room than the gate keeps elsewhere.
 Decision PathNavigator::pass(const Observation& seen) {
-  constexpr double kSight = 0.7;  // [m]
-  mark_moved();                   // it is patient by itself
-  const std::vector<Vec2> hits = smoothed_hits(seen, kSight);
-  follower_.update(transformed(inverse(odom_from_base_), hits), kFree - margin_);
+  mark_moved();  // it is patient by itself
+  const std::vector<Vec2> hits = smoothed_hits(seen, params_.narrow_passage.hits_sight);
+  follower_.update(transformed(inverse(odom_from_base_), hits), params_.creep.margin - margin_);
 
   const Velocity velocity = narrow_passage_.step(now_, odom_from_base_, hits, follower_);
   switch (narrow_passage_.state()) {

@@ -65,14 +65,13 @@ inline double length_after(std::span<const Vec2> path, const PathPoint& from) {
   return sum;
 }
 
-/// The first point of a polyline for which `holds`, in steps of 5 cm.
+/// The first point of a polyline for which `holds`, in steps of `step` [m].
 template <class Holds>
-std::optional<Vec2> first_along(std::span<const Vec2> path, Holds holds) {
-  constexpr double kStep = 0.05;  // [m]
+std::optional<Vec2> first_along(std::span<const Vec2> path, double step, Holds holds) {
   if (path.empty()) return {};
-  const int steps = static_cast<int>(length_after(path, {0, path.front()}) / kStep);
+  const int steps = static_cast<int>(length_after(path, {0, path.front()}) / step);
   for (int i = 0; i <= steps; ++i) {
-    const Vec2 p = point_after(path, {0, path.front()}, kStep * i);
+    const Vec2 p = point_after(path, {0, path.front()}, step * i);
     if (holds(p)) return p;
   }
   return {};

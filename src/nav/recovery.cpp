@@ -7,22 +7,7 @@
 namespace threewe::nav {
 namespace {
 
-constexpr double kSamePlace = 0.5;     // [m]
-constexpr int kMostAttempts = 8;       // in one place
-constexpr Duration kClearing = 300ms;  // longer than a turn of a lidar takes to arrive
-constexpr Duration kBackingOff = 2500ms;
-constexpr Duration kManoeuvring = 90s;  // at most
-constexpr double kFirstWay = 0.15;      // [m] to back off, more each time
-constexpr double kMoreEachTime = 0.1;   // [m]
-constexpr double kNoRoom = 0.03;        // [m] who cannot back off so far has no room
-constexpr int kLookFrom = 3;            // which attempt in one place is the first to look
-constexpr double kLook = 0.8;           // [rad] to both sides: sensors a quarter turn apart then hear all around
-constexpr double kLooked = 0.1;         // [rad]
-constexpr Duration kLooking = 5s;       // at most for one direction
-constexpr double kTrailSpacing = 0.03;
-constexpr double kTrailTurn = 0.1;
 constexpr std::size_t kTrailLength = 40;
-constexpr double kBarely = 0.02;  // [m/s] slower than this leads nowhere
 
 }  // namespace
 
@@ -35,17 +20,17 @@ void Recovery::reset() {
 void Recovery::remember(const Pose2D& odom_from_base) {
   if (!trail_.empty()) {
     const Pose2D since = inverse(trail_.back()) * odom_from_base;
-    if (norm(since.position()) < kTrailSpacing && std::fabs(since.theta) < kTrailTurn) return;
+    if (norm(since.position()) < params_.backtrack_spacing && std::fabs(since.theta) < params_.backtrack_turn) return;
   }
   if (trail_.size() == kTrailLength) trail_.erase(trail_.begin());
   trail_.push_back(odom_from_base);
 }
 
 void Recovery::begin(Time now, const Pose2D& odom_from_base, Vec2 place) {
-  if (distance(place, place_) > kSamePlace) attempts_ = 0, had_room_ = false;
+  if (distance(place, place_) > params_.same_place) attempts_ = 0, had_room_ = false;
   place_ = place;
   heading_ = odom_from_base.theta, turned_ = 0.0;
-  enter(++attempts_ > kMostAttempts ? State::given_up : State::clearing, now, odom_from_base);
+  enter(++attempts_ > params_.attempts ? State::given_up : State::clearing, now, odom_from_base);
 }
 
 void Recovery::leave(Time now, const Pose2D& odom_from_base) {
@@ -76,7 +61,7 @@ Velocity Recovery::step(Time now, const Pose2D& odom_from_base, std::span<const 
   heading_ = odom_from_base.theta;
   switch (state_) {
     case State::clearing:
-      if (now - entered_ >= kClearing) enter(State::backing_off, now, odom_from_base);
+      if (now - entered_ >= params_.clearing) enter(State::backing_off, now, odom_from_base);
       return {};
     case State::backing_off: return back_off(now, odom_from_base, hits, follower);
     case State::arc_escape: return arc_escape(now, odom_from_base, hits, follower);
@@ -92,14 +77,15 @@ Velocity Recovery::step(Time now, const Pose2D& odom_from_base, std::span<const 
 Velocity Recovery::back_off(Time now, const Pose2D& odom_from_base, std::span<const Vec2> hits,
                             const PathFollower& follower) {
   const double moved = distance(odom_from_base.position(), entered_at_);
-  const bool in_time = now - entered_ < kBackingOff && moved < kFirstWay + kMoreEachTime * (attempts_ - 1);
+  const bool in_time = now - entered_ < params_.backing_off &&
+                       moved < params_.backing_distance + params_.more_each_time * (attempts_ - 1);
   if (in_time && escape_ == Velocity{}) {
     const Velocity back = follower.safe(along_trail(odom_from_base, follower.escape_speed()));
-    if (exact::hypot(back.vx, back.vy) >= kBarely) return back;
+    if (exact::hypot(back.vx, back.vy) >= params_.barely) return back;
     if (!is_wedged(hits)) return escape_ = follower.most_room();
   }
   if (in_time && escape_ != Velocity{}) return follower.safe(escape_);
-  had_room_ = had_room_ || moved >= kNoRoom;
+  had_room_ = had_room_ || moved >= params_.no_room;
   if (is_wedged(hits)) {
     leave(now, odom_from_base);
   } else {
@@ -112,35 +98,35 @@ Velocity Recovery::back_off(Time now, const Pose2D& odom_from_base, std::span<co
 Velocity Recovery::arc_escape(Time now, const Pose2D& odom_from_base, std::span<const Vec2> hits,
                               const PathFollower& follower) {
   const Velocity velocity = arc_escape_.step(now, odom_from_base, hits, follower);
-  had_room_ = had_room_ || distance(odom_from_base.position(), entered_at_) >= kNoRoom;
-  if (arc_escape_.over() || now - entered_ >= kManoeuvring) look_or_replan(now, odom_from_base);
+  had_room_ = had_room_ || distance(odom_from_base.position(), entered_at_) >= params_.no_room;
+  if (arc_escape_.over() || now - entered_ >= params_.arc_escape) look_or_replan(now, odom_from_base);
   return velocity;
 }
 
 void Recovery::look_or_replan(Time now, const Pose2D& odom_from_base) {
-  looks_ = {turned_ + kLook, turned_ - kLook, turned_};
-  enter(hard_of_seeing_ || attempts_ >= kLookFrom ? State::looking : State::replanning, now, odom_from_base);
+  looks_ = {turned_ + params_.look, turned_ - params_.look, turned_};
+  enter(hard_of_seeing_ || attempts_ >= params_.look_from ? State::looking : State::replanning, now, odom_from_base);
 }
 
 Velocity Recovery::along_trail(const Pose2D& odom_from_base, double speed) {
-  constexpr double kPassed = 0.05;  // [m]
-  while (!trail_.empty() && distance(trail_.back().position(), odom_from_base.position()) < kPassed) trail_.pop_back();
+  while (!trail_.empty() && distance(trail_.back().position(), odom_from_base.position()) < params_.backtrack_passed)
+    trail_.pop_back();
   if (trail_.empty()) return {};
 
   const Pose2D to = inverse(odom_from_base) * trail_.back();
   const double away = norm(to.position());
   if (kinematics_ == Kinematics::holonomic) {
-    return {speed * to.x / away, speed * to.y / away, std::clamp(to.theta, -0.5, 0.5)};
+    return {speed * to.x / away, speed * to.y / away, std::clamp(to.theta, -turn_rate_, turn_rate_)};
   }
   // along the arc that leads there (Coulter 1992, pure pursuit), unless the robot has turned away since
   if (std::fabs(to.y) > 0.5 * std::fabs(to.x)) return {};
   const double forward = to.x >= 0.0 ? speed : -speed;
-  return {forward, 0.0, std::clamp(forward * 2.0 * to.y / (away * away), -1.0, 1.0)};
+  return {forward, 0.0, std::clamp(forward * 2.0 * to.y / (away * away), -2.0 * turn_rate_, 2.0 * turn_rate_)};
 }
 
 // From one direction to the next, each as near as there is room to turn.
 Velocity Recovery::look(Time now, const Pose2D& odom_from_base, const PathFollower& follower) {
-  if (std::fabs(looks_.front() - turned_) <= kLooked || now - entered_ >= kLooking) {
+  if (std::fabs(looks_.front() - turned_) <= params_.looked || now - entered_ >= params_.looking) {
     looks_.erase(looks_.begin());
     enter(looks_.empty() ? State::replanning : State::looking, now, odom_from_base);
   }

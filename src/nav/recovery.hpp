@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "nav/arc_escape.hpp"
+#include "nav/params.hpp"
 #include "nav/path_follower.hpp"
 #include "threewe/core/pose.hpp"
 #include "threewe/core/time.hpp"
@@ -24,9 +25,13 @@ class Recovery {
  public:
   using State = RecoveryState;
 
-  /// A robot without a lidar looks each time, for it hears in a few directions only.
-  explicit Recovery(const RobotProfile& profile)
-      : kinematics_(profile.kinematics()), hard_of_seeing_(!profile.lidar), arc_escape_(profile) {}
+  /// A robot without a lidar looks each time, for it senses in a few directions only.
+  Recovery(const RobotProfile& profile, const Params& params)
+      : params_(params.recovery),
+        turn_rate_(params.creep.free_turn_rate),
+        kinematics_(profile.kinematics()),
+        hard_of_seeing_(!profile.lidar),
+        arc_escape_(profile, params) {}
 
   /// Forgets everything: another motion begins.
   void reset();
@@ -67,6 +72,8 @@ class Recovery {
   Velocity along_trail(const Pose2D& odom_from_base, double speed);
   Velocity look(Time now, const Pose2D& odom_from_base, const PathFollower& follower);
 
+  Params::Recovery params_;
+  double turn_rate_;  // [rad/s] at most, back along its way
   Kinematics kinematics_;
   bool hard_of_seeing_;
   ArcEscape arc_escape_;

@@ -11,7 +11,6 @@
 namespace threewe::nav {
 namespace {
 
-constexpr double kCell = 0.04;  // [m]
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 double room_at(Vec2 place, std::span<const Vec2> hits, double most) {
@@ -22,8 +21,8 @@ double room_at(Vec2 place, std::span<const Vec2> hits, double most) {
 
 }  // namespace
 
-RoomField::RoomField(std::span<const Vec2> hits, double least, double wanted, double reach)
-    : half_(static_cast<int>(std::ceil(reach / kCell))), least_(least) {
+RoomField::RoomField(std::span<const Vec2> hits, double cell, double least, double wanted, double reach)
+    : cell_(cell), half_(static_cast<int>(std::ceil(reach / cell_))), least_(least) {
   const int side = 2 * half_ + 1;
   const int cells = side * side;
   way_.assign(static_cast<std::size_t>(cells), kInfinity);
@@ -32,16 +31,16 @@ RoomField::RoomField(std::span<const Vec2> hits, double least, double wanted, do
   for (std::size_t i = 0; i < way_.size(); ++i) {
     room_.push_back(room_at(center(i), hits, wanted));
     if (room_.back() >= wanted) wide.push_back(i);
-    if (room_.back() >= least && norm(center(i)) >= reach - kCell) edge.push_back(i);
+    if (room_.back() >= least && norm(center(i)) >= reach - cell_) edge.push_back(i);
   }
   spread(wide);
   if (!std::isfinite(way_from({}))) spread(edge);
 }
 
-double RoomField::way_from(Vec2 place) const { return way_[cell(place)]; }
+double RoomField::way_from(Vec2 place) const { return way_[cell_at(place)]; }
 
-std::size_t RoomField::cell(Vec2 place) const {
-  const auto along = [&](double v) { return std::clamp(static_cast<int>(std::floor(v / kCell + 0.5)), -half_, half_); };
+std::size_t RoomField::cell_at(Vec2 place) const {
+  const auto along = [&](double v) { return std::clamp(static_cast<int>(std::floor(v / cell_ + 0.5)), -half_, half_); };
   const int number = (along(place.y) + half_) * (2 * half_ + 1) + along(place.x) + half_;
   return static_cast<std::size_t>(number);
 }
@@ -50,7 +49,7 @@ Vec2 RoomField::center(std::size_t cell) const {
   const int side = 2 * half_ + 1;
   const int row = static_cast<int>(cell) / side;
   const int column = static_cast<int>(cell) % side;
-  return {kCell * (column - half_), kCell * (row - half_)};
+  return {cell_ * (column - half_), cell_ * (row - half_)};
 }
 
 // Dijkstra's algorithm from all ends at once; the robot's own cell counts as free, it stands there.
@@ -71,8 +70,8 @@ void RoomField::spread(const std::vector<std::size_t>& ends) {
       if (x + dx < 0 || y + dy < 0 || x + dx >= side || y + dy >= side) continue;
       const int neighbour = (y + dy) * side + x + dx;
       const auto next = static_cast<std::size_t>(neighbour);
-      const double there = way + kCell * exact::sqrt(static_cast<double>(dx * dx + dy * dy));
-      if (there >= way_[next] || (room_[next] < least_ && norm(center(next)) > kCell * 1.5)) continue;
+      const double there = way + cell_ * exact::sqrt(static_cast<double>(dx * dx + dy * dy));
+      if (there >= way_[next] || (room_[next] < least_ && norm(center(next)) > cell_ * 1.5)) continue;
       way_[next] = there;
       open.emplace(there, next);
     }

@@ -15,30 +15,13 @@
 namespace threewe::nav {
 namespace {
 
-constexpr double kWaypointPassed = 0.15;   // [m]
-constexpr std::uint16_t kMinFrontier = 6;  // [cells] smaller frontiers are not worth a drive
-constexpr int kRim = 20;                   // [cells] unknown all around the map
-constexpr double kHorizon = 4.0;           // [m] plans end so far outside of the map: all is unknown there
-constexpr double kBetter = 0.85;           // a new path replaces an open one when it costs less than this share of it
-constexpr double kWithin = 0.05;           // [m] a path must end so much within the tolerance
-constexpr Duration kRetry = 200ms;         // without a path, plan so often
-constexpr double kTight = 0.07;            // [m] beyond what is lethal: for the gate's margin, and half a cell
-constexpr double kDrivenSpacing = 0.1;     // [m]
-constexpr double kSamePlace = 0.4;         // [m] failures nearer to each other are one and the same
-
-// What a frontier is worth, in metres of way through free space.
-constexpr double kPerMetre = 800.0;    // what the search calls a metre: 20 cells, each 5 x twice kFree
-constexpr double kGain = 0.5;          // of each metre of its length ...
-constexpr double kLongest = 3.0;       // [m] ... up to so many
-constexpr double kStay = 1.0;          // for it is the one that the robot is on the way to ...
-constexpr double kClaimed = 8.0;       // less where another robot comes first ...
-constexpr double kClaim = 3.0;         // [m] ... around where it is bound for
-constexpr double kSameFrontier = 1.0;  // [m] ... or what has become of it
+// What the search calls a cell of way through free space: each costs 5 times the weight at both of its ends.
+constexpr double kPerCell = 5.0 * 2.0 * map::Costmap::kFree;
 
 // The point itself or, for one far outside of the map, the nearest within the horizon: beyond it nothing is in the way.
-Vec2 within_horizon(const map::OccupancyGrid& map, Vec2 point) {
-  const Vec2 low = map.origin - Vec2{kHorizon, kHorizon};
-  const Vec2 high = map.origin + Vec2{map.width * map.resolution + kHorizon, map.height * map.resolution + kHorizon};
+Vec2 within_horizon(const map::OccupancyGrid& map, Vec2 point, double horizon) {
+  const Vec2 low = map.origin - Vec2{horizon, horizon};
+  const Vec2 high = map.origin + Vec2{map.width * map.resolution + horizon, map.height * map.resolution + horizon};
   return {std::clamp(point.x, low.x, high.x), std::clamp(point.y, low.y, high.y)};
 }
 
@@ -46,21 +29,23 @@ Vec2 robot_in(const Observation& seen) { return seen.pose.map_from_base().positi
 
 // Through gaps that cells cannot tell from closed ones, since the wall's cell, the path's and the map may each be off
 // by half a cell; but not where a wall has hardly been seen yet.
-map::Costmap::Settings through_gaps(map::Costmap::Settings settings) {
-  constexpr double kCoarse = 0.06;  // [m]
-  constexpr double kLeast = 0.055;  // [m] or it would slip between cells of a wall that is askew
+map::Costmap::Settings through_gaps(map::Costmap::Settings settings, const Params::Bottleneck& params) {
   settings.unknown_radius = settings.lethal_radius;
-  settings.lethal_radius = std::max(settings.lethal_radius - kCoarse, kLeast);
+  settings.lethal_radius = std::max(settings.lethal_radius - params.coarseness, params.least_radius);
   return settings;
 }
 
 }  // namespace
 
-Route::Route(const map::Costmap::Settings& costmap, double body_radius)
-    : clear_{map::Costmap(costmap), {}, {}},
-      squeezed_{map::Costmap(through_gaps(costmap)), {}, {}},
+Route::Route(const map::Costmap::Settings& costmap, double body_radius, const Params& params)
+    : params_(params.route),
+      frontier_params_(params.frontier),
+      bottleneck_params_(params.bottleneck),
+      clear_{map::Costmap(costmap), {}, {}},
+      squeezed_{map::Costmap(through_gaps(costmap, params.bottleneck)), {}, {}},
       body_radius_(body_radius),
-      tight_clearance_(costmap.lethal_radius + kTight) {}
+      path_end_(params.motion.path_end),
+      tight_clearance_(costmap.lethal_radius + params.route.tight) {}
 
 void Route::set_zones(const std::vector<map::Zone>& zones, double speed) {
   clear_.costmap.set_zones(zones, speed);
@@ -102,8 +87,7 @@ void Route::note_mover(const std::string& name, Vec2 position, double radius) {
 
 // As near as a robot comes that waits for it, or meets it in a doorway.
 bool Route::is_near_mover(Vec2 place) const {
-  constexpr double kBetween = 0.8;  // [m]
-  return mover_near(place, movers_, body_radius_ + kBetween) != nullptr;
+  return mover_near(place, movers_, body_radius_ + params_.mover_distance) != nullptr;
 }
 
 bool Route::plan_to_goal(const Observation& seen, double tolerance) {
@@ -127,13 +111,13 @@ bool Route::try_plan(Layer& layer, const Observation& seen, double tolerance) {
   std::vector<std::size_t> ends;  // how many corners lead to each waypoint
   double gap = 0.0;
   for (const Vec2 ordered : waypoints_) {
-    const Vec2 waypoint = within_horizon(seen.map, ordered);
+    const Vec2 waypoint = within_horizon(seen.map, ordered, params_.horizon);
     if (drawn_ && std::isfinite(costmap.line_cost(path.back(), waypoint))) {
       path.push_back(waypoint);
     } else {
       const PlannedPath leg = layer.planner.plan(costmap, path.back(), waypoint, tolerance);
       gap = leg.gap;
-      if (leg.points.empty() || (gap > 0.0 && gap > tolerance - kWithin)) {
+      if (leg.points.empty() || (gap > 0.0 && gap > tolerance - path_end_)) {
         path_.clear();
         return false;
       }
@@ -146,7 +130,7 @@ bool Route::try_plan(Layer& layer, const Observation& seen, double tolerance) {
     const double rest = path_cost(costmap, path_);
     if (!std::isfinite(rest)) note_closure();
     const bool same_end = path_.back() == path.back();
-    if (std::isfinite(rest) && same_end && path_cost(costmap, path) > kBetter * rest) return true;
+    if (std::isfinite(rest) && same_end && path_cost(costmap, path) > params_.better * rest) return true;
   }
   gap_ = gap;
   corners_from_.clear();
@@ -160,24 +144,24 @@ std::optional<Mover> Route::mover_in_the_way(const Observation& seen, double tol
   if (movers_.empty()) return {};
   map::OccupancyGrid grid = seen.map;
   if (!seen.peers.empty()) merge_maps(seen.map, seen.peers, grid);
-  erase_movers(grid, movers_);
+  erase_movers(grid, movers_, params_.mover_blur);
   std::vector<Vec2> obstacles = barred_;
   for (const Vec2 p : seen.obstacles) {
     const Vec2 in_map = seen.pose.map_from_odom * p;
-    if (mover_near(in_map, movers_, kMoverBlur) == nullptr) obstacles.push_back(in_map);
+    if (mover_near(in_map, movers_, params_.mover_blur) == nullptr) obstacles.push_back(in_map);
   }
   map::Costmap costmap(clear_.costmap.settings());
-  costmap.update(grid, obstacles, relevant_places(seen), kRim);
-  costmap.open_around(robot_in(seen), body_radius_ + 0.1);
+  costmap.update(grid, obstacles, relevant_places(seen), rim(seen.map));
+  costmap.open_around(robot_in(seen), body_radius_ + params_.open_around);
 
   Planner planner;
   Vec2 from = robot_in(seen);
   const Mover* met = nullptr;
   for (const Vec2 ordered : waypoints_) {
-    const Vec2 waypoint = within_horizon(seen.map, ordered);
+    const Vec2 waypoint = within_horizon(seen.map, ordered, params_.horizon);
     const PlannedPath leg = planner.plan(costmap, from, waypoint, tolerance);
     if (leg.points.empty()) return {};
-    first_along(leg.points, [&](Vec2 p) {
+    first_along(leg.points, costmap.resolution(), [&](Vec2 p) {
       if (met == nullptr) met = mover_near(p, movers_, body_radius_);
       return met != nullptr;
     });
@@ -200,12 +184,15 @@ bool Route::try_frontier(const Observation& seen) {
   renew(clear_, seen);
   const map::Costmap& costmap = clear_.costmap;
   if (has_path() && !std::isfinite(path_cost(costmap, path_))) note_closure();
-  find_frontiers(costmap, frontiers_);
+  find_frontiers(costmap, frontier_params_, frontiers_);
+  const double per_metre = kPerCell / costmap.resolution();
+  const int least = cells_in(frontier_params_.least_length, costmap.resolution());
   const auto bonus = [&](std::uint32_t index) {
-    return frontiers_[index] >= kMinFrontier ? std::optional(bonus_of_frontier(index, seen)) : std::nullopt;
+    return frontiers_[index] >= least ? std::optional(bonus_of_frontier(index, seen)) : std::nullopt;
   };
-  constexpr int kMost = static_cast<int>(kPerMetre * (kGain * kLongest + kStay));
-  const SearchResult found = search_.to_best(costmap, costmap.cell(robot_in(seen)), bonus, kMost,
+  const auto most =
+      static_cast<int>(per_metre * (frontier_params_.gain * frontier_params_.longest + frontier_params_.stay));
+  const SearchResult found = search_.to_best(costmap, costmap.cell(robot_in(seen)), bonus, most,
                                              [&](std::uint32_t index) { return costmap.unknown()[index] != 0; });
   path_.clear();
   frontier_.reset();
@@ -220,13 +207,14 @@ int Route::bonus_of_frontier(std::uint32_t index, const Observation& seen) const
   const map::Costmap& costmap = clear_.costmap;
   const auto width = static_cast<std::uint32_t>(costmap.width());
   const Vec2 place = costmap.center({static_cast<int>(index % width), static_cast<int>(index / width)});
-  double worth = kGain * std::min(kLongest, frontiers_[index] * costmap.resolution());
-  if (frontier_ && distance(place, *frontier_) < kSameFrontier) worth += kStay;
+  double worth = frontier_params_.gain * std::min(frontier_params_.longest, frontiers_[index] * costmap.resolution());
+  if (frontier_ && distance(place, *frontier_) < frontier_params_.same) worth += frontier_params_.stay;
   for (const Peer& peer : seen.peers) {
-    if (!peer.bound_for || distance(*peer.bound_for, place) > kClaim) continue;
-    if (distance(peer.map_from_base.position(), place) < distance(robot_in(seen), place)) worth -= kClaimed;
+    if (!peer.bound_for || distance(*peer.bound_for, place) > frontier_params_.claim) continue;
+    if (distance(peer.map_from_base.position(), place) < distance(robot_in(seen), place))
+      worth -= frontier_params_.claimed;
   }
-  return static_cast<int>(kPerMetre * worth);
+  return static_cast<int>(kPerCell / costmap.resolution() * worth);
 }
 
 void Route::drop() {
@@ -238,7 +226,7 @@ void Route::drop() {
 }
 
 void Route::advance(Vec2 robot) {
-  if (driven_.empty() || distance(driven_.back(), robot) > kDrivenSpacing) driven_.push_back(robot);
+  if (driven_.empty() || distance(driven_.back(), robot) > params_.driven_spacing) driven_.push_back(robot);
   if (has_path()) {
     const PathPoint here = nearest_on_path(path_, robot);
     path_.erase(path_.begin(), path_.begin() + static_cast<std::ptrdiff_t>(here.piece));
@@ -251,15 +239,14 @@ void Route::advance(Vec2 robot) {
 }
 
 bool Route::avoid_ahead(bool end_too) {
-  constexpr double kAhead = 0.25;  // [m]
   if (!has_path()) return false;
   if (end_too) avoided_.push_back(path_.back());
-  if (path_length(path_) <= kAhead) return false;
-  return avoid(point_after(path_, {0, path_.front()}, kAhead));
+  if (path_length(path_) <= params_.ahead) return false;
+  return avoid(point_after(path_, {0, path_.front()}, params_.ahead));
 }
 
 bool Route::is_stale(const Observation& seen, Duration period) const {
-  if (!has_path()) return age(seen.now) >= kRetry;
+  if (!has_path()) return age(seen.now) >= params_.retry;
   return seen.map_version != planned_version_ && age(seen.now) >= period;
 }
 
@@ -269,16 +256,19 @@ void Route::renew(Layer& layer, const Observation& seen) {
   obstacles.insert(obstacles.end(), barred_.begin(), barred_.end());
   for (const Vec2 p : seen.obstacles) obstacles.push_back(seen.pose.map_from_odom * p);
   take_map(layer, seen, obstacles, relevant_places(seen));
-  layer.costmap.open_around(robot_in(seen), body_radius_ + 0.1);
+  layer.costmap.open_around(robot_in(seen), body_radius_ + params_.open_around);
   planned_once_ = true;
   planned_ = seen.now;
   planned_version_ = seen.map_version;
 }
 
+// [cells]
+int Route::rim(const map::OccupancyGrid& grid) const { return cells_in(params_.rim, grid.resolution); }
+
 // What the costmap must hold.
 std::vector<Vec2> Route::relevant_places(const Observation& seen) const {
   std::vector<Vec2> places = {robot_in(seen)};
-  for (const Vec2 waypoint : waypoints_) places.push_back(within_horizon(seen.map, waypoint));
+  for (const Vec2 waypoint : waypoints_) places.push_back(within_horizon(seen.map, waypoint, params_.horizon));
   return places;
 }
 
@@ -287,7 +277,7 @@ void Route::take_map(Layer& layer, const Observation& seen, const std::vector<Ve
                      const std::vector<Vec2>& include) {
   if (!seen.peers.empty()) {
     merge_maps(seen.map, seen.peers, shared_);
-    layer.costmap.update(shared_, obstacles, include, kRim);
+    layer.costmap.update(shared_, obstacles, include, rim(seen.map));
     layer.version.reset();
     return;
   }
@@ -297,13 +287,13 @@ void Route::take_map(Layer& layer, const Observation& seen, const std::vector<Ve
     const map::Cell low = map::raster_cell(seen.map);
     changed = {{changed->low.x - low.x, changed->low.y - low.y}, {changed->high.x - low.x, changed->high.y - low.y}};
   }
-  layer.costmap.update(seen.map, obstacles, include, kRim, changed);
+  layer.costmap.update(seen.map, obstacles, include, rim(seen.map), changed);
   layer.version = seen.map_version;
 }
 
 // Near the next waypoint, or past it along the path.
 bool Route::passed_waypoint(Vec2 robot) const {
-  if (distance(robot, waypoints_.front()) < kWaypointPassed) return true;
+  if (distance(robot, waypoints_.front()) < params_.waypoint) return true;
   return has_path() && !corners_from_.empty() && path_.size() <= corners_from_.front();
 }
 
@@ -311,15 +301,14 @@ bool Route::passed_waypoint(Vec2 robot) const {
 // unknown space, or to a frontier, they avoid it for good: the robot cannot look there. True when that has been
 // decided.
 bool Route::avoid(Vec2 place) {
-  constexpr double kBeyond = 1.5;  // [m]
   avoided_.push_back(place);
   if (is_near_mover(place)) return false;
   failures_.push_back(place);
   if (!failed_often(place) || has_driven(place)) return false;
   const auto is_entrance = [&](Vec2 p) {
-    return clear_.costmap.unknown(clear_.costmap.cell(p)) && distance(p, place) < kBeyond;
+    return clear_.costmap.unknown(clear_.costmap.cell(p)) && distance(p, place) < params_.entrance;
   };
-  const std::optional<Vec2> entrance = first_along(path_, is_entrance);
+  const std::optional<Vec2> entrance = first_along(path_, clear_.costmap.resolution(), is_entrance);
   if (!entrance && !waypoints_.empty()) return false;
   barred_.push_back(place);
   if (entrance) barred_.push_back(*entrance);
@@ -329,7 +318,7 @@ bool Route::avoid(Vec2 place) {
 // Of the path, once it has left the lethal cells that the robot may stand in.
 std::optional<Vec2> Route::first_lethal() const {
   bool left = false;
-  return first_along(path_, [&](Vec2 p) {
+  return first_along(path_, clear_.costmap.resolution(), [&](Vec2 p) {
     const bool lethal = is_lethal(p);
     left = left || !lethal;
     return left && lethal;
@@ -341,18 +330,19 @@ bool Route::is_lethal(Vec2 place) const {
 }
 
 bool Route::failed_often(Vec2 place) const {
-  constexpr int kAttempts = 3;
-  return std::ranges::count_if(failures_, near(place, kSamePlace)) >= kAttempts;
+  return std::ranges::count_if(failures_, near(place, params_.same_place)) >= params_.attempts;
 }
 
 // Where it has been it can go, whatever a narrow place looks like from within.
-bool Route::has_driven(Vec2 place) const { return std::ranges::any_of(driven_, near(place, 2.0 * kDrivenSpacing)); }
+bool Route::has_driven(Vec2 place) const {
+  return std::ranges::any_of(driven_, near(place, 2.0 * params_.driven_spacing));
+}
 
 // The path is blocked. A place that looked open from afar twice and was not is avoided from then on.
 void Route::note_closure() {
   const std::optional<Vec2> closed = first_lethal();
   if (!closed) return;
-  if (std::ranges::any_of(closures_, near(*closed, kSamePlace))) {
+  if (std::ranges::any_of(closures_, near(*closed, params_.same_place))) {
     avoid(*closed);
   } else {
     closures_.push_back(*closed);

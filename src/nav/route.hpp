@@ -12,6 +12,7 @@
 #include "map/costmap.hpp"
 #include "nav/grid_search.hpp"
 #include "nav/mover.hpp"
+#include "nav/params.hpp"
 #include "nav/planner.hpp"
 #include "threewe/nav/navigator.hpp"
 
@@ -28,7 +29,7 @@ struct Bottleneck {
 class Route {
  public:
   /// `body_radius` [m]: of a disc around the robot, where it evidently fits.
-  Route(const map::Costmap::Settings& costmap, double body_radius);
+  Route(const map::Costmap::Settings& costmap, double body_radius, const Params& params);
 
   /// Begins anew, through `waypoints`; along the straight lines between them where those are free, if `drawn`.
   void begin(std::vector<Vec2> waypoints, bool drawn);
@@ -105,6 +106,7 @@ class Route {
     Time until{};
   };
 
+  int rim(const map::OccupancyGrid& grid) const;
   std::vector<Vec2> relevant_places(const Observation& seen) const;
   bool try_plan(Layer& layer, const Observation& seen, double tolerance);
   bool try_frontier(const Observation& seen);
@@ -126,10 +128,14 @@ class Route {
   bool passed_waypoint(Vec2 robot) const;
   void note_closure();
 
+  Params::Route params_;
+  Params::Frontier frontier_params_;
+  Params::Bottleneck bottleneck_params_;
   Layer clear_;        // of paths that keep their distance
   Layer squeezed_;     // of those through gaps
   GridSearch search_;  // for frontiers
   double body_radius_;
+  double path_end_;         // [m] a path ends so much within the tolerance, for the robot may stop before its end
   double tight_clearance_;  // [m] where paths may need care
 
   std::vector<Vec2> waypoints_;  // still to pass, the last is the goal

@@ -1,6 +1,7 @@
 // Gaps on a route: where they are, and what became of them.
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -12,23 +13,19 @@
 namespace threewe::nav {
 namespace {
 
-constexpr double kReach = 1000.0;  // [m] of paths that are looked at
-constexpr Duration kHope = 180s;   // for so long gaps are tried, and again when one has been passed
-constexpr double kSameGap = 0.4;   // [m] gaps nearer to each other are one and the same
+constexpr double kWhole = std::numeric_limits<double>::infinity();  // of a path, looked at for the nearest place
 
 }  // namespace
 
 // About the tightest place of a part of the path that is narrow all along, as far as it is straight there.
 template <class Narrow>
 Bottleneck Route::bottleneck_about(Vec2 place, Narrow narrow) const {
-  constexpr double kStep = 0.01;      // [m]
-  constexpr int kBeside = 10;         // [steps] before and after, between which it has a direction
-  constexpr double kAside = 0.03;     // [m] that is still straight
-  constexpr double kShortest = 0.15;  // [m] of half a gap: that of less could be anywhere
+  const double step = bottleneck_params_.step;
+  const int beside = std::max(1, cells_in(bottleneck_params_.direction, step));
   const double length = path_length(path_);
-  const auto point_at = [&](int i) { return point_after(path_, {0, path_.front()}, kStep * i); };
-  const int steps = static_cast<int>(length / kStep);
-  const int here = static_cast<int>((length - length_after(path_, nearest_on_path(path_, place, kReach))) / kStep);
+  const auto point_at = [&](int i) { return point_after(path_, {0, path_.front()}, step * i); };
+  const int steps = static_cast<int>(length / step);
+  const int here = static_cast<int>((length - length_after(path_, nearest_on_path(path_, place, kWhole))) / step);
   int first = here;
   while (first > 0 && narrow(point_at(first - 1))) --first;
   int last = here;
@@ -41,23 +38,24 @@ Bottleneck Route::bottleneck_about(Vec2 place, Narrow narrow) const {
     if (clearance(point_at(i)) <= clearance(point_at(from))) to = i;
   }
   const int tightest = (from + to) / 2;
-  const Vec2 way = point_at(tightest + kBeside) - point_at(std::max(tightest - kBeside, 0));
+  const Vec2 way = point_at(tightest + beside) - point_at(std::max(tightest - beside, 0));
   const Vec2 middle = point_at(tightest);
   const Pose2D map_from_middle{middle.x, middle.y, exact::atan2(way.y, way.x)};
   const Pose2D middle_from_map = inverse(map_from_middle);
-  const auto is_straight = [&](int i) { return std::fabs((middle_from_map * point_at(i)).y) < kAside; };
-  const auto beside = [&](int direction, int end) {
+  const auto is_straight = [&](int i) {
+    return std::fabs((middle_from_map * point_at(i)).y) < bottleneck_params_.straight;
+  };
+  const auto length_to = [&](int direction, int end) {
     int i = tightest;
     while (i != end && is_straight(i + direction)) i += direction;
     return std::fabs((middle_from_map * point_at(i)).x);
   };
-  return {map_from_middle, std::max({beside(-1, first), beside(1, last), kShortest})};
+  return {map_from_middle, std::max({length_to(-1, first), length_to(1, last), bottleneck_params_.shortest})};
 }
 
 bool Route::plan_through_gaps(const Observation& seen, double tolerance, double longest) {
-  constexpr int kMostAtOnce = 3;  // that are given up
   if (!attempts_.empty() && seen.now > hope_) return false;
-  for (int i = 0; i < kMostAtOnce; ++i) {
+  for (int i = 0; i < bottleneck_params_.given_up_at_once; ++i) {
     squeezed_path_ = try_plan(squeezed_, seen, tolerance);
     if (!squeezed_path_) return false;
     if (path_length(path_) > longest) return false;
@@ -98,23 +96,21 @@ bool Route::plan_shortcut(const Observation& seen, double tolerance, double deto
 
 // Until when a gap is tried: for long enough to drive there, and for a while.
 Time Route::patience_with(const Bottleneck& neck, Time now) {
-  constexpr Duration kAtLeast = 60s;
-  constexpr double kPerMetre = 8.0;  // [s]
   const Vec2 place = neck.map_from_middle.position();
-  const auto known = std::ranges::find_if(attempts_, near(place, kSameGap), &Attempt::place);
+  const auto known = std::ranges::find_if(attempts_, near(place, params_.same_place), &Attempt::place);
   if (known != attempts_.end()) return known->until;
-  if (attempts_.empty()) hope_ = now + kHope;
-  attempts_.push_back({place, now + kAtLeast + from_seconds(kPerMetre * path_length(path_))});
+  if (attempts_.empty()) hope_ = now + bottleneck_params_.patience;
+  attempts_.push_back({place, now + bottleneck_params_.first_patience +
+                                  from_seconds(path_length(path_) / bottleneck_params_.approach_speed)});
   return attempts_.back().until;
 }
 
 bool Route::squeeze_ahead(Vec2 robot) {
-  constexpr double kAhead = 0.6;  // [m]
   const auto is_tight = [&](Vec2 p) { return clearance(p) < tight_clearance_; };
-  const std::optional<Vec2> place = first_along(path_, is_tight);
-  if (!place || distance(*place, robot) > kAhead) return false;
+  const std::optional<Vec2> place = first_along(path_, clear_.costmap.resolution(), is_tight);
+  if (!place || distance(*place, robot) > bottleneck_params_.ahead) return false;
   const Vec2 gap = bottleneck_about(*place, is_tight).map_from_middle.position();
-  const auto is_same = near(gap, kSameGap);
+  const auto is_same = near(gap, params_.same_place);
   if (std::ranges::any_of(tight_, is_same) || std::ranges::any_of(exhausted_, is_same)) return false;
   tight_.push_back(gap);
   std::erase_if(avoided_, is_same);
@@ -123,37 +119,37 @@ bool Route::squeeze_ahead(Vec2 robot) {
 
 // The path through a gap in which the robot got stuck.
 std::optional<Bottleneck> Route::known_bottleneck() const {
-  constexpr double kAside = 0.1;  // [m]
   for (const Vec2 gap : tight_) {
-    const PathPoint nearest = nearest_on_path(path_, gap, kReach);
-    if (distance(nearest.point, gap) > kAside) continue;
+    const PathPoint nearest = nearest_on_path(path_, gap, kWhole);
+    if (distance(nearest.point, gap) > bottleneck_params_.off_path) continue;
     return bottleneck_about(nearest.point, [&](Vec2 p) { return clearance(p) < tight_clearance_; });
   }
   return {};
 }
 
 void Route::leave_bottleneck(Vec2 robot) {
-  const auto is_same = near(robot, kSameGap);
-  if (std::ranges::none_of(passed_, is_same)) passed_.push_back(robot), hope_ = std::max(hope_, planned_ + kHope);
+  const auto is_same = near(robot, params_.same_place);
+  if (std::ranges::none_of(passed_, is_same))
+    passed_.push_back(robot), hope_ = std::max(hope_, planned_ + bottleneck_params_.patience);
   if (clearance(robot) < tight_clearance_ && std::ranges::none_of(exhausted_, is_same)) tight_.push_back(robot);
   drop();
 }
 
 void Route::clear_bottleneck() {
-  std::erase_if(tight_, near(bottleneck_->map_from_middle.position(), kSameGap));
+  std::erase_if(tight_, near(bottleneck_->map_from_middle.position(), params_.same_place));
   drop();
 }
 
 void Route::close_bottleneck(bool too_narrow) {
-  constexpr double kSpacing = 0.04;  // [m] of a row of points from side to side
+  const double spacing = 0.8 * clear_.costmap.resolution();  // [m] of a row of points from side to side
   const Pose2D middle = bottleneck_->map_from_middle;
-  std::erase_if(tight_, near(middle.position(), kSameGap));
+  std::erase_if(tight_, near(middle.position(), params_.same_place));
   if (is_near_mover(middle.position())) return drop();
   exhausted_.push_back(middle.position());
   avoid(middle.position());
   if (too_narrow || failed_often(middle.position())) {
-    const int beside = 1 + static_cast<int>((clear_.costmap.resolution() + tight_clearance_) / kSpacing);
-    for (int i = -beside; i <= beside; ++i) barred_.push_back(middle * Vec2{0.0, kSpacing * i});
+    const int beside = 1 + static_cast<int>((clear_.costmap.resolution() + tight_clearance_) / spacing);
+    for (int i = -beside; i <= beside; ++i) barred_.push_back(middle * Vec2{0.0, spacing * i});
   }
   drop();
 }

@@ -20,19 +20,13 @@ using mppi::kSteps;
 using mppi::Plan;
 
 constexpr double kPeriod = to_seconds(kControlPeriod);
-constexpr double kBackward = 0.5;         // share of its speed that a differential base may drive backwards
-constexpr double kRest = 0.05;            // [m] so near the end of its path the robot keeps its heading
-constexpr double kLine = 50.0;            // times as dear is it to leave a line that is to be kept
 constexpr std::uint32_t kOtherMeans = 2;  // stand still, and pursue the path
-constexpr double kStray = 0.35;           // [m] beside its path that a plan may lead with its eyes open
-constexpr double kAstray = 0.05;          // [m] more, so that the obstacle field need not be made anew each time
-constexpr double kNotNearer = 0.005;      // [m] what is nearer than the margin may come so much nearer, no more
 
 float narrow(double x) { return static_cast<float>(x); }
 
 // What is not known to be out of reach [m].
-double reach_of(const RobotProfile& profile, const MppiSettings& settings) {
-  return profile.operating_limits.linear * kSteps * settings.step + 0.2;
+double reach_of(const RobotProfile& profile, const Params::Mppi& params) {
+  return profile.operating_limits.linear * kSteps * params.step + params.reach_spare;
 }
 
 // What is left of a plan after so many steps; it goes on as it ends.
@@ -77,7 +71,10 @@ void append_ways(const mppi::Motion& motion, const mppi::Block& block, std::size
 }  // namespace
 
 struct Mppi::Impl {
-  MppiSettings settings;
+  Params::Mppi params;
+  mppi::PursuitParams pursuit;
+  double encroachment;  // [m]
+  std::uint64_t seed;
   Limits limits;
   Kinematics kinematics;
   Footprint footprint;
@@ -97,18 +94,25 @@ struct Mppi::Impl {
   std::vector<float> costs;  // of the samples, then how much each counts
   Origin origin;
 
-  Impl(const RobotProfile& profile, const MppiSettings& s)
-      : settings(s),
+  Impl(const RobotProfile& profile, const Params& all, std::uint64_t s)
+      : params(all.mppi),
+        pursuit{.lookahead = params.lookahead,
+                .rest = params.rest,
+                .approach_gain = params.approach_gain,
+                .heading_gain = all.follower.heading_gain,
+                .turn_first = all.follower.turn_first},
+        encroachment(all.creep.encroachment),
+        seed(s),
         limits(profile.operating_limits),
         kinematics(profile.kinematics()),
         footprint(profile.body.footprint),
         delay(to_seconds(profile.command_latency + profile.body.motor_lag)),
-        reach(reach_of(profile, s)),
-        field(footprint, reach, s.obstacle_reach + profile.margin()),
+        reach(reach_of(profile, params)),
+        field(footprint, reach, params.obstacle_reach + profile.margin(), params),
         commanded(static_cast<std::size_t>(delay / kPeriod) + 1) {}
 
   void go_on(const MppiObservation& seen);
-  bool is_due() const { return followed >= settings.periods; }
+  bool is_due() const { return followed >= params.periods; }
   void predict_start(const Pose2D& odom_from_base);
   void see_obstacles(const MppiObservation& now, const MppiTask& task);
   std::pair<Vec2, Vec2> surroundings(const MppiTask& task) const;
@@ -121,8 +125,8 @@ struct Mppi::Impl {
   Velocity command() const;
 };
 
-Mppi::Mppi(const RobotProfile& profile, const MppiSettings& settings)
-    : impl_(std::make_unique<Impl>(profile, settings)) {}
+Mppi::Mppi(const RobotProfile& profile, const Params& params, std::uint64_t seed)
+    : impl_(std::make_unique<Impl>(profile, params, seed)) {}
 Mppi::Mppi(const Mppi& other) : impl_(std::make_unique<Impl>(*other.impl_)) {}
 Mppi& Mppi::operator=(const Mppi& other) {
   if (this != &other) impl_ = std::make_unique<Impl>(*other.impl_);
@@ -152,7 +156,7 @@ void Mppi::Impl::go_on(const MppiObservation& seen) {
     ++followed;
   } else {
     std::ranges::fill(commanded, seen.commanded);
-    followed = settings.periods;
+    followed = params.periods;
     plan = {};
   }
   last = seen.now;
@@ -160,13 +164,13 @@ void Mppi::Impl::go_on(const MppiObservation& seen) {
 
 // A variation of what is left of the plan before.
 void Mppi::Impl::plan_anew(const MppiTask& task) {
-  plan = later(plan, kPeriod / settings.step * followed);
+  plan = later(plan, kPeriod / params.step * followed);
   followed = 0;
   const mppi::Problem problem = pose_problem(task);
-  auto blocks = mppi::draw_blocks(settings.samples, kOtherMeans, deviation(), settings.seed, tick++);
+  auto blocks = mppi::draw_blocks(params.samples, kOtherMeans, deviation(), seed, tick++);
   costs.resize(blocks.size() * mppi::kBlock);
   mppi::roll_out(problem, blocks, costs);
-  plan = mppi::average(problem, blocks, costs, narrow(settings.temperature));
+  plan = mppi::average(problem, blocks, costs, narrow(params.temperature));
   origin = {*last, field.middle(), problem, std::move(blocks)};
 }
 
@@ -185,15 +189,18 @@ void Mppi::Impl::predict_start(const Pose2D& odom_from_base) {
 void Mppi::Impl::see_obstacles(const MppiObservation& now, const MppiTask& task) {
   moving.assign(now.moving.begin(), now.moving.end());
   std::vector<Vec2> still;
-  const double far = reach + settings.obstacle_reach + footprint.circumscribed_radius();
+  const double far = reach + params.obstacle_reach + footprint.circumscribed_radius();
   for (const Vec2 p : now.obstacles) {
-    const auto is_part = [p](const MovingDisc& disc) { return distance(p, disc.position) <= disc.radius + 0.05; };
+    const auto is_part = [&](const MovingDisc& disc) {
+      return distance(p, disc.position) <= disc.radius + params.people_blur;
+    };
     if (distance(p, start.position()) <= far && std::ranges::none_of(moving, is_part)) still.push_back(p);
   }
   const auto [low, high] = surroundings(task);
-  if (still == obstacles && distance(start.position(), field.middle()) < kAstray && field.covers(low, high)) return;
+  if (still == obstacles && distance(start.position(), field.middle()) < params.slack && field.covers(low, high))
+    return;
   obstacles = std::move(still);
-  const Vec2 more{kAstray, kAstray};
+  const Vec2 more{params.slack, params.slack};
   field.update(obstacles, start.position(), low - more, high + more);
 }
 
@@ -212,7 +219,7 @@ std::pair<Vec2, Vec2> Mppi::Impl::surroundings(const MppiTask& task) const {
     for (std::size_t i = here.piece + 1; i <= end.piece; ++i) include(task.path[i]);
     include(end.point);
   }
-  const Vec2 stray{kStray, kStray};
+  const Vec2 stray{params.stray, params.stray};
   return {low - stray, high + stray};
 }
 
@@ -223,16 +230,18 @@ void Mppi::Impl::lay_out(const MppiTask& task) {
 }
 
 std::array<float, 3> Mppi::Impl::deviation() const {
-  return {narrow(settings.linear_noise), narrow(settings.linear_noise), narrow(settings.angular_noise)};
+  return {narrow(params.linear_noise), narrow(params.linear_noise), narrow(params.angular_noise)};
 }
 
 mppi::Problem Mppi::Impl::pose_problem(const MppiTask& task) const {
-  const MppiWeights& w = settings.weights;
-  const double dt = settings.step;
+  const Params::Mppi::Weights& w = params.weights;
+  const double dt = params.step;
+  const double length = w.unit_of_length;
+  const double speed = w.unit_of_speed;
   mppi::Problem p;
   p.reach = {.dt = narrow(dt),
              .linear = narrow(limits.linear),
-             .backward = narrow(task.backwards ? limits.linear : kBackward * limits.linear),
+             .backward = narrow(task.backwards ? limits.linear : params.backward_speed * limits.linear),
              .acceleration = narrow(limits.linear_acceleration * dt),
              .braking = narrow(limits.linear_braking * dt),
              .angular = narrow(limits.angular),
@@ -250,45 +259,48 @@ mppi::Problem Mppi::Impl::pose_problem(const MppiTask& task) const {
              .vy = narrow(commanded.front().vy),
              .omega = narrow(commanded.front().omega)};
   p.means[0] = plan;
-  p.means[2] = mppi::pursue(path, task, limits, kinematics, dt, start);
+  p.means[2] = mppi::pursue(path, task, limits, kinematics, dt, start, pursuit);
   p.noise = mppi::noise_pool().data();
 
   const double corner = footprint.circumscribed_radius();
+  const double by_speed = w.obstacle_braking / (2.0 * limits.linear_braking * length);  // [s^2/m^2]
   p.obstacle = {.field = field.view(),
                 .margin = narrow(free_margin(task.margin)),
-                .per_reach = narrow(1.0 / settings.obstacle_reach),
+                .per_reach = narrow(1.0 / params.obstacle_reach),
                 .contact = narrow(w.obstacle_contact),
-                .depth = narrow(w.obstacle_depth),
+                .depth = narrow(w.obstacle_depth / length),
                 .close = narrow(w.obstacle_close),
-                .close_speed = narrow(w.obstacle_speed),
-                .close_turn = narrow(w.obstacle_speed * corner * corner)};
+                .close_speed = narrow(by_speed),
+                .close_turn = narrow(by_speed * corner * corner)};
   const bool turning = task.turn.has_value();
-  const bool resting = !turning && path.length() < kRest;
+  const bool resting = !turning && path.length() < params.rest;
   p.path = {.path = path.view(),
-            .left = narrow(turning ? 0.0 : w.path_left),
-            .beside = narrow((task.keep_line ? kLine : 1.0) * w.path_beside)};
+            .left = narrow(turning ? 0.0 : w.path_left / speed),
+            .beside = narrow(w.path_offset / (length * length))};
   const exact::SinCos aside = exact::sincos(task.aside + (task.backwards ? exact::kPi : 0.0));
   p.heading = {.along = narrow(turning || resting ? 0.0 : w.heading_along),
                .aside_cos = narrow(aside.cos),
                .aside_sin = narrow(aside.sin),
-               .sideways = narrow(turning ? 0.0 : w.heading_sideways),
-               .sideways_free = narrow(settings.sideways_free),
-               .backward = narrow(w.heading_backward),
+               .sideways = narrow(turning ? 0.0 : w.heading_sideways / (speed * speed)),
+               .sideways_free = narrow(params.sideways_free),
+               .backward = narrow(w.heading_backward / (speed * speed)),
                .sign = task.backwards ? -1.0F : 1.0F,
                .turn = narrow(turning || resting ? w.heading_turn : 0.0),
                .turn_to = narrow(start.theta + task.turn.value_or(0.0))};
   if (path.ends()) {
     const Vec2 goal = path.end() - field.middle();
-    p.goal = {
-        .x = narrow(goal.x), .y = narrow(goal.y), .distance = narrow(w.goal_distance), .speed = narrow(w.goal_speed)};
+    p.goal = {.x = narrow(goal.x),
+              .y = narrow(goal.y),
+              .distance = narrow(w.goal_distance / speed),
+              .speed = narrow(w.goal_speed / (speed * speed))};
   }
-  p.smoothness = {.linear = narrow(w.smooth_linear), .angular = narrow(w.smooth_angular)};
+  p.smoothness = {.linear = narrow(w.smooth_linear / (speed * speed)), .angular = narrow(w.smooth_angular)};
   add_moving(p.people);
 
   // lambda times u' Sigma^-1 e of the update's derivation, in part
-  const double share = settings.control_cost * settings.temperature;
-  const double linear = settings.linear_noise * settings.linear_noise;
-  const double angular = settings.angular_noise * settings.angular_noise;
+  const double share = params.control_cost * params.temperature;
+  const double linear = params.linear_noise * params.linear_noise;
+  const double angular = params.angular_noise * params.angular_noise;
   p.per_variance = {narrow(share / linear), narrow(share / linear), narrow(share / angular)};
   return p;
 }
@@ -296,13 +308,13 @@ mppi::Problem Mppi::Impl::pose_problem(const MppiTask& task) const {
 // The margin that is wanted or, where something is nearer already, what is left of it.
 double Mppi::Impl::free_margin(double wanted) const {
   const Pose2D base_from_odom = inverse(start);
-  const double far = footprint.circumscribed_radius() + wanted + kNotNearer;
-  double least = wanted + kNotNearer;
+  const double far = footprint.circumscribed_radius() + wanted + encroachment;
+  double least = wanted + encroachment;
   for (const Vec2 p : obstacles) {
     const Vec2 d = p - start.position();
     if (dot(d, d) <= far * far) least = std::min(least, footprint.signed_distance(base_from_odom * p));
   }
-  return std::clamp(least - kNotNearer, 0.0, wanted);
+  return std::clamp(least - encroachment, 0.0, wanted);
 }
 
 // The nearest of them, where they will be when the plan begins.
@@ -312,9 +324,9 @@ void Mppi::Impl::add_moving(mppi::PeopleCritic& critic) const {
     return distance(a.position, start.position()) < distance(b.position, start.position());
   });
   critic.count = std::min(nearest.size(), mppi::kPeople);
-  critic.per_reach = narrow(1.0 / settings.people_reach);
-  critic.contact = narrow(settings.weights.people_contact);
-  critic.close = narrow(settings.weights.people_close);
+  critic.per_reach = narrow(1.0 / params.people_reach);
+  critic.contact = narrow(params.weights.people_contact / params.weights.unit_of_speed);
+  critic.close = narrow(params.weights.people_close / params.weights.unit_of_speed);
   for (std::size_t i = 0; i < critic.count; ++i) {
     const MovingDisc& disc = nearest[i];
     const Vec2 at = disc.position + delay * disc.velocity - field.middle();
@@ -328,7 +340,7 @@ void Mppi::Impl::add_moving(mppi::PeopleCritic& critic) const {
 
 // What the plan wants now, as far as one period allows it.
 Velocity Mppi::Impl::command() const {
-  const double at = std::min(kPeriod / settings.step * followed, kSteps - 2.0);
+  const double at = std::min(kPeriod / params.step * followed, kSteps - 2.0);
   const auto before = static_cast<std::size_t>(at);
   const double share = at - static_cast<double>(before);
   const Velocity a{plan.vx[before], plan.vy[before], plan.omega[before]};
@@ -341,7 +353,7 @@ Velocity Mppi::Impl::command() const {
 std::optional<SampledPlan> Mppi::plan(Time now) const {
   const Impl& me = *impl_;
   if (me.last != now) return {};
-  SampledPlan plan{.made = me.origin.made, .step = me.settings.step};
+  SampledPlan plan{.made = me.origin.made, .step = me.params.step};
 
   // the plan itself is a sample without noise
   mppi::Motion motion = me.origin.motion;

@@ -133,7 +133,6 @@ HWY_EXPORT(stamp_all);
 
 constexpr std::size_t kCells = std::size_t{kBins} * kSide * kSide;
 constexpr int kUnitsPerCell = 240;  // the window and all around it that matters fit into 16 bits
-constexpr double kThinned = 0.012;  // [m] of obstacles nearer to each other one is enough
 
 }  // namespace
 
@@ -142,8 +141,9 @@ void stamp_rows(const StampShape& shape, const Cells& filled, std::span<const St
   HWY_DYNAMIC_DISPATCH(stamp_all)(shape, filled, stamps, cells.data(), nearest.data());
 }
 
-ObstacleField::ObstacleField(const Footprint& footprint, double reach, double sight)
-    : cell_(std::max(0.02, reach / (0.5 * kSide - 1.0))),
+ObstacleField::ObstacleField(const Footprint& footprint, double reach, double sight, const Params::Mppi& params)
+    : cell_(std::max(params.cell, reach / (0.5 * kSide - 1.0))),
+      thinning_(params.thinning),
       unit_(cell_ / kUnitsPerCell),
       sight_(static_cast<float>(sight)),
       cells_(kCells, kNothing),
@@ -166,7 +166,7 @@ void ObstacleField::update(std::span<const Vec2> obstacles, Vec2 middle, Vec2 lo
   const double corner = -0.5 * kSide * cell_;
   Vec2 last{1e9, 1e9};  // scans come in order, so that neighbours follow each other
   for (const Vec2 p : obstacles) {
-    if (distance(p, last) < kThinned) continue;
+    if (distance(p, last) < thinning_) continue;
     last = p;
     add_stamp(static_cast<float>(p.x - middle.x - corner), static_cast<float>(p.y - middle.y - corner));
   }

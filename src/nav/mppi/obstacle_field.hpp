@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "nav/mppi/rollout.hpp"
+#include "nav/params.hpp"
 #include "threewe/core/footprint.hpp"
 
 namespace threewe::nav::mppi {
@@ -44,7 +45,7 @@ class ObstacleField {
  public:
   /// `reach` [m]: how far from its middle the robot may get. Obstacles beyond `sight` [m] from the outline do not
   /// count.
-  ObstacleField(const Footprint& footprint, double reach, double sight);
+  ObstacleField(const Footprint& footprint, double reach, double sight, const Params::Mppi& params);
 
   /// Looks at all obstacles anew, points in `odom` [m]; the window's middle is then `middle`, and the robot stays
   /// between the corners `low` and `high`.
@@ -60,8 +61,9 @@ class ObstacleField {
   Cells cells_around(Vec2 low, Vec2 high) const;
   void add_stamp(float x, float y);
 
-  double cell_;  // [m]
-  double unit_;  // [m]
+  double cell_;      // [m]
+  double thinning_;  // [m]
+  double unit_;      // [m]
   float half_length_;
   float half_width_;
   Vec2 base_to_middle_;

@@ -7,16 +7,14 @@
 namespace threewe::nav::mppi {
 namespace {
 
-constexpr double kAhead = 0.3;      // [m] beyond the point of the path where the robot should be by now
-constexpr double kTurnFirst = 0.8;  // [rad] a differential base that faces away from its path turns first
-
 // The velocity towards a point in the base frame.
-Velocity towards(Vec2 target, double heading, double speed, const Limits& limits, Kinematics kinematics) {
+Velocity towards(Vec2 target, double heading, double speed, const Limits& limits, Kinematics kinematics,
+                 const PursuitParams& params) {
   const double away = norm(target);
-  const double rate = std::clamp(2.5 * heading, -limits.angular, limits.angular);
+  const double rate = std::clamp(params.heading_gain * heading, -limits.angular, limits.angular);
   if (away < 1e-3) return {0.0, 0.0, rate};
   if (kinematics == Kinematics::holonomic) return {speed * target.x / away, speed * target.y / away, rate};
-  if (std::fabs(heading) > kTurnFirst) return {0.0, 0.0, rate};
+  if (std::fabs(heading) > params.turn_first) return {0.0, 0.0, rate};
   const double curvature = 2.0 * target.y / (away * away);
   return {target.x > 0.0 ? speed : -speed, 0.0, std::clamp(speed * curvature, -limits.angular, limits.angular)};
 }
@@ -24,7 +22,7 @@ Velocity towards(Vec2 target, double heading, double speed, const Limits& limits
 }  // namespace
 
 Plan pursue(const PathTable& path, const MppiTask& task, const Limits& limits, Kinematics kinematics, double step,
-            const Pose2D& start) {
+            const Pose2D& start, const PursuitParams& params) {
   Plan plan;
   Pose2D pose = start;
   double along = 0.0;
@@ -32,14 +30,14 @@ Plan pursue(const PathTable& path, const MppiTask& task, const Limits& limits, K
   for (std::size_t i = 0; i < kSteps; ++i) {
     Velocity v;
     if (task.turn) {
-      v.omega = std::clamp(1.5 * turn_left, -limits.angular, limits.angular);
+      v.omega = std::clamp(params.approach_gain * turn_left, -limits.angular, limits.angular);
       turn_left -= step * v.omega;
     } else {
-      const Vec2 target = inverse(pose) * path.point(along + kAhead);
+      const Vec2 target = inverse(pose) * path.point(along + params.lookahead);
       const Vec2 faced = task.backwards ? Vec2{-target.x, -target.y} : target;
-      const double heading = norm(target) < 0.05 ? 0.0 : wrap_angle(exact::atan2(faced.y, faced.x) + task.aside);
-      const double speed = std::min(limits.linear, 1.5 * norm(target));
-      v = towards(target, heading, speed, limits, kinematics);
+      const double heading = norm(target) < params.rest ? 0.0 : wrap_angle(exact::atan2(faced.y, faced.x) + task.aside);
+      const double speed = std::min(limits.linear, params.approach_gain * norm(target));
+      v = towards(target, heading, speed, limits, kinematics, params);
       along = std::min(along + step * exact::hypot(v.vx, v.vy), path.length());
     }
     pose = integrate(pose, v, step);

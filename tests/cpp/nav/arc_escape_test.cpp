@@ -13,6 +13,7 @@
 #include "core/exact.hpp"
 #include "core/rng.hpp"
 #include "draw.hpp"
+#include "hardware/parameters.hpp"
 
 namespace threewe::nav {
 namespace {
@@ -35,9 +36,9 @@ double depth(const RobotProfile& profile, double heading) {
 // A robot that does exactly as it is told, as the creeping gate lets it.
 struct Body {
   RobotProfile profile;
-  PathFollower follower{profile};
+  PathFollower follower{profile, params_for<Params>(profile, "nav")};
   Outline outline{profile.body.footprint};
-  ArcEscape arc_escape{profile};
+  ArcEscape arc_escape{profile, params_for<Params>(profile, "nav")};
   std::vector<Vec2> points{};  // in `odom`
   Pose2D pose{};
   Time now{};
@@ -113,7 +114,7 @@ TEST_CASE("each step keeps the outline clear, and the last ends where there is r
       const Vec2 p{uniform(key, i, 0, -0.5, 0.5), uniform(key, i, 1, -0.5, 0.5)};
       if (outline.clearance(p) > 0.01) hits.push_back(p);
     }
-    const ArcEscapePlanner planner(profile);
+    const ArcEscapePlanner planner(profile, params_for<Params>(profile, "nav"));
     const std::vector<ArcStep> steps = planner.plan(hits);
     for (const ArcStep& step : steps) {
       for (const Vec2 p : hits) CHECK(outline.clearance(inverse(step.end) * p) >= 0.0069);
@@ -130,7 +131,7 @@ TEST_CASE("a wall at any distance is left as far as it takes") {
       CAPTURE(name);
       CAPTURE(i);
       const RobotProfile profile = load_profile(name);
-      const ArcEscapePlanner planner(profile);
+      const ArcEscapePlanner planner(profile, params_for<Params>(profile, "nav"));
       const double wall = -depth(profile, 0.0) - 0.01 * (i + 1);
       std::vector<Vec2> hits;
       add_line(hits, {-2.0, wall}, {2.0, wall});
@@ -143,7 +144,7 @@ TEST_CASE("a wall at any distance is left as far as it takes") {
 
 TEST_CASE("where there is no way there is no plan, and where there is room there is nothing to do") {
   const RobotProfile profile = load_profile("turtlebot_like");
-  const ArcEscapePlanner planner(profile);
+  const ArcEscapePlanner planner(profile, params_for<Params>(profile, "nav"));
   std::vector<Vec2> box;
   for (const double side : {1.0, -1.0}) {
     add_line(box, {-0.15, side * 0.11}, {0.08, side * 0.11});

@@ -140,7 +140,7 @@ TEST_CASE("the best of many targets is the one whose cost less its bonus is leas
   }
 }
 
-// Candidates one by one, as the header defines them.
+// Candidates one by one, as the header defines them, for cells of 5 cm.
 bool is_frontier(const Costmap& costmap, Cell c) {
   if (costmap.unknown(c) || costmap.weight(c) == Costmap::kLethal) return false;
   for (std::size_t i = 0; i < 4; ++i) {
@@ -149,7 +149,7 @@ bool is_frontier(const Costmap& costmap, Cell c) {
     for (int dy = -2; dy <= 2; ++dy) {
       for (int dx = -2; dx <= 2; ++dx) unknown += costmap.unknown({n.x + dx, n.y + dy}) ? 1 : 0;
     }
-    if (costmap.unknown(n) && unknown >= kGapCells) return true;
+    if (costmap.unknown(n) && unknown >= 12) return true;
   }
   return false;
 }
@@ -174,7 +174,7 @@ TEST_CASE("frontiers are the cells that the definition names, in groups that flo
     Costmap costmap;
     costmap.update(grid, {}, {});
     std::vector<std::uint16_t> size_of;
-    find_frontiers(costmap, size_of);
+    find_frontiers(costmap, {}, size_of);
 
     for (int y = 0; y < costmap.height(); ++y) {
       for (int x = 0; x < costmap.width(); ++x) {

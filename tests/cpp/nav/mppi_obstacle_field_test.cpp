@@ -43,11 +43,11 @@ class SlowTwin {
       : half_length_(static_cast<float>(0.5 * c.length)),
         half_width_(static_cast<float>(0.5 * c.width)),
         sight_(static_cast<float>(c.sight)) {
-    const double cell = std::max(0.02, c.reach / (0.5 * kSide - 1.0));
+    const double cell = std::max(Params{}.mppi.cell, c.reach / (0.5 * kSide - 1.0));
     cell_ = static_cast<float>(cell);
     Vec2 last{1e9, 1e9};
     for (const Vec2 p : c.obstacles) {
-      if (distance(p, last) < 0.012) continue;
+      if (distance(p, last) < Params{}.mppi.thinning) continue;
       last = p;
       const auto x = static_cast<float>(p.x - c.middle.x + 0.5 * kSide * cell);
       const auto y = static_cast<float>(p.y - c.middle.y + 0.5 * kSide * cell);
@@ -89,7 +89,7 @@ TEST_CASE("each cell and heading knows the obstacle that is nearest to the outli
   for (std::uint64_t seed = 0; seed < cases(100); ++seed) {
     CAPTURE(seed);
     const Case c = draw_case(seed);
-    ObstacleField field(Footprint::rectangle(c.length, c.width), c.reach, c.sight);
+    ObstacleField field(Footprint::rectangle(c.length, c.width), c.reach, c.sight, {});
     const SlowTwin twin(c, field.unit());
     std::vector<std::int32_t> expected;
     for (const std::string& target : available_targets()) {

@@ -13,6 +13,7 @@
 #include "core/exact.hpp"
 #include "draw.hpp"
 #include "hardware/limits.hpp"
+#include "hardware/parameters.hpp"
 #include "nav/mppi/obstacle_field.hpp"
 #include "nav/mppi_course.hpp"
 
@@ -26,22 +27,28 @@ using testing::Outcome;
 
 // What the method can do with as many samples and plans as it takes. Robots make do with less, and their path follower
 // does more than this: `./dev verify control` drives the same courses with that.
-constexpr MppiSettings kThorough{.samples = 2000,
-                                 .periods = 1,
-                                 .temperature = 0.3,
-                                 .obstacle_reach = 0.15,
-                                 .people_reach = 0.5,
-                                 .weights = {.obstacle_speed = 6.0, .people_contact = 200.0, .people_close = 4.0}};
+Params thorough(const RobotProfile& profile) {
+  Params params = params_for<Params>(profile, "nav");
+  params.mppi.samples = 2000;
+  params.mppi.periods = 1;
+  params.mppi.temperature = 0.3;
+  params.mppi.obstacle_reach *= 3.0;
+  params.mppi.people_reach *= 2.0;
+  params.mppi.weights.obstacle_braking *= 0.3;
+  params.mppi.weights.people_contact *= 2.0;
+  params.mppi.weights.people_close *= 4.0;
+  return params;
+}
 
 TEST_CASE("both kinematics drive all courses, and touch nothing") {
   for (const char* robot : {"3we_standard_v2", "turtlebot_like"}) {
     const RobotProfile profile = load_profile(robot);
     for (const auto& [name, make] : kCourses) {
       for (std::uint64_t seed = 1; seed <= std::max<std::uint64_t>(1, cases(2)); ++seed) {
-        CAPTURE(robot);
-        CAPTURE(name);
+        CAPTURE(std::string(robot));
+        CAPTURE(std::string(name));
         CAPTURE(seed);
-        Mppi mppi(profile, kThorough);
+        Mppi mppi(profile, thorough(profile));
         const Outcome outcome =
             testing::drive(profile, make(profile, seed), [&](const MppiObservation& seen, std::span<const Vec2> path) {
               return mppi.step(seen, {.path = path, .margin = 0.01});
@@ -58,10 +65,12 @@ TEST_CASE("commands keep to the limits, and to what a period can change, whateve
     const RobotProfile profile = load_profile(robot);
     const Limits& limits = profile.operating_limits;
     for (std::uint64_t seed = 0; seed < cases(60); ++seed) {
-      CAPTURE(robot);
+      CAPTURE(std::string(robot));
       CAPTURE(seed);
       testing::Draw draw(seed, 9);
-      Mppi mppi(profile, {.samples = 200, .seed = seed});
+      Params params = params_for<Params>(profile, "nav");
+      params.mppi.samples = 200;
+      Mppi mppi(profile, params, seed);
       Velocity last;
       for (int tick = 0; tick < 20; ++tick) {
         std::vector<Vec2> obstacles;
@@ -84,7 +93,7 @@ TEST_CASE("commands keep to the limits, and to what a period can change, whateve
 // Drives one task to its end in a room, with the path that it names.
 template <class Task>
 Pose2D carry_out(const RobotProfile& profile, const Course& course, Task task, double seconds) {
-  Mppi mppi(profile, kThorough);
+  Mppi mppi(profile, thorough(profile));
   CourseWorld world(profile, course);
   Velocity command;
   std::vector<Vec2> points;
@@ -104,7 +113,7 @@ Course empty_room() {
 
 TEST_CASE("it turns on the spot, more than a full turn too, and drives lines both ways") {
   for (const char* robot : {"3we_standard_v2", "turtlebot_like"}) {
-    CAPTURE(robot);
+    CAPTURE(std::string(robot));
     const RobotProfile profile = load_profile(robot);
     double turned = 0.0;
     double last = 0.0;
@@ -127,18 +136,6 @@ TEST_CASE("it turns on the spot, more than a full turn too, and drives lines bot
   }
 }
 
-TEST_CASE("a line that is to be kept is kept: what stands on it is waited for") {
-  const RobotProfile profile = load_profile("3we_standard_v2");
-  Course course = empty_room();
-  testing::add_box(course.walls, {0.8, -0.1}, {0.9, 0.1});
-  const std::array<Vec2, 2> line = {Vec2{0.0, 0.0}, Vec2{1.5, 0.0}};
-  const Pose2D end = carry_out(
-      profile, course, [&](const Pose2D&) { return MppiTask{.path = line, .keep_line = true, .margin = 0.05}; }, 10.0);
-  CHECK(end.x > 0.4);
-  CHECK(end.x < 0.8 - 0.125 - 0.04);
-  CHECK(std::fabs(end.y) < 0.05);
-}
-
 TEST_CASE("without a path it stays") {
   const RobotProfile profile = load_profile("3we_standard_v2");
   const Pose2D end = carry_out(profile, empty_room(), [](const Pose2D&) { return MppiTask{}; }, 4.0);
@@ -149,7 +146,7 @@ TEST_CASE("a copy goes on as the original does, to the bit") {
   const RobotProfile profile = load_profile("3we_standard_v2");
   const Course course = testing::slalom(profile, 5);
   CourseWorld world(profile, course);
-  Mppi mppi(profile);
+  Mppi mppi(profile, Params{});
   Velocity command;
   std::vector<Mppi> copy;
   for (int tick = 0; tick < 100; ++tick) {
@@ -167,14 +164,16 @@ TEST_CASE("a copy goes on as the original does, to the bit") {
 
 TEST_CASE("a plan is the weighted mean of its samples, and to read it changes nothing") {
   for (const char* robot : {"3we_standard_v2", "turtlebot_like"}) {
-    CAPTURE(robot);
+    CAPTURE(std::string(robot));
     const RobotProfile profile = load_profile(robot);
     const bool holonomic = profile.kinematics() == Kinematics::holonomic;
-    const MppiSettings settings{.samples = 100, .periods = 3};  // a multiple of 16 is rolled out
+    Params params = params_for<Params>(profile, "nav");
+    params.mppi.samples = 100;  // a multiple of 16 is rolled out
+    params.mppi.periods = 3;
     const Course course = testing::slalom(profile, 6);
     CourseWorld world(profile, course);
-    Mppi read(profile, settings);
-    Mppi unread(profile, settings);
+    Mppi read(profile, params);
+    Mppi unread(profile, params);
     CHECK_FALSE(read.plan({}).has_value());
     Velocity command;
     for (int tick = 0; tick < 150; ++tick) {
@@ -215,7 +214,8 @@ TEST_CASE("a plan is the weighted mean of its samples, and to read it changes no
       }
 
       // no way leaps, and all begin where the robot is or soon will be
-      const double step = 1.1 * profile.operating_limits.linear * settings.step;  // a turn while braking may be faster
+      const double step =
+          1.1 * profile.operating_limits.linear * params.mppi.step;  // a turn while braking may be faster
       for (std::size_t i = 0; i < plan->trajectories.size(); ++i) {
         const bool first = i % mppi::kSteps == 0;
         const Vec2 before = first ? world.pose().position() : plan->trajectories[i - 1].position();
@@ -230,10 +230,10 @@ TEST_CASE("the obstacle field knows the real outline's clearance wherever the ro
   for (const char* robot : {"3we_standard_v2", "turtlebot_like"}) {
     const Footprint footprint = load_profile(robot).body.footprint;
     for (std::uint64_t seed = 0; seed < 30; ++seed) {
-      CAPTURE(robot);
+      CAPTURE(std::string(robot));
       CAPTURE(seed);
       testing::Draw draw(seed, 10);
-      mppi::ObstacleField field(footprint, 1.4, 0.25);
+      mppi::ObstacleField field(footprint, 1.4, 0.25, {});
       std::vector<Vec2> obstacles;
       for (int i = 0; i < 60; ++i) obstacles.push_back({5.0 + draw.between(-1.5, 1.5), draw.between(-1.5, 1.5)});
       field.update(obstacles, {5.0, 0.0}, {3.6, -1.35}, {6.4, 1.35});

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "draw.hpp"
+#include "hardware/parameters.hpp"
 
 namespace threewe::nav {
 namespace {
@@ -49,7 +50,7 @@ TEST_CASE("the widest way through a gap is found from a rough guess, and is as w
     const double width = draw(0.15, 0.4);
     const std::vector<Vec2> hits = wall_with_gap(middle, width, draw(0.05, 0.25));
     const Pose2D guess = middle * Pose2D{draw(-0.02, 0.02), draw(-0.08, 0.08), draw(-0.4, 0.4)};
-    const Gap found = widest_way(hits, {guess, 0.2, 0.0});
+    const Gap found = widest_way(hits, {guess, 0.2, 0.0}, {});
     CHECK(found.width == doctest::Approx(width).epsilon(0.05));
     CHECK(free_width(hits, found) == doctest::Approx(found.width).epsilon(0.02));
     const Pose2D off = inverse(middle) * found.middle;
@@ -72,8 +73,9 @@ Crossing cross_gap(const RobotProfile& profile, double spare, Draw& draw) {
   const Pose2D middle = draw.pose(-3.0, 3.0);
   const double thickness = draw(0.06, 0.25);
   const std::vector<Vec2> hits = wall_with_gap(middle, high - low + spare, thickness);
-  NarrowPassage narrow_passage(profile);
-  PathFollower follower(profile);
+  const Params params = params_for<Params>(profile, "nav");
+  NarrowPassage narrow_passage(profile, params);
+  PathFollower follower(profile, params);
   Pose2D base = middle * Pose2D{narrow_passage.entry(0.2) - draw(0.0, 0.1), draw(-0.04, 0.04), draw(-0.5, 0.5)};
   Time now{};
   narrow_passage.begin(now, base, middle * Pose2D{draw(-0.03, 0.03), draw(-0.03, 0.03), draw(-0.3, 0.3)}, 0.2);

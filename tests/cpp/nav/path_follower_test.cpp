@@ -11,6 +11,7 @@
 
 #include "core/exact.hpp"
 #include "draw.hpp"
+#include "hardware/parameters.hpp"
 
 namespace threewe::nav {
 namespace {
@@ -19,29 +20,35 @@ namespace {
 class SlowTwin {
  public:
   SlowTwin(const RobotProfile& profile, std::vector<Vec2> points, double spare)
-      : profile_(profile), outline_(profile.body.footprint), points_(std::move(points)), spare_(spare) {}
+      : profile_(profile),
+        params_(params_for<Params>(profile, "nav")),
+        outline_(profile.body.footprint),
+        points_(std::move(points)),
+        spare_(spare) {}
 
   double allowed_fraction(const Velocity& v) const {
     const double seconds = until_contact(v);
     if (seconds < 0.0) return 1.0;
     const Limits& limits = profile_.operating_limits;
     const double speed = exact::hypot(v.vx, v.vy);
-    const double braking = std::max(0.5 * speed / (0.6 * limits.linear_braking),
-                                    0.5 * std::fabs(v.omega) / (0.6 * limits.angular_acceleration));
-    const double root = exact::sqrt(0.12 * 0.12 + 4.0 * braking * seconds);
-    const double f = braking > 1e-9 ? (root - 0.12) / (2.0 * braking) : 1.0;
-    return f < 0.03 ? 0.0 : std::min(f, 1.0);
+    const Params::Follower& p = params_.follower;
+    const double braking = std::max(0.5 * speed / (p.braking * limits.linear_braking),
+                                    0.5 * std::fabs(v.omega) / (p.braking * limits.angular_acceleration));
+    const double root = exact::sqrt(p.reaction * p.reaction + 4.0 * braking * seconds);
+    const double f = braking > 1e-9 ? (root - p.reaction) / (2.0 * braking) : 1.0;
+    return f < p.least_speed ? 0.0 : std::min(f, 1.0);
   }
 
  private:
   // [s]; negative where nothing is met
   double until_contact(const Velocity& v) const {
-    const double rate = std::max(exact::hypot(v.vx, v.vy) / 0.02, std::fabs(v.omega) / 0.1);
+    const double rate =
+        std::max(exact::hypot(v.vx, v.vy) / params_.follower.step, std::fabs(v.omega) / params_.follower.turn_step);
     if (rate <= 0.0) return -1.0;
     const double dt = 1.0 / rate;
     const Pose2D step = integrate({}, v, dt);
     Pose2D pose;
-    for (int n = 0; n < static_cast<int>(1.2 / dt); ++n) {
+    for (int n = 0; n < static_cast<int>(params_.follower.horizon / dt); ++n) {
       pose = pose * step;
       const auto [s, c] = exact::sincos(pose.theta);
       for (const Vec2 p : points_) {
@@ -53,10 +60,11 @@ class SlowTwin {
   }
   double least(Vec2 p) const {
     const double now = outline_.clearance(p);
-    return std::min(profile_.margin() + spare_, now > 0.0 ? std::max(now - 0.005, 0.0) : now);
+    return std::min(profile_.margin() + spare_, now > 0.0 ? std::max(now - params_.creep.encroachment, 0.0) : now);
   }
 
   const RobotProfile& profile_;
+  Params params_;
   Outline outline_;
   std::vector<Vec2> points_;
   double spare_;
@@ -67,7 +75,7 @@ TEST_CASE("a velocity is slowed down as far as a look at every point from every 
   int free = 0;
   for (const std::string hardware : {"3we_standard_v2", "turtlebot_like"}) {
     const RobotProfile profile = load_profile(hardware);
-    PathFollower follower(profile);
+    PathFollower follower(profile, params_for<Params>(profile, "nav"));
     for (std::uint64_t seed = 0; seed < cases(3000); ++seed) {
       CAPTURE(seed);
       Draw draw(seed);

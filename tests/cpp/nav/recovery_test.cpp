@@ -10,6 +10,7 @@
 #include "core/exact.hpp"
 #include "core/rng.hpp"
 #include "draw.hpp"
+#include "hardware/parameters.hpp"
 
 namespace threewe::nav {
 namespace {
@@ -30,7 +31,10 @@ struct Body {
   double least_clearance = 1.0;
 
   explicit Body(const char* name)
-      : profile(load_profile(name)), follower(profile), outline(profile.body.footprint), recovery(profile) {}
+      : profile(load_profile(name)),
+        follower(profile, params_for<Params>(profile, "nav")),
+        outline(profile.body.footprint),
+        recovery(profile, params_for<Params>(profile, "nav")) {}
 
   void drive(const Velocity& velocity, Duration duration) {
     for (const Time end = now + duration; now < end;) {
