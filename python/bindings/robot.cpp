@@ -418,10 +418,10 @@ void bind_commands(OneThreadClass<Runtime>& runtime) {
           "path"_a, "tolerance"_a, "timeout"_a.none())
       .def(
           "explore",
-          [](Runtime& robot, std::optional<double> timeout) {
-            return robot.start(nav::Explore{}, timeout_of(timeout));
+          [](Runtime& robot, bool thorough, std::optional<double> timeout) {
+            return robot.start(nav::Explore{thorough}, timeout_of(timeout));
           },
-          "timeout"_a.none())
+          "thorough"_a, "timeout"_a.none())
       .def(
           "observe",
           [](Runtime& robot, std::function<void(const Tick&)> observer) {

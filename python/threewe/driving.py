@@ -27,6 +27,7 @@ Backend = Annotated[str, typer.Option(help="Where the robot is.")]
 Hardware = Annotated[str, typer.Option(help="Which robot.")]
 Seed = Annotated[int, typer.Option(min=0, max=2**64 - 1, help="Of all noise.")]
 Seconds = Annotated[float | None, typer.Option(help="Of robot time, at most.")]
+Thorough = Annotated[bool, typer.Option("--thorough", help="Also the last corners, which are far for what they show.")]
 Realtime = Annotated[bool, typer.Option("--realtime", help="As slowly as a real robot.")]
 Rerun = Annotated[bool, typer.Option("--rerun", help="Show it in the Rerun viewer, too.")]
 Save = Annotated[Path | None, typer.Option(metavar="FILE.rrd", help="Record it for the Rerun viewer.")]
@@ -80,6 +81,7 @@ def explore(
     backend: Backend = "mock",
     hardware: Hardware = "3we_standard_v2",
     seed: Seed = 0,
+    thorough: Thorough = False,
     seconds: Seconds = None,
     realtime: Realtime = False,
     prior_map: Map = None,
@@ -94,7 +96,7 @@ def explore(
     keep = map_file(save_map)
     robot = threewe.Robot(backend, hardware, scene, prior_map, seed=seed, realtime=realtime, viewer=audience.viewer)
     task = f"exploring {scene}"
-    result = watch(robot, task, None, keep, lambda look: robot.explore(timeout=seconds, on_progress=look))
+    result = watch(robot, task, None, keep, lambda look: robot.explore(thorough=thorough, timeout=seconds, on_progress=look))
     tell(result, f"{result.explored_area:.0f} m² explored")
     tell_of_map(keep)
     audience.leave()
@@ -115,8 +117,8 @@ def view(
 ) -> None:
     """Watch a robot explore a scene, in the Rerun viewer."""
     rerun = not save and not serve and not serve_network
-    options = (scene, backend, hardware, seed, seconds, realtime)
-    explore(*options, rerun=rerun, save=save, serve=serve, serve_network=serve_network)
+    options = (scene, backend, hardware, seed)
+    explore(*options, seconds=seconds, realtime=realtime, rerun=rerun, save=save, serve=serve, serve_network=serve_network)
 
 
 @dataclass

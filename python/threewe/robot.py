@@ -336,9 +336,16 @@ class Robot(InRobotTime):
         return motion.result()
 
     @known_options
-    async def explore(self, *, timeout: float | None = None, on_progress: OnProgress | None = None) -> ExploreResult:
-        """Maps everything that can be reached, for at most `timeout` seconds of robot time. Needs a lidar."""
-        motion = await self._drive(self._runtime.explore, timeout, on_progress)
+    async def explore(
+        self, *, thorough: bool = False, timeout: float | None = None, on_progress: OnProgress | None = None
+    ) -> ExploreResult:
+        """Maps what can be reached, for at most `timeout` seconds of robot time. Needs a lidar.
+
+        Ends where what is left to see is worth less than the way to it: where the unknown floor behind a frontier,
+        spread along the way there, makes a strip narrower than `nav.frontier.strip`. With `thorough` the last corners
+        are mapped, too, which may take as long as all the rest.
+        """
+        motion = await self._drive(lambda t: self._runtime.explore(bool(thorough), t), timeout, on_progress)
         return motion.explore_result()
 
     async def _drive(

@@ -48,6 +48,8 @@ Parameters parameters_of(Params::Frontier& p) {
           {"claimed", &p.claimed, "m", Scale::size, "less: follows other robots to what they explore"},
           {"claim", &p.claim, "m", Scale::size, "more: leaves more room to other robots"},
           {"same", &p.same, "m", Scale::size, "more: keeps to frontiers that shift"},
+          {"strip", &p.strip, "m", Scale::size, "less: drives farther for the last corners, unless it is thorough"},
+          {"view", &p.view, "", Scale::none, "more: drives farther for what lies behind narrow openings"},
           {"slit", &p.slit, "m", Scale::size, "less: takes slits between beams for something to see"},
           {"unknown", &p.unknown, "", Scale::none, "less: takes slits between beams for something to see"}};
 }

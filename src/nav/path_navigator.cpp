@@ -211,17 +211,18 @@ Decision PathNavigator::drive(const FollowPath& goal, const Observation& seen) {
 }
 
 // From frontier to frontier, until for some time none has been left.
-Decision PathNavigator::drive(const Explore&, const Observation& seen) {
+Decision PathNavigator::drive(const Explore& goal, const Observation& seen) {
   if (stuck()) return get_unstuck();
 
   // from near a frontier more is seen than from afar
   const bool near =
       route_.has_path() && distance(progress_.pose.position(), route_.path().back()) < params_.route.near_frontier;
   if (route_.age(now_) >= (near || !route_.has_path() ? params_.route.retry : params_.route.explore)) {
-    const bool explored = !route_.plan_to_frontier(seen);
+    const bool explored = !route_.plan_to_frontier(seen, goal.thorough);
     if (proven(explored)) {
       if (!has_free_cell(seen.map)) return finish(Reason::blocked, "nothing around the robot has been seen to be free");
-      return finish(Reason::reached, "nothing that can be reached is left to see");
+      return finish(Reason::reached, route_.left_some() ? "what is left to see is not worth the way: see `thorough`"
+                                                        : "nothing that can be reached is left to see");
     }
   }
   return route_.has_path() ? follow(seen) : wait();

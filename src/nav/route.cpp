@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "map/change_log.hpp"
+#include "nav/frontier_worth.hpp"
 #include "nav/frontiers.hpp"
 #include "nav/polyline.hpp"
 #include "nav/shared_map.hpp"
@@ -171,35 +172,49 @@ std::optional<Mover> Route::mover_in_the_way(const Observation& seen, double tol
   return *std::ranges::find(std::views::reverse(movers_), met->name, &Mover::name);
 }
 
-bool Route::plan_to_frontier(const Observation& seen) {
-  if (try_frontier(seen)) return true;
+bool Route::plan_to_frontier(const Observation& seen, bool thorough) {
+  if (try_frontier(seen, thorough)) return true;
   if (avoided_.empty()) return false;
 
   // what is avoided may have closed the only way
   avoided_.clear();
-  return try_frontier(seen);
+  return try_frontier(seen, thorough);
 }
 
-bool Route::try_frontier(const Observation& seen) {
+// The straight way tells of most frontiers that they are not worth it, the path of the others.
+bool Route::try_frontier(const Observation& seen, bool thorough) {
   renew(clear_, seen);
   const map::Costmap& costmap = clear_.costmap;
+  const Vec2 robot = robot_in(seen);
   if (has_path() && !std::isfinite(path_cost(costmap, path_))) note_closure();
+  path_.clear();
   find_frontiers(costmap, frontier_params_, frontiers_);
+  left_some_ = !thorough && drop_far_frontiers(costmap, frontier_params_, robot, frontiers_);
+
   const double per_metre = kPerCell / costmap.resolution();
   const int least = cells_in(frontier_params_.least_length, costmap.resolution());
   const auto bonus = [&](std::uint32_t index) {
     return frontiers_[index] >= least ? std::optional(bonus_of_frontier(index, seen)) : std::nullopt;
   };
+  const auto is_unknown = [&](std::uint32_t index) { return costmap.unknown()[index] != 0; };
   const auto most =
       static_cast<int>(per_metre * (frontier_params_.gain * frontier_params_.longest + frontier_params_.stay));
-  const SearchResult found = search_.to_best(costmap, costmap.cell(robot_in(seen)), bonus, most,
-                                             [&](std::uint32_t index) { return costmap.unknown()[index] != 0; });
-  path_.clear();
-  frontier_.reset();
-  if (!found.found) return false;
-  frontier_ = costmap.center(found.path.back());
-  path_ = straighten(costmap, found.path, robot_in(seen), *frontier_);
-  return true;
+  while (true) {
+    const SearchResult found = search_.to_best(costmap, costmap.cell(robot), bonus, most, is_unknown);
+    if (!found.found) {
+      frontier_.reset();
+      return false;
+    }
+    const map::Cell end = found.path.back();
+    path_ = straighten(costmap, found.path, robot, costmap.center(end));
+    if (thorough || is_worthwhile(costmap, frontier_params_, end, frontiers_, path_length(path_))) {
+      frontier_ = costmap.center(end);
+      return true;
+    }
+    path_.clear();
+    left_some_ = true;
+    drop_frontier(costmap, end, frontiers_);
+  }
 }
 
 // In the units of the search. What another robot is bound for and nearer to is left to it, as long as there is more.

@@ -59,8 +59,11 @@ class Route {
   const std::optional<Bottleneck>& bottleneck() const { return bottleneck_; }
   /// Plans to the frontier that is most worth it: by the cost of the way there, how much there is to see, and what
   /// other robots are about to see; not to another one than before unless that is clearly better. Ways that turned out
-  /// to be closed more than once are tried again when there is nothing else. False: none can be reached.
-  bool plan_to_frontier(const Observation& seen);
+  /// to be closed more than once are tried again when there is nothing else. Unless it is `thorough`, those that are not
+  /// worth the way are left out (nav/frontier_worth.hpp). False: none can be reached that is.
+  bool plan_to_frontier(const Observation& seen, bool thorough);
+  /// The last plan to a frontier has left some out.
+  bool left_some() const { return left_some_; }
   /// The robot could not go on, more than once. True where it is before a gap of the path: from now on that counts as
   /// a bottleneck.
   bool squeeze_ahead(Vec2 robot);
@@ -109,7 +112,7 @@ class Route {
   int rim(const map::OccupancyGrid& grid) const;
   std::vector<Vec2> relevant_places(const Observation& seen) const;
   bool try_plan(Layer& layer, const Observation& seen, double tolerance);
-  bool try_frontier(const Observation& seen);
+  bool try_frontier(const Observation& seen, bool thorough);
   int bonus_of_frontier(std::uint32_t index, const Observation& seen) const;
   void renew(Layer& layer, const Observation& seen);
   void take_map(Layer& layer, const Observation& seen, const std::vector<Vec2>& obstacles,
@@ -162,6 +165,7 @@ class Route {
   std::vector<Mover> movers_;
   std::vector<std::uint16_t> frontiers_;
   std::optional<Vec2> frontier_;  // [m] that it is on the way to
+  bool left_some_ = false;        // frontiers that are not worth the way
 };
 
 }  // namespace threewe::nav

@@ -95,8 +95,8 @@ MotionHandle Robot::follow_path(const std::vector<Vec2>& path, double tolerance,
   return runtime_->start(nav::FollowPath{path, tolerance}, timeout_of(timeout));
 }
 
-ExplorationHandle Robot::explore(std::optional<double> timeout) {
-  return {runtime_->start(nav::Explore{}, timeout_of(timeout))};
+ExplorationHandle Robot::explore(std::optional<double> timeout, bool thorough) {
+  return {runtime_->start(nav::Explore{thorough}, timeout_of(timeout))};
 }
 
 MoveResult Robot::wait(const MotionHandle& motion, const OnProgress& on_progress) {

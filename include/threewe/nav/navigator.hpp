@@ -61,8 +61,10 @@ struct FollowPath {
   std::vector<Vec2> path;   ///< [m] in `map`, from the first point to the last
   double tolerance = 0.25;  ///< [m] about the last point
 };
-/// Map everything that can be reached.
-struct Explore {};
+/// Map what can be reached and is worth the way; all of it, where it is `thorough`.
+struct Explore {
+  bool thorough = false;  ///< also the last corners, which may take as long as all the rest
+};
 
 /// Any motion.
 using Goal = std::variant<MoveTo, Rotate, MoveForward, FollowPath, Explore>;

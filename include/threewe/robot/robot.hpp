@@ -113,8 +113,9 @@ class Robot {
   /// Drives along points [m] in `map`; `timeout` [s].
   [[nodiscard]] MotionHandle follow_path(const std::vector<Vec2>& path, double tolerance = 0.25,
                                          std::optional<double> timeout = std::nullopt);
-  /// Maps everything that can be reached; `timeout` [s].
-  [[nodiscard]] ExplorationHandle explore(std::optional<double> timeout = std::nullopt);
+  /// Maps what can be reached and is worth the way; if `thorough` also the last corners, which may take as long as all
+  /// the rest; `timeout` [s].
+  [[nodiscard]] ExplorationHandle explore(std::optional<double> timeout = std::nullopt, bool thorough = false);
 
   /// Called every 0.1 s of robot time with how far a motion has come.
   using OnProgress = std::function<void(const Progress&)>;

@@ -57,7 +57,7 @@ struct Explorer {
     now += 600ms;
     slam::PoseEstimate pose;
     pose.odom_from_base = {here.x, here.y, 0.0};
-    return route.plan_to_frontier({now, pose, grid, version, obstacles});
+    return route.plan_to_frontier({now, pose, grid, version, obstacles}, true);
   }
   bool step(const std::vector<Vec2>& obstacles) {
     if (!plan(obstacles)) return false;
