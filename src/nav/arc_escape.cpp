@@ -15,6 +15,8 @@
 namespace threewe::nav {
 namespace {
 
+constexpr double kTurnStep = 0.2;  // [rad] of a step that turns more sharply; the lattice's bins are half of it
+constexpr double kSigmas = 3.0;    // of the nearest hit's noise, that a turn must leave room for
 constexpr int kMostExpansions = 10000;
 
 // One hit of many that lie close together.
@@ -37,7 +39,7 @@ class ArcEscapePlanner::Search {
       : planner_(planner),
         params_(planner.params_),
         hits_(thinned(hits, params_.reach + planner.ends_at_, params_.thinning)),
-        field_(hits_, params_.step, planner.least_room_, planner.ends_at_, params_.reach) {
+        field_(hits_, planner_.step_, planner.least_room_, planner.ends_at_, params_.reach) {
     const double free = 2.0 * planner_.creep_.margin;  // more than the creeping gate keeps
     for (const Vec2 p : hits_) {
       const double now = planner_.outline_.clearance(p);
@@ -86,8 +88,8 @@ class ArcEscapePlanner::Search {
       const int number = static_cast<int>(std::floor(v / size + 0.5)) + 1024;
       return static_cast<std::uint64_t>(number);
     };
-    const double side = 0.5 * params_.step;
-    return (cell(pose.x, side) * 4096 + cell(pose.y, side)) * 4096 + cell(pose.theta, 0.5 * params_.turn_step);
+    const double side = 0.5 * planner_.step_;
+    return (cell(pose.x, side) * 4096 + cell(pose.y, side)) * 4096 + cell(pose.theta, 0.5 * kTurnStep);
   }
 
   void add(const Pose2D& pose, int gear, double cost, int before, int primitive) {
@@ -121,7 +123,7 @@ class ArcEscapePlanner::Search {
   // What a step could come near to, in the frame of the pose in which it begins.
   void gather(const Pose2D& pose) {
     near_.clear();
-    const double reach = planner_.radius_ + planner_.margin_ + params_.step;
+    const double reach = planner_.radius_ + planner_.margin_ + planner_.step_;
     const auto [s, c] = exact::sincos(pose.theta);
     for (std::size_t i = 0; i < hits_.size(); ++i) {
       const Vec2 d = hits_[i] - pose.position();
@@ -173,27 +175,28 @@ class ArcEscapePlanner::Search {
 ArcEscapePlanner::ArcEscapePlanner(const RobotProfile& profile, const Params& params)
     : params_(params.arcs),
       creep_(params.creep),
+      step_(2.0 * params.follower.step),
       outline_(profile.body.footprint),
       radius_(profile.body.footprint.circumscribed_radius()),
       margin_(profile.margin()),
-      turns_from_(radius_ + margin_ + params_.turn_noise * (profile.lidar ? profile.lidar->sigma : 0.0)),
+      turns_from_(radius_ + margin_ + kSigmas * (profile.lidar ? profile.lidar->sigma : 0.0)),
       ends_at_(turns_from_ + params_.room),
-      least_room_(profile.body.footprint.inscribed_radius() - 0.5 * params_.step) {
+      least_room_(profile.body.footprint.inscribed_radius() - 0.5 * step_) {
   for (const double gear : {1.0, -1.0}) {
-    add_primitive({gear, 0.0, 0.0}, params_.step);
-    for (const double radius : {params_.wide_radius, params_.radius, params_.sharp_radius}) {
-      const double curvature = 1.0 / radius;
-      const double way = std::min(params_.step, params_.turn_step / curvature);
+    add_primitive({gear, 0.0, 0.0}, step_);
+    for (const double bend : {0.375, 1.0, 3.0}) {
+      const double curvature = bend / params_.radius;
+      const double way = std::min(step_, kTurnStep / curvature);
       for (const double side : {1.0, -1.0}) add_primitive({gear, 0.0, side * curvature}, way);
     }
   }
-  for (const double turn : {1.0, -1.0}) add_primitive({0.0, 0.0, turn}, params_.turn_step);
+  for (const double turn : {1.0, -1.0}) add_primitive({0.0, 0.0, turn}, kTurnStep);
   if (profile.kinematics() == Kinematics::differential) return;
   const double diagonal = exact::sqrt(0.5);
   for (const double side : {1.0, -1.0}) {
-    add_primitive({0.0, side, 0.0}, params_.step);
-    add_primitive({diagonal, side * diagonal, 0.0}, params_.step);
-    add_primitive({-diagonal, side * diagonal, 0.0}, params_.step);
+    add_primitive({0.0, side, 0.0}, step_);
+    add_primitive({diagonal, side * diagonal, 0.0}, step_);
+    add_primitive({-diagonal, side * diagonal, 0.0}, step_);
   }
 }
 
@@ -204,7 +207,7 @@ void ArcEscapePlanner::add_primitive(const Velocity& direction, double seconds) 
   step.way = exact::hypot(direction.vx, direction.vy) * seconds;
   step.turn = std::fabs(direction.omega) * seconds;
   // the outline is looked at twice in a whole step
-  const double share = std::max(step.way / params_.step, step.turn / params_.turn_step);
+  const double share = std::max(step.way / step_, step.turn / kTurnStep);
   const int parts = std::max(1, static_cast<int>(std::ceil(2.0 * share)));
   for (int i = 1; i <= parts; ++i) step.poses.push_back(integrate({}, direction, seconds * i / parts));
   primitives_.push_back(std::move(step));
@@ -225,7 +228,7 @@ double ArcEscapePlanner::room(std::span<const Vec2> hits, Vec2 place) const {
 }
 
 bool ArcEscapePlanner::is_tight(std::span<const Vec2> hits_in_base) const {
-  return std::ranges::any_of(hits_in_base, [&](Vec2 p) { return outline_.clearance(p) < margin_ + params_.step; });
+  return std::ranges::any_of(hits_in_base, [&](Vec2 p) { return outline_.clearance(p) < margin_ + step_; });
 }
 
 std::vector<ArcStep> ArcEscapePlanner::plan(std::span<const Vec2> hits_in_base, double tolerance) const {

@@ -8,6 +8,8 @@
 namespace threewe::nav {
 namespace {
 
+constexpr double kMostTolerances = 20.0;  // so often, the next plan allows for more
+
 // [rad or m] of a step that is left, counted along it.
 double left_of(const ArcStep& step, const Pose2D& odom_from_base) {
   const Velocity& v = step.direction;
@@ -31,13 +33,14 @@ void ArcEscape::begin(Time now) {
 // Where hits leave no way they may be nearer than what they are of, by what they scatter: the next plan allows for a
 // little more of that, while the gate has the last word on each step. False: there is no hope.
 bool ArcEscape::plan(Time now, const Pose2D& odom_from_base, std::span<const Vec2> hits_in_base) {
-  const bool in_vain = steps_.empty() && now - moved_ > params_.patience_without;
+  const bool in_vain = steps_.empty() && now - moved_ > 2 * params_.patience;
   steps_.clear();
   if (planner_.has_room(hits_in_base) || in_vain || plans_ > params_.plans) return false;
   if (now < next_plan_) return true;
   next_plan_ = now + params_.replan;
   steps_ = planner_.plan(hits_in_base, tolerance_);
-  if (steps_.empty()) tolerance_ = std::min(tolerance_ + params_.tolerance_step, params_.most_tolerance);
+  if (steps_.empty())
+    tolerance_ = std::min(tolerance_ + params_.tolerance_step, kMostTolerances * params_.tolerance_step);
   if (steps_.empty()) return true;
   for (ArcStep& step : steps_) step.end = odom_from_base * step.end;
   ++plans_;

@@ -13,7 +13,7 @@ void find_frontiers(const map::Costmap& costmap, const Params::Frontier& params,
   const std::vector<std::uint8_t>& unknown = costmap.unknown();
   const int around = std::max(1, cells_in(params.slit, costmap.resolution()));
   const int side = 2 * around + 1;
-  const double least = params.unknown * side * side;
+  const int least = side * side / 2;
   const auto gap = [&](int x, int y) {
     int count = 0;
     for (int v = y - around; v <= y + around; ++v) {

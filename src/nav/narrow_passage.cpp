@@ -9,7 +9,8 @@
 namespace threewe::nav {
 namespace {
 
-constexpr int kTurns = 24;  // tried to either side
+constexpr int kTurns = 24;          // tried to either side
+constexpr double kPerTurn = 0.001;  // share of the sight, of width that a turn away from the guess must bring
 
 }  // namespace
 
@@ -32,7 +33,7 @@ Gap widest_way(std::span<const Vec2> hits, const Gap& guess, const Params::Narro
     for (std::size_t i = 1; i < sides.size(); ++i) {
       const double off = 0.5 * (sides[i - 1] + sides[i]);
       const double width = sides[i] - sides[i - 1];
-      const double worth = width - params.width_per_turn * std::abs(turn);
+      const double worth = width - kPerTurn * params.sight * std::abs(turn);
       if (std::fabs(off) > params.offset || worth <= most) continue;
       most = worth;
       best.middle = {middle.x - s * off, middle.y + c * off, middle.theta};
@@ -43,7 +44,10 @@ Gap widest_way(std::span<const Vec2> hits, const Gap& guess, const Params::Narro
 }
 
 NarrowPassage::NarrowPassage(const RobotProfile& profile, const Params& params)
-    : params_(params.narrow_passage), creep_(params.creep), kinematics_(profile.kinematics()) {
+    : params_(params.narrow_passage),
+      creep_(params.creep),
+      gain_(params.follower.position_gain),
+      kinematics_(profile.kinematics()) {
   const auto& corners = profile.body.footprint.corners();
   const auto [rear, front] = std::ranges::minmax(corners, {}, &Vec2::x);
   const auto [right, left] = std::ranges::minmax(corners, {}, &Vec2::y);
@@ -61,7 +65,7 @@ void NarrowPassage::begin(Time now, const Pose2D& odom_from_base, const Pose2D& 
   facing_ = kinematics_ == Kinematics::holonomic && std::fabs(turned) > 0.5 * exact::kPi ? exact::kPi : 0.0;
   const Pose2D in_gap = inverse(odom_from_middle) * odom_from_base;
   const bool is_inside = in_gap.x > -half_length && std::fabs(wrap_angle(facing_ - in_gap.theta)) < params_.askew;
-  const bool is_beyond_entry = in_gap.x > entry(half_length) + params_.entry_slack;
+  const bool is_beyond_entry = in_gap.x > entry(half_length) + 0.5 * params_.room_to_turn;
   enter(is_inside ? State::entering : is_beyond_entry ? State::backing_out : State::lining_up, now);
 }
 
@@ -138,9 +142,8 @@ Velocity NarrowPassage::drive(const Pose2D& in_gap, double speed, const PathFoll
   const double turn = wrap_angle(facing_ - in_gap.theta);
   if (kinematics_ == Kinematics::holonomic) {
     const double most = std::max(std::fabs(speed), creep_.speed);
-    const Vec2 along = rotate({speed, std::clamp(params_.gain_rate * off, -most, most)}, -in_gap.theta);
-    return follower.safe(
-        {along.x, along.y, std::clamp(params_.gain_rate * turn, -params_.turn_rate, params_.turn_rate)});
+    const Vec2 along = rotate({speed, std::clamp(gain_ * off, -most, most)}, -in_gap.theta);
+    return follower.safe({along.x, along.y, std::clamp(gain_ * turn, -params_.turn_rate, params_.turn_rate)});
   }
   // critically damped along the way, forwards or backwards
   const double direction = speed < 0.0 ? -1.0 : 1.0;

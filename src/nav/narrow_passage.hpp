@@ -62,6 +62,7 @@ class NarrowPassage {
 
   Params::NarrowPassage params_;
   Params::Creep creep_;
+  double gain_;  // [1/s] of what a holonomic base is off
   Kinematics kinematics_;
   double ahead_;   // [m] of the base the body reaches ...
   double behind_;  // ... and this behind it

@@ -29,15 +29,12 @@ struct Params {
   struct Route {
     int unknown_weight = 2;       ///< how much dearer unknown space is, in quarters
     double waypoint = 0.15;       ///< [m] nearer than this a waypoint is passed
-    double rim = 1.0;             ///< [m] unknown all around the map
     double horizon = 4.0;         ///< [m] beyond the map, where plans end
     double better = 0.85;         ///< share of an open path's cost that a new one must cost to replace it
     double tight = 0.07;          ///< [m] beyond what is lethal, where paths may need care
     double same_place = 0.4;      ///< [m] failures, gaps nearer to each other are one and the same
     double driven_spacing = 0.1;  ///< [m] between the places that the robot remembers to have been at
     double mover_distance = 0.8;  ///< [m] between the outline and a mover that may be what is in the way
-    double mover_blur = 0.1;      ///< [m] around a mover that its hits may be off
-    double open_around = 0.1;     ///< [m] beyond the body, where the robot may leave lethal cells
     double ahead = 0.25;          ///< [m] along the path to the place that is avoided after a failure
     double entrance = 1.5;        ///< [m] from a place that failed to the unknown space behind it
     int attempts = 3;             ///< failures in one place, then it is given up
@@ -57,23 +54,18 @@ struct Params {
     double same = 1.0;          ///< [m] around a frontier, what has become of it
     double strip = 0.1;         ///< [m] wide must be the unknown floor behind one, spread along the way there
     double view = 3.0;          ///< times the square of its length is what counts of that
-    double slit = 0.1;          ///< [m] to all sides of an unknown cell, where ...
-    double unknown = 0.48;      ///< ... this share must be unknown, or it is a slit between beams
+    double slit = 0.1;          ///< [m] to all sides of an unknown cell, where half must be unknown, or it is none
   };
   /// Paths through gaps that may be just wide enough.
   struct Bottleneck {
     double coarseness = 0.06;       ///< [m] by which cells may make a gap look narrower
     double least_radius = 0.055;    ///< [m] paths keep from walls even so
-    double step = 0.01;             ///< [m] between the places of a path that are looked at
-    double direction = 0.1;         ///< [m] before and after its middle, between which a gap has a direction
     double straight = 0.03;         ///< [m] beside the line, along which it still is one gap
     double shortest = 0.15;         ///< [m] of half a gap: that of less could be anywhere
-    int given_up_at_once = 3;       ///< in one plan
     Duration patience = 180s;       ///< to try gaps, and again once one has been passed
     Duration first_patience = 60s;  ///< to try one, and the time to drive there ...
     double approach_speed = 0.125;  ///< [m/s] ... at this speed
     double ahead = 0.6;             ///< [m] from where the robot got stuck to the gap that is blamed
-    double off_path = 0.1;          ///< [m] beside the path, a gap lies on it
     double passing = 30.0;          ///< [s] to line up, measure, and creep through ...
     double detour_speed = 0.8;      ///< ... while a detour is driven at this share of the speed limit
     double sight = 1.5;             ///< [m] around the robot, hits are cleared of noise
@@ -93,7 +85,6 @@ struct Params {
     Duration tight_for = 6s;         ///< ... but not for so long after it got stuck
     double arrived = 0.02;           ///< [m] near enough to a goal to stop
     double path_end = 0.05;          ///< [m] the same, to the end of a path that leads no nearer
-    double along = 0.01;             ///< [m] the same, of a distance straight ahead
     double turned = 0.015;           ///< [rad] the same, of a turn
     double last = 0.2;               ///< [m] before the end, where it may be too tight for sampled plans
     Duration stuck_after = 2500ms;   ///< without having moved ...
@@ -103,13 +94,11 @@ struct Params {
     Duration lost_patience = 8s;     ///< after having looked round
     Duration courtesy = 15s;         ///< for whoever stands in the only way to go on
     Duration map_patience = 1s;      ///< for a first scan
-    int creep_after = 2;             ///< attempts in one place, for who sees what is beside it
-    int creep_after_blind = 3;       ///< the same for others
+    int creep_after = 2;             ///< attempts in one place, one more for who does not see what is next to it
     double person_radius = 0.2;      ///< [m]
     double zone_reaction = 0.2;      ///< [s] from a command to its effect, and some for doubts about the pose
     double zone_braking = 0.5;       ///< share of what the brakes can do
-    double border_spacing = 0.02;    ///< [m] between points on the border of a zone ...
-    double border_sight = 2.5;       ///< [m] ... that are so near
+    double border_sight = 2.5;       ///< [m] so near, borders of zones count
     double sweep_angle = 1.0;        ///< [rad] to either side, looked to by who has no lidar
     Duration sweep_period = 4500ms;  ///< of that, there and back
     double prior_time = 3.0;         ///< [s] for which an expected pace counts, among those driven
@@ -117,29 +106,25 @@ struct Params {
   };
   /// Following a path.
   struct Follower {
-    double reaction = 0.12;          ///< [s] from a command to its effect
-    double horizon = 1.2;            ///< [s] looked ahead along a motion
-    double step = 0.02;              ///< [m] between the poses that are tried
-    double turn_step = 0.1;          ///< [rad] the same
-    double inside = 0.03;            ///< [m] of the margin that plans may use: scans are noisy
-    double faced = 0.3;              ///< [m] along the path to where a differential base faces before it drives
+    double reaction = 0.12;  ///< [s] from a command to its effect
+    double horizon = 1.2;    ///< [s] looked ahead along a motion
+    double step = 0.02;      ///< [m] between the poses that are tried; lattices and obstacle fields are as fine
+    double faced = 0.3;  ///< [m] along the path, to where a robot turns before it drives, and plans without search lead
     double turn_first = 0.8;         ///< [rad] beyond which it turns on the spot ...
     double turn_done = 0.2;          ///< [rad] ... until the target is this straight ahead
     double turn_blocked = 0.2;       ///< share of its speed, slower than which a turn leads nowhere
     double lookahead = 0.45;         ///< [m] of pure pursuit
-    double least_lookahead = 0.15;   ///< [m] as if so far away, it turns to targets that are nearer
+    double position_gain = 1.5;      ///< [1/s] speed for each metre off a line or from an end, turn rate likewise
     double heading_gain = 2.5;       ///< [1/s] turn rate for each radian off, along a path ...
     double line_heading_gain = 2.0;  ///< [1/s] ... and along a straight line
-    double line_offset_gain = 1.5;   ///< [1/s] sideways speed for each metre off a line
     double line_convergence = 0.5;   ///< [m] of way in which a differential base comes back to its line
     double blind_speed = 0.25;       ///< [m/s] of robots without a lidar
     double escape_speed = 0.4;       ///< share of the speed limit when backing off
     double least_speed = 0.03;       ///< share of a velocity, less than which is none
     double least_turn_rate = 0.08;   ///< [rad/s] of a turn on the spot
     double braking = 0.6;            ///< share of what the brakes can do, counted on before obstacles ...
-    double gentle_braking = 0.4;     ///< ... and used before goals ...
-    double most_braking = 0.8;       ///< [m/s^2] ... but no more than this ...
-    double most_turn_braking = 2.0;  ///< [rad/s^2] ... and this
+    double gentle_braking = 0.2;     ///< ... used before goals ...
+    double gentle_turn_braking = 1.0 / 3.0;  ///< ... and before headings
   };
   /// Recovery behaviours.
   struct Recovery {
@@ -152,61 +137,48 @@ struct Params {
     Duration looking = 5s;            ///< at most for one direction
     double backing_distance = 0.15;   ///< [m] the first time ...
     double more_each_time = 0.1;      ///< [m] ... and so much more each time
-    double no_room = 0.03;            ///< [m] who cannot back off so far has no room
     double look = 0.8;                ///< [rad] to both sides
     double looked = 0.1;              ///< [rad] near enough
     double backtrack_spacing = 0.03;  ///< [m] between the poses of the way it came
-    double backtrack_turn = 0.1;      ///< [rad] the same
     double backtrack_passed = 0.05;   ///< [m] near enough to one of them
-    double barely = 0.02;             ///< [m/s] slower than this leads nowhere
   };
   /// Narrow passages.
   struct NarrowPassage {
-    double offset = 0.12;            ///< [m] to either side that the middle may be
-    double sight = 0.5;              ///< [m] to either side that is looked at
-    double turn = 0.6;               ///< [rad] to either side that the direction may be
-    double width_per_turn = 0.0005;  ///< [m] that each of the turns away from the guess must bring
-    double gain = 0.05;              ///< of what a look shows: a scan is looked at five times
-    double least_spare = 0.012;      ///< [m] beyond the robot's width without which nothing goes ...
-    double most_spare = 0.3;         ///< [m] ... and with which it has nothing to do with gaps
-    Duration measuring = 1500ms;     ///< at least
-    Duration patience = 5s;          ///< to line up, and without ...
-    double progress = 0.01;          ///< [m] ... so much of progress
-    int attempts = 3;                ///< then it is closed
-    double in_line = 0.01;           ///< [m] before it enters
-    double aligned = 0.03;           ///< [rad] the same
-    double askew = 0.3;              ///< [rad] with which there is no entering
-    double room_to_turn = 0.06;      ///< [m] ahead of the robot as it lines up
-    double entry_slack = 0.03;       ///< [m] beyond where it lines up, it backs out first
-    double room_before = 0.1;        ///< [m] by which it may begin earlier than the map says
-    double convergence = 0.08;       ///< [m] of way in which a differential base comes back to its line
-    double gain_rate = 1.5;          ///< [1/s] of what a holonomic base is off
-    double turn_rate = 0.3;          ///< [rad/s] at most
-    double hits_sight = 0.7;         ///< [m] around the robot, hits count
+    double offset = 0.12;         ///< [m] to either side that the middle may be
+    double sight = 0.5;           ///< [m] to either side that is looked at
+    double turn = 0.6;            ///< [rad] to either side that the direction may be
+    double gain = 0.05;           ///< of what a look shows: a scan is looked at five times
+    double least_spare = 0.012;   ///< [m] beyond the robot's width without which nothing goes ...
+    double most_spare = 0.3;      ///< [m] ... and with which it has nothing to do with gaps
+    Duration measuring = 1500ms;  ///< at least
+    Duration patience = 5s;       ///< to line up, and without ...
+    double progress = 0.01;       ///< [m] ... so much of progress
+    int attempts = 3;             ///< then it is closed
+    double in_line = 0.01;        ///< [m] before it enters
+    double aligned = 0.03;        ///< [rad] the same
+    double askew = 0.3;           ///< [rad] with which there is no entering
+    double room_to_turn = 0.06;   ///< [m] ahead of the robot as it lines up
+    double room_before = 0.1;     ///< [m] by which it may begin earlier than the map says
+    double convergence = 0.08;    ///< [m] of way in which a differential base comes back to its line
+    double turn_rate = 0.3;       ///< [rad/s] at most
+    double hits_sight = 0.7;      ///< [m] around the robot, hits count
   };
   /// Arcs out of places too tight to turn in.
   struct Arcs {
-    double wide_radius = 2.0 / 3.0;    ///< [m] of the widest arcs ...
-    double radius = 0.25;              ///< [m] ... of others ...
-    double sharp_radius = 1.0 / 12.0;  ///< [m] ... and of the sharpest
-    double step = 0.04;                ///< [m] of a step; the lattice's cells are half of it
-    double turn_step = 0.2;            ///< [rad] of a step that turns more sharply; its bins are half of it
-    double reach = 1.2;                ///< [m] it looks so far
-    double turn_noise = 3.0;           ///< standard deviations of the nearest hit that a turn must leave room for ...
-    double room = 0.02;                ///< [m] ... and more, where a plan ends
-    double encroachment = 0.003;       ///< [m] what is nearer may come so much nearer, until it touches
-    double thinning = 0.015;           ///< [m] hits nearer to each other than that are one
-    double haste = 1.5;                ///< times the estimate: plans may be so much slower than the quickest
-    double change = 1.0;               ///< [s] for going back where it went ahead, and the other way round
-    int plans = 12;                    ///< at most
-    Duration replan = 100ms;           ///< from plan to plan
-    Duration patience_without = 3s;    ///< without any plan
-    double tolerance_step = 0.001;     ///< [m] by which hits may be nearer than what they are of, more each time ...
-    double most_tolerance = 0.02;      ///< [m] ... up to this
-    Duration patience = 1500ms;        ///< without ...
-    double moved = 0.006;              ///< [m] ... so much of progress ...
-    double turned = 0.03;              ///< [rad] ... or this
-    double convergence = 0.05;         ///< [m] of way in which a heading is put right
+    double radius = 0.25;           ///< [m] of most arcs; others bend three times as sharply, or a good third
+    double reach = 1.2;             ///< [m] it looks so far
+    double room = 0.02;             ///< [m] more than a turn takes, where a plan ends
+    double encroachment = 0.003;    ///< [m] what is nearer may come so much nearer, until it touches
+    double thinning = 0.015;        ///< [m] hits nearer to each other than that are one
+    double haste = 1.5;             ///< times the estimate: plans may be so much slower than the quickest
+    double change = 1.0;            ///< [s] for going back where it went ahead, and the other way round
+    int plans = 12;                 ///< at most
+    Duration replan = 100ms;        ///< from plan to plan
+    double tolerance_step = 0.001;  ///< [m] by which hits may be nearer than what they are of, more each time
+    Duration patience = 1500ms;     ///< without ...
+    double moved = 0.006;           ///< [m] ... so much of progress ...
+    double turned = 0.03;           ///< [rad] ... or this
+    double convergence = 0.05;      ///< [m] of way in which a heading is put right
   };
   /// Model predictive path integral control. More samples, or more plans a second, bring a robot nowhere sooner or more
   /// surely (docs/decisions/0014-model-predictive-control.md).
@@ -214,12 +186,11 @@ struct Params {
     /// What each critic's price weighs, in units of length and speed that grow with the robot. All prices of a plan
     /// are added up; 1 m of the path that is left costs 3 at each of 14 looks.
     struct Weights {
-      double unit_of_length = 1.0;     ///< [m] that prices of places are counted in
-      double unit_of_speed = 1.0;      ///< [m/s] that prices of speeds are counted in, and in a second ways ahead
-      double path_left = 3.0;          ///< of a unit of the path that is left
-      double path_offset = 2.0;        ///< of the square of the offset from the path
-      double goal_distance = 3.0;      ///< of a unit to the end of the path, where it is within reach
-      double goal_speed = 2.0;         ///< of the square of the speed there
+      double unit_of_length = 1.0;  ///< [m] that prices of places are counted in
+      double unit_of_speed = 1.0;   ///< [m/s] that prices of speeds are counted in, and in a second ways ahead
+      double path_left = 3.0;       ///< of a unit of the path that is left, and to its end where that is within reach
+      double path_offset = 2.0;     ///< of the square of the offset from the path
+      double goal_speed = 2.0;      ///< of the square of the speed there
       double obstacle_contact = 60.0;  ///< of an outline nearer than the margin
       double obstacle_depth = 1000.0;  ///< and more, the deeper
       double obstacle_close = 0.1;     ///< of an outline at the margin, none `obstacle_reach` beyond it
@@ -246,13 +217,7 @@ struct Params {
     double obstacle_reach = 0.05;  ///< [m] beyond the margin
     double people_reach = 0.25;    ///< [m] beyond contact
     double people_blur = 0.05;     ///< [m] around people, hits are theirs
-    double rest = 0.05;            ///< [m] so near the end of its path the robot keeps its heading
-    double lookahead = 0.3;        ///< [m] of the plan that pursues the path
-    double approach_gain = 1.5;    ///< [1/s] speed for each metre that is left, turn rate for each radian
-    double reach_spare = 0.2;      ///< [m] beyond what is reached at full speed, obstacles count
     double stray = 0.35;           ///< [m] beside its path that a plan may lead with its eyes open
-    double slack = 0.05;           ///< [m] more, so that the obstacle field need not be made anew each time
-    double cell = 0.02;            ///< [m] of the obstacle field, at least
     double thinning = 0.012;       ///< [m] of obstacles nearer to each other one is enough
     Weights weights{};
   };

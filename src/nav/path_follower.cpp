@@ -14,7 +14,8 @@ namespace {
 // Deviations from the straight way to the target that are tried when it is not free [rad].
 constexpr std::array<double, 12> kFan = {0.2, -0.2, 0.4, -0.4, 0.6, -0.6, 0.9, -0.9, 1.2, -1.2, 1.6, -1.6};
 
-constexpr int kLookaheads = 8;  // each a ninth less than the first
+constexpr double kTurnStep = 0.1;  // [rad] between the poses that are tried
+constexpr int kLookaheads = 8;     // each a ninth less than the first
 
 // Robots without a lidar detect late, and not always, what is ahead: they drive slowly.
 Limits tracking_limits(const RobotProfile& profile, double blind_speed) {
@@ -82,7 +83,8 @@ PathFollower::PathFollower(const RobotProfile& profile, const Params& params)
       mppi_(profile.lidar ? std::optional(Mppi(profile, params)) : std::nullopt),
       radius_(profile.body.footprint.circumscribed_radius()),
       full_speed_(profile.operating_limits.linear),
-      margin_(profile.margin()) {}
+      margin_(profile.margin()),
+      inside_(profile.lidar ? profile.lidar->bias : 0.0) {}
 
 void PathFollower::update(std::span<const Vec2> obstacles_in_base, double spare) {
   spare_ = spare;
@@ -107,8 +109,8 @@ Velocity PathFollower::follow(std::span<const Vec2> path, const MppiObservation&
     if (faces_first(bearing)) return face(bearing);
   }
   // a plan takes what it sees for fixed; what comes towards the robot unannounced needs more room than that
-  const Velocity planned = mppi_->step(seen, {.path = path, .margin = margin_ + spare_ - params_.inside});
-  return scaled(planned, allowed_fraction(planned, params_.inside));
+  const Velocity planned = mppi_->step(seen, {.path = path, .margin = margin_ + spare_ - inside_});
+  return scaled(planned, allowed_fraction(planned, inside_));
 }
 
 Velocity PathFollower::pursue(std::span<const Vec2> path, const map::Costmap& costmap, const Pose2D& pose,
@@ -140,7 +142,7 @@ Velocity PathFollower::towards(Vec2 target, double speed_limit, double aside) {
       const double share = std::clamp(1.3 - std::fabs(direction) / 1.2, 0.35, 1.0);
       return {share * speed * exact::cos(direction), share * speed * exact::sin(direction), rate};
     }
-    const double curvature = 2.0 * exact::sin(direction) / std::max(away, params_.least_lookahead);
+    const double curvature = 2.0 * exact::sin(direction) / std::max(away, params_.lookahead / 3.0);
     const double slow = std::min(speed, 0.9 * limits_.angular / std::max(std::fabs(curvature), 1e-6));
     const double omega = std::clamp(slow * curvature, -limits_.angular, limits_.angular);
     return {slow * std::max(exact::cos(direction), 0.0), 0.0, omega};
@@ -195,7 +197,7 @@ Velocity PathFollower::straight(double distance, double offset, double heading) 
   const double forward = distance >= 0.0 ? speed : -speed;
   const double most_turn = creep_.free_turn_rate;
   if (kinematics_ == Kinematics::holonomic) {
-    const double aside = std::clamp(params_.line_offset_gain * offset, -creep_.free_speed, creep_.free_speed);
+    const double aside = std::clamp(params_.position_gain * offset, -creep_.free_speed, creep_.free_speed);
     return safe({forward, aside, std::clamp(params_.line_heading_gain * heading, -most_turn, most_turn)});
   }
   const double towards_line = (forward >= 0.0 ? offset : -offset) / params_.line_convergence;
@@ -247,7 +249,7 @@ double PathFollower::allowed_fraction(const Velocity& v, double inside) const {
 // from it are looked at seldom.
 Sweep PathFollower::sweep(const Velocity& v, double horizon, double inside) const {
   const double speed = exact::hypot(v.vx, v.vy);
-  const double rate = std::max(speed / params_.step, std::fabs(v.omega) / params_.turn_step);
+  const double rate = std::max(speed / params_.step, std::fabs(v.omega) / kTurnStep);
   if (rate <= 0.0 || near_.empty()) return {horizon, true};
   const double dt = 1.0 / rate;
   const Pose2D step = integrate({}, v, dt);
@@ -276,12 +278,12 @@ Sweep PathFollower::sweep(const Velocity& v, double horizon, double inside) cons
 
 // The speed from which the robot comes to rest within `distance`, reacting late and braking gently.
 double PathFollower::speed_before(double distance) const {
-  const double braking = std::min(params_.gentle_braking * limits_.linear_braking, params_.most_braking);
+  const double braking = params_.gentle_braking * limits_.linear_braking;
   return std::min(speed_to_stop(distance, braking, params_.reaction), limits_.linear);
 }
 
 double PathFollower::turn_rate_before(double angle) const {
-  const double braking = std::min(params_.gentle_braking * limits_.angular_acceleration, params_.most_turn_braking);
+  const double braking = params_.gentle_turn_braking * limits_.angular_acceleration;
   return std::min(speed_to_stop(angle, braking, params_.reaction), limits_.angular);
 }
 

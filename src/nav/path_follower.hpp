@@ -85,7 +85,8 @@ class PathFollower {
   std::optional<Mppi> mppi_;  // of a robot with a lidar
   double radius_;             // [m] of a disc around the body
   double full_speed_;         // [m/s]
-  double margin_;             // [m]
+  double margin_;             // [m] that the gate keeps ...
+  double inside_;             // [m] ... and so much of it plans may use: ranges may be off, and scans are noisy
   double spare_ = 0.0;        // [m]
   double reach_ = 0.0;        // [m] points farther away do not matter
   std::vector<Vec2> near_;

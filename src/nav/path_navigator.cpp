@@ -28,7 +28,7 @@ bool has_free_cell(const map::OccupancyGrid& map) {
 // Which time in one place a robot creeps on instead of avoiding the place: sooner where it sees what is beside it.
 int creep_after(const RobotProfile& profile, const Params::Motion& params) {
   const bool sees_sides = profile.lidar && profile.lidar->range_min < half_width(profile);
-  return sees_sides ? params.creep_after : params.creep_after_blind;
+  return params.creep_after + (sees_sides ? 0 : 1);
 }
 
 map::Costmap::Settings costmap_settings(const RobotProfile& profile, const Params& params) {
@@ -196,7 +196,7 @@ Decision PathNavigator::drive(const MoveForward& goal, const Observation&) {
   const Pose2D along = inverse(motion_.start) * odom_from_base_;
   const double left = goal.distance - along.x;
   progress_.distance_left = std::fabs(left);
-  const double there = std::min(params_.motion.along, goal.tolerance);
+  const double there = std::min(0.5 * params_.motion.arrived, goal.tolerance);
   if (goal.distance >= 0.0 ? left <= there : left >= -there) return finish(Reason::reached);
   if (stuck()) {
     return std::fabs(left) <= goal.tolerance ? finish(Reason::reached)
@@ -296,7 +296,7 @@ std::vector<Vec2> PathNavigator::borders_near(Vec2 robot) const {
     for (std::size_t i = 0; i < zone.corners.size(); ++i) {
       const Vec2 a = zone.corners[i];
       const Vec2 side = zone.corners[(i + 1) % zone.corners.size()] - a;
-      const int parts = 1 + static_cast<int>(norm(side) / params_.motion.border_spacing);
+      const int parts = 1 + static_cast<int>(norm(side) / params_.follower.step);
       for (int k = 0; k < parts; ++k) {
         const Vec2 p = a + (static_cast<double>(k) / parts) * side;
         if (distance(p, robot) <= params_.motion.border_sight) points.push_back(p);

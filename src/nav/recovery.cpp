@@ -8,6 +8,8 @@ namespace threewe::nav {
 namespace {
 
 constexpr std::size_t kTrailLength = 40;
+constexpr double kBacktrackTurn = 0.1;  // [rad] between the poses of the way it came
+constexpr double kNoRoom = 0.2;         // share of the way to back off, of which who cannot back off has no room
 
 }  // namespace
 
@@ -20,7 +22,7 @@ void Recovery::reset() {
 void Recovery::remember(const Pose2D& odom_from_base) {
   if (!trail_.empty()) {
     const Pose2D since = inverse(trail_.back()) * odom_from_base;
-    if (norm(since.position()) < params_.backtrack_spacing && std::fabs(since.theta) < params_.backtrack_turn) return;
+    if (norm(since.position()) < params_.backtrack_spacing && std::fabs(since.theta) < kBacktrackTurn) return;
   }
   if (trail_.size() == kTrailLength) trail_.erase(trail_.begin());
   trail_.push_back(odom_from_base);
@@ -81,11 +83,11 @@ Velocity Recovery::back_off(Time now, const Pose2D& odom_from_base, std::span<co
                        moved < params_.backing_distance + params_.more_each_time * (attempts_ - 1);
   if (in_time && escape_ == Velocity{}) {
     const Velocity back = follower.safe(along_trail(odom_from_base, follower.escape_speed()));
-    if (exact::hypot(back.vx, back.vy) >= params_.barely) return back;
+    if (exact::hypot(back.vx, back.vy) >= 0.5 * creep_.speed) return back;
     if (!is_wedged(hits)) return escape_ = follower.most_room();
   }
   if (in_time && escape_ != Velocity{}) return follower.safe(escape_);
-  had_room_ = had_room_ || moved >= params_.no_room;
+  had_room_ = had_room_ || moved >= kNoRoom * params_.backing_distance;
   if (is_wedged(hits)) {
     leave(now, odom_from_base);
   } else {
@@ -98,7 +100,7 @@ Velocity Recovery::back_off(Time now, const Pose2D& odom_from_base, std::span<co
 Velocity Recovery::arc_escape(Time now, const Pose2D& odom_from_base, std::span<const Vec2> hits,
                               const PathFollower& follower) {
   const Velocity velocity = arc_escape_.step(now, odom_from_base, hits, follower);
-  had_room_ = had_room_ || distance(odom_from_base.position(), entered_at_) >= params_.no_room;
+  had_room_ = had_room_ || distance(odom_from_base.position(), entered_at_) >= kNoRoom * params_.backing_distance;
   if (arc_escape_.over() || now - entered_ >= params_.arc_escape) look_or_replan(now, odom_from_base);
   return velocity;
 }
@@ -116,12 +118,14 @@ Velocity Recovery::along_trail(const Pose2D& odom_from_base, double speed) {
   const Pose2D to = inverse(odom_from_base) * trail_.back();
   const double away = norm(to.position());
   if (kinematics_ == Kinematics::holonomic) {
-    return {speed * to.x / away, speed * to.y / away, std::clamp(to.theta, -turn_rate_, turn_rate_)};
+    return {speed * to.x / away, speed * to.y / away,
+            std::clamp(to.theta, -creep_.free_turn_rate, creep_.free_turn_rate)};
   }
   // along the arc that leads there (Coulter 1992, pure pursuit), unless the robot has turned away since
   if (std::fabs(to.y) > 0.5 * std::fabs(to.x)) return {};
   const double forward = to.x >= 0.0 ? speed : -speed;
-  return {forward, 0.0, std::clamp(forward * 2.0 * to.y / (away * away), -2.0 * turn_rate_, 2.0 * turn_rate_)};
+  return {forward, 0.0,
+          std::clamp(forward * 2.0 * to.y / (away * away), -2.0 * creep_.free_turn_rate, 2.0 * creep_.free_turn_rate)};
 }
 
 // From one direction to the next, each as near as there is room to turn.

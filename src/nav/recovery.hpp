@@ -28,7 +28,7 @@ class Recovery {
   /// A robot without a lidar looks each time, for it senses in a few directions only.
   Recovery(const RobotProfile& profile, const Params& params)
       : params_(params.recovery),
-        turn_rate_(params.creep.free_turn_rate),
+        creep_(params.creep),
         kinematics_(profile.kinematics()),
         hard_of_seeing_(!profile.lidar),
         arc_escape_(profile, params) {}
@@ -73,7 +73,7 @@ class Recovery {
   Velocity look(Time now, const Pose2D& odom_from_base, const PathFollower& follower);
 
   Params::Recovery params_;
-  double turn_rate_;  // [rad/s] at most, back along its way
+  Params::Creep creep_;
   Kinematics kinematics_;
   bool hard_of_seeing_;
   ArcEscape arc_escape_;

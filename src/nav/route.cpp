@@ -16,6 +16,9 @@
 namespace threewe::nav {
 namespace {
 
+constexpr int kRim = 20;          // [cells] unknown all around the map
+constexpr double kOpenCells = 2;  // around the body, in which the robot may leave lethal cells
+
 // What the search calls a cell of way through free space: each costs 5 times the weight at both of its ends.
 constexpr double kPerCell = 5.0 * 2.0 * map::Costmap::kFree;
 
@@ -46,6 +49,7 @@ Route::Route(const map::Costmap::Settings& costmap, double body_radius, const Pa
       squeezed_{map::Costmap(through_gaps(costmap, params.bottleneck)), {}, {}},
       body_radius_(body_radius),
       path_end_(params.motion.path_end),
+      people_blur_(params.mppi.people_blur),
       tight_clearance_(costmap.lethal_radius + params.route.tight) {}
 
 void Route::set_zones(const std::vector<map::Zone>& zones, double speed) {
@@ -145,15 +149,16 @@ std::optional<Mover> Route::mover_in_the_way(const Observation& seen, double tol
   if (movers_.empty()) return {};
   map::OccupancyGrid grid = seen.map;
   if (!seen.peers.empty()) merge_maps(seen.map, seen.peers, grid);
-  erase_movers(grid, movers_, params_.mover_blur);
+  const double blur = people_blur_ + grid.resolution;  // [m] that hits in cells may be off
+  erase_movers(grid, movers_, blur);
   std::vector<Vec2> obstacles = barred_;
   for (const Vec2 p : seen.obstacles) {
     const Vec2 in_map = seen.pose.map_from_odom * p;
-    if (mover_near(in_map, movers_, params_.mover_blur) == nullptr) obstacles.push_back(in_map);
+    if (mover_near(in_map, movers_, blur) == nullptr) obstacles.push_back(in_map);
   }
   map::Costmap costmap(clear_.costmap.settings());
-  costmap.update(grid, obstacles, relevant_places(seen), rim(seen.map));
-  costmap.open_around(robot_in(seen), body_radius_ + params_.open_around);
+  costmap.update(grid, obstacles, relevant_places(seen), kRim);
+  costmap.open_around(robot_in(seen), body_radius_ + kOpenCells * seen.map.resolution);
 
   Planner planner;
   Vec2 from = robot_in(seen);
@@ -271,14 +276,11 @@ void Route::renew(Layer& layer, const Observation& seen) {
   obstacles.insert(obstacles.end(), barred_.begin(), barred_.end());
   for (const Vec2 p : seen.obstacles) obstacles.push_back(seen.pose.map_from_odom * p);
   take_map(layer, seen, obstacles, relevant_places(seen));
-  layer.costmap.open_around(robot_in(seen), body_radius_ + params_.open_around);
+  layer.costmap.open_around(robot_in(seen), body_radius_ + kOpenCells * seen.map.resolution);
   planned_once_ = true;
   planned_ = seen.now;
   planned_version_ = seen.map_version;
 }
-
-// [cells]
-int Route::rim(const map::OccupancyGrid& grid) const { return cells_in(params_.rim, grid.resolution); }
 
 // What the costmap must hold.
 std::vector<Vec2> Route::relevant_places(const Observation& seen) const {
@@ -292,7 +294,7 @@ void Route::take_map(Layer& layer, const Observation& seen, const std::vector<Ve
                      const std::vector<Vec2>& include) {
   if (!seen.peers.empty()) {
     merge_maps(seen.map, seen.peers, shared_);
-    layer.costmap.update(shared_, obstacles, include, rim(seen.map));
+    layer.costmap.update(shared_, obstacles, include, kRim);
     layer.version.reset();
     return;
   }
@@ -302,7 +304,7 @@ void Route::take_map(Layer& layer, const Observation& seen, const std::vector<Ve
     const map::Cell low = map::raster_cell(seen.map);
     changed = {{changed->low.x - low.x, changed->low.y - low.y}, {changed->high.x - low.x, changed->high.y - low.y}};
   }
-  layer.costmap.update(seen.map, obstacles, include, rim(seen.map), changed);
+  layer.costmap.update(seen.map, obstacles, include, kRim, changed);
   layer.version = seen.map_version;
 }
 

@@ -109,7 +109,6 @@ class Route {
     Time until{};
   };
 
-  int rim(const map::OccupancyGrid& grid) const;
   std::vector<Vec2> relevant_places(const Observation& seen) const;
   bool try_plan(Layer& layer, const Observation& seen, double tolerance);
   bool try_frontier(const Observation& seen, bool thorough);
@@ -139,6 +138,7 @@ class Route {
   GridSearch search_;  // for frontiers
   double body_radius_;
   double path_end_;         // [m] a path ends so much within the tolerance, for the robot may stop before its end
+  double people_blur_;      // [m] around movers, hits are theirs
   double tight_clearance_;  // [m] where paths may need care
 
   std::vector<Vec2> waypoints_;  // still to pass, the last is the goal

@@ -20,8 +20,9 @@ constexpr double kWhole = std::numeric_limits<double>::infinity();  // of a path
 // About the tightest place of a part of the path that is narrow all along, as far as it is straight there.
 template <class Narrow>
 Bottleneck Route::bottleneck_about(Vec2 place, Narrow narrow) const {
-  const double step = bottleneck_params_.step;
-  const int beside = std::max(1, cells_in(bottleneck_params_.direction, step));
+  constexpr double kStep = 0.2;  // of a cell
+  constexpr int kBeside = 10;    // steps before and after, between which it has a direction
+  const double step = kStep * clear_.costmap.resolution();
   const double length = path_length(path_);
   const auto point_at = [&](int i) { return point_after(path_, {0, path_.front()}, step * i); };
   const int steps = static_cast<int>(length / step);
@@ -38,7 +39,7 @@ Bottleneck Route::bottleneck_about(Vec2 place, Narrow narrow) const {
     if (clearance(point_at(i)) <= clearance(point_at(from))) to = i;
   }
   const int tightest = (from + to) / 2;
-  const Vec2 way = point_at(tightest + beside) - point_at(std::max(tightest - beside, 0));
+  const Vec2 way = point_at(tightest + kBeside) - point_at(std::max(tightest - kBeside, 0));
   const Vec2 middle = point_at(tightest);
   const Pose2D map_from_middle{middle.x, middle.y, exact::atan2(way.y, way.x)};
   const Pose2D middle_from_map = inverse(map_from_middle);
@@ -54,8 +55,9 @@ Bottleneck Route::bottleneck_about(Vec2 place, Narrow narrow) const {
 }
 
 bool Route::plan_through_gaps(const Observation& seen, double tolerance, double longest) {
+  constexpr int kMostAtOnce = 3;  // that are given up
   if (!attempts_.empty() && seen.now > hope_) return false;
-  for (int i = 0; i < bottleneck_params_.given_up_at_once; ++i) {
+  for (int i = 0; i < kMostAtOnce; ++i) {
     squeezed_path_ = try_plan(squeezed_, seen, tolerance);
     if (!squeezed_path_) return false;
     if (path_length(path_) > longest) return false;
@@ -119,9 +121,10 @@ bool Route::squeeze_ahead(Vec2 robot) {
 
 // The path through a gap in which the robot got stuck.
 std::optional<Bottleneck> Route::known_bottleneck() const {
+  constexpr double kOffPath = 2.0;  // [cells] a gap lies on the path so near to it
   for (const Vec2 gap : tight_) {
     const PathPoint nearest = nearest_on_path(path_, gap, kWhole);
-    if (distance(nearest.point, gap) > bottleneck_params_.off_path) continue;
+    if (distance(nearest.point, gap) > kOffPath * clear_.costmap.resolution()) continue;
     return bottleneck_about(nearest.point, [&](Vec2 p) { return clearance(p) < tight_clearance_; });
   }
   return {};

@@ -25,8 +25,8 @@ constexpr std::uint32_t kOtherMeans = 2;  // stand still, and pursue the path
 float narrow(double x) { return static_cast<float>(x); }
 
 // What is not known to be out of reach [m].
-double reach_of(const RobotProfile& profile, const Params::Mppi& params) {
-  return profile.operating_limits.linear * kSteps * params.step + params.reach_spare;
+double reach_of(const RobotProfile& profile, const Params& params) {
+  return profile.operating_limits.linear * kSteps * params.mppi.step + 10.0 * params.follower.step;
 }
 
 // What is left of a plan after so many steps; it goes on as it ends.
@@ -78,6 +78,7 @@ struct Mppi::Impl {
   Limits limits;
   Kinematics kinematics;
   Footprint footprint;
+  double slack;  // [m] that the robot may move before the obstacle field is made anew
   double delay;  // [s] from a command to its effect
   double reach;  // [m]
   mppi::ObstacleField field;
@@ -96,9 +97,9 @@ struct Mppi::Impl {
 
   Impl(const RobotProfile& profile, const Params& all, std::uint64_t s)
       : params(all.mppi),
-        pursuit{.lookahead = params.lookahead,
-                .rest = params.rest,
-                .approach_gain = params.approach_gain,
+        pursuit{.lookahead = all.follower.faced,
+                .rest = all.motion.path_end,
+                .position_gain = all.follower.position_gain,
                 .heading_gain = all.follower.heading_gain,
                 .turn_first = all.follower.turn_first},
         encroachment(all.creep.encroachment),
@@ -106,9 +107,10 @@ struct Mppi::Impl {
         limits(profile.operating_limits),
         kinematics(profile.kinematics()),
         footprint(profile.body.footprint),
+        slack(2.5 * all.follower.step),
         delay(to_seconds(profile.command_latency + profile.body.motor_lag)),
-        reach(reach_of(profile, params)),
-        field(footprint, reach, params.obstacle_reach + profile.margin(), params),
+        reach(reach_of(profile, all)),
+        field(footprint, reach, params.obstacle_reach + profile.margin(), all),
         commanded(static_cast<std::size_t>(delay / kPeriod) + 1) {}
 
   void go_on(const MppiObservation& seen);
@@ -197,10 +199,9 @@ void Mppi::Impl::see_obstacles(const MppiObservation& now, const MppiTask& task)
     if (distance(p, start.position()) <= far && std::ranges::none_of(moving, is_part)) still.push_back(p);
   }
   const auto [low, high] = surroundings(task);
-  if (still == obstacles && distance(start.position(), field.middle()) < params.slack && field.covers(low, high))
-    return;
+  if (still == obstacles && distance(start.position(), field.middle()) < slack && field.covers(low, high)) return;
   obstacles = std::move(still);
-  const Vec2 more{params.slack, params.slack};
+  const Vec2 more{slack, slack};
   field.update(obstacles, start.position(), low - more, high + more);
 }
 
@@ -273,7 +274,7 @@ mppi::Problem Mppi::Impl::pose_problem(const MppiTask& task) const {
                 .close_speed = narrow(by_speed),
                 .close_turn = narrow(by_speed * corner * corner)};
   const bool turning = task.turn.has_value();
-  const bool resting = !turning && path.length() < params.rest;
+  const bool resting = !turning && path.length() < pursuit.rest;
   p.path = {.path = path.view(),
             .left = narrow(turning ? 0.0 : w.path_left / speed),
             .beside = narrow(w.path_offset / (length * length))};
@@ -291,7 +292,7 @@ mppi::Problem Mppi::Impl::pose_problem(const MppiTask& task) const {
     const Vec2 goal = path.end() - field.middle();
     p.goal = {.x = narrow(goal.x),
               .y = narrow(goal.y),
-              .distance = narrow(w.goal_distance / speed),
+              .distance = narrow(w.path_left / speed),
               .speed = narrow(w.goal_speed / (speed * speed))};
   }
   p.smoothness = {.linear = narrow(w.smooth_linear / (speed * speed)), .angular = narrow(w.smooth_angular)};

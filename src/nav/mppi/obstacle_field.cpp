@@ -141,9 +141,9 @@ void stamp_rows(const StampShape& shape, const Cells& filled, std::span<const St
   HWY_DYNAMIC_DISPATCH(stamp_all)(shape, filled, stamps, cells.data(), nearest.data());
 }
 
-ObstacleField::ObstacleField(const Footprint& footprint, double reach, double sight, const Params::Mppi& params)
-    : cell_(std::max(params.cell, reach / (0.5 * kSide - 1.0))),
-      thinning_(params.thinning),
+ObstacleField::ObstacleField(const Footprint& footprint, double reach, double sight, const Params& params)
+    : cell_(std::max(params.follower.step, reach / (0.5 * kSide - 1.0))),
+      thinning_(params.mppi.thinning),
       unit_(cell_ / kUnitsPerCell),
       sight_(static_cast<float>(sight)),
       cells_(kCells, kNothing),

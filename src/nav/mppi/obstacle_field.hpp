@@ -45,7 +45,7 @@ class ObstacleField {
  public:
   /// `reach` [m]: how far from its middle the robot may get. Obstacles beyond `sight` [m] from the outline do not
   /// count.
-  ObstacleField(const Footprint& footprint, double reach, double sight, const Params::Mppi& params);
+  ObstacleField(const Footprint& footprint, double reach, double sight, const Params& params);
 
   /// Looks at all obstacles anew, points in `odom` [m]; the window's middle is then `middle`, and the robot stays
   /// between the corners `low` and `high`.

@@ -30,13 +30,13 @@ Plan pursue(const PathTable& path, const MppiTask& task, const Limits& limits, K
   for (std::size_t i = 0; i < kSteps; ++i) {
     Velocity v;
     if (task.turn) {
-      v.omega = std::clamp(params.approach_gain * turn_left, -limits.angular, limits.angular);
+      v.omega = std::clamp(params.position_gain * turn_left, -limits.angular, limits.angular);
       turn_left -= step * v.omega;
     } else {
       const Vec2 target = inverse(pose) * path.point(along + params.lookahead);
       const Vec2 faced = task.backwards ? Vec2{-target.x, -target.y} : target;
       const double heading = norm(target) < params.rest ? 0.0 : wrap_angle(exact::atan2(faced.y, faced.x) + task.aside);
-      const double speed = std::min(limits.linear, params.approach_gain * norm(target));
+      const double speed = std::min(limits.linear, params.position_gain * norm(target));
       v = towards(target, heading, speed, limits, kinematics, params);
       along = std::min(along + step * exact::hypot(v.vx, v.vy), path.length());
     }

@@ -9,11 +9,11 @@
 
 namespace threewe::nav::mppi {
 
-/// See `Params::Mppi` and `Params::Follower`.
+/// See `Params::Follower`, and `path_end` of `Params::Motion`.
 struct PursuitParams {
   double lookahead = 0.0;
   double rest = 0.0;
-  double approach_gain = 0.0;
+  double position_gain = 0.0;
   double heading_gain = 0.0;
   double turn_first = 0.0;
 };

@@ -43,7 +43,7 @@ class SlowTwin {
       : half_length_(static_cast<float>(0.5 * c.length)),
         half_width_(static_cast<float>(0.5 * c.width)),
         sight_(static_cast<float>(c.sight)) {
-    const double cell = std::max(Params{}.mppi.cell, c.reach / (0.5 * kSide - 1.0));
+    const double cell = std::max(Params{}.follower.step, c.reach / (0.5 * kSide - 1.0));
     cell_ = static_cast<float>(cell);
     Vec2 last{1e9, 1e9};
     for (const Vec2 p : c.obstacles) {

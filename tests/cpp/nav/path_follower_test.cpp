@@ -42,8 +42,7 @@ class SlowTwin {
  private:
   // [s]; negative where nothing is met
   double until_contact(const Velocity& v) const {
-    const double rate =
-        std::max(exact::hypot(v.vx, v.vy) / params_.follower.step, std::fabs(v.omega) / params_.follower.turn_step);
+    const double rate = std::max(exact::hypot(v.vx, v.vy) / params_.follower.step, std::fabs(v.omega) / 0.1);
     if (rate <= 0.0) return -1.0;
     const double dt = 1.0 / rate;
     const Pose2D step = integrate({}, v, dt);
