@@ -48,7 +48,7 @@ class Claims {
     const Pose2D off = inverse(truth) * tick.pose.map_from_base();
     error = norm(off.position());
     heading_error = std::fabs(off.theta);
-    if (tick.pose.lost) {
+    if (tick.pose.lost()) {
       ++lost;
       was_lost = true;
       return;

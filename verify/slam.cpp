@@ -61,7 +61,7 @@ void drive(const std::string& name, std::uint64_t seed) {
       if (scan == nullptr) continue;
       print({.time = to_seconds(tick.now),
              .delay = to_seconds(tick.now - end_of(sample, *scan)),
-             .lost = tick.pose.lost ? 1 : 0,
+             .lost = tick.pose.lost() ? 1 : 0,
              .truth = map_from_scene * robot.simulation()->true_pose(),
              .believed = tick.pose.map_from_base()});
     }

@@ -30,8 +30,8 @@ void print(const TickView& tick, const Pose2D& truth) {
   const Pose2D believed = tick.pose.map_from_base();
   const auto& c = tick.pose.covariance;
   std::printf("%.3f %d %.5f %.5f %.6f %.5f %.5f %.6f %.4g %.4g %.4g %.4g %.4g %.4g\n", to_seconds(tick.now),
-              tick.pose.lost ? 1 : 0, truth.x, truth.y, truth.theta, believed.x, believed.y, believed.theta, c[0], c[1],
-              c[2], c[4], c[5], c[8]);
+              tick.pose.lost() ? 1 : 0, truth.x, truth.y, truth.theta, believed.x, believed.y, believed.theta, c[0],
+              c[1], c[2], c[4], c[5], c[8]);
 }
 
 bool has_scan(const TickView& tick) {

@@ -157,7 +157,7 @@ void bind_views(nb::module_& m) {
           "covariance",
           [](const PoseEstimate& pose) { return ArrayView<double, nb::shape<3, 3>>(pose.covariance.data(), {3, 3}); },
           nb::rv_policy::reference_internal, "(3, 3) float64, of map_from_base: x, y [m], theta [rad]")
-      .def_ro("lost", &PoseEstimate::lost);
+      .def_prop_ro("lost", &PoseEstimate::lost);
 
   nb::class_<Tick>(m, "TickView", "What an observer sees at the end of every tick.")
       .def(Value())

@@ -83,8 +83,8 @@ Region difference(const OccupancyGrid& a, const OccupancyGrid& b) {
 
 LogOddsMap::LogOddsMap(const Settings& settings) : settings_(settings) { grid_.resolution = settings.resolution; }
 
-LogOddsMap LogOddsMap::going_on_from(const OccupancyGrid& given) {
-  LogOddsMap map({.resolution = given.resolution});
+LogOddsMap LogOddsMap::going_on_from(const OccupancyGrid& given, double free_range) {
+  LogOddsMap map({.resolution = given.resolution, .free_range = free_range});
   map.grid_ = given;
   map.raster_ = given.origin;
   map.log_odds_.assign(given.data.size(), 0);

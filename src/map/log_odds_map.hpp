@@ -14,6 +14,8 @@ namespace threewe::map {
 /// How much too long or too short all ranges of a lidar may be [m].
 inline constexpr double kMaxRangeBias = 1.0;
 
+inline constexpr double kFreeRange = 8.0;  ///< [m] beams clear nothing beyond, by default
+
 /// One measured line of sight.
 struct Beam {
   Vec2 origin;         ///< [m] where the sensor was
@@ -38,10 +40,10 @@ struct CellHits {
 class LogOddsMap {
  public:
   struct Settings {
-    double resolution = 0.05;  ///< [m]
-    double free_range = 8.0;   ///< [m] beams clear nothing beyond
-    std::int8_t hit = 25;      ///< evidence of one scan that hit a cell
-    std::int8_t pass = -11;    ///< evidence of one scan that looked through it
+    double resolution = 0.05;        ///< [m]
+    double free_range = kFreeRange;  ///< [m] beams clear nothing beyond
+    std::int8_t hit = 25;            ///< evidence of one scan that hit a cell
+    std::int8_t pass = -11;          ///< evidence of one scan that looked through it
     std::int8_t max = 75;
     std::int8_t min = -50;
   };
@@ -50,7 +52,7 @@ class LogOddsMap {
   explicit LogOddsMap(const Settings& settings);
   /// Goes on from a map that somebody gave: what is occupied or free in it counts as seen often, each occupied cell
   /// next to free ones as a surface through its middle. The version begins at 1, at 0 where `given` has no cells.
-  static LogOddsMap going_on_from(const OccupancyGrid& given);
+  static LogOddsMap going_on_from(const OccupancyGrid& given, double free_range = kFreeRange);
 
   /// Adds one scan whose ranges are measured too long by `range_bias` [m]. A cell changes once: where any beam hit it,
   /// it counts as hit, whatever passed through it. Beams that the map would outgrow its limits for are ignored. Throws

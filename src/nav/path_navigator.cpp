@@ -103,7 +103,7 @@ Decision PathNavigator::decide(const Observation& seen) {
                                                                 : finish(Reason::fault, "no scan has arrived");
   }
   const bool relative = std::holds_alternative<Rotate>(goal_) || std::holds_alternative<MoveForward>(goal_);
-  if (!relative && (seen.pose.lost || motion_.lost)) return find_itself(seen);
+  if (!relative && (seen.pose.lost() || motion_.lost)) return find_itself(seen);
   if (!relative && monitor_.stalled(now_)) return finish(Reason::blocked, and_who_is_near("it makes no progress"));
   if (recovery_.active()) return recover(seen);
   recovery_.remember(odom_from_base_);
@@ -391,8 +391,8 @@ Decision PathNavigator::recover(const Observation& seen) {
 // Turns round itself to look; what has been recognised until some time after that, or has not, decides.
 Decision PathNavigator::find_itself(const Observation& seen) {
   if (!motion_.lost) recovery_.look_round(now_, odom_from_base_);
-  motion_.lost = seen.pose.lost;
-  if (!seen.pose.lost) {
+  motion_.lost = seen.pose.lost();
+  if (!seen.pose.lost()) {
     recovery_.end();
     route_.drop();
     return wait();

@@ -195,7 +195,7 @@ void Recorder::Impl::on_tick(std::uint8_t robot, const TickView& view) {
                             .requested = view.requested,
                             .executed = view.commanded.command,
                             .intervention = static_cast<std::uint8_t>(view.commanded.intervention),
-                            .lost = view.pose.lost,
+                            .lost = view.pose.lost(),
                             .takeover = takeover[robot] != 0,
                             .simulated = truth != nullptr,
                             .true_pose = truth == nullptr ? Pose2D{} : truth->true_pose(),

@@ -49,7 +49,7 @@ const LaserScan& Robot::get_lidar_scan() const { return runtime_->lidar_scan(); 
 const IMUData& Robot::get_imu() const { return runtime_->imu(); }
 Pose2D Robot::get_pose() const { return runtime_->pose().map_from_base(); }
 const Odometry& Robot::get_odometry() const { return runtime_->odometry(); }
-bool Robot::lost() const { return runtime_->pose().lost; }
+bool Robot::lost() const { return runtime_->pose().lost(); }
 Velocity Robot::get_velocity() const { return runtime_->pose().velocity; }
 const map::OccupancyGrid& Robot::get_map() const { return runtime_->map(); }
 void Robot::save_map(const std::filesystem::path& yaml) const { map::save_ros_map(get_map(), yaml); }

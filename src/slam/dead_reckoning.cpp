@@ -4,25 +4,15 @@
 #include <cmath>
 
 namespace threewe::slam {
-namespace {
-
-constexpr double kMaxGyroAge = 0.1;        // [s] a gyro sample stands for no longer than this
-constexpr double kMaxExtrapolation = 0.3;  // [s]
-constexpr double kAlike = 0.004;           // [rad] by which wheels and gyro may differ from scan to scan ...
-constexpr double kAlikeTurning = 0.02;     // [rad/rad] ... and more as the robot turns
-constexpr Duration kSilent = 100ms;        // after so long without odometry nobody knows whether the robot moves on
-constexpr int kStandingSamples = 10;       // wheels at rest for so many samples: the robot stands
-
-}  // namespace
-
 void DeadReckoning::add_gyro(Time stamp, double rate) {
   if (has_gyro_) {
     const double gap = to_seconds(stamp - gyro_stamp_);
-    const double seconds = std::clamp(gap, 0.0, kMaxGyroAge);
+    const double seconds = std::clamp(gap, 0.0, to_seconds(params_.gyro_age));
     heading_ += seconds * (rate - calibration_.gyro_bias);  // a sample is the mean since the one before
-    if (gap > kMaxGyroAge && count_ > 0) {
+    if (gap > to_seconds(params_.gyro_age) && count_ > 0) {
       // wheels told the heading meanwhile, up to their newest sample
-      const double since = std::clamp(to_seconds(stamp - point(0).stamp), -kMaxGyroAge, kMaxGyroAge);
+      const double since =
+          std::clamp(to_seconds(stamp - point(0).stamp), -to_seconds(params_.gyro_age), to_seconds(params_.gyro_age));
       heading_used_ = heading_ - since * (rate - calibration_.gyro_bias);
     }
   }
@@ -35,7 +25,7 @@ void DeadReckoning::add_odometry(Time stamp, const Odometry& odometry) {
   TrackPoint next;
   next.stamp = stamp;
   const double heading = gyro_heading(stamp);
-  const bool gyro_fresh = has_gyro_ && std::fabs(to_seconds(stamp - gyro_stamp_)) <= kMaxGyroAge;
+  const bool gyro_fresh = has_gyro_ && std::fabs(to_seconds(stamp - gyro_stamp_)) <= to_seconds(params_.gyro_age);
   const double rate = gyro_fresh ? gyro_rate_ - calibration_.gyro_bias : odometry.velocity.omega;
   next.by_gyro = gyro_fresh;
   next.velocity = {calibration_.forward_scale * odometry.velocity.vx, calibration_.lateral_scale * odometry.velocity.vy,
@@ -49,7 +39,7 @@ void DeadReckoning::add_odometry(Time stamp, const Odometry& odometry) {
     const Pose2D moved = inverse(wheels_.pose) * odometry.pose;
     next.standing = moved == Pose2D{} ? last.standing + 1 : 0;
     rolled_ = rolled_ || next.standing == 0;
-    if (scans_follow_ && next.seconds > kMaxExtrapolation) {
+    if (scans_follow_ && next.seconds > to_seconds(params_.extrapolation)) {
       // it has gone on as was guessed, and scans have corrected that
       next.odom_from_base = at(stamp);
       const Pose2D guessed = inverse(last.odom_from_base) * next.odom_from_base;
@@ -76,7 +66,7 @@ Pose2D DeadReckoning::at(Time stamp) const {
   if (count_ == 0) return {};
   const TrackPoint& newest = point(0);
   if (stamp >= newest.stamp) {
-    const double ahead = std::min(to_seconds(stamp - newest.stamp), kMaxExtrapolation);
+    const double ahead = std::min(to_seconds(stamp - newest.stamp), to_seconds(params_.extrapolation));
     return integrate(newest.odom_from_base, newest.velocity, ahead);
   }
   for (std::size_t age = 1; age < size(); ++age) {
@@ -95,7 +85,8 @@ MotionSummary DeadReckoning::between(Time from, Time to) const {
   double apart = 0.0;
   Pose2D guessed;
   const auto guess = [&](const TrackPoint& last, Time until) {
-    const Duration unseen = until - std::max(last.stamp + kSilent, from);
+    if (!scans_follow_) return;  // the next pose tells of that time
+    const Duration unseen = until - std::max(last.stamp + params_.silence, from);
     if (unseen > 0ns) guessed = integrate(guessed, last.velocity, to_seconds(unseen));
   };
   for (std::size_t age = size(); age-- > 0;) {
@@ -104,20 +95,21 @@ MotionSummary DeadReckoning::between(Time from, Time to) const {
     if (age + 1 < size()) guess(point(age + 1), p.stamp);
     sum.turned += p.turn;
     sum.seconds += p.seconds;
-    sum.at_rest = sum.at_rest && p.by_gyro && (p.standing >= kStandingSamples || !rolled_);
+    sum.at_rest = sum.at_rest && p.by_gyro && (p.standing >= params_.standing_samples || !rolled_);
     apart += p.turn - p.rolled;
   }
   if (!empty()) guess(point(0), to);
   sum.doubtful_way = norm(guessed.position());
-  const double usual = kAlike + kAlikeTurning * std::fabs(sum.turned);
+  const double usual = params_.disagreement + params_.turning_disagreement * std::fabs(sum.turned);
   sum.doubtful_turn = std::fabs(guessed.theta) + std::max(0.0, std::fabs(apart) - usual);
   return sum;
 }
 
-bool DeadReckoning::stands() const { return empty() || point(0).standing >= kStandingSamples; }
+bool DeadReckoning::stands() const { return empty() || point(0).standing >= params_.standing_samples; }
 
 double DeadReckoning::gyro_heading(Time stamp) const {
-  const double ahead = std::clamp(to_seconds(stamp - gyro_stamp_), -kMaxGyroAge, kMaxGyroAge);
+  const double ahead =
+      std::clamp(to_seconds(stamp - gyro_stamp_), -to_seconds(params_.gyro_age), to_seconds(params_.gyro_age));
   return heading_ + ahead * (gyro_rate_ - calibration_.gyro_bias);
 }
 

@@ -4,6 +4,7 @@
 #include <array>
 #include <cstddef>
 
+#include "slam/params.hpp"
 #include "threewe/core/pose.hpp"
 #include "threewe/core/samples.hpp"
 #include "threewe/core/time.hpp"
@@ -47,8 +48,9 @@ class DeadReckoning {
  public:
   /// `scans_follow`: where odometry falls silent for long, scans tell where the robot goes, and what wheels and gyro
   /// tell of that time afterwards is left out.
-  explicit DeadReckoning(const Calibration& calibration, bool scans_follow = false)
-      : calibration_(calibration), scans_follow_(scans_follow) {}
+  explicit DeadReckoning(const Calibration& calibration, bool scans_follow = false,
+                         const Params::DeadReckoning& params = {})
+      : params_(params), calibration_(calibration), scans_follow_(scans_follow) {}
 
   void add_gyro(Time stamp, double rate);
   void add_odometry(Time stamp, const Odometry& odometry);
@@ -61,6 +63,8 @@ class DeadReckoning {
   /// How many points are remembered; `point(0)` is the newest.
   std::size_t size() const { return count_ < kCapacity ? count_ : kCapacity; }
   const TrackPoint& point(std::size_t age) const { return points_[(count_ - 1 - age) % kCapacity]; }
+  /// The newest sample.
+  const Odometry& odometry() const { return wheels_; }
   /// odom_from_base at a time: interpolated, extrapolated from the newest point by at most 0.3 s, held before the
   /// oldest. Identity while there is no point.
   Pose2D at(Time stamp) const;
@@ -75,6 +79,7 @@ class DeadReckoning {
   double gyro_heading(Time stamp) const;
 
   static constexpr std::size_t kCapacity = 64;
+  Params::DeadReckoning params_;
   Calibration calibration_;
   bool scans_follow_ = false;
   std::array<TrackPoint, kCapacity> points_{};

@@ -29,6 +29,8 @@ class GlobalLocalizer {
   /// Searches on, for about so much work as BranchAndBoundMatcher::Search counts it.
   void go_on(std::int64_t work);
   bool searching() const { return hunt_.has_value(); }
+  /// Whether a search has found a pose that the next scans have not yet confirmed.
+  bool has_candidate() const { return confirmed_ > 0; }
 
  private:
   struct Glimpse {

@@ -14,6 +14,13 @@ constexpr std::size_t kAtOnce = 10;  // scans drawn again in one go, about a mil
 
 }  // namespace
 
+map::LogOddsMap::Settings OnlineMap::settings_of(const Params& params) {
+  return {.resolution = params.map_resolution, .free_range = params.mapping.free_range};
+}
+
+OnlineMap::OnlineMap(const SharedParams& params)
+    : settings_(settings_of(*params)), map_(settings_), keyframe_graph_(KeyframeGraph(false)) {}
+
 void OnlineMap::insert(const FrontEndScan& scan) {
   const Pose2D map_from_base = scan.local_from_base;
   map_.insert(transformed(map_from_base, scan.beams), scan.range_bias);
@@ -33,7 +40,7 @@ std::optional<Pose2D> OnlineMap::redraw() {
   if (!keyframe_graph_) return {};
   if (!drawing_ && keyframe_graph_->solutions() != std::exchange(solutions_, keyframe_graph_->solutions()) &&
       lies_elsewhere()) {
-    drawing_ = Drawing{};
+    drawing_.emplace(settings_);
     const map::OccupancyGrid& grid = map_.grid();
     const Vec2 size{grid.width * grid.resolution, grid.height * grid.resolution};
     drawing_->map.make_room(grid.origin, grid.origin + size);

@@ -7,6 +7,7 @@
 
 #include "map/log_odds_map.hpp"
 #include "slam/keyframe_graph.hpp"
+#include "slam/params.hpp"
 #include "threewe/core/pose.hpp"
 #include "threewe/core/time.hpp"
 
@@ -18,9 +19,10 @@ namespace threewe::slam {
 class OnlineMap {
  public:
   /// The robot's own map, which begins where the robot does.
-  OnlineMap() : keyframe_graph_(KeyframeGraph(false)) {}
+  explicit OnlineMap(const SharedParams& params = reference_params());
   /// A map that was given: what is seen is drawn into it, and no loops are closed.
-  explicit OnlineMap(map::LogOddsMap given) : map_(std::move(given)) {}
+  OnlineMap(map::LogOddsMap given, const SharedParams& params)
+      : settings_(settings_of(*params)), map_(std::move(given)) {}
 
   const map::LogOddsMap& map() const { return map_; }
 
@@ -42,15 +44,18 @@ class OnlineMap {
   };
   /// A map in the making.
   struct Drawing {
+    explicit Drawing(const map::LogOddsMap::Settings& settings) : map(settings) {}
     map::LogOddsMap map;
     Time until = Time::min();  // the last keyframe that is drawn
   };
 
+  static map::LogOddsMap::Settings settings_of(const Params& params);
   void forget_dropped();
   bool lies_elsewhere() const;
   void draw_some();
   Pose2D put_in_place();
 
+  map::LogOddsMap::Settings settings_;
   map::LogOddsMap map_;
   std::optional<KeyframeGraph> keyframe_graph_;  // none in a given map
   Pose2D map_from_local_;                        // `local` is the trail's; what moves the map moves this

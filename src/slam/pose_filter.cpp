@@ -8,21 +8,13 @@
 namespace threewe::slam {
 namespace {
 
-// Random errors of dead reckoning beyond its systematic ones; variances grow with the distance and the angle.
-constexpr double kForwardSlip = 0.015;     // [m/sqrt(m)]
-constexpr double kLateralSlip = 0.03;      // [m/sqrt(m)]
-constexpr double kTurnSlip = 0.01;         // [m/sqrt(rad)] the base wanders while it turns
-constexpr double kGyroScale = 0.002;       // [rad/sqrt(rad)]
-constexpr double kWheelTurn = 0.05;        // [rad/sqrt(rad)] when the wheels alone tell the heading
-constexpr double kScaleWalk = 1e-4;        // [1/sqrt(m)]
-constexpr double kRangeWalk = 1e-4;        // [m/sqrt(m)]
 constexpr double kLeastRangeSigma = 1e-6;  // [m] keeps the covariance invertible for a lidar without bias
 
 double square(double x) { return x * x; }
 
 }  // namespace
 
-PoseFilter::PoseFilter(const SensorModel& sensors) : sensors_(sensors) {
+PoseFilter::PoseFilter(const SensorModel& sensors, const Params::Filter& params) : sensors_(sensors), params_(params) {
   covariance_(kRangeBias, kRangeBias) = square(sensors.range_bias_sigma);
   covariance_(kGyroBias, kGyroBias) = square(sensors.gyro_bias_sigma);
   covariance_(kForwardScale, kForwardScale) = square(sensors.forward_scale_sigma);
@@ -46,19 +38,21 @@ void PoseFilter::predict(double heading, Vec2 step, double turn, double seconds,
 
   const double distance = norm(step);
   const double angle = std::fabs(turn);
-  const double slip = square(sensors_.wheel_slip) * distance + square(kTurnSlip) * angle;
-  const double along = square(kForwardSlip) * distance + slip;
-  const double across = square(kLateralSlip) * distance + slip;
+  const double slip = square(sensors_.wheel_slip) * distance + square(params_.turn_slip) * angle;
+  const double along = square(params_.forward_slip) * distance + slip;
+  const double across = square(params_.lateral_slip) * distance + slip;
   covariance_(kX, kX) += c * c * along + s * s * across;
   covariance_(kY, kY) += s * s * along + c * c * across;
   covariance_(kX, kY) += c * s * (along - across);
   covariance_(kY, kX) = covariance_(kX, kY);
-  covariance_(kTheta, kTheta) += gyro ? square(kGyroScale) * angle + square(sensors_.gyro_sigma) * 0.01 * seconds
-                                      : square(kWheelTurn) * angle + square(sensors_.wheel_drift) * distance;
-  if (sensors_.range_bias_sigma > 0.0) covariance_(kRangeBias, kRangeBias) += square(kRangeWalk) * distance;
+  covariance_(kTheta, kTheta) += gyro
+                                     ? square(params_.gyro_scale) * angle + square(sensors_.gyro_sigma) * 0.01 * seconds
+                                     : square(params_.wheel_turn) * angle + square(sensors_.wheel_drift) * distance;
+  if (sensors_.range_bias_sigma > 0.0) covariance_(kRangeBias, kRangeBias) += square(params_.range_walk) * distance;
   covariance_(kGyroBias, kGyroBias) += square(sensors_.gyro_bias_walk) * seconds;
-  covariance_(kForwardScale, kForwardScale) += square(kScaleWalk) * distance;
-  if (sensors_.lateral_scale_sigma > 0.0) covariance_(kLateralScale, kLateralScale) += square(kScaleWalk) * distance;
+  covariance_(kForwardScale, kForwardScale) += square(params_.scale_walk) * distance;
+  if (sensors_.lateral_scale_sigma > 0.0)
+    covariance_(kLateralScale, kLateralScale) += square(params_.scale_walk) * distance;
 }
 
 Vector7 PoseFilter::condition(const Vector4& shift, const Matrix4& posterior) {

@@ -3,7 +3,8 @@
 
 #include <Eigen/Core>
 
-#include "slam/scan_matching_localizer.hpp"
+#include "slam/params.hpp"
+#include "slam/sensor_model.hpp"
 #include "threewe/core/pose.hpp"
 
 namespace threewe::slam {
@@ -22,7 +23,7 @@ enum State : int { kX, kY, kTheta, kRangeBias, kGyroBias, kForwardScale, kLatera
 /// rest in `Calibration`; updates return by how much it shifts.
 class PoseFilter {
  public:
-  explicit PoseFilter(const SensorModel& sensors);
+  explicit PoseFilter(const SensorModel& sensors, const Params::Filter& params = {});
 
   /// Grows with one step of dead reckoning. `heading`: in `map`, half way through the step.
   void predict(double heading, Vec2 step, double turn, double seconds, bool gyro);
@@ -44,6 +45,7 @@ class PoseFilter {
 
  private:
   SensorModel sensors_;
+  Params::Filter params_;
   Matrix7 covariance_ = Matrix7::Zero();
 };
 

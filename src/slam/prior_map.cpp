@@ -6,13 +6,10 @@
 #include "core/grid_line.hpp"
 
 namespace threewe::slam {
-namespace {
-
-constexpr double kBefore = 0.25;  // [m] a beam that ends so near behind a wall has hit it
-
-}  // namespace
-
-PriorMap::PriorMap(const map::OccupancyGrid& grid) : surfaces_(map::LogOddsMap::going_on_from(grid)), search_(grid) {
+PriorMap::PriorMap(const map::OccupancyGrid& grid, const SharedParams& params)
+    : before_wall_(params->registration.before_wall),
+      surfaces_(map::LogOddsMap::going_on_from(grid, params->mapping.free_range)),
+      search_(grid) {
   grid_ = {grid.width, grid.height, grid.resolution, grid.origin, {}};
   cells_.assign(grid.data.size(), kUnknown);
   for (int y = 0; y < grid.height; ++y) {
@@ -47,9 +44,9 @@ Resemblance PriorMap::compare(const Pose2D& map_from_base, std::span<const map::
       sum.hits += cell != kUnknown ? 1 : 0;
       sum.on_surface += cell >= kNear ? 1 : 0;
     }
-    if (beam.range <= kBefore || at(grid_.cell(from)) == kUnknown) continue;
+    if (beam.range <= before_wall_ || at(grid_.cell(from)) == kUnknown) continue;
     ++sum.beams;
-    const Vec2 before = in_map(beam.origin + (beam.range - kBefore) * beam.direction);
+    const Vec2 before = in_map(beam.origin + (beam.range - before_wall_) * beam.direction);
     sum.through_walls += passes_wall(from, before) ? 1 : 0;
   }
   return sum;

@@ -7,6 +7,7 @@
 
 #include "map/log_odds_map.hpp"
 #include "slam/branch_and_bound_matcher.hpp"
+#include "slam/params.hpp"
 #include "threewe/core/pose.hpp"
 #include "threewe/map/occupancy_grid.hpp"
 
@@ -25,7 +26,7 @@ struct Resemblance {
 /// Made once, then shared by whoever looks for a place in it.
 class PriorMap {
  public:
-  explicit PriorMap(const map::OccupancyGrid& grid);
+  explicit PriorMap(const map::OccupancyGrid& grid, const SharedParams& params = reference_params());
 
   /// The map as the matcher and mapping take it, to go on from.
   const map::LogOddsMap& surfaces() const { return surfaces_; }
@@ -40,6 +41,7 @@ class PriorMap {
   bool passes_wall(Vec2 from, Vec2 to) const;
   std::uint8_t at(map::Cell c) const { return grid_.contains(c) ? cells_[grid_.index(c)] : std::uint8_t{kUnknown}; }
 
+  double before_wall_;  // [m]
   map::LogOddsMap surfaces_;
   BranchAndBoundMatcher search_;
   map::OccupancyGrid grid_;  // its shape; no data

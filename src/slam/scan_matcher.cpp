@@ -12,15 +12,6 @@
 namespace threewe::slam {
 namespace {
 
-// Every beam of a scan shares the errors of map and deskewing, so that a scan knows less than its beams together: the
-// deviation of one residual is set so that the posterior is honest, not to the lidar's 1 cm.
-constexpr double kSigma = 0.025;       // [m]
-constexpr double kRobustWidth = 0.06;  // [m] residuals well beyond this count little ...
-constexpr double kUsual = 0.012;       // [m] ... both with a lidar that scatters no more than this; else in proportion
-constexpr double kSpotSize = 0.015;    // [m] hits spread less than this in every direction make a spot
-constexpr double kAgreement = 0.10;    // [m] a hit this near to a surface lies on it
-constexpr double kApart = 0.3;         // [rad] between two views of a surface that tell about the lidar's bias
-constexpr double kObserved = 10.0;     // times what the noise of normals tells is told of a direction that is observed
 constexpr int kMaxIterations = 6;
 constexpr double kMaxCellWeight = 12.0;  // hits in one cell beyond this add nothing to its weight
 
@@ -71,10 +62,10 @@ struct NormalEquations {
 // the robot back where the map ends. A direction of which not clearly more is told than by such noise counts as not
 // observed (solution remapping: Zhang, Kaess & Singh 2016, "On degeneracy of optimization-based state estimation
 // problems").
-void forget_unobserved(NormalEquations& scan) {
+void forget_unobserved(NormalEquations& scan, double observed) {
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> told(scan.h.topLeftCorner<2, 2>());
   const Eigen::Vector2d least = told.eigenvectors().col(0);
-  if (told.eigenvalues()(0) > kObserved * least.dot(scan.by_tilt * least)) return;
+  if (told.eigenvalues()(0) > observed * least.dot(scan.by_tilt * least)) return;
   const Vector4 direction(least(0), least(1), 0.0, 0.0);
   const Matrix4 rest = Matrix4::Identity() - direction * direction.transpose();
   scan.h = (rest * scan.h * rest).eval();
@@ -90,11 +81,13 @@ Residual residual_in_map(const Surface& surface, Vec2 direction, Vec2 point, Vec
 }
 
 NormalEquations linearize(const map::LogOddsMap& map, std::span<const map::Beam> beams, const Placement& at,
-                          double scatter) {
+                          double scatter, const Params::Matching& params) {
   NormalEquations sum;
-  const double worse = std::max(scatter / kUsual, 1.0);
-  const double sigma = worse * kSigma;
-  const double width = worse * kRobustWidth;
+  // every beam of a scan shares the errors of map and deskewing, so that a scan knows less than its beams together: the
+  // deviation of one residual is set so that the posterior is honest, not to the lidar's
+  const double worse = std::max(scatter / params.usual_noise, 1.0);
+  const double sigma = worse * params.residual;
+  const double width = worse * params.robust_width;
   const auto [s, c] = exact::sincos(at.pose.theta);
   const auto turned = [s = s, c = c](Vec2 p) { return Vec2{c * p.x - s * p.y, s * p.x + c * p.y}; };
   for (const map::Beam& beam : beams) {
@@ -102,19 +95,19 @@ NormalEquations linearize(const map::LogOddsMap& map, std::span<const map::Beam>
     const Vec2 arm = turned(beam.origin + (beam.range - at.range_bias) * beam.direction);
     const Vec2 ray = turned(beam.direction);
     const Vec2 point = at.pose.position() + arm;
-    const std::optional<Surface> surface = surface_at(map, point, -1.0 * ray);
+    const std::optional<Surface> surface = surface_at(map, point, -1.0 * ray, params);
     if (!surface) {
       sum.in_free_space += map.log_odds(map.grid().cell(point)) < 0 ? 1 : 0;
       continue;
     }
     // what was seen along the same line only repeats itself: a robot that stands would take its own errors for a bias
-    const bool tells_bias = norm(ray + surface->from) > kApart;
+    const bool tells_bias = norm(ray + surface->from) > params.viewing_angle;
     const auto add = [&](Vec2 direction) {
       Residual r = residual_in_map(*surface, direction, point, ray, arm, at.range_bias);
       if (!tells_bias) r.jacobian(3) = 0.0;
       const double variance = square(sigma) + surface->spread;
       sum.add(r, 1.0 / (variance * square(1.0 + square(r.value / width))));
-      return std::fabs(r.value) < kAgreement;
+      return std::fabs(r.value) < params.surface_distance;
     };
     // far walls are hit so sparsely that they look like spots too; only thin things really are some
     bool agrees = false;
@@ -125,7 +118,7 @@ NormalEquations linearize(const map::LogOddsMap& map, std::span<const map::Beam>
       const bool along = add(surface->normal);
       agrees = add({-surface->normal.y, surface->normal.x}) && along;
     } else {
-      agrees = distance(point, surface->mean) < kAgreement;
+      agrees = distance(point, surface->mean) < params.surface_distance;
     }
     ++(agrees ? sum.on_surface : sum.in_free_space);
   }
@@ -134,7 +127,7 @@ NormalEquations linearize(const map::LogOddsMap& map, std::span<const map::Beam>
 
 }  // namespace
 
-std::optional<Surface> surface_at(const map::LogOddsMap& map, Vec2 point, Vec2 back) {
+std::optional<Surface> surface_at(const map::LogOddsMap& map, Vec2 point, Vec2 back, const Params::Matching& params) {
   const map::OccupancyGrid& grid = map.grid();
   const map::Cell middle = grid.cell(point);
   if (middle.x < 1 || middle.y < 1 || middle.x >= grid.width - 1 || middle.y >= grid.height - 1) return {};
@@ -176,8 +169,8 @@ std::optional<Surface> surface_at(const map::LogOddsMap& map, Vec2 point, Vec2 b
   surface.mean = grid.center(middle) + r * Vec2{mx, my};
   surface.from = (1.0 / w) * from;
   surface.spread = small * r * r;
-  surface.line = large * r * r > square(kSpotSize);
-  surface.tilt = std::max(surface.spread, square(kUsual)) / (w * large * r * r);
+  surface.line = large * r * r > square(params.spot_size);
+  surface.tilt = std::max(surface.spread, square(params.usual_noise)) / (w * large * r * r);
   // (c - small I) has rows along the other eigenvector; the longer one is the better conditioned
   Vec2 along = cxx >= cyy ? Vec2{cxx - small, cxy} : Vec2{cxy, cyy - small};
   const double length = norm(along);
@@ -192,12 +185,13 @@ Residual residual(const Surface& surface, Vec2 direction, const Placement& at, c
 }
 
 Match match_scan(const map::LogOddsMap& map, std::span<const map::Beam> beams, const Placement& prior,
-                 const Matrix4& prior_information, const Pose2D& start, double scatter, Directions directions) {
+                 const Matrix4& prior_information, const Pose2D& start, double scatter, Directions directions,
+                 const Params::Matching& params) {
   Match match;
   match.at = {start, prior.range_bias};
   for (int i = 0; i < kMaxIterations; ++i) {
-    NormalEquations scan = linearize(map, beams, match.at, scatter);
-    if (directions == Directions::observed) forget_unobserved(scan);
+    NormalEquations scan = linearize(map, beams, match.at, scatter, params);
+    if (directions == Directions::observed) forget_unobserved(scan, params.observed);
     const Pose2D& pose = match.at.pose;
     const Vector4 off{pose.x - prior.pose.x, pose.y - prior.pose.y, wrap_angle(pose.theta - prior.pose.theta),
                       match.at.range_bias - prior.range_bias};

@@ -8,6 +8,7 @@
 #include <Eigen/Core>
 
 #include "map/log_odds_map.hpp"
+#include "slam/params.hpp"
 #include "slam/pose_filter.hpp"
 #include "threewe/core/pose.hpp"
 
@@ -25,7 +26,8 @@ struct Surface {
 
 /// The surface at `point`, from the hits in the 3 x 3 cells around it that were seen from a side that looks back along
 /// `back`; empty where there are none.
-std::optional<Surface> surface_at(const map::LogOddsMap& map, Vec2 point, Vec2 back);
+std::optional<Surface> surface_at(const map::LogOddsMap& map, Vec2 point, Vec2 back,
+                                  const Params::Matching& params = {});
 
 /// What a scan tells about.
 struct Placement {
@@ -61,7 +63,7 @@ enum class Directions : std::uint8_t { all, observed };
 /// frame. `scatter`: deviation of a range [m], where that is known; up to 12 mm other errors weigh more.
 Match match_scan(const map::LogOddsMap& map, std::span<const map::Beam> beams, const Placement& prior,
                  const Matrix4& prior_information, const Pose2D& start, double scatter = 0.0,
-                 Directions directions = Directions::observed);
+                 Directions directions = Directions::observed, const Params::Matching& params = {});
 
 /// How wide to search.
 struct SearchWindow {

@@ -7,9 +7,11 @@
 #include <fmt/format.h>
 
 #include "core/bounds.hpp"
+#include "slam/front_end.hpp"
 #include "slam/keyframe_graph.hpp"
+#include "slam/local_map.hpp"
+#include "slam/odometry_check.hpp"
 #include "slam/relocalizer.hpp"
-#include "slam/scan_odometry.hpp"
 #include "slam/slam_config.hpp"
 #include "slam/slam_file.hpp"
 #include "threewe/core/errors.hpp"
@@ -19,6 +21,8 @@ namespace {
 
 SensorModel sensors(const SlamConfig& config) {
   SensorModel model;
+  model.gyro = false;
+  model.streams = false;
   model.base_from_lidar = config.base_from_lidar;
   model.range_bias_sigma = config.range_bias_sigma;
   model.forward_scale_sigma = config.distance_sigma;
@@ -54,15 +58,22 @@ std::string_view to_string(SlamIncident incident) {
 
 struct Slam::State {
   explicit State(const SlamConfig& c, double range_bias = 0.0)
-      : config((check(c), c)), front({.sensors = sensors(c), .range_max = c.range_max, .range_bias = range_bias}) {}
+      : config((check(c), c)),
+        params(reference_params()),
+        front(sensors(c), params, {}, range_bias),
+        odometry_check(params),
+        local_map(params) {}
 
   Pose2D add(Time stamp, const LaserScan& scan, const std::optional<Pose2D>& odom_from_base);
   void check_order(Time stamp, const LaserScan& scan) const;
-  void record(Time stamp, bool joined);
+  void record(Time stamp, const Registration& seen, bool joined);
   void record(Time stamp, SlamIncident incident, bool happens);
 
   SlamConfig config;
-  ScanOdometry front;
+  SharedParams params;
+  FrontEnd front;
+  OdometryCheck odometry_check;
+  LocalMap local_map;
   std::size_t beam_count = 0;  // of each scan; 0 before the first
   KeyframeGraph keyframe_graph;
   Relocalizer relocalizer;
@@ -88,19 +99,24 @@ Pose2D Slam::State::add(Time stamp, const LaserScan& scan, const std::optional<P
   check_order(stamp, scan);
 
   beam_count = scan.ranges.size();
-  const Pose2D local_from_base = front.add(stamp, scan, odom_from_base);
-  const std::vector<map::Beam>& beams = front.beams();
-  const bool lost = front.registration().scan == Registration::Scan::lost;
+  const Registration seen = odometry_check.add(front, local_map.map(), stamp, scan, config.range_max, odom_from_base);
+  const bool lost = seen.scan == Registration::Scan::lost;
+  const bool measured = lost || seen.scan == Registration::Scan::fits;
+  if (lost) local_map.clear();
+  if (measured) local_map.extend(front);
+
+  const Pose2D local_from_base = front.map_from_base();
+  const std::vector<map::Beam> beams = measured ? front.beams() : std::vector<map::Beam>{};
   const int joined_before = keyframe_graph.joined();
-  keyframe_graph.add({stamp, local_from_base, front.covariance(), beams, front.range_bias(), lost});
+  keyframe_graph.add(
+      {stamp, local_from_base, front.covariance().topLeftCorner<3, 3>(), beams, front.range_bias(), lost});
   const auto found = relocalizer.look(keyframe_graph, stamp, local_from_base, beams, front.range_bias());
   if (found) keyframe_graph.join_at(found->component, found->map_from_base, front.range_bias());
-  record(stamp, keyframe_graph.joined() != joined_before);
+  record(stamp, seen, keyframe_graph.joined() != joined_before);
   return keyframe_graph.data().pose_of(keyframe_graph.data().steps.back());
 }
 
-void Slam::State::record(Time stamp, bool joined) {
-  const Registration& newest = front.registration();
+void Slam::State::record(Time stamp, const Registration& newest, bool joined) {
   record(stamp, SlamIncident::lidar_frozen, newest.frozen);
   record(stamp, SlamIncident::odometry_jumped, newest.odometry_jumped);
   record(stamp, SlamIncident::odometry_stopped, newest.odometry_stopped);

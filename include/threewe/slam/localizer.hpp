@@ -3,9 +3,11 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <span>
+#include <string_view>
 
 #include "threewe/core/pose.hpp"
 #include "threewe/core/samples.hpp"
@@ -24,17 +26,29 @@ struct InitialState {
   std::optional<Pose2D> map_from_start;
 };
 
+/// How far a localizer knows where the robot is.
+enum class LocalizationState : std::uint8_t {
+  tracking,    ///< scans fit the map where the robot is estimated to be
+  doubting,    ///< they fit, but a prior map has long been contradicted: the whole map is searched meanwhile
+  lost,        ///< they do not fit: the pose is where the robot was last believed to be; the whole map is searched
+  relocating,  ///< the search found one pose; the next scans decide whether it is right
+};
+/// Its name, such as "tracking".
+std::string_view to_string(LocalizationState state);
+
 /// What is known about the robot's pose at one time.
 struct PoseEstimate {
-  Time stamp{};                        ///< of the estimate
-  Pose2D odom_from_base;               ///< smooth: wheels and gyro, never jumps
-  Pose2D map_from_odom;                ///< moves when a scan or a loop closure corrects the drift
-  Velocity velocity;                   ///< in the body frame
-  std::array<double, 9> covariance{};  ///< of map_from_base (x, y, theta), row-major
-  bool lost = false;                   ///< map_from_odom is no more than where the robot was last believed to be
+  Time stamp{};                                           ///< of the estimate
+  Pose2D odom_from_base;                                  ///< smooth: wheels and gyro, never jumps
+  Pose2D map_from_odom;                                   ///< moves when a scan or a loop closure corrects the drift
+  Velocity velocity;                                      ///< in the body frame
+  std::array<double, 9> covariance{};                     ///< of map_from_base (x, y, theta), row-major
+  LocalizationState state = LocalizationState::tracking;  ///< whether map_from_odom is known
 
   /// The estimated pose in `map`.
   Pose2D map_from_base() const { return map_from_odom * odom_from_base; }
+  /// Whether map_from_odom is no more than where the robot was last believed to be.
+  bool lost() const { return state == LocalizationState::lost || state == LocalizationState::relocating; }
   /// `odom_from_base` a short time before, had the robot moved as it does now.
   Pose2D odom_from_base_ago(Duration ago) const { return integrate(odom_from_base, velocity, -to_seconds(ago)); }
   /// Radius [m] of the disc around the estimated position that holds the true one with a probability of 95 %, as far as

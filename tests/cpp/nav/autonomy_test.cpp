@@ -341,8 +341,9 @@ TEST_CASE("a lost robot turns round to look, goes on where it finds itself, and 
   const auto lose = [&](Time from, Time to) {
     return [&drive, &turned, &before, &lost_at, from, to](Observation& seen) {
       if (seen.now < from) lost_at = drive.world.pose().position();
-      seen.pose.lost = seen.now >= from && seen.now < to;
-      if (seen.pose.lost) turned += wrap_angle(drive.world.pose().theta - before);
+      seen.pose.state =
+          seen.now >= from && seen.now < to ? slam::LocalizationState::lost : slam::LocalizationState::tracking;
+      if (seen.pose.lost()) turned += wrap_angle(drive.world.pose().theta - before);
       before = drive.world.pose().theta;
     };
   };

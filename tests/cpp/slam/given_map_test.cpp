@@ -65,8 +65,8 @@ class Wakening {
     for (int tick = 0; tick < ticks; ++tick) {
       for (const Sample& s : world_.tick(v)) localizer_->add(s);
       const PoseEstimate e = estimate();
-      if (!e.lost) worst_ = std::max(worst_, error());
-      lost_ticks_ += e.lost ? 1 : 0;
+      if (!e.lost()) worst_ = std::max(worst_, error());
+      lost_ticks_ += e.lost() ? 1 : 0;
       CHECK(localizer_->map_version() >= version_);
       version_ = localizer_->map_version();
     }
@@ -85,10 +85,10 @@ TEST_CASE("without a word about where it is, a robot finds itself in half a seco
   for (const Pose2D truth : {Pose2D{0.4, 0.9, 2.1}, Pose2D{5.2, 1.0, -0.8}, Pose2D{-2.0, -1.0, 0.3}}) {
     CAPTURE(truth.x);
     Wakening robot(truth, {drawn(), {}});
-    CHECK(robot.estimate().lost);
+    CHECK(robot.estimate().lost());
     CHECK(robot.estimate().covariance[0] > 4.0);
     robot.drive({}, 30);
-    CHECK_FALSE(robot.estimate().lost);
+    CHECK_FALSE(robot.estimate().lost());
     robot.drive({0.2, 0.0, 0.4}, 600);
     CHECK(robot.worst_ < 0.08);
     CHECK(robot.estimate().covariance[0] < 0.01);
@@ -106,7 +106,7 @@ TEST_CASE("a first pose that is roughly right is good enough, and one that is wr
 
   Wakening wrong({0.4, 0.9, 2.1}, {drawn(), Pose2D{5.0, 0.5, 0.0}});
   wrong.drive({}, 200);
-  CHECK_FALSE(wrong.estimate().lost);
+  CHECK_FALSE(wrong.estimate().lost());
   CHECK(wrong.error() < 0.08);
 }
 
@@ -116,9 +116,9 @@ TEST_CASE("a robot that is carried to another room says so, and finds itself the
   CHECK(robot.lost_ticks_ == 0);
   robot.world_.teleport({5.2, 1.0, -0.8});
   robot.drive({}, 60);
-  CHECK(robot.estimate().lost);
+  CHECK(robot.estimate().lost());
   robot.drive({}, 60);
-  CHECK_FALSE(robot.estimate().lost);
+  CHECK_FALSE(robot.estimate().lost());
   CHECK(robot.error() < 0.08);
 }
 
@@ -130,7 +130,7 @@ TEST_CASE("a robot that draws its own map finds back into it") {
   CHECK(robot.lost_ticks_ == 0);
   robot.world_.teleport({-1.0, 0.5, 2.0});
   robot.drive({}, 150);
-  CHECK_FALSE(robot.estimate().lost);
+  CHECK_FALSE(robot.estimate().lost());
   CHECK(robot.error() < 0.08);
 }
 
@@ -184,7 +184,7 @@ TEST_CASE("a copy goes on with the same bits, lost or not") {
       const PoseEstimate a = localizer->estimate(world.now());
       const PoseEstimate b = copy->estimate(world.now());
       CHECK(a.map_from_odom == b.map_from_odom);
-      CHECK(a.lost == b.lost);
+      CHECK(a.lost() == b.lost());
       CHECK(a.covariance == b.covariance);
     }
     CHECK(localizer->map() == copy->map());

@@ -78,7 +78,7 @@ TEST_CASE("with every sensor wrong the pose stays right") {
       for (const Sample& s : world.tick(v)) localizer->add(s);
       const PoseEstimate e = localizer->estimate(world.now());
       worst = std::max(worst, distance(e.map_from_base().position(), world.pose().position()));
-      CHECK_FALSE(e.lost);
+      CHECK_FALSE(e.lost());
     }
     const PoseEstimate e = localizer->estimate(world.now());
     CHECK(distance(e.map_from_base().position(), world.pose().position()) < 0.04);
@@ -234,7 +234,7 @@ TEST_CASE("a robot that is carried away says that it is lost") {
   for (int tick = 0; tick < 200; ++tick) {
     for (const Sample& s : world.tick({})) localizer->add(s);
   }
-  CHECK_FALSE(localizer->estimate(world.now()).lost);
+  CHECK_FALSE(localizer->estimate(world.now()).lost());
 
   // the same robot in quite another room
   std::vector<TinyWall> elsewhere;
@@ -243,7 +243,7 @@ TEST_CASE("a robot that is carried away says that it is lost") {
   for (int tick = 0; tick < 250; ++tick) {
     for (const Sample& s : world.tick({})) localizer->add(s);
   }
-  CHECK(localizer->estimate(world.now()).lost);
+  CHECK(localizer->estimate(world.now()).lost());
 }
 
 /// A localiser whose lidar is blind within 30 cm.

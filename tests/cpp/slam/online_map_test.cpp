@@ -130,7 +130,7 @@ TEST_CASE("where a loop has closed, map and robot are where they should be") {
 
     // the same without closing loops: all walls of the second round beside those of the first
     Block again(seed);
-    OnlineMap plain{map::LogOddsMap()};
+    OnlineMap plain{map::LogOddsMap(), reference_params()};
     while (again.driven() < 60.0) {
       plain.insert(again.next());
       CHECK_FALSE(plain.redraw());

@@ -1,0 +1,163 @@
+#include "slam/params.hpp"
+
+namespace threewe::slam {
+namespace {
+
+Parameters parameters_of(Params::DeadReckoning& p) {
+  return {
+      {"gyro_age", &p.gyro_age, "s", Scale::none, "a gyro sample stands for no longer; then the wheels tell the turn"},
+      {"extrapolation", &p.extrapolation, "s", Scale::none, "beyond the newest odometry the pose is held"},
+      {"silence", &p.silence, "s", Scale::none, "without odometry, after which the motion is guessed and said to be"},
+      {"disagreement", &p.disagreement, "rad", Scale::none, "of wheels and gyro from scan to scan that is usual"},
+      {"turning_disagreement", &p.turning_disagreement, "rad/rad", Scale::none, "more of it as the robot turns"},
+      {"standing_samples", &p.standing_samples, "", Scale::none, "of wheels at rest, after which the robot stands"},
+  };
+}
+
+Parameters parameters_of(Params::Filter& p) {
+  return {
+      {"forward_slip", &p.forward_slip, "m/sqrt(m)", Scale::none, "random error along the way, by wheels"},
+      {"lateral_slip", &p.lateral_slip, "m/sqrt(m)", Scale::none, "random error across the way, by wheels"},
+      {"turn_slip", &p.turn_slip, "m/sqrt(rad)", Scale::size, "the base wanders while it turns"},
+      {"gyro_scale", &p.gyro_scale, "rad/sqrt(rad)", Scale::none, "random error of a turn by gyro"},
+      {"wheel_turn", &p.wheel_turn, "rad/sqrt(rad)", Scale::none, "random error of a turn by wheels alone"},
+      {"scale_walk", &p.scale_walk, "1/sqrt(m)", Scale::none, "how fast wheels may change: more forgets calibration"},
+      {"range_walk", &p.range_walk, "m/sqrt(m)", Scale::none, "how fast the lidar's bias may change"},
+      {"scan_position", &p.scan_position, "m", Scale::size, "error of deskewing and stamps, with each scan"},
+      {"scan_heading", &p.scan_heading, "rad", Scale::none, "the same of the heading"},
+      {"bias_creep", &p.bias_creep, "rad/s", Scale::none, "of the gyro's bias, unnoticed while the robot drove"},
+      {"bias_jump", &p.bias_jump, "", Scale::none, "standard deviations of a change that is a fault, and not learned"},
+  };
+}
+
+Parameters parameters_of(Params::Matching& p) {
+  return {
+      {"residual", &p.residual, "m", Scale::size, "deviation of a hit from its surface: more trusts odometry more"},
+      {"robust_width", &p.robust_width, "m", Scale::size, "hits farther from their surface count little"},
+      {"usual_noise", &p.usual_noise, "m", Scale::size, "of a range; with a noisier lidar both grow in proportion"},
+      {"spot_size", &p.spot_size, "m", Scale::size, "hits of less extent are a spot, not a line"},
+      {"surface_distance", &p.surface_distance, "m", Scale::size, "a hit this near to a surface agrees with the map"},
+      {"viewing_angle", &p.viewing_angle, "rad", Scale::none, "between views of a surface that tell the range bias"},
+      {"observed", &p.observed, "", Scale::none,
+       "times the noise of normals: a direction of less information is left to odometry, as along a corridor"},
+  };
+}
+
+Parameters parameters_of(Params::Registration& p) {
+  return {
+      {"poor_agreement", &p.poor_agreement, "", Scale::none, "below this share of hits the surroundings are searched"},
+      {"good_agreement", &p.good_agreement, "", Scale::none, "from this share on a scan confirms a pose by itself"},
+      {"least_agreement", &p.least_agreement, "", Scale::none, "below this share a scan is a misfit"},
+      {"few_hits", &p.few_hits, "", Scale::none, "in known space: fewer tell nothing"},
+      {"known_share", &p.known_share, "", Scale::none, "of hits in known space that can confirm a pose"},
+      {"few_known_share", &p.few_known_share, "", Scale::none, "with fewer, beams through walls make a misfit"},
+      {"through_walls", &p.through_walls, "", Scale::none, "share of beams through walls that makes it one"},
+      {"before_wall", &p.before_wall, "m", Scale::size, "a beam that ends so near behind a wall has hit it"},
+      {"search_position", &p.search_position, "m", Scale::size, "searched to each side of the prediction"},
+      {"search_heading", &p.search_heading, "rad", Scale::none, "the same of the heading"},
+      {"widest_position", &p.widest_position, "m", Scale::size, "searched where lost or guessed: costs its square"},
+      {"widest_heading", &p.widest_heading, "rad", Scale::none, "the same of the heading"},
+      {"unsure_heading", &p.unsure_heading, "rad", Scale::none, "standard deviation from which on it is searched"},
+      {"better_poor", &p.better_poor, "", Scale::none, "agreement by which a pose found by search must be better"},
+      {"better", &p.better, "", Scale::none, "the same where only the heading is unsure"},
+      {"poor_lidar", &p.poor_lidar, "", Scale::none, "times its data sheet a lidar may be noisy without more bias"},
+      {"least_noise", &p.least_noise, "m", Scale::noise, "taken for what a data sheet that promises less says"},
+  };
+}
+
+Parameters parameters_of(Params::Mapping& p) {
+  return {
+      {"distance", &p.distance, "m", Scale::size, "the map takes a scan after so much motion: less costs time"},
+      {"turn", &p.turn, "rad", Scale::none, "or turning"},
+      {"age", &p.age, "s", Scale::none, "or time, in which things move"},
+      {"free_range", &p.free_range, "m", Scale::size, "beams clear nothing beyond: less costs less"},
+  };
+}
+
+Parameters parameters_of(Params::Localization& p) {
+  return {
+      {"blind_after", &p.blind_after, "s", Scale::scan, "without a scan, wheels and gyro go on alone"},
+      {"start", &p.start, "s", Scale::none, "standing, after which the gyro's bias is known"},
+      {"lost_after", &p.lost_after, "s", Scale::scan, "without a scan that fits, the robot is lost"},
+      {"lost_at_once_after", &p.lost_at_once_after, "s", Scale::scan, "the same if none even resembles the map"},
+      {"lost_agreement", &p.lost_agreement, "", Scale::none, "share of hits below which a scan does not"},
+      {"doubtful_prior", &p.doubtful_prior, "", Scale::none, "agreement with a prior map below which it is doubted"},
+      {"certain_prior", &p.certain_prior, "", Scale::none, "agreement with it above which it no longer is"},
+      {"doubt_share", &p.doubt_share, "", Scale::none, "of one scan in these: more doubts sooner"},
+      {"better", &p.better, "", Scale::none, "agreement by which a found pose must be better than the estimated one"},
+      {"told_position", &p.told_position, "m", Scale::size, "standard deviation of an initial pose"},
+      {"told_heading", &p.told_heading, "rad", Scale::none, "the same of its heading"},
+      {"found_position", &p.found_position, "m", Scale::size, "standard deviation of a pose found by search"},
+      {"found_heading", &p.found_heading, "rad", Scale::none, "the same of its heading"},
+      {"redrawn_position", &p.redrawn_position, "m", Scale::size, "standard deviation of the pose in a redrawn map"},
+      {"redrawn_heading", &p.redrawn_heading, "rad", Scale::none, "the same of its heading"},
+      {"prior_position", &p.prior_position, "m", Scale::size, "standard deviation of a prior map against the world"},
+      {"prior_heading", &p.prior_heading, "rad", Scale::none, "the same of its heading"},
+  };
+}
+
+Parameters parameters_of(Params::OdometryCheck& p) {
+  return {
+      {"jump", &p.jump, "m", Scale::size, "a step of the odometry that changes by more is doubted"},
+      {"turn_jump", &p.turn_jump, "rad", Scale::none, "the same of a turn"},
+      {"most_speed", &p.most_speed, "m/s", Scale::speed, "no robot between walls is faster"},
+      {"most_turn_rate", &p.most_turn_rate, "rad/s", Scale::turn_rate, "no robot between walls turns faster"},
+      {"shortest_interval", &p.shortest_interval, "s", Scale::none, "stamps of old logs come in bursts"},
+      {"most_extrapolation", &p.most_extrapolation, "", Scale::none, "times the interval before: then nobody knows"},
+      {"steady_distance", &p.steady_distance, "m", Scale::size, "by which a guessed step may be off"},
+      {"steady_turn", &p.steady_turn, "rad", Scale::none, "the same of a turn"},
+      {"steady_share", &p.steady_share, "", Scale::none, "and this share of either"},
+      {"better", &p.better, "", Scale::none, "agreement by which a motion without odometry must fit better"},
+      {"moved", &p.moved, "m", Scale::size, "by scans alone, while odometry stands: it has stopped"},
+      {"turned", &p.turned, "rad", Scale::none, "the same of a turn"},
+      {"moved_chi", &p.moved_chi, "", Scale::none, "and so many variances of what the scan says"},
+      {"free_position", &p.free_position, "m", Scale::size, "prior of a scan that decides alone"},
+      {"free_heading", &p.free_heading, "rad", Scale::none, "the same of its heading"},
+      {"free_bias", &p.free_bias, "m", Scale::bias, "the same of its range bias"},
+      {"frozen_distance", &p.frozen_distance, "m", Scale::size, "by odometry, while scans repeat: the lidar froze"},
+      {"frozen_turn", &p.frozen_turn, "rad", Scale::none, "the same of a turn"},
+      {"most_misfits", &p.most_misfits, "", Scale::none, "scans in a row, after which the track is lost"},
+  };
+}
+
+Parameters parameters_of(Params::LocalMap& p) {
+  return {
+      {"resolution", &p.resolution, "m", Scale::size, "a cell: wide enough for two hits of one scan, metres away"},
+      {"free_range", &p.free_range, "m", Scale::size, "beams clear nothing beyond: enough to see what has gone"},
+      {"length", &p.length, "m", Scale::size, "driven, after which a local map is given up"},
+      {"overlap", &p.overlap, "m", Scale::size, "driven before that, when the next one begins"},
+  };
+}
+
+Parameters parameters_of(Params::Obstacles& p) {
+  return {
+      {"blur", &p.blur, "m", Scale::bias, "around its least range the lidar sees some things and not others"},
+      {"neighbourhood", &p.neighbourhood, "m", Scale::size, "hits so near to one another are smoothed"},
+      {"same", &p.same, "m", Scale::size, "points nearer to each other are one"},
+  };
+}
+
+}  // namespace
+
+Parameters parameters_of(Params& p) {
+  Parameters all;
+  all.push_back(
+      {"map_resolution", &p.map_resolution, "m", Scale::size, "a cell of the map: 0.05 times a power of two"});
+  append(all, "dead_reckoning", parameters_of(p.dead_reckoning));
+  append(all, "filter", parameters_of(p.filter));
+  append(all, "matching", parameters_of(p.matching));
+  append(all, "registration", parameters_of(p.registration));
+  append(all, "mapping", parameters_of(p.mapping));
+  append(all, "odometry_check", parameters_of(p.odometry_check));
+  append(all, "local_map", parameters_of(p.local_map));
+  append(all, "localization", parameters_of(p.localization));
+  append(all, "obstacles", parameters_of(p.obstacles));
+  return all;
+}
+
+SharedParams reference_params() {
+  static const SharedParams params = std::make_shared<const Params>();
+  return params;
+}
+
+}  // namespace threewe::slam
