@@ -3,11 +3,15 @@
 
 #include <memory>
 
+#include "slam/params.hpp"
 #include "threewe/hardware/profile.hpp"
 #include "threewe/nav/navigator.hpp"
 #include "threewe/slam/localizer.hpp"
 
 namespace threewe::slam {
+
+/// The parameters of localization for a robot; its map's resolution is rounded, see `rounded_resolution`.
+SharedParams params_for(const RobotProfile& profile);
 
 /// Localisation and mapping by lidar, gyro and wheels; by wheels and gyro alone where there is no lidar.
 std::unique_ptr<Localizer> make_localizer(const RobotProfile& profile, const InitialState& initial = {});

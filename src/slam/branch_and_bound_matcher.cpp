@@ -63,13 +63,11 @@ HWY_EXPORT(add_tiles);
 namespace {
 
 constexpr int kTileShift = 3;
-constexpr double kFarthestMoves = 2.0;       // cells, from one heading to the next
-constexpr double kElsewhere = 0.5;           // [m]
-constexpr double kTurned = exact::kPi / 12;  // [rad]
-constexpr double kLeastTurn = 0.001;         // [rad] from one heading to the next, however far they are ...
-constexpr double kMostTurn = 0.1;            // ... or near
-constexpr double kFull = 255.0;              // what a hit on an occupied cell scores
-constexpr std::int64_t kQueueing = 16;       // the work of one visit to the queue
+constexpr double kFarthestMoves = 2.0;  // cells, from one heading to the next
+constexpr double kLeastTurn = 0.001;    // [rad] from one heading to the next, however far they are ...
+constexpr double kMostTurn = 0.1;       // ... or near
+constexpr double kFull = 255.0;         // what a hit on an occupied cell scores
+constexpr std::int64_t kQueueing = 16;  // the work of one visit to the queue
 
 // What a hit scores by how many cells, across and along, lie between it and the nearest occupied one: a normal
 // distribution of one cell's deviation, cut off after the neighbours. Over 240 searches in generated scenes all of the
@@ -283,11 +281,11 @@ BranchAndBoundMatcher::Search::Merit BranchAndBoundMatcher::Search::merit(const 
 
 // Whether some pose of the node is far from the best one; asks the corners.
 bool BranchAndBoundMatcher::Search::is_elsewhere(const Node& node) const {
-  if (std::fabs(wrap_angle((node.turn - best_->turn) * step_)) > kTurned) return true;
+  if (std::fabs(wrap_angle((node.turn - best_->turn) * step_)) > map_->params_.elsewhere_heading) return true;
   const int last = (1 << (kTileShift * node.level)) - 1;
   const double dx = std::max(std::abs(node.x - best_->x), std::abs(node.x + last - best_->x));
   const double dy = std::max(std::abs(node.y - best_->y), std::abs(node.y + last - best_->y));
-  return exact::hypot(dx, dy) * map_->resolution_ > kElsewhere;
+  return exact::hypot(dx, dy) * map_->resolution_ > map_->params_.elsewhere_position;
 }
 
 Pose2D BranchAndBoundMatcher::Search::pose_of(const Node& pose) const {
@@ -323,8 +321,8 @@ BranchAndBoundMatcher::Level::Level(std::span<const std::uint8_t> scores, int wi
   }
 }
 
-BranchAndBoundMatcher::BranchAndBoundMatcher(const map::OccupancyGrid& grid)
-    : resolution_(grid.resolution), origin_(grid.origin), width_(grid.width), height_(grid.height) {
+BranchAndBoundMatcher::BranchAndBoundMatcher(const map::OccupancyGrid& grid, const Params::GlobalSearch& params)
+    : params_(params), resolution_(grid.resolution), origin_(grid.origin), width_(grid.width), height_(grid.height) {
   if (grid.data.empty()) return;
   const std::vector<std::uint8_t> scores = scores_of(grid);
   // at least poses and squares of them; more while one tile of the coarsest does not hold the map

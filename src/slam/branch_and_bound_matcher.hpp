@@ -12,6 +12,7 @@
 
 #include "core/exact.hpp"
 #include "map/log_odds_map.hpp"
+#include "slam/params.hpp"
 #include "threewe/core/pose.hpp"
 #include "threewe/map/occupancy_grid.hpp"
 
@@ -30,8 +31,9 @@ class BranchAndBoundMatcher {
   };
   struct Found {
     Pose2D pose;
-    double score = 0.0;      ///< mean over the hits, each from 0 to 1: how near an occupied cell it lies
-    double elsewhere = 0.0;  ///< best score more than 0.5 m or 15 degrees away; 0 when that is below the least score
+    double score = 0.0;  ///< mean over the hits, each from 0 to 1: how near an occupied cell it lies
+    double elsewhere =
+        0.0;  ///< best score of any pose `elsewhere`, 0.5 m or 15 degrees away; 0 when below the least score
   };
 
   /// Poses are scored in tiles of so many by so many neighbours.
@@ -39,7 +41,7 @@ class BranchAndBoundMatcher {
   /// One search, that stops and goes on. The BranchAndBoundMatcher must outlive it.
   class Search;
 
-  explicit BranchAndBoundMatcher(const map::OccupancyGrid& grid);
+  explicit BranchAndBoundMatcher(const map::OccupancyGrid& grid, const Params::GlobalSearch& params = {});
 
   /// The whole map and all headings.
   Window everywhere() const;
@@ -79,6 +81,7 @@ class BranchAndBoundMatcher {
 
   Sums sums_of_tile(std::span<const map::Cell> cells, int level, map::Cell offset) const;
 
+  Params::GlobalSearch params_;
   double resolution_;
   Vec2 origin_;
   int width_;

@@ -40,9 +40,12 @@ FrontEnd::FrontEnd(const SensorModel& sensors, SharedParams params, const Pose2D
 void FrontEnd::add_scan(Time measured, const LaserScan& scan, Time stamp, double range_max) {
   judge_lidar(scan);
   const Pose2D base_from_odom = inverse(track_.at(stamp));
-  beams_ = beams_of(scan, range_max, [&](std::size_t i) {
-    return base_from_odom * track_.at(time_of_beam(measured, scan, i)) * sensors_.base_from_lidar;
-  });
+  beams_ = beams_of(
+      scan, range_max,
+      [&](std::size_t i) {
+        return base_from_odom * track_.at(time_of_beam(measured, scan, i)) * sensors_.base_from_lidar;
+      },
+      params_->beams);
 }
 
 // A lidar that is noisier than its data sheet says may be biased more, too. What begins on the way is another thing.

@@ -7,23 +7,8 @@
 namespace threewe::slam {
 namespace {
 
-constexpr double kGlimpseDistance = 0.3;  // [m] what is seen is remembered after so much motion ...
-constexpr double kGlimpseTurn = 0.5;      // [rad] ... or turning ...
-constexpr double kGlimpseAge = 4.0;       // [m] ... until the robot has driven on so far
 constexpr std::size_t kMostGlimpses = 12;
 constexpr std::size_t kMostHits = 800;  // that one search looks for
-constexpr double kGoodScore = 0.65;     // most places score so much: searching for that is quick
-constexpr double kLeastScore = 0.50;    // in a place that has changed
-constexpr Duration kPeriod = 200ms;     // between searches ...
-constexpr Duration kLongestPause = 4s;  // ... and where nothing new is to be seen
-constexpr int kConfirmations = 3;       // scans in a row that fit
-
-// A wrong place may fit well too, but then others fit as well. Of 168 scans, of each of seven scenes in the maps of the
-// six others, 17 scored 0.6 and more, all but a few of them at most 0.06 more than elsewhere in the same map. Of 48
-// scans in their own scenes' maps the right place came first each time, by 0.13 to 0.54.
-constexpr double kLead = 0.10;
-constexpr double kLeastAgreement = 0.60;     // of hits: in their own maps 0.92 and more
-constexpr double kMostContradiction = 0.35;  // of beams: in their own maps 0.02 to 0.22, that graze what they pass
 
 }  // namespace
 
@@ -31,14 +16,15 @@ constexpr double kMostContradiction = 0.35;  // of beams: in their own maps 0.02
 std::optional<Pose2D> GlobalLocalizer::look(Time stamp, const Pose2D& odom_from_base,
                                             std::span<const map::Beam> beams) {
   stamp_ = stamp;
-  if (remember(odom_from_base, beams)) due_ = std::min(due_, stamp + kPeriod), pause_ = kPeriod;
+  if (remember(odom_from_base, beams))
+    due_ = std::min(due_, stamp + params_->global_search.period), pause_ = params_->global_search.period;
   if (confirmed_ > 0) {
     const std::optional<Pose2D> place = search_near(map_from_odom_ * odom_from_base, beams);
     if (!place) {
       give_up();
     } else {
       map_from_odom_ = *place * inverse(odom_from_base);
-      if (++confirmed_ >= kConfirmations) return place;
+      if (++confirmed_ >= params_->global_search.confirmations) return place;
     }
   } else if (!hunt_ && stamp >= due_) {
     begin_hunt(odom_from_base, beams);
@@ -52,10 +38,10 @@ void GlobalLocalizer::go_on(std::int64_t work) {
   while (hunt_ && work > 0) {
     if (!hunt_->search.go_on(work)) return;
     const std::optional<BranchAndBoundMatcher::Found> found = hunt_->search.found();
-    if (!found && hunt_->least == kGoodScore) {
-      hunt_again(kLeastScore);
-    } else if (found && found->elsewhere == 0.0 && hunt_->least > found->score - kLead) {
-      hunt_again(found->score - kLead);
+    if (!found && hunt_->least == params_->global_search.good_score) {
+      hunt_again(params_->global_search.least_score);
+    } else if (found && found->elsewhere == 0.0 && hunt_->least > found->score - params_->global_search.lead) {
+      hunt_again(found->score - params_->global_search.lead);
     } else {
       end_hunt(found);
     }
@@ -65,8 +51,12 @@ void GlobalLocalizer::go_on(std::int64_t work) {
 void GlobalLocalizer::begin_hunt(const Pose2D& odom_from_base, std::span<const map::Beam> beams) {
   const BranchAndBoundMatcher& map = map_->search();
   std::vector<map::Beam> seen = all_seen(odom_from_base, beams);
-  BranchAndBoundMatcher::Search search(map, seen, map.everywhere(), kGoodScore);
-  hunt_ = {odom_from_base, {beams.begin(), beams.end()}, std::move(seen), kGoodScore, std::move(search)};
+  BranchAndBoundMatcher::Search search(map, seen, map.everywhere(), params_->global_search.good_score);
+  hunt_ = {odom_from_base,
+           {beams.begin(), beams.end()},
+           std::move(seen),
+           params_->global_search.good_score,
+           std::move(search)};
 }
 
 void GlobalLocalizer::hunt_again(double least) {
@@ -75,7 +65,10 @@ void GlobalLocalizer::hunt_again(double least) {
 }
 
 void GlobalLocalizer::end_hunt(const std::optional<BranchAndBoundMatcher::Found>& found) {
-  const bool alone = found && found->elsewhere < found->score - kLead;
+  // a wrong place may fit well too, but then others fit as well: of 168 scans, of each of seven scenes in the maps of
+  // the six others, 17 scored 0.6 and more, all but a few of them at most 0.06 more than elsewhere in the same map; of
+  // 48 scans in their own scenes' maps the right place came first each time, by 0.13 to 0.54
+  const bool alone = found && found->elsewhere < found->score - params_->global_search.lead;
   if (alone && fits(found->pose, hunt_->beams)) {
     map_from_odom_ = found->pose * inverse(hunt_->odom_from_base);
     confirmed_ = 1;
@@ -88,17 +81,20 @@ void GlobalLocalizer::end_hunt(const std::optional<BranchAndBoundMatcher::Found>
 void GlobalLocalizer::give_up() {
   confirmed_ = 0;
   due_ = stamp_ + pause_;
-  pause_ = std::min(2 * pause_, kLongestPause);
+  pause_ = std::min(2 * pause_, params_->global_search.longest_pause);
 }
 
 // Whether it was something new.
 bool GlobalLocalizer::remember(const Pose2D& odom_from_base, std::span<const map::Beam> beams) {
   if (!glimpses_.empty()) driven_ += distance(odom_from_base.position(), last_.position());
   last_ = odom_from_base;
-  std::erase_if(glimpses_, [this](const Glimpse& g) { return driven_ - g.driven > kGlimpseAge; });
+  std::erase_if(glimpses_,
+                [this](const Glimpse& g) { return driven_ - g.driven > params_->global_search.view_length; });
   if (!glimpses_.empty()) {
     const Pose2D since = inverse(glimpses_.back().odom_from_base) * odom_from_base;
-    if (norm(since.position()) < kGlimpseDistance && std::fabs(since.theta) < kGlimpseTurn) return false;
+    if (norm(since.position()) < params_->global_search.view_distance &&
+        std::fabs(since.theta) < params_->global_search.view_turn)
+      return false;
   }
   glimpses_.push_back({odom_from_base, {beams.begin(), beams.end()}, driven_});
   if (glimpses_.size() > kMostGlimpses) glimpses_.erase(glimpses_.begin());
@@ -143,13 +139,17 @@ std::vector<map::Beam> GlobalLocalizer::all_seen(const Pose2D& odom_from_base, s
 }
 
 std::optional<Pose2D> GlobalLocalizer::search_near(const Pose2D& place, std::span<const map::Beam> beams) const {
-  const auto found = map_->search().find(beams, {place, {0.2, 0.2}, 0.1}, kLeastScore);
+  const Params::GlobalSearch& p = params_->global_search;
+  const auto found = map_->search().find(beams, {place, {p.confirm_position, p.confirm_position}, p.confirm_heading},
+                                         params_->global_search.least_score);
   return found && fits(found->pose, beams) ? std::optional(found->pose) : std::nullopt;
 }
 
 bool GlobalLocalizer::fits(const Pose2D& place, std::span<const map::Beam> beams) const {
   const Resemblance seen = map_->compare(place, beams);
-  return seen.agreement() >= kLeastAgreement && seen.contradiction() <= kMostContradiction;
+  // in their own maps scans agree by 0.92 and more, and 0.02 to 0.22 of their beams graze what they pass
+  return seen.agreement() >= params_->registration.poor_agreement &&
+         seen.contradiction() <= params_->registration.through_walls;
 }
 
 }  // namespace threewe::slam

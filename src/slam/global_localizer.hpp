@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "map/log_odds_map.hpp"
+#include "slam/params.hpp"
 #include "slam/prior_map.hpp"
 #include "threewe/core/pose.hpp"
 #include "threewe/core/time.hpp"
@@ -21,7 +22,8 @@ namespace threewe::slam {
 /// bit by bit, for the place where the robot was when it began. Plain data: a copy goes on the same.
 class GlobalLocalizer {
  public:
-  explicit GlobalLocalizer(std::shared_ptr<const PriorMap> map) : map_(std::move(map)) {}
+  explicit GlobalLocalizer(std::shared_ptr<const PriorMap> map, SharedParams params = reference_params())
+      : params_(std::move(params)), map_(std::move(map)) {}
 
   /// One scan, its beams in the base frame, taken where odometry has the robot; in order of time. Returns map_from_base
   /// when it is found.
@@ -56,6 +58,7 @@ class GlobalLocalizer {
   std::optional<Pose2D> search_near(const Pose2D& place, std::span<const map::Beam> beams) const;
   bool fits(const Pose2D& place, std::span<const map::Beam> beams) const;
 
+  SharedParams params_;
   std::shared_ptr<const PriorMap> map_;
   std::vector<Glimpse> glimpses_;  // oldest first
   std::optional<Hunt> hunt_;       // in progress

@@ -14,43 +14,10 @@
 namespace threewe::slam {
 namespace {
 
-constexpr double kKeyframeDistance = 1.0;  // [m]
-constexpr double kKeyframeTurn = 0.7;      // [rad]
-constexpr double kTurning = 0.3;           // [m/rad] so much driving a turn counts for
-constexpr double kScanDistance = 0.3;      // [m] a scan is kept after so much motion ...
-constexpr double kScanTurn = 0.2;          // [rad] ... or turning
-constexpr double kSubmapLength = 10.0;     // [m]
-constexpr double kCell = 0.10;             // [m] of a submap's map ...
-constexpr double kFreeRange = 4.0;         // [m] ... in which beams clear nothing beyond
-
-// How the front-end drifts. In the surveys of `threewe slam synth` it is 5 mm and 1.5 mrad from keyframe to keyframe,
-// 50 mm and 2 mrad over 40 m; with real scanners, whose scans were a metre apart, 60 mm and 11 mrad over 10 m, and 120
-// mrad over the 180 m of a first loop. Who expects less does not look where the robot is.
-constexpr double kDrift = 0.020;            // [m/sqrt(m)]
-constexpr double kTurnDrift = 0.0050;       // [rad/sqrt(m)]
-constexpr double kLeastDrift = 0.004;       // [m]
-constexpr double kLeastTurnDrift = 0.0015;  // [rad]
-
-constexpr double kAnywhere = 0.5;  // [m] off is a robot that goes on with a map that was kept ...
-constexpr double kAnyTurn = 0.2;   // [rad]
-
 constexpr double kNowhere = 100.0;   // [m] off may be one that was lost ...
 constexpr double kSomewhere = 10.0;  // [m] ... constraints beyond this join nothing
 
-constexpr double kLoopLength = 10.0;     // [m] driven since, before a submap may be met again
-constexpr double kNear = 3.0;            // [m] from a submap's way, beyond the deviation of where the robot is ...
-constexpr double kFar = 20.0;            // [m] ... and never farther
-constexpr std::size_t kAsked = 3;        // submaps whose deviation is worked out
-constexpr double kTryAgain = 3.0;        // [m] driven, before the same is tried again
-constexpr double kViewLength = 4.0;      // [m] of the way that is looked at together ...
-constexpr double kViewDistance = 0.9;    // [m] ... at scans so far apart
-constexpr double kUnsure = 1.0;          // [m] deviation, above which a closure must be confirmed ...
-constexpr double kSamePlace = 0.1;       // [m] by another that puts the robot in the same place ...
-constexpr double kSameHeading = 0.02;    // [rad] ... with the same heading, about
-constexpr double kFoundPlace = 0.2;      // [m] so well one that was lost is found again in the whole map ...
-constexpr double kFoundHeading = 0.07;   // [rad]
-constexpr double kSolveDistance = 10.0;  // [m] driven, after which closures are solved for ...
-constexpr double kSolveChi = 4.0;        // ... unless they are so far off
+constexpr std::size_t kAsked = 3;  // submaps whose deviation is worked out
 constexpr int kStepsOfSolution = 10;
 constexpr std::size_t kUncovered = 20;  // keyframes that the covariance may lack
 constexpr std::size_t kClosers = 8;     // maps of submaps that are kept for the next search
@@ -79,10 +46,10 @@ Matrix3 growth(const Matrix3& change) {
 }
 
 // How far off the front-end may be from one keyframe to the next.
-Matrix3 step_covariance(const Pose2D& step, const Matrix3& unobserved) {
+Matrix3 step_covariance(const Pose2D& step, const Matrix3& unobserved, const Params::Graph& params) {
   const double length = norm(step.position());
-  const double position = square(kDrift) * length + square(kLeastDrift);
-  const double heading = square(kTurnDrift) * length + square(kLeastTurnDrift);
+  const double position = square(params.drift) * length + square(params.least_drift);
+  const double heading = square(params.turn_drift) * length + square(params.least_turn_drift);
   return unobserved + Matrix3(Vector3(position, position, heading).asDiagonal());
 }
 
@@ -98,9 +65,9 @@ Matrix3 information_of(const Matrix3& covariance) {
 
 }  // namespace
 
-bool KeyframeGraphData::extend_submaps() {
+bool KeyframeGraphData::extend_submaps(double length) {
   const int here = newest();
-  const bool begins = submaps.empty() || driven_at(here) - driven_at(submaps.back().first) > kSubmapLength;
+  const bool begins = submaps.empty() || driven_at(here) - driven_at(submaps.back().first) > length;
   if (begins) submaps.push_back({here, here, {}});
   submaps.back().last = here;
   return begins;
@@ -125,18 +92,19 @@ std::vector<int> KeyframeGraphData::components() const {
   return parent;
 }
 
-KeyframeGraph::KeyframeGraph(KeyframeGraphData data, const Pose2D& map_from_base)
-    : data_(std::move(data)), goes_on_at_(map_from_base), components_(data_.components()) {}
+KeyframeGraph::KeyframeGraph(KeyframeGraphData data, const Pose2D& map_from_base, SharedParams params)
+    : params_(std::move(params)), data_(std::move(data)), goes_on_at_(map_from_base), components_(data_.components()) {}
 
 Pose2D KeyframeGraph::add(const FrontEndScan& point, bool closes_loops) {
   const bool begins = data_.keyframes.empty() || goes_on_at_ || point.lost ||
-                      is_apart(kKeyframeDistance, kKeyframeTurn, local_from_keyframe_, point.local_from_base);
+                      is_apart(params_->graph.keyframe_distance, params_->graph.keyframe_turn, local_from_keyframe_,
+                               point.local_from_base);
   if (begins) begin_keyframe(point);
   if (!keeps_steps_) data_.steps.clear();
   data_.steps.push_back({point.stamp, data_.newest(), inverse(local_from_keyframe_) * point.local_from_base});
   keep_scan(point);
   if (begins) {
-    if (data_.extend_submaps() && data_.prune()) forget();
+    if (data_.extend_submaps(params_->graph.submap_length) && data_.prune(params_->graph)) forget();
     if (closes_loops) close_loop(point.range_bias);
   }
   return data_.pose_of(data_.steps.back());
@@ -151,17 +119,20 @@ void KeyframeGraph::begin_keyframe(const FrontEndScan& point) {
   } else {
     const int before = data_.newest();
     Pose2D step = inverse(local_from_keyframe_) * point.local_from_base;
-    Matrix3 covariance =
-        step_covariance(step, rotated(growth(point.covariance - covariance_at_keyframe_), -local_from_keyframe_.theta));
-    double length = norm(step.position()) + kTurning * std::fabs(step.theta);
+    Matrix3 covariance = step_covariance(
+        step, rotated(growth(point.covariance - covariance_at_keyframe_), -local_from_keyframe_.theta), params_->graph);
+    double length = norm(step.position()) + params_->graph.turning * std::fabs(step.theta);
     if (goes_on_at_) {
       step = inverse(data_.pose_of(before)) * *goes_on_at_;
-      covariance = Vector3(square(kAnywhere), square(kAnywhere), square(kAnyTurn)).asDiagonal();
-      length = kLoopLength;  // all that was there before may be met at once
+      covariance = Vector3(square(params_->graph.resumed_position), square(params_->graph.resumed_position),
+                           square(params_->graph.resumed_heading))
+                       .asDiagonal();
+      length = params_->loops.length;  // all that was there before may be met at once
       goes_on_at_.reset();
     } else if (point.lost) {
       covariance = Vector3(square(kNowhere), square(kNowhere), square(exact::kPi)).asDiagonal();
-      length = kSubmapLength + kLoopLength;  // nothing that was seen before is seen together with this
+      length = params_->graph.submap_length +
+               params_->loops.length;  // nothing that was seen before is seen together with this
       unconfirmed_.reset();
     }
     const int node = data_.graph.add_node(data_.pose_of(before) * step);
@@ -177,7 +148,9 @@ void KeyframeGraph::begin_keyframe(const FrontEndScan& point) {
 void KeyframeGraph::keep_scan(const FrontEndScan& point) {
   Keyframe& keyframe = data_.keyframes.back();
   if (point.beams.empty()) return;
-  if (!keyframe.scans.empty() && !is_apart(kScanDistance, kScanTurn, scan_kept_at_, point.local_from_base)) return;
+  if (!keyframe.scans.empty() &&
+      !is_apart(params_->graph.scan_distance, params_->graph.scan_turn, scan_kept_at_, point.local_from_base))
+    return;
   keyframe.scans.push_back({data_.steps.back().keyframe_from_base, packed(point.beams)});
   scan_kept_at_ = point.local_from_base;
 }
@@ -185,15 +158,16 @@ void KeyframeGraph::keep_scan(const FrontEndScan& point) {
 // Looks for the robot in the nearest submap that it has left long ago, and takes what is found into the graph.
 void KeyframeGraph::close_loop(double range_bias) {
   if (unconfirmed_) return confirm_loop(range_bias);
-  const std::vector<Nearby> near = nearby(components_.back(), data_.graph.poses().back().position(), kFar, kTryAgain);
+  const std::vector<Nearby> near =
+      nearby(components_.back(), data_.graph.poses().back().position(), params_->loops.far, params_->loops.try_again);
   for (std::size_t i = 0; i < std::min(near.size(), kAsked); ++i) {
     const Matrix3 covariance = between(near[i].keyframe);
     const double deviation = exact::sqrt(std::max(covariance(kX, kX), covariance(kY, kY)));
-    if (near[i].away >= kNear + 2.0 * deviation) continue;
+    if (near[i].away >= params_->loops.near + 2.0 * deviation) continue;
     const Pose2D keyframe_from_base = inverse(data_.pose_of(near[i].keyframe)) * data_.graph.poses().back();
     const auto closure = search(near[i], {keyframe_from_base, covariance}, range_bias);
-    if (closure && deviation < kUnsure) take(*closure);
-    if (closure && deviation >= kUnsure) unconfirmed_ = closure;
+    if (closure && deviation < params_->loops.unsure) take(*closure);
+    if (closure && deviation >= params_->loops.unsure) unconfirmed_ = closure;
     return;
   }
 }
@@ -202,13 +176,15 @@ void KeyframeGraph::close_loop(double range_bias) {
 // that closure says it must be, both count.
 void KeyframeGraph::confirm_loop(double range_bias) {
   const Constraint first = *unconfirmed_;
-  if (driven() - data_.driven_at(first.to) < kViewLength) return;
+  if (driven() - data_.driven_at(first.to) < params_->loops.view_length) return;
   unconfirmed_.reset();
   const Pose2D way = inverse(data_.pose_of(first.to)) * data_.graph.poses().back();
   const Pose2D map_from_base = data_.pose_of(first.from) * first.from_from_to * way;
-  const std::vector<Nearby> near = nearby(component_of(first.from), map_from_base.position(), kNear, 0.0);
+  const std::vector<Nearby> near = nearby(component_of(first.from), map_from_base.position(), params_->loops.near, 0.0);
   if (near.empty()) return;
-  const Matrix3 covariance = Vector3(square(kSamePlace), square(kSamePlace), square(kSameHeading)).asDiagonal();
+  const Matrix3 covariance = Vector3(square(params_->loops.same_position), square(params_->loops.same_position),
+                                     square(params_->loops.same_heading))
+                                 .asDiagonal();
   const Pose2D keyframe_from_base = inverse(data_.pose_of(near.front().keyframe)) * map_from_base;
   const auto second = search(near.front(), {keyframe_from_base, covariance}, range_bias);
   if (!second) return;
@@ -221,9 +197,11 @@ void KeyframeGraph::confirm_loop(double range_bias) {
 void KeyframeGraph::join_at(int component, const Pose2D& map_from_base, double range_bias) {
   if (unconfirmed_) return;
   const Pose2D map_from_keyframe = map_from_base * inverse(data_.steps.back().keyframe_from_base);
-  const std::vector<Nearby> near = nearby(component, map_from_keyframe.position(), kNear, 0.0);
+  const std::vector<Nearby> near = nearby(component, map_from_keyframe.position(), params_->loops.near, 0.0);
   if (near.empty()) return;
-  const Matrix3 covariance = Vector3(square(kFoundPlace), square(kFoundPlace), square(kFoundHeading)).asDiagonal();
+  const Matrix3 covariance = Vector3(square(params_->loops.found_position), square(params_->loops.found_position),
+                                     square(params_->loops.found_heading))
+                                 .asDiagonal();
   const Pose2D keyframe_from_base = inverse(data_.pose_of(near.front().keyframe)) * map_from_keyframe;
   unconfirmed_ = search(near.front(), {keyframe_from_base, covariance}, range_bias);
 }
@@ -236,7 +214,7 @@ std::vector<KeyframeGraph::Nearby> KeyframeGraph::nearby(int component, Vec2 pla
     const Submap& submap = data_.submaps[i];
     if (component_of(submap.first) != component) continue;
     const double left_at = data_.driven_at(submap.last);
-    if (driven() - left_at < kLoopLength || driven() - submap.tried_at < again) continue;
+    if (driven() - left_at < params_->loops.length || driven() - submap.tried_at < again) continue;
     Nearby nearest{static_cast<int>(i), submap.first, within};
     for (int k = submap.first; k <= submap.last; ++k) {
       const double away = distance(data_.pose_of(k).position(), place);
@@ -272,7 +250,9 @@ std::optional<Constraint> KeyframeGraph::search(const Nearby& near, const PoseBe
 void KeyframeGraph::take(const Constraint& closure) {
   align(closure);
   const int constraint = data_.graph.add_constraint(closure);
-  if (driven() - solved_at_ < kSolveDistance && data_.graph.fit(constraint).chi_squared < kSolveChi) return;
+  if (driven() - solved_at_ < params_->graph.solve_distance &&
+      data_.graph.fit(constraint).chi_squared < params_->graph.solve_chi)
+    return;
   solve();
 }
 
@@ -346,9 +326,10 @@ const LoopCloser& KeyframeGraph::closer_of(Submap& submap, double range_bias) {
     const std::vector<Keyframe::Scan>& seen = data_.keyframes[static_cast<std::size_t>(k)].scans;
     if (!seen.empty()) scans.push_back(unpacked(seen.front().beams, place * seen.front().keyframe_from_base));
   }
-  map::LogOddsMap map = drawn(scans, {.resolution = kCell, .free_range = kFreeRange}, submap.range_bias);
+  map::LogOddsMap map = drawn(
+      scans, {.resolution = params_->coarse_resolution(), .free_range = params_->graph.free_range}, submap.range_bias);
   if (closers_.size() == kClosers) closers_.erase(closers_.begin());
-  closers_.push_back({submap.first, std::make_shared<const LoopCloser>(std::move(map))});
+  closers_.push_back({submap.first, std::make_shared<const LoopCloser>(std::move(map), params_)});
   return *closers_.back().closer;
 }
 
@@ -359,8 +340,8 @@ std::vector<map::Beam> KeyframeGraph::view(int* scans) const {
   double last = 1e9;
   for (int k = data_.newest(); k >= 0; --k) {
     const Keyframe& keyframe = data_.keyframes[static_cast<std::size_t>(k)];
-    if (data_.keyframes.back().driven - keyframe.driven > kViewLength) break;
-    if (last - keyframe.driven < kViewDistance || keyframe.scans.empty()) continue;
+    if (data_.keyframes.back().driven - keyframe.driven > params_->loops.view_length) break;
+    if (last - keyframe.driven < params_->loops.view_distance || keyframe.scans.empty()) continue;
     last = keyframe.driven;
     const Keyframe::Scan& scan = keyframe.scans.front();
     const std::vector<map::Beam> seen =

@@ -4,11 +4,13 @@
 #include <cstddef>
 #include <memory>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "map/log_odds_map.hpp"
 #include "slam/loop_closer.hpp"
 #include "slam/packed_scan.hpp"
+#include "slam/params.hpp"
 #include "slam/pose_filter.hpp"
 #include "slam/pose_graph.hpp"
 #include "threewe/core/pose.hpp"
@@ -76,12 +78,12 @@ struct KeyframeGraphData {
   /// component of keyframe 0 is the map's.
   std::vector<int> components() const;
   int newest() const { return static_cast<int>(keyframes.size()) - 1; }
-  /// Puts the newest keyframe into the newest submap or, when that is long enough, into the next one; then returns
-  /// true.
-  bool extend_submaps();
+  /// Puts the newest keyframe into the newest submap or, when that is `length` [m] long, into the next one; then
+  /// returns true.
+  bool extend_submaps(double length);
   /// Drops a submap along whose way enough others lead, if there is one: its scans, its keyframes and its closures. The
   /// steps stay where they are.
-  bool prune();
+  bool prune(const Params::Graph& params);
 };
 
 /// The way, point by point. Its first keyframe is where the frame `map` begins, unless it is told otherwise. A copy
@@ -89,10 +91,11 @@ struct KeyframeGraphData {
 class KeyframeGraph {
  public:
   /// Without `keeps_steps` it forgets where the robot was at each scan, and is bounded in a bounded place.
-  explicit KeyframeGraph(bool keeps_steps = true) : keeps_steps_(keeps_steps) {}
+  explicit KeyframeGraph(bool keeps_steps = true, SharedParams params = reference_params())
+      : params_(std::move(params)), keeps_steps_(keeps_steps) {}
   /// Goes on with a way that was kept. The next point is taken at `map_from_base`, wherever `local` has it; half a
   /// metre and ten degrees off do no harm.
-  KeyframeGraph(KeyframeGraphData data, const Pose2D& map_from_base);
+  KeyframeGraph(KeyframeGraphData data, const Pose2D& map_from_base, SharedParams params = reference_params());
 
   /// Takes a point and closes what loops it closes, unless all is to stay where it is. Returns map_from_base.
   Pose2D add(const FrontEndScan& point, bool closes_loops = true);
@@ -134,6 +137,7 @@ class KeyframeGraph {
   void forget();
   double driven() const { return data_.driven_at(data_.newest()); }
 
+  SharedParams params_;
   KeyframeGraphData data_;
   bool keeps_steps_ = true;
   int solutions_ = 0;

@@ -14,18 +14,17 @@
 namespace threewe::slam {
 namespace {
 
-constexpr double kBeside = 1.0;          // [m] another way leads along here, when it comes so near ...
-constexpr double kSameHeading = 0.8;     // [rad] ... about the same way: half a turn is all that some lidars see
-constexpr std::size_t kEnough = 5;       // other submaps along all of one
 constexpr std::size_t kNotFinished = 2;  // the newest ones
 
-bool is_beside(const Pose2D& a, const Pose2D& b) {
-  return distance(a.position(), b.position()) < kBeside && std::fabs(wrap_angle(a.theta - b.theta)) < kSameHeading;
+bool is_beside(const Pose2D& a, const Pose2D& b, const Params::Graph& params) {
+  return distance(a.position(), b.position()) < params.same_way &&
+         std::fabs(wrap_angle(a.theta - b.theta)) < params.same_way_heading;
 }
 
-bool leads_by(const KeyframeGraphData& keyframe_graph, const Submap& submap, const Pose2D& place) {
+bool leads_by(const KeyframeGraphData& keyframe_graph, const Submap& submap, const Pose2D& place,
+              const Params::Graph& params) {
   for (int k = submap.first; k <= submap.last; ++k) {
-    if (is_beside(keyframe_graph.pose_of(k), place)) return true;
+    if (is_beside(keyframe_graph.pose_of(k), place, params)) return true;
   }
   return false;
 }
@@ -37,33 +36,36 @@ bool begins_component(const KeyframeGraphData& keyframe_graph, int keyframe) {
 }
 
 // Whether all of its way is seen by enough others too, of its own component.
-bool is_redundant(const KeyframeGraphData& keyframe_graph, const std::vector<int>& components, std::size_t index) {
+bool is_redundant(const KeyframeGraphData& keyframe_graph, const std::vector<int>& components, std::size_t index,
+                  const Params::Graph& params) {
   const Submap& submap = keyframe_graph.submaps[index];
+  const auto enough = static_cast<std::size_t>(params.ways);
   const auto component = [&](int keyframe) { return components[static_cast<std::size_t>(keyframe)]; };
   for (int k = submap.first; k <= submap.last; ++k) {
     std::size_t others = 0;
-    for (std::size_t i = 0; i < keyframe_graph.submaps.size() && others < kEnough; ++i) {
+    for (std::size_t i = 0; i < keyframe_graph.submaps.size() && others < enough; ++i) {
       const bool same = component(keyframe_graph.submaps[i].first) == component(submap.first);
-      if (i != index && same && leads_by(keyframe_graph, keyframe_graph.submaps[i], keyframe_graph.pose_of(k)))
+      if (i != index && same && leads_by(keyframe_graph, keyframe_graph.submaps[i], keyframe_graph.pose_of(k), params))
         ++others;
     }
-    if (others < kEnough) return false;
+    if (others < enough) return false;
   }
   return true;
 }
 
 // The oldest redundant submap that the last finished one leads by: no other can have become redundant. The first stays,
 // for the map begins there.
-std::optional<std::size_t> find_redundant(const KeyframeGraphData& keyframe_graph) {
-  if (keyframe_graph.submaps.size() <= kNotFinished + kEnough) return {};
+std::optional<std::size_t> find_redundant(const KeyframeGraphData& keyframe_graph, const Params::Graph& params) {
+  const auto enough = static_cast<std::size_t>(params.ways);
+  if (keyframe_graph.submaps.size() <= kNotFinished + enough) return {};
   const std::size_t finished = keyframe_graph.submaps.size() - kNotFinished;
   const Submap& last = keyframe_graph.submaps[finished];
   const std::vector<int> components = keyframe_graph.components();
   for (std::size_t i = 1; i < finished; ++i) {
     bool meets = false;
     for (int k = last.first; k <= last.last && !meets; ++k)
-      meets = leads_by(keyframe_graph, keyframe_graph.submaps[i], keyframe_graph.pose_of(k));
-    if (meets && is_redundant(keyframe_graph, components, i) &&
+      meets = leads_by(keyframe_graph, keyframe_graph.submaps[i], keyframe_graph.pose_of(k), params);
+    if (meets && is_redundant(keyframe_graph, components, i, params) &&
         !begins_component(keyframe_graph, keyframe_graph.submaps[i].first))
       return i;
   }
@@ -108,8 +110,8 @@ PoseGraph without(const KeyframeGraphData& keyframe_graph, const Submap& gap) {
 
 }  // namespace
 
-bool KeyframeGraphData::prune() {
-  const std::optional<std::size_t> index = find_redundant(*this);
+bool KeyframeGraphData::prune(const Params::Graph& params) {
+  const std::optional<std::size_t> index = find_redundant(*this, params);
   if (!index) return false;
   const Submap gap = submaps[*index];
   const int gone = gap.last - gap.first + 1;

@@ -13,8 +13,11 @@ void LocalMap::extend(FrontEnd& front) {
   const auto age = [this](const Piece& piece) { return driven_ - piece.begun; };
   if (pieces_.size() == 2 && age(pieces_.front()) > p.length) pieces_.erase(pieces_.begin());
   if (pieces_.empty() || age(pieces_.back()) > p.length - p.overlap)
-    pieces_.push_back({map::LogOddsMap({.resolution = p.resolution, .free_range = p.free_range}), driven_});
-  const std::vector<map::Beam> seen = filled(transformed(here, front.beams()), p.resolution);
+    pieces_.push_back(
+        {map::LogOddsMap({.resolution = params_->coarse_resolution(), .free_range = params_->graph.free_range}),
+         driven_});
+  const std::vector<map::Beam> seen =
+      filled(transformed(here, front.beams()), params_->coarse_resolution(), params_->beams);
   for (Piece& piece : pieces_) piece.map.insert(seen, front.range_bias());
   front.set_mapped();
 }

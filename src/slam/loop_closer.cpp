@@ -11,37 +11,21 @@
 namespace threewe::slam {
 namespace {
 
-constexpr double kDeviations = 3.0;      // of the belief are searched
-constexpr double kLeastReach = 0.3;      // [m] ... but never less
-constexpr double kMostReach = 10.0;      // [m] ... or more: whoever is so lost needs more than one view
-constexpr double kLeastTurn = 0.1;       // [rad]
-constexpr double kLeastScore = 0.55;     // Hess et al. 2016
-constexpr double kDistinct = 0.85;       // of the score, which no other place in the window may reach
-constexpr double kAgreement = 0.80;      // of the hits in known space lie on surfaces
-constexpr double kKnownShare = 0.5;      // of the hits lie in known space ...
-constexpr int kKnownHits = 40;           // ... and so many of each scan
-constexpr double kMostDeviation = 0.05;  // [m] a corridor's walls alone do not tell how far along it the robot is
-constexpr double kMostChi = 16.0;        // of three numbers: right by chance once in 900 times
-constexpr double kFloor = 0.02;          // [m] a closure is not known better: both maps are a little bent
-constexpr double kTurnFloor = 0.003;     // [rad]
-constexpr double kWeakPrior = 0.3;       // [m] keeps what scans do not tell near where the search had it
-constexpr double kWeakTurn = 0.1;        // [rad]
-constexpr double kBiasSigma = 0.001;     // [m] of the range bias, which is known from the way here
-
 double square(double x) { return x * x; }
 
-BranchAndBoundMatcher::Window window_of(const PoseBelief& belief) {
-  const auto reach = [&](int i) { return kDeviations * exact::sqrt(belief.covariance(i, i)); };
+BranchAndBoundMatcher::Window window_of(const PoseBelief& belief, const Params::LoopCloser& params) {
+  const auto reach = [&](int i) { return params.deviations * exact::sqrt(belief.covariance(i, i)); };
   return {belief.pose,
-          {std::clamp(reach(kX), kLeastReach, kMostReach), std::clamp(reach(kY), kLeastReach, kMostReach)},
-          std::clamp(reach(kTheta), kLeastTurn, exact::kPi)};
+          {std::clamp(reach(kX), params.least_reach, params.most_reach),
+           std::clamp(reach(kY), params.least_reach, params.most_reach)},
+          std::clamp(reach(kTheta), params.least_turn, exact::kPi)};
 }
 
 // How sure the scans alone are: like one scan, for all share the errors of the map.
-Matrix3 covariance_of(const Match& match, const Matrix4& prior, int scans) {
+Matrix3 covariance_of(const Match& match, const Matrix4& prior, int scans, const Params::LoopCloser& params) {
   const Matrix3 told = (match.information - prior).topLeftCorner<3, 3>() / scans;
   const Matrix3 weak = prior.topLeftCorner<3, 3>();
-  const Matrix3 floor = Vector3(square(kFloor), square(kFloor), square(kTurnFloor)).asDiagonal();
+  const Matrix3 floor = Vector3(square(params.floor), square(params.floor), square(params.turn_floor)).asDiagonal();
   return (told + weak).inverse() + floor;
 }
 
@@ -59,23 +43,25 @@ double chi_squared(const LoopMatch& found, const PoseBelief& belief) {
 
 }  // namespace
 
-LoopCloser::LoopCloser(map::LogOddsMap map) : map_(std::move(map)), search_(map_.grid()) {}
+LoopCloser::LoopCloser(map::LogOddsMap map, SharedParams params)
+    : params_(std::move(params)), map_(std::move(map)), search_(map_.grid(), params_->global_search) {}
 
 std::optional<LoopMatch> LoopCloser::find(std::span<const map::Beam> view, int scans, const PoseBelief& belief,
                                           double range_bias) const {
-  const auto seen = search_.find(view, window_of(belief), kLeastScore);
-  if (!seen || seen->elsewhere > kDistinct * seen->score) return {};
+  const Params::LoopCloser& params = params_->loop_closer;
+  const auto seen = search_.find(view, window_of(belief, params), params.least_score);
+  if (!seen || seen->elsewhere > params.distinct * seen->score) return {};
 
-  const Matrix4 prior =
-      Vector4(1.0 / square(kWeakPrior), 1.0 / square(kWeakPrior), 1.0 / square(kWeakTurn), 1.0 / square(kBiasSigma))
-          .asDiagonal();
-  const Match match = match_scan(map_, view, {seen->pose, range_bias}, prior, seen->pose, 0.0, Directions::all);
+  const Matrix4 prior = free_prior(params_->matching);
+  const Match match =
+      match_scan(map_, view, {seen->pose, range_bias}, prior, seen->pose, 0.0, Directions::all, params_->matching);
   const auto hits = std::ranges::count_if(view, [](const map::Beam& beam) { return beam.hit; });
-  const double enough = std::max<double>(kKnownHits * scans, kKnownShare * static_cast<double>(hits));
-  if (match.agreement < kAgreement || match.known_hits < enough) return {};
+  const double enough = std::max<double>(params.known_hits * scans, params.known_share * static_cast<double>(hits));
+  if (match.agreement < params.agreement || match.known_hits < enough) return {};
 
-  LoopMatch found{match.at.pose, covariance_of(match, prior, scans), seen->score, match.agreement};
-  if (most_deviation(found.covariance) > kMostDeviation || chi_squared(found, belief) > kMostChi) return {};
+  LoopMatch found{match.at.pose, covariance_of(match, prior, scans, params), seen->score, match.agreement};
+  if (most_deviation(found.covariance) > params.most_deviation || chi_squared(found, belief) > params.most_chi)
+    return {};
   return found;
 }
 

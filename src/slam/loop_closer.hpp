@@ -6,6 +6,7 @@
 
 #include "map/log_odds_map.hpp"
 #include "slam/branch_and_bound_matcher.hpp"
+#include "slam/params.hpp"
 #include "slam/pose_filter.hpp"
 #include "threewe/core/pose.hpp"
 
@@ -30,7 +31,7 @@ struct LoopMatch {
 class LoopCloser {
  public:
   /// `map`: finished; nothing is added to it any more.
-  explicit LoopCloser(map::LogOddsMap map);
+  explicit LoopCloser(map::LogOddsMap map, SharedParams params = reference_params());
 
   /// Where the robot is, if that is beyond doubt. `view`: beams in the base frame, of one scan or of `scans` scans
   /// along the last metres, as they lie to one another.
@@ -40,6 +41,7 @@ class LoopCloser {
   std::size_t bytes() const;
 
  private:
+  SharedParams params_;
   map::LogOddsMap map_;
   BranchAndBoundMatcher search_;
 };

@@ -3,6 +3,7 @@
 
 #include <vector>
 
+#include "slam/params.hpp"
 #include "slam/pose_filter.hpp"
 #include "threewe/core/pose.hpp"
 
@@ -23,6 +24,8 @@ struct View {
 /// of the lidar's bias, stretches the map.
 class MapUncertainty {
  public:
+  explicit MapUncertainty(const Params::MapUncertainty& params = {}) : params_(params) {}
+
   /// The robot is at `position` [m] of the map.
   void update(Vec2 position, const View& view);
   /// Somebody has put the robot elsewhere: what counts is where it is next.
@@ -41,6 +44,7 @@ class MapUncertainty {
   };
   void come_back();
 
+  Params::MapUncertainty params_;
   Vec2 origin_;  // where it saw first
   Place here_;
   double worse_ = 1.0;  // times the usual scatter is that of the newest scan

@@ -12,8 +12,6 @@
 namespace threewe::slam {
 namespace {
 
-double square(double x) { return x * x; }
-
 // Odometry that jumps says nothing about how the robot moves.
 Velocity mean_velocity(const Pose2D& step, double seconds) {
   const Vec2 rolled = rotate(step.position(), -0.5 * step.theta);
@@ -149,9 +147,7 @@ bool OdometryCheck::has_moved(const FrontEnd& front, const map::LogOddsMap& map)
   if (!front.is_confirmed(front.newest_match())) return false;
   const Params::OdometryCheck& p = params_->odometry_check;
   const Pose2D here = front.map_from_base();
-  const Matrix4 prior = Vector4(1.0 / square(p.free_position), 1.0 / square(p.free_position),
-                                1.0 / square(p.free_heading), 1.0 / square(p.free_bias))
-                            .asDiagonal();
+  const Matrix4 prior = free_prior(params_->matching);
   const Match free = match_scan(map, front.beams(), {here, front.range_bias()}, prior, here, front.range_noise(),
                                 Directions::observed, params_->matching);
   const Vector3 off(free.at.pose.x - here.x, free.at.pose.y - here.y, wrap_angle(free.at.pose.theta - here.theta));

@@ -8,8 +8,6 @@
 namespace threewe::slam {
 namespace {
 
-constexpr double kOff = 0.025;       // [m] keyframes that are so far from where they were drawn are drawn anew ...
-constexpr double kArm = 5.0;         // [m] ... as are those of which things so far away are
 constexpr std::size_t kAtOnce = 10;  // scans drawn again in one go, about a millisecond
 
 }  // namespace
@@ -19,7 +17,10 @@ map::LogOddsMap::Settings OnlineMap::settings_of(const Params& params) {
 }
 
 OnlineMap::OnlineMap(const SharedParams& params)
-    : settings_(settings_of(*params)), map_(settings_), keyframe_graph_(KeyframeGraph(false)) {}
+    : params_(params->online_map),
+      settings_(settings_of(*params)),
+      map_(settings_),
+      keyframe_graph_(KeyframeGraph(false, params)) {}
 
 void OnlineMap::insert(const FrontEndScan& scan) {
   const Pose2D map_from_base = scan.local_from_base;
@@ -66,7 +67,7 @@ void OnlineMap::forget_dropped() {
 bool OnlineMap::lies_elsewhere() const {
   for (std::size_t k = 0; k < drawn_.size(); ++k) {
     const Pose2D off = inverse(drawn_[k].map_from_base) * keyframe_graph_->data().graph.poses()[k];
-    if (norm(off.position()) + kArm * std::fabs(off.theta) > kOff) return true;
+    if (norm(off.position()) + params_.redraw_arm * std::fabs(off.theta) > params_.redraw_distance) return true;
   }
   return false;
 }

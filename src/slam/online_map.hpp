@@ -22,7 +22,7 @@ class OnlineMap {
   explicit OnlineMap(const SharedParams& params = reference_params());
   /// A map that was given: what is seen is drawn into it, and no loops are closed.
   OnlineMap(map::LogOddsMap given, const SharedParams& params)
-      : settings_(settings_of(*params)), map_(std::move(given)) {}
+      : params_(params->online_map), settings_(settings_of(*params)), map_(std::move(given)) {}
 
   const map::LogOddsMap& map() const { return map_; }
 
@@ -55,6 +55,7 @@ class OnlineMap {
   void draw_some();
   Pose2D put_in_place();
 
+  Params::OnlineMap params_;
   map::LogOddsMap::Settings settings_;
   map::LogOddsMap map_;
   std::optional<KeyframeGraph> keyframe_graph_;  // none in a given map

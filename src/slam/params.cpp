@@ -1,5 +1,7 @@
 #include "slam/params.hpp"
 
+#include "threewe/map/occupancy_grid.hpp"
+
 namespace threewe::slam {
 namespace {
 
@@ -40,6 +42,9 @@ Parameters parameters_of(Params::Matching& p) {
       {"viewing_angle", &p.viewing_angle, "rad", Scale::none, "between views of a surface that tell the range bias"},
       {"observed", &p.observed, "", Scale::none,
        "times the noise of normals: a direction of less information is left to odometry, as along a corridor"},
+      {"free_position", &p.free_position, "m", Scale::size, "prior of a scan that decides alone"},
+      {"free_heading", &p.free_heading, "rad", Scale::none, "the same of its heading"},
+      {"free_bias", &p.free_bias, "m", Scale::bias, "the same of its range bias"},
   };
 }
 
@@ -85,8 +90,8 @@ Parameters parameters_of(Params::Localization& p) {
       {"certain_prior", &p.certain_prior, "", Scale::none, "agreement with it above which it no longer is"},
       {"doubt_share", &p.doubt_share, "", Scale::none, "of one scan in these: more doubts sooner"},
       {"better", &p.better, "", Scale::none, "agreement by which a found pose must be better than the estimated one"},
-      {"told_position", &p.told_position, "m", Scale::size, "standard deviation of an initial pose"},
-      {"told_heading", &p.told_heading, "rad", Scale::none, "the same of its heading"},
+      {"initial_position", &p.initial_position, "m", Scale::size, "standard deviation of an initial pose"},
+      {"initial_heading", &p.initial_heading, "rad", Scale::none, "the same of its heading"},
       {"found_position", &p.found_position, "m", Scale::size, "standard deviation of a pose found by search"},
       {"found_heading", &p.found_heading, "rad", Scale::none, "the same of its heading"},
       {"redrawn_position", &p.redrawn_position, "m", Scale::size, "standard deviation of the pose in a redrawn map"},
@@ -103,7 +108,8 @@ Parameters parameters_of(Params::OdometryCheck& p) {
       {"most_speed", &p.most_speed, "m/s", Scale::speed, "no robot between walls is faster"},
       {"most_turn_rate", &p.most_turn_rate, "rad/s", Scale::turn_rate, "no robot between walls turns faster"},
       {"shortest_interval", &p.shortest_interval, "s", Scale::none, "stamps of old logs come in bursts"},
-      {"most_extrapolation", &p.most_extrapolation, "", Scale::none, "times the interval before: then nobody knows"},
+      {"most_extrapolation", &p.most_extrapolation, "", Scale::none,
+       "times the interval before: afterwards the motion is unknown"},
       {"steady_distance", &p.steady_distance, "m", Scale::size, "by which a guessed step may be off"},
       {"steady_turn", &p.steady_turn, "rad", Scale::none, "the same of a turn"},
       {"steady_share", &p.steady_share, "", Scale::none, "and this share of either"},
@@ -111,9 +117,6 @@ Parameters parameters_of(Params::OdometryCheck& p) {
       {"moved", &p.moved, "m", Scale::size, "by scans alone, while odometry stands: it has stopped"},
       {"turned", &p.turned, "rad", Scale::none, "the same of a turn"},
       {"moved_chi", &p.moved_chi, "", Scale::none, "and so many variances of what the scan says"},
-      {"free_position", &p.free_position, "m", Scale::size, "prior of a scan that decides alone"},
-      {"free_heading", &p.free_heading, "rad", Scale::none, "the same of its heading"},
-      {"free_bias", &p.free_bias, "m", Scale::bias, "the same of its range bias"},
       {"frozen_distance", &p.frozen_distance, "m", Scale::size, "by odometry, while scans repeat: the lidar froze"},
       {"frozen_turn", &p.frozen_turn, "rad", Scale::none, "the same of a turn"},
       {"most_misfits", &p.most_misfits, "", Scale::none, "scans in a row, after which the track is lost"},
@@ -122,10 +125,122 @@ Parameters parameters_of(Params::OdometryCheck& p) {
 
 Parameters parameters_of(Params::LocalMap& p) {
   return {
-      {"resolution", &p.resolution, "m", Scale::size, "a cell: wide enough for two hits of one scan, metres away"},
-      {"free_range", &p.free_range, "m", Scale::size, "beams clear nothing beyond: enough to see what has gone"},
       {"length", &p.length, "m", Scale::size, "driven, after which a local map is given up"},
       {"overlap", &p.overlap, "m", Scale::size, "driven before that, when the next one begins"},
+  };
+}
+
+Parameters parameters_of(Params::Beams& p) {
+  return {
+      {"free_no_return", &p.free_no_return, "m", Scale::size,
+       "cleared by a beam without return: the dark returns none"},
+      {"narrow", &p.narrow, "m", Scale::size, "what stands free and is no wider is thin, such as a leg"},
+      {"behind", &p.behind, "m", Scale::size, "on both sides of it beams go on by so much"},
+      {"in_front", &p.in_front, "m", Scale::size, "and none ends so much before it"},
+      {"most_spacing", &p.most_spacing, "m", Scale::size, "between hits of one flat surface that is filled in"},
+      {"flat", &p.flat, "m", Scale::size, "by which its hits may be off a line"},
+  };
+}
+
+Parameters parameters_of(Params::OnlineMap& p) {
+  return {
+      {"redraw_distance", &p.redraw_distance, "m", Scale::size, "a closed loop redraws a map that is off by more"},
+      {"redraw_arm", &p.redraw_arm, "m", Scale::size, "away are the things that a turned keyframe moves"},
+  };
+}
+
+Parameters parameters_of(Params::MapUncertainty& p) {
+  return {
+      {"propagated", &p.propagated, "", Scale::none, "times the error of one scan's fit that passes into the map"},
+      {"position", &p.position, "m", Scale::noise, "standard deviation of the pose in the map, from metre to metre"},
+      {"heading", &p.heading, "rad", Scale::none, "the same of its heading"},
+      {"stretch", &p.stretch, "", Scale::none, "of the map, by what is left of the range bias"},
+      {"usual_noise", &p.usual_noise, "m", Scale::noise, "of ranges; all that grows in proportion with more"},
+      {"least_noise", &p.least_noise, "", Scale::none, "share of it that other errors make up"},
+      {"in_proportion", &p.in_proportion, "", Scale::none, "times it: beyond, errors grow with its cube"},
+      {"motion_position", &p.motion_position, "m", Scale::size, "standard deviation by motion, where scans tell none"},
+      {"motion_heading", &p.motion_heading, "rad", Scale::none, "the same of the heading"},
+      {"apart", &p.apart, "m", Scale::size, "between places that are remembered"},
+      {"near", &p.near, "m", Scale::size, "a place is known as well as one so near"},
+      {"way", &p.way, "m", Scale::size, "driven since, before it counts as coming back"},
+  };
+}
+
+Parameters parameters_of(Params::Graph& p) {
+  return {
+      {"drift", &p.drift, "m/sqrt(m)", Scale::none, "of the front end: with less, loops are searched for too near"},
+      {"turn_drift", &p.turn_drift, "rad/sqrt(m)", Scale::none, "the same of its heading"},
+      {"least_drift", &p.least_drift, "m", Scale::size, "from one keyframe to the next"},
+      {"least_turn_drift", &p.least_turn_drift, "rad", Scale::none, "the same of its heading"},
+      {"keyframe_distance", &p.keyframe_distance, "m", Scale::size, "between keyframes: less bends better, costs more"},
+      {"keyframe_turn", &p.keyframe_turn, "rad", Scale::none, "or so much turning"},
+      {"turning", &p.turning, "m/rad", Scale::size, "of driving, that turning counts for"},
+      {"scan_distance", &p.scan_distance, "m", Scale::size, "between scans that are kept: less takes memory"},
+      {"scan_turn", &p.scan_turn, "rad", Scale::none, "or so much turning"},
+      {"submap_length", &p.submap_length, "m", Scale::size, "driven, of which one map is made to be searched"},
+      {"free_range", &p.free_range, "m", Scale::size, "beams of local maps and submaps clear nothing beyond"},
+      {"resumed_position", &p.resumed_position, "m", Scale::size, "by which a robot may be off that resumes a map"},
+      {"resumed_heading", &p.resumed_heading, "rad", Scale::none, "the same of its heading"},
+      {"solve_distance", &p.solve_distance, "m", Scale::size, "driven, after which closures are solved for"},
+      {"solve_chi", &p.solve_chi, "", Scale::none, "variances off, from which on one is at once"},
+      {"same_way", &p.same_way, "m", Scale::size, "ways no farther apart are one way"},
+      {"same_way_heading", &p.same_way_heading, "rad", Scale::none,
+       "as are ways that differ by no more: some see ahead"},
+      {"ways", &p.ways, "", Scale::none, "along one way are kept: more takes memory"},
+  };
+}
+
+Parameters parameters_of(Params::Loops& p) {
+  return {
+      {"length", &p.length, "m", Scale::size, "driven since, before a submap may be met again"},
+      {"near", &p.near, "m", Scale::size, "from a submap, beyond the standard deviation, where it is searched"},
+      {"far", &p.far, "m", Scale::size, "and never farther"},
+      {"try_again", &p.try_again, "m", Scale::size, "driven, before the same submap is searched again"},
+      {"view_length", &p.view_length, "m", Scale::size, "of the way, whose scans are searched for together"},
+      {"view_distance", &p.view_distance, "m", Scale::size, "between these scans"},
+      {"unsure", &p.unsure, "m", Scale::size, "standard deviation above which a second closure must confirm"},
+      {"same_position", &p.same_position, "m", Scale::size, "by which that may be off the first"},
+      {"same_heading", &p.same_heading, "rad", Scale::none, "the same of its heading"},
+      {"found_position", &p.found_position, "m", Scale::size,
+       "standard deviation of a pose found in another component"},
+      {"found_heading", &p.found_heading, "rad", Scale::none, "the same of its heading"},
+  };
+}
+
+Parameters parameters_of(Params::LoopCloser& p) {
+  return {
+      {"deviations", &p.deviations, "", Scale::none, "of the belief that are searched"},
+      {"least_reach", &p.least_reach, "m", Scale::size, "but no less than this"},
+      {"most_reach", &p.most_reach, "m", Scale::size, "and no more: costs its square"},
+      {"least_turn", &p.least_turn, "rad", Scale::none, "no less than this to each side"},
+      {"least_score", &p.least_score, "", Scale::none, "of the search: less finds more wrong loops to refuse"},
+      {"distinct", &p.distinct, "", Scale::none, "share of the score that no other pose may reach"},
+      {"agreement", &p.agreement, "", Scale::none, "share of hits on surfaces: less closes wrong loops"},
+      {"known_share", &p.known_share, "", Scale::none, "of hits that must lie in known space"},
+      {"known_hits", &p.known_hits, "", Scale::none, "and so many of each scan"},
+      {"most_deviation", &p.most_deviation, "m", Scale::size, "of a closure: a corridor's walls alone leave more"},
+      {"most_chi", &p.most_chi, "", Scale::none, "off the belief, of three numbers: once in 900 times by chance"},
+      {"floor", &p.floor, "m", Scale::size, "standard deviation of a closure, since both maps are bent"},
+      {"turn_floor", &p.turn_floor, "rad", Scale::none, "the same of its heading"},
+  };
+}
+
+Parameters parameters_of(Params::GlobalSearch& p) {
+  return {
+      {"view_distance", &p.view_distance, "m", Scale::size, "between scans that are searched for together"},
+      {"view_turn", &p.view_turn, "rad", Scale::none, "or so much turning"},
+      {"view_length", &p.view_length, "m", Scale::size, "of the way, whose scans are remembered"},
+      {"good_score", &p.good_score, "", Scale::none, "that most poses reach: searching for it is quick"},
+      {"least_score", &p.least_score, "", Scale::none, "that one must reach in a place that has changed"},
+      {"lead", &p.lead, "", Scale::none, "of its score over all others elsewhere: less claims wrong poses"},
+      {"elsewhere_position", &p.elsewhere_position, "m", Scale::size,
+       "from another pose, from which on it is elsewhere"},
+      {"elsewhere_heading", &p.elsewhere_heading, "rad", Scale::none, "or turned by so much"},
+      {"confirm_position", &p.confirm_position, "m", Scale::size, "around a found pose, where later scans must fit"},
+      {"confirm_heading", &p.confirm_heading, "rad", Scale::none, "the same of its heading"},
+      {"confirmations", &p.confirmations, "", Scale::none, "scans in a row that fit there: more claims later"},
+      {"period", &p.period, "s", Scale::scan, "between searches while there are new things to see"},
+      {"longest_pause", &p.longest_pause, "s", Scale::scan, "between searches where there are none"},
   };
 }
 
@@ -151,8 +266,22 @@ Parameters parameters_of(Params& p) {
   append(all, "odometry_check", parameters_of(p.odometry_check));
   append(all, "local_map", parameters_of(p.local_map));
   append(all, "localization", parameters_of(p.localization));
+  append(all, "beams", parameters_of(p.beams));
+  append(all, "online_map", parameters_of(p.online_map));
+  append(all, "map_uncertainty", parameters_of(p.map_uncertainty));
+  append(all, "graph", parameters_of(p.graph));
+  append(all, "loops", parameters_of(p.loops));
+  append(all, "loop_closer", parameters_of(p.loop_closer));
+  append(all, "global_search", parameters_of(p.global_search));
   append(all, "obstacles", parameters_of(p.obstacles));
   return all;
+}
+
+double rounded_resolution(double resolution) {
+  double rounded = Params{}.map_resolution;
+  while (resolution >= 4.0 / 3.0 * rounded && 2.0 * rounded <= map::kCoarsestResolution) rounded *= 2.0;
+  while (resolution < 2.0 / 3.0 * rounded && 0.5 * rounded >= map::kFinestResolution) rounded *= 0.5;
+  return rounded;
 }
 
 SharedParams reference_params() {

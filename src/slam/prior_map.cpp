@@ -9,7 +9,7 @@ namespace threewe::slam {
 PriorMap::PriorMap(const map::OccupancyGrid& grid, const SharedParams& params)
     : before_wall_(params->registration.before_wall),
       surfaces_(map::LogOddsMap::going_on_from(grid, params->mapping.free_range)),
-      search_(grid) {
+      search_(grid, params->global_search) {
   grid_ = {grid.width, grid.height, grid.resolution, grid.origin, {}};
   cells_.assign(grid.data.size(), kUnknown);
   for (int y = 0; y < grid.height; ++y) {

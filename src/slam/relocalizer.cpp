@@ -11,7 +11,6 @@
 namespace threewe::slam {
 namespace {
 
-constexpr double kCell = 0.10;                 // [m] of the maps that are searched
 constexpr std::ptrdiff_t kLeastKeyframes = 3;  // less of a map tells nothing
 constexpr std::int64_t kWorkOfScan = 200'000;  // about a millisecond for each scan, see BranchAndBoundMatcher::Search
 
@@ -27,7 +26,7 @@ std::vector<int> roots_of(const std::vector<int>& components) {
 }  // namespace
 
 map::LogOddsMap drawn_component(const KeyframeGraphData& keyframe_graph, const std::vector<int>& components,
-                                int component, double resolution, double range_bias) {
+                                int component, double resolution, double range_bias, const Params& params) {
   std::vector<std::vector<map::Beam>> scans;
   for (std::size_t k = 0; k < keyframe_graph.keyframes.size(); ++k) {
     if (components[k] != component) continue;
@@ -36,7 +35,7 @@ map::LogOddsMap drawn_component(const KeyframeGraphData& keyframe_graph, const s
       scans.push_back(unpacked(scan.beams, map_from_keyframe * scan.keyframe_from_base));
     }
   }
-  return drawn(scans, {.resolution = resolution}, range_bias);
+  return drawn(scans, {.resolution = resolution, .free_range = params.mapping.free_range}, range_bias);
 }
 
 std::optional<Relocalizer::Found> Relocalizer::look(const KeyframeGraph& keyframe_graph, Time stamp,
@@ -70,9 +69,10 @@ void Relocalizer::begin(const KeyframeGraph& keyframe_graph, double range_bias) 
   const std::vector<int>& components = keyframe_graph.components();
   for (const int c : roots_of(components)) {
     if (c == components.back() || std::ranges::count(components, c) < kLeastKeyframes) continue;
-    const map::LogOddsMap map = drawn_component(keyframe_graph.data(), components, c, kCell, range_bias);
+    const map::LogOddsMap map =
+        drawn_component(keyframe_graph.data(), components, c, params_->coarse_resolution(), range_bias, *params_);
     const Time first = keyframe_graph.data().keyframes[static_cast<std::size_t>(c)].stamp;
-    searches_.push_back({first, GlobalLocalizer(std::make_shared<const PriorMap>(map.grid()))});
+    searches_.push_back({first, GlobalLocalizer(std::make_shared<const PriorMap>(map.grid(), params_), params_)});
   }
   begun_ = true;
 }

@@ -4,6 +4,7 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "map/log_odds_map.hpp"
@@ -17,12 +18,14 @@ namespace threewe::slam {
 /// The scans of one component of a trail's graph, drawn where the graph has them; `components` as KeyframeGraphData has
 /// them.
 map::LogOddsMap drawn_component(const KeyframeGraphData& keyframe_graph, const std::vector<int>& components,
-                                int component, double resolution, double range_bias);
+                                int component, double resolution, double range_bias, const Params& params);
 
 /// Searches the maps of all components but the one that the robot is in, with what it sees there. While there is one
 /// component alone it does nothing.
 class Relocalizer {
  public:
+  explicit Relocalizer(SharedParams params = reference_params()) : params_(std::move(params)) {}
+
   /// Where the robot seems to be: in which component, and where that lies in the map.
   struct Found {
     int component = 0;
@@ -46,6 +49,7 @@ class Relocalizer {
   std::size_t count_ = 1;  // components
   bool begun_ = false;     // the searches are of these
   std::vector<Search> searches_;
+  SharedParams params_;
 };
 
 }  // namespace threewe::slam

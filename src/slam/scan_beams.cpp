@@ -8,8 +8,7 @@
 namespace threewe::slam {
 namespace {
 
-constexpr double kFreeNoReturn = 4.0;  // [m] a beam without return clears so much: dark surfaces return nothing
-constexpr std::size_t kBlock = 8;      // beams between poses that are computed, less than 3 ms
+constexpr std::size_t kBlock = 8;  // beams between poses that are computed, less than 3 ms
 
 // Does the last beam have the first one beside it?
 bool is_full_turn(const LaserScan& scan) {
@@ -17,19 +16,17 @@ bool is_full_turn(const LaserScan& scan) {
 }
 
 // Does beam i hit something narrow, with what is behind it visible on both sides?
-bool is_thin(const LaserScan& scan, std::size_t i, bool full_turn) {
-  constexpr double kNarrow = 0.12;  // [m]
-  constexpr double kBehind = 0.15;  // [m]
+bool is_thin(const LaserScan& scan, std::size_t i, bool full_turn, const Params::Beams& params) {
   const std::size_t n = scan.ranges.size();
   const auto range = static_cast<double>(scan.ranges[i]);
-  const double beams = kNarrow / (range * scan.angle_increment);
+  const double beams = params.narrow / (range * scan.angle_increment);
   const std::size_t widest = beams < static_cast<double>(n) ? static_cast<std::size_t>(beams) + 1 : n;
   // how many beams to one side, of `room`, until one passes; 0 when something else is there, or nobody looked
   const auto edge = [&](std::size_t step, std::size_t room) -> std::size_t {
     for (std::size_t k = 1; k <= widest && k <= room; ++k) {
       const auto other = static_cast<double>(scan.ranges[(i + k * step) % n]);
-      if (other > range + kBehind) return k;
-      if (other < range - 0.05) return 0;  // invalid, or in front
+      if (other > range + params.behind) return k;
+      if (other < range - params.in_front) return 0;  // invalid, or in front
     }
     return 0;
   };
@@ -41,19 +38,18 @@ bool is_thin(const LaserScan& scan, std::size_t i, bool full_turn) {
 Vec2 hit_of(const map::Beam& beam) { return beam.origin + beam.range * beam.direction; }
 
 // Whether four beams side by side hit one flat surface.
-bool lies_flat(std::span<const map::Beam, 4> beams) {
-  constexpr double kMostGap = 1.0;  // [m] from hit to hit
-  constexpr double kFlat = 0.06;    // [m] that the outer ones may be off the line through the inner ones
+bool lies_flat(std::span<const map::Beam, 4> beams, const Params::Beams& params) {
   for (const map::Beam& beam : beams) {
     if (!beam.hit || beam.thin) return false;
   }
   const Vec2 from = hit_of(beams[1]);
   const Vec2 way = hit_of(beams[2]) - from;
   const double length = norm(way);
-  if (length == 0.0 || length > kMostGap) return false;
+  if (length == 0.0 || length > params.most_spacing) return false;
   const auto continues = [&](const map::Beam& outer, const map::Beam& inner) {
     const Vec2 off = hit_of(outer) - from;
-    return std::fabs(cross(way, off)) < kFlat * length && distance(hit_of(outer), hit_of(inner)) < kMostGap;
+    return std::fabs(cross(way, off)) < params.flat * length &&
+           distance(hit_of(outer), hit_of(inner)) < params.most_spacing;
   };
   return continues(beams[0], beams[1]) && continues(beams[3], beams[2]);
 }
@@ -61,7 +57,8 @@ bool lies_flat(std::span<const map::Beam, 4> beams) {
 }  // namespace
 
 std::vector<map::Beam> beams_of(const LaserScan& scan, double range_max,
-                                const std::function<Pose2D(std::size_t)>& frame_from_lidar) {
+                                const std::function<Pose2D(std::size_t)>& frame_from_lidar,
+                                const Params::Beams& params) {
   std::vector<map::Beam> beams;
   beams.reserve(scan.ranges.size());
   const bool full_turn = is_full_turn(scan);
@@ -78,9 +75,10 @@ std::vector<map::Beam> beams_of(const LaserScan& scan, double range_max,
     const auto range = static_cast<double>(scan.ranges[i]);
     if (!(range >= scan.range_min) || range <= 0.0) continue;
     const bool hit = range < farthest;
-    const double length = hit ? range : std::min(kFreeNoReturn, farthest);
+    const double length = hit ? range : std::min(params.free_no_return, farthest);
     const double angle = here.theta + scan.angle_min + static_cast<double>(i) * scan.angle_increment;
-    beams.push_back({here.position(), rotate({1.0, 0.0}, angle), length, hit, hit && is_thin(scan, i, full_turn)});
+    beams.push_back(
+        {here.position(), rotate({1.0, 0.0}, angle), length, hit, hit && is_thin(scan, i, full_turn, params)});
   }
   return beams;
 }
@@ -95,12 +93,12 @@ std::vector<map::Beam> transformed(const Pose2D& a_from_b, std::vector<map::Beam
   return beams_in_b;
 }
 
-std::vector<map::Beam> filled(const std::vector<map::Beam>& beams, double spacing) {
+std::vector<map::Beam> filled(const std::vector<map::Beam>& beams, double spacing, const Params::Beams& params) {
   std::vector<map::Beam> all;
   all.reserve(2 * beams.size());
   for (std::size_t i = 0; i < beams.size(); ++i) {
     all.push_back(beams[i]);
-    if (i < 1 || i + 2 >= beams.size() || !lies_flat(std::span(beams).subspan(i - 1).first<4>())) continue;
+    if (i < 1 || i + 2 >= beams.size() || !lies_flat(std::span(beams).subspan(i - 1).first<4>(), params)) continue;
     const Vec2 from = hit_of(beams[i]);
     const Vec2 way = hit_of(beams[i + 1]) - from;
     const int pieces = static_cast<int>(norm(way) / spacing) + 1;

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "map/log_odds_map.hpp"
+#include "slam/params.hpp"
 #include "threewe/core/pose.hpp"
 #include "threewe/core/samples.hpp"
 
@@ -13,14 +14,15 @@ namespace threewe::slam {
 /// The valid beams of a scan, in some frame. `frame_from_lidar(i)` is where the lidar was as it measured beam i; it is
 /// asked for every eighth. What is `range_max` [m] away or farther counts as no return.
 std::vector<map::Beam> beams_of(const LaserScan& scan, double range_max,
-                                const std::function<Pose2D(std::size_t)>& frame_from_lidar);
+                                const std::function<Pose2D(std::size_t)>& frame_from_lidar,
+                                const Params::Beams& params = {});
 
 /// The same beams seen from another frame.
 std::vector<map::Beam> transformed(const Pose2D& a_from_b, std::vector<map::Beam> beams_in_b);
 
 /// With beams in between those that hit one flat surface more than `spacing` [m] apart: what a scan shows of a far wall
 /// is no row of posts. `beams`: in order of angle, in one frame.
-std::vector<map::Beam> filled(const std::vector<map::Beam>& beams, double spacing);
+std::vector<map::Beam> filled(const std::vector<map::Beam>& beams, double spacing, const Params::Beams& params = {});
 
 /// A map of some scans, made as large as it will be at once.
 map::LogOddsMap drawn(const std::vector<std::vector<map::Beam>>& scans, const map::LogOddsMap::Settings& settings,

@@ -207,6 +207,12 @@ Match match_scan(const map::LogOddsMap& map, std::span<const map::Beam> beams, c
   return match;
 }
 
+Matrix4 free_prior(const Params::Matching& params) {
+  return Vector4(1.0 / square(params.free_position), 1.0 / square(params.free_position),
+                 1.0 / square(params.free_heading), 1.0 / square(params.free_bias))
+      .asDiagonal();
+}
+
 Pose2D search_pose(const map::LogOddsMap& map, std::span<const map::Beam> beams, const Pose2D& center,
                    const SearchWindow& window) {
   constexpr double kHeadingStep = exact::kPi / 180.0;

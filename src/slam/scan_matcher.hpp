@@ -65,6 +65,10 @@ Match match_scan(const map::LogOddsMap& map, std::span<const map::Beam> beams, c
                  const Matrix4& prior_information, const Pose2D& start, double scatter = 0.0,
                  Directions directions = Directions::observed, const Params::Matching& params = {});
 
+/// Inverse covariance of a belief that leaves the pose to the scan and keeps what that does not tell, also of the range
+/// bias.
+Matrix4 free_prior(const Params::Matching& params);
+
 /// How wide to search.
 struct SearchWindow {
   double position = 0.3;  ///< [m] each way

@@ -28,12 +28,13 @@ class ScanMatchingLocalizer final : public Localizer {
         front_(sensors, params, initial.map_from_start.value_or(Pose2D{})),
         map_from_start_(initial.map_from_start.value_or(Pose2D{})),
         map_(params),
+        map_uncertainty_(params->map_uncertainty),
         obstacles_(params->obstacles) {
     if (!initial.map) return;
     prior_ = std::make_shared<const PriorMap>(*initial.map, params);
     map_ = OnlineMap(prior_->surfaces(), params);
     if (initial.map_from_start) {
-      front_.set_pose(map_from_start_, p_.told_position, p_.told_heading);
+      front_.set_pose(map_from_start_, p_.initial_position, p_.initial_heading);
     } else {
       change_state(LocalizationEvent::misfits);
     }
@@ -127,8 +128,8 @@ void ScanMatchingLocalizer::find_place() {
 
 // The initial pose may be off.
 bool ScanMatchingLocalizer::find_place_near_start() {
-  const double reach = 3.0 * p_.told_position;
-  const BranchAndBoundMatcher::Window near_start{front_.map_from_base(), {reach, reach}, 3.0 * p_.told_heading};
+  const double reach = 3.0 * p_.initial_position;
+  const BranchAndBoundMatcher::Window near_start{front_.map_from_base(), {reach, reach}, 3.0 * p_.initial_heading};
   const auto found = prior_->search().find(front_.beams(), near_start, p_.doubtful_prior);
   if (!found || prior_->compare(found->pose, front_.beams()).agreement() <= p_.certain_prior) return false;
   settle(found->pose);
@@ -174,12 +175,12 @@ void ScanMatchingLocalizer::change_state(LocalizationEvent event) {
   const LocalizationState before = std::exchange(state_, next_state(state_, event));
   if (state_ == before) return;
   if (state_ == LocalizationState::tracking) finder_.reset();
-  if (state_ == LocalizationState::doubting) finder_.emplace(search_map_ = prior_);
+  if (state_ == LocalizationState::doubting) finder_.emplace(search_map_ = prior_, params_);
   if (event != LocalizationEvent::misfits) return;
   map_.break_off();
   map_uncertainty_.forget_way();
   search_map_ = prior_ ? prior_ : std::make_shared<const PriorMap>(map(), params_);
-  finder_.emplace(search_map_);
+  finder_.emplace(search_map_, params_);
 }
 
 // The robot has not moved since its own map began; of what the gyro has measured its bias is not known yet.

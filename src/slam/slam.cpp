@@ -31,6 +31,15 @@ SensorModel sensors(const SlamConfig& config) {
   return model;
 }
 
+// Of a log's robot nothing is known but its lidar.
+SharedParams params_of(const SlamConfig& config) {
+  Params params;
+  Scales scales;
+  if (config.range_bias_sigma > 0.0) scales.bias = config.range_bias_sigma / SlamConfig{}.range_bias_sigma;
+  scale_parameters(parameters_of(params), scales);
+  return std::make_shared<const Params>(params);
+}
+
 // Components as users see them: counted, in order of time.
 std::vector<int> numbered(std::vector<int> components) {
   std::vector<int> number(components.size());
@@ -59,10 +68,12 @@ std::string_view to_string(SlamIncident incident) {
 struct Slam::State {
   explicit State(const SlamConfig& c, double range_bias = 0.0)
       : config((check(c), c)),
-        params(reference_params()),
+        params(params_of(config)),
         front(sensors(c), params, {}, range_bias),
         odometry_check(params),
-        local_map(params) {}
+        local_map(params),
+        keyframe_graph(true, params),
+        relocalizer(params) {}
 
   Pose2D add(Time stamp, const LaserScan& scan, const std::optional<Pose2D>& odom_from_base);
   void check_order(Time stamp, const LaserScan& scan) const;
@@ -153,7 +164,7 @@ void Slam::State::check_order(Time stamp, const LaserScan& scan) const {
 map::OccupancyGrid Slam::map(int component) const {
   const State& s = *state_;
   return drawn_component(s.keyframe_graph.data(), numbered(s.keyframe_graph.components()), component,
-                         s.config.resolution, s.front.range_bias())
+                         s.config.resolution, s.front.range_bias(), *s.params)
       .grid();
 }
 
@@ -193,7 +204,8 @@ Slam Slam::load(const std::filesystem::path& path, const std::optional<Pose2D>& 
   Slam slam(file.config);
   slam.state_ = std::make_unique<State>(file.config, file.range_bias);
   const Pose2D last = file.keyframe_graph.pose_of(file.keyframe_graph.steps.back());
-  slam.state_->keyframe_graph = KeyframeGraph(std::move(file.keyframe_graph), map_from_base.value_or(last));
+  slam.state_->keyframe_graph =
+      KeyframeGraph(std::move(file.keyframe_graph), map_from_base.value_or(last), slam.state_->params);
   return slam;
 }
 

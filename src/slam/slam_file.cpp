@@ -218,7 +218,7 @@ void Reader::read_keyframe(Line& line) {
     line.fail("driven must not go back");
   keyframe_graph.graph.add_node(line.pose("a pose"), keyframe_graph.keyframes.empty());
   keyframe_graph.keyframes.push_back({stamp, driven, {}});
-  keyframe_graph.extend_submaps();
+  keyframe_graph.extend_submaps(Params::Graph{}.submap_length);
 }
 
 void Reader::read_scan(Line& line) {

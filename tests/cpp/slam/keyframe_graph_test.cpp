@@ -149,12 +149,12 @@ TEST_CASE("dropping a submap moves nothing, and all that is left hangs together"
         more.graph.add_constraint({node - 1, node, inverse(more.pose_of(node - 1)) * more.pose_of(node)});
         more.keyframes.push_back(d.keyframes[static_cast<std::size_t>(k)]);
         more.keyframes.back().driven = more.driven_at(node - 1) + 1.0;
-        more.extend_submaps();
+        more.extend_submaps(Params::Graph{}.submap_length);
       }
       return more;
     };
     data = copies(data);
-    while (data.prune()) {
+    while (data.prune({})) {
       ++dropped;
       for (std::size_t i = 0; i < before.size(); ++i) {
         const Pose2D now = data.pose_of(data.steps[i]);
