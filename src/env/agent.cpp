@@ -73,7 +73,8 @@ void Agent::begin(const AgentModel& model) {
 Velocity Agent::act(const AgentModel& model, const sim::RobotState& state, const Velocity& action, Time now) {
   Velocity wanted = scaled_to(model.gate.limits, action);
   if (model.gate.kinematics == Kinematics::differential) wanted.vy = 0.0;
-  return safety::gate(model.gate, gate_, wanted, obstacles_, now, odom_from_base(model, state)).command;
+  return safety::gate(model.gate, gate_, {wanted}, {obstacles_, sight_.unseen()}, now, odom_from_base(model, state))
+      .command;
 }
 
 void Agent::end_turn(const AgentModel& model, const sim::RobotModel& robot, const sim::RobotState& state, bool whole) {
@@ -118,7 +119,6 @@ void Agent::look_for_gaps(const AgentModel& model, std::span<const float> ranges
   const Pose2D& last = lidar.clockwise ? began : scan.odom_at_end;
   sight_.add(model.sight_model, {scan.end, first * lidar.base_from_lidar, last * lidar.base_from_lidar}, ranges,
              scan.odom_at_end);
-  obstacles_.insert(obstacles_.end(), sight_.unseen().begin(), sight_.unseen().end());
 }
 
 std::vector<Vec2> Agent::hits(const AgentModel& model, const sim::RobotState& state) const {

@@ -75,7 +75,7 @@ class Agent {
   std::size_t taken_ = 0;    // scans so far
   std::size_t arrived_ = 0;
   Pose2D turn_began_;            // odom_from_base then
-  std::vector<Vec2> obstacles_;  // of the newest scan, and what it does not see, in odom
+  std::vector<Vec2> obstacles_;  // of the newest scan, in odom
 };
 
 }  // namespace threewe::env

@@ -11,6 +11,7 @@
 
 #include "core/exact.hpp"
 #include "nav/room_field.hpp"
+#include "safety/params.hpp"
 
 namespace threewe::nav {
 namespace {
@@ -178,7 +179,7 @@ ArcEscapePlanner::ArcEscapePlanner(const RobotProfile& profile, const Params& pa
       step_(2.0 * params.follower.step),
       outline_(profile.body.footprint),
       radius_(profile.body.footprint.circumscribed_radius()),
-      margin_(profile.margin()),
+      margin_(safety::margin_of(profile)),
       turns_from_(radius_ + margin_ + kSigmas * (profile.lidar ? profile.lidar->sigma : 0.0)),
       ends_at_(turns_from_ + params_.room),
       least_room_(profile.body.footprint.inscribed_radius() - 0.5 * step_) {

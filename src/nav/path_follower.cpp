@@ -7,6 +7,7 @@
 
 #include "core/exact.hpp"
 #include "nav/polyline.hpp"
+#include "safety/params.hpp"
 
 namespace threewe::nav {
 namespace {
@@ -83,7 +84,7 @@ PathFollower::PathFollower(const RobotProfile& profile, const Params& params)
       mppi_(profile.lidar ? std::optional(Mppi(profile, params)) : std::nullopt),
       radius_(profile.body.footprint.circumscribed_radius()),
       full_speed_(profile.operating_limits.linear),
-      margin_(profile.margin()),
+      margin_(safety::margin_of(profile)),
       inside_(profile.lidar ? profile.lidar->bias : 0.0) {}
 
 void PathFollower::update(std::span<const Vec2> obstacles_in_base, double spare) {

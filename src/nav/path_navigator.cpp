@@ -1,5 +1,6 @@
 #include "nav/path_navigator.hpp"
 #include "core/exact.hpp"
+#include "safety/params.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -51,7 +52,7 @@ PathNavigator::PathNavigator(const RobotProfile& profile, const Params& params)
       route_(costmap_settings(profile, params), profile.body.footprint.circumscribed_radius(), params),
       limits_(profile.operating_limits),
       body_radius_(profile.body.footprint.circumscribed_radius()),
-      margin_(profile.margin()),
+      margin_(safety::margin_of(profile)),
       creep_after_(creep_after(profile, params.motion)),
       follower_(profile, params),
       recovery_(profile, params),

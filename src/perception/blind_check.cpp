@@ -7,6 +7,7 @@
 
 #include "core/exact.hpp"
 #include "hardware/invalid_beams.hpp"
+#include "safety/params.hpp"
 
 namespace threewe::perception {
 namespace {
@@ -34,7 +35,7 @@ double stopping_distance(const RobotProfile& profile) {
     body = std::max(body, distance(corner, profile.lidar->base_from_lidar.position()));
   const double speed = profile.operating_limits.linear;
   const double braking = profile.operating_limits.linear_braking;
-  return body + profile.margin() + speed * (to_seconds(profile.reaction()) + 0.5 * speed / braking);
+  return body + safety::margin_of(profile) + speed * (to_seconds(profile.reaction()) + 0.5 * speed / braking);
 }
 
 }  // namespace

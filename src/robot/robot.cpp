@@ -62,8 +62,8 @@ Pose2D Robot::get_transform(std::string_view target, std::string_view source) co
   return runtime_->transform(target, source);
 }
 
-void Robot::set_velocity(double vx, double vy, double omega, double hold) {
-  runtime_->set_velocity({vx, vy, omega}, duration(hold, "hold"));
+void Robot::set_velocity(double vx, double vy, double omega, double hold, bool creep_mode) {
+  runtime_->set_velocity({vx, vy, omega}, duration(hold, "hold"), creep_mode);
 }
 
 Velocity Robot::execute_action(const std::array<double, 3>& action, double period) {

@@ -27,9 +27,7 @@ Runtime::Impl::Impl(World& w, backend::RobotPort& p, Options autonomy)
       port(p),
       perception_model{p.profile(), p.features().sensors},
       gate_model(safety::make_gate_model(p.profile())),
-      creep_gate(safety::creep_mode(gate_model)),
       sight_model(safety::make_sight_model(p.profile(), gate_model)),
-      may_creep(autonomy.may_creep),
       fresh(std::move(autonomy), perception_model),
       state(std::make_unique<State>(fresh)) {}
 
@@ -76,15 +74,15 @@ WaitHandle Runtime::ready() {
   return impl_->ready.emplace_back(impl_->world.sleep(kPatienceAtStart));
 }
 
-void Runtime::set_velocity(const Velocity& velocity, Duration hold) {
+void Runtime::set_velocity(const Velocity& velocity, Duration hold, bool creep_mode) {
   impl_->require_healthy();
   check_velocity(profile(), velocity);
   require_positive(hold, "hold");
   impl_->require_free();
-  impl_->state->held = HeldVelocity{velocity, impl_->now() + hold, false};
+  impl_->state->held = HeldVelocity{velocity, impl_->now() + hold, false, creep_mode};
 }
 
-WaitHandle Runtime::execute_action(const std::array<double, 3>& action, Duration period) {
+WaitHandle Runtime::execute_action(const std::array<double, 3>& action, Duration period, bool creep_mode) {
   impl_->require_healthy();
   for (const double a : action) {
     if (!std::isfinite(a)) throw ContractError("action must be finite");
@@ -93,7 +91,7 @@ WaitHandle Runtime::execute_action(const std::array<double, 3>& action, Duration
   check_velocity(profile(), velocity);
   require_positive(period, "period");
   impl_->require_free();
-  impl_->state->held = HeldVelocity{velocity, impl_->now() + period, true};
+  impl_->state->held = HeldVelocity{velocity, impl_->now() + period, true, creep_mode};
   return impl_->world.sleep(period);
 }
 

@@ -20,7 +20,8 @@ namespace threewe {
 struct HeldVelocity {
   Velocity velocity;
   Time until{};
-  bool quiet = false;  // part of a control step: its end is no surprise
+  bool quiet = false;       // part of a control step: its end is no surprise
+  bool creep_mode = false;  // asked for
 };
 
 /// Everything about one robot that its future depends on. Copying clones the autonomy stack.
@@ -83,7 +84,7 @@ struct Runtime::Impl {
 
   // act
   safety::GateOutput gated(Time now);
-  std::vector<Vec2> with_approaching(Time now) const;
+  std::vector<Vec2> predicted(Time now) const;
   Velocity request();
   Velocity wait_for(const SensorHealth& sensor);
   Velocity steer();
@@ -108,9 +109,7 @@ struct Runtime::Impl {
   backend::RobotPort& port;
   const perception::PerceptionModel perception_model;
   const safety::GateModel gate_model;
-  const safety::GateModel creep_gate;
   const safety::SightModel sight_model;
-  const bool may_creep;
   const State fresh;  // as it was before anything happened
   std::unique_ptr<State> state;
   bool connected = false;

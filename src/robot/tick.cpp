@@ -6,7 +6,6 @@
 
 #include "core/exact.hpp"
 #include "hardware/sample_checks.hpp"
-#include "map/scan_hits.hpp"
 #include "robot/goals.hpp"
 #include "robot/runtime_state.hpp"
 #include "safety/gate.hpp"
@@ -57,36 +56,22 @@ void Runtime::sense(Time now) {
   impl_->end_motion_if_over();
 }
 
-// Near things, and slowly, where a motion creeps through a gap; without their scatter, for that would close it. What
-// the lidar does not see counts as an obstacle.
+// What is in the way, and what may be: where no beam has looked, and where what comes nearer is going.
 safety::GateOutput Runtime::Impl::gated(Time now) {
-  constexpr double kNear = 0.5;  // [m], farther than anybody creeps within a few periods
-  const Pose2D& base = state->estimate.odom_from_base;
-  const std::span<const Vec2> seen = obstacles_in_odom();
+  const bool creep_mode = motion ? motion->decision.creep_mode : state->held && state->held->creep_mode;
+  std::vector<Vec2> assumed = predicted(now);
   const std::span<const Vec2> unseen = state->sight.unseen();
-  const bool creep_mode = may_creep && motion && motion->decision.creep_mode;
-  std::vector<Vec2> expected;
-  if (creep_mode) {
-    const Vec2 lidar = base * port.profile().lidar->base_from_lidar.position();
-    expected = map::smoothed_near(base.position(), kNear, seen, lidar);
-  } else if (motion) {
-    expected = with_approaching(now);
-  }
-  const bool as_seen = !creep_mode && expected.empty();  // a copy only where something is to be added
-  if (as_seen && unseen.empty()) return safety::gate(gate_model, state->gate, state->requested, seen, now, base);
-  if (as_seen) expected.assign(seen.begin(), seen.end());
-  expected.insert(expected.end(), unseen.begin(), unseen.end());
-  return safety::gate(creep_mode ? creep_gate : gate_model, state->gate, state->requested, expected, now, base);
+  assumed.insert(assumed.end(), unseen.begin(), unseen.end());
+  return safety::gate(gate_model, state->gate, {state->requested, creep_mode}, {obstacles_in_odom(), assumed}, now,
+                      state->estimate.odom_from_base);
 }
 
-// What is in the way, and what comes nearer as it will be when the robot has come to a stop: two robots that meet would
-// each stop short of where the other was (ISO 13855:2010, 6.1, counts on what approaches likewise). Nothing where
-// nothing comes nearer.
-std::vector<Vec2> Runtime::Impl::with_approaching(Time now) const {
+// What comes nearer as it will be when the robot has come to a stop: two robots that meet would each stop short of
+// where the other was (ISO 13855:2010, 6.1, counts on what approaches likewise).
+std::vector<Vec2> Runtime::Impl::predicted(Time now) const {
   const std::span<const perception::Approaching> approaching = state->perception.approaching();
-  if (approaching.empty()) return {};
-  const std::span<const Vec2> seen = obstacles_in_odom();
-  std::vector<Vec2> expected(seen.begin(), seen.end());
+  if (approaching.empty() || !motion) return {};
+  std::vector<Vec2> predicted;
   const Vec2 robot = state->estimate.odom_from_base.position();
   const double nearest = gate_model.footprint.inscribed_radius();
   const Velocity& last = state->gate.last();
@@ -95,9 +80,9 @@ std::vector<Vec2> Runtime::Impl::with_approaching(Time now) const {
   for (const perception::Approaching& it : approaching) {
     const Vec2 d = robot - it.position;
     const double way = std::min(it.speed * (stopping + to_seconds(now - it.seen)), norm(d) - nearest);
-    if (way > 0.0) expected.push_back(it.position + (way / norm(d)) * d);
+    if (way > 0.0) predicted.push_back(it.position + (way / norm(d)) * d);
   }
-  return expected;
+  return predicted;
 }
 
 // A motion owns the robot; without one, a velocity that was asked for holds until it expires.

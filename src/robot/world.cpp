@@ -37,8 +37,7 @@ Runtime::Options make_autonomy(const Autonomy& autonomy, backend::World& world, 
     throw HardwareError("robot '" + profile.name + "' has no sensor 'lidar', which finding its place in a map needs");
   }
   return {make_localizer(autonomy, profile, initial, world.truth_service(), robot),
-          autonomy.navigator ? autonomy.navigator(profile) : nav::make_navigator(profile),
-          !autonomy.navigator && profile.lidar.has_value()};
+          autonomy.navigator ? autonomy.navigator(profile) : nav::make_navigator(profile)};
 }
 
 std::string size_of_pictures(const RobotProfile& profile) {

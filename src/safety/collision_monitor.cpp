@@ -16,7 +16,6 @@ namespace threewe::safety {
 namespace {
 
 constexpr double kPeriod = to_seconds(kControlPeriod);
-constexpr double kSweepStep = 0.005;  // [m], the longest way of any corner between two poses of a sweep
 constexpr double kRounding = 1e-9;    // [m], and of shares of a period
 constexpr double kStandStill = 1e-3;  // [m/s] and [rad/s], slower than this is not worth creeping
 constexpr int kBisections = 10;       // the speed is found to a thousandth
@@ -119,10 +118,11 @@ double way_to_stand_still(const GateModel& model, const Velocity& last, const Ve
 // What the footprint must not come nearer to than required.
 struct Obstacle {
   Vec2 at;                // in a frame that stands still
+  double margin = 0.0;    // [m] of its kind
   double required = 0.0;  // [m]
   double slack = 0.0;     // [m] that corners can go at least before it is nearer than that
 };
-using Obstacles = std::pmr::vector<Obstacle>;
+using Near = std::pmr::vector<Obstacle>;
 
 // [m] between outline and obstacle, negative inside; a little less for what is beyond the margin.
 double clearance(const GateModel& model, Vec2 in_base) {
@@ -131,25 +131,24 @@ double clearance(const GateModel& model, Vec2 in_base) {
 }
 
 // From the robot's point of view, those that are not too far to matter on a way of so many metres.
-void select_near(const GateModel& model, std::span<const Vec2> obstacles, const Pose2D& base, double way,
-                 Obstacles& near) {
-  const double reach = model.margin + way;
+void select_near(const GateModel& model, const Obstacles& obstacles, const Pose2D& base, double way, Near& near) {
+  const double reach = obstacles.margin + way;
   const double sight = model.footprint.circumscribed_radius() + reach;
   const auto is_in_sight = [&](Vec2 p) {
     const Vec2 d = p - base.position();
     return dot(d, d) <= sight * sight;
   };
-  const auto first = std::ranges::find_if(obstacles, is_in_sight);
-  if (first == obstacles.end()) return;
+  const auto first = std::ranges::find_if(obstacles.points, is_in_sight);
+  if (first == obstacles.points.end()) return;
 
   const Frame frame{base.position(), exact::sincos(base.theta)};
-  for (const Vec2 p : std::span(first, obstacles.end())) {
+  for (const Vec2 p : std::span(first, obstacles.points.end())) {
     if (!is_in_sight(p)) continue;
     const Vec2 at = frame.from_outside(p);
     if (model.footprint.distance_to_box(at) > reach) continue;
     const double distance = clearance(model, at);
-    const double required = std::min(distance, model.margin);
-    near.push_back({at, required, distance - required});
+    const double required = std::min(distance, obstacles.margin);
+    near.push_back({at, obstacles.margin, required, distance - required});
   }
 }
 
@@ -162,7 +161,7 @@ bool follow(const GateModel& model, const Frame& start, const Arc& arc, Obstacle
     double gone = 0.0;   // in periods at the first velocity
     double share = 1.0;  // of the first period's way
     while (share > kRounding) {
-      const double steps = share * arc.way / kSweepStep - kRounding;
+      const double steps = share * arc.way / model.sweep_step - kRounding;
       const int poses = steps > 1.0 ? static_cast<int>(std::ceil(steps)) : 1;
       for (int i = 1; i <= poses && obstacle.slack < (gone + share) * arc.way; ++i) {
         const double periods = gone + share * (static_cast<double>(i) / poses);
@@ -182,12 +181,17 @@ bool follow(const GateModel& model, const Frame& start, const Arc& arc, Obstacle
 // What each obstacle must keep: the margin, but never more than braking at once would leave. What lies inside the
 // outline already may come no deeper, and never licenses touching something else. From here on they are looked at from
 // the turning point.
-void settle_requirements(const GateModel& model, const Frame& turning_point, Obstacles& near) {
-  const auto least = std::ranges::min_element(near, {}, &Obstacle::required);
-  const double common = std::clamp(least->required, 0.0, model.margin);
+void settle_requirements(const GateModel& model, const Frame& turning_point, Near& near) {
+  double common = model.margin;
+  double common_of_lesser = model.margin;  // of what may be nearer from the first
+  for (const Obstacle& obstacle : near) {
+    double& least = obstacle.margin < model.margin ? common_of_lesser : common;
+    least = std::min(least, std::max(obstacle.required, 0.0));
+  }
   for (Obstacle& obstacle : near) {
     obstacle.at = turning_point.from_outside(obstacle.at);
-    obstacle.required = std::min(obstacle.required, common) - kRounding;
+    const double least = obstacle.margin < model.margin ? common_of_lesser : common;
+    obstacle.required = std::min(obstacle.required, least) - kRounding;
     obstacle.slack = clearance(model, obstacle.at) - obstacle.required;
   }
 }
@@ -195,8 +199,8 @@ void settle_requirements(const GateModel& model, const Frame& turning_point, Obs
 }  // namespace
 
 Velocity clear_of_obstacles(const GateModel& model, const GateState& state, const Velocity& command,
-                            std::span<const Vec2> obstacles, const Pose2D& base) {
-  if (obstacles.empty()) return command;
+                            std::span<const Obstacles> obstacles, const Pose2D& base) {
+  if (std::ranges::all_of(obstacles, [](const Obstacles& o) { return o.points.empty(); })) return command;
   const auto count = static_cast<std::size_t>((model.reaction + kControlPeriod - 1ns) / kControlPeriod);
   const std::span<const Velocity> pending = std::span(state.recent).first(count);  // the newest first
   double way_of_pending = 0.0;
@@ -204,11 +208,11 @@ Velocity clear_of_obstacles(const GateModel& model, const GateState& state, cons
   const double way_of_decision = way_to_stand_still(model, state.last(), command);
   std::array<std::byte, 8192> room;  // NOLINT: what is used is filled
   std::pmr::monotonic_buffer_resource memory(room.data(), room.size());
-  Obstacles near(&memory);
-  select_near(model, obstacles, base, way_of_pending + way_of_decision, near);
+  Near near(&memory);
+  for (const Obstacles& kind : obstacles) select_near(model, kind, base, way_of_pending + way_of_decision, near);
   if (near.empty()) return command;
 
-  // the robot will first obey what it was told before
+  // the robot will first obey what was commanded before
   const auto keep_nearest = [](Obstacle& obstacle, double distance) {
     obstacle.required = std::min(obstacle.required, distance);
     return true;

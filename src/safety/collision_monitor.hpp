@@ -7,10 +7,16 @@
 
 namespace threewe::safety {
 
+/// Obstacle points of one kind.
+struct Obstacles {
+  std::span<const Vec2> points;  ///< [m]
+  double margin = 0.0;           ///< [m] kept free around the footprint of these, at most the model's
+};
+
 /// The command nearest to `command`, on the way from braking along the present arc, after which the robot can still
-/// stop with the margin free. `command` is within reach of the period before; so is what comes back. `base` is where
+/// stop with the margins free. `command` is within reach of the period before; so is what comes back. `base` is where
 /// the robot is in the frame of the obstacles.
 Velocity clear_of_obstacles(const GateModel& model, const GateState& state, const Velocity& command,
-                            std::span<const Vec2> obstacles, const Pose2D& base);
+                            std::span<const Obstacles> obstacles, const Pose2D& base);
 
 }  // namespace threewe::safety

@@ -1,9 +1,12 @@
 #include "safety/gate.hpp"
 
 #include <algorithm>
+#include <array>
 
 #include "hardware/limits.hpp"
+#include "hardware/parameters.hpp"
 #include "safety/collision_monitor.hpp"
+#include "safety/creep_mode.hpp"
 #include "threewe/core/errors.hpp"
 
 namespace threewe::safety {
@@ -20,17 +23,36 @@ bool scan_is_stale(const GateModel& model, const GateState& state, Time now) {
   return model.collision_monitor && (!state.scan_seen || now - state.last_scan > model.sensor_timeout);
 }
 
-GateOutput decide(const GateModel& model, const GateState& state, const Velocity& requested,
-                  std::span<const Vec2> obstacles, Time now, const Pose2D& base) {
+// What keeps clear of the surroundings.
+Velocity monitored(const GateModel& model, const GateState& state, const Velocity& command,
+                   const Surroundings& surroundings, const Pose2D& odom_from_base) {
+  const Obstacles assumed{surroundings.assumed, model.margin};
+  if (!state.crept) {
+    const std::array all = {Obstacles{surroundings.hits, model.margin}, assumed};
+    return clear_of_obstacles(model, state, command, all, odom_from_base);
+  }
+  const Passage passage = measure_passage(model, command, surroundings.hits, odom_from_base);
+  const std::array all = {Obstacles{passage.ahead, model.margin},
+                          Obstacles{passage.beside, std::min(model.margin, model.creep.margin)}, assumed};
+  return clear_of_obstacles(model, state, command, all, odom_from_base);
+}
+
+GateOutput decide(const GateModel& model, GateState& state, const Request& request, const Surroundings& surroundings,
+                  Time now, const Pose2D& odom_from_base) {
   if (state.estop) return {{}, Intervention::estop};
 
+  const Velocity& requested = request.velocity;
   const bool stale = scan_is_stale(model, state, now);
-  const Velocity allowed = stale ? Velocity{} : within_limits(model.limits, sanitized(model, requested));
+  const bool creep_mode =
+      request.creep_mode || (state.crept && is_in_passage(model, surroundings.hits, odom_from_base));
+  state.crept = creep_mode && model.base_from_lidar && is_creeping(model, state);
+  const Limits limits = creep_mode ? creep_limits(model) : model.limits;
+  const Velocity allowed = stale ? Velocity{} : within_limits(limits, sanitized(model, requested));
   const Velocity reachable = within_acceleration(model.limits, state.last(), allowed);
   if (stale && requested != Velocity{}) return {reachable, Intervention::stale_sensors};
 
-  const Velocity safe =
-      model.collision_monitor && !stale ? clear_of_obstacles(model, state, reachable, obstacles, base) : reachable;
+  const bool watched = model.collision_monitor && !stale;
+  const Velocity safe = watched ? monitored(model, state, reachable, surroundings, odom_from_base) : reachable;
   if (safe != reachable) {
     return {safe, safe == Velocity{} ? Intervention::stopped_for_obstacle : Intervention::slowed_for_obstacle};
   }
@@ -57,27 +79,21 @@ GateModel make_gate_model(const RobotProfile& profile) {
   model.kinematics = profile.kinematics();
   model.footprint = profile.body.footprint;
   model.collision_monitor = profile.lidar || profile.ultrasonics;
-  model.margin = profile.margin();
+  const auto params = params_for<Params>(profile, "safety");
+  model.sensor_timeout = params.gate.sensor_timeout;
+  model.margin = margin_of(profile);
+  model.sweep_step = params.gate.sweep_step;
+  model.creep = params.creep;
+  if (profile.lidar) model.base_from_lidar = profile.lidar->base_from_lidar.position();
   model.reaction = profile.reaction();
   if (model.reaction > kMaxReaction)
     throw ConfigError("profile '" + profile.name + "': reacts too slowly for the gate");
   return model;
 }
 
-GateModel creep_mode(const GateModel& model) {
-  constexpr double kMargin = 0.003;  // [m]
-  constexpr double kLinear = 0.04;   // [m/s]
-  constexpr double kCorners = 0.05;  // [m/s]
-  GateModel slow = model;
-  slow.margin = std::min(slow.margin, kMargin);
-  slow.limits.linear = std::min(slow.limits.linear, kLinear);
-  slow.limits.angular = std::min(slow.limits.angular, (kCorners - kLinear) / model.footprint.circumscribed_radius());
-  return slow;
-}
-
-GateOutput gate(const GateModel& model, GateState& state, const Velocity& requested, std::span<const Vec2> obstacles,
-                Time now, const Pose2D& base) {
-  const GateOutput output = decide(model, state, requested, obstacles, now, base);
+GateOutput gate(const GateModel& model, GateState& state, const Request& request, const Surroundings& surroundings,
+                Time now, const Pose2D& odom_from_base) {
+  const GateOutput output = decide(model, state, request, surroundings, now, odom_from_base);
   std::copy_backward(state.recent.begin(), state.recent.end() - 1, state.recent.end());
   state.recent.front() = output.command;
   return output;

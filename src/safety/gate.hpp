@@ -4,9 +4,11 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string_view>
 
+#include "safety/params.hpp"
 #include "threewe/core/footprint.hpp"
 #include "threewe/core/pose.hpp"
 #include "threewe/core/time.hpp"
@@ -20,19 +22,18 @@ struct GateModel {
   Limits limits;
   Kinematics kinematics{};
   Footprint footprint;
-  bool collision_monitor = true;    ///< and watchdog; off where nothing looks, and for `gate="limits"`
-  Duration sensor_timeout = 500ms;  ///< no scan (or echo) for this long: stop
-  double margin = 0.02;             ///< [m] kept free around the footprint
-  Duration reaction = 120ms;        ///< from a command to its effect: command latency, motor lag, one period
+  bool collision_monitor = true;        ///< and watchdog; off where nothing looks, and for `gate="limits"`
+  Duration sensor_timeout = 500ms;      ///< no scan (or echo) for this long: stop
+  double margin = 0.02;                 ///< [m] kept free around the footprint
+  double sweep_step = 0.005;            ///< [m] the longest way of any corner between two poses that are checked
+  Params::Creep creep;                  ///< of creep mode
+  std::optional<Vec2> base_from_lidar;  ///< [m] empty where no lidar measures narrow passages
+  Duration reaction = 120ms;            ///< from a command to its effect: command latency, motor lag, one period
 };
 
 /// The gate of a robot: its operating limits and its reaction time; a collision monitor where it has a lidar, or at
 /// least ultrasonic sensors.
 GateModel make_gate_model(const RobotProfile& profile);
-
-/// The same for a robot that creeps through a gap: so slow that a touch would do no harm, 0.05 m/s at its corners, it
-/// keeps no more free than is lost to the scatter of what it sees.
-GateModel creep_mode(const GateModel& model);
 
 /// The longest reaction that the gate can look ahead over.
 inline constexpr Duration kMaxReaction = 320ms;
@@ -43,6 +44,7 @@ struct GateState {
   std::array<Velocity, kMaxReaction / kControlPeriod> recent{};
   Time last_scan{};  ///< `received` of the newest scan; of the newest echo where there is no lidar
   bool scan_seen = false;
+  bool crept = false;  ///< the margin of creep mode was allowed: whoever crept in creeps out
   bool estop = false;  ///< latched until released
   friend bool operator==(const GateState&, const GateState&) = default;
 
@@ -50,15 +52,29 @@ struct GateState {
   const Velocity& last() const { return recent.front(); }
 };
 
-/// One period. `obstacles` are what the lidar hits, or echoes [m], and `base` is where the robot is now, both in the
-/// same frame. Throws nothing: a request that is not finite becomes a stop.
+/// What is asked of the gate.
+struct Request {
+  Velocity velocity;
+  /// Slowly, and nearer to the sides of a narrow passage than else. Whoever asks, the gate measures the passage itself,
+  /// and keeps the whole margin of what it does not pass, and until the robot is as slow as that.
+  bool creep_mode = false;
+};
+
+/// Points in a frame that stands still [m], such as `odom`.
+struct Surroundings {
+  std::span<const Vec2> hits;     ///< what the lidar hits; sonar returns and bumps where there is none
+  std::span<const Vec2> assumed;  ///< where something may be, or is expected to be
+};
+
+/// One period. `odom_from_base` is where the robot is now, in the frame of its surroundings. Throws nothing: a request
+/// that is not finite becomes a stop.
 ///
 /// The speed of the body, |(vx, vy)|, grows by at most `linear_acceleration` and its vector changes by at most
 /// `linear_braking`; the greater of the two where a profile brakes more gently than it speeds up.
 /// A command passes the collision monitor when the robot, having obeyed it for one period, can still brake along its
 /// arc and keep `margin` free. Where that is lost already (something moved, a scan was wrong), it passes if it comes no
 /// nearer than braking at once would: a robot can always drive out of a tight place.
-GateOutput gate(const GateModel& model, GateState& state, const Velocity& requested, std::span<const Vec2> obstacles,
-                Time now, const Pose2D& base = {});
+GateOutput gate(const GateModel& model, GateState& state, const Request& request, const Surroundings& surroundings,
+                Time now, const Pose2D& odom_from_base = {});
 
 }  // namespace threewe::safety

@@ -7,13 +7,12 @@
 
 #include "core/exact.hpp"
 #include "hardware/invalid_beams.hpp"
+#include "hardware/parameters.hpp"
 
 namespace threewe::safety {
 namespace {
 
-constexpr double kThin = 0.03;      // [m] what is thinner may stand between two beams: thinner legs are rare
 constexpr std::size_t kFewest = 3;  // beams make a gap, by kBridgedBeams
-constexpr double kStep = 0.02;      // [m] along a beam
 constexpr int kBisections = 12;     // the edge of the margin is found to a tenth of a millimetre
 constexpr double kNone = std::numeric_limits<double>::infinity();
 
@@ -41,10 +40,10 @@ Polar polar(const PlacedScan& scan, Vec2 point) {
 }
 
 // Does a valid beam lead past a point so near that nothing thick stands between, and is it longer than `longer`?
-bool is_passed(const PlacedScan& scan, const Polar& at, double longer) {
+bool is_passed(double thin, const PlacedScan& scan, const Polar& at, double longer) {
   const auto n = static_cast<std::ptrdiff_t>(scan.ranges.size());
-  const double thin = 0.5 * kThin / (std::max(at.range, kThin) * increment_of(scan.ranges));
-  const double beside = std::max(thin, kBridgedBeams);
+  const double between = 0.5 * thin / (std::max(at.range, thin) * increment_of(scan.ranges));
+  const double beside = std::max(between, kBridgedBeams);
   const auto last = static_cast<std::ptrdiff_t>(std::floor(at.beam + beside));
   for (auto i = static_cast<std::ptrdiff_t>(std::ceil(at.beam - beside)); i <= last; ++i) {
     const auto range = static_cast<double>(scan.ranges[static_cast<std::size_t>((i % n + n) % n)]);
@@ -53,15 +52,15 @@ bool is_passed(const PlacedScan& scan, const Polar& at, double longer) {
   return false;
 }
 
-bool is_free(const PlacedScan& scan, Vec2 point) {
+bool is_free(double thin, const PlacedScan& scan, Vec2 point) {
   const Polar at = polar(scan, point);
-  return is_passed(scan, at, at.range);
+  return is_passed(thin, scan, at, at.range);
 }
 
 // Can something hide in a gap, other than what is nearer than the lidar can measure?
 bool is_blind(const SightModel& model, const InvalidBeams& gap, double increment) {
   const bool near = gap.before > 0.0F && static_cast<double>(std::max(gap.before, gap.after)) < model.near_gap;
-  return !near && static_cast<double>(gap.count + 1) * increment * model.reach > kThin;
+  return !near && static_cast<double>(gap.count + 1) * increment * model.reach > model.thin;
 }
 
 // A beam, however long.
@@ -102,6 +101,9 @@ SightModel make_sight_model(const RobotProfile& profile, const GateModel& gate) 
   SightModel model;
   if (!profile.lidar) return model;
   const LidarSpec& lidar = *profile.lidar;
+  const auto params = params_for<Params>(profile, "safety").unseen;
+  model.thin = params.thin;
+  model.step = params.step;
   model.footprint = gate.footprint;
   model.margin = gate.margin;
   model.range_min = lidar.range_min;
@@ -130,17 +132,17 @@ void Sight::add(const SightModel& model, const ScanTurn& turn, std::span<const f
   scan.ranges.assign(ranges.begin(), ranges.end());
   if (unseen_.empty() && std::ranges::find(scan.ranges, 0.0F) == scan.ranges.end()) return;
 
-  const std::vector<double> doubtful = still_unseen(scan);
+  const std::vector<double> doubtful = still_unseen(model.thin, scan);
   unseen_.clear();
   const auto is_known = [&](Vec2 point) {
     return std::ranges::any_of(scans_, [&](const PlacedScan& past) {
-      return !past.ranges.empty() && turn.end - past.turn.end <= model.memory && is_free(past, point);
+      return !past.ranges.empty() && turn.end - past.turn.end <= model.memory && is_free(model.thin, past, point);
     });
   };
   const auto first_unknown = [&](const Ray& ray, double limit) {
     const double least = end_of_margin(model, inverse(odom_from_base), ray);
     double range = std::max(least, model.range_min);
-    while (range < std::min(model.reach, limit) && is_known(ray.at(range))) range += kStep;
+    while (range < std::min(model.reach, limit) && is_known(ray.at(range))) range += model.step;
     return std::max(least, std::min(range, limit));
   };
   for (const InvalidBeams& gap : invalid_beams(scan.ranges, kFewest)) {
@@ -155,11 +157,11 @@ void Sight::add(const SightModel& model, const ScanTurn& turn, std::span<const f
 }
 
 // [m] along each beam to the nearest point that was unknown before, and at which no beam looks now.
-std::vector<double> Sight::still_unseen(const PlacedScan& scan) const {
+std::vector<double> Sight::still_unseen(double thin, const PlacedScan& scan) const {
   std::vector<double> nearest(scan.ranges.size(), kNone);
   for (const Vec2 point : unseen_) {
     const Polar at = polar(scan, point);
-    if (is_passed(scan, at, 0.0)) continue;
+    if (is_passed(thin, scan, at, 0.0)) continue;
     double& range = nearest[static_cast<std::size_t>(std::floor(at.beam + 0.5)) % nearest.size()];
     range = std::min(range, at.range);
   }

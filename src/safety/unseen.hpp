@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "safety/gate.hpp"
+#include "safety/params.hpp"
 #include "threewe/core/footprint.hpp"
 #include "threewe/core/pose.hpp"
 #include "threewe/core/time.hpp"
@@ -16,6 +17,8 @@ namespace threewe::safety {
 /// What never changes while a robot runs.
 struct SightModel {
   Footprint footprint;
+  double thin = 0.0;       ///< [m] what is thinner may stand between two beams: thinner legs are rare
+  double step = 0.0;       ///< [m] along a beam, from point to point
   double margin = 0.0;     ///< [m] around the footprint, of which the gate takes care
   double range_min = 0.0;  ///< [m] of the lidar
   double reach = 0.0;      ///< [m] from the lidar: what is farther concerns the gate with a later scan
@@ -55,7 +58,7 @@ class Sight {
   std::span<const Vec2> unseen() const { return unseen_; }
 
  private:
-  std::vector<double> still_unseen(const PlacedScan& scan) const;
+  std::vector<double> still_unseen(double thin, const PlacedScan& scan) const;
 
   std::vector<PlacedScan> scans_;  // a ring; those within the memory count
   std::size_t newest_ = 0;

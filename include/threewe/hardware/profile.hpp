@@ -189,8 +189,6 @@ struct RobotProfile {
   bool has(SensorType type) const;
   /// Where a sensor of some kind and name is mounted; the base itself for those whose place does not matter.
   Pose2D base_from_sensor(SensorType type, std::string_view sensor) const;
-  /// [m] kept free around the footprint: a lidar that measures everything a little too far away must not touch either.
-  double margin() const { return 0.02 + (lidar ? lidar->bias : 0.0); }
   /// From a command to its effect, at most: latency, motor lag, and the control period in which it is given.
   Duration reaction() const { return command_latency + body.motor_lag + kControlPeriod; }
 };

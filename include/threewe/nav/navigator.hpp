@@ -123,8 +123,8 @@ struct Decision {
   Velocity velocity;                ///< in the body frame
   Reason reason = Reason::running;  ///< `running`, or why the motion is over
   std::string detail{};             ///< says more about a failure; may be empty
-  /// Through a narrow passage that it has measured: slowly, and nearer to its sides than the robot would come else.
-  /// Obeyed of our own navigator on a robot with a lidar; others keep the gate's margin, whatever they say.
+  /// Asks for creep mode: slowly, and nearer to the sides of a narrow passage than the robot would come else, where the
+  /// safety gate measures that the robot passes them.
   bool creep_mode = false;
 };
 

@@ -83,7 +83,7 @@ class Robot {
   Pose2D get_transform(std::string_view target, std::string_view source) const;
 
   /// Drives at (vx, vy, omega) [m/s, m/s, rad/s] for at most `hold` [s].
-  void set_velocity(double vx, double vy, double omega, double hold = 0.5);
+  void set_velocity(double vx, double vy, double omega, double hold = 0.5, bool creep_mode = false);
   /// One control step: `action` in [-1, 1] scaled to the operating limits, held for `period` [s]; the velocity
   /// executed.
   Velocity execute_action(const std::array<double, 3>& action, double period = 0.02);

@@ -65,9 +65,6 @@ class Runtime {
   struct Options {
     std::unique_ptr<slam::Localizer> localizer;  ///< never null
     std::unique_ptr<nav::Navigator> navigator;   ///< never null
-    /// Whether `nav::Decision::creep_mode` is obeyed: of our own navigator, which measures a passage with a lidar
-    /// before.
-    bool may_creep = false;
   };
   /// Of a robot of `world` behind `port`, not connected yet.
   Runtime(World& world, backend::RobotPort& port, Options autonomy);
@@ -136,10 +133,11 @@ class Runtime {
   /// Drives at `velocity` for at most `hold`, which then stops the robot and warns once. Throws ContractError on a
   /// velocity that is not finite or that the base cannot drive, EmergencyStopError while the stop is latched,
   /// SafetyError while a motion owns the robot.
-  void set_velocity(const Velocity& velocity, Duration hold);
+  /// With `creep_mode` it drives slowly, and may pass nearer to the sides of a narrow passage.
+  void set_velocity(const Velocity& velocity, Duration hold, bool creep_mode = false);
   /// One control step: `action` in [-1, 1] is clamped and scaled to the operating limits and held for `period`, when
   /// the wait is done. `commanded()` then tells what was executed. Throws as `set_velocity`.
-  WaitHandle execute_action(const std::array<double, 3>& action, Duration period);
+  WaitHandle execute_action(const std::array<double, 3>& action, Duration period, bool creep_mode = false);
   /// Ends a motion as `cancelled` and brings the robot to a stand-still. Always allowed.
   void stop();
   /// Begins a motion, which ends when it has arrived and stands, is proved impossible, makes no progress any more or

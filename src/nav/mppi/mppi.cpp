@@ -11,6 +11,7 @@
 #include "nav/mppi/pursuit.hpp"
 #include "nav/mppi/rollout.hpp"
 #include "nav/polyline.hpp"
+#include "safety/params.hpp"
 #include "threewe/core/time.hpp"
 
 namespace threewe::nav {
@@ -110,7 +111,7 @@ struct Mppi::Impl {
         slack(2.5 * all.follower.step),
         delay(to_seconds(profile.command_latency + profile.body.motor_lag)),
         reach(reach_of(profile, all)),
-        field(footprint, reach, params.obstacle_reach + profile.margin(), all),
+        field(footprint, reach, params.obstacle_reach + safety::margin_of(profile), all),
         commanded(static_cast<std::size_t>(delay / kPeriod) + 1) {}
 
   void go_on(const MppiObservation& seen);

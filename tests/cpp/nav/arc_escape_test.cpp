@@ -14,6 +14,7 @@
 #include "core/rng.hpp"
 #include "draw.hpp"
 #include "hardware/parameters.hpp"
+#include "safety/params.hpp"
 
 namespace threewe::nav {
 namespace {
@@ -50,7 +51,7 @@ struct Body {
   bool leaves() {
     arc_escape.begin(now);
     while (now < 120s) {
-      follower.update(seen(), 0.004 - profile.margin());
+      follower.update(seen(), 0.004 - safety::margin_of(profile));
       const Velocity velocity = arc_escape.step(now, pose, seen(), follower);
       if (arc_escape.over()) break;
       const double corners = exact::hypot(velocity.vx, velocity.vy) +

@@ -11,6 +11,7 @@
 
 #include "draw.hpp"
 #include "hardware/parameters.hpp"
+#include "safety/params.hpp"
 
 namespace threewe::nav {
 namespace {
@@ -81,7 +82,7 @@ Crossing cross_gap(const RobotProfile& profile, double spare, Draw& draw) {
   narrow_passage.begin(now, base, middle * Pose2D{draw(-0.03, 0.03), draw(-0.03, 0.03), draw(-0.3, 0.3)}, 0.2);
   Crossing crossing{NarrowPassage::State::idle};
   for (int tick = 0; tick < 6000; ++tick, now += kControlPeriod) {
-    follower.update(transformed(inverse(base), hits), 0.004 - profile.margin());
+    follower.update(transformed(inverse(base), hits), 0.004 - safety::margin_of(profile));
     const Velocity v = narrow_passage.step(now, base, hits, follower);
     base = integrate(base, v, to_seconds(kControlPeriod));
     double clearance = 1.0;

@@ -12,6 +12,7 @@
 #include "core/exact.hpp"
 #include "draw.hpp"
 #include "hardware/parameters.hpp"
+#include "safety/params.hpp"
 
 namespace threewe::nav {
 namespace {
@@ -59,7 +60,7 @@ class SlowTwin {
   }
   double least(Vec2 p) const {
     const double now = outline_.clearance(p);
-    return std::min(profile_.margin() + spare_, now > 0.0 ? std::max(now - params_.creep.encroachment, 0.0) : now);
+    return std::min(safety::margin_of(profile_) + spare_, now > 0.0 ? std::max(now - params_.creep.encroachment, 0.0) : now);
   }
 
   const RobotProfile& profile_;

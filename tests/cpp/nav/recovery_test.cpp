@@ -11,6 +11,7 @@
 #include "core/rng.hpp"
 #include "draw.hpp"
 #include "hardware/parameters.hpp"
+#include "safety/params.hpp"
 
 namespace threewe::nav {
 namespace {
@@ -52,7 +53,7 @@ struct Body {
       note();
       std::vector<Vec2> in_base;
       for (const Vec2 p : points) in_base.push_back(inverse(pose) * p);
-      follower.update(in_base, recovery.creep_mode() ? 0.004 - profile.margin() : 0.0);
+      follower.update(in_base, recovery.creep_mode() ? 0.004 - safety::margin_of(profile) : 0.0);
       move(recovery.step(now, pose, in_base, follower));
       REQUIRE(now - began < 100s);
     }
@@ -182,7 +183,7 @@ TEST_CASE("whatever stands around, it ends, and runs into nothing") {
     for (int i = 0; i < count; ++i) {
       const auto lane = static_cast<std::uint64_t>(i) + 2;
       const Vec2 point{uniform(key, lane, 0, -0.6, 0.6), uniform(key, lane, 1, -0.6, 0.6)};
-      if (body.outline.clearance(point) > body.profile.margin()) body.points.push_back(body.pose * point);
+      if (body.outline.clearance(point) > safety::margin_of(body.profile)) body.points.push_back(body.pose * point);
     }
     for (int attempt = 0; attempt < 3; ++attempt) body.recover();
     CHECK(body.least_clearance > -0.01);  // the tracker looks every 2 cm; the gate, which has the last word, more often

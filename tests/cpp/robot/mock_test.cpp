@@ -13,6 +13,9 @@
 #include <utility>
 #include <vector>
 
+#include "core/exact.hpp"
+#include "core/rng.hpp"
+#include "robot/scripted_autonomy.hpp"
 #include "threewe/backend/registry.hpp"
 #include "threewe/core/assets.hpp"
 #include "threewe/core/errors.hpp"
@@ -94,6 +97,35 @@ TEST_CASE("what is too low for the lidar is heard, and driven round") {
     CHECK(map.at(map.cell({1.45, 0.1})) <= map::OccupancyGrid::kFreeThreshold);  // its near side: no beam met it
   }
   std::filesystem::remove_all(folder);
+}
+
+// At full speed hither and thither, in creep mode for as long as the share of the time says.
+Autonomy hostile(double share_of_creep_mode, std::uint64_t seed) {
+  return test::scripted([=](const nav::Observation& seen) {
+    const auto tick = static_cast<std::uint64_t>(seen.now / kControlPeriod);
+    const RngKey key{.seed = seed};
+    const std::uint64_t turn = tick / 100;
+    const double way = uniform(key, turn, 0, -exact::kPi, exact::kPi);
+    const Velocity velocity{std::cos(way), std::sin(way), uniform(key, turn, 1, -1.0, 1.0)};
+    const bool creep_mode = uniform(key, tick / 30, 2, 0.0, 1.0) < share_of_creep_mode;
+    return nav::Decision{velocity, Reason::running, "", creep_mode};
+  });
+}
+
+TEST_CASE("a hostile navigator that claims creep mode touches nothing faster than 0.05 m/s") {
+  for (const std::string hardware : {"3we_standard_v2", "turtlebot_like", "3we_base_v2"}) {
+    for (const double share : {1.0, 0.5}) {
+      if (share < 1.0 && hardware == "3we_base_v2") continue;  // sonar does not see all that it may run into at speed
+      for (std::uint64_t seed = 0; seed < 3; ++seed) {
+        CAPTURE(hardware);
+        CAPTURE(share);
+        CAPTURE(seed);
+        Robot robot({.hardware = hardware, .scene = "cluttered_v1", .seed = seed, .autonomy = hostile(share, seed)});
+        (void)robot.wait(robot.move_to(5.0, 0.0, {.timeout = 60.0}));
+        CHECK(robot.simulation()->max_collision_speed() <= 0.05);
+      }
+    }
+  }
 }
 
 TEST_CASE("robots with one map frame explore together, sooner than one alone") {

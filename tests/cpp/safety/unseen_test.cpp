@@ -138,7 +138,7 @@ TEST_CASE("a robot that does not see ahead goes no farther than what it has seen
           state.scan_seen = true;
         }
         const GateOutput out =
-            gate(looking.gate, state, {speed, 0.0, 0.0}, looking.sight.unseen(), looking.now, commanded);
+            gate(looking.gate, state, {{speed, 0.0, 0.0}}, {{}, looking.sight.unseen()}, looking.now, commanded);
         commanded = integrate(commanded, out.command, 0.02);
       }
       CHECK(commanded.x <= 0.04);  // starts are free by 5 cm
