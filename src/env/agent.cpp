@@ -47,6 +47,7 @@ AgentModel make_agent_model(const Options& options) {
   if (model.profile.lidar) {
     const LidarSpec& lidar = *model.profile.lidar;
     model.sight_model = safety::make_sight_model(options.data_sheet.value_or(model.profile), model.gate);
+    model.approach = safety::make_approach_model(options.data_sheet.value_or(model.profile), model.gate);
     model.scans = static_cast<std::size_t>(most_latency(options) * lidar.latency / lidar.turn) + 2;
     model.sight = farthest_way(options, model.gate, lidar) + norm(lidar.base_from_lidar.position()) +
                   model.gate.margin + model.gate.footprint.circumscribed_radius();
@@ -60,9 +61,11 @@ AgentModel make_agent_model(const Options& options) {
   return model;
 }
 
-void Agent::begin(const AgentModel& model) {
+void Agent::begin(const AgentModel& model, bool others_move) {
   gate_ = {};
   sight_.forget();
+  approach_.forget();
+  others_move_ = others_move;
   localization_ = {};
   scans_.resize(model.scans);
   taken_ = arrived_ = 0;
@@ -73,8 +76,15 @@ void Agent::begin(const AgentModel& model) {
 Velocity Agent::act(const AgentModel& model, const sim::RobotState& state, const Velocity& action, Time now) {
   Velocity wanted = scaled_to(model.gate.limits, action);
   if (model.gate.kinematics == Kinematics::differential) wanted.vy = 0.0;
-  return safety::gate(model.gate, gate_, {wanted}, {obstacles_, sight_.unseen()}, now, odom_from_base(model, state))
-      .command;
+  const Pose2D base = odom_from_base(model, state);
+  std::span<const Vec2> assumed = sight_.unseen();
+  std::vector<Vec2> with_predicted;  // only where there are any
+  if (!approach_.approaching().empty()) {
+    with_predicted.assign(assumed.begin(), assumed.end());
+    approach_.append_predicted(model.approach, gate_.last(), base.position(), now, with_predicted);
+    assumed = with_predicted;
+  }
+  return safety::gate(model.gate, gate_, {wanted}, {obstacles_, assumed}, now, base).command;
 }
 
 void Agent::end_turn(const AgentModel& model, const sim::RobotModel& robot, const sim::RobotState& state, bool whole) {
@@ -106,12 +116,12 @@ void Agent::perceive(const AgentModel& model, const sim::RobotState& state, Time
     const auto ranges = scan(model, std::span(beams).first(static_cast<std::size_t>(lidar.beams)));
     obstacles_.clear();
     safety::append_scan_points(lidar, ranges, newest()->odom_at_begin, newest()->odom_at_end, obstacles_, model.sight);
-    look_for_gaps(model, ranges);
+    look_around(model, ranges);
   }
 }
 
-// What the newest scan does not see counts as an obstacle.
-void Agent::look_for_gaps(const AgentModel& model, std::span<const float> ranges) {
+// What the newest scan does not see counts as an obstacle, and what comes nearer where it will be.
+void Agent::look_around(const AgentModel& model, std::span<const float> ranges) {
   const LidarSpec& lidar = *model.profile.lidar;
   const Scan& scan = *newest();
   const Pose2D& began = lidar.rolling ? scan.odom_at_begin : scan.odom_at_end;
@@ -119,6 +129,7 @@ void Agent::look_for_gaps(const AgentModel& model, std::span<const float> ranges
   const Pose2D& last = lidar.clockwise ? began : scan.odom_at_end;
   sight_.add(model.sight_model, {scan.end, first * lidar.base_from_lidar, last * lidar.base_from_lidar}, ranges,
              scan.odom_at_end);
+  if (others_move_) approach_.update(model.approach, sight_, gate_.last());
 }
 
 std::vector<Vec2> Agent::hits(const AgentModel& model, const sim::RobotState& state) const {

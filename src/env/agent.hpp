@@ -8,6 +8,7 @@
 
 #include "models/lidar.hpp"
 #include "models/localization_error.hpp"
+#include "safety/approach.hpp"
 #include "safety/gate.hpp"
 #include "safety/unseen.hpp"
 #include "sim/model.hpp"
@@ -22,6 +23,7 @@ struct AgentModel {
   RobotProfile profile;
   safety::GateModel gate;
   safety::SightModel sight_model;
+  safety::ApproachModel approach;
   Localization localization{};
   models::LocalizationSpec localization_model;
   double sight = 0.0;                     ///< [m], points farther from the lidar than this can't concern the gate
@@ -41,8 +43,9 @@ struct Scan {
 
 class Agent {
  public:
-  /// A robot as its episode begins. Keeps its memory.
-  void begin(const AgentModel& model);
+  /// A robot as its episode begins. Keeps its memory. Where no others move, nothing is looked out for that comes
+  /// nearer: there is nothing, and looking takes a tenth of a step.
+  void begin(const AgentModel& model, bool others_move);
 
   /// The command for the next control period, from an action in shares of the limits.
   Velocity act(const AgentModel& model, const sim::RobotState& state, const Velocity& action, Time now);
@@ -63,13 +66,15 @@ class Agent {
   double scan_age(Time now) const { return newest() ? to_seconds(now - newest()->end) : 0.0; }
 
  private:
-  void look_for_gaps(const AgentModel& model, std::span<const float> ranges);
+  void look_around(const AgentModel& model, std::span<const float> ranges);
   Pose2D odom_from_base(const AgentModel& model, const sim::RobotState& state) const;
   /// Of the scans that have arrived; null before the first.
   const Scan* newest() const { return arrived_ == 0 ? nullptr : &scans_[(arrived_ - 1) % scans_.size()]; }
 
   safety::GateState gate_;
   safety::Sight sight_;
+  safety::Approach approach_;
+  bool others_move_ = true;
   models::LocalizationState localization_;
   std::vector<Scan> scans_;  // a ring
   std::size_t taken_ = 0;    // scans so far

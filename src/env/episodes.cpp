@@ -49,11 +49,12 @@ void Batch::Impl::begin_world(std::size_t world, const Reset& reset) {
   episode.over = false;
 
   const sim::Model& model = model_of(world);
+  const bool others_move = options.robots > 1 || !options.scenes[next.scene]->people.empty();
   for (std::size_t robot = 0; robot < options.robots; ++robot) {
     const std::size_t i = row(world, robot);
     const auto variation = models::draw_variation(options.randomization, next.seed, next.episode, robot);
     states[i] = sim::begin(model, robot, poses[robot], next.seed, next.episode, variation);
-    agents[i].begin(agent_model);
+    agents[i].begin(agent_model, others_move);
     actions[i] = {};
     done[i] = 0;
   }

@@ -32,12 +32,6 @@ constexpr int kMisses = 2;                 // in a row end a track that is nobod
 constexpr Duration kUnseen = 500ms;        // ends one that is
 constexpr Duration kStanding = 3s;         // likewise
 constexpr double kSamePlace = 0.3;         // [m] tracks nearer than this are one
-constexpr double kNearby = 1.5;            // [m] what is farther away need not be looked out for yet
-constexpr Duration kComesFor = 350ms;      // to have come nearer all that time ...
-constexpr Duration kComesSince = 150ms;    // ... but for the newest scans, in which range noise is more than the way
-constexpr double kComes = 0.2;             // [m/s] at least
-constexpr double kComesFastest = 0.6;      // [m/s] what crosses the way seems to come faster than anything is
-constexpr std::size_t kComesTogether = 3;  // neighbouring beams that say so
 
 bool is_valid(const LaserScan& scan, std::size_t beam) {
   const auto range = static_cast<double>(scan.ranges[beam]);
@@ -57,7 +51,6 @@ void PeopleTracker::update(const LaserScan& scan, Time began, Time ended, const 
   const Time stamp = began + (ended - began) / 2;
   find_ends(scan, odom_from_lidar_then, odom_from_lidar);
   find_hits(scan);
-  find_approaching(stamp);
   group_hits(scan, odom_from_lidar.position());
   merge_legs();
   predict(stamp);
@@ -87,38 +80,6 @@ void PeopleTracker::find_hits(const LaserScan& scan) {
     if (!is_valid(scan, i) || range >= scan.range_max || range > kFarthest) continue;
     hits_.push_back({ends_[i], i, range, was_free(ends_[i], kFreeBy)});
   }
-}
-
-void PeopleTracker::find_approaching(Time stamp) {
-  approaching_.clear();
-  std::vector<Approaching> together;
-  std::size_t beam = 0;
-  const auto settle = [&] {
-    if (together.size() >= kComesTogether) approaching_.insert(approaching_.end(), together.begin(), together.end());
-    together.clear();
-  };
-  for (const Hit& hit : hits_) {
-    const double speed = hit.range < kNearby ? came(hit, stamp) : 0.0;
-    if (speed < kComes || hit.beam > beam + 2) settle();
-    if (speed >= kComes) together.push_back({hit.at, std::min(speed, kComesFastest), stamp});
-    beam = hit.beam;
-  }
-  settle();
-}
-
-// [m/s] by which it has come nearer since each of the scans before, at least; 0 where too few looked there.
-double PeopleTracker::came(const Hit& hit, Time stamp) const {
-  double slowest = kComesFastest;
-  int looked = 0;
-  for (const View& view : views_) {
-    const Duration age = stamp - view.stamp;
-    if (age < kComesSince || age > kComesFor) continue;
-    const Vec2 d = hit.at - view.from;
-    const auto before = static_cast<double>(view.open[bearing_bin(d, 0)]);
-    slowest = std::min(slowest, (before - norm(d)) / to_seconds(age));
-    ++looked;
-  }
-  return looked >= 2 ? slowest : 0.0;
 }
 
 void PeopleTracker::choose_views() {

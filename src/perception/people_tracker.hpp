@@ -14,14 +14,6 @@
 
 namespace threewe::perception {
 
-/// Something near that comes nearer, whatever it is: where a beam met it, and how fast it came.
-struct Approaching {
-  Vec2 position;       ///< [m]
-  double speed = 0.0;  ///< [m/s] towards where the lidar was
-  Time seen{};
-  friend bool operator==(const Approaching&, const Approaching&) = default;
-};
-
 /// Follows people by the scans of one planar lidar near the floor, in which they are two legs. Plain data.
 ///
 /// A hit where earlier scans looked through has moved there; so neither a map is needed nor does it matter what the
@@ -36,9 +28,6 @@ class PeopleTracker {
               const Pose2D& odom_from_lidar);
   /// Where people are at a time at or after the newest scan, by the order of their ids.
   std::vector<TrackedPerson> people(Time now) const;
-  /// What of the newest scan is near, and was farther away along the same bearing in each of the scans before.
-  /// This takes a third of a second, where to know somebody takes a second.
-  std::span<const Approaching> approaching() const { return approaching_; }
 
  private:
   static constexpr std::size_t kBins = 360;
@@ -81,8 +70,6 @@ class PeopleTracker {
 
   void find_ends(const LaserScan& scan, const Pose2D& then, const Pose2D& now);
   void find_hits(const LaserScan& scan);
-  void find_approaching(Time stamp);
-  double came(const Hit& hit, Time stamp) const;
   void choose_views();
   bool was_free(Vec2 point, double margin);
   void remember(const LaserScan& scan, Time stamp, Vec2 from);
@@ -102,7 +89,6 @@ class PeopleTracker {
   std::vector<Vec2> ends_;     // of the newest scan's beams; (0, 0) of those that are not valid
   std::vector<Hit> hits_;      // of the newest scan, by beam
   std::vector<Group> groups_;  // likewise
-  std::vector<Approaching> approaching_;
   std::vector<char> taken_;    // of the groups, those that belong to a track
   std::vector<Track> tracks_;  // in the order in which they began
   Time stamp_{};

@@ -50,8 +50,6 @@ class Perception {
   std::span<const Vec2> obstacles(const PerceptionModel& model, std::span<const Vec2> hits) const;
   /// Who walks around the robot, in `odom`, at the end of the newest period; nobody without a lidar.
   std::span<const TrackedPerson> people() const { return people_; }
-  /// What comes nearer, by the newest scan.
-  std::span<const Approaching> approaching() const { return tracker_.approaching(); }
   /// What sonar and bumps tell of the place, in `map`.
   const SonarGrid& sonar_grid() const { return sonar_grid_; }
 

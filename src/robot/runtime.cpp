@@ -28,6 +28,7 @@ Runtime::Impl::Impl(World& w, backend::RobotPort& p, Options autonomy)
       perception_model{p.profile(), p.features().sensors},
       gate_model(safety::make_gate_model(p.profile())),
       sight_model(safety::make_sight_model(p.profile(), gate_model)),
+      approach_model(safety::make_approach_model(p.profile(), gate_model)),
       fresh(std::move(autonomy), perception_model),
       state(std::make_unique<State>(fresh)) {}
 
@@ -49,6 +50,8 @@ void Runtime::connect() {
   state.perception.begin(impl_->now());
   state.gate = {.estop = state.gate.estop};
   state.sight.forget();
+  state.approach.forget();
+  state.poses.clear();
   state.estimate = state.localizer->estimate(impl_->now());
 }
 

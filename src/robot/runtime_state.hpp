@@ -8,8 +8,10 @@
 #include <vector>
 
 #include "perception/perception.hpp"
+#include "robot/pose_history.hpp"
 #include "robot/senses.hpp"
 #include "robot/world_state.hpp"
+#include "safety/approach.hpp"
 #include "safety/gate.hpp"
 #include "safety/unseen.hpp"
 #include "threewe/robot/runtime.hpp"
@@ -35,6 +37,8 @@ struct Runtime::State {
   std::optional<HeldVelocity> held;
   safety::GateState gate;
   safety::Sight sight;
+  safety::Approach approach;
+  PoseHistory poses;
   Velocity requested;
   safety::GateOutput commanded;
 
@@ -53,6 +57,8 @@ struct Runtime::State {
         held(other.held),
         gate(other.gate),
         sight(other.sight),
+        approach(other.approach),
+        poses(other.poses),
         requested(other.requested),
         commanded(other.commanded) {}
   State& operator=(const State&) = delete;
@@ -84,7 +90,6 @@ struct Runtime::Impl {
 
   // act
   safety::GateOutput gated(Time now);
-  std::vector<Vec2> predicted(Time now) const;
   Velocity request();
   Velocity wait_for(const SensorHealth& sensor);
   Velocity steer();
@@ -94,7 +99,7 @@ struct Runtime::Impl {
 
   // sense
   std::vector<Sample> perceive();
-  void look_for_unseen(const Sample& sample);
+  void look_around(const Sample& sample);
   void end_motion_if_over();
   bool stands() const;
   std::pair<Reason, std::string> verdict() const;
@@ -110,6 +115,7 @@ struct Runtime::Impl {
   const perception::PerceptionModel perception_model;
   const safety::GateModel gate_model;
   const safety::SightModel sight_model;
+  const safety::ApproachModel approach_model;
   const State fresh;  // as it was before anything happened
   std::unique_ptr<State> state;
   bool connected = false;

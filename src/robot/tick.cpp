@@ -6,6 +6,7 @@
 
 #include "core/exact.hpp"
 #include "hardware/sample_checks.hpp"
+#include "hardware/turn.hpp"
 #include "robot/goals.hpp"
 #include "robot/runtime_state.hpp"
 #include "safety/gate.hpp"
@@ -59,30 +60,12 @@ void Runtime::sense(Time now) {
 // What is in the way, and what may be: where no beam has looked, and where what comes nearer is going.
 safety::GateOutput Runtime::Impl::gated(Time now) {
   const bool creep_mode = motion ? motion->decision.creep_mode : state->held && state->held->creep_mode;
-  std::vector<Vec2> assumed = predicted(now);
+  const Pose2D& base = state->estimate.odom_from_base;
   const std::span<const Vec2> unseen = state->sight.unseen();
-  assumed.insert(assumed.end(), unseen.begin(), unseen.end());
+  std::vector<Vec2> assumed(unseen.begin(), unseen.end());
+  state->approach.append_predicted(approach_model, state->gate.last(), base.position(), now, assumed);
   return safety::gate(gate_model, state->gate, {state->requested, creep_mode}, {obstacles_in_odom(), assumed}, now,
-                      state->estimate.odom_from_base);
-}
-
-// What comes nearer as it will be when the robot has come to a stop: two robots that meet would each stop short of
-// where the other was (ISO 13855:2010, 6.1, counts on what approaches likewise).
-std::vector<Vec2> Runtime::Impl::predicted(Time now) const {
-  const std::span<const perception::Approaching> approaching = state->perception.approaching();
-  if (approaching.empty() || !motion) return {};
-  std::vector<Vec2> predicted;
-  const Vec2 robot = state->estimate.odom_from_base.position();
-  const double nearest = gate_model.footprint.inscribed_radius();
-  const Velocity& last = state->gate.last();
-  const double stopping =
-      to_seconds(gate_model.reaction) + exact::hypot(last.vx, last.vy) / gate_model.limits.linear_braking;
-  for (const perception::Approaching& it : approaching) {
-    const Vec2 d = robot - it.position;
-    const double way = std::min(it.speed * (stopping + to_seconds(now - it.seen)), norm(d) - nearest);
-    if (way > 0.0) predicted.push_back(it.position + (way / norm(d)) * d);
-  }
-  return predicted;
+                      base);
 }
 
 // A motion owns the robot; without one, a velocity that was asked for holds until it expires.
@@ -186,7 +169,8 @@ std::vector<Sample> Runtime::Impl::perceive() {
                                               .hits = state->localizer->obstacles(),
                                               .commanded = state->commanded.command});
   warn_of_faults();
-  for (const Sample* sample : usable) look_for_unseen(*sample);
+  state->poses.add(now(), state->estimate.odom_from_base);
+  for (const Sample* sample : usable) look_around(*sample);
   if (motion) motion->distance += distance(before, state->estimate.odom_from_base.position());
   if (state->senses.complete()) end_ready();
   return samples;
@@ -201,18 +185,23 @@ std::span<const Vec2> Runtime::Impl::obstacles_in_odom() const {
   return state->perception.obstacles(perception_model, state->localizer->obstacles());
 }
 
-// Where the lidar is blind. Where the robot was as it turned follows from how it moves now.
-void Runtime::Impl::look_for_unseen(const Sample& sample) {
+// Where the lidar is blind, and what comes nearer.
+void Runtime::Impl::look_around(const Sample& sample) {
   const auto* scan = std::get_if<LaserScan>(&sample.data);
   if (scan == nullptr || !port.profile().lidar) return;
-  const Time first = sample.measured;
-  const Time last = first + from_seconds(scan->time_increment * static_cast<double>(scan->ranges.size()));
-  const auto odom_from_base = [&](Time t) { return state->estimate.odom_from_base_ago(sample.received - t); };
-  const Pose2D turned =
-      port.profile().lidar->base_from_lidar * Pose2D{0.0, 0.0, wrap_angle(scan->angle_min + exact::kPi)};
-  const Time ended = std::max(first, last);
-  state->sight.add(sight_model, {ended, odom_from_base(first) * turned, odom_from_base(last) * turned}, scan->ranges,
-                   odom_from_base(ended));
+  const LidarSpec& lidar = *port.profile().lidar;
+  const Time end = end_of_turn(lidar, *scan, sample.measured);
+  const Pose2D at_end = state->poses.at(end);
+  const Pose2D at_begin = scan->time_increment != 0.0 ? state->poses.at(end - lidar.turn) : at_end;
+  const bool clockwise = scan->time_increment < 0.0;
+  Pose2D base_from_lidar = lidar.base_from_lidar;
+  if (scan->angle_min != -exact::kPi)
+    base_from_lidar = base_from_lidar * Pose2D{0.0, 0.0, wrap_angle(scan->angle_min + exact::kPi)};
+  state->sight.add(
+      sight_model,
+      {end, (clockwise ? at_end : at_begin) * base_from_lidar, (clockwise ? at_begin : at_end) * base_from_lidar},
+      scan->ranges, at_end);
+  state->approach.update(approach_model, state->sight, state->gate.last());
 }
 
 void Runtime::tell(const TickView& view) {

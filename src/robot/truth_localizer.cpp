@@ -9,13 +9,13 @@
 #include "hardware/turn.hpp"
 #include "map/change_log.hpp"
 #include "map/log_odds_map.hpp"
+#include "robot/pose_history.hpp"
 #include "safety/scan_points.hpp"
 #include "threewe/core/errors.hpp"
 
 namespace threewe {
 namespace {
 
-constexpr std::size_t kRemembered = 64;     // ticks, 1.3 s: longer than any turn takes to arrive
 constexpr double kKeyframeDistance = 0.08;  // [m] the map takes a scan after so much motion ...
 constexpr double kKeyframeTurn = 0.07;      // [rad] ... or turning
 constexpr double kFreeNoReturn = 4.0;       // [m] a beam without return clears so much
@@ -28,8 +28,7 @@ class TruthLocalizer final : public slam::Localizer {
   }
 
   void add(const Sample& sample) override {
-    if (track_.empty() || track_.back().time < sample.received) track_.push_back({sample.received, odom_from_base()});
-    if (track_.size() > kRemembered) track_.erase(track_.begin());
+    track_.add(sample.received, odom_from_base());
     const auto* scan = std::get_if<LaserScan>(&sample.data);
     if (scan == nullptr || !lidar_) return;
     find_obstacles(*scan, sample.measured);
@@ -52,13 +51,7 @@ class TruthLocalizer final : public slam::Localizer {
   std::unique_ptr<Localizer> clone() const override { return std::make_unique<TruthLocalizer>(*this); }
 
  private:
-  struct Point {
-    Time time{};
-    Pose2D odom_from_base;
-  };
-
   Pose2D odom_from_base() const { return inverse(truth_->start_pose()) * truth_->true_pose(); }
-  Pose2D at(Time time) const;
   void find_obstacles(const LaserScan& scan, Time measured);
   bool is_elsewhere() const;
   void extend_map(const LaserScan& scan, Time measured);
@@ -66,21 +59,11 @@ class TruthLocalizer final : public slam::Localizer {
   std::optional<LidarSpec> lidar_;
   Pose2D map_from_odom_;
   const scene::TruthView* truth_;
-  std::vector<Point> track_;  // at the ticks in which something arrived, oldest first
+  PoseHistory track_;  // at the ticks in which something arrived
   std::vector<Vec2> obstacles_;
   map::LogOddsMap map_;
   Pose2D keyframe_;  // odom_from_base when the map last took a scan
 };
-
-// Exact at a tick, evenly in between.
-Pose2D TruthLocalizer::at(Time time) const {
-  const auto after = std::ranges::lower_bound(track_, time, {}, &Point::time);
-  if (after == track_.end()) return track_.back().odom_from_base;
-  if (after == track_.begin() || after->time == time) return after->odom_from_base;
-  const Point& before = *(after - 1);
-  const double share = to_seconds(time - before.time) / to_seconds(after->time - before.time);
-  return interpolate(before.odom_from_base, after->odom_from_base, share);
-}
 
 void TruthLocalizer::find_obstacles(const LaserScan& scan, Time measured) {
   LidarSpec lidar = *lidar_;
@@ -91,7 +74,7 @@ void TruthLocalizer::find_obstacles(const LaserScan& scan, Time measured) {
   }
   const Time end = end_of_turn(lidar, scan, measured);
   obstacles_.clear();
-  safety::append_scan_points(lidar, scan.ranges, at(end - lidar.turn), at(end), obstacles_);
+  safety::append_scan_points(lidar, scan.ranges, track_.at(end - lidar.turn), track_.at(end), obstacles_);
 }
 
 bool TruthLocalizer::is_elsewhere() const {
@@ -105,7 +88,7 @@ void TruthLocalizer::extend_map(const LaserScan& scan, Time measured) {
     const auto range = static_cast<double>(scan.ranges[i]);
     if (range < scan.range_min || range <= 0.0) continue;
     const Time taken = measured + from_seconds(static_cast<double>(i) * scan.time_increment);
-    const Pose2D map_from_lidar = map_from_odom_ * at(taken) * lidar_->base_from_lidar;
+    const Pose2D map_from_lidar = map_from_odom_ * track_.at(taken) * lidar_->base_from_lidar;
     const double angle = map_from_lidar.theta + scan.angle_min + static_cast<double>(i) * scan.angle_increment;
     const bool hit = range < scan.range_max;
     beams.push_back(

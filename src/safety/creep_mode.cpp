@@ -29,9 +29,9 @@ struct Extent {
 // An outline, which is convex, as it moves straight on.
 class Corridor {
  public:
-  // `margin` [m] to its sides is part of the way.
-  Corridor(const Footprint& footprint, Vec2 direction, double margin)
-      : footprint_(footprint), direction_(direction), margin_(margin) {
+  // What is in it by no more than `noise` [m] is at its sides.
+  Corridor(const Footprint& footprint, Vec2 direction, double noise)
+      : footprint_(footprint), direction_(direction), noise_(noise) {
     for (const Vec2 corner : footprint.corners()) {
       const double across = cross(direction, corner);
       right_ = std::min(right_, across);
@@ -41,8 +41,8 @@ class Corridor {
   // [m] from the body along its way to a point that it would run into: negative behind it, infinite beside it.
   double gap(Vec2 point) const {
     const double across = cross(direction_, point);
-    if (across < right_ - margin_ || across > left_ + margin_) return kInfinity;
-    const auto [rear, front] = extent(std::clamp(across, right_, left_));
+    if (across < right_ + noise_ || across > left_ - noise_) return kInfinity;
+    const auto [rear, front] = extent(across);
     const double along = dot(direction_, point);
     return along > 0.5 * (rear + front) ? std::max(along - front, 0.0) : std::min(along - rear, -0.0);
   }
@@ -68,7 +68,7 @@ class Corridor {
 
   const Footprint& footprint_;
   Vec2 direction_;
-  double margin_;
+  double noise_;
   double right_ = kInfinity;
   double left_ = -kInfinity;
 };
@@ -112,7 +112,7 @@ Passage measure_passage(const GateModel& model, const Velocity& velocity, std::s
   const double speed = exact::hypot(velocity.vx, velocity.vy);
   if (speed == 0.0) return passage;  // turning on the spot, nothing is ahead
 
-  const Corridor corridor(model.footprint, {velocity.vx / speed, velocity.vy / speed}, model.creep.margin);
+  const Corridor corridor(model.footprint, {velocity.vx / speed, velocity.vy / speed}, model.noise);
   const Pose2D base_from_odom = inverse(odom_from_base);
   const auto gap = [&](Vec2 hit) { return corridor.gap(base_from_odom * hit); };
   double before = kInfinity;

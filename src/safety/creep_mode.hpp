@@ -1,4 +1,4 @@
-// Creep mode: driving so slowly that a touch does no harm, with less margin beside what the body is measured to pass.
+// Creep mode: driving so slowly that a touch does no harm, with less margin where the body is measured to pass.
 #pragma once
 
 #include <span>

@@ -84,7 +84,10 @@ GateModel make_gate_model(const RobotProfile& profile) {
   model.margin = margin_of(profile);
   model.sweep_step = params.gate.sweep_step;
   model.creep = params.creep;
-  if (profile.lidar) model.base_from_lidar = profile.lidar->base_from_lidar.position();
+  if (profile.lidar) {
+    model.base_from_lidar = profile.lidar->base_from_lidar.position();
+    model.noise = profile.lidar->sigma;
+  }
   model.reaction = profile.reaction();
   if (model.reaction > kMaxReaction)
     throw ConfigError("profile '" + profile.name + "': reacts too slowly for the gate");

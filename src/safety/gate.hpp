@@ -28,6 +28,7 @@ struct GateModel {
   double sweep_step = 0.005;            ///< [m] the longest way of any corner between two poses that are checked
   Params::Creep creep;                  ///< of creep mode
   std::optional<Vec2> base_from_lidar;  ///< [m] empty where no lidar measures narrow passages
+  double noise = 0.0;                   ///< [m] standard deviation of its ranges
   Duration reaction = 120ms;            ///< from a command to its effect: command latency, motor lag, one period
 };
 

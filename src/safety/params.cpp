@@ -24,6 +24,16 @@ Parameters parameters_of(Params::Unseen& p) {
           {"step", &p.step, "m", Scale::size, "along an invalid beam, from place to place that may be unobserved"}};
 }
 
+Parameters parameters_of(Params::Approach& p) {
+  return {
+      {"since", &p.since, "s", Scale::scan, "ago, the youngest scan to compare with: range noise is less than the way"},
+      {"until", &p.until, "s", Scale::scan, "ago, the oldest scan to compare with: later is sooner noticed"},
+      {"least_speed", &p.least_speed, "m/s", Scale::noise, "towards the robot; less is taken for noise"},
+      {"fastest", &p.fastest, "m/s", Scale::none, "predicted: what crosses the way seems faster than it is"},
+      {"bearing", &p.bearing, "rad", Scale::none, "to both sides of a hit where earlier scans looked farther, too"},
+      {"together", &p.together, "", Scale::none, "neighbouring hits that come nearer; fewer are noise"}};
+}
+
 }  // namespace
 
 Parameters parameters_of(Params& params) {
@@ -31,6 +41,7 @@ Parameters parameters_of(Params& params) {
   append(all, "gate", parameters_of(params.gate));
   append(all, "creep", parameters_of(params.creep));
   append(all, "unseen", parameters_of(params.unseen));
+  append(all, "approach", parameters_of(params.approach));
   return all;
 }
 

@@ -27,9 +27,19 @@ struct Params {
     double thin = 0.03;
     double step = 0.02;
   };
+  /// Of what comes nearer.
+  struct Approach {
+    Duration since = 150ms;
+    Duration until = 350ms;
+    double least_speed = 0.2;
+    double fastest = 0.6;
+    double bearing = 0.0436332313;
+    int together = 3;
+  };
   Gate gate;
   Creep creep;
   Unseen unseen;
+  Approach approach;
 };
 /// Its fields.
 Parameters parameters_of(Params& params);

@@ -156,6 +156,12 @@ void Sight::add(const SightModel& model, const ScanTurn& turn, std::span<const f
   }
 }
 
+const PlacedScan* Sight::scan_before(std::size_t count) const {
+  if (count >= scans_.size()) return nullptr;
+  const PlacedScan& scan = scans_[(newest_ + scans_.size() - count) % scans_.size()];
+  return scan.ranges.empty() ? nullptr : &scan;
+}
+
 // [m] along each beam to the nearest point that was unknown before, and at which no beam looks now.
 std::vector<double> Sight::still_unseen(double thin, const PlacedScan& scan) const {
   std::vector<double> nearest(scan.ranges.size(), kNone);

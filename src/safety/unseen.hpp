@@ -56,6 +56,8 @@ class Sight {
   void add(const SightModel& model, const ScanTurn& turn, std::span<const float> ranges, const Pose2D& odom_from_base);
   /// Where something may be that no beam has seen, in `odom` [m].
   std::span<const Vec2> unseen() const { return unseen_; }
+  /// The newest scan but so many; null where there were not that many, or they are forgotten.
+  const PlacedScan* scan_before(std::size_t count) const;
 
  private:
   std::vector<double> still_unseen(double thin, const PlacedScan& scan) const;

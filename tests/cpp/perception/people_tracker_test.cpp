@@ -188,46 +188,6 @@ TEST_CASE("who stops is followed for a while, then is furniture") {
   CHECK(watch.people().empty());
 }
 
-TEST_CASE("nothing comes nearer where nothing moves, however the robot drives") {
-  int beams = 0;
-  for (std::uint64_t seed = 0; seed < cases(60); ++seed) {
-    Watch watch(seed, {}, true);
-    for (int i = 0; i < 60; ++i) {
-      watch.turn();
-      beams += static_cast<int>(watch.tracker.approaching().size());
-    }
-  }
-  CHECK(beams == 0);
-}
-
-TEST_CASE("who comes straight at the robot comes nearer, in time and about as fast") {
-  int noticed = 0;
-  int told = 0;
-  double fastest = 0.0;
-  constexpr int kRooms = 60;
-  for (std::uint64_t seed = 0; seed < kRooms; ++seed) {
-    const RngKey key{.seed = seed};
-    const double bearing = uniform(key, 6, 0, -exact::kPi, exact::kPi);
-    const double speed = uniform(key, 6, 1, 0.35, 0.55);
-    const Vec2 from = rotate({1.6, 0.0}, bearing);
-    Watch watch(seed, {{from, (-speed / 1.6) * from}}, false);
-    bool in_time = false;
-    while (norm(watch.walkers[0].at(watch.now + 0.1)) > 0.6) {
-      watch.turn();
-      for (const perception::Approaching& it : watch.tracker.approaching()) {
-        in_time = true;
-        ++told;
-        fastest = std::max(fastest, it.speed);
-        CHECK(distance(it.position, watch.walkers[0].at(to_seconds(it.seen))) < 0.35);
-      }
-    }
-    noticed += in_time ? 1 : 0;
-  }
-  CHECK(noticed >= kRooms * 9 / 10);
-  CHECK(told > 4 * noticed);
-  CHECK(fastest <= 0.6);
-}
-
 TEST_CASE("a copy goes on as the original does") {
   Watch watch(7, {passing(7)}, true);
   for (int i = 0; i < 20; ++i) watch.turn();
