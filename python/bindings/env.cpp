@@ -36,9 +36,12 @@ T chosen(std::string_view kind, std::string_view name, std::initializer_list<std
   throw ConfigError(unknown_name(kind, name, names));
 }
 
-task::NavigationOptions navigation_options(std::string_view episodes, bool goal_in_map) {
+task::NavigationOptions navigation_options(std::string_view episodes, bool goal_in_map, bool stop,
+                                           std::string_view contact) {
   task::NavigationOptions options;
   options.goal_in_map = goal_in_map;
+  options.stop = stop;
+  options.contact_ends = chosen<bool>("contact", contact, {{"end", true}, {"count", false}});
   if (chosen<bool>("episodes", episodes, {{"standard", false}, {"reactive", true}})) {
     options.longest = 8.0;
     options.detours = 0.0;
@@ -88,10 +91,11 @@ std::optional<env::Gate> gate_of(const std::optional<std::string>& name) {
 /// What all environments are asked in the same way.
 env::Options task_options(const std::string& task, const std::optional<std::vector<std::string>>& observations,
                           int lidar_beams, std::pair<int, int> image_size, int max_steps, double control_period,
-                          const std::string& episodes, const std::string& goal_frame) {
+                          const std::string& episodes, const std::string& goal_frame, bool stop,
+                          const std::string& contact) {
   env::Options options;
   const bool goal_in_map = chosen<bool>("goal_frame", goal_frame, {{"robot", false}, {"map", true}});
-  options.task = task_factory(task, navigation_options(episodes, goal_in_map));
+  options.task = task_factory(task, navigation_options(episodes, goal_in_map, stop, contact));
   options.observed = observed(observations);
   options.lidar_beams = lidar_beams;
   std::tie(options.image_height, options.image_width) = image_size;
@@ -268,9 +272,10 @@ void bind_batch(nb::module_& m) {
              std::pair<int, int> image_size, const std::string& localization, const std::string& localization_model,
              const models::Randomization& randomization, const std::optional<std::string>& gate, int max_steps,
              double control_period, std::size_t num_envs, std::size_t num_robots, std::size_t num_threads,
-             const std::string& autoreset, const std::string& episodes, const std::string& goal_frame) {
+             const std::string& autoreset, const std::string& episodes, const std::string& goal_frame, bool stop,
+             const std::string& contact) {
             env::Options options = task_options(task, observations, lidar_beams, image_size, max_steps, control_period,
-                                                episodes, goal_frame);
+                                                episodes, goal_frame, stop, contact);
             options.scenes.assign(scenes.begin(), scenes.end());
             options.data_sheet = hardware;
             options.hardware = with_noise(hardware, noise_level(noise));
@@ -296,7 +301,7 @@ void bind_batch(nb::module_& m) {
           nb::kw_only(), "task"_a, "scenes"_a, "hardware"_a, "noise"_a, "observations"_a.none(), "lidar_beams"_a,
           "image_size"_a, "localization"_a, "localization_model"_a, "randomization"_a, "gate"_a.none(), "max_steps"_a,
           "control_period"_a, "num_envs"_a, "num_robots"_a, "num_threads"_a, "autoreset"_a, "episodes"_a,
-          "goal_frame"_a)
+          "goal_frame"_a, "stop"_a, "contact"_a)
       .def(
           "reset",
           [](Batch& batch, const Seeds& seeds, const Episodes& episodes, const SceneIndices& scenes,
@@ -334,9 +339,9 @@ void bind_robot_env(nb::module_& m) {
              const std::optional<std::vector<std::string>>& observations, int lidar_beams,
              std::pair<int, int> image_size, const std::string& localization, const std::string& randomization,
              const std::optional<std::string>& gate, int max_steps, double control_period, const std::string& episodes,
-             const std::string& goal_frame) {
+             const std::string& goal_frame, bool stop, const std::string& contact) {
             env::Options options = task_options(task, observations, lidar_beams, image_size, max_steps, control_period,
-                                                episodes, goal_frame);
+                                                episodes, goal_frame, stop, contact);
             options.gate = gate_of(gate);
             World::Options robot;
             robot.backend = backend;
@@ -349,7 +354,7 @@ void bind_robot_env(nb::module_& m) {
           },
           nb::kw_only(), "backend"_a, "task"_a, "scenes"_a, "hardware"_a, "noise"_a, "observations"_a.none(),
           "lidar_beams"_a, "image_size"_a, "localization"_a, "randomization"_a, "gate"_a.none(), "max_steps"_a,
-          "control_period"_a, "episodes"_a, "goal_frame"_a)
+          "control_period"_a, "episodes"_a, "goal_frame"_a, "stop"_a, "contact"_a)
       .def_prop_ro(
           "scenes", [](const RobotEnv& robot) { return scenes_of(robot.options()); }, "As the backend has them.")
       .def_prop_ro(

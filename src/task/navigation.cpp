@@ -10,8 +10,10 @@
 
 #include "scene/episodes.hpp"
 #include "scene/scene_tables.hpp"
+#include "task/contact_count.hpp"
 #include "task/draws.hpp"
 #include "task/goal_pool.hpp"
+#include "task/stop_metrics.hpp"
 #include "task/stop_task.hpp"
 #include "threewe/core/errors.hpp"
 
@@ -21,9 +23,10 @@ namespace {
 static_assert(NavigationOptions{}.detours == scene::kDetourShare, "as of scene::sample_episode");
 
 constexpr double kStepCost = 0.01;
-constexpr double kContactCost = 10.0;
-constexpr std::uint64_t kPoolSeed = 0x3e;  // the pools are part of the task
-constexpr double kFarthest = 1000.0;       // [m] a goal can be believed to lie
+constexpr double kContactCost = 10.0;        // of one that ends the episode
+constexpr double kCountedContactCost = 0.1;  // of one that does not
+constexpr std::uint64_t kPoolSeed = 0x3e;    // the pools are part of the task
+constexpr double kFarthest = 1000.0;         // [m] a goal can be believed to lie
 
 // One robot's episode.
 struct Trip {
@@ -35,18 +38,29 @@ struct Trip {
   double contact = 0.0;   // [m/s], the fastest
   bool success = false;
   bool over = false;
+  std::size_t scene = 0;
+  StopState stop;
+  ContactCount contacts;
 };
 
 class Navigation final : public Task {
  public:
   Navigation(const TaskContext& context, const NavigationOptions& options)
-      : options_(options), scenes_(context.scenes), robots_(context.robots), trips_(context.worlds * robots_) {
+      : options_(options),
+        scenes_(context.scenes),
+        robots_(context.robots),
+        period_(context.period),
+        trips_(context.worlds * robots_) {
     for (const auto& scene : scenes_) pools_.emplace_back(scene, options.goals, kPoolSeed);
   }
 
   std::vector<Field> fields() const override { return {{"goal", Field::Type::float32, {2}, -kFarthest, kFarthest}}; }
   std::vector<std::string> metrics() const override {
-    return {"success", "spl", "distance_to_goal", "shortest_path", "path_length", "collision_speed"};
+    std::vector<std::string> names = {"success",       "spl",         "distance_to_goal",
+                                      "shortest_path", "path_length", "collision_speed"};
+    if (options_.stop) names.emplace_back("stopped");
+    if (!options_.contact_ends) names.emplace_back("contacts");
+    return names;
   }
 
   void begin(std::size_t world, const EpisodeKey& key, const EpisodeRequest& request,
@@ -62,10 +76,13 @@ class Navigation final : public Task {
                                                    std::span<Pose2D> starts, std::size_t robot, Draws& draws) const;
   bool choose_start(const scene::SceneTables& tables, const DistanceField& field, bool detour, std::span<Pose2D> starts,
                     std::size_t robot, Draws& draws) const;
+  Outcome judge(Trip& trip, const TaskState& now, double before) const;
+  bool count_contacts(Trip& trip, const Pose2D& pose) const;
 
   NavigationOptions options_;
   Scenes scenes_;
   std::size_t robots_;
+  Duration period_;
   std::vector<GoalPool> pools_;  // by scene
   std::vector<Trip> trips_;      // by world and robot
 };
@@ -76,7 +93,15 @@ void Navigation::begin(std::size_t world, const EpisodeKey& key, const EpisodeRe
     Draws draws(key, robot);
     const std::shared_ptr<const DistanceField> field = choose_trip(key, request, starts, robot, draws);
     const double shortest = field->length_from(starts[robot].position());
-    trips_[world * robots_ + robot] = {field, inverse(starts[0]) * field->target(), shortest, shortest};
+    trips_[world * robots_ + robot] = {
+        .field = field,
+        .goal_in_map = inverse(starts[0]) * field->target(),
+        .shortest = shortest,
+        .left = shortest,
+        .scene = key.scene,
+        .stop = {},
+        .contacts = {},
+    };
   }
 }
 
@@ -132,13 +157,30 @@ void Navigation::step(std::size_t world, std::span<const TaskState> robots, std:
     if (std::isfinite(length)) trip.left = length;  // squeezed against something it is as far as it was
     trip.driven = now.distance_driven;
     trip.contact = now.max_collision_speed;
-
-    const bool failed = trip.contact > options_.contact_speed;
-    trip.success = !failed && trip.left <= options_.success_distance;
-    outcomes[robot].reward =
-        before - trip.left - kStepCost + (trip.success ? kSuccessReward : 0.0) - (failed ? kContactCost : 0.0);
-    outcomes[robot].terminated = trip.over = trip.success || failed;
+    outcomes[robot] = judge(trip, now, before);
   }
+}
+
+Outcome Navigation::judge(Trip& trip, const TaskState& now, double before) const {
+  const bool failed = options_.contact_ends && trip.contact > options_.contact_speed;
+  if (options_.stop) trip.stop = advance(trip.stop, asked(now), period_);
+  const bool stopped = options_.stop && says_stop(trip.stop);
+  trip.success = !failed && trip.left <= options_.success_distance && (stopped || !options_.stop);
+  trip.over = trip.success || failed || stopped;
+
+  Outcome outcome;
+  outcome.reward =
+      before - trip.left - kStepCost + (trip.success ? kSuccessReward : 0.0) - (failed ? kContactCost : 0.0);
+  if (!options_.contact_ends && count_contacts(trip, now.pose)) outcome.reward -= kCountedContactCost;
+  outcome.terminated = trip.over;
+  return outcome;
+}
+
+// Whether there is one more.
+bool Navigation::count_contacts(Trip& trip, const Pose2D& pose) const {
+  const int before = trip.contacts.contacts;
+  trip.contacts = advance(trip.contacts, scenes_[trip.scene]->clearance(pose));
+  return trip.contacts.contacts > before;
 }
 
 void Navigation::observe(std::size_t world, std::size_t robot, const Belief& belief,
@@ -157,6 +199,8 @@ void Navigation::measure(std::size_t world, std::span<double> metrics) const {
     const std::array<double, 6> values{
         trip.success ? 1.0 : 0.0, spl, trip.left, trip.shortest, trip.driven, trip.contact};
     to = std::ranges::copy(values, to).out;
+    if (options_.stop) *to++ = says_stop(trip.stop) ? 1.0 : 0.0;
+    if (!options_.contact_ends) *to++ = trip.contacts.contacts;
   }
 }
 

@@ -28,10 +28,15 @@ class ObjectNavTask final : public Task {
 
   void begin(std::size_t world, const EpisodeKey& key, const EpisodeRequest& request,
              std::span<Pose2D> starts) override {
-    if (request.start || request.goal) throw ConfigError("ObjectNav takes no start and no goal but an object_goal");
+    if (request.goal) throw ConfigError("ObjectNav takes no goal but an object_goal");
+    if (request.start && !request.category) throw ConfigError("ObjectNav takes a start only with an object_goal");
     Search& search = searches_[world];
     search.scene = key.scene;
     search.episode = scenes_[key.scene].sample(key.seed, key.episode, request.category.value_or(""));
+    if (request.start) {
+      search.episode.start = *request.start;
+      search.episode.geodesic = scenes_[key.scene].distance(search.episode.goal, request.start->position());
+    }
     search.state = scenes_[key.scene].begin(search.episode);
     search.trip = {};
     starts[0] = search.episode.start;

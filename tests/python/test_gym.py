@@ -136,6 +136,28 @@ def test_what_is_looked_for_can_be_asked_for() -> None:
         env.reset(options={"object_goal": "chiar"})
 
 
+def test_object_nav_starts_where_it_is_asked_to() -> None:
+    env = gymnasium.make("3we/ObjectNav-v1", scene="apartment_v1", observations=["object_goal"]).unwrapped
+    env.reset(seed=1, options={"object_goal": "bed", "episode_number": 3})
+    x, y, theta = env.reset(seed=1, options={"object_goal": "bed", "episode_number": 3})[1]["true_pose"]
+    _, info = env.reset(seed=9, options={"object_goal": "bed", "start": (x, y, theta)})
+    assert tuple(info["true_pose"]) == (x, y, theta)
+    with pytest.raises(ConfigError, match="only with an object_goal"):
+        env.reset(seed=9, options={"start": (x, y, theta)})
+
+
+def test_navigation_with_stop_and_counted_contacts() -> None:
+    env = gymnasium.make("3we/Navigation-v1", observations=["goal"], stop=True, contact="count").unwrapped
+    env.reset(seed=1)
+    info: dict[str, Any] = {}
+    for step in range(5):  # half a second without a command is STOP
+        _, _, terminated, _, info = env.step(np.zeros(3, np.float32))
+        assert terminated == (step == 4)
+    assert (info["stopped"], info["contacts"], info["success"]) == (1.0, 0.0, False)
+    with pytest.raises(ConfigError, match="contact"):
+        gymnasium.make("3we/Navigation-v1", contact="never")
+
+
 def test_instructions_are_told_as_text_tokens_and_embedding() -> None:
     env = Env(**lean("vln"))
     observation, info = env.reset(seed=1)

@@ -20,6 +20,8 @@ struct NavigationOptions {
   double success_distance = 0.5;  ///< [m] by the shortest path
   double contact_speed = 0.05;    ///< [m/s]: who meets an obstacle faster than this has failed
   bool goal_in_map = false;       ///< the `goal` field in the map's frame instead of the robot's
+  bool stop = false;              ///< the robot has to say STOP, see `StopState`: an episode ends there, right or wrong
+  bool contact_ends = true;       ///< without, contacts are counted and the episode goes on
 };
 
 /// `3we/Navigation-v1`. With d the length [m] of the shortest path from the robot to the goal,
@@ -30,9 +32,13 @@ struct NavigationOptions {
 /// most `success_distance`, in failure at a contact faster than `contact_speed`. Start and goal are drawn like those of
 /// `scene::sample_episode`, the goal out of a pool. With several robots each has a goal of its own.
 ///
+/// With `stop` (PointNav, Anderson et al. 2018) it succeeds only where the robot also says STOP there, and STOP
+/// anywhere else ends it in failure. Without `contact_ends` no contact does, and each costs 0.1.
+///
 /// Field `goal` (2,): the goal [m] as the robot believes it to lie, x ahead and y to its left.
 /// Metrics: `success`, `spl` (Anderson et al. 2018), `distance_to_goal` [m], `shortest_path` [m], `path_length` [m],
-/// `collision_speed` [m/s]; of a robot that has arrived or failed those at that time.
+/// `collision_speed` [m/s]; of a robot that has arrived or failed those at that time. With `stop` also `stopped`,
+/// without `contact_ends` also `contacts`: how often the body came to touch walls or furniture.
 std::unique_ptr<Task> make_navigation(const TaskContext& context, const NavigationOptions& options = {});
 
 /// What counts as explored.

@@ -16,7 +16,7 @@ from gymnasium.envs.registration import EnvSpec
 from numpy.typing import NDArray
 
 from threewe import _core
-from threewe._arguments import as_asset, as_image_size, as_list, as_number, as_pose, as_seed, as_text
+from threewe._arguments import as_asset, as_image_size, as_list, as_number, as_pose, as_seed, as_switch, as_text
 from threewe._core import RobotProfile, Scene
 from threewe.backend import known_backend
 from threewe.errors import ConfigError, ContractError
@@ -66,6 +66,8 @@ class EnvOptions(TypedDict, total=False):
     - `control_rate`: steps a second: 50 over a whole number.
     - `episodes`: of Navigation: `"standard"` (2 to 15 m, a fifth with a detour), `"reactive"` (2 to 8 m, none).
     - `goal_frame`: of Navigation's `goal`: `"robot"` or `"map"`.
+    - `stop`: of Navigation: it succeeds only where the robot says STOP, by actions below 5 % for half a second.
+    - `contact`: of Navigation: `"end"`, a contact ends the episode; `"count"`, contacts are counted.
     """
 
     observations: Sequence[str] | None
@@ -86,6 +88,8 @@ class EnvOptions(TypedDict, total=False):
     control_rate: float
     episodes: str
     goal_frame: str
+    stop: bool
+    contact: str
 
 
 DEFAULTS = EnvOptions(
@@ -107,6 +111,8 @@ DEFAULTS = EnvOptions(
     control_rate=10.0,
     episodes="standard",
     goal_frame="robot",
+    stop=False,
+    contact="end",
 )
 
 
@@ -256,6 +262,8 @@ def common_arguments(options: EnvOptions) -> dict[str, Any]:
         "control_period": round(1e9 / control_rate) * 1e-9,
         "episodes": as_text("episodes", options["episodes"]),
         "goal_frame": as_text("goal_frame", options["goal_frame"]),
+        "stop": as_switch("stop", options["stop"]),
+        "contact": as_text("contact", options["contact"]),
     }
 
 

@@ -29,15 +29,15 @@ struct Alone {
   void begin(std::uint32_t episode, const EpisodeRequest& request = {}) {
     task->begin(0, {.seed = 7, .episode = episode}, request, start);
   }
-  Outcome step(const Pose2D& pose, double driven, double contact = 0.0) {
-    const TaskState moment{.pose = pose, .distance_driven = driven, .max_collision_speed = contact};
+  Outcome step(const Pose2D& pose, double driven, double contact = 0.0, const Velocity& action = {}) {
+    const TaskState moment{.pose = pose, .action = action, .distance_driven = driven, .max_collision_speed = contact};
     Outcome outcome;
     task->step(0, {&moment, 1}, {&outcome, 1});
     return outcome;
   }
   double metric(std::size_t i) const {
-    std::array<double, 6> metrics{};
-    task->measure(0, metrics);
+    std::array<double, 8> metrics{};
+    task->measure(0, std::span(metrics).first(task->metrics().size()));
     return metrics.at(i);
   }
   Vec2 goal_in_robot(const Pose2D& map_from_base) {
@@ -104,6 +104,42 @@ TEST_CASE("a contact ends an episode in failure, a gentle one does not") {
   CHECK(outcome.reward == doctest::Approx(-10.01));
   CHECK(alone.metric(0) == 0.0);
   CHECK(alone.metric(1) == 0.0);
+}
+
+TEST_CASE("with stop only STOP ends an episode, right within the success distance and wrong elsewhere") {
+  const Velocity ahead{1.0, 0.0, 0.0};
+  for (const double x : {2.0, 1.0}) {
+    CAPTURE(x);
+    Alone alone({.goals = 4, .stop = true});
+    alone.begin(0, {.start = Pose2D{0.0, 0.0, 0.0}, .goal = Vec2{2.0, 0.0}});
+    CHECK_FALSE(alone.step({2.0, 0.0, 0.0}, 2.0, 0.0, ahead).terminated);  // there, and says nothing
+    Outcome outcome;
+    for (int i = 0; i < 5; ++i) {  // half a second of actions below 5 %
+      CHECK_FALSE(outcome.terminated);
+      outcome = alone.step({x, 0.0, 0.0}, 2.0, 0.0, {0.04, 0.0, -0.04});
+    }
+    CHECK(outcome.terminated);
+    CHECK(alone.metric(0) == (x == 2.0 ? 1.0 : 0.0));
+    CHECK(alone.task->metrics().at(6) == "stopped");
+    CHECK(alone.metric(6) == 1.0);
+  }
+}
+
+TEST_CASE("contacts that are counted end no episode") {
+  Alone alone({.goals = 4, .contact_ends = false});
+  alone.begin(0);
+  const scene::SceneTables& tables = *office()[0];
+  Pose2D wall = alone.start[0];  // to the first obstacle ahead
+  while (tables.clearance(wall) > 1e-4) wall = wall * Pose2D{0.5 * std::max(tables.clearance(wall), 1e-4), 0.0, 0.0};
+  CHECK_FALSE(alone.step(alone.start[0], 0.0).terminated);
+  CHECK(alone.metric(6) == 0.0);
+  CHECK_FALSE(alone.step(wall, 1.0, 0.3).terminated);
+  CHECK_FALSE(alone.step(wall, 1.0, 0.3).terminated);  // the same one
+  CHECK(alone.metric(6) == 1.0);
+  CHECK_FALSE(alone.step(alone.start[0], 2.0, 0.3).terminated);
+  CHECK_FALSE(alone.step(wall, 3.0, 0.3).terminated);
+  CHECK(alone.metric(6) == 2.0);
+  CHECK(alone.task->metrics().at(6) == "contacts");
 }
 
 TEST_CASE("robots of a team have goals and metrics of their own, and keep them when they are done") {
