@@ -1,19 +1,153 @@
-// What robots are measured by.
+// Benchmarks: baselines, metrics, drives that are logged and replayed, and where ObjectNav succeeds.
 #include <memory>
+#include <span>
+#include <utility>
 
 #include <nanobind/stl/shared_ptr.h>
 
+#include "benchmark/drive.hpp"
 #include "benchmark/nearest_frontier.hpp"
 #include "benchmark/optimistic_replanning.hpp"
 #include "bindings.hpp"
+#include "one_thread.hpp"
 #include "scene/scene_tables.hpp"
+#include "task/object_nav.hpp"
 #include "task/stop_task.hpp"
+#include "threewe/env/robot/robot_env.hpp"
 #include "value.hpp"
 
 using namespace threewe;
-using benchmark::ReferenceDrive, benchmark::ReferenceExploration;
+using benchmark::DriveLog, benchmark::ReferenceDrive, benchmark::ReferenceExploration, benchmark::Replay,
+    benchmark::TrueDrive;
+using task::ObjectNav, task::ObjectNavEpisode;
+
+namespace {
+
+using Rows = nb::ndarray<nb::numpy, double, nb::shape<-1, 3>>;
+using GivenRows = nb::ndarray<const double, nb::shape<-1, 3>, nb::c_contig, nb::device::cpu>;
+
+/// A copy of numbers as an array of Python's own.
+Rows rows_of(std::vector<double> numbers) {
+  auto* data = new std::vector<double>(std::move(numbers));
+  const nb::capsule owner(data, [](void* p) noexcept { delete static_cast<std::vector<double>*>(p); });
+  return Rows(data->data(), {data->size() / 3, 3}, owner);
+}
+
+Rows commands_of(const TrueDrive& drive) {
+  std::vector<double> numbers;
+  for (const Velocity& v : drive.drive().commands) numbers.insert(numbers.end(), {v.vx, v.vy, v.omega});
+  return rows_of(std::move(numbers));
+}
+
+Rows poses_of(const TrueDrive& drive) {
+  std::vector<double> numbers;
+  for (const Pose2D& p : drive.drive().poses) numbers.insert(numbers.end(), {p.x, p.y, p.theta});
+  return rows_of(std::move(numbers));
+}
+
+/// What the robot's camera truly shows at the end of a drive.
+bool is_success(const ObjectNav& task, const RobotProfile& profile, const std::string& category,
+                const TrueDrive& drive) {
+  const scene::TruthView& truth = drive.truth();
+  SemanticImage seen;
+  return task.is_success(task::object_goal(category), truth.true_pose(), [&]() -> std::span<const std::int16_t> {
+    const CameraSpec& camera = *profile.camera;
+    seen = truth.look(camera.intrinsics(), truth.true_pose() * camera.base_from_camera, camera.mount_height, false);
+    return seen.ids;
+  });
+}
+
+void bind_drives(nb::module_& m) {
+  nb::class_<TrueDrive>(m, "TrueDrive", "A drive tick by tick (20 ms), from robot time 0. Privileged.")
+      .def_prop_ro("commands", &commands_of, nb::rv_policy::automatic,
+                   "(N, 3) that left the gate [m/s, m/s, rad/s], body frame")
+      .def_prop_ro("poses", &poses_of, nb::rv_policy::automatic,
+                   "(N, 3) true poses x, y [m], theta [rad] in the scene's frame")
+      .def_prop_ro(
+          "length", [](const TrueDrive& d) { return d.drive().length; }, "[m] driven")
+      .def_prop_ro(
+          "collision_speed", [](const TrueDrive& d) { return d.drive().collision_speed; },
+          "[m/s] of the fastest contact")
+      .def(
+          "contacts",
+          [](const TrueDrive& d, const std::shared_ptr<scene::SceneTables>& tables) {
+            return benchmark::contacts(d.drive(), *tables);
+          },
+          "tables"_a, WithoutGil(), "How often the body came to touch walls or furniture.");
+  nb::class_<DriveLog, TrueDrive>(m, "DriveLog", "Logs the robot of a simulated world at every tick. Privileged.")
+      .def(
+          "__init__",
+          [](DriveLog* self, Guarded<World>& world) {
+            const OneThread::Use use(world.one_thread);
+            new (self) DriveLog(world);
+          },
+          "world"_a, nb::keep_alive<1, 2>())
+      .def(
+          "__init__", [](DriveLog* self, env::RobotEnv& env) { new (self) DriveLog(env.world()); }, "env"_a,
+          nb::keep_alive<1, 2>())
+      .def("end", &DriveLog::end, "What follows is not logged.");
+  nb::class_<Replay, TrueDrive>(m, "Replay",
+                                "A drive again: its commands, below autonomy and gate, in a world made anew.")
+      .def(
+          "__init__",
+          [](Replay* self, const RobotOptions& robot, const GivenRows& commands) {
+            backend::WorldOptions options;
+            options.scene = robot.scene;
+            options.robots = {robot.hardware};
+            options.noise = robot.noise;
+            options.seed = robot.seed;
+            options.randomization = robot.randomization;
+            if (robot.start_pose) options.poses = {*robot.start_pose};
+            std::vector<Velocity> velocities(commands.shape(0));
+            for (std::size_t i = 0; i < velocities.size(); ++i) {
+              velocities[i] = {commands(i, 0), commands(i, 1), commands(i, 2)};
+            }
+            const nb::gil_scoped_release other_threads_run;
+            new (self) Replay(robot.backend, options, velocities);
+          },
+          "robot"_a, "commands"_a,
+          "`commands`: (N, 3) [m/s, m/s, rad/s], one a tick. Raises ContractError for what the base cannot drive.");
+}
+
+void bind_object_nav(nb::module_& m) {
+  nb::class_<ObjectNavEpisode>(m, "ObjectNavEpisode", "One search for something of a kind.")
+      .def(Value())
+      .def_ro("start", &ObjectNavEpisode::start, "in the scene's frame")
+      .def_prop_ro("category", [](const ObjectNavEpisode& e) { return std::string(task::kObjectGoals.at(e.goal)); })
+      .def_ro("geodesic", &ObjectNavEpisode::geodesic, "[m], from start to the nearest place of success")
+      .def_ro("seed", &ObjectNavEpisode::seed, "for all else that is drawn in this episode");
+  nb::class_<ObjectNav>(m, "ObjectNav", "What can be looked for in a scene, and from where STOP is right. Privileged.")
+      .def(
+          "__init__",
+          [](ObjectNav* self, const std::shared_ptr<scene::SceneTables>& tables, const RobotProfile& profile) {
+            new (self) ObjectNav(tables, profile);
+          },
+          "tables"_a, "profile"_a, WithoutGil(), "Raises HardwareError for a robot without a camera.")
+      .def_prop_ro(
+          "goals",
+          [](const ObjectNav& task) {
+            std::vector<std::string> names;
+            for (const std::size_t goal : task.goals()) names.emplace_back(task::kObjectGoals.at(goal));
+            return names;
+          },
+          "the kinds that can be looked for here")
+      .def("sample", &ObjectNav::sample, "seed"_a, "index"_a = 0, "category"_a = "",
+           "Episode `index` of a seed. Raises ConfigError for a kind that is not among the goals.")
+      .def(
+          "distance",
+          [](const ObjectNav& task, const std::string& category, Vec2 base) {
+            return task.distance(task::object_goal(category), base);
+          },
+          "category"_a, "base"_a, "[m] to the nearest place of success; infinity without one.")
+      .def("is_success", &is_success, "profile"_a, "category"_a, "drive"_a,
+           "Whether STOP is right where a drive has come to.");
+}
+
+}  // namespace
 
 void init_benchmark(nb::module_& m) {
+  bind_drives(m);
+  bind_object_nav(m);
   nb::class_<ReferenceDrive>(m, "ReferenceDrive", "A drive as it could have been.")
       .def(Value())
       .def_ro("reached", &ReferenceDrive::reached)

@@ -152,6 +152,15 @@ void bind_measures(nb::module_& m) {
            "Distance [m] between the footprint and the nearest obstacle.")
       .def("geodesic", &SceneTables::geodesic, "a"_a, "b"_a,
            "Length [m] of the shortest path for the footprint; infinity where there is none.")
+      .def(
+          "geodesics",
+          [](const SceneTables& tables, const std::vector<Vec2>& points, Vec2 target) {
+            const scene::GeodesicField field = tables.geodesic_field(target);
+            std::vector<double> lengths;
+            for (const Vec2 point : points) lengths.push_back(field.length_from(point));
+            return lengths;
+          },
+          "points"_a, "target"_a, WithoutGil(), "The same from each of many points [m], for the cost of one.")
       .def("sample_free_pose", &SceneTables::sample_free_pose, "seed"_a,
            "A pose with 5 cm to spare around the footprint: a pure function of the seed.")
       .def("sample_episode", &scene::sample_episode, "seed"_a, "index"_a = 0,

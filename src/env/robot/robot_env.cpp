@@ -275,6 +275,11 @@ models::Variation RobotEnv::variation(std::size_t world, std::size_t robot) cons
   return impl_->variation;
 }
 
+World& RobotEnv::world(std::size_t scene) {
+  check_place(scene, impl_->places.size());
+  return *impl_->places[scene].world;
+}
+
 TopView RobotEnv::top_view(std::size_t world) const {
   check_place(world, 1);
   const ExclusiveUse use(impl_->busy, "top_view");

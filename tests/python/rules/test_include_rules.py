@@ -31,7 +31,7 @@ MAY_USE = {
     "env": ["core", "hardware", "scene", "task", "sim", "models", "safety"],
     "env/robot": ["core", "hardware", "scene", "task", "sim", "env", "backend", "slam", "robot"],
     "calibration": ["core", "hardware", "scene", "models", "sim", "backend"],
-    "benchmark": ["core", "hardware", "scene", "robot", "task", "env"],
+    "benchmark": ["core", "hardware", "scene", "backend", "robot", "task", "env"],
     "record": ["core", "hardware", "backend", "robot", "scene/truth_view"],
 }
 

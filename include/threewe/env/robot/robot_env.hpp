@@ -57,6 +57,8 @@ class RobotEnv {
   std::string instruction_name() const;
   /// How the backend has the robot differ from its profile, as the episode began: simulators draw it alike.
   models::Variation variation(std::size_t world = 0, std::size_t robot = 0) const;
+  /// The world that the robot is in when it is in a scene, for recordings. Throws ContractError where there is none.
+  threewe::World& world(std::size_t scene = 0);
   /// The world from above. Throws ContractError before the first reset.
   TopView top_view(std::size_t world = 0) const;
 
