@@ -27,8 +27,9 @@ import numpy as np
 import torch
 from safetensors.torch import load_file, save_file
 from threewe import Scene
+from threewe.benchmark import load_episodes
 from threewe.gym import VectorEnv
-from threewe.gym.episodes import evaluate, load_episodes
+from threewe.gym.episodes import evaluate
 from torch import nn
 
 BEAMS = 72

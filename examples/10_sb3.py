@@ -13,7 +13,8 @@ import numpy as np
 from gymnasium import spaces
 from stable_baselines3 import PPO
 from stable_baselines3.common.vec_env import VecEnvWrapper, VecMonitor
-from threewe.gym.episodes import evaluate, load_episodes
+from threewe.benchmark import load_episodes
+from threewe.gym.episodes import evaluate
 from threewe.gym.sb3 import SB3VecEnv
 
 BEAMS = 72

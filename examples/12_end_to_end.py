@@ -13,7 +13,8 @@ import time
 import numpy as np
 from stable_baselines3 import PPO
 from stable_baselines3.common.vec_env import VecMonitor, VecNormalize
-from threewe.gym.episodes import evaluate, load_episodes
+from threewe.benchmark import load_episodes
+from threewe.gym.episodes import evaluate
 from threewe.gym.sb3 import SB3VecEnv
 
 SENSORS = {

@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 from threewe import Scene, sync
+from threewe.benchmark import Episode, load_episodes
 from threewe.gym import TASKS, Env, VectorEnv
 from threewe.gym.batch import TASK_FIELDS
-from threewe.gym.episodes import Episode, load_episodes
 
 from verify.cases.no_sonar_profile import no_sonar_profile
 from verify.cases.soak import soak

@@ -9,7 +9,8 @@ from types import ModuleType
 from typing import Any
 
 from threewe import RobotProfile, Scene, SceneTables
-from threewe.gym.episodes import Episode, Outcome, evaluate
+from threewe.benchmark import Episode, Outcome
+from threewe.gym.episodes import evaluate
 
 from verify.cases.no_sonar_profile import no_sonar_profile
 from verify.harness import Experiment, Row, all_of, info, worst_of

@@ -13,6 +13,7 @@ from rich.table import Column, Table
 import threewe
 from threewe import calibration, driving, teleoperation
 from threewe._console import plain_console, styled
+from threewe.benchmark import cli as benchmark
 from threewe.data import cli as data
 from threewe.slam import cli as slam
 
@@ -28,6 +29,7 @@ scenes = typer.Typer(
 app.add_typer(scenes, name="scenes")
 app.add_typer(slam.app, name="slam")
 app.add_typer(data.app, name="data")
+app.add_typer(benchmark.app, name="benchmark")
 for command in (driving.drive, driving.explore, driving.view):
     app.command()(command)
 app.command("calibrate")(calibration.command)

@@ -62,7 +62,7 @@ def read_relations(path: Path) -> None:
 
 def read_episodes(path: Path) -> None:
     """A frozen list of episodes."""
-    from threewe.gym.episodes import load_episodes
+    from threewe.benchmark import load_episodes
 
     load_episodes(path)
 
@@ -155,7 +155,8 @@ class Reader:
     def _enter(self, frame: FrameType, *_: object) -> Any:
         name = frame.f_code.co_filename
         if name not in self._traced:
-            self._traced[name] = "/threewe/slam/" in name or "/gym/episodes" in name or "/rosbags/rosbag2/" in name
+            followed = ("/threewe/slam/", "/benchmark/episodes", "/rosbags/rosbag2/")
+            self._traced[name] = any(part in name for part in followed)
         return self._step if self._traced[name] else None
 
     def _step(self, frame: FrameType, *_: object) -> Any:

@@ -11,7 +11,8 @@ import pytest
 import threewe
 from numpy.typing import NDArray
 from threewe import ConfigError
-from threewe.gym.episodes import evaluate, load_episodes
+from threewe.benchmark import load_episodes
+from threewe.gym.episodes import evaluate
 
 SCENES = ["office_v2", "apartment_v1", "corridor_v1", "warehouse_v1", "cluttered_v1", "outdoor_v1", "dynamic_v1"]
 FAST: dict[str, Any] = {"observations": ("lidar", "goal"), "lidar_beams": 72, "max_steps": 60}

@@ -11,7 +11,7 @@ from typing import Any
 import pytest
 import threewe
 from threewe import ConfigError, ContractError
-from threewe.gym.episodes import load_episodes
+from threewe.benchmark import load_episodes
 from threewe.slam import Relations, Slam, load_map, read_carmen, read_log
 
 FLASER = "FLASER 4 {ranges} {laser} {robot} {time} nohost {time}\n"

@@ -9,7 +9,8 @@ from typing import Any
 from threewe import RobotProfile, _core, calibrate
 from threewe._core import Deviation, VelocityProfile
 from threewe.backend import known_backend
-from threewe.gym.episodes import Episode, evaluate
+from threewe.benchmark import Episode
+from threewe.gym.episodes import evaluate
 
 from verify.cases.driving import arrived, drive
 from verify.learning import example

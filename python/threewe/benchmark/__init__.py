@@ -1,4 +1,4 @@
-"""What robots are measured by: success weighted by path length, and drives as they could have been.
+"""Benchmarks: frozen episodes, metrics and baselines.
 
 from threewe import RobotProfile, Scene, SceneTables
 from threewe.benchmark import optimistic_replanning, spl
@@ -11,5 +11,17 @@ print(spl(best.reached, episode.geodesic, best.length))
 """
 
 from threewe._core import ReferenceDrive, ReferenceExploration, nearest_frontier, optimistic_replanning, spl
+from threewe.benchmark.episodes import Episode, EpisodeSet, Outcome, Yardstick, load_episodes
 
-__all__ = ["ReferenceDrive", "ReferenceExploration", "nearest_frontier", "optimistic_replanning", "spl"]
+__all__ = [
+    "Episode",
+    "EpisodeSet",
+    "Outcome",
+    "ReferenceDrive",
+    "ReferenceExploration",
+    "Yardstick",
+    "load_episodes",
+    "nearest_frontier",
+    "optimistic_replanning",
+    "spl",
+]

@@ -1,0 +1,239 @@
+"""Sampler of benchmark episodes: the fixed splits `val` and `test`, buildings without end, and held-out ones."""
+
+from __future__ import annotations
+
+import hashlib
+import math
+from collections.abc import Callable, Iterator
+from itertools import count, islice
+from pathlib import Path
+
+from threewe import RobotProfile, SceneTables
+from threewe._core import ObjectNav, nearest_frontier, optimistic_replanning, unknown_name
+from threewe.benchmark.buildings import building_name, load_scene
+from threewe.benchmark.episodes import FARTHEST, OPTIONAL, Episode, EpisodeSet, Yardstick
+from threewe.errors import ConfigError
+
+HARDWARE = "3we_standard_v2"
+SCENES = {
+    "pointnav": (
+        "office_v2",
+        "apartment_v1",
+        "corridor_v1",
+        "warehouse_v1",
+        "cluttered_v1",
+        "outdoor_v1",
+        "dynamic_v1",
+    ),
+    "objectnav": ("office_v2", "apartment_v1", "warehouse_v1", "cluttered_v1"),
+    "exploration": ("office_v2", "apartment_v1", "corridor_v1"),
+}
+SEEDS = {"val": 20_261_201, "test": 20_261_202}
+VERSION = 1
+EPISODES = {"pointnav": 60, "objectnav": 50, "exploration": 20}  # in each scene
+BUILDINGS = 100  # of the split `generated`
+ATTEMPTS = 4000  # indices of the sampler; a stratum that is not full by then is lacking
+
+LENGTHS = ((2.0, 5.0), (5.0, 9.0), (9.0, 15.0))  # [m] of the shortest path
+DETOUR = 1.3  # times the straight line
+STRATA = [f"{low:g}-{high:g} {way}" for low, high in LENGTHS for way in ("straight", "detour")]
+SHORTEST_SEARCH = 2.0  # [m] of ObjectNav: the sampler's shortest are next to success
+
+COLUMNS = {
+    "pointnav": ["index", "seed", "start", "goal", "geodesic", "stratum", "yardstick"],
+    "objectnav": ["index", "seed", "start", "geodesic", "category"],
+    "exploration": ["index", "seed", "start", "yardstick"],
+}
+Drawn = tuple[list[Episode], list[str]]
+"""Episodes of a scene, and the strata or categories that it has too few of."""
+
+
+def make_episodes(task: str, split: str, *, secret: str | None = None) -> EpisodeSet:
+    """A fixed split, the same bytes on every machine. Takes minutes.
+
+    `generated` needs a secret: its 100 buildings follow from it, and the set names its hash.
+    """
+    if task not in SCENES:
+        raise ConfigError(unknown_name("task", task, list(SCENES)))
+    if split == "generated":
+        return _generated(task, secret)
+    if split not in SEEDS:
+        raise ConfigError(unknown_name("split", split, [*SEEDS, "generated"]))
+    made = _empty(task, split, SEEDS[split])
+    for scene in SCENES[task]:
+        episodes, lacking = draw_scene(task, scene, SEEDS[split], EPISODES[task])
+        made["episodes"] += episodes
+        if lacking:
+            made["lacking"][scene] = lacking
+    return made
+
+
+def training_episodes(task: str, seed: int = 0) -> Iterator[Episode]:
+    """The split `train`: one episode each in buildings without end, no two alike."""
+    if task not in SCENES:
+        raise ConfigError(unknown_name("task", task, list(SCENES)))
+    return _in_buildings(task, f"train/{seed}", seed)
+
+
+def draw_scene(task: str, scene: str, seed: int, episodes: int, *, attempts: int = ATTEMPTS, turn: int = 0) -> Drawn:
+    """The episodes of one scene: a pure function of its arguments. `turn` is the stratum or category that is first."""
+    profile = RobotProfile.load(HARDWARE)
+    tables = SceneTables(load_scene(scene), profile)
+    draws: dict[str, Callable[..., Drawn]] = {
+        "pointnav": _pointnav,
+        "objectnav": _objectnav,
+        "exploration": _exploration,
+    }
+    return draws[task](scene, tables, profile, seed, episodes, attempts, turn)
+
+
+def stratum_of(geodesic: float, straight: float) -> str | None:
+    """Which stratum an episode belongs to, by length [m] and directness; none beyond all of them."""
+    way = "detour" if geodesic > DETOUR * straight else "straight"
+    for low, high in LENGTHS:
+        if low <= geodesic < high:
+            return f"{low:g}-{high:g} {way}"
+    return None
+
+
+def in_turns(names: list[str], first: int) -> list[str]:
+    """The names, from that one on, and round to it again."""
+    first %= max(len(names), 1)
+    return names[first:] + names[:first]
+
+
+def _pointnav(
+    scene: str, tables: SceneTables, profile: RobotProfile, seed: int, episodes: int, attempts: int, turn: int
+) -> Drawn:
+    """The first indices that fill all strata equally; in turns, so that the first few are balanced too."""
+    strata = in_turns(STRATA, turn)[:episodes]
+    each = math.ceil(episodes / len(strata))
+    filled: dict[str, list[Episode]] = {stratum: [] for stratum in strata}
+    for index in range(attempts):
+        drawn = tables.sample_episode(seed, index)
+        stratum = stratum_of(drawn.geodesic, math.dist((drawn.start.x, drawn.start.y), drawn.goal))
+        if stratum not in filled or len(filled[stratum]) == each:
+            continue
+        best = optimistic_replanning(tables, profile, drawn.start, drawn.goal)
+        yardstick = Yardstick(float(best.reached), best.length, best.duration)
+        start = (drawn.start.x, drawn.start.y, drawn.start.theta)
+        goal = (drawn.goal[0], drawn.goal[1])
+        filled[stratum].append(
+            Episode(scene, index, drawn.seed, start, goal, drawn.geodesic, stratum=stratum, yardstick=yardstick)
+        )
+        if all(len(some) == each for some in filled.values()):
+            break
+    balanced = [some[i] for i in range(each) for some in filled.values() if i < len(some)]
+    return balanced[:episodes], [stratum for stratum, some in filled.items() if len(some) < each]
+
+
+def _objectnav(
+    scene: str, tables: SceneTables, profile: RobotProfile, seed: int, episodes: int, attempts: int, turn: int
+) -> Drawn:
+    """The categories of the scene in turns, without doors, which are only trained on."""
+    task = ObjectNav(tables, profile)
+    categories = in_turns([category for category in task.goals if category != "door"], turn)
+    found: list[Episode] = []
+    for index in range(attempts):
+        category = categories[len(found) % len(categories)]
+        drawn = task.sample(seed, index, category)
+        if drawn.geodesic < SHORTEST_SEARCH:
+            continue
+        start = (drawn.start.x, drawn.start.y, drawn.start.theta)
+        found.append(Episode(scene, index, drawn.seed, start, None, drawn.geodesic, category=category))
+        if len(found) == episodes:
+            return found, []
+    return found, categories[len(found) % len(categories) :]
+
+
+def _exploration(
+    scene: str, tables: SceneTables, profile: RobotProfile, seed: int, episodes: int, attempts: int, turn: int
+) -> Drawn:
+    """Starts are those of the sampler."""
+    del attempts, turn
+    found = []
+    for index in range(episodes):
+        drawn = tables.sample_episode(seed, index)
+        best = nearest_frontier(tables, profile, drawn.start)
+        start = (drawn.start.x, drawn.start.y, drawn.start.theta)
+        yardstick = Yardstick(best.coverage, best.length, best.duration)
+        found.append(Episode(scene, index, drawn.seed, start, None, 0.0, yardstick=yardstick))
+    return found, []
+
+
+def _generated(task: str, secret: str | None) -> EpisodeSet:
+    if not secret:
+        raise ConfigError("split 'generated' needs the secret that its buildings are drawn from")
+    commitment = hashlib.sha256(secret.encode()).hexdigest()
+    made = _empty(task, "generated", int(commitment[:8], 16))
+    made["commitment"] = commitment
+    made["episodes"] += islice(_in_buildings(task, secret, made["seed"]), BUILDINGS)
+    return made
+
+
+def _in_buildings(task: str, key: str, seed: int) -> Iterator[Episode]:
+    for number in count():
+        try:
+            episodes, _ = draw_scene(task, building_name(f"{key}/{number}"), seed, 1, attempts=200, turn=number)
+        except ConfigError:  # a building without any such episode
+            continue
+        yield from episodes
+
+
+def _empty(task: str, split: str, seed: int) -> EpisodeSet:
+    ranges = {"pointnav": (LENGTHS[0][0], LENGTHS[-1][1]), "objectnav": (SHORTEST_SEARCH, FARTHEST)}
+    shortest, longest = ranges.get(task, (OPTIONAL["shortest"], OPTIONAL["longest"]))
+    return {
+        "name": f"{task}_{split}_v{VERSION}",
+        "task": task,
+        "split": split,
+        "hardware": HARDWARE,
+        "seed": seed,
+        "shortest": shortest,
+        "longest": longest,
+        "straightness": FARTHEST,
+        "lacking": {},
+        "commitment": "",
+        "episodes": [],
+    }
+
+
+def make_reactive() -> EpisodeSet:
+    """The set `reactive_v1`: the first hundred in each scene that are 2 to 8 m long and nearly straight."""
+    made = _empty("pointnav", "", 20_261_121)
+    made.update({"name": "reactive_v1", "task": "navigation", "longest": 8.0, "straightness": DETOUR})
+    profile = RobotProfile.load(HARDWARE)
+    for scene in SCENES["pointnav"]:
+        tables = SceneTables(load_scene(scene), profile)
+        made["episodes"] += islice(_reactive(scene, tables, made), 100)
+    return made
+
+
+def _reactive(scene: str, tables: SceneTables, definition: EpisodeSet) -> Iterator[Episode]:
+    for index in count():
+        drawn = tables.sample_episode(definition["seed"], index)
+        start, goal = drawn.start, (drawn.goal[0], drawn.goal[1])
+        straight = ((goal[0] - start.x) ** 2 + (goal[1] - start.y) ** 2) ** 0.5
+        if not definition["shortest"] <= drawn.geodesic <= definition["longest"]:
+            continue
+        if drawn.geodesic <= definition["straightness"] * straight:
+            yield Episode(scene, index, drawn.seed, (start.x, start.y, start.theta), goal, drawn.geodesic)
+
+
+def make_named(name: str, *, secret: str | None = None) -> tuple[EpisodeSet, list[str]]:
+    """A set by its name, such as `pointnav_val_v1`, and the columns of its file."""
+    if name == "reactive_v1":
+        return make_reactive(), list(OPTIONAL["columns"])
+    task, _, rest = name.partition("_")
+    split = rest.removesuffix(f"_v{VERSION}")
+    known = ["reactive_v1", *(f"{task}_{split}_v{VERSION}" for task in SCENES for split in (*SEEDS, "generated"))]
+    if name not in known:
+        raise ConfigError(unknown_name("set of episodes", name, known))
+    return make_episodes(task, split, secret=secret), COLUMNS[task]
+
+
+def read_secret(path: Path) -> str:
+    """The secret of the split `generated`, from the file that whoever holds it keeps."""
+    from threewe._files import read_text
+
+    return read_text(path).strip()
