@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from threewe.benchmark.statistics import beta_share, student_quantile, student_tail, wilson
 
 from verify.__main__ import AREAS, area
 from verify.cases.localization import ROOT, Track, fit, imitation
@@ -39,16 +40,8 @@ from verify.harness import (
 )
 from verify.harness.area import Options, verify
 from verify.harness.counts import Always
-from verify.harness.distributions import (
-    beta_share,
-    binomial_at_most,
-    normal_score,
-    poisson_at_least,
-    student_quantile,
-    student_tail,
-    wilson,
-)
-from verify.harness.journal import Journal, Revision
+from verify.harness.distributions import binomial_at_most, normal_score, poisson_at_least
+from verify.harness.journal import Revision, open_journal
 from verify.harness.record import Record
 from verify.harness.running import run_cases
 from verify.harness.sequential import ROWS
@@ -262,12 +255,12 @@ def dies(seed: int, how: str, value: int = 5) -> Any:
 def test_cases_that_raise_die_or_come_to_nothing_are_broken(tmp_path: Path) -> None:
     ways = ["well", "raises", "exits", "no case", "not to be sent", "well"]
     experiment = Experiment("deaths", dies, {"value": 5}, variants=[{"how": how} for how in ways], limit=60.0)
-    journal = Journal(tmp_path / "journal.jsonl")
+    journal = open_journal(tmp_path / "journal.jsonl")
     cases = run_cases(experiment, 1, len(ways), journal).all
     assert ["error" in case for case in cases] == [how != "well" for how in ways]
     assert (cases[0]["how"], cases[0]["value"]) == ("well", 1.0), "its arguments stay beside what it came to"
-    again = Journal(tmp_path / "journal.jsonl")
-    assert len(again.known) == 2, "those that broke are run again"
+    again = open_journal(tmp_path / "journal.jsonl")
+    assert len(again) == 2, "those that broke are run again"
 
 
 def test_a_sample_is_put_on_record_once_and_full_runs_into_the_claims(

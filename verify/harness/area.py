@@ -8,7 +8,7 @@ from typing import Any
 
 from verify.cases.trees import ROOT
 from verify.harness import claims
-from verify.harness.journal import Journal, Revision
+from verify.harness.journal import Revision, open_journal
 from verify.harness.record import Record
 from verify.harness.rows import Row, Verdict
 from verify.harness.running import Cases, Experiment, run_cases
@@ -43,7 +43,7 @@ def verify(area: str, experiments: list[Experiment], options: Options) -> Outcom
     revision = Revision.here()
     seed = revision.seed if options.seed is None else options.seed
     print(f"\nverify {area}: commit {revision.commit}, seed {seed}", flush=True)
-    journal = Journal(ROOT / f"build/verify/{area}-{revision.commit}-{seed}.jsonl")
+    journal = open_journal(ROOT / f"build/verify/{area}-{revision.commit}-{seed}.jsonl")
     record = Record()
     judged: list[tuple[str, Verdict]] = []
     left_out = 0

@@ -3,7 +3,9 @@
 import math
 from dataclasses import dataclass
 
-from verify.harness.distributions import Z95, binomial_at_most, poisson_at_least, wilson
+from threewe.benchmark.statistics import Z95, wilson
+
+from verify.harness.distributions import binomial_at_most, poisson_at_least
 from verify.harness.sequential import ALARM, CAUGHT, Seen
 
 

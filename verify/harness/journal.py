@@ -1,48 +1,24 @@
 """What is kept of a run: each case as it finishes, so that an interrupted run goes on, and which code it was."""
 
 import hashlib
-import json
 import os
 import platform
 import subprocess
-import sys
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
-from threading import Lock
+
+from threewe.benchmark.runner import Journal
 
 from verify.cases.trees import ROOT
-from verify.harness.rows import Case
 
 
-class Journal:
-    """The cases that have finished, one JSON line each. Those that broke or were not shown are run again next time."""
-
-    def __init__(self, path: Path) -> None:
-        """Reads what there is."""
-        self.path = path
-        self.lock = Lock()
-        self.known: dict[tuple[str, int], tuple[Case, float]] = {}
-        path.parent.mkdir(parents=True, exist_ok=True)
-        if path.exists():
-            complete = path.read_text().rpartition("\n")[0]  # the last line may have been cut off
-            path.write_text(complete + "\n" if complete else "")
-            lines = [json.loads(line) for line in complete.splitlines()]
-            finished = [line for line in lines if not {"error", "not_shown"} & line["case"].keys()]
-            self.known = {(line["experiment"], line["seed"]): (line["case"], line["seconds"]) for line in finished}
-            print(f"{len(self.known)} cases were finished before")
-
-    def find(self, experiment: str, seed: int) -> tuple[Case, float] | None:
-        """A finished case, and the seconds that it took."""
-        return self.known.get((experiment, seed))
-
-    def add(self, experiment: str, seed: int, case: Case, seconds: float) -> None:
-        """Writes a case down, and shows what broke."""
-        if "error" in case:
-            print(f"{experiment}, seed {seed}: {case['error']}", file=sys.stderr, flush=True)
-        line = {"experiment": experiment, "seed": seed, "seconds": round(seconds, 3), "case": case}
-        with self.lock, self.path.open("a") as file:
-            file.write(json.dumps(line) + "\n")
+def open_journal(path: Path) -> Journal:
+    """The cases that have finished. Those that broke or were not shown are run again next time."""
+    journal = Journal(path, keeps=lambda case: "not_shown" not in case)
+    if len(journal):
+        print(f"{len(journal)} cases were finished before")
+    return journal
 
 
 @dataclass(frozen=True)

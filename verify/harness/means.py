@@ -3,7 +3,9 @@
 import math
 from dataclasses import dataclass
 
-from verify.harness.distributions import NORMAL, Z95, normal_score, student_quantile, wilson
+from threewe.benchmark.statistics import NORMAL, Z95, student_quantile, wilson
+
+from verify.harness.distributions import normal_score
 from verify.harness.sequential import ALARM, CAUGHT, RUNS, Seen
 
 LARGE = 700.0  # of logarithms whose numbers can be written

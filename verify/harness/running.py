@@ -1,16 +1,12 @@
 """Experiments, and how their cases are run: two at a time, each in a process that may die of it."""
 
-import faulthandler
-import time
-import traceback
+import sys
 from collections.abc import Callable, Sequence
-from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
-from concurrent.futures.process import BrokenProcessPool
 from dataclasses import dataclass, field
-from multiprocessing import get_context
-from queue import Queue
 
-from verify.harness.journal import Journal, seeds
+from threewe.benchmark.runner import Finished, Job, Journal, run_jobs
+
+from verify.harness.journal import seeds
 from verify.harness.rows import Case, Row
 
 
@@ -52,62 +48,30 @@ class Cases:
 
 def run_cases(experiment: Experiment, seed: int, count: int, journal: Journal) -> Cases:
     """Runs those cases that the journal lacks, each in one of two processes."""
-    processes = 1 if experiment.alone else 2
-    idle: Queue[Worker] = Queue()
-    for _ in range(processes):
-        idle.put(Worker())
-
-    def one(index: int, case_seed: int) -> tuple[Case, float]:
-        known = journal.find(experiment.name, case_seed)
-        if known is not None:
-            return known
-        worker = idle.get()
-        start = time.monotonic()
-        case = worker.run(experiment, index, case_seed)
-        idle.put(worker)
-        seconds = time.monotonic() - start
-        journal.add(experiment.name, case_seed, case, seconds)
-        return case, seconds
-
-    with ThreadPoolExecutor(processes) as threads:
-        found = list(threads.map(one, range(count), seeds(seed, experiment.name, count)))
-    while not idle.empty():
-        idle.get().stop()
-    return Cases([case for case, _ in found], sum(seconds for _, seconds in found))
+    drawn = list(seeds(seed, experiment.name, count))
+    jobs = [
+        Job(
+            f"{experiment.name}, seed {case_seed}",
+            run_case,
+            {"function": experiment.run, "seed": case_seed, "arguments": experiment.arguments_of(index)},
+            experiment.limit,
+        )
+        for index, case_seed in enumerate(drawn)
+    ]
+    found = run_jobs(jobs, 1 if experiment.alone else 2, journal, on_done=show_failure)
+    cases = [{"error": one.failure} if one.failure else one.result for one in found]
+    return Cases(cases, sum(one.seconds for one in found))
 
 
-class Worker:
-    """A process that runs cases one after another, replaced when one kills it."""
-
-    def __init__(self) -> None:
-        """A fresh process."""
-        self.pool = ProcessPoolExecutor(1, mp_context=get_context("spawn"))
-
-    def run(self, experiment: Experiment, index: int, seed: int) -> Case:
-        """One case; {"error": ...} if it raises, dies or hangs."""
-        arguments = experiment.arguments_of(index)
-        try:
-            return self.pool.submit(run_case, experiment.run, seed, arguments, experiment.limit).result()
-        except BrokenProcessPool:
-            self.pool = ProcessPoolExecutor(1, mp_context=get_context("spawn"))
-            return {"error": f"its process died, or took longer than {experiment.limit:g} s"}
-        except Exception:  # what came back could not be sent, or was no case
-            return {"error": traceback.format_exc()}
-
-    def stop(self) -> None:
-        """Ends the process."""
-        self.pool.shutdown()
+def show_failure(job: Job, finished: Finished) -> None:
+    """What broke is seen at once."""
+    if finished.failure:
+        print(f"{job.key}: {finished.failure}", file=sys.stderr, flush=True)
 
 
-def run_case(function: Callable[..., Case], seed: int, arguments: Case, limit: float) -> Case:
-    """Runs one case in this process, which ends with it if that takes too long."""
-    faulthandler.dump_traceback_later(limit, exit=True)
-    try:
-        return {**named(arguments), **function(seed, **arguments)}
-    except Exception:
-        return {"error": traceback.format_exc()}
-    finally:
-        faulthandler.cancel_dump_traceback_later()
+def run_case(function: Callable[..., Case], seed: int, arguments: Case) -> Case:
+    """Runs one case, and says what it is about."""
+    return {**named(arguments), **function(seed, **arguments)}
 
 
 def named(arguments: Case) -> Case:
