@@ -18,6 +18,7 @@
 #include "task/object_nav.hpp"
 #include "task/vln.hpp"
 #include "threewe/env/robot/robot_env.hpp"
+#include "threewe/robot/runtime.hpp"
 #include "threewe/task/tasks.hpp"
 #include "value.hpp"
 
@@ -359,6 +360,9 @@ void bind_robot_env(nb::module_& m) {
           "scenes", [](const RobotEnv& robot) { return scenes_of(robot.options()); }, "As the backend has them.")
       .def_prop_ro(
           "hardware", [](const RobotEnv& robot) { return robot.options().hardware; }, "As the backend has it.")
+      .def_prop_ro(
+          "map", [](RobotEnv& robot) { return robot.world().robot(0).map(); },
+          "The robot's own map in the first scene.")
       .def(
           "reset",
           [](RobotEnv& robot, const Seeds& seeds, const Episodes& episodes, const SceneIndices& scenes,

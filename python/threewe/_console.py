@@ -8,9 +8,9 @@ from rich.style import Style
 from rich.text import Text
 
 
-def plain_console(*, stderr: bool = False) -> Console:
-    """A console that changes nothing in what it prints."""
-    return Console(stderr=stderr, markup=False, emoji=False)
+def plain_console(*, stderr: bool = False, width: int | None = None) -> Console:
+    """A console that changes nothing in what it prints; as wide as the terminal where no `width` is given."""
+    return Console(stderr=stderr, markup=False, emoji=False, width=width)
 
 
 def plain_column(text: str) -> TextColumn:

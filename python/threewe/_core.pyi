@@ -2799,6 +2799,10 @@ class RobotEnv:
     def hardware(self) -> RobotProfile:
         """As the backend has it."""
 
+    @property
+    def map(self) -> OccupancyGrid:
+        """The robot's own map in the first scene."""
+
     def reset(self, seeds: Sequence[int | None], episodes: Sequence[int | None], scenes: Sequence[int | None], start: Pose2D | None, goal: tuple[float, float] | None, category: str | None, mask: Sequence[bool]) -> None: ...
 
     @property

@@ -1,10 +1,202 @@
-"""`threewe benchmark`: tasks, agents, results that can be replayed."""
+"""`threewe benchmark`: agents through tasks, results that can be compared, shown and replayed."""
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Annotated, Any
+
 import typer
+from rich.box import SIMPLE
+from rich.progress import BarColumn, Progress, TimeElapsedColumn, TimeRemainingColumn
+from rich.table import Column, Table
 
+from threewe._console import plain_column, plain_console, styled
 from threewe.benchmark import cli_episodes
+from threewe.errors import ConfigError
 
-app = typer.Typer(help="Benchmarks: PointNav, ObjectNav, Exploration.", no_args_is_help=True, rich_markup_mode=None)
+app = typer.Typer(
+    help="Benchmarks: PointNav, ObjectNav and Exploration, with results that anyone can replay.",
+    no_args_is_help=True,
+    rich_markup_mode=None,
+)
 app.add_typer(cli_episodes.app, name="episodes")
+console = plain_console()
+WIDE = 150  # characters of a table that goes to a file
+
+Workers = Annotated[int, typer.Option(min=1, help="Processes at a time; results are the same for any number.")]
+SHOWN = {
+    "success": "SR",
+    "success_without_contact": "no contact",
+    "spl": "SPL",
+    "soft_spl": "SoftSPL",
+    "contacts": "contacts",
+    "duration": "time [s]",
+    "distance_to_success": "left [m]",
+    "coverage": "coverage",
+    "cell_ratio": "cell ratio",
+    "map_accuracy": "map accuracy",
+    "agent_failures": "agent failed",
+}
+
+
+@app.command()
+def run(
+    task: Annotated[str, typer.Argument(help="pointnav, objectnav or exploration.")],
+    agent: Annotated[
+        str, typer.Option(help="Shipped (navigator, oracle, straight, random, ...), module:Class, or FILE.onnx.")
+    ] = "navigator",
+    episodes: Annotated[int, typer.Option(min=1, help="So many of each scene.")] = 50,
+    scene: Annotated[
+        list[str] | None, typer.Option(help="A scene, more than once for several; all of the set.")
+    ] = None,
+    split: Annotated[str, typer.Option(help="val, test, or a set of episodes by name or file.")] = "val",
+    workers: Workers = 1,
+    output: Annotated[Path | None, typer.Option("--output", "-o", help="Results; TASK-AGENT.json by default.")] = None,
+    bundle: Annotated[Path | None, typer.Option(help="All that a replay needs, as one .zip.")] = None,
+    resume: Annotated[bool, typer.Option("--resume", help="Go on with a run that was interrupted.")] = False,
+    seed: Annotated[int, typer.Option(min=0, help="Of the agent's own choices.")] = 0,
+    control_rate: Annotated[float, typer.Option(min=0.1, help="[Hz] of agents that act.")] = 10.0,
+    backend: Annotated[str, typer.Option(help="Where the robot is.")] = "mock",
+    hardware: Annotated[str, typer.Option(help="Which robot. Official results have the default.")] = "3we_standard_v2",
+    noise: Annotated[str, typer.Option(help="realistic or ideal. Official results have the default.")] = "realistic",
+    randomization: Annotated[str, typer.Option(help="Of the robot. Official results have the default.")] = "none",
+    limit: Annotated[float, typer.Option(min=0.1, help="[s] of wall time that an episode may take.")] = 120.0,
+    memory: Annotated[float, typer.Option(min=0.25, help="[GiB] that the agent's process may use.")] = 4.0,
+) -> None:
+    """Drive an agent through the episodes of a task. Ctrl-C keeps what has finished, and --resume goes on."""
+    from threewe.benchmark import bundle as bundles
+    from threewe.benchmark.attempt import Settings
+    from threewe.benchmark.run import plan_run, results_of
+    from threewe.benchmark.run import run as run_episodes
+
+    settings = Settings(hardware, backend, noise, randomization, control_rate, seed)
+    plan, listed = plan_run(task, agent, split=split, scenes=scene or [], episodes=episodes, settings=settings)
+    if bundle and plan.agent.kind == "yardstick":
+        raise ConfigError(f"agent: {agent} drives no robot, so that there is nothing to replay")
+    path = output or Path(f"{task}-{Path(agent).stem.replace(':', '.')}.json")
+    journal = path.with_suffix(".journal.jsonl")
+    if journal.exists() and not resume:
+        raise ConfigError(f"{journal}: an interrupted run; --resume goes on with it, or remove it")
+    failures: list[str] = []
+    try:
+        with _progress(f"{task}, {agent}", len(listed)) as advance:
+
+            def done(_: int, __: int, episode: Any, finished: Any) -> None:
+                advance()
+                why = finished.failure or finished.result["failure"]
+                if why:
+                    failures.append(f"{episode.scene}/{episode.index}: the agent failed: {why.splitlines()[-1]}")
+
+            outcomes = run_episodes(
+                plan, listed, journal, workers=workers, limit=limit, memory=int(memory * 2**30), on_done=done
+            )
+    except KeyboardInterrupt:
+        console.print(f"Interrupted: what has finished is in {journal}; --resume goes on.")
+        raise typer.Exit(130) from None
+    results = results_of(plan, listed, outcomes)
+    path.write_bytes(bundles.text_of(results))
+    if bundle:
+        bundles.write_bundle(bundle, results, outcomes)
+    journal.unlink()
+    _print_summary(results)
+    for line in sorted(failures):
+        console.print(line)
+    console.print(styled("results: ", (str(path), "bold"), *((f", bundle: {bundle}",) if bundle else ())))
+
+
+@app.command()
+def show(
+    results: Annotated[Path, typer.Argument(help="Results, or a bundle.")],
+) -> None:
+    """Print the figures of a run, with their 95 % intervals."""
+    from threewe.benchmark.results import load_results
+
+    _print_summary(load_results(results))
+
+
+@app.command()
+def compare(
+    first: Annotated[Path, typer.Argument(help="Results, or a bundle.")],
+    second: Annotated[Path, typer.Argument(help="Others, on the same set of episodes.")],
+) -> None:
+    """Print the paired differences of two runs, second less first, with their 95 % intervals."""
+    from threewe.benchmark.results import compare as compare_results
+    from threewe.benchmark.results import load_results
+
+    one, other = load_results(first), load_results(second)
+    table = Table("metric", one["agent"]["name"], other["agent"]["name"], "difference", "95 %", "episodes")
+    for name, figure in compare_results(one, other).items():
+        values = [f"{some['summary']['all'][name]['value']:.3f}" for some in (one, other)]
+        interval = f"[{figure['low']:+.3f}, {figure['high']:+.3f}]"
+        table.add_row(SHOWN.get(name, name), *values, f"{figure['value']:+.3f}", interval, str(figure["count"]))
+    console.print(table)
+
+
+@app.command()
+def verify(
+    bundle: Annotated[Path, typer.Argument(help="What `run --bundle` wrote.")],
+    workers: Workers = 1,
+    episode_file: Annotated[
+        Path | None, typer.Option("--episodes", help="The set of episodes, where it is not one that comes with 3we.")
+    ] = None,
+) -> None:
+    """Replay every episode of a bundle below the gate, and compare to the bit."""
+    from threewe.benchmark.bundle import BundleError
+    from threewe.benchmark.verifying import verify_bundle
+
+    try:
+        with _progress("replay", None) as advance:
+            verified = verify_bundle(
+                bundle, workers=workers, episode_file=episode_file, on_done=lambda done, of: advance(done, of)
+            )
+    except BundleError as error:
+        console.print(styled(("refused: ", "bold red"), str(error)))
+        raise typer.Exit(1) from None
+    count = len(verified.results["episode_results"])
+    console.print(styled(("verified", "bold green"), f": {count} episodes replay to the bit, track open"))
+    _print_summary(verified.results)
+
+
+def _print_summary(results: dict[str, Any]) -> None:
+    """A row for each scene."""
+    agent, settings = results["agent"], results["settings"]
+    marks = ["privileged"] * agent["privileged"] + ["not official"] * (not results["official"])
+    title = f"{results['task']}, {agent['name']}{''.join(f', {mark}' for mark in marks)}"
+    names = [name for name in SHOWN if name in results["summary"]["all"]]
+    columns = [Column(SHOWN[name], justify="right", no_wrap=True) for name in names]
+    table = Table("scene", "n", *columns, title=title, box=SIMPLE, padding=(0, 1, 0, 0))
+    for scene, figures in results["summary"].items():
+        cells = [_cell(name, figures[name]) for name in names]
+        table.add_row(scene, str(figures[names[0]]["count"]), *cells)
+    wide = console if console.is_terminal else plain_console(width=WIDE)
+    wide.print(table)
+    wide.print(
+        f"{results['episode_set']}, {settings['backend']}, {settings['hardware']}, noise {settings['noise']}, "
+        f"gate full, randomization {settings['randomization']}, repeats {results['repeats']}"
+    )
+
+
+def _cell(name: str, figure: dict[str, Any]) -> str:
+    if name == "agent_failures":
+        return f"{figure['value']:g}"
+    digits = 0 if name == "duration" else 2
+    value, low, high = (f"{figure[key]:.{digits}f}" for key in ("value", "low", "high"))
+    return f"{value}\n{low} to {high}"
+
+
+@contextmanager
+def _progress(what: str, total: int | None) -> Iterator[Any]:
+    """A bar with the time left; calling what it gives advances it."""
+    columns = (plain_column(what), BarColumn(), plain_column("{task.completed}/{task.total}"))
+    with Progress(*columns, TimeElapsedColumn(), TimeRemainingColumn(), console=plain_console(stderr=True)) as progress:
+        bar = progress.add_task(what, total=total)
+
+        def advance(done: int | None = None, of: int | None = None) -> None:
+            if done is None:
+                progress.advance(bar)
+            else:
+                progress.update(bar, completed=done, total=of)
+
+        yield advance

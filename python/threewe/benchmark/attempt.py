@@ -1,0 +1,262 @@
+"""One episode: an agent drives it, and the truth says what came of that."""
+
+from __future__ import annotations
+
+import asyncio
+import base64
+import hashlib
+from dataclasses import dataclass
+from functools import cache
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from threewe._core import DriveLog, OccupancyGrid, Pose2D, Replay, RobotEnv, RobotOptions, TrueDrive
+from threewe.backend import known_backend
+from threewe.benchmark.agents import Assignment, make_agent
+from threewe.benchmark.buildings import scene_asset
+from threewe.benchmark.episodes import Episode, Yardstick
+from threewe.benchmark.tasks import TASKS, Metrics, Place, Task, place_of, score
+from threewe.errors import TimeoutError
+from threewe.gym.batch import TASK_FIELDS
+from threewe.gym.env import Env
+from threewe.robot import Robot
+
+FOREVER = 2**31 - 1  # steps
+TRAIL = 10  # ticks between two poses of a trajectory
+ADVICE = 200  # characters of what an agent failed of
+SETTLE = 2.5  # [s] at most, until every sensor has delivered
+
+
+@dataclass(frozen=True)
+class Settings:
+    """What a run is made with, the same in all of its episodes."""
+
+    hardware: str = "3we_standard_v2"
+    backend: str = "mock"
+    noise: str = "realistic"
+    randomization: str = "none"
+    control_rate: float = 10.0  # [Hz] of agents that act
+    seed: int = 0  # of the agents' own choices
+
+    @property
+    def official(self) -> bool:
+        """Whether results with it may stand on a board."""
+        return (self.hardware, self.noise, self.randomization) == ("3we_standard_v2", "realistic", "none")
+
+
+@dataclass
+class Attempt:
+    """What an episode came to, besides its metrics."""
+
+    end: str  # `stop`, `time`, `failure`
+    failure: str = ""  # of the agent
+    drive: TrueDrive | None = None
+    actions: NDArray[np.float32] | None = None  # (steps, 3) of an agent that acts
+    grid: OccupancyGrid | None = None  # the robot's own map, of an exploration
+
+
+def attempt(task_name: str, episode: Episode, agent_name: str, settings: Settings) -> dict[str, Any]:
+    """Drives one episode, and returns what JSON holds."""
+    task, place = TASKS[task_name], place_of(episode.scene, settings.hardware)
+    agent = make_agent(task_name, agent_name)
+    if hasattr(agent, "yardstick"):
+        return reference(task, episode)
+    drive = _run if hasattr(agent, "run") else _act
+    tried = drive(task, episode, place, agent, settings)
+    return record(tried, score(task, episode, place, tried.drive, tried.end, tried.grid))
+
+
+def lost(task_name: str, episode: Episode, settings: Settings, why: str) -> dict[str, Any]:
+    """What an episode came to whose process was lost."""
+    task, place = TASKS[task_name], place_of(episode.scene, settings.hardware)
+    return record(Attempt("failure", why), score(task, episode, place, None, "failure"))
+
+
+def reference(task: Task, episode: Episode) -> dict[str, Any]:
+    """What the yardstick of an episode comes to by the task's metrics."""
+    best = episode.yardstick or Yardstick(0.0, 0.0, 0.0)
+    metrics: Metrics = {"path_length": best.length, "duration": best.duration, "contacts": 0.0, "collision_speed": 0.0}
+    if task.name == "exploration":
+        metrics |= {"coverage": best.success, "cell_ratio": best.success, "map_accuracy": 1.0}
+    else:
+        part = best.success * episode.geodesic / max(episode.geodesic, best.length)
+        metrics |= {"success": best.success, "success_without_contact": best.success, "spl": part, "soft_spl": part}
+        metrics["distance_to_success"] = 0.0 if best.success else episode.geodesic
+    return record(Attempt("stop"), metrics)
+
+
+def record(tried: Attempt, metrics: Metrics) -> dict[str, Any]:
+    """As JSON holds it: what can be replayed is in base 64."""
+    poses = tried.drive.poses if tried.drive else np.zeros((0, 3))
+    commands = tried.drive.commands if tried.drive else np.zeros((0, 3))
+    shown = {
+        "end": tried.end,
+        "failure": tried.failure,
+        "ticks": len(commands),
+        "metrics": dict(sorted(metrics.items())),
+        "trajectory": trajectory_of(poses),
+    }
+    replayed = {"commands": as_base64(commands.astype("<f8"))}
+    if tried.actions is not None:
+        replayed["actions"] = as_base64(tried.actions.astype("<f4"))
+    if tried.grid is not None:
+        grid = tried.grid
+        shown["grid"] = {"origin": list(grid.origin), "resolution": grid.resolution, "shape": [*grid.data.shape]}
+        replayed["grid"] = as_base64(np.ascontiguousarray(grid.data))
+    return {**shown, "replayed": replayed}
+
+
+def replay(task_name: str, episode: Episode, settings: Settings, end: str, commands: NDArray[np.float64],
+           grid: OccupancyGrid | None = None) -> dict[str, Any]:  # fmt: skip
+    """What the commands of an episode come to: below the gate, in a world made anew."""
+    task, place = TASKS[task_name], place_of(episode.scene, settings.hardware)
+    if not len(commands):
+        return record(Attempt("failure"), score(task, episode, place, None, "failure"))
+    drive = Replay(robot_options(episode, settings), np.ascontiguousarray(commands, np.float64))
+    tried = Attempt(end, drive=drive, grid=grid)
+    return record(tried, score(task, episode, place, drive, end, grid))
+
+
+def robot_options(episode: Episode, settings: Settings) -> RobotOptions:
+    """The robot of an episode."""
+    return RobotOptions(
+        backend=known_backend(settings.backend),
+        hardware=settings.hardware,
+        scene=scene_asset(episode.scene),
+        noise=settings.noise,
+        seed=episode.seed,
+        start_pose=Pose2D(*episode.start),
+        randomization=settings.randomization,
+    )
+
+
+def assignment_of(task: Task, episode: Episode, settings: Settings, map_from_start: Pose2D) -> Assignment:
+    """What the agent of an episode is told."""
+    goal = None
+    if episode.goal is not None:
+        there = map_from_start * (Pose2D(*episode.start).inverse() * Pose2D(*episode.goal, 0.0))
+        goal = (there.x, there.y)
+    key = f"{settings.seed}/{task.name}/{episode.scene}/{episode.index}".encode()
+    seed = int.from_bytes(hashlib.sha256(key).digest()[:4], "little")
+    return Assignment(task.name, goal, episode.category, task.time_limit(episode), seed)
+
+
+def _run(task: Task, episode: Episode, place: Place, agent: Any, settings: Settings) -> Attempt:
+    """A program around a `Robot`."""
+    privileged = bool(getattr(agent, "privileged", False))
+    own = agent.robot_options(episode, place) if privileged and hasattr(agent, "robot_options") else {}
+    robot = Robot(
+        settings.backend,
+        settings.hardware,
+        scene_asset(episode.scene),
+        noise=settings.noise,
+        seed=episode.seed,
+        start_pose=episode.start,
+        randomization=settings.randomization,
+        **own,
+    )
+    log = DriveLog(robot._world)
+    assignment = assignment_of(task, episode, settings, Pose2D(*own.get("initial_pose", (0.0, 0.0, 0.0))))
+    if not privileged:
+        robot._simulation = None  # as on a real robot
+    return asyncio.run(_drive(robot, log, agent, assignment))
+
+
+async def _drive(robot: Robot, log: DriveLog, agent: Any, assignment: Assignment) -> Attempt:
+    async with robot:
+        tried = Attempt("stop", drive=log)
+        try:
+            if hasattr(agent, "reset"):
+                agent.reset(assignment)
+            async with robot.timeout(assignment.time_limit):
+                await agent.run(robot, assignment)
+        except TimeoutError:
+            tried.end = "time"
+        except MemoryError:
+            raise
+        except Exception as error:
+            tried.end, tried.failure = "failure", said(error)
+        log.end()
+        if assignment.task == "exploration":
+            tried.grid = robot.get_map()
+        return tried
+
+
+def _act(task: Task, episode: Episode, place: Place, agent: Any, settings: Settings) -> Attempt:
+    """A policy in an environment around a `Robot`."""
+    del place
+    given = dict(getattr(agent, "options", {}))
+    given.setdefault("control_rate", settings.control_rate)
+    given.setdefault("observations", ("lidar", "pose", "velocity", *TASK_FIELDS[task.environment]))
+    env, log = _environment(task.environment, episode.scene, settings, tuple(sorted(given.items())))
+    assignment = assignment_of(task, episode, settings, Pose2D())
+    tried = Attempt("time", drive=log)
+    actions: list[NDArray[np.float32]] = []
+    where: dict[str, Any] = {"start": episode.start, "goal": episode.goal, "object_goal": episode.category}
+    observation, _ = env.reset(
+        seed=episode.seed, options={name: value for name, value in where.items() if value is not None}
+    )
+    try:
+        if hasattr(agent, "reset"):
+            agent.reset(assignment)
+        for _ in range(round(assignment.time_limit * given["control_rate"])):
+            action = agent.act(observation)
+            observation, _, over, _, _ = env.step(action)
+            actions.append(np.asarray(action, np.float32))
+            if over:
+                tried.end = "stop"
+                break
+    except MemoryError:
+        raise
+    except Exception as error:
+        tried.end, tried.failure = "failure", said(error)
+    tried.actions = np.array(actions, np.float32).reshape(-1, 3)
+    if task.name == "exploration":
+        assert isinstance(env._core, RobotEnv)
+        tried.grid = env._core.map
+    return tried
+
+
+@cache
+def _environment(
+    task: str, scene: str, settings: Settings, options: tuple[tuple[str, Any], ...]
+) -> tuple[Env, DriveLog]:
+    """One that many episodes are driven in; its log begins anew with each."""
+    given: dict[str, Any] = dict(options)
+    if task == "navigation":
+        given |= {"stop": True, "contact": "count"}
+    env = Env(
+        task=task,
+        scene=scene_asset(scene),
+        backend=settings.backend,
+        hardware=settings.hardware,
+        noise=settings.noise,
+        randomization=settings.randomization,
+        max_steps=FOREVER,
+        **given,
+    )
+    assert isinstance(env._core, RobotEnv)
+    return env, DriveLog(env._core)
+
+
+def trajectory_of(poses: NDArray[np.float64]) -> list[list[float]]:
+    """[x, y, theta] every 0.2 s, and at the end, in millimetres and milliradians."""
+    rows = poses[::TRAIL].tolist() + (poses[-1:].tolist() if len(poses) % TRAIL != 1 else [])
+    return [[round(value, 3) for value in row] for row in rows]
+
+
+def said(error: Exception) -> str:
+    """What an agent failed of, in a line."""
+    return " ".join(f"{type(error).__name__}: {error}".split())[:ADVICE]
+
+
+def as_base64(values: NDArray[Any]) -> str:
+    """The bytes of an array."""
+    return base64.b64encode(values.tobytes()).decode()
+
+
+def from_base64(text: str, kind: str) -> NDArray[Any]:
+    """An array of rows of three."""
+    return np.frombuffer(base64.b64decode(text), kind).reshape(-1, 3)

@@ -1,0 +1,173 @@
+"""A benchmark run: an agent through the episodes of a task, and the results as a file holds them."""
+
+from __future__ import annotations
+
+import os
+import platform
+import subprocess
+from collections.abc import Callable, Sequence
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any
+
+from threewe._core import unknown_name
+from threewe.benchmark.agents import Identity, identify
+from threewe.benchmark.attempt import Settings, attempt, lost
+from threewe.benchmark.episodes import Episode, EpisodeSet, digest, find_episodes, load_episodes
+from threewe.benchmark.results import summarize
+from threewe.benchmark.runner import Finished, Job, Journal, Result, run_jobs
+from threewe.benchmark.tasks import TASKS
+from threewe.errors import ConfigError
+
+FORMAT = "threewe-benchmark/1"
+EPISODE_LIMIT = 120.0  # [s] of wall time for an episode
+MEMORY = 4 << 30  # [bytes] of an agent's process
+
+OnDone = Callable[[int, int, Episode, Finished], object]
+"""Called with how many episodes have finished, how many there are, the one that has just finished, and what it was."""
+
+
+@dataclass(frozen=True)
+class Plan:
+    """What is run: an agent, and which episodes of which set."""
+
+    task: str
+    agent: Identity
+    episode_set: str  # its name
+    episode_hash: str  # SHA-256 of its file
+    scenes: tuple[str, ...]
+    episodes: int  # the first so many of each scene
+    settings: Settings
+
+    def as_fields(self) -> dict[str, Any]:
+        """As JSON holds it."""
+        return {**asdict(self), "scenes": list(self.scenes)}
+
+
+def plan_run(
+    task: str, agent: str, *, split: str, scenes: Sequence[str], episodes: int, settings: Settings
+) -> tuple[Plan, list[Episode]]:
+    """The plan of a run, and its episodes in order. `split` is a split or a set's name or file.
+
+    Raises ConfigError for an unknown task, agent, set or scene, with the nearest right name.
+    """
+    if task not in TASKS:
+        raise ConfigError(unknown_name("task", task, list(TASKS)))
+    name = split if split.endswith(".json") or "_" in split else f"{task}_{split}_v1"
+    frozen, path = load_episodes(name), find_episodes(name)
+    if frozen["task"] != task:
+        raise ConfigError(f"{path}: episodes of {frozen['task']}, not of {task}")
+    if frozen["hardware"] != settings.hardware and settings.official:
+        raise ConfigError(f"{path}: episodes of {frozen['hardware']}, not of {settings.hardware}")
+    known = list(dict.fromkeys(episode.scene for episode in frozen["episodes"]))
+    wanted = known if list(scenes) in ([], ["all"]) else list(scenes)
+    for scene in wanted:
+        if scene not in known:
+            raise ConfigError(unknown_name(f"scene of {frozen['name']}", scene, known))
+    if episodes < 1:
+        raise ConfigError(f"episodes: expected 1 or more, got {episodes}")
+    plan = Plan(task, identify(task, agent), frozen["name"], digest(path), tuple(wanted), episodes, settings)
+    return plan, select(frozen, plan)
+
+
+def select(frozen: EpisodeSet, plan: Plan) -> list[Episode]:
+    """The episodes of a plan: the first so many of each scene."""
+    return [
+        episode
+        for scene in plan.scenes
+        for episode in [one for one in frozen["episodes"] if one.scene == scene][: plan.episodes]
+    ]
+
+
+def run(
+    plan: Plan,
+    episodes: Sequence[Episode],
+    journal: Path,
+    *,
+    workers: int = 1,
+    limit: float = EPISODE_LIMIT,
+    memory: int = MEMORY,
+    on_done: OnDone = lambda *_: None,
+) -> list[Result]:
+    """Drives the episodes and returns what each came to, in order.
+
+    An agent that raises, hangs, dies or uses too much memory costs its episode. What has finished is in the journal,
+    from which the same run goes on.
+    """
+    task = TASKS[plan.task]
+    jobs = [
+        Job(
+            f"{episode.scene}/{episode.index}",
+            _attempt,
+            {"task": plan.task, "episode": episode, "agent": plan.agent.name, "settings": plan.settings},
+            limit,
+        )
+        for episode in episodes
+    ]
+    by_key = {job.key: episode for job, episode in zip(jobs, episodes, strict=True)}
+    count = 0
+
+    def done(job: Job, finished: Finished) -> None:
+        nonlocal count
+        count += 1
+        on_done(count, len(jobs), by_key[job.key], finished)
+
+    # what an agent failed of is a result too, and only a worker that was killed runs again
+    found = run_jobs(jobs, workers, Journal(journal, plan.as_fields()), memory=memory, on_done=done)
+    results = []
+    for episode, one in zip(episodes, found, strict=True):
+        if one.failure and not one.own:
+            raise ConfigError(f"episode {episode.scene}/{episode.index} could not be run: {one.failure}")
+        results.append(one.result or lost(task.name, episode, plan.settings, one.failure))
+    return results
+
+
+def _attempt(task: str, episode: Episode, agent: str, settings: Settings) -> Result:
+    return attempt(task, episode, agent, settings)
+
+
+def results_of(plan: Plan, episodes: Sequence[Episode], outcomes: Sequence[Result]) -> dict[str, Any]:
+    """Results as a file holds them: the same bytes for the same plan and library."""
+    rows = [
+        {"episode": _key_of(episode), **{name: value for name, value in outcome.items() if name != "replayed"}}
+        for episode, outcome in zip(episodes, outcomes, strict=True)
+    ]
+    return {
+        "format": FORMAT,
+        "track": "open",
+        **plan.as_fields(),
+        "official": plan.settings.official and plan.agent.kind != "yardstick",
+        "repeats": "to the bit" if plan.settings.backend == "mock" else "to the bit on one kind of processor",
+        "library": library(),
+        "episode_results": rows,
+        "summary": summarize(plan.task, rows),
+    }
+
+
+def _key_of(episode: Episode) -> dict[str, Any]:
+    named = {"scene": episode.scene, "index": episode.index, "seed": episode.seed}
+    return named | {name: value for name in ("stratum", "category") if (value := getattr(episode, name))}
+
+
+def library() -> dict[str, str]:
+    """Which 3we, and on which machine."""
+    import threewe
+
+    return {"version": threewe.__version__, "commit": _commit(), "machine": machine()}
+
+
+def machine() -> str:
+    """The processor, and how many there are."""
+    info = Path("/proc/cpuinfo")
+    lines = info.read_text().splitlines() if info.exists() else []
+    models = [line.split(":")[1].strip() for line in lines if line.startswith("model name")]
+    return f"{models[0] if models else platform.machine()}, {os.cpu_count()} CPUs"
+
+
+def _commit() -> str:
+    """Of the source tree that this is; empty for an installed package."""
+    folder = Path(__file__).resolve().parents[3]
+    if not (folder / ".git").exists():
+        return ""
+    command = ["git", "describe", "--always", "--dirty", "--abbrev=10", "--exclude=*"]
+    return subprocess.run(command, cwd=folder, capture_output=True, text=True).stdout.strip()

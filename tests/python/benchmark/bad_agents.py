@@ -1,0 +1,72 @@
+"""Agents that fail, each in its own way."""
+
+from __future__ import annotations
+
+import asyncio
+import os
+import time
+from typing import Any
+
+import numpy as np
+
+
+class Raises:
+    async def run(self, robot: Any, assignment: Any) -> None:
+        await robot.move_forward(0.2)
+        raise ValueError(f"no way to {assignment.goal}")
+
+
+class PeeksAtTheTruth:
+    async def run(self, robot: Any, assignment: Any) -> None:
+        del assignment
+        robot.simulation.true_pose()
+
+
+class WaitsForTheWall:
+    async def run(self, robot: Any, assignment: Any) -> None:
+        del assignment
+        await asyncio.wait_for(robot.sleep(1000.0), 1000.0)
+
+
+class NotANumber:
+    def act(self, observation: Any) -> Any:
+        del observation
+        return np.full(3, np.nan, np.float32)
+
+
+class WrongShape:
+    def act(self, observation: Any) -> Any:
+        del observation
+        return np.zeros(2, np.float32)
+
+
+class Hangs:
+    def act(self, observation: Any) -> Any:
+        del observation
+        time.sleep(1000.0)
+
+
+class EatsMemory:
+    def act(self, observation: Any) -> Any:
+        del observation
+        return bytearray(16 << 30)
+
+
+class Dies:
+    def act(self, observation: Any) -> Any:
+        del observation
+        os._exit(7)
+
+
+class StandsStill:
+    def act(self, observation: Any) -> Any:
+        assert sorted(observation) == ["goal", "lidar", "pose", "velocity"]
+        return np.zeros(3, np.float32)
+
+
+class DoesNothing:
+    pass
+
+
+class NoCoroutine:
+    def run(self, robot: Any, assignment: Any) -> None: ...

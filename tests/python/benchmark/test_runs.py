@@ -1,0 +1,145 @@
+"""Runs: agents of every kind, bad ones too; the same results for any number of workers."""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+from typing import Any
+
+import pytest
+from threewe import ConfigError
+from threewe.benchmark.agents import identify
+from threewe.benchmark.attempt import Settings
+from threewe.benchmark.bundle import text_of
+from threewe.benchmark.results import compare, load_results
+from threewe.benchmark.run import plan_run, results_of, run
+from threewe.benchmark.tasks import soft_spl
+
+THREEWE = str(Path(sys.executable).parent / "threewe")
+
+
+def drive(folder: Path, agent: str, *, task: str = "pointnav", scene: str = "apartment_v1", episodes: int = 1,
+          **how: Any) -> dict[str, Any]:  # fmt: skip
+    plan, listed = plan_run(task, agent, split="val", scenes=[scene], episodes=episodes, settings=Settings())
+    return results_of(plan, listed, run(plan, listed, folder / f"{agent.replace(':', '.')}.jsonl", **how))
+
+
+@pytest.mark.parametrize(
+    ("agent", "why"),
+    [
+        ("Raises", r"ValueError: no way to \("),
+        ("PeeksAtTheTruth", "AttributeError: 'NoneType' object has no attribute 'true_pose'"),
+        ("NotANumber", "action"),
+        ("WrongShape", r"action must have shape \(3,\), got \(2,\)"),
+    ],
+)
+def test_an_agent_that_fails_costs_its_episode_and_is_named(agent: str, why: str, tmp_path: Path) -> None:
+    results = drive(tmp_path, f"benchmark.bad_agents:{agent}", workers=0)
+    [row] = results["episode_results"]
+    assert row["end"] == "failure"
+    assert re.search(why, row["failure"])
+    assert results["summary"]["all"]["agent_failures"]["value"] == 1
+    assert row["metrics"]["success"] == 0.0
+    assert row["ticks"] > 0
+
+
+@pytest.mark.parametrize(
+    ("agent", "why", "how"),
+    [
+        ("Hangs", "took longer than 4 s", {"limit": 4.0}),
+        ("WaitsForTheWall", "", {}),
+        ("EatsMemory", "used too much memory", {}),
+        ("Dies", "its process died with status 7", {}),
+    ],
+)
+def test_an_agent_that_takes_its_process_along_costs_its_episode(
+    agent: str, why: str, how: dict[str, Any], tmp_path: Path
+) -> None:
+    results = drive(tmp_path, f"benchmark.bad_agents:{agent}", workers=1, **how)
+    [row] = results["episode_results"]
+    assert row["failure"] == why
+    assert row["metrics"]["success"] == 0.0
+    assert row["end"] == ("failure" if why else "time")
+
+
+def test_stop_far_from_the_goal_is_wrong(tmp_path: Path) -> None:
+    results = drive(tmp_path, "benchmark.bad_agents:StandsStill", workers=0)
+    [row] = results["episode_results"]
+    assert (row["end"], row["failure"], row["metrics"]["success"]) == ("stop", "", 0.0)
+    assert row["metrics"]["duration"] < 2.0
+
+
+def test_results_are_the_same_for_any_number_of_workers(tmp_path: Path) -> None:
+    together, alone = (drive(tmp_path / str(workers), "navigator", episodes=3, workers=workers) for workers in (2, 0))
+    assert text_of(together) == text_of(alone)
+
+
+def test_an_oracle_is_marked_and_a_yardstick_drives_no_robot(tmp_path: Path) -> None:
+    oracle = drive(tmp_path, "oracle", workers=0)
+    assert oracle["agent"]["privileged"]
+    assert oracle["summary"]["all"]["spl"]["value"] > 0.85
+    best = drive(tmp_path, "optimistic", workers=0)
+    assert not best["official"]
+    assert best["summary"]["all"]["success"]["value"] == 1.0
+
+
+@pytest.mark.parametrize(
+    ("agent", "message"),
+    [
+        ("navigater", "did you mean 'navigator'"),
+        ("benchmark.bad_agents:Nothing", "has no attribute 'Nothing'"),
+        ("no_such_module:Agent", "No module named"),
+        ("benchmark.bad_agents:DoesNothing", "expected a method"),
+        ("benchmark.bad_agents:NoCoroutine", "async def run"),
+        ("none.onnx", "no such file"),
+    ],
+)
+def test_agents_that_cannot_be_made_are_refused_before_the_run(agent: str, message: str) -> None:
+    with pytest.raises(ConfigError, match=message):
+        identify("pointnav", agent)
+
+
+def test_paired_differences(tmp_path: Path) -> None:
+    one, other = (drive(tmp_path, agent, episodes=2, workers=0) for agent in ("optimistic", "straight"))
+    figures = compare(one, other)
+    assert figures["success"]["value"] == -0.5
+    assert figures["success"]["count"] == 2
+    with pytest.raises(ConfigError, match="different tasks"):
+        compare(one, {**other, "task": "exploration"})
+
+
+def test_soft_spl_as_published() -> None:
+    assert soft_spl(0.0, 4.0, 5.0) == pytest.approx(0.8)
+    assert soft_spl(2.0, 4.0, 2.0) == pytest.approx(0.5)
+    assert soft_spl(6.0, 4.0, 2.0) == 0.0
+
+
+def test_the_command_goes_on_where_it_was_interrupted(tmp_path: Path) -> None:
+    command = [THREEWE, "benchmark", "run", "pointnav", "--scene", "apartment_v1", "--episodes", "6", "-o", "r.json"]
+    journal = tmp_path / "r.journal.jsonl"
+    running = subprocess.Popen(command, cwd=tmp_path, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    while not journal.exists() or journal.read_text().count("\n") < 3:
+        assert running.poll() is None
+        time.sleep(0.01)
+    os.kill(running.pid, signal.SIGINT)
+    out, _ = running.communicate()
+    if running.returncode != 0:  # it may have been done by then
+        assert running.returncode == 130
+        assert "--resume goes on" in out
+        assert not (tmp_path / "r.json").exists()
+        again = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True)
+        assert again.returncode == 2
+        assert "an interrupted run" in again.stderr
+        done = subprocess.run([*command, "--resume"], cwd=tmp_path, capture_output=True, text=True)
+        assert done.returncode == 0, done.stderr
+    assert not journal.exists()
+    results = load_results(tmp_path / "r.json")
+    assert results == json.loads(text_of(drive(tmp_path, "navigator", episodes=6, workers=0)))
+    shown = subprocess.run([THREEWE, "benchmark", "show", "r.json"], cwd=tmp_path, capture_output=True, text=True)
+    assert "pointnav, navigator" in shown.stdout
