@@ -1,0 +1,138 @@
+"""Bundles: a run as one file that anyone can replay. The same run gives the same bytes."""
+
+from __future__ import annotations
+
+import base64
+import hashlib
+import io
+import json
+import re
+import zipfile
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, NoReturn
+
+from threewe._files import require_file
+from threewe.benchmark.runner import Result
+from threewe.errors import ConfigError
+
+LARGEST = 64 << 20  # [bytes] of a bundle, packed and unpacked: nothing in it is compressed
+MOST_FILES = 100_000
+EARLIEST = (1980, 1, 1, 0, 0, 0)  # the date of all files
+KINDS = {"commands": "f64", "actions": "f32", "grid": "i8"}
+NAME = re.compile(r"(manifest|results)\.json|(commands/\d{5}\.f64)|(actions/\d{5}\.f32)|(grid/\d{5}\.i8)")
+
+
+class BundleError(ConfigError):
+    """A bundle is refused; the message says why."""
+
+
+@dataclass(frozen=True)
+class Bundle:
+    """What a bundle holds."""
+
+    results: dict[str, Any]
+    files: dict[str, bytes]  # by name: what can be replayed
+
+    def part(self, kind: str, number: int) -> bytes | None:
+        """The `commands`, `actions` or `grid` of an episode by its number in the results; None where there are none."""
+        return self.files.get(_name(kind, number))
+
+
+def write_bundle(path: Path, results: Mapping[str, Any], outcomes: Sequence[Result]) -> None:
+    """Writes a bundle. Raises ConfigError for one that would be too large."""
+    files = {"results.json": text_of(results)}
+    for number, outcome in enumerate(outcomes):
+        for kind, text in outcome["replayed"].items():
+            files[_name(kind, number)] = base64.b64decode(text)
+    content = pack(files)
+    if len(content) > LARGEST:
+        raise ConfigError(f"{path}: {len(content)} bytes are more than the {LARGEST} of a bundle: run fewer episodes")
+    path.write_bytes(content)
+
+
+def pack(files: Mapping[str, bytes]) -> bytes:
+    """The bytes of a bundle of these files, with their manifest."""
+    hashes = {name: hashlib.sha256(content).hexdigest() for name, content in sorted(files.items())}
+    everything = {**files, "manifest.json": text_of({"format": "threewe-bundle/1", "files": hashes})}
+    written = io.BytesIO()
+    with zipfile.ZipFile(written, "w", zipfile.ZIP_STORED) as archive:
+        for name, content in sorted(everything.items()):
+            info = zipfile.ZipInfo(name, EARLIEST)
+            info.create_system, info.external_attr = 3, 0o644 << 16
+            archive.writestr(info, content)
+    return written.getvalue()
+
+
+def read_bundle(path: Path) -> Bundle:
+    """Reads a bundle. Raises BundleError for any other file, before anything of it is unpacked."""
+    require_file(path)
+    if path.stat().st_size > LARGEST:
+        raise BundleError(f"{path}: larger than {LARGEST} bytes")
+    content = path.read_bytes()
+    files = _unpacked(path, content)
+    manifest = parse_json(path, "manifest.json", files.pop("manifest.json", b""))
+    hashes = manifest.get("files")
+    if not isinstance(hashes, dict) or sorted(hashes) != sorted(files):
+        raise BundleError(f"{path}: manifest.json does not name the files that are there")
+    for name, value in files.items():
+        if hashes[name] != hashlib.sha256(value).hexdigest():
+            raise BundleError(f"{path}: {name} is not the file that manifest.json names: its hash differs")
+    if pack(files) != content:
+        raise BundleError(f"{path}: not canonical: names are sorted, dates zero, nothing else is in the archive")
+    if "results.json" not in files:
+        raise BundleError(f"{path}: results.json is missing")
+    return Bundle(parse_json(path, "results.json", files.pop("results.json")), files)
+
+
+def parse_json(path: Path, name: str, content: bytes) -> dict[str, Any]:
+    """An object of JSON, in which all numbers are finite."""
+    try:
+        value = json.loads(content.decode(), parse_constant=_not_finite)
+    except (ValueError, RecursionError) as error:
+        raise BundleError(f"{path}: {name}: {error}") from None
+    if not isinstance(value, dict):
+        raise BundleError(f"{path}: {name}: expected an object")
+    return value
+
+
+def text_of(value: Mapping[str, Any]) -> bytes:
+    """JSON, always in the same form."""
+    return (json.dumps(value, sort_keys=True, indent=1, allow_nan=False) + "\n").encode()
+
+
+def _unpacked(path: Path, content: bytes) -> dict[str, bytes]:
+    try:
+        with zipfile.ZipFile(io.BytesIO(content)) as archive:
+            infos = archive.infolist()
+            _require_plain(path, infos)
+            return {info.filename: archive.read(info) for info in infos}
+    except (zipfile.BadZipFile, EOFError, OSError, ValueError, NotImplementedError, RuntimeError) as error:
+        if isinstance(error, BundleError):
+            raise
+        raise BundleError(f"{path}: no bundle: {error}") from None
+
+
+def _require_plain(path: Path, infos: Sequence[zipfile.ZipInfo]) -> None:
+    """By the table of contents alone."""
+    if len(infos) > MOST_FILES:
+        raise BundleError(f"{path}: {len(infos)} files are more than {MOST_FILES}")
+    names = [info.filename for info in infos]
+    if len(set(names)) != len(names):
+        raise BundleError(f"{path}: a name is there twice")
+    for info in infos:
+        if not NAME.fullmatch(info.filename):
+            raise BundleError(f"{path}: {info.filename!r} is no file of a bundle")
+        if info.compress_type != zipfile.ZIP_STORED or info.file_size != info.compress_size:
+            raise BundleError(f"{path}: {info.filename} is compressed, and nothing in a bundle is")
+    if sum(info.file_size for info in infos) > LARGEST:
+        raise BundleError(f"{path}: its files are larger than {LARGEST} bytes")
+
+
+def _name(kind: str, number: int) -> str:
+    return f"{kind}/{number:05}.{KINDS[kind]}"
+
+
+def _not_finite(text: str) -> NoReturn:
+    raise ValueError(f"{text} is no number of a result")

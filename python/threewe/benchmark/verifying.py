@@ -1,0 +1,301 @@
+"""Verification of bundles: every episode is replayed below the gate, and every claim computed again.
+
+It shows that these commands give this result, not that sensors alone chose them: a result that was verified is on the
+open track all the same.
+"""
+
+from __future__ import annotations
+
+import base64
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from threewe._core import OccupancyGrid, RobotProfile
+from threewe.benchmark.agents import Identity
+from threewe.benchmark.attempt import SETTLE, Settings, as_base64, replay
+from threewe.benchmark.bundle import Bundle, BundleError, read_bundle
+from threewe.benchmark.episodes import Episode, digest, find_episodes, load_episodes
+from threewe.benchmark.run import EPISODE_LIMIT, FORMAT, Plan, results_of, select
+from threewe.benchmark.runner import Finished, Job, Result, run_jobs
+from threewe.benchmark.tasks import TASKS, TICK
+from threewe.errors import ConfigError
+
+LONGEST_TEXT = 400  # characters of a name or of what an agent failed of
+LARGEST_GRID = 4096  # cells along a side
+ROUNDING = 1e-9  # of limits: commands are rounded
+ENDS = ("stop", "time", "failure")
+BACKENDS = ("mock", "mujoco")
+
+
+@dataclass(frozen=True)
+class Claim:
+    """One episode of a bundle."""
+
+    number: int
+    episode: Episode
+    row: dict[str, Any]
+    commands: NDArray[np.float64]
+    grid: OccupancyGrid | None
+
+    @property
+    def name(self) -> str:
+        """For messages."""
+        return f"episode {self.number} ({self.episode.scene}/{self.episode.index})"
+
+
+@dataclass(frozen=True)
+class Verified:
+    """What was replayed."""
+
+    plan: Plan
+    results: dict[str, Any]
+    seconds: float  # of CPU, of all replays
+
+
+def verify_bundle(
+    path: Path,
+    *,
+    workers: int = 1,
+    episode_file: Path | None = None,
+    on_done: Callable[[int, int], object] = lambda *_: None,
+) -> Verified:
+    """Replays every episode of a bundle. Raises BundleError that says what is wrong, and where it differs first.
+
+    Args:
+        path: the bundle.
+        workers: processes at a time.
+        episode_file: the set of episodes, where it is not one that comes with 3we, as held-out buildings are.
+        on_done: called with how many have been replayed, and how many there are.
+    """
+    bundle = read_bundle(path)
+    plan = plan_of(bundle.results)
+    claims = claims_of(bundle, plan, episode_file)
+    profile = RobotProfile.load(plan.settings.hardware)
+    for claim in claims:
+        require_drivable(claim, profile, TASKS[plan.task].time_limit(claim.episode))
+    replayed = _replay_all(plan, claims, workers, on_done)
+    for claim, finished in zip(claims, replayed, strict=True):
+        if finished.failure:
+            raise BundleError(f"{claim.name}: cannot be replayed: {finished.failure.splitlines()[-1]}")
+        require_same(claim, finished.result, plan.settings.backend)
+    require_results(bundle.results, plan, claims, [finished.result for finished in replayed])
+    return Verified(plan, bundle.results, sum(finished.seconds for finished in replayed))
+
+
+def plan_of(results: dict[str, Any]) -> Plan:
+    """What results claim to be of. Raises BundleError for what no official run has."""
+    if results.get("format") != FORMAT:
+        raise BundleError(f"format: expected {FORMAT!r}, got {results.get('format')!r}")
+    try:
+        agent = Identity(**results["agent"])
+        settings = Settings(**results["settings"])
+        names = [results["task"], results["episode_set"], results["episode_hash"], *results["scenes"]]
+        plan = Plan(
+            results["task"],
+            agent,
+            results["episode_set"],
+            results["episode_hash"],
+            tuple(results["scenes"]),
+            results["episodes"],
+            settings,
+        )
+    except (KeyError, TypeError) as error:
+        raise BundleError(f"results.json: not as a run writes it: {error}") from None
+    if not all(isinstance(text, str) and len(text) <= LONGEST_TEXT for text in (*names, agent.name, agent.source)):
+        raise BundleError("results.json: a name is no text, or too long")
+    if plan.task not in TASKS:
+        raise BundleError(f"task: there is no {plan.task!r}")
+    if agent.kind not in ("run", "act"):
+        raise BundleError(f"agent: one of kind {agent.kind!r} drives no robot")
+    if not isinstance(plan.episodes, int) or isinstance(plan.episodes, bool) or plan.episodes < 1:
+        raise BundleError("episodes: expected a whole number of 1 or more")
+    for name in ("hardware", "noise", "randomization"):
+        value, official = getattr(settings, name), getattr(Settings(), name)
+        if value != official:
+            raise BundleError(f"settings: {name} {value!r} is not that of the frozen episodes, {official!r}")
+    if settings.backend not in BACKENDS:
+        raise BundleError(f"settings: backend {settings.backend!r} cannot be replayed")
+    return plan
+
+
+def claims_of(bundle: Bundle, plan: Plan, episode_file: Path | None) -> list[Claim]:
+    """The episodes of a bundle, which are those of the frozen set, in its order."""
+    if episode_file is None and not plan.episode_set.isidentifier():
+        raise BundleError(f"episode_set: {plan.episode_set!r} is no name of one")
+    try:
+        file = episode_file or find_episodes(plan.episode_set)
+        frozen = load_episodes(file)
+    except ConfigError as error:
+        raise BundleError(f"episode_set: {error}") from None
+    if (frozen["name"], frozen["task"]) != (plan.episode_set, plan.task) or digest(file) != plan.episode_hash:
+        raise BundleError(f"episode_set: not the {plan.episode_set} that is known here: task or hash differs")
+    wanted = select(frozen, plan)
+    rows = bundle.results.get("episode_results")
+    if not isinstance(rows, list) or len(rows) != len(wanted) or not wanted:
+        raise BundleError(f"episode_results: expected {len(wanted)} episodes, as scenes and episodes say")
+    claims = [_claim(bundle, number, *pair) for number, pair in enumerate(zip(wanted, rows, strict=True))]
+    left_over = set(bundle.files) - {
+        f"{kind}/{claim.number:05}.{end}"
+        for claim in claims
+        for kind, end in (("commands", "f64"), ("actions", "f32"), ("grid", "i8"))
+    }
+    if left_over:
+        raise BundleError(f"{min(left_over)}: of no episode")
+    return claims
+
+
+def _claim(bundle: Bundle, number: int, episode: Episode, row: Any) -> Claim:
+    place = f"episode {number} ({episode.scene}/{episode.index})"
+    if not isinstance(row, dict) or not isinstance(row.get("episode"), dict):
+        raise BundleError(f"{place}: not as a run writes it")
+    named = {key: row["episode"].get(key) for key in ("scene", "index", "seed")}
+    if named != {"scene": episode.scene, "index": episode.index, "seed": episode.seed}:
+        raise BundleError(f"{place}: the bundle has {named} in its place, which the frozen set has not")
+    if row.get("end") not in ENDS:
+        raise BundleError(f"{place}: end: expected one of {', '.join(ENDS)}")
+    failure = row.get("failure")
+    if not isinstance(failure, str) or len(failure) > LONGEST_TEXT or (failure != "") != (row["end"] == "failure"):
+        raise BundleError(f"{place}: failure: expected why the agent failed, where it did")
+    content = bundle.part("commands", number)
+    if content is None or len(content) % 24 != 0:
+        raise BundleError(f"{place}: expected commands, three numbers of 8 bytes a tick")
+    commands = np.frombuffer(content, "<f8").reshape(-1, 3)
+    if row.get("ticks") != len(commands):
+        raise BundleError(f"{place}: ticks: {row.get('ticks')} are claimed, commands are there for {len(commands)}")
+    actions = bundle.part("actions", number)
+    if actions is not None and len(actions) % 12 != 0:
+        raise BundleError(f"{place}: expected actions, three numbers of 4 bytes a step")
+    return Claim(number, episode, row, commands, _grid(bundle, place, number, row))
+
+
+def _grid(bundle: Bundle, place: str, number: int, row: dict[str, Any]) -> OccupancyGrid | None:
+    content, described = bundle.part("grid", number), row.get("grid")
+    if content is None and described is None:
+        return None
+    try:
+        rows, columns = described["shape"]  # type: ignore[index]
+        x, y = described["origin"]  # type: ignore[index]
+        resolution = float(described["resolution"])  # type: ignore[index]
+        if not (0 < rows <= LARGEST_GRID and 0 < columns <= LARGEST_GRID) or not 0.01 <= resolution <= 1.0:
+            raise ValueError("its size")
+        if content is None or len(content) != rows * columns or not (abs(x) < 1e4 and abs(y) < 1e4):
+            raise ValueError("its cells")
+        cells = np.frombuffer(content, np.int8).reshape(rows, columns)
+        if cells.min() < -1 or cells.max() > 100:
+            raise ValueError("values beyond -1 to 100")
+        return OccupancyGrid(np.ascontiguousarray(cells), resolution, (float(x), float(y)))
+    except (TypeError, ValueError, KeyError) as error:
+        raise BundleError(f"{place}: grid: not a map: {error}") from None
+
+
+def require_drivable(claim: Claim, profile: RobotProfile, time_limit: float) -> None:
+    """The commands are such as leave the gate of this robot: in number, limits and rates."""
+    commands, limits = claim.commands, profile.operating_limits
+    most = round((time_limit + SETTLE) / TICK)
+    if len(commands) > most:
+        raise BundleError(f"{claim.name}: {len(commands)} ticks are more than the task's {most}")
+    if claim.row["end"] == "time" and len(commands) * TICK < time_limit:
+        raise BundleError(f"{claim.name}: ended by time after {len(commands) * TICK:.2f} s, before its time was over")
+    if not np.isfinite(commands).all():
+        raise BundleError(f"{claim.name}: a command is not finite")
+    before = np.vstack([np.zeros((1, 3)), commands[:-1]])
+    speed, speed_before = (np.hypot(one[:, 0], one[:, 1]) for one in (commands, before))
+    change = np.hypot(*(commands - before)[:, :2].T)
+    stops = ~commands.any(axis=1)  # the emergency stop goes beyond all rates
+    hardest = max(limits.linear_acceleration, limits.linear_braking)
+    checks = {
+        f"speed beyond {limits.linear} m/s": speed > limits.linear + ROUNDING,
+        f"turn rate beyond {limits.angular} rad/s": abs(commands[:, 2]) > limits.angular + ROUNDING,
+        "speeds up faster than the profile allows": speed - speed_before > limits.linear_acceleration * TICK + ROUNDING,
+        "changes faster than the profile allows": ~stops & (change > hardest * TICK + ROUNDING),
+        "turns faster than the profile allows": ~stops
+        & (abs(commands - before)[:, 2] > limits.angular_acceleration * TICK + ROUNDING),
+    }
+    for what, wrong in checks.items():
+        if wrong.any():
+            tick = int(np.argmax(wrong))
+            raise BundleError(f"{claim.name}: the command at {tick * TICK:.2f} s {what}")
+
+
+def _replay_all(
+    plan: Plan, claims: Sequence[Claim], workers: int, on_done: Callable[[int, int], object]
+) -> list[Finished]:
+    jobs = [
+        Job(
+            claim.name,
+            _replay,
+            {
+                "task": plan.task,
+                "episode": claim.episode,
+                "settings": plan.settings,
+                "end": claim.row["end"],
+                "commands": as_base64(claim.commands),
+                "grid": claim.grid,
+            },
+            EPISODE_LIMIT,
+        )
+        for claim in claims
+    ]
+    count = 0
+
+    def done(_: Job, __: Finished) -> None:
+        nonlocal count
+        count += 1
+        on_done(count, len(jobs))
+
+    return run_jobs(jobs, workers, on_done=done)
+
+
+def _replay(
+    task: str, episode: Episode, settings: Settings, end: str, commands: str, grid: OccupancyGrid | None
+) -> Result:
+    rows = np.frombuffer(base64.b64decode(commands), "<f8").reshape(-1, 3)
+    again = replay(task, episode, settings, end, rows, grid)
+    return {name: value for name, value in again.items() if name != "replayed"}
+
+
+def require_same(claim: Claim, again: Result, backend: str) -> None:
+    """The replay is what is claimed, to the bit."""
+    elsewhere = "; MuJoCo repeats to the bit on one kind of processor only" if backend == "mujoco" else ""
+    there, wanted = claim.row.get("trajectory"), again["trajectory"]
+    if not isinstance(there, list) or len(there) != len(wanted):
+        raise BundleError(f"{claim.name}: the trajectory has another length than its replay")
+    for i, (pose, replayed) in enumerate(zip(there, wanted, strict=True)):
+        if not same(pose, replayed):
+            at = min(i * 10, max(again["ticks"] - 1, 0)) * TICK
+            raise BundleError(
+                f"{claim.name}: differs from its replay at {at:.2f} s: {pose}, replayed {replayed}{elsewhere}"
+            )
+    metrics = claim.row.get("metrics")
+    if not isinstance(metrics, dict) or sorted(metrics) != sorted(again["metrics"]):
+        raise BundleError(f"{claim.name}: metrics: expected {', '.join(sorted(again['metrics']))}")
+    for name, value in again["metrics"].items():
+        if not same(metrics[name], value):
+            raise BundleError(f"{claim.name}: {name} is {value} by its replay, {metrics[name]} by the claim{elsewhere}")
+
+
+def same(claimed: Any, value: Any) -> bool:
+    """To the bit, for numbers and lists of them."""
+    if isinstance(value, list):
+        return isinstance(claimed, list) and len(claimed) == len(value) and all(map(same, claimed, value))
+    number = isinstance(claimed, int | float) and not isinstance(claimed, bool)
+    return number and claimed == value and math.copysign(1.0, claimed) == math.copysign(1.0, value)
+
+
+def require_results(results: dict[str, Any], plan: Plan, claims: Sequence[Claim], replayed: Sequence[Result]) -> None:
+    """All that follows from the episodes is as it follows: summary, official or not."""
+    outcomes = [{**one, "failure": claim.row["failure"]} for claim, one in zip(claims, replayed, strict=True)]
+    wanted = results_of(plan, [claim.episode for claim in claims], outcomes)
+    library = results.get("library")
+    if not isinstance(library, dict) or not all(isinstance(text, str) for text in library.values()):
+        raise BundleError("library: expected version, commit and machine")
+    wanted["library"] = library
+    for name in sorted({*wanted, *results}):
+        if name not in results or name not in wanted or results[name] != wanted[name]:
+            raise BundleError(f"{name}: not what follows from the episodes")

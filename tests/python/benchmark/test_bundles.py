@@ -1,0 +1,79 @@
+"""Honest bundles replay to the bit; forged ones are refused with the reason."""
+
+from __future__ import annotations
+
+from collections import Counter
+from pathlib import Path
+from typing import Any
+
+import pytest
+from threewe.benchmark import bundle as bundles
+from threewe.benchmark.attempt import Settings
+from threewe.benchmark.bundle import BundleError, read_bundle, write_bundle
+from threewe.benchmark.run import plan_run, results_of, run
+from threewe.benchmark.verifying import verify_bundle
+
+from verify.cases.forgeries import WAYS, Forger
+
+
+def run_here(folder: Path, task: str, agent: str, scene: str, episodes: int) -> tuple[dict[str, Any], list[Any]]:
+    """Results and outcomes, without a process of their own."""
+    plan, listed = plan_run(task, agent, split="val", scenes=[scene], episodes=episodes, settings=Settings())
+    outcomes = run(plan, listed, folder / "journal.jsonl", workers=0)
+    return results_of(plan, listed, outcomes), outcomes
+
+
+@pytest.fixture(scope="module")
+def honest(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("honest")
+    write_bundle(folder / "run.zip", *run_here(folder, "pointnav", "navigator", "apartment_v1", 2))
+    return folder / "run.zip"
+
+
+def test_an_honest_bundle_passes_and_is_the_same_again(honest: Path, tmp_path: Path) -> None:
+    verified = verify_bundle(honest, workers=0)
+    assert verified.plan.agent.name == "navigator"
+    assert verified.results["summary"]["all"]["success"]["value"] == 1.0
+    write_bundle(tmp_path / "again.zip", *run_here(tmp_path, "pointnav", "navigator", "apartment_v1", 2))
+    assert (tmp_path / "again.zip").read_bytes() == honest.read_bytes()
+
+
+@pytest.mark.parametrize(
+    ("task", "agent", "scene"),
+    [("pointnav", "straight", "apartment_v1"), ("objectnav", "semantic", "cluttered_v1"),
+     ("exploration", "navigator", "apartment_v1")],
+)  # fmt: skip
+def test_bundles_of_every_task_and_kind_of_agent_pass(task: str, agent: str, scene: str, tmp_path: Path) -> None:
+    write_bundle(tmp_path / "run.zip", *run_here(tmp_path, task, agent, scene, 1))
+    verified = verify_bundle(tmp_path / "run.zip", workers=0)
+    assert verified.results["agent"]["kind"] == ("act" if agent == "straight" else "run")
+    assert verified.results["agent"]["privileged"] == (agent == "semantic")
+
+
+def test_forged_bundles_are_refused_with_the_reason(honest: Path, tmp_path: Path) -> None:
+    path = tmp_path / "forged.zip"
+    kinds: Counter[str] = Counter()
+    for seed in range(3 * len(WAYS)):
+        kind, content = Forger(honest, seed).forged()
+        path.write_bytes(content)
+        with pytest.raises(BundleError) as refused:
+            verify_bundle(path, workers=0)
+        assert len(str(refused.value)) > 20, f"{kind}, seed {seed}: {refused.value}"
+        kinds[kind] += 1
+    assert len(kinds) > 0.8 * len(WAYS)
+
+
+def test_the_reason_says_where_a_log_differs_first(honest: Path, tmp_path: Path) -> None:
+    forger = Forger(honest, 0)
+    forger.results["episode_results"][1]["trajectory"][20][0] += 0.001
+    (tmp_path / "forged.zip").write_bytes(forger.packed())
+    with pytest.raises(BundleError, match=r"episode 1 \(apartment_v1/\d+\): differs from its replay at 4\.00 s"):
+        verify_bundle(tmp_path / "forged.zip", workers=0)
+
+
+def test_no_bundle_is_too_large(honest: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(bundles, "LARGEST", 10_000)
+    with pytest.raises(BundleError, match="larger than 10000 bytes"):
+        read_bundle(honest)
+    with pytest.raises(Exception, match="run fewer episodes"):
+        write_bundle(tmp_path / "run.zip", *run_here(tmp_path, "pointnav", "navigator", "apartment_v1", 1))

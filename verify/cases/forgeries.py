@@ -1,0 +1,358 @@
+"""Forged bundles: an honest one, changed in one of many ways, each of which is a lie or no bundle at all."""
+
+import copy
+import io
+import json
+import random
+import zipfile
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from threewe.benchmark.bundle import EARLIEST, KINDS, pack, read_bundle, text_of
+
+Results = dict[str, Any]
+Files = dict[str, bytes]
+
+
+class Forger:
+    """Changes one honest bundle, by a seed."""
+
+    def __init__(self, honest: Path, seed: int) -> None:
+        bundle = read_bundle(honest)
+        self.draw = random.Random(seed)
+        self.results: Results = copy.deepcopy(bundle.results)
+        self.files: Files = dict(bundle.files)
+
+    def forged(self) -> tuple[str, bytes]:
+        """The name of the way in which it is forged, and the bundle."""
+        change = self.draw.choice(WAYS)
+        content = change(self)
+        return change.__name__, content if content is not None else self.packed()
+
+    def packed(self) -> bytes:
+        return pack({**self.files, "results.json": text_of(self.results)})
+
+    def row(self) -> dict[str, Any]:
+        return self.draw.choice(self.results["episode_results"])
+
+    def commands(self) -> tuple[str, np.ndarray]:
+        names = sorted(name for name in self.files if name.startswith("commands/"))
+        name = self.draw.choice(names)
+        return name, np.frombuffer(self.files[name], "<f8").reshape(-1, 3).copy()
+
+    def tick(self, commands: np.ndarray) -> int:
+        """One whose command the robot obeys."""
+        moving = np.flatnonzero(commands.any(axis=1))
+        return int(self.draw.choice(moving[: len(moving) // 2 + 1]))
+
+    def archive(self, names: dict[str, bytes], *, compression: int = zipfile.ZIP_STORED, date: Any = EARLIEST) -> bytes:
+        """A zip of any files, in their order."""
+        written = io.BytesIO()
+        with zipfile.ZipFile(written, "w") as archive:
+            for name, content in names.items():
+                info = zipfile.ZipInfo(name, date)
+                info.create_system, info.external_attr = 3, 0o644 << 16
+                archive.writestr(info, content, compression)
+        return written.getvalue()
+
+    def unpacked(self) -> dict[str, bytes]:
+        """All files of the honest bundle, in order."""
+        with zipfile.ZipFile(io.BytesIO(self.packed())) as archive:
+            return {name: archive.read(name) for name in archive.namelist()}
+
+
+def other_metric(forger: Forger) -> None:
+    metrics = forger.row()["metrics"]
+    name = forger.draw.choice(sorted(metrics))
+    metrics[name] = metrics[name] + 1e-9 if isinstance(metrics[name], float | int) else metrics[name][1:]
+
+
+def success_for_failure(forger: Forger) -> None:
+    row = forger.row()
+    row["metrics"]["success"] = 1.0 - row["metrics"]["success"]
+
+
+def other_trajectory(forger: Forger) -> None:
+    trajectory = forger.row()["trajectory"]
+    pose = forger.draw.choice(trajectory)
+    pose[forger.draw.randrange(3)] += forger.draw.choice([-0.001, 0.001])
+
+
+def shorter_trajectory(forger: Forger) -> None:
+    forger.row()["trajectory"].pop()
+
+
+def other_episode_seed(forger: Forger) -> None:
+    forger.row()["episode"]["seed"] += 1
+
+
+def other_index(forger: Forger) -> None:
+    forger.row()["episode"]["index"] += forger.draw.choice([-1, 1])
+
+
+def other_scene(forger: Forger) -> None:
+    forger.results["scenes"] = [forger.draw.choice(["office_v2", "corridor_v1", "no_such_scene"])]
+
+
+def other_settings(forger: Forger) -> None:
+    name, value = forger.draw.choice(
+        [("randomization", "mild"), ("noise", "ideal"), ("hardware", "turtlebot_like"), ("backend", "my_backend")]
+    )
+    forger.results["settings"][name] = value
+
+
+def unknown_setting(forger: Forger) -> None:
+    forger.results["settings"]["gate"] = "limits"
+
+
+def truncated_log(forger: Forger) -> None:
+    name, commands = forger.commands()
+    forger.files[name] = commands[: -forger.draw.randint(1, 200)].tobytes()
+
+
+def truncated_log_and_claim(forger: Forger) -> None:
+    number = forger.draw.randrange(len(forger.results["episode_results"]))
+    name = f"commands/{number:05}.f64"
+    row = forger.results["episode_results"][number]
+    row["ticks"] -= min(forger.draw.randint(20, 200), row["ticks"] - 1)
+    forger.files[name] = forger.files[name][: 24 * row["ticks"]]
+
+
+def longer_log(forger: Forger) -> None:
+    number = forger.draw.randrange(len(forger.results["episode_results"]))
+    forger.results["episode_results"][number]["ticks"] += 10
+    forger.files[f"commands/{number:05}.f64"] += bytes(240)
+
+
+def torn_log(forger: Forger) -> None:
+    name, _ = forger.commands()
+    forger.files[name] = forger.files[name][:-1]
+
+
+def no_log(forger: Forger) -> None:
+    name, _ = forger.commands()
+    del forger.files[name]
+
+
+def swapped_rows(forger: Forger) -> None:
+    forger.results["episode_results"].reverse()
+
+
+def swapped_logs(forger: Forger) -> None:
+    one, other = "commands/00000.f64", "commands/00001.f64"
+    forger.files[one], forger.files[other] = forger.files[other], forger.files[one]
+
+
+def fewer_episodes(forger: Forger) -> None:
+    forger.results["episode_results"].pop()
+
+
+def more_episodes(forger: Forger) -> None:
+    forger.results["episodes"] += 1
+
+
+def no_count(forger: Forger) -> None:
+    forger.results["episodes"] = forger.draw.choice([0, -1, True, "2", 2.0, None])
+
+
+def too_fast(forger: Forger) -> None:
+    name, commands = forger.commands()
+    commands[forger.tick(commands) :, 0] *= 1.3
+    commands[forger.tick(commands), 0] = 0.6
+    forger.files[name] = commands.tobytes()
+
+
+def too_abrupt(forger: Forger) -> None:
+    name, commands = forger.commands()
+    tick = forger.tick(commands)
+    commands[tick] = -commands[tick - 1] if commands[tick - 1].any() else [0.0, 0.0, 0.9]
+    commands[tick + 1] = commands[tick] + [0.3, 0.0, -0.9]
+    forger.files[name] = commands.tobytes()
+
+
+def not_finite(forger: Forger) -> None:
+    name, commands = forger.commands()
+    commands[forger.tick(commands), forger.draw.randrange(3)] = forger.draw.choice([np.nan, np.inf])
+    forger.files[name] = commands.tobytes()
+
+
+def other_commands(forger: Forger) -> None:
+    name, commands = forger.commands()
+    tick = forger.tick(commands)
+    commands[tick] *= 1.0 - 1e-9
+    forger.files[name] = commands.tobytes()
+
+
+def other_end(forger: Forger) -> None:
+    row = forger.row()
+    row["end"] = forger.draw.choice([end for end in ("stop", "time", "failure", "never") if end != row["end"]])
+
+
+def other_summary(forger: Forger) -> None:
+    figure = forger.results["summary"]["all"][forger.draw.choice(["success", "spl", "duration"])]
+    figure[forger.draw.choice(["value", "low", "high"])] += 0.01
+
+
+def other_set(forger: Forger) -> None:
+    name = forger.draw.choice(["reactive_v1", "pointnav_test_v1", "../pointnav_val_v1", "/etc/passwd", "none"])
+    forger.results["episode_set"] = name
+
+
+def other_hash(forger: Forger) -> None:
+    forger.results["episode_hash"] = "0" * 64
+
+
+def closed_track(forger: Forger) -> None:
+    forger.results[forger.draw.choice(["track", "repeats", "official"])] = "closed"
+
+
+def other_agent(forger: Forger) -> None:
+    name, value = forger.draw.choice([("kind", "yardstick"), ("name", "x" * 1000), ("name", 7), ("source", None)])
+    forger.results["agent"][name] = value
+
+
+def other_format(forger: Forger) -> None:
+    forger.results["format"] = forger.draw.choice(["threewe-benchmark/2", None, 1])
+
+
+def extra_claim(forger: Forger) -> None:
+    forger.results["rank"] = 1
+
+
+def missing_claim(forger: Forger) -> None:
+    del forger.results[forger.draw.choice(sorted(set(forger.results) - {"library"}))]
+
+
+def no_library(forger: Forger) -> None:
+    forger.results["library"] = forger.draw.choice([None, {"version": 1}, "none"])
+
+
+def extra_log(forger: Forger) -> None:
+    forger.files["commands/00099.f64"] = bytes(24)
+
+
+def path_trick(forger: Forger) -> bytes:
+    name = forger.draw.choice(["../evil.py", "/etc/passwd", "commands/../x", "commands\\x", "C:x", "a/./b", "é", ""])
+    return pack({**forger.files, "results.json": text_of(forger.results), name or " ": b"x"})
+
+
+def bomb(forger: Forger) -> bytes:
+    size = forger.draw.choice([1 << 16, 1 << 22])
+    return forger.archive({**forger.unpacked(), "commands/00099.f64": bytes(size)}, compression=zipfile.ZIP_DEFLATED)
+
+
+def name_twice(forger: Forger) -> bytes:
+    written = io.BytesIO(forger.packed())
+    with zipfile.ZipFile(written, "a") as archive:
+        info = zipfile.ZipInfo("commands/00000.f64", EARLIEST)
+        archive.NameToInfo.clear()  # which would warn
+        archive.writestr(info, bytes(24))
+    return written.getvalue()
+
+
+def not_in_order(forger: Forger) -> bytes:
+    return forger.archive(dict(reversed(forger.unpacked().items())))
+
+
+def dated(forger: Forger) -> bytes:
+    return forger.archive(forger.unpacked(), date=(2026, 1, 1, 0, 0, 0))
+
+
+def something_behind(forger: Forger) -> bytes:
+    return forger.packed() + forger.draw.randbytes(forger.draw.randint(1, 100))
+
+
+def something_before(forger: Forger) -> bytes:
+    return forger.draw.randbytes(forger.draw.randint(1, 100)) + forger.packed()
+
+
+def cut_off(forger: Forger) -> bytes:
+    content = forger.packed()
+    return content[: forger.draw.randrange(len(content))]
+
+
+def flipped_byte(forger: Forger) -> bytes:
+    content = bytearray(forger.packed())
+    content[forger.draw.randrange(len(content))] ^= 1 << forger.draw.randrange(8)
+    return bytes(content)
+
+
+def other_manifest(forger: Forger) -> bytes:
+    files = forger.unpacked()
+    manifest = json.loads(files["manifest.json"])
+    name = forger.draw.choice(sorted(manifest["files"]))
+    if forger.draw.random() < 0.5:
+        manifest["files"][name] = "0" * 64
+    else:
+        del manifest["files"][name]
+    return forger.archive({**files, "manifest.json": text_of(manifest)})
+
+
+def no_manifest(forger: Forger) -> bytes:
+    files = forger.unpacked()
+    del files["manifest.json"]
+    return forger.archive(files)
+
+
+def no_json(forger: Forger) -> bytes:
+    text = forger.draw.choice([b"", b"[]", b"{", b'{"format": NaN}', b"[" * 100_000, b"\xff"])
+    return pack({**forger.files, "results.json": text})
+
+
+def no_archive(forger: Forger) -> bytes:
+    return forger.draw.randbytes(forger.draw.randint(0, 1000))
+
+
+WAYS: list[Callable[[Forger], bytes | None]] = [
+    other_metric,
+    success_for_failure,
+    other_trajectory,
+    shorter_trajectory,
+    other_episode_seed,
+    other_index,
+    other_scene,
+    other_settings,
+    unknown_setting,
+    truncated_log,
+    truncated_log_and_claim,
+    longer_log,
+    torn_log,
+    no_log,
+    swapped_rows,
+    swapped_logs,
+    fewer_episodes,
+    more_episodes,
+    no_count,
+    too_fast,
+    too_abrupt,
+    not_finite,
+    other_commands,
+    other_end,
+    other_summary,
+    other_set,
+    other_hash,
+    closed_track,
+    other_agent,
+    other_format,
+    extra_claim,
+    missing_claim,
+    no_library,
+    extra_log,
+    path_trick,
+    bomb,
+    name_twice,
+    not_in_order,
+    dated,
+    something_behind,
+    something_before,
+    cut_off,
+    flipped_byte,
+    other_manifest,
+    no_manifest,
+    no_json,
+    no_archive,
+]
+
+assert set(KINDS) == {"commands", "actions", "grid"}, "another kind of file wants another forgery"
