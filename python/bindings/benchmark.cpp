@@ -59,6 +59,8 @@ bool is_success(const ObjectNav& task, const RobotProfile& profile, const std::s
 
 void bind_drives(nb::module_& m) {
   nb::class_<TrueDrive>(m, "TrueDrive", "A drive tick by tick (20 ms), from robot time 0. Privileged.")
+      .def(
+          "__len__", [](const TrueDrive& d) { return d.drive().commands.size(); }, "ticks")
       .def_prop_ro("commands", &commands_of, nb::rv_policy::automatic,
                    "(N, 3) that left the gate [m/s, m/s, rad/s], body frame")
       .def_prop_ro("poses", &poses_of, nb::rv_policy::automatic,

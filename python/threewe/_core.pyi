@@ -2852,6 +2852,9 @@ class RobotEnv:
 class TrueDrive:
     """A drive tick by tick (20 ms), from robot time 0. Privileged."""
 
+    def __len__(self) -> int:
+        """ticks"""
+
     @property
     def commands(self) -> Annotated[NDArray[numpy.float64], dict(shape=(None, 3))]:
         """(N, 3) that left the gate [m/s, m/s, rad/s], body frame"""

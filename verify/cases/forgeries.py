@@ -70,8 +70,9 @@ def other_metric(forger: Forger) -> None:
 
 
 def success_for_failure(forger: Forger) -> None:
-    row = forger.row()
-    row["metrics"]["success"] = 1.0 - row["metrics"]["success"]
+    metrics = forger.row()["metrics"]
+    name = "success" if "success" in metrics else "coverage"
+    metrics[name] = 1.0 - metrics[name]
 
 
 def other_trajectory(forger: Forger) -> None:
@@ -93,7 +94,8 @@ def other_index(forger: Forger) -> None:
 
 
 def other_scene(forger: Forger) -> None:
-    forger.results["scenes"] = [forger.draw.choice(["office_v2", "corridor_v1", "no_such_scene"])]
+    others = {"office_v2", "apartment_v1", "no_such_scene"} - set(forger.results["scenes"])
+    forger.results["scenes"] = [forger.draw.choice(sorted(others))]
 
 
 def other_settings(forger: Forger) -> None:
@@ -191,7 +193,8 @@ def other_end(forger: Forger) -> None:
 
 
 def other_summary(forger: Forger) -> None:
-    figure = forger.results["summary"]["all"][forger.draw.choice(["success", "spl", "duration"])]
+    figures = forger.results["summary"]["all"]
+    figure = figures[forger.draw.choice(sorted(figures))]
     figure[forger.draw.choice(["value", "low", "high"])] += 0.01
 
 

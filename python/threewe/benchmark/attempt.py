@@ -17,8 +17,8 @@ from threewe.backend import known_backend
 from threewe.benchmark.agents import Assignment, make_agent
 from threewe.benchmark.buildings import scene_asset
 from threewe.benchmark.episodes import Episode, Yardstick
-from threewe.benchmark.tasks import TASKS, Metrics, Place, Task, place_of, score
-from threewe.errors import TimeoutError
+from threewe.benchmark.tasks import TASKS, TICK, Metrics, Place, Task, place_of, score
+from threewe.errors import ConfigError, TimeoutError
 from threewe.gym.batch import TASK_FIELDS
 from threewe.gym.env import Env
 from threewe.robot import Robot
@@ -26,7 +26,7 @@ from threewe.robot import Robot
 FOREVER = 2**31 - 1  # steps
 TRAIL = 10  # ticks between two poses of a trajectory
 ADVICE = 200  # characters of what an agent failed of
-SETTLE = 2.5  # [s] at most, until every sensor has delivered
+SLOWEST = 1.0  # [Hz] of agents that act
 
 
 @dataclass(frozen=True)
@@ -170,7 +170,7 @@ async def _drive(robot: Robot, log: DriveLog, agent: Any, assignment: Assignment
         try:
             if hasattr(agent, "reset"):
                 agent.reset(assignment)
-            async with robot.timeout(assignment.time_limit):
+            async with robot.timeout(assignment.time_limit - robot.now):
                 await agent.run(robot, assignment)
         except TimeoutError:
             tried.end = "time"
@@ -179,6 +179,8 @@ async def _drive(robot: Robot, log: DriveLog, agent: Any, assignment: Assignment
         except Exception as error:
             tried.end, tried.failure = "failure", said(error)
         log.end()
+        if tried.end == "stop" and len(log) * TICK >= assignment.time_limit:
+            tried.end = "time"
         if assignment.task == "exploration":
             tried.grid = robot.get_map()
         return tried
@@ -188,7 +190,8 @@ def _act(task: Task, episode: Episode, place: Place, agent: Any, settings: Setti
     """A policy in an environment around a `Robot`."""
     del place
     given = dict(getattr(agent, "options", {}))
-    given.setdefault("control_rate", settings.control_rate)
+    if given.setdefault("control_rate", settings.control_rate) < SLOWEST:
+        raise ConfigError(f"control_rate: expected {SLOWEST:g} Hz or more, got {given['control_rate']:g}")
     given.setdefault("observations", ("lidar", "pose", "velocity", *TASK_FIELDS[task.environment]))
     env, log = _environment(task.environment, episode.scene, settings, tuple(sorted(given.items())))
     assignment = assignment_of(task, episode, settings, Pose2D())
@@ -201,13 +204,13 @@ def _act(task: Task, episode: Episode, place: Place, agent: Any, settings: Setti
     try:
         if hasattr(agent, "reset"):
             agent.reset(assignment)
-        for _ in range(round(assignment.time_limit * given["control_rate"])):
+        over = False
+        while not over and len(log) * TICK < assignment.time_limit:
             action = agent.act(observation)
             observation, _, over, _, _ = env.step(action)
             actions.append(np.asarray(action, np.float32))
-            if over:
-                tried.end = "stop"
-                break
+        if len(log) * TICK < assignment.time_limit:
+            tried.end = "stop"
     except MemoryError:
         raise
     except Exception as error:

@@ -57,7 +57,7 @@ def run(
     bundle: Annotated[Path | None, typer.Option(help="All that a replay needs, as one .zip.")] = None,
     resume: Annotated[bool, typer.Option("--resume", help="Go on with a run that was interrupted.")] = False,
     seed: Annotated[int, typer.Option(min=0, help="Of the agent's own choices.")] = 0,
-    control_rate: Annotated[float, typer.Option(min=0.1, help="[Hz] of agents that act.")] = 10.0,
+    control_rate: Annotated[float, typer.Option(min=1.0, help="[Hz] of agents that act.")] = 10.0,
     backend: Annotated[str, typer.Option(help="Where the robot is.")] = "mock",
     hardware: Annotated[str, typer.Option(help="Which robot. Official results have the default.")] = "3we_standard_v2",
     noise: Annotated[str, typer.Option(help="realistic or ideal. Official results have the default.")] = "realistic",

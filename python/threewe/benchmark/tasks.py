@@ -47,7 +47,7 @@ class Task:
     means: tuple[str, ...]  # the others that results show
 
     def time_limit(self, episode: Episode) -> float:
-        """[s] of robot time."""
+        """[s] of robot time, from 0: an agent that stops later has not."""
         if self.name == "exploration":
             return max(60.0, 1.5 * (episode.yardstick.duration if episode.yardstick else 0.0))
         return {"pointnav": 180.0, "objectnav": 300.0}[self.name]

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from threewe._core import OccupancyGrid, RobotProfile
 from threewe.benchmark.agents import Identity
-from threewe.benchmark.attempt import SETTLE, Settings, as_base64, replay
+from threewe.benchmark.attempt import SLOWEST, Settings, as_base64, replay
 from threewe.benchmark.bundle import Bundle, BundleError, read_bundle
 from threewe.benchmark.episodes import Episode, digest, find_episodes, load_episodes
 from threewe.benchmark.run import EPISODE_LIMIT, FORMAT, Plan, results_of, select
@@ -197,11 +197,11 @@ def _grid(bundle: Bundle, place: str, number: int, row: dict[str, Any]) -> Occup
 def require_drivable(claim: Claim, profile: RobotProfile, time_limit: float) -> None:
     """The commands are such as leave the gate of this robot: in number, limits and rates."""
     commands, limits = claim.commands, profile.operating_limits
-    most = round((time_limit + SETTLE) / TICK)
-    if len(commands) > most:
-        raise BundleError(f"{claim.name}: {len(commands)} ticks are more than the task's {most}")
-    if claim.row["end"] == "time" and len(commands) * TICK < time_limit:
-        raise BundleError(f"{claim.name}: ended by time after {len(commands) * TICK:.2f} s, before its time was over")
+    seconds = len(commands) * TICK
+    if seconds > time_limit + 1.0 / SLOWEST:
+        raise BundleError(f"{claim.name}: {seconds:.2f} s are more than the task's {time_limit:.2f} s")
+    if claim.row["end"] != "failure" and (claim.row["end"] == "time") != (seconds >= time_limit):
+        raise BundleError(f"{claim.name}: {claim.row['end']} after {seconds:.2f} s of the task's {time_limit:.2f} s")
     if not np.isfinite(commands).all():
         raise BundleError(f"{claim.name}: a command is not finite")
     before = np.vstack([np.zeros((1, 3)), commands[:-1]])

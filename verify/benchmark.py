@@ -1,0 +1,109 @@
+"""Benchmarks: what the shipped agents come to in the frozen episodes, and that no forged bundle is accepted."""
+
+from collections.abc import Callable
+
+from threewe.benchmark.sampling import SCENES
+
+from verify.cases.benchmarks import drive, forge
+from verify.harness import Case, Experiment, Row, all_of, each, mean_of, ratio_of, share_of, where, worst_of
+
+FORGERIES = 10  # of each honest bundle
+BARE = "outdoor_v1"  # where hardly anything stands in between
+AGENTS = ["navigator", "oracle", "optimistic", "straight", "random"]
+PUBLISHED = {"office_v2": (0.82, 0.65), "apartment_v1": (0.68, 0.52), "corridor_v1": (0.91, 0.78)}  # SR, SPL
+
+
+def of(agent: str, metric: str) -> Callable[[Case], float]:
+    """One figure of one agent."""
+    return lambda case: float(case[agent][metric])
+
+
+def won(agent: str) -> Callable[[Case], bool]:
+    """Whether it succeeded."""
+    return lambda case: case[agent]["success"] == 1.0
+
+
+def point_nav() -> list[Row]:
+    """In one scene, or in all."""
+    return [
+        ratio_of(
+            "navigator's success over oracle's", of("navigator", "success"), of("oracle", "success"), at_least=0.95
+        ),
+        ratio_of("navigator's SPL over the baseline's", of("navigator", "spl"), of("optimistic", "spl"), at_least=0.97),
+    ]
+
+
+def is_furnished(case: Case) -> bool:
+    return bool(case["scene"] != BARE)
+
+
+EXPERIMENTS = [
+    Experiment(
+        "PointNav, shipped agents",
+        drive,
+        {"task": "pointnav", "agents": AGENTS},
+        variants=[{"scene": scene} for scene in SCENES["pointnav"]],
+        cases=350,
+        sample=7,
+        rows=[
+            *point_nav(),
+            where(
+                mean_of("success of straight, furnished scenes", of("straight", "success"), at_most=0.5), is_furnished
+            ),
+            where(mean_of("success of random, furnished scenes", of("random", "success"), at_most=0.1), is_furnished),
+            *(row for claim in point_nav() for row in each("scene", SCENES["pointnav"], lambda _, claim=claim: claim)),
+            *each(
+                "scene",
+                list(PUBLISHED),
+                lambda scene: share_of("success", won("navigator"), at_least=PUBLISHED[scene][0]),
+            ),
+            *each(
+                "scene",
+                list(PUBLISHED),
+                lambda scene: mean_of("SPL", of("navigator", "spl"), at_least=PUBLISHED[scene][1]),
+            ),
+        ],
+    ),
+    Experiment(
+        "ObjectNav, semantic search",
+        drive,
+        {"task": "objectnav", "agents": ["semantic"]},
+        variants=[{"scene": scene} for scene in SCENES["objectnav"]],
+        cases=200,
+        sample=4,
+        rows=[
+            share_of("success", won("semantic"), at_least=0.80),
+            mean_of("SPL", of("semantic", "spl"), at_least=0.45),
+            *each("scene", SCENES["objectnav"], lambda _: share_of("success", won("semantic"), at_least=0.80)),
+            *each("scene", SCENES["objectnav"], lambda _: mean_of("SPL", of("semantic", "spl"), at_least=0.45)),
+        ],
+    ),
+    Experiment(
+        "Exploration, navigator",
+        drive,
+        {"task": "exploration", "agents": ["navigator"]},
+        variants=[{"scene": scene} for scene in SCENES["exploration"]],
+        cases=60,
+        sample=3,
+        rows=[
+            mean_of("coverage", of("navigator", "coverage"), at_least=0.92),
+            *each(
+                "scene",
+                SCENES["exploration"],
+                lambda _: mean_of("coverage", of("navigator", "coverage"), at_least=0.92),
+            ),
+            worst_of("contact [m/s]", of("navigator", "collision_speed"), at_most=0.05),
+        ],
+    ),
+    Experiment(
+        "bundles",
+        forge,
+        {"forgeries": FORGERIES},
+        cases=100,
+        sample=1,
+        rows=[
+            all_of("honest bundles pass", lambda case: case["passed"]),
+            all_of(f"{FORGERIES} forged ones each are refused", lambda case: not case["accepted"]),
+        ],
+    ),
+]
