@@ -2,8 +2,8 @@
 
 `python` blocks of a page run in order in one namespace, as a reader would paste them into a notebook; the lines of a
 `console` block that begin with "$ " run in a shell (but for ./dev, which is running); `cpp` blocks are programs, built
-against the library of `./dev build`, and run. A `yaml` block that begins with a path, as a comment, is a file that all
-of them find. Other commands and programs are left out only if the line before the block says why:
+against the library of `./dev build`, and run. A `yaml` or `python` block that begins with a path, as a comment, is a
+file that all of them find. Other commands and programs are left out only if the line before the block says why:
 <!-- not run: needs a robot -->. A `python` block after <!-- needs: torch --> runs where that package is installed.
 """
 
@@ -23,6 +23,7 @@ ROOT = Path(__file__).resolve().parents[2]
 LIBRARY = ROOT / "build/dev/libthreewe.a"
 PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").rglob("*.md"))]
 REMARK = r"(?:<!-- not run: (?P<reason>.+?) -->\n+|<!-- needs: (?P<needs>\w+) -->\n+)?"
+FILE = re.compile(r"# [\w./-]+\.(yaml|py)$", re.M)
 BLOCK = re.compile(REMARK + r"^```(?P<language>\w*)\n(?P<code>.*?)^```$", re.M | re.S)
 
 
@@ -45,8 +46,8 @@ def pages_with(language: str) -> list[str]:
 
 
 def write_files(page: str, folder: Path) -> None:
-    for _, text in blocks(ROOT / page, "yaml"):
-        if text.startswith("# "):
+    for _, text in [*blocks(ROOT / page, "yaml"), *blocks(ROOT / page, "python")]:
+        if FILE.match(text):
             path = folder / text.splitlines()[0].removeprefix("# ")
             path.parent.mkdir(parents=True, exist_ok=True)
             path.write_text(text)

@@ -1,27 +1,48 @@
-"""Benchmarks: frozen episodes, metrics and baselines.
+"""Benchmarks: frozen episodes, agents, metrics with intervals, and results that anyone can replay.
 
-from threewe import RobotProfile, Scene, SceneTables
-from threewe.benchmark import optimistic_replanning, spl
+from pathlib import Path
 
-profile = RobotProfile.load("3we_standard_v2")
-tables = SceneTables(Scene.load("office_v2"), profile)
-episode = tables.sample_episode(1)
-best = optimistic_replanning(tables, profile, episode.start, episode.goal)
-print(spl(best.reached, episode.geodesic, best.length))
+from threewe.benchmark import Settings, plan_run, results_of, run
+
+plan, episodes = plan_run("pointnav", "navigator", split="val", scenes=["office_v2"], episodes=2, settings=Settings())
+results = results_of(plan, episodes, run(plan, episodes, Path("journal.jsonl")))
+print(results["summary"]["all"]["success"])
 """
 
 from threewe._core import ReferenceDrive, ReferenceExploration, nearest_frontier, optimistic_replanning, spl
+from threewe.benchmark.agents import Assignment, Identity
+from threewe.benchmark.attempt import Settings
+from threewe.benchmark.bundle import BundleError, write_bundle
 from threewe.benchmark.episodes import Episode, EpisodeSet, Outcome, Yardstick, load_episodes
+from threewe.benchmark.results import compare, load_results, summarize
+from threewe.benchmark.run import Plan, plan_run, results_of, run
+from threewe.benchmark.sampling import training_episodes
+from threewe.benchmark.verifying import Verified, verify_bundle
 
 __all__ = [
+    "Assignment",
+    "BundleError",
     "Episode",
     "EpisodeSet",
+    "Identity",
     "Outcome",
+    "Plan",
     "ReferenceDrive",
     "ReferenceExploration",
+    "Settings",
+    "Verified",
     "Yardstick",
+    "compare",
     "load_episodes",
+    "load_results",
     "nearest_frontier",
     "optimistic_replanning",
+    "plan_run",
+    "results_of",
+    "run",
     "spl",
+    "summarize",
+    "training_episodes",
+    "verify_bundle",
+    "write_bundle",
 ]

@@ -16,6 +16,7 @@ import hashlib
 import importlib
 import inspect
 import math
+import sys
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
@@ -209,6 +210,9 @@ def identify(task: str, name: str) -> Identity:
 
 def _class_of(name: str) -> Callable[[], Any]:
     module, _, attribute = name.partition(":")
+    here = str(Path.cwd())
+    if here not in sys.path:  # as with `python -m`
+        sys.path.insert(0, here)
     try:
         found = getattr(importlib.import_module(module), attribute)
     except (ImportError, AttributeError) as error:

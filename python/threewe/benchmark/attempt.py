@@ -24,7 +24,7 @@ from threewe.gym.env import Env
 from threewe.robot import Robot
 
 FOREVER = 2**31 - 1  # steps
-TRAIL = 10  # ticks between two poses of a trajectory
+POSE_EVERY = 10  # ticks between two poses of a trajectory
 ADVICE = 200  # characters of what an agent failed of
 SLOWEST = 1.0  # [Hz] of agents that act
 
@@ -246,7 +246,7 @@ def _environment(
 
 def trajectory_of(poses: NDArray[np.float64]) -> list[list[float]]:
     """[x, y, theta] every 0.2 s, and at the end, in millimetres and milliradians."""
-    rows = poses[::TRAIL].tolist() + (poses[-1:].tolist() if len(poses) % TRAIL != 1 else [])
+    rows = poses[::POSE_EVERY].tolist() + (poses[-1:].tolist() if len(poses) % POSE_EVERY != 1 else [])
     return [[round(value, 3) for value in row] for row in rows]
 
 
