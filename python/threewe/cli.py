@@ -14,6 +14,7 @@ import threewe
 from threewe import calibration, driving, teleoperation
 from threewe._console import plain_console, styled
 from threewe.benchmark import cli as benchmark
+from threewe.benchmark import cli_transfer
 from threewe.data import cli as data
 from threewe.slam import cli as slam
 
@@ -30,6 +31,7 @@ app.add_typer(scenes, name="scenes")
 app.add_typer(slam.app, name="slam")
 app.add_typer(data.app, name="data")
 app.add_typer(benchmark.app, name="benchmark")
+app.add_typer(cli_transfer.app, name="transfer")
 for command in (driving.drive, driving.explore, driving.view):
     app.command()(command)
 app.command("calibrate")(calibration.command)

@@ -2,18 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Annotated, Any
 
 import typer
 from rich.box import SIMPLE
-from rich.progress import BarColumn, Progress, TimeElapsedColumn, TimeRemainingColumn
 from rich.table import Column, Table
 
-from threewe._console import plain_column, plain_console, styled
+from threewe._console import plain_console, styled
 from threewe.benchmark import cli_episodes
+from threewe.benchmark.progress import progress
 from threewe.errors import ConfigError
 
 app = typer.Typer(
@@ -81,7 +80,7 @@ def run(
         raise ConfigError(f"{journal}: an interrupted run; --resume goes on with it, or remove it")
     failures: list[str] = []
     try:
-        with _progress(f"{task}, {agent}", len(listed)) as advance:
+        with progress(f"{task}, {agent}", len(listed)) as advance:
 
             def done(_: int, __: int, episode: Any, finished: Any) -> None:
                 advance()
@@ -141,13 +140,19 @@ def verify(
     episode_file: Annotated[
         Path | None, typer.Option("--episodes", help="The set of episodes, where it is not one that comes with 3we.")
     ] = None,
+    rerun_policy: Annotated[
+        bool, typer.Option("--rerun-policy", help="Also drive the agent through new buildings. It runs its code.")
+    ] = False,
+    seed: Annotated[int, typer.Option(min=0, help="Of the new buildings.")] = 0,
+    new_episodes: Annotated[int, typer.Option(min=1, help="So many of them.")] = 20,
 ) -> None:
     """Replay every episode of a bundle below the gate, and compare to the bit."""
     from threewe.benchmark.bundle import BundleError
+    from threewe.benchmark.verifying import rerun_policy as rerun
     from threewe.benchmark.verifying import verify_bundle
 
     try:
-        with _progress("replay", None) as advance:
+        with progress("replay", None) as advance:
             verified = verify_bundle(
                 bundle, workers=workers, episode_file=episode_file, on_done=lambda done, of: advance(done, of)
             )
@@ -157,6 +162,19 @@ def verify(
     count = len(verified.results["episode_results"])
     console.print(styled(("verified", "bold green"), f": {count} episodes replay to the bit, track open"))
     _print_summary(verified.results)
+    if rerun_policy:
+        with TemporaryDirectory() as folder, progress("new buildings", new_episodes) as advance:
+            again = rerun(
+                verified,
+                seed=seed,
+                episodes=new_episodes,
+                workers=workers,
+                folder=Path(folder),
+                on_done=lambda *_: advance(),
+            )
+        again["summary"] = {"all": again["summary"]["all"]}
+        console.print(f"the same policy in {new_episodes} new buildings of seed {seed}:")
+        _print_summary(again)
 
 
 def _print_summary(results: dict[str, Any]) -> None:
@@ -184,19 +202,3 @@ def _cell(name: str, figure: dict[str, Any]) -> str:
     digits = 0 if name == "duration" else 2
     value, low, high = (f"{figure[key]:.{digits}f}" for key in ("value", "low", "high"))
     return f"{value}\n{low} to {high}"
-
-
-@contextmanager
-def _progress(what: str, total: int | None) -> Iterator[Any]:
-    """A bar with the time left; calling what it gives advances it."""
-    columns = (plain_column(what), BarColumn(), plain_column("{task.completed}/{task.total}"))
-    with Progress(*columns, TimeElapsedColumn(), TimeRemainingColumn(), console=plain_console(stderr=True)) as progress:
-        bar = progress.add_task(what, total=total)
-
-        def advance(done: int | None = None, of: int | None = None) -> None:
-            if done is None:
-                progress.advance(bar)
-            else:
-                progress.update(bar, completed=done, total=of)
-
-        yield advance

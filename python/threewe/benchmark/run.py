@@ -97,7 +97,7 @@ def run(
     task = TASKS[plan.task]
     jobs = [
         Job(
-            f"{episode.scene}/{episode.index}",
+            f"{episode.scene}/{episode.index}/{episode.seed}",
             _attempt,
             {"task": plan.task, "episode": episode, "agent": plan.agent.name, "settings": plan.settings},
             limit,

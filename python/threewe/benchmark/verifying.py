@@ -7,9 +7,11 @@ open track all the same.
 from __future__ import annotations
 
 import base64
+import hashlib
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from itertools import islice
 from pathlib import Path
 from typing import Any
 
@@ -17,12 +19,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from threewe._core import OccupancyGrid, RobotProfile
-from threewe.benchmark.agents import Identity
+from threewe.benchmark.agents import Identity, identify
 from threewe.benchmark.attempt import SLOWEST, Settings, as_base64, replay
 from threewe.benchmark.bundle import Bundle, BundleError, read_bundle
 from threewe.benchmark.episodes import Episode, digest, find_episodes, load_episodes
-from threewe.benchmark.run import EPISODE_LIMIT, FORMAT, Plan, results_of, select
+from threewe.benchmark.run import EPISODE_LIMIT, FORMAT, MEMORY, OnDone, Plan, results_of, select
+from threewe.benchmark.run import run as run_plan
 from threewe.benchmark.runner import Finished, Job, Result, run_jobs
+from threewe.benchmark.sampling import training_episodes
 from threewe.benchmark.tasks import TASKS, TICK
 from threewe.errors import ConfigError
 
@@ -299,3 +303,27 @@ def require_results(results: dict[str, Any], plan: Plan, claims: Sequence[Claim]
     for name in sorted({*wanted, *results}):
         if name not in results or name not in wanted or results[name] != wanted[name]:
             raise BundleError(f"{name}: not what follows from the episodes")
+
+
+def rerun_policy(
+    verified: Verified, *, seed: int, episodes: int = 20, workers: int = 1, memory: int = MEMORY, folder: Path,
+    on_done: OnDone = lambda *_: None,
+) -> dict[str, Any]:  # fmt: skip
+    """Drives the agent of a bundle through new episodes, in buildings that are drawn from a seed.
+
+    A log that was written by hand replays as well as any; the policy that is said to have written it has to earn its
+    figures again. It runs in a process with limits on time and memory, which is no wall against hostile code: run
+    a third party's policy in a container.
+
+    Raises BundleError where the agent here is another than the bundle names.
+    """
+    plan = verified.plan
+    agent = identify(plan.task, plan.agent.name)
+    if agent != plan.agent:
+        raise BundleError(f"agent: {plan.agent.name} here is another than in the bundle, by its source")
+    new = list(islice(training_episodes(plan.task, seed), episodes))
+    hashed = hashlib.sha256(repr(new).encode()).hexdigest()
+    scenes = tuple(dict.fromkeys(episode.scene for episode in new))
+    again = Plan(plan.task, agent, f"{plan.task}_rerun_{seed}", hashed, scenes, episodes, plan.settings)
+    outcomes = run_plan(again, new, folder / "rerun.jsonl", workers=workers, memory=memory, on_done=on_done)
+    return results_of(again, new, outcomes)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -11,7 +12,7 @@ from threewe.benchmark import bundle as bundles
 from threewe.benchmark.attempt import Settings
 from threewe.benchmark.bundle import BundleError, read_bundle, write_bundle
 from threewe.benchmark.run import plan_run, results_of, run
-from threewe.benchmark.verifying import verify_bundle
+from threewe.benchmark.verifying import rerun_policy, verify_bundle
 
 from verify.cases.forgeries import WAYS, Forger
 
@@ -77,3 +78,13 @@ def test_no_bundle_is_too_large(honest: Path, tmp_path: Path, monkeypatch: pytes
         read_bundle(honest)
     with pytest.raises(Exception, match="run fewer episodes"):
         write_bundle(tmp_path / "run.zip", *run_here(tmp_path, "pointnav", "navigator", "apartment_v1", 1))
+
+
+def test_a_policy_is_run_again_in_buildings_that_its_seed_draws(honest: Path, tmp_path: Path) -> None:
+    verified = verify_bundle(honest, workers=0)
+    again = rerun_policy(verified, seed=3, episodes=2, workers=0, folder=tmp_path)
+    assert len(again["episode_results"]) == 2
+    assert again["summary"]["all"]["success"]["value"] == 1.0
+    other = replace(verified, plan=replace(verified.plan, agent=replace(verified.plan.agent, source="0" * 64)))
+    with pytest.raises(BundleError, match="another than in the bundle"):
+        rerun_policy(other, seed=3, episodes=2, workers=0, folder=tmp_path)
