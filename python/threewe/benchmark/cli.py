@@ -108,11 +108,20 @@ def run(
 @app.command()
 def show(
     results: Annotated[Path, typer.Argument(help="Results, or a bundle.")],
+    page: Annotated[
+        Path | None, typer.Option("--html", help="Also write a page with plots, trajectories and a player.")
+    ] = None,
 ) -> None:
     """Print the figures of a run, with their 95 % intervals."""
     from threewe.benchmark.results import load_results
 
-    _print_summary(load_results(results))
+    found = load_results(results)
+    _print_summary(found)
+    if page:
+        from threewe.benchmark.report import write_report
+
+        write_report(found, page)
+        console.print(styled("page: ", (str(page), "bold")))
 
 
 @app.command()
