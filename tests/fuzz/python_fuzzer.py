@@ -67,6 +67,13 @@ def read_episodes(path: Path) -> None:
     load_episodes(path)
 
 
+def read_bundle(path: Path) -> None:
+    """A benchmark run, as far as it is read before anything is replayed."""
+    from threewe.benchmark.bundle import read_bundle
+
+    read_bundle(path)
+
+
 def read_rosbag(path: Path) -> None:
     """A recording, of which some scans are mapped."""
     from threewe.slam.rosbag import read_rosbag
@@ -92,6 +99,7 @@ FORMATS: dict[str, tuple[str, Callable[[Path], None]]] = {
     "carmen": (".log", read_carmen),
     "relations": (".relations", read_relations),
     "episodes": (".json", read_episodes),
+    "bundle": (".zip", read_bundle),
     "rosbag": (".mcap", read_rosbag),
 }
 
@@ -155,7 +163,7 @@ class Reader:
     def _enter(self, frame: FrameType, *_: object) -> Any:
         name = frame.f_code.co_filename
         if name not in self._traced:
-            followed = ("/threewe/slam/", "/benchmark/episodes", "/rosbags/rosbag2/")
+            followed = ("/threewe/slam/", "/benchmark/episodes", "/benchmark/bundle", "/rosbags/rosbag2/")
             self._traced[name] = any(part in name for part in followed)
         return self._step if self._traced[name] else None
 

@@ -5,7 +5,7 @@ import io
 import json
 import random
 import zipfile
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -228,6 +228,31 @@ def missing_claim(forger: Forger) -> None:
     del forger.results[forger.draw.choice(sorted(set(forger.results) - {"library"}))]
 
 
+def other_leaf(forger: Forger) -> None:
+    """Anything that can be checked is something else."""
+    leaves = [leaf for leaf in leaves_of(forger.results) if not is_the_agents_word(leaf)]
+    *path, last = forger.draw.choice(leaves)
+    place = forger.results
+    for step in path:
+        place = place[step]
+    strange = [None, True, -1, 1e308, "text", [], {}, [[]], [None]]
+    place[last] = forger.draw.choice([value for value in strange if value != place[last]])
+
+
+def leaves_of(value: Any, path: tuple[Any, ...] = ()) -> Iterator[tuple[Any, ...]]:
+    """The ways to all that is no list and no object."""
+    if isinstance(value, dict | list):
+        for step in value if isinstance(value, dict) else range(len(value)):
+            yield from leaves_of(value[step], (*path, step))
+    else:
+        yield path
+
+
+def is_the_agents_word(path: tuple[Any, ...]) -> bool:
+    """What no replay can tell: who it was, where, and what it failed of."""
+    return path[0] in ("agent", "library") or path[-1] in ("failure", "control_rate") or path == ("settings", "seed")
+
+
 def no_library(forger: Forger) -> None:
     forger.results["library"] = forger.draw.choice([None, {"version": 1}, "none"])
 
@@ -340,6 +365,9 @@ WAYS: list[Callable[[Forger], bytes | None]] = [
     other_agent,
     other_format,
     extra_claim,
+    other_leaf,
+    other_leaf,
+    other_leaf,
     missing_claim,
     no_library,
     extra_log,

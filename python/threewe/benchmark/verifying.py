@@ -113,6 +113,10 @@ def plan_of(results: dict[str, Any]) -> Plan:
         raise BundleError(f"results.json: not as a run writes it: {error}") from None
     if not all(isinstance(text, str) and len(text) <= LONGEST_TEXT for text in (*names, agent.name, agent.source)):
         raise BundleError("results.json: a name is no text, or too long")
+    if not isinstance(agent.privileged, bool):
+        raise BundleError("agent: privileged: expected true or false")
+    if not (_is_number(settings.control_rate) and settings.control_rate >= SLOWEST and _is_number(settings.seed)):
+        raise BundleError("settings: expected numbers for control_rate and seed")
     if plan.task not in TASKS:
         raise BundleError(f"task: there is no {plan.task!r}")
     if agent.kind not in ("run", "act"):
@@ -126,6 +130,10 @@ def plan_of(results: dict[str, Any]) -> Plan:
     if settings.backend not in BACKENDS:
         raise BundleError(f"settings: backend {settings.backend!r} cannot be replayed")
     return plan
+
+
+def _is_number(value: object) -> bool:
+    return isinstance(value, int | float) and not isinstance(value, bool)
 
 
 def claims_of(bundle: Bundle, plan: Plan, episode_file: Path | None) -> list[Claim]:
@@ -288,8 +296,7 @@ def same(claimed: Any, value: Any) -> bool:
     """To the bit, for numbers and lists of them."""
     if isinstance(value, list):
         return isinstance(claimed, list) and len(claimed) == len(value) and all(map(same, claimed, value))
-    number = isinstance(claimed, int | float) and not isinstance(claimed, bool)
-    return number and claimed == value and math.copysign(1.0, claimed) == math.copysign(1.0, value)
+    return _is_number(claimed) and claimed == value and math.copysign(1.0, claimed) == math.copysign(1.0, value)
 
 
 def require_results(results: dict[str, Any], plan: Plan, claims: Sequence[Claim], replayed: Sequence[Result]) -> None:

@@ -27,7 +27,7 @@ THREEWE = str(Path(sys.executable).parent / "threewe")
 def drive(folder: Path, agent: str, *, task: str = "pointnav", scene: str = "apartment_v1", episodes: int = 1,
           **how: Any) -> dict[str, Any]:  # fmt: skip
     plan, listed = plan_run(task, agent, split="val", scenes=[scene], episodes=episodes, settings=Settings())
-    return results_of(plan, listed, run(plan, listed, folder / f"{agent.replace(':', '.')}.jsonl", **how))
+    return results_of(plan, listed, run(plan, listed, folder / f"{Path(agent).stem}.jsonl", **how))
 
 
 @pytest.mark.parametrize(
@@ -143,3 +143,31 @@ def test_the_command_goes_on_where_it_was_interrupted(tmp_path: Path) -> None:
     assert results == json.loads(text_of(drive(tmp_path, "navigator", episodes=6, workers=0)))
     shown = subprocess.run([THREEWE, "benchmark", "show", "r.json"], cwd=tmp_path, capture_output=True, text=True)
     assert "pointnav, navigator" in shown.stdout
+
+
+def test_an_onnx_policy_drives_with_memory_and_stops_at_its_goal(tmp_path: Path) -> None:
+    onnx = pytest.importorskip("onnx")
+    pytest.importorskip("onnxruntime")
+    helper, kind = onnx.helper, onnx.TensorProto.FLOAT
+    action = helper.make_tensor("weights", kind, (2, 3), [0.5, 0.0, 0.0, 0.0, 0.5, 1.0])
+    one = helper.make_tensor("one", kind, (1, 1), [1.0])
+    graph = helper.make_graph(
+        [
+            helper.make_node("MatMul", ["goal", "weights"], ["wanted"]),
+            helper.make_node("Clip", ["wanted", "low", "high"], ["action"]),
+            helper.make_node("Add", ["steps", "one"], ["next_steps"]),
+        ],
+        "towards",
+        [helper.make_tensor_value_info(name, kind, shape)
+         for name, shape in {"goal": ["n", 2], "steps": ["n", 1], "lidar": ["n", 72]}.items()],
+        [helper.make_tensor_value_info(name, kind, shape)
+         for name, shape in {"action": ["n", 3], "next_steps": ["n", 1]}.items()],
+        [action, one, helper.make_tensor("low", kind, (), [-1.0]), helper.make_tensor("high", kind, (), [1.0])],
+    )  # fmt: skip
+    model = helper.make_model(graph, opset_imports=[helper.make_opsetid("", 17)], ir_version=10)
+    onnx.save(model, tmp_path / "towards.onnx")
+    results = drive(tmp_path, str(tmp_path / "towards.onnx"), workers=0)
+    assert (results["agent"]["kind"], results["agent"]["privileged"]) == ("act", False)
+    assert len(results["agent"]["source"]) == 64
+    [row] = results["episode_results"]
+    assert (row["end"], row["failure"], row["metrics"]["success"]) == ("stop", "", 1.0)
