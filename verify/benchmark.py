@@ -7,7 +7,7 @@ from threewe.benchmark.sampling import SCENES
 from verify.cases.benchmarks import drive, forge
 from verify.harness import Case, Experiment, Row, all_of, each, mean_of, ratio_of, share_of, where, worst_of
 
-FORGERIES = 10  # of each honest bundle
+FORGERIES = 10  # of each genuine bundle
 BARE = "outdoor_v1"  # where hardly anything stands in between
 AGENTS = ["navigator", "oracle", "optimistic", "straight", "random"]
 PUBLISHED = {"office_v2": (0.82, 0.65), "apartment_v1": (0.68, 0.52), "corridor_v1": (0.91, 0.78)}  # SR, SPL
@@ -102,7 +102,7 @@ EXPERIMENTS = [
         cases=100,
         sample=1,
         rows=[
-            all_of("honest bundles pass", lambda case: case["passed"]),
+            all_of("genuine bundles pass", lambda case: case["passed"]),
             all_of(f"{FORGERIES} forged ones each are refused", lambda case: not case["accepted"]),
         ],
     ),

@@ -1,4 +1,4 @@
-"""Episodes of the benchmarks, driven by the shipped agents; bundles of them, honest and forged."""
+"""Episodes of the benchmarks, driven by the shipped agents; bundles of them, genuine and forged."""
 
 import tempfile
 from pathlib import Path
@@ -13,7 +13,7 @@ from threewe.benchmark.verifying import verify_bundle
 
 from verify.cases.forgeries import Forger
 
-HONEST = ("pointnav", "navigator"), ("pointnav", "straight"), ("objectnav", "semantic"), ("exploration", "navigator")
+GENUINE = ("pointnav", "navigator"), ("pointnav", "straight"), ("objectnav", "semantic"), ("exploration", "navigator")
 SPLIT = "val"
 
 
@@ -30,18 +30,18 @@ def metrics(task: str, episode: Episode, agent: str) -> dict[str, Any]:
 
 
 def forge(seed: int, forgeries: int) -> dict[str, Any]:
-    """An honest bundle, and so many forged ones: which were not judged as they should be."""
-    task, agent = HONEST[seed % len(HONEST)]
+    """A genuine bundle, and so many forged ones: which were not judged as they should be."""
+    task, agent = GENUINE[seed % len(GENUINE)]
     with tempfile.TemporaryDirectory() as folder:
-        honest = Path(folder, "honest.zip")
-        scene = SCENES[task][seed // len(HONEST) % len(SCENES[task])]
+        genuine = Path(folder, "genuine.zip")
+        scene = SCENES[task][seed // len(GENUINE) % len(SCENES[task])]
         plan, listed = plan_run(task, agent, split=SPLIT, scenes=[scene], episodes=2, settings=Settings())
         outcomes = run(plan, listed, Path(folder, "journal.jsonl"), workers=0)
-        write_bundle(honest, results_of(plan, listed, outcomes), outcomes)
-        passed = refusal(honest) == ""
+        write_bundle(genuine, results_of(plan, listed, outcomes), outcomes)
+        passed = refusal(genuine) == ""
         accepted = []
         for number in range(forgeries):
-            kind, content = Forger(honest, seed + number).forged()
+            kind, content = Forger(genuine, seed + number).forged()
             forged = Path(folder, "forged.zip")
             forged.write_bytes(content)
             if refusal(forged) == "":

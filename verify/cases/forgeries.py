@@ -1,4 +1,4 @@
-"""Forged bundles: an honest one, changed in one of many ways, each of which is a lie or no bundle at all."""
+"""Forged bundles: a genuine one, changed in one of many ways, each of which is false or no bundle at all."""
 
 import copy
 import io
@@ -17,10 +17,10 @@ Files = dict[str, bytes]
 
 
 class Forger:
-    """Changes one honest bundle, by a seed."""
+    """Changes one genuine bundle, by a seed."""
 
-    def __init__(self, honest: Path, seed: int) -> None:
-        bundle = read_bundle(honest)
+    def __init__(self, genuine: Path, seed: int) -> None:
+        bundle = read_bundle(genuine)
         self.draw = random.Random(seed)
         self.results: Results = copy.deepcopy(bundle.results)
         self.files: Files = dict(bundle.files)
@@ -58,7 +58,7 @@ class Forger:
         return written.getvalue()
 
     def unpacked(self) -> dict[str, bytes]:
-        """All files of the honest bundle, in order."""
+        """All files of the genuine bundle, in order."""
         with zipfile.ZipFile(io.BytesIO(self.packed())) as archive:
             return {name: archive.read(name) for name in archive.namelist()}
 

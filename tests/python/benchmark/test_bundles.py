@@ -1,4 +1,4 @@
-"""Honest bundles replay to the bit; forged ones are refused with the reason."""
+"""Genuine bundles replay to the bit; forged ones are refused with the reason."""
 
 from __future__ import annotations
 
@@ -25,18 +25,18 @@ def run_here(folder: Path, task: str, agent: str, scene: str, episodes: int) -> 
 
 
 @pytest.fixture(scope="module")
-def honest(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    folder = tmp_path_factory.mktemp("honest")
+def genuine(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("genuine")
     write_bundle(folder / "run.zip", *run_here(folder, "pointnav", "navigator", "apartment_v1", 2))
     return folder / "run.zip"
 
 
-def test_an_honest_bundle_passes_and_is_the_same_again(honest: Path, tmp_path: Path) -> None:
-    verified = verify_bundle(honest, workers=0)
+def test_a_genuine_bundle_passes_and_is_the_same_again(genuine: Path, tmp_path: Path) -> None:
+    verified = verify_bundle(genuine, workers=0)
     assert verified.plan.agent.name == "navigator"
     assert verified.results["summary"]["all"]["success"]["value"] == 1.0
     write_bundle(tmp_path / "again.zip", *run_here(tmp_path, "pointnav", "navigator", "apartment_v1", 2))
-    assert (tmp_path / "again.zip").read_bytes() == honest.read_bytes()
+    assert (tmp_path / "again.zip").read_bytes() == genuine.read_bytes()
 
 
 @pytest.mark.parametrize(
@@ -51,11 +51,11 @@ def test_bundles_of_every_task_and_kind_of_agent_pass(task: str, agent: str, sce
     assert verified.results["agent"]["privileged"] == (agent == "semantic")
 
 
-def test_forged_bundles_are_refused_with_the_reason(honest: Path, tmp_path: Path) -> None:
+def test_forged_bundles_are_refused_with_the_reason(genuine: Path, tmp_path: Path) -> None:
     path = tmp_path / "forged.zip"
     kinds: Counter[str] = Counter()
     for seed in range(3 * len(WAYS)):
-        kind, content = Forger(honest, seed).forged()
+        kind, content = Forger(genuine, seed).forged()
         path.write_bytes(content)
         with pytest.raises(BundleError) as refused:
             verify_bundle(path, workers=0)
@@ -64,24 +64,24 @@ def test_forged_bundles_are_refused_with_the_reason(honest: Path, tmp_path: Path
     assert len(kinds) > 0.8 * len(WAYS)
 
 
-def test_the_reason_says_where_a_log_differs_first(honest: Path, tmp_path: Path) -> None:
-    forger = Forger(honest, 0)
+def test_the_reason_says_where_a_log_differs_first(genuine: Path, tmp_path: Path) -> None:
+    forger = Forger(genuine, 0)
     forger.results["episode_results"][1]["trajectory"][20][0] += 0.001
     (tmp_path / "forged.zip").write_bytes(forger.packed())
     with pytest.raises(BundleError, match=r"episode 1 \(apartment_v1/\d+\): differs from its replay at 4\.00 s"):
         verify_bundle(tmp_path / "forged.zip", workers=0)
 
 
-def test_no_bundle_is_too_large(honest: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_no_bundle_is_too_large(genuine: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(bundles, "LARGEST", 10_000)
     with pytest.raises(BundleError, match="larger than 10000 bytes"):
-        read_bundle(honest)
+        read_bundle(genuine)
     with pytest.raises(Exception, match="run fewer episodes"):
         write_bundle(tmp_path / "run.zip", *run_here(tmp_path, "pointnav", "navigator", "apartment_v1", 1))
 
 
-def test_a_policy_is_run_again_in_buildings_that_its_seed_draws(honest: Path, tmp_path: Path) -> None:
-    verified = verify_bundle(honest, workers=0)
+def test_a_policy_is_run_again_in_buildings_that_its_seed_draws(genuine: Path, tmp_path: Path) -> None:
+    verified = verify_bundle(genuine, workers=0)
     again = rerun_policy(verified, seed=3, episodes=2, workers=0, folder=tmp_path)
     assert len(again["episode_results"]) == 2
     assert again["summary"]["all"]["success"]["value"] == 1.0
