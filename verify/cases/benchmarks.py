@@ -9,6 +9,7 @@ from threewe.benchmark.attempt import Settings, attempt
 from threewe.benchmark.bundle import BundleError, write_bundle
 from threewe.benchmark.run import plan_run, results_of, run
 from threewe.benchmark.sampling import SCENES
+from threewe.benchmark.unseen import SUFFIX
 from threewe.benchmark.verifying import verify_bundle
 
 from verify.cases.forgeries import Forger
@@ -19,7 +20,8 @@ SPLIT = "val"
 
 def drive(seed: int, task: str, scene: str, agents: list[str]) -> dict[str, Any]:
     """One episode of a scene, by each of the agents."""
-    listed = [episode for episode in load_episodes(f"{task}_{SPLIT}_v1")["episodes"] if episode.scene == scene]
+    split = "unseen" if scene.endswith(SUFFIX) else SPLIT
+    listed = [episode for episode in load_episodes(f"{task}_{split}_v1")["episodes"] if episode.scene == scene]
     episode: Episode = listed[seed % len(listed)]
     return {"episode": episode.index, **{agent: metrics(task, episode, agent) for agent in agents}}
 

@@ -1,4 +1,4 @@
-"""Buildings that a name stands for: `building-SEED` is drawn from its seed, style and size too."""
+"""Scenes that a name stands for: `building-SEED`, drawn from its seed, style and size too, and `SCENE_unseen`."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 from threewe._core import Scene
+from threewe.benchmark.unseen import SUFFIX, unseen_scene
 
 WIDTHS = (10.0, 32.0)  # [m], drawn from these
 DEPTHS = (8.0, 20.0)  # [m]
@@ -23,8 +24,8 @@ def building_name(key: str) -> str:
 
 
 def scene_asset(name: str) -> str:
-    """What `Robot(scene=...)` takes for a scene of an episode: its name, or the file of a generated building."""
-    return str(_drawn(name)) if NAME.fullmatch(name) else name
+    """What `Robot(scene=...)` takes for a scene of an episode: its name, or a file that is written meanwhile."""
+    return str(_made(name)) if NAME.fullmatch(name) or name.endswith(SUFFIX) else name
 
 
 def load_scene(name: str) -> Scene:
@@ -40,10 +41,15 @@ def _folder() -> Path:
 
 
 @cache
-def _drawn(name: str) -> Path:
+def _made(name: str) -> Path:
+    text = unseen_scene(name) if name.endswith(SUFFIX) else _drawn(name)
+    path = _folder() / f"{name}.yaml"
+    path.write_text(text)
+    return path
+
+
+def _drawn(name: str) -> str:
     seed = int(name.removeprefix("building-"))
     draw = random.Random(seed)
     size = draw.uniform(*WIDTHS), draw.uniform(*DEPTHS)
-    path = _folder() / f"{name}.yaml"
-    path.write_text(Scene.generate(seed % 2**64, difficulty=draw.random(), size=size).to_yaml(name))
-    return path
+    return Scene.generate(seed % 2**64, difficulty=draw.random(), size=size).to_yaml(name)

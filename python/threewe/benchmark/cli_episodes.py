@@ -36,6 +36,19 @@ def make(
 
 
 @app.command()
+def scene(
+    name: Annotated[str, typer.Argument(help="A scene of an episode: building-SEED, or such as office_v2_unseen.")],
+    output: Annotated[Path | None, typer.Option("--output", "-o", help="The file; NAME.yaml by default.")] = None,
+) -> None:
+    """Write a scene that episodes are in and that is drawn when it is needed."""
+    from threewe.benchmark.buildings import load_scene
+
+    path = output or Path(f"{name}.yaml")
+    path.write_text(load_scene(name).to_yaml(name))
+    console.print(styled((str(path), "bold")))
+
+
+@app.command()
 def check(
     name: Annotated[str, typer.Argument(help="A set, by name or file.")],
     secret: Secret = None,

@@ -1,4 +1,4 @@
-"""Sampler of benchmark episodes: the fixed splits `val` and `test`, buildings without end, and held-out ones."""
+"""Sampler of benchmark episodes: fixed splits, buildings without end, and held-out ones."""
 
 from __future__ import annotations
 
@@ -12,6 +12,7 @@ from threewe import RobotProfile, SceneTables
 from threewe._core import ObjectNav, nearest_frontier, optimistic_replanning, unknown_name
 from threewe.benchmark.buildings import building_name, load_scene
 from threewe.benchmark.episodes import FARTHEST, OPTIONAL, Episode, EpisodeSet, Yardstick
+from threewe.benchmark.unseen import OF, SUFFIX
 from threewe.errors import ConfigError
 
 HARDWARE = "3we_standard_v2"
@@ -28,7 +29,7 @@ SCENES = {
     "objectnav": ("office_v2", "apartment_v1", "warehouse_v1", "cluttered_v1"),
     "exploration": ("office_v2", "apartment_v1", "corridor_v1"),
 }
-SEEDS = {"val": 20_261_201, "test": 20_261_202}
+SEEDS = {"val": 20_261_201, "test": 20_261_202, "unseen": 20_261_203}
 VERSION = 1
 EPISODES = {"pointnav": 60, "objectnav": 50, "exploration": 20}  # in each scene
 BUILDINGS = 100  # of the split `generated`
@@ -57,15 +58,25 @@ def make_episodes(task: str, split: str, *, secret: str | None = None) -> Episod
         raise ConfigError(unknown_name("task", task, list(SCENES)))
     if split == "generated":
         return _generated(task, secret)
-    if split not in SEEDS:
-        raise ConfigError(unknown_name("split", split, [*SEEDS, "generated"]))
+    if split not in splits_of(task):
+        raise ConfigError(unknown_name(f"split of {task}", split, [*splits_of(task), "generated"]))
     made = _empty(task, split, SEEDS[split])
-    for scene in SCENES[task]:
+    for scene in scenes_of(task, split):
         episodes, lacking = draw_scene(task, scene, SEEDS[split], EPISODES[task])
         made["episodes"] += episodes
         if lacking:
             made["lacking"][scene] = lacking
     return made
+
+
+def splits_of(task: str) -> list[str]:
+    """The fixed splits of a task: only what is looked for can be unseen."""
+    return [split for split in SEEDS if split != "unseen" or task == "objectnav"]
+
+
+def scenes_of(task: str, split: str) -> list[str]:
+    """The scenes of a fixed split."""
+    return [f"{scene}{SUFFIX}" for scene in OF] if split == "unseen" else list(SCENES[task])
 
 
 def training_episodes(task: str, seed: int = 0) -> Iterator[Episode]:
@@ -226,7 +237,8 @@ def make_named(name: str, *, secret: str | None = None) -> tuple[EpisodeSet, lis
         return make_reactive(), list(OPTIONAL["columns"])
     task, _, rest = name.partition("_")
     split = rest.removesuffix(f"_v{VERSION}")
-    known = ["reactive_v1", *(f"{task}_{split}_v{VERSION}" for task in SCENES for split in (*SEEDS, "generated"))]
+    sets = [(task, split) for task in SCENES for split in (*splits_of(task), "generated")]
+    known = ["reactive_v1", *(f"{task}_{split}_v{VERSION}" for task, split in sets)]
     if name not in known:
         raise ConfigError(unknown_name("set of episodes", name, known))
     return make_episodes(task, split, secret=secret), COLUMNS[task]
