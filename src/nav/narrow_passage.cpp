@@ -1,5 +1,6 @@
 #include "nav/narrow_passage.hpp"
 #include "core/exact.hpp"
+#include "safety/params.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -55,9 +56,16 @@ NarrowPassage::NarrowPassage(const RobotProfile& profile, const Params& params)
   behind_ = -rear.x;
   width_ = left.y - right.y;
   aside_ = 0.5 * (left.y + right.y);
+  margin_ = safety::margin_of(profile);
 }
 
-void NarrowPassage::begin(Time now, const Pose2D& odom_from_base, const Pose2D& odom_from_middle, double half_length) {
+bool NarrowPassage::fits(const Gap& place, std::span<const Vec2> hits) const {
+  const double spare = widest_way(hits, place, params_).width - width_;
+  return spare > params_.least_spare && spare < 2.0 * (margin_ + params_.in_line);
+}
+
+void NarrowPassage::begin(Time now, const Pose2D& odom_from_base, const Pose2D& odom_from_middle, double half_length,
+                          std::span<const Vec2> hits) {
   gap_ = {odom_from_middle, half_length, 0.0};
   attempts_ = 0;
   // who drives in all directions need not turn round
@@ -65,7 +73,9 @@ void NarrowPassage::begin(Time now, const Pose2D& odom_from_base, const Pose2D& 
   facing_ = kinematics_ == Kinematics::holonomic && std::fabs(turned) > 0.5 * exact::kPi ? exact::kPi : 0.0;
   const Pose2D in_gap = inverse(odom_from_middle) * odom_from_base;
   const bool is_inside = in_gap.x > -half_length && std::fabs(wrap_angle(facing_ - in_gap.theta)) < params_.askew;
-  const bool is_beyond_entry = in_gap.x > entry(half_length) + 0.5 * params_.room_to_turn;
+  forget_extent();
+  measure_extent(hits);
+  const bool is_beyond_entry = in_gap.x > measured_entry() + 0.5 * params_.room_to_turn;
   enter(is_inside ? State::entering : is_beyond_entry ? State::backing_out : State::lining_up, now);
 }
 
@@ -81,20 +91,20 @@ Velocity NarrowPassage::step(Time now, const Pose2D& odom_from_base, std::span<c
   const Pose2D in_gap = inverse(gap_.middle) * odom_from_base;
   const double nose = in_gap.x + (facing_ == 0.0 ? ahead_ : behind_);
   const double tail = in_gap.x - (facing_ == 0.0 ? behind_ : ahead_);
-  const bool is_beside = nose > -(gap_.half_length + params_.room_before) && tail < gap_.half_length;
+  const bool is_beside = nose > from_ && tail < to_;
   creep_mode_ = is_beside && state_ != State::lining_up;  // there it may turn as fast as anywhere
   const double speed = creep_mode_ ? creep_.speed : creep_.free_speed;
   switch (state_) {
     case State::lining_up: return line_up(in_gap, now, follower);
     case State::entering:
-      if (tail >= gap_.half_length) {
+      if (tail >= to_) {
         enter(State::through, now);
       } else if (stands_still(now, in_gap.x)) {
         enter(++attempts_ < params_.attempts ? State::backing_out : State::closed, now);
       }
       return drive(in_gap, speed, follower);
     case State::backing_out:
-      if (in_gap.x <= entry(gap_.half_length) || stands_still(now, -in_gap.x)) enter(State::lining_up, now);
+      if (in_gap.x <= measured_entry() || stands_still(now, -in_gap.x)) enter(State::lining_up, now);
       return drive(in_gap, -speed, follower);
     case State::idle:
     case State::through:
@@ -111,7 +121,29 @@ void NarrowPassage::measure(std::span<const Vec2> hits) {
   const Vec2 shift = gain * (seen.middle.position() - gap_.middle.position());
   gap_.middle = {gap_.middle.x + shift.x, gap_.middle.y + shift.y,
                  wrap_angle(gap_.middle.theta + gain * wrap_angle(seen.middle.theta - gap_.middle.theta))};
+  if (gap_.width == 0.0) forget_extent();  // it was that of a guess
   gap_.width += gain * (seen.width - gap_.width);
+  measure_extent(hits);
+}
+
+void NarrowPassage::forget_extent() {
+  from_ = std::numeric_limits<double>::infinity();
+  to_ = -from_;
+}
+
+// Where the robot needs less than the gate's margin beside it, as far as was ever seen: the lidar may be blind inside.
+void NarrowPassage::measure_extent(std::span<const Vec2> hits) {
+  const Pose2D gap_from_odom = inverse(gap_.middle);
+  const double first = -(gap_.half_length + params_.room_before);
+  for (const Vec2 hit : hits) {
+    const Vec2 p = gap_from_odom * hit;
+    if (std::fabs(p.y) > 0.5 * width_ + margin_ + params_.in_line || p.x < first || p.x > gap_.half_length) continue;
+    from_ = std::max(std::min(from_, p.x - margin_), first);
+    to_ = std::min(std::max(to_, p.x + margin_), gap_.half_length);
+  }
+  if (from_ <= to_) return;
+  from_ = first;
+  to_ = gap_.half_length;
 }
 
 bool NarrowPassage::stands_still(Time now, double along) {

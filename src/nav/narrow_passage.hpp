@@ -42,7 +42,10 @@ class NarrowPassage {
 
   /// Where along the way through [m], counted from its middle, the robot lines up.
   double entry(double half_length) const { return -(half_length + ahead_ + params_.room_to_turn); }
-  void begin(Time now, const Pose2D& odom_from_base, const Pose2D& odom_from_middle, double half_length);
+  /// Whether a place is a passage for this robot: the hits leave it less than the gate's margin, and enough to pass.
+  bool fits(const Gap& place, std::span<const Vec2> hits) const;
+  void begin(Time now, const Pose2D& odom_from_base, const Pose2D& odom_from_middle, double half_length,
+             std::span<const Vec2> hits);
   void end() { state_ = State::idle; }
   /// One period. `hits`: what is near, in `odom`, cleared of noise; `follower` sees the same.
   Velocity step(Time now, const Pose2D& odom_from_base, std::span<const Vec2> hits, PathFollower& follower);
@@ -54,6 +57,9 @@ class NarrowPassage {
 
  private:
   void measure(std::span<const Vec2> hits);
+  void forget_extent();
+  void measure_extent(std::span<const Vec2> hits);
+  double measured_entry() const { return from_ - (facing_ == 0.0 ? ahead_ : behind_) - params_.room_to_turn; }
   void enter(State state, Time now);
   bool stands_still(Time now, double along);
   Velocity line_up(const Pose2D& in_gap, Time now, PathFollower& follower);
@@ -68,10 +74,13 @@ class NarrowPassage {
   double behind_;  // ... and this behind it
   double width_;   // [m] of the body ...
   double aside_;   // ... whose middle is so far to the left of the base
+  double margin_;  // [m] that the gate keeps free elsewhere
 
   State state_ = State::idle;
   Gap gap_;
   double facing_ = 0.0;  // [rad] from the way through: 0, or pi
+  double from_ = 0.0;    // [m] along the way, where its sides come nearer than the gate's margin ...
+  double to_ = 0.0;      // ... as far as here
   bool creep_mode_ = false;
   int attempts_ = 0;
   Time entered_{};         // the state

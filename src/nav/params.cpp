@@ -62,6 +62,7 @@ Parameters parameters_of(Params::Bottleneck& p) {
       {"first_patience", &p.first_patience, "s", Scale::travel, "more: tries the same bottleneck longer"},
       {"approach_speed", &p.approach_speed, "m/s", Scale::speed, "less: tries far bottlenecks longer"},
       {"ahead", &p.ahead, "m", Scale::size, "more: creeps where it got stuck farther before a bottleneck"},
+      {"hesitation", &p.hesitation, "s", Scale::travel, "less: lines up sooner for what it might have driven through"},
       {"passing", &p.passing, "s", Scale::travel, "less: prefers bottlenecks to shorter ways round"},
       {"detour_speed", &p.detour_speed, "", Scale::none, "less: prefers bottlenecks to shorter ways round"},
       {"sight", &p.sight, "m", Scale::size, "more: sees bottlenecks from farther away, at more work"},

@@ -66,6 +66,7 @@ struct Params {
     Duration first_patience = 60s;  ///< to try one, and the time to drive there ...
     double approach_speed = 0.125;  ///< [m/s] ... at this speed
     double ahead = 0.6;             ///< [m] from where the robot got stuck to the gap that is blamed
+    Duration hesitation = 800ms;    ///< without coming nearer, before a place ahead is measured
     double passing = 30.0;          ///< [s] to line up, measure, and creep through ...
     double detour_speed = 0.8;      ///< ... while a detour is driven at this share of the speed limit
     double sight = 1.5;             ///< [m] around the robot, hits are cleared of noise

@@ -254,6 +254,7 @@ Decision PathNavigator::follow(const Observation& seen) {
   route_.advance(progress_.pose.position());
   progress_.distance_left = path_length(route_.path());
   if (is_before_bottleneck()) return begin_passage(seen);
+  if (hesitates() && finds_passage(seen)) return wait();
   const std::vector<Vec2> way = way_to_bottleneck();
   const std::span<const Vec2> path = way.empty() ? route_.path() : way;
   // where it may be too tight for what the noise of plans finds

@@ -55,6 +55,8 @@ class PathNavigator final : public Navigator {
   std::vector<Vec2> way_to_bottleneck() const;
   Velocity follow_by_plan(const Observation& seen, std::span<const Vec2> path);
   bool is_before_bottleneck() const;
+  bool hesitates();
+  bool finds_passage(const Observation& seen);
   Decision begin_passage(const Observation& seen);
   Decision pass(const Observation& seen);
   std::vector<Vec2> borders_near(Vec2 robot) const;
@@ -87,6 +89,8 @@ class PathNavigator final : public Navigator {
     Time looked_round{};  // when it had, lost
     Pose2D last_moved;    // where and when the robot last got on
     Time last_moved_at{};
+    double least_left = 0.0;  // [m] of the path, since it was planned anew; and when that was
+    Time least_left_at{};
     bool departed = false;  // from a tight place, before the proof that there is no path
     Time tight_until{};     // a smaller margin is enough until then
   };

@@ -70,10 +70,34 @@ bool PathNavigator::is_before_bottleneck() const {
          in_neck.x > narrow_passage_.entry(neck->half_length) - params_.bottleneck.before && in_neck.x < 0.0;
 }
 
+// On its path, without coming nearer to the end of it. A path that has become longer is another one.
+bool PathNavigator::hesitates() {
+  const double left = progress_.distance_left;
+  const bool nearer = left < motion_.least_left - params_.motion.arrived;
+  const bool replanned = left > motion_.least_left + params_.bottleneck.ahead;
+  if (nearer || replanned) motion_.least_left = left, motion_.least_left_at = now_;
+  return now_ - motion_.least_left_at > params_.bottleneck.hesitation;
+}
+
+// What keeps the robot from going on is a passage: as wide as the body, and narrower than plans need.
+bool PathNavigator::finds_passage(const Observation& seen) {
+  if (!lidar_ || route_.bottleneck() || std::holds_alternative<Explore>(goal_)) return false;
+  const Vec2 here = progress_.pose.position();
+  const std::optional<Bottleneck> place = route_.tight_place_ahead(here);
+  if (!place) return false;
+  const Pose2D odom_from_middle = inverse(seen.pose.map_from_odom) * place->map_from_middle;
+  const std::vector<Vec2> hits = smoothed_hits(seen, params_.bottleneck.sight);
+  if (!narrow_passage_.fits({odom_from_middle, place->half_length, 0.0}, hits)) return false;
+  route_.squeeze_ahead(here);
+  route_.drop();
+  return true;
+}
+
 Decision PathNavigator::begin_passage(const Observation& seen) {
   const Bottleneck& neck = *route_.bottleneck();
   const Pose2D odom_from_map = inverse(seen.pose.map_from_odom);
-  narrow_passage_.begin(now_, odom_from_base_, odom_from_map * neck.map_from_middle, neck.half_length);
+  narrow_passage_.begin(now_, odom_from_base_, odom_from_map * neck.map_from_middle, neck.half_length,
+                        smoothed_hits(seen, params_.bottleneck.sight));
   return pass(seen);
 }
 

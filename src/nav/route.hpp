@@ -59,14 +59,16 @@ class Route {
   const std::optional<Bottleneck>& bottleneck() const { return bottleneck_; }
   /// Plans to the frontier that is most worth it: by the cost of the way there, how much there is to see, and what
   /// other robots are about to see; not to another one than before unless that is clearly better. Ways that turned out
-  /// to be closed more than once are tried again when there is nothing else. Unless it is `thorough`, those that are not
-  /// worth the way are left out (nav/frontier_worth.hpp). False: none can be reached that is.
+  /// to be closed more than once are tried again when there is nothing else. Unless it is `thorough`, those that are
+  /// not worth the way are left out (nav/frontier_worth.hpp). False: none can be reached that is.
   bool plan_to_frontier(const Observation& seen, bool thorough);
   /// The last plan to a frontier has left some out.
   bool left_some() const { return left_some_; }
   /// The robot could not go on, more than once. True where it is before a gap of the path: from now on that counts as
   /// a bottleneck.
   bool squeeze_ahead(Vec2 robot);
+  /// The tight place of the path just ahead of the robot, unless it has been found closed.
+  std::optional<Bottleneck> tight_place_ahead(Vec2 robot) const;
   /// It has been passed as far as it was straight; where it is still narrow it goes on.
   void leave_bottleneck(Vec2 robot);
   /// The bottleneck turned out to be none.

@@ -107,15 +107,21 @@ Time Route::patience_with(const Bottleneck& neck, Time now) {
   return attempts_.back().until;
 }
 
-bool Route::squeeze_ahead(Vec2 robot) {
+std::optional<Bottleneck> Route::tight_place_ahead(Vec2 robot) const {
   const auto is_tight = [&](Vec2 p) { return clearance(p) < tight_clearance_; };
   const std::optional<Vec2> place = first_along(path_, clear_.costmap.resolution(), is_tight);
-  if (!place || distance(*place, robot) > bottleneck_params_.ahead) return false;
-  const Vec2 gap = bottleneck_about(*place, is_tight).map_from_middle.position();
-  const auto is_same = near(gap, params_.same_place);
-  if (std::ranges::any_of(tight_, is_same) || std::ranges::any_of(exhausted_, is_same)) return false;
-  tight_.push_back(gap);
-  std::erase_if(avoided_, is_same);
+  if (!place || distance(*place, robot) > bottleneck_params_.ahead) return {};
+  const Bottleneck found = bottleneck_about(*place, is_tight);
+  const auto is_same = near(found.map_from_middle.position(), params_.same_place);
+  if (std::ranges::any_of(tight_, is_same) || std::ranges::any_of(exhausted_, is_same)) return {};
+  return found;
+}
+
+bool Route::squeeze_ahead(Vec2 robot) {
+  const std::optional<Bottleneck> found = tight_place_ahead(robot);
+  if (!found) return false;
+  tight_.push_back(found->map_from_middle.position());
+  std::erase_if(avoided_, near(tight_.back(), params_.same_place));
   return true;
 }
 

@@ -79,7 +79,7 @@ Crossing cross_gap(const RobotProfile& profile, double spare, Draw& draw) {
   PathFollower follower(profile, params);
   Pose2D base = middle * Pose2D{narrow_passage.entry(0.2) - draw(0.0, 0.1), draw(-0.04, 0.04), draw(-0.5, 0.5)};
   Time now{};
-  narrow_passage.begin(now, base, middle * Pose2D{draw(-0.03, 0.03), draw(-0.03, 0.03), draw(-0.3, 0.3)}, 0.2);
+  narrow_passage.begin(now, base, middle * Pose2D{draw(-0.03, 0.03), draw(-0.03, 0.03), draw(-0.3, 0.3)}, 0.2, hits);
   Crossing crossing{NarrowPassage::State::idle};
   for (int tick = 0; tick < 6000; ++tick, now += kControlPeriod) {
     follower.update(transformed(inverse(base), hits), 0.004 - safety::margin_of(profile));
