@@ -39,7 +39,7 @@ class ArcEscapePlanner::Search {
   Search(const ArcEscapePlanner& planner, std::span<const Vec2> hits, double tolerance)
       : planner_(planner),
         params_(planner.params_),
-        hits_(thinned(hits, params_.reach + planner.ends_at_, params_.thinning)),
+        hits_(thinned(hits, params_.reach + planner.ends_at_, planner.thinning_)),
         field_(hits_, planner_.step_, planner.least_room_, planner.ends_at_, params_.reach) {
     const double free = 2.0 * planner_.creep_.margin;  // more than the creeping gate keeps
     for (const Vec2 p : hits_) {
@@ -176,6 +176,7 @@ class ArcEscapePlanner::Search {
 ArcEscapePlanner::ArcEscapePlanner(const RobotProfile& profile, const Params& params)
     : params_(params.arcs),
       creep_(params.creep),
+      thinning_(params.follower.thinning),
       step_(2.0 * params.follower.step),
       outline_(profile.body.footprint),
       radius_(profile.body.footprint.circumscribed_radius()),

@@ -54,7 +54,8 @@ class ArcEscapePlanner {
 
   Params::Arcs params_;
   Params::Creep creep_;
-  double step_;  // [m] of a step; the lattice's cells are half of it
+  double thinning_;  // [m] hits nearer to each other than that are one
+  double step_;      // [m] of a step; the lattice's cells are half of it
   Outline outline_;
   double radius_;      // [m] of the smallest disc around the base that holds the body
   double margin_;      // [m] that is kept free elsewhere

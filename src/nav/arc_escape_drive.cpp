@@ -50,7 +50,7 @@ bool ArcEscape::plan(Time now, const Pose2D& odom_from_base, std::span<const Vec
 
 bool ArcEscape::stands_still(Time now, const Pose2D& odom_from_base) {
   const Pose2D since = inverse(moved_at_) * odom_from_base;
-  if (norm(since.position()) > params_.moved || std::fabs(since.theta) > params_.turned)
+  if (norm(since.position()) > creep_.progress || std::fabs(since.theta) > params_.turned)
     moved_at_ = odom_from_base, moved_ = now;
   return now - moved_ > params_.patience;
 }

@@ -147,7 +147,7 @@ void NarrowPassage::measure_extent(std::span<const Vec2> hits) {
 }
 
 bool NarrowPassage::stands_still(Time now, double along) {
-  if (along > furthest_ + params_.progress) furthest_ = along, furthest_at_ = now;
+  if (along > furthest_ + creep_.progress) furthest_ = along, furthest_at_ = now;
   return now - furthest_at_ > params_.patience;
 }
 
@@ -175,12 +175,13 @@ Velocity NarrowPassage::drive(const Pose2D& in_gap, double speed, const PathFoll
   if (kinematics_ == Kinematics::holonomic) {
     const double most = std::max(std::fabs(speed), creep_.speed);
     const Vec2 along = rotate({speed, std::clamp(gain_ * off, -most, most)}, -in_gap.theta);
-    return follower.safe({along.x, along.y, std::clamp(gain_ * turn, -params_.turn_rate, params_.turn_rate)});
+    return follower.safe({along.x, along.y, std::clamp(gain_ * turn, -creep_.free_turn_rate, creep_.free_turn_rate)});
   }
   // critically damped along the way, forwards or backwards
   const double direction = speed < 0.0 ? -1.0 : 1.0;
   const double curvature = (direction * off / params_.convergence + 2.0 * turn) / params_.convergence;
-  return follower.safe({speed, 0.0, std::clamp(std::fabs(speed) * curvature, -params_.turn_rate, params_.turn_rate)});
+  return follower.safe(
+      {speed, 0.0, std::clamp(std::fabs(speed) * curvature, -creep_.free_turn_rate, creep_.free_turn_rate)});
 }
 
 }  // namespace threewe::nav

@@ -8,6 +8,7 @@ Parameters parameters_of(Params::Creep& p) {
           {"margin", &p.margin, "m", Scale::noise, "less: fits through narrower bottlenecks, and touches more"},
           {"free_speed", &p.free_speed, "m/s", Scale::speed, "more: quicker before and after bottlenecks"},
           {"free_turn_rate", &p.free_turn_rate, "rad/s", Scale::turn_rate, "more: turns quicker in tight places"},
+          {"progress", &p.progress, "m", Scale::size, "more: backs out sooner where it hardly moves"},
           {"encroachment", &p.encroachment, "m", Scale::noise, "less: stops more often next to what is near already"}};
 }
 
@@ -23,8 +24,6 @@ Parameters parameters_of(Params::Route& p) {
       {"waypoint", &p.waypoint, "m", Scale::size, "more: cuts the corners of a drawn path"},
       {"horizon", &p.horizon, "m", Scale::size, "more: aims farther beyond its map at far goals"},
       {"better", &p.better, "", Scale::none, "less: keeps to a path that has become the longer one"},
-      {"tight", &p.tight, "m", Scale::size, "more: lines up for wider bottlenecks"},
-      {"same_place", &p.same_place, "m", Scale::size, "more: gives up places sooner, and with them those next to"},
       {"driven_spacing", &p.driven_spacing, "m", Scale::size, "more: gives up no place near to where it has been"},
       {"mover_distance", &p.mover_distance, "m", Scale::size, "more: blames people and robots that are farther away"},
       {"ahead", &p.ahead, "m", Scale::size, "more: avoids what is farther ahead of where it got stuck"},
@@ -55,24 +54,20 @@ Parameters parameters_of(Params::Frontier& p) {
 Parameters parameters_of(Params::Bottleneck& p) {
   return {
       {"coarseness", &p.coarseness, "m", Scale::size, "more: tries bottlenecks that turn out to be too narrow"},
-      {"least_radius", &p.least_radius, "m", Scale::size, "less: searches for bottlenecks in walls that have none"},
       {"straight", &p.straight, "m", Scale::size, "more: takes bends for a straight bottleneck"},
       {"shortest", &p.shortest, "m", Scale::size, "more: lines up farther away"},
       {"patience", &p.patience, "s", Scale::travel, "more: says later that there is no path"},
       {"first_patience", &p.first_patience, "s", Scale::travel, "more: tries the same bottleneck longer"},
-      {"approach_speed", &p.approach_speed, "m/s", Scale::speed, "less: tries far bottlenecks longer"},
       {"ahead", &p.ahead, "m", Scale::size, "more: creeps where it got stuck farther before a bottleneck"},
       {"hesitation", &p.hesitation, "s", Scale::travel, "less: lines up sooner for what it might have driven through"},
       {"passing", &p.passing, "s", Scale::travel, "less: prefers bottlenecks to shorter ways round"},
-      {"detour_speed", &p.detour_speed, "", Scale::none, "less: prefers bottlenecks to shorter ways round"},
       {"sight", &p.sight, "m", Scale::size, "more: sees bottlenecks from farther away, at more work"},
       {"before", &p.before, "m", Scale::size, "more: begins to line up farther from the place for it"},
   };
 }
 
 Parameters parameters_of(Params::Progress& p) {
-  return {{"place", &p.place, "m", Scale::size, "less: circles longer before it says that it is blocked"},
-          {"nearer", &p.nearer, "m", Scale::size, "less: wavers longer before it says that it is blocked"},
+  return {{"nearer", &p.nearer, "m", Scale::size, "less: wavers longer before it says that it is blocked"},
           {"patience", &p.patience, "s", Scale::travel, "more: says later that it makes no progress"},
           {"detour", &p.detour, "", Scale::none, "more: the same on long ways"},
           {"mean_speed", &p.mean_speed, "", Scale::none, "less: the same on long ways"}};
@@ -96,7 +91,6 @@ Parameters parameters_of(Params::Motion& p) {
       {"creep_after", &p.creep_after, "", Scale::none, "more: avoids tight places before it creeps through"},
       {"person_radius", &p.person_radius, "m", Scale::none, "more: keeps farther from people"},
       {"zone_reaction", &p.zone_reaction, "s", Scale::reaction, "less: enters slow zones too fast"},
-      {"zone_braking", &p.zone_braking, "", Scale::none, "more: brakes later before slow zones"},
       {"border_sight", &p.border_sight, "m", Scale::size, "less: sees zones to keep out of later"},
       {"sweep_angle", &p.sweep_angle, "rad", Scale::none, "more: without a lidar, detects more and drives slower"},
       {"sweep_period", &p.sweep_period, "s", Scale::none, "more: without a lidar, detects things later"},
@@ -110,6 +104,7 @@ Parameters parameters_of(Params::Follower& p) {
       {"reaction", &p.reaction, "s", Scale::reaction, "more: drives slower towards obstacles and goals"},
       {"horizon", &p.horizon, "s", Scale::travel, "less: brakes later and harder"},
       {"step", &p.step, "m", Scale::size, "more: sees contacts less exactly, at less work"},
+      {"thinning", &p.thinning, "m", Scale::size, "more: less work, and touches more"},
       {"faced", &p.faced, "m", Scale::size, "more: a differential base turns less before it drives"},
       {"turn_first", &p.turn_first, "rad", Scale::none, "less: a differential base turns on the spot more often"},
       {"turn_done", &p.turn_done, "rad", Scale::none, "less: it turns longer before it drives"},
@@ -118,7 +113,6 @@ Parameters parameters_of(Params::Follower& p) {
       {"position_gain", &p.position_gain, "1/s", Scale::none,
        "more: back on its line, and at ends, sooner, and swings"},
       {"heading_gain", &p.heading_gain, "1/s", Scale::none, "more: faces along its path sooner, and swings"},
-      {"line_heading_gain", &p.line_heading_gain, "1/s", Scale::none, "more: straighter, and swings"},
       {"line_convergence", &p.line_convergence, "m", Scale::size, "less: the same of a differential base"},
       {"blind_speed", &p.blind_speed, "m/s", Scale::speed, "more: faster without a lidar, and touches more"},
       {"escape_speed", &p.escape_speed, "", Scale::none, "more: backs off faster"},
@@ -158,7 +152,6 @@ Parameters parameters_of(Params::NarrowPassage& p) {
       {"most_spare", &p.most_spare, "m", Scale::size, "more: creeps through what it could drive through"},
       {"measuring", &p.measuring, "s", Scale::scan, "less: judges bottlenecks sooner, and less exactly"},
       {"patience", &p.patience, "s", Scale::travel, "less: backs out sooner where it hardly moves"},
-      {"progress", &p.progress, "m", Scale::size, "more: the same"},
       {"attempts", &p.attempts, "", Scale::none, "more: tries longer before it calls a bottleneck closed"},
       {"in_line", &p.in_line, "m", Scale::noise, "less: lines up longer, and touches less"},
       {"aligned", &p.aligned, "rad", Scale::none, "the same of its heading"},
@@ -166,25 +159,21 @@ Parameters parameters_of(Params::NarrowPassage& p) {
       {"room_to_turn", &p.room_to_turn, "m", Scale::size, "more: lines up farther before the bottleneck"},
       {"room_before", &p.room_before, "m", Scale::size, "more: creeps from farther before the bottleneck"},
       {"convergence", &p.convergence, "m", Scale::size, "less: a differential base returns sooner, and swings"},
-      {"turn_rate", &p.turn_rate, "rad/s", Scale::turn_rate, "more: turns quicker within a bottleneck"},
-      {"hits_sight", &p.hits_sight, "m", Scale::size, "more: sees more of a bottleneck, at more work"},
   };
 }
 
 Parameters parameters_of(Params::Arcs& p) {
   return {
-      {"radius", &p.radius, "m", Scale::size, "of those between"},
+      {"radius", &p.radius, "m", Scale::size, "less: turns in less room, with more steps"},
       {"reach", &p.reach, "m", Scale::size, "more: searches farther for room, at more work"},
       {"room", &p.room, "m", Scale::noise, "more: the same"},
       {"encroachment", &p.encroachment, "m", Scale::noise, "less: finds fewer ways out, and touches less"},
-      {"thinning", &p.thinning, "m", Scale::size, "more: less work, and touches more"},
       {"haste", &p.haste, "", Scale::none, "more: less work for slower ways"},
       {"change", &p.change, "s", Scale::travel, "more: goes to and fro less often"},
       {"plans", &p.plans, "", Scale::none, "more: tries longer"},
       {"replan", &p.replan, "s", Scale::scan, "less: tries more often while there is no way, at more work"},
       {"tolerance_step", &p.tolerance_step, "m", Scale::noise, "more: dares to leave sooner, and touches more"},
       {"patience", &p.patience, "s", Scale::travel, "less: plans anew sooner where it hardly moves"},
-      {"moved", &p.moved, "m", Scale::size, "more: the same"},
       {"turned", &p.turned, "rad", Scale::none, "more: the same of turns"},
       {"convergence", &p.convergence, "m", Scale::size, "less: keeps to its arcs better, and swings"},
   };
@@ -205,7 +194,6 @@ Parameters parameters_of(Params::Mppi& p) {
       {"people_reach", &p.people_reach, "m", Scale::none, "more: slower next to people, and farther from them"},
       {"people_blur", &p.people_blur, "m", Scale::none, "less: takes the rim of people for walls"},
       {"stray", &p.stray, "m", Scale::size, "less: leads around things less well, at less work"},
-      {"thinning", &p.thinning, "m", Scale::size, "more: less work, and touches more"},
   };
   append(all, "weights", parameters_of(p.weights));
   return all;

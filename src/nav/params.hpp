@@ -17,6 +17,7 @@ struct Params {
     double margin = 0.004;        ///< [m] kept free there
     double free_speed = 0.1;      ///< [m/s] in a tight place, where the margin is free
     double free_turn_rate = 0.5;  ///< [rad/s] the same
+    double progress = 0.01;       ///< [m] less than this, it does not get on
     double encroachment = 0.005;  ///< [m] what is nearer than the margin may come so much nearer, no more
   };
   /// How far from obstacles plans keep.
@@ -31,8 +32,6 @@ struct Params {
     double waypoint = 0.15;       ///< [m] nearer than this a waypoint is passed
     double horizon = 4.0;         ///< [m] beyond the map, where plans end
     double better = 0.85;         ///< share of an open path's cost that a new one must cost to replace it
-    double tight = 0.07;          ///< [m] beyond what is lethal, where paths may need care
-    double same_place = 0.4;      ///< [m] failures, gaps nearer to each other are one and the same
     double driven_spacing = 0.1;  ///< [m] between the places that the robot remembers to have been at
     double mover_distance = 0.8;  ///< [m] between the outline and a mover that may be what is in the way
     double ahead = 0.25;          ///< [m] along the path to the place that is avoided after a failure
@@ -59,22 +58,18 @@ struct Params {
   /// Paths through gaps that may be just wide enough.
   struct Bottleneck {
     double coarseness = 0.06;       ///< [m] by which cells may make a gap look narrower
-    double least_radius = 0.055;    ///< [m] paths keep from walls even so
     double straight = 0.03;         ///< [m] beside the line, along which it still is one gap
     double shortest = 0.15;         ///< [m] of half a gap: that of less could be anywhere
     Duration patience = 180s;       ///< to try gaps, and again once one has been passed
     Duration first_patience = 60s;  ///< to try one, and the time to drive there ...
-    double approach_speed = 0.125;  ///< [m/s] ... at this speed
     double ahead = 0.6;             ///< [m] from where the robot got stuck to the gap that is blamed
     Duration hesitation = 800ms;    ///< without coming nearer, before a place ahead is measured
     double passing = 30.0;          ///< [s] to line up, measure, and creep through ...
-    double detour_speed = 0.8;      ///< ... while a detour is driven at this share of the speed limit
     double sight = 1.5;             ///< [m] around the robot, hits are cleared of noise
     double before = 0.08;           ///< [m] from where it lines up, the passage begins
   };
   /// When a motion makes no progress.
   struct Progress {
-    double place = 0.5;        ///< [m] places that count as different ones
     double nearer = 0.1;       ///< [m] by which the path must have become shorter
     Duration patience = 120s;  ///< for recovery, narrow passages, and people who stand about
     double detour = 2.0;       ///< times what the rest of the path takes
@@ -98,7 +93,6 @@ struct Params {
     int creep_after = 2;             ///< attempts in one place, one more for who does not see what is next to it
     double person_radius = 0.2;      ///< [m]
     double zone_reaction = 0.2;      ///< [s] from a command to its effect, and some for doubts about the pose
-    double zone_braking = 0.5;       ///< share of what the brakes can do
     double border_sight = 2.5;       ///< [m] so near, borders of zones count
     double sweep_angle = 1.0;        ///< [rad] to either side, looked to by who has no lidar
     Duration sweep_period = 4500ms;  ///< of that, there and back
@@ -107,32 +101,32 @@ struct Params {
   };
   /// Following a path.
   struct Follower {
-    double reaction = 0.12;  ///< [s] from a command to its effect
-    double horizon = 1.2;    ///< [s] looked ahead along a motion
-    double step = 0.02;      ///< [m] between the poses that are tried; lattices and obstacle fields are as fine
+    double reaction = 0.12;   ///< [s] from a command to its effect
+    double horizon = 1.2;     ///< [s] looked ahead along a motion
+    double step = 0.02;       ///< [m] between the poses that are tried; lattices and obstacle fields are as fine
+    double thinning = 0.015;  ///< [m] obstacles nearer to each other than that are one
     double faced = 0.3;  ///< [m] along the path, to where a robot turns before it drives, and plans without search lead
-    double turn_first = 0.8;         ///< [rad] beyond which it turns on the spot ...
-    double turn_done = 0.2;          ///< [rad] ... until the target is this straight ahead
-    double turn_blocked = 0.2;       ///< share of its speed, slower than which a turn leads nowhere
-    double lookahead = 0.45;         ///< [m] of pure pursuit
-    double position_gain = 1.5;      ///< [1/s] speed for each metre off a line or from an end, turn rate likewise
-    double heading_gain = 2.5;       ///< [1/s] turn rate for each radian off, along a path ...
-    double line_heading_gain = 2.0;  ///< [1/s] ... and along a straight line
-    double line_convergence = 0.5;   ///< [m] of way in which a differential base comes back to its line
-    double blind_speed = 0.25;       ///< [m/s] of robots without a lidar
-    double escape_speed = 0.4;       ///< share of the speed limit when backing off
-    double least_speed = 0.03;       ///< share of a velocity, less than which is none
-    double least_turn_rate = 0.08;   ///< [rad/s] of a turn on the spot
-    double braking = 0.6;            ///< share of what the brakes can do, counted on before obstacles ...
-    double gentle_braking = 0.2;     ///< ... used before goals ...
+    double turn_first = 0.8;        ///< [rad] beyond which it turns on the spot ...
+    double turn_done = 0.2;         ///< [rad] ... until the target is this straight ahead
+    double turn_blocked = 0.2;      ///< share of its speed, slower than which a turn leads nowhere
+    double lookahead = 0.45;        ///< [m] of pure pursuit
+    double position_gain = 1.5;     ///< [1/s] speed for each metre off a line or from an end, turn rate likewise
+    double heading_gain = 2.5;      ///< [1/s] turn rate for each radian off, along a path ...
+    double line_convergence = 0.5;  ///< [m] of way in which a differential base comes back to its line
+    double blind_speed = 0.25;      ///< [m/s] of robots without a lidar
+    double escape_speed = 0.4;      ///< share of the speed limit when backing off
+    double least_speed = 0.03;      ///< share of a velocity, less than which is none
+    double least_turn_rate = 0.08;  ///< [rad/s] of a turn on the spot
+    double braking = 0.6;           ///< share of what the brakes can do, counted on before obstacles ...
+    double gentle_braking = 0.2;    ///< ... used before goals ...
     double gentle_turn_braking = 1.0 / 3.0;  ///< ... and before headings
   };
   /// Recovery behaviours.
   struct Recovery {
-    double same_place = 0.5;          ///< [m] attempts nearer to each other count together
-    int attempts = 8;                 ///< in one place
-    int look_from = 3;                ///< which attempt in one place is the first to look
-    Duration clearing = 300ms;        ///< longer than a turn of a lidar takes to arrive
+    double same_place = 0.4;    ///< [m] attempts, failures and bottlenecks nearer to each other are in the same place
+    int attempts = 8;           ///< in one place
+    int look_from = 3;          ///< which attempt in one place is the first to look
+    Duration clearing = 300ms;  ///< longer than a turn of a lidar takes to arrive
     Duration backing_off = 2500ms;    ///< at most
     Duration arc_escape = 90s;        ///< at most
     Duration looking = 5s;            ///< at most for one direction
@@ -153,7 +147,6 @@ struct Params {
     double most_spare = 0.3;      ///< [m] ... and with which it has nothing to do with gaps
     Duration measuring = 1500ms;  ///< at least
     Duration patience = 5s;       ///< to line up, and without ...
-    double progress = 0.01;       ///< [m] ... so much of progress
     int attempts = 3;             ///< then it is closed
     double in_line = 0.01;        ///< [m] before it enters
     double aligned = 0.03;        ///< [rad] the same
@@ -161,8 +154,6 @@ struct Params {
     double room_to_turn = 0.06;   ///< [m] ahead of the robot as it lines up
     double room_before = 0.1;     ///< [m] by which it may begin earlier than the map says
     double convergence = 0.08;    ///< [m] of way in which a differential base comes back to its line
-    double turn_rate = 0.3;       ///< [rad/s] at most
-    double hits_sight = 0.7;      ///< [m] around the robot, hits count
   };
   /// Arcs out of places too tight to turn in.
   struct Arcs {
@@ -170,14 +161,12 @@ struct Params {
     double reach = 1.2;             ///< [m] it looks so far
     double room = 0.02;             ///< [m] more than a turn takes, where a plan ends
     double encroachment = 0.003;    ///< [m] what is nearer may come so much nearer, until it touches
-    double thinning = 0.015;        ///< [m] hits nearer to each other than that are one
     double haste = 1.5;             ///< times the estimate: plans may be so much slower than the quickest
     double change = 1.0;            ///< [s] for going back where it went ahead, and the other way round
     int plans = 12;                 ///< at most
     Duration replan = 100ms;        ///< from plan to plan
     double tolerance_step = 0.001;  ///< [m] by which hits may be nearer than what they are of, more each time
     Duration patience = 1500ms;     ///< without ...
-    double moved = 0.006;           ///< [m] ... so much of progress ...
     double turned = 0.03;           ///< [rad] ... or this
     double convergence = 0.05;      ///< [m] of way in which a heading is put right
   };
@@ -219,7 +208,6 @@ struct Params {
     double people_reach = 0.25;    ///< [m] beyond contact
     double people_blur = 0.05;     ///< [m] around people, hits are theirs
     double stray = 0.35;           ///< [m] beside its path that a plan may lead with its eyes open
-    double thinning = 0.012;       ///< [m] of obstacles nearer to each other one is enough
     Weights weights{};
   };
 

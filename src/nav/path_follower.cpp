@@ -199,11 +199,11 @@ Velocity PathFollower::straight(double distance, double offset, double heading) 
   const double most_turn = creep_.free_turn_rate;
   if (kinematics_ == Kinematics::holonomic) {
     const double aside = std::clamp(params_.position_gain * offset, -creep_.free_speed, creep_.free_speed);
-    return safe({forward, aside, std::clamp(params_.line_heading_gain * heading, -most_turn, most_turn)});
+    return safe({forward, aside, std::clamp(params_.heading_gain * heading, -most_turn, most_turn)});
   }
   const double towards_line = (forward >= 0.0 ? offset : -offset) / params_.line_convergence;
   const double slow = std::min(1.0, speed / creep_.free_speed);
-  const double omega = params_.line_heading_gain * (heading + towards_line * slow);
+  const double omega = params_.heading_gain * (heading + towards_line * slow);
   return safe({forward, 0.0, std::clamp(omega, -most_turn, most_turn)});
 }
 

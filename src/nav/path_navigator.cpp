@@ -49,7 +49,7 @@ PathNavigator::PathNavigator(const RobotProfile& profile)
 
 PathNavigator::PathNavigator(const RobotProfile& profile, const Params& params)
     : params_(params),
-      route_(costmap_settings(profile, params), profile.body.footprint.circumscribed_radius(), params),
+      route_(costmap_settings(profile, params), profile, params),
       limits_(profile.operating_limits),
       body_radius_(profile.body.footprint.circumscribed_radius()),
       margin_(safety::margin_of(profile)),
@@ -57,7 +57,7 @@ PathNavigator::PathNavigator(const RobotProfile& profile, const Params& params)
       follower_(profile, params),
       recovery_(profile, params),
       narrow_passage_(profile, params),
-      monitor_(profile.operating_limits.linear, params.progress) {
+      monitor_(profile.operating_limits.linear, params) {
   if (profile.lidar) lidar_ = profile.lidar->base_from_lidar.position(), range_min_ = profile.lidar->range_min;
 }
 
@@ -124,8 +124,8 @@ Velocity PathNavigator::within_zones(const Velocity& velocity) const {
     const double reaction = params_.motion.zone_reaction * limits_.linear;
     const double away = std::max(0.0, zone.distance_to(progress_.pose.position()) - body_radius_ - reaction);
     const double limit = *zone.speed_limit;
-    most =
-        std::min(most, exact::sqrt(limit * limit + 2.0 * params_.motion.zone_braking * limits_.linear_braking * away));
+    most = std::min(most,
+                    exact::sqrt(limit * limit + 2.0 * params_.follower.gentle_braking * limits_.linear_braking * away));
   }
   const double speed = exact::hypot(velocity.vx, velocity.vy);
   const double share = speed > most ? most / speed : 1.0;

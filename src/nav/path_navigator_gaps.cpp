@@ -3,6 +3,7 @@
 #include <optional>
 #include <vector>
 
+#include "core/exact.hpp"
 #include "map/blind_surface.hpp"
 #include "map/scan_hits.hpp"
 #include "nav/path_navigator.hpp"
@@ -37,7 +38,7 @@ bool PathNavigator::plan_through_gaps(const Observation& seen, double tolerance)
 
 // A gap is worth the time that it takes where the way round takes longer.
 void PathNavigator::plan_shortcut(const Observation& seen, double tolerance) {
-  const double detour = params_.bottleneck.passing * params_.bottleneck.detour_speed * limits_.linear;
+  const double detour = params_.bottleneck.passing * params_.motion.expected_speed * limits_.linear;
   if (!lidar_ || !route_.is_detour(detour)) return;
   std::vector<Vec2> hits;
   route_.plan_shortcut(without_noise(seen, hits), tolerance, detour);
@@ -132,7 +133,7 @@ bool PathNavigator::leaves_first(const Observation& seen) {
 // Through a gap, with less room than the gate keeps elsewhere.
 Decision PathNavigator::pass(const Observation& seen) {
   mark_moved();  // it is patient by itself
-  const std::vector<Vec2> hits = smoothed_hits(seen, params_.narrow_passage.hits_sight);
+  const std::vector<Vec2> hits = smoothed_hits(seen, exact::sqrt(2.0) * params_.narrow_passage.sight);
   follower_.update(transformed(inverse(odom_from_base_), hits), params_.creep.margin - margin_);
 
   const Velocity velocity = narrow_passage_.step(now_, odom_from_base_, hits, follower_);

@@ -14,7 +14,7 @@ void ProgressMonitor::begin(Time now) {
 
 void ProgressMonitor::update(Time now, Vec2 position, double distance_left) {
   longest_ = std::max(longest_, distance_left);
-  const auto cell = [this](double metres) { return static_cast<int>(std::floor(metres / params_.place)); };
+  const auto cell = [this](double metres) { return static_cast<int>(std::floor(metres / place_)); };
   const bool new_place = visited_.insert({cell(position.x), cell(position.y)}).second;
   const bool nearer = distance_left > 0.0 && distance_left < nearest_ - params_.nearer;
   if (nearer) nearest_ = distance_left;

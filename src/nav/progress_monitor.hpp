@@ -18,8 +18,10 @@ namespace threewe::nav {
 class ProgressMonitor {
  public:
   /// `speed_limit` [m/s]: of which the robot covers ground at a share, all its turns and stops included.
-  ProgressMonitor(double speed_limit, const Params::Progress& params)
-      : params_(params), speed_(params.mean_speed * speed_limit) {}
+  ProgressMonitor(double speed_limit, const Params& params)
+      : params_(params.progress),
+        place_(params.recovery.same_place),
+        speed_(params.progress.mean_speed * speed_limit) {}
 
   /// A motion begins.
   void begin(Time now);
@@ -29,6 +31,7 @@ class ProgressMonitor {
 
  private:
   Params::Progress params_;
+  double place_;                                              // [m] places that count as different ones
   double speed_;                                              // [m/s] all in all
   std::set<std::pair<int, int>> visited_;                     // cells
   double nearest_ = std::numeric_limits<double>::infinity();  // [m] the least that was left

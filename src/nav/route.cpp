@@ -35,22 +35,24 @@ Vec2 robot_in(const Observation& seen) { return seen.pose.map_from_base().positi
 // by half a cell; but not where a wall has hardly been seen yet.
 map::Costmap::Settings through_gaps(map::Costmap::Settings settings, const Params::Bottleneck& params) {
   settings.unknown_radius = settings.lethal_radius;
-  settings.lethal_radius = std::max(settings.lethal_radius - params.coarseness, params.least_radius);
+  settings.lethal_radius = std::max(settings.lethal_radius - params.coarseness, params.coarseness);
   return settings;
 }
 
 }  // namespace
 
-Route::Route(const map::Costmap::Settings& costmap, double body_radius, const Params& params)
+Route::Route(const map::Costmap::Settings& costmap, const RobotProfile& profile, const Params& params)
     : params_(params.route),
       frontier_params_(params.frontier),
       bottleneck_params_(params.bottleneck),
       clear_{map::Costmap(costmap), {}, {}},
       squeezed_{map::Costmap(through_gaps(costmap, params.bottleneck)), {}, {}},
-      body_radius_(body_radius),
+      body_radius_(profile.body.footprint.circumscribed_radius()),
+      margin_(profile.margin()),
+      same_place_(params.recovery.same_place),
+      approach_speed_(params.progress.mean_speed * profile.operating_limits.linear),
       path_end_(params.motion.path_end),
-      people_blur_(params.mppi.people_blur),
-      tight_clearance_(costmap.lethal_radius + params.route.tight) {}
+      people_blur_(params.mppi.people_blur) {}
 
 void Route::set_zones(const std::vector<map::Zone>& zones, double speed) {
   clear_.costmap.set_zones(zones, speed);
@@ -347,7 +349,7 @@ bool Route::is_lethal(Vec2 place) const {
 }
 
 bool Route::failed_often(Vec2 place) const {
-  return std::ranges::count_if(failures_, near(place, params_.same_place)) >= params_.attempts;
+  return std::ranges::count_if(failures_, near(place, same_place_)) >= params_.attempts;
 }
 
 // Where it has been it can go, whatever a narrow place looks like from within.
@@ -359,7 +361,7 @@ bool Route::has_driven(Vec2 place) const {
 void Route::note_closure() {
   const std::optional<Vec2> closed = first_lethal();
   if (!closed) return;
-  if (std::ranges::any_of(closures_, near(*closed, params_.same_place))) {
+  if (std::ranges::any_of(closures_, near(*closed, same_place_))) {
     avoid(*closed);
   } else {
     closures_.push_back(*closed);

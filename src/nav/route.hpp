@@ -14,6 +14,7 @@
 #include "nav/mover.hpp"
 #include "nav/params.hpp"
 #include "nav/planner.hpp"
+#include "threewe/hardware/profile.hpp"
 #include "threewe/nav/navigator.hpp"
 
 namespace threewe::nav {
@@ -28,8 +29,7 @@ struct Bottleneck {
 /// Waypoints, a path through them, and what was learned about places that cannot be passed. All in `map`.
 class Route {
  public:
-  /// `body_radius` [m]: of a disc around the robot, where it evidently fits.
-  Route(const map::Costmap::Settings& costmap, double body_radius, const Params& params);
+  Route(const map::Costmap::Settings& costmap, const RobotProfile& profile, const Params& params);
 
   /// Begins anew, through `waypoints`; along the straight lines between them where those are free, if `drawn`.
   void begin(std::vector<Vec2> waypoints, bool drawn);
@@ -119,6 +119,7 @@ class Route {
   void take_map(Layer& layer, const Observation& seen, const std::vector<Vec2>& obstacles,
                 const std::vector<Vec2>& include);
   double clearance(Vec2 place) const;
+  double tight_clearance() const;
   bool is_lethal(Vec2 place) const;
   std::optional<Vec2> first_lethal() const;
   Time patience_with(const Bottleneck& neck, Time now);
@@ -135,13 +136,15 @@ class Route {
   Params::Route params_;
   Params::Frontier frontier_params_;
   Params::Bottleneck bottleneck_params_;
-  Layer clear_;        // of paths that keep their distance
-  Layer squeezed_;     // of those through gaps
-  GridSearch search_;  // for frontiers
-  double body_radius_;
-  double path_end_;         // [m] a path ends so much within the tolerance, for the robot may stop before its end
-  double people_blur_;      // [m] around movers, hits are theirs
-  double tight_clearance_;  // [m] where paths may need care
+  Layer clear_;            // of paths that keep their distance
+  Layer squeezed_;         // of those through gaps
+  GridSearch search_;      // for frontiers
+  double body_radius_;     // [m] of a disc around the robot, where it evidently fits
+  double margin_;          // [m] that the safety gate keeps free
+  double same_place_;      // [m] what is nearer to each other is in one place
+  double approach_speed_;  // [m/s] at which it comes to bottlenecks, all in all
+  double path_end_;        // [m] a path ends so much within the tolerance, for the robot may stop before its end
+  double people_blur_;     // [m] around movers, hits are theirs
 
   std::vector<Vec2> waypoints_;  // still to pass, the last is the goal
   bool drawn_ = false;

@@ -99,20 +99,20 @@ bool Route::plan_shortcut(const Observation& seen, double tolerance, double deto
 // Until when a gap is tried: for long enough to drive there, and for a while.
 Time Route::patience_with(const Bottleneck& neck, Time now) {
   const Vec2 place = neck.map_from_middle.position();
-  const auto known = std::ranges::find_if(attempts_, near(place, params_.same_place), &Attempt::place);
+  const auto known = std::ranges::find_if(attempts_, near(place, same_place_), &Attempt::place);
   if (known != attempts_.end()) return known->until;
   if (attempts_.empty()) hope_ = now + bottleneck_params_.patience;
-  attempts_.push_back({place, now + bottleneck_params_.first_patience +
-                                  from_seconds(path_length(path_) / bottleneck_params_.approach_speed)});
+  attempts_.push_back(
+      {place, now + bottleneck_params_.first_patience + from_seconds(path_length(path_) / approach_speed_)});
   return attempts_.back().until;
 }
 
 std::optional<Bottleneck> Route::tight_place_ahead(Vec2 robot) const {
-  const auto is_tight = [&](Vec2 p) { return clearance(p) < tight_clearance_; };
+  const auto is_tight = [&](Vec2 p) { return clearance(p) < tight_clearance(); };
   const std::optional<Vec2> place = first_along(path_, clear_.costmap.resolution(), is_tight);
   if (!place || distance(*place, robot) > bottleneck_params_.ahead) return {};
   const Bottleneck found = bottleneck_about(*place, is_tight);
-  const auto is_same = near(found.map_from_middle.position(), params_.same_place);
+  const auto is_same = near(found.map_from_middle.position(), same_place_);
   if (std::ranges::any_of(tight_, is_same) || std::ranges::any_of(exhausted_, is_same)) return {};
   return found;
 }
@@ -121,7 +121,7 @@ bool Route::squeeze_ahead(Vec2 robot) {
   const std::optional<Bottleneck> found = tight_place_ahead(robot);
   if (!found) return false;
   tight_.push_back(found->map_from_middle.position());
-  std::erase_if(avoided_, near(tight_.back(), params_.same_place));
+  std::erase_if(avoided_, near(tight_.back(), same_place_));
   return true;
 }
 
@@ -131,36 +131,42 @@ std::optional<Bottleneck> Route::known_bottleneck() const {
   for (const Vec2 gap : tight_) {
     const PathPoint nearest = nearest_on_path(path_, gap, kWhole);
     if (distance(nearest.point, gap) > kOffPath * clear_.costmap.resolution()) continue;
-    return bottleneck_about(nearest.point, [&](Vec2 p) { return clearance(p) < tight_clearance_; });
+    return bottleneck_about(nearest.point, [&](Vec2 p) { return clearance(p) < tight_clearance(); });
   }
   return {};
 }
 
 void Route::leave_bottleneck(Vec2 robot) {
-  const auto is_same = near(robot, params_.same_place);
+  const auto is_same = near(robot, same_place_);
   if (std::ranges::none_of(passed_, is_same))
     passed_.push_back(robot), hope_ = std::max(hope_, planned_ + bottleneck_params_.patience);
-  if (clearance(robot) < tight_clearance_ && std::ranges::none_of(exhausted_, is_same)) tight_.push_back(robot);
+  if (clearance(robot) < tight_clearance() && std::ranges::none_of(exhausted_, is_same)) tight_.push_back(robot);
   drop();
 }
 
 void Route::clear_bottleneck() {
-  std::erase_if(tight_, near(bottleneck_->map_from_middle.position(), params_.same_place));
+  std::erase_if(tight_, near(bottleneck_->map_from_middle.position(), same_place_));
   drop();
 }
 
 void Route::close_bottleneck(bool too_narrow) {
   const double spacing = 0.8 * clear_.costmap.resolution();  // [m] of a row of points from side to side
   const Pose2D middle = bottleneck_->map_from_middle;
-  std::erase_if(tight_, near(middle.position(), params_.same_place));
+  std::erase_if(tight_, near(middle.position(), same_place_));
   if (is_near_mover(middle.position())) return drop();
   exhausted_.push_back(middle.position());
   avoid(middle.position());
   if (too_narrow || failed_often(middle.position())) {
-    const int beside = 1 + static_cast<int>((clear_.costmap.resolution() + tight_clearance_) / spacing);
+    const int beside = 1 + static_cast<int>((clear_.costmap.resolution() + tight_clearance()) / spacing);
     for (int i = -beside; i <= beside; ++i) barred_.push_back(middle * Vec2{0.0, spacing * i});
   }
   drop();
+}
+
+// [m] Where paths may need care: so near that the gate keeps its margin, as far as cells can tell.
+double Route::tight_clearance() const {
+  const map::Costmap& costmap = clear_.costmap;
+  return costmap.settings().lethal_radius + margin_ + 0.5 * costmap.resolution();
 }
 
 double Route::clearance(Vec2 place) const { return clear_.costmap.clearance(clear_.costmap.cell(place)); }

@@ -143,7 +143,7 @@ void stamp_rows(const StampShape& shape, const Cells& filled, std::span<const St
 
 ObstacleField::ObstacleField(const Footprint& footprint, double reach, double sight, const Params& params)
     : cell_(std::max(params.follower.step, reach / (0.5 * kSide - 1.0))),
-      thinning_(params.mppi.thinning),
+      thinning_(params.follower.thinning),
       unit_(cell_ / kUnitsPerCell),
       sight_(static_cast<float>(sight)),
       cells_(kCells, kNothing),

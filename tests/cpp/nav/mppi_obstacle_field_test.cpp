@@ -47,7 +47,7 @@ class SlowTwin {
     cell_ = static_cast<float>(cell);
     Vec2 last{1e9, 1e9};
     for (const Vec2 p : c.obstacles) {
-      if (distance(p, last) < Params{}.mppi.thinning) continue;
+      if (distance(p, last) < Params{}.follower.thinning) continue;
       last = p;
       const auto x = static_cast<float>(p.x - c.middle.x + 0.5 * kSide * cell);
       const auto y = static_cast<float>(p.y - c.middle.y + 0.5 * kSide * cell);

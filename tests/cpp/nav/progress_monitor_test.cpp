@@ -22,20 +22,20 @@ Time drive(ProgressMonitor& monitor, double from, double to, double goal, Time b
 }
 
 TEST_CASE("a drive that gets on never stalls, however long it is") {
-  ProgressMonitor monitor(kSpeedLimit, {});
+  ProgressMonitor monitor(kSpeedLimit, Params{});
   monitor.begin(0s);
   CHECK(drive(monitor, 0.0, 500.0, 500.0, 0s, 2500s) == 2500s);
 }
 
 TEST_CASE("a robot that stands stalls after two minutes and twice the time that the rest of its path takes") {
-  ProgressMonitor monitor(kSpeedLimit, {});
+  ProgressMonitor monitor(kSpeedLimit, Params{});
   monitor.begin(0s);
   const double stalled = to_seconds(drive(monitor, 0.0, 0.0, 10.0, 0s, 10000s));
   CHECK(stalled == doctest::Approx(120.0 + 2.0 * 10.0 / kSpeed).epsilon(0.01));
 }
 
 TEST_CASE("a robot that goes all the way back to take another way does not stall on the way back") {
-  ProgressMonitor monitor(kSpeedLimit, {});
+  ProgressMonitor monitor(kSpeedLimit, Params{});
   monitor.begin(0s);
   const Time there = drive(monitor, 0.0, 60.0, 61.0, 0s, 310s);
   REQUIRE(there == 310s);
@@ -45,7 +45,7 @@ TEST_CASE("a robot that goes all the way back to take another way does not stall
 }
 
 TEST_CASE("a robot that wavers between two ways stalls") {
-  ProgressMonitor monitor(kSpeedLimit, {});
+  ProgressMonitor monitor(kSpeedLimit, Params{});
   monitor.begin(0s);
   Time now = 0s;
   for (int i = 0; i < 200 && !monitor.stalled(now); ++i) {
@@ -56,7 +56,7 @@ TEST_CASE("a robot that wavers between two ways stalls") {
 }
 
 TEST_CASE("a motion that begins has nothing to do with the one before") {
-  ProgressMonitor monitor(kSpeedLimit, {});
+  ProgressMonitor monitor(kSpeedLimit, Params{});
   monitor.begin(0s);
   const Time stalled = drive(monitor, 0.0, 0.0, 1.0, 0s, 1000s);
   CHECK(monitor.stalled(stalled));

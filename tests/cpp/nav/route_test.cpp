@@ -16,8 +16,6 @@ namespace {
 
 using map::OccupancyGrid;
 
-constexpr double kBody = 0.17;  // [m]
-
 void fill(OccupancyGrid& grid, Vec2 low, Vec2 high, std::int8_t value) {
   for (int y = 0; y < grid.height; ++y) {
     for (int x = 0; x < grid.width; ++x) {
@@ -44,7 +42,8 @@ OccupancyGrid hall() {
 struct Explorer {
   OccupancyGrid grid = hall();
   std::uint64_t version = 1;
-  Route route{{.lethal_radius = 0.13, .caution_radius = 0.4, .near_weight = 16}, kBody, Params{}};
+  Route route{
+      {.lethal_radius = 0.13, .caution_radius = 0.4, .near_weight = 16}, load_profile("3we_standard_v2"), Params{}};
   Vec2 here{2.0, 1.2};
   Time now{};
   int changes_of_mind = 0;
@@ -131,7 +130,8 @@ TEST_CASE("a slit as wide as the robot is passed only when there is no other way
   fill(grid, {0.1, 2.55}, {3.9, 3.9}, OccupancyGrid::kFree);
   fill(grid, {0.1, 2.45}, {4.0, 2.55}, OccupancyGrid::kOccupied);
   fill(grid, {1.9, 2.45}, {2.05, 2.55}, OccupancyGrid::kFree);
-  Route route({.lethal_radius = 0.12, .caution_radius = 0.4, .near_weight = 16}, kBody, Params{});
+  Route route({.lethal_radius = 0.12, .caution_radius = 0.4, .near_weight = 16}, load_profile("3we_standard_v2"),
+              Params{});
   slam::PoseEstimate pose;
   pose.odom_from_base = {1.0, 1.2, 0.0};
   const Observation seen{Time{}, pose, grid, 1, {}};
@@ -162,7 +162,8 @@ TEST_CASE("a path that closes before the robot is worth a slit where the way rou
   fill(grid, {0.1, 2.45}, {4.0, 2.55}, OccupancyGrid::kOccupied);
   fill(grid, {0.3, 2.45}, {0.6, 2.55}, OccupancyGrid::kFree);
   fill(grid, {3.4, 2.45}, {3.9, 2.55}, OccupancyGrid::kFree);
-  Route route({.lethal_radius = 0.12, .caution_radius = 0.4, .near_weight = 16}, kBody, Params{});
+  Route route({.lethal_radius = 0.12, .caution_radius = 0.4, .near_weight = 16}, load_profile("3we_standard_v2"),
+              Params{});
   slam::PoseEstimate pose;
   pose.odom_from_base = {0.45, 1.9, 0.0};
   const Observation before{Time{}, pose, grid, 1, {}};
@@ -196,7 +197,8 @@ TEST_CASE("a gap in which the robot got stuck again and again counts as a bottle
   fill(grid, {0.1, 2.55}, {3.9, 3.9}, OccupancyGrid::kFree);
   fill(grid, {1.8, 2.45}, {2.1, 2.55}, OccupancyGrid::kFree);
   fill(grid, {2.1, 2.45}, {2.3, 2.55}, OccupancyGrid::kOccupied);
-  Route route({.lethal_radius = 0.12, .caution_radius = 0.4, .near_weight = 16}, kBody, Params{});
+  Route route({.lethal_radius = 0.12, .caution_radius = 0.4, .near_weight = 16}, load_profile("3we_standard_v2"),
+              Params{});
   slam::PoseEstimate pose;
   pose.odom_from_base = {1.95, 2.1, 0.0};
   const Observation seen{Time{}, pose, grid, 1, {}};
