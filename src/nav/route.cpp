@@ -49,10 +49,10 @@ Route::Route(const map::Costmap::Settings& costmap, const RobotProfile& profile,
       squeezed_{map::Costmap(through_gaps(costmap, params.bottleneck)), {}, {}},
       body_radius_(profile.body.footprint.circumscribed_radius()),
       margin_(profile.margin()),
-      same_place_(params.recovery.same_place),
       approach_speed_(params.progress.mean_speed * profile.operating_limits.linear),
       path_end_(params.motion.path_end),
-      people_blur_(params.mppi.people_blur) {}
+      people_blur_(params.mppi.people_blur),
+      memory_(params) {}
 
 void Route::set_zones(const std::vector<map::Zone>& zones, double speed) {
   clear_.costmap.set_zones(zones, speed);
@@ -66,43 +66,20 @@ void Route::begin(std::vector<Vec2> waypoints, bool drawn) {
   drop();
   frontier_.reset();
   gap_ = 0.0;
-  avoided_.clear();
-  closures_.clear();
-  failures_.clear();
-  attempts_.clear();
-  passed_.clear();
-  tight_.clear();
-  exhausted_.clear();
-  barred_.clear();
-  driven_.clear();
-  movers_.clear();
-}
-
-// Where it has come by may still be marked in the map: a trail of places, the newest of which follows it.
-void Route::note_mover(const std::string& name, Vec2 position, double radius) {
-  constexpr std::size_t kMost = 256;
-  const auto is_it = [&](const Mover& m) { return m.name == name; };
-  const auto newest = std::find_if(movers_.rbegin(), movers_.rend(), is_it);
-  const auto before = newest == movers_.rend() ? newest : std::find_if(newest + 1, movers_.rend(), is_it);
-  if (before != movers_.rend() && distance(newest->position, before->position) < 0.5 * radius) {
-    newest->position = position;
-    return;
-  }
-  if (movers_.size() == kMost) movers_.erase(movers_.begin());
-  movers_.push_back({name, position, radius});
+  memory_.clear();
 }
 
 // As near as a robot comes that waits for it, or meets it in a doorway.
 bool Route::is_near_mover(Vec2 place) const {
-  return mover_near(place, movers_, body_radius_ + params_.mover_distance) != nullptr;
+  return mover_near(place, memory_.movers(), body_radius_ + params_.mover_distance) != nullptr;
 }
 
 bool Route::plan_to_goal(const Observation& seen, double tolerance) {
   if (squeezed_path_) drop();  // a path that keeps its distance is better, wherever it leads
   bool found = try_plan(clear_, seen, tolerance);
-  if (!found && !avoided_.empty()) {
+  if (!found && memory_.avoids_any()) {
     // what is avoided may have closed the only way
-    avoided_.clear();
+    memory_.stop_avoiding();
     found = try_plan(clear_, seen, tolerance);
   }
   if (found) bottleneck_ = known_bottleneck();
@@ -148,15 +125,15 @@ bool Route::try_plan(Layer& layer, const Observation& seen, double tolerance) {
 
 // Plans in a map from which they have been erased. Who is met is said to be where it was last seen.
 std::optional<Mover> Route::mover_in_the_way(const Observation& seen, double tolerance) const {
-  if (movers_.empty()) return {};
+  if (memory_.movers().empty()) return {};
   map::OccupancyGrid grid = seen.map;
   if (!seen.peers.empty()) merge_maps(seen.map, seen.peers, grid);
   const double blur = people_blur_ + grid.resolution;  // [m] that hits in cells may be off
-  erase_movers(grid, movers_, blur);
-  std::vector<Vec2> obstacles = barred_;
+  erase_movers(grid, memory_.movers(), blur);
+  std::vector<Vec2> obstacles = memory_.places(Outcome::barred);
   for (const Vec2 p : seen.obstacles) {
     const Vec2 in_map = seen.pose.map_from_odom * p;
-    if (mover_near(in_map, movers_, blur) == nullptr) obstacles.push_back(in_map);
+    if (mover_near(in_map, memory_.movers(), blur) == nullptr) obstacles.push_back(in_map);
   }
   map::Costmap costmap(clear_.costmap.settings());
   costmap.update(grid, obstacles, relevant_places(seen), kRim);
@@ -170,21 +147,21 @@ std::optional<Mover> Route::mover_in_the_way(const Observation& seen, double tol
     const PlannedPath leg = planner.plan(costmap, from, waypoint, tolerance);
     if (leg.points.empty()) return {};
     first_along(leg.points, costmap.resolution(), [&](Vec2 p) {
-      if (met == nullptr) met = mover_near(p, movers_, body_radius_);
+      if (met == nullptr) met = mover_near(p, memory_.movers(), body_radius_);
       return met != nullptr;
     });
     from = waypoint;
   }
   if (met == nullptr) return {};
-  return *std::ranges::find(std::views::reverse(movers_), met->name, &Mover::name);
+  return *std::ranges::find(std::views::reverse(memory_.movers()), met->name, &Mover::name);
 }
 
 bool Route::plan_to_frontier(const Observation& seen, bool thorough) {
   if (try_frontier(seen, thorough)) return true;
-  if (avoided_.empty()) return false;
+  if (!memory_.avoids_any()) return false;
 
   // what is avoided may have closed the only way
-  avoided_.clear();
+  memory_.stop_avoiding();
   return try_frontier(seen, thorough);
 }
 
@@ -248,7 +225,7 @@ void Route::drop() {
 }
 
 void Route::advance(Vec2 robot) {
-  if (driven_.empty() || distance(driven_.back(), robot) > params_.driven_spacing) driven_.push_back(robot);
+  memory_.note_driven(robot);
   if (has_path()) {
     const PathPoint here = nearest_on_path(path_, robot);
     path_.erase(path_.begin(), path_.begin() + static_cast<std::ptrdiff_t>(here.piece));
@@ -262,7 +239,7 @@ void Route::advance(Vec2 robot) {
 
 bool Route::avoid_ahead(bool end_too) {
   if (!has_path()) return false;
-  if (end_too) avoided_.push_back(path_.back());
+  if (end_too) memory_.avoid(Outcome::excused, path_.back());
   if (path_length(path_) <= params_.ahead) return false;
   return avoid(point_after(path_, {0, path_.front()}, params_.ahead));
 }
@@ -274,8 +251,7 @@ bool Route::is_stale(const Observation& seen, Duration period) const {
 
 void Route::renew(Layer& layer, const Observation& seen) {
   // what the lidar sees now counts too, where the map may not have it yet
-  std::vector<Vec2> obstacles = avoided_;
-  obstacles.insert(obstacles.end(), barred_.begin(), barred_.end());
+  std::vector<Vec2> obstacles = memory_.obstacles();
   for (const Vec2 p : seen.obstacles) obstacles.push_back(seen.pose.map_from_odom * p);
   take_map(layer, seen, obstacles, relevant_places(seen));
   layer.costmap.open_around(robot_in(seen), body_radius_ + kOpenCells * seen.map.resolution);
@@ -320,17 +296,16 @@ bool Route::passed_waypoint(Vec2 robot) const {
 // unknown space, or to a frontier, they avoid it for good: the robot cannot look there. True when that has been
 // decided.
 bool Route::avoid(Vec2 place) {
-  avoided_.push_back(place);
-  if (is_near_mover(place)) return false;
-  failures_.push_back(place);
-  if (!failed_often(place) || has_driven(place)) return false;
+  const bool excused = is_near_mover(place);
+  memory_.avoid(excused ? Outcome::excused : Outcome::failed, place);
+  if (excused || !memory_.failed_often(place) || memory_.has_driven(place)) return false;
   const auto is_entrance = [&](Vec2 p) {
     return clear_.costmap.unknown(clear_.costmap.cell(p)) && distance(p, place) < params_.entrance;
   };
   const std::optional<Vec2> entrance = first_along(path_, clear_.costmap.resolution(), is_entrance);
   if (!entrance && !waypoints_.empty()) return false;
-  barred_.push_back(place);
-  if (entrance) barred_.push_back(*entrance);
+  memory_.note(Outcome::barred, place);
+  if (entrance) memory_.note(Outcome::barred, *entrance);
   return true;
 }
 
@@ -348,23 +323,14 @@ bool Route::is_lethal(Vec2 place) const {
   return clear_.costmap.weight(clear_.costmap.cell(place)) == map::Costmap::kLethal;
 }
 
-bool Route::failed_often(Vec2 place) const {
-  return std::ranges::count_if(failures_, near(place, same_place_)) >= params_.attempts;
-}
-
-// Where it has been it can go, whatever a narrow place looks like from within.
-bool Route::has_driven(Vec2 place) const {
-  return std::ranges::any_of(driven_, near(place, 2.0 * params_.driven_spacing));
-}
-
 // The path is blocked. A place that looked open from afar twice and was not is avoided from then on.
 void Route::note_closure() {
   const std::optional<Vec2> closed = first_lethal();
   if (!closed) return;
-  if (std::ranges::any_of(closures_, near(*closed, same_place_))) {
+  if (memory_.has(Outcome::closed, *closed)) {
     avoid(*closed);
   } else {
-    closures_.push_back(*closed);
+    memory_.note(Outcome::closed, *closed);
   }
 }
 

@@ -14,6 +14,7 @@
 #include "nav/mover.hpp"
 #include "nav/params.hpp"
 #include "nav/planner.hpp"
+#include "nav/route_memory.hpp"
 #include "threewe/hardware/profile.hpp"
 #include "threewe/nav/navigator.hpp"
 
@@ -36,9 +37,9 @@ class Route {
 
   /// A peer or a moving obstacle is here. What closes near it is open again when it has gone: that is held against no
   /// place.
-  void note_mover(const std::string& name, Vec2 position, double radius);
+  void note_mover(const std::string& name, Vec2 position, double radius) { memory_.note_mover(name, position, radius); }
   /// Where movers have been in this motion, the newest last.
-  std::span<const Mover> movers() const { return movers_; }
+  std::span<const Mover> movers() const { return memory_.movers(); }
   /// Where plans may not lead, or better not, at a speed [m/s] elsewhere.
   void set_zones(const std::vector<map::Zone>& zones, double speed);
   /// Plans through the waypoints that are left, to within `tolerance` [m] of each. False: everything within reach was
@@ -105,12 +106,6 @@ class Route {
     std::optional<std::uint64_t> version;  // of our map, where the costmap has that alone
   };
 
-  /// A gap that paths lead through for the time being.
-  struct Attempt {
-    Vec2 place;
-    Time until{};
-  };
-
   std::vector<Vec2> relevant_places(const Observation& seen) const;
   bool try_plan(Layer& layer, const Observation& seen, double tolerance);
   bool try_frontier(const Observation& seen, bool thorough);
@@ -127,9 +122,7 @@ class Route {
   template <class Narrow>
   Bottleneck bottleneck_about(Vec2 place, Narrow narrow) const;
   bool avoid(Vec2 place);
-  bool failed_often(Vec2 place) const;
   bool is_near_mover(Vec2 place) const;
-  bool has_driven(Vec2 place) const;
   bool passed_waypoint(Vec2 robot) const;
   void note_closure();
 
@@ -141,7 +134,6 @@ class Route {
   GridSearch search_;      // for frontiers
   double body_radius_;     // [m] of a disc around the robot, where it evidently fits
   double margin_;          // [m] that the safety gate keeps free
-  double same_place_;      // [m] what is nearer to each other is in one place
   double approach_speed_;  // [m/s] at which it comes to bottlenecks, all in all
   double path_end_;        // [m] a path ends so much within the tolerance, for the robot may stop before its end
   double people_blur_;     // [m] around movers, hits are theirs
@@ -156,18 +148,9 @@ class Route {
   bool planned_once_ = false;
   Time planned_{};
   std::uint64_t planned_version_ = 0;
-  map::OccupancyGrid shared_;   // with what peers have mapped
-  std::vector<Vec2> avoided_;   // [m] the planner saw a way here, the tracker did not
-  std::vector<Vec2> closures_;  // [m] where a path that was followed turned out to be blocked
-  std::vector<Vec2> failures_;  // [m] what was ever avoided in this motion
-  std::vector<Attempt> attempts_;
-  Time hope_{};                  // until when gaps are tried
-  std::vector<Vec2> passed_;     // [m] behind gaps
-  std::vector<Vec2> tight_;      // [m] gaps in which it got stuck ...
-  std::vector<Vec2> exhausted_;  // [m] ... and could not be passed
-  std::vector<Vec2> barred_;     // [m] what it has failed to look into too often, or is too narrow
-  std::vector<Vec2> driven_;     // [m] where it has been in this motion
-  std::vector<Mover> movers_;
+  map::OccupancyGrid shared_;  // with what peers have mapped
+  RouteMemory memory_;
+  Time bottlenecks_until_{};  // they are tried
   std::vector<std::uint16_t> frontiers_;
   std::optional<Vec2> frontier_;  // [m] that it is on the way to
   bool left_some_ = false;        // frontiers that are not worth the way

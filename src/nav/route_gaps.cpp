@@ -56,7 +56,7 @@ Bottleneck Route::bottleneck_about(Vec2 place, Narrow narrow) const {
 
 bool Route::plan_through_gaps(const Observation& seen, double tolerance, double longest) {
   constexpr int kMostAtOnce = 3;  // that are given up
-  if (!attempts_.empty() && seen.now > hope_) return false;
+  if (memory_.has(Outcome::tried) && seen.now > bottlenecks_until_) return false;
   for (int i = 0; i < kMostAtOnce; ++i) {
     squeezed_path_ = try_plan(squeezed_, seen, tolerance);
     if (!squeezed_path_) return false;
@@ -73,7 +73,7 @@ bool Route::plan_through_gaps(const Observation& seen, double tolerance, double 
 
 // What a mover has closed it will open.
 bool Route::is_detour(double detour) const {
-  if (std::ranges::all_of(closures_, [&](Vec2 p) { return is_near_mover(p); })) return false;
+  if (std::ranges::all_of(memory_.places(Outcome::closed), [&](Vec2 p) { return is_near_mover(p); })) return false;
   return path_length(path_) - detour >= distance(path_.front(), waypoints_.back());
 }
 
@@ -82,14 +82,13 @@ bool Route::plan_shortcut(const Observation& seen, double tolerance, double deto
   if (!is_detour(detour)) return false;
   const double longest = path_length(path_) - detour;
   std::vector<Vec2> path = std::exchange(path_, {});
-  std::vector<Vec2> avoided = avoided_;
-  std::erase_if(avoided_, [&](Vec2 p) { return !failed_often(p); });
+  memory_.suspend_avoiding();
   std::vector<std::size_t> corners_from = corners_from_;
   const double gap = gap_;
   if (plan_through_gaps(seen, tolerance, longest)) return true;
   squeezed_path_ = false;
   path_ = std::move(path);
-  avoided_ = std::move(avoided);
+  memory_.resume_avoiding();
   corners_from_ = std::move(corners_from);
   gap_ = gap;
   bottleneck_ = known_bottleneck();
@@ -99,12 +98,11 @@ bool Route::plan_shortcut(const Observation& seen, double tolerance, double deto
 // Until when a gap is tried: for long enough to drive there, and for a while.
 Time Route::patience_with(const Bottleneck& neck, Time now) {
   const Vec2 place = neck.map_from_middle.position();
-  const auto known = std::ranges::find_if(attempts_, near(place, same_place_), &Attempt::place);
-  if (known != attempts_.end()) return known->until;
-  if (attempts_.empty()) hope_ = now + bottleneck_params_.patience;
-  attempts_.push_back(
-      {place, now + bottleneck_params_.first_patience + from_seconds(path_length(path_) / approach_speed_)});
-  return attempts_.back().until;
+  if (const std::optional<Time> until = memory_.tried_until(place)) return *until;
+  if (!memory_.has(Outcome::tried)) bottlenecks_until_ = now + bottleneck_params_.patience;
+  const Time until = now + bottleneck_params_.first_patience + from_seconds(path_length(path_) / approach_speed_);
+  memory_.note_tried(place, until);
+  return until;
 }
 
 std::optional<Bottleneck> Route::tight_place_ahead(Vec2 robot) const {
@@ -112,23 +110,23 @@ std::optional<Bottleneck> Route::tight_place_ahead(Vec2 robot) const {
   const std::optional<Vec2> place = first_along(path_, clear_.costmap.resolution(), is_tight);
   if (!place || distance(*place, robot) > bottleneck_params_.ahead) return {};
   const Bottleneck found = bottleneck_about(*place, is_tight);
-  const auto is_same = near(found.map_from_middle.position(), same_place_);
-  if (std::ranges::any_of(tight_, is_same) || std::ranges::any_of(exhausted_, is_same)) return {};
+  const Vec2 middle = found.map_from_middle.position();
+  if (memory_.has(Outcome::stuck, middle) || memory_.has(Outcome::exhausted, middle)) return {};
   return found;
 }
 
 bool Route::squeeze_ahead(Vec2 robot) {
   const std::optional<Bottleneck> found = tight_place_ahead(robot);
   if (!found) return false;
-  tight_.push_back(found->map_from_middle.position());
-  std::erase_if(avoided_, near(tight_.back(), same_place_));
+  memory_.note(Outcome::stuck, found->map_from_middle.position());
+  memory_.stop_avoiding(found->map_from_middle.position());
   return true;
 }
 
 // The path through a gap in which the robot got stuck.
 std::optional<Bottleneck> Route::known_bottleneck() const {
   constexpr double kOffPath = 2.0;  // [cells] a gap lies on the path so near to it
-  for (const Vec2 gap : tight_) {
+  for (const Vec2 gap : memory_.places(Outcome::stuck)) {
     const PathPoint nearest = nearest_on_path(path_, gap, kWhole);
     if (distance(nearest.point, gap) > kOffPath * clear_.costmap.resolution()) continue;
     return bottleneck_about(nearest.point, [&](Vec2 p) { return clearance(p) < tight_clearance(); });
@@ -137,28 +135,30 @@ std::optional<Bottleneck> Route::known_bottleneck() const {
 }
 
 void Route::leave_bottleneck(Vec2 robot) {
-  const auto is_same = near(robot, same_place_);
-  if (std::ranges::none_of(passed_, is_same))
-    passed_.push_back(robot), hope_ = std::max(hope_, planned_ + bottleneck_params_.patience);
-  if (clearance(robot) < tight_clearance() && std::ranges::none_of(exhausted_, is_same)) tight_.push_back(robot);
+  if (!memory_.has(Outcome::passed, robot)) {
+    memory_.note(Outcome::passed, robot);
+    bottlenecks_until_ = std::max(bottlenecks_until_, planned_ + bottleneck_params_.patience);
+  }
+  const bool is_tight = clearance(robot) < tight_clearance();
+  if (is_tight && !memory_.has(Outcome::exhausted, robot)) memory_.note(Outcome::stuck, robot);
   drop();
 }
 
 void Route::clear_bottleneck() {
-  std::erase_if(tight_, near(bottleneck_->map_from_middle.position(), same_place_));
+  memory_.forget(Outcome::stuck, bottleneck_->map_from_middle.position());
   drop();
 }
 
 void Route::close_bottleneck(bool too_narrow) {
   const double spacing = 0.8 * clear_.costmap.resolution();  // [m] of a row of points from side to side
   const Pose2D middle = bottleneck_->map_from_middle;
-  std::erase_if(tight_, near(middle.position(), same_place_));
+  memory_.forget(Outcome::stuck, middle.position());
   if (is_near_mover(middle.position())) return drop();
-  exhausted_.push_back(middle.position());
+  memory_.note(Outcome::exhausted, middle.position());
   avoid(middle.position());
-  if (too_narrow || failed_often(middle.position())) {
+  if (too_narrow || memory_.failed_often(middle.position())) {
     const int beside = 1 + static_cast<int>((clear_.costmap.resolution() + tight_clearance()) / spacing);
-    for (int i = -beside; i <= beside; ++i) barred_.push_back(middle * Vec2{0.0, spacing * i});
+    for (int i = -beside; i <= beside; ++i) memory_.note(Outcome::barred, middle * Vec2{0.0, spacing * i});
   }
   drop();
 }
