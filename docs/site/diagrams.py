@@ -244,9 +244,40 @@ def threads() -> None:
     d.save("threads")
 
 
+def localization_state() -> None:
+    """How far a robot knows where it is."""
+    d = Drawing(780, 400, "The states of localization, and what leads from one to another")
+    d.box(40, 70, 220, 76, "tracking\nscans fit the map\nat the estimated pose", GREEN)
+    d.box(520, 70, 220, 76, "doubting\nthe prior map is contradicted;\nit is searched meanwhile", BLUE)
+    d.box(40, 270, 220, 76, "lost\nthe pose is where it was last;\nthe whole map is searched", ORANGE)
+    d.box(520, 270, 220, 76, "relocating\nthe search found one pose;\nlater scans must fit there", GREY)
+    d.words(150, 30, "an initial pose, or a map of its own")
+    d.arrow((150, 38), (150, 70))
+    d.words(150, 388, "a prior map alone")
+    d.arrow((150, 374), (150, 346))
+    d.arrow((260, 92), (520, 92))
+    d.words(390, 84, "prior map contradicted")
+    d.arrow((520, 124), (260, 124))
+    d.words(390, 142, "it agrees again, or relocalized")
+    d.arrow((90, 146), (90, 270))
+    d.words(84, 196, "no scan fits", "end")
+    d.words(84, 214, "for 2 s", "end")
+    d.arrow((180, 270), (180, 146))
+    d.words(188, 214, "recognised", "start")
+    d.arrow((620, 146), (620, 180), (290, 180), (250, 270))
+    d.words(480, 172, "no scan fits for 2 s")
+    d.arrow((260, 292), (520, 292))
+    d.words(390, 284, "one pose found")
+    d.arrow((520, 324), (260, 324))
+    d.words(390, 342, "a scan does not fit there")
+    d.arrow((560, 270), (560, 236), (300, 236), (226, 146))
+    d.words(470, 228, "three scans fit there: relocalized")
+    d.save("localization_state")
+
+
 def draw_all() -> None:
     """Writes every diagram."""
-    for draw in (data_flow, frames, tick, threads):
+    for draw in (data_flow, frames, tick, threads, localization_state):
         draw()
 
 

@@ -39,6 +39,7 @@ namespace {
 
 using namespace threewe;
 using safety::Intervention;
+using slam::LocalizationState;
 using slam::PoseEstimate;
 
 /// What an observer sees, copied, so that it may keep it.
@@ -146,6 +147,14 @@ void bind_results(nb::module_& m) {
 }
 
 void bind_views(nb::module_& m) {
+  NamedEnum<LocalizationState>(m, "LocalizationState", "How far a robot knows where it is in its map.")
+      .value("tracking", LocalizationState::tracking, "Scans fit the map where it is estimated to be.")
+      .value("doubting", LocalizationState::doubting,
+             "They fit, but the map that was given has long been contradicted; it is searched meanwhile.")
+      .value("lost", LocalizationState::lost, "They do not fit: the whole map is searched.")
+      .value("relocating", LocalizationState::relocating,
+             "The search found one pose; the next scans decide whether it is right.");
+
   nb::class_<PoseEstimate>(m, "PoseEstimate", "What is known about the robot's pose at one moment.")
       .def(Value())
       .def_ro("stamp", &PoseEstimate::stamp, "[s] of robot time")
@@ -157,7 +166,8 @@ void bind_views(nb::module_& m) {
           "covariance",
           [](const PoseEstimate& pose) { return ArrayView<double, nb::shape<3, 3>>(pose.covariance.data(), {3, 3}); },
           nb::rv_policy::reference_internal, "(3, 3) float64, of map_from_base: x, y [m], theta [rad]")
-      .def_prop_ro("lost", &PoseEstimate::lost);
+      .def_ro("state", &PoseEstimate::state)
+      .def_prop_ro("lost", &PoseEstimate::lost, "whether the pose is no more than where it was last");
 
   nb::class_<Tick>(m, "TickView", "What an observer sees at the end of every tick.")
       .def(Value())

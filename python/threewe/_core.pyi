@@ -1943,6 +1943,25 @@ class ExploreResult:
 
     def __repr__(self) -> str: ...
 
+class LocalizationState(enum.StrEnum):
+    """How far a robot knows where it is in its map."""
+
+    def __str__(self) -> str: ...
+
+    tracking = 'tracking'
+    """Scans fit the map where it is estimated to be."""
+
+    doubting = 'doubting'
+    """
+    They fit, but the map that was given has long been contradicted; it is searched meanwhile.
+    """
+
+    lost = 'lost'
+    """They do not fit: the whole map is searched."""
+
+    relocating = 'relocating'
+    """The search found one pose; the next scans decide whether it is right."""
+
 class PoseEstimate:
     """What is known about the robot's pose at one moment."""
 
@@ -1978,7 +1997,11 @@ class PoseEstimate:
         """(3, 3) float64, of map_from_base: x, y [m], theta [rad]"""
 
     @property
-    def lost(self) -> bool: ...
+    def state(self) -> LocalizationState: ...
+
+    @property
+    def lost(self) -> bool:
+        """whether the pose is no more than where it was last"""
 
 class TickView:
     """What an observer sees at the end of every tick."""

@@ -34,6 +34,7 @@ from threewe._core import (
     Features,
     IMUData,
     LaserScan,
+    LocalizationState,
     Motion,
     MoveResult,
     OccupancyGrid,
@@ -464,6 +465,11 @@ class Robot(InRobotTime):
     def lost(self) -> bool:
         """True while the robot does not know where it is: it looks for itself in its map, and motions wait."""
         return self._runtime.pose().lost
+
+    @property
+    def localization_state(self) -> LocalizationState:
+        """How far the robot knows where it is; `lost` is true while it is lost or relocating."""
+        return self._runtime.pose().state
 
     def get_velocity(self) -> Velocity:
         """The body velocity, as the robot estimates it."""

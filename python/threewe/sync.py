@@ -18,7 +18,7 @@ from typing import Any, Concatenate, ParamSpec, Self, TypeVar
 
 import threewe
 from threewe._arguments import as_function, as_seconds
-from threewe._core import Features, Pose2D, RobotProfile, SensorHealth
+from threewe._core import Features, LocalizationState, Pose2D, RobotProfile, SensorHealth
 from threewe._loop_thread import LoopThread
 
 P = ParamSpec("P")
@@ -200,6 +200,11 @@ class Robot(_Connected):
     def lost(self) -> bool:
         """True while the robot does not know where it is."""
         return self._thread.call(lambda: self._target.lost)
+
+    @property
+    def localization_state(self) -> LocalizationState:
+        """How far the robot knows where it is."""
+        return self._thread.call(lambda: self._target.localization_state)
 
     @property
     def emergency_stopped(self) -> bool:

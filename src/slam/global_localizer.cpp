@@ -21,6 +21,7 @@ std::optional<Pose2D> GlobalLocalizer::look(Time stamp, const Pose2D& odom_from_
   if (confirmed_ > 0) {
     const std::optional<Pose2D> place = search_near(map_from_odom_ * odom_from_base, beams);
     if (!place) {
+      glimpses_.clear();  // what was seen before may be from where the robot no longer is
       give_up();
     } else {
       map_from_odom_ = *place * inverse(odom_from_base);
@@ -84,6 +85,11 @@ void GlobalLocalizer::give_up() {
   pause_ = std::min(2 * pause_, params_->global_search.longest_pause);
 }
 
+bool GlobalLocalizer::is_same_view(const Pose2D& a_from_b) const {
+  const Params::GlobalSearch& p = params_->global_search;
+  return norm(a_from_b.position()) < p.view_distance && std::fabs(a_from_b.theta) < p.view_turn;
+}
+
 // Whether it was something new.
 bool GlobalLocalizer::remember(const Pose2D& odom_from_base, std::span<const map::Beam> beams) {
   if (!glimpses_.empty()) driven_ += distance(odom_from_base.position(), last_.position());
@@ -91,10 +97,7 @@ bool GlobalLocalizer::remember(const Pose2D& odom_from_base, std::span<const map
   std::erase_if(glimpses_,
                 [this](const Glimpse& g) { return driven_ - g.driven > params_->global_search.view_length; });
   if (!glimpses_.empty()) {
-    const Pose2D since = inverse(glimpses_.back().odom_from_base) * odom_from_base;
-    if (norm(since.position()) < params_->global_search.view_distance &&
-        std::fabs(since.theta) < params_->global_search.view_turn)
-      return false;
+    if (is_same_view(inverse(glimpses_.back().odom_from_base) * odom_from_base)) return false;
   }
   glimpses_.push_back({odom_from_base, {beams.begin(), beams.end()}, driven_});
   if (glimpses_.size() > kMostGlimpses) glimpses_.erase(glimpses_.begin());
@@ -113,7 +116,10 @@ std::vector<map::Beam> GlobalLocalizer::all_seen(const Pose2D& odom_from_base, s
     }
   };
   add({}, beams);
-  for (const Glimpse& glimpse : glimpses_) add(inverse(odom_from_base) * glimpse.odom_from_base, glimpse.beams);
+  for (const Glimpse& glimpse : glimpses_) {
+    const Pose2D now_from_then = inverse(odom_from_base) * glimpse.odom_from_base;
+    if (!is_same_view(now_from_then)) add(now_from_then, glimpse.beams);  // else the newest shows how it is there
+  }
 
   // one hit a cell, in order of cells
   const double resolution = map_->surfaces().grid().resolution;

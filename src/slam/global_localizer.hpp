@@ -49,6 +49,7 @@ class GlobalLocalizer {
     BranchAndBoundMatcher::Search search;
   };
 
+  bool is_same_view(const Pose2D& a_from_b) const;
   bool remember(const Pose2D& odom_from_base, std::span<const map::Beam> beams);
   std::vector<map::Beam> all_seen(const Pose2D& odom_from_base, std::span<const map::Beam> beams) const;
   void begin_hunt(const Pose2D& odom_from_base, std::span<const map::Beam> beams);

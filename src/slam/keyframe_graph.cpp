@@ -48,7 +48,7 @@ Matrix3 growth(const Matrix3& change) {
 // How far off the front-end may be from one keyframe to the next.
 Matrix3 step_covariance(const Pose2D& step, const Matrix3& unobserved, const Params::Graph& params) {
   const double length = norm(step.position());
-  const double position = square(params.drift) * length + square(params.least_drift);
+  const double position = params.drift * length + square(params.least_drift);
   const double heading = square(params.turn_drift) * length + square(params.least_turn_drift);
   return unobserved + Matrix3(Vector3(position, position, heading).asDiagonal());
 }

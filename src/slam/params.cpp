@@ -18,13 +18,14 @@ Parameters parameters_of(Params::DeadReckoning& p) {
 
 Parameters parameters_of(Params::Filter& p) {
   return {
-      {"forward_slip", &p.forward_slip, "m/sqrt(m)", Scale::none, "random error along the way, by wheels"},
-      {"lateral_slip", &p.lateral_slip, "m/sqrt(m)", Scale::none, "random error across the way, by wheels"},
+      {"forward_slip", &p.forward_slip, "m^2/m", Scale::size,
+       "variance along the way by wheels: more trusts scans more"},
+      {"lateral_slip", &p.lateral_slip, "m^2/m", Scale::size, "variance across the way by wheels"},
       {"turn_slip", &p.turn_slip, "m/sqrt(rad)", Scale::size, "the base wanders while it turns"},
       {"gyro_scale", &p.gyro_scale, "rad/sqrt(rad)", Scale::none, "random error of a turn by gyro"},
       {"wheel_turn", &p.wheel_turn, "rad/sqrt(rad)", Scale::none, "random error of a turn by wheels alone"},
       {"scale_walk", &p.scale_walk, "1/sqrt(m)", Scale::none, "how fast wheels may change: more forgets calibration"},
-      {"range_walk", &p.range_walk, "m/sqrt(m)", Scale::none, "how fast the lidar's bias may change"},
+      {"range_walk", &p.range_walk, "m^2/m", Scale::size, "how fast the lidar's bias may change"},
       {"scan_position", &p.scan_position, "m", Scale::size, "error of deskewing and stamps, with each scan"},
       {"scan_heading", &p.scan_heading, "rad", Scale::none, "the same of the heading"},
       {"bias_creep", &p.bias_creep, "rad/s", Scale::none, "of the gyro's bias, unnoticed while the robot drove"},
@@ -168,7 +169,8 @@ Parameters parameters_of(Params::MapUncertainty& p) {
 
 Parameters parameters_of(Params::Graph& p) {
   return {
-      {"drift", &p.drift, "m/sqrt(m)", Scale::none, "of the front end: with less, loops are searched for too near"},
+      {"drift", &p.drift, "m^2/m", Scale::size,
+       "variance of the front end: with less, loops are searched for too near"},
       {"turn_drift", &p.turn_drift, "rad/sqrt(m)", Scale::none, "the same of its heading"},
       {"least_drift", &p.least_drift, "m", Scale::size, "from one keyframe to the next"},
       {"least_turn_drift", &p.least_turn_drift, "rad", Scale::none, "the same of its heading"},

@@ -28,17 +28,17 @@ struct Params {
 
   /// PoseFilter: random errors of dead reckoning beyond its systematic ones.
   struct Filter {
-    double forward_slip = 0.015;    // [m/sqrt(m)]
-    double lateral_slip = 0.03;     // [m/sqrt(m)]
-    double turn_slip = 0.01;        // [m/sqrt(rad)]
-    double gyro_scale = 0.002;      // [rad/sqrt(rad)]
-    double wheel_turn = 0.05;       // [rad/sqrt(rad)]
-    double scale_walk = 1e-4;       // [1/sqrt(m)]
-    double range_walk = 1e-4;       // [m/sqrt(m)]
-    double scan_position = 0.0005;  // [m]
-    double scan_heading = 0.0002;   // [rad]
-    double bias_creep = 0.004;      // [rad/s]
-    double bias_jump = 5.0;         // standard deviations
+    double forward_slip = 0.015 * 0.015;  // [m^2/m]
+    double lateral_slip = 0.03 * 0.03;    // [m^2/m]
+    double turn_slip = 0.01;              // [m/sqrt(rad)]
+    double gyro_scale = 0.002;            // [rad/sqrt(rad)]
+    double wheel_turn = 0.05;             // [rad/sqrt(rad)]
+    double scale_walk = 1e-4;             // [1/sqrt(m)]
+    double range_walk = 1e-4 * 1e-4;      // [m^2/m]
+    double scan_position = 0.0005;        // [m]
+    double scan_heading = 0.0002;         // [rad]
+    double bias_creep = 0.004;            // [rad/s]
+    double bias_jump = 5.0;               // standard deviations
   };
   Filter filter;
 
@@ -179,7 +179,7 @@ struct Params {
   /// keyframe, by 50 mm and 2 mrad over 40 m; with real scanners, whose scans were a metre apart, by 60 mm and 11 mrad
   /// over 10 m, and by 120 mrad over the 180 m of a first loop. Who expects less does not look where the robot is.
   struct Graph {
-    double drift = 0.020;              // [m/sqrt(m)]
+    double drift = 0.020 * 0.020;      // [m^2/m]
     double turn_drift = 0.0050;        // [rad/sqrt(m)]
     double least_drift = 0.004;        // [m]
     double least_turn_drift = 0.0015;  // [rad]

@@ -39,8 +39,8 @@ void PoseFilter::predict(double heading, Vec2 step, double turn, double seconds,
   const double distance = norm(step);
   const double angle = std::fabs(turn);
   const double slip = square(sensors_.wheel_slip) * distance + square(params_.turn_slip) * angle;
-  const double along = square(params_.forward_slip) * distance + slip;
-  const double across = square(params_.lateral_slip) * distance + slip;
+  const double along = params_.forward_slip * distance + slip;
+  const double across = params_.lateral_slip * distance + slip;
   covariance_(kX, kX) += c * c * along + s * s * across;
   covariance_(kY, kY) += s * s * along + c * c * across;
   covariance_(kX, kY) += c * s * (along - across);
@@ -48,7 +48,7 @@ void PoseFilter::predict(double heading, Vec2 step, double turn, double seconds,
   covariance_(kTheta, kTheta) += gyro
                                      ? square(params_.gyro_scale) * angle + square(sensors_.gyro_sigma) * 0.01 * seconds
                                      : square(params_.wheel_turn) * angle + square(sensors_.wheel_drift) * distance;
-  if (sensors_.range_bias_sigma > 0.0) covariance_(kRangeBias, kRangeBias) += square(params_.range_walk) * distance;
+  if (sensors_.range_bias_sigma > 0.0) covariance_(kRangeBias, kRangeBias) += params_.range_walk * distance;
   covariance_(kGyroBias, kGyroBias) += square(sensors_.gyro_bias_walk) * seconds;
   covariance_(kForwardScale, kForwardScale) += square(params_.scale_walk) * distance;
   if (sensors_.lateral_scale_sigma > 0.0)

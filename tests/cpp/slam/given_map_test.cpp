@@ -2,7 +2,9 @@
 #include <doctest/doctest.h>
 
 #include <cmath>
+#include <initializer_list>
 #include <memory>
+#include <string>
 #include <vector>
 
 #include "slam/scan_matching_localizer.hpp"
@@ -67,6 +69,7 @@ class Wakening {
       const PoseEstimate e = estimate();
       if (!e.lost()) worst_ = std::max(worst_, error());
       lost_ticks_ += e.lost() ? 1 : 0;
+      if (states_.empty() || states_.back() != e.state) states_.push_back(e.state);
       CHECK(localizer_->map_version() >= version_);
       version_ = localizer_->map_version();
     }
@@ -79,6 +82,7 @@ class Wakening {
   std::uint64_t version_ = 0;
   double worst_ = 0.0;  // [m] while it claims to know
   int lost_ticks_ = 0;
+  std::vector<LocalizationState> states_;  // one after the other
 };
 
 TEST_CASE("without a word about where it is, a robot finds itself in half a second") {
@@ -131,6 +135,92 @@ TEST_CASE("a robot that draws its own map finds back into it") {
   robot.world_.teleport({-1.0, 0.5, 2.0});
   robot.drive({}, 150);
   CHECK_FALSE(robot.estimate().lost());
+  CHECK(robot.error() < 0.08);
+}
+
+constexpr Pose2D kHere{0.4, 0.9, 2.1};
+constexpr Pose2D kThere{5.2, 1.0, -0.8};
+using States = std::vector<LocalizationState>;
+
+std::string names(const States& states) {
+  std::string all;
+  for (const LocalizationState state : states) all += std::string(to_string(state)) + " ";
+  return all;
+}
+
+// A screen around a place, of which some sides stand.
+void put_screen(Wakening& robot, Vec2 place, std::initializer_list<int> sides) {
+  std::vector<TinyWall> box;
+  add_box(box, place - Vec2{0.8, 0.7}, place + Vec2{0.8, 0.7});
+  std::vector<TinyWall> walls = flat();
+  for (const int side : sides) walls.push_back(box[static_cast<std::size_t>(side)]);
+  robot.world_.walls() = walls;
+}
+
+// Tracked, while more and more of a screen hides the map that was given.
+Wakening doubting_robot() {
+  Wakening robot(kHere, {drawn(), kHere});
+  robot.drive({}, 50);
+  for (const auto sides : {std::initializer_list<int>{0}, {0, 1}, {0, 1, 2}, {0, 1, 2, 3}}) {
+    put_screen(robot, kHere.position(), sides);
+    robot.drive({}, 150);
+  }
+  return robot;
+}
+
+TEST_CASE("a robot that wakes up in a map is lost, then relocating, then tracking") {
+  Wakening robot(kHere, {drawn(), {}});
+  robot.drive({}, 60);
+  CHECK(names(robot.states_) == "lost relocating tracking ");
+}
+
+TEST_CASE("a robot that was put elsewhere loses track, and one that was put back recognises where it is") {
+  Wakening robot(kHere, {drawn(), kHere});
+  robot.drive({}, 100);
+  robot.world_.teleport(kThere);
+  for (int tick = 0; tick < 150 && !robot.estimate().lost(); ++tick) robot.drive({}, 1);
+  robot.world_.teleport(kHere);
+  robot.drive({}, 50);
+  CHECK(names(robot.states_) == "tracking lost tracking ");
+}
+
+TEST_CASE("a pose that was found and does not fit the next scans is given up") {
+  Wakening robot(kHere, {drawn(), {}});
+  for (int tick = 0; tick < 60 && robot.estimate().state != LocalizationState::relocating; ++tick) robot.drive({}, 1);
+  robot.world_.teleport(kThere);
+  robot.drive({}, 10);
+  CHECK(names(robot.states_) == "lost relocating lost ");
+  robot.drive({}, 100);
+  CHECK(names(robot.states_) == "lost relocating lost relocating tracking ");
+  CHECK(robot.error() < 0.08);
+}
+
+TEST_CASE("a robot around which all has changed doubts, and no longer does when it looks as before") {
+  Wakening robot = doubting_robot();
+  CHECK(names(robot.states_) == "tracking doubting ");
+  put_screen(robot, kHere.position(), {});
+  robot.drive({}, 300);
+  CHECK(names(robot.states_) == "tracking doubting tracking ");
+  CHECK(robot.worst_ < 0.08);
+}
+
+TEST_CASE("a robot that doubts and is put elsewhere is lost, and finds itself there") {
+  Wakening robot = doubting_robot();
+  robot.world_.teleport(kThere);
+  robot.drive({}, 200);
+  CHECK(names(robot.states_) == "tracking doubting lost relocating tracking ");
+  CHECK(robot.error() < 0.08);
+}
+
+TEST_CASE("a robot that doubts relocalizes where the map fits better") {
+  Wakening robot = doubting_robot();
+  const Pose2D moved{kThere.x, kThere.y, kHere.theta};
+  robot.world_.teleport(moved);  // together with the screen: nothing seems to have changed
+  for (const auto sides : {std::initializer_list<int>{0, 1, 2, 3}, {0, 1, 2}, {0, 1}, {0}, {}}) {
+    put_screen(robot, moved.position(), sides);
+    robot.drive({}, 150);
+  }
+  CHECK(names(robot.states_) == "tracking doubting tracking ");
   CHECK(robot.error() < 0.08);
 }
 

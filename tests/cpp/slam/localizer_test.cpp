@@ -5,6 +5,7 @@
 #include <deque>
 #include <memory>
 #include <utility>
+#include <variant>
 #include <vector>
 
 #include "core/exact.hpp"
@@ -162,6 +163,46 @@ TEST_CASE("what one sensor says wrongly for three seconds the other two bound, a
       CHECK(std::fabs(wrap_angle(heading - world.pose().theta)) < 0.2);
     }
   }
+}
+
+// The sample of a robot of twice the size in a world of twice the size.
+Sample doubled(Sample sample) {
+  if (auto* odometry = std::get_if<Odometry>(&sample.data)) {
+    odometry->pose.x *= 2.0, odometry->pose.y *= 2.0;
+    odometry->velocity.vx *= 2.0, odometry->velocity.vy *= 2.0;
+  }
+  if (auto* scan = std::get_if<LaserScan>(&sample.data)) {
+    for (float& range : scan->ranges) range *= 2.0F;
+    scan->range_min *= 2.0, scan->range_max *= 2.0;
+  }
+  return sample;
+}
+
+TEST_CASE("a robot of twice the size in a world of twice the size is twice as far off, as it says") {
+  Params params;
+  scale_parameters(parameters_of(params), {.size = 2.0, .speed = 2.0, .stopping = 2.0, .noise = 2.0, .bias = 2.0});
+  SensorModel sensors = model();
+  sensors.range_sigma *= 2.0, sensors.range_bias_sigma *= 2.0;
+  const auto large = make_scan_matching_localizer(sensors, {}, std::make_shared<const Params>(params));
+  const auto small = make_scan_matching_localizer(model());
+  TinyWorld world(room(), {}, {1.01, 0.9, 0.005, 0.0017, 0.01, 0.02}, 5);
+  for (int tick = 0; tick < 1500; ++tick) {
+    const double t = tick * 0.02;
+    const Velocity v{0.35 * exact::sin(0.7 * t), 0.15 * exact::cos(0.5 * t), 0.9 * exact::sin(0.31 * t)};
+    for (const Sample& s : world.tick(v)) {
+      small->add(s);
+      large->add(doubled(s));
+    }
+    const PoseEstimate one = small->estimate(world.now());
+    const PoseEstimate two = large->estimate(world.now());
+    const Vec2 off = two.map_from_base().position() - 2.0 * one.map_from_base().position();
+    CHECK(norm(off) < 0.002);
+    CHECK(two.position_uncertainty() == doctest::Approx(2.0 * one.position_uncertainty()).epsilon(0.02));
+    CHECK(two.state == one.state);
+  }
+  CHECK(large->map().resolution == 0.1);
+  CHECK(large->map().width == small->map().width);
+  CHECK(large->map().height == small->map().height);
 }
 
 TEST_CASE("odom is smooth whatever corrections do to the map's place in it") {
