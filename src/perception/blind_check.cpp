@@ -12,9 +12,6 @@
 namespace threewe::perception {
 namespace {
 
-constexpr double kHardlyFarther = 0.1;  // [m] than the least range: what may be too near in the next scans
-constexpr double kBeside = 0.15;        // [rad] of something near, beams may miss its place
-
 // [m] between two parallel lines that the outline just fits in.
 double narrowest(const Footprint& footprint) {
   const std::vector<Vec2>& corners = footprint.corners();
@@ -40,7 +37,8 @@ double stopping_distance(const RobotProfile& profile) {
 
 }  // namespace
 
-BlindCheck::BlindCheck(const RobotProfile& profile) : base_from_lidar_(profile.lidar->base_from_lidar) {
+BlindCheck::BlindCheck(const RobotProfile& profile, const Params::Blind& params)
+    : params_(params), base_from_lidar_(profile.lidar->base_from_lidar) {
   near_gap_ = near_gap(*profile.lidar);
   const double half = 0.5 * narrowest(profile.body.footprint);
   least_ = 2.0 * exact::atan2(half, stopping_distance(profile));
@@ -71,8 +69,8 @@ std::optional<BlindSector> BlindCheck::check(const LaserScan& scan, const Pose2D
 // which beams something near is, or was.
 std::vector<bool> BlindCheck::remember_near(const LaserScan& scan, const Pose2D& odom_from_lidar) {
   const auto n = static_cast<std::ptrdiff_t>(scan.ranges.size());
-  const double farthest = near_gap_ + kHardlyFarther;
-  const auto beside = static_cast<std::ptrdiff_t>(kBeside / scan.angle_increment) + 1;
+  const double farthest = near_gap_ + params_.near;
+  const auto beside = static_cast<std::ptrdiff_t>(params_.bearing / scan.angle_increment) + 1;
   std::vector<double> nearest(scan.ranges.size(), farthest);
   std::vector<bool> near(scan.ranges.size(), false);
   const auto note = [&](std::ptrdiff_t beam, double range) {

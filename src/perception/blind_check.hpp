@@ -4,6 +4,7 @@
 #include <optional>
 #include <vector>
 
+#include "perception/params.hpp"
 #include "threewe/core/pose.hpp"
 #include "threewe/core/samples.hpp"
 #include "threewe/hardware/profile.hpp"
@@ -24,7 +25,7 @@ class BlindCheck {
  public:
   BlindCheck() = default;
   /// Of a robot that has a lidar.
-  explicit BlindCheck(const RobotProfile& profile);
+  explicit BlindCheck(const RobotProfile& profile, const Params::Blind& params = {});
 
   /// The widest sector in which this scan is blind. `at`: where the robot is by its wheels.
   std::optional<BlindSector> check(const LaserScan& scan, const Pose2D& at);
@@ -32,6 +33,7 @@ class BlindCheck {
  private:
   std::vector<bool> remember_near(const LaserScan& scan, const Pose2D& odom_from_lidar);
 
+  Params::Blind params_;
   Pose2D base_from_lidar_;
   double least_ = 0.0;      // [rad] the narrowest sector in which the robot would fit
   double near_gap_ = 0.0;   // [m] ranges beside something that is too near

@@ -8,27 +8,10 @@
 namespace threewe::perception {
 namespace {
 
-constexpr double kSpeedOff = 0.12;  // [m/s] over half a second ...
-constexpr double kTurnOff = 0.3;    // [rad/s]
-constexpr double kShareOff = 0.3;   // ... and this share of what was told: motors lag, and pull more or less
-constexpr std::size_t kFor = 5;     // periods after which what was told has come about
-
-constexpr double kDriving = 0.1;      // [m/s] less may come to nothing ...
-constexpr double kDrivingTurn = 0.3;  // [rad/s]
-constexpr double kLeastWay = 0.012;   // [m] between corrections: less tells nothing
-constexpr double kTakenBack = 0.25;   // share of the way
-constexpr double kAdded = 0.4;
-constexpr double kSeen = 3.0;  // deviations of the place along the way that the corrections must add up to: along a
-                               // bare corridor scans tell nothing, and what they correct is noise
-
-// Of a motor's speed without load, at nominal voltage: an empty battery, a soft floor and a worn motor take up to a
-// third of it.
-constexpr double kMotorLimit = 0.65;
-
 double speed(const Velocity& v) { return exact::hypot(v.vx, v.vy); }
 
-// [m] of the place, in a direction in the base frame.
-double deviation_along(const slam::PoseEstimate& estimate, Vec2 in_base) {
+// [m] standard deviation of the place, in a direction in the base frame.
+double sigma_along(const slam::PoseEstimate& estimate, Vec2 in_base) {
   const Vec2 d = rotate(in_base, estimate.map_from_base().theta);
   const auto& c = estimate.covariance;
   return exact::sqrt(std::max(0.0, d.x * (c[0] * d.x + c[1] * d.y) + d.y * (c[3] * d.x + c[4] * d.y)));
@@ -36,8 +19,8 @@ double deviation_along(const slam::PoseEstimate& estimate, Vec2 in_base) {
 
 }  // namespace
 
-DriveCheck::DriveCheck(const RobotProfile& profile)
-    : base_(profile.body.wheels), motor_limit_(kMotorLimit * profile.body.no_load_speed) {
+DriveCheck::DriveCheck(const RobotProfile& profile, const Params::Drive& params)
+    : params_(params), base_(profile.body.wheels), motor_limit_(params.motor_limit * profile.body.no_load_speed) {
   const Duration reaction = profile.command_latency + profile.body.motor_lag;
   delay_ = std::min(kMostDelay, static_cast<std::size_t>((reaction + kControlPeriod / 2) / kControlPeriod));
 }
@@ -48,18 +31,19 @@ bool DriveCheck::is_disobeyed(const Velocity& command, const Velocity& wheels) {
   ++count_;
   if (count_ < commands_.size()) return false;
 
-  Velocity told;
+  Velocity commanded;
   Velocity done;
   constexpr double kShare = 1.0 / kWindow;
   for (std::size_t i = 0; i < kWindow; ++i) {
     const Velocity& c = this->command(delay_ + i);
-    told = {told.vx + kShare * c.vx, told.vy + kShare * c.vy, told.omega + kShare * c.omega};
+    commanded = {commanded.vx + kShare * c.vx, commanded.vy + kShare * c.vy, commanded.omega + kShare * c.omega};
     const Velocity& w = wheels_[i];
     done = {done.vx + kShare * w.vx, done.vy + kShare * w.vy, done.omega + kShare * w.omega};
   }
-  told = attainable(told, done);
-  return exact::hypot(done.vx - told.vx, done.vy - told.vy) > kSpeedOff + kShareOff * speed(told) ||
-         std::fabs(done.omega - told.omega) > kTurnOff + kShareOff * std::fabs(told.omega);
+  commanded = attainable(commanded, done);
+  return exact::hypot(done.vx - commanded.vx, done.vy - commanded.vy) >
+             params_.speed_off + params_.share_off * speed(commanded) ||
+         std::fabs(done.omega - commanded.omega) > params_.turn_off + params_.share_off * std::fabs(commanded.omega);
 }
 
 Velocity DriveCheck::attainable(const Velocity& commanded, const Velocity& done) const {
@@ -75,19 +59,19 @@ Velocity DriveCheck::attainable(const Velocity& commanded, const Velocity& done)
   return limited ? body_velocity(base_, speeds) : commanded;
 }
 
-bool DriveCheck::told_to_stand() const {
-  for (std::size_t i = 0; i < std::min(count_, delay_ + kFor); ++i) {
+bool DriveCheck::commanded_to_stand() const {
+  for (std::size_t i = 0; i < std::min(count_, delay_ + static_cast<std::size_t>(params_.settling)); ++i) {
     if (command(i) != Velocity{}) return false;
   }
   return true;
 }
 
-bool DriveCheck::told_to_drive() const {
-  const std::size_t since = delay_ + kFor;
+bool DriveCheck::commanded_to_drive() const {
+  const std::size_t since = delay_ + static_cast<std::size_t>(params_.settling);
   if (count_ < since) return false;
   for (std::size_t i = 0; i < since; ++i) {
     const Velocity& c = command(i);
-    if (speed(c) < kDriving && std::fabs(c.omega) < kDrivingTurn) return false;
+    if (speed(c) < params_.driving && std::fabs(c.omega) < params_.driving_turn) return false;
   }
   return true;
 }
@@ -102,20 +86,21 @@ bool WayCheck::is_contradicted(const slam::PoseEstimate& estimate) {
   const double turned = wrap_angle(estimate.odom_from_base.theta - corrected_->odom_from_base.theta);
   corrected_ = estimate;
   const double length = norm(way);
-  if (length < kLeastWay) return false;
-  // the correction is told in the base frame, which has turned since
+  if (length < params_.least_way) return false;
+  // the correction is in the base frame, which has turned since
   const double along = dot(rotate(by, turned), way) / length;
   shares_[count_ % kCorrections] = along / length;
   corrections_[count_++ % kCorrections] = along;
   if (count_ < kCorrections) return false;
   double sum = 0.0;
   for (const double correction : corrections_) sum += correction;
-  if (std::fabs(sum) < kSeen * deviation_along(estimate, (1.0 / length) * way)) return false;
+  // along a bare corridor scans tell nothing, and what they correct is noise
+  if (std::fabs(sum) < params_.significance * sigma_along(estimate, (1.0 / length) * way)) return false;
 
   std::array<double, kCorrections> sorted = shares_;
   std::ranges::nth_element(sorted, sorted.begin() + kCorrections / 2);
   const double share = sorted[kCorrections / 2];
-  if (share > -kTakenBack && share < kAdded) return false;
+  if (share > -params_.taken_back && share < params_.added) return false;
   count_ = 0;  // begin anew
   return true;
 }

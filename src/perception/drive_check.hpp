@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <optional>
 
+#include "perception/params.hpp"
 #include "threewe/core/pose.hpp"
 #include "threewe/core/time.hpp"
 #include "threewe/hardware/profile.hpp"
@@ -12,21 +13,21 @@
 
 namespace threewe::perception {
 
-/// Compares how the wheels turned over half a second with what they were told. Once a control period.
+/// Compares how the wheels turned over half a second with what was commanded. Once a control period.
 class DriveCheck {
  public:
   DriveCheck() = default;
-  explicit DriveCheck(const RobotProfile& profile);
+  explicit DriveCheck(const RobotProfile& profile, const Params::Drive& params = {});
 
   /// What was commanded before has come to an end.
   void begin() { count_ = 0; }
-  /// One period: what was commanded in it, and how the wheels turn at its end. True when they do not do as they are
-  /// told.
+  /// One period: what was commanded in it, and how the wheels turn at its end. True when they do not do as
+  /// commanded.
   bool is_disobeyed(const Velocity& command, const Velocity& wheels);
-  /// True when the robot has been told to stand for some time, and must not be moving.
-  bool told_to_stand() const;
-  /// True when the robot has been told to drive for some time, and must be moving.
-  bool told_to_drive() const;
+  /// True when the robot has been commanded to stand for some time, and must not be moving.
+  bool commanded_to_stand() const;
+  /// True when the robot has been commanded to drive for some time, and must be moving.
+  bool commanded_to_drive() const;
 
  private:
   static constexpr std::size_t kWindow = 25;  // periods
@@ -36,6 +37,7 @@ class DriveCheck {
   // What can be asked: of a wheel that turns as fast as its motor may let it, no more than it does.
   Velocity attainable(const Velocity& commanded, const Velocity& done) const;
 
+  Params::Drive params_;
   WheelGeometry base_;
   double motor_limit_ = 0.0;  // [rad/s] a wheel as fast as this may be at its motor's limit
   std::size_t delay_ = 0;     // periods, from a command to its effect
@@ -48,12 +50,14 @@ class DriveCheck {
 /// corrects what is left with each scan.
 class WayCheck {
  public:
+  explicit WayCheck(const Params::Slip& params = {}) : params_(params) {}
   /// One period. True when the last corrections all took back, or added, a large share of the way.
   bool is_contradicted(const slam::PoseEstimate& estimate);
 
  private:
   static constexpr std::size_t kCorrections = 7;
 
+  Params::Slip params_;
   std::optional<slam::PoseEstimate> corrected_;  // when it last was
   std::size_t count_ = 0;
   std::array<double, kCorrections> shares_{};       // of the way, added by each correction

@@ -13,17 +13,7 @@
 namespace threewe::perception {
 namespace {
 
-constexpr Duration kLeastPatience = 150ms;  // for a next sample
-constexpr Duration kFirstPatience = 1s;     // for the first one
-constexpr Duration kSoundFor = 300ms;       // after which a sensor is believed again
-constexpr Duration kFirstPenalty = 1s;      // who is contradicted while the robot moves is silent once it stands ...
-constexpr Duration kLongestPenalty = 8s;    // ... so that it is tried again, ever less often
-constexpr double kContradiction = 4.0;      // deviations
-constexpr double kSlow = 0.02;              // [m/s] less is standing ...
-constexpr double kSlowTurn = 0.05;          // [rad/s]
-constexpr double kTurning = 0.15;           // [rad/s] what a gyro with a bias never shows at rest
-
-// What the mind uses; the rest may break without harm.
+// What the autonomy stack uses; the rest may break without harm.
 bool is_needed(SensorType type, const RobotProfile& profile) {
   switch (type) {
     case SensorType::lidar:
@@ -41,17 +31,20 @@ Velocity rotated(const Velocity& v, double angle) {
 
 }  // namespace
 
-HealthMonitor::HealthMonitor(std::span<const SensorInfo> sensors, const RobotProfile& profile)
-    : scan_(profile.lidar ? profile.lidar->sigma : 0.0),
-      blind_(profile.lidar ? BlindCheck(profile) : BlindCheck()),
-      turn_(profile),
-      drive_(profile),
+HealthMonitor::HealthMonitor(std::span<const SensorInfo> sensors, const RobotProfile& profile, const Params& params)
+    : params_(params.monitor),
+      new_stamps_(params.stamps),
+      new_repeats_(params.repeats),
+      scan_(profile.lidar ? profile.lidar->sigma : 0.0, params.scan),
+      blind_(profile.lidar ? BlindCheck(profile, params.blind) : BlindCheck()),
+      turn_(profile, params.turn),
+      drive_(profile, params.drive),
+      way_(params.slip),
       lidar_heading_(profile.lidar ? profile.lidar->base_from_lidar.theta : 0.0) {
   for (const SensorInfo& sensor : sensors) {
     sensors_.push_back({sensor.name, SensorFault::none, "", {}, is_needed(sensor.type, profile)});
-    Watch watch;
-    watch.type = sensor.type;
-    watch.patience = std::max(kLeastPatience, from_seconds(1.5 / sensor.rate) + 50ms);
+    Watch watch{.type = sensor.type, .stamps = new_stamps_, .repeats = new_repeats_};
+    watch.patience = std::max(params_.least_patience, from_seconds(1.5 / sensor.rate) + 50ms);
     watches_.push_back(watch);
   }
 }
@@ -59,10 +52,8 @@ HealthMonitor::HealthMonitor(std::span<const SensorInfo> sensors, const RobotPro
 void HealthMonitor::begin(Time now) {
   begun_ = now_ = now;
   for (std::size_t i = 0; i < watches_.size(); ++i) {
-    Watch fresh;
-    fresh.type = watches_[i].type;
-    fresh.patience = watches_[i].patience;
-    watches_[i] = fresh;
+    watches_[i] = {
+        .type = watches_[i].type, .patience = watches_[i].patience, .stamps = new_stamps_, .repeats = new_repeats_};
     sensors_[i] = {sensors_[i].name, SensorFault::none, "", now, sensors_[i].needed};
   }
   changes_.clear();
@@ -77,11 +68,11 @@ bool HealthMonitor::examine(const Sample& sample, std::span<const SensorInfo> se
     check_data(sensors[sample.sensor], sample.data, profile);
   } catch (const ContractError& error) {
     const std::string text = error.what();  // "sensor 'imu': what is wrong"
-    report(sample.sensor, SensorFault::implausible, text.substr(text.find("': ") + 3), kSoundFor);
+    report(sample.sensor, SensorFault::implausible, text.substr(text.find("': ") + 3), params_.ok_after);
     return false;
   }
   const Finding found = check(watch, sample);
-  if (found.fault != SensorFault::none) report(sample.sensor, found.fault, found.detail, kSoundFor);
+  if (found.fault != SensorFault::none) report(sample.sensor, found.fault, found.detail, params_.ok_after);
   return sensors_[sample.sensor].ok() || watch.believed;
 }
 
@@ -118,8 +109,8 @@ void HealthMonitor::judge(Time now, const Velocity& command, const slam::PoseEst
   for (std::size_t i = 0; i < watches_.size(); ++i) watch_silence(i);
   const bool standing = motion().still;
 
-  if (turn_off_ && std::fabs(*turn_off_) > kContradiction) {
-    // while the robot moves nobody knows who is right; wheels at rest are
+  if (turn_off_ && std::fabs(*turn_off_) > params_.contradiction) {
+    // while the robot moves either may be right; wheels at rest are
     contradict(SensorType::imu, "gyro and wheels do not turn alike", !standing);
     if (!standing)
       contradict(SensorType::odometry, "wheels and gyro do not turn alike: a wheel slips, or is blocked", true);
@@ -142,9 +133,9 @@ void HealthMonitor::judge(Time now, const Velocity& command, const slam::PoseEst
 
 void HealthMonitor::watch_silence(std::size_t sensor) {
   const Watch& watch = watches_[sensor];
-  const bool silent =
-      watch.received ? now_ - *watch.received > watch.patience : now_ - begun_ > kFirstPatience + watch.patience;
-  if (silent) report(sensor, SensorFault::silent, "", kSoundFor);
+  const bool silent = watch.received ? now_ - *watch.received > watch.patience
+                                     : now_ - begun_ > params_.first_patience + watch.patience;
+  if (silent) report(sensor, SensorFault::silent, "", params_.ok_after);
 }
 
 // Something is wrong from now on, and for `hold` at least.
@@ -168,10 +159,10 @@ void HealthMonitor::contradict(SensorType type, const std::string& detail, bool 
     Watch& watch = watches_[i];
     if (watch.type != type) continue;
     if (sensors_[i].ok()) {
-      const bool again = watch.penalty > 0ns && now_ - watch.ended < kLongestPenalty;
-      watch.penalty = again ? std::min(2 * watch.penalty, kLongestPenalty) : kFirstPenalty;
+      const bool again = watch.penalty > 0ns && now_ - watch.ended < params_.longest_penalty;
+      watch.penalty = again ? std::min(2 * watch.penalty, params_.longest_penalty) : params_.first_penalty;
     }
-    report(i, SensorFault::contradicted, detail, std::max(watch.penalty, kSoundFor), believed);
+    report(i, SensorFault::contradicted, detail, std::max(watch.penalty, params_.ok_after), believed);
   }
 }
 
@@ -185,12 +176,12 @@ Motion HealthMonitor::motion() const {
   };
   const bool wheels_known = wheels_ && believed(SensorType::odometry);
   const Velocity v = wheels_known ? wheels_->velocity : Velocity{};
-  const bool rolls = exact::hypot(v.vx, v.vy) > kSlow || std::fabs(v.omega) > kSlowTurn;
-  const bool turns = believed(SensorType::imu) && std::fabs(gyro_rate_) > kTurning;
-  const bool driven = drive_.told_to_drive();
+  const bool rolls = exact::hypot(v.vx, v.vy) > params_.standing || std::fabs(v.omega) > params_.standing_turn;
+  const bool turns = believed(SensorType::imu) && std::fabs(gyro_rate_) > params_.turning;
+  const bool driven = drive_.commanded_to_drive();
   return {.moving = rolls || turns || driven,
           .driven = driven,
-          .still = wheels_known && !rolls && !turns && drive_.told_to_stand(),
+          .still = wheels_known && !rolls && !turns && drive_.commanded_to_stand(),
           .velocity = v};
 }
 

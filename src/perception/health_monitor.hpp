@@ -8,6 +8,7 @@
 
 #include "perception/blind_check.hpp"
 #include "perception/drive_check.hpp"
+#include "perception/params.hpp"
 #include "perception/repeat_check.hpp"
 #include "perception/scan_check.hpp"
 #include "perception/stamp_check.hpp"
@@ -17,12 +18,12 @@
 
 namespace threewe::perception {
 
-/// Each sample is examined before anybody uses it, and each period what sensors say is compared. A sensor in trouble is
+/// Each sample is examined before it is used, and each period what sensors say is compared. A sensor in trouble is
 /// not believed until it has been sound for a while; one that the robot cannot do without keeps it from moving. Plain
 /// data.
 class HealthMonitor {
  public:
-  HealthMonitor(std::span<const SensorInfo> sensors, const RobotProfile& profile);
+  HealthMonitor(std::span<const SensorInfo> sensors, const RobotProfile& profile, const Params& params);
 
   /// The robot was connected: what was known of arrivals is of no use any more.
   void begin(Time now);
@@ -41,9 +42,9 @@ class HealthMonitor {
   struct Watch {
     SensorType type{};
     Duration patience{};  // for the next sample
-    StampCheck stamps;
-    RepeatCheck repeats;
-    std::optional<Time> received;
+    StampCheck stamps{};
+    RepeatCheck repeats{};
+    std::optional<Time> received{};
     bool believed = true;  // what it delivers is used all the same
     Time until{};          // when the trouble is over, unless something else is noticed
     Duration penalty{};    // how long the last contradiction was waited for
@@ -60,6 +61,9 @@ class HealthMonitor {
   void watch_silence(std::size_t sensor);
   Motion motion() const;
 
+  Params::Monitor params_;
+  StampCheck new_stamps_;
+  RepeatCheck new_repeats_;
   std::vector<SensorHealth> sensors_;
   std::vector<Watch> watches_;
   std::vector<std::size_t> changes_;

@@ -8,30 +8,7 @@
 namespace threewe::perception {
 namespace {
 
-constexpr double kFarthest = 7.0;          // [m] farther away legs are too few beams
-constexpr double kFreeBy = 0.25;           // [m] that a beam must have gone on behind a point that was free
-constexpr std::size_t kAside = 2;          // beams to both sides must have done so too
-constexpr Duration kYoungestView = 350ms;  // what looked through: long enough ago for somebody to have moved ...
-constexpr int kViewsThrough = 3;           // ... so many scans, since thin legs of chairs are missed now and then
-constexpr double kLink = 0.10;             // [m] neighbours of one blob are no farther apart, but for ...
-constexpr double kLinkBeams = 1.6;         // ... so many beams' widths
-constexpr double kWidest = 0.8;            // [m] a person
-constexpr double kLegWidth = 0.30;         // [m] a leg
-constexpr double kStride = 0.42;           // [m] between the middles of two legs, at most
-constexpr double kStandsFree = 0.20;       // [m] what is seen beside it is farther by so much
-constexpr double kLegRadius = 0.06;        // [m] from the surface of a leg to its middle
-constexpr double kSigma = 0.08;            // [m] of a group's middle: at times only one leg is seen
-constexpr double kAcceleration = 0.9;      // [m/s^2] people change their velocity by, in a second
-constexpr double kFirstSpeed = 1.0;        // [m/s] deviation of an unknown velocity
-constexpr double kGate = 9.21;             // 99 % of a chi-square with two degrees of freedom
-constexpr double kLargestGate = 0.7;       // [m]
-constexpr int kSightings = 4;              // after so many ...
-constexpr double kWalked = 0.30;           // [m] ... over so long a way a track is somebody ...
-constexpr double kSlowest = 0.25;          // [m/s] ... who walks
-constexpr int kMisses = 2;                 // in a row end a track that is nobody yet
-constexpr Duration kUnseen = 500ms;        // ends one that is
-constexpr Duration kStanding = 3s;         // likewise
-constexpr double kSamePlace = 0.3;         // [m] tracks nearer than this are one
+constexpr std::size_t kNeighbours = 2;  // beams to both sides must have done so too
 
 bool is_valid(const LaserScan& scan, std::size_t beam) {
   const auto range = static_cast<double>(scan.ranges[beam]);
@@ -77,15 +54,15 @@ void PeopleTracker::find_hits(const LaserScan& scan) {
   choose_views();
   for (std::size_t i = 0; i < scan.ranges.size(); ++i) {
     const auto range = static_cast<double>(scan.ranges[i]);
-    if (!is_valid(scan, i) || range >= scan.range_max || range > kFarthest) continue;
-    hits_.push_back({ends_[i], i, range, was_free(ends_[i], kFreeBy)});
+    if (!is_valid(scan, i) || range >= scan.range_max || range > params_.farthest) continue;
+    hits_.push_back({ends_[i], i, range, was_free(ends_[i], params_.free_by)});
   }
 }
 
 void PeopleTracker::choose_views() {
   old_views_.clear();
   for (std::size_t i = 0; i < views_.size(); ++i) {
-    if (views_[i].stamp + kYoungestView <= stamp_ + 100ms) old_views_.emplace_back(i, 0);
+    if (views_[i].stamp + params_.youngest_view <= stamp_) old_views_.emplace_back(i, 0);
   }
 }
 
@@ -94,12 +71,12 @@ bool PeopleTracker::was_free(Vec2 point, double margin) {
   int through = 0;
   int left = static_cast<int>(old_views_.size());
   for (auto& [index, bin] : old_views_) {
-    if (through + left-- < kViewsThrough) return false;
+    if (through + left-- < params_.views_through) return false;
     const View& view = views_[index];
     const Vec2 d = point - view.from;
     bin = bearing_bin(d, bin);  // near where the hit before was
     const auto needed = static_cast<float>(norm(d) + margin);
-    if (view.open[bin] > needed && ++through >= kViewsThrough) return true;
+    if (view.open[bin] > needed && ++through >= params_.views_through) return true;
   }
   return false;
 }
@@ -117,7 +94,7 @@ void PeopleTracker::remember(const LaserScan& scan, Time stamp, Vec2 from) {
   }
   View view{stamp, from, {}};
   for (std::size_t i = 0; i < kBins; ++i) {
-    for (std::size_t k = kBins - kAside; k <= kBins + kAside; ++k) {
+    for (std::size_t k = kBins - kNeighbours; k <= kBins + kNeighbours; ++k) {
       view.open[i] = nearer(view.open[i], ranges[(i + k) % kBins]);
     }
   }
@@ -137,7 +114,7 @@ void PeopleTracker::group_hits(const LaserScan& scan, Vec2 lidar) {
   const auto linked = [&](const Hit& a, const Hit& b) {
     const double spacing = std::max(a.range, b.range) * scan.angle_increment;
     return b.beam - a.beam <= 2 &&
-           distance(a.at, b.at) <= kLink + kLinkBeams * spacing * static_cast<double>(b.beam - a.beam);
+           distance(a.at, b.at) <= params_.link + params_.link_beams * spacing * static_cast<double>(b.beam - a.beam);
   };
   // is what the next valid beam sees farther away, or nothing?
   const auto is_behind = [&](const Hit& hit, std::ptrdiff_t step) {
@@ -146,7 +123,7 @@ void PeopleTracker::group_hits(const LaserScan& scan, Vec2 lidar) {
       const auto other =
           static_cast<std::size_t>(((static_cast<std::ptrdiff_t>(hit.beam) + k * step) % beams + beams) % beams);
       const auto range = static_cast<double>(scan.ranges[other]);
-      if (range > 0.0) return range > hit.range + kStandsFree;
+      if (range > 0.0) return range > hit.range + params_.stands_free;
     }
     return false;
   };
@@ -154,7 +131,7 @@ void PeopleTracker::group_hits(const LaserScan& scan, Vec2 lidar) {
     std::size_t last = first;
     while (last + 1 < n && linked(hits_[last], hits_[last + 1])) ++last;
     const double width = distance(hits_[first].at, hits_[last].at);
-    if (width <= kWidest && is_behind(hits_[first], -1) && is_behind(hits_[last], 1))
+    if (width <= params_.widest && is_behind(hits_[first], -1) && is_behind(hits_[last], 1))
       groups_.push_back(group_of(first, last, scan, lidar));
     first = last + 1;
   }
@@ -177,7 +154,7 @@ PeopleTracker::Group PeopleTracker::group_of(std::size_t first, std::size_t last
   group.center = (1.0 / group.hits) * group.center;
   group.late = (beams / group.hits - 0.5 * static_cast<double>(scan.ranges.size())) * scan.time_increment;
   // only the near side was seen
-  const double depth = 0.75 * std::max(kLegRadius, 0.4 * distance(hits_[first].at, hits_[last].at));
+  const double depth = 0.75 * std::max(params_.leg_radius, 0.4 * distance(hits_[first].at, hits_[last].at));
   const Vec2 away = group.center - lidar;
   group.center = group.center + (depth / std::max(norm(away), depth)) * away;
   return group;
@@ -185,7 +162,7 @@ PeopleTracker::Group PeopleTracker::group_of(std::size_t first, std::size_t last
 
 // Two legs near one another are one person's; the nearest pairs first.
 void PeopleTracker::merge_legs() {
-  const auto is_leg = [](const Group& g) { return g.blobs == 1 && distance(g.low, g.high) <= kLegWidth; };
+  const auto is_leg = [this](const Group& g) { return g.blobs == 1 && distance(g.low, g.high) <= params_.leg_width; };
   struct Pair {
     double apart;
     std::size_t a, b;
@@ -196,7 +173,7 @@ void PeopleTracker::merge_legs() {
       if (!is_leg(groups_[a]) || !is_leg(groups_[b])) continue;
       const double apart = distance(groups_[a].center, groups_[b].center);
       // what moves and what does not belong to different things
-      if (apart <= kStride && (groups_[a].moved > 0) == (groups_[b].moved > 0)) pairs.push_back({apart, a, b});
+      if (apart <= params_.stride && (groups_[a].moved > 0) == (groups_[b].moved > 0)) pairs.push_back({apart, a, b});
     }
   }
   std::ranges::stable_sort(pairs, {}, &Pair::apart);
@@ -217,13 +194,13 @@ void PeopleTracker::merge_legs() {
   taken_.assign(groups_.size(), 0);
 }
 
-// Where somebody is `t` seconds later, and how surely.
-PeopleTracker::Track PeopleTracker::later(Track track, double t) {
-  constexpr double kNoise = kAcceleration * kAcceleration;  // of white acceleration, per second
+// Where a person is `t` seconds later, and how surely.
+PeopleTracker::Track PeopleTracker::later(Track track, double t) const {
+  const double noise = params_.acceleration * params_.acceleration;  // of white acceleration, per second
   track.position = track.position + t * track.velocity;
-  track.pp += 2.0 * t * track.pv + t * t * track.vv + kNoise * t * t * t / 3.0;
-  track.pv += t * track.vv + kNoise * t * t / 2.0;
-  track.vv += kNoise * t;
+  track.pp += 2.0 * t * track.pv + t * t * track.vv + noise * t * t * t / 3.0;
+  track.pv += t * track.vv + noise * t * t / 2.0;
+  track.vv += noise * t;
   return track;
 }
 
@@ -246,14 +223,14 @@ void PeopleTracker::assign(Time stamp) {
   };
   std::vector<Pair> pairs;
   for (std::size_t t = 0; t < tracks_.size(); ++t) {
-    const double variance = tracks_[t].pp + kSigma * kSigma;
+    const double variance = tracks_[t].pp + params_.sigma * params_.sigma;
     for (std::size_t g = 0; g < groups_.size(); ++g) {
       const Vec2 d = offset(tracks_[t], groups_[g]);
-      // what has not moved is somebody's only if that one was here before
+      // what has not moved is a person's only if that one was here before
       if (groups_[g].moved == 0 && tracks_[t].id == 0) continue;
-      const double penalty = groups_[g].moved == 0 ? 4.0 : 0.0;
+      const double penalty = groups_[g].moved == 0 ? params_.unmoved_penalty : 0.0;
       const double off = dot(d, d) / variance + penalty;
-      if (off <= kGate && norm(d) <= kLargestGate) pairs.push_back({off, t, g});
+      if (off <= params_.gate && norm(d) <= params_.largest_gate) pairs.push_back({off, t, g});
     }
   }
   std::ranges::stable_sort(pairs, {}, &Pair::off);
@@ -263,7 +240,7 @@ void PeopleTracker::assign(Time stamp) {
     if (track.misses == 0 || taken_[pair.group] != 0) continue;
     const Group& group = groups_[pair.group];
     taken_[pair.group] = 1;
-    const double variance = track.pp + kSigma * kSigma;
+    const double variance = track.pp + params_.sigma * params_.sigma;
     const Vec2 off = offset(track, group);
     track.position = track.position + (track.pp / variance) * off;
     track.velocity = track.velocity + (track.pv / variance) * off;
@@ -274,8 +251,9 @@ void PeopleTracker::assign(Time stamp) {
     track.seen = stamp;
     if (group.moved > 0) track.moved = stamp;
     ++track.sightings;
-    const bool walked = distance(track.position, track.began_at) >= kWalked && norm(track.velocity) >= kSlowest;
-    if (track.id == 0 && track.sightings >= kSightings && walked) track.id = ++known_;
+    const bool walked =
+        distance(track.position, track.began_at) >= params_.walked && norm(track.velocity) >= params_.slowest;
+    if (track.id == 0 && track.sightings >= params_.sightings && walked) track.id = ++known_;
   }
 }
 
@@ -283,12 +261,14 @@ void PeopleTracker::begin_tracks(Time stamp) {
   for (std::size_t g = 0; g < groups_.size(); ++g) {
     const Group& group = groups_[g];
     if (taken_[g] != 0 || group.moved < 2 || 2 * group.moved < group.hits) continue;
-    const auto is_here = [&](const Track& track) { return distance(track.position, group.center) < kSamePlace; };
+    const auto is_here = [&](const Track& track) {
+      return distance(track.position, group.center) < params_.same_place;
+    };
     if (std::ranges::any_of(tracks_, is_here)) continue;
     Track track;
     track.position = track.began_at = group.center;
-    track.pp = kSigma * kSigma;
-    track.vv = kFirstSpeed * kFirstSpeed;
+    track.pp = params_.sigma * params_.sigma;
+    track.vv = params_.first_speed * params_.first_speed;
     track.seen = track.moved = stamp;
     track.sightings = 1;
     tracks_.push_back(track);
@@ -297,13 +277,13 @@ void PeopleTracker::begin_tracks(Time stamp) {
 
 void PeopleTracker::end_tracks(Time stamp) {
   std::erase_if(tracks_, [&](const Track& track) {
-    if (track.id == 0) return track.misses >= kMisses;
-    return stamp - track.seen > kUnseen || stamp - track.moved > kStanding;
+    if (track.id == 0) return track.misses >= params_.misses;
+    return stamp - track.seen > params_.unseen || stamp - track.moved > params_.standing;
   });
   // two that have become one: the older stays
   for (std::size_t a = 0; a < tracks_.size(); ++a) {
     for (std::size_t b = a + 1; b < tracks_.size();) {
-      const bool same = distance(tracks_[a].position, tracks_[b].position) < 0.5 * kSamePlace;
+      const bool same = distance(tracks_[a].position, tracks_[b].position) < 0.5 * params_.same_place;
       if (same && tracks_[a].id == 0) tracks_[a] = tracks_[b];
       if (same) {
         tracks_.erase(tracks_.begin() + static_cast<std::ptrdiff_t>(b));

@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "perception/params.hpp"
 #include "threewe/core/pose.hpp"
 #include "threewe/core/samples.hpp"
 #include "threewe/core/time.hpp"
@@ -22,6 +23,7 @@ namespace threewe::perception {
 /// chapters 6 and 7). Who has walked some way is a person; who has stood for some seconds is an obstacle like others.
 class PeopleTracker {
  public:
+  explicit PeopleTracker(const Params::People& params = {}) : params_(params) {}
   /// One scan, whose turn began and ended with the lidar at these poses in `odom`, at these times; beams were measured
   /// evenly in between, the last one first where `scan.time_increment` is negative.
   void update(const LaserScan& scan, Time began, Time ended, const Pose2D& odom_from_lidar_then,
@@ -58,7 +60,7 @@ class PeopleTracker {
   };
   /// A constant-velocity filter: both axes have the same covariance, since measurements are as good in any direction.
   struct Track {
-    std::uint32_t id = 0;  // 0 until it is somebody
+    std::uint32_t id = 0;  // 0 until it is a person
     Vec2 position, velocity;
     double pp = 0.0, pv = 0.0, vv = 0.0;  // covariance of position and velocity along one axis
     Vec2 began_at;
@@ -76,13 +78,14 @@ class PeopleTracker {
   void group_hits(const LaserScan& scan, Vec2 lidar);
   Group group_of(std::size_t first, std::size_t last, const LaserScan& scan, Vec2 lidar) const;
   static Vec2 offset(const Track& track, const Group& group);
-  static Track later(Track track, double t);
+  Track later(Track track, double t) const;
   void merge_legs();
   void predict(Time stamp);
   void assign(Time stamp);
   void begin_tracks(Time stamp);
   void end_tracks(Time stamp);
 
+  Params::People params_;
   std::vector<View> views_;  // a ring
   std::size_t next_view_ = 0;
   std::vector<std::pair<std::size_t, std::size_t>> old_views_;  // those long ago enough, and where each looked at last

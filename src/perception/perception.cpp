@@ -4,14 +4,25 @@
 #include <cmath>
 
 #include "core/exact.hpp"
+#include "hardware/parameters.hpp"
 
 namespace threewe::perception {
 
-void Perception::begin(Time now) {
+PerceptionModel make_perception_model(const RobotProfile& profile, const std::vector<SensorInfo>& sensors) {
+  return {profile, sensors, params_for<Params>(profile, "health")};
+}
+
+Perception::Perception(const PerceptionModel& model)
+    : health_(model.sensors, model.profile, model.params),
+      tracker_(model.params.people),
+      sonar_returns_(model.params.sonar.arc_spacing),
+      sonar_grid_(model.params.sonar, model.params.bump) {}
+
+void Perception::begin(const PerceptionModel& model, Time now) {
   health_.begin(now);
-  tracker_ = {};
+  tracker_ = PeopleTracker(model.params.people);
   people_.clear();
-  sonar_returns_ = {};
+  sonar_returns_ = SonarReturns(model.params.sonar.arc_spacing);
   obstacles_.clear();
 }
 
@@ -29,7 +40,7 @@ void Perception::update(const PerceptionModel& model, const Period& period) {
       update_sonar_and_bumps(model, period, *sample);
     }
   }
-  if (model.profile.lidar) join_obstacles(period);
+  if (model.profile.lidar) join_obstacles(model, period);
   people_ = tracker_.people(period.now);
 }
 
@@ -40,8 +51,6 @@ std::span<const Vec2> Perception::obstacles(const PerceptionModel& model, std::s
 // Beside a lidar echoes count only where they come from what no beam has met: too low, or of glass. The arcs of all
 // others would close doors that the lidar sees open.
 void Perception::update_sonar_beside_lidar(const PerceptionModel& model, const Period& period, const Sample& sample) {
-  constexpr double kSame = 0.15;  // [m] that an echo and a beam may differ by who tell of one thing, which may move
-  constexpr double kAside = 0.1;  // [rad] beyond the cone
   const auto* echo = std::get_if<RangeData>(&sample.data);
   if (echo == nullptr || period.hits.empty()) return;
   const SensorInfo& sensor = model.sensors[sample.sensor];
@@ -49,15 +58,15 @@ void Perception::update_sonar_beside_lidar(const PerceptionModel& model, const P
                                   model.profile.base_from_sensor(sensor.type, sensor.name);
   const auto seen = transformed(inverse(odom_from_sensor), period.hits);
   const bool explained = std::ranges::any_of(seen, [&](Vec2 p) {
-    return norm(p) < echo->range + kSame && std::abs(exact::atan2(p.y, p.x)) < 0.5 * echo->field_of_view + kAside;
+    return norm(p) < echo->range + model.params.sonar.explained &&
+           std::abs(exact::atan2(p.y, p.x)) < 0.5 * echo->field_of_view + model.params.sonar.explained_bearing;
   });
   sonar_grid_.update(*echo, period.pose.map_from_odom * odom_from_sensor, explained);
 }
 
-void Perception::join_obstacles(const Period& period) {
-  constexpr double kFar = 4.0;  // [m] what is farther away is not in the way yet
+void Perception::join_obstacles(const PerceptionModel& model, const Period& period) {
   obstacles_.clear();
-  const auto remembered = sonar_grid_.occupied_near(period.pose.map_from_base().position(), kFar);
+  const auto remembered = sonar_grid_.occupied_near(period.pose.map_from_base().position(), model.params.sonar.far);
   if (remembered.empty()) return;
   obstacles_ = transformed(inverse(period.pose.map_from_odom), remembered);
   obstacles_.insert(obstacles_.end(), period.hits.begin(), period.hits.end());
@@ -65,7 +74,6 @@ void Perception::join_obstacles(const Period& period) {
 
 // Without a lidar: echoes and bumps, remembered where the robot was as it noticed them.
 void Perception::update_sonar_and_bumps(const PerceptionModel& model, const Period& period, const Sample& sample) {
-  constexpr double kNear = 1.2;  // [m] around the robot
   const Pose2D odom_from_base = period.pose.odom_from_base_ago(sample.received - sample.measured);
   const Pose2D map_from_base = period.pose.map_from_odom * odom_from_base;
 
@@ -80,7 +88,7 @@ void Perception::update_sonar_and_bumps(const PerceptionModel& model, const Peri
   } else {
     return;
   }
-  const auto remembered = sonar_grid_.occupied_near(map_from_base.position(), kNear);
+  const auto remembered = sonar_grid_.occupied_near(map_from_base.position(), model.params.sonar.near);
   obstacles_ = transformed(inverse(period.pose.map_from_odom), remembered);
   const auto received = sonar_returns_.points_in_odom();
   obstacles_.insert(obstacles_.end(), received.begin(), received.end());

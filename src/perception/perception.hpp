@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "perception/health_monitor.hpp"
+#include "perception/params.hpp"
 #include "perception/people_tracker.hpp"
 #include "perception/sonar_grid.hpp"
 #include "perception/sonar_returns.hpp"
@@ -19,7 +20,10 @@ namespace threewe::perception {
 struct PerceptionModel {
   RobotProfile profile;
   std::vector<SensorInfo> sensors;  ///< as `Sample::sensor` counts them
+  Params params{};
 };
+/// Of a robot, with its own parameters.
+PerceptionModel make_perception_model(const RobotProfile& profile, const std::vector<SensorInfo>& sensors);
 
 /// What a control period brought.
 struct Period {
@@ -33,10 +37,10 @@ struct Period {
 /// What the samples of a robot say of its sensors, of what stands around it and of who walks there. Plain data.
 class Perception {
  public:
-  explicit Perception(const PerceptionModel& model) : health_(model.sensors, model.profile) {}
+  explicit Perception(const PerceptionModel& model);
 
   /// The robot was connected: what was seen before is old. What sonar has found on the way stays in the grid.
-  void begin(Time now);
+  void begin(const PerceptionModel& model, Time now);
   /// One sample, in order of arrival. True when it may be used.
   bool examine(const PerceptionModel& model, const Sample& sample);
   /// The end of a period.
@@ -48,7 +52,7 @@ class Perception {
   /// Where something stands, in `odom`: what the lidar hits and what only sonar tells of; without a lidar, sonar
   /// returns and bumps. `hits` as in Period.
   std::span<const Vec2> obstacles(const PerceptionModel& model, std::span<const Vec2> hits) const;
-  /// Who walks around the robot, in `odom`, at the end of the newest period; nobody without a lidar.
+  /// Who walks around the robot, in `odom`, at the end of the newest period; none without a lidar.
   std::span<const TrackedPerson> people() const { return people_; }
   /// What sonar and bumps tell of the place, in `map`.
   const SonarGrid& sonar_grid() const { return sonar_grid_; }
@@ -57,7 +61,7 @@ class Perception {
   void update_sonar_beside_lidar(const PerceptionModel& model, const Period& period, const Sample& sample);
   void update_sonar_and_bumps(const PerceptionModel& model, const Period& period, const Sample& sample);
   void track_people(const PerceptionModel& model, const Period& period, const Sample& sample);
-  void join_obstacles(const Period& period);
+  void join_obstacles(const PerceptionModel& model, const Period& period);
 
   HealthMonitor health_;
   PeopleTracker tracker_;

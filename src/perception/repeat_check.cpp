@@ -10,14 +10,6 @@
 namespace threewe::perception {
 namespace {
 
-constexpr int kLively = 4;        // changes while the robot stands: what changes is noise, and noise never stops
-constexpr int kLivelyOnWay = 6;   // the same for echoes, of which few come while it stands
-constexpr double kNoise = 0.001;  // [m] walls scatter less only where there is no noise
-constexpr double kSlope = 0.1;    // sine of the angle between surface and motion: ranges along steeper ones change
-constexpr double kSteep = 0.02;   // the share of beams that meet such a surface, at least
-constexpr double kTurns = 0.05;   // [rad/s]
-constexpr int kQuiet = 3;         // readings that repeat themselves in a row, and go on: noise never does that
-
 bool same(const LaserScan& a, const LaserScan& b) { return a.ranges == b.ranges; }
 bool same(const IMUData& a, const IMUData& b) {
   return a.angular_velocity == b.angular_velocity && a.linear_acceleration == b.linear_acceleration;
@@ -26,7 +18,7 @@ bool same(const Odometry& a, const Odometry& b) { return a.pose == b.pose && a.v
 bool same(const BatteryState&, const BatteryState&) { return false; }  // it may well stay as it is
 bool same(const RangeData& a, const RangeData& b) { return a.range == b.range; }
 bool same(const Picture& a, const Picture& b) {
-  // those that nobody has looked at are not drawn for our sake
+  // those that were not asked for are not drawn for our sake
   return a.is_drawn() && b.is_drawn() && a.image().color == b.image().color;
 }
 
@@ -40,8 +32,8 @@ bool same(const SampleData& a, const SampleData& b) {
 }
 
 // Would ranges change as the lidar moves along? Not between two walls that it moves along, with nothing at their ends.
-bool depends_on(const LaserScan& scan, const Velocity& velocity) {
-  if (std::fabs(velocity.omega) > kTurns) return true;
+bool depends_on(const Params::Repeats& params, const LaserScan& scan, const Velocity& velocity) {
+  if (std::fabs(velocity.omega) > params.turns) return true;
   const double speed = exact::hypot(velocity.vx, velocity.vy);
   if (speed == 0.0) return true;  // others say that the robot moves
   const std::size_t n = scan.ranges.size();
@@ -56,9 +48,9 @@ bool depends_on(const LaserScan& scan, const Velocity& velocity) {
     const auto next = hit(i + 1);
     if (!here || !next) continue;
     const Vec2 along = *next - *here;
-    if (std::fabs(cross(along, {velocity.vx, velocity.vy})) > kSlope * norm(along) * speed) steep += 1.0;
+    if (std::fabs(cross(along, {velocity.vx, velocity.vy})) > params.slope * norm(along) * speed) steep += 1.0;
   }
-  return steep > kSteep * static_cast<double>(n);
+  return steep > params.steep * static_cast<double>(n);
 }
 
 // A reading that says nothing is often the same.
@@ -75,7 +67,7 @@ bool is_empty(const SampleData& data) {
 
 bool RepeatCheck::is_frozen(const SampleData& data, const Motion& motion) {
   const auto* picture = std::get_if<Picture>(&data);
-  if (picture != nullptr && !picture->is_drawn()) return false;  // nobody knows what is in it
+  if (picture != nullptr && !picture->is_drawn()) return false;  // its content is unknown
   frozen_ = is_suspect(data, motion);
   return frozen_;
 }
@@ -91,33 +83,34 @@ bool RepeatCheck::is_suspect(const SampleData& data, const Motion& motion) {
   if (!motion.moving && repeats_ == 0) return false;
   ++repeats_;
   // echoes without noise are the same at rest, whether their sensor is frozen or not: the robot has to try
-  const bool lively = changes_at_rest_ >= kLively;
+  const bool lively = changes_at_rest_ >= params_.lively;
   if (motion.still && !lively && std::holds_alternative<RangeData>(data)) return false;
   return !is_empty(data) && should_have_changed(data, motion);
 }
 
 // What was taken for frozen says nothing about noise, nor does the first reading.
 void RepeatCheck::note_change(const Motion& motion) {
-  if (in_a_row_ >= kQuiet && !frozen_) quiet_ = true;
+  if (in_a_row_ >= params_.quiet && !frozen_) quiet_ = true;
   repeats_ = in_a_row_ = 0;
   ++changes_;
   if (motion.still) ++changes_at_rest_;
 }
 
 bool RepeatCheck::should_have_changed(const SampleData& data, const Motion& motion) const {
-  const bool lively = changes_at_rest_ >= kLively;
+  const bool lively = changes_at_rest_ >= params_.lively;
   if (const auto* odometry = std::get_if<Odometry>(&data)) {
-    // wheels that turn, or are told to, at the same place
+    // wheels that turn, or are commanded to, at the same place
     const Velocity& v = odometry->velocity;
-    return repeats_ >= 2 && (motion.driven || exact::hypot(v.vx, v.vy) > 0.01 || std::fabs(v.omega) > 0.05);
+    return repeats_ >= 2 &&
+           (motion.driven || exact::hypot(v.vx, v.vy) > params_.moves || std::fabs(v.omega) > params_.turns);
   }
   if (std::holds_alternative<IMUData>(data)) return lively && !quiet_ && repeats_ >= 4;
   if (std::holds_alternative<Picture>(data)) return lively && !quiet_;
-  if (std::holds_alternative<RangeData>(data)) return lively || changes_ >= kLivelyOnWay;
+  if (std::holds_alternative<RangeData>(data)) return lively || changes_ >= params_.lively_on_way;
   // a lidar without noise sees the same where it moves between bare walls
   const auto* scan = std::get_if<LaserScan>(&data);
-  return scan == nullptr || slam::range_noise_of(*scan) > kNoise ||
-         (repeats_ >= 2 && depends_on(*scan, motion.velocity));
+  return scan == nullptr || slam::range_noise_of(*scan) > params_.noise ||
+         (repeats_ >= 2 && depends_on(params_, *scan, motion.velocity));
 }
 
 }  // namespace threewe::perception

@@ -3,16 +3,17 @@
 
 #include <optional>
 
+#include "perception/params.hpp"
 #include "threewe/core/pose.hpp"
 #include "threewe/core/samples.hpp"
 
 namespace threewe::perception {
 
-/// What is known about the robot's motion, by whom it does not matter.
+/// What is known about the robot's motion, by whichever sensor.
 struct Motion {
-  bool moving = false;  ///< somebody says so
-  bool driven = false;  ///< it has been told to for some time
-  bool still = false;   ///< nobody says otherwise
+  bool moving = false;  ///< some sensor says so
+  bool driven = false;  ///< it has been commanded to for some time
+  bool still = false;   ///< no sensor says otherwise
   Velocity velocity{};  ///< by the wheels, in the frame of the sensor
 };
 
@@ -21,6 +22,7 @@ struct Motion {
 /// and whether they have been seen to repeat themselves and go on.
 class RepeatCheck {
  public:
+  explicit RepeatCheck(const Params::Repeats& params = {}) : params_(params) {}
   /// True when this reading repeats those before and should not.
   bool is_frozen(const SampleData& data, const Motion& motion);
 
@@ -29,6 +31,7 @@ class RepeatCheck {
   bool should_have_changed(const SampleData& data, const Motion& motion) const;
   void note_change(const Motion& motion);
 
+  Params::Repeats params_;
   std::optional<SampleData> before_;
   bool frozen_ = false;  // the newest reading
   int repeats_ = 0;      // in a row, while the robot moved

@@ -11,15 +11,8 @@
 namespace threewe::perception {
 namespace {
 
-constexpr std::size_t kFewBeams = 40;     // fewer tell nothing
-constexpr double kNoisy = 3.0;            // times the usual scatter
-constexpr double kFollows = 0.02;         // the share of each scan in the usual scatter
-constexpr double kShift = 0.10;           // [m] ... more than what comes of driving
-constexpr double kAgree = 0.06;           // [m] around the shift ...
-constexpr double kMostBeams = 0.4;        // ... lie so many of the beams: elsewhere they are less like those before ...
-constexpr std::ptrdiff_t kAside = 4;      // steps by which the turn may be off ...
-constexpr std::ptrdiff_t kStep = 2;       // ... of so many beams
-constexpr Duration kBelievedAfter = 30s;  // what has been so for so long is no passing fault of this sensor
+constexpr std::ptrdiff_t kAside = 4;  // steps by which the turn may be off ...
+constexpr std::ptrdiff_t kStep = 2;   // ... of so many beams
 
 bool hits(const LaserScan& scan, std::size_t beam) {
   const auto range = static_cast<double>(scan.ranges[beam]);
@@ -27,7 +20,8 @@ bool hits(const LaserScan& scan, std::size_t beam) {
 }
 
 // The same when the lidar turned by so many beams.
-Shift shift_when_turned(const LaserScan& before, const LaserScan& scan, std::ptrdiff_t turned) {
+Shift shift_when_turned(const Params::Scan& params, const LaserScan& before, const LaserScan& scan,
+                        std::ptrdiff_t turned) {
   const auto beams = static_cast<std::ptrdiff_t>(scan.ranges.size());
   std::vector<float> longer;
   longer.reserve(scan.ranges.size());
@@ -36,18 +30,18 @@ Shift shift_when_turned(const LaserScan& before, const LaserScan& scan, std::ptr
     const auto now = static_cast<std::size_t>(i);
     if (hits(scan, now) && hits(before, then)) longer.push_back(scan.ranges[now] - before.ranges[then]);
   }
-  if (longer.size() < kFewBeams) return {};
+  if (longer.size() < static_cast<std::size_t>(params.fewest_beams)) return {};
   const auto middle = longer.begin() + static_cast<std::ptrdiff_t>(longer.size() / 2);
   std::nth_element(longer.begin(), middle, longer.end());
   const float median = *middle;
   const auto agree =
-      std::ranges::count_if(longer, [median](float d) { return std::fabs(d - median) < static_cast<float>(kAgree); });
+      std::ranges::count_if(longer, [&](float d) { return std::fabs(d - median) < static_cast<float>(params.agree); });
   return {static_cast<double>(median), static_cast<double>(agree) / static_cast<double>(longer.size())};
 }
 
 }  // namespace
 
-Shift shift_between(const LaserScan& before, const LaserScan& scan, double turned) {
+Shift shift_between(const LaserScan& before, const LaserScan& scan, double turned, const Params::Scan& params) {
   const std::size_t n = scan.ranges.size();
   if (before.ranges.size() != n || n == 0) return {};
   const auto predicted = static_cast<std::ptrdiff_t>(std::floor(turned / scan.angle_increment + 0.5));
@@ -55,44 +49,46 @@ Shift shift_between(const LaserScan& before, const LaserScan& scan, double turne
   for (std::ptrdiff_t i = 0; i <= 2 * kAside; ++i) {
     // the predicted turn first, then ever farther from it
     const std::ptrdiff_t aside = i % 2 == 0 ? i / 2 : -(i + 1) / 2;
-    const Shift found = shift_when_turned(before, scan, predicted + kStep * aside);
+    const Shift found = shift_when_turned(params, before, scan, predicted + kStep * aside);
     if (found.share > best.share) best = found;
   }
   return best;
 }
 
 SensorFault ScanCheck::check(Time measured, const LaserScan& scan, const Pose2D& at) {
-  const double scatter = slam::range_noise_of(scan);
-  if (usual_scatter_ == 0.0) usual_scatter_ = std::max(least_scatter_, scatter);  // as it is from the first
-  if (scatter > kNoisy * usual_scatter_ && usual_scatter_ > 0.0) return SensorFault::noisy;
+  const double noise = slam::range_noise_of(scan);
+  if (usual_noise_ == 0.0) usual_noise_ = std::max(least_noise_, noise);  // as it is from the first
+  if (noise > params_.noisy * usual_noise_ && usual_noise_ > 0.0) return SensorFault::noisy;
 
   View view{measured, scan, at};
   judge_shift(view);
   before_ = view;
   if (shift_ != 0.0) return SensorFault::shifted;
 
-  usual_scatter_ = std::max(least_scatter_, usual_scatter_ + kFollows * (scatter - usual_scatter_));
+  usual_noise_ = std::max(least_noise_, usual_noise_ + params_.follows * (noise - usual_noise_));
   reference_ = std::move(view);
   return SensorFault::none;
 }
 
 // Shifted since the reference, or not any more.
 void ScanCheck::judge_shift(const View& view) {
-  const auto since = [&view](const View& then) {
-    return shift_between(then.scan, view.scan, wrap_angle(view.at.theta - then.at.theta));
+  const auto since = [&](const View& then) {
+    return shift_between(then.scan, view.scan, wrap_angle(view.at.theta - then.at.theta), params_);
   };
-  if (reference_.scan.ranges.empty() || view.stamp - reference_.stamp > kBelievedAfter) shift_ = 0.0;
+  if (reference_.scan.ranges.empty() || view.stamp - reference_.stamp > params_.believed_after) shift_ = 0.0;
   if (reference_.scan.ranges.empty()) return;
 
   if (shift_ == 0.0) {
     const Shift shift = since(reference_);
     const double by_driving = distance(view.at.position(), reference_.at.position());
-    if (shift.share >= kMostBeams && std::fabs(shift.metres) > kShift + by_driving) shift_ = shift.metres;
+    if (shift.share >= params_.most_beams && std::fabs(shift.metres) > params_.shift + by_driving)
+      shift_ = shift.metres;
     return;
   }
   // it is over when ranges jump back, which is plain to see once the robot stands
   const Shift back = since(before_);
-  if (back.share >= kMostBeams && std::fabs(back.metres + shift_) < 0.4 * std::fabs(shift_)) shift_ = 0.0;
+  if (back.share >= params_.most_beams && std::fabs(back.metres + shift_) < params_.back * std::fabs(shift_))
+    shift_ = 0.0;
 }
 
 }  // namespace threewe::perception

@@ -3,6 +3,7 @@
 
 #include <vector>
 
+#include "perception/params.hpp"
 #include "threewe/core/pose.hpp"
 #include "threewe/core/samples.hpp"
 #include "threewe/perception/percepts.hpp"
@@ -16,14 +17,14 @@ struct Shift {
 };
 /// The shift between two scans on which most beams agree, while the lidar turned by about `turned` [rad] and did not
 /// move far.
-Shift shift_between(const LaserScan& before, const LaserScan& scan, double turned);
+Shift shift_between(const LaserScan& before, const LaserScan& scan, double turned, const Params::Scan& params = {});
 
 /// Compares each scan with those that were in order.
 class ScanCheck {
  public:
   ScanCheck() = default;
-  /// `sigma`: how much ranges scatter by the data sheet [m].
-  explicit ScanCheck(double sigma) : least_scatter_(sigma) {}
+  /// `sigma`: standard deviation of ranges by the data sheet [m].
+  explicit ScanCheck(double sigma, const Params::Scan& params = {}) : params_(params), least_noise_(sigma) {}
   /// `at`: where the robot is by its wheels.
   SensorFault check(Time measured, const LaserScan& scan, const Pose2D& at);
 
@@ -36,11 +37,12 @@ class ScanCheck {
   };
   void judge_shift(const View& view);
 
-  double least_scatter_ = 0.0;  // [m] what is usual at least
-  double usual_scatter_ = 0.0;  // [m] 0 before the first scan
-  View reference_;              // the newest that was in order
-  View before_;                 // the newest that was not noisy
-  double shift_ = 0.0;          // [m] since the reference
+  Params::Scan params_;
+  double least_noise_ = 0.0;  // [m] what is usual at least
+  double usual_noise_ = 0.0;  // [m] 0 before the first scan
+  View reference_;            // the newest that was in order
+  View before_;               // the newest that was not noisy
+  double shift_ = 0.0;        // [m] since the reference
 };
 
 }  // namespace threewe::perception

@@ -8,19 +8,14 @@
 namespace threewe::perception {
 namespace {
 
-constexpr double kTrusted = 1.5;      // [m] beyond, an arc is so wide that it would close doors
-constexpr double kMiddle = 0.4;       // share of the cone that is taken to be free
-constexpr double kBeforeArc = 0.075;  // [m] left out between what is free and the arc
-constexpr double kBump = 7.5;         // [m/s^2] beyond what tyres give on a hard floor
-constexpr double kOutside = 0.02;     // [m] off the outline stands what was bumped into
-constexpr double kSpacing = 0.04;     // [m] between two points of an arc, less than a cell
+constexpr double kSpacing = 0.04;  // [m] between two points of an arc, less than a cell
 
-map::LogOddsMap::Settings evidence() {
+map::LogOddsMap::Settings evidence(const Params::Sonar& params) {
   map::LogOddsMap::Settings settings;
-  settings.hit = 12;   // one echo makes an obstacle ...
-  settings.pass = -5;  // ... and two that pass through unmake it
-  settings.max = 40;
-  settings.min = -24;
+  settings.hit = static_cast<std::int8_t>(params.hit);
+  settings.pass = static_cast<std::int8_t>(params.pass);
+  settings.max = static_cast<std::int8_t>(params.most);
+  settings.min = static_cast<std::int8_t>(params.least);
   return settings;
 }
 
@@ -33,19 +28,20 @@ map::Beam beam(const Pose2D& map_from_sensor, double bearing, double range, bool
 
 }  // namespace
 
-SonarGrid::SonarGrid() : map_(evidence()) {}
+SonarGrid::SonarGrid(const Params::Sonar& sonar, const Params::Bump& bump)
+    : sonar_(sonar), bump_(bump), map_(evidence(sonar)) {}
 
 void SonarGrid::update(const RangeData& echo, const Pose2D& map_from_sensor, bool explained) {
   if (echo.range >= echo.range_max) return;
   const double range = std::max(echo.range, echo.range_min);
   std::vector<map::Beam> beams;
-  const double free = std::min(range, kTrusted) - kBeforeArc;
+  const double free = std::min(range, sonar_.trusted) - sonar_.before_arc;
   if (free > 0.0) {
     for (const double share : {-0.5, 0.0, 0.5}) {
-      beams.push_back(beam(map_from_sensor, share * kMiddle * echo.field_of_view, free, false));
+      beams.push_back(beam(map_from_sensor, share * sonar_.middle * echo.field_of_view, free, false));
     }
   }
-  if (range <= kTrusted && !explained) {
+  if (range <= sonar_.trusted && !explained) {
     const int gaps = 1 + static_cast<int>(range * echo.field_of_view / kSpacing);
     for (int i = 0; i <= gaps; ++i) {
       const double share = static_cast<double>(i) / gaps - 0.5;
@@ -57,18 +53,18 @@ void SonarGrid::update(const RangeData& echo, const Pose2D& map_from_sensor, boo
 
 bool SonarGrid::detect_bump(Vec2 push, const Footprint& footprint, const Pose2D& map_from_base) {
   const double strength = norm(push);
-  if (strength < kBump) return false;
+  if (strength < bump_.push) return false;
   const Vec2 towards = (-1.0 / strength) * push;
   double reach = 0.0;
   for (const Vec2 corner : footprint.corners()) reach = std::max(reach, dot(corner, towards));
 
   // a short bar across, just outside of the outline
   std::vector<map::Beam> beams;
-  for (const double aside : {-0.05, 0.0, 0.05}) {
-    const Vec2 point = (reach + kOutside) * towards + aside * Vec2{-towards.y, towards.x};
+  for (const double offset : {-bump_.half_width, 0.0, bump_.half_width}) {
+    const Vec2 point = (reach + bump_.outside) * towards + offset * Vec2{-towards.y, towards.x};
     beams.push_back(beam(map_from_base, exact::atan2(point.y, point.x), norm(point), true));
   }
-  for (int i = 0; i < 3; ++i) insert(beams);  // felt is surer than heard
+  for (int i = 0; i < 3; ++i) insert(beams);  // a bump is surer than a return
   return true;
 }
 

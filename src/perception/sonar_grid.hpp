@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "map/log_odds_map.hpp"
+#include "perception/params.hpp"
 #include "threewe/core/footprint.hpp"
 #include "threewe/core/pose.hpp"
 #include "threewe/core/samples.hpp"
@@ -17,7 +18,7 @@ namespace threewe::perception {
 /// cone up to it is free. No echo tells nothing: smooth surfaces that are met at a slant send none.
 class SonarGrid {
  public:
-  SonarGrid();
+  explicit SonarGrid(const Params::Sonar& sonar = {}, const Params::Bump& bump = {});
 
   /// An echo that is `explained`, by what others see, marks nothing: it only tells what is free.
   void update(const RangeData& echo, const Pose2D& map_from_sensor, bool explained = false);
@@ -33,6 +34,8 @@ class SonarGrid {
  private:
   void insert(std::span<const map::Beam> beams);
 
+  Params::Sonar sonar_;
+  Params::Bump bump_;
   map::LogOddsMap map_;
   std::vector<map::Cell> occupied_;  // row by row, counted from the raster's origin
 };

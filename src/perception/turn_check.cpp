@@ -11,22 +11,6 @@
 namespace threewe::perception {
 namespace {
 
-constexpr double kWindow = 0.4;       // [s]
-constexpr double kMaxStep = 0.25;     // [s] a sample stands for no longer than this
-constexpr double kSigma = 0.006;      // [rad/s] of the difference over a window, where nothing changes ...
-constexpr double kTurnSigma = 0.01;   // ... more per rad/s of turning: wheels slip as they turn ...
-constexpr double kJerkSigma = 0.015;  // ... and per rad/s by which the rate of turning changes: they never start as one
-constexpr double kPushSigma = 0.015;  // [rad/s] per m/s by which the speed changes
-constexpr double kWalk = 1e-5;        // [(rad/s)^2] by which the variances of the factors grow each window
-constexpr double kSmall = 0.03;       // [rad/s] less than this does no harm
-constexpr double kLearnable = 2.0;    // deviations: farther off is not learned from ...
-constexpr double kTwice = 2.0;        // ... and counts for more when it comes twice
-
-// What is so from the first is how this robot is, whatever its data sheet says; deviations.
-constexpr double kLeastScale = 0.02;   // of a wheel's radius: the tyres of small robots differ by that
-constexpr double kZeroOffset = 0.035;  // [rad/s] of a gyro that nobody has zeroed: data sheets allow 2 to 3 deg/s
-constexpr double kLag = 0.03;          // [s] of a gyro's filter, or of a wheel's
-
 constexpr double kRise = 1.1;         // of the median with each number ...
 constexpr double kRiseAtFirst = 1.4;  // ... and with so many first ones
 constexpr int kFirst = 32;
@@ -51,21 +35,22 @@ void NoiseEstimator::add(double value) {
 
 double NoiseEstimator::sigma() const { return median_ / (kMedian * exact::sqrt(6.0)); }
 
-TurnCheck::TurnCheck(const RobotProfile& profile)
-    : gyro_noise_(profile.imu ? profile.imu->gyro_sigma : 0.0), wheel_noise_(kSigma) {
+TurnCheck::TurnCheck(const RobotProfile& profile, const Params::Turn& params)
+    : params_(params), gyro_noise_(profile.imu ? profile.imu->gyro_sigma : 0.0), wheel_noise_(params.sigma) {
   const WheelGeometry& wheels = profile.body.wheels;
   // each wheel's radius is off by a share that is uniform within the bounds; they may well have worn beyond those
-  const double scale = 1.5 * std::numbers::inv_sqrt3 * profile.odometry.wheel_scale;
-  const double per_speed = std::max(scale, kLeastScale) / (exact::sqrt(static_cast<double>(wheels.wheel_count())) *
-                                                           (wheels.half_length + wheels.half_width));
-  const double bias = std::max(kZeroOffset, 1.5 * (profile.imu ? profile.imu->gyro_bias : 0.0));
-  const Factors sigma = {per_speed, per_speed, scale + 0.02, bias, kLag};
+  const double scale = params.wear * std::numbers::inv_sqrt3 * profile.odometry.wheel_scale;
+  const double per_speed =
+      std::max(scale, params_.least_scale) /
+      (exact::sqrt(static_cast<double>(wheels.wheel_count())) * (wheels.half_length + wheels.half_width));
+  const double bias = std::max(params_.zero_offset, params.wear * (profile.imu ? profile.imu->gyro_bias : 0.0));
+  const Factors sigma = {per_speed, per_speed, scale + 0.02, bias, params_.lag};
   for (std::size_t i = 0; i < kFactors; ++i) variance_[i][i] = sigma[i] * sigma[i];
 }
 
 void TurnCheck::add_gyro(Time measured, double rate) {
   const double seconds = turned_.empty() ? 0.0 : seconds_between(turned_.back().at, measured);
-  if (turned_.empty() || seconds <= 0.0 || seconds > kMaxStep) {  // what was before has no end
+  if (turned_.empty() || seconds <= 0.0 || seconds > params_.longest_step) {  // what was before has no end
     turned_.assign(1, Turned{measured});
     return;
   }
@@ -78,13 +63,13 @@ void TurnCheck::add_gyro(Time measured, double rate) {
 
 std::optional<double> TurnCheck::add_odometry(Time measured, const Odometry& odometry) {
   const double seconds = window_ ? seconds_between(window_->end, measured) : 0.0;
-  if (!window_ || seconds <= 0.0 || seconds > kMaxStep) {
+  if (!window_ || seconds <= 0.0 || seconds > params_.longest_step) {
     window_ = Window{.begin = measured, .end = measured, .before = odometry.velocity, .after = odometry.velocity};
   } else {
     extend(*window_, measured, odometry);
   }
   wheels_ = odometry;
-  if (window_->seconds >= kWindow) {
+  if (window_->seconds >= params_.window) {
     complete_ = window_;
     window_ = Window{.begin = measured, .end = measured, .before = odometry.velocity, .after = odometry.velocity};
   }
@@ -127,7 +112,7 @@ std::optional<double> TurnCheck::judge(const Window& window) {
   const double change = window.after.omega - window.before.omega;
   motion[4] = change / window.seconds;
   const double push = exact::hypot(window.after.vx - window.before.vx, window.after.vy - window.before.vy);
-  const double jerk = kJerkSigma * std::fabs(change) + kPushSigma * push;
+  const double jerk = params_.jerk_sigma * std::fabs(change) + params_.push_sigma * push;
   const double gyro = gyro_noise_.sigma();
   const double wheels = wheel_noise_.sigma();
   const double noise = jerk * jerk + gyro * gyro / static_cast<double>(ended->samples - begun->samples) +
@@ -139,8 +124,8 @@ std::optional<double> TurnCheck::judge(const Window& window) {
 double TurnCheck::innovation(const Factors& motion, double difference, double noise) {
   Factors gain{};
   double expected = 0.0;
-  const double turn = kTurnSigma * motion[2];
-  double variance = kSigma * kSigma + turn * turn + noise;
+  const double turn = params_.turn_sigma * motion[2];
+  double variance = params_.sigma * params_.sigma + turn * turn + noise;
   for (std::size_t i = 0; i < kFactors; ++i) {
     expected += factors_[i] * motion[i];
     for (std::size_t j = 0; j < kFactors; ++j) gain[i] += variance_[i][j] * motion[j];
@@ -148,17 +133,18 @@ double TurnCheck::innovation(const Factors& motion, double difference, double no
   }
   const double off = difference - expected;
   const double normalised = off / exact::sqrt(variance);
-  if (std::fabs(normalised) < kLearnable) {
+  if (std::fabs(normalised) < params_.learnable) {
     for (std::size_t i = 0; i < kFactors; ++i) factors_[i] += gain[i] / variance * off;
     for (std::size_t i = 0; i < kFactors; ++i) {
       for (std::size_t j = 0; j < kFactors; ++j) variance_[i][j] -= gain[i] * gain[j] / variance;
-      if (i < 3) variance_[i][i] += kWalk;
-      if (i == 3) variance_[i][i] += 0.1 * kWalk;
+      if (i < 3) variance_[i][i] += params_.walk;
+      if (i == 3) variance_[i][i] += 0.1 * params_.walk;
     }
   }
   const double before = std::exchange(last_, normalised);
-  if (std::fabs(off) < kSmall) return 0.0;
-  const bool again = std::fabs(normalised) > kTwice && std::fabs(before) > kTwice && normalised * before > 0.0;
+  if (std::fabs(off) < params_.small) return 0.0;
+  const bool again =
+      std::fabs(normalised) > params_.twice && std::fabs(before) > params_.twice && normalised * before > 0.0;
   return again ? normalised + before : normalised;
 }
 

@@ -6,6 +6,7 @@
 #include <deque>
 #include <optional>
 
+#include "perception/params.hpp"
 #include "threewe/core/samples.hpp"
 #include "threewe/core/time.hpp"
 #include "threewe/hardware/profile.hpp"
@@ -34,7 +35,7 @@ class NoiseEstimator {
 class TurnCheck {
  public:
   TurnCheck() = default;
-  explicit TurnCheck(const RobotProfile& profile);
+  explicit TurnCheck(const RobotProfile& profile, const Params::Turn& params = {});
 
   void add_gyro(Time measured, double rate);
   /// A window that both have gone beyond by now: its innovation over its standard deviation, with that of the window
@@ -66,6 +67,7 @@ class TurnCheck {
   std::optional<Turned> turned_until(Time at) const;
   double innovation(const Factors& motion, double difference, double noise);
 
+  Params::Turn params_;
   Factors factors_{};                         // per vx, vy, omega, of itself, and per change of omega
   std::array<Factors, kFactors> variance_{};  // their covariance
   NoiseEstimator gyro_noise_;                 // [rad/s] of each sample

@@ -25,7 +25,7 @@ void require_positive(Duration duration, const char* what) {
 Runtime::Impl::Impl(World& w, backend::RobotPort& p, Options autonomy)
     : world(w),
       port(p),
-      perception_model{p.profile(), p.features().sensors},
+      perception_model(perception::make_perception_model(p.profile(), p.features().sensors)),
       gate_model(safety::make_gate_model(p.profile())),
       sight_model(safety::make_sight_model(p.profile(), gate_model)),
       approach_model(safety::make_approach_model(p.profile(), gate_model)),
@@ -47,7 +47,7 @@ void Runtime::connect() {
   // what was seen before is old by now, but an emergency stop stays latched
   State& state = *impl_->state;
   state.senses = impl_->fresh.senses;
-  state.perception.begin(impl_->now());
+  state.perception.begin(impl_->perception_model, impl_->now());
   state.gate = {.estop = state.gate.estop};
   state.sight.forget();
   state.approach.forget();

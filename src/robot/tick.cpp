@@ -25,8 +25,8 @@ double free_area(const map::OccupancyGrid& grid) {
 std::string in_seconds(Duration d) { return fmt::format("{:.2f} s", to_seconds(d)); }
 std::string in_metres(double metres) { return fmt::format("{:.2f} m", metres); }
 
-// A sensor's trouble in words.
-std::string told(const SensorHealth& sensor, const char* verb) {
+// A sensor's fault in words.
+std::string in_words(const SensorHealth& sensor, const char* verb) {
   std::string text = "sensor '" + sensor.name + "' " + verb + " " + std::string(to_string(sensor.fault));
   return sensor.detail.empty() ? text : text + " (" + sensor.detail + ")";
 }
@@ -81,7 +81,7 @@ Velocity Runtime::Impl::wait_for(const SensorHealth& sensor) {
   if (!motion || motion->stands_by) return {};
   motion->decision = {};
   if (now() - sensor.since >= kSensorPatience)
-    motion->given_up = told(sensor, "has been") + " for " + in_seconds(kSensorPatience);
+    motion->given_up = in_words(sensor, "has been") + " for " + in_seconds(kSensorPatience);
   return {};
 }
 
@@ -284,7 +284,8 @@ void Runtime::Impl::warn_of_faults() {
     if (sensor.ok()) {
       warn(whose + "sensor '" + sensor.name + "' is ok again");
     } else {
-      warn(whose + told(sensor, "is") + (sensor.needed ? "; it stands still until that is over" : "; it does without"));
+      warn(whose + in_words(sensor, "is") +
+           (sensor.needed ? "; it stands still until that is over" : "; it does without"));
     }
   }
 }

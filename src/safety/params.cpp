@@ -13,7 +13,8 @@ Parameters parameters_of(Params::Gate& p) {
 }
 
 Parameters parameters_of(Params::Creep& p) {
-  return {{"margin", &p.margin, "m", Scale::noise, "kept free around the footprint in creep mode"},
+  return {{"margin", &p.margin, "m", Scale::size,
+           "kept free of what the body passes in creep mode; navigators plan with more"},
           {"speed", &p.speed, "m/s", Scale::none, "of the base in creep mode"},
           {"corner_speed", &p.corner_speed, "m/s", Scale::none, "of any corner in creep mode: a touch does no harm"},
           {"sight", &p.sight, "m", Scale::size, "from the base, beyond which hits do not matter in creep mode"}};

@@ -82,7 +82,7 @@ HWY_EXPORT(place);
 
 namespace {
 
-// Nearly all beams are longer than what concerns anybody: a look at many at once, without a branch for each.
+// Nearly all beams are longer than what concerns the gate: a look at many at once, without a branch for each.
 constexpr std::size_t kBlock = 16;
 bool is_any_within(std::span<const float, kBlock> ranges, float longest) {
   unsigned within = 0;

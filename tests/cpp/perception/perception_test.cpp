@@ -45,7 +45,7 @@ bool stands_ahead(const PerceptionModel& model, std::span<const Vec2> points, co
 TEST_CASE("without a lidar something stands where an echo came from, in odom, until the robot is connected anew") {
   const PerceptionModel model = robot(false);
   Perception perception(model);
-  perception.begin(0ns);
+  perception.begin(model, 0ns);
   slam::PoseEstimate pose;
   pose.odom_from_base = {2.0, 1.0, 0.7};
   pose.map_from_odom = {-3.0, 0.5, -0.4};
@@ -54,7 +54,7 @@ TEST_CASE("without a lidar something stands where an echo came from, in odom, un
   CHECK(stands_ahead(model, perception.obstacles(model, {}), pose.odom_from_base, 0.6));
   CHECK(perception.sonar_grid().version() > 0);
 
-  perception.begin(200ms);
+  perception.begin(model, 200ms);
   CHECK(perception.obstacles(model, {}).empty());
   CHECK(perception.sonar_grid().version() > 0);  // the place is the same
 }
@@ -66,7 +66,7 @@ TEST_CASE("beside a lidar an echo counts only where no beam has met anything") {
   const std::vector<Vec2> near = {sensor * Vec2{0.7, 0.0}};
   for (const std::vector<Vec2>& hits : {far, near}) {
     Perception perception(model);
-    perception.begin(0ns);
+    perception.begin(model, 0ns);
     for (int i = 1; i <= 3; ++i) bring(perception, model, echo(100ms * i, 0.6), {}, hits);
     const auto found = perception.obstacles(model, hits);
     CHECK(stands_ahead(model, found, {}, 0.6) == (hits == far));
@@ -77,7 +77,7 @@ TEST_CASE("beside a lidar an echo counts only where no beam has met anything") {
 TEST_CASE("what no such sensor can measure is not used, and is a fault of that sensor alone") {
   const PerceptionModel model = robot(true);
   Perception perception(model);
-  perception.begin(0ns);
+  perception.begin(model, 0ns);
   Sample broken = echo(100ms, std::numeric_limits<double>::quiet_NaN());
   CHECK_FALSE(perception.examine(model, broken));
   CHECK(perception.examine(model, {1, 0, 100ms, 100ms, IMUData{{}, {0.0, 0.0, 9.81}}}));

@@ -296,19 +296,19 @@ TEST_CASE("who has been told to drive, or to stand, for longer than it takes to 
   const auto tell = [&](const Velocity& command, int periods) {
     for (int i = 0; i < periods; ++i) (void)check.is_disobeyed(command, {});
   };
-  CHECK_FALSE(check.told_to_drive());
+  CHECK_FALSE(check.commanded_to_drive());
   tell({0.2, 0.0, 0.0}, 4);
-  CHECK_FALSE(check.told_to_drive());
+  CHECK_FALSE(check.commanded_to_drive());
   tell({0.0, 0.0, 0.5}, 5);
-  CHECK(check.told_to_drive());
-  CHECK_FALSE(check.told_to_stand());
+  CHECK(check.commanded_to_drive());
+  CHECK_FALSE(check.commanded_to_stand());
   tell({}, 1);
-  CHECK_FALSE(check.told_to_drive());
+  CHECK_FALSE(check.commanded_to_drive());
   tell({}, 8);
-  CHECK(check.told_to_stand());
+  CHECK(check.commanded_to_stand());
   tell({0.2, 0.0, 0.0}, 20);
   check.begin();
-  CHECK_FALSE(check.told_to_drive());
+  CHECK_FALSE(check.commanded_to_drive());
 }
 
 TEST_CASE("wheels that do as they are told, late, are no fault; those that do not are") {
