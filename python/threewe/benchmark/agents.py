@@ -4,8 +4,9 @@ An agent is any object with one of two methods. `async def run(self, robot, assi
 it says STOP. `act(self, observation)` returns an action (3,) in [-1, 1] for each step of a `3we/...` environment around
 the same robot; three commands below 5 % for half a second are STOP.
 
-What else it may have: `reset(assignment)`, called as an episode begins; `options`, those of `EnvOptions` that its
-observations are made with (lidar, pose, velocity and the task's own where it names none); `privileged = True`, with
+What else it may have: `reset(assignment)`, called as an episode begins; `options`, of `EnvOptions`
+`observations` (lidar, pose, velocity and the task's own where it names none), `lidar_beams`, `image_size`,
+`control_rate` and `goal_frame`; `privileged = True`, with
 which `run` finds `robot.simulation` and `robot_options(episode, place)` may change what the robot is made with. A new
 agent is made for each episode.
 """
@@ -34,6 +35,8 @@ from threewe.errors import ConfigError
 from threewe.robot import Robot
 
 Observation = dict[str, NDArray[Any]]
+OPTIONS = ("observations", "lidar_beams", "image_size", "control_rate", "goal_frame")
+"""What an agent that acts may choose; the rest is the run's."""
 
 
 @dataclass(frozen=True)
@@ -196,7 +199,15 @@ def make_agent(task: str, name: str) -> Any:
 
 def identify(task: str, name: str) -> Identity:
     """Which agent that is. Raises ConfigError for one that cannot be made or can do nothing."""
-    agent = make_agent(task, name)
+    try:
+        agent = make_agent(task, name)
+    except ConfigError:
+        raise
+    except Exception as error:  # whatever its module or its constructor does
+        raise ConfigError(f"agent: {name} cannot be made: {type(error).__name__}: {error}") from error
+    for option in getattr(agent, "options", {}):
+        if option not in OPTIONS:
+            raise ConfigError(f"agent: {name}: {unknown_name('option', option, list(OPTIONS))}")
     kinds = [kind for kind in ("yardstick", "run", "act") if hasattr(agent, kind)]
     if not kinds:
         raise ConfigError(f"agent: {name}: expected a method `run(robot, assignment)` or `act(observation)`")

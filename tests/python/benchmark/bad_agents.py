@@ -70,3 +70,16 @@ class DoesNothing:
 
 class NoCoroutine:
     def run(self, robot: Any, assignment: Any) -> None: ...
+
+
+class WantsTheTruth:
+    options = {"localization": "truth"}  # noqa: RUF012
+
+    def act(self, observation: Any) -> Any: ...
+
+
+class CannotBeMade:
+    def __init__(self) -> None:
+        raise ValueError("no weights")
+
+    def act(self, observation: Any) -> Any: ...

@@ -17,9 +17,12 @@ from threewe.benchmark.verifying import rerun_policy, verify_bundle
 from verify.cases.forgeries import WAYS, Forger
 
 
-def run_here(folder: Path, task: str, agent: str, scene: str, episodes: int) -> tuple[dict[str, Any], list[Any]]:
+def run_here(
+    folder: Path, task: str, agent: str, scene: str, episodes: int, backend: str = "mock"
+) -> tuple[dict[str, Any], list[Any]]:
     """Results and outcomes, without a process of their own."""
-    plan, listed = plan_run(task, agent, split="val", scenes=[scene], episodes=episodes, settings=Settings())
+    settings = Settings(backend=backend)
+    plan, listed = plan_run(task, agent, split="val", scenes=[scene], episodes=episodes, settings=settings)
     outcomes = run(plan, listed, folder / "journal.jsonl", workers=0)
     return results_of(plan, listed, outcomes), outcomes
 
@@ -88,3 +91,10 @@ def test_a_policy_is_run_again_in_buildings_that_its_seed_draws(genuine: Path, t
     other = replace(verified, plan=replace(verified.plan, agent=replace(verified.plan.agent, source="0" * 64)))
     with pytest.raises(BundleError, match="another than in the bundle"):
         rerun_policy(other, seed=3, episodes=2, workers=0, folder=tmp_path)
+
+
+def test_a_run_on_mujoco_replays_on_this_processor(tmp_path: Path) -> None:
+    pytest.importorskip("mujoco")
+    write_bundle(tmp_path / "run.zip", *run_here(tmp_path, "pointnav", "navigator", "apartment_v1", 1, "mujoco"))
+    verified = verify_bundle(tmp_path / "run.zip", workers=0)
+    assert verified.results["repeats"] == "to the bit on one kind of processor"

@@ -98,6 +98,8 @@ def test_an_oracle_is_marked_and_a_yardstick_drives_no_robot(tmp_path: Path) -> 
         ("benchmark.bad_agents:DoesNothing", "expected a method"),
         ("benchmark.bad_agents:NoCoroutine", "async def run"),
         ("none.onnx", "no such file"),
+        ("benchmark.bad_agents:WantsTheTruth", "unknown option 'localization'"),
+        ("benchmark.bad_agents:CannotBeMade", "cannot be made: ValueError: no weights"),
     ],
 )
 def test_agents_that_cannot_be_made_are_refused_before_the_run(agent: str, message: str) -> None:
