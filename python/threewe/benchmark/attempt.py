@@ -189,10 +189,7 @@ async def _drive(robot: Robot, log: DriveLog, agent: Any, assignment: Assignment
 def _act(task: Task, episode: Episode, place: Place, agent: Any, settings: Settings) -> Attempt:
     """A policy in an environment around a `Robot`."""
     del place
-    given = dict(getattr(agent, "options", {}))
-    if given.setdefault("control_rate", settings.control_rate) < SLOWEST:
-        raise ConfigError(f"control_rate: expected {SLOWEST:g} Hz or more, got {given['control_rate']:g}")
-    given.setdefault("observations", ("lidar", "pose", "velocity", *TASK_FIELDS[task.environment]))
+    given = requested_options(agent, task, settings)
     env, log = _environment(task.environment, episode.scene, settings, tuple(sorted(given.items())))
     assignment = assignment_of(task, episode, settings, Pose2D())
     tried = Attempt("time", drive=log)
@@ -222,14 +219,22 @@ def _act(task: Task, episode: Episode, place: Place, agent: Any, settings: Setti
     return tried
 
 
+def requested_options(agent: Any, task: Task, settings: Settings) -> dict[str, Any]:
+    """What the environment of an agent that acts is made with, of `EnvOptions`."""
+    given = dict(getattr(agent, "options", {}))
+    if given.setdefault("control_rate", settings.control_rate) < SLOWEST:
+        raise ConfigError(f"control_rate: expected {SLOWEST:g} Hz or more, got {given['control_rate']:g}")
+    given.setdefault("observations", ("lidar", "pose", "velocity", *TASK_FIELDS[task.environment]))
+    if task.name == "pointnav":
+        given |= {"stop": True, "contact": "count"}
+    return given
+
+
 @cache
 def _environment(
     task: str, scene: str, settings: Settings, options: tuple[tuple[str, Any], ...]
 ) -> tuple[Env, DriveLog]:
     """One that many episodes are driven in; its log begins anew with each."""
-    given: dict[str, Any] = dict(options)
-    if task == "navigation":
-        given |= {"stop": True, "contact": "count"}
     env = Env(
         task=task,
         scene=scene_asset(scene),
@@ -238,7 +243,7 @@ def _environment(
         noise=settings.noise,
         randomization=settings.randomization,
         max_steps=FOREVER,
-        **given,
+        **dict(options),
     )
     assert isinstance(env._core, RobotEnv)
     return env, DriveLog(env._core)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Annotated, Any
@@ -61,6 +62,9 @@ def run(
     hardware: Annotated[str, typer.Option(help="Which robot. Official results have the default.")] = "3we_standard_v2",
     noise: Annotated[str, typer.Option(help="realistic or ideal. Official results have the default.")] = "realistic",
     randomization: Annotated[str, typer.Option(help="Of the robot. Official results have the default.")] = "none",
+    quick: Annotated[
+        bool, typer.Option("--quick", help="All at once in the native batch, for agents that act; never official.")
+    ] = False,
     limit: Annotated[float, typer.Option(min=0.1, help="[s] of wall time that an episode may take.")] = 120.0,
     memory: Annotated[float, typer.Option(min=0.25, help="[GiB] that the agent's process may use.")] = 4.0,
 ) -> None:
@@ -75,6 +79,11 @@ def run(
     if bundle and plan.agent.kind == "yardstick":
         raise ConfigError(f"agent: {agent} drives no robot, so that there is nothing to replay")
     path = output or Path(f"{task}-{Path(agent).stem.replace(':', '.')}.json")
+    if quick:
+        if bundle:
+            raise ConfigError("bundle: a quick run has no log to replay")
+        _run_quick(replace(plan, quick=True), listed, path, workers)
+        return
     journal = path.with_suffix(".journal.jsonl")
     if journal.exists() and not resume:
         raise ConfigError(f"{journal}: an interrupted run; --resume goes on with it, or remove it")
@@ -103,6 +112,17 @@ def run(
     for line in sorted(failures):
         console.print(line)
     console.print(styled("results: ", (str(path), "bold"), *((f", bundle: {bundle}",) if bundle else ())))
+
+
+def _run_quick(plan: Any, listed: Any, path: Path, threads: int) -> None:
+    from threewe.benchmark.bundle import text_of
+    from threewe.benchmark.quick import run_quick
+    from threewe.benchmark.run import results_of
+
+    results = results_of(plan, listed, run_quick(plan, listed, threads=threads))
+    path.write_bytes(text_of(results))
+    _print_summary(results)
+    console.print(styled("results: ", (str(path), "bold")))
 
 
 @app.command()
@@ -189,7 +209,11 @@ def verify(
 def _print_summary(results: dict[str, Any]) -> None:
     """A row for each scene."""
     agent, settings = results["agent"], results["settings"]
-    marks = ["privileged"] * agent["privileged"] + ["not official"] * (not results["official"])
+    marks = (
+        ["privileged"] * agent["privileged"]
+        + ["not official"] * (not results["official"])
+        + ["quick"] * results["quick"]
+    )
     title = f"{results['task']}, {agent['name']}{''.join(f', {mark}' for mark in marks)}"
     names = [name for name in SHOWN if name in results["summary"]["all"]]
     columns = [Column(SHOWN[name], justify="right", no_wrap=True) for name in names]

@@ -9,6 +9,7 @@ import signal
 import subprocess
 import sys
 import time
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -17,6 +18,7 @@ from threewe import ConfigError
 from threewe.benchmark.agents import identify
 from threewe.benchmark.attempt import Settings
 from threewe.benchmark.bundle import text_of
+from threewe.benchmark.quick import run_quick
 from threewe.benchmark.results import compare, load_results
 from threewe.benchmark.run import plan_run, results_of, run
 from threewe.benchmark.tasks import soft_spl
@@ -173,3 +175,18 @@ def test_an_onnx_policy_drives_with_memory_and_stops_at_its_goal(tmp_path: Path)
     assert len(results["agent"]["source"]) == 64
     [row] = results["episode_results"]
     assert (row["end"], row["failure"], row["metrics"]["success"]) == ("stop", "", 1.0)
+
+
+def test_quick_runs_are_marked_and_much_alike(tmp_path: Path) -> None:
+    plan, listed = plan_run(
+        "pointnav", "straight", split="val", scenes=["apartment_v1"], episodes=4, settings=Settings()
+    )
+    plan = replace(plan, quick=True)
+    results = results_of(plan, listed, run_quick(plan, listed))
+    assert (results["quick"], results["official"]) == (True, False)
+    slow = drive(tmp_path, "straight", episodes=4, workers=0)
+    for row, other in zip(results["episode_results"], slow["episode_results"], strict=True):
+        assert sorted(row["metrics"]) == sorted(other["metrics"])
+        assert row["metrics"]["success"] == other["metrics"]["success"]
+    with pytest.raises(ConfigError, match="for agents that act"):
+        run_quick(plan_run("pointnav", "navigator", split="val", scenes=[], episodes=1, settings=Settings())[0], [])
