@@ -225,7 +225,8 @@ def _print_summary(results: dict[str, Any]) -> None:
     wide.print(table)
     wide.print(
         f"{results['episode_set']}, {settings['backend']}, {settings['hardware']}, noise {settings['noise']}, "
-        f"gate full, randomization {settings['randomization']}, repeats {results['repeats']}"
+        f"gate {results['gate']}, localization {results['localization']}, randomization {settings['randomization']}, "
+        f"repeats {results['repeats']}"
     )
 
 

@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
+import hashlib
 import logging
 import os
 import platform
 import subprocess
 from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass
+from importlib.metadata import version
 from multiprocessing import parent_process
 from pathlib import Path
 from typing import Any
 
-from threewe._core import unknown_name
+from threewe._core import RobotProfile, unknown_name
 from threewe.benchmark.agents import Identity, identify
 from threewe.benchmark.attempt import Settings, attempt, lost
 from threewe.benchmark.episodes import Episode, EpisodeSet, digest, find_episodes, load_episodes
@@ -142,8 +144,11 @@ def results_of(plan: Plan, episodes: Sequence[Episode], outcomes: Sequence[Resul
         "track": "open",
         **plan.as_fields(),
         "official": plan.settings.official and plan.agent.kind != "yardstick" and not plan.quick,
+        "gate": "full",
+        "localization": localization_of(plan),
+        "hardware_hash": hashlib.sha256(RobotProfile.load(plan.settings.hardware).yaml.encode()).hexdigest(),
         "repeats": "to the bit" if plan.settings.backend == "mock" else "to the bit on one kind of processor",
-        "library": library(),
+        "library": library(plan.settings.backend),
         "episode_results": rows,
         "summary": summarize(plan.task, rows),
     }
@@ -154,11 +159,19 @@ def _key_of(episode: Episode) -> dict[str, Any]:
     return named | {name: value for name in ("stratum", "category") if (value := getattr(episode, name))}
 
 
-def library() -> dict[str, str]:
-    """Which 3we, and on which machine."""
+def localization_of(plan: Plan) -> str:
+    """Where poses come from."""
+    if plan.quick:
+        return "a model"
+    return "as the privileged agent chose" if plan.agent.privileged else "the robot's own"
+
+
+def library(*backends: str) -> dict[str, str]:
+    """Which 3we, with which engines, and on which machine."""
     import threewe
 
-    return {"version": threewe.__version__, "commit": _commit(), "machine": machine()}
+    used = {"mujoco": version("mujoco-core")} if "mujoco" in backends else {}
+    return {"version": threewe.__version__, "commit": _commit(), "machine": machine(), **used}
 
 
 def machine() -> str:

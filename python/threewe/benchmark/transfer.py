@@ -88,7 +88,13 @@ def run_transfer(
             }
             for episode, outcome in zip(episodes, outcomes, strict=True)
         ]
-    return {"format": FORMAT, **_described(plan), "library": library(), **parts, "summary": transfer_summary(**parts)}
+    return {
+        "format": FORMAT,
+        **_described(plan),
+        "library": library(plan.source.settings.backend, plan.target.settings.backend),
+        **parts,
+        "summary": transfer_summary(**parts),
+    }
 
 
 def transfer_summary(source: Sequence[dict[str, Any]], target: Sequence[dict[str, Any]]) -> dict[str, Any]:
