@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from enum import Enum
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Annotated, Any
@@ -24,6 +25,14 @@ app = typer.Typer(
 app.add_typer(cli_episodes.app, name="episodes")
 console = plain_console()
 WIDE = 150  # characters of a table that goes to a file
+
+
+class Engine(Enum):
+    """Where processes run."""
+
+    local = "local"
+    ray = "ray"
+
 
 Workers = Annotated[int, typer.Option(min=1, help="Processes at a time; results are the same for any number.")]
 SHOWN = {
@@ -62,6 +71,8 @@ def run(
     hardware: Annotated[str, typer.Option(help="Which robot. Official results have the default.")] = "3we_standard_v2",
     noise: Annotated[str, typer.Option(help="realistic or ideal. Official results have the default.")] = "realistic",
     randomization: Annotated[str, typer.Option(help="Of the robot. Official results have the default.")] = "none",
+    engine: Annotated[Engine, typer.Option(help="Processes of this machine, or of a Ray cluster.")] = Engine.local,
+    address: Annotated[str | None, typer.Option(help="Of the Ray cluster; one is started here without.")] = None,
     quick: Annotated[
         bool, typer.Option("--quick", help="All at once in the native batch, for agents that act; never official.")
     ] = False,
@@ -98,7 +109,15 @@ def run(
                     failures.append(f"{episode.scene}/{episode.index}: the agent failed: {why.splitlines()[-1]}")
 
             outcomes = run_episodes(
-                plan, listed, journal, workers=workers, limit=limit, memory=int(memory * 2**30), on_done=done
+                plan,
+                listed,
+                journal,
+                workers=workers,
+                limit=limit,
+                memory=int(memory * 2**30),
+                engine=engine.value,
+                address=address,
+                on_done=done,
             )
     except KeyboardInterrupt:
         console.print(f"Interrupted: what has finished is in {journal}; --resume goes on.")

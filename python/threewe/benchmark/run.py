@@ -92,9 +92,13 @@ def run(
     workers: int = 1,
     limit: float = EPISODE_LIMIT,
     memory: int = MEMORY,
+    engine: str = "local",
+    address: str | None = None,
     on_done: OnDone = lambda *_: None,
 ) -> list[Result]:
     """Drives the episodes and returns what each came to, in order.
+
+    `engine` is `local`, processes of this machine, or `ray`, of a cluster at `address`.
 
     An agent that raises, hangs, dies or uses too much memory costs its episode. What has finished is in the journal,
     from which the same run goes on.
@@ -118,7 +122,13 @@ def run(
         on_done(count, len(jobs), by_key[job.key], finished)
 
     # what an agent failed of is a result too, and only a worker that was killed runs again
-    found = run_jobs(jobs, workers, Journal(journal, plan.as_fields()), memory=memory, on_done=done)
+    kept = Journal(journal, plan.as_fields())
+    if engine == "ray":
+        from threewe.benchmark.ray_engine import run_on_ray
+
+        found = run_on_ray(jobs, workers, kept, address=address, memory=memory, on_done=done)
+    else:
+        found = run_jobs(jobs, workers, kept, memory=memory, on_done=done)
     results = []
     for episode, one in zip(episodes, found, strict=True):
         if one.failure and not one.own:

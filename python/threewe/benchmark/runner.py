@@ -46,6 +46,10 @@ class Finished:
     seconds: float = 0.0  # of wall time
 
 
+OnFinished = Callable[[Job, Finished], object]
+"""Called as each job finishes."""
+
+
 class Journal:
     """The jobs that have finished, one line of JSON each: an interrupted run goes on from it.
 
@@ -102,7 +106,7 @@ def run_jobs(
     journal: Journal | None = None,
     *,
     memory: int | None = None,
-    on_done: Callable[[Job, Finished], object] = lambda *_: None,
+    on_done: OnFinished = lambda *_: None,
 ) -> list[Finished]:
     """Runs the jobs that the journal lacks, and returns what came of all, in their order.
 
@@ -150,9 +154,9 @@ def run_jobs(
         threads.shutdown(cancel_futures=True)
 
 
-def _here(job: Job, on_done: Callable[[Job, Finished], object]) -> Finished:
+def _here(job: Job, on_done: OnFinished) -> Finished:
     begun = time.monotonic()
-    kind, value = _answer(job.function, job.arguments)
+    kind, value = answer(job.function, job.arguments)
     seconds = time.monotonic() - begun
     finished = Finished(value, seconds=seconds) if kind == "result" else Finished({}, value, seconds=seconds)
     on_done(job, finished)
@@ -231,17 +235,23 @@ def _serve(connection: Connection, memory: int | None, folder: str, path: list[s
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     os.chdir(folder)
     sys.path[:] = path
-    if memory is not None:
-        resource.setrlimit(resource.RLIMIT_DATA, (memory, memory))
+    limit_memory(memory)
     while True:
         try:
             function, arguments = connection.recv()
         except EOFError:
             return
-        connection.send(_answer(function, arguments))
+        connection.send(answer(function, arguments))
 
 
-def _answer(function: Callable[..., Result], arguments: Mapping[str, Any]) -> tuple[str, Any]:
+def limit_memory(memory: int | None) -> None:
+    """What this process asks for beyond so many bytes is a MemoryError."""
+    if memory is not None:
+        resource.setrlimit(resource.RLIMIT_DATA, (memory, memory))
+
+
+def answer(function: Callable[..., Result], arguments: Mapping[str, Any]) -> tuple[str, Any]:
+    """Does a job: `result` and what came of it, or `raised` or `memory` and why nothing did."""
     try:
         result = function(**arguments)
         if not isinstance(result, dict):

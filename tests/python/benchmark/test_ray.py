@@ -1,0 +1,93 @@
+"""Jobs on a Ray cluster of a head and two nodes: nothing is lost, nothing counted twice, whatever is killed."""
+
+from __future__ import annotations
+
+import importlib.util
+import json
+import os
+import time
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+from threewe.benchmark.attempt import Settings
+from threewe.benchmark.bundle import text_of
+from threewe.benchmark.run import plan_run, results_of, run
+from threewe.benchmark.runner import Job, Journal
+
+if importlib.util.find_spec("ray") is None:
+    pytest.skip("not shown: Ray comes with ./dev interop rl, which runs these", allow_module_level=True)
+
+import ray
+from ray.cluster_utils import Cluster
+from threewe.benchmark.ray_engine import run_on_ray
+
+pytestmark = pytest.mark.filterwarnings("ignore")  # of Ray itself
+
+
+def work(how: str, folder: str, number: int) -> dict[str, Any]:
+    """Does it in that way, and says where."""
+    if how == "raises":
+        raise ValueError("boom")
+    if how == "hangs":
+        time.sleep(120.0)
+    if how == "exits":
+        os._exit(3)
+    if how == "is killed once":
+        mark = Path(folder, f"killed {number}")
+        if not mark.exists():
+            mark.touch()
+            os.kill(os.getpid(), 9)
+    time.sleep(0.2)
+    return {"number": number}
+
+
+@pytest.fixture
+def cluster() -> Iterator[tuple[Any, list[Any]]]:
+    made = Cluster(initialize_head=True, head_node_args={"num_cpus": 1})
+    nodes = [made.add_node(num_cpus=1) for _ in range(2)]
+    path = os.pathsep.join(str(folder) for folder in (Path(__file__).parents[1], Path(__file__).parents[3]))
+    ray.init(address=made.address, log_to_driver=False, runtime_env={"env_vars": {"PYTHONPATH": path}})
+    yield made, nodes
+    ray.shutdown()
+    made.shutdown()
+
+
+def test_a_node_and_workers_that_are_killed_cost_nothing(cluster: tuple[Any, list[Any]], tmp_path: Path) -> None:
+    made, nodes = cluster
+    ways = ["is killed once", "well", "is killed once", "well", "raises", "exits", "is killed once", *["well"] * 8]
+    jobs = [Job(f"{i}", work, {"how": how, "folder": str(tmp_path), "number": i}, 100.0) for i, how in enumerate(ways)]
+    jobs.append(Job("hangs", work, {"how": "hangs", "folder": str(tmp_path), "number": 99}, 20.0))
+    told: list[str] = []
+
+    def done(job: Job, _: Any) -> None:
+        told.append(job.key)
+        if len(told) == 4:
+            made.remove_node(nodes.pop(), allow_graceful=False)
+
+    found = run_on_ray(jobs, 3, Journal(tmp_path / "journal.jsonl"), on_done=done)
+    assert sorted(told) == sorted(job.key for job in jobs)
+    for i, how in enumerate(ways):
+        if how in ("well", "is killed once"):
+            assert (found[i].result, found[i].failure) == ({"number": i}, "")
+    assert "ValueError: boom" in found[4].failure
+    assert found[5].failure.startswith("its process died")
+    assert found[5].own
+    assert found[-1].failure == "took longer than 20 s"
+    keys = [json.loads(line)["key"] for line in (tmp_path / "journal.jsonl").read_text().splitlines()]
+    assert sorted(keys) == sorted(job.key for job in jobs)
+
+
+def test_results_are_those_of_one_process(cluster: tuple[Any, list[Any]], tmp_path: Path) -> None:
+    del cluster
+    plan, listed = plan_run(
+        "pointnav", "navigator", split="val", scenes=["apartment_v1"], episodes=3, settings=Settings()
+    )
+    alone, on_ray = (
+        text_of(
+            results_of(plan, listed, run(plan, listed, tmp_path / f"{engine}.jsonl", workers=workers, engine=engine))
+        )
+        for engine, workers in (("local", 0), ("ray", 3))
+    )
+    assert alone == on_ray
