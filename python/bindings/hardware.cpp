@@ -3,6 +3,7 @@
 
 #include "bindings.hpp"
 #include "named_enum.hpp"
+#include "robot/parameters.hpp"
 #include "value.hpp"
 
 namespace {
@@ -89,6 +90,24 @@ void init_hardware(nb::module_& m) {
 
   bind_sensors(m);
 
+  nb::class_<AutonomyParameter>(m, "AutonomyParameter", "A tuned number of the autonomy stack, as a robot has it.")
+      .def(Value())
+      .def_ro("name", &AutonomyParameter::name, "With its module, such as `nav.recovery.same_place`.")
+      .def_ro("value", &AutonomyParameter::value, "In `unit`; times in seconds.")
+      .def_ro("unit", &AutonomyParameter::unit, "Such as `m`; empty for a share or a count.")
+      .def_ro("reference", &AutonomyParameter::reference, "The value of the reference robot, `3we_standard_v2`.")
+      .def_prop_ro(
+          "scale", [](const AutonomyParameter& p) { return std::string(to_string(p.scale)); },
+          "What it grows with from robot to robot, such as `size`; `none` where it is the same for all.")
+      .def_ro("origin", &AutonomyParameter::origin,
+              "`default`, the scale and its factor, or where in the profile it is overridden.")
+      .def_ro("meaning", &AutonomyParameter::meaning, "What it does, in a line.")
+      .def_ro("is_count", &AutonomyParameter::is_count, "A whole number.")
+      .def("__repr__", [](const AutonomyParameter& p) {
+        return fmt::format("AutonomyParameter('{}', {:g}{}{}, {})", p.name, p.value, p.unit.empty() ? "" : " ", p.unit,
+                           p.origin);
+      });
+
   nb::class_<RobotProfile>(m, "RobotProfile",
                            "What a robot is: its body, its limits, its sensors. Sensors it lacks are None.")
       .def(Value())
@@ -122,6 +141,10 @@ void init_hardware(nb::module_& m) {
           "height", [](const RobotProfile& p) { return p.body.height; }, "[m]")
       .def_prop_ro(
           "mass", [](const RobotProfile& p) { return p.body.mass; }, "[kg]")
+      .def(
+          "parameters", [](const RobotProfile& p) { return autonomy_parameters(p); },
+          "Every parameter of the autonomy stack for this robot, module by module. Raises ConfigError where the "
+          "profile's `autonomy:` section is wrong.")
       .def_ro("hardware_limits", &RobotProfile::hardware_limits, "What the drive can do.")
       .def_ro("operating_limits", &RobotProfile::operating_limits, "What it is asked to do.")
       .def_ro("lidar", &RobotProfile::lidar)

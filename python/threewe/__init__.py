@@ -4,6 +4,7 @@ from importlib.metadata import PackageNotFoundError
 from importlib.metadata import version as _version
 
 from threewe._core import (
+    AutonomyParameter,
     BatteryState,
     CameraIntrinsics,
     Episode,
@@ -77,6 +78,7 @@ except PackageNotFoundError:  # run from the source tree
 _register_envs()
 
 __all__ = [
+    "AutonomyParameter",
     "BatteryState",
     "Calibration",
     "CameraIntrinsics",

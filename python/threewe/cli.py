@@ -11,7 +11,7 @@ import typer
 from rich.table import Column, Table
 
 import threewe
-from threewe import calibration, driving, teleoperation
+from threewe import calibration, driving, profiles, teleoperation
 from threewe._console import plain_console, styled
 from threewe.benchmark import cli as benchmark
 from threewe.benchmark import cli_transfer
@@ -28,6 +28,7 @@ scenes = typer.Typer(
     help="Scenes: those that come with 3we, your own, and new ones.", no_args_is_help=True, rich_markup_mode=None
 )
 app.add_typer(scenes, name="scenes")
+app.add_typer(profiles.app, name="hardware")
 app.add_typer(slam.app, name="slam")
 app.add_typer(data.app, name="data")
 app.add_typer(benchmark.app, name="benchmark")

@@ -96,7 +96,9 @@ def explore(
     keep = map_file(save_map)
     robot = threewe.Robot(backend, hardware, scene, prior_map, seed=seed, realtime=realtime, viewer=audience.viewer)
     task = f"exploring {scene}"
-    result = watch(robot, task, None, keep, lambda look: robot.explore(thorough=thorough, timeout=seconds, on_progress=look))
+    result = watch(
+        robot, task, None, keep, lambda look: robot.explore(thorough=thorough, timeout=seconds, on_progress=look)
+    )
     tell(result, f"{result.explored_area:.0f} m² explored")
     tell_of_map(keep)
     audience.leave()
@@ -118,7 +120,9 @@ def view(
     """Watch a robot explore a scene, in the Rerun viewer."""
     rerun = not save and not serve and not serve_network
     options = (scene, backend, hardware, seed)
-    explore(*options, seconds=seconds, realtime=realtime, rerun=rerun, save=save, serve=serve, serve_network=serve_network)
+    explore(
+        *options, seconds=seconds, realtime=realtime, rerun=rerun, save=save, serve=serve, serve_network=serve_network
+    )
 
 
 @dataclass

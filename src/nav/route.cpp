@@ -12,6 +12,7 @@
 #include "nav/frontiers.hpp"
 #include "nav/polyline.hpp"
 #include "nav/shared_map.hpp"
+#include "safety/params.hpp"
 
 namespace threewe::nav {
 namespace {
@@ -48,7 +49,7 @@ Route::Route(const map::Costmap::Settings& costmap, const RobotProfile& profile,
       clear_{map::Costmap(costmap), {}, {}},
       squeezed_{map::Costmap(through_gaps(costmap, params.bottleneck)), {}, {}},
       body_radius_(profile.body.footprint.circumscribed_radius()),
-      margin_(profile.margin()),
+      margin_(safety::margin_of(profile)),
       approach_speed_(params.progress.mean_speed * profile.operating_limits.linear),
       path_end_(params.motion.path_end),
       people_blur_(params.mppi.people_blur),

@@ -28,8 +28,52 @@ def test_version() -> None:
 
 def test_help_names_every_command() -> None:
     text = run("--help").stdout
-    for command in ("demo", "drive", "explore", "teleop", "view", "export", "scenes", "doctor", "version"):
+    for command in ("demo", "drive", "explore", "teleop", "view", "export", "scenes", "hardware", "doctor", "version"):
         assert command in text
+
+
+def test_robots_are_listed_and_shown() -> None:
+    text = run("hardware", "list").stdout
+    for name in threewe.profile_names():
+        assert name in text
+    shown = run("hardware", "show", "turtlebot_like").stdout
+    assert "differential" in shown
+    assert "0.22 m/s" in shown
+    assert "lidar, imu, odometry" in shown
+
+
+def test_parameters_are_shown_with_where_they_come_from(tmp_path: Path) -> None:
+    own = tmp_path / "mine.yaml"
+    own.write_text(
+        threewe.RobotProfile.load("turtlebot_like").yaml + "\nautonomy:\n  nav: {recovery: {attempts: 4}}\n"
+    )
+    done = run("hardware", "show", str(own), "--parameters", "--only", "nav.recovery", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    parameters = {one.name: one for one in threewe.RobotProfile.load(str(own)).parameters()}
+    attempts = parameters["nav.recovery.attempts"]
+    assert (attempts.value, attempts.reference, attempts.is_count) == (4.0, 8.0, True)
+    assert "mine.yaml:" in attempts.origin
+    look = parameters["nav.recovery.look"]
+    assert (look.unit, look.scale, look.origin) == ("rad", "none", "default")
+    assert parameters["safety.gate.margin"].origin.startswith("size x 0.686")
+    for word in ("nav.recovery.attempts", "rad", "default"):
+        assert word in done.stdout
+
+
+def test_the_reference_robot_has_every_default() -> None:
+    for one in threewe.RobotProfile.load("3we_standard_v2").parameters():
+        assert one.origin == "default", one
+        assert one.value == one.reference, one
+        assert one.meaning, one
+
+
+def test_a_wrong_parameter_is_one_error_with_its_place(tmp_path: Path) -> None:
+    own = tmp_path / "mine.yaml"
+    own.write_text(
+        threewe.RobotProfile.load("3we_standard_v2").yaml + "\nautonomy:\n  nav: {recovery: {atempts: 4}}\n"
+    )
+    with pytest.raises(threewe.ConfigError, match=r"mine.yaml:\d+: .*did you mean 'recovery.attempts'\?"):
+        threewe.Robot(hardware=str(own))
 
 
 def test_scenes_are_listed_with_their_sizes() -> None:

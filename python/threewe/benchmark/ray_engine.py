@@ -32,7 +32,7 @@ def run_on_ray(
 ) -> list[Finished]:
     """As `runner.run_jobs`, with `workers` jobs at a time wherever the cluster has a processor.
 
-    A job whose worker or node is gone begins again elsewhere; one that loses three is itself at fault. `address` is of a
+    A job whose worker or node is gone begins again elsewhere; one that loses three is at fault. `address` is of a
     cluster whose nodes have the same installation; without one, a cluster on this machine is started, and ended.
     """
     with needed_for("engine ray", "ray"):
