@@ -707,6 +707,55 @@ class BatterySpec:
     def period(self) -> float:
         """[s]"""
 
+class AutonomyParameter:
+    """A tuned number of the autonomy stack, as a robot has it."""
+
+    def __eq__(self, other: object) -> bool: ...
+
+    def __hash__(self) -> int: ...
+
+    def __getstate__(self) -> bytes: ...
+
+    def __setstate__(self, arg: bytes, /) -> None: ...
+
+    @property
+    def name(self) -> str:
+        """With its module, such as `nav.recovery.same_place`."""
+
+    @property
+    def value(self) -> float:
+        """In `unit`; times in seconds."""
+
+    @property
+    def unit(self) -> str:
+        """Such as `m`; empty for a share or a count."""
+
+    @property
+    def reference(self) -> float:
+        """The value of the reference robot, `3we_standard_v2`."""
+
+    @property
+    def scale(self) -> str:
+        """
+        What it grows with from robot to robot, such as `size`; `none` where it is the same for all.
+        """
+
+    @property
+    def origin(self) -> str:
+        """
+        `default`, the scale and its factor, or where in the profile it is overridden.
+        """
+
+    @property
+    def meaning(self) -> str:
+        """What it does, in a line."""
+
+    @property
+    def is_count(self) -> bool:
+        """A whole number."""
+
+    def __repr__(self) -> str: ...
+
 class RobotProfile:
     """
     What a robot is: its body, its limits, its sensors. Sensors it lacks are None.
@@ -766,6 +815,11 @@ class RobotProfile:
     @property
     def mass(self) -> float:
         """[kg]"""
+
+    def parameters(self) -> list[AutonomyParameter]:
+        """
+        Every parameter of the autonomy stack for this robot, module by module. Raises ConfigError where the profile's `autonomy:` section is wrong.
+        """
 
     @property
     def hardware_limits(self) -> Limits:
@@ -1348,6 +1402,9 @@ class SceneTables:
         """
         Length [m] of the shortest path for the footprint; infinity where there is none.
         """
+
+    def geodesics(self, points: Sequence[tuple[float, float]], target: tuple[float, float]) -> list[float]:
+        """The same from each of many points [m], for the cost of one."""
 
     def sample_free_pose(self, seed: int) -> Pose2D:
         """
@@ -1940,6 +1997,25 @@ class ExploreResult:
 
     def __repr__(self) -> str: ...
 
+class LocalizationState(enum.StrEnum):
+    """How far a robot knows where it is in its map."""
+
+    def __str__(self) -> str: ...
+
+    tracking = 'tracking'
+    """Scans fit the map where it is estimated to be."""
+
+    doubting = 'doubting'
+    """
+    They fit, but the map that was given has long been contradicted; it is searched meanwhile.
+    """
+
+    lost = 'lost'
+    """They do not fit: the whole map is searched."""
+
+    relocating = 'relocating'
+    """The search found one pose; the next scans decide whether it is right."""
+
 class PoseEstimate:
     """What is known about the robot's pose at one moment."""
 
@@ -1975,7 +2051,11 @@ class PoseEstimate:
         """(3, 3) float64, of map_from_base: x, y [m], theta [rad]"""
 
     @property
-    def lost(self) -> bool: ...
+    def state(self) -> LocalizationState: ...
+
+    @property
+    def lost(self) -> bool:
+        """whether the pose is no more than where it was last"""
 
 class TickView:
     """What an observer sees at the end of every tick."""
@@ -2246,7 +2326,7 @@ class Runtime:
 
     def follow_path(self, path: Sequence[tuple[float, float]], tolerance: float, timeout: float | None) -> Motion: ...
 
-    def explore(self, timeout: float | None) -> Motion: ...
+    def explore(self, thorough: bool, timeout: float | None) -> Motion: ...
 
     def observe(self, observer: Callable[[TickView], None]) -> int: ...
 
@@ -2721,7 +2801,7 @@ class EnvBatch:
     Many environments at once. Arrays are views of C++ memory, one row for each robot, which every call of `reset` and `step` overwrites.
     """
 
-    def __init__(self, *, task: str, scenes: Sequence[Scene], hardware: RobotProfile, noise: str, observations: Sequence[str] | None, lidar_beams: int, image_size: tuple[int, int], localization: str, localization_model: str, randomization: Randomization, gate: str | None, max_steps: int, control_period: float, num_envs: int, num_robots: int, num_threads: int, autoreset: str, episodes: str, goal_frame: str) -> None: ...
+    def __init__(self, *, task: str, scenes: Sequence[Scene], hardware: RobotProfile, noise: str, observations: Sequence[str] | None, lidar_beams: int, image_size: tuple[int, int], localization: str, localization_model: str, randomization: Randomization, gate: str | None, max_steps: int, control_period: float, num_envs: int, num_robots: int, num_threads: int, autoreset: str, episodes: str, goal_frame: str, stop: bool, contact: str) -> None: ...
 
     def reset(self, seeds: Sequence[int | None], episodes: Sequence[int | None], scenes: Sequence[int | None], start: Pose2D | None, goal: tuple[float, float] | None, category: str | None, mask: Sequence[bool]) -> None: ...
 
@@ -2786,7 +2866,7 @@ class RobotEnv:
     One environment around a robot of any backend. As EnvBatch with one environment.
     """
 
-    def __init__(self, *, backend: str, task: str, scenes: Sequence[str], hardware: str, noise: str, observations: Sequence[str] | None, lidar_beams: int, image_size: tuple[int, int], localization: str, randomization: str, gate: str | None, max_steps: int, control_period: float, episodes: str, goal_frame: str) -> None: ...
+    def __init__(self, *, backend: str, task: str, scenes: Sequence[str], hardware: str, noise: str, observations: Sequence[str] | None, lidar_beams: int, image_size: tuple[int, int], localization: str, randomization: str, gate: str | None, max_steps: int, control_period: float, episodes: str, goal_frame: str, stop: bool, contact: str) -> None: ...
 
     @property
     def scenes(self) -> list[Scene]:
@@ -2795,6 +2875,10 @@ class RobotEnv:
     @property
     def hardware(self) -> RobotProfile:
         """As the backend has it."""
+
+    @property
+    def map(self) -> OccupancyGrid:
+        """The robot's own map in the first scene."""
 
     def reset(self, seeds: Sequence[int | None], episodes: Sequence[int | None], scenes: Sequence[int | None], start: Pose2D | None, goal: tuple[float, float] | None, category: str | None, mask: Sequence[bool]) -> None: ...
 
@@ -2841,6 +2925,102 @@ class RobotEnv:
     def episode(self, env: int) -> EpisodeInfo: ...
 
     def top_view(self, env: int) -> TopView: ...
+
+class TrueDrive:
+    """A drive tick by tick (20 ms), from robot time 0. Privileged."""
+
+    def __len__(self) -> int:
+        """ticks"""
+
+    @property
+    def commands(self) -> Annotated[NDArray[numpy.float64], dict(shape=(None, 3))]:
+        """(N, 3) that left the gate [m/s, m/s, rad/s], body frame"""
+
+    @property
+    def poses(self) -> Annotated[NDArray[numpy.float64], dict(shape=(None, 3))]:
+        """(N, 3) true poses x, y [m], theta [rad] in the scene's frame"""
+
+    @property
+    def length(self) -> float:
+        """[m] driven"""
+
+    @property
+    def collision_speed(self) -> float:
+        """[m/s] of the fastest contact"""
+
+    def contacts(self, tables: SceneTables) -> int:
+        """How often the body came to touch walls or furniture."""
+
+class DriveLog(TrueDrive):
+    """Logs the robot of a simulated world at every tick. Privileged."""
+
+    @overload
+    def __init__(self, world: World) -> None: ...
+
+    @overload
+    def __init__(self, env: RobotEnv) -> None: ...
+
+    def end(self) -> None:
+        """What follows is not logged."""
+
+class Replay(TrueDrive):
+    """
+    A drive again: its commands, below autonomy and gate, in a world made anew.
+    """
+
+    def __init__(self, robot: RobotOptions, commands: Annotated[NDArray[numpy.float64], dict(shape=(None, 3), order='C', device='cpu', writable=False)]) -> None:
+        """
+        `commands`: (N, 3) [m/s, m/s, rad/s], one a tick. Raises ContractError for what the base cannot drive.
+        """
+
+class ObjectNavEpisode:
+    """One search for something of a kind."""
+
+    def __eq__(self, other: object) -> bool: ...
+
+    def __hash__(self) -> int: ...
+
+    def __getstate__(self) -> bytes: ...
+
+    def __setstate__(self, arg: bytes, /) -> None: ...
+
+    @property
+    def start(self) -> Pose2D:
+        """in the scene's frame"""
+
+    @property
+    def category(self) -> str: ...
+
+    @property
+    def geodesic(self) -> float:
+        """[m], from start to the nearest place of success"""
+
+    @property
+    def seed(self) -> int:
+        """for all else that is drawn in this episode"""
+
+class ObjectNav:
+    """
+    What can be looked for in a scene, and from where STOP is right. Privileged.
+    """
+
+    def __init__(self, tables: SceneTables, profile: RobotProfile) -> None:
+        """Raises HardwareError for a robot without a camera."""
+
+    @property
+    def goals(self) -> list[str]:
+        """the kinds that can be looked for here"""
+
+    def sample(self, seed: int, index: int = 0, category: str = '') -> ObjectNavEpisode:
+        """
+        Episode `index` of a seed. Raises ConfigError for a kind that is not among the goals.
+        """
+
+    def distance(self, category: str, base: tuple[float, float]) -> float:
+        """[m] to the nearest place of success; infinity without one."""
+
+    def is_success(self, profile: RobotProfile, category: str, drive: TrueDrive) -> bool:
+        """Whether STOP is right where a drive has come to."""
 
 class ReferenceDrive:
     """A drive as it could have been."""

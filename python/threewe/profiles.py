@@ -21,7 +21,7 @@ SENSORS = ("lidar", "imu", "ultrasonics", "camera")
 @app.command("list")
 def list_profiles() -> None:
     """The robots, also those in folders that THREEWE_PATH names."""
-    table = Table("robot", "drive", "limits", "sensors", Column("description", overflow="fold"))
+    table = Table(Column("robot", no_wrap=True), "drive", "limits", "sensors", Column("description", overflow="fold"))
     broken = False
     for name in threewe.profile_names():
         try:
@@ -69,7 +69,13 @@ def show_profile(
 
 def parameter_table(profile: threewe.RobotProfile, only: str = "") -> Table:
     """The parameters whose names contain a text, one a row."""
-    table = Table("parameter", Column("value", justify="right"), "unit", "origin", Column("meaning", overflow="fold"))
+    table = Table(
+        Column("parameter", no_wrap=True),
+        Column("value", justify="right"),
+        "unit",
+        "origin",
+        Column("meaning", overflow="fold"),
+    )
     for one in profile.parameters():
         if only in one.name:
             table.add_row(one.name, f"{one.value:.4g}", one.unit, one.origin, one.meaning)

@@ -3,10 +3,10 @@
 namespace threewe::nav {
 
 Parameters parameters_of(Params::Creep& p) {
-  return {{"speed", &p.speed, "m/s", Scale::speed, "more: quicker through bottlenecks, harder where it touches"},
-          {"corner_speed", &p.corner_speed, "m/s", Scale::speed, "more: turns quicker where it is tight"},
+  return {{"speed", &p.speed, "m/s", Scale::size, "more: quicker through bottlenecks, harder where it touches"},
+          {"corner_speed", &p.corner_speed, "m/s", Scale::size, "more: turns quicker where it is tight"},
           {"margin", &p.margin, "m", Scale::noise, "less: fits through narrower bottlenecks, and touches more"},
-          {"free_speed", &p.free_speed, "m/s", Scale::speed, "more: quicker before and after bottlenecks"},
+          {"free_speed", &p.free_speed, "m/s", Scale::size, "more: quicker before and after bottlenecks"},
           {"free_turn_rate", &p.free_turn_rate, "rad/s", Scale::turn_rate, "more: turns quicker in tight places"},
           {"progress", &p.progress, "m", Scale::size, "more: backs out sooner where it hardly moves"},
           {"encroachment", &p.encroachment, "m", Scale::noise, "less: stops more often next to what is near already"}};
