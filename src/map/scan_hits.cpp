@@ -11,12 +11,11 @@
 namespace threewe::map {
 namespace {
 
-constexpr double kReach = 0.08;         // [m] of a neighbourhood
-constexpr double kOverlap = 0.01;       // [m] by which it reaches over to the other side
-constexpr double kLeastSpread = 0.012;  // [m] along the line, deviation; less shows no direction
-constexpr double kStraight = 0.75;      // the deviation across the line, as a share of that along it, at most
-constexpr int kFewest = 6;              // hits that make a line
-constexpr double kGrazing = 0.3;        // sine of the angle between ray and surface
+constexpr double kOverlap = 0.125;     // share of a neighbourhood by which it reaches over to the other side
+constexpr double kLeastSpread = 0.15;  // of it, along the line, standard deviation; less shows no direction
+constexpr double kStraight = 0.75;     // the standard deviation across the line, as a share of that along it, at most
+constexpr int kFewest = 6;             // hits that make a line
+constexpr double kGrazing = 0.3;       // sine of the angle between ray and surface
 constexpr double kDiagonal = 0.70710678118654752;
 constexpr double kAlong = 0.5;  // cosine at most between a side and the normal of its line: what lies to the side
                                 // of a wall is chosen by its scatter
@@ -66,8 +65,8 @@ Line line_through(const Sums& s) {
   return {mean, {-sine, cosine}, std::max(half - root, 0.0), half + root};
 }
 
-bool is_straight(const Line& line) {
-  return line.along >= kLeastSpread * kLeastSpread && line.across <= kStraight * kStraight * line.along;
+bool is_straight(const Line& line, double least_spread) {
+  return line.along >= least_spread * least_spread && line.across <= kStraight * kStraight * line.along;
 }
 
 // From the middle of a neighbourhood to its line: along the ray, which errs in its length alone, unless they hardly
@@ -82,23 +81,26 @@ Vec2 onto(const Line& line, Vec2 ray) {
 
 }  // namespace
 
-std::vector<Vec2> smoothed(std::span<const Vec2> hits, Vec2 lidar) {
+std::vector<Vec2> smoothed(std::span<const Vec2> hits, Vec2 lidar, double neighbourhood) {
+  const double overlap = kOverlap * neighbourhood;
+  const double least_spread = kLeastSpread * neighbourhood;
   std::vector<Vec2> moved;
   moved.reserve(hits.size());
   for (const Vec2 hit : hits) {
     std::array<Sums, kSides.size()> around;
     for (const Vec2 other : hits) {
       const Vec2 d = other - hit;
-      if (dot(d, d) > kReach * kReach) continue;
+      if (dot(d, d) > neighbourhood * neighbourhood) continue;
       for (std::size_t side = 0; side < kSides.size(); ++side) {
-        if (dot(d, kSides[side]) >= -kOverlap) around[side].add(d);
+        if (dot(d, kSides[side]) >= -overlap) around[side].add(d);
       }
     }
-    Line best{{}, {}, kReach * kReach, 0.0};
+    Line best{{}, {}, neighbourhood * neighbourhood, 0.0};
     for (std::size_t side = 0; side < kSides.size(); ++side) {
       if (around[side].count < kFewest) continue;
       const Line line = line_through(around[side]);
-      if (line.across >= best.across || !is_straight(line) || std::abs(dot(line.normal, kSides[side])) > kAlong)
+      if (line.across >= best.across || !is_straight(line, least_spread) ||
+          std::abs(dot(line.normal, kSides[side])) > kAlong)
         continue;
       best = line;
     }
@@ -107,10 +109,11 @@ std::vector<Vec2> smoothed(std::span<const Vec2> hits, Vec2 lidar) {
   return moved;
 }
 
-std::vector<Vec2> smoothed_near(Vec2 point, double reach, std::span<const Vec2> hits, Vec2 lidar) {
+std::vector<Vec2> smoothed_near(Vec2 point, double reach, std::span<const Vec2> hits, Vec2 lidar,
+                                double neighbourhood) {
   std::vector<Vec2> near;
   std::ranges::copy_if(hits, std::back_inserter(near), [&](Vec2 hit) { return distance(hit, point) < reach; });
-  return smoothed(near, lidar);
+  return smoothed(near, lidar, neighbourhood);
 }
 
 }  // namespace threewe::map

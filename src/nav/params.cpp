@@ -62,6 +62,7 @@ Parameters parameters_of(Params::Bottleneck& p) {
       {"hesitation", &p.hesitation, "s", Scale::travel, "less: lines up sooner for what it might have driven through"},
       {"passing", &p.passing, "s", Scale::travel, "less: prefers bottlenecks to shorter ways round"},
       {"sight", &p.sight, "m", Scale::size, "more: sees bottlenecks from farther away, at more work"},
+      {"flat", &p.flat, "m", Scale::size, "more: rounds off the corners of narrow bottlenecks"},
       {"before", &p.before, "m", Scale::size, "more: begins to line up farther from the place for it"},
   };
 }

@@ -66,6 +66,7 @@ struct Params {
     Duration hesitation = 800ms;    ///< without coming nearer, before a place ahead is measured
     double passing = 30.0;          ///< [s] to line up, measure, and creep through ...
     double sight = 1.5;             ///< [m] around the robot, hits are cleared of noise
+    double flat = 0.08;             ///< [m] around each hit, surfaces are flat: noise is averaged over them
     double before = 0.08;           ///< [m] from where it lines up, the passage begins
   };
   /// When a motion makes no progress.

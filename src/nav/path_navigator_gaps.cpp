@@ -19,7 +19,8 @@ std::vector<Vec2> PathNavigator::blind_surface(const Observation& seen) const {
 
 // What is nearer than `sight` [m], in `odom`.
 std::vector<Vec2> PathNavigator::smoothed_hits(const Observation& seen, double sight) const {
-  return map::smoothed_near(odom_from_base_.position(), sight, seen.obstacles, odom_from_base_ * *lidar_);
+  return map::smoothed_near(odom_from_base_.position(), sight, seen.obstacles, odom_from_base_ * *lidar_,
+                            params_.bottleneck.flat);
 }
 
 // Noise of the lidar would close a gap. The observation refers to `hits`.

@@ -63,17 +63,17 @@ Drive drive_through(const std::string& hardware, double by, double door, std::ui
 
 }  // namespace
 
-// What slows it down is what does not scale yet in here: cells of 5 cm, of which a doorway of 17 cm has three.
+// The narrowest leaves 2.5 cm on either side of the reference robot, half of what it keeps free elsewhere: it creeps.
 TEST_CASE("robots of any size drive through doorways of their size, wide and narrow") {
   for (const double by : {1.0, 0.5, 3.0}) {
-    for (const double door : {0.5, 0.34}) {
+    for (const double door : {0.5, 0.34, 0.27}) {
       CAPTURE(by);
       CAPTURE(door);
       const Drive drive = drive_through("3we_standard_v2", by, door, 1);
       CHECK(drive.result.success);
       CHECK(drive.off < 0.25 * by);
       CHECK(drive.collision_speed < 0.05 * by);
-      CHECK(drive.result.duration < 60.0);
+      CHECK(drive.result.duration < (door < 0.5 ? 120.0 : 20.0));
     }
   }
 }
