@@ -1,6 +1,7 @@
 #include "hardware/limits.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include <hwy/highway.h>
 
@@ -36,6 +37,14 @@ Velocity within_limits(const Limits& limits, Velocity v) {
   const auto [vx, vy, omega] =
       HWY_NAMESPACE::within_limits<double>(limits.linear, limits.angular, {v.vx, v.vy, v.omega});
   return {vx, vy, omega};
+}
+
+Velocity within_wheel_speed(const WheelGeometry& wheels, double speed, const Velocity& v) {
+  double fastest = 0.0;
+  for (const double turning : wheel_speeds(wheels, v)) fastest = std::max(fastest, std::abs(turning) * wheels.radius);
+  if (fastest <= speed * kRounding) return v;
+  const double share = speed / fastest;
+  return {share * v.vx, share * v.vy, share * v.omega};
 }
 
 Velocity scaled_to(const Limits& limits, const Velocity& shares) {

@@ -19,6 +19,11 @@ Velocity sanitized(const GateModel& model, Velocity v) {
   return v;
 }
 
+// What the wheels can do together: a turn takes speed from a base whose wheels roll as fast as they can.
+Velocity feasible(const GateModel& model, const Velocity& v) {
+  return model.wheel_speed > 0.0 ? within_wheel_speed(model.wheels, model.wheel_speed, v) : v;
+}
+
 bool scan_is_stale(const GateModel& model, const GateState& state, Time now) {
   return model.collision_monitor && (!state.scan_seen || now - state.last_scan > model.sensor_timeout);
 }
@@ -47,7 +52,7 @@ GateOutput decide(const GateModel& model, GateState& state, const Request& reque
       request.creep_mode || (state.crept && is_in_passage(model, surroundings.hits, odom_from_base));
   state.crept = creep_mode && model.base_from_lidar && is_creeping(model, state);
   const Limits limits = creep_mode ? creep_limits(model) : model.limits;
-  const Velocity allowed = stale ? Velocity{} : within_limits(limits, sanitized(model, requested));
+  const Velocity allowed = stale ? Velocity{} : feasible(model, within_limits(limits, sanitized(model, requested)));
   const Velocity reachable = within_acceleration(model.limits, state.last(), allowed);
   if (stale && requested != Velocity{}) return {reachable, Intervention::stale_sensors};
 
@@ -77,6 +82,8 @@ GateModel make_gate_model(const RobotProfile& profile) {
   GateModel model;
   model.limits = profile.operating_limits;
   model.kinematics = profile.kinematics();
+  model.wheels = profile.body.wheels;
+  model.wheel_speed = profile.hardware_limits.linear;
   model.footprint = profile.body.footprint;
   model.collision_monitor = profile.lidar || profile.ultrasonics;
   const auto params = params_for<Params>(profile, "safety");

@@ -10,6 +10,7 @@
 
 #include "safety/params.hpp"
 #include "threewe/core/footprint.hpp"
+#include "threewe/core/kinematics.hpp"
 #include "threewe/core/pose.hpp"
 #include "threewe/core/time.hpp"
 #include "threewe/hardware/profile.hpp"
@@ -21,6 +22,8 @@ namespace threewe::safety {
 struct GateModel {
   Limits limits;
   Kinematics kinematics{};
+  WheelGeometry wheels;
+  double wheel_speed = 0.0;  ///< [m/s] at which a wheel rolls at most; 0: as fast as it takes
   Footprint footprint;
   bool collision_monitor = true;        ///< and watchdog; off where nothing looks, and for `gate="limits"`
   Duration sensor_timeout = 500ms;      ///< no scan (or echo) for this long: stop

@@ -6,11 +6,13 @@
 #include <cmath>
 #include <deque>
 #include <limits>
+#include <string>
 #include <utility>
 #include <vector>
 
 #include "core/rng.hpp"
 #include "draw.hpp"
+#include "hardware/limits.hpp"
 
 using namespace threewe;
 using namespace threewe::safety;
@@ -358,5 +360,23 @@ TEST_CASE("the emergency stop acts at once and stays latched") {
     }
     gate.state.estop = false;
     CHECK(speed(gate({0.5, 0.0, 0.0}).command) <= gate.model.limits.linear_acceleration * kPeriod * (1 + 1e-9));
+  }
+}
+
+TEST_CASE("a turn takes speed from a base whose wheels roll as fast as they can, and keeps its arc") {
+  for (const std::string& name : profile_names()) {
+    const RobotProfile profile = load_profile(name);
+    Gate gate(make_gate_model(profile));
+    for (std::uint64_t seed = 0; seed < cases(200); ++seed) {
+      Draws draw(seed);
+      const Velocity request = within_limits(gate.model.limits, random_request(gate.model, draw));
+      GateOutput output;
+      for (int i = 0; i < 100; ++i) output = gate(request);
+      const Velocity& v = output.command;
+      for (const double turning : wheel_speeds(profile.body.wheels, v))
+        CHECK(std::fabs(turning) * profile.body.wheels.radius <= profile.hardware_limits.linear * (1.0 + 1e-9));
+      CHECK(v.omega * request.vx == doctest::Approx(v.vx * request.omega));
+      if (profile.kinematics() == Kinematics::holonomic) CHECK(v == request);
+    }
   }
 }
