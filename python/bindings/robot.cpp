@@ -383,10 +383,10 @@ void bind_commands(OneThreadClass<Runtime>& runtime) {
   runtime
       .def(
           "set_velocity",
-          [](Runtime& robot, double vx, double vy, double omega, double hold) {
-            robot.set_velocity({vx, vy, omega}, seconds("hold", hold));
+          [](Runtime& robot, double vx, double vy, double omega, double hold, bool creep_mode) {
+            robot.set_velocity({vx, vy, omega}, seconds("hold", hold), creep_mode);
           },
-          "vx"_a, "vy"_a, "omega"_a, "hold"_a)
+          "vx"_a, "vy"_a, "omega"_a, "hold"_a, "creep_mode"_a)
       .def(
           "execute_action",
           [](Runtime& robot, const std::array<double, 3>& action, double period) {
