@@ -80,27 +80,33 @@ def run(
     memory: Annotated[float, typer.Option(min=0.25, help="[GiB] that the agent's process may use.")] = 4.0,
 ) -> None:
     """Drive an agent through the episodes of a task. Ctrl-C keeps what has finished, and --resume goes on."""
-    from threewe.benchmark import bundle as bundles
     from threewe.benchmark.attempt import Settings
-    from threewe.benchmark.run import plan_run, results_of
-    from threewe.benchmark.run import run as run_episodes
+    from threewe.benchmark.run import plan_run
 
     settings = Settings(hardware, backend, noise, randomization, control_rate, seed)
     plan, listed = plan_run(task, agent, split=split, scenes=scene or [], episodes=episodes, settings=settings)
-    if bundle and plan.agent.kind == "yardstick":
-        raise ConfigError(f"agent: {agent} drives no robot, so that there is nothing to replay")
     path = output or Path(f"{task}-{Path(agent).stem.replace(':', '.')}.json")
+    if bundle and (quick or plan.agent.kind == "yardstick"):
+        raise ConfigError("bundle: neither a quick run nor a baseline has a log that could be replayed")
     if quick:
-        if bundle:
-            raise ConfigError("bundle: a quick run has no log to replay")
         _run_quick(replace(plan, quick=True), listed, path, workers)
         return
     journal = path.with_suffix(".journal.jsonl")
     if journal.exists() and not resume:
         raise ConfigError(f"{journal}: an interrupted run; --resume goes on with it, or remove it")
+    how = {"workers": workers, "limit": limit, "memory": int(memory * 2**30)}
+    outcomes = _drive(plan, listed, journal, **how, engine=engine.value, address=address)
+    _write(plan, listed, outcomes, path, bundle)
+    journal.unlink()
+
+
+def _drive(plan: Any, listed: Any, journal: Path, **how: Any) -> list[Any]:
+    """The episodes, with their progress and what agents failed of."""
+    from threewe.benchmark.run import run as run_episodes
+
     failures: list[str] = []
     try:
-        with progress(f"{task}, {agent}", len(listed)) as advance:
+        with progress(f"{plan.task}, {plan.agent.name}", len(listed)) as advance:
 
             def done(_: int, __: int, episode: Any, finished: Any) -> None:
                 advance()
@@ -108,40 +114,31 @@ def run(
                 if why:
                     failures.append(f"{episode.scene}/{episode.index}: the agent failed: {why.splitlines()[-1]}")
 
-            outcomes = run_episodes(
-                plan,
-                listed,
-                journal,
-                workers=workers,
-                limit=limit,
-                memory=int(memory * 2**30),
-                engine=engine.value,
-                address=address,
-                on_done=done,
-            )
+            outcomes = run_episodes(plan, listed, journal, **how, on_done=done)
     except KeyboardInterrupt:
         console.print(f"Interrupted: what has finished is in {journal}; --resume goes on.")
         raise typer.Exit(130) from None
-    results = results_of(plan, listed, outcomes)
-    path.write_bytes(bundles.text_of(results))
-    if bundle:
-        bundles.write_bundle(bundle, results, outcomes)
-    journal.unlink()
-    _print_summary(results)
     for line in sorted(failures):
         console.print(line)
+    return outcomes
+
+
+def _write(plan: Any, listed: Any, outcomes: list[Any], path: Path, bundle: Path | None) -> None:
+    from threewe.benchmark.bundle import text_of, write_bundle
+    from threewe.benchmark.run import results_of
+
+    results = results_of(plan, listed, outcomes)
+    path.write_bytes(text_of(results))
+    if bundle:
+        write_bundle(bundle, results, outcomes)
+    _print_summary(results)
     console.print(styled("results: ", (str(path), "bold"), *((f", bundle: {bundle}",) if bundle else ())))
 
 
 def _run_quick(plan: Any, listed: Any, path: Path, threads: int) -> None:
-    from threewe.benchmark.bundle import text_of
     from threewe.benchmark.quick import run_quick
-    from threewe.benchmark.run import results_of
 
-    results = results_of(plan, listed, run_quick(plan, listed, threads=threads))
-    path.write_bytes(text_of(results))
-    _print_summary(results)
-    console.print(styled("results: ", (str(path), "bold")))
+    _write(plan, listed, run_quick(plan, listed, threads=threads), path, None)
 
 
 @app.command()

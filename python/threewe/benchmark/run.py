@@ -103,16 +103,7 @@ def run(
     An agent that raises, hangs, dies or uses too much memory costs its episode. What has finished is in the journal,
     from which the same run goes on.
     """
-    task = TASKS[plan.task]
-    jobs = [
-        Job(
-            f"{episode.scene}/{episode.index}/{episode.seed}",
-            _attempt,
-            {"task": plan.task, "episode": episode, "agent": plan.agent.name, "settings": plan.settings},
-            limit,
-        )
-        for episode in episodes
-    ]
+    jobs = [_job_of(plan, episode, limit) for episode in episodes]
     by_key = {job.key: episode for job, episode in zip(jobs, episodes, strict=True)}
     count = 0
 
@@ -133,8 +124,13 @@ def run(
     for episode, one in zip(episodes, found, strict=True):
         if one.failure and not one.own:
             raise ConfigError(f"episode {episode.scene}/{episode.index} could not be run: {one.failure}")
-        results.append(one.result or lost(task.name, episode, plan.settings, one.failure))
+        results.append(one.result or lost(plan.task, episode, plan.settings, one.failure))
     return results
+
+
+def _job_of(plan: Plan, episode: Episode, limit: float) -> Job:
+    given = {"task": plan.task, "episode": episode, "agent": plan.agent.name, "settings": plan.settings}
+    return Job(f"{episode.scene}/{episode.index}/{episode.seed}", _attempt, given, limit)
 
 
 def _attempt(task: str, episode: Episode, agent: str, settings: Settings) -> Result:

@@ -11,10 +11,10 @@ from threewe.benchmark.buildings import load_scene, scene_asset
 from threewe.benchmark.unseen import HELD_OUT, OF, extent_of, replacement, unseen_scene
 
 FROZEN = {
-    "office_v2_unseen": "1d55127abdf668b823b1b375851980096e583614012659c254cbff2b46e0674d",
-    "apartment_v1_unseen": "fda8a88895ffc99f71a339475981da2fdb27e587545b10b288bc8937c685a66d",
-    "warehouse_v1_unseen": "c8474bd88e7f8b985b2999af30bbf3408e02d87a398a3cf7d05b6a6ae3aff1b5",
-    "cluttered_v1_unseen": "ebaaf4c8809162c492205cb46f5318a7e64a93cc8cd40f701a644f215edcab8c",
+    "office_v2_unseen": "fc7df17f23a530a11d412300a5ce7ccfc15049a0cdc41a4264899ed5d206c2e3",
+    "apartment_v1_unseen": "0eccebda677afae0c97a65efcb857784fa040a7fcdde8320a133bdcc9614db37",
+    "warehouse_v1_unseen": "cf2a8bca3041a6616e2cce3811cf3ba78d89f7d68eea06fc086d7fce6a8d7f6a",
+    "cluttered_v1_unseen": "b53cc49a97b2a98468a89550c3a488720f074631063836f75329b8233d218407",
 }
 """SHA-256 of their text and of all prisms."""
 
