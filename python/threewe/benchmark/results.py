@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from threewe._files import read_text
-from threewe.benchmark.statistics import bootstrap, wilson
+from threewe.benchmark.statistics import bootstrap, mean, wilson
 from threewe.benchmark.tasks import TASKS
 from threewe.errors import ConfigError
 
@@ -34,7 +34,7 @@ def _summary(task: str, rows: Sequence[dict[str, Any]]) -> dict[str, Figure]:
     for name in TASKS[task].means:
         values = [row["metrics"][name] for row in rows]
         low, high = bootstrap(values)
-        figures[name] = {"value": sum(values) / len(values), "low": low, "high": high, "count": len(values)}
+        figures[name] = {"value": mean(values), "low": low, "high": high, "count": len(values)}
     failed = sum(bool(row["failure"]) for row in rows)
     figures["agent_failures"] = {"value": failed, "low": failed, "high": failed, "count": len(rows)}
     return figures
@@ -75,5 +75,5 @@ def compare(a: dict[str, Any], b: dict[str, Any]) -> dict[str, Figure]:
     for name in (*TASKS[a["task"]].rates, *TASKS[a["task"]].means):
         differences = [other[name] - one[name] for one, other in pairs]
         low, high = bootstrap(differences)
-        figures[name] = {"value": sum(differences) / len(pairs), "low": low, "high": high, "count": len(pairs)}
+        figures[name] = {"value": mean(differences), "low": low, "high": high, "count": len(pairs)}
     return figures

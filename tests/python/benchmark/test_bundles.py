@@ -11,7 +11,9 @@ import pytest
 from threewe.benchmark import bundle as bundles
 from threewe.benchmark.attempt import Settings
 from threewe.benchmark.bundle import BundleError, read_bundle, write_bundle
+from threewe.benchmark.episodes import to_json
 from threewe.benchmark.run import plan_run, results_of, run
+from threewe.benchmark.sampling import COLUMNS, make_episodes
 from threewe.benchmark.verifying import rerun_policy, verify_bundle
 
 from verify.cases.forgeries import WAYS, Forger
@@ -98,3 +100,22 @@ def test_a_run_on_mujoco_replays_on_this_processor(tmp_path: Path) -> None:
     write_bundle(tmp_path / "run.zip", *run_here(tmp_path, "pointnav", "navigator", "apartment_v1", 1, "mujoco"))
     verified = verify_bundle(tmp_path / "run.zip", workers=0)
     assert verified.results["repeats"] == "to the bit on one kind of processor"
+
+
+def test_held_out_buildings_are_verified_with_the_set_that_its_holder_has(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("threewe.benchmark.sampling.BUILDINGS", 2)
+    made = make_episodes("pointnav", "generated", secret="not to be known")
+    file = tmp_path / "held_out.json"
+    file.write_text(to_json(made, COLUMNS["pointnav"]))
+    plan, listed = plan_run("pointnav", "navigator", split=str(file), scenes=[], episodes=1, settings=Settings())
+    assert len(listed) == 2
+    outcomes = run(plan, listed, tmp_path / "journal.jsonl", workers=0)
+    write_bundle(tmp_path / "run.zip", results_of(plan, listed, outcomes), outcomes)
+    assert len(verify_bundle(tmp_path / "run.zip", workers=0, episode_file=file).results["scenes"]) == 2
+    with pytest.raises(BundleError, match="episode_set"):
+        verify_bundle(tmp_path / "run.zip", workers=0)
+    file.write_text(file.read_text().replace("straight", "detour"))
+    with pytest.raises(BundleError, match="hash differs"):
+        verify_bundle(tmp_path / "run.zip", workers=0, episode_file=file)
