@@ -32,13 +32,8 @@ def run_on_ray(
 ) -> list[Finished]:
     """As `runner.run_jobs`, with `workers` jobs at a time wherever the cluster has a processor.
 
-<<<<<<< HEAD
-    A job whose worker or node is gone begins again elsewhere; one that loses three is at fault. `address` is of a
-    cluster whose nodes have the same installation; without one, a cluster on this machine is started, and ended.
-=======
     A job whose worker or node is gone begins again elsewhere; one that loses three is itself at fault. `address` is of
     a cluster whose nodes have the same installation; without one, a cluster on this machine is started, and ended.
->>>>>>> 0fa5239 (benchmark: let lidars see the feet of held-out shapes)
     """
     with needed_for("engine ray", "ray"):
         import ray
