@@ -44,9 +44,7 @@ def test_robots_are_listed_and_shown() -> None:
 
 def test_parameters_are_shown_with_where_they_come_from(tmp_path: Path) -> None:
     own = tmp_path / "mine.yaml"
-    own.write_text(
-        threewe.RobotProfile.load("turtlebot_like").yaml + "\nautonomy:\n  nav: {recovery: {attempts: 4}}\n"
-    )
+    own.write_text(threewe.RobotProfile.load("turtlebot_like").yaml + "\nautonomy:\n  nav: {recovery: {attempts: 4}}\n")
     done = run("hardware", "show", str(own), "--parameters", "--only", "nav.recovery", cwd=tmp_path)
     assert done.returncode == 0, done.stderr
     parameters = {one.name: one for one in threewe.RobotProfile.load(str(own)).parameters()}
@@ -69,9 +67,7 @@ def test_the_reference_robot_has_every_default() -> None:
 
 def test_a_wrong_parameter_is_one_error_with_its_place(tmp_path: Path) -> None:
     own = tmp_path / "mine.yaml"
-    own.write_text(
-        threewe.RobotProfile.load("3we_standard_v2").yaml + "\nautonomy:\n  nav: {recovery: {atempts: 4}}\n"
-    )
+    own.write_text(threewe.RobotProfile.load("3we_standard_v2").yaml + "\nautonomy:\n  nav: {recovery: {atempts: 4}}\n")
     with pytest.raises(threewe.ConfigError, match=r"mine.yaml:\d+: .*did you mean 'recovery.attempts'\?"):
         threewe.Robot(hardware=str(own))
 

@@ -60,7 +60,8 @@ class SlowTwin {
   }
   double least(Vec2 p) const {
     const double now = outline_.clearance(p);
-    return std::min(safety::margin_of(profile_) + spare_, now > 0.0 ? std::max(now - params_.creep.encroachment, 0.0) : now);
+    return std::min(safety::margin_of(profile_) + spare_,
+                    now > 0.0 ? std::max(now - params_.creep.encroachment, 0.0) : now);
   }
 
   const RobotProfile& profile_;
