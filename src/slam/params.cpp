@@ -35,10 +35,10 @@ Parameters parameters_of(Params::Filter& p) {
 
 Parameters parameters_of(Params::Matching& p) {
   return {
-      {"residual", &p.residual, "m", Scale::size, "deviation of a hit from its surface: more trusts odometry more"},
-      {"robust_width", &p.robust_width, "m", Scale::size, "hits farther from their surface count little"},
-      {"usual_noise", &p.usual_noise, "m", Scale::size, "of a range; with a noisier lidar both grow in proportion"},
-      {"spot_size", &p.spot_size, "m", Scale::size, "hits of less extent are a spot, not a line"},
+      {"residual", &p.residual, "m", Scale::noise, "deviation of a hit from its surface: more trusts odometry more"},
+      {"robust_width", &p.robust_width, "m", Scale::noise, "hits farther from their surface count little"},
+      {"usual_noise", &p.usual_noise, "m", Scale::noise, "of a range; with a noisier lidar both grow in proportion"},
+      {"spot_size", &p.spot_size, "m", Scale::noise, "hits of less extent are a spot, not a line"},
       {"surface_distance", &p.surface_distance, "m", Scale::size, "a hit this near to a surface agrees with the map"},
       {"viewing_angle", &p.viewing_angle, "rad", Scale::none, "between views of a surface that tell the range bias"},
       {"observed", &p.observed, "", Scale::none,

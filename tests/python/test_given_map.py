@@ -9,7 +9,17 @@ from pathlib import Path
 import numpy as np
 import pytest
 import threewe
-from threewe import ConfigError, ContractError, HardwareError, OccupancyGrid, Pose2D, Reason, Robot, World
+from threewe import (
+    ConfigError,
+    ContractError,
+    HardwareError,
+    LocalizationState,
+    OccupancyGrid,
+    Pose2D,
+    Reason,
+    Robot,
+    World,
+)
 from threewe.slam import load_map
 from threewe.sync import Robot as BlockingRobot
 
@@ -32,8 +42,10 @@ def error(robot: Robot) -> float:
 async def test_a_robot_finds_itself_and_drives(apartment: Path) -> None:
     kitchen = threewe.Scene.load("apartment_v1").room("kitchen").anchor
     async with Robot(scene="apartment_v1", map=apartment, start_pose=(2.0, 1.0, 2.0), seed=5) as robot:
+        assert robot.localization_state == LocalizationState.lost
         await robot.sleep(1.0)
         assert not robot.lost
+        assert robot.localization_state == LocalizationState.tracking
         assert error(robot) < 0.1
         assert robot.simulation is not None
         assert robot.simulation.scene_from_map == Pose2D()
