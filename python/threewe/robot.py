@@ -394,7 +394,7 @@ class Robot(InRobotTime):
             SafetyError: a motion owns the robot.
         """
         vx, vy, omega = as_number("vx", vx), as_number("vy", vy), as_number("omega", omega)
-        self._runtime.set_velocity(vx, vy, omega, as_seconds("hold", hold), bool(creep_mode))
+        self._runtime.set_velocity(vx, vy, omega, as_seconds("hold", hold), as_switch("creep_mode", creep_mode))
 
     def set_zones(self, zones: Iterable[Zone]) -> None:
         """Where motions may not lead, or only slowly, in `map`; in place of what was set before.

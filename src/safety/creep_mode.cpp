@@ -105,10 +105,11 @@ bool is_in_passage(const GateModel& model, std::span<const Vec2> hits, const Pos
   });
 }
 
-Passage measure_passage(const GateModel& model, const Velocity& velocity, std::span<const Vec2> hits,
+Passage measure_passage(const GateModel& model, const Velocity& velocity, const Surroundings& surroundings,
                         const Pose2D& odom_from_base) {
   Passage passage;
-  passage.beside = without_noise(model, hits, odom_from_base);
+  passage.beside = without_noise(model, surroundings.hits, odom_from_base);
+  passage.beside.insert(passage.beside.end(), surroundings.assumed.begin(), surroundings.assumed.end());
   const double speed = exact::hypot(velocity.vx, velocity.vy);
   if (speed == 0.0) return passage;  // turning on the spot, nothing is ahead
 

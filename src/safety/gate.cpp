@@ -31,14 +31,13 @@ bool scan_is_stale(const GateModel& model, const GateState& state, Time now) {
 // What keeps clear of the surroundings.
 Velocity monitored(const GateModel& model, const GateState& state, const Velocity& command,
                    const Surroundings& surroundings, const Pose2D& odom_from_base) {
-  const Obstacles assumed{surroundings.assumed, model.margin};
   if (!state.crept) {
-    const std::array all = {Obstacles{surroundings.hits, model.margin}, assumed};
+    const std::array all = {Obstacles{surroundings.hits, model.margin}, Obstacles{surroundings.assumed, model.margin}};
     return clear_of_obstacles(model, state, command, all, odom_from_base);
   }
-  const Passage passage = measure_passage(model, command, surroundings.hits, odom_from_base);
+  const Passage passage = measure_passage(model, command, surroundings, odom_from_base);
   const std::array all = {Obstacles{passage.ahead, model.margin},
-                          Obstacles{passage.beside, std::min(model.margin, model.creep.margin)}, assumed};
+                          Obstacles{passage.beside, std::min(model.margin, model.creep.margin)}};
   return clear_of_obstacles(model, state, command, all, odom_from_base);
 }
 

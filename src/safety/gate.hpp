@@ -48,7 +48,7 @@ struct GateState {
   std::array<Velocity, kMaxReaction / kControlPeriod> recent{};
   Time last_scan{};  ///< `received` of the newest scan; of the newest echo where there is no lidar
   bool scan_seen = false;
-  bool crept = false;  ///< the margin of creep mode was allowed: whoever crept in creeps out
+  bool crept = false;  ///< the margin of creep mode was allowed: so creep mode goes on until the margin is free
   bool estop = false;  ///< latched until released
   friend bool operator==(const GateState&, const GateState&) = default;
 
