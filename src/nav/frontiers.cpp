@@ -1,26 +1,36 @@
 #include "nav/frontiers.hpp"
 
 #include <algorithm>
-#include <numeric>
+#include <cstddef>
 
 #include "nav/grid_search.hpp"
 
 namespace threewe::nav {
+namespace {
+
+// Whether half of the cells around an unknown one are so too. `kAround`: the reach, where the compiler is to know it.
+template <int kAround>
+bool is_gap(const std::uint8_t* middle, int width, int around) {
+  const int reach = kAround > 0 ? kAround : around;
+  const int side = 2 * reach + 1;
+  int count = 0;
+  for (int dy = -reach; dy <= reach; ++dy) {
+    const std::uint8_t* row = middle + std::ptrdiff_t{dy} * width;
+    for (int dx = -reach; dx <= reach; ++dx) count += row[dx];
+  }
+  return count >= side * side / 2;
+}
+
+}  // namespace
 
 void find_frontiers(const map::Costmap& costmap, const Params::Frontier& params, std::vector<std::uint16_t>& size_of) {
   using map::Cell;
   constexpr std::uint16_t kCandidate = 0xFFFF;
   const std::vector<std::uint8_t>& unknown = costmap.unknown();
   const int around = std::max(1, cells_in(params.slit, costmap.resolution()));
-  const int side = 2 * around + 1;
-  const int least = side * side / 2;
   const auto gap = [&](int x, int y) {
-    int count = 0;
-    for (int v = y - around; v <= y + around; ++v) {
-      const std::uint8_t* row = &unknown[costmap.index({x - around, v})];
-      count += std::accumulate(row, row + side, 0);
-    }
-    return count >= least;
+    const std::uint8_t* middle = &unknown[costmap.index({x, y})];
+    return around == 2 ? is_gap<2>(middle, costmap.width(), 2) : is_gap<0>(middle, costmap.width(), around);
   };
 
   // candidates first; the rim of a costmap is unknown, so that no frontier lies near its edge

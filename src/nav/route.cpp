@@ -179,7 +179,7 @@ bool Route::try_frontier(const Observation& seen, bool thorough) {
   const double per_metre = kPerCell / costmap.resolution();
   const int least = cells_in(frontier_params_.least_length, costmap.resolution());
   const auto bonus = [&](std::uint32_t index) {
-    return frontiers_[index] >= least ? std::optional(bonus_of_frontier(index, seen)) : std::nullopt;
+    return int{frontiers_[index]} >= least ? std::optional(bonus_of_frontier(index, seen)) : std::nullopt;
   };
   const auto is_unknown = [&](std::uint32_t index) { return costmap.unknown()[index] != 0; };
   const auto most =

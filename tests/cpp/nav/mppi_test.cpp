@@ -28,7 +28,7 @@ using testing::Outcome;
 // What the method can do with as many samples and plans as it takes. Robots make do with less, and their path follower
 // does more than this: `./dev verify control` drives the same courses with that.
 Params thorough(const RobotProfile& profile) {
-  Params params = params_for<Params>(profile, "nav");
+  auto params = params_for<Params>(profile, "nav");
   params.mppi.samples = 2000;
   params.mppi.periods = 1;
   params.mppi.temperature = 0.3;
@@ -68,7 +68,7 @@ TEST_CASE("commands keep to the limits, and to what a period can change, whateve
       CAPTURE(std::string(robot));
       CAPTURE(seed);
       testing::Draw draw(seed, 9);
-      Params params = params_for<Params>(profile, "nav");
+      auto params = params_for<Params>(profile, "nav");
       params.mppi.samples = 200;
       Mppi mppi(profile, params, seed);
       Velocity last;
@@ -167,7 +167,7 @@ TEST_CASE("a plan is the weighted mean of its samples, and to read it changes no
     CAPTURE(std::string(robot));
     const RobotProfile profile = load_profile(robot);
     const bool holonomic = profile.kinematics() == Kinematics::holonomic;
-    Params params = params_for<Params>(profile, "nav");
+    auto params = params_for<Params>(profile, "nav");
     params.mppi.samples = 100;  // a multiple of 16 is rolled out
     params.mppi.periods = 3;
     const Course course = testing::slalom(profile, 6);

@@ -74,7 +74,7 @@ Crossing cross_gap(const RobotProfile& profile, double spare, Draw& draw) {
   const Pose2D middle = draw.pose(-3.0, 3.0);
   const double thickness = draw(0.06, 0.25);
   const std::vector<Vec2> hits = wall_with_gap(middle, high - low + spare, thickness);
-  const Params params = params_for<Params>(profile, "nav");
+  const auto params = params_for<Params>(profile, "nav");
   NarrowPassage narrow_passage(profile, params);
   PathFollower follower(profile, params);
   Pose2D base = middle * Pose2D{narrow_passage.entry(0.2) - draw(0.0, 0.1), draw(-0.04, 0.04), draw(-0.5, 0.5)};

@@ -21,7 +21,7 @@ namespace {
 // What any field can be made of: an aggregate has as many fields as it takes of these.
 struct Anything {
   template <class T>
-  operator T() const;  // NOLINT(google-explicit-constructor)
+  operator T() const;  // NOLINT(misc-explicit-constructor)
 };
 template <class T, class... Fields>
 constexpr std::size_t field_count() {
@@ -72,7 +72,7 @@ TEST_CASE("every field of every part is listed once") {
 }
 
 TEST_CASE("the reference robot's are the defaults, to the bit") {
-  Params params = params_for<Params>(load_profile("3we_standard_v2"), "nav");
+  auto params = params_for<Params>(load_profile("3we_standard_v2"), "nav");
   Params defaults;
   const Parameters of_robot = parameters_of(params);
   const Parameters expected = parameters_of(defaults);
@@ -89,14 +89,14 @@ bool is_given(std::string_view name) {
 
 TEST_CASE("of a robot three times, or half, as large and fast, lengths and speeds are so too, and nothing else is") {
   for (const double by : {0.5, 3.0}) {
-    Params params = params_for<Params>(testing::scaled(load_profile("3we_standard_v2"), by), "nav");
+    auto params = params_for<Params>(testing::scaled(load_profile("3we_standard_v2"), by), "nav");
     Params defaults;
     const Parameters of_robot = parameters_of(params);
     const Parameters expected = parameters_of(defaults);
     for (std::size_t i = 0; i < expected.size(); ++i) {
       CAPTURE(expected[i].name);
       CAPTURE(by);
-      const bool grows = expected[i].unit.starts_with("m") && !is_given(expected[i].name);
+      const bool grows = expected[i].unit.starts_with('m') && !is_given(expected[i].name);
       CHECK(of_robot[i].number() == doctest::Approx((grows ? by : 1.0) * expected[i].number()).epsilon(1e-9));
     }
   }
