@@ -55,14 +55,15 @@ struct Params {
     double view = 3.0;          ///< times the square of its length is what counts of that
     double slit = 0.1;          ///< [m] to all sides of an unknown cell, where half must be unknown, or it is none
   };
-  /// Paths through gaps that may be just wide enough.
+  /// Paths through bottlenecks that may be just wide enough.
   struct Bottleneck {
-    double coarseness = 0.06;       ///< [m] by which cells may make a gap look narrower
-    double straight = 0.03;         ///< [m] beside the line, along which it still is one gap
-    double shortest = 0.15;         ///< [m] of half a gap: that of less could be anywhere
-    Duration patience = 180s;       ///< to try gaps, and again once one has been passed
+    double coarseness =
+        0.06;  ///< [m] by which cells may make a bottleneck look narrower, and paths keep from walls even so
+    double straight = 0.03;         ///< [m] off the line, along which it still is one bottleneck
+    double shortest = 0.15;         ///< [m] of half a bottleneck: that of less could be anywhere
+    Duration patience = 180s;       ///< to try bottlenecks, and again once one has been passed
     Duration first_patience = 60s;  ///< to try one, and the time to drive there ...
-    double ahead = 0.6;             ///< [m] from where the robot got stuck to the gap that is blamed
+    double ahead = 0.6;             ///< [m] from where the robot got stuck to the bottleneck that is blamed
     Duration hesitation = 800ms;    ///< without coming nearer, before a place ahead is measured
     double passing = 30.0;          ///< [s] to line up, measure, and creep through ...
     double sight = 1.5;             ///< [m] around the robot, hits are cleared of noise
@@ -95,9 +96,9 @@ struct Params {
     double person_radius = 0.2;      ///< [m]
     double zone_reaction = 0.2;      ///< [s] from a command to its effect, and some for doubts about the pose
     double border_sight = 2.5;       ///< [m] so near, borders of zones count
-    double sweep_angle = 1.0;        ///< [rad] to either side, looked to by who has no lidar
+    double sweep_angle = 1.0;        ///< [rad] to either side, to which robots without a lidar look
     Duration sweep_period = 4500ms;  ///< of that, there and back
-    double prior_time = 3.0;         ///< [s] for which an expected pace counts, among those driven
+    double prior_time = 3.0;         ///< [s] for which the expected speed counts, among those driven
     double expected_speed = 0.75;    ///< share of the limits
   };
   /// Following a path.
@@ -145,7 +146,7 @@ struct Params {
     double turn = 0.6;            ///< [rad] to either side that the direction may be
     double gain = 0.05;           ///< of what a look shows: a scan is looked at five times
     double least_spare = 0.012;   ///< [m] beyond the robot's width without which nothing goes ...
-    double most_spare = 0.3;      ///< [m] ... and with which it has nothing to do with gaps
+    double most_spare = 0.3;      ///< [m] ... and with which it is no narrow passage
     Duration measuring = 1500ms;  ///< at least
     Duration patience = 5s;       ///< to line up, and without ...
     int attempts = 3;             ///< then it is closed
@@ -194,7 +195,7 @@ struct Params {
       double smooth_linear = 1.0;      ///< of the square of changes of velocity
       double smooth_angular = 0.1;     ///< [s^2/rad^2] the same
       double people_contact = 100.0;   ///< of a unit of speed where an outline's disc meets one that moves
-      double people_close = 1.0;       ///< the same beside it, none `people_reach` beyond it
+      double people_close = 1.0;       ///< the same next to it, none `people_reach` beyond it
     };
     int samples = 512;             ///< a multiple of 16 is rolled out: the next one
     double step = 0.05;            ///< [s] of a plan, which has 56
@@ -208,7 +209,7 @@ struct Params {
     double obstacle_reach = 0.05;  ///< [m] beyond the margin
     double people_reach = 0.25;    ///< [m] beyond contact
     double people_blur = 0.05;     ///< [m] around people, hits are theirs
-    double stray = 0.35;           ///< [m] beside its path that a plan may lead with its eyes open
+    double stray = 0.35;           ///< [m] off its path, that a plan may lead and know of obstacles
     Weights weights{};
   };
 
