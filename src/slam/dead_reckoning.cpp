@@ -7,12 +7,12 @@ namespace threewe::slam {
 void DeadReckoning::add_gyro(Time stamp, double rate) {
   if (has_gyro_) {
     const double gap = to_seconds(stamp - gyro_stamp_);
-    const double seconds = std::clamp(gap, 0.0, to_seconds(params_.gyro_age));
+    const double seconds = std::clamp(gap, 0.0, to_seconds(params_.sample_age));
     heading_ += seconds * (rate - calibration_.gyro_bias);  // a sample is the mean since the one before
-    if (gap > to_seconds(params_.gyro_age) && count_ > 0) {
+    if (gap > to_seconds(params_.sample_age) && count_ > 0) {
       // wheels told the heading meanwhile, up to their newest sample
-      const double since =
-          std::clamp(to_seconds(stamp - point(0).stamp), -to_seconds(params_.gyro_age), to_seconds(params_.gyro_age));
+      const double since = std::clamp(to_seconds(stamp - point(0).stamp), -to_seconds(params_.sample_age),
+                                      to_seconds(params_.sample_age));
       heading_used_ = heading_ - since * (rate - calibration_.gyro_bias);
     }
   }
@@ -25,7 +25,7 @@ void DeadReckoning::add_odometry(Time stamp, const Odometry& odometry) {
   TrackPoint next;
   next.stamp = stamp;
   const double heading = gyro_heading(stamp);
-  const bool gyro_fresh = has_gyro_ && std::fabs(to_seconds(stamp - gyro_stamp_)) <= to_seconds(params_.gyro_age);
+  const bool gyro_fresh = has_gyro_ && std::fabs(to_seconds(stamp - gyro_stamp_)) <= to_seconds(params_.sample_age);
   const double rate = gyro_fresh ? gyro_rate_ - calibration_.gyro_bias : odometry.velocity.omega;
   next.by_gyro = gyro_fresh;
   next.velocity = {calibration_.forward_scale * odometry.velocity.vx, calibration_.lateral_scale * odometry.velocity.vy,
@@ -86,7 +86,7 @@ MotionSummary DeadReckoning::between(Time from, Time to) const {
   Pose2D guessed;
   const auto guess = [&](const TrackPoint& last, Time until) {
     if (!scans_follow_) return;  // the next pose tells of that time
-    const Duration unseen = until - std::max(last.stamp + params_.silence, from);
+    const Duration unseen = until - std::max(last.stamp + params_.sample_age, from);
     if (unseen > 0ns) guessed = integrate(guessed, last.velocity, to_seconds(unseen));
   };
   for (std::size_t age = size(); age-- > 0;) {
@@ -109,7 +109,7 @@ bool DeadReckoning::stands() const { return empty() || point(0).standing >= para
 
 double DeadReckoning::gyro_heading(Time stamp) const {
   const double ahead =
-      std::clamp(to_seconds(stamp - gyro_stamp_), -to_seconds(params_.gyro_age), to_seconds(params_.gyro_age));
+      std::clamp(to_seconds(stamp - gyro_stamp_), -to_seconds(params_.sample_age), to_seconds(params_.sample_age));
   return heading_ + ahead * (gyro_rate_ - calibration_.gyro_bias);
 }
 

@@ -94,8 +94,7 @@ bool GlobalLocalizer::is_same_view(const Pose2D& a_from_b) const {
 bool GlobalLocalizer::remember(const Pose2D& odom_from_base, std::span<const map::Beam> beams) {
   if (!glimpses_.empty()) driven_ += distance(odom_from_base.position(), last_.position());
   last_ = odom_from_base;
-  std::erase_if(glimpses_,
-                [this](const Glimpse& g) { return driven_ - g.driven > params_->global_search.view_length; });
+  std::erase_if(glimpses_, [this](const Glimpse& g) { return driven_ - g.driven > params_->loops.view_length; });
   if (!glimpses_.empty()) {
     if (is_same_view(inverse(glimpses_.back().odom_from_base) * odom_from_base)) return false;
   }

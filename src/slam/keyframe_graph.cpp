@@ -127,12 +127,11 @@ void KeyframeGraph::begin_keyframe(const FrontEndScan& point) {
       covariance = Vector3(square(params_->graph.resumed_position), square(params_->graph.resumed_position),
                            square(params_->graph.resumed_heading))
                        .asDiagonal();
-      length = params_->loops.length;  // all that was there before may be met at once
+      length = params_->graph.submap_length;  // all that was there before may be met at once
       goes_on_at_.reset();
     } else if (point.lost) {
       covariance = Vector3(square(kNowhere), square(kNowhere), square(exact::kPi)).asDiagonal();
-      length = params_->graph.submap_length +
-               params_->loops.length;  // nothing that was seen before is seen together with this
+      length = 2.0 * params_->graph.submap_length;  // nothing that was seen before is seen together with this
       unconfirmed_.reset();
     }
     const int node = data_.graph.add_node(data_.pose_of(before) * step);
@@ -214,7 +213,7 @@ std::vector<KeyframeGraph::Nearby> KeyframeGraph::nearby(int component, Vec2 pla
     const Submap& submap = data_.submaps[i];
     if (component_of(submap.first) != component) continue;
     const double left_at = data_.driven_at(submap.last);
-    if (driven() - left_at < params_->loops.length || driven() - submap.tried_at < again) continue;
+    if (driven() - left_at < params_->graph.submap_length || driven() - submap.tried_at < again) continue;
     Nearby nearest{static_cast<int>(i), submap.first, within};
     for (int k = submap.first; k <= submap.last; ++k) {
       const double away = distance(data_.pose_of(k).position(), place);

@@ -14,7 +14,7 @@ namespace {
 double square(double x) { return x * x; }
 
 BranchAndBoundMatcher::Window window_of(const PoseBelief& belief, const Params::LoopCloser& params) {
-  const auto reach = [&](int i) { return params.deviations * exact::sqrt(belief.covariance(i, i)); };
+  const auto reach = [&](int i) { return 3.0 * exact::sqrt(belief.covariance(i, i)); };
   return {belief.pose,
           {std::clamp(reach(kX), params.least_reach, params.most_reach),
            std::clamp(reach(kY), params.least_reach, params.most_reach)},
@@ -56,7 +56,8 @@ std::optional<LoopMatch> LoopCloser::find(std::span<const map::Beam> view, int s
   const Match match =
       match_scan(map_, view, {seen->pose, range_bias}, prior, seen->pose, 0.0, Directions::all, params_->matching);
   const auto hits = std::ranges::count_if(view, [](const map::Beam& beam) { return beam.hit; });
-  const double enough = std::max<double>(params.known_hits * scans, params.known_share * static_cast<double>(hits));
+  const double enough =
+      std::max<double>(params.known_hits * scans, params_->registration.known_share * static_cast<double>(hits));
   if (match.agreement < params.agreement || match.known_hits < enough) return {};
 
   LoopMatch found{match.at.pose, covariance_of(match, prior, scans, params), seen->score, match.agreement};

@@ -112,7 +112,7 @@ bool OdometryCheck::is_better(const FrontEnd& by_odometry, const FrontEnd& stead
   const Match& with = by_odometry.newest_match();
   const Match& without = steady.newest_match();
   const bool better = with.known_hits >= params_->registration.few_hits &&
-                      without.agreement > with.agreement + params_->odometry_check.better;
+                      without.agreement > with.agreement + params_->registration.better_poor;
   return steady.is_confirmed(without) && (better || impossible || !by_odometry.fits());
 }
 

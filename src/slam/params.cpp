@@ -7,9 +7,9 @@ namespace {
 
 Parameters parameters_of(Params::DeadReckoning& p) {
   return {
-      {"gyro_age", &p.gyro_age, "s", Scale::none, "a gyro sample stands for no longer; then the wheels tell the turn"},
+      {"sample_age", &p.sample_age, "s", Scale::none,
+       "for which a sample stands: then wheels tell turns, or all is guessed"},
       {"extrapolation", &p.extrapolation, "s", Scale::none, "beyond the newest odometry the pose is held"},
-      {"silence", &p.silence, "s", Scale::none, "without odometry, after which the motion is guessed and said to be"},
       {"disagreement", &p.disagreement, "rad", Scale::none, "of wheels and gyro from scan to scan that is usual"},
       {"turning_disagreement", &p.turning_disagreement, "rad/rad", Scale::none, "more of it as the robot turns"},
       {"standing_samples", &p.standing_samples, "", Scale::none, "of wheels at rest, after which the robot stands"},
@@ -64,7 +64,8 @@ Parameters parameters_of(Params::Registration& p) {
       {"widest_position", &p.widest_position, "m", Scale::size, "searched where lost or guessed: costs its square"},
       {"widest_heading", &p.widest_heading, "rad", Scale::none, "the same of the heading"},
       {"unsure_heading", &p.unsure_heading, "rad", Scale::none, "standard deviation from which on it is searched"},
-      {"better_poor", &p.better_poor, "", Scale::none, "agreement by which a pose found by search must be better"},
+      {"better_poor", &p.better_poor, "", Scale::none,
+       "agreement by which a pose or motion must be better than the estimated one"},
       {"better", &p.better, "", Scale::none, "the same where only the heading is unsure"},
       {"poor_lidar", &p.poor_lidar, "", Scale::none, "times its data sheet a lidar may be noisy without more bias"},
       {"least_noise", &p.least_noise, "m", Scale::noise, "taken for what a data sheet that promises less says"},
@@ -90,7 +91,6 @@ Parameters parameters_of(Params::Localization& p) {
       {"doubtful_prior", &p.doubtful_prior, "", Scale::none, "agreement with a prior map below which it is doubted"},
       {"certain_prior", &p.certain_prior, "", Scale::none, "agreement with it above which it no longer is"},
       {"doubt_share", &p.doubt_share, "", Scale::none, "of one scan in these: more doubts sooner"},
-      {"better", &p.better, "", Scale::none, "agreement by which a found pose must be better than the estimated one"},
       {"initial_position", &p.initial_position, "m", Scale::size, "standard deviation of an initial pose"},
       {"initial_heading", &p.initial_heading, "rad", Scale::none, "the same of its heading"},
       {"found_position", &p.found_position, "m", Scale::size, "standard deviation of a pose found by search"},
@@ -114,7 +114,6 @@ Parameters parameters_of(Params::OdometryCheck& p) {
       {"steady_distance", &p.steady_distance, "m", Scale::size, "by which a guessed step may be off"},
       {"steady_turn", &p.steady_turn, "rad", Scale::none, "the same of a turn"},
       {"steady_share", &p.steady_share, "", Scale::none, "and this share of either"},
-      {"better", &p.better, "", Scale::none, "agreement by which a motion without odometry must fit better"},
       {"moved", &p.moved, "m", Scale::size, "by scans alone, while odometry stands: it has stopped"},
       {"turned", &p.turned, "rad", Scale::none, "the same of a turn"},
       {"moved_chi", &p.moved_chi, "", Scale::none, "and so many variances of what the scan says"},
@@ -179,7 +178,8 @@ Parameters parameters_of(Params::Graph& p) {
       {"turning", &p.turning, "m/rad", Scale::size, "of driving, that turning counts for"},
       {"scan_distance", &p.scan_distance, "m", Scale::size, "between scans that are kept: less takes memory"},
       {"scan_turn", &p.scan_turn, "rad", Scale::none, "or so much turning"},
-      {"submap_length", &p.submap_length, "m", Scale::size, "driven, of which one map is made to be searched"},
+      {"submap_length", &p.submap_length, "m", Scale::size,
+       "driven, of which one map is made, and after which it may be met again"},
       {"free_range", &p.free_range, "m", Scale::size, "beams of local maps and submaps clear nothing beyond"},
       {"resumed_position", &p.resumed_position, "m", Scale::size, "by which a robot may be off that resumes a map"},
       {"resumed_heading", &p.resumed_heading, "rad", Scale::none, "the same of its heading"},
@@ -194,11 +194,11 @@ Parameters parameters_of(Params::Graph& p) {
 
 Parameters parameters_of(Params::Loops& p) {
   return {
-      {"length", &p.length, "m", Scale::size, "driven since, before a submap may be met again"},
       {"near", &p.near, "m", Scale::size, "from a submap, beyond the standard deviation, where it is searched"},
       {"far", &p.far, "m", Scale::size, "and never farther"},
       {"try_again", &p.try_again, "m", Scale::size, "driven, before the same submap is searched again"},
-      {"view_length", &p.view_length, "m", Scale::size, "of the way, whose scans are searched for together"},
+      {"view_length", &p.view_length, "m", Scale::size,
+       "of the way, whose scans are searched for together, also in a whole map"},
       {"view_distance", &p.view_distance, "m", Scale::size, "between these scans"},
       {"unsure", &p.unsure, "m", Scale::size, "standard deviation above which a second closure must confirm"},
       {"same_position", &p.same_position, "m", Scale::size, "by which that may be off the first"},
@@ -211,14 +211,12 @@ Parameters parameters_of(Params::Loops& p) {
 
 Parameters parameters_of(Params::LoopCloser& p) {
   return {
-      {"deviations", &p.deviations, "", Scale::none, "of the belief that are searched"},
       {"least_reach", &p.least_reach, "m", Scale::size, "but no less than this"},
       {"most_reach", &p.most_reach, "m", Scale::size, "and no more: costs its square"},
       {"least_turn", &p.least_turn, "rad", Scale::none, "no less than this to each side"},
       {"least_score", &p.least_score, "", Scale::none, "of the search: less finds more wrong loops to refuse"},
       {"distinct", &p.distinct, "", Scale::none, "share of the score that no other pose may reach"},
       {"agreement", &p.agreement, "", Scale::none, "share of hits on surfaces: less closes wrong loops"},
-      {"known_share", &p.known_share, "", Scale::none, "of hits that must lie in known space"},
       {"known_hits", &p.known_hits, "", Scale::none, "and so many of each scan"},
       {"most_deviation", &p.most_deviation, "m", Scale::size, "of a closure: a corridor's walls alone leave more"},
       {"most_chi", &p.most_chi, "", Scale::none, "off the belief, of three numbers: once in 900 times by chance"},
@@ -231,7 +229,6 @@ Parameters parameters_of(Params::GlobalSearch& p) {
   return {
       {"view_distance", &p.view_distance, "m", Scale::size, "between scans that are searched for together"},
       {"view_turn", &p.view_turn, "rad", Scale::none, "or so much turning"},
-      {"view_length", &p.view_length, "m", Scale::size, "of the way, whose scans are remembered"},
       {"good_score", &p.good_score, "", Scale::none, "that most poses reach: searching for it is quick"},
       {"least_score", &p.least_score, "", Scale::none, "that one must reach in a place that has changed"},
       {"lead", &p.lead, "", Scale::none, "of its score over all others elsewhere: less claims wrong poses"},

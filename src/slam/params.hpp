@@ -17,9 +17,8 @@ struct Params {
 
   /// DeadReckoning.
   struct DeadReckoning {
-    Duration gyro_age = 100ms;
+    Duration sample_age = 100ms;
     Duration extrapolation = 300ms;
-    Duration silence = 100ms;
     double disagreement = 0.004;         // [rad]
     double turning_disagreement = 0.02;  // [rad/rad]
     int standing_samples = 10;
@@ -111,7 +110,6 @@ struct Params {
     double steady_distance = 0.05;    // [m]
     double steady_turn = 0.06;        // [rad]
     double steady_share = 0.5;
-    double better = 0.1;
     double moved = 0.02;   // [m]
     double turned = 0.01;  // [rad]
     double moved_chi = 25.0;
@@ -138,7 +136,6 @@ struct Params {
     double doubtful_prior = 0.45;
     double certain_prior = 0.55;
     double doubt_share = 0.05;
-    double better = 0.15;
     double initial_position = 0.25;  // [m]
     double initial_heading = 0.15;   // [rad]
     double found_position = 0.1;     // [m]
@@ -202,7 +199,6 @@ struct Params {
 
   /// Where KeyframeGraph looks for loops.
   struct Loops {
-    double length = 10.0;         // [m]
     double near = 3.0;            // [m]
     double far = 20.0;            // [m]
     double try_again = 3.0;       // [m]
@@ -218,14 +214,12 @@ struct Params {
 
   /// LoopCloser: what makes a loop closure.
   struct LoopCloser {
-    double deviations = 3.0;
     double least_reach = 0.3;   // [m]
     double most_reach = 10.0;   // [m]
     double least_turn = 0.1;    // [rad]
     double least_score = 0.55;  // Hess et al. 2016
     double distinct = 0.85;
     double agreement = 0.80;
-    double known_share = 0.5;
     int known_hits = 40;
     double most_deviation = 0.05;  // [m]
     double most_chi = 16.0;
@@ -238,7 +232,6 @@ struct Params {
   struct GlobalSearch {
     double view_distance = 0.3;  // [m]
     double view_turn = 0.5;      // [rad]
-    double view_length = 4.0;    // [m]
     double good_score = 0.65;
     double least_score = 0.50;
     double lead = 0.10;

@@ -158,7 +158,7 @@ void ScanMatchingLocalizer::doubt() {
 
 bool ScanMatchingLocalizer::is_better(const Pose2D& other) const {
   const auto agreement = [this](const Pose2D& pose) { return search_map_->compare(pose, front_.beams()).agreement(); };
-  return agreement(other) > agreement(front_.map_from_base()) + p_.better;
+  return agreement(other) > agreement(front_.map_from_base()) + params_->registration.better_poor;
 }
 
 // The robot is here. What it has mapped on a prior map may have been mapped elsewhere.
