@@ -52,7 +52,7 @@ struct Params {
     double claim = 3.0;         ///< [m] around where that is bound for
     double same = 1.0;          ///< [m] around a frontier, what has become of it
     double strip = 0.1;         ///< [m] wide must be the unknown floor behind one, spread along the way there
-    double view = 3.0;          ///< times the square of its length is what counts of that
+    double view = 4.0;          ///< times the square of its length is what counts of that
     double slit = 0.1;          ///< [m] to all sides of an unknown cell, where half must be unknown, or it is none
   };
   /// Paths through bottlenecks that may be just wide enough.

@@ -76,7 +76,7 @@ class Corridor {
 // Those that are near.
 std::vector<Vec2> without_noise(const GateModel& model, std::span<const Vec2> hits, const Pose2D& odom_from_base) {
   const Vec2 lidar = odom_from_base * model.base_from_lidar.value_or(Vec2{});
-  return map::smoothed_near(odom_from_base.position(), model.creep.sight, hits, lidar);
+  return map::smoothed_near(odom_from_base.position(), model.creep.sight, hits, lidar, model.creep.flat);
 }
 
 }  // namespace

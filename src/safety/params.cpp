@@ -17,7 +17,8 @@ Parameters parameters_of(Params::Creep& p) {
            "kept free of what the body passes in creep mode; navigators plan with more"},
           {"speed", &p.speed, "m/s", Scale::none, "of the base in creep mode"},
           {"corner_speed", &p.corner_speed, "m/s", Scale::none, "of any corner in creep mode: a touch does no harm"},
-          {"sight", &p.sight, "m", Scale::size, "from the base, beyond which hits do not matter in creep mode"}};
+          {"sight", &p.sight, "m", Scale::size, "from the base, beyond which hits do not matter in creep mode"},
+          {"flat", &p.flat, "m", Scale::size, "around each hit, surfaces are flat: noise is averaged over them"}};
 }
 
 Parameters parameters_of(Params::Unseen& p) {

@@ -21,6 +21,7 @@ struct Params {
     double speed = 0.04;
     double corner_speed = 0.05;
     double sight = 0.5;
+    double flat = 0.08;
   };
   /// Of sectors in which no beam is valid.
   struct Unseen {

@@ -24,8 +24,8 @@ std::vector<Vec2> ObstaclePoints::what_may_vanish(Vec2 lidar_in_odom, double nea
   const double reach = nearest + params_.blur;
   const auto is_unseen = [&](Vec2 p) { return distance(p, lidar_in_odom) < reach; };
   const auto known = std::span(points_);
-  std::vector<Vec2> near =
-      map::smoothed_near(lidar_in_odom, reach + params_.neighbourhood, known.first(seen_), lidar_in_odom);
+  std::vector<Vec2> near = map::smoothed_near(lidar_in_odom, reach + params_.neighbourhood, known.first(seen_),
+                                              lidar_in_odom, params_.neighbourhood);
   std::erase_if(near, std::not_fn(is_unseen));
   std::ranges::copy_if(known.subspan(seen_), std::back_inserter(near), is_unseen);
   return near;

@@ -80,7 +80,7 @@ TEST_CASE("a doorway to a room that was never seen is worth the way through a bu
   const Seen seen(corridor_with_opening(18, 0));
   const Cell door = seen.frontier({2.9, 1.95});
   CHECK(seen.worthwhile(door, 1.0));
-  CHECK(seen.worthwhile(door, 20.0));
+  CHECK(seen.worthwhile(door, 15.0));
   CHECK_FALSE(seen.worthwhile(door, 100.0));
 }
 
@@ -88,7 +88,7 @@ TEST_CASE("a niche behind the same opening is worth a few metres") {
   const Seen seen(corridor_with_opening(18, 10));
   const Cell niche = seen.frontier({2.9, 1.95});
   CHECK(seen.worthwhile(niche, 1.0));
-  CHECK_FALSE(seen.worthwhile(niche, 20.0));
+  CHECK_FALSE(seen.worthwhile(niche, 15.0));
 }
 
 TEST_CASE("a slit is worth little, whatever may lie behind it") {

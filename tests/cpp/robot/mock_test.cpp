@@ -141,7 +141,7 @@ TEST_CASE("robots with one map frame explore together, sooner than one alone") {
     std::vector<std::unique_ptr<Robot>> team;
     std::vector<ExplorationHandle> work;
     for (std::size_t i = 0; i < robots; ++i) team.push_back(std::make_unique<Robot>(world, i));
-    for (const auto& robot : team) work.push_back(robot->explore(300.0));
+    for (const auto& robot : team) work.push_back(robot->explore(300.0, true));
     double distance = 0.0;
     for (std::size_t i = 0; i < robots; ++i) {
       const ExploreResult result = team[i]->wait(work[i]);
