@@ -95,7 +95,7 @@ void init_hardware(nb::module_& m) {
       .def_ro("name", &AutonomyParameter::name, "With its module, such as `nav.recovery.same_place`.")
       .def_ro("value", &AutonomyParameter::value, "In `unit`; times in seconds.")
       .def_ro("unit", &AutonomyParameter::unit, "Such as `m`; empty for a share or a count.")
-      .def_ro("reference", &AutonomyParameter::reference, "The value of the reference robot, `3we_standard_v2`.")
+      .def_ro("reference", &AutonomyParameter::reference, "The value of the reference robot, `3we_standard_v2`, in the profile's unit [`unit`].")
       .def_prop_ro(
           "scale", [](const AutonomyParameter& p) { return std::string(to_string(p.scale)); },
           "What it grows with from robot to robot, such as `size`; `none` where it is the same for all.")

@@ -732,7 +732,9 @@ class AutonomyParameter:
 
     @property
     def reference(self) -> float:
-        """The value of the reference robot, `3we_standard_v2`."""
+        """
+        The value of the reference robot, `3we_standard_v2`, in the profile's unit [`unit`].
+        """
 
     @property
     def scale(self) -> str:

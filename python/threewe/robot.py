@@ -346,7 +346,8 @@ class Robot(InRobotTime):
         spread along the way there, makes a strip narrower than `nav.frontier.strip`. With `thorough` the last corners
         are mapped, too, which may take as long as all the rest.
         """
-        motion = await self._drive(lambda t: self._runtime.explore(bool(thorough), t), timeout, on_progress)
+        everything = as_switch("thorough", thorough)
+        motion = await self._drive(lambda t: self._runtime.explore(everything, t), timeout, on_progress)
         return motion.explore_result()
 
     async def _drive(

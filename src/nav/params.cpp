@@ -46,7 +46,7 @@ Parameters parameters_of(Params::Frontier& p) {
       {"claim", &p.claim, "m", Scale::size, "more: leaves more room to other robots"},
       {"same", &p.same, "m", Scale::size, "more: keeps to frontiers that shift"},
       {"strip", &p.strip, "m", Scale::size, "less: drives farther for the last corners, unless it is thorough"},
-      {"view", &p.view, "", Scale::none, "more: drives farther for what lies behind narrow openings"},
+      {"view", &p.view, "", Scale::none, "more: drives farther for what is behind narrow openings"},
       {"slit", &p.slit, "m", Scale::size, "less: takes slits between beams for something to see"},
   };
 }

@@ -155,10 +155,16 @@ bool OdometryCheck::has_moved(const FrontEnd& front, const map::LogOddsMap& map)
   return far && front.is_confirmed(free) && off.dot(free.told.topLeftCorner<3, 3>() * off) > p.moved_chi;
 }
 
-// What is to become of the scan, which may be related to those before or not.
+// What is to become of the scan, which may be related to those before or not. One that agrees with the map much less
+// than scans of this lidar do is elsewhere, too.
 void OdometryCheck::judge(const FrontEnd& front, bool related, Registration& seen) {
-  if (related && front.fits()) {
+  const Params::OdometryCheck& p = params_->odometry_check;
+  const Match& match = front.newest_match();
+  const bool known = match.known_hits >= params_->registration.few_hits;
+  const bool unusual = known && match.agreement < p.least_of_usual * usual_agreement_;
+  if (related && front.fits() && !unusual) {
     misfits_ = 0;
+    if (known) usual_agreement_ += p.usual_share * (match.agreement - usual_agreement_);
     return;
   }
   seen.scan = Registration::Scan::misfit;

@@ -68,6 +68,7 @@ class OdometryCheck {
   std::vector<float> ranges_;      // of the newest scan
   Pose2D frozen_step_;             // by odometry, since the first of equal scans
   int misfits_ = 0;                // scans in a row that are not where they should be
+  double usual_agreement_ = 0.0;   // of scans with the map, lately
 };
 
 }  // namespace threewe::slam

@@ -119,6 +119,8 @@ Parameters parameters_of(Params::OdometryCheck& p) {
       {"moved_chi", &p.moved_chi, "", Scale::none, "and so many variances of what the scan says"},
       {"frozen_distance", &p.frozen_distance, "m", Scale::size, "by odometry, while scans repeat: the lidar froze"},
       {"frozen_turn", &p.frozen_turn, "rad", Scale::none, "the same of a turn"},
+      {"usual_share", &p.usual_share, "", Scale::none, "more: gets used to worse scans sooner"},
+      {"least_of_usual", &p.least_of_usual, "", Scale::none, "more: calls scans sooner that agree less than usual"},
       {"most_misfits", &p.most_misfits, "", Scale::none, "scans in a row, after which the track is lost"},
   };
 }

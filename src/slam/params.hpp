@@ -115,6 +115,8 @@ struct Params {
     double moved_chi = 25.0;
     double frozen_distance = 0.3;  // [m]
     double frozen_turn = 0.2;      // [rad]
+    double usual_share = 0.1;
+    double least_of_usual = 0.65;
     int most_misfits = 3;
   };
   OdometryCheck odometry_check;

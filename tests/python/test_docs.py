@@ -184,7 +184,7 @@ def test_diagrams_are_as_the_program_draws_them(tmp_path: Path, monkeypatch: pyt
     monkeypatch.setattr(diagrams, "MEDIA", tmp_path)
     diagrams.draw_all()
     drawn = sorted(tmp_path.glob("*.svg"))
-    assert len(drawn) == 4
+    assert len(drawn) == 5
     for path in drawn:
         assert path.read_text() == (DOCS / "media" / path.name).read_text(), "run python docs/site/diagrams.py"
 

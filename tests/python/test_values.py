@@ -53,7 +53,7 @@ async def collect() -> list[Any]:
         made += [ticks[-1], *ticks[-1].samples, ticks[-1].pose, progress[0], next(plan for plan in plans if plan)]
         profile = robot.profile
         made += [profile.lidar, profile.imu, profile.camera, profile.ultrasonics, profile.battery]
-        made += [profile.operating_limits, robot.get_rgbd_image().intrinsics]
+        made += [profile.parameters()[0], profile.operating_limits, robot.get_rgbd_image().intrinsics]
         made += [scene.walls[0], scene.doors[0], scene.rooms[0], scene.objects[0], scene.objects[0].prisms[0], scene]
         made += [threewe.SceneTables(scene, profile).sample_episode(3)]
     people = threewe.Scene.load("dynamic_v1")
