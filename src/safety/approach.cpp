@@ -4,9 +4,11 @@
 #include <cmath>
 #include <limits>
 #include <optional>
+#include <utility>
 
 #include "core/exact.hpp"
 #include "hardware/parameters.hpp"
+#include "threewe/core/grid_index.hpp"
 
 namespace threewe::safety {
 namespace {
@@ -84,8 +86,8 @@ Polar seen_from(const View& view, const Hit& hit, double beams_per_radian) {
 bool was_there(const Earlier& then, const View& view, const Hit& hit, double beams_per_radian) {
   const double nearer = dot(view.origin, hit.direction);  // at most; and this by its bearing
   const double aside = beams_per_radian * (view.turn - cross(hit.direction, view.origin) / hit.range);
-  const auto beam = static_cast<std::ptrdiff_t>(hit.beam + aside + 0.5);
-  if (beam < 0 || beam >= static_cast<std::ptrdiff_t>(then.scan.ranges.size())) return false;
+  const auto beam = to_cell(hit.beam + aside + 0.5);
+  if (beam < 0 || std::cmp_greater_equal(beam, then.scan.ranges.size())) return false;
   const auto looked = static_cast<double>(then.scan.ranges[static_cast<std::size_t>(beam)]);
   return looked > 0.0 && looked < hit.range - nearer + then.way;
 }
@@ -170,7 +172,7 @@ void Approach::update(const ApproachModel& model, const Sight& sight, const Velo
   std::size_t beam_before = 0;
   const Vec2 lidar = newest->turn.odom_from_lidar_at_last.position();
   const auto settle = [&] {
-    for (std::size_t k = 0; run >= static_cast<std::size_t>(model.params.together) && k < count; ++k)
+    for (std::size_t k = 0; std::cmp_greater_equal(run, model.params.together) && k < count; ++k)
       put(together[k], lidar);
     count = run = 0;
   };

@@ -95,9 +95,7 @@ bool GlobalLocalizer::remember(const Pose2D& odom_from_base, std::span<const map
   if (!glimpses_.empty()) driven_ += distance(odom_from_base.position(), last_.position());
   last_ = odom_from_base;
   std::erase_if(glimpses_, [this](const Glimpse& g) { return driven_ - g.driven > params_->loops.view_length; });
-  if (!glimpses_.empty()) {
-    if (is_same_view(inverse(glimpses_.back().odom_from_base) * odom_from_base)) return false;
-  }
+  if (!glimpses_.empty() && is_same_view(inverse(glimpses_.back().odom_from_base) * odom_from_base)) return false;
   glimpses_.push_back({odom_from_base, {beams.begin(), beams.end()}, driven_});
   if (glimpses_.size() > kMostGlimpses) glimpses_.erase(glimpses_.begin());
   return true;
