@@ -71,6 +71,27 @@ void bind_sensors(nb::module_& m) {
       .def_ro("period", &BatterySpec::period, "[s]");
 }
 
+void bind_parameters(nb::module_& m) {
+  nb::class_<AutonomyParameter>(m, "AutonomyParameter", "A tuned number of the autonomy stack, as a robot has it.")
+      .def(Value())
+      .def_ro("name", &AutonomyParameter::name, "With its module, such as `nav.recovery.same_place`.")
+      .def_ro("value", &AutonomyParameter::value, "In `unit`; times in seconds.")
+      .def_ro("unit", &AutonomyParameter::unit, "Such as `m`; empty for a share or a count.")
+      .def_ro("reference", &AutonomyParameter::reference,
+              "The value of the reference robot, `3we_standard_v2`, in the profile's unit [`unit`].")
+      .def_prop_ro(
+          "scale", [](const AutonomyParameter& p) { return std::string(to_string(p.scale)); },
+          "What it grows with from robot to robot, such as `size`; `none` where it is the same for all.")
+      .def_ro("origin", &AutonomyParameter::origin,
+              "`default`, the scale and its factor, or where in the profile it is overridden.")
+      .def_ro("meaning", &AutonomyParameter::meaning, "What it does, in a line.")
+      .def_ro("is_count", &AutonomyParameter::is_count, "A whole number.")
+      .def("__repr__", [](const AutonomyParameter& p) {
+        return fmt::format("AutonomyParameter('{}', {:g}{}{}, {})", p.name, p.value, p.unit.empty() ? "" : " ", p.unit,
+                           p.origin);
+      });
+}
+
 }  // namespace
 
 void init_hardware(nb::module_& m) {
@@ -89,24 +110,7 @@ void init_hardware(nb::module_& m) {
            [](const Limits& l) { return fmt::format("Limits({:.2f} m/s, {:.2f} rad/s)", l.linear, l.angular); });
 
   bind_sensors(m);
-
-  nb::class_<AutonomyParameter>(m, "AutonomyParameter", "A tuned number of the autonomy stack, as a robot has it.")
-      .def(Value())
-      .def_ro("name", &AutonomyParameter::name, "With its module, such as `nav.recovery.same_place`.")
-      .def_ro("value", &AutonomyParameter::value, "In `unit`; times in seconds.")
-      .def_ro("unit", &AutonomyParameter::unit, "Such as `m`; empty for a share or a count.")
-      .def_ro("reference", &AutonomyParameter::reference, "The value of the reference robot, `3we_standard_v2`, in the profile's unit [`unit`].")
-      .def_prop_ro(
-          "scale", [](const AutonomyParameter& p) { return std::string(to_string(p.scale)); },
-          "What it grows with from robot to robot, such as `size`; `none` where it is the same for all.")
-      .def_ro("origin", &AutonomyParameter::origin,
-              "`default`, the scale and its factor, or where in the profile it is overridden.")
-      .def_ro("meaning", &AutonomyParameter::meaning, "What it does, in a line.")
-      .def_ro("is_count", &AutonomyParameter::is_count, "A whole number.")
-      .def("__repr__", [](const AutonomyParameter& p) {
-        return fmt::format("AutonomyParameter('{}', {:g}{}{}, {})", p.name, p.value, p.unit.empty() ? "" : " ", p.unit,
-                           p.origin);
-      });
+  bind_parameters(m);
 
   nb::class_<RobotProfile>(m, "RobotProfile",
                            "What a robot is: its body, its limits, its sensors. Sensors it lacks are None.")

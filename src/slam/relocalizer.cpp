@@ -17,7 +17,7 @@ constexpr std::int64_t kWorkOfScan = 200'000;  // about a millisecond for each s
 // The first keyframe of each component.
 std::vector<int> roots_of(const std::vector<int>& components) {
   std::vector<int> roots;
-  for (int k = 0; k < static_cast<int>(components.size()); ++k) {
+  for (int k = 0; std::cmp_less(k, components.size()); ++k) {
     if (components[static_cast<std::size_t>(k)] == k) roots.push_back(k);
   }
   return roots;
