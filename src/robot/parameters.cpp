@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "hardware/parameters.hpp"
+#include "nav/autonomy.hpp"
 #include "nav/params.hpp"
 #include "perception/params.hpp"
 #include "safety/params.hpp"
@@ -23,9 +24,9 @@ std::string origin_of(const Parameter& parameter, std::string_view module, const
 }
 
 template <typename Params>
-void append_module(std::vector<AutonomyParameter>& all, std::string_view module, const RobotProfile& profile) {
+void append_module(std::vector<AutonomyParameter>& all, std::string_view module, Params own,
+                   const RobotProfile& profile) {
   Params reference;
-  auto own = params_for<Params>(profile, module);
   const Parameters usual = parameters_of(reference);
   const Parameters fields = parameters_of(own);
   for (std::size_t i = 0; i < fields.size(); ++i) {
@@ -40,10 +41,10 @@ void append_module(std::vector<AutonomyParameter>& all, std::string_view module,
 
 std::vector<AutonomyParameter> autonomy_parameters(const RobotProfile& profile) {
   std::vector<AutonomyParameter> all;
-  append_module<nav::Params>(all, "nav", profile);
-  append_module<slam::Params>(all, "slam", profile);
-  append_module<perception::Params>(all, "health", profile);
-  append_module<safety::Params>(all, "safety", profile);
+  append_module(all, "nav", params_for<nav::Params>(profile, "nav"), profile);
+  append_module(all, "slam", *slam::params_for(profile), profile);
+  append_module(all, "health", params_for<perception::Params>(profile, "health"), profile);
+  append_module(all, "safety", params_for<safety::Params>(profile, "safety"), profile);
   return all;
 }
 

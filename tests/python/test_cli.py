@@ -54,6 +54,7 @@ def test_parameters_are_shown_with_where_they_come_from(tmp_path: Path) -> None:
     look = parameters["nav.recovery.look"]
     assert (look.unit, look.scale, look.origin) == ("rad", "none", "default")
     assert parameters["safety.gate.margin"].origin.startswith("size x 0.686")
+    assert parameters["slam.map_resolution"].value == 0.05  # as its map has it: a power of two of that
     for word in ("nav.recovery.attempts", "rad", "default"):
         assert word in done.stdout
 
