@@ -47,6 +47,12 @@ Footprint::Footprint(std::vector<Vec2> corners) : corners_(std::move(corners)) {
             });
 }
 
+double Footprint::farthest_corner(Vec2 point_in_base) const {
+  double farthest = 0.0;
+  for (const Vec2 corner : corners_) farthest = std::max(farthest, distance(corner, point_in_base));
+  return farthest;
+}
+
 Footprint Footprint::rectangle(double length, double width) {
   const double x = 0.5 * length;
   const double y = 0.5 * width;

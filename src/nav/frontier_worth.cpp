@@ -10,10 +10,6 @@ namespace {
 
 using map::Cell;
 
-bool is_inside(const map::Costmap& costmap, Cell c) {
-  return c.x >= 0 && c.y >= 0 && c.x < costmap.width() && c.y < costmap.height();
-}
-
 // The cells of a frontier, which are 8-connected; `taken` marks those of all that were asked for.
 std::vector<Cell> cells_of(const map::Costmap& costmap, Cell frontier, const std::vector<std::uint16_t>& size_of,
                            std::vector<std::uint8_t>& taken) {
@@ -22,7 +18,7 @@ std::vector<Cell> cells_of(const map::Costmap& costmap, Cell frontier, const std
   for (std::size_t next = 0; next < cells.size(); ++next) {
     for (const Cell d : kDirections) {
       const Cell c{cells[next].x + d.x, cells[next].y + d.y};
-      if (!is_inside(costmap, c) || size_of[costmap.index(c)] == 0 || taken[costmap.index(c)]) continue;
+      if (!costmap.contains(c) || size_of[costmap.index(c)] == 0 || taken[costmap.index(c)]) continue;
       taken[costmap.index(c)] = 1;
       cells.push_back(c);
     }
@@ -37,7 +33,7 @@ std::size_t unknown_behind(const map::Costmap& costmap, const std::vector<Cell>&
   const auto take_around = [&](Cell at) {
     for (std::size_t d = 0; d < 4; ++d) {
       const Cell c{at.x + kDirections[d].x, at.y + kDirections[d].y};
-      if (!is_inside(costmap, c)) continue;
+      if (!costmap.contains(c)) continue;
       const std::size_t i = costmap.index(c);
       if (taken[i] || !costmap.unknown()[i] || costmap.weights()[i] == map::Costmap::kLethal) continue;
       taken[i] = 1;

@@ -90,7 +90,7 @@ struct Params {
     double moved_turn = 0.3;         ///< [rad] ... by this
     Duration proof = 2500ms;         ///< for so long no plan may exist before it is believed
     Duration lost_patience = 8s;     ///< after having looked round
-    Duration courtesy = 15s;         ///< for whoever stands in the only way to go on
+    Duration courtesy = 15s;         ///< for a mover in the only way to go on
     Duration map_patience = 1s;      ///< for a first scan
     int creep_after = 2;             ///< attempts in one place, one more for who does not see what is next to it
     double person_radius = 0.2;      ///< [m]

@@ -117,13 +117,6 @@ double came_since(const ApproachModel& model, const Earlier& then, const Hit& hi
   return before < kInfinity ? (before - there.range) / then.age : 0.0;
 }
 
-// [m] to the farthest corner of the outline.
-double farthest_corner(const Footprint& footprint, Vec2 from) {
-  double farthest = 0.0;
-  for (const Vec2 corner : footprint.corners()) farthest = std::max(farthest, distance(corner, from));
-  return farthest;
-}
-
 }  // namespace
 
 ApproachModel make_approach_model(const RobotProfile& profile, const GateModel& gate) {
@@ -139,7 +132,7 @@ ApproachModel make_approach_model(const RobotProfile& profile, const GateModel& 
   model.body = gate.footprint.inscribed_radius();
   model.reaction = to_seconds(gate.reaction);
   model.braking = gate.limits.linear_braking;
-  model.body_from_lidar = farthest_corner(gate.footprint, lidar.base_from_lidar.position()) + gate.margin;
+  model.body_from_lidar = gate.footprint.farthest_corner(lidar.base_from_lidar.position()) + gate.margin;
   model.linear = gate.limits.linear;
   model.acceleration = gate.limits.linear_acceleration;
   model.until_next = to_seconds(2 * lidar.turn + lidar.latency + 2 * kControlPeriod);

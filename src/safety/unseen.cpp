@@ -88,13 +88,6 @@ double end_of_margin(const SightModel& model, const Pose2D& base_from_odom, cons
   return outside;
 }
 
-// [m] to the farthest corner of the outline.
-double farthest_corner(const Footprint& footprint, Vec2 from) {
-  double farthest = 0.0;
-  for (const Vec2 corner : footprint.corners()) farthest = std::max(farthest, distance(corner, from));
-  return farthest;
-}
-
 }  // namespace
 
 SightModel make_sight_model(const RobotProfile& profile, const GateModel& gate) {
@@ -110,7 +103,7 @@ SightModel make_sight_model(const RobotProfile& profile, const GateModel& gate) 
   // from one scan's end until what the next one shows has stopped the robot
   const Duration between = gate.reaction + 2 * kControlPeriod + 2 * lidar.turn + lidar.latency;
   const double braking = 0.5 * gate.limits.linear / gate.limits.linear_braking;
-  model.reach = farthest_corner(gate.footprint, lidar.base_from_lidar.position()) + gate.margin +
+  model.reach = gate.footprint.farthest_corner(lidar.base_from_lidar.position()) + gate.margin +
                 gate.limits.linear * (to_seconds(between) + braking);
   model.near_gap = near_gap(lidar);
   model.memory = gate.sensor_timeout;

@@ -27,6 +27,8 @@ class Footprint {
   double inscribed_radius() const { return inscribed_radius_; }
   /// Radius of the smallest disc around the base that holds the outline [m].
   double circumscribed_radius() const { return circumscribed_radius_; }
+  /// Distance from a point [m] to the farthest corner [m].
+  double farthest_corner(Vec2 point_in_base) const;
   /// Whether a point [m] is inside or on the border.
   bool contains(Vec2 point_in_base) const { return signed_distance(point_in_base) <= 0.0; }
   /// Distance from a point to the outline [m], negative inside.

@@ -133,7 +133,7 @@ def robot_options(episode: Episode, settings: Settings) -> RobotOptions:
 
 
 def assignment_of(task: Task, episode: Episode, settings: Settings, map_from_start: Pose2D) -> Assignment:
-    """What the agent of an episode is told."""
+    """What the agent of an episode is given."""
     goal = None
     if episode.goal is not None:
         there = map_from_start * (Pose2D(*episode.start).inverse() * Pose2D(*episode.goal, 0.0))

@@ -245,7 +245,7 @@ def make_named(name: str, *, secret: str | None = None) -> tuple[EpisodeSet, lis
 
 
 def read_secret(path: Path) -> str:
-    """The secret of the split `generated`, from the file that whoever holds it keeps."""
+    """The secret of the split `generated`, from the file that its keeper has."""
     from threewe._files import read_text
 
     return read_text(path).strip()

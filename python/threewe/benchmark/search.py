@@ -1,4 +1,4 @@
-"""Baseline of ObjectNav that is told what its camera shows: explores until it sees one, goes there, and stops."""
+"""Baseline of ObjectNav that knows what its camera shows: explores until it sees one, goes there, and stops."""
 
 from __future__ import annotations
 
