@@ -22,7 +22,7 @@ from typing import Any
 import numpy as np
 import threewe.sync
 from threewe.data.lerobot import DatasetWriter, PacketFrames, validate
-from threewe.data.lerobot.frames import KeyFrameEncoder
+from threewe.data.video import KeyFrameEncoder
 
 ROOT = Path(__file__).resolve().parents[2]
 PEER = ROOT / "build/interop/lerobot/bin/python"
@@ -68,7 +68,7 @@ def main() -> int:
 def drive(seed: int, steps: int) -> Episode:
     """Columns and encoded frames of a robot that turns and drives at will."""
     rng = np.random.default_rng(seed)
-    encoder = KeyFrameEncoder(SHAPE, FPS)
+    encoder = KeyFrameEncoder(SHAPE, "rgb24")
     packets, states, actions = [], [], []
     with threewe.sync.Robot(scene="office_v2", seed=seed) as robot:
         action = np.zeros(3)

@@ -1,6 +1,7 @@
 """What peers are given in files, and what is made of their answers (benchmarks/peers_bench.py)."""
 
 import importlib
+import subprocess
 import sys
 from pathlib import Path
 
@@ -25,6 +26,13 @@ def benchmarks_importable(monkeypatch):
 def plan(who, query, seconds, length, cost=0.0, blocked=0.0):
     judged = {"length": length, "cost": cost, "blocked": blocked}
     return {"kind": "plan", "who": who, "differs": "", "size": "campus", "query": query, "seconds": seconds, **judged}
+
+
+def test_the_export_benchmark_finds_what_it_measures():
+    command = [sys.executable, BENCHMARKS / "record/lerobot_export.py", "--help"]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=120)
+    assert done.returncode == 0, done.stderr
+    assert "--episodes" in done.stdout
 
 
 def test_a_course_is_read_as_it_was_written(tmp_path):

@@ -3,16 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from threewe.data.video import KeyFrameDecoder, only_frame
 from threewe.errors import ConfigError, ContractError
-
-if TYPE_CHECKING:
-    pass
 
 
 class FrameSource(Protocol):
