@@ -100,7 +100,8 @@ Velocity NarrowPassage::step(Time now, const Pose2D& odom_from_base, std::span<c
       if (tail >= to_) {
         enter(State::through, now);
       } else if (stands_still(now, in_gap.x)) {
-        enter(++attempts_ < params_.attempts ? State::backing_out : State::closed, now);
+        const bool is_beyond = nose > gap_.half_length;  // what stops it there is not this passage
+        enter(is_beyond ? State::through : ++attempts_ < params_.attempts ? State::backing_out : State::closed, now);
       }
       return drive(in_gap, speed, follower);
     case State::backing_out:
