@@ -86,6 +86,17 @@ def always(knowing: float) -> list[Row]:
     ]
 
 
+def undisturbed_row() -> Row:
+    """What is asked where nothing breaks."""
+    alarms = rate_of(
+        "false alarms a robot hour",
+        lambda drive: len(drive["alarms"]),
+        lambda drive: drive["seconds"] / 3600.0,
+        at_most=1.0,
+    )
+    return within(alarms, drives_of)
+
+
 def plain() -> Iterator[Row]:
     """What is asked where something breaks that shows at once."""
     yield of_drives(IN_TIME, in_time, 1.0, lambda drive: not echo_froze(drive))
@@ -174,14 +185,10 @@ EXPERIMENTS = [
             cases=cases,
             sample=sample,
             rows=[
-                within(
-                    rate_of(
-                        "false alarms a robot hour",
-                        lambda drive: len(drive["alarms"]),
-                        lambda drive: drive["seconds"] / 3600.0,
-                        at_most=1.0,
-                    ),
-                    drives_of,
+                undisturbed_row()
+                if run is undisturbed
+                else known_miss(
+                    undisturbed_row(), 4.2, "all of two drives in 72: with drawn motors, wheels that turn too slowly"
                 )
             ],
         )
