@@ -86,17 +86,6 @@ def always(knowing: float) -> list[Row]:
     ]
 
 
-def undisturbed_row() -> Row:
-    """What is asked where nothing breaks."""
-    alarms = rate_of(
-        "false alarms a robot hour",
-        lambda drive: len(drive["alarms"]),
-        lambda drive: drive["seconds"] / 3600.0,
-        at_most=1.0,
-    )
-    return within(alarms, drives_of)
-
-
 def plain() -> Iterator[Row]:
     """What is asked where something breaks that shows at once."""
     yield of_drives(IN_TIME, in_time, 1.0, lambda drive: not echo_froze(drive))
@@ -185,16 +174,24 @@ EXPERIMENTS = [
             cases=cases,
             sample=sample,
             rows=[
-                undisturbed_row()
-                if run is undisturbed
-                else known_miss(
-                    undisturbed_row(), 4.2, "all of two drives in 72: with drawn motors, wheels that turn too slowly"
+                known_miss(
+                    within(
+                        rate_of(
+                            "false alarms a robot hour",
+                            lambda drive: len(drive["alarms"]),
+                            lambda drive: drive["seconds"] / 3600.0,
+                            at_most=1.0,
+                        ),
+                        drives_of,
+                    ),
+                    known,
+                    "in few drives the wheels do not turn as commanded, for long: motors are drawn too",
                 )
             ],
         )
-        for name, run, seconds, cases, sample in [
-            ("nothing breaks, on all robots", others_undisturbed, 300, 72, 6),
-            ("nothing breaks", undisturbed, 1200, 24, 1),
+        for name, run, seconds, cases, sample, known in [
+            ("nothing breaks, on all robots", others_undisturbed, 300, 72, 6, 4.2),
+            ("nothing breaks", undisturbed, 1200, 24, 1, None),
         ]
     ),
 ]

@@ -175,7 +175,7 @@ DOORS = [
             cases=100,
             sample=sample,
             rows=[
-                known_miss(arrival(enough), 0.78, WHY_NOT) if hardware == TURTLEBOT else arrival(enough),
+                known_miss(arrival(enough), 0.78 if hardware == TURTLEBOT else None, WHY_NOT),
                 no_contact(),
             ],
         )

@@ -52,14 +52,14 @@ def tracking() -> list[Row]:
     ]
 
 
-def in_own_maps() -> list[Row]:
-    """What is asked of robots that are put into a map, and carried away."""
+def in_own_maps(claims: float | None = None) -> list[Row]:
+    """What is asked of robots that are put into a map, and carried away; `claims` is known to miss."""
     return [
         of_placements("finds itself within 10 s, standing", finds_itself, 0.95),
         known_miss(
             of_placements("never claims a pose that is 0.3 m off", claims_the_truth, 0.99),
-            0.985,
-            "two of 150 claim one in generated buildings: rooms alike",
+            claims,
+            "two of 150 claim one; why is not known yet",
         ),
         of_those_carried("relocalized within 10 s after it was carried away", is_relocalized, 0.95),
         of_those_carried("relocalized within 3 s", lambda placement: time_to_be_back(placement) <= 3.0, 0.5),
@@ -86,7 +86,7 @@ HELD_OUT = [
         {"run": placements},
         cases=30,
         sample=4,
-        rows=in_own_maps(),
+        rows=in_own_maps(claims=0.985),
     ),
 ]
 

@@ -97,11 +97,10 @@ Velocity NarrowPassage::step(Time now, const Pose2D& odom_from_base, std::span<c
   switch (state_) {
     case State::lining_up: return line_up(in_gap, now, follower);
     case State::entering:
-      if (tail >= to_) {
-        enter(State::through, now);
-      } else if (stands_still(now, in_gap.x)) {
-        const bool is_beyond = nose > gap_.half_length;  // what stops it there is not this passage
-        enter(is_beyond ? State::through : ++attempts_ < params_.attempts ? State::backing_out : State::closed, now);
+      if (const bool stuck = stands_still(now, in_gap.x); tail >= to_ || (stuck && nose > gap_.half_length)) {
+        enter(State::through, now);  // what stops it beyond the far end is not this passage
+      } else if (stuck) {
+        enter(++attempts_ < params_.attempts ? State::backing_out : State::closed, now);
       }
       return drive(in_gap, speed, follower);
     case State::backing_out:

@@ -1,8 +1,10 @@
 """Runs verify_faults: a robot whose sensors and wheels break on its way, and one whose do not."""
 
 import json
+import os
 import subprocess
 from collections.abc import Iterator
+from tempfile import TemporaryDirectory
 from typing import Any
 
 from verify.cases.generated import in_generated
@@ -37,7 +39,8 @@ def others_undisturbed(seed: int, seconds: int) -> Case:
 def answers(what: str, seed: int, count: int, *scene: str) -> list[dict[str, Any]]:
     """What the program prints, line by line."""
     command = [PROGRAMS / "verify_faults", what, str(seed), str(count), *scene]
-    done = subprocess.run(command, capture_output=True, text=True)
+    with TemporaryDirectory() as folder:  # of its own: cases run side by side
+        done = subprocess.run(command, capture_output=True, text=True, env={**os.environ, "TMPDIR": folder})
     if done.returncode != 0:
         raise RuntimeError(f"{command} ended with {done.returncode}: {done.stderr}")
     return [json.loads(line) for line in done.stdout.splitlines()]

@@ -146,9 +146,9 @@ def each(key: str, values: Iterable[Any], row: Callable[[Any], Row]) -> list[Row
     ]
 
 
-def known_miss(row: Row, figure: float, why: str) -> Row:
-    """The row, known to miss its target by so much."""
-    return replace(row, known_miss=KnownMiss(why, figure))
+def known_miss(row: Row, figure: float | None, why: str) -> Row:
+    """The row, known to miss its target by so much; as it is where there is no figure."""
+    return row if figure is None else replace(row, known_miss=KnownMiss(why, figure))
 
 
 def sense(target: dict[str, float]) -> tuple[float, bool]:
