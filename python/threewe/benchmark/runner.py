@@ -140,7 +140,11 @@ def run_jobs(
             if journal is not None:
                 journal.add(job.key, finished)
         with telling:
-            on_done(job, finished)
+            try:
+                on_done(job, finished)
+            except BaseException:
+                stopping.set()  # at once: this thread would begin the next job before the caller's ends them
+                raise
         return finished
 
     threads = ThreadPoolExecutor(workers)

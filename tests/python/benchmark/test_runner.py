@@ -89,4 +89,4 @@ def test_an_interrupted_run_keeps_what_has_finished(tmp_path: Path) -> None:
 
     with pytest.raises(KeyboardInterrupt):
         run_jobs(jobs(tmp_path, "well", "well", "well"), 1, Journal(path), on_done=interrupt)
-    assert 1 <= len(Journal(path)) <= 2
+    assert len(Journal(path)) == 1
