@@ -33,6 +33,12 @@ class DriveCheck {
   static constexpr std::size_t kWindow = 25;  // periods
   static constexpr std::size_t kMostDelay = 20;
 
+  // Whether the wheels turned, in the sum of a window, as a window's commands say.
+  bool obeys(const Velocity& commands, const Velocity& turns) const;
+  static Velocity mean_of(const Velocity& sum) {
+    constexpr double kShare = 1.0 / kWindow;
+    return {kShare * sum.vx, kShare * sum.vy, kShare * sum.omega};
+  }
   const Velocity& command(std::size_t age) const { return commands_[(count_ - 1 - age) % commands_.size()]; }
   // What can be asked: of a wheel that turns as fast as its motor may let it, no more than it does.
   Velocity attainable(const Velocity& commanded, const Velocity& done) const;
@@ -40,7 +46,8 @@ class DriveCheck {
   Params::Drive params_;
   WheelGeometry base_;
   double motor_limit_ = 0.0;  // [rad/s] a wheel as fast as this may be at its motor's limit
-  std::size_t delay_ = 0;     // periods, from a command to its effect
+  std::size_t delay_ = 0;     // periods, from a command to its effect by the data sheet
+  std::size_t latest_ = 0;    // periods, until which an effect may come
   std::size_t count_ = 0;
   std::array<Velocity, kWindow + kMostDelay> commands_{};
   std::array<Velocity, kWindow> wheels_{};

@@ -74,6 +74,7 @@ Parameters parameters_of(Params::Drive& p) {
   return {{"speed_off", &p.speed_off, "m/s", Scale::speed, "from what was commanded, over half a second"},
           {"turn_off", &p.turn_off, "rad/s", Scale::turn_rate, "the same of turning"},
           {"share_off", &p.share_off, "", Scale::none, "more, as a share of the command: motors lag and slip"},
+          {"latest", &p.latest, "", Scale::none, "delay at which a command may come about, in that of the data sheet"},
           {"settling", &p.settling, "", Scale::none, "periods after which a command has come about"},
           {"driving", &p.driving, "m/s", Scale::speed, "commanded, above which the robot must move"},
           {"driving_turn", &p.driving_turn, "rad/s", Scale::turn_rate, "the same of turning"},

@@ -76,6 +76,7 @@ struct Params {
     double speed_off = 0.12;
     double turn_off = 0.3;
     double share_off = 0.3;
+    double latest = 3.0;
     int settling = 5;
     double driving = 0.1;
     double driving_turn = 0.3;

@@ -328,6 +328,25 @@ TEST_CASE("wheels that do as they are told, late, are no fault; those that do no
   }
 }
 
+TEST_CASE("a link slower than the data sheet says is no fault, a wheel that stands still is, at any delay") {
+  for (const std::size_t periods : {0u, 2u, 6u, 9u}) {
+    for (const bool blocked : {false, true}) {
+      CAPTURE(periods);
+      CAPTURE(blocked);
+      DriveCheck check(load_profile("turtlebot_like"));
+      std::deque<Velocity> on_the_way(periods);
+      bool disobeyed = false;
+      for (int i = 0; i < 500; ++i) {  // a robot that looks for a way: to and fro at its limits
+        on_the_way.push_back({0.1, 0.0, i / 40 % 2 == 0 ? 1.0 : -1.0});
+        const Velocity done = blocked ? Velocity{} : on_the_way.front();
+        on_the_way.pop_front();
+        disobeyed = check.is_disobeyed({0.1, 0.0, i / 40 % 2 == 0 ? 1.0 : -1.0}, done) || disobeyed;
+      }
+      CHECK(disobeyed == blocked);
+    }
+  }
+}
+
 TEST_CASE("a motor at its limit is no fault, a blocked wheel of the same drive is") {
   const RobotProfile profile = load_profile("turtlebot_like");
   const double limit = 0.84 * profile.body.no_load_speed;  // by an empty battery
