@@ -1,4 +1,4 @@
-#include "threewe/robot/autonomy.hpp"
+#include "threewe/robot/world.hpp"
 
 #include <algorithm>
 #include <vector>

@@ -1,15 +1,19 @@
-// World: the robots of one backend world, and the scheduler of robot time.
+// World: the robots of one backend world with their autonomy stacks, and the scheduler of robot time.
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "threewe/backend/world.hpp"
 #include "threewe/core/time.hpp"
-#include "threewe/robot/autonomy.hpp"
+#include "threewe/hardware/profile.hpp"
+#include "threewe/nav/navigator.hpp"
+#include "threewe/slam/localizer.hpp"
 
 namespace threewe {
 
@@ -35,6 +39,23 @@ class Wait {
 };
 /// A wait, shared by all that wait for it.
 using WaitHandle = std::shared_ptr<Wait>;
+
+/// Makes the autonomy stack of one robot. A factory that is empty stands for ours.
+struct Autonomy {
+  /// Makes a localizer for a robot.
+  using LocalizerFactory =
+      std::function<std::unique_ptr<slam::Localizer>(const RobotProfile& profile, const slam::InitialState& initial)>;
+  /// Makes a navigator for a robot.
+  using NavigatorFactory = std::function<std::unique_ptr<nav::Navigator>(const RobotProfile& profile)>;
+  LocalizerFactory localizer;  ///< empty: ours, the one that `localization` names
+  NavigatorFactory navigator;  ///< empty: ours
+  /// The localizer's name: states of one are of no use to another. Of ours `slam`, or `truth`, see `autonomy_with`.
+  std::string localization = "slam";
+};
+
+/// `slam` is our own. With `truth` the robot always knows where it is: the world makes that localizer itself, where it
+/// is simulated. Throws ConfigError naming the nearest of these.
+Autonomy autonomy_with(std::string_view localization);
 
 /// Where one robot is in a world of its own, and which: the options of `Robot`, in C++ and in Python.
 struct RobotOptions {

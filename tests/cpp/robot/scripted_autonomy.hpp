@@ -5,7 +5,7 @@
 #include <memory>
 #include <utility>
 
-#include "threewe/robot/autonomy.hpp"
+#include "threewe/robot/world.hpp"
 
 namespace threewe::test {
 

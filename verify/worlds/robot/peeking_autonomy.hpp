@@ -12,7 +12,7 @@
 #include "nav/autonomy.hpp"
 #include "robot/truth_localizer.hpp"
 #include "threewe/backend/world.hpp"
-#include "threewe/robot/autonomy.hpp"
+#include "threewe/robot/world.hpp"
 #include "threewe/scene/truth_view.hpp"
 
 namespace threewe {
