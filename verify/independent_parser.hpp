@@ -11,14 +11,14 @@
 #include <string>
 #include <vector>
 
+#include "language/vocabulary.hpp"
 #include "scene/scene_tables.hpp"
-#include "task/language.hpp"
 
 namespace threewe {
 
 class IndependentParser {
  public:
-  IndependentParser(const scene::SceneTables& tables, const task::Language& language)
+  IndependentParser(const scene::SceneTables& tables, const language::Language& language)
       : tables_(tables), scene_(tables.scene()), language_(language) {}
 
   /// Where a text leads from a start; nothing where the parser is lost.
@@ -43,7 +43,7 @@ class IndependentParser {
     static const Words kVerbs = {"turn", "go",    "walk",  "continue", "head", "pass",
                                  "take", "enter", "leave", "exit",     "stop", "wait"};
     std::vector<Words> all;
-    for (const std::string& word : task::words_of(text)) {
+    for (const std::string& word : language::words_of(text)) {
       if (std::ranges::find(kVerbs, word) != kVerbs.end()) all.emplace_back();
       if (!all.empty() && word != "and" && word != "then") all.back().push_back(word);
     }
@@ -54,7 +54,7 @@ class IndependentParser {
 
   // The index after a phrase in a clause.
   static std::optional<std::size_t> place_of(const Words& clause, const std::string& phrase, std::size_t from = 0) {
-    const Words wanted = task::words_of(phrase);
+    const Words wanted = language::words_of(phrase);
     const auto found =
         std::search(clause.begin() + static_cast<std::ptrdiff_t>(from), clause.end(), wanted.begin(), wanted.end());
     if (found == clause.end()) return std::nullopt;
@@ -267,7 +267,7 @@ class IndependentParser {
 
   const scene::SceneTables& tables_;
   const scene::Scene& scene_;
-  const task::Language& language_;
+  const language::Language& language_;
   Vec2 at_;
   Vec2 facing_;
   const scene::Room* room_ = nullptr;

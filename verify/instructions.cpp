@@ -31,7 +31,7 @@ std::shared_ptr<const scene::SceneTables> tables_of(const std::string& name, std
 
 std::string with_sides_swapped(const std::string& text) {
   std::string swapped;
-  for (const std::string& word : task::words_of(text)) {
+  for (const std::string& word : language::words_of(text)) {
     if (!swapped.empty()) swapped += ' ';
     swapped += word == "left" ? "right" : word == "right" ? "left" : word;
   }
@@ -42,7 +42,7 @@ std::string with_sides_swapped(const std::string& text) {
 class Follower {
  public:
   Follower(const std::string& scene, std::uint64_t seed)
-      : tables_(tables_of(scene, seed)), map_(*tables_, task::Language::load()) {}
+      : tables_(tables_of(scene, seed)), map_(*tables_, language::Language::load()) {}
 
   bool succeeds(const std::string& text, const task::Vln& vln, const task::VlnEpisode& episode) const {
     const auto reading = task::follow(text, map_, episode.start);
@@ -70,7 +70,7 @@ int main(int argc, char** argv) {
   for (std::uint32_t i = 0; i < *count; ++i) episodes.push_back(vln.sample(*seed, i));
 
   const auto own_tables = tables_of(scene, *seed);
-  const task::Language language = task::Language::load();
+  const language::Language language = language::Language::load();
   IndependentParser parser(*own_tables, language);
   int by_independent_parser = 0;
   int followed = 0;
@@ -81,7 +81,7 @@ int main(int argc, char** argv) {
     const task::VlnEpisode& episode = episodes[i];
     const std::string& other = episodes[(i + 1) % episodes.size()].instruction;
     const std::string mirrored = with_sides_swapped(episode.instruction);
-    const bool names_sides = task::words_of(mirrored) != task::words_of(episode.instruction);
+    const bool names_sides = language::words_of(mirrored) != language::words_of(episode.instruction);
     std::printf("text %s\n", episode.instruction.c_str());
     followed += follower.succeeds(episode.instruction, vln, episode) ? 1 : 0;
     const auto end = parser.follow(episode.instruction, episode.start);

@@ -136,7 +136,7 @@ class Writer {
 // Reads clauses, word by word.
 class Reader {
  public:
-  Reader(std::string_view text, const SemanticMap& map) : words_(words_of(text)) {
+  Reader(std::string_view text, const SemanticMap& map) : words_(language::words_of(text)) {
     for (const std::string& room : map.rooms()) rooms_.push_back(room);
     for (const Landmark& landmark : map.landmarks()) {
       things_.push_back(landmark.noun);
@@ -276,13 +276,13 @@ class Reader {
   }
 
   bool next_is(std::string_view phrase) const {
-    const Words wanted = words_of(phrase);
+    const Words wanted = language::words_of(phrase);
     return wanted.size() <= words_.size() - at_ &&
            std::equal(wanted.begin(), wanted.end(), words_.begin() + static_cast<std::ptrdiff_t>(at_));
   }
   bool accept(std::string_view phrase) {
     if (!next_is(phrase)) return false;
-    at_ += words_of(phrase).size();
+    at_ += language::words_of(phrase).size();
     return true;
   }
   template <std::size_t N>

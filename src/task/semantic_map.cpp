@@ -45,7 +45,7 @@ Vec2 Opening::crossing(Vec2 from) const {
   return a + std::clamp(dot(from - a, along), inset, std::max(inset, length - inset)) * along;
 }
 
-SemanticMap::SemanticMap(const scene::SceneTables& tables, const Language& language)
+SemanticMap::SemanticMap(const scene::SceneTables& tables, const language::Language& language)
     : tables_(&tables), roomy_(tables.passable().frame.size(), 0) {
   for (const std::size_t cell : tables.roomy()) roomy_[cell] = 1;
   const std::vector<Room>& rooms = tables.scene().rooms;
@@ -99,7 +99,7 @@ void SemanticMap::find_openings(const Room& a, const Room& b, std::size_t index_
   }
 }
 
-void SemanticMap::find_landmarks(const Language& language) {
+void SemanticMap::find_landmarks(const language::Language& language) {
   const auto& objects = tables_->scene().objects;
   for (std::size_t i = 0; i < objects.size(); ++i) {
     const scene::Object& object = objects[i];

@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "language/vocabulary.hpp"
 #include "scene/scene_tables.hpp"
-#include "task/language.hpp"
 #include "threewe/core/pose.hpp"
 
 namespace threewe::task {
@@ -45,7 +45,7 @@ struct Landmark {
 /// Rooms have the indices of `Scene::rooms`. Const once made.
 class SemanticMap {
  public:
-  SemanticMap(const scene::SceneTables& tables, const Language& language);
+  SemanticMap(const scene::SceneTables& tables, const language::Language& language);
 
   const scene::SceneTables& tables() const { return *tables_; }
   /// What rooms are called.
@@ -67,7 +67,7 @@ class SemanticMap {
 
  private:
   void find_openings(const scene::Room& a, const scene::Room& b, std::size_t index_a, std::size_t index_b);
-  void find_landmarks(const Language& language);
+  void find_landmarks(const language::Language& language);
   std::optional<Vec2> roomy_cell_near(std::size_t room, Vec2 point, double farthest) const;
 
   const scene::SceneTables* tables_;

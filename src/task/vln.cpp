@@ -66,7 +66,7 @@ struct Vln::Endings {
 };
 
 Vln::Vln(std::shared_ptr<const scene::SceneTables> tables, int endings)
-    : tables_(std::move(tables)), language_(Language::load()), map_(*tables_, language_) {
+    : tables_(std::move(tables)), language_(language::Language::load()), map_(*tables_, language_) {
   auto made = std::make_unique<Endings>();
   made->all = all_endings(map_);
   choose(made->all, static_cast<std::size_t>(std::max(endings, 1)));
@@ -104,7 +104,7 @@ VlnEpisode Vln::sample(std::uint64_t seed, std::uint32_t index) const {
     if (!said) continue;
     wording.sensor = 6;
     episode.instruction = to_text(*said, wording);
-    if (words_of(episode.instruction).size() > kMostTokens) continue;
+    if (language::words_of(episode.instruction).size() > language::kMostTokens) continue;
 
     // that lead there, however they are understood
     const std::vector<Reading> found = readings(parse(episode.instruction, map_), map_, episode.start);

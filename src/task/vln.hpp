@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
+#include "language/vocabulary.hpp"
 #include "scene/scene_tables.hpp"
-#include "task/language.hpp"
 #include "task/path_score.hpp"
 #include "task/semantic_map.hpp"
 #include "task/stop_task.hpp"
@@ -56,7 +56,7 @@ class Vln {
 
   const scene::SceneTables& tables() const { return *tables_; }
   const SemanticMap& map() const { return map_; }
-  const Language& language() const { return language_; }
+  const language::Language& language() const { return language_; }
 
   /// Episode `index` of a seed: a start, uniform over roomy cells and headings, and an ending, 3 to 20 m away, and
   /// words for the shortest path between them. A pure function of scene, robot, seed and index.
@@ -75,7 +75,7 @@ class Vln {
   struct Endings;
 
   std::shared_ptr<const scene::SceneTables> tables_;
-  Language language_;
+  language::Language language_;
   SemanticMap map_;
   std::unique_ptr<const Endings> endings_;
 };

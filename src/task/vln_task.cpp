@@ -20,8 +20,8 @@ class VlnTask final : public Task {
   }
 
   std::vector<Field> fields() const override {
-    return {{"instruction_tokens", Field::Type::int32, {kMostTokens}, 0.0, kMostWords},
-            {"instruction_embedding", Field::Type::float32, {kEmbeddingSize}, -1.0, 1.0}};
+    return {{"instruction_tokens", Field::Type::int32, {language::kMostTokens}, 0.0, kMostWords},
+            {"instruction_embedding", Field::Type::float32, {language::kEmbeddingSize}, -1.0, 1.0}};
   }
   std::vector<std::string> metrics() const override {
     std::vector<std::string> names = stop_metric_names();
@@ -40,7 +40,7 @@ class VlnTask final : public Task {
     walk.episode = vln.sample(key.seed, key.episode);
     walk.state = vln.begin(walk.episode);
     walk.tokens = vln.language().tokens(walk.episode.instruction);
-    walk.embedding = embedding_of(walk.episode.instruction);
+    walk.embedding = language::embedding_of(walk.episode.instruction);
     walk.trip = {};
     starts[0] = walk.episode.start;
   }
@@ -74,8 +74,8 @@ class VlnTask final : public Task {
     std::size_t scene = 0;
     VlnEpisode episode;
     VlnState state;
-    std::array<std::int32_t, kMostTokens> tokens{};
-    std::array<float, kEmbeddingSize> embedding{};
+    std::array<std::int32_t, language::kMostTokens> tokens{};
+    std::array<float, language::kEmbeddingSize> embedding{};
     StopTrip trip;
   };
 

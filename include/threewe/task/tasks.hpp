@@ -74,7 +74,7 @@ std::unique_ptr<Task> make_object_nav(const TaskContext& context);
 
 /// `3we/VLN-v1`, for one robot in each world. See `advance` of `StopTaskState` for its reward.
 ///
-/// Fields `instruction_tokens` (48,) and `instruction_embedding` (64,), see `Language`. Words: `instruction`.
+/// Fields `instruction_tokens` (48,) and `instruction_embedding` (64,), see `language::Language`. Words: `instruction`.
 /// Metrics: `success`, `spl`, `ndtw`, `distance_to_goal` [m], `shortest_path` [m], `path_length` [m],
 /// `collision_speed` [m/s], `stopped`.
 std::unique_ptr<Task> make_vln(const TaskContext& context);

@@ -60,7 +60,7 @@ struct MappedScene {
                        double height = 0.15)
       : tables(std::make_shared<const scene::SceneTables>(std::make_shared<const scene::Scene>(std::move(scene)),
                                                           footprint, height)),
-        map(*tables, Language::load()) {}
+        map(*tables, language::Language::load()) {}
 };
 
 }  // namespace threewe::task

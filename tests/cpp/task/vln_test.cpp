@@ -64,7 +64,7 @@ bool succeeds(const SemanticMap& map, const std::string& text, const Vln& vln, c
 
 std::string with_sides_swapped(const std::string& text) {
   std::string swapped;
-  for (const std::string& word : words_of(text)) {
+  for (const std::string& word : language::words_of(text)) {
     swapped += (word == "left" ? "right" : word == "right" ? "left" : word) + " ";
   }
   return swapped;
@@ -99,10 +99,10 @@ TEST_CASE("episodes keep their bounds, and their paths are shortest paths") {
       CHECK(length >= 0.98 * e.geodesic - 0.05);
 
       const auto tokens = vln.language().tokens(e.instruction);
-      const std::size_t count = words_of(e.instruction).size();
-      CHECK(count <= kMostTokens);
+      const std::size_t count = language::words_of(e.instruction).size();
+      CHECK(count <= language::kMostTokens);
       for (std::size_t i = 0; i < tokens.size(); ++i) {
-        CHECK((i < count ? tokens[i] > kUnknownWord : tokens[i] == kPadding));
+        CHECK((i < count ? tokens[i] > language::kUnknownWord : tokens[i] == language::kPadding));
       }
     }
     CHECK(endings.size() >= 8);
@@ -126,7 +126,7 @@ TEST_CASE("a follower that has only the text and the map arrives; with another's
       right += succeeds(own.map, e.instruction, sampled.vln, e) ? 1 : 0;
       shuffled += succeeds(own.map, other, sampled.vln, e) ? 1 : 0;
       const std::string mirrored = with_sides_swapped(e.instruction);
-      if (words_of(mirrored) == words_of(e.instruction)) continue;
+      if (language::words_of(mirrored) == language::words_of(e.instruction)) continue;
       ++with_sides;
       swapped += succeeds(own.map, mirrored, sampled.vln, e) ? 1 : 0;
     }

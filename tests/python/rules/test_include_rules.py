@@ -11,6 +11,7 @@ ROOT = Path(__file__).resolve().parents[3]
 # Every module may use itself, and of the others only these. "scene/truth_view" is that one header.
 MAY_USE = {
     "core": [],
+    "language": ["core"],
     "hardware": ["core"],
     "scene": ["core"],
     "models": ["core", "hardware"],
@@ -27,7 +28,7 @@ MAY_USE = {
     "safety": ["core", "hardware", "map/scan_hits"],
     "robot": ["core", "backend", "safety", "perception", "slam", "nav", "map", "hardware", "scene/truth_view"],
     "export": ["core", "scene", "hardware", "map"],
-    "task": ["core", "hardware", "scene"],
+    "task": ["core", "hardware", "scene", "language"],
     "env": ["core", "hardware", "scene", "task", "sim", "models", "safety"],
     "env/robot": ["core", "hardware", "scene", "task", "sim", "env", "backend", "slam", "robot"],
     "calibration": ["core", "hardware", "scene", "models", "sim", "backend"],

@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-namespace threewe::task {
+namespace threewe::language {
 
 inline constexpr std::size_t kMostTokens = 48;     ///< of an instruction
 inline constexpr std::size_t kEmbeddingSize = 64;  ///< of an instruction's embedding
@@ -55,4 +55,4 @@ class Language {
   std::map<std::pair<std::string, std::string>, std::string> nouns_;
 };
 
-}  // namespace threewe::task
+}  // namespace threewe::language

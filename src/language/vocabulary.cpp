@@ -1,4 +1,4 @@
-#include "task/language.hpp"
+#include "language/vocabulary.hpp"
 
 #include <algorithm>
 
@@ -6,7 +6,7 @@
 #include "core/exact.hpp"
 #include "threewe/core/assets.hpp"
 
-namespace threewe::task {
+namespace threewe::language {
 namespace {
 
 bool is_digit(char c) { return c >= '0' && c <= '9'; }
@@ -112,4 +112,4 @@ std::string Language::thing(std::string_view category, std::string_view shape) c
   return found == nouns_.end() ? thing(category) : found->second;
 }
 
-}  // namespace threewe::task
+}  // namespace threewe::language

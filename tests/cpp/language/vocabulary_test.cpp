@@ -1,5 +1,5 @@
 // Words as numbers: what networks have learnt must not change behind their backs.
-#include "task/language.hpp"
+#include "language/vocabulary.hpp"
 
 #include <doctest/doctest.h>
 
@@ -9,7 +9,7 @@
 #include "core/exact.hpp"
 #include "draw.hpp"
 
-namespace threewe::task {
+namespace threewe::language {
 namespace {
 
 using Embedding = std::array<float, kEmbeddingSize>;
@@ -100,4 +100,4 @@ TEST_CASE("an embedding is a sum of hashed words and pairs of words, of length 1
 }
 
 }  // namespace
-}  // namespace threewe::task
+}  // namespace threewe::language
