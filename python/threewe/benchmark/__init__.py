@@ -17,6 +17,7 @@ from threewe.benchmark.episodes import Episode, EpisodeSet, Outcome, Yardstick, 
 from threewe.benchmark.results import compare, load_results, summarize
 from threewe.benchmark.run import Plan, plan_run, results_of, run
 from threewe.benchmark.sampling import training_episodes
+from threewe.benchmark.submission import Server, load_server, save_server, submit_bundle
 from threewe.benchmark.verifying import Verified, verify_bundle
 
 __all__ = [
@@ -29,18 +30,22 @@ __all__ = [
     "Plan",
     "ReferenceDrive",
     "ReferenceExploration",
+    "Server",
     "Settings",
     "Verified",
     "Yardstick",
     "compare",
     "load_episodes",
     "load_results",
+    "load_server",
     "nearest_frontier",
     "optimistic_replanning",
     "plan_run",
     "results_of",
     "run",
+    "save_server",
     "spl",
+    "submit_bundle",
     "summarize",
     "training_episodes",
     "verify_bundle",

@@ -13,7 +13,7 @@ from rich.box import SIMPLE
 from rich.table import Column, Table
 
 from threewe._console import plain_console, styled
-from threewe.benchmark import cli_episodes
+from threewe.benchmark import cli_episodes, cli_submission
 from threewe.benchmark.progress import progress
 from threewe.errors import ConfigError
 
@@ -23,6 +23,8 @@ app = typer.Typer(
     rich_markup_mode=None,
 )
 app.add_typer(cli_episodes.app, name="episodes")
+for command in (cli_submission.login, cli_submission.submit):
+    app.command()(command)
 console = plain_console()
 WIDE = 150  # characters of a table that goes to a file
 
@@ -64,6 +66,9 @@ def run(
     workers: Workers = 1,
     output: Annotated[Path | None, typer.Option("--output", "-o", help="Results; TASK-AGENT.json by default.")] = None,
     bundle: Annotated[Path | None, typer.Option(help="All that a replay needs, as one .zip.")] = None,
+    submit: Annotated[
+        bool, typer.Option("--submit", help="Send the bundle to where `login` said; OUTPUT.zip without --bundle.")
+    ] = False,
     resume: Annotated[bool, typer.Option("--resume", help="Go on with a run that was interrupted.")] = False,
     seed: Annotated[int, typer.Option(min=0, help="Of the agent's own choices.")] = 0,
     control_rate: Annotated[float, typer.Option(min=1.0, help="[Hz] of agents that act.")] = 10.0,
@@ -86,6 +91,7 @@ def run(
     settings = Settings(hardware, backend, noise, randomization, control_rate, seed)
     plan, listed = plan_run(task, agent, split=split, scenes=scene or [], episodes=episodes, settings=settings)
     path = output or Path(f"{task}-{Path(agent).stem.replace(':', '.')}.json")
+    bundle = bundle or (path.with_suffix(".zip") if submit else None)
     if bundle and (quick or plan.agent.kind == "yardstick"):
         raise ConfigError("bundle: neither a quick run nor a baseline has a log that could be replayed")
     if quick:
@@ -98,6 +104,8 @@ def run(
     outcomes = _drive(plan, listed, journal, **how, engine=engine.value, address=address)
     _write(plan, listed, outcomes, path, bundle)
     journal.unlink()
+    if bundle and submit:
+        cli_submission.submit_or_keep(bundle)
 
 
 def _drive(plan: Any, listed: Any, journal: Path, **how: Any) -> list[Any]:
