@@ -14,6 +14,8 @@ from threewe.benchmark.agents import Assignment, Identity
 from threewe.benchmark.attempt import Settings
 from threewe.benchmark.bundle import BundleError, write_bundle
 from threewe.benchmark.episodes import Episode, EpisodeSet, Outcome, Yardstick, load_episodes
+from threewe.benchmark.mlp import MlpPolicy
+from threewe.benchmark.mlp_export import mlp_from_sb3, mlp_from_torch
 from threewe.benchmark.results import compare, load_results, summarize
 from threewe.benchmark.run import Plan, plan_run, results_of, run
 from threewe.benchmark.sampling import training_episodes
@@ -26,6 +28,7 @@ __all__ = [
     "Episode",
     "EpisodeSet",
     "Identity",
+    "MlpPolicy",
     "Outcome",
     "Plan",
     "ReferenceDrive",
@@ -38,6 +41,8 @@ __all__ = [
     "load_episodes",
     "load_results",
     "load_server",
+    "mlp_from_sb3",
+    "mlp_from_torch",
     "nearest_frontier",
     "optimistic_replanning",
     "plan_run",

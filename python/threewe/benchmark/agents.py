@@ -29,9 +29,11 @@ from numpy.typing import NDArray
 from threewe._core import unknown_name
 from threewe._extras import needed_for
 from threewe.benchmark.episodes import Episode
+from threewe.benchmark.mlp import STOP_WITHIN, MlpPolicy
 from threewe.benchmark.search import SemanticSearch
-from threewe.benchmark.tasks import Place
+from threewe.benchmark.tasks import TASKS, Place
 from threewe.errors import ConfigError
+from threewe.gym.batch import TASK_FIELDS
 from threewe.robot import Robot
 
 Observation = dict[str, NDArray[Any]]
@@ -120,8 +122,6 @@ class OnnxPolicy:
     [0, 1). Where `goal` is an input, it stops within 0.3 m of it, by its own belief.
     """
 
-    stop_within = 0.3  # [m]
-
     def __init__(self, path: Path) -> None:
         """Reads the graph."""
         with needed_for("ONNX policies", "policy"):
@@ -149,7 +149,7 @@ class OnnxPolicy:
 
     def act(self, observation: Observation) -> NDArray[np.float32]:
         """An action."""
-        if "goal" in observation and float(np.linalg.norm(observation["goal"])) < self.stop_within:
+        if "goal" in observation and float(np.linalg.norm(observation["goal"])) < STOP_WITHIN:
             return np.zeros(3, np.float32)
         inputs = {name: observation[name][None] for name in self.options["observations"]}
         if "chance" in self._shapes:
@@ -183,12 +183,16 @@ class Identity:
     source: str  # SHA-256 of the file that it was read from; empty for a shipped one
 
 
+POLICIES: dict[str, Callable[[Path], Any]] = {".onnx": OnnxPolicy, ".safetensors": MlpPolicy.load}
+"""By how their files end."""
+
+
 def make_agent(task: str, name: str) -> Any:
-    """A shipped agent, one of a module (`module:Class`) or a policy (a file that ends in .onnx)."""
-    if name.endswith(".onnx"):
+    """A shipped agent, one of a module (`module:Class`) or a policy (a file that ends in .onnx or .safetensors)."""
+    if Path(name).suffix in POLICIES:
         if not Path(name).is_file():
             raise ConfigError(f"agent: {name}: no such file")
-        return OnnxPolicy(Path(name))
+        return POLICIES[Path(name).suffix](Path(name))
     if ":" in name:
         return _class_of(name)()
     known = SHIPPED[task]
@@ -208,12 +212,16 @@ def identify(task: str, name: str) -> Identity:
     for option in getattr(agent, "options", {}):
         if option not in OPTIONS:
             raise ConfigError(f"agent: {name}: {unknown_name('option', option, list(OPTIONS))}")
+    known = ("image", "depth", "lidar", "pose", "velocity", *TASK_FIELDS[TASKS[task].environment])
+    for seen in getattr(agent, "options", {}).get("observations") or ():
+        if seen not in known:
+            raise ConfigError(f"agent: {name}: {unknown_name(f'observation of {task}', str(seen), list(known))}")
     kinds = [kind for kind in ("yardstick", "run", "act") if hasattr(agent, kind)]
     if not kinds:
         raise ConfigError(f"agent: {name}: expected a method `run(robot, assignment)` or `act(observation)`")
     if kinds[0] == "run" and not inspect.iscoroutinefunction(agent.run):
         raise ConfigError(f"agent: {name}: `run` must be `async def run(self, robot, assignment)`")
-    source = Path(name) if name.endswith(".onnx") else Path(inspect.getfile(type(agent)))
+    source = Path(name) if Path(name).suffix in POLICIES else Path(inspect.getfile(type(agent)))
     shipped = name in SHIPPED[task]
     digest = "" if shipped else hashlib.sha256(source.read_bytes()).hexdigest()
     return Identity(name, kinds[0], bool(getattr(agent, "privileged", False)), digest)

@@ -56,7 +56,10 @@ SHOWN = {
 def run(
     task: Annotated[str, typer.Argument(help="pointnav, objectnav or exploration.")],
     agent: Annotated[
-        str, typer.Option(help="Shipped (navigator, oracle, straight, random, ...), module:Class, or FILE.onnx.")
+        str,
+        typer.Option(
+            help="Shipped (navigator, oracle, straight, random, ...), module:Class, FILE.onnx or .safetensors."
+        ),
     ] = "navigator",
     episodes: Annotated[int, typer.Option(min=1, help="So many of each scene.")] = 50,
     scene: Annotated[

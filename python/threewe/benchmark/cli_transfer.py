@@ -22,7 +22,9 @@ def transfer() -> None:
 
 @app.command()
 def run(
-    policy: Annotated[str, typer.Option(help="FILE.onnx, module:Class, or an agent that comes with 3we.")],
+    policy: Annotated[
+        str, typer.Option(help="FILE.onnx, FILE.safetensors, module:Class, or an agent that comes with 3we.")
+    ],
     source: Annotated[str, typer.Option(help="Backend that the policy comes from.")] = "mock",
     target: Annotated[str, typer.Option(help="Backend that it goes to.")] = "mujoco",
     task: Annotated[str, typer.Option(help="pointnav or objectnav.")] = "pointnav",

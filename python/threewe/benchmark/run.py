@@ -123,9 +123,15 @@ def run(
     results = []
     for episode, one in zip(episodes, found, strict=True):
         if one.failure and not one.own:
-            raise ConfigError(f"episode {episode.scene}/{episode.index} could not be run: {one.failure}")
+            raise ConfigError(f"episode {episode.scene}/{episode.index} could not be run: {_reason(one.failure)}")
         results.append(one.result or lost(plan.task, episode, plan.settings, one.failure))
     return results
+
+
+def _reason(failure: str) -> str:
+    """What a user can mend, without the way that led to it; all of it where that is for a developer."""
+    _, mendable, message = failure.rpartition("\nthreewe.errors.ConfigError: ")
+    return message.strip() if mendable else failure
 
 
 def _job_of(plan: Plan, episode: Episode, limit: float) -> Job:
