@@ -9,6 +9,9 @@ trains on generated scenes alone and then drives the `reactive` episodes through
 needs `pip install "threewe[train]"`. With --save it writes policy.safetensors, policy.onnx and policy.json: the
 weights, the same as a graph for any runtime, and the figures.
 
+With --workers 4 --engine ray --address auto four actors of a Ray cluster drive a quarter of the environments each: the
+weights go out to them, batches come back, and they are those of --workers 4 in this process.
+
 Proximal policy optimisation: Schulman et al. 2017. Generalised advantages: Schulman et al. 2016. A critic that sees
 more than the policy: Pinto et al. 2018. Choices instead of a mean and a deviation: Tang & Agrawal 2020. Lengths of ways
 that grow truer with each step: Korf 1990; within a policy that learns: Tamar et al. 2016.
@@ -20,7 +23,10 @@ import math
 import time
 import warnings
 from collections import namedtuple
-from dataclasses import asdict, dataclass
+from collections.abc import Callable
+from contextlib import ExitStack
+from dataclasses import asdict, dataclass, replace
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -28,6 +34,7 @@ import torch
 from safetensors.torch import load_file, save_file
 from threewe import Scene
 from threewe.benchmark import load_episodes
+from threewe.benchmark.ray_engine import cluster
 from threewe.gym import VectorEnv
 from threewe.gym.episodes import evaluate
 from torch import nn
@@ -70,6 +77,7 @@ class Settings:
     reward_scale: float = 0.2
     haste: float = 0.05  # taken off the reward of each step
     threads: int = 2  # of the simulator
+    workers: int = 1  # that share the environments; each draws for itself
 
 
 class Policy(nn.Module):
@@ -230,20 +238,24 @@ Rollout = namedtuple("Rollout", "seen way_left choices log_probs rewards values 
 
 
 class Runner:
-    """Drives the batch, and keeps count of how its episodes end."""
+    """Drives one worker's share of a lesson's environments, and keeps count of how its episodes end."""
 
-    def __init__(self, env: VectorEnv, settings: Settings) -> None:
-        self.env, self.settings = env, settings
-        observations, infos = env.reset(seed=1_000_000 * settings.seed)
+    def __init__(self, settings: Settings, lesson: int, worker: int) -> None:
+        self.settings, share = settings, settings.num_envs // settings.workers
+        noise, scenes, _ = settings.lessons[lesson]
+        self.env = classroom(noise, scenes, 1000 * settings.seed + 100 * lesson, share, settings)
+        self.random = torch.Generator().manual_seed((1000 * settings.seed + lesson) * 1000 + worker)
+        observations, infos = self.env.reset(seed=1_000_000 * settings.seed + worker * share)
         self.memory = nothing_yet(torch.from_numpy(observations["goal"]))
-        self.going = torch.ones(settings.num_envs, dtype=torch.bool)
+        self.going = torch.ones(share, dtype=torch.bool)
         self.successes: list[bool] = []
         self._take(observations, infos)
 
     def _take(self, observations, infos) -> None:
         """What is seen now, and what is remembered of it."""
         lidar, self.goal = torch.from_numpy(observations["lidar"]), torch.from_numpy(observations["goal"]).clone()
-        lidar = (lidar + self.settings.blur * torch.randn(lidar.shape)).clamp_min(0.01) * (lidar > 0.0)
+        blur = self.settings.blur * torch.randn(lidar.shape, generator=self.random)
+        lidar = (lidar + blur).clamp_min(0.01) * (lidar > 0.0)
         for kept, fresh in zip(self.memory, nothing_yet(self.goal[~self.going]), strict=True):
             kept[~self.going] = fresh
         few = zip(*(column.split(32) for column in (lidar, self.goal, *self.memory)), strict=True)  # as the cache holds
@@ -252,11 +264,12 @@ class Runner:
         self.way_left = torch.from_numpy(infos["distance_to_goal"]).float().unsqueeze(1)
 
     @torch.no_grad()
-    def run(self, policy: Policy, critic: nn.Module) -> Rollout:
-        steps = []
+    def run(self, policy: Policy, critic: nn.Module) -> tuple[Rollout, list[bool]]:
+        """The next steps of all environments, and which of the episodes that ended were won."""
+        steps, self.successes = [], []
         for _ in range(self.settings.rollout):
             log_probs = policy.logits(self.seen).log_softmax(1)
-            choice = chosen(log_probs, torch.rand_like(log_probs))
+            choice = chosen(log_probs, torch.rand(log_probs.shape, generator=self.random))
             now = (self.seen, self.way_left, choice, log_probs.gather(1, choice[:, None]).squeeze(1))
             value, valid = worth(critic, self.seen, self.way_left), self.going
             observations, rewards, terminated, truncated, infos = self.env.step(actions_of(choice, self.goal).numpy())
@@ -268,7 +281,52 @@ class Runner:
             self.going = ~outcome[1]  # the step after an episode's end only begins the next one
         columns = [torch.stack(column) for column in zip(*steps, strict=True)]
         columns[5] = torch.cat([columns[5], worth(critic, self.seen, self.way_left)[None]])
-        return Rollout(*columns)
+        return Rollout(*columns), self.successes
+
+
+class Local:
+    """Sampling in this process, one worker after the other."""
+
+    def __init__(self, settings: Settings, lesson: int) -> None:
+        self.runners = [Runner(settings, lesson, worker) for worker in range(settings.workers)]
+
+    def sample(self, policy: Policy, critic: nn.Module) -> tuple[Rollout, list[bool]]:
+        return joined([runner.run(policy, critic) for runner in self.runners])
+
+
+class Remote:
+    """The same on a Ray cluster: each worker is an actor that holds its environments. One that is lost ends it all."""
+
+    def __init__(self, ray, settings: Settings, lesson: int) -> None:
+        actor = ray.remote(num_cpus=1)(Actor)
+        self.ray, alone = ray, replace(settings, threads=1)
+        self.actors = [actor.remote(alone, lesson, worker) for worker in range(settings.workers)]
+
+    def sample(self, policy: Policy, critic: nn.Module) -> tuple[Rollout, list[bool]]:
+        weights = self.ray.put([policy.state_dict(), critic.state_dict()])  # once for each node
+        parts = self.ray.get([actor.run.remote(weights) for actor in self.actors])
+        return joined([(Rollout(*columns), successes) for columns, successes in parts])
+
+
+class Actor:
+    """What a worker of the cluster holds: its runner, and copies of the networks."""
+
+    def __init__(self, settings: Settings, lesson: int, worker: int) -> None:
+        torch.set_num_threads(1)
+        self.runner, self.networks = Runner(settings, lesson, worker), (Policy(), network(FEATURES + 1, 1))
+
+    def run(self, weights: list[dict[str, torch.Tensor]]) -> tuple[tuple[torch.Tensor, ...], list[bool]]:
+        for module, values in zip(self.networks, weights, strict=True):
+            module.load_state_dict(values)
+        rollout, successes = self.runner.run(*self.networks)
+        return tuple(rollout), successes
+
+
+def joined(parts: list[tuple[Rollout, list[bool]]]) -> tuple[Rollout, list[bool]]:
+    """The shares of all workers next to one another, in their order."""
+    rollouts, successes = zip(*parts, strict=True)
+    columns = (torch.cat(column, dim=1) for column in zip(*rollouts, strict=True))
+    return Rollout(*columns), [won for some in successes for won in some]
 
 
 def advantages(rollout: Rollout, settings: Settings) -> torch.Tensor:
@@ -306,26 +364,27 @@ def update(policy: Policy, critic: nn.Module, optimizer, rollout: Rollout, left:
             optimizer.step()
 
 
-def train(settings: Settings) -> tuple[Policy, list[dict]]:
+def train(settings: Settings, sampling: Callable = Local) -> tuple[Policy, list[dict]]:
     """The policy, and how it went: a point for each update."""
+    if settings.num_envs % settings.workers:
+        raise ValueError(f"{settings.num_envs} environments are no whole number for each of {settings.workers} workers")
     wall, cpu = time.perf_counter(), time.process_time()
     torch.manual_seed(settings.seed)
     torch.set_num_threads(1)  # a second one waits more than it works
     policy, critic = Policy(), network(FEATURES + 1, 1)
     optimizer = torch.optim.Adam([*policy.parameters(), *critic.parameters()], eps=1e-5, fused=True)
     curve, total = [], sum(updates for _, _, updates in settings.lessons)
-    for place, (noise, scenes, updates) in enumerate(settings.lessons):
-        runner = Runner(classroom(noise, scenes, 1000 * settings.seed + 100 * place, settings), settings)
+    for lesson, (_, _, updates) in enumerate(settings.lessons):
+        sampler = sampling(settings, lesson)
         for _ in range(updates):
-            runner.successes.clear()
-            rollout = runner.run(policy, critic)
+            rollout, won = sampler.sample(policy, critic)
             update(policy, critic, optimizer, rollout, 1.0 - len(curve) / total, settings)
             point = {
                 "steps": (len(curve) + 1) * settings.rollout * settings.num_envs,
                 "wall_s": round(time.perf_counter() - wall, 2),
                 "cpu_s": round(time.process_time() - cpu, 2),
-                "episodes": len(runner.successes),
-                "success": float(np.mean(runner.successes)) if runner.successes else None,
+                "episodes": len(won),
+                "success": float(np.mean(won)) if won else None,
             }
             curve.append(point)
             if len(curve) % 10 == 0 or len(curve) == total:
@@ -333,11 +392,11 @@ def train(settings: Settings) -> tuple[Policy, list[dict]]:
     return policy, curve
 
 
-def classroom(noise: str, scenes: int, seed: int, settings: Settings) -> VectorEnv:
+def classroom(noise: str, scenes: int, seed: int, num_envs: int, settings: Settings) -> VectorEnv:
     """Places from sparse to crowded, and robots in them, behind the collision monitor as they will be."""
     difficulties = np.linspace(0.2, 1.0, scenes).tolist()
     places = [Scene.generate(seed + i, difficulty=difficulty) for i, difficulty in enumerate(difficulties)]
-    several = {"num_envs": settings.num_envs, "num_threads": settings.threads, "copy": False}
+    several = {"num_envs": num_envs, "num_threads": settings.threads, "copy": False}
     lesson = {"noise": noise, "randomization": settings.randomization, "max_steps": settings.max_steps}
     return VectorEnv(scene=places, episodes="reactive", **lesson, **several, **DRIVING)
 
@@ -395,12 +454,18 @@ def main() -> None:
     arguments.add_argument("--seed", type=int, default=1)
     arguments.add_argument("--save", type=Path, help="path without suffix")
     arguments.add_argument("--untrained", action="store_true", help="drive with what is set by hand alone")
+    arguments.add_argument("--workers", type=int, default=1, help="that share the environments")
+    arguments.add_argument("--engine", choices=("local", "ray"), default="local", help="where they drive")
+    arguments.add_argument("--address", help="of the Ray cluster; one is started here without")
     arguments.add_argument("--quick", action="store_true", help="too short to learn much")
     given = arguments.parse_args()
-    settings = Settings(seed=given.seed)
+    settings = Settings(seed=given.seed, workers=given.workers)
     if given.quick:
         settings.num_envs, settings.lessons = 32, (("ideal", 2, 2), ("realistic", 1, 1))
-    policy, curve = (Policy.untrained(), []) if given.untrained else train(settings)
+    with ExitStack() as stack:
+        on_ray = given.engine == "ray" and not given.untrained
+        sampling = partial(Remote, stack.enter_context(cluster(given.address))) if on_ray else Local
+        policy, curve = (Policy.untrained(), []) if given.untrained else train(settings, sampling)
     episodes = load_episodes("reactive_v1")["episodes"][:: 50 if given.quick else 1]
     success = {gate: success_by_scene(policy, settings, episodes, gate=gate) for gate in ("full", "limits")}
     if given.save:

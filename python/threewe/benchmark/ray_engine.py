@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import sys
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -35,13 +36,23 @@ def run_on_ray(
     A job whose worker or node is gone begins again elsewhere; one that loses three is itself at fault. `address` is of
     a cluster whose nodes have the same installation; without one, a cluster on this machine is started, and ended.
     """
+    with cluster(address) as ray:
+        return _Driver(ray, jobs, workers, journal, memory, on_done).run()
+
+
+@contextmanager
+def cluster(address: str | None = None) -> Iterator[Any]:
+    """The module `ray`, connected to a cluster at an address, to one that is started here without, or as it is already.
+
+    Workers find what this process imports. Raises ConfigError where Ray is missing.
+    """
     with needed_for("engine ray", "ray"):
         import ray
     begins_here = not ray.is_initialized()
     if begins_here:
         ray.init(address=address, log_to_driver=False, runtime_env={"env_vars": {"PYTHONPATH": ":".join(sys.path)}})
     try:
-        return _Driver(ray, jobs, workers, journal, memory, on_done).run()
+        yield ray
     finally:
         if begins_here:
             ray.shutdown()
