@@ -84,6 +84,9 @@ def run(
     quick: Annotated[
         bool, typer.Option("--quick", help="All at once in the native batch, for agents that act; never official.")
     ] = False,
+    compact: Annotated[
+        bool, typer.Option("--compact", help="Leave trajectories out of the results, which a report needs.")
+    ] = False,
     limit: Annotated[float, typer.Option(min=0.1, help="[s] of wall time that an episode may take.")] = 120.0,
     memory: Annotated[float, typer.Option(min=0.25, help="[GiB] that the agent's process may use.")] = 4.0,
 ) -> None:
@@ -98,14 +101,14 @@ def run(
     if bundle and (quick or plan.agent.kind == "yardstick"):
         raise ConfigError("bundle: neither a quick run nor a baseline has a log that could be replayed")
     if quick:
-        _run_quick(replace(plan, quick=True), listed, path, workers)
+        _run_quick(replace(plan, quick=True), listed, path, workers, compact)
         return
     journal = path.with_suffix(".journal.jsonl")
     if journal.exists() and not resume:
         raise ConfigError(f"{journal}: an interrupted run; --resume goes on with it, or remove it")
     how = {"workers": workers, "limit": limit, "memory": int(memory * 2**30)}
     outcomes = _drive(plan, listed, journal, **how, engine=engine.value, address=address)
-    _write(plan, listed, outcomes, path, bundle)
+    _write(plan, listed, outcomes, path, bundle, compact)
     journal.unlink()
     if bundle and submit:
         cli_submission.submit_or_keep(bundle)
@@ -134,22 +137,23 @@ def _drive(plan: Any, listed: Any, journal: Path, **how: Any) -> list[Any]:
     return outcomes
 
 
-def _write(plan: Any, listed: Any, outcomes: list[Any], path: Path, bundle: Path | None) -> None:
+def _write(plan: Any, listed: Any, outcomes: list[Any], path: Path, bundle: Path | None, compact: bool) -> None:
     from threewe.benchmark.bundle import text_of, write_bundle
+    from threewe.benchmark.results import without_trajectories
     from threewe.benchmark.run import results_of
 
     results = results_of(plan, listed, outcomes)
-    path.write_bytes(text_of(results))
+    path.write_bytes(text_of(without_trajectories(results) if compact else results))
     if bundle:
         write_bundle(bundle, results, outcomes)
     _print_summary(results)
     console.print(styled("results: ", (str(path), "bold"), *((f", bundle: {bundle}",) if bundle else ())))
 
 
-def _run_quick(plan: Any, listed: Any, path: Path, threads: int) -> None:
+def _run_quick(plan: Any, listed: Any, path: Path, threads: int, compact: bool) -> None:
     from threewe.benchmark.quick import run_quick
 
-    _write(plan, listed, run_quick(plan, listed, threads=threads), path, None)
+    _write(plan, listed, run_quick(plan, listed, threads=threads), path, None, compact)
 
 
 @app.command()
@@ -169,6 +173,22 @@ def show(
 
         write_report(found, page)
         console.print(styled("page: ", (str(page), "bold")))
+
+
+@app.command()
+def table(
+    results: Annotated[list[Path], typer.Argument(help="Results, or folders of them.")],
+    output: Annotated[Path | None, typer.Option("--output", "-o", help="The page; printed where left out.")] = None,
+) -> None:
+    """Make one page of several results, as Markdown: agents next to one another, with 95 % intervals."""
+    from threewe.benchmark.table import find_results, page
+
+    text = page(find_results(results), output.parent if output else Path())
+    if output is None:
+        typer.echo(text, nl=False)
+        return
+    output.write_text(text)
+    console.print(styled("page: ", (str(output), "bold")))
 
 
 @app.command()

@@ -45,7 +45,9 @@ def write_report(results: dict[str, Any], path: Path) -> None:
 
 
 def report(results: dict[str, Any]) -> str:
-    """The page."""
+    """The page. Raises ConfigError for results without trajectories."""
+    if any("trajectory" not in row for row in results["episode_results"]):
+        raise ConfigError("results without trajectories cannot be shown on a page: run without --compact")
     title = f"{NAMES[results['task']]}: {results['agent']['name']}"
     data = json.dumps(_data(results)).replace("</", "<\\/")
     script = "\n".join(web_file(name) for name in ("episode_player.js", "report.js")).replace("</script", "<\\/script")
