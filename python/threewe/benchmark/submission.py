@@ -179,7 +179,7 @@ def _answer(connection: http.client.HTTPConnection, content: bytes) -> http.clie
     try:
         for place in range(0, len(content), BLOCK):
             connection.send(content[place : place + BLOCK])
-    except (BrokenPipeError, ConnectionResetError) as error:
+    except (BrokenPipeError, ConnectionResetError, ssl.SSLEOFError) as error:
         with suppress(OSError, http.client.HTTPException):
             return connection.getresponse()
         raise error

@@ -157,19 +157,6 @@ def test_a_refusal_is_one_line_and_not_tried_again(
     assert SECRET not in str(refused.value)
 
 
-def test_a_server_may_refuse_and_hang_up_before_it_has_all(tmp_path: Path) -> None:
-    outcome = {"replayed": {"commands": base64.b64encode(bytes(30_000_000)).decode()}}
-    write_bundle(tmp_path / "large.zip", {"format": "threewe-benchmark/1"}, [outcome])
-
-    def answer(handler: BaseHTTPRequestHandler) -> None:
-        handler.send_error(413)
-        handler.wfile.flush()
-        handler.rfile.read(1_000_000)
-
-    with board(answer) as there, pytest.raises(ConfigError, match="413: a bundle of 30000"):
-        submit_bundle(tmp_path / "large.zip", Server(there.address), waits=())
-
-
 def test_what_a_server_says_is_cut_down_to_a_line_without_the_token(bundle: Path) -> None:
     said = f"\x1b[31mhi {SECRET} \x07there{'!' * 500}\nand more".encode()
     with board(answers(200, said)) as there:
@@ -242,6 +229,24 @@ def encrypted(certificate: Path) -> ssl.SSLContext:
     context = ssl.SSLContext(ssl.PROTOCOL_TLS_SERVER)
     context.load_cert_chain(certificate / "certificate.pem", certificate / "key.pem")
     return context
+
+
+@pytest.mark.parametrize("is_encrypted", [False, True])
+def test_a_server_may_refuse_and_hang_up_before_it_has_all(
+    is_encrypted: bool, tmp_path: Path, certificate: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("SSL_CERT_FILE", str(certificate / "certificate.pem"))
+    outcome = {"replayed": {"commands": base64.b64encode(bytes(30_000_000)).decode()}}
+    write_bundle(tmp_path / "large.zip", {"format": "threewe-benchmark/1"}, [outcome])
+
+    def answer(handler: BaseHTTPRequestHandler) -> None:
+        handler.send_error(413)
+        handler.wfile.flush()
+        handler.rfile.read(1_000_000)
+
+    context = encrypted(certificate) if is_encrypted else None
+    with board(answer, context) as there, pytest.raises(ConfigError, match="413: a bundle of 30000"):
+        submit_bundle(tmp_path / "large.zip", Server(there.address), waits=())
 
 
 def test_a_certificate_has_to_be_valid(bundle: Path, certificate: Path, monkeypatch: pytest.MonkeyPatch) -> None:
