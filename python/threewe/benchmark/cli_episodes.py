@@ -8,9 +8,12 @@ from typing import Annotated
 import typer
 
 from threewe._console import plain_console, styled
+from threewe.benchmark import cli_commitments
 from threewe.benchmark.episodes import digest, find_episodes, to_json
 
 app = typer.Typer(help="Frozen sets of episodes.", no_args_is_help=True, rich_markup_mode=None)
+for command in (cli_commitments.secret, cli_commitments.commit, cli_commitments.reveal):
+    app.command()(command)
 console = plain_console()
 
 Secret = Annotated[
@@ -25,7 +28,8 @@ def make(
     secret: Secret = None,
 ) -> None:
     """Draw a set of episodes: the same bytes on every machine. Takes minutes."""
-    from threewe.benchmark.sampling import make_named, read_secret
+    from threewe.benchmark.commitments import read_secret
+    from threewe.benchmark.sampling import make_named
 
     made, columns = make_named(name, secret=read_secret(secret) if secret else None)
     path = output or Path(f"{name}.json")
@@ -54,7 +58,8 @@ def check(
     secret: Secret = None,
 ) -> None:
     """Draw a set anew and compare it, byte by byte."""
-    from threewe.benchmark.sampling import make_named, read_secret
+    from threewe.benchmark.commitments import read_secret
+    from threewe.benchmark.sampling import make_named
 
     path = find_episodes(name)
     made, columns = make_named(path.stem, secret=read_secret(secret) if secret else None)

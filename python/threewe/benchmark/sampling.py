@@ -6,7 +6,6 @@ import hashlib
 import math
 from collections.abc import Callable, Iterator
 from itertools import count, islice
-from pathlib import Path
 
 from threewe import RobotProfile, SceneTables
 from threewe._core import ObjectNav, nearest_frontier, optimistic_replanning, unknown_name
@@ -242,10 +241,3 @@ def make_named(name: str, *, secret: str | None = None) -> tuple[EpisodeSet, lis
     if name not in known:
         raise ConfigError(unknown_name("set of episodes", name, known))
     return make_episodes(task, split, secret=secret), COLUMNS[task]
-
-
-def read_secret(path: Path) -> str:
-    """The secret of the split `generated`, from the file that its keeper has."""
-    from threewe._files import read_text
-
-    return read_text(path).strip()
