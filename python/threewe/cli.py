@@ -66,7 +66,7 @@ def main() -> None:
 
 def fail(message: str) -> NoReturn:
     """Ends the program."""
-    complaints.print(styled(("error:", "bold red"), f" {message}"), highlight=False)
+    complaints.print(styled(("error:", "bold red"), f" {message}"), highlight=False, soft_wrap=True)
     raise SystemExit(2)
 
 
