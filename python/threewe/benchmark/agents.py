@@ -108,6 +108,18 @@ class Oracle(Navigator):
         return {"map": place.true_map, "initial_pose": episode.start, "localization": "truth"}
 
 
+class OracleExplorer(Navigator):
+    """The robot's own autonomy stack with the true pose. A given map would leave nothing to explore."""
+
+    privileged = True
+
+    @staticmethod
+    def robot_options(episode: Episode, place: Place) -> dict[str, Any]:
+        """What its robot is made with."""
+        del episode, place
+        return {"localization": "truth"}
+
+
 class OptimisticReplanning:
     """The baseline of the frozen episodes: no drive of a robot, and not a bound."""
 
@@ -168,7 +180,12 @@ SHIPPED: dict[str, dict[str, Callable[[], Any]]] = {
         "oracle": Oracle,
     },
     "objectnav": {"semantic": SemanticSearch, "random": Random},
-    "exploration": {"navigator": Navigator, "random": Random, "optimistic": OptimisticReplanning, "oracle": Oracle},
+    "exploration": {
+        "navigator": Navigator,
+        "random": Random,
+        "optimistic": OptimisticReplanning,
+        "oracle": OracleExplorer,
+    },
 }
 """By task and name."""
 

@@ -31,6 +31,7 @@ BY_SCENE = {
     "objectnav": ("success", "spl"),
     "exploration": ("coverage", "cell_ratio"),
 }
+RANKED_BY = {"pointnav": "spl", "objectnav": "spl", "exploration": "coverage"}
 HEAD = """\
 # Benchmark results
 
@@ -69,12 +70,16 @@ def page(runs: Sequence[Run], folder: Path) -> str:
 
 def _section(task: str, episode_set: str, runs: Sequence[Run], folder: Path) -> str:
     scenes = list(dict.fromkeys(scene for _, results in runs for scene in results["scenes"]))
+    runs = sorted(runs, key=lambda run: (-run[1]["summary"]["all"][RANKED_BY[task]]["value"], run[1]["agent"]["name"]))
+    counts = sorted({results["episodes"] for _, results in runs})
     names = [name for name in COLUMNS if name in (*TASKS[task].rates, *TASKS[task].means)]
     rows = [
         [_agent(file, results, folder), _count(results), *(_cell(results["summary"]["all"][name]) for name in names)]
         for file, results in runs
     ]
-    lines = [f"## {NAMES[task]}", "", f"Episodes of `{episode_set}`, {len(scenes)} scenes.", ""]
+    first = " or ".join(map(str, counts))
+    where = f"{len(scenes)} scene{'s' * (len(scenes) != 1)}"
+    lines = [f"## {NAMES[task]}", "", f"The first {first} episodes of `{episode_set}` in each of {where}.", ""]
     lines += _table(["agent", "n", *(COLUMNS[name] for name in names)], rows)
     for name in BY_SCENE[task]:
         rows = [

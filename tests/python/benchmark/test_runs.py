@@ -91,6 +91,14 @@ def test_an_oracle_is_marked_and_a_yardstick_drives_no_robot(tmp_path: Path) -> 
     assert best["summary"]["all"]["success"]["value"] == 1.0
 
 
+def test_an_oracle_explores_with_the_true_pose(tmp_path: Path) -> None:
+    oracle = drive(tmp_path, "oracle", task="exploration", workers=0)
+    assert oracle["agent"]["privileged"]
+    figures = oracle["summary"]["all"]
+    assert figures["coverage"]["value"] > 0.9, "a given map would leave nothing to explore"
+    assert figures["map_accuracy"]["value"] > 0.9
+
+
 @pytest.mark.parametrize(
     ("agent", "message"),
     [
