@@ -19,4 +19,5 @@ NB_MODULE(_core, m) {
   init_benchmark(m);
   init_export(m);
   init_calibration(m);
+  init_ros2(m);
 }

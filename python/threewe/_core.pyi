@@ -3239,3 +3239,14 @@ def repeatability(backend: str, hardware: str, seed: int, count: int, velocity_p
     """
     How far a backend is from itself, when wheels have turned a little before the same random sequences.
     """
+
+def ros2_message_types() -> list[str]:
+    """The names of all ROS 2 messages that we know."""
+
+def ros2_type_hash(type: str, distribution: str) -> str:
+    """The hash of a message's type, `RIHS01_...`, as a distribution has it."""
+
+def ros2_recode(type: str, distribution: str, payload: bytes) -> bytes:
+    """
+    Reads a message from CDR and writes it again, little-endian. Raises ContractError where it cannot be read.
+    """
