@@ -1,6 +1,7 @@
 // The table of ROS 2 messages, for tests and for the command line.
 #include "bindings.hpp"
 #include "ros2/message_types.hpp"
+#include "ros2/real.hpp"
 
 using namespace threewe;
 
@@ -23,6 +24,29 @@ nb::bytes recode(std::string_view type, std::string_view distribution, const nb:
 }  // namespace
 
 void init_ros2(nb::module_& m) {
+  using ros2::Endpoint;
+  nb::class_<Endpoint>(m, "Ros2Endpoint", "One publisher or subscription of the ROS 2 graph.")
+      .def_ro("publishes", &Endpoint::publishes, "Or subscribes.")
+      .def_ro("topic", &Endpoint::topic)
+      .def_ro("type", &Endpoint::type, "Empty where it is none of ROS 2.")
+      .def_ro("hash", &Endpoint::hash, "`RIHS01_...`; empty where it has none, as in Humble and on micro-ROS.")
+      .def_prop_ro("reliable", [](const Endpoint& endpoint) { return endpoint.qos.reliable; })
+      .def_prop_ro("transient_local", [](const Endpoint& endpoint) { return endpoint.qos.transient_local; })
+      .def_ro("node", &Endpoint::node, "`/namespace/name`; empty where it has not been said.")
+      .def("__repr__", [](const Endpoint& endpoint) {
+        return fmt::format("Ros2Endpoint('{}', '{}')", endpoint.topic, endpoint.type);
+      });
+  m.def(
+      "ros2_discover", [](double wall) { return ros2::discover(seconds("wall", wall)); }, "wall"_a, WithoutGil(),
+      "Every endpoint of the ROS 2 graph that is found within a time [wall s].");
+  m.def(
+      "ros2_distributions_with",
+      [](std::string_view type, std::string_view hash) {
+        std::vector<std::string> names;
+        for (const auto one : ros2::distributions_with(type, hash)) names.emplace_back(to_string(one));
+        return names;
+      },
+      "type"_a, "hash"_a, "The distributions in which a type has this hash.");
   m.def(
       "ros2_message_types",
       [] {

@@ -11,7 +11,7 @@ import typer
 from rich.table import Column, Table
 
 import threewe
-from threewe import calibration, driving, profiles, teleoperation
+from threewe import calibration, driving, profiles, ros2, teleoperation
 from threewe._console import plain_console, styled
 from threewe.benchmark import cli as benchmark
 from threewe.benchmark import cli_transfer
@@ -31,6 +31,7 @@ app.add_typer(scenes, name="scenes")
 app.add_typer(profiles.app, name="hardware")
 app.add_typer(slam.app, name="slam")
 app.add_typer(data.app, name="data")
+app.add_typer(ros2.app, name="ros2")
 app.add_typer(benchmark.app, name="benchmark")
 app.add_typer(cli_transfer.app, name="transfer")
 for command in (driving.drive, driving.explore, driving.view):

@@ -90,6 +90,13 @@ class PluginLink {
   /// The plug-in answered with something that cannot even be converted to a reply.
   void refuse(const std::string& what);
 
+  // For any thread of the plug-in's, at any time.
+
+  /// Robot time.
+  Time robot_time() const;
+  /// Lets a reading of a connected robot in real time arrive, without waiting for the next step.
+  void push(PluginReading reading);
+
  private:
   friend class PluginWorld;
   using Clock = std::chrono::steady_clock;

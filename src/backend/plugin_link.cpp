@@ -92,6 +92,20 @@ void PluginLink::refuse(const std::string& what) {
   finish(Fault{true, fmt::format("backend '{}': {}", name_, what)}, {});
 }
 
+Time PluginLink::robot_time() const {
+  const Lock lock(mutex_);
+  return now();
+}
+
+void PluginLink::push(PluginReading reading) {
+  const Lock lock(mutex_);
+  if (fault_ || !plugin_connected_) return;
+  std::vector<PluginReading> readings;
+  readings.push_back(std::move(reading));
+  fault_ = deliver(std::move(readings));
+  if (fault_) changed_.notify_all();
+}
+
 void PluginLink::finish(std::optional<Fault> fault, PluginReply reply) {
   const Lock lock(mutex_);
   if (current_->call == Call::connect && !fault) plugin_connected_ = true;

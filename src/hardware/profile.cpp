@@ -6,6 +6,7 @@
 
 #include "core/config.hpp"
 #include "core/names.hpp"
+#include "hardware/link.hpp"
 #include "threewe/core/assets.hpp"
 #include "threewe/core/errors.hpp"
 
@@ -356,6 +357,7 @@ RobotProfile parse_profile(std::string yaml, const std::filesystem::path& file) 
   profile.odometry = read_odometry(sensors.at("odometry"));
   sensors.finish();
   if (root.has("battery")) profile.battery = read_battery(root.at("battery"));
+  if (root.has("link")) profile.link = read_link(root.at("link"), profile);
   if (root.has("autonomy")) profile.autonomy = read_autonomy(root.at("autonomy"));
   root.finish();
   return profile;

@@ -6,6 +6,13 @@
 
 namespace threewe::ros2 {
 
+void CdrWriter::put_bytes(const void* from, std::size_t size, std::size_t alignment) {
+  const std::size_t end = bytes_.size() - kEncapsulation;
+  const std::size_t begin = kEncapsulation + (end + alignment - 1) / alignment * alignment;
+  bytes_.resize(begin + size);
+  std::memcpy(bytes_.data() + begin, from, size);
+}
+
 CdrReader::CdrReader(std::span<const std::uint8_t> payload, Distribution distribution) : layout(distribution) {
   // 0 is plain CDR in the order of the last bit; all else (parameter lists, version 2) no ROS message comes in
   if (payload.size() < kEncapsulation || payload[0] != 0 || payload[1] > 1) {

@@ -64,7 +64,7 @@ class CdrWriter {
       put_elements(&value, 1);
     } else if constexpr (Text<T>) {
       put_count(value.size() + 1);
-      put_bytes(value.c_str(), value.size() + 1);
+      put_bytes(value.c_str(), value.size() + 1, 1);
     } else if constexpr (kIsSequence<T>) {
       put_count(value.size());
       put_all(value);
@@ -92,15 +92,9 @@ class CdrWriter {
   }
   template <typename T>
   void put_elements(const T* values, std::size_t count) {
-    if (count == 0) return;
-    while ((bytes_.size() - kEncapsulation) % sizeof(T) != 0) bytes_.push_back(0);
-    put_bytes(values, count * sizeof(T));
+    if (count > 0) put_bytes(values, count * sizeof(T), sizeof(T));
   }
-  void put_bytes(const void* from, std::size_t size) {
-    const std::size_t end = bytes_.size();
-    bytes_.resize(end + size);
-    std::memcpy(bytes_.data() + end, from, size);
-  }
+  void put_bytes(const void* from, std::size_t size, std::size_t alignment);
 
   std::vector<std::uint8_t> bytes_;
 };

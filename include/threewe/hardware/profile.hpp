@@ -157,6 +157,25 @@ struct BatterySpec {
   Duration period{};              ///< from sample to sample
 };
 
+/// One ROS 2 topic of a robot.
+struct TopicSpec {
+  std::string sensor;     ///< as in `Features`; "depth" for the camera's depth image; "command" for velocities
+  std::string topic;      ///< with its namespace, such as "/robot/scan"
+  std::string type;       ///< such as "sensor_msgs/msg/LaserScan"
+  bool reliable = false;  ///< lost samples are sent again; best effort receives from everyone
+};
+
+/// How the real robot is reached, and who stops it.
+struct LinkSpec {
+  std::string driver;                    ///< "ros2"
+  std::vector<TopicSpec> topics;         ///< of the sensors that it delivers
+  TopicSpec command;                     ///< where it takes velocities
+  std::string odom_frame = "odom";       ///< in messages of transforms: odometry is the transform from there ...
+  std::string base_frame = "base_link";  ///< ... to here
+  std::string stopped_by;                ///< who stops the robot once commands cease, in words
+  Duration stopped_after{};              ///< how long commands must have ceased for that
+};
+
 /// What a profile's `autonomy:` section sets in place of what follows from the rest of the profile.
 struct ParameterOverride {
   std::string module;  ///< "nav", "slam", "health" or "safety"
@@ -180,6 +199,7 @@ struct RobotProfile {
   std::optional<CameraSpec> camera;           ///< colour, and depth where it measures any
   OdometrySpec odometry;                      ///< every robot has it
   std::optional<BatterySpec> battery;         ///< empty: it never runs out
+  std::optional<LinkSpec> link;               ///< empty for one that is simulated alone
   std::vector<ParameterOverride> autonomy;    ///< parameters of the autonomy stack that this robot sets
   std::string yaml;                           ///< the text that it was read from; empty for one made in code
 

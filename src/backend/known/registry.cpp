@@ -9,6 +9,7 @@
 #include "backend/mock/mock_world.hpp"
 #include "backend/mujoco/mujoco.hpp"
 #include "core/names.hpp"
+#include "ros2/real.hpp"
 #include "threewe/core/errors.hpp"
 
 namespace threewe::backend {
@@ -19,6 +20,7 @@ struct Registry {
   std::map<std::string, WorldFactory, std::less<>> factories{
       {"mock", [](const WorldOptions& options) { return std::make_unique<mock::MockWorld>(options); }},
       {"mujoco", mujoco::make_world},
+      {"real", ros2::make_world},
   };
 };
 

@@ -1,0 +1,95 @@
+#include "hardware/link.hpp"
+
+#include <cctype>
+
+#include <fmt/format.h>
+
+namespace threewe {
+namespace {
+
+constexpr double kSoonest = 0.05;  // [s] commands come every 0.02 s, and one may be lost
+constexpr double kLatest = 2.0;    // [s] at 0.5 m/s, a metre without control
+
+struct Deliverable {
+  std::string sensor;
+  std::vector<std::string> types;
+};
+
+// What this robot's sensors may come as.
+std::vector<Deliverable> deliverables(const RobotProfile& profile) {
+  std::vector<Deliverable> all{{"odometry", {"nav_msgs/msg/Odometry", "tf2_msgs/msg/TFMessage"}}};
+  if (profile.lidar) all.push_back({"lidar", {"sensor_msgs/msg/LaserScan"}});
+  if (profile.imu) all.push_back({"imu", {"sensor_msgs/msg/Imu"}});
+  if (profile.battery) all.push_back({"battery", {"sensor_msgs/msg/BatteryState"}});
+  if (profile.camera) all.push_back({"camera", {"sensor_msgs/msg/Image"}});
+  if (profile.camera && profile.camera->depth) all.push_back({"depth", {"sensor_msgs/msg/Image"}});
+  if (profile.ultrasonics) {
+    for (const auto& mount : profile.ultrasonics->mounts) all.push_back({mount.name, {"sensor_msgs/msg/Range"}});
+  }
+  return all;
+}
+
+// Whether ROS 2 would take it: parts of letters, digits and underscores, each after a slash, none with a digit first.
+bool is_ros_name(const std::string& name) {
+  char before = ' ';
+  for (const char c : name) {
+    const auto letter = static_cast<unsigned char>(c);
+    const bool fits = before == ' '   ? c == '/'
+                      : before == '/' ? std::isalpha(letter) != 0 || c == '_'
+                                      : std::isalnum(letter) != 0 || c == '_' || c == '/';
+    if (!fits) return false;
+    before = c;
+  }
+  return before != ' ' && before != '/';
+}
+
+std::string read_name(const ConfigNode& node) {
+  const std::string name = node.text();
+  if (is_ros_name(name)) return name;
+  node.fail(fmt::format("expected a name such as /scan or /robot/scan, of letters, digits, _ and /, got '{}'", name));
+}
+
+TopicSpec read_topic(ConfigNode node, const std::string& name_space, const std::string& sensor,
+                     const std::vector<std::string>& types, bool reliable) {
+  TopicSpec topic{.sensor = sensor, .topic = name_space + read_name(node.at("topic")), .type = {}, .reliable = reliable};
+  topic.type = node.choice("type", types);
+  if (node.has("reliability")) {
+    topic.reliable = node.choice("reliability", {"best_effort", "reliable"}) == "reliable";
+  }
+  node.finish();
+  return topic;
+}
+
+}  // namespace
+
+LinkSpec read_link(ConfigNode node, const RobotProfile& profile) {
+  LinkSpec link;
+  link.driver = node.choice("driver", {"ros2"});
+  const std::string name_space = node.has("namespace") ? read_name(node.at("namespace")) : "";
+
+  ConfigNode topics = node.at("topics");
+  topics.at("odometry");  // no robot is without
+  for (const auto& [sensor, types] : deliverables(profile)) {
+    if (topics.has(sensor)) {
+      link.topics.push_back(read_topic(topics.at(sensor), name_space, sensor, types, false));
+    }
+  }
+  topics.finish();
+  link.command = read_topic(node.at("command"), name_space, "command",
+                            {"geometry_msgs/msg/Twist", "geometry_msgs/msg/TwistStamped"}, true);
+
+  if (node.has("frames")) {
+    ConfigNode frames = node.at("frames");
+    link.odom_frame = frames.text("odom");
+    link.base_frame = frames.text("base");
+    frames.finish();
+  }
+  ConfigNode stops = node.at("stops");
+  link.stopped_by = stops.text("by");
+  link.stopped_after = from_seconds(stops.number_in("after", kSoonest, kLatest));
+  stops.finish();
+  node.finish();
+  return link;
+}
+
+}  // namespace threewe

@@ -1,0 +1,287 @@
+#include "ros2/dds/real_robot.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <thread>
+#include <type_traits>
+#include <utility>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "hardware/sample_checks.hpp"
+#include "ros2/diagnosis.hpp"
+#include "threewe/core/errors.hpp"
+
+namespace threewe::ros2 {
+namespace {
+
+using Call = backend::PluginRequest::Call;
+
+constexpr Duration kReach = 10s;      // for discovery, and for the first reading of each sensor that has several a second
+constexpr int kStepsToRefresh = 50;   // about once a second
+constexpr int kLastWords = 3;         // commands to stand, as one may be lost
+constexpr int kDepth = 5;             // samples kept, of those that nobody took yet
+
+// Sensors that deliver in less than this have delivered once they are connected.
+constexpr double kQuick = 2.0;  // [Hz]
+
+double rate_of(SensorType type, const RobotProfile& profile) {
+  switch (type) {
+    case SensorType::lidar: return 1.0 / to_seconds(profile.lidar->turn);
+    case SensorType::imu: return 1.0 / to_seconds(profile.imu->period);
+    case SensorType::odometry: return 1.0 / to_seconds(profile.odometry.period);
+    case SensorType::battery: return 1.0 / to_seconds(profile.battery->period);
+    case SensorType::ultrasonic: return 1.0 / to_seconds(profile.ultrasonics->period());
+    case SensorType::camera: return 1.0 / to_seconds(profile.camera->period);
+  }
+  return 0.0;
+}
+
+SensorType type_of(std::string_view sensor) {
+  for (const SensorType type : {SensorType::lidar, SensorType::imu, SensorType::odometry, SensorType::battery,
+                                SensorType::camera}) {
+    if (sensor == to_string(type)) return type;
+  }
+  return sensor == "depth" ? SensorType::camera : SensorType::ultrasonic;
+}
+
+template <Message T>
+tl::expected<T, std::string> decode_any(std::span<const std::uint8_t> payload) {
+  auto newest = decode<T>(payload, kDistributions.back());
+  if (newest) return newest;
+  auto oldest = decode<T>(payload, kDistributions.front());  // the layouts differ in length: one of them fits
+  return oldest ? oldest : newest;
+}
+
+builtin_interfaces::Time wall_time() {
+  const auto now = std::chrono::system_clock::now().time_since_epoch();
+  const auto seconds = std::chrono::duration_cast<std::chrono::seconds>(now);
+  return {static_cast<std::int32_t>(seconds.count()),
+          static_cast<std::uint32_t>(std::chrono::duration_cast<std::chrono::nanoseconds>(now - seconds).count())};
+}
+
+}  // namespace
+
+backend::Features features_of(const RobotProfile& profile) {
+  if (!profile.link) {
+    throw ConfigError(fmt::format("robot '{}' has no link: a real robot needs a `link:` section in its profile, with the "
+                                  "topics of its sensors",
+                                  profile.name));
+  }
+  backend::Features features;
+  features.kinematics = profile.kinematics();
+  for (const TopicSpec& topic : profile.link->topics) {
+    if (topic.sensor == "depth") continue;  // comes with the camera's pictures
+    const SensorType type = type_of(topic.sensor);
+    features.sensors.push_back({topic.sensor, type, rate_of(type, profile)});
+  }
+  return features;
+}
+
+RealRobot::RealRobot(std::shared_ptr<backend::PluginLink> mailbox, Discovery discovery)
+    : mailbox_(std::move(mailbox)),
+      discovery_(std::move(discovery)),
+      profile_(mailbox_->profile()),
+      link_(*profile_.link),
+      clock_(mailbox_->features().sensors.size()),
+      transforms_(link_.odom_frame, link_.base_frame) {}
+
+void RealRobot::run() {
+  while (const auto request = mailbox_->take()) {
+    try {
+      if (request->call == Call::connect) connect();
+      if (request->call == Call::step) send(request->velocity);
+      if (request->call == Call::disconnect) disconnect();
+      mailbox_->answer({});
+    } catch (const std::exception& error) {
+      mailbox_->fail(error.what());
+    }
+  }
+}
+
+// Connecting.
+
+void RealRobot::connect() {
+  const auto& sensors = mailbox_->features().sensors;
+  clock_ = StampClock(sensors.size());
+  transforms_ = {link_.odom_frame, link_.base_frame};
+  odom_from_theirs_.reset();
+  odom_from_base_ = {};
+  sources_.clear();
+  for (const TopicSpec& topic : link_.topics) {
+    const std::string_view name = topic.sensor == "depth" ? to_string(SensorType::camera) : topic.sensor;
+    const auto sensor = std::ranges::find(sensors, name, &SensorInfo::name);
+    Source& source = sources_.emplace_back();
+    source.topic = topic;
+    source.sensor = static_cast<std::size_t>(sensor - sensors.begin());
+  }
+  if (profile_.camera) {
+    const bool with_depth = std::ranges::find(link_.topics, "depth", &TopicSpec::sensor) != link_.topics.end();
+    pictures_.emplace(*profile_.camera, with_depth);
+  }
+
+  try {
+    node_ = std::make_unique<Node>(discovery_, "/", "threewe");
+    command_ = node_->advertise(link_.command.topic, link_.command.type, {.reliable = link_.command.reliable});
+    for (std::size_t i = 0; i < sources_.size(); ++i) subscribe(i);
+    wait_until_reached();
+  } catch (...) {
+    node_.reset();
+    throw;
+  }
+}
+
+void RealRobot::subscribe(std::size_t source) {
+  const TopicSpec& topic = sources_[source].topic;
+  const Qos qos{.reliable = topic.reliable, .transient_local = false, .depth = kDepth};
+  auto receiver = [this, source](std::span<const std::uint8_t> payload, std::uint64_t publisher) {
+    receive(source, payload, publisher);
+  };
+  const Node::Handle handle = node_->subscribe(topic.topic, topic.type, qos, std::move(receiver));
+  const std::scoped_lock lock(mutex_);
+  sources_[source].handle = handle;
+}
+
+/// Waits until every topic has its other end and the quick sensors have delivered.
+void RealRobot::wait_until_reached() {
+  const auto give_up = Clock::now() + kReach;
+  for (;;) {
+    const std::string still = missing();
+    if (still.empty()) return;
+    if (Clock::now() > give_up) throw ConnectionError(still);
+    std::this_thread::sleep_for(kControlPeriod);
+  }
+}
+
+/// What of the link is not there; empty where all of it is.
+std::string RealRobot::missing() {
+  std::vector<Endpoint> endpoints;
+  std::vector<std::string> absent;
+  const auto find = [&](const TopicSpec& topic, bool we_publish, Node::Handle handle) {
+    if (node_->peers(handle) > 0) return true;
+    if (endpoints.empty()) endpoints = node_->endpoints();
+    const std::string reason = diagnose(topic, we_publish, endpoints);
+    absent.push_back(reason.empty() ? fmt::format("{}: {} does not answer", topic.sensor, topic.topic) : reason);
+    return false;
+  };
+  find(link_.command, true, command_);
+  std::vector<Source> sources;
+  {
+    const std::scoped_lock lock(mutex_);
+    sources = sources_;
+  }
+  for (const Source& source : sources) {
+    if (!find(source.topic, false, source.handle) || source.delivered) continue;
+    if (mailbox_->features().sensors[source.sensor].rate < kQuick) continue;
+    absent.push_back(source.mistake.empty()
+                         ? fmt::format("{}: nothing has come on {}", source.topic.sensor, source.topic.topic)
+                         : fmt::format("{}: {} delivers {}", source.topic.sensor, source.topic.topic, source.mistake));
+  }
+  if (absent.empty()) return "";
+  if (endpoints.empty() && absent.size() > sources.size()) return diagnose_silence(discovery_);
+  return fmt::format("the robot cannot be reached:\n  {}", fmt::join(absent, "\n  "));
+}
+
+void RealRobot::disconnect() {
+  if (!node_) return;
+  for (int i = 0; i < kLastWords; ++i) {
+    send({});
+    std::this_thread::sleep_for(kControlPeriod);
+  }
+  node_.reset();
+}
+
+// Commands.
+
+void RealRobot::send(const Velocity& velocity) {
+  geometry_msgs::Twist twist;
+  twist.linear = {velocity.vx, velocity.vy, 0.0};
+  twist.angular.z = velocity.omega;
+  constexpr Distribution kAnyLayout = Distribution::jazzy;  // the same in all
+  if (link_.command.type == geometry_msgs::Twist::kType) {
+    node_->publish(command_, encode(twist, kAnyLayout));
+  } else {
+    geometry_msgs::TwistStamped stamped;
+    stamped.header = {wall_time(), link_.base_frame};
+    stamped.twist = twist;
+    node_->publish(command_, encode(stamped, kAnyLayout));
+  }
+  if (++steps_ % kStepsToRefresh == 0) node_->refresh();
+}
+
+// Readings, in threads of the middleware's.
+
+void RealRobot::receive(std::size_t index, std::span<const std::uint8_t> payload, std::uint64_t publisher) {
+  const Time arrival = mailbox_->robot_time();
+  const std::scoped_lock lock(mutex_);
+  Source& source = sources_[index];
+  auto read_of_it = read(source, payload);
+  if (!read_of_it) return;
+  if (!*read_of_it) {
+    source.mistake = read_of_it->error();
+    return;
+  }
+  Reading& reading = **read_of_it;
+  const bool anew = source.publisher != publisher;  // the first one, or a node that was started again
+  if (std::exchange(source.publisher, publisher) != publisher) clock_.restart(source.sensor);
+  if (auto* odometry = std::get_if<Odometry>(&reading.data)) place_odometry(*odometry, anew);
+
+  const SensorInfo& sensor = mailbox_->features().sensors[source.sensor];
+  try {
+    check_data(sensor, reading.data, profile_);
+  } catch (const ContractError& error) {
+    source.mistake = error.what();
+    return;
+  }
+  const auto measured =
+      clock_.measured(source.sensor, reading.stamp, reading.to_measured, reading.to_end, arrival);
+  if (!measured) return;
+  source.delivered = true;
+  mailbox_->push({.sensor = sensor.name, .measured = *measured, .data = std::move(reading.data)});
+}
+
+std::optional<ReadingOrMistake> RealRobot::read(const Source& source, std::span<const std::uint8_t> payload) {
+  const auto converted = [&]<typename M>(std::type_identity<M>, auto&& convert) -> std::optional<ReadingOrMistake> {
+    auto message = decode_any<M>(payload);
+    if (!message) return tl::unexpected(std::move(message.error()));
+    return convert(std::move(*message));
+  };
+  using namespace sensor_msgs;
+  if (source.topic.type == tf2_msgs::TFMessage::kType) {
+    return converted(std::type_identity<tf2_msgs::TFMessage>(),
+                     [this](const tf2_msgs::TFMessage& message) { return transforms_.to_reading(message); });
+  }
+  switch (type_of(source.topic.sensor)) {
+    case SensorType::lidar:
+      return converted(std::type_identity<sensor_msgs::LaserScan>(),
+                       [this](const sensor_msgs::LaserScan& scan) { return to_reading(scan, *profile_.lidar); });
+    case SensorType::imu:
+      return converted(std::type_identity<Imu>(), [](const Imu& imu) { return to_reading(imu); });
+    case SensorType::odometry:
+      return converted(std::type_identity<nav_msgs::Odometry>(),
+                       [](const nav_msgs::Odometry& odometry) { return to_reading(odometry); });
+    case SensorType::battery:
+      return converted(std::type_identity<sensor_msgs::BatteryState>(),
+                       [this](const auto& battery) { return to_reading(battery, *profile_.battery); });
+    case SensorType::ultrasonic:
+      return converted(std::type_identity<Range>(),
+                       [this](const Range& range) { return to_reading(range, *profile_.ultrasonics); });
+    case SensorType::camera:
+      return converted(std::type_identity<Image>(), [&](Image image) {
+        auto shared = std::make_shared<const Image>(std::move(image));
+        return source.topic.sensor == "depth" ? pictures_->add_depth(std::move(shared))
+                                              : pictures_->add_color(std::move(shared));
+      });
+  }
+  return std::nullopt;
+}
+
+/// Odometry begins where the robot stands when it is connected, and goes on from where it was when its sender begins
+/// anew.
+void RealRobot::place_odometry(Odometry& odometry, bool anew) {
+  if (anew || !odom_from_theirs_) odom_from_theirs_ = odom_from_base_ * inverse(odometry.pose);
+  odometry.pose = odom_from_base_ = *odom_from_theirs_ * odometry.pose;
+}
+
+}  // namespace threewe::ros2

@@ -1,0 +1,70 @@
+// Real robot: its topics, as a plug-in of the backend contract that answers in a thread of its own.
+#pragma once
+
+#include <condition_variable>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "backend/plugin.hpp"
+#include "ros2/dds/node.hpp"
+#include "ros2/readings.hpp"
+#include "ros2/stamp_clock.hpp"
+
+namespace threewe::ros2 {
+
+/// What a robot of this profile has over its link. Throws ConfigError for a profile without one.
+backend::Features features_of(const RobotProfile& profile);
+
+/// Talks to one robot. Readings go into the mailbox as they arrive, in threads of the middleware's; velocities go out
+/// with each step that the mailbox asks for, 50 times a second.
+class RealRobot {
+ public:
+  RealRobot(std::shared_ptr<backend::PluginLink> mailbox, Discovery discovery);
+
+  /// Answers the mailbox until its world is gone.
+  void run();
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  // What is known of one topic; behind the mutex.
+  struct Source {
+    TopicSpec topic;
+    std::size_t sensor = 0;  // in the features
+    Node::Handle handle;
+    std::uint64_t publisher = 0;
+    bool delivered = false;
+    std::string mistake;  // in the last message that was refused
+  };
+
+  void connect();
+  void wait_until_reached();
+  std::string missing();
+  void disconnect();
+  void send(const Velocity& velocity);
+  void subscribe(std::size_t source);
+  void receive(std::size_t source, std::span<const std::uint8_t> payload, std::uint64_t publisher);
+  std::optional<ReadingOrMistake> read(const Source& source, std::span<const std::uint8_t> payload);
+  void place_odometry(Odometry& odometry, bool anew);
+
+  const std::shared_ptr<backend::PluginLink> mailbox_;
+  const Discovery discovery_;
+  const RobotProfile& profile_;
+  const LinkSpec& link_;
+  Node::Handle command_;
+  int steps_ = 0;
+
+  std::mutex mutex_;
+  std::condition_variable arrived_;
+  std::vector<Source> sources_;
+  StampClock clock_;
+  TransformOdometry transforms_;
+  std::optional<PictureMaker> pictures_;
+  std::optional<Pose2D> odom_from_theirs_;  // empty until they have told where they are
+  Pose2D odom_from_base_;
+  std::unique_ptr<Node> node_;  // last: receivers end before what they use
+};
+
+}  // namespace threewe::ros2

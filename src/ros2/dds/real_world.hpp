@@ -1,0 +1,17 @@
+// The world of a real robot, in real time.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "ros2/endpoint.hpp"
+#include "threewe/backend/world.hpp"
+
+namespace threewe::ros2 {
+
+/// See `make_world`.
+std::unique_ptr<backend::World> make_real_world(const backend::WorldOptions& options);
+/// See `discover`.
+std::vector<Endpoint> discover_with_cyclone(Duration wall);
+
+}  // namespace threewe::ros2

@@ -1,0 +1,20 @@
+// Diagnosis of a robot that cannot be reached: what its link expects that the ROS 2 graph does not have.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "ros2/discovery.hpp"
+#include "ros2/endpoint.hpp"
+#include "threewe/hardware/profile.hpp"
+
+namespace threewe::ros2 {
+
+/// What keeps us from a topic, and what would help: none publishes it, another type, an offer of less than is asked for,
+/// a type of another hash. Empty where nothing does.
+std::string diagnose(const TopicSpec& topic, bool we_publish, const std::vector<Endpoint>& endpoints);
+
+/// What to try where nothing at all was found.
+std::string diagnose_silence(const Discovery& discovery);
+
+}  // namespace threewe::ros2

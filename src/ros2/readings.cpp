@@ -1,0 +1,319 @@
+#include "ros2/readings.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <limits>
+
+#include <fmt/format.h>
+
+#include "core/exact.hpp"
+
+namespace threewe::ros2 {
+namespace {
+
+tl::unexpected<std::string> mistake(std::string what) { return tl::unexpected(std::move(what)); }
+
+// The heading of a rotation; empty for four numbers that are none.
+std::optional<double> heading(const geometry_msgs::Quaternion& q) {
+  const double norm = q.x * q.x + q.y * q.y + q.z * q.z + q.w * q.w;
+  if (!std::isfinite(norm) || norm < 0.5 || norm > 2.0) return std::nullopt;
+  return wrap_angle(
+      exact::atan2(2.0 * (q.w * q.z + q.x * q.y), q.w * q.w + q.x * q.x - q.y * q.y - q.z * q.z));
+}
+
+// What a message of ranges states (REP 117): NaN, -inf and less than the least are no measurement, inf and more than the
+// most are no return.
+float range_of(double range, double least, double most, double range_min, double range_max) {
+  if (std::isnan(range) || range < least || range <= 0.0) return 0.0F;
+  if (range > most || range >= range_max) return static_cast<float>(range_max);
+  return range < range_min ? 0.0F : static_cast<float>(range);
+}
+
+}  // namespace
+
+Time to_time(const builtin_interfaces::Time& stamp) {
+  return std::chrono::seconds(stamp.sec) + std::chrono::nanoseconds(stamp.nanosec);
+}
+
+ReadingOrMistake to_reading(const sensor_msgs::Imu& imu) {
+  const auto& w = imu.angular_velocity;
+  const auto& a = imu.linear_acceleration;
+  for (const double value : {w.x, w.y, w.z, a.x, a.y, a.z}) {
+    if (!std::isfinite(value)) return mistake("a rate or an acceleration is not finite");
+  }
+  return Reading{IMUData{{w.x, w.y, w.z}, {a.x, a.y, a.z}}, to_time(imu.header.stamp), {}, {}};
+}
+
+ReadingOrMistake to_reading(const nav_msgs::Odometry& odometry) {
+  const auto& position = odometry.pose.pose.position;
+  const auto theta = heading(odometry.pose.pose.orientation);
+  if (!theta) return mistake("the orientation is no unit quaternion");
+  const auto& twist = odometry.twist.twist;
+  const Odometry data{{position.x, position.y, *theta}, {twist.linear.x, twist.linear.y, twist.angular.z}};
+  if (!is_finite(data.pose) || !is_finite(data.velocity)) return mistake("a pose or a velocity is not finite");
+  return Reading{data, to_time(odometry.header.stamp), {}, {}};
+}
+
+ReadingOrMistake to_reading(const sensor_msgs::BatteryState& battery, const BatterySpec& spec) {
+  const auto voltage = static_cast<double>(battery.voltage);
+  if (!std::isfinite(voltage)) return mistake("the voltage is not finite");
+  BatteryState data{.voltage = voltage};
+  // ROS counts what flows in; where it is not measured there is none to be told
+  if (std::isfinite(battery.current)) data.current = -static_cast<double>(battery.current);
+  data.charge = static_cast<double>(battery.percentage);
+  if (!std::isfinite(battery.percentage)) {
+    const double span = std::max(spec.voltage_full - spec.voltage_empty, 1e-3);
+    data.charge = (voltage - spec.voltage_empty) / span;
+  }
+  data.charge = std::clamp(data.charge, 0.0, 1.0);
+  return Reading{data, to_time(battery.header.stamp), {}, {}};
+}
+
+ReadingOrMistake to_reading(const sensor_msgs::Range& range, const UltrasonicSpec& spec) {
+  const RangeData data{
+      spec.field_of_view, spec.range_min, spec.range_max,
+      static_cast<double>(range_of(static_cast<double>(range.range), static_cast<double>(range.min_range),
+                                   static_cast<double>(range.max_range), spec.range_min, spec.range_max))};
+  return Reading{data, to_time(range.header.stamp), {}, {}};
+}
+
+std::optional<ReadingOrMistake> TransformOdometry::to_reading(const tf2_msgs::TFMessage& message) {
+  const auto plain = [](std::string_view frame) { return frame.starts_with('/') ? frame.substr(1) : frame; };
+  for (const geometry_msgs::TransformStamped& transform : message.transforms) {
+    if (plain(transform.header.frame_id) != odom_frame_ || plain(transform.child_frame_id) != base_frame_) continue;
+    const auto theta = heading(transform.transform.rotation);
+    if (!theta) return mistake("the rotation is no unit quaternion");
+    const Pose2D pose{transform.transform.translation.x, transform.transform.translation.y, *theta};
+    if (!is_finite(pose)) return mistake("the translation is not finite");
+    const Time stamp = to_time(transform.header.stamp);
+    const auto last = std::exchange(last_, std::pair(stamp, pose));
+    if (!last || stamp <= last->first) return std::nullopt;  // no velocity yet, or a transform that is said again
+    const Pose2D moved = inverse(last->second) * pose;
+    const double seconds = to_seconds(stamp - last->first);
+    return Reading{Odometry{pose, {moved.x / seconds, moved.y / seconds, moved.theta / seconds}}, stamp, {}, {}};
+  }
+  return std::nullopt;
+}
+
+// Scans.
+
+namespace {
+
+/// A turn of the contract's beams over a message's beams.
+class Resampler {
+ public:
+  Resampler(const sensor_msgs::LaserScan& scan, const LidarSpec& spec)
+      : scan_(scan),
+        spec_(spec),
+        beams_(static_cast<std::size_t>(spec.beams)),
+        count_(scan.ranges.size()),
+        increment_(static_cast<double>(scan.angle_increment)) {
+    // a whole turn is one exactly, whatever a float makes of its increment
+    const double turn = std::abs(increment_) * static_cast<double>(count_);
+    if (std::abs(turn - kTurn) < 0.5 * std::abs(increment_)) {
+      increment_ = std::copysign(kTurn / static_cast<double>(count_), increment_);
+    }
+    // beam 0 of the turn begins where the message's first beam does, or its last one where that goes clockwise
+    const double first = static_cast<double>(scan.angle_min);
+    const double last = first + static_cast<double>(count_ - 1) * increment_;
+    edge_ = std::min(first, last) - 0.5 * std::abs(increment_);
+    ratio_ = kTurn / static_cast<double>(beams_) / std::abs(increment_);
+  }
+
+  LaserScan scan() const {
+    LaserScan turn;
+    turn.angle_increment = kTurn / static_cast<double>(beams_);
+    turn.angle_min = edge_ + 0.5 * turn.angle_increment;
+    constexpr double kRounding = 1e-6;  // [rad] within which a float may be beyond pi
+    if (std::abs(turn.angle_min) > exact::kPi + kRounding) turn.angle_min = wrap_angle(turn.angle_min);
+    turn.time_increment = (is_backward() ? -1.0 : 1.0) * ratio_ * increment_of_time();
+    turn.range_min = spec_.range_min;
+    turn.range_max = spec_.range_max;
+    turn.ranges = ratio_ < 1.0 - 1e-6 ? spread() : nearest();
+    return turn;
+  }
+  /// From the message's stamp to beam 0 of the turn.
+  Duration to_beam_0() const {
+    const double index = 0.5 * ratio_ - 0.5;  // of the message's beams, in the order in which the turn has them
+    const double steps = is_backward() ? static_cast<double>(count_ - 1) - index : index;
+    return from_seconds(steps * increment_of_time());
+  }
+  Duration to_end() const {
+    return from_seconds(std::max(0.0, static_cast<double>(count_ - 1) * increment_of_time()));
+  }
+
+ private:
+  static constexpr double kTurn = 2.0 * exact::kPi;
+
+  double increment_of_time() const { return static_cast<double>(scan_.time_increment); }
+  /// Whether beams were measured against the turn's order. Drivers that reverse the beams of a clockwise device to have
+  /// them counter-clockwise leave the increment of time positive; the profile knows how the device turns.
+  bool is_backward() const { return increment_ < 0.0 || (spec_.clockwise && increment_of_time() > 0.0); }
+  float range(std::size_t i) const {
+    return range_of(static_cast<double>(scan_.ranges[i]), static_cast<double>(scan_.range_min),
+                    static_cast<double>(scan_.range_max), spec_.range_min, spec_.range_max);
+  }
+  /// The message's beam that comes `i`-th counter-clockwise.
+  std::size_t in_order(std::size_t i) const { return increment_ < 0.0 ? count_ - 1 - i : i; }
+
+  /// Of at least as many beams as the turn has: the nearest return in each; one on the edge of two counts for both.
+  std::vector<float> nearest() const {
+    constexpr float kNothing = std::numeric_limits<float>::infinity();
+    constexpr double kOnEdge = 0.01;  // [beams], more than a float's angle may be off by
+    std::vector<float> ranges(beams_, kNothing);
+    for (std::size_t i = 0; i < count_; ++i) {
+      const float found = range(in_order(i));
+      if (found == 0.0F) continue;
+      const double place = (static_cast<double>(i) + 0.5) / ratio_;
+      for (const double side : {place - kOnEdge, place + kOnEdge}) {
+        const auto beams = static_cast<double>(beams_);
+        float& nearest = ranges[static_cast<std::size_t>(side - beams * std::floor(side / beams)) % beams_];
+        nearest = std::min(nearest, found);
+      }
+    }
+    for (float& one : ranges) one = one == kNothing ? 0.0F : one;
+    return ranges;
+  }
+  /// Of fewer: each of the turn's beams is the message's beam that it lies in.
+  std::vector<float> spread() const {
+    std::vector<float> ranges(beams_, 0.0F);
+    for (std::size_t k = 0; k < beams_; ++k) {
+      const auto i = static_cast<std::size_t>((static_cast<double>(k) + 0.5) * ratio_);
+      if (i < count_) ranges[k] = range(in_order(i));
+    }
+    return ranges;
+  }
+
+  const sensor_msgs::LaserScan& scan_;
+  const LidarSpec& spec_;
+  std::size_t beams_;
+  std::size_t count_;
+  double increment_;    // [rad] from the message's beam to beam; negative for one that goes clockwise
+  double edge_ = 0.0;   // [rad] where the turn begins
+  double ratio_ = 0.0;  // the message's beams per beam of the turn
+};
+
+}  // namespace
+
+ReadingOrMistake to_reading(const sensor_msgs::LaserScan& scan, const LidarSpec& spec) {
+  constexpr std::size_t kMostBeams = 65536;
+  constexpr double kLongest = 10.0;  // [s] of one turn
+  const auto increment = static_cast<double>(scan.angle_increment);
+  const auto count = static_cast<double>(scan.ranges.size());
+  if (scan.ranges.size() < 2 || scan.ranges.size() > kMostBeams) {
+    return mistake(fmt::format("a scan of {} beams", scan.ranges.size()));
+  }
+  if (!std::isfinite(increment) || std::abs(increment) < 1e-6 || std::abs(increment) * count > 7.0) {
+    return mistake(fmt::format("{} beams of {} rad are no turn, nor a part of one", scan.ranges.size(), increment));
+  }
+  if (!std::isfinite(scan.angle_min) || std::abs(static_cast<double>(scan.angle_min)) > 7.0) {
+    return mistake(fmt::format("angle_min is {} rad", scan.angle_min));
+  }
+  const double lasts = static_cast<double>(scan.time_increment) * count;
+  if (!(std::abs(lasts) < kLongest)) return mistake(fmt::format("the beams span {} s", lasts));
+  const Resampler resampler(scan, spec);
+  return Reading{resampler.scan(), to_time(scan.header.stamp), resampler.to_beam_0(), resampler.to_end()};
+}
+
+// Pictures.
+
+namespace {
+
+// Where blue, green and red are within a pixel of some bytes; empty for encodings that are none of colours.
+struct Encoding {
+  std::size_t bytes = 0;
+  std::array<std::size_t, 3> bgr{};
+};
+std::optional<Encoding> encoding_of(std::string_view name) {
+  if (name == "bgr8") return Encoding{3, {0, 1, 2}};
+  if (name == "rgb8") return Encoding{3, {2, 1, 0}};
+  if (name == "bgra8") return Encoding{4, {0, 1, 2}};
+  if (name == "rgba8") return Encoding{4, {2, 1, 0}};
+  if (name == "mono8") return Encoding{1, {0, 0, 0}};
+  return std::nullopt;
+}
+
+std::optional<std::string> mistake_in(const sensor_msgs::Image& image, const CameraSpec& spec, std::size_t bytes) {
+  if (image.width != static_cast<std::uint32_t>(spec.width) || image.height != static_cast<std::uint32_t>(spec.height)) {
+    return fmt::format("an image of {} x {}; the profile has {} x {}", image.width, image.height, spec.width,
+                       spec.height);
+  }
+  const std::size_t row = image.width * bytes;
+  if (bytes > 0 && image.step >= row && image.data.size() / image.step >= image.height) return std::nullopt;
+  return fmt::format("{} bytes, of {} a row, are no image of {} x {} in {}", image.data.size(), image.step, image.width,
+                     image.height, image.encoding);
+}
+
+std::vector<std::uint8_t> colors_of(const sensor_msgs::Image& image, const Encoding& encoding) {
+  std::vector<std::uint8_t> color;
+  color.reserve(std::size_t{3} * image.width * image.height);
+  for (std::size_t row = 0; row < image.height; ++row) {
+    const std::uint8_t* pixel = image.data.data() + row * image.step;
+    for (std::size_t column = 0; column < image.width; ++column, pixel += encoding.bytes) {
+      for (const std::size_t offset : encoding.bgr) color.push_back(pixel[offset]);
+    }
+  }
+  return color;
+}
+
+// In millimetres (REP 118) or in metres; what the camera cannot measure is invalid.
+std::vector<float> depths_of(const sensor_msgs::Image& image, const DepthSpec& spec) {
+  const bool millimetres = image.encoding == "16UC1";
+  std::vector<float> depths;
+  depths.reserve(std::size_t{image.width} * image.height);
+  for (std::size_t row = 0; row < image.height; ++row) {
+    const std::uint8_t* pixel = image.data.data() + row * image.step;
+    for (std::size_t column = 0; column < image.width; ++column) {
+      float depth = 0.0F;
+      if (millimetres) {
+        depth = 0.001F * static_cast<float>(pixel[2 * column] | pixel[2 * column + 1] << 8);
+      } else {
+        std::memcpy(&depth, pixel + 4 * column, sizeof depth);
+      }
+      const bool measured =
+          depth >= static_cast<float>(spec.range_min) && depth <= static_cast<float>(spec.range_max);
+      depths.push_back(measured ? depth : 0.0F);
+    }
+  }
+  return depths;
+}
+
+}  // namespace
+
+std::optional<ReadingOrMistake> PictureMaker::add_color(std::shared_ptr<const sensor_msgs::Image> image) {
+  const auto encoding = encoding_of(image->encoding);
+  if (!encoding) {
+    return mistake(fmt::format("encoding '{}'; known: bgr8, rgb8, bgra8, rgba8, mono8", image->encoding));
+  }
+  if (auto wrong = mistake_in(*image, spec_, encoding->bytes)) return mistake(std::move(*wrong));
+  color_ = std::move(image);
+  return match();
+}
+
+std::optional<ReadingOrMistake> PictureMaker::add_depth(std::shared_ptr<const sensor_msgs::Image> image) {
+  const std::size_t bytes = image->encoding == "16UC1" ? 2 : image->encoding == "32FC1" ? 4 : 0;
+  if (bytes == 0 || image->is_bigendian != 0) {
+    return mistake(fmt::format("depth in '{}'; known: 16UC1 and 32FC1, little-endian", image->encoding));
+  }
+  if (auto wrong = mistake_in(*image, spec_, bytes)) return mistake(std::move(*wrong));
+  depth_ = std::move(image);
+  return match();
+}
+
+std::optional<ReadingOrMistake> PictureMaker::match() {
+  if (!color_ || (with_depth_ && !depth_)) return std::nullopt;
+  const Time stamp = to_time(color_->header.stamp);
+  if (with_depth_) {
+    const Duration apart = stamp - to_time(depth_->header.stamp);
+    if (std::chrono::abs(apart) > spec_.period / 2) return std::nullopt;  // the other one is still to come
+  }
+  Picture picture([spec = spec_, color = std::exchange(color_, nullptr), depth = std::exchange(depth_, nullptr)] {
+    RGBDImage image{spec.intrinsics(), colors_of(*color, *encoding_of(color->encoding)), {}};
+    if (depth) image.depth = depths_of(*depth, *spec.depth);
+    return image;
+  });
+  return Reading{std::move(picture), stamp, {}, {}};
+}
+
+}  // namespace threewe::ros2

@@ -1,0 +1,76 @@
+// Conversions of ROS 2 sensor messages to readings of the contract.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+
+#include <tl/expected.hpp>
+
+#include "ros2/messages/nav_msgs.hpp"
+#include "ros2/messages/sensor_msgs.hpp"
+#include "ros2/messages/system_msgs.hpp"
+#include "threewe/core/samples.hpp"
+#include "threewe/hardware/profile.hpp"
+
+namespace threewe::ros2 {
+
+/// What one message says, by its sender's clock.
+struct Reading {
+  SampleData data;
+  Time stamp{};           ///< of the message's header; 0 where its sender has no clock
+  Duration to_measured{};  ///< from the stamp to what the contract calls `measured`
+  Duration to_end{};       ///< from the stamp to when the last of it was measured
+};
+/// Or what is wrong with it.
+using ReadingOrMistake = tl::expected<Reading, std::string>;
+
+/// Of any number of beams, in either direction, over a turn or a part of it, with inf and nan as REP 117 has them: the
+/// nearest return within each beam of the profile's, as the contract wants it; beams that it does not reach are invalid.
+ReadingOrMistake to_reading(const sensor_msgs::LaserScan& scan, const LidarSpec& spec);
+/// In the base frame, as it comes: the profile has no pose of the inertial unit.
+ReadingOrMistake to_reading(const sensor_msgs::Imu& imu);
+/// The pose, and the velocity in the body frame.
+ReadingOrMistake to_reading(const nav_msgs::Odometry& odometry);
+/// Where the charge is not stated, it follows from the voltage.
+ReadingOrMistake to_reading(const sensor_msgs::BatteryState& battery, const BatterySpec& spec);
+/// inf is no return, as REP 117 has it; -inf and nan are invalid.
+ReadingOrMistake to_reading(const sensor_msgs::Range& range, const UltrasonicSpec& spec);
+
+/// Odometry from the transform odom -> base, and the velocity from one to the next.
+class TransformOdometry {
+ public:
+  TransformOdometry(std::string odom_frame, std::string base_frame)
+      : odom_frame_(std::move(odom_frame)), base_frame_(std::move(base_frame)) {}
+  /// Nothing where the message has no such transform, or none that is newer.
+  std::optional<ReadingOrMistake> to_reading(const tf2_msgs::TFMessage& message);
+
+ private:
+  std::string odom_frame_;
+  std::string base_frame_;
+  std::optional<std::pair<Time, Pose2D>> last_;
+};
+
+/// Pictures from a camera's messages: of colours alone, or of colours and depths that were taken at one time.
+class PictureMaker {
+ public:
+  /// `with_depth`: both kinds of image come.
+  PictureMaker(const CameraSpec& spec, bool with_depth) : spec_(spec), with_depth_(with_depth) {}
+  /// Nothing while the other image is to come. Colours are converted when somebody looks at them.
+  std::optional<ReadingOrMistake> add_color(std::shared_ptr<const sensor_msgs::Image> image);
+  std::optional<ReadingOrMistake> add_depth(std::shared_ptr<const sensor_msgs::Image> image);
+
+ private:
+  std::optional<ReadingOrMistake> match();
+
+  CameraSpec spec_;
+  bool with_depth_;
+  std::shared_ptr<const sensor_msgs::Image> color_;
+  std::shared_ptr<const sensor_msgs::Image> depth_;
+};
+
+/// A stamp as nanoseconds.
+Time to_time(const builtin_interfaces::Time& stamp);
+
+}  // namespace threewe::ros2

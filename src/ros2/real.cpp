@@ -1,0 +1,36 @@
+// What is always built: where this library was compiled without Cyclone DDS's headers, the backend says so.
+#include "ros2/real.hpp"
+
+#include <fmt/format.h>
+
+#include "threewe/core/errors.hpp"
+#if THREEWE_WITH_CYCLONEDDS
+#include "ros2/dds/real_world.hpp"
+#endif
+
+namespace threewe::ros2 {
+
+#if THREEWE_WITH_CYCLONEDDS
+
+std::unique_ptr<backend::World> make_world(const backend::WorldOptions& options) { return make_real_world(options); }
+
+std::vector<Endpoint> discover(Duration wall) { return discover_with_cyclone(wall); }
+
+#else
+
+namespace {
+[[noreturn]] void fail() {
+  throw ConfigError(fmt::format(
+      "backend 'real': this build of threewe has none, as Cyclone DDS's headers were not there when it was compiled: {}, "
+      "then build threewe again",
+      kInstall));
+}
+}  // namespace
+
+std::unique_ptr<backend::World> make_world(const backend::WorldOptions&) { fail(); }
+
+std::vector<Endpoint> discover(Duration) { fail(); }
+
+#endif
+
+}  // namespace threewe::ros2

@@ -1,0 +1,307 @@
+// Sensor messages as readings of the contract.
+#include "ros2/readings.hpp"
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "core/exact.hpp"
+#include "draw.hpp"
+#include "hardware/sample_checks.hpp"
+
+namespace threewe::ros2 {
+namespace {
+
+constexpr float kInf = std::numeric_limits<float>::infinity();
+constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+constexpr double kTurn = 2.0 * exact::kPi;
+
+const RobotProfile& robot() {
+  static const RobotProfile profile = load_profile("3we_standard_v2");
+  return profile;
+}
+
+// Beams from one angle on, all with one range until some are changed.
+sensor_msgs::LaserScan scan_of(std::size_t beams, double angle_min, double increment, float range = 3.0F) {
+  sensor_msgs::LaserScan scan;
+  scan.header.stamp = {100, 0};
+  scan.angle_min = static_cast<float>(angle_min);
+  scan.angle_increment = static_cast<float>(increment);
+  scan.angle_max = static_cast<float>(angle_min + static_cast<double>(beams - 1) * increment);
+  scan.range_min = 0.02F;
+  scan.range_max = 12.0F;
+  scan.ranges.assign(beams, range);
+  return scan;
+}
+
+const LaserScan& scan_in(const ReadingOrMistake& reading) {
+  REQUIRE(reading);
+  return std::get<LaserScan>(reading->data);
+}
+
+// The range in the beam that points along an angle.
+float range_at(const LaserScan& scan, double angle) {
+  const double place = wrap_angle(angle - scan.angle_min) / scan.angle_increment;
+  const auto beams = static_cast<int>(scan.ranges.size());
+  return scan.ranges[static_cast<std::size_t>((static_cast<int>(std::lround(place)) + beams) % beams)];
+}
+
+TEST_CASE("a turn of as many beams is itself") {
+  sensor_msgs::LaserScan message = scan_of(360, -exact::kPi, kTurn / 360);
+  for (std::size_t i = 0; i < 360; ++i) message.ranges[i] = 1.0F + 0.01F * static_cast<float>(i);
+  message.time_increment = 0.1F / 360.0F;
+  LidarSpec spec = *robot().lidar;
+  spec.clockwise = false;
+  const ReadingOrMistake reading = to_reading(message, spec);
+  const LaserScan& scan = scan_in(reading);
+  CHECK(scan.ranges == message.ranges);
+  CHECK(scan.angle_min == doctest::Approx(-exact::kPi));
+  CHECK(scan.time_increment == doctest::Approx(0.1 / 360));
+  CHECK(reading->stamp == 100s);
+  CHECK(std::abs(to_seconds(reading->to_measured)) < 1e-6);
+  CHECK(to_seconds(reading->to_end) == doctest::Approx(0.1 * 359 / 360));
+}
+
+TEST_CASE("beams point where they did, whatever the message's count, direction and first angle") {
+  for (std::uint64_t seed = 0; seed < cases(500); ++seed) {
+    CAPTURE(seed);
+    Draw draw(seed);
+    const auto beams = static_cast<std::size_t>(draw.whole(180, 2000));
+    const bool clockwise = draw.whole(0, 1) == 1;
+    const double increment = (clockwise ? -1.0 : 1.0) * kTurn / static_cast<double>(beams);
+    sensor_msgs::LaserScan message = scan_of(beams, draw(-3.1, 3.1), increment);
+    const auto hit = static_cast<std::size_t>(draw.whole(0, static_cast<int>(beams) - 1));
+    message.ranges[hit] = 1.5F;
+    message.time_increment = static_cast<float>(0.1 / static_cast<double>(beams));
+    LidarSpec spec = *robot().lidar;
+    spec.clockwise = clockwise;
+
+    const ReadingOrMistake reading = to_reading(message, spec);
+    const LaserScan& scan = scan_in(reading);
+    check_data({"lidar", SensorType::lidar, 10.0}, scan, robot());
+    CHECK(std::abs(scan.angle_min) <= exact::kPi + 1e-6);
+    CHECK(std::abs(std::abs(scan.time_increment) * 360 - 0.1) < 1e-4);
+    CHECK((scan.time_increment < 0.0) == clockwise);
+    const double angle = static_cast<double>(message.angle_min) + static_cast<double>(hit) * increment;
+    for (std::size_t k = 0; k < scan.ranges.size(); ++k) {
+      if (scan.ranges[k] == 3.0F) continue;
+      REQUIRE(scan.ranges[k] == 1.5F);
+      const double beam = scan.angle_min + static_cast<double>(k) * scan.angle_increment;
+      CHECK(std::abs(wrap_angle(beam - angle)) <= 0.5 * (scan.angle_increment + std::abs(increment)) + 1e-3);
+      // and was measured when the message says, within a beam
+      const double said = static_cast<double>(hit) * static_cast<double>(message.time_increment);
+      const double ours = to_seconds(reading->to_measured) + static_cast<double>(k) * scan.time_increment;
+      const double off = std::abs(ours - said);
+      CHECK(std::min(off, std::abs(off - 0.1)) <= 0.1 * (1.0 / 360 + 1.0 / static_cast<double>(beams)));
+    }
+    CHECK(std::ranges::count(scan.ranges, 1.5F) >= 1);
+  }
+}
+
+TEST_CASE("450 points make 360 beams: the nearest return, none, or nothing valid") {
+  sensor_msgs::LaserScan message = scan_of(450, 0.0, kTurn / 450, kInf);
+  message.ranges[100] = 2.0F;
+  message.ranges[101] = 1.0F;
+  const ReadingOrMistake far = to_reading(message, *robot().lidar);
+  CHECK(range_at(scan_in(far), 100.5 * kTurn / 450) == 1.0F);
+  CHECK(std::ranges::count(scan_in(far).ranges, 12.0F) >= 356);
+
+  message.ranges.assign(450, kNan);
+  const ReadingOrMistake blind = to_reading(message, *robot().lidar);
+  CHECK(std::ranges::count(scan_in(blind).ranges, 0.0F) == 360);
+}
+
+TEST_CASE("what is no measurement is invalid, and what is beyond the lidar's range is no return") {
+  sensor_msgs::LaserScan message = scan_of(360, -exact::kPi, kTurn / 360);
+  message.ranges = {};
+  message.ranges.resize(360, 3.0F);
+  message.ranges[0] = kNan;
+  message.ranges[1] = -kInf;
+  message.ranges[2] = 0.0F;
+  message.ranges[3] = 0.01F;
+  message.ranges[4] = kInf;
+  message.ranges[5] = 13.0F;
+  message.ranges[6] = -1.0F;
+  const ReadingOrMistake reading = to_reading(message, *robot().lidar);
+  const auto& ranges = scan_in(reading).ranges;
+  CHECK(std::vector(ranges.begin(), ranges.begin() + 8) ==
+        std::vector{0.0F, 0.0F, 0.0F, 0.0F, 12.0F, 12.0F, 0.0F, 3.0F});
+}
+
+TEST_CASE("a part of a turn leaves the rest invalid") {
+  const sensor_msgs::LaserScan message = scan_of(541, -0.75 * exact::kPi, 1.5 * exact::kPi / 540);
+  const ReadingOrMistake reading = to_reading(message, *robot().lidar);
+  CHECK(range_at(scan_in(reading), 0.0) == 3.0F);
+  CHECK(range_at(scan_in(reading), 2.3) == 3.0F);
+  CHECK(range_at(scan_in(reading), exact::kPi) == 0.0F);
+  CHECK(std::abs(std::ranges::count(scan_in(reading).ranges, 0.0F) - 90) <= 2);
+}
+
+TEST_CASE("fewer beams than the profile's are spread over them") {
+  sensor_msgs::LaserScan message = scan_of(180, -exact::kPi, kTurn / 180);
+  message.ranges[90] = 1.0F;
+  const ReadingOrMistake reading = to_reading(message, *robot().lidar);
+  CHECK(std::ranges::count(scan_in(reading).ranges, 0.0F) == 0);
+  CHECK(std::ranges::count(scan_in(reading).ranges, 1.0F) == 2);
+}
+
+TEST_CASE("beams of a clockwise device that its driver has reversed are measured from the last to the first") {
+  sensor_msgs::LaserScan message = scan_of(360, -exact::kPi, kTurn / 360);
+  message.time_increment = 0.1F / 360.0F;
+  const ReadingOrMistake reading = to_reading(message, *robot().lidar);
+  CHECK(scan_in(reading).time_increment == doctest::Approx(-0.1 / 360));
+  CHECK(to_seconds(reading->to_measured) == doctest::Approx(0.1 * 359 / 360));
+}
+
+TEST_CASE("a scan that is none is refused") {
+  CHECK_FALSE(to_reading(scan_of(1, 0.0, 0.1), *robot().lidar));
+  CHECK_FALSE(to_reading(scan_of(360, 0.0, 0.0), *robot().lidar));
+  CHECK_FALSE(to_reading(scan_of(360, 0.0, static_cast<double>(kNan)), *robot().lidar));
+  CHECK_FALSE(to_reading(scan_of(3600, 0.0, 0.01), *robot().lidar));
+  CHECK_FALSE(to_reading(scan_of(360, static_cast<double>(kInf), kTurn / 360), *robot().lidar));
+  sensor_msgs::LaserScan message = scan_of(360, 0.0, kTurn / 360);
+  message.time_increment = 1e9F;
+  CHECK_FALSE(to_reading(message, *robot().lidar));
+}
+
+TEST_CASE("odometry is a pose in the plane and the velocity of the body") {
+  nav_msgs::Odometry message;
+  message.header.stamp = {5, 500'000'000};
+  message.pose.pose.position = {1.0, 2.0, 0.1};
+  message.pose.pose.orientation = {0.0, 0.0, std::sin(0.4), std::cos(0.4)};
+  message.twist.twist.linear = {0.3, 0.1, 0.0};
+  message.twist.twist.angular = {0.0, 0.0, -0.5};
+  const ReadingOrMistake reading = to_reading(message);
+  REQUIRE(reading);
+  const auto& odometry = std::get<Odometry>(reading->data);
+  CHECK(odometry.pose.theta == doctest::Approx(0.8));
+  CHECK(odometry.pose.position() == Vec2{1.0, 2.0});
+  CHECK(odometry.velocity == Velocity{0.3, 0.1, -0.5});
+  CHECK(reading->stamp == 5500ms);
+  message.pose.pose.orientation = {0.0, 0.0, 0.0, 0.0};
+  CHECK_FALSE(to_reading(message));
+  message.pose.pose.orientation = {};
+  message.twist.twist.linear.x = static_cast<double>(kNan);
+  CHECK_FALSE(to_reading(message));
+}
+
+TEST_CASE("transforms are odometry, too") {
+  TransformOdometry transforms("odom", "base_link");
+  tf2_msgs::TFMessage message;
+  auto& transform = message.transforms.emplace_back();
+  transform.header = {{10, 0}, "/odom"};
+  transform.child_frame_id = "base_link";
+  CHECK_FALSE(transforms.to_reading(message));  // no velocity yet
+  transform.header.stamp = {10, 100'000'000};
+  transform.transform.translation.x = 0.05;
+  const auto reading = transforms.to_reading(message);
+  REQUIRE(reading);
+  REQUIRE(*reading);
+  CHECK(std::get<Odometry>((*reading)->data).velocity.vx == doctest::Approx(0.5));
+  CHECK_FALSE(transforms.to_reading(message));  // said again
+  transform.child_frame_id = "camera";
+  transform.header.stamp = {11, 0};
+  CHECK_FALSE(transforms.to_reading(message));
+}
+
+TEST_CASE("a battery's current flows out, and its charge follows from the voltage where it is not stated") {
+  sensor_msgs::BatteryState message;
+  message.voltage = 7.2F;
+  message.current = -1.5F;
+  message.percentage = 0.25F;
+  const auto state = std::get<BatteryState>(to_reading(message, *robot().battery)->data);
+  CHECK(state.current == doctest::Approx(1.5));
+  CHECK(state.charge == doctest::Approx(0.25));
+  message.percentage = message.current = kNan;
+  CHECK(std::get<BatteryState>(to_reading(message, *robot().battery)->data).charge == doctest::Approx(0.5));
+  message.voltage = kNan;
+  CHECK_FALSE(to_reading(message, *robot().battery));
+}
+
+TEST_CASE("ranges without a return, and without a measurement") {
+  sensor_msgs::Range message;
+  message.min_range = 0.02F;
+  message.max_range = 4.0F;
+  const auto range = [&](float value) {
+    message.range = value;
+    return std::get<RangeData>(to_reading(message, *robot().ultrasonics)->data).range;
+  };
+  CHECK(range(1.25F) == 1.25);
+  CHECK(range(kInf) == 4.0);
+  CHECK(range(4.5F) == 4.0);
+  CHECK(range(kNan) == 0.0);
+  CHECK(range(-kInf) == 0.0);
+  CHECK(range(0.01F) == 0.0);
+}
+
+std::shared_ptr<sensor_msgs::Image> image_of(const CameraSpec& spec, const char* encoding, std::size_t bytes) {
+  auto image = std::make_shared<sensor_msgs::Image>();
+  image->header.stamp = {3, 0};
+  image->width = static_cast<std::uint32_t>(spec.width);
+  image->height = static_cast<std::uint32_t>(spec.height);
+  image->encoding = encoding;
+  image->step = static_cast<std::uint32_t>(bytes) * image->width;
+  image->data.resize(std::size_t{image->step} * image->height);
+  return image;
+}
+
+TEST_CASE("a red pixel is red, in every encoding of colours") {
+  CameraSpec spec = *robot().camera;
+  spec.width = 4;
+  spec.height = 2;
+  for (const auto& [encoding, bytes, red] :
+       {std::tuple{"bgr8", 3, 2}, std::tuple{"rgb8", 3, 0}, std::tuple{"bgra8", 4, 2}, std::tuple{"rgba8", 4, 0}}) {
+    CAPTURE(encoding);
+    auto message = image_of(spec, encoding, static_cast<std::size_t>(bytes));
+    message->data[static_cast<std::size_t>(bytes + red)] = 200;  // of the second pixel
+    const auto reading = PictureMaker(spec, false).add_color(message);
+    REQUIRE(reading);
+    REQUIRE(*reading);
+    const RGBDImage& image = std::get<Picture>((*reading)->data).image();
+    CHECK(image.color.size() == 24);
+    CHECK(image.color[3 + 2] == 200);
+    CHECK(std::ranges::count(image.color, 0) == 23);
+  }
+}
+
+TEST_CASE("pictures with depth wait for both images") {
+  CameraSpec spec = *robot().camera;
+  spec.width = 2;
+  spec.height = 1;
+  spec.depth = DepthSpec{.range_min = 0.3, .range_max = 5.0, .sigma = 0.0};
+  PictureMaker maker(spec, true);
+  CHECK_FALSE(maker.add_color(image_of(spec, "bgr8", 3)));
+  auto depth = image_of(spec, "16UC1", 2);
+  depth->data = {0xDC, 0x05, 0x10, 0x00};  // 1,500 mm, and 16 mm, which is too near
+  const auto reading = maker.add_depth(depth);
+  REQUIRE(reading);
+  CHECK(std::get<Picture>((*reading)->data).image().depth == std::vector{1.5F, 0.0F});
+
+  CHECK_FALSE(maker.add_color(image_of(spec, "bgr8", 3)));
+  depth->header.stamp = {4, 0};
+  CHECK_FALSE(maker.add_depth(depth));  // of another time
+}
+
+TEST_CASE("an image that is none is refused") {
+  const CameraSpec& spec = *robot().camera;
+  PictureMaker maker(spec, false);
+  const auto mistake = [&](const std::shared_ptr<sensor_msgs::Image>& image) {
+    const auto reading = maker.add_color(image);
+    REQUIRE(reading);
+    return *reading ? "" : reading->error();
+  };
+  auto image = image_of(spec, "bayer_rggb8", 1);
+  CHECK(mistake(image).find("bayer_rggb8") != std::string::npos);
+  image = image_of(spec, "rgb8", 3);
+  image->width = 1280;
+  CHECK(mistake(image).find("the profile has 640 x 480") != std::string::npos);
+  image = image_of(spec, "rgb8", 3);
+  image->data.pop_back();
+  CHECK(mistake(image).find("are no image") != std::string::npos);
+  image->step = 0;
+  CHECK(mistake(image).find("are no image") != std::string::npos);
+}
+
+}  // namespace
+}  // namespace threewe::ros2

@@ -1,0 +1,75 @@
+// A ROS 2 node on Fast DDS with the code that fastddsgen made: what a micro-ROS agent shows of a microcontroller.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <stdexcept>
+#include <string>
+
+#include <fastdds/dds/domain/DomainParticipant.hpp>
+#include <fastdds/dds/domain/DomainParticipantFactory.hpp>
+#include <fastdds/dds/publisher/DataWriter.hpp>
+#include <fastdds/dds/publisher/Publisher.hpp>
+#include <fastdds/dds/subscriber/DataReader.hpp>
+#include <fastdds/dds/subscriber/DataReaderListener.hpp>
+#include <fastdds/dds/subscriber/SampleInfo.hpp>
+#include <fastdds/dds/subscriber/Subscriber.hpp>
+#include <fastdds/dds/topic/TypeSupport.hpp>
+
+namespace fast = eprosima::fastdds::dds;
+
+/// Best effort and volatile, as firmware publishes; no type hash, as the agent has none.
+class Node {
+ public:
+  explicit Node(unsigned domain)
+      : participant_(fast::DomainParticipantFactory::get_instance()->create_participant(
+            domain, fast::PARTICIPANT_QOS_DEFAULT)) {
+    if (participant_ == nullptr) throw std::runtime_error("no participant");
+    publisher_ = participant_->create_publisher(fast::PUBLISHER_QOS_DEFAULT);
+    subscriber_ = participant_->create_subscriber(fast::SUBSCRIBER_QOS_DEFAULT);
+  }
+  ~Node() {
+    participant_->delete_contained_entities();
+    fast::DomainParticipantFactory::get_instance()->delete_participant(participant_);
+  }
+  Node(const Node&) = delete;
+  Node& operator=(const Node&) = delete;
+
+  /// `type` as DDS has it.
+  template <typename Support>
+  fast::DataWriter* advertise(const std::string& topic, const std::string& type) {
+    fast::DataWriterQos qos;
+    qos.reliability().kind = fast::BEST_EFFORT_RELIABILITY_QOS;
+    qos.durability().kind = fast::VOLATILE_DURABILITY_QOS;
+    qos.endpoint().history_memory_policy = eprosima::fastrtps::rtps::PREALLOCATED_WITH_REALLOC_MEMORY_MODE;
+    qos.data_sharing().off();
+    return checked(publisher_->create_datawriter(make_topic<Support>(topic, type), qos), topic);
+  }
+  template <typename Support>
+  void subscribe(const std::string& topic, const std::string& type, fast::DataReaderListener& listener) {
+    fast::DataReaderQos qos;
+    qos.reliability().kind = fast::BEST_EFFORT_RELIABILITY_QOS;
+    qos.endpoint().history_memory_policy = eprosima::fastrtps::rtps::PREALLOCATED_WITH_REALLOC_MEMORY_MODE;
+    qos.data_sharing().off();
+    checked(subscriber_->create_datareader(make_topic<Support>(topic, type), qos, &listener), topic);
+  }
+
+ private:
+  template <typename Support>
+  fast::Topic* make_topic(const std::string& topic, const std::string& type) {
+    fast::TypeSupport support(new Support());
+    support->auto_fill_type_object(false);
+    support->auto_fill_type_information(false);
+    support.register_type(participant_, type);
+    return checked(participant_->create_topic("rt" + topic, type, fast::TOPIC_QOS_DEFAULT), topic);
+  }
+  template <typename T>
+  static T* checked(T* made, const std::string& topic) {
+    if (made == nullptr) throw std::runtime_error("no endpoint of " + topic);
+    return made;
+  }
+
+  fast::DomainParticipant* participant_;
+  fast::Publisher* publisher_;
+  fast::Subscriber* subscriber_;
+};

@@ -1,0 +1,305 @@
+// Stand-in for a robot with micro-ROS: another process, on another DDS, with the embedded simulator as its body.
+//
+//   ros2_robot DOMAIN [--profile NAME] [--scene NAME] [--seed N] [--jazzy] [--mute TOPIC]
+//
+// It takes velocities on /cmd_vel, and stops 200 ms after the last. When nobody drives it any more it is put back to
+// where it started. It prints a line when it is ready, and what is true of it when it is told to end.
+#include <atomic>
+#include <chrono>
+#include <cmath>
+#include <csignal>
+#include <cstdio>
+#include <limits>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <thread>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include "node.hpp"
+#include "robotPubSubTypes.h"
+#include "threewe/backend/registry.hpp"
+#include "threewe/scene/truth_view.hpp"
+
+using namespace threewe;
+using Clock = std::chrono::steady_clock;
+
+namespace {
+
+constexpr Duration kWatchdog = 200ms;
+// Its odometry began long ago, elsewhere; its clock is one that nobody set.
+constexpr Pose2D kTheirsFromStart{3.0, -2.0, 1.2};
+constexpr Time kUptime = 5000s;
+
+std::atomic<bool> g_ended = false;
+
+struct Options {
+  unsigned domain = 0;
+  std::string profile = "3we_standard_v2";
+  std::string scene = "office_v2";
+  std::string mute;
+  std::uint64_t seed = 0;
+  bool jazzy = false;
+};
+
+Options parse(int count, char** arguments) {
+  Options options;
+  options.domain = static_cast<unsigned>(std::stoul(arguments[1]));
+  for (int i = 2; i < count; ++i) {
+    const std::string_view name = arguments[i];
+    if (name == "--jazzy") {
+      options.jazzy = true;
+    } else if (++i == count) {
+      throw std::runtime_error("a value is missing");
+    } else if (name == "--profile") {
+      options.profile = arguments[i];
+    } else if (name == "--scene") {
+      options.scene = arguments[i];
+    } else if (name == "--seed") {
+      options.seed = std::stoull(arguments[i]);
+    } else if (name == "--mute") {
+      options.mute = arguments[i];
+    } else {
+      throw std::runtime_error("unknown option");
+    }
+  }
+  return options;
+}
+
+/// The last velocity that came, until the watchdog takes it away.
+class Commands : public fast::DataReaderListener {
+ public:
+  void on_data_available(fast::DataReader* reader) override {
+    geometry_msgs::msg::dds_::Twist_ twist;
+    fast::SampleInfo info;
+    while (reader->take_next_sample(&twist, &info) == eprosima::fastrtps::types::ReturnCode_t::RETCODE_OK) {
+      if (!info.valid_data) continue;
+      const std::scoped_lock lock(mutex_);
+      velocity_ = {twist.linear().x(), twist.linear().y(), twist.angular().z()};
+      arrived_ = Clock::now();
+      ++count_;
+    }
+  }
+  void on_subscription_matched(fast::DataReader*, const fast::SubscriptionMatchedStatus& status) override {
+    drivers_ = status.current_count;
+  }
+  Velocity velocity() {
+    const std::scoped_lock lock(mutex_);
+    return Clock::now() - arrived_ < kWatchdog ? velocity_ : Velocity{};
+  }
+  int drivers() const { return drivers_; }
+  std::uint64_t count() {
+    const std::scoped_lock lock(mutex_);
+    return count_;
+  }
+
+ private:
+  std::mutex mutex_;
+  Velocity velocity_;
+  Clock::time_point arrived_{};
+  std::uint64_t count_ = 0;
+  std::atomic<int> drivers_ = 0;
+};
+
+std_msgs::msg::dds_::Header_ header(Time stamp, const std::string& frame) {
+  const auto nanoseconds = (stamp + kUptime).count();
+  std_msgs::msg::dds_::Header_ header;
+  header.stamp().sec(static_cast<std::int32_t>(nanoseconds / 1'000'000'000));
+  header.stamp().nanosec(static_cast<std::uint32_t>(nanoseconds % 1'000'000'000));
+  header.frame_id(frame);
+  return header;
+}
+
+// inf for no return and nan for no measurement, as REP 117 has them.
+float as_rep_117(double range, double range_max) {
+  if (range == 0.0) return std::numeric_limits<float>::quiet_NaN();
+  return range >= range_max ? std::numeric_limits<float>::infinity() : static_cast<float>(range);
+}
+
+/// Publishes what the simulated sensors deliver.
+class Publications {
+ public:
+  Publications(Node& node, const backend::Features& features, const Options& options) : jazzy_(options.jazzy) {
+    const std::string type = "sensor_msgs::msg::dds_::";
+    for (const SensorInfo& sensor : features.sensors) {
+      using namespace sensor_msgs::msg::dds_;
+      fast::DataWriter* writer = nullptr;
+      const std::string topic = topic_of(sensor);
+      if (topic != options.mute) {
+        switch (sensor.type) {
+          case SensorType::lidar: writer = node.advertise<LaserScan_PubSubType>(topic, type + "LaserScan_"); break;
+          case SensorType::imu: writer = node.advertise<Imu_PubSubType>(topic, type + "Imu_"); break;
+          case SensorType::odometry:
+            writer = node.advertise<nav_msgs::msg::dds_::Odometry_PubSubType>(topic, "nav_msgs::msg::dds_::Odometry_");
+            break;
+          case SensorType::battery:
+            writer = node.advertise<BatteryState_PubSubType>(topic, type + "BatteryState_");
+            break;
+          case SensorType::ultrasonic:
+            writer = jazzy_ ? node.advertise<RangeWithVariance_PubSubType>(topic, type + "Range_")
+                            : node.advertise<Range_PubSubType>(topic, type + "Range_");
+            break;
+          case SensorType::camera: writer = node.advertise<Image_PubSubType>(topic, type + "Image_"); break;
+        }
+      }
+      writers_.push_back(writer);
+    }
+  }
+  void publish(const Sample& sample) {
+    fast::DataWriter* writer = writers_[sample.sensor];
+    if (writer == nullptr) return;
+    std::visit([&](const auto& data) { send(*writer, sample.measured, data); }, sample.data);
+  }
+
+ private:
+  static std::string topic_of(const SensorInfo& sensor) {
+    switch (sensor.type) {
+      case SensorType::lidar: return "/scan";
+      case SensorType::imu: return "/imu";
+      case SensorType::odometry: return "/odom";
+      case SensorType::battery: return "/battery_state";
+      case SensorType::ultrasonic: return "/ultrasonic/" + sensor.name.substr(std::string_view("ultrasonic_").size());
+      case SensorType::camera: return "/camera/image_raw";
+    }
+    return "";
+  }
+
+  /// The turn of a device that turns clockwise, as it measures: from beam to beam the angle falls.
+  static void send(fast::DataWriter& writer, Time measured, const LaserScan& scan) {
+    sensor_msgs::msg::dds_::LaserScan_ message;
+    const std::size_t count = scan.ranges.size();
+    const auto last = static_cast<double>(count - 1);
+    message.header(header(measured + from_seconds(last * scan.time_increment), "lidar"));
+    message.angle_min(static_cast<float>(scan.angle_min + last * scan.angle_increment));
+    message.angle_max(static_cast<float>(scan.angle_min));
+    message.angle_increment(static_cast<float>(-scan.angle_increment));
+    message.time_increment(static_cast<float>(-scan.time_increment));
+    message.scan_time(static_cast<float>(-scan.time_increment * static_cast<double>(count)));
+    message.range_min(static_cast<float>(scan.range_min));
+    message.range_max(static_cast<float>(scan.range_max));
+    for (std::size_t i = count; i-- > 0;) {
+      message.ranges().push_back(as_rep_117(static_cast<double>(scan.ranges[i]), scan.range_max));
+    }
+    writer.write(&message);
+  }
+  static void send(fast::DataWriter& writer, Time measured, const IMUData& imu) {
+    sensor_msgs::msg::dds_::Imu_ message;
+    message.header(header(measured, "imu"));
+    message.orientation_covariance()[0] = -1.0;  // not measured
+    message.angular_velocity().x(imu.angular_velocity[0]);
+    message.angular_velocity().y(imu.angular_velocity[1]);
+    message.angular_velocity().z(imu.angular_velocity[2]);
+    message.linear_acceleration().x(imu.linear_acceleration[0]);
+    message.linear_acceleration().y(imu.linear_acceleration[1]);
+    message.linear_acceleration().z(imu.linear_acceleration[2]);
+    writer.write(&message);
+  }
+  static void send(fast::DataWriter& writer, Time measured, const Odometry& odometry) {
+    nav_msgs::msg::dds_::Odometry_ message;
+    message.header(header(measured, "odom"));
+    message.child_frame_id("base_link");
+    const Pose2D pose = kTheirsFromStart * odometry.pose;
+    message.pose().pose().position().x(pose.x);
+    message.pose().pose().position().y(pose.y);
+    message.pose().pose().orientation().z(std::sin(0.5 * pose.theta));
+    message.pose().pose().orientation().w(std::cos(0.5 * pose.theta));
+    message.twist().twist().linear().x(odometry.velocity.vx);
+    message.twist().twist().linear().y(odometry.velocity.vy);
+    message.twist().twist().angular().z(odometry.velocity.omega);
+    writer.write(&message);
+  }
+  static void send(fast::DataWriter& writer, Time measured, const BatteryState& battery) {
+    sensor_msgs::msg::dds_::BatteryState_ message;
+    message.header(header(measured, ""));
+    message.voltage(static_cast<float>(battery.voltage));
+    message.current(static_cast<float>(-battery.current));
+    message.percentage(static_cast<float>(battery.charge));
+    message.present(true);
+    writer.write(&message);
+  }
+  void send(fast::DataWriter& writer, Time measured, const RangeData& range) const {
+    const auto fill = [&](auto message) {
+      message.header(header(measured, "ultrasonic"));
+      message.field_of_view(static_cast<float>(range.field_of_view));
+      message.min_range(static_cast<float>(range.range_min));
+      message.max_range(static_cast<float>(range.range_max));
+      message.range(as_rep_117(range.range, range.range_max));
+      writer.write(&message);
+    };
+    if (jazzy_) return fill(sensor_msgs::msg::dds_::RangeWithVariance_());
+    fill(sensor_msgs::msg::dds_::Range_());
+  }
+  static void send(fast::DataWriter& writer, Time measured, const Picture& picture) {
+    const RGBDImage& image = picture.image();
+    sensor_msgs::msg::dds_::Image_ message;
+    message.header(header(measured, "camera"));
+    message.height(static_cast<std::uint32_t>(image.intrinsics.height));
+    message.width(static_cast<std::uint32_t>(image.intrinsics.width));
+    message.step(3 * message.width());
+    message.encoding("rgb8");
+    message.data().resize(image.color.size());
+    for (std::size_t i = 0; i < image.color.size(); i += 3) {
+      for (std::size_t k = 0; k < 3; ++k) message.data()[i + k] = image.color[i + 2 - k];
+    }
+    writer.write(&message);
+  }
+
+  bool jazzy_;
+  std::vector<fast::DataWriter*> writers_;  // null for one that is mute
+};
+
+void run(const Options& options) {
+  backend::WorldOptions world_options;
+  world_options.scene = options.scene;
+  world_options.robots = {options.profile};
+  world_options.seed = options.seed;
+  const auto world = backend::make_world("mock", world_options);
+  const scene::TruthView& truth = world->truth_service()->truth(0);
+  backend::RobotPort& port = world->robot(0);
+  port.connect();
+
+  Node node(options.domain);
+  Publications publications(node, port.features(), options);
+  Commands commands;
+  node.subscribe<geometry_msgs::msg::dds_::Twist_PubSubType>("/cmd_vel", "geometry_msgs::msg::dds_::Twist_", commands);
+  std::puts("ready");
+  std::fflush(stdout);
+
+  bool driven = false;
+  const auto origin = Clock::now();
+  while (!g_ended) {
+    const Time next = world->now() + kControlPeriod / 4;  // 5 ms, as readings of 100 Hz should not come in pairs
+    std::this_thread::sleep_until(origin + next);
+    port.command(commands.velocity(), next + kControlPeriod);
+    world->advance_to(next);
+    for (const Sample& sample : port.poll()) publications.publish(sample);
+    if (std::exchange(driven, commands.drivers() > 0) && !driven) world->teleport(0, truth.start_pose());
+  }
+  const Pose2D pose = inverse(truth.start_pose()) * truth.true_pose();
+  std::printf(R"({"pose": [%.4f, %.4f, %.4f], "max_collision_speed": %.4f, "commands": %llu, "speed": %.4f})"
+              "\n",
+              pose.x, pose.y, pose.theta, truth.max_collision_speed(),
+              static_cast<unsigned long long>(commands.count()),
+              norm({truth.true_velocity().vx, truth.true_velocity().vy}));
+}
+
+}  // namespace
+
+int main(int count, char** arguments) {
+  if (count < 2) {
+    std::fputs("usage: ros2_robot DOMAIN [--profile NAME] [--scene NAME] [--seed N] [--jazzy] [--mute TOPIC]\n", stderr);
+    return 2;
+  }
+  std::signal(SIGTERM, [](int) { g_ended = true; });
+  std::signal(SIGINT, [](int) { g_ended = true; });
+  try {
+    run(parse(count, arguments));
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "ros2_robot: %s\n", error.what());
+    return 1;
+  }
+  return 0;
+}
