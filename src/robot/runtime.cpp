@@ -41,13 +41,12 @@ void Runtime::connect() {
   if (impl_->healthy()) return;
   impl_->port.connect();
   impl_->connected = true;
-  impl_->connected_at = impl_->now();
   impl_->fault.clear();
 
   // what was seen before is old by now, but an emergency stop stays latched
   State& state = *impl_->state;
   state.senses = impl_->fresh.senses;
-  state.perception.begin(impl_->perception_model, impl_->now());
+  state.perception.begin(impl_->perception_model, impl_->shared().current());  // connecting may take seconds
   state.gate = {.estop = state.gate.estop};
   state.sight.forget();
   state.approach.forget();
@@ -192,7 +191,6 @@ void Runtime::restart() {
   impl_->end_motion(Reason::cancelled, "the world was reset");
   impl_->end_ready();
   impl_->state = std::make_unique<State>(impl_->fresh);
-  impl_->connected_at = {};
   impl_->fault.clear();
 }
 

@@ -119,7 +119,6 @@ struct Runtime::Impl {
   const State fresh;  // as it was before anything happened
   std::unique_ptr<State> state;
   bool connected = false;
-  Time connected_at{};
   std::string fault;
   std::optional<OpenMotion> motion;
   std::vector<WaitHandle> ready;  // those who wait for first samples

@@ -183,11 +183,15 @@ void World::tick() {
   if (impl_->observer_error) std::rethrow_exception(std::exchange(impl_->observer_error, nullptr));
 }
 
+Time World::Impl::current() const {
+  return lockstep ? now : std::max(now, backend->now() / kControlPeriod * kControlPeriod);
+}
+
 // One period in lockstep; in real time the next multiple of it, so that a late tick does not make all later ones late.
 bool World::Impl::advance() {
   Time next = now + kControlPeriod;
   try {
-    if (!lockstep) next = std::max(next, backend->now() / kControlPeriod * kControlPeriod);
+    next = std::max(next, current());
     backend->advance_to(next);
   } catch (const std::exception& error) {
     broken = std::string("the world stopped: ") + error.what();

@@ -42,7 +42,8 @@ struct World::Impl {
   WaitHandle begin(Duration duration, WaitList::Kind kind);
   void require_no_tick() const;
   void require_possible(const WaitHandle& wait);
-  bool advance();  // false when the backend failed
+  Time current() const;  // of the tick that begins next, by a clock that may have gone on since the last one
+  bool advance();        // false when the backend failed
   void begin_anew_at(Time time);
 };
 
