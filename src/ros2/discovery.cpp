@@ -90,10 +90,12 @@ std::string cyclone_configuration(const Discovery& discovery) {
   if (!peers.empty()) search += fmt::format("<Peers>{}</Peers>", peers);
   if (discovery.range == DiscoveryRange::off) search += "<Tag>threewe_alone</Tag>";
 
-  // an image comes as one burst, which the kernel's usual buffer cannot hold; what it does not grant is gone without
-  const std::string buffer = R"(<Internal><SocketReceiveBufferSize max="8MB"/></Internal>)";
+  // an image comes as one burst, which the kernel's usual buffer cannot hold; what it does not grant is gone without.
+  // By the key hash Fast DDS learns that an endpoint is gone; else it waits until the lease of 10 s ends.
+  const std::string internal =
+      R"(<Internal><SocketReceiveBufferSize max="8MB"/><GenerateKeyhash>true</GenerateKeyhash></Internal>)";
   return fmt::format("<CycloneDDS><Domain><General>{}</General><Discovery>{}</Discovery>{}</Domain></CycloneDDS>",
-                     general, search, buffer);
+                     general, search, internal);
 }
 
 }  // namespace threewe::ros2

@@ -20,7 +20,7 @@ std::optional<Time> StampClock::measured(std::size_t index, Time stamp, Duration
   }
   // offsets shrink as they are learned: time does not go back for that
   if (stream.newest) measured = std::max(measured, *stream.newest + Time(1));
-  if (measured > arrival) return std::nullopt;
+  if (measured > arrival || measured < Time::zero()) return std::nullopt;  // before robot time began
   stream.newest = measured;
   return measured;
 }

@@ -1,6 +1,6 @@
 // Stand-in for a robot with micro-ROS: another process, on another DDS, with the embedded simulator as its body.
 //
-//   ros2_robot DOMAIN [--profile NAME] [--scene NAME] [--seed N] [--jazzy] [--mute TOPIC]
+//   ros2_robot DOMAIN [--profile NAME] [--scene NAME] [--seed N] [--jazzy] [--camera] [--mute TOPIC]
 //
 // It takes velocities on /cmd_vel, and stops 200 ms after the last. When nobody drives it any more it is put back to
 // where it started. It prints a line when it is ready, and what is true of it when it is told to end.
@@ -43,6 +43,7 @@ struct Options {
   std::string mute;
   std::uint64_t seed = 0;
   bool jazzy = false;
+  bool camera = false;
 };
 
 Options parse(int count, char** arguments) {
@@ -52,6 +53,8 @@ Options parse(int count, char** arguments) {
     const std::string_view name = arguments[i];
     if (name == "--jazzy") {
       options.jazzy = true;
+    } else if (name == "--camera") {
+      options.camera = true;
     } else if (++i == count) {
       throw std::runtime_error("a value is missing");
     } else if (name == "--profile") {
@@ -128,7 +131,7 @@ class Publications {
       using namespace sensor_msgs::msg::dds_;
       fast::DataWriter* writer = nullptr;
       const std::string topic = topic_of(sensor);
-      if (topic != options.mute) {
+      if (topic != options.mute && (options.camera || sensor.type != SensorType::camera)) {
         switch (sensor.type) {
           case SensorType::lidar: writer = node.advertise<LaserScan_PubSubType>(topic, type + "LaserScan_"); break;
           case SensorType::imu: writer = node.advertise<Imu_PubSubType>(topic, type + "Imu_"); break;
@@ -290,7 +293,9 @@ void run(const Options& options) {
 
 int main(int count, char** arguments) {
   if (count < 2) {
-    std::fputs("usage: ros2_robot DOMAIN [--profile NAME] [--scene NAME] [--seed N] [--jazzy] [--mute TOPIC]\n", stderr);
+    std::fputs(
+        "usage: ros2_robot DOMAIN [--profile NAME] [--scene NAME] [--seed N] [--jazzy] [--camera] [--mute TOPIC]\n",
+        stderr);
     return 2;
   }
   std::signal(SIGTERM, [](int) { g_ended = true; });

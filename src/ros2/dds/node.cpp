@@ -107,16 +107,16 @@ std::shared_ptr<Domain> Domain::get(const Discovery& discovery) {
   std::shared_ptr<Domain> domain = known.lock();
   if (!domain) known = domain = std::make_shared<Domain>(discovery);
   if (domain->discovery_ == discovery) return domain;
-  throw ContractError(fmt::format("a node of ROS domain {} is alive that was made with another discovery range or peers",
-                                  discovery.domain));
+  throw ContractError(fmt::format(
+      "a node of ROS domain {} is alive that was made with another discovery range or peers", discovery.domain));
 }
 
 Domain::Domain(Discovery discovery) : discovery_(std::move(discovery)) {
   const std::string configuration = cyclone_configuration(discovery_);
   if (configuration.empty()) return;  // made with the first participant, as the environment says
-  entity_.id = checked(
-      library().dds_create_domain(static_cast<dds_domainid_t>(discovery_.domain), configuration.c_str()),
-      fmt::format("no ROS domain {}", discovery_.domain));
+  entity_.id =
+      checked(library().dds_create_domain(static_cast<dds_domainid_t>(discovery_.domain), configuration.c_str()),
+              fmt::format("no ROS domain {}", discovery_.domain));
 }
 
 Entity::~Entity() {
@@ -151,30 +151,30 @@ Node::Node(const Discovery& discovery, std::string name_space, std::string name)
   const QosPointer qos(library().dds_create_qos());
   const std::string enclave = "enclave=/;";
   library().dds_qset_userdata(qos.get(), enclave.data(), enclave.size());
-  participant_.id = checked(
-      library().dds_create_participant(static_cast<dds_domainid_t>(domain_->number()), qos.get(), nullptr),
-      "no participant");
-  publications_ = checked(
-      library().dds_create_reader(participant_.id, DDS_BUILTIN_TOPIC_DCPSPUBLICATION, nullptr, nullptr), "no discovery");
-  subscriptions_ = checked(
-      library().dds_create_reader(participant_.id, DDS_BUILTIN_TOPIC_DCPSSUBSCRIPTION, nullptr, nullptr), "no discovery");
+  participant_.id =
+      checked(library().dds_create_participant(static_cast<dds_domainid_t>(domain_->number()), qos.get(), nullptr),
+              "no participant");
+  publications_ =
+      checked(library().dds_create_reader(participant_.id, DDS_BUILTIN_TOPIC_DCPSPUBLICATION, nullptr, nullptr),
+              "no discovery");
+  subscriptions_ =
+      checked(library().dds_create_reader(participant_.id, DDS_BUILTIN_TOPIC_DCPSSUBSCRIPTION, nullptr, nullptr),
+              "no discovery");
 
   const auto note = [this](std::span<const std::uint8_t> payload, std::uint64_t) { note_nodes(payload); };
-  add(std::make_unique<Part>(Part{false, note}), kGraphTopic,
-      ParticipantEntitiesInfo::kType, {.reliable = true, .transient_local = true, .depth = 1000});
+  add(std::make_unique<Part>(Part{false, note}), kGraphTopic, ParticipantEntitiesInfo::kType,
+      {.reliable = true, .transient_local = true, .depth = 1000});
   introduce();
 }
 
 Node::~Node() = default;
 
 Node::Handle Node::advertise(const std::string& topic, std::string_view type, const Qos& qos) {
-  return add(std::make_unique<Part>(Part{true, nullptr}), "rt" + topic, type,
-             qos);
+  return add(std::make_unique<Part>(Part{true, nullptr}), "rt" + topic, type, qos);
 }
 
 Node::Handle Node::subscribe(const std::string& topic, std::string_view type, const Qos& qos, Receiver receiver) {
-  return add(std::make_unique<Part>(Part{false, std::move(receiver)}),
-             "rt" + topic, type, qos);
+  return add(std::make_unique<Part>(Part{false, std::move(receiver)}), "rt" + topic, type, qos);
 }
 
 Node::Handle Node::add(std::unique_ptr<Part> part, const std::string& topic, std::string_view type, const Qos& qos) {
@@ -186,8 +186,8 @@ Node::Handle Node::add(std::unique_ptr<Part> part, const std::string& topic, std
     part->entity = checked(dds.dds_create_writer(participant_.id, dds_topic, made.get(), nullptr), what);
   } else {
     const std::unique_ptr<dds_listener_t, ListenerDeleter> listener(dds.dds_create_listener(part.get()));
-    dds.dds_lset_data_available(
-        listener.get(), [](dds_entity_t reader, void* self) { static_cast<const Part*>(self)->take(reader); });
+    dds.dds_lset_data_available(listener.get(),
+                                [](dds_entity_t reader, void* self) { static_cast<const Part*>(self)->take(reader); });
     part->entity = checked(dds.dds_create_reader(participant_.id, dds_topic, made.get(), listener.get()), what);
   }
   parts_.push_back(std::move(part));
@@ -285,7 +285,7 @@ void Node::introduce() {
     (part->publishes ? node.writer_gid_seq : node.reader_gid_seq).push_back(gid_of(part->entity));
   }
   const Payload payload = encode(info, layout);
-  checked(dds.dds_write(graph_writer_, &payload), "the graph was not told");
+  checked(dds.dds_write(graph_writer_, &payload), "the graph was not informed");
 }
 
 void Node::refresh() {
