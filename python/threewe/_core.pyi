@@ -3240,6 +3240,44 @@ def repeatability(backend: str, hardware: str, seed: int, count: int, velocity_p
     How far a backend is from itself, when wheels have turned a little before the same random sequences.
     """
 
+class Ros2Endpoint:
+    """One publisher or subscription of the ROS 2 graph."""
+
+    @property
+    def publishes(self) -> bool:
+        """Or subscribes."""
+
+    @property
+    def topic(self) -> str: ...
+
+    @property
+    def type(self) -> str:
+        """Empty where it is none of ROS 2."""
+
+    @property
+    def hash(self) -> str:
+        """`RIHS01_...`; empty where it has none, as in Humble and on micro-ROS."""
+
+    @property
+    def reliable(self) -> bool: ...
+
+    @property
+    def transient_local(self) -> bool: ...
+
+    @property
+    def node(self) -> str:
+        """`/namespace/name`; empty where it has not been said."""
+
+    def __repr__(self) -> str: ...
+
+def ros2_discover(wall: float) -> list[Ros2Endpoint]:
+    """
+    Every endpoint of the ROS 2 graph that is found within a time [wall s].
+    """
+
+def ros2_distributions_with(type: str, hash: str) -> list[str]:
+    """The distributions in which a type has this hash."""
+
 def ros2_message_types() -> list[str]:
     """The names of all ROS 2 messages that we know."""
 

@@ -67,10 +67,11 @@ def _has(folder: Path, name: str) -> bool:
 
 
 def _backends() -> list[Finding]:
-    others = [name for name in threewe.backend_names() if name not in ("mock", "mujoco")]
+    others = [name for name in threewe.backend_names() if name not in ("mock", "mujoco", "real")]
     return [
         _works("backend mock", _contract),
         *_mujoco(),
+        _real(),
         *(Finding(f"backend {name}", "ok", "found, not tried") for name in others),
     ]
 
@@ -89,6 +90,15 @@ def _mujoco() -> list[Finding]:
         what, remedy = str(error).split("\n", 1)
         return [stands, Finding("cameras on mujoco", "missing", what, remedy)]
     return [stands, Finding("cameras on mujoco", "ok", "its renderer draws")]
+
+
+def _real() -> Finding:
+    try:
+        threewe.Robot(backend="real")
+    except threewe.ConfigError as error:
+        what, *remedies = str(error).splitlines()
+        return Finding("backend real", "missing", what, "".join(remedies))
+    return Finding("backend real", "ok", "Cyclone DDS is there; no robot was looked for")
 
 
 def _contract() -> str:

@@ -10,9 +10,7 @@ from rich.table import Column, Table
 from threewe import _core
 from threewe._console import plain_console
 
-app = typer.Typer(
-    help="Robots that speak ROS 2, without ROS 2 installed.", no_args_is_help=True, rich_markup_mode=None
-)
+app = typer.Typer(help="Robots that speak ROS 2, without ROS 2 installed.", no_args_is_help=True, rich_markup_mode=None)
 
 
 @app.command()
@@ -21,7 +19,7 @@ def discover(
 ) -> None:
     """List the topics that nodes publish or take, their types, distributions and quality of service.
 
-    It looks on this computer unless ROS_AUTOMATIC_DISCOVERY_RANGE or ROS_STATIC_PEERS ask for more, in ROS_DOMAIN_ID.
+    It searches this computer unless ROS_AUTOMATIC_DISCOVERY_RANGE or ROS_STATIC_PEERS ask for more, in ROS_DOMAIN_ID.
     """
     endpoints = [endpoint for endpoint in _core.ros2_discover(seconds) if endpoint.topic.startswith("/")]
     table = Table(

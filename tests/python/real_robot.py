@@ -11,19 +11,21 @@ from typing import Any
 ROOT = Path(__file__).resolve().parents[2]
 PROGRAM = ROOT / "build/dev/tests/ros2/ros2_robot"
 
-# A network of its own for each process that runs tests, out of the way of the domain that people use.
-DOMAIN = 10 + os.getpid() % 90
+# Networks of its own for each process that runs tests, out of the way of the domain that people use.
+FIRST_DOMAIN = 4 * (1 + os.getpid() % 24)
+SILENT_DOMAIN = FIRST_DOMAIN + 3
 
 
 class RealRobot:
     """One that runs inside `with`; afterwards `truth` is what it said of itself in the end."""
 
-    def __init__(self, *options: str) -> None:
+    def __init__(self, domain: int, *options: str) -> None:
+        self.domain = domain
         self.options = options
         self.truth: dict[str, Any] = {}
 
     def __enter__(self) -> RealRobot:
-        command = [str(PROGRAM), str(DOMAIN), *self.options]
+        command = [str(PROGRAM), str(self.domain), *self.options]
         self.process = subprocess.Popen(command, stdout=subprocess.PIPE, text=True)
         assert self.process.stdout is not None
         assert self.process.stdout.readline() == "ready\n"
