@@ -18,12 +18,11 @@ tl::unexpected<std::string> mistake(std::string what) { return tl::unexpected(st
 std::optional<double> heading(const geometry_msgs::Quaternion& q) {
   const double norm = q.x * q.x + q.y * q.y + q.z * q.z + q.w * q.w;
   if (!std::isfinite(norm) || norm < 0.5 || norm > 2.0) return std::nullopt;
-  return wrap_angle(
-      exact::atan2(2.0 * (q.w * q.z + q.x * q.y), q.w * q.w + q.x * q.x - q.y * q.y - q.z * q.z));
+  return wrap_angle(exact::atan2(2.0 * (q.w * q.z + q.x * q.y), q.w * q.w + q.x * q.x - q.y * q.y - q.z * q.z));
 }
 
-// What a message of ranges states (REP 117): NaN, -inf and less than the least are no measurement, inf and more than the
-// most are no return.
+// What a message of ranges states (REP 117): NaN, -inf and less than the least are no measurement, inf and more than
+// the most are no return.
 float range_of(double range, double least, double most, double range_min, double range_max) {
   if (std::isnan(range) || range < least || range <= 0.0) return 0.0F;
   if (range > most || range >= range_max) return static_cast<float>(range_max);
@@ -139,9 +138,7 @@ class Resampler {
     const double steps = is_backward() ? static_cast<double>(count_ - 1) - index : index;
     return from_seconds(steps * increment_of_time());
   }
-  Duration to_end() const {
-    return from_seconds(std::max(0.0, static_cast<double>(count_ - 1) * increment_of_time()));
-  }
+  Duration to_end() const { return from_seconds(std::max(0.0, static_cast<double>(count_ - 1) * increment_of_time())); }
 
  private:
   static constexpr double kTurn = 2.0 * exact::kPi;
@@ -235,7 +232,7 @@ std::optional<Encoding> encoding_of(std::string_view name) {
 }
 
 std::optional<std::string> mistake_in(const sensor_msgs::Image& image, const CameraSpec& spec, std::size_t bytes) {
-  if (image.width != static_cast<std::uint32_t>(spec.width) || image.height != static_cast<std::uint32_t>(spec.height)) {
+  if (!std::cmp_equal(image.width, spec.width) || !std::cmp_equal(image.height, spec.height)) {
     return fmt::format("an image of {} x {}; the profile has {} x {}", image.width, image.height, spec.width,
                        spec.height);
   }
@@ -271,8 +268,7 @@ std::vector<float> depths_of(const sensor_msgs::Image& image, const DepthSpec& s
       } else {
         std::memcpy(&depth, pixel + 4 * column, sizeof depth);
       }
-      const bool measured =
-          depth >= static_cast<float>(spec.range_min) && depth <= static_cast<float>(spec.range_max);
+      const bool measured = depth >= static_cast<float>(spec.range_min) && depth <= static_cast<float>(spec.range_max);
       depths.push_back(measured ? depth : 0.0F);
     }
   }

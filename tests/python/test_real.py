@@ -135,6 +135,15 @@ def test_the_graph_shows_the_robot_and_us() -> None:
     assert _core.ros2_distributions_with(ours.type, ours.hash) == ["humble", "jazzy", "kilted"]
 
 
+def test_others_are_told_of_us_in_their_layout(network: pytest.MonkeyPatch) -> None:
+    """The stand-in's graph is that of Humble, as micro-ROS agents have it; it knows us by name, with our endpoints."""
+    network.setenv("ROS_DOMAIN_ID", str(FIRST_DOMAIN + 2))
+    with RealRobot(FIRST_DOMAIN + 2) as other, threewe.sync.Robot(backend="real") as robot:
+        robot.sleep(1.5)
+    topics = 8  # of sensors
+    assert other.truth["nodes"] == {"/threewe": topics + 1}
+
+
 @pytest.mark.usefixtures("played")
 def test_a_topic_that_is_not_there_is_named(tmp_path: Path) -> None:
     profile = tmp_path / "elsewhere.yaml"

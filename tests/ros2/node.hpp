@@ -22,8 +22,8 @@ namespace fast = eprosima::fastdds::dds;
 class Node {
  public:
   explicit Node(unsigned domain)
-      : participant_(fast::DomainParticipantFactory::get_instance()->create_participant(
-            domain, fast::PARTICIPANT_QOS_DEFAULT)) {
+      : participant_(
+            fast::DomainParticipantFactory::get_instance()->create_participant(domain, fast::PARTICIPANT_QOS_DEFAULT)) {
     if (participant_ == nullptr) throw std::runtime_error("no participant");
     publisher_ = participant_->create_publisher(fast::PUBLISHER_QOS_DEFAULT);
     subscriber_ = participant_->create_subscriber(fast::SUBSCRIBER_QOS_DEFAULT);
@@ -43,7 +43,18 @@ class Node {
     qos.durability().kind = fast::VOLATILE_DURABILITY_QOS;
     qos.endpoint().history_memory_policy = eprosima::fastrtps::rtps::PREALLOCATED_WITH_REALLOC_MEMORY_MODE;
     qos.data_sharing().off();
-    return checked(publisher_->create_datawriter(make_topic<Support>(topic, type), qos), topic);
+    return checked(publisher_->create_datawriter(make_topic<Support>("rt" + topic, type), qos), topic);
+  }
+  /// Reliable, and kept for those who come later: the graph of nodes. `topic` as DDS has it.
+  template <typename Support>
+  void join_graph(const std::string& topic, const std::string& type, fast::DataReaderListener& listener) {
+    fast::DataReaderQos qos;
+    qos.reliability().kind = fast::RELIABLE_RELIABILITY_QOS;
+    qos.durability().kind = fast::TRANSIENT_LOCAL_DURABILITY_QOS;
+    qos.history().kind = fast::KEEP_ALL_HISTORY_QOS;
+    qos.endpoint().history_memory_policy = eprosima::fastrtps::rtps::PREALLOCATED_WITH_REALLOC_MEMORY_MODE;
+    qos.data_sharing().off();
+    checked(subscriber_->create_datareader(make_topic<Support>(topic, type), qos, &listener), topic);
   }
   template <typename Support>
   void subscribe(const std::string& topic, const std::string& type, fast::DataReaderListener& listener) {
@@ -51,7 +62,7 @@ class Node {
     qos.reliability().kind = fast::BEST_EFFORT_RELIABILITY_QOS;
     qos.endpoint().history_memory_policy = eprosima::fastrtps::rtps::PREALLOCATED_WITH_REALLOC_MEMORY_MODE;
     qos.data_sharing().off();
-    checked(subscriber_->create_datareader(make_topic<Support>(topic, type), qos, &listener), topic);
+    checked(subscriber_->create_datareader(make_topic<Support>("rt" + topic, type), qos, &listener), topic);
   }
 
  private:
@@ -61,7 +72,7 @@ class Node {
     support->auto_fill_type_object(false);
     support->auto_fill_type_information(false);
     support.register_type(participant_, type);
-    return checked(participant_->create_topic("rt" + topic, type, fast::TOPIC_QOS_DEFAULT), topic);
+    return checked(participant_->create_topic(topic, type, fast::TOPIC_QOS_DEFAULT), topic);
   }
   template <typename T>
   static T* checked(T* made, const std::string& topic) {

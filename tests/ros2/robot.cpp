@@ -10,6 +10,7 @@
 #include <csignal>
 #include <cstdio>
 #include <limits>
+#include <map>
 #include <mutex>
 #include <optional>
 #include <string>
@@ -105,6 +106,35 @@ class Commands : public fast::DataReaderListener {
   Clock::time_point arrived_{};
   std::uint64_t count_ = 0;
   std::atomic<int> drivers_ = 0;
+};
+
+/// The names of the nodes that told of themselves in Humble's layout, with how many endpoints each has.
+class Graph : public fast::DataReaderListener {
+ public:
+  void on_data_available(fast::DataReader* reader) override {
+    rmw_dds_common::msg::dds_::ParticipantEntitiesInfo_ info;
+    fast::SampleInfo sample;
+    while (reader->take_next_sample(&info, &sample) == eprosima::fastrtps::types::ReturnCode_t::RETCODE_OK) {
+      if (!sample.valid_data) continue;
+      const std::scoped_lock lock(mutex_);
+      for (const auto& node : info.node_entities_info_seq()) {
+        nodes_[std::string(node.node_namespace().c_str()) + node.node_name().c_str()] =
+            node.reader_gid_seq().size() + node.writer_gid_seq().size();
+      }
+    }
+  }
+  std::string json() {
+    const std::scoped_lock lock(mutex_);
+    std::string text;
+    for (const auto& [name, endpoints] : nodes_) {
+      text += (text.empty() ? "\"" : ", \"") + name + "\": " + std::to_string(endpoints);
+    }
+    return "{" + text + "}";
+  }
+
+ private:
+  std::mutex mutex_;
+  std::map<std::string, std::size_t> nodes_;
 };
 
 std_msgs::msg::dds_::Header_ header(Time stamp, const std::string& frame) {
@@ -268,6 +298,9 @@ void run(const Options& options) {
   Publications publications(node, port.features(), options);
   Commands commands;
   node.subscribe<geometry_msgs::msg::dds_::Twist_PubSubType>("/cmd_vel", "geometry_msgs::msg::dds_::Twist_", commands);
+  Graph graph;
+  node.join_graph<rmw_dds_common::msg::dds_::ParticipantEntitiesInfo_PubSubType>(
+      "ros_discovery_info", "rmw_dds_common::msg::dds_::ParticipantEntitiesInfo_", graph);
   std::puts("ready");
   std::fflush(stdout);
 
@@ -282,11 +315,11 @@ void run(const Options& options) {
     if (std::exchange(driven, commands.drivers() > 0) && !driven) world->teleport(0, truth.start_pose());
   }
   const Pose2D pose = inverse(truth.start_pose()) * truth.true_pose();
-  std::printf(R"({"pose": [%.4f, %.4f, %.4f], "max_collision_speed": %.4f, "commands": %llu, "speed": %.4f})"
-              "\n",
-              pose.x, pose.y, pose.theta, truth.max_collision_speed(),
-              static_cast<unsigned long long>(commands.count()),
-              norm({truth.true_velocity().vx, truth.true_velocity().vy}));
+  std::printf(
+      R"({"pose": [%.4f, %.4f, %.4f], "max_collision_speed": %.4f, "commands": %llu, "speed": %.4f, "nodes": %s})"
+      "\n",
+      pose.x, pose.y, pose.theta, truth.max_collision_speed(), static_cast<unsigned long long>(commands.count()),
+      norm({truth.true_velocity().vx, truth.true_velocity().vy}), graph.json().c_str());
 }
 
 }  // namespace

@@ -134,7 +134,7 @@ struct Node::Part {
   // In a thread of Cyclone's, perhaps before `entity` is set.
   void take(dds_entity_t reader) const {
     std::array<ddsi_serdata*, kAtATime> samples{};
-    std::array<dds_sample_info_t, kAtATime> infos{};
+    std::vector<dds_sample_info_t> infos(kAtATime);
     for (;;) {
       const auto count = library().dds_takecdr(reader, samples.data(), kAtATime, infos.data(), DDS_ANY_STATE);
       for (std::size_t i = 0; std::cmp_less(i, count); ++i) {

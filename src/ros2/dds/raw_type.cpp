@@ -23,9 +23,7 @@ const Sample& as_sample(const ddsi_serdata* data) { return *static_cast<const Sa
 // All samples are of one instance: no ROS message has a key.
 bool has_equal_key(const ddsi_serdata*, const ddsi_serdata*) { return true; }
 
-std::uint32_t size_of(const ddsi_serdata* data) {
-  return static_cast<std::uint32_t>(as_sample(data).payload.size());
-}
+std::uint32_t size_of(const ddsi_serdata* data) { return static_cast<std::uint32_t>(as_sample(data).payload.size()); }
 
 ddsi_serdata* from_fragments(const ddsi_sertype* type, ddsi_serdata_kind kind, const nn_rdata* fragment,
                              std::size_t size) {
@@ -34,7 +32,7 @@ ddsi_serdata* from_fragments(const ddsi_sertype* type, ddsi_serdata_kind kind, c
   for (; fragment != nullptr; fragment = fragment->nextfrag) {
     const std::uint32_t end = std::min<std::uint32_t>(fragment->maxp1, static_cast<std::uint32_t>(size));
     if (end <= filled) continue;  // all of it came before
-    const unsigned char* packet = reinterpret_cast<const unsigned char*>(fragment->rmsg + 1);
+    const auto* packet = reinterpret_cast<const unsigned char*>(fragment->rmsg + 1);
     const unsigned char* begin = packet + NN_RDATA_PAYLOAD_OFF(fragment) + (filled - fragment->min);
     std::memcpy(sample->payload.data() + filled, begin, end - filled);
     filled = end;

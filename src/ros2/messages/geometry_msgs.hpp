@@ -3,9 +3,7 @@
 
 #include "ros2/messages/std_msgs.hpp"
 
-namespace threewe::ros2 {
-
-namespace geometry_msgs {
+namespace threewe::ros2::geometry_msgs {
 
 struct Vector3 {
   static constexpr std::string_view kType = "geometry_msgs/msg/Vector3";
@@ -175,6 +173,4 @@ struct PolygonStamped {
   }
 };
 
-}  // namespace geometry_msgs
-
-}  // namespace threewe::ros2
+}  // namespace threewe::ros2::geometry_msgs

@@ -3,9 +3,7 @@
 
 #include "ros2/messages/geometry_msgs.hpp"
 
-namespace threewe::ros2 {
-
-namespace nav_msgs {
+namespace threewe::ros2::nav_msgs {
 
 struct Odometry {
   static constexpr std::string_view kType = "nav_msgs/msg/Odometry";
@@ -59,6 +57,4 @@ struct Path {
   }
 };
 
-}  // namespace nav_msgs
-
-}  // namespace threewe::ros2
+}  // namespace threewe::ros2::nav_msgs

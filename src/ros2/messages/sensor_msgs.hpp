@@ -3,9 +3,7 @@
 
 #include "ros2/messages/geometry_msgs.hpp"
 
-namespace threewe::ros2 {
-
-namespace sensor_msgs {
+namespace threewe::ros2::sensor_msgs {
 
 struct LaserScan {
   static constexpr std::string_view kType = "sensor_msgs/msg/LaserScan";
@@ -226,6 +224,4 @@ struct PointCloud2 {
   }
 };
 
-}  // namespace sensor_msgs
-
-}  // namespace threewe::ros2
+}  // namespace threewe::ros2::sensor_msgs

@@ -502,6 +502,26 @@ TEST_CASE("in real time a plug-in is stepped by the clock, and a command expires
   world->robot(0).disconnect();
 }
 
+TEST_CASE("in real time readings may be pushed by any thread, between two steps") {
+  const auto link = std::make_shared<PluginLink>("toy", realtime_features(), standard());
+  PluginWorld world(link);
+  const std::jthread plugin([&] { testing::serve(*link, [](const PluginRequest&) { return PluginReply{}; }); });
+  const auto push = [&](Time measured) {
+    std::jthread([&] { link->push({"odometry", measured, Odometry{}}); }).join();
+  };
+  push(link->robot_time());  // of a robot that is not connected yet
+  world.robot(0).connect();
+  CHECK(world.robot(0).poll().empty());
+  const Time now = link->robot_time();
+  push(now);
+  const std::vector<Sample> samples = world.robot(0).poll();
+  REQUIRE(samples.size() == 1);
+  CHECK(samples.front().measured == now);
+  push(now + 10s);
+  CHECK_THROWS_AS(world.robot(0).poll(), ContractError);
+  link->close();
+}
+
 TEST_CASE("in real time a plug-in that blocks beyond the end of its command is a fault") {
   const auto gate = std::make_shared<Gate>();
   const auto driven = std::make_shared<Recorder>();

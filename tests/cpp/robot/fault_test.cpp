@@ -171,6 +171,23 @@ TEST_CASE("a navigator that throws") {
   CHECK(result.detail == "no service");
 }
 
+TEST_CASE("time that connecting takes is no silence of sensors") {
+  const Warnings warnings;
+  auto owned = std::make_unique<ToyWorld>();
+  ToyWorld& toy = *owned;
+  ToyPort& port = toy.robot(0);
+  port.run_by_itself();
+  port.on_connect = [&toy] { toy.pass(3s); };  // as a robot that has to be found first
+  port.silent = {true, true, true, true};      // it begins to deliver once it is connected
+  World world(std::move(owned));
+  world.robot(0).connect();
+  world.tick();
+  CHECK(world.now() >= 3s);
+  CHECK(warnings.mentioning("silent") == 0);
+  for (int i = 0; i < 100; ++i) world.tick();  // which are silent indeed
+  CHECK(warnings.mentioning("silent") > 0);
+}
+
 TEST_CASE("a sensor that falls silent stops the robot, and in the end the motion") {
   for (const auto sensor : {ToyPort::kLidar, ToyPort::kOdometry}) {
     Driving d;

@@ -45,7 +45,10 @@ class ToyPort final : public backend::RobotPort {
 
   const backend::Features& features() const override { return features_; }
   const RobotProfile& profile() const override { return profile_; }
-  void connect() override { connected_ = true; }
+  void connect() override {
+    connected_ = true;
+    if (on_connect) on_connect();
+  }
   void disconnect() override { connected_ = false; }
 
   std::vector<Sample> poll() override {
@@ -76,9 +79,13 @@ class ToyPort final : public backend::RobotPort {
     }
   }
 
+  /// Time goes by on its own; before a world is made of it.
+  void run_by_itself() { features_.lockstep = features_.deterministic = false; }
+
   Pose2D pose;                     // the truth
   std::vector<Velocity> commands;  // all there were
   std::vector<bool> silent = {false, false, false, false};
+  std::function<void()> on_connect;
   std::function<void(Time)> on_poll;
   std::function<void(Time)> on_command;
   std::function<void(std::vector<Sample>&)> on_samples;
@@ -136,6 +143,8 @@ class ToyWorld final : public backend::World {
     for (const auto& port : ports) port->advance(t);
     now_ = t;
   }
+  /// Time that goes by while nobody asks.
+  void pass(Duration duration) { now_ += duration; }
 
   std::vector<std::unique_ptr<ToyPort>> ports;
   std::function<void(Time)> on_advance;

@@ -251,11 +251,11 @@ TEST_CASE("a red pixel is red, in every encoding of colours") {
   CameraSpec spec = *robot().camera;
   spec.width = 4;
   spec.height = 2;
-  for (const auto& [encoding, bytes, red] :
-       {std::tuple{"bgr8", 3, 2}, std::tuple{"rgb8", 3, 0}, std::tuple{"bgra8", 4, 2}, std::tuple{"rgba8", 4, 0}}) {
+  for (const auto& [encoding, bytes, red] : {std::tuple{"bgr8", 3U, 2U}, std::tuple{"rgb8", 3U, 0U},
+                                             std::tuple{"bgra8", 4U, 2U}, std::tuple{"rgba8", 4U, 0U}}) {
     CAPTURE(encoding);
-    auto message = image_of(spec, encoding, static_cast<std::size_t>(bytes));
-    message->data[static_cast<std::size_t>(bytes + red)] = 200;  // of the second pixel
+    auto message = image_of(spec, encoding, bytes);
+    message->data[bytes + red] = 200;  // of the second pixel
     const auto reading = PictureMaker(spec, false).add_color(message);
     REQUIRE(reading);
     REQUIRE(*reading);
