@@ -8,7 +8,7 @@ import signal
 import subprocess
 import sys
 import textwrap
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import numpy as np
@@ -135,6 +135,35 @@ def test_the_graph_shows_the_robot_and_us() -> None:
     assert _core.ros2_distributions_with(ours.type, ours.hash) == ["humble", "jazzy", "kilted"]
 
 
+def sleep_until(robot: threewe.sync.Robot, condition: Callable[[], bool]) -> None:
+    """For as long as discovery and a computer that has other things to do may take."""
+    for _ in range(200):
+        if condition():
+            return
+        robot.sleep(0.1)
+    pytest.fail("it has not come true within 20 s")
+
+
+def test_a_robot_that_is_started_again_goes_on(network: pytest.MonkeyPatch) -> None:
+    """As an agent's restart: new endpoints of the same names, and odometry that begins elsewhere."""
+    network.setenv("ROS_DOMAIN_ID", str(FIRST_DOMAIN + 1))
+    with RealRobot(FIRST_DOMAIN + 1) as first:
+        robot = threewe.sync.Robot(backend="real")
+        robot.connect()
+        driven = robot.move_forward(0.4)
+        before = robot.get_odometry().pose
+    assert driven.success
+    assert first.truth["speed"] < 0.02
+    sleep_until(robot, lambda: not robot.health["odometry"].ok)
+    with RealRobot(FIRST_DOMAIN + 1):
+        sleep_until(robot, lambda: all(sensor.ok for sensor in robot.health.values()))
+        after = robot.get_odometry().pose
+        assert abs(after.x - before.x) < 0.05
+        assert abs(after.theta - before.theta) < 0.05
+        assert robot.rotate(0.5).success
+        robot.disconnect()
+
+
 def test_others_are_told_of_us_in_their_layout(network: pytest.MonkeyPatch) -> None:
     """The stand-in's graph is that of Humble, as micro-ROS agents have it; it knows us by name, with our endpoints."""
     network.setenv("ROS_DOMAIN_ID", str(FIRST_DOMAIN + 2))
@@ -142,6 +171,15 @@ def test_others_are_told_of_us_in_their_layout(network: pytest.MonkeyPatch) -> N
         robot.sleep(1.5)
     topics = 8  # of sensors
     assert other.truth["nodes"] == {"/threewe": topics + 1}
+
+
+@pytest.mark.usefixtures("played")
+def test_the_command_line_lists_it() -> None:
+    command = [sys.executable, "-c", "from threewe.cli import main; main()", "ros2", "discover"]
+    done = subprocess.run(command, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    assert "/cmd_vel" in done.stdout
+    assert "humble or" in done.stdout
 
 
 @pytest.mark.usefixtures("played")
