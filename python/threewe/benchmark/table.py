@@ -113,7 +113,7 @@ def _of_scene(results: dict[str, Any], scene: str, name: str) -> str:
 def _cell(figure: Figure) -> str:
     digits = 0 if figure["value"] >= 10.0 else 2
     value, low, high = (f"{figure[key]:.{digits}f}" for key in ("value", "low", "high"))
-    return f"{value} <small>[{low}, {high}]</small>"
+    return f"{value}<br><small>[{low},&nbsp;{high}]</small>"
 
 
 def _commands(runs: Sequence[Run]) -> list[str]:
