@@ -21,7 +21,7 @@ std::vector<Deliverable> deliverables(const RobotProfile& profile) {
   if (profile.lidar) all.push_back({"lidar", {"sensor_msgs/msg/LaserScan"}});
   if (profile.imu) all.push_back({"imu", {"sensor_msgs/msg/Imu"}});
   if (profile.battery) all.push_back({"battery", {"sensor_msgs/msg/BatteryState"}});
-  if (profile.camera) all.push_back({"camera", {"sensor_msgs/msg/Image"}});
+  if (profile.camera) all.push_back({"camera", {"sensor_msgs/msg/Image", "sensor_msgs/msg/CompressedImage"}});
   if (profile.camera && profile.camera->depth) all.push_back({"depth", {"sensor_msgs/msg/Image"}});
   if (profile.ultrasonics) {
     for (const auto& mount : profile.ultrasonics->mounts) all.push_back({mount.name, {"sensor_msgs/msg/Range"}});
@@ -51,7 +51,8 @@ std::string read_name(const ConfigNode& node) {
 
 TopicSpec read_topic(ConfigNode node, const std::string& name_space, const std::string& sensor,
                      const std::vector<std::string>& types, bool reliable) {
-  TopicSpec topic{.sensor = sensor, .topic = name_space + read_name(node.at("topic")), .type = {}, .reliable = reliable};
+  TopicSpec topic{
+      .sensor = sensor, .topic = name_space + read_name(node.at("topic")), .type = {}, .reliable = reliable};
   topic.type = node.choice("type", types);
   if (node.has("reliability")) {
     topic.reliable = node.choice("reliability", {"best_effort", "reliable"}) == "reliable";

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "core/exact.hpp"
+#include "ros2/jpeg.hpp"
 
 namespace threewe::ros2 {
 namespace {
@@ -114,7 +115,7 @@ class Resampler {
       increment_ = std::copysign(kTurn / static_cast<double>(count_), increment_);
     }
     // beam 0 of the turn begins where the message's first beam does, or its last one where that goes clockwise
-    const double first = static_cast<double>(scan.angle_min);
+    const auto first = static_cast<double>(scan.angle_min);
     const double last = first + static_cast<double>(count_ - 1) * increment_;
     edge_ = std::min(first, last) - 0.5 * std::abs(increment_);
     ratio_ = kTurn / static_cast<double>(beams_) / std::abs(increment_);
@@ -231,11 +232,14 @@ std::optional<Encoding> encoding_of(std::string_view name) {
   return std::nullopt;
 }
 
+template <typename Size>
+std::optional<std::string> mistake_in(Size width, Size height, const CameraSpec& spec) {
+  if (std::cmp_equal(width, spec.width) && std::cmp_equal(height, spec.height)) return std::nullopt;
+  return fmt::format("an image of {} x {}; the profile has {} x {}", width, height, spec.width, spec.height);
+}
+
 std::optional<std::string> mistake_in(const sensor_msgs::Image& image, const CameraSpec& spec, std::size_t bytes) {
-  if (!std::cmp_equal(image.width, spec.width) || !std::cmp_equal(image.height, spec.height)) {
-    return fmt::format("an image of {} x {}; the profile has {} x {}", image.width, image.height, spec.width,
-                       spec.height);
-  }
+  if (auto wrong = mistake_in(image.width, image.height, spec)) return wrong;
   const std::size_t row = image.width * bytes;
   if (bytes > 0 && image.step >= row && image.data.size() / image.step >= image.height) return std::nullopt;
   return fmt::format("{} bytes, of {} a row, are no image of {} x {} in {}", image.data.size(), image.step, image.width,
@@ -283,7 +287,16 @@ std::optional<ReadingOrMistake> PictureMaker::add_color(std::shared_ptr<const se
     return mistake(fmt::format("encoding '{}'; known: bgr8, rgb8, bgra8, rgba8, mono8", image->encoding));
   }
   if (auto wrong = mistake_in(*image, spec_, encoding->bytes)) return mistake(std::move(*wrong));
-  color_ = std::move(image);
+  color_ = Color{to_time(image->header.stamp), [image, encoding = *encoding] { return colors_of(*image, encoding); }};
+  return match();
+}
+
+std::optional<ReadingOrMistake> PictureMaker::add_compressed(
+    std::shared_ptr<const sensor_msgs::CompressedImage> image) {
+  const auto size = jpeg_size(image->data);
+  if (!size) return mistake(size.error());
+  if (auto wrong = mistake_in(size->width, size->height, spec_)) return mistake(std::move(*wrong));
+  color_ = Color{to_time(image->header.stamp), [image] { return decode_jpeg(image->data); }};
   return match();
 }
 
@@ -299,17 +312,17 @@ std::optional<ReadingOrMistake> PictureMaker::add_depth(std::shared_ptr<const se
 
 std::optional<ReadingOrMistake> PictureMaker::match() {
   if (!color_ || (with_depth_ && !depth_)) return std::nullopt;
-  const Time stamp = to_time(color_->header.stamp);
   if (with_depth_) {
-    const Duration apart = stamp - to_time(depth_->header.stamp);
+    const Duration apart = color_->stamp - to_time(depth_->header.stamp);
     if (std::chrono::abs(apart) > spec_.period / 2) return std::nullopt;  // the other one is still to come
   }
-  Picture picture([spec = spec_, color = std::exchange(color_, nullptr), depth = std::exchange(depth_, nullptr)] {
-    RGBDImage image{spec.intrinsics(), colors_of(*color, *encoding_of(color->encoding)), {}};
+  Color color = std::move(*std::exchange(color_, std::nullopt));
+  Picture picture([spec = spec_, draw = std::move(color.draw), depth = std::exchange(depth_, nullptr)] {
+    RGBDImage image{spec.intrinsics(), draw(), {}};
     if (depth) image.depth = depths_of(*depth, *spec.depth);
     return image;
   });
-  return Reading{std::move(picture), stamp, {}, {}};
+  return Reading{std::move(picture), color.stamp, {}, {}};
 }
 
 }  // namespace threewe::ros2

@@ -1,10 +1,12 @@
 // Conversions of ROS 2 sensor messages to readings of the contract.
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include <tl/expected.hpp>
 
@@ -19,7 +21,7 @@ namespace threewe::ros2 {
 /// What one message says, by its sender's clock.
 struct Reading {
   SampleData data;
-  Time stamp{};           ///< of the message's header; 0 where its sender has no clock
+  Time stamp{};            ///< of the message's header; 0 where its sender has no clock
   Duration to_measured{};  ///< from the stamp to what the contract calls `measured`
   Duration to_end{};       ///< from the stamp to when the last of it was measured
 };
@@ -27,7 +29,8 @@ struct Reading {
 using ReadingOrMistake = tl::expected<Reading, std::string>;
 
 /// Of any number of beams, in either direction, over a turn or a part of it, with inf and nan as REP 117 has them: the
-/// nearest return within each beam of the profile's, as the contract wants it; beams that it does not reach are invalid.
+/// nearest return within each beam of the profile's, as the contract wants it; beams that it does not reach are
+/// invalid.
 ReadingOrMistake to_reading(const sensor_msgs::LaserScan& scan, const LidarSpec& spec);
 /// In the base frame, as it comes: the profile has no pose of the inertial unit.
 ReadingOrMistake to_reading(const sensor_msgs::Imu& imu);
@@ -59,14 +62,20 @@ class PictureMaker {
   PictureMaker(const CameraSpec& spec, bool with_depth) : spec_(spec), with_depth_(with_depth) {}
   /// Nothing while the other image is to come. Colours are converted when somebody looks at them.
   std::optional<ReadingOrMistake> add_color(std::shared_ptr<const sensor_msgs::Image> image);
+  /// Of a JPEG.
+  std::optional<ReadingOrMistake> add_compressed(std::shared_ptr<const sensor_msgs::CompressedImage> image);
   std::optional<ReadingOrMistake> add_depth(std::shared_ptr<const sensor_msgs::Image> image);
 
  private:
+  struct Color {
+    Time stamp{};
+    std::function<std::vector<std::uint8_t>()> draw;  // blue, green, red
+  };
   std::optional<ReadingOrMistake> match();
 
   CameraSpec spec_;
   bool with_depth_;
-  std::shared_ptr<const sensor_msgs::Image> color_;
+  std::optional<Color> color_;
   std::shared_ptr<const sensor_msgs::Image> depth_;
 };
 

@@ -18,10 +18,10 @@ namespace {
 
 using Call = backend::PluginRequest::Call;
 
-constexpr Duration kReach = 10s;      // for discovery, and for the first reading of each sensor that has several a second
-constexpr int kStepsToRefresh = 50;   // about once a second
-constexpr int kLastWords = 3;         // commands to stand, as one may be lost
-constexpr int kDepth = 5;             // samples kept, of those that nobody took yet
+constexpr Duration kReach = 10s;  // for discovery, and for the first reading of each sensor that has several a second
+constexpr int kStepsToRefresh = 50;  // about once a second
+constexpr int kLastWords = 3;        // commands to stand, as one may be lost
+constexpr int kDepth = 5;            // samples kept, of those that nobody took yet
 
 // Sensors that deliver in less than this have delivered once they are connected.
 constexpr double kQuick = 2.0;  // [Hz]
@@ -39,8 +39,8 @@ double rate_of(SensorType type, const RobotProfile& profile) {
 }
 
 SensorType type_of(std::string_view sensor) {
-  for (const SensorType type : {SensorType::lidar, SensorType::imu, SensorType::odometry, SensorType::battery,
-                                SensorType::camera}) {
+  for (const SensorType type :
+       {SensorType::lidar, SensorType::imu, SensorType::odometry, SensorType::battery, SensorType::camera}) {
     if (sensor == to_string(type)) return type;
   }
   return sensor == "depth" ? SensorType::camera : SensorType::ultrasonic;
@@ -65,9 +65,10 @@ builtin_interfaces::Time wall_time() {
 
 backend::Features features_of(const RobotProfile& profile) {
   if (!profile.link) {
-    throw ConfigError(fmt::format("robot '{}' has no link: a real robot needs a `link:` section in its profile, with the "
-                                  "topics of its sensors",
-                                  profile.name));
+    throw ConfigError(
+        fmt::format("robot '{}' has no link: a real robot needs a `link:` section in its profile, with the "
+                    "topics of its sensors",
+                    profile.name));
   }
   backend::Features features;
   features.kinematics = profile.kinematics();
@@ -234,8 +235,7 @@ void RealRobot::receive(std::size_t index, std::span<const std::uint8_t> payload
     source.mistake = error.what();
     return;
   }
-  const auto measured =
-      clock_.measured(source.sensor, reading.stamp, reading.to_measured, reading.to_end, arrival);
+  const auto measured = clock_.measured(source.sensor, reading.stamp, reading.to_measured, reading.to_end, arrival);
   if (!measured) return;
   source.delivered = true;
   mailbox_->push({.sensor = sensor.name, .measured = *measured, .data = std::move(reading.data)});
@@ -252,12 +252,16 @@ std::optional<ReadingOrMistake> RealRobot::read(const Source& source, std::span<
     return converted(std::type_identity<tf2_msgs::TFMessage>(),
                      [this](const tf2_msgs::TFMessage& message) { return transforms_.to_reading(message); });
   }
+  if (source.topic.type == CompressedImage::kType) {
+    return converted(std::type_identity<CompressedImage>(), [this](CompressedImage image) {
+      return pictures_->add_compressed(std::make_shared<const CompressedImage>(std::move(image)));
+    });
+  }
   switch (type_of(source.topic.sensor)) {
     case SensorType::lidar:
       return converted(std::type_identity<sensor_msgs::LaserScan>(),
                        [this](const sensor_msgs::LaserScan& scan) { return to_reading(scan, *profile_.lidar); });
-    case SensorType::imu:
-      return converted(std::type_identity<Imu>(), [](const Imu& imu) { return to_reading(imu); });
+    case SensorType::imu: return converted(std::type_identity<Imu>(), [](const Imu& imu) { return to_reading(imu); });
     case SensorType::odometry:
       return converted(std::type_identity<nav_msgs::Odometry>(),
                        [](const nav_msgs::Odometry& odometry) { return to_reading(odometry); });

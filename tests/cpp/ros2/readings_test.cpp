@@ -5,6 +5,9 @@
 
 #include <cmath>
 #include <limits>
+#include <string>
+#include <string_view>
+#include <vector>
 
 #include "core/exact.hpp"
 #include "draw.hpp"
@@ -264,6 +267,49 @@ TEST_CASE("a red pixel is red, in every encoding of colours") {
     CHECK(image.color[3 + 2] == 200);
     CHECK(std::ranges::count(image.color, 0) == 23);
   }
+}
+
+// Of 4 x 2 pixels of (200, 30, 10), by Pillow.
+std::vector<std::uint8_t> jpeg_of_red() {
+  constexpr std::string_view kHex =
+      "ffd8ffe000104a46494600010100000100010000ffdb0043000201010101010201010102020202020403020202020504040304060506"
+      "060605060606070908060709070606080b08090a0a0a0a0a06080b0c0b0a0c090a0a0affdb004301020202020202050303050a070607"
+      "0a0a0a0a0a0a0a0a0a0a0a0a0a0a0a0a0a0a0a0a0a0a0a0a0a0a0a0a0a0a0a0a0a0a0a0a0a0a0a0a0a0a0a0a0a0a0a0a0a0affc00011"
+      "080002000403011100021101031101ffc40014000100000000000000000000000000000008ffc4001410010000000000000000000000"
+      "0000000000ffc4001501010100000000000000000000000000000809ffc40014110100000000000000000000000000000000ffda000c"
+      "03010002110311003f001d8c6ab8ffd9";
+  std::vector<std::uint8_t> bytes;
+  for (std::size_t i = 0; i < kHex.size(); i += 2) {
+    bytes.push_back(static_cast<std::uint8_t>(std::stoi(std::string(kHex.substr(i, 2)), nullptr, 16)));
+  }
+  return bytes;
+}
+
+TEST_CASE("a JPEG is the picture that was compressed") {
+  CameraSpec spec = *robot().camera;
+  spec.width = 4;
+  spec.height = 2;
+  auto message = std::make_shared<sensor_msgs::CompressedImage>();
+  message->header.stamp = {3, 0};
+  message->data = jpeg_of_red();
+  const auto reading = PictureMaker(spec, false).add_compressed(message);
+  REQUIRE(reading);
+  if (!*reading) {
+    WARN_MESSAGE(false, reading->error());  // libjpeg-turbo is not there
+    return;
+  }
+  CHECK((*reading)->stamp == 3s);
+  const RGBDImage& image = std::get<Picture>((*reading)->data).image();
+  REQUIRE(image.color.size() == 24);
+  CHECK(std::abs(image.color[0] - 10) <= 3);
+  CHECK(std::abs(image.color[1] - 30) <= 3);
+  CHECK(std::abs(image.color[2] - 200) <= 3);
+
+  spec.width = 5;
+  CHECK_FALSE(*PictureMaker(spec, false).add_compressed(message));
+  auto broken = std::make_shared<sensor_msgs::CompressedImage>(*message);
+  broken->data.resize(20);
+  CHECK_FALSE(*PictureMaker(spec, false).add_compressed(broken));
 }
 
 TEST_CASE("pictures with depth wait for both images") {

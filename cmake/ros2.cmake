@@ -9,8 +9,18 @@ else()
   message(STATUS "Cyclone DDS's headers not found, the backend 'real' is left out: apt install cyclonedds-dev")
 endif()
 
-# Gives a target the headers, and tells it whether the backend is compiled.
-function(threewe_use_cyclonedds target)
+# libjpeg-turbo's header, from Debian's package libturbojpeg0-dev, for pictures that come compressed; loaded likewise.
+find_path(THREEWE_TURBOJPEG_INCLUDE_DIR turbojpeg.h)
+
+# Gives a target the headers, and tells it what is compiled.
+function(threewe_use_ros2_libraries target)
+  if(THREEWE_TURBOJPEG_INCLUDE_DIR)
+    target_include_directories(${target} SYSTEM PRIVATE "${THREEWE_TURBOJPEG_INCLUDE_DIR}")
+    target_compile_definitions(${target} PRIVATE THREEWE_WITH_TURBOJPEG=1)
+    target_link_libraries(${target} PRIVATE ${CMAKE_DL_LIBS})
+  else()
+    target_compile_definitions(${target} PRIVATE THREEWE_WITH_TURBOJPEG=0)
+  endif()
   if("dds" IN_LIST THREEWE_ROS2_FOLDERS)
     target_include_directories(${target} SYSTEM PRIVATE "${THREEWE_CYCLONEDDS_INCLUDE_DIR}")
     # as Debian compiled the library: it changes structs
