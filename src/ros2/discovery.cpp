@@ -87,6 +87,7 @@ std::string cyclone_configuration(const Discovery& discovery) {
   for (const std::string& peer : discovery.static_peers) peers += fmt::format(R"(<Peer address="{}"/>)", peer);
   // found by peers without multicast are those whose index is low: Fast DDS looks up to 32 as well
   std::string search = "<ParticipantIndex>auto</ParticipantIndex><MaxAutoParticipantIndex>32</MaxAutoParticipantIndex>";
+  search += "<SPDPInterval>1s</SPDPInterval>";  // a robot that is started again is found soon
   if (!peers.empty()) search += fmt::format("<Peers>{}</Peers>", peers);
   if (discovery.range == DiscoveryRange::off) search += "<Tag>threewe_alone</Tag>";
 

@@ -281,7 +281,7 @@ std::vector<float> depths_of(const sensor_msgs::Image& image, const DepthSpec& s
 
 }  // namespace
 
-std::optional<ReadingOrMistake> PictureMaker::add_color(std::shared_ptr<const sensor_msgs::Image> image) {
+std::optional<ReadingOrMistake> PictureMaker::add_color(const std::shared_ptr<const sensor_msgs::Image>& image) {
   const auto encoding = encoding_of(image->encoding);
   if (!encoding) {
     return mistake(fmt::format("encoding '{}'; known: bgr8, rgb8, bgra8, rgba8, mono8", image->encoding));
@@ -292,7 +292,7 @@ std::optional<ReadingOrMistake> PictureMaker::add_color(std::shared_ptr<const se
 }
 
 std::optional<ReadingOrMistake> PictureMaker::add_compressed(
-    std::shared_ptr<const sensor_msgs::CompressedImage> image) {
+    const std::shared_ptr<const sensor_msgs::CompressedImage>& image) {
   const auto size = jpeg_size(image->data);
   if (!size) return mistake(size.error());
   if (auto wrong = mistake_in(size->width, size->height, spec_)) return mistake(std::move(*wrong));

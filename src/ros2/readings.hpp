@@ -61,9 +61,9 @@ class PictureMaker {
   /// `with_depth`: both kinds of image come.
   PictureMaker(const CameraSpec& spec, bool with_depth) : spec_(spec), with_depth_(with_depth) {}
   /// Nothing while the other image is to come. Colours are converted when somebody looks at them.
-  std::optional<ReadingOrMistake> add_color(std::shared_ptr<const sensor_msgs::Image> image);
+  std::optional<ReadingOrMistake> add_color(const std::shared_ptr<const sensor_msgs::Image>& image);
   /// Of a JPEG.
-  std::optional<ReadingOrMistake> add_compressed(std::shared_ptr<const sensor_msgs::CompressedImage> image);
+  std::optional<ReadingOrMistake> add_compressed(const std::shared_ptr<const sensor_msgs::CompressedImage>& image);
   std::optional<ReadingOrMistake> add_depth(std::shared_ptr<const sensor_msgs::Image> image);
 
  private:

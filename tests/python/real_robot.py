@@ -11,8 +11,9 @@ from typing import Any
 ROOT = Path(__file__).resolve().parents[2]
 PROGRAM = ROOT / "build/dev/tests/ros2/ros2_robot"
 
-# Networks of its own for each process that runs tests, out of the way of the domain that people use.
-FIRST_DOMAIN = 4 * (1 + os.getpid() % 24)
+# Networks of its own for each worker that runs tests, out of the way of the domain that people use.
+WORKER = int(os.environ.get("PYTEST_XDIST_WORKER", "gw0").removeprefix("gw"))
+FIRST_DOMAIN = 4 * (1 + (os.getppid() + WORKER) % 24)
 SILENT_DOMAIN = FIRST_DOMAIN + 3
 
 

@@ -19,10 +19,7 @@ from real_robot import FIRST_DOMAIN, PROGRAM, SILENT_DOMAIN, RealRobot
 from threewe import ConfigError, ConnectionError, Robot, _core
 from threewe.testing import check_backend, check_names
 
-pytestmark = [
-    pytest.mark.skipif(not PROGRAM.exists(), reason="the stand-in needs libfastrtps-dev and fastddsgen"),
-    pytest.mark.xdist_group("real"),
-]
+pytestmark = pytest.mark.skipif(not PROGRAM.exists(), reason="the stand-in needs libfastrtps-dev and fastddsgen")
 
 # Some of what the contract wants; all of it takes minutes.
 CHECKS = [
