@@ -31,6 +31,7 @@ void init_sim(nb::module_& m);
 void init_backend(nb::module_& m);
 void init_calibration(nb::module_& m);
 void init_ros2(nb::module_& m);
+void init_language(nb::module_& m);
 void init_plugin(nb::module_& m);
 void init_nav(nb::module_& m);
 void init_robot(nb::module_& m);

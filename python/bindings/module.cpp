@@ -5,6 +5,7 @@ NB_MODULE(_core, m) {
   m.doc() = "The C++ core of 3we. Use it through `threewe`, which adds what Python can do better.";
   init_errors(m);
   init_core(m);
+  init_language(m);
   init_hardware(m);
   init_map(m);
   init_slam(m);

@@ -446,6 +446,232 @@ def asset_directories() -> list[pathlib.Path]:
 def unknown_name(kind: str, name: str, candidates: Sequence[str]) -> str:
     """"unknown scene 'ofice_v2'; did you mean 'office_v2'?\""""
 
+class Skill(enum.StrEnum):
+    """What one step of a command does."""
+
+    def __str__(self) -> str: ...
+
+    move_to_place = 'move_to_place'
+    """drives to `place`"""
+
+    approach = 'approach'
+    """drives to `thing`"""
+
+    move_to = 'move_to'
+    """drives to `x`, `y`, and turns to `theta` where given"""
+
+    move_forward = 'move_forward'
+    """drives `distance` straight on; backwards where negative"""
+
+    rotate = 'rotate'
+    """turns by `angle`"""
+
+    search = 'search'
+    """looks for `thing`"""
+
+    explore = 'explore'
+    """maps what is unknown; in `place` where given"""
+
+    look = 'look'
+    """turns once around to see"""
+
+    list_things = 'list_things'
+    """says which things are known; in `place` where given"""
+
+    list_places = 'list_places'
+    """says which places are known"""
+
+    name_place = 'name_place'
+    """calls the place where the robot is `name`"""
+
+    answer = 'answer'
+    """answers a question `about` `thing`, or about its own position"""
+
+    wait = 'wait'
+    """stands for `duration`"""
+
+    follow = 'follow'
+    """follows the instruction `route`, as of VLN"""
+
+    done = 'done'
+    """ends"""
+
+class ReadingOutcome(enum.StrEnum):
+    """What became of a text."""
+
+    def __str__(self) -> str: ...
+
+    understood = 'understood'
+    """`steps` say what to do"""
+
+    ambiguous = 'ambiguous'
+    """it has several `meanings`: ask"""
+
+    not_understood = 'not_understood'
+    """`word` could not be read"""
+
+    refused = 'refused'
+    """it asks for what no robot does: `rule`"""
+
+class RefusalRule(enum.StrEnum):
+    """Why a command is refused."""
+
+    def __str__(self) -> str: ...
+
+    speed = 'speed'
+    """it asks to be faster than the operating limits"""
+
+    obstacle = 'obstacle'
+    """it asks to drive through, over or against something"""
+
+    emergency_stop = 'emergency_stop'
+    """it asks to release the emergency stop"""
+
+    zone = 'zone'
+    """it asks to enter a keep-out zone"""
+
+class ThingPhrase:
+    """A thing as it is described. What is not said is empty."""
+
+    def __eq__(self, other: object) -> bool: ...
+
+    def __hash__(self) -> int: ...
+
+    def __getstate__(self) -> bytes: ...
+
+    def __setstate__(self, arg: bytes, /) -> None: ...
+
+    @property
+    def kind(self) -> str:
+        """category of objects, such as "chair"; empty: any thing"""
+
+    @property
+    def color(self) -> str:
+        """one of the eleven basic color terms, such as "red\""""
+
+    @property
+    def which(self) -> str:
+        """"nearest" or "farthest\""""
+
+    @property
+    def next_to(self) -> str:
+        """another thing beside it: "[color ]kind\""""
+
+    @property
+    def place(self) -> str:
+        """where it is"""
+
+    def __repr__(self) -> str: ...
+
+class Step:
+    """
+    One step of a command: a skill and its arguments. What was not said is empty or None.
+    """
+
+    def __eq__(self, other: object) -> bool: ...
+
+    def __hash__(self) -> int: ...
+
+    def __getstate__(self) -> bytes: ...
+
+    def __setstate__(self, arg: bytes, /) -> None: ...
+
+    @property
+    def skill(self) -> Skill:
+        """what to do"""
+
+    @property
+    def about(self) -> str:
+        """of `answer`: "exists", "where", "count" or "position\""""
+
+    @property
+    def place(self) -> str:
+        """of `move_to_place`, `explore` and `list_things`"""
+
+    @property
+    def name(self) -> str:
+        """of `name_place`"""
+
+    @property
+    def thing(self) -> ThingPhrase:
+        """of `approach`, `search` and `answer`"""
+
+    @property
+    def x(self) -> float | None:
+        """[m] of `move_to`, in `map`"""
+
+    @property
+    def y(self) -> float | None:
+        """[m] of `move_to`, in `map`"""
+
+    @property
+    def theta(self) -> float | None:
+        """[rad] of `move_to`, counter-clockwise from the x axis"""
+
+    @property
+    def distance(self) -> float | None:
+        """[m] of `move_forward`"""
+
+    @property
+    def angle(self) -> float | None:
+        """[rad] of `rotate`, counter-clockwise"""
+
+    @property
+    def duration(self) -> float | None:
+        """[s] of `wait`"""
+
+    @property
+    def route(self) -> str:
+        """of `follow`: the instruction"""
+
+    @property
+    def arguments(self) -> dict[str, str | float]:
+        """
+        What was said, by name, in canonical order; those of `thing` and its `place` among them.
+        """
+
+    def __str__(self) -> str: ...
+
+    def __repr__(self) -> str: ...
+
+class Reading:
+    """What a text was read as. Only what its outcome names is filled."""
+
+    def __eq__(self, other: object) -> bool: ...
+
+    def __hash__(self) -> int: ...
+
+    def __getstate__(self) -> bytes: ...
+
+    def __setstate__(self, arg: bytes, /) -> None: ...
+
+    @property
+    def outcome(self) -> ReadingOutcome:
+        """which of the others says more"""
+
+    @property
+    def steps(self) -> list[Step]:
+        """what to do, in order, where understood"""
+
+    @property
+    def meanings(self) -> list[str]:
+        """two or more where ambiguous, sorted: names of places, or plans as text"""
+
+    @property
+    def word(self) -> str:
+        """the first word that could not be read where not understood, lower case"""
+
+    @property
+    def rule(self) -> RefusalRule | None:
+        """why, where refused; else None"""
+
+    def __str__(self) -> str: ...
+
+    def __repr__(self) -> str: ...
+
+def read_command(text: str, places: Sequence[str]) -> Reading:
+    """Reads a command in English where these places are known."""
+
 class Kinematics(enum.StrEnum):
     """How the wheels move the body."""
 

@@ -46,6 +46,8 @@ class Language {
   std::string thing(std::string_view category) const;
   /// What it is called by its shape, as in "armchair"; where that has no name of its own, by its category.
   std::string thing(std::string_view category, std::string_view shape) const;
+  /// What things are called by their shape, by (category, shape).
+  const std::map<std::pair<std::string, std::string>, std::string>& nouns() const { return nouns_; }
 
  private:
   int version_ = 0;

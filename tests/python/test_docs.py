@@ -26,6 +26,7 @@ PUBLIC = [
     "threewe.benchmark",
     "threewe.calibration",
     "threewe.data",
+    "threewe.language",
     "threewe.slam",
     "threewe.teleop",
     "threewe.testing",
