@@ -1,4 +1,4 @@
-"""Commands in English: drawn plans come back from their sentences, handwritten sentences are read as they were meant."""
+"""Commands in English: drawn plans come back from their sentences, handwritten ones are read as they were meant."""
 
 import subprocess
 
