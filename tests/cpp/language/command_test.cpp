@@ -67,6 +67,8 @@ TEST_CASE("things are approached and searched for") {
          {"find a violet fridge", "search(kind=refrigerator, color=purple)"},
          {"find the nearest red chair next to the desk in the lobby",
           "search(kind=chair, color=red, which=nearest, next_to=desk, place=lobby)"},
+         {"get closer to the blue couch", "approach(kind=couch, color=blue)"},
+         {"I need you in the lobby", "move_to_place(place=lobby)"},
          {"find a plant and go to it", "search(kind=plant); approach(kind=plant)"}});
   for (const char* near : {"next to", "beside", "by", "near"}) {
     CAPTURE(near);
@@ -120,6 +122,10 @@ TEST_CASE("looking, exploring, naming, ending") {
          {"call this place kitchen", "name_place(name=kitchen)"},
          {"name this room \"copy room\"", "name_place(name=copy room)"},
          {"call this place Bob's Corner, please", "name_place(name=Bob's Corner)"},
+         {"this place is called workshop", "name_place(name=workshop)"},
+         {"call this lab", "name_place(name=lab)"},
+         {"this is great", "not_understood(great)"},
+         {"this is not the kitchen", "not_understood(not)"},
          {"stop", "done()"},
          {"you are done", "done()"},
          {"that's all", "done()"}});
@@ -186,6 +192,9 @@ TEST_CASE("the word that could not be read is named") {
          {"go to the garage", "not_understood(garage)"},
          {"go to the kitchen and dance", "not_understood(dance)"},
          {"sing a song", "not_understood(sing)"},
+         {"wait", "not_understood(wait)"},
+         {"go around the chair", "not_understood(around)"},
+         {"avoid the keep-out zone", "not_understood(avoid)"},
          {"Stop the MUSIC", "not_understood(music)"},
          {"go to", "not_understood(to)"},
          {"hello", "not_understood(hello)"},

@@ -13,6 +13,7 @@
 #include "task/small_house.hpp"
 #include "threewe/core/errors.hpp"
 #include "threewe/hardware/profile.hpp"
+#include "threewe/language/command.hpp"
 #include "threewe/scene/generator.hpp"
 
 namespace threewe::task {
@@ -108,6 +109,18 @@ TEST_CASE("episodes keep their bounds, and their paths are shortest paths") {
     CHECK(endings.size() >= 8);
   }
   CHECK(texts.size() >= 0.98 * static_cast<double>(kEpisodes * everywhere().size()));
+}
+
+TEST_CASE("instructions are commands: routes to follow") {
+  const language::Lexicon lexicon = language::Lexicon::load();
+  for (const auto& [name, sampled] : everywhere()) {
+    for (const VlnEpisode& e : sampled.episodes) {
+      CAPTURE(e.instruction);
+      const language::Reading reading = language::read(e.instruction, lexicon);
+      REQUIRE(reading.outcome == language::ReadingOutcome::understood);
+      CHECK(reading.steps.front().skill == language::Skill::follow);
+    }
+  }
 }
 
 TEST_CASE("a follower that has only the text and the map arrives; with another's text it does not") {
