@@ -78,7 +78,7 @@ class Chart {
   // nouns.cpp
   const Matches& things(std::size_t at);
   Matches read_things(std::size_t at);
-  void add_heads(std::size_t at, ThingPhrase thing, Matches& to);
+  void add_heads(std::size_t at, const ThingPhrase& thing, Matches& to);
   void add_details(const Match& head, Matches& to);
   Matches others(std::size_t at);
   Matches place(std::size_t at);

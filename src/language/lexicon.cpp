@@ -42,7 +42,8 @@ std::string plural_of(const std::string& noun) {
   const auto ends_with = [&noun](std::string_view end) { return noun.ends_with(end); };
   if (ends_with("s") || ends_with("x") || ends_with("ch") || ends_with("sh")) return noun + "es";
   constexpr std::string_view kVowels = "aeiou";
-  const bool consonant_y = noun.size() > 1 && ends_with("y") && kVowels.find(noun[noun.size() - 2]) == kVowels.npos;
+  const bool consonant_y =
+      noun.size() > 1 && ends_with("y") && kVowels.find(noun[noun.size() - 2]) == std::string_view::npos;
   return consonant_y ? noun.substr(0, noun.size() - 1) + "ies" : noun + "s";
 }
 

@@ -29,16 +29,15 @@ struct Overlap {
 Overlap overlap(const Sentence& sentence, std::size_t at, const std::vector<Token>& name) {
   Overlap found{at, false};
   std::size_t next = at;
-  for (std::size_t i = 0; i < name.size(); ++i) {
-    if (is_same(sentence, next, name[i])) {
+  for (const Token& token : name) {
+    if (is_same(sentence, next, token)) {
       ++next;
-      if (name[i].kind != Token::Kind::mark) found.end = next;
-    } else if (name[i].kind == Token::Kind::number &&
-               (sentence.is_word(next, "number") || sentence.is_word(next, "#")) &&
-               is_same(sentence, next + 1, name[i])) {
+      if (token.kind != Token::Kind::mark) found.end = next;
+    } else if (token.kind == Token::Kind::number && (sentence.is_word(next, "number") || sentence.is_word(next, "#")) &&
+               is_same(sentence, next + 1, token)) {
       next += 2;
       found.end = next;
-    } else if (name[i].kind != Token::Kind::mark) {
+    } else if (token.kind != Token::Kind::mark) {
       return found;
     }
   }
@@ -71,7 +70,7 @@ Matches Chart::read_things(std::size_t at) {
 }
 
 // Adjectives, then a noun, or "something" with its color behind it.
-void Chart::add_heads(std::size_t at, ThingPhrase thing, Matches& to) {
+void Chart::add_heads(std::size_t at, const ThingPhrase& thing, Matches& to) {
   bool noun = false;
   if (at < sentence_.size()) {
     for (const Edge& edge : sentence_.edges(at)) {
@@ -184,7 +183,7 @@ std::optional<Match> Chart::known_place(std::size_t at) const {
   std::ranges::sort(names);
   names.erase(std::unique(names.begin(), names.end()), names.end());
   Match match{best.end, {.place = names.front()}};
-  if (names.size() > 1) match.slots.choices = names;
+  if (names.size() > 1) match.slots.choices = std::move(names);
   return match;
 }
 

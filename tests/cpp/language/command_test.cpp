@@ -260,13 +260,13 @@ TEST_CASE("known places have any names") {
 
 TEST_CASE("whatever the text, it is a reading or one error") {
   const std::vector<std::string> strange = {"\x01\x02",
-                                            "go\0to",
+                                            std::string("go\0to", 5),
                                             "厨房に行って",
                                             "\xff\xfe go",
                                             "🤖🤖",
                                             "((((((",
                                             "----",
-                                            "\"\"\"\"",
+                                            R"("""")",
                                             "1 2 3 4 5",
                                             "and and and",
                                             "a a a a",
