@@ -36,6 +36,8 @@ void init_plugin(nb::module_& m);
 void init_nav(nb::module_& m);
 void init_robot(nb::module_& m);
 void init_record(nb::module_& m);
+void init_vision(nb::module_& m);
+void init_agent(nb::module_& m);
 void init_env(nb::module_& m);
 void init_benchmark(nb::module_& m);
 void init_export(nb::module_& m);

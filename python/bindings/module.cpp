@@ -16,6 +16,8 @@ NB_MODULE(_core, m) {
   init_nav(m);
   init_robot(m);
   init_record(m);
+  init_vision(m);
+  init_agent(m);
   init_env(m);
   init_benchmark(m);
   init_export(m);

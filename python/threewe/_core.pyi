@@ -2921,6 +2921,220 @@ def recover_journals(folder: str) -> list[Recovered]: ...
 
 def journals(folder: str) -> list[pathlib.Path]: ...
 
+class Detection:
+    """One thing in a picture."""
+
+    @property
+    def color(self) -> str:
+        """the basic color term of most of what is seen of it"""
+
+    @property
+    def color_share(self) -> float:
+        """0 to 1, how much of it is of that color"""
+
+    @property
+    def kind_index(self) -> int:
+        """index into the detector's labels"""
+
+    @property
+    def scores(self) -> list[float]:
+        """(labels,) probability of each label"""
+
+    @property
+    def confidence(self) -> float:
+        """0 to 1, that it is of its kind"""
+
+    @property
+    def box(self) -> list[int]:
+        """[px] x and y from, x and y to (excluded)"""
+
+    @property
+    def cells(self) -> int:
+        """how many cells of 1/40 of the view's width show it"""
+
+    @property
+    def bearing(self) -> float:
+        """[rad] from the camera's axis to its centre, to the left"""
+
+    @property
+    def distance(self) -> float:
+        """[m] along the camera's axis to its centre"""
+
+class Detector:
+    """Object detector in integer arithmetic: the same bits on every machine."""
+
+    @staticmethod
+    def load(name: str = 'indoor_v1') -> Detector:
+        """
+        Reads one that is shipped, or a file that ends in .safetensors. Raises ConfigError.
+        """
+
+    @property
+    def labels(self) -> list[str]:
+        """what it can tell apart; the first is the background"""
+
+    @property
+    def description(self) -> str:
+        """what it was trained on"""
+
+    def detect(self, picture: Annotated[NDArray[numpy.uint8], dict(shape=(None, None, 3), order='C', device='cpu', writable=False)], camera: CameraIntrinsics) -> list[Detection]:
+        """
+        The things in a (H, W, 3) uint8 BGR picture of a level camera, largest first. Raises ContractError.
+        """
+
+def color_names() -> list[str]:
+    """The eleven basic color terms."""
+
+def color_of(blue: int, green: int, red: int) -> str:
+    """The color term of a pixel, each of 0 to 255."""
+
+class MappedThing:
+    """A thing that the robot has seen, perhaps many times."""
+
+    @property
+    def id(self) -> int:
+        """grows with every new one"""
+
+    @property
+    def position(self) -> tuple[float, float]:
+        """[m] of its centre, in `map`"""
+
+    @property
+    def covariance(self) -> list[float]:
+        """[m^2] of the position: xx, xy, yy"""
+
+    @property
+    def kinds(self) -> list[float]:
+        """probability of each of the detector's labels"""
+
+    @property
+    def views(self) -> int:
+        """from different poses"""
+
+    @property
+    def kind_index(self) -> int:
+        """its most probable kind, index into the detector's labels"""
+
+    @property
+    def color(self) -> str:
+        """the color term that most of it has"""
+
+class Place:
+    """A place that has a name."""
+
+    @property
+    def name(self) -> str: ...
+
+    @property
+    def polygon(self) -> list[tuple[float, float]]:
+        """[m] in `map`; one point where the robot stood as it was named"""
+
+    @property
+    def origin(self) -> str:
+        """who named it: `given`, or what stands there"""
+
+class ExecutedStep:
+    """One skill that was executed."""
+
+    @property
+    def skill(self) -> str:
+        """such as `search`"""
+
+    @property
+    def text(self) -> str:
+        """with its arguments: `search(kind=chair, color=red)`"""
+
+    @property
+    def reason(self) -> str:
+        """how it ended: `done`, `not_found`, or a motion's reason"""
+
+    @property
+    def detail(self) -> str:
+        """says more; may be empty"""
+
+    @property
+    def begun(self) -> float:
+        """[s] of robot time"""
+
+    @property
+    def ended(self) -> float:
+        """[s] of robot time"""
+
+    @property
+    def thing(self) -> int:
+        """id of the mapped thing that it rests on; 0: none"""
+
+    def __repr__(self) -> str: ...
+
+class ExecutionResult:
+    """What became of an instruction."""
+
+    @property
+    def success(self) -> bool:
+        """`reason` is `done`"""
+
+    @property
+    def reason(self) -> str:
+        """
+        done, not_found, not_understood, ambiguous, refused, budget, or a motion's reason
+        """
+
+    @property
+    def detail(self) -> str:
+        """says more about a failure; may be empty"""
+
+    @property
+    def answer(self) -> str:
+        """to a question, or what was found, as a sentence; may be empty"""
+
+    @property
+    def verified(self) -> bool:
+        """the robot's own detector saw what the answer says"""
+
+    @property
+    def steps(self) -> list[ExecutedStep]:
+        """the skills that were executed"""
+
+    @property
+    def distance(self) -> float:
+        """[m] driven, by its own estimate"""
+
+    @property
+    def duration(self) -> float:
+        """[s] of robot time"""
+
+    def __repr__(self) -> str: ...
+
+class Agent:
+    """
+    Executes instructions on one robot. Use it through `Robot.execute_instruction`.
+    """
+
+    def __init__(self, robot: Runtime, detector: Detector) -> None: ...
+
+    def begin(self, instruction: str, steps: int, duration: float) -> None: ...
+
+    def update(self) -> None: ...
+
+    def cancel(self) -> None: ...
+
+    @property
+    def done(self) -> bool: ...
+
+    @property
+    def result(self) -> ExecutionResult: ...
+
+    @property
+    def things(self) -> list[MappedThing]: ...
+
+    @property
+    def places(self) -> list[Place]: ...
+
+    @property
+    def labels(self) -> list[str]: ...
+
+    def name_place(self, name: str, polygon: Sequence[tuple[float, float]]) -> None: ...
+
 class Randomization:
     """Domain randomisation: how far robots differ from their profile."""
 

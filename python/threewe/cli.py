@@ -11,11 +11,12 @@ import typer
 from rich.table import Column, Table
 
 import threewe
-from threewe import calibration, driving, profiles, ros2, teleoperation
+from threewe import calibration, driving, instructing, profiles, ros2, teleoperation
 from threewe._console import plain_console, styled
 from threewe.benchmark import cli as benchmark
 from threewe.benchmark import cli_transfer
 from threewe.data import cli as data
+from threewe.detector import cli as detector
 from threewe.slam import cli as slam
 
 app = typer.Typer(
@@ -32,12 +33,14 @@ app.add_typer(profiles.app, name="hardware")
 app.add_typer(slam.app, name="slam")
 app.add_typer(data.app, name="data")
 app.add_typer(ros2.app, name="ros2")
+app.add_typer(detector.app, name="detector")
 app.add_typer(benchmark.app, name="benchmark")
 app.add_typer(cli_transfer.app, name="transfer")
 for command in (driving.drive, driving.explore, driving.view):
     app.command()(command)
 app.command("calibrate")(calibration.command)
 app.command()(teleoperation.teleop)
+app.command()(instructing.instruct)
 
 console = plain_console()
 complaints = plain_console(stderr=True)

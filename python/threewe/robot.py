@@ -30,15 +30,18 @@ from threewe._arguments import (
 )
 from threewe._core import (
     BatteryState,
+    ExecutionResult,
     ExploreResult,
     Features,
     IMUData,
     LaserScan,
     LocalizationState,
+    MappedThing,
     Motion,
     MoveResult,
     OccupancyGrid,
     Odometry,
+    Place,
     Pose2D,
     Progress,
     RangeData,
@@ -52,6 +55,7 @@ from threewe._core import (
     Velocity,
     Zone,
 )
+from threewe._instructions import Instructions
 from threewe._observers import Observer, Observers
 from threewe._options import known_options, known_options_but
 from threewe._time import InRobotTime, RobotTime
@@ -161,6 +165,7 @@ class Robot(InRobotTime):
         self._simulation = Simulation(world, index, robot_time) if world.simulated else None
         self._map: tuple[int, OccupancyGrid] | None = None
         self._observers = Observers(self._runtime)
+        self._instructions: Instructions | None = None
 
     def __repr__(self) -> str:
         if self._time.elsewhere:
@@ -360,6 +365,55 @@ class Robot(InRobotTime):
         motion = begin(limit)
         await self._time.wait_for_motion(motion, callback)
         return motion
+
+    @known_options
+    async def execute_instruction(
+        self, instruction: str, *, max_steps: int = 30, timeout: float = 900.0
+    ) -> ExecutionResult:
+        """Does what a sentence says, such as "go to the kitchen and find the red chair". Needs a camera.
+
+        Read by a grammar, with nothing but what the robot has seen itself: no network and no model. What is not
+        understood, may mean two things, or is not allowed ends at once and says so; see `ExecutionResult.reason`.
+
+        Args:
+            instruction: English, of at most 1,000 characters.
+            max_steps: of the plan that is made of it.
+            timeout: [s] of robot time.
+
+        Raises:
+            HardwareError: the robot has no camera.
+            SafetyError: another instruction or motion is in progress.
+        """
+        self._time.check_waiting()
+        return await self._instructed().execute(instruction, max_steps, timeout)
+
+    def name_place(self, name: str, polygon: ArrayLike | None = None) -> None:
+        """Gives a place a name, for instructions: where the robot is now, or a polygon [m] in `map`.
+
+        Raises:
+            ContractError: no name, `start`, or a polygon of fewer than three points.
+        """
+        if polygon is None:
+            corners = [(self.get_pose().x, self.get_pose().y)]
+        else:
+            corners = as_path("polygon", polygon)
+            if len(corners) < 3:
+                raise ContractError(f"polygon must have three points or more, got {len(corners)}")
+        self._instructed().agent.name_place(as_text("name", name), corners)
+
+    def get_places(self) -> list[Place]:
+        """The places that have names, in the order in which they got them."""
+        return self._instructed().agent.places
+
+    def get_things(self) -> list[MappedThing]:
+        """The things that the robot has seen while it executed instructions, each from two poses or more."""
+        return self._instructed().agent.things
+
+    def _instructed(self) -> Instructions:
+        self._time.check_thread()
+        if self._instructions is None:
+            self._instructions = Instructions(self)
+        return self._instructions
 
     @known_options
     async def execute_action(self, action: ArrayLike, period: float = 0.02) -> Velocity:

@@ -226,9 +226,13 @@ class Robot(_Connected):
     follow_path = _waits(threewe.Robot.follow_path)
     explore = _waits(threewe.Robot.explore)
     execute_action = _waits(threewe.Robot.execute_action)
+    execute_instruction = _waits(threewe.Robot.execute_instruction)
 
     set_velocity = _returns(threewe.Robot.set_velocity)
     set_zones = _returns(threewe.Robot.set_zones)
+    name_place = _returns(threewe.Robot.name_place)
+    get_places = _returns(threewe.Robot.get_places)
+    get_things = _returns(threewe.Robot.get_things)
     stop = _returns(threewe.Robot.stop)
     emergency_stop = _returns(threewe.Robot.emergency_stop)
     release_emergency_stop = _returns(threewe.Robot.release_emergency_stop)

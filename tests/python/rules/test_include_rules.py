@@ -15,9 +15,11 @@ MAY_USE = {
     "hardware": ["core"],
     "scene": ["core"],
     "models": ["core", "hardware"],
+    "vision": ["core"],
     "map": ["core"],
     "slam": ["core", "map"],
     "perception": ["core", "hardware", "map", "slam", "safety/params"],
+    "semantics": ["core", "map", "vision"],
     "nav": ["core", "hardware", "map", "slam", "perception/percepts", "safety/params"],
     "sim": ["core", "scene", "hardware", "models"],
     "backend": ["core", "hardware", "scene/truth_view"],
@@ -28,6 +30,7 @@ MAY_USE = {
     "ros2": ["core", "hardware", "backend", "scene/truth_view", "map"],
     "safety": ["core", "hardware", "map/scan_hits"],
     "robot": ["core", "backend", "safety", "perception", "slam", "nav", "map", "hardware", "scene/truth_view"],
+    "agent": ["core", "hardware", "map", "slam", "nav", "language", "vision", "semantics", "robot"],
     "export": ["core", "scene", "hardware", "map"],
     "task": ["core", "hardware", "scene", "language"],
     "env": ["core", "hardware", "scene", "task", "sim", "models", "safety"],
@@ -42,7 +45,7 @@ PUBLIC = ROOT / "include/threewe"
 MOST_PUBLIC_HEADERS = 45
 
 # The robot's mind never sees, through however many includes, what only a simulator knows.
-MIND = ["map", "slam", "perception", "nav"]
+MIND = ["map", "slam", "perception", "nav", "language", "vision", "semantics"]
 HIDDEN_FROM_THE_MIND = ["scene", "sim", "backend", "ros2"]
 
 
@@ -65,6 +68,12 @@ def test_the_mind_sees_no_truth() -> None:
         if module_of(target).split("/")[0] in HIDDEN_FROM_THE_MIND
     ]
     assert not wrong, "\n".join(wrong)
+
+
+def test_the_agent_of_instructions_sees_no_truth() -> None:
+    files = [file for file in sources() if module_of(file) == "agent"]
+    assert files
+    assert not [target for file in files for target in reachable(file) if module_of(target) in ("scene", "sim")]
 
 
 def test_factories_and_observers_are_given_no_truth() -> None:

@@ -1,0 +1,1 @@
+"""Training of the object detector that instructions see with. What runs it is C++."""

@@ -1,0 +1,207 @@
+"""Labelled pictures of generated buildings: what a detector is trained on, with `simulation.look()` as its teacher.
+
+A picture is the robot's own view, 320 x 240 pixels of 90 degrees; its labels are one per cell of 8 x 8 pixels: the kind
+of thing that most of the cell shows, and where that thing's centre is.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import TYPE_CHECKING
+
+import numpy as np
+import yaml  # type: ignore[import-untyped]
+from numpy.typing import NDArray
+
+from threewe._core import Pose2D, Scene, SemanticImage, asset_directories
+from threewe.benchmark.unseen import HELD_OUT
+from threewe.errors import ConfigError
+
+if TYPE_CHECKING:
+    from threewe.simulation import Simulation
+
+WIDTH, HEIGHT, CELL = 320, 240, 8
+LABELS = (
+    "background",
+    *("bed", "box", "cabinet", "chair", "column", "couch", "counter", "cup", "desk", "door", "monitor", "plant"),
+    *("refrigerator", "shelf", "table", "tree", "person"),
+)
+"""What a cell may show. Walls, floors and ceilings are background."""
+UNSURE = 255  # a label that is not learnt: the cell shows a bit of many things
+
+MOST = 0.25  # of a cell's pixels, from which on it shows a thing: chairs are legs
+FEW = 0.06  # and below which it shows none
+VIEWS = 20  # of a building in the same colours
+COLOURS = 3  # of a building
+LIGHTS = ("none", "mild", "paper", "hard")  # how colours, light and textures are drawn
+TYPICAL = 30.0  # cells of a thing that count 1
+FARTHEST = 9.0  # [m] of a thing that is learnt
+NEAREST = 0.2  # [m] that a thing's centre is taken to be away at least: one may stand in the middle of a large one
+SHOWN = 20  # cells of things, from which on a picture is worth learning
+OTHER_SHAPE = 0.7  # of the furniture that is given another shape of its kind
+MORE = 8  # people and things that are added to a building
+FREE = 1.0  # [m] around where robots start
+RARE = ["tree", "column", "counter", "couch", "chair", "desk"]  # kinds of what is added
+
+
+@dataclass(frozen=True)
+class Labelled:
+    """One picture and what it shows."""
+
+    picture: NDArray[np.uint8]
+    """(240, 320, 3) BGR, without the camera's noise"""
+    kinds: NDArray[np.uint8]
+    """(30, 40) index into `LABELS`, or `UNSURE`"""
+    offsets: NDArray[np.float32]
+    """(30, 40) from the cell's middle to the column of its thing's centre [cells]"""
+    nearness: NDArray[np.float32]
+    """(30, 40) 1 / (distance of the thing's centre along the optical axis) [1/m]"""
+    weights: NDArray[np.float32]
+    """(30, 40) how much a cell counts: less, the more cells show the same thing"""
+
+
+def labelled_pictures(seed: int, buildings: int) -> Iterator[Labelled]:
+    """Pictures of generated buildings with furniture of all shapes that are not held out, and people.
+
+    The same seed gives the same pictures.
+    """
+    from threewe.robot import Robot
+
+    for building in range(buildings):
+        random = np.random.default_rng([seed, building])
+        with TemporaryDirectory() as folder:
+            path = Path(folder, "building.yaml")
+            path.write_text(_furnished(random, seed * 100_003 + building), encoding="utf-8")
+            try:
+                robot = Robot(
+                    scene=str(path), localization="truth", randomization=LIGHTS[building % len(LIGHTS)], seed=building
+                )
+            except ConfigError:  # somebody walks where it starts
+                continue
+        for colours in range(COLOURS):
+            assert robot.simulation is not None
+            robot.simulation.reset(seed=building, episode=colours)
+            for _ in range(VIEWS):
+                yield _interesting(robot.simulation, random)
+
+
+def _furnished(random: np.random.Generator, seed: int) -> str:
+    """A generated building, its furniture replaced by other shapes of the same kinds, with people and some more."""
+    size = (float(random.uniform(9, 24)), float(random.uniform(8, 18)))
+    scene = Scene.generate(seed, difficulty=float(random.uniform(0.1, 0.95)), size=size)
+    content = yaml.safe_load(scene.to_yaml("building"))
+    shapes = _shapes()
+    for i, thing in enumerate(content["objects"]):
+        thing.setdefault("name", f"thing_{i}")
+        if random.random() < OTHER_SHAPE:
+            thing["shape"] = str(random.choice(shapes[thing["category"]]))
+    people = content.setdefault("people", [])
+    for i in range(MORE):
+        room = content["rooms"][random.integers(len(content["rooms"]))]
+        x, y = (float(random.uniform(room["min"][k] + 0.5, room["max"][k] - 0.5)) for k in (0, 1))
+        if any(math.hypot(x - start[0], y - start[1]) < FREE for start in content["starts"]):
+            continue
+        if i % 2:
+            people.append({"name": f"person_{i}", "speed": 1.0, "route": [[x, y], [x + 0.3, y]]})
+            continue
+        kind = str(random.choice(RARE))
+        pose = [x, y, float(random.uniform(-3, 3))]
+        shape = str(random.choice(shapes[kind]))
+        content["objects"].append({"category": kind, "shape": shape, "pose": pose, "name": f"extra_{i}"})
+    return _without_what_overlaps(content)
+
+
+def _without_what_overlaps(content: dict[str, list[dict[str, object]]]) -> str:
+    """The scene as text, less the things and people that do not fit: errors name them."""
+    while True:
+        text = json.dumps(content)  # which is YAML too, and read faster
+        try:
+            Scene.parse(text, "building")
+        except ConfigError as error:
+            names = [str(thing["name"]) for key in ("objects", "people") for thing in content[key]]
+            found = [name for name in re.findall(r"'(\w+)'", str(error)) if name in names]
+            if not found:
+                raise
+            for key in ("objects", "people"):
+                content[key] = [thing for thing in content[key] if thing["name"] != found[0]]
+        else:
+            return text
+
+
+def _shapes() -> dict[str, list[str]]:
+    """The shapes of each kind that are not held out."""
+    shapes: dict[str, list[str]] = {}
+    for folder in asset_directories():
+        for path in sorted(Path(folder, "objects").glob("*.yaml")):
+            content = yaml.safe_load(path.read_text(encoding="utf-8"))
+            held_out = HELD_OUT.get(content["category"], ())
+            shapes[content["category"]] = [shape for shape in content["shapes"] if shape not in held_out]
+    return shapes
+
+
+def _interesting(simulation: Simulation, random: np.random.Generator) -> Labelled:
+    """A picture that shows things; of those that show walls alone one in five is taken."""
+    while True:
+        picture = labelled(simulation, random)
+        shown = np.count_nonzero((picture.kinds != 0) & (picture.kinds != UNSURE))
+        if shown >= SHOWN or random.random() < 0.2:
+            return picture
+
+
+def labelled(simulation: Simulation, random: np.random.Generator) -> Labelled:
+    """What a robot's camera shows at a random pose."""
+    robot = simulation.sample_free_pose(int(random.integers(1 << 31)))
+    assert simulation.profile.camera is not None
+    camera = robot * simulation.profile.camera.base_from_camera
+    image = simulation.look(pose=camera, with_itself=False)
+    ids = image.ids[::2, ::2]
+    kinds_of, columns_of, nearness_of = _things(simulation, image, camera)
+    count = len(image.names)
+    rows, columns = HEIGHT // CELL, WIDTH // CELL
+    y, x = np.indices(ids.shape) // CELL
+    cells = (y * columns + x) * count + ids
+    shares = np.bincount(cells.ravel(), minlength=rows * columns * count).reshape(-1, count) / CELL**2
+    shares[:, kinds_of == 0] = 0.0
+    thing = shares.argmax(1)
+    share, total = shares.max(1), shares.sum(1)
+    kinds = np.where(share >= MOST, kinds_of[thing], np.where(total <= FEW, 0, UNSURE)).astype(np.uint8)
+    kinds[(kinds != 0) & (nearness_of[thing] < 1 / FARTHEST)] = UNSURE
+    sizes = np.bincount(thing[kinds != 0], minlength=count)
+    weights = np.where(kinds != 0, np.sqrt(TYPICAL / np.maximum(sizes[thing], 4)), 1.0)
+    middles = (np.arange(rows * columns) % columns + 0.5) * CELL
+    offsets = np.clip((columns_of[thing] - middles) / CELL, -12, 12)
+    return Labelled(
+        _halved(image.color),
+        kinds.reshape(rows, columns),
+        offsets.astype(np.float32).reshape(rows, columns),
+        nearness_of[thing].astype(np.float32).reshape(rows, columns),
+        weights.astype(np.float32).reshape(rows, columns),
+    )
+
+
+def _things(
+    simulation: Simulation, image: SemanticImage, camera: Pose2D
+) -> tuple[NDArray[np.int64], NDArray[np.float64], NDArray[np.float64]]:
+    """Of what each id shows: its label, the column of its centre [px] and its nearness [1/m]; 0 for what is behind."""
+    places = {thing.name: (thing.category, thing.pose) for thing in simulation.scene.objects}
+    places |= {person.name: ("person", person.pose) for person in simulation.people()}
+    known = [places.get(name, ("background", camera)) for name in image.names]
+    dx, dy = np.array([(pose.x - camera.x, pose.y - camera.y) for _, pose in known]).T
+    ahead = dx * math.cos(camera.theta) + dy * math.sin(camera.theta)
+    left = dy * math.cos(camera.theta) - dx * math.sin(camera.theta)
+    ahead = np.maximum(ahead, NEAREST)
+    columns = WIDTH / 2 - WIDTH / 2 * left / ahead
+    return np.array([LABELS.index(label) for label, _ in known]), columns, 1 / ahead
+
+
+def _halved(color: NDArray[np.uint8]) -> NDArray[np.uint8]:
+    """The mean of every 2 x 2 pixels, rounded."""
+    sums = color.reshape(HEIGHT, 2, WIDTH, 2, 3).sum((1, 3), dtype=np.uint16)
+    halved: NDArray[np.uint8] = ((sums + 2) >> 2).astype(np.uint8)
+    return halved

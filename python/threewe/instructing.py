@@ -1,0 +1,35 @@
+"""`threewe instruct`: one sentence, and a simulated robot does it."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+import typer
+
+from threewe._console import plain_console
+
+console = plain_console()
+
+
+def instruct(
+    instruction: Annotated[str, typer.Argument(help='Such as "find the red chair".')],
+    scene: Annotated[str, typer.Option(help="Scene by name, or a file that ends in .yaml.")] = "office_v2",
+    backend: Annotated[str, typer.Option(help="Backend.")] = "mock",
+    hardware: Annotated[str, typer.Option(help="Robot profile, one with a camera.")] = "3we_standard_v2",
+    seed: Annotated[int, typer.Option(min=0, help="Of all noise.")] = 0,
+    timeout: Annotated[float, typer.Option(min=1.0, help="[s] of robot time.")] = 900.0,
+) -> None:
+    """Do what a sentence says, offline: read by a grammar, seen by the detector that comes with 3we."""
+    from threewe.sync import Robot
+
+    with Robot(backend=backend, hardware=hardware, scene=scene, seed=seed) as robot:
+        result = robot.execute_instruction(instruction, timeout=timeout)
+    for step in result.steps:
+        console.print(f"{step.begun:7.1f} s  {step.text}: {step.reason}" + (f", {step.detail}" if step.detail else ""))
+    said = result.answer or result.detail
+    console.print(f"{result.reason}{': ' + said if said else ''}")
+    console.print(
+        f"{result.distance:.1f} m driven in {result.duration:.1f} s, verified: {'yes' if result.verified else 'no'}"
+    )
+    if not result.success:
+        raise typer.Exit(1)

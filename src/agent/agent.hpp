@@ -1,0 +1,87 @@
+// Instruction agent: reads an instruction, makes skills of it, and executes them with the robot's public calls.
+// Offline: language, detector and semantic map are the robot's own.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "semantics/semantic_map.hpp"
+#include "threewe/language/command.hpp"
+#include "threewe/robot/runtime.hpp"
+#include "threewe/robot/world.hpp"
+#include "vision/detector.hpp"
+
+namespace threewe::agent {
+
+/// How long and how far an instruction may take the robot.
+struct Budget {
+  int steps = 30;           ///< of a plan
+  double duration = 900.0;  ///< [s] of robot time
+};
+
+/// One skill that was executed.
+struct ExecutedStep {
+  std::string skill;        ///< such as "search"
+  std::string text;         ///< with its arguments: "search(kind=chair, color=red)"
+  std::string reason;       ///< how it ended: "done", "not_found", or a motion's reason
+  std::string detail;       ///< says more; may be empty
+  double begun = 0.0;       ///< [s] of robot time
+  double ended = 0.0;       ///< [s]
+  std::uint64_t thing = 0;  ///< id of the mapped thing that it rests on; 0: none
+};
+
+/// What became of an instruction.
+struct ExecutionResult {
+  bool success = false;   ///< `reason` is `done`
+  std::string reason;     ///< done, not_found, not_understood, ambiguous, refused, budget, or that of a motion
+  std::string detail;     ///< says more about a failure; may be empty
+  std::string answer;     ///< to a question, or what was found, as a sentence; may be empty
+  bool verified = false;  ///< the robot's own detector saw what the answer says
+  std::vector<ExecutedStep> steps;
+  double distance = 0.0;  ///< [m] driven, by its own estimate
+  double duration = 0.0;  ///< [s] of robot time
+};
+
+/// Executes instructions on one robot, one at a time, and remembers from one to the next what it has seen. It looks
+/// twice a second, from when it is made. It uses what users may call, nothing else: every motion passes the gate.
+class Agent {
+ public:
+  /// Of a connected robot, which must outlive it. Throws HardwareError for one without a camera.
+  explicit Agent(Runtime& robot, vision::Detector detector = vision::Detector::load(),
+                 language::Lexicon lexicon = language::Lexicon::load());
+  ~Agent();
+  Agent(const Agent&) = delete;
+  Agent& operator=(const Agent&) = delete;
+
+  /// Begins an instruction. Throws ContractError for a text that is no text, SafetyError while another instruction or
+  /// motion runs, EmergencyStopError while the stop is latched.
+  void begin(std::string_view instruction, const Budget& budget = {});
+  /// Goes on: to be called at least every 0.1 s of robot time, between ticks.
+  void update();
+  /// Whether nothing is in progress.
+  bool done() const;
+  /// Ends the instruction as `cancelled` and stops the robot.
+  void cancel();
+  /// Of the last instruction. Throws ContractError before `done()`.
+  const ExecutionResult& result() const;
+
+  /// What it has seen so far, and the places that have names.
+  const semantics::SemanticMap& map() const;
+  /// Gives a place a name. See SemanticMap::name_place.
+  void name_place(semantics::Place place);
+  /// Its object detector.
+  const vision::Detector& detector() const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+/// Reads and executes an instruction; robot time goes by until it is done.
+ExecutionResult execute_instruction(World& world, Agent& agent, std::string_view instruction,
+                                    const Budget& budget = {});
+
+}  // namespace threewe::agent

@@ -1,0 +1,26 @@
+// Skills: one small state machine for each, over the robot's public calls.
+#pragma once
+
+#include <memory>
+#include <optional>
+
+#include "agent/body.hpp"
+
+namespace threewe::agent {
+
+/// A skill in progress.
+class SkillRun {
+ public:
+  virtual ~SkillRun() = default;
+  /// Goes on; how it ended, once it has.
+  virtual std::optional<Outcome> update(Body& body) = 0;
+  /// Ends what it has begun.
+  virtual void cancel() {}
+};
+
+/// The run of a plan's step. Throws ContractError where the step names what is not known.
+std::unique_ptr<SkillRun> begin_skill(Body& body, const language::Step& step);
+/// Looks for a thing until the robot stands before it and has seen it there.
+std::unique_ptr<SkillRun> begin_search(const language::ThingPhrase& thing);
+
+}  // namespace threewe::agent

@@ -1,0 +1,309 @@
+#include "semantics/semantic_map.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include <fmt/format.h>
+
+#include "core/exact.hpp"
+#include "core/names.hpp"
+#include "threewe/core/errors.hpp"
+
+namespace threewe::semantics {
+namespace {
+
+constexpr std::size_t kMostThings = 500;
+constexpr std::size_t kMostPlaces = 1000;
+constexpr int kLeastCells = 2;     // of a detection that is taken over
+constexpr double kFarthest = 7.0;  // [m] of one
+// Standard deviations of where a detection is: a constant and a share of its distance [m].
+constexpr double kAlong = 0.10;
+constexpr double kAlongShare = 0.14;
+constexpr double kAcross = 0.06;
+constexpr double kAcrossShare = 0.04;
+constexpr double kGate = 9.21;        // chi-square of two, 99 %
+constexpr double kFloor = 0.0016;     // [m^2] variances stay above: views share their errors
+constexpr double kLeastAlike = 0.12;  // product of the two kinds' distributions, below which it is another thing
+// A view counts as new evidence when the camera has moved or turned by so much.
+constexpr double kNewPlace = 0.25;    // [m]
+constexpr double kNewHeading = 0.20;  // [rad]
+constexpr double kTrust = 0.6;        // in one view's log-probabilities: views from near by err alike
+constexpr double kLeastScore = 0.02;  // no view makes a kind impossible
+constexpr double kOldColors = 0.9;    // weight of what was seen of the color before
+// What is missed: in a narrower view than the camera's, nearer than it can be seen well.
+constexpr double kMissBearing = 0.6;  // [rad]
+constexpr double kMissNearest = 0.6;  // [m]
+constexpr double kMissFarthest = 3.5;
+constexpr double kInFront = 0.45;    // [m] short of the thing's centre, up to where the line of sight must be free
+constexpr int kMostMisses = 3;       // more than views
+constexpr double kDouble = 0.35;     // [m] within which two of a kind are one
+constexpr double kPointPlace = 2.5;  // [m]
+constexpr Duration kRecent = std::chrono::seconds(30);
+
+std::array<double, 3> rotated(double along, double across, double angle) {
+  const auto [s, c] = exact::sincos(angle);
+  return {c * c * along + s * s * across, s * c * (along - across), s * s * along + c * c * across};
+}
+
+double mahalanobis(Vec2 d, const std::array<double, 3>& a, const std::array<double, 3>& b) {
+  const double xx = a[0] + b[0];
+  const double xy = a[1] + b[1];
+  const double yy = a[2] + b[2];
+  const double determinant = xx * yy - xy * xy;
+  return (yy * d.x * d.x - 2.0 * xy * d.x * d.y + xx * d.y * d.y) / determinant;
+}
+
+void normalize(std::vector<double>& shares) {
+  const double sum = std::accumulate(shares.begin(), shares.end(), 0.0);
+  for (double& share : shares) share /= sum;
+}
+
+double alike(const std::vector<double>& kinds, const std::vector<float>& scores) {
+  double same = 0.0;
+  double total = 0.0;
+  for (std::size_t k = 1; k < kinds.size(); ++k) {
+    same += std::sqrt(kinds[k] * static_cast<double>(scores[k]));
+    total += static_cast<double>(scores[k]);
+  }
+  return total > 0.0 ? same / std::sqrt(total) : 0.0;
+}
+
+bool sees(const map::OccupancyGrid& grid, Vec2 from, Vec2 to) {
+  const double length = norm(to - from);
+  const auto steps = static_cast<int>(std::ceil((length - kInFront) / grid.resolution));
+  for (int i = 0; i < steps; ++i) {
+    const double way = i * grid.resolution;
+    if (grid.at(grid.cell(from + (way / length) * (to - from))) >= map::OccupancyGrid::kOccupiedThreshold) return false;
+  }
+  return true;
+}
+
+}  // namespace
+
+std::size_t MappedThing::kind() const {
+  return static_cast<std::size_t>(std::max_element(kinds.begin(), kinds.end()) - kinds.begin());
+}
+std::size_t MappedThing::color() const {
+  return static_cast<std::size_t>(std::max_element(colors.begin(), colors.end()) - colors.begin());
+}
+
+SemanticMap::SemanticMap(std::vector<std::string> labels) : labels_(std::move(labels)) {}
+
+void SemanticMap::update(const View& view, const map::OccupancyGrid& grid) {
+  std::vector<std::uint64_t> seen;
+  for (const vision::Detection& detection : view.things) {
+    if (detection.cells < kLeastCells || detection.distance > kFarthest) continue;
+    const Pose2D& camera = view.map_from_camera;
+    const double across = detection.distance * exact::sin(detection.bearing) / exact::cos(detection.bearing);
+    const Vec2 position = (camera * Pose2D{detection.distance, across, 0.0}).position();
+    const double range = norm(position - camera.position());
+    const double sigma_along = kAlong + kAlongShare * range;
+    const double sigma_across = kAcross + kAcrossShare * range;
+    const auto covariance =
+        rotated(sigma_along * sigma_along, sigma_across * sigma_across, camera.theta + detection.bearing);
+    const std::size_t index = match(position, covariance, detection);
+    if (index == things_.size()) {
+      if (index == kMostThings) continue;
+      add_new(position, covariance, range);
+    }
+    add_view(index, position, covariance, view, detection);
+    seen.push_back(things_[index].id);
+  }
+  for (MappedThing& thing : things_) {
+    if (std::ranges::find(seen, thing.id) != seen.end()) thing.misses = 0;
+  }
+  count_misses(view, grid);
+  merge_doubles();
+}
+
+void SemanticMap::add_new(Vec2 position, const std::array<double, 3>& covariance, double range) {
+  MappedThing thing;
+  thing.id = next_id_++;
+  thing.position = position;
+  thing.covariance = covariance;
+  thing.kinds.push_back(0.0);
+  for (std::size_t k = 1; k < labels_.size(); ++k) thing.kinds.push_back(1.0 / static_cast<double>(labels_.size() - 1));
+  thing.nearest_view = range;
+  things_.push_back(std::move(thing));
+  viewed_from_.push_back({1e9, 0.0, 0.0});
+}
+
+// The index of the thing that a detection most probably is of; the number of things where it is of none.
+std::size_t SemanticMap::match(Vec2 position, const std::array<double, 3>& covariance,
+                               const vision::Detection& detection) const {
+  std::size_t best = things_.size();
+  double nearest = kGate;
+  for (std::size_t i = 0; i < things_.size(); ++i) {
+    const MappedThing& thing = things_[i];
+    const double same = alike(thing.kinds, detection.scores);
+    if (same < kLeastAlike) continue;
+    const double distance =
+        mahalanobis(position - thing.position, thing.covariance, covariance) - 2.0 * exact::log(same);
+    if (distance >= nearest) continue;
+    nearest = distance;
+    best = i;
+  }
+  return best;
+}
+
+void SemanticMap::add_view(std::size_t index, Vec2 position, const std::array<double, 3>& covariance, const View& view,
+                           const vision::Detection& detection) {
+  MappedThing& thing = things_[index];
+  const Pose2D& camera = view.map_from_camera;
+  thing.last_seen = view.now;
+  thing.nearest_view = std::min(thing.nearest_view, norm(position - camera.position()));
+  const Pose2D& last = viewed_from_[index];
+  if (norm(camera.position() - last.position()) < kNewPlace &&
+      std::fabs(wrap_angle(camera.theta - last.theta)) < kNewHeading)
+    return;
+  viewed_from_[index] = camera;
+
+  if (thing.views > 0) {  // Kalman update
+    const auto& p = thing.covariance;
+    const double xx = p[0] + covariance[0];
+    const double xy = p[1] + covariance[1];
+    const double yy = p[2] + covariance[2];
+    const double determinant = xx * yy - xy * xy;
+    const std::array<double, 4> gain{(p[0] * yy - p[1] * xy) / determinant, (p[1] * xx - p[0] * xy) / determinant,
+                                     (p[1] * yy - p[2] * xy) / determinant, (p[2] * xx - p[1] * xy) / determinant};
+    const Vec2 off = position - thing.position;
+    thing.position = thing.position + Vec2{gain[0] * off.x + gain[1] * off.y, gain[2] * off.x + gain[3] * off.y};
+    thing.covariance = {std::max(kFloor, p[0] - gain[0] * p[0] - gain[1] * p[1]),
+                        p[1] - gain[0] * p[1] - gain[1] * p[2],
+                        std::max(kFloor, p[2] - gain[2] * p[1] - gain[3] * p[2])};
+  }
+  ++thing.views;
+  for (std::size_t k = 1; k < thing.kinds.size(); ++k) {
+    const double score = std::max(kLeastScore, static_cast<double>(detection.scores[k]));
+    thing.kinds[k] *= exact::exp(kTrust * exact::log(score));
+  }
+  normalize(thing.kinds);
+  for (double& share : thing.colors) share *= kOldColors;
+  thing.colors[detection.color] += static_cast<double>(detection.color_share);
+  const double sum = std::accumulate(thing.colors.begin(), thing.colors.end(), 0.0);
+  for (double& share : thing.colors) share /= sum;
+}
+
+// Forgets what is gone: it should have been in view, and was not, more often than it was seen.
+void SemanticMap::count_misses(const View& view, const map::OccupancyGrid& grid) {
+  const Pose2D camera_from_map = inverse(view.map_from_camera);
+  for (std::size_t i = 0; i < things_.size();) {
+    MappedThing& thing = things_[i];
+    const Vec2 at = camera_from_map * thing.position;
+    const double range = norm(at);
+    const bool in_view = thing.last_seen != view.now && range > kMissNearest && range < kMissFarthest &&
+                         std::fabs(exact::atan2(at.y, at.x)) < kMissBearing &&
+                         sees(grid, view.map_from_camera.position(), thing.position);
+    if (in_view) ++thing.misses;
+    if (thing.misses > kMostMisses + thing.views) {
+      things_.erase(things_.begin() + static_cast<std::ptrdiff_t>(i));
+      viewed_from_.erase(viewed_from_.begin() + static_cast<std::ptrdiff_t>(i));
+    } else {
+      ++i;
+    }
+  }
+}
+
+// Two of a kind that have come as near as this are one thing: the one that was seen more often stays.
+void SemanticMap::merge_doubles() {
+  for (std::size_t i = 0; i < things_.size(); ++i) {
+    for (std::size_t j = i + 1; j < things_.size();) {
+      const bool same =
+          things_[i].kind() == things_[j].kind() && norm(things_[i].position - things_[j].position) < kDouble;
+      if (!same) {
+        ++j;
+        continue;
+      }
+      if (things_[j].views > things_[i].views) {
+        std::swap(things_[i], things_[j]);
+        std::swap(viewed_from_[i], viewed_from_[j]);
+      }
+      things_.erase(things_.begin() + static_cast<std::ptrdiff_t>(j));
+      viewed_from_.erase(viewed_from_.begin() + static_cast<std::ptrdiff_t>(j));
+    }
+  }
+}
+
+void SemanticMap::move(const Pose2D& from, const Pose2D& to, Time now) {
+  const Pose2D correction = to * inverse(from);
+  for (MappedThing& thing : things_) {
+    if (now - thing.last_seen <= kRecent) thing.position = correction * thing.position;
+  }
+}
+
+std::vector<MappedThing> SemanticMap::things() const {
+  std::vector<MappedThing> seen;
+  std::ranges::copy_if(things_, std::back_inserter(seen), [](const MappedThing& thing) { return thing.views >= 2; });
+  return seen;
+}
+
+std::vector<MappedThing> SemanticMap::find(const ThingQuery& query) const {
+  const std::vector<std::string> colors(vision::color_names().begin(), vision::color_names().end());
+  const auto index = [](std::string_view what, const std::vector<std::string>& names, const std::string& name) {
+    const auto found = std::ranges::find(names, name);
+    if (found == names.end()) throw ContractError(unknown_name(what, name, names));
+    return static_cast<std::size_t>(found - names.begin());
+  };
+  const auto kind = query.kind.empty() ? 0 : index("kind of thing", labels_, query.kind);
+  const auto color = query.color.empty() ? 0 : index("color", colors, query.color);
+  const Place* place_of = query.place.empty() ? nullptr : &place(query.place);
+  const auto fit = [&](const MappedThing& thing) {
+    return (query.kind.empty() ? 1.0 : thing.kinds[kind]) * (query.color.empty() ? 1.0 : thing.colors[color]);
+  };
+  std::vector<MappedThing> found;
+  for (const MappedThing& thing : things()) {
+    if (!query.kind.empty() && thing.kinds[kind] < query.least_probability) continue;
+    if (!query.color.empty() && thing.colors[color] < query.least_color) continue;
+    if (place_of == nullptr || contains(*place_of, thing.position)) found.push_back(thing);
+  }
+  std::ranges::stable_sort(found, std::greater<>(), fit);
+  return found;
+}
+
+void SemanticMap::name_place(Place place) {
+  if (place.name.empty() || place.name == "start")
+    throw ContractError(fmt::format("a place cannot be named '{}'", place.name));
+  if (place.polygon.empty() || place.polygon.size() == 2)
+    throw ContractError(fmt::format("place '{}' must be one point, or a polygon of three or more", place.name));
+  for (const Vec2 point : place.polygon) {
+    if (!std::isfinite(point.x) || !std::isfinite(point.y))
+      throw ContractError(fmt::format("place '{}' has a point that is not finite", place.name));
+  }
+  const auto found = std::ranges::find(places_, place.name, &Place::name);
+  if (found != places_.end()) {
+    *found = std::move(place);
+  } else if (places_.size() == kMostPlaces) {
+    throw ContractError(fmt::format("there are {} places already", kMostPlaces));
+  } else {
+    places_.push_back(std::move(place));
+  }
+}
+
+const Place& SemanticMap::place(std::string_view name) const {
+  const auto found = std::ranges::find(places_, name, &Place::name);
+  if (found != places_.end()) return *found;
+  std::vector<std::string> names;
+  for (const Place& place : places_) names.push_back(place.name);
+  throw ContractError(unknown_name("place", name, names));
+}
+
+Vec2 SemanticMap::center(const Place& place) {
+  Vec2 sum;
+  for (const Vec2 point : place.polygon) sum = sum + point;
+  return (1.0 / static_cast<double>(place.polygon.size())) * sum;
+}
+
+bool SemanticMap::contains(const Place& place, Vec2 point) {
+  if (place.polygon.size() == 1) return norm(point - place.polygon.front()) <= kPointPlace;
+  bool inside = false;  // even-odd rule
+  for (std::size_t i = 0, j = place.polygon.size() - 1; i < place.polygon.size(); j = i++) {
+    const Vec2 a = place.polygon[i];
+    const Vec2 b = place.polygon[j];
+    if ((a.y > point.y) != (b.y > point.y) && point.x < (b.x - a.x) * (point.y - a.y) / (b.y - a.y) + a.x)
+      inside = !inside;
+  }
+  return inside;
+}
+
+}  // namespace threewe::semantics

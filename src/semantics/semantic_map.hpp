@@ -1,0 +1,111 @@
+// Semantic map: the things that a robot has seen, with kind, color and position of each, and the places that have
+// names.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "threewe/core/camera.hpp"
+#include "threewe/core/pose.hpp"
+#include "threewe/core/time.hpp"
+#include "threewe/map/occupancy_grid.hpp"
+#include "vision/detector.hpp"
+
+namespace threewe::semantics {
+
+/// One thing that was seen, perhaps many times.
+struct MappedThing {
+  std::uint64_t id = 0;                ///< grows with every new one
+  Vec2 position;                       ///< [m] of its centre, in `map`
+  std::array<double, 3> covariance{};  ///< [m^2] of the position: xx, xy, yy
+  std::vector<double> kinds;           ///< probability of each of the detector's labels, the background left out
+  std::array<double, 11> colors{};     ///< share of each color term in all that was seen of it
+  int views = 0;                       ///< from different poses
+  int misses = 0;                      ///< looks that should have shown it and did not, since it was seen last
+  Time last_seen{};                    ///< when it was seen last
+  double nearest_view = 0.0;           ///< [m] from which it was seen at the nearest
+
+  /// The most probable kind, index into the detector's labels.
+  std::size_t kind() const;
+  /// The color term that most of it has, index into vision::color_names.
+  std::size_t color() const;
+};
+
+/// Which things are meant. What is empty fits all.
+struct ThingQuery {
+  std::string kind;                ///< a label of the detector
+  std::string color;               ///< a color term
+  std::string place;               ///< a known place that it must be in
+  double least_probability = 0.5;  ///< of the kind
+  double least_color = 0.3;        ///< share of the color
+};
+
+/// A place that has a name.
+struct Place {
+  std::string name;              ///< as it was given
+  std::vector<Vec2> polygon;     ///< [m] in `map`; one point where the robot stood as it was named
+  std::string origin = "given";  ///< who named it: "given", or what stands there
+};
+
+/// What one camera saw, and from where.
+struct View {
+  Time now{};                                 ///< when the picture was taken
+  Pose2D map_from_camera;                     ///< where the camera was
+  std::span<const vision::Detection> things;  ///< what it shows
+  const CameraIntrinsics& camera;             ///< of the picture
+};
+
+/// Things and places of one robot. Plain data; bounded.
+class SemanticMap {
+ public:
+  /// Of a detector with these labels.
+  explicit SemanticMap(std::vector<std::string> labels);
+
+  /// Takes over what a picture shows. What should be in view and is not is forgotten after some looks; `grid` says what
+  /// stands in between.
+  void update(const View& view, const map::OccupancyGrid& grid);
+  /// A correction of `map`: what was at `from` in it is at `to` now. What was seen lately moves along.
+  void move(const Pose2D& from, const Pose2D& to, Time now);
+
+  /// All that was seen from two poses or more, in the order in which it was first seen.
+  std::vector<MappedThing> things() const;
+  /// Those that a query means, the most probable first. Throws ContractError for an unknown kind, color or place,
+  /// naming the nearest known ones.
+  std::vector<MappedThing> find(const ThingQuery& query) const;
+  /// What the numbers of kinds mean.
+  const std::vector<std::string>& labels() const { return labels_; }
+
+  /// Gives a place a name, in place of one that had it. Throws ContractError for a name that is empty or `start`, and a
+  /// polygon of two points or one that is not finite.
+  void name_place(Place place);
+  /// All places, in the order in which they were named.
+  const std::vector<Place>& places() const { return places_; }
+  /// The place of that name. Throws ContractError naming the nearest known ones.
+  const Place& place(std::string_view name) const;
+  /// Where a robot drives to that goes to a place [m].
+  static Vec2 center(const Place& place);
+  /// Whether a point is in a place, or within 2.5 m of one that is a point.
+  static bool contains(const Place& place, Vec2 point);
+
+ private:
+  std::size_t match(Vec2 position, const std::array<double, 3>& covariance, const vision::Detection& detection) const;
+  void add_new(Vec2 position, const std::array<double, 3>& covariance, double range);
+  void add_view(std::size_t index, Vec2 position, const std::array<double, 3>& covariance, const View& view,
+                const vision::Detection& detection);
+  void count_misses(const View& view, const map::OccupancyGrid& grid);
+  void merge_doubles();
+
+  std::vector<std::string> labels_;
+  std::vector<MappedThing> things_;
+  std::vector<Pose2D> viewed_from_;  // of things_, the camera's pose of the newest view that counted
+  std::vector<Place> places_;
+  std::uint64_t next_id_ = 1;
+};
+
+}  // namespace threewe::semantics

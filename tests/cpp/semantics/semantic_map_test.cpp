@@ -1,0 +1,90 @@
+#include "semantics/semantic_map.hpp"
+
+#include <cmath>
+
+#include <doctest/doctest.h>
+
+#include "threewe/core/errors.hpp"
+
+using namespace threewe;
+using semantics::SemanticMap;
+
+namespace {
+
+const std::vector<std::string> kLabels = {"background", "chair", "plant"};
+
+// A plant or chair at a bearing and distance.
+vision::Detection seen(std::size_t kind, double bearing, double distance) {
+  vision::Detection detection;
+  detection.kind = kind;
+  detection.scores = {0.1F, kind == 1 ? 0.8F : 0.1F, kind == 2 ? 0.8F : 0.1F};
+  detection.confidence = 0.8F;
+  detection.cells = 20;
+  detection.bearing = bearing;
+  detection.distance = distance;
+  detection.color = 4;
+  detection.color_share = 1.0F;
+  return detection;
+}
+
+map::OccupancyGrid free_floor() {
+  map::OccupancyGrid grid;
+  grid.width = grid.height = 200;
+  grid.origin = {-5.0, -5.0};
+  grid.data.assign(40000, map::OccupancyGrid::kFree);
+  return grid;
+}
+
+}  // namespace
+
+TEST_CASE("what is seen from several poses is one thing, where it is; a second of another kind is another") {
+  SemanticMap map(kLabels);
+  const auto grid = free_floor();
+  const CameraIntrinsics camera = make_intrinsics(640, 480, 1.57);
+  for (int i = 0; i < 6; ++i) {
+    const double x = 0.3 * i;
+    const std::vector views{seen(2, 0.0, 3.0 - x), seen(1, std::atan2(1.0, 2.5 - x), 2.5 - x)};
+    map.update({from_seconds(i), {x, 0.0, 0.0}, views, camera}, grid);
+  }
+  const auto things = map.things();
+  REQUIRE(things.size() == 2);
+  const auto plants = map.find({.kind = "plant", .color = "", .place = ""});
+  REQUIRE(plants.size() == 1);
+  CHECK(norm(plants[0].position - Vec2{3.0, 0.0}) < 0.1);
+  CHECK(plants[0].views == 6);
+  CHECK(plants[0].kinds[2] > 0.95);
+  CHECK(map.find({.kind = "chair", .color = "blue", .place = ""}).empty());
+  CHECK_THROWS_AS((void)map.find({.kind = "chiar", .color = "", .place = ""}), ContractError);
+}
+
+TEST_CASE("what is gone is forgotten, unless something stands in between") {
+  for (const bool hidden : {false, true}) {
+    CAPTURE(hidden);
+    SemanticMap map(kLabels);
+    auto grid = free_floor();
+    const CameraIntrinsics camera = make_intrinsics(640, 480, 1.57);
+    for (int i = 0; i < 2; ++i) {
+      const std::vector views{seen(2, 0.0, 2.0 - 0.3 * i)};
+      map.update({from_seconds(i), {0.3 * i, 0.0, 0.0}, views, camera}, grid);
+    }
+    REQUIRE(map.things().size() == 1);
+    if (hidden) {
+      for (int y = -10; y <= 10; ++y) grid.data[grid.index(grid.cell({1.0, 0.05 * y}))] = map::OccupancyGrid::kOccupied;
+    }
+    for (int i = 0; i < 10; ++i) map.update({from_seconds(10 + i), {0.3, 0.0, 0.0}, {}, camera}, grid);
+    CHECK(map.things().size() == (hidden ? 1 : 0));
+  }
+}
+
+TEST_CASE("a place has a name, holds what is in it, and is named by the nearest name where it is unknown") {
+  SemanticMap map(kLabels);
+  map.name_place({.name = "kitchen", .polygon = {{0.0, 0.0}, {2.0, 0.0}, {2.0, 2.0}, {0.0, 2.0}}});
+  map.name_place({.name = "post", .polygon = {{5.0, 0.0}}});
+  CHECK(SemanticMap::contains(map.place("kitchen"), {1.0, 1.9}));
+  CHECK_FALSE(SemanticMap::contains(map.place("kitchen"), {1.0, 2.1}));
+  CHECK(SemanticMap::contains(map.place("post"), {6.0, 0.0}));
+  CHECK(SemanticMap::center(map.place("kitchen")) == Vec2{1.0, 1.0});
+  CHECK_THROWS_WITH_AS((void)map.place("kichen"), doctest::Contains("kitchen"), ContractError);
+  CHECK_THROWS_AS(map.name_place({.name = "start", .polygon = {{0.0, 0.0}}}), ContractError);
+  CHECK_THROWS_AS(map.name_place({.name = "line", .polygon = {{0.0, 0.0}, {1.0, 0.0}}}), ContractError);
+}

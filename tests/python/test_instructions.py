@@ -1,0 +1,115 @@
+"""Instructions: what a sentence makes a robot do, and what it says where it cannot."""
+
+import math
+
+import pytest
+from threewe import Robot, sync
+from threewe.errors import ContractError, EmergencyStopError, HardwareError, SafetyError
+
+
+def test_a_plant_is_found_in_an_office_that_was_never_seen() -> None:
+    with sync.Robot(scene="office_v2", seed=3) as robot:
+        result = robot.execute_instruction("find the plant")
+        truth = robot.simulation
+        assert truth is not None
+        at = truth.true_pose()
+        plants = [thing.pose for thing in truth.scene.objects if thing.category == "plant"]
+        assert result.success, result
+        assert result.verified
+        assert "plant" in result.answer
+        assert min(math.hypot(plant.x - at.x, plant.y - at.y) for plant in plants) < 1.3
+        assert [step.skill for step in result.steps] == ["search"]
+        assert truth.max_collision_speed() <= 0.05
+        assert robot.get_things()
+
+
+def test_the_same_instruction_drives_the_same_way() -> None:
+    def drive() -> tuple[float, float, str]:
+        with sync.Robot(scene="office_v2", seed=5) as robot:
+            result = robot.execute_instruction("turn left, move forward 50 cm, then look around")
+            return result.distance, result.duration, repr([(t.id, t.position, t.kinds) for t in robot.get_things()])
+
+    assert drive() == drive()
+
+
+def test_places_are_where_they_were_named() -> None:
+    with sync.Robot() as robot:
+        robot.name_place("dock")
+        robot.name_place("square", [(1.5, -0.5), (2.5, -0.5), (2.5, 0.5), (1.5, 0.5)])
+        assert [place.name for place in robot.get_places()] == ["dock", "square"]
+        there = robot.execute_instruction("go to the square")
+        assert there.success
+        assert math.hypot(robot.get_pose().x - 2.0, robot.get_pose().y) < 0.5
+        assert robot.execute_instruction("go to the dock, then wait 2 seconds").success
+        assert math.hypot(robot.get_pose().x, robot.get_pose().y) < 0.5
+        answer = robot.execute_instruction("where are you?")
+        assert "in the dock" in answer.answer
+
+
+@pytest.mark.parametrize(
+    ("text", "reason", "detail"),
+    [
+        ("drive through the wall", "refused", "obstacle"),
+        ("go to the garage", "not_understood", "garage"),
+        ("go to the office", "ambiguous", "office 1; or office 2"),
+        ("go to the bathroom", "not_found", "bathroom"),
+        ("", "not_understood", ""),
+    ],
+)
+def test_what_is_not_done_says_why_and_the_robot_stands(text: str, reason: str, detail: str) -> None:
+    with sync.Robot() as robot:
+        robot.name_place("office 1", [(1, 1), (2, 1), (2, 2)])
+        robot.name_place("office 2", [(3, 1), (4, 1), (4, 2)])
+        result = robot.execute_instruction(text)
+        assert not result.success
+        assert result.reason == reason
+        assert detail in result.detail
+        assert result.distance == 0.0
+
+
+def test_a_budget_ends_a_search() -> None:
+    with sync.Robot() as robot:
+        result = robot.execute_instruction("find the bed", timeout=20.0)
+        assert result.reason == "budget"
+        assert 20.0 <= result.duration < 21.0
+        robot.sleep(0.5)
+        assert abs(robot.get_velocity().vx) < 0.05
+
+
+def test_bad_input_is_one_error() -> None:
+    with sync.Robot() as robot:
+        with pytest.raises(ContractError, match="instruction"):
+            robot.execute_instruction(7)  # type: ignore[arg-type]
+        with pytest.raises(ContractError, match="1000"):
+            robot.execute_instruction("go " * 500)
+        with pytest.raises(ContractError, match="max_steps"):
+            robot.execute_instruction("look around", max_steps=0)
+        with pytest.raises(ContractError, match="start"):
+            robot.name_place("start")
+        with pytest.raises(ContractError, match="three points"):
+            robot.name_place("line", [(0, 0), (1, 1)])
+        robot.emergency_stop()
+        with pytest.raises(EmergencyStopError):
+            robot.execute_instruction("look around")
+    with sync.Robot(hardware="turtlebot_like") as robot, pytest.raises(HardwareError, match="camera"):
+        robot.execute_instruction("look around")
+
+
+async def _one_at_a_time() -> None:
+    import asyncio
+
+    async with Robot() as robot:
+        first = asyncio.ensure_future(robot.execute_instruction("look around"))
+        await robot.sleep(0.5)
+        with pytest.raises(SafetyError, match="instruction"):
+            await robot.execute_instruction("look around")
+        first.cancel()
+        with pytest.raises(asyncio.CancelledError):
+            await first
+        assert (await robot.execute_instruction("turn left")).success
+
+
+def test_one_instruction_at_a_time_and_a_cancelled_one_ends() -> None:
+    import asyncio
+
+    asyncio.run(_one_at_a_time())
