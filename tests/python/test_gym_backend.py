@@ -92,7 +92,7 @@ def test_a_randomised_robot_is_the_native_forms_to_the_bit(randomization: Any) -
 @pytest.mark.parametrize("dropped", ["ultrasonics", "camera", "imu"])
 def test_an_episode_begins_as_the_last_sensor_has_spoken_whichever_there_are(tmp_path: Path, dropped: str) -> None:
     profile = yaml.safe_load((ROBOTS / "3we_standard_v2.yaml").read_text())
-    del profile["sensors"][dropped]
+    del profile["sensors"][dropped], profile["link"]
     hardware = tmp_path / "robot.yaml"
     hardware.write_text(yaml.safe_dump(profile))
     options: dict[str, Any] = {**SMALL, "observations": ("lidar", "pose"), "localization": "truth"}
