@@ -13,6 +13,7 @@ using semantics::MappedThing, semantics::Place;
 
 void init_agent(nb::module_& m) {
   nb::class_<MappedThing>(m, "MappedThing", "A thing that the robot has seen, perhaps many times.")
+      .def(Value())
       .def_ro("id", &MappedThing::id, "grows with every new one")
       .def_ro("position", &MappedThing::position, "[m] of its centre, in `map`")
       .def_ro("covariance", &MappedThing::covariance, "[m^2] of the position: xx, xy, yy")
@@ -23,10 +24,12 @@ void init_agent(nb::module_& m) {
           "color", [](const MappedThing& t) { return std::string(vision::color_names()[t.color()]); },
           "the color term that most of it has");
   nb::class_<Place>(m, "Place", "A place that has a name.")
+      .def(Value())
       .def_ro("name", &Place::name)
       .def_ro("polygon", &Place::polygon, "[m] in `map`; one point where the robot stood as it was named")
       .def_ro("origin", &Place::origin, "who named it: `given`, or what stands there");
   nb::class_<ExecutedStep>(m, "ExecutedStep", "One skill that was executed.")
+      .def(Value())
       .def_ro("skill", &ExecutedStep::skill, "such as `search`")
       .def_ro("text", &ExecutedStep::text, "with its arguments: `search(kind=chair, color=red)`")
       .def_ro("reason", &ExecutedStep::reason, "how it ended: `done`, `not_found`, or a motion's reason")
@@ -36,6 +39,7 @@ void init_agent(nb::module_& m) {
       .def_ro("thing", &ExecutedStep::thing, "id of the mapped thing that it rests on; 0: none")
       .def("__repr__", [](const ExecutedStep& s) { return fmt::format("ExecutedStep({}: {})", s.text, s.reason); });
   nb::class_<ExecutionResult>(m, "ExecutionResult", "What became of an instruction.")
+      .def(Value())
       .def_ro("success", &ExecutionResult::success, "`reason` is `done`")
       .def_ro("reason", &ExecutionResult::reason,
               "done, not_found, not_understood, ambiguous, refused, budget, or a motion's reason")

@@ -2991,6 +2991,14 @@ def color_of(blue: int, green: int, red: int) -> str:
 class MappedThing:
     """A thing that the robot has seen, perhaps many times."""
 
+    def __eq__(self, other: object) -> bool: ...
+
+    def __hash__(self) -> int: ...
+
+    def __getstate__(self) -> bytes: ...
+
+    def __setstate__(self, arg: bytes, /) -> None: ...
+
     @property
     def id(self) -> int:
         """grows with every new one"""
@@ -3022,6 +3030,14 @@ class MappedThing:
 class Place:
     """A place that has a name."""
 
+    def __eq__(self, other: object) -> bool: ...
+
+    def __hash__(self) -> int: ...
+
+    def __getstate__(self) -> bytes: ...
+
+    def __setstate__(self, arg: bytes, /) -> None: ...
+
     @property
     def name(self) -> str: ...
 
@@ -3035,6 +3051,14 @@ class Place:
 
 class ExecutedStep:
     """One skill that was executed."""
+
+    def __eq__(self, other: object) -> bool: ...
+
+    def __hash__(self) -> int: ...
+
+    def __getstate__(self) -> bytes: ...
+
+    def __setstate__(self, arg: bytes, /) -> None: ...
 
     @property
     def skill(self) -> str:
@@ -3068,6 +3092,14 @@ class ExecutedStep:
 
 class ExecutionResult:
     """What became of an instruction."""
+
+    def __eq__(self, other: object) -> bool: ...
+
+    def __hash__(self) -> int: ...
+
+    def __getstate__(self) -> bytes: ...
+
+    def __setstate__(self, arg: bytes, /) -> None: ...
 
     @property
     def success(self) -> bool:

@@ -12,7 +12,7 @@ namespace {
 
 constexpr double kBesides = 0.15;    // [m] from a thing's centre at least, where the robot stands to look at it
 constexpr double kNear = 0.75;       // [m] of the thing, from where it is looked at
-constexpr double kSure = 0.6;        // probability of the kind after a look from near by
+constexpr double kSure = 0.85;       // probability of the kind after a look from near by
 constexpr std::uint64_t kLooks = 2;  // pictures from there, before it is judged
 constexpr double kArrived = 1.6;     // [m] from its centre, that it may be away at most: large things are wide
 constexpr int kMostViewpoints = 60;  // of one search

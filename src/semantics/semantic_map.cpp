@@ -28,7 +28,7 @@ constexpr double kLeastAlike = 0.12;  // product of the two kinds' distributions
 // A view counts as new evidence when the camera has moved or turned by so much.
 constexpr double kNewPlace = 0.25;    // [m]
 constexpr double kNewHeading = 0.20;  // [rad]
-constexpr double kTrust = 0.6;        // in one view's log-probabilities: views from near by err alike
+constexpr double kTrust = 0.35;       // in one view's log-probabilities: views from near by err alike
 constexpr double kLeastScore = 0.02;  // no view makes a kind impossible
 constexpr double kOldColors = 0.9;    // weight of what was seen of the color before
 // What is missed: in a narrower view than the camera's, nearer than it can be seen well.

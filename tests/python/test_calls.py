@@ -160,6 +160,8 @@ REQUIRED: dict[str, dict[str, object]] = {
     "rotate": {"angle": 0.1},
     "follow_path": {"path": [(0.5, 0.0)]},
     "execute_action": {"action": (0.0, 0.0, 0.0)},
+    "execute_instruction": {"instruction": "look around"},
+    "name_place": {"name": "dock"},
     "get_transform": {"target": "map", "source": "base"},
     "sleep": {"seconds": 0.02},
     "timeout": {"seconds": 1.0},

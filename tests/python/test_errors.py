@@ -439,6 +439,7 @@ async def test_the_emergency_stop_works_from_any_thread(robot: Robot) -> None:
 CALLED_WITH: dict[str, dict[str, object]] = {
     "get_transform": {"target": "map", "source": "base"},
     "save_map": {"path": "map.yaml"},
+    "name_place": {"name": "dock"},
     "set_zones": {"zones": []},
     "observe": {"observer": print},
     "unobserve": {"number": 1},

@@ -39,6 +39,9 @@ async def collect() -> list[Any]:
 
         made += [await robot.move_to(1.0, 0.0, on_progress=look), await robot.explore(timeout=0.1)]
         robot.unobserve(number)
+        robot.name_place("dock")
+        done = await robot.execute_instruction("look around, then wait 1 second")
+        made += [done, *done.steps, *robot.get_places(), *robot.get_things()]
         truth = robot.simulation
         assert truth is not None
         made += [
