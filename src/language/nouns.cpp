@@ -21,7 +21,7 @@ bool is_same(const Sentence& sentence, std::size_t at, const Token& wanted) {
   });
 }
 
-// How many words of a name stand here, marks aside, and where they end.
+// How many words of a name stand here, marks left out, and where they end.
 struct Overlap {
   std::size_t end = 0;
   bool whole = false;

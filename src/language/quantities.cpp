@@ -128,7 +128,7 @@ Matches Chart::quantities(Slot slot, std::size_t at) {
   }
   const Group wanted = slot == Slot::length ? Group::length : slot == Slot::angle ? Group::angle : Group::duration;
   std::optional<Quantity> found = quantity(at, wanted);
-  if (!found && slot == Slot::angle) {  // nobody says radians without a unit
+  if (!found && slot == Slot::angle) {  // a bare number is never meant as radians
     found = number(at);
     if (found) found->value *= kDegree;
   }

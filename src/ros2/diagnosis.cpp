@@ -35,9 +35,8 @@ std::string diagnose(const TopicSpec& topic, bool we_publish, const std::vector<
     return fmt::format("{}: no node {} {} ({}){}", topic.sensor, does, topic.topic, topic.type,
                        others_of(topic, theirs));
   }
-  const auto right = std::ranges::find_if(theirs, [&](const Endpoint& endpoint) {
-    return endpoint.topic == topic.topic && endpoint.type == topic.type;
-  });
+  const auto right = std::ranges::find_if(
+      theirs, [&](const Endpoint& endpoint) { return endpoint.topic == topic.topic && endpoint.type == topic.type; });
   if (right == theirs.end()) {
     return fmt::format("{}: {} is of type {}, the profile has {}", topic.sensor, topic.topic, here->type, topic.type);
   }
@@ -57,8 +56,9 @@ std::string diagnose_silence(const Discovery& discovery) {
   switch (discovery.range) {
     case DiscoveryRange::off: return look + ": ROS_AUTOMATIC_DISCOVERY_RANGE is OFF";
     case DiscoveryRange::localhost:
-      return look + " on this computer; to look farther, set ROS_AUTOMATIC_DISCOVERY_RANGE=SUBNET, or ROS_STATIC_PEERS "
-                    "to the robot's address";
+      return look +
+             " on this computer; to look farther, set ROS_AUTOMATIC_DISCOVERY_RANGE=SUBNET, or ROS_STATIC_PEERS "
+             "to the robot's address";
     case DiscoveryRange::subnet:
     case DiscoveryRange::system_default: break;
   }

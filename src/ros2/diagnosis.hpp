@@ -10,8 +10,8 @@
 
 namespace threewe::ros2 {
 
-/// What keeps us from a topic, and what would help: none publishes it, another type, an offer of less than is asked for,
-/// a type of another hash. Empty where nothing does.
+/// What keeps us from a topic, and what would help: none publishes it, another type, an offer of less than is asked
+/// for, a type of another hash. Empty where nothing does.
 std::string diagnose(const TopicSpec& topic, bool we_publish, const std::vector<Endpoint>& endpoints);
 
 /// What to try where nothing at all was found.

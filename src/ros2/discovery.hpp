@@ -1,4 +1,5 @@
-// Discovery options: with whom a node talks, as ROS 2 reads it from the environment, and Cyclone DDS's configuration for it.
+// Discovery options: with whom a node talks, as ROS 2 reads it from the environment, and Cyclone DDS's configuration
+// for it.
 #pragma once
 
 #include <cstdint>
@@ -12,15 +13,15 @@ namespace threewe::ros2 {
 enum class DiscoveryRange : std::uint8_t {
   off,             ///< it finds none
   localhost,       ///< this computer; nothing leaves it
-  subnet,          ///< whoever multicast reaches
+  subnet,          ///< all nodes that multicast reaches
   system_default,  ///< what Cyclone DDS is configured for otherwise
 };
 
 /// With whom a node talks.
 struct Discovery {
-  int domain = 0;  ///< 0 to 232; other domains are other networks
+  int domain = 0;                                    ///< 0 to 232; other domains are other networks
   DiscoveryRange range = DiscoveryRange::localhost;  ///< farther where it is asked for
-  std::vector<std::string> static_peers;  ///< addresses or names of computers to talk with besides
+  std::vector<std::string> static_peers;             ///< addresses or names of computers to talk with besides
   friend bool operator==(const Discovery&, const Discovery&) = default;
 };
 

@@ -9,21 +9,21 @@ namespace threewe::ros2 {
 
 /// Quality of service, of what makes a difference to us.
 struct Qos {
-  bool reliable = true;           ///< lost samples are sent again
-  bool transient_local = false;   ///< who comes later gets the last samples
-  int depth = 10;                 ///< samples that are kept
+  bool reliable = true;          ///< lost samples are sent again
+  bool transient_local = false;  ///< who comes later gets the last samples
+  int depth = 10;                ///< samples that are kept
   friend bool operator==(const Qos&, const Qos&) = default;
 };
 
 /// One publisher or subscription that was discovered.
 struct Endpoint {
-  bool publishes = false;            ///< or subscribes
-  std::string topic;                 ///< such as "/scan"; a DDS topic that is none of ROS keeps its name
-  std::string type;                  ///< such as "sensor_msgs/msg/LaserScan"; empty where it is none of ROS
-  std::string hash;                  ///< "RIHS01_..."; empty where it has none, as in Humble and on micro-ROS
-  Qos qos;                           ///< the depth is not known of others, and 0
+  bool publishes = false;               ///< or subscribes
+  std::string topic;                    ///< such as "/scan"; a DDS topic that is none of ROS keeps its name
+  std::string type;                     ///< such as "sensor_msgs/msg/LaserScan"; empty where it is none of ROS
+  std::string hash;                     ///< "RIHS01_..."; empty where it has none, as in Humble and on micro-ROS
+  Qos qos;                              ///< the depth is not known of others, and 0
   std::array<std::uint8_t, 16> guid{};  ///< names it
-  std::string node;                  ///< "/namespace/name"; empty where it has not been said
+  std::string node;                     ///< "/namespace/name"; empty where it has not been said
 };
 
 }  // namespace threewe::ros2

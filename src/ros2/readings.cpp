@@ -59,7 +59,7 @@ ReadingOrMistake to_reading(const sensor_msgs::BatteryState& battery, const Batt
   const auto voltage = static_cast<double>(battery.voltage);
   if (!std::isfinite(voltage)) return mistake("the voltage is not finite");
   BatteryState data{.voltage = voltage};
-  // ROS counts what flows in; where it is not measured there is none to be told
+  // ROS counts what flows in; where it is not measured the reading has none
   if (std::isfinite(battery.current)) data.current = -static_cast<double>(battery.current);
   data.charge = static_cast<double>(battery.percentage);
   if (!std::isfinite(battery.percentage)) {

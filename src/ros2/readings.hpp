@@ -60,7 +60,7 @@ class PictureMaker {
  public:
   /// `with_depth`: both kinds of image come.
   PictureMaker(const CameraSpec& spec, bool with_depth) : spec_(spec), with_depth_(with_depth) {}
-  /// Nothing while the other image is to come. Colours are converted when somebody looks at them.
+  /// Nothing while the other image is to come. Colours are converted when the image is read.
   std::optional<ReadingOrMistake> add_color(const std::shared_ptr<const sensor_msgs::Image>& image);
   /// Of a JPEG.
   std::optional<ReadingOrMistake> add_compressed(const std::shared_ptr<const sensor_msgs::CompressedImage>& image);

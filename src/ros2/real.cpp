@@ -20,10 +20,11 @@ std::vector<Endpoint> discover(Duration wall) { return discover_with_cyclone(wal
 
 namespace {
 [[noreturn]] void fail() {
-  throw ConfigError(fmt::format(
-      "backend 'real': this build of threewe has none, as Cyclone DDS's headers were not there when it was compiled: {}, "
-      "then build threewe again",
-      kInstall));
+  throw ConfigError(
+      fmt::format("backend 'real': this build of threewe has none, as Cyclone DDS's headers were not there when it was "
+                  "compiled: {}, "
+                  "then build threewe again",
+                  kInstall));
 }
 }  // namespace
 

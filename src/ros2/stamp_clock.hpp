@@ -1,8 +1,9 @@
 // Stamp clock: robot time of what other clocks stamped, learned from when messages arrive.
 //
-// A message arrives after it was measured, by at least the least delay that its sender and the network have. The smallest
-// difference of arrival and stamp over some seconds is therefore the offset between the clocks, up to that least delay.
-// Streams whose offsets are about the same are taken to share a clock: the quickest of them settles it for all.
+// A message arrives after it was measured, by at least the least delay that its sender and the network have. The
+// smallest difference of arrival and stamp over some seconds is therefore the offset between the clocks, up to that
+// least delay. Streams whose offsets are about the same are taken to share a clock: the quickest of them settles it for
+// all.
 #pragma once
 
 #include <optional>

@@ -82,7 +82,7 @@ def labelled_pictures(seed: int, buildings: int) -> Iterator[Labelled]:
                 robot = Robot(
                     scene=str(path), localization="truth", randomization=LIGHTS[building % len(LIGHTS)], seed=building
                 )
-            except ConfigError:  # somebody walks where it starts
+            except ConfigError:  # a person walks where the robot starts
                 continue
         for colours in range(COLOURS):
             assert robot.simulation is not None

@@ -9,10 +9,10 @@
 #pragma GCC diagnostic ignored "-Wconversion"
 #pragma GCC diagnostic ignored "-Wold-style-cast"
 #include <dds/dds.h>
-#include <dds/version.h>
 #include <dds/ddsi/ddsi_serdata.h>
 #include <dds/ddsi/ddsi_sertype.h>
 #include <dds/ddsi/q_radmin.h>
+#include <dds/version.h>
 #pragma GCC diagnostic pop
 
 namespace threewe::ros2 {

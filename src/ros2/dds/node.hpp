@@ -69,7 +69,7 @@ class Node {
 
   /// Every endpoint of other nodes that has been discovered, by topic.
   std::vector<Endpoint> endpoints();
-  /// Says again who this node is where others have to be told in another layout. Call it now and then.
+  /// Announces this node again to those that read another layout. Call it now and then.
   void refresh();
 
  private:
@@ -90,7 +90,7 @@ class Node {
   dds_entity_t graph_topic_ = 0;
   dds_entity_t graph_writer_ = 0;
   Distribution graph_layout_ = Distribution::jazzy;
-  // what others told of themselves: nodes by the 16 bytes of an endpoint; in threads of Cyclone's
+  // what others announced: nodes by the 16 bytes of an endpoint; in threads of Cyclone's
   std::mutex mutex_;
   std::map<std::array<std::uint8_t, 16>, std::string> nodes_;
   Entity participant_;  // last: its readers end with it, and with them the threads that call receivers

@@ -21,7 +21,7 @@ using Call = backend::PluginRequest::Call;
 constexpr Duration kReach = 10s;  // for discovery, and for the first reading of each sensor that has several a second
 constexpr int kStepsToRefresh = 50;  // about once a second
 constexpr int kLastWords = 3;        // commands to stand, as one may be lost
-constexpr int kDepth = 5;            // samples kept, of those that nobody took yet
+constexpr int kDepth = 5;            // samples kept that have not been taken yet
 
 // Sensors that deliver in less than this have delivered once they are connected.
 constexpr double kQuick = 2.0;  // [Hz]

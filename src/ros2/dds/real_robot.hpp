@@ -62,7 +62,7 @@ class RealRobot {
   StampClock clock_;
   TransformOdometry transforms_;
   std::optional<PictureMaker> pictures_;
-  std::optional<Pose2D> odom_from_theirs_;  // empty until they have told where they are
+  std::optional<Pose2D> odom_from_theirs_;  // empty until the first odometry message
   Pose2D odom_from_base_;
   std::unique_ptr<Node> node_;  // last: receivers end before what they use
 };

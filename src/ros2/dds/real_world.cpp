@@ -31,14 +31,15 @@ Discovery our_discovery() {
 class RealWorld : public backend::PluginWorld {
  public:
   RealWorld(std::shared_ptr<backend::PluginLink> mailbox, const Discovery& discovery)
-      : PluginWorld(mailbox), mailbox_(std::move(mailbox)), robot_(mailbox_, discovery), thread_([this] {
-          robot_.run();
-        }) {}
+      : PluginWorld(mailbox),
+        mailbox_(std::move(mailbox)),
+        robot_(mailbox_, discovery),
+        thread_([this] { robot_.run(); }) {}
   RealWorld(const RealWorld&) = delete;
   RealWorld& operator=(const RealWorld&) = delete;
   ~RealWorld() override {
     mailbox_->close();
-    thread_.join();  // after the robot was told to stand
+    thread_.join();  // after the robot was commanded to stand
   }
 
  private:
@@ -52,8 +53,7 @@ class RealWorld : public backend::PluginWorld {
 std::unique_ptr<backend::World> make_real_world(const backend::WorldOptions& options) {
   check(options);
   (void)library();  // throws here, where the caller can see what to install
-  RobotProfile profile =
-      options.profiles.empty() ? load_profile(options.robots.front()) : options.profiles.front();
+  RobotProfile profile = options.profiles.empty() ? load_profile(options.robots.front()) : options.profiles.front();
   backend::Features features = features_of(profile);
   auto mailbox = std::make_shared<backend::PluginLink>("real", std::move(features), std::move(profile));
   return std::make_unique<RealWorld>(std::move(mailbox), our_discovery());
