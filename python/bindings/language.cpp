@@ -1,6 +1,8 @@
 // Commands in English.
 #include "threewe/language/command.hpp"
 
+#include <nanobind/stl/variant.h>
+
 #include "bindings.hpp"
 #include "named_enum.hpp"
 #include "value.hpp"
@@ -12,29 +14,9 @@ using language::Reading, language::ReadingOutcome, language::RefusalRule, langua
 namespace {
 
 // The arguments that were said, by name, in canonical order.
-nb::dict arguments_of(const Step& step) {
+nb::dict arguments_as_dict(const Step& step) {
   nb::dict arguments;
-  const auto text = [&](const char* name, const std::string& value) {
-    if (!value.empty()) arguments[name] = value;
-  };
-  const auto number = [&](const char* name, std::optional<double> value) {
-    if (value) arguments[name] = *value;
-  };
-  text("about", step.about);
-  text("name", step.name);
-  text("kind", step.thing.kind);
-  text("color", step.thing.color);
-  text("which", step.thing.which);
-  text("next_to", step.thing.next_to);
-  text("place", step.thing.place);
-  text("place", step.place);
-  number("x", step.x);
-  number("y", step.y);
-  number("theta", step.theta);
-  number("distance", step.distance);
-  number("angle", step.angle);
-  number("duration", step.duration);
-  text("route", step.route);
+  for (const auto& [name, value] : language::arguments_of(step)) arguments[nb::str(name.data(), name.size())] = value;
   return arguments;
 }
 
@@ -96,7 +78,7 @@ void init_language(nb::module_& m) {
       .def_ro("angle", &Step::angle, "[rad] of `rotate`, counter-clockwise")
       .def_ro("duration", &Step::duration, "[s] of `wait`")
       .def_ro("route", &Step::route, "of `follow`: the instruction")
-      .def_prop_ro("arguments", &arguments_of, nb::sig("def arguments(self) -> dict[str, str | float]"),
+      .def_prop_ro("arguments", &arguments_as_dict, nb::sig("def arguments(self) -> dict[str, str | float]"),
                    "What was said, by name, in canonical order; those of `thing` and its `place` among them.")
       .def("__str__", [](const Step& step) { return language::to_text(step); })
       .def("__repr__", [](const Step& step) { return language::to_text(step); });

@@ -10,7 +10,7 @@
 namespace threewe::agent {
 namespace {
 
-constexpr double kFarthestView = 3.5;  // [m] from which things are told apart
+constexpr double kFarthestView = 3.5;  // [m] from which the detector distinguishes things
 constexpr double kStandOff = 1.2;      // [m] from what is looked at, if there is room
 constexpr double kRayStep = 0.04;      // [rad]
 

@@ -94,7 +94,7 @@ class Search : public SkillRun {
   }
 
   std::optional<Outcome> judge(Body& body) {
-    const auto found = current(body);
+    const auto found = body.map.thing(target_);
     if (drive_.active()) {
       if (!found && phase_ == Phase::approaching) {  // forgotten on the way
         drive_.cancel();
@@ -129,13 +129,6 @@ class Search : public SkillRun {
   std::size_t index_of_kind(const Body& body) const {
     const auto& labels = body.map.labels();
     return static_cast<std::size_t>(std::ranges::find(labels, thing_.kind) - labels.begin());
-  }
-
-  std::optional<semantics::MappedThing> current(const Body& body) const {
-    for (const auto& thing : body.map.things()) {
-      if (thing.id == target_) return thing;
-    }
-    return {};
   }
 
   language::ThingPhrase thing_;

@@ -36,30 +36,39 @@ std::string_view to_string(RefusalRule rule) {
   return kNames.at(static_cast<std::size_t>(rule));
 }
 
-std::string to_text(const Step& step) {
-  std::vector<std::string> arguments;
-  const auto say = [&](std::string_view key, const std::string& value) {
-    if (!value.empty()) arguments.push_back(fmt::format("{}={}", key, value));
+std::vector<std::pair<std::string_view, std::variant<std::string, double>>> arguments_of(const Step& step) {
+  std::vector<std::pair<std::string_view, std::variant<std::string, double>>> arguments;
+  const auto text = [&](std::string_view name, const std::string& value) {
+    if (!value.empty()) arguments.emplace_back(name, value);
   };
-  const auto number = [&](std::string_view key, std::optional<double> value) {
-    if (value) arguments.push_back(fmt::format("{}={}", key, shown(*value)));
+  const auto number = [&](std::string_view name, std::optional<double> value) {
+    if (value) arguments.emplace_back(name, *value);
   };
-  say("about", step.about);
-  say("name", step.name);
-  say("kind", step.thing.kind);
-  say("color", step.thing.color);
-  say("which", step.thing.which);
-  say("next_to", step.thing.next_to);
-  say("place", step.thing.place);
-  say("place", step.place);
+  text("about", step.about);
+  text("name", step.name);
+  text("kind", step.thing.kind);
+  text("color", step.thing.color);
+  text("which", step.thing.which);
+  text("next_to", step.thing.next_to);
+  text("place", step.thing.place);
+  text("place", step.place);
   number("x", step.x);
   number("y", step.y);
   number("theta", step.theta);
   number("distance", step.distance);
   number("angle", step.angle);
   number("duration", step.duration);
-  say("route", step.route);
-  return fmt::format("{}({})", to_string(step.skill), fmt::join(arguments, ", "));
+  text("route", step.route);
+  return arguments;
+}
+
+std::string to_text(const Step& step) {
+  std::vector<std::string> texts;
+  for (const auto& [name, value] : arguments_of(step)) {
+    const auto* text = std::get_if<std::string>(&value);
+    texts.push_back(fmt::format("{}={}", name, text != nullptr ? *text : shown(std::get<double>(value))));
+  }
+  return fmt::format("{}({})", to_string(step.skill), fmt::join(texts, ", "));
 }
 
 std::string to_text(const Reading& reading) {

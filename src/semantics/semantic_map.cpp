@@ -15,6 +15,7 @@ namespace {
 
 constexpr std::size_t kMostThings = 500;
 constexpr std::size_t kMostPlaces = 1000;
+constexpr int kLeastViews = 2;     // of a thing that others are shown
 constexpr int kLeastCells = 2;     // of a detection that is taken over
 constexpr double kFarthest = 7.0;  // [m] of one
 // Standard deviations of where a detection is: a constant and a share of its distance [m].
@@ -63,10 +64,10 @@ double alike(const std::vector<double>& kinds, const std::vector<float>& scores)
   double same = 0.0;
   double total = 0.0;
   for (std::size_t k = 1; k < kinds.size(); ++k) {
-    same += std::sqrt(kinds[k] * static_cast<double>(scores[k]));
+    same += exact::sqrt(kinds[k] * static_cast<double>(scores[k]));
     total += static_cast<double>(scores[k]);
   }
-  return total > 0.0 ? same / std::sqrt(total) : 0.0;
+  return total > 0.0 ? same / exact::sqrt(total) : 0.0;
 }
 
 bool sees(const map::OccupancyGrid& grid, Vec2 from, Vec2 to) {
@@ -234,8 +235,14 @@ void SemanticMap::move(const Pose2D& from, const Pose2D& to, Time now) {
 
 std::vector<MappedThing> SemanticMap::things() const {
   std::vector<MappedThing> seen;
-  std::ranges::copy_if(things_, std::back_inserter(seen), [](const MappedThing& thing) { return thing.views >= 2; });
+  std::ranges::copy_if(things_, std::back_inserter(seen),
+                       [](const MappedThing& thing) { return thing.views >= kLeastViews; });
   return seen;
+}
+
+std::optional<MappedThing> SemanticMap::thing(std::uint64_t id) const {
+  const auto found = std::ranges::find(things_, id, &MappedThing::id);
+  return found == things_.end() || found->views < kLeastViews ? std::nullopt : std::optional(*found);
 }
 
 std::vector<MappedThing> SemanticMap::find(const ThingQuery& query) const {

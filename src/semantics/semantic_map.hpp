@@ -75,6 +75,8 @@ class SemanticMap {
 
   /// All that was seen from two poses or more, in the order in which it was first seen.
   std::vector<MappedThing> things() const;
+  /// The one with an id, if it is among them.
+  std::optional<MappedThing> thing(std::uint64_t id) const;
   /// Those that a query means, the most probable first. Throws ContractError for an unknown kind, color or place,
   /// naming the nearest known ones.
   std::vector<MappedThing> find(const ThingQuery& query) const;

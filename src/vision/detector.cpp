@@ -198,8 +198,7 @@ std::vector<Detection> Detector::detect(std::span<const std::uint8_t> picture, c
     throw ContractError(
         fmt::format("a picture of {} bytes is not one of {} x {} pixels", picture.size(), camera.width, camera.height));
   const auto view = detector_view(picture, camera);
-  IntegerNetwork::Workspace workspace;
-  const auto sums = model_->network.run(view, kViewHeight, kViewWidth, workspace);
+  const auto sums = model_->network.run(view, kViewHeight, kViewWidth);
   std::vector<std::optional<Cell>> cells(static_cast<std::size_t>(kRows * kColumns));
   for (std::size_t i = 0; i < cells.size(); ++i)
     cells[i] = model_->cell(sums.data() + i * model_->network.padded_outputs(), static_cast<int>(i) % kColumns);

@@ -140,10 +140,10 @@ IntegerNetwork::IntegerNetwork(const TensorFile& file) {
     file.fail("its last layer must be a head on 1/8 of the picture's size");
 }
 
-std::span<const std::int32_t> IntegerNetwork::run(std::span<const std::uint8_t> picture, std::size_t height,
-                                                  std::size_t width, Workspace& workspace) const {
-  auto& features = workspace.features;
-  features.resize(layers_.size());
+std::vector<std::int32_t> IntegerNetwork::run(std::span<const std::uint8_t> picture, std::size_t height,
+                                              std::size_t width) const {
+  std::vector<Features> features(layers_.size());
+  std::vector<std::int32_t> sums;
   fold_pixels(picture, height, width, features[0]);
   for (std::size_t i = 0; i < layers_.size(); ++i) {
     const Layer& layer = layers_[i];
@@ -154,10 +154,10 @@ std::span<const std::int32_t> IntegerNetwork::run(std::span<const std::uint8_t> 
     } else if (layer.kind == Kind::convolution) {
       convolve(layer.convolution, input, add, features[i + 1]);
     } else {
-      convolve_to_sums(layer.convolution, input, workspace.sums);
+      convolve_to_sums(layer.convolution, input, sums);
     }
   }
-  return workspace.sums;
+  return sums;
 }
 
 }  // namespace threewe::vision

@@ -16,15 +16,9 @@ namespace threewe::vision {
 /// Pixels, blue, green and red of every 2 x 2 in a row, are the first layer's input.
 inline constexpr std::size_t kPixelChannels = 12;
 
-/// Const once read. What it works with is in a `Workspace`.
+/// Const once read.
 class IntegerNetwork {
  public:
-  /// Features of each layer, kept from one picture to the next so that nothing is allocated.
-  struct Workspace {
-    std::vector<Features> features;
-    std::vector<std::int32_t> sums;
-  };
-
   IntegerNetwork() = default;
   /// Layers as the file's metadata list them under "layers", a JSON array of {name, kind, input, ...}: kind
   /// "convolution" with {outputs, size, stride} and an optional "add", the layer whose output is added; "merge" with
@@ -37,8 +31,7 @@ class IntegerNetwork {
   int places(std::size_t i) const { return 8 + layers_.back().convolution.shift[i]; }
   /// The head's sums, (height / 8, width / 8, outputs padded to 16), of a picture (height, width, 3). Height and width
   /// are multiples of 8.
-  std::span<const std::int32_t> run(std::span<const std::uint8_t> picture, std::size_t height, std::size_t width,
-                                    Workspace& workspace) const;
+  std::vector<std::int32_t> run(std::span<const std::uint8_t> picture, std::size_t height, std::size_t width) const;
   /// From one cell's outputs to the next one's.
   std::size_t padded_outputs() const { return layers_.back().convolution.padded(); }
 

@@ -10,6 +10,8 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
+#include <variant>
 #include <vector>
 
 namespace threewe::language {
@@ -97,6 +99,8 @@ struct Reading {
   friend bool operator==(const Reading&, const Reading&) = default;
 };
 
+/// A step's arguments that were said, by their names, in the order of its text.
+std::vector<std::pair<std::string_view, std::variant<std::string, double>>> arguments_of(const Step& step);
 /// A step as text: "search(kind=chair, color=red)". Numbers have at most four decimals.
 std::string to_text(const Step& step);
 /// Canonical text of a reading: steps joined by "; ", or "ambiguous(a | b)", "not_understood(word)", "refused(rule)".
