@@ -57,15 +57,16 @@ Shift shift_between(const LaserScan& before, const LaserScan& scan, double turne
 
 SensorFault ScanCheck::check(Time measured, const LaserScan& scan, const Pose2D& at) {
   const double noise = slam::range_noise_of(scan);
-  if (usual_noise_ == 0.0) usual_noise_ = std::max(least_noise_, noise);  // as it is from the first
-  if (noise > params_.noisy * usual_noise_ && usual_noise_ > 0.0) return SensorFault::noisy;
+  const bool known = noise > 0.0;  // in the open too few beams hit anything
+  if (known && usual_noise_ == 0.0) usual_noise_ = std::max(least_noise_, noise);  // as it is from the first
+  if (known && noise > params_.noisy * usual_noise_) return SensorFault::noisy;
 
   View view{measured, scan, at};
   judge_shift(view);
   before_ = view;
   if (shift_ != 0.0) return SensorFault::shifted;
 
-  usual_noise_ = std::max(least_noise_, usual_noise_ + params_.follows * (noise - usual_noise_));
+  if (known) usual_noise_ = std::max(least_noise_, usual_noise_ + params_.follows * (noise - usual_noise_));
   reference_ = std::move(view);
   return SensorFault::none;
 }

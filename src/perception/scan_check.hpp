@@ -39,7 +39,7 @@ class ScanCheck {
 
   Params::Scan params_;
   double least_noise_ = 0.0;  // [m] what is usual at least
-  double usual_noise_ = 0.0;  // [m] 0 before the first scan
+  double usual_noise_ = 0.0;  // [m] 0 before the first scan that tells
   View reference_;            // the newest that was in order
   View before_;               // the newest that was not noisy
   double shift_ = 0.0;        // [m] since the reference

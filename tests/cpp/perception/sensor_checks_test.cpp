@@ -86,6 +86,21 @@ TEST_CASE("a lidar that scatters more than its data sheet says from the first is
   CHECK(check.check(t += 100ms, room(20, 0.16), {}) == SensorFault::noisy);
 }
 
+TEST_CASE("what is usual is not forgotten where few beams hit anything") {
+  ScanCheck check(0.01);
+  Time t{};
+  std::uint64_t seed = 0;
+  const auto look = [&](bool open) {
+    LaserScan scan = room(seed++, 0.04);
+    if (open) std::fill(scan.ranges.begin() + 20, scan.ranges.end(), 0.0F);
+    return check.check(t += 100ms, scan, {});
+  };
+  for (int i = 0; i < 5; ++i) CHECK(look(true) == SensorFault::none);
+  for (int i = 0; i < 20; ++i) CHECK(look(false) == SensorFault::none);
+  for (int i = 0; i < 200; ++i) CHECK(look(true) == SensorFault::none);
+  CHECK(look(false) == SensorFault::none);
+}
+
 TEST_CASE("stamps: backwards, from the future, too old; what is merely slow is usual") {
   StampCheck check;
   Time t{};
