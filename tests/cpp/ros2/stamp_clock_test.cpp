@@ -88,8 +88,8 @@ TEST_CASE("times rise, whatever comes") {
     for (int i = 0; i < 500; ++i) {
       arrival += from_seconds(draw(0.0, 0.05)) + 1ns;
       const auto stream = static_cast<std::size_t>(draw.whole(0, 2));
-      const Time stamp = draw.whole(0, 9) == 0 ? from_seconds(draw(0.0, 1e6))
-                                               : arrival + kUptime - from_seconds(draw(0.0, 0.3));
+      const Time stamp =
+          draw.whole(0, 9) == 0 ? from_seconds(draw(0.0, 1e6)) : arrival + kUptime - from_seconds(draw(0.0, 0.3));
       const Duration span = from_seconds(draw(0.0, 0.1));
       const auto measured = clock.measured(stream, stamp, span / 2, span, arrival);
       if (!measured) continue;
