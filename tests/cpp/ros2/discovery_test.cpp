@@ -49,9 +49,8 @@ TEST_CASE("peers of other computers are reached over the network, and found with
 }
 
 TEST_CASE("ROS_LOCALHOST_ONLY is above the others") {
-  const Discovery discovery = read({{"ROS_LOCALHOST_ONLY", "1"},
-                                    {"ROS_AUTOMATIC_DISCOVERY_RANGE", "SUBNET"},
-                                    {"ROS_STATIC_PEERS", "192.168.7.2"}});
+  const Discovery discovery = read(
+      {{"ROS_LOCALHOST_ONLY", "1"}, {"ROS_AUTOMATIC_DISCOVERY_RANGE", "SUBNET"}, {"ROS_STATIC_PEERS", "192.168.7.2"}});
   CHECK(discovery == Discovery{0, DiscoveryRange::localhost, {}});
   CHECK(read({{"ROS_LOCALHOST_ONLY", "0"}, {"ROS_AUTOMATIC_DISCOVERY_RANGE", "SUBNET"}}).range ==
         DiscoveryRange::subnet);
