@@ -67,6 +67,7 @@ void init_agent(nb::module_& m) {
       .def("update", &Agent::update, WithoutGil())
       .def("cancel", &Agent::cancel)
       .def_prop_ro("done", &Agent::done)
+      .def_prop_ro("steps", &Agent::steps, nb::rv_policy::copy, "those begun so far; the last may have no `reason` yet")
       .def_prop_ro("result", &Agent::result, nb::rv_policy::copy)
       .def_prop_ro("things", [](const Agent& self) { return self.map().things(); })
       .def_prop_ro("places", [](const Agent& self) { return self.map().places(); })

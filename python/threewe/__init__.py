@@ -8,8 +8,6 @@ from threewe._core import (
     BatteryState,
     CameraIntrinsics,
     Episode,
-    ExecutedStep,
-    ExecutionResult,
     ExploreResult,
     Features,
     IMUData,
@@ -53,6 +51,7 @@ from threewe._core import (
     profile_names,
     scene_names,
 )
+from threewe._instructions import ExecutedStep, ExecutionResult
 from threewe._notebook import show
 from threewe.backend import backend_names, register_backend
 from threewe.calibration import Calibration, calibrate

@@ -3154,6 +3154,10 @@ class Agent:
     def done(self) -> bool: ...
 
     @property
+    def steps(self) -> list[ExecutedStep]:
+        """those begun so far; the last may have no `reason` yet"""
+
+    @property
     def result(self) -> ExecutionResult: ...
 
     @property

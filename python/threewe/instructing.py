@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Annotated
 
 import typer
 
 from threewe._console import plain_console
+from threewe._extras import needed_for
 
 console = plain_console()
 
@@ -18,9 +20,17 @@ def instruct(
     hardware: Annotated[str, typer.Option(help="Robot profile, one with a camera.")] = "3we_standard_v2",
     seed: Annotated[int, typer.Option(min=0, help="Of all noise.")] = 0,
     timeout: Annotated[float, typer.Option(min=1.0, help="[s] of robot time.")] = 900.0,
+    report: Annotated[
+        Path | None, typer.Option(help="Page with map, way and pictures, a file that ends in .html.")
+    ] = None,
 ) -> None:
     """Do what a sentence says, offline: read by a grammar, seen by the detector that comes with 3we."""
     from threewe.sync import Robot
+
+    if report is not None:
+        with needed_for("a report", "demo"):
+            from threewe._instruction_report import check_page
+        check_page(report)  # before the robot drives
 
     with Robot(backend=backend, hardware=hardware, scene=scene, seed=seed) as robot:
         result = robot.execute_instruction(instruction, timeout=timeout)
@@ -31,5 +41,8 @@ def instruct(
     console.print(
         f"{result.distance:.1f} m driven in {result.duration:.1f} s, verified: {'yes' if result.verified else 'no'}"
     )
+    if report is not None:
+        result.save(report)
+        console.print(f"report: {report}")
     if not result.success:
         raise typer.Exit(1)

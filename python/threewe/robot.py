@@ -30,7 +30,6 @@ from threewe._arguments import (
 )
 from threewe._core import (
     BatteryState,
-    ExecutionResult,
     ExploreResult,
     Features,
     IMUData,
@@ -55,7 +54,7 @@ from threewe._core import (
     Velocity,
     Zone,
 )
-from threewe._instructions import Instructions
+from threewe._instructions import ExecutionResult, Instructions
 from threewe._observers import Observer, Observers
 from threewe._options import known_options, known_options_but
 from threewe._time import InRobotTime, RobotTime

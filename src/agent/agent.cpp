@@ -187,6 +187,11 @@ void Agent::Impl::finish(const std::string& reason, const std::string& detail) {
 
 bool Agent::done() const { return !impl_->run; }
 
+const std::vector<ExecutedStep>& Agent::steps() const {
+  if (!impl_->result) throw ContractError("no instruction has begun yet");
+  return impl_->result->steps;
+}
+
 void Agent::cancel() {
   if (!impl_->run) return;
   if (impl_->run->skill) impl_->run->skill->cancel();

@@ -63,6 +63,8 @@ class Agent {
   void update();
   /// Whether nothing is in progress.
   bool done() const;
+  /// The steps of the instruction that have begun; the last has no reason while it lasts.
+  const std::vector<ExecutedStep>& steps() const;
   /// Ends the instruction as `cancelled` and stops the robot.
   void cancel();
   /// Of the last instruction. Throws ContractError before `done()`.

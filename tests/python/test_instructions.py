@@ -1,10 +1,13 @@
 """Instructions: what a sentence makes a robot do, and what it says where it cannot."""
 
 import math
+import subprocess
+import sys
+from pathlib import Path
 
 import pytest
 from threewe import Robot, sync
-from threewe.errors import ContractError, EmergencyStopError, HardwareError, SafetyError
+from threewe.errors import ConfigError, ContractError, EmergencyStopError, HardwareError, SafetyError
 
 
 def test_a_plant_is_found_in_an_office_that_was_never_seen() -> None:
@@ -113,3 +116,47 @@ def test_one_instruction_at_a_time_and_a_cancelled_one_ends() -> None:
     import asyncio
 
     asyncio.run(_one_at_a_time())
+
+
+def test_a_page_shows_map_way_and_the_picture_of_each_step(tmp_path: Path) -> None:
+    with sync.Robot(scene="office_v2", seed=3) as robot:
+        robot.name_place("<dock>")
+        result = robot.execute_instruction("turn left, then find the plant")
+    assert [step.skill for step in result.steps] == ["rotate", "search"]
+    assert all(step.picture.shape == (480, 640, 3) for step in result.steps)
+    assert not (result.steps[0].picture == result.steps[1].picture).all()
+    assert len(result.way) > 10
+    result.save(tmp_path / "run.html")
+    page = (tmp_path / "run.html").read_text(encoding="utf-8")
+    assert page.count("data:image/jpeg;base64,") == 2
+    assert page.count("data:image/png;base64,") == 1
+    assert result.answer in page
+    assert "http" not in page.replace("http-equiv", "")
+
+
+@pytest.mark.parametrize(
+    ("name", "error", "message"),
+    [("run.pdf", ContractError, "must end in .html"), ("missing/run.html", ConfigError, "cannot be written")],
+)
+def test_a_page_that_cannot_be_written_is_one_error(
+    tmp_path: Path, name: str, error: type[Exception], message: str
+) -> None:
+    with sync.Robot() as robot:
+        result = robot.execute_instruction("drive through the <b>wall</b>")
+    with pytest.raises(error, match=message):
+        result.save(tmp_path / name)
+
+
+def test_words_of_a_page_are_no_markup(tmp_path: Path) -> None:
+    with sync.Robot() as robot:
+        result = robot.execute_instruction("go to the <script>")
+    result.save(tmp_path / "run.html")
+    assert "<script>" not in (tmp_path / "run.html").read_text(encoding="utf-8")
+
+
+def test_the_command_refuses_a_page_of_another_kind_before_it_drives() -> None:
+    program = [sys.executable, "-c", "from threewe.cli import main; main()"]
+    done = subprocess.run([*program, "instruct", "wait 1 s", "--report", "a.txt"], capture_output=True, text=True)
+    assert done.returncode != 0
+    assert "a.txt must end in .html" in done.stderr
+    assert done.stdout == ""

@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from threewe._core import RobotProfile
+from threewe._web import web_file
 from threewe.benchmark.attempt import POSE_EVERY
 from threewe.benchmark.buildings import load_scene
 from threewe.benchmark.episodes import Episode, find_episodes, load_episodes
@@ -84,15 +85,6 @@ PLAYER = """<div class="player">
 <li><i class="dot" style="color:#17804a"></i>goal</li></ul></div>
 <div class="side"><select id="scene" aria-label="scene"></select><ol id="episodes"></ol>
 <p id="failure"></p><dl id="metrics"></dl></div></div>"""
-
-
-def web_file(name: str) -> str:
-    """A file of the page: of the package, or of the source tree."""
-    here = Path(__file__).resolve()
-    for folder in (here.parents[1] / "web", here.parents[3] / "web"):
-        if (folder / name).exists():
-            return (folder / name).read_text()
-    raise ConfigError(f"web/{name} is missing from this installation of threewe")
 
 
 def _badges(results: dict[str, Any]) -> str:

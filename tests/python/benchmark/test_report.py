@@ -10,9 +10,10 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from threewe._web import web_file
 from threewe.benchmark.attempt import Settings
 from threewe.benchmark.plots import interval_plot, share_plot, wall_outline
-from threewe.benchmark.report import report, web_file
+from threewe.benchmark.report import report
 from threewe.benchmark.run import plan_run, results_of, run
 
 ROOT = Path(__file__).resolve().parents[3]
