@@ -38,6 +38,7 @@ constexpr double kMissNearest = 0.6;  // [m]
 constexpr double kMissFarthest = 3.5;
 constexpr double kInFront = 0.45;    // [m] short of the thing's centre, up to where the line of sight must be free
 constexpr int kMostMisses = 3;       // more than views
+constexpr double kApart = 0.8;       // share of a kind's radius within which there is no other
 constexpr double kDouble = 0.35;     // [m] within which two of a kind are one
 constexpr double kPointPlace = 2.5;  // [m]
 constexpr Duration kRecent = std::chrono::seconds(30);
@@ -70,6 +71,19 @@ double alike(const std::vector<double>& kinds, const std::vector<float>& scores)
   return total > 0.0 ? same / exact::sqrt(total) : 0.0;
 }
 
+// What was seen of another counts as seen of this one, by how often it was.
+void absorb(MappedThing& thing, const MappedThing& other) {
+  const double share = static_cast<double>(other.views) / std::max(1, thing.views + other.views);
+  thing.position = thing.position + share * (other.position - thing.position);
+  for (std::size_t k = 0; k < thing.kinds.size(); ++k) thing.kinds[k] += share * (other.kinds[k] - thing.kinds[k]);
+  for (std::size_t c = 0; c < thing.colors.size(); ++c) thing.colors[c] += share * (other.colors[c] - thing.colors[c]);
+  if (other.views > thing.views) thing.covariance = other.covariance;
+  thing.views += other.views;
+  thing.misses = std::min(thing.misses, other.misses);
+  thing.last_seen = std::max(thing.last_seen, other.last_seen);
+  thing.nearest_view = std::min(thing.nearest_view, other.nearest_view);
+}
+
 bool sees(const map::OccupancyGrid& grid, Vec2 from, Vec2 to) {
   const double length = norm(to - from);
   const auto steps = static_cast<int>(std::ceil((length - kInFront) / grid.resolution));
@@ -89,7 +103,10 @@ std::size_t MappedThing::color() const {
   return static_cast<std::size_t>(std::max_element(colors.begin(), colors.end()) - colors.begin());
 }
 
-SemanticMap::SemanticMap(std::vector<std::string> labels) : labels_(std::move(labels)) {}
+SemanticMap::SemanticMap(std::vector<std::string> labels, std::vector<double> radii)
+    : labels_(std::move(labels)), radii_(std::move(radii)) {
+  radii_.resize(labels_.size(), 0.0);
+}
 
 void SemanticMap::update(const View& view, const map::OccupancyGrid& grid) {
   std::vector<std::uint64_t> seen;
@@ -206,20 +223,18 @@ void SemanticMap::count_misses(const View& view, const map::OccupancyGrid& grid)
   }
 }
 
-// Two of a kind that have come as near as this are one thing: the one that was seen more often stays.
+// Two of a kind that are nearer to each other than things of that size can be are one, seen at two ends.
 void SemanticMap::merge_doubles() {
   for (std::size_t i = 0; i < things_.size(); ++i) {
     for (std::size_t j = i + 1; j < things_.size();) {
-      const bool same =
-          things_[i].kind() == things_[j].kind() && norm(things_[i].position - things_[j].position) < kDouble;
-      if (!same) {
+      MappedThing& one = things_[i];
+      const MappedThing& other = things_[j];
+      const std::size_t kind = one.kind();
+      if (kind != other.kind() || norm(one.position - other.position) >= std::max(kDouble, kApart * radii_[kind])) {
         ++j;
         continue;
       }
-      if (things_[j].views > things_[i].views) {
-        std::swap(things_[i], things_[j]);
-        std::swap(viewed_from_[i], viewed_from_[j]);
-      }
+      absorb(one, other);
       things_.erase(things_.begin() + static_cast<std::ptrdiff_t>(j));
       viewed_from_.erase(viewed_from_.begin() + static_cast<std::ptrdiff_t>(j));
     }

@@ -64,8 +64,8 @@ struct View {
 /// Things and places of one robot. Plain data; bounded.
 class SemanticMap {
  public:
-  /// Of a detector with these labels.
-  explicit SemanticMap(std::vector<std::string> labels);
+  /// Of a detector with these labels, and the radius [m] that things of each usually have; 0 where it is not known.
+  explicit SemanticMap(std::vector<std::string> labels, std::vector<double> radii = {});
 
   /// Takes over what a picture shows. What should be in view and is not is forgotten after some looks; `grid` says what
   /// stands in between.
@@ -104,6 +104,7 @@ class SemanticMap {
   void merge_doubles();
 
   std::vector<std::string> labels_;
+  std::vector<double> radii_;
   std::vector<MappedThing> things_;
   std::vector<Pose2D> viewed_from_;  // of things_, the camera's pose of the newest view that counted
   std::vector<Place> places_;

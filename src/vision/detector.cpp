@@ -25,6 +25,7 @@ constexpr int kRows = kViewHeight / kCell;
 constexpr double kOffsetUnit = 4.0;      // [cells] in which offsets are learnt
 constexpr double kLeastNearness = 0.08;  // [1/m]
 constexpr double kMostNearness = 5.0;    // [1/m]
+constexpr double kLargest = 20.0;        // [m] radius of a thing
 constexpr double kThing = 0.5;           // probability of being no background, from which a cell belongs to a thing
 // Neighbouring cells are of one thing when they agree on where its centre is, more closely if they differ on its kind.
 constexpr double kSameColumn = 2.5;     // [cells]
@@ -145,6 +146,7 @@ std::filesystem::path file_of(std::string_view name) {
 
 struct Detector::Model {
   std::vector<std::string> labels;
+  std::vector<double> radii;
   std::string description;
   IntegerNetwork network;
 
@@ -181,6 +183,15 @@ Detector Detector::load(std::string_view name) {
   } catch (const nlohmann::json::exception&) {
     file.fail("'labels' must be a list of names");
   }
+  try {
+    model->radii = nlohmann::json::parse(file.text("radii")).get<std::vector<double>>();
+  } catch (const nlohmann::json::exception&) {
+    file.fail("'radii' must be a list of numbers");
+  }
+  if (model->radii.size() != model->labels.size() ||
+      std::ranges::any_of(model->radii, [](double radius) { return !(radius >= 0.0 && radius < kLargest); }))
+    file.fail(fmt::format("'radii' must be a number of 0 to {:g} m for each of the {} labels", kLargest,
+                          model->labels.size()));
   model->description = file.text("description");
   model->network = IntegerNetwork(file);
   if (model->labels.size() < 2 || model->network.outputs() != model->labels.size() + 2)
@@ -190,6 +201,7 @@ Detector Detector::load(std::string_view name) {
 }
 
 const std::vector<std::string>& Detector::labels() const { return model_->labels; }
+const std::vector<double>& Detector::radii() const { return model_->radii; }
 const std::string& Detector::description() const { return model_->description; }
 
 std::vector<Detection> Detector::detect(std::span<const std::uint8_t> picture, const CameraIntrinsics& camera) const {

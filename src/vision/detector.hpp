@@ -43,6 +43,8 @@ class Detector {
 
   /// What it can tell apart; the first is the background.
   const std::vector<std::string>& labels() const;
+  /// The radius [m] of the circle that things of each label usually fit in; 0 where it is not known.
+  const std::vector<double>& radii() const;
   /// What it was trained on, in words.
   const std::string& description() const;
   /// The things that a picture (H, W, 3), blue, green and red, of a level camera shows, largest first. Throws

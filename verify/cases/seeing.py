@@ -2,22 +2,30 @@
 
 from __future__ import annotations
 
+import asyncio
+import math
+from collections import Counter
 from functools import cache
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
 import numpy as np
 from numpy.typing import NDArray
-from threewe import sync
-from threewe._core import Detection, Detector, SemanticImage, color_names, color_of
-from threewe.benchmark.unseen import SUFFIX, unseen_scene
+from threewe import Pose2D, Robot, Scene, TickView, sync
+from threewe._core import Detection, Detector, Object, SemanticImage, color_names, color_of
+from threewe.benchmark.unseen import SUFFIX, extent_of, unseen_scene
 
 from verify.harness import Case
 
+GENERATED = "generated"
 PICTURES = 10  # of a case
 CONFIDENCE = 0.7  # from which a detection is taken to name its kind
 LEAST_PIXELS = 200  # of 640 x 480, of a thing that is to be found
 FARTHEST = 5.0  # [m] of it
+PROBABLE = 0.5  # least probability of its kind, of an entry of the map
+NEAR = 0.4  # [m] of what a thing covers of the floor, within which an entry of the map is of it
+TICK = 0.02  # [s]
+LOOK_EVERY = 25  # ticks
 SHOWN = 0.3  # of a thing's pixels, at least, that are within the box of a detection of it
 
 DETECTOR = Detector.load()
@@ -108,3 +116,55 @@ def terms() -> NDArray[np.int64]:
     names = color_names()
     levels = [(level << 3) + 4 for level in range(32)]
     return np.array([names.index(color_of(b, g, r)) for b in levels for g in levels for r in levels])
+
+
+def map_things(seed: int, scene: str) -> Case:
+    """What a robot knows of things once it has explored, against those that were in its view."""
+    if scene != GENERATED:
+        return asyncio.run(_map_things(seed, scene))
+    random = np.random.default_rng(seed)
+    size = (float(random.uniform(9.0, 18.0)), float(random.uniform(8.0, 14.0)))
+    with TemporaryDirectory() as folder:
+        path = Path(folder, "building.yaml")
+        building = Scene.generate(seed, difficulty=float(random.uniform(0.3, 0.9)), size=size)
+        path.write_text(building.to_yaml("building"), encoding="utf-8")
+        return {**asyncio.run(_map_things(seed, str(path))), "scene": scene}
+
+
+async def _map_things(seed: int, scene: str) -> Case:
+    shown: Counter[str] = Counter()
+    async with Robot(scene=scene, seed=seed) as robot:
+        simulation = robot.simulation
+        assert simulation is not None
+        ticks = 0
+
+        def look(_: TickView) -> None:
+            nonlocal ticks
+            ticks += 1
+            if ticks % LOOK_EVERY == 0:
+                truth = simulation.look()
+                shown.update(truth.names[id_] for id_ in np.unique(truth.ids) if is_wanted(truth, int(id_)))
+
+        robot.observe(look)
+        result = await robot.execute_instruction("explore", timeout=900.0)
+        mapped = [thing for thing in robot.get_things() if max(thing.kinds) >= PROBABLE]
+        true_from_map = simulation.true_pose() * robot.get_pose().inverse()
+        things = simulation.scene.objects
+    known = [(DETECTOR.labels[one.kind_index], true_from_map * Pose2D(*one.position, 0.0)) for one in mapped]
+    seen = [thing for thing in things if shown[thing.name] >= 1.0 / (LOOK_EVERY * TICK)]
+    return {
+        "scene": scene,
+        "reason": result.reason,
+        "entries": len(known),
+        "right": sum(any(is_of(*entry, thing) for thing in things) for entry in known),
+        "things": len(seen),
+        "known": sum(any(is_of(*entry, thing) for entry in known) for thing in seen),
+    }
+
+
+def is_of(kind: str, at: Pose2D, thing: Object) -> bool:
+    """Whether an entry of the map is of that kind, and within 0.4 m of what the thing covers of the floor."""
+    local = thing.pose.inverse() * at
+    x_min, y_min, x_max, y_max = extent_of(thing.category, thing.shape)
+    aside = max(x_min - local.x, local.x - x_max, 0.0), max(y_min - local.y, local.y - y_max, 0.0)
+    return kind == thing.category and math.hypot(*aside) <= NEAR

@@ -20,7 +20,7 @@ import yaml  # type: ignore[import-untyped]
 from numpy.typing import NDArray
 
 from threewe._core import Pose2D, Scene, SemanticImage, asset_directories
-from threewe.benchmark.unseen import HELD_OUT
+from threewe.benchmark.unseen import HELD_OUT, extent_of
 from threewe.errors import ConfigError
 
 if TYPE_CHECKING:
@@ -47,6 +47,7 @@ SHOWN = 20  # cells of things, from which on a picture is worth learning
 OTHER_SHAPE = 0.7  # of the furniture that is given another shape of its kind
 MORE = 8  # people and things that are added to a building
 FREE = 1.0  # [m] around where robots start
+PERSON_RADIUS = 0.25  # [m]
 RARE = ["tree", "column", "counter", "couch", "chair", "desk"]  # kinds of what is added
 
 
@@ -143,6 +144,19 @@ def _shapes() -> dict[str, list[str]]:
             held_out = HELD_OUT.get(content["category"], ())
             shapes[content["category"]] = [shape for shape in content["shapes"] if shape not in held_out]
     return shapes
+
+
+def radii() -> list[float]:
+    """Of each label, half the mean diagonal [m] of its shapes from above, those that are held out left out."""
+    shapes = _shapes()
+    return [0.0, *(_radius(kind, shapes[kind]) if kind in shapes else PERSON_RADIUS for kind in LABELS[1:])]
+
+
+def _radius(kind: str, shapes: list[str]) -> float:
+    extents = [extent_of(kind, shape) for shape in shapes]
+    return round(
+        sum(math.hypot(x_max - x_min, y_max - y_min) for x_min, y_min, x_max, y_max in extents) / 2 / len(shapes), 2
+    )
 
 
 def _interesting(simulation: Simulation, random: np.random.Generator) -> Labelled:

@@ -1,7 +1,8 @@
 """The detector in integer arithmetic: what the C++ class `Detector` reads.
 
 A safetensors file. Features are 8.8 fixed-point numbers; the weights of output channel c have `shift[c]` binary places,
-its bias 8 more. The metadata hold `layers` (what follows what, see `LAYERS`), `labels` and `description`.
+its bias 8 more. The metadata hold `layers` (what follows what, see `LAYERS`), `labels`, `radii` (see `radii`) and
+`description`.
 """
 
 from __future__ import annotations
@@ -14,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from threewe.detector.network import Layer, Network
-from threewe.detector.pictures import LABELS
+from threewe.detector.pictures import LABELS, radii
 
 LARGEST = 4095  # of a weight, so that sums stay within 32 bits
 LARGEST_SUM = 500_000  # of the weights of one channel
@@ -61,7 +62,12 @@ def save_detector(network: Network, path: str | os.PathLike[str], description: s
         convolution = layer.convolution if isinstance(layer, Layer) else layer
         shape = {"outputs": weights.shape[0], "size": weights.shape[1], "stride": convolution.stride[0]}
         layers.append({"kind": "convolution", **entry, **shape})
-    metadata = {"layers": json.dumps(layers), "labels": json.dumps(list(LABELS)), "description": description}
+    metadata = {
+        "layers": json.dumps(layers),
+        "labels": json.dumps(list(LABELS)),
+        "radii": json.dumps(radii()),
+        "description": description,
+    }
     save_file(arrays, os.fspath(path), metadata)
 
 

@@ -57,6 +57,23 @@ TEST_CASE("what is seen from several poses is one thing, where it is; a second o
   CHECK_THROWS_AS((void)map.find({.kind = "chiar", .color = "", .place = ""}), ContractError);
 }
 
+TEST_CASE("one large thing that is seen at both ends is one, two small ones as far apart are two") {
+  for (const double radius : {0.3, 1.2}) {
+    CAPTURE(radius);
+    SemanticMap map(kLabels, {0.0, radius, 0.0});
+    const auto grid = free_floor();
+    const CameraIntrinsics camera = make_intrinsics(640, 480, 1.57);
+    for (int i = 0; i < 4; ++i) {
+      const double x = 0.3 * i;
+      const std::vector views{seen(1, std::atan2(0.4, 2.0 - x), 2.0 - x), seen(1, std::atan2(-0.4, 2.0 - x), 2.0 - x)};
+      map.update({from_seconds(i), {x, 0.0, 0.0}, views, camera}, grid);
+    }
+    const auto things = map.things();
+    REQUIRE(things.size() == (radius < 1.0 ? 2 : 1));
+    if (radius > 1.0) CHECK(norm(things[0].position - Vec2{2.0, 0.0}) < 0.25);
+  }
+}
+
 TEST_CASE("what is gone is forgotten, unless something stands in between") {
   for (const bool hidden : {false, true}) {
     CAPTURE(hidden);
