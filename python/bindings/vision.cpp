@@ -34,6 +34,7 @@ void init_vision(nb::module_& m) {
       .def_static("load", &Detector::load, "name"_a = "indoor_v1",
                   "Reads one that is shipped, or a file that ends in .safetensors. Raises ConfigError.")
       .def_prop_ro("labels", &Detector::labels, "what it can tell apart; the first is the background")
+      .def_prop_ro("radii", &Detector::radii, "[m] of the circle that things of each label usually fit in")
       .def_prop_ro("description", &Detector::description, "what it was trained on")
       .def(
           "detect",

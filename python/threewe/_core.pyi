@@ -2974,6 +2974,10 @@ class Detector:
         """what it can tell apart; the first is the background"""
 
     @property
+    def radii(self) -> list[float]:
+        """[m] of the circle that things of each label usually fit in"""
+
+    @property
     def description(self) -> str:
         """what it was trained on"""
 

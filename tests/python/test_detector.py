@@ -1,0 +1,71 @@
+"""The object detector: what it says of pictures, and of files that are none."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+from safetensors import safe_open
+from safetensors.numpy import save_file
+from threewe import ConfigError, ContractError, Robot, asset_directories
+from threewe._core import Detector
+
+[SHIPPED] = [
+    path for folder in asset_directories() if (path := Path(folder, "detectors/indoor_v1.safetensors")).exists()
+]
+
+
+def test_radii_are_those_of_the_kinds() -> None:
+    detector = Detector.load()
+    assert detector.labels[0] == "background"
+    radii = dict(zip(detector.labels, detector.radii, strict=True))
+    assert radii["background"] == 0.0
+    assert radii["cup"] < radii["chair"] < radii["bed"]
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"labels": "chair"}, "'labels' must be a list of names"),
+        ({"labels": json.dumps(["background", "chair"]), "radii": "[0, 0.4]"}, "two more than its 2 labels"),
+        ({"radii": None}, "radii"),
+        ({"radii": "[0.1, null]"}, "'radii' must be a list of numbers"),
+        ({"radii": "[0.1]"}, "'radii' must be a number of 0 to 20 m for each of the"),
+        ({"radii": json.dumps([-1.0] * 18)}, "'radii' must be a number of 0 to 20 m for each of the"),
+        ({"layers": "[]"}, "layers"),
+    ],
+)
+def test_a_file_with_wrong_metadata_is_one_error(tmp_path: Path, changes: dict[str, str | None], message: str) -> None:
+    file = safe_open(str(SHIPPED), "np")
+    metadata = {**file.metadata(), **changes}
+    path = tmp_path / "mine.safetensors"
+    save_file(
+        {name: file.get_tensor(name) for name in file.keys()},  # noqa: SIM118 (it is no dictionary)
+        path,
+        {name: text for name, text in metadata.items() if text is not None},
+    )
+    with pytest.raises(ConfigError, match=r"mine\.safetensors") as error:
+        Detector.load(str(path))
+    assert message in str(error.value)
+
+
+@pytest.mark.parametrize("length", [0, 7, 100, 5000])
+def test_a_file_that_ends_early_is_one_error(tmp_path: Path, length: int) -> None:
+    path = tmp_path / "mine.safetensors"
+    path.write_bytes(SHIPPED.read_bytes()[:length])
+    with pytest.raises(ConfigError, match=r"mine\.safetensors"):
+        Detector.load(str(path))
+
+
+def test_an_unknown_detector_names_the_known_one() -> None:
+    with pytest.raises(ConfigError, match="indoor_v1"):
+        Detector.load("outdoor_v1")
+
+
+def test_a_picture_of_another_size_is_refused() -> None:
+    camera = Robot().profile.camera
+    assert camera is not None
+    with pytest.raises(ContractError, match="640 x 480"):
+        Detector.load().detect(np.zeros((240, 320, 3), np.uint8), camera.intrinsics)
