@@ -13,13 +13,14 @@
 #include "scene/scene_tables.hpp"
 #include "task/object_nav.hpp"
 #include "task/stop_task.hpp"
+#include "task/vln.hpp"
 #include "threewe/env/robot/robot_env.hpp"
 #include "value.hpp"
 
 using namespace threewe;
 using benchmark::DriveLog, benchmark::ReferenceDrive, benchmark::ReferenceExploration, benchmark::Replay,
     benchmark::TrueDrive;
-using task::ObjectNav, task::ObjectNavEpisode;
+using task::ObjectNav, task::ObjectNavEpisode, task::Vln, task::VlnEpisode;
 
 namespace {
 
@@ -111,6 +112,29 @@ void bind_drives(nb::module_& m) {
           "`commands`: (N, 3) [m/s, m/s, rad/s], one a tick. Raises ContractError for what the base cannot drive.");
 }
 
+void bind_vln(nb::module_& m) {
+  nb::class_<VlnEpisode>(m, "VlnEpisode", "One instruction to be followed.")
+      .def(Value())
+      .def_ro("start", &VlnEpisode::start, "in the scene's frame")
+      .def_ro("end", &VlnEpisode::end, "where the instruction ends, in the scene's frame")
+      .def_ro("instruction", &VlnEpisode::instruction)
+      .def_ro("geodesic", &VlnEpisode::geodesic, "[m], from start to end")
+      .def_ro("seed", &VlnEpisode::seed, "for all else that is drawn in this episode");
+  nb::class_<Vln>(m, "Vln", "Instructions of a scene, and where STOP is right. Privileged.")
+      .def(
+          "__init__",
+          [](Vln* self, const std::shared_ptr<scene::SceneTables>& tables) { new (self) Vln(tables); }, "tables"_a,
+          WithoutGil(), "Raises ConfigError for a scene in which there is nowhere to go.")
+      .def_prop_ro("rooms", [](const Vln& task) { return task.map().rooms(); }, "what its rooms are called")
+      .def("sample", &Vln::sample, "seed"_a, "index"_a = 0, WithoutGil())
+      .def(
+          "is_success",
+          [](const Vln& task, const VlnEpisode& episode, Vec2 position) {
+            return task.distance(episode.ending, position) <= task::kPathEndReach;
+          },
+          "episode"_a, "position"_a, "Whether STOP is right where the robot is.");
+}
+
 void bind_object_nav(nb::module_& m) {
   nb::class_<ObjectNavEpisode>(m, "ObjectNavEpisode", "One search for something of a kind.")
       .def(Value())
@@ -150,6 +174,7 @@ void bind_object_nav(nb::module_& m) {
 void init_benchmark(nb::module_& m) {
   bind_drives(m);
   bind_object_nav(m);
+  bind_vln(m);
   nb::class_<ReferenceDrive>(m, "ReferenceDrive", "A drive as it could have been.")
       .def(Value())
       .def_ro("reached", &ReferenceDrive::reached)

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 
 #include "core/exact.hpp"
@@ -18,9 +19,14 @@ bool occupied(const map::OccupancyGrid& grid, Vec2 point) {
   return grid.at(grid.cell(point)) >= map::OccupancyGrid::kOccupiedThreshold;
 }
 
+bool free(const map::OccupancyGrid& grid, Vec2 point) {
+  const std::int8_t value = grid.at(grid.cell(point));
+  return value >= 0 && value <= map::OccupancyGrid::kFreeThreshold;
+}
+
 // Whether a robot can stand there: known to be free, and nothing nearer than `clearance`.
 bool roomy(const map::OccupancyGrid& grid, Vec2 point, double clearance) {
-  if (grid.at(grid.cell(point)) != map::OccupancyGrid::kFree) return false;
+  if (!free(grid, point)) return false;
   const int reach = static_cast<int>(clearance / grid.resolution) + 1;
   const map::Cell middle = grid.cell(point);
   for (int dy = -reach; dy <= reach; ++dy) {
@@ -90,7 +96,7 @@ void Coverage::add(const map::OccupancyGrid& grid, const Pose2D& map_from_camera
     const auto [s, c] = exact::sincos(map_from_camera.theta + bearing);
     for (int i = 0; i < kPoints; ++i) {
       const Vec2 point = from + 0.5 * i * kSquare * Vec2{c, s};
-      if (grid.at(grid.cell(point)) != map::OccupancyGrid::kFree) break;
+      if (!free(grid, point)) break;
       seen_.insert(square_of(point));
     }
   }

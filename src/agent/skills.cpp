@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "language/route.hpp"
 #include "threewe/core/errors.hpp"
 
 namespace threewe::agent {
@@ -164,7 +165,13 @@ std::unique_ptr<SkillRun> begin_skill(Body& body, const Step& step) {
     case Skill::done: return saying({"done"});
     case Skill::follow: break;
   }
-  return saying({"not_understood", "routes through rooms are not driven by this agent: say where to go instead"});
+  try {
+    return begin_route(body, step.route);
+  } catch (const language::UnknownRoom& error) {
+    return saying({"not_found", error.what()});
+  } catch (const ConfigError& error) {
+    return saying({"not_understood", error.what()});
+  }
 }
 
 }  // namespace threewe::agent

@@ -3,6 +3,7 @@
 
 #include <memory>
 #include <optional>
+#include <string>
 
 #include "agent/body.hpp"
 
@@ -22,5 +23,8 @@ class SkillRun {
 std::unique_ptr<SkillRun> begin_skill(Body& body, const language::Step& step);
 /// Looks for a thing until the robot stands before it and has seen it there.
 std::unique_ptr<SkillRun> begin_search(const language::ThingPhrase& thing);
+/// Follows the clauses of a route through the places whose borders are known. Throws language::UnknownRoom where it
+/// names another place, and ConfigError where it cannot be understood otherwise.
+std::unique_ptr<SkillRun> begin_route(Body& body, const std::string& text);
 
 }  // namespace threewe::agent

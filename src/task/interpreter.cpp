@@ -57,6 +57,8 @@ void stop(const SemanticMap& map, const State& state, const Clause& clause, std:
   } else if (clause.kind == Clause::Kind::stop_in_middle && here) {
     const auto end = map.middle_of(w.room);
     if (end) add(end, *end);
+  } else if (clause.kind == Clause::Kind::stop_here) {
+    add(w.at, w.at);
   } else if (clause.kind == Clause::Kind::stop_inside && here && w.opening) {
     const auto end = map.just_inside(w.room, *w.opening);
     if (end) add(end, *end);
@@ -89,13 +91,24 @@ void advance(const SemanticMap& map, State state, const Clause& clause, std::vec
       break;
     case Clause::Kind::stop_at:
     case Clause::Kind::stop_in_middle:
-    case Clause::Kind::stop_inside: break;
+    case Clause::Kind::stop_inside:
+    case Clause::Kind::stop_here: break;
   }
 }
 
 bool is_stop(const Clause& clause) { return clause.kind >= Clause::Kind::stop_at; }
 
 }  // namespace
+
+Instruction parse(std::string_view text, const SemanticMap& map) {
+  language::RouteNames names{.rooms = map.rooms(), .things = {}};
+  for (const Landmark& landmark : map.landmarks()) {
+    for (const std::string& name : {landmark.noun, landmark.general}) names.things.push_back(name);
+  }
+  std::ranges::sort(names.things);
+  names.things.erase(std::unique(names.things.begin(), names.things.end()), names.things.end());
+  return language::parse_route(text, names);
+}
 
 std::optional<Walker> walker_at(const SemanticMap& map, const Pose2D& start) {
   const auto room = map.room_at(start.position());
@@ -138,7 +151,7 @@ bool is_passed(Vec2 a, Vec2 b, Vec2 thing, Side side) {
   const double ahead = dot(thing - a, along);
   const double left = cross(along, thing - a);
   return ahead > 0.0 && ahead < length && std::fabs(left) > kAside && std::fabs(left) <= kPassedWithin &&
-         (left > 0.0) == (side == Side::left);
+         (side == Side::ahead || (left > 0.0) == (side == Side::left));
 }
 
 std::vector<std::size_t> candidates(const SemanticMap& map, const Walker& walker, const Thing& thing) {

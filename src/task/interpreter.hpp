@@ -6,9 +6,16 @@
 #include <string_view>
 #include <vector>
 
-#include "task/instruction.hpp"
+#include "language/route.hpp"
+#include "task/semantic_map.hpp"
 
 namespace threewe::task {
+
+using language::Clause, language::DoorPhrase, language::kLastOrdinal, language::Side, language::Thing;
+using Instruction = language::Route;
+
+/// What a text says, with the names of rooms and things of a map. Throws ConfigError where it cannot be understood.
+Instruction parse(std::string_view text, const SemanticMap& map);
 
 /// What is nearer than this to the line of walking [m] may be meant by "left" as well as by "right".
 inline constexpr double kAside = 0.3;
@@ -39,7 +46,7 @@ Side side_of(Vec2 axis, Vec2 out);
 Vec2 turned(Vec2 heading, Side side);
 /// Whether a point may be meant after "turn left" and the like: within 60 degrees of the new heading.
 bool lies_ahead(Vec2 heading, Vec2 to);
-/// Whether a thing is passed on a side on the straight way from `a` to `b`, within 2 m.
+/// Whether a thing is passed on a side (either, for ahead) on the straight way from `a` to `b`, within 2 m.
 bool is_passed(Vec2 a, Vec2 b, Vec2 thing, Side side);
 
 /// Indices of the landmarks in the walker's room that may be meant.

@@ -6,7 +6,6 @@
 #include <limits>
 #include <utility>
 
-#include "task/interpreter.hpp"
 #include "task/path_score.hpp"
 
 namespace threewe::task {

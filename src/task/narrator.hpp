@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "core/rng.hpp"
-#include "task/instruction.hpp"
+#include "task/interpreter.hpp"
 
 namespace threewe::task {
 

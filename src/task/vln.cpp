@@ -10,7 +10,6 @@
 #include "core/rng.hpp"
 #include "narrator.hpp"
 #include "scene/episodes.hpp"
-#include "task/instruction.hpp"
 #include "task/interpreter.hpp"
 #include "threewe/core/errors.hpp"
 

@@ -1,4 +1,4 @@
-#include "task/instruction.hpp"
+#include "language/route.hpp"
 
 #include <algorithm>
 #include <array>
@@ -9,9 +9,9 @@
 #include <fmt/ranges.h>
 
 #include "core/names.hpp"
-#include "threewe/core/errors.hpp"
+#include "language/vocabulary.hpp"
 
-namespace threewe::task {
+namespace threewe::language {
 namespace {
 
 using Kind = Clause::Kind;
@@ -31,19 +31,38 @@ constexpr std::array kDoorAhead = {"straight ahead", "ahead of you"};
 constexpr std::array kStop = {"stop", "wait"};
 constexpr std::array kAt = {"at", "next to", "by", "beside"};
 
+// More that is read.
+constexpr std::array kTurn = {"turn to", "turn", "make a", "take a"};
+constexpr std::array kAround = {"around", "back"};
+constexpr std::array kMoreAhead = {"keep going straight", "go straight on", "go straight", "walk straight on",
+                                   "walk straight",       "keep straight",  "drive straight ahead"};
+constexpr std::array kMorePass = {"drive past", "move past", "head past", "go by", "walk by", "drive by"};
+constexpr std::array kMoreApproach = {"go up to", "head to", "drive to", "move to", "continue to", "walk towards"};
+constexpr std::array kMoreThrough = {"drive through", "pass through", "move through", "continue through"};
+constexpr std::array kMoreEnter = {"drive into", "step into", "move into"};
+constexpr std::array kMoreLeave = {"go out of", "walk out of", "drive out of", "head out of"};
+constexpr std::array kMoreAt = {"near", "in front of", "close to"};
+constexpr std::array kIn = {"inside", "in"};
+constexpr std::array kHere = {"here", "there"};
+constexpr std::array kArticles = {"the", "a", "an", "your"};
+constexpr std::array kLeftSide = {"on your left side", "on your left", "on the left side", "on the left",
+                                  "to your left",      "to the left"};
+constexpr std::array kRightSide = {"on your right side", "on your right", "on the right side", "on the right",
+                                   "to your right",      "to the right"};
+
 // Writes clauses, with synonyms drawn one after the other: never two in one call, whose order is the compiler's choice.
 class Writer {
  public:
   explicit Writer(const RngKey& key) : key_(key) {}
 
-  std::string sentences(const Instruction& instruction) {
+  std::string sentences(const Route& route) {
     constexpr std::size_t kLong = 3;  // clauses in a sentence
     std::string text;
     Words sentence;
-    for (std::size_t i = 0; i < instruction.size(); ++i) {
-      sentence.push_back(clause(instruction[i]));
-      const bool arrived = instruction[i].kind == Kind::cross || instruction[i].kind == Kind::approach;
-      if (i + 1 == instruction.size() || (arrived && (sentence.size() >= kLong || chance(0.6)))) {
+    for (std::size_t i = 0; i < route.size(); ++i) {
+      sentence.push_back(clause(route[i]));
+      const bool arrived = route[i].kind == Kind::cross || route[i].kind == Kind::approach;
+      if (i + 1 == route.size() || (arrived && (sentence.size() >= kLong || chance(0.6)))) {
         text += finished(std::exchange(sentence, {}), !text.empty());
       }
     }
@@ -67,7 +86,12 @@ class Writer {
   std::string clause(const Clause& c) {
     switch (c.kind) {
       case Kind::turn: return turn(c.side);
-      case Kind::pass: return fmt::format("{} {} on your {}", pick(kPass), thing(c.thing), word(c.side));
+      case Kind::pass: {
+        Thing passed = c.thing;
+        if (c.side != Side::ahead) passed.side = c.side;
+        const std::string past = pick(kPass);
+        return past + " " + thing(passed);
+      }
       case Kind::approach: return fmt::format("{} {}", pick(kApproach), thing(c.thing));
       case Kind::cross: return crossing(c);
       case Kind::stop_at: {
@@ -75,6 +99,7 @@ class Writer {
         return fmt::format("{} {} {}", pick(kStop), at, thing(c.thing));
       }
       case Kind::stop_in_middle: return fmt::format("{} in the middle of {}", pick(kStop), room(c.room));
+      case Kind::stop_here: return fmt::format("{} here", pick(kStop));
       case Kind::stop_inside: break;
     }
     return fmt::format("{} just inside{}{}", pick(kStop), c.room.empty() ? "" : " ", room(c.room));
@@ -136,20 +161,11 @@ class Writer {
 // Reads clauses, word by word.
 class Reader {
  public:
-  Reader(std::string_view text, const SemanticMap& map) : words_(language::words_of(text)) {
-    for (const std::string& room : map.rooms()) rooms_.push_back(room);
-    for (const Landmark& landmark : map.landmarks()) {
-      things_.push_back(landmark.noun);
-      things_.push_back(landmark.general);
-    }
-    for (Words* names : {&rooms_, &things_}) {
-      std::ranges::sort(*names);
-      names->erase(std::unique(names->begin(), names->end()), names->end());
-    }
-  }
+  Reader(std::string_view text, const RouteNames& names)
+      : words_(words_of(text)), rooms_(names.rooms), things_(names.things) {}
 
-  Instruction instruction() {
-    Instruction clauses;
+  Route route() {
+    Route clauses;
     while (!done()) clauses.push_back(clause());
     return clauses;
   }
@@ -164,41 +180,59 @@ class Reader {
 
   Clause clause() {
     Clause c;
-    if (accept("turn")) {
-      c.kind = Kind::turn;
-      c.side = accept("left") ? Side::left : accept("right") ? Side::right : Side::behind;
-      if (c.side == Side::behind) expect("around", "left, right or around");
-    } else if (accept_any(kAhead)) {
+    if (turn(c)) return c;
+    if (accept_any(kAhead) || accept_any(kMoreAhead)) {
       c.kind = Kind::turn;
       c.side = Side::ahead;
-    } else if (accept_any(kPass)) {
-      c.kind = Kind::pass;
-      c.thing = thing();
-      if (!c.thing.side) fail("on which side it is passed, as in 'on your left'");
-      c.side = *std::exchange(c.thing.side, std::nullopt);
-    } else if (accept_any(kThrough)) {
+    } else if (accept_any(kMoreThrough) || accept_any(kThrough)) {  // "pass through" is no "pass"
       c.kind = Kind::cross;
       c.door = door();
       if (accept("into")) c.room = room();
-    } else if (accept_any(kEnter)) {
+    } else if (accept_any(kPass) || accept_any(kMorePass)) {
+      c.kind = Kind::pass;
+      c.thing = thing();
+      c.side = std::exchange(c.thing.side, std::nullopt).value_or(Side::ahead);
+    } else if (accept_any(kEnter) || accept_any(kMoreEnter)) {
       c.kind = Kind::cross;
       c.room = room();
       if (accept("through")) c.door = door();
-    } else if (accept_any(kLeave)) {
+    } else if (accept_any(kLeave) || accept_any(kMoreLeave)) {
       c.kind = Kind::cross;
       c.from = room();
       expect("through", "'through' and a door");
       c.door = door();
       if (accept("into")) c.room = room();
-    } else if (accept_any(kApproach)) {
-      c.kind = Kind::approach;
-      c.thing = thing();
+    } else if (accept_any(kMoreApproach) || accept_any(kApproach)) {
+      c.kind = next_is_room() ? Kind::cross : Kind::approach;
+      if (c.kind == Kind::cross) {
+        c.room = room();
+      } else {
+        c.thing = thing();
+      }
     } else if (accept_any(kStop)) {
       stop(c);
     } else {
       fail("something to do, such as 'turn', 'go', 'enter' or 'stop'");
     }
     return c;
+  }
+
+  // "turn left", "make a left turn"
+  bool turn(Clause& c) {
+    const std::size_t begun = at_;
+    if (!accept_any(kTurn)) return false;
+    const bool turns = words_[begun] == "turn";
+    accept_any(kArticles);
+    c.kind = Kind::turn;
+    c.side = accept("left") ? Side::left : accept("right") ? Side::right : Side::behind;
+    if (c.side == Side::behind && !accept_any(kAround)) {
+      if (turns) fail("left, right or around");
+      at_ = begun;  // "take a door"
+      c = {};
+      return false;
+    }
+    if (!turns) accept("turn");
+    return true;
   }
 
   void stop(Clause& c) {
@@ -208,9 +242,15 @@ class Reader {
     } else if (accept("just inside")) {
       c.kind = Kind::stop_inside;
       if (!done()) c.room = room();
-    } else if (accept_any(kAt)) {
-      c.kind = Kind::stop_at;
-      c.thing = thing();
+    } else if (accept_any(kMoreAt) || accept_any(kAt) || accept_any(kIn)) {
+      c.kind = next_is_room() ? Kind::stop_inside : Kind::stop_at;
+      if (c.kind == Kind::stop_inside) {
+        c.room = room();
+      } else {
+        c.thing = thing();
+      }
+    } else if (accept_any(kHere) || at_ == words_.size()) {
+      c.kind = Kind::stop_here;
     } else {
       fail("where to stop: 'at', 'in the middle of' or 'just inside'");
     }
@@ -218,23 +258,23 @@ class Reader {
 
   Thing thing() {
     Thing t;
-    expect("the", "'the' and a thing");
+    if (!accept_any(kArticles)) fail("'the' and a thing");
     t.ordinal = ordinal();
     if (t.ordinal > 0) t.which = Thing::Which::nth;
     if (accept("nearest")) t.which = Thing::Which::nearest;
     if (accept("farthest")) t.which = Thing::Which::farthest;
-    t.noun = name("thing", things_);
+    t.noun = thing_name();
     t.side = side();
     if (accept("next to")) {
-      expect("the", "'the' and a thing");
-      t.next_to = name("thing", things_);
+      if (!accept_any(kArticles)) fail("'the' and a thing");
+      t.next_to = thing_name();
     }
     return t;
   }
 
   DoorPhrase door() {
     DoorPhrase d;
-    expect("the", "'the' and a door");
+    if (!accept_any(kArticles)) fail("'the' and a door");
     d.ordinal = ordinal();
     if (!accept_any(kDoor)) fail("'door'");
     d.side = side();
@@ -245,12 +285,32 @@ class Reader {
 
   std::string room() {
     accept("the");
-    return name("room", rooms_);
+    const std::string* longest = longest_of(rooms_);
+    if (longest == nullptr) fail<UnknownRoom>(wanted("room", rooms_));
+    accept(*longest);
+    return *longest;
+  }
+
+  std::string thing_name() {
+    const std::string* longest = longest_of(things_);
+    if (longest == nullptr) fail(wanted("thing", things_));
+    accept(*longest);
+    return *longest;
+  }
+
+  // Whether a room's name stands here, and no longer one of a thing.
+  bool next_is_room() {
+    const std::size_t begun = at_;
+    accept("the");
+    const std::string* room = longest_of(rooms_);
+    const std::string* thing = longest_of(things_);
+    at_ = begun;
+    return room != nullptr && (thing == nullptr || thing->size() < room->size());
   }
 
   std::optional<Side> side() {
-    if (accept("on your left")) return Side::left;
-    if (accept("on your right")) return Side::right;
+    if (accept_any(kLeftSide)) return Side::left;
+    if (accept_any(kRightSide)) return Side::right;
     return std::nullopt;
   }
 
@@ -261,28 +321,27 @@ class Reader {
     return 0;
   }
 
-  // The longest of the names that stands here.
-  std::string name(std::string_view kind, const Words& names) {
+  // The longest of the names that stands here; null where there is none.
+  const std::string* longest_of(const Words& names) const {
     const std::string* longest = nullptr;
     for (const std::string& candidate : names) {
       if (next_is(candidate) && (longest == nullptr || candidate.size() > longest->size())) longest = &candidate;
     }
-    if (longest == nullptr) {
-      fail(at_ < words_.size() ? "a " + std::string(kind) + "; " + unknown_name(kind, words_[at_], names)
-                               : "a " + std::string(kind));
-    }
-    accept(*longest);
-    return *longest;
+    return longest;
+  }
+  std::string wanted(std::string_view kind, const Words& names) const {
+    const std::string what = "a " + std::string(kind);
+    return at_ < words_.size() ? what + "; " + unknown_name(kind, words_[at_], names) : what;
   }
 
   bool next_is(std::string_view phrase) const {
-    const Words wanted = language::words_of(phrase);
+    const Words wanted = words_of(phrase);
     return wanted.size() <= words_.size() - at_ &&
            std::equal(wanted.begin(), wanted.end(), words_.begin() + static_cast<std::ptrdiff_t>(at_));
   }
   bool accept(std::string_view phrase) {
     if (!next_is(phrase)) return false;
-    at_ += language::words_of(phrase).size();
+    at_ += words_of(phrase).size();
     return true;
   }
   template <std::size_t N>
@@ -292,9 +351,10 @@ class Reader {
   void expect(std::string_view word, std::string_view wanted) {
     if (!accept(word)) fail(wanted);
   }
+  template <class Error = ConfigError>
   [[noreturn]] void fail(std::string_view wanted) const {
     const std::string here = at_ < words_.size() ? fmt::format("at word {}, '{}'", at_ + 1, words_[at_]) : "at its end";
-    throw ConfigError(fmt::format("instruction not understood {}: wanted {}", here, wanted));
+    throw Error(fmt::format("instruction not understood {}: wanted {}", here, wanted));
   }
 
   Words words_;
@@ -305,8 +365,8 @@ class Reader {
 
 }  // namespace
 
-std::string to_text(const Instruction& instruction, const RngKey& key) { return Writer(key).sentences(instruction); }
+std::string to_text(const Route& route, const RngKey& key) { return Writer(key).sentences(route); }
 
-Instruction parse(std::string_view text, const SemanticMap& map) { return Reader(text, map).instruction(); }
+Route parse_route(std::string_view text, const RouteNames& names) { return Reader(text, names).route(); }
 
-}  // namespace threewe::task
+}  // namespace threewe::language

@@ -1,6 +1,6 @@
-// Navigation instruction: its meaning and its English. The two are made from one another by a grammar:
+// Route: a navigation instruction's clauses and their English. The two are made from one another by a grammar:
 //
-//   instruction  clauses, joined by "," "and" "then" "."
+//   route        clauses, joined by "," "and" "then" "."
 //   clause       "turn left|right|around" | "go straight ahead"
 //                "walk past THING on your left|right"
 //                "walk to THING"
@@ -10,7 +10,9 @@
 //   DOOR         "the [first|second|third|fourth] door [on your left|right|straight ahead|behind you]"
 //   ROOM         "the NAME", or "NAME" where it ends in a number
 //
-// Most words have synonyms: "take" for "go through", "doorway" for "door", "wait" for "stop", and so on.
+// Most words have synonyms: "take" for "go through", "doorway" for "door", "wait" for "stop", and so on. Read, but not
+// written, are "make a left", "walk past THING" without a side, "walk to ROOM" and "stop at ROOM" for entering it,
+// "stop here", and more synonyms.
 #pragma once
 
 #include <cstddef>
@@ -21,11 +23,11 @@
 #include <vector>
 
 #include "core/rng.hpp"
-#include "task/semantic_map.hpp"
+#include "threewe/core/errors.hpp"
 
-namespace threewe::task {
+namespace threewe::language {
 
-/// As seen by somebody who walks.
+/// As seen in the direction of walking.
 enum class Side : std::uint8_t { left, right, ahead, behind };
 
 /// The lowest and the highest number that is said: "first" to "fourth".
@@ -51,9 +53,9 @@ struct DoorPhrase {
 
 /// One thing to do.
 struct Clause {
-  enum class Kind : std::uint8_t { turn, pass, approach, cross, stop_at, stop_in_middle, stop_inside };
+  enum class Kind : std::uint8_t { turn, pass, approach, cross, stop_at, stop_in_middle, stop_inside, stop_here };
   Kind kind{};
-  Side side{};                     ///< turn: where to, ahead for "straight ahead"; pass: where the thing is
+  Side side{};                     ///< turn: where to, ahead for "straight ahead"; pass: where the thing is, ahead where not said
   Thing thing;                     ///< pass, approach, stop_at
   std::optional<DoorPhrase> door;  ///< cross
   std::string from;                ///< cross: the room that is left
@@ -61,12 +63,25 @@ struct Clause {
   friend bool operator==(const Clause&, const Clause&) = default;
 };
 
-using Instruction = std::vector<Clause>;
+using Route = std::vector<Clause>;
 
-/// The instruction in English; synonyms are drawn from `key`.
-std::string to_text(const Instruction& instruction, const RngKey& key);
+/// The names that a route may use.
+struct RouteNames {
+  std::vector<std::string> rooms;   ///< such as "open office"
+  std::vector<std::string> things;  ///< such as "office chair"
+};
 
-/// What a text says, with the names of rooms and things of a map. Throws ConfigError where it cannot be understood.
-Instruction parse(std::string_view text, const SemanticMap& map);
+/// A route enters a room that has no such name.
+class UnknownRoom : public ConfigError {
+ public:
+  using ConfigError::ConfigError;
+};
 
-}  // namespace threewe::task
+/// The route in English; synonyms are drawn from `key`.
+std::string to_text(const Route& route, const RngKey& key);
+
+/// What a text says. Throws UnknownRoom naming the nearest known one, and ConfigError where the text cannot be
+/// understood otherwise.
+Route parse_route(std::string_view text, const RouteNames& names);
+
+}  // namespace threewe::language
