@@ -122,10 +122,10 @@ void bind_vln(nb::module_& m) {
       .def_ro("seed", &VlnEpisode::seed, "for all else that is drawn in this episode");
   nb::class_<Vln>(m, "Vln", "Instructions of a scene, and where STOP is right. Privileged.")
       .def(
-          "__init__",
-          [](Vln* self, const std::shared_ptr<scene::SceneTables>& tables) { new (self) Vln(tables); }, "tables"_a,
-          WithoutGil(), "Raises ConfigError for a scene in which there is nowhere to go.")
-      .def_prop_ro("rooms", [](const Vln& task) { return task.map().rooms(); }, "what its rooms are called")
+          "__init__", [](Vln* self, const std::shared_ptr<scene::SceneTables>& tables) { new (self) Vln(tables); },
+          "tables"_a, WithoutGil(), "Raises ConfigError for a scene in which there is nowhere to go.")
+      .def_prop_ro(
+          "rooms", [](const Vln& task) { return task.map().rooms(); }, "what its rooms are called")
       .def("sample", &Vln::sample, "seed"_a, "index"_a = 0, WithoutGil())
       .def(
           "is_success",

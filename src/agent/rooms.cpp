@@ -57,8 +57,9 @@ class Wall {
       const Vec2 point = begin_ + ((i + 0.5) * grid_.resolution) * along_;
       const std::size_t to = i < steps ? beyond(point) : places_.size();
       const Cells cells = to < places_.size() ? across(grid_, point, normal_) : Cells::wall;
-      if (cells == Cells::unknown && (border.unseen.empty() || distance(border.unseen.back(), point) >= kUnseenApart))
-        border.unseen.push_back(point);
+      if (cells == Cells::unknown &&
+          (border.unseen.empty() || distance(border.unseen.back().point, point) >= kUnseenApart))
+        border.unseen.push_back({.to = to, .point = point, .normal = normal_});
       const bool ends = open_ && (to != open_->to || cells == Cells::wall || distance(open_->b, point) > kHole);
       if (ends) close(border);
       if (cells != Cells::open) continue;

@@ -24,10 +24,17 @@ struct Opening {
   Vec2 crossing(Vec2 from) const;
 };
 
+/// A point of a border of which is not known whether it is open.
+struct UnseenBorder {
+  std::size_t to = 0;  ///< the room behind it, index into the places
+  Vec2 point;          ///< [m]
+  Vec2 normal;         ///< out of the room, of length 1
+};
+
 /// The border of a room with others, as far as a map shows it.
 struct Border {
   std::vector<Opening> openings;
-  std::vector<Vec2> unseen;  ///< [m] points of it, 0.25 m apart or more, of which is not known whether they are open
+  std::vector<UnseenBorder> unseen;  ///< 0.25 m apart or more
 };
 
 /// The border of places[room], a polygon, with all other polygons that adjoin it.

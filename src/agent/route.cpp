@@ -2,19 +2,17 @@
 // between them in the robot's map, and the things that it has seen. It keeps where the route has come to, as a person
 // would who walks it: in the opening or at the thing of the last clause, in the direction of walking.
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <map>
 #include <numbers>
 #include <utility>
 
 #include <fmt/format.h>
 
+#include "agent/landmarks.hpp"
 #include "agent/rooms.hpp"
 #include "agent/skills.hpp"
 #include "core/exact.hpp"
 #include "language/route.hpp"
-#include "language/vocabulary.hpp"
 
 namespace threewe::agent {
 namespace {
@@ -27,35 +25,17 @@ using semantics::Place;
 using semantics::SemanticMap;
 using Kind = Clause::Kind;
 
-constexpr double kAside = 0.3;         // [m] from the line of walking, within which a thing is on both sides
-constexpr double kPassedWithin = 2.0;  // [m] of the way, a thing that is passed
-constexpr double kNextTo = 1.3;        // [m] between the centres of things next to each other
 constexpr double kBehind = 0.6;        // [m] behind an opening, to where the robot drives
 constexpr double kInside = 0.7;        // [m] behind it, "just inside"
 constexpr double kLookFrom = 2.5;      // [m] from a part of a border, to see whether it is open
+constexpr double kBeforeBorder = 0.3;  // [m] of it, what must be in sight
 constexpr double kSameBorder = 0.6;    // [m] around a point that was looked at
 constexpr int kMostLooks = 10;         // at the border of one room
 constexpr int kMostViewpoints = 6;     // in one room
+constexpr int kMostStops = 4;          // tries to get nearer to a point
 constexpr double kTolerance = 0.3;     // [m] of where it drives to
-constexpr double kAtThing = 0.85;      // [m] from a thing's centre, that the robot stops at most
-constexpr double kWallThings = 0.2;    // [m] outside of a room, where things at its walls may seem to be
-constexpr double kUnknownKind = 0.1;   // probability of a kind that the detector does not have
-constexpr double kLeastKind = 0.02;    // and the least of one that it has
-constexpr double kPlausible = 0.3;     // probability of a kind from which a thing counts among others of that kind
 constexpr double kClear = 0.8;         // from which one is not looked for any more
 constexpr double kSure = 0.85;         // from which it counts as seen
-
-// Where the route has come to.
-struct Walker {
-  Vec2 at;
-  Vec2 heading;  // of length 1
-  std::size_t room = 0;
-  std::optional<Opening> entered;      // through which the room was entered, as seen from there
-  std::size_t from = 0;                // the room before
-  Vec2 since;                          // the middle of that opening, or the start
-  bool turned = false;                 // just now: what comes next is ahead
-  std::vector<const Clause*> passing;  // what must be passed on the way to what comes next
-};
 
 Vec2 turned(Vec2 heading, Side side) {
   switch (side) {
@@ -74,136 +54,6 @@ Side side_of(Vec2 axis, Vec2 out) {
 }
 
 double angle_of(Vec2 direction) { return exact::atan2(direction.y, direction.x); }
-
-// What things are called, and which kinds of the detector are meant by that.
-class Nouns {
- public:
-  explicit Nouns(const std::vector<std::string>& labels) : labels_(labels) {
-    for (std::size_t i = 1; i < labels.size(); ++i) kinds_[labels[i]] = i;
-    const language::Language language = language::Language::load();
-    for (const auto& [shape, noun] : language.nouns()) {
-      const auto kind = std::ranges::find(labels, shape.first);
-      kinds_.emplace(noun, static_cast<std::size_t>(kind - labels.begin()));
-    }
-  }
-  std::vector<std::string> all() const {
-    std::vector<std::string> names;
-    for (const auto& [noun, kind] : kinds_) names.push_back(noun);
-    return names;
-  }
-  // Probability that a thing is called so.
-  double probability(const MappedThing& thing, const std::string& noun) const {
-    const std::size_t kind = kinds_.at(noun);
-    return kind < labels_.size() ? std::max(kLeastKind, thing.kinds[kind]) : kUnknownKind;
-  }
-  bool has_kind(const std::string& noun) const { return kinds_.at(noun) < labels_.size(); }
-
- private:
-  std::vector<std::string> labels_;
-  std::map<std::string, std::size_t> kinds_;
-};
-
-// A thing that may be meant, and how well it fits: log-likelihoods and penalties of the same size.
-struct Candidate {
-  MappedThing thing;
-  double probability = 0.0;  // that it is called so
-  double score = 0.0;
-};
-
-std::vector<MappedThing> things_in(const SemanticMap& map, const Place& room) {
-  std::vector<MappedThing> found;
-  for (const MappedThing& thing : map.things()) {
-    bool inside = SemanticMap::contains(room, thing.position);
-    for (const Vec2 off : std::array<Vec2, 4>{{{kWallThings, 0}, {-kWallThings, 0}, {0, kWallThings}, {0, -kWallThings}}})
-      inside = inside || SemanticMap::contains(room, thing.position + off);
-    if (inside) found.push_back(thing);
-  }
-  return found;
-}
-
-// Whether a thing is passed on a side on the straight way from `a` to `b`.
-bool is_passed(Vec2 a, Vec2 b, Vec2 thing, Side side) {
-  const double length = distance(a, b);
-  if (length < kAside) return false;
-  const Vec2 along = (1.0 / length) * (b - a);
-  const double ahead = dot(thing - a, along);
-  const double left = cross(along, thing - a);
-  return ahead > 0.0 && ahead < length && std::fabs(left) <= kPassedWithin &&
-         (side == Side::ahead || (side == Side::left ? left : -left) > 0.0);
-}
-
-// How little a point agrees with what was said of the way to it.
-double disagreement(const Walker& walker, const std::vector<MappedThing>& things, const Nouns& nouns, Vec2 to) {
-  constexpr double kNotAhead = 2.0;
-  constexpr double kNotPassed = 0.7;
-  const Vec2 way = to - walker.at;
-  double sum = 0.0;
-  if (walker.turned && norm(way) > kAside && dot(walker.heading, way) < 0.5 * norm(way)) sum += kNotAhead;
-  for (const Clause* pass : walker.passing) {
-    double best = 0.0;
-    for (const MappedThing& thing : things) {
-      if (is_passed(walker.at, to, thing.position, pass->side))
-        best = std::max(best, nouns.probability(thing, pass->thing.noun));
-    }
-    sum += kNotPassed * (1.0 - best);
-  }
-  return sum;
-}
-
-// The things of a room that a phrase may mean, the best first.
-std::vector<Candidate> rank(const Walker& walker, const Place& room, const std::vector<MappedThing>& things,
-                            const Nouns& nouns, const Thing& meant) {
-  constexpr double kWrongSide = 3.0;
-  constexpr double kNotBeside = 1.5;
-  constexpr double kRank = 1.0;  // for each place in a row that it is off
-  constexpr double kFar = 0.6;   // for each metre that it is not the nearest or farthest
-  const Vec2 axis = along_walls(room, walker.heading);
-  const auto ahead = [&](const MappedThing& t) { return dot(axis, t.position - walker.at); };
-  const auto left = [&](const MappedThing& t) { return cross(axis, t.position - walker.at); };
-  const auto is_beside = [&](const MappedThing& t) {
-    double best = 0.0;
-    for (const MappedThing& other : things) {
-      if (other.id != t.id && distance(other.position, t.position) < kNextTo)
-        best = std::max(best, nouns.probability(other, meant.next_to));
-    }
-    return best;
-  };
-
-  std::vector<Candidate> found;
-  for (const MappedThing& thing : things) {
-    Candidate one{.thing = thing, .probability = nouns.probability(thing, meant.noun), .score = 0.0};
-    one.score = exact::log(one.probability) - disagreement(walker, things, nouns, thing.position);
-    if (meant.side && (*meant.side == Side::left ? left(thing) : -left(thing)) < -kAside) one.score -= kWrongSide;
-    if (!meant.next_to.empty()) one.score -= kNotBeside * (1.0 - is_beside(thing));
-    found.push_back(one);
-  }
-
-  // of those that may well be meant, the one that stands out
-  std::vector<MappedThing> plausible;
-  for (const Candidate& one : found) {
-    const bool right_side = !meant.side || (*meant.side == Side::left ? left(one.thing) : -left(one.thing)) >= -kAside;
-    const bool counted = meant.which != Thing::Which::nth || ahead(one.thing) >= -kAside;
-    if (one.probability >= kPlausible && right_side && counted) plausible.push_back(one.thing);
-  }
-  if (meant.which == Thing::Which::nth) {
-    for (Candidate& one : found) {
-      const auto before = std::ranges::count_if(plausible, [&](const MappedThing& t) {
-        return t.id != one.thing.id && ahead(t) < ahead(one.thing);
-      });
-      one.score -= kRank * std::fabs(static_cast<double>(before + 1 - meant.ordinal));
-      if (ahead(one.thing) < -kAside) one.score -= kWrongSide;
-    }
-  } else if (meant.which != Thing::Which::any) {
-    const double sign = meant.which == Thing::Which::nearest ? 1.0 : -1.0;
-    for (Candidate& one : found) {
-      double best = sign * distance(one.thing.position, walker.at);
-      for (const MappedThing& t : plausible) best = std::min(best, sign * distance(t.position, walker.at));
-      one.score -= kFar * (sign * distance(one.thing.position, walker.at) - best);
-    }
-  }
-  std::ranges::stable_sort(found, std::greater<>(), &Candidate::score);
-  return found;
-}
 
 // An opening that may be meant, and how little it fits.
 struct WayOut {
@@ -263,6 +113,7 @@ class FollowRoute : public SkillRun {
     ++next_;
     phase_ = Phase::clause;
     looks_ = 0;
+    stops_ = 0;
     looked_at_.clear();
     if (next_ < route_.size()) return {};
     return Outcome{"done", {}, answer_, thing_, verified_};
@@ -299,11 +150,28 @@ class FollowRoute : public SkillRun {
   std::optional<Outcome> go_through(Body& body) {
     const Border border = border_of(body.robot.map(), places_, walker_->room);
     const auto out = ways_out(body, border);
-    if (const auto unseen = worth_a_look(border, out); unseen && looks_ < kMostLooks) {
+    while (looks_ < kMostLooks) {
+      const auto unseen = worth_a_look(border, out);
+      if (!unseen) break;
       if (look_at(body, *unseen)) return {};
     }
+    if (out.empty() && !clause().room.empty()) {
+      if (const auto seen = unseen_way(border)) return drive_through(body, *seen);
+    }
     if (out.empty()) return Outcome{"not_found", fmt::format("there is no such way out of the {}", room().name)};
-    chosen_ = out.front().opening;
+    return drive_through(body, out.front().opening);
+  }
+
+  // Somewhere on the border to the room that is said, where no map shows a way: the way is found on the drive.
+  std::optional<Opening> unseen_way(const Border& border) const {
+    const auto to = std::ranges::find_if(
+        border.unseen, [&](const UnseenBorder& unseen) { return places_[unseen.to].name == clause().room; });
+    if (to == border.unseen.end()) return {};
+    return Opening{.is_door = false, .to = to->to, .a = to->point, .b = to->point, .normal = to->normal};
+  }
+
+  std::optional<Outcome> drive_through(Body& body, const Opening& opening) {
+    chosen_ = opening;
     phase_ = Phase::crossing;
     beside_ = false;
     const Vec2 to = chosen_.crossing(walker_->at) + kBehind * chosen_.normal;
@@ -359,43 +227,45 @@ class FollowRoute : public SkillRun {
   }
 
   // A part of the border that must be seen before it is clear which opening is meant.
-  std::optional<Vec2> worth_a_look(const Border& border, const std::vector<WayOut>& out) const {
+  std::optional<UnseenBorder> worth_a_look(const Border& border, const std::vector<WayOut>& out) const {
     const Vec2 axis = along_walls(room(), walker_->heading);
     const bool counts = clause().door && (clause().door->ordinal > 0 || clause().room.empty());
     if (!out.empty() && !counts) return {};
     const double far = out.empty() ? 1e9 : dot(axis, out.front().opening.middle() - walker_->at);
-    std::optional<Vec2> nearest;
-    for (const Vec2 point : border.unseen) {
+    std::optional<UnseenBorder> nearest;
+    const auto& door = clause().door;
+    for (const UnseenBorder& unseen : border.unseen) {
+      const Vec2 point = unseen.point;
       if (std::ranges::any_of(looked_at_, [&](Vec2 seen) { return distance(seen, point) < kSameBorder; })) continue;
+      if (out.empty() && !clause().room.empty() && places_[unseen.to].name != clause().room) continue;
+      if (door && door->side && side_of(axis, unseen.normal) != *door->side) continue;
       const double ahead = dot(axis, point - walker_->at);
-      const double left = cross(axis, point - walker_->at);
-      if (!out.empty() && (ahead < 0.0 || ahead > far)) continue;
-      const auto& door = clause().door;
-      if (!out.empty() && door && door->side == Side::left && left < 0.0) continue;
-      if (!out.empty() && door && door->side == Side::right && left > 0.0) continue;
-      if (!nearest || distance(point, walker_->at) < distance(*nearest, walker_->at)) nearest = point;
+      if (counts && door->ordinal > 0 && (ahead < 0.0 || ahead > far)) continue;
+      if (!nearest || distance(point, walker_->at) < distance(nearest->point, walker_->at)) nearest = unseen;
     }
     return nearest;
   }
 
   // Drives to where a part of the border can be seen from.
-  bool look_at(Body& body, Vec2 point) {
+  bool look_at(Body& body, const UnseenBorder& unseen) {
+    const Vec2 point = unseen.point;
     looked_at_.push_back(point);
-    ++looks_;
     const auto& grid = body.robot.map();
-    const Vec2 inside = point + (0.3 / std::max(0.3, distance(point, SemanticMap::center(room())))) *
-                                    (SemanticMap::center(room()) - point);
+    const Vec2 inside = point - kBeforeBorder * unseen.normal;
     const auto stand = body.reachable().nearest([&](Vec2 from) {
-      return in_room(from) && distance(from, point) < kLookFrom && in_sight(grid, from, inside);
+      return in_room(from) && distance(from, point) < kLookFrom &&
+             dot(point - from, unseen.normal) >= 0.5 * distance(from, point) && in_sight(grid, from, inside);
     });
     phase_ = Phase::looking;
     if (!stand) return false;
+    ++looks_;
     drive_.begin(body, nav::MoveTo{*stand, {}, kTolerance, 0.2});
     return true;
   }
 
   std::optional<Outcome> crossed(Body& body) {
-    if (!moved_.success && !beside_) {  // something stands there: as near to it as it gets
+    const bool through = SemanticMap::contains(places_[chosen_.to], body.position());
+    if (!moved_.success && !through && !beside_) {  // something stands there: as near to it as it gets
       beside_ = true;
       const Place& to = places_[chosen_.to];
       const Vec2 goal = chosen_.middle() + kBehind * chosen_.normal;
@@ -406,7 +276,7 @@ class FollowRoute : public SkillRun {
         return {};
       }
     }
-    if (!moved_.success) return Outcome{std::string(to_string(moved_.reason)), moved_.detail};
+    if (!moved_.success && !through) return Outcome{std::string(to_string(moved_.reason)), moved_.detail};
     walker_->at = chosen_.crossing(walker_->at);
     walker_->heading = chosen_.normal;
     walker_->from = std::exchange(walker_->room, chosen_.to);
@@ -424,7 +294,7 @@ class FollowRoute : public SkillRun {
     const Thing& meant = clause().thing;
     const auto ranked = rank(*walker_, room(), things_in(body.map, room()), nouns_, meant);
     const auto clear = [&](const Candidate& one) { return one.probability >= kClear; };
-    const bool unique = meant.which == Thing::Which::any && nouns_.has_kind(meant.noun) && !ranked.empty() &&
+    const bool unique = meant.which == Thing::Which::any && nouns_.is_kind(meant.noun) && !ranked.empty() &&
                         clear(ranked.front()) && std::ranges::count_if(ranked, clear) == 1;
     if (viewpoints_ < 0) {
       viewpoints_ = 0;
@@ -441,17 +311,13 @@ class FollowRoute : public SkillRun {
         return {};
       }
     }
-    if (ranked.empty())
-      return Outcome{"not_found", fmt::format("there is no {} in the {}", meant.noun, room().name)};
+    if (ranked.empty()) return Outcome{"not_found", fmt::format("there is no {} in the {}", meant.noun, room().name)};
     found_ = ranked.front();
     phase_ = Phase::going;
-    const Vec2 center = found_.thing.position;
-    const Vec2 since = walker_->since;
-    const auto stand = body.reachable().best([&](Vec2 point) {
-      const double over = std::max(0.0, distance(point, center) - kAtThing);
-      return 20.0 * over + distance(point, since) + (in_room(point) ? 0.0 : 5.0);
-    });
-    drive_.begin(body, nav::MoveTo{stand.value_or(center), angle_of(center - stand.value_or(center)), kTolerance, 0.2});
+    const auto& grid = body.robot.map();
+    const Vec2 center = by_the_map(grid, walker_->at, found_.thing.position);
+    const auto stand = place_at(grid, body.reachable(), room(), center, walker_->since);
+    drive_.begin(body, nav::MoveTo{stand.value_or(center), {}, kTolerance, 0.2});
     return {};
   }
 
@@ -474,13 +340,15 @@ class FollowRoute : public SkillRun {
     if (!clause().room.empty() && clause().room != room().name)
       return Outcome{"not_found", fmt::format("this is the {}, not the {}", room().name, clause().room)};
     phase_ = Phase::ending;
-    const auto floor =
-        body.reachable().best([&](Vec2 at) { return distance(at, point) + (in_room(at) ? 0.0 : 10.0); });
+    stop_ = point;
+    const auto floor = body.reachable().best([&](Vec2 at) { return distance(at, point) + (in_room(at) ? 0.0 : 10.0); });
     drive_.begin(body, nav::MoveTo{floor.value_or(point), {}, kTolerance, 0.2});
     return {};
   }
 
-  std::optional<Outcome> ended(Body&) {
+  std::optional<Outcome> ended(Body& body) {
+    // on the way more of the floor came to be known
+    if (distance(stop_, body.position()) > kTolerance && ++stops_ < kMostStops) return stop_in(body, stop_);
     if (!moved_.success) return Outcome{std::string(to_string(moved_.reason)), moved_.detail};
     answer_ = fmt::format("I am in the {}.", room().name);
     verified_ = true;
@@ -497,6 +365,8 @@ class FollowRoute : public SkillRun {
   MoveResult moved_;
   Opening chosen_;
   bool beside_ = false;
+  Vec2 stop_;
+  int stops_ = 0;
   int looks_ = 0;
   std::vector<Vec2> looked_at_;
   int viewpoints_ = -1;

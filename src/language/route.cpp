@@ -34,7 +34,7 @@ constexpr std::array kAt = {"at", "next to", "by", "beside"};
 // More that is read.
 constexpr std::array kTurn = {"turn to", "turn", "make a", "take a"};
 constexpr std::array kAround = {"around", "back"};
-constexpr std::array kMoreAhead = {"keep going straight", "go straight on", "go straight", "walk straight on",
+constexpr std::array kMoreAhead = {"keep going straight", "go straight on", "go straight",         "walk straight on",
                                    "walk straight",       "keep straight",  "drive straight ahead"};
 constexpr std::array kMorePass = {"drive past", "move past", "head past", "go by", "walk by", "drive by"};
 constexpr std::array kMoreApproach = {"go up to", "head to", "drive to", "move to", "continue to", "walk towards"};
@@ -45,10 +45,10 @@ constexpr std::array kMoreAt = {"near", "in front of", "close to"};
 constexpr std::array kIn = {"inside", "in"};
 constexpr std::array kHere = {"here", "there"};
 constexpr std::array kArticles = {"the", "a", "an", "your"};
-constexpr std::array kLeftSide = {"on your left side", "on your left", "on the left side", "on the left",
-                                  "to your left",      "to the left"};
-constexpr std::array kRightSide = {"on your right side", "on your right", "on the right side", "on the right",
-                                   "to your right",      "to the right"};
+constexpr std::array kLeftSide = {"on your left side", "on your left", "on the left side",
+                                  "on the left",       "to your left", "to the left"};
+constexpr std::array kRightSide = {"on your right side", "on your right", "on the right side",
+                                   "on the right",       "to your right", "to the right"};
 
 // Writes clauses, with synonyms drawn one after the other: never two in one call, whose order is the compiler's choice.
 class Writer {

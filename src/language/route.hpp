@@ -55,8 +55,8 @@ struct DoorPhrase {
 struct Clause {
   enum class Kind : std::uint8_t { turn, pass, approach, cross, stop_at, stop_in_middle, stop_inside, stop_here };
   Kind kind{};
-  Side side{};                     ///< turn: where to, ahead for "straight ahead"; pass: where the thing is, ahead where not said
-  Thing thing;                     ///< pass, approach, stop_at
+  Side side{};  ///< turn: where to, ahead for "straight ahead"; pass: where the thing is, ahead where not said
+  Thing thing;  ///< pass, approach, stop_at
   std::optional<DoorPhrase> door;  ///< cross
   std::string from;                ///< cross: the room that is left
   std::string room;                ///< cross: the room that is entered; stop_in_middle, stop_inside

@@ -39,6 +39,13 @@ def rooms_of(scene: str, start: Pose2D) -> Iterator[tuple[str, list[tuple[float,
         yield name, [(corner.x, corner.y) for corner in corners]
 
 
+def room_at(scene: str, x: float, y: float) -> str:
+    """The name of the room that holds a point; empty where none does."""
+    rooms = Scene.load(scene).rooms
+    inside = (r.name for r in rooms if r.min[0] <= x <= r.max[0] and r.min[1] <= y <= r.max[1])
+    return next(inside, "")
+
+
 def follow(seed: int, place: str, shuffled: bool = False) -> Case:
     """An episode of 3we/VLN-v1: its text, or that of another one of the scene, and the borders of rooms are given."""
     with scene_of(place, seed) as scene:
@@ -59,6 +66,7 @@ def follow(seed: int, place: str, shuffled: bool = False) -> Case:
                 "text": text,
                 "reason": result.reason,
                 "detail": result.detail,
+                "room": room_at(scene, pose.x, pose.y) == room_at(scene, *episode.end),
                 "right": task.is_success(episode, (pose.x, pose.y)),
                 "success": result.success and task.is_success(episode, (pose.x, pose.y)),
                 "verified": result.verified,

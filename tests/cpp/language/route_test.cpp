@@ -25,7 +25,8 @@ std::string canonical(const char* text) {
     kinds += kinds.empty() ? "" : "; ";
     kinds += kKinds.at(static_cast<std::size_t>(clause.kind));
     if (clause.kind <= Clause::Kind::pass) kinds += kSides.at(static_cast<std::size_t>(clause.side));
-    for (const std::string& name : {clause.thing.noun, clause.from, clause.room}) kinds += name.empty() ? "" : " " + name;
+    for (const std::string& name : {clause.thing.noun, clause.from, clause.room})
+      kinds += name.empty() ? "" : " " + name;
     if (clause.door && clause.door->side) kinds += kSides.at(static_cast<std::size_t>(*clause.door->side));
   }
   return kinds;
