@@ -5,10 +5,13 @@ import subprocess
 from verify.cases.finding import SCENES, find
 from verify.cases.handwritten_commands import PARTS, read_handwritten
 from verify.cases.seeing import GENERATED, SUFFIX, map_things, see
+from verify.cases.routes import follow, go_to
 from verify.cases.trees import PROGRAMS
 from verify.harness import Case, Experiment, Row, counted_of, known_miss, share_of
 
 EACH = 50  # commands of a case
+WITH_ROUTES = ("office_v2", "apartment_v1", "generated")
+WITH_ROOMS = (*WITH_ROUTES, "warehouse_v1")
 
 
 def read_drawn(seed: int) -> Case:
@@ -107,5 +110,36 @@ EXPERIMENTS = [
                 "the detector is a first one: desks, tables, shelves and refrigerators are mixed up",
             ),
         ],
+    ),
+    Experiment(
+        "routes of 3we/VLN-v1, in an unknown map, with the borders of rooms",
+        follow,
+        variants=[{"place": place} for place in WITH_ROUTES],
+        cases=50 * len(WITH_ROUTES),
+        sample=3 * len(WITH_ROUTES),
+        rows=[share_of("ended within 1 m of the path's end", lambda case: case["success"], at_least=0.6)],
+    ),
+    Experiment(
+        "routes of another episode of 3we/VLN-v1",
+        follow,
+        variants=[{"place": place, "shuffled": True} for place in WITH_ROUTES],
+        cases=50 * len(WITH_ROUTES),
+        sample=len(WITH_ROUTES),
+        rows=[
+            counted_of(
+                "ended there by a text that is not of the episode",
+                lambda case: case["success"],
+                lambda _: 1.0,
+                at_most=0.3,
+            )
+        ],
+    ),
+    Experiment(
+        "go to the PLACE, map and places given",
+        go_to,
+        variants=[{"place": place} for place in WITH_ROOMS],
+        cases=50 * len(WITH_ROOMS),
+        sample=len(WITH_ROOMS),
+        rows=[share_of("stood in the place", lambda case: case["success"], at_least=0.97)],
     ),
 ]

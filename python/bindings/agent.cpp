@@ -4,7 +4,10 @@
 #include <nanobind/stl/array.h>
 
 #include "bindings.hpp"
+#include "language/vocabulary.hpp"
 #include "one_thread.hpp"
+#include "semantics/places.hpp"
+#include "threewe/scene/scene.hpp"
 #include "value.hpp"
 
 using namespace threewe;
@@ -27,7 +30,7 @@ void init_agent(nb::module_& m) {
       .def(Value())
       .def_ro("name", &Place::name)
       .def_ro("polygon", &Place::polygon, "[m] in `map`; one point where the robot stood as it was named")
-      .def_ro("origin", &Place::origin, "who named it: `given`, or what stands there");
+      .def_ro("origin", &Place::origin, "`given` by users, or `seen`: probably so by what stands there");
   nb::class_<ExecutedStep>(m, "ExecutedStep", "One skill that was executed.")
       .def(Value())
       .def_ro("skill", &ExecutedStep::skill, "such as `search`")
@@ -72,10 +75,32 @@ void init_agent(nb::module_& m) {
       .def_prop_ro("things", [](const Agent& self) { return self.map().things(); })
       .def_prop_ro("places", [](const Agent& self) { return self.map().places(); })
       .def_prop_ro("labels", [](const Agent& self) { return self.detector().labels(); })
+      .def("add_places", &Agent::add_places, "places"_a)
       .def(
           "name_place",
           [](Agent& self, const std::string& name, const std::vector<Vec2>& polygon) {
             self.name_place({.name = name, .polygon = polygon});
           },
           "name"_a, "polygon"_a);
+  m.def(
+      "load_places",
+      [](const std::string& path, const map::OccupancyGrid* within) { return semantics::load_places(path, within); },
+      "path"_a, "within"_a.none(),
+      "Reads a places file. Raises ConfigError, also for a place that is not on the map `within`.");
+  m.def(
+      "save_places",
+      [](const std::vector<Place>& places, const std::string& path) { semantics::save_places(places, path); },
+      "places"_a, "path"_a, "Writes a places file, whose name ends in .yaml.");
+  m.def(
+      "places_of_scene",
+      [](const scene::Scene& scene) {
+        const language::Language language = language::Language::load();
+        std::vector<Place> places;
+        for (const scene::Room& room : scene.rooms) {
+          places.push_back({.name = language.room(room.name),
+                            .polygon = {room.min, {room.max.x, room.min.y}, room.max, {room.min.x, room.max.y}}});
+        }
+        return places;
+      },
+      "scene"_a, "The rooms of a scene as places, in its frame, by the names that people call them.");
 }

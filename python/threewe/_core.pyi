@@ -3051,7 +3051,7 @@ class Place:
 
     @property
     def origin(self) -> str:
-        """who named it: `given`, or what stands there"""
+        """`given` by users, or `seen`: probably so by what stands there"""
 
 class ExecutedStep:
     """One skill that was executed."""
@@ -3173,7 +3173,22 @@ class Agent:
     @property
     def labels(self) -> list[str]: ...
 
+    def add_places(self, places: Sequence[Place]) -> None: ...
+
     def name_place(self, name: str, polygon: Sequence[tuple[float, float]]) -> None: ...
+
+def load_places(path: str, within: OccupancyGrid | None) -> list[Place]:
+    """
+    Reads a places file. Raises ConfigError, also for a place that is not on the map `within`.
+    """
+
+def save_places(places: Sequence[Place], path: str) -> None:
+    """Writes a places file, whose name ends in .yaml."""
+
+def places_of_scene(scene: Scene) -> list[Place]:
+    """
+    The rooms of a scene as places, in its frame, by the names that people call them.
+    """
 
 class Randomization:
     """Domain randomisation: how far robots differ from their profile."""
@@ -3503,6 +3518,51 @@ class ObjectNav:
 
     def is_success(self, profile: RobotProfile, category: str, drive: TrueDrive) -> bool:
         """Whether STOP is right where a drive has come to."""
+
+class VlnEpisode:
+    """One instruction to be followed."""
+
+    def __eq__(self, other: object) -> bool: ...
+
+    def __hash__(self) -> int: ...
+
+    def __getstate__(self) -> bytes: ...
+
+    def __setstate__(self, arg: bytes, /) -> None: ...
+
+    @property
+    def start(self) -> Pose2D:
+        """in the scene's frame"""
+
+    @property
+    def end(self) -> tuple[float, float]:
+        """where the instruction ends, in the scene's frame"""
+
+    @property
+    def instruction(self) -> str: ...
+
+    @property
+    def geodesic(self) -> float:
+        """[m], from start to end"""
+
+    @property
+    def seed(self) -> int:
+        """for all else that is drawn in this episode"""
+
+class Vln:
+    """Instructions of a scene, and where STOP is right. Privileged."""
+
+    def __init__(self, tables: SceneTables) -> None:
+        """Raises ConfigError for a scene in which there is nowhere to go."""
+
+    @property
+    def rooms(self) -> list[str]:
+        """what its rooms are called"""
+
+    def sample(self, seed: int, index: int = 0) -> VlnEpisode: ...
+
+    def is_success(self, episode: VlnEpisode, position: tuple[float, float]) -> bool:
+        """Whether STOP is right where the robot is."""
 
 class ReferenceDrive:
     """A drive as it could have been."""

@@ -166,9 +166,10 @@ def export_to(
     scene: Annotated[str, typer.Option(help="Its name, or a file that ends in .yaml.")] = "office_v2",
     robot: Annotated[str, typer.Option(help="Its name, or a file that ends in .yaml.")] = "3we_standard_v2",
     output: Annotated[Path, typer.Option("--output", "-o", help="Folder for the files.")] = Path("export"),
+    places: Annotated[bool, typer.Option("--places", help="Of a map: its rooms too, as places.yaml.")] = False,
 ) -> None:
     """Write a scene and a robot for other simulators and for ROS."""
-    for path in threewe.export(scene, robot, format, output):
+    for path in threewe.export(scene, robot, format, output, places=places):
         console.print(str(path), highlight=False, soft_wrap=True)
 
 

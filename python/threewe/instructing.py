@@ -23,6 +23,8 @@ def instruct(
     report: Annotated[
         Path | None, typer.Option(help="Page with map, way and pictures, a file that ends in .html.")
     ] = None,
+    map: Annotated[Path | None, typer.Option(help="A map to be localised in, a file that ends in .yaml.")] = None,
+    places: Annotated[Path | None, typer.Option(help="Places in that map by name, a file that ends in .yaml.")] = None,
 ) -> None:
     """Do what a sentence says, offline: read by a grammar, seen by the detector that comes with 3we."""
     from threewe.sync import Robot
@@ -32,7 +34,9 @@ def instruct(
             from threewe._instruction_report import check_page
         check_page(report)  # before the robot drives
 
-    with Robot(backend=backend, hardware=hardware, scene=scene, seed=seed) as robot:
+    with Robot(backend=backend, hardware=hardware, scene=scene, seed=seed, map=map) as robot:
+        if places is not None:
+            robot.load_places(places)
         result = robot.execute_instruction(instruction, timeout=timeout)
     for step in result.steps:
         console.print(f"{step.begun:7.1f} s  {step.text}: {step.reason}" + (f", {step.detail}" if step.detail else ""))

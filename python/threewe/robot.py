@@ -105,6 +105,7 @@ class Robot(InRobotTime):
     """
 
     _viewer: Viewer | None = None
+    _given_map: OccupancyGrid | None = None
 
     @known_options_but({"robots": SEVERAL, "start_poses": SEVERAL, "initial_poses": SEVERAL})
     def __init__(
@@ -143,6 +144,7 @@ class Robot(InRobotTime):
         )
         world = _core.World(options)
         self._set_up(world, RobotTime(world), 0)
+        self._given_map = options.map
         if viewer is not None:
             from threewe.viewer import Viewer  # needs packages that only viewers need
 
@@ -389,8 +391,10 @@ class Robot(InRobotTime):
     def name_place(self, name: str, polygon: ArrayLike | None = None) -> None:
         """Gives a place a name, for instructions: where the robot is now, or a polygon [m] in `map`.
 
+        A place that had the name has it no longer.
+
         Raises:
-            ContractError: no name, `start`, or a polygon of fewer than three points.
+            ContractError: no name, `start`, or a polygon of fewer than three points or outside of the given map.
         """
         if polygon is None:
             corners = [(self.get_pose().x, self.get_pose().y)]
@@ -398,7 +402,34 @@ class Robot(InRobotTime):
             corners = as_path("polygon", polygon)
             if len(corners) < 3:
                 raise ContractError(f"polygon must have three points or more, got {len(corners)}")
+            self._check_on_given_map(corners)
         self._instructed().agent.name_place(as_text("name", name), corners)
+
+    def load_places(self, path: str | os.PathLike[str]) -> list[Place]:
+        """Gives the places of a file their names, besides those that are known; returns them.
+
+        Raises ConfigError with file:line for a place without a name or there twice, a polygon of fewer than three
+        points, or one outside of the given map.
+        """
+        places = _core.load_places(as_asset("path", path), self._given_map)
+        self._instructed().agent.add_places(places)
+        return places
+
+    def save_places(self, path: str | os.PathLike[str]) -> None:
+        """Writes the places that have names to a file that ends in .yaml, to keep beside the map.
+
+        Raises ConfigError where it cannot be written.
+        """
+        _core.save_places(self.get_places(), as_asset("path", path))
+
+    def _check_on_given_map(self, corners: list[tuple[float, float]]) -> None:
+        grid = self._given_map
+        if grid is None:
+            return
+        for x, y in corners:
+            row, column = grid.cell((x, y))
+            if not (0 <= row < grid.height and 0 <= column < grid.width):
+                raise ContractError(f"polygon must be on the map that was given, got the point ({x:g}, {y:g})")
 
     def get_places(self) -> list[Place]:
         """The places that have names, in the order in which they got them."""

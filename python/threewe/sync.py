@@ -231,6 +231,8 @@ class Robot(_Connected):
     set_velocity = _returns(threewe.Robot.set_velocity)
     set_zones = _returns(threewe.Robot.set_zones)
     name_place = _returns(threewe.Robot.name_place)
+    load_places = _returns(threewe.Robot.load_places)
+    save_places = _returns(threewe.Robot.save_places)
     get_places = _returns(threewe.Robot.get_places)
     get_things = _returns(threewe.Robot.get_things)
     stop = _returns(threewe.Robot.stop)

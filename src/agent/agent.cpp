@@ -206,6 +206,11 @@ const ExecutionResult& Agent::result() const {
 
 const semantics::SemanticMap& Agent::map() const { return impl_->body.map; }
 void Agent::name_place(semantics::Place place) { impl_->body.map.name_place(std::move(place)); }
+void Agent::add_places(const std::vector<semantics::Place>& places) {
+  semantics::SemanticMap map = impl_->body.map;
+  for (const semantics::Place& place : places) map.name_place(place);
+  impl_->body.map = std::move(map);
+}
 const vision::Detector& Agent::detector() const { return impl_->detector; }
 
 ExecutionResult execute_instruction(World& world, Agent& agent, std::string_view instruction, const Budget& budget) {

@@ -74,6 +74,8 @@ class Agent {
   const semantics::SemanticMap& map() const;
   /// Gives a place a name. See SemanticMap::name_place.
   void name_place(semantics::Place place);
+  /// Gives all of them their names, or none. Throws ContractError where there would be too many.
+  void add_places(const std::vector<semantics::Place>& places);
   /// Its object detector.
   const vision::Detector& detector() const;
 

@@ -9,6 +9,7 @@
 #include <fmt/ranges.h>
 
 #include "language/route.hpp"
+#include "semantics/probable_place.hpp"
 #include "threewe/core/errors.hpp"
 
 namespace threewe::agent {
@@ -51,13 +52,19 @@ class ToPlace : public SkillRun {
     } else {
       const semantics::Place& place = body.map.place(name);
       middle_ = semantics::SemanticMap::center(place);
+      if (place.origin == semantics::kSeen)
+        answer_ = fmt::format("This is probably the {}, by what stands here.", name);
     }
     drive_.begin(body, nav::MoveTo{middle_, {}, kPlaceTolerance, 0.1});
   }
   std::optional<Outcome> update(Body& body) override {
     const auto moved = drive_.take();
     if (!moved) return {};
-    if (moved->success || beside_) return outcome_of(*moved);
+    if (moved->success || beside_) {
+      Outcome outcome = outcome_of(*moved);
+      if (moved->success) outcome.answer = answer_;
+      return outcome;
+    }
     if (moved->reason != nav::Reason::no_path && moved->reason != nav::Reason::blocked) return outcome_of(*moved);
     beside_ = true;
     const auto floor = body.reachable().best([&](Vec2 point) { return norm(point - middle_); });
@@ -69,6 +76,7 @@ class ToPlace : public SkillRun {
 
  private:
   Vec2 middle_;
+  std::string answer_;
   Drive drive_;
   bool beside_ = false;
 };
@@ -138,9 +146,19 @@ Outcome answer(const Body& body, const Step& step) {
   return {"done", {}, sentence(step.about == "where" ? "the " + seen : "yes, a " + seen), found.front().id, true};
 }
 
+// Where a place is meant that users have not given, one that is probably so by what stands there is taken for it.
+void look_up_place(Body& body, const std::string& name) {
+  const auto known = std::ranges::find(body.map.places(), name, &semantics::Place::name);
+  if (name.empty() || name == language::kStart) return;
+  if (known != body.map.places().end() && known->origin != semantics::kSeen) return;
+  if (auto probable = semantics::probable_place(body.map, name)) body.map.name_place(std::move(*probable));
+}
+
 }  // namespace
 
 std::unique_ptr<SkillRun> begin_skill(Body& body, const Step& step) {
+  look_up_place(body, step.place);
+  look_up_place(body, step.thing.place);
   const auto saying = [](Outcome outcome) { return std::make_unique<Saying>(std::move(outcome)); };
   switch (step.skill) {
     case Skill::move_to_place: return std::make_unique<ToPlace>(body, step.place);

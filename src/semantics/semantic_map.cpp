@@ -284,8 +284,8 @@ std::vector<MappedThing> SemanticMap::find(const ThingQuery& query) const {
 }
 
 void SemanticMap::name_place(Place place) {
-  if (place.name.empty() || place.name == "start")
-    throw ContractError(fmt::format("a place cannot be named '{}'", place.name));
+  if (!is_name(place.name)) throw ContractError("name of a place: " + not_a_name(place.name));
+  if (place.name == "start") throw ContractError("a place cannot be named 'start': that is where the robot began");
   if (place.polygon.empty() || place.polygon.size() == 2)
     throw ContractError(fmt::format("place '{}' must be one point, or a polygon of three or more", place.name));
   for (const Vec2 point : place.polygon) {

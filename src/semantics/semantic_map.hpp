@@ -46,11 +46,14 @@ struct ThingQuery {
   double least_color = 0.3;        ///< share of the color
 };
 
+/// Origin of a place that has its name by what stands in it.
+inline constexpr std::string_view kSeen = "seen";
+
 /// A place that has a name.
 struct Place {
   std::string name;              ///< as it was given
   std::vector<Vec2> polygon;     ///< [m] in `map`; one point where the robot stood as it was named
-  std::string origin = "given";  ///< who named it: "given", or what stands there
+  std::string origin = "given";  ///< "given" by users, or "seen": probably so by what stands there
 };
 
 /// What one camera saw, and from where.
@@ -83,8 +86,8 @@ class SemanticMap {
   /// What the numbers of kinds mean.
   const std::vector<std::string>& labels() const { return labels_; }
 
-  /// Gives a place a name, in place of one that had it. Throws ContractError for a name that is empty or `start`, and a
-  /// polygon of two points or one that is not finite.
+  /// Gives a place a name, in place of one that had it. Throws ContractError for a name that is none
+  /// (`is_name`) or `start`, and a polygon of two points or one that is not finite.
   void name_place(Place place);
   /// All places, in the order in which they were named.
   const std::vector<Place>& places() const { return places_; }
