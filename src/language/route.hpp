@@ -38,9 +38,9 @@ struct Thing {
   enum class Which : std::uint8_t { any, nth, nearest, farthest };
   Which which = Which::any;
   int ordinal = 0;  ///< 1 to 4, of those that lie ahead, for `nth`
-  std::string noun;
-  std::optional<Side> side;  ///< left or right
-  std::string next_to;       ///< noun of another thing beside it
+  std::string noun = {};
+  std::optional<Side> side = {};  ///< left or right
+  std::string next_to = {};       ///< noun of another thing beside it
   friend bool operator==(const Thing&, const Thing&) = default;
 };
 

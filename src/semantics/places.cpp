@@ -41,13 +41,11 @@ Place place_of(ConfigNode& node, const map::OccupancyGrid* within) {
   return place;
 }
 
+// In YAML's single quotes, where nothing but these has a meaning.
 std::string quoted(const std::string& name) {
-  std::string text = "\"";
-  for (const char c : name) {
-    if (c == '"' || c == '\\') text += '\\';
-    text += c;
-  }
-  return text + '"';
+  std::string text = "'";
+  for (const char c : name) text += c == '\'' ? "''" : std::string(1, c);
+  return text + "'";
 }
 
 }  // namespace
