@@ -1,4 +1,4 @@
-// Places file: the places of a map by name, beside it. YAML:
+// Places file: the places of a map by name. YAML:
 //
 //   version: 1
 //   places:

@@ -162,6 +162,8 @@ REQUIRED: dict[str, dict[str, object]] = {
     "execute_action": {"action": (0.0, 0.0, 0.0)},
     "execute_instruction": {"instruction": "look around"},
     "name_place": {"name": "dock"},
+    "load_places": {"path": "places.yaml"},
+    "save_places": {"path": "places.yaml"},
     "get_transform": {"target": "map", "source": "base"},
     "sleep": {"seconds": 0.02},
     "timeout": {"seconds": 1.0},

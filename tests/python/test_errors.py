@@ -440,6 +440,8 @@ CALLED_WITH: dict[str, dict[str, object]] = {
     "get_transform": {"target": "map", "source": "base"},
     "save_map": {"path": "map.yaml"},
     "name_place": {"name": "dock"},
+    "load_places": {"path": "places.yaml"},
+    "save_places": {"path": "places.yaml"},
     "set_zones": {"zones": []},
     "observe": {"observer": print},
     "unobserve": {"number": 1},

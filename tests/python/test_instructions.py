@@ -8,6 +8,15 @@ from pathlib import Path
 import pytest
 from threewe import Robot, sync
 from threewe.errors import ConfigError, ContractError, EmergencyStopError, HardwareError, SafetyError
+from pathlib import Path
+
+import pytest
+import threewe
+from threewe import Pose2D, Robot, Scene, sync
+from threewe._core import places_of_scene
+from threewe.cli import app
+from threewe.errors import ConfigError, ContractError, EmergencyStopError, HardwareError, SafetyError
+from typer.testing import CliRunner
 
 
 def test_a_plant_is_found_in_an_office_that_was_never_seen() -> None:
@@ -160,3 +169,95 @@ def test_the_command_refuses_a_page_of_another_kind_before_it_drives() -> None:
     assert done.returncode != 0
     assert "a.txt must end in .html" in done.stderr
     assert done.stdout == ""
+def test_a_route_is_followed_by_its_words_through_rooms_with_names() -> None:
+    start = Pose2D(-2.7, 1.0, math.pi / 2)  # in the kitchen of an apartment, before its door
+    route = "Go through the door into the hall, turn right, then enter the children's room. Stop just inside."
+    with sync.Robot(scene="apartment_v1", seed=2, start_pose=start, initial_pose=start) as robot:
+        for place in places_of_scene(Scene.load("apartment_v1")):
+            robot.name_place(place.name, place.polygon)
+        result = robot.execute_instruction(route)
+        assert robot.simulation is not None
+        at = robot.simulation.true_pose()
+        assert result.success, result
+        assert result.answer == "I am in the children's room."
+        assert [step.skill for step in result.steps] == ["follow"]
+        assert 1.7 < at.x < 4.7
+        assert 3.4 < at.y < 5.3
+
+
+@pytest.mark.parametrize(
+    ("route", "reason", "detail"),
+    [
+        ("Go through the door and enter the kichen.", "not_found", "did you mean 'kitchen'"),
+        (
+            "Leave the hall through the door into the study. Stop just inside.",
+            "not_found",
+            "way out of the kitchen",
+        ),
+        ("Turn left, then stop in the middle of the study.", "not_found", "this is the kitchen, not the study"),
+    ],
+)
+def test_a_route_that_makes_no_sense_here_says_why(route: str, reason: str, detail: str) -> None:
+    start = Pose2D(-2.7, 1.0, math.pi / 2)
+    with sync.Robot(scene="apartment_v1", start_pose=start, initial_pose=start) as robot:
+        for place in places_of_scene(Scene.load("apartment_v1")):
+            robot.name_place(place.name, place.polygon)
+        result = robot.execute_instruction(route)
+        assert (result.success, result.reason) == (False, reason), result
+        assert detail in result.detail
+
+
+def test_a_route_without_places_is_not_found() -> None:
+    with sync.Robot() as robot:
+        result = robot.execute_instruction("Turn left, take the door on your right and stop at the plant.")
+        assert result.reason == "not_found"
+        assert "none of the places" in result.detail
+
+
+def test_places_are_saved_and_loaded_beside_a_map(tmp_path: Path) -> None:
+    file = tmp_path / "home.yaml"
+    with sync.Robot() as robot:
+        robot.name_place("dock")
+        robot.name_place("café: 'old'", [(1.5, -0.5), (2.5, -0.5), (2.5, 0.5)])
+        robot.save_places(file)
+        kept = robot.get_places()
+        with pytest.raises(ConfigError, match=r"ends in \.yaml"):
+            robot.save_places(tmp_path / "places.txt")
+    with sync.Robot() as robot:
+        robot.name_place("home")
+        loaded = robot.load_places(file)
+        assert [(p.name, p.origin) for p in loaded] == [(p.name, "given") for p in kept]
+        assert [p.name for p in robot.get_places()] == ["home", "dock", "café: 'old'"]
+        assert robot.get_places()[2].polygon == [(1.5, -0.5), (2.5, -0.5), (2.5, 0.5)]
+        assert robot.execute_instruction("go to the dock").success
+
+        file.write_text("version: 1\nplaces:\n  - {name: a, point: [0, 0]}\n  - {name: a, point: [1, 0]}\n")
+        with pytest.raises(ConfigError, match=r"home.yaml:4: .*'a' is there already"):
+            robot.load_places(file)
+        assert len(robot.get_places()) == 3
+
+
+def test_the_rooms_of_a_scene_are_places_of_its_map(tmp_path: Path) -> None:
+    files = threewe.export("apartment_v1", "3we_standard_v2", "map", tmp_path, places=True)
+    assert files[-1].name == "places.yaml"
+    start = Pose2D(-2.7, 1.0, 0.0)
+    with sync.Robot(scene="apartment_v1", map=tmp_path / "map.yaml", start_pose=start, initial_pose=start) as robot:
+        assert "children's room" in [place.name for place in robot.load_places(files[-1])]
+        assert "in the kitchen" in robot.execute_instruction("where are you?").answer
+        with pytest.raises(ContractError, match=r"on the map that was given, got the point \(99, 0\)"):
+            robot.name_place("far", [(0, 0), (99, 0), (0, 5)])
+        files[-1].write_text("version: 1\nplaces: [{name: far, point: [99, 0]}]\n")
+        with pytest.raises(ConfigError, match=r"places.yaml:2: .*outside of the map"):
+            robot.load_places(files[-1])
+    with pytest.raises(ConfigError, match="with the format 'map'"):
+        threewe.export("apartment_v1", "3we_standard_v2", "usd", tmp_path, places=True)
+
+
+def test_the_command_line_takes_a_map_and_its_places(tmp_path: Path) -> None:
+    run = CliRunner()
+    made = run.invoke(app, ["export", "--scene", "apartment_v1", "--format", "map", "--places", "-o", str(tmp_path)])
+    assert made.exit_code == 0, made.output
+    given = ["--scene", "apartment_v1", "--map", str(tmp_path / "map.yaml"), "--places", str(tmp_path / "places.yaml")]
+    done = run.invoke(app, ["instruct", "go to the kitchen", *given])
+    assert done.exit_code == 0, done.output
+    assert "move_to_place(place=kitchen): done" in done.output
