@@ -411,8 +411,9 @@ class Robot(InRobotTime):
         Raises ConfigError with file:line for a place without a name or there twice, a polygon of fewer than three
         points, or one outside of the given map.
         """
+        agent = self._instructed().agent
         places = _core.load_places(as_asset("path", path), self._given_map)
-        self._instructed().agent.add_places(places)
+        agent.add_places(places)
         return places
 
     def save_places(self, path: str | os.PathLike[str]) -> None:
