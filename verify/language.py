@@ -116,7 +116,7 @@ EXPERIMENTS = [
         follow,
         variants=[{"place": place} for place in WITH_ROUTES],
         cases=50 * len(WITH_ROUTES),
-        sample=3 * len(WITH_ROUTES),
+        sample=len(WITH_ROUTES),
         rows=[share_of("ended within 1 m of the path's end", lambda case: case["success"], at_least=0.6)],
     ),
     Experiment(

@@ -79,8 +79,9 @@ std::vector<Vec2> body_of(const OccupancyGrid& grid, const Place& room, Vec2 thi
     return any;
   };
   take([&](Vec2 point) { return distance(point, thing) <= kHalf; });
-  for (std::size_t i = 0; i < body.size(); ++i) {
-    const Vec2 here = body[i];
+  std::size_t next = 0;
+  while (next < body.size()) {  // it grows
+    const Vec2 here = body[next++];
     take([&](Vec2 point) { return distance(point, here) <= kJoined; });
   }
   return body;
@@ -196,7 +197,9 @@ Vec2 by_the_map(const OccupancyGrid& grid, Vec2 from, Vec2 thing) {
   const double length = distance(from, thing);
   if (length < kEmpty) return thing;
   const Vec2 along = (1.0 / length) * (thing - from);
-  for (double way = -kEmpty; way <= kTooNear; way += grid.resolution) {
+  const auto steps = static_cast<int>((kEmpty + kTooNear) / grid.resolution);
+  for (int i = 0; i <= steps; ++i) {
+    const double way = i * grid.resolution - kEmpty;
     const Vec2 point = thing + way * along;
     if (occupied(grid, point)) return way <= kEmpty ? thing : point + kDepth * along;
   }

@@ -85,8 +85,9 @@ class Wall {
   }
 
   bool jamb(Vec2 end, double direction) const {
-    for (double way = 0.0; way <= kJamb; way += grid_.resolution) {
-      if (across(grid_, end + (direction * way) * along_, normal_) == Cells::wall) return true;
+    const auto steps = static_cast<int>(kJamb / grid_.resolution);
+    for (int i = 0; i <= steps; ++i) {
+      if (across(grid_, end + (direction * i * grid_.resolution) * along_, normal_) == Cells::wall) return true;
     }
     return false;
   }

@@ -20,7 +20,6 @@ namespace {
 using language::Clause;
 using language::Side;
 using language::Thing;
-using semantics::MappedThing;
 using semantics::Place;
 using semantics::SemanticMap;
 using Kind = Clause::Kind;
