@@ -14,6 +14,34 @@ using namespace threewe;
 using agent::Agent, agent::ExecutedStep, agent::ExecutionResult;
 using semantics::MappedThing, semantics::Place;
 
+namespace {
+
+void bind_places(nb::module_& m) {
+  m.def(
+      "load_places",
+      [](const std::string& path, const map::OccupancyGrid* within) { return semantics::load_places(path, within); },
+      "path"_a, "within"_a.none(),
+      "Reads a places file. Raises ConfigError, also for a place that is not on the map `within`.");
+  m.def(
+      "save_places",
+      [](const std::vector<Place>& places, const std::string& path) { semantics::save_places(places, path); },
+      "places"_a, "path"_a, "Writes a places file, whose name ends in .yaml.");
+  m.def(
+      "places_of_scene",
+      [](const scene::Scene& scene) {
+        const language::Language language = language::Language::load();
+        std::vector<Place> places;
+        for (const scene::Room& room : scene.rooms) {
+          places.push_back({.name = language.room(room.name),
+                            .polygon = {room.min, {room.max.x, room.min.y}, room.max, {room.min.x, room.max.y}}});
+        }
+        return places;
+      },
+      "scene"_a, "The rooms of a scene as places, in its frame, by the names that people call them.");
+}
+
+}  // namespace
+
 void init_agent(nb::module_& m) {
   nb::class_<MappedThing>(m, "MappedThing", "A thing that the robot has seen, perhaps many times.")
       .def(Value())
@@ -82,25 +110,5 @@ void init_agent(nb::module_& m) {
             self.name_place({.name = name, .polygon = polygon});
           },
           "name"_a, "polygon"_a);
-  m.def(
-      "load_places",
-      [](const std::string& path, const map::OccupancyGrid* within) { return semantics::load_places(path, within); },
-      "path"_a, "within"_a.none(),
-      "Reads a places file. Raises ConfigError, also for a place that is not on the map `within`.");
-  m.def(
-      "save_places",
-      [](const std::vector<Place>& places, const std::string& path) { semantics::save_places(places, path); },
-      "places"_a, "path"_a, "Writes a places file, whose name ends in .yaml.");
-  m.def(
-      "places_of_scene",
-      [](const scene::Scene& scene) {
-        const language::Language language = language::Language::load();
-        std::vector<Place> places;
-        for (const scene::Room& room : scene.rooms) {
-          places.push_back({.name = language.room(room.name),
-                            .polygon = {room.min, {room.max.x, room.min.y}, room.max, {room.min.x, room.max.y}}});
-        }
-        return places;
-      },
-      "scene"_a, "The rooms of a scene as places, in its frame, by the names that people call them.");
+  bind_places(m);
 }
