@@ -4,8 +4,8 @@ import subprocess
 
 from verify.cases.finding import SCENES, find
 from verify.cases.handwritten_commands import PARTS, read_handwritten
-from verify.cases.seeing import GENERATED, SUFFIX, map_things, see
 from verify.cases.routes import follow, go_to
+from verify.cases.seeing import GENERATED, SUFFIX, map_things, see
 from verify.cases.trees import PROGRAMS
 from verify.harness import Case, Experiment, Row, counted_of, known_miss, share_of
 

@@ -6,11 +6,6 @@ import sys
 from pathlib import Path
 
 import pytest
-from threewe import Robot, sync
-from threewe.errors import ConfigError, ContractError, EmergencyStopError, HardwareError, SafetyError
-from pathlib import Path
-
-import pytest
 import threewe
 from threewe import Pose2D, Robot, Scene, sync
 from threewe._core import places_of_scene
@@ -169,6 +164,8 @@ def test_the_command_refuses_a_page_of_another_kind_before_it_drives() -> None:
     assert done.returncode != 0
     assert "a.txt must end in .html" in done.stderr
     assert done.stdout == ""
+
+
 def test_a_route_is_followed_by_its_words_through_rooms_with_names() -> None:
     start = Pose2D(-2.7, 1.0, math.pi / 2)  # in the kitchen of an apartment, before its door
     route = "Go through the door into the hall, turn right, then enter the children's room. Stop just inside."
