@@ -1,7 +1,11 @@
 // The table of ROS 2 messages, for tests and for the command line.
+#include <nanobind/stl/unique_ptr.h>
+
 #include "bindings.hpp"
 #include "ros2/message_types.hpp"
 #include "ros2/real.hpp"
+#include "ros2/serve.hpp"
+#include "threewe/backend/registry.hpp"
 
 using namespace threewe;
 
@@ -24,6 +28,25 @@ nb::bytes recode(std::string_view type, std::string_view distribution, const nb:
 }  // namespace
 
 void init_ros2(nb::module_& m) {
+  nb::class_<ros2::Server>(m, "Ros2Server", "Simulated robots as nodes of ROS 2.")
+      .def(
+          "run", [](ros2::Server& self, double wall) { self.run(seconds("wall", wall)); }, "wall"_a, WithoutGil(),
+          "Serves for a time [wall s].")
+      .def_prop_ro("now", &ros2::Server::now, "Robot time [s].");
+  m.def(
+      "ros2_serve",
+      [](const std::string& scene, std::vector<std::string> robots, std::vector<std::string> namespaces,
+         const std::string& noise, std::uint64_t seed, double speed, bool lockstep, bool map) {
+        backend::WorldOptions options;
+        options.scene = scene;
+        options.robots = std::move(robots);
+        options.noise = noise_level(noise);
+        options.seed = seed;
+        return ros2::serve(backend::make_world("mock", options), {std::move(namespaces), speed, lockstep, map});
+      },
+      nb::kw_only(), "scene"_a, "robots"_a, "namespaces"_a, "noise"_a = "realistic", "seed"_a = 0, "speed"_a = 1.0,
+      "lockstep"_a = false, "map"_a = false, WithoutGil(),
+      "Makes a simulated world and serves its robots, each in a namespace such as `/robot_1`; empty for none.");
   using ros2::Endpoint;
   nb::class_<Endpoint>(m, "Ros2Endpoint", "One publisher or subscription of the ROS 2 graph.")
       .def_ro("publishes", &Endpoint::publishes, "Or subscribes.")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from typing import Annotated
 
 import typer
@@ -44,6 +45,47 @@ def discover(
     console = plain_console()
     console.print(table)
     console.print(f"{len(endpoints)} publishers and subscriptions", highlight=False)
+
+
+@app.command()
+def serve(
+    scene: Annotated[str, typer.Option(help="Name of a scene, or a file that ends in .yaml.")] = "office_v2",
+    robot: Annotated[list[str] | None, typer.Option(help="Hardware profile; once for each robot.")] = None,
+    namespace: Annotated[list[str] | None, typer.Option(help="Of each robot. [default: robot_1 ... of several]")] = None,
+    noise: Annotated[str, typer.Option(help="realistic or ideal.")] = "realistic",
+    seed: Annotated[int, typer.Option(min=0, help="Of all noise.")] = 0,
+    speed: Annotated[float, typer.Option(help="Robot time over wall time; 0 is as fast as can be.")] = 1.0,
+    lockstep: Annotated[bool, typer.Option("--lockstep", help="A command drives 20 ms; then time stands still.")] = False,
+    map: Annotated[bool, typer.Option("--map", help="Publish the scene's map, and map -> odom without error.")] = False,
+    seconds: Annotated[float | None, typer.Option(min=0.0, help="Wall time after which it ends. [default: never]")] = None,
+) -> None:
+    """Be a robot on ROS 2: the embedded simulator's sensors, transforms and clock, driven by cmd_vel.
+
+    Nodes of this computer find it unless ROS_AUTOMATIC_DISCOVERY_RANGE or ROS_STATIC_PEERS ask for more, in
+    ROS_DOMAIN_ID. They need use_sim_time. Ctrl-C ends it.
+    """
+    robots = robot or ["3we_standard_v2"]
+    namespaces = namespace or ([""] if len(robots) == 1 else [f"robot_{i + 1}" for i in range(len(robots))])
+    server = _core.ros2_serve(
+        scene=scene,
+        robots=robots,
+        namespaces=[name if name.startswith("/") or not name else f"/{name}" for name in namespaces],
+        noise=noise,
+        seed=seed,
+        speed=speed,
+        lockstep=lockstep,
+        map=map,
+    )
+    console = plain_console()
+    console.print(f"serving {', '.join(robots)} in {scene}; Ctrl-C ends it", highlight=False)
+    begin = time.monotonic()
+    try:
+        while seconds is None or time.monotonic() - begin < seconds:
+            server.run(0.2)  # so that Ctrl-C is noticed
+    except KeyboardInterrupt:
+        pass
+    wall = time.monotonic() - begin
+    console.print(f"{server.now:.2f} s of robot time in {wall:.2f} s", highlight=False)
 
 
 def _names(endpoints: list[_core.Ros2Endpoint]) -> str:

@@ -29,20 +29,6 @@ std::vector<Deliverable> deliverables(const RobotProfile& profile) {
   return all;
 }
 
-// Whether ROS 2 would take it: parts of letters, digits and underscores, each after a slash, none with a digit first.
-bool is_ros_name(const std::string& name) {
-  char before = ' ';
-  for (const char c : name) {
-    const auto letter = static_cast<unsigned char>(c);
-    const bool fits = before == ' '   ? c == '/'
-                      : before == '/' ? std::isalpha(letter) != 0 || c == '_'
-                                      : std::isalnum(letter) != 0 || c == '_' || c == '/';
-    if (!fits) return false;
-    before = c;
-  }
-  return before != ' ' && before != '/';
-}
-
 std::string read_name(const ConfigNode& node) {
   const std::string name = node.text();
   if (is_ros_name(name)) return name;
@@ -62,6 +48,19 @@ TopicSpec read_topic(ConfigNode node, const std::string& name_space, const std::
 }
 
 }  // namespace
+
+bool is_ros_name(std::string_view name) {
+  char before = ' ';
+  for (const char c : name) {
+    const auto letter = static_cast<unsigned char>(c);
+    const bool fits = before == ' '   ? c == '/'
+                      : before == '/' ? std::isalpha(letter) != 0 || c == '_'
+                                      : std::isalnum(letter) != 0 || c == '_' || c == '/';
+    if (!fits) return false;
+    before = c;
+  }
+  return before != ' ' && before != '/';
+}
 
 LinkSpec read_link(ConfigNode node, const RobotProfile& profile) {
   LinkSpec link;

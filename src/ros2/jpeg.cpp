@@ -25,6 +25,9 @@ struct Library {
   decltype(&::tjInitDecompress) init = nullptr;
   decltype(&::tjDecompressHeader3) header = nullptr;
   decltype(&::tjDecompress2) decompress = nullptr;
+  decltype(&::tjInitCompress) init_compressor = nullptr;
+  decltype(&::tjCompress2) compress = nullptr;
+  decltype(&::tjFree) free = nullptr;
   decltype(&::tjDestroy) destroy = nullptr;
   decltype(&::tjGetErrorStr2) error = nullptr;
   decltype(&::tjGetErrorCode) error_code = nullptr;
@@ -41,7 +44,9 @@ Library load() {
   };
   const bool complete = find(found.init, "tjInitDecompress") && find(found.header, "tjDecompressHeader3") &&
                         find(found.decompress, "tjDecompress2") && find(found.destroy, "tjDestroy") &&
-                        find(found.error, "tjGetErrorStr2") && find(found.error_code, "tjGetErrorCode");
+                        find(found.init_compressor, "tjInitCompress") && find(found.compress, "tjCompress2") &&
+                        find(found.free, "tjFree") && find(found.error, "tjGetErrorStr2") &&
+                        find(found.error_code, "tjGetErrorCode");
   return complete ? found : Library{};
 }
 
@@ -89,6 +94,19 @@ std::vector<std::uint8_t> decode_jpeg(std::span<const std::uint8_t> jpeg) {
   return bgr;
 }
 
+std::vector<std::uint8_t> encode_jpeg(std::span<const std::uint8_t> bgr, const ImageSize& size) {
+  if (library().init == nullptr) throw ContractError(kMissing);
+  constexpr int kQuality = 90;  // of 100
+  const Decoder compressor(library().init_compressor());
+  unsigned char* made = nullptr;
+  unsigned long length = 0;  // NOLINT(google-runtime-int): as the library has it
+  const int failed = library().compress(compressor.get(), bgr.data(), size.width, 3 * size.width, size.height, TJPF_BGR,
+                                        &made, &length, TJSAMP_420, kQuality, 0);
+  const std::unique_ptr<unsigned char, decltype(library().free)> owner(made, library().free);
+  if (failed != 0) throw ContractError(fmt::format("no JPEG was made: {}", library().error(compressor.get())));
+  return {made, made + length};
+}
+
 #else
 
 tl::expected<ImageSize, std::string> jpeg_size(std::span<const std::uint8_t>) {
@@ -98,6 +116,10 @@ tl::expected<ImageSize, std::string> jpeg_size(std::span<const std::uint8_t>) {
 }
 
 std::vector<std::uint8_t> decode_jpeg(std::span<const std::uint8_t>) { throw ContractError(kMissing); }
+
+std::vector<std::uint8_t> encode_jpeg(std::span<const std::uint8_t>, const ImageSize&) {
+  throw ContractError(kMissing);
+}
 
 #endif
 

@@ -1,4 +1,4 @@
-// JPEG pictures, decoded by libjpeg-turbo, which is loaded when the first one comes.
+// JPEG pictures, read and written by libjpeg-turbo, which is loaded when the first one comes.
 #pragma once
 
 #include <cstdint>
@@ -16,5 +16,7 @@ namespace threewe::ros2 {
 tl::expected<ImageSize, std::string> jpeg_size(std::span<const std::uint8_t> jpeg);
 /// Shape (H, W, 3): blue, green, red. Throws ContractError where it cannot be decoded.
 std::vector<std::uint8_t> decode_jpeg(std::span<const std::uint8_t> jpeg);
+/// Of a picture of shape (H, W, 3): blue, green, red. Throws ContractError without the library, naming the package.
+std::vector<std::uint8_t> encode_jpeg(std::span<const std::uint8_t> bgr, const ImageSize& size);
 
 }  // namespace threewe::ros2

@@ -3,9 +3,11 @@
 
 #include <fmt/format.h>
 
+#include "ros2/serve.hpp"
 #include "threewe/core/errors.hpp"
 #if THREEWE_WITH_CYCLONEDDS
 #include "ros2/dds/real_world.hpp"
+#include "ros2/dds/server.hpp"
 #endif
 
 namespace threewe::ros2 {
@@ -15,6 +17,10 @@ namespace threewe::ros2 {
 std::unique_ptr<backend::World> make_world(const backend::WorldOptions& options) { return make_real_world(options); }
 
 std::vector<Endpoint> discover(Duration wall) { return discover_with_cyclone(wall); }
+
+std::unique_ptr<Server> serve(std::unique_ptr<backend::World> world, const ServeOptions& options) {
+  return serve_with_cyclone(std::move(world), options);
+}
 
 #else
 
@@ -31,6 +37,8 @@ namespace {
 std::unique_ptr<backend::World> make_world(const backend::WorldOptions&) { fail(); }
 
 std::vector<Endpoint> discover(Duration) { fail(); }
+
+std::unique_ptr<Server> serve(std::unique_ptr<backend::World>, const ServeOptions&) { fail(); }
 
 #endif
 

@@ -37,9 +37,9 @@ class Node {
 
   /// `type` as DDS has it.
   template <typename Support>
-  fast::DataWriter* advertise(const std::string& topic, const std::string& type) {
+  fast::DataWriter* advertise(const std::string& topic, const std::string& type, bool reliable = false) {
     fast::DataWriterQos qos;
-    qos.reliability().kind = fast::BEST_EFFORT_RELIABILITY_QOS;
+    qos.reliability().kind = reliable ? fast::RELIABLE_RELIABILITY_QOS : fast::BEST_EFFORT_RELIABILITY_QOS;
     qos.durability().kind = fast::VOLATILE_DURABILITY_QOS;
     qos.endpoint().history_memory_policy = eprosima::fastrtps::rtps::PREALLOCATED_WITH_REALLOC_MEMORY_MODE;
     qos.data_sharing().off();
@@ -55,6 +55,17 @@ class Node {
     qos.endpoint().history_memory_policy = eprosima::fastrtps::rtps::PREALLOCATED_WITH_REALLOC_MEMORY_MODE;
     qos.data_sharing().off();
     checked(subscriber_->create_datareader(make_topic<Support>(topic, type), qos, &listener), topic);
+  }
+  /// Reliable, with all that is kept for those who come later where `kept`.
+  template <typename Support>
+  void record(const std::string& topic, const std::string& type, bool kept, fast::DataReaderListener& listener) {
+    fast::DataReaderQos qos;
+    qos.reliability().kind = fast::RELIABLE_RELIABILITY_QOS;
+    qos.durability().kind = kept ? fast::TRANSIENT_LOCAL_DURABILITY_QOS : fast::VOLATILE_DURABILITY_QOS;
+    qos.history().kind = fast::KEEP_ALL_HISTORY_QOS;
+    qos.endpoint().history_memory_policy = eprosima::fastrtps::rtps::PREALLOCATED_WITH_REALLOC_MEMORY_MODE;
+    qos.data_sharing().off();
+    checked(subscriber_->create_datareader(make_topic<Support>("rt" + topic, type), qos, &listener), topic);
   }
   template <typename Support>
   void subscribe(const std::string& topic, const std::string& type, fast::DataReaderListener& listener) {

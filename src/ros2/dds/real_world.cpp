@@ -24,10 +24,6 @@ void check(const backend::WorldOptions& options) {
   }
 }
 
-Discovery our_discovery() {
-  return read_discovery([](const char* name) { return std::getenv(name); });
-}
-
 class RealWorld : public backend::PluginWorld {
  public:
   RealWorld(std::shared_ptr<backend::PluginLink> mailbox, const Discovery& discovery)
@@ -49,6 +45,10 @@ class RealWorld : public backend::PluginWorld {
 };
 
 }  // namespace
+
+Discovery our_discovery() {
+  return read_discovery([](const char* name) { return std::getenv(name); });
+}
 
 std::unique_ptr<backend::World> make_real_world(const backend::WorldOptions& options) {
   check(options);

@@ -4,6 +4,7 @@
 #include <memory>
 #include <vector>
 
+#include "ros2/discovery.hpp"
 #include "ros2/endpoint.hpp"
 #include "threewe/backend/world.hpp"
 
@@ -11,6 +12,8 @@ namespace threewe::ros2 {
 
 /// See `make_world`.
 std::unique_ptr<backend::World> make_real_world(const backend::WorldOptions& options);
+/// With whom this process talks, by the variables of ROS 2 in its environment.
+Discovery our_discovery();
 /// See `discover`.
 std::vector<Endpoint> discover_with_cyclone(Duration wall);
 

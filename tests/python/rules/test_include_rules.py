@@ -27,7 +27,7 @@ MAY_USE = {
     "backend/mock": ["backend", "backend/simulated", "core", "sim"],
     "backend/mujoco": ["backend", "backend/simulated", "core", "hardware", "scene", "models", "sim", "export"],
     "backend/known": ["backend", "backend/mock", "backend/mujoco", "ros2", "core"],
-    "ros2": ["core", "hardware", "backend", "scene/truth_view", "map"],
+    "ros2": ["core", "hardware", "backend", "scene/truth_view", "map", "export"],
     "safety": ["core", "hardware", "map/scan_hits"],
     "robot": ["core", "backend", "safety", "perception", "slam", "nav", "map", "hardware", "scene/truth_view"],
     "agent": ["core", "hardware", "map", "slam", "nav", "language", "vision", "semantics", "robot"],

@@ -1,0 +1,248 @@
+#include "ros2/dds/served_robot.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "export/robot_description.hpp"
+#include "ros2/publications.hpp"
+#include "threewe/core/errors.hpp"
+#include "threewe/export/export.hpp"
+
+namespace threewe::ros2 {
+namespace {
+
+constexpr Duration kWatchdog = 500ms;  // as that of ROS 2's diff_drive_controller
+constexpr const char* kMapFrame = "map";
+constexpr const char* kFootprintFrame = "base_footprint";
+constexpr Distribution kLayout = Distribution::jazzy;  // as the hashes say that our endpoints have
+constexpr Qos kKept{.reliable = true, .transient_local = true, .depth = 1};
+
+std::string_view type_name(SensorType type) {
+  switch (type) {
+    case SensorType::lidar: return sensor_msgs::LaserScan::kType;
+    case SensorType::imu: return sensor_msgs::Imu::kType;
+    case SensorType::odometry: return nav_msgs::Odometry::kType;
+    case SensorType::battery: return sensor_msgs::BatteryState::kType;
+    case SensorType::ultrasonic: return sensor_msgs::Range::kType;
+    case SensorType::camera: return sensor_msgs::Image::kType;
+  }
+  return "";
+}
+
+// By its frame's name in the URDF; what is measured of the base has none of its own.
+std::string frame_of(const SensorInfo& sensor, const std::string& base_frame) {
+  switch (sensor.type) {
+    case SensorType::lidar:
+    case SensorType::ultrasonic: return sensor.name;
+    case SensorType::camera: return sensor.name + "_optical_frame";
+    default: return base_frame;
+  }
+}
+
+geometry_msgs::TransformStamped to_message(const std::string& parent, const std::string& child,
+                                           const exports::Transform& parent_from_child) {
+  geometry_msgs::TransformStamped message;
+  message.header.frame_id = parent;
+  message.child_frame_id = child;
+  const auto& [position, rotation] = parent_from_child;
+  message.transform.translation = {position.x, position.y, position.z};
+  message.transform.rotation = {rotation.x, rotation.y, rotation.z, rotation.w};
+  return message;
+}
+
+// Where everything is on the robot, wheels included, that never turn: what robot_state_publisher makes of the URDF.
+tf2_msgs::TFMessage fixed_frames(const RobotProfile& profile, const std::string& base_frame) {
+  const exports::RobotDescription robot = exports::without_rollers(exports::describe(profile));
+  tf2_msgs::TFMessage frames;
+  const auto add = [&](const std::string& parent, const std::string& child, const exports::Transform& transform) {
+    frames.transforms.push_back(to_message(parent == robot.base().name ? base_frame : parent, child, transform));
+  };
+  add(base_frame, kFootprintFrame, {});
+  for (const exports::Joint& joint : robot.joints) add(joint.parent, joint.child, joint.parent_from_child);
+  for (const exports::SensorMount& mount : robot.sensors) {
+    add(base_frame, mount.name, mount.base_from_sensor);
+    if (mount.type != SensorType::camera) continue;
+    const auto turned = exports::about_z(-exact::kPi / 2) * exports::about_x(-exact::kPi / 2);
+    add(mount.name, mount.name + "_optical_frame", {{}, turned});
+  }
+  return frames;
+}
+
+// "/camera" of "/camera/image_raw".
+std::string folder_of(const std::string& topic) { return topic.substr(0, topic.rfind('/')); }
+
+std::string without_ending(std::string text, std::string_view ending) {
+  if (text.ends_with(ending)) text.resize(text.size() - ending.size());
+  return text;
+}
+
+}  // namespace
+
+ServedRobot::ServedRobot(backend::World& world, const backend::TruthService& truth, std::size_t index,
+                         const std::string& name_space, bool with_map, const Discovery& discovery, Bell& bell)
+    : port_(world.robot(index)),
+      truth_(truth.truth(index)),
+      profile_(port_.profile()),
+      name_space_(name_space),
+      with_map_(with_map),
+      odom_frame_(profile_.link ? profile_.link->odom_frame : "odom"),
+      base_frame_(profile_.link ? profile_.link->base_frame : "base_link"),
+      watchdog_(profile_.link ? profile_.link->stopped_after : kWatchdog),
+      bell_(bell),
+      node_(discovery, name_space.empty() ? "/" : name_space, "simulator") {
+  port_.connect();
+  for (const SensorInfo& sensor : port_.features().sensors) outlets_.push_back(advertise(sensor));
+  transforms_ = node_.advertise(name_space_ + "/tf", tf2_msgs::TFMessage::kType, {.depth = 100});
+  if (index == 0) clock_ = node_.advertise("/clock", rosgraph_msgs::Clock::kType, {.depth = 10});
+
+  const Node::Handle fixed = node_.advertise(name_space_ + "/tf_static", tf2_msgs::TFMessage::kType, kKept);
+  send(fixed, fixed_frames(profile_, base_frame_));
+  std_msgs::String urdf;
+  urdf.data = exports::files(truth_.scene(), profile_, exports::Format::urdf).front().contents;
+  send(node_.advertise(name_space_ + "/robot_description", std_msgs::String::kType, kKept), urdf);
+  if (with_map_) {
+    const auto map = node_.advertise(name_space_ + "/map", nav_msgs::OccupancyGrid::kType, kKept);
+    send(map, to_message(exports::map_of(truth_.scene(), profile_), {to_stamp(world.now()), kMapFrame}));
+  }
+
+  const std::string topic = name_space_ + (profile_.link ? profile_.link->command.topic : "/cmd_vel");
+  receive<geometry_msgs::Twist>(topic);
+  receive<geometry_msgs::TwistStamped>(topic);
+}
+
+std::string ServedRobot::topic_of(const SensorInfo& sensor) const {
+  if (profile_.link) {
+    const auto& topics = profile_.link->topics;
+    const auto known = std::ranges::find(topics, sensor.name, &TopicSpec::sensor);
+    // transforms are published anyway
+    if (known != topics.end() && known->type != tf2_msgs::TFMessage::kType) return name_space_ + known->topic;
+  }
+  switch (sensor.type) {
+    case SensorType::lidar: return name_space_ + "/scan";
+    case SensorType::imu: return name_space_ + "/imu";
+    case SensorType::odometry: return name_space_ + "/odom";
+    case SensorType::battery: return name_space_ + "/battery_state";
+    case SensorType::ultrasonic:
+      return fmt::format("{}/ultrasonic/{}", name_space_, sensor.name.substr(sensor.name.find('_') + 1));
+    case SensorType::camera: return name_space_ + "/camera/image_raw";
+  }
+  return "";
+}
+
+ServedRobot::Outlets ServedRobot::advertise(const SensorInfo& sensor) {
+  Outlets outlets;
+  outlets.frame = frame_of(sensor, base_frame_);
+  const std::string topic = without_ending(topic_of(sensor), "/compressed");
+  outlets.main = node_.advertise(topic, type_name(sensor.type), {.depth = 10});
+  if (sensor.type != SensorType::camera) return outlets;
+  outlets.compressed = node_.advertise(topic + "/compressed", sensor_msgs::CompressedImage::kType, {.depth = 5});
+  outlets.info = node_.advertise(folder_of(topic) + "/camera_info", sensor_msgs::CameraInfo::kType, {.depth = 5});
+  if (!profile_.camera->depth) return outlets;
+  std::string depth = folder_of(topic) + "/depth/image_raw";
+  if (profile_.link) {
+    const auto known = std::ranges::find(profile_.link->topics, "depth", &TopicSpec::sensor);
+    if (known != profile_.link->topics.end()) depth = name_space_ + known->topic;
+  }
+  outlets.depth = node_.advertise(depth, sensor_msgs::Image::kType, {.depth = 5});
+  return outlets;
+}
+
+// Commands.
+
+template <Message T>
+void ServedRobot::receive(const std::string& topic) {
+  (void)node_.subscribe(topic, T::kType, {.depth = 10}, [this](std::span<const std::uint8_t> payload, std::uint64_t) {
+    const auto message = decode<T>(payload, kLayout);
+    if (!message) return;  // of a sender that does not keep to the type: the robot stops as if it had sent nothing
+    const geometry_msgs::Twist* twist = nullptr;
+    if constexpr (std::same_as<T, geometry_msgs::Twist>) {
+      twist = &*message;
+    } else {
+      twist = &message->twist;
+    }
+    Velocity velocity{twist->linear.x, twist->linear.y, twist->angular.z};
+    if (!is_finite(velocity)) return;
+    if (profile_.kinematics() == Kinematics::differential) velocity.vy = 0.0;  // as such a base does
+    constexpr std::size_t kMostCommands = 100;
+    const std::scoped_lock lock(bell_.mutex);
+    if (commands_.size() < kMostCommands) commands_.push_back(velocity);
+    bell_.rung.notify_all();
+  });
+}
+
+void ServedRobot::drive(Time now) {
+  std::optional<Velocity> newest;
+  {
+    const std::scoped_lock lock(bell_.mutex);
+    if (!commands_.empty()) newest = commands_.back();
+    commands_.clear();
+  }
+  if (newest) port_.command(*newest, now + watchdog_);
+}
+
+void ServedRobot::step(Time now) {
+  Velocity velocity;
+  {
+    const std::scoped_lock lock(bell_.mutex);
+    velocity = commands_.front();
+    commands_.pop_front();
+  }
+  port_.command(velocity, now + kControlPeriod);
+}
+
+// What is published.
+
+template <Message T>
+void ServedRobot::send(std::optional<Node::Handle> outlet, const T& message) {
+  node_.publish(*outlet, encode(message, kLayout));
+}
+
+void ServedRobot::publish_clock(Time now) {
+  if (clock_) send(clock_, rosgraph_msgs::Clock{to_stamp(now)});
+}
+
+void ServedRobot::publish() {
+  for (const Sample& sample : port_.poll()) send(sample);
+}
+
+void ServedRobot::send(const Sample& sample) {
+  const Outlets& outlets = outlets_[sample.sensor];
+  std_msgs::Header header{to_stamp(sample.measured), outlets.frame};
+  if (const auto* scan = std::get_if<LaserScan>(&sample.data)) {
+    send(outlets.main, to_message(*scan, *profile_.lidar, std::move(header)));
+  } else if (const auto* imu = std::get_if<IMUData>(&sample.data)) {
+    send(outlets.main, to_message(*imu, *profile_.imu, std::move(header)));
+  } else if (const auto* odometry = std::get_if<Odometry>(&sample.data)) {
+    header.frame_id = odom_frame_;
+    send(outlets.main, to_message(*odometry, base_frame_, std::move(header)));
+    send_transforms(sample, *odometry);
+  } else if (const auto* battery = std::get_if<BatteryState>(&sample.data)) {
+    send(outlets.main, to_message(*battery, std::move(header)));
+  } else if (const auto* range = std::get_if<RangeData>(&sample.data)) {
+    send(outlets.main, to_message(*range, std::move(header)));
+  } else if (const auto* picture = std::get_if<Picture>(&sample.data)) {
+    send_picture(outlets, header, *picture);
+  }
+}
+
+// Images that nobody receives are neither drawn nor compressed.
+void ServedRobot::send_picture(const Outlets& outlets, const std_msgs::Header& header, const Picture& picture) {
+  send(outlets.info, to_message(profile_.camera->intrinsics(), header));
+  if (node_.peers(*outlets.main) > 0) send(outlets.main, color_message(picture.image(), header));
+  if (node_.peers(*outlets.compressed) > 0) send(outlets.compressed, compressed_message(picture.image(), header));
+  if (outlets.depth && node_.peers(*outlets.depth) > 0) send(outlets.depth, depth_message(picture.image(), header));
+}
+
+void ServedRobot::send_transforms(const Sample& sample, const Odometry& odometry) {
+  tf2_msgs::TFMessage message;
+  message.transforms.push_back(to_transform(sample.measured, odom_frame_, base_frame_, odometry.pose));
+  if (with_map_) {
+    const Pose2D map_from_odom = truth_.true_pose() * inverse(odometry.pose);
+    message.transforms.push_back(to_transform(sample.measured, kMapFrame, odom_frame_, map_from_odom));
+  }
+  send(transforms_, message);
+}
+
+}  // namespace threewe::ros2
