@@ -3780,6 +3780,21 @@ def repeatability(backend: str, hardware: str, seed: int, count: int, velocity_p
     How far a backend is from itself, when wheels have turned a little before the same random sequences.
     """
 
+class Ros2Server:
+    """Simulated robots as nodes of ROS 2."""
+
+    def run(self, wall: float) -> None:
+        """Serves for a time [wall s]."""
+
+    @property
+    def now(self) -> float:
+        """Robot time [s]."""
+
+def ros2_serve(*, scene: str, robots: Sequence[str], namespaces: Sequence[str], noise: str = 'realistic', seed: int = 0, speed: float = 1.0, lockstep: bool = False, map: bool = False) -> Ros2Server:
+    """
+    Makes a simulated world and serves its robots, each in a namespace such as `/robot_1`; empty for none.
+    """
+
 class Ros2Endpoint:
     """One publisher or subscription of the ROS 2 graph."""
 

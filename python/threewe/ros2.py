@@ -51,13 +51,13 @@ def discover(
 def serve(
     scene: Annotated[str, typer.Option(help="Name of a scene, or a file that ends in .yaml.")] = "office_v2",
     robot: Annotated[list[str] | None, typer.Option(help="Hardware profile; once for each robot.")] = None,
-    namespace: Annotated[list[str] | None, typer.Option(help="Of each robot. [default: robot_1 ... of several]")] = None,
+    namespace: Annotated[list[str] | None, typer.Option(help="Of each robot. [default: robot_1 ...]")] = None,
     noise: Annotated[str, typer.Option(help="realistic or ideal.")] = "realistic",
     seed: Annotated[int, typer.Option(min=0, help="Of all noise.")] = 0,
     speed: Annotated[float, typer.Option(help="Robot time over wall time; 0 is as fast as can be.")] = 1.0,
-    lockstep: Annotated[bool, typer.Option("--lockstep", help="A command drives 20 ms; then time stands still.")] = False,
+    lockstep: Annotated[bool, typer.Option("--lockstep", help="A command drives 20 ms, then time waits.")] = False,
     map: Annotated[bool, typer.Option("--map", help="Publish the scene's map, and map -> odom without error.")] = False,
-    seconds: Annotated[float | None, typer.Option(min=0.0, help="Wall time after which it ends. [default: never]")] = None,
+    seconds: Annotated[float | None, typer.Option(min=0.0, help="Wall time until it ends. [default: never]")] = None,
 ) -> None:
     """Be a robot on ROS 2: the embedded simulator's sensors, transforms and clock, driven by cmd_vel.
 

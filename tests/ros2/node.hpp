@@ -22,8 +22,7 @@ namespace fast = eprosima::fastdds::dds;
 class Node {
  public:
   explicit Node(unsigned domain)
-      : participant_(
-            fast::DomainParticipantFactory::get_instance()->create_participant(domain, fast::PARTICIPANT_QOS_DEFAULT)) {
+      : participant_(fast::DomainParticipantFactory::get_instance()->create_participant(domain, participant_qos())) {
     if (participant_ == nullptr) throw std::runtime_error("no participant");
     publisher_ = participant_->create_publisher(fast::PUBLISHER_QOS_DEFAULT);
     subscriber_ = participant_->create_subscriber(fast::SUBSCRIBER_QOS_DEFAULT);
@@ -41,6 +40,7 @@ class Node {
     fast::DataWriterQos qos;
     qos.reliability().kind = reliable ? fast::RELIABLE_RELIABILITY_QOS : fast::BEST_EFFORT_RELIABILITY_QOS;
     qos.durability().kind = fast::VOLATILE_DURABILITY_QOS;
+    qos.history().depth = reliable ? 100 : 1;
     qos.endpoint().history_memory_policy = eprosima::fastrtps::rtps::PREALLOCATED_WITH_REALLOC_MEMORY_MODE;
     qos.data_sharing().off();
     return checked(publisher_->create_datawriter(make_topic<Support>("rt" + topic, type), qos), topic);
@@ -62,7 +62,8 @@ class Node {
     fast::DataReaderQos qos;
     qos.reliability().kind = fast::RELIABLE_RELIABILITY_QOS;
     qos.durability().kind = kept ? fast::TRANSIENT_LOCAL_DURABILITY_QOS : fast::VOLATILE_DURABILITY_QOS;
-    qos.history().kind = fast::KEEP_ALL_HISTORY_QOS;
+    qos.history().kind = fast::KEEP_LAST_HISTORY_QOS;  // of all, it shows pieces of what is still to come
+    qos.history().depth = 200;
     qos.endpoint().history_memory_policy = eprosima::fastrtps::rtps::PREALLOCATED_WITH_REALLOC_MEMORY_MODE;
     qos.data_sharing().off();
     checked(subscriber_->create_datareader(make_topic<Support>("rt" + topic, type), qos, &listener), topic);
@@ -77,6 +78,12 @@ class Node {
   }
 
  private:
+  // an image is one burst of packets, more than the kernel keeps by default
+  static fast::DomainParticipantQos participant_qos() {
+    fast::DomainParticipantQos qos;
+    qos.transport().listen_socket_buffer_size = 4 << 20;
+    return qos;
+  }
   template <typename Support>
   fast::Topic* make_topic(const std::string& topic, const std::string& type) {
     fast::TypeSupport support(new Support());

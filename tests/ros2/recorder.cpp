@@ -34,7 +34,7 @@ constexpr std::int64_t kPeriod = 20'000'000;  // [ns]
 class RawType : public fast::TopicDataType {
  public:
   RawType() {
-    m_typeSize = 1 << 22;
+    m_typeSize = 1 << 10;  // to begin with
     m_isGetKeyDefined = false;
   }
   bool serialize(void*, SerializedPayload_t*) override { return false; }
@@ -121,7 +121,8 @@ class Driver {
   fast::DataWriter* writer_ = nullptr;
 };
 
-void drive(Driver& driver, const Record& record) {
+void drive(Driver& driver, const Record& record, bool by_clock) {
+  while (by_clock && record.clock() < 0) std::this_thread::sleep_for(std::chrono::milliseconds(1));
   double vx = 0.0;
   double vy = 0.0;
   double omega = 0.0;
@@ -130,8 +131,8 @@ void drive(Driver& driver, const Record& record) {
     for (; count > 0; --count) {
       const std::int64_t before = record.clock();
       driver.send(vx, vy, omega);
-      if (before < 0) std::this_thread::sleep_for(std::chrono::nanoseconds(kPeriod));
-      while (before >= 0 && record.clock() < before + kPeriod) {
+      if (!by_clock) std::this_thread::sleep_for(std::chrono::nanoseconds(kPeriod));
+      while (by_clock && record.clock() < before + kPeriod) {
         std::this_thread::sleep_for(std::chrono::microseconds(200));
       }
     }
@@ -142,6 +143,7 @@ int run(const std::vector<std::string>& arguments) {
   Record record(arguments[1]);
   Node node(static_cast<unsigned>(std::stoul(arguments[0])));
   std::unique_ptr<Driver> driver;
+  bool by_clock = false;
   std::vector<std::unique_ptr<Topic>> topics;
   for (std::size_t i = 2; i < arguments.size(); ++i) {
     if (arguments[i].starts_with("--drive")) {
@@ -152,6 +154,7 @@ int run(const std::vector<std::string>& arguments) {
     const std::size_t equals = arguments[i].find('=');
     const bool kept = arguments[i].ends_with('!');
     const std::string name = arguments[i].substr(0, equals);
+    by_clock = by_clock || name == "/clock";
     topics.push_back(std::make_unique<Topic>(name, record));
     node.record<RawType>(name, arguments[i].substr(equals + 1, arguments[i].size() - equals - 1 - (kept ? 1 : 0)), kept,
                          *topics.back());
@@ -167,12 +170,12 @@ int run(const std::vector<std::string>& arguments) {
   std::puts(all_matched() ? "ready" : "not matched");
   std::fflush(stdout);
   if (driver) {
-    drive(*driver, record);
+    drive(*driver, record, by_clock);
   } else {
     std::string line;
     while (std::getline(std::cin, line)) continue;
   }
-  std::this_thread::sleep_for(std::chrono::milliseconds(300));
+  std::this_thread::sleep_for(std::chrono::milliseconds(1000));
   return 0;
 }
 

@@ -64,6 +64,7 @@ Library load() {
   find(handle, found.dds_return_loan, "dds_return_loan");
   find(handle, found.dds_takecdr, "dds_takecdr");
   find(handle, found.dds_write, "dds_write");
+  find(handle, found.dds_wait_for_acks, "dds_wait_for_acks");
   find(handle, found.dds_get_guid, "dds_get_guid");
   find(handle, found.dds_strretcode, "dds_strretcode");
   find(handle, found.dds_free, "dds_free");

@@ -43,6 +43,7 @@ struct Library {
   decltype(&::dds_return_loan) dds_return_loan;
   decltype(&::dds_takecdr) dds_takecdr;
   decltype(&::dds_write) dds_write;
+  decltype(&::dds_wait_for_acks) dds_wait_for_acks;
   decltype(&::dds_get_guid) dds_get_guid;
   decltype(&::dds_strretcode) dds_strretcode;
   decltype(&::dds_free) dds_free;

@@ -199,6 +199,10 @@ void Node::publish(Handle publisher, const Payload& payload) {
   checked(library().dds_write(parts_[publisher.index]->entity, &payload), "a message was not sent");
 }
 
+void Node::wait_until_received(Handle publisher, Duration wall) {
+  (void)library().dds_wait_for_acks(parts_[publisher.index]->entity, wall.count());  // some may be gone
+}
+
 std::size_t Node::peers(Handle endpoint) {
   const Part& part = *parts_[endpoint.index];
   const auto count = part.publishes ? library().dds_get_matched_subscriptions(part.entity, nullptr, 0)

@@ -17,6 +17,7 @@
 #include "ros2/discovery.hpp"
 #include "ros2/endpoint.hpp"
 #include "ros2/messages/system_msgs.hpp"
+#include "threewe/core/time.hpp"
 
 namespace threewe::ros2 {
 
@@ -64,6 +65,8 @@ class Node {
   Handle subscribe(const std::string& topic, std::string_view type, const Qos& qos, Receiver receiver);
   /// Sends a message of the endpoint's type.
   void publish(Handle publisher, const Payload& payload);
+  /// Waits until reliable subscriptions have all that was sent, for this long [wall] at most.
+  void wait_until_received(Handle publisher, Duration wall);
   /// How many subscriptions a publisher has, or publishers a subscription.
   std::size_t peers(Handle endpoint);
 

@@ -14,6 +14,7 @@ namespace threewe::ros2 {
 namespace {
 
 constexpr Duration kWatchdog = 500ms;  // as that of ROS 2's diff_drive_controller
+constexpr int kImagesAhead = 20;       // that lockstep sends before it waits until all have been received
 constexpr const char* kMapFrame = "map";
 constexpr const char* kFootprintFrame = "base_footprint";
 constexpr Distribution kLayout = Distribution::jazzy;  // as the hashes say that our endpoints have
@@ -81,12 +82,15 @@ std::string without_ending(std::string text, std::string_view ending) {
 }  // namespace
 
 ServedRobot::ServedRobot(backend::World& world, const backend::TruthService& truth, std::size_t index,
-                         const std::string& name_space, bool with_map, const Discovery& discovery, Bell& bell)
+                         const std::string& name_space, const ServeOptions& options, const Discovery& discovery,
+                         Bell& bell)
     : port_(world.robot(index)),
       truth_(truth.truth(index)),
       profile_(port_.profile()),
       name_space_(name_space),
-      with_map_(with_map),
+      with_map_(options.map),
+      in_lockstep_(options.lockstep),
+      depth_(options.lockstep ? 200 : 10),
       odom_frame_(profile_.link ? profile_.link->odom_frame : "odom"),
       base_frame_(profile_.link ? profile_.link->base_frame : "base_link"),
       watchdog_(profile_.link ? profile_.link->stopped_after : kWatchdog),
@@ -94,8 +98,8 @@ ServedRobot::ServedRobot(backend::World& world, const backend::TruthService& tru
       node_(discovery, name_space.empty() ? "/" : name_space, "simulator") {
   port_.connect();
   for (const SensorInfo& sensor : port_.features().sensors) outlets_.push_back(advertise(sensor));
-  transforms_ = node_.advertise(name_space_ + "/tf", tf2_msgs::TFMessage::kType, {.depth = 100});
-  if (index == 0) clock_ = node_.advertise("/clock", rosgraph_msgs::Clock::kType, {.depth = 10});
+  transforms_ = node_.advertise(name_space_ + "/tf", tf2_msgs::TFMessage::kType, {.depth = std::max(depth_, 100)});
+  if (index == 0) clock_ = node_.advertise("/clock", rosgraph_msgs::Clock::kType, {.depth = depth_});
 
   const Node::Handle fixed = node_.advertise(name_space_ + "/tf_static", tf2_msgs::TFMessage::kType, kKept);
   send(fixed, fixed_frames(profile_, base_frame_));
@@ -132,20 +136,23 @@ std::string ServedRobot::topic_of(const SensorInfo& sensor) const {
 }
 
 ServedRobot::Outlets ServedRobot::advertise(const SensorInfo& sensor) {
+  const int image_depth = in_lockstep_ ? 2 * kImagesAhead : 5;
   Outlets outlets;
   outlets.frame = frame_of(sensor, base_frame_);
   const std::string topic = without_ending(topic_of(sensor), "/compressed");
-  outlets.main = node_.advertise(topic, type_name(sensor.type), {.depth = 10});
+  outlets.main = node_.advertise(topic, type_name(sensor.type),
+                                 {.depth = sensor.type == SensorType::camera ? image_depth : depth_});
   if (sensor.type != SensorType::camera) return outlets;
-  outlets.compressed = node_.advertise(topic + "/compressed", sensor_msgs::CompressedImage::kType, {.depth = 5});
-  outlets.info = node_.advertise(folder_of(topic) + "/camera_info", sensor_msgs::CameraInfo::kType, {.depth = 5});
+  outlets.compressed =
+      node_.advertise(topic + "/compressed", sensor_msgs::CompressedImage::kType, {.depth = image_depth});
+  outlets.info = node_.advertise(folder_of(topic) + "/camera_info", sensor_msgs::CameraInfo::kType, {.depth = depth_});
   if (!profile_.camera->depth) return outlets;
   std::string depth = folder_of(topic) + "/depth/image_raw";
   if (profile_.link) {
     const auto known = std::ranges::find(profile_.link->topics, "depth", &TopicSpec::sensor);
     if (known != profile_.link->topics.end()) depth = name_space_ + known->topic;
   }
-  outlets.depth = node_.advertise(depth, sensor_msgs::Image::kType, {.depth = 5});
+  outlets.depth = node_.advertise(depth, sensor_msgs::Image::kType, {.depth = image_depth});
   return outlets;
 }
 
@@ -227,12 +234,19 @@ void ServedRobot::send(const Sample& sample) {
   }
 }
 
-// Images that nobody receives are neither drawn nor compressed.
+// Images that are not received are neither drawn nor compressed.
 void ServedRobot::send_picture(const Outlets& outlets, const std_msgs::Header& header, const Picture& picture) {
+  constexpr Duration kPatience = 1s;
+  const bool wait = in_lockstep_ && ++pictures_ % kImagesAhead == 0;
+  const auto send_image = [&](std::optional<Node::Handle> outlet, auto make) {
+    if (!outlet || node_.peers(*outlet) == 0) return;
+    send(outlet, make(picture.image(), header));
+    if (wait) node_.wait_until_received(*outlet, kPatience);
+  };
   send(outlets.info, to_message(profile_.camera->intrinsics(), header));
-  if (node_.peers(*outlets.main) > 0) send(outlets.main, color_message(picture.image(), header));
-  if (node_.peers(*outlets.compressed) > 0) send(outlets.compressed, compressed_message(picture.image(), header));
-  if (outlets.depth && node_.peers(*outlets.depth) > 0) send(outlets.depth, depth_message(picture.image(), header));
+  send_image(outlets.main, color_message);
+  send_image(outlets.compressed, compressed_message);
+  send_image(outlets.depth, depth_message);
 }
 
 void ServedRobot::send_transforms(const Sample& sample, const Odometry& odometry) {

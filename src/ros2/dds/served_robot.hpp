@@ -8,6 +8,7 @@
 #include <string>
 
 #include "ros2/dds/node.hpp"
+#include "ros2/serve.hpp"
 #include "threewe/backend/world.hpp"
 #include "threewe/scene/truth_view.hpp"
 
@@ -24,7 +25,7 @@ class ServedRobot {
  public:
   /// `index` is the robot's in its world, `name_space` empty or such as "/robot_1".
   ServedRobot(backend::World& world, const backend::TruthService& truth, std::size_t index,
-              const std::string& name_space, bool with_map, const Discovery& discovery, Bell& bell);
+              const std::string& name_space, const ServeOptions& options, const Discovery& discovery, Bell& bell);
 
   /// Drives at the last command that came, for as long as it holds from now on.
   void drive(Time now);
@@ -58,12 +59,14 @@ class ServedRobot {
   const scene::TruthView& truth_;
   const RobotProfile& profile_;
   const std::string name_space_;
-  const bool with_map_;
+  const bool with_map_, in_lockstep_;
+  const int depth_;  // of small messages: in lockstep none is lost
   const std::string odom_frame_, base_frame_;
   const Duration watchdog_;
   Bell& bell_;
   std::deque<Velocity> commands_;  // behind the bell's mutex
-  std::vector<Outlets> outlets_;   // by the index of the sensor
+  int pictures_ = 0;
+  std::vector<Outlets> outlets_;  // by the index of the sensor
   std::optional<Node::Handle> clock_, transforms_;
   Node node_;  // last: receivers end before what they use
 };

@@ -48,7 +48,7 @@ class CycloneServer : public Server {
       : world_(std::move(world)), options_(options) {
     for (std::size_t i = 0; i < options.namespaces.size(); ++i) {
       robots_.push_back(
-          std::make_unique<ServedRobot>(*world_, truth, i, options.namespaces[i], options.map, our_discovery(), bell_));
+          std::make_unique<ServedRobot>(*world_, truth, i, options.namespaces[i], options, our_discovery(), bell_));
     }
   }
 
