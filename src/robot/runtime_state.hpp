@@ -32,7 +32,8 @@ struct Runtime::State {
   std::unique_ptr<nav::Navigator> navigator;
   Senses senses;
   perception::Perception perception;
-  Duration waited{};  // for sensors at fault, which the navigator does not notice
+  Duration waited{};    // for sensors at fault, which the navigator does not notice
+  Time last_arrival{};  // of any sample
   slam::PoseEstimate estimate;
   std::optional<HeldVelocity> held;
   safety::GateState gate;
@@ -53,6 +54,7 @@ struct Runtime::State {
         senses(other.senses),
         perception(other.perception),
         waited(other.waited),
+        last_arrival(other.last_arrival),
         estimate(other.estimate),
         held(other.held),
         gate(other.gate),
@@ -135,6 +137,8 @@ struct Runtime::Impl {
 
 /// [robot time] that a motion waits for a sensor in trouble before it fails.
 inline constexpr Duration kSensorPatience = 10s;
+// How long nothing at all may arrive before the robot counts as out of reach: what it was commanded to do then ends.
+inline constexpr Duration kLinkPatience = 250ms;
 
 /// A port stops the robot when the runtime falls silent for so long.
 inline constexpr Duration kCommandLifetime = 200ms;

@@ -74,14 +74,22 @@ Velocity Runtime::Impl::request() {
   return motion ? steer() : held_velocity();
 }
 
-// Stands still until a sensor is sound again, or for so long that there is no hope.
+// Stands still until a sensor is sound again, or for so long that there is no hope. Where not one sensor delivers the
+// robot is out of reach: it must not start by itself when it is back.
 Velocity Runtime::Impl::wait_for(const SensorHealth& sensor) {
   (void)held_velocity();  // which may expire meanwhile
+  const bool out_of_reach = now() - state->last_arrival >= kLinkPatience;
+  if (out_of_reach && std::exchange(state->held, std::nullopt)) {
+    warn("robot '" + port.profile().name + "' is out of reach: it stands still until it is commanded anew");
+  }
   state->waited += kControlPeriod;
   if (!motion || motion->stands_by) return {};
   motion->decision = {};
-  if (now() - sensor.since >= kSensorPatience)
+  if (out_of_reach) {
+    motion->given_up = "no sensor has delivered for " + in_seconds(kLinkPatience) + ": the robot is out of reach";
+  } else if (now() - sensor.since >= kSensorPatience) {
     motion->given_up = in_words(sensor, "has been") + " for " + in_seconds(kSensorPatience);
+  }
   return {};
 }
 
@@ -148,6 +156,7 @@ nav::Observation Runtime::Impl::observation() const {
 std::vector<Sample> Runtime::Impl::perceive() {
   std::vector<Sample> samples = port.poll();
   std::vector<const Sample*> usable;
+  if (!samples.empty()) state->last_arrival = now();
   for (const Sample& sample : samples) {
     check_kind(port.features().sensors, sample);
     if (!state->perception.examine(perception_model, sample)) continue;

@@ -210,6 +210,32 @@ TEST_CASE("a sensor that falls silent stops the robot, and in the end the motion
   }
 }
 
+TEST_CASE("a robot that was out of reach does not start again by itself") {
+  Driving d;
+  auto& silent = d.toy.port().silent;
+  silent.assign(silent.size(), true);
+  const MoveResult result = d.robot.wait(d.motion);
+  CHECK(result.reason == Reason::fault);
+  CHECK(result.detail.find("out of reach") != std::string::npos);
+  silent.assign(silent.size(), false);
+  d.robot.sleep(1.0);
+  d.robot.set_velocity(0.1, 0.0, 0.0, 60.0);
+  d.robot.sleep(0.2);
+  CHECK(d.toy.port().commands.back().vx > 0.0);
+
+  silent.assign(silent.size(), true);
+  d.robot.sleep(1.0);
+  silent.assign(silent.size(), false);
+  for (int i = 0; i < 10; ++i) {
+    d.robot.sleep(0.2);
+    CHECK(d.toy.port().commands.back() == Velocity{});
+  }
+  CHECK(d.warnings.mentioning("out of reach") == 1);
+  d.robot.set_velocity(0.1, 0.0, 0.0);
+  d.robot.sleep(0.1);
+  CHECK(d.toy.port().commands.back().vx > 0.0);
+}
+
 TEST_CASE("a runtime that is gone leaves a robot that stands still") {
   ToyWorld backend;
   ToyPort& port = backend.robot(0);
