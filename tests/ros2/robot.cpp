@@ -1,6 +1,10 @@
 // Stand-in for a robot with micro-ROS: another process, on another DDS, with the embedded simulator as its body.
 //
-//   ros2_robot DOMAIN [--profile NAME] [--scene NAME] [--seed N] [--jazzy] [--camera] [--mute TOPIC]
+//   ros2_robot DOMAIN [--profile NAME] [--scene NAME] [--seed N] [--pose X,Y,THETA] [--jazzy] [--camera] [--mute TOPIC]
+//              [--delay S] [--jitter S] [--loss SHARE]
+//
+// Each message in either direction takes `delay` +- `jitter`, so that some overtake others, or is lost. SIGUSR1 cuts
+// the link, SIGUSR2 mends it.
 //
 // It takes velocities on /cmd_vel, and stops 200 ms after the last. When nobody drives it any more it is put back to
 // where it started. It prints a line when it is ready, and what is true of it when it is told to end.
@@ -13,12 +17,16 @@
 #include <map>
 #include <mutex>
 #include <optional>
+#include <queue>
+#include <random>
 #include <string>
 #include <string_view>
 #include <thread>
 #include <utility>
 #include <variant>
 #include <vector>
+
+#include <fmt/format.h>
 
 #include "node.hpp"
 #include "robotPubSubTypes.h"
@@ -36,6 +44,7 @@ constexpr Pose2D kTheirsFromStart{3.0, -2.0, 1.2};
 constexpr Time kUptime = 5000s;
 
 std::atomic<bool> g_ended = false;
+std::atomic<bool> g_cut = false;
 
 struct Options {
   unsigned domain = 0;
@@ -43,6 +52,10 @@ struct Options {
   std::string scene = "office_v2";
   std::string mute;
   std::uint64_t seed = 0;
+  std::optional<Pose2D> pose;
+  double delay = 0.0;   // [s]
+  double jitter = 0.0;  // [s]
+  double loss = 0.0;    // share of the messages
   bool jazzy = false;
   bool camera = false;
 };
@@ -64,6 +77,18 @@ Options parse(int count, char** arguments) {
       options.scene = arguments[i];
     } else if (name == "--seed") {
       options.seed = std::stoull(arguments[i]);
+    } else if (name == "--delay") {
+      options.delay = std::stod(arguments[i]);
+    } else if (name == "--jitter") {
+      options.jitter = std::stod(arguments[i]);
+    } else if (name == "--loss") {
+      options.loss = std::stod(arguments[i]);
+    } else if (name == "--pose") {
+      Pose2D pose;
+      if (std::sscanf(arguments[i], "%lf,%lf,%lf", &pose.x, &pose.y, &pose.theta) != 3) {
+        throw std::runtime_error("a pose is X,Y,THETA");
+      }
+      options.pose = pose;
     } else if (name == "--mute") {
       options.mute = arguments[i];
     } else {
@@ -73,18 +98,95 @@ Options parse(int count, char** arguments) {
   return options;
 }
 
+/// A link that delays, loses and reorders messages, in one direction. Any thread may send; one delivers.
+class Link {
+ public:
+  Link(const Options& options, unsigned direction)
+      : options_(options), random_(static_cast<unsigned>(options.seed) * 2 + direction) {}
+  void send(std::function<void()> deliver) {
+    const std::scoped_lock lock(mutex_);
+    if (g_cut || std::bernoulli_distribution(options_.loss)(random_)) return;
+    const double late = std::uniform_real_distribution(-1.0, 1.0)(random_) * options_.jitter + options_.delay;
+    const auto due = Clock::now() + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(late));
+    messages_.push({due, std::move(deliver)});
+  }
+  /// What is due.
+  void deliver() {
+    for (;;) {
+      std::function<void()> next;
+      {
+        const std::scoped_lock lock(mutex_);
+        if (messages_.empty() || messages_.top().due > Clock::now()) return;
+        next = messages_.top().deliver;
+        messages_.pop();
+      }
+      if (!g_cut) next();
+    }
+  }
+
+ private:
+  struct Message {
+    Clock::time_point due;
+    std::function<void()> deliver;
+    bool operator<(const Message& other) const { return due > other.due; }
+  };
+  const Options& options_;
+  std::mutex mutex_;
+  std::mt19937 random_;
+  std::priority_queue<Message> messages_;
+};
+
+/// What the base did each time that the link was cut.
+class Cuts {
+ public:
+  /// At each step, with whether the base is commanded to move.
+  void note(bool moving) {
+    const auto now = Clock::now();
+    const bool cut = g_cut;
+    if (cut && !was_cut_) cuts_.push_back({now});
+    if (!cut && was_cut_) mended_ = now;
+    was_cut_ = cut;
+    if (cuts_.empty()) return;
+    if (cut && moving) cuts_.back().last_moving = now;
+    if (!cut && moving && now - mended_ < kUntouched) cuts_.back().started = true;
+  }
+  std::string json() const {
+    std::string text;
+    for (const Cut& cut : cuts_) {
+      const double seconds = std::chrono::duration<double>(cut.last_moving - cut.begin).count();
+      text += fmt::format(R"({}{{"moving_for": {:.4f}, "started": {}}})", text.empty() ? "" : ", ",
+                          std::max(seconds, 0.0), cut.started);
+    }
+    return "[" + text + "]";
+  }
+
+ private:
+  static constexpr auto kUntouched = std::chrono::milliseconds(700);  // after it is mended
+  struct Cut {
+    Clock::time_point begin;
+    Clock::time_point last_moving{};
+    bool started = false;
+  };
+  std::vector<Cut> cuts_;
+  Clock::time_point mended_{};
+  bool was_cut_ = false;
+};
+
 /// The last velocity that came, until the watchdog takes it away.
 class Commands : public fast::DataReaderListener {
  public:
+  explicit Commands(Link& link) : link_(link) {}
   void on_data_available(fast::DataReader* reader) override {
     geometry_msgs::msg::dds_::Twist_ twist;
     fast::SampleInfo info;
     while (reader->take_next_sample(&twist, &info) == eprosima::fastrtps::types::ReturnCode_t::RETCODE_OK) {
       if (!info.valid_data) continue;
-      const std::scoped_lock lock(mutex_);
-      velocity_ = {twist.linear().x(), twist.linear().y(), twist.angular().z()};
-      arrived_ = Clock::now();
-      ++count_;
+      link_.send([this, velocity = Velocity{twist.linear().x(), twist.linear().y(), twist.angular().z()}] {
+        const std::scoped_lock lock(mutex_);
+        velocity_ = velocity;
+        arrived_ = Clock::now();
+        ++count_;
+      });
     }
   }
   void on_subscription_matched(fast::DataReader*, const fast::SubscriptionMatchedStatus& status) override {
@@ -101,6 +203,7 @@ class Commands : public fast::DataReaderListener {
   }
 
  private:
+  Link& link_;
   std::mutex mutex_;
   Velocity velocity_;
   Clock::time_point arrived_{};
@@ -289,6 +392,7 @@ void run(const Options& options) {
   world_options.scene = options.scene;
   world_options.robots = {options.profile};
   world_options.seed = options.seed;
+  if (options.pose) world_options.poses = {*options.pose};
   const auto world = backend::make_world("mock", world_options);
   const scene::TruthView& truth = world->truth_service()->truth(0);
   backend::RobotPort& port = world->robot(0);
@@ -296,7 +400,10 @@ void run(const Options& options) {
 
   Node node(options.domain);
   Publications publications(node, port.features(), options);
-  Commands commands;
+  Link inbound(options, 0);
+  Link outbound(options, 1);
+  Commands commands(inbound);
+  Cuts cuts;
   node.subscribe<geometry_msgs::msg::dds_::Twist_PubSubType>("/cmd_vel", "geometry_msgs::msg::dds_::Twist_", commands);
   Graph graph;
   node.join_graph<rmw_dds_common::msg::dds_::ParticipantEntitiesInfo_PubSubType>(
@@ -309,17 +416,23 @@ void run(const Options& options) {
   while (!g_ended) {
     const Time next = world->now() + kControlPeriod / 4;  // 5 ms, as readings of 100 Hz should not come in pairs
     std::this_thread::sleep_until(origin + next);
-    port.command(commands.velocity(), next + kControlPeriod);
+    inbound.deliver();
+    const Velocity velocity = commands.velocity();
+    cuts.note(velocity != Velocity{});
+    port.command(velocity, next + kControlPeriod);
     world->advance_to(next);
-    for (const Sample& sample : port.poll()) publications.publish(sample);
+    for (Sample& sample : port.poll()) {
+      outbound.send([&publications, message = std::move(sample)] { publications.publish(message); });
+    }
+    outbound.deliver();
     if (std::exchange(driven, commands.drivers() > 0) && !driven) world->teleport(0, truth.start_pose());
   }
   const Pose2D pose = inverse(truth.start_pose()) * truth.true_pose();
   std::printf(
-      R"({"pose": [%.4f, %.4f, %.4f], "max_collision_speed": %.4f, "commands": %llu, "speed": %.4f, "nodes": %s})"
+      R"({"pose": [%.4f, %.4f, %.4f], "max_collision_speed": %.4f, "commands": %llu, "speed": %.4f, "nodes": %s, "cuts": %s})"
       "\n",
       pose.x, pose.y, pose.theta, truth.max_collision_speed(), static_cast<unsigned long long>(commands.count()),
-      norm({truth.true_velocity().vx, truth.true_velocity().vy}), graph.json().c_str());
+      norm({truth.true_velocity().vx, truth.true_velocity().vy}), graph.json().c_str(), cuts.json().c_str());
 }
 
 }  // namespace
@@ -327,11 +440,14 @@ void run(const Options& options) {
 int main(int count, char** arguments) {
   if (count < 2) {
     std::fputs(
-        "usage: ros2_robot DOMAIN [--profile NAME] [--scene NAME] [--seed N] [--jazzy] [--camera] [--mute TOPIC]\n",
+        "usage: ros2_robot DOMAIN [--profile NAME] [--scene NAME] [--seed N] [--pose X,Y,THETA] [--jazzy] [--camera]\n"
+        "                  [--mute TOPIC] [--delay S] [--jitter S] [--loss SHARE]\n",
         stderr);
     return 2;
   }
   std::signal(SIGTERM, [](int) { g_ended = true; });
+  std::signal(SIGUSR1, [](int) { g_cut = true; });
+  std::signal(SIGUSR2, [](int) { g_cut = false; });
   std::signal(SIGINT, [](int) { g_ended = true; });
   try {
     run(parse(count, arguments));
