@@ -16,7 +16,7 @@ ROOT = Path(__file__).resolve().parent.parent.parent
 BUILD = ROOT / "build" / "fuzz"
 CORPUS = Path(__file__).parent / "corpus"
 
-NATIVE = ("scene", "object", "profile", "randomization", "map", "slam", "readings", "journal", "command")
+NATIVE = ("scene", "object", "profile", "randomization", "map", "slam", "readings", "journal", "command", "message")
 """Formats that are read in C++: <format>_fuzzer.cpp."""
 
 FORMATS = (*NATIVE, *python_fuzzer.FORMATS)

@@ -3,6 +3,8 @@
 All of it is in real time: what is compared are places and outcomes, not durations.
 """
 
+import math
+import re
 import shutil
 import signal
 import subprocess
@@ -123,6 +125,39 @@ def test_ranges_and_pictures_come_too(network: pytest.MonkeyPatch, tmp_path: Pat
             assert np.abs(image[..., ::-1].astype(float) - expected).mean() > 1.5 * off
 
 
+def test_transforms_jpegs_and_stamped_commands_do_too(network: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    """As a TurtleBot 4: odometry in /tf alone, compressed pictures, TwistStamped."""
+    network.setenv("ROS_DOMAIN_ID", str(FIRST_DOMAIN + 2))
+    profile = tmp_path / "turtlebot4.yaml"
+    yaml = threewe.RobotProfile.load("3we_standard_v2").yaml
+    camera = "    camera: {topic: /camera/image_raw/compressed, type: sensor_msgs/msg/CompressedImage}\n"
+    for old, new in (
+        (
+            "odometry: {topic: /odom, type: nav_msgs/msg/Odometry}",
+            "odometry: {topic: /tf, type: tf2_msgs/msg/TFMessage}",
+        ),
+        ("geometry_msgs/msg/Twist}", "geometry_msgs/msg/TwistStamped}"),
+        ("  command: {topic", camera + "  command: {topic"),
+    ):
+        assert old in yaml
+        yaml = yaml.replace(old, new)
+    profile.write_text(yaml)
+    with threewe.sync.Robot(backend="mock") as simulated:
+        expected = simulated.get_camera_image()
+    turtlebot = RealRobot(FIRST_DOMAIN + 2, "--turtlebot4")
+    with turtlebot as other, threewe.sync.Robot(backend="real", hardware=str(profile)) as robot:
+        image = robot.get_camera_image()
+        assert np.abs(image.astype(float) - expected).mean() < 8.0
+        result = robot.move_to(1.0, 0.4)
+        assert result.success, result
+        odometry = robot.get_odometry().pose
+        other.process.terminate()  # before it is put back
+        other.process.wait(30)
+    assert abs(odometry.x - other.truth["pose"][0]) < 0.1
+    assert abs(odometry.y - other.truth["pose"][1]) < 0.1
+    assert math.hypot(other.truth["pose"][0] - 1.0, other.truth["pose"][1] - 0.4) < 0.3
+
+
 @pytest.mark.usefixtures("played")
 def test_the_graph_shows_the_robot_and_us() -> None:
     with threewe.sync.Robot(backend="real"):
@@ -220,6 +255,17 @@ def test_without_the_library_one_error_names_the_package() -> None:
     assert "'real'" in run.stdout
     assert "backend 'real' needs Cyclone DDS 0.10.2: " in run.stderr
     assert "apt install cyclonedds-dev" in run.stderr
+
+
+def test_links_of_the_how_to_are_read(tmp_path: Path) -> None:
+    page = (Path(__file__).parents[2] / "docs/how-to-real-robot.md").read_text()
+    links = re.findall(r"```yaml\n# (\w+)\n(link:.*?)```", page, re.DOTALL)
+    assert len(links) == 3
+    for number, (name, link) in enumerate(links):
+        yaml = re.sub(r"\nlink:.*?(?=\n\S|\Z)", "", threewe.RobotProfile.load(name).yaml, flags=re.DOTALL)
+        file = tmp_path / f"robot_{number}.yaml"
+        file.write_text(f"{yaml}\n{link}")
+        Robot(backend="real", hardware=str(file))  # which does not connect yet
 
 
 def test_what_only_simulators_can_is_refused() -> None:

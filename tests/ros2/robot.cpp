@@ -1,8 +1,9 @@
 // Stand-in for a robot with micro-ROS: another process, on another DDS, with the embedded simulator as its body.
 //
 //   ros2_robot DOMAIN [--profile NAME] [--scene NAME] [--seed N] [--pose X,Y,THETA] [--jazzy] [--camera] [--mute TOPIC]
-//              [--delay S] [--jitter S] [--loss SHARE]
+//              [--turtlebot4] [--delay S] [--jitter S] [--loss SHARE]
 //
+// As a TurtleBot 4 it takes TwistStamped, has its odometry in /tf alone, and sends JPEGs.
 // Each message in either direction takes `delay` +- `jitter`, so that some overtake others, or is lost. SIGUSR1 cuts
 // the link, SIGUSR2 mends it.
 //
@@ -27,6 +28,7 @@
 #include <vector>
 
 #include <fmt/format.h>
+#include <turbojpeg.h>
 
 #include "node.hpp"
 #include "robotPubSubTypes.h"
@@ -58,6 +60,7 @@ struct Options {
   double loss = 0.0;    // share of the messages
   bool jazzy = false;
   bool camera = false;
+  bool turtlebot4 = false;
 };
 
 Options parse(int count, char** arguments) {
@@ -67,6 +70,8 @@ Options parse(int count, char** arguments) {
     const std::string_view name = arguments[i];
     if (name == "--jazzy") {
       options.jazzy = true;
+    } else if (name == "--turtlebot4") {
+      options.turtlebot4 = options.camera = true;
     } else if (name == "--camera") {
       options.camera = true;
     } else if (++i == count) {
@@ -175,11 +180,13 @@ class Cuts {
 /// The last velocity that came, until the watchdog takes it away.
 class Commands : public fast::DataReaderListener {
  public:
-  explicit Commands(Link& link) : link_(link) {}
+  Commands(Link& link, bool stamped) : link_(link), stamped_(stamped) {}
   void on_data_available(fast::DataReader* reader) override {
-    geometry_msgs::msg::dds_::Twist_ twist;
+    geometry_msgs::msg::dds_::TwistStamped_ message;
+    geometry_msgs::msg::dds_::Twist_& twist = message.twist();
     fast::SampleInfo info;
-    while (reader->take_next_sample(&twist, &info) == eprosima::fastrtps::types::ReturnCode_t::RETCODE_OK) {
+    void* const taken = stamped_ ? static_cast<void*>(&message) : static_cast<void*>(&twist);
+    while (reader->take_next_sample(taken, &info) == eprosima::fastrtps::types::ReturnCode_t::RETCODE_OK) {
       if (!info.valid_data) continue;
       link_.send([this, velocity = Velocity{twist.linear().x(), twist.linear().y(), twist.angular().z()}] {
         const std::scoped_lock lock(mutex_);
@@ -204,6 +211,7 @@ class Commands : public fast::DataReaderListener {
 
  private:
   Link& link_;
+  bool stamped_;
   std::mutex mutex_;
   Velocity velocity_;
   Clock::time_point arrived_{};
@@ -258,7 +266,8 @@ float as_rep_117(double range, double range_max) {
 /// Publishes what the simulated sensors deliver.
 class Publications {
  public:
-  Publications(Node& node, const backend::Features& features, const Options& options) : jazzy_(options.jazzy) {
+  Publications(Node& node, const backend::Features& features, const Options& options)
+      : jazzy_(options.jazzy), turtlebot4_(options.turtlebot4) {
     const std::string type = "sensor_msgs::msg::dds_::";
     for (const SensorInfo& sensor : features.sensors) {
       using namespace sensor_msgs::msg::dds_;
@@ -269,6 +278,11 @@ class Publications {
           case SensorType::lidar: writer = node.advertise<LaserScan_PubSubType>(topic, type + "LaserScan_"); break;
           case SensorType::imu: writer = node.advertise<Imu_PubSubType>(topic, type + "Imu_"); break;
           case SensorType::odometry:
+            if (turtlebot4_) {
+              writer =
+                  node.advertise<tf2_msgs::msg::dds_::TFMessage_PubSubType>("/tf", "tf2_msgs::msg::dds_::TFMessage_");
+              break;
+            }
             writer = node.advertise<nav_msgs::msg::dds_::Odometry_PubSubType>(topic, "nav_msgs::msg::dds_::Odometry_");
             break;
           case SensorType::battery:
@@ -278,7 +292,11 @@ class Publications {
             writer = jazzy_ ? node.advertise<RangeWithVariance_PubSubType>(topic, type + "Range_")
                             : node.advertise<Range_PubSubType>(topic, type + "Range_");
             break;
-          case SensorType::camera: writer = node.advertise<Image_PubSubType>(topic, type + "Image_"); break;
+          case SensorType::camera:
+            writer = turtlebot4_
+                         ? node.advertise<CompressedImage_PubSubType>(topic + "/compressed", type + "CompressedImage_")
+                         : node.advertise<Image_PubSubType>(topic, type + "Image_");
+            break;
         }
       }
       writers_.push_back(writer);
@@ -333,7 +351,8 @@ class Publications {
     message.linear_acceleration().z(imu.linear_acceleration[2]);
     writer.write(&message);
   }
-  static void send(fast::DataWriter& writer, Time measured, const Odometry& odometry) {
+  void send(fast::DataWriter& writer, Time measured, const Odometry& odometry) const {
+    if (turtlebot4_) return send_transform(writer, measured, kTheirsFromStart * odometry.pose);
     nav_msgs::msg::dds_::Odometry_ message;
     message.header(header(measured, "odom"));
     message.child_frame_id("base_link");
@@ -368,8 +387,39 @@ class Publications {
     if (jazzy_) return fill(sensor_msgs::msg::dds_::RangeWithVariance_());
     fill(sensor_msgs::msg::dds_::Range_());
   }
-  static void send(fast::DataWriter& writer, Time measured, const Picture& picture) {
+  /// After that of a wheel, as transforms of all kinds come together.
+  static void send_transform(fast::DataWriter& writer, Time measured, const Pose2D& pose) {
+    tf2_msgs::msg::dds_::TFMessage_ message;
+    message.transforms().resize(2);
+    message.transforms()[0].header(header(measured, "base_link"));
+    message.transforms()[0].child_frame_id("left_wheel");
+    message.transforms()[0].transform().rotation().w(1.0);
+    auto& odometry = message.transforms()[1];
+    odometry.header(header(measured, "odom"));
+    odometry.child_frame_id("base_link");
+    odometry.transform().translation().x(pose.x);
+    odometry.transform().translation().y(pose.y);
+    odometry.transform().rotation().z(std::sin(0.5 * pose.theta));
+    odometry.transform().rotation().w(std::cos(0.5 * pose.theta));
+    writer.write(&message);
+  }
+  static void send_jpeg(fast::DataWriter& writer, Time measured, const RGBDImage& image) {
+    unsigned char* data = nullptr;
+    unsigned long size = 0;
+    const tjhandle compressor = tjInitCompress();
+    const auto [width, height] = std::pair(image.intrinsics.width, image.intrinsics.height);
+    tjCompress2(compressor, image.color.data(), width, 3 * width, height, TJPF_BGR, &data, &size, TJSAMP_444, 95, 0);
+    sensor_msgs::msg::dds_::CompressedImage_ message;
+    message.header(header(measured, "camera"));
+    message.format("jpeg");
+    message.data().assign(data, data + size);
+    tjFree(data);
+    tjDestroy(compressor);
+    writer.write(&message);
+  }
+  void send(fast::DataWriter& writer, Time measured, const Picture& picture) const {
     const RGBDImage& image = picture.image();
+    if (turtlebot4_) return send_jpeg(writer, measured, image);
     sensor_msgs::msg::dds_::Image_ message;
     message.header(header(measured, "camera"));
     message.height(static_cast<std::uint32_t>(image.intrinsics.height));
@@ -384,6 +434,7 @@ class Publications {
   }
 
   bool jazzy_;
+  bool turtlebot4_;
   std::vector<fast::DataWriter*> writers_;  // null for one that is mute
 };
 
@@ -402,9 +453,14 @@ void run(const Options& options) {
   Publications publications(node, port.features(), options);
   Link inbound(options, 0);
   Link outbound(options, 1);
-  Commands commands(inbound);
+  Commands commands(inbound, options.turtlebot4);
   Cuts cuts;
-  node.subscribe<geometry_msgs::msg::dds_::Twist_PubSubType>("/cmd_vel", "geometry_msgs::msg::dds_::Twist_", commands);
+  using namespace geometry_msgs::msg::dds_;
+  if (options.turtlebot4) {
+    node.subscribe<TwistStamped_PubSubType>("/cmd_vel", "geometry_msgs::msg::dds_::TwistStamped_", commands);
+  } else {
+    node.subscribe<Twist_PubSubType>("/cmd_vel", "geometry_msgs::msg::dds_::Twist_", commands);
+  }
   Graph graph;
   node.join_graph<rmw_dds_common::msg::dds_::ParticipantEntitiesInfo_PubSubType>(
       "ros_discovery_info", "rmw_dds_common::msg::dds_::ParticipantEntitiesInfo_", graph);
@@ -441,7 +497,7 @@ int main(int count, char** arguments) {
   if (count < 2) {
     std::fputs(
         "usage: ros2_robot DOMAIN [--profile NAME] [--scene NAME] [--seed N] [--pose X,Y,THETA] [--jazzy] [--camera]\n"
-        "                  [--mute TOPIC] [--delay S] [--jitter S] [--loss SHARE]\n",
+        "                  [--turtlebot4] [--mute TOPIC] [--delay S] [--jitter S] [--loss SHARE]\n",
         stderr);
     return 2;
   }
