@@ -15,7 +15,7 @@ from real_robot import FIRST_DOMAIN, PROGRAM
 from threewe import ConfigError, _core
 
 pytest.importorskip("rosbags", reason="not shown: needs rosbags")
-from ros2_recording import Served, record, simulate
+from ros2_recording import PROGRAMS, ROOT, Served, dds_type, record, simulate
 
 pytestmark = [
     pytest.mark.skipif(not PROGRAM.exists(), reason="the recorder needs libfastrtps-dev and fastddsgen"),
@@ -170,6 +170,19 @@ def test_several_robots_have_namespaces(network: pytest.MonkeyPatch) -> None:
     scans = {endpoint.topic: endpoint.node for endpoint in found if endpoint.topic.endswith("/scan")}
     assert scans == {"/robot_1/scan": "/robot_1/simulator", "/robot_2/scan": "/robot_2/simulator"}
     assert [endpoint.topic for endpoint in found].count("/clock") == 1
+
+
+def test_messages_of_all_types_reach_another_dds_and_come_back(tmp_path: Path) -> None:
+    """Bytes of rosbags, written again by us, sent by Cyclone DDS, recorded by Fast DDS and sent back."""
+    domain = str(FIRST_DOMAIN + 2)
+    names = {kind.split("/")[-1]: kind for kind in _core.ros2_message_types()}
+    topics = [f"/types/{name}={dds_type(kind)}" for name, kind in names.items()]
+    echo = [str(PROGRAMS / "ros2_recorder"), domain, str(tmp_path / "record"), "--echo", *topics]
+    corpus = ROOT / "tests/fuzz/corpus/message"
+    with subprocess.Popen(echo, stdin=subprocess.PIPE, stdout=subprocess.DEVNULL) as other:
+        done = subprocess.run([PROGRAMS / "ros2_exchange", domain, corpus], capture_output=True, text=True, timeout=60)
+        other.terminate()
+    assert done.stdout == f"{len(names)} of {len(names)} types\n", done
 
 
 def serve(**changes: Any) -> None:

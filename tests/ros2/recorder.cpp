@@ -1,11 +1,13 @@
 // Recorder of ROS 2 topics on Fast DDS, and a driver: neither knows any code of ours.
 //
-//   ros2_recorder DOMAIN FILE [--drive TOPIC | --drive-stamped TOPIC] TOPIC=TYPE[!] ...
+//   ros2_recorder DOMAIN FILE [--drive TOPIC | --drive-stamped TOPIC] [--echo] TOPIC=TYPE[!] ...
 //
 // TYPE is as DDS has it, "sensor_msgs::msg::dds_::LaserScan_"; with ! it asks for what was published before. Payloads
 // go to FILE as they are: a line "TOPIC SIZE" and the bytes. It prints "ready" once all topics are matched. Each line
 // "VX VY OMEGA COUNT" of its input is published COUNT times, each time when the clock has gone on by 20 ms, or at 50 Hz
-// where /clock is not among the topics. It ends with its input.
+// where /clock is not among the topics. It ends with its input. With
+// --echo it publishes each message again, on TOPIC/back.
+#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <cstdio>
@@ -37,13 +39,18 @@ class RawType : public fast::TopicDataType {
     m_typeSize = 1 << 10;  // to begin with
     m_isGetKeyDefined = false;
   }
-  bool serialize(void*, SerializedPayload_t*) override { return false; }
+  bool serialize(void* data, SerializedPayload_t* payload) override {
+    const auto& bytes = *static_cast<Bytes*>(data);
+    std::copy(bytes.begin(), bytes.end(), payload->data);
+    payload->length = static_cast<std::uint32_t>(bytes.size());
+    return true;
+  }
   bool deserialize(SerializedPayload_t* payload, void* data) override {
     static_cast<Bytes*>(data)->assign(payload->data, payload->data + payload->length);
     return true;
   }
-  std::function<std::uint32_t()> getSerializedSizeProvider(void*) override {
-    return [] { return 0U; };
+  std::function<std::uint32_t()> getSerializedSizeProvider(void* data) override {
+    return [data] { return static_cast<std::uint32_t>(static_cast<Bytes*>(data)->size()); };
   }
   void* createData() override { return new Bytes(); }
   void deleteData(void* data) override { delete static_cast<Bytes*>(data); }
@@ -75,12 +82,15 @@ class Record {
 
 class Topic : public fast::DataReaderListener {
  public:
-  Topic(std::string name, Record& record) : name_(std::move(name)), record_(record) {}
+  Topic(std::string name, Record& record, fast::DataWriter* back)
+      : name_(std::move(name)), record_(record), back_(back) {}
   void on_data_available(fast::DataReader* reader) override {
     Bytes payload;
     fast::SampleInfo info;
     while (reader->take_next_sample(&payload, &info) == eprosima::fastrtps::types::ReturnCode_t::RETCODE_OK) {
-      if (info.valid_data) record_.add(name_, payload);
+      if (!info.valid_data) continue;
+      record_.add(name_, payload);
+      if (back_ != nullptr) back_->write(&payload);
     }
   }
   void on_subscription_matched(fast::DataReader*, const fast::SubscriptionMatchedStatus& status) override {
@@ -91,6 +101,7 @@ class Topic : public fast::DataReaderListener {
  private:
   std::string name_;
   Record& record_;
+  fast::DataWriter* back_;
   std::atomic<bool> matched_ = false;
 };
 
@@ -144,6 +155,7 @@ int run(const std::vector<std::string>& arguments) {
   Node node(static_cast<unsigned>(std::stoul(arguments[0])));
   std::unique_ptr<Driver> driver;
   bool by_clock = false;
+  bool echo = false;
   std::vector<std::unique_ptr<Topic>> topics;
   for (std::size_t i = 2; i < arguments.size(); ++i) {
     if (arguments[i].starts_with("--drive")) {
@@ -151,13 +163,18 @@ int run(const std::vector<std::string>& arguments) {
       driver = std::make_unique<Driver>(node, arguments.at(++i), stamped);
       continue;
     }
+    if (arguments[i] == "--echo") {
+      echo = true;
+      continue;
+    }
     const std::size_t equals = arguments[i].find('=');
     const bool kept = arguments[i].ends_with('!');
     const std::string name = arguments[i].substr(0, equals);
     by_clock = by_clock || name == "/clock";
-    topics.push_back(std::make_unique<Topic>(name, record));
-    node.record<RawType>(name, arguments[i].substr(equals + 1, arguments[i].size() - equals - 1 - (kept ? 1 : 0)), kept,
-                         *topics.back());
+    const std::string type = arguments[i].substr(equals + 1, arguments[i].size() - equals - 1 - (kept ? 1 : 0));
+    fast::DataWriter* back = echo ? node.advertise<RawType>(name + "/back", type, true) : nullptr;
+    topics.push_back(std::make_unique<Topic>(name, record, back));
+    node.record<RawType>(name, type, kept, *topics.back());
   }
   const auto all_matched = [&] {
     for (const auto& topic : topics) {
