@@ -226,7 +226,7 @@ def test_every_measurement_that_is_named_exists() -> None:
     benchmarks = {path.stem.removesuffix("_bench") for path in (ROOT / "benchmarks").glob("*_bench.*")}
     for page in PAGES:
         text = " ".join(page.read_text().split())
-        for area, experiment in re.findall(r'\./dev verify ([a-z]+)(?: --only "([^"]+)")?', text):
+        for area, experiment in re.findall(r'\./dev verify ([a-z0-9]+)(?: --only "([^"]+)")?', text):
             source = ROOT / "verify" / f"{area}.py"
             assert source.exists() or area == "claims", f"{page}: {area}"
             assert not experiment or experiment in source.read_text(), f"{page}: no {experiment!r} in {area}"
