@@ -20,7 +20,7 @@ from verify.harness import Case
 PROGRAM = ROOT / "build/dev/tests/ros2/ros2_robot"
 HARDWARE = "3we_standard_v2"
 MISSING = {"not_shown": "the stand-in needs libfastrtps-dev and fastddsgen"}
-FARTHEST = 2.0
+FARTHEST = 3.0
 """[m] of a drive's shortest path: all is in real time."""
 CUTS = 2
 """Of each case: finding each other takes seconds."""
