@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <utility>
 
-#include "env/clock.hpp"
 #include "hardware/limits.hpp"
 #include "models/lidar.hpp"
 #include "models/localization_error.hpp"
@@ -32,12 +31,14 @@ double farthest_way(const Options& options, const safety::GateModel& gate, const
 
 }  // namespace
 
-AgentModel make_agent_model(const Options& options) {
+AgentModel make_agent_model(const Options& options, const Clock& clock, bool localizes) {
   AgentModel model;
   model.profile = options.hardware;
   model.gate = safety::make_gate_model(options.data_sheet.value_or(model.profile));
   model.localization = options.localization;
   model.localization_model = options.localization_model;
+  model.scans = clock.scans;
+  model.localizes = localizes;
   if (options.gate == Gate::limits) model.gate.collision_monitor = false;
   if (model.gate.collision_monitor && !model.profile.lidar) {
     throw ConfigError(
@@ -48,7 +49,7 @@ AgentModel make_agent_model(const Options& options) {
     const LidarSpec& lidar = *model.profile.lidar;
     model.sight_model = safety::make_sight_model(options.data_sheet.value_or(model.profile), model.gate);
     model.approach = safety::make_approach_model(options.data_sheet.value_or(model.profile), model.gate);
-    model.scans = static_cast<std::size_t>(most_latency(options) * lidar.latency / lidar.turn) + 2;
+    model.scans_under_way = static_cast<std::size_t>(most_latency(options) * lidar.latency / lidar.turn) + 2;
     model.sight = farthest_way(options, model.gate, lidar) + norm(lidar.base_from_lidar.position()) +
                   model.gate.margin + model.gate.footprint.circumscribed_radius();
     model.beams = models::beams_of_points(lidar);
@@ -67,7 +68,7 @@ void Agent::begin(const AgentModel& model, bool others_move) {
   approach_.forget();
   others_move_ = others_move;
   localization_ = {};
-  scans_.resize(model.scans);
+  if (model.scans) scans_.resize(model.scans_under_way);
   taken_ = arrived_ = 0;
   turn_began_ = {};
   obstacles_.clear();
@@ -101,7 +102,7 @@ void Agent::end_turn(const AgentModel& model, const sim::RobotModel& robot, cons
 
 void Agent::perceive(const AgentModel& model, const sim::RobotState& state, Time now) {
   const Duration period = model.localization_model.period;
-  if (model.localization == Localization::noisy && now % period == Time::zero()) {
+  if (model.localizes && model.localization == Localization::noisy && now % period == Time::zero()) {
     models::correct_localization(model.localization_model, state.key(Stream::localization),
                                  static_cast<std::uint64_t>(now / period), inverse(state.start) * state.pose,
                                  odom_from_base(model, state), localization_);

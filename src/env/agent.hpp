@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "env/clock.hpp"
 #include "models/lidar.hpp"
 #include "models/localization_error.hpp"
 #include "safety/approach.hpp"
@@ -27,10 +28,13 @@ struct AgentModel {
   Localization localization{};
   models::LocalizationSpec localization_model;
   double sight = 0.0;                     ///< [m], points farther from the lidar than this can't concern the gate
-  std::size_t scans = 0;                  ///< that may be under way at once
+  bool scans = false;                     ///< something reads them, see `Clock::scans`
+  bool localizes = false;                 ///< something reads where the robot believes to be
+  std::size_t scans_under_way = 0;        ///< at once, at most
   std::vector<models::PointBeams> beams;  ///< that each point of a turn counts for; empty where point i is beam i
 };
-AgentModel make_agent_model(const Options& options);
+/// `localizes`: whether something reads where it believes to be.
+AgentModel make_agent_model(const Options& options, const Clock& clock, bool localizes);
 
 /// A turn of the lidar, complete, on its way to the robot.
 struct Scan {
@@ -62,8 +66,6 @@ class Agent {
   std::span<const float> scan(const AgentModel& model, std::span<float> beams) const;
   /// What the newest scan hit [m], from where the robot is now, by its wheels.
   std::vector<Vec2> hits(const AgentModel& model, const sim::RobotState& state) const;
-  /// [s]
-  double scan_age(Time now) const { return newest() ? to_seconds(now - newest()->end) : 0.0; }
 
  private:
   void look_around(const AgentModel& model, std::span<const float> ranges);

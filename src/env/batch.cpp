@@ -1,5 +1,6 @@
 #include "threewe/env/batch.hpp"
 
+#include <algorithm>
 #include <array>
 #include <new>
 #include <utility>
@@ -16,10 +17,16 @@ namespace threewe::env {
 
 Batch::Impl::Impl(Options wanted)
     : options(checked(std::move(wanted))),
-      agent_model(make_agent_model(options)),
       places(make_places(options)),
-      clock(make_clock(options, places.models.front()->robots.front())),
       task(options.task({places.tables, options.worlds, options.robots, options.hardware, options.control_period})),
+      fields(observation_fields(options, task->fields())),
+      task_fields(which_are_among(fields, task->fields())),
+      clock(make_clock(options, places.models.front()->robots.front(), *task)),
+      agent_model(make_agent_model(
+          options, clock,
+          options.observed.pose || task->reads_scan() || std::ranges::find(task_fields, true) != task_fields.end())),
+      measures_odometry(options.localization != Localization::truth &&
+                        (agent_model.localizes || agent_model.scans || options.observed.velocity)),
       metric_names(task->metrics()),
       workers(options.threads),
       scratch(options.threads) {
@@ -38,8 +45,6 @@ Batch::Impl::Impl(Options wanted)
   truncated.resize(rows);
   true_poses.resize(3 * rows);
   scan_ages.resize(rows);
-  const std::vector<task::Field> fields = observation_fields(options, task->fields());
-  task_fields = which_are_among(fields, task->fields());
   observations = make_arrays(fields, rows);
   final_observations = make_arrays(fields, options.autoreset == Autoreset::same_step ? rows : 0);
   prepare_scratch();
@@ -152,7 +157,11 @@ const std::vector<std::string>& Batch::metric_names() const { return impl_->metr
 std::span<const double> Batch::metrics() const { return impl_->metrics; }
 std::span<const double> Batch::final_metrics() const { return impl_->final_metrics; }
 std::span<const double> Batch::true_poses() const { return impl_->true_poses; }
-std::span<const double> Batch::scan_ages() const { return impl_->scan_ages; }
+std::span<const double> Batch::scan_ages() const {
+  std::ranges::transform(impl_->states, impl_->scan_ages.begin(),
+                         [this](const sim::RobotState& state) { return impl_->scan_age(state); });
+  return impl_->scan_ages;
+}
 std::string Batch::instruction_name() const { return impl_->task->instruction_name(); }
 
 EpisodeInfo Batch::episode(std::size_t world) const {

@@ -67,6 +67,8 @@ struct Batch::Impl {
   void observe(std::size_t world, std::vector<Array>& arrays, std::size_t part);
   TopView top_view(std::size_t world) const;
   task::Belief belief_of(std::size_t world, std::size_t robot, std::size_t part);
+  double scan_age(const sim::RobotState& state) const;
+  std::vector<Vec2> hits_around(std::size_t world, std::size_t robot) const;
 
   void check_actions(std::span<const float> asked) const;
   /// Calls `work(worlds, part)` for blocks of the worlds that are chosen, on all threads.
@@ -81,12 +83,14 @@ struct Batch::Impl {
 
   // never changes
   Options options;
-  AgentModel agent_model;
   Places places;
-  Clock clock;
   std::unique_ptr<task::Task> task;
+  std::vector<task::Field> fields;  // that are observed
+  std::vector<bool> task_fields;    // which of the task's fields are wanted
+  Clock clock;
+  AgentModel agent_model;
+  bool measures_odometry;  // something reads what the wheels say
   std::vector<std::string> metric_names;
-  std::vector<bool> task_fields;  // which of the task's fields are wanted
 
   // of each world
   std::vector<Episode> episodes;
@@ -105,7 +109,7 @@ struct Batch::Impl {
   std::vector<std::uint8_t> terminated;
   std::vector<std::uint8_t> truncated;
   std::vector<double> true_poses;
-  std::vector<double> scan_ages;
+  std::vector<double> scan_ages;  // when they were last asked for
   std::vector<Array> observations;
   std::vector<Array> final_observations;
 

@@ -33,7 +33,7 @@ bool draws(const models::Randomization& randomization, std::string_view knob) {
          std::ranges::any_of(randomization.interval, is_it);
 }
 
-Clock make_clock(const Options& options, const sim::RobotModel& robot) {
+Clock make_clock(const Options& options, const sim::RobotModel& robot, const task::Task& task) {
   Clock clock;
   clock.settle = first_complete(options.hardware);
   clock.period = steps(options.control_period);
@@ -41,14 +41,15 @@ Clock make_clock(const Options& options, const sim::RobotModel& robot) {
   if (options.hardware.lidar) clock.latency = steps(options.hardware.lidar->latency);
   const bool pictures = options.observed.image || options.observed.depth;
   if (!pictures && clock.turn % kTick == 0) clock.stride = kTick;
+  clock.scans = options.hardware.lidar && (options.gate == Gate::full || options.observed.lidar || task.reads_scan());
   clock.every_scan = options.gate == Gate::full || draws(options.randomization, "sensor_latency");
   return clock;
 }
 
 bool Clock::looks_at_scan_of(std::uint64_t step) const {
-  if (turn == 0) return false;
+  if (!scans) return false;
   const std::uint64_t arrives = rounded_up((step / turn + 1) * turn + latency, kTick);
-  // the first moment at which somebody looks that is not before
+  // the first moment at which something looks that is not before
   std::uint64_t look = settle;
   if (arrives > settle) look = every_scan ? arrives : settle + rounded_up(arrives - settle, period);
   return look < rounded_up((step / turn + 2) * turn + latency, kTick);

@@ -16,15 +16,16 @@ struct Clock {
   std::uint64_t turn = 0;     ///< of the lidar; 0 without
   std::uint64_t latency = 0;  ///< of the lidar
   std::uint64_t stride = 1;   ///< steps between which nothing is to be noticed, at most a control period of the robot
-  bool every_scan = false;    ///< somebody looks at each scan, not just at the newest at the end of a control step
+  bool scans = false;         ///< something reads scans
+  bool every_scan = false;    ///< and each of them, not just the newest at the end of a control step
 
-  /// Whether anybody will look at the scan of the turn that step number `step` (from 0) belongs to.
+  /// Whether anything will read the scan of the turn that step number `step` (from 0) belongs to.
   bool looks_at_scan_of(std::uint64_t step) const;
 };
 
 /// Whether a knob is drawn at any time.
 bool draws(const models::Randomization& randomization, std::string_view knob);
 
-Clock make_clock(const Options& options, const sim::RobotModel& robot);
+Clock make_clock(const Options& options, const sim::RobotModel& robot, const task::Task& task);
 
 }  // namespace threewe::env

@@ -95,14 +95,14 @@ void Batch::Impl::step_physics(Worlds worlds) {
                 robots_of(world),
                 std::span(commands).subspan(row(world), options.robots),
                 episodes[world].people,
-                {.lidar = looked_at, .imu = false, .ultrasonics = false}};
+                {.lidar = looked_at, .imu = false, .odometry = measures_odometry, .ultrasonics = false}};
   }
   sim::step(std::span(block).first(worlds.size()), static_cast<int>(clock.stride));
 
   for (std::size_t i = 0; i < worlds.size(); ++i) {
     const std::size_t world = worlds[i];
     const sim::Model& model = *block[i].model;
-    if (sim::scan_ready(model.robots[0], states[row(world)])) {
+    if (clock.scans && sim::scan_ready(model.robots[0], states[row(world)])) {
       for (std::size_t robot = 0; robot < options.robots; ++robot) {
         const std::size_t at = row(world, robot);
         agents[at].end_turn(agent_model, model.robots[robot], states[at], block[i].sensing.lidar);

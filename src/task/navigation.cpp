@@ -55,6 +55,7 @@ class Navigation final : public Task {
   }
 
   std::vector<Field> fields() const override { return {{"goal", Field::Type::float32, {2}, -kFarthest, kFarthest}}; }
+  bool reads_scan() const override { return false; }
   std::vector<std::string> metrics() const override {
     std::vector<std::string> names = {"success",       "spl",         "distance_to_goal",
                                       "shortest_path", "path_length", "collision_speed"};

@@ -20,6 +20,7 @@ class ObjectNavTask final : public Task {
   std::vector<Field> fields() const override {
     return {{"object_goal", Field::Type::float32, {kObjectGoals.size()}, 0.0, 1.0}};
   }
+  bool reads_scan() const override { return false; }
   std::vector<std::string> metrics() const override { return stop_metric_names(); }
   std::string instruction_name() const override { return "object_goal"; }
   std::string instruction(std::size_t world) const override {

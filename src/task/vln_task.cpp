@@ -23,6 +23,7 @@ class VlnTask final : public Task {
     return {{"instruction_tokens", Field::Type::int32, {language::kMostTokens}, 0.0, kMostWords},
             {"instruction_embedding", Field::Type::float32, {language::kEmbeddingSize}, -1.0, 1.0}};
   }
+  bool reads_scan() const override { return false; }
   std::vector<std::string> metrics() const override {
     std::vector<std::string> names = stop_metric_names();
     names.emplace_back("ndtw");

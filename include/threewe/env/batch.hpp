@@ -41,10 +41,11 @@ struct EpisodeInfo {
 
 /// A world from above, in the scene's frame: for pictures. Privileged.
 struct TopView {
-  std::vector<Pose2D> robots;           ///< where each robot truly is
-  std::vector<std::vector<Vec2>> hits;  ///< [m] what each robot's newest scan hit, from where it truly was
-  std::vector<scene::Circle> people;    ///< what people fill on the floor
-  task::DebugOverlay task;              ///< goals and ground of the task
+  std::vector<Pose2D> robots;  ///< where each robot truly is
+  /// [m] what each robot's newest scan hit, from where it truly was; where nothing reads scans, what stands around it.
+  std::vector<std::vector<Vec2>> hits;
+  std::vector<scene::Circle> people;  ///< what people fill on the floor
+  task::DebugOverlay task;            ///< goals and ground of the task
 };
 
 /// Worlds with one or more robots each, every one an environment of its own. A world's episode is a pure function of
@@ -93,7 +94,7 @@ class Batch {
   std::span<const double> final_metrics() const;  ///< (rows, names): the metrics at the end of the episodes before.
   /// (rows, 3): true pose in the scene's frame. Privileged.
   std::span<const double> true_poses() const;
-  /// (rows,) [s] since the newest scan was complete.
+  /// (rows,) [s] since the newest scan was complete; valid until they are asked for again.
   std::span<const double> scan_ages() const;
 
   // Of one world. They throw ContractError where there is no such world, or no such robot in it.

@@ -113,6 +113,9 @@ class Task {
                      std::span<Pose2D> starts) = 0;
   /// The end of a control step, for all robots of a world.
   virtual void step(std::size_t world, std::span<const TaskState> robots, std::span<Outcome> outcomes) = 0;
+  /// Whether `update` or `observe` reads the scan of a belief: where nothing else does, no scan is made, and it is
+  /// empty.
+  virtual bool reads_scan() const { return true; }
   /// What a robot believes at the end of a control step, or as an episode begins: called for all robots of a world
   /// before any of them observes.
   virtual void update(std::size_t /*world*/, const Belief& /*belief*/) {}

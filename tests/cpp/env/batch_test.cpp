@@ -5,6 +5,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <array>
 #include <atomic>
 #include <cmath>
 #include <cstring>
@@ -309,6 +310,37 @@ TEST_CASE("seen from above, hits lie where something stands") {
     }
     CHECK(off < static_cast<int>(view.hits[0].size()) / 5);  // at edges a hair decides which surface is met
   }
+}
+
+TEST_CASE("a scan that nothing reads is not made, and nothing else changes") {
+  const auto played = [](bool lidar) {
+    Options options = navigation(6);
+    options.gate = Gate::limits;
+    options.observed = {.lidar = lidar, .pose = false, .velocity = false, .task_fields = {}};
+    Batch batch(options);
+    batch.reset(seeded(6, 3));
+    std::vector<double> seen;
+    for (int step = 0; step < 30; ++step) {
+      std::vector<float> actions;
+      for (std::uint64_t world = 0; world < 6; ++world) {
+        const auto mine = actions_of(world, step, 1);
+        actions.insert(actions.end(), mine.begin(), mine.end());
+      }
+      batch.step(actions);
+      for (const auto& values : {batch.rewards(), batch.metrics(), batch.true_poses(), batch.scan_ages()})
+        seen.insert(seen.end(), values.begin(), values.end());
+      std::array<float, 2> goal{};
+      for (std::size_t i = 0; i < 6; ++i) {
+        Array array = batch.observations().back();
+        std::memcpy(goal.data(), array.row(i).data(), sizeof(goal));
+        seen.insert(seen.end(), goal.begin(), goal.end());
+      }
+    }
+    CHECK(batch.scan_ages()[0] > 0.0);
+    CHECK(batch.top_view(0).hits[0].size() > 100);  // looked for then
+    return seen;
+  };
+  CHECK(played(false) == played(true));
 }
 
 TEST_CASE("options that don't fit are refused by name") {
