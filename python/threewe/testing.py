@@ -1,4 +1,4 @@
-"""Does a backend keep the contract? The same checks for ours and for a third party's."""
+"""Checks of a backend against the contract, ours or a third party's; and a scripted server of models."""
 
 from __future__ import annotations
 
@@ -12,10 +12,11 @@ from threewe import _core
 from threewe._arguments import as_list, as_seed, as_text
 from threewe._console import plain_console, styled
 from threewe._core import CheckResult, Outcome, check_names
+from threewe._model_server import ModelServer
 from threewe.backend import known_backend
 from threewe.errors import ConfigError, ContractError
 
-__all__ = ["CheckResult", "Outcome", "check_backend", "check_names"]
+__all__ = ["CheckResult", "ModelServer", "Outcome", "check_backend", "check_names"]
 
 COLORS = {Outcome.passed: "green", Outcome.failed: "bold red", Outcome.not_applicable: "dim"}
 
