@@ -237,12 +237,12 @@ class _Handler(BaseHTTPRequestHandler):
             case "silence":
                 self._model._closing.wait(600.0)
                 return self._hang_up()
-        status, content = self._model._respond(body)
-        if fault == "half":
-            self._head(status, len(content), {})
-            self.wfile.write(content[: len(content) // 2])
-            return self._hang_up()
-        return self._send(status, content)
+            case "half":  # of an answer that uses up none of the script: the client asks again
+                content = _completion({"content": PROSE})
+                self._head(200, len(content), {})
+                self.wfile.write(content[: len(content) // 2])
+                return self._hang_up()
+        return self._send(*self._model._respond(body))
 
     def _send(self, status: int, content: bytes, headers: Mapping[str, str] | None = None) -> None:
         self._head(status, len(content), headers or {})

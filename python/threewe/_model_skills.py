@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from threewe import _core
-from threewe.language import Step, read_command
+from threewe.language import Step, encodable, read_command
 
 LONGEST = 100  # [characters] of a name
 LONGEST_ANSWER = 1000
@@ -114,12 +114,12 @@ def parsed(text: str) -> dict[str, Any]:
 def read_call(skill: object, arguments: Mapping[str, object]) -> Call:
     """Checks a call by the schema. Raises BadCallError."""
     if not isinstance(skill, str) or skill not in SKILLS:
-        raise BadCallError(_core.unknown_name("skill", _short(skill), list(SKILLS)))
+        raise BadCallError(_core.unknown_name("skill", short(skill), list(SKILLS)))
     _, properties, needed = SKILLS[skill]
     given = {name: value for name, value in arguments.items() if value is not None and value != ""}
     for name, value in given.items():
         if name not in properties:
-            raise BadCallError(_core.unknown_name(f"argument of {skill}", _short(name), list(properties)))
+            raise BadCallError(_core.unknown_name(f"argument of {skill}", short(name), list(properties)))
         _check(f"{skill}: {name}", value, properties[name])
     missing = [name for name in needed if name not in given]
     if missing:
@@ -133,29 +133,29 @@ def _check(what: str, value: object, of: Mapping[str, Any]) -> None:
     if kind == "number":
         good = isinstance(value, int | float) and not isinstance(value, bool) and abs(value) <= LARGEST  # no NaN
         if not good:
-            raise BadCallError(f"{what} must be a number of at most {LARGEST:g}, got {_short(value)}")
+            raise BadCallError(f"{what} must be a number of at most {LARGEST:g}, got {short(value)}")
     elif kind == "boolean":
         if not isinstance(value, bool):
-            raise BadCallError(f"{what} must be true or false, got {_short(value)}")
+            raise BadCallError(f"{what} must be true or false, got {short(value)}")
     elif kind == "object":
         if not isinstance(value, dict):
-            raise BadCallError(f"{what} must be an object with kind and color, got {_short(value)}")
+            raise BadCallError(f"{what} must be an object with kind and color, got {short(value)}")
         for name, part in value.items():
             if name not in of["properties"]:
-                raise BadCallError(_core.unknown_name(f"argument of {what}", _short(name), list(of["properties"])))
+                raise BadCallError(_core.unknown_name(f"argument of {what}", short(name), list(of["properties"])))
             if part is not None:
                 _check(f"{what}.{name}", part, of["properties"][name])
     else:
         longest = LONGEST_ANSWER if what.endswith(" answer") else LONGEST
         if not isinstance(value, str) or len(value) > longest:
-            raise BadCallError(f"{what} must be a text of at most {longest} characters, got {_short(value)}")
+            raise BadCallError(f"{what} must be a text of at most {longest} characters, got {short(value)}")
         if "enum" in of and value not in of["enum"]:
-            raise BadCallError(f"{what} must be one of {', '.join(of['enum'])}, got {_short(value)}")
+            raise BadCallError(f"{what} must be one of {', '.join(of['enum'])}, got {short(value)}")
 
 
-def _short(value: object) -> str:
+def short(value: object) -> str:
     text = str(value) if isinstance(value, str | int | float | bool) else type(value).__name__
-    return text if len(text) <= 40 else text[:37] + "..."
+    return encodable(text if len(text) <= 40 else text[:37] + "...")
 
 
 def sentence(call: Call) -> str:
@@ -226,7 +226,7 @@ def read_steps(call: Call, places: Sequence[str], kinds: Sequence[str]) -> tuple
     if reading.rule is not None:
         raise BadCallError(f"refused: no instruction may override this: {reading.rule}")
     if not reading.steps or not _says(reading.steps[-1], call):
-        raise BadCallError(f"{_short(str(call))} is not understood: use names that are known")
+        raise BadCallError(f"{short(str(call))} is not understood: use names that are known")
     return text, len(reading.steps)
 
 
@@ -264,7 +264,7 @@ def read_sentence(text: str, places: Sequence[str]) -> Call:
     if reading.rule is not None:
         raise BadCallError(f"refused: no instruction may override this: {reading.rule}")
     if not reading.steps:
-        raise BadCallError(f"'{_short(reading.word or said)}' is not understood: answer with one short command")
+        raise BadCallError(f"'{short(reading.word or said)}' is not understood: answer with one short command")
     call = _call_of(reading.steps[-1 if reading.steps[-1].skill.value == "answer" else 0])
     return Call("done", {"found": call.arguments}) if found and call.skill == "search" else call
 

@@ -269,6 +269,10 @@ class Thinking:
         self._seconds = None if seconds is None else as_seconds("seconds", seconds)
         self._thought = object()
 
+    def charge(self, seconds: float) -> None:
+        """Says inside how many seconds of robot time go by on the way out."""
+        self._seconds = as_seconds("seconds", seconds)
+
     async def __aenter__(self) -> None:
         self._time._running_pump()
         self._time._world.open_hold()

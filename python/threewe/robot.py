@@ -55,6 +55,7 @@ from threewe._core import (
     Zone,
 )
 from threewe._instructions import ExecutionResult, Instructions
+from threewe._model_options import model_options
 from threewe._observers import Observer, Observers
 from threewe._options import known_options, known_options_but
 from threewe._time import InRobotTime, RobotTime
@@ -167,6 +168,7 @@ class Robot(InRobotTime):
         self._map: tuple[int, OccupancyGrid] | None = None
         self._observers = Observers(self._runtime)
         self._instructions: Instructions | None = None
+        self._zones: list[Zone] = []
 
     def __repr__(self) -> str:
         if self._time.elsewhere:
@@ -369,24 +371,57 @@ class Robot(InRobotTime):
 
     @known_options
     async def execute_instruction(
-        self, instruction: str, *, max_steps: int = 30, timeout: float = 900.0
+        self,
+        instruction: str,
+        *,
+        max_steps: int = 30,
+        timeout: float = 900.0,
+        model: str | None = None,
+        require_vision: bool = False,
+        thinking_time: float | None = None,
+        max_tokens: int = 200_000,
+        model_timeout: float = 120.0,
+        record: str | os.PathLike[str] | None = None,
+        replay: str | os.PathLike[str] | None = None,
     ) -> ExecutionResult:
         """Does what a sentence says, such as "go to the kitchen and find the red chair". Needs a camera.
 
         Read by a grammar, with nothing but what the robot has seen itself: no network and no model. What is not
         understood, may mean two things, or is not allowed ends at once and says so; see `ExecutionResult.reason`.
 
+        With a model, that is asked for one skill after the other, and gets the robot's last three pictures; the robot
+        checks each call as if a person had said it. Robot time stands still while it thinks.
+
         Args:
             instruction: English, of at most 1,000 characters.
-            max_steps: of the plan that is made of it.
+            max_steps: of the plan that is made of it, or answers of a model.
             timeout: [s] of robot time.
+            model: address of an OpenAI-compatible server, such as `http://127.0.0.1:8080/v1`, with `#NAME` for one of
+                its models; or the name of a model at OpenAI. The environment's THREEWE_MODEL where left out, and no
+                model without it. Needs the extra `vlm`. Keys: OPENAI_API_KEY, THREEWE_MODEL_KEY for addresses.
+            require_vision: a model that fails the eyesight test is an error, not a warning.
+            thinking_time: [s] of robot time that each answer takes, however long it took; measured where left out.
+            max_tokens: of a model, for the whole instruction.
+            model_timeout: [s] by the wall clock, to wait for one answer.
+            record: file for the conversation, without any key; pictures as hashes.
+            replay: such a file: the same run again, without a server.
 
         Raises:
             HardwareError: the robot has no camera.
             SafetyError: another instruction or motion is in progress.
+            ConfigError: no address, no key where one is needed, a record that cannot be read or is of another
+                instruction, or a model that does not see where one must.
         """
         self._time.check_waiting()
-        return await self._instructed().execute(instruction, max_steps, timeout)
+        options = model_options(
+            model, require_vision, thinking_time, max_tokens, model_timeout, record=record, replay=replay
+        )
+        instructions = self._instructed()
+        if options is None:
+            return await instructions.execute(instruction, max_steps, timeout)
+        from threewe._model_agent import execute_with_model  # which takes a while to import
+
+        return await execute_with_model(self, instructions, instruction, max_steps, timeout, options)
 
     def name_place(self, name: str, polygon: ArrayLike | None = None) -> None:
         """Gives a place a name, for instructions: where the robot is now, or a polygon [m] in `map`.
@@ -497,6 +532,7 @@ class Robot(InRobotTime):
             if not isinstance(zone, Zone):
                 raise ContractError(f"zones must hold Zones, got {zone!r}")
         self._runtime.set_zones(given)
+        self._zones = given
 
     def stop(self) -> None:
         """Ends a motion as `cancelled` and brings the robot to a stand-still. Always allowed."""

@@ -82,11 +82,13 @@ def test_connections_break() -> None:
 
 
 def test_silence_ends_with_the_server() -> None:
-    with ModelServer([TURN], faults="silence") as server:
-        with closing(http.client.HTTPConnection(server.url.split("/")[2], timeout=0.2)) as connection:
-            connection.request("POST", "/v1/chat/completions", json.dumps({"messages": [{"content": "go"}]}))
-            with pytest.raises(TimeoutError):
-                connection.getresponse()
+    with (
+        ModelServer([TURN], faults="silence") as server,
+        closing(http.client.HTTPConnection(server.url.split("/")[2], timeout=0.2)) as connection,
+    ):
+        connection.request("POST", "/v1/chat/completions", json.dumps({"messages": [{"content": "go"}]}))
+        with pytest.raises(TimeoutError):
+            connection.getresponse()
 
 
 def test_whole_bodies_and_several_calls() -> None:
