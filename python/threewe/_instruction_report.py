@@ -55,7 +55,7 @@ def report(result: ExecutionResult) -> str:
 <div><dt>driven</dt><dd>{result.distance:.1f} m</dd></div>
 <div><dt>robot time</dt><dd>{result.duration:.0f} s</dd></div>
 <div><dt>steps</dt><dd>{len(result.steps)}</dd></div>
-<div><dt>things on its map</dt><dd>{len(result.things)}</dd></div>
+<div><dt>things on its map</dt><dd>{len(result.things)}</dd></div>{_thinking(result)}
 </dl>
 <h2>Its own map, its way, and what it knows of</h2>
 <img class="map" alt="the robot's map from above" src="{_data(_map(result), "png")}">
@@ -66,6 +66,15 @@ def report(result: ExecutionResult) -> str:
 <ol class="steps">{steps}</ol>
 </body></html>
 """
+
+
+def _thinking(result: ExecutionResult) -> str:
+    """What a model took, where one was asked."""
+    if not result.tokens:
+        return ""
+    return f"""
+<div><dt>thinking</dt><dd>{result.thinking:.0f} s</dd></div>
+<div><dt>tokens</dt><dd>{result.tokens}</dd></div>"""
 
 
 def _step(step: ExecutedStep, result: ExecutionResult) -> str:

@@ -106,7 +106,7 @@ class ModelClient:
             timeout=timeout,
             # a server on this machine is not asked through a proxy, and none but OpenAI learns of an organization
             http_client=openai.DefaultAsyncHttpxClient(trust_env=False) if here else None,
-            default_headers=None if at_openai else {"OpenAI-Organization": openai.omit, "OpenAI-Project": openai.omit},  # type: ignore[dict-item]
+            default_headers=None if at_openai else {"OpenAI-Organization": openai.omit, "OpenAI-Project": openai.omit},
         )
         self._limit = "max_completion_tokens" if at_openai else "max_tokens"
         self._name = address.name
