@@ -4,10 +4,11 @@ import subprocess
 
 from verify.cases.finding import SCENES, find
 from verify.cases.handwritten_commands import PARTS, read_handwritten
+from verify.cases.models import DIALECTS, answer_hostile, drive_as_ours, fail_server, replay_talk
 from verify.cases.routes import follow, go_to
 from verify.cases.seeing import GENERATED, SUFFIX, map_things, see
 from verify.cases.trees import PROGRAMS
-from verify.harness import Case, Experiment, Row, counted_of, known_miss, share_of
+from verify.harness import Case, Experiment, Row, all_of, counted_of, known_miss, share_of, worst_of
 
 EACH = 50  # commands of a case
 WITH_ROUTES = ("office_v2", "apartment_v1", "generated")
@@ -141,5 +142,40 @@ EXPERIMENTS = [
         cases=50 * len(WITH_ROOMS),
         sample=len(WITH_ROOMS),
         rows=[share_of("stood in the place", lambda case: case["success"], at_least=0.97)],
+    ),
+    Experiment(
+        "a model as good as ours, behind HTTP",
+        drive_as_ours,
+        variants=[{"dialect": dialect} for dialect in DIALECTS],
+        cases=20 * len(DIALECTS),
+        sample=2,
+        rows=[all_of("in every dialect the offline run, to the bit", lambda case: case["same"])],
+    ),
+    Experiment(
+        "hostile answers of a model",
+        answer_hostile,
+        cases=500,
+        sample=1,
+        rows=[
+            share_counted("one_reason", "instructions", "each ends with one reason within its budget", 1.0),
+            worst_of("commands, as a share of the operating limits", lambda case: case["fastest"], at_most=1.0 + 1e-9),
+            worst_of("driven in a keep-out zone [m]", lambda case: case["in_zone"], at_most=0.0),
+            worst_of("contacts [m/s]", lambda case: case["contact"], at_most=0.05),
+            all_of("the emergency stop stays latched", lambda case: case["unlatched"] == 0),
+        ],
+    ),
+    Experiment(
+        "faults of a model's server",
+        fail_server,
+        cases=250,
+        sample=1,
+        rows=[share_counted("right", "faults", "the next try works, or `model_error` says what", 1.0)],
+    ),
+    Experiment(
+        "conversations with a model, replayed without a server",
+        replay_talk,
+        cases=100,
+        sample=1,
+        rows=[all_of("the same bits", lambda case: case["same"])],
     ),
 ]

@@ -6,6 +6,7 @@ import base64
 import json
 import socket
 import struct
+import sys
 import threading
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
@@ -14,7 +15,7 @@ from types import TracebackType
 from typing import Any, Self, cast
 
 from threewe import _core
-from threewe._model_skills import read_call, sentence
+from threewe._model_skills import BadCallError, read_call, sentence
 from threewe.errors import ConfigError, ContractError
 
 Answer = str | bytes | Mapping[str, Any] | list[Mapping[str, Any]]
@@ -99,7 +100,7 @@ class ModelServer:
         """the `Authorization` that came with each"""
 
     def __enter__(self) -> Self:
-        self._server = ThreadingHTTPServer(("127.0.0.1", 0), _Handler)
+        self._server = _Server(("127.0.0.1", 0), _Handler)
         self._server.daemon_threads = True
         self._server.model = self  # type: ignore[attr-defined]
         self._thread = threading.Thread(target=self._server.serve_forever, args=(0.02,), daemon=True)
@@ -168,7 +169,10 @@ def _message(answer: Mapping[str, Any] | list[Mapping[str, Any]], form: str) -> 
         return {"content": None, "tool_calls": made}
     if form == "response_format":
         return {"content": json.dumps(answer)}
-    said = [sentence(read_call(call.get("skill"), given)) for call, given in zip(calls, arguments, strict=True)]
+    try:
+        said = [sentence(read_call(call.get("skill"), given)) for call, given in zip(calls, arguments, strict=True)]
+    except BadCallError:  # which no sentence says
+        return {"content": json.dumps(answer)}
     return {"content": ", then ".join(said)}
 
 
@@ -197,6 +201,13 @@ def _read(picture: bytes) -> str:
     from threewe._eyesight import read_picture
 
     return read_picture(picture)
+
+
+class _Server(ThreadingHTTPServer):
+    def handle_error(self, request: Any, client_address: Any) -> None:
+        """Says nothing of clients that hang up first."""
+        if not isinstance(sys.exception(), ConnectionError):
+            super().handle_error(request, client_address)
 
 
 class _Handler(BaseHTTPRequestHandler):
