@@ -41,14 +41,10 @@ def read_picture(content: bytes) -> str:
     if pixels.shape != (SIZE[1], SIZE[0], 3):
         return ""
     ground = min(GROUNDS, key=lambda name: np.abs(pixels[0, 0] - np.array(GROUNDS[name])).sum())
-    digits = ""
-    for i in range(3):
-        part = np.s_[:, 31 + CELL * i : 31 + CELL * (i + 1)]
-        errors = {
-            str(n): np.abs(_pixels(test_picture(3 * str(n), ground))[part] - pixels[part]).sum() for n in range(10)
-        }
-        digits += min(errors, key=lambda digit: errors[digit])
-    return f"{digits} {ground}"
+    drawn = [_pixels(test_picture(3 * str(n), ground)) for n in range(10)]
+    parts = [np.s_[:, 31 + CELL * i : 31 + CELL * (i + 1)] for i in range(3)]
+    errors = [[np.abs(one[part] - pixels[part]).sum() for one in drawn] for part in parts]
+    return f"{''.join(str(np.argmin(of)) for of in errors)} {ground}"
 
 
 def _pixels(content: bytes) -> NDArray[np.int64]:

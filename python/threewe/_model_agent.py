@@ -139,14 +139,14 @@ class _Execution:
     async def _test_eyesight(self) -> None:
         """Once for each model: whether it reads a picture that is drawn here."""
         if self._sees is None:
-            from threewe._eyesight import GROUNDS, QUESTION, passes, test_picture
-
+            with needed_for("a model that sees", "vlm"):
+                from threewe._eyesight import GROUNDS, QUESTION, passes, test_picture
             draw = random.Random(self._instruction)
             digits, ground = "".join(draw.choices("0123456789", k=3)), draw.choice(sorted(GROUNDS))
             try:
                 reply = await self._talk.ask(QUESTION, [test_picture(digits, ground)], "text", ANSWER_TOKENS)
                 self._sees = passes(reply.text, digits, ground)
-            except RejectedError:
+            except (RejectedError, OverflowError):  # takes no pictures, or has no room for one
                 self._sees = False
         if not self._sees:
             said = f"model {self._label} could not read three digits and a color from a picture"

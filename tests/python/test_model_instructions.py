@@ -1,11 +1,13 @@
 """Instructions by a model behind an OpenAI-compatible address: what it may do, and what becomes of bad answers."""
 
+import asyncio
 import math
+import sys
 from typing import Any
 
 import pytest
-from threewe import ExecutionResult, Zone, sync
-from threewe.errors import ConfigError, ContractError, HardwareError
+from threewe import ExecutionResult, Robot, Zone, sync
+from threewe.errors import ConfigError, ContractError, HardwareError, SafetyError
 from threewe.testing import ModelServer
 
 pytest.importorskip("openai")
@@ -88,6 +90,17 @@ def test_a_model_that_does_not_see_works_without_pictures() -> None:
         execute([], server={"sees": False}, require_vision=True)
 
 
+def test_the_test_picture_is_read_right() -> None:
+    from threewe._eyesight import GROUNDS, passes, read_picture, test_picture
+
+    for digits, ground in zip(("017", "234", "568", "990"), GROUNDS, strict=True):
+        said = read_picture(test_picture(digits, ground))
+        assert said == f"{digits} {ground}"
+        assert passes(f"It shows {said}.", digits, ground)
+        assert not passes(said, "555", ground)
+        assert not passes(f"{digits} on red, green, blue or yellow", digits, ground)
+
+
 def test_eyesight_and_form_are_asked_for_once() -> None:
     with ModelServer([{"skill": "done"}] * 2, dialect="ollama") as server, sync.Robot() as robot:
         for _ in range(2):
@@ -160,7 +173,7 @@ def test_no_call_leads_into_a_zone() -> None:
 def test_faults_in_passing_lose_nothing(fault: str) -> None:
     with ModelServer(PLAN, faults={2: fault}) as server, sync.Robot() as robot:
         result = robot.execute_instruction("turn", model=server.url, thinking_time=0.0)
-        assert result.success
+        assert result.success, result
         assert [step.skill for step in result.steps] == ["rotate", "move_forward", "look"]
 
 
@@ -173,14 +186,14 @@ def test_faults_in_passing_lose_nothing(fault: str) -> None:
         ("loading", "503: Loading model"),
         ("reset", "127.0.0.1"),
         ("half", "127.0.0.1"),
-        ("silence", "no answer within 1 s"),
+        ("silence", "no answer within 3 s"),
         ("context", "400: This model's maximum context length"),
     ],
 )
 def test_faults_that_last_are_model_errors(fault: str, detail: str) -> None:
     faults = dict.fromkeys(range(2, 100), fault)
     with ModelServer(PLAN, faults=faults) as server, sync.Robot() as robot:
-        result = robot.execute_instruction("turn", model=server.url, thinking_time=0.0, model_timeout=1.0)
+        result = robot.execute_instruction("turn", model=server.url, thinking_time=0.0, model_timeout=3.0)
         assert result.reason == "model_error"
         assert detail in result.detail
         assert [step.skill for step in result.steps] == ["rotate"]
@@ -237,3 +250,42 @@ def test_the_environment_names_a_model(monkeypatch: pytest.MonkeyPatch) -> None:
         assert [step.skill for step in result.steps] == ["rotate"]
         assert server.keys[0] == "Bearer secret-key"
         assert robot.get_pose().theta == pytest.approx(math.radians(20), abs=0.15)
+
+
+async def _while_a_model_thinks() -> None:
+    with ModelServer([{"skill": "done"}], faults="silence") as server:
+        async with Robot() as robot:
+            first = asyncio.ensure_future(robot.execute_instruction("turn", model=server.url))
+            while not server.requests:
+                await asyncio.sleep(0.01)
+            begun = robot.now
+            with pytest.raises(SafetyError, match="instruction"):
+                await robot.execute_instruction("look around")
+            first.cancel()
+            with pytest.raises(asyncio.CancelledError):
+                await first
+            assert robot.now - begun < 5.0
+            assert (await robot.execute_instruction("turn left 10 degrees")).success
+
+
+def test_one_instruction_at_a_time_and_thinking_can_be_cancelled() -> None:
+    asyncio.run(_while_a_model_thinks())
+
+
+def test_the_emergency_stop_ends_it_and_stays_latched() -> None:
+    with sync.Robot() as robot:
+
+        def answer(_: object) -> dict[str, Any]:
+            robot.emergency_stop()  # a person, while the model thinks
+            return {"skill": "move_forward", "distance": 1.0}
+
+        with ModelServer(answer) as server:
+            result = robot.execute_instruction("go ahead", model=server.url, thinking_time=0.0)
+        assert (result.reason, result.distance) == ("estop", 0.0)
+        assert robot.emergency_stopped
+
+
+def test_a_missing_package_names_the_extra(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "openai", None)
+    with sync.Robot() as robot, pytest.raises(ConfigError, match=r"threewe\[vlm\]"):
+        robot.execute_instruction("turn", model="http://127.0.0.1:9/v1")

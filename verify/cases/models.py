@@ -21,7 +21,7 @@ REASONS = {"done", "not_found", "refused", "budget", "model_error", "estop", "ca
 FAULTS = ("unauthorized", "rate_limit", "error", "loading", "reset", "half", "silence", "context")
 LASTING = ("unauthorized", "silence")  # which are not tried again
 EACH = 4  # instructions of a case
-PATIENCE = 0.5  # [s] by the wall clock
+PATIENCE = 3.0  # [s] by the wall clock
 LIMIT = 60.0  # [s] of robot time
 
 Answer = Any
