@@ -207,6 +207,13 @@ def test_no_server_is_a_model_error() -> None:
         assert "127.0.0.1:9" in result.detail
 
 
+def test_a_server_that_speaks_no_tls_is_a_model_error() -> None:
+    with ModelServer(PLAN) as server, sync.Robot() as robot:
+        result = robot.execute_instruction("turn", model=server.url.replace("http", "https"), model_timeout=3.0)
+        assert result.reason == "model_error"
+        assert "SSL" in result.detail
+
+
 def test_budgets() -> None:
     assert execute(lambda _: {"skill": "list_things"}, max_steps=4).detail == "it took more than 4 steps"
     assert execute(lambda _: {"skill": "list_things"}, max_tokens=300).detail == "it took more than 300 tokens"
