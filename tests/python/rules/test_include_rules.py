@@ -16,6 +16,7 @@ MAY_USE = {
     "scene": ["core"],
     "models": ["core", "hardware"],
     "vision": ["core"],
+    "policy": ["core", "hardware"],
     "map": ["core"],
     "slam": ["core", "map"],
     "perception": ["core", "hardware", "map", "slam", "safety/params"],
@@ -45,7 +46,7 @@ PUBLIC = ROOT / "include/threewe"
 MOST_PUBLIC_HEADERS = 45
 
 # The robot's mind never sees, through however many includes, what only a simulator knows.
-MIND = ["map", "slam", "perception", "nav", "language", "vision", "semantics"]
+MIND = ["map", "slam", "perception", "nav", "language", "vision", "semantics", "policy"]
 HIDDEN_FROM_THE_MIND = ["scene", "sim", "backend", "ros2"]
 
 
