@@ -37,6 +37,7 @@ void init_nav(nb::module_& m);
 void init_robot(nb::module_& m);
 void init_record(nb::module_& m);
 void init_vision(nb::module_& m);
+void init_policy(nb::module_& m);
 void init_agent(nb::module_& m);
 void init_env(nb::module_& m);
 void init_benchmark(nb::module_& m);

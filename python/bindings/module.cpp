@@ -17,6 +17,7 @@ NB_MODULE(_core, m) {
   init_robot(m);
   init_record(m);
   init_vision(m);
+  init_policy(m);
   init_agent(m);
   init_env(m);
   init_benchmark(m);

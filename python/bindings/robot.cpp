@@ -351,6 +351,7 @@ void bind_readings(OneThreadClass<Runtime>& runtime) {
             return std::get<Picture>(robot.sample(SensorType::camera).data);
           },
           "camera"_a, WithoutGil())
+      .def("image_measured", [](const Runtime& robot) { return robot.sample(SensorType::camera).measured; })
       .def(
           "rgbd_image",
           [](const Runtime& robot) {

@@ -2504,6 +2504,8 @@ class Runtime:
 
     def image(self, camera: str) -> RGBDImage: ...
 
+    def image_measured(self) -> float: ...
+
     def rgbd_image(self) -> RGBDImage: ...
 
     def people(self) -> list[TrackedPerson]: ...
@@ -2991,6 +2993,42 @@ def color_names() -> list[str]:
 
 def color_of(blue: int, green: int, red: int) -> str:
     """The color term of a pixel, each of 0 to 255."""
+
+class ActionTimeline:
+    """
+    Chunks of actions in robot time: merged, interpolated, braked at their end.
+    """
+
+    def __init__(self, limits: Limits, rate: float, chunk: int, merge: str) -> None: ...
+
+    def add(self, measured: float, actions: Annotated[NDArray[numpy.float64], dict(shape=(None, 3), order='C', device='cpu', writable=False)], now: float) -> None:
+        """
+        Merges in (chunk, 3) [m/s, m/s, rad/s] made from a picture of `measured` [s]. Raises ContractError.
+        """
+
+    def next(self, now: float) -> Velocity:
+        """The velocity of the control tick at `now` [s]."""
+
+    @property
+    def end(self) -> float | None:
+        """[s] of robot time; None before any chunk"""
+
+    @property
+    def applied(self) -> int:
+        """chunks merged in"""
+
+    @property
+    def late(self) -> int:
+        """chunks that came after their end"""
+
+    @property
+    def jumps(self) -> int:
+        """
+        chunks that changed the velocity by more than one period's acceleration
+        """
+
+def instruction_embedding(text: str) -> list[float]:
+    """(64,) of a sentence, as in `3we/VLN-v1`."""
 
 class MappedThing:
     """A thing that the robot has seen, perhaps many times."""

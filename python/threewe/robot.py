@@ -169,6 +169,7 @@ class Robot(InRobotTime):
         self._observers = Observers(self._runtime)
         self._instructions: Instructions | None = None
         self._zones: list[Zone] = []
+        self._stops = 0  # calls of `stop`: a policy that drives ends then
 
     def __repr__(self) -> str:
         if self._time.elsewhere:
@@ -536,6 +537,7 @@ class Robot(InRobotTime):
 
     def stop(self) -> None:
         """Ends a motion as `cancelled` and brings the robot to a stand-still. Always allowed."""
+        self._stops += 1
         self._runtime.stop()
         self._time.wake()
 
