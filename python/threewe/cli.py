@@ -13,6 +13,7 @@ from rich.table import Column, Table
 import threewe
 from threewe import calibration, driving, instructing, profiles, ros2, teleoperation
 from threewe._console import plain_console, styled
+from threewe.ai import cli as policy
 from threewe.benchmark import cli as benchmark
 from threewe.benchmark import cli_transfer
 from threewe.data import cli as data
@@ -34,6 +35,7 @@ app.add_typer(slam.app, name="slam")
 app.add_typer(data.app, name="data")
 app.add_typer(ros2.app, name="ros2")
 app.add_typer(detector.app, name="detector")
+app.add_typer(policy.app, name="policy")
 app.add_typer(benchmark.app, name="benchmark")
 app.add_typer(cli_transfer.app, name="transfer")
 for command in (driving.drive, driving.explore, driving.view):

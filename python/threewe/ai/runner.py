@@ -218,6 +218,8 @@ class _Run:
             if self.robot._stops == self.stops:
                 self.robot.stop()
             await self._stand()
+        if self.pending is not None and reason != "starved":  # no thread of a run outlives it, but for one that hangs
+            await asyncio.wait([asyncio.wrap_future(self.pending[2])], timeout=PATIENCE)
         counts = self.timeline
         return PolicyResult(reason == "reached", reason, detail, duration, counts.applied, counts.late, counts.jumps)
 

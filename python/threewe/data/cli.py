@@ -67,6 +67,27 @@ def record(
 
 
 @app.command()
+def collect(
+    output: Annotated[Path, typer.Option("--output", "-o", help="The LeRobot dataset; must not exist.")],
+    task: Annotated[Literal["goto"], typer.Option(help="goto: drive to a thing that is in view.")] = "goto",
+    teacher: Annotated[Literal["navigator"], typer.Option(help="Who drives.")] = "navigator",
+    episodes: Annotated[int, typer.Option(min=1, help="So many drives.")] = 100,
+    scene: Annotated[str, typer.Option(help="Where; procedural: in generated buildings, ten drives each.")] = (
+        "procedural"
+    ),
+    backend: Annotated[str, typer.Option(help="A simulator.")] = "mock",
+    hardware: Annotated[str, typer.Option(help="Which robot.")] = "3we_standard_v2",
+    seed: Annotated[int, typer.Option(min=0, help="Of buildings, tasks and noise.")] = 0,
+) -> None:
+    """Collect demonstrations for `threewe policy train`: pictures, instructions and what a teacher does."""
+    from threewe.ai.collecting import collect_goto
+
+    arrived = asyncio.run(collect_goto(output, episodes, scene, backend, hardware, seed))
+    text = f"{arrived} of {episodes} arrived ({task}, {teacher}); the dataset is in "
+    console.print(styled(text, (f"{output}/", "bold")), highlight=False, soft_wrap=True)
+
+
+@app.command()
 def recover(folder: Annotated[Path, typer.Argument(help="Folder of a recording.")]) -> None:
     """Finish the episodes that a crash has cut off; nothing of what was on the disk is lost."""
     from threewe.data import recover as finish

@@ -8,10 +8,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from threewe._core import instruction_embedding
 from threewe.data.exporting import OnProgress, Rows, TickedEpisodes
 from threewe.data.mounts import mounts
 from threewe.data.recording import CameraTrack, RecordedEpisode
 from threewe.errors import ConfigError
+from threewe.language import encodable
 
 STATE = ["x", "y", "theta", "vx", "vy", "omega"]
 VELOCITY = ["vx", "vy", "omega"]
@@ -71,6 +73,7 @@ def _features(episode: RecordedEpisode, judged: bool) -> dict[str, dict[str, Any
         "observation.state": {"dtype": "float32", "shape": (len(STATE),), "names": STATE},
         "action": {"dtype": "float32", "shape": (3,), "names": VELOCITY},
         "action.requested": {"dtype": "float32", "shape": (3,), "names": VELOCITY},
+        "observation.environment_state": {"dtype": "float32", "shape": (64,), "names": None},
         "takeover": {"dtype": "bool", "shape": (1,), "names": None},
         "next.done": {"dtype": "bool", "shape": (1,), "names": None},
     }
@@ -101,6 +104,7 @@ def _columns(episode: RecordedEpisode, rows: Rows, judged: bool) -> dict[str, ND
         "observation.state": np.hstack([episode.pose, episode.velocity])[rows.ticks].astype(np.float32),
         "action": rows.following(episode.executed),
         "action.requested": rows.following(episode.requested),
+        "observation.environment_state": _embeddings(_tasks(episode, rows)),
         "takeover": episode.takeover[np.minimum(rows.ticks + 1, len(episode.time) - 1)][:, None],
         "next.done": last,
     }
@@ -115,6 +119,12 @@ def _columns(episode: RecordedEpisode, rows: Rows, judged: bool) -> dict[str, ND
         both = np.hstack([imu.angular_velocity, imu.linear_acceleration])
         columns["observation.imu"] = both[rows.samples(imu.received)].astype(np.float32)
     return columns
+
+
+def _embeddings(tasks: list[str]) -> NDArray[np.float32]:
+    """(rows, 64) of what is to be done: policies without a tokenizer read it."""
+    known = {task: np.array(instruction_embedding(encodable(task)), np.float32) for task in set(tasks)}
+    return np.stack([known[task] for task in tasks])
 
 
 def _frames(episode: RecordedEpisode, name: str, rows: Rows) -> CameraFrames:

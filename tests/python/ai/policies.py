@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import copy
 import json
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import onnx
 from onnx import TensorProto, helper, numpy_helper
+from threewe.ai import Policy
 
 IMAGE, TEXT = "observation.images.camera", "observation.environment_state"
 HEIGHT, WIDTH, CHUNK = 12, 16, 10
@@ -80,3 +82,8 @@ def write(folder: Path, model: onnx.ModelProto | None = None, **changes: Any) ->
     (folder / "policy.json").write_text(json.dumps(description(**changes)))
     (folder / "model.onnx").write_bytes((model or graph()).SerializeToString())
     return folder
+
+
+def moved(policy: Policy, folder: Path) -> Policy:
+    """The same in another folder."""
+    return replace(policy, folder=folder)

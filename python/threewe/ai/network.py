@@ -1,0 +1,86 @@
+"""Convolutional network of a policy, in PyTorch, and the ONNX graph that it becomes.
+
+The instruction's embedding scales and shifts the features of every layer (FiLM, Perez et al. 2018).
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import torch
+from torch import Tensor, nn
+
+from threewe.ai.folder import EMBEDDING, Policy, image_input
+
+CHANNELS = (24, 48, 64, 96)
+HIDDEN = 256
+
+
+class Network(nn.Module):
+    """Pictures (N, 3, H, W) 0 to 1 and embeddings (N, 64) to normalised actions (N, chunk, numbers)."""
+
+    def __init__(self, height: int, width: int, chunk: int, numbers: int) -> None:
+        super().__init__()
+        self.chunk, self.numbers = chunk, numbers
+        self.convolutions = nn.ModuleList(
+            nn.Conv2d(inputs, outputs, 3, 2, 1) for inputs, outputs in zip((3, *CHANNELS), CHANNELS, strict=False)
+        )
+        self.scales = nn.ModuleList(nn.Linear(EMBEDDING, channels) for channels in CHANNELS)
+        self.shifts = nn.ModuleList(nn.Linear(EMBEDDING, channels) for channels in CHANNELS)
+        for _ in CHANNELS:
+            height, width = (height + 1) // 2, (width + 1) // 2
+        self.hidden = nn.Linear(CHANNELS[-1] * height * width, HIDDEN)
+        self.head = nn.Linear(HIDDEN, chunk * numbers)
+
+    def forward(self, pictures: Tensor, embeddings: Tensor) -> Tensor:
+        """See the class."""
+        x = pictures
+        for convolution, scale, shift in zip(self.convolutions, self.scales, self.shifts, strict=True):
+            x = convolution(x)
+            x = torch.relu(x + x * scale(embeddings)[:, :, None, None] + shift(embeddings)[:, :, None, None])
+        x = self.head(torch.relu(self.hidden(x.flatten(1))))
+        return x.reshape(-1, self.chunk, self.numbers)
+
+
+def to_onnx(network: Network, policy: Policy) -> bytes:
+    """The same network as an ONNX graph with the inputs and outputs of a policy."""
+    from onnx import TensorProto, helper, numpy_helper
+
+    weights: list[Any] = []
+    nodes: list[Any] = []
+
+    def node(kind: str, inputs: list[str], output: str, **attributes: Any) -> str:
+        nodes.append(helper.make_node(kind, inputs, [output], name=output, **attributes))
+        return output
+
+    def weight(name: str, values: Tensor) -> str:
+        weights.append(numpy_helper.from_array(values.detach().numpy(), name))
+        return name
+
+    def linear(layer: nn.Linear, name: str, x: str) -> str:
+        inputs = [x, weight(f"{name}.weight", layer.weight), weight(f"{name}.bias", layer.bias)]
+        return node("Gemm", inputs, name, transB=1)
+
+    picture, embedding = image_input(policy.cameras[0].name), "observation.environment_state"
+    x = picture
+    for i, channels in enumerate(CHANNELS):
+        convolution = network.convolutions[i]
+        shape = weight(f"shape_{i}", torch.tensor([1, channels, 1, 1]))
+        inputs = [x, weight(f"convolution_{i}.weight", convolution.weight)]
+        inputs.append(weight(f"convolution_{i}.bias", convolution.bias))
+        x = node("Conv", inputs, f"convolution_{i}", strides=[2, 2], pads=[1, 1, 1, 1])
+        scale = node("Reshape", [linear(network.scales[i], f"scale_{i}", embedding), shape], f"scale_{i}_wide")
+        shift = node("Reshape", [linear(network.shifts[i], f"shift_{i}", embedding), shape], f"shift_{i}_wide")
+        scaled = node("Mul", [x, scale], f"scaled_{i}")
+        x = node("Add", [node("Add", [x, scaled], f"sum_{i}"), shift], f"shifted_{i}")
+        x = node("Relu", [x], f"features_{i}")
+    x = node("Relu", [linear(network.hidden, "hidden", node("Flatten", [x], "flat"))], "hidden_features")
+    shape = weight("shape_of_actions", torch.tensor([1, network.chunk, network.numbers]))
+    node("Reshape", [linear(network.head, "head", x), shape], "action")
+
+    def values(shapes: dict[str, tuple[int, ...]]) -> list[Any]:
+        return [helper.make_tensor_value_info(name, TensorProto.FLOAT, list(s)) for name, s in shapes.items()]
+
+    graph = helper.make_graph(nodes, "policy", values(policy.inputs()), values(policy.outputs()), weights)
+    model = helper.make_model(graph, opset_imports=[helper.make_opsetid("", 17)], ir_version=8)
+    return bytes(model.SerializeToString())
