@@ -23,6 +23,7 @@ PAGES = [
 DECISIONS = sorted((DOCS / "decisions").glob("0*.md"))
 PUBLIC = [
     "threewe",
+    "threewe.ai",
     "threewe.benchmark",
     "threewe.calibration",
     "threewe.data",

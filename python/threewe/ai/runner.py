@@ -219,7 +219,7 @@ class _Run:
                 self.robot.stop()
             await self._stand()
         if self.pending is not None and reason != "starved":  # no thread of a run outlives it, but for one that hangs
-            await asyncio.wait([asyncio.wrap_future(self.pending[2])], timeout=PATIENCE)
+            await _settled(self.pending[2])
         counts = self.timeline
         return PolicyResult(reason == "reached", reason, detail, duration, counts.applied, counts.late, counts.jumps)
 
@@ -289,7 +289,7 @@ class _Run:
             return None
         if not future.done():
             async with self.robot.thinking(seconds=0.0):
-                await asyncio.wait([asyncio.wrap_future(future)], timeout=PATIENCE)
+                await _settled(future)
         return future.result(0.0)
 
     def _watch(self, velocity: Velocity) -> None:
@@ -309,6 +309,14 @@ class _Run:
             if not self.robot.connected or (v.vx, v.vy, v.omega) == (0.0, 0.0, 0.0):
                 return
             await self.robot.sleep(TICK)
+
+
+async def _settled(future: Future[NDArray[np.float64]]) -> None:
+    """Waits until there is a result or an error, for a while of wall time. Raises nothing."""
+    waited = asyncio.wrap_future(future)
+    await asyncio.wait([waited], timeout=PATIENCE)
+    if waited.done():
+        waited.exception()  # asyncio reports errors that are never read
 
 
 def _in_thread(work: Callable[[], NDArray[np.float64]]) -> Future[NDArray[np.float64]]:

@@ -175,3 +175,26 @@ def test_what_does_not_fit_is_refused_with_both_sides(tmp_path: Path) -> None:
     runner.policy = replace(runner.policy, kinematics=Kinematics.differential)
     with pytest.raises(HardwareError, match="turtlebot_like has no camera"):
         asyncio.run(on("turtlebot_like", None))
+
+
+def test_in_real_time_actions_are_applied_when_they_arrive(tmp_path: Path) -> None:
+    runner = runner_of(tmp_path)
+    predict, forever, calls = runner.predict_chunk, threading.Event(), [0]
+
+    def hanging(*args: Any, **options: Any) -> Any:
+        calls[0] += 1
+        if calls[0] == 4:
+            forever.wait(20)
+        return predict(*args, **options)
+
+    async def drive_in_real_time() -> PolicyResult:
+        async with Robot(image_size=SIZE, realtime=True) as robot:
+            driven = await runner.run(robot, "go to the chair", timeout=1.0)
+            assert (driven.reason, driven.inferences > 2) == ("timeout", True)
+            calls[0] = 0
+            runner.predict_chunk = hanging  # type: ignore[method-assign]
+            return await runner.run(robot, "go to the chair", timeout=20.0)
+
+    result = asyncio.run(drive_in_real_time())
+    forever.set()
+    assert (result.reason, result.inferences) == ("starved", 3)
