@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "core/bounds.hpp"
 #include "core/exact.hpp"
 #include "hardware/limits.hpp"
 #include "threewe/core/errors.hpp"
@@ -26,7 +27,7 @@ double share(Duration of, Duration whole) {
 }  // namespace
 
 TimelineModel make_timeline_model(const Limits& limits, double rate, std::size_t chunk, Merge merge) {
-  if (!(rate >= 0.5 && rate <= 50.0)) throw ContractError(fmt::format("rate must lie in [0.5, 50] Hz, got {}", rate));
+  if (!is_within(rate, 0.5, 50.0)) throw ContractError(fmt::format("rate must lie in [0.5, 50] Hz, got {}", rate));
   if (chunk < 2 || chunk > 1000) throw ContractError(fmt::format("chunk must lie in [2, 1000] actions, got {}", chunk));
   return {limits, from_seconds(1.0 / rate), chunk, merge};
 }

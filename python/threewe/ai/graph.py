@@ -58,6 +58,7 @@ def _mistakes(model: onnx.ModelProto, inputs: Shapes, outputs: Shapes) -> Iterat
         yield from _mistakes_of_node(node)
     for tensor in graph.initializer:
         yield from _mistakes_of_tensor(f"weight {tensor.name!r}", tensor)
+    yield from _mistakes_of_names(graph)
     yield from _compared("input", _shapes(graph.input, {t.name for t in graph.initializer}), inputs)
     yield from _compared("output", _shapes(graph.output, set()), outputs)
     yield from _mistakes_of_sizes(model)
@@ -74,6 +75,25 @@ def _mistakes_of_node(node: onnx.NodeProto) -> Iterator[str]:
             yield f"{name}: a graph inside of a graph is not run"
         for tensor in (*([attribute.t] if attribute.HasField("t") else []), *attribute.tensors):
             yield from _mistakes_of_tensor(f"{name}, attribute {attribute.name!r}", tensor)
+
+
+def _mistakes_of_names(graph: onnx.GraphProto) -> Iterator[str]:
+    """Whatever is read has been given once, and no weight is left over."""
+    weights = {tensor.name for tensor in graph.initializer}
+    given, used = weights | {value.name for value in graph.input}, {value.name for value in graph.output}
+    if len(weights) < len(graph.initializer):
+        yield "two weights have one name"
+    for node in graph.node:
+        for name in filter(None, node.input):
+            if name not in given:
+                yield f"node {node.name or node.op_type!r}: {name!r} is missing"
+            used.add(name)
+        for name in filter(None, node.output):
+            if name in given:
+                yield f"node {node.name or node.op_type!r}: {name!r} is given twice"
+            given.add(name)
+    if extra := sorted(weights - used):
+        yield f"weight {extra[0]!r} is used nowhere"
 
 
 def _mistakes_of_tensor(name: str, tensor: onnx.TensorProto) -> Iterator[str]:

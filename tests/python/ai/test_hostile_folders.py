@@ -70,7 +70,11 @@ GRAPHS: list[tuple[str, Callable[[onnx.ModelProto], object], str]] = [
         "weight 'ahead': NaN or infinite",
     ),
     ("empty", lambda m: m.graph.ClearField("node"), "a graph without nodes"),
-    ("missing", renamed_weight, "not fit|size"),
+    ("missing", renamed_weight, "'ahead' is missing"),
+    ("missing_bias", lambda m: m.graph.initializer.pop(1), "'always' is missing"),
+    ("extra", lambda m: m.graph.initializer.add(name="more", data_type=1, dims=[0]), "weight 'more' is used nowhere"),
+    ("doubled", lambda m: m.graph.initializer.append(m.graph.initializer[0]), "two weights have one name"),
+    ("twice", lambda m: m.graph.node.append(m.graph.node[0]), "'pooled' is given twice"),
     (
         "dynamic",
         lambda m: m.graph.input[0].type.tensor_type.shape.dim[0].ClearField("value"),
