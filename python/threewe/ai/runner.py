@@ -19,7 +19,7 @@ from threewe._arguments import as_seconds, as_text
 from threewe._core import ActionTimeline, Velocity, instruction_embedding
 from threewe._extras import needed_for
 from threewe.ai.folder import EMBEDDING, GRAPH, CameraInput, Policy, image_input, read_policy
-from threewe.errors import ContractError, EmergencyStopError, HardwareError, SafetyError
+from threewe.errors import ConfigError, ContractError, EmergencyStopError, HardwareError, SafetyError
 from threewe.language import encodable
 
 if TYPE_CHECKING:
@@ -71,8 +71,13 @@ class VLARunner:
 
         settings = onnxruntime.SessionOptions()
         settings.intra_op_num_threads = settings.inter_op_num_threads = 1
-        graph = (policy.folder / GRAPH).read_bytes()  # as bytes: what has no folder can name no other file
-        self._session = onnxruntime.InferenceSession(graph, settings, providers=["CPUExecutionProvider"])
+        settings.log_severity_level = 4
+        graph = policy.folder / GRAPH
+        content = graph.read_bytes()  # as bytes: what has no folder can name no other file
+        try:
+            self._session = onnxruntime.InferenceSession(content, settings, providers=["CPUExecutionProvider"])
+        except Exception as error:  # onnxruntime has a type for each
+            raise ConfigError(f"{graph}: onnxruntime does not take it: {str(error).splitlines()[0]}") from None
         self.policy = policy
 
     @classmethod

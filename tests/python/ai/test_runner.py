@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 from ai import policies
-from threewe import ContractError, EmergencyStopError, HardwareError, Kinematics, Robot, SafetyError
+from threewe import ConfigError, ContractError, EmergencyStopError, HardwareError, Kinematics, Robot, SafetyError
 from threewe.ai import PolicyResult, VLARunner
 
 SIZE = (policies.HEIGHT, policies.WIDTH)
@@ -198,3 +198,15 @@ def test_in_real_time_actions_are_applied_when_they_arrive(tmp_path: Path) -> No
     result = asyncio.run(drive_in_real_time())
     forever.set()
     assert (result.reason, result.inferences) == ("starved", 3)
+
+
+def test_a_graph_that_onnxruntime_does_not_take_is_one_error(tmp_path: Path) -> None:
+    model = policies.graph()
+    model.opset_import[0].version = 10_000
+    folder = policies.write(tmp_path / "policy", model)
+    with pytest.raises(ConfigError, match=r"model\.onnx: "):
+        VLARunner.from_pretrained(folder)
+    model = policies.graph()
+    model.ir_version = 10_000
+    with pytest.raises(ConfigError, match=r"model\.onnx: onnxruntime does not take it: .*IR version"):
+        VLARunner.from_pretrained(policies.write(tmp_path / "newer", model))
