@@ -125,7 +125,8 @@ def _policy_of(source: Dataset, output: Path, data: Demonstrations, names: list[
 
 
 def _learn(data: Demonstrations, policy: Policy, passes: int, seed: int, progress: Callable[[str], object]) -> Network:
-    """The same seed repeats it on one machine with one thread."""
+    """The same seed repeats it on one machine."""
+    torch.set_num_threads(1)  # layers this small wait for one another on more, and the order of sums would differ
     torch.manual_seed(seed)
     random = np.random.default_rng(seed)
     kept = [list(NAMES).index(q.name) for q in policy.action] if data.actions.shape[2] == 3 else slice(None)
