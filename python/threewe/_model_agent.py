@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from threewe import _core
-from threewe._core import MappedThing, Place, Pose2D, Zone
+from threewe._core import MappedThing, Place, Zone
 from threewe._extras import needed_for
 from threewe._instructions import PERIOD, ExecutionResult, Instructions, Run
 from threewe._model_client import ModelAddress, ModelClient, ModelError, OverflowError, RejectedError, Reply
@@ -216,8 +216,6 @@ class _Execution:
             if call.skill == "done":
                 self._finish(call)
             text, count = read_steps(call, [place.name for place in self._agent.places], self._agent.labels[1:])
-            if call.skill == "move_forward":
-                self._check_zones(call.arguments["distance"])
         except BadCallError as bad:
             self._note_bad(reply, str(bad))
             return
@@ -306,13 +304,6 @@ class _Execution:
             for one in seen
         )
 
-    def _check_zones(self, distance: float) -> None:
-        """Raises BadCallError where the way straight on leads into a keep-out zone: no plan keeps it out of it."""
-        pose, radius = self._robot.get_pose(), self._robot.profile.footprint_radius
-        for zone in self._robot._zones:
-            if zone.speed_limit is None and _enters(zone, pose, distance, radius):
-                raise BadCallError("refused: the way straight on leads into a keep-out zone")
-
 
 def _is_call(text: str) -> bool:
     """Whether a text is JSON with a skill of ours."""
@@ -355,20 +346,3 @@ def _within(place: Place, point: tuple[float, float]) -> bool:
     if len(place.polygon) == 1:
         return math.dist(place.polygon[0], point) <= POINT_PLACE
     return Zone([(x, y) for x, y in place.polygon]).contains(point)
-
-
-def _enters(zone: Zone, pose: Pose2D, distance: float, radius: float) -> bool:
-    """Whether a body of that radius comes into a zone on its way straight on."""
-    count = max(1, math.ceil(abs(distance) / 0.05))
-    corners = np.array(zone.corners)
-    edges = np.roll(corners, -1, axis=0) - corners
-    for i in range(1, count + 1):
-        x = pose.x + math.cos(pose.theta) * distance * i / count
-        y = pose.y + math.sin(pose.theta) * distance * i / count
-        if zone.contains((x, y)):
-            return True
-        along = ((np.array((x, y)) - corners) * edges).sum(1) / np.maximum((edges**2).sum(1), 1e-12)
-        nearest = corners + edges * along.clip(0.0, 1.0)[:, None]
-        if np.hypot(*(nearest - (x, y)).T).min() < radius:
-            return True
-    return False

@@ -168,7 +168,6 @@ class Robot(InRobotTime):
         self._map: tuple[int, OccupancyGrid] | None = None
         self._observers = Observers(self._runtime)
         self._instructions: Instructions | None = None
-        self._zones: list[Zone] = []
         self._stops = 0  # calls of `stop`: a policy that drives ends then
 
     def __repr__(self) -> str:
@@ -533,7 +532,6 @@ class Robot(InRobotTime):
             if not isinstance(zone, Zone):
                 raise ContractError(f"zones must hold Zones, got {zone!r}")
         self._runtime.set_zones(given)
-        self._zones = given
 
     def stop(self) -> None:
         """Ends a motion as `cancelled` and brings the robot to a stand-still. Always allowed."""

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <cmath>
 #include <map>
 #include <numbers>
 
@@ -80,6 +81,21 @@ class ToPlace : public SkillRun {
   Drive drive_;
   bool beside_ = false;
 };
+
+// Whether the way straight on leads into a zone to keep out of: MoveForward follows no plan that avoids it.
+bool leads_into_zone(const Body& body, double distance) {
+  constexpr double kStep = 0.05;  // [m]
+  const Pose2D at = body.robot.pose().map_from_base();
+  const double radius = body.robot.profile().body.footprint.circumscribed_radius();
+  const int steps = std::max(1, static_cast<int>(std::ceil(std::fabs(distance) / kStep)));
+  return std::ranges::any_of(body.robot.zones(), [&](const map::Zone& zone) {
+    if (zone.speed_limit) return false;
+    for (int i = 1; i <= steps; ++i) {
+      if (zone.distance_to((at * Pose2D{distance * i / steps, 0.0, 0.0}).position()) < radius) return true;
+    }
+    return false;
+  });
+}
 
 class Waiting : public SkillRun {
  public:
@@ -169,7 +185,10 @@ std::unique_ptr<SkillRun> begin_skill(Body& body, const Step& step) {
     }
     case Skill::move_to:
       return std::make_unique<Moving>(body, nav::MoveTo{{step.x.value(), step.y.value()}, step.theta, 0.25, 0.1});
-    case Skill::move_forward: return std::make_unique<Moving>(body, nav::MoveForward{step.distance.value(), 0.05});
+    case Skill::move_forward:
+      if (leads_into_zone(body, step.distance.value()))
+        return saying({"refused", "the way straight on leads into a zone to keep out of"});
+      return std::make_unique<Moving>(body, nav::MoveForward{step.distance.value(), 0.05});
     case Skill::rotate: return std::make_unique<Moving>(body, nav::Rotate{step.angle.value(), 0.1});
     case Skill::explore:
       if (!step.place.empty()) return std::make_unique<ToPlace>(body, step.place);

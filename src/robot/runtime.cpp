@@ -140,7 +140,10 @@ MotionHandle Runtime::motion() const { return impl_->motion ? impl_->motion->han
 void Runtime::set_zones(const std::vector<map::Zone>& zones) {
   for (const map::Zone& zone : zones) check_zone(zone);
   impl_->state->navigator->set_zones(zones);
+  impl_->state->zones = zones;
 }
+
+const std::vector<map::Zone>& Runtime::zones() const { return impl_->state->zones; }
 
 void Runtime::estop() {
   State& state = *impl_->state;

@@ -30,6 +30,7 @@ struct HeldVelocity {
 struct Runtime::State {
   std::unique_ptr<slam::Localizer> localizer;
   std::unique_ptr<nav::Navigator> navigator;
+  std::vector<map::Zone> zones;  // as the navigator has them
   Senses senses;
   perception::Perception perception;
   Duration waited{};    // for sensors at fault, which the navigator does not notice
@@ -51,6 +52,7 @@ struct Runtime::State {
   State(const State& other)
       : localizer(other.localizer->clone()),
         navigator(other.navigator->clone()),
+        zones(other.zones),
         senses(other.senses),
         perception(other.perception),
         waited(other.waited),

@@ -258,3 +258,12 @@ def test_the_command_line_takes_a_map_and_its_places(tmp_path: Path) -> None:
     done = run.invoke(app, ["instruct", "go to the kitchen", *given])
     assert done.exit_code == 0, done.output
     assert "move_to_place(place=kitchen): done" in done.output
+
+
+@pytest.mark.parametrize(("text", "reason"), [("move forward 2 m", "refused"), ("move back 10 cm", "done")])
+def test_what_is_driven_straight_on_stays_out_of_zones(text: str, reason: str) -> None:
+    with sync.Robot() as robot:
+        robot.set_zones([threewe.Zone([(1.0, -1.0), (2.0, -1.0), (2.0, 1.0), (1.0, 1.0)])])
+        result = robot.execute_instruction(text)
+        assert result.reason == reason, result
+        assert ("zone" in result.detail) == (reason == "refused")

@@ -153,6 +153,8 @@ class Runtime {
   /// Where motions may not lead, or only slowly, in `map`: until it is called again, or the world begins anew. Throws
   /// ContractError for what is no polygon, and for a limit that is not positive.
   void set_zones(const std::vector<map::Zone>& zones);
+  /// Those that were set.
+  const std::vector<map::Zone>& zones() const;
   /// Latches the emergency stop and ends a motion with `estop`. Always allowed.
   void estop();
   /// Allows motions again.
