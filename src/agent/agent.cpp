@@ -42,7 +42,10 @@ struct Agent::Impl {
   Impl(Runtime& runtime, vision::Detector detects, language::Lexicon reads)
       : detector(std::move(detects)),
         lexicon(std::move(reads)),
-        body{runtime, semantics::SemanticMap(detector.labels(), detector.radii()), {}, runtime.pose().map_from_base().position()} {}
+        body{runtime,
+             semantics::SemanticMap(detector.labels(), detector.radii()),
+             {},
+             runtime.pose().map_from_base().position()} {}
 
   double now() const { return to_seconds(body.robot.world().now()); }
   void remember(const TickView& view);
