@@ -166,5 +166,5 @@ def is_of(kind: str, at: Pose2D, thing: Object) -> bool:
     """Whether an entry of the map is of that kind, and within 0.4 m of what the thing covers of the floor."""
     local = thing.pose.inverse() * at
     x_min, y_min, x_max, y_max = extent_of(thing.category, thing.shape)
-    aside = max(x_min - local.x, local.x - x_max, 0.0), max(y_min - local.y, local.y - y_max, 0.0)
-    return kind == thing.category and math.hypot(*aside) <= NEAR
+    away = max(x_min - local.x, local.x - x_max, 0.0), max(y_min - local.y, local.y - y_max, 0.0)
+    return kind == thing.category and math.hypot(*away) <= NEAR
