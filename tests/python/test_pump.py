@@ -412,7 +412,8 @@ def test_closed_loops_are_forgotten() -> None:
 
     for _ in range(5):
         run(lambda clock, _world: clock.sleep(0.1))
-    assert len(threewe._pump._pumps) == 1
+    closed = [loop for loop in threewe._pump._pumps if loop.is_closed()]  # loops of other tests may be running
+    assert len(closed) == 1
 
 
 class RealtimeWorld(FakeWorld):
