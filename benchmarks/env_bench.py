@@ -1,12 +1,14 @@
 """Learning environments on one core through the Python batch API, as tables.
 
-A step is one action, one control period, one scan, reward, termination and autoreset, of 1,024 environments in
-office_v2. Each row states ticks (of 20 ms) a step, noise, beams and gate, what is wanted, and whether that is missed.
+A step is one action, one control period, one scan where scans are observed, reward, termination and autoreset, of
+environments in office_v2. Each row states how many at once, ticks (of 20 ms) a step, noise, beams (0: the goal alone)
+and gate, what is wanted, and whether that is missed. With --breakdown, what a step is made of instead.
 """
 
 from __future__ import annotations
 
 import argparse
+import importlib
 import json
 import os
 import statistics
@@ -18,21 +20,35 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 
 import numpy as np
+from env_parts import breakdown
 from env_steps import Kind, actions_of, measure, measure_resets
 from numpy.typing import NDArray
 from threewe import Scene
 
 HERE = Path(__file__).resolve().parent
 SPIN = HERE.parent / "build" / "dev" / "benchmarks" / "spin"
+PROGRAMS = SPIN.parent
 SPEEDS = [  # and how many steps a second are wanted
-    (Kind(64, 1), 1.5e6),
+    (Kind(0, envs=64), 5.0e6),
+    (Kind(0), 4.0e6),
+    (Kind(64, envs=64), 2.5e6),
+    (Kind(64), 1.8e6),
+    (Kind(360, envs=64), 1.2e6),
+    (Kind(360), 0.9e6),
     (Kind(64, 5), 1.0e6),
-    (Kind(64, 5, gate="full"), 1.0e6),
+    (Kind(64, 5, gate="full"), 0.4e6),
     (Kind(64, 5, "realistic"), 0.5e6),
-    (Kind(64, 5, "realistic", "full"), 0.5e6),
-    (Kind(360, 1), 0.45e6),
+    (Kind(64, 5, "realistic", "full"), 0.25e6),
     (Kind(360, 1, "realistic"), 0.2e6),
     (Kind(360, 1, "realistic", "full"), 0.2e6),
+]
+TAKEN_APART = [  # by --breakdown
+    Kind(0, envs=64),
+    Kind(0),
+    Kind(64, envs=64),
+    Kind(360, envs=64),
+    Kind(64, 5, gate="full", envs=64),
+    Kind(64, 5, "realistic", "full", envs=64),
 ]
 ENVS = (1, 16, 256, 1024, 4096, 16384)
 
@@ -52,7 +68,7 @@ class Figure:
         good = self.value >= self.wanted if self.at_least else self.value <= self.wanted
         sense = "at least" if self.at_least else "at most"
         return (
-            f"{self.name:72}{self.value:9,.3g} {self.unit:6} {sense:8} {self.wanted:6,.3g}{'' if good else '  MISSED'}"
+            f"{self.name:72}{self.value:9,.4g} {self.unit:6} {sense:8} {self.wanted:6,.3g}{'' if good else '  MISSED'}"
         )
 
 
@@ -62,24 +78,35 @@ def main() -> int:
     parser.add_argument("--cpu", type=int, help="the CPU to run on")
     parser.add_argument("--out", type=Path, help="a file for the raw figures")
     parser.add_argument("--seconds", type=float, default=2.0, help="of each measurement")
-    parser.add_argument("--memory", nargs=2, metavar=("TASK", "ENVS"), help=argparse.SUPPRESS)  # asked of a new process
+    parser.add_argument("--breakdown", action="store_true", help="instructions of one step by part, by callgrind")
+    # asked of a new process
+    parser.add_argument("--memory", nargs=2, metavar=("TASK", "ENVS"), help=argparse.SUPPRESS)
+    parser.add_argument("--ppo", metavar="NOISE", help=argparse.SUPPRESS)
     arguments = parser.parse_args()
     if arguments.memory:
         task, envs = arguments.memory
         print(resident(task, int(envs)))
         return 0
+    if arguments.ppo:
+        print(ppo_samples(arguments.ppo))
+        return 0
+    if arguments.breakdown:
+        breakdown(TAKEN_APART)
+        return 0
     cpus = os.sched_getaffinity(0)
     if arguments.cpu is not None:
         os.sched_setaffinity(0, {arguments.cpu})
 
-    print(f"{'beams':>5} {'ticks':>5} {'noise':>9} {'gate':>6} {'steps/s':>12} {'ns/step':>8} {'wanted':>10}")
+    print(
+        f"{'envs':>5} {'beams':>5} {'ticks':>5} {'noise':>9} {'gate':>6} {'steps/s':>12} {'ns/step':>8} {'wanted':>10}"
+    )
     speeds = []
     for kind, wanted in SPEEDS:
         seconds = measure(kind, arguments.seconds)
         rate = 1.0 / statistics.median(seconds)
         print(
-            f"{kind.beams:5} {kind.ticks:5} {kind.noise:>9} {kind.gate:>6} {rate:12,.0f} {1e9 / rate:8.0f} "
-            f"{wanted:10,.0f} {rate / wanted:.2f} of it{'' if rate >= wanted else '  MISSED'}",
+            f"{kind.envs:5,} {kind.beams:5} {kind.ticks:5} {kind.noise:>9} {kind.gate:>6} {rate:12,.0f} "
+            f"{1e9 / rate:8.0f} {wanted:10,.0f} {rate / wanted:.2f} of it{'' if rate >= wanted else '  MISSED'}",
             flush=True,
         )
         speeds.append({**asdict(kind), "seconds": seconds, "wanted": wanted})
@@ -96,14 +123,27 @@ def main() -> int:
 
 def others(seconds: float, cpus: set[int]) -> Iterator[Figure]:
     """One after the other."""
+    per_ray = counted("lidar", "office/64", "per_ray")
+    yield Figure("lidar, 64 beams, one pose in office_v2", 1e9 * per_ray, "ns", 6.0)
+    frames = counted("camera", "draw/64", "frames_per_s")
+    yield Figure("pictures of 64x64, colour and depth, varied and noisy", frames, "1/s", 60e3, at_least=True)
     for beams in (0, 64):
         cost = statistics.median(measure_resets(Kind(beams), seconds))
         yield Figure(f"reset: new start and goal, {beams or 'no'} beams, ideal, gate limits", 1e6 * cost, "us", 5.0)
     yield python_over_cpp(seconds)
     yield from two_threads(seconds, cpus)
+    yield from ppo(cpus)
     for task, wanted in (("navigation", 16), ("exploration", 96)):
         yield Figure(f"memory of one environment of {task}, all observations but pixels", memory(task), "KiB", wanted)
     yield from growth(seconds)
+
+
+def counted(program: str, benchmark: str, counter: str) -> float:
+    """The median that a benchmark in C++ counts."""
+    options = ["--benchmark_repetitions=5", "--benchmark_report_aggregates_only=true", "--benchmark_format=json"]
+    words = [PROGRAMS / f"{program}_bench", f"--benchmark_filter=^{benchmark}$", *options]
+    results = json.loads(subprocess.run(words, capture_output=True, text=True, check=True).stdout)
+    return float(next(one[counter] for one in results["benchmarks"] if one["aggregate_name"] == "median"))
 
 
 def python_over_cpp(seconds: float) -> Figure:
@@ -148,6 +188,29 @@ def two_threads(seconds: float, cpus: set[int]) -> Iterator[Figure]:
     os.sched_setaffinity(0, mine)
     name = f"two threads over one {max(gains):.2f}, arithmetic alone {max(spins):.2f}: a share of"
     yield Figure(name, max(gains) / max(spins), "", 0.9, at_least=True)
+
+
+def ppo(cpus: set[int]) -> Iterator[Figure]:
+    """Samples that the PPO example takes and learns from, by the wall clock: it means something only while nothing else
+    runs. Wanted is twice what it was when it took 72 s for 655,360 of them.
+    """
+    if len(cpus) < 2:
+        return
+    mine = os.sched_getaffinity(0)
+    os.sched_setaffinity(0, cpus)
+    for noise in ("ideal", "realistic"):
+        words = [sys.executable, __file__, "--ppo", noise]
+        rate = float(subprocess.run(words, capture_output=True, text=True, check=True).stdout.splitlines()[-1])
+        yield Figure(f"PPO example end to end, two threads, {noise}", rate, "1/s", 18e3, at_least=True)
+    os.sched_setaffinity(0, mine)
+
+
+def ppo_samples(noise: str) -> float:
+    """Samples a second, once scenes and tables are there."""
+    sys.path.insert(0, str(HERE.parent / "examples"))
+    example = importlib.import_module("09_ppo")
+    _, (first, *_, last) = example.train(example.Settings(lessons=((noise, 4, 8),)))
+    return float((last["steps"] - first["steps"]) / (last["wall_s"] - first["wall_s"]))
 
 
 def memory(task: str) -> float:

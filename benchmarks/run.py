@@ -1,6 +1,8 @@
 """Runs the benchmarks on a CPU of their own, after a look at whether the machine is quiet enough to measure on.
 
-.venv/bin/python benchmarks/run.py [name ...]
+.venv/bin/python benchmarks/run.py [name ...] [--option ...]
+
+Options go to scripts, such as `env --breakdown`.
 """
 
 import json
@@ -19,12 +21,17 @@ RESULTS = ROOT / "benchmarks" / "results"
 SPIN = "import time; end = time.monotonic() + 1; n = 0\nwhile time.monotonic() < end: n += 1\nprint(n)"
 
 
-def main(names: list[str]) -> int:
+def main(words: list[str]) -> int:
     """Runs those named, or all; 1 if one is unknown or fails."""
+    options = [word for word in words if word.startswith("-")]
+    names = [word for word in words if not word.startswith("-")]
     programs = {path.stem.removesuffix("_bench") for path in PROGRAMS.glob("*_bench")}
     known = sorted(programs | set(SCRIPTS))
     if unknown := set(names) - set(known):
         print(f"no benchmark {', '.join(sorted(unknown))}; there are {', '.join(known)}")
+        return 1
+    if options and (not names or set(names) & programs):
+        print(f"{' '.join(options)}: options are for scripts alone: name one of {', '.join(sorted(SCRIPTS))}")
         return 1
     cpu = max(os.sched_getaffinity(0))
     machine = {"cpu": cpu, "cpu_model": cpu_model(), **quietness(cpu)}
@@ -35,18 +42,21 @@ def main(names: list[str]) -> int:
     for name in names or known:
         raw = RESULTS / f"{name}-{commit.stdout.strip()}.json"
         if name in SCRIPTS:
-            failed |= subprocess.run([sys.executable, SCRIPTS[name], "--cpu", str(cpu), "--out", raw]).returncode
+            failed |= subprocess.run(
+                [sys.executable, SCRIPTS[name], "--cpu", str(cpu), "--out", raw, *options]
+            ).returncode
             if raw.exists():
                 raw.write_text(json.dumps({"machine": machine, **json.loads(raw.read_text())}, indent=1))
         else:
             command = [PROGRAMS / f"{name}_bench", f"--benchmark_out={raw}", "--benchmark_out_format=json"]
-            options = ["--benchmark_repetitions=5", "--benchmark_display_aggregates_only=true"]
+            repeated = ["--benchmark_repetitions=5", "--benchmark_display_aggregates_only=true"]
             context = [f"--benchmark_context={key}={str(value).replace(',', ' ')}" for key, value in machine.items()]
-            done = subprocess.run([*command, *options, *context], preexec_fn=lambda: os.sched_setaffinity(0, {cpu}))
+            done = subprocess.run([*command, *repeated, *context], preexec_fn=lambda: os.sched_setaffinity(0, {cpu}))
             failed |= done.returncode
             if done.returncode == 0:
                 print(*beside_what_is_wanted(json.loads(raw.read_text())), sep="\n")
-        print(f"raw results: {raw.relative_to(ROOT)}\n", flush=True)
+        if raw.exists():
+            print(f"raw results: {raw.relative_to(ROOT)}\n", flush=True)
     return int(failed != 0)
 
 

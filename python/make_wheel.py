@@ -1,4 +1,4 @@
-"""Makes wheels that run where there is neither a compiler nor a Debian package: python -m python.make_wheel [--all].
+"""Makes wheels that run without a compiler and Debian packages: python -m python.make_wheel [--all | --for VERSION].
 
 A wheel is for the Python that runs this, or one for each Python here; it is left in dist/. What it links is put into
 it (auditwheel), with the licences. It runs on any Linux whose C library is not older than this one's.
@@ -19,8 +19,10 @@ OWN_VERSION = f"{sys.version_info.major}.{sys.version_info.minor}"
 
 def main(arguments: list[str]) -> None:
     """Makes the wheels and says where they are."""
-    found = interpreters() if "--all" in arguments else {}
+    found = interpreters() if arguments else {}
     wanted = {abi(OWN_VERSION): (OWN_VERSION, Path(sys.executable))}
+    if arguments[:1] == ["--for"]:
+        found, wanted = {version: found[version] for version in arguments[1:]}, {}
     for version, python in found.items():
         if python:
             wanted.setdefault(abi(version), (version, python))

@@ -12,5 +12,5 @@ inline std::vector<threewe::env::TaskFactory> all_tasks() {
   using threewe::task::TaskContext;
   return {[](const TaskContext& context) { return threewe::task::make_navigation(context, {.goals = 4}); },
           [](const TaskContext& context) { return threewe::task::make_exploration(context); },
-          threewe::task::make_object_nav, threewe::task::make_vln};
+          [](const TaskContext& context) { return threewe::task::make_object_nav(context); }, threewe::task::make_vln};
 }

@@ -101,7 +101,7 @@ EXPERIMENTS = [
         "check_backend of honest backends",
         keep_the_contract,
         variants=[{"backend": backend, "robots": robots} for backend, robots in HONEST.items()],
-        cases=90,
+        cases=150,
         sample=3,
         rows=[NO_CHECK_FAILS, *each("backend", HONEST, lambda _: NO_CHECK_FAILS)],
     ),

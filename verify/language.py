@@ -2,13 +2,26 @@
 
 import subprocess
 
+from verify.cases.end_to_end_hash import instruct_in_false_truth, processors, targets
 from verify.cases.finding import SCENES, find
 from verify.cases.handwritten_commands import PARTS, read_handwritten
 from verify.cases.models import DIALECTS, answer_hostile, drive_as_ours, fail_server, replay_talk
 from verify.cases.routes import follow, go_to
 from verify.cases.seeing import GENERATED, SUFFIX, map_things, see
 from verify.cases.trees import PROGRAMS
-from verify.harness import Case, Experiment, Row, all_of, counted_of, known_miss, share_of, worst_of
+from verify.harness import (
+    Case,
+    Experiment,
+    Row,
+    all_of,
+    counted_of,
+    each,
+    info,
+    known_miss,
+    share_of,
+    time_of,
+    worst_of,
+)
 
 EACH = 50  # commands of a case
 WITH_ROUTES = ("office_v2", "apartment_v1", "generated")
@@ -34,7 +47,43 @@ def share_counted(hits: str, of: str, name: str, at_least: float) -> Row:
 
 
 FIRST = "the detector has learnt in generated buildings, which are barer than these scenes"
+FINDS = "the detector takes some cabinets for refrigerators from every side, and names few of the things far away"
 SHADE = "colors are those of the picture: things in the shade are gray"
+
+
+def figures(program: str, *arguments: object) -> Case:
+    """What a program prints, a figure a line."""
+    command = [str(PROGRAMS / program), *map(str, arguments)]
+    output = subprocess.run(command, capture_output=True, text=True, check=True).stdout
+    return {name: float(value) for name, value in (line.split() for line in output.splitlines())}
+
+
+def time_a_look(seed: int) -> Case:
+    """What one look of the detector takes."""
+    return figures("verify_detector", seed, "--time")
+
+
+def time_instructions(seed: int) -> Case:
+    """How many times real time a search and an exploration run, and how far the robot came."""
+    return figures("verify_agent", seed, "--speed")
+
+
+def among() -> Row:
+    """The vector targets that all cases had."""
+    return info("targets", lambda cases: ", ".join(sorted(set.intersection(*(set(c["targets"]) for c in cases)))))
+
+
+def found(at_least: float, known: float | None) -> Row:
+    """The share of searches that end in success."""
+    row = share_of("found, by the rule of 3we/ObjectNav-v1", lambda case: case["found"], at_least=at_least)
+    return known_miss(row, known, FINDS)
+
+
+def wrong(known: float) -> Row:
+    """The share of searches that end with a claim that is verified, and wrong."""
+    row = counted_of("claimed, verified and wrong", lambda case: case["claimed_wrong"], lambda _: 1.0, at_most=0.03)
+    return known_miss(row, known, FINDS)
+
 
 EXPERIMENTS = [
     Experiment(
@@ -72,9 +121,33 @@ EXPERIMENTS = [
             ],
         )
         for shapes, suffix, precision, recall, color in [
-            ("", "", 0.76, 0.24, 0.92),
+            ("", "", 0.8, 0.26, 0.86),
             (", held-out shapes", SUFFIX, 0.7, 0.13, 0.88),
         ]
+    ),
+    Experiment(
+        "pictures of a scene, by the detector on every vector target",
+        targets,
+        {"program": "verify_detector"},
+        cases=20,
+        sample=2,
+        rows=[all_of("the same bits", lambda case: case["equal"] and len(case["targets"]) >= 2), among()],
+    ),
+    Experiment(
+        "aarch64, emulated: pictures of a scene, by the detector",
+        processors,
+        {"program": "verify_detector"},
+        cases=5,
+        sample=0,
+        rows=[all_of("the same bits as on this processor", lambda case: case["equal"])],
+    ),
+    Experiment(
+        "one look of the detector, on one core",
+        time_a_look,
+        cases=5,
+        sample=3,
+        rows=[time_of("a look [ms of CPU time]", lambda case: case["milliseconds"], at_most=10.0)],
+        alone=True,
     ),
     *(
         Experiment(
@@ -91,26 +164,28 @@ EXPERIMENTS = [
             ],
         )
         for where, scenes, precision, recall in [
-            ("generated buildings", [GENERATED], None, None),
-            ("scenes that the detector has not seen", SCENES, 0.63, 0.52),
+            ("generated buildings", [GENERATED], None, 0.58),
+            ("scenes that the detector has not seen", SCENES, 0.8, 0.46),
         ]
     ),
-    Experiment(
-        "find the KIND, in an unknown map",
-        find,
-        variants=[{"scene": scene} for scene in SCENES],
-        cases=100 * len(SCENES),
-        sample=2 * len(SCENES),
-        rows=[
-            share_of("found, by the rule of 3we/ObjectNav-v1", lambda case: case["found"], at_least=0.6),
-            known_miss(
-                counted_of(
-                    "claimed, verified and wrong", lambda case: case["claimed_wrong"], lambda _: 1.0, at_most=0.03
-                ),
-                0.15,
-                "the detector is a first one: desks, tables, shelves and refrigerators are mixed up",
-            ),
-        ],
+    *(
+        Experiment(
+            f"find the {what}, in an unknown map",
+            find,
+            {"colored": colored},
+            variants=[{"scene": scene} for scene in SCENES],
+            cases=100 * len(SCENES),
+            sample=2 * len(SCENES),
+            rows=[
+                found(0.7, mean),
+                *each("scene", SCENES, lambda scene, least=least: found(0.6, least.get(scene))),
+                wrong(claimed),
+            ],
+        )
+        for what, colored, mean, least, claimed in [
+            ("KIND", False, 0.65, {"apartment_v1": 0.5, "warehouse_v1": 0.5}, 0.06),
+            ("COLOR KIND", True, 0.58, {"apartment_v1": 0.58, "warehouse_v1": 0.42, "cluttered_v1": 0.5}, 0.06),
+        ]
     ),
     Experiment(
         "routes of 3we/VLN-v1, in an unknown map, with the borders of rooms",
@@ -144,6 +219,27 @@ EXPERIMENTS = [
         rows=[share_of("stood in the place", lambda case: case["success"], at_least=0.97)],
     ),
     Experiment(
+        "instructions where the truth is moved by 100 m, and what is named goes by other names",
+        instruct_in_false_truth,
+        cases=100,
+        sample=4,
+        rows=[
+            all_of("the same commands, to the bit", lambda case: case["equal"]),
+            all_of("an agent that peeks at things is found out", lambda case: case["found_out"]),
+        ],
+    ),
+    Experiment(
+        "offline instructions in office_v2, detector and autonomy on, on one core",
+        time_instructions,
+        cases=5,
+        sample=3,
+        rows=[
+            time_of("robot seconds a CPU second", lambda case: case["times"], at_least=20.0),
+            worst_of("really driven meanwhile [m]", lambda case: case["metres"], at_least=10.0),
+        ],
+        alone=True,
+    ),
+    Experiment(
         "a model as good as ours, behind HTTP",
         drive_as_ours,
         variants=[{"dialect": dialect} for dialect in DIALECTS],
@@ -162,6 +258,7 @@ EXPERIMENTS = [
             worst_of("driven in a keep-out zone [m]", lambda case: case["in_zone"], at_most=0.0),
             worst_of("contacts [m/s]", lambda case: case["contact"], at_most=0.05),
             all_of("the emergency stop stays latched", lambda case: case["unlatched"] == 0),
+            info("answers", lambda cases: f"{sum(case['outputs'] for case in cases)}"),
         ],
     ),
     Experiment(

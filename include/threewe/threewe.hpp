@@ -10,3 +10,4 @@
 #include "threewe/robot/robot.hpp"
 #include "threewe/robot/warning.hpp"
 #include "threewe/robot/world.hpp"
+#include "threewe/semantics/things.hpp"

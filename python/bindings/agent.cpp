@@ -58,7 +58,9 @@ void init_agent(nb::module_& m) {
       .def(Value())
       .def_ro("name", &Place::name)
       .def_ro("polygon", &Place::polygon, "[m] in `map`; one point where the robot stood as it was named")
-      .def_ro("origin", &Place::origin, "`given` by users, or `seen`: probably so by what stands there");
+      .def_ro("origin", &Place::origin, "`given` by users, or `seen`: probably so by what stands there")
+      .def("contains", &semantics::SemanticMap::contains, "point"_a,
+           "Whether a point [m] in `map` is in it, or within 2.5 m of one that is a point.");
   nb::class_<ExecutedStep>(m, "ExecutedStep", "One skill that was executed.")
       .def(Value())
       .def_ro("skill", &ExecutedStep::skill, "such as `search`")

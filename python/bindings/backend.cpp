@@ -22,22 +22,18 @@ void init_backend(nb::module_& m) {
       .def(
           "__init__",
           [](Features* self, std::vector<SensorInfo> sensors, Kinematics kinematics, bool lockstep, bool deterministic,
-             bool can_reset, bool can_save, bool external_localization, bool external_navigation) {
-            new (self) Features{std::move(sensors),    kinematics,         lockstep, deterministic, can_reset, can_save,
-                                external_localization, external_navigation};
+             bool can_reset, bool can_save) {
+            new (self) Features{std::move(sensors), kinematics, lockstep, deterministic, can_reset, can_save};
           },
           "sensors"_a, "kinematics"_a, nb::kw_only(), "lockstep"_a = false, "deterministic"_a = false,
-          "can_reset"_a = false, "can_save"_a = false, "external_localization"_a = false,
-          "external_navigation"_a = false)
+          "can_reset"_a = false, "can_save"_a = false)
       .def_ro("sensors", &Features::sensors)
       .def_ro("kinematics", &Features::kinematics)
       .def_ro("lockstep", &Features::lockstep, "Time advances only when it is told to.")
       .def_ro("deterministic", &Features::deterministic,
               "The same seed and commands give the same samples, to the bit.")
       .def_ro("can_reset", &Features::can_reset)
-      .def_ro("can_save", &Features::can_save)
-      .def_ro("external_localization", &Features::external_localization)
-      .def_ro("external_navigation", &Features::external_navigation);
+      .def_ro("can_save", &Features::can_save);
   m.def("backend_names", &backend::backend_names, "The names of all backends.");
   m.def("use_mujoco", &backend::mujoco::use_library, "path"_a,
         "Says where MuJoCo's library is; it is loaded when a world is first made.");

@@ -46,16 +46,20 @@ Rows poses_of(const TrueDrive& drive) {
   return rows_of(std::move(numbers));
 }
 
-/// What the robot's camera truly shows at the end of a drive.
-bool is_success(const ObjectNav& task, const RobotProfile& profile, const std::string& category,
-                const TrueDrive& drive) {
+/// What the robot's camera truly shows at the end of a drive that makes it right to stop there.
+std::vector<std::string> found(const ObjectNav& task, const RobotProfile& profile, const std::string& category,
+                               const TrueDrive& drive) {
   const scene::TruthView& truth = drive.truth();
   SemanticImage seen;
-  return task.is_success(task::object_goal(category), truth.true_pose(), [&]() -> std::span<const std::int16_t> {
+  const auto look = [&]() -> std::span<const std::int16_t> {
     const CameraSpec& camera = *profile.camera;
     seen = truth.look(camera.intrinsics(), truth.true_pose() * camera.base_from_camera, camera.mount_height, false);
     return seen.ids;
-  });
+  };
+  std::vector<std::string> names;
+  for (const std::size_t object : task.found(task::object_goal(category), truth.true_pose(), look))
+    names.push_back(truth.scene().objects.at(object).name);
+  return names;
 }
 
 void bind_drives(nb::module_& m) {
@@ -160,13 +164,27 @@ void bind_object_nav(nb::module_& m) {
       .def("sample", &ObjectNav::sample, "seed"_a, "index"_a = 0, "category"_a = "",
            "Episode `index` of a seed. Raises ConfigError for a kind that is not among the goals.")
       .def(
+          "sample_in_sight", &ObjectNav::sample_in_sight, "seed"_a, "index"_a = 0, "category"_a = "", WithoutGil(),
+          "The same with something of the kind in sight, and nothing of it nearer than 1.5 m. Raises ConfigError where "
+          "there is no such start.")
+      .def(
+          "in_sight",
+          [](const ObjectNav& task, const Pose2D& base) {
+            std::vector<std::string> names;
+            for (const std::size_t goal : task.in_sight(base)) names.emplace_back(task::kObjectGoals.at(goal));
+            return names;
+          },
+          "base"_a,
+          "The kinds of which the camera shows something at most 5 m away, as large and as little hidden as success "
+          "asks for.")
+      .def(
           "distance",
           [](const ObjectNav& task, const std::string& category, Vec2 base) {
             return task.distance(task::object_goal(category), base);
           },
           "category"_a, "base"_a, "[m] to the nearest place of success; infinity without one.")
-      .def("is_success", &is_success, "profile"_a, "category"_a, "drive"_a,
-           "Whether STOP is right where a drive has come to.");
+      .def("found", &found, "profile"_a, "category"_a, "drive"_a,
+           "The names of the things that make STOP right where a drive has come to; none where it is wrong.");
 }
 
 }  // namespace

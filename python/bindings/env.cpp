@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include <fmt/format.h>
 #include <nanobind/stl/map.h>
 #include <nanobind/stl/pair.h>
 #include <nanobind/stl/shared_ptr.h>
@@ -43,20 +44,35 @@ task::NavigationOptions navigation_options(std::string_view episodes, bool goal_
   options.goal_in_map = goal_in_map;
   options.stop = stop;
   options.contact_ends = chosen<bool>("contact", contact, {{"end", true}, {"count", false}});
-  if (chosen<bool>("episodes", episodes, {{"standard", false}, {"reactive", true}})) {
+  if (episodes == "reactive") {
     options.longest = 8.0;
     options.detours = 0.0;
   }
   return options;
 }
 
-env::TaskFactory task_factory(std::string_view task, const task::NavigationOptions& navigation) {
+/// Raises ConfigError for a kind of episodes that the task does not have.
+void check_episodes(std::string_view task, std::string_view episodes) {
+  const std::string kind = fmt::format("episodes of {}", task);
+  if (task == "navigation") {
+    chosen<bool>(kind, episodes, {{"standard", false}, {"reactive", true}});
+  } else if (task == "object_nav") {
+    chosen<bool>(kind, episodes, {{"standard", false}, {"in_sight", true}});
+  } else {
+    chosen<bool>(kind, episodes, {{"standard", false}});
+  }
+}
+
+env::TaskFactory task_factory(std::string_view task, const task::NavigationOptions& navigation, bool in_sight) {
   return chosen<env::TaskFactory>(
       "task", task,
       {{"navigation",
         [navigation](const task::TaskContext& context) { return task::make_navigation(context, navigation); }},
        {"exploration", [](const task::TaskContext& context) { return task::make_exploration(context); }},
-       {"object_nav", task::make_object_nav},
+       {"object_nav",
+        [in_sight](const task::TaskContext& context) {
+          return task::make_object_nav(context, {.in_sight = in_sight});
+        }},
        {"vln", task::make_vln}});
 }
 
@@ -96,7 +112,8 @@ env::Options task_options(const std::string& task, const std::optional<std::vect
                           const std::string& contact) {
   env::Options options;
   const bool goal_in_map = chosen<bool>("goal_frame", goal_frame, {{"robot", false}, {"map", true}});
-  options.task = task_factory(task, navigation_options(episodes, goal_in_map, stop, contact));
+  options.task = task_factory(task, navigation_options(episodes, goal_in_map, stop, contact), episodes == "in_sight");
+  check_episodes(task, episodes);
   options.observed = observed(observations);
   options.lidar_beams = lidar_beams;
   std::tie(options.image_height, options.image_width) = image_size;

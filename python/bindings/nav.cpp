@@ -42,7 +42,10 @@ void bind_motions(nb::module_& m) {
       .value("lost", Reason::lost, "The robot no longer knows where it is.")
       .value("uncertain", Reason::uncertain,
              "By its estimate it is at its goal, but that is known less well than the tolerance asks for.")
-      .value("fault", Reason::fault, "The robot or its backend failed.");
+      .value("fault", Reason::fault, "The robot or its backend failed.")
+      .value("starved", Reason::starved, "The policy that steers it gave no actions any more.")
+      .value("policy_error", Reason::policy_error,
+             "The policy that steers it raised, or gave numbers that are not finite.");
 
   NamedEnum<RecoveryState>(m, "RecoveryState",
                            "What a robot does that does not get on: in this order, as often as it takes or until it "

@@ -7,10 +7,10 @@
 #include <fmt/ranges.h>
 
 #include "backend/plugin.hpp"
+#include "backend/simulated/plugin_truth.hpp"
 #include "bindings.hpp"
 #include "core/exact.hpp"
 #include "named_enum.hpp"
-#include "plugin_truth.hpp"
 #include "threewe/backend/conformance.hpp"
 #include "threewe/backend/registry.hpp"
 #include "value.hpp"
@@ -242,7 +242,7 @@ std::unique_ptr<backend::World> make_python_world(const std::string& name, const
            options.seed, pose, size, options.randomization);
   const auto& [link, scene, call] = nb::cast<Mailbox&>(mailbox);
   std::unique_ptr<const scene::TruthView> truth;
-  if (scene) truth = std::make_unique<PluginTruthView>(link, scene);
+  if (scene) truth = std::make_unique<backend::simulated::PluginTruthView>(link, scene);
   return std::make_unique<backend::PluginWorld>(link, std::move(truth));
 }
 

@@ -6,6 +6,7 @@
 #include <nanobind/stl/map.h>
 #include <nanobind/stl/pair.h>
 #include <nanobind/stl/shared_ptr.h>
+#include <nanobind/stl/tuple.h>
 #include <nanobind/stl/variant.h>
 
 #include "bindings.hpp"
@@ -201,8 +202,8 @@ void bind_options(nb::module_& m) {
           "__init__",
           [](RobotOptions* self, std::string backend, std::string hardware, std::string scene, std::string_view noise,
              std::uint64_t seed, bool realtime, const map::OccupancyGrid* map, std::optional<Pose2D> initial_pose,
-             std::optional<Pose2D> start_pose, std::string_view localization, const HeightAndWidth& image_size,
-             std::string randomization) {
+             std::optional<Pose2D> start_pose, std::string_view localization, std::string_view navigation,
+             const HeightAndWidth& image_size, std::string randomization) {
             new (self) RobotOptions{.backend = std::move(backend),
                                     .hardware = std::move(hardware),
                                     .scene = std::move(scene),
@@ -212,15 +213,15 @@ void bind_options(nb::module_& m) {
                                     .map = shared(map),
                                     .initial_pose = initial_pose,
                                     .start_pose = start_pose,
-                                    .autonomy = autonomy_with(localization),
+                                    .autonomy = autonomy_with(localization, navigation),
                                     .image_size = image_size_of(image_size),
                                     .randomization = std::move(randomization)};
           },
           nb::kw_only(), "backend"_a = robot.backend, "hardware"_a = robot.hardware, "scene"_a = robot.scene,
           "noise"_a = name_of(robot.noise), "seed"_a = robot.seed, "realtime"_a = robot.realtime,
           "map"_a.none() = nb::none(), "initial_pose"_a = nb::none(), "start_pose"_a = nb::none(),
-          "localization"_a = robot.autonomy.localization, "image_size"_a = nb::none(),
-          "randomization"_a = robot.randomization)
+          "localization"_a = robot.autonomy.localization, "navigation"_a = robot.autonomy.navigation,
+          "image_size"_a = nb::none(), "randomization"_a = robot.randomization)
       .def_ro("backend", &RobotOptions::backend)
       .def_ro("hardware", &RobotOptions::hardware)
       .def_ro("scene", &RobotOptions::scene)
@@ -232,6 +233,7 @@ void bind_options(nb::module_& m) {
       .def_ro("initial_pose", &RobotOptions::initial_pose, "in its `map` frame")
       .def_ro("start_pose", &RobotOptions::start_pose, "in the scene's frame")
       .def_prop_ro("localization", [](const RobotOptions& o) { return o.autonomy.localization; })
+      .def_prop_ro("navigation", [](const RobotOptions& o) { return o.autonomy.navigation; })
       .def_prop_ro(
           "image_size",
           [](const RobotOptions& o) {
@@ -340,6 +342,8 @@ void bind_readings(OneThreadClass<Runtime>& runtime) {
       .def_prop_ro("fault", &Runtime::fault)
       .def_prop_ro("profile", &Runtime::profile)
       .def_prop_ro("features", &Runtime::features)
+      .def_prop_ro("localization", [](const Runtime& robot) { return robot.world().autonomy().localization; })
+      .def_prop_ro("navigation", [](const Runtime& robot) { return robot.world().autonomy().navigation; })
       .def("lidar_scan", &Runtime::lidar_scan, nb::rv_policy::copy)
       .def("imu", &Runtime::imu, nb::rv_policy::copy)
       .def("odometry", &Runtime::odometry, nb::rv_policy::copy)
@@ -399,7 +403,17 @@ void bind_commands(OneThreadClass<Runtime>& runtime) {
       .def("estop", &Runtime::estop)
       .def("release_estop", &Runtime::release_estop)
       .def_prop_ro("estopped", &Runtime::estopped)
-      .def("motion", &Runtime::motion)
+      .def(
+          "observe",
+          [](Runtime& robot, std::function<void(const Tick&)> observer) {
+            return robot.observe([observer = std::move(observer)](const TickView& view) { observer(tick_of(view)); });
+          },
+          "observer"_a)
+      .def("unobserve", &Runtime::unobserve, "id"_a);
+}
+
+void bind_motions(OneThreadClass<Runtime>& runtime) {
+  runtime.def("motion", &Runtime::motion)
       .def(
           "move_to",
           [](Runtime& robot, Vec2 goal, std::optional<double> theta, const std::string& frame, double tolerance,
@@ -409,6 +423,19 @@ void bind_commands(OneThreadClass<Runtime>& runtime) {
           },
           "goal"_a, "theta"_a.none(), "frame"_a, "tolerance"_a, "angle_tolerance"_a, "timeout"_a.none(),
           "`goal` [m] and `theta` [rad] in `frame`.")
+      .def(
+          "drive",
+          [](Runtime& robot, std::function<std::tuple<Velocity, Reason, std::string>(double)> source,
+             std::optional<double> timeout) {
+            const auto decide = [source = std::move(source)](Time now) {
+              auto [velocity, reason, detail] = source(to_seconds(now));
+              return nav::Decision{.velocity = velocity, .reason = reason, .detail = std::move(detail)};
+            };
+            return robot.drive(decide, timeout_of(timeout));
+          },
+          "source"_a, "timeout"_a.none(),
+          "`source(now)` [s] gives the velocity that it wants in each control period, a reason that ends the motion or "
+          "`running`, and a detail.")
       .def(
           "move_forward",
           [](Runtime& robot, double distance, double tolerance, std::optional<double> timeout) {
@@ -428,24 +455,28 @@ void bind_commands(OneThreadClass<Runtime>& runtime) {
           },
           "path"_a, "tolerance"_a, "timeout"_a.none())
       .def(
+          "follow_waypoints",
+          [](Runtime& robot, const std::vector<std::tuple<double, double, std::optional<double>>>& places,
+             double tolerance, double angle_tolerance, std::optional<double> timeout) {
+            nav::FollowWaypoints goal;
+            for (const auto& [x, y, theta] : places)
+              goal.waypoints.push_back({{x, y}, theta, tolerance, angle_tolerance});
+            return robot.start(goal, timeout_of(timeout));
+          },
+          "places"_a, "tolerance"_a, "angle_tolerance"_a, "timeout"_a.none())
+      .def(
           "explore",
           [](Runtime& robot, bool thorough, std::optional<double> timeout) {
             return robot.start(nav::Explore{thorough}, timeout_of(timeout));
           },
-          "thorough"_a, "timeout"_a.none())
-      .def(
-          "observe",
-          [](Runtime& robot, std::function<void(const Tick&)> observer) {
-            return robot.observe([observer = std::move(observer)](const TickView& view) { observer(tick_of(view)); });
-          },
-          "observer"_a)
-      .def("unobserve", &Runtime::unobserve, "id"_a);
+          "thorough"_a, "timeout"_a.none());
 }
 
 void bind_runtime(nb::module_& m) {
   OneThreadClass<Runtime> runtime(m, "Runtime", "One robot of a world: autonomy stack, gate and port.");
   bind_readings(runtime);
   bind_commands(runtime);
+  bind_motions(runtime);
 }
 
 void bind_simulation(nb::module_& m) {

@@ -1,6 +1,7 @@
 // The table of ROS 2 messages, for tests and for the command line.
 #include <nanobind/stl/unique_ptr.h>
 
+#include "autonomous_world.hpp"
 #include "bindings.hpp"
 #include "ros2/message_types.hpp"
 #include "ros2/real.hpp"
@@ -36,16 +37,23 @@ void init_ros2(nb::module_& m) {
   m.def(
       "ros2_serve",
       [](const std::string& scene, std::vector<std::string> robots, std::vector<std::string> namespaces,
-         const std::string& noise, std::uint64_t seed, double speed, bool lockstep, bool map) {
+         const std::string& noise, std::uint64_t seed, double speed, bool lockstep, bool map, bool autonomy) {
         backend::WorldOptions options;
         options.scene = scene;
         options.robots = std::move(robots);
         options.noise = noise_level(noise);
         options.seed = seed;
-        return ros2::serve(backend::make_world("mock", options), {std::move(namespaces), speed, lockstep, map});
+        std::unique_ptr<backend::World> world = backend::make_world("mock", options);
+        ros2::ServeOptions served{std::move(namespaces), speed, lockstep, map};
+        if (autonomy) {
+          auto autonomous = std::make_unique<AutonomousWorld>(std::move(world));
+          served.autonomies = autonomous->autonomies();
+          world = std::move(autonomous);
+        }
+        return ros2::serve(std::move(world), served);
       },
       nb::kw_only(), "scene"_a, "robots"_a, "namespaces"_a, "noise"_a = "realistic", "seed"_a = 0, "speed"_a = 1.0,
-      "lockstep"_a = false, "map"_a = false, WithoutGil(),
+      "lockstep"_a = false, "map"_a = false, "autonomy"_a = false, WithoutGil(),
       "Makes a simulated world and serves its robots, each in a namespace such as `/robot_1`; empty for none.");
   using ros2::Endpoint;
   nb::class_<Endpoint>(m, "Ros2Endpoint", "One publisher or subscription of the ROS 2 graph.")

@@ -51,8 +51,9 @@ from threewe._core import (
     profile_names,
     scene_names,
 )
-from threewe._instructions import ExecutedStep, ExecutionResult
+from threewe._instructions import Exchange, ExecutedStep, ExecutionResult
 from threewe._notebook import show
+from threewe._user_skills import SkillInfo
 from threewe.backend import backend_names, register_backend
 from threewe.calibration import Calibration, calibrate
 from threewe.errors import (
@@ -91,6 +92,7 @@ __all__ = [
     "CoverageMeter",
     "EmergencyStopError",
     "Episode",
+    "Exchange",
     "ExecutedStep",
     "ExecutionResult",
     "ExploreResult",
@@ -129,6 +131,7 @@ __all__ = [
     "SensorInfo",
     "SensorType",
     "Simulation",
+    "SkillInfo",
     "Snapshot",
     "ThreeweError",
     "TickView",

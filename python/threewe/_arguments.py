@@ -131,6 +131,18 @@ def as_path(name: str, points: ArrayLike | Iterable[PoseLike]) -> list[tuple[flo
     return [(x, y) for x, y in as_array(name, points, (None, 2)).tolist()]  # type: ignore[arg-type]
 
 
+def as_waypoints(name: str, places: ArrayLike | Iterable[PoseLike]) -> list[tuple[float, float, float | None]]:
+    """Places with a heading or without: (N, 2) or (N, 3) numbers, or a list of poses. Raises ContractError."""
+    if not isinstance(places, list | tuple | np.ndarray):
+        raise ContractError(f"{name} must be a list of Pose2Ds, (x, y) or (x, y, theta), got {places!r}")
+    found: list[tuple[float, float, float | None]] = []
+    for i, place in enumerate(places):
+        pose = as_pose(f"{name}[{i}]", place)
+        headless = not isinstance(place, Pose2D) and len(place) == 2
+        found.append((pose.x, pose.y, None if headless else pose.theta))
+    return found
+
+
 def as_map(name: str, value: OccupancyGrid | str | os.PathLike[str]) -> OccupancyGrid:
     """A map, or the one in a file that ends in .yaml. Raises ContractError, ConfigError."""
     if isinstance(value, OccupancyGrid):

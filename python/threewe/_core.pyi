@@ -1755,7 +1755,7 @@ class SensorInfo:
 class Features:
     """What a robot can do, readable before connecting."""
 
-    def __init__(self, sensors: Sequence[SensorInfo], kinematics: Kinematics, *, lockstep: bool = False, deterministic: bool = False, can_reset: bool = False, can_save: bool = False, external_localization: bool = False, external_navigation: bool = False) -> None: ...
+    def __init__(self, sensors: Sequence[SensorInfo], kinematics: Kinematics, *, lockstep: bool = False, deterministic: bool = False, can_reset: bool = False, can_save: bool = False) -> None: ...
 
     def __eq__(self, other: object) -> bool: ...
 
@@ -1784,12 +1784,6 @@ class Features:
 
     @property
     def can_save(self) -> bool: ...
-
-    @property
-    def external_localization(self) -> bool: ...
-
-    @property
-    def external_navigation(self) -> bool: ...
 
 def backend_names() -> list[str]:
     """The names of all backends."""
@@ -1907,6 +1901,12 @@ class Reason(enum.StrEnum):
 
     fault = 'fault'
     """The robot or its backend failed."""
+
+    starved = 'starved'
+    """The policy that steers it gave no actions any more."""
+
+    policy_error = 'policy_error'
+    """The policy that steers it raised, or gave numbers that are not finite."""
 
 class RecoveryState(enum.StrEnum):
     """
@@ -2324,7 +2324,7 @@ class TickView:
 class RobotOptions:
     """Where one robot is in a world of its own, and which."""
 
-    def __init__(self, *, backend: str = 'mock', hardware: str = '3we_standard_v2', scene: str = 'office_v2', noise: str = 'realistic', seed: int = 0, realtime: bool = False, map: OccupancyGrid | None = None, initial_pose: Pose2D | None = None, start_pose: Pose2D | None = None, localization: str = 'slam', image_size: tuple[int, int] | None = None, randomization: str = 'none') -> None: ...
+    def __init__(self, *, backend: str = 'mock', hardware: str = '3we_standard_v2', scene: str = 'office_v2', noise: str = 'realistic', seed: int = 0, realtime: bool = False, map: OccupancyGrid | None = None, initial_pose: Pose2D | None = None, start_pose: Pose2D | None = None, localization: str = 'slam', navigation: str = 'own', image_size: tuple[int, int] | None = None, randomization: str = 'none') -> None: ...
 
     @property
     def backend(self) -> str: ...
@@ -2357,6 +2357,9 @@ class RobotOptions:
 
     @property
     def localization(self) -> str: ...
+
+    @property
+    def navigation(self) -> str: ...
 
     @property
     def image_size(self) -> tuple[int, int] | None:
@@ -2494,6 +2497,12 @@ class Runtime:
     @property
     def features(self) -> Features: ...
 
+    @property
+    def localization(self) -> str: ...
+
+    @property
+    def navigation(self) -> str: ...
+
     def lidar_scan(self) -> LaserScan: ...
 
     def imu(self) -> IMUData: ...
@@ -2545,10 +2554,19 @@ class Runtime:
     @property
     def estopped(self) -> bool: ...
 
+    def observe(self, observer: Callable[[TickView], None]) -> int: ...
+
+    def unobserve(self, id: int) -> None: ...
+
     def motion(self) -> Motion: ...
 
     def move_to(self, goal: tuple[float, float], theta: float | None, frame: str, tolerance: float, angle_tolerance: float, timeout: float | None) -> Motion:
         """`goal` [m] and `theta` [rad] in `frame`."""
+
+    def drive(self, source: Callable[[float], tuple[Velocity, Reason, str]], timeout: float | None) -> Motion:
+        """
+        `source(now)` [s] gives the velocity that it wants in each control period, a reason that ends the motion or `running`, and a detail.
+        """
 
     def move_forward(self, distance: float, tolerance: float, timeout: float | None) -> Motion: ...
 
@@ -2556,11 +2574,9 @@ class Runtime:
 
     def follow_path(self, path: Sequence[tuple[float, float]], tolerance: float, timeout: float | None) -> Motion: ...
 
+    def follow_waypoints(self, places: Sequence[tuple[float, float, float | None]], tolerance: float, angle_tolerance: float, timeout: float | None) -> Motion: ...
+
     def explore(self, thorough: bool, timeout: float | None) -> Motion: ...
-
-    def observe(self, observer: Callable[[TickView], None]) -> int: ...
-
-    def unobserve(self, id: int) -> None: ...
 
 class PersonPose:
     """Where a person of a simulated scene is."""
@@ -2971,6 +2987,12 @@ class Detector:
         Reads one that is shipped, or a file that ends in .safetensors. Raises ConfigError.
         """
 
+    @staticmethod
+    def of_boxes(layout: BoxLayout, find: Callable[..., object]) -> Detector:
+        """
+        One of a function that is given a picture, and returns (N, 4 + labels) float32: boxes [px] and scores.
+        """
+
     @property
     def labels(self) -> list[str]:
         """what it can tell apart; the first is the background"""
@@ -2987,6 +3009,49 @@ class Detector:
         """
         The things in a (H, W, 3) uint8 BGR picture of a level camera, largest first. Raises ContractError.
         """
+
+class BoxLayout:
+    """What the outputs of a network mean that finds boxes in pictures."""
+
+    @staticmethod
+    def load(path: str) -> BoxLayout:
+        """Reads a YAML file. Raises ConfigError with file:line."""
+
+    @property
+    def labels(self) -> list[str]:
+        """in the order of the network's scores; empty: not used"""
+
+    @property
+    def radii(self) -> list[float]:
+        """[m]"""
+
+    @property
+    def rgb(self) -> bool:
+        """order of the input's channels; else BGR"""
+
+    @property
+    def scale(self) -> float:
+        """by which pixels are divided first"""
+
+    @property
+    def mean(self) -> list[float]:
+        """of each channel after that, which is taken away"""
+
+    @property
+    def deviation(self) -> list[float]:
+        """by which it is divided then"""
+
+    @property
+    def centers(self) -> bool:
+        """boxes are centre and size; else two corners"""
+
+    @property
+    def confidence(self) -> float:
+        """least score of a box"""
+
+    @property
+    def overlap(self) -> float:
+        """above which two boxes are of one thing"""
 
 def color_names() -> list[str]:
     """The eleven basic color terms."""
@@ -3009,6 +3074,11 @@ class ActionTimeline:
     def next(self, now: float) -> Velocity:
         """The velocity of the control tick at `now` [s]."""
 
+    def planned(self, time: float) -> Velocity | None:
+        """
+        The velocity that the control tick at `time` [s], now or later, will have; None beyond the end.
+        """
+
     @property
     def end(self) -> float | None:
         """[s] of robot time; None before any chunk"""
@@ -3026,6 +3096,38 @@ class ActionTimeline:
         """
         chunks that changed the velocity by more than one period's acceleration
         """
+
+class Inference:
+    """One run of a graph in a thread of its own, which needs no Python."""
+
+    def done(self) -> bool:
+        """Whether there is a result or an error."""
+
+    def wait(self, seconds: float) -> bool:
+        """Waits for it so long [s] at most; whether it is done."""
+
+    def result(self) -> Annotated[NDArray[numpy.float32], dict(order='C')]:
+        """
+        The graph's output, float32. Raises what went wrong, TimeoutError before.
+        """
+
+class GraphSession:
+    """A policy's graph on one thread, by onnxruntime's library."""
+
+    def __init__(self, library: str, graph: bytes, inputs: Sequence[tuple[str, Sequence[int]]], output: tuple[str, Sequence[int]]) -> None: ...
+
+    def run(self, inputs: list[object]) -> Annotated[NDArray[numpy.float32], dict(order='C')]:
+        """
+        The output for inputs in their order: float32 arrays, or (image, height, width, rgb) of pictures.
+        """
+
+    def start(self, inputs: list[object]) -> Inference:
+        """The same in a thread of its own."""
+
+def network_input(image: Annotated[NDArray[numpy.uint8], dict(shape=(None, None, 3), order='C', device='cpu', writable=False)], height: int, width: int, rgb: bool) -> Annotated[NDArray[numpy.float32], dict(order='C')]:
+    """
+    (1, 3, height, width) 0 to 1 of a BGR picture, each pixel the mean of those that it stands for.
+    """
 
 def instruction_embedding(text: str) -> list[float]:
     """(64,) of a sentence, as in `3we/VLN-v1`."""
@@ -3090,6 +3192,11 @@ class Place:
     @property
     def origin(self) -> str:
         """`given` by users, or `seen`: probably so by what stands there"""
+
+    def contains(self, point: tuple[float, float]) -> bool:
+        """
+        Whether a point [m] in `map` is in it, or within 2.5 m of one that is a point.
+        """
 
 class ExecutedStep:
     """One skill that was executed."""
@@ -3551,11 +3658,23 @@ class ObjectNav:
         Episode `index` of a seed. Raises ConfigError for a kind that is not among the goals.
         """
 
+    def sample_in_sight(self, seed: int, index: int = 0, category: str = '') -> ObjectNavEpisode:
+        """
+        The same with something of the kind in sight, and nothing of it nearer than 1.5 m. Raises ConfigError where there is no such start.
+        """
+
+    def in_sight(self, base: Pose2D) -> list[str]:
+        """
+        The kinds of which the camera shows something at most 5 m away, as large and as little hidden as success asks for.
+        """
+
     def distance(self, category: str, base: tuple[float, float]) -> float:
         """[m] to the nearest place of success; infinity without one."""
 
-    def is_success(self, profile: RobotProfile, category: str, drive: TrueDrive) -> bool:
-        """Whether STOP is right where a drive has come to."""
+    def found(self, profile: RobotProfile, category: str, drive: TrueDrive) -> list[str]:
+        """
+        The names of the things that make STOP right where a drive has come to; none where it is wrong.
+        """
 
 class VlnEpisode:
     """One instruction to be followed."""
@@ -3828,7 +3947,7 @@ class Ros2Server:
     def now(self) -> float:
         """Robot time [s]."""
 
-def ros2_serve(*, scene: str, robots: Sequence[str], namespaces: Sequence[str], noise: str = 'realistic', seed: int = 0, speed: float = 1.0, lockstep: bool = False, map: bool = False) -> Ros2Server:
+def ros2_serve(*, scene: str, robots: Sequence[str], namespaces: Sequence[str], noise: str = 'realistic', seed: int = 0, speed: float = 1.0, lockstep: bool = False, map: bool = False, autonomy: bool = False) -> Ros2Server:
     """
     Makes a simulated world and serves its robots, each in a namespace such as `/robot_1`; empty for none.
     """

@@ -1,4 +1,6 @@
-"""HTML page of an instruction that was executed: map, way, things and what each step rests on. Nothing is fetched."""
+"""HTML page of an instruction that was executed: map, way, things, what each step rests on, and what a model was asked
+and answered. Nothing is fetched.
+"""
 
 from __future__ import annotations
 
@@ -11,15 +13,15 @@ import numpy as np
 from PIL import Image, ImageDraw
 
 from threewe import drawing as d
-from threewe._core import Detector, MappedThing, color_names
-from threewe._instructions import ExecutedStep, ExecutionResult
+from threewe._core import MappedThing, color_names
+from threewe._instructions import Exchange, ExecutedStep, ExecutionResult
 from threewe._sight import as_jpeg
 from threewe._web import web_file
 from threewe.errors import ConfigError, ContractError
 
 WIDTH, HEIGHT = 1200, 800  # [px] of the map
 MARGIN = 0.6  # [m] around what is known
-SHOWN = 0.5  # least probability of a thing's kind, or confidence of a detection's, to be named
+SHOWN = 0.5  # least probability of a thing's kind to be named
 PLACE = (52, 116, 219, 255)
 START = (46, 160, 92, 255)
 
@@ -42,7 +44,7 @@ def check_page(path: Path) -> None:
 def report(result: ExecutionResult) -> str:
     """The page."""
     text = html.escape
-    steps = "".join(_step(step, result) for step in result.steps)
+    steps = "".join(_step(step) for step in result.steps)
     said = result.answer or result.detail
     return f"""<!doctype html>
 <html lang="en"><head><meta charset="utf-8"><meta name="viewport" content="width=device-width, initial-scale=1">
@@ -63,7 +65,7 @@ def report(result: ExecutionResult) -> str:
 <li><i style="border-color:#3474db"></i>way</li>
 <li><i class="dot" style="border-color:#e23e78"></i>what it was about</li></ul>
 <h2>Steps</h2>
-<ol class="steps">{steps}</ol>
+<ol class="steps">{steps}</ol>{_conversation(result)}
 </body></html>
 """
 
@@ -77,28 +79,47 @@ def _thinking(result: ExecutionResult) -> str:
 <div><dt>tokens</dt><dd>{result.tokens}</dd></div>"""
 
 
-def _step(step: ExecutedStep, result: ExecutionResult) -> str:
+def _step(step: ExecutedStep) -> str:
     good = "good" if step.reason == "done" else "bad"
     detail = f"<br><small>{html.escape(step.detail)}</small>" if step.detail else ""
-    return f"""<li><figure><img alt="the camera's picture at the end of this step" src="{_picture(step, result)}">
+    return f"""<li><figure><img alt="the camera's picture at the end of this step" src="{_picture(step)}">
 <figcaption><code>{html.escape(step.text)}</code><br><span class="{good}">{html.escape(step.reason)}</span>
 <small>{step.begun:.1f} to {step.ended:.1f} s</small>{detail}</figcaption></figure></li>
 """
 
 
-def _picture(step: ExecutedStep, result: ExecutionResult) -> str:
+def _conversation(result: ExecutionResult) -> str:
+    """What was said to and by a model, each picture where it was sent first; empty without a model."""
+    sent: set[bytes] = set()
+    said = []
+    for exchange in result.conversation:
+        new = [picture for picture in exchange.pictures if picture not in sent]
+        sent.update(new)
+        said.append(_exchange(exchange, new))
+    return f'\n<h2>Conversation with the model</h2>\n<ol class="talk">{"".join(said)}</ol>' if said else ""
+
+
+def _exchange(exchange: Exchange, new: list[bytes]) -> str:
+    text = html.escape
+    again = len(exchange.pictures) - len(new)
+    shown = "".join(f'<img alt="a picture that was sent" src="{_image(picture)}">' for picture in new)
+    before = f"<small>and {again} that it had been sent before</small>" if again else ""
+    pictures = f'<div class="sent">{shown}{before}</div>' if exchange.pictures else ""
+    return f"""<li><small>{exchange.time:.1f} s, answered in {exchange.seconds:.1f} s, {exchange.tokens} tokens</small>
+<details><summary>question</summary><pre>{text(exchange.question)}</pre></details>{pictures}
+<pre class="{"bad" if exchange.failed else "answer"}">{text(exchange.answer) or "(nothing)"}</pre></li>
+"""
+
+
+def _picture(step: ExecutedStep) -> str:
     """The camera's picture with the detector's boxes, as a data URI."""
     picture = Image.fromarray(np.ascontiguousarray(step.picture[..., ::-1]))
     draw = ImageDraw.Draw(picture)
     font = d.text_font(picture.width / 40)
-    for seen in reversed(Detector.load().detect(step.picture, result.camera)):  # the largest last
-        if seen.confidence < SHOWN:
-            continue
-        kind = result.labels[seen.kind_index]
+    for kind, said, box in reversed(step.seen):  # the largest last
         color = d.furniture_color(kind)
-        draw.rectangle(seen.box, outline=color, width=max(2, picture.width // 240))
-        said = f"{seen.color} {kind} {seen.confidence:.0%}"
-        corner = (seen.box[0] + 4, max(0, seen.box[1] - font.getbbox(said)[3] - 4))
+        draw.rectangle(box, outline=color, width=max(2, picture.width // 240))
+        corner = (box[0] + 4, max(0, box[1] - font.getbbox(said)[3] - 4))
         draw.rectangle(draw.textbbox(corner, said, font), fill=color)
         draw.text(corner, said, d.INK if sum(color[:3]) > 380 else (255, 255, 255, 255), font)
     return _data(picture, "jpeg")
@@ -176,4 +197,10 @@ def _data(picture: Image.Image, form: str) -> str:
         file = io.BytesIO()
         picture.save(file, form)
         content = file.getvalue()
+    return _image(content)
+
+
+def _image(content: bytes) -> str:
+    """A JPEG or PNG as a data URI."""
+    form = "png" if content.startswith(b"\x89PNG") else "jpeg"
     return f"data:image/{form};base64,{base64.b64encode(content).decode()}"

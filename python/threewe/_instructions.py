@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import asyncio
+import logging
 import math
 import os
 from dataclasses import dataclass, field
@@ -15,11 +17,19 @@ from threewe import _core
 from threewe._arguments import as_file, as_seconds, as_text
 from threewe._core import Agent, CameraIntrinsics, Detector, MappedThing, OccupancyGrid, Place, Pose2D
 from threewe._extras import needed_for
-from threewe.errors import ContractError, SafetyError
+from threewe._model_skills import BadCallError, Call, read_call, read_steps
+from threewe._user_skills import UserSkills
+from threewe.errors import ContractError, EmergencyStopError, SafetyError, TimeoutError
+from threewe.language import read_command
 
 if TYPE_CHECKING:
     from threewe.robot import Robot
 
+MOST_STEPS = 30
+NAMED = 0.5
+"""Confidence from which a detection is said to be of its kind."""
+LONGEST = 900.0
+"""[s] of robot time that a skill may take a program."""
 PERIOD = 0.1
 """[s] of robot time between two updates."""
 
@@ -44,6 +54,28 @@ class ExecutedStep:
     """id of the mapped thing that it rests on; 0: none"""
     picture: NDArray[np.uint8] = field(repr=False, compare=False)
     """(H, W, 3) BGR, what the camera showed as it ended"""
+    seen: tuple[tuple[str, str, tuple[int, int, int, int]], ...] = field(repr=False, compare=False)
+    """kind, a description and the box [px] of each thing that the detector named in it, the largest first"""
+
+
+@dataclass(frozen=True)
+class Exchange:
+    """One question to a model, and what came back."""
+
+    time: float
+    """[s] of robot time, when it was asked"""
+    seconds: float
+    """[s] of robot time that it took"""
+    question: str = field(repr=False)
+    """the text that was sent"""
+    pictures: tuple[bytes, ...] = field(repr=False)
+    """JPEG or PNG, that were sent with it"""
+    answer: str
+    """what the model said: a text, or calls as `rotate({"degrees": 90})`, one a line; or what went wrong"""
+    failed: bool
+    """there was no answer: the model or its server failed"""
+    tokens: int
+    """that it used"""
 
 
 @dataclass(frozen=True)
@@ -83,9 +115,13 @@ class ExecutionResult:
     """what the kinds of things are called"""
     camera: CameraIntrinsics = field(repr=False)
     """of the pictures"""
+    conversation: tuple[Exchange, ...] = field(repr=False)
+    """with a model, if there was one, in order"""
 
     def save(self, path: str | os.PathLike[str]) -> None:
-        """Writes a page, one HTML file: map, way, things, and each step with its picture. Needs the extra `demo`.
+        """Writes a page, one HTML file. Needs the extra `demo`.
+
+        It shows map, way and things, each step with its picture, and what was said to and by a model.
 
         Raises:
             ContractError: a path that does not end in .html.
@@ -113,13 +149,26 @@ class Run:
 
     def add(self, step: _core.ExecutedStep) -> None:
         """A step that has ended, with the picture of now."""
-        said = (step.skill, step.text, step.reason, step.detail, step.begun, step.ended, step.thing)
-        self.steps.append(ExecutedStep(*said, self._robot.get_image()))
+        self.note(step.skill, step.text, step.reason, step.detail, (step.begun, step.ended), step.thing)
 
-    def note(self, skill: str, text: str, reason: str, detail: str) -> None:
-        """What was asked for and not begun."""
-        now = self._robot.now
-        self.steps.append(ExecutedStep(skill, text, reason, detail, now, now, 0, self._robot.get_image()))
+    def note(
+        self, skill: str, text: str, reason: str, detail: str, time: tuple[float, float] | None = None, thing: int = 0
+    ) -> None:
+        """What was asked for; without a time it has not begun."""
+        begun, ended = time or (self._robot.now, self._robot.now)
+        picture = self._robot.get_image()
+        self.steps.append(ExecutedStep(skill, text, reason, detail, begun, ended, thing, picture, self._seen(picture)))
+
+    def _seen(self, picture: NDArray[np.uint8]) -> tuple[tuple[str, str, tuple[int, int, int, int]], ...]:
+        detector = self._robot._instructed().detector
+        assert self._robot.profile.camera is not None
+        found = detector.detect(picture, self._robot.profile.camera.intrinsics)
+        labels, seen = detector.labels, []
+        for one in found:
+            if one.confidence >= NAMED:
+                kind, (left, top, right, bottom) = labels[one.kind_index], one.box
+                seen.append((kind, f"{one.color} {kind} {one.confidence:.0%}", (left, top, right, bottom)))
+        return tuple(seen)
 
 
 class Instructions:
@@ -127,26 +176,121 @@ class Instructions:
 
     def __init__(self, robot: Robot) -> None:
         self._robot = robot
-        self.agent = Agent(robot._runtime, Detector.load())
+        self.detector = robot._detector or Detector.load()
+        self.agent = Agent(robot._runtime, self.detector)
+        self.skills = UserSkills()
         self.busy = False
-        """while a model has an instruction"""
+        """while a model or a user's skill has an instruction"""
+        self.busy_with_skill = False
         self.models: dict[str, tuple[str | None, bool | None]] = {}
         """how models by their address answer, and whether they see, where that is known"""
 
     async def execute(self, instruction: str, steps: int, duration: float) -> ExecutionResult:
         """See `Robot.execute_instruction`, without a model."""
-        self.begin(instruction, steps, duration)
+        try:
+            parts = self.skills.parts(as_text("instruction", instruction))
+        except BadCallError as bad:
+            return self.result(instruction, Run(self._robot), "not_understood", str(bad), "", False)
+        if not any(isinstance(part, Call) for part in parts):
+            return await self._execute_text(instruction, instruction, steps, duration)
+        places = [place.name for place in self.agent.places]
+        for part in parts:
+            if isinstance(part, str) and not read_command(part, places).steps:
+                return await self._execute_text(instruction, part, steps, duration)
+        return await self._execute_parts(instruction, parts, steps, duration)
+
+    async def _execute_text(self, name: str, text: str, steps: int, duration: float) -> ExecutionResult:
+        """What the grammar reads, to its end; `name` is what was asked for."""
+        self.begin(text, steps, duration)
         run = Run(self._robot)
         said = await self.finish(run)
-        return self.result(instruction, run, said.reason, said.detail, said.answer, said.verified)
+        return self.result(name, run, said.reason, said.detail, said.answer, said.verified)
+
+    async def _execute_parts(
+        self, instruction: str, parts: list[str | Call], steps: int, duration: float
+    ) -> ExecutionResult:
+        """In order, to the first that fails."""
+        self.check_options(steps, duration)
+        run = Run(self._robot)
+        reason, detail, answer, verified = "done", "", "", False
+        for part in parts:
+            left = run.begun + duration - self._robot.now
+            if len(run.steps) >= steps or left <= 0.0:
+                reason, detail = "budget", f"it took more than {steps} steps or {duration:g} s"
+                break
+            if isinstance(part, Call):
+                reason, detail, new = await self.run_own(part, run, left)
+                seen = False
+            else:
+                self.begin(part, steps - len(run.steps), left)
+                result = await self.finish(run)
+                reason, detail, new, seen = result.reason, result.detail, result.answer, result.verified
+            answer, verified = (new, seen) if new else (answer, verified)
+            if reason != "done":
+                break
+        return self.result(instruction, run, reason, detail, answer, verified)
+
+    async def execute_skill(self, skill: object, arguments: dict[str, object]) -> ExecutionResult:
+        """See `Robot.execute_skill`."""
+        try:
+            call = read_call(skill, arguments, self.skills.all)
+            if call.skill == "done":
+                raise BadCallError("skill: 'done' ends what a model does, and is none of programs")
+            if call.skill in self.skills:
+                return await self._execute_parts(str(call), [call], MOST_STEPS, LONGEST)
+            text, count = read_steps(call, [place.name for place in self.agent.places], self.agent.labels[1:])
+        except BadCallError as bad:
+            raise ContractError(str(bad)) from None
+        return await self._execute_text(str(call), text, count, LONGEST)
+
+    async def run_own(self, call: Call, run: Run, limit: float) -> tuple[str, str, str]:
+        """Executes a user's skill for at most `limit` [s] of robot time: reason, detail and answer.
+
+        What it raises is the reason `skill_error`. It looks around meanwhile as the agent does.
+        """
+        if self._robot.emergency_stopped:
+            raise EmergencyStopError("the emergency stop is latched")
+        if self.busy_with_skill or not self.agent.done:
+            raise SafetyError("an instruction is being executed: wait for it, or cancel it")
+        begun, was_busy = self._robot.now, self.busy
+        self.busy = self.busy_with_skill = True
+        looking = asyncio.ensure_future(self._look(run))
+        try:
+            async with self._robot.timeout(limit):
+                reason, detail, answer = await self.skills.run(call, self._robot)
+        except TimeoutError:
+            reason, detail, answer = "budget", f"{call.skill} took more than {limit:g} s", ""
+        except EmergencyStopError:
+            reason, detail, answer = "estop", "the emergency stop is latched", ""
+        except Exception as error:
+            logging.getLogger("threewe").exception("skill %s failed", call)
+            reason, detail, answer = "skill_error", f"{call.skill}: {type(error).__name__}: {error}", ""
+        finally:
+            self.busy, self.busy_with_skill = was_busy, False
+            looking.cancel()
+            await asyncio.gather(looking, return_exceptions=True)
+            self._robot.stop()  # whatever it has begun
+        run.note(call.skill, str(call), reason, detail, (begun, self._robot.now))
+        return reason, detail, answer
+
+    async def _look(self, run: Run) -> None:
+        while True:
+            self.agent.update()
+            await self._robot.sleep(PERIOD)
+            run.way.append(self._robot.get_pose())
 
     def begin(self, instruction: str, steps: int, duration: float) -> None:
         """Reads an instruction; `finish` executes it."""
+        self.check_options(steps, duration)
+        self.agent.begin(as_text("instruction", instruction), steps, as_seconds("timeout", duration))
+
+    def check_options(self, steps: int, duration: float) -> None:
+        """Raises what is wrong with them, or with now."""
+        as_seconds("timeout", duration)
         if isinstance(steps, bool) or not isinstance(steps, int) or steps < 1:
             raise ContractError(f"max_steps must be a whole number >= 1, got {steps!r}")
         if self.busy:
             raise SafetyError("an instruction is being executed: wait for it, or cancel it")
-        self.agent.begin(as_text("instruction", instruction), steps, as_seconds("timeout", duration))
 
     async def finish(self, run: Run) -> _core.ExecutionResult:
         """Executes what was begun, to its end."""
@@ -178,6 +322,7 @@ class Instructions:
         verified: bool,
         thinking: float = 0.0,
         tokens: int = 0,
+        conversation: tuple[Exchange, ...] = (),
     ) -> ExecutionResult:
         """What became of it."""
         assert self._robot.profile.camera is not None
@@ -199,4 +344,5 @@ class Instructions:
             tuple(self.agent.places),
             tuple(self.agent.labels),
             self._robot.profile.camera.intrinsics,
+            conversation,
         )

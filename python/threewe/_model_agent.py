@@ -13,14 +13,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from threewe import _core
-from threewe._core import MappedThing, Place, Zone
+from threewe._core import MappedThing
 from threewe._extras import needed_for
 from threewe._instructions import PERIOD, ExecutionResult, Instructions, Run
 from threewe._model_client import ModelAddress, ModelClient, ModelError, OverflowError, RejectedError, Reply
 from threewe._model_options import ModelOptions
 from threewe._model_skills import (
-    SKILLS,
     BadCallError,
     Call,
     parsed,
@@ -30,6 +28,7 @@ from threewe._model_skills import (
     short,
 )
 from threewe._model_talk import Record, Talk, record_to
+from threewe._user_skills import UserSkills
 from threewe.errors import ConfigError, EmergencyStopError, SafetyError
 
 if TYPE_CHECKING:
@@ -42,8 +41,7 @@ PICTURE_WIDTH = 512  # [px]
 REMEMBERED = 30  # calls that a model is reminded of
 LISTED = 40  # things and places
 SURE = 0.5  # least probability of a kind
-POINT_PLACE = 2.5  # [m] around a place that is a point, as the semantic map has it
-FORMS = ("tools", "schema", "text")
+FORMS = ("tools", "schema", "object", "text")
 
 
 async def execute_with_model(
@@ -58,14 +56,14 @@ async def execute_with_model(
     instructions.busy = True
     try:
         if options.replay is not None:
-            record = Record(options.replay)
+            record = Record.load(options.replay)
             if record.head["instruction"] != instruction:
                 raise ConfigError(f"replay: {options.replay} is of another instruction: {record.head['instruction']!r}")
             label = record.head["model"]
             instructions.models[label] = record.head["form"], record.head["sees"]
             return await _Execution(robot, instructions, instruction, run, steps, duration, options, label).all(record)
         address = ModelAddress.read(options.model)
-        async with ModelClient(address, options.timeout) as client:
+        async with ModelClient(address, options.timeout, instructions.skills.all) as client:
             execution = _Execution(robot, instructions, instruction, run, steps, duration, options, str(address))
             return await execution.all(client)
     finally:
@@ -96,6 +94,7 @@ class _Execution:
     ) -> None:
         self._robot, self._instructions, self._agent = robot, instructions, instructions.agent
         self._instruction, self._run, self._options, self._label = instruction, run, options, label
+        self._skills = instructions.skills
         self._steps, self._until = steps, robot.now + duration
         self._duration = duration
         self._form, self._sees = instructions.models.get(label, (None, None))
@@ -126,7 +125,8 @@ class _Execution:
                 said = _EndError("model_error", str(error)).said
         self._instructions.models[self._label] = self._form, self._sees
         talk = self._talk
-        return self._instructions.result(self._instruction, self._run, *said, talk.thinking, talk.tokens)
+        exchanges = tuple(talk.conversation)
+        return self._instructions.result(self._instruction, self._run, *said, talk.thinking, talk.tokens, exchanges)
 
     def _check_budget(self) -> None:
         if self._robot.now >= self._until:
@@ -165,7 +165,7 @@ class _Execution:
                 continue
             if form == "tools" and self._form is None and not reply.calls:
                 continue
-            if form == "schema" and self._form is None and not _is_call(reply.text):
+            if form in ("schema", "object") and self._form is None and not _is_call(reply.text, self._skills):
                 continue
             self._form = form
             return reply
@@ -198,7 +198,7 @@ class _Execution:
                 "Calls so far, and how they ended:" if done else "No call so far.",
                 *done,
                 "The pictures show what its camera saw last, the newest at the end." if self._pictures else "",
-                _how_to_answer(form),
+                _how_to_answer(form, self._skills),
             ]
         )
 
@@ -215,6 +215,9 @@ class _Execution:
             call = self._read(reply)
             if call.skill == "done":
                 self._finish(call)
+            if call.skill in self._skills:
+                await self._do_own(call)
+                return
             text, count = read_steps(call, [place.name for place in self._agent.places], self._agent.labels[1:])
         except BadCallError as bad:
             self._note_bad(reply, str(bad))
@@ -231,11 +234,27 @@ class _Execution:
         if result.answer:
             self._own = result.answer, result.verified
         said = result.answer or result.detail or (self._run.steps[-1].detail if len(self._run.steps) > begun else "")
-        self._history.append(f"- {call}: {result.reason}" + (f", {said}" if said else ""))
-        if result.reason in ("estop", "cancelled", "budget"):
-            raise _EndError(result.reason, result.detail)
-        if not result.success:
-            self._count_failure(str(call), "budget", f"{result.reason}, {said}" if said else result.reason)
+        self._go_on(str(call), result.reason, result.detail, said)
+
+    async def _do_own(self, call: Call) -> None:
+        """Executes a skill that the user has added."""
+        self._bad_answers = 0
+        try:
+            left = max(self._until - self._robot.now, 0.0)
+            reason, detail, answer = await self._instructions.run_own(call, self._run, left)
+        except EmergencyStopError:
+            raise _EndError("estop", "the emergency stop is latched") from None
+        if answer:
+            self._own = answer, False
+        self._go_on(str(call), reason, detail, answer or detail)
+
+    def _go_on(self, call: str, reason: str, detail: str, said: str) -> None:
+        """Remembers how a call ended, and ends where there is nothing to go on with."""
+        self._history.append(f"- {call}: {reason}" + (f", {said}" if said else ""))
+        if reason in ("estop", "cancelled", "budget"):
+            raise _EndError(reason, detail)
+        if reason != "done":
+            self._count_failure(call, "budget", f"{reason}, {said}" if said else reason)
 
     def _read(self, reply: Reply) -> Call:
         """The call that an answer asks for. Raises BadCallError."""
@@ -243,10 +262,12 @@ class _Execution:
             if not reply.calls:
                 raise BadCallError("answer with a call of one tool")
             name, arguments = reply.calls[0]
-            return read_call(name, parsed(arguments or "{}"))
-        if self._form == "schema":
+            return read_call(name, parsed(arguments or "{}"), self._skills.all)
+        if self._form in ("schema", "object"):
             value = parsed(reply.text)
-            return read_call(value.pop("skill", ""), value)
+            return read_call(value.pop("skill", ""), value, self._skills.all)
+        if (own := self._skills.read(reply.text)) is not None:
+            return own
         return read_sentence(reply.text, [place.name for place in self._agent.places])
 
     def _note_bad(self, reply: Reply, why: str) -> None:
@@ -293,37 +314,37 @@ class _Execution:
             if labels[thing.kind_index] == kind
             and max(thing.kinds) >= SURE
             and (not color or thing.color == color)
-            and (not named or _within(places[named], thing.position))
+            and (not named or places[named].contains(thing.position))
         ]
         if any(step.thing in known for step in self._run.steps if step.reason == "done"):
             return True
         assert self._robot.profile.camera is not None
-        seen = _core.Detector.load().detect(self._robot.get_image(), self._robot.profile.camera.intrinsics)
+        seen = self._instructions.detector.detect(self._robot.get_image(), self._robot.profile.camera.intrinsics)
         return bool(known) and any(
             labels[one.kind_index] == kind and one.confidence >= SURE and (not color or one.color == color)
             for one in seen
         )
 
 
-def _is_call(text: str) -> bool:
+def _is_call(text: str, skills: UserSkills) -> bool:
     """Whether a text is JSON with a skill of ours."""
     try:
-        return parsed(text).get("skill") in SKILLS
+        return parsed(text).get("skill") in skills.all
     except (BadCallError, TypeError):
         return False
 
 
-def _how_to_answer(form: str) -> str:
+def _how_to_answer(form: str, own: UserSkills) -> str:
     if form == "tools":
         return "Call one tool. Call `done` once the instruction is fulfilled, or cannot be."
-    if form == "schema":
-        skills = [f"- {name}({', '.join(properties)}): {about}" for name, (about, properties, _) in SKILLS.items()]
+    if form in ("schema", "object"):
+        skills = [f"- {name}({', '.join(properties)}): {about}" for name, (about, properties, _) in own.all.items()]
         return "\n".join(["Answer with one JSON object: `skill` and its arguments. Skills:", *skills])
     return (
         "Answer with one short command and nothing else, such as: go to the kitchen. find the red chair. "
         "go to (1.5, -2). move forward 1 m. turn left 90 degrees. explore. look around. is there a chair? "
         "At the end: done. Or: found the red chair. Or: done: and what to say to the user. Or: not found."
-    )
+    ) + "".join(f"\nAlso: {skill}" for skill in own.in_words())
 
 
 def _in_words(thing: MappedThing, labels: Sequence[str]) -> str:
@@ -340,9 +361,3 @@ def _picture(image: np.ndarray[Any, Any]) -> bytes:
     file = io.BytesIO()
     picture.save(file, "JPEG", quality=88)
     return file.getvalue()
-
-
-def _within(place: Place, point: tuple[float, float]) -> bool:
-    if len(place.polygon) == 1:
-        return math.dist(place.polygon[0], point) <= POINT_PLACE
-    return Zone([(x, y) for x, y in place.polygon]).contains(point)

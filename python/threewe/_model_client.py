@@ -7,6 +7,7 @@ import base64
 import json
 import os
 import re
+import ssl
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -15,7 +16,7 @@ from typing import Any, Self
 from urllib.parse import urlsplit
 
 from threewe._extras import needed_for
-from threewe._model_skills import schema, tools
+from threewe._model_skills import SKILLS, Skills, schema, tools
 from threewe.errors import ConfigError
 
 OPENAI = "https://api.openai.com/v1"
@@ -90,11 +91,12 @@ class Reply:
 class ModelClient:
     """A model at an address. Use it as `async with`."""
 
-    def __init__(self, address: ModelAddress, timeout: float) -> None:
+    def __init__(self, address: ModelAddress, timeout: float, skills: Skills = SKILLS) -> None:
         with needed_for("a model", "vlm"):
             import openai
         self._openai = openai
         self._address = address
+        self._skills = skills
         self._key = address.key()
         self._timeout = timeout
         at_openai = address.url == OPENAI
@@ -120,7 +122,9 @@ class ModelClient:
         await self._client.close()
 
     async def ask(self, prompt: str, pictures: Sequence[bytes], form: str, most: int) -> Reply:
-        """Asks for an answer of at most so many tokens, in the form `tools`, `schema` or `text`.
+        """Asks for an answer of at most so many tokens, in the form `tools`, `schema`, `object` or `text`.
+
+        `object` is the schema as llama-cpp-python takes it.
 
         Tries again what fails in passing. Raises ModelError.
         """
@@ -131,10 +135,12 @@ class ModelClient:
         body: dict[str, Any] = {"messages": [{"role": "user", "content": content}], "model": self._name}
         body[self._limit] = most
         if form == "tools":
-            body |= {"tools": tools(), "tool_choice": "required"}
+            body |= {"tools": tools(self._skills), "tool_choice": "required"}
         elif form == "schema":
-            named = {"name": "call", "schema": schema()}
+            named = {"name": "call", "schema": schema(self._skills)}
             body["response_format"] = {"type": "json_schema", "json_schema": named}
+        elif form == "object":
+            body["response_format"] = {"type": "json_object", "schema": schema(self._skills)}
         return await self._send(body, form if form != "text" else "image" if pictures else "")
 
     async def _first_model(self) -> str:
@@ -143,6 +149,9 @@ class ModelClient:
             listed = json.loads((await self._client.models.with_raw_response.list()).http_response.text)
             name = listed["data"][0]["id"]
             return name if isinstance(name, str) and name else "default"
+        except self._openai.APIConnectionError as error:
+            self._check_certificate(error)
+            return "default"
         except (self._openai.OpenAIError, ValueError, LookupError, TypeError, RecursionError):
             return "default"
 
@@ -168,11 +177,20 @@ class ModelClient:
             except self._openai.APITimeoutError:
                 failed, lasting = f"no answer within {self._timeout:g} s", True
             except (self._openai.APIConnectionError, self._openai.APIResponseValidationError, ValueError) as error:
+                self._check_certificate(error)
                 failed = self._without_key(str(error.__cause__ or error))
             if lasting or time.monotonic() + wait > until:
                 raise ModelError(f"{self._address}: {failed}")
             await asyncio.sleep(wait)
         raise ModelError(f"{self._address}: {failed}")
+
+    def _check_certificate(self, error: BaseException) -> None:
+        """Raises ModelError where that is wrong: no second try would help."""
+        cause: BaseException | None = error
+        while cause is not None and not isinstance(cause, ssl.SSLCertVerificationError):
+            cause = cause.__cause__ or cause.__context__
+        if cause is not None:
+            raise ModelError(f"{self._address}: its certificate is wrong: {cause.verify_message}") from None
 
     def _reply(self, content: str, body: dict[str, Any]) -> Reply:
         """Out of a response's body. Raises ValueError where that is no JSON."""
@@ -230,6 +248,7 @@ def _is_about(form: str, text: str) -> bool:
     words = {
         "tools": r"tool|function",
         "schema": r"response_format|json_schema|schema|grammar|structured",
+        "object": r"response_format|json_object|schema|grammar|structured",
         "image": r"image|vision|multimodal|mmproj|content.*(string|type)",
     }
     return re.search(f"(?i){words[form]}", text) is not None

@@ -37,8 +37,6 @@ def model_options(
 ) -> ModelOptions | None:
     """The options, checked; None without a model. Raises ContractError."""
     named = os.environ.get("THREEWE_MODEL", "") if model is None else as_text("model", model)
-    if model is not None and not named:
-        raise ContractError("model must be an address or a name, got ''")
     if isinstance(max_tokens, bool) or not isinstance(max_tokens, int) or max_tokens < 1:
         raise ContractError(f"max_tokens must be a whole number >= 1, got {max_tokens!r}")
     timeout = as_seconds("model_timeout", model_timeout)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import base64
 import json
 import socket
+import ssl
 import struct
 import sys
 import threading
@@ -16,6 +17,7 @@ from typing import Any, Self, cast
 
 from threewe import _core
 from threewe._model_skills import BadCallError, read_call, sentence
+from threewe._wrong_certificate import wrong_context
 from threewe.errors import ConfigError, ContractError
 
 Answer = str | bytes | Mapping[str, Any] | list[Mapping[str, Any]]
@@ -30,7 +32,7 @@ class Dialect:
     """What a kind of server makes of a request."""
 
     tools: str  # honoured, ignored, or the status and message of the refusal
-    response_format: str
+    response_format: str  # the same, or json_object where it honours no other
     models: str  # listed, empty, or error
     overflow: str  # its message when the context is too long
 
@@ -48,10 +50,12 @@ DIALECTS = {
     "ollama": Dialect("400 llava:latest does not support tools", "honoured", "listed", "context length exceeded"),
     # lmstudio.ai/docs/advanced/structured-output; a model without tools answers in text, no model loaded: none listed
     "lmstudio": Dialect("ignored", "honoured", "empty", "the context length is too short for this prompt"),
-    # `transformers serve` 5.23, as we tried it: ignores what it does not know, and fails to list
+    # `python -m llama_cpp.server` 0.3.36, as we tried it: takes a schema in `json_object` alone
+    "llama-cpp-python": Dialect("ignored", "json_object", "listed", "tokens exceed context window of 16384"),
+    # `transformers serve` 5.23 and 5.24, as we tried them: ignores what it does not know, and fails to list
     "transformers": Dialect("ignored", "ignored", "error", "maximum context length exceeded"),
 }
-FAULTS = ("unauthorized", "rate_limit", "error", "loading", "reset", "half", "silence", "context")
+FAULTS = ("unauthorized", "rate_limit", "error", "loading", "reset", "half", "silence", "context", "certificate")
 
 
 class ModelServer:
@@ -64,9 +68,9 @@ class ModelServer:
             call as `{"skill": "rotate", "degrees": 90}`, sent in the form that the dialect honours (tool, JSON or
             sentence); a list of such, at once; a text; a whole body `{"choices": [...]}`; or bytes. A request whose
             form the dialect ignores gets prose, and uses none of them up.
-        dialect: openai, llama.cpp, vllm, ollama, lmstudio or transformers.
+        dialect: openai, llama.cpp, llama-cpp-python, vllm, ollama, lmstudio or transformers.
         faults: what goes wrong, by the number of the request (from 0), or at each: unauthorized, rate_limit, error,
-            loading, reset, half, silence, context.
+            loading, reset, half, silence, context; or, at each, certificate: it speaks TLS with a wrong one.
         sees: whether it reads the pictures of eyesight tests.
 
     Raises:
@@ -86,6 +90,8 @@ class ModelServer:
         for fault in [faults] if isinstance(faults, str) else (faults or {}).values():
             if fault not in FAULTS:
                 raise ConfigError(_core.unknown_name("fault", str(fault), FAULTS))
+        if isinstance(faults, Mapping) and "certificate" in faults.values():
+            raise ConfigError('faults: "certificate" is at each request or at none')
         if not callable(answers) and not isinstance(answers, Iterable):
             raise ContractError(f"answers must be a list or a function, got {answers!r}")
         self._next = answers if callable(answers) else _script(answers)
@@ -98,11 +104,17 @@ class ModelServer:
         """bodies of the chat requests that came, in order"""
         self.keys: list[str] = []
         """the `Authorization` that came with each"""
+        self.connections = 0
+        """how many were begun"""
 
     def __enter__(self) -> Self:
         self._server = _Server(("127.0.0.1", 0), _Handler)
         self._server.daemon_threads = True
         self._server.model = self  # type: ignore[attr-defined]
+        if self._faults == "certificate":
+            self._server.socket = wrong_context().wrap_socket(
+                self._server.socket, server_side=True, do_handshake_on_connect=False
+            )
         self._thread = threading.Thread(target=self._server.serve_forever, args=(0.02,), daemon=True)
         self._thread.start()
         return self
@@ -118,7 +130,8 @@ class ModelServer:
     @property
     def url(self) -> str:
         """Its base address, such as `http://127.0.0.1:40123/v1`."""
-        return f"http://127.0.0.1:{self._server.server_address[1]}/v1"
+        scheme = "https" if self._faults == "certificate" else "http"
+        return f"{scheme}://127.0.0.1:{self._server.server_address[1]}/v1"
 
     def _take(self, body: dict[str, Any], key: str) -> str | None:
         """Notes a chat request, and says which fault it meets."""
@@ -134,6 +147,8 @@ class ModelServer:
             return 200, _completion({"content": _read(picture) if self._sees else "I cannot see pictures."})
         form = "tools" if body.get("tools") else "response_format" if body.get("response_format") else "text"
         honoured = "honoured" if form == "text" else getattr(self._dialect, form)
+        if honoured == "json_object":
+            honoured = "honoured" if "schema" in body["response_format"] else "ignored"
         if honoured == "ignored":
             return 200, _completion({"content": PROSE})
         if honoured != "honoured":
@@ -204,9 +219,15 @@ def _read(picture: bytes) -> str:
 
 
 class _Server(ThreadingHTTPServer):
+    def get_request(self) -> Any:
+        """Counts them."""
+        request = super().get_request()
+        cast(ModelServer, self.model).connections += 1  # type: ignore[attr-defined]
+        return request
+
     def handle_error(self, request: Any, client_address: Any) -> None:
         """Says nothing of clients that hang up first."""
-        if not isinstance(sys.exception(), ConnectionError):
+        if not isinstance(sys.exception(), (ConnectionError, ssl.SSLError)):
             super().handle_error(request, client_address)
 
 

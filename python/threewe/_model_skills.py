@@ -15,32 +15,47 @@ from threewe.language import Step, encodable, read_command
 LONGEST = 100  # [characters] of a name
 LONGEST_ANSWER = 1000
 LARGEST = 1000.0  # of a number, whatever its unit
+ANGLES = {"degrees": "angle", "heading": "theta"}
+"""Arguments in degrees, and the fields of a Step that hold them in radians."""
+
+Properties = dict[str, dict[str, Any]]
 
 _text = {"type": "string"}
 _number = {"type": "number"}
 _kind = {"type": "string", "description": "kind of thing, such as chair"}
 _color = {"type": "string", "description": "such as red"}
 _place = {"type": "string", "description": "a known place"}
-_thing = {
+_thing: Properties = {
     "kind": _kind,
     "color": _color,
+    "which": {"type": "string", "enum": ["nearest", "farthest"]},
     "next_to": {"type": "string", "description": "another thing"},
     "place": _place,
 }
-_about = {"type": "string", "enum": ["exists", "where", "position"]}
+_about = {"type": "string", "enum": ["exists", "where", "count", "position"]}
 _degrees = {"type": "number", "description": "[degrees], counter-clockwise"}
 
-Properties = dict[str, dict[str, Any]]
-SKILLS: dict[str, tuple[str, Properties, tuple[str, ...]]] = {
+Skills = Mapping[str, tuple[str, Properties, tuple[str, ...]]]
+"""What each does, its arguments, and which of them are needed, by their names."""
+SKILLS: Skills = {
     "move_to_place": ("drive to a known place", {"place": _place}, ("place",)),
     "approach": ("drive to a thing", _thing, ()),
     "search": ("look for a thing until the robot stands before it", _thing, ()),
-    "move_to": ("drive to x, y [m] of the map", {"x": _number, "y": _number}, ("x", "y")),
+    "move_to": (
+        "drive to x, y [m] of the map, and turn to a heading where one is given",
+        {"x": _number, "y": _number, "heading": _degrees},
+        ("x", "y"),
+    ),
     "move_forward": ("drive straight on [m], backwards where negative", {"distance": _number}, ("distance",)),
     "rotate": ("turn on the spot", {"degrees": _degrees}, ("degrees",)),
-    "explore": ("map what is unknown", {}, ()),
+    "follow": (
+        "follow a route through rooms whose borders are known, as a person tells it",
+        {"route": {"type": "string", "description": "such as: go into the hall, then stop at the second chair"}},
+        ("route",),
+    ),
+    "explore": ("map what is unknown; with a place, drive there", {"place": _place}, ()),
     "look": ("turn once around to see", {}, ()),
-    "list_things": ("say which things are known", {}, ()),
+    "list_things": ("say which things are known, in a place after a look there", {"place": _place}, ()),
     "list_places": ("say which places are known", {}, ()),
     "name_place": ("give the place where the robot is a name", {"name": _text}, ("name",)),
     "wait": ("stand for some seconds", {"duration": _number}, ("duration",)),
@@ -77,26 +92,28 @@ class Call:
         return f"{self.skill}({said})"
 
 
-def tools() -> list[dict[str, Any]]:
+def tools(skills: Skills = SKILLS) -> list[dict[str, Any]]:
     """The skills as tools of chat completions."""
     return [
         {
             "type": "function",
-            "function": {"name": name, "description": about, "parameters": _object(properties, needed)},
+            "function": {"name": name, "description": about, "parameters": object_schema(properties, needed)},
         }
-        for name, (about, properties, needed) in SKILLS.items()
+        for name, (about, properties, needed) in skills.items()
     ]
 
 
-def schema() -> dict[str, Any]:
+def schema(skills: Skills = SKILLS) -> dict[str, Any]:
     """One object for all of them: `skill`, and the arguments of any."""
-    properties: Properties = {"skill": {"type": "string", "enum": list(SKILLS)}}
-    for _, arguments, _ in SKILLS.values():
-        properties.update(arguments)
-    return _object(properties, ("skill",))
+    properties: Properties = {"skill": {"type": "string", "enum": list(skills)}}
+    for _, arguments, _ in skills.values():
+        for name, of in arguments.items():
+            if properties.setdefault(name, of) != of:
+                properties[name] = {}  # of different types in two skills: checked by the robot alone
+    return object_schema(properties, ("skill",))
 
 
-def _object(properties: Properties, needed: Sequence[str]) -> dict[str, Any]:
+def object_schema(properties: Properties, needed: Sequence[str]) -> dict[str, Any]:
     return {"type": "object", "properties": properties, "required": list(needed), "additionalProperties": False}
 
 
@@ -111,11 +128,11 @@ def parsed(text: str) -> dict[str, Any]:
     return value
 
 
-def read_call(skill: object, arguments: Mapping[str, object]) -> Call:
+def read_call(skill: object, arguments: Mapping[str, object], skills: Skills = SKILLS) -> Call:
     """Checks a call by the schema. Raises BadCallError."""
-    if not isinstance(skill, str) or skill not in SKILLS:
-        raise BadCallError(_core.unknown_name("skill", short(skill), list(SKILLS)))
-    _, properties, needed = SKILLS[skill]
+    if not isinstance(skill, str) or skill not in skills:
+        raise BadCallError(_core.unknown_name("skill", short(skill), list(skills)))
+    _, properties, needed = skills[skill]
     given = {name: value for name, value in arguments.items() if value is not None and value != ""}
     for name, value in given.items():
         if name not in properties:
@@ -130,10 +147,11 @@ def read_call(skill: object, arguments: Mapping[str, object]) -> Call:
 def _check(what: str, value: object, of: Mapping[str, Any]) -> None:
     """Raises BadCallError unless a value is as its schema says."""
     kind = of["type"]
-    if kind == "number":
+    if kind in ("number", "integer"):
         good = isinstance(value, int | float) and not isinstance(value, bool) and abs(value) <= LARGEST  # no NaN
-        if not good:
-            raise BadCallError(f"{what} must be a number of at most {LARGEST:g}, got {short(value)}")
+        if not good or (kind == "integer" and not isinstance(value, int)):
+            whole = "whole " if kind == "integer" else ""
+            raise BadCallError(f"{what} must be a {whole}number of at most {LARGEST:g}, got {short(value)}")
     elif kind == "boolean":
         if not isinstance(value, bool):
             raise BadCallError(f"{what} must be true or false, got {short(value)}")
@@ -169,7 +187,8 @@ def sentence(call: Call) -> str:
         case "search":
             return f"find the {_in_words(a)}"
         case "move_to":
-            return f"go to ({_plain(a['x'])}, {_plain(a['y'])})"
+            facing = f" facing {_plain(a['heading'])} degrees" if "heading" in a else ""
+            return f"go to ({_plain(a['x'])}, {_plain(a['y'])}){facing}"
         case "move_forward":
             return f"move {'forward' if a['distance'] >= 0 else 'backward'} {_plain(abs(a['distance']))} m"
         case "rotate":
@@ -177,7 +196,11 @@ def sentence(call: Call) -> str:
         case "look":
             return "look around"
         case "list_things":
-            return "list things"
+            return f"list things in the {a['place']}" if "place" in a else "list things"
+        case "explore":
+            return f"explore the {a['place']}" if "place" in a else "explore"
+        case "follow":
+            return str(a["route"])
         case "list_places":
             return "list places"
         case "name_place":
@@ -187,6 +210,8 @@ def sentence(call: Call) -> str:
         case "answer":
             if a["about"] == "position":
                 return "where are you?"
+            if a["about"] == "count":
+                return f"count the {_in_words(a)}"
             return f"is there a {_in_words(a)}?" if a["about"] == "exists" else f"where is the {_in_words(a)}?"
         case "done":
             if a.get("success") is False:
@@ -200,7 +225,8 @@ def sentence(call: Call) -> str:
 def _in_words(thing: Mapping[str, Any]) -> str:
     if not thing.get("kind") and not thing.get("color"):
         raise BadCallError("a thing needs its kind, such as chair, or its color")
-    words = f"{thing.get('color') or ''} {thing.get('kind') or 'thing'}".strip()
+    parts = (thing.get("which"), thing.get("color"), thing.get("kind") or "thing")
+    words = " ".join(part for part in parts if part)
     words += f" next to the {thing['next_to']}" if thing.get("next_to") else ""
     return words + (f" in the {thing['place']}" if thing.get("place") else "")
 
@@ -235,17 +261,28 @@ def _says(step: Step, call: Call) -> bool:
     if step.skill.value != call.skill:
         return False
     for name, value in call.arguments.items():
-        if name in ("kind", "color", "next_to") or (name == "place" and call.skill in ("approach", "search", "answer")):
+        if name == "route":
+            if _letters(step.route) != _letters(value):
+                return False
+            continue
+        of_thing = ("kind", "color", "which", "next_to", *(["place"] if "kind" in SKILLS[call.skill][1] else []))
+        if name in of_thing:
             read: Any = getattr(step.thing, name)
         else:
-            read = step.angle if name == "degrees" else getattr(step, name)
-        wanted = math.radians(value) if name == "degrees" else value
+            read = getattr(step, ANGLES.get(name, name))
+        wanted = math.radians(value) if name in ANGLES else value
         if isinstance(read, float):
-            if abs(read - wanted) > 1e-5:
+            away = read - wanted
+            if abs(math.remainder(away, math.tau) if name == "heading" else away) > 1e-5:
                 return False
         elif read != wanted:
             return False
     return True
+
+
+def _letters(text: str) -> list[str]:
+    """Its words, in lower case."""
+    return re.findall(r"\w+", text.lower())
 
 
 def read_sentence(text: str, places: Sequence[str]) -> Call:
@@ -265,7 +302,7 @@ def read_sentence(text: str, places: Sequence[str]) -> Call:
         raise BadCallError(f"refused: no instruction may override this: {reading.rule}")
     if not reading.steps:
         raise BadCallError(f"'{short(reading.word or said)}' is not understood: answer with one short command")
-    call = _call_of(reading.steps[-1 if reading.steps[-1].skill.value == "answer" else 0])
+    call = _call_of(reading.steps[-1 if reading.steps[-1].skill.value in ("answer", "list_things") else 0])
     return Call("done", {"found": call.arguments}) if found and call.skill == "search" else call
 
 
@@ -273,8 +310,8 @@ def _call_of(step: Step) -> Call:
     values: dict[str, Any] = {}
     for name in SKILLS.get(step.skill.value, ("", {}, ()))[1]:
         value: Any = getattr(step, name, None) or getattr(step.thing, name, None)
-        if name == "degrees" and step.angle is not None:
-            value = math.degrees(step.angle)
+        if name in ANGLES and (angle := getattr(step, ANGLES[name])) is not None:
+            value = math.degrees(angle)
         if value is None and name in ("x", "y", "distance", "duration"):
             value = getattr(step, name)
         if value not in (None, ""):

@@ -11,6 +11,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TextIO
 
+from threewe._instructions import Exchange
 from threewe._model_client import ModelClient, ModelError, OverflowError, RejectedError, Reply
 from threewe.errors import ConfigError, RecordingError
 
@@ -20,7 +21,7 @@ if TYPE_CHECKING:
 FORMAT = "threewe-talk/1"
 ERRORS: dict[str, type[ModelError]] = {error.__name__: error for error in (ModelError, RejectedError, OverflowError)}
 
-Exchange = dict[str, Any]
+Recorded = dict[str, Any]
 
 
 class Talk:
@@ -36,10 +37,12 @@ class Talk:
         self.thinking = 0.0
         """[s] charged so far"""
         self.tokens = 0
+        self.conversation: list[Exchange] = []
 
     async def ask(self, prompt: str, pictures: Sequence[bytes], form: str, most: int) -> Reply:
         """See `ModelClient.ask`. Robot time stands still meanwhile, then the time that it took goes by."""
-        exchange: Exchange = {"form": form, "prompt": prompt, "pictures": [_digest(picture) for picture in pictures]}
+        exchange: Recorded = {"form": form, "prompt": prompt, "pictures": [_digest(picture) for picture in pictures]}
+        asked_at = self._robot.now
         thought = self._robot.thinking(0.0)
         reply: Reply | ModelError
         async with thought:
@@ -56,12 +59,16 @@ class Talk:
             self._write(exchange, reply, seconds)
             thought.charge(seconds)
         self.thinking += seconds
+        failed = isinstance(reply, ModelError)
+        tokens = reply.tokens if isinstance(reply, Reply) else 0
+        said = Exchange(asked_at, seconds, prompt, tuple(pictures), _in_words(reply), failed, tokens)
+        self.conversation.append(said)
+        self.tokens += tokens
         if isinstance(reply, ModelError):
             raise reply
-        self.tokens += reply.tokens
         return reply
 
-    def _write(self, exchange: Exchange, reply: Reply | ModelError, seconds: float) -> None:
+    def _write(self, exchange: Recorded, reply: Reply | ModelError, seconds: float) -> None:
         if self._file is None:
             return
         if isinstance(reply, Reply):
@@ -72,7 +79,7 @@ class Talk:
 
 
 @contextmanager
-def record_to(path: Path | None, head: Exchange) -> Iterator[TextIO | None]:
+def record_to(path: Path | None, head: Recorded) -> Iterator[TextIO | None]:
     """A file for a record, begun with its head. Raises RecordingError where it cannot be written."""
     if path is None:
         yield None
@@ -86,7 +93,7 @@ def record_to(path: Path | None, head: Exchange) -> Iterator[TextIO | None]:
         yield file
 
 
-def write_line(file: TextIO, value: Exchange) -> None:
+def write_line(file: TextIO, value: Recorded) -> None:
     """One line of a record, at once: what is written stays when the program ends."""
     file.write(json.dumps(value) + "\n")
     file.flush()
@@ -95,26 +102,36 @@ def write_line(file: TextIO, value: Exchange) -> None:
 class Record:
     """A recorded conversation."""
 
-    def __init__(self, path: Path) -> None:
-        try:
-            lines = path.read_text(encoding="utf-8").splitlines()
-            values = [json.loads(line) for line in lines]
-        except OSError as error:
-            raise ConfigError(f"replay: {path} cannot be read: {error.strerror}") from None
-        except (ValueError, RecursionError):
-            raise ConfigError(f"replay: {path} is no record of a conversation: a line is no JSON") from None
-        if not values or not isinstance(values[0], dict) or values[0].get("format") != FORMAT:
-            raise ConfigError(
-                f'replay: {path} is no record of a conversation: its first line lacks "format": "{FORMAT}"'
-            )
-        self.head: Exchange = values[0]
-        for name, kind in {"instruction": str, "model": str, "form": str | None, "sees": bool | None}.items():
-            if not isinstance(self.head.get(name), kind):
-                raise ConfigError(f"replay: {path}:1: {name} is missing, or of a wrong type")
-        self._exchanges = [_checked(value, f"{path}:{i}") for i, value in enumerate(values[1:], 2)]
+    def __init__(self, head: Recorded, exchanges: list[Recorded]) -> None:
+        self.head = head
+        self._exchanges = exchanges
         self._next = 0
 
-    def take(self, exchange: Exchange) -> tuple[Reply | ModelError, float]:
+    @staticmethod
+    def load(path: Path) -> Record:
+        """Of a file. Raises ConfigError."""
+        try:
+            content = path.read_bytes()
+        except OSError as error:
+            raise ConfigError(f"replay: {path} cannot be read: {error.strerror}") from None
+        return Record.read(content, f"replay: {path}")
+
+    @staticmethod
+    def read(content: bytes, where: str) -> Record:
+        """Of a file's content; `where` begins the message of the ConfigError for what is none."""
+        try:
+            values = [json.loads(line) for line in content.decode().splitlines()]
+        except (ValueError, RecursionError):
+            raise ConfigError(f"{where} is no record of a conversation: a line is no JSON") from None
+        if not values or not isinstance(values[0], dict) or values[0].get("format") != FORMAT:
+            raise ConfigError(f'{where} is no record of a conversation: its first line lacks "format": "{FORMAT}"')
+        head: Recorded = values[0]
+        for name, kind in {"instruction": str, "model": str, "form": str | None, "sees": bool | None}.items():
+            if not isinstance(head.get(name), kind):
+                raise ConfigError(f"{where}:1: {name} is missing, or of a wrong type")
+        return Record(head, [_checked(value, f"{where}:{i}") for i, value in enumerate(values[1:], 2)])
+
+    def take(self, exchange: Recorded) -> tuple[Reply | ModelError, float]:
         """The next answer and its seconds; an error where the robot asks something else than it did then."""
         number = self._next
         if number >= len(self._exchanges):
@@ -131,7 +148,7 @@ class Record:
         return Reply(answer["text"], calls, answer["tokens"]), recorded["seconds"]
 
 
-def _checked(value: Any, where: str) -> Exchange:
+def _checked(value: Any, where: str) -> Recorded:
     """An exchange as it is written. Raises ConfigError."""
     try:
         answer = value["answer"]
@@ -145,9 +162,17 @@ def _checked(value: Any, where: str) -> Exchange:
     except (LookupError, TypeError, AttributeError):
         good = False
     if not good:
-        raise ConfigError(f"replay: {where}: no exchange with form, prompt, pictures, answer and seconds")
-    exchange: Exchange = value
+        raise ConfigError(f"{where}: no exchange with form, prompt, pictures, answer and seconds")
+    exchange: Recorded = value
     return exchange
+
+
+def _in_words(reply: Reply | ModelError) -> str:
+    """What a model said, or what went wrong."""
+    if isinstance(reply, ModelError):
+        return str(reply)
+    calls = [f"{name}({arguments})" for name, arguments in reply.calls]
+    return "\n".join([reply.text, *calls] if reply.text else calls)
 
 
 def _digest(picture: bytes) -> str:

@@ -11,7 +11,7 @@ import typer
 from rich.table import Column, Table
 
 import threewe
-from threewe import calibration, driving, instructing, profiles, ros2, teleoperation
+from threewe import calibration, driving, gazebo, instructing, profiles, ros2, teleoperation
 from threewe._console import plain_console, styled
 from threewe.ai import cli as policy
 from threewe.benchmark import cli as benchmark
@@ -34,6 +34,7 @@ app.add_typer(profiles.app, name="hardware")
 app.add_typer(slam.app, name="slam")
 app.add_typer(data.app, name="data")
 app.add_typer(ros2.app, name="ros2")
+app.add_typer(gazebo.app, name="gazebo")
 app.add_typer(detector.app, name="detector")
 app.add_typer(policy.app, name="policy")
 app.add_typer(benchmark.app, name="benchmark")

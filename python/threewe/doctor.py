@@ -67,11 +67,12 @@ def _has(folder: Path, name: str) -> bool:
 
 
 def _backends() -> list[Finding]:
-    others = [name for name in threewe.backend_names() if name not in ("mock", "mujoco", "real")]
+    others = [name for name in threewe.backend_names() if name not in ("mock", "mujoco", "real", "gazebo")]
     return [
         _works("backend mock", _contract),
         *_mujoco(),
-        _real(),
+        _finds("real", "Cyclone DDS is there; no robot was looked for"),
+        _finds("gazebo", "ZeroMQ is there; no Gazebo was looked for"),
         *(Finding(f"backend {name}", "ok", "found, not tried") for name in others),
     ]
 
@@ -92,13 +93,13 @@ def _mujoco() -> list[Finding]:
     return [stands, Finding("cameras on mujoco", "ok", "its renderer draws")]
 
 
-def _real() -> Finding:
+def _finds(backend: str, ok: str) -> Finding:
     try:
-        threewe.Robot(backend="real")
+        threewe.Robot(backend=backend)
     except threewe.ConfigError as error:
         what, *remedies = str(error).splitlines()
-        return Finding("backend real", "missing", what, "".join(remedies))
-    return Finding("backend real", "ok", "Cyclone DDS is there; no robot was looked for")
+        return Finding(f"backend {backend}", "missing", what, "".join(remedies))
+    return Finding(f"backend {backend}", "ok", ok)
 
 
 def _contract() -> str:

@@ -27,9 +27,11 @@ from threewe._arguments import (
     as_seed,
     as_switch,
     as_text,
+    as_waypoints,
 )
 from threewe._core import (
     BatteryState,
+    Detector,
     ExploreResult,
     Features,
     IMUData,
@@ -58,7 +60,9 @@ from threewe._instructions import ExecutionResult, Instructions
 from threewe._model_options import model_options
 from threewe._observers import Observer, Observers
 from threewe._options import known_options, known_options_but
+from threewe._own_detector import load_detector
 from threewe._time import InRobotTime, RobotTime
+from threewe._user_skills import SkillFunction, SkillInfo
 from threewe.backend import known_backend
 from threewe.errors import ContractError, ThreeweError
 from threewe.simulation import Simulation
@@ -68,6 +72,7 @@ if TYPE_CHECKING:
 
 OnProgress = Callable[[Progress], object]
 
+DETECTOR = "indoor_v1"
 SEVERAL = "a Robot is one robot, with its `hardware`; several in one world are a World(robots=[...])"
 
 
@@ -91,10 +96,15 @@ class Robot(InRobotTime):
         start_pose: where a simulated robot starts in its scene; the scene's own start where left out. People who would
             begin there begin farther on.
         localization: `slam`, the robot's own; or `truth`, which simulators know: where what is asked is how well the
-            rest does without doubts about the pose.
+            rest does without doubts about the pose; or a program on a real robot, `amcl` or `slam_toolbox`: pose,
+            covariance and map are then what it says.
+        navigation: `own`; or `nav2` on a real robot that such a program localises: Nav2 drives to positions and along
+            paths, and the safety gate is not in its way.
         image_size: (height, width) [px] of what the camera delivers; as the profile states where left out.
         randomization: how the robot differs from its profile in a simulator, drawn anew for each seed and
             episode: `none`, `mild`, `paper`, `hard`, or a file that ends in .yaml.
+        detector: what sees things for instructions: one that ships, or a file that ends in .onnx, with its labels and
+            layout in a YAML file beside it (extra `policy`), or in .safetensors.
         viewer: streams to Rerun from `connect` to `disconnect`: `rerun` opens a window, `web` serves browsers on
             this machine, `network` all who can reach it, without asking them for a password; a file that ends in .rrd
             is recorded.
@@ -107,6 +117,7 @@ class Robot(InRobotTime):
 
     _viewer: Viewer | None = None
     _given_map: OccupancyGrid | None = None
+    _detector: Detector | None = None  # the one that ships
 
     @known_options_but({"robots": SEVERAL, "start_poses": SEVERAL, "initial_poses": SEVERAL})
     def __init__(
@@ -122,8 +133,10 @@ class Robot(InRobotTime):
         *,
         start_pose: PoseLike | None = None,
         localization: str = "slam",
+        navigation: str = "own",
         image_size: Sequence[int] | None = None,
         randomization: str | os.PathLike[str] = "none",
+        detector: str | os.PathLike[str] = DETECTOR,
         viewer: str | None = None,
     ) -> None:
         if isinstance(hardware, list | tuple):
@@ -140,12 +153,15 @@ class Robot(InRobotTime):
             initial_pose=initial,
             start_pose=None if start_pose is None else as_pose("start_pose", start_pose),
             localization=as_text("localization", localization),
+            navigation=as_text("navigation", navigation),
             image_size=None if image_size is None else as_image_size("image_size", image_size),
             randomization=as_asset("randomization", randomization),
         )
         world = _core.World(options)
         self._set_up(world, RobotTime(world), 0)
         self._given_map = options.map
+        if (named := as_asset("detector", detector)) != DETECTOR:
+            self._detector = load_detector(named)
         if viewer is not None:
             from threewe.viewer import Viewer  # needs packages that only viewers need
 
@@ -232,7 +248,7 @@ class Robot(InRobotTime):
 
     @property
     def health(self) -> dict[str, SensorHealth]:
-        """How each sensor is, by its name.
+        """How each sensor is, by its name; and each program that localises or drives the robot.
 
         What a sensor at fault delivers is not used. One that the robot needs keeps it still: a motion waits for
         up to 10 s, and goes on when the sensor is ok again.
@@ -345,6 +361,29 @@ class Robot(InRobotTime):
         return motion.result()
 
     @known_options
+    async def follow_waypoints(
+        self,
+        waypoints: ArrayLike | Sequence[PoseLike],
+        *,
+        tolerance: float = 0.25,
+        angle_tolerance: float = 0.1,
+        timeout: float | None = None,
+        on_progress: OnProgress | None = None,
+    ) -> MoveResult:
+        """Drives to places in `map` one after the other, by whatever way, and stops at each: (N, 2) positions [m],
+        (N, 3) with headings [rad], or a list in which each is a Pose2D, (x, y) or (x, y, theta).
+
+        The first that is missed ends it: `detail` says which. `timeout` [s] is for all of them. See `move_to`.
+        """
+        places = as_waypoints("waypoints", waypoints)
+        within = as_number("tolerance", tolerance)
+        turned = as_number("angle_tolerance", angle_tolerance)
+        motion = await self._drive(
+            lambda t: self._runtime.follow_waypoints(places, within, turned, t), timeout, on_progress
+        )
+        return motion.result()
+
+    @known_options
     async def explore(
         self, *, thorough: bool = False, timeout: float | None = None, on_progress: OnProgress | None = None
     ) -> ExploreResult:
@@ -398,7 +437,8 @@ class Robot(InRobotTime):
             timeout: [s] of robot time.
             model: address of an OpenAI-compatible server, such as `http://127.0.0.1:8080/v1`, with `#NAME` for one of
                 its models; or the name of a model at OpenAI. The environment's THREEWE_MODEL where left out, and no
-                model without it. Needs the extra `vlm`. Keys: OPENAI_API_KEY, THREEWE_MODEL_KEY for addresses.
+                model without it, or where it is "". Needs the extra `vlm`. Keys: OPENAI_API_KEY, THREEWE_MODEL_KEY for
+                addresses.
             require_vision: a model that fails the eyesight test is an error, not a warning.
             thinking_time: [s] of robot time that each answer takes, however long it took; measured where left out.
             max_tokens: of a model, for the whole instruction.
@@ -422,6 +462,36 @@ class Robot(InRobotTime):
         from threewe._model_agent import execute_with_model  # which takes a while to import
 
         return await execute_with_model(self, instructions, instruction, max_steps, timeout, options)
+
+    def add_skill(self, function: SkillFunction) -> SkillFunction:
+        """Adds a skill of one's own, for instructions, models and programs; may stand as a decorator.
+
+        Args:
+            function: `async def name(robot, ...)`. Its docstring says what it does; its other arguments are annotated
+                `str`, `int`, `float`, `bool` or a `Literal` of texts, `... | None` where None is the default. It
+                returns None, a text to answer with, or the result of a motion. What it raises ends it as `skill_error`.
+
+        Raises ContractError for anything else, and where a skill has the name already.
+        """
+        self._instructed().skills.add(as_function("function", function))
+        return function
+
+    def get_skills(self) -> list[SkillInfo]:
+        """The skills that instructions, models and programs may use: one list, with those that were added."""
+        return self._instructed().skills.infos()
+
+    async def execute_skill(self, skill: str, /, **arguments: object) -> ExecutionResult:
+        """Executes one skill, as a model would call it: `await robot.execute_skill("search", kind="chair")`.
+
+        It takes 900 s of robot time at most.
+
+        Raises:
+            ContractError: an unknown skill, or arguments that are not those of its schema.
+            SafetyError: an instruction or a motion is in progress.
+            EmergencyStopError: the emergency stop is latched.
+        """
+        self._time.check_waiting()
+        return await self._instructed().execute_skill(as_text("skill", skill), arguments)
 
     def name_place(self, name: str, polygon: ArrayLike | None = None) -> None:
         """Gives a place a name, for instructions: where the robot is now, or a polygon [m] in `map`.
@@ -598,6 +668,16 @@ class Robot(InRobotTime):
     def lost(self) -> bool:
         """True while the robot does not know where it is: it looks for itself in its map, and motions wait."""
         return self._runtime.pose().lost
+
+    @property
+    def localization(self) -> str:
+        """Who says where the robot is and draws its map: `slam`, `truth`, `amcl` or `slam_toolbox`."""
+        return self._runtime.localization
+
+    @property
+    def navigation(self) -> str:
+        """Who drives to positions and along paths: `own` or `nav2`."""
+        return self._runtime.navigation
 
     @property
     def localization_state(self) -> LocalizationState:

@@ -57,6 +57,9 @@ def serve(
     speed: Annotated[float, typer.Option(help="Robot time over wall time; 0 is as fast as can be.")] = 1.0,
     lockstep: Annotated[bool, typer.Option("--lockstep", help="A command drives 20 ms, then time waits.")] = False,
     map: Annotated[bool, typer.Option("--map", help="Publish the scene's map, and map -> odom without error.")] = False,
+    autonomy: Annotated[
+        bool, typer.Option("--autonomy", help="Publish the robot's own map and plan, and drive to goal_pose.")
+    ] = False,
     seconds: Annotated[float | None, typer.Option(min=0.0, help="Wall time until it ends. [default: never]")] = None,
 ) -> None:
     """Be a robot on ROS 2: the embedded simulator's sensors, transforms and clock, driven by cmd_vel.
@@ -75,6 +78,7 @@ def serve(
         speed=speed,
         lockstep=lockstep,
         map=map,
+        autonomy=autonomy,
     )
     console = plain_console()
     console.print(f"serving {', '.join(robots)} in {scene}; Ctrl-C ends it", highlight=False)

@@ -202,6 +202,16 @@ class Robot(_Connected):
         return self._thread.call(lambda: self._target.lost)
 
     @property
+    def localization(self) -> str:
+        """Who says where the robot is and draws its map: `slam`, `truth`, `amcl` or `slam_toolbox`."""
+        return self._thread.call(lambda: self._target.localization)
+
+    @property
+    def navigation(self) -> str:
+        """Who drives to positions and along paths: `own` or `nav2`."""
+        return self._thread.call(lambda: self._target.navigation)
+
+    @property
     def localization_state(self) -> LocalizationState:
         """How far the robot knows where it is."""
         return self._thread.call(lambda: self._target.localization_state)
@@ -224,12 +234,16 @@ class Robot(_Connected):
     move_forward = _waits(threewe.Robot.move_forward)
     rotate = _waits(threewe.Robot.rotate)
     follow_path = _waits(threewe.Robot.follow_path)
+    follow_waypoints = _waits(threewe.Robot.follow_waypoints)
     explore = _waits(threewe.Robot.explore)
     execute_action = _waits(threewe.Robot.execute_action)
     execute_instruction = _waits(threewe.Robot.execute_instruction)
+    execute_skill = _waits(threewe.Robot.execute_skill)
 
     set_velocity = _returns(threewe.Robot.set_velocity)
     set_zones = _returns(threewe.Robot.set_zones)
+    add_skill = _returns(threewe.Robot.add_skill)
+    get_skills = _returns(threewe.Robot.get_skills)
     name_place = _returns(threewe.Robot.name_place)
     load_places = _returns(threewe.Robot.load_places)
     save_places = _returns(threewe.Robot.save_places)

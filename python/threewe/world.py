@@ -17,7 +17,7 @@ from threewe.backend import known_backend
 from threewe.errors import ContractError, ThreeweError
 from threewe.robot import Robot
 
-ONLY_OF_ROBOTS = ("localization", "image_size", "viewer")
+ONLY_OF_ROBOTS = ("localization", "navigation", "image_size", "viewer")
 
 
 class World(InRobotTime):

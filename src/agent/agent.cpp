@@ -102,6 +102,7 @@ void Agent::Impl::look() {
   body.map.update({measured, map_from_camera, seen, image.intrinsics}, body.robot.map());
   body.coverage.add(body.robot.map(), map_from_camera, camera.horizontal_fov);
   ++body.looks;
+  body.looked = measured;
 }
 
 void Agent::begin(std::string_view instruction, const Budget& budget) {

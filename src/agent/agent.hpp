@@ -10,6 +10,7 @@
 
 #include "semantics/semantic_map.hpp"
 #include "threewe/language/command.hpp"
+#include "threewe/robot/results.hpp"
 #include "threewe/robot/runtime.hpp"
 #include "threewe/robot/world.hpp"
 #include "vision/detector.hpp"
@@ -22,28 +23,8 @@ struct Budget {
   double duration = 900.0;  ///< [s] of robot time
 };
 
-/// One skill that was executed.
-struct ExecutedStep {
-  std::string skill;        ///< such as "search"
-  std::string text;         ///< with its arguments: "search(kind=chair, color=red)"
-  std::string reason;       ///< how it ended: "done", "not_found", or a motion's reason
-  std::string detail;       ///< says more; may be empty
-  double begun = 0.0;       ///< [s] of robot time
-  double ended = 0.0;       ///< [s]
-  std::uint64_t thing = 0;  ///< id of the mapped thing that it rests on; 0: none
-};
-
-/// What became of an instruction.
-struct ExecutionResult {
-  bool success = false;   ///< `reason` is `done`
-  std::string reason;     ///< done, not_found, not_understood, ambiguous, refused, budget, or that of a motion
-  std::string detail;     ///< says more about a failure; may be empty
-  std::string answer;     ///< to a question, or what was found, as a sentence; may be empty
-  bool verified = false;  ///< the robot's own detector saw what the answer says
-  std::vector<ExecutedStep> steps;
-  double distance = 0.0;  ///< [m] driven, by its own estimate
-  double duration = 0.0;  ///< [s] of robot time
-};
+using threewe::ExecutedStep;
+using threewe::ExecutionResult;
 
 /// Executes instructions on one robot, one at a time, and remembers from one to the next what it has seen. It looks
 /// twice a second, from when it is made. It uses what users may call, nothing else: every motion passes the gate.

@@ -35,8 +35,9 @@ void Drive::cancel() {
 }
 
 std::vector<semantics::MappedThing> things_meant(const Body& body, const language::ThingPhrase& thing,
-                                                 const std::vector<std::uint64_t>& tried) {
-  auto found = body.map.find({.kind = thing.kind, .color = thing.color, .place = thing.place});
+                                                 const std::vector<std::uint64_t>& tried, double least_probability) {
+  auto found = body.map.find(
+      {.kind = thing.kind, .color = thing.color, .place = thing.place, .least_probability = least_probability});
   std::erase_if(found, [&](const auto& one) { return std::ranges::find(tried, one.id) != tried.end(); });
   if (!thing.next_to.empty()) {
     const std::size_t space = thing.next_to.find(' ');

@@ -21,6 +21,7 @@ struct Body {
   Coverage coverage;
   Vec2 start;
   std::uint64_t looks = 0;  ///< pictures that were looked at
+  Time looked{};            ///< when the newest of them was taken
 
   Vec2 position() const { return robot.pose().map_from_base().position(); }
   /// The ways that its map knows to be free.
@@ -51,10 +52,11 @@ class Drive {
   MotionHandle motion_;
 };
 
-/// The things that a phrase means, the most probable first; those of `tried` left out. An unknown kind, color or place
-/// is a ContractError that names the nearest known ones.
+/// The things that a phrase means, the most probable first; those of `tried` left out, and those that are less probably
+/// of that kind. An unknown kind, color or place is a ContractError that names the nearest known ones.
 std::vector<semantics::MappedThing> things_meant(const Body& body, const language::ThingPhrase& thing,
-                                                 const std::vector<std::uint64_t>& tried = {});
+                                                 const std::vector<std::uint64_t>& tried = {},
+                                                 double least_probability = 0.5);
 /// A phrase in words: "red chair next to the desk in the lobby".
 std::string in_words(const language::ThingPhrase& thing);
 /// A mapped thing in words: "red chair at (1.0, 2.0)".

@@ -104,14 +104,6 @@ class Wall {
 
 }  // namespace
 
-Vec2 Opening::crossing(Vec2 from) const {
-  constexpr double kFromEnd = 0.4;  // [m]
-  const double length = distance(a, b);
-  const double inset = std::min(kFromEnd, 0.5 * length);
-  const Vec2 along = length > 0.0 ? (1.0 / length) * (b - a) : Vec2{};
-  return a + std::clamp(dot(from - a, along), inset, std::max(inset, length - inset)) * along;
-}
-
 Border border_of(const OccupancyGrid& grid, const std::vector<Place>& places, std::size_t room) {
   Border border;
   const auto& polygon = places[room].polygon;

@@ -5,6 +5,7 @@
 #include <optional>
 #include <vector>
 
+#include "core/opening.hpp"
 #include "semantics/semantic_map.hpp"
 #include "threewe/core/pose.hpp"
 #include "threewe/map/occupancy_grid.hpp"
@@ -21,7 +22,7 @@ struct Opening {
 
   Vec2 middle() const { return 0.5 * (a + b); }
   /// Where a robot crosses it that comes straight from a point, 0.4 m from its ends where it is wide enough.
-  Vec2 crossing(Vec2 from) const;
+  Vec2 crossing(Vec2 from) const { return crossing_of(a, b, from); }
 };
 
 /// A point of a border of which is not known whether it is open.

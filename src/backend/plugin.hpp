@@ -96,6 +96,8 @@ class PluginLink {
   Time robot_time() const;
   /// Lets a reading of a connected robot in real time arrive, without waiting for the next step.
   void push(PluginReading reading);
+  /// What `RobotPort::link_fault` says from now on, until it is connected anew.
+  void note_link_fault(std::string words);
 
  private:
   friend class PluginWorld;
@@ -150,6 +152,7 @@ class PluginLink {
   // the robot
   bool connected_ = false;
   std::optional<Fault> fault_;
+  std::string link_fault_;
   Command command_;
   Time next_step_{};  // in real time
   std::vector<Sample> arrived_;
@@ -182,6 +185,7 @@ class PluginWorld : public World, private RobotPort, private TruthService {
   void disconnect() override;
   std::vector<Sample> poll() override;
   void command(const Velocity& velocity, Time valid_until) override;
+  std::string link_fault() const override;
   const scene::TruthView& truth(std::size_t) const override { return *truth_; }
 
   std::shared_ptr<PluginLink> link_;

@@ -106,6 +106,11 @@ void PluginLink::push(PluginReading reading) {
   if (fault_) changed_.notify_all();
 }
 
+void PluginLink::note_link_fault(std::string words) {
+  const Lock lock(mutex_);
+  link_fault_ = std::move(words);
+}
+
 void PluginLink::finish(std::optional<Fault> fault, PluginReply reply) {
   const Lock lock(mutex_);
   if (current_->call == Call::connect && !fault) plugin_connected_ = true;

@@ -66,6 +66,7 @@ void PluginWorld::connect() {
   link_->connected_ = false;
   if (!link_->wait_until_idle(lock)) link_->throw_if_faulty();
   link_->fault_.reset();
+  link_->link_fault_.clear();
   link_->arrived_.clear();
   link_->command_ = {};
   link_->next_step_ = link_->now();
@@ -105,6 +106,11 @@ void PluginWorld::command(const Velocity& velocity, Time valid_until) {
   link_->notice_hanging();
   link_->throw_if_faulty();
   link_->command_ = {within_limits(link_->profile_.hardware_limits, velocity), valid_until};
+}
+
+std::string PluginWorld::link_fault() const {
+  const PluginLink::Lock lock(link_->mutex_);
+  return link_->link_fault_;
 }
 
 void PluginWorld::reset(const ResetOptions& options) {

@@ -1,11 +1,14 @@
 #include "env/agent.hpp"
 
 #include <algorithm>
+#include <array>
 #include <utility>
 
+#include "core/exact.hpp"
 #include "hardware/limits.hpp"
 #include "models/lidar.hpp"
 #include "models/localization_error.hpp"
+#include "safety/collision_monitor.hpp"
 #include "safety/scan_points.hpp"
 #include "sim/step.hpp"
 #include "threewe/core/errors.hpp"
@@ -27,6 +30,48 @@ double farthest_way(const Options& options, const safety::GateModel& gate, const
   // as the collision monitor reckons
   const double stopping_time = gate.limits.linear / gate.limits.linear_braking;
   return past * age + gate.limits.linear * (to_seconds(gate.reaction + 2 * kControlPeriod) + 0.5 * stopping_time);
+}
+
+// Points of a turn, and the beams that they are sorted into.
+struct Ranges {
+  std::array<float, sim::kMaxLidarPoints> points;
+  std::array<float, sim::kMaxLidarPoints> beams;
+  Ranges() {}  // NOLINT: what is used is filled
+};
+
+std::span<const float> in_beams(const AgentModel& model, std::span<const float> points, std::span<float> beams) {
+  if (model.beams.empty()) return points;
+  const auto own = beams.first(static_cast<std::size_t>(model.profile.lidar->beams));
+  models::fill_scan(model.beams, points, own);
+  return own;
+}
+
+// What a lidar measured in a turn, up to `reach` [m].
+std::span<const float> retaken(const AgentModel& model, const sim::RobotModel& robot, const sim::RobotState& state,
+                               const Turn& turn, double reach, Ranges& ranges) {
+  const auto points = std::span(ranges.points).first(static_cast<std::size_t>(model.profile.lidar->points_per_turn));
+  sim::retake_scan(robot, state, turn.number, turn.path, reach, points);
+  return in_beams(model, points, ranges.beams);
+}
+
+// [m] from wherever odometry had the base during a turn to where it places a hit, at least. `open` is known before.
+double nearest_hit(const AgentModel& model, const sim::RobotModel& robot, const sim::RobotState& state,
+                   const Turn& turn, OpenDisc& open) {
+  constexpr double kFarthest = 2.0;  // [m] to look for what is near: then nothing is for the next few seconds
+  constexpr double kMoved = 0.02;    // [m] after which it is worth while to look again: a tenth of taking a scan
+  const Vec2 middle = turn.path[turn.path.size() / 2].position();
+  double moved = distance(middle, open.center);
+  if (open.radius - moved <= model.decision_sight + kMoved && (moved > kMoved || open.radius == 0.0)) {
+    open = {middle, robot.caster->clearance(middle, kFarthest)};
+    moved = 0.0;
+  }
+  double spread = 0.0;
+  for (const Pose2D& pose : turn.path) spread = std::max(spread, distance(pose.position(), middle));
+  const LidarSpec& lidar = *model.profile.lidar;
+  const double error = models::most_too_short(lidar, state.lidar_bias, state.variation);
+  const double turned = wrap_angle(turn.odom_at_end.theta - turn.odom_at_begin.theta);
+  const double off_chord = 0.125 * turned * turned * norm(lidar.base_from_lidar.position());
+  return open.radius - moved - spread - error - off_chord - model.displacement;
 }
 
 }  // namespace
@@ -52,6 +97,16 @@ AgentModel make_agent_model(const Options& options, const Clock& clock, bool loc
     model.scans_under_way = static_cast<std::size_t>(most_latency(options) * lidar.latency / lidar.turn) + 2;
     model.sight = farthest_way(options, model.gate, lidar) + norm(lidar.base_from_lidar.position()) +
                   model.gate.margin + model.gate.footprint.circumscribed_radius();
+    // a scan that is remembered is asked from afar: from where the robot has got to since, twice as fast as it can
+    const Duration remembered = model.sight_model.memory + 2 * lidar.turn;
+    model.gate_sight = std::max(model.sight, model.sight_model.reach) + 2.0 * norm(lidar.base_from_lidar.position()) +
+                       2.0 * model.profile.hardware_limits.linear * to_seconds(remembered);
+    safety::GateState fastest;
+    fastest.recent.fill({model.gate.limits.linear, 0.0, model.gate.limits.angular});
+    model.decision_sight = safety::sight_of_decision(model.gate, fastest);
+    model.looks_late = model.gate.collision_monitor && options.robots == 1 && options.randomization.interval.empty();
+    constexpr double kOfCaster = 1e-3;  // [m], more than its ranges are off
+    model.displacement = 2.0 * exact::kPi / lidar.beams * norm(lidar.base_from_lidar.position()) + kOfCaster;
     model.beams = models::beams_of_points(lidar);
     const bool in_order = std::ranges::all_of(model.beams, [i = 0U](const models::PointBeams& beams) mutable {
       const unsigned point = i++;
@@ -72,12 +127,32 @@ void Agent::begin(const AgentModel& model, bool others_move) {
   taken_ = arrived_ = 0;
   turn_began_ = {};
   obstacles_.clear();
+  placed_ = true;
+  kept_ = 0;
+  path_.clear();
+  open_ = {};
+  if (model.looks_late && !others_move) {
+    path_.resize(static_cast<std::size_t>(model.profile.lidar->turn / sim::kStep) + 1);
+    remembered_.resize(model.sight_model.scans);
+  }
 }
 
-Velocity Agent::act(const AgentModel& model, const sim::RobotState& state, const Velocity& action, Time now) {
+Velocity Agent::act(const AgentModel& model, const sim::RobotModel& robot, const sim::RobotState& state,
+                    const Velocity& action, Time now) {
   Velocity wanted = scaled_to(model.gate.limits, action);
   if (model.gate.kinematics == Kinematics::differential) wanted.vy = 0.0;
   const Pose2D base = odom_from_base(model, state);
+  if (const Scan* scan = newest(); scan != nullptr && !placed_) {
+    const Vec2 from = base.position();
+    const double gone =
+        std::max(distance(from, scan->odom_at_begin.position()), distance(from, scan->odom_at_end.position()));
+    const double clear = nearest_ - gone;
+    if (clear <= model.decision_sight && clear <= safety::sight_of_decision(model.gate, gate_)) {
+      Ranges ranges;
+      const double too_short = models::most_too_short(*model.profile.lidar, state.lidar_bias, state.variation);
+      place_hits(model, *scan, retaken(model, robot, state, *scan, model.sight + too_short, ranges));
+    }
+  }
   std::span<const Vec2> assumed = sight_.unseen();
   std::vector<Vec2> with_predicted;  // only where there are any
   if (!approach_.approaching().empty()) {
@@ -88,19 +163,23 @@ Velocity Agent::act(const AgentModel& model, const sim::RobotState& state, const
   return safety::gate(model.gate, gate_, {wanted}, {obstacles_, assumed}, now, base).command;
 }
 
-void Agent::end_turn(const AgentModel& model, const sim::RobotModel& robot, const sim::RobotState& state, bool whole) {
+void Agent::end_turn(const AgentModel& model, const sim::RobotModel& robot, const sim::RobotState& state, ScanUse use) {
   const Pose2D began = std::exchange(turn_began_, odom_from_base(model, state));
-  if (!whole) return;
+  if (use == ScanUse::none) return;
   Scan& scan = scans_[taken_++ % scans_.size()];
   scan.end = state.time();
+  scan.number = (state.steps - 1) / static_cast<std::uint64_t>(robot.turn);
   scan.arrives = scan.end + sim::varied_latency(model.profile.lidar->latency, state.variation);
   scan.odom_at_begin = began;
   scan.odom_at_end = turn_began_;
+  scan.path.assign(path_.begin(), path_.end());
+  scan.points.clear();
+  if (use == ScanUse::gate && !path_.empty()) return;
   const auto points = sim::scan_points(robot, state);
   scan.points.assign(points.begin(), points.end());
 }
 
-void Agent::perceive(const AgentModel& model, const sim::RobotState& state, Time now) {
+void Agent::perceive(const AgentModel& model, const sim::RobotModel& robot, const sim::RobotState& state, Time now) {
   const Duration period = model.localization_model.period;
   if (model.localizes && model.localization == Localization::noisy && now % period == Time::zero()) {
     models::correct_localization(model.localization_model, state.key(Stream::localization),
@@ -111,25 +190,66 @@ void Agent::perceive(const AgentModel& model, const sim::RobotState& state, Time
     ++arrived_;
     gate_.last_scan = now;
     gate_.scan_seen = true;
-    if (!model.gate.collision_monitor) continue;
-    const LidarSpec& lidar = *model.profile.lidar;
-    std::array<float, sim::kMaxLidarPoints> beams;  // NOLINT: what is used is filled
-    const auto ranges = scan(model, std::span(beams).first(static_cast<std::size_t>(lidar.beams)));
-    obstacles_.clear();
-    safety::append_scan_points(lidar, ranges, newest()->odom_at_begin, newest()->odom_at_end, obstacles_, model.sight);
-    look_around(model, ranges);
+    if (model.gate.collision_monitor) receive(model, robot, state);
   }
 }
 
-// What the newest scan does not see counts as an obstacle, and what comes nearer where it will be.
-void Agent::look_around(const AgentModel& model, std::span<const float> ranges) {
+// What the gate makes of the newest scan. Where no beams in a row can be invalid, it only needs what is near, if any.
+void Agent::receive(const AgentModel& model, const sim::RobotModel& robot, const sim::RobotState& state) {
+  const Scan& scan = scans_[(arrived_ - 1) % scans_.size()];
+  Ranges ranges;
+  if (scan.path.empty()) {
+    const auto beams = in_beams(model, scan.points, ranges.beams);
+    place_hits(model, scan, beams);
+    return look_around(model, scan, beams);
+  }
+
+  nearest_ = nearest_hit(model, robot, state, scan, open_);
+  if (is_without_gap(model, state, scan)) {
+    obstacles_.clear();
+    placed_ = false;
+    remembered_[kept_++ % remembered_.size()] = scan;
+    return;
+  }
+  const auto take = [&](const Turn& turn) { return retaken(model, robot, state, turn, model.gate_sight, ranges); };
+  for (std::size_t i = kept_ - std::min(kept_, remembered_.size()); i < kept_; ++i) {
+    const Turn& past = remembered_[i % remembered_.size()];
+    look_around(model, past, take(past));
+  }
+  kept_ = 0;
+  const auto beams = take(scan);
+  place_hits(model, scan, beams);
+  look_around(model, scan, beams);
+}
+
+// Whether it is known that no three beams of a turn, side by side, are invalid, nor was anything unseen before.
+bool Agent::is_without_gap(const AgentModel& model, const sim::RobotState& state, const Turn& turn) const {
   const LidarSpec& lidar = *model.profile.lidar;
-  const Scan& scan = *newest();
-  const Pose2D& began = lidar.rolling ? scan.odom_at_begin : scan.odom_at_end;
-  const Pose2D& first = lidar.clockwise ? scan.odom_at_end : began;
-  const Pose2D& last = lidar.clockwise ? began : scan.odom_at_end;
-  sight_.add(model.sight_model, {scan.end, first * lidar.base_from_lidar, last * lidar.base_from_lidar}, ranges,
-             scan.odom_at_end);
+  if (nearest_ - norm(lidar.base_from_lidar.position()) <= lidar.range_min) return false;
+  if (!sight_.unseen().empty()) return false;
+  const auto points = static_cast<std::uint64_t>(lidar.points_per_turn);
+  return !models::drops_neighbours(lidar, state.key(Stream::lidar), turn.number * points, state.variation);
+}
+
+// What the newest scan hits is an obstacle.
+void Agent::place_hits(const AgentModel& model, const Turn& turn, std::span<const float> ranges) {
+  const LidarSpec& lidar = *model.profile.lidar;
+  const Pose2D begin = turn.odom_at_begin * lidar.base_from_lidar;
+  const Pose2D end = turn.odom_at_end * lidar.base_from_lidar;
+  obstacles_.clear();
+  safety::append_scan_points(lidar, ranges, begin, end, obstacles_, model.sight);
+  placed_ = true;
+}
+
+// What a scan does not see counts as an obstacle, too, and what comes nearer where it will be.
+void Agent::look_around(const AgentModel& model, const Turn& turn, std::span<const float> ranges) {
+  const LidarSpec& lidar = *model.profile.lidar;
+  const Pose2D begin = turn.odom_at_begin * lidar.base_from_lidar;
+  const Pose2D end = turn.odom_at_end * lidar.base_from_lidar;
+  const Pose2D& began = lidar.rolling ? begin : end;
+  const Pose2D& first = lidar.clockwise ? end : began;
+  const Pose2D& last = lidar.clockwise ? began : end;
+  sight_.add(model.sight_model, {turn.end, first, last}, ranges, turn.odom_at_end);
   if (others_move_) approach_.update(model.approach, sight_, gate_.last());
 }
 
@@ -139,8 +259,11 @@ std::vector<Vec2> Agent::hits(const AgentModel& model, const sim::RobotState& st
   const LidarSpec& lidar = *model.profile.lidar;
   std::vector<float> beams(static_cast<std::size_t>(lidar.beams));
   const Pose2D base_from_odom = inverse(odom_from_base(model, state));
-  safety::append_scan_points(lidar, scan(model, beams), base_from_odom * newest()->odom_at_begin,
-                             base_from_odom * newest()->odom_at_end, points);
+  const auto placed = [&](const Pose2D& odom_from_base) {
+    return base_from_odom * odom_from_base * lidar.base_from_lidar;
+  };
+  safety::append_scan_points(lidar, scan(model, beams), placed(newest()->odom_at_begin), placed(newest()->odom_at_end),
+                             points);
   return points;
 }
 
@@ -159,10 +282,7 @@ Velocity Agent::velocity(const AgentModel& model, const sim::RobotState& state) 
 }
 
 std::span<const float> Agent::scan(const AgentModel& model, std::span<float> beams) const {
-  if (!newest()) return {};
-  if (model.beams.empty()) return newest()->points;
-  models::fill_scan(model.beams, newest()->points, beams);
-  return beams;
+  return newest() ? in_beams(model, newest()->points, beams) : std::span<const float>();
 }
 
 }  // namespace threewe::env

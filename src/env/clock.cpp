@@ -42,17 +42,21 @@ Clock make_clock(const Options& options, const sim::RobotModel& robot, const tas
   const bool pictures = options.observed.image || options.observed.depth;
   if (!pictures && clock.turn % kTick == 0) clock.stride = kTick;
   clock.scans = options.hardware.lidar && (options.gate == Gate::full || options.observed.lidar || task.reads_scan());
-  clock.every_scan = options.gate == Gate::full || draws(options.randomization, "sensor_latency");
+  clock.gate_reads = options.gate == Gate::full;
+  clock.any_may_be = draws(options.randomization, "sensor_latency");
   return clock;
 }
 
-bool Clock::looks_at_scan_of(std::uint64_t step) const {
-  if (!scans) return false;
-  const std::uint64_t arrives = rounded_up((step / turn + 1) * turn + latency, kTick);
-  // the first moment at which something looks that is not before
-  std::uint64_t look = settle;
-  if (arrives > settle) look = every_scan ? arrives : settle + rounded_up(arrives - settle, period);
-  return look < rounded_up((step / turn + 2) * turn + latency, kTick);
+ScanUse Clock::use_of_scan(std::uint64_t step) const {
+  if (!scans) return ScanUse::none;
+  const std::uint64_t turns = step / turn;
+  const std::uint64_t arrives = rounded_up((turns + 1) * turn + latency, kTick);
+  const std::uint64_t outdated = rounded_up((turns + 2) * turn + latency, kTick);
+  // the first moments that are not before at which something observes, and at which the gate looks
+  const std::uint64_t observation = arrives > settle ? settle + rounded_up(arrives - settle, period) : settle;
+  const std::uint64_t look = std::max(arrives, settle);
+  if (observation < outdated || (any_may_be && look < outdated)) return ScanUse::observed;
+  return gate_reads && look < outdated ? ScanUse::gate : ScanUse::none;
 }
 
 }  // namespace threewe::env

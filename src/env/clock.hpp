@@ -9,6 +9,9 @@
 
 namespace threewe::env {
 
+/// What will read a scan: nothing, the gate alone, which cares for what is near, or whatever observes.
+enum class ScanUse : std::uint8_t { none, gate, observed };
+
 /// The same for all worlds of a batch.
 struct Clock {
   std::uint64_t settle = 0;   ///< the robot stands for so long, until each of its sensors has delivered once
@@ -17,10 +20,11 @@ struct Clock {
   std::uint64_t latency = 0;  ///< of the lidar
   std::uint64_t stride = 1;   ///< steps between which nothing is to be noticed, at most a control period of the robot
   bool scans = false;         ///< something reads scans
-  bool every_scan = false;    ///< and each of them, not just the newest at the end of a control step
+  bool gate_reads = false;    ///< and the gate each of them, not just the newest at the end of a control step
+  bool any_may_be = false;    ///< the newest at the end of a control step, since when they arrive is drawn
 
-  /// Whether anything will read the scan of the turn that step number `step` (from 0) belongs to.
-  bool looks_at_scan_of(std::uint64_t step) const;
+  /// What will read the scan of the turn that step number `step` (from 0) belongs to.
+  ScanUse use_of_scan(std::uint64_t step) const;
 };
 
 /// Whether a knob is drawn at any time.

@@ -22,23 +22,28 @@ void Batch::Impl::observe(std::size_t world, std::vector<Array>& arrays, std::si
     const sim::RobotState& state = states[i];
     auto array = arrays.begin();
     const auto next = [&](bool wanted) { return wanted ? (array++)->row(i) : std::span<std::byte>(); };
-    const auto color = next(options.observed.image);
-    const auto depth = next(options.observed.depth);
-    if (!color.empty() || !depth.empty()) {
+    if (options.observed.image || options.observed.depth) {
+      const auto color = next(options.observed.image);
+      const auto depth = next(options.observed.depth);
       episodes[world].pictures.draw(model_of(world), robot, state, color, depth, scratch[part].drawing);
     }
-    put_scan(beliefs[robot].scan, next(options.observed.lidar));
-    const Pose2D& pose = beliefs[robot].map_from_base;
-    put({pose.x, pose.y, pose.theta}, next(options.observed.pose));
-    const Velocity velocity = agents[i].velocity(agent_model, state);
-    put({velocity.vx, velocity.vy, velocity.omega}, next(options.observed.velocity));
+    if (options.observed.lidar) put_scan(beliefs[robot].scan, next(true));
+    if (options.observed.pose) {
+      const Pose2D& pose = beliefs[robot].map_from_base;
+      put({pose.x, pose.y, pose.theta}, next(true));
+    }
+    if (options.observed.velocity) {
+      const Velocity velocity = agents[i].velocity(agent_model, state);
+      put({velocity.vx, velocity.vy, velocity.omega}, next(true));
+    }
 
-    std::array<std::span<std::byte>, kMostTaskFields> rows;
+    std::array<std::span<std::byte>, kMostTaskFields> rows;  // NOLINT: what is used is filled
     for (std::size_t field = 0; field < task_fields.size(); ++field) rows[field] = next(task_fields[field]);
     task->observe(world, robot, beliefs[robot], std::span(rows).first(task_fields.size()));
 
-    const std::array<double, 3> truth{state.pose.x, state.pose.y, state.pose.theta};
-    std::ranges::copy(truth, true_poses.begin() + static_cast<std::ptrdiff_t>(3 * i));
+    true_poses[3 * i] = state.pose.x;
+    true_poses[3 * i + 1] = state.pose.y;
+    true_poses[3 * i + 2] = state.pose.theta;
   }
 }
 

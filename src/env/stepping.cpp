@@ -56,17 +56,19 @@ void Batch::Impl::step(Worlds worlds, std::span<const float> asked, std::size_t 
 // Physics goes on for so many steps, a whole number of the robot's control periods, at whose beginnings the gate
 // decides and at whose ends the sensors' readings arrive.
 void Batch::Impl::advance(Worlds worlds, std::uint64_t steps) {
+  const bool varies = !options.randomization.interval.empty();
   for (std::uint64_t tick = 0; tick < steps / kStepsPerTick; ++tick) {
     for (const std::size_t world : worlds) {
-      draw_anew(world);
+      if (varies) draw_anew(world);
       for (std::size_t i = row(world); i < row(world + 1); ++i) {
-        commands[i] = agents[i].act(agent_model, states[i], actions[i], states[i].time());
+        const sim::RobotModel& robot = model_of(world).robots[i - row(world)];
+        commands[i] = agents[i].act(agent_model, robot, states[i], actions[i], states[i].time());
       }
     }
     for (std::uint64_t i = 0; i < kStepsPerTick; i += clock.stride) step_physics(worlds);
     for (const std::size_t world : worlds) {
       for (std::size_t i = row(world); i < row(world + 1); ++i)
-        agents[i].perceive(agent_model, states[i], states[i].time());
+        agents[i].perceive(agent_model, model_of(world).robots[i - row(world)], states[i], states[i].time());
     }
   }
 }
@@ -75,7 +77,7 @@ void Batch::Impl::advance(Worlds worlds, std::uint64_t steps) {
 void Batch::Impl::draw_anew(std::size_t world) {
   Episode& episode = episodes[world];
   const Time now = states[row(world)].time();
-  if (options.randomization.interval.empty() || now < episode.next_draw) return;
+  if (now < episode.next_draw) return;
   const auto& [seed, number, scene, steps] = episode.info;
   ++episode.draws;
   for (std::size_t robot = 0; robot < options.robots; ++robot) {
@@ -88,14 +90,24 @@ void Batch::Impl::draw_anew(std::size_t world) {
 // As many steps as nothing happens in between.
 void Batch::Impl::step_physics(Worlds worlds) {
   std::array<sim::World, kBlock> block;
+  std::array<ScanUse, kBlock> uses;  // NOLINT: what is used is filled
   for (std::size_t i = 0; i < worlds.size(); ++i) {
     const std::size_t world = worlds[i];
-    const bool looked_at = clock.looks_at_scan_of(states[row(world)].steps);
+    const ScanUse use = clock.use_of_scan(states[row(world)].steps);
+    uses[i] = use;
+    // what moves comes from afar
+    const bool nearby = use == ScanUse::gate && options.robots == 1 && episodes[world].people.empty();
+    const std::span<Pose2D> path = use == ScanUse::none ? std::span<Pose2D>() : agents[row(world)].path();
     block[i] = {&model_of(world),
                 robots_of(world),
                 std::span(commands).subspan(row(world), options.robots),
                 episodes[world].people,
-                {.lidar = looked_at, .imu = false, .odometry = measures_odometry, .ultrasonics = false}};
+                {.lidar = use == ScanUse::observed || (use == ScanUse::gate && path.empty()),
+                 .lidar_reach = nearby ? agent_model.gate_sight : sim::RayCaster::kEverything,
+                 .imu = false,
+                 .odometry = measures_odometry,
+                 .ultrasonics = false},
+                path};
   }
   sim::step(std::span(block).first(worlds.size()), static_cast<int>(clock.stride));
 
@@ -105,7 +117,7 @@ void Batch::Impl::step_physics(Worlds worlds) {
     if (clock.scans && sim::scan_ready(model.robots[0], states[row(world)])) {
       for (std::size_t robot = 0; robot < options.robots; ++robot) {
         const std::size_t at = row(world, robot);
-        agents[at].end_turn(agent_model, model.robots[robot], states[at], block[i].sensing.lidar);
+        agents[at].end_turn(agent_model, model.robots[robot], states[at], uses[i]);
       }
     }
     if (options.observed.image || options.observed.depth) {

@@ -9,6 +9,7 @@ namespace threewe::exports {
 namespace {
 
 constexpr const char* kVersion = "1.9";
+constexpr double kStep = 0.002;  // [s] of the physics
 
 pugi::xml_node add_root(pugi::xml_document& document) {
   pugi::xml_node root = add(document, "sdf", {{"version", kVersion}});
@@ -69,6 +70,17 @@ void add_inertial(pugi::xml_node link, const Inertia& part) {
   }
 }
 
+// Of the body with anything; casters roll on the floor.
+void add_contact_sensor(pugi::xml_node link, const Link& base) {
+  pugi::xml_node sensor = add(link, "sensor", {{"name", "contacts"}, {"type", "contact"}});
+  add_text(sensor, "always_on", "true");
+  pugi::xml_node contact = add(sensor, "contact");
+  for (const Shape& shape : base.shapes) {
+    if (shape.kind != Shape::Kind::sphere) add_text(contact, "collision", shape.name);
+  }
+  add_text(contact, "topic", "contacts");
+}
+
 void add_base(pugi::xml_node model, const RobotDescription& robot) {
   pugi::xml_node link = add(model, "link", {{"name", robot.base().name}});
   add_inertial(link, robot.base().inertia);
@@ -78,6 +90,7 @@ void add_base(pugi::xml_node model, const RobotDescription& robot) {
     if (shape.kind == Shape::Kind::sphere) add_friction(collision, 0.0, 0.0, nullptr, {});
   }
   for (const SensorMount& mount : robot.sensors) add_sdf_sensor(link, mount, robot.profile, mount.base_from_sensor);
+  add_contact_sensor(link, robot.base());
 }
 
 // In Gazebo, a mecanum wheel touches the floor in one point below its axle; how it slides is stated by its friction.
@@ -118,6 +131,17 @@ pugi::xml_node add_plugin(pugi::xml_node parent, const char* file, const char* n
       {{"filename", fmt::format("gz-sim-{}-system", file)}, {"name", fmt::format("gz::sim::systems::{}", name)}});
 }
 
+// Where the model is in the world, as odometry.
+void add_true_motion(pugi::xml_node model, const RobotDescription& robot, const char* topic, const char* transforms,
+                     double rate) {
+  pugi::xml_node truth = add_plugin(model, "odometry-publisher", "OdometryPublisher");
+  add_text(truth, "odom_topic", topic);
+  add_text(truth, "tf_topic", transforms);
+  add_text(truth, "odom_publish_frequency", rate);
+  add_text(truth, "odom_frame", "odom");
+  add_text(truth, "robot_base_frame", robot.base().name);
+}
+
 void add_drive(pugi::xml_node model, const RobotDescription& robot) {
   const WheelGeometry& wheels = robot.profile.body.wheels;
   const Limits& limits = robot.profile.hardware_limits;
@@ -147,11 +171,8 @@ void add_drive(pugi::xml_node model, const RobotDescription& robot) {
   add_text(drive, "frame_id", "odom");
   add_text(drive, "child_frame_id", robot.base().name);
 
-  pugi::xml_node truth = add_plugin(model, "odometry-publisher", "OdometryPublisher");
-  add_text(truth, "odom_topic", mecanum ? "odom" : "true_odom");
-  add_text(truth, "tf_topic", mecanum ? "tf" : "true_tf");
-  add_text(truth, "odom_frame", "odom");
-  add_text(truth, "robot_base_frame", robot.base().name);
+  if (mecanum) add_true_motion(model, robot, "odom", "tf", 1 / to_seconds(robot.profile.odometry.period));
+  add_true_motion(model, robot, "true_odom", "true_tf", 1 / kStep);
   add_plugin(model, "joint-state-publisher", "JointStatePublisher");
 }
 
@@ -219,11 +240,12 @@ std::string world_sdf(const scene::Scene& scene, const RobotDescription& robot) 
   pugi::xml_document document;
   pugi::xml_node world = add(add_root(document), "world", {{"name", scene.name}});
   pugi::xml_node physics = add(world, "physics", {{"name", "2ms"}, {"type", "dart"}});
-  add_text(physics, "max_step_size", 0.002);
+  add_text(physics, "max_step_size", kStep);
   add_text(physics, "real_time_factor", 1.0);
   add_plugin(world, "physics", "Physics");
   add_text(add_plugin(world, "sensors", "Sensors"), "render_engine", "ogre2");
   add_plugin(world, "imu", "Imu");
+  add_plugin(world, "contact", "Contact");
   add_plugin(world, "scene-broadcaster", "SceneBroadcaster");
   add_plugin(world, "user-commands", "UserCommands");
   pugi::xml_node sun = add(world, "light", {{"name", "sun"}, {"type", "directional"}});

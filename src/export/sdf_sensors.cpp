@@ -75,7 +75,7 @@ GazeboSensor gazebo_sensor(SensorType type, const RobotProfile& profile) {
   if (type == SensorType::camera) {
     return {profile.camera->depth ? "rgbd_camera" : "camera", profile.camera->period};
   }
-  return {"gpu_lidar", profile.ultrasonics->period()};
+  return {"gpu_lidar", profile.ultrasonics->interval};  // all at once, of which programs take one in turn
 }
 
 }  // namespace

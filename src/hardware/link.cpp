@@ -65,21 +65,22 @@ bool is_ros_name(std::string_view name) {
 LinkSpec read_link(ConfigNode node, const RobotProfile& profile) {
   LinkSpec link;
   link.driver = node.choice("driver", {"ros2"});
-  const std::string name_space = node.has("namespace") ? read_name(node.at("namespace")) : "";
+  if (node.has("namespace")) link.name_space = read_name(node.at("namespace"));
 
   ConfigNode topics = node.at("topics");
   topics.at("odometry");  // no robot is without
   for (const auto& [sensor, types] : deliverables(profile)) {
     if (topics.has(sensor)) {
-      link.topics.push_back(read_topic(topics.at(sensor), name_space, sensor, types, false));
+      link.topics.push_back(read_topic(topics.at(sensor), link.name_space, sensor, types, false));
     }
   }
   topics.finish();
-  link.command = read_topic(node.at("command"), name_space, "command",
+  link.command = read_topic(node.at("command"), link.name_space, "command",
                             {"geometry_msgs/msg/Twist", "geometry_msgs/msg/TwistStamped"}, true);
 
   if (node.has("frames")) {
     ConfigNode frames = node.at("frames");
+    if (frames.has("map")) link.map_frame = frames.text("map");
     link.odom_frame = frames.text("odom");
     link.base_frame = frames.text("base");
     frames.finish();

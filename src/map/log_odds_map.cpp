@@ -275,6 +275,28 @@ void LogOddsMap::apply_marks(const Region& seen) {
   changes_.note(++version_, changed);
 }
 
+// What is seen through has no surface any more, nor does what only its noise reached beside it. Beside what is still
+// there such hits stay: they are those of its noise that fell short, without which it would seem to lie farther away.
+void LogOddsMap::forget_surface(std::uint32_t index) {
+  if (hits_[index].count == 0 || is_beside_occupied(index)) return;
+  hits_[index] = CellHits{};
+  for (const std::ptrdiff_t step : steps_around()) {
+    const auto other = static_cast<std::size_t>(static_cast<std::ptrdiff_t>(index) + step);
+    if (hits_[other].count != 0 && log_odds_[other] < 0 && !is_beside_occupied(other)) hits_[other] = CellHits{};
+  }
+}
+
+std::array<std::ptrdiff_t, 8> LogOddsMap::steps_around() const {
+  const std::ptrdiff_t row = grid_.width;
+  return {-row - 1, -row, -row + 1, -1, 1, row - 1, row, row + 1};
+}
+
+bool LogOddsMap::is_beside_occupied(std::size_t index) const {
+  return std::ranges::any_of(steps_around(), [&](std::ptrdiff_t step) {
+    return log_odds_[static_cast<std::size_t>(static_cast<std::ptrdiff_t>(index) + step)] > 0;
+  });
+}
+
 // Brings grid and surfaces up to date where the evidence has changed. Returns where the grid is another one.
 Region LogOddsMap::show_changed() {
   const std::array<std::int8_t, 256>& occupancy = occupancy_table();
@@ -284,8 +306,7 @@ Region LogOddsMap::show_changed() {
   Region changed{{grid_.width, grid_.height}, {0, 0}};
   for (const std::uint32_t index : changed_) {
     const std::int8_t value = log_odds_[index];
-    // what is seen through has no surface any more
-    if (value < 0) hits_[index] = CellHits{};
+    if (value < 0) forget_surface(index);
     const std::int8_t now = occupancy[static_cast<std::uint8_t>(value + 128)];
     if (std::exchange(grid_.data[index], now) == now) continue;
     for (; index >= row + width; row += width) ++y;

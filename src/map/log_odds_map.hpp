@@ -85,6 +85,9 @@ class LogOddsMap {
   Region mark_free(std::span<const Beam> beams, double range_bias);
   void apply_marks(const Region& seen);
   Region show_changed();
+  void forget_surface(std::uint32_t index);
+  std::array<std::ptrdiff_t, 8> steps_around() const;
+  bool is_beside_occupied(std::size_t index) const;
   void add_given_surface(Cell c);
 
   Settings settings_;

@@ -7,7 +7,7 @@
 
 #include "core/rng.hpp"
 #include "threewe/hardware/profile.hpp"
-#include "threewe/models/variation.hpp"
+#include "threewe/models/randomization.hpp"
 
 namespace threewe::models {
 

@@ -10,7 +10,7 @@
 #include "threewe/core/pose.hpp"
 #include "threewe/core/time.hpp"
 #include "threewe/hardware/profile.hpp"
-#include "threewe/models/variation.hpp"
+#include "threewe/models/randomization.hpp"
 
 namespace threewe::models {
 

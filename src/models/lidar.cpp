@@ -25,19 +25,30 @@ double lidar_bias(const LidarSpec& spec, const RngKey& key) {
 
 void measure_ranges(const LidarSpec& spec, const RngKey& key, double bias, std::uint64_t first, std::span<float> ranges,
                     const Variation& variation) {
-  const RangeNoise noise{.bias = static_cast<float>(variation.lidar_noise * bias),
-                         .sigma = static_cast<float>(variation.lidar_noise * spec.sigma),
-                         .dropout = static_cast<float>(variation.lidar_dropout * spec.dropout),
-                         .near = static_cast<float>(spec.range_min),
-                         .far = static_cast<float>(spec.range_max)};
-  if (noise.sigma > 0.0F || noise.dropout > 0.0F) {
-    add_noise(key, first, noise, ranges);
-    return;
+  add_noise(key, first,
+            {.bias = static_cast<float>(variation.lidar_noise * bias),
+             .sigma = static_cast<float>(variation.lidar_noise * spec.sigma),
+             .dropout = static_cast<float>(variation.lidar_dropout * spec.dropout),
+             .near = static_cast<float>(spec.range_min),
+             .far = static_cast<float>(spec.range_max)},
+            ranges);
+}
+
+double most_too_short(const LidarSpec& spec, double bias, const Variation& variation) {
+  constexpr double kMostDeviations = 5.8;  // of `add_noise`: sqrt(-2 ln 2^-24)
+  return variation.lidar_noise * (kMostDeviations * spec.sigma + std::max(-bias, 0.0)) + 1e-5;
+}
+
+bool drops_neighbours(const LidarSpec& spec, const RngKey& key, std::uint64_t first, const Variation& variation) {
+  const auto dropout = static_cast<float>(variation.lidar_dropout * spec.dropout);
+  if (!(dropout > 0.0F)) return false;
+  const auto points = static_cast<std::size_t>(spec.points_per_turn);
+  std::vector<std::size_t> dropped = dropped_points(key, first, points, dropout);
+  for (std::size_t i = 0; i < dropped.size() && dropped[i] < 2; ++i) dropped.push_back(dropped[i] + points);
+  for (std::size_t i = 2; i < dropped.size(); ++i) {
+    if (dropped[i] == dropped[i - 2] + 2) return true;
   }
-  for (float& range : ranges) {
-    const float measured = range >= noise.far ? noise.far : std::min(range + noise.bias, noise.far);
-    range = measured < noise.near ? 0.0F : measured;
-  }
+  return false;
 }
 
 std::vector<PointBeams> beams_of_points(const LidarSpec& spec) {

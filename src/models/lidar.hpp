@@ -9,7 +9,7 @@
 #include "threewe/core/samples.hpp"
 #include "threewe/core/time.hpp"
 #include "threewe/hardware/profile.hpp"
-#include "threewe/models/variation.hpp"
+#include "threewe/models/randomization.hpp"
 
 namespace threewe::models {
 
@@ -32,6 +32,11 @@ double lidar_bias(const LidarSpec& spec, const RngKey& key);
 /// precision is finer than what any lidar tells apart.
 void measure_ranges(const LidarSpec& spec, const RngKey& key, double bias, std::uint64_t first, std::span<float> ranges,
                     const Variation& variation = {});
+
+/// [m] By how much a point is measured too short, at most; by a variation's noise.
+double most_too_short(const LidarSpec& spec, double bias, const Variation& variation);
+/// Whether three of the points that `measure_ranges` makes of a turn, side by side or across its seam, are dropped.
+bool drops_neighbours(const LidarSpec& spec, const RngKey& key, std::uint64_t first, const Variation& variation);
 
 /// The beam or the two beams of a scan that a point of a turn counts for.
 struct PointBeams {

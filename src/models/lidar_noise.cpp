@@ -148,6 +148,30 @@ HWY_INLINE void interpret(std::size_t count, Draws& draws) {
   }
 }
 
+// A vector of ranges [m] without what is drawn.
+HWY_INLINE F plainly(F truth, const RangeNoise& noise) {
+  const Floats d;
+  const F far = hn::Set(d, noise.far);
+  const F moved = hn::Min(hn::Add(truth, hn::Set(d, noise.bias)), far);
+  const F measured = hn::IfThenElse(hn::Ge(truth, far), far, moved);
+  return hn::IfThenZeroElse(hn::Lt(measured, hn::Set(d, noise.near)), measured);
+}
+
+void measure_plainly(const RangeNoise& noise, std::span<float> ranges) {
+  const Floats d;
+  const std::size_t lanes = hn::Lanes(d);
+  std::size_t i = 0;
+  for (; i + lanes <= ranges.size(); i += lanes) {
+    hn::StoreU(plainly(hn::LoadU(d, ranges.data() + i), noise), d, ranges.data() + i);
+  }
+  if (i == ranges.size()) return;
+  HWY_ALIGN std::array<float, hn::MaxLanes(Floats())> rest{};
+  const auto left = ranges.subspan(i);
+  std::ranges::copy(left, rest.begin());
+  hn::Store(plainly(hn::Load(d, rest.data()), noise), d, rest.data());
+  std::copy_n(rest.begin(), left.size(), left.begin());
+}
+
 void measure(const RngKey& key, std::uint64_t first, const RangeNoise& noise, std::span<float> ranges) {
   const Floats d;
   const F near = hn::Set(d, noise.near);
@@ -176,6 +200,33 @@ void measure(const RngKey& key, std::uint64_t first, const RangeNoise& noise, st
   }
 }
 
+void list_dropped(const RngKey& key, std::uint64_t first, std::size_t count, float dropout,
+                  std::vector<std::size_t>& list) {
+  const Floats d;
+  const Bits bits;
+  const F limit = hn::Set(d, 0x1p24F * dropout);
+  Draws draws;
+  const std::uint64_t end = first + count;
+  for (std::uint64_t pair = first / 2; 2 * pair < end; pair += kPairs) {
+    const std::size_t pairs = std::min<std::size_t>(kPairs, (end + 1) / 2 - pair);
+    draw_words(key, pair, pairs, draws);
+    for (std::size_t i = 0; i < pairs; i += hn::Lanes(d)) {
+      const auto fate = [&](std::size_t word) HWY_ATTR {
+        const auto upper = hn::ShiftRight<8>(hn::LoadU(bits, draws.words[word].data() + i));
+        return hn::ConvertTo(d, hn::BitCast(Ints(), upper));
+      };
+      const F even = fate(2);
+      const F odd = fate(3);
+      if (hn::AllFalse(d, hn::Lt(hn::Min(even, odd), limit))) continue;
+      hn::StoreInterleaved2(even, odd, d, draws.fate.data());
+      for (std::size_t k = 0; k < 2 * hn::Lanes(d); ++k) {
+        const std::uint64_t point = 2 * (pair + i) + k;
+        if (draws.fate[k] < 0x1p24F * dropout && point >= first && point < end) list.push_back(point - first);
+      }
+    }
+  }
+}
+
 }  // namespace threewe::models::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
@@ -183,9 +234,21 @@ HWY_AFTER_NAMESPACE();
 namespace threewe::models {
 
 HWY_EXPORT(measure);
+HWY_EXPORT(measure_plainly);
+HWY_EXPORT(list_dropped);
 
 void add_noise(const RngKey& key, std::uint64_t first, const RangeNoise& noise, std::span<float> ranges) {
-  HWY_DYNAMIC_DISPATCH(measure)(key, first, noise, ranges);
+  if (noise.sigma > 0.0F || noise.dropout > 0.0F) {
+    HWY_DYNAMIC_DISPATCH(measure)(key, first, noise, ranges);
+  } else {
+    HWY_DYNAMIC_DISPATCH(measure_plainly)(noise, ranges);
+  }
+}
+
+std::vector<std::size_t> dropped_points(const RngKey& key, std::uint64_t first, std::size_t count, float dropout) {
+  std::vector<std::size_t> list;
+  HWY_DYNAMIC_DISPATCH(list_dropped)(key, first, count, dropout, list);
+  return list;
 }
 
 }  // namespace threewe::models

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <span>
+#include <vector>
 
 #include "core/rng.hpp"
 
@@ -23,5 +24,8 @@ struct RangeNoise {
 /// as a pair of normal numbers (Box & Muller 1958): sqrt(-2 ln u) times cosine and sine of 2 pi v, where u and v are
 /// the middles of 2^23 equal steps. The others decide whether each is lost: w >> 8 is below dropout * 2^24.
 void add_noise(const RngKey& key, std::uint64_t first, const RangeNoise& noise, std::span<float> ranges);
+
+/// Which of so many points are lost by a probability of `dropout` above 0, counted from `first`, in order.
+std::vector<std::size_t> dropped_points(const RngKey& key, std::uint64_t first, std::size_t count, float dropout);
 
 }  // namespace threewe::models

@@ -26,6 +26,7 @@ struct Knob {
   bool steady = false;  // for a whole episode
 };
 
+// A new one goes to the end: draws follow from the place.
 constexpr std::array kKnobs{
     Knob{"mass", &Variation::mass, 0.2, 5.0},
     Knob{"friction", &Variation::friction, 0.05, 5.0},
@@ -48,6 +49,7 @@ constexpr std::array kKnobs{
     Knob{"camera_y", nullptr, -0.2, 0.2, true},
     Knob{"camera_yaw", nullptr, -0.5, 0.5, true},
     Knob{"camera_height", &Variation::camera_height, -0.2, 0.5, true},
+    Knob{"detail", &Variation::detail, 0.0, 1.0, true},
 };
 
 // What is drawn at the three events are different samples of one stream; an environment's startup is no episode.

@@ -14,6 +14,8 @@ std::string_view to_string(Reason reason) {
     case Reason::lost: return "lost";
     case Reason::uncertain: return "uncertain";
     case Reason::fault: return "fault";
+    case Reason::starved: return "starved";
+    case Reason::policy_error: return "policy_error";
   }
   return "unknown";
 }

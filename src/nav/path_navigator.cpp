@@ -6,6 +6,8 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <string>
+#include <utility>
 #include <variant>
 
 #include "hardware/parameters.hpp"
@@ -68,16 +70,42 @@ void PathNavigator::start(const Goal& goal, const Observation& seen) {
   progress_.pose = seen.pose.map_from_base();
   motion_ = {};
   motion_.start = odom_from_base_ = seen.pose.odom_from_base;
-  motion_.last_moved = progress_.pose;
-  motion_.started = motion_.last_moved_at = motion_.tight_until = seen.now;
-  follower_.forget_turn();
-  recovery_.reset();
-  narrow_passage_.end();
-  monitor_.begin(seen.now);
+  motion_.started = seen.now;
 
   const auto* move = std::get_if<MoveTo>(&goal);
   const auto* follow = std::get_if<FollowPath>(&goal);
-  route_.begin(move ? std::vector{move->goal} : follow ? follow->path : std::vector<Vec2>{}, follow != nullptr);
+  if (const auto* visit = std::get_if<FollowWaypoints>(&goal)) return begin_waypoint(*visit, 0);
+  begin_leg(move ? std::vector{move->goal} : follow ? follow->path : std::vector<Vec2>{}, follow != nullptr);
+}
+
+// What was found out on the way so far says nothing of this one.
+void PathNavigator::begin_leg(std::vector<Vec2> points, bool along) {
+  motion_.last_moved = progress_.pose;
+  motion_.last_moved_at = motion_.tight_until = now_;
+  follower_.forget_turn();
+  recovery_.reset();
+  narrow_passage_.end();
+  monitor_.begin(now_);
+  route_.begin(std::move(points), along);
+}
+
+void PathNavigator::begin_waypoint(const FollowWaypoints& goal, std::size_t number) {
+  Motion next;
+  next.start = motion_.start;
+  next.started = motion_.started;
+  next.turned = motion_.turned;
+  next.waypoint = number;
+  for (std::size_t i = number + 1; i < goal.waypoints.size(); ++i) {
+    next.rest += distance(goal.waypoints[i - 1].goal, goal.waypoints[i].goal);
+  }
+  motion_ = next;
+  begin_leg({goal.waypoints[number].goal}, false);
+}
+
+Progress PathNavigator::progress() const {
+  Progress progress = progress_;
+  progress.distance_left += motion_.rest;
+  return progress;
 }
 
 // One period: note what is seen, decide, and keep to the limits of zones.
@@ -158,7 +186,8 @@ void PathNavigator::estimate_time_left() {
   const double share = params_.motion.expected_speed;
   const double elapsed = to_seconds(now_ - motion_.started);
   const double mean_speed = (progress_.distance_driven + prior * share * limits_.linear) / (elapsed + prior);
-  progress_.time_left = progress_.distance_left / mean_speed + motion_.turn_left / (share * limits_.angular);
+  progress_.time_left =
+      (progress_.distance_left + motion_.rest) / mean_speed + motion_.turn_left / (share * limits_.angular);
 }
 
 Decision PathNavigator::drive(const MoveTo& goal, const Observation& seen) {
@@ -211,16 +240,32 @@ Decision PathNavigator::drive(const FollowPath& goal, const Observation& seen) {
   return travel(seen, goal.path.back(), goal.tolerance);
 }
 
+// As one motion to each.
+Decision PathNavigator::drive(const FollowWaypoints& goal, const Observation& seen) {
+  const std::size_t number = motion_.waypoint, count = goal.waypoints.size();
+  Decision decision = drive(goal.waypoints[number], seen);
+  if (decision.reason == Reason::running) return decision;
+  if (decision.reason == Reason::reached) {
+    if (number + 1 == count) return decision;
+    begin_waypoint(goal, number + 1);
+    return {};
+  }
+  decision.detail = "waypoint " + std::to_string(number + 1) + " of " + std::to_string(count) + ": " + decision.detail;
+  return decision;
+}
+
 // From frontier to frontier, until for some time none has been left.
 Decision PathNavigator::drive(const Explore& goal, const Observation& seen) {
+  if (narrow_passage_.active()) return pass(seen);
   if (stuck()) return get_unstuck();
 
   // from near a frontier more is seen than from afar
   const bool near =
       route_.has_path() && distance(progress_.pose.position(), route_.path().back()) < params_.route.near_frontier;
-  if (route_.age(now_) >= (near || !route_.has_path() ? params_.route.retry : params_.route.explore)) {
-    const bool explored = !route_.plan_to_frontier(seen, goal.thorough);
-    if (proven(explored)) {
+  const bool due = route_.age(now_) >= (near || !route_.has_path() ? params_.route.retry : params_.route.explore);
+  if (due && !route_.bottleneck()) {  // a way through a gap is driven until something comes of it
+    const bool explored = holds(motion_.no_path, !route_.plan_to_frontier(seen, goal.thorough));
+    if (explored && !explore_through_gaps(seen, goal.thorough)) {
       if (!has_free_cell(seen.map)) return finish(Reason::blocked, "nothing around the robot has been seen to be free");
       return finish(Reason::reached, route_.left_some() ? "what is left to see is not worth the way: see `thorough`"
                                                         : "nothing that can be reached is left to see");
@@ -241,11 +286,12 @@ Decision PathNavigator::travel(const Observation& seen, Vec2 goal, double tolera
   if (narrow_passage_.active()) return pass(seen);
   if (stuck()) return left <= tolerance - params_.motion.arrived ? finish(Reason::reached) : get_unstuck();
   if (route_.is_stale(seen, params_.route.replan)) {
-    const bool impossible = !route_.plan_to_goal(seen, tolerance);
-    if (proven(impossible) && !plan_through_gaps(seen, tolerance)) {
+    const bool found = route_.plan_to_goal(seen, tolerance);
+    const bool proven = holds(motion_.no_path, !found);
+    if (holds(motion_.no_gap, proven && !plan_through_gaps(seen, tolerance))) {
       return leaves_first(seen) ? Decision{} : give_up_path(seen, tolerance);
     }
-    if (!impossible) plan_shortcut(seen, tolerance);
+    if (found) plan_shortcut(seen, tolerance);
   }
   return route_.has_path() ? follow(seen) : wait();
 }
@@ -328,17 +374,19 @@ Decision PathNavigator::finish(Reason reason, std::string detail) {
 Decision PathNavigator::give_up_path(const Observation& seen, double tolerance) {
   const std::optional<Mover> mover = route_.mover_in_the_way(seen, tolerance);
   if (!mover) return finish(Reason::no_path, "everything within reach was searched");
-  if (now_ - motion_.impossible_since <= params_.motion.courtesy) return wait();
+  if (now_ - motion_.no_path.since <= params_.motion.courtesy) return wait();
   return finish(Reason::blocked, to_string(*mover) + " stands in the only way");
 }
 
 // Peers where they say that they are, and all that moves where it was last seen to: a peer, too, may have left its mark
 // in the map.
 void PathNavigator::remember_movers(const Observation& seen) {
-  for (const Peer& peer : seen.peers) route_.note_mover(peer.name, peer.map_from_base.position(), peer.radius);
+  for (const Peer& peer : seen.peers) route_.note_mover({peer.name, peer.map_from_base.position(), peer.radius, now_});
+  const double radius = params_.motion.person_radius;
   for (const perception::TrackedPerson& person : seen.people) {
     const Vec2 position = seen.pose.map_from_odom * person.position;
-    route_.note_mover("moving obstacle " + std::to_string(person.id), position, params_.motion.person_radius);
+    route_.note_mover({"moving obstacle " + std::to_string(person.id), position, radius, now_,
+                       free_cells_near(seen.map, position, (1.0 + kFarthestGone) * radius)});
   }
 }
 
@@ -349,11 +397,11 @@ std::string PathNavigator::and_who_is_near(std::string_view reason) const {
   return mover == nullptr ? text : text + "; near it is " + to_string(*mover);
 }
 
-// One look may be wrong: what is impossible must have been so for a while.
-bool PathNavigator::proven(bool impossible) {
-  if (impossible && !motion_.impossible) motion_.impossible_since = now_;
-  motion_.impossible = impossible;
-  return impossible && now_ - motion_.impossible_since > params_.motion.proof;
+// One look may be wrong: what is so must have been so for a while.
+bool PathNavigator::holds(Claim& claim, bool now) const {
+  if (now && !claim.made) claim.since = now_;
+  claim.made = now;
+  return now && now_ - claim.since > params_.motion.proof;
 }
 
 // Has the robot stayed where it is for too long?

@@ -26,13 +26,19 @@ class PathNavigator final : public Navigator {
 
   void start(const Goal& goal, const Observation& seen) override;
   Decision step(const Observation& observed) override;
-  Progress progress() const override { return progress_; }
+  Progress progress() const override;
   std::span<const Vec2> path() const override { return route_.path(); }
   void set_zones(const std::vector<map::Zone>& zones) override;
   std::optional<SampledPlan> plan() const override { return route_.has_path() ? follower_.plan(now_) : std::nullopt; }
   std::unique_ptr<Navigator> clone() const override { return std::make_unique<PathNavigator>(*this); }
 
  private:
+  /// Something that is believed once it has been so for a while.
+  struct Claim {
+    bool made = false;
+    Time since{};
+  };
+
   PathNavigator(const RobotProfile& profile, const Params& params);
 
   Decision decide(const Observation& seen);
@@ -40,8 +46,11 @@ class PathNavigator final : public Navigator {
   Decision drive(const Rotate& goal, const Observation& seen);
   Decision drive(const MoveForward& goal, const Observation& seen);
   Decision drive(const FollowPath& goal, const Observation& seen);
+  Decision drive(const FollowWaypoints& goal, const Observation& seen);
   Decision drive(const Explore& goal, const Observation& seen);
 
+  void begin_leg(std::vector<Vec2> points, bool along);
+  void begin_waypoint(const FollowWaypoints& goal, std::size_t number);
   void note(const Observation& seen);
   void estimate_time_left();
   Velocity within_zones(const Velocity& velocity) const;
@@ -50,6 +59,8 @@ class PathNavigator final : public Navigator {
   std::vector<Vec2> blind_surface(const Observation& seen) const;
   std::vector<Vec2> smoothed_hits(const Observation& seen, double sight) const;
   bool plan_through_gaps(const Observation& seen, double tolerance);
+  bool explore_through_gaps(const Observation& seen, bool thorough);
+  double way_in(double seconds) const { return seconds * params_.motion.expected_speed * limits_.linear; }
   void plan_shortcut(const Observation& seen, double tolerance);
   Observation without_noise(const Observation& seen, std::vector<Vec2>& hits) const;
   std::vector<Vec2> way_to_bottleneck() const;
@@ -67,7 +78,7 @@ class PathNavigator final : public Navigator {
   Decision give_up_path(const Observation& seen, double tolerance);
   void remember_movers(const Observation& seen);
   std::string and_who_is_near(std::string_view reason) const;
-  bool proven(bool impossible);
+  bool holds(Claim& claim, bool now) const;
   bool stuck();
   Decision get_unstuck();
   Decision recover(const Observation& seen);
@@ -80,11 +91,13 @@ class PathNavigator final : public Navigator {
   struct Motion {
     Pose2D start;  // in `odom`: no correction of the map is a motion
     Time started{};
-    double turned = 0.0;      // [rad] since then
-    double turn_left = 0.0;   // [rad] to turn at the end, as far as is known
-    bool at_goal = false;     // only the heading is left
-    bool impossible = false;  // no plan has been found ...
-    Time impossible_since{};
+    double turned = 0.0;     // [rad] since then
+    double turn_left = 0.0;  // [rad] to turn at the end, as far as is known
+    bool at_goal = false;    // only the heading is left
+    std::size_t waypoint = 0;
+    double rest = 0.0;  // [m] from this waypoint on, in straight lines
+    Claim no_path;      // that keeps its distance
+    Claim no_gap;       // leads on, either
     bool lost = false;
     Time looked_round{};  // when it had, lost
     Pose2D last_moved;    // where and when the robot last got on

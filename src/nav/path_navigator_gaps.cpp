@@ -37,9 +37,17 @@ bool PathNavigator::plan_through_gaps(const Observation& seen, double tolerance)
   return route_.plan_through_gaps(without_noise(seen, hits), tolerance);
 }
 
+// A gap that is tried in vain may take its whole patience.
+bool PathNavigator::explore_through_gaps(const Observation& seen, bool thorough) {
+  if (!lidar_) return false;
+  const double detour = way_in(to_seconds(params_.bottleneck.first_patience));
+  std::vector<Vec2> hits;
+  return route_.plan_to_frontier_through_gaps(without_noise(seen, hits), thorough, detour);
+}
+
 // A gap is worth the time that it takes where the way round takes longer.
 void PathNavigator::plan_shortcut(const Observation& seen, double tolerance) {
-  const double detour = params_.bottleneck.passing * params_.motion.expected_speed * limits_.linear;
+  const double detour = way_in(params_.bottleneck.passing);
   if (!lidar_ || !route_.is_detour(detour)) return;
   std::vector<Vec2> hits;
   route_.plan_shortcut(without_noise(seen, hits), tolerance, detour);
@@ -126,7 +134,7 @@ Velocity PathNavigator::step_recovery(const Observation& seen) {
 bool PathNavigator::leaves_first(const Observation& seen) {
   if (motion_.departed || recovery_.can_turn(hits_around(seen))) return false;
   motion_.departed = true;
-  motion_.impossible = false;
+  motion_.no_path = motion_.no_gap = {};
   recovery_.leave(now_, odom_from_base_);
   return true;
 }

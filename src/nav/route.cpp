@@ -53,6 +53,7 @@ Route::Route(const map::Costmap::Settings& costmap, const RobotProfile& profile,
       approach_speed_(params.progress.mean_speed * profile.operating_limits.linear),
       path_end_(params.motion.path_end),
       people_blur_(params.mppi.people_blur),
+      creep_speed_(params.creep.speed),
       memory_(params) {}
 
 void Route::set_zones(const std::vector<map::Zone>& zones, double speed) {
@@ -127,14 +128,15 @@ bool Route::try_plan(Layer& layer, const Observation& seen, double tolerance) {
 // Plans in a map from which they have been erased. Who is met is said to be where it was last seen.
 std::optional<Mover> Route::mover_in_the_way(const Observation& seen, double tolerance) const {
   if (memory_.movers().empty()) return {};
+  const std::vector<Mover> movers = gone_on(memory_.movers(), seen.now, creep_speed_);
   map::OccupancyGrid grid = seen.map;
   if (!seen.peers.empty()) merge_maps(seen.map, seen.peers, grid);
   const double blur = people_blur_ + grid.resolution;  // [m] that hits in cells may be off
-  erase_movers(grid, memory_.movers(), blur);
+  erase_movers(grid, movers, blur);
   std::vector<Vec2> obstacles = memory_.places(Outcome::barred);
   for (const Vec2 p : seen.obstacles) {
     const Vec2 in_map = seen.pose.map_from_odom * p;
-    if (mover_near(in_map, memory_.movers(), blur) == nullptr) obstacles.push_back(in_map);
+    if (mover_near(in_map, movers, blur) == nullptr) obstacles.push_back(in_map);
   }
   map::Costmap costmap(clear_.costmap.settings());
   costmap.update(grid, obstacles, relevant_places(seen), kRim);
@@ -148,30 +150,35 @@ std::optional<Mover> Route::mover_in_the_way(const Observation& seen, double tol
     const PlannedPath leg = planner.plan(costmap, from, waypoint, tolerance);
     if (leg.points.empty()) return {};
     first_along(leg.points, costmap.resolution(), [&](Vec2 p) {
-      if (met == nullptr) met = mover_near(p, memory_.movers(), body_radius_);
+      if (met == nullptr) met = mover_near(p, movers, body_radius_);
       return met != nullptr;
     });
     from = waypoint;
   }
   if (met == nullptr) return {};
-  return *std::ranges::find(std::views::reverse(memory_.movers()), met->name, &Mover::name);
+  return *std::ranges::find(std::views::reverse(movers), met->name, &Mover::name);
 }
 
 bool Route::plan_to_frontier(const Observation& seen, bool thorough) {
-  if (try_frontier(seen, thorough)) return true;
+  squeezed_path_ = false;
+  bottleneck_.reset();
+  if (try_frontier(clear_, seen, thorough, 0.0)) return true;
   if (!memory_.avoids_any()) return false;
 
   // what is avoided may have closed the only way
   memory_.stop_avoiding();
-  return try_frontier(seen, thorough);
+  return try_frontier(clear_, seen, thorough, 0.0);
 }
 
-// The straight way tells of most frontiers that they are not worth it, the path of the others.
-bool Route::try_frontier(const Observation& seen, bool thorough) {
+// Those at which the robot keeps its distance, by a way on that layer. By the straight way most frontiers are not worth
+// it, by the path the others.
+bool Route::try_frontier(Layer& layer, const Observation& seen, bool thorough, double detour) {
+  const bool squeezed = &layer == &squeezed_;
   renew(clear_, seen);
+  if (squeezed) renew(squeezed_, seen);
   const map::Costmap& costmap = clear_.costmap;
   const Vec2 robot = robot_in(seen);
-  if (has_path() && !std::isfinite(path_cost(costmap, path_))) note_closure();
+  if (has_path() && !std::isfinite(path_cost(layer.costmap, path_))) note_closure();
   path_.clear();
   find_frontiers(costmap, frontier_params_, frontiers_);
   left_some_ = !thorough && drop_far_frontiers(costmap, frontier_params_, robot, frontiers_);
@@ -181,18 +188,19 @@ bool Route::try_frontier(const Observation& seen, bool thorough) {
   const auto bonus = [&](std::uint32_t index) {
     return int{frontiers_[index]} >= least ? std::optional(bonus_of_frontier(index, seen)) : std::nullopt;
   };
-  const auto is_unknown = [&](std::uint32_t index) { return costmap.unknown()[index] != 0; };
+  // through a gap the other side is seen only in part
+  const auto is_unknown = [&](std::uint32_t index) { return !squeezed && costmap.unknown()[index] != 0; };
   const auto most =
       static_cast<int>(per_metre * (frontier_params_.gain * frontier_params_.longest + frontier_params_.stay));
   while (true) {
-    const SearchResult found = search_.to_best(costmap, costmap.cell(robot), bonus, most, is_unknown);
+    const SearchResult found = search_.to_best(layer.costmap, costmap.cell(robot), bonus, most, is_unknown);
     if (!found.found) {
       frontier_.reset();
       return false;
     }
     const map::Cell end = found.path.back();
-    path_ = straighten(costmap, found.path, robot, costmap.center(end));
-    if (thorough || is_worthwhile(costmap, frontier_params_, end, frontiers_, path_length(path_))) {
+    path_ = straighten(layer.costmap, found.path, robot, costmap.center(end));
+    if (thorough || is_worthwhile(costmap, frontier_params_, end, frontiers_, path_length(path_) + detour)) {
       frontier_ = costmap.center(end);
       return true;
     }

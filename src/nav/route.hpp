@@ -37,7 +37,7 @@ class Route {
 
   /// A peer or a moving obstacle is here. What closes near it is open again when it has gone: that is held against no
   /// place.
-  void note_mover(const std::string& name, Vec2 position, double radius) { memory_.note_mover(name, position, radius); }
+  void note_mover(Mover mover) { memory_.note_mover(std::move(mover)); }
   /// Where movers have been in this motion, the newest last.
   std::span<const Mover> movers() const { return memory_.movers(); }
   /// Where plans may not lead, or better not, at a speed [m/s] elsewhere.
@@ -63,6 +63,9 @@ class Route {
   /// to be closed more than once are tried again when there is nothing else. Unless it is `thorough`, those that are
   /// not worth the way are left out (nav/frontier_worth.hpp). False: none can be reached that is.
   bool plan_to_frontier(const Observation& seen, bool thorough);
+  /// The same along ways through bottlenecks, as `plan_through_gaps` finds them, where it is worth a detour of that
+  /// length [m] too.
+  bool plan_to_frontier_through_gaps(const Observation& seen, bool thorough, double detour);
   /// The last plan to a frontier has left some out.
   bool left_some() const { return left_some_; }
   /// The robot could not go on, more than once. True where it is before a gap of the path: from now on that counts as
@@ -108,7 +111,9 @@ class Route {
 
   std::vector<Vec2> relevant_places(const Observation& seen) const;
   bool try_plan(Layer& layer, const Observation& seen, double tolerance);
-  bool try_frontier(const Observation& seen, bool thorough);
+  bool try_frontier(Layer& layer, const Observation& seen, bool thorough, double detour);
+  template <class Plan>
+  bool squeeze(const Observation& seen, double longest, Plan plan);
   int bonus_of_frontier(std::uint32_t index, const Observation& seen) const;
   void renew(Layer& layer, const Observation& seen);
   void take_map(Layer& layer, const Observation& seen, const std::vector<Vec2>& obstacles,
@@ -137,6 +142,7 @@ class Route {
   double approach_speed_;  // [m/s] at which it comes to bottlenecks, all in all
   double path_end_;        // [m] a path ends so much within the tolerance, for the robot may stop before its end
   double people_blur_;     // [m] around movers, hits are theirs
+  double creep_speed_;     // [m/s] of movers that are not seen to move
 
   std::vector<Vec2> waypoints_;  // still to pass, the last is the goal
   bool drawn_ = false;

@@ -55,10 +55,21 @@ Bottleneck Route::bottleneck_about(Vec2 place, Narrow narrow) const {
 }
 
 bool Route::plan_through_gaps(const Observation& seen, double tolerance, double longest) {
+  return squeeze(seen, longest, [&] { return try_plan(squeezed_, seen, tolerance); });
+}
+
+bool Route::plan_to_frontier_through_gaps(const Observation& seen, bool thorough, double detour) {
+  if (!memory_.movers().empty()) return false;  // who moves around makes gaps where none are
+  return squeeze(seen, kWhole, [&] { return try_frontier(squeezed_, seen, thorough, detour); });
+}
+
+// Plans until none of the bottlenecks on the way has been given up.
+template <class Plan>
+bool Route::squeeze(const Observation& seen, double longest, Plan plan) {
   constexpr int kMostAtOnce = 3;  // that are given up
   if (memory_.has(Outcome::tried) && seen.now > bottlenecks_until_) return false;
   for (int i = 0; i < kMostAtOnce; ++i) {
-    squeezed_path_ = try_plan(squeezed_, seen, tolerance);
+    squeezed_path_ = plan();
     if (!squeezed_path_) return false;
     if (path_length(path_) > longest) return false;
     // what the robot has been able to drive into it can drive out of

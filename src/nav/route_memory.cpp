@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <ranges>
+#include <utility>
 
 #include "nav/polyline.hpp"
 
@@ -104,17 +105,18 @@ void RouteMemory::resume_avoiding() {
 }
 
 // Where it has come by may still be marked in the map: a trail of places, the newest of which follows it.
-void RouteMemory::note_mover(const std::string& name, Vec2 position, double radius) {
+void RouteMemory::note_mover(Mover mover) {
   constexpr std::size_t kMost = 256;
-  const auto is_it = [&](const Mover& m) { return m.name == name; };
+  const auto is_it = [&](const Mover& m) { return m.name == mover.name; };
   const auto newest = std::find_if(movers_.rbegin(), movers_.rend(), is_it);
   const auto before = newest == movers_.rend() ? newest : std::find_if(newest + 1, movers_.rend(), is_it);
-  if (before != movers_.rend() && distance(newest->position, before->position) < 0.5 * radius) {
-    newest->position = position;
+  if (newest != movers_.rend()) remember_free(mover, newest->free_around);
+  if (before != movers_.rend() && distance(newest->position, before->position) < 0.5 * mover.radius) {
+    *newest = std::move(mover);
     return;
   }
   if (movers_.size() == kMost) movers_.erase(movers_.begin());
-  movers_.push_back({name, position, radius});
+  movers_.push_back(std::move(mover));
 }
 
 }  // namespace threewe::nav

@@ -64,7 +64,7 @@ class RouteMemory {
   void resume_avoiding();
 
   /// A peer or a moving obstacle is here.
-  void note_mover(const std::string& name, Vec2 position, double radius);
+  void note_mover(Mover mover);
   /// Where movers have been, the newest last.
   std::span<const Mover> movers() const { return movers_; }
 

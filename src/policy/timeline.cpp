@@ -70,6 +70,11 @@ Velocity Timeline::next(Time now) {
   return last_;
 }
 
+std::optional<Velocity> Timeline::planned(Time t) const {
+  if (chunks_.empty() || end(chunks_.back()) < t) return {};
+  return model_.merge == Merge::ensemble ? averaged(t) : blended(t);
+}
+
 std::optional<Time> Timeline::end() const {
   if (chunks_.empty()) return {};
   return end(chunks_.back());
@@ -113,9 +118,6 @@ Velocity Timeline::averaged(Time t) const {
   return {sum.vx / weights, sum.vy / weights, sum.omega / weights};
 }
 
-Velocity Timeline::peek(Time now) const {
-  if (chunks_.empty() || end(chunks_.back()) < now) return within_acceleration(model_.limits, last_, {});
-  return model_.merge == Merge::ensemble ? averaged(now) : blended(now);
-}
+Velocity Timeline::peek(Time now) const { return planned(now).value_or(within_acceleration(model_.limits, last_, {})); }
 
 }  // namespace threewe::policy

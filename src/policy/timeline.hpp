@@ -52,6 +52,10 @@ class Timeline {
   /// The velocity of a control tick: interpolated, or braked from the one before where no chunk covers it.
   Velocity next(Time now);
 
+  /// The velocity that a control tick at `t`, now or later, will have unless a chunk arrives before; none beyond the
+  /// end.
+  std::optional<Velocity> planned(Time t) const;
+
   /// When the newest chunk ends; none before the first.
   std::optional<Time> end() const;
   const ChunkCounts& counts() const { return counts_; }

@@ -29,17 +29,19 @@ void require_tolerance(double value) {
   if (value > kMost) throw ContractError("tolerance must be at most 10 m, not " + std::to_string(value));
 }
 
+void check_place(const nav::MoveTo& goal) {
+  require_finite(goal.goal.x, "goal x");
+  require_finite(goal.goal.y, "goal y");
+  if (goal.theta) require_finite(*goal.theta, "goal theta");
+  require_tolerance(goal.tolerance);
+  require_positive(goal.angle_tolerance, "angle tolerance");
+}
+
 }  // namespace
 
 void check_goal(const nav::Goal& goal) {
   std::visit(Overloaded{
-                 [](const nav::MoveTo& g) {
-                   require_finite(g.goal.x, "goal x");
-                   require_finite(g.goal.y, "goal y");
-                   if (g.theta) require_finite(*g.theta, "goal theta");
-                   require_tolerance(g.tolerance);
-                   require_positive(g.angle_tolerance, "angle tolerance");
-                 },
+                 [](const nav::MoveTo& g) { check_place(g); },
                  [](const nav::Rotate& g) {
                    require_finite(g.angle, "angle");
                    require_positive(g.angle_tolerance, "angle tolerance");
@@ -55,6 +57,10 @@ void check_goal(const nav::Goal& goal) {
                      require_finite(p.y, "path y");
                    }
                    require_tolerance(g.tolerance);
+                 },
+                 [](const nav::FollowWaypoints& g) {
+                   if (g.waypoints.empty()) throw ContractError("waypoints must have at least one place");
+                   for (const nav::MoveTo& place : g.waypoints) check_place(place);
                  },
                  [](const nav::Explore&) {},
              },
@@ -86,6 +92,7 @@ std::optional<double> tolerance_in_map(const nav::Goal& goal) {
   return std::visit(Overloaded{
                         [](const nav::MoveTo& g) -> Tolerance { return g.tolerance; },
                         [](const nav::FollowPath& g) -> Tolerance { return g.tolerance; },
+                        [](const nav::FollowWaypoints& g) -> Tolerance { return g.waypoints.back().tolerance; },
                         [](const auto&) -> Tolerance { return {}; },
                     },
                     goal);
@@ -96,6 +103,7 @@ double distance_to_goal(const nav::Goal& goal, const Pose2D& map_from_base, cons
   return std::visit(Overloaded{
                         [&](const nav::MoveTo& g) { return distance(here, g.goal); },
                         [&](const nav::FollowPath& g) { return distance(here, g.path.back()); },
+                        [&](const nav::FollowWaypoints& g) { return distance(here, g.waypoints.back().goal); },
                         [](const nav::Explore&) { return 0.0; },
                         [](const nav::Rotate&) { return 0.0; },
                         [&](const nav::MoveForward&) { return progress.distance_left; },

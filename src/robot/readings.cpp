@@ -61,11 +61,11 @@ const map::OccupancyGrid& Runtime::map() const {
 std::uint64_t Runtime::map_version() const { return impl_->reading().localizer->map_version(); }
 
 std::span<const Vec2> Runtime::path() const {
-  return impl_->motion ? impl_->state->navigator->path() : std::span<const Vec2>();
+  return impl_->motion && impl_->motion->goal ? impl_->state->navigator->path() : std::span<const Vec2>();
 }
 
 std::optional<nav::SampledPlan> Runtime::plan() const {
-  return impl_->motion ? impl_->state->navigator->plan() : std::nullopt;
+  return impl_->motion && impl_->motion->goal ? impl_->state->navigator->plan() : std::nullopt;
 }
 
 std::span<const Vec2> Runtime::obstacles() const { return impl_->obstacles_in_odom(); }
@@ -75,7 +75,10 @@ std::span<const perception::TrackedPerson> Runtime::people() const {
   throw HardwareError("robot '" + profile().name + "' has no sensor 'lidar', by which people are seen");
 }
 
-const std::vector<SensorHealth>& Runtime::health() const { return impl_->state->perception.health().sensors(); }
+const std::vector<SensorHealth>& Runtime::health() const {
+  const State& state = *impl_->state;
+  return state.health.empty() ? state.perception.health().sensors() : state.health;
+}
 const Velocity& Runtime::requested() const { return impl_->state->requested; }
 const safety::GateOutput& Runtime::commanded() const { return impl_->state->commanded; }
 

@@ -18,7 +18,9 @@ void raise(const char* what, Reason reason, const std::string& detail) {
     case Reason::blocked:
     case Reason::cancelled:
     case Reason::lost:
-    case Reason::uncertain: throw NavigationError(message);
+    case Reason::uncertain:
+    case Reason::starved:
+    case Reason::policy_error: throw NavigationError(message);
   }
 }
 

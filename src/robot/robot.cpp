@@ -95,6 +95,10 @@ MotionHandle Robot::follow_path(const std::vector<Vec2>& path, double tolerance,
   return runtime_->start(nav::FollowPath{path, tolerance}, timeout_of(timeout));
 }
 
+MotionHandle Robot::follow_waypoints(const std::vector<nav::MoveTo>& waypoints, std::optional<double> timeout) {
+  return runtime_->start(nav::FollowWaypoints{waypoints}, timeout_of(timeout));
+}
+
 ExplorationHandle Robot::explore(std::optional<double> timeout, bool thorough) {
   return {runtime_->start(nav::Explore{thorough}, timeout_of(timeout))};
 }

@@ -30,7 +30,9 @@ Runtime::Impl::Impl(World& w, backend::RobotPort& p, Options autonomy)
       sight_model(safety::make_sight_model(p.profile(), gate_model)),
       approach_model(safety::make_approach_model(p.profile(), gate_model)),
       fresh(std::move(autonomy), perception_model),
-      state(std::make_unique<State>(fresh)) {}
+      state(std::make_unique<State>(fresh)) {
+  note_health();
+}
 
 Runtime::Runtime(World& world, backend::RobotPort& port, Options autonomy)
     : impl_(std::make_unique<Impl>(world, port, std::move(autonomy))) {}
@@ -52,6 +54,7 @@ void Runtime::connect() {
   state.approach.forget();
   state.poses.clear();
   state.estimate = state.localizer->estimate(impl_->now());
+  impl_->note_health();
 }
 
 void Runtime::disconnect() {
@@ -73,7 +76,8 @@ const backend::Features& Runtime::features() const { return impl_->port.features
 WaitHandle Runtime::ready() {
   impl_->require_healthy();
   if (impl_->state->senses.complete()) return impl_->world.sleep(Duration::zero());
-  return impl_->ready.emplace_back(impl_->world.sleep(kPatienceAtStart));
+  const Duration connecting = impl_->shared().current() - impl_->now();  // seconds, on a real robot
+  return impl_->ready.emplace_back(impl_->world.sleep(connecting + kPatienceAtStart));
 }
 
 void Runtime::set_velocity(const Velocity& velocity, Duration hold, bool creep_mode) {
@@ -114,15 +118,36 @@ MotionHandle Runtime::start(const nav::Goal& goal, std::optional<Duration> timeo
   State& state = *impl_->state;
   impl_->listen_to_peers();
   state.navigator->start(goal, impl_->observation());
-  state.held.reset();
-
-  auto handle = std::make_shared<Motion>();
+  MotionHandle handle = impl_->begin(goal, {}, timeout);
   handle->runtime_ = this;
   handle->progress_ = state.navigator->progress();
-  const Time now = impl_->now();
-  const auto times_out = timeout ? std::optional(now + *timeout) : std::nullopt;
-  impl_->motion = OpenMotion{handle, goal, now, times_out, 0.0, {}, {}, {}};
-  impl_->shared().waits.add(handle, WaitList::Kind::motion, times_out.value_or(Time::max()));
+  return handle;
+}
+
+MotionHandle Runtime::drive(VelocitySource source, std::optional<Duration> timeout) {
+  impl_->require_healthy();
+  if (timeout) require_positive(*timeout, "timeout");
+  impl_->require_free();
+  MotionHandle handle = impl_->begin({}, std::move(source), timeout);
+  handle->runtime_ = this;
+  handle->progress_.pose = impl_->state->estimate.map_from_base();
+  return handle;
+}
+
+MotionHandle Runtime::Impl::begin(std::optional<nav::Goal> goal, VelocitySource source,
+                                  std::optional<Duration> timeout) {
+  state->held.reset();
+  auto handle = std::make_shared<Motion>();
+  const auto times_out = timeout ? std::optional(now() + *timeout) : std::nullopt;
+  motion = OpenMotion{.handle = handle,
+                      .goal = std::move(goal),
+                      .source = std::move(source),
+                      .began = now(),
+                      .times_out = times_out,
+                      .decision = {},
+                      .given_up = {},
+                      .decided = {}};
+  shared().waits.add(handle, WaitList::Kind::motion, times_out.value_or(Time::max()));
   return handle;
 }
 

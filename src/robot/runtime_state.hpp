@@ -34,6 +34,7 @@ struct Runtime::State {
   Senses senses;
   perception::Perception perception;
   Duration waited{};    // for sensors at fault, which the navigator does not notice
+  Time sensed{};        // when samples were last fetched
   Time last_arrival{};  // of any sample
   slam::PoseEstimate estimate;
   std::optional<HeldVelocity> held;
@@ -43,6 +44,7 @@ struct Runtime::State {
   PoseHistory poses;
   Velocity requested;
   safety::GateOutput commanded;
+  std::vector<SensorHealth> health;  // with programs that localise or drive the robot; empty where there are none
 
   State(Options autonomy, const perception::PerceptionModel& model)
       : localizer(std::move(autonomy.localizer)),
@@ -56,6 +58,7 @@ struct Runtime::State {
         senses(other.senses),
         perception(other.perception),
         waited(other.waited),
+        sensed(other.sensed),
         last_arrival(other.last_arrival),
         estimate(other.estimate),
         held(other.held),
@@ -64,20 +67,23 @@ struct Runtime::State {
         approach(other.approach),
         poses(other.poses),
         requested(other.requested),
-        commanded(other.commanded) {}
+        commanded(other.commanded),
+        health(other.health) {}
   State& operator=(const State&) = delete;
 };
 
 /// A motion in progress and what decides its end.
 struct OpenMotion {
   MotionHandle handle;
-  nav::Goal goal;
+  std::optional<nav::Goal> goal;  // of the navigator ...
+  VelocitySource source;          // ... or what steers in its place
   Time began{};
   std::optional<Time> times_out;
-  double distance = 0.0;          // [m] driven, by the robot's own belief
-  nav::Decision decision;         // the navigator's latest
-  std::string given_up;           // why, when it cannot go on whatever the navigator does
-  std::optional<Time> stands_by;  // decided to end: as soon as the robot stands, at the latest then
+  double distance = 0.0;        // [m] driven, by the robot's own belief
+  Duration without_place{};     // that it has waited for a program to say where the robot is
+  nav::Decision decision;       // the navigator's latest
+  std::string given_up;         // why, when it cannot go on whatever the navigator does
+  std::optional<Time> decided;  // to end: as soon as the robot stands and knows where, at the latest soon after
 };
 
 struct Runtime::Impl {
@@ -96,19 +102,26 @@ struct Runtime::Impl {
   safety::GateOutput gated(Time now);
   Velocity request();
   Velocity wait_for(const SensorHealth& sensor);
+  bool out_of_reach() const;
+  bool waits_for_its_place();
   Velocity steer();
+  nav::Decision steer_by_source();
+  MotionHandle begin(std::optional<nav::Goal> goal, VelocitySource source, std::optional<Duration> timeout);
   Velocity held_velocity();
   void listen_to_peers();
   nav::Observation observation() const;
 
   // sense
   std::vector<Sample> perceive();
+  bool moves_a_delegated_pose(const Sample& sample) const;
   void look_around(const Sample& sample);
   void end_motion_if_over();
   bool stands() const;
+  bool knows_where_it_ended() const;
   std::pair<Reason, std::string> verdict() const;
   void end_motion(Reason reason, const std::string& detail);
   void end_ready();
+  void note_health();
   void warn_of_faults();
 
   World::Impl& shared() const { return *world.impl_; }
@@ -132,6 +145,7 @@ struct Runtime::Impl {
   std::uint64_t observers_made = 0;
 
   bool warned_of_expiry = false;
+  std::string warned_of_link;
   mutable bool warned_of_reads = false;
   mutable int reads = 0;  // at one stamp
   mutable Time reads_stamp{};

@@ -6,11 +6,9 @@
 #include <vector>
 
 #include "core/exact.hpp"
-#include "hardware/turn.hpp"
 #include "map/change_log.hpp"
 #include "map/log_odds_map.hpp"
-#include "robot/pose_history.hpp"
-#include "safety/scan_points.hpp"
+#include "robot/scan_track.hpp"
 #include "threewe/core/errors.hpp"
 
 namespace threewe {
@@ -23,15 +21,18 @@ constexpr double kFreeNoReturn = 4.0;       // [m] a beam without return clears 
 class TruthLocalizer final : public slam::Localizer {
  public:
   TruthLocalizer(const RobotProfile& profile, const slam::InitialState& initial, const scene::TruthView& truth)
-      : lidar_(profile.lidar), map_from_odom_(initial.map_from_start.value_or(Pose2D{})), truth_(&truth) {
+      : lidar_(profile.lidar),
+        map_from_odom_(initial.map_from_start.value_or(Pose2D{})),
+        truth_(&truth),
+        track_(profile.lidar) {
     if (initial.map) map_ = map::LogOddsMap::going_on_from(*initial.map);
   }
 
   void add(const Sample& sample) override {
-    track_.add(sample.received, odom_from_base());
+    track_.add_pose(sample.received, odom_from_base());
     const auto* scan = std::get_if<LaserScan>(&sample.data);
     if (scan == nullptr || !lidar_) return;
-    find_obstacles(*scan, sample.measured);
+    track_.add_scan(*scan, sample.measured);
     if (is_elsewhere()) extend_map(*scan, sample.measured);
   }
 
@@ -47,35 +48,21 @@ class TruthLocalizer final : public slam::Localizer {
   const map::OccupancyGrid& map() const override { return map_.grid(); }
   std::uint64_t map_version() const override { return map_.version(); }
   const map::ChangeLog* map_changes() const override { return &map_.changes(); }
-  std::span<const Vec2> obstacles() const override { return obstacles_; }
+  std::span<const Vec2> obstacles() const override { return track_.obstacles(); }
   std::unique_ptr<Localizer> clone() const override { return std::make_unique<TruthLocalizer>(*this); }
 
  private:
   Pose2D odom_from_base() const { return inverse(truth_->start_pose()) * truth_->true_pose(); }
-  void find_obstacles(const LaserScan& scan, Time measured);
   bool is_elsewhere() const;
   void extend_map(const LaserScan& scan, Time measured);
 
   std::optional<LidarSpec> lidar_;
   Pose2D map_from_odom_;
   const scene::TruthView* truth_;
-  PoseHistory track_;  // at the ticks in which something arrived
-  std::vector<Vec2> obstacles_;
+  ScanTrack track_;  // of the ticks in which something arrived
   map::LogOddsMap map_;
   Pose2D keyframe_;  // odom_from_base when the map last took a scan
 };
-
-void TruthLocalizer::find_obstacles(const LaserScan& scan, Time measured) {
-  LidarSpec lidar = *lidar_;
-  lidar.rolling = scan.time_increment != 0.0;
-  lidar.clockwise = scan.time_increment < 0.0;
-  if (scan.angle_min != -exact::kPi) {
-    lidar.base_from_lidar = lidar.base_from_lidar * Pose2D{0.0, 0.0, wrap_angle(scan.angle_min + exact::kPi)};
-  }
-  const Time end = end_of_turn(lidar, scan, measured);
-  obstacles_.clear();
-  safety::append_scan_points(lidar, scan.ranges, track_.at(end - lidar.turn), track_.at(end), obstacles_);
-}
 
 bool TruthLocalizer::is_elsewhere() const {
   const Pose2D since = inverse(keyframe_) * odom_from_base();

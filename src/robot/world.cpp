@@ -9,6 +9,8 @@
 
 #include "core/bounds.hpp"
 #include "nav/autonomy.hpp"
+#include "robot/delegated_localizer.hpp"
+#include "robot/delegated_navigator.hpp"
 #include "robot/runtime_state.hpp"
 #include "robot/truth_localizer.hpp"
 #include "robot/world_state.hpp"
@@ -19,15 +21,27 @@ namespace threewe {
 namespace {
 
 // Only here, where the world is held, a localizer is given the truth, and only where the options say so.
-std::unique_ptr<slam::Localizer> make_localizer(const Autonomy& autonomy, const RobotProfile& profile,
+std::unique_ptr<slam::Localizer> make_localizer(const Autonomy& autonomy, backend::RobotPort& port,
                                                 const slam::InitialState& initial, const backend::TruthService* truths,
                                                 std::size_t robot) {
+  const RobotProfile& profile = port.profile();
   if (autonomy.localizer) return autonomy.localizer(profile, initial);
-  const std::string ours = autonomy_with(autonomy.localization).localization;  // throws for another
-  if (ours != "truth") return slam::make_localizer(profile, initial);
+  const std::string name = autonomy_with(autonomy.localization).localization;  // throws for another
+  if (name == "slam") return slam::make_localizer(profile, initial);
+  if (name != "truth") {
+    if (initial.map) throw ConfigError(fmt::format("map: with localization '{}' the map is the one that it has", name));
+    return make_delegated_localizer(profile, name, port.delegate_localization(name, initial.map_from_start));
+  }
   if (truths != nullptr) return make_truth_localizer(profile, initial, truths->truth(robot));
   throw ContractError("localization 'truth' needs a simulator that states it; unknown is where robot '" + profile.name +
                       "' truly is on this backend");
+}
+
+std::unique_ptr<nav::Navigator> make_navigator(const Autonomy& autonomy, backend::RobotPort& port) {
+  if (autonomy.navigator) return autonomy.navigator(port.profile());
+  auto own = nav::make_navigator(port.profile());
+  if (autonomy.navigation == "own") return own;
+  return make_delegated_navigator(autonomy.navigation, port.delegate_navigation(autonomy.navigation), std::move(own));
 }
 
 Runtime::Options make_autonomy(const Autonomy& autonomy, backend::World& world, std::size_t robot,
@@ -36,8 +50,8 @@ Runtime::Options make_autonomy(const Autonomy& autonomy, backend::World& world, 
   if (initial.map && !profile.lidar) {
     throw HardwareError("robot '" + profile.name + "' has no sensor 'lidar', which finding its place in a map needs");
   }
-  return {make_localizer(autonomy, profile, initial, world.truth_service(), robot),
-          autonomy.navigator ? autonomy.navigator(profile) : nav::make_navigator(profile)};
+  return {make_localizer(autonomy, world.robot(robot), initial, world.truth_service(), robot),
+          make_navigator(autonomy, world.robot(robot))};
 }
 
 std::string size_of_pictures(const RobotProfile& profile) {
@@ -115,6 +129,7 @@ World::World(std::unique_ptr<backend::World> backend, bool realtime, const Auton
   impl_->now = impl_->backend->now();
   impl_->paced = realtime;
   impl_->setup = {autonomy.localization, map, initial_poses, {}};
+  impl_->autonomy = autonomy;
   if (initial_poses.size() > impl_->backend->robot_count()) {
     throw ConfigError("there are " + std::to_string(initial_poses.size()) + " initial_poses for " +
                       std::to_string(impl_->backend->robot_count()) + " robots");
@@ -152,6 +167,7 @@ const Runtime& World::robot(std::size_t index) const {
 const backend::TruthService* World::truth_service() { return impl_->backend->truth_service(); }
 
 Time World::now() const { return impl_->now; }
+const Autonomy& World::autonomy() const { return impl_->autonomy; }
 const std::optional<World::Origin>& World::origin() const { return impl_->origin; }
 std::uint64_t World::seed() const { return impl_->seed; }
 

@@ -26,6 +26,7 @@ struct World::Impl {
   std::unique_ptr<backend::World> backend;
   std::vector<std::unique_ptr<Runtime>> robots;
   WorldSetup setup;
+  Autonomy autonomy;
   std::optional<World::Origin> origin;
   Time now{};              // the tick that begins next
   std::uint64_t seed = 0;  // of all noise, unless a reset is given another

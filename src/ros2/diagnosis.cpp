@@ -51,6 +51,15 @@ std::string diagnose(const TopicSpec& topic, bool we_publish, const std::vector<
   return "";
 }
 
+std::string explain_lost_images(std::size_t most_granted) {
+  constexpr std::size_t kEnough = 4U << 20U;  // [bytes] for two images of 0.9 MB and what comes meanwhile
+  if (most_granted >= kEnough) return "on the way or as this computer was too slow; compressed images need less";
+  return fmt::format(
+      "an image comes as one burst of packets, of which the kernel keeps {} KiB at most: sysctl -w "
+      "net.core.rmem_max={}",
+      most_granted / 1024, kEnough);
+}
+
 std::string diagnose_silence(const Discovery& discovery) {
   const auto look = fmt::format("no ROS 2 node was found in domain {}", discovery.domain);
   switch (discovery.range) {

@@ -1,6 +1,7 @@
 // Diagnosis of a robot that cannot be reached: what its link expects that the ROS 2 graph does not have.
 #pragma once
 
+#include <cstddef>
 #include <string>
 #include <vector>
 
@@ -13,6 +14,10 @@ namespace threewe::ros2 {
 /// What keeps us from a topic, and what would help: none publishes it, another type, an offer of less than is asked
 /// for, a type of another hash. Empty where nothing does.
 std::string diagnose(const TopicSpec& topic, bool we_publish, const std::vector<Endpoint>& endpoints);
+
+/// Why images of a topic are lost, or none comes, where the kernel grants a receive buffer of so many bytes at most,
+/// and what would help.
+std::string explain_lost_images(std::size_t most_granted);
 
 /// What to try where nothing at all was found.
 std::string diagnose_silence(const Discovery& discovery);

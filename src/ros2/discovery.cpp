@@ -71,6 +71,7 @@ Discovery read_discovery(const Environment& environment) {
     discovery.static_peers.clear();
   }
   if (discovery.range == DiscoveryRange::off) discovery.static_peers.clear();
+  discovery.enclave = read_enclave(environment);
   return discovery;
 }
 

@@ -4,8 +4,11 @@
 
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
+
+#include "ros2/enclave.hpp"
 
 namespace threewe::ros2 {
 
@@ -22,6 +25,7 @@ struct Discovery {
   int domain = 0;                                    ///< 0 to 232; other domains are other networks
   DiscoveryRange range = DiscoveryRange::localhost;  ///< farther where it is asked for
   std::vector<std::string> static_peers;             ///< addresses or names of computers to talk with besides
+  std::optional<Enclave> enclave = {};               ///< empty: neither proves who it is, nor asks who others are
   friend bool operator==(const Discovery&, const Discovery&) = default;
 };
 
@@ -29,7 +33,8 @@ struct Discovery {
 using Environment = std::function<const char*(const char* name)>;
 
 /// As ROS_DOMAIN_ID, ROS_AUTOMATIC_DISCOVERY_RANGE, ROS_STATIC_PEERS and ROS_LOCALHOST_ONLY say, with one difference to
-/// ROS 2: where none of them asks for a network, nothing leaves this computer. Throws ConfigError naming the variable.
+/// ROS 2: where none of them asks for a network, nothing leaves this computer. Security is as `read_enclave` has it.
+/// Throws ConfigError naming the variable.
 Discovery read_discovery(const Environment& environment);
 
 /// Cyclone DDS's configuration (version 0.10), as XML; empty where its own is to be used.

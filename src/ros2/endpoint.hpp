@@ -23,6 +23,7 @@ struct Endpoint {
   std::string hash;                     ///< "RIHS01_..."; empty where it has none, as in Humble and on micro-ROS
   Qos qos;                              ///< the depth is not known of others, and 0
   std::array<std::uint8_t, 16> guid{};  ///< names it
+  bool of_cyclone_service = false;      ///< requests and replies begin with who asked, as ROS 2 on Cyclone DDS has them
   std::string node;                     ///< "/namespace/name"; empty where it has not been said
 };
 

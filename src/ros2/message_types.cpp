@@ -7,6 +7,7 @@
 
 #include "core/names.hpp"
 #include "ros2/cdr.hpp"
+#include "ros2/messages/action_msgs.hpp"
 #include "ros2/messages/nav_msgs.hpp"
 #include "ros2/messages/sensor_msgs.hpp"
 #include "ros2/messages/system_msgs.hpp"
@@ -26,6 +27,12 @@ constexpr MessageType entry() {
 }
 
 constexpr auto kTypes = std::to_array<MessageType>({
+    entry<action_msgs::CancelGoalRequest>(),
+    entry<action_msgs::CancelGoalResponse>(),
+    entry<action_msgs::GoalInfo>(),
+    entry<action_msgs::GoalStatus>(),
+    entry<action_msgs::GoalStatusArray>(),
+    entry<builtin_interfaces::Duration>(),
     entry<builtin_interfaces::Time>(),
     entry<diagnostic_msgs::DiagnosticArray>(),
     entry<diagnostic_msgs::DiagnosticStatus>(),
@@ -46,6 +53,21 @@ constexpr auto kTypes = std::to_array<MessageType>({
     entry<geometry_msgs::TwistStamped>(),
     entry<geometry_msgs::TwistWithCovariance>(),
     entry<geometry_msgs::Vector3>(),
+    entry<nav2_msgs::FollowPath::FeedbackMessage>(),
+    entry<nav2_msgs::FollowPath::GetResultRequest>(),
+    entry<nav2_msgs::FollowPath::GetResultResponse>(),
+    entry<nav2_msgs::FollowPath::SendGoalRequest>(),
+    entry<nav2_msgs::FollowPath::SendGoalResponse>(),
+    entry<nav2_msgs::FollowWaypoints::FeedbackMessage>(),
+    entry<nav2_msgs::FollowWaypoints::GetResultRequest>(),
+    entry<nav2_msgs::FollowWaypoints::GetResultResponse>(),
+    entry<nav2_msgs::FollowWaypoints::SendGoalRequest>(),
+    entry<nav2_msgs::FollowWaypoints::SendGoalResponse>(),
+    entry<nav2_msgs::NavigateToPose::FeedbackMessage>(),
+    entry<nav2_msgs::NavigateToPose::GetResultRequest>(),
+    entry<nav2_msgs::NavigateToPose::GetResultResponse>(),
+    entry<nav2_msgs::NavigateToPose::SendGoalRequest>(),
+    entry<nav2_msgs::NavigateToPose::SendGoalResponse>(),
     entry<nav_msgs::MapMetaData>(),
     entry<nav_msgs::OccupancyGrid>(),
     entry<nav_msgs::Odometry>(),
@@ -72,6 +94,7 @@ constexpr auto kTypes = std::to_array<MessageType>({
     entry<std_msgs::Int32>(),
     entry<std_msgs::String>(),
     entry<tf2_msgs::TFMessage>(),
+    entry<unique_identifier_msgs::UUID>(),
 });
 
 constexpr std::string_view kInfix = "::dds_::";

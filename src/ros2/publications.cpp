@@ -1,5 +1,6 @@
 #include "ros2/publications.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <limits>
@@ -161,6 +162,20 @@ sensor_msgs::CameraInfo to_message(const CameraIntrinsics& camera, std_msgs::Hea
   message.k = {camera.fx, 0.0, cx, 0.0, camera.fy, cy, 0.0, 0.0, 1.0};
   message.r = {1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0};
   message.p = {camera.fx, 0.0, cx, 0.0, 0.0, camera.fy, cy, 0.0, 0.0, 0.0, 1.0, 0.0};
+  return message;
+}
+
+nav_msgs::Path to_message(const std::vector<Vec2>& path, std_msgs::Header header) {
+  nav_msgs::Path message;
+  for (std::size_t i = 0; i < path.size(); ++i) {
+    const std::size_t from = i + 1 < path.size() || i == 0 ? i : i - 1;
+    const Vec2 step = path[std::min(from + 1, path.size() - 1)] - path[from];
+    auto& stamped = message.poses.emplace_back();
+    stamped.header = header;
+    stamped.pose.position = {path[i].x, path[i].y, 0.0};
+    stamped.pose.orientation = to_quaternion(exact::atan2(step.y, step.x));
+  }
+  message.header = std::move(header);
   return message;
 }
 

@@ -33,6 +33,8 @@ sensor_msgs::CompressedImage compressed_message(const RGBDImage& image, std_msgs
 sensor_msgs::Image depth_message(const RGBDImage& image, std_msgs::Header header);
 /// In ROS's convention: the middle of the first pixel is at (0, 0), not at (0.5, 0.5).
 sensor_msgs::CameraInfo to_message(const CameraIntrinsics& camera, std_msgs::Header header);
+/// Each point heads for the next.
+nav_msgs::Path to_message(const std::vector<Vec2>& path, std_msgs::Header header);
 nav_msgs::OccupancyGrid to_message(const map::OccupancyGrid& grid, std_msgs::Header header);
 
 }  // namespace threewe::ros2

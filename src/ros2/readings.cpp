@@ -8,19 +8,14 @@
 #include <fmt/format.h>
 
 #include "core/exact.hpp"
+#include "hardware/message_readings.hpp"
 #include "ros2/jpeg.hpp"
+#include "threewe/core/errors.hpp"
 
 namespace threewe::ros2 {
 namespace {
 
 tl::unexpected<std::string> mistake(std::string what) { return tl::unexpected(std::move(what)); }
-
-// The heading of a rotation; empty for four numbers that are none.
-std::optional<double> heading(const geometry_msgs::Quaternion& q) {
-  const double norm = q.x * q.x + q.y * q.y + q.z * q.z + q.w * q.w;
-  if (!std::isfinite(norm) || norm < 0.5 || norm > 2.0) return std::nullopt;
-  return wrap_angle(exact::atan2(2.0 * (q.w * q.z + q.x * q.y), q.w * q.w + q.x * q.x - q.y * q.y - q.z * q.z));
-}
 
 // What a message of ranges states (REP 117): NaN, -inf and less than the least are no measurement, inf and more than
 // the most are no return.
@@ -37,22 +32,15 @@ Time to_time(const builtin_interfaces::Time& stamp) {
 }
 
 ReadingOrMistake to_reading(const sensor_msgs::Imu& imu) {
-  const auto& w = imu.angular_velocity;
-  const auto& a = imu.linear_acceleration;
-  for (const double value : {w.x, w.y, w.z, a.x, a.y, a.z}) {
-    if (!std::isfinite(value)) return mistake("a rate or an acceleration is not finite");
-  }
-  return Reading{IMUData{{w.x, w.y, w.z}, {a.x, a.y, a.z}}, to_time(imu.header.stamp), {}, {}};
+  return imu_data_of(imu.angular_velocity, imu.linear_acceleration).map([&](const IMUData& data) {
+    return Reading{data, to_time(imu.header.stamp), {}, {}};
+  });
 }
 
 ReadingOrMistake to_reading(const nav_msgs::Odometry& odometry) {
-  const auto& position = odometry.pose.pose.position;
-  const auto theta = heading(odometry.pose.pose.orientation);
-  if (!theta) return mistake("the orientation is no unit quaternion");
-  const auto& twist = odometry.twist.twist;
-  const Odometry data{{position.x, position.y, *theta}, {twist.linear.x, twist.linear.y, twist.angular.z}};
-  if (!is_finite(data.pose) || !is_finite(data.velocity)) return mistake("a pose or a velocity is not finite");
-  return Reading{data, to_time(odometry.header.stamp), {}, {}};
+  return odometry_of(odometry.pose.pose, odometry.twist.twist).map([&](const Odometry& data) {
+    return Reading{data, to_time(odometry.header.stamp), {}, {}};
+  });
 }
 
 ReadingOrMistake to_reading(const sensor_msgs::BatteryState& battery, const BatterySpec& spec) {
@@ -82,7 +70,7 @@ std::optional<ReadingOrMistake> TransformOdometry::to_reading(const tf2_msgs::TF
   const auto plain = [](std::string_view frame) { return frame.starts_with('/') ? frame.substr(1) : frame; };
   for (const geometry_msgs::TransformStamped& transform : message.transforms) {
     if (plain(transform.header.frame_id) != odom_frame_ || plain(transform.child_frame_id) != base_frame_) continue;
-    const auto theta = heading(transform.transform.rotation);
+    const auto theta = heading_of(transform.transform.rotation);
     if (!theta) return mistake("the rotation is no unit quaternion");
     const Pose2D pose{transform.transform.translation.x, transform.transform.translation.y, *theta};
     if (!is_finite(pose)) return mistake("the translation is not finite");
@@ -323,6 +311,57 @@ std::optional<ReadingOrMistake> PictureMaker::match() {
     return image;
   });
   return Reading{std::move(picture), color.stamp, {}, {}};
+}
+
+// What localization programs say.
+
+std::optional<Pose2D> to_pose(const geometry_msgs::Transform& transform) {
+  const auto theta = heading_of(transform.rotation);
+  if (!theta) return std::nullopt;
+  const Pose2D pose{transform.translation.x, transform.translation.y, *theta};
+  return is_finite(pose) ? std::optional(pose) : std::nullopt;
+}
+
+std::optional<std::array<double, 9>> planar_covariance(const std::array<double, 36>& covariance) {
+  constexpr std::array<std::size_t, 3> kPlanar{0, 1, 5};
+  std::array<double, 9> planar{};
+  for (std::size_t row = 0; row < 3; ++row) {
+    for (std::size_t column = 0; column < 3; ++column) {
+      planar[3 * row + column] = covariance[6 * kPlanar[row] + kPlanar[column]];
+      if (!std::isfinite(planar[3 * row + column])) return std::nullopt;
+    }
+    if (planar[4 * row] < 0.0) return std::nullopt;
+  }
+  return planar;
+}
+
+tl::expected<map::OccupancyGrid, std::string> to_grid(const nav_msgs::OccupancyGrid& message) {
+  constexpr double kAlong = 1e-3;  // [rad]
+  const auto& info = message.info;
+  const auto turned = heading_of(info.origin.orientation);
+  if (!turned) return mistake("has an origin whose orientation is no unit quaternion");
+  if (std::abs(*turned) > kAlong) {
+    return mistake(fmt::format("is turned by {:.3f} rad; its cells must lie along the axes of its frame", *turned));
+  }
+  if (!map::fits_a_grid(info.width, info.height)) return mistake("is too large");
+  map::OccupancyGrid grid;
+  grid.width = static_cast<int>(info.width);
+  grid.height = static_cast<int>(info.height);
+  // what a float made of it
+  grid.resolution = std::round(1e6 * static_cast<double>(info.resolution)) / 1e6;
+  grid.origin = {info.origin.position.x, info.origin.position.y};
+  grid.data = message.data;
+  const auto is_wrong = [](std::int8_t value) {
+    return value < map::OccupancyGrid::kUnknown || value > map::OccupancyGrid::kOccupied;
+  };
+  if (std::ranges::any_of(grid.data, is_wrong)) return mistake("has cells that are neither -1 nor 0 to 100");
+  if (grid.data.empty()) return mistake("has no cells");
+  try {
+    map::check_bounds(grid);
+  } catch (const ContractError& error) {
+    return mistake(error.what());
+  }
+  return grid;
 }
 
 }  // namespace threewe::ros2

@@ -1,6 +1,7 @@
 // Conversions of ROS 2 sensor messages to readings of the contract.
 #pragma once
 
+#include <array>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -15,6 +16,7 @@
 #include "ros2/messages/system_msgs.hpp"
 #include "threewe/core/samples.hpp"
 #include "threewe/hardware/profile.hpp"
+#include "threewe/map/occupancy_grid.hpp"
 
 namespace threewe::ros2 {
 
@@ -78,6 +80,13 @@ class PictureMaker {
   std::optional<Color> color_;
   std::shared_ptr<const sensor_msgs::Image> depth_;
 };
+
+/// A rotation and a translation along the floor; empty where the rotation is none or a number is not finite.
+std::optional<Pose2D> to_pose(const geometry_msgs::Transform& transform);
+/// The covariance of (x, y, theta), row-major, of one of all six; empty where it is none.
+std::optional<std::array<double, 9>> planar_covariance(const std::array<double, 36>& covariance);
+/// A map whose cells lie along the axes of its frame, or what is wrong with it.
+tl::expected<map::OccupancyGrid, std::string> to_grid(const nav_msgs::OccupancyGrid& message);
 
 /// A stamp as nanoseconds.
 Time to_time(const builtin_interfaces::Time& stamp);

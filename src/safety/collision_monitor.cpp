@@ -115,6 +115,19 @@ double way_to_stand_still(const GateModel& model, const Velocity& last, const Ve
   return Arc::that_brakes(model, fastest).whole_way();
 }
 
+// The commands that the robot has yet to obey, the newest first.
+std::span<const Velocity> pending_commands(const GateModel& model, const GateState& state) {
+  return std::span(state.recent)
+      .first(static_cast<std::size_t>((model.reaction + kControlPeriod - 1ns) / kControlPeriod));
+}
+
+// [m] that corners go by them, at most.
+double way_of_pending(const GateModel& model, const GateState& state) {
+  double way = 0.0;
+  for (const Velocity& v : pending_commands(model, state)) way += way_of_corners(model, v);
+  return way;
+}
+
 // What the footprint must not come nearer to than required.
 struct Obstacle {
   Vec2 at;                // in a frame that stands still
@@ -201,15 +214,12 @@ void settle_requirements(const GateModel& model, const Frame& turning_point, Nea
 Velocity clear_of_obstacles(const GateModel& model, const GateState& state, const Velocity& command,
                             std::span<const Obstacles> obstacles, const Pose2D& base) {
   if (std::ranges::all_of(obstacles, [](const Obstacles& o) { return o.points.empty(); })) return command;
-  const auto count = static_cast<std::size_t>((model.reaction + kControlPeriod - 1ns) / kControlPeriod);
-  const std::span<const Velocity> pending = std::span(state.recent).first(count);  // the newest first
-  double way_of_pending = 0.0;
-  for (const Velocity& v : pending) way_of_pending += way_of_corners(model, v);
   const double way_of_decision = way_to_stand_still(model, state.last(), command);
+  const double way = way_of_pending(model, state) + way_of_decision;
   std::array<std::byte, 8192> room;  // NOLINT: what is used is filled
   std::pmr::monotonic_buffer_resource memory(room.data(), room.size());
   Near near(&memory);
-  for (const Obstacles& kind : obstacles) select_near(model, kind, base, way_of_pending + way_of_decision, near);
+  for (const Obstacles& kind : obstacles) select_near(model, kind, base, way, near);
   if (near.empty()) return command;
 
   // the robot will first obey what was commanded before
@@ -218,7 +228,7 @@ Velocity clear_of_obstacles(const GateModel& model, const GateState& state, cons
     return true;
   };
   Frame turning_point;
-  for (const Velocity& v : pending | std::views::reverse) {
+  for (const Velocity& v : pending_commands(model, state) | std::views::reverse) {
     if (v == Velocity{}) continue;
     const Arc arc = Arc::of_one_period(model, v);
     for (Obstacle& obstacle : near) follow(model, turning_point, arc, obstacle, keep_nearest);
@@ -247,6 +257,12 @@ Velocity clear_of_obstacles(const GateModel& model, const GateState& state, cons
   };
   if (keeps_clear(command)) return command;
 
+  // who stands and cannot even creep stays: so it is for nearly all who press against something
+  if (fallback == Velocity{}) {
+    const double creeping = kStandStill / std::max(exact::hypot(command.vx, command.vy), std::abs(command.omega));
+    if (creeping >= 1.0 || !keeps_clear(scaled(creeping, command))) return {};
+  }
+
   // the largest step from braking towards the command that keeps clear
   const auto between = [&](double t) {
     return within_acceleration(model.limits, state.last(), blend(fallback, command, t));
@@ -260,6 +276,18 @@ Velocity clear_of_obstacles(const GateModel& model, const GateState& state, cons
   const Velocity slowed = between(safe);
   const bool creep_mode = exact::hypot(slowed.vx, slowed.vy) < kStandStill && std::abs(slowed.omega) < kStandStill;
   return creep_mode && fallback == Velocity{} ? Velocity{} : slowed;
+}
+
+double sight_of_decision(const GateModel& model, const GateState& state) {
+  const Limits& limits = model.limits;
+  const auto fastest = [](double last, double acceleration, double limit) {
+    return std::max(last, std::min(last + acceleration * kPeriod, limit));
+  };
+  const Velocity& last = state.last();
+  const Velocity command{.vx = fastest(exact::hypot(last.vx, last.vy), limits.linear_acceleration, limits.linear),
+                         .omega = fastest(std::abs(last.omega), limits.angular_acceleration, limits.angular)};
+  const double way = way_of_pending(model, state) + way_to_stand_still(model, last, command);
+  return model.footprint.circumscribed_radius() + model.margin + way + kRounding;
 }
 
 }  // namespace threewe::safety

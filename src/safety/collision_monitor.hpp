@@ -19,4 +19,8 @@ struct Obstacles {
 Velocity clear_of_obstacles(const GateModel& model, const GateState& state, const Velocity& command,
                             std::span<const Obstacles> obstacles, const Pose2D& base);
 
+/// [m] From the base: what is farther away changes no decision of the period to come, whatever is requested, unless in
+/// creep mode.
+double sight_of_decision(const GateModel& model, const GateState& state);
+
 }  // namespace threewe::safety

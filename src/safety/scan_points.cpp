@@ -2,8 +2,9 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cstddef>
-#include <optional>
+#include <cstdint>
 
 #include "core/exact.hpp"
 
@@ -72,6 +73,26 @@ void place(const Way& way, Hits& hits) {
   }
 }
 
+// Lists the ranges that are no longer than that, in order; as many may be listed as there are. Returns how many.
+std::size_t find_within(std::span<const float> ranges, float longest, std::uint32_t* found) {
+  const hn::CappedTag<float, 16> d;
+  constexpr std::size_t kLanes = hn::MaxLanes(d);
+  std::size_t count = 0;
+  std::size_t i = 0;
+  for (; i + kLanes <= ranges.size(); i += kLanes) {
+    std::uint8_t bytes[8] = {};
+    hn::StoreMaskBits(d, hn::Le(hn::LoadU(d, &ranges[i]), hn::Set(d, longest)), bytes);
+    for (unsigned bits = bytes[0] | bytes[1] << 8U; bits != 0; bits &= bits - 1) {
+      found[count++] = static_cast<std::uint32_t>(i) + static_cast<std::uint32_t>(std::countr_zero(bits));
+    }
+  }
+  for (; i < ranges.size(); ++i) {
+    found[count] = static_cast<std::uint32_t>(i);
+    count += static_cast<std::size_t>(ranges[i] <= longest);
+  }
+  return count;
+}
+
 }  // namespace threewe::safety::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
@@ -79,44 +100,32 @@ HWY_AFTER_NAMESPACE();
 namespace threewe::safety {
 
 HWY_EXPORT(place);
+HWY_EXPORT(find_within);
 
-namespace {
-
-// Nearly all beams are longer than what concerns the gate: a look at many at once, without a branch for each.
-constexpr std::size_t kBlock = 16;
-bool is_any_within(std::span<const float, kBlock> ranges, float longest) {
-  unsigned within = 0;
-  for (const float range : ranges) within |= static_cast<unsigned>(range <= longest);
-  return within != 0;
-}
-
-Way way_of(const LidarSpec& lidar, const Pose2D& odom_from_base_at_begin, const Pose2D& odom_from_base_at_end) {
-  const Pose2D begin = odom_from_base_at_begin * lidar.base_from_lidar;
-  const Pose2D end = odom_from_base_at_end * lidar.base_from_lidar;
-  return {begin, end.position() - begin.position(), wrap_angle(end.theta - begin.theta)};
-}
-
-}  // namespace
-
-void append_scan_points(const LidarSpec& lidar, std::span<const float> ranges, const Pose2D& odom_from_base_at_begin,
-                        const Pose2D& odom_from_base_at_end, std::vector<Vec2>& points, double longest) {
+void append_scan_points(const LidarSpec& lidar, std::span<const float> ranges, const Pose2D& odom_from_lidar_at_begin,
+                        const Pose2D& odom_from_lidar_at_end, std::vector<Vec2>& points, double longest) {
   const auto beams = static_cast<double>(ranges.size());
   const double increment = 2.0 * exact::kPi / beams;
   const auto rounded_up = static_cast<float>(longest * (1.0 + 1e-6));
-  std::optional<Way> way;
+  const Pose2D& begin = odom_from_lidar_at_begin;
+  const Pose2D& end = odom_from_lidar_at_end;
+  const Way way{begin, end.position() - begin.position(), wrap_angle(end.theta - begin.theta)};
   Hits hits;
   const auto put = [&] {
-    if (!way) way = way_of(lidar, odom_from_base_at_begin, odom_from_base_at_end);
     hits.pad();
-    HWY_DYNAMIC_DISPATCH(place)(*way, hits);
+    HWY_DYNAMIC_DISPATCH(place)(way, hits);
     points.reserve(points.size() + hits.count);  // and no more: there may be thousands of such lists
     for (std::size_t k = 0; k < hits.count; ++k) points.push_back({hits.range[k], hits.y[k]});
     hits.count = 0;
   };
-  for (std::size_t block = 0; block < ranges.size(); block += kBlock) {
-    const std::size_t end = std::min(block + kBlock, ranges.size());
-    if (end - block == kBlock && !is_any_within(ranges.subspan(block).first<kBlock>(), rounded_up)) continue;
-    for (std::size_t i = block; i < end; ++i) {
+  // nearly all beams are longer than what concerns the gate
+  constexpr std::size_t kAtOnce = 512;
+  std::array<std::uint32_t, kAtOnce> near;  // NOLINT: what is used is filled
+  for (std::size_t first = 0; first < ranges.size(); first += kAtOnce) {
+    const auto some = ranges.subspan(first, std::min(kAtOnce, ranges.size() - first));
+    const std::size_t count = HWY_DYNAMIC_DISPATCH(find_within)(some, rounded_up, near.data());
+    for (const std::uint32_t within : std::span(near).first(count)) {
+      const std::size_t i = first + within;
       const auto range = static_cast<double>(ranges[i]);
       if (range < lidar.range_min || range >= lidar.range_max || range > longest) continue;
       const double counted = (static_cast<double>(i) + 0.5) / beams;

@@ -11,10 +11,10 @@
 
 namespace threewe::safety {
 
-/// Appends where a scan's beams hit something, in the frame of the poses, given where the base was as the turn began
+/// Appends where a scan's beams hit something, in the frame of the poses, given where the lidar was as the turn began
 /// and as it ended; in between it is taken to have moved evenly. Beams longer than `longest` [m] are left out.
-void append_scan_points(const LidarSpec& lidar, std::span<const float> ranges, const Pose2D& odom_from_base_at_begin,
-                        const Pose2D& odom_from_base_at_end, std::vector<Vec2>& points,
+void append_scan_points(const LidarSpec& lidar, std::span<const float> ranges, const Pose2D& odom_from_lidar_at_begin,
+                        const Pose2D& odom_from_lidar_at_end, std::vector<Vec2>& points,
                         double longest = std::numeric_limits<double>::infinity());
 
 }  // namespace threewe::safety

@@ -123,7 +123,8 @@ void Sight::add(const SightModel& model, const ScanTurn& turn, std::span<const f
   PlacedScan& scan = scans_[newest_];
   scan.turn = turn;
   scan.ranges.assign(ranges.begin(), ranges.end());
-  if (unseen_.empty() && std::ranges::find(scan.ranges, 0.0F) == scan.ranges.end()) return;
+  const std::vector<InvalidBeams> gaps = invalid_beams(scan.ranges, kFewest);
+  if (gaps.empty()) return unseen_.clear();
 
   const std::vector<double> doubtful = still_unseen(model.thin, scan);
   unseen_.clear();
@@ -138,7 +139,7 @@ void Sight::add(const SightModel& model, const ScanTurn& turn, std::span<const f
     while (range < std::min(model.reach, limit) && is_known(ray.at(range))) range += model.step;
     return std::max(least, std::min(range, limit));
   };
-  for (const InvalidBeams& gap : invalid_beams(scan.ranges, kFewest)) {
+  for (const InvalidBeams& gap : gaps) {
     if (!is_blind(model, gap, increment_of(scan.ranges))) continue;
     for (std::size_t i = 0; i < gap.count; ++i) {
       const std::size_t beam = (gap.first + i) % scan.ranges.size();

@@ -8,8 +8,8 @@
 namespace threewe::semantics {
 namespace {
 
-constexpr double kTogether = 2.5;    // [m] from one thing to the others that say the same
-constexpr double kConvincing = 1.5;  // sum of weights times probabilities
+constexpr double kTogether = 2.5;     // [m] from one thing to the others that say the same
+constexpr double kConvincing = 1.25;  // sum of weights times probabilities
 
 // How much a thing of a kind says that a place has a name; a second of the kind says less.
 struct Sign {

@@ -29,9 +29,18 @@ constexpr double kLeastAlike = 0.12;  // product of the two kinds' distributions
 // A view counts as new evidence when the camera has moved or turned by so much.
 constexpr double kNewPlace = 0.25;    // [m]
 constexpr double kNewHeading = 0.20;  // [rad]
-constexpr double kTrust = 0.35;       // in one view's log-probabilities: views from near by err alike
-constexpr double kLeastScore = 0.02;  // no view makes a kind impossible
-constexpr double kOldColors = 0.9;    // weight of what was seen of the color before
+// Views err alike where they are from like viewpoints, and all views of a thing share what makes it look like another.
+// Log-probabilities of kinds are kTrust * n / (1 + kShared * n) times the mean of the views' ones, where n counts views
+// by how new their viewpoints were; fitted to drives through generated buildings that the detector has not seen.
+constexpr double kTrust = 1.2;
+constexpr double kShared = 0.5;
+constexpr double kLikeBearing = 0.5;  // [rad] standard deviation of the bearing from the thing of like viewpoints
+constexpr double kLikeRange = 0.4;    // and of the logarithm of the distance
+constexpr double kLeastNew = 0.05;    // of a view
+constexpr double kLeastRange = 0.1;   // [m]
+constexpr std::size_t kMostViewpoints = 12;  // of a thing, that are remembered
+constexpr double kLeastScore = 0.02;         // no view makes a kind impossible
+constexpr double kOldColors = 0.9;           // weight of what was seen of the color before
 // What is missed: in a narrower view than the camera's, nearer than it can be seen well.
 constexpr double kMissBearing = 0.6;  // [rad]
 constexpr double kMissNearest = 0.6;  // [m]
@@ -75,7 +84,6 @@ double alike(const std::vector<double>& kinds, const std::vector<float>& scores)
 void absorb(MappedThing& thing, const MappedThing& other) {
   const double share = static_cast<double>(other.views) / std::max(1, thing.views + other.views);
   thing.position = thing.position + share * (other.position - thing.position);
-  for (std::size_t k = 0; k < thing.kinds.size(); ++k) thing.kinds[k] += share * (other.kinds[k] - thing.kinds[k]);
   for (std::size_t c = 0; c < thing.colors.size(); ++c) thing.colors[c] += share * (other.colors[c] - thing.colors[c]);
   if (other.views > thing.views) thing.covariance = other.covariance;
   thing.views += other.views;
@@ -106,6 +114,40 @@ std::size_t MappedThing::color() const {
 SemanticMap::SemanticMap(std::vector<std::string> labels, std::vector<double> radii)
     : labels_(std::move(labels)), radii_(std::move(radii)) {
   radii_.resize(labels_.size(), 0.0);
+}
+
+void SemanticMap::Evidence::add(Viewpoint viewpoint, const std::vector<float>& scores) {
+  double alike = 0.0;
+  for (const Viewpoint& other : from) {
+    const double turn = wrap_angle(viewpoint.bearing - other.bearing) / kLikeBearing;
+    const double nearer = (viewpoint.log_range - other.log_range) / kLikeRange;
+    alike = std::max(alike, exact::exp(-0.5 * (turn * turn + nearer * nearer)));
+  }
+  const double is_new = std::max(kLeastNew, 1.0 - alike);
+  if (is_new > 0.5 || from.empty()) {
+    if (from.size() == kMostViewpoints) from.erase(from.begin());
+    from.push_back(viewpoint);
+  }
+  weight += is_new;
+  for (std::size_t k = 0; k < log_scores.size(); ++k)
+    log_scores[k] += is_new * exact::log(std::max(kLeastScore, static_cast<double>(scores[k])));
+}
+
+void SemanticMap::Evidence::add(const Evidence& other) {
+  weight += other.weight;
+  for (std::size_t k = 0; k < log_scores.size(); ++k) log_scores[k] += other.log_scores[k];
+  for (const Viewpoint& viewpoint : other.from) {
+    if (from.size() < kMostViewpoints) from.push_back(viewpoint);
+  }
+}
+
+void SemanticMap::Evidence::weigh(std::vector<double>& kinds) const {
+  if (weight == 0.0) return;
+  const double trust = kTrust / (1.0 + kShared * weight);  // of the sums, which are `weight` times the means
+  const double most = *std::ranges::max_element(log_scores);
+  for (std::size_t k = 0; k < kinds.size(); ++k) kinds[k] = exact::exp(trust * (log_scores[k] - most));
+  normalize(kinds);
+  kinds[0] = 0.0;  // that it is none of them is what is left to 1
 }
 
 void SemanticMap::update(const View& view, const map::OccupancyGrid& grid) {
@@ -141,10 +183,12 @@ void SemanticMap::add_new(Vec2 position, const std::array<double, 3>& covariance
   thing.position = position;
   thing.covariance = covariance;
   thing.kinds.push_back(0.0);
-  for (std::size_t k = 1; k < labels_.size(); ++k) thing.kinds.push_back(1.0 / static_cast<double>(labels_.size() - 1));
+  thing.kinds.resize(labels_.size(), 1.0 / static_cast<double>(labels_.size()));
   thing.nearest_view = range;
   things_.push_back(std::move(thing));
-  viewed_from_.push_back({1e9, 0.0, 0.0});
+  Evidence& evidence = evidence_.emplace_back();
+  evidence.last = {1e9, 0.0, 0.0};
+  evidence.log_scores.resize(labels_.size(), 0.0);
 }
 
 // The index of the thing that a detection most probably is of; the number of things where it is of none.
@@ -171,11 +215,12 @@ void SemanticMap::add_view(std::size_t index, Vec2 position, const std::array<do
   const Pose2D& camera = view.map_from_camera;
   thing.last_seen = view.now;
   thing.nearest_view = std::min(thing.nearest_view, norm(position - camera.position()));
-  const Pose2D& last = viewed_from_[index];
+  Evidence& evidence = evidence_[index];
+  const Pose2D& last = evidence.last;
   if (norm(camera.position() - last.position()) < kNewPlace &&
       std::fabs(wrap_angle(camera.theta - last.theta)) < kNewHeading)
     return;
-  viewed_from_[index] = camera;
+  evidence.last = camera;
 
   if (thing.views > 0) {  // Kalman update
     const auto& p = thing.covariance;
@@ -192,11 +237,9 @@ void SemanticMap::add_view(std::size_t index, Vec2 position, const std::array<do
                         std::max(kFloor, p[2] - gain[2] * p[1] - gain[3] * p[2])};
   }
   ++thing.views;
-  for (std::size_t k = 1; k < thing.kinds.size(); ++k) {
-    const double score = std::max(kLeastScore, static_cast<double>(detection.scores[k]));
-    thing.kinds[k] *= exact::exp(kTrust * exact::log(score));
-  }
-  normalize(thing.kinds);
+  const Vec2 away = camera.position() - thing.position;
+  evidence.add({exact::atan2(away.y, away.x), exact::log(std::max(kLeastRange, norm(away)))}, detection.scores);
+  evidence.weigh(thing.kinds);
   for (double& share : thing.colors) share *= kOldColors;
   thing.colors[detection.color] += static_cast<double>(detection.color_share);
   const double sum = std::accumulate(thing.colors.begin(), thing.colors.end(), 0.0);
@@ -216,7 +259,7 @@ void SemanticMap::count_misses(const View& view, const map::OccupancyGrid& grid)
     if (in_view) ++thing.misses;
     if (thing.misses > kMostMisses + thing.views) {
       things_.erase(things_.begin() + static_cast<std::ptrdiff_t>(i));
-      viewed_from_.erase(viewed_from_.begin() + static_cast<std::ptrdiff_t>(i));
+      evidence_.erase(evidence_.begin() + static_cast<std::ptrdiff_t>(i));
     } else {
       ++i;
     }
@@ -235,8 +278,10 @@ void SemanticMap::merge_doubles() {
         continue;
       }
       absorb(one, other);
+      evidence_[i].add(evidence_[j]);
+      evidence_[i].weigh(one.kinds);
       things_.erase(things_.begin() + static_cast<std::ptrdiff_t>(j));
-      viewed_from_.erase(viewed_from_.begin() + static_cast<std::ptrdiff_t>(j));
+      evidence_.erase(evidence_.begin() + static_cast<std::ptrdiff_t>(j));
     }
   }
 }

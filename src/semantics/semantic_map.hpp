@@ -15,27 +15,10 @@
 #include "threewe/core/pose.hpp"
 #include "threewe/core/time.hpp"
 #include "threewe/map/occupancy_grid.hpp"
+#include "threewe/semantics/things.hpp"
 #include "vision/detector.hpp"
 
 namespace threewe::semantics {
-
-/// One thing that was seen, perhaps many times.
-struct MappedThing {
-  std::uint64_t id = 0;                ///< grows with every new one
-  Vec2 position;                       ///< [m] of its centre, in `map`
-  std::array<double, 3> covariance{};  ///< [m^2] of the position: xx, xy, yy
-  std::vector<double> kinds;           ///< probability of each of the detector's labels, the background left out
-  std::array<double, 11> colors{};     ///< share of each color term in all that was seen of it
-  int views = 0;                       ///< from different poses
-  int misses = 0;                      ///< looks that should have shown it and did not, since it was seen last
-  Time last_seen{};                    ///< when it was seen last
-  double nearest_view = 0.0;           ///< [m] from which it was seen at the nearest
-
-  /// The most probable kind, index into the detector's labels.
-  std::size_t kind() const;
-  /// The color term that most of it has, index into vision::color_names.
-  std::size_t color() const;
-};
 
 /// Which things are meant. What is empty fits all.
 struct ThingQuery {
@@ -44,16 +27,6 @@ struct ThingQuery {
   std::string place;               ///< a known place that it must be in
   double least_probability = 0.5;  ///< of the kind
   double least_color = 0.3;        ///< share of the color
-};
-
-/// Origin of a place that has its name by what stands in it.
-inline constexpr std::string_view kSeen = "seen";
-
-/// A place that has a name.
-struct Place {
-  std::string name;              ///< as it was given
-  std::vector<Vec2> polygon;     ///< [m] in `map`; one point where the robot stood as it was named
-  std::string origin = "given";  ///< "given" by users, or "seen": probably so by what stands there
 };
 
 /// What one camera saw, and from where.
@@ -106,10 +79,28 @@ class SemanticMap {
   void count_misses(const View& view, const map::OccupancyGrid& grid);
   void merge_doubles();
 
+  // From where a thing was looked at: as seen from it.
+  struct Viewpoint {
+    double bearing = 0.0;    // [rad]
+    double log_range = 0.0;  // of [m]
+  };
+  // What all views of a thing say of its kind: each counts by how new its viewpoint is.
+  struct Evidence {
+    Pose2D last;                     // the camera's pose of the newest view that counted
+    std::vector<double> log_scores;  // (labels,) sums of the logarithms of their scores
+    double weight = 0.0;
+    std::vector<Viewpoint> from;
+
+    void add(Viewpoint viewpoint, const std::vector<float>& scores);
+    void add(const Evidence& other);
+    // The probability of each label, 0 of the background.
+    void weigh(std::vector<double>& kinds) const;
+  };
+
   std::vector<std::string> labels_;
   std::vector<double> radii_;
   std::vector<MappedThing> things_;
-  std::vector<Pose2D> viewed_from_;  // of things_, the camera's pose of the newest view that counted
+  std::vector<Evidence> evidence_;  // of things_
   std::vector<Place> places_;
   std::uint64_t next_id_ = 1;
 };

@@ -26,7 +26,8 @@ Shading shading_of(const CapturePose& capture) {
   return {capture.key.seed,
           capture.key.episode,
           static_cast<std::uint32_t>(capture.variation.texture),
-          {gain(b), gain(g), gain(r)}};
+          {gain(b), gain(g), gain(r)},
+          static_cast<float>(capture.variation.detail)};
 }
 
 // What moves is drawn where it was, but for the robot `without`.

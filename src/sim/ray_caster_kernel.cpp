@@ -125,8 +125,8 @@ void point(Fan& fan, float nothing) {
   HWY_ALIGN float power_cos[kBlock];
   HWY_ALIGN float power_sin[kBlock];
   for (std::size_t j = 0; j < kBlock; ++j) {
-    power_cos[j] = static_cast<float>(fan.power_cos[j]);
-    power_sin[j] = static_cast<float>(fan.power_sin[j]);
+    power_cos[j] = static_cast<float>(fan.powers->cos[j]);
+    power_sin[j] = static_cast<float>(fan.powers->sin[j]);
   }
   for (int i = 0; i < fan.sweep.count; i += kBlock) {
     const F head_cos = hn::Set(d, static_cast<float>(fan.head_cos[static_cast<std::size_t>(i / kBlock)]));
@@ -246,8 +246,8 @@ HWY_INLINE void keep_larger_carefully(Fan& fan, int first, int last, const Inver
     const V y = hn::Add(hn::Set(d, sweep.origin.y), hn::Mul(beam, hn::Set(d, sweep.step.y)));
     const V head_cos = hn::Set(d, fan.head_cos[static_cast<std::size_t>(i / kBlock)]);
     const V head_sin = hn::Set(d, fan.head_sin[static_cast<std::size_t>(i / kBlock)]);
-    const V power_cos = hn::Load(d, fan.power_cos.data() + i % kBlock);
-    const V power_sin = hn::Load(d, fan.power_sin.data() + i % kBlock);
+    const V power_cos = hn::Load(d, fan.powers->cos.data() + i % kBlock);
+    const V power_sin = hn::Load(d, fan.powers->sin.data() + i % kBlock);
     const V c = hn::Sub(hn::Mul(head_cos, power_cos), hn::Mul(head_sin, power_sin));
     const V s = hn::Add(hn::Mul(head_sin, power_cos), hn::Mul(head_cos, power_sin));
     const V value = hn::IfThenElseZero(inside, inverse_range(x, y, c, s));
@@ -676,32 +676,43 @@ void put(CircleBlock& block, int place, const scene::Circle& circle, Vec2 center
   block.index[place] = index;
 }
 
-void begin(const Sweep& sweep, double range_max, Fan& fan) {
-  fan.sweep = sweep;
+namespace {
 
-  // powers of one increment, each from two of half its size
-  fan.power_cos[0] = 1.0;
-  fan.power_sin[0] = 0.0;
-  const auto [s1, c1] = exact::sincos(sweep.increment);
-  fan.power_cos[1] = c1;
-  fan.power_sin[1] = s1;
+// Each from two of half its size.
+Powers powers_of(double increment) {
+  Powers powers{.increment = increment};
+  auto& [made, cos, sin, next_cos, next_sin] = powers;
+  const auto [s1, c1] = exact::sincos(increment);
+  cos = {1.0, c1};
+  sin = {0.0, s1};
   for (std::size_t j = 2; j < kBlock; ++j) {
     const std::size_t p = j / 2;
     const std::size_t q = j - p;
-    fan.power_cos[j] = fan.power_cos[p] * fan.power_cos[q] - fan.power_sin[p] * fan.power_sin[q];
-    fan.power_sin[j] = fan.power_sin[p] * fan.power_cos[q] + fan.power_cos[p] * fan.power_sin[q];
+    cos[j] = cos[p] * cos[q] - sin[p] * sin[q];
+    sin[j] = sin[p] * cos[q] + cos[p] * sin[q];
   }
+  next_cos = cos[8] * cos[8] - sin[8] * sin[8];
+  next_sin = 2.0 * sin[8] * cos[8];
+  return powers;
+}
+
+}  // namespace
+
+void begin(const Sweep& sweep, double range_max, Fan& fan) {
+  // a lidar that stands has the same from scan to scan
+  static thread_local Powers powers;
+  if (sweep.increment != powers.increment) powers = powers_of(sweep.increment);
+  fan.sweep = sweep;
+  fan.powers = &powers;
 
   // every 16th beam from the one before
-  const double c16 = fan.power_cos[8] * fan.power_cos[8] - fan.power_sin[8] * fan.power_sin[8];
-  const double s16 = 2.0 * fan.power_sin[8] * fan.power_cos[8];
   auto [s, c] = exact::sincos(sweep.angle);
   const std::size_t blocks = static_cast<std::size_t>(sweep.count + kBlock - 1) / kBlock;
   for (std::size_t k = 0; k < blocks; ++k) {
     fan.head_cos[k] = c;
     fan.head_sin[k] = s;
-    const double next = c * c16 - s * s16;
-    s = s * c16 + c * s16;
+    const double next = c * powers.next_cos - s * powers.next_sin;
+    s = s * powers.next_cos + c * powers.next_sin;
     c = next;
   }
 

@@ -55,14 +55,22 @@ struct Sweep {
   int count = 0;
 };
 
+/// Powers of a rotation by one increment, as complex numbers; and the sixteenth, from one block of beams to the next.
+struct Powers {
+  double increment = 0.0;
+  alignas(64) std::array<double, kBlock> cos{1.0};
+  alignas(64) std::array<double, kBlock> sin{};
+  double next_cos = 1.0;
+  double next_sin = 0.0;
+};
+
 /// A fan in the making: the directions of its beams, and the largest inverse range that each has met.
 struct Fan {
   Sweep sweep;
-  // beam 16 k + j points along head[k] * power[j], as complex numbers
+  // beam 16 k + j points along head[k] * power[j]
   alignas(64) std::array<double, kMaxBeams / kBlock> head_cos;
   alignas(64) std::array<double, kMaxBeams / kBlock> head_sin;
-  alignas(64) std::array<double, kBlock> power_cos;
-  alignas(64) std::array<double, kBlock> power_sin;
+  const Powers* powers;  // until the same thread begins another
   alignas(64) std::array<float, kMaxBeams + 2 * kBlock> cos;
   alignas(64) std::array<float, kMaxBeams + 2 * kBlock> sin;
   alignas(64) std::array<float, kMaxBeams + 2 * kBlock> inverse_range;

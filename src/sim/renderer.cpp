@@ -60,6 +60,8 @@ void check_shading(const Shading& shading) {
     if (gain >= 0.0F && gain <= kMostGain) continue;
     throw ConfigError(fmt::format("a gain of the picture's colours is {}: it must be 0 to {}", gain, kMostGain));
   }
+  const bool detail_ok = shading.detail >= 0.0F && shading.detail <= 1.0F;
+  if (!detail_ok) throw ConfigError(fmt::format("the picture's detail is {}: it must be 0 to 1", shading.detail));
 }
 
 // What is known of rows that look at the sky, and at the ground below it.

@@ -75,6 +75,7 @@ struct Shading {
   std::uint32_t episode = 0;
   std::uint32_t texture = 0;      ///< 0: what surfaces are made of; else which other patterns they wear
   Colour gain{1.0F, 1.0F, 1.0F};  ///< what each channel is multiplied by, 0 to `kMostGain`
+  float detail = 1.0F;            ///< of textures, shadows, tints of walls, windows and skirting: 1 all of them, 0 none
 };
 inline constexpr float kMostGain = 50.0F;
 
@@ -122,7 +123,8 @@ class Renderer {
   Colour colour(const Shading& shading, std::size_t solid) const;
 
   /// Fills the images. `moving` are solids that are elsewhere at every call: people, other robots. Throws ConfigError
-  /// for an impossible camera, a height that is not above the floor, a gain out of range, or images of the wrong size.
+  /// for an impossible camera, a height that is not above the floor, a gain or detail out of range, or images of the
+  /// wrong size.
   void render(const CameraIntrinsics& camera, const CameraPose& view, const Shading& shading, const Images& images,
               RenderScratch& scratch, std::span<const VisibleSolid> moving = {}) const;
 

@@ -13,7 +13,7 @@
 #include "threewe/core/kinematics.hpp"
 #include "threewe/core/pose.hpp"
 #include "threewe/core/samples.hpp"
-#include "threewe/models/variation.hpp"
+#include "threewe/models/randomization.hpp"
 
 namespace threewe::sim {
 

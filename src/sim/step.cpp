@@ -93,21 +93,22 @@ class Others {
   std::vector<scene::Segment> segments_;
 };
 
-// The share of a turn that a step sweeps, from the poses in between; or the whole turn at its end.
-void sweep_lidar(const RobotModel& robot, Others& others, const Pose2D& before, RobotState& state) {
+// The share of a turn that a step, counted from 1, sweeps between two poses; or the whole turn at its end.
+void sweep_lidar(const RobotModel& robot, const RobotState& state, std::uint64_t step, const Pose2D& before,
+                 const Pose2D& after, const MovingShapes& moving, double reach, std::span<float> points_of_turn) {
   const LidarSpec& lidar = *robot.profile.lidar;
   const auto points = static_cast<std::uint64_t>(lidar.points_per_turn);
   const auto turn = static_cast<std::uint64_t>(robot.turn);
-  const std::uint64_t within = (state.steps - 1) % turn;
+  const std::uint64_t within = (step - 1) % turn;
   const std::uint64_t share = lidar.rolling ? points / turn : points;
   const std::uint64_t first = lidar.rolling ? within * share : 0;
-  const std::span<float> ranges = std::span(state.lidar_points).subspan(first, share);
+  const std::span<float> ranges = points_of_turn.subspan(first, share);
   const double angle = robot.pattern.first_angle + static_cast<double>(first) * robot.pattern.angle_step;
-  const Pose2D end = state.pose * lidar.base_from_lidar;
+  const Pose2D end = after * lidar.base_from_lidar;
   const Pose2D begin = lidar.rolling ? before * lidar.base_from_lidar : end;
-  robot.caster->cast_rolling(begin, end, angle, robot.pattern.angle_step, ranges, others.at(lidar.height));
+  robot.caster->cast_rolling(begin, end, angle, robot.pattern.angle_step, ranges, moving, reach);
 
-  const std::uint64_t turns = (state.steps - 1) / turn;
+  const std::uint64_t turns = (step - 1) / turn;
   models::measure_ranges(lidar, state.key(Stream::lidar), state.lidar_bias, turns * points + first, ranges,
                          state.variation);
 }
@@ -136,15 +137,23 @@ void sense(const RobotModel& robot, const Sensing& sensing, Others& others, cons
     if (const auto sensor = ping_ready(robot, state)) ping(robot, *sensor, others, state);
   }
   if (sensing.lidar && robot.caster && (robot.profile.lidar->rolling || scan_ready(robot, state))) {
-    sweep_lidar(robot, others, before, state);
+    sweep_lidar(robot, state, state.steps, before, state.pose, others.at(robot.profile.lidar->height),
+                sensing.lidar_reach, state.lidar_points);
   }
+}
+
+// What a robot's lidar needs to look again later.
+void keep_path(std::span<Pose2D> path, const Pose2D& before, const RobotState& state) {
+  const std::size_t within = (state.steps - 1) % (path.size() - 1);
+  if (within == 0) path[0] = before;
+  path[within + 1] = state.pose;
 }
 
 bool is_any_on(const Sensing& sensing) { return sensing.lidar || sensing.imu || sensing.ultrasonics; }
 
 // People walk; robots drive, push one another, and slide along what stands there, all at once; then all of them look.
 void step_crowd(const World& crowd) {
-  const auto& [model_pointer, world, commands, people, sensing] = crowd;
+  const auto& [model_pointer, world, commands, people, sensing, path] = crowd;
   const Model& model = *model_pointer;
   walk(model, world, people);
   const std::vector<scene::Circle> circles = circles_of(model, people);
@@ -216,6 +225,7 @@ void step_singles(std::span<const World* const> worlds) {
       arrive(state,
              move(robot.body, *robot.obstacles, {}, before, driven[i].velocity(), carried, kSeconds, driven[i].pose()));
     }
+    if (!worlds[i]->path.empty()) keep_path(worlds[i]->path, before, state);
     if (is_any_on(worlds[i]->sensing)) sense(robot, worlds[i]->sensing, nobody, before, carried, state);
     if (worlds[i]->sensing.odometry && odometry_ready(robot, state)) drivers[reading++] = drivers[i];
   }
@@ -306,6 +316,7 @@ void step(const Model& model, std::span<RobotState> states, std::span<const Velo
                       states.subspan(i * robots, robots),
                       commands.subspan(i * robots, robots),
                       people.subspan(i * walkers, walkers),
+                      {},
                       {}});
   }
   step(worlds);
@@ -328,6 +339,14 @@ bool scan_ready(const RobotModel& robot, const RobotState& state) { return is_du
 
 std::span<const float> scan_points(const RobotModel& robot, const RobotState& state) {
   return std::span(state.lidar_points).first(static_cast<std::size_t>(robot.profile.lidar->points_per_turn));
+}
+
+void retake_scan(const RobotModel& robot, const RobotState& state, std::uint64_t turn, std::span<const Pose2D> path,
+                 double reach, std::span<float> points) {
+  const std::size_t steps = path.size() - 1;
+  assert(std::cmp_equal(steps, robot.turn) && std::cmp_equal(points.size(), robot.profile.lidar->points_per_turn));
+  for (std::size_t i = robot.profile.lidar->rolling ? 0 : steps - 1; i < steps; ++i)
+    sweep_lidar(robot, state, turn * steps + i + 1, path[i], path[i + 1], {}, reach, points);
 }
 
 }  // namespace threewe::sim

@@ -23,9 +23,11 @@ void vary(const RobotModel& robot, const models::Variation& variation, RobotStat
 Duration varied_latency(Duration latency, const models::Variation& variation);
 
 /// Which sensors work in a step. Leaving one out changes nothing that others measure, nor how anything moves; a scan is
-/// whole only if its lidar worked in every step of the turn.
+/// whole only if its lidar worked in every step of the turn. With `lidar_reach` [m], what stands farther from the lidar
+/// may be left out: points up to there are the same to the bit.
 struct Sensing {
   bool lidar = true;
+  double lidar_reach = RayCaster::kEverything;
   bool imu = true;
   bool odometry = true;
   bool ultrasonics = true;
@@ -38,6 +40,9 @@ struct World {
   std::span<const Velocity> commands;  ///< body velocities, one for each robot
   std::span<PersonState> people;       ///< the scene's; empty: nobody walks
   Sensing sensing;
+  /// Of a robot that is alone with no people: where it is as a turn of its lidar begins, and after each step of it; as
+  /// many poses as a turn has steps, and one. Empty: not kept.
+  std::span<Pose2D> path = {};
 };
 
 /// Advances every world by `steps` times `kStep`, under the same commands. Worlds do not influence each other, so any
@@ -59,5 +64,9 @@ std::optional<std::size_t> ping_ready(const RobotModel& robot, const RobotState&
 bool scan_ready(const RobotModel& robot, const RobotState& state);
 /// The points of the turn that just ended, in the order in which they were taken; only while `scan_ready`.
 std::span<const float> scan_points(const RobotModel& robot, const RobotState& state);
+/// The points of turn number `turn` (from 0) of this episode, by the path that was kept, wherever the robot is by now:
+/// the same to the bit up to `reach` [m], as long as its variation is the same.
+void retake_scan(const RobotModel& robot, const RobotState& state, std::uint64_t turn, std::span<const Pose2D> path,
+                 double reach, std::span<float> points);
 
 }  // namespace threewe::sim

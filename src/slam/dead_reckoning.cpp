@@ -8,12 +8,12 @@ void DeadReckoning::add_gyro(Time stamp, double rate) {
   if (has_gyro_) {
     const double gap = to_seconds(stamp - gyro_stamp_);
     const double seconds = std::clamp(gap, 0.0, to_seconds(params_.sample_age));
-    heading_ += seconds * (rate - calibration_.gyro_bias);  // a sample is the mean since the one before
+    heading_ += seconds * rate;  // a sample is the mean since the one before
     if (gap > to_seconds(params_.sample_age) && count_ > 0) {
       // wheels told the heading meanwhile, up to their newest sample
       const double since = std::clamp(to_seconds(stamp - point(0).stamp), -to_seconds(params_.sample_age),
                                       to_seconds(params_.sample_age));
-      heading_used_ = heading_ - since * (rate - calibration_.gyro_bias);
+      heading_used_ = heading_ - since * rate;
     }
   }
   has_gyro_ = true;
@@ -45,11 +45,13 @@ void DeadReckoning::add_odometry(Time stamp, const Odometry& odometry) {
       const Pose2D guessed = inverse(last.odom_from_base) * next.odom_from_base;
       next.step = rotate(guessed.position(), -0.5 * guessed.theta);
       next.turn = next.rolled = guessed.theta;
+      next.measured = next.turn + next.seconds * calibration_.gyro_bias;
     } else {
       // the wheels' own chord, seen from half way through their turn, is what they rolled
       const Vec2 rolled = rotate(moved.position(), -0.5 * moved.theta);
       next.step = {calibration_.forward_scale * rolled.x, calibration_.lateral_scale * rolled.y};
-      next.turn = gyro_fresh ? heading - heading_used_ : moved.theta;
+      next.measured = heading - heading_used_;
+      next.turn = gyro_fresh ? next.measured - next.seconds * calibration_.gyro_bias : moved.theta;
       next.rolled = moved.theta;
       const double middle = last.odom_from_base.theta + 0.5 * next.turn;
       const Vec2 position = last.odom_from_base.position() + rotate(next.step, middle);
@@ -82,6 +84,7 @@ Pose2D DeadReckoning::at(Time stamp) const {
 MotionSummary DeadReckoning::between(Time from, Time to) const {
   MotionSummary sum;
   sum.at_rest = true;
+  double turned = 0.0;
   double apart = 0.0;
   Pose2D guessed;
   const auto guess = [&](const TrackPoint& last, Time until) {
@@ -93,14 +96,15 @@ MotionSummary DeadReckoning::between(Time from, Time to) const {
     const TrackPoint& p = point(age);
     if (p.stamp <= from || p.stamp > to) continue;
     if (age + 1 < size()) guess(point(age + 1), p.stamp);
-    sum.turned += p.turn;
+    turned += p.turn;
+    sum.measured += p.measured;
     sum.seconds += p.seconds;
     sum.at_rest = sum.at_rest && p.by_gyro && (p.standing >= params_.standing_samples || !rolled_);
     apart += p.turn - p.rolled;
   }
   if (!empty()) guess(point(0), to);
   sum.doubtful_way = norm(guessed.position());
-  const double usual = params_.disagreement + params_.turning_disagreement * std::fabs(sum.turned);
+  const double usual = params_.disagreement + params_.turning_disagreement * std::fabs(turned);
   sum.doubtful_turn = std::fabs(guessed.theta) + std::max(0.0, std::fabs(apart) - usual);
   return sum;
 }
@@ -110,7 +114,7 @@ bool DeadReckoning::stands() const { return empty() || point(0).standing >= para
 double DeadReckoning::gyro_heading(Time stamp) const {
   const double ahead =
       std::clamp(to_seconds(stamp - gyro_stamp_), -to_seconds(params_.sample_age), to_seconds(params_.sample_age));
-  return heading_ + ahead * (gyro_rate_ - calibration_.gyro_bias);
+  return heading_ + ahead * gyro_rate_;
 }
 
 }  // namespace threewe::slam

@@ -24,20 +24,21 @@ struct Calibration {
 struct TrackPoint {
   Time stamp{};
   Pose2D odom_from_base;
-  Velocity velocity;     ///< body frame, calibrated
-  Vec2 step;             ///< [m] moved, in the body frame half way through the turn
-  double turn = 0.0;     ///< [rad] turned
-  double rolled = 0.0;   ///< [rad] turned as the wheels say
-  double seconds = 0.0;  ///< [s] since the sample before
-  bool by_gyro = false;  ///< the gyro told the turn, not the wheels
-  int standing = 0;      ///< for so many samples the wheels have not turned
+  Velocity velocity;      ///< body frame, calibrated
+  Vec2 step;              ///< [m] moved, in the body frame half way through the turn
+  double turn = 0.0;      ///< [rad] turned
+  double measured = 0.0;  ///< [rad] the same with the gyro's bias in it
+  double rolled = 0.0;    ///< [rad] turned as the wheels say
+  double seconds = 0.0;   ///< [s] since the sample before
+  bool by_gyro = false;   ///< the turn is the gyro's, not the wheels'
+  int standing = 0;       ///< for so many samples the wheels have not turned
 };
 
-/// What wheels and gyro told between two times.
+/// What wheels and gyro measured between two times.
 struct MotionSummary {
-  double turned = 0.0;         ///< [rad]
+  double measured = 0.0;       ///< [rad] turned, with the gyro's bias in it, whatever it was taken for meanwhile
   double seconds = 0.0;        ///< of the samples in between
-  bool at_rest = false;        ///< the gyro told the turn, and the wheels stood all the while
+  bool at_rest = false;        ///< the turn is the gyro's, and the wheels stood all the while
   double doubtful_way = 0.0;   ///< [m] that was guessed, where odometry was silent
   double doubtful_turn = 0.0;  ///< [rad] likewise, and by which wheels and gyro differ more than they should
 };
@@ -89,8 +90,8 @@ class DeadReckoning {
   bool has_gyro_ = false;
   Time gyro_stamp_{};
   double gyro_rate_ = 0.0;     // as measured
-  double heading_ = 0.0;       // integral of the gyro up to gyro_stamp_
-  double heading_used_ = 0.0;  // gyro heading at the newest point
+  double heading_ = 0.0;       // integral of what the gyro measured up to gyro_stamp_
+  double heading_used_ = 0.0;  // the same at the newest point
 };
 
 }  // namespace threewe::slam

@@ -78,7 +78,7 @@ void FrontEnd::predict(PoseFilter& filter, Time until) const {
 
 // While the robot stands the gyro shows its bias.
 void FrontEnd::learn_gyro_bias(const MotionSummary& motion) {
-  const double error = motion.turned / motion.seconds;
+  const double error = motion.measured / motion.seconds - track_.calibration().gyro_bias;
   const double variance = sensors_.gyro_sigma * sensors_.gyro_sigma * 0.01 / motion.seconds + 1e-7;
   // a bias creeps; what jumps is a fault, and would be held against the gyro once it is over
   const Params::Filter& p = params_->filter;
@@ -172,7 +172,7 @@ void FrontEnd::update() {
   const Pose2D& pose = match_.at.pose;
   const Vector4 moved{pose.x - predicted.x, pose.y - predicted.y, wrap_angle(pose.theta - predicted.theta),
                       match_.at.range_bias - range_bias()};
-  shift(filter_.condition(moved, match_.information.inverse()), predicted);
+  shift(filter_.condition(moved, match_.information.inverse(), match_.unobserved), predicted);
 }
 
 // Moves the estimate: the pose by moving map_from_odom, the calibration for the steps to come.

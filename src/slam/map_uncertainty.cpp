@@ -12,14 +12,6 @@ namespace {
 
 double square(double x) { return x * x; }
 
-// What a view's errors, squared, are more than its information says, with a lidar that scatters so many times the
-// usual: up to 1.5 times the information says it all (3we_standard_v2, turtlebot_like), at four times (randomization
-// `hard`) errors are far greater.
-double by_scatter(double worse, const Params::MapUncertainty& params) {
-  const double beyond = worse / params.in_proportion;
-  return worse < 1.0 ? square(worse) : std::max(1.0, beyond * beyond * beyond);
-}
-
 Matrix3 covariance_of(const Matrix3& information, const Params::MapUncertainty& params) {
   const Matrix3 by_motion = Vector3(1.0 / square(params.motion_position), 1.0 / square(params.motion_position),
                                     1.0 / square(params.motion_heading))
@@ -34,14 +26,22 @@ void MapUncertainty::update(Vec2 position, const View& view) {
   if (!began_) origin_ = position;
   const Vec2 moved = began_ ? position - here_.position : Vec2{};
   worse_ = std::max(view.scatter / params_.usual_noise, params_.least_noise);
-  // a little that is new counts for little, and is later judged beside much that was there before
-  const double added = by_scatter(worse_, params_) * (began_ ? view.unknown * exact::sqrt(view.unknown) : 1.0);
+  const double scattered = square(std::min(worse_, 1.0));  // more is in the information already
+  if (here_.driven + norm(moved) < params_.first_view) {
+    // where it starts, many scans draw the same: the most certain of them counts
+    const Matrix3 covariance = covariance_of(view.information, params_) * scattered;
+    if (!began_ || covariance(2, 2) < here_.covariance(2, 2)) here_.covariance = covariance;
+    here_.views = scattered;
+  } else {
+    // a little that is new counts for little, and is later judged beside much that was there before
+    const double added = scattered * view.unknown * exact::sqrt(view.unknown);
+    here_.covariance =
+        composed({}, here_.covariance, {moved.x, moved.y, 0.0}, covariance_of(view.information, params_) * added);
+    here_.views += added;
+  }
   began_ = true;
-  here_.covariance =
-      composed({}, here_.covariance, {moved.x, moved.y, 0.0}, covariance_of(view.information, params_) * added);
   here_.position = position;
   here_.driven += norm(moved);
-  here_.views += added;
   come_back();
 }
 

@@ -35,9 +35,10 @@ Parameters parameters_of(Params::Filter& p) {
 
 Parameters parameters_of(Params::Matching& p) {
   return {
-      {"residual", &p.residual, "m", Scale::noise, "deviation of a hit from its surface: more trusts odometry more"},
+      {"residual", &p.residual, "m", Scale::noise, "distance of a hit from its surface: more trusts odometry more"},
       {"robust_width", &p.robust_width, "m", Scale::noise, "hits farther from their surface count little"},
       {"usual_noise", &p.usual_noise, "m", Scale::noise, "of a range; with a noisier lidar both grow in proportion"},
+      {"reach", &p.reach, "", Scale::none, "times a range's deviation: so far from a hit its surface is looked for"},
       {"spot_size", &p.spot_size, "m", Scale::noise, "hits of less extent are a spot, not a line"},
       {"surface_distance", &p.surface_distance, "m", Scale::size, "a hit this near to a surface agrees with the map"},
       {"viewing_angle", &p.viewing_angle, "rad", Scale::none, "between views of a surface that tell the range bias"},
@@ -157,9 +158,9 @@ Parameters parameters_of(Params::MapUncertainty& p) {
       {"position", &p.position, "m", Scale::noise, "standard deviation of the pose in the map, from metre to metre"},
       {"heading", &p.heading, "rad", Scale::none, "the same of its heading"},
       {"stretch", &p.stretch, "", Scale::none, "of the map, by what is left of the range bias"},
+      {"first_view", &p.first_view, "m", Scale::size, "from the start, within which all scans draw one view"},
       {"usual_noise", &p.usual_noise, "m", Scale::noise, "of ranges; all that grows in proportion with more"},
       {"least_noise", &p.least_noise, "", Scale::none, "share of it that other errors make up"},
-      {"in_proportion", &p.in_proportion, "", Scale::none, "times it: beyond, errors grow with its cube"},
       {"motion_position", &p.motion_position, "m", Scale::size, "standard deviation by motion, where scans tell none"},
       {"motion_heading", &p.motion_heading, "rad", Scale::none, "the same of the heading"},
       {"apart", &p.apart, "m", Scale::size, "between places that are remembered"},

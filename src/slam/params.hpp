@@ -46,6 +46,7 @@ struct Params {
     double residual = 0.025;         // [m]
     double robust_width = 0.06;      // [m]
     double usual_noise = 0.012;      // [m]
+    double reach = 3.0;              // times the scatter
     double spot_size = 0.015;        // [m]
     double surface_distance = 0.10;  // [m]
     double viewing_angle = 0.3;      // [rad]
@@ -159,13 +160,13 @@ struct Params {
   /// MapUncertainty. Fitted to ten-minute drives in all scenes, with plain and with bad sensors, by verify_trajectory
   /// on seeds from 1000000 on: so that mean squared errors over these covariances are as alike as may be.
   struct MapUncertainty {
-    double propagated = 2.4;
+    double propagated = 2.65;
     double position = 0.003;  // [m]
     double heading = 0.0009;  // [rad]
     double stretch = 0.0005;
+    double first_view = 0.3;        // [m]
     double usual_noise = 0.0115;    // [m]
     double least_noise = 0.5;       // times usual_noise
-    double in_proportion = 1.5;     // times usual_noise
     double motion_position = 0.03;  // [m]
     double motion_heading = 0.03;   // [rad]
     double apart = 1.0;             // [m]

@@ -55,13 +55,24 @@ void PoseFilter::predict(double heading, Vec2 step, double turn, double seconds,
     covariance_(kLateralScale, kLateralScale) += square(params_.scale_walk) * distance;
 }
 
-Vector7 PoseFilter::condition(const Vector4& shift, const Matrix4& posterior) {
+Vector7 PoseFilter::condition(const Vector4& shift, const Matrix4& posterior, const std::optional<Vec2>& unobserved) {
   // what is correlated with the four follows them: gain = P_all,four * P_four,four^-1
   const Matrix4 prior = scan_covariance();
+  const Matrix4 learned = prior - posterior;
   const Eigen::Matrix<double, 7, 4> gain = covariance_.leftCols<4>() * prior.inverse();
-  covariance_ -= (gain * (prior - posterior) * gain.transpose()).eval();
+  covariance_ -= (gain * learned * gain.transpose()).eval();
+  Vector7 shifts = gain * shift;
+  if (unobserved) {  // considered, not estimated (Schmidt 1966): its variance stays, what it makes of others shrinks
+    Matrix7 left_alone = Matrix7::Zero();
+    const Eigen::Vector2d along(unobserved->x, unobserved->y);
+    left_alone.topLeftCorner<2, 2>() = along * along.transpose();
+    left_alone(kForwardScale, kForwardScale) = left_alone(kLateralScale, kLateralScale) = 1.0;
+    const Eigen::Matrix<double, 7, 4> undone = left_alone * gain;
+    covariance_ += (undone * learned * undone.transpose()).eval();
+    shifts -= undone * shift;
+  }
   covariance_ = (0.5 * (covariance_ + covariance_.transpose())).eval();
-  return gain * shift;
+  return shifts;
 }
 
 Vector7 PoseFilter::observe_gyro_bias(double error, double variance) {

@@ -1,6 +1,8 @@
 // Kalman filter of the pose and of the sensors' systematic errors.
 #pragma once
 
+#include <optional>
+
 #include <Eigen/Core>
 
 #include "slam/params.hpp"
@@ -28,8 +30,10 @@ class PoseFilter {
   /// Grows with one step of dead reckoning. `heading`: in `map`, half way through the step.
   void predict(double heading, Vec2 step, double turn, double seconds, bool gyro);
   /// Pose and range bias were estimated afresh from this prediction and a scan: they shifted by `shift` and now have
-  /// covariance `posterior`. Returns the shift of everything, theirs included.
-  Vector7 condition(const Vector4& shift, const Matrix4& posterior);
+  /// covariance `posterior`. Returns the shift of everything, theirs included. Along `unobserved`, if there is such a
+  /// direction, nothing is learned, nor are scales: what a wall beside the way tells of these, by how the robot nears
+  /// it, is less than its map creeps.
+  Vector7 condition(const Vector4& shift, const Matrix4& posterior, const std::optional<Vec2>& unobserved = {});
   /// The robot stands: the gyro measures its bias. Returns the shift of everything.
   Vector7 observe_gyro_bias(double error, double variance);
   /// The pose was told anew, so well. What is known of the sensors stays.

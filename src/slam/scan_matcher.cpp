@@ -13,6 +13,7 @@ namespace threewe::slam {
 namespace {
 
 constexpr int kMaxIterations = 6;
+constexpr int kFarthestCells = 3;        // that hits of one surface are looked for in
 constexpr double kMaxCellWeight = 12.0;  // hits in one cell beyond this add nothing to its weight
 
 double square(double x) { return x * x; }
@@ -62,14 +63,15 @@ struct NormalEquations {
 // the robot back where the map ends. A direction of which not clearly more is told than by such noise counts as not
 // observed (solution remapping: Zhang, Kaess & Singh 2016, "On degeneracy of optimization-based state estimation
 // problems").
-void forget_unobserved(NormalEquations& scan, double observed) {
+std::optional<Vec2> forget_unobserved(NormalEquations& scan, double observed) {
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> told(scan.h.topLeftCorner<2, 2>());
   const Eigen::Vector2d least = told.eigenvectors().col(0);
-  if (told.eigenvalues()(0) > observed * least.dot(scan.by_tilt * least)) return;
+  if (told.eigenvalues()(0) > observed * least.dot(scan.by_tilt * least)) return {};
   const Vector4 direction(least(0), least(1), 0.0, 0.0);
   const Matrix4 rest = Matrix4::Identity() - direction * direction.transpose();
   scan.h = (rest * scan.h * rest).eval();
   scan.g = (rest * scan.g).eval();
+  return Vec2{least(0), least(1)};
 }
 
 // The residual of a hit at `point` in `map`, hit by a beam that goes along `ray`, `arm` away from the base.
@@ -95,7 +97,7 @@ NormalEquations linearize(const map::LogOddsMap& map, std::span<const map::Beam>
     const Vec2 arm = turned(beam.origin + (beam.range - at.range_bias) * beam.direction);
     const Vec2 ray = turned(beam.direction);
     const Vec2 point = at.pose.position() + arm;
-    const std::optional<Surface> surface = surface_at(map, point, -1.0 * ray, params);
+    const std::optional<Surface> surface = surface_at(map, point, -1.0 * ray, params, scatter);
     if (!surface) {
       sum.in_free_space += map.log_odds(map.grid().cell(point)) < 0 ? 1 : 0;
       continue;
@@ -127,17 +129,21 @@ NormalEquations linearize(const map::LogOddsMap& map, std::span<const map::Beam>
 
 }  // namespace
 
-std::optional<Surface> surface_at(const map::LogOddsMap& map, Vec2 point, Vec2 back, const Params::Matching& params) {
+std::optional<Surface> surface_at(const map::LogOddsMap& map, Vec2 point, Vec2 back, const Params::Matching& params,
+                                  double scatter) {
   const map::OccupancyGrid& grid = map.grid();
+  const double r = grid.resolution;
   const map::Cell middle = grid.cell(point);
-  if (middle.x < 1 || middle.y < 1 || middle.x >= grid.width - 1 || middle.y >= grid.height - 1) return {};
+  const int reach = std::clamp(static_cast<int>(std::ceil(params.reach * scatter / r - 0.5)), 1, kFarthestCells);
+  if (middle.x < reach || middle.y < reach || middle.x >= grid.width - reach || middle.y >= grid.height - reach)
+    return {};
 
   // sums over the cells that were seen from this side, around the middle cell, in cells
   double w = 0.0, x = 0.0, y = 0.0, xx = 0.0, xy = 0.0, yy = 0.0;
   Vec2 from;
-  for (int dy = -1; dy <= 1; ++dy) {
+  for (int dy = -reach; dy <= reach; ++dy) {
     const map::CellHits* row = &map.hits()[grid.index({middle.x, middle.y + dy})];
-    for (int dx = -1; dx <= 1; ++dx) {
+    for (int dx = -reach; dx <= reach; ++dx) {
       const map::CellHits& h = row[dx];
       if (h.count == 0) continue;
       const Vec2 sum_from{static_cast<double>(h.sum_from_x), static_cast<double>(h.sum_from_y)};
@@ -165,7 +171,6 @@ std::optional<Surface> surface_at(const map::LogOddsMap& map, Vec2 point, Vec2 b
   const double small = std::max(half_trace - root, 0.0);
 
   Surface surface;
-  const double r = grid.resolution;
   surface.mean = grid.center(middle) + r * Vec2{mx, my};
   surface.from = (1.0 / w) * from;
   surface.spread = small * r * r;
@@ -191,7 +196,7 @@ Match match_scan(const map::LogOddsMap& map, std::span<const map::Beam> beams, c
   match.at = {start, prior.range_bias};
   for (int i = 0; i < kMaxIterations; ++i) {
     NormalEquations scan = linearize(map, beams, match.at, scatter, params);
-    if (directions == Directions::observed) forget_unobserved(scan, params.observed);
+    if (directions == Directions::observed) match.unobserved = forget_unobserved(scan, params.observed);
     const Pose2D& pose = match.at.pose;
     const Vector4 off{pose.x - prior.pose.x, pose.y - prior.pose.y, wrap_angle(pose.theta - prior.pose.theta),
                       match.at.range_bias - prior.range_bias};

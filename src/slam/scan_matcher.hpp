@@ -24,10 +24,11 @@ struct Surface {
   double tilt = 0.0;    ///< [rad^2] variance of the normal's direction: few hits close together fix it badly
 };
 
-/// The surface at `point`, from the hits in the 3 x 3 cells around it that were seen from a side that looks back along
-/// `back`; empty where there are none.
+/// The surface at `point`, from the hits in the cells around it that were seen from a side that looks back along
+/// `back`; empty where there are none. `scatter`: deviation of a range [m]; the larger it is, the more cells are looked
+/// at: a mean over fewer than it spreads hits over would follow the point.
 std::optional<Surface> surface_at(const map::LogOddsMap& map, Vec2 point, Vec2 back,
-                                  const Params::Matching& params = {});
+                                  const Params::Matching& params = {}, double scatter = 0.0);
 
 /// What a scan tells about.
 struct Placement {
@@ -51,6 +52,7 @@ struct Match {
   Matrix4 told = Matrix4::Zero();         ///< of it, what the scan tells
   double agreement = 0.0;                 ///< the share of hits in known space that lie on a surface
   int known_hits = 0;                     ///< how many hits lie in known space
+  std::optional<Vec2> unobserved;         ///< unit; along which the scan tells nothing of the position
 };
 
 /// Along which directions a scan tells the position. In a map of fine cells that a robot drew over many scans, noise of

@@ -13,7 +13,10 @@ constexpr std::uint16_t kNoWay = 65535;
 }  // namespace
 
 DistanceField::DistanceField(const scene::SceneTables& tables, Vec2 target)
-    : target_(target), frame_(tables.passable().frame) {
+    : target_(target),
+      frame_(tables.passable().frame),
+      first_(frame_.center({0, 0})),
+      per_metre_(1.0 / frame_.resolution) {
   const scene::GeodesicField exact = tables.geodesic_field(target);
   std::vector<double> lengths(frame_.size(), kInfinity);
   double longest = 0.0;
@@ -36,15 +39,21 @@ double DistanceField::at(int x, int y) const {
 
 // Bilinear between the four cells around a point; beside obstacles, by way of the best cell nearby.
 double DistanceField::length_from(Vec2 point) const {
-  const Vec2 place = (1.0 / frame_.resolution) * (point - frame_.center({0, 0}));
+  const Vec2 place = per_metre_ * (point - first_);
   const bool on_field = place.x >= 1.0 && place.y >= 1.0 && place.x < frame_.width - 2 && place.y < frame_.height - 2;
   if (!on_field) return kInfinity;
   const int x = static_cast<int>(place.x);
   const int y = static_cast<int>(place.y);
-  const double below = at(x, y) + (place.x - x) * (at(x + 1, y) - at(x, y));
-  const double above = at(x, y + 1) + (place.x - x) * (at(x + 1, y + 1) - at(x, y + 1));
-  const double between = below + (place.y - y) * (above - below);
-  if (std::isfinite(between)) return between;
+  const std::uint16_t* low = &lengths_[frame_.index({x, y})];
+  const std::uint16_t* high = &lengths_[frame_.index({x, y + 1})];
+  if (std::max({low[0], low[1], high[0], high[1]}) != kNoWay) {
+    const auto along = [&](const std::uint16_t* row) {
+      const double left = unit_ * row[0];
+      return left + (place.x - x) * (unit_ * row[1] - left);
+    };
+    const double below = along(low);
+    return below + (place.y - y) * (along(high) - below);
+  }
 
   const scene::CellIndex cell = frame_.cell(point);
   double shortest = kInfinity;

@@ -24,7 +24,9 @@ class DistanceField {
 
   Vec2 target_;
   scene::GridFrame frame_;
-  double unit_ = 0.0;  // [m]
+  Vec2 first_;              // [m] centre of the first cell
+  double per_metre_ = 0.0;  // cells
+  double unit_ = 0.0;       // [m]
   std::vector<std::uint16_t> lengths_;
 };
 

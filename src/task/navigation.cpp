@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include "core/exact.hpp"
 #include "scene/episodes.hpp"
 #include "scene/scene_tables.hpp"
 #include "task/contact_count.hpp"
@@ -27,6 +28,15 @@ constexpr double kContactCost = 10.0;        // of one that ends the episode
 constexpr double kCountedContactCost = 0.1;  // of one that does not
 constexpr std::uint64_t kPoolSeed = 0x3e;    // the pools are part of the task
 constexpr double kFarthest = 1000.0;         // [m] a goal can be believed to lie
+
+// `inverse(a_from_b) * point_in_a`: both turn by the same angle, but where that is half a turn.
+Vec2 as_seen_from(const Pose2D& a_from_b, Vec2 point_in_a) {
+  const double turn = -a_from_b.theta;
+  if (wrap_angle(turn) != turn) return inverse(a_from_b) * point_in_a;
+  const auto [s, c] = exact::sincos(turn);
+  const auto rotated = [s, c](Vec2 v) { return Vec2{c * v.x - s * v.y, s * v.x + c * v.y}; };
+  return rotated({-a_from_b.x, -a_from_b.y}) + rotated(point_in_a);
+}
 
 // One robot's episode.
 struct Trip {
@@ -188,7 +198,7 @@ void Navigation::observe(std::size_t world, std::size_t robot, const Belief& bel
                          std::span<const std::span<std::byte>> fields) {
   if (fields[0].empty()) return;
   const Trip& trip = trips_[world * robots_ + robot];
-  const Vec2 goal = options_.goal_in_map ? trip.goal_in_map : inverse(belief.map_from_base) * trip.goal_in_map;
+  const Vec2 goal = options_.goal_in_map ? trip.goal_in_map : as_seen_from(belief.map_from_base, trip.goal_in_map);
   const std::array<float, 2> seen{static_cast<float>(goal.x), static_cast<float>(goal.y)};
   std::memcpy(fields[0].data(), seen.data(), sizeof(seen));
 }

@@ -30,6 +30,7 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 // Starts are drawn at random this often; then they are tried in turn, with headings a sixteenth of a turn apart.
 constexpr std::uint64_t kStartTries = 256;
 constexpr int kHeadings = 16;
+constexpr std::uint64_t kSightTries = 1024;  // for one kind
 
 // Places of success are looked for on every third cell both ways, through a camera of an eighth of the resolution, and
 // twice the pixels and the share are asked for, and a shorter reach, which leaves room for what lies between.
@@ -96,11 +97,11 @@ std::optional<std::size_t> nearest_reachable(const SceneTables& tables, const In
 struct Place {
   const SceneTables& tables;
   const CameraSpec& camera;
-  std::vector<Solid> solids;         // all of the scene's
+  std::span<const Solid> solids;     // all of the scene's
   std::vector<unsigned char> roomy;  // by cell
 
-  Place(const SceneTables& t, const CameraSpec& c)
-      : tables(t), camera(c), solids(t.scene().solids()), roomy(t.passable().frame.size(), 0) {
+  Place(const SceneTables& t, const CameraSpec& c, std::span<const Solid> s)
+      : tables(t), camera(c), solids(s), roomy(t.passable().frame.size(), 0) {
     for (const std::size_t cell : tables.roomy()) roomy[cell] = 1;
   }
 
@@ -181,6 +182,13 @@ struct ObjectNav::Goal {
     return bound.may_see(intrinsics, eye_of(camera, base), kGoalPixels);
   }
 
+  // The distance [m] to the nearest point of any.
+  double distance(Vec2 base) const {
+    double nearest = kInfinity;
+    for (const Instance& instance : instances) nearest = std::min(nearest, distance_to(instance.solids, base));
+    return nearest;
+  }
+
   // The first start at or after a cell, heading by heading, from which nothing is in view.
   std::optional<Pose2D> search(const CameraSpec& camera, const GridFrame& frame, std::size_t from) const {
     const CameraIntrinsics intrinsics = camera.intrinsics();
@@ -234,10 +242,10 @@ std::unique_ptr<const ObjectNav::Goal> ObjectNav::Goal::make(const Place& place,
 }
 
 ObjectNav::ObjectNav(std::shared_ptr<const SceneTables> tables, const RobotProfile& robot)
-    : tables_(std::move(tables)) {
+    : tables_(std::move(tables)), solids_(tables_->scene().solids()) {
   if (!robot.camera) throw HardwareError(fmt::format("ObjectNav needs a camera, and '{}' has none", robot.name));
   camera_ = *robot.camera;
-  const Place place(*tables_, camera_);
+  const Place place(*tables_, camera_, solids_);
   for (std::size_t i = 0; i < kObjectGoals.size(); ++i) {
     goals_[i] = Goal::make(place, kObjectGoals[i]);
     if (goals_[i]) offered_.push_back(i);
@@ -263,12 +271,7 @@ ObjectNavEpisode ObjectNav::sample(std::uint64_t seed, std::uint32_t index, std:
   const auto bits = random_bits(key, 0, 0);
   episode.seed = std::uint64_t{bits[0]} << 32 | bits[1];
   episode.goal = category.empty() ? offered_[pick(0, 1, offered_.size())] : object_goal(category);
-  if (!goals_[episode.goal]) {
-    throw ConfigError(fmt::format("in scene '{}' no {} can be looked for; goals there: {}", tables_->scene().name,
-                                  category, fmt::join(goal_names(offered_), ", ")));
-  }
-
-  const Goal& goal = *goals_[episode.goal];
+  const Goal& goal = goal_of(episode.goal);
   const GridFrame& frame = tables_->passable().frame;
   const CameraIntrinsics intrinsics = camera_.intrinsics();
   std::optional<Pose2D> start;
@@ -283,12 +286,78 @@ ObjectNavEpisode ObjectNav::sample(std::uint64_t seed, std::uint32_t index, std:
   return episode;
 }
 
+const ObjectNav::Goal& ObjectNav::goal_of(std::size_t goal) const {
+  if (goals_[goal]) return *goals_[goal];
+  throw ConfigError(fmt::format("in scene '{}' no {} can be looked for; goals there: {}", tables_->scene().name,
+                                kObjectGoals[goal], fmt::join(goal_names(offered_), ", ")));
+}
+
+ObjectNavEpisode ObjectNav::sample_in_sight(std::uint64_t seed, std::uint32_t index, std::string_view category) const {
+  const RngKey key{.seed = seed, .episode = index, .sensor = 8, .stream = Stream::sampler};
+  const GridFrame& frame = tables_->passable().frame;
+  const std::span<const std::size_t> roomy = tables_->roomy();
+  const auto place = [&](double chance, std::size_t count) {
+    return static_cast<std::size_t>(chance * static_cast<double>(count));
+  };
+  ObjectNavEpisode episode;
+  const auto bits = random_bits(key, 0, 0);
+  episode.seed = std::uint64_t{bits[0]} << 32 | bits[1];
+
+  // each kind is as likely, but for those of which nothing is found in sight
+  std::vector<std::size_t> kinds = category.empty() ? offered_ : std::vector{object_goal(category)};
+  for (std::uint32_t turn = 0; !kinds.empty(); ++turn) {
+    const auto kind = kinds.begin() + static_cast<std::ptrdiff_t>(place(uniform(key, turn, 1), kinds.size()));
+    const Goal& goal = goal_of(*kind);
+    for (std::uint64_t sample = turn * kSightTries; sample < (turn + 1) * kSightTries; ++sample) {
+      const Vec2 middle = frame.center(frame.cell(roomy[place(uniform(key, sample, 2), roomy.size())]));
+      const Pose2D pose{middle.x, middle.y, wrap_angle(uniform(key, sample, 3, -exact::kPi, exact::kPi))};
+      const double nearest = goal.distance(middle);
+      if (nearest < kSightNearest || nearest > kSightFarthest || !in_sight(goal, pose)) continue;
+      episode.goal = *kind;
+      episode.start = pose;
+      episode.geodesic = distance(*kind, middle);
+      if (episode.geodesic < kInfinity) return episode;
+    }
+    kinds.erase(kind);
+  }
+  throw ConfigError(fmt::format("in scene '{}' no start was found with a {} in sight", tables_->scene().name,
+                                category.empty() ? "goal" : category));
+}
+
+std::vector<std::size_t> ObjectNav::in_sight(const Pose2D& base) const {
+  std::vector<std::size_t> kinds;
+  std::ranges::copy_if(offered_, std::back_inserter(kinds),
+                       [&](std::size_t kind) { return in_sight(*goals_[kind], base); });
+  return kinds;
+}
+
+bool ObjectNav::in_sight(const Goal& goal, const Pose2D& base) const {
+  const CameraIntrinsics intrinsics = camera_.intrinsics();
+  if (!goal.in_view(camera_, intrinsics, base)) return false;
+  const Eye eye = eye_of(camera_, base);
+  return std::ranges::any_of(goal.instances, [&](const Instance& instance) {
+    if (distance_to(instance.solids, base.position()) > kSightFarthest) return false;
+    const int silhouette = visible_pixels(intrinsics, eye, instance.solids, {});
+    if (silhouette < kGoalPixels) return false;
+    double farthest = 0.0;
+    for (const Solid& solid : instance.solids)
+      farthest = std::max(farthest, threewe::distance(solid.center, base.position()) + solid.radius);
+    std::vector<Solid> others;
+    std::ranges::copy_if(solids_, std::back_inserter(others), [&](const Solid& solid) {
+      return solid.object != instance.id - kFirstObjectId && distance_to(solid, base.position()) <= farthest;
+    });
+    const int seen = visible_pixels(intrinsics, eye, instance.solids, others);
+    return seen >= kGoalPixels && seen >= kGoalShare * silhouette;
+  });
+}
+
 double ObjectNav::distance(std::size_t goal, Vec2 base) const {
   return goals_[goal] ? goals_[goal]->to_success.length_from(base) : kInfinity;
 }
 
-bool ObjectNav::is_success(std::size_t goal, const Pose2D& base, const FrameIds& look) const {
-  if (!goals_[goal]) return false;
+std::vector<std::size_t> ObjectNav::found(std::size_t goal, const Pose2D& base, const FrameIds& look) const {
+  std::vector<std::size_t> found;
+  if (!goals_[goal]) return found;
   std::span<const std::int16_t> frame;
   for (const Instance& instance : goals_[goal]->instances) {
     if (distance_to(instance.solids, base.position()) > kGoalReach) continue;
@@ -296,9 +365,10 @@ bool ObjectNav::is_success(std::size_t goal, const Pose2D& base, const FrameIds&
     const auto pixels = std::ranges::count(frame, instance.id);
     if (pixels < kGoalPixels) continue;
     const int silhouette = visible_pixels(camera_.intrinsics(), eye_of(camera_, base), instance.solids, {});
-    if (static_cast<double>(pixels) >= kGoalShare * silhouette) return true;
+    if (static_cast<double>(pixels) >= kGoalShare * silhouette)
+      found.push_back(static_cast<std::size_t>(instance.id - kFirstObjectId));
   }
-  return false;
+  return found;
 }
 
 StopTaskStep ObjectNav::step(const ObjectNavEpisode& episode, StopTaskState& state, const Pose2D& base,

@@ -15,6 +15,7 @@
 #include "task/stop_task.hpp"
 #include "threewe/core/pose.hpp"
 #include "threewe/hardware/profile.hpp"
+#include "threewe/scene/solid.hpp"
 #include "threewe/task/task.hpp"
 #include "threewe/task/tasks.hpp"
 
@@ -32,6 +33,10 @@ inline constexpr double kGoalShare = 0.1;  ///< and this share of those it would
 inline constexpr double kGoalDistance = 3.0;  ///< [m] from a start to everything of that kind, at least
 /// [m] from a start by the shortest path to all places within reach of the kind, at least.
 inline constexpr double kShortestSearch = 1.0;
+
+/// Something is in sight where the camera shows it as success asks for, at most so far away.
+inline constexpr double kSightFarthest = 5.0;  ///< [m] from the base centre to the nearest point of its footprint
+inline constexpr double kSightNearest = 1.5;   ///< [m] from the start of an episode in sight to everything of the kind
 
 inline constexpr std::int16_t kFirstObjectId{scene::kSurfaceNames.size()};
 
@@ -67,11 +72,22 @@ class ObjectNav {
   /// of it is in view (200 pixels would be; what hides behind low furniture counts as seen). A pure function of scene,
   /// robot, seed and index. Throws ConfigError for a kind that is not in `goals()`.
   ObjectNavEpisode sample(std::uint64_t seed, std::uint32_t index, std::string_view category = {}) const;
+  /// The same with something of the kind in sight and nothing of it nearer than 1.5 m, the start uniform over the roomy
+  /// cells and all headings. Throws ConfigError where no such start was found, for any kind or for the one that is
+  /// named.
+  ObjectNavEpisode sample_in_sight(std::uint64_t seed, std::uint32_t index, std::string_view category = {}) const;
+  /// The kinds of `goals()` that are in sight.
+  std::vector<std::size_t> in_sight(const Pose2D& base) const;
 
   /// The shortest path [m] to a place of success; infinity where there is none.
   double distance(std::size_t goal, Vec2 base) const;
-  /// Whether a robot at a pose may say STOP. Looks only if something of the kind is near enough.
-  bool is_success(std::size_t goal, const Pose2D& base, const FrameIds& look) const;
+  /// The things of a kind, indices into `Scene::objects`, for which a robot at a pose may say STOP. Looks only if
+  /// something of the kind is near enough.
+  std::vector<std::size_t> found(std::size_t goal, const Pose2D& base, const FrameIds& look) const;
+  /// Whether there is one.
+  bool is_success(std::size_t goal, const Pose2D& base, const FrameIds& look) const {
+    return !found(goal, base, look).empty();
+  }
 
   StopTaskState begin(const ObjectNavEpisode& episode) const { return {.stop = {}, .distance = episode.geodesic}; }
   /// Advances an episode by a control step that ended with the base at a pose. See `advance` for the reward.
@@ -81,10 +97,14 @@ class ObjectNav {
  private:
   struct Goal;
 
+  const Goal& goal_of(std::size_t goal) const;
+  bool in_sight(const Goal& goal, const Pose2D& base) const;
+
   std::shared_ptr<const scene::SceneTables> tables_;
   CameraSpec camera_;
   std::array<std::unique_ptr<const Goal>, kObjectGoals.size()> goals_;
   std::vector<std::size_t> offered_;
+  std::vector<scene::Solid> solids_;  // all of the scene's
 };
 
 }  // namespace threewe::task

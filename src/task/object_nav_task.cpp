@@ -12,7 +12,8 @@ namespace {
 
 class ObjectNavTask final : public Task {
  public:
-  explicit ObjectNavTask(const TaskContext& context) : period_(context.period), searches_(context.worlds) {
+  ObjectNavTask(const TaskContext& context, const ObjectNavOptions& options)
+      : options_(options), period_(context.period), searches_(context.worlds) {
     if (context.robots != 1) throw ConfigError("ObjectNav is a task for one robot");
     for (const auto& scene : context.scenes) scenes_.emplace_back(scene, context.robot);
   }
@@ -33,7 +34,10 @@ class ObjectNavTask final : public Task {
     if (request.start && !request.category) throw ConfigError("ObjectNav takes a start only with an object_goal");
     Search& search = searches_[world];
     search.scene = key.scene;
-    search.episode = scenes_[key.scene].sample(key.seed, key.episode, request.category.value_or(""));
+    const ObjectNav& scene = scenes_[key.scene];
+    const std::string category = request.category.value_or("");
+    search.episode = options_.in_sight && !request.start ? scene.sample_in_sight(key.seed, key.episode, category)
+                                                         : scene.sample(key.seed, key.episode, category);
     if (request.start) {
       search.episode.start = *request.start;
       search.episode.geodesic = scenes_[key.scene].distance(search.episode.goal, request.start->position());
@@ -73,6 +77,7 @@ class ObjectNavTask final : public Task {
     StopTrip trip;
   };
 
+  ObjectNavOptions options_;
   Duration period_;
   std::vector<ObjectNav> scenes_;
   std::vector<Search> searches_;  // by world
@@ -80,6 +85,8 @@ class ObjectNavTask final : public Task {
 
 }  // namespace
 
-std::unique_ptr<Task> make_object_nav(const TaskContext& context) { return std::make_unique<ObjectNavTask>(context); }
+std::unique_ptr<Task> make_object_nav(const TaskContext& context, const ObjectNavOptions& options) {
+  return std::make_unique<ObjectNavTask>(context, options);
+}
 
 }  // namespace threewe::task

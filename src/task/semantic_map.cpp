@@ -37,14 +37,6 @@ double gap(const std::vector<Solid>& a, const std::vector<Solid>& b) {
 
 }  // namespace
 
-Vec2 Opening::crossing(Vec2 from) const {
-  constexpr double kFromEnd = 0.4;  // [m]
-  const double length = distance(a, b);
-  const double inset = std::min(kFromEnd, 0.5 * length);
-  const Vec2 along = length > 0.0 ? (1.0 / length) * (b - a) : Vec2{};
-  return a + std::clamp(dot(from - a, along), inset, std::max(inset, length - inset)) * along;
-}
-
 SemanticMap::SemanticMap(const scene::SceneTables& tables, const language::Language& language)
     : tables_(&tables), roomy_(tables.passable().frame.size(), 0) {
   for (const std::size_t cell : tables.roomy()) roomy_[cell] = 1;

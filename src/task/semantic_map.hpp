@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "core/opening.hpp"
 #include "language/vocabulary.hpp"
 #include "scene/scene_tables.hpp"
 #include "threewe/core/pose.hpp"
@@ -27,7 +28,7 @@ struct Opening {
   /// The way out of a room.
   Vec2 out_of(std::size_t room) const { return rooms[0] == room ? normal : -1.0 * normal; }
   /// Where somebody crosses it who comes straight from a point, 0.4 m away from its ends where it is wide enough.
-  Vec2 crossing(Vec2 from) const;
+  Vec2 crossing(Vec2 from) const { return crossing_of(a, b, from); }
 };
 
 /// A thing that stands on the floor.

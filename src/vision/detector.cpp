@@ -142,19 +142,15 @@ std::filesystem::path file_of(std::string_view name) {
       fmt::format("there is no detector '{}'; known is 'indoor_v1', or a file that ends in .safetensors", name));
 }
 
-}  // namespace
-
-struct Detector::Model {
-  std::vector<std::string> labels;
-  std::vector<double> radii;
-  std::string description;
+struct IntegerModel : DetectorModel {
   IntegerNetwork network;
 
+  std::vector<Detection> detect(std::span<const std::uint8_t> picture, const CameraIntrinsics& camera) const override;
   // What the network says of a cell; none for background.
   std::optional<Cell> cell(const std::int32_t* sums, int x) const;
 };
 
-std::optional<Cell> Detector::Model::cell(const std::int32_t* sums, int x) const {
+std::optional<Cell> IntegerModel::cell(const std::int32_t* sums, int x) const {
   const auto value = [&](std::size_t i) { return std::ldexp(static_cast<double>(sums[i]), -network.places(i)); };
   Cell cell{std::vector<double>(labels.size()), 1, 0.0, 0.0};
   for (std::size_t k = 0; k < labels.size(); ++k) {
@@ -173,11 +169,33 @@ std::optional<Cell> Detector::Model::cell(const std::int32_t* sums, int x) const
   return cell;
 }
 
-Detector::Detector(std::shared_ptr<const Model> model) : model_(std::move(model)) {}
+std::vector<Detection> IntegerModel::detect(std::span<const std::uint8_t> picture,
+                                            const CameraIntrinsics& camera) const {
+  const auto view = detector_view(picture, camera);
+  const auto sums = network.run(view, kViewHeight, kViewWidth);
+  std::vector<std::optional<Cell>> cells(static_cast<std::size_t>(kRows * kColumns));
+  for (std::size_t i = 0; i < cells.size(); ++i)
+    cells[i] = cell(sums.data() + i * network.padded_outputs(), static_cast<int>(i) % kColumns);
+
+  const std::vector<int> groups = group(cells);
+  std::vector<Thing> things(cells.size());
+  for (std::size_t i = 0; i < cells.size(); ++i) {
+    const int at = static_cast<int>(i);
+    if (cells[i]) things[static_cast<std::size_t>(groups[i])].add(*cells[i], at % kColumns, at / kColumns, view);
+  }
+  std::vector<Detection> found;
+  for (const Thing& thing : things) {
+    if (thing.cells > 0) found.push_back(thing.detection(camera));
+  }
+  std::ranges::stable_sort(found, std::greater<>(), &Detection::cells);
+  return found;
+}
+
+}  // namespace
 
 Detector Detector::load(std::string_view name) {
   const TensorFile file = TensorFile::load(file_of(name));
-  auto model = std::make_shared<Model>();
+  auto model = std::make_shared<IntegerModel>();
   try {
     model->labels = nlohmann::json::parse(file.text("labels")).get<std::vector<std::string>>();
   } catch (const nlohmann::json::exception&) {
@@ -200,33 +218,12 @@ Detector Detector::load(std::string_view name) {
   return Detector(std::move(model));
 }
 
-const std::vector<std::string>& Detector::labels() const { return model_->labels; }
-const std::vector<double>& Detector::radii() const { return model_->radii; }
-const std::string& Detector::description() const { return model_->description; }
-
 std::vector<Detection> Detector::detect(std::span<const std::uint8_t> picture, const CameraIntrinsics& camera) const {
   if (camera.width < 1 || camera.height < 1 ||
       picture.size() != 3 * static_cast<std::size_t>(camera.width) * static_cast<std::size_t>(camera.height))
     throw ContractError(
         fmt::format("a picture of {} bytes is not one of {} x {} pixels", picture.size(), camera.width, camera.height));
-  const auto view = detector_view(picture, camera);
-  const auto sums = model_->network.run(view, kViewHeight, kViewWidth);
-  std::vector<std::optional<Cell>> cells(static_cast<std::size_t>(kRows * kColumns));
-  for (std::size_t i = 0; i < cells.size(); ++i)
-    cells[i] = model_->cell(sums.data() + i * model_->network.padded_outputs(), static_cast<int>(i) % kColumns);
-
-  const std::vector<int> groups = group(cells);
-  std::vector<Thing> things(cells.size());
-  for (std::size_t i = 0; i < cells.size(); ++i) {
-    const int at = static_cast<int>(i);
-    if (cells[i]) things[static_cast<std::size_t>(groups[i])].add(*cells[i], at % kColumns, at / kColumns, view);
-  }
-  std::vector<Detection> found;
-  for (const Thing& thing : things) {
-    if (thing.cells > 0) found.push_back(thing.detection(camera));
-  }
-  std::ranges::stable_sort(found, std::greater<>(), &Detection::cells);
-  return found;
+  return model_->detect(picture, camera);
 }
 
 std::span<const std::string_view> color_names() { return kColorTerms; }

@@ -7,6 +7,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "threewe/core/camera.hpp"
@@ -34,27 +35,39 @@ std::span<const std::string_view> color_names();
 /// The color term of a pixel, index into `color_names`.
 std::uint8_t color_of(std::uint8_t blue, std::uint8_t green, std::uint8_t red);
 
-/// Convolutional network in integer arithmetic, and what makes things of its outputs. The same bits on every machine.
-/// Copies share the weights.
+/// What finds things in pictures. Const once made.
+struct DetectorModel {
+  virtual ~DetectorModel() = default;
+  /// The things that a picture of the size of its intrinsics shows, largest first.
+  virtual std::vector<Detection> detect(std::span<const std::uint8_t> picture,
+                                        const CameraIntrinsics& camera) const = 0;
+
+  std::vector<std::string> labels;  ///< what it can tell apart; the first is the background
+  std::vector<double> radii;        ///< [m] of each label
+  std::string description;          ///< what it was trained on
+};
+
+/// A model, as those who use it see it. The one that ships is a convolutional network in integer arithmetic, and what
+/// makes things of its outputs: the same bits on every machine. Copies share the model.
 class Detector {
  public:
+  /// Of a model of one's own.
+  explicit Detector(std::shared_ptr<const DetectorModel> model) : model_(std::move(model)) {}
   /// Reads assets/detectors/NAME.safetensors, or a file that ends in .safetensors. Throws ConfigError.
   static Detector load(std::string_view name = "indoor_v1");
 
   /// What it can tell apart; the first is the background.
-  const std::vector<std::string>& labels() const;
+  const std::vector<std::string>& labels() const { return model_->labels; }
   /// The radius [m] of the circle that things of each label usually fit in; 0 where it is not known.
-  const std::vector<double>& radii() const;
+  const std::vector<double>& radii() const { return model_->radii; }
   /// What it was trained on, in words.
-  const std::string& description() const;
+  const std::string& description() const { return model_->description; }
   /// The things that a picture (H, W, 3), blue, green and red, of a level camera shows, largest first. Throws
   /// ContractError for a picture whose size is not that of its intrinsics.
   std::vector<Detection> detect(std::span<const std::uint8_t> picture, const CameraIntrinsics& camera) const;
 
  private:
-  struct Model;
-  explicit Detector(std::shared_ptr<const Model> model);
-  std::shared_ptr<const Model> model_;
+  std::shared_ptr<const DetectorModel> model_;
 };
 
 }  // namespace threewe::vision

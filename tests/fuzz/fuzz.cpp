@@ -174,7 +174,7 @@ class Mutation {
 
 }  // namespace
 
-void read(std::string_view input, const std::function<void()>& reader, std::size_t free_memory) {
+void read(std::string_view input, const std::function<void()>& reader, std::size_t free_memory, std::size_t per_byte) {
   static const bool hooked = [] { return __sanitizer_install_malloc_and_free_hooks(on_malloc, on_free) != 0; }();
   if (!hooked) fail("memory cannot be counted");
   const std::ptrdiff_t before = held;
@@ -187,7 +187,7 @@ void read(std::string_view input, const std::function<void()>& reader, std::size
     fail(error.what());
   }
   const std::size_t taken = static_cast<std::size_t>(most_held - before);
-  if (taken > free_memory + kMemoryPerByte * input.size()) {
+  if (taken > free_memory + per_byte * input.size()) {
     std::fprintf(stderr, "fuzz: %zu bytes of memory for an input of %zu\n", taken, input.size());
     std::abort();
   }

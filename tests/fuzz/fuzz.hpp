@@ -15,12 +15,16 @@ namespace threewe::fuzz {
 inline constexpr std::size_t kMemoryPerByte = 64;
 inline constexpr std::size_t kFreeMemory = 64U << 20U;
 inline constexpr std::size_t kMapMemory = 1U << 30U;
+/// A message from the wire, and what is written of it again.
+inline constexpr std::size_t kMessageMemory = 4096;
+inline constexpr std::size_t kMessageMemoryPerByte = 16;
 
 inline constexpr int kTimeLimit = 5;  ///< [s] of computing for one input
 
 /// Reads an input, which is accepted or refused by a ConfigError. Aborts where anything else is thrown, where
 /// reading took longer than it may, or held more memory at once.
-void read(std::string_view input, const std::function<void()>& reader, std::size_t free_memory = kFreeMemory);
+void read(std::string_view input, const std::function<void()>& reader, std::size_t free_memory = kFreeMemory,
+          std::size_t per_byte = kMemoryPerByte);
 
 /// A folder in memory that is this process's own.
 const std::filesystem::path& folder();

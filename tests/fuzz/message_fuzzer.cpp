@@ -1,5 +1,8 @@
-// ROS 2 messages as they come from the wire: two bytes that choose type and layout, then a CDR payload.
+// ROS 2 messages as they come from the wire: two bytes that choose type and layout, then a CDR payload. Where
+// THREEWE_FUZZ_MESSAGE names a message, all are of its type.
+#include <algorithm>
 #include <cstdlib>
+#include <string_view>
 
 #include "fuzz.hpp"
 #include "ros2/message_types.hpp"
@@ -9,13 +12,16 @@ using namespace threewe;
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   if (size < 2) return 0;
   const auto types = ros2::message_types();
-  const ros2::MessageType& type = types[data[0] % types.size()];
+  static const char* const only = std::getenv("THREEWE_FUZZ_MESSAGE");
+  const auto named = [](const ros2::MessageType& t) { return t.name.substr(t.name.rfind('/') + 1) == only; };
+  const ros2::MessageType& type =
+      only == nullptr ? types[data[0] % types.size()] : *std::find_if(types.begin(), types.end(), named);
   const ros2::Distribution layout = ros2::kDistributions[data[1] % ros2::kDistributions.size()];
   const std::span payload(data + 2, size - 2);
-  fuzz::read({reinterpret_cast<const char*>(payload.data()), payload.size()}, [&] {
-    const auto again = type.recode(payload, layout);
-    // what was read is written as the same message
-    if (again && type.recode(*again, layout) != again) std::abort();
-  });
+  const std::string_view input(reinterpret_cast<const char*>(payload.data()), payload.size());
+  fuzz::read(input, [&] { (void)type.recode(payload, layout); }, fuzz::kMessageMemory, fuzz::kMessageMemoryPerByte);
+  // what was read is written as the same message
+  const auto again = type.recode(payload, layout);
+  if (again && type.recode(*again, layout) != again) std::abort();
   return 0;
 }

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import inspect
+import os
 import re
 import signal
 from collections.abc import Iterator
@@ -32,6 +33,12 @@ def pytest_sessionfinish(session: pytest.Session) -> None:
 
 
 MISSING_PACKAGE = re.compile("is not installed|could not import|needs ")
+
+
+@pytest.fixture(autouse=True, scope="session")
+def no_model() -> None:
+    """A model that the environment of the tests names is not asked by instructions that name none."""
+    os.environ.pop("THREEWE_MODEL", None)
 
 
 @pytest.fixture(autouse=True, scope="session")

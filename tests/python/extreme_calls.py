@@ -195,6 +195,7 @@ def robots(draw: Draw) -> list[Call]:
         lambda: robot.move_forward(n(), tolerance=n(), **limit),
         lambda: robot.rotate(n(), angle_tolerance=n(), **limit),
         lambda: robot.follow_path(draw.choice([draw.array(), [draw.place(), draw.place()]]), tolerance=n(), **limit),
+        lambda: robot.follow_waypoints([draw.place(), p()], tolerance=n(), angle_tolerance=n(), **limit),
         lambda: robot.explore(**limit),
         lambda: robot.set_velocity(n(), n(), n(), hold=n()),
         lambda: robot.execute_action(draw.choice([draw.array(), [n(), n(), n()]]), period=draw.choice([0.02, -1, "x"])),

@@ -36,8 +36,8 @@ class Served:
 
 def dds_type(name: str) -> str:
     """`sensor_msgs/msg/Imu` as DDS has it."""
-    package, _, kind = name.split("/")
-    return f"{package}::msg::dds_::{kind}_"
+    package, sort, kind = name.split("/")
+    return f"{package}::{sort}::dds_::{kind}_"
 
 
 def record(

@@ -220,6 +220,11 @@ WRONG_CALLS: dict[str, tuple[Call, type[Exception], str]] = {
     ),
     "distance NaN": (lambda r: r.move_forward(NAN), ContractError, "finite"),
     "angle infinite": (lambda r: r.rotate(INF), ContractError, "finite"),
+    "waypoints empty": (lambda r: r.follow_waypoints([]), ContractError, "waypoints must have at least one place"),
+    "waypoints of four": (lambda r: r.follow_waypoints([(1.0, 2.0, 3.0, 4.0)]), ContractError, r"waypoints\[0\]"),
+    "waypoints NaN": (lambda r: r.follow_waypoints([(0.0, 0.0), (1.0, NAN)]), ContractError, "finite"),
+    "waypoints in one word": (lambda r: r.follow_waypoints("kitchen"), ContractError, "must be a list"),  # type: ignore[arg-type]
+    "waypoints of words": (lambda r: r.follow_waypoints(["a"]), ContractError, r"waypoints\[0\]"),  # type: ignore[list-item]
     "path empty": (lambda r: r.follow_path([]), ContractError, "path"),
     "path of triples": (lambda r: r.follow_path([(1.0, 2.0, 3.0)]), ContractError, r"shape \(N, 2\)"),
     "path NaN": (lambda r: r.follow_path([(1.0, NAN)]), ContractError, "finite"),
@@ -253,6 +258,9 @@ OTHER_NUMBERS: list[tuple[str, Callable[[Robot, Any], Awaitable[object]]]] = [
     ("timeout", lambda r, x: r.rotate(1.0, timeout=x)),
     ("timeout", lambda r, x: r.follow_path([(1.0, 0.0)], timeout=x)),
     ("tolerance", lambda r, x: r.follow_path([(1.0, 0.0)], tolerance=x)),
+    ("timeout", lambda r, x: r.follow_waypoints([(1.0, 0.0)], timeout=x)),
+    ("tolerance", lambda r, x: r.follow_waypoints([(1.0, 0.0)], tolerance=x)),
+    ("angle_tolerance", lambda r, x: r.follow_waypoints([(1.0, 0.0)], angle_tolerance=x)),
     ("timeout", lambda r, x: r.explore(timeout=x)),
     ("seconds", lambda r, x: enter(r.timeout(x))),
     ("seconds", lambda r, x: enter(r.thinking(seconds=x))),
@@ -339,6 +347,7 @@ CALLS: dict[str, Call] = {
     "move_forward": lambda r: r.move_forward(1.0),
     "rotate": lambda r: r.rotate(1.0),
     "follow_path": lambda r: r.follow_path([(1.0, 0.0)]),
+    "follow_waypoints": lambda r: r.follow_waypoints([(1.0, 0.0)]),
     "explore": lambda r: r.explore(),
     "execute_action": lambda r: r.execute_action([0.0, 0.0, 0.0]),
     "sleep": lambda r: r.sleep(0.1),
@@ -378,16 +387,27 @@ async def test_a_map_that_was_read_before_is_not_told_after_disconnect(robot: Ro
         robot.get_map()
 
 
-async def test_a_goal_in_a_wall_is_no_path(robot: Robot) -> None:
+def in_a_wall(robot: Robot) -> tuple[float, float]:
+    """The middle of the nearest."""
     assert robot.simulation is not None
     walls = robot.simulation.scene.walls
     wall = min(walls, key=lambda wall: math.hypot(wall.a[0] + wall.b[0], wall.a[1] + wall.b[1]))
-    result = await robot.move_to((wall.a[0] + wall.b[0]) / 2, (wall.a[1] + wall.b[1]) / 2, tolerance=0.05)
+    return (wall.a[0] + wall.b[0]) / 2, (wall.a[1] + wall.b[1]) / 2
+
+
+async def test_a_goal_in_a_wall_is_no_path(robot: Robot) -> None:
+    result = await robot.move_to(*in_a_wall(robot), tolerance=0.05)
     assert result.reason is Reason.no_path, result
     assert not result
     with pytest.raises(NavigationError):
         result.raise_for_failure()
     await stands_still(robot)
+
+
+async def test_a_waypoint_in_a_wall_is_named(robot: Robot) -> None:
+    result = await robot.follow_waypoints([(0.3, 0.0), in_a_wall(robot), (0.0, 0.0)], tolerance=0.05, timeout=120.0)
+    assert result.reason is Reason.no_path, result
+    assert result.detail.startswith("waypoint 2 of 3: ")
 
 
 async def test_a_goal_outside_the_world_is_no_path(robot: Robot) -> None:
@@ -437,6 +457,7 @@ async def test_the_emergency_stop_works_from_any_thread(robot: Robot) -> None:
 
 
 CALLED_WITH: dict[str, dict[str, object]] = {
+    "add_skill": {"function": print},
     "get_transform": {"target": "map", "source": "base"},
     "save_map": {"path": "map.yaml"},
     "name_place": {"name": "dock"},

@@ -119,7 +119,7 @@ def test_systems_of_gazebo_name_joints_and_sizes(name: str, system: str, tmp_pat
     world = ElementTree.parse(tmp_path / "world.sdf").getroot().find("world")
     assert world is not None
     systems = {plugin.get("name", "").rpartition("::")[2] for plugin in world.findall("plugin")}
-    assert systems == {"Physics", "Sensors", "Imu", "SceneBroadcaster", "UserCommands"}
+    assert systems == {"Physics", "Sensors", "Imu", "Contact", "SceneBroadcaster", "UserCommands"}
 
 
 def test_mecanum_wheels_hold_along_their_rollers_alone(tmp_path: Path) -> None:

@@ -181,16 +181,23 @@ def test_make_vec_takes_the_native_batch() -> None:
 def test_copies_are_safe_and_views_are_not_copies() -> None:
     options = {**lean("navigation"), "num_envs": 2}
     safe, fast = VectorEnv(**options), VectorEnv(**options, copy=False)
-    first, _ = safe.reset(seed=1)
-    seen, _ = fast.reset(seed=1)
+    first, begun = safe.reset(seed=1)
+    seen, infos_of_reset = fast.reset(seed=1)
     kept = {name: values.copy() for name, values in first.items()}
+    metrics = {name: values.copy() for name, values in begun.items()}
+    assert_same(infos_of_reset, metrics)
     actions = np.ones((2, 3), np.float32)
     for env in (safe, fast):
         for _ in range(5):
-            latest = env.step(actions)[0]
+            latest, *_, infos = env.step(actions)
     for name, values in kept.items():
         np.testing.assert_array_equal(first[name], values)
+    for name, values in metrics.items():
+        np.testing.assert_array_equal(begun[name], values)
     assert np.shares_memory(latest["pose"], seen["pose"])
+    assert np.shares_memory(infos["path_length"], infos_of_reset["path_length"])
+    assert infos_of_reset["path_length"].min() > 0.0 == begun["path_length"].max()
+    assert infos["success"].dtype == np.bool_
     assert not np.array_equal(seen["pose"], kept["pose"])
 
 
@@ -240,7 +247,7 @@ def test_an_action_that_is_none_is_refused_and_changes_nothing(action: Any, says
         ({"gate": "ful"}, "unknown gate 'ful'; did you mean 'full'?"),
         ({"noise": "idal"}, "unknown noise 'idal'; did you mean 'ideal'?"),
         ({"localization": "thruth"}, "unknown localization 'thruth'; did you mean 'truth'?"),
-        ({"episodes": "reactiv"}, "unknown episodes 'reactiv'; did you mean 'reactive'?"),
+        ({"episodes": "reactiv"}, "unknown episodes of navigation 'reactiv'; did you mean 'reactive'?"),
         ({"control_rate": 60}, "control_rate: 50 Hz over a whole number"),
         ({"control_rate": -1.0}, "control_rate must be positive, got -1"),
         ({"max_steps": 0}, "max_steps: at least 1, got 0"),
@@ -331,3 +338,20 @@ def test_nan_in_a_batch_names_the_place() -> None:
     actions[2, 1] = np.nan
     with pytest.raises(ContractError, match=r"actions\[2, 1\] is nan"):
         env.step(actions)
+
+
+def test_object_nav_in_sight() -> None:
+    env = gymnasium.make("3we/ObjectNav-v1", episodes="in_sight", scene="apartment_v1", observations=["object_goal"])
+    profile = threewe.RobotProfile.load("3we_standard_v2")
+    scene = threewe.Scene.load("apartment_v1")
+    task = threewe._core.ObjectNav(threewe.SceneTables(scene, profile), profile)
+    kinds = set()
+    for number in range(30):
+        _, info = env.reset(seed=3, options={"episode_number": number})
+        kinds.add(info["object_goal"])
+        assert info["object_goal"] in task.in_sight(threewe.Pose2D(*info["true_pose"]))
+    assert len(kinds) >= 5
+    with pytest.raises(ConfigError, match="unknown episodes of object_nav 'reactive'"):
+        gymnasium.make("3we/ObjectNav-v1", episodes="reactive")
+    with pytest.raises(ConfigError, match="unknown episodes of vln 'in_sight'"):
+        gymnasium.make("3we/VLN-v1", episodes="in_sight")

@@ -43,7 +43,12 @@ def test_places_are_where_they_were_named() -> None:
     with sync.Robot() as robot:
         robot.name_place("dock")
         robot.name_place("square", [(1.5, -0.5), (2.5, -0.5), (2.5, 0.5), (1.5, 0.5)])
-        assert [place.name for place in robot.get_places()] == ["dock", "square"]
+        dock, square = robot.get_places()
+        assert (dock.name, square.name) == ("dock", "square")
+        assert dock.contains((2.4, 0))
+        assert not dock.contains((2.6, 0))
+        assert square.contains((1.6, 0.4))
+        assert not square.contains((1.4, 0.4))
         there = robot.execute_instruction("go to the square")
         assert there.success
         assert math.hypot(robot.get_pose().x - 2.0, robot.get_pose().y) < 0.5
@@ -135,6 +140,8 @@ def test_a_page_shows_map_way_and_the_picture_of_each_step(tmp_path: Path) -> No
     assert page.count("data:image/jpeg;base64,") == 2
     assert page.count("data:image/png;base64,") == 1
     assert result.answer in page
+    assert not result.conversation
+    assert "Conversation" not in page
     assert "http" not in page.replace("http-equiv", "")
 
 

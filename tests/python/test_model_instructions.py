@@ -19,7 +19,7 @@ PLAN = [
     {"skill": "look"},
     {"skill": "done"},
 ]
-DIALECTS = ["openai", "llama.cpp", "vllm", "ollama", "lmstudio", "transformers"]
+DIALECTS = ["openai", "llama.cpp", "vllm", "ollama", "lmstudio", "llama-cpp-python", "transformers"]
 
 
 @pytest.fixture(autouse=True)
@@ -214,6 +214,16 @@ def test_a_server_that_speaks_no_tls_is_a_model_error() -> None:
         assert "SSL" in result.detail
 
 
+def test_a_wrong_certificate_is_a_model_error_at_once() -> None:
+    with ModelServer(PLAN, faults="certificate") as server, sync.Robot() as robot:
+        result = robot.execute_instruction("turn", model=server.url)
+        assert result.reason == "model_error"
+        assert result.detail == f"{server.url}: its certificate is wrong: self-signed certificate"
+        assert server.connections == 1
+        assert not server.requests
+        assert robot.execute_instruction("turn left 10 degrees").success
+
+
 def test_budgets() -> None:
     assert execute(lambda _: {"skill": "list_things"}, max_steps=4).detail == "it took more than 4 steps"
     assert execute(lambda _: {"skill": "list_things"}, max_tokens=300).detail == "it took more than 300 tokens"
@@ -231,7 +241,6 @@ def test_budgets() -> None:
         ({"model": "two words"}, ConfigError, "no address"),
         ({"model": "http://me:secret@127.0.0.1/v1"}, ConfigError, "THREEWE_MODEL_KEY"),
         ({"model": "gpt-x"}, ConfigError, "OPENAI_API_KEY"),
-        ({"model": ""}, ContractError, "model"),
         ({"max_tokens": 0}, ContractError, "max_tokens"),
         ({"model_timeout": 0.0}, ContractError, "model_timeout"),
         ({"thinking_time": -1.0}, ContractError, "thinking_time"),
@@ -296,3 +305,10 @@ def test_a_missing_package_names_the_extra(monkeypatch: pytest.MonkeyPatch) -> N
     monkeypatch.setitem(sys.modules, "openai", None)
     with sync.Robot() as robot, pytest.raises(ConfigError, match=r"threewe\[vlm\]"):
         robot.execute_instruction("turn", model="http://127.0.0.1:9/v1")
+
+
+def test_no_model_is_asked_where_it_is_named_empty(monkeypatch: pytest.MonkeyPatch) -> None:
+    with ModelServer([]) as server, sync.Robot() as robot:
+        monkeypatch.setenv("THREEWE_MODEL", server.url)
+        assert robot.execute_instruction("turn left 10 degrees", model="").success
+        assert not server.requests

@@ -32,6 +32,7 @@ def ask(server: ModelServer, method: str = "POST", path: str = "/chat/completion
         ("vllm", 200, "json", 1),
         ("ollama", 400, "json", 1),
         ("lmstudio", "prose", "json", 0),
+        ("llama-cpp-python", "prose", "prose", 1),
         ("transformers", "prose", "prose", None),
     ],
 )
@@ -53,10 +54,14 @@ def test_dialects(dialect: str, tools: int | str, response_format: str, models: 
         content = answer["choices"][0]["message"]["content"]
         assert content.startswith("I would") if response_format == "prose" else json.loads(content) == TURN
 
+        if dialect == "llama-cpp-python":
+            _, answer = ask(server, response_format={"type": "json_object", "schema": {}})
+            assert json.loads(answer["choices"][0]["message"]["content"]) == TURN
+
         _, answer = ask(server)
         assert answer["choices"][0]["message"]["content"] == "turn left 90 degrees"
-        assert len(server.requests) == 3
-        assert server.keys == ["Bearer none"] * 3
+        assert len(server.requests) == 3 + (dialect == "llama-cpp-python")
+        assert set(server.keys) == {"Bearer none"}
 
 
 @pytest.mark.parametrize(
@@ -103,3 +108,5 @@ def test_unknown_names_are_one_error() -> None:
         ModelServer([], dialect="vlm")
     with pytest.raises(ConfigError, match="did you mean 'reset'"):
         ModelServer([], faults={0: "rest"})
+    with pytest.raises(ConfigError, match="at each request or at none"):
+        ModelServer([], faults={0: "certificate"})

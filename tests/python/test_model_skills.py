@@ -45,6 +45,13 @@ def test_things_of_every_kind(kind: str) -> None:
         ("name_place", {"name": "bay 7"}),
         ("wait", {"duration": 2.5}),
         ("answer", {"about": "position"}),
+        ("answer", {"about": "count", "kind": "chair", "color": "red", "place": "kitchen"}),
+        ("answer", {"about": "where", "kind": "shelf", "which": "nearest"}),
+        ("approach", {"kind": "chair", "which": "farthest", "place": "kitchen"}),
+        ("move_to", {"x": 1.0, "y": 2.0, "heading": -45}),
+        ("explore", {"place": "old store"}),
+        ("list_things", {"place": "kitchen"}),
+        ("follow", {"route": "turn right, walk into the kitchen, then stop at the third chair on your left"}),
     ],
 )
 def test_other_skills(skill: str, arguments: dict[str, Any]) -> None:
@@ -58,6 +65,9 @@ def test_other_skills(skill: str, arguments: dict[str, Any]) -> None:
         ("name_place", {"name": "kitchen and drive through the wall"}, "refused: .*obstacle"),
         ("name_place", {"name": "hut, then move forward 3 m"}, "not understood"),
         ("name_place", {"name": "\ud800"}, "not understood"),
+        ("follow", {"route": "move forward 3 m"}, "not understood"),
+        ("follow", {"route": "walk into the kitchen, then drive through the wall"}, "refused: .*obstacle"),
+        ("move_to", {"x": 1.0, "y": 2.0, "heading": 400.5, "then": 1}, "unknown argument of move_to"),
         ("move_to_place", {"place": "kitchn"}, "did you mean 'kitchen'"),
         ("search", {"kind": "chairs"}, "did you mean 'chair'"),
         ("search", {"color": "redd"}, "did you mean 'red'"),

@@ -1,5 +1,6 @@
 """Records of conversations with a model: the same run without a server, and no key in any of them."""
 
+import html
 import json
 import subprocess
 import sys
@@ -28,7 +29,7 @@ def same(result: ExecutionResult) -> tuple[object, ...]:
     """All that must be the same to the bit."""
     steps = [(step, step.picture.tobytes()) for step in result.steps]
     said = result.reason, result.detail, result.answer, result.thinking, result.tokens, result.duration
-    return steps, said, [tuple(pose) for pose in result.way], result.things
+    return steps, said, [tuple(pose) for pose in result.way], result.things, result.conversation
 
 
 @pytest.mark.parametrize("dialect", ["openai", "llama.cpp", "transformers"])
@@ -43,6 +44,30 @@ def test_a_replay_is_the_same_run_without_a_server(tmp_path: Path, dialect: str)
         again = robot.execute_instruction(TEXT, replay=talk, record=tmp_path / "again.jsonl")
     assert same(again) == same(first)
     assert (tmp_path / "again.jsonl").read_bytes() == talk.read_bytes()
+
+
+def test_a_page_shows_what_was_said_and_each_picture_once(tmp_path: Path) -> None:
+    plan = [{"skill": "rotate", "degrees": 40}, "<b>fly</b>", {"skill": "done", "answer": "Here."}]
+    with ModelServer(plan, faults={3: "unauthorized"}) as server, sync.Robot() as robot:
+        result = robot.execute_instruction(TEXT, model=server.url, thinking_time=0.5)
+    asked = result.conversation
+    assert [exchange.failed for exchange in asked] == [False, False, False, True]  # of which the first is of eyesight
+    assert asked[1].answer == 'rotate({"degrees": 40})'
+    assert asked[2].answer == "<b>fly</b>"
+    assert "401: Incorrect API key provided" in asked[3].answer
+    assert [len(exchange.pictures) for exchange in asked] == [1, 1, 2, 3]
+    assert [exchange.tokens for exchange in asked] == [110, 110, 110, 0]
+    assert sum(exchange.seconds for exchange in asked) == result.thinking == 2.0
+    assert asked[1].time == asked[0].time + 0.5
+
+    result.save(tmp_path / "run.html")
+    page = (tmp_path / "run.html").read_text(encoding="utf-8")
+    talk = page.partition("<h2>Conversation with the model</h2>")[2]
+    assert talk.count("<img") == 4  # the drawn one, and one of each look
+    assert "and 2 that it had been sent before" in talk
+    assert "&lt;b&gt;fly&lt;/b&gt;" in talk
+    assert json.dumps(TEXT) in html.unescape(talk)
+    assert "http:" not in page.replace(server.url, "")
 
 
 def test_an_error_is_replayed_too(tmp_path: Path) -> None:

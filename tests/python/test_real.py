@@ -3,8 +3,9 @@
 All of it is in real time: what is compared are places and outcomes, not durations.
 """
 
+import json
 import math
-import re
+import os
 import shutil
 import signal
 import subprocess
@@ -26,6 +27,15 @@ pytestmark = [
     # in real time: a loaded machine may be late once, what is wrong fails each time
     pytest.mark.flaky(reruns=4, reruns_delay=3),
 ]
+
+ROOT = Path(__file__).resolve().parents[2]
+TRAFFIC = PROGRAM.with_name("ros2_traffic")
+SMALL_BUFFER = (
+    "<CycloneDDS><Domain><General><AllowMulticast>false</AllowMulticast></General><Discovery>"
+    "<ParticipantIndex>auto</ParticipantIndex><MaxAutoParticipantIndex>32</MaxAutoParticipantIndex>"
+    '<Peers><Peer address="localhost"/></Peers></Discovery>'
+    '<Internal><SocketReceiveBufferSize max="208kB"/></Internal></Domain></CycloneDDS>'
+)
 
 # Some of what the contract wants; all of it takes minutes.
 CHECKS = [
@@ -257,15 +267,22 @@ def test_without_the_library_one_error_names_the_package() -> None:
     assert "apt install cyclonedds-dev" in run.stderr
 
 
-def test_links_of_the_how_to_are_read(tmp_path: Path) -> None:
-    page = (Path(__file__).parents[2] / "docs/how-to-real-robot.md").read_text()
-    links = re.findall(r"```yaml\n# (\w+)\n(link:.*?)```", page, re.DOTALL)
-    assert len(links) == 3
-    for number, (name, link) in enumerate(links):
-        yaml = re.sub(r"\nlink:.*?(?=\n\S|\Z)", "", threewe.RobotProfile.load(name).yaml, flags=re.DOTALL)
-        file = tmp_path / f"robot_{number}.yaml"
-        file.write_text(f"{yaml}\n{link}")
-        Robot(backend="real", hardware=str(file))  # which does not connect yet
+@pytest.mark.parametrize("hardware", ["turtlebot3_burger", "turtlebot4", "nav2_robot"])
+def test_robots_of_others_are_ready_to_be_driven(network: pytest.MonkeyPatch, hardware: str) -> None:
+    """By names, types and frames of their links, over a process that has them."""
+    domain = FIRST_DOMAIN + 2
+    network.setenv("ROS_DOMAIN_ID", str(domain))
+    with (
+        RealRobot(domain, "--profile", hardware, "--linked") as played,
+        threewe.sync.Robot("real", hardware) as robot,
+    ):
+        if hardware == "turtlebot4":
+            assert robot.get_image().shape == (250, 250, 3)
+        result = robot.move_to(0.4, 0.0)
+        assert result.success, result
+        played.process.terminate()
+        played.process.wait(30)
+    assert math.dist(played.truth["pose"][:2], (0.4, 0.0)) < 0.25
 
 
 def test_what_only_simulators_can_is_refused() -> None:
@@ -281,3 +298,40 @@ def test_a_wrong_network_is_a_wrong_variable(network: pytest.MonkeyPatch) -> Non
     network.setenv("ROS_DOMAIN_ID", "many")
     with pytest.raises(ConfigError, match="ROS_DOMAIN_ID is 'many'"):
         Robot(backend="real")
+
+
+@pytest.mark.parametrize("small", [False, True])
+def test_colours_and_depths_come_together_or_their_loss_is_named(tmp_path: Path, small: bool) -> None:
+    domain = str(FIRST_DOMAIN + 2)
+    text = (ROOT / "assets/robots/3we_depth_v2.yaml").read_text()
+    profile = tmp_path / "robot.yaml"
+    profile.write_text(
+        text
+        + """
+link:
+  driver: ros2
+  topics:
+    odometry: {topic: /odom, type: nav_msgs/msg/Odometry}
+    camera: {topic: /camera/image_raw, type: sensor_msgs/msg/Image}
+    depth: {topic: /camera/depth, type: sensor_msgs/msg/Image}
+  command: {topic: /cmd_vel, type: geometry_msgs/msg/Twist}
+  stops: {by: the stand-in, after: 0.2}
+"""
+    )
+    environment = os.environ | {"ROS_DOMAIN_ID": domain}
+    if small:
+        environment |= {"ROS_AUTOMATIC_DISCOVERY_RANGE": "SYSTEM_DEFAULT", "CYCLONEDDS_URI": SMALL_BUFFER}
+    streams = [PROGRAM.with_name("ros2_streams"), domain, "--images"]
+    with subprocess.Popen(streams, stdout=subprocess.PIPE, text=True) as sender:
+        assert sender.stdout is not None
+        assert sender.stdout.readline() == "ready\n"
+        got = subprocess.run([TRAFFIC, profile, "4"], capture_output=True, text=True, env=environment, timeout=60)
+        sender.terminate()
+    if got.returncode != 0:  # all of them were lost
+        assert "images are lost: " in got.stderr
+        return
+    received = json.loads(got.stdout)
+    assert received["images"]
+    frames = 1 + (received["images"][-1][0] - received["images"][0][0]) % 1024
+    lost = frames - len(received["images"])
+    assert lost < 6 or "are lost: " in received["fault"]

@@ -70,22 +70,28 @@ async def test_reading_takes_no_robot_time(robot: Robot) -> None:
     assert robot.now == before
 
 
+@pytest.fixture
+def new_robot() -> Robot:
+    """One that has said nothing yet: some warnings come once in a robot's life."""
+    return Robot(scene="corridor_v1", noise="ideal")
+
+
 async def test_reading_without_end_at_one_stamp_is_reported_once(
-    robot: Robot, caplog: pytest.LogCaptureFixture
+    new_robot: Robot, caplog: pytest.LogCaptureFixture
 ) -> None:
     for _ in range(3000):
-        robot.get_pose()
+        new_robot.get_pose()
     [message] = caplog.messages
     assert "robot.sleep" in message
 
 
-async def test_a_velocity_is_held_no_longer_than_asked(robot: Robot, caplog: pytest.LogCaptureFixture) -> None:
-    robot.set_velocity(0.3, hold=0.5)
-    await robot.sleep(0.4)
-    assert robot.get_velocity().vx > 0.2
+async def test_a_velocity_is_held_no_longer_than_asked(new_robot: Robot, caplog: pytest.LogCaptureFixture) -> None:
+    new_robot.set_velocity(0.3, hold=0.5)
+    await new_robot.sleep(0.4)
+    assert new_robot.get_velocity().vx > 0.2
     assert not caplog.messages
-    await robot.sleep(0.6)
-    assert abs(robot.get_velocity().vx) < 0.01
+    await new_robot.sleep(0.6)
+    assert abs(new_robot.get_velocity().vx) < 0.01
     [message] = caplog.messages
     assert "hold" in message
 
@@ -128,6 +134,21 @@ async def test_following_a_path_given_as_an_array(robot: Robot) -> None:
     result = await robot.follow_path(path, tolerance=0.1)
     assert result.success
     assert math.dist((result.pose.x, result.pose.y), path[-1]) < 0.15
+
+
+async def test_waypoints_are_visited_in_turn(robot: Robot) -> None:
+    seen: list[Progress] = []
+    waypoints = [(0.5, 0.0), (0.5, 0.4, math.pi), Pose2D(0.0, 0.4, math.pi)]
+    result = await robot.follow_waypoints(waypoints, tolerance=0.1, on_progress=seen.append)
+    assert result.success, result
+    assert math.dist((result.pose.x, result.pose.y), (0.0, 0.4)) < 0.1
+    for x, y in ((0.5, 0.0), (0.5, 0.4)):
+        assert min(math.dist((one.pose.x, one.pose.y), (x, y)) for one in seen) < 0.1
+    left = [one.distance_left for one in seen]
+    assert left[0] == pytest.approx(1.4, abs=0.1)
+    assert all(later < earlier + 0.15 for earlier, later in itertools.pairwise(left))
+    turned = [one for one in seen if math.dist((one.pose.x, one.pose.y), (0.5, 0.4)) < 0.1]
+    assert any(abs(one.pose.theta) > math.pi - 0.15 for one in turned)
 
 
 async def test_progress_and_the_path(robot: Robot) -> None:
@@ -518,7 +539,7 @@ async def test_in_real_time_a_robot_can_think_be_limited_and_begin_anew() -> Non
 def test_options_are_those_of_cpp() -> None:
     defaults = _core.RobotOptions()
     parameters = inspect.signature(Robot.__init__).parameters
-    ours = {name: it.default for name, it in parameters.items() if name not in ("self", "viewer")}
+    ours = {name: it.default for name, it in parameters.items() if name not in ("self", "viewer", "detector")}
     assert set(ours) == {name for name in dir(defaults) if not name.startswith("_")}
     assert ours == {name: getattr(defaults, name) for name in ours}
 

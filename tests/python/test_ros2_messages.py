@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from rosbags.typesys import Stores, get_typestore
+from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 from rosbags.typesys.store import Typestore
 from threewe import ContractError, _core
 
@@ -16,10 +16,61 @@ HASHED_OTHERWISE = [name for name in TYPES if name.startswith("rmw_dds_common/")
 # What others have published of those.
 PARTICIPANT = "RIHS01_91a0593bacdcc50ea9bdcf849a938b128412cc1ea821245c663bcd26f83c295e"
 
+# What rosbags has not: the messages of services and actions, as ROS 2 makes them of .srv and .action files.
+NAV2 = "nav2_msgs/action"
+UUID = "unique_identifier_msgs/UUID goal_id"
+ACTIONS = {
+    "action_msgs/srv/CancelGoal_Request": "action_msgs/GoalInfo goal_info",
+    "action_msgs/srv/CancelGoal_Response": "int8 return_code\naction_msgs/GoalInfo[] goals_canceling",
+    f"{NAV2}/NavigateToPose_Goal": "geometry_msgs/PoseStamped pose\nstring behavior_tree",
+    f"{NAV2}/NavigateToPose_Result": "uint16 error_code\nstring error_msg",
+    f"{NAV2}/NavigateToPose_Feedback": "geometry_msgs/PoseStamped current_pose\n"
+    "builtin_interfaces/Duration navigation_time\nbuiltin_interfaces/Duration estimated_time_remaining\n"
+    "int16 number_of_recoveries\nfloat32 distance_remaining",
+    f"{NAV2}/FollowPath_Goal": "nav_msgs/Path path\nstring controller_id\nstring goal_checker_id\n"
+    "string progress_checker_id",
+    f"{NAV2}/FollowPath_Result": "std_msgs/Empty result\nuint16 error_code\nstring error_msg",
+    f"{NAV2}/FollowPath_Feedback": "float32 distance_to_goal\nfloat32 speed",
+    "nav2_msgs/msg/MissedWaypoint": "uint32 index\ngeometry_msgs/PoseStamped goal\nuint16 error_code",
+    f"{NAV2}/FollowWaypoints_Goal": "uint32 number_of_loops\nuint32 goal_index\ngeometry_msgs/PoseStamped[] poses",
+    f"{NAV2}/FollowWaypoints_Result": "nav2_msgs/MissedWaypoint[] missed_waypoints\n"
+    "uint16 error_code\nstring error_msg",
+    f"{NAV2}/FollowWaypoints_Feedback": "uint32 current_waypoint",
+    **{
+        f"{NAV2}/{action}_{name}": fields.replace("ACTION", f"{NAV2}/{action}")
+        for action in ("NavigateToPose", "FollowPath", "FollowWaypoints")
+        for name, fields in {
+            "SendGoal_Request": f"{UUID}\nACTION_Goal goal",
+            "SendGoal_Response": "bool accepted\nbuiltin_interfaces/Time stamp",
+            "GetResult_Request": UUID,
+            "GetResult_Response": "int8 status\nACTION_Result result",
+            "FeedbackMessage": f"{UUID}\nACTION_Feedback feedback",
+        }.items()
+    },
+}
+ACTIONS_OF_HUMBLE = {
+    f"{NAV2}/NavigateToPose_Result": "std_msgs/Empty result",
+    f"{NAV2}/FollowPath_Goal": "nav_msgs/Path path\nstring controller_id\nstring goal_checker_id",
+    f"{NAV2}/FollowPath_Result": "std_msgs/Empty result",
+    f"{NAV2}/FollowWaypoints_Goal": "geometry_msgs/PoseStamped[] poses",
+    f"{NAV2}/FollowWaypoints_Result": "int32[] missed_waypoints",
+}
+ACTIONS_OF_KILTED = {
+    "nav2_msgs/msg/WaypointStatus": "uint8 waypoint_status\nuint32 waypoint_index\n"
+    "geometry_msgs/PoseStamped waypoint_pose\nuint16 error_code\nstring error_msg",
+    f"{NAV2}/FollowWaypoints_Result": "nav2_msgs/WaypointStatus[] missed_waypoints\n"
+    "uint16 error_code\nstring error_msg",
+}
+
 
 @pytest.fixture(scope="module", params=STORES)
 def store(request: pytest.FixtureRequest) -> tuple[str, Typestore]:
-    return request.param, get_typestore(STORES[request.param])
+    store = get_typestore(STORES[request.param])
+    actions = ACTIONS | {"humble": ACTIONS_OF_HUMBLE, "kilted": ACTIONS_OF_KILTED}.get(request.param, {})
+    for name, fields in actions.items():
+        (definition,) = get_types_from_msg(fields, name).values()  # which takes a service's for a message
+        store.register({name: definition})
+    return request.param, store
 
 
 def test_hashes_are_those_of_rosbags(store: tuple[str, Typestore]) -> None:

@@ -185,11 +185,42 @@ def test_messages_of_all_types_reach_another_dds_and_come_back(tmp_path: Path) -
     assert done.stdout == f"{len(names)} of {len(names)} types\n", done
 
 
+def test_an_autonomy_stack_shows_its_map_and_drives_to_goals(network: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    domain = FIRST_DOMAIN + 2
+    network.setenv("ROS_DOMAIN_ID", str(domain))
+    types = {"/plan": "nav_msgs/msg/Path", "/map": "nav_msgs/msg/OccupancyGrid"}
+    # localised by what it says of itself, and commanded to stand all the while
+    with Served("--autonomy"), threewe.sync.Robot("real", localization="slam_toolbox") as robot:
+        assert np.count_nonzero(robot.get_map().data == 100) > 100
+        assert robot.health["slam_toolbox"].detail.startswith("it states no covariance")
+        messages = record(
+            domain, tmp_path / "record", types, "0 0 0 150\n", "--drive /cmd_vel --goal 1.2,0.4", kept=("/map",)
+        )
+        for _ in range(100):
+            pose = robot.get_pose()
+            if math.hypot(pose.x - 1.2, pose.y - 0.4) < 0.15:
+                break
+            robot.sleep(0.1)
+        assert math.hypot(pose.x - 1.2, pose.y - 0.4) < 0.15
+        robot.sleep(2.0)  # what its wheels do without being commanded is over
+        # a velocity that is none ends no drive, any other does
+        robot.set_velocity(0.0, 0.0, 0.4, hold=1.0)
+        robot.sleep(1.2)
+        assert robot.get_pose().theta - pose.theta > 0.2
+    plan = messages["/plan"][0]
+    assert plan.header.frame_id == "map"
+    end = plan.poses[-1].pose.position
+    assert math.hypot(end.x - 1.2, end.y - 0.4) < 0.1
+    assert not messages["/plan"][-1].poses or len(messages["/plan"]) > 1
+
+
 def serve(**changes: Any) -> None:
     _core.ros2_serve(**{"scene": SCENE, "robots": [PROFILE], "namespaces": [""], **changes})
 
 
 def test_what_cannot_be_served_is_named() -> None:
+    with pytest.raises(ConfigError, match="the scene's map and the robot's own are one topic"):
+        serve(map=True, autonomy=True)
     with pytest.raises(ConfigError, match="2 namespaces for 1 robots"):
         serve(namespaces=["", "/b"])
     with pytest.raises(ConfigError, match="namespace '/a-b'; expected one such as /robot_1"):

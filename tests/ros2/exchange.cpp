@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
@@ -32,7 +33,7 @@ int main(int count, char** arguments) {
   }
   std::mutex mutex;
   std::map<std::string, Payload> returned;
-  Discovery discovery;
+  Discovery discovery = read_discovery([](const char* name) { return std::getenv(name); });
   discovery.domain = std::stoi(arguments[1]);
   Node node(discovery, "/", "exchange");
   std::map<std::string, Payload> sent;

@@ -1,6 +1,7 @@
 // A ROS 2 node on Fast DDS with the code that fastddsgen made: what a micro-ROS agent shows of a microcontroller.
 #pragma once
 
+#include <cstdlib>
 #include <functional>
 #include <memory>
 #include <stdexcept>
@@ -45,6 +46,31 @@ class Node {
     qos.data_sharing().off();
     return checked(publisher_->create_datawriter(make_topic<Support>("rt" + topic, type), qos), topic);
   }
+  /// Of a service, a topic that stays, or an action's: `topic` as DDS has it, reliable, `user_data` as rmw has it.
+  template <typename Support>
+  fast::DataWriter* offer(const std::string& topic, const std::string& type, bool kept,
+                          const std::string& user_data = {}) {
+    fast::DataWriterQos qos;
+    qos.reliability().kind = fast::RELIABLE_RELIABILITY_QOS;
+    qos.durability().kind = kept ? fast::TRANSIENT_LOCAL_DURABILITY_QOS : fast::VOLATILE_DURABILITY_QOS;
+    qos.history().depth = kept ? 1 : 10;
+    qos.user_data().setValue({user_data.begin(), user_data.end()});
+    qos.endpoint().history_memory_policy = eprosima::fastrtps::rtps::PREALLOCATED_WITH_REALLOC_MEMORY_MODE;
+    qos.data_sharing().off();
+    return checked(publisher_->create_datawriter(make_topic<Support>(topic, type), qos), topic);
+  }
+  /// The other end of such a one.
+  template <typename Support>
+  void take(const std::string& topic, const std::string& type, fast::DataReaderListener& listener,
+            const std::string& user_data = {}) {
+    fast::DataReaderQos qos;
+    qos.reliability().kind = fast::RELIABLE_RELIABILITY_QOS;
+    qos.history().depth = 10;
+    qos.user_data().setValue({user_data.begin(), user_data.end()});
+    qos.endpoint().history_memory_policy = eprosima::fastrtps::rtps::PREALLOCATED_WITH_REALLOC_MEMORY_MODE;
+    qos.data_sharing().off();
+    checked(subscriber_->create_datareader(make_topic<Support>(topic, type), qos, &listener), topic);
+  }
   /// Reliable, and kept for those who come later: the graph of nodes. `topic` as DDS has it.
   template <typename Support>
   void join_graph(const std::string& topic, const std::string& type, fast::DataReaderListener& listener) {
@@ -82,7 +108,23 @@ class Node {
   static fast::DomainParticipantQos participant_qos() {
     fast::DomainParticipantQos qos;
     qos.transport().listen_socket_buffer_size = 4 << 20;
+    if (const char* enclave = std::getenv("THREEWE_TEST_ENCLAVE")) secure(qos, std::string("file://") + enclave + "/");
     return qos;
+  }
+  // as rmw_fastrtps does, with the files of an enclave
+  static void secure(fast::DomainParticipantQos& qos, const std::string& enclave) {
+    const auto set = [&](const char* name, const std::string& value) {
+      qos.properties().properties().emplace_back(name, value);
+    };
+    set("dds.sec.auth.plugin", "builtin.PKI-DH");
+    set("dds.sec.auth.builtin.PKI-DH.identity_ca", enclave + "identity_ca.cert.pem");
+    set("dds.sec.auth.builtin.PKI-DH.identity_certificate", enclave + "cert.pem");
+    set("dds.sec.auth.builtin.PKI-DH.private_key", enclave + "key.pem");
+    set("dds.sec.crypto.plugin", "builtin.AES-GCM-GMAC");
+    set("dds.sec.access.plugin", "builtin.Access-Permissions");
+    set("dds.sec.access.builtin.Access-Permissions.permissions_ca", enclave + "permissions_ca.cert.pem");
+    set("dds.sec.access.builtin.Access-Permissions.governance", enclave + "governance.p7s");
+    set("dds.sec.access.builtin.Access-Permissions.permissions", enclave + "permissions.p7s");
   }
   template <typename Support>
   fast::Topic* make_topic(const std::string& topic, const std::string& type) {

@@ -1,11 +1,12 @@
 // Recorder of ROS 2 topics on Fast DDS, and a driver: neither knows any code of ours.
 //
-//   ros2_recorder DOMAIN FILE [--drive TOPIC | --drive-stamped TOPIC] [--echo] TOPIC=TYPE[!] ...
+//   ros2_recorder DOMAIN FILE [--drive TOPIC | --drive-stamped TOPIC] [--goal X,Y] [--echo] TOPIC=TYPE[!] ...
 //
 // TYPE is as DDS has it, "sensor_msgs::msg::dds_::LaserScan_"; with ! it asks for what was published before. Payloads
 // go to FILE as they are: a line "TOPIC SIZE" and the bytes. It prints "ready" once all topics are matched. Each line
 // "VX VY OMEGA COUNT" of its input is published COUNT times, each time when the clock has gone on by 20 ms, or at 50 Hz
-// where /clock is not among the topics. It ends with its input. With
+// where /clock is not among the topics. It ends with its input. With --goal it first publishes a pose in the map on
+// /goal_pose. With
 // --echo it publishes each message again, on TOPIC/back.
 #include <algorithm>
 #include <atomic>
@@ -16,6 +17,7 @@
 #include <iostream>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <sstream>
 #include <string>
 #include <thread>
@@ -154,6 +156,8 @@ int run(const std::vector<std::string>& arguments) {
   Record record(arguments[1]);
   Node node(static_cast<unsigned>(std::stoul(arguments[0])));
   std::unique_ptr<Driver> driver;
+  std::optional<geometry_msgs::msg::dds_::PoseStamped_> goal;
+  fast::DataWriter* goals = nullptr;
   bool by_clock = false;
   bool echo = false;
   std::vector<std::unique_ptr<Topic>> topics;
@@ -161,6 +165,19 @@ int run(const std::vector<std::string>& arguments) {
     if (arguments[i].starts_with("--drive")) {
       const bool stamped = arguments[i] == "--drive-stamped";
       driver = std::make_unique<Driver>(node, arguments.at(++i), stamped);
+      continue;
+    }
+    if (arguments[i] == "--goal") {
+      double x = 0.0;
+      double y = 0.0;
+      if (std::sscanf(arguments.at(++i).c_str(), "%lf,%lf", &x, &y) != 2) return 2;
+      goal.emplace();
+      goal->header().frame_id("map");
+      goal->pose().position().x(x);
+      goal->pose().position().y(y);
+      goal->pose().orientation().w(1.0);
+      goals = node.offer<geometry_msgs::msg::dds_::PoseStamped_PubSubType>(
+          "rt/goal_pose", "geometry_msgs::msg::dds_::PoseStamped_", false);
       continue;
     }
     if (arguments[i] == "--echo") {
@@ -186,6 +203,7 @@ int run(const std::vector<std::string>& arguments) {
   std::this_thread::sleep_for(std::chrono::milliseconds(500));  // the others' side of the match, and what is kept
   std::puts(all_matched() ? "ready" : "not matched");
   std::fflush(stdout);
+  if (goal) goals->write(&*goal);
   if (driver) {
     drive(*driver, record, by_clock);
   } else {

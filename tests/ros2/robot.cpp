@@ -1,14 +1,15 @@
 // Stand-in for a robot with micro-ROS: another process, on another DDS, with the embedded simulator as its body.
 //
 //   ros2_robot DOMAIN [--profile NAME] [--scene NAME] [--seed N] [--pose X,Y,THETA] [--jazzy] [--camera] [--mute TOPIC]
-//              [--turtlebot4] [--delay S] [--jitter S] [--loss SHARE]
+//              [--turtlebot4] [--linked] [--truth] [--delay S] [--jitter S] [--loss SHARE]
 //
-// As a TurtleBot 4 it takes TwistStamped, has its odometry in /tf alone, and sends JPEGs.
-// Each message in either direction takes `delay` +- `jitter`, so that some overtake others, or is lost. SIGUSR1 cuts
-// the link, SIGUSR2 mends it.
+// With --truth it publishes /ground_truth, for who plays a program that knows where it is: map -> base and map -> odom.
+// As a TurtleBot 4 it takes TwistStamped, has its odometry in /tf alone, and sends JPEGs. With --linked its topics,
+// types and frames are those of the link of its profile. Each message in either direction takes `delay` +- `jitter`, so
+// that some overtake others, or is lost. SIGUSR1 cuts the link, SIGUSR2 mends it.
 //
 // It takes velocities on /cmd_vel, and stops 200 ms after the last. When nobody drives it any more it is put back to
-// where it started. It prints a line when it is ready, and what is true of it when it is told to end.
+// where it started. It prints a line when it is ready, and what is true of it when it is asked to end.
 #include <atomic>
 #include <chrono>
 #include <cmath>
@@ -61,6 +62,8 @@ struct Options {
   bool jazzy = false;
   bool camera = false;
   bool turtlebot4 = false;
+  bool linked = false;
+  bool truth = false;
 };
 
 Options parse(int count, char** arguments) {
@@ -72,6 +75,10 @@ Options parse(int count, char** arguments) {
       options.jazzy = true;
     } else if (name == "--turtlebot4") {
       options.turtlebot4 = options.camera = true;
+    } else if (name == "--linked") {
+      options.linked = options.camera = true;
+    } else if (name == "--truth") {
+      options.truth = true;
     } else if (name == "--camera") {
       options.camera = true;
     } else if (++i == count) {
@@ -263,22 +270,56 @@ float as_rep_117(double range, double range_max) {
   return range >= range_max ? std::numeric_limits<float>::infinity() : static_cast<float>(range);
 }
 
+/// Publishes where the robot is, and what its odometry would have to be corrected by.
+class Truth {
+ public:
+  explicit Truth(Node& node)
+      : writer_(node.advertise<tf2_msgs::msg::dds_::TFMessage_PubSubType>("/ground_truth",
+                                                                          "tf2_msgs::msg::dds_::TFMessage_", true)) {}
+  void publish(const Pose2D& map_from_base, const Pose2D& odometry) {
+    tf2_msgs::msg::dds_::TFMessage_ message;
+    const auto add = [&](const std::string& child, const Pose2D& pose) {
+      auto& added = message.transforms().emplace_back();
+      added.header().frame_id("map");
+      added.child_frame_id(child);
+      added.transform().translation().x(pose.x);
+      added.transform().translation().y(pose.y);
+      added.transform().rotation().z(std::sin(0.5 * pose.theta));
+      added.transform().rotation().w(std::cos(0.5 * pose.theta));
+    };
+    add("base_link", map_from_base);
+    add("odom", map_from_base * inverse(kTheirsFromStart * odometry));
+    writer_->write(&message);
+  }
+
+ private:
+  fast::DataWriter* writer_;
+};
+
 /// Publishes what the simulated sensors deliver.
 class Publications {
  public:
-  Publications(Node& node, const backend::Features& features, const Options& options)
-      : jazzy_(options.jazzy), turtlebot4_(options.turtlebot4) {
+  Publications(Node& node, const backend::Features& features, const Options& options, const LinkSpec* link)
+      : jazzy_(options.jazzy), in_tf_(options.turtlebot4), jpegs_(options.turtlebot4) {
+    if (link != nullptr) frames_ = {link->odom_frame, link->base_frame};
     const std::string type = "sensor_msgs::msg::dds_::";
     for (const SensorInfo& sensor : features.sensors) {
       using namespace sensor_msgs::msg::dds_;
       fast::DataWriter* writer = nullptr;
-      const std::string topic = topic_of(sensor);
-      if (topic != options.mute && (options.camera || sensor.type != SensorType::camera)) {
+      const TopicSpec* linked = nullptr;
+      for (std::size_t i = 0; link != nullptr && i < link->topics.size(); ++i) {
+        if (link->topics[i].sensor == sensor.name) linked = &link->topics[i];
+      }
+      const std::string topic = linked != nullptr ? linked->topic : topic_of(sensor);
+      if (linked != nullptr && sensor.type == SensorType::odometry) in_tf_ = linked->type.starts_with("tf2_msgs/");
+      if (linked != nullptr && sensor.type == SensorType::camera) jpegs_ = linked->type.ends_with("CompressedImage");
+      if ((link == nullptr || linked != nullptr) && topic != options.mute &&
+          (options.camera || sensor.type != SensorType::camera)) {
         switch (sensor.type) {
           case SensorType::lidar: writer = node.advertise<LaserScan_PubSubType>(topic, type + "LaserScan_"); break;
           case SensorType::imu: writer = node.advertise<Imu_PubSubType>(topic, type + "Imu_"); break;
           case SensorType::odometry:
-            if (turtlebot4_) {
+            if (in_tf_) {
               writer =
                   node.advertise<tf2_msgs::msg::dds_::TFMessage_PubSubType>("/tf", "tf2_msgs::msg::dds_::TFMessage_");
               break;
@@ -293,9 +334,9 @@ class Publications {
                             : node.advertise<Range_PubSubType>(topic, type + "Range_");
             break;
           case SensorType::camera:
-            writer = turtlebot4_
-                         ? node.advertise<CompressedImage_PubSubType>(topic + "/compressed", type + "CompressedImage_")
-                         : node.advertise<Image_PubSubType>(topic, type + "Image_");
+            writer = jpegs_ ? node.advertise<CompressedImage_PubSubType>(
+                                  topic + (linked == nullptr ? "/compressed" : ""), type + "CompressedImage_")
+                            : node.advertise<Image_PubSubType>(topic, type + "Image_");
             break;
         }
       }
@@ -352,10 +393,10 @@ class Publications {
     writer.write(&message);
   }
   void send(fast::DataWriter& writer, Time measured, const Odometry& odometry) const {
-    if (turtlebot4_) return send_transform(writer, measured, kTheirsFromStart * odometry.pose);
+    if (in_tf_) return send_transform(writer, measured, kTheirsFromStart * odometry.pose);
     nav_msgs::msg::dds_::Odometry_ message;
-    message.header(header(measured, "odom"));
-    message.child_frame_id("base_link");
+    message.header(header(measured, frames_.first));
+    message.child_frame_id(frames_.second);
     const Pose2D pose = kTheirsFromStart * odometry.pose;
     message.pose().pose().position().x(pose.x);
     message.pose().pose().position().y(pose.y);
@@ -388,15 +429,15 @@ class Publications {
     fill(sensor_msgs::msg::dds_::Range_());
   }
   /// After that of a wheel, as transforms of all kinds come together.
-  static void send_transform(fast::DataWriter& writer, Time measured, const Pose2D& pose) {
+  void send_transform(fast::DataWriter& writer, Time measured, const Pose2D& pose) const {
     tf2_msgs::msg::dds_::TFMessage_ message;
     message.transforms().resize(2);
     message.transforms()[0].header(header(measured, "base_link"));
     message.transforms()[0].child_frame_id("left_wheel");
     message.transforms()[0].transform().rotation().w(1.0);
     auto& odometry = message.transforms()[1];
-    odometry.header(header(measured, "odom"));
-    odometry.child_frame_id("base_link");
+    odometry.header(header(measured, frames_.first));
+    odometry.child_frame_id(frames_.second);
     odometry.transform().translation().x(pose.x);
     odometry.transform().translation().y(pose.y);
     odometry.transform().rotation().z(std::sin(0.5 * pose.theta));
@@ -419,7 +460,7 @@ class Publications {
   }
   void send(fast::DataWriter& writer, Time measured, const Picture& picture) const {
     const RGBDImage& image = picture.image();
-    if (turtlebot4_) return send_jpeg(writer, measured, image);
+    if (jpegs_) return send_jpeg(writer, measured, image);
     sensor_msgs::msg::dds_::Image_ message;
     message.header(header(measured, "camera"));
     message.height(static_cast<std::uint32_t>(image.intrinsics.height));
@@ -434,7 +475,9 @@ class Publications {
   }
 
   bool jazzy_;
-  bool turtlebot4_;
+  bool in_tf_;  // odometry
+  bool jpegs_;
+  std::pair<std::string, std::string> frames_{"odom", "base_link"};
   std::vector<fast::DataWriter*> writers_;  // null for one that is mute
 };
 
@@ -450,20 +493,25 @@ void run(const Options& options) {
   port.connect();
 
   Node node(options.domain);
-  Publications publications(node, port.features(), options);
+  const LinkSpec* link = options.linked ? &port.profile().link.value() : nullptr;
+  Publications publications(node, port.features(), options, link);
   Link inbound(options, 0);
   Link outbound(options, 1);
-  Commands commands(inbound, options.turtlebot4);
+  const bool stamped = link != nullptr ? link->command.type.ends_with("Stamped") : options.turtlebot4;
+  const std::string topic = link != nullptr ? link->command.topic : "/cmd_vel";
+  Commands commands(inbound, stamped);
   Cuts cuts;
   using namespace geometry_msgs::msg::dds_;
-  if (options.turtlebot4) {
-    node.subscribe<TwistStamped_PubSubType>("/cmd_vel", "geometry_msgs::msg::dds_::TwistStamped_", commands);
+  if (stamped) {
+    node.subscribe<TwistStamped_PubSubType>(topic, "geometry_msgs::msg::dds_::TwistStamped_", commands);
   } else {
-    node.subscribe<Twist_PubSubType>("/cmd_vel", "geometry_msgs::msg::dds_::Twist_", commands);
+    node.subscribe<Twist_PubSubType>(topic, "geometry_msgs::msg::dds_::Twist_", commands);
   }
   Graph graph;
   node.join_graph<rmw_dds_common::msg::dds_::ParticipantEntitiesInfo_PubSubType>(
       "ros_discovery_info", "rmw_dds_common::msg::dds_::ParticipantEntitiesInfo_", graph);
+  std::optional<Truth> known;
+  if (options.truth) known.emplace(node);
   std::puts("ready");
   std::fflush(stdout);
 
@@ -478,6 +526,8 @@ void run(const Options& options) {
     port.command(velocity, next + kControlPeriod);
     world->advance_to(next);
     for (Sample& sample : port.poll()) {
+      const auto* odometry = std::get_if<Odometry>(&sample.data);
+      if (known && odometry != nullptr) known->publish(truth.true_pose(), odometry->pose);
       outbound.send([&publications, message = std::move(sample)] { publications.publish(message); });
     }
     outbound.deliver();
@@ -497,7 +547,8 @@ int main(int count, char** arguments) {
   if (count < 2) {
     std::fputs(
         "usage: ros2_robot DOMAIN [--profile NAME] [--scene NAME] [--seed N] [--pose X,Y,THETA] [--jazzy] [--camera]\n"
-        "                  [--turtlebot4] [--mute TOPIC] [--delay S] [--jitter S] [--loss SHARE]\n",
+        "                  [--turtlebot4] [--linked] [--truth] [--mute TOPIC] [--delay S] [--jitter S] [--loss "
+        "SHARE]\n",
         stderr);
     return 2;
   }

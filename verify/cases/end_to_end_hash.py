@@ -1,4 +1,4 @@
-"""Runs the C++ programs that tell what happened as a hash: verify_end_to_end_hash, verify_episodes."""
+"""Runs the C++ programs that print what happened as a hash: verify_end_to_end_hash, verify_episodes and others."""
 
 import os
 import subprocess
@@ -24,6 +24,16 @@ def truth_isolation(seed: int) -> dict[str, Any]:
     return {
         "equal": found["truth"] == found["false truth"],
         "found_out": bool(peeking) and all(found[run] != found[f"false {run}"] for run in peeking),
+    }
+
+
+def instruct_in_false_truth(seed: int) -> dict[str, Any]:
+    """An instruction where the truth is stated and where it is falsified: by our agent and by one that peeks."""
+    found = hashes([PROGRAMS / "verify_agent", str(seed), "--false-truth"])
+    peeking = "truth, peeking at things"
+    return {
+        "equal": found["truth"] == found["false truth"],
+        "found_out": found[peeking] != found[f"false {peeking}"],
     }
 
 

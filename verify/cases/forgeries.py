@@ -257,6 +257,11 @@ def no_library(forger: Forger) -> None:
     forger.results["library"] = forger.draw.choice([None, {"version": 1}, "none"])
 
 
+def talk_of_no_model(forger: Forger) -> bytes:
+    forger.files["talk/00000.jsonl"] = forger.draw.choice([b"", b"{}\n", b'{"format": "threewe-talk/1"}\n'])
+    return forger.packed()
+
+
 def extra_log(forger: Forger) -> None:
     forger.files["commands/00099.f64"] = bytes(24)
 
@@ -371,6 +376,7 @@ WAYS: list[Callable[[Forger], bytes | None]] = [
     missing_claim,
     no_library,
     extra_log,
+    talk_of_no_model,
     path_trick,
     bomb,
     name_twice,
@@ -386,4 +392,4 @@ WAYS: list[Callable[[Forger], bytes | None]] = [
     no_archive,
 ]
 
-assert set(KINDS) == {"commands", "actions", "grid"}, "another kind of file wants another forgery"
+assert set(KINDS) == {"commands", "actions", "grid", "talk"}, "another kind of file wants another forgery"

@@ -1,5 +1,6 @@
 """A stand-in for a robot on ROS 2, in a process of its own on Fast DDS: see tests/ros2/robot.cpp."""
 
+import asyncio
 import json
 import math
 import os
@@ -18,12 +19,29 @@ from verify.cases.trees import ROOT
 from verify.harness import Case
 
 PROGRAM = ROOT / "build/dev/tests/ros2/ros2_robot"
+NAV2 = ROOT / "build/dev/tests/ros2/ros2_nav2"
 HARDWARE = "3we_standard_v2"
 MISSING = {"not_shown": "the stand-in needs libfastrtps-dev and fastddsgen"}
-FARTHEST = 3.0
+FARTHEST = 6.0
 """[m] of a drive's shortest path: all is in real time."""
-CUTS = 2
+CUTS = 20
 """Of each case: finding each other takes seconds."""
+NEEDED = ("lidar", "imu", "odometry")
+"""Sensors without which a robot stands."""
+PARTS = 10
+"""Of the outcomes of delegated goals, with 23 each."""
+CODES = {
+    "lost": [102, 202, 302, 702, 712, 722, 9002],
+    "no_path": [103, 203, 204, 206, 207, 208, 303, 304, 306, 307, 308, 309, 502, 505, 602],
+    "blocked": [104, 105, 106, 205, 305, 503, 603, 701, 703, 711, 714, 721, 723, 741],
+    "timeout": [108, 9003],
+    "fault": [
+        *(1, 2, 100, 101, 107, 200, 201, 300, 301, 500, 501, 504),
+        *(600, 601, 700, 710, 713, 720, 724, 740, 9000, 9001, 12345),
+    ],
+    "cancelled": [0],
+}
+"""What each error code of Nav2's is to us; 12345 is none of its own."""
 
 
 class StandIn:
@@ -57,7 +75,7 @@ def keep_the_contract(seed: int, check: str) -> Case:
 
 
 def drive_over_a_bad_link(seed: int, scene: str) -> Case:
-    """A near goal, over a link that delays, reorders and loses messages, and by the embedded simulator."""
+    """One goal over a link that delays, reorders and loses messages, and by the embedded simulator."""
     if not PROGRAM.exists():
         return MISSING
     tables = SceneTables(Scene.load(scene), RobotProfile.load(HARDWARE))
@@ -92,23 +110,96 @@ def drive_over_a_bad_link(seed: int, scene: str) -> Case:
 
 
 def cut_the_link(seed: int) -> Case:
-    """Drives while the link is cut at random instants, and is mended a second later."""
+    """Drives while the link is cut at random instants, and is mended half a second later."""
     if not PROGRAM.exists():
         return MISSING
     noticed: list[float] = []
     with StandIn("--seed", str(seed % 2**31)) as robot_process, threewe.sync.Robot("real", HARDWARE) as robot:
         for number in range(CUTS):
             robot.set_velocity(0.0, 0.0, 0.4 if number % 2 == 0 else -0.4, hold=60.0)
-            robot.sleep(0.6 + (seed * (number + 1)) % 97 / 200)  # not in step with anything
+            robot.sleep(0.5 + (seed * (number + 1)) % 97 / 200)  # not in step with anything
             robot_process.process.send_signal(signal.SIGUSR1)
             begin = time.monotonic()
-            while all(sensor.ok for sensor in robot.health.values()) and time.monotonic() - begin < 2.0:
+            while all(robot.health[name].ok for name in NEEDED) and time.monotonic() - begin < 2.0:
                 robot.sleep(0.02)
             noticed.append(time.monotonic() - begin)
-            robot.sleep(0.5)
+            robot.sleep(0.3)
             robot_process.process.send_signal(signal.SIGUSR2)
-            robot.sleep(1.0)
+            robot.sleep(0.8)
             robot.stop()
-            robot.sleep(0.5)
     cuts = robot_process.truth["cuts"]
     return {"cuts": [{**cut, "noticed": after} for cut, after in zip(cuts, noticed, strict=True)]}
+
+
+class Nav2:
+    """A stand-in for Nav2 and SLAM Toolbox that runs inside `with`: see tests/ros2/nav2.cpp."""
+
+    def __enter__(self) -> Self:
+        command = [str(NAV2), os.environ["ROS_DOMAIN_ID"]]
+        self.process = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
+        assert self.process.stdout is not None
+        if self.process.stdout.readline() != "ready\n":
+            raise RuntimeError(f"{command} did not begin")
+        return self
+
+    def set(self, mode: str) -> None:
+        assert self.process.stdin is not None
+        self.process.stdin.write(f"{mode}\n")
+        self.process.stdin.flush()
+
+    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, at: TracebackType | None) -> None:
+        self.asked = json.loads(self.process.communicate(timeout=30)[0].splitlines()[-1])
+
+
+def delegate(seed: int, part: int) -> Case:
+    """23 goals for the stand-in for Nav2, which treats each as it is asked to: did what it did arrive?"""
+    if not NAV2.exists():
+        return MISSING
+    codes = [(f"fail {code}", "to", reason) for reason, numbers in CODES.items() for code in numbers]
+    goals = [
+        *[("normal", "to", "reached")] * 3,
+        *[("normal", "along", "reached")] * 2,
+        ("normal", "visit", "reached"),
+        *[("normal", "to, stop", "cancelled")] * 2,
+        ("normal", "visit, stop", "cancelled"),
+        ("fail 106", "along", "blocked"),
+        ("fail 208", "visit", "no_path"),
+        ("miss 105", "visit", "blocked"),
+        ("reject", "to", "fault"),
+        ("cancel", "to", "cancelled"),
+        ("slow 1", "to", "reached"),
+        ("deaf" if part % 2 else "mute", "to", "fault"),
+        *[codes[(7 * part + number) % len(codes)] for number in range(7)],
+    ]
+    with StandIn("--truth", "--seed", str(seed % 1000)), Nav2() as nav2:
+        results = asyncio.run(_drive(nav2, [(mode, how) for mode, how, _ in goals]))
+    silent = part % 2 == 0  # one that was cancelled as it said nothing of itself any more
+    return {
+        "goals": [
+            {"mode": mode, "how": how, "expected": expected, "reason": result.reason.name, "detail": result.detail}
+            for (mode, how, expected), result in zip(goals, results, strict=True)
+        ],
+        "cancelled": nav2.asked["cancelled"],
+        "to_cancel": sum(how.endswith("stop") for _, how, _ in goals) + silent,
+    }
+
+
+async def _drive(nav2: Nav2, goals: list[tuple[str, str]]) -> list[threewe.MoveResult]:
+    results = []
+    async with threewe.Robot("real", HARDWARE, localization="slam_toolbox", navigation="nav2") as robot:
+        for mode, how in goals:
+            nav2.set(mode)
+            await robot.sleep(0.1)
+            x = 1.0 if robot.get_pose().x < 0.5 else 0.0
+            motions = {
+                "to": lambda x: robot.move_to(x, 0.0),
+                "along": lambda x: robot.follow_path([(x, 0.0)]),
+                "visit": lambda x: robot.follow_waypoints([(0.5, 0.0), (x, 0.0)]),
+            }
+            task = asyncio.ensure_future(motions[how.removesuffix(", stop")](x))
+            if how.endswith("stop"):
+                await robot.sleep(0.6)
+                robot.stop()
+            results.append(await task)
+            await robot.sleep(0.3)
+    return results

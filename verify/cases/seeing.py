@@ -100,7 +100,12 @@ def the_shown(detection: Detection, truth: SemanticImage, things: dict[int, str]
 
 def true_color(truth: SemanticImage, id_: int) -> str:
     """The color term that most of a thing's pixels have, without noise."""
-    return color_names()[int(np.argmax(np.bincount(terms()[_packed(truth.color[truth.ids == id_])])))]
+    return color_names()[int(np.argmax(np.bincount(terms_of(truth.color[truth.ids == id_]))))]
+
+
+def terms_of(colors: NDArray[np.uint8]) -> NDArray[np.int64]:
+    """The index of the color term of each of (..., 3) colors."""
+    return terms()[_packed(colors)]
 
 
 def _packed(colors: NDArray[np.uint8]) -> NDArray[np.int64]:

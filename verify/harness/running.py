@@ -25,6 +25,7 @@ class Experiment:
     sample: int = 1  # of them with --sample; 0 leaves the experiment out
     rows: list[Row] = field(default_factory=list)
     alone: bool = False  # one case at a time, for those that measure time
+    at_once: int = 2  # cases at a time; more of those that are in real time, and wait for most of it
     limit: float = 900.0  # [s] of wall time, after which a case counts as hanging
     learn: Callable[[list[Case], str, int], None] | None = None  # with --write-model: from cases, commit and seed
 
@@ -47,7 +48,7 @@ class Cases:
 
 
 def run_cases(experiment: Experiment, seed: int, count: int, journal: Journal) -> Cases:
-    """Runs those cases that the journal lacks, each in one of two processes."""
+    """Runs those cases that the journal lacks, each in a process that others run beside."""
     drawn = list(seeds(seed, experiment.name, count))
     jobs = [
         Job(
@@ -58,7 +59,7 @@ def run_cases(experiment: Experiment, seed: int, count: int, journal: Journal) -
         )
         for index, case_seed in enumerate(drawn)
     ]
-    found = run_jobs(jobs, 1 if experiment.alone else 2, journal, on_done=show_failure)
+    found = run_jobs(jobs, 1 if experiment.alone else experiment.at_once, journal, on_done=show_failure)
     cases = [{"error": one.failure} if one.failure else one.result for one in found]
     return Cases(cases, sum(one.seconds for one in found))
 

@@ -6,6 +6,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "threewe/core/samples.hpp"
@@ -19,18 +20,19 @@ namespace threewe::backend {
 
 /// What a robot can do, readable before connecting.
 struct Features {
-  std::vector<SensorInfo> sensors;     ///< in the order of `Sample::sensor`
-  Kinematics kinematics{};             ///< which velocities the base can drive
-  bool lockstep = false;               ///< time advances only when asked to
-  bool deterministic = false;          ///< the same seed and commands give the same samples, to the bit
-  bool can_reset = false;              ///< `reset` and moving a robot by hand work
-  bool can_save = false;               ///< `save` and `restore` work
-  bool external_localization = false;  ///< the backend localises the robot itself
-  bool external_navigation = false;    ///< the backend plans and drives by itself
+  std::vector<SensorInfo> sensors;  ///< in the order of `Sample::sensor`
+  Kinematics kinematics{};          ///< which velocities the base can drive
+  bool lockstep = false;            ///< time advances only when asked to
+  bool deterministic = false;       ///< the same seed and commands give the same samples, to the bit
+  bool can_reset = false;           ///< `reset` and moving a robot by hand work
+  bool can_save = false;            ///< `save` and `restore` work
 
   /// Whether any of the sensors is of this type.
   bool has(SensorType type) const;
 };
+
+class ExternalLocalizer;
+class ExternalNavigator;
 
 /// One robot in a world.
 class RobotPort {
@@ -51,6 +53,17 @@ class RobotPort {
   /// The body velocity to keep until `valid_until`, when the port itself brings the robot to a stop.
   /// Throws ContractError on a velocity that is not finite or that the base cannot drive.
   virtual void command(const Velocity& velocity, Time valid_until) = 0;
+
+  /// Lets a program on the robot localise it, such as "amcl": it is asked where the robot is from `connect` on, which
+  /// fails without it. `map_from_start` is where the robot starts, where that is known. Throws ConfigError where the
+  /// backend reaches no such program.
+  virtual ExternalLocalizer& delegate_localization(std::string_view program,
+                                                   const std::optional<Pose2D>& map_from_start);
+  /// The same of navigation, such as "nav2".
+  virtual ExternalNavigator& delegate_navigation(std::string_view program);
+  /// What is wrong with the way to a connected robot that no sample shows, in words for the user's log; empty while
+  /// nothing is known to be.
+  virtual std::string link_fault() const { return {}; }
 };
 
 /// Ground truth of a simulated world, for metrics, rewards and drawings. It belongs to the world, not to its robots: a

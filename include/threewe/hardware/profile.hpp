@@ -168,8 +168,10 @@ struct TopicSpec {
 /// How the real robot is reached, and who stops it.
 struct LinkSpec {
   std::string driver;                    ///< "ros2"
+  std::string name_space;                ///< before every topic, such as "/robot"; may be empty
   std::vector<TopicSpec> topics;         ///< of the sensors that it delivers
   TopicSpec command;                     ///< where it takes velocities
+  std::string map_frame = "map";         ///< of other programs that localise the robot
   std::string odom_frame = "odom";       ///< in messages of transforms: odometry is the transform from there ...
   std::string base_frame = "base_link";  ///< ... to here
   std::string stopped_by;                ///< who stops the robot once commands cease, in words

@@ -31,7 +31,9 @@ enum class Reason : std::uint8_t {
   estop,
   lost,
   uncertain,
-  fault
+  fault,
+  starved,      ///< what steers it wants nothing any more, see `Runtime::drive`
+  policy_error  ///< what steers it failed
 };
 /// Its name, such as "reached".
 std::string_view to_string(Reason reason);
@@ -61,13 +63,17 @@ struct FollowPath {
   std::vector<Vec2> path;   ///< [m] in `map`, from the first point to the last
   double tolerance = 0.25;  ///< [m] about the last point
 };
+/// Drive to places in `map` one after the other, by whatever way, and stop at each. The first that is missed ends it.
+struct FollowWaypoints {
+  std::vector<MoveTo> waypoints;  ///< in their order
+};
 /// Map what can be reached and is worth the way; all of it, where it is `thorough`.
 struct Explore {
   bool thorough = false;  ///< also the last corners, which may take as long as all the rest
 };
 
 /// Any motion.
-using Goal = std::variant<MoveTo, Rotate, MoveForward, FollowPath, Explore>;
+using Goal = std::variant<MoveTo, Rotate, MoveForward, FollowPath, FollowWaypoints, Explore>;
 
 /// What another robot tells that has the same `map` frame.
 struct Peer {
@@ -149,6 +155,10 @@ class Navigator {
   virtual void start(const Goal& goal, const Observation& observation) = 0;
   /// One control period of the motion.
   virtual Decision step(const Observation& observation) = 0;
+  /// The motion has ended, for whatever reason.
+  virtual void end() {}
+  /// Whether another program drives the robot in this motion, past the safety gate.
+  virtual bool drives_past_the_gate() const { return false; }
   /// How far the motion has come.
   virtual Progress progress() const = 0;
   /// Where the robot may not go, or only slowly, in `map`: from now on, in place of what was set before.

@@ -1,8 +1,9 @@
-// Results of motions and explorations.
+// Results of motions, explorations and instructions.
 #pragma once
 
-#include <memory>
+#include <cstdint>
 #include <string>
+#include <vector>
 
 #include "threewe/core/pose.hpp"
 #include "threewe/core/time.hpp"
@@ -40,6 +41,29 @@ struct ExploreResult {
 
   /// Throws the error that matches `reason`; does nothing after success.
   void raise_for_failure() const;
+};
+
+/// One skill that was executed.
+struct ExecutedStep {
+  std::string skill;        ///< such as "search"
+  std::string text;         ///< with its arguments: "search(kind=chair, color=red)"
+  std::string reason;       ///< how it ended: "done", "not_found", or a motion's reason
+  std::string detail;       ///< says more; may be empty
+  double begun = 0.0;       ///< [s] of robot time
+  double ended = 0.0;       ///< [s]
+  std::uint64_t thing = 0;  ///< id of the mapped thing that it rests on; 0: none
+};
+
+/// What became of an instruction.
+struct ExecutionResult {
+  bool success = false;   ///< `reason` is `done`
+  std::string reason;     ///< done, not_found, not_understood, ambiguous, refused, budget, or that of a motion
+  std::string detail;     ///< says more about a failure; may be empty
+  std::string answer;     ///< to a question, or what was found, as a sentence; may be empty
+  bool verified = false;  ///< the robot's own detector saw what the answer says
+  std::vector<ExecutedStep> steps;  ///< the skills that were executed
+  double distance = 0.0;            ///< [m] driven, by its own estimate
+  double duration = 0.0;            ///< [s] of robot time
 };
 
 }  // namespace threewe

@@ -14,11 +14,20 @@
 #include <string_view>
 #include <vector>
 
+#include "threewe/nav/navigator.hpp"
 #include "threewe/robot/runtime.hpp"
 #include "threewe/robot/simulation.hpp"
 #include "threewe/robot/world.hpp"
 
 namespace threewe {
+
+namespace agent {
+class Agent;
+}
+namespace semantics {
+struct MappedThing;
+struct Place;
+}  // namespace semantics
 
 /// An exploration in progress: a motion whose result is an ExploreResult.
 struct ExplorationHandle {
@@ -113,6 +122,10 @@ class Robot {
   /// Drives along points [m] in `map`; `timeout` [s].
   [[nodiscard]] MotionHandle follow_path(const std::vector<Vec2>& path, double tolerance = 0.25,
                                          std::optional<double> timeout = std::nullopt);
+  /// Drives to places in `map` one after the other, by whatever way, and stops at each; the first that is missed ends
+  /// it; `timeout` [s] for all of them.
+  [[nodiscard]] MotionHandle follow_waypoints(const std::vector<nav::MoveTo>& waypoints,
+                                              std::optional<double> timeout = std::nullopt);
   /// Maps what can be reached and is worth the way; if `thorough` also the last corners, which may take as long as all
   /// the rest; `timeout` [s].
   [[nodiscard]] ExplorationHandle explore(std::optional<double> timeout = std::nullopt, bool thorough = false);
@@ -127,6 +140,29 @@ class Robot {
   void sleep(double seconds);
   /// Runs `work` while robot time stands still, then lets the `seconds` that it stands for go by.
   void thinking(double seconds, const std::function<void()>& work);
+
+  /// How far an instruction may go.
+  struct InstructionOptions {
+    int max_steps = 30;      ///< of its plan
+    double timeout = 900.0;  ///< [s] of robot time
+  };
+  /// Reads an instruction such as "find the red chair" and executes it, offline: by a grammar, its own object detector
+  /// and its own map of things. Robot time goes by until it has ended; why it ended is in the result. Throws
+  /// HardwareError without a camera, ContractError for a text that is no text, SafetyError during a motion,
+  /// EmergencyStopError.
+  ExecutionResult execute_instruction(std::string_view instruction);
+  /// The same with limits.
+  ExecutionResult execute_instruction(std::string_view instruction, const InstructionOptions& options);
+  /// Gives the place where the robot is a name, for instructions. Throws ContractError for a name that is none.
+  void name_place(const std::string& name);
+  /// Gives a polygon [m] in `map` a name. Throws ContractError also for one of fewer than three points.
+  void name_place(const std::string& name, const std::vector<Vec2>& polygon);
+  /// The places that have names, in the order in which they got them; see threewe/semantics/things.hpp.
+  std::vector<semantics::Place> get_places();
+  /// The things that it has seen while it executed instructions, each from two poses or more.
+  std::vector<semantics::MappedThing> get_things();
+  /// The kinds of things, which `MappedThing::kind` is an index into.
+  const std::vector<std::string>& get_thing_labels();
 
   /// Where motions may not lead, or only slowly, in `map`; in place of what was set before. See Runtime::set_zones.
   void set_zones(const std::vector<map::Zone>& zones) { runtime_->set_zones(zones); }
@@ -145,11 +181,13 @@ class Robot {
 
  private:
   void drive(const MotionHandle& motion, const OnProgress& on_progress);
+  agent::Agent& instructed();
 
   std::unique_ptr<World> owned_;
   World* world_ = nullptr;
   Runtime* runtime_ = nullptr;
   std::optional<Simulation> simulation_;
+  std::shared_ptr<agent::Agent> agent_;  // from the first call of an instruction, a place or a thing on
 };
 
 }  // namespace threewe

@@ -58,6 +58,10 @@ struct TickView {
 /// What `Runtime::observe` calls at the end of every tick. It may not let robot time go by.
 using Observer = std::function<void(const TickView&)>;
 
+/// Steers a robot: what it wants in the control period that begins at `now`, in the body frame, until its reason is no
+/// longer `running`. It sees what it likes, but may not let robot time go by.
+using VelocitySource = std::function<nav::Decision(Time now)>;
+
 /// One robot. Everything it does passes through here; see `Robot` for the calls that users make.
 class Runtime {
  public:
@@ -145,6 +149,11 @@ class Runtime {
   /// EmergencyStopError, SafetyError while another motion owns the robot, HardwareError for an exploration without a
   /// lidar.
   MotionHandle start(const nav::Goal& goal, std::optional<Duration> timeout = {});
+  /// Begins a motion that a source steers in place of the navigator, such as a learned policy. It ends as that decides,
+  /// once the robot stands; as `policy_error` when the source throws or wants a velocity that is not finite or that the
+  /// base cannot drive; as `lost`; and at `timeout`. What it wants is slowed down in zones with a limit and stopped at
+  /// the borders of those to keep out of. Throws as `start`.
+  MotionHandle drive(VelocitySource source, std::optional<Duration> timeout = {});
   /// A goal that is given in `map`, `odom` or `base`, as it is in `map` now. Throws ContractError on one that is not
   /// finite, and on an unknown frame.
   nav::MoveTo in_map(const nav::MoveTo& goal, std::string_view frame) const;

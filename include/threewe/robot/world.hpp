@@ -49,13 +49,16 @@ struct Autonomy {
   using NavigatorFactory = std::function<std::unique_ptr<nav::Navigator>(const RobotProfile& profile)>;
   LocalizerFactory localizer;  ///< empty: ours, the one that `localization` names
   NavigatorFactory navigator;  ///< empty: ours
-  /// The localizer's name: states of one are of no use to another. Of ours `slam`, or `truth`, see `autonomy_with`.
+  /// The localizer's name: states of one are of no use to another. See `autonomy_with`.
   std::string localization = "slam";
+  std::string navigation = "own";  ///< the navigator's name, see `autonomy_with`
 };
 
-/// `slam` is our own. With `truth` the robot always knows where it is: the world makes that localizer itself, where it
-/// is simulated. Throws ConfigError naming the nearest of these.
-Autonomy autonomy_with(std::string_view localization);
+/// Localization by `slam`, our own; by `truth`, where the world is simulated: the robot always knows where it is; or by
+/// a program on a real robot, `amcl` or `slam_toolbox`, whose map it is then. Navigation of our `own`, or by `nav2` on
+/// a real robot that such a program localises: it drives to positions and along paths, past the safety gate. Throws
+/// ConfigError naming the nearest of these.
+Autonomy autonomy_with(std::string_view localization, std::string_view navigation = "own");
 
 /// Where one robot is in a world of its own, and which: the options of `Robot`, in C++ and in Python.
 struct RobotOptions {
@@ -133,6 +136,8 @@ class World {
   /// Where a robot's `map` frame lies in the scene, for recordings and drawings: no autonomy ever sees it. Empty for a
   /// real robot, and in a given map without an initial pose.
   std::optional<Pose2D> scene_from_map(std::size_t robot);
+  /// Who localises and who drives its robots, see `autonomy_with`.
+  const Autonomy& autonomy() const;
   /// Of all noise: the one that the world was made with; 0 for a world made from a backend.
   std::uint64_t seed() const;
   /// Disconnects every robot, which ends its motion as `cancelled` and stops it.

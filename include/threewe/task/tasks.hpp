@@ -65,12 +65,18 @@ std::unique_ptr<Task> make_exploration(const TaskContext& context, const Explora
 inline constexpr std::array<std::string_view, 10> kObjectGoals = {"chair", "desk",  "door",  "plant",        "monitor",
                                                                   "couch", "table", "shelf", "refrigerator", "bed"};
 
+/// Which episodes are drawn.
+struct ObjectNavOptions {
+  /// Something of the kind is in sight, 1.5 to 5 m away; else nothing of it is in view.
+  bool in_sight = false;
+};
+
 /// `3we/ObjectNav-v1`, for one robot in each world. See `advance` of `StopTaskState` for its reward.
 ///
 /// Field `object_goal` (10,): 1 for the kind that is looked for. Words: `object_goal`, the kind.
 /// Metrics: `success`, `spl`, `distance_to_goal` [m], `shortest_path` [m], `path_length` [m], `collision_speed` [m/s],
 /// `stopped`.
-std::unique_ptr<Task> make_object_nav(const TaskContext& context);
+std::unique_ptr<Task> make_object_nav(const TaskContext& context, const ObjectNavOptions& options = {});
 
 /// `3we/VLN-v1`, for one robot in each world. See `advance` of `StopTaskState` for its reward.
 ///

@@ -19,10 +19,11 @@ MOST_NUMBERS = 2**24
 """Of one tensor."""
 MOST_NODES = 10_000
 ALLOWED = {
-    *("Add", "AveragePool", "BatchNormalization", "Cast", "Clip", "Concat", "Constant", "Conv", "Div", "Elu", "Erf"),
-    *("Exp", "Flatten", "Gather", "Gelu", "Gemm", "GlobalAveragePool", "HardSwish", "Identity", "LayerNormalization"),
-    *("LeakyRelu", "MatMul", "MaxPool", "Mul", "Neg", "Pow", "ReduceMean", "Relu", "Reshape", "Shape", "Sigmoid"),
-    *("Slice", "Softmax", "Softplus", "Split", "Sqrt", "Squeeze", "Sub", "Tanh", "Transpose", "Unsqueeze"),
+    *("Add", "AveragePool", "BatchNormalization", "Cast", "Clip", "Concat", "Constant", "Conv", "DequantizeLinear"),
+    *("Div", "Elu", "Erf", "Exp", "Flatten", "Gather", "Gelu", "Gemm", "GlobalAveragePool", "HardSwish", "Identity"),
+    *("LayerNormalization", "LeakyRelu", "MatMul", "MaxPool", "Mul", "Neg", "Pow", "QuantizeLinear", "ReduceMean"),
+    *("Relu", "Reshape", "Shape", "Sigmoid", "Slice", "Softmax", "Softplus", "Split", "Sqrt", "Squeeze", "Sub"),
+    *("Tanh", "Transpose", "Unsqueeze"),
 }
 """Operators that can neither loop, nor draw, nor make a size out of data."""
 

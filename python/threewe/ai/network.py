@@ -10,18 +10,22 @@ from typing import Any
 import torch
 from torch import Tensor, nn
 
-from threewe.ai.folder import EMBEDDING, Policy, image_input
+from threewe.ai.folder import EMBEDDED, EMBEDDING, PREFIX, Policy, image_input
 
-CHANNELS = (24, 48, 64, 96)
+CHANNELS = (24, 48, 64, 96, 128)
 HIDDEN = 256
 
 
 class Network(nn.Module):
-    """Pictures (N, 3, H, W) 0 to 1 and embeddings (N, 64) to normalised actions (N, chunk, numbers)."""
+    """Pictures (N, 3, H, W) 0 to 1 and embeddings (N, 64) to normalised actions (N, chunk, numbers).
 
-    def __init__(self, height: int, width: int, chunk: int, numbers: int) -> None:
+    With a prefix, it also takes so many of the chunk's first actions (N, prefix, numbers + 1), of which the last number
+    is 1 where an action is committed already, else all are 0 (Black et al. 2025, real-time chunking in training).
+    """
+
+    def __init__(self, height: int, width: int, chunk: int, numbers: int, prefix: int = 0) -> None:
         super().__init__()
-        self.chunk, self.numbers = chunk, numbers
+        self.chunk, self.numbers, self.prefix = chunk, numbers, prefix
         self.convolutions = nn.ModuleList(
             nn.Conv2d(inputs, outputs, 3, 2, 1) for inputs, outputs in zip((3, *CHANNELS), CHANNELS, strict=False)
         )
@@ -29,16 +33,19 @@ class Network(nn.Module):
         self.shifts = nn.ModuleList(nn.Linear(EMBEDDING, channels) for channels in CHANNELS)
         for _ in CHANNELS:
             height, width = (height + 1) // 2, (width + 1) // 2
-        self.hidden = nn.Linear(CHANNELS[-1] * height * width, HIDDEN)
+        self.hidden = nn.Linear(CHANNELS[-1] * height * width + prefix * (numbers + 1), HIDDEN)
         self.head = nn.Linear(HIDDEN, chunk * numbers)
 
-    def forward(self, pictures: Tensor, embeddings: Tensor) -> Tensor:
+    def forward(self, pictures: Tensor, embeddings: Tensor, prefix: Tensor | None = None) -> Tensor:
         """See the class."""
         x = pictures
         for convolution, scale, shift in zip(self.convolutions, self.scales, self.shifts, strict=True):
             x = convolution(x)
             x = torch.relu(x + x * scale(embeddings)[:, :, None, None] + shift(embeddings)[:, :, None, None])
-        x = self.head(torch.relu(self.hidden(x.flatten(1))))
+        x = x.flatten(1)
+        if prefix is not None:
+            x = torch.cat([x, prefix.flatten(1)], 1)
+        x = self.head(torch.relu(self.hidden(x)))
         return x.reshape(-1, self.chunk, self.numbers)
 
 
@@ -61,7 +68,7 @@ def to_onnx(network: Network, policy: Policy) -> bytes:
         inputs = [x, weight(f"{name}.weight", layer.weight), weight(f"{name}.bias", layer.bias)]
         return node("Gemm", inputs, name, transB=1)
 
-    picture, embedding = image_input(policy.cameras[0].name), "observation.environment_state"
+    picture, embedding = image_input(policy.cameras[0].name), EMBEDDED
     x = picture
     for i, channels in enumerate(CHANNELS):
         convolution = network.convolutions[i]
@@ -74,7 +81,10 @@ def to_onnx(network: Network, policy: Policy) -> bytes:
         scaled = node("Mul", [x, scale], f"scaled_{i}")
         x = node("Add", [node("Add", [x, scaled], f"sum_{i}"), shift], f"shifted_{i}")
         x = node("Relu", [x], f"features_{i}")
-    x = node("Relu", [linear(network.hidden, "hidden", node("Flatten", [x], "flat"))], "hidden_features")
+    x = node("Flatten", [x], "flat")
+    if network.prefix:
+        x = node("Concat", [x, node("Flatten", [PREFIX], "prefix")], "flat_with_prefix", axis=1)
+    x = node("Relu", [linear(network.hidden, "hidden", x)], "hidden_features")
     shape = weight("shape_of_actions", torch.tensor([1, network.chunk, network.numbers]))
     node("Reshape", [linear(network.head, "head", x), shape], "action")
 

@@ -10,7 +10,7 @@ print(results["summary"]["all"]["success"])
 """
 
 from threewe._core import ReferenceDrive, ReferenceExploration, nearest_frontier, optimistic_replanning, spl
-from threewe.benchmark.agents import Assignment, Identity
+from threewe.benchmark.agents import Identity
 from threewe.benchmark.attempt import Settings
 from threewe.benchmark.bundle import BundleError, write_bundle
 from threewe.benchmark.episodes import Episode, EpisodeSet, Outcome, Yardstick, load_episodes
@@ -20,6 +20,7 @@ from threewe.benchmark.results import compare, load_results, summarize
 from threewe.benchmark.run import Plan, plan_run, results_of, run
 from threewe.benchmark.sampling import training_episodes
 from threewe.benchmark.submission import Server, load_server, save_server, submit_bundle
+from threewe.benchmark.tasks import Assignment
 from threewe.benchmark.verifying import Verified, verify_bundle
 
 __all__ = [

@@ -6,7 +6,7 @@ the same robot; three commands below 5 % for half a second are STOP.
 
 What else it may have: `reset(assignment)`, called as an episode begins; `options`, of `EnvOptions`
 `observations` (lidar, pose, velocity and the task's own where it names none), `lidar_beams`, `image_size`,
-`control_rate` and `goal_frame`; `privileged = True`, with
+`control_rate` and `goal_frame`, of which a program has `image_size` alone; `privileged = True`, with
 which `run` finds `robot.simulation` and `robot_options(episode, place)` may change what the robot is made with. A new
 agent is made for each episode.
 """
@@ -17,10 +17,12 @@ import hashlib
 import importlib
 import inspect
 import math
+import os
 import sys
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 
 import numpy as np
@@ -28,28 +30,18 @@ from numpy.typing import NDArray
 
 from threewe._core import unknown_name
 from threewe._extras import needed_for
+from threewe._model_client import ModelAddress
 from threewe.benchmark.episodes import Episode
 from threewe.benchmark.mlp import STOP_WITHIN, MlpPolicy
 from threewe.benchmark.search import SemanticSearch
-from threewe.benchmark.tasks import TASKS, Place
-from threewe.errors import ConfigError
+from threewe.benchmark.tasks import TASKS, Assignment, Place
+from threewe.errors import ConfigError, ConnectionError
 from threewe.gym.batch import TASK_FIELDS
 from threewe.robot import Robot
 
 Observation = dict[str, NDArray[Any]]
 OPTIONS = ("observations", "lidar_beams", "image_size", "control_rate", "goal_frame")
 """What an agent that acts may choose; the rest is the run's."""
-
-
-@dataclass(frozen=True)
-class Assignment:
-    """What an agent is asked to do. It says nothing of where in the scene the robot is."""
-
-    task: str
-    goal: tuple[float, float] | None  # x, y [m] in the robot's `map` frame, of PointNav
-    category: str | None  # of what is looked for, of ObjectNav
-    time_limit: float  # [s] of robot time
-    seed: int  # of the agent's own choices
 
 
 class Navigator:
@@ -120,6 +112,46 @@ class OracleExplorer(Navigator):
         return {"localization": "truth"}
 
 
+class Instructed:
+    """The robot's own instructions: grammar, detector and semantic map, no network. Not privileged."""
+
+    async def run(self, robot: Robot, assignment: Assignment) -> None:
+        """Does what there is to do, said in words."""
+        await robot.execute_instruction(instruction_of(robot, assignment), timeout=assignment.time_limit, model="")
+
+
+class InstructedByModel:
+    """The same with a model of vision and language: `vlm@ADDRESS`, or `vlm` for that of THREEWE_MODEL."""
+
+    def __init__(self, address: str, replayed: Path | None = None) -> None:
+        """With `replayed`, the record of a conversation, nothing is asked."""
+        self._address, self._replayed = address, replayed
+        self.talk = b""
+        """the conversation, as `record` of `Robot.execute_instruction` writes it"""
+
+    async def run(self, robot: Robot, assignment: Assignment) -> None:
+        """Does what there is to do. Raises where the model or its server fails."""
+        text, limit = instruction_of(robot, assignment), assignment.time_limit
+        if self._replayed is not None:
+            result = await robot.execute_instruction(text, timeout=limit, replay=self._replayed)
+        else:
+            with TemporaryDirectory() as folder:
+                record = Path(folder, "talk.jsonl")
+                try:
+                    result = await robot.execute_instruction(text, timeout=limit, model=self._address, record=record)
+                finally:
+                    self.talk = record.read_bytes() if record.exists() else b""
+        if result.reason == "model_error":
+            raise ConnectionError(result.detail)
+
+
+def instruction_of(robot: Robot, assignment: Assignment) -> str:
+    """An assignment as an instruction; the robot learns the names of the rooms that it is given."""
+    for name, border in assignment.places:
+        robot.name_place(name, border)
+    return assignment.instruction or f"find the {assignment.category}"
+
+
 class OptimisticReplanning:
     """The baseline of the frozen episodes: no drive of a robot, and not a bound."""
 
@@ -179,7 +211,8 @@ SHIPPED: dict[str, dict[str, Callable[[], Any]]] = {
         "optimistic": OptimisticReplanning,
         "oracle": Oracle,
     },
-    "objectnav": {"semantic": SemanticSearch, "random": Random},
+    "objectnav": {"semantic": SemanticSearch, "detector": Instructed, "random": Random},
+    "vln": {"language": Instructed},
     "exploration": {
         "navigator": Navigator,
         "random": Random,
@@ -188,6 +221,9 @@ SHIPPED: dict[str, dict[str, Callable[[], Any]]] = {
     },
 }
 """By task and name."""
+MODEL = "vlm"
+SAID = ("objectnav", "vln")
+"""Tasks whose assignments can be said as an instruction, to the agent `vlm`."""
 
 
 @dataclass(frozen=True)
@@ -197,15 +233,26 @@ class Identity:
     name: str  # as it was asked for
     kind: str  # "run", "act" or "yardstick"
     privileged: bool
-    source: str  # SHA-256 of the file that it was read from; empty for a shipped one
+    source: str  # SHA-256 of what it was read from; empty for a shipped one
 
 
+LEARNED = "policy:"
+"""What the name of an agent begins with that is a folder of a learned policy."""
 POLICIES: dict[str, Callable[[Path], Any]] = {".onnx": OnnxPolicy, ".safetensors": MlpPolicy.load}
 """By how their files end."""
 
 
 def make_agent(task: str, name: str) -> Any:
-    """A shipped agent, one of a module (`module:Class`) or a policy (a file that ends in .onnx or .safetensors)."""
+    """A shipped agent, a learned policy (`policy:FOLDER`), one of a module (`module:Class`), or a file that ends in
+    .onnx or .safetensors."""
+    if name.startswith(LEARNED):
+        from threewe.ai.agent import PolicyAgent
+
+        if task != "objectnav":
+            raise ConfigError(f"agent: {name}: a learned policy goes to things; its task is objectnav, not {task}")
+        return PolicyAgent(name.removeprefix(LEARNED))
+    if (address := address_of(task, name)) is not None:
+        return InstructedByModel(address)
     if Path(name).suffix in POLICIES:
         if not Path(name).is_file():
             raise ConfigError(f"agent: {name}: no such file")
@@ -214,12 +261,28 @@ def make_agent(task: str, name: str) -> Any:
         return _class_of(name)()
     known = SHIPPED[task]
     if name not in known:
-        raise ConfigError(f"agent: {unknown_name(f'agent of {task}', name, sorted(known))}, or module:Class")
+        names = sorted([*known, *([MODEL] if task in SAID else [])])
+        raise ConfigError(f"agent: {unknown_name(f'agent of {task}', name, names)}, or module:Class")
     return known[name]()
+
+
+def address_of(task: str, name: str) -> str | None:
+    """Where the model of `vlm@ADDRESS` is; None for other agents. Raises ConfigError where it is nowhere."""
+    kind, _, address = name.partition("@")
+    if kind != MODEL:
+        return None
+    if task not in SAID:
+        raise ConfigError(f"agent: {MODEL} is for {' and '.join(SAID)}, not for {task}")
+    address = address or os.environ.get("THREEWE_MODEL", "")
+    if not address:
+        raise ConfigError(f"agent: {MODEL} needs a model: {MODEL}@http://127.0.0.1:8080/v1, or THREEWE_MODEL")
+    return str(ModelAddress.read(address))
 
 
 def identify(task: str, name: str) -> Identity:
     """Which agent that is. Raises ConfigError for one that cannot be made or can do nothing."""
+    if (address := address_of(task, name)) is not None:
+        name = f"{MODEL}@{address}"
     try:
         agent = make_agent(task, name)
     except ConfigError:
@@ -238,10 +301,18 @@ def identify(task: str, name: str) -> Identity:
         raise ConfigError(f"agent: {name}: expected a method `run(robot, assignment)` or `act(observation)`")
     if kinds[0] == "run" and not inspect.iscoroutinefunction(agent.run):
         raise ConfigError(f"agent: {name}: `run` must be `async def run(self, robot, assignment)`")
-    source = Path(name) if Path(name).suffix in POLICIES else Path(inspect.getfile(type(agent)))
-    shipped = name in SHIPPED[task]
-    digest = "" if shipped else hashlib.sha256(source.read_bytes()).hexdigest()
+    if task == "vln" and kinds[0] == "act":
+        raise ConfigError(f"agent: {name}: VLN is for programs: a method `async def run(self, robot, assignment)`")
+    shipped = name in SHIPPED[task] or isinstance(agent, InstructedByModel)
+    digest = "" if shipped else hashlib.sha256(_source_of(name, agent)).hexdigest()
     return Identity(name, kinds[0], bool(getattr(agent, "privileged", False)), digest)
+
+
+def _source_of(name: str, agent: Any) -> bytes:
+    """What an agent was read from."""
+    if name.startswith(LEARNED):
+        return bytes(agent.content)
+    return (Path(name) if Path(name).suffix in POLICIES else Path(inspect.getfile(type(agent)))).read_bytes()
 
 
 def _class_of(name: str) -> Callable[[], Any]:

@@ -5,19 +5,31 @@ from __future__ import annotations
 import asyncio
 import base64
 import hashlib
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cache
+from pathlib import Path
+from tempfile import NamedTemporaryFile
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from threewe._core import DriveLog, OccupancyGrid, Pose2D, Replay, RobotEnv, RobotOptions, TrueDrive
+from threewe._core import (
+    DriveLog,
+    OccupancyGrid,
+    Pose2D,
+    Replay,
+    RobotEnv,
+    RobotOptions,
+    TrueDrive,
+    places_of_scene,
+)
 from threewe.backend import known_backend
-from threewe.benchmark.agents import Assignment, make_agent
-from threewe.benchmark.buildings import scene_asset
+from threewe.benchmark.agents import InstructedByModel, make_agent
+from threewe.benchmark.buildings import load_scene, scene_asset
 from threewe.benchmark.episodes import Episode, Yardstick
-from threewe.benchmark.tasks import TASKS, TICK, Metrics, Place, Task, place_of, score
+from threewe.benchmark.tasks import TASKS, TICK, Assignment, Metrics, Place, Task, place_of, score
 from threewe.errors import ConfigError, TimeoutError
 from threewe.gym.batch import TASK_FIELDS
 from threewe.gym.env import Env
@@ -55,12 +67,24 @@ class Attempt:
     drive: TrueDrive | None = None
     actions: NDArray[np.float32] | None = None  # (steps, 3) of an agent that acts
     grid: OccupancyGrid | None = None  # the robot's own map, of an exploration
+    talk: bytes = b""  # with a model
 
 
-def attempt(task_name: str, episode: Episode, agent_name: str, settings: Settings) -> dict[str, Any]:
-    """Drives one episode, and returns what JSON holds."""
+def attempt(
+    task_name: str, episode: Episode, agent_name: str, settings: Settings, talk: str | None = None
+) -> dict[str, Any]:
+    """Drives one episode, and returns what JSON holds. `talk` is a conversation in base 64, repeated as it was."""
+    if talk is not None:
+        with NamedTemporaryFile() as file:
+            file.write(base64.b64decode(talk))
+            file.flush()
+            return attempt_with(task_name, episode, InstructedByModel("", Path(file.name)), settings)
+    return attempt_with(task_name, episode, make_agent(task_name, agent_name), settings)
+
+
+def attempt_with(task_name: str, episode: Episode, agent: Any, settings: Settings) -> dict[str, Any]:
+    """The same with an agent that was made already."""
     task, place = TASKS[task_name], place_of(episode.scene, settings.hardware)
-    agent = make_agent(task_name, agent_name)
     if hasattr(agent, "yardstick"):
         return reference(task, episode)
     drive = _run if hasattr(agent, "run") else _act
@@ -91,7 +115,7 @@ def record(tried: Attempt, metrics: Metrics) -> dict[str, Any]:
     """As JSON holds it: what can be replayed is in base 64."""
     poses = tried.drive.poses if tried.drive else np.zeros((0, 3))
     commands = tried.drive.commands if tried.drive else np.zeros((0, 3))
-    shown = {
+    shown: dict[str, Any] = {
         "end": tried.end,
         "failure": tried.failure,
         "ticks": len(commands),
@@ -101,6 +125,8 @@ def record(tried: Attempt, metrics: Metrics) -> dict[str, Any]:
     replayed = {"commands": as_base64(commands.astype("<f8"))}
     if tried.actions is not None:
         replayed["actions"] = as_base64(tried.actions.astype("<f4"))
+    if tried.talk:
+        replayed["talk"] = base64.b64encode(tried.talk).decode()
     if tried.grid is not None:
         grid = tried.grid
         shown["grid"] = {"origin": list(grid.origin), "resolution": grid.resolution, "shape": [*grid.data.shape]}
@@ -140,7 +166,20 @@ def assignment_of(task: Task, episode: Episode, settings: Settings, map_from_sta
         goal = (there.x, there.y)
     key = f"{settings.seed}/{task.name}/{episode.scene}/{episode.index}".encode()
     seed = int.from_bytes(hashlib.sha256(key).digest()[:4], "little")
-    return Assignment(task.name, goal, episode.category, task.time_limit(episode), seed)
+    places: tuple[Any, ...] = ()
+    if task.name == "vln":
+        goal = None  # which the words say
+        map_from_scene = map_from_start * Pose2D(*episode.start).inverse()
+        places = tuple(rooms_of(episode.scene, map_from_scene))
+    limit = task.time_limit(episode)
+    return Assignment(task.name, goal, episode.category, episode.instruction, places, limit, seed)
+
+
+def rooms_of(scene: str, map_from_scene: Pose2D) -> Iterator[tuple[str, tuple[tuple[float, float], ...]]]:
+    """Names and borders of the rooms of a scene, in `map`."""
+    for place in places_of_scene(load_scene(scene)):
+        corners = [map_from_scene * Pose2D(x, y, 0.0) for x, y in place.polygon]
+        yield place.name, tuple((corner.x, corner.y) for corner in corners)
 
 
 def _run(task: Task, episode: Episode, place: Place, agent: Any, settings: Settings) -> Attempt:
@@ -155,6 +194,7 @@ def _run(task: Task, episode: Episode, place: Place, agent: Any, settings: Setti
         seed=episode.seed,
         start_pose=episode.start,
         randomization=settings.randomization,
+        image_size=getattr(agent, "options", {}).get("image_size"),
         **own,
     )
     log = DriveLog(robot._world)
@@ -178,6 +218,7 @@ async def _drive(robot: Robot, log: DriveLog, agent: Any, assignment: Assignment
             raise
         except Exception as error:
             tried.end, tried.failure = "failure", said(error)
+        tried.talk = agent.talk if isinstance(agent, InstructedByModel) else b""
         log.end()
         if tried.end == "stop" and len(log) * TICK >= assignment.time_limit:
             tried.end = "time"

@@ -20,8 +20,8 @@ from threewe.errors import ConfigError
 LARGEST = 64 << 20  # [bytes] of a bundle, packed and unpacked: nothing in it is compressed
 MOST_FILES = 100_000
 EARLIEST = (1980, 1, 1, 0, 0, 0)  # the date of all files
-KINDS = {"commands": "f64", "actions": "f32", "grid": "i8"}
-NAME = re.compile(r"(manifest|results)\.json|(commands/\d{5}\.f64)|(actions/\d{5}\.f32)|(grid/\d{5}\.i8)")
+KINDS = {"commands": "f64", "actions": "f32", "grid": "i8", "talk": "jsonl"}
+NAME = re.compile(r"(manifest|results)\.json|" + "|".join(rf"({kind}/\d{{5}}\.{end})" for kind, end in KINDS.items()))
 
 
 class BundleError(ConfigError):
@@ -36,7 +36,7 @@ class Bundle:
     files: dict[str, bytes]  # by name: what can be replayed
 
     def part(self, kind: str, number: int) -> bytes | None:
-        """The `commands`, `actions` or `grid` of an episode by its number in the results; None where there are none."""
+        """What there is of a kind of an episode, by its number in the results; None where there is nothing."""
         return self.files.get(_name(kind, number))
 
 

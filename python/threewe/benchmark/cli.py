@@ -18,7 +18,7 @@ from threewe.benchmark.progress import progress
 from threewe.errors import ConfigError
 
 app = typer.Typer(
-    help="Benchmarks: PointNav, ObjectNav and Exploration, with results that anyone can replay.",
+    help="Benchmarks: PointNav, ObjectNav, VLN and Exploration, with results that anyone can replay.",
     no_args_is_help=True,
     rich_markup_mode=None,
 )
@@ -54,11 +54,11 @@ SHOWN = {
 
 @app.command()
 def run(
-    task: Annotated[str, typer.Argument(help="pointnav, objectnav or exploration.")],
+    task: Annotated[str, typer.Argument(help="pointnav, objectnav, vln or exploration.")],
     agent: Annotated[
         str,
         typer.Option(
-            help="Shipped (navigator, oracle, straight, random, ...), module:Class, FILE.onnx or .safetensors."
+            help="Shipped (navigator, vlm@ADDRESS, ...), policy:FOLDER, module:Class, FILE.onnx or .safetensors."
         ),
     ] = "navigator",
     episodes: Annotated[int, typer.Option(min=1, help="So many of each scene.")] = 50,
@@ -96,7 +96,7 @@ def run(
 
     settings = Settings(hardware, backend, noise, randomization, control_rate, seed)
     plan, listed = plan_run(task, agent, split=split, scenes=scene or [], episodes=episodes, settings=settings)
-    path = output or Path(f"{task}-{Path(agent).stem.replace(':', '.')}.json")
+    path = output or Path(f"{task}-{Path(agent.partition('@')[0]).stem.replace(':', '.')}.json")
     bundle = bundle or (path.with_suffix(".zip") if submit else None)
     if bundle and (quick or plan.agent.kind == "yardstick"):
         raise ConfigError("bundle: neither a quick run nor a baseline has a log that could be replayed")
@@ -216,6 +216,9 @@ def verify(
     episode_file: Annotated[
         Path | None, typer.Option("--episodes", help="The set of episodes, where it is not one that comes with 3we.")
     ] = None,
+    talk: Annotated[
+        bool, typer.Option("--talk", help="Also repeat conversations with a model, without its server.")
+    ] = False,
     rerun_policy: Annotated[
         bool, typer.Option("--rerun-policy", help="Also drive the agent through new buildings. It runs its code.")
     ] = False,
@@ -230,7 +233,11 @@ def verify(
     try:
         with progress("replay", None) as advance:
             verified = verify_bundle(
-                bundle, workers=workers, episode_file=episode_file, on_done=lambda done, of: advance(done, of)
+                bundle,
+                workers=workers,
+                episode_file=episode_file,
+                talk=talk,
+                on_done=lambda done, of: advance(done, of),
             )
     except BundleError as error:
         console.print(styled(("refused: ", "bold red"), str(error)))

@@ -23,7 +23,8 @@ def transfer() -> None:
 @app.command()
 def run(
     policy: Annotated[
-        str, typer.Option(help="FILE.onnx, FILE.safetensors, module:Class, or an agent that comes with 3we.")
+        str,
+        typer.Option(help="policy:FOLDER, FILE.onnx or .safetensors, module:Class, or an agent that comes with 3we."),
     ],
     source: Annotated[str, typer.Option(help="Backend that the policy comes from.")] = "mock",
     target: Annotated[str, typer.Option(help="Backend that it goes to.")] = "mujoco",

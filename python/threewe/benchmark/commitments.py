@@ -20,7 +20,7 @@ from typing import Any
 from threewe._core import asset_directories, unknown_name
 from threewe._files import read_text
 from threewe.benchmark.episodes import to_json
-from threewe.benchmark.sampling import COLUMNS, SCENES, VERSION, make_episodes
+from threewe.benchmark.sampling import COLUMNS, HELD_OUT, VERSION, make_episodes
 from threewe.errors import ConfigError
 
 NAME = f"generated_v{VERSION}"
@@ -71,7 +71,7 @@ def hash_of(secret: str) -> str:
 def draw_sets(secret: str, on_done: Callable[[str], object] = lambda _: None) -> dict[str, str]:
     """The text of each set's file, by the set's name. Takes minutes."""
     texts = {}
-    for task in SCENES:
+    for task in HELD_OUT:
         made = make_episodes(task, "generated", secret=secret)
         texts[made["name"]] = to_json(made, COLUMNS[task])
         on_done(made["name"])

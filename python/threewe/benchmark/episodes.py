@@ -14,7 +14,7 @@ from threewe._files import read_text
 from threewe.errors import ConfigError
 
 FARTHEST = 1e6  # [m], and more than any other number of an episode
-TASKS = ("navigation", "pointnav", "objectnav", "exploration")
+TASKS = ("navigation", "pointnav", "objectnav", "vln", "exploration")
 
 
 @dataclass(frozen=True)
@@ -34,9 +34,10 @@ class Episode:
     index: int  # of the sampler
     seed: int  # for all else that is drawn: people, noise
     start: tuple[float, float, float]  # x, y [m], theta [rad]
-    goal: tuple[float, float] | None  # x, y [m], of a task with one
+    goal: tuple[float, float] | None  # x, y [m], of a task with one; of VLN the end of the path
     geodesic: float  # [m] by the shortest path, from start to goal or to the nearest place of success; 0 without one
     category: str | None = None  # of what is looked for
+    instruction: str | None = None  # of VLN, English
     stratum: str | None = None  # of length and directness, such as "5-9 detour"
     yardstick: Yardstick | None = None
 
@@ -55,7 +56,7 @@ class EpisodeSet(TypedDict):
     """What a file in assets/episodes holds: its definition, and the episodes that follow from it."""
 
     name: str
-    task: str  # "navigation", "pointnav", "objectnav" or "exploration"
+    task: str  # "navigation", "pointnav", "objectnav", "vln" or "exploration"
     split: str  # "val", "test", "generated"; empty for a set without splits
     hardware: str  # whose footprint the paths are for
     seed: int  # of the sampler
@@ -246,6 +247,7 @@ READERS: dict[str, Callable[[Path, str, Any], Any]] = {
     "goal": _point,
     "geodesic": _number,
     "category": _text,
+    "instruction": _text,
     "stratum": _text,
     "yardstick": _yardstick,
 }

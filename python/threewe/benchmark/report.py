@@ -18,23 +18,9 @@ from threewe.benchmark.attempt import POSE_EVERY
 from threewe.benchmark.buildings import load_scene
 from threewe.benchmark.episodes import Episode, find_episodes, load_episodes
 from threewe.benchmark.plots import from_above, interval_plot, share_plot
-from threewe.benchmark.tasks import TASKS, TICK
+from threewe.benchmark.tasks import NAMES, TASKS, TICK, TITLES
 from threewe.errors import ConfigError
 
-TITLES = {
-    "success": "success rate",
-    "success_without_contact": "without contact",
-    "spl": "SPL",
-    "soft_spl": "SoftSPL",
-    "coverage": "coverage",
-    "cell_ratio": "cell ratio",
-    "map_accuracy": "map accuracy",
-    "contacts": "contacts",
-    "duration": "time [s]",
-    "distance_to_success": "left to go [m]",
-    "agent_failures": "agent failed",
-}
-BRIEF = {"pointnav": "spl", "objectnav": "spl", "exploration": "coverage"}  # what an episode's line shows
 METRICS = {**TITLES, "path_length": "path [m]", "collision_speed": "fastest contact [m/s]", "crossed": "area crossed"}
 STRATUM = re.compile(r"(\d+-\d+) (\w+)")
 MANY = 12  # scenes: beyond, plots show all of them together
@@ -72,7 +58,6 @@ def report(results: dict[str, Any]) -> str:
 """
 
 
-NAMES = {"pointnav": "PointNav", "objectnav": "ObjectNav", "exploration": "Exploration"}
 PLAYER = """<div class="player">
 <div><div class="stage"><canvas id="canvas" role="img" aria-label="the drive from above"></canvas>
 <div class="controls"><button id="play">Play</button>
@@ -175,8 +160,9 @@ def _data(results: dict[str, Any]) -> dict[str, Any]:
 
 def _episode(task: str, row: dict[str, Any], episode: Episode | None, radius: float) -> dict[str, Any]:
     named, metrics = row["episode"], row["metrics"]
-    about = named.get("category") or STRATUM.sub(r"\1 m \2", named.get("stratum", ""))
-    brief = f"{TITLES[BRIEF[task]]} {metrics.get(BRIEF[task], 0.0):.2f}, {metrics.get('duration', 0.0):.0f} s"
+    about = named.get("category") or named.get("instruction") or STRATUM.sub(r"\1 m \2", named.get("stratum", ""))
+    headline = TASKS[task].headline
+    brief = f"{TITLES[headline]} {metrics.get(headline, 0.0):.2f}, {metrics.get('duration', 0.0):.0f} s"
     shown = {name: value for name, value in metrics.items() if isinstance(value, float)}
     order = [*(name for name in METRICS if name in shown), *(name for name in shown if name not in METRICS)]
     return {

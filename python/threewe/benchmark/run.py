@@ -168,7 +168,7 @@ def results_of(plan: Plan, episodes: Sequence[Episode], outcomes: Sequence[Resul
 
 def _key_of(episode: Episode) -> dict[str, Any]:
     named = {"scene": episode.scene, "index": episode.index, "seed": episode.seed}
-    return named | {name: value for name in ("stratum", "category") if (value := getattr(episode, name))}
+    return named | {name: value for name in ("stratum", "category", "instruction") if (value := getattr(episode, name))}
 
 
 def localization_of(plan: Plan) -> str:

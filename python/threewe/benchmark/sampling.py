@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterator
 from itertools import count, islice
 
 from threewe import RobotProfile, SceneTables
-from threewe._core import ObjectNav, nearest_frontier, optimistic_replanning, unknown_name
+from threewe._core import ObjectNav, Vln, nearest_frontier, optimistic_replanning, unknown_name
 from threewe.benchmark.buildings import building_name, load_scene
 from threewe.benchmark.episodes import FARTHEST, OPTIONAL, Episode, EpisodeSet, Yardstick
 from threewe.benchmark.unseen import OF, SUFFIX
@@ -26,23 +26,34 @@ SCENES = {
         "dynamic_v1",
     ),
     "objectnav": ("office_v2", "apartment_v1", "warehouse_v1", "cluttered_v1"),
+    "vln": ("office_v2", "apartment_v1", "corridor_v1", "warehouse_v1"),
     "exploration": ("office_v2", "apartment_v1", "corridor_v1"),
 }
+HELD_OUT = ("pointnav", "objectnav", "exploration")
+"""Tasks with a split `generated`, whose hashes are published."""
 SEEDS = {"val": 20_261_201, "test": 20_261_202, "unseen": 20_261_203}
+IN_SIGHT = "in_sight_v1"
+IN_SIGHT_SCENES = ("office_v2", "apartment_v1", "corridor_v1", "warehouse_v1", "cluttered_v1", "outdoor_v1")
+IN_SIGHT_SEED = 20_261_125
+SIGHTS = ("alone", "among others")
+"""Strata of episodes in sight: whether another kind is in sight, too."""
 VERSION = 1
-EPISODES = {"pointnav": 60, "objectnav": 50, "exploration": 20}  # in each scene
+EPISODES = {"pointnav": 60, "objectnav": 50, "vln": 50, "exploration": 20}  # in each scene
 BUILDINGS = 100  # of the split `generated`
 ATTEMPTS = 4000  # indices of the sampler; a stratum that is not full by then is lacking
 
 LENGTHS = ((2.0, 5.0), (5.0, 9.0), (9.0, 15.0))  # [m] of the shortest path
 DETOUR = 1.3  # times the straight line
 STRATA = [f"{low:g}-{high:g} {way}" for low, high in LENGTHS for way in ("straight", "detour")]
+SIGHT_TRIES = 60  # indices of the sampler for a category and a stratum
 SHORTEST_SEARCH = 2.0  # [m] of ObjectNav: the sampler's shortest are next to success
 
 COLUMNS = {
     "pointnav": ["index", "seed", "start", "goal", "geodesic", "stratum", "yardstick"],
     "objectnav": ["index", "seed", "start", "geodesic", "category"],
+    "vln": ["index", "seed", "start", "goal", "geodesic", "instruction"],
     "exploration": ["index", "seed", "start", "yardstick"],
+    IN_SIGHT: ["index", "seed", "start", "geodesic", "category", "stratum"],
 }
 Drawn = tuple[list[Episode], list[str]]
 """Episodes of a scene, and the strata or categories that it has too few of."""
@@ -55,10 +66,11 @@ def make_episodes(task: str, split: str, *, secret: str | None = None) -> Episod
     """
     if task not in SCENES:
         raise ConfigError(unknown_name("task", task, list(SCENES)))
-    if split == "generated":
+    if split == "generated" and task in HELD_OUT:
         return _generated(task, secret)
     if split not in splits_of(task):
-        raise ConfigError(unknown_name(f"split of {task}", split, [*splits_of(task), "generated"]))
+        known = [*splits_of(task), *(["generated"] if task in HELD_OUT else [])]
+        raise ConfigError(unknown_name(f"split of {task}", split, known))
     made = _empty(task, split, SEEDS[split])
     for scene in scenes_of(task, split):
         episodes, lacking = draw_scene(task, scene, SEEDS[split], EPISODES[task])
@@ -92,6 +104,7 @@ def draw_scene(task: str, scene: str, seed: int, episodes: int, *, attempts: int
     draws: dict[str, Callable[..., Drawn]] = {
         "pointnav": _pointnav,
         "objectnav": _objectnav,
+        "vln": _vln,
         "exploration": _exploration,
     }
     return draws[task](scene, tables, profile, seed, episodes, attempts, turn)
@@ -154,6 +167,20 @@ def _objectnav(
         if len(found) == episodes:
             return found, []
     return found, categories[len(found) % len(categories) :]
+
+
+def _vln(
+    scene: str, tables: SceneTables, profile: RobotProfile, seed: int, episodes: int, attempts: int, turn: int
+) -> Drawn:
+    """Instructions are those of the sampler."""
+    del profile, attempts, turn
+    task = Vln(tables)
+    found = []
+    for index in range(episodes):
+        drawn = task.sample(seed, index)
+        start = (drawn.start.x, drawn.start.y, drawn.start.theta)
+        found.append(Episode(scene, index, drawn.seed, start, drawn.end, drawn.geodesic, instruction=drawn.instruction))
+    return found, []
 
 
 def _exploration(
@@ -230,14 +257,73 @@ def _reactive(scene: str, tables: SceneTables, definition: EpisodeSet) -> Iterat
             yield Episode(scene, index, drawn.seed, (start.x, start.y, start.theta), goal, drawn.geodesic)
 
 
+def make_in_sight() -> EpisodeSet:
+    """The set `in_sight_v1` of ObjectNav: something of the kind is in sight, a hundred in each static scene."""
+    made = _empty("objectnav", "", IN_SIGHT_SEED)
+    made.update({"name": IN_SIGHT, "shortest": OPTIONAL["shortest"]})
+    for scene in IN_SIGHT_SCENES:
+        episodes, lacking = draw_in_sight(scene, IN_SIGHT_SEED, 100)
+        made["episodes"] += episodes
+        if lacking:
+            made["lacking"][scene] = lacking
+    return made
+
+
+def draw_in_sight(scene: str, seed: int, episodes: int, *, turn: int = 0) -> Drawn:
+    """Episodes in sight of one scene, the strata alternating, the categories in turns but for doors.
+
+    Categories are lacking of which nothing was found. A pure function of its arguments.
+    """
+    profile = RobotProfile.load(HARDWARE)
+    task = ObjectNav(SceneTables(load_scene(scene), profile), profile)
+    categories = in_turns([category for category in task.goals if category != "door"], turn)
+    found: list[Episode] = []
+    lacking = set(categories)
+    first = 0
+    for turns in count():
+        if len(found) == episodes or first >= ATTEMPTS or not categories:
+            break
+        category = categories[(turns + turns // len(categories)) % len(categories)]
+        for index in range(first, first + SIGHT_TRIES):
+            first = index + 1
+            try:
+                drawn = task.sample_in_sight(seed, index, category)
+            except ConfigError:  # nothing of it can be seen
+                break
+            others = set(task.in_sight(drawn.start)) - {category, "door"}
+            stratum = SIGHTS[bool(others)]
+            if stratum == SIGHTS[(len(found) + turn) % len(SIGHTS)]:
+                start = (drawn.start.x, drawn.start.y, drawn.start.theta)
+                found.append(
+                    Episode(scene, index, drawn.seed, start, None, drawn.geodesic, category=category, stratum=stratum)
+                )
+                lacking.discard(category)
+                break
+    return found, sorted(lacking)
+
+
+def generated_in_sight(seed: int | str) -> Iterator[Episode]:
+    """Episodes in sight in generated buildings without end, one in each; each stratum and category is as likely."""
+    for number in count():
+        try:
+            name = building_name(f"in_sight/{seed}/{number}")
+            drawn = int(name.removeprefix("building-"))
+            yield from draw_in_sight(name, drawn, 1, turn=drawn)[0]
+        except ConfigError:  # a building in which nothing can be looked for
+            continue
+
+
 def make_named(name: str, *, secret: str | None = None) -> tuple[EpisodeSet, list[str]]:
     """A set by its name, such as `pointnav_val_v1`, and the columns of its file."""
     if name == "reactive_v1":
         return make_reactive(), list(OPTIONAL["columns"])
+    if name == IN_SIGHT:
+        return make_in_sight(), COLUMNS[IN_SIGHT]
     task, _, rest = name.partition("_")
     split = rest.removesuffix(f"_v{VERSION}")
-    sets = [(task, split) for task in SCENES for split in (*splits_of(task), "generated")]
-    known = ["reactive_v1", *(f"{task}_{split}_v{VERSION}" for task, split in sets)]
+    sets = [(task, split) for task in SCENES for split in splits_of(task)]
+    sets += [(task, "generated") for task in HELD_OUT]
+    known = ["reactive_v1", IN_SIGHT, *(f"{task}_{split}_v{VERSION}" for task, split in sets)]
     if name not in known:
         raise ConfigError(unknown_name("set of episodes", name, known))
     return make_episodes(task, split, secret=secret), COLUMNS[task]

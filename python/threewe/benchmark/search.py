@@ -12,7 +12,7 @@ from threewe._core import Pose2D
 from threewe.robot import Robot
 
 if TYPE_CHECKING:
-    from threewe.benchmark.agents import Assignment
+    from threewe.benchmark.tasks import Assignment
 
 FIRST_OBJECT = 4  # ids of a SemanticImage: object i of the scene has 4 + i
 SEEN = 60  # [pixels] that make a sighting

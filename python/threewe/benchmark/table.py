@@ -10,28 +10,16 @@ from typing import Any
 
 from threewe.benchmark.episodes import load_episodes
 from threewe.benchmark.results import Figure, load_results
-from threewe.benchmark.tasks import TASKS
+from threewe.benchmark.tasks import NAMES, TASKS, TITLES
 from threewe.errors import ConfigError
 
 Run = tuple[Path, dict[str, Any]]
-NAMES = {"pointnav": "PointNav", "objectnav": "ObjectNav", "exploration": "Exploration"}
-COLUMNS = {
-    "success": "SR",
-    "success_without_contact": "SR without contact",
-    "spl": "SPL",
-    "soft_spl": "SoftSPL",
-    "coverage": "coverage",
-    "cell_ratio": "cell ratio",
-    "map_accuracy": "map accuracy",
-    "contacts": "contacts",
-    "duration": "time [s]",
-}
 BY_SCENE = {
     "pointnav": ("success", "spl"),
     "objectnav": ("success", "spl"),
+    "vln": ("success", "spl"),
     "exploration": ("coverage", "cell_ratio"),
 }
-RANKED_BY = {"pointnav": "spl", "objectnav": "spl", "exploration": "coverage"}
 HEAD = """\
 # Benchmark results
 
@@ -70,9 +58,10 @@ def page(runs: Sequence[Run], folder: Path) -> str:
 
 def _section(task: str, episode_set: str, runs: Sequence[Run], folder: Path) -> str:
     scenes = list(dict.fromkeys(scene for _, results in runs for scene in results["scenes"]))
-    runs = sorted(runs, key=lambda run: (-run[1]["summary"]["all"][RANKED_BY[task]]["value"], run[1]["agent"]["name"]))
+    headline = TASKS[task].headline
+    runs = sorted(runs, key=lambda run: (-run[1]["summary"]["all"][headline]["value"], run[1]["agent"]["name"]))
     counts = sorted({results["episodes"] for _, results in runs})
-    names = [name for name in COLUMNS if name in (*TASKS[task].rates, *TASKS[task].means)]
+    names = [name for name in TITLES if name in (*TASKS[task].rates, *TASKS[task].means)]
     rows = [
         [_agent(file, results, folder), _count(results), *(_cell(results["summary"]["all"][name]) for name in names)]
         for file, results in runs
@@ -80,12 +69,12 @@ def _section(task: str, episode_set: str, runs: Sequence[Run], folder: Path) -> 
     first = " or ".join(map(str, counts))
     where = f"{len(scenes)} scene{'s' * (len(scenes) != 1)}"
     lines = [f"## {NAMES[task]}", "", f"The first {first} episodes of `{episode_set}` in each of {where}.", ""]
-    lines += _table(["agent", "n", *(COLUMNS[name] for name in names)], rows)
+    lines += _table(["agent", "n", *(TITLES[name] for name in names)], rows)
     for name in BY_SCENE[task]:
         rows = [
             [results["agent"]["name"], *(_of_scene(results, scene, name) for scene in scenes)] for _, results in runs
         ]
-        lines += ["", f"{COLUMNS[name]} by scene:", "", *_table(["agent", *scenes], rows)]
+        lines += ["", f"{TITLES[name]} by scene:", "", *_table(["agent", *scenes], rows)]
     return "\n".join([*lines, "", *_commands(runs), ""])
 
 

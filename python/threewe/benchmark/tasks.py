@@ -28,11 +28,26 @@ from threewe.benchmark.episodes import Episode
 from threewe.exporting import export
 
 TICK = 0.02  # [s]
-SUCCESS_DISTANCE = 0.5  # [m] of PointNav, by the shortest path
+SUCCESS_DISTANCE = {"pointnav": 0.5, "vln": 1.0}  # [m] to the goal, by the shortest path
 CONTACT_SPEED = 0.05  # [m/s]: slower touches do no harm
 LOOK_EVERY = 10  # ticks between two looks of the coverage meter
 SHARES = 10  # of an exploration's time at which its coverage is noted
 FREE, OCCUPIED = 25, 65  # of OccupancyGrid: at most, at least
+
+NAMES = {"pointnav": "PointNav", "objectnav": "ObjectNav", "vln": "VLN", "exploration": "Exploration"}
+TITLES = {
+    "success": "SR",
+    "success_without_contact": "SR without contact",
+    "spl": "SPL",
+    "soft_spl": "SoftSPL",
+    "coverage": "coverage",
+    "cell_ratio": "cell ratio",
+    "map_accuracy": "map accuracy",
+    "contacts": "contacts",
+    "duration": "time [s]",
+    "distance_to_success": "left to go [m]",
+    "agent_failures": "agent failed",
+}
 
 Metrics = dict[str, float | list[float]]
 
@@ -45,12 +60,13 @@ class Task:
     environment: str  # of `threewe.gym.Env`, for agents that act
     rates: tuple[str, ...]  # metrics that are 0 or 1 in each episode
     means: tuple[str, ...]  # the others that results show
+    headline: str  # the metric by which agents are ranked
 
     def time_limit(self, episode: Episode) -> float:
         """[s] of robot time, from 0: an agent that stops later has not."""
         if self.name == "exploration":
             return max(60.0, 1.5 * (episode.yardstick.duration if episode.yardstick else 0.0))
-        return {"pointnav": 180.0, "objectnav": 300.0}[self.name]
+        return {"pointnav": 180.0, "objectnav": 300.0, "vln": 300.0}[self.name]
 
 
 TASKS = {
@@ -59,18 +75,28 @@ TASKS = {
         "navigation",
         ("success", "success_without_contact"),
         ("spl", "soft_spl", "contacts", "duration", "distance_to_success"),
+        "spl",
     ),
     "objectnav": Task(
         "objectnav",
         "object_nav",
         ("success", "success_without_contact"),
         ("spl", "contacts", "duration", "distance_to_success"),
+        "spl",
+    ),
+    "vln": Task(
+        "vln",
+        "vln",
+        ("success", "success_without_contact"),
+        ("spl", "contacts", "duration", "distance_to_success"),
+        "spl",
     ),
     "exploration": Task(
         "exploration",
         "exploration",
         (),
         ("coverage", "cell_ratio", "map_accuracy", "contacts", "duration"),
+        "coverage",
     ),
 }
 
@@ -152,14 +178,15 @@ def _nothing(task: Task, episode: Episode) -> Metrics:
 
 
 def _arrived(task: Task, episode: Episode, place: Place, drive: TrueDrive, end: str) -> Metrics:
-    if task.name == "pointnav":
+    if task.name in SUCCESS_DISTANCE:
+        near = SUCCESS_DISTANCE[task.name]
         left = _geodesic_left(episode, place, drive.poses)
-        success = end == "stop" and left <= SUCCESS_DISTANCE
-        left = max(0.0, left - SUCCESS_DISTANCE)
+        success = end == "stop" and left <= near
+        left = max(0.0, left - near)
     else:
         assert episode.category is not None
         search = place.object_nav
-        success = end == "stop" and search.is_success(place.profile, episode.category, drive)
+        success = end == "stop" and bool(search.found(place.profile, episode.category, drive))
         left = 0.0 if success else _search_left(search, episode, drive.poses)
     metrics: Metrics = {
         "success": float(success),
@@ -168,7 +195,7 @@ def _arrived(task: Task, episode: Episode, place: Place, drive: TrueDrive, end: 
         "distance_to_success": left,
     }
     if task.name == "pointnav":
-        metrics["soft_spl"] = soft_spl(left + SUCCESS_DISTANCE if left else 0.0, episode.geodesic, drive.length)
+        metrics["soft_spl"] = soft_spl(left + near if left else 0.0, episode.geodesic, drive.length)
     return metrics
 
 
@@ -244,3 +271,16 @@ def map_accuracy(grid: OccupancyGrid, truth: OccupancyGrid, scene_from_map: Pose
     known = truth.data[i, j] >= 0
     right = np.where(occupied, (around >= OCCUPIED).any(axis=0), ((around >= 0) & (around <= FREE)).any(axis=0))
     return float(right[known].mean()) if known.any() else 0.0
+
+
+@dataclass(frozen=True)
+class Assignment:
+    """What an agent is asked to do. It says nothing of where in the scene the robot is."""
+
+    task: str
+    goal: tuple[float, float] | None  # x, y [m] in the robot's `map` frame, of PointNav
+    category: str | None  # of what is looked for, of ObjectNav
+    instruction: str | None  # English, of VLN
+    places: tuple[tuple[str, tuple[tuple[float, float], ...]], ...]  # rooms by name, with borders [m] in `map`, of VLN
+    time_limit: float  # [s] of robot time
+    seed: int  # of the agent's own choices

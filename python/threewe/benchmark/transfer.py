@@ -45,7 +45,7 @@ def plan_transfer(
     if plan.agent.kind == "yardstick":
         raise ConfigError(f"policy: {policy} drives no robot")
     chosen = _spread(listed, plan.scenes, episodes)
-    on_source = tuple(_with_noise(episode, seed) for seed in range(seeds) for episode in chosen)
+    on_source = tuple(with_noise(episode, seed) for seed in range(seeds) for episode in chosen)
     return TransferPlan(
         plan, replace(plan, settings=replace(settings, backend=target)), on_source, on_source[:matched], seeds
     )
@@ -152,7 +152,7 @@ def _spread(episodes: Sequence[Episode], scenes: Sequence[str], count: int) -> l
     return in_turns[:count]
 
 
-def _with_noise(episode: Episode, seed: int) -> Episode:
+def with_noise(episode: Episode, seed: int) -> Episode:
     """The same episode with other noise; with seed 0 as it was frozen."""
     if seed == 0:
         return episode

@@ -19,9 +19,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from threewe._core import OccupancyGrid, RobotProfile
-from threewe.benchmark.agents import Identity, identify
-from threewe.benchmark.attempt import SLOWEST, Settings, as_base64, replay
-from threewe.benchmark.bundle import Bundle, BundleError, read_bundle
+from threewe._model_talk import Record
+from threewe.benchmark.agents import MODEL, Identity, identify
+from threewe.benchmark.attempt import SLOWEST, Settings, as_base64, attempt, from_base64, replay
+from threewe.benchmark.bundle import KINDS, Bundle, BundleError, read_bundle
 from threewe.benchmark.episodes import Episode, digest, find_episodes, load_episodes
 from threewe.benchmark.run import EPISODE_LIMIT, FORMAT, MEMORY, OnDone, Plan, results_of, select
 from threewe.benchmark.run import run as run_plan
@@ -46,6 +47,7 @@ class Claim:
     row: dict[str, Any]
     commands: NDArray[np.float64]
     grid: OccupancyGrid | None
+    talk: bytes | None  # with a model
 
     @property
     def name(self) -> str:
@@ -67,6 +69,7 @@ def verify_bundle(
     *,
     workers: int = 1,
     episode_file: Path | None = None,
+    talk: bool = False,
     on_done: Callable[[int, int], object] = lambda *_: None,
 ) -> Verified:
     """Replays every episode of a bundle. Raises BundleError that says what is wrong, and where it differs first.
@@ -75,6 +78,7 @@ def verify_bundle(
         path: the bundle.
         workers: processes at a time.
         episode_file: the set of episodes, where it is not one that comes with 3we, as held-out buildings are.
+        talk: also repeats each conversation with a model, without its server: the robot must do the same to the bit.
         on_done: called with how many have been replayed, and how many there are.
     """
     bundle = read_bundle(path)
@@ -89,6 +93,8 @@ def verify_bundle(
             raise BundleError(f"{claim.name}: cannot be replayed: {finished.failure.splitlines()[-1]}")
         require_same(claim, finished.result, plan.settings.backend)
     require_results(bundle.results, plan, claims, [finished.result for finished in replayed])
+    if talk:
+        _repeat_talks(plan, claims, workers)
     return Verified(plan, bundle.results, sum(finished.seconds for finished in replayed))
 
 
@@ -151,18 +157,18 @@ def claims_of(bundle: Bundle, plan: Plan, episode_file: Path | None) -> list[Cla
     rows = bundle.results.get("episode_results")
     if not isinstance(rows, list) or len(rows) != len(wanted) or not wanted:
         raise BundleError(f"episode_results: expected {len(wanted)} episodes, as scenes and episodes say")
-    claims = [_claim(bundle, number, *pair) for number, pair in enumerate(zip(wanted, rows, strict=True))]
+    claims = [
+        _claim(bundle, plan.agent.name, number, *pair) for number, pair in enumerate(zip(wanted, rows, strict=True))
+    ]
     left_over = set(bundle.files) - {
-        f"{kind}/{claim.number:05}.{end}"
-        for claim in claims
-        for kind, end in (("commands", "f64"), ("actions", "f32"), ("grid", "i8"))
+        f"{kind}/{claim.number:05}.{end}" for claim in claims for kind, end in KINDS.items()
     }
     if left_over:
         raise BundleError(f"{min(left_over)}: of no episode")
     return claims
 
 
-def _claim(bundle: Bundle, number: int, episode: Episode, row: Any) -> Claim:
+def _claim(bundle: Bundle, named_agent: str, number: int, episode: Episode, row: Any) -> Claim:
     place = f"episode {number} ({episode.scene}/{episode.index})"
     if not isinstance(row, dict) or not isinstance(row.get("episode"), dict):
         raise BundleError(f"{place}: not as a run writes it")
@@ -183,7 +189,15 @@ def _claim(bundle: Bundle, number: int, episode: Episode, row: Any) -> Claim:
     actions = bundle.part("actions", number)
     if actions is not None and len(actions) % 12 != 0:
         raise BundleError(f"{place}: expected actions, three numbers of 4 bytes a step")
-    return Claim(number, episode, row, commands, _grid(bundle, place, number, row))
+    talk = bundle.part("talk", number)
+    if talk is not None:
+        if not named_agent.startswith(f"{MODEL}@"):
+            raise BundleError(f"{place}: talk: of an agent that asks no model")
+        try:
+            Record.read(talk, "talk")
+        except ConfigError as error:
+            raise BundleError(f"{place}: {error}") from None
+    return Claim(number, episode, row, commands, _grid(bundle, place, number, row), talk)
 
 
 def _grid(bundle: Bundle, place: str, number: int, row: dict[str, Any]) -> OccupancyGrid | None:
@@ -264,11 +278,31 @@ def _replay_all(
     return run_jobs(jobs, workers, on_done=done)
 
 
+def _repeat_talks(plan: Plan, claims: Sequence[Claim], workers: int) -> None:
+    """Raises BundleError where a robot, given a conversation as it was, leaves the way of the claim."""
+    talks = [(claim, base64.b64encode(claim.talk).decode()) for claim in claims if claim.talk is not None]
+    if not talks:
+        raise BundleError("talk: no conversation with a model is in the bundle")
+    jobs = [
+        Job(claim.name, attempt, {"task_name": plan.task, "episode": claim.episode, "agent_name": plan.agent.name,
+             "settings": plan.settings, "talk": talk}, EPISODE_LIMIT)
+        for claim, talk in talks
+    ]  # fmt: skip
+    for (claim, _), finished in zip(talks, run_jobs(jobs, workers), strict=True):
+        if finished.failure:
+            raise BundleError(f"{claim.name}: talk: cannot be repeated: {finished.failure.splitlines()[-1]}")
+        again = from_base64(finished.result["replayed"]["commands"], "<f8")
+        least = min(len(again), len(claim.commands))
+        differs = np.flatnonzero((again[:least] != claim.commands[:least]).any(axis=1))
+        if len(differs) or len(again) != len(claim.commands):
+            at = (differs[0] if len(differs) else least) * TICK
+            raise BundleError(f"{claim.name}: talk: given the same answers, the robot leaves the log at {at:.2f} s")
+
+
 def _replay(
     task: str, episode: Episode, settings: Settings, end: str, commands: str, grid: OccupancyGrid | None
 ) -> Result:
-    rows = np.frombuffer(base64.b64decode(commands), "<f8").reshape(-1, 3)
-    again = replay(task, episode, settings, end, rows, grid)
+    again = replay(task, episode, settings, end, from_base64(commands, "<f8"), grid)
     return {name: value for name, value in again.items() if name != "replayed"}
 
 

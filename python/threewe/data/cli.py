@@ -77,12 +77,17 @@ def collect(
     ),
     backend: Annotated[str, typer.Option(help="A simulator.")] = "mock",
     hardware: Annotated[str, typer.Option(help="Which robot.")] = "3we_standard_v2",
+    randomization: Annotated[str, typer.Option(help="Of the robot and its pictures.")] = "none",
+    bursts: Annotated[
+        bool, typer.Option(help="Push the robot off its way by random commands, which are no targets.")
+    ] = True,
     seed: Annotated[int, typer.Option(min=0, help="Of buildings, tasks and noise.")] = 0,
 ) -> None:
     """Collect demonstrations for `threewe policy train`: pictures, instructions and what a teacher does."""
-    from threewe.ai.collecting import collect_goto
+    from threewe.ai.collecting import Collection, collect_goto
 
-    arrived = asyncio.run(collect_goto(output, episodes, scene, backend, hardware, seed))
+    how = Collection(scene, backend, hardware, randomization, bursts, seed)
+    arrived = asyncio.run(collect_goto(output, episodes, how))
     text = f"{arrived} of {episodes} arrived ({task}, {teacher}); the dataset is in "
     console.print(styled(text, (f"{output}/", "bold")), highlight=False, soft_wrap=True)
 

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from threewe._core import instruction_embedding
 from threewe.data.exporting import OnProgress, Rows, TickedEpisodes
 from threewe.data.mounts import mounts
-from threewe.data.recording import CameraTrack, RecordedEpisode
+from threewe.data.recording import DISTURBED, CameraTrack, RecordedEpisode
 from threewe.errors import ConfigError
 from threewe.language import encodable
 
@@ -79,6 +79,8 @@ def _features(episode: RecordedEpisode, judged: bool) -> dict[str, dict[str, Any
     }
     if judged:
         features["next.success"] = {"dtype": "bool", "shape": (1,), "names": None}
+    if DISTURBED in episode.metadata:
+        features[DISTURBED] = {"dtype": "bool", "shape": (1,), "names": None}
     _, actions = episode.steps
     if len(actions):
         features["action.step"] = {"dtype": "float32", "shape": (actions.shape[1],), "names": None}
@@ -110,6 +112,8 @@ def _columns(episode: RecordedEpisode, rows: Rows, judged: bool) -> dict[str, ND
     }
     if judged:
         columns["next.success"] = last & bool(episode.success)
+    if (disturbed := episode.disturbed) is not None:
+        columns[DISTURBED] = rows.following(disturbed.astype(np.float64)[:, None]) > 0.0
     _, actions = episode.steps
     if len(actions):
         columns["action.step"] = actions.astype(np.float32)

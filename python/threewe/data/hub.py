@@ -69,7 +69,7 @@ def push(
         raise ConfigError(f"license must be an identifier such as cc-by-4.0 or apache-2.0, not {license!r}")
     _check_repo_id(repo_id)
     dataset = open_whole(as_file("dataset_dir", dataset_dir))
-    api = _api(token)
+    api = hub_api(token)
     if api.token is None:
         raise ConfigError(f"no token of the Hub: {HOW_TO_LOG_IN}")
     with hub_errors(repo_id, "pushing", "push again, it goes on where it was"):
@@ -132,11 +132,11 @@ def pull(
     for path in (partial, *partial.rglob("*")):
         if path.is_symlink():  # what is written there would go elsewhere
             raise ConfigError(f"{path}: a symbolic link; remove it")
-    api = _api(token)
+    api = hub_api(token)
     with hub_errors(repo_id, "pulling", "pull again, it goes on where it was"):
         commit, files = _listing(api, repo_id, revision)
         _check_space(target.parent, files)
-        _download(api, repo_id, commit, files, partial, on_progress)
+        download(api, repo_id, commit, files, partial, on_progress, "dataset")
     _keep_only(partial, files)
     open_whole(partial)
     with suppress(FileNotFoundError):
@@ -158,7 +158,8 @@ class RemoteFile:
     """of its content as a git object"""
 
 
-def _api(token: str | None) -> HfApi:
+def hub_api(token: str | None) -> HfApi:
+    """The Hub by a token, or by the one that is stored."""
     from huggingface_hub import HfApi, get_token
 
     # Both are read now, not when the package is imported.
@@ -213,17 +214,23 @@ def _check_space(folder: Path, files: Sequence[RemoteFile]) -> None:
         raise ConfigError(f"{folder}: the dataset needs {needed / 1e9:.1f} GB, {free / 1e9:.1f} GB are free")
 
 
-def _download(
-    api: HfApi, repo_id: str, commit: str, files: Sequence[RemoteFile], folder: Path, on_progress: OnProgress | None
+def download(
+    api: HfApi,
+    repo_id: str,
+    commit: str,
+    files: Sequence[RemoteFile],
+    folder: Path,
+    on_progress: OnProgress | None,
+    repo_type: str,
 ) -> None:
-    """Fetches what is not there yet, and checks each file."""
+    """Fetches what is not there yet, and checks each file. Raises ConfigError, and what `huggingface_hub` raises."""
     from huggingface_hub.utils.tqdm import are_progress_bars_disabled, disable_progress_bars, enable_progress_bars
 
     def fetch(file: RemoteFile) -> int:
         local = folder / file.path
         if not local.is_file() or not _is(local, file):
             local.unlink(missing_ok=True)
-            api.hf_hub_download(repo_id, str(file.path), repo_type="dataset", revision=commit, local_dir=folder)
+            api.hf_hub_download(repo_id, str(file.path), repo_type=repo_type, revision=commit, local_dir=folder)
             if not _is(local, file):
                 local.unlink(missing_ok=True)
                 raise ConfigError(f"{file.path} of '{repo_id}' did not arrive as the server announced it: pull again")

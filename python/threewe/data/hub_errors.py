@@ -12,13 +12,14 @@ HOW_TO_LOG_IN = "run `hf auth login`, or set HF_TOKEN"
 
 
 @contextmanager
-def hub_errors(repo_id: str, deed: str, again: str) -> Iterator[None]:
+def hub_errors(repo_id: str, deed: str, again: str, what: str = "dataset") -> Iterator[None]:
     """Turns what `huggingface_hub` raises into our errors.
 
     Args:
         repo_id: as the user gave it.
         deed: what was being done: `pushing` or `pulling`.
         again: what the user can do when it broke off.
+        what: is in the repository.
 
     Raises:
         ConfigError: the server refused.
@@ -29,7 +30,7 @@ def hub_errors(repo_id: str, deed: str, again: str) -> Iterator[None]:
     except ThreeweError:
         raise
     except Exception as error:
-        raise _translated(error, repo_id, deed, again) from None
+        raise _translated(error, repo_id, deed, again, what) from None
 
 
 def not_a_repo_id(repo_id: str) -> ConfigError:
@@ -37,7 +38,7 @@ def not_a_repo_id(repo_id: str) -> ConfigError:
     return ConfigError(f"'{repo_id}' is no repository id: it must be user/name, of letters, digits, '-', '_' and '.'")
 
 
-def _translated(error: Exception, repo_id: str, deed: str, again: str) -> ThreeweError:
+def _translated(error: Exception, repo_id: str, deed: str, again: str, what: str) -> ThreeweError:
     """Looks through the errors that caused it: uploads are wrapped by the threads that made them."""
     from huggingface_hub.errors import HfHubHTTPError, HFValidationError, OfflineModeIsEnabled, RevisionNotFoundError
 
@@ -49,7 +50,7 @@ def _translated(error: Exception, repo_id: str, deed: str, again: str) -> Threew
         if isinstance(cause, RevisionNotFoundError):
             return ConfigError(f"'{repo_id}' has no such revision")
         if isinstance(cause, HfHubHTTPError):
-            return _of_status(cause.response.status_code, repo_id, deed, again)
+            return _of_status(cause.response.status_code, repo_id, deed, again, what)
         if _is_network(cause):
             return ConnectionError(f"{deed} '{repo_id}': no connection to {_server()}, or it broke off: {again}")
         if isinstance(cause, OSError) and cause.strerror:
@@ -59,14 +60,14 @@ def _translated(error: Exception, repo_id: str, deed: str, again: str) -> Threew
     return ConnectionError(f"{deed} '{repo_id}' failed ({type(root).__name__}): {again}")
 
 
-def _of_status(status: int, repo_id: str, deed: str, again: str) -> ThreeweError:
+def _of_status(status: int, repo_id: str, deed: str, again: str, what: str) -> ThreeweError:
     if status == 401:
         # The Hub answers 401 also for what an anonymous caller must not know of.
         return ConfigError(f"{deed} '{repo_id}': the token is missing, wrong or expired: {HOW_TO_LOG_IN}")
     if status == 403:
         return ConfigError(f"{deed} '{repo_id}': the token does not allow it; it needs the right to write for pushing")
     if status == 404:
-        return ConfigError(f"{deed} '{repo_id}': there is no such dataset, or it is private: {HOW_TO_LOG_IN}")
+        return ConfigError(f"{deed} '{repo_id}': there is no such {what}, or it is private: {HOW_TO_LOG_IN}")
     if status == 429 or status >= 500:
         return ConnectionError(f"{deed} '{repo_id}': the server answers {status}: {again}")
     return ConfigError(f"{deed} '{repo_id}': the server refuses it ({status})")

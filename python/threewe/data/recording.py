@@ -29,6 +29,13 @@ from threewe.errors import ConfigError, HardwareError
 
 CONTROL_RATE = 50.0
 """[Hz] of a recording's ticks."""
+DISTURBED = "disturbed"
+"""Metadata of an episode: when [s] the robot did not do what is to be learnt, such as "3.2-4.1 7-7.5"."""
+
+
+def spans_to_text(spans: Sequence[tuple[float, float]]) -> str:
+    """Spans of time [s] as DISTURBED has them; `RecordedEpisode.disturbed` reads them."""
+    return " ".join(f"{begin:.2f}-{end:.2f}" for begin, end in spans)
 
 
 class Stamped:
@@ -308,6 +315,17 @@ class RecordedEpisode:
     def instructions(self) -> list[tuple[float, str]]:
         """From when on [s] the robot was asked for what, where that changed within the episode."""
         return self._recorded.instructions
+
+    @property
+    def disturbed(self) -> NDArray[np.bool_] | None:
+        """(T,) where random commands drove the robot; None where the episode's metadata say nothing of it."""
+        if DISTURBED not in self.metadata:
+            return None
+        found = np.zeros(len(self.time), np.bool_)
+        for span in str(self.metadata[DISTURBED]).split():
+            begin, end = map(float, span.split("-"))
+            found |= (self.time >= begin) & (self.time <= end)
+        return found
 
     @property
     def sensors(self) -> list[str]:

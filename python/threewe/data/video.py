@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import logging
 import threading
+from collections.abc import Sequence
 from fractions import Fraction
 from typing import TYPE_CHECKING
 
@@ -17,6 +18,12 @@ if TYPE_CHECKING:
     import av
 
 logger = logging.getLogger("threewe")
+
+
+def most_pixels(shape: Sequence[int]) -> str:
+    """`max_pixels` of a decoder of frames (height, width, ...): that of its buffers, which are aligned."""
+    return str((shape[0] + 64) * (shape[1] + 64))
+
 
 OPTIONS = {
     "preset": "ultrafast",
@@ -71,7 +78,7 @@ class KeyFrameDecoder:
 
         self._format = format
         self._context: av.VideoCodecContext = av.VideoCodecContext.create("h264", "r")
-        self._context.options = {"max_pixels": str((shape[0] + 16) * (shape[1] + 16))}
+        self._context.options = {"max_pixels": most_pixels(shape)}
         self._context.thread_count = 1
 
     def decode(self, packet: bytes) -> NDArray[np.uint8]:

@@ -26,18 +26,23 @@ def train(
     buildings: Annotated[int, typer.Option(min=1, help="Generated ones, 60 pictures of each.")] = 280,
     passes: Annotated[int, typer.Option(min=1, help="Over all pictures.")] = 24,
     seed: Annotated[int, typer.Option(min=0, help="Of buildings, poses and training.")] = 1,
+    start: Annotated[Path | None, typer.Option(help="A detector like it, which is to learn on.")] = None,
 ) -> None:
     """Draw pictures of generated buildings, learn from them, and write the detector in integers."""
     if output.suffix != ".safetensors":
         raise ConfigError(f"output: {output} must end in .safetensors")
     with needed_for("training a detector", "train"):
         from threewe.detector.pictures import labelled_pictures
-        from threewe.detector.training import BATCH, Pictures, train
-        from threewe.detector.weights import save_detector
+        from threewe.detector.training import BATCH, Pictures, some_pixels, train
+        from threewe.detector.weights import load_network, save_detector
 
     pictures = list(labelled_pictures(seed, buildings))
     if len(pictures) < BATCH:
         raise ConfigError(f"buildings: {buildings} give {len(pictures)} pictures; {BATCH} are needed at least")
     console.print(f"{len(pictures)} pictures of {buildings} buildings")
-    network = train(Pictures.of(pictures), passes, seed, console.print)
-    save_detector(network, output, f"{len(pictures)} pictures of {buildings} generated buildings, {passes} passes")
+    data = Pictures.of(pictures)
+    network = train(data, passes, seed, console.print, load_network(start, some_pixels(data)) if start else None)
+    description = f"{len(pictures)} pictures of {buildings} generated buildings, {passes} passes"
+    if start:
+        description += f", begun with {start.stem}"
+    save_detector(network, output, description)

@@ -15,7 +15,9 @@ from threewe.detector.pictures import LABELS, UNSURE, Labelled
 
 BATCH = 32
 RATE = 2e-3  # at most, of AdamW
+RATE_ON = 1.2e-3  # of a network that has learnt before
 DECAY = 0.02
+SOME = 256  # pictures, by which a network's inputs are known
 NOISE = 6.0  # [levels] standard deviation of a pixel's noise at most; cameras have 3
 OFFSET_SCALE = 4.0  # [cells] in which the network measures to a thing's centre
 
@@ -40,6 +42,11 @@ class Pictures:
             np.stack([one.nearness for one in labelled]).astype(np.float16),
             np.stack([one.weights for one in labelled]).astype(np.float16),
         )
+
+
+def some_pixels(data: Pictures) -> Tensor:
+    """The network's input of some pictures, evenly spread over all."""
+    return folded(torch.from_numpy(data.pictures[:: max(1, len(data.pictures) // SOME)]))
 
 
 def batches(data: Pictures, random: np.random.Generator) -> Iterator[list[Tensor]]:
@@ -83,14 +90,20 @@ def label_weights(data: Pictures) -> Tensor:
     return torch.from_numpy((weights / weights[0]).clip(max=6.0)).float()
 
 
-def train(data: Pictures, passes: int, seed: int, progress: Callable[[str], object]) -> Network:
-    """A network that has learnt from pictures. The same seed repeats it on one machine with one thread."""
+def train(
+    data: Pictures, passes: int, seed: int, progress: Callable[[str], object], start: Network | None = None
+) -> Network:
+    """A network that has learnt from pictures, `start` on from what it was.
+
+    The same seed repeats it on one machine with one thread.
+    """
     torch.manual_seed(seed)
     random = np.random.default_rng(seed)
-    network: Network = Network().to(memory_format=torch.channels_last)
+    network: Network = (start or Network()).to(memory_format=torch.channels_last)
+    rate = RATE if start is None else RATE_ON
     steps = passes * (len(data.pictures) // BATCH)
-    optimizer = torch.optim.AdamW(network.parameters(), lr=RATE, weight_decay=DECAY)
-    schedule = torch.optim.lr_scheduler.OneCycleLR(optimizer, RATE, total_steps=steps, pct_start=0.1)
+    optimizer = torch.optim.AdamW(network.parameters(), lr=rate, weight_decay=DECAY)
+    schedule = torch.optim.lr_scheduler.OneCycleLR(optimizer, rate, total_steps=steps, pct_start=0.1)
     weights = label_weights(data)
     network.train()
     for done in range(passes):

@@ -9,13 +9,17 @@ from __future__ import annotations
 
 import json
 import os
+from pathlib import Path
 from typing import Any
 
 import numpy as np
+import torch
 from numpy.typing import NDArray
+from torch import Tensor
 
 from threewe.detector.network import Layer, Network
 from threewe.detector.pictures import LABELS, radii
+from threewe.errors import ConfigError
 
 LARGEST = 4095  # of a weight, so that sums stay within 32 bits
 LARGEST_SUM = 500_000  # of the weights of one channel
@@ -69,6 +73,62 @@ def save_detector(network: Network, path: str | os.PathLike[str], description: s
         "description": description,
     }
     save_file(arrays, os.fspath(path), metadata)
+
+
+def load_network(path: str | os.PathLike[str], pixels: Tensor) -> Network:
+    """The network of a file, to be trained further. Its normalization is that of (N, 12, H/2, W/2) pixels.
+
+    Raises ConfigError for a file of another network.
+    """
+    from safetensors import SafetensorError
+    from safetensors.numpy import load_file
+
+    if not Path(path).is_file():
+        raise ConfigError(f"{os.fspath(path)}: there is no such file")
+    try:
+        arrays = load_file(path)
+    except SafetensorError as error:
+        raise ConfigError(f"{os.fspath(path)}: it is no safetensors file: {error}") from None
+    network = Network().eval()
+    try:
+        for entry in LAYERS:
+            layer = getattr(network, entry["name"], None)
+            if layer is not None:
+                weights, bias = (tensor.float() for tensor in _floats(arrays, entry))
+                convolution = layer.convolution if isinstance(layer, Layer) else layer
+                with torch.no_grad():
+                    convolution.weight.copy_(weights)
+                    (layer.normalization if isinstance(layer, Layer) else layer).bias.copy_(bias)
+    except (KeyError, RuntimeError) as error:
+        raise ConfigError(f"{os.fspath(path)}: it holds no network like the one that is trained: {error}") from None
+    hooks = [layer.register_forward_hook(_normalize) for layer in network.modules() if isinstance(layer, Layer)]
+    with torch.no_grad():
+        network(pixels)
+    for hook in hooks:
+        hook.remove()
+    return network
+
+
+def _floats(arrays: dict[str, NDArray[Any]], entry: dict[str, Any]) -> tuple[Tensor, Tensor]:
+    """Weights (outputs, inputs, size, size) and bias of a layer."""
+    weights, bias, shift = (arrays[f"{entry['name']}.{key}"].astype(np.float64) for key in ("weight", "bias", "shift"))
+    weights = (weights / 2.0 ** shift[:, None, None, None]).transpose(0, 3, 1, 2)
+    if entry["input"] == "pixels":
+        weights = weights * (255 / 256)
+    return torch.from_numpy(weights), torch.from_numpy(bias / 2.0 ** (8 + shift))
+
+
+def _normalize(layer: Layer, inputs: tuple[Tensor, ...], _: Tensor) -> None:
+    """Gives a layer the statistics of its inputs, and leaves what it computes of them as it is."""
+    sums = layer.convolution(inputs[0])
+    norm = layer.normalization
+    mean, variance = sums.mean((0, 2, 3)), sums.var((0, 2, 3))
+    assert norm.running_mean is not None
+    assert norm.running_var is not None
+    norm.running_mean.copy_(mean)
+    norm.running_var.copy_(variance)
+    norm.weight.copy_((variance + norm.eps).sqrt())
+    norm.bias.add_(mean)
 
 
 def _folded(layer: Any) -> tuple[NDArray[np.float64], NDArray[np.float64]]:

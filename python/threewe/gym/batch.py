@@ -64,7 +64,8 @@ class EnvOptions(TypedDict, total=False):
       `{"reset": {"mass": [0.9, 1.1]}}`; see assets/randomization.
     - `max_steps`: an episode is truncated after so many.
     - `control_rate`: steps a second: 50 over a whole number.
-    - `episodes`: of Navigation: `"standard"` (2 to 15 m, a fifth with a detour), `"reactive"` (2 to 8 m, none).
+    - `episodes`: of Navigation: `"standard"` (2 to 15 m, a fifth with a detour), `"reactive"` (2 to 8 m, none); of
+      ObjectNav: `"standard"` (nothing of the kind is in view), `"in_sight"` (something is, 1.5 to 5 m away).
     - `goal_frame`: of Navigation's `goal`: `"robot"` or `"map"`.
     - `stop`: of Navigation: it succeeds only where the robot says STOP, by actions below 5 % for half a second.
     - `contact`: of Navigation: `"end"`, a contact ends the episode; `"count"`, contacts are counted.

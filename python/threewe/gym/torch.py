@@ -15,7 +15,8 @@ class TorchVectorEnv(VectorEnv):
     """`VectorEnv` with tensors on the CPU that share memory with C++, both ways, so that nothing is copied.
 
     `step` and `reset` return the same tensors each time, and overwrite what is in them: clone, or copy to a device,
-    what is to be kept. Actions that are contiguous float32 are read where they are. Infos are arrays.
+    what is to be kept. Actions that are contiguous float32 are read where they are. Infos are arrays, and their metrics
+    are overwritten too.
 
     Args:
         options: see `VectorEnv`.

@@ -43,8 +43,8 @@ class VectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any], EzPickle):
         num_threads: that share the work.
         autoreset_mode: what happens after an episode's end: `NEXT_STEP` (Gymnasium's default), `SAME_STEP` (with
             `final_obs` and `final_info` in the infos), `DISABLED`.
-        copy: whether observations, rewards and flags are copies. Without, they are views of C++ memory that the next
-            call of `step` or `reset` overwrites.
+        copy: whether observations, rewards, flags and metrics are copies. Without, they are views of C++ memory that
+            the next call of `step` or `reset` overwrites.
         options: see `EnvOptions`.
     """
 
@@ -110,6 +110,11 @@ class VectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any], EzPickle):
         self._ended = core.ended
         self._metric_names = core.metric_names
         self._metric_masks = {f"_{name}": self._everyone for name in core.metric_names}
+        self._succeeded = np.zeros(self._done.shape, np.bool_)
+        self._metric_views = {**dict(zip(self._metric_names, self._metrics, strict=True)), **self._metric_masks}
+        self._success = self._metric_views.get("success")
+        if self._success is not None:
+            self._metric_views["success"] = self._succeeded
 
     def reset(
         self, *, seed: int | list[int | None] | None = None, options: dict[str, Any] | None = None
@@ -122,7 +127,7 @@ class VectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any], EzPickle):
         super().reset(seed=seed if isinstance(seed, int) else None)
         self._batch.reset(seeds, options, mask)
         self._begun = True
-        return self._copied(self._observations), self._infos(self._metrics)
+        return self._copied(self._observations), self._infos()
 
     def step(self, actions: Any) -> tuple[Observation, NDArray[Any], NDArray[Any], NDArray[Any], dict[str, Any]]:
         """One control step of every environment. Raises ContractError, and does nothing, for an action that is none.
@@ -137,7 +142,7 @@ class VectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any], EzPickle):
         """
         active = ~self._done if self._team else None
         self._core.step(as_actions(actions, (self.num_envs, *self._team, 3)))
-        infos = self._infos(self._metrics)
+        infos = self._infos()
         if active is not None:
             infos["active"], infos["_active"] = active, self._everyone
         if self._same_step and self._ended.any():
@@ -198,7 +203,14 @@ class VectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any], EzPickle):
     def _copied(self, observations: Observation) -> Observation:
         return {name: values.copy() for name, values in observations.items()} if self._copy else observations
 
-    def _infos(self, metrics: NDArray[np.float64]) -> dict[str, Any]:
+    def _infos(self) -> dict[str, Any]:
+        if self._copy:
+            return self._copied_infos(self._metrics)
+        if self._success is not None:
+            np.greater(self._success, 0.0, out=self._succeeded)
+        return self._metric_views.copy()
+
+    def _copied_infos(self, metrics: NDArray[np.float64]) -> dict[str, Any]:
         infos: dict[str, Any] = {**dict(zip(self._metric_names, metrics.copy(), strict=True)), **self._metric_masks}
         if "success" in infos:
             infos["success"] = infos["success"] > 0.0
@@ -209,7 +221,7 @@ class VectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any], EzPickle):
         final = np.full(self.num_envs, None, dtype=object)
         for i in np.flatnonzero(ended):
             final[i] = {name: values[i].copy() for name, values in self._final_observations.items()}
-        info = self._infos(self._final_metrics)
+        info = self._copied_infos(self._final_metrics)
         infos["final_obs"] = final
         infos["final_info"] = {name: ended if name.startswith("_") else values for name, values in info.items()}
         infos["_final_obs"] = infos["_final_info"] = ended

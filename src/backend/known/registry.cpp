@@ -9,6 +9,7 @@
 #include "backend/mock/mock_world.hpp"
 #include "backend/mujoco/mujoco.hpp"
 #include "core/names.hpp"
+#include "gazebo/gazebo.hpp"
 #include "ros2/real.hpp"
 #include "threewe/core/errors.hpp"
 
@@ -18,6 +19,7 @@ namespace {
 struct Registry {
   std::mutex mutex;
   std::map<std::string, WorldFactory, std::less<>> factories{
+      {"gazebo", gazebo::make_world},
       {"mock", [](const WorldOptions& options) { return std::make_unique<mock::MockWorld>(options); }},
       {"mujoco", mujoco::make_world},
       {"real", ros2::make_world},

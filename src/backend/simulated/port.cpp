@@ -18,6 +18,8 @@ SensorInfo sensor_info(SensorType type, Duration period) {
   return {std::string(to_string(type)), type, 1.0 / to_seconds(period)};
 }
 
+}  // namespace
+
 Features features_of(const RobotProfile& profile) {
   Features features;
   features.kinematics = profile.kinematics();
@@ -34,6 +36,8 @@ Features features_of(const RobotProfile& profile) {
   if (profile.camera) features.sensors.push_back(sensor_info(SensorType::camera, profile.camera->period));
   return features;
 }
+
+namespace {
 
 void put(ByteWriter& bytes, const WorldCapture& capture) {
   const sim::CapturePose& state = capture.state;

@@ -11,6 +11,9 @@
 
 namespace threewe::backend::simulated {
 
+/// What the simulator gives of a robot of this profile.
+Features features_of(const RobotProfile& profile);
+
 /// It keeps the command in force and the samples on their way. A picture is made of its moment once it has arrived.
 class Port : public RobotPort {
  public:

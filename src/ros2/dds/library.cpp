@@ -68,6 +68,8 @@ Library load() {
   find(handle, found.dds_get_guid, "dds_get_guid");
   find(handle, found.dds_strretcode, "dds_strretcode");
   find(handle, found.dds_free, "dds_free");
+  find(handle, found.dds_qset_prop, "dds_qset_prop");
+  find(handle, found.dds_set_log_sink, "dds_set_log_sink");
   find(handle, found.dds_get_matched_publications, "dds_get_matched_publications");
   find(handle, found.dds_get_matched_subscriptions, "dds_get_matched_subscriptions");
   find(handle, found.ddsi_sertype_v0, "ddsi_sertype_v0");

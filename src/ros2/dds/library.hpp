@@ -47,6 +47,8 @@ struct Library {
   decltype(&::dds_get_guid) dds_get_guid;
   decltype(&::dds_strretcode) dds_strretcode;
   decltype(&::dds_free) dds_free;
+  decltype(&::dds_qset_prop) dds_qset_prop;
+  decltype(&::dds_set_log_sink) dds_set_log_sink;
   decltype(&::dds_get_matched_publications) dds_get_matched_publications;
   decltype(&::dds_get_matched_subscriptions) dds_get_matched_subscriptions;
   decltype(&::ddsi_sertype_v0) ddsi_sertype_v0;

@@ -1,8 +1,11 @@
 #include "ros2/dds/node.hpp"
 
 #include <algorithm>
+#include <atomic>
+#include <cstdio>
 #include <cstring>
 #include <iterator>
+#include <optional>
 #include <utility>
 
 #include <fmt/format.h>
@@ -19,7 +22,9 @@ using rmw_dds_common::ParticipantEntitiesInfo;
 constexpr const char* kGraphTopic = "ros_discovery_info";
 constexpr Qos kGraphQos{.reliable = true, .transient_local = true, .depth = 1};
 constexpr std::uint32_t kMostEndpoints = 4096;
-constexpr std::uint32_t kAtATime = 16;  // samples taken from a reader
+constexpr std::uint32_t kAtATime = 16;         // samples taken from a reader
+constexpr std::ptrdiff_t kRequestHeader = 16;  // [bytes] before requests and replies of ROS 2 on Cyclone DDS
+constexpr Qos kServiceQos{.reliable = true, .transient_local = false, .depth = 10};
 
 struct QosDeleter {
   void operator()(dds_qos_t* qos) const { library().dds_delete_qos(qos); }
@@ -86,6 +91,60 @@ Gid gid_of(dds_entity_t entity) {
   return gid;
 }
 
+// What Cyclone DDS says while it lives, instead of where that goes else.
+class Log {
+ public:
+  Log() { library().dds_set_log_sink(&Log::add, this); }
+  ~Log() { library().dds_set_log_sink(nullptr, nullptr); }
+  Log(const Log&) = delete;
+  Log& operator=(const Log&) = delete;
+  std::string text() {
+    const std::scoped_lock lock(mutex_);
+    return text_;
+  }
+
+ private:
+  static void add(void* self, const dds_log_data_t* line) {
+    Log& log = *static_cast<Log*>(self);
+    const std::scoped_lock lock(log.mutex_);
+    log.text_ += fmt::format("\n  {}", std::string_view(line->message, line->size));
+    while (log.text_.ends_with('\n')) log.text_.pop_back();
+  }
+  std::mutex mutex_;
+  std::string text_;
+};
+
+// What it says of a handshake it says in its log alone. Lines go where they go else, and this one is looked for.
+std::atomic<bool> g_unreadable_key = false;
+
+void pass_on(void*, const dds_log_data_t* line) {
+  const std::string_view message(line->message, line->size);
+  if (message.find("octet sequence to ASN1 integer") != std::string_view::npos) g_unreadable_key = true;
+  std::fwrite(line->message - line->hdrsize, 1, line->hdrsize + line->size + 1, stderr);
+}
+
+dds_entity_t create_participant(const Discovery& discovery) {
+  const Library& dds = library();
+  const QosPointer qos(dds.dds_create_qos());
+  const std::string enclave = fmt::format("enclave={};", discovery.enclave ? discovery.enclave->name : "/");
+  dds.dds_qset_userdata(qos.get(), enclave.data(), enclave.size());
+  const auto domain = static_cast<dds_domainid_t>(discovery.domain);
+  if (!discovery.enclave) return checked(dds.dds_create_participant(domain, qos.get(), nullptr), "no participant");
+
+  for (const auto& [name, value] : security_properties(*discovery.enclave)) {
+    dds.dds_qset_prop(qos.get(), name.c_str(), value.c_str());
+  }
+  std::optional<Log> said(std::in_place);
+  const dds_entity_t participant = dds.dds_create_participant(domain, qos.get(), nullptr);
+  if (participant >= 0) {
+    said.reset();
+    dds.dds_set_log_sink(&pass_on, nullptr);
+    return participant;
+  }
+  throw ConfigError(fmt::format("the security enclave '{}' in {} is not accepted by Cyclone DDS:{}",
+                                discovery.enclave->name, discovery.enclave->folder.string(), said->text()));
+}
+
 std::string join_name(std::string_view name_space, std::string_view name) {
   return name_space == "/" ? fmt::format("/{}", name) : fmt::format("{}/{}", name_space, name);
 }
@@ -96,6 +155,8 @@ std::string ros_topic(std::string_view dds_topic) {
 }
 
 }  // namespace
+
+bool received_unreadable_key() { return g_unreadable_key; }
 
 // Domains.
 
@@ -125,11 +186,40 @@ Entity::~Entity() {
 
 // Nodes.
 
+namespace {
+
+/// Counts what is lost between the messages of each publisher.
+class Losses {
+ public:
+  void note(std::uint64_t publisher, std::int64_t number) {
+    const std::scoped_lock lock(mutex_);
+    std::int64_t& newest = newest_[publisher];
+    if (newest > 0 && number > newest + 1) count_ += static_cast<std::size_t>(number - newest - 1);
+    newest = std::max(newest, number);
+  }
+  std::size_t count() {
+    const std::scoped_lock lock(mutex_);
+    return count_;
+  }
+
+ private:
+  std::mutex mutex_;
+  std::map<std::uint64_t, std::int64_t> newest_;
+  std::size_t count_ = 0;
+};
+
+}  // namespace
+
 /// A publisher or a subscription of a node.
 struct Node::Part {
   bool publishes = false;
-  Receiver receiver;
+  Receiver receiver = nullptr;
   dds_entity_t entity = 0;
+  // of a client: its replies, and what it has requested
+  ReplyReceiver replies = nullptr;
+  std::array<std::uint8_t, 16> requester = {};
+  std::int64_t requests = 0;
+  std::unique_ptr<Losses> losses = std::make_unique<Losses>();
 
   // In a thread of Cyclone's, perhaps before `entity` is set.
   void take(dds_entity_t reader) const {
@@ -138,22 +228,38 @@ struct Node::Part {
     for (;;) {
       const auto count = library().dds_takecdr(reader, samples.data(), kAtATime, infos.data(), DDS_ANY_STATE);
       for (std::size_t i = 0; std::cmp_less(i, count); ++i) {
-        if (infos[i].valid_data) receiver(payload_of(*samples[i]), infos[i].publication_handle);
+        if (infos[i].valid_data && number_of(*samples[i]) > 0)
+          losses->note(infos[i].publication_handle, number_of(*samples[i]));
+        if (infos[i].valid_data && receiver) receiver(payload_of(*samples[i]), infos[i].publication_handle);
+        if (infos[i].valid_data && replies) take_reply(*samples[i]);
         ddsi_serdata_unref(samples[i]);
       }
       if (std::cmp_less(count, kAtATime)) return;
     }
   }
+
+  // All clients of a service get all replies. Servers on Fast DDS name the request beside the reply, those on Cyclone
+  // DDS before it.
+  void take_reply(const ddsi_serdata& sample) const {
+    const std::span<const std::uint8_t> payload = payload_of(sample);
+    if (const auto answered = answered_by(sample)) {
+      if (answered->writer == requester) replies(payload, answered->number);
+      return;
+    }
+    if (payload.size() < kEncapsulation + kRequestHeader) return;
+    const auto header = payload.subspan(kEncapsulation, kRequestHeader);
+    if (!std::equal(header.begin(), header.begin() + 8, requester.begin() + 8)) return;
+    std::int64_t number = 0;
+    std::memcpy(&number, header.data() + 8, sizeof number);
+    Payload rest(payload.begin(), payload.end());
+    rest.erase(rest.begin() + kEncapsulation, rest.begin() + kEncapsulation + kRequestHeader);
+    replies(rest, number);
+  }
 };
 
 Node::Node(const Discovery& discovery, std::string name_space, std::string name)
     : domain_(Domain::get(discovery)), name_space_(std::move(name_space)), name_(std::move(name)) {
-  const QosPointer qos(library().dds_create_qos());
-  const std::string enclave = "enclave=/;";
-  library().dds_qset_userdata(qos.get(), enclave.data(), enclave.size());
-  participant_.id =
-      checked(library().dds_create_participant(static_cast<dds_domainid_t>(domain_->number()), qos.get(), nullptr),
-              "no participant");
+  participant_.id = create_participant(discovery);
   publications_ =
       checked(library().dds_create_reader(participant_.id, DDS_BUILTIN_TOPIC_DCPSPUBLICATION, nullptr, nullptr),
               "no discovery");
@@ -162,7 +268,7 @@ Node::Node(const Discovery& discovery, std::string name_space, std::string name)
               "no discovery");
 
   const auto note = [this](std::span<const std::uint8_t> payload, std::uint64_t) { note_nodes(payload); };
-  add(std::make_unique<Part>(Part{false, note}), kGraphTopic, ParticipantEntitiesInfo::kType,
+  add(std::make_unique<Part>(Part{.publishes = false, .receiver = note}), kGraphTopic, ParticipantEntitiesInfo::kType,
       {.reliable = true, .transient_local = true, .depth = 1000});
   introduce();
 }
@@ -170,11 +276,12 @@ Node::Node(const Discovery& discovery, std::string name_space, std::string name)
 Node::~Node() = default;
 
 Node::Handle Node::advertise(const std::string& topic, std::string_view type, const Qos& qos) {
-  return add(std::make_unique<Part>(Part{true, nullptr}), "rt" + topic, type, qos);
+  return add(std::make_unique<Part>(Part{.publishes = true}), "rt" + topic, type, qos);
 }
 
 Node::Handle Node::subscribe(const std::string& topic, std::string_view type, const Qos& qos, Receiver receiver) {
-  return add(std::make_unique<Part>(Part{false, std::move(receiver)}), "rt" + topic, type, qos);
+  return add(std::make_unique<Part>(Part{.publishes = false, .receiver = std::move(receiver)}), "rt" + topic, type,
+             qos);
 }
 
 Node::Handle Node::add(std::unique_ptr<Part> part, const std::string& topic, std::string_view type, const Qos& qos) {
@@ -195,6 +302,45 @@ Node::Handle Node::add(std::unique_ptr<Part> part, const std::string& topic, std
   return {parts_.size() - 1};
 }
 
+Node::Client Node::add_client(const std::string& service, std::string_view request_type, std::string_view reply_type,
+                              ReplyReceiver receiver) {
+  Client client{.requests = add(std::make_unique<Part>(Part{.publishes = true}), "rq" + service + "Request",
+                                request_type, kServiceQos),
+                .replies = {},
+                .service = service};
+  auto part = std::make_unique<Part>(Part{.publishes = false, .replies = std::move(receiver)});
+  dds_guid_t guid{};
+  checked(library().dds_get_guid(parts_[client.requests.index]->entity, &guid), "no GUID");
+  part->requester = bytes_of(guid);
+  client.replies = add(std::move(part), "rr" + service + "Reply", reply_type, kServiceQos);
+  return client;
+}
+
+bool Node::has_server(const Client& client) { return peers(client.requests) > 0 && peers(client.replies) > 0; }
+
+bool Node::expects_header(const Client& client) {
+  return std::ranges::any_of(endpoints(), [topic = "rq" + client.service + "Request"](const Endpoint& endpoint) {
+    return endpoint.topic == topic && !endpoint.publishes && endpoint.of_cyclone_service;
+  });
+}
+
+std::int64_t Node::call(const Client& client, const Payload& request) {
+  const std::int64_t number = ++parts_[client.requests.index]->requests;
+  if (!expects_header(client)) {
+    publish(client.requests, request);
+    return number;
+  }
+  // half of the writer's name, by which it knows its replies, and the number; an alignment of 8 bytes stays as it was
+  std::array<std::uint8_t, kRequestHeader> header{};
+  const auto& name = parts_[client.replies.index]->requester;
+  std::copy(name.begin() + 8, name.end(), header.begin());
+  std::memcpy(header.data() + 8, &number, sizeof number);
+  Payload with_header = request;
+  with_header.insert(with_header.begin() + kEncapsulation, header.begin(), header.end());
+  publish(client.requests, with_header);
+  return number;
+}
+
 void Node::publish(Handle publisher, const Payload& payload) {
   checked(library().dds_write(parts_[publisher.index]->entity, &payload), "a message was not sent");
 }
@@ -209,6 +355,8 @@ std::size_t Node::peers(Handle endpoint) {
                                     : library().dds_get_matched_publications(part.entity, nullptr, 0);
   return static_cast<std::size_t>(std::max<std::int32_t>(count, 0));
 }
+
+std::size_t Node::lost(Handle subscription) { return parts_[subscription.index]->losses->count(); }
 
 // The graph.
 
@@ -241,7 +389,9 @@ std::vector<Endpoint> Node::discovered(dds_entity_t reader, bool publishes) {
     endpoint.publishes = publishes;
     endpoint.topic = ros_topic(sample.topic_name);
     endpoint.type = ros_type_name(sample.type_name);
-    endpoint.hash = value_in(user_data_of(sample.qos), "typehash");
+    const std::string user_data = user_data_of(sample.qos);
+    endpoint.hash = value_in(user_data, "typehash");
+    endpoint.of_cyclone_service = !value_in(user_data, "serviceid").empty();
     endpoint.qos = {reliability == DDS_RELIABILITY_RELIABLE, durability != DDS_DURABILITY_VOLATILE, 0};
     endpoint.guid = bytes_of(sample.key);
     const std::scoped_lock lock(mutex_);

@@ -44,11 +44,16 @@ class Domain {
   Entity entity_;
 };
 
+/// Whether another node has begun a handshake by a key in a form that Cyclone DDS does not read, in this process so far.
+bool received_unreadable_key();
+
 /// A node. One thread at a time may use it; what arrives is handed over in threads of Cyclone's.
 class Node {
  public:
   /// Called with each payload as it arrives, and with a number that stands for its publisher. Must not use the node.
   using Receiver = std::function<void(std::span<const std::uint8_t> payload, std::uint64_t publisher)>;
+  /// The same with the reply to a request, and the request's number.
+  using ReplyReceiver = std::function<void(std::span<const std::uint8_t> payload, std::int64_t request)>;
   /// An endpoint of this node, for `publish` and `peers`.
   struct Handle {
     std::size_t index = 0;
@@ -63,12 +68,27 @@ class Node {
   /// `topic` as ROS has it, "/scan"; `type` is one of `message_types()`.
   Handle advertise(const std::string& topic, std::string_view type, const Qos& qos);
   Handle subscribe(const std::string& topic, std::string_view type, const Qos& qos, Receiver receiver);
+  /// What calls a service.
+  struct Client {
+    Handle requests, replies;
+    std::string service;
+  };
+  /// `service` as ROS has it, "/spin"; types are those of its requests and replies, such as
+  /// "std_srvs/srv/Empty_Request".
+  Client add_client(const std::string& service, std::string_view request_type, std::string_view reply_type,
+                    ReplyReceiver receiver);
+  /// Whether there is a server. Only then a request arrives for certain, and so does its reply.
+  bool has_server(const Client& client);
+  /// Sends a request; its number.
+  std::int64_t call(const Client& client, const Payload& request);
   /// Sends a message of the endpoint's type.
   void publish(Handle publisher, const Payload& payload);
   /// Waits until reliable subscriptions have all that was sent, for this long [wall] at most.
   void wait_until_received(Handle publisher, Duration wall);
   /// How many subscriptions a publisher has, or publishers a subscription.
   std::size_t peers(Handle endpoint);
+  /// How many messages a subscription has lost so far.
+  std::size_t lost(Handle subscription);
 
   /// Every endpoint of other nodes that has been discovered, by topic.
   std::vector<Endpoint> endpoints();
@@ -78,6 +98,7 @@ class Node {
  private:
   struct Part;
   Handle add(std::unique_ptr<Part> part, const std::string& topic, std::string_view type, const Qos& qos);
+  bool expects_header(const Client& client);
   std::vector<Endpoint> discovered(dds_entity_t reader, bool publishes);
   void introduce();
   Distribution graph_layout();

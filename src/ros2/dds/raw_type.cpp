@@ -9,7 +9,74 @@ namespace {
 
 struct Sample : ddsi_serdata {
   Payload payload;
+  std::int64_t number = 0;
+  std::optional<RequestId> answered;
 };
+
+constexpr unsigned char kData = 0x15;  // a kind of submessage
+
+// Of a submessage, in its byte order.
+std::uint64_t integer(std::span<const unsigned char> submessage, std::size_t at, std::size_t size) {
+  const bool little = (submessage[1] & 1U) != 0;
+  std::uint64_t value = 0;
+  for (std::size_t i = 0; i < size; ++i) {
+    value |= std::uint64_t{submessage[at + i]} << 8 * (little ? i : size - 1 - i);
+  }
+  return value;
+}
+
+// Of 64 bits, the upper half first.
+std::int64_t sequence_number(std::span<const unsigned char> submessage, std::size_t at) {
+  return static_cast<std::int64_t>(integer(submessage, at, 4) << 32U | integer(submessage, at + 4, 4));
+}
+
+// The parameters that stand before the payload in a DATA submessage. Those of a reply name the request, in one of
+// eProsima's own since Fast DDS 2.6 and in one of the standard's since 2.10.
+std::optional<RequestId> find_request(std::span<const unsigned char> submessage, std::size_t parameters) {
+  constexpr std::uint16_t kSentinel = 1;
+  constexpr std::uint16_t kOfStandard = 0x0083;
+  constexpr std::uint16_t kOfEprosima = 0x800f;
+  for (std::size_t at = parameters; at + 4 <= submessage.size();) {
+    const auto id = static_cast<std::uint16_t>(integer(submessage, at, 2));
+    const auto size = static_cast<std::size_t>(integer(submessage, at + 2, 2));
+    at += 4;
+    if (id == kSentinel || at + size > submessage.size()) return std::nullopt;
+    if ((id == kOfStandard || id == kOfEprosima) && size >= 24) {
+      RequestId request;
+      std::copy_n(submessage.begin() + static_cast<std::ptrdiff_t>(at), request.writer.size(), request.writer.begin());
+      request.number = sequence_number(submessage, at + 16);
+      return request;
+    }
+    at += size;
+  }
+  return std::nullopt;
+}
+
+// What stands before the payload, in the packet that it came in; empty where that is not known.
+std::span<const unsigned char> submessage_of(const nn_rdata& data) {
+  constexpr unsigned kLeast = 24;
+  const unsigned begin = NN_RDATA_SUBMSG_OFF(&data);
+  const unsigned end = NN_RDATA_PAYLOAD_OFF(&data);
+  if (begin == 0 || end < begin + kLeast) return {};
+  return {reinterpret_cast<const unsigned char*>(data.rmsg + 1) + begin, end - begin};
+}
+
+// Which of all that its writer has written.
+std::int64_t number_in(const nn_rdata& data) {
+  constexpr unsigned char kFragment = 0x16;
+  const auto submessage = submessage_of(data);
+  const bool known = !submessage.empty() && (submessage[0] == kData || submessage[0] == kFragment);
+  return known ? sequence_number(submessage, 16) : 0;
+}
+
+// Of an unfragmented sample: replies are small.
+std::optional<RequestId> request_in(const nn_rdata& data) {
+  constexpr unsigned char kHasParameters = 2;
+  const auto submessage = submessage_of(data);
+  if (submessage.empty() || submessage[0] != kData || (submessage[1] & kHasParameters) == 0) return std::nullopt;
+  // the header is of 4 bytes; what follows says from where on it counts to the parameters
+  return find_request(submessage, 8 + static_cast<std::size_t>(integer(submessage, 6, 2)));
+}
 
 Sample* make_sample(const ddsi_sertype* type, ddsi_serdata_kind kind, std::size_t size) {
   auto sample = std::make_unique<Sample>();
@@ -28,6 +95,8 @@ std::uint32_t size_of(const ddsi_serdata* data) { return static_cast<std::uint32
 ddsi_serdata* from_fragments(const ddsi_sertype* type, ddsi_serdata_kind kind, const nn_rdata* fragment,
                              std::size_t size) {
   Sample* sample = make_sample(type, kind, size);
+  sample->answered = request_in(*fragment);
+  sample->number = number_in(*fragment);
   std::uint32_t filled = 0;
   for (; fragment != nullptr; fragment = fragment->nextfrag) {
     const std::uint32_t end = std::min<std::uint32_t>(fragment->maxp1, static_cast<std::uint32_t>(size));
@@ -171,6 +240,10 @@ dds_entity_t create_topic(dds_entity_t participant, const std::string& topic, co
   if (entity < 0) free_type(raw);
   return checked(entity, "no topic " + topic + " of type " + type);
 }
+
+std::optional<RequestId> answered_by(const ddsi_serdata& sample) { return as_sample(&sample).answered; }
+
+std::int64_t number_of(const ddsi_serdata& sample) { return as_sample(&sample).number; }
 
 std::span<const std::uint8_t> payload_of(const ddsi_serdata& sample) { return as_sample(&sample).payload; }
 

@@ -2,13 +2,17 @@
 
 #include <algorithm>
 #include <chrono>
+#include <fstream>
 #include <thread>
 #include <type_traits>
 #include <utility>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <pthread.h>
+#include <sched.h>
 
+#include "core/names.hpp"
 #include "hardware/sample_checks.hpp"
 #include "ros2/diagnosis.hpp"
 #include "threewe/core/errors.hpp"
@@ -19,9 +23,16 @@ namespace {
 using Call = backend::PluginRequest::Call;
 
 constexpr Duration kReach = 10s;  // for discovery, and for the first reading of each sensor that has several a second
-constexpr int kStepsToRefresh = 50;  // about once a second
-constexpr int kLastWords = 3;        // commands to stand, as one may be lost
-constexpr int kDepth = 5;            // samples kept that have not been taken yet
+constexpr Duration kReachMap = 20s;  // with a map, which a link that loses packets may need several times
+// Of Fast DDS before 2.14.5, where it is the one that begins.
+constexpr const char* kUnreadableKey =
+    "\n  security: another node has begun by a key in a form that Cyclone DDS does not read, as older ones on Fast DDS "
+    "do: "
+    "make this enclave anew under another name, until it is this side that begins";
+constexpr int kStepsToRefresh = 50;   // about once a second
+constexpr std::size_t kManyLost = 3;  // images of a connection
+constexpr int kLastWords = 3;         // commands to stand, as one may be lost
+constexpr int kDepth = 5;             // samples kept that have not been taken yet
 
 // Sensors that deliver in less than this have delivered once they are connected.
 constexpr double kQuick = 2.0;  // [Hz]
@@ -54,11 +65,24 @@ tl::expected<T, std::string> decode_any(std::span<const std::uint8_t> payload) {
   return oldest ? oldest : newest;
 }
 
+// [bytes] that the kernel grants to a socket; 0 where it does not say.
+std::size_t most_receive_buffer() {
+  std::size_t most = 0;
+  std::ifstream("/proc/sys/net/core/rmem_max") >> most;
+  return most;
+}
+
 builtin_interfaces::Time wall_time() {
   const auto now = std::chrono::system_clock::now().time_since_epoch();
   const auto seconds = std::chrono::duration_cast<std::chrono::seconds>(now);
   return {static_cast<std::int32_t>(seconds.count()),
           static_cast<std::uint32_t>(std::chrono::duration_cast<std::chrono::nanoseconds>(now - seconds).count())};
+}
+
+// This thread comes before all that are not of real time; nothing changes where the system does not permit it.
+void set_priority(int priority) {
+  const sched_param wanted{.sched_priority = ::sched_get_priority_min(SCHED_FIFO) + priority};
+  (void)::pthread_setschedparam(::pthread_self(), SCHED_FIFO, &wanted);
 }
 
 }  // namespace
@@ -88,6 +112,22 @@ RealRobot::RealRobot(std::shared_ptr<backend::PluginLink> mailbox, Discovery dis
       clock_(mailbox_->features().sensors.size()),
       transforms_(link_.odom_frame, link_.base_frame) {}
 
+backend::ExternalLocalizer& RealRobot::delegate_localization(std::string_view program,
+                                                             const std::optional<Pose2D>& map_from_start) {
+  const std::vector<std::string> known(kLocalizationPrograms.begin(), kLocalizationPrograms.end());
+  if (std::ranges::find(known, program) == known.end()) throw ConfigError(unknown_name("localization", program, known));
+  localization_ = std::make_unique<LocalizationClient>(std::string(program), link_, map_from_start,
+                                                       [this] { return mailbox_->robot_time(); });
+  return *localization_;
+}
+
+backend::ExternalNavigator& RealRobot::delegate_navigation(std::string_view program) {
+  const std::vector<std::string> known{"nav2"};
+  if (program != known.front()) throw ConfigError(unknown_name("navigation", program, known));
+  navigation_ = std::make_unique<NavigationClient>(link_);
+  return *navigation_;
+}
+
 void RealRobot::run() {
   while (const auto request = mailbox_->take()) {
     try {
@@ -104,6 +144,7 @@ void RealRobot::run() {
 // Connecting.
 
 void RealRobot::connect() {
+  set_priority(0);  // which the threads of Cyclone DDS inherit: what a sensor says should not wait, either
   const auto& sensors = mailbox_->features().sensors;
   clock_ = StampClock(sensors.size());
   transforms_ = {link_.odom_frame, link_.base_frame};
@@ -126,7 +167,10 @@ void RealRobot::connect() {
     node_ = std::make_unique<Node>(discovery_, "/", "threewe");
     command_ = node_->advertise(link_.command.topic, link_.command.type, {.reliable = link_.command.reliable});
     for (std::size_t i = 0; i < sources_.size(); ++i) subscribe(i);
+    if (localization_) localization_->connect(*node_);
+    if (navigation_) navigation_->connect(*node_);
     wait_until_reached();
+    set_priority(1);  // commands are due 50 times a second, whatever else the computer does
   } catch (...) {
     node_.reset();
     throw;
@@ -146,11 +190,13 @@ void RealRobot::subscribe(std::size_t source) {
 
 /// Waits until every topic has its other end and the quick sensors have delivered.
 void RealRobot::wait_until_reached() {
-  const auto give_up = Clock::now() + kReach;
+  const auto give_up = Clock::now() + (localization_ ? kReachMap : kReach);
   for (;;) {
     const std::string still = missing();
     if (still.empty()) return;
-    if (Clock::now() > give_up) throw ConnectionError(still);
+    if (Clock::now() > give_up) {
+      throw ConnectionError(discovery_.enclave && received_unreadable_key() ? still + kUnreadableKey : still);
+    }
     std::this_thread::sleep_for(kControlPeriod);
   }
 }
@@ -175,17 +221,26 @@ std::string RealRobot::missing() {
   for (const Source& source : sources) {
     if (!find(source.topic, false, source.handle) || source.delivered) continue;
     if (mailbox_->features().sensors[source.sensor].rate < kQuick) continue;
-    absent.push_back(source.mistake.empty()
-                         ? fmt::format("{}: nothing has come on {}", source.topic.sensor, source.topic.topic)
-                         : fmt::format("{}: {} delivers {}", source.topic.sensor, source.topic.topic, source.mistake));
+    std::string what = fmt::format("{}: nothing has come on {}", source.topic.sensor, source.topic.topic);
+    if (source.topic.type == sensor_msgs::Image::kType && node_->lost(source.handle) > 0) {
+      what += fmt::format(": images are lost: {}", explain_lost_images(most_receive_buffer()));
+    }
+    if (!source.mistake.empty()) {
+      what = fmt::format("{}: {} delivers {}", source.topic.sensor, source.topic.topic, source.mistake);
+    }
+    absent.push_back(std::move(what));
   }
-  if (absent.empty()) return "";
   if (endpoints.empty() && absent.size() > sources.size()) return diagnose_silence(discovery_);
+  if (localization_) absent.push_back(localization_->missing(*node_));
+  if (navigation_) absent.push_back(navigation_->missing(*node_));
+  std::erase(absent, "");
+  if (absent.empty()) return "";
   return fmt::format("the robot cannot be reached:\n  {}", fmt::join(absent, "\n  "));
 }
 
 void RealRobot::disconnect() {
   if (!node_) return;
+  if (navigation_) navigation_->release(*node_);
   for (int i = 0; i < kLastWords; ++i) {
     send({});
     std::this_thread::sleep_for(kControlPeriod);
@@ -196,6 +251,13 @@ void RealRobot::disconnect() {
 // Commands.
 
 void RealRobot::send(const Velocity& velocity) {
+  if (++steps_ % kStepsToRefresh == 0) {
+    node_->refresh();
+    watch_images();
+  }
+  if (localization_) localization_->step(*node_);
+  if (navigation_) navigation_->step(*node_);
+  if (navigation_ && navigation_->drives()) return;  // two that command one robot would take turns
   geometry_msgs::Twist twist;
   twist.linear = {velocity.vx, velocity.vy, 0.0};
   twist.angular.z = velocity.omega;
@@ -208,7 +270,19 @@ void RealRobot::send(const Velocity& velocity) {
     stamped.twist = twist;
     node_->publish(command_, encode(stamped, kAnyLayout));
   }
-  if (++steps_ % kStepsToRefresh == 0) node_->refresh();
+}
+
+// Lost images show in no sample. Those of the first second are lost while both sides find each other.
+void RealRobot::watch_images() {
+  std::string fault;
+  for (const Source& source : sources_) {
+    if (source.topic.type != sensor_msgs::Image::kType) continue;
+    const std::size_t lost = node_->lost(source.handle);
+    if (lost < kManyLost) continue;
+    fault = fmt::format("{}: images of {} are lost: {}", source.topic.sensor, source.topic.topic,
+                        explain_lost_images(most_receive_buffer()));
+  }
+  mailbox_->note_link_fault(std::move(fault));
 }
 
 // Readings, in threads of the middleware's.
@@ -237,7 +311,7 @@ void RealRobot::receive(std::size_t index, std::span<const std::uint8_t> payload
   }
   const auto measured = clock_.measured(source.sensor, reading.stamp, reading.to_measured, reading.to_end, arrival);
   if (!measured) return;
-  source.delivered = true;
+  for (Source& other : sources_) other.delivered |= other.sensor == source.sensor;  // a picture is of two topics
   mailbox_->push({.sensor = sensor.name, .measured = *measured, .data = std::move(reading.data)});
 }
 
@@ -274,8 +348,7 @@ std::optional<ReadingOrMistake> RealRobot::read(const Source& source, std::span<
     case SensorType::camera:
       return converted(std::type_identity<Image>(), [&](Image image) {
         auto shared = std::make_shared<const Image>(std::move(image));
-        return source.topic.sensor == "depth" ? pictures_->add_depth(std::move(shared))
-                                              : pictures_->add_color(std::move(shared));
+        return source.topic.sensor == "depth" ? pictures_->add_depth(std::move(shared)) : pictures_->add_color(shared);
       });
   }
   return std::nullopt;
@@ -284,7 +357,10 @@ std::optional<ReadingOrMistake> RealRobot::read(const Source& source, std::span<
 /// Odometry begins where the robot stands when it is connected, and goes on from where it was when its sender begins
 /// anew.
 void RealRobot::place_odometry(Odometry& odometry, bool anew) {
-  if (anew || !odom_from_theirs_) odom_from_theirs_ = odom_from_base_ * inverse(odometry.pose);
+  if (anew || !odom_from_theirs_) {
+    odom_from_theirs_ = odom_from_base_ * inverse(odometry.pose);
+    if (localization_) localization_->place(*odom_from_theirs_);
+  }
   odometry.pose = odom_from_base_ = *odom_from_theirs_ * odometry.pose;
 }
 

@@ -9,6 +9,8 @@
 #include <vector>
 
 #include "backend/plugin.hpp"
+#include "ros2/dds/localization_client.hpp"
+#include "ros2/dds/navigation_client.hpp"
 #include "ros2/dds/node.hpp"
 #include "ros2/readings.hpp"
 #include "ros2/stamp_clock.hpp"
@@ -23,6 +25,11 @@ backend::Features features_of(const RobotProfile& profile);
 class RealRobot {
  public:
   RealRobot(std::shared_ptr<backend::PluginLink> mailbox, Discovery discovery);
+
+  /// As RobotPort's, before it is first connected. Throws ConfigError naming the nearest of the programs.
+  backend::ExternalLocalizer& delegate_localization(std::string_view program,
+                                                    const std::optional<Pose2D>& map_from_start);
+  backend::ExternalNavigator& delegate_navigation(std::string_view program);
 
   /// Answers the mailbox until its world is gone.
   void run();
@@ -44,6 +51,7 @@ class RealRobot {
   std::string missing();
   void disconnect();
   void send(const Velocity& velocity);
+  void watch_images();
   void subscribe(std::size_t source);
   void receive(std::size_t source, std::span<const std::uint8_t> payload, std::uint64_t publisher);
   std::optional<ReadingOrMistake> read(const Source& source, std::span<const std::uint8_t> payload);
@@ -55,6 +63,8 @@ class RealRobot {
   const LinkSpec& link_;
   Node::Handle command_;
   int steps_ = 0;
+  std::unique_ptr<LocalizationClient> localization_;  // null: it is localised by us
+  std::unique_ptr<NavigationClient> navigation_;      // null: we drive it
 
   std::mutex mutex_;
   std::condition_variable arrived_;

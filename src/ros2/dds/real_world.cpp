@@ -38,6 +38,14 @@ class RealWorld : public backend::PluginWorld {
     thread_.join();  // after the robot was commanded to stand
   }
 
+  backend::ExternalLocalizer& delegate_localization(std::string_view program,
+                                                    const std::optional<Pose2D>& map_from_start) override {
+    return robot_.delegate_localization(program, map_from_start);
+  }
+  backend::ExternalNavigator& delegate_navigation(std::string_view program) override {
+    return robot_.delegate_navigation(program);
+  }
+
  private:
   std::shared_ptr<backend::PluginLink> mailbox_;
   RealRobot robot_;

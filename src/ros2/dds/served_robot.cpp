@@ -7,6 +7,7 @@
 
 #include "export/robot_description.hpp"
 #include "ros2/publications.hpp"
+#include "ros2/readings.hpp"
 #include "threewe/core/errors.hpp"
 #include "threewe/export/export.hpp"
 
@@ -85,6 +86,7 @@ ServedRobot::ServedRobot(backend::World& world, const backend::TruthService& tru
                          const std::string& name_space, const ServeOptions& options, const Discovery& discovery,
                          Bell& bell)
     : port_(world.robot(index)),
+      world_(world),
       truth_(truth.truth(index)),
       profile_(port_.profile()),
       name_space_(name_space),
@@ -95,6 +97,7 @@ ServedRobot::ServedRobot(backend::World& world, const backend::TruthService& tru
       base_frame_(profile_.link ? profile_.link->base_frame : "base_link"),
       watchdog_(profile_.link ? profile_.link->stopped_after : kWatchdog),
       bell_(bell),
+      autonomy_(options.autonomies.empty() ? nullptr : options.autonomies[index]),
       node_(discovery, name_space.empty() ? "/" : name_space, "simulator") {
   port_.connect();
   for (const SensorInfo& sensor : port_.features().sensors) outlets_.push_back(advertise(sensor));
@@ -109,6 +112,21 @@ ServedRobot::ServedRobot(backend::World& world, const backend::TruthService& tru
   if (with_map_) {
     const auto map = node_.advertise(name_space_ + "/map", nav_msgs::OccupancyGrid::kType, kKept);
     send(map, to_message(exports::map_of(truth_.scene(), profile_), {to_stamp(world.now()), kMapFrame}));
+  }
+
+  if (autonomy_ != nullptr) {
+    map_ = node_.advertise(name_space_ + "/map", nav_msgs::OccupancyGrid::kType, kKept);
+    plan_ = node_.advertise(name_space_ + "/plan", nav_msgs::Path::kType, {.depth = 1});
+    (void)node_.subscribe(name_space_ + "/goal_pose", geometry_msgs::PoseStamped::kType, {.depth = 1},
+                          [this](std::span<const std::uint8_t> payload, std::uint64_t) {
+                            const auto message = decode<geometry_msgs::PoseStamped>(payload, kLayout);
+                            if (!message) return;
+                            const auto& [position, rotation] = message->pose;
+                            const auto pose = to_pose({{position.x, position.y, position.z}, rotation});
+                            if (!pose) return;
+                            const std::scoped_lock lock(bell_.mutex);
+                            goal_.emplace(message->header.frame_id, *pose);
+                          });
   }
 
   const std::string topic = name_space_ + (profile_.link ? profile_.link->command.topic : "/cmd_vel");
@@ -181,6 +199,7 @@ void ServedRobot::receive(const std::string& topic) {
 
 void ServedRobot::drive(Time now) {
   std::optional<Velocity> newest;
+  begin_goal();
   {
     const std::scoped_lock lock(bell_.mutex);
     if (!commands_.empty()) newest = commands_.back();
@@ -189,7 +208,17 @@ void ServedRobot::drive(Time now) {
   if (newest) port_.command(*newest, now + watchdog_);
 }
 
+void ServedRobot::begin_goal() {
+  std::optional<std::pair<std::string, Pose2D>> goal;
+  {
+    const std::scoped_lock lock(bell_.mutex);
+    goal = std::exchange(goal_, std::nullopt);
+  }
+  if (goal) autonomy_->go_to(goal->first, goal->second);
+}
+
 void ServedRobot::step(Time now) {
+  begin_goal();
   Velocity velocity;
   {
     const std::scoped_lock lock(bell_.mutex);
@@ -212,6 +241,23 @@ void ServedRobot::publish_clock(Time now) {
 
 void ServedRobot::publish() {
   for (const Sample& sample : port_.poll()) send(sample);
+  if (autonomy_ != nullptr) show_autonomy();
+}
+
+// Maps are large, and plans are drawn for people to look at.
+void ServedRobot::show_autonomy() {
+  constexpr Duration kOften = 500ms;
+  const Time now = world_.now();
+  if (map_version_ && now - shown_ < kOften) return;
+  shown_ = now;
+  const std_msgs::Header header{to_stamp(now), kMapFrame};
+  if (std::exchange(map_version_, autonomy_->map_version()) != autonomy_->map_version()) {
+    send(map_, to_message(autonomy_->map(), header));
+  }
+  const std::vector<Vec2> path = autonomy_->path();
+  if (path.empty() && !has_plan_) return;
+  has_plan_ = !path.empty();
+  send(plan_, to_message(path, header));
 }
 
 void ServedRobot::send(const Sample& sample) {
@@ -252,8 +298,8 @@ void ServedRobot::send_picture(const Outlets& outlets, const std_msgs::Header& h
 void ServedRobot::send_transforms(const Sample& sample, const Odometry& odometry) {
   tf2_msgs::TFMessage message;
   message.transforms.push_back(to_transform(sample.measured, odom_frame_, base_frame_, odometry.pose));
-  if (with_map_) {
-    const Pose2D map_from_odom = truth_.true_pose() * inverse(odometry.pose);
+  if (with_map_ || autonomy_ != nullptr) {
+    const Pose2D map_from_odom = with_map_ ? truth_.true_pose() * inverse(odometry.pose) : autonomy_->map_from_odom();
     message.transforms.push_back(to_transform(sample.measured, kMapFrame, odom_frame_, map_from_odom));
   }
   send(transforms_, message);

@@ -51,11 +51,14 @@ class ServedRobot {
   void send(const Sample& sample);
   void send_picture(const Outlets& outlets, const std_msgs::Header& header, const Picture& picture);
   void send_transforms(const Sample& sample, const Odometry& odometry);
+  void show_autonomy();
+  void begin_goal();
   template <Message T>
   void send(std::optional<Node::Handle> outlet, const T& message);
   std::string topic_of(const SensorInfo& sensor) const;
 
   backend::RobotPort& port_;
+  backend::World& world_;
   const scene::TruthView& truth_;
   const RobotProfile& profile_;
   const std::string name_space_;
@@ -64,10 +67,15 @@ class ServedRobot {
   const std::string odom_frame_, base_frame_;
   const Duration watchdog_;
   Bell& bell_;
-  std::deque<Velocity> commands_;  // behind the bell's mutex
+  std::deque<Velocity> commands_;                       // behind the bell's mutex
+  std::optional<std::pair<std::string, Pose2D>> goal_;  // likewise: the newest that has come, and its frame
+  ServedAutonomy* const autonomy_;                      // null where it has none
+  std::optional<std::uint64_t> map_version_;            // that was published
+  Time shown_{};                                        // when it was last looked at
+  bool has_plan_ = false;                               // is published
   int pictures_ = 0;
   std::vector<Outlets> outlets_;  // by the index of the sensor
-  std::optional<Node::Handle> clock_, transforms_;
+  std::optional<Node::Handle> clock_, transforms_, map_, plan_;
   Node node_;  // last: receivers end before what they use
 };
 

@@ -18,7 +18,8 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr Duration kStep = kControlPeriod / 4;  // of robot time, as readings of 100 Hz should not come in pairs
+constexpr Duration kStep = kControlPeriod / 4;  // of robot time, as readings of 100 Hz should not come in pairs; of an
+                                                // autonomy stack that is what it is
 constexpr Duration kLate = 200ms;               // what is not made up for: a computer that is too slow slows time down
 constexpr Duration kSettle = 1s;                // wall, from one look at the graph to the next
 
@@ -29,6 +30,8 @@ const backend::TruthService& check(const backend::World& world, const ServeOptio
   if (!(options.speed >= 0.0 && options.speed <= 1000.0)) {
     fail(fmt::format("speed is {}; it must lie in [0, 1000], 0 being as fast as can be", options.speed));
   }
+  if (options.map && !options.autonomies.empty())
+    fail("the scene's map and the robot's own are one topic: only one of them");
   const auto& names = options.namespaces;
   if (names.size() != world.robot_count()) {
     fail(fmt::format("{} namespaces for {} robots", names.size(), world.robot_count()));
@@ -45,7 +48,7 @@ const backend::TruthService& check(const backend::World& world, const ServeOptio
 class CycloneServer : public Server {
  public:
   CycloneServer(std::unique_ptr<backend::World> world, const backend::TruthService& truth, const ServeOptions& options)
-      : world_(std::move(world)), options_(options) {
+      : world_(std::move(world)), options_(options), step_(options.autonomies.empty() ? kStep : kControlPeriod) {
     for (std::size_t i = 0; i < options.namespaces.size(); ++i) {
       robots_.push_back(
           std::make_unique<ServedRobot>(*world_, truth, i, options.namespaces[i], options, our_discovery(), bell_));
@@ -86,10 +89,10 @@ class CycloneServer : public Server {
         if (due_ > end) return std::this_thread::sleep_until(end);
         std::this_thread::sleep_until(due_);
         due_ += std::chrono::duration_cast<Clock::duration>(
-            std::chrono::duration<double>(to_seconds(kStep) / options_.speed));
+            std::chrono::duration<double>(to_seconds(step_) / options_.speed));
       }
       for (const auto& robot : robots_) robot->drive(world_->now());
-      advance(kStep);
+      advance(step_);
     }
   }
 
@@ -111,6 +114,7 @@ class CycloneServer : public Server {
 
   std::unique_ptr<backend::World> world_;
   ServeOptions options_;
+  Duration step_;
   Bell bell_;
   Clock::time_point due_{};   // wall, of the next step
   Clock::time_point look_{};  // wall

@@ -178,6 +178,10 @@ class Drawer {
     const std::uint8_t* HWY_RESTRICT table = tiles().data();
     std::uint32_t* HWY_RESTRICT texels = work_.texel.data();
     for (std::size_t r = 0; r < rows; ++r, texels += kBlock) look_up(table, texels);
+    const std::uint32_t detail = detail_of(drawing_.shading);
+    if (detail == kWhole) return;
+    texels = work_.texel.data();
+    for (std::size_t i = 0; i < rows * kBlock; ++i) texels[i] = (texels[i] * detail + plain_of(detail)) >> 8U;
   }
 
   void put_colours(const Stretch& band, std::uint8_t* to, std::size_t width, std::size_t count) const {

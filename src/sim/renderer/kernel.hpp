@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -87,6 +88,16 @@ struct BlockWork {
   std::array<Material, kMaterials> patterns;  // what surfaces wear
   LevelRows others;
 };
+
+/// The detail of a picture in 1/256.
+inline constexpr std::uint32_t kWhole = 256;
+inline std::uint32_t detail_of(const Shading& shading) {
+  return static_cast<std::uint32_t>(std::lround(shading.detail * static_cast<float>(kWhole)));
+}
+/// A brightness b [1/170] is (b * detail + this) / 256 in a picture of less detail: nearer to 1.
+constexpr std::uint32_t plain_of(std::uint32_t detail) {
+  return static_cast<std::uint32_t>(kTexelOne) * (kWhole - detail) + kWhole / 2;
+}
 
 /// All that a picture is drawn from.
 struct Drawing {

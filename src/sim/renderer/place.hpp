@@ -61,6 +61,8 @@ struct Place {
   bool has_skirting(const VisibleSolid& solid) const {
     return solid.id == kWallId && solid.solid.z_min <= 0.0 && !is_open;
   }
+  /// What all walls are painted in, before light, where a picture has no detail.
+  Colour plain_wall() const { return is_open ? kBrick : view::wall_colour(0); }
   /// The tints along a side of a wall of the scene, one every `kTintStep`: the paint of the room in front of it in its
   /// light; the ends of walls, where doorways are, are trimmed.
   std::span<const std::uint32_t> tints_of(std::size_t wall, std::size_t face) const;
@@ -82,7 +84,8 @@ std::uint32_t pack(const Colour& colour);
 
 /// From one tint of a wall to the next [m].
 inline constexpr double kTintStep = 1.0 / 64.0;
-/// Height of the skirting along the walls [m].
+/// Height of the skirting along the walls [m], and of a picture's detail from which on it is seen.
 inline constexpr double kSkirting = 0.08;
+inline constexpr float kSkirtingDetail = 0.5F;
 
 }  // namespace threewe::sim::view

@@ -90,6 +90,7 @@ class Shader {
         view_(drawing.view),
         rows_(drawing.rows),
         shading_(drawing.shading),
+        detail_(detail_of(drawing.shading)),
         columns_(columns),
         work_(work) {}
 
@@ -329,12 +330,14 @@ class Shader {
       }
     });
     const std::uint32_t* HWY_RESTRICT table = light.cells.data();
+    const std::uint32_t plain = plain_of(detail_);
     for (std::size_t r = rows.begin; r < rows.end; ++r) look_up(table, cells + place_of(r));
     for_lanes([&](std::size_t i) HWY_ATTR {
       for (std::size_t r = rows.begin; r < rows.end; ++r) {
         const std::size_t at = (r - band) * kBlock + i;
         const W places = load(within + at);
         W found = interpolate(load(cells + at), hn::ShiftRight<16>(places), hn::And(places, set(255U)));
+        if (detail_ < kWhole) found = hn::ShiftRight<8>(hn::Add(hn::Mul(found, set(detail_)), set(plain)));
         if (place_.is_open) {
           const F clear = set(1.0F - rows_.haze[r]);
           found = byte(hn::Mul(hn::ConvertTo(Floats(), hn::BitCast(Ints(), found)), clear));
@@ -427,6 +430,15 @@ class Shader {
     });
   }
 
+  // A wall's tint in a picture of less detail.
+  std::uint32_t tint_of_less(std::uint32_t tint, std::uint32_t plain) const {
+    std::uint32_t mixed = 0;
+    for (const unsigned shift : {0U, 8U, 16U}) {
+      const std::uint32_t sum = (tint >> shift & 255U) * detail_ + (plain >> shift & 255U) * (kWhole - detail_) + 128U;
+      mixed |= (sum >> 8U) << shift;
+    }
+    return mixed;
+  }
   Material pattern_of(const SurfaceMaterial& look) const {
     return work_.patterns[static_cast<std::size_t>(look.material)];
   }
@@ -477,6 +489,10 @@ class Shader {
         const F bin = hn::Min(hn::Max(hn::Mul(along, set(1.0 / kTintStep)), set(0.0F)), last);
         store(whole(bin), found.data());
         for (std::size_t k = 0; k < hn::Lanes(Floats()); ++k) found[k] = tints[found[k]];
+        if (detail_ < kWhole) {
+          const std::uint32_t plain = tint_of({look.material, place_.plain_wall(), look.light});
+          for (std::size_t k = 0; k < hn::Lanes(Floats()); ++k) found[k] = tint_of_less(found[k], plain);
+        }
         colour = load(found.data());
       }
       cover(surface, look, along, facing, colour, here, i);
@@ -536,14 +552,17 @@ class Shader {
     keep(tint, &surface.tint[i]);
     keep(hn::Sub(hn::Mul(set(per_metre * (view_.height - low)), side), half), &surface.v[i]);
     keep(hn::Mul(hn::Mul(depth, set(per_metre)), side), &surface.v_step[i]);
-    keep(set(kTexelOne * (look.foot + look.rise * static_cast<float>(view_.height))), &surface.foot[i]);
-    keep(hn::Mul(depth, set(kTexelOne * look.rise)), &surface.rise[i]);
+    const float detail = shading_.detail;
+    const float foot = (1.0F - detail) + detail * (look.foot + look.rise * static_cast<float>(view_.height));
+    keep(set(kTexelOne * foot), &surface.foot[i]);
+    keep(hn::Mul(depth, set(kTexelOne * (detail * look.rise))), &surface.rise[i]);
   }
 
   const Place& place_;
   const View& view_;
   const Rows& rows_;
   const Shading& shading_;
+  const std::uint32_t detail_;
   const Columns& columns_;
   BlockWork& work_;
   static constexpr unsigned kAll = (1U << kBlock) - 1U;

@@ -94,6 +94,7 @@ class Finder {
         candidates_(drawing.candidates),
         columns_(columns),
         work_(work),
+        detail_(drawing.shading.detail),
         count_(static_cast<float>(rows_.count)),
         middle_(static_cast<float>(view_.camera.cy - 0.5)) {}
 
@@ -450,10 +451,11 @@ class Finder {
   // What is on a wall that is seen: its skirting, windows, pictures.
   void hang_on_wall(std::size_t k, const Extent& wall) {
     const Candidate& c = *work_.surfaces[k].candidate;
-    if (place_.has_skirting(*c.visible)) {
+    if (place_.has_skirting(*c.visible) && detail_ >= kSkirtingDetail) {
       hang(k, Surface::Kind::skirting, nullptr, part_of(k, wall, kSkirting, 0.0));
     }
     for (const Decor& decor : place_.decor_of(c.solid)) {
+      if (detail_ < decor.detail) continue;
       Extent extent = part_of(k, wall, decor.high, decor.low);
       if (keep_columns(k, decor, extent)) hang(k, Surface::Kind::decor, &decor, extent);
     }
@@ -508,6 +510,7 @@ class Finder {
   const Candidates& candidates_;
   const Columns& columns_;
   BlockWork& work_;
+  float detail_;
   float count_;
   float middle_;
   Lanes<float> bottom_;  // of the walls

@@ -85,6 +85,7 @@ WallDecor decorate(const scene::Scene& scene) {
     }
   }
   decor.first.push_back(decor.all.size());
+  for (std::size_t i = 0; i < decor.all.size(); ++i) decor.all[i].detail = 0.125F * static_cast<float>(1 + 5 * i % 8);
   return decor;
 }
 

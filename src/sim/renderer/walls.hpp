@@ -22,6 +22,7 @@ struct Decor {
   double low = 0.0;  // [m] above the floor
   double high = 0.0;
   SurfaceMaterial look;
+  float detail = 1.0F;  // of a picture that shows it, at least
 };
 
 /// What hangs on a scene's walls.

@@ -10,6 +10,7 @@
 
 #include "core/exact.hpp"
 #include "core/targets.hpp"
+#include "draw.hpp"
 
 using namespace threewe;
 using namespace threewe::models;
@@ -229,11 +230,11 @@ TEST_CASE("scatter, bias and dropouts have the stated distributions, and each sw
 }
 
 // Scatter and fate of one point, in double precision, as `measure_ranges` draws them.
-struct Draw {
+struct SlowDraw {
   double scatter;
   std::uint32_t fate;
 };
-Draw draw_slowly(const RngKey& key, std::uint64_t point) {
+SlowDraw draw_slowly(const RngKey& key, std::uint64_t point) {
   const auto words = random_bits(key, point / 2);
   const auto share = [](std::uint32_t word) { return ((word >> 9) + 0.5) * 0x1p-23; };
   const double size = std::sqrt(-2.0 * std::log(share(words[0])));
@@ -277,6 +278,64 @@ TEST_CASE("many points at once are measured as one after the other, with the sam
       force_target("");
     }
   }
+}
+
+TEST_CASE("without scatter and dropouts any number of points is measured to the bit as one by one") {
+  LidarSpec spec = perfect(ld06());
+  for (const float bias : {0.0F, 0.0123F, -0.03F}) {
+    for (std::size_t count = 1; count < 70; ++count) {
+      std::vector<float> ranges(count);
+      for (std::size_t i = 0; i < count; ++i) ranges[i] = 0.0171F * static_cast<float>((i * 97 + count * 31) % 710);
+      ranges[count / 2] = 12.0F;
+      std::vector<float> slow = ranges;
+      for (float& range : slow) {
+        const float measured = range >= 12.0F ? 12.0F : std::min(range + bias, 12.0F);
+        range = measured < static_cast<float>(spec.range_min) ? 0.0F : measured;
+      }
+      for (const std::string& target : available_targets()) {
+        CAPTURE(target);
+        force_target(target);
+        std::vector<float> fast = ranges;
+        measure_ranges(spec, {}, static_cast<double>(bias), 7, fast);
+        CHECK(fast == slow);
+      }
+      force_target("");
+    }
+  }
+}
+
+TEST_CASE("which points are dropped, and how much too short one is, is known without measuring") {
+  LidarSpec spec = ld06();
+  int dropping = 0;
+  for (std::uint64_t seed = 0; seed < 400; ++seed) {
+    CAPTURE(seed);
+    Draw draw(seed);
+    spec.points_per_turn = draw.whole(4, 450);
+    spec.dropout = draw(0.0, 0.3);
+    const Variation variation{.lidar_noise = draw(0.0, 2.0), .lidar_dropout = draw(0.0, 1.5)};
+    const RngKey key{.seed = seed, .episode = 2, .stream = Stream::lidar};
+    const auto points = static_cast<std::size_t>(spec.points_per_turn);
+    const std::uint64_t first = seed % 5 * points;
+    const double bias = lidar_bias(spec, key);
+    std::vector<float> ranges(points, 3.0F);
+    measure_ranges(spec, key, bias, first, ranges, variation);
+    bool together = false;
+    double worst = 0.0;
+    for (std::size_t i = 0; i < points; ++i) {
+      if (ranges[i] > 0.0F) worst = std::max(worst, 3.0 - static_cast<double>(ranges[i]));
+      together =
+          together || (ranges[i] == 0.0F && ranges[(i + 1) % points] == 0.0F && ranges[(i + 2) % points] == 0.0F);
+    }
+    CHECK(worst <= most_too_short(spec, bias, variation));
+    dropping += together ? 1 : 0;
+    for (const std::string& target : available_targets()) {
+      CAPTURE(target);
+      force_target(target);
+      CHECK(drops_neighbours(spec, key, first, variation) == together);
+    }
+    force_target("");
+  }
+  CHECK(dropping > 40);
 }
 
 TEST_CASE("noise depends on the point alone, not on how the points are grouped") {

@@ -51,6 +51,12 @@ std::vector<TinyWall> three_rooms() {
   return walls;
 }
 
+double width_of(const RobotProfile& profile) {
+  double width = 0.0;
+  for (const Vec2 c : profile.body.footprint.corners()) width = std::max(width, 2.0 * std::fabs(c.y));
+  return width;
+}
+
 // A mind and its world, ticking together.
 struct Drive {
   RobotProfile profile;
@@ -266,6 +272,23 @@ TEST_CASE("exploring ends when all is seen") {
   CHECK(drive.least_clearance > 0.01);
 }
 
+TEST_CASE("what lies behind a doorway hardly wider than the robot is explored, when nothing else is left") {
+  const double width = width_of(profile_named("3we_standard_v2"));
+  for (const double gap : {width + 0.05, width - 0.01}) {
+    CAPTURE(gap);
+    std::vector<TinyWall> walls;
+    add_box(walls, {-1, -1}, {7, 3});
+    add_box(walls, {2, -1}, {2.1, 1.0 - 0.5 * gap});
+    add_box(walls, {2, 1.0 + 0.5 * gap}, {2.1, 3});
+    walls.push_back({{4, -1}, {4, 2}});
+    Drive drive("3we_standard_v2", walls, 23);
+    CHECK(drive.run(Explore{}, 300s).reason == Reason::reached);
+    const map::OccupancyGrid& grid = drive.localizer->map();
+    CHECK((grid.at(grid.cell({6.5, -0.5})) >= 0) == (gap > width));
+    CHECK(drive.least_clearance > 0.0);
+  }
+}
+
 TEST_CASE("something that appears in the way is driven around") {
   Drive drive("3we_standard_v2", three_rooms(), 9);
   CHECK(drive.run(MoveTo{{0.3, 0.0}}, 30s).reason == Reason::reached);
@@ -294,9 +317,7 @@ TEST_CASE("a doorway hardly wider than the robot is driven through; one that is 
   for (const char* name : {"3we_standard_v2", "turtlebot_like"}) {
     const double spare = name == std::string("3we_standard_v2") ? 0.05 : 0.08;
     CAPTURE(name);
-    double width = 0.0;
-    const RobotProfile profile = profile_named(name);
-    for (const Vec2 c : profile.body.footprint.corners()) width = std::max(width, 2.0 * std::fabs(c.y));
+    const double width = width_of(profile_named(name));
     for (const double gap : {width + spare, width - 0.01}) {
       CAPTURE(gap);
       std::vector<TinyWall> walls;

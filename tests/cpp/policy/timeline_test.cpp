@@ -124,6 +124,27 @@ TEST_CASE("random chunks with random latencies: as the definition says") {
   }
 }
 
+TEST_CASE("what is planned is what comes, unless a chunk arrives before") {
+  for (const Merge merge : {Merge::replace, Merge::blend, Merge::ensemble}) {
+    Timeline timeline(model(merge));
+    CHECK_FALSE(timeline.planned(Time{0}));
+    Draw draw(7);
+    for (int i = 0; i < 20; ++i) {
+      const Time now = i * 5 * kControlPeriod;
+      std::vector<Velocity> actions(5);
+      for (Velocity& v : actions) v = {draw(-0.5, 0.5), draw(-0.5, 0.5), draw(-1.0, 1.0)};
+      timeline.add(now - 3 * kControlPeriod, actions, now);
+      std::vector<Velocity> planned;
+      for (int tick = 0; tick < 5; ++tick) planned.push_back(timeline.planned(now + tick * kControlPeriod).value());
+      for (int tick = 0; tick < 5; ++tick) {
+        check_near(timeline.next(now + tick * kControlPeriod), planned[static_cast<std::size_t>(tick)]);
+      }
+    }
+    CHECK(timeline.planned(timeline.end().value()));
+    CHECK_FALSE(timeline.planned(timeline.end().value() + kControlPeriod));
+  }
+}
+
 TEST_CASE("a tick takes the action of its own time, whenever the chunk arrives") {
   const std::vector<Velocity> ramp = {{0.0, 0, 0}, {0.1, 0, 0}, {0.2, 0, 0}, {0.3, 0, 0}, {0.4, 0, 0}};
   for (const Time arrived : {Time{0ms}, Time{100ms}, Time{240ms}}) {

@@ -64,6 +64,19 @@ TEST_CASE("a port that throws from command, also from the command that should st
   d.check_fault("the motor is gone");
 }
 
+TEST_CASE("what is wrong with the way to a robot is warned of once, and again when it is something else") {
+  const Warnings warnings;
+  Toy toy;
+  Robot robot(*toy.world);
+  robot.connect();
+  toy.port().wrong_link = "images are lost";
+  robot.sleep(0.5);
+  CHECK(warnings.mentioning("robot '3we_standard_v2': images are lost") == 1);
+  toy.port().wrong_link = "all is lost";
+  robot.sleep(0.5);
+  CHECK(warnings.messages.size() == 2);
+}
+
 TEST_CASE("samples that break the contract") {
   struct Case {
     const char* message;
@@ -186,6 +199,18 @@ TEST_CASE("time that connecting takes is no silence of sensors") {
   CHECK(warnings.mentioning("silent") == 0);
   for (int i = 0; i < 100; ++i) world.tick();  // which are silent indeed
   CHECK(warnings.mentioning("silent") > 0);
+}
+
+TEST_CASE("first samples are waited for however long connecting takes") {
+  auto owned = std::make_unique<ToyWorld>();
+  ToyWorld& toy = *owned;
+  toy.robot(0).run_by_itself();
+  toy.robot(0).on_connect = [&toy] { toy.pass(3s); };
+  World world(std::move(owned));
+  world.robot(0).connect();
+  world.settle();
+  CHECK(world.now() >= 3s);
+  CHECK(world.robot(0).battery().charge == 0.9);
 }
 
 TEST_CASE("a sensor that falls silent stops the robot, and in the end the motion") {

@@ -287,6 +287,109 @@ TEST_CASE("a motion that its navigator ends is over when the robot stands") {
   }
 }
 
+TEST_CASE("a source steers in place of the navigator, and says how it ends") {
+  for (const Reason reason : {Reason::reached, Reason::starved, Reason::policy_error, Reason::fault}) {
+    Toy toy({"3we_standard_v2"}, restless());
+    Robot robot(*toy.world);
+    Runtime& runtime = robot.runtime();
+    std::vector<Time> asked;
+    const MotionHandle motion = runtime.drive([&](Time now) {
+      asked.push_back(now);
+      return nav::Decision{{0.3, 0.1, 0.0}, asked.size() > 50 ? reason : Reason::running, "so it is"};
+    });
+    CHECK_THROWS_AS(robot.set_velocity(0.1, 0.0, 0.0), SafetyError);
+    CHECK_THROWS_AS((void)robot.move_to(1.0, 0.0), SafetyError);
+    CHECK_THROWS_AS((void)runtime.drive([](Time) { return nav::Decision{}; }), SafetyError);
+    robot.sleep(0.5);
+    CHECK(toy.port().commands.back().vx == doctest::Approx(0.3));
+    CHECK(runtime.path().empty());
+    CHECK(motion->progress().distance_driven > 0.05);
+    const MoveResult result = robot.wait(motion);
+    CHECK(result.reason == reason);
+    CHECK(result.success == (reason == Reason::reached));
+    CHECK(result.detail == "so it is");
+    CHECK(toy.port().commands.back() == Velocity{});
+    for (std::size_t i = 1; i < asked.size(); ++i) CHECK(asked[i] - asked[i - 1] == kControlPeriod);
+    CHECK(asked.size() == 51);
+    if (!result.success) CHECK_THROWS(result.raise_for_failure());
+    robot.set_velocity(0.1, 0.0, 0.0);  // usable at once
+  }
+}
+
+TEST_CASE("what ends every motion ends one that a source steers") {
+  const auto ahead = [](Time) { return nav::Decision{{0.3, 0.0, 0.0}, Reason::running, ""}; };
+  const auto ended_by = [&](const std::function<void(Toy&, Robot&)>& act) {
+    Toy toy;
+    Robot robot(*toy.world);
+    const MotionHandle motion = robot.runtime().drive(ahead, 2s);
+    robot.sleep(1.0);
+    act(toy, robot);
+    robot.sleep(1.5);
+    return motion->result().reason;
+  };
+  CHECK(ended_by([](Toy&, Robot&) {}) == Reason::timeout);
+  CHECK(ended_by([](Toy&, Robot& robot) { robot.stop(); }) == Reason::cancelled);
+  CHECK(ended_by([](Toy&, Robot& robot) { robot.emergency_stop(); }) == Reason::estop);
+  CHECK(ended_by([](Toy& toy, Robot&) { toy.port().on_poll = [](Time) { throw HardwareError("broken"); }; }) ==
+        Reason::fault);
+}
+
+TEST_CASE("a source that fails stops the robot and is named") {
+  const std::vector<VelocitySource> bad = {
+      [](Time) -> nav::Decision { throw ContractError("no idea"); },
+      [](Time) { return nav::Decision{{kNaN, 0.0, 0.0}, Reason::running, ""}; },
+      [](Time) { return nav::Decision{{0.0, 0.0, kInfinity}, Reason::running, ""}; },
+  };
+  for (const VelocitySource& source : bad) {
+    Toy toy;
+    Robot robot(*toy.world);
+    const Time begin = toy.world->now();
+    const MotionHandle motion = robot.runtime().drive(
+        [&](Time now) { return now < begin + 1s ? nav::Decision{{0.4, 0.0, 0.0}, Reason::running, ""} : source(now); });
+    const MoveResult result = robot.wait(motion);
+    CHECK(result.reason == Reason::policy_error);
+    CHECK_FALSE(result.detail.empty());
+    CHECK(toy.world->now() - begin < 1250ms);
+    CHECK(toy.port().commands.back() == Velocity{});
+    CHECK_THROWS_AS(result.raise_for_failure(), NavigationError);
+  }
+  Toy toy({"turtlebot_like"});
+  Robot robot(*toy.world);
+  const auto sideways = [](Time) { return nav::Decision{{0.0, 0.1, 0.0}, Reason::running, ""}; };
+  CHECK(robot.wait(robot.runtime().drive(sideways)).reason == Reason::policy_error);
+}
+
+TEST_CASE("zones hold for what a source wants") {
+  const auto square = [](double x, double size) {
+    return std::vector<Vec2>{{x, -size}, {x + 2.0 * size, -size}, {x + 2.0 * size, size}, {x, size}};
+  };
+  const auto ahead = [](Time) { return nav::Decision{{0.4, 0.0, 0.0}, Reason::running, ""}; };
+  {
+    Toy toy;
+    Robot robot(*toy.world);
+    robot.set_zones({{square(1.0, 0.5), {}}});
+    CHECK(robot.wait(robot.runtime().drive(ahead, 10s)).reason == Reason::timeout);
+    const double radius = robot.runtime().profile().body.footprint.circumscribed_radius();
+    CHECK(toy.port().pose.x > 0.9 - radius);
+    CHECK(toy.port().pose.x < 1.0 - radius);
+    // away from it, and along it
+    (void)robot.wait(robot.runtime().drive([](Time) { return nav::Decision{{-0.3, 0.0, 0.0}}; }, 1s));
+    CHECK(toy.port().pose.x < 0.7);
+  }
+  Toy toy;
+  Robot robot(*toy.world);
+  robot.set_zones({{square(1.0, 0.5), 0.1}});
+  const MotionHandle motion = robot.runtime().drive(ahead, 15s);
+  double fastest_inside = 0.0;
+  while (!motion->done()) {
+    toy.world->tick();
+    if (toy.port().pose.x > 0.9 && toy.port().pose.x < 2.1)
+      fastest_inside = std::max(fastest_inside, speed(toy.port().commands.back()));
+  }
+  CHECK(fastest_inside == doctest::Approx(0.1).epsilon(0.05));
+  CHECK(toy.port().pose.x > 1.5);
+}
+
 TEST_CASE("who is not within the tolerance wherever the true position may be has not reached the goal") {
   const auto drive = [](double goal, double tolerance) {
     Toy toy({"3we_standard_v2"}, scripted([](const auto&) { return nav::Decision{{}, Reason::reached, ""}; }));

@@ -12,6 +12,7 @@
 #include <utility>
 #include <vector>
 
+#include "backend/delegation.hpp"
 #include "core/exact.hpp"
 #include "threewe/backend/world.hpp"
 #include "threewe/core/errors.hpp"
@@ -67,10 +68,22 @@ class ToyPort final : public backend::RobotPort {
     valid_until_ = valid_until;
   }
 
+  backend::ExternalLocalizer& delegate_localization(std::string_view program,
+                                                    const std::optional<Pose2D>& map_from_start) override {
+    if (localizer == nullptr) return RobotPort::delegate_localization(program, map_from_start);
+    return *localizer;
+  }
+  backend::ExternalNavigator& delegate_navigation(std::string_view program) override {
+    if (navigator == nullptr) return RobotPort::delegate_navigation(program);
+    return *navigator;
+  }
+
+  std::string link_fault() const override { return wrong_link; }
+
   void advance(Time t) {
     while (now_ < t) {
       now_ += 10ms;
-      velocity_ = now_ <= valid_until_ ? command_ : Velocity{};
+      velocity_ = pushed != Velocity{} ? pushed : now_ <= valid_until_ ? command_ : Velocity{};
       pose = integrate(pose, velocity_, 0.01);
       if (now_ % 20ms == 0ms) deliver(kImu, IMUData{{0.0, 0.0, velocity_.omega}, {0.0, 0.0, 9.81}});
       if (now_ % 20ms == 0ms) deliver(kOdometry, Odometry{inverse(start_) * pose, velocity_});
@@ -82,7 +95,11 @@ class ToyPort final : public backend::RobotPort {
   /// Time goes by on its own; before a world is made of it.
   void run_by_itself() { features_.lockstep = features_.deterministic = false; }
 
-  Pose2D pose;                     // the truth
+  std::string wrong_link;
+  Pose2D pose;      // the truth
+  Velocity pushed;  // by another program, while ours commands nothing
+  backend::ExternalLocalizer* localizer = nullptr;
+  backend::ExternalNavigator* navigator = nullptr;
   std::vector<Velocity> commands;  // all there were
   std::vector<bool> silent = {false, false, false, false};
   std::function<void()> on_connect;

@@ -44,6 +44,13 @@ TEST_CASE("an offer of less than is asked for is named, as is a type of another 
   CHECK(diagnose(kScan, false, {theirs}).find("RIHS01_00") != std::string::npos);
 }
 
+TEST_CASE("lost images name the kernel's buffer where that is too small") {
+  CHECK(explain_lost_images(212992) ==
+        "an image comes as one burst of packets, of which the kernel keeps 208 KiB at most: sysctl -w "
+        "net.core.rmem_max=4194304");
+  CHECK(explain_lost_images(4U << 20U).find("sysctl") == std::string::npos);
+}
+
 TEST_CASE("where there is nothing, what to try") {
   CHECK(diagnose_silence({}).find("ROS_AUTOMATIC_DISCOVERY_RANGE=SUBNET") != std::string::npos);
   CHECK(diagnose_silence({3, DiscoveryRange::localhost, {}}).find("domain 3 on this computer") != std::string::npos);

@@ -3,6 +3,7 @@
 
 #include <doctest/doctest.h>
 
+#include <array>
 #include <cmath>
 #include <limits>
 #include <string>
@@ -350,6 +351,57 @@ TEST_CASE("an image that is none is refused") {
   CHECK(mistake(image).find("are no image") != std::string::npos);
   image->step = 0;
   CHECK(mistake(image).find("are no image") != std::string::npos);
+}
+
+TEST_CASE("a map lies along its frame's axes, with cells as ROS has them") {
+  nav_msgs::OccupancyGrid message;
+  message.info.resolution = 0.05F;
+  message.info.width = 3;
+  message.info.height = 2;
+  message.info.origin.position = {-1.0, 2.0, 0.0};
+  message.data = {0, 100, -1, 50, 0, 0};
+  const auto grid = to_grid(message);
+  REQUIRE(grid);
+  CHECK(grid->resolution == 0.05);  // what a float made of it
+  CHECK(grid->origin == Vec2{-1.0, 2.0});
+  CHECK(grid->width == 3);
+  CHECK(grid->data == message.data);
+
+  const auto error = [&](auto change) {
+    nav_msgs::OccupancyGrid changed = message;
+    change(changed);
+    const auto made = to_grid(changed);
+    REQUIRE_FALSE(made);
+    return made.error();
+  };
+  CHECK(error([](auto& m) { m.info.origin.orientation = {0.0, 0.0, 0.1, 0.995}; }).starts_with("is turned by 0.2"));
+  CHECK(error([](auto& m) { m.info.origin.orientation = {0.0, 0.0, 0.0, 0.0}; }) ==
+        "has an origin whose orientation is no unit quaternion");
+  CHECK(error([](auto& m) { m.data[3] = 101; }) == "has cells that are neither -1 nor 0 to 100");
+  CHECK(error([](auto& m) { m.data.pop_back(); }) == "map: 5 cells in a grid of 3 x 2");
+  CHECK(error([](auto& m) { m.data.clear(); }) == "has no cells");
+  CHECK(error([](auto& m) { m.info.width = 1'000'000; }) == "is too large");
+  CHECK(error([](auto& m) { m.info.resolution = kNan; }).starts_with("map: resolution must lie in"));
+}
+
+TEST_CASE("of a covariance of six that of the floor is taken") {
+  std::array<double, 36> all{};
+  for (std::size_t i = 0; i < all.size(); ++i) all[i] = static_cast<double>(i);
+  CHECK(planar_covariance(all) == std::array<double, 9>{0, 1, 5, 6, 7, 11, 30, 31, 35});
+  all[7] = -1.0;
+  CHECK_FALSE(planar_covariance(all));
+  all[7] = std::numeric_limits<double>::quiet_NaN();
+  CHECK_FALSE(planar_covariance(all));
+}
+
+TEST_CASE("a transform is a pose along the floor") {
+  geometry_msgs::Transform transform{{1.0, 2.0, 3.0}, {0.0, 0.0, std::sin(0.25), std::cos(0.25)}};
+  const auto pose = to_pose(transform);
+  REQUIRE(pose);
+  CHECK(pose->x == 1.0);
+  CHECK(pose->theta == doctest::Approx(0.5));
+  transform.translation.x = std::numeric_limits<double>::infinity();
+  CHECK_FALSE(to_pose(transform));
 }
 
 }  // namespace

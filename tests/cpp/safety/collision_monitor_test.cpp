@@ -49,6 +49,11 @@ class PlainMonitor {
 
     if (keeps_clear(turning_point, command)) return command;
     const Velocity fallback = braked(state_.last());
+    if (fallback == Velocity{}) {  // who cannot even creep stays
+      const double creeping = 1e-3 / std::max(std::hypot(command.vx, command.vy), std::abs(command.omega));
+      const Velocity slowly{creeping * command.vx, creeping * command.vy, creeping * command.omega};
+      if (creeping >= 1.0 || !keeps_clear(turning_point, slowly)) return {};
+    }
     const auto between = [&](double t) {
       const Velocity& a = fallback;
       const Velocity& b = command;
@@ -199,6 +204,28 @@ std::vector<Vec2> random_obstacles(const GateModel& model, Draw& draw) {
 }
 
 }  // namespace
+
+TEST_CASE("what is beyond the sight of a decision changes none") {
+  int close = 0;
+  for (int seed = 0; seed < 20000; ++seed) {
+    CAPTURE(seed);
+    Draw draw(static_cast<std::uint64_t>(seed));
+    const GateModel model = random_model(draw);
+    const GateState state = random_state(model, draw);
+    const double sight = sight_of_decision(model, state);
+    std::vector<Vec2> beyond;
+    for (int i = 0; i < 20; ++i) {
+      const auto [s, c] = exact::sincos(draw(-exact::kPi, exact::kPi));
+      beyond.push_back(sight * (1.0 + draw(0.0, 1.0) * draw(0.0, 0.02)) * Vec2{c, s});
+    }
+    const Obstacles obstacles{beyond, model.margin};
+    const Velocity command = within_acceleration(model.limits, state.last(), random_velocity(model, draw));
+    REQUIRE(clear_of_obstacles(model, state, command, std::span(&obstacles, 1), {}) == command);
+    for (Vec2& point : beyond) point = 0.5 * point;  // it is no wide guess, either
+    close += clear_of_obstacles(model, state, command, std::span(&obstacles, 1), {}) != command ? 1 : 0;
+  }
+  CHECK(close > 2000);
+}
 
 TEST_CASE("what looks at few poses decides as what looks at all of them") {
   int stopped = 0;

@@ -43,13 +43,13 @@ TEST_CASE("points are where single beams would put them, to the bit, whatever th
     lidar.rolling = number(0.0, 1.0) < 0.5;
     lidar.clockwise = number(0.0, 1.0) < 0.5;
     lidar.base_from_lidar = pose();
-    std::vector<float> ranges(static_cast<std::size_t>(number(1.0, 450.0)));
+    std::vector<float> ranges(static_cast<std::size_t>(number(1.0, 1300.0)));
     for (float& range : ranges) range = static_cast<float>(number(-1.0, 14.0));
     const Pose2D begin = pose();
     const Pose2D end = pose();
     const double longest = number(0.0, 15.0);
     std::vector<Vec2> points{{1.0, 2.0}};  // what is there stays
-    append_scan_points(lidar, ranges, begin, end, points, longest);
+    append_scan_points(lidar, ranges, begin * lidar.base_from_lidar, end * lidar.base_from_lidar, points, longest);
     REQUIRE(points.front() == Vec2{1.0, 2.0});
     points.erase(points.begin());
     CHECK(points == plain_points(lidar, ranges, begin, end, longest));

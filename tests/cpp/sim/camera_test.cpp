@@ -82,7 +82,7 @@ TEST_CASE("an image that nobody asks for changes no other") {
   const CameraIntrinsics camera = make_intrinsics(64, 64, 1.2);
   DrawScratch scratch;
   const Drawn both = draw_at(clinic, clinic.capture(), camera, scratch);
-  Drawn one{std::vector<std::uint8_t>(3 * 4096), std::vector<float>(4096)};
+  Drawn one{std::vector<std::uint8_t>(std::size_t{3} * 4096), std::vector<float>(4096)};
   draw(*clinic.model, clinic.capture(), camera, {one.color, {}}, scratch);
   draw(*clinic.model, clinic.capture(), camera, {{}, one.depth}, scratch);
   CHECK(one == both);
@@ -196,16 +196,31 @@ TEST_CASE("colours jitter by channel, each episode otherwise, and nothing else c
   CHECK(varied.ids == plain.ids);
 }
 
+// What a variation makes of a picture: nothing but its colors changes, and these do unless they stay as they are.
+SemanticImage with_other_colors(const SemanticImage& plain, const models::Variation& variation, bool as_they_are) {
+  SemanticImage varied = truth_with(variation);
+  CHECK((varied.image.color == plain.image.color) == as_they_are);
+  CHECK(varied.image.depth == plain.image.depth);
+  CHECK(varied.ids == plain.ids);
+  return varied;
+}
+
+TEST_CASE("less detail changes colours alone") {
+  const SemanticImage plain = truth_with({});
+  for (const double detail : {0.0, 0.3, 1.0}) {
+    models::Variation variation;
+    variation.detail = detail;
+    (void)with_other_colors(plain, variation, detail == 1.0);
+  }
+}
+
 TEST_CASE("other textures change colours alone") {
   const SemanticImage plain = truth_with({});
   std::set<std::string> pictures;
   for (int texture = 0; texture < 6; ++texture) {
     models::Variation variation;
     variation.texture = texture;
-    const SemanticImage varied = truth_with(variation);
-    CHECK((varied.image.color == plain.image.color) == (texture == 0));
-    CHECK(varied.image.depth == plain.image.depth);
-    CHECK(varied.ids == plain.ids);
+    const SemanticImage varied = with_other_colors(plain, variation, texture == 0);
     pictures.insert({varied.image.color.begin(), varied.image.color.end()});
   }
   CHECK(pictures.size() == 6);

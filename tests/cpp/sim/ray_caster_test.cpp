@@ -213,6 +213,60 @@ TEST_CASE("on the way through random offices, each beam from its own origin") {
   MESSAGE(comparison.beams, " beams, ", comparison.grazing, " grazing, worst error ", comparison.worst, " m");
 }
 
+TEST_CASE("within reach ranges are the same to the bit, and none beyond it comes nearer") {
+  std::size_t within = 0;
+  for (std::uint64_t seed = 4000; seed < 4100; ++seed) {
+    Draw draw(seed);
+    const double size = draw(4.0, 30.0);
+    const Slice slice = seed % 4 == 0 ? oddities(draw, size) : office(draw, size);
+    const RayCaster caster(slice, 30.0);
+    for (int k = 0; k < 20; ++k) {
+      Sweep sweep = random_sweep(draw, size);
+      if (k % 2 == 0) set_in_motion(sweep, draw);
+      const std::vector<float> all = cast(caster, sweep);
+      const double reach = draw(0.0, 5.0);
+      std::vector<float> near(all.size());
+      caster.cast_rolling(sweep.begin, sweep.end, sweep.angle_min, sweep.angle_increment, near, {}, reach);
+      for (std::size_t i = 0; i < all.size(); ++i) {
+        INFO("seed ", seed, ", sweep ", k, ", beam ", i);
+        const bool in_reach = static_cast<double>(all[i]) <= reach;
+        within += in_reach ? 1 : 0;
+        REQUIRE((in_reach ? near[i] == all[i] : static_cast<double>(near[i]) > reach));
+      }
+    }
+  }
+  CHECK(within > 10'000);
+}
+
+TEST_CASE("clearance is the distance to the nearest shape, or a little less, and nothing is hit within it") {
+  std::size_t found = 0;
+  for (std::uint64_t seed = 4200; seed < 4300; ++seed) {
+    Draw draw(seed);
+    const double size = draw(4.0, 30.0);
+    const Slice slice = office(draw, size);
+    const RayCaster caster(slice, 12.0);
+    for (int k = 0; k < 50; ++k) {
+      INFO("seed ", seed, ", point ", k);
+      const Pose2D sensor = draw.pose(-1.0, size + 1.0);
+      const double most = draw(0.05, 3.0);
+      double nearest = most;
+      for (const Segment& segment : slice.segments)
+        nearest = std::min(nearest, distance_to_segment(sensor.position(), segment.a, segment.b));
+      for (const Circle& circle : slice.circles)
+        nearest = std::min(nearest, distance(sensor.position(), circle.center) - circle.radius);
+      const double clearance = caster.clearance(sensor.position(), most);
+      // inside a solid, its own faces are seen from no cell
+      std::vector<float> ranges(90);
+      caster.cast(sensor, 0.0, 2.0 * kPi / 90.0, ranges);
+      REQUIRE(clearance <= static_cast<double>(*std::ranges::min_element(ranges)) + kTolerance);
+      if (clearance > nearest) continue;
+      found += clearance < most ? 1 : 0;
+      REQUIRE(clearance >= nearest - 1e-3);
+    }
+  }
+  CHECK(found > 1000);
+}
+
 TEST_CASE("degenerate shapes") {
   Comparison comparison;
   for (std::uint64_t seed = 2000; seed < 2150; ++seed) {

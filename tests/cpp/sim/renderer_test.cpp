@@ -173,6 +173,43 @@ TEST_CASE("a doorway has a lintel") {
   }
 }
 
+TEST_CASE("pictures of less detail") {
+  Comparison comparison;
+  for (std::uint64_t seed = 5000; seed < 5080; ++seed) {
+    Draw draw(seed);
+    const scene::Scene scene = draw.whole(0, 1) ? random_scene(draw) : scene::Scene::load("office_v2");
+    const Renderer renderer(scene);
+    const CameraIntrinsics camera = random_camera(draw);
+    const CameraPose view = random_view(draw, scene);
+    const float detail = draw.whole(0, 2) ? static_cast<float>(draw(0.0, 1.0)) : 0.0F;
+    const Shading shading{seed, 0, static_cast<std::uint32_t>(draw.whole(0, 5)), {1.0F, 1.0F, 1.0F}, detail};
+    comparison.compare({scene, camera, view, shading}, camera, take(renderer, camera, view, shading));
+    INFO("seed ", seed, ", ", comparison.first_wrong);
+    REQUIRE(comparison.wrong == 0);
+  }
+}
+
+TEST_CASE("without detail walls have the colour of their light, whatever they are made of") {
+  const scene::Scene scene = scene::Scene::load("office_v2");
+  const Renderer renderer(scene);
+  const CameraIntrinsics camera = make_intrinsics(64, 48, 1.5);
+  const CameraPose view{{2.0, 2.0, 0.0}, 0.3};
+  const auto colours_of_walls = [&](const Shading& shading) {
+    const Picture picture = take(renderer, camera, view, shading);
+    std::set<std::vector<std::uint8_t>> colours;
+    for (std::size_t i = 0; i < picture.ids.size(); ++i) {
+      if (picture.ids[i] != kWallId) continue;
+      const auto pixel = picture.colour.begin() + static_cast<std::ptrdiff_t>(3 * i);
+      colours.insert({pixel, pixel + 3});
+    }
+    return colours;
+  };
+  const auto plain = colours_of_walls({.detail = 0.0F});
+  CHECK(plain.size() <= 5);  // one for each direction, and one of lintels from below
+  CHECK(colours_of_walls({.texture = 7, .detail = 0.0F}) == plain);
+  CHECK(colours_of_walls({}).size() > 20);
+}
+
 TEST_CASE("other patterns, and light of any colour") {
   Comparison comparison;
   for (std::uint64_t seed = 4000; seed < 4060; ++seed) {
@@ -327,7 +364,8 @@ std::vector<Picture> all_kinds_of_pictures() {
     Draw draw(seed);
     const scene::Scene scene = random_scene(draw);
     const Renderer renderer(scene);
-    const Shading shading{seed, 0, static_cast<std::uint32_t>(draw.whole(0, 2)), {static_cast<float>(draw(0.1, 2.0))}};
+    Shading shading{seed, 0, static_cast<std::uint32_t>(draw.whole(0, 2)), {static_cast<float>(draw(0.1, 2.0))}};
+    shading.detail = seed % 2 == 0 ? 1.0F : 0.3F;
     all.push_back(take(renderer, random_camera(draw), random_view(draw, scene), shading));
   }
   return all;

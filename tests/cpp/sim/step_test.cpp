@@ -535,6 +535,44 @@ TEST_CASE("a rolling scan is taken from where the robot was at each of its point
   }
 }
 
+TEST_CASE("a scan that is taken later, by the path that was kept, is the same to the bit") {
+  for (const bool rolling : {true, false}) {
+    RobotProfile profile = load_profile("3we_standard_v2");
+    profile.lidar->rolling = rolling;
+    const auto model = make_model(hall(), {profile});
+    const RobotModel& robot = model->robots[0];
+    models::Variation variation;
+    variation.lidar_noise = 1.5;
+    variation.lidar_dropout = 3.0;
+    std::vector<RobotState> state{begin(*model, 0, {-5.0, 3.0, 0.3}, 7, 3, variation)};
+    std::vector<Pose2D> path(static_cast<std::size_t>(robot.turn) + 1);
+    const Velocity command{0.8, 0.2, 2.0};
+    for (std::uint64_t turn = 0; turn < 5; ++turn) {
+      for (int i = 0; i < robot.turn; ++i) {
+        const World world{model.get(), state, std::span(&command, 1), {}, {}, path};
+        step(std::span(&world, 1));
+      }
+      const auto taken = scan_points(robot, state[0]);
+      std::vector<float> later(taken.size());
+      RobotState elsewhere = state[0];  // by now
+      run(*model, elsewhere, command, 130ms);
+      retake_scan(robot, elsewhere, turn, path, RayCaster::kEverything, later);
+      CHECK(std::ranges::equal(later, taken));
+      CHECK(path.back() == state[0].pose);
+
+      constexpr double kReach = 4.0;
+      const double error = models::most_too_short(*profile.lidar, state[0].lidar_bias, variation);
+      retake_scan(robot, elsewhere, turn, path, kReach + error, later);
+      for (std::size_t i = 0; i < later.size(); ++i) {
+        if (static_cast<double>(taken[i]) <= kReach)
+          CHECK(later[i] == taken[i]);
+        else
+          CHECK(static_cast<double>(later[i]) > kReach);
+      }
+    }
+  }
+}
+
 TEST_CASE("a scan at one moment is taken at the end of the turn") {
   const Model& model = model_of("hall ideal");
   RobotState state = begin(model, 0, {-5.0, 3.0, 0.3}, 1);

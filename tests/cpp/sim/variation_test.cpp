@@ -1,5 +1,5 @@
 // Each knob of the physics changes what it should, by as much as it should, and nothing else.
-#include "threewe/models/variation.hpp"
+#include "threewe/models/randomization.hpp"
 
 #include <doctest/doctest.h>
 

@@ -59,6 +59,19 @@ TEST_CASE("odom never jumps when the calibration changes") {
   CHECK(track.at(380ms) == before);
 }
 
+TEST_CASE("what a gyro measured stays what it was, whatever bias was subtracted meanwhile") {
+  // a scan arrives late: what was integrated before it did, had the old bias
+  DeadReckoning track({});
+  for (int i = 0; i <= 30; ++i) {
+    if (i == 14) track.calibrate({.gyro_bias = 0.025});
+    track.add_gyro(i * 10ms, 0.03);
+    if (i % 2 == 0) track.add_odometry(i * 10ms, {});
+  }
+  const MotionSummary motion = track.between(100ms, 300ms);
+  CHECK(motion.measured / motion.seconds == doctest::Approx(0.03));
+  CHECK(motion.at_rest);
+}
+
 TEST_CASE("without a gyro the wheels tell the heading") {
   DeadReckoning track({});
   Odometry wheels;

@@ -116,6 +116,45 @@ TEST_CASE("episodes start where nothing of the kind is near or in view") {
   }
 }
 
+TEST_CASE("episodes in sight start where the camera shows something of the kind") {
+  for (const auto& [name, nav] : everywhere()) {
+    CAPTURE(name);
+    const Scene& scene = nav.tables().scene();
+    const std::vector<Solid> all = scene.solids();
+    for (std::uint32_t i = 0; i < cases(12); ++i) {
+      CAPTURE(i);
+      const ObjectNavEpisode episode = nav.sample_in_sight(5, i);
+      CHECK(episode == nav.sample_in_sight(5, i));
+      CHECK(nav.tables().clearance(episode.start) >= 0.05);
+      CHECK(episode.geodesic == nav.distance(episode.goal, episode.start.position()));
+      double nearest = 1e9;
+      std::set<std::size_t> shown;
+      for (std::size_t k = 0; k < scene.objects.size(); ++k) {
+        const auto* const kind = std::ranges::find(kObjectGoals, scene.objects[k].category);
+        if (kind == kObjectGoals.end()) continue;
+        const auto goal = static_cast<std::size_t>(kind - kObjectGoals.begin());
+        const std::vector<Solid> solids = solids_of(scene, k);
+        const double away = footprint_distance(solids, episode.start.position());
+        if (goal == episode.goal) nearest = std::min(nearest, away);
+        if (away > kSightFarthest || std::ranges::find(nav.goals(), goal) == nav.goals().end()) continue;
+        std::vector<Solid> others = all;
+        std::erase_if(others, [&](const Solid& s) { return s.object == static_cast<int>(k); });
+        const CameraIntrinsics camera = robot().camera->intrinsics();
+        const int seen = visible_pixels(camera, eye_at(episode.start), solids, others);
+        const int silhouette = visible_pixels(camera, eye_at(episode.start), solids, {});
+        if (seen >= kGoalPixels && seen >= kGoalShare * silhouette) shown.insert(goal);
+      }
+      CHECK(nearest >= kSightNearest);
+      CHECK(nearest <= kSightFarthest);
+      CHECK(shown.contains(episode.goal));
+      const std::vector<std::size_t> kinds = nav.in_sight(episode.start);
+      CHECK(std::set(kinds.begin(), kinds.end()) == shown);
+      const std::string_view category = kObjectGoals.at(episode.goal);
+      CHECK(nav.sample_in_sight(6, i, category).goal == episode.goal);
+    }
+  }
+}
+
 TEST_CASE("starts are 3 m by the shortest path from every instance's nearest reachable point") {
   const ObjectNav& nav = everywhere().at("apartment_v1");
   const scene::GridFrame& frame = nav.tables().passable().frame;
@@ -248,7 +287,7 @@ TEST_CASE("success takes nearness, pixels and a share of the silhouette") {
       visible_pixels(robot().camera->intrinsics(), eye_at(there), solids_of(nav.tables().scene(), 0), {});
   const int tenth = (silhouette + 9) / 10;
   REQUIRE(tenth > kGoalPixels);
-  CHECK(nav.is_success(chair, there, frame_with(tenth)));
+  CHECK(nav.found(chair, there, frame_with(tenth)) == std::vector<std::size_t>{0});
   CHECK_FALSE(nav.is_success(chair, there, frame_with(tenth - 1)));
   CHECK(looks == 2);
   CHECK_FALSE(nav.is_success(chair, {-0.2, 0.0, 0.0}, frame_with(100000)));  // 1.07 m away

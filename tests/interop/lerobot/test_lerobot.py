@@ -4,10 +4,8 @@ from __future__ import annotations
 
 import asyncio
 import json
-import os
 import shutil
-import subprocess
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -29,9 +27,9 @@ from threewe.data.lerobot import (
 from threewe.data.video import KeyFrameEncoder
 
 from tests.interop.lerobot import samples
+from tests.interop.lerobot.asking import Ask, peer_of
 from tests.interop.lerobot.samples import CAMERA, DEPTH, DEPTH_VIDEO, FEATURES, FPS, STILL, TASKS
 
-Ask = Callable[..., dict[str, Any]]
 DELTAS = {"action": [0.0, 0.1, 0.2], CAMERA: [-0.1, 0.0]}
 IMAGES = (CAMERA, STILL, DEPTH, DEPTH_VIDEO)
 
@@ -39,24 +37,8 @@ IMAGES = (CAMERA, STILL, DEPTH, DEPTH_VIDEO)
 @pytest.fixture(scope="module")
 def lerobot() -> Iterator[Ask]:
     """LeRobot in a process of its own."""
-    words = [os.environ["LEROBOT_PYTHON"], str(Path(__file__).with_name("peer.py"))]
-    peer = subprocess.Popen(words, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True)
-    assert peer.stdin is not None
-    assert peer.stdout is not None
-    send, receive = peer.stdin, peer.stdout
-
-    def ask(do: str, **arguments: Any) -> dict[str, Any]:
-        paths = {name: str(value) if isinstance(value, Path) else value for name, value in arguments.items()}
-        send.write(json.dumps({"do": do, **paths}) + "\n")
-        send.flush()
-        line = next(line for line in receive if line.startswith("@"))
-        reply = json.loads(line[1:])
-        assert "error" not in reply, reply["error"]
-        return dict(reply["answer"])
-
-    with peer:
+    with peer_of("peer.py") as ask:
         yield ask
-        send.close()
 
 
 def sources(given: dict[str, Any], packets: bool) -> dict[str, FrameSource]:

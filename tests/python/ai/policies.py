@@ -40,9 +40,9 @@ def description(**changes: Any) -> dict[str, Any]:
 
 
 def graph(
-    velocity: tuple[float, float, float] = (0.2, 0.0, 0.0), red: float = 0.0, chunk: int = CHUNK
+    velocity: tuple[float, float, float] = (0.2, 0.0, 0.0), red: float = 0.0, chunk: int = CHUNK, prefix: int = 0
 ) -> onnx.ModelProto:
-    """Always the same velocity, plus `red` times the mean of the first channel [m/s] ahead."""
+    """Always the same velocity, plus `red` times the mean of the first channel [m/s] ahead; a prefix is ignored."""
     ahead = np.zeros((3, chunk * 3), np.float32)
     ahead[0, ::3] = red
     weights = {
@@ -58,16 +58,26 @@ def graph(
         helper.make_node("Add", ["seen", "heard"], ["flat"]),
         helper.make_node("Reshape", ["flat", "shape"], ["action"]),
     ]
+    inputs = [
+        helper.make_tensor_value_info(IMAGE, TensorProto.FLOAT, [1, 3, HEIGHT, WIDTH]),
+        helper.make_tensor_value_info(TEXT, TensorProto.FLOAT, [1, 64]),
+    ]
+    if prefix:
+        weights["forgotten"] = np.zeros((4 * prefix, chunk * 3), np.float32)
+        nodes[4:5] = [
+            helper.make_node("Flatten", ["action.prefix"], ["given"]),
+            helper.make_node("MatMul", ["given", "forgotten"], ["none"]),
+            helper.make_node("Add", ["seen", "none"], ["before"]),
+            helper.make_node("Add", ["before", "heard"], ["flat"]),
+        ]
+        inputs.append(helper.make_tensor_value_info("action.prefix", TensorProto.FLOAT, [1, prefix, 4]))
     initializers = [numpy_helper.from_array(array, name) for name, array in weights.items()]
     initializers.append(numpy_helper.from_array(np.array([1, chunk, 3]), "shape"))
     return helper.make_model(
         helper.make_graph(
             nodes,
             "test",
-            [
-                helper.make_tensor_value_info(IMAGE, TensorProto.FLOAT, [1, 3, HEIGHT, WIDTH]),
-                helper.make_tensor_value_info(TEXT, TensorProto.FLOAT, [1, 64]),
-            ],
+            inputs,
             [helper.make_tensor_value_info("action", TensorProto.FLOAT, [1, chunk, 3])],
             initializers,
         ),

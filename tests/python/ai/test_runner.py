@@ -3,16 +3,35 @@
 from __future__ import annotations
 
 import asyncio
+import sys
 import threading
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 import pytest
 from ai import policies
-from threewe import ConfigError, ContractError, EmergencyStopError, HardwareError, Kinematics, Robot, SafetyError
+from threewe import (
+    ConfigError,
+    ContractError,
+    EmergencyStopError,
+    HardwareError,
+    Kinematics,
+    Robot,
+    SafetyError,
+    TimeoutError,
+    Velocity,
+    Zone,
+    _core,
+)
+from threewe._core import Inference
 from threewe.ai import PolicyResult, VLARunner
+from threewe.ai.engine import GraphEngine
+from threewe.ai.folder import EMBEDDED
+
+from verify.cases import act_checkpoints
 
 SIZE = (policies.HEIGHT, policies.WIDTH)
 
@@ -59,6 +78,14 @@ def test_actions_are_applied_a_fixed_time_after_their_inference_began(tmp_path: 
         assert begun == pytest.approx(latency / 0.02, abs=2)
 
 
+@pytest.mark.parametrize("latency", [0.0, 0.1, 0.2, 0.5])
+def test_a_latency_shorter_than_the_chunk_leaves_no_gap_between_chunks(tmp_path: Path, latency: float) -> None:
+    result, commands = asyncio.run(drive(runner_of(tmp_path, latency=latency), timeout=4.0))
+    begun = next(i for i, v in enumerate(commands) if v[0] > 0)
+    assert min(v[0] for v in commands[begun + 10 : 199]) == pytest.approx(0.2, abs=1e-6)
+    assert (result.late, result.jumps) == (0, 1)  # it starts at once
+
+
 def test_red_in_front_of_the_camera_is_red_in_the_tensor(tmp_path: Path) -> None:
     red = np.zeros((*SIZE, 3), np.uint8)
     red[:, :, 2] = 255  # BGR
@@ -82,19 +109,19 @@ def test_red_in_front_of_the_camera_is_red_in_the_tensor(tmp_path: Path) -> None
 )
 def test_a_fault_of_the_policy_stops_the_robot_and_is_named(tmp_path: Path, fault: str, reason: str) -> None:
     runner = runner_of(tmp_path)
-    predict, calls, forever = runner.predict_chunk, [0], threading.Event()
+    infer, calls, forever = runner._engine.infer, [0], threading.Event()
 
-    def faulty(*args: Any, **options: Any) -> Any:
+    def faulty(*args: Any) -> Any:
         calls[0] += 1
         if calls[0] < 4:
-            return predict(*args, **options)
+            return infer(*args)
         if fault == "raises":
             raise RuntimeError("broken")
         if fault == "hangs":
             forever.wait(20)
-        return np.full((policies.CHUNK, 3), np.nan) if fault == "nan" else np.zeros((2, 3))
+        return np.full((1, policies.CHUNK, 3), np.nan) if fault == "nan" else np.zeros((1, 2, 3))
 
-    runner.predict_chunk = faulty  # type: ignore[method-assign]
+    runner._engine = SimpleNamespace(infer=faulty)  # type: ignore[assignment]
     result, _ = asyncio.run(drive(runner))
     forever.set()
     assert result.reason == reason
@@ -136,8 +163,10 @@ def test_one_policy_at_a_time_drives_a_robot(tmp_path: Path) -> None:
         async with Robot(image_size=SIZE) as robot:
             first = asyncio.ensure_future(runner.run(robot, "go to the chair", timeout=1.0))
             await robot.sleep(0.2)
-            with pytest.raises(SafetyError, match="another policy"):
+            with pytest.raises(SafetyError, match="a motion owns"):
                 await runner.run(robot, "go to the door")
+            with pytest.raises(SafetyError, match="a motion owns"):
+                robot.set_velocity(0.1, 0.0, 0.0)
             assert (await first).reason == "timeout"
             motion = asyncio.ensure_future(robot.move_to(1.0, 0.0))
             await robot.sleep(0.2)
@@ -146,6 +175,38 @@ def test_one_policy_at_a_time_drives_a_robot(tmp_path: Path) -> None:
             assert (await motion).success
 
     asyncio.run(both())
+
+
+def test_zones_keep_a_policy_out(tmp_path: Path) -> None:
+    runner = runner_of(tmp_path)
+
+    async def meets(limit: float | None) -> tuple[float, float]:
+        """How far it comes [m], and how fast it is in the end [m/s]."""
+        async with Robot(image_size=SIZE) as robot:
+            robot.set_zones([Zone([(0.5, -1.0), (0.7, -1.0), (0.7, 1.0), (0.5, 1.0)], speed_limit=limit)])
+            result = await runner.run(robot, "go to the chair", timeout=4.0)
+            assert result.reason == "timeout"
+            return robot.get_pose().x, robot.get_velocity().vx
+
+    assert asyncio.run(meets(None)) == (pytest.approx(0.3, abs=0.1), pytest.approx(0.0, abs=0.02))
+    x, vx = asyncio.run(meets(0.05))
+    assert 0.3 < x < 0.6
+    assert vx == pytest.approx(0.05, abs=0.02)
+
+
+def test_a_robot_that_is_lost_ends_a_run(tmp_path: Path) -> None:
+    runner = runner_of(tmp_path, (0.1, 0.0, 0.5))
+
+    async def kidnapped() -> PolicyResult:
+        async with Robot(image_size=SIZE) as robot:
+            run = asyncio.ensure_future(runner.run(robot, "go to the chair", timeout=60.0))
+            await robot.sleep(2.0)
+            assert robot.simulation is not None
+            robot.simulation.teleport(robot.simulation.sample_free_pose(4))
+            return await run
+
+    result = asyncio.run(kidnapped())
+    assert result.reason == "lost"
 
 
 def test_what_does_not_fit_is_refused_with_both_sides(tmp_path: Path) -> None:
@@ -179,20 +240,20 @@ def test_what_does_not_fit_is_refused_with_both_sides(tmp_path: Path) -> None:
 
 def test_in_real_time_actions_are_applied_when_they_arrive(tmp_path: Path) -> None:
     runner = runner_of(tmp_path)
-    predict, forever, calls = runner.predict_chunk, threading.Event(), [0]
+    infer, forever, calls = runner._engine.infer, threading.Event(), [0]
 
-    def hanging(*args: Any, **options: Any) -> Any:
+    def hanging(*args: Any) -> Any:
         calls[0] += 1
         if calls[0] == 4:
             forever.wait(20)
-        return predict(*args, **options)
+        return infer(*args)
 
     async def drive_in_real_time() -> PolicyResult:
         async with Robot(image_size=SIZE, realtime=True) as robot:
             driven = await runner.run(robot, "go to the chair", timeout=1.0)
             assert (driven.reason, driven.inferences > 2) == ("timeout", True)
             calls[0] = 0
-            runner.predict_chunk = hanging  # type: ignore[method-assign]
+            runner._engine = SimpleNamespace(infer=hanging)  # type: ignore[assignment]
             return await runner.run(robot, "go to the chair", timeout=20.0)
 
     result = asyncio.run(drive_in_real_time())
@@ -210,3 +271,112 @@ def test_a_graph_that_onnxruntime_does_not_take_is_one_error(tmp_path: Path) -> 
     model.ir_version = 10_000
     with pytest.raises(ConfigError, match=r"model\.onnx: onnxruntime does not take it: .*IR version"):
         VLARunner.from_pretrained(policies.write(tmp_path / "newer", model))
+
+
+def test_the_library_runs_as_its_own_python_does_to_the_bit() -> None:
+    import onnxruntime
+
+    runner = VLARunner.from_pretrained("goto_v1")
+    session = onnxruntime.InferenceSession(runner.policy.graph, providers=["CPUExecutionProvider"])
+    random = np.random.default_rng(1)
+    for factor in (1, 2, 3, 8):
+        image = random.integers(0, 256, (60 * factor, 80 * factor, 3), np.uint8)
+        feed = runner._feed(image, "go to the chair", None)
+        means = image.reshape(60, factor, 80, factor, 3).mean((1, 3), dtype=np.float32) / 255
+        np.testing.assert_array_equal(feed["observation.images.camera"][0], means[:, :, ::-1].transpose(2, 0, 1))
+        (expected,) = session.run(["action"], feed)
+        np.testing.assert_array_equal(runner._engine.infer(feed, ""), expected)
+        started = runner._start(image, "go to the chair", Velocity(), [])
+        assert isinstance(started, Inference)
+        assert started.wait(60.0)
+        np.testing.assert_array_equal(started.result(), expected)
+
+
+def test_an_inference_that_is_dropped_is_not_waited_for(tmp_path: Path) -> None:
+    shape = act_checkpoints.Shape(480, 640, state=0, text=False)
+    folder = act_checkpoints.write(tmp_path / "act", shape)
+    runner = VLARunner.from_pretrained(folder, rate=10, rename={"action": ["vx", "vy", "omega"]})
+    image = np.zeros((480, 640, 3), np.uint8)
+    kept = runner._start(image, "", Velocity(), [])
+    for _ in range(5):
+        runner._start(image, "", Velocity(), [])
+    assert not kept.done()  # one takes far longer than to start and to drop others
+    with pytest.raises(TimeoutError, match="not done"):
+        kept.result()
+    assert isinstance(kept, Inference)
+    assert kept.wait(300.0)
+
+
+def test_a_missing_or_wrong_library_is_one_error(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    folder = policies.write(tmp_path / "policy")
+    for library, message in (
+        (tmp_path / "none.so", r"model\.onnx: .*onnxruntime: .*none\.so: cannot open"),
+        (Path(_core.__file__), r"_core.*: not onnxruntime: no OrtGetApiBase"),
+    ):
+        monkeypatch.setenv("THREEWE_ONNXRUNTIME", str(library))
+        with pytest.raises(ConfigError, match=message):
+            VLARunner.from_pretrained(folder)
+    monkeypatch.delenv("THREEWE_ONNXRUNTIME")
+    monkeypatch.setitem(sys.modules, "onnxruntime", None)
+    with pytest.raises(ConfigError, match=r'running a policy: .*pip install "threewe\[policy\]"'):
+        VLARunner.from_pretrained(folder)
+
+
+def test_inputs_that_do_not_fit_the_graph_are_refused() -> None:
+    runner = VLARunner.from_pretrained("goto_v1")
+    engine = runner._engine
+    assert isinstance(engine, GraphEngine)
+    text = np.zeros((1, 64), np.float32)
+    with pytest.raises(ContractError, match=r"input 'observation.environment_state' has 64 numbers, got 3"):
+        engine.infer({"observation.images.camera": np.zeros((1, 3, 60, 80), np.float32), EMBEDDED: text[:, :3]}, "")
+    with pytest.raises(ContractError, match="the graph takes 2 inputs, got 1"):
+        engine._session.run([text])
+    with pytest.raises(ContractError, match="61 x 80 is no whole multiple of 60 x 80"):
+        engine._session.start([(np.zeros((61, 80, 3), np.uint8), 60, 80, True), text])
+
+
+@pytest.mark.parametrize("latency", [0.1, 0.2])
+def test_committed_actions_go_in_with_the_picture_and_seams_shrink(tmp_path: Path, latency: float) -> None:
+    """A policy whose speed follows the picture, while the robot turns: each chunk differs from the one before."""
+    jumps = []
+    for prefix in (0, 8):
+        graph = policies.graph((0.0, 0.0, 0.8), red=0.8, prefix=prefix)
+        changes = {"merge": "replace", "latency": latency, **({"prefix": prefix} if prefix else {})}
+        folder = tmp_path / str(prefix)
+        folder.mkdir()
+        runner = VLARunner.from_pretrained(policies.write(folder / "policy", graph, **changes))
+        result, commands = asyncio.run(drive(runner, timeout=4.0))
+        speeds = np.array([velocity[0] for velocity in commands])[60:195]
+        assert speeds.std() > 0.005
+        jumps.append(np.abs(np.diff(speeds)).max())
+        assert result.reason == "timeout"
+    assert jumps[1] < 0.5 * jumps[0]  # what was one step is spread over the time between two actions
+
+
+def test_a_prefix_is_what_the_timeline_did_and_will_do(tmp_path: Path) -> None:
+    given: list[np.ndarray[Any, Any]] = []
+    changes = {"merge": "replace", "prefix": 6}
+    runner = VLARunner.from_pretrained(policies.write(tmp_path / "policy", policies.graph(prefix=6), **changes))
+    infer = runner._engine.infer
+
+    def watched(feed: Any, instruction: str) -> Any:
+        given.append(feed["action.prefix"][0])
+        return infer(feed, instruction)
+
+    runner._engine = SimpleNamespace(infer=watched)  # type: ignore[assignment]
+    asyncio.run(drive(runner))
+    assert not given[0].any()  # nothing has been wanted yet
+    for each in given[8:]:
+        count = int(each[:, 3].sum())
+        assert 2 <= count <= 4  # of a picture up to 0.2 s old, until 0.1 s from now
+        assert each[:count] == pytest.approx(np.tile([0.2, 0.0, 0.0, 1.0], (count, 1)), abs=1e-6)
+        assert not each[count:].any()
+
+
+def test_a_prefix_that_leaves_nothing_is_refused(tmp_path: Path) -> None:
+    folder = policies.write(tmp_path / "policy", policies.graph(prefix=10), prefix=10)
+    with pytest.raises(ConfigError, match=r"policy\.json: prefix: 10 actions leave none of a chunk of 10"):
+        VLARunner.from_pretrained(folder)
+    folder = policies.write(tmp_path / "other", policies.graph(), prefix=3)
+    with pytest.raises(ConfigError, match=r"inputs do not fit policy\.json: .*action\.prefix \(1x3x4\)"):
+        VLARunner.from_pretrained(folder)

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import asyncio
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
-from threewe import ConfigError, Robot
-from threewe.ai import VLARunner, read_policy
+from threewe import ConfigError, Kinematics, Robot, Velocity
+from threewe.ai import CameraInput, Policy, Quantity, VLARunner, read_policy
+from threewe.ai.serving import PolicyServer
 from threewe.cli import app
 from threewe.data.lerobot import Dataset
 from typer.testing import CliRunner
@@ -38,8 +40,32 @@ def test_demonstrations_say_what_is_to_be_done(demos: Path) -> None:
     embedding = columns["observation.environment_state"]
     assert embedding.shape == (len(dataset.episodes[0]), 64)
     assert np.linalg.norm(embedding, axis=1) == pytest.approx(1.0)
-    assert dataset.episodes[0].video("observation.images.camera").shape == (48, 64, 3)
+    assert dataset.episodes[0].video("observation.images.camera").shape == (60, 80, 3)
     assert not columns["action"][-2:].any()  # the robot stands in the end
+
+
+def test_what_pushed_the_robot_is_no_target(demos: Path) -> None:
+    from threewe.ai.training import demonstrations
+
+    dataset = Dataset.open(demos)
+    columns = [episode.columns() for episode in dataset.episodes]
+    pushed = [c["disturbed"].ravel() for c in columns if c["next.success"].any()]
+    assert any(each.any() for each in pushed)
+    wanted = demonstrations([dataset], 10).wanted
+    begin = 0
+    for each in pushed:
+        shown = wanted[begin : begin + len(each)]
+        for row in range(1, len(each)):  # a picture is a row older than the row that shows it
+            for k in range(10):
+                assert shown[row, k] == (not each[row - 1 : row + k].any())
+        begin += len(each)
+    assert begin == len(wanted)
+
+
+def test_demonstrations_without_bursts(tmp_path: Path) -> None:
+    folder = tmp_path / "demos"
+    threewe("data", "collect", "--episodes", "1", "--scene", "apartment_v1", "--no-bursts", "-o", str(folder))
+    assert not Dataset.open(folder).episodes[0].columns()["disturbed"].any()
 
 
 def test_training_makes_a_policy_that_drives(demos: Path, tmp_path: Path) -> None:
@@ -53,11 +79,14 @@ def test_training_makes_a_policy_that_drives(demos: Path, tmp_path: Path) -> Non
     policy = read_policy(folder)
     assert (policy.chunk, policy.rate, policy.language) == (10, 10.0, True)
     assert (folder / "model.onnx").stat().st_size < 2e6
-    assert "48 x 64, rgb" in threewe("policy", "info", str(folder))
+    assert "60 x 80, rgb" in threewe("policy", "info", str(folder))
     assert "Hz, on one thread" in threewe("policy", "bench", str(folder), "--count", "5")
+    eight = str(tmp_path / "eight")
+    threewe("policy", "export", str(folder), "--int8", "--dataset", str(demos), "--count", "20", "-o", eight)
+    assert read_policy(eight).training["int8"] == "ranges by 20 observations"
 
     async def drive() -> str:
-        async with Robot(image_size=(48, 64), seed=5) as robot:
+        async with Robot(image_size=(60, 80), seed=5) as robot:
             return (await VLARunner(policy).run(robot, "go to the chair", timeout=3.0)).reason
 
     assert asyncio.run(drive()) in ("reached", "timeout")
@@ -65,15 +94,60 @@ def test_training_makes_a_policy_that_drives(demos: Path, tmp_path: Path) -> Non
         threewe("policy", "train", str(demos), "-o", str(folder))
 
 
-def test_the_graph_computes_what_the_network_does(tmp_path: Path) -> None:
+def test_an_act_is_in_lerobots_format_and_in_ours(demos: Path, tmp_path: Path) -> None:
+    folder = tmp_path / "act"
+    said = threewe("policy", "train", str(demos), "-o", str(folder), "--passes", "2", "--model", "act")
+    losses = [float(line.split("loss ")[1].split(",")[0]) for line in said.splitlines() if "loss" in line]
+    assert losses[-1] < losses[0]
+    ours = VLARunner.from_pretrained(folder)
+    assert (ours.policy.chunk, ours.policy.merge, ours.policy.language) == (10, "blend", True)
+    (folder / "policy.json").unlink()  # and it is a checkpoint of LeRobot's
+    theirs = VLARunner.from_pretrained(folder, dataset=demos)
+    assert theirs.policy.training["kind"] == "act"
+    picture = np.random.default_rng(1).integers(0, 256, (60, 80, 3), np.uint8)
+    actions = [runner.predict_chunk(picture, "go to the chair") for runner in (ours, theirs)]
+    np.testing.assert_array_equal(*actions)
+
+
+def test_the_network_of_an_act_is_the_obvious_one() -> None:
+    import torch
+    from threewe.ai.act_network import ActNetwork
+
+    from verify.cases.act_checkpoints import Shape, Twin
+
+    torch.manual_seed(3)
+    network = ActNetwork(8, 3, np.zeros(3, np.float32), np.ones(3, np.float32)).eval()
+    state = network.state_dict()
+    for name, values in state.items():
+        if "running_mean" in name or name.endswith(("conv2.weight", "bn1.bias", "bn2.bias")):
+            values.copy_(0.05 * torch.randn_like(values))
+        elif "running_var" in name:
+            values.copy_(0.5 + torch.rand_like(values))
+    sizes = {"dim_model": 128, "n_heads": 4, "dim_feedforward": 256, "latent_dim": 32}
+    twin = Twin(Shape(60, 80, state=0, options=sizes).config())
+    twin.load_state_dict(state)
+    pictures, embeddings = torch.rand(5, 3, 60, 80), torch.randn(5, 64)
+    with torch.no_grad():
+        found = network(pictures, embeddings)
+        for i in range(5):
+            observation = {
+                "observation.images.camera": pictures[i : i + 1],
+                "observation.environment_state": embeddings[i : i + 1],
+            }
+            np.testing.assert_allclose(found[i].numpy(), twin(observation).numpy(), rtol=0, atol=1e-5)
+
+
+@pytest.mark.parametrize("prefix", [0, 4])
+def test_the_graph_computes_what_the_network_does(tmp_path: Path, prefix: int) -> None:
     import torch
     from ai import policies
+    from threewe.ai.folder import write_policy
     from threewe.ai.network import Network, to_onnx
-    from threewe.ai.training import write_policy
 
     read = read_policy(policies.write(tmp_path / "like"))
     torch.manual_seed(3)
-    network = Network(policies.HEIGHT, policies.WIDTH, policies.CHUNK, 3).eval()
+    read = replace(read, prefix=prefix)
+    network = Network(policies.HEIGHT, policies.WIDTH, policies.CHUNK, 3, prefix).eval()
     assert sum(each.numel() for each in network.parameters()) <= 500_000
     folder = tmp_path / "policy"
     write_policy(policies.moved(read, folder), to_onnx(network, read))
@@ -82,16 +156,82 @@ def test_the_graph_computes_what_the_network_does(tmp_path: Path) -> None:
     for _ in range(20):
         picture = random.integers(0, 256, (policies.HEIGHT, policies.WIDTH, 3), np.uint8)
         rgb = torch.from_numpy(picture[:, :, ::-1].copy()).permute(2, 0, 1)[None].float() / 255
+        committed = [Velocity(*random.normal(size=3)) for _ in range(prefix)]
+        given = [torch.tensor([[[*each, 1.0] for each in committed]])] if prefix else []
         with torch.no_grad():
-            expected = network(rgb, torch.from_numpy(runner._embedding("go to the chair")))[0].numpy()
-        assert runner.predict_chunk(picture, "go to the chair") == pytest.approx(expected, abs=1e-5)
+            expected = network(rgb, torch.from_numpy(runner._embedding("go to the chair")), *given)[0].numpy()
+        feed = runner._feed(picture, "go to the chair", None, committed)
+        assert runner._actions(runner._engine.infer(feed, "")) == pytest.approx(expected, abs=1e-5)
+
+
+def test_a_network_learns_to_go_on_from_what_is_committed() -> None:
+    """Each drive has a speed that no picture shows: without a prefix the network gives their mean."""
+    import torch
+    from threewe.ai.network import Network
+    from threewe.ai.training import Demonstrations, _learn
+
+    random = np.random.default_rng(1)
+    rows = 1024
+    speeds = random.normal(0.0, 1.0, (rows, 1, 3)).astype(np.float32)
+    data = Demonstrations(
+        random.integers(0, 256, (rows, 16, 16, 3), np.uint8),
+        np.zeros((rows, 64), np.float32),
+        np.repeat(speeds, 6, 1),
+        np.ones((rows, 6), np.bool_),
+        np.arange(rows) % 10 == 0,
+    )
+    action = tuple(Quantity(name, "rad/s" if name == "omega" else "m/s", 0.0, 1.0) for name in ("vx", "vy", "omega"))
+    camera = (CameraInput("camera", 16, 16, "rgb"),)
+    policy = Policy(Path("none"), Kinematics.holonomic, camera, (), action, 10.0, 6, 0.1, "replace", True, {}, None, 3)
+    *_, network = _learn(data, policy, 12, 1, lambda _: None, "film")
+    assert isinstance(network, Network)
+    held = np.flatnonzero(data.held_out)
+    pictures = torch.from_numpy(data.pictures[held]).permute(0, 3, 1, 2).float() / 255
+    texts = torch.from_numpy(data.embeddings[held])
+    seams = []
+    for count in (0, 2):
+        prefix = torch.zeros(len(held), 3, 4)
+        prefix[:, :count, :3] = torch.from_numpy(data.actions[held, :count])
+        prefix[:, :count, 3] = 1
+        with torch.no_grad():
+            free = network(pictures, texts, prefix)[:, count]
+        seams.append(float((free - torch.from_numpy(speeds[held, 0])).abs().mean()))
+    assert seams[1] < 0.5 * seams[0]
+
+
+def test_a_policy_with_a_prefix_is_trained_by_the_command(demos: Path, tmp_path: Path) -> None:
+    folder = tmp_path / "policy"
+    threewe("policy", "train", str(demos), "-o", str(folder), "--passes", "1", "--prefix")
+    policy = read_policy(folder)
+    assert (policy.prefix, policy.merge) == (4, "replace")
+    assert "first 4 actions" in threewe("policy", "info", str(folder))
+
+    async def drive() -> str:
+        async with Robot(image_size=(60, 80), seed=5) as robot:
+            return (await VLARunner(policy).run(robot, "go to the chair", timeout=2.0)).reason
+
+    assert asyncio.run(drive()) in ("reached", "timeout")
+    eight = str(tmp_path / "eight")
+    threewe("policy", "export", str(folder), "--int8", "--dataset", str(demos), "--count", "20", "-o", eight)
+    with PolicyServer(VLARunner.from_pretrained(eight)) as server:
+        far, near = VLARunner.from_pretrained(server.address), VLARunner.from_pretrained(eight)
+        picture = np.zeros((60, 80, 3), np.uint8)
+        committed, text = [Velocity(0.3, 0.0, 0.1)] * 3, "go to the chair"
+        mean, std = (np.array([getattr(q, name) for q in policy.action]) for name in ("mean", "std"))
+        chunks = [
+            runner._engine.infer(runner._feed(picture, text, None, committed), text)[0, 3:] * scale + offset
+            for runner, scale, offset in ((far, 1.0, 0.0), (near, std, mean))
+        ]
+    assert chunks[0] == pytest.approx(chunks[1], abs=1e-5)
+    with pytest.raises(ConfigError, match="prefix: LeRobot's ACT takes none"):
+        threewe("policy", "train", str(demos), "-o", str(tmp_path / "act"), "--prefix", "--model", "act")
 
 
 def test_datasets_that_cannot_be_learnt_from(demos: Path, tmp_path: Path) -> None:
     from threewe.ai.training import train_policy
 
     def train(dataset: Path) -> None:
-        train_policy(dataset, tmp_path / "policy", 1, 0, print)
+        train_policy([dataset], tmp_path / "policy", 1, 0, 0, print)
 
     with pytest.raises(ConfigError, match="no LeRobot dataset"):
         train(tmp_path)

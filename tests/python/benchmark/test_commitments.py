@@ -21,7 +21,7 @@ from threewe.benchmark.commitments import (
     reveal,
     to_text,
 )
-from threewe.benchmark.sampling import SCENES
+from threewe.benchmark.sampling import HELD_OUT
 
 ROOT = Path(__file__).resolve().parents[3]
 THREEWE = str(Path(sys.executable).parent / "threewe")
@@ -36,14 +36,14 @@ def command(folder: Path, *arguments: str) -> subprocess.CompletedProcess[str]:
 def small(monkeypatch: pytest.MonkeyPatch) -> None:
     """Splits of one building, without the exploration that takes a minute."""
     monkeypatch.setattr("threewe.benchmark.sampling.BUILDINGS", 1)
-    monkeypatch.setattr(commitments, "SCENES", ("pointnav", "objectnav"))
+    monkeypatch.setattr(commitments, "HELD_OUT", ("pointnav", "objectnav"))
 
 
 def test_the_published_commitment_is_one() -> None:
     published = load_commitment()
     assert published.name == "generated_v1"
-    assert sorted(published.sets) == sorted(f"{task}_generated_v1" for task in SCENES)
-    assert len({published.secret, *published.sets.values()}) == 1 + len(SCENES)
+    assert sorted(published.sets) == sorted(f"{task}_generated_v1" for task in HELD_OUT)
+    assert len({published.secret, *published.sets.values()}) == 1 + len(HELD_OUT)
     text = (ROOT / "assets/commitments/generated_v1.json").read_text()
     assert text == to_text(published)
     with pytest.raises(ConfigError, match="generated_v1: another secret"):

@@ -9,16 +9,22 @@ from pathlib import Path
 
 import pytest
 from threewe import ConfigError, Pose2D, RobotProfile, SceneTables
+from threewe._core import ObjectNav
 from threewe.benchmark import Episode, load_episodes
 from threewe.benchmark.buildings import load_scene
 from threewe.benchmark.episodes import to_json
 from threewe.benchmark.sampling import (
     COLUMNS,
     EPISODES,
+    IN_SIGHT,
+    IN_SIGHT_SCENES,
     SCENES,
     SEEDS,
+    SIGHTS,
     STRATA,
+    draw_in_sight,
     draw_scene,
+    generated_in_sight,
     make_episodes,
     scenes_of,
     splits_of,
@@ -53,7 +59,7 @@ def test_the_first_of_each_scene_are_drawn_again(name: str) -> None:
     frozen = load_episodes(name)
     scene = scenes_of(frozen["task"], frozen["split"])[1]  # the smallest
     listed = [episode for episode in frozen["episodes"] if episode.scene == scene]
-    few = {"pointnav": 60, "objectnav": 12, "exploration": 1}[frozen["task"]]
+    few = {"pointnav": 60, "objectnav": 12, "vln": 50, "exploration": 1}[frozen["task"]]
     attempts = 20 if frozen["task"] == "pointnav" else 4000
     drawn, _ = draw_scene(frozen["task"], scene, frozen["seed"], few, attempts=attempts)
     again = [episode for episode in listed if episode.index < attempts][:few]
@@ -106,3 +112,34 @@ def test_unknown_tasks_and_splits_are_refused() -> None:
         make_episodes("pointnaw", "val")
     with pytest.raises(ConfigError, match="did you mean 'val'"):
         make_episodes("pointnav", "vol")
+
+
+def test_episodes_in_sight_are_drawn_again() -> None:
+    frozen = load_episodes(IN_SIGHT)
+    assert not frozen["lacking"]
+    for scene in IN_SIGHT_SCENES:
+        strata = Counter(episode.stratum for episode in frozen["episodes"] if episode.scene == scene)
+        assert strata == dict.fromkeys(SIGHTS, 50)
+    listed = [episode for episode in frozen["episodes"] if episode.scene == "apartment_v1"]
+    assert draw_in_sight("apartment_v1", frozen["seed"], 16)[0] == listed[:16]
+    text = to_json(frozen, COLUMNS[IN_SIGHT])
+    assert text == next(Path(__file__).parents[3].glob(f"assets/episodes/{IN_SIGHT}.json")).read_text()
+
+
+def test_episodes_in_sight_begin_where_the_camera_shows_the_kind() -> None:
+    profile = RobotProfile.load("3we_standard_v2")
+    for scene in ("apartment_v1", "outdoor_v1"):
+        task = ObjectNav(SceneTables(load_scene(scene), profile), profile)
+        for episode in load_episodes(IN_SIGHT)["episodes"]:
+            if episode.scene == scene:
+                kinds = set(task.in_sight(Pose2D(*episode.start)))
+                assert episode.category in kinds
+                assert bool(kinds - {episode.category, "door"}) == (episode.stratum == "among others")
+
+
+def test_generated_buildings_have_episodes_in_sight() -> None:
+    found = list(islice(generated_in_sight(7), 6))
+    assert found == list(islice(generated_in_sight(7), 6))
+    assert len({episode.scene for episode in found}) == 6
+    assert {episode.scene for episode in found}.isdisjoint(e.scene for e in islice(generated_in_sight(8), 6))
+    assert {episode.stratum for episode in found} <= set(SIGHTS)

@@ -21,7 +21,8 @@ PAGE = ROOT / "docs/benchmark-results.md"
 RESULTS = ROOT / "docs/results"
 PUBLISHED = {
     "pointnav": ["navigator", "oracle", "optimistic", "straight", "random"],
-    "objectnav": ["semantic", "random"],
+    "objectnav": ["semantic", "detector", "random"],
+    "vln": ["language"],
     "exploration": ["navigator", "oracle", "optimistic", "random"],
 }
 FILES = sorted(RESULTS.glob("*.json"))

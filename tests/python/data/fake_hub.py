@@ -15,6 +15,8 @@ from typing import Any
 from urllib.parse import unquote, urlsplit
 
 TOKEN = "hf_SecretOfTheTests"
+PUBLIC = r"/(?:api/)?(?:datasets/|models/|(?!api/))([^/]+/[^/]+)(?=/(?:revision|resolve|tree)|$)"
+"""What may be read without a token."""
 
 
 def git_sha1(content: bytes) -> str:
@@ -104,7 +106,7 @@ class _Handler(BaseHTTPRequestHandler):
             if status is not None:
                 return self._answer(status, {"error": "as the test wants it"})
             if not path.startswith("/lfs/") and self.headers.get("authorization") != f"Bearer {TOKEN}":
-                public = re.match(r"/(?:api/)?datasets/([^/]+/[^/]+)/(?:revision|resolve|tree)", path)
+                public = re.match(PUBLIC, path)
                 repo = self.hub.repos.get(public[1]) if public else None
                 if repo is None or repo.private:
                     return self._answer(401, {"error": "Invalid username or password."}, code="RepoNotFound")
@@ -271,5 +273,8 @@ ROUTES: dict[str, Callable[..., None]] = {
     f"GET /api/datasets/{REPO}": _Handler.info,
     f"GET /api/datasets/{REPO}/revision/(.+)": _Handler.info,
     f"GET /api/datasets/{REPO}/tree/(.+)": _Handler.tree,
+    f"GET /api/models/{REPO}": _Handler.info,
+    f"GET /api/models/{REPO}/revision/(.+)": _Handler.info,
+    f"(?:GET|HEAD) /{REPO}/resolve/([^/]+)/(.+)": _Handler.download,
     f"(?:GET|HEAD) /datasets/{REPO}/resolve/([^/]+)/(.+)": _Handler.download,
 }

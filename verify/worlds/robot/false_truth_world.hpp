@@ -1,6 +1,7 @@
 // A simulator that falsifies the truth about its robots and people, to show that robots do not use it.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <deque>
 #include <memory>
@@ -13,10 +14,16 @@
 
 namespace threewe {
 
-/// The truth, moved by 100 m and turned; and people under one another's names.
+/// The truth, moved by 100 m and turned; and people and things under one another's names.
 class FalseTruth final : public scene::TruthView {
  public:
-  explicit FalseTruth(const scene::TruthView& truth) : truth_(truth), scene_(truth.scene()) { scramble(scene_.people); }
+  explicit FalseTruth(const scene::TruthView& truth) : truth_(truth), scene_(truth.scene()) {
+    scramble(scene_.people);
+    scramble(scene_.objects);
+    for (std::size_t i = 0; i + 1 < scene_.objects.size(); ++i)
+      std::swap(scene_.objects[i].category, scene_.objects[i + 1].category);
+    for (scene::Object& object : scene_.objects) object.pose = shifted(object.pose);
+  }
   const scene::Scene& scene() const override { return scene_; }
   Pose2D true_pose() const override { return shifted(truth_.true_pose()); }
   Velocity true_velocity() const override { return {}; }
@@ -31,17 +38,19 @@ class FalseTruth final : public scene::TruthView {
   }
   Pose2D sample_free_pose(std::uint64_t seed) const override { return shifted(truth_.sample_free_pose(seed)); }
   SemanticImage look(const CameraIntrinsics& camera, const Pose2D&, double height, bool) const override {
-    return truth_.look(camera, {}, height, true);
+    SemanticImage image = truth_.look(camera, {}, height, true);
+    std::ranges::reverse(image.names);
+    return image;
   }
   double range(const Pose2D& pose, double height) const override { return truth_.range(pose, height) + 1.0; }
   double geodesic(Vec2 a, Vec2 b) const override { return truth_.geodesic(a, b) + 100.0; }
 
  private:
   static Pose2D shifted(const Pose2D& p) { return {p.x + 100.0, p.y - 100.0, wrap_angle(p.theta + 2.0)}; }
-  // everybody goes by the name of the next
-  template <typename People>
-  static void scramble(People& people) {
-    for (std::size_t i = 0; i + 1 < people.size(); ++i) std::swap(people[i].name, people[i + 1].name);
+  // each goes by the name of the next
+  template <typename Named>
+  static void scramble(Named& named) {
+    for (std::size_t i = 0; i + 1 < named.size(); ++i) std::swap(named[i].name, named[i + 1].name);
   }
 
   const scene::TruthView& truth_;

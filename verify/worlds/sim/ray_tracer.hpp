@@ -112,13 +112,19 @@ class RayTracer {
     if (visible.id == kWallId && !is_round) {
       const auto tints = place_.tints_of(index, static_cast<std::size_t>(hit.face));
       const auto bin = static_cast<std::size_t>(std::max(along / view::kTintStep, 0.0));
-      look.colour = unpacked(tints[std::min(bin, tints.size() - 1)]);
+      const Colour painted = unpacked(tints[std::min(bin, tints.size() - 1)]);
+      const Colour plain = place_.plain_wall();
+      const Colour lit{look.light * plain.b, look.light * plain.g, look.light * plain.r};
+      look.colour = mixed(lit, painted, shading_.detail);
       look.light = 1.0F;
     }
-    if (place_.has_skirting(visible) && z < view::kSkirting) look = view::skirting_material(normal);
+    const bool is_detailed = shading_.detail >= view::kSkirtingDetail;
+    if (place_.has_skirting(visible) && is_detailed && z < view::kSkirting) look = view::skirting_material(normal);
     Vec2 on_face{along, z};
     for (const view::Decor& d : place_.decor_of(stands ? hit.solid : -1)) {
-      if (d.face != hit.face || along < d.begin || along >= d.end || z < d.low || z >= d.high) continue;
+      if (shading_.detail < d.detail || d.face != hit.face || along < d.begin || along >= d.end || z < d.low ||
+          z >= d.high)
+        continue;
       look = d.look;
       on_face = {along - d.begin, z - d.low};
     }
@@ -216,8 +222,9 @@ class RayTracer {
     return view::sample(pattern, shifted, point.x / size + shift.x, point.y / size + shift.y);
   }
 
-  static Colour apply(const view::SurfaceMaterial& look, double brightness, double shade) {
-    const float light = look.light * static_cast<float>(shade * brightness);
+  Colour apply(const view::SurfaceMaterial& look, double brightness, double shade) const {
+    const auto nearer_one = [&](double x) { return 1.0 + static_cast<double>(shading_.detail) * (x - 1.0); };
+    const float light = look.light * static_cast<float>(nearer_one(shade) * nearer_one(brightness));
     const auto channel = [&](float own) { return own * light; };
     return {channel(look.colour.b), channel(look.colour.g), channel(look.colour.r)};
   }

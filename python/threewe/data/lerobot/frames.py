@@ -8,7 +8,7 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from threewe.data.video import KeyFrameDecoder, only_frame
+from threewe.data.video import KeyFrameDecoder, most_pixels, only_frame
 from threewe.errors import ConfigError, ContractError
 
 
@@ -104,7 +104,7 @@ def decode_image(content: bytes, shape: tuple[int, ...], where: str) -> NDArray[
     if kind is None:
         raise ConfigError(f"{where}: neither PNG, JPEG nor TIFF")
     decoder = av.VideoCodecContext.create(kind, "r")
-    decoder.options = {"max_pixels": str((shape[0] + 16) * (shape[1] + 16))}
+    decoder.options = {"max_pixels": most_pixels(shape)}
     decoder.thread_count = 1
     try:
         frame = only_frame(decoder, content)

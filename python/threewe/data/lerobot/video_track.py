@@ -15,6 +15,7 @@ from threewe.data.lerobot.features import Feature
 from threewe.data.lerobot.mp4_boxes import check_mp4
 from threewe.data.lerobot.parquet_file import first_line
 from threewe.data.lerobot.stats import Stats
+from threewe.data.video import most_pixels
 from threewe.errors import ConfigError
 
 if TYPE_CHECKING:
@@ -153,7 +154,7 @@ def open_video(path: Path, feature: Feature) -> Any:
     import av
 
     height, width = feature.shape[:2]
-    limit = {"max_pixels": str((height + 64) * (width + 64)), "err_detect": "explode"}
+    limit = {"max_pixels": most_pixels(feature.shape), "err_detect": "explode"}
     try:
         container = av.open(
             str(path), format="mp4", options={"codec_whitelist": "h264,libdav1d,av1,hevc,vp9,libvpx-vp9,mpeg4"}

@@ -53,8 +53,6 @@ void brighten(const sim::CapturePose& state, std::span<std::uint8_t> color) {
   }
 }
 
-std::uint32_t texture_of(const sim::CapturePose& state) { return static_cast<std::uint32_t>(state.variation.texture); }
-
 double depth_of(float nearness) { return kNear * kFar / (kNear + static_cast<double>(nearness) * (kFar - kNear)); }
 
 void put(const Vec3& v, float* out) {
@@ -145,7 +143,7 @@ RGBDImage Drawer::picture(const simulated::WorldCapture& capture) {
   set_up();
   compose(capture, robot);
   const Transform base_from_camera = upright(spec.base_from_camera, spec.mount_height);
-  draw(picture.intrinsics, base(robot) * base_from_camera, {picture.color, picture.depth, {}}, texture_of(state));
+  draw(picture.intrinsics, base(robot) * base_from_camera, {picture.color, picture.depth, {}}, state.variation);
   brighten(state, picture.color);
   models::add_color_noise(spec, state.key, state.step, picture.color);
   if (spec.depth) models::measure_depth(*spec.depth, state.key, state.step, picture.depth);
@@ -164,7 +162,7 @@ SemanticImage Drawer::look(const simulated::WorldCapture& capture, const CameraI
   set_up();
   compose(capture, with_itself ? world_->robots.size() : capture.state.key.robot);
   draw(camera, upright(view.pose, view.height), {truth.image.color, truth.image.depth, truth.ids},
-       texture_of(capture.state));
+       capture.state.variation);
   brighten(capture.state, truth.image.color);
   return truth;
 }
@@ -272,7 +270,7 @@ void Drawer::light() {
 }
 
 void Drawer::draw(const CameraIntrinsics& camera, const Transform& scene_from_camera, const Pixels& pixels,
-                  std::uint32_t texture) {
+                  const models::Variation& variation) {
   mjvGLCamera view{};
   put(scene_from_camera.position, view.pos);
   put(rotated(scene_from_camera.rotation, {1.0, 0.0, 0.0}), view.forward);
@@ -292,12 +290,12 @@ void Drawer::draw(const CameraIntrinsics& camera, const Transform& scene_from_ca
   mj_.mjr_setBuffer(mjFB_OFFSCREEN, context_.get());
   if (!pixels.color.empty() || !pixels.depth.empty()) read_colors(camera, pixels);
   if (!pixels.ids.empty()) read_ids(camera, pixels.ids);
-  if (texture != 0) wear(camera, scene_from_camera, pixels, texture);
+  if (variation.texture != 0.0) wear(camera, scene_from_camera, pixels, variation);
 }
 
 // MuJoCo paints plainly; patterns come on top of what it painted.
 void Drawer::wear(const CameraIntrinsics& camera, const Transform& scene_from_camera, const Pixels& pixels,
-                  std::uint32_t texture) {
+                  const models::Variation& variation) {
   std::vector<std::int16_t> ids(pixels_of(camera));
   std::vector<float> depth(ids.size());
   read_ids(camera, ids);
@@ -307,7 +305,7 @@ void Drawer::wear(const CameraIntrinsics& camera, const Transform& scene_from_ca
     const float nearness = depth_[(height - 1 - i / width) * width + i % width];
     if (nearness > 0.0F) depth[i] = static_cast<float>(depth_of(nearness));
   }
-  wear_patterns(*world_, texture, camera, scene_from_camera, {ids, depth}, pixels.color);
+  wear_patterns(*world_, variation, camera, scene_from_camera, {ids, depth}, pixels.color);
 }
 
 void Drawer::render(const CameraIntrinsics& camera) {

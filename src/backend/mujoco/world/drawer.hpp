@@ -59,9 +59,9 @@ class Drawer {
   void add_ground();
   void light();
   void draw(const CameraIntrinsics& camera, const exports::Transform& scene_from_camera, const Pixels& pixels,
-            std::uint32_t texture);
+            const models::Variation& variation);
   void wear(const CameraIntrinsics& camera, const exports::Transform& scene_from_camera, const Pixels& pixels,
-            std::uint32_t texture);
+            const models::Variation& variation);
   void render(const CameraIntrinsics& camera);
   void read_colors(const CameraIntrinsics& camera, const Pixels& pixels);
   void read_ids(const CameraIntrinsics& camera, std::span<std::int16_t> ids);

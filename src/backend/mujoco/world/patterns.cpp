@@ -55,11 +55,10 @@ double brightness(Material worn, std::int16_t id, const Vec3& point, double pixe
 
 }  // namespace
 
-void wear_patterns(const sim::Model& world, std::uint32_t texture, const CameraIntrinsics& camera,
+void wear_patterns(const sim::Model& world, const models::Variation& variation, const CameraIntrinsics& camera,
                    const exports::Transform& scene_from_camera, const Shown& shown, std::span<std::uint8_t> color) {
-  if (texture == 0) return;
   const Surfaces surfaces(world);
-  const auto worn = sim::view::patterns_of(texture);
+  const auto worn = sim::view::patterns_of(static_cast<std::uint32_t>(variation.texture));
   const auto width = static_cast<std::size_t>(camera.width);
   for (std::size_t i = 0; i < shown.ids.size(); ++i) {
     const std::size_t row = i / width;
@@ -72,7 +71,8 @@ void wear_patterns(const sim::Model& world, std::uint32_t texture, const CameraI
     const Vec3 point{eye.x + ray.x, eye.y + ray.y, eye.z + ray.z};
     const std::optional<Material> material = surfaces.material(shown.ids[i], point);
     if (!material) continue;
-    const double bright = brightness(worn[static_cast<std::size_t>(*material)], shown.ids[i], point, camera.fx / depth);
+    const double full = brightness(worn[static_cast<std::size_t>(*material)], shown.ids[i], point, camera.fx / depth);
+    const double bright = 1.0 + variation.detail * (full - 1.0);
     for (std::size_t c = 0; c < 3; ++c) {
       auto& channel = color[3 * i + c];
       channel = static_cast<std::uint8_t>(std::min(std::lround(bright * channel), 255L));

@@ -17,10 +17,9 @@ struct Shown {
   std::span<const float> depth;  ///< [m] along the optical axis, 0 where there is nothing
 };
 
-/// Darkens and brightens an image by the patterns of an episode whose `sim::Shading::texture` is `texture`: those that
-/// the embedded renderer lays on the same surfaces, here along the scene's axes. Does nothing for 0, whose surfaces are
-/// plain; people and robots stay so.
-void wear_patterns(const sim::Model& world, std::uint32_t texture, const CameraIntrinsics& camera,
+/// Darkens and brightens an image by the patterns of a variation's `texture`, in its `detail`: those that the embedded
+/// renderer lays on the same surfaces, here along the scene's axes. People and robots stay plain.
+void wear_patterns(const sim::Model& world, const models::Variation& variation, const CameraIntrinsics& camera,
                    const exports::Transform& scene_from_camera, const Shown& shown, std::span<std::uint8_t> color);
 
 }  // namespace threewe::backend::mujoco

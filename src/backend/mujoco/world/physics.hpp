@@ -16,7 +16,7 @@
 #include "sim/people.hpp"
 #include "threewe/core/kinematics.hpp"
 #include "threewe/core/pose.hpp"
-#include "threewe/models/variation.hpp"
+#include "threewe/models/randomization.hpp"
 
 namespace threewe::backend::mujoco {
 

@@ -25,9 +25,9 @@ std::string error_of(const Action& action) {
 }  // namespace
 
 TEST_CASE("backends by name") {
-  CHECK(backend_names() == std::vector<std::string>{"mock", "mujoco", "real"});
+  CHECK(backend_names() == std::vector<std::string>{"gazebo", "mock", "mujoco", "real"});
   CHECK(error_of([] { make_world("mokc", {}); }).find("did you mean 'mock'") != std::string::npos);
   register_backend("twin", [](const WorldOptions& options) { return make_world("mock", options); });
-  CHECK(backend_names().size() == 4);
+  CHECK(backend_names().size() == 5);
   CHECK(make_world("twin", {})->robot_count() == 1);
 }

@@ -116,7 +116,7 @@ TEST_CASE("with the truth for a mind, a robot's environment is the batch's to th
   check_same({"navigation", kNavigation, {"office_v2", "apartment_v1"}}, 8);
   check_same({"navigation, ideal", kNavigation, {"office_v2"}, "3we_standard_v2", NoiseLevel::ideal}, 6);
   check_same({"exploration", kExploration, {"cluttered_v1"}}, 3);
-  check_same({"object_nav", task::make_object_nav, {"apartment_v1"}}, 3);
+  check_same({"object_nav", [](const task::TaskContext& s) { return task::make_object_nav(s); }, {"apartment_v1"}}, 3);
   check_same({"vln", task::make_vln, {"apartment_v1"}}, 3);
   check_same({"among people", kNavigation, {"dynamic_v1"}}, 3);
   check_same({"differential", kNavigation, {"corridor_v1"}, "turtlebot_like"}, 3);

@@ -1,0 +1,1 @@
+"""openpi's own client drives against our policy server: `./dev interop openpi`."""

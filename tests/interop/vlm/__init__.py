@@ -1,0 +1,1 @@
+"""Servers of models that mean nothing drive the robot: `./dev interop vlm`."""

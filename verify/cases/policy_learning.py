@@ -1,0 +1,60 @@
+"""Demonstrations that are collected, and a policy that learns from them: what arrives, and how long it takes."""
+
+import asyncio
+import time
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+from threewe.ai.collecting import Collection, collect_goto
+from threewe.ai.evaluating import Evaluation, evaluate
+from threewe.ai.training import train_policy
+from threewe.data.lerobot import Dataset
+
+from verify.harness import Case
+
+DEMONSTRATIONS = 2000
+PASSES = 4
+UNSEEN = 10**9  # added to a seed: buildings of no demonstration
+HELD_OUT = "held out "
+
+
+def collect(seed: int, episodes: int) -> Case:
+    """Demonstrations in generated buildings: how many arrive, and how fast they are made."""
+    with TemporaryDirectory() as folder:
+        begun = time.process_time()
+        arrived = asyncio.run(
+            collect_goto(Path(folder, "demos"), episodes, Collection(seed=seed, randomization="paper"))
+        )
+        seconds = time.process_time() - begun
+        dataset = Dataset.open(Path(folder, "demos"))
+        driven = dataset.info.total_frames / dataset.fps
+    return {"arrived": arrived, "episodes": episodes, "driven": driven, "seconds": seconds}
+
+
+def learn(seed: int, demonstrations: int = DEMONSTRATIONS) -> Case:
+    """Training from a dataset of 2,000 demonstrations, decoding included: wall time, and the loss of held-out ones."""
+    with TemporaryDirectory() as folder:
+        lines, minutes = _train(Path(folder), seed, demonstrations)
+    losses = [float(line.rpartition(HELD_OUT)[2]) for line in lines if HELD_OUT in line]
+    return {"minutes": minutes, "first": losses[0], "last": losses[-1]}
+
+
+def learn_and_drive(seed: int, demonstrations: int, generated: int, in_each_scene: int) -> Case:
+    """A policy that is trained from scratch: how often it arrives in unseen buildings, and in the static scenes."""
+    with TemporaryDirectory() as folder:
+        _train(Path(folder), seed, demonstrations)
+        case: Case = {}
+        for episodes, count in (("generated", generated), ("in_sight_v1", in_each_scene)):
+            what = Evaluation(episodes, count=count, seeds=(UNSEEN + seed,))
+            drives = evaluate(Path(folder, "policy"), what)
+            case[episodes] = {"won": sum(drive.success for drive in drives), "count": len(drives)}
+    return case
+
+
+def _train(folder: Path, seed: int, count: int) -> tuple[list[str], float]:
+    """A policy by the shipped commands, in `folder / "policy"`: what training said, and its wall time [minutes]."""
+    lines: list[str] = []
+    asyncio.run(collect_goto(folder / "demos", count, Collection(seed=seed, randomization="paper")))
+    begun = time.monotonic()
+    train_policy([folder / "demos"], folder / "policy", PASSES, seed, 0, lambda line: lines.append(str(line)))
+    return lines, (time.monotonic() - begun) / 60
