@@ -116,8 +116,8 @@ TEST_CASE("a wall that a noisy lidar sees is where it is, seen from the front or
   for (const double along : {0.0, 1.2}) {
     CAPTURE(along);
     double turned = 0.0, off = 0.0, follows = 0.0, follows_of_few = 0.0;
-    const std::uint64_t seeds = cases(200);
-    for (std::uint64_t seed = 0; seed < seeds; ++seed) {
+    constexpr std::uint64_t kSeeds = 100;  // with sanitizers too: the mean of 20 is off by 0.02 rad
+    for (std::uint64_t seed = 0; seed < kSeeds; ++seed) {
       Draw draw(seed);
       const double turn = draw(-3.1, 3.1);
       const std::vector<TinyWall> walls = {{rotate({1.0, -4}, turn), rotate({1.0, 4}, turn)}};
@@ -137,7 +137,7 @@ TEST_CASE("a wall that a noisy lidar sees is where it is, seen from the front or
       };
       const auto distance_of = [&](const Surface& surface) { return dot(surface.mean, normal) - 1.0; };
       const Surface surface = seen_at(0.0, kSigma);
-      const double share = 1.0 / static_cast<double>(seeds);
+      const double share = 1.0 / static_cast<double>(kSeeds);
       turned += share * std::asin(cross(normal, surface.normal) * (dot(normal, surface.normal) < 0.0 ? -1.0 : 1.0));
       off += share * distance_of(surface);
       follows += share * (distance_of(seen_at(kSigma, kSigma)) - distance_of(seen_at(-kSigma, kSigma)));
