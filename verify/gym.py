@@ -249,7 +249,7 @@ EXPERIMENTS = [
             known_miss(
                 all_of("with the truth its way in the native form, to the bit", lambda case: case["equal"]),
                 0.99,
-                "one of 140 drives differs from the native form; why is not known yet",
+                "one of 140 robots slows for what seems to approach; where nothing moves, environments do not look",
             ),
             mean_of(
                 "arrives with the truth more often than with its own localization, by",
