@@ -26,6 +26,7 @@ constexpr double kOffsetUnit = 4.0;      // [cells] in which offsets are learnt
 constexpr double kLeastNearness = 0.08;  // [1/m]
 constexpr double kMostNearness = 5.0;    // [1/m]
 constexpr double kLargest = 20.0;        // [m] radius of a thing
+constexpr double kAround = 0.3;          // share of a thing's cells that shows what is around it
 constexpr double kThing = 0.5;           // probability of being no background, from which a cell belongs to a thing
 // Neighbouring cells are of one thing when they agree on where its centre is, more closely if they differ on its kind.
 constexpr double kSameColumn = 2.5;     // [cells]
@@ -75,7 +76,19 @@ std::vector<int> group(const std::vector<std::optional<Cell>>& cells) {
   return parent;
 }
 
-// Sums over the cells of one thing.
+using ColorCounts = std::array<int, kColorTerms.size()>;
+
+// How many of a cell's pixels have each color term, of a quarter of them.
+void count_colors(int x, int y, std::span<const std::uint8_t> view, ColorCounts& counts) {
+  for (int v = y * kCell + 1; v < (y + 1) * kCell; v += 2) {
+    for (int u = x * kCell + 1; u < (x + 1) * kCell; u += 2) {
+      const auto* pixel = view.data() + 3UL * static_cast<std::size_t>(v * kViewWidth + u);
+      ++counts[color_term(pixel[0], pixel[1], pixel[2])];
+    }
+  }
+}
+
+// Sums over the cells of one thing, and the colors of those around it.
 struct Thing {
   std::vector<double> scores;
   double column = 0.0;
@@ -86,7 +99,8 @@ struct Thing {
   int y_min = kRows;
   int x_max = 0;
   int y_max = 0;
-  std::array<int, kColorTerms.size()> colors{};
+  ColorCounts colors{};
+  ColorCounts colors_around{};
 
   void add(const Cell& cell, int x, int y, std::span<const std::uint8_t> view) {
     if (scores.empty()) scores.assign(cell.scores.size(), 0.0);
@@ -98,12 +112,19 @@ struct Thing {
     ++cells;
     x_min = std::min(x_min, x), x_max = std::max(x_max, x + 1);
     y_min = std::min(y_min, y), y_max = std::max(y_max, y + 1);
-    for (int v = y * kCell + 1; v < (y + 1) * kCell; v += 2) {
-      for (int u = x * kCell + 1; u < (x + 1) * kCell; u += 2) {
-        const auto* pixel = view.data() + 3UL * static_cast<std::size_t>(v * kViewWidth + u);
-        ++colors[color_term(pixel[0], pixel[1], pixel[2])];
-      }
+    count_colors(x, y, view, colors);
+  }
+
+  // Of what its cells show, some is what is around it.
+  std::size_t color() const {
+    const auto sum = [](const ColorCounts& counts) { return std::accumulate(counts.begin(), counts.end(), 0); };
+    const double around = kAround * sum(colors) / std::max(sum(colors_around), 1);
+    const auto own = [&](std::size_t term) { return colors[term] - around * colors_around[term]; };
+    std::size_t most = 0;
+    for (std::size_t term = 1; term < colors.size(); ++term) {
+      if (own(term) > own(most)) most = term;
     }
+    return most;
   }
 
   Detection detection(const CameraIntrinsics& camera) const {
@@ -124,10 +145,10 @@ struct Thing {
     found.x_max = pixel(camera.cx, camera.fx, kViewWidth, x_max, camera.width);
     found.y_min = pixel(camera.cy, camera.fy, kViewHeight, y_min, camera.height);
     found.y_max = pixel(camera.cy, camera.fy, kViewHeight, y_max, camera.height);
-    const auto most = std::ranges::max_element(colors);
-    found.color = static_cast<std::uint8_t>(most - colors.begin());
+    const std::size_t most = color();
+    found.color = static_cast<std::uint8_t>(most);
     found.color_share =
-        static_cast<float>(*most) / static_cast<float>(std::accumulate(colors.begin(), colors.end(), 0));
+        static_cast<float>(colors[most]) / static_cast<float>(std::accumulate(colors.begin(), colors.end(), 0));
     return found;
   }
 };
@@ -180,8 +201,15 @@ std::vector<Detection> IntegerModel::detect(std::span<const std::uint8_t> pictur
   const std::vector<int> groups = group(cells);
   std::vector<Thing> things(cells.size());
   for (std::size_t i = 0; i < cells.size(); ++i) {
-    const int at = static_cast<int>(i);
-    if (cells[i]) things[static_cast<std::size_t>(groups[i])].add(*cells[i], at % kColumns, at / kColumns, view);
+    if (!cells[i]) continue;
+    const int x = static_cast<int>(i) % kColumns;
+    const int y = static_cast<int>(i) / kColumns;
+    Thing& thing = things[static_cast<std::size_t>(groups[i])];
+    thing.add(*cells[i], x, y, view);
+    for (const auto& [u, v] : {std::pair{x, y - 1}, {x - 1, y}, {x + 1, y}, {x, y + 1}}) {
+      const bool inside = u >= 0 && v >= 0 && u < kColumns && v < kRows;
+      if (inside && !cells[static_cast<std::size_t>(v * kColumns + u)]) count_colors(u, v, view, thing.colors_around);
+    }
   }
   std::vector<Detection> found;
   for (const Thing& thing : things) {

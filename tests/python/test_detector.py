@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from safetensors import safe_open
 from safetensors.numpy import save_file
-from threewe import ConfigError, ContractError, Robot, asset_directories
+from threewe import ConfigError, ContractError, Robot, asset_directories, sync
 from threewe._core import Detector
 
 [SHIPPED] = [
@@ -69,3 +69,13 @@ def test_a_picture_of_another_size_is_refused() -> None:
     assert camera is not None
     with pytest.raises(ContractError, match="640 x 480"):
         Detector.load().detect(np.zeros((240, 320, 3), np.uint8), camera.intrinsics)
+
+
+def test_the_floor_between_its_legs_is_not_the_color_of_a_chair() -> None:
+    """Two brown chairs, of whose cells half are gray floor."""
+    detector = Detector.load()
+    chair = detector.labels.index("chair")
+    for scene, pose in [("office_v2", (0.125, -4.875, -0.603)), ("apartment_v1", (-1.825, 4.125, 2.814))]:
+        with sync.Robot(scene=scene, start_pose=pose, noise="ideal", localization="truth") as robot:
+            found = detector.detect(robot.get_image(), robot.simulation.look().intrinsics)
+        assert max((d for d in found if d.kind_index == chair), key=lambda d: d.confidence).color == "brown"
