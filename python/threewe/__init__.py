@@ -51,7 +51,7 @@ from threewe._core import (
     profile_names,
     scene_names,
 )
-from threewe._instructions import Exchange, ExecutedStep, ExecutionResult
+from threewe._execution_result import Exchange, ExecutedStep, ExecutionResult
 from threewe._notebook import show
 from threewe._user_skills import SkillInfo
 from threewe.backend import backend_names, register_backend

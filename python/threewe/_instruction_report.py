@@ -14,7 +14,7 @@ from PIL import Image, ImageDraw
 
 from threewe import drawing as d
 from threewe._core import MappedThing, color_names
-from threewe._instructions import Exchange, ExecutedStep, ExecutionResult
+from threewe._execution_result import Exchange, ExecutedStep, ExecutionResult
 from threewe._sight import as_jpeg
 from threewe._web import web_file
 from threewe.errors import ConfigError, ContractError

@@ -14,8 +14,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from threewe._core import MappedThing
+from threewe._execution_result import ExecutionResult
 from threewe._extras import needed_for
-from threewe._instructions import PERIOD, ExecutionResult, Instructions, Run
+from threewe._instructions import PERIOD, Instructions, Run
 from threewe._model_client import ModelAddress, ModelClient, ModelError, OverflowError, RejectedError, Reply
 from threewe._model_options import ModelOptions
 from threewe._model_skills import (

@@ -11,7 +11,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TextIO
 
-from threewe._instructions import Exchange
+from threewe._execution_result import Exchange
 from threewe._model_client import ModelClient, ModelError, OverflowError, RejectedError, Reply
 from threewe.errors import ConfigError, RecordingError
 

@@ -56,7 +56,8 @@ from threewe._core import (
     Velocity,
     Zone,
 )
-from threewe._instructions import ExecutionResult, Instructions
+from threewe._execution_result import ExecutionResult
+from threewe._instructions import Instructions
 from threewe._model_options import model_options
 from threewe._observers import Observer, Observers
 from threewe._options import known_options, known_options_but
