@@ -21,6 +21,7 @@ constexpr int kChunk = 64;             // the map grows by so many cells
 constexpr double kRim = 2.0;           // [cells] around what is known, so that neighbours can be read unchecked
 constexpr int kSubcells = 256;         // steps of a hit's place within its cell
 constexpr std::int16_t kMaxHits = 64;  // older hits fade beyond this
+constexpr double kDeviations = 3.0;    // of noise, that it reaches
 
 // The occupancy [%] for each value of the evidence, known cells only.
 const std::array<std::int8_t, 256>& occupancy_table() {
@@ -122,7 +123,7 @@ void LogOddsMap::add_given_surface(Cell c) {
   hits_[grid_.index(c)] = {.sum_from_x = sign(from_x), .sum_from_y = sign(from_y), .count = kSightings};
 }
 
-void LogOddsMap::insert(std::span<const Beam> scan, double range_bias) {
+void LogOddsMap::insert(std::span<const Beam> scan, double range_bias, double range_noise) {
   if (!is_within(range_bias, -kMaxRangeBias, kMaxRangeBias)) {
     throw ContractError(
         fmt::format("range_bias must lie in [{:g}, {:g}] m, got {:g}", -kMaxRangeBias, kMaxRangeBias, range_bias));
@@ -133,7 +134,7 @@ void LogOddsMap::insert(std::span<const Beam> scan, double range_bias) {
   for (const Beam& beam : beams) {
     if (beam.hit) add_hit(beam, range_bias);
   }
-  apply_marks(seen);
+  apply_marks(seen, kDeviations * range_noise > grid_.resolution);
 }
 
 // The beams that the map can hold without growing beyond its limits.
@@ -260,14 +261,14 @@ Region LogOddsMap::mark_free(std::span<const Beam> beams, double range_bias) {
 }
 
 // What becomes of the cells that the scan saw, and where others see a difference.
-void LogOddsMap::apply_marks(const Region& seen) {
+void LogOddsMap::apply_marks(const Region& seen, bool noisy) {
   const Evidence evidence{settings_.hit, settings_.pass, settings_.max, settings_.min};
   changed_.clear();
   for (int y = seen.low.y; y < seen.high.y; ++y) {
     add_evidence(evidence, grid_.index({seen.low.x, y}), grid_.index({seen.high.x - 1, y}) + 1, marks_, log_odds_,
                  changed_);
   }
-  Region changed = show_changed();
+  Region changed = show_changed(noisy);
   const Cell low = raster_cell(grid_);
   if (!changed.empty()) {
     changed = {{changed.low.x + low.x, changed.low.y + low.y}, {changed.high.x + low.x, changed.high.y + low.y}};
@@ -275,10 +276,11 @@ void LogOddsMap::apply_marks(const Region& seen) {
   changes_.note(++version_, changed);
 }
 
-// What is seen through has no surface any more, nor does what only its noise reached beside it. Beside what is still
-// there such hits stay: they are those of its noise that fell short, without which it would seem to lie farther away.
-void LogOddsMap::forget_surface(std::uint32_t index) {
-  if (hits_[index].count == 0 || is_beside_occupied(index)) return;
+// What is seen through has no surface any more, nor does what only its noise reached beside it. Where noise reaches
+// over a cell, such hits stay beside what is still there: they are those that fell short, without which it would seem
+// to lie farther away. With less noise most are of a pose that was a little off.
+void LogOddsMap::forget_surface(std::uint32_t index, bool noisy) {
+  if (hits_[index].count == 0 || (noisy && is_beside_occupied(index))) return;
   hits_[index] = CellHits{};
   for (const std::ptrdiff_t step : steps_around()) {
     const auto other = static_cast<std::size_t>(static_cast<std::ptrdiff_t>(index) + step);
@@ -298,7 +300,7 @@ bool LogOddsMap::is_beside_occupied(std::size_t index) const {
 }
 
 // Brings grid and surfaces up to date where the evidence has changed. Returns where the grid is another one.
-Region LogOddsMap::show_changed() {
+Region LogOddsMap::show_changed(bool noisy) {
   const std::array<std::int8_t, 256>& occupancy = occupancy_table();
   const auto width = static_cast<std::uint32_t>(grid_.width);
   std::uint32_t row = 0;  // where it begins; cells come in order
@@ -306,7 +308,7 @@ Region LogOddsMap::show_changed() {
   Region changed{{grid_.width, grid_.height}, {0, 0}};
   for (const std::uint32_t index : changed_) {
     const std::int8_t value = log_odds_[index];
-    if (value < 0) forget_surface(index);
+    if (value < 0) forget_surface(index, noisy);
     const std::int8_t now = occupancy[static_cast<std::uint8_t>(value + 128)];
     if (std::exchange(grid_.data[index], now) == now) continue;
     for (; index >= row + width; row += width) ++y;

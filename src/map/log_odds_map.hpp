@@ -54,10 +54,10 @@ class LogOddsMap {
   /// next to free ones as a surface through its middle. The version begins at 1, at 0 where `given` has no cells.
   static LogOddsMap going_on_from(const OccupancyGrid& given, double free_range = kFreeRange);
 
-  /// Adds one scan whose ranges are measured too long by `range_bias` [m]. A cell changes once: where any beam hit it,
-  /// it counts as hit, whatever passed through it. Beams that the map would outgrow its limits for are ignored. Throws
-  /// ContractError where the bias is beyond kMaxRangeBias.
-  void insert(std::span<const Beam> scan, double range_bias = 0.0);
+  /// Adds one scan whose ranges are measured too long by `range_bias` [m] and scatter by `range_noise` [m]. A cell
+  /// changes once: where any beam hit it, it counts as hit, whatever passed through it. Beams that the map would
+  /// outgrow its limits for are ignored. Throws ContractError where the bias is beyond kMaxRangeBias.
+  void insert(std::span<const Beam> scan, double range_bias = 0.0, double range_noise = 0.0);
 
   /// Makes room for a box at once, where many scans will be inserted: growing scan by scan copies the map each time.
   /// Nothing happens where the map would outgrow its limits.
@@ -83,9 +83,9 @@ class LogOddsMap {
   void grow_to(Vec2 low, Vec2 high, double rim);
   void add_hit(const Beam& beam, double range_bias);
   Region mark_free(std::span<const Beam> beams, double range_bias);
-  void apply_marks(const Region& seen);
-  Region show_changed();
-  void forget_surface(std::uint32_t index);
+  void apply_marks(const Region& seen, bool noisy);
+  Region show_changed(bool noisy);
+  void forget_surface(std::uint32_t index, bool noisy);
   std::array<std::ptrdiff_t, 8> steps_around() const;
   bool is_beside_occupied(std::size_t index) const;
   void add_given_surface(Cell c);

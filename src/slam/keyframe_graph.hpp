@@ -25,6 +25,7 @@ struct FrontEndScan {
   Matrix3 covariance = Matrix3::Zero();  ///< of it [m^2, rad^2]; what counts is by how much it grows
   std::vector<map::Beam> beams;          ///< in the base frame
   double range_bias = 0.0;               ///< [m]
+  double range_noise = 0.0;              ///< [m] deviation of a range
   bool lost = false;                     ///< nothing relates it to the point before: another component begins
 };
 

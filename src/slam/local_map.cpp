@@ -18,7 +18,7 @@ void LocalMap::extend(FrontEnd& front) {
          driven_});
   const std::vector<map::Beam> seen =
       filled(transformed(here, front.beams()), params_->coarse_resolution(), params_->beams);
-  for (Piece& piece : pieces_) piece.map.insert(seen, front.range_bias());
+  for (Piece& piece : pieces_) piece.map.insert(seen, front.range_bias(), front.range_noise());
   front.set_mapped();
 }
 

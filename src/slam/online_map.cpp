@@ -24,9 +24,10 @@ OnlineMap::OnlineMap(const SharedParams& params)
 
 void OnlineMap::insert(const FrontEndScan& scan) {
   const Pose2D map_from_base = scan.local_from_base;
-  map_.insert(transformed(map_from_base, scan.beams), scan.range_bias);
+  map_.insert(transformed(map_from_base, scan.beams), scan.range_bias, scan.range_noise);
   if (!keyframe_graph_) return;
   range_bias_ = scan.range_bias;
+  range_noise_ = scan.range_noise;
 
   FrontEndScan point = scan;
   point.local_from_base = inverse(map_from_local_) * map_from_base;
@@ -79,7 +80,8 @@ void OnlineMap::draw_some() {
     const Pose2D& map_from_keyframe =
         keyframe_graph.graph.poses()[static_cast<std::size_t>(next - keyframe_graph.keyframes.begin())];
     for (const Keyframe::Scan& scan : next->scans) {
-      drawing_->map.insert(unpacked(scan.beams, map_from_keyframe * scan.keyframe_from_base), range_bias_);
+      drawing_->map.insert(unpacked(scan.beams, map_from_keyframe * scan.keyframe_from_base), range_bias_,
+                           range_noise_);
       ++scans;
     }
     drawing_->until = next->stamp;

@@ -61,6 +61,7 @@ class OnlineMap {
   std::optional<KeyframeGraph> keyframe_graph_;  // none in a given map
   Pose2D map_from_local_;                        // `local` is the trail's; what moves the map moves this
   double range_bias_ = 0.0;                      // [m]
+  double range_noise_ = 0.0;                     // [m]
   bool broken_off_ = true;                       // so is the first scan from what was before
   int solutions_ = 0;                            // of the trail, that were looked at
   std::vector<Drawn> drawn_;                     // by time

@@ -230,7 +230,7 @@ void ScanMatchingLocalizer::extend_map() {
     front_.move_map(*new_from_old, p_.redrawn_position, p_.redrawn_heading);
   if (!front_.fits() || lost() || !front_.is_due(map_version())) return;
   map_.insert({scanned_, front_.map_from_base(), front_.covariance().topLeftCorner<3, 3>(), front_.beams(),
-               front_.range_bias()});
+               front_.range_bias(), front_.range_noise()});
   front_.set_mapped();
 }
 

@@ -119,8 +119,8 @@ Pose2D Slam::State::add(Time stamp, const LaserScan& scan, const std::optional<P
   const Pose2D local_from_base = front.map_from_base();
   const std::vector<map::Beam> beams = measured ? front.beams() : std::vector<map::Beam>{};
   const int joined_before = keyframe_graph.joined();
-  keyframe_graph.add(
-      {stamp, local_from_base, front.covariance().topLeftCorner<3, 3>(), beams, front.range_bias(), lost});
+  keyframe_graph.add({stamp, local_from_base, front.covariance().topLeftCorner<3, 3>(), beams, front.range_bias(),
+                      front.range_noise(), lost});
   const auto found = relocalizer.look(keyframe_graph, stamp, local_from_base, beams, front.range_bias());
   if (found) keyframe_graph.join_at(found->component, found->map_from_base, front.range_bias());
   record(stamp, seen, keyframe_graph.joined() != joined_before);

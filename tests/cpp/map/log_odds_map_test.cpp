@@ -288,6 +288,26 @@ TEST_CASE("a map in place of another tells what has changed, and where") {
   }
 }
 
+TEST_CASE("hits that fall short of a wall stay where noise reaches over a cell, and are forgotten where it does not") {
+  const auto hits_before_wall = [](double range_noise) {
+    LogOddsMap map;
+    for (int i = 0; i < 20; ++i) {  // one in ten falls short by a cell, as seen by the middle of a fan
+      std::vector<Beam> beams;
+      for (int k = -20; k <= 20; ++k) {
+        const double wall = 1.025 / unit(0.02 * k).x;
+        beams.push_back(beam({0.0, 0.0}, 0.02 * k, i % 10 == 5 && k == 0 ? wall - 0.05 : wall));
+      }
+      map.insert(beams, 0.0, range_noise);
+    }
+    REQUIRE(map.log_odds(map.grid().cell({0.975, 0.0})) < 0);
+    return map.hits()[map.grid().index(map.grid().cell({0.975, 0.0}))].count;
+  };
+  CHECK(hits_before_wall(0.04) == 2);
+  CHECK(hits_before_wall(0.017) == 2);
+  CHECK(hits_before_wall(0.016) == 0);
+  CHECK(hits_before_wall(0.0) == 0);
+}
+
 TEST_CASE("what two versions differ in is where the log of changes says") {
   for (std::uint64_t seed = 0; seed < 10; ++seed) {
     CAPTURE(seed);

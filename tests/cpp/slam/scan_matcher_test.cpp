@@ -36,12 +36,12 @@ std::vector<Beam> look(const std::vector<TinyWall>& walls, const Pose2D& pose, d
   return beams;
 }
 
-void add_to_map(map::LogOddsMap& map, std::vector<Beam> beams, const Pose2D& pose) {
+void add_to_map(map::LogOddsMap& map, std::vector<Beam> beams, const Pose2D& pose, double range_noise = 0.0) {
   for (Beam& b : beams) {
     b.origin = pose * b.origin;
     b.direction = rotate(b.direction, pose.theta);
   }
-  map.insert(beams);
+  map.insert(beams, 0.0, range_noise);
 }
 
 // A room of about 6 x 5 m, not quite along the axes, with two boxes in it.
@@ -126,7 +126,7 @@ TEST_CASE("a wall that a noisy lidar sees is where it is, seen from the front or
       for (int i = 0; i < 40; ++i) {
         std::vector<Beam> beams = look(walls, pose);
         for (Beam& beam : beams) beam.range += beam.hit ? noise(bits) : 0.0;
-        add_to_map(map, beams, pose);
+        add_to_map(map, beams, pose, kSigma);
       }
       const Vec2 normal = rotate({1, 0}, turn);
       const Vec2 back = rotate({-1.0, -along}, turn);
