@@ -110,6 +110,19 @@ class Checkpoint:
         """The names of inputs that are pictures, in the network's order."""
         return [name for name, feature in self.inputs.items() if feature.kind == "VISUAL"]
 
+    @property
+    def reads_text(self) -> bool:
+        """It has a tokenizer."""
+        return any("tokenizer" in step.name for step in self.before)
+
+    @property
+    def rtc(self) -> bool | None:
+        """Whether real-time chunking is switched on; None for a kind of policy that has none."""
+        if "rtc_config" not in self.config:
+            return None
+        options = self.config["rtc_config"]
+        return isinstance(options, Mapping) and options.get("enabled", True) is True
+
     def renamed(self) -> dict[str, str]:
         """By an input's name: what datasets call it."""
         found = {}

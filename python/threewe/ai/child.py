@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 
 from threewe._arguments import as_file
 from threewe.ai.checkpoint import read_checkpoint
-from threewe.ai.folder import EMBEDDED, Policy, image_input, refuse_code
+from threewe.ai.folder import EMBEDDED, PREFIX, Policy, image_input, refuse_code
 from threewe.ai.naming import Naming, policy_of
 from threewe.errors import ConfigError, HardwareError
 
@@ -49,9 +49,8 @@ def start_child(
     for text in _texts([checkpoint.config, *(step.config for step in (*checkpoint.before, *checkpoint.after))]):
         if Path(text).is_absolute() and Path(text).is_dir():  # of a backbone, such as `vlm_model_name`
             refuse_code(Path(text))
-    language = EMBEDDED in checkpoint.inputs
-    reads_text = any("tokenizer" in step.name for step in checkpoint.before)
-    policy = policy_of(checkpoint, naming, 2, "replace", language or reads_text)
+    language = EMBEDDED in checkpoint.inputs or checkpoint.reads_text
+    policy = policy_of(checkpoint, naming, 2, "replace", language)
     cameras = zip(checkpoint.cameras(), policy.cameras, strict=True)
     names = {image_input(camera.name): name for name, camera in cameras}
     engine = ChildEngine(program, checkpoint.folder, names, set(checkpoint.inputs))
@@ -61,7 +60,7 @@ def start_child(
     if len(shape) != 3 or shape[0] != 1 or not 2 <= shape[1] <= 1000 or shape[2] != len(policy.action):
         engine.close()
         raise ConfigError(f"{checkpoint.folder}: gives actions {shape}; expected (1, chunk, {len(policy.action)})")
-    return replace(policy, chunk=shape[1]), engine
+    return replace(policy, chunk=shape[1], prefix=shape[1] - 1 if engine.takes_prefix else 0), engine
 
 
 class ChildEngine:
@@ -69,7 +68,7 @@ class ChildEngine:
 
     def __init__(self, python: Path, folder: Path, names: dict[str, str], inputs: set[str]) -> None:
         """Starts it, and waits until the checkpoint is loaded. Raises ConfigError."""
-        self._names, self._inputs, self._python = names, inputs, python
+        self._names, self._python = names, python
         self._one_at_a_time = threading.Lock()
         self._said = tempfile.TemporaryFile()  # noqa: SIM115 (as long as the process) what it and its libraries print
         words = [str(python), "-c", PROGRAM.read_text(encoding="utf-8"), str(folder.resolve())]
@@ -100,6 +99,9 @@ class ChildEngine:
         if answer.get("ready") is not True:
             self.close()
             raise ConfigError(f"{folder}: LeRobot does not load it: {answer.get('error', answer)}")
+        self.takes_prefix = answer.get("rtc") is True
+        """its `config.json` has real-time chunking switched on"""
+        self._inputs = inputs | ({PREFIX} if self.takes_prefix else set())
 
     def infer(self, feed: dict[str, NDArray[np.float32]], instruction: str) -> NDArray[np.float32]:
         """See `Engine`. Raises HardwareError when the process has ended, hangs, or sends what it should not."""

@@ -6,6 +6,7 @@ import asyncio
 import json
 import math
 import time
+from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 from typing import Annotated, Literal
@@ -17,7 +18,8 @@ from rich.table import Table
 from threewe._console import plain_console, styled
 from threewe._core import Velocity
 from threewe._extras import needed_for
-from threewe.ai.folder import ACTION, GRAPH, LONGEST_LATENCY, STATE, read_policy, write_description
+from threewe.ai.checkpoint import CONFIG, Checkpoint, is_checkpoint, read_checkpoint
+from threewe.ai.folder import ACTION, EMBEDDED, GRAPH, LONGEST_LATENCY, STATE, read_policy, write_description
 from threewe.ai.hub import is_hub_id, local_policy
 from threewe.ai.runner import TICK, PolicyResult, VLARunner
 from threewe.errors import ConfigError
@@ -64,9 +66,15 @@ def train(
 
 @app.command()
 def info(source: Source, revision: Revision = None) -> None:
-    """Check a policy's folder, and show what it needs and gives."""
-    policy = read_policy(local_policy(source, revision))
+    """Check a policy's folder, or LeRobot's, and show what it needs and gives."""
+    folder = local_policy(source, revision)
     table = Table("what", "is")
+    if is_checkpoint(folder):
+        for what, text in _about_checkpoint(read_checkpoint(folder)):
+            table.add_row(what, text)
+        console.print(table)
+        return
+    policy = read_policy(folder)
     table.add_row("robot", policy.kinematics.name)
     for camera in policy.cameras:
         table.add_row("camera", f"{camera.name}, {camera.height} x {camera.width}, {camera.color}")
@@ -82,6 +90,22 @@ def info(source: Source, revision: Revision = None) -> None:
     for name, value in policy.training.items():
         table.add_row(f"training: {name}", value)
     console.print(table)
+
+
+def _about_checkpoint(checkpoint: Checkpoint) -> Iterator[tuple[str, str]]:
+    """What one of LeRobot's needs and gives, which says neither its rate nor what its numbers are."""
+    translated = checkpoint.kind == "act"
+    yield "runs", "here, translated" if translated else "in LeRobot's own environment: python=.../bin/python"
+    yield "kind", checkpoint.kind
+    for name, feature in {**checkpoint.inputs, **checkpoint.outputs}.items():
+        yield name, f"{feature.kind}, {' x '.join(map(str, feature.shape))}"
+    yield (
+        "text",
+        "tokens" if checkpoint.reads_text else "instruction_embedding" if EMBEDDED in checkpoint.inputs else "none",
+    )
+    if checkpoint.rtc is not None:
+        off = f'off: "rtc_config": {{"enabled": true}} in {CONFIG} switches it on'
+        yield "rtc", "on: the actions that are committed go in with the picture" if checkpoint.rtc else off
 
 
 @app.command()

@@ -40,37 +40,65 @@ def receive():
 def main(folder):
     """Loads, says so, and answers until the parent goes."""
     try:
-        import torch
-        from lerobot.configs.policies import PreTrainedConfig
-        from lerobot.policies.factory import get_policy_class, make_pre_post_processors
+        import lerobot.policies.factory  # noqa: F401
     except ImportError as error:
         send({"missing": str(error)})
         return
     try:
-        torch.set_num_threads(max(1, (os.cpu_count() or 2) - 1))
-        config = PreTrainedConfig.from_pretrained(folder)
-        policy = get_policy_class(config.type).from_pretrained(folder, config=config).eval()
-        device = {"device_processor": {"device": str(config.device)}}
-        before, after = make_pre_post_processors(config, pretrained_path=folder, preprocessor_overrides=device)
+        checkpoint = Checkpoint(folder)
     except Exception as error:
         send({"error": f"{type(error).__name__}: {error}"})
         return
-    send({"ready": True})
+    send({"ready": True, "rtc": checkpoint.rtc})
     while (message := receive()) is not None:
-        arrays, task = message
         try:
-            batch = before({**{name: torch.from_numpy(each) for name, each in arrays.items()}, "task": [task]})
-            steps = getattr(config, "n_obs_steps", 1)
-            if steps > 1:  # an observation stands for those before it
-                for name in arrays:
-                    batch[name] = torch.stack([batch[name]] * steps, 1)
-            batch.setdefault("observation.state", torch.zeros(1, 1))  # ACT asks it for its device
-            torch.manual_seed(0)  # the same observation gives the same actions
-            with torch.inference_mode():
-                actions = after(policy.predict_action_chunk(batch)).float().cpu().numpy()
+            actions = checkpoint.actions(*message)
             send({"arrays": {"action": ["<f4", list(actions.shape)]}}, actions.astype("<f4").tobytes())
         except Exception as error:
             send({"error": f"{type(error).__name__}: {error}"})
+
+
+class Checkpoint:
+    """A policy with its processors."""
+
+    def __init__(self, folder):
+        import torch
+        from lerobot.configs.policies import PreTrainedConfig
+        from lerobot.policies.factory import get_policy_class, make_pre_post_processors
+
+        torch.set_num_threads(max(1, (os.cpu_count() or 2) - 1))
+        self.config = config = PreTrainedConfig.from_pretrained(folder)
+        self.policy = get_policy_class(config.type).from_pretrained(folder, config=config).eval()
+        device = {"device_processor": {"device": str(config.device)}}
+        self.before, self.after = make_pre_post_processors(
+            config, pretrained_path=folder, preprocessor_overrides=device
+        )
+        self.rtc = bool(getattr(getattr(config, "rtc_config", None), "enabled", False))
+        if self.rtc and not self.policy.supports_rtc():
+            raise ValueError(f"rtc_config: '{config.type}' has no real-time chunking")
+
+    def actions(self, arrays, task):
+        """(1, chunk, numbers) in the policy's units."""
+        import torch
+
+        prefix = arrays.pop("action.prefix", None)
+        given = {name: torch.from_numpy(each) for name, each in arrays.items()}
+        count = 0 if prefix is None else int(prefix[0, :, -1].sum())
+        if count > 0:  # normalised with the observation, and relative to its state where the policy's actions are
+            given["action"] = torch.from_numpy(prefix[:, :count, :-1])
+        batch = self.before({**given, "task": [task]})
+        committed = batch.pop("action", None)
+        steps = getattr(self.config, "n_obs_steps", 1)
+        if steps > 1:  # an observation stands for those before it
+            for name in arrays:
+                batch[name] = torch.stack([batch[name]] * steps, 1)
+        batch.setdefault("observation.state", torch.zeros(1, 1))  # ACT asks it for its device
+        options = {}
+        if count > 0:
+            options = {"prev_chunk_left_over": committed, "inference_delay": count, "execution_horizon": count}
+        torch.manual_seed(0)  # the same observation gives the same actions
+        with torch.no_grad():  # not inference_mode, in which real-time chunking has no gradients
+            return self.after(self.policy.predict_action_chunk(batch, **options)).float().cpu().numpy()
 
 
 if __name__ == "__main__":

@@ -14,6 +14,7 @@ os.environ["HF_HUB_OFFLINE"] = "1"  # whatever would be downloaded, fails
 
 import numpy as np
 import torch
+from safetensors.torch import load_file
 
 from lerobot.configs.policies import PreTrainedConfig
 from lerobot.configs.types import FeatureType, PolicyFeature
@@ -104,22 +105,27 @@ def backbone(root):
     return {}
 
 
-def predict(root, arrays, out, task=None):
-    """Chunks for observations, whose keys are `number/name`, of batches of one."""
+def predict(root, arrays, out, task=None, committed=None):
+    """Chunks for observations, whose keys are `number/name`, of batches of one; after actions that are committed."""
     config = PreTrainedConfig.from_pretrained(root)
     policy = get_policy_class(config.type).from_pretrained(root).eval()
     before, after = make_pre_post_processors(config, pretrained_path=root)
     given = np.load(arrays)
     count = 1 + max(int(key.split("/")[0]) for key in given.files)
-    found = {}
+    found, options = {}, {}
+    if committed is not None:  # normalised by hand
+        (statistics,) = Path(root).glob("policy_postprocessor_*.safetensors")
+        action = {name: value for name, value in load_file(statistics).items() if name.startswith("action.")}
+        left = (torch.tensor(committed) - action["action.mean"]) / action["action.std"]
+        options = {"prev_chunk_left_over": left[None], "inference_delay": len(committed)}
     began = time.process_time()
     for i in range(count):
         own = {key.split("/", 1)[1]: torch.from_numpy(given[key]) for key in given.files if key.startswith(f"{i}/")}
         batch = before(own if task is None else {**own, "task": [task]})
         torch.manual_seed(0)
         batch.setdefault("observation.state", torch.zeros(1, 1))
-        with torch.inference_mode():
-            found[str(i)] = after(policy.predict_action_chunk(batch))[0].numpy()
+        with torch.no_grad():
+            found[str(i)] = after(policy.predict_action_chunk(batch, **options))[0].numpy()
     np.savez(out, **found)
     return {"seconds": time.process_time() - began}
 

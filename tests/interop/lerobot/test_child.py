@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import json
 import os
 from pathlib import Path
 
@@ -52,8 +53,12 @@ def test_diffusion_in_a_child(lerobot: Ask, tmp_path: Path) -> None:
     assert np.abs(first - second).max() > 0
 
 
-def test_smolvla_in_a_child(lerobot: Ask, tmp_path: Path) -> None:
-    shape = Shape(64, 64, text=False)
+VLA = Shape(64, 64, text=False)
+
+
+@pytest.fixture
+def smolvla(lerobot: Ask, tmp_path: Path) -> Path:
+    """The folder of a SmolVLA of half a million drawn weights, beside its backbone."""
     root, backbone = tmp_path / "smolvla", tmp_path / "backbone"
     backbone.mkdir()
     lerobot("backbone", root=backbone)
@@ -68,14 +73,22 @@ def test_smolvla_in_a_child(lerobot: Ask, tmp_path: Path) -> None:
         "num_steps": 3,
         **sizes,
     }
-    inputs = shape.config()["input_features"]
+    inputs = VLA.config()["input_features"]
     made = lerobot("train", root=root, kind="smolvla", options=options, inputs=inputs, numbers=3, steps=0)
     assert 4e5 < made["weights"] < 7e5
-    runner = VLARunner.from_pretrained(root, rate=10, rename=renamed(shape), python=PYTHON)
-    assert (runner.policy.chunk, runner.policy.language) == (8, True)
-    given = observations(shape, 3, seed=5)
+    return root
+
+
+def load(root: Path) -> VLARunner:
+    return VLARunner.from_pretrained(root, rate=10, rename=renamed(VLA), python=PYTHON)
+
+
+def test_smolvla_in_a_child(lerobot: Ask, smolvla: Path) -> None:
+    runner = load(smolvla)
+    assert (runner.policy.chunk, runner.policy.language, runner.policy.prefix) == (8, True, 0)
+    given = observations(VLA, 3, seed=5)
     found = np.array([runner._engine.infer(each, "go to the chair")[0] for each in given])
-    np.testing.assert_allclose(found, theirs(lerobot, root, given, "go to the chair"), rtol=0, atol=1e-5)
+    np.testing.assert_allclose(found, theirs(lerobot, smolvla, given, "go to the chair"), rtol=0, atol=1e-5)
     other = runner._engine.infer(given[0], "stop at the plant")[0]
     assert np.abs(other - found[0]).max() > 1e-6  # it reads its text
 
@@ -84,6 +97,38 @@ def test_smolvla_in_a_child(lerobot: Ask, tmp_path: Path) -> None:
             return (await runner.run(robot, "go to the chair", timeout=1.0)).reason
 
     assert asyncio.run(drive()) in ("timeout", "reached")
-    (backbone / "weights.bin").write_bytes(b"\x80\x04.")
+    (smolvla.with_name("backbone") / "weights.bin").write_bytes(b"\x80\x04.")
     with pytest.raises(ConfigError, match=r"weights\.bin: pickled"):
-        VLARunner.from_pretrained(root, rate=10, rename=renamed(shape), python=PYTHON)
+        load(smolvla)
+
+
+def test_rtc_follows_what_is_committed(lerobot: Ask, smolvla: Path) -> None:
+    config = json.loads((smolvla / "config.json").read_text())
+    rtc = {"enabled": True, "execution_horizon": 8, "max_guidance_weight": 10.0, "prefix_attention_schedule": "LINEAR"}
+    (smolvla / "config.json").write_text(json.dumps({**config, "num_steps": 10, "rtc_config": rtc}))
+    runner = load(smolvla)
+    assert runner.policy.prefix == 7
+    task = "go to the chair"
+    committed = [[0.3 + 0.02 * k, 0.1, -0.2 + 0.05 * k] for k in range(5)]
+    prefix = np.zeros((1, 7, 4), np.float32)
+    prefix[0, :5] = [[*action, 1.0] for action in committed]
+    off = []
+    for given in observations(VLA, 3, seed=5):
+        free, guided = (
+            runner._engine.infer({**given, "action.prefix": prefix * on}, task)[0] for on in (np.float32(0), 1)
+        )
+        np.testing.assert_allclose(free, theirs(lerobot, smolvla, [given], task)[0], rtol=0, atol=1e-5)
+        np.testing.assert_allclose(guided, theirs(lerobot, smolvla, [given], task, committed)[0], rtol=0, atol=1e-5)
+        off.append([np.abs(each[:5] - committed).mean() for each in (free, guided)])
+        assert np.abs(guided[5:] - free[5:]).max() > 0  # what follows goes on from there
+    print("away from what is committed, without and with rtc:", *np.mean(off, 0))
+    assert all(guided < 0.25 * free for free, guided in off)
+
+    async def drive() -> tuple[str, int]:
+        async with Robot(image_size=(64, 64)) as robot:
+            result = await runner.run(robot, task, timeout=2.0)
+            return result.reason, result.inferences
+
+    reason, inferences = asyncio.run(drive())
+    assert reason in ("timeout", "reached")
+    assert inferences > 3

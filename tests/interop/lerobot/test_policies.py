@@ -41,12 +41,16 @@ def trained(
 
 
 def theirs(
-    lerobot: Ask, root: Path, given: list[dict[str, NDArray[np.float32]]], task: str | None = None
+    lerobot: Ask,
+    root: Path,
+    given: list[dict[str, NDArray[np.float32]]],
+    task: str | None = None,
+    committed: list[list[float]] | None = None,
 ) -> NDArray[np.float32]:
     """LeRobot's own chunks."""
     arrays, out = root.with_suffix(".npz"), root.with_suffix(".out.npz")
     np.savez(arrays, **{f"{i}/{name}": values for i, each in enumerate(given) for name, values in each.items()})
-    lerobot("predict", root=root, arrays=arrays, out=out, task=task)
+    lerobot("predict", root=root, arrays=arrays, out=out, task=task, committed=committed)
     with np.load(out) as found:
         return np.array([found[str(i)] for i in range(len(given))])
 

@@ -9,12 +9,16 @@ import signal
 import sys
 from collections.abc import Callable
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 from threewe import ConfigError, HardwareError, Robot, Velocity
 from threewe.ai import VLARunner, child
+from threewe.cli import app
+from typer.testing import CliRunner
 
 from verify.cases import act_checkpoints
 from verify.cases.act_checkpoints import STATE, Shape
@@ -60,6 +64,70 @@ def test_it_computes_what_the_child_does(load: Callable[..., VLARunner]) -> None
         }
     )
     assert large.predict(np.full((960, 1280, 3), 9, np.uint8), "go", velocity=Velocity()) == pytest.approx([0, 0, 2])
+
+
+RTC = {"enabled": True, "execution_horizon": 10}
+
+
+def test_committed_actions_go_to_the_child_where_rtc_is_on(load: Callable[..., VLARunner]) -> None:
+    picture, committed = np.zeros((24, 32, 3), np.uint8), [Velocity(0.3, 0.1, -0.4), Velocity(0.2, 0.0, 0.5)]
+
+    def chunk(runner: VLARunner, wanted: list[Velocity]) -> NDArray[np.float32]:
+        feed = runner._feed(picture, "go", Velocity(0.0, 0.25, 0.0), wanted)
+        return runner._engine.infer(feed, "go")[0]
+
+    free = np.tile([0.0, 0.25, 2.0], (5, 1))
+    runner = load(rtc_config={**RTC, "enabled": False})
+    assert runner.policy.prefix == 0
+    assert chunk(runner, committed) == pytest.approx(free, abs=1e-6)
+    runner = load(rtc_config=RTC)
+    assert runner.policy.prefix == 4
+    assert chunk(runner, []) == pytest.approx(free, abs=1e-6)
+    assert chunk(runner, committed) == pytest.approx(np.array([*committed, *free[2:]]), abs=1e-6)
+    assert "on: the actions that are committed" in info(runner.policy.folder)
+    with pytest.raises(ConfigError, match="rtc_config: 'fake' has no real-time chunking"):
+        load(rtc_config=RTC, fake_old=True)
+
+
+def info(folder: Path) -> str:
+    result = CliRunner().invoke(app, ["policy", "info", str(folder)], env={"COLUMNS": "120"})
+    assert result.exception is None
+    return result.output
+
+
+def test_info_says_what_a_checkpoint_needs(made: Path) -> None:
+    for rtc, said in ((None, "off: "), ({**RTC, "enabled": False}, "off: "), (RTC, "on: ")):
+        (made / "config.json").write_text(json.dumps({**SHAPE.config(), "rtc_config": rtc}))
+        assert f"rtc                       │ {said}" in info(made)
+    (made / "config.json").write_text(json.dumps(SHAPE.config()))
+    output = info(made)
+    assert "VISUAL, 3 x 24 x 32" in output
+    assert "python=" in output
+    assert "tokens" in output
+    assert "rtc" not in output
+
+
+def test_a_run_hands_over_what_it_has_committed(load: Callable[..., VLARunner]) -> None:
+    runner = load(rtc_config=RTC)
+    infer, given = runner._engine.infer, []
+
+    def watched(feed: Any, instruction: str) -> Any:
+        actions = infer(feed, instruction)
+        given.append((feed["action.prefix"][0], actions[0]))
+        return actions
+
+    runner._engine = SimpleNamespace(infer=watched)  # type: ignore[assignment]
+
+    async def drive() -> str:
+        async with Robot(image_size=(24, 32)) as robot:
+            return (await runner.run(robot, "go", timeout=1.5)).reason
+
+    assert asyncio.run(drive()) == "timeout"
+    counts = [int(prefix[:, 3].sum()) for prefix, _ in given]
+    assert counts[0] == 0  # nothing has been wanted yet
+    assert min(counts[3:]) >= 2
+    for (prefix, actions), count in zip(given, counts, strict=True):
+        assert actions[:count] == pytest.approx(prefix[:count, :3], abs=1e-6)
 
 
 FAULTS = {

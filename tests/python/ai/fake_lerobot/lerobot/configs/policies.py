@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 
@@ -13,6 +14,8 @@ class PreTrainedConfig:
     def __init__(self, content: dict[str, Any]) -> None:
         self.content, self.type, self.device = content, content["type"], "cpu"
         self.n_obs_steps = content.get("n_obs_steps", 1)
+        rtc = content.get("rtc_config")
+        self.rtc_config = None if rtc is None else SimpleNamespace(**rtc)
 
     @classmethod
     def from_pretrained(cls, folder: str) -> PreTrainedConfig:

@@ -14,6 +14,8 @@ import torch
 from lerobot.configs.policies import PreTrainedConfig
 
 NAMES = "observation.images.camera", "observation.state"
+ACTION = "action"
+MIDDLE, SPREAD = torch.tensor([0.1, 0.0, -0.2]), torch.tensor([0.5, 2.0, 4.0])
 
 
 class FakePolicy:
@@ -32,7 +34,13 @@ class FakePolicy:
     def eval(self) -> FakePolicy:
         return self
 
-    def predict_action_chunk(self, batch: dict[str, Any]) -> torch.Tensor:
+    def supports_rtc(self) -> bool:
+        return not self.config.content.get("fake_old")
+
+    def predict_action_chunk(self, batch: dict[str, Any], **options: Any) -> torch.Tensor:
+        """With `rtc` a chunk begins with what is left of the one before it, in the processors' units."""
+        assert ACTION not in batch
+        assert not options or self.config.rtc_config is not None
         self.calls += 1
         fault = self.config.content.get("fake_fault") if self.calls > 1 else None
         if fault == "raises":
@@ -50,7 +58,14 @@ class FakePolicy:
             assert picture.shape[1] == state.shape[1] == self.config.n_obs_steps
             picture, state = picture[:, -1], state[:, -1]
         red = picture[0, 0].mean() - picture[0, 1].mean()
-        return torch.stack([red, state[0, 1], torch.tensor(float(len(batch["task"][0])))]).repeat(1, 5, 1)
+        chunk = torch.stack([red, state[0, 1], torch.tensor(float(len(batch["task"][0])))]).repeat(1, 5, 1)
+        chunk = normalized(chunk)
+        if options:
+            left, delay = options["prev_chunk_left_over"], options["inference_delay"]
+            assert left.shape == (1, delay, 3)
+            assert options["execution_horizon"] == delay
+            chunk[:, :delay] = left
+        return chunk
 
 
 def get_policy_class(name: str) -> type[FakePolicy]:
@@ -63,4 +78,13 @@ def make_pre_post_processors(
 ) -> tuple[Callable[[Any], Any], Callable[[Any], Any]]:
     assert pretrained_path
     assert preprocessor_overrides == {"device_processor": {"device": config.device}}
-    return dict, lambda actions: actions
+
+    def before(batch: dict[str, Any]) -> dict[str, Any]:
+        return {**batch, ACTION: normalized(batch[ACTION])} if ACTION in batch else dict(batch)
+
+    return before, lambda actions: actions * SPREAD + MIDDLE
+
+
+def normalized(actions: torch.Tensor) -> torch.Tensor:
+    """As the policy computes with them."""
+    return (actions - MIDDLE) / SPREAD
