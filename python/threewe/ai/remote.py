@@ -94,7 +94,8 @@ class RemoteEngine:
         """what the server calls an input, where it is another name"""
         self._connection: Any = None
         self._open = ExitStack()
-        self.about = self._connect()
+        self._described = self._connect()
+        self.about: dict[str, Any] = unpack(self._described)
         """the server's description of itself"""
 
     def infer(self, feed: dict[str, NDArray[np.float32]], instruction: str) -> NDArray[np.float32]:
@@ -116,8 +117,9 @@ class RemoteEngine:
     def _ask(self, message: bytes) -> Any:
         from websockets.exceptions import WebSocketException
 
-        if self._connection is None:
-            self._connect()
+        if self._connection is None and self._connect() != self._described:
+            self._close()
+            raise ConnectionError(f"{self.address}: serves another policy than before: load it anew")
         try:
             self._connection.send(message)
             answer = self._connection.recv(timeout=self.patience)
@@ -136,7 +138,8 @@ class RemoteEngine:
                 raise
             raise ConnectionError(f"{self.address}: the connection broke off: {error}") from None
 
-    def _connect(self) -> dict[str, Any]:
+    def _connect(self) -> bytes:
+        """The server's description of itself, as it sent it."""
         from websockets.exceptions import InvalidURI, WebSocketException
         from websockets.sync.client import connect
 
@@ -150,7 +153,8 @@ class RemoteEngine:
                 close_timeout=0.2,
             )
             self._connection = self._open.enter_context(opened)
-            about = unpack(self._connection.recv(timeout=CONNECTING))
+            described: bytes = self._connection.recv(timeout=CONNECTING)
+            about = unpack(described)
         except InvalidURI:
             raise ConfigError(f"{self.address}: no address; expected ws://host:port") from None
         except (WebSocketException, OSError, ValueError) as error:
@@ -162,7 +166,7 @@ class RemoteEngine:
         if not isinstance(about, dict):
             self._close()
             raise ConnectionError(f"{self.address}: no policy server: it describes itself as {str(about)[:60]!r}")
-        return about
+        return described
 
     def _close(self) -> None:
         self._connection = None

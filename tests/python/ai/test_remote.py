@@ -203,6 +203,19 @@ def test_a_server_that_came_back_is_asked_again(runner: VLARunner) -> None:
         assert far.predict(picture, "go") == pytest.approx(runner.predict(picture, "go"), abs=1e-6)
 
 
+def test_a_server_that_came_back_with_another_policy_is_not(runner: VLARunner, tmp_path: Path) -> None:
+    picture = np.zeros((*SIZE, 3), np.uint8)
+    with PolicyServer(runner) as server:
+        far = VLARunner.from_pretrained(server.address)
+        port = int(server.address.rpartition(":")[2])
+    far._engine._close()  # type: ignore[attr-defined]
+    faster = VLARunner.from_pretrained(policies.write(tmp_path / "faster", rate=20))
+    with PolicyServer(faster, port=port):
+        for _ in range(2):
+            with pytest.raises(ConnectionError, match="serves another policy than before: load it anew"):
+                far.predict(picture, "go")
+
+
 def test_a_server_that_says_nothing_of_itself_needs_names() -> None:
     seen: list[Any] = []
 
