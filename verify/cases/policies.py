@@ -8,14 +8,16 @@ import lzma
 import pickle
 import random
 from collections.abc import Callable, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import cache, partial
 from pathlib import Path
 from tempfile import TemporaryDirectory
+from typing import Any
 
 import numpy as np
 import onnx
 import torch
+from numpy.typing import NDArray
 from safetensors.numpy import load_file, save_file
 from threewe import ConfigError, Kinematics, Robot, TickView
 from threewe.ai import CameraInput, Policy, Quantity, VLARunner
@@ -61,25 +63,48 @@ def untrained(folder: Path, seed: int) -> Path:
     return folder
 
 
-async def drive(
-    runner: VLARunner, seed: int, timeout: float, backend: str = "mock"
-) -> tuple[str, list[tuple[float, ...]], float, bool]:
-    """How a run ended, what was asked of the gate, how long it took to stand since [s], and whether it then turned."""
+@dataclass(frozen=True)
+class Drive:
+    """One run of a policy."""
+
+    reason: str
+    wanted: list[tuple[float, ...]]
+    """of the gate, tick by tick"""
+    standing: float
+    """[s] that it took to stand since nothing was wanted"""
+    unguided: float
+    """[s] that it moved since its last chunk of actions came"""
+    usable: bool
+    """it then turned as it should"""
+
+
+async def drive(runner: VLARunner, seed: int, timeout: float, backend: str = "mock") -> Drive:
+    """Drives by a policy, and turns the robot afterwards."""
     requested: list[tuple[float, ...]] = []
     commanded: list[tuple[float, ...]] = []
+    actions, came = runner._actions, 0
     async with Robot(backend, image_size=(HEIGHT, WIDTH), seed=seed) as robot:
+
+        def noted(*given: Any) -> NDArray[np.float64]:
+            nonlocal came
+            chunk = actions(*given)
+            if np.isfinite(chunk).all():
+                came = len(commanded)
+            return chunk
 
         def watch(tick: TickView) -> None:
             requested.append(tuple(tick.requested))
             commanded.append(tuple(tick.commanded))
 
         robot.observe(watch)
+        runner._actions = noted  # type: ignore[method-assign]
         result = await runner.run(robot, "go to the chair" if runner.policy.language else "", timeout=timeout)
+        runner._actions = actions  # type: ignore[method-assign]
         await robot.sleep(0.3)
-        standing = TICK * (_moving(commanded) - _moving(requested))
+        standing, unguided = (TICK * (_moving(commanded) - since) for since in (_moving(requested), came))
         wanted = list(requested)
         turned = await robot.rotate(0.2)
-    return result.reason, wanted, standing, turned.success
+    return Drive(result.reason, wanted, standing, unguided, turned.success)
 
 
 def _moving(velocities: list[tuple[float, ...]]) -> int:

@@ -10,6 +10,7 @@ import threading
 import time
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager, suppress
+from dataclasses import replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from types import SimpleNamespace
@@ -84,9 +85,11 @@ def fail(seed: int) -> Case:
     inject, reasons = FAULTS[fault]
     with TemporaryDirectory() as folder, ExitStack() as stack:
         runner, backend = inject(Path(folder), seed, draw.randrange(1, 20), stack)
-        reason, _, standing, usable = asyncio.run(drive(runner, seed, 5.0, backend))
-    stood = standing <= USABLE_WITHIN + 1e-9
-    return {"fault": fault, "reason": reason, "named": reason in reasons, "stood": stood, "usable": usable}
+        driven = asyncio.run(drive(runner, seed, 5.0, backend))
+    ends = (runner.policy.chunk - 1) / runner.policy.rate  # the timeline, after its last chunk came, at the latest
+    stood = driven.standing <= USABLE_WITHIN + 1e-9 and driven.unguided <= ends + USABLE_WITHIN + 1e-9
+    case = {"fault": fault, "reason": driven.reason, "stood": stood, "usable": driven.usable}
+    return {**case, "named": driven.reason in reasons}
 
 
 def _here(folder: Path, seed: int, count: int, stack: ExitStack, act: Callable[..., Any]) -> tuple[VLARunner, str]:
@@ -144,9 +147,21 @@ def _child(folder: Path, seed: int, count: int, stack: ExitStack, fault: str) ->
 
 
 def _server(folder: Path, seed: int, count: int, stack: ExitStack, fault: str) -> tuple[VLARunner, str]:
-    """A policy's server that goes, hangs or sends garbage at its `count`-th answer."""
+    """A policy's server that goes, hangs or sends garbage at its `count`-th answer, or then has another policy."""
     here = VLARunner.from_pretrained(untrained(folder / "policy", seed))
     runner = VLARunner.from_pretrained(stack.enter_context(_served(PolicyServer(here), count, fault)))
+    if fault == "rate":
+        engine: Any = runner._engine
+        infer, left = engine.infer, [count]
+
+        def interrupted(*args: Any) -> Any:
+            left[0] -= 1
+            if left[0] == 0:  # the connection breaks off, and what is then at that address has another rate
+                here.policy = replace(here.policy, rate=20.0)
+                engine._close()
+            return infer(*args)
+
+        runner._engine = SimpleNamespace(infer=interrupted)  # type: ignore[assignment]
     return runner, "mock"
 
 
@@ -166,7 +181,7 @@ def _served(server: PolicyServer, count: int, fault: str) -> Iterator[str]:
                     return
                 if left[0] <= 0 and fault == "hangs":
                     over.wait(FOREVER)
-                connection.send(b"\xc1" if left[0] <= 0 else server._answer(message))
+                connection.send(b"\xc1" if left[0] <= 0 and fault == "garbage" else server._answer(message))
 
     with server, serve(talk, "127.0.0.1", 0, compression=None) as spoiled:
         threading.Thread(target=spoiled.serve_forever, daemon=True).start()
@@ -199,6 +214,7 @@ FAULTS: dict[str, tuple[Inject, tuple[str, ...]]] = {
     "server: gone": (lambda *given: _server(*given, "gone"), ("policy_error",)),
     "server: hangs": (lambda *given: _server(*given, "hangs"), ("policy_error",)),
     "server: garbage": (lambda *given: _server(*given, "garbage"), ("policy_error",)),
+    "server: another rate": (lambda *given: _server(*given, "rate"), ("policy_error",)),
     "camera stops": (_camera, ("fault",)),
 }
 """How each is made, and how a run may end by it."""

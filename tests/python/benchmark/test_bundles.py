@@ -47,7 +47,7 @@ def test_a_genuine_bundle_passes_and_is_the_same_again(genuine: Path, tmp_path: 
 @pytest.mark.parametrize(
     ("task", "agent", "scene"),
     [("pointnav", "straight", "apartment_v1"), ("objectnav", "semantic", "cluttered_v1"),
-     ("exploration", "navigator", "apartment_v1")],
+     ("exploration", "navigator", "apartment_v1"), ("objectnav", "policy:goto_v1", "cluttered_v1")],
 )  # fmt: skip
 def test_bundles_of_every_task_and_kind_of_agent_pass(task: str, agent: str, scene: str, tmp_path: Path) -> None:
     write_bundle(tmp_path / "run.zip", *run_here(tmp_path, task, agent, scene, 1))
