@@ -100,6 +100,11 @@ def policy_of(checkpoint: Checkpoint, naming: Naming, chunk: int, merge: str, la
     kinematics = Kinematics.holonomic if "vy" in velocities else Kinematics.differential
     if naming.robot is not None:
         kinematics = RobotProfile.load(naming.robot).kinematics
+    if kinematics is Kinematics.differential and "vy" in velocities:
+        raise ConfigError(
+            f"{checkpoint.config_file}: action has 'vy'; {naming.robot}, which its dataset was recorded on, has a "
+            "differential base, which has none"
+        )
     rate = naming.rate
     assert rate is not None
     training = {"checkpoint": checkpoint.folder.name, "kind": checkpoint.kind}

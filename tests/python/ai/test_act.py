@@ -15,6 +15,7 @@ import torch
 from safetensors.numpy import load_file, save_file
 from threewe import ConfigError, ContractError, Robot, Velocity
 from threewe.ai import VLARunner
+from threewe.data.lerobot import DatasetWriter
 
 from verify.cases import act_checkpoints
 from verify.cases.act_checkpoints import SHAPES, STATE, TEXT, Shape, TwinPolicy
@@ -179,6 +180,19 @@ def test_names_are_matched_never_guessed(act: Path, options: dict[str, Any], mes
     with pytest.raises(ConfigError, match=message) as refusal:
         VLARunner.from_pretrained(act, **options)
     assert str(act / "config.json") in str(refusal.value)
+
+
+def test_a_dataset_has_names_and_rate_and_the_robots_kinematics(act: Path, tmp_path: Path) -> None:
+    names = {key: {"dtype": "float32", "shape": [3], "names": NAMES} for key in ("action", STATE)}
+    for robot in ("3we_standard_v2", "turtlebot_like"):
+        with DatasetWriter(tmp_path / robot, fps=20, features=names, robot_type=robot) as writer:
+            writer.add_episode({key: np.zeros((4, 3), np.float32) for key in names}, "drive", {})
+    policy = VLARunner.from_pretrained(act, dataset=tmp_path / "3we_standard_v2").policy
+    assert (policy.rate, policy.kinematics.name, [each.name for each in policy.state]) == (20, "holonomic", NAMES)
+    with pytest.raises(ConfigError, match=r"action has 'vy'; turtlebot_like, .* has a differential base"):
+        VLARunner.from_pretrained(act, dataset=tmp_path / "turtlebot_like")
+    with pytest.raises(ConfigError, match=r"rate=10 Hz, and its dataset .* has 20 Hz: leave rate= out"):
+        VLARunner.from_pretrained(act, dataset=tmp_path / "3we_standard_v2", rate=10)
 
 
 def test_states_that_no_robot_has_cannot_be_renamed(tmp_path: Path) -> None:

@@ -96,6 +96,11 @@ def test_red_in_front_of_the_camera_is_red_in_the_tensor(tmp_path: Path) -> None
         assert runner.predict(red, "go to the chair") == pytest.approx([ahead, 0.0, 0.0])
         twice = np.repeat(np.repeat(red, 2, 0), 2, 1)
         assert runner.predict_chunk(twice, "go to the chair").shape == (policies.CHUNK, 3)
+        for image in (red, twice):
+            started = runner._start(image, "go to the chair", Velocity(), [])  # as a run does
+            assert isinstance(started, Inference)
+            assert started.wait(60.0)
+            assert runner._actions(started.result())[0] == pytest.approx([ahead, 0.0, 0.0])
 
 
 @pytest.mark.parametrize(
@@ -236,6 +241,39 @@ def test_what_does_not_fit_is_refused_with_both_sides(tmp_path: Path) -> None:
     runner.policy = replace(runner.policy, kinematics=Kinematics.differential)
     with pytest.raises(HardwareError, match="turtlebot_like has no camera"):
         asyncio.run(on("turtlebot_like", None))
+
+
+def test_a_run_that_is_refused_leaves_the_robot_still(tmp_path: Path) -> None:
+    runner = runner_of(tmp_path)
+    shape = act_checkpoints.Shape(*SIZE, state=0, text=False)
+    deaf = VLARunner.from_pretrained(
+        act_checkpoints.write(tmp_path / "act", shape), rate=10, rename={"action": ["vx", "vy", "omega"]}
+    )
+    right = np.zeros((*SIZE, 3), np.uint8)
+    with pytest.raises(ContractError, match="instruction: this policy reads none, got 'go to the chair'; leave it out"):
+        deaf.predict(right, "go to the chair")
+    assert deaf.predict(right).shape == (3,)
+
+    async def refused(runner: VLARunner, instruction: str, hardware: str, size: tuple[int, int] | None) -> str:
+        commands: list[Velocity] = []
+        async with Robot(hardware=hardware, image_size=size) as robot:
+            robot.observe(lambda tick: commands.append(tick.commanded))
+            await robot.sleep(0.5)
+            with pytest.raises(ContractError) as refusal:
+                await runner.run(robot, instruction)
+            await robot.sleep(0.5)
+            assert not any(map(any, commands))
+            assert (await robot.move_forward(0.1)).success  # and nothing owns it
+        return str(refusal.value)
+
+    cases: list[tuple[VLARunner, str, str, tuple[int, int] | None, str]] = [
+        (deaf, "go to the chair", "3we_standard_v2", SIZE, "this policy reads none"),
+        (runner, "", "3we_standard_v2", SIZE, "this policy needs one"),
+        (runner, "go to the chair", "3we_standard_v2", (100, 100), "no whole multiple of 12 x 16"),
+        (runner, "go to the chair", "turtlebot_like", None, "turtlebot_like is differential"),
+    ]
+    for given, instruction, hardware, size, message in cases:
+        assert message in asyncio.run(refused(given, instruction, hardware, size))
 
 
 def test_in_real_time_actions_are_applied_when_they_arrive(tmp_path: Path) -> None:
