@@ -90,28 +90,10 @@ def test_lerobot_trains_an_act_and_evaluates_it_as_we_do(demonstrations: Path, t
 
 
 def test_lerobot_records_on_our_robot(tmp_path: Path) -> None:
-    program = (
-        "import time\n"
-        "from lerobot.robots.utils import make_robot_from_config\n"
-        "from lerobot.robots.config import RobotConfig\n"
-        "from lerobot.utils.import_utils import register_third_party_plugins\n"
-        "register_third_party_plugins()\n"
-        "config = RobotConfig.get_choice_class('threewe')(id='ours', scene='apartment_v1', image_size=[60, 80])\n"
-        "robot = make_robot_from_config(config)\n"
-        "print(robot.observation_features, robot.action_features)\n"
-        "with robot:\n"
-        "    for _ in range(20):\n"
-        "        sent = robot.send_action({'vx.vel': 9.0, 'vy.vel': 0.0, 'omega.vel': 0.0})\n"
-        "        time.sleep(0.05)\n"
-        "    seen = robot.get_observation()\n"
-        "assert 0.2 < sent['vx.vel'] < 2.0, sent\n"
-        "assert seen['vx.vel'] > 0.1, seen\n"
-        "assert seen['camera'].shape == (60, 80, 3)\n"
-        "print('driven')\n"
-    )
-    done = subprocess.run([PYTHON, "-c", program], capture_output=True, text=True, cwd=tmp_path)
+    program = Path(__file__).with_name("robot_peer.py")
+    done = subprocess.run([PYTHON, program], capture_output=True, text=True, cwd=tmp_path)
     assert done.returncode == 0, done.stderr[-3000:]
-    assert "driven" in done.stdout
+    assert done.stdout.splitlines()[-2:] == ["driven", "red"]
 
 
 def test_lerobot_rollout_drives_our_robot(tmp_path: Path) -> None:
