@@ -39,19 +39,21 @@ struct Ranges {
   Ranges() {}  // NOLINT: what is used is filled
 };
 
-std::span<const float> in_beams(const AgentModel& model, std::span<const float> points, std::span<float> beams) {
-  if (model.beams.empty()) return points;
-  const auto own = beams.first(static_cast<std::size_t>(model.profile.lidar->beams));
-  models::fill_scan(model.beams, points, own);
-  return own;
-}
-
-// What a lidar measured in a turn, up to `reach` [m].
+// The beams of a scan that a lidar took in a turn, up to `reach` [m].
 std::span<const float> retaken(const AgentModel& model, const sim::RobotModel& robot, const sim::RobotState& state,
                                const Turn& turn, double reach, Ranges& ranges) {
   const auto points = std::span(ranges.points).first(static_cast<std::size_t>(model.profile.lidar->points_per_turn));
   sim::retake_scan(robot, state, turn.number, turn.path, reach, points);
-  return in_beams(model, points, ranges.beams);
+  if (model.beams.empty()) return points;
+  const auto beams = std::span(ranges.beams).first(static_cast<std::size_t>(model.profile.lidar->beams));
+  models::fill_scan(model.beams, points, beams);
+  return beams;
+}
+
+// The same of one that may have been taken already.
+std::span<const float> ranges_of(const AgentModel& model, const sim::RobotModel& robot, const sim::RobotState& state,
+                                 const Scan& scan, double reach, Ranges& ranges) {
+  return scan.ranges.empty() ? retaken(model, robot, state, scan, reach, ranges) : scan.ranges;
 }
 
 // [m] from wherever odometry had the base during a turn to where it places a hit, at least. `open` is known before.
@@ -133,7 +135,9 @@ void Agent::begin(const AgentModel& model, bool others_move) {
   open_ = {};
   if (model.looks_late && !others_move) {
     path_.resize(static_cast<std::size_t>(model.profile.lidar->turn / sim::kStep) + 1);
-    remembered_.resize(model.sight_model.scans);
+    // those before the newest that are not too old to tell what is free
+    const auto turns = static_cast<std::size_t>(model.sight_model.memory / model.profile.lidar->turn);
+    remembered_.resize(std::max<std::size_t>(turns, 1));
   }
 }
 
@@ -150,7 +154,7 @@ Velocity Agent::act(const AgentModel& model, const sim::RobotModel& robot, const
     if (clear <= model.decision_sight && clear <= safety::sight_of_decision(model.gate, gate_)) {
       Ranges ranges;
       const double too_short = models::most_too_short(*model.profile.lidar, state.lidar_bias, state.variation);
-      place_hits(model, *scan, retaken(model, robot, state, *scan, model.sight + too_short, ranges));
+      place_hits(model, *scan, ranges_of(model, robot, state, *scan, model.sight + too_short, ranges));
     }
   }
   std::span<const Vec2> assumed = sight_.unseen();
@@ -173,10 +177,12 @@ void Agent::end_turn(const AgentModel& model, const sim::RobotModel& robot, cons
   scan.odom_at_begin = began;
   scan.odom_at_end = turn_began_;
   scan.path.assign(path_.begin(), path_.end());
-  scan.points.clear();
+  scan.ranges.clear();
   if (use == ScanUse::gate && !path_.empty()) return;
   const auto points = sim::scan_points(robot, state);
-  scan.points.assign(points.begin(), points.end());
+  if (model.beams.empty()) return scan.ranges.assign(points.begin(), points.end());
+  scan.ranges.resize(static_cast<std::size_t>(model.profile.lidar->beams));
+  models::fill_scan(model.beams, points, scan.ranges);
 }
 
 void Agent::perceive(const AgentModel& model, const sim::RobotModel& robot, const sim::RobotState& state, Time now) {
@@ -197,11 +203,9 @@ void Agent::perceive(const AgentModel& model, const sim::RobotModel& robot, cons
 // What the gate makes of the newest scan. Where no beams in a row can be invalid, it only needs what is near, if any.
 void Agent::receive(const AgentModel& model, const sim::RobotModel& robot, const sim::RobotState& state) {
   const Scan& scan = scans_[(arrived_ - 1) % scans_.size()];
-  Ranges ranges;
   if (scan.path.empty()) {
-    const auto beams = in_beams(model, scan.points, ranges.beams);
-    place_hits(model, scan, beams);
-    return look_around(model, scan, beams);
+    place_hits(model, scan, scan.ranges);
+    return look_around(model, scan, scan.ranges);
   }
 
   nearest_ = nearest_hit(model, robot, state, scan, open_);
@@ -211,13 +215,13 @@ void Agent::receive(const AgentModel& model, const sim::RobotModel& robot, const
     remembered_[kept_++ % remembered_.size()] = scan;
     return;
   }
-  const auto take = [&](const Turn& turn) { return retaken(model, robot, state, turn, model.gate_sight, ranges); };
+  Ranges ranges;
   for (std::size_t i = kept_ - std::min(kept_, remembered_.size()); i < kept_; ++i) {
     const Turn& past = remembered_[i % remembered_.size()];
-    look_around(model, past, take(past));
+    look_around(model, past, retaken(model, robot, state, past, model.gate_sight, ranges));
   }
   kept_ = 0;
-  const auto beams = take(scan);
+  const auto beams = ranges_of(model, robot, state, scan, model.gate_sight, ranges);
   place_hits(model, scan, beams);
   look_around(model, scan, beams);
 }
@@ -257,13 +261,11 @@ std::vector<Vec2> Agent::hits(const AgentModel& model, const sim::RobotState& st
   std::vector<Vec2> points;
   if (!newest()) return points;
   const LidarSpec& lidar = *model.profile.lidar;
-  std::vector<float> beams(static_cast<std::size_t>(lidar.beams));
   const Pose2D base_from_odom = inverse(odom_from_base(model, state));
   const auto placed = [&](const Pose2D& odom_from_base) {
     return base_from_odom * odom_from_base * lidar.base_from_lidar;
   };
-  safety::append_scan_points(lidar, scan(model, beams), placed(newest()->odom_at_begin), placed(newest()->odom_at_end),
-                             points);
+  safety::append_scan_points(lidar, scan(), placed(newest()->odom_at_begin), placed(newest()->odom_at_end), points);
   return points;
 }
 
@@ -279,10 +281,6 @@ Pose2D Agent::map_from_base(const AgentModel& model, const sim::RobotState& stat
 
 Velocity Agent::velocity(const AgentModel& model, const sim::RobotState& state) const {
   return model.localization == Localization::truth ? state.velocity : state.odometry.reading.velocity;
-}
-
-std::span<const float> Agent::scan(const AgentModel& model, std::span<float> beams) const {
-  return newest() ? in_beams(model, newest()->points, beams) : std::span<const float>();
 }
 
 }  // namespace threewe::env

@@ -52,7 +52,7 @@ struct Turn {
 /// A turn, complete, on its way to the robot.
 struct Scan : Turn {
   Time arrives{};
-  std::vector<float> points;  ///< [m], as the device took them; empty if nothing observes them
+  std::vector<float> ranges;  ///< [m] of its beams; empty if nothing observes them
 };
 
 /// Where nothing stands that the lidar could hit, in the scene's frame.
@@ -82,9 +82,8 @@ class Agent {
   /// Where the robot believes to be, from where it started.
   Pose2D map_from_base(const AgentModel& model, const sim::RobotState& state) const;
   Velocity velocity(const AgentModel& model, const sim::RobotState& state) const;
-  /// The newest scan: [m] for each beam of the profile's; nothing before the first. Where the device's points are no
-  /// beams, they are sorted into `beams`.
-  std::span<const float> scan(const AgentModel& model, std::span<float> beams) const;
+  /// The newest scan: [m] for each beam of the profile's; nothing before the first.
+  std::span<const float> scan() const { return newest() ? newest()->ranges : std::span<const float>(); }
   /// What the newest scan hit [m], from where the robot is now, by its wheels.
   std::vector<Vec2> hits(const AgentModel& model, const sim::RobotState& state) const;
 

@@ -57,11 +57,9 @@ void Batch::Impl::prepare_scratch() {
     own.moments.resize(options.robots);
     own.outcomes.resize(options.robots);
     own.beliefs.resize(options.robots);
-    own.scans.resize(options.robots);
     if (rays > 0) own.rays.assign(options.robots, std::vector<float>(rays));
     for (std::size_t robot = 0; robot < options.robots; ++robot) {
       own.looks.emplace_back([this, part, robot] { return look(scratch[part].world, robot, part); });
-      if (!agent_model.beams.empty()) own.scans[robot].resize(static_cast<std::size_t>(options.hardware.lidar->beams));
     }
     for (std::size_t robot = 0; robot < options.robots; ++robot) {
       own.moments[robot].look = &own.looks[robot];

@@ -38,8 +38,7 @@ struct Scratch {
   std::vector<task::TaskState> moments;
   std::vector<task::Outcome> outcomes;
   std::vector<task::Belief> beliefs;
-  std::vector<std::vector<float>> scans;  // beams, where points have to be sorted into them
-  std::vector<std::vector<float>> rays;   // noise-free
+  std::vector<std::vector<float>> rays;  // noise-free
   SemanticImage seen;
   sim::DrawScratch drawing;
 };
@@ -66,7 +65,7 @@ struct Batch::Impl {
   std::span<const std::int16_t> look(std::size_t world, std::size_t robot, std::size_t part);
   void observe(std::size_t world, std::vector<Array>& arrays, std::size_t part);
   TopView top_view(std::size_t world) const;
-  task::Belief belief_of(std::size_t world, std::size_t robot, std::size_t part);
+  task::Belief belief_of(std::size_t world, std::size_t robot) const;
   double scan_age(const sim::RobotState& state) const;
   std::vector<Vec2> hits_around(std::size_t world, std::size_t robot) const;
 

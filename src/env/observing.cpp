@@ -14,7 +14,7 @@ namespace threewe::env {
 void Batch::Impl::observe(std::size_t world, std::vector<Array>& arrays, std::size_t part) {
   std::vector<task::Belief>& beliefs = scratch[part].beliefs;
   for (std::size_t robot = 0; robot < options.robots; ++robot) {
-    beliefs[robot] = belief_of(world, robot, part);
+    beliefs[robot] = belief_of(world, robot);
     task->update(world, beliefs[robot]);
   }
   for (std::size_t robot = 0; robot < options.robots; ++robot) {
@@ -47,7 +47,7 @@ void Batch::Impl::observe(std::size_t world, std::vector<Array>& arrays, std::si
   }
 }
 
-task::Belief Batch::Impl::belief_of(std::size_t world, std::size_t robot, std::size_t part) {
+task::Belief Batch::Impl::belief_of(std::size_t world, std::size_t robot) const {
   const std::size_t i = row(world, robot);
   task::Belief belief;
   if (agent_model.localizes) belief.map_from_base = agents[i].map_from_base(agent_model, states[i]);
@@ -55,7 +55,7 @@ task::Belief Batch::Impl::belief_of(std::size_t world, std::size_t robot, std::s
     belief.map_from_base = inverse(states[row(world)].start) * states[i].start * belief.map_from_base;
   }
   if (clock.scans) {
-    belief.scan = agents[i].scan(agent_model, scratch[part].scans[robot]);
+    belief.scan = agents[i].scan();
     belief.base_from_lidar = agent_model.profile.lidar->base_from_lidar;
     belief.range_max = agent_model.profile.lidar->range_max;
   }

@@ -1,6 +1,7 @@
 #include "safety/approach.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <optional>
@@ -147,13 +148,18 @@ double reach(const ApproachModel& model, const Velocity& last) {
   return model.body_from_lidar + time * (speed + model.params.fastest);
 }
 
+void Approach::forget() {
+  seen_.reset();
+  approaching_.clear();
+}
+
 void Approach::update(const ApproachModel& model, const Sight& sight, const Velocity& last) {
   const PlacedScan* newest = sight.scan_before(0);
   if (newest == nullptr || newest->ranges.size() != model.directions.size()) return forget();
   const Duration interval = 2 * (model.params.until - model.params.since) / 5;  // more often would tell no more
   if (seen_ && newest->turn.end - *seen_ < interval) return;
   seen_ = newest->turn.end;
-  count_ = 0;
+  approaching_.clear();
   const PlacedScan* young = to_compare(model, sight, model.youngest);
   const PlacedScan* old = to_compare(model, sight, model.oldest);
   if (young == nullptr || old == nullptr || young == old) return;
@@ -195,10 +201,7 @@ void Approach::update(const ApproachModel& model, const Sight& sight, const Velo
 
 // Where there is no room left, in place of the farthest.
 void Approach::put(const Approaching& hit, Vec2 lidar) {
-  if (count_ < kMost) {
-    approaching_[count_++] = hit;
-    return;
-  }
+  if (approaching_.size() < kMost) return approaching_.push_back(hit);
   const auto away = [lidar](const Approaching& it) { return distance(it.position, lidar); };
   Approaching& farthest = *std::ranges::max_element(approaching_, {}, away);
   if (away(hit) < away(farthest)) farthest = hit;

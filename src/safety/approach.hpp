@@ -1,7 +1,6 @@
 // Approach prediction: what comes nearer, bearing by bearing, at where it will be when the robot has stopped.
 #pragma once
 
-#include <array>
 #include <cstddef>
 #include <optional>
 #include <span>
@@ -50,10 +49,10 @@ class Approach {
   static constexpr std::size_t kMost = 48;  ///< hits; of more, the nearest
 
   /// Nothing has been seen yet.
-  void forget() { *this = {}; }
+  void forget();
   /// The newest scan and those before it, once it was added to them; `last` is the newest command.
   void update(const ApproachModel& model, const Sight& sight, const Velocity& last);
-  std::span<const Approaching> approaching() const { return std::span(approaching_).first(count_); }
+  std::span<const Approaching> approaching() const { return approaching_; }
   /// Appends where these will be when the robot, which is at `robot` and was commanded `last`, has come to a stop: two
   /// robots that meet would each stop short of where the other was.
   void append_predicted(const ApproachModel& model, const Velocity& last, Vec2 robot, Time now,
@@ -63,8 +62,7 @@ class Approach {
   void put(const Approaching& hit, Vec2 lidar);
 
   std::optional<Time> seen_;
-  std::size_t count_ = 0;
-  std::array<Approaching, kMost> approaching_{};
+  std::vector<Approaching> approaching_;  // room is taken when something first approaches: it seldom does
 };
 
 }  // namespace threewe::safety
