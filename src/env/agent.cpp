@@ -104,7 +104,9 @@ AgentModel make_agent_model(const Options& options, const Clock& clock, bool loc
     model.gate_sight = std::max(model.sight, model.sight_model.reach) + 2.0 * norm(lidar.base_from_lidar.position()) +
                        2.0 * model.profile.hardware_limits.linear * to_seconds(remembered);
     safety::GateState fastest;
-    fastest.recent.fill({model.gate.limits.linear, 0.0, model.gate.limits.angular});
+    for (std::size_t i = 0; i < safety::RecentCommands::kSize; ++i) {
+      fastest.recent.push({model.gate.limits.linear, 0.0, model.gate.limits.angular});
+    }
     model.decision_sight = safety::sight_of_decision(model.gate, fastest);
     model.looks_late = model.gate.collision_monitor && options.robots == 1 && options.randomization.interval.empty();
     constexpr double kOfCaster = 1e-3;  // [m], more than its ranges are off

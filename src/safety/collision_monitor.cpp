@@ -5,7 +5,6 @@
 #include <cmath>
 #include <cstddef>
 #include <memory_resource>
-#include <ranges>
 #include <span>
 #include <vector>
 
@@ -115,16 +114,16 @@ double way_to_stand_still(const GateModel& model, const Velocity& last, const Ve
   return Arc::that_brakes(model, fastest).whole_way();
 }
 
-// The commands that the robot has yet to obey, the newest first.
-std::span<const Velocity> pending_commands(const GateModel& model, const GateState& state) {
-  return std::span(state.recent)
-      .first(static_cast<std::size_t>((model.reaction + kControlPeriod - 1ns) / kControlPeriod));
+// How many commands the robot has yet to obey.
+std::size_t count_pending(const GateModel& model) {
+  return static_cast<std::size_t>((model.reaction + kControlPeriod - 1ns) / kControlPeriod);
 }
 
 // [m] that corners go by them, at most.
 double way_of_pending(const GateModel& model, const GateState& state) {
   double way = 0.0;
-  for (const Velocity& v : pending_commands(model, state)) way += way_of_corners(model, v);
+  const std::size_t pending = count_pending(model);
+  for (std::size_t i = 0; i < pending; ++i) way += way_of_corners(model, state.recent[i]);
   return way;
 }
 
@@ -228,7 +227,8 @@ Velocity clear_of_obstacles(const GateModel& model, const GateState& state, cons
     return true;
   };
   Frame turning_point;
-  for (const Velocity& v : pending_commands(model, state) | std::views::reverse) {
+  for (std::size_t i = count_pending(model); i-- > 0;) {
+    const Velocity& v = state.recent[i];
     if (v == Velocity{}) continue;
     const Arc arc = Arc::of_one_period(model, v);
     for (Obstacle& obstacle : near) follow(model, turning_point, arc, obstacle, keep_nearest);

@@ -92,10 +92,11 @@ Limits creep_limits(const GateModel& model) {
 bool is_creeping(const GateModel& model, const GateState& state) {
   constexpr std::size_t kSettling = 2;  // periods: motors follow a step in about as many
   const auto pending = static_cast<std::size_t>((model.reaction + kControlPeriod - 1ns) / kControlPeriod);
-  const std::size_t count = std::min(pending + kSettling, state.recent.size());
-  return std::ranges::all_of(std::span(state.recent).first(count), [&](const Velocity& v) {
-    return corner_speed(model, v) <= model.creep.corner_speed * kRounding;
-  });
+  const std::size_t count = std::min(pending + kSettling, RecentCommands::kSize);
+  for (std::size_t i = 0; i < count; ++i) {
+    if (corner_speed(model, state.recent[i]) > model.creep.corner_speed * kRounding) return false;
+  }
+  return true;
 }
 
 bool is_in_passage(const GateModel& model, std::span<const Vec2> hits, const Pose2D& odom_from_base) {

@@ -103,8 +103,7 @@ GateModel make_gate_model(const RobotProfile& profile) {
 GateOutput gate(const GateModel& model, GateState& state, const Request& request, const Surroundings& surroundings,
                 Time now, const Pose2D& odom_from_base) {
   const GateOutput output = decide(model, state, request, surroundings, now, odom_from_base);
-  std::copy_backward(state.recent.begin(), state.recent.end() - 1, state.recent.end());
-  state.recent.front() = output.command;
+  state.recent.push(output.command);
   return output;
 }
 

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -42,18 +43,41 @@ GateModel make_gate_model(const RobotProfile& profile);
 /// The longest reaction that the gate can look ahead over.
 inline constexpr Duration kMaxReaction = 320ms;
 
+/// The commands of the periods before, among them those that the robot has yet to obey. A ring: most periods read none
+/// but the newest.
+class RecentCommands {
+ public:
+  static constexpr std::size_t kSize = kMaxReaction / kControlPeriod;
+
+  void push(const Velocity& command) {
+    newest_ = (newest_ + kSize - 1) % kSize;
+    commands_[newest_] = command;
+  }
+  /// The command so many periods before the newest.
+  const Velocity& operator[](std::size_t before) const { return commands_[(newest_ + before) % kSize]; }
+  friend bool operator==(const RecentCommands& a, const RecentCommands& b) {
+    for (std::size_t i = 0; i < kSize; ++i) {
+      if (a[i] != b[i]) return false;
+    }
+    return true;
+  }
+
+ private:
+  std::size_t newest_ = 0;
+  std::array<Velocity, kSize> commands_{};
+};
+
 /// What changes. Plain data.
 struct GateState {
-  /// The commands of the periods before, newest first: those that the robot has yet to obey.
-  std::array<Velocity, kMaxReaction / kControlPeriod> recent{};
   Time last_scan{};  ///< `received` of the newest scan; of the newest echo where there is no lidar
   bool scan_seen = false;
   bool crept = false;  ///< the margin of creep mode was allowed: so creep mode goes on until the margin is free
   bool estop = false;  ///< latched until released
+  RecentCommands recent{};
   friend bool operator==(const GateState&, const GateState&) = default;
 
   /// The command of the period before.
-  const Velocity& last() const { return recent.front(); }
+  const Velocity& last() const { return recent[0]; }
 };
 
 /// What is asked of the gate.

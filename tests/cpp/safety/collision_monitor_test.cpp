@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <ranges>
 #include <span>
 #include <vector>
 
@@ -171,9 +170,10 @@ GateState random_state(const GateModel& model, Draw& draw) {
   const bool in_reach = draw.whole(0, 3) > 0;
   Velocity wanted;
   Velocity last;
-  for (Velocity& v : state.recent | std::views::reverse) {
+  for (std::size_t i = 0; i < RecentCommands::kSize; ++i) {
     if (draw.whole(0, 5) == 0) wanted = random_velocity(model, draw);
-    last = v = in_reach ? within_acceleration(model.limits, last, wanted) : wanted;
+    last = in_reach ? within_acceleration(model.limits, last, wanted) : wanted;
+    state.recent.push(last);
   }
   return state;
 }
