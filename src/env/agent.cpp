@@ -127,6 +127,8 @@ void Agent::begin(const AgentModel& model, bool others_move) {
   approach_.forget();
   others_move_ = others_move;
   localization_ = {};
+  const bool corrects = model.localizes && model.localization == Localization::noisy;
+  correction_due_ = corrects ? model.localization_model.period : Time::max();
   if (model.scans) scans_.resize(model.scans_under_way);
   taken_ = arrived_ = 0;
   turn_began_ = {};
@@ -147,6 +149,8 @@ Velocity Agent::act(const AgentModel& model, const sim::RobotModel& robot, const
                     const Velocity& action, Time now) {
   Velocity wanted = scaled_to(model.gate.limits, action);
   if (model.gate.kinematics == Kinematics::differential) wanted.vy = 0.0;
+  if (!model.gate.collision_monitor) return safety::gate(model.gate, gate_, {wanted}, {}, now).command;
+
   const Pose2D base = odom_from_base(model, state);
   if (const Scan* scan = newest(); scan != nullptr && !placed_) {
     const Vec2 from = base.position();
@@ -188,18 +192,24 @@ void Agent::end_turn(const AgentModel& model, const sim::RobotModel& robot, cons
 }
 
 void Agent::perceive(const AgentModel& model, const sim::RobotModel& robot, const sim::RobotState& state, Time now) {
-  const Duration period = model.localization_model.period;
-  if (model.localizes && model.localization == Localization::noisy && now % period == Time::zero()) {
-    models::correct_localization(model.localization_model, state.key(Stream::localization),
-                                 static_cast<std::uint64_t>(now / period), inverse(state.start) * state.pose,
-                                 odom_from_base(model, state), localization_);
-  }
+  if (now >= correction_due_) correct(model, state, now);
   while (arrived_ < taken_ && scans_[arrived_ % scans_.size()].arrives <= now) {
     ++arrived_;
     gate_.last_scan = now;
     gate_.scan_seen = true;
     if (model.gate.collision_monitor) receive(model, robot, state);
   }
+}
+
+// Corrections come at multiples of their period; where such a moment is no end of a control period, none comes.
+void Agent::correct(const AgentModel& model, const sim::RobotState& state, Time now) {
+  const Duration period = model.localization_model.period;
+  const auto number = now / period;
+  correction_due_ = (number + 1) * period;
+  if (now % period != Time::zero()) return;
+  models::correct_localization(model.localization_model, state.key(Stream::localization),
+                               static_cast<std::uint64_t>(number), inverse(state.start) * state.pose,
+                               odom_from_base(model, state), localization_);
 }
 
 // What the gate makes of the newest scan. Where no beams in a row can be invalid, it only needs what is near, if any.

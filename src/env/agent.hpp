@@ -88,6 +88,7 @@ class Agent {
   std::vector<Vec2> hits(const AgentModel& model, const sim::RobotState& state) const;
 
  private:
+  void correct(const AgentModel& model, const sim::RobotState& state, Time now);
   void receive(const AgentModel& model, const sim::RobotModel& robot, const sim::RobotState& state);
   bool is_without_gap(const AgentModel& model, const sim::RobotState& state, const Turn& turn) const;
   void place_hits(const AgentModel& model, const Turn& turn, std::span<const float> ranges);
@@ -96,20 +97,22 @@ class Agent {
   /// Of the scans that have arrived; null before the first.
   const Scan* newest() const { return arrived_ == 0 ? nullptr : &scans_[(arrived_ - 1) % scans_.size()]; }
 
-  safety::GateState gate_;
-  safety::Sight sight_;
-  safety::Approach approach_;
-  bool others_move_ = true;
+  // what every step reads comes first, together
   models::LocalizationState localization_;
-  std::vector<Scan> scans_;  // a ring
-  std::size_t taken_ = 0;    // scans so far
+  Time correction_due_{};  // of the localization; the end of time where it has none
+  std::size_t taken_ = 0;  // scans so far
   std::size_t arrived_ = 0;
-  Pose2D turn_began_;            // odom_from_base then
+  std::vector<Scan> scans_;      // a ring
   std::vector<Vec2> obstacles_;  // of the newest scan, in odom, once they are `placed_`
   bool placed_ = true;
+  bool others_move_ = true;
+  std::vector<Pose2D> path_;  // in truth, of the turn in progress
+  safety::Approach approach_;
+  safety::Sight sight_;
+  safety::GateState gate_;
+  Pose2D turn_began_;  // odom_from_base then
   OpenDisc open_;
   double nearest_ = 0.0;          // [m] from where the base was during the newest scan none of those is nearer
-  std::vector<Pose2D> path_;      // in truth, of the turn in progress
   std::vector<Turn> remembered_;  // a ring: those that `sight_` lacks
   std::size_t kept_ = 0;          // of these so far
 };

@@ -136,12 +136,14 @@ void correct_localization(const LocalizationSpec& spec, const RngKey& key, std::
   state.map_from_base.theta =
       wrap_angle(truth.theta + (state.turn + state.heading + spec.noise.heading * draws[kScatterHeading]));
   state.odom_from_base = odom_from_base;
+  state.map_from_odom = exact::sincos(state.map_from_base.theta - odom_from_base.theta);
 }
 
 Pose2D localized_pose(const LocalizationState& state, const Pose2D& odom_from_base) {
   // the same as map_from_odom * odom_from_base, without rounding where the odometer has not moved
-  const double map_from_odom = state.map_from_base.theta - state.odom_from_base.theta;
-  const Vec2 moved = rotate(odom_from_base.position() - state.odom_from_base.position(), map_from_odom);
+  const auto [s, c] = state.map_from_odom;
+  const Vec2 way = odom_from_base.position() - state.odom_from_base.position();
+  const Vec2 moved{c * way.x - s * way.y, s * way.x + c * way.y};
   return {state.map_from_base.x + moved.x, state.map_from_base.y + moved.y,
           wrap_angle(state.map_from_base.theta + (odom_from_base.theta - state.odom_from_base.theta))};
 }

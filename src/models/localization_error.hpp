@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <type_traits>
 
+#include "core/exact.hpp"
 #include "core/rng.hpp"
 #include "threewe/core/pose.hpp"
 #include "threewe/models/localization.hpp"
@@ -16,6 +17,7 @@ struct LocalizationState {
   // the newest correction: where the robot believed to be, and what its odometer showed
   Pose2D map_from_base;
   Pose2D odom_from_base;
+  exact::SinCos map_from_odom{0.0, 1.0};  ///< of the angle between the two
 
   Vec2 position;  ///< [m] where it truly was
   // what is slowly varying of the error
@@ -25,7 +27,7 @@ struct LocalizationState {
   Vec2 local;            ///< [m]
 };
 static_assert(std::is_trivially_copyable_v<LocalizationState>);
-static_assert(sizeof(LocalizationState) == 13 * sizeof(double), "no padding");
+static_assert(sizeof(LocalizationState) == 15 * sizeof(double), "no padding");
 
 /// Correction number `correction` of an episode, counted from 0, of a robot that truly stands at `truth` (in `map`,
 /// whose origin is the start) while its odometer shows `odom_from_base`. A perfect one gives the truth to the bit.

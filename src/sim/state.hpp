@@ -41,6 +41,7 @@ struct RobotState {
   models::Traction traction;
   double battery_resistance = 0.0;    ///< [ohm]
   std::uint64_t command_latency = 0;  ///< [steps]
+  models::OdometryState odometry;     ///< the encoders' newest reading; what a drive needs ends here
   models::Variation variation;
 
   Pose2D start;
@@ -49,7 +50,6 @@ struct RobotState {
   // the sensors: their newest readings, and what they carry on
   IMUData imu;
   models::IMUState imu_state;
-  models::OdometryState odometry;
   double ultrasonic_range = 0.0;                      ///< [m] of the newest ping, whichever sensor's it was
   double lidar_bias = 0.0;                            ///< [m]
   std::array<float, kMaxLidarPoints> lidar_points{};  ///< [m] of the turn in progress, or of the one that just ended
