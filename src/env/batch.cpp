@@ -57,6 +57,11 @@ void Batch::Impl::prepare_scratch() {
     own.moments.resize(options.robots);
     own.outcomes.resize(options.robots);
     own.beliefs.resize(options.robots);
+    for (task::Belief& belief : own.beliefs) {
+      if (!clock.scans) continue;
+      belief.base_from_lidar = agent_model.profile.lidar->base_from_lidar;
+      belief.range_max = agent_model.profile.lidar->range_max;
+    }
     if (rays > 0) own.rays.assign(options.robots, std::vector<float>(rays));
     for (std::size_t robot = 0; robot < options.robots; ++robot) {
       own.looks.emplace_back([this, part, robot] { return look(scratch[part].world, robot, part); });

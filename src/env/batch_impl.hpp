@@ -65,7 +65,7 @@ struct Batch::Impl {
   std::span<const std::int16_t> look(std::size_t world, std::size_t robot, std::size_t part);
   void observe(std::size_t world, std::vector<Array>& arrays, std::size_t part);
   TopView top_view(std::size_t world) const;
-  task::Belief belief_of(std::size_t world, std::size_t robot) const;
+  void update_belief(std::size_t world, std::size_t robot, task::Belief& belief) const;
   double scan_age(const sim::RobotState& state) const;
   std::vector<Vec2> hits_around(std::size_t world, std::size_t robot) const;
 

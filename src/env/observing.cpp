@@ -14,7 +14,7 @@ namespace threewe::env {
 void Batch::Impl::observe(std::size_t world, std::vector<Array>& arrays, std::size_t part) {
   std::vector<task::Belief>& beliefs = scratch[part].beliefs;
   for (std::size_t robot = 0; robot < options.robots; ++robot) {
-    beliefs[robot] = belief_of(world, robot);
+    update_belief(world, robot, beliefs[robot]);
     task->update(world, beliefs[robot]);
   }
   for (std::size_t robot = 0; robot < options.robots; ++robot) {
@@ -47,19 +47,14 @@ void Batch::Impl::observe(std::size_t world, std::vector<Array>& arrays, std::si
   }
 }
 
-task::Belief Batch::Impl::belief_of(std::size_t world, std::size_t robot) const {
+// What does not stay the same from world to world.
+void Batch::Impl::update_belief(std::size_t world, std::size_t robot, task::Belief& belief) const {
   const std::size_t i = row(world, robot);
-  task::Belief belief;
   if (agent_model.localizes) belief.map_from_base = agents[i].map_from_base(agent_model, states[i]);
   if (agent_model.localizes && robot > 0) {  // a team knows where it set out
     belief.map_from_base = inverse(states[row(world)].start) * states[i].start * belief.map_from_base;
   }
-  if (clock.scans) {
-    belief.scan = agents[i].scan();
-    belief.base_from_lidar = agent_model.profile.lidar->base_from_lidar;
-    belief.range_max = agent_model.profile.lidar->range_max;
-  }
-  return belief;
+  if (clock.scans) belief.scan = agents[i].scan();
 }
 
 // [s] since the newest scan that has arrived was complete, whether anything reads it or not.
