@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 namespace threewe::env {
 namespace {
@@ -44,11 +45,19 @@ Clock make_clock(const Options& options, const sim::RobotModel& robot, const tas
   clock.scans = options.hardware.lidar && (options.gate == Gate::full || options.observed.lidar || task.reads_scan());
   clock.gate_reads = options.gate == Gate::full;
   clock.any_may_be = draws(options.randomization, "sensor_latency");
+  if (clock.scans) clock.tabulate();
   return clock;
 }
 
-ScanUse Clock::use_of_scan(std::uint64_t step) const {
-  if (!scans) return ScanUse::none;
+// After the robot has stood, all that counts comes again when turns and control steps end at once.
+void Clock::tabulate() {
+  cycle = std::lcm(turn, std::lcm(kTick, period)) / turn;
+  uses.clear();
+  const std::uint64_t turns = settle / turn + 1 + cycle;
+  for (std::uint64_t i = 0; i < turns; ++i) uses.push_back(work_out_use(i * turn));
+}
+
+ScanUse Clock::work_out_use(std::uint64_t step) const {
   const std::uint64_t turns = step / turn;
   const std::uint64_t arrives = rounded_up((turns + 1) * turn + latency, kTick);
   const std::uint64_t outdated = rounded_up((turns + 2) * turn + latency, kTick);

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <string_view>
+#include <vector>
 
 #include "sim/model.hpp"
 #include "threewe/env/options.hpp"
@@ -23,8 +24,20 @@ struct Clock {
   bool gate_reads = false;    ///< and the gate each of them, not just the newest at the end of a control step
   bool any_may_be = false;    ///< the newest at the end of a control step, since when they arrive is drawn
 
-  /// What will read the scan of the turn that step number `step` (from 0) belongs to.
-  ScanUse use_of_scan(std::uint64_t step) const;
+  /// What will read the scan of the turn that step number `step` (from 0) belongs to. By a table, since every step of
+  /// every world asks, and to work it out takes half a dozen divisions.
+  ScanUse use_of_scan(std::uint64_t step) const {
+    if (!scans) return ScanUse::none;
+    const std::uint64_t turns = step / turn;
+    return uses[turns < uses.size() ? turns : uses.size() - cycle + (turns - uses.size()) % cycle];
+  }
+  /// The same without the table.
+  ScanUse work_out_use(std::uint64_t step) const;
+  /// Makes the table, once all else is known.
+  void tabulate();
+
+  std::vector<ScanUse> uses;  ///< of the first turns; from then on the last `cycle` of these come again and again
+  std::uint64_t cycle = 1;    ///< [turns]
 };
 
 /// Whether a knob is drawn at any time.
