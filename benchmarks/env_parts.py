@@ -1,7 +1,7 @@
 """What one step of an environment is made of: instructions and cache misses by part, counted by callgrind.
 
-Where there are so many environments that none stays in the nearest cache from step to step, misses tell how much memory
-a step touches, at most: what has to be read again within a step counts twice.
+Where there are so many environments that none stays in the modelled last cache from step to step, while a block of them
+does within one, its misses of data tell how much memory a step touches.
 
 Each function's own cost goes to the part that it belongs to by its name; that of a function that many share, such as
 `sincos`, to the parts of its callers, in proportion to what their calls of it cost.
@@ -24,8 +24,8 @@ PARTS = {  # by the first pattern that a function's name matches
     "lidar": r"RayCaster|sim::kernel::(N_\w+::)?(begin|point|intersect|finish|invert)|intersect_|"
     r"models::(N_\w+::)?(measure_ranges|add_noise|measure|drops_neighbours|dropped_points|list_dropped)\(|"
     r"sim::.*::(sense|sweep_lidar)\(|sim::retake_scan\(|fill_scan",
-    "odometry and localization model": r"measure_odometry|measure_all|correct_localization|localized_pose|belief_of|"
-    r"Agent::map_from_base",
+    "odometry and localization model": r"measure_odometry|measure_all|correct_localization|localized_pose|"
+    r"update_belief|Agent::(map_from_base|correct)\(",
     "agent and gate": r"env::Agent::|threewe::safety::",  # before physics, whose types they take
     "physics": r"threewe::sim::",
     "task": r"threewe::task::",
@@ -37,12 +37,15 @@ PARTS = {  # by the first pattern that a function's name matches
 PYTHON = "Python"
 MANY = 1024  # environments
 LINE = 64  # bytes of a cache's line
+CACHES = ("--I1=32768,8,64", "--D1=32768,8,64", "--LL=524288,8,64")  # a core's own: bytes, ways, bytes of a line
 ROUNDS = 30  # of passing costs on to callers: longer than any chain of calls between parts
 Costs = list[float]
 
 
 def breakdown(kinds: list[Kind]) -> None:
-    """Prints a table: instructions of one step by part, and what misses the caches that callgrind models."""
+    """Prints a table: instructions of one step by part, and what misses the caches that callgrind models: instructions
+    and data the nearest, data the last.
+    """
     for kind in kinds:
         parts = measure_parts(kind)
         total = [sum(costs) for costs in zip(*parts.values(), strict=True)]
@@ -51,8 +54,8 @@ def breakdown(kinds: list[Kind]) -> None:
             print(row(part, parts[part]))
         print(row("all", total))
         if kind.envs >= MANY:
-            touched = LINE * (total[1] - parts[PYTHON][1]) / 1024.0
-            print(f"memory that a step touches: at most {touched:.1f} KiB, wanted 1", flush=True)
+            touched = LINE * (total[2] - parts[PYTHON][2]) / 1024.0
+            print(f"memory that a step touches: {touched:.2f} KiB, wanted 1", flush=True)
 
 
 def row(name: str, costs: Costs) -> str:
@@ -67,10 +70,10 @@ def describe(kind: Kind) -> str:
 
 
 def measure_parts(kind: Kind) -> dict[str, Costs]:
-    """Instructions, misses of the nearest and of the last cache, by part of one step."""
+    """Instructions, misses of the nearest cache and of data in the last, by part of one step."""
     with tempfile.TemporaryDirectory() as folder:
         out = Path(folder) / "callgrind.out"
-        options = ["--tool=callgrind", "--instr-atstart=no", "--cache-sim=yes", f"--callgrind-out-file={out}"]
+        options = ["--tool=callgrind", "--instr-atstart=no", "--cache-sim=yes", *CACHES, f"--callgrind-out-file={out}"]
         words = [str(each) for each in (kind.beams, kind.ticks, kind.noise, kind.gate, kind.envs)]
         try:
             subprocess.run(["valgrind", *options, sys.executable, __file__, *words], capture_output=True, check=True)
@@ -116,7 +119,7 @@ def read_costs(text: str) -> tuple[dict[str, Costs], dict[str, dict[str, float]]
                 calls[callee][function] += counted.get("Ir", 0)
             else:
                 nearest = sum(counted.get(event, 0) for event in ("I1mr", "D1mr", "D1mw"))
-                last = sum(counted.get(event, 0) for event in ("ILmr", "DLmr", "DLmw"))
+                last = sum(counted.get(event, 0) for event in ("DLmr", "DLmw"))
                 for i, cost in enumerate((counted.get("Ir", 0), nearest, last)):
                     own[function][i] += cost
             of_call = False
