@@ -2,7 +2,8 @@
 
 A step is one action, one control period, one scan where scans are observed, reward, termination and autoreset, of
 environments in office_v2. Each row states how many at once, ticks (of 20 ms) a step, noise, beams (0: the goal alone)
-and gate, what is wanted, and whether that is missed. With --breakdown, what a step is made of instead.
+and gate, how many times as long a step of Enki and MuJoCo takes, where they are installed (see env_peers.py), what is
+wanted, and whether that is missed. With --breakdown, what a step is made of instead.
 """
 
 from __future__ import annotations
@@ -21,6 +22,7 @@ from pathlib import Path
 
 import numpy as np
 from env_parts import breakdown
+from env_peers import PEERS, time_peers
 from env_steps import Kind, actions_of, measure, measure_resets
 from numpy.typing import NDArray
 from threewe import Scene
@@ -97,20 +99,26 @@ def main() -> int:
     if arguments.cpu is not None:
         os.sched_setaffinity(0, {arguments.cpu})
 
+    peers, remarks = time_peers([kind for kind, _ in SPEEDS])
+    titles = " ".join(f"x {name}".rjust(8) for name in PEERS)
     print(
-        f"{'envs':>5} {'beams':>5} {'ticks':>5} {'noise':>9} {'gate':>6} {'steps/s':>12} {'ns/step':>8} {'wanted':>10}"
+        f"{'envs':>5} {'beams':>5} {'ticks':>5} {'noise':>9} {'gate':>6} {'steps/s':>12} {'ns/step':>8} "
+        f"  {titles} {'wanted':>10}"
     )
     speeds = []
     for kind, wanted in SPEEDS:
         seconds = measure(kind, arguments.seconds)
         rate = 1.0 / statistics.median(seconds)
+        theirs = peers.get((kind.beams, kind.ticks), {})
+        ratios = " ".join(f"{rate * theirs[name]:8,.0f}" if name in theirs else " " * 8 for name in PEERS)
         print(
             f"{kind.envs:5,} {kind.beams:5} {kind.ticks:5} {kind.noise:>9} {kind.gate:>6} {rate:12,.0f} "
-            f"{1e9 / rate:8.0f} {wanted:10,.0f} {rate / wanted:.2f} of it{'' if rate >= wanted else '  MISSED'}",
+            f"{1e9 / rate:8.0f}   {ratios} {wanted:10,.0f} {rate / wanted:.2f} of it"
+            f"{'' if rate >= wanted else '  MISSED'}",
             flush=True,
         )
-        speeds.append({**asdict(kind), "seconds": seconds, "wanted": wanted})
-    print()
+        speeds.append({**asdict(kind), "seconds": seconds, "wanted": wanted, "peers": theirs})
+    print(*remarks, sep="\n")
     figures = []
     for figure in others(arguments.seconds, cpus):
         print(figure.line(), flush=True)

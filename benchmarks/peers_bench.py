@@ -123,14 +123,15 @@ def main() -> int:
     return int(any(remark.startswith("FAILED") for remark in remarks))
 
 
-def time_peer(name: str) -> tuple[list[Result], str]:
-    """The figures of one peer, and what went wrong."""
+def time_peer(name: str, world: str | None = None, *kinds: str) -> tuple[list[Result], str]:
+    """The figures of one peer, and what went wrong; in another world, or only some kinds of figures."""
     peer = PEERS[name]
+    given = (world,) if world else peer.given
     if not installed(peer):
         return [], f"not run: {name}, which is not installed: {peer.install}"
     print(f"timing {name}", flush=True)
     try:
-        return figures(run([*command(peer), *(PLACE / file for file in peer.given)])), ""
+        return figures(run([*command(peer), *(PLACE / file for file in given), *kinds])), ""
     except subprocess.CalledProcessError as error:
         said = (error.stderr or "").strip().splitlines() or ["it ended without a word"]
         return figures(error.stdout or ""), f"FAILED: {name}: {said[-1]}"

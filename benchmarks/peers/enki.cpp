@@ -77,14 +77,14 @@ void time_drives(const peers::World& world, int beams) {
     for (const double square : robot->lidar->zbuffer) sum += std::min(world.lidar_range, std::sqrt(square) / kScale);
   }
   std::string fields =
-      "\"kind\": \"step\", \"who\": \"Enki 1.6.99, C++\", \"substeps\": " + std::to_string(peers::kSubsteps) +
-      ", \"period\": " + std::to_string(peers::kPeriod) + ", \"range\": " + std::to_string(world.lidar_range) +
+      "\"kind\": \"step\", \"who\": \"Enki 1.6.99, C++\", \"substeps\": " + std::to_string(world.substeps) +
+      ", \"period\": " + std::to_string(world.period()) + ", \"range\": " + std::to_string(world.lidar_range) +
       ", \"differs\": \"speed of the wheels set at once, contact in 2D with all outlines; scan by projection\"";
   if (beams > 0) fields += ", \"mean_range\": " + std::to_string(sum / (beams * static_cast<double>(peers::kLookedAt)));
   peers::report(fields, std::to_string(beams), static_cast<double>(peers::kFew) * peers::kRun, [&] {
     for (std::size_t i = 0; i < peers::kFew; ++i) {
       begin(world.poses[i]);
-      for (int step = 0; step < peers::kRun; ++step) office.step(peers::kPeriod, peers::kSubsteps);
+      for (int step = 0; step < peers::kRun; ++step) office.step(world.period(), static_cast<unsigned>(world.substeps));
     }
   });
 }

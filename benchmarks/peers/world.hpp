@@ -14,8 +14,7 @@ namespace peers {
 inline constexpr int kBeams[] = {64, 360};
 inline constexpr double kForward = 0.3;       // [m/s]
 inline constexpr double kTurn = 0.5;          // [rad/s]
-inline constexpr double kPeriod = 0.1;        // [s] of a step
-inline constexpr int kSubsteps = 10;          // of physics in it
+inline constexpr double kPhysics = 0.01;      // [s] of a step of physics
 inline constexpr int kRun = 10;               // steps from each place
 inline constexpr std::size_t kLookedAt = 64;  // of the places: the mean of all ranges from there
 inline constexpr std::size_t kFew = 32;       // of the places, for what takes long
@@ -33,6 +32,8 @@ struct World {
   std::vector<Place> poses;
   double lidar_height = 0.0, lidar_range = 0.0;     // [m]
   double camera_height = 0.0, field_of_view = 0.0;  // [m], [rad]
+  int substeps = 10;                                // of physics in a step
+  double period() const { return substeps * kPhysics; }
 };
 
 inline World read_world(const char* path) {
@@ -49,6 +50,8 @@ inline World read_world(const char* path) {
       file >> world.lidar_height >> world.lidar_range;
     } else if (word == "camera") {
       file >> world.camera_height >> world.field_of_view;
+    } else if (word == "substeps") {
+      file >> world.substeps;
     }
   }
   return world;

@@ -17,7 +17,9 @@ from pathlib import Path
 BEAMS = (64, 360)
 PICTURES = ((64, 64), (160, 120), (640, 480))  # [px]; the second is the smallest that ViZDoom draws
 FORWARD, TURN = 0.3, 0.5  # [m/s], [rad/s] that robots are told
-PERIOD, SUBSTEPS = 0.1, 10  # [s] of a step, in so many steps of physics
+PHYSICS = 0.01  # [s] of a step of physics
+SUBSTEPS = 10  # of physics in a step, unless a world has others
+PERIOD = SUBSTEPS * PHYSICS  # [s] of a step
 RUN = 10  # steps from each place
 FEW = 32  # of the places, for what takes long
 LOOKED_AT = 64  # of the places: the mean of all ranges from there shows that all see the same
@@ -54,11 +56,17 @@ class World:
     lidar_range: float = 0.0  # [m]
     camera_height: float = 0.0  # [m]
     field_of_view: float = 0.0  # [rad], horizontal
+    substeps: int = SUBSTEPS  # of physics in a step
+
+    @property
+    def period(self) -> float:
+        """Of a step [s]."""
+        return self.substeps * PHYSICS
 
     def write(self, path: Path) -> None:
         """As lines of a word and numbers, which peers in C++ read too."""
         lines = [f"lidar {self.lidar_height!r} {self.lidar_range!r}"]
-        lines += [f"camera {self.camera_height!r} {self.field_of_view!r}"]
+        lines += [f"camera {self.camera_height!r} {self.field_of_view!r}", f"substeps {self.substeps}"]
         lines += [" ".join(["solid", *(repr(float(value)) for value in vars(solid).values())]) for solid in self.solids]
         lines += [" ".join(["pose", *map(repr, pose)]) for pose in self.poses]
         path.write_text("\n".join(lines) + "\n")
@@ -79,6 +87,8 @@ class World:
                 world.lidar_height, world.lidar_range = values
             elif word == "camera":
                 world.camera_height, world.field_of_view = values
+            elif word == "substeps":
+                world.substeps = int(values[0])
         return world
 
     def cut(self) -> list[Solid]:
