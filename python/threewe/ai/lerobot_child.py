@@ -2,7 +2,7 @@
 
 Its source is passed to that interpreter, which knows nothing of 3we. A message is a line of JSON and, after it, arrays
 as plain bytes: from the parent `{"arrays": {name: [dtype, shape]}, "task": ...}`, back `{"arrays": {"action": ...}}` or
-`{"error": ...}`.
+`{"error": ...}`. `action.prefix` has the first actions of the chunk that are committed, with a 1 after their numbers.
 """
 
 # mypy: ignore-errors
