@@ -94,6 +94,23 @@ def test_training_makes_a_policy_that_drives(demos: Path, tmp_path: Path) -> Non
         threewe("policy", "train", str(demos), "-o", str(folder))
 
 
+def test_64_demonstrations_teach_more_than_a_constant(tmp_path: Path) -> None:
+    """Of the episodes that training holds out: its loss falls, and is below that of the mean action."""
+    from threewe.ai.training import demonstrations
+
+    demos, folder = tmp_path / "demos", tmp_path / "policy"
+    threewe("data", "collect", "--episodes", "64", "--scene", "apartment_v1", "-o", str(demos))
+    said = threewe("policy", "train", str(demos), "-o", str(folder), "--passes", "4")
+    losses = [float(line.rpartition("held out ")[2]) for line in said.splitlines() if "held out " in line]
+    policy, data = read_policy(folder), demonstrations([Dataset.open(demos)], 10)
+    mean, std = (np.array([getattr(each, name) for each in policy.action]) for name in ("mean", "std"))
+    off = np.abs((data.actions[data.held_out] - mean) / std)[data.wanted[data.held_out]]
+    constant = np.where(off < 1, off**2 / 2, off - 0.5).mean()
+    print(f"of {len(data.held_out)} rows: {losses} held out, {constant:.3f} by a constant")
+    assert losses[-1] < losses[0]
+    assert losses[-1] < 0.9 * constant
+
+
 def test_an_act_is_in_lerobots_format_and_in_ours(demos: Path, tmp_path: Path) -> None:
     folder = tmp_path / "act"
     said = threewe("policy", "train", str(demos), "-o", str(folder), "--passes", "2", "--model", "act")
