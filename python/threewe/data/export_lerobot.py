@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from threewe._core import instruction_embedding
+from threewe._core import Kinematics, instruction_embedding
 from threewe.data.exporting import OnProgress, Rows, TickedEpisodes
 from threewe.data.mounts import mounts
 from threewe.data.recording import DISTURBED, CameraTrack, RecordedEpisode
@@ -67,12 +67,19 @@ def _video(camera: str) -> str:
     return f"observation.images.{camera}"
 
 
+def _axes(episode: RecordedEpisode) -> list[int]:
+    """Which of VELOCITY drive its robot: a differential base has no vy."""
+    differential = episode.hardware and episode.profile.kinematics is Kinematics.differential
+    return [0, 2] if differential else [0, 1, 2]
+
+
 def _features(episode: RecordedEpisode, judged: bool) -> dict[str, dict[str, Any]]:
     """What each row holds."""
+    velocity = [VELOCITY[axis] for axis in _axes(episode)]
     features: dict[str, dict[str, Any]] = {
         "observation.state": {"dtype": "float32", "shape": (len(STATE),), "names": STATE},
-        "action": {"dtype": "float32", "shape": (3,), "names": VELOCITY},
-        "action.requested": {"dtype": "float32", "shape": (3,), "names": VELOCITY},
+        "action": {"dtype": "float32", "shape": (len(velocity),), "names": velocity},
+        "action.requested": {"dtype": "float32", "shape": (len(velocity),), "names": velocity},
         "observation.environment_state": {"dtype": "float32", "shape": (64,), "names": None},
         "takeover": {"dtype": "bool", "shape": (1,), "names": None},
         "next.done": {"dtype": "bool", "shape": (1,), "names": None},
@@ -104,8 +111,8 @@ def _columns(episode: RecordedEpisode, rows: Rows, judged: bool) -> dict[str, ND
     last = (np.arange(len(rows.time)) == len(rows.time) - 1)[:, None]
     columns: dict[str, NDArray[Any]] = {
         "observation.state": np.hstack([episode.pose, episode.velocity])[rows.ticks].astype(np.float32),
-        "action": rows.following(episode.executed),
-        "action.requested": rows.following(episode.requested),
+        "action": rows.following(episode.executed[:, _axes(episode)]),
+        "action.requested": rows.following(episode.requested[:, _axes(episode)]),
         "observation.environment_state": _embeddings(_tasks(episode, rows)),
         "takeover": episode.takeover[np.minimum(rows.ticks + 1, len(episode.time) - 1)][:, None],
         "next.done": last,

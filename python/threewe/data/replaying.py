@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from threewe._core import Pose2D, RobotProfile, profile_names
+from threewe.data.export_lerobot import VELOCITY
 from threewe.data.exporting import has_ticks
 from threewe.data.recording import RecordedEpisode, Recording
 from threewe.errors import ConfigError
@@ -66,7 +67,8 @@ def _replay_dataset(path: Path, backend: str, scene: str, only: int | None) -> I
     from threewe.data.lerobot import Dataset
 
     dataset = Dataset.open(path)
-    if "action" not in dataset.features or dataset.features["action"].names != ["vx", "vy", "omega"]:
+    names = dataset.features["action"].names if "action" in dataset.features else None
+    if names not in (VELOCITY, ["vx", "omega"]):
         raise ConfigError(f"{path}: has no `action` of vx, vy [m/s] and omega [rad/s]; 3we cannot drive by it")
     state = dataset.features.get("observation.state")
     if state is None or not isinstance(state.names, list) or state.names[:3] != ["x", "y", "theta"]:
@@ -76,11 +78,14 @@ def _replay_dataset(path: Path, backend: str, scene: str, only: int | None) -> I
     chosen = [episode for episode in dataset.episodes if only is None or episode.index == only]
     if not chosen:
         raise ConfigError(f"{path}: has no episode {only}")
+    axes = [VELOCITY.index(name) for name in names]
     for episode in chosen:
         columns = episode.columns()
+        actions = np.zeros((len(columns["action"]), len(VELOCITY)))
+        actions[:, axes] = columns["action"]
         poses = columns["observation.state"][:, :3].astype(float)
         hardware = dataset.info.robot_type or "3we_standard_v2"
-        end, driven = asyncio.run(drive(columns["action"], dataset.info.fps, backend, hardware, scene))
+        end, driven = asyncio.run(drive(actions, dataset.info.fps, backend, hardware, scene))
         recorded = Pose2D(*poses[-1]), Pose2D(*poses[0])
         yield _line(f"episode {episode.index}", *recorded, end, driven), True
 

@@ -344,6 +344,29 @@ def test_a_robot_whose_profile_is_gone_is_replayed(orphan: Recording, backend: s
     assert ("the same to the bit" if backend is None else "from where it was recorded to end") in line
 
 
+def test_actions_of_a_differential_base_have_no_vy(tmp_path: Path) -> None:
+    """So that what LeRobot learns from them can drive it; they are replayed as they are."""
+
+    async def main() -> None:
+        async with Robot(hardware="turtlebot_like", scene="office_v2", noise="ideal") as robot:
+            with TrajectoryRecorder(robot, tmp_path / "drive", sensors=["lidar"]) as recorder:
+                recorder.start_episode()
+                await robot.move_forward(0.3)
+                await robot.rotate(0.5)
+                recorder.end_episode(success=True)
+
+    asyncio.run(main())
+    dataset = Dataset.open(export(Recording(tmp_path / "drive"), tmp_path / "dataset", fps=10))
+    assert dataset.features["action"].names == dataset.features["action.requested"].names == ["vx", "omega"]
+    forward, turning = dataset.episodes[0].columns()["action"].sum(axis=0) / 10.0
+    assert forward == pytest.approx(0.3, abs=0.02)
+    assert turning == pytest.approx(0.5, abs=0.02)
+    [(line, _)] = replay_all(dataset.root, None, "office_v2", None)
+    found = re.search(r"ends (\S+) m from .* after (\S+) m", line)
+    assert found is not None
+    assert float(found[1]) < 0.02 < 0.25 < float(found[2])
+
+
 def test_what_cannot_be_replayed_is_one_error(orphan: Recording, tmp_path: Path) -> None:
     dataset = export(orphan, tmp_path / "dataset", fps=10)
     for path in (orphan.path, dataset):
