@@ -87,7 +87,7 @@ def far_rows(place: str, enough: float | None) -> list[Row]:
         known_miss(
             all_of(f"no false arrival in a {place}", truly_there),
             0.997 if enough else 0.98,
-            "one of 500 in buildings is a millimetre farther away than it may be, three of 160 in corridors up to 14 cm",
+            "one of 500 in buildings is a millimetre too far away, three of 160 in corridors are up to 14 cm",
         ),
         all_of("arrives standing", ends_standing),
         no_contact(),
