@@ -207,8 +207,9 @@ std::vector<Detection> IntegerModel::detect(std::span<const std::uint8_t> pictur
     Thing& thing = things[static_cast<std::size_t>(groups[i])];
     thing.add(*cells[i], x, y, view);
     for (const auto& [u, v] : {std::pair{x, y - 1}, {x - 1, y}, {x + 1, y}, {x, y + 1}}) {
-      const bool inside = u >= 0 && v >= 0 && u < kColumns && v < kRows;
-      if (inside && !cells[static_cast<std::size_t>(v * kColumns + u)]) count_colors(u, v, view, thing.colors_around);
+      if (u < 0 || v < 0 || u >= kColumns || v >= kRows) continue;
+      const int next = v * kColumns + u;
+      if (!cells[static_cast<std::size_t>(next)]) count_colors(u, v, view, thing.colors_around);
     }
   }
   std::vector<Detection> found;
@@ -235,7 +236,7 @@ Detector Detector::load(std::string_view name) {
     file.fail("'radii' must be a list of numbers");
   }
   if (model->radii.size() != model->labels.size() ||
-      std::ranges::any_of(model->radii, [](double radius) { return !(radius >= 0.0 && radius < kLargest); }))
+      !std::ranges::all_of(model->radii, [](double radius) { return radius >= 0.0 && radius < kLargest; }))
     file.fail(fmt::format("'radii' must be a number of 0 to {:g} m for each of the {} labels", kLargest,
                           model->labels.size()));
   model->description = file.text("description");
