@@ -44,7 +44,7 @@ class Domain {
   Entity entity_;
 };
 
-/// Whether another node has begun a handshake by a key in a form that Cyclone DDS does not read, in this process so far.
+/// Whether another node has begun a handshake by a key in a form that Cyclone DDS cannot read, in this process so far.
 bool received_unreadable_key();
 
 /// A node. One thread at a time may use it; what arrives is handed over in threads of Cyclone's.
