@@ -1,7 +1,7 @@
 """Robot of LeRobot: one of 3we, on any backend and behind its safety gate. `lerobot-record --robot.type=threewe`.
 
 LeRobot finds this package by its name. Velocities are `vx.vel`, `vy.vel` [m/s] and `omega.vel` [rad/s]: those of
-datasets of 3we, with names that LeRobot's commands pass on.
+datasets of 3we, with names that LeRobot's commands pass on. A differential base is driven by two, without `vy.vel`.
 Robots in simulation run in real time, as LeRobot's loops do.
 """
 
@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 from lerobot.robots import Robot, RobotConfig
-from threewe import RobotProfile
+from threewe import Kinematics, RobotProfile
 from threewe.sync import Robot as SyncRobot
 
 HOLD = 0.5
@@ -56,8 +56,9 @@ class ThreeweRobot(Robot):
 
     @property
     def action_features(self) -> dict[str, Any]:
-        """Velocities."""
-        return dict.fromkeys(NAMES, float)
+        """Velocities that its base can have."""
+        differential = self._profile.kinematics is Kinematics.differential
+        return {name: float for name in NAMES if not (differential and name == "vy.vel")}
 
     @property
     def is_connected(self) -> bool:
@@ -96,11 +97,13 @@ class ThreeweRobot(Robot):
     def send_action(self, action: dict[str, Any]) -> dict[str, Any]:
         """Drives; returns what was within the robot's limits of it."""
         limits = self._profile.operating_limits
-        vx, vy, omega = (float(action[name]) for name in NAMES)
+        names = self.action_features
+        vx, vy, omega = (float(action[name]) if name in names else 0.0 for name in NAMES)
         factor = min(1.0, limits.linear / max(math.hypot(vx, vy), 1e-9))
         turn = min(max(omega, -limits.angular), limits.angular)
         self._connected().set_velocity(factor * vx, factor * vy, turn, hold=HOLD)
-        return dict(zip(NAMES, (factor * vx, factor * vy, turn), strict=True))
+        sent = dict(zip(NAMES, (factor * vx, factor * vy, turn), strict=True))
+        return {name: sent[name] for name in names}
 
     def disconnect(self) -> None:
         """Stops and ends the connection."""

@@ -109,10 +109,11 @@ def _features(episode: RecordedEpisode, judged: bool) -> dict[str, dict[str, Any
 def _columns(episode: RecordedEpisode, rows: Rows, judged: bool) -> dict[str, NDArray[Any]]:
     """All that is no video."""
     last = (np.arange(len(rows.time)) == len(rows.time) - 1)[:, None]
+    axes = _axes(episode)
     columns: dict[str, NDArray[Any]] = {
         "observation.state": np.hstack([episode.pose, episode.velocity])[rows.ticks].astype(np.float32),
-        "action": rows.following(episode.executed[:, _axes(episode)]),
-        "action.requested": rows.following(episode.requested[:, _axes(episode)]),
+        "action": rows.following(episode.executed[:, axes]),
+        "action.requested": rows.following(episode.requested[:, axes]),
         "observation.environment_state": _embeddings(_tasks(episode, rows)),
         "takeover": episode.takeover[np.minimum(rows.ticks + 1, len(episode.time) - 1)][:, None],
         "next.done": last,

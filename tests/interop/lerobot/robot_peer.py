@@ -60,6 +60,9 @@ def main():
     assert 0.2 < sent["vx.vel"] < 2.0, sent
     assert seen["vx.vel"] > 0.1, seen
     assert seen["camera"].shape == (*SIZE, 3)
+    with connected(hardware="turtlebot_like") as robot:
+        assert list(robot.action_features) == ["vx.vel", "omega.vel"], robot.action_features
+        assert robot.send_action({"vx.vel": 0.1, "omega.vel": 0.2}) == {"vx.vel": 0.1, "omega.vel": 0.2}
     print("driven")
 
     register_backend("red", Red)
