@@ -89,11 +89,11 @@ def test_lerobot_trains_an_act_and_evaluates_it_as_we_do(demonstrations: Path, t
     assert alike >= 0.8 * EPISODES  # LeRobot plays an action when it has its picture, we at its time
 
 
-def test_lerobot_records_on_our_robot(tmp_path: Path) -> None:
-    program = Path(__file__).with_name("robot_peer.py")
+def test_lerobot_drives_our_robot_and_sees_colors(tmp_path: Path) -> None:
+    program = Path(__file__).with_name("plugins_peer.py")
     done = subprocess.run([PYTHON, program], capture_output=True, text=True, cwd=tmp_path)
     assert done.returncode == 0, done.stderr[-3000:]
-    assert done.stdout.splitlines()[-2:] == ["driven", "red"]
+    assert done.stdout.splitlines()[-3:] == ["driven", "red", "wood"]
 
 
 def test_lerobot_rollout_drives_our_robot(tmp_path: Path) -> None:

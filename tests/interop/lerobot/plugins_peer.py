@@ -1,11 +1,13 @@
-"""LeRobot 0.6.1 drives our robot, which it finds by its name, in its own Python; and looks at something red."""
+"""LeRobot 0.6.1 has our robot and our environment, in its own Python: drives, and looks at what is red and of wood."""
 
 import time
 
+import gymnasium
 import numpy as np
 from threewe import Features, Pose2D, SensorInfo, SensorType, register_backend
 from threewe.backend import Backend, CameraReading, LidarReading, OdometryReading
 
+from lerobot.envs.configs import EnvConfig
 from lerobot.robots.config import RobotConfig
 from lerobot.robots.utils import make_robot_from_config
 from lerobot.utils.import_utils import register_third_party_plugins
@@ -47,8 +49,26 @@ def connected(**options):
     return make_robot_from_config(RobotConfig.get_choice_class("threewe")(id="ours", image_size=SIZE, **options))
 
 
+def see_wood():
+    """In the pictures of the environment nine things of wood of ten are more red than blue: they are RGB."""
+    config = EnvConfig.get_choice_class("threewe")(episodes="in_sight_v1", count=20, height=SIZE[0], width=SIZE[1])
+    env = gymnasium.make(f"{config.package_name}/{config.task}", **config.gym_kwargs).unwrapped
+    warmth = []
+    for episode in range(20):
+        picture = env.reset(seed=episode)[0]["pixels"]["camera"].astype(float)
+        look = env._robot.simulation.look()
+        for thing in env._robot.simulation.scene.objects:
+            pixels = picture[look.ids == look.names.index(thing.name)]
+            if len(pixels) >= 40 and all(prism.material == "wood" for prism in thing.prisms):
+                red, _, blue = pixels.mean(axis=0)
+                warmth.append(red - blue)
+    env.close()
+    assert len(warmth) >= 10, warmth
+    assert np.mean(np.array(warmth) > 0) > 0.9, warmth
+
+
 def main():
-    """Says `driven`, then `red`."""
+    """Says `driven`, `red` and `wood`."""
     register_third_party_plugins()
     robot = connected(scene="apartment_v1")
     print(robot.observation_features, robot.action_features)
@@ -71,6 +91,9 @@ def main():
         picture = robot.get_observation()["camera"]
     assert picture[0, 0].tolist() == [200, 0, 0], picture[0, 0]  # RGB
     print("red")
+
+    see_wood()
+    print("wood")
 
 
 if __name__ == "__main__":
