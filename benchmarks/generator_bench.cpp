@@ -1,4 +1,4 @@
-// What a place that nobody has seen costs: drawing it, and the tables of a robot in it.
+// What a place that no program has seen costs: drawing it, and the tables of a robot in it.
 #include "threewe/scene/generator.hpp"
 
 #include <benchmark/benchmark.h>

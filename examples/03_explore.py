@@ -13,16 +13,16 @@ async def main() -> None:
         truth = robot.simulation
         assert truth is not None
         meter = CoverageMeter(truth)
-        told = robot.now
+        printed = robot.now
 
         # called ten times a second of robot time; the truth is for us to see, not for the robot
         def look(progress: Progress) -> None:
-            nonlocal told
+            nonlocal printed
             meter.observe(truth.true_pose())
-            if robot.now >= told + 5.0:
-                told = robot.now
+            if robot.now >= printed + 5.0:
+                printed = robot.now
                 coverage = meter.coverage(robot.get_map())
-                print(f"{told:5.0f} s: {progress.distance_driven:5.1f} m driven, {coverage:4.0%} seen")
+                print(f"{printed:5.0f} s: {progress.distance_driven:5.1f} m driven, {coverage:4.0%} seen")
 
         seen = await robot.explore(timeout=20.0 if QUICK else 600.0, on_progress=look)
         print(f"{seen.reason.name}: {seen.explored_area:.0f} m^2 seen in {seen.duration:.0f} s")

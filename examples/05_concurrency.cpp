@@ -28,7 +28,7 @@ const char* ask_a_model() {
 int main() {
   threewe::Robot robot;
 
-  // two things at once: an observer is told of every tick, and looks around twice a second while the robot drives
+  // two things at once: an observer is called at every tick, and looks around twice a second while the robot drives
   threewe::Time next = robot.now() + 500ms;
   const auto watcher = robot.runtime().observe([&](const threewe::TickView& tick) {
     if (tick.now < next) return;

@@ -57,7 +57,7 @@ class State:
 
 
 class ToyBackend(Backend):
-    """A robot that does at once what it is told, and goes through walls."""
+    """A robot that does at once what is commanded, and goes through walls."""
 
     def __init__(self, options: BackendOptions) -> None:
         super().__init__(options)

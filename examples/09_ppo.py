@@ -183,7 +183,7 @@ def cell(place: torch.Tensor) -> torch.Tensor:
 def nothing_yet(goal: torch.Tensor) -> list[torch.Tensor]:
     """What is remembered at an episode's beginning."""
     ways = ((torch.cartesian_prod(*[torch.arange(CELLS)] * 2) - CELLS // 2) * CELL).norm(dim=1)
-    grid = nn.functional.pad(torch.zeros(CELLS - 2, CELLS - 2), (1, 1, 1, 1), value=-30.0)  # nobody leaves the map
+    grid = nn.functional.pad(torch.zeros(CELLS - 2, CELLS - 2), (1, 1, 1, 1), value=-30.0)  # no agent leaves the map
     return [whole.flatten().repeat(len(goal), 1) for whole in (grid, ways)]
 
 

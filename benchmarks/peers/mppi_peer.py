@@ -88,7 +88,7 @@ def controller(costs: Tensor) -> MPPI:
 
 
 def drive(mppi: MPPI, points: Tensor, path: Tensor) -> tuple[float, float]:
-    """Drives a base that does at once what it is told: how long it takes [s], -1 if for ever, and how near its middle
+    """Drives a base that does at once what is commanded: how long it takes [s], -1 if for ever, and how near its middle
     comes to a point [m].
     """
     pose, nearest = torch.zeros(3), math.inf

@@ -132,7 +132,7 @@ def time_scans(world: World, beams: int) -> None:
 
 
 def time_drives(world: World, beams: int, *, planar: bool) -> None:
-    """A rigid body that is told its velocity, or wheels that are, on a floor."""
+    """A rigid body whose velocity is commanded, or wheels whose is, on a floor."""
     if planar:
         joints = (("x", 100), ("y", 100), ("a", 1))
         model = load(world, PLANAR, "".join(f'<velocity joint="{joint}" kv="{gain}"/>' for joint, gain in joints))
@@ -172,7 +172,7 @@ def time_drives(world: World, beams: int, *, planar: bool) -> None:
 
 
 def must_drive(begin: Callable[..., None], step: Callable[[], object], data: mujoco.MjData, world: World) -> None:
-    """Gives up unless the robot moves as it is told where there is room."""
+    """Gives up unless the robot moves as commanded where there is room."""
     begin(*world.poses[0])
     start = data.qpos[:2].copy()
     steps = round(0.5 / world.period)

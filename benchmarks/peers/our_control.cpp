@@ -23,7 +23,8 @@ void write(const char* path) {
   for (const Vec2 p : kPathThroughADoor) file << "path " << p.x << ' ' << p.y << '\n';
 }
 
-// Drives a base that does at once what it is told: how long it takes [s], and how near its middle comes to a point [m].
+// Drives a base that does at once what is commanded: how long it takes [s], and how near its middle comes to a point
+// [m].
 struct Drive {
   std::optional<double> seconds;
   double nearest = 1e9;

@@ -126,7 +126,7 @@ def build_robot() -> int:
 
 
 def time_drives(world: World, robot: int, beams: int) -> None:
-    """Wheels that are told how fast to turn, on a floor."""
+    """Wheels whose rates are commanded, on a floor."""
     scan = scanner(world, beams, HULL)
 
     def begin(x: float, y: float, theta: float) -> None:

@@ -16,7 +16,7 @@ from pathlib import Path
 
 BEAMS = (64, 360)
 PICTURES = ((64, 64), (160, 120), (640, 480))  # [px]; the second is the smallest that ViZDoom draws
-FORWARD, TURN = 0.3, 0.5  # [m/s], [rad/s] that robots are told
+FORWARD, TURN = 0.3, 0.5  # [m/s], [rad/s] that robots are commanded
 PHYSICS = 0.01  # [s] of a step of physics
 SUBSTEPS = 10  # of physics in a step, unless a world has others
 PERIOD = SUBSTEPS * PHYSICS  # [s] of a step

@@ -29,7 +29,7 @@ void init_backend(nb::module_& m) {
           "can_reset"_a = false, "can_save"_a = false)
       .def_ro("sensors", &Features::sensors)
       .def_ro("kinematics", &Features::kinematics)
-      .def_ro("lockstep", &Features::lockstep, "Time advances only when it is told to.")
+      .def_ro("lockstep", &Features::lockstep, "Time advances only when a caller advances it.")
       .def_ro("deterministic", &Features::deterministic,
               "The same seed and commands give the same samples, to the bit.")
       .def_ro("can_reset", &Features::can_reset)

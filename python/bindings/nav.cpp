@@ -37,7 +37,7 @@ void bind_motions(nb::module_& m) {
       .value("no_path", Reason::no_path, "No way leads there: the goal is in a wall, outside the world or cut off.")
       .value("blocked", Reason::blocked, "Something in the way did not go away.")
       .value("timeout", Reason::timeout, "Robot time ran out.")
-      .value("cancelled", Reason::cancelled, "Somebody stopped it.")
+      .value("cancelled", Reason::cancelled, "A caller stopped it.")
       .value("estop", Reason::estop, "The emergency stop was latched.")
       .value("lost", Reason::lost, "The robot no longer knows where it is.")
       .value("uncertain", Reason::uncertain,
@@ -104,7 +104,7 @@ void bind_plan(nb::module_& m) {
 }
 
 void bind_people(nb::module_& m) {
-  nb::class_<TrackedPerson>(m, "TrackedPerson", "Somebody who walks, as the robot's lidar sees them. `odom` frame.")
+  nb::class_<TrackedPerson>(m, "TrackedPerson", "A person who walks, as the robot's lidar sees them. `odom` frame.")
       .def(Value())
       .def_ro("id", &TrackedPerson::id, "the same as long as the person is not lost sight of")
       .def_ro("position", &TrackedPerson::position, "(x, y) [m]")

@@ -32,7 +32,7 @@ class OneThread {
     const Use use(*this);
     if (!std::exchange(claimed_, true)) ++depth_;
   }
-  /// Any thread may be the next. For the owner, or for anybody once the owner's event loop is closed.
+  /// Any thread may be the next. For the owner, or for any caller once the owner's event loop is closed.
   void release() {
     if (std::exchange(claimed_, false)) leave();
   }
@@ -54,7 +54,7 @@ class OneThread {
   bool claimed_ = false;  // likewise
 };
 
-/// What a second thread is told; specialize it where more is to be said.
+/// What the error in a second thread says; specialize it where more is to be said.
 template <class T>
 inline constexpr const char* kSecondThread = "it is in use on another thread, and one thread at a time may use it";
 

@@ -199,7 +199,7 @@ nb::tuple arguments(const PluginRequest& request) {
 /// The link as the thread of a Python backend sees it.
 struct Mailbox {
   std::shared_ptr<PluginLink> link;
-  std::shared_ptr<const scene::Scene> scene;  ///< null where nobody knows the truth
+  std::shared_ptr<const scene::Scene> scene;  ///< null where the truth is not known
   PluginRequest::Call call{};
 
   nb::object take() {

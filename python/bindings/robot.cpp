@@ -331,7 +331,7 @@ void bind_time(nb::module_& m) {
           "The calling thread alone may use it and its robots, until `release_thread`.")
       .def(
           "release_thread", [](const OneThreadWorld& w) { w.one_thread.release(); },
-          "Any thread may be the next. For the owner, or for anybody once its event loop is closed.");
+          "Any thread may be the next. For the owner, or for any caller once its event loop is closed.");
 }
 
 void bind_readings(OneThreadClass<Runtime>& runtime) {
@@ -511,7 +511,7 @@ void bind_simulation(nb::module_& m) {
            "Length [m] of the shortest path between (x, y) points for the robot's footprint; infinity where there is "
            "none.")
       .def("teleport", &Simulation::teleport, "pose"_a, WithoutGil(),
-           "Somebody lifts the robot and puts it down at a pose, and does not tell it.")
+           "A person lifts the robot and puts it down at a pose; its autonomy stack gets no notice.")
       .def("look",
            nb::overload_cast<const CameraIntrinsics&, const Pose2D&, double, bool>(&Simulation::look, nb::const_),
            "intrinsics"_a, "pose"_a, "height"_a, "with_itself"_a, WithoutGil(),

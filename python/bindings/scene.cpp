@@ -84,7 +84,7 @@ void bind_parts(nb::module_& m) {
       .def_ro("max", &Patch::max, "(x, y) [m]")
       .def_ro("floor", &Patch::floor, "its material")
       .def_ro("friction", &Patch::friction, "times the friction that wheels have on a hard floor");
-  nb::class_<Person>(m, "Person", "Somebody who walks round and round a closed route.")
+  nb::class_<Person>(m, "Person", "A person who walks round and round a closed route.")
       .def(Value())
       .def_ro("name", &Person::name)
       .def_ro("route", &Person::route, "waypoints (x, y) [m]; after the last comes the first")
@@ -108,7 +108,7 @@ std::shared_ptr<SceneTables> make_tables(const Scene& scene, const RobotProfile&
                                        profile.body.height);
 }
 
-/// A coverage meter that is told where the base is.
+/// A coverage meter whose caller gives the base's poses.
 class BaseCoverageMeter {
  public:
   BaseCoverageMeter(const Scene& scene, const RobotProfile& profile)

@@ -1439,7 +1439,7 @@ class Patch:
         """times the friction that wheels have on a hard floor"""
 
 class Person:
-    """Somebody who walks round and round a closed route."""
+    """A person who walks round and round a closed route."""
 
     def __eq__(self, other: object) -> bool: ...
 
@@ -1773,7 +1773,7 @@ class Features:
 
     @property
     def lockstep(self) -> bool:
-        """Time advances only when it is told to."""
+        """Time advances only when a caller advances it."""
 
     @property
     def deterministic(self) -> bool:
@@ -1886,7 +1886,7 @@ class Reason(enum.StrEnum):
     """Robot time ran out."""
 
     cancelled = 'cancelled'
-    """Somebody stopped it."""
+    """A caller stopped it."""
 
     estop = 'estop'
     """The emergency stop was latched."""
@@ -2017,7 +2017,7 @@ class SampledPlan:
     def __repr__(self) -> str: ...
 
 class TrackedPerson:
-    """Somebody who walks, as the robot's lidar sees them. `odom` frame."""
+    """A person who walks, as the robot's lidar sees them. `odom` frame."""
 
     def __eq__(self, other: object) -> bool: ...
 
@@ -2473,7 +2473,7 @@ class World:
 
     def release_thread(self) -> None:
         """
-        Any thread may be the next. For the owner, or for anybody once its event loop is closed.
+        Any thread may be the next. For the owner, or for any caller once its event loop is closed.
         """
 
 class Runtime:
@@ -2655,7 +2655,7 @@ class Simulation:
 
     def teleport(self, pose: Pose2D) -> None:
         """
-        Somebody lifts the robot and puts it down at a pose, and does not tell it.
+        A person lifts the robot and puts it down at a pose; its autonomy stack gets no notice.
         """
 
     def look(self, intrinsics: CameraIntrinsics, pose: Pose2D, height: float, with_itself: bool) -> SemanticImage:

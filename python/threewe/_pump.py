@@ -102,7 +102,7 @@ class Pump:
         self.wake()
 
     def detach(self, world: World, error: Exception | None = None) -> None:
-        """Robot time of `world` stands still from now on; whoever still waits for it gets the error."""
+        """Robot time of `world` stands still from now on; a caller that still waits for it gets the error."""
         self._resume_finished()
         if world in self._worlds:
             self._worlds.remove(world)

@@ -51,7 +51,7 @@ def open_recording(where: str, blueprint: Blueprint) -> rr.RecordingStream:
             address = _serve(recording, blueprint, LISTENS_ON[where])
             print(f"Rerun viewer: {address}", flush=True)
             if where == "network":
-                print("Everybody on the network can watch, without a password.", flush=True)
+                print("Everyone on the network can watch, without a password.", flush=True)
             if has_display():
                 webbrowser.open(address)
         else:

@@ -34,7 +34,7 @@ Save = Annotated[Path | None, typer.Option(metavar="FILE.rrd", help="Record it f
 Serve = Annotated[bool, typer.Option("--serve", help="Serve the Rerun viewer to browsers on this machine.")]
 ServeNetwork = Annotated[
     bool,
-    typer.Option("--serve-network", help="Serve it to everybody on the network: all can watch, without a password."),
+    typer.Option("--serve-network", help="Serve it to everyone on the network: all can watch, without a password."),
 ]
 Map = Annotated[
     Path | None, typer.Option("--map", metavar="FILE.yaml", help="A map to find itself in, as ROS has maps.")
@@ -141,7 +141,7 @@ class Audience:
         if sum(chosen) > 1:
             raise threewe.ConfigError(
                 "choose one: --rerun opens a window, --save records, --serve serves browsers on this machine, "
-                "--serve-network everybody on the network"
+                "--serve-network everyone on the network"
             )
         if self.save is not None and self.save.suffix != ".rrd":
             raise threewe.ConfigError(f"the name of a recording ends in .rrd, not '{self.save.suffix}'")

@@ -716,7 +716,7 @@ class Robot(InRobotTime):
         """The plan being followed and all the samples of which it is the weighted mean, in `odom`.
 
         None while no plan is followed: between motions, during turns and recoveries, on the last 0.2 m to a goal and
-        without a lidar. The samples are rolled out once more for whoever asks, which changes nothing.
+        without a lidar. The samples are rolled out once more when this is called, which changes nothing.
         """
         return self._runtime.plan()
 

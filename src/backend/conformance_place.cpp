@@ -1,4 +1,4 @@
-// Whether a simulated robot is where it was told to start, and where its truth says, by what the lidar sees there.
+// Whether a simulated robot is at its start pose, and where its truth says, by what the lidar sees there.
 #include <algorithm>
 #include <cmath>
 #include <optional>

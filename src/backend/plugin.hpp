@@ -4,8 +4,8 @@
 //   runtime's thread                     plug-in's thread
 //   PluginWorld --- PluginLink (mailbox) --- take() ... answer() or fail()
 //
-// Nobody holds a lock while the plug-in runs. A plug-in that raises, answers what breaks the contract, or does not come
-// back is at fault: `poll` and `command` then throw, `advance_to` lets time go by, and the plug-in is told to
+// No thread holds a lock while the plug-in runs. A plug-in that raises, answers what breaks the contract, or does not
+// come back is at fault: `poll` and `command` then throw, `advance_to` lets time go by, and the plug-in is asked to
 // disconnect as soon as it listens again. `connect` makes a new attempt.
 #pragma once
 

@@ -40,8 +40,8 @@ PluginLink::PluginLink(std::string name, Features features, RobotProfile profile
 PluginTruth PluginLink::truth() {
   Lock lock(mutex_);
   if (!truth_ || !features_.lockstep) {
-    const PluginTruth told = ask(lock, {.call = Call::truth}).truth;
-    truth_ = told;
+    const PluginTruth truth = ask(lock, {.call = Call::truth}).truth;
+    truth_ = truth;
   }
   return *truth_;
 }
@@ -119,7 +119,7 @@ void PluginLink::finish(std::optional<Fault> fault, PluginReply reply) {
     if (!fault && current_->call == Call::truth) fault = find_fault(reply.truth);
     if (current_->call == Call::reset && !fault) begin_anew();  // here, before a next step is due in real time
     fault_ = std::move(fault);
-    // a step in real time is nobody's request, and must not take the place of an answer that is still to be fetched
+    // no call has requested a step in real time, and must not take the place of an answer that is still to be fetched
     if (features_.lockstep || current_->call != Call::step) reply_ = std::move(reply);
   }
   current_.reset();

@@ -61,7 +61,7 @@ std::string to_yaml(const std::string& hardware, const Calibration& calibration)
   for (const Figure& figure : calibration.figures) set(body, figure.name, figure.value);
   if (!body["traction"]["load"]) set(body, "traction.load", 1.0);
   if (measures_sideways(calibration)) {
-    // what stood for it while nobody had measured
+    // what stood for it before it was measured
     YAML::Node scale = root["sensors"]["odometry"]["lateral_scale"];
     scale[0] = "1.0";
     scale[1] = "1.0";

@@ -42,7 +42,7 @@ Legs and_back(Legs legs) {
   return legs;
 }
 
-// What a robot of these kinematics can be told, as shares of its operating limits.
+// Commands that a robot of these kinematics can follow, as shares of its operating limits.
 Velocity share(const RobotProfile& profile, double vx, double vy, double omega) {
   const Limits& most = profile.operating_limits;
   const double sideways = profile.kinematics() == Kinematics::holonomic ? vy * most.linear : 0.0;
@@ -88,7 +88,7 @@ std::vector<Named> plans(const RobotProfile& profile) {
 std::string test_arena() { return (asset_directories().front() / "calibration" / "test_arena.yaml").string(); }
 
 std::vector<ExcitationSequence> standard_excitation(const RobotProfile& profile, bool with_wall) {
-  // a robot that stands on casters rears up when it is told to change at once
+  // a robot that stands on casters rears up when its command changes at once
   std::vector<VelocityProfile> velocity_profiles = {VelocityProfile::operating, VelocityProfile::hardware};
   if (profile.body.casters.empty()) velocity_profiles.push_back(VelocityProfile::abrupt);
   std::vector<ExcitationSequence> sequences;

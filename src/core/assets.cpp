@@ -46,7 +46,7 @@ void check_directory(const fs::path& directory, std::string_view origin) {
 
 bool names_a_file(std::string_view name) { return name.ends_with(".yaml") || name.ends_with(".yml"); }
 
-// The folder of the library or the program that this code was loaded from; empty where nobody knows.
+// The folder of the library or the program that this code was loaded from; empty where it is not known.
 fs::path loaded_from() {
   Dl_info loaded{};
   if (dladdr(&added_mutex, &loaded) == 0) return {};
@@ -55,9 +55,9 @@ fs::path loaded_from() {
   return (gone ? fs::absolute(loaded.dli_fname) : file).parent_path();
 }
 
-// An installation may be moved, and a wheel unpacked anywhere. So the folder is the one that the CMake package has told
-// the program (a program that contains the library is elsewhere), else one that lies where it should as seen from the
-// library or from a program installed beside it, else the one known when the library was configured.
+// An installation may be moved, and a wheel unpacked anywhere. So the folder is the one that the CMake package has
+// given the program (a program that contains the library is elsewhere), else one that lies where it should as seen from
+// the library or from a program installed beside it, else the one known when the library was configured.
 fs::path find_installed_directory() {
   std::error_code unusable;
   if (threewe_package_assets != nullptr && fs::is_directory(threewe_package_assets(), unusable)) {

@@ -61,7 +61,8 @@ class ConfigNode {
   /// One of `choices`, or ConfigError with the nearest of them.
   std::string choice(std::string_view field, const std::vector<std::string>& choices);
 
-  /// Throws ConfigError when the mapping has a field that nobody asked for, naming the nearest known one, or one twice.
+  /// Throws ConfigError when the mapping has a field that was not asked for, naming the nearest known one, or one
+  /// twice.
   void finish() const;
   /// Where it stands, for messages: "file:line: path".
   std::string place() const;

@@ -43,7 +43,7 @@ bool walk_grid_line(Vec2 a, Vec2 b, Visit visit) {
 }
 
 /// Calls `visit(x, y)` for every cell on the way from `a` to `b`, in no order, some of them twice: fast, for marks.
-/// Rows are reckoned in fixed point: off by at most 2^-32 of a cell for each column gone by.
+/// Rows are computed in fixed point: off by at most 2^-32 of a cell for each column gone by.
 template <class Visit>
 void mark_grid_line(Vec2 a, Vec2 b, Visit visit) {
   constexpr double kOne = 0x1p32;

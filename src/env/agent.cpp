@@ -27,7 +27,7 @@ double farthest_way(const Options& options, const safety::GateModel& gate, const
   const double past = 2.0 * gate.limits.linear;
   const double age = to_seconds(2 * lidar.turn + most_latency(options) * lidar.latency + kControlPeriod);
 
-  // as the collision monitor reckons
+  // as the collision monitor computes it
   const double stopping_time = gate.limits.linear / gate.limits.linear_braking;
   return past * age + gate.limits.linear * (to_seconds(gate.reaction + 2 * kControlPeriod) + 0.5 * stopping_time);
 }

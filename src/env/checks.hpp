@@ -16,7 +16,7 @@ inline constexpr int kMostImageSide = 2048;        // [px] of a picture that is 
 Options checked(Options options);
 /// Throws ContractError for a world, or a robot in it, that is not there.
 void check_place(std::size_t world, std::size_t worlds, std::size_t robot = 0, std::size_t robots = 1);
-/// The rays that a task wants to be told of. Throws ConfigError for a robot without the lidar that they come from.
+/// The rays that a task reads. Throws ConfigError for a robot without the lidar that they come from.
 std::size_t rays_of(const task::Task& task, const RobotProfile& robot);
 /// Throws ContractError where actions are not of the shape (rows, 3), or one is not finite.
 void check_actions(std::span<const float> actions, std::size_t rows);

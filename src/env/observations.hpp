@@ -17,7 +17,7 @@ std::vector<bool> which_are_among(const std::vector<task::Field>& fields, const 
 /// One array for each field, of zeros.
 std::vector<Array> make_arrays(const std::vector<task::Field>& fields, std::size_t rows);
 
-/// Fills in one row, unless nobody wants it: three numbers, or every k-th beam of a scan, zeros before the first.
+/// Fills in one row, unless nothing reads it: three numbers, or every k-th beam of a scan, zeros before the first.
 void put(const std::array<double, 3>& values, std::span<std::byte> to);
 void put_scan(std::span<const float> scan, std::span<std::byte> to);
 

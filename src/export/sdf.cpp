@@ -165,7 +165,7 @@ void add_drive(pugi::xml_node model, const RobotDescription& robot) {
   add_text(drive, "max_angular_acceleration", limits.angular_acceleration);
   add_text(drive, "odom_publish_frequency", 1 / to_seconds(robot.profile.odometry.period));
   add_text(drive, "topic", "cmd_vel");
-  // Gazebo's mecanum drive reckons as if wheels never moved sideways, so that the true motion is its odometry instead
+  // Gazebo's mecanum drive computes as if wheels never moved sideways, so that the true motion is its odometry instead
   add_text(drive, "odom_topic", mecanum ? "wheel_odom" : "odom");
   add_text(drive, "tf_topic", mecanum ? "wheel_tf" : "tf");
   add_text(drive, "frame_id", "odom");

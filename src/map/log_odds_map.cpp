@@ -255,7 +255,7 @@ Region LogOddsMap::mark_free(std::span<const Beam> beams, double range_bias) {
     }
   }
   mark_passed(lines, grid_.width, marks_);
-  // and a cell around, since a hit's may be reckoned otherwise
+  // and a cell around, since a hit's may be computed otherwise
   return {{std::max(to_cell(low.x) - 1, 0), std::max(to_cell(low.y) - 1, 0)},
           {std::min(to_cell(high.x) + 2, grid_.width), std::min(to_cell(high.y) + 2, grid_.height)}};
 }

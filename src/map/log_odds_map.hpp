@@ -50,7 +50,7 @@ class LogOddsMap {
 
   LogOddsMap() : LogOddsMap(Settings{}) {}
   explicit LogOddsMap(const Settings& settings);
-  /// Goes on from a map that somebody gave: what is occupied or free in it counts as seen often, each occupied cell
+  /// Goes on from a given map: what is occupied or free in it counts as seen often, each occupied cell
   /// next to free ones as a surface through its middle. The version begins at 1, at 0 where `given` has no cells.
   static LogOddsMap going_on_from(const OccupancyGrid& given, double free_range = kFreeRange);
 

@@ -17,7 +17,7 @@
 
 namespace threewe::nav {
 
-/// Somebody who walks, or another robot, in `odom`.
+/// A person who walks, or another robot, in `odom`.
 struct MovingDisc {
   Vec2 position;        ///< [m]
   Vec2 velocity;        ///< [m/s]
@@ -37,7 +37,7 @@ struct MppiTask {
 struct MppiObservation {
   Time now{};
   Pose2D odom_from_base;
-  Velocity commanded;                    ///< what the robot was told to do in the period before
+  Velocity commanded;                    ///< the command of the period before
   std::span<const Vec2> obstacles;       ///< in `odom` [m], of the newest scan
   std::span<const MovingDisc> moving{};  ///< of which obstacles are no obstacles
 };
@@ -59,7 +59,7 @@ class Mppi {
   Velocity step(const MppiObservation& seen, const MppiTask& task);
 
   /// The plan that was followed at `now`, with its samples; empty where none was. They are rolled out once more for
-  /// whoever asks: nobody else pays for them, and nothing changes.
+  /// the caller that asks: others do not pay for them, and nothing changes.
   std::optional<SampledPlan> plan(Time now) const;
 
  private:

@@ -9,7 +9,7 @@ namespace threewe::nav::kernel {
 
 /// A tile and the first row and column of the next ones, which neighbours share. Every step lies within some tile.
 inline constexpr int kSide = 33;
-/// Around it lie cells that nobody enters, as far as steps reach, so that there is no edge to think of.
+/// Around it lie cells that no step enters, as far as steps reach, so that there is no edge to think of.
 inline constexpr int kRim = 2;
 inline constexpr int kRow = kSide + 2 * kRim;
 inline constexpr int kCells = kRow * kRow;

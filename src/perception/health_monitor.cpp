@@ -166,7 +166,7 @@ void HealthMonitor::contradict(SensorType type, const std::string& detail, bool 
   }
 }
 
-// Whether the robot moves: whoever says so is believed, since a sensor that is frozen may not.
+// Whether the robot moves: any sensor that says so is believed, since a sensor that is frozen may not.
 Motion HealthMonitor::motion() const {
   const auto believed = [this](SensorType type) {
     for (std::size_t i = 0; i < watches_.size(); ++i) {

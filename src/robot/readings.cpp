@@ -11,7 +11,7 @@
 namespace threewe {
 namespace {
 
-constexpr int kManyReads = 1000;  // at one stamp: somebody waits for time to go by
+constexpr int kManyReads = 1000;  // at one stamp: a program waits for time to go by
 
 }  // namespace
 

@@ -19,7 +19,7 @@ class RealTimePacer {
     if (!anchor_) return Duration::zero();
     return std::max(Duration::zero(), std::chrono::duration_cast<Duration>(lead(now)));
   }
-  /// Sleeps until it is due. After a pause (nobody waited, a hold, a slow computer) time goes on from here.
+  /// Sleeps until it is due. After a pause (no caller waited, a hold, a slow computer) time goes on from here.
   void wait(Time now) {
     std::this_thread::sleep_for(due(now));
     if (!anchor_ || lead(now) < -kForgiven) anchor_ = Anchor{Clock::now(), now};

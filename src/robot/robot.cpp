@@ -127,7 +127,7 @@ void Robot::drive(const MotionHandle& motion, const OnProgress& on_progress) {
   } catch (...) {
     runtime_->unobserve(observer);
     motion->cancel();
-    world_->wait(motion);  // it has ended: nobody is to hear of it again
+    world_->wait(motion);  // it has ended: no later wait returns it again
     throw;
   }
   runtime_->unobserve(observer);

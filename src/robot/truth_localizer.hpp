@@ -9,7 +9,7 @@
 
 namespace threewe {
 
-/// For experiments in a simulated world, made by whoever holds its truth service. `odom` lies where the robot started,
+/// For experiments in a simulated world, made by the holder of its truth service. `odom` lies where the robot started,
 /// and never drifts; the map is drawn by scans at their true poses. Throws ContractError for a given map where it is
 /// unknown where the robot starts in it.
 std::unique_ptr<slam::Localizer> make_truth_localizer(const RobotProfile& profile, const slam::InitialState& initial,

@@ -10,7 +10,7 @@
 
 namespace threewe {
 
-/// The waits that are pending, and those that are done and not yet told.
+/// The waits that are pending, and those that are done and not yet reported.
 class WaitList {
  public:
   enum class Kind : std::uint8_t { sleep, alarm, motion };
@@ -56,7 +56,7 @@ class WaitList {
     });
     return std::exchange(finished_, {});
   }
-  /// This one is told.
+  /// This one is reported.
   void take(const WaitHandle& wait) { std::erase(finished_, wait); }
 
  private:

@@ -152,7 +152,7 @@ World::World(std::unique_ptr<backend::World> backend, bool realtime, const Auton
   }
 }
 
-// The robots go first: they end their motions, and whoever waits for these is told by the rest of the world.
+// The robots go first: they end their motions, and their waits are ended by the rest of the world.
 World::~World() { impl_->robots.clear(); }
 
 std::size_t World::robot_count() const { return impl_->robots.size(); }
@@ -241,7 +241,7 @@ void World::wait(const WaitHandle& wait) {
   impl_->waits.take(wait);
 }
 
-// Time can neither go by nor jump while an observer is told of it, and half a tick is no state to go back to.
+// Time can neither go by nor jump while an observer is called with it, and half a tick is no state to go back to.
 void World::Impl::require_no_tick() const {
   if (ticking) throw ContractError("an observer can neither wait nor reset nor save nor restore");
 }

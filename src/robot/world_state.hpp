@@ -33,7 +33,7 @@ struct World::Impl {
   WaitList waits;
   int holds = 0;
   bool ticking = false;        // an observer may be running
-  bool lockstep = true;        // time advances only when it is told to
+  bool lockstep = true;        // time advances only when a caller advances it
   bool paced = false;          // to the wall clock
   bool one_map_frame = false;  // the robots' maps are in the same frame
   RealTimePacer pacer;

@@ -83,8 +83,8 @@ struct GateState {
 /// What is asked of the gate.
 struct Request {
   Velocity velocity;
-  /// Slowly, and nearer to the sides of a narrow passage than else. Whoever asks, the gate measures the passage itself,
-  /// and keeps the whole margin of what it does not pass, and until the robot is as slow as that.
+  /// Slowly, and nearer to the sides of a narrow passage than else. Whichever part asks, the gate measures the passage
+  /// itself, and keeps the whole margin of what it does not pass, and until the robot is as slow as that.
   bool creep_mode = false;
 };
 

@@ -15,7 +15,7 @@ constexpr int kBorder = 2;  // cells around the grid that are never known, so th
 
 // Around the target visible cells get their exact distance: there the front is so curved that differences are poor.
 constexpr int kExactRadius = 12;  // [cells]
-// What is solved is up to 2 % too long, so that whoever is this much farther than the straight line can't see the
+// What is solved is up to 2 % too long, so that a point this much farther than the straight line can't see the
 // target.
 constexpr double kSurelyDetour = 1.05;
 

@@ -36,7 +36,7 @@ const Solid* obstacle_at(const std::vector<Solid>& solids, Vec2 point) {
   return solid == solids.end() ? nullptr : &*solid;
 }
 
-// What somebody of some radius covers between two places, but for the round ends.
+// What a person of some radius covers between two places, but for the round ends.
 Solid swept_box(Vec2 a, Vec2 b, double radius) {
   const Vec2 along = b - a;
   const Vec2 middle = 0.5 * (a + b);
@@ -157,7 +157,7 @@ void check_places(const Draft& draft) {
 
 namespace {
 
-// What somebody walks over: for each waypoint a disc around it, then the strip to the next one.
+// What a person walks over: for each waypoint a disc around it, then the strip to the next one.
 std::vector<Solid> way_of(const Person& person) {
   std::vector<Solid> way;
   for (std::size_t k = 0; k < person.route.size(); ++k) {

@@ -77,7 +77,7 @@ Clothes draw_clothes(std::uint64_t seed, std::uint32_t episode, std::size_t pers
           kHairs[bits[3] % kHairs.size()]};
 }
 
-// Heights are those of somebody 1.75 m tall, widths of somebody who keeps within 0.25 m. Legs and arms swing with the
+// Heights are those of a person 1.75 m tall, widths of one who keeps within 0.25 m. Legs and arms swing with the
 // way that was walked.
 void add_person(const PersonPlace& place, double swing, const Clothes& clothes, Builder body) {
   const double size = place.circle.radius / 0.25;

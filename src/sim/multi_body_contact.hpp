@@ -21,11 +21,11 @@ struct Mover {
 
 /// Gives each body the velocity that it leaves contact with in the next `seconds`: inelastic and frictionless impacts,
 /// equal and opposite, so that momentum is kept and energy never grows. Bodies that would not touch keep their
-/// velocities to the bit. Nobody's place in the list matters.
+/// velocities to the bit. No one's place in the list matters.
 void exchange_momentum(std::span<Mover> movers, double seconds);
 
 /// Which of the bodies must stay where the step began, because they would overlap where they have moved to (both of a
-/// pair, and those who followed them, until nobody overlaps). None overlaps where the step begins.
+/// pair, and those who followed them, until none overlap). None overlaps where the step begins.
 std::vector<bool> must_stay(std::span<const Mover> movers, std::span<const Pose2D> moved);
 
 }  // namespace threewe::sim

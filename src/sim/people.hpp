@@ -31,22 +31,22 @@ PersonPlace place_on(const scene::Person& person, const PersonState& state);
 /// All of them.
 std::vector<scene::Circle> circles_of(const Model& model, std::span<const PersonState> people);
 
-/// How far the left leg has swung forward [m], of somebody who keeps within 0.25 m; the right one is as far behind.
+/// How far the left leg has swung forward [m], of a person who keeps within 0.25 m; the right one is as far behind.
 double swing_of(const PersonState& state);
-/// Both legs of somebody, below the knee: what robots touch, and what their sensors see. They swing with the way that
+/// Both legs of a person, below the knee: what robots touch, and what their sensors see. They swing with the way that
 /// was walked, and stay within the person's circle.
 std::array<scene::Circle, 2> legs_of(const scene::Person& person, const PersonState& state);
-/// Those of everybody.
+/// Those of all people.
 std::vector<scene::Circle> legs_of(const Model& model, std::span<const PersonState> people);
-inline constexpr double kLegRadius = 0.062;  ///< [m] of somebody who keeps within 0.25 m, and so on
+inline constexpr double kLegRadius = 0.062;  ///< [m] of a person who keeps within 0.25 m, and so on
 inline constexpr double kLegAside = 0.09;    ///< [m] from the middle
 
 /// The people of a scene as an episode begins, each somewhere on the route, by the seed; farther on where a robot
-/// stands there. Throws ConfigError when a robot leaves no room on somebody's route.
+/// stands there. Throws ConfigError when a robot leaves no room on a person's route.
 std::vector<PersonState> begin_people(const Model& model, std::span<const RobotState> robots, std::uint64_t seed,
                                       std::uint32_t episode = 0);
 
-/// Lets everybody walk for one step: at their speed, unless a robot is in the metre ahead, or would be touched.
+/// Lets all people walk for one step: at their speed, unless a robot is in the metre ahead, or would be touched.
 void walk(const Model& model, std::span<const RobotState> robots, std::span<PersonState> people);
 
 }  // namespace threewe::sim

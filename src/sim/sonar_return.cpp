@@ -1,5 +1,5 @@
-// Directions in a cone are told by their slope: (1, t) in the sensor's frame. All bounds of what is seen of a shape, or
-// sends an echo, are lines through the sensor, hence linear in t; so what a shape has to do with the cone is an
+// Directions in a cone are given by their slope: (1, t) in the sensor's frame. All bounds of what is seen of a shape,
+// or sends an echo, are lines through the sensor, hence linear in t; so what a shape has to do with the cone is an
 // interval.
 #include "sim/sonar_return.hpp"
 #include "core/exact.hpp"
@@ -93,7 +93,7 @@ struct Ear {
   }
 
   // Whether all between two points, or all of a disc, is surely out of the cone. Most of a scene is, so that this comes
-  // first; and without jumps, which nobody could predict.
+  // first; and without jumps, which no model could predict.
   bool misses(Vec2 a, Vec2 b) const {
     const int right_of_it = both(cross(right, a) < 0.0, cross(right, b) < 0.0);
     const int left_of_it = both(cross(a, left) < 0.0, cross(b, left) < 0.0);

@@ -212,7 +212,7 @@ void step_singles(std::span<const World* const> worlds) {
   }
   kernel::drive(std::span(drivers).first(worlds.size()), std::span(driven).first(worlds.size()));
 
-  Others nobody;
+  Others none;
   std::size_t reading = 0;  // their encoders now; they come first among the drivers
   for (std::size_t i = 0; i < worlds.size(); ++i) {
     const RobotModel& robot = *drivers[i].robot;
@@ -226,7 +226,7 @@ void step_singles(std::span<const World* const> worlds) {
              move(robot.body, *robot.obstacles, {}, before, driven[i].velocity(), carried, kSeconds, driven[i].pose()));
     }
     if (!worlds[i]->path.empty()) keep_path(worlds[i]->path, before, state);
-    if (is_any_on(worlds[i]->sensing)) sense(robot, worlds[i]->sensing, nobody, before, carried, state);
+    if (is_any_on(worlds[i]->sensing)) sense(robot, worlds[i]->sensing, none, before, carried, state);
     if (worlds[i]->sensing.odometry && odometry_ready(robot, state)) drivers[reading++] = drivers[i];
   }
   kernel::measure_odometry(std::span(drivers).first(reading));

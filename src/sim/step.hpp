@@ -33,12 +33,12 @@ struct Sensing {
   bool ultrasonics = true;
 };
 
-/// One world, and what its robots were told at the beginning of a step.
+/// One world, and the commands of its robots at the beginning of a step.
 struct World {
   const Model* model = nullptr;
   std::span<RobotState> robots;        ///< the model's, in order
   std::span<const Velocity> commands;  ///< body velocities, one for each robot
-  std::span<PersonState> people;       ///< the scene's; empty: nobody walks
+  std::span<PersonState> people;       ///< the scene's; empty: there are none
   Sensing sensing;
   /// Of a robot that is alone with no people: where it is as a turn of its lidar begins, and after each step of it; as
   /// many poses as a turn has steps, and one. Empty: not kept.
@@ -57,7 +57,7 @@ void step(const Model& model, std::span<RobotState> states, std::span<const Velo
 /// What became ready in the last step: readings are complete at the step's end, before any latency.
 bool imu_ready(const RobotModel& robot, const RobotState& state);
 bool odometry_ready(const RobotModel& robot, const RobotState& state);
-/// In the first step too: one reading tells all about a battery, and nobody waits a period for it.
+/// In the first step too: one reading tells all about a battery, and no caller waits a period for it.
 bool battery_ready(const RobotModel& robot, const RobotState& state);
 /// The sensor, counted in the order of the profile's mounts, whose ping has just been heard.
 std::optional<std::size_t> ping_ready(const RobotModel& robot, const RobotState& state);

@@ -10,7 +10,7 @@ void DeadReckoning::add_gyro(Time stamp, double rate) {
     const double seconds = std::clamp(gap, 0.0, to_seconds(params_.sample_age));
     heading_ += seconds * rate;  // a sample is the mean since the one before
     if (gap > to_seconds(params_.sample_age) && count_ > 0) {
-      // wheels told the heading meanwhile, up to their newest sample
+      // wheels gave the heading meanwhile, up to their newest sample
       const double since = std::clamp(to_seconds(stamp - point(0).stamp), -to_seconds(params_.sample_age),
                                       to_seconds(params_.sample_age));
       heading_used_ = heading_ - since * rate;

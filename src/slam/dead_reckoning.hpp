@@ -69,7 +69,7 @@ class DeadReckoning {
   /// odom_from_base at a time: interpolated, extrapolated from the newest point by at most 0.3 s, held before the
   /// oldest. Identity while there is no point.
   Pose2D at(Time stamp) const;
-  /// What has been told of the time after `from`, up to `to`.
+  /// What has been measured of the time after `from`, up to `to`.
   MotionSummary between(Time from, Time to) const;
   /// The wheels have turned since the beginning.
   bool has_rolled() const { return rolled_; }

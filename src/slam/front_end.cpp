@@ -129,7 +129,7 @@ SearchWindow FrontEnd::window(const Doubt& doubt) const {
           std::clamp(heading, guessed ? p.widest_heading : p.search_heading, p.widest_heading)};
 }
 
-// Nobody teleports a robot whose wheels and gyro measure one motion: a scan that says so is late.
+// No robot is teleported whose wheels and gyro measure one motion: a scan that says so is late.
 bool FrontEnd::may_be_elsewhere(const Doubt& doubt) const {
   return doubt.lost || !sensors_.gyro || doubtful_turn_ > 0.0 || track_.stands();
 }

@@ -226,7 +226,7 @@ std::vector<KeyframeGraph::Nearby> KeyframeGraph::nearby(int component, Vec2 pla
 }
 
 // Searches for the robot in a submap; `belief` is about where it is, seen from the keyframe nearby. What is found is
-// told from the keyframe that is then nearest, so that a bend of the submap counts little.
+// computed from the keyframe that is then nearest, so that a bend of the submap counts little.
 std::optional<Constraint> KeyframeGraph::search(const Nearby& near, const PoseBelief& belief, double range_bias) {
   Submap& submap = data_.submaps[static_cast<std::size_t>(near.submap)];
   submap.tried_at = driven();

@@ -87,7 +87,7 @@ struct KeyframeGraphData {
   bool prune(const Params::Graph& params);
 };
 
-/// The way, point by point. Its first keyframe is where the frame `map` begins, unless it is told otherwise. A copy
+/// The way, point by point. Its first keyframe is where the frame `map` begins, unless another is given. A copy
 /// goes on with the same bits.
 class KeyframeGraph {
  public:

@@ -116,7 +116,7 @@ bool KeyframeGraphData::prune(const Params::Graph& params) {
   const Submap gap = submaps[*index];
   const int gone = gap.last - gap.first + 1;
 
-  // where the robot was there is told from the keyframe before
+  // where the robot was there is computed from the keyframe before
   for (TrajectoryStep& step : steps) {
     if (step.keyframe > gap.last)
       step.keyframe -= gone;

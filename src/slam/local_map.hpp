@@ -8,8 +8,8 @@
 
 namespace threewe::slam {
 
-/// Two maps that overlap: the older is matched with, and gives way to the younger after some metres. Whoever closes
-/// loops finds what was mapped before that in the scans that the keyframe graph keeps.
+/// Two maps that overlap: the older is matched with, and gives way to the younger after some metres. A caller that
+/// closes loops finds what was mapped before that in the scans that the keyframe graph keeps.
 class LocalMap {
  public:
   explicit LocalMap(SharedParams params = reference_params()) : params_(std::move(params)) {}

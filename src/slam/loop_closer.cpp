@@ -23,10 +23,10 @@ BranchAndBoundMatcher::Window window_of(const PoseBelief& belief, const Params::
 
 // How sure the scans alone are: like one scan, for all share the errors of the map.
 Matrix3 covariance_of(const Match& match, const Matrix4& prior, int scans, const Params::LoopCloser& params) {
-  const Matrix3 told = (match.information - prior).topLeftCorner<3, 3>() / scans;
+  const Matrix3 informed = (match.information - prior).topLeftCorner<3, 3>() / scans;
   const Matrix3 weak = prior.topLeftCorner<3, 3>();
   const Matrix3 floor = Vector3(square(params.floor), square(params.floor), square(params.turn_floor)).asDiagonal();
-  return (told + weak).inverse() + floor;
+  return (informed + weak).inverse() + floor;
 }
 
 double most_deviation(const Matrix3& covariance) {

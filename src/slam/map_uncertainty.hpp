@@ -18,7 +18,7 @@ struct View {
 
 /// Scans are fitted to what earlier ones have drawn, so that a robot comes to know its place in the map well and never
 /// hears how far off the map is. What is drawn is as far off as the robot was that drew it, and a little more with each
-/// scan that shows new things: the more, the less its fit told of the pose, and the more its ranges scatter. So the
+/// scan that shows new things: the more, the less its fit says of the pose, and the noisier its ranges are. So the
 /// errors of a place are those of the way by which it was first reached; who comes back has the errors that it had
 /// there before. A random walk over the distance would grow for ever. What is common to all views, such as what is left
 /// of the lidar's bias, stretches the map.
@@ -28,7 +28,7 @@ class MapUncertainty {
 
   /// The robot is at `position` [m] of the map.
   void update(Vec2 position, const View& view);
-  /// Somebody has put the robot elsewhere: what counts is where it is next.
+  /// The robot was put elsewhere: what counts is where it is next.
   void forget_way();
 
   /// Of (x, y, theta) of the map around the robot, along the map's axes [m^2, rad^2].

@@ -152,7 +152,7 @@ bool OdometryCheck::has_moved(const FrontEnd& front, const map::LogOddsMap& map)
                                 Directions::observed, params_->matching);
   const Vector3 off(free.at.pose.x - here.x, free.at.pose.y - here.y, wrap_angle(free.at.pose.theta - here.theta));
   const bool far = off.head<2>().norm() > p.moved || std::fabs(off.z()) > p.turned;
-  return far && front.is_confirmed(free) && off.dot(free.told.topLeftCorner<3, 3>() * off) > p.moved_chi;
+  return far && front.is_confirmed(free) && off.dot(free.scan_information.topLeftCorner<3, 3>() * off) > p.moved_chi;
 }
 
 // What is to become of the scan, which may be related to those before or not. One that agrees with the map much less

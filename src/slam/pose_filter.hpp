@@ -36,7 +36,7 @@ class PoseFilter {
   Vector7 condition(const Vector4& shift, const Matrix4& posterior, const std::optional<Vec2>& unobserved = {});
   /// The robot stands: the gyro measures its bias. Returns the shift of everything.
   Vector7 observe_gyro_bias(double error, double variance);
-  /// The pose was told anew, so well. What is known of the sensors stays.
+  /// The pose was given anew, so well. What is known of the sensors stays.
   void restart(double position_sigma, double heading_sigma);
   /// Admits that the pose may be far off.
   void widen(double position_sigma, double heading_sigma);

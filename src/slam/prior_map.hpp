@@ -23,7 +23,7 @@ struct Resemblance {
   double contradiction() const { return beams > 0 ? static_cast<double>(through_walls) / beams : 0.0; }
 };
 
-/// Made once, then shared by whoever looks for a place in it.
+/// Made once, then shared by all that look for a place in it.
 class PriorMap {
  public:
   explicit PriorMap(const map::OccupancyGrid& grid, const SharedParams& params = reference_params());

@@ -21,7 +21,7 @@ bool is_thin(const LaserScan& scan, std::size_t i, bool full_turn, const Params:
   const auto range = static_cast<double>(scan.ranges[i]);
   const double beams = params.narrow / (range * scan.angle_increment);
   const std::size_t widest = beams < static_cast<double>(n) ? static_cast<std::size_t>(beams) + 1 : n;
-  // how many beams to one side, of `room`, until one passes; 0 when something else is there, or nobody looked
+  // how many beams to one side, of `room`, until one passes; 0 when something else is there, or no beam looked
   const auto edge = [&](std::size_t step, std::size_t room) -> std::size_t {
     for (std::size_t k = 1; k <= widest && k <= room; ++k) {
       const auto other = static_cast<double>(scan.ranges[(i + k * step) % n]);

@@ -60,13 +60,13 @@ struct NormalEquations {
 };
 
 // Along a bare corridor the walls tell nothing of the position, but the noise of their normals seems to: it would hold
-// the robot back where the map ends. A direction of which not clearly more is told than by such noise counts as not
+// the robot back where the map ends. A direction of which not clearly more is known than by such noise counts as not
 // observed (solution remapping: Zhang, Kaess & Singh 2016, "On degeneracy of optimization-based state estimation
 // problems").
 std::optional<Vec2> forget_unobserved(NormalEquations& scan, double observed) {
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> told(scan.h.topLeftCorner<2, 2>());
-  const Eigen::Vector2d least = told.eigenvectors().col(0);
-  if (told.eigenvalues()(0) > observed * least.dot(scan.by_tilt * least)) return {};
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> known(scan.h.topLeftCorner<2, 2>());
+  const Eigen::Vector2d least = known.eigenvectors().col(0);
+  if (known.eigenvalues()(0) > observed * least.dot(scan.by_tilt * least)) return {};
   const Vector4 direction(least(0), least(1), 0.0, 0.0);
   const Matrix4 rest = Matrix4::Identity() - direction * direction.transpose();
   scan.h = (rest * scan.h * rest).eval();
@@ -200,7 +200,7 @@ Match match_scan(const map::LogOddsMap& map, std::span<const map::Beam> beams, c
     const Pose2D& pose = match.at.pose;
     const Vector4 off{pose.x - prior.pose.x, pose.y - prior.pose.y, wrap_angle(pose.theta - prior.pose.theta),
                       match.at.range_bias - prior.range_bias};
-    match.told = scan.h;
+    match.scan_information = scan.h;
     match.information = scan.h + prior_information;
     match.known_hits = scan.on_surface + scan.in_free_space;
     match.agreement = match.known_hits > 0 ? static_cast<double>(scan.on_surface) / match.known_hits : 1.0;

@@ -48,11 +48,11 @@ Residual residual(const Surface& surface, Vec2 direction, const Placement& at, c
 /// Where a scan fits best.
 struct Match {
   Placement at;
-  Matrix4 information = Matrix4::Zero();  ///< of scan and prior together
-  Matrix4 told = Matrix4::Zero();         ///< of it, what the scan tells
-  double agreement = 0.0;                 ///< the share of hits in known space that lie on a surface
-  int known_hits = 0;                     ///< how many hits lie in known space
-  std::optional<Vec2> unobserved;         ///< unit; along which the scan tells nothing of the position
+  Matrix4 information = Matrix4::Zero();       ///< of scan and prior together
+  Matrix4 scan_information = Matrix4::Zero();  ///< of it, what the scan tells
+  double agreement = 0.0;                      ///< the share of hits in known space that lie on a surface
+  int known_hits = 0;                          ///< how many hits lie in known space
+  std::optional<Vec2> unobserved;              ///< unit; along which the scan tells nothing of the position
 };
 
 /// Along which directions a scan tells the position. In a map of fine cells that a robot drew over many scans, noise of

@@ -170,7 +170,7 @@ void ScanMatchingLocalizer::settle(const Pose2D& map_from_base) {
   trust_ = 1.0;
 }
 
-// Whoever is not tracked is searched for in the whole map.
+// A robot that is not tracked is searched for in the whole map.
 void ScanMatchingLocalizer::change_state(LocalizationEvent event) {
   const LocalizationState before = std::exchange(state_, next_state(state_, event));
   if (state_ == before) return;
@@ -207,8 +207,8 @@ void ScanMatchingLocalizer::update_map_uncertainty() {
   const Match& match = front_.newest_match();
   const auto hits = static_cast<double>(front_.hits());
   const double known = hits > 0.0 ? static_cast<double>(match.known_hits) / hits : 1.0;
-  map_uncertainty_.update(match.at.pose.position(),
-                          {1.0 - known, front_.range_noise(), fewer * fewer * match.told.topLeftCorner<3, 3>()});
+  map_uncertainty_.update(match.at.pose.position(), {1.0 - known, front_.range_noise(),
+                                                     fewer * fewer * match.scan_information.topLeftCorner<3, 3>()});
 }
 
 // Is this scan where we think it is? Lost, when none has been for long.
@@ -250,7 +250,7 @@ PoseEstimate ScanMatchingLocalizer::estimate(Time now) const {
   return e;
 }
 
-// The filter knows the pose in the map; how far the map is off, nobody measures.
+// The filter knows the pose in the map; how far the map is off, is not measured.
 Matrix3 ScanMatchingLocalizer::covariance() const {
   const auto square = [](double x) { return x * x; };
   if (lost()) {

@@ -11,10 +11,10 @@ namespace threewe::task {
 namespace {
 
 constexpr double kPassedWithin = 2.0;       // [m]
-constexpr double kCloseCall = 0.4;          // [m] between "nearest" things that nobody tells apart
+constexpr double kCloseCall = 0.4;          // [m] between "nearest" things that cannot be told apart
 constexpr std::size_t kMostReadings = 256;  // at a time
 
-// Somebody together with what was said and is not yet done.
+// A walker together with what was said and is not yet done.
 struct State {
   Walker walker;
   std::vector<const Clause*> passing;  // what must be passed on the way to what comes next
@@ -34,7 +34,7 @@ bool agrees(const SemanticMap& map, const State& state, Vec2 to) {
   });
 }
 
-// Somebody who has done all that was said, and is now elsewhere.
+// A walker who has done all that was said, and is now elsewhere.
 State after(State state, const Walker& walker) {
   state.walker = walker;
   state.passing.clear();

@@ -26,7 +26,7 @@ struct Reading {
   Vec2 end;
 };
 
-/// Somebody on the way through a map.
+/// A walker on the way through a map.
 struct Walker {
   Vec2 at;
   Vec2 heading;  ///< of length 1
@@ -36,11 +36,11 @@ struct Walker {
   bool turned = false;                 ///< just now: what comes next lies ahead
 };
 
-/// Somebody at the start of an episode; nothing outside all rooms.
+/// A walker at the start of an episode; nothing outside all rooms.
 std::optional<Walker> walker_at(const SemanticMap& map, const Pose2D& start);
 /// The axis of the scene that a heading is nearest to.
 Vec2 along_axis(Vec2 heading);
-/// Where a door that leads out in a direction is for somebody who looks along an axis.
+/// Where a door that leads out in a direction is for a walker who looks along an axis.
 Side side_of(Vec2 axis, Vec2 out);
 /// A heading turned to a side.
 Vec2 turned(Vec2 heading, Side side);
@@ -61,7 +61,7 @@ Walker up_to(const SemanticMap& map, Walker walker, std::size_t landmark);
 /// instruction without a stop leads nowhere.
 std::vector<Reading> readings(const Instruction& instruction, const SemanticMap& map, const Pose2D& start);
 
-/// Where somebody ends up who has a text, a map and a start, and nothing else: the first of the readings. Nothing where
+/// Where a walker ends up who has a text, a map and a start, and nothing else: the first of the readings. Nothing where
 /// the text cannot be understood or makes no sense there.
 std::optional<Reading> follow(std::string_view text, const SemanticMap& map, const Pose2D& start);
 

@@ -132,7 +132,7 @@ class Narrator {
     const double ahead = dot(walker_.heading, line);
     const double left = threewe::cross(walker_.heading, line);
     if (norm(line) > 0.5) {
-      // nobody is told to turn for less than an eighth of a turn, nor around for less than three
+      // no instruction turns for less than an eighth of a turn, nor around for less than three
       Side side = Side::ahead;
       if (std::fabs(left) > ahead) side = left > 0.0 ? Side::left : Side::right;
       if (-ahead > std::fabs(left)) side = Side::behind;
@@ -220,7 +220,7 @@ class Narrator {
     return (left > 0.0) == (side == Side::left) ? distance(*nearest, thing) : kInfinity;
   }
 
-  // Says which door, if that can be told.
+  // Says which door, if that can be said.
   std::optional<DoorPhrase> door_phrase(std::size_t opening) {
     Clause c = empty(Kind::cross);
     const Side side = side_of(along_axis(walker_.heading), map_.openings()[opening].out_of(walker_.room));
@@ -241,7 +241,7 @@ class Narrator {
     return phrases[pick(phrases.size())];
   }
 
-  // Says which thing, if that can be told: simply, or by its side, place in a row, neighbour or distance.
+  // Says which thing, if that can be said: simply, or by its side, place in a row, neighbour or distance.
   std::optional<Thing> thing_phrase(std::size_t landmark) {
     const Landmark& meant = map_.landmarks()[landmark];
     std::vector<Thing> simple;
@@ -254,7 +254,7 @@ class Narrator {
         other.push_back(plain);
         other.back().next_to = chance(0.5) ? map_.landmarks()[i].noun : map_.landmarks()[i].general;
       }
-      if (candidates(map_, walker_, plain).size() == 1) continue;  // nobody says which of one
+      if (candidates(map_, walker_, plain).size() == 1) continue;  // one needs no telling apart
       for (const Thing::Which which : {Thing::Which::nearest, Thing::Which::farthest}) {
         other.push_back(plain);
         other.back().which = which;
@@ -296,7 +296,7 @@ class Narrator {
     return walkers;
   }
 
-  // Left and right of a room's axes mean something to somebody who looks along one, give or take 25 degrees.
+  // Left and right of a room's axes mean something to a walker who looks along one, give or take 25 degrees.
   bool is_along_an_axis() const {
     return std::max(std::fabs(walker_.heading.x), std::fabs(walker_.heading.y)) >= 0.906;
   }

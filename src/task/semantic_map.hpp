@@ -27,7 +27,7 @@ struct Opening {
   std::size_t beyond(std::size_t room) const { return rooms[0] == room ? rooms[1] : rooms[0]; }
   /// The way out of a room.
   Vec2 out_of(std::size_t room) const { return rooms[0] == room ? normal : -1.0 * normal; }
-  /// Where somebody crosses it who comes straight from a point, 0.4 m away from its ends where it is wide enough.
+  /// Where a walker crosses it who comes straight from a point, 0.4 m away from its ends where it is wide enough.
   Vec2 crossing(Vec2 from) const { return crossing_of(a, b, from); }
 };
 

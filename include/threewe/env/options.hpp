@@ -47,7 +47,7 @@ enum class Gate : std::uint8_t {
 enum class Autoreset : std::uint8_t {
   next_step,  ///< the next step begins its next episode, and does nothing else
   same_step,  ///< the step that ends it begins the next; `Batch::final_observations` keeps what was seen last
-  disabled    ///< nothing: whoever steps resets it first
+  disabled    ///< nothing: the caller resets it before its next step
 };
 
 /// Makes the task of a batch.

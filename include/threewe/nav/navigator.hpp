@@ -165,8 +165,8 @@ class Navigator {
   virtual void set_zones(const std::vector<map::Zone>& zones) = 0;
   /// The path being followed, in `map`, from the robot to its goal; empty between motions.
   virtual std::span<const Vec2> path() const = 0;
-  /// The plan followed in the last period and its samples, put together for whoever asks; empty where none was, and of
-  /// navigators that do not sample any.
+  /// The plan followed in the last period and its samples, put together for a caller that asks; empty where none was,
+  /// and of navigators that do not sample any.
   virtual std::optional<SampledPlan> plan() const { return {}; }
   /// A copy that lives on independently, for saving and restoring.
   virtual std::unique_ptr<Navigator> clone() const = 0;

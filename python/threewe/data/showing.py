@@ -211,7 +211,7 @@ def _walls(episode: RecordedEpisode, profile: RobotProfile | None) -> NDArray[np
 
 
 def _dataset_row(dataset: Dataset, episode: Episode, count: int) -> EpisodeRow:
-    """Of a LeRobot dataset, whoever made it."""
+    """Of a LeRobot dataset, made by any program."""
     features, robot = dataset.info.features, dataset.info.robot_type or ""
     columns = episode.columns()
     cameras = [name for name in episode.cameras() if not features[name].is_depth]

@@ -18,7 +18,7 @@ struct WorldCapture {
   std::vector<double> physics;  ///< the engine's own, see `Engine::state`
 };
 
-/// Moves the robots and people of one world, and lets them look around. What they carry is the world's, and told anew
+/// Moves the robots and people of one world, and lets them look around. What they carry is the world's, and given anew
 /// at each call: an engine changes it in `step` alone.
 class Engine {
  public:
@@ -27,7 +27,7 @@ class Engine {
   Engine& operator=(const Engine&) = delete;
   virtual ~Engine() = default;
 
-  /// Everybody stands at rest where the states say.
+  /// All stand at rest where the states say.
   virtual void place(std::span<const sim::RobotState> robots, std::span<const sim::PersonState> people) = 0;
   /// One robot has been put down elsewhere, where it stands still.
   virtual void teleport(std::size_t robot, const sim::RobotState& state) = 0;

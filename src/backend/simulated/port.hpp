@@ -42,7 +42,7 @@ class Port : public RobotPort {
 
   // For the world that holds the port.
 
-  /// What the robot is told to do in a step that begins at `t`: nothing once the command has expired.
+  /// What is commanded in a step that begins at `t`: nothing once the command has expired.
   Velocity command_at(Time t) const { return t < state_.valid_until ? state_.command : Velocity{}; }
   /// Sends on what became ready in the step that the world has just taken.
   void collect();

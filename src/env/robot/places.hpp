@@ -19,7 +19,7 @@ struct RobotPlace {
   std::unique_ptr<World> world;
   std::shared_ptr<const scene::Scene> scene;
   std::shared_ptr<const scene::SceneTables> tables;
-  std::shared_ptr<const sim::RayCaster> caster;  ///< of noise-free rays; null where nobody wants any
+  std::shared_ptr<const sim::RayCaster> caster;  ///< of noise-free rays; null where nothing reads any
 
   Runtime& robot() { return world->robot(0); }
   const Runtime& robot() const { return std::as_const(*world).robot(0); }

@@ -66,7 +66,7 @@ struct RobotEnv::Impl {
   std::vector<Array> observations;
 
   // working memory
-  std::vector<float> rays;  // noise-free, as many as the task wants to be told of
+  std::vector<float> rays;  // noise-free, as many as the task reads
   std::vector<float> scan;
   SemanticImage seen;
 };

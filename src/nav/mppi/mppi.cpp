@@ -46,7 +46,7 @@ Plan later(const Plan& plan, double steps) {
   return rest;
 }
 
-// Where the samples of a plan came from: they are rolled out once more for whoever asks.
+// Where the samples of a plan came from: they are rolled out once more for a caller that asks.
 struct Origin {
   Time made{};
   Vec2 middle;  // of the window, in `odom`
@@ -177,7 +177,7 @@ void Mppi::Impl::plan_anew(const MppiTask& task) {
   origin = {*last, field.middle(), problem, std::move(blocks)};
 }
 
-// Where the robot will be when the first command of the plan takes effect: it obeys until then what it was told before.
+// Where the robot will be when the first command of the plan takes effect: it obeys earlier commands until then.
 void Mppi::Impl::predict_start(const Pose2D& odom_from_base) {
   start = odom_from_base;
   double rest = delay;

@@ -7,7 +7,7 @@
 
 namespace threewe::sim::view {
 
-/// An upright face as somebody in front of it sees it. The colour of its look is left open.
+/// An upright face as a viewer in front of it sees it. The colour of its look is left open.
 struct Side {
   Vec2 corner;  // the first, counter-clockwise
   Vec2 axis;    // from there along the face

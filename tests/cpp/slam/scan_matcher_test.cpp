@@ -191,8 +191,8 @@ TEST_CASE("in a bare corridor noisy walls neither hold the robot back nor seem t
     const Match match = match_scan(map, noisy_look(truth), {guess, 0.0}, information(0.05, 0.02, 1e-4), guess);
     CHECK(std::fabs(match.at.pose.x - guess.x) < 0.001);
     CHECK(std::fabs(match.at.pose.y) < 0.005);
-    CHECK(match.told(0, 0) < 1e-3 * match.told(1, 1));
-    CHECK(match.told(1, 1) > 1e4);
+    CHECK(match.scan_information(0, 0) < 1e-3 * match.scan_information(1, 1));
+    CHECK(match.scan_information(1, 1) > 1e4);
   }
 }
 

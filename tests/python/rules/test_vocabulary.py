@@ -132,6 +132,19 @@ def test_a_header_begins_with_a_noun() -> None:
     assert not wrong, "the first line says what the header is, in the field's nouns: " + ", ".join(wrong)
 
 
+def test_sentences_have_a_subject() -> None:
+    riddles = re.compile(r"\b(somebody|nobody|anybody|everybody|whoever|reckon(s|ed)?|told(?! apart))\b", re.I)
+    wrong = [
+        f"{file.relative_to(ROOT)}:{number}: '{found[0]}' (say who or what: a caller, a person, the gate)"
+        for top in ("include", "src", "python")
+        for file in sorted((ROOT / top).rglob("*.*"))
+        if file.suffix in (".hpp", ".cpp", ".py", ".pyi")
+        for number, line in enumerate(file.read_text().splitlines(), 1)
+        if (found := riddles.search(line))
+    ]
+    assert not wrong, "\n".join(wrong)
+
+
 def test_no_file_is_named_by_them() -> None:
     folders = (
         "include",

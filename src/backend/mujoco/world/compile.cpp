@@ -69,7 +69,7 @@ mjModel* compile(const Library& mj, const std::string& mjcf, std::span<const sce
   for (const scene::Person& person : people) add_legs(mj, spec.get(), person);
   mjModel* model = mj.mj_compile(spec.get(), nullptr);
   if (model == nullptr) refuse(mj.mjs_getError(spec.get()));
-  // what has come apart is told to the user, not silently put back to the start
+  // the user gets an error for what has come apart; it is not silently put back to the start
   model->opt.disableflags |= mjDSBL_AUTORESET;
   return model;
 }

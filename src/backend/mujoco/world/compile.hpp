@@ -10,14 +10,14 @@
 
 namespace threewe::backend::mujoco {
 
-/// The bodies that are somebody: each is led by itself.
+/// The bodies of robots and people: each is moved by itself.
 struct PersonBodies {
   std::string trunk;                ///< from the knees up
   std::array<std::string, 2> legs;  ///< as `sim::legs_of` has them
 };
 PersonBodies bodies_of(const scene::Person& person);
 
-/// Compiles MJCF: without rangefinders, since ours cast rays when they ping; with legs for everybody. The model is the
+/// Compiles MJCF: without rangefinders, since ours cast rays when they ping; with legs for all people. The model is the
 /// caller's. Throws ConfigError where MuJoCo refuses it.
 mjModel* compile(const Library& mj, const std::string& mjcf, std::span<const scene::Person> people);
 

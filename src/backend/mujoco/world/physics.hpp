@@ -22,7 +22,7 @@ namespace threewe::backend::mujoco {
 
 using exports::Transform;
 
-/// What a robot's motors are told for one step.
+/// The commands of a robot's motors for one step.
 struct Drive {
   WheelSpeeds setpoints{};         ///< [rad/s]
   double supply = 1.0;             ///< the battery's voltage over the nominal one
@@ -50,7 +50,7 @@ class Physics {
 
   /// All robots stand at rest, and people are where they are. Rays may be cast at once.
   void place(std::span<const Pose2D> poses, std::span<const sim::PersonState> people);
-  /// Somebody lifts a robot and puts it down at a pose, where it stands still; its wheels have turned as far as before.
+  /// Lifts a robot and puts it down at a pose, where it stands still; its wheels have turned as far as before.
   void teleport(std::size_t robot, const Pose2D& pose);
   /// A robot has another mass, its wheels another friction, its motors another lag.
   void vary(std::size_t robot, const models::Variation& variation);
