@@ -18,7 +18,14 @@ from verify.cases.driving import (
     truly_there,
 )
 from verify.cases.end_to_end_hash import truth_isolation
-from verify.cases.generated import drive_far, ends_standing, in_generated, no_clock
+from verify.cases.generated import (
+    drive_far,
+    ends_standing,
+    in_generated,
+    no_clock,
+    says_how_unsure,
+    within_its_radius,
+)
 from verify.cases.people import PEOPLE, among_people
 from verify.cases.walls import away_from_a_wall, comes_to_its_goal, out_of_a_slot, touches_gently
 from verify.harness import (
@@ -138,7 +145,11 @@ HELD_OUT = [
         variants=[{"place": place, "hardware": hardware} for place in ("hall", "corridor") for hardware in ROBOTS],
         cases=160,
         sample=6,
-        rows=far_rows("hall or corridor", None),
+        rows=[
+            *far_rows("hall or corridor", None),
+            share_of("reached, or says how unsure it is", says_how_unsure, at_least=0.97),
+            share_of("truly within the radius that it states", within_its_radius, at_least=0.95),
+        ],
         limit=3600.0,
     ),
     Experiment(

@@ -16,7 +16,7 @@ from threewe import Pose2D, Robot, RobotProfile, Scene, SceneTables
 from threewe.benchmark import optimistic_replanning, spl
 from threewe.errors import ConfigError
 
-SIDES = ((10.0, 32.0), (8.0, 20.0))  # [m] of buildings, drawn from these
+SIDES = ((14.0, 32.0), (10.0, 20.0))  # [m] of buildings, drawn from these
 FAR = 0.4  # of a place's diagonal: far goals are at least so far away, along the shortest path
 WALKERS = 6  # in a building with people, where there is room
 STROLL = 2.0, 4.0  # [m] that they walk straight on, at least and at most
@@ -133,6 +133,7 @@ async def drive_to(
         pose = truth.true_pose()
         velocity = robot.get_velocity()
         distance = math.hypot(pose.x - goal[0], pose.y - goal[1])
+        in_map = start.inverse() * pose
         reached = result.reason.name == "reached"
         return {
             "reason": result.reason.name,
@@ -141,6 +142,7 @@ async def drive_to(
             "true_distance": distance,
             "distance": result.distance_to_goal,
             "uncertainty": result.position_uncertainty,
+            "off": math.hypot(in_map.x - result.pose.x, in_map.y - result.pose.y),
             "speed": math.hypot(velocity.vx, velocity.vy),
             "spl": spl(reached and distance <= 0.25, geodesic, truth.distance_driven()),
             "contact_speed": truth.max_collision_speed(),
@@ -162,6 +164,16 @@ def far_goal(scene: Scene, tables: SceneTables, seed: int) -> tuple[Pose2D, tupl
 def no_clock(case: dict[str, Any]) -> bool:
     """The drive does not end by a time limit."""
     return bool(case["reason"] != "timeout")
+
+
+def says_how_unsure(case: dict[str, Any]) -> bool:
+    """It reaches its goal, or says that it cannot be sure of its pose."""
+    return bool(case["reason"] in ("reached", "uncertain", "lost"))
+
+
+def within_its_radius(case: dict[str, Any]) -> bool:
+    """Truly within the radius that it states around the pose that it believes in: so in 95 % of drives."""
+    return bool(case["off"] <= case["uncertainty"])
 
 
 def ends_standing(case: dict[str, Any]) -> bool:

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from verify.cases.trees import PROGRAMS
-from verify.harness import Case, Row, info, known_miss, mean_of, worst_of
+from verify.harness import Case, Row, info, known_miss, mean_of, share_of, worst_of
 
 PROGRAM = PROGRAMS / "verify_trajectory"
 SECONDS = 600
@@ -14,6 +14,8 @@ FEATURELESS = ["corridor_v1", "outdoor_v1"]
 """Where a lidar that sees 12 m cannot tell how far along a bare wall it is."""
 HARDER = 1.6
 """So much farther off may robots be that are worse than any should be."""
+LEAST, MOST = 1.68, 4.7
+"""95 % of means of a normalised squared error (chi squared, three degrees of freedom) over ten independent poses."""
 
 
 def kept_track(seed: int, scene: str, randomization: str) -> Case:
@@ -57,6 +59,11 @@ def share_of_limit(case: Case) -> float:
     return float(case["rmse"]) / limit(case)
 
 
+def is_consistent(case: Case) -> bool:
+    """The mean of a drive, whose errors are seen at some ten poses that do not depend on each other."""
+    return bool(LEAST <= case["nees"] <= MOST)
+
+
 def trajectory_rows(worst: float | None = None) -> list[Row]:
     """The error of all drives together, of the worst, and whether robots know how far off they are: the mean squared
     error in standard deviations that the robot itself states is 3 where it does. `worst` is known to miss.
@@ -68,8 +75,9 @@ def trajectory_rows(worst: float | None = None) -> list[Row]:
             worst,
             "one of 80, `hard`: its heading is 17 mrad off; why is not known yet",
         ),
-        mean_of("squared error over covariance, not overconfident", lambda case: case["nees"], at_most=4.7),
-        mean_of("squared error over covariance, not timid", lambda case: case["nees"], at_least=1.68),
+        mean_of("squared error over covariance, not overconfident", lambda case: case["nees"], at_most=MOST),
+        mean_of("squared error over covariance, not timid", lambda case: case["nees"], at_least=LEAST),
+        share_of("drives whose squared error over covariance is consistent", is_consistent, at_least=0.9),
     ]
 
 
