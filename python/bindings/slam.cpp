@@ -90,7 +90,7 @@ void init_slam(nb::module_& m) {
                         "What was wrong with a mapper's input, from the first scan concerned to the last.")
       .def_prop_ro(
           "incident", [](const SlamEvent& e) { return std::string(to_string(e.incident)); },
-          "lidar_frozen, odometry_jumped, odometry_stopped, track_lost or components_joined")
+          "lidar_frozen, odometry_jumped, odometry_stopped, odometry_scaled, track_lost or components_joined")
       .def_prop_ro(
           "begin", [](const SlamEvent& e) { return to_seconds(e.begin); }, "[s] of the first scan concerned")
       .def_prop_ro(

@@ -32,6 +32,8 @@ Registration OdometryCheck::add(FrontEnd& front, const map::LogOddsMap* map, Tim
   if (step && !first && !is_bounded(front.track().odometry().pose * *step)) step = Pose2D{};
   const Pose2D before = first ? Pose2D{} : front.map_from_base();
   const double seconds = first ? 0.0 : to_seconds(stamp - front.stamp());
+  const std::optional<Pose2D> stated = step;
+  if (step) step = rescaled(*step);
 
   Registration seen;
   if (repeats(scan, step.value_or(Pose2D{}), seen)) {
@@ -40,6 +42,9 @@ Registration OdometryCheck::add(FrontEnd& front, const map::LogOddsMap* map, Tim
   } else {
     const bool related = register_scan(front, {map, stamp, scan, range_max}, step, seen);
     if (map != nullptr) judge(front, related, seen);
+    const bool fits = map != nullptr && seen.scan == Registration::Scan::fits && !seen.odometry_jumped;
+    compare(front, before, fits && !seen.odometry_stopped ? stated : std::nullopt);
+    seen.odometry_scaled = is_scaled();
   }
   moved_ = inverse(before) * front.map_from_base();
   moved_seconds_ = seconds;
@@ -114,6 +119,37 @@ bool OdometryCheck::is_better(const FrontEnd& by_odometry, const FrontEnd& stead
   const bool better = with.known_hits >= params_->registration.few_hits &&
                       without.agreement > with.agreement + params_->registration.better_poor;
   return steady.is_confirmed(without) && (better || impossible || !by_odometry.fits());
+}
+
+// A step of odometry whose distances have lately been too long or too short by one factor, as scans measured it. Turns
+// are left as they are: odometry's heading drifts by much more than by a factor.
+Pose2D OdometryCheck::rescaled(const Pose2D& step) const {
+  const Vec2 moved = is_scaled() ? driven_.ratio() * step.position() : step.position();
+  return {moved.x, moved.y, step.theta};
+}
+
+bool OdometryCheck::is_scaled() const {
+  const Params::OdometryCheck& p = params_->odometry_check;
+  return driven_.stated >= p.scale_distance && std::fabs(driven_.ratio() - 1.0) > p.scaled;
+}
+
+// Takes in a step from a pose. Scans that leave a direction open count as if they moved as odometry did, so the step
+// counts only where they do not. `step`: empty where it is not to be compared.
+void OdometryCheck::compare(const FrontEnd& front, const Pose2D& before, const std::optional<Pose2D>& step) {
+  const Params::OdometryCheck& p = params_->odometry_check;
+  const Match& match = front.newest_match();
+  if (!step || !front.is_confirmed(match) || match.unobserved) {
+    stated_ = measured_ = {};
+    return;
+  }
+  stated_ = stated_ * *step;
+  measured_ = measured_ * (inverse(before) * front.map_from_base());
+  const double metres = norm(stated_.position());
+  if (metres < p.compared_distance) return;
+  const double kept = 1.0 / (1.0 + metres / (2.0 * p.scale_distance));
+  driven_.stated = kept * driven_.stated + metres;
+  driven_.measured = kept * driven_.measured + dot(measured_.position(), stated_.position()) / metres;
+  stated_ = measured_ = {};
 }
 
 // The robot goes on as it did from the scan before the last to the last.

@@ -23,6 +23,7 @@ struct Registration {
   bool frozen = false;            ///< repeated, though odometry has moved since the first of them
   bool odometry_jumped = false;   ///< scans contradict the step of the odometry, which was left out
   bool odometry_stopped = false;  ///< scans move, odometry does not
+  bool odometry_scaled = false;   ///< lately odometry moved more or less than scans did, by one factor
 };
 
 /// Where a step of the odometry does not lead to where the scan fits, the motion so far is tried in its place, each on
@@ -44,6 +45,12 @@ class OdometryCheck {
     double position_sigma = 0.0;  // [m] by which it may be off, beyond what odometry is
     double heading_sigma = 0.0;   // [rad]
   };
+  /// Distances [m] of late, which fade as the robot goes on: what odometry stated, and what scans measured of it.
+  struct Driven {
+    double stated = 0.0;
+    double measured = 0.0;
+    double ratio() const { return measured / stated; }
+  };
   /// A scan and what it is matched with.
   struct View {
     const map::LogOddsMap* map;
@@ -55,6 +62,9 @@ class OdometryCheck {
   bool repeats(const LaserScan& scan, const Pose2D& step, Registration& seen);
   bool register_scan(FrontEnd& front, const View& view, const std::optional<Pose2D>& step, Registration& seen);
   bool is_better(const FrontEnd& by_odometry, const FrontEnd& steady, bool impossible) const;
+  Pose2D rescaled(const Pose2D& step) const;
+  bool is_scaled() const;
+  void compare(const FrontEnd& front, const Pose2D& before, const std::optional<Pose2D>& step);
   Motion steady_motion(const FrontEnd& front, Time stamp) const;
   void follow(FrontEnd& front, const View& view, const Motion& motion) const;
   bool has_moved(const FrontEnd& front, const map::LogOddsMap& map) const;
@@ -65,6 +75,9 @@ class OdometryCheck {
   bool odometry_stopped_ = false;  // since the robot was seen to move without it
   Pose2D moved_;                   // from the scan before to the newest, as registered ...
   double moved_seconds_ = 0.0;     // ... in this time
+  Driven driven_;                  // where scans left no direction open
+  Pose2D stated_;                  // by odometry, since they grew ...
+  Pose2D measured_;                // ... as registered
   std::vector<float> ranges_;      // of the newest scan
   Pose2D frozen_step_;             // by odometry, since the first of equal scans
   int misfits_ = 0;                // scans in a row that are not where they should be

@@ -122,6 +122,9 @@ Parameters parameters_of(Params::OdometryCheck& p) {
       {"frozen_turn", &p.frozen_turn, "rad", Scale::none, "the same of a turn"},
       {"usual_share", &p.usual_share, "", Scale::none, "more: gets used to worse scans sooner"},
       {"least_of_usual", &p.least_of_usual, "", Scale::none, "more: calls scans sooner that agree less than usual"},
+      {"compared_distance", &p.compared_distance, "m", Scale::size, "of steps that are compared with scans' at once"},
+      {"scale_distance", &p.scale_distance, "m", Scale::size, "after which odometry may be called scaled"},
+      {"scaled", &p.scaled, "", Scale::none, "more: odometry is called scaled where it is farther off"},
       {"most_misfits", &p.most_misfits, "", Scale::none, "scans in a row, after which the track is lost"},
   };
 }

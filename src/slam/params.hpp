@@ -119,6 +119,9 @@ struct Params {
     double usual_share = 0.1;
     double least_of_usual = 0.65;
     int most_misfits = 3;
+    double compared_distance = 0.5;  // [m]
+    double scale_distance = 5.0;     // [m]
+    double scaled = 0.1;
   };
   OdometryCheck odometry_check;
 

@@ -59,6 +59,7 @@ std::string_view to_string(SlamIncident incident) {
     case SlamIncident::lidar_frozen: return "lidar_frozen";
     case SlamIncident::odometry_jumped: return "odometry_jumped";
     case SlamIncident::odometry_stopped: return "odometry_stopped";
+    case SlamIncident::odometry_scaled: return "odometry_scaled";
     case SlamIncident::track_lost: return "track_lost";
     case SlamIncident::components_joined: return "components_joined";
   }
@@ -89,7 +90,7 @@ struct Slam::State {
   KeyframeGraph keyframe_graph;
   Relocalizer relocalizer;
   std::vector<SlamEvent> events;
-  std::array<bool, 5> happening{};  // by incident, at the newest scan
+  std::array<bool, 6> happening{};  // by incident, at the newest scan
 };
 
 Slam::Slam(const SlamConfig& config) : state_(std::make_unique<State>(config)) {}
@@ -131,6 +132,7 @@ void Slam::State::record(Time stamp, const Registration& newest, bool joined) {
   record(stamp, SlamIncident::lidar_frozen, newest.frozen);
   record(stamp, SlamIncident::odometry_jumped, newest.odometry_jumped);
   record(stamp, SlamIncident::odometry_stopped, newest.odometry_stopped);
+  record(stamp, SlamIncident::odometry_scaled, newest.odometry_scaled);
   record(stamp, SlamIncident::track_lost, newest.scan == Registration::Scan::lost);
   record(stamp, SlamIncident::components_joined, joined);
 }

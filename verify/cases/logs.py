@@ -1,10 +1,13 @@
 """Our mapper on logs like those of old robots, against the truth about them."""
 
+import dataclasses
 import tempfile
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
-from threewe.slam import accuracy, relation_errors, replay
+from threewe import LaserScan, Pose2D
+from threewe.slam import Log, accuracy, relation_errors, replay
 from threewe.slam.synth import record, true_relations
 
 from verify.harness import Case
@@ -31,7 +34,55 @@ def mapped(seed: int, survey: str) -> Case:
         "translation": error.translation[0],
         "rotation": error.rotation[0],
         "speed": log.seconds / result.computing_seconds,
+        "events": len(result.events),
     }
+
+
+SPOILED = {"dropped": 0.1, "lost": 0.3}
+"""Shares of scans that are dropped, and of beams that are lost."""
+SCALES = (0.8, 1.2)
+"""Odometry that is a fifth off."""
+
+
+def spoiled(seed: int, survey: str) -> Case:
+    """The error where scans are dropped, beams lost and odometry is scaled, all at once; beside it that of the log."""
+    log, truth = record(survey, seed)
+    relations = true_relations(truth)
+    random = np.random.default_rng(seed)
+    kept = random.random(len(log.scans)) >= SPOILED["dropped"]
+    kept[0] = True
+    scale = float(random.choice(SCALES))
+    result = replay(
+        dataclasses.replace(
+            log,
+            times=[time for time, keep in zip(log.times, kept, strict=True) if keep],
+            scans=[with_lost_beams(scan, random) for scan, keep in zip(log.scans, kept, strict=True) if keep],
+            odometry=[pose for pose, keep in zip(scaled(log, scale), kept, strict=True) if keep],
+        )
+    )
+    plain, error = (accuracy(trajectory, relations) for trajectory in (replay(log).trajectory, result.trajectory))
+    return {
+        "scale": scale,
+        "plain": plain.translation[0],
+        "translation": error.translation[0],
+        "rotation": error.rotation[0],
+        "events": sorted({event.incident for event in result.events}),
+    }
+
+
+def with_lost_beams(scan: LaserScan, random: np.random.Generator) -> LaserScan:
+    ranges = np.array(scan.ranges)
+    ranges[random.random(len(ranges)) < SPOILED["lost"]] = 0.0
+    return LaserScan(ranges, scan.angle_min, scan.angle_increment, range_min=scan.range_min, range_max=scan.range_max)
+
+
+def scaled(log: Log, factor: float) -> list[Pose2D]:
+    """Its odometry, of which each step and each turn is so much longer."""
+    poses = [log.odometry[0]]
+    for before, after in pairwise(log.odometry):
+        step = before.inverse() * after
+        poses.append(poses[-1] * Pose2D(factor * step.x, factor * step.y, factor * step.theta))
+    return poses
 
 
 def closed(seed: int, scene: str) -> Case:

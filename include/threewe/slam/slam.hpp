@@ -49,6 +49,7 @@ enum class SlamIncident : std::uint8_t {
   lidar_frozen,      ///< scans repeat to the bit while odometry moves: they are left out, odometry goes on alone
   odometry_jumped,   ///< scans contradict a step of the odometry, such as a reset to zero: it is left out
   odometry_stopped,  ///< scans move while odometry does not: they go on alone, as long as they overlap a lot
+  odometry_scaled,   ///< odometry drives farther or less far than scans do, by one factor: its steps are corrected
   track_lost,        ///< scans in a row fit nowhere near, as of a kidnapped robot: another component begins
   components_joined  ///< the robot was recognised in another component: the two are one from then on
 };

@@ -20,6 +20,7 @@ MEANING = {
     "lidar_frozen": "scans repeat to the bit while odometry moves: they are left out, odometry goes on alone",
     "odometry_jumped": "scans contradict a step of the odometry, such as a reset to zero: it is left out",
     "odometry_stopped": "scans move while odometry does not: they go on alone",
+    "odometry_scaled": "odometry drives farther or less far than scans do, by one factor: its steps are corrected",
     "track_lost": "scans fit nowhere near, as of a kidnapped robot: a component of its own begins, "
     "which is no part of the map until the robot is recognised in it",
     "components_joined": "the robot was recognised in another component: the two are one from now on",

@@ -106,6 +106,29 @@ TEST_CASE("nothing is noticed where nothing is wrong") {
   }
 }
 
+TEST_CASE("odometry that is a fifth off is noticed, and corrected") {
+  for (std::uint64_t seed = 0; seed < cases(8); ++seed) {
+    for (const double factor : {0.8, 1.2}) {
+      CAPTURE(seed);
+      CAPTURE(factor);
+      Draw draw(seed);
+      const std::vector<TinyWall> walls = building(draw);
+      Recording log = record(walls, tour(draw, 80.0, 0.5), draw);
+      std::vector<Pose2D> scaled{log.odometry.front()};
+      for (std::size_t i = 1; i < log.odometry.size(); ++i) {
+        const Pose2D step = inverse(log.odometry[i - 1]) * log.odometry[i];
+        scaled.push_back(scaled.back() * Pose2D{factor * step.x, factor * step.y, step.theta});
+      }
+      log.odometry = scaled;
+      const Slam slam = mapped(log);
+      const auto events = events_of(slam, SlamIncident::odometry_scaled);
+      REQUIRE(!events.empty());
+      CHECK(events.front().begin < from_seconds(60.0));  // after 30 m
+      CHECK(worst(slam, log) < 0.3);
+    }
+  }
+}
+
 TEST_CASE("a robot that stands is no incident, with noise and without") {
   for (const double sigma : {0.01, 0.0}) {
     Draw draw(1);
