@@ -394,10 +394,10 @@ void bind_commands(OneThreadClass<Runtime>& runtime) {
           "vx"_a, "vy"_a, "omega"_a, "hold"_a, "creep_mode"_a)
       .def(
           "execute_action",
-          [](Runtime& robot, const std::array<double, 3>& action, double period) {
-            return robot.execute_action(action, seconds("period", period));
+          [](Runtime& robot, const std::array<double, 3>& action, double period, bool creep_mode) {
+            return robot.execute_action(action, seconds("period", period), creep_mode);
           },
-          "action"_a, "period"_a)
+          "action"_a, "period"_a, "creep_mode"_a)
       .def("stop", &Runtime::stop)
       .def("set_zones", &Runtime::set_zones, "zones"_a)
       .def("estop", &Runtime::estop)

@@ -1219,7 +1219,7 @@ class SlamEvent:
     @property
     def incident(self) -> str:
         """
-        lidar_frozen, odometry_jumped, odometry_stopped, track_lost or components_joined
+        lidar_frozen, odometry_jumped, odometry_stopped, odometry_scaled, track_lost or components_joined
         """
 
     @property
@@ -2541,7 +2541,7 @@ class Runtime:
 
     def set_velocity(self, vx: float, vy: float, omega: float, hold: float, creep_mode: bool) -> None: ...
 
-    def execute_action(self, action: Sequence[float], period: float) -> Wait: ...
+    def execute_action(self, action: Sequence[float], period: float, creep_mode: bool) -> Wait: ...
 
     def stop(self) -> None: ...
 

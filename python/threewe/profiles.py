@@ -14,6 +14,7 @@ app = typer.Typer(
     help="Robot profiles: those that come with 3we, and your own.", no_args_is_help=True, rich_markup_mode=None
 )
 console = plain_console()
+WIDE = 160  # characters of a table of parameters that goes to a file
 
 SENSORS = ("lidar", "imu", "ultrasonics", "camera")
 
@@ -50,7 +51,8 @@ def show_profile(
     """What a robot is, and with --parameters what its autonomy stack makes of that."""
     profile = threewe.RobotProfile.load(name)
     if parameters:
-        console.print(parameter_table(profile, only))
+        wide = console if console.is_terminal else plain_console(width=WIDE)
+        wide.print(parameter_table(profile, only))
         return
     corners = profile.footprint
     length, width = (max(axis) - min(axis) for axis in zip(*corners, strict=True))
@@ -72,8 +74,8 @@ def parameter_table(profile: threewe.RobotProfile, only: str = "") -> Table:
     table = Table(
         Column("parameter", no_wrap=True),
         Column("value", justify="right"),
-        "unit",
-        "origin",
+        Column("unit", no_wrap=True),
+        Column("origin", no_wrap=True),
         Column("meaning", overflow="fold"),
     )
     for one in profile.parameters():

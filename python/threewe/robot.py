@@ -553,14 +553,15 @@ class Robot(InRobotTime):
         return self._instructions
 
     @known_options
-    async def execute_action(self, action: ArrayLike, period: float = 0.02) -> Velocity:
+    async def execute_action(self, action: ArrayLike, period: float = 0.02, *, creep_mode: bool = False) -> Velocity:
         """One control step: (3,) in [-1, 1], scaled to the operating limits and held for `period` [s].
 
-        Returns the velocity that the safety gate let through.
+        `creep_mode` is that of `set_velocity`. Returns the velocity that the safety gate let through.
         """
         self._time.check_waiting()
         vx, vy, omega = as_array("action", action, (3,)).tolist()
-        await self._time.wait(self._runtime.execute_action([vx, vy, omega], as_seconds("period", period)))
+        creeps = as_switch("creep_mode", creep_mode)
+        await self._time.wait(self._runtime.execute_action([vx, vy, omega], as_seconds("period", period), creeps))
         return self._runtime.commanded()
 
     # Commands that return at once

@@ -319,6 +319,8 @@ async def test_actions(robot: Robot) -> None:
     assert executed.vx == pytest.approx(0.5 * limits.linear, rel=0.05)
     assert executed.omega == pytest.approx(-limits.angular, rel=0.05)
     await robot.execute_action(np.zeros(3, np.float32), period=0.1)
+    crept = await robot.execute_action([1.0, 0.0, 0.0], period=0.1, creep_mode=True)
+    assert abs(crept.vx) <= 0.05
     assert robot.now == pytest.approx(began + 1.1)
 
 

@@ -128,6 +128,21 @@ TEST_CASE("a hostile navigator that claims creep mode touches nothing faster tha
   }
 }
 
+TEST_CASE("a thorough exploration sees more, and takes longer") {
+  const auto explored = [](bool thorough) {
+    Robot robot({.scene = "apartment_v1", .seed = 3});
+    return robot.wait(robot.explore(1800.0, thorough));
+  };
+  const ExploreResult usual = explored(false);
+  const ExploreResult thorough = explored(true);
+  CHECK(usual.success);
+  CHECK(thorough.success);
+  CHECK(usual.detail == "what is left to see is not worth the way: see `thorough`");
+  CHECK(thorough.detail == "nothing that can be reached is left to see");
+  CHECK(thorough.explored_area > usual.explored_area);
+  CHECK(thorough.duration > usual.duration);
+}
+
 TEST_CASE("robots with one map frame explore together, sooner than one alone") {
   const auto explored = [](std::size_t robots, bool together, std::uint64_t seed) {
     World::Options options;
