@@ -321,7 +321,7 @@ async def test_actions(robot: Robot) -> None:
     await robot.execute_action(np.zeros(3, np.float32), period=0.1)
     crept = await robot.execute_action([1.0, 0.0, 0.0], period=0.1, creep_mode=True)
     assert abs(crept.vx) <= 0.05
-    assert robot.now == pytest.approx(began + 1.1)
+    assert robot.now == pytest.approx(began + 1.2)
 
 
 async def test_observers_see_every_tick(robot: Robot) -> None:
