@@ -1,6 +1,8 @@
 """The published claims: results of full runs, a file for each area, and the page docs/claims.md made of them."""
 
 import json
+import math
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -59,9 +61,27 @@ def page(areas: Mapping[str, Area], results: Path = RESULTS) -> str:
     """The page: of each area what is on file of its experiments."""
     files = {name: results / f"{name}.json" for name in areas}
     runs = {name: json.loads(file.read_text()) if file.exists() else {} for name, file in files.items()}
+    for name, area in areas.items():
+        for experiment in area.experiments:
+            for row in runs[name].get(experiment.name, {"rows": []})["rows"]:
+                row["status"] = status_of(row, experiment)
     parts = [HEAD, summary(areas, runs)]
     parts += [section(name, area, runs[name]) for name, area in areas.items() if runs[name]]
     return "\n".join(parts)
+
+
+def status_of(row: dict[str, Any], experiment: Experiment) -> str:
+    """Of a row on file: what passed in a run that would have caught nothing of use decides nothing."""
+    status: str = row["status"]
+    tests = [one.test for one in experiment.rows if one.test and one.name == row["row"]]
+    test = next((one for one in tests if one.wanted() == row["target"]), None)
+    caught = re.match(r"(?:[<>]=|violations in) (-?[\d.]+(?:e[+-]?\d+)?)(%?)", row["power"])
+    if status != "pass" or (caught and test is None):  # a row that was another then
+        return status
+    if not caught or test is None:
+        return "info"
+    drop = float(caught[1]) * (0.01 if caught[2] else 1.0)
+    return "pass" if test.has_power(math.log(drop) if getattr(test, "geometric", False) else drop) else "info"
 
 
 def summary(areas: Mapping[str, Area], runs: dict[str, Any]) -> str:

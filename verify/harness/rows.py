@@ -1,9 +1,10 @@
 """Rows: one claim each. What the cases show becomes a figure; a test says whether it holds, and what it would catch.
 
-full run     a row passes on its figure
+full run     a row passes, or fails, on its figure
 a sample     a row fails where the sequential test of it and the record gives the alarm, and passes where they speak for
-             the target; what is undecided, and a row that could not even notice a fall to half of its target, is
-             printed as `info` and never counted as passed
+             the target; what is undecided is printed as `info`
+a row that could not even notice a fall to half of its target, and one that states no power, may fail, and is else
+printed as `info` and never counted as passed
 a broken case is a FAIL of every row of its experiment; what cannot be judged is a FAIL too
 """
 
@@ -42,7 +43,7 @@ class KnownMiss:
 @dataclass(frozen=True)
 class Row:
     """One claim. `parts` are what it is about, `seen` what the test makes of them; without a test the row is a whole:
-    a figure, a target, and whether it is met.
+    a figure, a target, and whether it is met, without power.
     """
 
     name: str
@@ -75,7 +76,7 @@ class Row:
             return Verdict(figure, target, "info")
         if sample:
             return Verdict(figure, target, "info", power="nothing: only full runs are judged")
-        return Verdict(figure, target, self.missed() if not met else "pass")
+        return Verdict(figure, target, "info" if met else self.missed(), power="nothing")
 
     def judge_seen(self, parts: list[Case], sample: bool, earlier: Iterable[Seen]) -> Verdict:
         assert self.test is not None
@@ -93,7 +94,7 @@ class Row:
             if status == "info":
                 power += ": undecided" if able else ": too little to judge by"
         else:
-            status = "pass" if test.holds(seen) else self.missed()
+            status = self.missed() if not test.holds(seen) else "pass" if able else "info"
         return Verdict(figure, self.test.wanted(), status, self.test.interval(seen), power, seen)
 
     def status_of(self, odds: float, able: bool) -> str:
