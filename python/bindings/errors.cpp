@@ -1,4 +1,5 @@
 // C++ exceptions become the Python exceptions of the same name in threewe.errors: the one place for it.
+#include <cstring>
 #include <exception>
 
 #include "bindings.hpp"
@@ -9,7 +10,10 @@ using namespace threewe;
 
 void raise(const char* name, const std::exception& error) {
   const nb::object type = nb::module_::import_("threewe.errors").attr(name);
-  PyErr_SetString(type.ptr(), error.what());
+  const char* const what = error.what();  // may quote bytes of a file, which are any
+  const auto size = static_cast<Py_ssize_t>(std::strlen(what));
+  const nb::object text = nb::steal(PyUnicode_DecodeUTF8(what, size, "replace"));
+  PyErr_SetObject(type.ptr(), text.ptr());
 }
 
 void translate(const std::exception_ptr& thrown, void* /*payload*/) {

@@ -20,12 +20,14 @@ namespace {
 
 constexpr double kTurn = 6.2832;  // [rad], as files write it
 
-// Where the first byte stands that cannot be part of UTF-8 text (RFC 3629); the text's size where there is none.
+// Where the first byte stands that cannot be part of UTF-8 text (RFC 3629), or is zero, for which yaml-cpp takes a text
+// for UTF-16 or UTF-32; the text's size where there is none.
 std::size_t find_not_utf8(std::string_view text) {
   for (std::size_t i = 0; i < text.size();) {
     const auto byte = [&](std::size_t k) { return k < text.size() ? static_cast<unsigned char>(text[k]) : 0U; };
     const auto first = byte(i);
-    const std::size_t more = first < 0x80   ? 0
+    const std::size_t more = first == 0     ? 9
+                             : first < 0x80 ? 0
                              : first < 0xC2 ? 9
                              : first < 0xE0 ? 1
                              : first < 0xF0 ? 2

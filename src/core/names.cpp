@@ -47,8 +47,15 @@ bool is_name(std::string_view text) {
          text.find_first_of("/\\") == std::string_view::npos;
 }
 
+std::string_view cut_text(std::string_view text, std::size_t most) {
+  if (text.size() <= most) return text;
+  const auto continues = [&](std::size_t at) { return (static_cast<unsigned char>(text[at]) & 0xC0U) == 0x80U; };
+  while (most > 0 && continues(most)) --most;
+  return text.substr(0, most);
+}
+
 std::string not_a_name(std::string_view text) {
-  std::string shown(text.substr(0, 40));
+  std::string shown(cut_text(text, 40));
   std::ranges::replace_if(shown, [](char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7F; }, '?');
   return fmt::format(
       "expected a name of at most 200 bytes, without control characters and slashes, that does not begin with a dot, "

@@ -1,6 +1,7 @@
 // Edit distance: the nearest right name of a mistyped one.
 #pragma once
 
+#include <cstddef>
 #include <span>
 #include <string>
 #include <string_view>
@@ -12,6 +13,8 @@ namespace threewe {
 bool is_name(std::string_view text);
 /// Whether a text has no control characters but tabs and line feeds.
 bool is_text(std::string_view text);
+/// The first `most` bytes of UTF-8 text, or fewer: no character is cut in two.
+std::string_view cut_text(std::string_view text, std::size_t most);
 /// "expected a name of ..., got '...'"
 std::string not_a_name(std::string_view text);
 

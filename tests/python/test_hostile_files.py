@@ -2,17 +2,21 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
 import os
+import random
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import pytest
 import threewe
-from threewe import ConfigError, ContractError
+from threewe import ConfigError, ContractError, _core
 from threewe.benchmark import load_episodes
 from threewe.slam import Relations, Slam, load_map, read_carmen, read_log
+
+from tests.fuzz.python_fuzzer import CORPUS, mutate
 
 FLASER = "FLASER 4 {ranges} {laser} {robot} {time} nohost {time}\n"
 
@@ -167,3 +171,54 @@ def test_descriptions_hold_no_control_characters() -> None:
     text = SCENE.format(name="hall", room="hall").replace("A hall", '"a\\u0000hall"')
     with pytest.raises(ConfigError, match=r"hall\.yaml:2: description: expected text without control characters"):
         threewe.Scene.parse(text, "hall.yaml")
+
+
+CUT = 39 * "a" + "é/x"  # of which 40 bytes end in the middle of a character
+
+
+def test_what_is_cut_short_in_a_message_stays_text() -> None:
+    with pytest.raises(ConfigError, match=r"got 'a{39}'"):
+        threewe.Scene.parse(SCENE.format(name=CUT, room="hall"), "hall.yaml")
+    with pytest.raises(ConfigError, match=r"got 'a{39}'"):
+        threewe.Scene.parse(SCENE.format(name="hall", room=CUT), "hall.yaml")
+    with pytest.raises(ContractError, match=r"got 'a{39}'"):
+        threewe.Scene.load("corridor_v1").to_yaml(CUT)
+
+
+def read_map(path: Path) -> object:
+    """The picture of a map stands in its seed, behind a line."""
+    text, _, picture = path.read_bytes().partition(b"---8<---\n")
+    path.write_bytes(text)
+    (path.parent / "map.pgm").write_bytes(picture)
+    return load_map(path)
+
+
+NATIVE: dict[str, tuple[str, Callable[[Path], object]]] = {
+    "scene": (".yaml", lambda path: threewe.Scene.load(str(path))),
+    "profile": (".yaml", lambda path: threewe.RobotProfile.load(str(path))),
+    "randomization": (".yaml", lambda path: _core.Randomization.load(str(path))),
+    "map": (".yaml", read_map),
+    "slam": (".slam", Slam.load),
+    "places": (".yaml", lambda path: _core.load_places(str(path), None)),
+}
+
+
+@pytest.mark.parametrize("name", NATIVE)
+def test_formats_read_in_cpp_raise_what_they_may_in_python_too(name: str, tmp_path: Path) -> None:
+    suffix, read = NATIVE[name]
+    path, draw = tmp_path / f"input{suffix}", random.Random(1)
+    pool = [seed.read_bytes() for seed in sorted((CORPUS / name).iterdir())]
+    pool += [mark + seed for mark in (b"\0\0\0\0", b"\xff\xfe") for seed in pool]  # other encodings
+    for i in range(300):
+        data = pool[i] if i < len(pool) else mutate(draw.choice(pool), pool, draw)
+        path.write_bytes(data)
+        with contextlib.suppress(ConfigError):
+            read(path)
+
+
+def test_bytes_of_a_map_that_are_no_text(tmp_path: Path) -> None:
+    lines = (CORPUS / "slam/walk").read_bytes().splitlines(keepends=True)
+    changed = [line.replace(b" ", b" \xd1", 1) if line.startswith(b"lidar") else line for line in lines]
+    (tmp_path / "walk.slam").write_bytes(b"".join(changed))
+    with pytest.raises(ConfigError, match=r"walk\.slam:\d+: base_from_lidar must be a finite number, got '\ufffd"):
+        Slam.load(tmp_path / "walk.slam")

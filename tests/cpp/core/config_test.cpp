@@ -236,6 +236,7 @@ TEST_CASE("what is not UTF-8 is refused with its line") {
                           "\xF4\x90\x80\x80"}) {
     CHECK(line_of(bad) == "file.yaml:2: expected UTF-8 text; save the file as that");
   }
+  CHECK(line_of(std::string(4, '\0')) == "file.yaml:2: expected UTF-8 text; save the file as that");  // as in UTF-32
 }
 
 }  // namespace threewe

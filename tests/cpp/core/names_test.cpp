@@ -35,6 +35,13 @@ TEST_CASE("of two equally near the first is offered") {
   CHECK(nearest_name("lft", names) == "left");
 }
 
+TEST_CASE("no character is cut in two") {
+  const std::string text = "a\u00E9\u20AC\U0001F600";  // of 1, 2, 3 and 4 bytes
+  const std::vector<std::size_t> ends{0, 1, 1, 3, 3, 3, 6, 6, 6, 6, 10, 10};
+  for (std::size_t most = 0; most < ends.size(); ++most) CHECK(cut_text(text, most) == text.substr(0, ends[most]));
+  CHECK(cut_text("\x80\x80", 1).empty());  // no text at all
+}
+
 TEST_CASE("messages") {
   CHECK(unknown_name("scene", "ofice_v2", kScenes) == "unknown scene 'ofice_v2'; did you mean 'office_v2'?");
   CHECK(unknown_name("scene", "zzzzzzzzzz", kScenes) ==
