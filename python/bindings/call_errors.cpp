@@ -2,8 +2,11 @@
 //
 // nanobind reports them by PyErr_SetString with a text that lists the signatures and the types that were given. The
 // linker sends that call here (`--wrap`, see python/CMakeLists.txt): the one place through which all of them pass,
-// constructors too, and which costs nothing as long as calls are right.
+// constructors too, and which costs nothing as long as calls are right. The types alone do not say that a string holds
+// half of a surrogate pair, which nanobind cannot turn into UTF-8: the call that fails at it is wrapped, too.
+#include <string>
 #include <string_view>
+#include <utility>
 
 #include "bindings.hpp"
 
@@ -11,9 +14,11 @@ namespace {
 
 constexpr std::string_view kFromNanobind = "(): incompatible function arguments. The following argument types";
 
+thread_local std::string not_encodable;  // the last string that was no UTF-8, as Python writes it; of this call or none
+
 void raise_explained(const char* text) {
   const nb::object explain = nb::module_::import_("threewe._calls").attr("explain");
-  const nb::object error = explain(text);
+  const nb::object error = explain(text, std::exchange(not_encodable, {}));
   PyErr_SetObject(error.type().ptr(), error.ptr());
 }
 
@@ -34,5 +39,18 @@ void __wrap_PyErr_SetString(PyObject* type, const char* text) {  // NOLINT
     }
   }
   __real_PyErr_SetString(type, text);
+}
+
+const char* __real_PyUnicode_AsUTF8AndSize(PyObject* text, Py_ssize_t* size);  // NOLINT
+
+const char* __wrap_PyUnicode_AsUTF8AndSize(PyObject* text, Py_ssize_t* size);   // NOLINT
+const char* __wrap_PyUnicode_AsUTF8AndSize(PyObject* text, Py_ssize_t* size) {  // NOLINT
+  const char* const bytes = __real_PyUnicode_AsUTF8AndSize(text, size);
+  if (bytes == nullptr && PyUnicode_Check(text)) {
+    const nb::error_scope kept;  // the error that says so
+    const nb::object shown = nb::steal(PyObject_ASCII(text));
+    if (shown.is_valid()) not_encodable = __real_PyUnicode_AsUTF8AndSize(shown.ptr(), nullptr);
+  }
+  return bytes;
 }
 }

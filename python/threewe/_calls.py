@@ -36,8 +36,8 @@ class Signature:
     name: str
     parameters: list[Parameter]
 
-    def mistake(self, places: list[str], names: dict[str, str]) -> Exception:
-        """What is wrong with a call, given the types of its arguments."""
+    def mistake(self, places: list[str], names: dict[str, str], not_text: str = "") -> Exception:
+        """What is wrong with a call, given the types of its arguments and a string among them that is no UTF-8."""
         by_place = [p for p in self.parameters if not p.by_name_only]
         if len(places) > len(by_place):
             takes = f"takes {self._listed(by_place)} by place" if by_place else "takes no arguments by place"
@@ -52,13 +52,18 @@ class Signature:
             given[name] = kind
         if missing := [p for p in self.parameters if p.required and p.name not in given]:
             return TypeError(f"{self.name}() needs {self._listed(missing)}")
-        return self._wrong_type(given)
+        return self._wrong_type(given, not_text)
 
-    def _wrong_type(self, given: dict[str, str]) -> Exception:
+    def _wrong_type(self, given: dict[str, str], not_text: str) -> Exception:
         passed = [p for p in self.parameters if p.name in given]
         for parameter in passed:
             if not parameter.might_take(given[parameter.name]):
                 return self._error(parameter, f"got {in_words(given[parameter.name])}")
+        strings = [p.name for p in passed if given[p.name] == "str"]
+        if not_text and strings:
+            return ContractError(
+                f"{self.name}(): {' or '.join(strings)} must be text that UTF-8 can hold, got {not_text}"
+            )
         # the type may be right, and what is in it is not: the first that can hold something wrong
         for parameter in passed:
             if given[parameter.name] in ARRAYS:
@@ -77,7 +82,7 @@ class Signature:
         return ", ".join(p.name for p in parameters) or "nothing"
 
 
-def explain(text: str) -> Exception:
+def explain(text: str, not_text: str = "") -> Exception:
     """The error in place of nanobind's, whose text lists signatures and the types that were given."""
     head, _, rest = text.partition("(): incompatible function arguments.")
     listed, _, called = rest.partition("\nInvoked with types: ")
@@ -89,7 +94,7 @@ def explain(text: str) -> Exception:
         head = lines[0].rpartition(".")[2]
     takes_self = lines[0].partition("(")[2].startswith("self")
     signatures = [read_signature(line, head) for line in lines]
-    mistakes = [signature.mistake(places[takes_self:], names) for signature in signatures]
+    mistakes = [signature.mistake(places[takes_self:], names, not_text) for signature in signatures]
     return next((m for m in mistakes if isinstance(m, ContractError)), mistakes[0])
 
 

@@ -135,6 +135,21 @@ def test_what_is_said(call: Callable[[], object], error: type[Exception], text: 
     assert str(caught.value) == text
 
 
+def test_text_that_is_no_utf8() -> None:
+    half = "go \udcff"
+    with threewe.sync.Robot(scene="corridor_v1", hardware="3we_standard_v2") as robot:
+        calls: dict[str, Callable[[], object]] = {
+            "load(): name": lambda: Scene.load(half),
+            "parse(): text or name": lambda: Scene.parse("name: x", half),
+            "name_place(): name": lambda: robot.name_place(half, [(0, 0), (1, 0), (1, 1)]),
+            "begin(): instruction": lambda: robot.execute_instruction(half),
+        }
+        for argument, call in calls.items():
+            with pytest.raises(ContractError) as caught:
+                call()
+            assert str(caught.value) == f"{argument} must be text that UTF-8 can hold, got 'go \\udcff'"
+
+
 def test_operators_leave_it_to_python() -> None:
     with pytest.raises(TypeError, match="unsupported operand"):
         Pose2D() * 3  # type: ignore[operator]
