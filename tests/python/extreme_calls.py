@@ -227,15 +227,39 @@ def environments(draw: Draw) -> list[Call]:
         lambda: gym.Env(task=draw.choice(OTHERS), scene=draw.choice(OTHERS)),
         lambda: env.reset(seed=draw.whole(), options={"start": draw.choice([p.pose() for p in [draw]] + OTHERS)}),
         lambda: env.reset(options={"goal": draw.choice([draw.place(), draw.array()])}),
-        lambda: env.reset(options={"episode": draw.whole(), "scene": draw.choice(OTHERS)}),
+        lambda: env.reset(options={"episode_number": draw.whole(), "scene": draw.choice(["corridor_v1", *OTHERS])}),
         lambda: env.reset(options=draw.choice(OTHERS)),
         lambda: env.reset(seed=1),
         lambda: env.step(draw.choice([draw.array(), [draw.number()] * 3])),
     ]
 
 
+def batches(draw: Draw) -> list[Call]:
+    """Environments in a batch."""
+    env = gym.VectorEnv(task="navigation", num_envs=2, scene="corridor_v1")
+    env.reset(seed=0)
+    others = [None, *OTHERS]
+
+    def mask() -> Any:
+        return draw.choice([np.array([True, False]), draw.array(), *others])
+
+    return [
+        lambda: gym.VectorEnv(task="navigation", num_envs=draw.choice([0, -1, 2**31, 2**63, 10**400, *others])),
+        lambda: gym.VectorEnv(task="navigation", num_envs=1, num_threads=draw.whole(), scene="corridor_v1"),
+        lambda: env.episode(draw.whole()),
+        lambda: env.instruction(draw.whole()),
+        lambda: env.randomization(draw.whole()),
+        lambda: env.reset(seed=draw.choice([draw.whole(), [draw.whole(), draw.whole()], draw.array(), *others])),
+        lambda: env.reset(options={"reset_mask": mask()}),
+        lambda: env.reset(options={"episode_number": draw.choice([draw.whole(), [draw.whole(), draw.whole()]])}),
+        lambda: env.reset(options={"start": draw.place(), "goal": draw.array()}),
+        lambda: env.reset(seed=1),
+        lambda: env.step(draw.choice([draw.array(), [[draw.number()] * 3] * 2, *others])),
+    ]
+
+
 GROUPS: dict[str, Callable[[Draw], list[Call]]] = {
-    function.__name__: function for function in (values, mapping, scenes, robots, environments)
+    function.__name__: function for function in (values, mapping, scenes, robots, environments, batches)
 }
 
 

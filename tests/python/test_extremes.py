@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import threewe
+import threewe.gym
 from extreme_calls import GROUPS
 from threewe import ContractError, OccupancyGrid, Robot
 
@@ -21,6 +22,17 @@ def test_extreme_arguments(group: str) -> None:
     command = [sys.executable, PROGRAM, group, str(SEED), "300"]
     done = subprocess.run(command, capture_output=True, text=True, timeout=600)
     assert done.returncode == 0, done.stderr[-3000:]
+
+
+@pytest.mark.parametrize("index", [-1, 2, 2**31, 2**63, 2**64, 10**400, 0.5, "0", None])
+@pytest.mark.parametrize("method", ["episode", "instruction", "randomization"])
+def test_an_environment_that_a_batch_has_not(method: str, index: object) -> None:
+    batch = threewe.gym.VectorEnv(task="vln", num_envs=2, scene="corridor_v1")
+    batch.reset(seed=0)
+    for env in (0, 1, np.int64(1)):
+        assert getattr(batch, method)(env) is not None
+    with pytest.raises(ContractError, match="env"):
+        getattr(batch, method)(index)
 
 
 async def test_a_robot_beyond_the_grid_of_its_map_finds_no_path() -> None:
