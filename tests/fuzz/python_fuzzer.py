@@ -1,23 +1,26 @@
 """Coverage-guided fuzzing of the formats that are read in Python: `python -m tests.fuzz.python_fuzzer FORMAT`.
 
 Inputs grow out of the seeds in corpus/<format>/: one that reaches a line which none before has reached is kept, and
-changed further. A child process reads; its parent notices when it dies, hangs or takes too much memory.
+changed further. Of containers every other change is one of their contents, and the container made anew: else all end
+at its structure. A child process reads; its parent notices when it dies, hangs or takes too much memory.
 """
 
 from __future__ import annotations
 
 import argparse
+import io
 import math
 import multiprocessing
 import random
-import resource
 import shutil
 import signal
 import struct
 import sys
 import tempfile
 import time
+import zipfile
 from collections.abc import Callable
+from dataclasses import dataclass
 from multiprocessing.connection import Connection
 from pathlib import Path
 from types import FrameType
@@ -26,10 +29,12 @@ from typing import Any
 CORPUS = Path(__file__).parent / "corpus"
 TIME_LIMIT = 5.0  # [s] of computing for one input ...
 WALL_LIMIT = 120.0  # [s] ... which others may keep waiting
-FREE_MEMORY = 2**30  # [bytes] beside 64 for each byte of input: two maps of 16.7 million cells
+FREE_MEMORY = 2**26  # [bytes] beside 64 for each byte of input ...
+MAP_MEMORY = 2**30  # ... and where a map is drawn: two of 16.7 million cells
 MEMORY_PER_BYTE = 64
 LARGEST = 2**18  # [bytes] of an input
 REPLAYED = 4  # scans of a log that are mapped
+SCRATCH = "/dev/shm" if Path("/dev/shm").is_dir() else None
 
 EXTREMES = (
     b"0 -0.0 1 -1 nan inf -inf 1e308 -1e308 1e-320 1e400 1e6 -1000000 1000001 16384 16385 65536 2147483647 2147483648 "
@@ -95,13 +100,83 @@ def _map(log: Any) -> None:
     slam.map()
 
 
-FORMATS: dict[str, tuple[str, Callable[[Path], None]]] = {
-    "carmen": (".log", read_carmen),
-    "relations": (".relations", read_relations),
-    "episodes": (".json", read_episodes),
-    "bundle": (".zip", read_bundle),
-    "rosbag": (".mcap", read_rosbag),
+@dataclass(frozen=True)
+class Format:
+    """How files of a format are read, and what of a container's contents may be changed."""
+
+    suffix: str
+    read: Callable[[Path], None]
+    free_memory: int = FREE_MEMORY
+    change_content: Callable[[bytes, list[bytes], random.Random], bytes] | None = None
+
+    def mutate(self, data: bytes, pool: list[bytes], draw: random.Random) -> bytes:
+        """One change; of containers every other is one of what they contain."""
+        if self.change_content and draw.random() < 0.5:
+            return self.change_content(data, pool, draw)
+        return mutate(data, pool, draw)
+
+
+def change_member(data: bytes, _: list[bytes], draw: random.Random) -> bytes:
+    """A bundle of which one file is another, and its manifest right but where that is the file."""
+    from threewe.benchmark.bundle import archived, pack
+
+    try:
+        with zipfile.ZipFile(io.BytesIO(data)) as archive:
+            files = {name: archive.read(name) for name in archive.namelist()}
+        name = draw.choice(sorted(files))
+        files[name] = mutate(files[name], list(files.values()), draw)
+        manifest = files.pop("manifest.json")
+        return archived({**files, "manifest.json": manifest}) if name == "manifest.json" else pack(files)
+    except Exception:  # changed beyond reading before
+        return data
+
+
+def change_message(data: bytes, _: list[bytes], draw: random.Random) -> bytes:
+    """A recording of which one message has other values, written anew."""
+    from rosbags.rosbag2 import Reader as BagReader
+    from rosbags.rosbag2 import StoragePlugin, Writer
+    from rosbags.typesys import Stores, get_typestore
+
+    suffix, plugin = (".db3", StoragePlugin.SQLITE3) if data[:6] == b"SQLite" else (".mcap", StoragePlugin.MCAP)
+    types = get_typestore(Stores.ROS2_HUMBLE)
+    with tempfile.TemporaryDirectory(dir=SCRATCH) as folder:
+        path, bag = Path(folder) / f"before{suffix}", Path(folder) / "bag"
+        path.write_bytes(data)
+        try:
+            with BagReader(path) as reader:
+                messages = [(c.topic, c.msgtype, stamp, raw) for c, stamp, raw in reader.messages()]
+            changed = draw.randrange(len(messages))
+            with Writer(bag, version=9, storage_plugin=plugin) as writer:
+                found = sorted({(topic, kind) for topic, kind, *_ in messages})
+                topics = {one: writer.add_connection(*one, typestore=types) for one in found}
+                for i, (topic, kind, stamp, raw) in enumerate(messages):
+                    content = mutate_values(raw, draw) if i == changed else raw
+                    writer.write(topics[topic, kind], stamp, content)
+            return (bag / f"bag{suffix}").read_bytes()
+        except Exception:  # changed beyond reading before
+            return data
+
+
+FORMATS: dict[str, Format] = {
+    "carmen": Format(".log", read_carmen, MAP_MEMORY),
+    "relations": Format(".relations", read_relations),
+    "episodes": Format(".json", read_episodes),
+    "bundle": Format(".zip", read_bundle, change_content=change_member),
+    "rosbag": Format(".mcap", read_rosbag, MAP_MEMORY, change_message),
+    "rosbag_sqlite": Format(".db3", read_rosbag, MAP_MEMORY, change_message),
 }
+
+
+def mutate_values(data: bytes, draw: random.Random) -> bytes:
+    """Some numbers become others, and stay where they are: what is 4 or 8 bytes long stands at multiples of that."""
+    header = 4  # of CDR, from which places count
+    for _ in range(draw.choice((1, 1, 2, 8))):
+        number = draw.choice(BINARY)
+        places = range(header, len(data) - len(number) + 1, len(number))
+        if places:
+            at = draw.choice(places)
+            data = data[:at] + number + data[at + len(number) :]
+    return data
 
 
 def mutate(data: bytes, pool: list[bytes], draw: random.Random) -> bytes:
@@ -172,27 +247,42 @@ class Reader:
         return self._step
 
 
+class Memory:
+    """The most that the process was given since this was made; what is asked for and never touched counts for none."""
+
+    def __init__(self) -> None:
+        Path("/proc/self/clear_refs").write_text("5")  # the peak begins anew
+        self._given = self._peak()
+
+    def taken(self) -> int:
+        return self._peak() - self._given
+
+    @staticmethod
+    def _peak() -> int:
+        [line] = [line for line in Path("/proc/self/status").read_text().splitlines() if line.startswith("VmHWM")]
+        return 1024 * int(line.split()[1])
+
+
 def child(name: str, seed: int, runs: int, folder: Path, pipe: Connection) -> None:
     """Reads inputs one after the other and tells each before it reads it."""
-    suffix, read = FORMATS[name]
+    form = FORMATS[name]
     draw = random.Random(seed)
     pool = [path.read_bytes() for path in sorted((CORPUS / name).iterdir())]
-    reader = Reader(read)
-    path = folder / f"input{suffix}"
+    reader = Reader(form.read)
+    path = folder / f"input{form.suffix}"
     path.write_bytes(pool[0])
     reader(path)  # what is imported by the first counts for none
     for i in range(runs):
         data = pool[i] if i < len(pool) else draw.choice(pool)
         for _ in range(0 if i < len(pool) else draw.choice((1, 1, 2, 4))):
-            data = mutate(data, pool, draw)[:LARGEST]
+            data = form.mutate(data, pool, draw)[:LARGEST]
         path.write_bytes(data)
         pipe.send(i)
         signal.setitimer(signal.ITIMER_PROF, TIME_LIMIT)  # ends the process
-        taken = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+        memory = Memory()
         if reader(path) and i >= len(pool):
             pool.append(data)
-        taken = 1024 * (resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - taken)
-        if taken > FREE_MEMORY + MEMORY_PER_BYTE * len(data):
+        if (taken := memory.taken()) > form.free_memory + MEMORY_PER_BYTE * len(data):
             raise MemoryError(f"{taken} bytes of memory for an input of {len(data)}")
     signal.setitimer(signal.ITIMER_PROF, 0.0)
     pipe.send(None)
@@ -201,7 +291,7 @@ def child(name: str, seed: int, runs: int, folder: Path, pipe: Connection) -> No
 def fuzz(name: str, runs: int, seconds: float, seed: int = 1) -> tuple[int, str]:
     """How many inputs were read, and what the last one did wrong; nothing if none did."""
     context = multiprocessing.get_context("fork")
-    with tempfile.TemporaryDirectory(dir="/dev/shm" if Path("/dev/shm").is_dir() else None) as scratch:
+    with tempfile.TemporaryDirectory(dir=SCRATCH) as scratch:
         receiver, sender = context.Pipe(duplex=False)
         process = context.Process(target=child, args=(name, seed, runs, Path(scratch), sender))
         process.start()
@@ -225,9 +315,9 @@ def fuzz(name: str, runs: int, seconds: float, seed: int = 1) -> tuple[int, str]
         process.kill()
         process.join()
         if failure:
-            kept = Path("build/fuzz/artifacts") / f"{name}-{seed}-{done}{FORMATS[name][0]}"
+            kept = Path("build/fuzz/artifacts") / f"{name}-{seed}-{done}{FORMATS[name].suffix}"
             kept.parent.mkdir(parents=True, exist_ok=True)
-            shutil.copy(Path(scratch) / f"input{FORMATS[name][0]}", kept)
+            shutil.copy(Path(scratch) / f"input{FORMATS[name].suffix}", kept)
             failure += f": {kept}"
     return done, failure
 
@@ -242,7 +332,7 @@ def main() -> int:
     parser.add_argument("--seed", type=int, default=1)
     options = parser.parse_args()
     if options.input:
-        Reader(FORMATS[options.format][1])(options.input)
+        Reader(FORMATS[options.format].read)(options.input)
         return 0
     done, failure = fuzz(options.format, options.runs, options.seconds, options.seed)
     print(f"{options.format}: {done} inputs{', ' + failure if failure else ''}")

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import os
+import random
 import time
 from pathlib import Path
 
+import numpy as np
 import pytest
 import threewe
 
@@ -14,9 +16,10 @@ from tests.fuzz import python_fuzzer
 
 @pytest.mark.parametrize("name", python_fuzzer.FORMATS)
 def test_readers_survive(name: str) -> None:
-    if name == "rosbag":
+    if name.startswith("rosbag"):
         pytest.importorskip("rosbags", reason="not shown: needs rosbags")
-    assert python_fuzzer.fuzz(name, 150, 300.0) == (150, "")
+    runs = 60 if name.startswith("rosbag") else 150
+    assert python_fuzzer.fuzz(name, runs, 300.0) == (runs, "")
 
 
 def lets_through(path: Path) -> None:
@@ -39,6 +42,16 @@ def computes(path: Path) -> None:
         pass
 
 
+def takes(path: Path) -> None:
+    if b"nan" in path.read_bytes():
+        _ = b"x" * 100_000_000
+
+
+def takes_in_cpp(path: Path) -> None:
+    if b"nan" in path.read_bytes():
+        threewe.OccupancyGrid(np.zeros((9_000, 9_000), np.int8), 0.05)
+
+
 def says_not_where(path: Path) -> None:
     if b"nan" in path.read_bytes():
         raise threewe.ConfigError("something is wrong")
@@ -51,6 +64,8 @@ def says_not_where(path: Path) -> None:
         (dies, "status 3"),
         (hangs, "hangs for more than 10 s"),
         (computes, "computes for more than 1 s"),
+        (takes, "status 1"),
+        (takes_in_cpp, "status 1"),
         (says_not_where, "status 1"),
     ],
 )
@@ -58,7 +73,7 @@ def test_readers_that_do_are_found(
     reader: object, failure: str, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setitem(python_fuzzer.FORMATS, "relations", (".relations", reader))  # type: ignore[arg-type]
+    monkeypatch.setitem(python_fuzzer.FORMATS, "relations", python_fuzzer.Format(".relations", reader))  # type: ignore[arg-type]
     monkeypatch.setattr(python_fuzzer, "TIME_LIMIT", 1.0)
     if reader is hangs:
         monkeypatch.setattr(python_fuzzer, "WALL_LIMIT", 10.0)
@@ -66,3 +81,34 @@ def test_readers_that_do_are_found(
     assert count < 2000
     assert failure in told
     assert b"nan" in next((tmp_path / "build/fuzz/artifacts").iterdir()).read_bytes()
+
+
+def read_changed(name: str, count: int, tmp_path: Path) -> list[str]:
+    """What came of changes of the contents of seeds: nothing, or the message."""
+    form = python_fuzzer.FORMATS[name]
+    pool = [path.read_bytes() for path in sorted((python_fuzzer.CORPUS / name).iterdir())]
+    draw, path, said = random.Random(1), tmp_path / f"input{form.suffix}", []
+    assert form.change_content
+    for _ in range(count):
+        path.write_bytes(form.change_content(draw.choice(pool), pool, draw))
+        try:
+            form.read(path)
+            said.append("")
+        except threewe.ConfigError as error:
+            said.append(str(error))
+    return said
+
+
+def test_changed_bundles_are_read_as_far_as_their_results(tmp_path: Path) -> None:
+    said = read_changed("bundle", 200, tmp_path)
+    assert sum("results.json: " in text for text in said) > 30
+    assert sum("manifest.json" in text for text in said) > 20
+    assert said.count("") > 20
+
+
+@pytest.mark.parametrize("name", ["rosbag", "rosbag_sqlite"])
+def test_changed_recordings_are_read_as_far_as_their_messages(name: str, tmp_path: Path) -> None:
+    pytest.importorskip("rosbags", reason="not shown: needs rosbags")
+    said = read_changed(name, 60, tmp_path)
+    assert said.count("") > 20
+    assert sum("message " in text or "scan " in text for text in said) > 15

@@ -55,10 +55,14 @@ def write_bundle(path: Path, results: Mapping[str, Any], outcomes: Sequence[Resu
 def pack(files: Mapping[str, bytes]) -> bytes:
     """The bytes of a bundle of these files, with their manifest."""
     hashes = {name: hashlib.sha256(content).hexdigest() for name, content in sorted(files.items())}
-    everything = {**files, "manifest.json": text_of({"format": "threewe-bundle/1", "files": hashes})}
+    return archived({**files, "manifest.json": text_of({"format": "threewe-bundle/1", "files": hashes})})
+
+
+def archived(files: Mapping[str, bytes]) -> bytes:
+    """The bytes of an archive of these files and nothing else."""
     written = io.BytesIO()
     with zipfile.ZipFile(written, "w", zipfile.ZIP_STORED) as archive:
-        for name, content in sorted(everything.items()):
+        for name, content in sorted(files.items()):
             info = zipfile.ZipInfo(name, EARLIEST)
             info.create_system, info.external_attr = 3, 0o644 << 16
             archive.writestr(info, content)
