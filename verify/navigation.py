@@ -4,6 +4,8 @@ Held-out places, drawn from the commit, come first; the seven named scenes, whic
 regression.
 """
 
+from threewe import profile_names
+
 from verify.cases.doorways import through_a_doorway
 from verify.cases.driving import (
     arrived,
@@ -219,23 +221,26 @@ TIGHT = [
     Experiment(
         "beside a wall",
         away_from_a_wall,
-        variants=[{"hardware": hardware} for hardware in (STANDARD, "3we_depth_v2", TURTLEBOT, BASE)],
-        cases=4000,
-        sample=32,
+        variants=[{"hardware": hardware} for hardware in profile_names()],
+        cases=1000 * len(profile_names()),
+        sample=5 * len(profile_names()),
         rows=[
             share_of("gets away and reaches a goal, truly within 0.25 m", arrived, at_least=0.99),
             where(
                 all_of("with a lidar: touches nothing faster than 0.05 m/s", touches_gently),
                 lambda case: case["hardware"] != BASE,
             ),
-            # four cones and no lidar: what is beside a corner that turns does not always return an echo
             where(
-                share_of("without one: touches nothing faster than 0.05 m/s", touches_gently, at_least=0.99),
+                known_miss(
+                    all_of("without one: touches nothing faster than 0.05 m/s", touches_gently),
+                    0.995,
+                    "four ultrasonic sensors miss the wall next to a corner that turns in one drive of two hundred",
+                ),
                 lambda case: case["hardware"] == BASE,
             ),
             *each(
                 "hardware",
-                (STANDARD, "3we_depth_v2", TURTLEBOT, BASE),
+                profile_names(),
                 lambda _: share_of("gets away and reaches a goal, truly within 0.25 m", arrived, at_least=0.99),
             ),
         ],

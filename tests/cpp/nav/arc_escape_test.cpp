@@ -4,7 +4,6 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstdint>
 #include <string>
@@ -19,7 +18,11 @@
 namespace threewe::nav {
 namespace {
 
-constexpr std::array kRobots = {"3we_standard_v2", "3we_depth_v2", "3we_base_v2", "turtlebot_like"};
+// All that ship: each can move.
+const std::vector<std::string>& robots() {
+  static const std::vector<std::string> names = profile_names();
+  return names;
+}
 
 void add_line(std::vector<Vec2>& points, Vec2 a, Vec2 b) {
   constexpr double kSpacing = 0.01;  // [m]
@@ -34,17 +37,18 @@ double depth(const RobotProfile& profile, double heading) {
   return most;
 }
 
-// A robot that does exactly as it is told, as the creeping gate lets it.
+// A robot that does exactly as it is commanded, no faster than the gate lets it in creep mode.
 struct Body {
   RobotProfile profile;
   PathFollower follower{profile, params_for<Params>(profile, "nav")};
   Outline outline{profile.body.footprint};
   ArcEscape arc_escape{profile, params_for<Params>(profile, "nav")};
+  Params::Creep creep = params_for<Params>(profile, "nav").creep;
   std::vector<Vec2> points{};  // in `odom`
   Pose2D pose{};
   Time now{};
   double least_clearance = 1.0;
-  bool crept_where_tight = true;
+  double fastest_where_tight = 0.0;  // [m/s] of its corners in creep mode
 
   std::vector<Vec2> seen() const { return transformed(inverse(pose), points); }
 
@@ -52,11 +56,16 @@ struct Body {
     arc_escape.begin(now);
     while (now < 120s) {
       follower.update(seen(), 0.004 - safety::margin_of(profile));
-      const Velocity velocity = arc_escape.step(now, pose, seen(), follower);
+      Velocity velocity = arc_escape.step(now, pose, seen(), follower);
       if (arc_escape.over()) break;
       const double corners = exact::hypot(velocity.vx, velocity.vy) +
                              std::fabs(velocity.omega) * profile.body.footprint.circumscribed_radius();
-      if (arc_escape.creep_mode()) crept_where_tight = crept_where_tight && corners <= 0.05 + 1e-9;
+      if (arc_escape.creep_mode()) {
+        fastest_where_tight = std::max(fastest_where_tight, corners);
+        const double share =
+            std::min(1.0, params_for<safety::Params>(profile, "safety").creep.corner_speed / std::max(corners, 1e-9));
+        velocity = {share * velocity.vx, share * velocity.vy, share * velocity.omega};
+      }
       pose = integrate(pose, velocity, to_seconds(kControlPeriod));
       now += kControlPeriod;
       for (const Vec2 p : seen()) least_clearance = std::min(least_clearance, outline.clearance(p));
@@ -66,7 +75,7 @@ struct Body {
 };
 
 TEST_CASE("whoever stands beside a wall leaves it, and does not touch it") {
-  for (const char* name : kRobots) {
+  for (const std::string& name : robots()) {
     for (std::uint64_t seed = 0; seed < cases(60); ++seed) {
       CAPTURE(name);
       CAPTURE(seed);
@@ -79,19 +88,19 @@ TEST_CASE("whoever stands beside a wall leaves it, and does not touch it") {
       add_line(body.points, {-2.0, wall}, {2.0, wall});
       CHECK(body.leaves());
       CHECK(body.least_clearance >= std::min(free, 0.004) - 0.0035);
-      CHECK(body.crept_where_tight);
+      CHECK(body.fastest_where_tight <= body.creep.speed + body.creep.corner_speed + 1e-9);
     }
   }
 }
 
 TEST_CASE("whoever has driven into a slot too narrow to turn in backs out of it") {
-  for (const char* name : kRobots) {
+  for (const std::string& name : robots()) {
     for (const double spare : {0.02, 0.05, 0.1}) {
       CAPTURE(name);
       CAPTURE(spare);
       Body body{load_profile(name)};
       const double half = depth(body.profile, 0.0) + 0.5 * spare;
-      const double end = 0.2;  // [m] ahead of the base
+      const double end = std::max(0.2, depth(body.profile, -0.5 * exact::kPi) + 0.02);  // [m] ahead of the base
       for (const double side : {1.0, -1.0}) {
         add_line(body.points, {-0.5, side * half}, {end, side * half});
         add_line(body.points, {-0.5, side * half}, {-0.5, side * 1.5});
@@ -108,7 +117,7 @@ TEST_CASE("each step keeps the outline clear, and the last ends where there is r
   for (std::uint64_t seed = 0; seed < cases(100); ++seed) {
     CAPTURE(seed);
     const RngKey key{.seed = seed};
-    const RobotProfile profile = load_profile(kRobots[seed % kRobots.size()]);
+    const RobotProfile profile = load_profile(robots()[seed % robots().size()]);
     const Outline outline(profile.body.footprint);
     std::vector<Vec2> hits;
     for (std::uint64_t i = 0; i < 12; ++i) {
@@ -127,7 +136,7 @@ TEST_CASE("each step keeps the outline clear, and the last ends where there is r
 }
 
 TEST_CASE("a wall at any distance is left as far as it takes") {
-  for (const char* name : kRobots) {
+  for (const std::string& name : robots()) {
     for (int i = 0; i < 20; ++i) {
       CAPTURE(name);
       CAPTURE(i);
