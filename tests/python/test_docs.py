@@ -6,6 +6,7 @@ That links lead somewhere, examples run and every public C++ symbol has a commen
 import ast
 import importlib
 import inspect
+import json
 import re
 from collections.abc import Iterator
 from pathlib import Path
@@ -92,6 +93,21 @@ def test_the_words_are_found() -> None:
 
 def test_the_table_has_what_no_name_may_have() -> None:
     assert set(FORBIDDEN) <= set(old_words())
+
+
+def test_the_front_page_says_what_the_robot_without_a_lidar_did() -> None:
+    runs = json.loads((ROOT / "verify/results/navigation.json").read_text())
+    [run] = [run for name, run in runs.items() if "3we_base_v2 in office_v2" in name]
+    figures = {row["row"]: row["figure"] for row in run["rows"]}
+    arrived = figures["ends truly within 0.25 m"].partition("/")[0]
+    bumped = run["cases"] - int(figures["without any contact"].partition("/")[0])
+    fastest = re.search(r"worst ([\d.]+)", figures["contact by its own motion [m/s]"])
+    assert fastest
+    words = (
+        f"of {run['cases']} sampled drives in `office_v2` {arrived} ended within 0.25 m of their goal, "
+        f"and {bumped} bumped into something on the way, at {float(fastest[1]):.2f} m/s at most."
+    )
+    assert words in " ".join((ROOT / "README.md").read_text().split())
 
 
 def test_every_public_name_is_on_a_page_of_the_reference() -> None:
