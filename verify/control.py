@@ -4,10 +4,12 @@ import json
 import subprocess
 
 from verify.cases.trees import PROGRAMS
-from verify.harness import Case, Experiment, each, info, share_of, share_within, within
+from verify.harness import Case, Experiment, Row, each, known_miss, share_of, share_within, within
 
 STANDARD, TURTLEBOT = "3we_standard_v2", "turtlebot_like"
 NARROW = "a door 5 cm wider than the robot"
+BUT_NARROW = f"all but {NARROW}"
+ALONE = "robots pass such doors by another behaviour, which `navigation` measures; this is the controller alone"
 COURSES = ("a door 20 cm wider than the robot", "a slalom", "people who cross", "a dead end")
 
 
@@ -17,8 +19,14 @@ def drive_courses(seed: int) -> Case:
     return {"drives": [json.loads(line) for line in lines.splitlines()]}
 
 
+def all_drives(case: Case) -> list[Case]:
+    drives: list[Case] = case["drives"]
+    return drives
+
+
 def drives_of(case: Case) -> list[Case]:
-    return [drive for drive in case["drives"] if drive["course"] != NARROW]
+    """All but those through a door that is hardly wider than the robot."""
+    return [drive for drive in all_drives(case) if drive["course"] != NARROW]
 
 
 def touches_gently(drive: Case) -> bool:
@@ -27,6 +35,10 @@ def touches_gently(drive: Case) -> bool:
 
 def arrived(drive: Case) -> bool:
     return bool(drive["arrived"])
+
+
+def comes_to_the_end() -> Row:
+    return share_of("comes to the end", arrived, at_least=0.85)
 
 
 EXPERIMENTS = [
@@ -38,7 +50,7 @@ EXPERIMENTS = [
         rows=[
             *(
                 share_within(
-                    f"{robot} comes to the end",
+                    f"{BUT_NARROW}: {robot} comes to the end",
                     lambda case, robot=robot: [drive for drive in drives_of(case) if drive["hardware"] == robot],
                     arrived,
                     at_least=enough,
@@ -46,12 +58,14 @@ EXPERIMENTS = [
                 for robot, enough in ((STANDARD, 0.99), (TURTLEBOT, 0.90))
             ),
             # people give way to nothing here, and no gate watches over the robot
-            share_within("touches nothing faster than 0.05 m/s", drives_of, touches_gently, at_least=0.97),
-            *each("course", COURSES, lambda _: within(share_of("comes to the end", arrived, at_least=0.85), drives_of)),
-            # robots drive through these by another behaviour, which `navigation` measures
-            within(
-                info(f"{NARROW}: comes to the end", lambda drives: f"{sum(map(arrived, drives))}/{len(drives)}"),
-                lambda case: [drive for drive in case["drives"] if drive["course"] == NARROW],
+            share_within(
+                f"{BUT_NARROW}: touches nothing faster than 0.05 m/s", drives_of, touches_gently, at_least=0.97
+            ),
+            *each("course", COURSES, lambda _: within(comes_to_the_end(), drives_of)),
+            *each(
+                "course",
+                [NARROW],
+                lambda _: within(known_miss(comes_to_the_end(), 0.0, ALONE), all_drives),
             ),
         ],
     )
