@@ -1,5 +1,6 @@
-"""MuJoCo's sensors see what the embedded simulator's do, in every scene; and what a body that tilts changes. An honest
-backend passes every check of the contract, whatever its robot, scene and seed.
+"""MuJoCo's sensors see what the embedded simulator's do; a backend that keeps the contract passes every check of it.
+
+Scenes, robots and seeds vary; what a body that tilts changes is measured too.
 """
 
 import importlib.util
@@ -74,7 +75,7 @@ def geometry() -> list[Row]:
         share_off("same pose: beams more than 1 cm off", "exact_beams_off", "exact_beams", at_most=0.001),
         share_off("same pose: depths off by 2 cm and 1 %", "exact_depth_off", "exact_compared", at_most=0.01),
         share_off("same pose: another id", "exact_ids_off", "exact_compared", at_most=0.01),
-        share_off("same pose: pixels beside an edge, left out", "exact_edges", "exact_pixels", at_most=0.05),
+        share_off("same pose: pixels next to an edge, left out", "exact_edges", "exact_pixels", at_most=0.05),
         *(row for how, deepest in (("settled", 0.2), ("driving", 5.0)) for row in in_motion(how, deepest)),
     ]
 
@@ -98,7 +99,7 @@ NO_CHECK_FAILS = all_of("no check fails", lambda case: not case["failed"])
 
 EXPERIMENTS = [
     Experiment(
-        "check_backend of honest backends",
+        "check_backend of backends that keep the contract",
         keep_the_contract,
         variants=[{"backend": backend, "robots": robots} for backend, robots in HONEST.items()],
         cases=150,
@@ -106,7 +107,7 @@ EXPERIMENTS = [
         rows=[NO_CHECK_FAILS, *each("backend", HONEST, lambda _: NO_CHECK_FAILS)],
     ),
     Experiment(
-        "MuJoCo's sensors beside ours, 3we_depth_v2",
+        "MuJoCo's sensors next to ours, 3we_depth_v2",
         look,
         variants=[{"scene": scene} for scene in SCENES],
         cases=350,

@@ -34,7 +34,7 @@ def share_off(name: str, off: str, of: str, at_most: float) -> Row:
 def rows() -> list[Row]:
     return [
         share_off("beams more than 1 cm off the depth image", "beams_off", "beams", at_most=0.001),
-        share_off("pixels of another id or depth than their ray meets", "pixels_wrong", "pixels", at_most=0.0),
+        share_off("pixels of another id or depth than what their ray hits", "pixels_wrong", "pixels", at_most=0.0),
         # where two walls are flush with one another, the one or the other may show
         share_off("pixels of another colour alone", "pixels_of_another_colour", "pixels", at_most=0.02),
         share_off("pixels within 0.002 px of an edge, left out", "pixels_at_edges", "pixels", at_most=0.02),

@@ -173,7 +173,7 @@ def drive_robot(robot: sync.Robot, episode: Episode, steps: int) -> list[list[fl
 
 
 def run_policy(seed: int) -> dict[str, Any]:
-    """One policy, one episode: native and through a robot with the truth; and with the robot's own mind."""
+    """One policy, one episode: native and through a robot with the truth; and with the robot's own localization."""
     rng = np.random.default_rng(seed)
     episode = load_episodes("reactive_v1")["episodes"][int(rng.integers(700))]
     scene = episode.scene
@@ -190,20 +190,20 @@ def run_policy(seed: int) -> dict[str, Any]:
         native = drive_env(Env(localization="truth", hardware=hardware, **options), episode)
         with sync.Robot(scene=scene, noise=noise, localization="truth", hardware=hardware) as robot:
             driven = drive_robot(robot, episode, len(native["way"]) - 1)
-    mind = drive_env(Env(backend="mock", **options), episode)
-    apart = np.hypot(*(np.array(mind["way"][-1]) - native["way"][-1])[:2])
+    own = drive_env(Env(backend="mock", **options), episode)
+    apart = np.hypot(*(np.array(own["way"][-1]) - native["way"][-1])[:2])
     return {
         "equal": driven == native["way"],
         "truth": native["success"],
-        "mind": mind["success"],
-        "alike": native["success"] == mind["success"],
+        "own": own["success"],
+        "alike": native["success"] == own["success"],
         "apart": float(apart),
     }
 
 
 def arrivals(cases: list[Case]) -> str:
     """How often the policy arrives where poses are true, and where the robot finds out by itself."""
-    truth, own = (sum(case[who] for case in cases) for who in ("truth", "mind"))
+    truth, own = (sum(case[who] for case in cases) for who in ("truth", "own"))
     return f"{truth}/{len(cases)} with the truth, {own}/{len(cases)} with its own localization"
 
 
@@ -253,12 +253,12 @@ EXPERIMENTS = [
             ),
             mean_of(
                 "arrives with the truth more often than with its own localization, by",
-                lambda case: float(case["truth"]) - float(case["mind"]),
+                lambda case: float(case["truth"]) - float(case["own"]),
                 form="{:.1%}",
                 at_most=0.05,
             ),
             info("arrives", arrivals),
-            share_of("with the mind it ends as with the truth", lambda case: case["alike"], at_least=0.9),
+            share_of("by the autonomy stack it ends as with the truth", lambda case: case["alike"], at_least=0.9),
             share_of(
                 "ends within 0.1 m of where it ends with the truth", lambda case: case["apart"] <= 0.1, at_least=0.5
             ),

@@ -156,7 +156,7 @@ EXPERIMENTS = [
                 figure_of(f"success in {PEOPLE}", lambda case: case["full"][PEOPLE]),
                 figure_of("mean success in full PointNav, static scenes", lambda case: mean(still(case, "pointnav"))),
                 all_of("through a Robot with the truth as in the batch, to the bit", as_in_the_batch),
-                figure_of("arrive through a Robot: with the truth, with its mind", robot_arrivals, "{}"),
+                figure_of("arrive through a Robot: with the truth, with its own localizer", robot_arrivals, "{}"),
             ],
             alone=True,
         )

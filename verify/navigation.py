@@ -141,14 +141,14 @@ HELD_OUT = [
         for hardware, cases, sample, enough in [(STANDARD, 300, 12, 0.95), (TURTLEBOT, 200, 8, 0.85)]
     ),
     Experiment(
-        "far goals in generated halls and corridors",
+        "far goals in generated large rooms and corridors",
         in_generated,
         {"run": drive_far},
         variants=[{"place": place, "hardware": hardware} for place in ("hall", "corridor") for hardware in ROBOTS],
         cases=160,
         sample=6,
         rows=[
-            *far_rows("hall or corridor", None),
+            *far_rows("large room or corridor", None),
             share_of("reached, or says how unsure it is", says_how_unsure, at_least=0.97),
             share_of("truly within the radius that it states", within_its_radius, at_least=0.95),
         ],
@@ -219,7 +219,7 @@ DOORS = [
 
 TIGHT = [
     Experiment(
-        "beside a wall",
+        "next to a wall",
         away_from_a_wall,
         variants=[{"hardware": hardware} for hardware in profile_names()],
         cases=1000 * len(profile_names()),
@@ -269,7 +269,7 @@ REGRESSION = [
         cases=400,
         sample=14,
         rows=[
-            where(share_of(f"{ARRIVED}, {STANDARD}, nobody walks", arrived, at_least=0.99), still_and_standard),
+            where(share_of(f"{ARRIVED}, {STANDARD}, no one walks", arrived, at_least=0.99), still_and_standard),
             where(
                 share_of(f"{ARRIVED}, {STANDARD} in dynamic_v1, {TURTLEBOT} in office_v2", arrived, at_least=0.97),
                 lambda case: not still_and_standard(case),
@@ -294,7 +294,7 @@ REGRESSION = [
         ],
     ),
     Experiment(
-        "move_to where nobody can",
+        "move_to goals without a path",
         drive_in_vain,
         variants=[{"scene": scene, "hardware": STANDARD} for scene in ("office_v2", "corridor_v1")],
         cases=30,
@@ -307,7 +307,7 @@ REGRESSION = [
         ],
     ),
     Experiment(
-        f"move_to by echoes, {BASE} in office_v2",
+        f"move_to by sonar, {BASE} in office_v2",
         drive,
         {"scene": "office_v2", "hardware": BASE},
         cases=100,

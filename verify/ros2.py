@@ -95,7 +95,7 @@ EXPERIMENTS = [
         ],
     ),
     Experiment(
-        "streams of images beside commands",
+        "streams of images with commands",
         real_links.carry_streams,
         cases=20,
         sample=1,
@@ -106,7 +106,7 @@ EXPERIMENTS = [
                 lambda case: case["scan_latency"],
                 at_most=0.001,
             ),
-            worst_of("the same beside images [s]", lambda case: case["scan_latency_beside_images"], at_most=0.001),
+            worst_of("the same with images [s]", lambda case: case["scan_latency_beside_images"], at_most=0.001),
             where(
                 all_of("no image is lost with a receive buffer of 4 MiB", lambda case: case["lost"] == 0),
                 lambda case: case["granted"] >= 4 << 20,
@@ -165,7 +165,7 @@ EXPERIMENTS = [
         limit=3600.0,
     ),
     Experiment(
-        "changed packets of RTPS, beside those of the robot",
+        "changed packets of RTPS, with those of the robot",
         real_links.attack,
         {"seconds": 20.0},
         cases=20,

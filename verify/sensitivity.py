@@ -1,4 +1,4 @@
-"""How the autonomy stack answers to half and twice of each of its parameters, in places that nobody tuned to."""
+"""How the autonomy stack answers to half and twice of each of its parameters, in places that nothing was tuned on."""
 
 from verify.cases.sensitivity import sensitivity, write_page
 from verify.harness import Case, Experiment, all_of, info

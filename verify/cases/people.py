@@ -22,8 +22,8 @@ def share(name: str, part: str, whole: str, *, at_most: float) -> Row:
 
 PEOPLE = [
     share("in sight within 5 m, and not tracked", "missed", "seen", at_most=0.10),
-    share("tracks without anybody within 0.5 m", "ghosts", "tracks", at_most=0.10),
-    share("tracks that never were with anybody", "false_tracks", "people", at_most=0.15),
+    share("tracks without a person within 0.5 m", "ghosts", "tracks", at_most=0.10),
+    share("tracks that never were with a person", "false_tracks", "people", at_most=0.15),
     mean_of("position error, RMS [m]", lambda case: case["position"], at_most=0.20),
     mean_of("velocity error, RMS [m/s]", lambda case: case["velocity"], at_most=0.60),
     worst_of("contact by its own motion [m/s]", lambda case: case["contact"], at_most=0.1),

@@ -1,4 +1,4 @@
-"""What ways to a robot on ROS 2 carry: streams of images beside commands, and packets between network namespaces."""
+"""What ways to a robot on ROS 2 carry: streams of images with commands, and packets between network namespaces."""
 
 import bisect
 import ctypes

@@ -1,4 +1,4 @@
-"""A robot beside a wall, or at the end of a slot, all else free: it gets away and reaches a goal."""
+"""A robot next to a wall, or at the end of a slot, all else free: it gets away and reaches a goal."""
 
 import asyncio
 import math
