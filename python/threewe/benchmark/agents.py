@@ -19,8 +19,9 @@ import inspect
 import math
 import os
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from importlib.machinery import ModuleSpec
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
@@ -296,16 +297,35 @@ def identify(task: str, name: str) -> Identity:
     for seen in getattr(agent, "options", {}).get("observations") or ():
         if seen not in known:
             raise ConfigError(f"agent: {name}: {unknown_name(f'observation of {task}', str(seen), list(known))}")
-    kinds = [kind for kind in ("yardstick", "run", "act") if hasattr(agent, kind)]
-    if not kinds:
-        raise ConfigError(f"agent: {name}: expected a method `run(robot, assignment)` or `act(observation)`")
-    if kinds[0] == "run" and not inspect.iscoroutinefunction(agent.run):
-        raise ConfigError(f"agent: {name}: `run` must be `async def run(self, robot, assignment)`")
-    if task == "vln" and kinds[0] == "act":
+    kind = _kind_of(name, agent)
+    if task == "vln" and kind == "act":
         raise ConfigError(f"agent: {name}: VLN is for programs: a method `async def run(self, robot, assignment)`")
-    shipped = name in SHIPPED[task] or isinstance(agent, InstructedByModel)
-    digest = "" if shipped else hashlib.sha256(_source_of(name, agent)).hexdigest()
-    return Identity(name, kinds[0], bool(getattr(agent, "privileged", False)), digest)
+    source = "" if is_shipped(task, name) else hashlib.sha256(_source_of(name, agent)).hexdigest()
+    return Identity(name, kind, bool(getattr(agent, "privileged", False)), source)
+
+
+def is_shipped(task: str, name: str) -> bool:
+    """Whether an agent comes with 3we, so that it has no source of its own."""
+    return name in SHIPPED[task] or name.partition("@")[0] == MODEL
+
+
+def file_of(name: str) -> Path | None:
+    """The file that a module's agent or a policy's file is read from, found without running any of it; None for others.
+
+    Raises ConfigError where there is none.
+    """
+    if name.startswith(LEARNED) or name.partition("@")[0] == MODEL:
+        return None
+    if Path(name).suffix in POLICIES:
+        file: Path | None = Path(name)
+    elif ":" in name:
+        _find_modules_here()
+        file = _file_of_module(name.partition(":")[0])
+    else:
+        return None
+    if file is None or not file.is_file():
+        raise ConfigError(f"agent: {name}: no such file")
+    return file
 
 
 def _source_of(name: str, agent: Any) -> bytes:
@@ -315,15 +335,48 @@ def _source_of(name: str, agent: Any) -> bytes:
     return (Path(name) if Path(name).suffix in POLICIES else Path(inspect.getfile(type(agent)))).read_bytes()
 
 
-def _class_of(name: str) -> Callable[[], Any]:
+def _class_of(name: str) -> type:
+    """A class that can be an agent, by what it has before one is made."""
     module, _, attribute = name.partition(":")
-    here = str(Path.cwd())
-    if here not in sys.path:  # as with `python -m`
-        sys.path.insert(0, here)
+    _find_modules_here()
     try:
         found = getattr(importlib.import_module(module), attribute)
     except (ImportError, AttributeError) as error:
         raise ConfigError(f"agent: {name}: {error}") from None
-    if not callable(found):
-        raise ConfigError(f"agent: {name}: not a class")
-    return found  # type: ignore[no-any-return]
+    if not isinstance(found, type) or found.__module__ != module:
+        raise ConfigError(f"agent: {name}: expected a class that {module} defines")
+    _kind_of(name, found)
+    return found
+
+
+def _kind_of(name: str, agent: Any) -> str:
+    """How an agent, or those of a class, drive."""
+    kinds = [kind for kind in ("yardstick", "run", "act") if hasattr(agent, kind)]
+    if not kinds:
+        raise ConfigError(f"agent: {name}: expected a method `run(robot, assignment)` or `act(observation)`")
+    if kinds[0] == "run" and not inspect.iscoroutinefunction(agent.run):
+        raise ConfigError(f"agent: {name}: `run` must be `async def run(self, robot, assignment)`")
+    return kinds[0]
+
+
+def _find_modules_here() -> None:
+    """As with `python -m`."""
+    here = str(Path.cwd())
+    if here not in sys.path:
+        sys.path.insert(0, here)
+
+
+def _file_of_module(name: str) -> Path | None:
+    """Of the import system, which would run a package to find what is in it: so each is looked up in the one before."""
+    path: Sequence[str] | None = None
+    spec: ModuleSpec | None = None
+    parts = name.split(".")
+    for count in range(1, len(parts) + 1):
+        try:
+            found = (finder.find_spec(".".join(parts[:count]), path) for finder in sys.meta_path)
+            spec = next((one for one in found if one is not None), None)
+        except (ValueError, KeyError):  # no name, or a folder without __init__.py in another
+            return None
+        if spec is None or (path := spec.submodule_search_locations) is None:
+            break
+    return Path(spec.origin) if spec is not None and spec.name == name and spec.origin else None

@@ -10,7 +10,7 @@ import base64
 import hashlib
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from itertools import islice
 from pathlib import Path
 from typing import Any
@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 
 from threewe._core import OccupancyGrid, RobotProfile
 from threewe._model_talk import Record
-from threewe.benchmark.agents import MODEL, Identity, identify
+from threewe.benchmark.agents import MODEL, Identity, file_of, identify
 from threewe.benchmark.attempt import SLOWEST, Settings, as_base64, attempt, from_base64, replay
 from threewe.benchmark.bundle import KINDS, Bundle, BundleError, read_bundle
 from threewe.benchmark.episodes import Episode, digest, find_episodes, load_episodes
@@ -353,18 +353,35 @@ def rerun_policy(
     """Drives the agent of a bundle through new episodes, in buildings that are drawn from a seed.
 
     A log that was written by hand replays as well as any; the policy that is said to have written it has to earn its
-    figures again. It runs in a process with limits on time and memory, which is no wall against hostile code: run
-    a third party's policy in a container.
+    figures again. Nothing is imported that is not the source which the bundle names, by its hash. It is imported, made
+    and run in a process with limits on time and memory, which is no wall against hostile code: run a third party's
+    policy in a container.
 
-    Raises BundleError where the agent here is another than the bundle names.
+    Raises BundleError where the agent here is another than the bundle names, or cannot be made.
     """
-    plan = verified.plan
-    agent = identify(plan.task, plan.agent.name)
-    if agent != plan.agent:
-        raise BundleError(f"agent: {plan.agent.name} here is another than in the bundle, by its source")
+    plan, agent = verified.plan, verified.plan.agent
+    _require_agent(plan.task, agent, memory)
     new = list(islice(training_episodes(plan.task, seed), episodes))
     hashed = hashlib.sha256(repr(new).encode()).hexdigest()
     scenes = tuple(dict.fromkeys(episode.scene for episode in new))
     again = Plan(plan.task, agent, f"{plan.task}_rerun_{seed}", hashed, scenes, episodes, plan.settings)
     outcomes = run_plan(again, new, folder / "rerun.jsonl", workers=workers, memory=memory, on_done=on_done)
     return results_of(again, new, outcomes)
+
+
+def _require_agent(task: str, agent: Identity, memory: int) -> None:
+    """The agent is here as the bundle names it: by its source before any of it runs, then by what it says of itself."""
+    another = f"agent: {agent.name} here is another than in the bundle"
+    file = file_of(agent.name)
+    if file is not None and hashlib.sha256(file.read_bytes()).hexdigest() != agent.source:
+        raise BundleError(f"{another}, by its source")
+    job = Job(agent.name, _identified, {"task": task, "name": agent.name}, EPISODE_LIMIT)
+    [finished] = run_jobs([job], 1, memory=memory)
+    if finished.failure:
+        raise BundleError(f"agent: {agent.name}: cannot be made here: {finished.failure.splitlines()[-1]}")
+    if Identity(**finished.result) != agent:
+        raise BundleError(f"{another}: {finished.result}")
+
+
+def _identified(task: str, name: str) -> Result:
+    return asdict(identify(task, name))
