@@ -155,7 +155,7 @@ def results_of(plan: Plan, episodes: Sequence[Episode], outcomes: Sequence[Resul
         "format": FORMAT,
         "track": "open",
         **plan.as_fields(),
-        "official": plan.settings.official and plan.agent.kind != "yardstick" and not plan.quick,
+        "official": is_official(plan),
         "gate": "full",
         "localization": localization_of(plan),
         "hardware_hash": hashlib.sha256(RobotProfile.load(plan.settings.hardware).yaml.encode()).hexdigest(),
@@ -169,6 +169,12 @@ def results_of(plan: Plan, episodes: Sequence[Episode], outcomes: Sequence[Resul
 def _key_of(episode: Episode) -> dict[str, Any]:
     named = {"scene": episode.scene, "index": episode.index, "seed": episode.seed}
     return named | {name: value for name in ("stratum", "category", "instruction") if (value := getattr(episode, name))}
+
+
+def is_official(plan: Plan) -> bool:
+    """Whether results may stand among robots': of one in official settings that knows no more than a robot does."""
+    drives = plan.agent.kind != "yardstick" and not plan.quick
+    return plan.settings.official and drives and not plan.agent.privileged
 
 
 def localization_of(plan: Plan) -> str:

@@ -24,9 +24,9 @@ HEAD = """\
 # Benchmark results
 
 Agents that come with 3we on the frozen episodes of [the benchmark](how-to-benchmark.md), misses included. Each cell is
-a mean with its 95 % interval: Wilson's for rates, bootstrap for the rest. *Privileged* agents know what no robot does;
-a *baseline* drives no robot. Every figure follows from the files that the rows link to; `threewe benchmark table`
-makes this page of them.
+a mean with its 95 % interval: Wilson's for rates, bootstrap for the rest. *Privileged* agents know what no robot does,
+and are never official; a *baseline* drives no robot. Every figure follows from the files that the rows link to;
+`threewe benchmark table` makes this page of them.
 """
 
 

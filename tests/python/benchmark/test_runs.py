@@ -84,7 +84,7 @@ def test_results_are_the_same_for_any_number_of_workers(tmp_path: Path) -> None:
 
 def test_an_oracle_is_marked_and_a_yardstick_drives_no_robot(tmp_path: Path) -> None:
     oracle = drive(tmp_path, "oracle", workers=0)
-    assert oracle["agent"]["privileged"]
+    assert (oracle["agent"]["privileged"], oracle["official"]) == (True, False)
     assert oracle["summary"]["all"]["spl"]["value"] > 0.85
     best = drive(tmp_path, "optimistic", workers=0)
     assert not best["official"]

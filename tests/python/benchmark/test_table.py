@@ -49,7 +49,7 @@ def test_figures_follow_from_the_episodes(file: Path) -> None:
     assert results["episode_hash"] == digest(find_episodes(results["episode_set"]))
     assert len(results["episode_results"]) == results["episodes"] * len(results["scenes"])
     assert results["episodes"] >= 10
-    assert results["official"] == (results["agent"]["kind"] != "yardstick")
+    assert results["official"] == (results["agent"]["kind"] != "yardstick" and not results["agent"]["privileged"])
     assert "dirty" not in results["library"]["commit"]
     assert not any(row["failure"] for row in results["episode_results"])
 
@@ -67,8 +67,8 @@ def test_a_page_shows_who_knew_more_and_what_is_missing(tmp_path: Path) -> None:
     for name, results in {"a": oracle, "b": fewer}.items():
         (tmp_path / f"{name}.json").write_bytes(text_of(results))
     text = page(find_results([tmp_path]), tmp_path.parent)
-    assert f"[oracle]({tmp_path.name}/a.json), *privileged* |" in text
-    assert "*not official*" in text
+    assert f"[oracle]({tmp_path.name}/a.json), *privileged*, *not official* |" in text
+    assert f"[straight]({tmp_path.name}/b.json), *not official* |" in text
     assert text.index("[oracle]") < text.index("[straight]"), "the best first"
     assert "| straight | " in text
     assert " | none | none |" in text
