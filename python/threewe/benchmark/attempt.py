@@ -212,12 +212,12 @@ async def _drive(robot: Robot, log: DriveLog, agent: Any, assignment: Assignment
                 agent.reset(assignment)
             async with robot.timeout(assignment.time_limit - robot.now):
                 await agent.run(robot, assignment)
-        except TimeoutError:
-            tried.end = "time"
         except MemoryError:
             raise
         except Exception as error:
             tried.end, tried.failure = "failure", said(error)
+            if isinstance(error, TimeoutError) and len(log) * TICK >= assignment.time_limit:  # not one of its own
+                tried.end, tried.failure = "time", ""
         tried.talk = agent.talk if isinstance(agent, InstructedByModel) else b""
         log.end()
         if tried.end == "stop" and len(log) * TICK >= assignment.time_limit:

@@ -36,6 +36,7 @@ def drive(folder: Path, agent: str, *, task: str = "pointnav", scene: str = "apa
     ("agent", "why"),
     [
         ("Raises", r"ValueError: no way to \("),
+        ("GivesUp", "TimeoutError"),
         ("PeeksAtTheTruth", "AttributeError: 'NoneType' object has no attribute 'true_pose'"),
         ("NotANumber", "action"),
         ("WrongShape", r"action must have shape \(3,\), got \(2,\)"),
