@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from threewe.benchmark.agents import has_source
 from threewe.benchmark.bundle import EARLIEST, KINDS, pack, read_bundle, text_of
 
 Results = dict[str, Any]
@@ -230,7 +231,8 @@ def missing_claim(forger: Forger) -> None:
 
 def other_leaf(forger: Forger) -> None:
     """Anything that can be checked is something else."""
-    leaves = [leaf for leaf in leaves_of(forger.results) if not is_the_agents_word(leaf)]
+    theirs = has_source(forger.results["agent"]["name"])
+    leaves = [leaf for leaf in leaves_of(forger.results) if not is_a_word(leaf, theirs)]
     *path, last = forger.draw.choice(leaves)
     place = forger.results
     for step in path:
@@ -248,9 +250,26 @@ def leaves_of(value: Any, path: tuple[Any, ...] = ()) -> Iterator[tuple[Any, ...
         yield path
 
 
-def is_the_agents_word(path: tuple[Any, ...]) -> bool:
-    """What no replay can tell: who it was, where, and what it failed of."""
-    return path[0] in ("agent", "library") or path[-1] in ("failure", "control_rate") or path == ("settings", "seed")
+def is_a_word(path: tuple[Any, ...], theirs: bool) -> bool:
+    """What no replay can tell: where it was, what it failed of, and who it was unless that came with 3we."""
+    given = path[0] == "library" or path[-1] in ("failure", "control_rate") or path == ("settings", "seed")
+    return given or (theirs and path[0] == "agent")
+
+
+def unmarked_privilege(forger: Forger) -> None:
+    """As if an agent that comes with 3we knew less, or more, than it does; all that follows from it is right."""
+    agent = forger.results["agent"]
+    agent["privileged"] = not agent["privileged"]
+    forger.results["official"] = not agent["privileged"]
+    forger.results["localization"] = "as the privileged agent chose" if agent["privileged"] else "the robot's own"
+
+
+def other_source(forger: Forger) -> None:
+    forger.results["agent"]["source"] = forger.draw.choice(["0" * 64, "none"])
+
+
+def agent_of_no_kind(forger: Forger) -> None:
+    forger.results["agent"]["name"] = forger.draw.choice(["", "navigater", "vlm@nowhere:x y", "my.module:Agent"])
 
 
 def no_library(forger: Forger) -> None:
@@ -368,6 +387,9 @@ WAYS: list[Callable[[Forger], bytes | None]] = [
     other_hash,
     closed_track,
     other_agent,
+    unmarked_privilege,
+    other_source,
+    agent_of_no_kind,
     other_format,
     extra_claim,
     other_leaf,

@@ -300,13 +300,14 @@ def identify(task: str, name: str) -> Identity:
     kind = _kind_of(name, agent)
     if task == "vln" and kind == "act":
         raise ConfigError(f"agent: {name}: VLN is for programs: a method `async def run(self, robot, assignment)`")
-    source = "" if is_shipped(task, name) else hashlib.sha256(_source_of(name, agent)).hexdigest()
+    source = hashlib.sha256(_source_of(name, agent)).hexdigest() if has_source(name) else ""
     return Identity(name, kind, bool(getattr(agent, "privileged", False)), source)
 
 
-def is_shipped(task: str, name: str) -> bool:
-    """Whether an agent comes with 3we, so that it has no source of its own."""
-    return name in SHIPPED[task] or name.partition("@")[0] == MODEL
+def has_source(name: str) -> bool:
+    """Whether it is the name of a policy or of a class of a module, and not of an agent that comes with 3we."""
+    foreign = name.startswith(LEARNED) or Path(name).suffix in POLICIES or ":" in name
+    return foreign and name.partition("@")[0] != MODEL
 
 
 def file_of(name: str) -> Path | None:
@@ -314,15 +315,12 @@ def file_of(name: str) -> Path | None:
 
     Raises ConfigError where there is none.
     """
-    if name.startswith(LEARNED) or name.partition("@")[0] == MODEL:
+    if not has_source(name) or name.startswith(LEARNED):
         return None
-    if Path(name).suffix in POLICIES:
-        file: Path | None = Path(name)
-    elif ":" in name:
+    file: Path | None = Path(name)
+    if Path(name).suffix not in POLICIES:
         _find_modules_here()
         file = _file_of_module(name.partition(":")[0])
-    else:
-        return None
     if file is None or not file.is_file():
         raise ConfigError(f"agent: {name}: no such file")
     return file

@@ -9,6 +9,7 @@ from __future__ import annotations
 import base64
 import hashlib
 import math
+import re
 from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass
 from itertools import islice
@@ -20,7 +21,7 @@ from numpy.typing import NDArray
 
 from threewe._core import OccupancyGrid, RobotProfile
 from threewe._model_talk import Record
-from threewe.benchmark.agents import MODEL, Identity, file_of, identify
+from threewe.benchmark.agents import MODEL, Identity, file_of, has_source, identify
 from threewe.benchmark.attempt import SLOWEST, Settings, as_base64, attempt, from_base64, replay
 from threewe.benchmark.bundle import KINDS, Bundle, BundleError, read_bundle
 from threewe.benchmark.episodes import Episode, digest, find_episodes, load_episodes
@@ -119,14 +120,11 @@ def plan_of(results: dict[str, Any]) -> Plan:
         raise BundleError(f"results.json: not as a run writes it: {error}") from None
     if not all(isinstance(text, str) and len(text) <= LONGEST_TEXT for text in (*names, agent.name, agent.source)):
         raise BundleError("results.json: a name is no text, or too long")
-    if not isinstance(agent.privileged, bool):
-        raise BundleError("agent: privileged: expected true or false")
     if not (_is_number(settings.control_rate) and settings.control_rate >= SLOWEST and _is_number(settings.seed)):
         raise BundleError("settings: expected numbers for control_rate and seed")
     if plan.task not in TASKS:
         raise BundleError(f"task: there is no {plan.task!r}")
-    if agent.kind not in ("run", "act"):
-        raise BundleError(f"agent: one of kind {agent.kind!r} drives no robot")
+    _require_identity(plan.task, agent)
     if not isinstance(plan.episodes, int) or isinstance(plan.episodes, bool) or plan.episodes < 1:
         raise BundleError("episodes: expected a whole number of 1 or more")
     for name in ("hardware", "noise", "randomization"):
@@ -136,6 +134,24 @@ def plan_of(results: dict[str, Any]) -> Plan:
     if settings.backend not in BACKENDS:
         raise BundleError(f"settings: backend {settings.backend!r} cannot be replayed")
     return plan
+
+
+def _require_identity(task: str, agent: Identity) -> None:
+    """A shipped agent is what it is known to be here; what another says of itself is of the right form."""
+    if not isinstance(agent.privileged, bool):
+        raise BundleError("agent: privileged: expected true or false")
+    if agent.kind not in ("run", "act"):
+        raise BundleError(f"agent: one of kind {agent.kind!r} drives no robot")
+    if has_source(agent.name):
+        if not re.fullmatch("[0-9a-f]{64}", agent.source):
+            raise BundleError("agent: source: expected the SHA-256 of what it was read from")
+        return
+    try:
+        known = identify(task, agent.name)
+    except ConfigError as error:
+        raise BundleError(str(error)) from None
+    if agent != known:
+        raise BundleError(f"agent: the {agent.name} that comes with 3we is {known}, the bundle has {agent}")
 
 
 def _is_number(value: object) -> bool:

@@ -16,7 +16,7 @@ from threewe.benchmark.run import plan_run, results_of, run
 from threewe.benchmark.sampling import COLUMNS, make_episodes
 from threewe.benchmark.verifying import rerun_policy, verify_bundle
 
-from verify.cases.forgeries import WAYS, Forger
+from verify.cases.forgeries import WAYS, Forger, agent_of_no_kind, other_source, unmarked_privilege
 
 
 def run_here(
@@ -47,7 +47,8 @@ def test_a_genuine_bundle_passes_and_is_the_same_again(genuine: Path, tmp_path: 
 @pytest.mark.parametrize(
     ("task", "agent", "scene"),
     [("pointnav", "straight", "apartment_v1"), ("objectnav", "semantic", "cluttered_v1"),
-     ("exploration", "navigator", "apartment_v1"), ("objectnav", "policy:goto_v1", "cluttered_v1")],
+     ("exploration", "navigator", "apartment_v1"), ("objectnav", "policy:goto_v1", "cluttered_v1"),
+     ("pointnav", "benchmark.bad_agents:GivesUp", "apartment_v1")],
 )  # fmt: skip
 def test_bundles_of_every_task_and_kind_of_agent_pass(task: str, agent: str, scene: str, tmp_path: Path) -> None:
     write_bundle(tmp_path / "run.zip", *run_here(tmp_path, task, agent, scene, 1))
@@ -67,6 +68,17 @@ def test_forged_bundles_are_refused_with_the_reason(genuine: Path, tmp_path: Pat
         assert len(str(refused.value)) > 20, f"{kind}, seed {seed}: {refused.value}"
         kinds[kind] += 1
     assert len(kinds) > 0.8 * len(WAYS)
+
+
+def test_an_agent_that_comes_with_3we_is_as_it_is_known(tmp_path: Path) -> None:
+    write_bundle(tmp_path / "run.zip", *run_here(tmp_path, "pointnav", "oracle", "apartment_v1", 1))
+    assert verify_bundle(tmp_path / "run.zip", workers=0).plan.agent.privileged
+    for change in (unmarked_privilege, other_source, agent_of_no_kind):
+        forger = Forger(tmp_path / "run.zip", 0)
+        change(forger)
+        (tmp_path / "forged.zip").write_bytes(forger.packed())
+        with pytest.raises(BundleError, match="agent: "):
+            verify_bundle(tmp_path / "forged.zip", workers=0)
 
 
 def test_the_reason_says_where_a_log_differs_first(genuine: Path, tmp_path: Path) -> None:
