@@ -4,6 +4,7 @@ import copy
 import io
 import json
 import random
+import struct
 import zipfile
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -11,7 +12,7 @@ from typing import Any
 
 import numpy as np
 from threewe.benchmark.agents import has_source
-from threewe.benchmark.bundle import EARLIEST, KINDS, pack, read_bundle, text_of
+from threewe.benchmark.bundle import EARLIEST, KINDS, LARGEST, pack, read_bundle, text_of
 
 Results = dict[str, Any]
 Files = dict[str, bytes]
@@ -221,6 +222,20 @@ def other_format(forger: Forger) -> None:
     forger.results["format"] = forger.draw.choice(["threewe-benchmark/2", None, 1])
 
 
+def other_type(forger: Forger) -> None:
+    """Equal to what it was, but not the same."""
+    first = forger.results["episode_results"][0]
+    place, name, value = forger.draw.choice(
+        [
+            (forger.results, "official", int(forger.results["official"])),
+            (first["metrics"], "contacts", int(first["metrics"]["contacts"])),
+            (forger.results["settings"], "seed", float(forger.results["settings"]["seed"])),
+            (first, "ticks", float(first["ticks"])),
+        ]
+    )
+    place[name] = value
+
+
 def extra_claim(forger: Forger) -> None:
     forger.results["rank"] = 1
 
@@ -283,6 +298,51 @@ def talk_of_no_model(forger: Forger) -> bytes:
 
 def extra_log(forger: Forger) -> None:
     forger.files["commands/00099.f64"] = bytes(24)
+
+
+def other_library(forger: Forger) -> None:
+    junk = forger.draw.choice([{"junk": "x"}, {"version": "x" * 100_000}, {"machine": ["one"]}])
+    forger.results["library"] = {**forger.results["library"], **junk}
+
+
+def unprintable(forger: Forger) -> None:
+    """A terminal would obey it."""
+    text = forger.draw.choice(["\x1b[2J", "\x07", "\x9b2J", "\u202e", "\ud800", "two\nlines"])
+    place, name = forger.draw.choice([(forger.results["agent"], "name"), (forger.results["library"], "machine")])
+    place[name] += text
+
+
+def not_canonical(forger: Forger) -> bytes:
+    text = text_of(forger.results)
+    old, new = forger.draw.choice(
+        [
+            (b"{\n", b'{\n "official": true,\n'),  # a key twice
+            (b"{\n", b'{\n "official": "YES", "summary": {"all": {"success": {"value": 9}}},\n'),
+            (b'": ', b'":'),
+            (b"\n ", b"\n  "),
+            (b'"track"', b'"\\u0074rack"'),
+            (b'"control_rate": 10.0', b'"control_rate": 1e1'),
+            (text, text + b"\n"),
+            (text, b"\xef\xbb\xbf" + text),
+        ]
+    )
+    return pack({**forger.files, "results.json": text.replace(old, new, 1)})
+
+
+def not_a_rate(forger: Forger) -> bytes:
+    rate = forger.draw.choice([b"1e999", b"9" * 400, b"-1e999", b"NaN", b"Infinity", b"0.5", b"true"])
+    text = text_of(forger.results).replace(b'"control_rate": 10.0', b'"control_rate": ' + rate, 1)
+    return pack({**forger.files, "results.json": text})
+
+
+def oversized(forger: Forger) -> bytes:
+    if forger.draw.random() < 0.5:
+        return forger.packed() + bytes(LARGEST)
+    size = struct.pack("<II", LARGEST, LARGEST)  # as the table of contents has it, and nothing is there
+    content = bytearray(forger.packed())
+    entry = content.rindex(b"PK\x01\x02")
+    content[entry + 20 : entry + 28] = size
+    return bytes(content)
 
 
 def path_trick(forger: Forger) -> bytes:
@@ -391,6 +451,7 @@ WAYS: list[Callable[[Forger], bytes | None]] = [
     other_source,
     agent_of_no_kind,
     other_format,
+    other_type,
     extra_claim,
     other_leaf,
     other_leaf,
@@ -399,6 +460,11 @@ WAYS: list[Callable[[Forger], bytes | None]] = [
     no_library,
     extra_log,
     talk_of_no_model,
+    other_library,
+    unprintable,
+    not_canonical,
+    not_a_rate,
+    oversized,
     path_trick,
     bomb,
     name_twice,

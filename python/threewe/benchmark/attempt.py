@@ -298,7 +298,8 @@ def trajectory_of(poses: NDArray[np.float64]) -> list[list[float]]:
 
 def said(error: Exception) -> str:
     """What an agent failed of, in a line."""
-    return " ".join(f"{type(error).__name__}: {error}".split())[:ADVICE]
+    words = " ".join(f"{type(error).__name__}: {error}".split())
+    return "".join(letter if letter.isprintable() else "?" for letter in words)[:ADVICE]
 
 
 def as_base64(values: NDArray[Any]) -> str:

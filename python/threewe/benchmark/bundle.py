@@ -6,10 +6,12 @@ import base64
 import hashlib
 import io
 import json
+import math
 import re
 import zipfile
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import chain
 from pathlib import Path
 from typing import Any, NoReturn
 
@@ -19,6 +21,8 @@ from threewe.errors import ConfigError
 
 LARGEST = 64 << 20  # [bytes] of a bundle, packed and unpacked: nothing in it is compressed
 MOST_FILES = 100_000
+LONGEST_SHOWN = 40  # characters of a text in a message
+LONGEST_INTEGER = 20  # digits: what 64 bits hold
 EARLIEST = (1980, 1, 1, 0, 0, 0)  # the date of all files
 KINDS = {"commands": "f64", "actions": "f32", "grid": "i8", "talk": "jsonl"}
 NAME = re.compile(r"(manifest|results)\.json|" + "|".join(rf"({kind}/\d{{5}}\.{end})" for kind, end in KINDS.items()))
@@ -87,13 +91,20 @@ def read_bundle(path: Path) -> Bundle:
         raise BundleError(f"{path}: not canonical: names are sorted, dates zero, nothing else is in the archive")
     if "results.json" not in files:
         raise BundleError(f"{path}: results.json is missing")
-    return Bundle(parse_json(path, "results.json", files.pop("results.json")), files)
+    text = files.pop("results.json")
+    results = parse_json(path, "results.json", text)
+    if text_of(results) != text:
+        raise BundleError(f"{path}: results.json: not canonical: keys are sorted and there once, one space a level")
+    return Bundle(results, files)
 
 
 def parse_json(path: Path, name: str, content: bytes) -> dict[str, Any]:
-    """An object of JSON, in which all numbers are finite."""
+    """An object of JSON, in which all numbers are finite and all texts can be printed."""
     try:
-        value = json.loads(content.decode(), parse_constant=_not_finite)
+        value = json.loads(content.decode(), parse_constant=_not_finite, parse_float=_finite, parse_int=_small)
+        for text in _texts_of(value):
+            if not text.isprintable():
+                raise ValueError(f"{text[:LONGEST_SHOWN]!r} cannot be printed")
     except (ValueError, RecursionError) as error:
         raise BundleError(f"{path}: {name}: {error}") from None
     if not isinstance(value, dict):
@@ -138,5 +149,22 @@ def _name(kind: str, number: int) -> str:
     return f"{kind}/{number:05}.{KINDS[kind]}"
 
 
+def _texts_of(value: Any) -> Iterator[str]:
+    """All keys and texts in it."""
+    if isinstance(value, str):
+        yield value
+    elif isinstance(value, dict | list):
+        for part in chain(value, value.values()) if isinstance(value, dict) else value:
+            yield from _texts_of(part)
+
+
 def _not_finite(text: str) -> NoReturn:
-    raise ValueError(f"{text} is no number of a result")
+    raise ValueError(f"{text[:LONGEST_SHOWN]} is no number of a result")
+
+
+def _finite(text: str) -> float:
+    return value if math.isfinite(value := float(text)) else _not_finite(text)
+
+
+def _small(text: str) -> int:
+    return int(text) if len(text) <= LONGEST_INTEGER else _not_finite(text)

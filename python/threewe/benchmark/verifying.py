@@ -23,7 +23,7 @@ from threewe._core import OccupancyGrid, RobotProfile
 from threewe._model_talk import Record
 from threewe.benchmark.agents import MODEL, Identity, file_of, has_source, identify
 from threewe.benchmark.attempt import SLOWEST, Settings, as_base64, attempt, from_base64, replay
-from threewe.benchmark.bundle import KINDS, Bundle, BundleError, read_bundle
+from threewe.benchmark.bundle import KINDS, Bundle, BundleError, read_bundle, text_of
 from threewe.benchmark.episodes import Episode, digest, find_episodes, load_episodes
 from threewe.benchmark.run import EPISODE_LIMIT, FORMAT, MEMORY, OnDone, Plan, results_of, select
 from threewe.benchmark.run import run as run_plan
@@ -118,10 +118,12 @@ def plan_of(results: dict[str, Any]) -> Plan:
         )
     except (KeyError, TypeError) as error:
         raise BundleError(f"results.json: not as a run writes it: {error}") from None
-    if not all(isinstance(text, str) and len(text) <= LONGEST_TEXT for text in (*names, agent.name, agent.source)):
+    if not _are_names(*names, agent.name, agent.source):
         raise BundleError("results.json: a name is no text, or too long")
-    if not (_is_number(settings.control_rate) and settings.control_rate >= SLOWEST and _is_number(settings.seed)):
-        raise BundleError("settings: expected numbers for control_rate and seed")
+    if not _is_number(settings.control_rate) or settings.control_rate < SLOWEST:
+        raise BundleError(f"settings: control_rate: expected {SLOWEST:g} Hz or more")
+    if not isinstance(settings.seed, int) or isinstance(settings.seed, bool):
+        raise BundleError("settings: seed: expected a whole number")
     if plan.task not in TASKS:
         raise BundleError(f"task: there is no {plan.task!r}")
     _require_identity(plan.task, agent)
@@ -152,6 +154,10 @@ def _require_identity(task: str, agent: Identity) -> None:
         raise BundleError(str(error)) from None
     if agent != known:
         raise BundleError(f"agent: the {agent.name} that comes with 3we is {known}, the bundle has {agent}")
+
+
+def _are_names(*values: object) -> bool:
+    return all(isinstance(text, str) and len(text) <= LONGEST_TEXT for text in values)
 
 
 def _is_number(value: object) -> bool:
@@ -353,12 +359,12 @@ def require_results(results: dict[str, Any], plan: Plan, claims: Sequence[Claim]
     """All that follows from the episodes is as it follows: summary, official or not."""
     outcomes = [{**one, "failure": claim.row["failure"]} for claim, one in zip(claims, replayed, strict=True)]
     wanted = results_of(plan, [claim.episode for claim in claims], outcomes)
-    library = results.get("library")
-    if not isinstance(library, dict) or not all(isinstance(text, str) for text in library.values()):
-        raise BundleError("library: expected version, commit and machine")
-    wanted["library"] = library
+    known, named = wanted["library"], results.get("library")
+    if not isinstance(named, dict) or sorted(named) != sorted(known) or not _are_names(*named.values()):
+        raise BundleError(f"library: expected {', '.join(known)}, each a text")
+    wanted["library"] = named
     for name in sorted({*wanted, *results}):
-        if name not in results or name not in wanted or results[name] != wanted[name]:
+        if name not in results or name not in wanted or text_of({"": results[name]}) != text_of({"": wanted[name]}):
             raise BundleError(f"{name}: not what follows from the episodes")
 
 

@@ -37,6 +37,7 @@ def drive(folder: Path, agent: str, *, task: str = "pointnav", scene: str = "apa
     [
         ("Raises", r"ValueError: no way to \("),
         ("GivesUp", "TimeoutError"),
+        ("ClearsTheScreen", r"^ValueError: \?\[2Jgone$"),
         ("PeeksAtTheTruth", "AttributeError: 'NoneType' object has no attribute 'true_pose'"),
         ("NotANumber", "action"),
         ("WrongShape", r"action must have shape \(3,\), got \(2,\)"),
