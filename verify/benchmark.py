@@ -4,8 +4,22 @@ from collections.abc import Callable
 
 from threewe.benchmark.sampling import SCENES, scenes_of
 
-from verify.cases.benchmarks import drive, forge
-from verify.harness import Case, Experiment, Row, all_of, each, known_miss, mean_of, ratio_of, share_of, where, worst_of
+from verify.cases.benchmarks import GENUINE, cost, drive, forge, on_targets
+from verify.determinism import several_targets, was_run
+from verify.harness import (
+    Case,
+    Experiment,
+    Row,
+    all_of,
+    each,
+    known_miss,
+    mean_of,
+    ratio_of,
+    share_of,
+    time_of,
+    where,
+    worst_of,
+)
 
 FORGERIES = 10  # of each genuine bundle
 BARE = "outdoor_v1"  # where hardly anything stands in between
@@ -46,6 +60,11 @@ def in_scene(claim: Row, scene: str) -> list[Row]:
 
 def is_furnished(case: Case) -> bool:
     return bool(case["scene"] != BARE)
+
+
+def share_of_the_run(case: Case) -> float:
+    """Processor time of verification."""
+    return float(case["verify"]["cpu"] / case["run"]["cpu"])
 
 
 EXPERIMENTS = [
@@ -110,6 +129,35 @@ EXPERIMENTS = [
             ),
             worst_of("contact [m/s]", of("navigator", "collision_speed"), at_most=0.05),
         ],
+    ),
+    *(
+        Experiment(
+            f"bundles of {task}, {agent}, on each vector target",
+            on_targets,
+            {"task": task, "agent": agent},
+            cases=7,
+            sample=1,
+            rows=[
+                all_of("same bytes on every target", several_targets),
+                was_run("AVX3", "AVX-512"),
+                was_run("AVX2", "AVX2"),
+                was_run("SCALAR", "scalar code"),
+            ],
+        )
+        for task, agent in GENUINE
+    ),
+    Experiment(
+        "PointNav, 50 episodes in each of seven scenes, two workers",
+        cost,
+        {"episodes": 50, "workers": 2},
+        cases=3,
+        sample=0,  # by the wall a busy machine decides
+        rows=[
+            all_of("350 episodes are driven", lambda case: case["episodes"] == 350),
+            time_of("run, with its bundle [s]", lambda case: case["run"]["wall"], at_most=60.0),
+            worst_of("CPU time of verify over the run's", share_of_the_run, at_most=0.8),
+        ],
+        alone=True,
     ),
     Experiment(
         "bundles",

@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from threewe import ConfigError
+from threewe import ConfigError, active_target, available_targets
 from threewe.benchmark.agents import identify
 from threewe.benchmark.attempt import Settings
 from threewe.benchmark.bundle import text_of
@@ -22,6 +22,8 @@ from threewe.benchmark.quick import run_quick
 from threewe.benchmark.results import compare, load_results
 from threewe.benchmark.run import plan_run, results_of, run
 from threewe.benchmark.tasks import soft_spl
+
+from verify.cases.benchmarks import on_targets
 
 THREEWE = str(Path(sys.executable).parent / "threewe")
 
@@ -132,6 +134,13 @@ def test_soft_spl_as_published() -> None:
     assert soft_spl(0.0, 4.0, 5.0) == pytest.approx(0.8)
     assert soft_spl(2.0, 4.0, 2.0) == pytest.approx(0.5)
     assert soft_spl(6.0, 4.0, 2.0) == 0.0
+
+
+def test_bundles_are_the_same_bytes_on_every_vector_target() -> None:
+    found = on_targets(1, "pointnav", "navigator")
+    assert {"SCALAR", *available_targets()} == {*found["targets"]}
+    assert found["equal"]
+    assert active_target() == available_targets()[0]
 
 
 def test_the_command_goes_on_where_it_was_interrupted(tmp_path: Path) -> None:
