@@ -22,6 +22,7 @@ asyncio.run(eval(code, {}))
 COMPLETE = [
     "_core.pyi",
     "py.typed",
+    "commit.txt",
     "assets/scenes/office_v2.yaml",
     "assets/objects/chair.yaml",
     "assets/localization/slam_v2.yaml",

@@ -189,7 +189,12 @@ def library(*backends: str) -> dict[str, str]:
     import threewe
 
     used = {"mujoco": version("mujoco-core")} if "mujoco" in backends else {}
-    return {"version": threewe.__version__, "commit": _commit(), "machine": machine(), **used}
+    return {
+        "version": threewe.__version__,
+        "commit": commit_of(Path(threewe.__file__).parent),
+        "machine": machine(),
+        **used,
+    }
 
 
 def machine() -> str:
@@ -200,10 +205,10 @@ def machine() -> str:
     return f"{models[0] if models else platform.machine()}, {os.cpu_count()} CPUs"
 
 
-def _commit() -> str:
-    """Of the source tree that this is; empty for an installed package."""
-    folder = Path(__file__).resolve().parents[3]
-    if not (folder / ".git").exists():
-        return ""
+def commit_of(package: Path) -> str:
+    """Of the source tree that a package is in, or that its wheel was made from; empty where that is unknown."""
+    root, noted = package.parents[1], package / "commit.txt"
+    if not (root / ".git").exists():
+        return noted.read_text() if noted.exists() else ""
     command = ["git", "describe", "--always", "--dirty", "--abbrev=10", "--exclude=*"]
-    return subprocess.run(command, cwd=folder, capture_output=True, text=True).stdout.strip()
+    return subprocess.run(command, cwd=root, capture_output=True, text=True).stdout.strip()

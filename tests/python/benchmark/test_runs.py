@@ -20,11 +20,12 @@ from threewe.benchmark.attempt import Settings
 from threewe.benchmark.bundle import text_of
 from threewe.benchmark.quick import run_quick
 from threewe.benchmark.results import compare, load_results
-from threewe.benchmark.run import plan_run, results_of, run
+from threewe.benchmark.run import commit_of, plan_run, results_of, run
 from threewe.benchmark.tasks import soft_spl
 
 from verify.cases.benchmarks import on_targets
 
+ROOT = Path(__file__).resolve().parents[3]
 THREEWE = str(Path(sys.executable).parent / "threewe")
 
 
@@ -141,6 +142,15 @@ def test_bundles_are_the_same_bytes_on_every_vector_target() -> None:
     assert {"SCALAR", *available_targets()} == {*found["targets"]}
     assert found["equal"]
     assert active_target() == available_targets()[0]
+
+
+def test_a_wheel_names_the_commit_that_it_was_made_from(tmp_path: Path) -> None:
+    package = tmp_path / "site-packages/threewe"
+    assert commit_of(package) == ""
+    options = [f"-DSOURCE={ROOT}", f"-DFILE={package}/commit.txt"]
+    subprocess.run(["cmake", *options, "-P", ROOT / "cmake/commit.cmake"], check=True)
+    assert re.fullmatch("[0-9a-f]{10}(-dirty)?", commit_of(package))
+    assert commit_of(package) == commit_of(ROOT / "python/threewe")
 
 
 def test_the_command_goes_on_where_it_was_interrupted(tmp_path: Path) -> None:
