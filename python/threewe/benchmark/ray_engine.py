@@ -1,16 +1,20 @@
-"""Runner of jobs on a Ray cluster: the driver's journal, not Ray, is what nothing gets lost from."""
+"""Runner of jobs on a Ray cluster: the driver's journal, not Ray, is what nothing gets lost from.
+
+A worker of the cluster has a process of its own for the jobs, as one of this machine: their limits of time and memory
+are there, where no job waits.
+"""
 
 from __future__ import annotations
 
 import sys
-import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
+from functools import cache
 from typing import Any
 
 from threewe._extras import needed_for
-from threewe.benchmark.runner import KILLED, Finished, Job, Journal, OnFinished, answer, limit_memory
+from threewe.benchmark.runner import KILLED, Finished, Job, Journal, OnFinished, Worker
 
 
 @dataclass
@@ -18,7 +22,6 @@ class _Running:
     """A job that Ray was given."""
 
     place: int  # among all jobs
-    begun: float  # of the monotonic clock
     attempt: int = 1
 
 
@@ -72,7 +75,7 @@ class _Driver:
     ) -> None:
         self._ray, self._jobs, self._workers = ray, jobs, workers
         self._journal, self._memory, self._on_done = journal, memory, on_done
-        self._task = ray.remote(num_cpus=1, max_retries=0)(_answer)
+        self._task = ray.remote(num_cpus=1, max_retries=0)(_do)
         self._found: dict[int, Finished] = {}
         self._running: dict[Any, _Running] = {}
 
@@ -81,11 +84,10 @@ class _Driver:
         waiting.reverse()
         while waiting or self._running:
             while waiting and len(self._running) < self._workers:
-                self._begin(_Running(waiting.pop(), time.monotonic()))
-            ready, _ = self._ray.wait(list(self._running), num_returns=1, timeout=0.2)
+                self._begin(_Running(waiting.pop()))
+            ready, _ = self._ray.wait(list(self._running), num_returns=1)
             for reference in ready:
                 self._finish(reference)
-            self._end_those_that_hang()
         return [self._found[i] for i in range(len(self._jobs))]
 
     def _is_known(self, place: int, job: Job) -> bool:
@@ -96,43 +98,30 @@ class _Driver:
         return known is not None
 
     def _begin(self, running: _Running) -> None:
-        job = self._jobs[running.place]
-        reference = self._task.remote(job.function, dict(job.arguments), self._memory)
-        self._running[reference] = replace(running, begun=time.monotonic())
+        self._running[self._task.remote(self._jobs[running.place], self._memory)] = running
 
     def _finish(self, reference: Any) -> None:
         running = self._running.pop(reference)
         try:
-            kind, value = self._ray.get(reference)
+            finished = self._ray.get(reference)
         except self._ray.exceptions.RayError as error:
             if running.attempt < KILLED:
                 self._begin(replace(running, attempt=running.attempt + 1))
-            else:
-                self._keep(running, Finished({}, f"its process died: {type(error).__name__}", own=True))
-            return
-        if kind == "result":
-            self._keep(running, Finished(value))
-        else:
-            self._keep(running, Finished({}, value, own=kind == "memory"))
-
-    def _end_those_that_hang(self) -> None:
-        for reference, running in list(self._running.items()):
-            limit = self._jobs[running.place].limit
-            if time.monotonic() - running.begun > limit:
-                self._ray.cancel(reference, force=True)
-                del self._running[reference]
-                self._keep(running, Finished({}, f"took longer than {limit:g} s", own=True))
-
-    def _keep(self, running: _Running, finished: Finished) -> None:
+                return
+            finished = Finished({}, f"its process died: {type(error).__name__}", own=True)
         job = self._jobs[running.place]
-        finished = replace(finished, seconds=time.monotonic() - running.begun)
         self._found[running.place] = finished
         if self._journal is not None:
             self._journal.add(job.key, finished)
         self._on_done(job, finished)
 
 
-def _answer(function: Callable[..., Any], arguments: dict[str, Any], memory: int | None) -> tuple[str, Any]:
+def _do(job: Job, memory: int | None) -> Finished:
     """What a worker of the cluster does."""
-    limit_memory(memory)
-    return answer(function, arguments)
+    return _process(memory).run(job)
+
+
+@cache
+def _process(memory: int | None) -> Worker:
+    """The one for jobs, in each worker of the cluster."""
+    return Worker(memory)

@@ -12,12 +12,12 @@ import traceback
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
-from multiprocessing import get_context
+from multiprocessing import get_context, parent_process
 from multiprocessing.connection import Connection
 from pathlib import Path
 from pickle import PicklingError
 from queue import Queue
-from threading import Event, Lock
+from threading import Event, Lock, Thread
 from typing import Any
 
 from threewe.errors import ConfigError
@@ -121,8 +121,8 @@ def run_jobs(
     """
     if workers == 0:
         return [_here(job, on_done) for job in jobs]
-    idle: Queue[_Worker] = Queue()
-    everyone = [_Worker(memory) for _ in range(workers)]
+    idle: Queue[Worker] = Queue()
+    everyone = [Worker(memory) for _ in range(workers)]
     for worker in everyone:
         idle.put(worker)
     stopping, telling = Event(), Lock()
@@ -160,14 +160,14 @@ def run_jobs(
 
 def _here(job: Job, on_done: OnFinished) -> Finished:
     begun = time.monotonic()
-    kind, value = answer(job.function, job.arguments)
+    kind, value = _answer(job.function, job.arguments)
     seconds = time.monotonic() - begun
     finished = Finished(value, seconds=seconds) if kind == "result" else Finished({}, value, seconds=seconds)
     on_done(job, finished)
     return finished
 
 
-class _Worker:
+class Worker:
     """A process that does jobs one after another, replaced when one kills it."""
 
     def __init__(self, memory: int | None) -> None:
@@ -237,24 +237,33 @@ class _Worker:
 def _serve(connection: Connection, memory: int | None, folder: str, path: list[str]) -> None:
     """What a worker's process does, until its parent is gone. It leaves Ctrl-C to the parent."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
+    Thread(target=_end_with_parent, daemon=True).start()
     os.chdir(folder)
     sys.path[:] = path
-    limit_memory(memory)
+    _limit_memory(memory)
     while True:
         try:
             function, arguments = connection.recv()
         except EOFError:
             return
-        connection.send(answer(function, arguments))
+        connection.send(_answer(function, arguments))
 
 
-def limit_memory(memory: int | None) -> None:
+def _end_with_parent() -> None:
+    """A job that hangs would outlive a parent that was killed."""
+    parent = parent_process()
+    if parent is not None:
+        parent.join()
+        os._exit(1)
+
+
+def _limit_memory(memory: int | None) -> None:
     """What this process asks for beyond so many bytes is a MemoryError."""
     if memory is not None:
         resource.setrlimit(resource.RLIMIT_DATA, (memory, memory))
 
 
-def answer(function: Callable[..., Result], arguments: Mapping[str, Any]) -> tuple[str, Any]:
+def _answer(function: Callable[..., Result], arguments: Mapping[str, Any]) -> tuple[str, Any]:
     """Does a job: `result` and what came of it, or `raised` or `memory` and why nothing did."""
     try:
         result = function(**arguments)

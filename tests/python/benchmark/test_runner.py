@@ -5,6 +5,8 @@ from __future__ import annotations
 import json
 import os
 import signal
+import subprocess
+import sys
 import time
 from pathlib import Path
 from typing import Any
@@ -90,3 +92,35 @@ def test_an_interrupted_run_keeps_what_has_finished(tmp_path: Path) -> None:
     with pytest.raises(KeyboardInterrupt):
         run_jobs(jobs(tmp_path, "well", "well", "well"), 1, Journal(path), on_done=interrupt)
     assert len(Journal(path)) == 1
+
+
+ORPHAN = """
+import sys
+from threewe.benchmark.runner import Job, run_jobs
+from benchmark.test_runner import note_and_hang
+run_jobs([Job("hangs", note_and_hang, {"file": sys.argv[1]}, 100.0)], 1)
+"""
+
+
+def note_and_hang(file: str) -> dict[str, Any]:
+    """Writes its process down, and does nothing for long."""
+    Path(file).write_text(f"{os.getpid()} \n")
+    time.sleep(100.0)
+    return {}
+
+
+def test_a_job_ends_with_a_runner_that_is_killed(tmp_path: Path) -> None:
+    file = tmp_path / "process"
+    path = os.pathsep.join([str(Path(__file__).parents[1]), str(Path(__file__).parents[3])])
+    runner = subprocess.Popen([sys.executable, "-c", ORPHAN, str(file)], env={**os.environ, "PYTHONPATH": path})
+    while not file.exists() or not file.read_text().endswith("\n"):
+        assert runner.poll() is None
+        time.sleep(0.1)
+    runner.kill()
+    runner.wait()
+    job = Path("/proc", file.read_text().strip())
+    for _ in range(300):
+        if not job.exists():
+            return
+        time.sleep(0.1)
+    pytest.fail("30 s later it goes on")
