@@ -57,6 +57,17 @@ def demo(_seed: int) -> Case:
         return {"demo": root.run(root.venv / "bin/threewe", "demo", "-o", "/tmp/demo")}
 
 
+def transfer(_seed: int) -> Case:
+    """A small run of the transfer protocol, from the package with its extra."""
+    if lacking := missing():
+        return {"not_shown": lacking}
+    wheel = repair(build(OWN_VERSION, Path(sys.executable)))
+    protocol = ["--scene", "apartment_v1", "--episodes", "2", "--seeds", "2", "--target-episodes", "1"]
+    command = ["transfer", "run", "--policy", "navigator", "--source", "mock", "--target", "mujoco", *protocol]
+    with installed(Path(sys.executable), f"{wheel}[mujoco]") as root:
+        return {"transfer": root.run(root.venv / "bin/threewe", *command, "-o", "/tmp/transfer.json")}
+
+
 @contextmanager
 def installed(python: Path, requirement: str) -> Iterator[BareRoot]:
     """An empty environment into which pip has installed a wheel and what it asks for, in an empty root."""
@@ -92,5 +103,16 @@ EXPERIMENTS = [
         demo,
         sample=0,
         rows=[all_of("threewe demo arrives", lambda case: case["demo"]["status"] == 0)],
+    ),
+    Experiment(
+        f"Python {OWN_VERSION} in an empty root, with MuJoCo",
+        transfer,
+        sample=0,
+        rows=[
+            all_of(
+                "threewe transfer compares both simulators",
+                lambda case: case["transfer"]["status"] == 0 and "SR target / SR source: " in case["transfer"]["out"],
+            )
+        ],
     ),
 ]
