@@ -68,7 +68,9 @@ def _section(task: str, episode_set: str, runs: Sequence[Run], folder: Path) -> 
     ]
     first = " or ".join(map(str, counts))
     where = f"{len(scenes)} scene{'s' * (len(scenes) != 1)}"
-    lines = [f"## {NAMES[task]}", "", f"The first {first} episodes of `{episode_set}` in each of {where}.", ""]
+    split = _split(task, episode_set)
+    title = NAMES[task] if split == "test" else f"{NAMES[task]}, {split}"
+    lines = [f"## {title}", "", f"The first {first} episodes of `{episode_set}` in each of {where}.", ""]
     lines += _table(["agent", "n", *(TITLES[name] for name in names)], rows)
     for name in BY_SCENE[task]:
         rows = [
@@ -117,12 +119,17 @@ def _commands(runs: Sequence[Run]) -> list[str]:
 
 def _command(results: dict[str, Any]) -> str:
     task, episode_set = results["task"], results["episode_set"]
-    split = episode_set.removeprefix(f"{task}_").removesuffix("_v1")
-    split = split if f"{task}_{split}_v1" == episode_set else episode_set
     try:
         known = list(dict.fromkeys(episode.scene for episode in load_episodes(episode_set)["episodes"]))
     except ConfigError:  # a set that is not at hand
         known = []
     scenes = "" if results["scenes"] == known else "".join(f" --scene {scene}" for scene in results["scenes"])
     agent = f"--agent {shlex.quote(results['agent']['name'])}"
+    split = _split(task, episode_set)
     return f"$ threewe benchmark run {task} {agent} --split {split} --episodes {results['episodes']}{scenes} --compact"
+
+
+def _split(task: str, episode_set: str) -> str:
+    """As `--split` takes it."""
+    split = episode_set.removeprefix(f"{task}_").removesuffix("_v1")
+    return split if f"{task}_{split}_v1" == episode_set else episode_set
