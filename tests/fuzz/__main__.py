@@ -16,13 +16,17 @@ ROOT = Path(__file__).resolve().parent.parent.parent
 BUILD = ROOT / "build" / "fuzz"
 CORPUS = Path(__file__).parent / "corpus"
 
-NATIVE = ("scene", "object", "profile", "randomization", "map", "slam", "readings", "journal", "command", "message")
+NATIVE = tuple(sorted(path.name.removesuffix("_fuzzer.cpp") for path in Path(__file__).parent.glob("*_fuzzer.cpp")))
 """Formats that are read in C++: <format>_fuzzer.cpp."""
+
+ASSETS = {"localization": "localization", "lexicon": "languages", "log": "logs"}
+"""Formats whose seeds are the assets in that folder."""
 
 FORMATS = (*NATIVE, *python_fuzzer.FORMATS)
 WALL_LIMIT = 120  # [s] for one input, which others may keep waiting; how long it may compute says fuzz.hpp
 MEMORY_LIMIT = 3072  # [MB] of a process; how much an input may take says fuzz.hpp
-LONGEST = 16384  # [bytes] of an input
+LONGEST = 16384  # [bytes] of an input ...
+LONGEST_LEXICON = 65536  # ... and of that whose smallest seed is larger
 
 
 def fuzz(name: str, runs: int, seconds: float, seed: int = 0) -> tuple[int, str]:
@@ -36,13 +40,13 @@ def fuzz(name: str, runs: int, seconds: float, seed: int = 0) -> tuple[int, str]
     command = [
         BUILD / "tests" / "fuzz" / f"{name}_fuzzer",
         found,
-        CORPUS / name,
+        seeds_of(name),
         f"-runs={runs}",
         f"-max_total_time={min(int(seconds), 10**9)}",
         f"-seed={seed}",
         f"-timeout={WALL_LIMIT}",
         f"-rss_limit_mb={MEMORY_LIMIT}",
-        f"-max_len={LONGEST}",
+        f"-max_len={LONGEST_LEXICON if name == 'lexicon' else LONGEST}",
         f"-artifact_prefix={artifacts}/{name}-",
         "-print_final_stats=1",
         "-verbosity=1",
@@ -61,6 +65,11 @@ def fuzz(name: str, runs: int, seconds: float, seed: int = 0) -> tuple[int, str]
         line for line in done.stderr.splitlines() if re.search(r"ERROR|fuzz:|runtime error|Test unit written", line)
     ]
     return int(executed.group(1)) if executed else 0, " | ".join(told)[:600] or done.stderr[-600:]
+
+
+def seeds_of(name: str) -> Path:
+    """The folder of the first inputs of a format."""
+    return ROOT / "assets" / ASSETS[name] if name in ASSETS else CORPUS / name
 
 
 def main() -> int:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import random
+import re
 import time
 from pathlib import Path
 
@@ -12,6 +13,7 @@ import pytest
 import threewe
 
 from tests.fuzz import python_fuzzer
+from tests.fuzz.__main__ import FORMATS, NATIVE, ROOT, seeds_of
 
 
 @pytest.mark.parametrize("name", python_fuzzer.FORMATS)
@@ -20,6 +22,14 @@ def test_readers_survive(name: str) -> None:
         pytest.importorskip("rosbags", reason="not shown: needs rosbags")
     runs = 60 if name.startswith("rosbag") else 150
     assert python_fuzzer.fuzz(name, runs, 300.0) == (runs, "")
+
+
+def test_every_native_fuzzer_is_built_and_has_seeds() -> None:
+    cmake = (ROOT / "tests/fuzz/CMakeLists.txt").read_text()
+    [built] = re.findall(r"foreach\(format IN ITEMS ([^)]*)\)", cmake)
+    assert sorted(built.split()) == sorted(NATIVE)
+    for name in FORMATS:
+        assert any(seeds_of(name).iterdir()), name
 
 
 def lets_through(path: Path) -> None:

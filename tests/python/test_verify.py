@@ -7,6 +7,7 @@ import json
 import math
 import os
 import re
+import subprocess
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +15,7 @@ import numpy as np
 import pytest
 from threewe.benchmark.statistics import beta_share, student_quantile, student_tail, wilson
 
+from verify import fuzz
 from verify.__main__ import AREAS, area
 from verify.cases.localization import ROOT, Track, fit, imitation
 from verify.cases.trajectories import trajectory_rows
@@ -335,6 +337,16 @@ def test_out_of_time_no_experiment_begins_and_each_is_named(capsys: pytest.Captu
     )
     assert dict(outcome.statuses) == {"not shown": 1}
     assert "late: out of time" in capsys.readouterr().out
+
+
+def test_fuzzing_that_ends_early_is_no_success(monkeypatch: pytest.MonkeyPatch) -> None:
+    printed = "relations            60 inputs       2 s  ok\n"
+    done = subprocess.CompletedProcess([], 0, printed, "")
+    monkeypatch.setattr(fuzz.subprocess, "run", lambda *_, **__: done)
+    assert fuzz.read_inputs(1, "relations", 60)["ok"]
+    assert not fuzz.read_inputs(1, "relations", 61)["ok"]
+    done.stdout = ""
+    assert not fuzz.read_inputs(1, "relations", 1)["ok"]
 
 
 def test_misses_stand_out_on_the_page() -> None:

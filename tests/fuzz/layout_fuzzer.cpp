@@ -1,0 +1,21 @@
+// Layouts of box detectors.
+#include "fuzz.hpp"
+#include "vision/box_detector.hpp"
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  using namespace threewe;
+  static const auto file = fuzz::folder() / "fuzz.yaml";
+  const std::string_view text(reinterpret_cast<const char*>(data), size);
+  fuzz::write(file, text);
+  fuzz::read(text, [&] {
+    const vision::BoxLayout layout = vision::BoxLayout::load(file);
+    const CameraIntrinsics camera{32, 24, 30.0, 30.0, 16.0, 12.0};
+    const auto rows = [&](std::span<const std::uint8_t>, const CameraIntrinsics&) {
+      vision::BoxRows row{4.0F, 4.0F, 12.0F, 12.0F};
+      row.resize(4 + layout.labels.size(), 0.9F);
+      return row;
+    };
+    (void)vision::box_detector(layout, rows).detect(std::vector<std::uint8_t>(std::size_t{3} * 32 * 24), camera);
+  });
+  return 0;
+}
