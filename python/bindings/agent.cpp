@@ -2,6 +2,7 @@
 #include "agent/agent.hpp"
 
 #include <nanobind/stl/array.h>
+#include <nanobind/stl/variant.h>
 
 #include "bindings.hpp"
 #include "language/vocabulary.hpp"
@@ -65,11 +66,20 @@ void init_agent(nb::module_& m) {
       .def(Value())
       .def_ro("skill", &ExecutedStep::skill, "such as `search`")
       .def_ro("text", &ExecutedStep::text, "with its arguments: `search(kind=chair, color=red)`")
+      .def_prop_ro(
+          "arguments",
+          [](const ExecutedStep& s) {
+            nb::typed<nb::dict, nb::str, std::variant<std::string, double>> arguments;
+            for (const SkillArgument& one : s.arguments) arguments[nb::cast(one.name)] = nb::cast(one.value);
+            return arguments;
+          },
+          "those that were said: [m], [rad] or [s] where they are numbers")
       .def_ro("reason", &ExecutedStep::reason, "how it ended: `done`, `not_found`, or a motion's reason")
       .def_ro("detail", &ExecutedStep::detail, "says more; may be empty")
       .def_ro("begun", &ExecutedStep::begun, "[s] of robot time")
       .def_ro("ended", &ExecutedStep::ended, "[s] of robot time")
       .def_ro("thing", &ExecutedStep::thing, "id of the mapped thing that it rests on; 0: none")
+      .def_ro("verified", &ExecutedStep::verified, "the robot's own detector saw what it says")
       .def("__repr__", [](const ExecutedStep& s) { return fmt::format("ExecutedStep({}: {})", s.text, s.reason); });
   nb::class_<ExecutionResult>(m, "ExecutionResult", "What became of an instruction.")
       .def(Value())
@@ -102,6 +112,7 @@ void init_agent(nb::module_& m) {
       .def_prop_ro("done", &Agent::done)
       .def_prop_ro("steps", &Agent::steps, nb::rv_policy::copy, "those begun so far; the last may have no `reason` yet")
       .def_prop_ro("result", &Agent::result, nb::rv_policy::copy)
+      .def("sees", &Agent::sees, "thing"_a, "Whether the newest look shows a thing of the map, by its id.")
       .def_prop_ro("things", [](const Agent& self) { return self.map().things(); })
       .def_prop_ro("places", [](const Agent& self) { return self.map().places(); })
       .def_prop_ro("labels", [](const Agent& self) { return self.detector().labels(); })

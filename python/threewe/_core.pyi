@@ -3218,6 +3218,10 @@ class ExecutedStep:
         """with its arguments: `search(kind=chair, color=red)`"""
 
     @property
+    def arguments(self) -> dict[str, str | float]:
+        """those that were said: [m], [rad] or [s] where they are numbers"""
+
+    @property
     def reason(self) -> str:
         """how it ended: `done`, `not_found`, or a motion's reason"""
 
@@ -3236,6 +3240,10 @@ class ExecutedStep:
     @property
     def thing(self) -> int:
         """id of the mapped thing that it rests on; 0: none"""
+
+    @property
+    def verified(self) -> bool:
+        """the robot's own detector saw what it says"""
 
     def __repr__(self) -> str: ...
 
@@ -3308,6 +3316,9 @@ class Agent:
 
     @property
     def result(self) -> ExecutionResult: ...
+
+    def sees(self, thing: int) -> bool:
+        """Whether the newest look shows a thing of the map, by its id."""
 
     @property
     def things(self) -> list[MappedThing]: ...

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -21,6 +22,8 @@ class ExecutedStep:
     """such as `search`"""
     text: str
     """with its arguments: `search(kind=chair, color=red)`"""
+    arguments: Mapping[str, object] = field(hash=False)
+    """those that were said: [m], [rad] or [s] where they are numbers; of a skill of yours as they were given"""
     reason: str
     """how it ended: `done`, `not_found`, or a motion's reason"""
     detail: str
@@ -31,8 +34,10 @@ class ExecutedStep:
     """[s] of robot time"""
     thing: int
     """id of the mapped thing that it rests on; 0: none"""
+    verified: bool
+    """the robot's own detector saw what it says"""
     picture: NDArray[np.uint8] = field(repr=False, compare=False)
-    """(H, W, 3) BGR, what the camera showed as it ended"""
+    """(H, W, 3) BGR, what the camera showed as it ended; without a camera (0, 0, 3)"""
     seen: tuple[tuple[str, str, tuple[int, int, int, int]], ...] = field(repr=False, compare=False)
     """kind, a description and the box [px] of each thing that the detector named in it, the largest first"""
 
@@ -92,8 +97,8 @@ class ExecutionResult:
     """that had names"""
     labels: tuple[str, ...] = field(repr=False)
     """what the kinds of things are called"""
-    camera: CameraIntrinsics = field(repr=False)
-    """of the pictures"""
+    camera: CameraIntrinsics | None = field(repr=False)
+    """of the pictures; None without a camera"""
     conversation: tuple[Exchange, ...] = field(repr=False)
     """with a model, if there was one, in order"""
 

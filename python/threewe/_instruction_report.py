@@ -82,7 +82,12 @@ def _thinking(result: ExecutionResult) -> str:
 def _step(step: ExecutedStep) -> str:
     good = "good" if step.reason == "done" else "bad"
     detail = f"<br><small>{html.escape(step.detail)}</small>" if step.detail else ""
-    return f"""<li><figure><img alt="the camera's picture at the end of this step" src="{_picture(step)}">
+    picture = ""
+    if step.picture.size:
+        picture = ""
+    if step.picture.size:
+        picture = f'<img alt="the camera\'s picture at the end of this step" src="{_picture(step)}">'
+    return f"""<li><figure>{picture}
 <figcaption><code>{html.escape(step.text)}</code><br><span class="{good}">{html.escape(step.reason)}</span>
 <small>{step.begun:.1f} to {step.ended:.1f} s</small>{detail}</figcaption></figure></li>
 """

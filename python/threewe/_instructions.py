@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import logging
 import math
+from collections.abc import Mapping
 from itertools import pairwise
 from typing import TYPE_CHECKING
 
@@ -13,7 +14,7 @@ from numpy.typing import NDArray
 
 from threewe import _core
 from threewe._arguments import as_seconds, as_text
-from threewe._core import Agent, Detector
+from threewe._core import Agent, CameraIntrinsics, Detector
 from threewe._execution_result import Exchange, ExecutedStep, ExecutionResult
 from threewe._model_skills import BadCallError, Call, read_call, read_steps
 from threewe._user_skills import UserSkills
@@ -48,20 +49,41 @@ class Run:
 
     def add(self, step: _core.ExecutedStep) -> None:
         """A step that has ended, with the picture of now."""
-        self.note(step.skill, step.text, step.reason, step.detail, (step.begun, step.ended), step.thing)
+        self.note(
+            step.skill,
+            step.text,
+            step.arguments,
+            step.reason,
+            step.detail,
+            (step.begun, step.ended),
+            step.thing,
+            step.verified,
+        )
 
     def note(
-        self, skill: str, text: str, reason: str, detail: str, time: tuple[float, float] | None = None, thing: int = 0
+        self,
+        skill: str,
+        text: str,
+        arguments: Mapping[str, object],
+        reason: str,
+        detail: str,
+        time: tuple[float, float] | None = None,
+        thing: int = 0,
+        verified: bool = False,
     ) -> None:
         """What was asked for; without a time it has not begun."""
         begun, ended = time or (self._robot.now, self._robot.now)
-        picture = self._robot.get_image()
-        self.steps.append(ExecutedStep(skill, text, reason, detail, begun, ended, thing, picture, self._seen(picture)))
+        camera = self._robot.profile.camera
+        picture = np.empty((0, 0, 3), np.uint8) if camera is None else self._robot.get_image()
+        seen = () if camera is None else self._seen(picture, camera.intrinsics)
+        said = skill, text, dict(arguments), reason, detail
+        self.steps.append(ExecutedStep(*said, begun, ended, thing, verified, picture, seen))
 
-    def _seen(self, picture: NDArray[np.uint8]) -> tuple[tuple[str, str, tuple[int, int, int, int]], ...]:
+    def _seen(
+        self, picture: NDArray[np.uint8], camera: CameraIntrinsics
+    ) -> tuple[tuple[str, str, tuple[int, int, int, int]], ...]:
         detector = self._robot._instructed().detector
-        assert self._robot.profile.camera is not None
-        found = detector.detect(picture, self._robot.profile.camera.intrinsics)
+        found = detector.detect(picture, camera)
         labels, seen = detector.labels, []
         for one in found:
             if one.confidence >= NAMED:
@@ -169,7 +191,7 @@ class Instructions:
             looking.cancel()
             await asyncio.gather(looking, return_exceptions=True)
             self._robot.stop()  # whatever it has begun
-        run.note(call.skill, str(call), reason, detail, (begun, self._robot.now))
+        run.note(call.skill, str(call), call.arguments, reason, detail, (begun, self._robot.now))
         return reason, detail, answer
 
     async def _look(self, run: Run) -> None:
@@ -224,7 +246,7 @@ class Instructions:
         conversation: tuple[Exchange, ...] = (),
     ) -> ExecutionResult:
         """What became of it."""
-        assert self._robot.profile.camera is not None
+        camera = self._robot.profile.camera
         return ExecutionResult(
             instruction,
             reason == "done",
@@ -242,6 +264,6 @@ class Instructions:
             tuple(self.agent.things),
             tuple(self.agent.places),
             tuple(self.agent.labels),
-            self._robot.profile.camera.intrinsics,
+            camera.intrinsics if camera else None,
             conversation,
         )

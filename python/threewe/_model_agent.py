@@ -30,7 +30,7 @@ from threewe._model_skills import (
 )
 from threewe._model_talk import Record, Talk, record_to
 from threewe._user_skills import UserSkills
-from threewe.errors import ConfigError, EmergencyStopError, SafetyError
+from threewe.errors import ConfigError, EmergencyStopError, HardwareError, SafetyError
 
 if TYPE_CHECKING:
     from threewe.robot import Robot
@@ -42,6 +42,8 @@ PICTURE_WIDTH = 512  # [px]
 REMEMBERED = 30  # calls that a model is reminded of
 LISTED = 40  # things and places
 SURE = 0.5  # least probability of a kind
+LOOK_EVERY = 0.5  # [s] of robot time between two looks of the agent
+LOOKED_FOR = ("search", "approach")  # skills that end with a thing in the picture where they are verified
 FORMS = ("tools", "schema", "object", "text")
 
 
@@ -139,6 +141,11 @@ class _Execution:
 
     async def _test_eyesight(self) -> None:
         """Once for each model: whether it reads a picture that is drawn here."""
+        if self._robot.profile.camera is None:
+            if self._options.require_vision:
+                raise HardwareError(f"robot '{self._robot.profile.name}' has no camera, which require_vision needs")
+            self._sees = False
+            return
         if self._sees is None:
             with needed_for("a model that sees", "vlm"):
                 from threewe._eyesight import GROUNDS, QUESTION, passes, test_picture
@@ -215,7 +222,7 @@ class _Execution:
         try:
             call = self._read(reply)
             if call.skill == "done":
-                self._finish(call)
+                await self._finish(call)
             if call.skill in self._skills:
                 await self._do_own(call)
                 return
@@ -227,6 +234,9 @@ class _Execution:
         begun = len(self._run.steps)
         try:
             self._instructions.agent.begin(text, count, max(self._until - self._robot.now, 0.0))
+        except HardwareError as error:
+            self._note_bad(reply, str(error))
+            return
         except EmergencyStopError:
             raise _EndError("estop", "the emergency stop is latched") from None
         except SafetyError as error:
@@ -276,7 +286,7 @@ class _Execution:
         said = short(f"{reply.calls[0][0]}({reply.calls[0][1]})" if reply.calls else reply.text)
         refused = why.startswith("refused: ")
         why = why.removeprefix("refused: ")
-        self._run.note("", said, "refused" if refused else "not_understood", why)
+        self._run.note("", said, {}, "refused" if refused else "not_understood", why)
         self._history.append(f"- {json.dumps(said)}: {'refused' if refused else 'not understood'}, {why}")
         self._count_failure(why, "refused" if refused else "model_error", why)
         self._bad_answers += 1
@@ -288,20 +298,20 @@ class _Execution:
         if self._failed[what] == ENOUGH:
             raise _EndError(reason, f"{short(what)} failed {ENOUGH} times: {why}" if what != why else why)
 
-    def _finish(self, call: Call) -> None:
+    async def _finish(self, call: Call) -> None:
         """Ends as the model says; `verified` is for the robot to say."""
         found, answer = call.arguments.get("found"), call.arguments.get("answer", "")
         if call.arguments.get("success") is False:
             raise _EndError("not_found", answer or "the model says that it cannot be done")
         if found:
             words = " ".join(str(found[part]) for part in ("color", "kind") if found.get(part))
-            raise _EndError("done", "", answer or f"Found the {words or 'thing'}.", self._agrees(found))
+            raise _EndError("done", "", answer or f"Found the {words or 'thing'}.", await self._agrees(found))
         if answer:
             raise _EndError("done", "", answer, False)
         raise _EndError("done", "", *self._own)
 
-    def _agrees(self, found: dict[str, Any]) -> bool:
-        """Whether the map has such a thing, and the detector has seen it where a step ended, or sees it now."""
+    async def _agrees(self, found: dict[str, Any]) -> bool:
+        """Whether the map has such a thing, and a step has verified it, or the newest look shows it."""
         kind, color = found.get("kind"), found.get("color")
         if found.get("next_to") or not kind:
             return False
@@ -317,14 +327,11 @@ class _Execution:
             and (not color or thing.color == color)
             and (not named or places[named].contains(thing.position))
         ]
-        if any(step.thing in known for step in self._run.steps if step.reason == "done"):
+        if any(step.thing in known for step in self._run.steps if step.verified and step.skill in LOOKED_FOR):
             return True
-        assert self._robot.profile.camera is not None
-        seen = self._instructions.detector.detect(self._robot.get_image(), self._robot.profile.camera.intrinsics)
-        return bool(known) and any(
-            labels[one.kind_index] == kind and one.confidence >= SURE and (not color or one.color == color)
-            for one in seen
-        )
+        await self._robot.sleep(LOOK_EVERY)
+        self._agent.update()  # looks
+        return any(self._agent.sees(thing) for thing in known)
 
 
 def _is_call(text: str, skills: UserSkills) -> bool:

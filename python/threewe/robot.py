@@ -424,7 +424,7 @@ class Robot(InRobotTime):
         record: str | os.PathLike[str] | None = None,
         replay: str | os.PathLike[str] | None = None,
     ) -> ExecutionResult:
-        """Does what a sentence says, such as "go to the kitchen and find the red chair". Needs a camera.
+        """Does what a sentence says, such as "go to the kitchen and find the red chair".
 
         Read by a grammar, with nothing but what the robot has seen itself: no network and no model. What is not
         understood, may mean two things, or is not allowed ends at once and says so; see `ExecutionResult.reason`.
@@ -448,7 +448,7 @@ class Robot(InRobotTime):
             replay: such a file: the same run again, without a server.
 
         Raises:
-            HardwareError: the robot has no camera.
+            HardwareError: it needs a camera, such as searching does, and the robot has none.
             SafetyError: another instruction or motion is in progress.
             ConfigError: no address, no key where one is needed, a record that cannot be read or is of another
                 instruction, or a model that does not see where one must.

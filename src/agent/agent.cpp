@@ -66,10 +66,8 @@ struct Agent::Impl {
   std::optional<ExecutionResult> result;
 };
 
-Agent::Agent(Runtime& robot, vision::Detector detector, language::Lexicon lexicon) {
-  if (!robot.profile().camera)
-    throw HardwareError(fmt::format("robot '{}' has no camera, which instructions need", robot.profile().name));
-  impl_ = std::make_unique<Impl>(robot, std::move(detector), std::move(lexicon));
+Agent::Agent(Runtime& robot, vision::Detector detector, language::Lexicon lexicon)
+    : impl_(std::make_unique<Impl>(robot, std::move(detector), std::move(lexicon))) {
   impl_->observer = robot.observe([impl = impl_.get()](const TickView& view) { impl->remember(view); });
 }
 
@@ -82,6 +80,7 @@ void Agent::Impl::remember(const TickView& view) {
 
 // Takes over what the newest picture shows, from where the camera was as it was taken.
 void Agent::Impl::look() {
+  if (!body.robot.profile().camera) return;
   const Time time = body.robot.world().now();
   if (looked && time - *looked < kLookEvery) return;
   const slam::PoseEstimate& pose = body.robot.pose();
@@ -113,6 +112,11 @@ void Agent::begin(std::string_view instruction, const Budget& budget) {
   std::vector<std::string> places;
   for (const auto& place : impl.body.map.places()) places.push_back(place.name);
   const language::Reading reading = language::read(instruction, impl.lexicon, places);
+  const auto blind =
+      std::ranges::find_if(reading.steps, [&](const auto& step) { return needs_camera(impl.body, step); });
+  if (blind != reading.steps.end() && !impl.body.robot.profile().camera)
+    throw HardwareError(fmt::format("robot '{}' has no camera, which {} needs", impl.body.robot.profile().name,
+                                    to_string(blind->skill)));
   impl.result = ExecutionResult{};
   impl.run = Run{reading.steps, 0, nullptr, budget, impl.body.robot.world().now(), impl.body.position()};
   switch (reading.outcome) {
@@ -151,7 +155,12 @@ bool Agent::Impl::over_budget() const {
 
 void Agent::Impl::begin_step() {
   const language::Step& step = run->steps[run->next];
-  result->steps.push_back({std::string(to_string(step.skill)), to_text(step), {}, {}, now(), now()});
+  ExecutedStep& executed = result->steps.emplace_back();
+  executed.skill = to_string(step.skill);
+  executed.text = to_text(step);
+  executed.begun = executed.ended = now();
+  for (const auto& [name, value] : language::arguments_of(step))
+    executed.arguments.push_back({std::string(name), value});
   try {
     run->skill = begin_skill(body, step);
   } catch (const ContractError& error) {
@@ -164,6 +173,8 @@ void Agent::Impl::end_step(const Outcome& outcome) {
   step.reason = outcome.reason;
   step.detail = outcome.detail;
   step.thing = outcome.thing;
+  step.verified = outcome.verified;
+  if (body.robot.profile().camera) step.picture = std::get<Picture>(body.robot.sample(SensorType::camera).data);
   step.ended = now();
   run->skill.reset();
   ++run->next;
@@ -206,6 +217,12 @@ void Agent::cancel() {
 const ExecutionResult& Agent::result() const {
   if (impl_->run || !impl_->result) throw ContractError("no instruction has ended yet");
   return *impl_->result;
+}
+
+bool Agent::sees(std::uint64_t thing) const {
+  const Body& body = impl_->body;
+  const auto known = body.map.thing(thing);
+  return known && body.looks > 0 && known->last_seen == body.looked;
 }
 
 const semantics::SemanticMap& Agent::map() const { return impl_->body.map; }

@@ -30,7 +30,7 @@ using threewe::ExecutionResult;
 /// twice a second, from when it is made. It uses what users may call, nothing else: every motion passes the gate.
 class Agent {
  public:
-  /// Of a connected robot, which must outlive it. Throws HardwareError for one without a camera.
+  /// Of a connected robot, which must outlive it. One without a camera knows of no things.
   explicit Agent(Runtime& robot, vision::Detector detector = vision::Detector::load(),
                  language::Lexicon lexicon = language::Lexicon::load());
   ~Agent();
@@ -38,7 +38,7 @@ class Agent {
   Agent& operator=(const Agent&) = delete;
 
   /// Begins an instruction. Throws ContractError for a text that is no text, SafetyError while another instruction or
-  /// motion runs, EmergencyStopError while the stop is latched.
+  /// motion runs, EmergencyStopError while the stop is latched, HardwareError for what needs a camera without one.
   void begin(std::string_view instruction, const Budget& budget = {});
   /// Goes on: to be called at least every 0.1 s of robot time, between ticks.
   void update();
@@ -51,6 +51,8 @@ class Agent {
   /// Of the last instruction. Throws ContractError before `done()`.
   const ExecutionResult& result() const;
 
+  /// Whether the newest look shows a thing of its map.
+  bool sees(std::uint64_t thing) const;
   /// What it has seen so far, and the places that have names.
   const semantics::SemanticMap& map() const;
   /// Gives a place a name. See SemanticMap::name_place.

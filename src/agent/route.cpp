@@ -375,13 +375,27 @@ class FollowRoute : public SkillRun {
   std::string answer_;
 };
 
+language::Route parse(const Body& body, const Nouns& nouns, const std::string& text) {
+  language::RouteNames names{.rooms = {}, .things = nouns.all()};
+  for (const Place& place : body.map.places()) names.rooms.push_back(place.name);
+  return language::parse_route(text, names);
+}
+
 }  // namespace
+
+bool names_things(const Body& body, const std::string& route) {
+  try {
+    return std::ranges::any_of(parse(body, Nouns(body.map.labels()), route),
+                               [](const Clause& clause) { return !clause.thing.noun.empty(); });
+  } catch (const ConfigError&) {
+    return false;
+  }
+}
 
 std::unique_ptr<SkillRun> begin_route(Body& body, const std::string& text) {
   Nouns nouns(body.map.labels());
-  language::RouteNames names{.rooms = {}, .things = nouns.all()};
-  for (const Place& place : body.map.places()) names.rooms.push_back(place.name);
-  return std::make_unique<FollowRoute>(body, language::parse_route(text, names), std::move(nouns));
+  language::Route route = parse(body, nouns, text);
+  return std::make_unique<FollowRoute>(body, std::move(route), std::move(nouns));
 }
 
 }  // namespace threewe::agent

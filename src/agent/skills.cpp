@@ -172,6 +172,18 @@ void look_up_place(Body& body, const std::string& name) {
 
 }  // namespace
 
+bool needs_camera(const Body& body, const Step& step) {
+  switch (step.skill) {
+    case Skill::approach:
+    case Skill::search:
+    case Skill::look:
+    case Skill::list_things: return true;
+    case Skill::answer: return step.about != "position";
+    case Skill::follow: return names_things(body, step.route);
+    default: return false;
+  }
+}
+
 std::unique_ptr<SkillRun> begin_skill(Body& body, const Step& step) {
   look_up_place(body, step.place);
   look_up_place(body, step.thing.place);

@@ -103,8 +103,51 @@ def test_bad_input_is_one_error() -> None:
         robot.emergency_stop()
         with pytest.raises(EmergencyStopError):
             robot.execute_instruction("look around")
-    with sync.Robot(hardware="turtlebot_like") as robot, pytest.raises(HardwareError, match="camera"):
-        robot.execute_instruction("look around")
+
+
+@pytest.mark.parametrize(
+    ("text", "skill"),
+    [
+        ("look around", "look"),
+        ("turn left, then find the plant", "search"),
+        ("is there a plant?", "search"),
+        ("list things", "list_things"),
+        ("Turn left, take the door on your right and stop at the plant.", "follow"),
+    ],
+)
+def test_what_needs_a_camera_is_an_error_without_one(text: str, skill: str) -> None:
+    with sync.Robot(hardware="turtlebot_like") as robot:
+        with pytest.raises(HardwareError, match=f"'turtlebot_like' has no camera, which {skill}.* needs"):
+            robot.execute_instruction(text)
+        assert robot.get_pose().theta == pytest.approx(0.0, abs=0.05)
+
+
+def test_the_rest_works_without_a_camera(tmp_path: Path) -> None:
+    with sync.Robot(hardware="turtlebot_like") as robot:
+        robot.name_place("dock")
+        assert [place.name for place in robot.get_places()] == ["dock"]
+        assert robot.get_things() == []
+        assert "rotate" in [skill.name for skill in robot.get_skills()]
+        result = robot.execute_instruction("turn left 30 degrees, then move forward 20 cm")
+        assert result.success, result
+        assert [step.picture.shape for step in result.steps] == [(0, 0, 3)] * 2
+        assert result.camera is None
+        assert robot.execute_skill("rotate", degrees=30).success
+        assert "in the dock" in robot.execute_instruction("where are you?").answer
+        route = robot.execute_instruction("Turn left, take the door on your right and stop.")
+        assert route.reason == "not_found", route
+        result.save(tmp_path / "run.html")
+    assert "data:image/jpeg" not in (tmp_path / "run.html").read_text(encoding="utf-8")
+
+
+def test_a_step_has_its_arguments_by_name() -> None:
+    with sync.Robot() as robot:
+        result = robot.execute_instruction("turn left 90 degrees, then wait 2 seconds, then stop")
+        assert [(step.skill, step.arguments) for step in result.steps] == [
+            ("rotate", {"angle": math.pi / 2}),
+            ("wait", {"duration": 2.0}),
+            ("done", {}),
+        ]
 
 
 async def _one_at_a_time() -> None:

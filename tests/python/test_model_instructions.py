@@ -3,6 +3,7 @@
 import asyncio
 import math
 import sys
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -65,6 +66,49 @@ def test_what_is_found_is_verified_by_the_robot_itself() -> None:
         assert len(pictures) == 2
         assert all(part["image_url"]["url"].startswith("data:image/jpeg;base64,") for part in pictures)
         assert "plant" in server.requests[-1]["messages"][0]["content"][0]["text"]
+
+
+ROOM = """
+name: plants
+description: a room with two plants
+starts: [[4, 3, 0]]
+rooms: [{name: lobby, min: [0, 0], max: [8, 6], floor: wood, anchor: [4, 3]}]
+walls:
+  - {a: [0, 0], b: [8, 0], thickness: 0.15}
+  - {a: [8, 0], b: [8, 6], thickness: 0.15}
+  - {a: [8, 6], b: [0, 6], thickness: 0.15}
+  - {a: [0, 6], b: [0, 0], thickness: 0.15}
+objects:
+  - {category: plant, shape: ficus, pose: [6.2, 3, 0]}
+  - {category: plant, shape: ficus, pose: [1.8, 3, 0]}
+"""
+
+
+@pytest.mark.parametrize(("turn", "verified"), [(1, False), (180, True), (90, False)])
+def test_a_claim_counts_for_the_thing_that_it_names_alone(tmp_path: Path, turn: float, verified: bool) -> None:
+    room = tmp_path / "plants.yaml"
+    room.write_text(ROOM, encoding="utf-8")
+    plan = [{"skill": "rotate", "degrees": turn}, {"skill": "done", "found": {"kind": "plant", "place": "corner"}}]
+    with ModelServer(plan) as server, sync.Robot(scene=room) as robot:
+        assert robot.execute_instruction("look around, then move forward 30 cm, then look around").success
+        robot.name_place("corner", [(-3.5, -1), (-1, -1), (-1, 1), (-3.5, 1)])  # behind it; the other plant is ahead
+        assert len(robot.get_things()) == 2
+        result = robot.execute_instruction("find the plant", model=server.url, thinking_time=0.0)
+        assert (result.success, result.verified) == (True, verified), result
+
+
+@pytest.mark.parametrize("skill", [{"skill": "search"}, {"skill": "answer", "about": "exists"}])
+def test_what_was_not_at_hand_as_a_search_ended_is_not_verified_later(tmp_path: Path, skill: dict[str, Any]) -> None:
+    room = tmp_path / "plants.yaml"
+    room.write_text(ROOM, encoding="utf-8")
+    plan = [{**skill, "kind": "plant"}, {"skill": "rotate", "degrees": 90}]
+    with ModelServer([*plan, {"skill": "done", "found": {"kind": "plant"}}]) as server, sync.Robot(scene=room) as robot:
+        robot.set_zones([Zone([(x, -1.3), (x + 2.6, -1.3), (x + 2.6, 1.3), (x, 1.3)]) for x in (0.9, -3.5)])
+        result = robot.execute_instruction("find the plant", model=server.url, thinking_time=0.0)
+        assert [step.reason for step in result.steps] == ["done"] * len(result.steps), result
+        assert result.steps[0].thing
+        assert not result.steps[0].verified
+        assert not result.verified
 
 
 def test_a_claim_alone_is_not_verified() -> None:
@@ -254,8 +298,21 @@ def test_bad_options_are_one_error(options: dict[str, Any], error: type[Exceptio
             robot.execute_instruction("look around", **options)
         assert "secret" not in str(caught.value)
         assert robot.execute_instruction("turn left 10 degrees").success
-    with sync.Robot(hardware="turtlebot_like") as blind, pytest.raises(HardwareError, match="camera"):
-        blind.execute_instruction("look around", model="http://127.0.0.1:9/v1")
+    with sync.Robot(hardware="turtlebot_like") as blind:
+        with pytest.raises(HardwareError, match="camera, which look needs"):
+            blind.execute_instruction("look around", model="http://127.0.0.1:9/v1")
+        with pytest.raises(HardwareError, match="camera, which require_vision needs"):
+            blind.execute_instruction("tidy up", model="http://127.0.0.1:9/v1", require_vision=True)
+
+
+def test_a_model_without_a_camera_gets_no_pictures_and_does_what_needs_none() -> None:
+    plan = [{"skill": "search", "kind": "plant"}, {"skill": "rotate", "degrees": 20}, {"skill": "done"}]
+    with ModelServer(plan) as server, sync.Robot(hardware="turtlebot_like") as robot:
+        result = robot.execute_instruction("tidy up", model=server.url, thinking_time=0.0)
+        assert result.success, result
+        assert [(step.skill, step.reason) for step in result.steps] == [("", "not_understood"), ("rotate", "done")]
+        assert "has no camera, which search needs" in result.steps[0].detail
+        assert all(isinstance(request["messages"][0]["content"], str) for request in server.requests)
 
 
 def test_the_environment_names_a_model(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -3,8 +3,10 @@
 
 #include <cstdint>
 #include <string>
+#include <variant>
 #include <vector>
 
+#include "threewe/core/camera.hpp"
 #include "threewe/core/pose.hpp"
 #include "threewe/core/time.hpp"
 #include "threewe/nav/navigator.hpp"
@@ -43,15 +45,24 @@ struct ExploreResult {
   void raise_for_failure() const;
 };
 
+/// One argument of a skill.
+struct SkillArgument {
+  std::string name;                         ///< such as "kind"
+  std::variant<std::string, double> value;  ///< [m], [rad] or [s] where it is a number
+};
+
 /// One skill that was executed.
 struct ExecutedStep {
-  std::string skill;        ///< such as "search"
-  std::string text;         ///< with its arguments: "search(kind=chair, color=red)"
-  std::string reason;       ///< how it ended: "done", "not_found", or a motion's reason
-  std::string detail;       ///< says more; may be empty
-  double begun = 0.0;       ///< [s] of robot time
-  double ended = 0.0;       ///< [s]
-  std::uint64_t thing = 0;  ///< id of the mapped thing that it rests on; 0: none
+  std::string skill;                     ///< such as "search"
+  std::string text;                      ///< with its arguments: "search(kind=chair, color=red)"
+  std::vector<SkillArgument> arguments;  ///< those that were said
+  std::string reason;                    ///< how it ended: "done", "not_found", or a motion's reason
+  std::string detail;                    ///< says more; may be empty
+  double begun = 0.0;                    ///< [s] of robot time
+  double ended = 0.0;                    ///< [s]
+  std::uint64_t thing = 0;               ///< id of the mapped thing that it rests on; 0: none
+  bool verified = false;                 ///< the robot's own detector saw what it says
+  Picture picture;                       ///< what the camera showed as it ended; no pixels without a camera
 };
 
 /// What became of an instruction.

@@ -148,8 +148,8 @@ class Robot {
   };
   /// Reads an instruction such as "find the red chair" and executes it, offline: by a grammar, its own object detector
   /// and its own map of things. Robot time goes by until it has ended; why it ended is in the result. Throws
-  /// HardwareError without a camera, ContractError for a text that is no text, SafetyError during a motion,
-  /// EmergencyStopError.
+  /// HardwareError for what needs a camera without one, ContractError for a text that is no text, SafetyError during a
+  /// motion, EmergencyStopError.
   ExecutionResult execute_instruction(std::string_view instruction);
   /// The same with limits.
   ExecutionResult execute_instruction(std::string_view instruction, const InstructionOptions& options);
@@ -159,6 +159,11 @@ class Robot {
   void name_place(const std::string& name, const std::vector<Vec2>& polygon);
   /// The places that have names, in the order in which they got them; see threewe/semantics/things.hpp.
   std::vector<semantics::Place> get_places();
+  /// Gives the places of a file their names, besides those that are known; returns them. Throws ConfigError with
+  /// file:line for what is wrong there.
+  std::vector<semantics::Place> load_places(const std::filesystem::path& file);
+  /// Writes the places that have names to a file that ends in .yaml. Throws ConfigError where it cannot be written.
+  void save_places(const std::filesystem::path& file);
   /// The things that it has seen while it executed instructions, each from two poses or more.
   std::vector<semantics::MappedThing> get_things();
   /// The kinds of things, which `MappedThing::kind` is an index into.

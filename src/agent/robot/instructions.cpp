@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include "agent/agent.hpp"
+#include "semantics/places.hpp"
 #include "threewe/core/errors.hpp"
 #include "threewe/robot/robot.hpp"
 
@@ -33,6 +34,16 @@ void Robot::name_place(const std::string& name, const std::vector<Vec2>& polygon
 }
 
 std::vector<semantics::Place> Robot::get_places() { return instructed().map().places(); }
+std::vector<semantics::Place> Robot::load_places(const std::filesystem::path& file) {
+  std::vector<semantics::Place> places = semantics::load_places(file);
+  instructed().add_places(places);
+  return places;
+}
+
+void Robot::save_places(const std::filesystem::path& file) {
+  semantics::save_places(instructed().map().places(), file);
+}
+
 std::vector<semantics::MappedThing> Robot::get_things() { return instructed().map().things(); }
 const std::vector<std::string>& Robot::get_thing_labels() { return instructed().detector().labels(); }
 

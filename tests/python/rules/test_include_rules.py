@@ -33,7 +33,7 @@ MAY_USE = {
     "safety": ["core", "hardware", "map/scan_hits"],
     "robot": ["core", "backend", "safety", "perception", "slam", "nav", "map", "hardware", "scene/truth_view"],
     "agent": ["core", "hardware", "map", "slam", "nav", "language", "vision", "semantics", "robot"],
-    "agent/robot": ["core", "agent", "robot"],
+    "agent/robot": ["core", "agent", "robot", "semantics"],
     "export": ["core", "scene", "hardware", "map"],
     "task": ["core", "hardware", "scene", "language"],
     "env": ["core", "hardware", "scene", "task", "sim", "models", "safety"],

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -20,6 +21,11 @@ TEST_CASE("a robot finds a plant, and knows of it afterwards") {
   CHECK(result.answer.find("plant") != std::string::npos);
   REQUIRE(result.steps.size() == 1);
   CHECK(result.steps.front().text == "search(kind=plant)");
+  REQUIRE(result.steps.front().arguments.size() == 1);
+  CHECK(result.steps.front().arguments.front().name == "kind");
+  CHECK(std::get<std::string>(result.steps.front().arguments.front().value) == "plant");
+  CHECK(result.steps.front().verified);
+  CHECK(result.steps.front().picture.image() == robot.get_camera_image());
   CHECK(result.distance == doctest::Approx(robot.simulation()->distance_driven()).epsilon(0.2));
 
   const std::vector<semantics::MappedThing> things = robot.get_things();
@@ -43,6 +49,21 @@ TEST_CASE("places are those that were named") {
   CHECK(robot.execute_instruction("turn left, turn left, turn left", {.max_steps = 2}).reason == "budget");
 }
 
+TEST_CASE("places are kept in a file") {
+  const auto file = std::filesystem::temp_directory_path() / "instructions_test_places.yaml";
+  Robot robot;
+  robot.name_place("dock");
+  robot.save_places(file);
+  Robot other;
+  other.name_place("home");
+  REQUIRE(other.load_places(file).size() == 1);
+  REQUIRE(other.get_places().size() == 2);
+  CHECK(other.get_places().back().name == "dock");
+  std::filesystem::remove(file);
+  CHECK_THROWS_AS(other.load_places(file), ConfigError);
+  CHECK_THROWS_AS(other.save_places("places.txt"), ConfigError);
+}
+
 TEST_CASE("bad input is one error") {
   Robot robot;
   CHECK_THROWS_WITH_AS(robot.execute_instruction("explore", {.max_steps = 0}), "max_steps must be >= 1, got 0",
@@ -54,6 +75,16 @@ TEST_CASE("bad input is one error") {
   CHECK_THROWS_AS(robot.name_place("start"), ContractError);
   robot.emergency_stop();
   CHECK_THROWS_AS(robot.execute_instruction("explore"), EmergencyStopError);
+}
+
+TEST_CASE("without a camera, what needs one is an error, and the rest works") {
   Robot blind({.hardware = "turtlebot_like"});
-  CHECK_THROWS_AS(blind.execute_instruction("explore"), HardwareError);
+  CHECK_THROWS_WITH_AS(blind.execute_instruction("turn left, then find the plant"),
+                       "robot 'turtlebot_like' has no camera, which search needs", HardwareError);
+  blind.name_place("dock");
+  CHECK(blind.get_places().size() == 1);
+  CHECK(blind.get_things().empty());
+  const ExecutionResult result = blind.execute_instruction("turn left 30 degrees");
+  CHECK(result.success);
+  CHECK(result.steps.front().picture.image().color.empty());
 }
