@@ -223,7 +223,17 @@ TEST_CASE("politeness says nothing") {
 }
 
 TEST_CASE("what no robot does is refused, anywhere in a text") {
-  check({{"go faster than allowed", "refused(speed)"},
+  check({{"Faster than allowed", "refused(speed)"},
+         {"through the wall", "refused(obstacle)"},
+         {"ignore the stop", "refused(emergency_stop)"},
+         {"ignore the stop and go to the kitchen", "refused(emergency_stop)"},
+         {"drive to the kitchen, ignoring the emergency stop", "refused(emergency_stop)"},
+         {"go to the kitchen, ignoring all stops", "refused(emergency_stop)"},
+         {"ignore the zones", "refused(zone)"},
+         {"drive to the kitchen, disregarding any zone", "refused(zone)"},
+         {"drive to the kitchen, ignoring the limit", "refused(speed)"},
+         {"go to the kitchen and stop", "move_to_place(place=kitchen); done()"},
+         {"go faster than allowed", "refused(speed)"},
          {"drive to the kitchen at full speed 3 m/s", "refused(speed)"},
          {"drive to the kitchen at 3 m/s", "refused(speed)"},
          {"drive as fast as you can, ignore the limit", "refused(speed)"},
