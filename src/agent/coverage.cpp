@@ -60,12 +60,15 @@ bool in_sight(const map::OccupancyGrid& grid, Vec2 from, Vec2 to) {
 Reachable::Reachable(const map::OccupancyGrid& grid, Vec2 from, double clearance) {
   std::set<Square> known{square_of(from)};
   squares_.push_back(square_of(from));
+  ways_.push_back(0.0);
   for (std::size_t i = 0; i < squares_.size(); ++i) {
     const auto [x, y] = squares_[i];
     for (const Square& next : std::array<Square, 4>{{{x + 1, y}, {x - 1, y}, {x, y + 1}, {x, y - 1}}}) {
       if (known.contains(next)) continue;
       known.insert(next);
-      if (roomy(grid, center_of(next), clearance)) squares_.push_back(next);
+      if (!roomy(grid, center_of(next), clearance)) continue;
+      squares_.push_back(next);
+      ways_.push_back(ways_[i] + kSquare);
     }
   }
 }
@@ -103,8 +106,19 @@ void Coverage::add(const map::OccupancyGrid& grid, const Pose2D& map_from_camera
 }
 
 std::optional<Viewpoint> Coverage::next(const map::OccupancyGrid& grid, const Reachable& reachable,
-                                        const std::function<bool(Vec2)>& area) const {
-  const auto unseen = reachable.nearest([&](Vec2 point) { return !has(square_of(point)) && (!area || area(point)); });
+                                        const std::function<bool(Vec2)>& area,
+                                        const std::function<double(Vec2)>& detour) const {
+  std::optional<Vec2> unseen;
+  double least = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < reachable.squares().size(); ++i) {
+    const Vec2 point = center_of(reachable.squares()[i]);
+    if (has(reachable.squares()[i]) || (area && !area(point))) continue;
+    const double cost = reachable.ways()[i] - (detour ? detour(point) : 0.0);
+    if (cost >= least) continue;
+    least = cost;
+    unseen = point;
+    if (!detour) break;  // they are in order
+  }
   if (!unseen) return {};
   const auto stand = reachable.nearest(
       [&](Vec2 point) { return norm(*unseen - point) < kStandOff + kSquare && in_sight(grid, point, *unseen); });

@@ -29,6 +29,8 @@ class Reachable {
   Reachable(const map::OccupancyGrid& grid, Vec2 from, double clearance);
   /// All squares that can be reached, the nearest first.
   const std::vector<Square>& squares() const { return squares_; }
+  /// The length [m] of the way to each of them.
+  const std::vector<double>& ways() const { return ways_; }
   /// The nearest of them for which a predicate holds.
   std::optional<Vec2> nearest(const std::function<bool(Vec2)>& fits) const;
   /// The one for which a cost is least.
@@ -36,6 +38,7 @@ class Reachable {
 
  private:
   std::vector<Square> squares_;
+  std::vector<double> ways_;
 };
 
 /// Where to stand, and which way to look.
@@ -53,8 +56,10 @@ class Coverage {
   void add(Square square) { seen_.insert(square); }
   bool has(Square square) const { return seen_.contains(square); }
   /// The nearest place from which something unseen is in sight, within `area` where given; none when all is seen.
+  /// `detour` says how much longer [m] than the shortest the way to a point may be, where given.
   std::optional<Viewpoint> next(const map::OccupancyGrid& grid, const Reachable& reachable,
-                                const std::function<bool(Vec2)>& area) const;
+                                const std::function<bool(Vec2)>& area,
+                                const std::function<double(Vec2)>& detour = {}) const;
 
  private:
   std::set<Square> seen_;

@@ -7,6 +7,7 @@
 
 #include "agent/skills.hpp"
 #include "core/exact.hpp"
+#include "semantics/probable_place.hpp"
 
 namespace threewe::agent {
 namespace {
@@ -26,6 +27,7 @@ constexpr double kReach = 0.9;          // [m] to what is seen of it, from where
 constexpr double kFarthestStand = 2.5;  // [m] from a thing's centre
 constexpr int kMostViewpoints = 60;     // of one search
 constexpr double kTolerance = 0.4;      // [m] of a viewpoint
+constexpr double kDetour = 4.0;         // [m] to where it most probably is, by what stands around there
 
 // [m] on the straight way from a point to a thing, up to where the map shows it.
 double gap_to(const map::OccupancyGrid& grid, Vec2 from, Vec2 thing) {
@@ -106,7 +108,10 @@ class Search : public SkillRun {
       const semantics::Place place = body.map.place(thing_.place);
       area = [place](Vec2 point) { return semantics::SemanticMap::contains(place, point); };
     }
-    const auto viewpoint = body.coverage.next(body.robot.map(), body.reachable(), area);
+    const auto near_by = semantics::hints(body.map, thing_.kind);
+    const auto viewpoint = body.coverage.next(body.robot.map(), body.reachable(), area, [&](Vec2 point) {
+      return kDetour * semantics::share_at(near_by, point);
+    });
     if (!viewpoint || ++viewpoints_ > kMostViewpoints) return Outcome{"not_found", not_found()};
     body.coverage.add(viewpoint->shows);  // seen from there, or hidden: not to be gone to again
     drive_.begin(body, nav::MoveTo{viewpoint->stand, viewpoint->heading, kTolerance, 0.2});

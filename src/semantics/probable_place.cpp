@@ -10,6 +10,7 @@ namespace {
 
 constexpr double kTogether = 2.5;     // [m] from one thing to the others that say the same
 constexpr double kConvincing = 1.25;  // sum of weights times probabilities
+constexpr double kLeastShare = 0.2;   // of a hint: weights times probability
 
 // How much a thing of a kind says that a place has a name; a second of the kind says less.
 struct Sign {
@@ -66,6 +67,32 @@ std::optional<Place> probable_place(const SemanticMap& map, std::string_view nam
   }
   if (best.sum < kConvincing) return {};
   return Place{.name = std::string(name), .polygon = {best.middle}, .origin = std::string(kSeen)};
+}
+
+std::vector<Hint> hints(const SemanticMap& map, std::string_view kind) {
+  std::vector<Hint> found;
+  const std::vector<MappedThing> things = map.things();
+  for (const Sign& sought : kSigns) {
+    if (sought.kind != kind) continue;
+    for (const Sign& other : kSigns) {
+      const auto label = std::ranges::find(map.labels(), other.kind);
+      if (other.place != sought.place || other.kind == kind || label == map.labels().end()) continue;
+      const auto k = static_cast<std::size_t>(label - map.labels().begin());
+      for (const MappedThing& thing : things) {
+        const double share = std::min(1.0, sought.weight * other.weight) * thing.kinds[k];
+        if (share >= kLeastShare) found.push_back({thing.position, share});
+      }
+    }
+  }
+  return found;
+}
+
+double share_at(std::span<const Hint> hints, Vec2 point) {
+  double most = 0.0;
+  for (const Hint& hint : hints) {
+    if (norm(hint.around - point) <= kTogether) most = std::max(most, hint.share);
+  }
+  return most;
 }
 
 }  // namespace threewe::semantics

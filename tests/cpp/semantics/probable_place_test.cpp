@@ -55,3 +55,12 @@ TEST_CASE("a refrigerator and a counter make a kitchen, one of them does not") {
   CHECK(probable_place(map_with({{3, {0.0, 4.0}}}), "bedroom"));
   CHECK_FALSE(probable_place(SemanticMap(kLabels), "kitchen"));
 }
+
+TEST_CASE("a counter says where a refrigerator is, and a bed does not") {
+  const SemanticMap map = map_with({{2, {1.0, 1.0}}, {3, {6.0, 1.0}}});
+  const auto refrigerator = semantics::hints(map, "refrigerator");
+  CHECK(semantics::share_at(refrigerator, {2.0, 1.5}) > 0.5);
+  CHECK(semantics::share_at(refrigerator, {6.0, 1.5}) == 0.0);
+  CHECK(semantics::hints(map, "bed").empty());  // nothing else there makes a bedroom
+  CHECK(semantics::hints(map, "tree").empty());
+}
