@@ -98,7 +98,13 @@ void Agent::Impl::look() {
   const auto& camera = *body.robot.profile().camera;
   const Pose2D map_from_camera = pose.map_from_odom * odom_from_base * camera.base_from_camera;
   const auto seen = detector.detect(image.color, image.intrinsics);
-  body.map.update({measured, map_from_camera, seen, image.intrinsics}, body.robot.map());
+  body.map.update({.now = measured,
+                   .map_from_camera = map_from_camera,
+                   .things = seen,
+                   .camera = image.intrinsics,
+                   .depth = image.depth,
+                   .depth_sigma = camera.depth ? camera.depth->sigma : 0.0},
+                  body.robot.map());
   body.coverage.add(body.robot.map(), map_from_camera, camera.horizontal_fov);
   ++body.looks;
   body.looked = measured;

@@ -23,7 +23,11 @@ constexpr double kAlong = 0.10;
 constexpr double kAlongShare = 0.14;
 constexpr double kAcross = 0.06;
 constexpr double kAcrossShare = 0.04;
-constexpr double kGate = 9.21;        // chi-square of two, 99 %
+constexpr double kInside = 0.7;   // of a thing's radius, from its surface to its centre: boxes of 1:1 to 1:2, all sides
+constexpr double kShape = 0.25;   // and the standard deviation of that
+constexpr double kAgree = 1.5;    // standard deviations between the two ranges up to which both are of the thing
+constexpr double kNearest = 0.2;  // [m] in front of the camera, which is the robot itself
+constexpr double kGate = 9.21;    // chi-square of two, 99 %
 constexpr double kFloor = 0.0016;     // [m^2] variances stay above: views share their errors
 constexpr double kLeastAlike = 0.12;  // product of the two kinds' distributions, below which it is another thing
 // A view counts as new evidence when the camera has moved or turned by so much.
@@ -55,6 +59,52 @@ constexpr Duration kRecent = std::chrono::seconds(30);
 std::array<double, 3> rotated(double along, double across, double angle) {
   const auto [s, c] = exact::sincos(angle);
   return {c * c * along + s * s * across, s * c * (along - across), s * s * along + c * c * across};
+}
+
+// A covariance after a rotation by an angle [rad].
+std::array<double, 3> turned(const std::array<double, 3>& covariance, double angle) {
+  const auto [s, c] = exact::sincos(angle);
+  const auto [xx, xy, yy] = covariance;
+  return {c * c * xx - 2.0 * s * c * xy + s * s * yy, s * c * (xx - yy) + (c * c - s * s) * xy,
+          s * s * xx + 2.0 * s * c * xy + c * c * yy};
+}
+
+// A range [m] and its standard deviation; 0 where none was measured.
+struct Range {
+  double value = 0.0;
+  double sigma = 0.0;
+};
+
+// Along the camera's axis to the front in the middle of a detection's box, by the lower quartile of what was measured
+// there; the quartiles are apart where the thing can be seen through, or is deep.
+Range depth_of(const vision::Detection& detection, const View& view) {
+  const int third = (detection.x_max - detection.x_min) / 3;
+  const int right = std::min(detection.x_max - third, view.camera.width);
+  const int bottom = view.depth.empty() ? 0 : std::min(detection.y_max, view.camera.height);
+  std::vector<float> measured;
+  for (int y = std::max(0, detection.y_min); y < bottom; ++y) {
+    const std::size_t row = static_cast<std::size_t>(y) * static_cast<std::size_t>(view.camera.width);
+    for (int x = std::max(0, detection.x_min + third); x < right; ++x) {
+      const float depth = view.depth[row + static_cast<std::size_t>(x)];
+      if (depth > 0.0F) measured.push_back(depth);
+    }
+  }
+  if (measured.empty()) return {};
+  std::ranges::sort(measured);
+  const auto front = static_cast<double>(measured[measured.size() / 4]);
+  const double apart = static_cast<double>(measured[measured.size() * 3 / 4]) - front;
+  return {front, apart + view.depth_sigma * front * front};
+}
+
+// [m] from a point to what is occupied in a direction; 0 where nothing is up to `farthest`.
+double range_to(const map::OccupancyGrid& grid, Vec2 from, Vec2 direction, double farthest) {
+  const double step = 0.5 * grid.resolution;
+  const auto steps = static_cast<int>((farthest - kNearest) / step);
+  for (int i = 0; i < steps; ++i) {
+    const double way = kNearest + i * step;
+    if (grid.at(grid.cell(from + way * direction)) >= map::OccupancyGrid::kOccupiedThreshold) return way;
+  }
+  return 0.0;
 }
 
 double mahalanobis(Vec2 d, const std::array<double, 3>& a, const std::array<double, 3>& b) {
@@ -154,14 +204,7 @@ void SemanticMap::update(const View& view, const map::OccupancyGrid& grid) {
   std::vector<std::uint64_t> seen;
   for (const vision::Detection& detection : view.things) {
     if (detection.cells < kLeastCells || detection.distance > kFarthest) continue;
-    const Pose2D& camera = view.map_from_camera;
-    const double across = detection.distance * exact::sin(detection.bearing) / exact::cos(detection.bearing);
-    const Vec2 position = (camera * Pose2D{detection.distance, across, 0.0}).position();
-    const double range = norm(position - camera.position());
-    const double sigma_along = kAlong + kAlongShare * range;
-    const double sigma_across = kAcross + kAcrossShare * range;
-    const auto covariance =
-        rotated(sigma_along * sigma_along, sigma_across * sigma_across, camera.theta + detection.bearing);
+    const auto [position, covariance, range] = locate(detection, view, grid);
     const std::size_t index = match(position, covariance, detection);
     if (index == things_.size()) {
       if (index == kMostThings) continue;
@@ -175,6 +218,34 @@ void SemanticMap::update(const View& view, const map::OccupancyGrid& grid) {
   }
   count_misses(view, grid);
   merge_doubles();
+}
+
+// In the direction that the camera shows. The range is that of the detector, by how the thing looks, and that of its
+// surface and its usual radius, each by its variance; the surface alone may be that of what stands behind.
+SemanticMap::Located SemanticMap::locate(const vision::Detection& detection, const View& view,
+                                         const map::OccupancyGrid& grid) const {
+  const Pose2D& camera = view.map_from_camera;
+  const double forward = exact::cos(detection.bearing);
+  double range = detection.distance / forward;
+  const double sigma_across = kAcross + kAcrossShare * range;
+  const double sigma_along = kAlong + kAlongShare * range;
+  double variance = sigma_along * sigma_along;
+  const double direction = camera.theta + detection.bearing;
+  const auto [s, c] = exact::sincos(direction);
+  Range surface = depth_of(detection, view);
+  surface.value /= forward;
+  if (surface.value == 0.0)
+    surface = {range_to(grid, camera.position(), {c, s}, range + kAgree * sigma_along), grid.resolution};
+  const double inside = kInside * radii_[detection.kind];
+  const double off = surface.value + inside - range;
+  if (surface.value > 0.0 && inside > 0.0 && std::fabs(off) < kAgree * sigma_along) {
+    const double shape = kShape * radii_[detection.kind];
+    const double variance_of_surface = surface.sigma * surface.sigma + shape * shape;
+    const double share = variance / (variance + variance_of_surface);
+    range += share * off;
+    variance *= 1.0 - share;
+  }
+  return {camera.position() + range * Vec2{c, s}, rotated(variance, sigma_across * sigma_across, direction), range};
 }
 
 void SemanticMap::add_new(Vec2 position, const std::array<double, 3>& covariance, double range) {
@@ -287,10 +358,19 @@ void SemanticMap::merge_doubles() {
 }
 
 void SemanticMap::move(const Pose2D& from, const Pose2D& to, Time now) {
-  const Pose2D correction = to * inverse(from);
-  for (MappedThing& thing : things_) {
-    if (now - thing.last_seen <= kRecent) thing.position = correction * thing.position;
+  const double since = to_seconds(std::max(kRecent, moved_ ? now - *moved_ : now - Time{}));
+  const double turn = wrap_angle(to.theta - from.theta);
+  for (std::size_t i = 0; i < things_.size(); ++i) {
+    MappedThing& thing = things_[i];
+    const double share = std::max(0.0, 1.0 - to_seconds(now - thing.last_seen) / since);
+    const Vec2 there = from.position() + share * (to.position() - from.position());
+    const Pose2D correction = Pose2D{there.x, there.y, from.theta + share * turn} * inverse(from);
+    thing.position = correction * thing.position;
+    thing.covariance = turned(thing.covariance, share * turn);
+    evidence_[i].last = correction * evidence_[i].last;
+    for (Viewpoint& viewpoint : evidence_[i].from) viewpoint.bearing = wrap_angle(viewpoint.bearing + share * turn);
   }
+  moved_ = now;
 }
 
 std::vector<MappedThing> SemanticMap::things() const {

@@ -35,6 +35,8 @@ struct View {
   Pose2D map_from_camera;                     ///< where the camera was
   std::span<const vision::Detection> things;  ///< what it shows
   const CameraIntrinsics& camera;             ///< of the picture
+  std::span<const float> depth{};             ///< (H, W) [m] along its axis, invalid = 0; empty without a depth camera
+  double depth_sigma = 0.0;                   ///< [m] at 1 m, growing with the square of the depth
 };
 
 /// Things and places of one robot. Plain data; bounded.
@@ -43,10 +45,12 @@ class SemanticMap {
   /// Of a detector with these labels, and the radius [m] that things of each usually have; 0 where it is not known.
   explicit SemanticMap(std::vector<std::string> labels, std::vector<double> radii = {});
 
-  /// Takes over what a picture shows. What should be in view and is not is forgotten after some looks; `grid` says what
-  /// stands in between.
+  /// Takes over what a picture shows. How far away a thing is follows from how it looks and, where that agrees, from
+  /// where its surface is by the depth image or else by `grid`, which the lidar has drawn. What should be in view and
+  /// is not is forgotten after some looks; `grid` says what stands in between.
   void update(const View& view, const map::OccupancyGrid& grid);
-  /// A correction of `map`: what was at `from` in it is at `to` now. What was seen lately moves along.
+  /// A correction of `map`, as by a closed loop: a robot that was at `from` in it is at `to` now. Things move along by
+  /// how lately they were seen: the error has grown evenly since the correction before.
   void move(const Pose2D& from, const Pose2D& to, Time now);
 
   /// All that was seen from two poses or more, in the order in which it was first seen.
@@ -72,6 +76,13 @@ class SemanticMap {
   static bool contains(const Place& place, Vec2 point);
 
  private:
+  // Where a detection is, and its covariance.
+  struct Located {
+    Vec2 position;  // [m]
+    std::array<double, 3> covariance{};
+    double range = 0.0;  // [m] from the camera
+  };
+  Located locate(const vision::Detection& detection, const View& view, const map::OccupancyGrid& grid) const;
   std::size_t match(Vec2 position, const std::array<double, 3>& covariance, const vision::Detection& detection) const;
   void add_new(Vec2 position, const std::array<double, 3>& covariance, double range);
   void add_view(std::size_t index, Vec2 position, const std::array<double, 3>& covariance, const View& view,
@@ -103,6 +114,7 @@ class SemanticMap {
   std::vector<Evidence> evidence_;  // of things_
   std::vector<Place> places_;
   std::uint64_t next_id_ = 1;
+  std::optional<Time> moved_;  // when `map` was corrected last
 };
 
 }  // namespace threewe::semantics

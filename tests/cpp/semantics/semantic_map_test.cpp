@@ -115,6 +115,74 @@ TEST_CASE("what is gone is forgotten, unless something stands in between") {
   }
 }
 
+TEST_CASE(
+    "a thing is where its surface is by the lidar's map or the depth image, where that agrees with how it looks") {
+  const CameraIntrinsics camera = make_intrinsics(64, 48, 1.57);
+  enum class Range : std::uint8_t { none, lidar, depth, far };
+  for (const Range by : {Range::none, Range::lidar, Range::depth, Range::far}) {
+    CAPTURE(static_cast<int>(by));
+    SemanticMap map(kLabels, {0.0, 0.0, 0.3});
+    auto grid = free_floor();
+    const double wall = by == Range::far ? 4.5 : 1.8;  // of a plant of radius 0.3 m whose centre is 2.01 m away
+    if (by == Range::lidar || by == Range::far) {
+      for (int y = -40; y <= 40; ++y)
+        grid.data[grid.index(grid.cell({wall + 0.02, 0.05 * y}))] = map::OccupancyGrid::kOccupied;
+    }
+    std::vector<float> depth;
+    if (by == Range::depth) depth.assign(std::size_t{64} * 48, 1.8F);
+    vision::Detection plant = seen(2, 0.0, 2.4);  // it seems farther away than it is
+    plant.x_min = 20, plant.x_max = 44, plant.y_min = 10, plant.y_max = 40;
+    const std::vector views{plant};
+    for (int i = 0; i < 2; ++i) {
+      const Pose2D from{0.0, 0.3 * i, 0.0};
+      map.update({from_seconds(i), from, views, camera, depth, 0.003}, grid);
+    }
+    REQUIRE(map.things().size() == 1);
+    const auto thing = map.things().front();
+    const bool ranged = by == Range::lidar || by == Range::depth;
+    CHECK(thing.position.x == doctest::Approx(ranged ? 2.01 : 2.4).epsilon(0.03));
+    CHECK(thing.covariance[0] < (ranged ? 0.01 : 0.2));
+    CHECK((thing.covariance[0] < thing.covariance[2]) == ranged);
+  }
+}
+
+TEST_CASE("a closed loop moves things by how lately they were seen, and turns their covariances") {
+  SemanticMap map(kLabels);
+  const auto grid = free_floor();
+  const CameraIntrinsics camera = make_intrinsics(640, 480, 1.57);
+  const auto look = [&](double second, std::size_t kind, const Pose2D& from) {
+    const std::vector views{seen(kind, 0.0, 2.0)};
+    map.update({from_seconds(second), from, views, camera}, grid);
+  };
+  for (const double shift : {0.0, 0.3}) {
+    look(1.0 + shift, 1, {-4.0, -3.0 + shift, 0.0});
+    look(50.0 + shift, 1, {-4.0, 3.0 + shift, 0.0});
+    look(100.0 + shift, 2, {shift, 0.0, 0.0});
+  }
+  const auto before = map.things();
+  REQUIRE(before.size() == 3);
+  const double turn = 0.5;
+  map.move({0.3, 0.0, 0.0}, {0.8, 0.2, turn}, from_seconds(100.3));
+  const auto after = map.things();
+  CHECK(norm(after[0].position - before[0].position) < 0.1);  // of before the loop
+  const double half = norm(after[1].position - before[1].position);
+  CHECK(half > 0.5);
+  const Pose2D correction = Pose2D{0.8, 0.2, turn} * inverse(Pose2D{0.3, 0.0, 0.0});
+  CHECK(norm(after[2].position - correction * before[2].position) < 1e-9);
+  CHECK(half < norm(correction * before[1].position - before[1].position));
+
+  const auto& c = after[2].covariance;  // along the new line of sight as it was along the old one
+  const Vec2 along{std::cos(turn), std::sin(turn)};
+  CHECK(c[0] * along.x * along.x + 2.0 * c[1] * along.x * along.y + c[2] * along.y * along.y ==
+        doctest::Approx(before[2].covariance[0]));
+  CHECK(c[0] * c[2] - c[1] * c[1] == doctest::Approx(before[2].covariance[0] * before[2].covariance[2] -
+                                                     before[2].covariance[1] * before[2].covariance[1]));
+
+  // what was seen before the last correction was put right by it
+  map.move({0.0, 0.0, 0.0}, {1.0, 0.0, 0.0}, from_seconds(140.0));
+  CHECK(norm(map.things()[2].position - after[2].position) < 1e-2);
+}
+
 TEST_CASE("a place has a name, holds what is in it, and is named by the nearest name where it is unknown") {
   SemanticMap map(kLabels);
   map.name_place({.name = "kitchen", .polygon = {{0.0, 0.0}, {2.0, 0.0}, {2.0, 2.0}, {0.0, 2.0}}});
