@@ -55,7 +55,12 @@ DIALECTS = {
     # `transformers serve` 5.23 and 5.24, as we tried them: ignores what it does not know, and fails to list
     "transformers": Dialect("ignored", "ignored", "error", "maximum context length exceeded"),
 }
-FAULTS = ("unauthorized", "rate_limit", "error", "loading", "reset", "half", "silence", "context", "certificate")
+RETRY_AFTER = 1
+"""[s] that a client is asked to wait by a rate limit."""
+FAULTS = (
+    *("unauthorized", "rate_limit", "no_model", "error", "loading", "reset", "half", "silence", "context"),
+    "certificate",
+)
 
 
 class ModelServer:
@@ -69,8 +74,9 @@ class ModelServer:
             sentence); a list of such, at once; a text; a whole body `{"choices": [...]}`; or bytes. A request whose
             form the dialect ignores gets prose, and uses none of them up.
         dialect: openai, llama.cpp, llama-cpp-python, vllm, ollama, lmstudio or transformers.
-        faults: what goes wrong, by the number of the request (from 0), or at each: unauthorized, rate_limit, error,
-            loading, reset, half, silence, context; or, at each, certificate: it speaks TLS with a wrong one.
+        faults: what goes wrong, by the number of the request (from 0), or at each: unauthorized, rate_limit (for a
+            second), no_model, error, loading, reset, half, silence, context; or, at each, certificate: it speaks TLS
+            with a wrong one.
         sees: whether it reads the pictures of eyesight tests.
 
     Raises:
@@ -244,7 +250,8 @@ class _Handler(BaseHTTPRequestHandler):
             return self._send(404, _failure("no such path"))
         if listed == "error":
             return self._send(500, b"Internal Server Error")
-        names = [{"id": "scripted", "object": "model"}] if listed == "listed" else []
+        without = self._model._faults == "no_model"
+        names = [{"id": "scripted", "object": "model"}] if listed == "listed" and not without else []
         return self._send(200, json.dumps({"object": "list", "data": names}).encode())
 
     def do_POST(self) -> None:
@@ -256,7 +263,9 @@ class _Handler(BaseHTTPRequestHandler):
             case "unauthorized":
                 return self._send(401, _failure("Incorrect API key provided"))
             case "rate_limit":
-                return self._send(429, _failure("Rate limit reached"), {"Retry-After": "0"})
+                return self._send(429, _failure("Rate limit reached"), {"Retry-After": str(RETRY_AFTER)})
+            case "no_model":
+                return self._send(404, _failure("no model is loaded"))
             case "error":
                 return self._send(500, _failure("Internal error"))
             case "loading":

@@ -1,8 +1,11 @@
 """Instructions by a model behind an OpenAI-compatible address: what it may do, and what becomes of bad answers."""
 
 import asyncio
+import json
 import math
 import sys
+import time
+import urllib.request
 from pathlib import Path
 from typing import Any
 
@@ -221,11 +224,40 @@ def test_faults_in_passing_lose_nothing(fault: str) -> None:
         assert [step.skill for step in result.steps] == ["rotate", "move_forward", "look"]
 
 
+def test_a_rate_limit_is_waited_for_as_the_server_asks() -> None:
+    with ModelServer([{"skill": "done"}], faults={1: "rate_limit"}) as server, sync.Robot() as robot:
+        begun = time.monotonic()
+        result = robot.execute_instruction("turn", model=server.url, thinking_time=0.0)
+        assert result.success, result
+        assert time.monotonic() - begun >= 1.0
+        assert len(server.requests) == 3  # the eyesight test, and twice the same question
+        assert server.requests[1] == server.requests[2]
+
+
+def test_a_longer_wait_than_the_timeout_is_a_model_error_at_once() -> None:
+    with ModelServer([{"skill": "done"}], faults={1: "rate_limit"}) as server, sync.Robot() as robot:
+        result = robot.execute_instruction("turn", model=server.url, thinking_time=0.0, model_timeout=0.9)
+        assert result.reason == "model_error"
+        assert "429: Rate limit reached" in result.detail
+        assert len(server.requests) == 2
+
+
+def test_a_server_without_a_model_is_a_model_error() -> None:
+    with ModelServer([{"skill": "done"}], faults="no_model") as server, sync.Robot() as robot:
+        with urllib.request.urlopen(f"{server.url}/models") as answer:
+            assert json.load(answer)["data"] == []
+        result = robot.execute_instruction("turn", model=server.url)
+        assert (result.reason, len(server.requests)) == ("model_error", 1)
+        assert result.detail.endswith("404: no model is loaded")
+        assert result.distance == 0.0
+
+
 @pytest.mark.parametrize(
     ("fault", "detail"),
     [
         ("unauthorized", "401: Incorrect API key"),
         ("rate_limit", "429"),
+        ("no_model", "404: no model is loaded"),
         ("error", "500: Internal error"),
         ("loading", "503: Loading model"),
         ("reset", "127.0.0.1"),

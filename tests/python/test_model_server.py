@@ -66,7 +66,7 @@ def test_dialects(dialect: str, tools: int | str, response_format: str, models: 
 
 @pytest.mark.parametrize(
     ("fault", "status"),
-    [("unauthorized", 401), ("rate_limit", 429), ("error", 500), ("loading", 503), ("context", 400)],
+    [("unauthorized", 401), ("rate_limit", 429), ("no_model", 404), ("error", 500), ("loading", 503), ("context", 400)],
 )
 def test_refusals_say_why_and_the_next_request_works(fault: str, status: int) -> None:
     with ModelServer([TURN], faults={0: fault}) as server:

@@ -16,8 +16,9 @@ import urllib.request
 import warnings
 from collections import Counter
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
+from threading import Thread
 
 import pytest
 from threewe import Zone, sync
@@ -38,11 +39,15 @@ TEXTS = (
 )
 
 
-@contextmanager
-def server(peer: str, python: str, folder: Path) -> Iterator[str]:
-    """The address of a server that runs meanwhile."""
+def free_port() -> int:
+    """One at which nothing listens."""
     with socket.create_server(("127.0.0.1", 0)) as taken:
-        port = taken.getsockname()[1]
+        return int(taken.getsockname()[1])
+
+
+@contextmanager
+def server(peer: str, python: str, folder: Path, port: int) -> Iterator[str]:
+    """The address of a server that runs meanwhile."""
     script = Path(__file__).with_name(f"{peer}_peer.py")
     with (
         (folder / "server.log").open("wb") as log,
@@ -81,7 +86,7 @@ def test_each_instruction_ends_with_one_reason_and_the_robot_is_fit_for_use(peer
     reasons: Counter[str] = Counter()
     skills: Counter[str] = Counter()
     forms: Counter[str] = Counter()
-    with server(peer, python, tmp_path) as url, sync.Robot(seed=COUNT) as robot:
+    with server(peer, python, tmp_path, free_port()) as url, sync.Robot(seed=COUNT) as robot:
         robot.set_zones([zone])
         robot.name_place("kitchen")
         watch = Watch(robot, zone)
@@ -107,3 +112,32 @@ def test_each_instruction_ends_with_one_reason_and_the_robot_is_fit_for_use(peer
         assert home.success, home  # wherever it has been led
     print(f"\n{peer}: {COUNT} instructions, answers in the form {dict(forms)}, steps {dict(skills)}")
     print(*(f"{count:6} {reason}" for reason, count in reasons.most_common()), sep="\n")
+
+
+def test_a_server_that_is_killed_in_an_instruction_and_started_again(tmp_path: Path) -> None:
+    python = os.environ["TRANSFORMERS_PYTHON"]
+    if not python:
+        pytest.skip("not run: transformers could not be installed here")
+    port, talk = free_port(), tmp_path / "talk.jsonl"
+    with sync.Robot(seed=COUNT) as robot, ExitStack() as servers, warnings.catch_warnings():
+        warnings.simplefilter("ignore", RuntimeWarning)  # that the model cannot see
+        url = servers.enter_context(server("transformers", python, tmp_path, port))
+
+        def kill() -> None:
+            while not talk.exists() or len(talk.read_text(encoding="utf-8").splitlines()) < 2:  # its head, an answer
+                time.sleep(0.01)
+            servers.close()
+
+        killer = Thread(target=kill)
+        killer.start()
+        gone = robot.execute_instruction("tidy up", model=url, thinking_time=0.1, timeout=LIMIT, record=talk)
+        killer.join()
+        assert (gone.reason, url in gone.detail) == ("model_error", True), gone
+        robot.sleep(0.5)
+        assert abs(robot.get_velocity().vx) < 0.05
+        servers.enter_context(server("transformers", python, tmp_path, port))
+        again = robot.execute_instruction("tidy up", model=url, thinking_time=0.1, timeout=LIMIT, max_steps=STEPS)
+        assert again.reason in REASONS, again
+        assert url not in again.detail, again  # if anything, its answers are wrong
+        assert again.conversation
+        assert robot.execute_instruction("turn left 10 degrees").success
