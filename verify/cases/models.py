@@ -33,13 +33,7 @@ FAULTS = {  # and what `model_error` says where they last
     "certificate": "its certificate is wrong",
     "refused": "127.0.0.1",
 }
-LASTING = (
-    "unauthorized",
-    "no_model",
-    "silence",
-    "certificate",
-    "refused",
-)  # which are not tried again, or at each request
+LASTING = ("unauthorized", "no_model", "silence", "certificate", "refused")  # not tried again, or at each request
 ALWAYS = ("certificate", "refused")  # from the first request on
 EACH = 4  # instructions of a case
 PATIENCE = 4.0  # [s] by the wall clock
