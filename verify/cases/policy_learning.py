@@ -5,7 +5,7 @@ import time
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-from threewe.ai.collecting import Collection, collect_goto
+from threewe.ai.collecting import Collection, collect_demonstrations
 from threewe.ai.evaluating import Evaluation, evaluate
 from threewe.ai.training import train_policy
 from threewe.data.lerobot import Dataset
@@ -23,7 +23,7 @@ def collect(seed: int, episodes: int) -> Case:
     with TemporaryDirectory() as folder:
         begun = time.process_time()
         arrived = asyncio.run(
-            collect_goto(Path(folder, "demos"), episodes, Collection(seed=seed, randomization="paper"))
+            collect_demonstrations(Path(folder, "demos"), episodes, Collection(seed=seed, randomization="paper"))
         )
         seconds = time.process_time() - begun
         dataset = Dataset.open(Path(folder, "demos"))
@@ -54,7 +54,7 @@ def learn_and_drive(seed: int, demonstrations: int, generated: int, in_each_scen
 def _train(folder: Path, seed: int, count: int) -> tuple[list[str], float]:
     """A policy by the shipped commands, in `folder / "policy"`: what training said, and its wall time [minutes]."""
     lines: list[str] = []
-    asyncio.run(collect_goto(folder / "demos", count, Collection(seed=seed, randomization="paper")))
+    asyncio.run(collect_demonstrations(folder / "demos", count, Collection(seed=seed, randomization="paper")))
     begun = time.monotonic()
     train_policy([folder / "demos"], folder / "policy", PASSES, seed, 0, lambda line: lines.append(str(line)))
     return lines, (time.monotonic() - begun) / 60

@@ -1,4 +1,8 @@
-"""Demonstrations of `goto`: the navigator drives to things that are in view, and instructions name them."""
+"""Demonstrations: a teacher does in simulation what an instruction says, and the recorder writes a LeRobot dataset.
+
+Tasks are `goto` (to a thing that is in view), and those of the benchmarks `objectnav` (to one that is elsewhere) and
+`vln`. The teachers are the navigator, which knows where the goal is, and `execute_instruction`, which does not.
+"""
 
 from __future__ import annotations
 
@@ -11,7 +15,19 @@ from tempfile import TemporaryDirectory
 
 import numpy as np
 
-from threewe._core import MoveResult, Object, ObjectNav, Pose2D, RobotProfile, SceneTables
+from threewe._core import (
+    DriveLog,
+    MoveResult,
+    Object,
+    ObjectNav,
+    Pose2D,
+    RobotProfile,
+    SceneTables,
+    Vln,
+    VlnEpisode,
+    unknown_name,
+)
+from threewe.benchmark.attempt import rooms_of
 from threewe.benchmark.buildings import building_name, scene_asset
 from threewe.data.exporting import export
 from threewe.data.recorder import TrajectoryRecorder
@@ -20,17 +36,19 @@ from threewe.errors import ConfigError
 from threewe.robot import Robot
 from threewe.simulation import Simulation
 
-IMAGE = (60, 80)
-"""(height, width) [px] of what is recorded"""
+IMAGES = {"navigator": (60, 80), "instruction": (240, 320)}
+"""(height, width) [px] of what is recorded; the detector, by which instructions are carried out, needs larger ones"""
 FPS = 10
-PER_SCENE = 10
+PER_ROBOT = {"navigator": 10, "instruction": 1}
+"""drives of a robot in one scene: a teacher that looks for things would remember them from the drive before"""
+TASKS = {"goto": 60.0, "objectnav": 300.0, "vln": 300.0}
+"""[s] of a drive, at most"""
 STANDS_FROM = (0.55, 0.7, 0.85)  # [m] from a thing's nearest side to where the robot stops, the first that shows it
 TURNS = (0.0, 0.35, -0.35, 0.7, -0.7)  # [rad] about the thing, from the straight way to it
 SHOWN = 0.002  # of the picture, at least, that shows it in the end
 ROOM = 0.08  # [m] around the robot there, whichever way it turns
-LONGEST = 12.0  # [m] of the way
+LONGEST = {"goto": 12.0, "objectnav": 40.0}  # [m] of the way
 STANDS_FOR = 1.0  # [s] that are recorded in the end
-LIMIT = 60.0  # [s] of a drive
 TRIES = 200
 CALM = (0.5, 5.0)  # [s] before a burst of random commands
 BURST = (0.4, 1.6)  # [s] that it lasts
@@ -41,29 +59,55 @@ BURSTS = 3  # of a drive, at most
 class Collection:
     """How demonstrations are made."""
 
+    task: str = "goto"
+    teacher: str = "navigator"
     scene: str = "procedural"
-    """a name, a file, or `procedural`: generated buildings of all sizes, ten drives each"""
+    """a name, a file, or `procedural`: generated buildings of all sizes, ten drives of the navigator each"""
     backend: str = "mock"
     hardware: str = "3we_standard_v2"
     randomization: str = "none"
     bursts: bool = True
-    """random commands push the robot off its way, and the dataset marks them as `disturbed`"""
+    """random commands push the navigator off its way, and the dataset marks them as `disturbed`"""
     seed: int = 0
 
+    def __post_init__(self) -> None:
+        for what, name, known in (("task", self.task, TASKS), ("teacher", self.teacher, PER_ROBOT)):
+            if name not in known:
+                raise ConfigError(unknown_name(what, name, list(known)))
 
-async def collect_goto(output: Path, episodes: int, how: Collection) -> int:
+
+@dataclass(frozen=True)
+class _Drive:
+    """What a drive is to do, as drawn."""
+
+    index: int
+    start: Pose2D
+    kind: str = ""  # of the thing that it leads to
+    vln: VlnEpisode | None = None
+
+    @property
+    def instruction(self) -> str:
+        return self.vln.instruction if self.vln is not None else f"go to the {self.kind}"
+
+
+_Target = tuple[float, float, float | None]
+"""x, y [m], theta [rad] if any, in `map`"""
+
+
+async def collect_demonstrations(output: Path, episodes: int, how: Collection) -> int:
     """Writes a LeRobot dataset of `episodes` drives; how many arrived. Raises ConfigError."""
     if output.exists():
         raise ConfigError(f"output: {output} exists already")
     done = arrived = 0
     with TemporaryDirectory() as folder:
         for number, scene in enumerate(_scenes(how)):
-            drives = await _collect_in(scene, min(PER_SCENE, episodes - done), how, number, Path(folder))
+            wanted = min(PER_ROBOT[how.teacher], episodes - done)
+            drives = await _collect_in(scene, wanted, how, number, Path(folder))
             done, arrived = done + len(drives), arrived + sum(drives)
             if done == episodes:
                 break
             if done == 0 and number == TRIES:
-                raise ConfigError(f"scene: nothing is in sight from any of many places in {scene}")
+                raise ConfigError(f"scene: nothing to do for {how.task} from any of many places in {scene}")
         export(Recording(folder), output, format="lerobot", fps=FPS)
     return arrived
 
@@ -85,7 +129,7 @@ async def _collect_in(scene: str, episodes: int, how: Collection, number: int, j
         scene,
         seed=seed,
         localization="truth",
-        image_size=IMAGE,
+        image_size=IMAGES[how.teacher],
         randomization=how.randomization,
     )
     drives: list[bool] = []
@@ -93,27 +137,22 @@ async def _collect_in(scene: str, episodes: int, how: Collection, number: int, j
         assert robot.simulation is not None
         try:
             tables = SceneTables(robot.simulation.scene, profile)
-            task = ObjectNav(tables, profile)
-            kinds = [kind for kind in task.goals if kind != "door"]
-        except ConfigError:  # nothing there can be looked for
+            task = Vln(tables) if how.task == "vln" else ObjectNav(tables, profile)
+        except ConfigError:  # there is nothing to do
             return []
         with TrajectoryRecorder(robot, journals, sensors=["camera"]) as recorder:
-            for index in range(3 * episodes):
-                if len(drives) == episodes or not kinds:
+            for drive in _draw(task, how.task, seed, random, 3 * episodes):
+                if len(drives) == episodes:
                     break
-                kind = kinds[int(random.integers(len(kinds)))]
-                try:
-                    start = task.sample_in_sight(seed, index, kind).start
-                except ConfigError:
-                    kinds.remove(kind)
+                robot.simulation.reset(seed=seed, episode=drive.index, pose=drive.start)
+                if how.teacher == "instruction":
+                    drives.append(await _instruct(robot, recorder, scene, task, drive, TASKS[how.task]))
                     continue
-                robot.simulation.reset(seed=seed, episode=index, pose=start)
-                goal = _goal(robot.simulation, tables, profile, kind)
-                if goal is None:
+                target = _target(robot.simulation, tables, profile, drive, LONGEST.get(how.task, math.inf))
+                if target is None:
                     continue
-                there = robot.simulation.scene_from_map.inverse() * goal
-                recorder.start_episode(f"go to the {kind}")
-                result, disturbed = await _drive(robot, there, random if how.bursts else None)
+                recorder.start_episode(drive.instruction)
+                result, disturbed = await _drive(robot, target, random if how.bursts else None, TASKS[how.task])
                 await robot.sleep(STANDS_FOR)
                 kept = {"reason": str(result.reason), DISTURBED: spans_to_text(disturbed)}
                 recorder.end_episode(success=result.success, metadata=kept)
@@ -121,15 +160,61 @@ async def _collect_in(scene: str, episodes: int, how: Collection, number: int, j
     return drives
 
 
+def _draw(task: ObjectNav | Vln, name: str, seed: int, random: np.random.Generator, tries: int) -> Iterator[_Drive]:
+    """Drives in a scene, fewer where no kind of things is left."""
+    if isinstance(task, Vln):
+        for index in range(tries):
+            episode = task.sample(seed, index)
+            yield _Drive(index, episode.start, vln=episode)
+        return
+    kinds = [kind for kind in task.goals if kind != "door"]
+    sample = task.sample_in_sight if name == "goto" else task.sample
+    for index in range(tries):
+        if not kinds:
+            return
+        kind = kinds[int(random.integers(len(kinds)))]
+        try:
+            start = sample(seed, index, kind).start
+        except ConfigError:
+            kinds.remove(kind)
+            continue
+        yield _Drive(index, start, kind)
+
+
+async def _instruct(
+    robot: Robot, recorder: TrajectoryRecorder, scene: str, task: ObjectNav | Vln, drive: _Drive, limit: float
+) -> bool:
+    """A drive of `execute_instruction`, without a model; whether it arrived in truth."""
+    simulation = robot.simulation
+    assert simulation is not None
+    if drive.vln is not None:
+        for name, border in rooms_of(scene, simulation.scene_from_map.inverse()):
+            robot.name_place(name, border)
+    log = DriveLog(robot._world)
+    recorder.start_episode(drive.instruction)
+    result = await robot.execute_instruction(drive.instruction, timeout=limit, model="")
+    await robot.sleep(STANDS_FOR)
+    log.end()
+    if isinstance(task, Vln):
+        assert drive.vln is not None
+        there = simulation.true_pose()
+        arrived = task.is_success(drive.vln, (there.x, there.y))
+    else:
+        arrived = bool(task.found(robot.profile, drive.kind, log))
+    success = arrived and result.success
+    recorder.end_episode(success=success, metadata={"reason": str(result.reason), DISTURBED: spans_to_text([])})
+    return success
+
+
 async def _drive(
-    robot: Robot, goal: Pose2D, random: np.random.Generator | None
+    robot: Robot, target: _Target, random: np.random.Generator | None, limit: float
 ) -> tuple[MoveResult, list[tuple[float, float]]]:
-    """To a goal, and when random commands pushed the robot on its way [s]."""
+    """To a target, and when random commands pushed the robot on its way [s]."""
     disturbed: list[tuple[float, float]] = []
     for _ in range(0 if random is None else int(random.integers(BURSTS + 1))):
         assert random is not None
         until = robot.now + random.uniform(*CALM)
-        result = await robot.move_to(goal.x, goal.y, goal.theta, timeout=until - robot.now)
+        result = await robot.move_to(*target, timeout=until - robot.now)
         if result.reason != "timeout":
             return result, disturbed
         seconds = random.uniform(*BURST)
@@ -139,21 +224,45 @@ async def _drive(
         robot.set_velocity(vx, vy if sideways else 0.0, random.uniform(-1.0, 1.0) * limits.angular, hold=seconds)
         await robot.sleep(seconds)
         disturbed.append((until, robot.now))  # braking was no wish of the navigator either
-    return await robot.move_to(goal.x, goal.y, goal.theta, timeout=LIMIT), disturbed
+    return await robot.move_to(*target, timeout=limit), disturbed
 
 
-def _goal(simulation: Simulation, tables: SceneTables, profile: RobotProfile, kind: str) -> Pose2D | None:
-    """Where to stop before the thing of a kind that is seen best: near it, turned to it, and so that it is seen."""
+def _target(
+    simulation: Simulation, tables: SceneTables, profile: RobotProfile, drive: _Drive, longest: float
+) -> _Target | None:
+    """Where the navigator is to stop; None where there is no such place."""
+    map_from_scene = simulation.scene_from_map.inverse()
+    if drive.vln is not None:
+        there = map_from_scene * Pose2D(*drive.vln.end, 0.0)
+        return there.x, there.y, None
+    goal = _goal(simulation, tables, profile, drive.kind, longest)
+    if goal is None:
+        return None
+    there = map_from_scene * goal
+    return there.x, there.y, there.theta
+
+
+def _goal(
+    simulation: Simulation, tables: SceneTables, profile: RobotProfile, kind: str, longest: float
+) -> Pose2D | None:
+    """Where to stop before the thing of a kind that is seen best, or is nearest: turned to it, and so that it is seen.
+
+    None where the shortest path is longer [m].
+    """
     start, seen = simulation.true_pose(), simulation.look()
     pixels = {name: int(np.sum(seen.ids == i)) for i, name in enumerate(seen.names)}
     things = [thing for thing in simulation.scene.objects if thing.category == kind]
-    thing = max(things, key=lambda one: pixels.get(one.name, 0))
+
+    def seen_and_near(one: Object) -> tuple[int, float]:
+        return pixels.get(one.name, 0), -math.hypot(one.pose.x - start.x, one.pose.y - start.y)
+
+    thing = max(things, key=seen_and_near)
     assert profile.camera is not None
     away = math.atan2(start.y - thing.pose.y, start.x - thing.pose.x)
     for near in STANDS_FROM:
         for turn in TURNS:
             goal = _before(thing, away + turn, near)
-            if not simulation.geodesic(start, goal) < LONGEST or _room(tables, goal) < ROOM:
+            if not simulation.geodesic(start, goal) < longest or _room(tables, goal) < ROOM:
                 continue
             picture = simulation.look(pose=goal * profile.camera.base_from_camera, with_itself=False)
             if np.mean(picture.ids == list(picture.names).index(thing.name)) >= SHOWN:

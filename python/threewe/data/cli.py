@@ -69,25 +69,31 @@ def record(
 @app.command()
 def collect(
     output: Annotated[Path, typer.Option("--output", "-o", help="The LeRobot dataset; must not exist.")],
-    task: Annotated[Literal["goto"], typer.Option(help="goto: drive to a thing that is in view.")] = "goto",
-    teacher: Annotated[Literal["navigator"], typer.Option(help="Who drives.")] = "navigator",
+    task: Annotated[
+        Literal["goto", "objectnav", "vln"],
+        typer.Option(
+            help="Drive to a thing that is in view, to one that is anywhere, or as a description of a way says."
+        ),
+    ] = "goto",
+    teacher: Annotated[
+        Literal["navigator", "instruction"],
+        typer.Option(help="The navigator, which is given the goal; or execute_instruction, offline, which is not."),
+    ] = "navigator",
     episodes: Annotated[int, typer.Option(min=1, help="So many drives.")] = 100,
-    scene: Annotated[str, typer.Option(help="Where; procedural: in generated buildings, ten drives each.")] = (
-        "procedural"
-    ),
+    scene: Annotated[str, typer.Option(help="Where; procedural: in generated buildings.")] = ("procedural"),
     backend: Annotated[str, typer.Option(help="A simulator.")] = "mock",
     hardware: Annotated[str, typer.Option(help="Which robot.")] = "3we_standard_v2",
     randomization: Annotated[str, typer.Option(help="Of the robot and its pictures.")] = "none",
     bursts: Annotated[
-        bool, typer.Option(help="Push the robot off its way by random commands, which are no targets.")
+        bool, typer.Option(help="Push the navigator off its way by random commands, which are no targets.")
     ] = True,
     seed: Annotated[int, typer.Option(min=0, help="Of buildings, tasks and noise.")] = 0,
 ) -> None:
     """Collect demonstrations for `threewe policy train`: pictures, instructions and what a teacher does."""
-    from threewe.ai.collecting import Collection, collect_goto
+    from threewe.ai import collecting
 
-    how = Collection(scene, backend, hardware, randomization, bursts, seed)
-    arrived = asyncio.run(collect_goto(output, episodes, how))
+    how = collecting.Collection(task, teacher, scene, backend, hardware, randomization, bursts, seed)
+    arrived = asyncio.run(collecting.collect_demonstrations(output, episodes, how))
     text = f"{arrived} of {episodes} arrived ({task}, {teacher}); the dataset is in "
     console.print(styled(text, (f"{output}/", "bold")), highlight=False, soft_wrap=True)
 

@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from threewe.ai.agent import PolicyAgent
-from threewe.ai.collecting import Collection, collect_goto
+from threewe.ai.collecting import Collection, collect_demonstrations
 from threewe.ai.evaluating import Evaluation, episodes_of
 from threewe.ai.loading import convert_checkpoint
 from threewe.benchmark.attempt import Settings, attempt_with
@@ -35,7 +35,7 @@ def command(name: str, *options: str) -> str:
 @pytest.fixture(scope="module")
 def demonstrations(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("data") / "demos"
-    asyncio.run(collect_goto(folder, 24, Collection(seed=5)))
+    asyncio.run(collect_demonstrations(folder, 24, Collection(seed=5)))
     return folder
 
 

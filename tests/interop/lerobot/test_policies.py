@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 from threewe.ai import VLARunner
-from threewe.ai.collecting import Collection, collect_goto
+from threewe.ai.collecting import Collection, collect_demonstrations
 from threewe.ai.training import train_policy
 
 from tests.interop.lerobot.asking import Ask, peer_of
@@ -83,7 +83,7 @@ def test_act_gives_the_same_actions(lerobot: Ask, tmp_path: Path, name: str) -> 
 
 
 def test_lerobot_loads_an_act_that_we_trained(lerobot: Ask, tmp_path: Path) -> None:
-    asyncio.run(collect_goto(tmp_path / "demos", 4, Collection(scene="office_v2", seed=5)))
+    asyncio.run(collect_demonstrations(tmp_path / "demos", 4, Collection(scene="office_v2", seed=5)))
     root = tmp_path / "act"
     train_policy([tmp_path / "demos"], root, 2, 1, 0, print, "act")
     given = observations(Shape(60, 80, state=0), 100, seed=5)

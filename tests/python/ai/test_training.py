@@ -68,6 +68,38 @@ def test_demonstrations_without_bursts(tmp_path: Path) -> None:
     assert not Dataset.open(folder).episodes[0].columns()["disturbed"].any()
 
 
+@pytest.mark.parametrize(
+    ("task", "teacher"),
+    [
+        ("objectnav", "navigator"),
+        ("vln", "navigator"),
+        ("goto", "instruction"),
+        ("objectnav", "instruction"),
+        ("vln", "instruction"),
+    ],
+)
+def test_demonstrations_of_other_tasks_and_of_the_other_teacher(tmp_path: Path, task: str, teacher: str) -> None:
+    folder = tmp_path / "demos"
+    how = ("--task", task, "--teacher", teacher, "--scene", "apartment_v1", "--seed", "1")
+    said = threewe("data", "collect", *how, "--episodes", "2", "-o", str(folder))
+    dataset = Dataset.open(folder)
+    assert len(dataset) == 2
+    ways = [text for text in dataset.tasks if not text.startswith("go to the ")]
+    assert bool(ways) == (task == "vln"), dataset.tasks
+    columns = [episode.columns() for episode in dataset.episodes]
+    arrived = sum(bool(each["next.success"].any()) for each in columns)
+    assert f"{arrived} of 2 arrived ({task}, {teacher})" in said
+    assert arrived == 2 or teacher == "instruction"
+    for episode, each in zip(dataset.episodes, columns, strict=True):
+        driven = np.ptp(each["observation.state"][:, :2], axis=0).max()
+        assert driven > 0.3, driven
+        assert not each["action"][-2:].any()  # the robot stands in the end
+        height = {"navigator": 60, "instruction": 240}[teacher]
+        assert episode.video("observation.images.camera").shape[0] == height
+    if teacher == "instruction":
+        assert not any(each["disturbed"].any() for each in columns)
+
+
 def test_training_makes_a_policy_that_drives(demos: Path, tmp_path: Path) -> None:
     folder = tmp_path / "policy"
     losses = [
