@@ -97,9 +97,7 @@ def policy_of(checkpoint: Checkpoint, naming: Naming, chunk: int, merge: str, la
     action = match.numbers(ACTION, checkpoint.outputs.get(ACTION))
     match.finish(cameras)
     velocities = [each.name for each in action]
-    kinematics = Kinematics.holonomic if "vy" in velocities else Kinematics.differential
-    if naming.robot is not None:
-        kinematics = RobotProfile.load(naming.robot).kinematics
+    kinematics = kinematics_of(naming.robot, velocities)
     if kinematics is Kinematics.differential and "vy" in velocities:
         raise ConfigError(
             f"{checkpoint.config_file}: action has 'vy'; {naming.robot}, which its dataset was recorded on, has a "
@@ -111,6 +109,14 @@ def policy_of(checkpoint: Checkpoint, naming: Naming, chunk: int, merge: str, la
     return Policy(
         checkpoint.folder, kinematics, cameras, state, action, rate, chunk, LATENCY, merge, language, training
     )
+
+
+def kinematics_of(robot: str | None, velocities: Sequence[str]) -> Kinematics:
+    """How a robot drives, by its profile; by the names of its velocities where it is none of ours."""
+    try:
+        return RobotProfile.load(robot or "").kinematics
+    except ConfigError:
+        return Kinematics.holonomic if "vy" in velocities else Kinematics.differential
 
 
 class _Match:

@@ -5,8 +5,10 @@ Two models: a FiLM network, and LeRobot's ACT, whose folder LeRobot loads, too.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, replace
+import json
+import shutil
+from collections.abc import Callable, Sequence
+from dataclasses import replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any, TypeAlias
@@ -14,49 +16,35 @@ from typing import Any, TypeAlias
 import numpy as np
 import torch
 from numpy.typing import NDArray
+from safetensors import SafetensorError, safe_open
+from safetensors.torch import load_file, save_file
 from torch import nn
 from torch.optim.swa_utils import AveragedModel
 
-from threewe._core import RobotProfile
+from threewe._core import Kinematics, RobotProfile
 from threewe.ai.act_network import ActNetwork, act_files, act_to_onnx
-from threewe.ai.folder import ACTION, CAMERA, EMBEDDED, CameraInput, Policy, Quantity, image_input, write_policy
+from threewe.ai.demonstrations import Demonstrations, demonstrations, velocities_of
+from threewe.ai.folder import CAMERA, CameraInput, Policy, Quantity, write_policy
 from threewe.ai.naming import LATENCY
 from threewe.ai.network import Network, to_onnx
 from threewe.ai.runner import AGE
+from threewe.benchmark.attempt import Settings
 from threewe.data.lerobot import Dataset
 from threewe.data.lerobot.editing import require_alike
-from threewe.data.recording import DISTURBED
 from threewe.errors import ConfigError
 
 NAMES = {"vx": "m/s", "vy": "m/s", "omega": "rad/s"}
-PICTURE = image_input(CAMERA)
 SECONDS = 1.0  # of a chunk
-CAMERA_DELAY = 0.1  # [s] before a row, its picture was measured: transport 0.08 s, and half a picture's period
-MOST_HEIGHT = 64  # [px] pictures are made smaller until they are no higher
 BATCH = 64
 RATES = {"film": 1e-3, "act": 3e-4}  # at most, of AdamW
 DECAY = 0.01
-HELD_OUT = 0.1  # of the episodes
 LEAST_STD = 0.05  # [m/s], [rad/s] of an action that hardly changes
 AVERAGED = 0.999  # of the mean of the weights before, in the mean with those of a step
 GAIN, TINT, NOISE = 0.3, 0.1, 0.06  # by which pictures differ: of all, of each channel, of each pixel
 CHECK_SEED = 20_261_130  # of the buildings in which checkpoints drive
-
-
-@dataclass
-class Demonstrations:
-    """Rows of a dataset, one beside the other."""
-
-    pictures: NDArray[np.uint8]
-    """(rows, H, W, 3) RGB"""
-    embeddings: NDArray[np.float32]
-    """(rows, 64)"""
-    actions: NDArray[np.float32]
-    """(rows, chunk, numbers) [m/s, rad/s]"""
-    wanted: NDArray[np.bool_]
-    """(rows, chunk) actions of the teacher's: none once random commands have pushed the robot since the picture"""
-    held_out: NDArray[np.bool_]
-    """(rows,) of episodes that are not learnt from"""
+POINTS = 10  # of the curve of losses, in each pass
+CURVES = "losses.csv"
+STATE = "state.safetensors"
 
 
 def train_policy(
@@ -68,42 +56,86 @@ def train_policy(
     progress: Callable[[str], object],
     model: str = "film",
     prefix: bool = False,
+    resume: bool = False,
 ) -> None:
     """Learns from datasets' episodes that are no failures, and writes the policy's folder. Raises ConfigError.
 
     With the model `act` LeRobot's files are in it, too. With a `prefix` the policy learns to go on from actions that
     are committed already. After each pass of the later half the policy drives in `checks`
-    generated buildings, and the best one is kept; with none the last.
+    generated buildings, and the best one is kept; with none the last. What a training is at after each pass is in a
+    folder beside the output, until that is there: `resume` goes on from it, to the same policy.
     """
     if output.exists():
         raise ConfigError(f"output: {output} exists already")
     if prefix and model != "film":
         raise ConfigError("prefix: LeRobot's ACT takes none; leave it out, or train the model film")
+    kept = output.with_name(f"{output.name}.training")
+    if kept.exists() != resume:
+        is_there = "is a training that did not end; --resume goes on with it" if kept.exists() else "is not there"
+        raise ConfigError(f"output: {kept} {is_there}")
     sources = [Dataset.open(dataset) for dataset in datasets]
-    numbers = _check(sources[0])
+    velocities_of(sources[0])
     for other in sources[1:]:
         require_alike(sources[0], other)
     chunk = max(2, round(SECONDS * sources[0].fps))
     data = demonstrations(sources, chunk)
     episodes = sum(map(len, sources))
     progress(f"{len(data.pictures)} rows of {episodes} episodes, {int(data.held_out.sum())} of them held out")
-    policy = _policy_of(sources[0], output, data, numbers, chunk)
+    policy = _policy_of(sources[0], output, data, chunk)
     if prefix:  # a chunk begins with what is committed, so that there is nothing to blend
         longest = round((LATENCY + AGE) * policy.rate) + 1
         policy = replace(policy, prefix=min(chunk - 1, longest), merge="replace")
     policy.training["dataset"] = ", ".join(source.root.name for source in sources)
     policy.training["episodes"] = str(episodes)
-    best: tuple[float, _Files] = -1.0, (policy, b"", {})
-    for done, network in enumerate(_learn(data, policy, passes, seed, progress, model), 1):
-        if done == passes or (checks and done > passes // 2):
-            made = _files_of(network, policy)
-            success = _closed_loop(made, checks) if checks else 0.0
-            best = max(best, (success, made), key=lambda one: one[0])
-            if checks:
-                progress(f"pass {done} of {passes}: SR {success:.3f} in {checks} generated buildings")
+    if checks and policy.kinematics is not RobotProfile.load(Settings.hardware).kinematics:
+        progress(f"no drives in generated buildings: they are of {Settings.hardware}, which has another base")
+        checks = 0
+    learner = Learner(data, policy, passes, seed, model)
+    asked = {"rows": len(data.pictures), "passes": passes, "seed": seed, "checks": checks, "model": model}
+    asked["prefix"] = policy.prefix
+    best = _resumed(learner, kept, asked) if resume else -1.0
+    while learner.done < passes:
+        progress(learner.learn())
+        if not checks:
+            learner.keep_best()
+        elif learner.done > passes // 2:
+            success = _closed_loop(_files_of(learner.network, policy), checks)
+            progress(f"pass {learner.done} of {passes}: SR {success:.3f} in {checks} generated buildings")
+            if success >= best:
+                best = success
+                learner.keep_best()
+        _keep(learner, kept, asked, best)
     if checks:
-        policy.training["closed loop"] = f"SR {best[0]:.3f} in {checks} generated buildings, best of the later passes"
-    write_policy(*best[1])
+        policy.training["closed loop"] = f"SR {best:.3f} in {checks} generated buildings, best of the later passes"
+    made, graph, others = _files_of(learner.best_network(), policy)
+    write_policy(made, graph, {**others, CURVES: (kept / CURVES).read_bytes()})
+    shutil.rmtree(kept)
+
+
+def _keep(learner: Learner, folder: Path, asked: dict[str, Any], best: float) -> None:
+    """Writes what a training is at, all of it or nothing."""
+    folder.mkdir(parents=True, exist_ok=True)
+    tensors, numbers = learner.state()
+    described = json.dumps({"asked": asked, "best": best, **numbers})
+    save_file(tensors, folder / f"{STATE}.partial", {"training": described})
+    (folder / f"{STATE}.partial").replace(folder / STATE)
+    rows = [",".join("" if value is None else f"{value:.6g}" for value in row) for row in learner.curve]
+    (folder / CURVES).write_text("\n".join(["step,train,held_out", *rows, ""]), encoding="utf-8")
+
+
+def _resumed(learner: Learner, folder: Path, asked: dict[str, Any]) -> float:
+    """Lets a learner go on where another one was; the success of the best so far. Raises ConfigError."""
+    path = folder / STATE
+    try:
+        with safe_open(path, "pt") as file:
+            numbers = json.loads((file.metadata() or {})["training"])
+            was = numbers["asked"]
+            if was == asked:
+                learner.restore(load_file(path), numbers)
+                return float(numbers["best"])
+    except (OSError, SafetensorError, LookupError, TypeError, ValueError, RuntimeError) as error:
+        raise ConfigError(f"{path}: no training that can go on: {error}") from None
+    raise ConfigError(f"{path}: is of {was}, and asked for is {asked}")
 
 
 _Files: TypeAlias = tuple[Policy, bytes, dict[str, bytes]]
@@ -130,73 +162,18 @@ def _closed_loop(made: _Files, count: int) -> float:
     return float(np.mean([drive.success for drive in drives]))
 
 
-def _check(dataset: Dataset) -> list[str]:
-    """The names of an action's numbers. Raises ConfigError for what cannot be learnt from."""
-    for name in (PICTURE, EMBEDDED, ACTION):
-        if name not in dataset.features:
-            raise ConfigError(f"{dataset.root}: no '{name}'; there are {', '.join(sorted(dataset.own_features))}")
-    names = list(dataset.features[ACTION].names or [])
-    if not names or not set(names) <= NAMES.keys():
-        raise ConfigError(f"{dataset.root}: action is ({', '.join(map(str, names))}); expected (vx, vy, omega)")
-    return [str(name) for name in names]
-
-
-def demonstrations(datasets: Sequence[Dataset], chunk: int) -> Demonstrations:
-    """All rows. The actions of a row are those from its picture's time on, and zero beyond the episode's end."""
-    earlier = round(CAMERA_DELAY * datasets[0].fps)
-    pictures, embeddings, actions, wanted, held_out = [], [], [], [], []
-    every = max(2, round(1 / HELD_OUT))
-    for episode in [episode for dataset in datasets for episode in dataset.episodes]:
-        columns = episode.columns()
-        if "next.success" in columns and not columns["next.success"].any():
-            continue
-        video, action = episode.video(PICTURE), columns[ACTION].astype(np.float32)
-        rows = len(episode)
-        pictures.append(np.stack([_smaller(video.image(row)) for row in range(rows)]))
-        actions.append(_ahead(np.concatenate([np.repeat(action[:1], earlier, 0), action]), rows, chunk))
-        pushed = columns[DISTURBED].reshape(-1, 1) if DISTURBED in columns else np.zeros((rows, 1), np.bool_)
-        pushed = np.concatenate([np.repeat(pushed[:1], earlier, 0), pushed])
-        wanted.append(~np.maximum.accumulate(_ahead(pushed, rows, chunk)[:, :, 0], axis=1))
-        embeddings.append(columns[EMBEDDED].astype(np.float32))
-        held_out.append(np.full(rows, episode.index % every == every - 1))
-    if not pictures:
-        raise ConfigError(f"{datasets[0].root}: no episode that succeeded")
-    return Demonstrations(
-        np.concatenate(pictures),
-        np.concatenate(embeddings),
-        np.concatenate(actions),
-        np.concatenate(wanted),
-        np.concatenate(held_out),
-    )
-
-
-def _ahead(values: NDArray[Any], rows: int, chunk: int) -> NDArray[Any]:
-    """(rows, chunk, numbers): of each row its own values and those that follow, zero beyond the end."""
-    padded = np.concatenate([values, np.zeros((chunk, values.shape[1]), values.dtype)])
-    return np.stack([padded[row : row + chunk] for row in range(rows)])
-
-
-def _smaller(picture: NDArray[np.uint8]) -> NDArray[np.uint8]:
-    """The mean of n x n pixels each, n the least that makes it low enough."""
-    height, width, _ = picture.shape
-    n = next(n for n in range(1, height + 1) if height // n <= MOST_HEIGHT and height % n == width % n == 0)
-    means = picture.reshape(height // n, n, width // n, n, 3).mean((1, 3))
-    return np.asarray(means.round(), np.uint8)
-
-
-def _policy_of(source: Dataset, output: Path, data: Demonstrations, names: list[str], chunk: int) -> Policy:
+def _policy_of(source: Dataset, output: Path, data: Demonstrations, chunk: int) -> Policy:
+    names = [each.name for each in velocities_of(source)]
     learnt = data.actions[~data.held_out & data.wanted.all(1)].reshape(-1, len(names))
-    kinematics = RobotProfile.load(source.info.robot_type or "3we_standard_v2").kinematics
     _, height, width, _ = data.pictures.shape
     return Policy(
         folder=output,
-        kinematics=kinematics,
+        kinematics=Kinematics.holonomic if "vy" in names else Kinematics.differential,
         cameras=(CameraInput(CAMERA, height, width, "rgb"),),
         state=(),
         action=tuple(
             Quantity(name, NAMES[name], float(learnt[:, i].mean()), max(LEAST_STD, float(learnt[:, i].std())))
             for i, name in enumerate(names)
-            if not (name == "vy" and kinematics.name == "differential")
         ),
         rate=float(source.fps),
         chunk=chunk,
@@ -207,60 +184,140 @@ def _policy_of(source: Dataset, output: Path, data: Demonstrations, names: list[
     )
 
 
-def _learn(
-    data: Demonstrations, policy: Policy, passes: int, seed: int, progress: Callable[[str], object], model: str
-) -> Iterator[nn.Module]:
-    """The network after each pass, with the mean of its weights. The same seed repeats it on one machine."""
-    torch.set_num_threads(1)  # layers this small wait for one another on more, and the order of sums would differ
-    torch.manual_seed(seed)
-    random = np.random.default_rng(seed)
-    kept = [list(NAMES).index(q.name) for q in policy.action] if data.actions.shape[2] == 3 else slice(None)
-    mean = np.array([q.mean for q in policy.action], np.float32)
-    std = np.array([q.std for q in policy.action], np.float32)
-    targets = torch.from_numpy((data.actions[:, :, kept] - mean) / std)
-    wanted = torch.from_numpy(data.wanted.astype(np.float32))[:, :, None]
-    pictures = torch.from_numpy(data.pictures).permute(0, 3, 1, 2)  # as it lies in memory: faster, too
-    embeddings = torch.from_numpy(data.embeddings)
-    usable = data.wanted.any(1)
-    learnt, held_out = np.flatnonzero(usable & ~data.held_out), np.flatnonzero(usable & data.held_out)
-    network = _network(model, policy, data).to(memory_format=torch.channels_last)
-    averaged = AveragedModel(network, avg_fn=_averaged)
-    optimizer = torch.optim.AdamW(network.parameters(), lr=RATES[model], weight_decay=DECAY)
-    steps = passes * -(-len(learnt) // BATCH)
-    schedule = torch.optim.lr_scheduler.OneCycleLR(optimizer, RATES[model], total_steps=steps)
+class Learner:
+    """A network that learns, pass by pass. The same seed repeats it on one machine."""
 
-    def loss_of(
-        model: nn.Module, light: torch.Tensor, rows: NDArray[np.int64], known: NDArray[np.bool_] | None = None
-    ) -> torch.Tensor:
-        given, counted = [light, embeddings[rows]], wanted[rows]
-        if policy.prefix:
-            mask = torch.zeros(len(rows), policy.prefix, 1) if known is None else torch.from_numpy(known)[..., None]
-            given.append(torch.cat([targets[rows, : policy.prefix] * mask, mask.float()], 2))
-            counted = torch.cat([counted[:, : policy.prefix] * (1 - mask.float()), counted[:, policy.prefix :]], 1)
-        losses = nn.functional.smooth_l1_loss(model(*given), targets[rows], reduction="none")
-        return (losses * counted).sum() / (counted.sum().clamp(min=1) * targets.shape[2])
+    def __init__(self, data: Demonstrations, policy: Policy, passes: int, seed: int, model: str) -> None:
+        torch.set_num_threads(1)  # layers this small wait for one another on more, and the order of sums would differ
+        torch.manual_seed(seed)
+        self._random = np.random.default_rng(seed)
+        self._prefix = policy.prefix
+        mean = np.array([q.mean for q in policy.action], np.float32)
+        std = np.array([q.std for q in policy.action], np.float32)
+        self._targets = torch.from_numpy((data.actions - mean) / std)
+        self._wanted = torch.from_numpy(data.wanted.astype(np.float32))[:, :, None]
+        self._pictures = torch.from_numpy(data.pictures).permute(0, 3, 1, 2)  # as it lies in memory: faster, too
+        self._embeddings = torch.from_numpy(data.embeddings)
+        usable = data.wanted.any(1)
+        self._learnt, self._held_out = np.flatnonzero(usable & ~data.held_out), np.flatnonzero(usable & data.held_out)
+        self._network = _network(model, policy, data).to(memory_format=torch.channels_last)
+        self._averaged = AveragedModel(self._network, avg_fn=_averaged)
+        self._optimizer = torch.optim.AdamW(self._network.parameters(), lr=RATES[model], weight_decay=DECAY)
+        self._steps = -(-len(self._learnt) // BATCH)  # of a pass
+        self._schedule = torch.optim.lr_scheduler.OneCycleLR(
+            self._optimizer, RATES[model], total_steps=passes * self._steps
+        )
+        self._best: dict[str, torch.Tensor] = {}
+        self._passes = passes
+        self.done = 0
+        """passes"""
+        self.curve: list[tuple[int, float, float | None]] = []
+        """(step, mean loss since the row before, loss of the episodes held out at the end of a pass)"""
 
-    for done in range(passes):
-        losses = []
-        order = random.permutation(learnt)
+    @property
+    def network(self) -> nn.Module:
+        """With the mean of the weights of the last steps."""
+        return self._averaged.module.eval()
+
+    def keep_best(self) -> None:
+        """Keeps the network as it is now as the best one."""
+        self._best = {name: value.clone() for name, value in self._averaged.module.state_dict().items()}
+
+    def best_network(self) -> nn.Module:
+        """The one that was kept last."""
+        self._averaged.module.load_state_dict(self._best)
+        return self.network
+
+    def learn(self) -> str:
+        """A pass over all rows; its losses, in words."""
+        losses: list[float] = []
+        order = self._random.permutation(self._learnt)
         for begin in range(0, len(order), BATCH):
             rows = order[begin : begin + BATCH]
-            committed = random.integers(policy.prefix + 1, size=(len(rows), 1)) if policy.prefix else None
-            known = None if committed is None else np.arange(policy.prefix) < committed
-            loss = loss_of(network, _relit(pictures[rows].float() / 255), rows, known)
-            optimizer.zero_grad()
+            committed = self._random.integers(self._prefix + 1, size=(len(rows), 1)) if self._prefix else None
+            known = None if committed is None else np.arange(self._prefix) < committed
+            loss = self._loss(self._network, _relit(self._pictures[rows].float() / 255), rows, known)
+            self._optimizer.zero_grad()
             loss.backward()
-            optimizer.step()
-            schedule.step()
-            averaged.update_parameters(network)
+            self._optimizer.step()
+            self._schedule.step()
+            self._averaged.update_parameters(self._network)
             losses.append(loss.item())
-        text = f"pass {done + 1} of {passes}: loss {np.mean(losses):.4f}"
-        if len(held_out):
-            with torch.no_grad():
-                parts = [loss_of(averaged, pictures[rows].float() / 255, rows).item() for rows in _parts(held_out)]
-            text += f", held out {np.mean(parts):.4f}"
-        progress(text)
-        yield averaged.module.eval()
+        held_out = self._loss_held_out()
+        self._draw(losses, held_out)
+        self.done += 1
+        text = f"pass {self.done} of {self._passes}: loss {np.mean(losses):.4f}"
+        return text if held_out is None else f"{text}, held out {held_out:.4f}"
+
+    def _draw(self, losses: list[float], held_out: float | None) -> None:
+        """Adds a pass to the curve."""
+        step = self.done * self._steps
+        for part in np.array_split(losses, min(POINTS, len(losses))):
+            step += len(part)
+            self.curve.append((step, float(part.mean()), None))
+        self.curve[-1] = (*self.curve[-1][:2], held_out)
+
+    def _loss(
+        self, model: nn.Module, light: torch.Tensor, rows: NDArray[np.int64], known: NDArray[np.bool_] | None = None
+    ) -> torch.Tensor:
+        given, counted, targets = [light, self._embeddings[rows]], self._wanted[rows], self._targets[rows]
+        if self._prefix:
+            mask = torch.zeros(len(rows), self._prefix, 1) if known is None else torch.from_numpy(known)[..., None]
+            given.append(torch.cat([targets[:, : self._prefix] * mask, mask.float()], 2))
+            counted = torch.cat([counted[:, : self._prefix] * (1 - mask.float()), counted[:, self._prefix :]], 1)
+        losses = nn.functional.smooth_l1_loss(model(*given), targets, reduction="none")
+        return (losses * counted).sum() / (counted.sum().clamp(min=1) * targets.shape[2])
+
+    def _loss_held_out(self) -> float | None:
+        """Of the episodes that are not learnt from; None without any."""
+        if not len(self._held_out):
+            return None
+        with torch.no_grad():
+            parts = [
+                self._loss(self._averaged, self._pictures[rows].float() / 255, rows).item()
+                for rows in _parts(self._held_out)
+            ]
+        return float(np.mean(parts))
+
+    def state(self) -> tuple[dict[str, torch.Tensor], dict[str, Any]]:
+        """All that another one needs to go on in the same way: tensors, and what JSON holds."""
+        tensors = {"random": torch.get_rng_state()}
+        optimizer, schedule = self._optimizer.state_dict(), self._schedule
+        moments = {f"{i}.{name}": value for i, each in optimizer["state"].items() for name, value in each.items()}
+        for kind, some in (
+            ("network", self._network.state_dict()),
+            ("averaged", self._averaged.state_dict()),
+            ("best", self._best),
+            ("optimizer", moments),
+        ):
+            tensors |= {f"{kind}/{name}": value.contiguous() for name, value in some.items()}
+        return tensors, {
+            "done": self.done,
+            "curve": self.curve,
+            "random": self._random.bit_generator.state,
+            "groups": optimizer["param_groups"],
+            "schedule": [schedule.last_epoch, schedule._step_count],
+        }
+
+    def restore(self, tensors: dict[str, torch.Tensor], numbers: dict[str, Any]) -> None:
+        """Goes on where the other one was."""
+        kinds: dict[str, dict[str, torch.Tensor]] = {"network": {}, "averaged": {}, "best": {}, "optimizer": {}}
+        for key, value in tensors.items():
+            kind, _, name = key.partition("/")
+            if kind in kinds:
+                kinds[kind][name] = value
+        self._network.load_state_dict(kinds["network"])
+        self._averaged.load_state_dict(kinds["averaged"])
+        self._best = kinds["best"]
+        moments: dict[int, dict[str, torch.Tensor]] = {}
+        for name, value in kinds["optimizer"].items():
+            number, _, what = name.partition(".")
+            moments.setdefault(int(number), {})[what] = value
+        self._optimizer.load_state_dict({"state": moments, "param_groups": numbers["groups"]})
+        self._schedule.last_epoch, self._schedule._step_count = numbers["schedule"]
+        self._random.bit_generator.state = numbers["random"]
+        torch.set_rng_state(tensors["random"])
+        self.done, self.curve = numbers["done"], [tuple(row) for row in numbers["curve"]]
 
 
 def _network(model: str, policy: Policy, data: Demonstrations) -> nn.Module:

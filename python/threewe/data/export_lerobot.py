@@ -114,7 +114,7 @@ def _columns(episode: RecordedEpisode, rows: Rows, judged: bool) -> dict[str, ND
         "observation.state": np.hstack([episode.pose, episode.velocity])[rows.ticks].astype(np.float32),
         "action": rows.following(episode.executed[:, axes]),
         "action.requested": rows.following(episode.requested[:, axes]),
-        "observation.environment_state": _embeddings(_tasks(episode, rows)),
+        "observation.environment_state": embeddings_of(_tasks(episode, rows)),
         "takeover": episode.takeover[np.minimum(rows.ticks + 1, len(episode.time) - 1)][:, None],
         "next.done": last,
     }
@@ -133,7 +133,7 @@ def _columns(episode: RecordedEpisode, rows: Rows, judged: bool) -> dict[str, ND
     return columns
 
 
-def _embeddings(tasks: list[str]) -> NDArray[np.float32]:
+def embeddings_of(tasks: list[str]) -> NDArray[np.float32]:
     """(rows, 64) of what is to be done: policies without a tokenizer read it."""
     known = {task: np.array(instruction_embedding(encodable(task)), np.float32) for task in set(tasks)}
     return np.stack([known[task] for task in tasks])

@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from threewe import ConfigError, Kinematics, Robot, Velocity
+from threewe._core import instruction_embedding
 from threewe.ai import CameraInput, Policy, Quantity, VLARunner, read_policy
 from threewe.ai.serving import PolicyServer
 from threewe.cli import app
@@ -45,7 +46,7 @@ def test_demonstrations_say_what_is_to_be_done(demos: Path) -> None:
 
 
 def test_what_pushed_the_robot_is_no_target(demos: Path) -> None:
-    from threewe.ai.training import demonstrations
+    from threewe.ai.demonstrations import demonstrations
 
     dataset = Dataset.open(demos)
     columns = [episode.columns() for episode in dataset.episodes]
@@ -104,7 +105,9 @@ def test_training_makes_a_policy_that_drives(demos: Path, tmp_path: Path) -> Non
     folder = tmp_path / "policy"
     losses = [
         float(line.split("loss ")[1].split(",")[0])
-        for line in threewe("policy", "train", str(demos), "-o", str(folder), "--passes", "3").splitlines()
+        for line in threewe(
+            "policy", "train", str(demos), "-o", str(folder), "--passes", "3", "--checks", "0"
+        ).splitlines()
         if "loss" in line
     ]
     assert losses[-1] < losses[0]
@@ -124,15 +127,100 @@ def test_training_makes_a_policy_that_drives(demos: Path, tmp_path: Path) -> Non
     assert asyncio.run(drive()) in ("reached", "timeout")
     with pytest.raises(ConfigError, match="exists already"):
         threewe("policy", "train", str(demos), "-o", str(folder))
+    curve = np.genfromtxt(folder / "losses.csv", delimiter=",", names=True)
+    assert np.isfinite(curve["train"]).all()
+    assert (np.diff(curve["step"]) > 0).all()
+    assert np.isfinite(curve["held_out"]).sum() == 0  # four episodes are too few to hold one out
+    assert not (tmp_path / "policy.training").exists()
+
+
+def test_a_training_that_was_cut_off_goes_on_to_the_same_policy(
+    demos: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from threewe.ai import training
+
+    def train(output: Path, *options: str) -> str:
+        how = ("--passes", "4", "--checks", "2", "--prefix", *options)
+        return threewe("policy", "train", str(demos), "-o", str(output), *how)
+
+    assert train(tmp_path / "whole").count("in 2 generated buildings") == 2  # after the later passes
+    learn = training.Learner.learn
+
+    def cut_off(learner: training.Learner) -> str:
+        if learner.done == 3:
+            raise RuntimeError("cut off")
+        return learn(learner)
+
+    monkeypatch.setattr(training.Learner, "learn", cut_off)
+    cut = tmp_path / "cut"
+    with pytest.raises(RuntimeError, match="cut off"):
+        train(cut)
+    monkeypatch.setattr(training.Learner, "learn", learn)
+    assert not cut.exists()
+    assert sorted(file.name for file in (tmp_path / "cut.training").iterdir()) == ["losses.csv", "state.safetensors"]
+    with pytest.raises(ConfigError, match="--resume goes on with it"):
+        train(cut)
+    with pytest.raises(ConfigError, match=r"'passes': 4.*'passes': 5"):
+        threewe("policy", "train", str(demos), "-o", str(cut), "--passes", "5", "--checks", "2", "--prefix", "--resume")
+    assert "pass 4 of 4" in (said := train(cut, "--resume"))
+    assert "pass 3 of 4: loss" not in said
+    for file in ("model.onnx", "policy.json", "losses.csv"):
+        assert (cut / file).read_bytes() == (tmp_path / "whole" / file).read_bytes(), file
+    with pytest.raises(ConfigError, match="is not there"):
+        train(tmp_path / "new", "--resume")
+    (tmp_path / "new.training").mkdir()
+    (tmp_path / "new.training/state.safetensors").write_bytes(b"\x80\x04pickled")
+    with pytest.raises(ConfigError, match="no training that can go on"):
+        train(tmp_path / "new", "--resume")
+
+
+@pytest.mark.parametrize(
+    ("names", "columns"),
+    [
+        (["vx.vel", "vy.vel", "omega.vel"], ["vx", "vy", "omega"]),
+        (["x.vel", "y.vel", "theta.vel"], ["vx", "vy", "omega"]),
+        (["vx.vel", "omega.vel"], ["vx", "omega"]),
+    ],
+)
+def test_learning_from_a_dataset_that_lerobot_recorded(tmp_path: Path, names: list[str], columns: list[str]) -> None:
+    """It has LeRobot's names, no embedding, no success, and a robot that is none of our profiles."""
+    from threewe.ai.demonstrations import demonstrations
+    from threewe.data.lerobot import ArrayFrames, DatasetWriter
+
+    random = np.random.default_rng(1)
+    velocity = {"dtype": "float32", "shape": (len(names),), "names": names}
+    picture = {"dtype": "video", "shape": (60, 80, 3), "names": ["height", "width", "channels"]}
+    features = {"action": velocity, "observation.state": velocity, "observation.images.camera": picture}
+    drives = [random.uniform(-0.5, 0.5, (30, len(names))).astype(np.float32) for _ in range(2)]
+    tasks = ["go to the chair", "go to the couch"]
+    with DatasetWriter(tmp_path / "theirs", fps=10, features=features, robot_type="threewe") as writer:
+        for drive, task in zip(drives, tasks, strict=True):
+            frames = ArrayFrames(random.integers(0, 256, (30, 60, 80, 3), np.uint8))
+            writer.add_episode(
+                {"action": drive, "observation.state": drive}, [task] * 30, {"observation.images.camera": frames}
+            )
+    data = demonstrations([Dataset.open(tmp_path / "theirs")], 10)
+    scale = [np.pi / 180 if name == "theta.vel" else 1.0 for name in names]
+    assert data.actions[1, 0] == pytest.approx(drives[0][0] * scale)  # a picture is a row older than the row shows it
+    assert data.embeddings[0] == pytest.approx(instruction_embedding(tasks[0]))
+    assert data.embeddings[-1] == pytest.approx(instruction_embedding(tasks[1]))
+    folder = tmp_path / "policy"
+    said = threewe("policy", "train", str(tmp_path / "theirs"), "-o", str(folder), "--passes", "1", "--checks", "1")
+    assert ("no drives in generated buildings" in said) == (
+        len(names) == 2
+    )  # in generated buildings a holonomic robot drives
+    policy = read_policy(folder)
+    assert [each.name for each in policy.action] == columns
+    assert policy.kinematics is (Kinematics.holonomic if len(names) == 3 else Kinematics.differential)
 
 
 def test_64_demonstrations_teach_more_than_a_constant(tmp_path: Path) -> None:
     """Of the episodes that training holds out: its loss falls, and is below that of the mean action."""
-    from threewe.ai.training import demonstrations
+    from threewe.ai.demonstrations import demonstrations
 
     demos, folder = tmp_path / "demos", tmp_path / "policy"
     threewe("data", "collect", "--episodes", "64", "--scene", "apartment_v1", "-o", str(demos))
-    said = threewe("policy", "train", str(demos), "-o", str(folder), "--passes", "4")
+    said = threewe("policy", "train", str(demos), "-o", str(folder), "--passes", "4", "--checks", "0")
     losses = [float(line.rpartition("held out ")[2]) for line in said.splitlines() if "held out " in line]
     policy, data = read_policy(folder), demonstrations([Dataset.open(demos)], 10)
     mean, std = (np.array([getattr(each, name) for each in policy.action]) for name in ("mean", "std"))
@@ -145,7 +233,7 @@ def test_64_demonstrations_teach_more_than_a_constant(tmp_path: Path) -> None:
 
 def test_an_act_is_in_lerobots_format_and_in_ours(demos: Path, tmp_path: Path) -> None:
     folder = tmp_path / "act"
-    said = threewe("policy", "train", str(demos), "-o", str(folder), "--passes", "2", "--model", "act")
+    said = threewe("policy", "train", str(demos), "-o", str(folder), "--passes", "2", "--checks", "0", "--model", "act")
     losses = [float(line.split("loss ")[1].split(",")[0]) for line in said.splitlines() if "loss" in line]
     assert losses[-1] < losses[0]
     ours = VLARunner.from_pretrained(folder)
@@ -216,8 +304,9 @@ def test_the_graph_computes_what_the_network_does(tmp_path: Path, prefix: int) -
 def test_a_network_learns_to_go_on_from_what_is_committed() -> None:
     """Each drive has a speed that no picture shows: without a prefix the network gives their mean."""
     import torch
+    from threewe.ai.demonstrations import Demonstrations
     from threewe.ai.network import Network
-    from threewe.ai.training import Demonstrations, _learn
+    from threewe.ai.training import Learner
 
     random = np.random.default_rng(1)
     rows = 1024
@@ -232,7 +321,10 @@ def test_a_network_learns_to_go_on_from_what_is_committed() -> None:
     action = tuple(Quantity(name, "rad/s" if name == "omega" else "m/s", 0.0, 1.0) for name in ("vx", "vy", "omega"))
     camera = (CameraInput("camera", 16, 16, "rgb"),)
     policy = Policy(Path("none"), Kinematics.holonomic, camera, (), action, 10.0, 6, 0.1, "replace", True, {}, None, 3)
-    *_, network = _learn(data, policy, 12, 1, lambda _: None, "film")
+    learner = Learner(data, policy, 12, 1, "film")
+    for _ in range(12):
+        learner.learn()
+    network = learner.network
     assert isinstance(network, Network)
     held = np.flatnonzero(data.held_out)
     pictures = torch.from_numpy(data.pictures[held]).permute(0, 3, 1, 2).float() / 255
@@ -250,7 +342,7 @@ def test_a_network_learns_to_go_on_from_what_is_committed() -> None:
 
 def test_a_policy_with_a_prefix_is_trained_by_the_command(demos: Path, tmp_path: Path) -> None:
     folder = tmp_path / "policy"
-    threewe("policy", "train", str(demos), "-o", str(folder), "--passes", "1", "--prefix")
+    threewe("policy", "train", str(demos), "-o", str(folder), "--passes", "1", "--checks", "0", "--prefix")
     policy = read_policy(folder)
     assert (policy.prefix, policy.merge) == (4, "replace")
     assert "first 4 actions" in threewe("policy", "info", str(folder))
@@ -285,12 +377,19 @@ def test_datasets_that_cannot_be_learnt_from(demos: Path, tmp_path: Path) -> Non
     with pytest.raises(ConfigError, match="no LeRobot dataset"):
         train(tmp_path)
     info = json.loads((demos / "meta/info.json").read_text())
-    for feature, message in (
-        ("observation.images.camera", "no 'observation.images.camera'; there are action"),
-        ("observation.environment_state", "no 'observation.environment_state'"),
+    picture, text = "observation.images.camera", "observation.environment_state"
+    for feature, change, message in (
+        (picture, None, "no 'observation.images.camera'; there are action"),
+        (text, {"shape": [16]}, r"shape \(16,\); expected the 64 numbers"),
+        ("action", {"names": ["arm.pos", "vx", "omega"]}, r"action is \(arm.pos, vx, omega\); expected vx"),
+        ("action", {"names": ["vx", "x.vel", "omega"]}, r"action is \(vx, x.vel, omega\); expected vx"),
     ):
-        broken = {**info, "features": {name: f for name, f in info["features"].items() if name != feature}}
-        copy = tmp_path / feature
+        features = dict(info["features"])
+        features[feature] = {**features[feature], **(change or {})}
+        if change is None:
+            del features[feature]
+        broken = {**info, "features": features}
+        copy = tmp_path / message
         (copy / "meta").mkdir(parents=True)
         for file in (demos / "meta").rglob("*"):
             if file.is_file():
