@@ -50,6 +50,12 @@ def slowest(cases: list[Case], policy: str) -> str:
     return f"{own:.0f} ms of CPU, {own / other:.1f} times as long as at 240x320"
 
 
+def unguided(cases: list[Case]) -> str:
+    """The most of each policy."""
+    most = {policy: [c["unguided"] for c in cases if c["policy"] == policy] for policy in POLICIES}
+    return ", ".join(f"{policy} {max(each):.1f}" for policy, each in most.items() if each)
+
+
 def minutes_of_training(cases: list[Case]) -> tuple[str, str, bool]:
     """The slowest."""
     slow = max(case["minutes"] for case in cases)
@@ -158,7 +164,8 @@ EXPERIMENTS = [
         sample=3,
         alone=True,
         rows=[
-            all_of("commands at 10 Hz or more", lambda case: case["commands"] >= 10.0),
+            all_of("commands from its actions at 10 Hz or more", lambda case: case["commands"] >= 10.0),
+            info("seconds of 12 without actions, the first ones' included", unguided),
             all_of("actions never run out", lambda case: set(case["reasons"]) <= {"timeout", "reached"}),
             counted_of(
                 "control ticks delayed by inference: a period late, beyond those of a robot that stands",

@@ -55,7 +55,7 @@ def infer(seed: int, policy: str) -> Case:
 
 
 def drive(seed: int, policy: str, seconds: float) -> Case:
-    """A robot in real time with its camera on: commands a second, and ticks that come a period late.
+    """A robot in real time with its camera on: commands of the policy's a second, and ticks that come a period late.
 
     What the control thread waits for a processor, because there are too few for all that runs, is left out: the rest is
     its own work, and locks that others hold.
@@ -72,11 +72,13 @@ def drive(seed: int, policy: str, seconds: float) -> Case:
             await robot.sleep(seconds)
             alone = _late(stamps)
             stamps.clear()
-            inferences, reasons = 0, set()
+            inferences, guided, driven, reasons = 0, 0.0, 0.0, set()
             end = robot.now + seconds
             while robot.now < end - 0.1:
                 result = await runner.run(robot, instruction, timeout=end - robot.now)
                 inferences += result.inferences
+                guided += result.guided
+                driven += result.duration
                 reasons.add(result.reason)
             ticks = len(stamps)
             return {
@@ -84,7 +86,8 @@ def drive(seed: int, policy: str, seconds: float) -> Case:
                 "ticks": ticks,
                 "late": _late(stamps),
                 "late_alone": alone,
-                "commands": ticks / seconds,
+                "commands": guided / TICK / seconds,
+                "unguided": driven - guided,
                 "inferences": inferences / seconds,
                 "reasons": sorted(reasons),
             }

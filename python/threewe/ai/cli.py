@@ -303,7 +303,8 @@ def run(
 
     result = asyncio.run(drive())
     detail = f", {result.detail}" if result.detail else ""
-    counts = f"{result.inferences} inferences, {result.late} late, {result.jumps} jumps"
+    unguided = f"{result.duration - result.guided:.1f} s of them without actions"
+    counts = f"{unguided}, {result.inferences} inferences, {result.late} late, {result.jumps} jumps"
     console.print(f"{result.reason}{detail}: {result.duration:.1f} robot s, {counts}", highlight=False, soft_wrap=True)
     if not result.success:
         raise typer.Exit(1)

@@ -70,6 +70,8 @@ class PolicyResult:
     """says more; may be empty"""
     duration: float
     """[s] of robot time"""
+    guided: float
+    """[s] of these for which there were actions; else it waited for the first ones, or braked as they had run out"""
     inferences: int
     """chunks of actions that were applied"""
     late: int
@@ -290,6 +292,7 @@ class _Run:
         self.pending: list[_Pending] = []
         self.willed: deque[tuple[float, Velocity]] = deque(maxlen=REMEMBERED)  # by the timeline, in the newest ticks
         self.since_begun = self.stride
+        self.guided = 0  # ticks for which there were actions
         self.stands_since: float | None = None
         self.over: tuple[Reason, str] | None = None  # what ends the motion in the next tick
 
@@ -309,7 +312,10 @@ class _Run:
         for each in self.pending if ended.reason != Reason.starved else []:
             await _settled(each.thinking, PATIENCE)  # no thread of a run outlives it, but for one that hangs
         reason, detail = str(ended.reason), ended.detail
-        return PolicyResult(ended.success, reason, detail, ended.duration, counts.applied, counts.late, counts.jumps)
+        guided = TICK * self.guided
+        return PolicyResult(
+            ended.success, reason, detail, ended.duration, guided, counts.applied, counts.late, counts.jumps
+        )
 
     def _decide(self, now: float) -> tuple[Velocity, Reason, str]:
         """What is wanted in the control period that begins, or why the motion is over."""
@@ -318,8 +324,9 @@ class _Run:
         if self.over is not None:
             return Velocity(), *self.over
         velocity = self.timeline.next(now)
-        if self.timeline.end is not None:
+        if (end := self.timeline.end) is not None:
             self.willed.append((now, velocity))
+            self.guided += end >= now
         self._watch(velocity, now)
         return velocity, Reason.running, ""
 

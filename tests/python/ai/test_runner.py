@@ -6,6 +6,7 @@ import asyncio
 import sys
 import threading
 from dataclasses import replace
+from itertools import pairwise
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -76,6 +77,17 @@ def test_actions_are_applied_a_fixed_time_after_their_inference_began(tmp_path: 
         _, commands = asyncio.run(drive(runner_of(tmp_path, latency=latency)))
         begun = next(i for i, v in enumerate(commands) if v[0] > 0)
         assert begun == pytest.approx(latency / 0.02, abs=2)
+
+
+def test_actions_that_run_out_for_less_than_a_second_are_counted(tmp_path: Path) -> None:
+    """Chunks of three actions that arrive as the last of them is due: the timeline is empty for most of each 0.1 s."""
+    runner = VLARunner.from_pretrained(policies.write(tmp_path / "policy", policies.graph(chunk=3), chunk=3))
+    result, commands = asyncio.run(drive(runner))
+    assert (result.reason, result.late) == ("timeout", 0)
+    assert result.guided == pytest.approx(19 * 0.04)
+    assert sum(a[0] > b[0] for a, b in pairwise(commands[:100])) > 40  # it brakes in between
+    steady, _ = asyncio.run(drive(runner_of(tmp_path)))
+    assert steady.guided == pytest.approx(2.0 - 0.1)  # all but the wait for the first ones
 
 
 @pytest.mark.parametrize("latency", [0.0, 0.1, 0.2, 0.5])
@@ -297,6 +309,7 @@ def test_in_real_time_actions_are_applied_when_they_arrive(tmp_path: Path) -> No
     result = asyncio.run(drive_in_real_time())
     forever.set()
     assert (result.reason, result.inferences) == ("starved", 3)
+    assert 1.0 < result.duration - result.guided < result.duration  # it braked for a second before it gave up
 
 
 def test_a_graph_that_onnxruntime_does_not_take_is_one_error(tmp_path: Path) -> None:
