@@ -24,22 +24,33 @@ class StampClock {
   std::optional<Time> measured(std::size_t stream, Time stamp, Duration to_measured, Duration to_end, Time arrival);
   /// A sender that was started anew may have another clock.
   void restart(std::size_t stream);
+  /// What a stream's clock shows at robot time `t`, less the least delay; nothing where it has stamped none.
+  std::optional<Time> stamp_at(std::size_t stream, Time t) const;
 
  private:
   // The smallest difference is kept of this window and of the one before, so that clocks may drift.
   static constexpr Duration kWindow = 10s;
   static constexpr Duration kSameClock = 500ms;  // no sensor of a robot is slower
-  static constexpr Duration kJump = 1s;          // back in time: the clock was set, or begins anew
+  // A clock that was set back, as NTP does, makes all that comes seem late.
+  static constexpr Duration kJump = 1s;       // no link delays one message by as much
+  static constexpr Duration kJitter = 50ms;   // of a link; a smaller step passes for it
+  static constexpr int kSurely = 3;           // messages in turn
+  static constexpr Duration kHeldUp = 500ms;  // in which a link delivers what it has held up
 
   struct Stream {
     std::optional<Duration> least;   // in this window
     std::optional<Duration> before;  // in the one before
     Time window_end{};
     Time newest_stamp{};
+    Time last_stamp{};  // of any message, in order or not
+    int late = 0;       // messages in turn
+    Time late_since{};
     std::optional<Time> newest;  // robot time
     std::optional<Duration> offset() const;
   };
   static void forget(Stream& stream);
+  static bool was_set(Stream& stream, Time stamp, Duration difference, Time arrival);
+  void begin_anew(const Stream& stream);
   static void note(Stream& stream, Duration difference, Time arrival);
   Duration offset(const Stream& stream) const;
 

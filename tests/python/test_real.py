@@ -91,14 +91,16 @@ def test_it_keeps_the_contract(check: str) -> None:
     check_backend("real", checks=[check], show=False, raise_failures=True)
 
 
-def test_a_robot_stands_when_its_driver_is_killed(network: pytest.MonkeyPatch) -> None:
+@pytest.mark.parametrize("hardware", ["3we_standard_v2", "turtlebot4"])
+def test_a_robot_stands_when_its_driver_is_killed(network: pytest.MonkeyPatch, hardware: str) -> None:
+    """Also one that judges commands by their stamps, with a clock that was never set."""
     network.setenv("ROS_DOMAIN_ID", str(FIRST_DOMAIN + 1))
-    program = """
+    program = f"""
         import asyncio
         from threewe import Robot
 
         async def drive():
-            async with Robot(backend="real") as robot:
+            async with Robot("real", "{hardware}") as robot:
                 robot.set_velocity(0.3, 0.0, 0.0, hold=60.0)
                 await robot.sleep(0.5)
                 print("driving", flush=True)
@@ -106,7 +108,7 @@ def test_a_robot_stands_when_its_driver_is_killed(network: pytest.MonkeyPatch) -
 
         asyncio.run(drive())
     """
-    with RealRobot(FIRST_DOMAIN + 1) as other:
+    with RealRobot(FIRST_DOMAIN + 1, "--profile", hardware, "--linked") as other:
         command = [sys.executable, "-c", textwrap.dedent(program)]
         with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as driver:
             assert driver.stdout is not None

@@ -8,8 +8,10 @@
 // types and frames are those of the link of its profile. Each message in either direction takes `delay` +- `jitter`, so
 // that some overtake others, or is lost. SIGUSR1 cuts the link, SIGUSR2 mends it.
 //
-// It takes velocities on /cmd_vel, and stops 200 ms after the last. When nobody drives it any more it is put back to
-// where it started. It prints a line when it is ready, and what is true of it when it is asked to end.
+// It takes velocities on /cmd_vel, and stops 200 ms after the last: after it was stamped, by this robot's own clock,
+// where it is; one without a stamp is as new as its arrival, as ros2_controllers have it. When nobody drives it any
+// more it is put back to where it started. It prints a line when it is ready, and what is true of it when it is asked
+// to end.
 #include <atomic>
 #include <chrono>
 #include <cmath>
@@ -187,7 +189,8 @@ class Cuts {
 /// The last velocity that came, until the watchdog takes it away.
 class Commands : public fast::DataReaderListener {
  public:
-  Commands(Link& link, bool stamped) : link_(link), stamped_(stamped) {}
+  /// `origin` is when the robot's clock showed `kUptime`.
+  Commands(Link& link, bool stamped, Clock::time_point origin) : link_(link), stamped_(stamped), origin_(origin) {}
   void on_data_available(fast::DataReader* reader) override {
     geometry_msgs::msg::dds_::TwistStamped_ message;
     geometry_msgs::msg::dds_::Twist_& twist = message.twist();
@@ -195,10 +198,14 @@ class Commands : public fast::DataReaderListener {
     void* const taken = stamped_ ? static_cast<void*>(&message) : static_cast<void*>(&twist);
     while (reader->take_next_sample(taken, &info) == eprosima::fastrtps::types::ReturnCode_t::RETCODE_OK) {
       if (!info.valid_data) continue;
-      link_.send([this, velocity = Velocity{twist.linear().x(), twist.linear().y(), twist.angular().z()}] {
+      const auto& stamp = message.header().stamp();
+      const Time stamped = std::chrono::seconds(stamp.sec()) + std::chrono::nanoseconds(stamp.nanosec());
+      link_.send([this, stamped, velocity = Velocity{twist.linear().x(), twist.linear().y(), twist.angular().z()}] {
+        const auto given = stamped == Time::zero() ? Clock::now() : origin_ + (stamped - kUptime);
+        if (Clock::now() - given >= kWatchdog) return;
         const std::scoped_lock lock(mutex_);
         velocity_ = velocity;
-        arrived_ = Clock::now();
+        given_ = given;
         ++count_;
       });
     }
@@ -208,7 +215,7 @@ class Commands : public fast::DataReaderListener {
   }
   Velocity velocity() {
     const std::scoped_lock lock(mutex_);
-    return Clock::now() - arrived_ < kWatchdog ? velocity_ : Velocity{};
+    return Clock::now() - given_ < kWatchdog ? velocity_ : Velocity{};
   }
   int drivers() const { return drivers_; }
   std::uint64_t count() {
@@ -219,9 +226,10 @@ class Commands : public fast::DataReaderListener {
  private:
   Link& link_;
   bool stamped_;
+  Clock::time_point origin_;
   std::mutex mutex_;
   Velocity velocity_;
-  Clock::time_point arrived_{};
+  Clock::time_point given_{};
   std::uint64_t count_ = 0;
   std::atomic<int> drivers_ = 0;
 };
@@ -499,7 +507,8 @@ void run(const Options& options) {
   Link outbound(options, 1);
   const bool stamped = link != nullptr ? link->command.type.ends_with("Stamped") : options.turtlebot4;
   const std::string topic = link != nullptr ? link->command.topic : "/cmd_vel";
-  Commands commands(inbound, stamped);
+  const auto origin = Clock::now();
+  Commands commands(inbound, stamped, origin);
   Cuts cuts;
   using namespace geometry_msgs::msg::dds_;
   if (stamped) {
@@ -516,7 +525,6 @@ void run(const Options& options) {
   std::fflush(stdout);
 
   bool driven = false;
-  const auto origin = Clock::now();
   while (!g_ended) {
     const Time next = world->now() + kControlPeriod / 4;  // 5 ms, as readings of 100 Hz should not come in pairs
     std::this_thread::sleep_until(origin + next);

@@ -1,7 +1,6 @@
 #include "ros2/dds/real_robot.hpp"
 
 #include <algorithm>
-#include <chrono>
 #include <fstream>
 #include <thread>
 #include <type_traits>
@@ -15,6 +14,7 @@
 #include "core/names.hpp"
 #include "hardware/sample_checks.hpp"
 #include "ros2/diagnosis.hpp"
+#include "ros2/publications.hpp"
 #include "threewe/core/errors.hpp"
 
 namespace threewe::ros2 {
@@ -70,13 +70,6 @@ std::size_t most_receive_buffer() {
   std::size_t most = 0;
   std::ifstream("/proc/sys/net/core/rmem_max") >> most;
   return most;
-}
-
-builtin_interfaces::Time wall_time() {
-  const auto now = std::chrono::system_clock::now().time_since_epoch();
-  const auto seconds = std::chrono::duration_cast<std::chrono::seconds>(now);
-  return {static_cast<std::int32_t>(seconds.count()),
-          static_cast<std::uint32_t>(std::chrono::duration_cast<std::chrono::nanoseconds>(now - seconds).count())};
 }
 
 // This thread comes before all that are not of real time; nothing changes where the system does not permit it.
@@ -266,10 +259,20 @@ void RealRobot::send(const Velocity& velocity) {
     node_->publish(command_, encode(twist, kAnyLayout));
   } else {
     geometry_msgs::TwistStamped stamped;
-    stamped.header = {wall_time(), link_.base_frame};
+    stamped.header = {robot_stamp(), link_.base_frame};
     stamped.twist = twist;
     node_->publish(command_, encode(stamped, kAnyLayout));
   }
+}
+
+/// Now, by the clock that stamps odometry, which is the one that commands are judged by: that of this computer may be
+/// off. Zero, which stands for no stamp, where odometry has none.
+builtin_interfaces::Time RealRobot::robot_stamp() {
+  const Time now = mailbox_->robot_time();
+  const std::scoped_lock lock(mutex_);
+  const auto odometry =
+      std::ranges::find(sources_, "odometry", [](const Source& source) { return source.topic.sensor; });
+  return to_stamp(clock_.stamp_at(odometry->sensor, now).value_or(Time::zero()));
 }
 
 // Lost images show in no sample. Those of the first second are lost while both sides find each other.

@@ -51,6 +51,7 @@ class RealRobot {
   std::string missing();
   void disconnect();
   void send(const Velocity& velocity);
+  builtin_interfaces::Time robot_stamp();
   void watch_images();
   void subscribe(std::size_t source);
   void receive(std::size_t source, std::span<const std::uint8_t> payload, std::uint64_t publisher);

@@ -78,6 +78,56 @@ TEST_CASE("what came twice, or was overtaken, is dropped; a clock that was set b
   CHECK(clock.measured(0, 1ms, {}, {}, 4s) == 4s);
 }
 
+TEST_CASE("a clock that is set by a fraction of a second costs some messages, and no reading its time") {
+  for (const Duration step : {-900ms, -600ms, -300ms, -100ms, 100ms, 300ms, 600ms, 900ms}) {
+    CAPTURE(to_seconds(step));
+    Draw draw(7);
+    StampClock clock(2);
+    int dropped = 0;
+    for (int i = 1; i < 1000; ++i) {
+      const Time truth = i * 20ms;
+      const Time stamp = truth + kUptime + (truth > 10s ? step : 0s);
+      for (const std::size_t stream : {0U, 1U}) {  // odometry, and a lidar of 10 Hz
+        if (stream == 1 && i % 5 != 0) continue;
+        const Time arrival = truth + from_seconds(draw(0.001, 0.021));
+        const auto measured = clock.measured(stream, stamp, {}, {}, arrival);
+        dropped += measured ? 0 : 1;
+        if (!measured || (truth > 10s && truth < 10600ms)) continue;
+        CHECK(std::chrono::abs(*measured - truth) < 25ms);
+      }
+    }
+    CHECK(dropped <= 4);
+  }
+}
+
+TEST_CASE("what a link holds up, and then delivers at once, keeps its times") {
+  StampClock clock(1);
+  for (int i = 1; i < 500; ++i) {
+    const Time truth = i * 20ms;
+    const Time arrival = truth > 5s && truth < 5400ms ? 5400ms + i * 10us : truth + 1ms;
+    const auto measured = clock.measured(0, truth + kUptime, {}, {}, arrival);
+    REQUIRE(measured);
+    CHECK(*measured == truth + 1ms);
+  }
+}
+
+TEST_CASE("a message that comes again and again is none that is new") {
+  StampClock clock(1);
+  CHECK(clock.measured(0, kUptime, {}, {}, 1ms));
+  for (int i = 1; i < 100; ++i) {
+    CHECK_FALSE(clock.measured(0, kUptime, {}, {}, i * 50ms));
+  }
+}
+
+TEST_CASE("a stamp for the sender is by its clock") {
+  StampClock clock(1);
+  CHECK_FALSE(clock.stamp_at(0, 1s));
+  clock.measured(0, kUptime + 1s, {}, {}, 1002ms);
+  CHECK(clock.stamp_at(0, 3002ms) == kUptime + 3s);
+  clock.restart(0);
+  CHECK_FALSE(clock.stamp_at(0, 4s));
+}
+
 TEST_CASE("times rise, whatever comes") {
   for (std::uint64_t seed = 0; seed < 50; ++seed) {
     CAPTURE(seed);
