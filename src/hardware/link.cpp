@@ -75,7 +75,9 @@ LinkSpec read_link(ConfigNode node, const RobotProfile& profile) {
     }
   }
   topics.finish();
-  link.command = read_topic(node.at("command"), link.name_space, "command",
+  ConfigNode command = node.at("command");
+  if (command.has("shared")) link.shared_command = command.at("shared").boolean();
+  link.command = read_topic(command, link.name_space, "command",
                             {"geometry_msgs/msg/Twist", "geometry_msgs/msg/TwistStamped"}, true);
 
   if (node.has("frames")) {

@@ -7,6 +7,7 @@
 #include <fmt/ranges.h>
 
 #include "ros2/message_types.hpp"
+#include "ros2/messages/geometry_msgs.hpp"
 
 namespace threewe::ros2 {
 namespace {
@@ -20,6 +21,17 @@ std::string others_of(const TopicSpec& topic, const std::vector<Endpoint>& endpo
   std::ranges::sort(names);
   names.erase(std::unique(names.begin(), names.end()), names.end());
   return names.empty() ? "" : fmt::format("; of that type there is {}", fmt::join(names, ", "));
+}
+
+// Those who publish a topic; nodes of micro-ROS have no names.
+std::vector<std::string> publishers_of(const std::string& topic, const std::vector<Endpoint>& endpoints) {
+  std::vector<std::string> names;
+  for (const Endpoint& endpoint : endpoints) {
+    if (!endpoint.publishes || endpoint.topic != topic) continue;
+    names.push_back(endpoint.node.empty() ? "a node without a name" : endpoint.node);
+  }
+  std::ranges::sort(names);
+  return names;
 }
 
 }  // namespace
@@ -40,15 +52,43 @@ std::string diagnose(const TopicSpec& topic, bool we_publish, const std::vector<
   if (right == theirs.end()) {
     return fmt::format("{}: {} is of type {}, the profile has {}", topic.sensor, topic.topic, here->type, topic.type);
   }
-  if (!right->hash.empty() && distributions_with(right->type, right->hash).empty()) {
+  for (const Endpoint& endpoint : theirs) {
+    if (endpoint.topic != topic.topic || endpoint.type != topic.type || endpoint.hash.empty()) continue;
+    if (!distributions_with(endpoint.type, endpoint.hash).empty()) continue;
     return fmt::format("{}: {} is of a {} that no distribution has which we know ({})", topic.sensor, topic.topic,
-                       topic.type, right->hash);
+                       topic.type, endpoint.hash);
   }
   if (we_publish ? right->qos.reliable && !topic.reliable : topic.reliable && !right->qos.reliable) {
     return fmt::format("{}: {} is {} there, the profile has {}: the two do not match", topic.sensor, topic.topic,
                        right->qos.reliable ? "reliable" : "best effort", topic.reliable ? "reliable" : "best effort");
   }
   return "";
+}
+
+std::string command_type(const TopicSpec& command, const std::vector<Endpoint>& endpoints) {
+  std::string type = command.type;
+  for (const Endpoint& endpoint : endpoints) {
+    if (endpoint.publishes || endpoint.topic != command.topic) continue;
+    if (endpoint.type == command.type) return command.type;
+    if (endpoint.type == geometry_msgs::Twist::kType || endpoint.type == geometry_msgs::TwistStamped::kType) {
+      type = endpoint.type;
+    }
+  }
+  return type;
+}
+
+std::string diagnose_drivers(const TopicSpec& command, const std::vector<Endpoint>& endpoints) {
+  const std::vector<std::string> others = publishers_of(command.topic, endpoints);
+  if (others.empty()) return "";
+  return fmt::format(
+      "command: {} is published by {} as well, and two that command one robot take turns: end that, or "
+      "set `shared: true` in the `command` of the profile's link",
+      command.topic, fmt::join(others, ", "));
+}
+
+std::string diagnose_rivals(const TopicSpec& topic, const std::vector<Endpoint>& endpoints) {
+  return fmt::format("{}: two nodes publish it on {} ({}): one of them is another robot, or is left over", topic.sensor,
+                     topic.topic, fmt::join(publishers_of(topic.topic, endpoints), ", "));
 }
 
 std::string explain_lost_images(std::size_t most_granted) {

@@ -15,6 +15,16 @@ namespace threewe::ros2 {
 /// for, a type of another hash. Empty where nothing does.
 std::string diagnose(const TopicSpec& topic, bool we_publish, const std::vector<Endpoint>& endpoints);
 
+/// The type of the robot's velocities: the profile's, or the other one of Twist and TwistStamped where that is the one
+/// that is subscribed to.
+std::string command_type(const TopicSpec& command, const std::vector<Endpoint>& endpoints);
+
+/// Which other nodes publish velocities, as two that command one robot take turns. Empty where none does.
+std::string diagnose_drivers(const TopicSpec& command, const std::vector<Endpoint>& endpoints);
+
+/// That messages of one sensor come from two publishers.
+std::string diagnose_rivals(const TopicSpec& topic, const std::vector<Endpoint>& endpoints);
+
 /// Why images of a topic are lost, or none comes, where the kernel grants a receive buffer of so many bytes at most,
 /// and what would help.
 std::string explain_lost_images(std::size_t most_granted);

@@ -66,22 +66,27 @@ ReadingOrMistake to_reading(const sensor_msgs::Range& range, const UltrasonicSpe
   return Reading{data, to_time(range.header.stamp), {}, {}};
 }
 
-std::optional<ReadingOrMistake> TransformOdometry::to_reading(const tf2_msgs::TFMessage& message) {
+const geometry_msgs::TransformStamped* TransformOdometry::find(const tf2_msgs::TFMessage& message) const {
   const auto plain = [](std::string_view frame) { return frame.starts_with('/') ? frame.substr(1) : frame; };
-  for (const geometry_msgs::TransformStamped& transform : message.transforms) {
-    if (plain(transform.header.frame_id) != odom_frame_ || plain(transform.child_frame_id) != base_frame_) continue;
-    const auto theta = heading_of(transform.transform.rotation);
-    if (!theta) return mistake("the rotation is no unit quaternion");
-    const Pose2D pose{transform.transform.translation.x, transform.transform.translation.y, *theta};
-    if (!is_finite(pose)) return mistake("the translation is not finite");
-    const Time stamp = to_time(transform.header.stamp);
-    const auto last = std::exchange(last_, std::pair(stamp, pose));
-    if (!last || stamp <= last->first) return std::nullopt;  // no velocity yet, or a transform that is said again
-    const Pose2D moved = inverse(last->second) * pose;
-    const double seconds = to_seconds(stamp - last->first);
-    return Reading{Odometry{pose, {moved.x / seconds, moved.y / seconds, moved.theta / seconds}}, stamp, {}, {}};
-  }
-  return std::nullopt;
+  const auto found = std::ranges::find_if(message.transforms, [&](const geometry_msgs::TransformStamped& transform) {
+    return plain(transform.header.frame_id) == odom_frame_ && plain(transform.child_frame_id) == base_frame_;
+  });
+  return found == message.transforms.end() ? nullptr : &*found;
+}
+
+std::optional<ReadingOrMistake> TransformOdometry::to_reading(const tf2_msgs::TFMessage& message) {
+  const geometry_msgs::TransformStamped* transform = find(message);
+  if (transform == nullptr) return std::nullopt;
+  const auto theta = heading_of(transform->transform.rotation);
+  if (!theta) return mistake("the rotation is no unit quaternion");
+  const Pose2D pose{transform->transform.translation.x, transform->transform.translation.y, *theta};
+  if (!is_finite(pose)) return mistake("the translation is not finite");
+  const Time stamp = to_time(transform->header.stamp);
+  const auto last = std::exchange(last_, std::pair(stamp, pose));
+  if (!last || stamp <= last->first) return std::nullopt;  // no velocity yet, or a transform that is said again
+  const Pose2D moved = inverse(last->second) * pose;
+  const double seconds = to_seconds(stamp - last->first);
+  return Reading{Odometry{pose, {moved.x / seconds, moved.y / seconds, moved.theta / seconds}}, stamp, {}, {}};
 }
 
 // Scans.

@@ -48,10 +48,14 @@ class TransformOdometry {
  public:
   TransformOdometry(std::string odom_frame, std::string base_frame)
       : odom_frame_(std::move(odom_frame)), base_frame_(std::move(base_frame)) {}
-  /// Nothing where the message has no such transform, or none that is newer.
+  /// Whether a message has such a transform.
+  bool is_in(const tf2_msgs::TFMessage& message) const { return find(message) != nullptr; }
+  /// Nothing where the message has none, or none that is newer.
   std::optional<ReadingOrMistake> to_reading(const tf2_msgs::TFMessage& message);
 
  private:
+  const geometry_msgs::TransformStamped* find(const tf2_msgs::TFMessage& message) const;
+
   std::string odom_frame_;
   std::string base_frame_;
   std::optional<std::pair<Time, Pose2D>> last_;

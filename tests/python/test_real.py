@@ -230,20 +230,105 @@ def test_the_command_line_lists_it() -> None:
     assert "humble or" in done.stdout
 
 
+def profile_with(folder: Path, *changes: tuple[str, str]) -> str:
+    """The standard robot's, with changes to its link."""
+    yaml = threewe.RobotProfile.load("3we_standard_v2").yaml
+    for old, new in changes:
+        assert old in yaml
+        yaml = yaml.replace(old, new)
+    profile = folder / "changed.yaml"
+    profile.write_text(yaml)
+    return str(profile)
+
+
 @pytest.mark.usefixtures("played")
 def test_a_topic_that_is_not_there_is_named(tmp_path: Path) -> None:
-    profile = tmp_path / "elsewhere.yaml"
-    yaml = threewe.RobotProfile.load("3we_standard_v2").yaml
-    yaml = yaml.replace("topic: /scan,", "topic: /laser,")
-    profile.write_text(yaml.replace("geometry_msgs/msg/Twist}", "geometry_msgs/msg/TwistStamped}"))
-    with pytest.raises(ConnectionError) as raised, threewe.sync.Robot(backend="real", hardware=str(profile)):
+    profile = profile_with(tmp_path, ("topic: /scan,", "topic: /laser,"), ("topic: /imu,", "topic: /odom,"))
+    with pytest.raises(ConnectionError) as raised, threewe.sync.Robot(backend="real", hardware=profile):
         pass
-    assert "lidar: no node publishes /laser (sensor_msgs/msg/LaserScan); of that type there is /scan" in str(
-        raised.value
-    )
-    assert "/cmd_vel is of type geometry_msgs/msg/Twist, the profile has geometry_msgs/msg/TwistStamped" in str(
-        raised.value
-    )
+    text = str(raised.value)
+    assert "lidar: no node publishes /laser (sensor_msgs/msg/LaserScan); of that type there is /scan" in text
+    assert "imu: /odom is of type nav_msgs/msg/Odometry, the profile has sensor_msgs/msg/Imu" in text
+
+
+@pytest.mark.usefixtures("played")
+def test_velocities_are_of_the_type_that_the_robot_takes(tmp_path: Path) -> None:
+    profile = profile_with(tmp_path, ("geometry_msgs/msg/Twist}", "geometry_msgs/msg/TwistStamped}"))
+    with threewe.sync.Robot(backend="real", hardware=profile) as robot:
+        assert robot.rotate(0.5).success
+
+
+def test_a_robot_that_is_driven_already_is_refused(network: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    domain = FIRST_DOMAIN + 1
+    network.setenv("ROS_DOMAIN_ID", str(domain))
+    with RealRobot(domain), threewe.sync.Robot(backend="real") as first:
+        driven = "command: /cmd_vel is published by /threewe as well"
+        with pytest.raises(ConnectionError, match=driven), threewe.sync.Robot(backend="real"):
+            pass
+        assert first.rotate(0.3).success
+        shared = profile_with(tmp_path, ("msg/Twist}", "msg/Twist, shared: true}"))
+        with threewe.sync.Robot(backend="real", hardware=shared) as second:
+            assert second.health["lidar"].ok
+
+
+def test_another_driver_that_comes_later_is_named(
+    network: pytest.MonkeyPatch, tmp_path: Path, caplog: pytest.LogCaptureFixture
+) -> None:
+    domain = FIRST_DOMAIN + 1
+    network.setenv("ROS_DOMAIN_ID", str(domain))
+    shared = profile_with(tmp_path, ("msg/Twist}", "msg/Twist, shared: true}"))
+    with (
+        RealRobot(domain),
+        threewe.sync.Robot(backend="real") as first,
+        threewe.sync.Robot(backend="real", hardware=shared),
+    ):
+        sleep_until(first, lambda: "command: /cmd_vel is published by /threewe as well" in caplog.text)
+
+
+def test_two_robots_on_the_same_topics_are_not_mixed(
+    network: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    domain = FIRST_DOMAIN + 1
+    network.setenv("ROS_DOMAIN_ID", str(domain))
+    rivals = "odometry: two nodes publish it on /odom"
+    with RealRobot(domain):
+        with threewe.sync.Robot(backend="real") as robot:
+            with RealRobot(domain, "--seed", "1"):
+                sleep_until(robot, lambda: rivals in caplog.text)
+                start = robot.get_odometry().pose
+                robot.set_velocity(0.2, 0.0, 0.0, hold=10.0)
+                robot.sleep(3.0)
+                robot.stop()
+                robot.sleep(0.5)
+                assert math.hypot(robot.get_odometry().pose.x - start.x, robot.get_odometry().pose.y - start.y) > 0.45
+        with (
+            RealRobot(domain, "--seed", "1"),
+            pytest.raises(ConnectionError, match=rivals),
+            threewe.sync.Robot(backend="real"),
+        ):
+            pass
+
+
+def test_types_of_another_make_are_named(network: pytest.MonkeyPatch) -> None:
+    domain = FIRST_DOMAIN + 1
+    network.setenv("ROS_DOMAIN_ID", str(domain))
+    wrong = "RIHS01_" + 64 * "0"
+    named = f"odometry: /odom is of a nav_msgs/msg/Odometry that no distribution has which we know \\({wrong}"
+    with RealRobot(domain, "--hash", wrong), pytest.raises(ConnectionError, match=named):
+        threewe.sync.Robot(backend="real").connect()
+
+
+def test_a_topic_that_changes_its_type_is_named(network: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture) -> None:
+    domain = FIRST_DOMAIN + 1
+    network.setenv("ROS_DOMAIN_ID", str(domain))
+    with RealRobot(domain):
+        robot = threewe.sync.Robot(backend="real")
+        robot.connect()
+    with RealRobot(domain, "--turtlebot4"):
+        sleep_until(robot, lambda: "odometry: no node publishes /odom (nav_msgs/msg/Odometry)" in caplog.text)
+        takes = "command: /cmd_vel is of type geometry_msgs/msg/TwistStamped, the profile has geometry_msgs/msg/Twist"
+        sleep_until(robot, lambda: takes in caplog.text)
+        robot.disconnect()
 
 
 def test_silence_says_what_to_try(network: pytest.MonkeyPatch) -> None:

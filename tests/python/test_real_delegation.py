@@ -7,9 +7,11 @@ import itertools
 import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 import pytest
+import threewe
 import threewe.sync
 from real_robot import FIRST_DOMAIN, NAV2, Nav2, RealRobot
 from threewe import ConfigError, ConnectionError, ContractError, LocalizationState, MoveResult, Reason, Zone
@@ -231,13 +233,19 @@ def test_without_feedback_it_counts_as_dead(place: Place) -> None:
     assert "no feedback for 2 s" in mute.detail
 
 
-def test_a_motion_that_is_ours_waits_for_a_transform_that_stops_coming(network: pytest.MonkeyPatch) -> None:
+def test_a_motion_that_is_ours_waits_for_a_transform_that_stops_coming(
+    network: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    """Nav2 is there, and may publish velocities, which the profile permits."""
     domain = FIRST_DOMAIN + 1
     network.setenv("ROS_DOMAIN_ID", str(domain))
+    yaml = threewe.RobotProfile.load("3we_standard_v2").yaml
+    profile = tmp_path / "shared.yaml"
+    profile.write_text(yaml.replace("msg/Twist}", "msg/Twist, shared: true}"))
     with (
         RealRobot(domain, "--truth") as other,
         Nav2(domain, "--amcl") as nav2,
-        threewe.sync.Robot("real", localization="amcl", initial_pose=(0.1, 0.2, 0.3)) as robot,
+        threewe.sync.Robot("real", str(profile), localization="amcl", initial_pose=(0.1, 0.2, 0.3)) as robot,
     ):
         assert nav2.line() == "0.100 0.200 0.300"
         assert robot.move_to(0.5, 0.0).success

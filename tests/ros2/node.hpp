@@ -6,6 +6,7 @@
 #include <memory>
 #include <stdexcept>
 #include <string>
+#include <utility>
 
 #include <fastdds/dds/domain/DomainParticipant.hpp>
 #include <fastdds/dds/domain/DomainParticipantFactory.hpp>
@@ -19,11 +20,12 @@
 
 namespace fast = eprosima::fastdds::dds;
 
-/// Best effort and volatile, as firmware publishes; no type hash, as the agent has none.
+/// Best effort and volatile, as firmware publishes; no type hash, as the agent has none, unless `user_data` has one.
 class Node {
  public:
-  explicit Node(unsigned domain)
-      : participant_(fast::DomainParticipantFactory::get_instance()->create_participant(domain, participant_qos())) {
+  explicit Node(unsigned domain, std::string user_data = {})
+      : user_data_(std::move(user_data)),
+        participant_(fast::DomainParticipantFactory::get_instance()->create_participant(domain, participant_qos())) {
     if (participant_ == nullptr) throw std::runtime_error("no participant");
     publisher_ = participant_->create_publisher(fast::PUBLISHER_QOS_DEFAULT);
     subscriber_ = participant_->create_subscriber(fast::SUBSCRIBER_QOS_DEFAULT);
@@ -42,6 +44,7 @@ class Node {
     qos.reliability().kind = reliable ? fast::RELIABLE_RELIABILITY_QOS : fast::BEST_EFFORT_RELIABILITY_QOS;
     qos.durability().kind = fast::VOLATILE_DURABILITY_QOS;
     qos.history().depth = reliable ? 100 : 1;
+    qos.user_data().setValue({user_data_.begin(), user_data_.end()});
     qos.endpoint().history_memory_policy = eprosima::fastrtps::rtps::PREALLOCATED_WITH_REALLOC_MEMORY_MODE;
     qos.data_sharing().off();
     return checked(publisher_->create_datawriter(make_topic<Support>("rt" + topic, type), qos), topic);
@@ -140,6 +143,7 @@ class Node {
     return made;
   }
 
+  std::string user_data_;  // of what it advertises
   fast::DomainParticipant* participant_;
   fast::Publisher* publisher_;
   fast::Subscriber* subscriber_;

@@ -2,11 +2,12 @@
 //
 //   ros2_robot DOMAIN [--profile NAME] [--scene NAME] [--seed N] [--pose X,Y,THETA] [--jazzy] [--camera] [--mute TOPIC]
 //              [--turtlebot4] [--linked] [--truth] [--delay S] [--jitter S] [--loss SHARE]
+//              [--hash HASH]
 //
 // With --truth it publishes /ground_truth, for who plays a program that knows where it is: map -> base and map -> odom.
 // As a TurtleBot 4 it takes TwistStamped, has its odometry in /tf alone, and sends JPEGs. With --linked its topics,
 // types and frames are those of the link of its profile. Each message in either direction takes `delay` +- `jitter`, so
-// that some overtake others, or is lost. SIGUSR1 cuts the link, SIGUSR2 mends it.
+// that some overtake others, or is lost. Its types have no hash, or this one. SIGUSR1 cuts the link, SIGUSR2 mends it.
 //
 // It takes velocities on /cmd_vel, and stops 200 ms after the last: after it was stamped, by this robot's own clock,
 // where it is; one without a stamp is as new as its arrival, as ros2_controllers have it. When nobody drives it any
@@ -56,6 +57,7 @@ struct Options {
   std::string profile = "3we_standard_v2";
   std::string scene = "office_v2";
   std::string mute;
+  std::string hash;  // of all types
   std::uint64_t seed = 0;
   std::optional<Pose2D> pose;
   double delay = 0.0;   // [s]
@@ -105,6 +107,8 @@ Options parse(int count, char** arguments) {
       options.pose = pose;
     } else if (name == "--mute") {
       options.mute = arguments[i];
+    } else if (name == "--hash") {
+      options.hash = arguments[i];
     } else {
       throw std::runtime_error("unknown option");
     }
@@ -500,7 +504,7 @@ void run(const Options& options) {
   backend::RobotPort& port = world->robot(0);
   port.connect();
 
-  Node node(options.domain);
+  Node node(options.domain, options.hash.empty() ? "" : "typehash=" + options.hash + ";");
   const LinkSpec* link = options.linked ? &port.profile().link.value() : nullptr;
   Publications publications(node, port.features(), options, link);
   Link inbound(options, 0);
@@ -556,7 +560,7 @@ int main(int count, char** arguments) {
     std::fputs(
         "usage: ros2_robot DOMAIN [--profile NAME] [--scene NAME] [--seed N] [--pose X,Y,THETA] [--jazzy] [--camera]\n"
         "                  [--turtlebot4] [--linked] [--truth] [--mute TOPIC] [--delay S] [--jitter S] [--loss "
-        "SHARE]\n",
+        "SHARE] [--hash HASH]\n",
         stderr);
     return 2;
   }

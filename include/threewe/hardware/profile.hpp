@@ -171,6 +171,7 @@ struct LinkSpec {
   std::string name_space;                ///< before every topic, such as "/robot"; may be empty
   std::vector<TopicSpec> topics;         ///< of the sensors that it delivers
   TopicSpec command;                     ///< where it takes velocities
+  bool shared_command = false;           ///< other nodes may publish them as well, such as a joystick's
   std::string map_frame = "map";         ///< of other programs that localise the robot
   std::string odom_frame = "odom";       ///< in messages of transforms: odometry is the transform from there ...
   std::string base_frame = "base_link";  ///< ... to here

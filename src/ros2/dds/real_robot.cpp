@@ -143,6 +143,8 @@ void RealRobot::connect() {
   transforms_ = {link_.odom_frame, link_.base_frame};
   odom_from_theirs_.reset();
   odom_from_base_ = {};
+  command_topic_ = link_.command;
+  command_.reset();
   sources_.clear();
   for (const TopicSpec& topic : link_.topics) {
     const std::string_view name = topic.sensor == "depth" ? to_string(SensorType::camera) : topic.sensor;
@@ -158,7 +160,6 @@ void RealRobot::connect() {
 
   try {
     node_ = std::make_unique<Node>(discovery_, "/", "threewe");
-    command_ = node_->advertise(link_.command.topic, link_.command.type, {.reliable = link_.command.reliable});
     for (std::size_t i = 0; i < sources_.size(); ++i) subscribe(i);
     if (localization_) localization_->connect(*node_);
     if (navigation_) navigation_->connect(*node_);
@@ -196,39 +197,59 @@ void RealRobot::wait_until_reached() {
 
 /// What of the link is not there; empty where all of it is.
 std::string RealRobot::missing() {
-  std::vector<Endpoint> endpoints;
-  std::vector<std::string> absent;
-  const auto find = [&](const TopicSpec& topic, bool we_publish, Node::Handle handle) {
-    if (node_->peers(handle) > 0) return true;
-    if (endpoints.empty()) endpoints = node_->endpoints();
-    const std::string reason = diagnose(topic, we_publish, endpoints);
-    absent.push_back(reason.empty() ? fmt::format("{}: {} does not answer", topic.sensor, topic.topic) : reason);
-    return false;
-  };
-  find(link_.command, true, command_);
-  std::vector<Source> sources;
-  {
-    const std::scoped_lock lock(mutex_);
-    sources = sources_;
-  }
-  for (const Source& source : sources) {
-    if (!find(source.topic, false, source.handle) || source.delivered) continue;
-    if (mailbox_->features().sensors[source.sensor].rate < kQuick) continue;
-    std::string what = fmt::format("{}: nothing has come on {}", source.topic.sensor, source.topic.topic);
-    if (source.topic.type == sensor_msgs::Image::kType && node_->lost(source.handle) > 0) {
-      what += fmt::format(": images are lost: {}", explain_lost_images(most_receive_buffer()));
-    }
-    if (!source.mistake.empty()) {
-      what = fmt::format("{}: {} delivers {}", source.topic.sensor, source.topic.topic, source.mistake);
-    }
-    absent.push_back(std::move(what));
-  }
-  if (endpoints.empty() && absent.size() > sources.size()) return diagnose_silence(discovery_);
+  const std::vector<Endpoint> endpoints = node_->endpoints();
+  if (endpoints.empty()) return diagnose_silence(discovery_);
+  std::vector<std::string> absent{missing_command(endpoints)};
+  for (const Source& source : sources()) absent.push_back(missing_readings(source, endpoints));
   if (localization_) absent.push_back(localization_->missing(*node_));
   if (navigation_) absent.push_back(navigation_->missing(*node_));
   std::erase(absent, "");
   if (absent.empty()) return "";
   return fmt::format("the robot cannot be reached:\n  {}", fmt::join(absent, "\n  "));
+}
+
+std::string RealRobot::missing_command(const std::vector<Endpoint>& endpoints) {
+  if (!command_) {
+    command_topic_.type = command_type(link_.command, endpoints);
+    if (std::string mistake = diagnose(command_topic_, true, endpoints); !mistake.empty()) return mistake;
+    command_ = node_->advertise(command_topic_.topic, command_topic_.type, {.reliable = command_topic_.reliable});
+  }
+  std::string mistake = mistake_in_command(endpoints);
+  if (!mistake.empty() || node_->peers(*command_) > 0) return mistake;
+  return fmt::format("command: {} does not answer", command_topic_.topic);
+}
+
+std::string RealRobot::missing_readings(const Source& source, const std::vector<Endpoint>& endpoints) {
+  const auto& [sensor, topic, type, reliable] = source.topic;
+  if (std::string mistake = mistake_in(source, endpoints); !mistake.empty()) return mistake;
+  if (node_->peers(source.handle) == 0) return fmt::format("{}: {} does not answer", sensor, topic);
+  if (source.delivered || mailbox_->features().sensors[source.sensor].rate < kQuick) return "";
+  if (!source.mistake.empty()) return fmt::format("{}: {} delivers {}", sensor, topic, source.mistake);
+  std::string what = fmt::format("{}: nothing has come on {}", sensor, topic);
+  if (type == sensor_msgs::Image::kType && node_->lost(source.handle) > 0) {
+    what += fmt::format(": images are lost: {}", explain_lost_images(most_receive_buffer()));
+  }
+  return what;
+}
+
+// What the graph shows of the robot that should not be so, while it is connected, too.
+
+std::string RealRobot::mistake_in_command(const std::vector<Endpoint>& endpoints) const {
+  if (std::string mistake = diagnose(command_topic_, true, endpoints); !mistake.empty()) return mistake;
+  const bool shared = link_.shared_command || navigation_;  // then other nodes of Nav2 publish it as well
+  return shared ? "" : diagnose_drivers(command_topic_, endpoints);
+}
+
+std::string RealRobot::mistake_in(const Source& source, const std::vector<Endpoint>& endpoints) const {
+  if (source.rival && mailbox_->robot_time() - *source.rival < patience(source)) {
+    return diagnose_rivals(source.topic, endpoints);
+  }
+  return diagnose(source.topic, false, endpoints);
+}
+
+std::vector<RealRobot::Source> RealRobot::sources() {
+  const std::scoped_lock lock(mutex_);
+  return sources_;
 }
 
 void RealRobot::disconnect() {
@@ -246,7 +267,7 @@ void RealRobot::disconnect() {
 void RealRobot::send(const Velocity& velocity) {
   if (++steps_ % kStepsToRefresh == 0) {
     node_->refresh();
-    watch_images();
+    watch();
   }
   if (localization_) localization_->step(*node_);
   if (navigation_) navigation_->step(*node_);
@@ -255,13 +276,13 @@ void RealRobot::send(const Velocity& velocity) {
   twist.linear = {velocity.vx, velocity.vy, 0.0};
   twist.angular.z = velocity.omega;
   constexpr Distribution kAnyLayout = Distribution::jazzy;  // the same in all
-  if (link_.command.type == geometry_msgs::Twist::kType) {
-    node_->publish(command_, encode(twist, kAnyLayout));
+  if (command_topic_.type == geometry_msgs::Twist::kType) {
+    node_->publish(*command_, encode(twist, kAnyLayout));
   } else {
     geometry_msgs::TwistStamped stamped;
     stamped.header = {robot_stamp(), link_.base_frame};
     stamped.twist = twist;
-    node_->publish(command_, encode(stamped, kAnyLayout));
+    node_->publish(*command_, encode(stamped, kAnyLayout));
   }
 }
 
@@ -275,17 +296,24 @@ builtin_interfaces::Time RealRobot::robot_stamp() {
   return to_stamp(clock_.stamp_at(odometry->sensor, now).value_or(Time::zero()));
 }
 
-// Lost images show in no sample. Those of the first second are lost while both sides find each other.
-void RealRobot::watch_images() {
-  std::string fault;
-  for (const Source& source : sources_) {
-    if (source.topic.type != sensor_msgs::Image::kType) continue;
-    const std::size_t lost = node_->lost(source.handle);
-    if (lost < kManyLost) continue;
-    fault = fmt::format("{}: images of {} are lost: {}", source.topic.sensor, source.topic.topic,
-                        explain_lost_images(most_receive_buffer()));
+/// Looks for what no sample shows.
+void RealRobot::watch() {
+  const std::vector<Endpoint> endpoints = node_->endpoints();
+  std::vector<std::string> faults{mistake_in_command(endpoints)};
+  for (const Source& source : sources()) {
+    faults.push_back(mistake_in(source, endpoints));
+    faults.push_back(lost_images(source));
   }
-  mailbox_->note_link_fault(std::move(fault));
+  std::erase(faults, "");
+  mailbox_->note_link_fault(endpoints.empty() ? diagnose_silence(discovery_)
+                                              : fmt::format("{}", fmt::join(faults, "; ")));
+}
+
+// Those of the first second are lost while both sides find each other.
+std::string RealRobot::lost_images(const Source& source) {
+  if (source.topic.type != sensor_msgs::Image::kType || node_->lost(source.handle) < kManyLost) return "";
+  return fmt::format("{}: images of {} are lost: {}", source.topic.sensor, source.topic.topic,
+                     explain_lost_images(most_receive_buffer()));
 }
 
 // Readings, in threads of the middleware's.
@@ -294,16 +322,16 @@ void RealRobot::receive(std::size_t index, std::span<const std::uint8_t> payload
   const Time arrival = mailbox_->robot_time();
   const std::scoped_lock lock(mutex_);
   Source& source = sources_[index];
-  auto read_of_it = read(source, payload);
+  const bool shared = source.topic.type == tf2_msgs::TFMessage::kType;  // most of its messages do not concern us
+  if (!shared && !admit(source, publisher, arrival)) return;
+  auto read_of_it = read(source, payload, publisher, arrival);
   if (!read_of_it) return;
   if (!*read_of_it) {
     source.mistake = read_of_it->error();
     return;
   }
   Reading& reading = **read_of_it;
-  const bool anew = source.publisher != publisher;  // the first one, or a node that was started again
-  if (std::exchange(source.publisher, publisher) != publisher) clock_.restart(source.sensor);
-  if (auto* odometry = std::get_if<Odometry>(&reading.data)) place_odometry(*odometry, anew);
+  if (auto* odometry = std::get_if<Odometry>(&reading.data)) place_odometry(*odometry);
 
   const SensorInfo& sensor = mailbox_->features().sensors[source.sensor];
   try {
@@ -318,7 +346,32 @@ void RealRobot::receive(std::size_t index, std::span<const std::uint8_t> payload
   mailbox_->push({.sensor = sensor.name, .measured = *measured, .data = std::move(reading.data)});
 }
 
-std::optional<ReadingOrMistake> RealRobot::read(const Source& source, std::span<const std::uint8_t> payload) {
+/// Whether a message is one of the publisher's that this sensor has: the first, or the next one once that has been
+/// silent, as a node is that was started again. Two at once would be two robots.
+bool RealRobot::admit(Source& source, std::uint64_t publisher, Time arrival) {
+  if (source.publisher != publisher) {
+    if (source.publisher != 0 && arrival - source.newest < patience(source)) {
+      source.rival = arrival;
+      return false;
+    }
+    source.publisher = publisher;
+    clock_.restart(source.sensor);
+    if (source.topic.sensor == "odometry") {
+      odom_from_theirs_.reset();
+      transforms_ = {link_.odom_frame, link_.base_frame};
+    }
+  }
+  source.newest = arrival;
+  return true;
+}
+
+Duration RealRobot::patience(const Source& source) const {
+  constexpr double kPeriods = 3.0;  // of a sensor that is not silent yet
+  return std::max<Duration>(1s, from_seconds(kPeriods / mailbox_->features().sensors[source.sensor].rate));
+}
+
+std::optional<ReadingOrMistake> RealRobot::read(Source& source, std::span<const std::uint8_t> payload,
+                                                std::uint64_t publisher, Time arrival) {
   const auto converted = [&]<typename M>(std::type_identity<M>, auto&& convert) -> std::optional<ReadingOrMistake> {
     auto message = decode_any<M>(payload);
     if (!message) return tl::unexpected(std::move(message.error()));
@@ -327,7 +380,10 @@ std::optional<ReadingOrMistake> RealRobot::read(const Source& source, std::span<
   using namespace sensor_msgs;
   if (source.topic.type == tf2_msgs::TFMessage::kType) {
     return converted(std::type_identity<tf2_msgs::TFMessage>(),
-                     [this](const tf2_msgs::TFMessage& message) { return transforms_.to_reading(message); });
+                     [&](const tf2_msgs::TFMessage& message) -> std::optional<ReadingOrMistake> {
+                       if (!transforms_.is_in(message) || !admit(source, publisher, arrival)) return std::nullopt;
+                       return transforms_.to_reading(message);
+                     });
   }
   if (source.topic.type == CompressedImage::kType) {
     return converted(std::type_identity<CompressedImage>(), [this](CompressedImage image) {
@@ -359,8 +415,8 @@ std::optional<ReadingOrMistake> RealRobot::read(const Source& source, std::span<
 
 /// Odometry begins where the robot stands when it is connected, and goes on from where it was when its sender begins
 /// anew.
-void RealRobot::place_odometry(Odometry& odometry, bool anew) {
-  if (anew || !odom_from_theirs_) {
+void RealRobot::place_odometry(Odometry& odometry) {
+  if (!odom_from_theirs_) {
     odom_from_theirs_ = odom_from_base_ * inverse(odometry.pose);
     if (localization_) localization_->place(*odom_from_theirs_);
   }

@@ -41,7 +41,9 @@ class RealRobot {
     TopicSpec topic;
     std::size_t sensor = 0;  // in the features
     Node::Handle handle;
-    std::uint64_t publisher = 0;
+    std::uint64_t publisher = 0;  // whose messages are taken
+    Time newest{};                // robot time, when the last of them came
+    std::optional<Time> rival{};  // when another publisher's did
     bool delivered = false;
     std::string mistake;  // in the last message that was refused
   };
@@ -49,20 +51,30 @@ class RealRobot {
   void connect();
   void wait_until_reached();
   std::string missing();
+  std::string missing_command(const std::vector<Endpoint>& endpoints);
+  std::string missing_readings(const Source& source, const std::vector<Endpoint>& endpoints);
+  std::string mistake_in_command(const std::vector<Endpoint>& endpoints) const;
+  std::string mistake_in(const Source& source, const std::vector<Endpoint>& endpoints) const;
+  std::vector<Source> sources();
   void disconnect();
   void send(const Velocity& velocity);
   builtin_interfaces::Time robot_stamp();
-  void watch_images();
+  void watch();
+  std::string lost_images(const Source& source);
   void subscribe(std::size_t source);
   void receive(std::size_t source, std::span<const std::uint8_t> payload, std::uint64_t publisher);
-  std::optional<ReadingOrMistake> read(const Source& source, std::span<const std::uint8_t> payload);
-  void place_odometry(Odometry& odometry, bool anew);
+  bool admit(Source& source, std::uint64_t publisher, Time arrival);
+  std::optional<ReadingOrMistake> read(Source& source, std::span<const std::uint8_t> payload, std::uint64_t publisher,
+                                       Time arrival);
+  Duration patience(const Source& source) const;
+  void place_odometry(Odometry& odometry);
 
   const std::shared_ptr<backend::PluginLink> mailbox_;
   const Discovery discovery_;
   const RobotProfile& profile_;
   const LinkSpec& link_;
-  Node::Handle command_;
+  TopicSpec command_topic_;              // as the robot takes it
+  std::optional<Node::Handle> command_;  // once that is known
   int steps_ = 0;
   std::unique_ptr<LocalizationClient> localization_;  // null: it is localised by us
   std::unique_ptr<NavigationClient> navigation_;      // null: we drive it

@@ -17,7 +17,7 @@ link:
   topics:
     lidar: {topic: /scan, type: sensor_msgs/msg/LaserScan, reliability: reliable}
     odometry: {topic: /tf, type: tf2_msgs/msg/TFMessage}
-  command: {topic: /cmd_vel, type: geometry_msgs/msg/TwistStamped}
+  command: {topic: /cmd_vel, type: geometry_msgs/msg/TwistStamped, shared: true}
   frames: {odom: odom_combined, base: base_footprint}
   stops: {by: the driver, after: 0.5}
 )";
@@ -54,6 +54,7 @@ TEST_CASE("a link says where each sensor comes from, and who stops the robot") {
   CHECK(link.topics[1].reliable);
   CHECK(link.command.topic == "/robot/cmd_vel");
   CHECK(link.command.reliable);
+  CHECK(link.shared_command);
   CHECK(link.odom_frame == "odom_combined");
   CHECK(link.base_frame == "base_footprint");
   CHECK(link.stopped_by == "the driver");
@@ -65,6 +66,7 @@ TEST_CASE("the standard robot delivers all but its camera, in the frames that RE
   REQUIRE(profile.link);
   CHECK(profile.link->topics.size() == 8);
   CHECK(std::ranges::none_of(profile.link->topics, [](const TopicSpec& topic) { return topic.sensor == "camera"; }));
+  CHECK_FALSE(profile.link->shared_command);
   CHECK(profile.link->odom_frame == "odom");
   CHECK(profile.link->base_frame == "base_link");
   CHECK(profile.link->stopped_after == 200ms);
@@ -93,6 +95,7 @@ TEST_CASE("every mistake in a link names its place and what would be right") {
            Case{"    odometry:", "    odometri:", "odometry"},
            Case{"after: 0.5", "after: 0.01", "0.05"},
            Case{"after: 0.5", "after: 200", "2"},
+           Case{"shared: true", "shared: 2", "shared"},
            Case{"command:", "comand:", "command"},
            Case{"frames:", "fames:", "frames"},
        }) {

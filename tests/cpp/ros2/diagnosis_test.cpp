@@ -44,6 +44,42 @@ TEST_CASE("an offer of less than is asked for is named, as is a type of another 
   CHECK(diagnose(kScan, false, {theirs}).find("RIHS01_00") != std::string::npos);
 }
 
+TEST_CASE("a type of another make is named whichever of several publishers has it") {
+  Endpoint wrong = publisher("/scan", "sensor_msgs/msg/LaserScan");
+  wrong.hash = "RIHS01_00";
+  CHECK(diagnose(kScan, false, {publisher("/scan", "sensor_msgs/msg/LaserScan"), wrong}).find("RIHS01_00") !=
+        std::string::npos);
+}
+
+TEST_CASE("velocities are of the type that the robot takes") {
+  const TopicSpec command{"command", "/cmd_vel", "geometry_msgs/msg/Twist", true};
+  Endpoint stamped = publisher("/cmd_vel", "geometry_msgs/msg/TwistStamped");
+  CHECK(command_type(command, {stamped}) == "geometry_msgs/msg/Twist");  // another driver's
+  stamped.publishes = false;
+  CHECK(command_type(command, {}) == "geometry_msgs/msg/Twist");
+  CHECK(command_type(command, {stamped}) == "geometry_msgs/msg/TwistStamped");
+  Endpoint plain = stamped;
+  plain.type = "geometry_msgs/msg/Twist";
+  CHECK(command_type(command, {stamped, plain}) == "geometry_msgs/msg/Twist");
+  plain.type = "std_msgs/msg/String";
+  CHECK(command_type(command, {plain}) == "geometry_msgs/msg/Twist");
+}
+
+TEST_CASE("other nodes that command the robot, or publish what it measures, are named") {
+  Endpoint other = publisher("/cmd_vel", "geometry_msgs/msg/Twist");
+  const TopicSpec command{"command", "/cmd_vel", "geometry_msgs/msg/Twist", true};
+  CHECK(diagnose_drivers(command, {}).empty());
+  CHECK(diagnose_drivers(command, {publisher("/odom", "nav_msgs/msg/Odometry")}).empty());
+  other.node = "/teleop";
+  CHECK(diagnose_drivers(command, {other}).starts_with("command: /cmd_vel is published by /teleop as well"));
+  other.type = "geometry_msgs/msg/TwistStamped";  // of which a robot may take both
+  other.node.clear();
+  CHECK(diagnose_drivers(command, {other}).find("a node without a name") != std::string::npos);
+  CHECK(diagnose_rivals(
+            kScan, {publisher("/scan", "sensor_msgs/msg/LaserScan"), publisher("/scan", "sensor_msgs/msg/LaserScan")})
+            .starts_with("lidar: two nodes publish it on /scan (a node without a name, a node without a name)"));
+}
+
 TEST_CASE("lost images name the kernel's buffer where that is too small") {
   CHECK(explain_lost_images(212992) ==
         "an image comes as one burst of packets, of which the kernel keeps 208 KiB at most: sysctl -w "
