@@ -100,16 +100,25 @@ std::string explain_lost_images(std::size_t most_granted) {
       most_granted / 1024, kEnough);
 }
 
-std::string diagnose_silence(const Discovery& discovery) {
-  const auto look = fmt::format("no ROS 2 node was found in domain {}", discovery.domain);
-  switch (discovery.range) {
-    case DiscoveryRange::off: return look + ": ROS_AUTOMATIC_DISCOVERY_RANGE is OFF";
-    case DiscoveryRange::localhost:
-      return look +
-             " on this computer; to look farther, set ROS_AUTOMATIC_DISCOVERY_RANGE=SUBNET, or ROS_STATIC_PEERS "
-             "to the robot's address";
-    case DiscoveryRange::subnet:
-    case DiscoveryRange::system_default: break;
+std::string describe_interfaces(const std::vector<std::string>& interfaces) {
+  return interfaces.empty() ? "(no network interface is up)"
+                            : fmt::format("(interfaces: {})", fmt::join(interfaces, ", "));
+}
+
+std::string diagnose_silence(const Discovery& discovery, const Search& search) {
+  const bool local = discovery.range == DiscoveryRange::localhost;
+  const auto look =
+      fmt::format("no ROS 2 node was found in domain {}{} within {:.0f} s {}", discovery.domain,
+                  local ? " on this computer" : "", to_seconds(search.lasted), describe_interfaces(search.interfaces));
+  if (discovery.range == DiscoveryRange::off) return look + ": ROS_AUTOMATIC_DISCOVERY_RANGE is OFF";
+  if (search.participants > 0) {
+    return fmt::format("{}, but {} participants of DDS without a topic: {}", look, search.participants,
+                       discovery.enclave ? "they do not prove who they are, or are of another authority"
+                                         : "they may want security (ROS_SECURITY_ENABLE), or be about to begin");
+  }
+  if (local) {
+    return look +
+           "; to look farther, set ROS_AUTOMATIC_DISCOVERY_RANGE=SUBNET, or ROS_STATIC_PEERS to the robot's address";
   }
   return look + ": is ROS_DOMAIN_ID the robot's, and does the network let multicast through (else ROS_STATIC_PEERS)?";
 }

@@ -7,6 +7,7 @@
 
 #include "ros2/discovery.hpp"
 #include "ros2/endpoint.hpp"
+#include "threewe/core/time.hpp"
 #include "threewe/hardware/profile.hpp"
 
 namespace threewe::ros2 {
@@ -29,7 +30,16 @@ std::string diagnose_rivals(const TopicSpec& topic, const std::vector<Endpoint>&
 /// and what would help.
 std::string explain_lost_images(std::size_t most_granted);
 
-/// What to try where nothing at all was found.
-std::string diagnose_silence(const Discovery& discovery);
+/// How nodes were looked for.
+struct Search {
+  Duration lasted{};                    ///< wall time
+  std::size_t participants = 0;         ///< of DDS that were found, without an endpoint
+  std::vector<std::string> interfaces;  ///< of this computer
+};
+
+/// What was seen, and what to try, where no endpoint was found.
+std::string diagnose_silence(const Discovery& discovery, const Search& search);
+/// "(interfaces: ...)".
+std::string describe_interfaces(const std::vector<std::string>& interfaces);
 
 }  // namespace threewe::ros2

@@ -10,7 +10,9 @@
 
 #include <fmt/format.h>
 
+#include "ros2/diagnosis.hpp"
 #include "ros2/message_types.hpp"
+#include "ros2/network_interfaces.hpp"
 #include "threewe/core/errors.hpp"
 
 namespace threewe::ros2 {
@@ -22,6 +24,7 @@ using rmw_dds_common::ParticipantEntitiesInfo;
 constexpr const char* kGraphTopic = "ros_discovery_info";
 constexpr Qos kGraphQos{.reliable = true, .transient_local = true, .depth = 1};
 constexpr std::uint32_t kMostEndpoints = 4096;
+constexpr std::uint32_t kMostParticipants = 256;
 constexpr std::uint32_t kAtATime = 16;         // samples taken from a reader
 constexpr std::ptrdiff_t kRequestHeader = 16;  // [bytes] before requests and replies of ROS 2 on Cyclone DDS
 constexpr Qos kServiceQos{.reliable = true, .transient_local = false, .depth = 10};
@@ -91,11 +94,21 @@ Gid gid_of(dds_entity_t entity) {
   return gid;
 }
 
+// What Cyclone DDS says of a handshake it says in its log alone. Lines go where they go else, and this one is looked
+// for.
+std::atomic<bool> g_unreadable_key = false;
+
+void pass_on(void*, const dds_log_data_t* line) {
+  const std::string_view message(line->message, line->size);
+  if (message.find("octet sequence to ASN1 integer") != std::string_view::npos) g_unreadable_key = true;
+  std::fwrite(line->message - line->hdrsize, 1, line->hdrsize + line->size + 1, stderr);
+}
+
 // What Cyclone DDS says while it lives, instead of where that goes else.
 class Log {
  public:
   Log() { library().dds_set_log_sink(&Log::add, this); }
-  ~Log() { library().dds_set_log_sink(nullptr, nullptr); }
+  ~Log() { library().dds_set_log_sink(&pass_on, nullptr); }
   Log(const Log&) = delete;
   Log& operator=(const Log&) = delete;
   std::string text() {
@@ -114,13 +127,13 @@ class Log {
   std::string text_;
 };
 
-// What it says of a handshake it says in its log alone. Lines go where they go else, and this one is looked for.
-std::atomic<bool> g_unreadable_key = false;
-
-void pass_on(void*, const dds_log_data_t* line) {
-  const std::string_view message(line->message, line->size);
-  if (message.find("octet sequence to ASN1 integer") != std::string_view::npos) g_unreadable_key = true;
-  std::fwrite(line->message - line->hdrsize, 1, line->hdrsize + line->size + 1, stderr);
+[[noreturn]] void fail_to_begin(const Discovery& discovery, const std::string& said) {
+  if (discovery.enclave) {
+    throw ConfigError(fmt::format("the security enclave '{}' in {} is not accepted by Cyclone DDS:{}",
+                                  discovery.enclave->name, discovery.enclave->folder.string(), said));
+  }
+  throw ConnectionError(fmt::format("Cyclone DDS cannot begin in ROS domain {} {}{}", discovery.domain,
+                                    describe_interfaces(network_interfaces()), said));
 }
 
 dds_entity_t create_participant(const Discovery& discovery) {
@@ -128,21 +141,16 @@ dds_entity_t create_participant(const Discovery& discovery) {
   const QosPointer qos(dds.dds_create_qos());
   const std::string enclave = fmt::format("enclave={};", discovery.enclave ? discovery.enclave->name : "/");
   dds.dds_qset_userdata(qos.get(), enclave.data(), enclave.size());
+  if (discovery.enclave) {
+    for (const auto& [name, value] : security_properties(*discovery.enclave)) {
+      dds.dds_qset_prop(qos.get(), name.c_str(), value.c_str());
+    }
+  }
+  Log said;
   const auto domain = static_cast<dds_domainid_t>(discovery.domain);
-  if (!discovery.enclave) return checked(dds.dds_create_participant(domain, qos.get(), nullptr), "no participant");
-
-  for (const auto& [name, value] : security_properties(*discovery.enclave)) {
-    dds.dds_qset_prop(qos.get(), name.c_str(), value.c_str());
-  }
-  std::optional<Log> said(std::in_place);
   const dds_entity_t participant = dds.dds_create_participant(domain, qos.get(), nullptr);
-  if (participant >= 0) {
-    said.reset();
-    dds.dds_set_log_sink(&pass_on, nullptr);
-    return participant;
-  }
-  throw ConfigError(fmt::format("the security enclave '{}' in {} is not accepted by Cyclone DDS:{}",
-                                discovery.enclave->name, discovery.enclave->folder.string(), said->text()));
+  if (participant < 0) fail_to_begin(discovery, said.text());
+  return participant;
 }
 
 std::string join_name(std::string_view name_space, std::string_view name) {
@@ -175,9 +183,9 @@ std::shared_ptr<Domain> Domain::get(const Discovery& discovery) {
 Domain::Domain(Discovery discovery) : discovery_(std::move(discovery)) {
   const std::string configuration = cyclone_configuration(discovery_);
   if (configuration.empty()) return;  // made with the first participant, as the environment says
-  entity_.id =
-      checked(library().dds_create_domain(static_cast<dds_domainid_t>(discovery_.domain), configuration.c_str()),
-              fmt::format("no ROS domain {}", discovery_.domain));
+  Log said;
+  entity_.id = library().dds_create_domain(static_cast<dds_domainid_t>(discovery_.domain), configuration.c_str());
+  if (entity_.id < 0) fail_to_begin(discovery_, said.text());
 }
 
 Entity::~Entity() {
@@ -262,6 +270,9 @@ Node::Node(const Discovery& discovery, std::string name_space, std::string name)
   participant_.id = create_participant(discovery);
   publications_ =
       checked(library().dds_create_reader(participant_.id, DDS_BUILTIN_TOPIC_DCPSPUBLICATION, nullptr, nullptr),
+              "no discovery");
+  participants_ =
+      checked(library().dds_create_reader(participant_.id, DDS_BUILTIN_TOPIC_DCPSPARTICIPANT, nullptr, nullptr),
               "no discovery");
   subscriptions_ =
       checked(library().dds_create_reader(participant_.id, DDS_BUILTIN_TOPIC_DCPSSUBSCRIPTION, nullptr, nullptr),
@@ -400,6 +411,20 @@ std::vector<Endpoint> Node::discovered(dds_entity_t reader, bool publishes) {
   }
   if (count > 0) dds.dds_return_loan(reader, samples.data(), count);
   return found;
+}
+
+std::size_t Node::participants() {
+  std::array<void*, kMostParticipants> samples{};
+  std::vector<dds_sample_info_t> infos(kMostParticipants);
+  const auto count =
+      checked(library().dds_read(participants_, samples.data(), infos.data(), kMostParticipants, kMostParticipants),
+              "no discovery");
+  const auto end = infos.begin() + count;
+  const auto alive = std::count_if(infos.begin(), end, [](const dds_sample_info_t& info) {
+    return info.valid_data && info.instance_state == DDS_ALIVE_INSTANCE_STATE;
+  });
+  if (count > 0) library().dds_return_loan(participants_, samples.data(), count);
+  return static_cast<std::size_t>(std::max<std::ptrdiff_t>(alive - 1, 0));  // one of them is this node
 }
 
 /// Which layout of the graph's message the others read: two of them on one topic misread each other.

@@ -92,6 +92,9 @@ class Node {
 
   /// Every endpoint of other nodes that has been discovered, by topic.
   std::vector<Endpoint> endpoints();
+  /// How many participants of DDS have been discovered, each of a program on the network, whether or not it has
+  /// endpoints.
+  std::size_t participants();
   /// Announces this node again to those that read another layout. Call it now and then.
   void refresh();
 
@@ -107,6 +110,7 @@ class Node {
   std::shared_ptr<Domain> domain_;
   std::string name_space_;
   std::string name_;
+  dds_entity_t participants_ = 0;
   dds_entity_t publications_ = 0;
   dds_entity_t subscriptions_ = 0;
   std::vector<std::unique_ptr<Part>> parts_;

@@ -14,6 +14,7 @@
 #include "core/names.hpp"
 #include "hardware/sample_checks.hpp"
 #include "ros2/diagnosis.hpp"
+#include "ros2/network_interfaces.hpp"
 #include "ros2/publications.hpp"
 #include "threewe/core/errors.hpp"
 
@@ -159,6 +160,7 @@ void RealRobot::connect() {
   }
 
   try {
+    begun_ = Clock::now();
     node_ = std::make_unique<Node>(discovery_, "/", "threewe");
     for (std::size_t i = 0; i < sources_.size(); ++i) subscribe(i);
     if (localization_) localization_->connect(*node_);
@@ -198,7 +200,7 @@ void RealRobot::wait_until_reached() {
 /// What of the link is not there; empty where all of it is.
 std::string RealRobot::missing() {
   const std::vector<Endpoint> endpoints = node_->endpoints();
-  if (endpoints.empty()) return diagnose_silence(discovery_);
+  if (endpoints.empty()) return silence();
   std::vector<std::string> absent{missing_command(endpoints)};
   for (const Source& source : sources()) absent.push_back(missing_readings(source, endpoints));
   if (localization_) absent.push_back(localization_->missing(*node_));
@@ -206,6 +208,11 @@ std::string RealRobot::missing() {
   std::erase(absent, "");
   if (absent.empty()) return "";
   return fmt::format("the robot cannot be reached:\n  {}", fmt::join(absent, "\n  "));
+}
+
+std::string RealRobot::silence() {
+  const auto lasted = std::chrono::duration_cast<Duration>(Clock::now() - begun_);
+  return diagnose_silence(discovery_, {lasted, node_->participants(), network_interfaces()});
 }
 
 std::string RealRobot::missing_command(const std::vector<Endpoint>& endpoints) {
@@ -305,7 +312,7 @@ void RealRobot::watch() {
     faults.push_back(lost_images(source));
   }
   std::erase(faults, "");
-  mailbox_->note_link_fault(endpoints.empty() ? diagnose_silence(discovery_)
+  mailbox_->note_link_fault(endpoints.empty() ? "no ROS 2 node is there any more"
                                               : fmt::format("{}", fmt::join(faults, "; ")));
 }
 

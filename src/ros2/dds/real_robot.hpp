@@ -51,6 +51,7 @@ class RealRobot {
   void connect();
   void wait_until_reached();
   std::string missing();
+  std::string silence();
   std::string missing_command(const std::vector<Endpoint>& endpoints);
   std::string missing_readings(const Source& source, const std::vector<Endpoint>& endpoints);
   std::string mistake_in_command(const std::vector<Endpoint>& endpoints) const;
@@ -75,6 +76,7 @@ class RealRobot {
   const LinkSpec& link_;
   TopicSpec command_topic_;              // as the robot takes it
   std::optional<Node::Handle> command_;  // once that is known
+  Clock::time_point begun_{};            // when it was last connected
   int steps_ = 0;
   std::unique_ptr<LocalizationClient> localization_;  // null: it is localised by us
   std::unique_ptr<NavigationClient> navigation_;      // null: we drive it

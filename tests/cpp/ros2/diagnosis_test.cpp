@@ -87,10 +87,19 @@ TEST_CASE("lost images name the kernel's buffer where that is too small") {
   CHECK(explain_lost_images(4U << 20U).find("sysctl") == std::string::npos);
 }
 
-TEST_CASE("where there is nothing, what to try") {
-  CHECK(diagnose_silence({}).find("ROS_AUTOMATIC_DISCOVERY_RANGE=SUBNET") != std::string::npos);
-  CHECK(diagnose_silence({3, DiscoveryRange::localhost, {}}).find("domain 3 on this computer") != std::string::npos);
-  CHECK(diagnose_silence({3, DiscoveryRange::subnet, {}}).find("multicast") != std::string::npos);
+TEST_CASE("where there is nothing, what was seen and what to try") {
+  Search search{10s, 0, {"eth0 192.168.7.2"}};
+  CHECK(diagnose_silence({}, search).find("ROS_AUTOMATIC_DISCOVERY_RANGE=SUBNET") != std::string::npos);
+  CHECK(diagnose_silence({3, DiscoveryRange::localhost, {}}, search)
+            .starts_with("no ROS 2 node was found in domain 3 on this computer within 10 s (interfaces: eth0 "
+                         "192.168.7.2); to look farther"));
+  CHECK(diagnose_silence({3, DiscoveryRange::subnet, {}}, search).find("multicast") != std::string::npos);
+  CHECK(diagnose_silence({3, DiscoveryRange::off, {}}, search).find("is OFF") != std::string::npos);
+  search.participants = 2;
+  CHECK(diagnose_silence({3, DiscoveryRange::subnet, {}}, search).find("2 participants of DDS without a topic") !=
+        std::string::npos);
+  search.interfaces.clear();
+  CHECK(diagnose_silence({}, search).find("(no network interface is up)") != std::string::npos);
 }
 
 }  // namespace
