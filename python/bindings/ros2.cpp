@@ -3,6 +3,7 @@
 
 #include "autonomous_world.hpp"
 #include "bindings.hpp"
+#include "ros2/link_proposal.hpp"
 #include "ros2/message_types.hpp"
 #include "ros2/real.hpp"
 #include "ros2/serve.hpp"
@@ -63,13 +64,33 @@ void init_ros2(nb::module_& m) {
       .def_ro("hash", &Endpoint::hash, "`RIHS01_...`; empty where it has none, as in Humble and on micro-ROS.")
       .def_prop_ro("reliable", [](const Endpoint& endpoint) { return endpoint.qos.reliable; })
       .def_prop_ro("transient_local", [](const Endpoint& endpoint) { return endpoint.qos.transient_local; })
+      .def_ro("rate", &Endpoint::rate,
+              "[Hz] of its topic's messages; 0 where fewer than two came, or their type is not known.")
       .def_ro("node", &Endpoint::node, "`/namespace/name`; empty where it has not been said.")
       .def("__repr__", [](const Endpoint& endpoint) {
         return fmt::format("Ros2Endpoint('{}', '{}')", endpoint.topic, endpoint.type);
       });
+  nb::class_<ros2::Graph>(m, "Ros2Graph", "The ROS 2 graph as it was found.")
+      .def_ro("endpoints", &ros2::Graph::endpoints)
+      .def_ro("silence", &ros2::Graph::silence, "What was seen, and what to try, where there is no endpoint.");
   m.def(
       "ros2_discover", [](double wall) { return ros2::discover(seconds("wall", wall)); }, "wall"_a, WithoutGil(),
       "Every endpoint of the ROS 2 graph that is found within a time [wall s].");
+  nb::class_<ros2::TopicUse>(m, "Ros2TopicUse", "What a robot's link would use of a topic.")
+      .def_ro("topic", &ros2::TopicUse::topic)
+      .def_ro("type", &ros2::TopicUse::type)
+      .def_ro("sensor", &ros2::TopicUse::sensor, "That it would be used for, or `command`; empty for none.")
+      .def_ro("reason", &ros2::TopicUse::reason, "Why it is not used.");
+  nb::class_<ros2::LinkProposal>(m, "Ros2LinkProposal", "A `link:` section made of topics that were discovered.")
+      .def_ro("topics", &ros2::LinkProposal::topics)
+      .def_ro("missing", &ros2::LinkProposal::missing, "Sensors without a topic, and `command`.")
+      .def_ro("yaml", &ros2::LinkProposal::yaml);
+  m.def(
+      "ros2_propose_link",
+      [](const RobotProfile& profile, const std::vector<Endpoint>& endpoints) {
+        return ros2::propose_link(profile, endpoints);
+      },
+      "profile"_a, "endpoints"_a, "Which topics a robot of a profile would use.");
   m.def(
       "ros2_distributions_with",
       [](std::string_view type, std::string_view hash) {

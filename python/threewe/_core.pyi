@@ -3988,15 +3988,64 @@ class Ros2Endpoint:
     def transient_local(self) -> bool: ...
 
     @property
+    def rate(self) -> float:
+        """
+        [Hz] of its topic's messages; 0 where fewer than two came, or their type is not known.
+        """
+
+    @property
     def node(self) -> str:
         """`/namespace/name`; empty where it has not been said."""
 
     def __repr__(self) -> str: ...
 
-def ros2_discover(wall: float) -> list[Ros2Endpoint]:
+class Ros2Graph:
+    """The ROS 2 graph as it was found."""
+
+    @property
+    def endpoints(self) -> list[Ros2Endpoint]: ...
+
+    @property
+    def silence(self) -> str:
+        """What was seen, and what to try, where there is no endpoint."""
+
+def ros2_discover(wall: float) -> Ros2Graph:
     """
     Every endpoint of the ROS 2 graph that is found within a time [wall s].
     """
+
+class Ros2TopicUse:
+    """What a robot's link would use of a topic."""
+
+    @property
+    def topic(self) -> str: ...
+
+    @property
+    def type(self) -> str: ...
+
+    @property
+    def sensor(self) -> str:
+        """That it would be used for, or `command`; empty for none."""
+
+    @property
+    def reason(self) -> str:
+        """Why it is not used."""
+
+class Ros2LinkProposal:
+    """A `link:` section made of topics that were discovered."""
+
+    @property
+    def topics(self) -> list[Ros2TopicUse]: ...
+
+    @property
+    def missing(self) -> list[str]:
+        """Sensors without a topic, and `command`."""
+
+    @property
+    def yaml(self) -> str: ...
+
+def ros2_propose_link(profile: RobotProfile, endpoints: Sequence[Ros2Endpoint]) -> Ros2LinkProposal:
+    """Which topics a robot of a profile would use."""
 
 def ros2_distributions_with(type: str, hash: str) -> list[str]:
     """The distributions in which a type has this hash."""

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import re
 import time
+from pathlib import Path
 from typing import Annotated
 
 import typer
@@ -17,34 +19,53 @@ app = typer.Typer(help="Robots that speak ROS 2, without ROS 2 installed.", no_a
 @app.command()
 def discover(
     seconds: Annotated[float, typer.Option(min=0.1, max=60.0, help="How long to look.")] = 3.0,
+    robot: Annotated[str, typer.Option(help="Profile whose sensors topics are looked for.")] = "3we_standard_v2",
+    write: Annotated[
+        Path | None, typer.Option(help="A file to write: that profile, with a link to the topics that are used.")
+    ] = None,
 ) -> None:
-    """List the topics that nodes publish or take, their types, distributions and quality of service.
+    """List the topics that nodes publish or take, and what a robot of a profile would use of them.
 
     It searches this computer unless ROS_AUTOMATIC_DISCOVERY_RANGE or ROS_STATIC_PEERS ask for more, in ROS_DOMAIN_ID.
     """
-    endpoints = [endpoint for endpoint in _core.ros2_discover(seconds) if endpoint.topic.startswith("/")]
+    profile = _core.RobotProfile.load(robot)
+    graph = _core.ros2_discover(seconds)
+    console = plain_console()
+    if graph.silence:
+        console.print(graph.silence, highlight=False)
+        raise typer.Exit(1)
+    proposal = _core.ros2_propose_link(profile, graph.endpoints)
     table = Table(
         Column("topic", overflow="fold"),
         Column("type", overflow="fold"),
         "publishers",
         "takers",
+        "rate [Hz]",
         "offered",
         Column("distribution", overflow="fold"),
+        Column("used as", overflow="fold"),
     )
-    for topic, kind in sorted({(endpoint.topic, endpoint.type) for endpoint in endpoints}):
-        same = [endpoint for endpoint in endpoints if (endpoint.topic, endpoint.type) == (topic, kind)]
+    for use in proposal.topics:
+        same = [endpoint for endpoint in graph.endpoints if (endpoint.topic, endpoint.type) == (use.topic, use.type)]
         publishers = [endpoint for endpoint in same if endpoint.publishes]
         table.add_row(
-            topic,
-            kind or "none of ROS 2",
+            use.topic,
+            use.type or "none of ROS 2",
             _names(publishers),
             _names([endpoint for endpoint in same if not endpoint.publishes]),
+            f"{publishers[0].rate:.1f}" if publishers and publishers[0].rate else "-",
             ", ".join(sorted({_quality(endpoint) for endpoint in publishers})),
             ", ".join(sorted({_distribution(endpoint) for endpoint in same})),
+            use.sensor or f"none: {use.reason}",
         )
-    console = plain_console()
     console.print(table)
-    console.print(f"{len(endpoints)} publishers and subscriptions", highlight=False)
+    console.print(f"{len(graph.endpoints)} publishers and subscriptions", highlight=False)
+    if proposal.missing:
+        console.print(f"without a topic: {', '.join(proposal.missing)}", highlight=False)
+    if write is not None:
+        rest = re.sub(r"^link:.*(\n[ \t#].*|\n(?=\n|[ \t]))*\n?", "", profile.yaml, flags=re.MULTILINE)
+        write.write_text(f"{rest.rstrip()}\n\n{proposal.yaml}")
+        console.print(f"written: {write}", highlight=False)
 
 
 @app.command()

@@ -10,25 +10,6 @@ namespace {
 constexpr double kSoonest = 0.05;  // [s] commands come every 0.02 s, and one may be lost
 constexpr double kLatest = 2.0;    // [s] at 0.5 m/s, a metre without control
 
-struct Deliverable {
-  std::string sensor;
-  std::vector<std::string> types;
-};
-
-// What this robot's sensors may come as.
-std::vector<Deliverable> deliverables(const RobotProfile& profile) {
-  std::vector<Deliverable> all{{"odometry", {"nav_msgs/msg/Odometry", "tf2_msgs/msg/TFMessage"}}};
-  if (profile.lidar) all.push_back({"lidar", {"sensor_msgs/msg/LaserScan"}});
-  if (profile.imu) all.push_back({"imu", {"sensor_msgs/msg/Imu"}});
-  if (profile.battery) all.push_back({"battery", {"sensor_msgs/msg/BatteryState"}});
-  if (profile.camera) all.push_back({"camera", {"sensor_msgs/msg/Image", "sensor_msgs/msg/CompressedImage"}});
-  if (profile.camera && profile.camera->depth) all.push_back({"depth", {"sensor_msgs/msg/Image"}});
-  if (profile.ultrasonics) {
-    for (const auto& mount : profile.ultrasonics->mounts) all.push_back({mount.name, {"sensor_msgs/msg/Range"}});
-  }
-  return all;
-}
-
 std::string read_name(const ConfigNode& node) {
   const std::string name = node.text();
   if (is_ros_name(name)) return name;
@@ -62,6 +43,21 @@ bool is_ros_name(std::string_view name) {
   return before != ' ' && before != '/';
 }
 
+std::vector<Deliverable> deliverables(const RobotProfile& profile) {
+  std::vector<Deliverable> all{{"odometry", {"nav_msgs/msg/Odometry", "tf2_msgs/msg/TFMessage"}}};
+  if (profile.lidar) all.push_back({"lidar", {"sensor_msgs/msg/LaserScan"}});
+  if (profile.imu) all.push_back({"imu", {"sensor_msgs/msg/Imu"}});
+  if (profile.battery) all.push_back({"battery", {"sensor_msgs/msg/BatteryState"}});
+  if (profile.camera) all.push_back({"camera", {"sensor_msgs/msg/Image", "sensor_msgs/msg/CompressedImage"}});
+  if (profile.camera && profile.camera->depth) all.push_back({"depth", {"sensor_msgs/msg/Image"}});
+  if (profile.ultrasonics) {
+    for (const auto& mount : profile.ultrasonics->mounts) all.push_back({mount.name, {"sensor_msgs/msg/Range"}});
+  }
+  return all;
+}
+
+std::vector<std::string> command_types() { return {"geometry_msgs/msg/Twist", "geometry_msgs/msg/TwistStamped"}; }
+
 LinkSpec read_link(ConfigNode node, const RobotProfile& profile) {
   LinkSpec link;
   link.driver = node.choice("driver", {"ros2"});
@@ -77,8 +73,7 @@ LinkSpec read_link(ConfigNode node, const RobotProfile& profile) {
   topics.finish();
   ConfigNode command = node.at("command");
   if (command.has("shared")) link.shared_command = command.at("shared").boolean();
-  link.command = read_topic(command, link.name_space, "command",
-                            {"geometry_msgs/msg/Twist", "geometry_msgs/msg/TwistStamped"}, true);
+  link.command = read_topic(command, link.name_space, "command", command_types(), true);
 
   if (node.has("frames")) {
     ConfigNode frames = node.at("frames");

@@ -1,7 +1,9 @@
 // The `link:` section of a robot profile: how the real robot is reached.
 #pragma once
 
+#include <string>
 #include <string_view>
+#include <vector>
 
 #include "core/config.hpp"
 #include "threewe/hardware/profile.hpp"
@@ -10,6 +12,16 @@ namespace threewe {
 
 /// Whether ROS 2 takes a name: parts of letters, digits and underscores, each after a slash, none with a digit first.
 bool is_ros_name(std::string_view name);
+
+/// A sensor, and the message types that it may come as, the preferred one first.
+struct Deliverable {
+  std::string sensor;
+  std::vector<std::string> types;
+};
+/// What this robot's sensors may come as; "depth" is the camera's second image.
+std::vector<Deliverable> deliverables(const RobotProfile& profile);
+/// The types of velocities.
+std::vector<std::string> command_types();
 
 /// Reads the section. `profile` has its sensors already. Throws ConfigError.
 LinkSpec read_link(ConfigNode node, const RobotProfile& profile);

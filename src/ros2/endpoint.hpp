@@ -24,6 +24,7 @@ struct Endpoint {
   Qos qos;                              ///< the depth is not known of others, and 0
   std::array<std::uint8_t, 16> guid{};  ///< names it
   bool of_cyclone_service = false;      ///< requests and replies begin with who asked, as ROS 2 on Cyclone DDS has them
+  double rate = 0.0;                    ///< [Hz] of its topic's messages, where they were counted
   std::string node;                     ///< "/namespace/name"; empty where it has not been said
 };
 

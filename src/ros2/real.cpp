@@ -16,7 +16,7 @@ namespace threewe::ros2 {
 
 std::unique_ptr<backend::World> make_world(const backend::WorldOptions& options) { return make_real_world(options); }
 
-std::vector<Endpoint> discover(Duration wall) { return discover_with_cyclone(wall); }
+Graph discover(Duration wall) { return discover_with_cyclone(wall); }
 
 std::unique_ptr<Server> serve(std::unique_ptr<backend::World> world, const ServeOptions& options) {
   return serve_with_cyclone(std::move(world), options);
@@ -36,7 +36,7 @@ namespace {
 
 std::unique_ptr<backend::World> make_world(const backend::WorldOptions&) { fail(); }
 
-std::vector<Endpoint> discover(Duration) { fail(); }
+Graph discover(Duration) { fail(); }
 
 std::unique_ptr<Server> serve(std::unique_ptr<backend::World>, const ServeOptions&) { fail(); }
 

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <memory>
+#include <string>
 #include <vector>
 
 #include "ros2/endpoint.hpp"
@@ -17,8 +18,13 @@ inline constexpr const char* kInstall = "apt install cyclonedds-dev";
 /// where the DDS library cannot be loaded, naming the package, and for options that only simulators have.
 std::unique_ptr<backend::World> make_world(const backend::WorldOptions& options);
 
-/// Every endpoint of the ROS 2 graph that is found within a time [wall], by topic; with whom it looks is the
-/// environment's to say, as for a world. Throws ConfigError as that does.
-std::vector<Endpoint> discover(Duration wall);
+/// The ROS 2 graph as it was found.
+struct Graph {
+  std::vector<Endpoint> endpoints;  ///< by topic
+  std::string silence;              ///< where there is none, what was seen, and what to try
+};
+/// Looks for a time [wall], and counts messages meanwhile; with whom it looks is the environment's to say, as for a
+/// world. Throws ConfigError as that does.
+Graph discover(Duration wall);
 
 }  // namespace threewe::ros2

@@ -6,6 +6,7 @@ All of it is in real time: what is compared are places and outcomes, not duratio
 import json
 import math
 import os
+import re
 import shutil
 import signal
 import subprocess
@@ -173,7 +174,7 @@ def test_transforms_jpegs_and_stamped_commands_do_too(network: pytest.MonkeyPatc
 @pytest.mark.usefixtures("played")
 def test_the_graph_shows_the_robot_and_us() -> None:
     with threewe.sync.Robot(backend="real"):
-        found = _core.ros2_discover(2.0)
+        found = _core.ros2_discover(2.0).endpoints
     scan = next(endpoint for endpoint in found if endpoint.topic == "/scan" and endpoint.publishes)
     assert scan.type == "sensor_msgs/msg/LaserScan"
     assert not scan.reliable
@@ -221,13 +222,40 @@ def test_others_are_told_of_us_in_their_layout(network: pytest.MonkeyPatch) -> N
     assert other.truth["nodes"] == {"/threewe": topics + 1}
 
 
-@pytest.mark.usefixtures("played")
-def test_the_command_line_lists_it() -> None:
-    command = [sys.executable, "-c", "from threewe.cli import main; main()", "ros2", "discover"]
-    done = subprocess.run(command, capture_output=True, text=True)
-    assert done.returncode == 0, done.stderr
-    assert "/cmd_vel" in done.stdout
-    assert "humble or" in done.stdout
+def discover(*options: str) -> subprocess.CompletedProcess[str]:
+    command = [sys.executable, "-c", "from threewe.cli import main; main()", "ros2", "discover", *options]
+    return subprocess.run(command, capture_output=True, text=True, env=os.environ | {"COLUMNS": "250"})
+
+
+def test_what_the_command_line_finds_is_written_as_a_link_that_drives(
+    network: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    """Of a robot whose topics are not those of its profile."""
+    domain = FIRST_DOMAIN + 1
+    network.setenv("ROS_DOMAIN_ID", str(domain))
+    profile = profile_with(tmp_path, ("topic: /scan,", "topic: /laser,"))
+    written = tmp_path / "written.yaml"
+    with RealRobot(domain, "--camera"):
+        done = discover("--robot", profile, "--write", str(written))
+        assert done.returncode == 0, done.stderr
+        row = next(line for line in done.stdout.splitlines() if "/scan" in line)
+        assert "humble or" in row
+        assert "best effort" in row
+        assert "lidar" in row
+        rate = re.search(r" (\d+\.\d) ", row)
+        assert rate
+        assert 5.0 < float(rate.group(1)) < 12.0
+        assert "none: no sensor comes as this type" not in row
+        with threewe.sync.Robot(backend="real", hardware=str(written)) as robot:
+            assert "camera" in robot.health
+            assert robot.rotate(0.3).success
+
+
+def test_the_command_line_says_where_it_looked(network: pytest.MonkeyPatch) -> None:
+    network.setenv("ROS_DOMAIN_ID", str(SILENT_DOMAIN))
+    done = discover("--seconds", "1")
+    assert done.returncode == 1
+    assert f"no ROS 2 node was found in domain {SILENT_DOMAIN} on this computer within 1 s (interfaces: " in done.stdout
 
 
 def profile_with(folder: Path, *changes: tuple[str, str]) -> str:
@@ -292,15 +320,15 @@ def test_two_robots_on_the_same_topics_are_not_mixed(
     network.setenv("ROS_DOMAIN_ID", str(domain))
     rivals = "odometry: two nodes publish it on /odom"
     with RealRobot(domain):
-        with threewe.sync.Robot(backend="real") as robot:
-            with RealRobot(domain, "--seed", "1"):
-                sleep_until(robot, lambda: rivals in caplog.text)
-                start = robot.get_odometry().pose
-                robot.set_velocity(0.2, 0.0, 0.0, hold=10.0)
-                robot.sleep(3.0)
-                robot.stop()
-                robot.sleep(0.5)
-                assert math.hypot(robot.get_odometry().pose.x - start.x, robot.get_odometry().pose.y - start.y) > 0.45
+        with threewe.sync.Robot(backend="real") as robot, RealRobot(domain, "--seed", "1"):
+            sleep_until(robot, lambda: rivals in caplog.text)
+            start = robot.get_odometry().pose
+            robot.set_velocity(0.2, 0.0, 0.0, hold=10.0)
+            robot.sleep(3.0)
+            robot.stop()
+            robot.sleep(0.5)
+            end = robot.get_odometry().pose
+            assert math.hypot(end.x - start.x, end.y - start.y) > 0.45
         with (
             RealRobot(domain, "--seed", "1"),
             pytest.raises(ConnectionError, match=rivals),
@@ -331,11 +359,30 @@ def test_a_topic_that_changes_its_type_is_named(network: pytest.MonkeyPatch, cap
         robot.disconnect()
 
 
-def test_silence_says_what_to_try(network: pytest.MonkeyPatch) -> None:
+def test_silence_says_what_was_seen_and_what_to_try(network: pytest.MonkeyPatch) -> None:
     network.setenv("ROS_DOMAIN_ID", str(SILENT_DOMAIN))
-    nothing = f"no ROS 2 node was found in domain {SILENT_DOMAIN} on this computer"
+    nothing = rf"no ROS 2 node was found in domain {SILENT_DOMAIN} on this computer within 10 s \(.*127.0.0.1"
     with pytest.raises(ConnectionError, match=nothing), threewe.sync.Robot(backend="real"):
         pass
+
+
+def test_a_network_that_is_not_there_is_named(network: pytest.MonkeyPatch) -> None:
+    """Of the configuration of Cyclone DDS, and in a network namespace in which nothing is up."""
+    network.setenv("ROS_DOMAIN_ID", str(SILENT_DOMAIN))
+    program = "import threewe.sync; threewe.sync.Robot('real').connect()"
+    interface = '<Interfaces><NetworkInterface name="eth77"/></Interfaces>'
+    interface = f"<CycloneDDS><Domain><General>{interface}</General></Domain></CycloneDDS>"
+    asked = os.environ | {"ROS_AUTOMATIC_DISCOVERY_RANGE": "SYSTEM_DEFAULT", "CYCLONEDDS_URI": interface}
+    run = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, env=asked)
+    assert f"Cyclone DDS cannot begin in ROS domain {SILENT_DOMAIN} (interfaces: " in run.stderr
+    assert "eth77: does not match an available interface" in run.stderr
+
+    unshare = shutil.which("unshare")
+    assert unshare
+    run = subprocess.run([unshare, "-rn", sys.executable, "-c", program], capture_output=True, text=True)
+    if "unshare:" in run.stderr:
+        pytest.skip("this computer lets no one make network namespaces")
+    assert f"Cyclone DDS cannot begin in ROS domain {SILENT_DOMAIN} (no network interface is up)" in run.stderr
 
 
 def test_without_the_library_one_error_names_the_package() -> None:

@@ -62,7 +62,7 @@ def test_a_peer_without_keys_neither_sees_nor_drives(
         assert simulator.stdout is not None
         assert simulator.stdout.readline().startswith("serving ")
 
-        assert [endpoint for endpoint in _core.ros2_discover(3.0) if endpoint.topic.startswith("/")] == []
+        assert [endpoint for endpoint in _core.ros2_discover(3.0).endpoints if endpoint.topic.startswith("/")] == []
         with pytest.raises(ConnectionError, match=r"cannot be reached|no ROS 2 node was found"):
             threewe.sync.Robot("real").connect()
         topics = ["/odom=nav_msgs::msg::dds_::Odometry_", "--drive", "/cmd_vel"]

@@ -157,7 +157,7 @@ def test_we_drive_what_we_serve(network: pytest.MonkeyPatch) -> None:
         result = robot.move_to(x=1.2, y=0.5)
         assert result.success, result
         assert abs(result.pose.x - 1.2) < 0.4
-        found = _core.ros2_discover(1.0)
+        found = _core.ros2_discover(1.0).endpoints
     (clock,) = [endpoint for endpoint in found if endpoint.topic == "/clock" and endpoint.publishes]
     assert clock.node == "/simulator"
     assert "jazzy" in _core.ros2_distributions_with(clock.type, clock.hash)
@@ -166,7 +166,7 @@ def test_we_drive_what_we_serve(network: pytest.MonkeyPatch) -> None:
 def test_several_robots_have_namespaces(network: pytest.MonkeyPatch) -> None:
     network.setenv("ROS_DOMAIN_ID", str(FIRST_DOMAIN + 2))
     with Served("--robot", PROFILE, "--robot", "turtlebot_like"):
-        found = [endpoint for endpoint in _core.ros2_discover(2.0) if endpoint.publishes]
+        found = [endpoint for endpoint in _core.ros2_discover(2.0).endpoints if endpoint.publishes]
     scans = {endpoint.topic: endpoint.node for endpoint in found if endpoint.topic.endswith("/scan")}
     assert scans == {"/robot_1/scan": "/robot_1/simulator", "/robot_2/scan": "/robot_2/simulator"}
     assert [endpoint.topic for endpoint in found].count("/clock") == 1

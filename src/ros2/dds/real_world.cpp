@@ -1,12 +1,20 @@
 #include "ros2/dds/real_world.hpp"
 
+#include <algorithm>
+#include <chrono>
 #include <cstdlib>
+#include <map>
+#include <mutex>
+#include <string>
 #include <thread>
 #include <utility>
 
 #include <fmt/format.h>
 
 #include "ros2/dds/real_robot.hpp"
+#include "ros2/diagnosis.hpp"
+#include "ros2/message_types.hpp"
+#include "ros2/network_interfaces.hpp"
 #include "threewe/core/errors.hpp"
 
 namespace threewe::ros2 {
@@ -22,6 +30,31 @@ void check(const backend::WorldOptions& options) {
     fail(fmt::format("randomization is '{}'; no real robot can be randomized, it must be 'none'",
                      options.randomization));
   }
+}
+
+/// How often a topic's messages come; noted in threads of Cyclone's.
+class Meter {
+ public:
+  using Clock = std::chrono::steady_clock;
+  void note() {
+    const std::scoped_lock lock(mutex_);
+    last_ = Clock::now();
+    if (count_++ == 0) first_ = last_;
+  }
+  /// [Hz]; 0 for fewer than two.
+  double rate() {
+    const std::scoped_lock lock(mutex_);
+    return count_ < 2 ? 0.0 : (count_ - 1) / std::chrono::duration<double>(last_ - first_).count();
+  }
+
+ private:
+  std::mutex mutex_;
+  int count_ = 0;
+  Clock::time_point first_{}, last_{};
+};
+
+bool is_known(std::string_view type) {
+  return std::ranges::find(message_types(), type, &MessageType::name) != message_types().end();
 }
 
 class RealWorld : public backend::PluginWorld {
@@ -67,11 +100,32 @@ std::unique_ptr<backend::World> make_real_world(const backend::WorldOptions& opt
   return std::make_unique<RealWorld>(std::move(mailbox), our_discovery());
 }
 
-std::vector<Endpoint> discover_with_cyclone(Duration wall) {
+Graph discover_with_cyclone(Duration wall) {
   (void)library();
-  Node node(our_discovery(), "/", "threewe_discover");
-  std::this_thread::sleep_for(wall);
-  return node.endpoints();
+  const Discovery discovery = our_discovery();
+  std::map<std::string, Meter> meters;  // by topic; outlive the node
+  Node node(discovery, "/", "threewe_discover");
+  Graph graph;
+  const auto end = Meter::Clock::now() + wall;
+  while (Meter::Clock::now() < end) {
+    std::this_thread::sleep_for(100ms);
+    graph.endpoints = node.endpoints();
+    for (const Endpoint& endpoint : graph.endpoints) {
+      if (!endpoint.publishes || !is_known(endpoint.type) || !endpoint.topic.starts_with('/')) continue;
+      const auto [at, added] = meters.try_emplace(endpoint.topic);
+      if (!added) continue;
+      node.subscribe(endpoint.topic, endpoint.type, {.reliable = false},
+                     [meter = &at->second](std::span<const std::uint8_t>, std::uint64_t) { meter->note(); });
+    }
+  }
+  for (Endpoint& endpoint : graph.endpoints) {
+    const auto meter = meters.find(endpoint.topic);
+    if (meter != meters.end()) endpoint.rate = meter->second.rate();
+  }
+  if (graph.endpoints.empty()) {
+    graph.silence = diagnose_silence(discovery, {wall, node.participants(), network_interfaces()});
+  }
+  return graph;
 }
 
 }  // namespace threewe::ros2

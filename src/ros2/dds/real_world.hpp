@@ -2,10 +2,9 @@
 #pragma once
 
 #include <memory>
-#include <vector>
 
 #include "ros2/discovery.hpp"
-#include "ros2/endpoint.hpp"
+#include "ros2/real.hpp"
 #include "threewe/backend/world.hpp"
 
 namespace threewe::ros2 {
@@ -15,6 +14,6 @@ std::unique_ptr<backend::World> make_real_world(const backend::WorldOptions& opt
 /// With whom this process talks, by the variables of ROS 2 in its environment.
 Discovery our_discovery();
 /// See `discover`.
-std::vector<Endpoint> discover_with_cyclone(Duration wall);
+Graph discover_with_cyclone(Duration wall);
 
 }  // namespace threewe::ros2
