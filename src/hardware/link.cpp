@@ -45,7 +45,7 @@ bool is_ros_name(std::string_view name) {
 
 std::vector<Deliverable> deliverables(const RobotProfile& profile) {
   std::vector<Deliverable> all{{"odometry", {"nav_msgs/msg/Odometry", "tf2_msgs/msg/TFMessage"}}};
-  if (profile.lidar) all.push_back({"lidar", {"sensor_msgs/msg/LaserScan"}});
+  if (profile.lidar) all.push_back({"lidar", {"sensor_msgs/msg/LaserScan", "sensor_msgs/msg/PointCloud2"}});
   if (profile.imu) all.push_back({"imu", {"sensor_msgs/msg/Imu"}});
   if (profile.battery) all.push_back({"battery", {"sensor_msgs/msg/BatteryState"}});
   if (profile.camera) all.push_back({"camera", {"sensor_msgs/msg/Image", "sensor_msgs/msg/CompressedImage"}});

@@ -17,8 +17,9 @@ namespace threewe::ros2 {
 namespace {
 
 // What the types of sensors are called in a profile.
-constexpr std::array<std::pair<std::string_view, std::string_view>, 6> kSensorTypes{
+constexpr std::array<std::pair<std::string_view, std::string_view>, 7> kSensorTypes{
     {{"sensor_msgs/msg/LaserScan", "lidar"},
+     {"sensor_msgs/msg/PointCloud2", "lidar"},
      {"sensor_msgs/msg/Imu", "imu"},
      {"sensor_msgs/msg/BatteryState", "battery"},
      {"sensor_msgs/msg/Range", "ultrasonics"},

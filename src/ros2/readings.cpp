@@ -207,6 +207,82 @@ ReadingOrMistake to_reading(const sensor_msgs::LaserScan& scan, const LidarSpec&
   return Reading{resampler.scan(), to_time(scan.header.stamp), resampler.to_beam_0(), resampler.to_end()};
 }
 
+// Clouds.
+
+namespace {
+
+/// Where a cloud has the coordinates of its points.
+class CloudReader {
+ public:
+  /// Or what is wrong with the cloud.
+  static tl::expected<CloudReader, std::string> of(const sensor_msgs::PointCloud2& cloud) {
+    constexpr std::uint8_t kFloat32 = 7;
+    if (cloud.is_bigendian) return mistake("points that are big-endian");
+    CloudReader reader(cloud);
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const std::string name(1, "xyz"[axis]);
+      const auto field = std::ranges::find(cloud.fields, name, &sensor_msgs::PointField::name);
+      if (field == cloud.fields.end() || field->datatype != kFloat32) {
+        return mistake(fmt::format("points without {} as float32", name));
+      }
+      reader.offsets_[axis] = field->offset;
+      if (std::uint64_t{field->offset} + sizeof(float) > cloud.point_step) {
+        return mistake(
+            fmt::format("points of {} bytes, whose {} is at {}", cloud.point_step, name, field->offset));
+      }
+    }
+    const std::uint64_t row = std::uint64_t{cloud.width} * cloud.point_step;
+    if (cloud.row_step < row || cloud.data.size() / std::max<std::size_t>(cloud.row_step, 1) < cloud.height) {
+      return mistake(fmt::format("{} bytes, which are no {} x {} points of {} bytes", cloud.data.size(), cloud.width,
+                                 cloud.height, cloud.point_step));
+    }
+    return reader;
+  }
+  std::array<double, 3> point(std::size_t row, std::size_t column) const {
+    const std::uint8_t* begin = cloud_->data.data() + row * cloud_->row_step + column * cloud_->point_step;
+    std::array<double, 3> xyz{};
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      float value = 0.0F;
+      std::memcpy(&value, begin + offsets_[axis], sizeof value);
+      xyz[axis] = static_cast<double>(value);
+    }
+    return xyz;
+  }
+
+ private:
+  explicit CloudReader(const sensor_msgs::PointCloud2& cloud) : cloud_(&cloud) {}
+  const sensor_msgs::PointCloud2* cloud_;
+  std::array<std::size_t, 3> offsets_{};
+};
+
+}  // namespace
+
+ReadingOrMistake to_reading(const sensor_msgs::PointCloud2& cloud, const LidarSpec& spec, std::string_view base_frame) {
+  constexpr double kSlab = 0.05;  // [m] above and below the lidar's plane: its level ring, and none of the floor
+  if (cloud.header.frame_id == base_frame) {
+    return mistake(fmt::format("points in frame '{}'; those in the lidar's own frame are needed", base_frame));
+  }
+  const auto reader = CloudReader::of(cloud);
+  if (!reader) return mistake(reader.error());
+  LaserScan scan;
+  scan.angle_increment = 2.0 * exact::kPi / spec.beams;
+  scan.angle_min = -exact::kPi + 0.5 * scan.angle_increment;
+  scan.range_min = spec.range_min;
+  scan.range_max = spec.range_max;
+  scan.ranges.assign(static_cast<std::size_t>(spec.beams), 0.0F);
+  for (std::size_t row = 0; row < cloud.height; ++row) {
+    for (std::size_t column = 0; column < cloud.width; ++column) {
+      const auto [x, y, z] = reader->point(row, column);
+      const double range = std::hypot(x, y);
+      if (!(std::abs(z) <= kSlab && range >= spec.range_min && range < spec.range_max)) continue;  // nan is in none
+      const double place = (std::atan2(y, x) + exact::kPi) / scan.angle_increment;
+      float& nearest = scan.ranges[std::min(static_cast<std::size_t>(place), scan.ranges.size() - 1)];
+      if (nearest == 0.0F || static_cast<float>(range) < nearest) nearest = static_cast<float>(range);
+    }
+  }
+  return Reading{std::move(scan), to_time(cloud.header.stamp), {}, {}};
+}
+
 // Pictures.
 
 namespace {

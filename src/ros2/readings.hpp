@@ -6,6 +6,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -34,6 +35,9 @@ using ReadingOrMistake = tl::expected<Reading, std::string>;
 /// nearest return within each beam of the profile's, as the contract wants it; beams that it does not reach are
 /// invalid.
 ReadingOrMistake to_reading(const sensor_msgs::LaserScan& scan, const LidarSpec& spec);
+/// Of a cloud in the lidar's own frame, the nearest point within each beam among those at its height; beams without one
+/// are invalid. `base_frame` is the one that is refused, as it says nothing of the lidar's height.
+ReadingOrMistake to_reading(const sensor_msgs::PointCloud2& cloud, const LidarSpec& spec, std::string_view base_frame);
 /// In the base frame, as it comes: the profile has no pose of the inertial unit.
 ReadingOrMistake to_reading(const sensor_msgs::Imu& imu);
 /// The pose, and the velocity in the body frame.

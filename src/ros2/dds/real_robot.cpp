@@ -397,6 +397,10 @@ std::optional<ReadingOrMistake> RealRobot::read(Source& source, std::span<const 
       return pictures_->add_compressed(std::make_shared<const CompressedImage>(std::move(image)));
     });
   }
+  if (source.topic.type == PointCloud2::kType) {
+    return converted(std::type_identity<PointCloud2>(),
+                     [this](const PointCloud2& cloud) { return to_reading(cloud, *profile_.lidar, link_.base_frame); });
+  }
   switch (type_of(source.topic.sensor)) {
     case SensorType::lidar:
       return converted(std::type_identity<sensor_msgs::LaserScan>(),

@@ -3,8 +3,11 @@
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
+#include <cstring>
 #include <limits>
 #include <string>
 #include <string_view>
@@ -49,6 +52,88 @@ float range_at(const LaserScan& scan, double angle) {
   const double place = wrap_angle(angle - scan.angle_min) / scan.angle_increment;
   const auto beams = static_cast<int>(scan.ranges.size());
   return scan.ranges[static_cast<std::size_t>((static_cast<int>(std::lround(place)) + beams) % beams)];
+}
+
+// Points of 16 bytes, as drivers have them, with an intensity.
+sensor_msgs::PointCloud2 cloud_of(const std::vector<std::array<float, 3>>& points, std::uint32_t rows = 1) {
+  sensor_msgs::PointCloud2 cloud;
+  cloud.header = {{100, 0}, "lidar"};
+  cloud.height = rows;
+  cloud.width = static_cast<std::uint32_t>(points.size()) / rows;
+  cloud.point_step = 16;
+  cloud.row_step = 16 * cloud.width;
+  cloud.fields = {{"x", 0, 7, 1}, {"y", 4, 7, 1}, {"z", 8, 7, 1}, {"intensity", 12, 7, 1}};
+  cloud.data.resize(16 * points.size());
+  for (std::size_t i = 0; i < points.size(); ++i) std::memcpy(&cloud.data[16 * i], points[i].data(), 12);
+  return cloud;
+}
+
+TEST_CASE("a cloud is cut at the lidar's height") {
+  const LidarSpec& spec = *robot().lidar;
+  const auto cloud = cloud_of({{2.0F, 0.0F, 0.0F},
+                               {1.0F, 0.0F, 0.3F},   // above
+                               {1.0F, 0.0F, -0.2F},  // the floor
+                               {0.0F, 3.0F, 0.04F},
+                               {0.0F, 2.5F, -0.04F},
+                               {-4.0F, -0.01F, 0.0F},
+                               {kNan, kNan, kNan},
+                               {50.0F, 50.0F, 0.0F}},
+                              2);
+  const ReadingOrMistake reading = to_reading(cloud, spec, "base_link");
+  const LaserScan& scan = scan_in(reading);
+  CHECK(reading->stamp == 100s);
+  check_data({"lidar", SensorType::lidar, 10.0}, scan, robot());
+  CHECK(range_at(scan, 0.5 * scan.angle_increment) == 2.0F);
+  CHECK(range_at(scan, 0.5 * exact::kPi + 0.5 * scan.angle_increment) == 2.5F);
+  CHECK(range_at(scan, scan.angle_min) == doctest::Approx(4.0));
+  CHECK(std::ranges::count_if(scan.ranges, [](float range) { return range != 0.0F; }) == 3);
+}
+
+TEST_CASE("a cloud is what each of its points in turn says") {
+  const LidarSpec& spec = *robot().lidar;
+  for (std::uint64_t seed = 0; seed < 100; ++seed) {
+    CAPTURE(seed);
+    Draw draw(seed);
+    std::vector<std::array<float, 3>> points(400);
+    for (auto& point : points) {
+      for (std::size_t axis = 0; axis < 2; ++axis) point[axis] = static_cast<float>(draw(-15.0, 15.0));
+      point[2] = static_cast<float>(draw(-0.2, 0.2));
+    }
+    const ReadingOrMistake reading = to_reading(cloud_of(points, 4), spec, "base_link");
+    const LaserScan& scan = scan_in(reading);
+    for (std::size_t i = 0; i < scan.ranges.size(); ++i) {
+      const double angle = scan.angle_min + static_cast<double>(i) * scan.angle_increment;
+      double nearest = 0.0;
+      for (const auto& point : points) {
+        const auto [x, y, z] =
+            std::array{static_cast<double>(point[0]), static_cast<double>(point[1]), static_cast<double>(point[2])};
+        const double range = std::hypot(x, y);
+        const bool within = std::abs(wrap_angle(std::atan2(y, x) - angle)) < 0.5 * scan.angle_increment;
+        if (!within || std::abs(z) > 0.05 || range < spec.range_min || range >= spec.range_max) continue;
+        if (nearest == 0.0 || range < nearest) nearest = range;
+      }
+      CHECK(static_cast<double>(scan.ranges[i]) == doctest::Approx(nearest));
+    }
+  }
+}
+
+TEST_CASE("a cloud that cannot be read says why") {
+  const LidarSpec& spec = *robot().lidar;
+  const auto error = [&](auto&& change) {
+    sensor_msgs::PointCloud2 cloud = cloud_of({{1.0F, 0.0F, 0.0F}, {2.0F, 0.0F, 0.0F}});
+    change(cloud);
+    const ReadingOrMistake reading = to_reading(cloud, spec, "base_link");
+    return reading ? "" : reading.error();
+  };
+  CHECK(error([](auto&) {}).empty());
+  CHECK(error([](auto& cloud) { cloud.fields[2].name = "r"; }) == "points without z as float32");
+  CHECK(error([](auto& cloud) { cloud.fields[0].datatype = 8; }) == "points without x as float32");
+  CHECK(error([](auto& cloud) { cloud.fields[1].offset = 13; }) == "points of 16 bytes, whose y is at 13");
+  CHECK(error([](auto& cloud) { cloud.width = 3; }).starts_with("32 bytes, which are no 3 x 1 points"));
+  CHECK(error([](auto& cloud) { cloud.height = 0xFFFFFFFF; }).starts_with("32 bytes, which are no"));
+  CHECK(error([](auto& cloud) { cloud.row_step = 0; }).starts_with("32 bytes, which are no"));
+  CHECK(error([](auto& cloud) { cloud.is_bigendian = true; }) == "points that are big-endian");
+  CHECK(error([](auto& cloud) { cloud.header.frame_id = "base_link"; }).find("lidar's own frame") != std::string::npos);
 }
 
 TEST_CASE("a turn of as many beams is itself") {
