@@ -227,8 +227,7 @@ class CloudReader {
       }
       reader.offsets_[axis] = field->offset;
       if (std::uint64_t{field->offset} + sizeof(float) > cloud.point_step) {
-        return mistake(
-            fmt::format("points of {} bytes, whose {} is at {}", cloud.point_step, name, field->offset));
+        return mistake(fmt::format("points of {} bytes, whose {} is at {}", cloud.point_step, name, field->offset));
       }
     }
     const std::uint64_t row = std::uint64_t{cloud.width} * cloud.point_step;
