@@ -28,8 +28,8 @@ from robot to robot with its *scale*, and the `autonomy:` section of a [profile]
 
 *Half* and *twice*: by how much the mean success weighted by path length changes, over {cases} far drives in generated
 buildings or, for parameters of tight places, through seven narrow doors (`./dev verify sensitivity --write-model`,
-commit {commit}, seed {seed}). `=`: every drive is the same to the bit, as where a parameter is of what these drives do not do:
-they explore nothing, meet no person and no fault, and start where they know their pose. `-`: a count that cannot be halved.
+commit {commit}, seed {seed}). `=`: every drive is the same to the bit, as where a parameter is of what these drives do
+not do: they explore nothing, meet no person and no fault, and know their pose. `-`: a count that cannot be halved.
 """
 
 
