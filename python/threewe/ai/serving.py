@@ -50,8 +50,11 @@ class PolicyServer:
         self._server.shutdown()
 
     def serve_forever(self) -> None:
-        """Answers until the program ends."""
-        self._server.serve_forever()
+        """Answers until the program is interrupted; then it lets go of its clients, who would keep it from ending."""
+        try:
+            self._server.serve_forever()
+        finally:
+            self._server.shutdown()
 
     def _talk(self, connection: Any) -> None:
         from websockets.exceptions import ConnectionClosed

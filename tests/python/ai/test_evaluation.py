@@ -39,6 +39,21 @@ def test_a_policy_that_stands_stops_at_once_and_fails(standing: Path) -> None:
     )
 
 
+def test_a_policy_goes_from_one_backend_to_the_other(tmp_path: Path) -> None:
+    result = tmp_path / "transfer.json"
+    how = ("--task", "objectnav", "--split", "in_sight_v1", "--scene", "warehouse_v1", "--seeds", "1")
+    counts = ("--episodes", "2", "--target-episodes", "1")
+    command = ["transfer", "run", "--policy", "policy:goto_v1", *how, *counts, "--output", str(result)]
+    done = CliRunner().invoke(app, command, catch_exceptions=False)
+    assert done.exit_code == 0, done.output
+    assert "SR on mock" in done.output
+    assert "SR on mujoco" in done.output
+    found = json.loads(result.read_text())["summary"]
+    assert (found["source"]["count"], found["target"]["count"]) == (2, 1)
+    assert found["source"]["value"] > 0  # it gets there, so that there is a ratio
+    assert found["ratio"]["count"] == 1
+
+
 def test_what_a_policy_fails_of_is_its_end(tmp_path: Path) -> None:
     broken = policies.write(tmp_path / "broken", policies.graph((3e38, 0.0, 0.0), red=3e38))
     (drive,) = evaluate(broken, Evaluation("generated", count=1))

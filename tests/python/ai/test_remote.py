@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 import asyncio
+import signal
+import subprocess
+import sys
 import threading
 import time
 from collections.abc import Callable, Iterator
@@ -53,6 +56,23 @@ def test_another_machine_gives_the_same_actions(runner: VLARunner) -> None:
             picture = random.integers(0, 256, (*SIZE, 3), np.uint8)
             there = far.predict_chunk(picture, "go to the chair")
             assert there == pytest.approx(runner.predict_chunk(picture, "go to the chair"), abs=1e-6)
+
+
+def test_the_command_serves_until_it_is_interrupted(runner: VLARunner) -> None:
+    program = "from threewe.cli import main; main()"
+    command = [sys.executable, "-u", "-c", program, "policy", "serve", str(runner.policy.folder), "--port", "0"]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as server:
+        assert server.stdout is not None
+        address = server.stdout.readline().split()[-1]
+        try:
+            far = VLARunner.from_pretrained(address)
+            picture = np.random.default_rng(1).integers(0, 256, (*SIZE, 3), np.uint8)
+            there = far.predict_chunk(picture, "go to the chair")
+            assert there == pytest.approx(runner.predict_chunk(picture, "go to the chair"), abs=1e-6)
+        finally:
+            server.send_signal(signal.SIGINT)
+    with pytest.raises(ConnectionError):
+        VLARunner.from_pretrained(address)
 
 
 def test_it_drives_from_another_machine_as_from_here(runner: VLARunner) -> None:

@@ -31,6 +31,8 @@ from threewe._core import Inference
 from threewe.ai import PolicyResult, VLARunner
 from threewe.ai.engine import GraphEngine
 from threewe.ai.folder import EMBEDDED
+from threewe.cli import app
+from typer.testing import CliRunner
 
 from verify.cases import act_checkpoints
 
@@ -63,6 +65,21 @@ def test_a_policy_that_stands_still_has_reached_its_goal(tmp_path: Path) -> None
     result, _ = asyncio.run(drive(runner_of(tmp_path, (0.0, 0.0, 0.0))))
     assert (result.reason, result.success) == ("reached", True)
     assert result.duration == pytest.approx(0.6, abs=0.05)
+
+
+def test_the_command_drives_and_its_exit_status_is_how_it_ended(tmp_path: Path) -> None:
+    def run(name: str, velocity: tuple[float, float, float]) -> tuple[int, str]:
+        folder = policies.write(tmp_path / name, policies.graph(velocity))
+        how = ("--instruction", "go to the chair", "--scene", "apartment_v1", "--seconds", "2")
+        done = CliRunner().invoke(app, ["policy", "run", str(folder), *how])
+        assert done.exception is None or isinstance(done.exception, SystemExit)
+        return done.exit_code, done.output
+
+    status, said = run("stands", (0.0, 0.0, 0.0))
+    assert (status, said.partition(":")[0]) == (0, "reached"), said
+    status, said = run("drives", (0.2, 0.0, 0.0))
+    assert (status, said.partition(",")[0]) == (1, "timeout"), said
+    assert "2.0 robot s, 0.1 s of them without actions, " in said
 
 
 def test_two_runs_in_lockstep_are_the_same(tmp_path: Path) -> None:
