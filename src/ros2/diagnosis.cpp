@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <iterator>
+#include <utility>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -121,6 +122,25 @@ std::string diagnose_silence(const Discovery& discovery, const Search& search) {
            "; to look farther, set ROS_AUTOMATIC_DISCOVERY_RANGE=SUBNET, or ROS_STATIC_PEERS to the robot's address";
   }
   return look + ": is ROS_DOMAIN_ID the robot's, and does the network let multicast through (else ROS_STATIC_PEERS)?";
+}
+
+diagnostic_msgs::DiagnosticStatus to_status(const RobotProfile& profile, std::string_view part, std::string mistake,
+                                            std::optional<Duration> age, Duration patience) {
+  constexpr std::byte kOk{0}, kError{2}, kStale{3};  // of diagnostic_msgs/msg/DiagnosticStatus
+  diagnostic_msgs::DiagnosticStatus status;
+  status.name = fmt::format("threewe: {}", part);
+  status.hardware_id = profile.name;
+  status.level = kOk;
+  status.message = "ok";
+  if (!age || *age > patience) {
+    status.level = kStale;
+    status.message = age ? fmt::format("no message for {:.1f} s", to_seconds(*age)) : "no message yet";
+  }
+  if (!mistake.empty()) {
+    status.level = kError;
+    status.message = std::move(mistake);
+  }
+  return status;
 }
 
 }  // namespace threewe::ros2

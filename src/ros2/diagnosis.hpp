@@ -2,11 +2,14 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "ros2/discovery.hpp"
 #include "ros2/endpoint.hpp"
+#include "ros2/messages/system_msgs.hpp"
 #include "threewe/core/time.hpp"
 #include "threewe/hardware/profile.hpp"
 
@@ -41,5 +44,10 @@ struct Search {
 std::string diagnose_silence(const Discovery& discovery, const Search& search);
 /// "(interfaces: ...)".
 std::string describe_interfaces(const std::vector<std::string>& interfaces);
+
+/// How a part of a robot is, as /diagnostics has it: an error where there is a mistake, stale where its newest message
+/// is older than `patience`, or none has come.
+diagnostic_msgs::DiagnosticStatus to_status(const RobotProfile& profile, std::string_view part, std::string mistake,
+                                            std::optional<Duration> age = Duration::zero(), Duration patience = 1s);
 
 }  // namespace threewe::ros2

@@ -20,6 +20,7 @@ import pytest
 import threewe
 import threewe.sync
 from real_robot import FIRST_DOMAIN, PROGRAM, SILENT_DOMAIN, RealRobot
+from ros2_recording import record
 from threewe import ConfigError, ConnectionError, Robot, _core
 from threewe.testing import check_backend, check_names
 
@@ -219,7 +220,7 @@ def test_others_are_told_of_us_in_their_layout(network: pytest.MonkeyPatch) -> N
     with RealRobot(FIRST_DOMAIN + 2) as other, threewe.sync.Robot(backend="real") as robot:
         robot.sleep(1.5)
     topics = 8  # of sensors
-    assert other.truth["nodes"] == {"/threewe": topics + 1}
+    assert other.truth["nodes"] == {"/threewe": topics + 2}  # with commands and diagnostics
 
 
 def discover(*options: str) -> subprocess.CompletedProcess[str]:
@@ -335,6 +336,27 @@ def test_two_robots_on_the_same_topics_are_not_mixed(
             threewe.sync.Robot(backend="real"),
         ):
             pass
+
+
+def test_diagnostics_say_how_each_topic_is(network: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    domain = FIRST_DOMAIN + 1
+    network.setenv("ROS_DOMAIN_ID", str(domain))
+    types = {"/diagnostics": "diagnostic_msgs/msg/DiagnosticArray"}
+    robot = threewe.sync.Robot(backend="real")
+    with RealRobot(domain):
+        robot.connect()
+        robot.sleep(1.0)
+        fine = record(domain, tmp_path / "fine", types, "0 0 0 125\n", "")["/diagnostics"]
+    gone = record(domain, tmp_path / "gone", types, "0 0 0 250\n", "")["/diagnostics"]
+    robot.disconnect()
+    assert len(fine) >= 2
+    said = {status.name: status for status in fine[-1].status}
+    assert said["threewe: lidar"].hardware_id == "3we_standard_v2"
+    assert {status.message for status in said.values()} == {"ok"}
+    assert set(said) >= {"threewe: command", "threewe: odometry", "threewe: ultrasonic_left"}
+    said = {status.name: status for status in gone[-1].status}
+    assert said["threewe: lidar"].level == 2
+    assert said["threewe: lidar"].message == "lidar: no node publishes /scan (sensor_msgs/msg/LaserScan)"
 
 
 def test_types_of_another_make_are_named(network: pytest.MonkeyPatch) -> None:

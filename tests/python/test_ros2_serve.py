@@ -151,6 +151,18 @@ def test_stamped_commands_drive_too(tmp_path: Path) -> None:
     assert last > 0.05
 
 
+def test_diagnostics_are_published_once_a_second(tmp_path: Path) -> None:
+    types = {"/clock": TYPES["/clock"], "/diagnostics": "diagnostic_msgs/msg/DiagnosticArray"}
+    with Served("--lockstep"):
+        messages = record(FIRST_DOMAIN, tmp_path / "record", types, "0.2 0 0 160\n", "--drive /cmd_vel")["/diagnostics"]
+    assert 2 <= len(messages) <= 4
+    stamps = [message.header.stamp.sec + 1e-9 * message.header.stamp.nanosec for message in messages]
+    assert np.allclose(np.diff(stamps), 1.0)
+    said = {status.name: status.message for status in messages[-1].status}
+    assert said["threewe: lidar"] == "ok"
+    assert set(said.values()) == {"ok"}
+
+
 def test_we_drive_what_we_serve(network: pytest.MonkeyPatch) -> None:
     network.setenv("ROS_DOMAIN_ID", str(FIRST_DOMAIN + 1))
     with Served("--scene", SCENE), threewe.sync.Robot(backend="real") as robot:

@@ -30,10 +30,11 @@ constexpr const char* kUnreadableKey =
     "\n  security: another node has begun by a key in a form that Cyclone DDS does not read, as older ones on Fast DDS "
     "do: "
     "make this enclave anew under another name, until it is this side that begins";
-constexpr int kStepsToRefresh = 50;   // about once a second
-constexpr std::size_t kManyLost = 3;  // images of a connection
-constexpr int kLastWords = 3;         // commands to stand, as one may be lost
-constexpr int kDepth = 5;             // samples kept that have not been taken yet
+constexpr int kStepsToRefresh = 50;                       // about once a second
+constexpr std::size_t kManyLost = 3;                      // images of a connection
+constexpr int kLastWords = 3;                             // commands to stand, as one may be lost
+constexpr Distribution kAnyLayout = Distribution::jazzy;  // of messages that are the same in all
+constexpr int kDepth = 5;                                 // samples kept that have not been taken yet
 
 // Sensors that deliver in less than this have delivered once they are connected.
 constexpr double kQuick = 2.0;  // [Hz]
@@ -162,6 +163,7 @@ void RealRobot::connect() {
   try {
     begun_ = Clock::now();
     node_ = std::make_unique<Node>(discovery_, "/", "threewe");
+    diagnostics_ = node_->advertise("/diagnostics", diagnostic_msgs::DiagnosticArray::kType, {});
     for (std::size_t i = 0; i < sources_.size(); ++i) subscribe(i);
     if (localization_) localization_->connect(*node_);
     if (navigation_) navigation_->connect(*node_);
@@ -282,7 +284,6 @@ void RealRobot::send(const Velocity& velocity) {
   geometry_msgs::Twist twist;
   twist.linear = {velocity.vx, velocity.vy, 0.0};
   twist.angular.z = velocity.omega;
-  constexpr Distribution kAnyLayout = Distribution::jazzy;  // the same in all
   if (command_topic_.type == geometry_msgs::Twist::kType) {
     node_->publish(*command_, encode(twist, kAnyLayout));
   } else {
@@ -303,14 +304,21 @@ builtin_interfaces::Time RealRobot::robot_stamp() {
   return to_stamp(clock_.stamp_at(odometry->sensor, now).value_or(Time::zero()));
 }
 
-/// Looks for what no sample shows.
+/// Looks for what no sample shows, and says on /diagnostics how each topic is.
 void RealRobot::watch() {
   const std::vector<Endpoint> endpoints = node_->endpoints();
+  const Time now = mailbox_->robot_time();
+  diagnostic_msgs::DiagnosticArray array{{robot_stamp(), ""}, {}};
   std::vector<std::string> faults{mistake_in_command(endpoints)};
+  array.status.push_back(to_status(profile_, "command", faults.front()));
   for (const Source& source : sources()) {
-    faults.push_back(mistake_in(source, endpoints));
-    faults.push_back(lost_images(source));
+    std::string fault = mistake_in(source, endpoints);
+    if (fault.empty()) fault = lost_images(source);
+    const auto age = source.publisher == 0 ? std::nullopt : std::optional<Duration>(now - source.newest);
+    array.status.push_back(to_status(profile_, source.topic.sensor, fault, age, patience(source)));
+    faults.push_back(std::move(fault));
   }
+  node_->publish(diagnostics_, encode(array, kAnyLayout));
   std::erase(faults, "");
   mailbox_->note_link_fault(endpoints.empty() ? "no ROS 2 node is there any more"
                                               : fmt::format("{}", fmt::join(faults, "; ")));

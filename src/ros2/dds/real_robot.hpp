@@ -76,7 +76,8 @@ class RealRobot {
   const LinkSpec& link_;
   TopicSpec command_topic_;              // as the robot takes it
   std::optional<Node::Handle> command_;  // once that is known
-  Clock::time_point begun_{};            // when it was last connected
+  Node::Handle diagnostics_;
+  Clock::time_point begun_{};  // when it was last connected
   int steps_ = 0;
   std::unique_ptr<LocalizationClient> localization_;  // null: it is localised by us
   std::unique_ptr<NavigationClient> navigation_;      // null: we drive it

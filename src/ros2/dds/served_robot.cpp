@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "export/robot_description.hpp"
+#include "ros2/diagnosis.hpp"
 #include "ros2/publications.hpp"
 #include "ros2/readings.hpp"
 #include "threewe/core/errors.hpp"
@@ -15,6 +16,7 @@ namespace threewe::ros2 {
 namespace {
 
 constexpr Duration kWatchdog = 500ms;  // as that of ROS 2's diff_drive_controller
+constexpr Duration kDiagnostics = 1s;  // from one message of them to the next
 constexpr int kImagesAhead = 20;       // that lockstep sends before it waits until all have been received
 constexpr const char* kMapFrame = "map";
 constexpr const char* kFootprintFrame = "base_footprint";
@@ -101,6 +103,8 @@ ServedRobot::ServedRobot(backend::World& world, const backend::TruthService& tru
       node_(discovery, name_space.empty() ? "/" : name_space, "simulator") {
   port_.connect();
   for (const SensorInfo& sensor : port_.features().sensors) outlets_.push_back(advertise(sensor));
+  newest_.resize(outlets_.size());
+  diagnostics_ = node_.advertise("/diagnostics", diagnostic_msgs::DiagnosticArray::kType, {.depth = depth_});
   transforms_ = node_.advertise(name_space_ + "/tf", tf2_msgs::TFMessage::kType, {.depth = std::max(depth_, 100)});
   if (index == 0) clock_ = node_.advertise("/clock", rosgraph_msgs::Clock::kType, {.depth = depth_});
 
@@ -240,8 +244,25 @@ void ServedRobot::publish_clock(Time now) {
 }
 
 void ServedRobot::publish() {
-  for (const Sample& sample : port_.poll()) send(sample);
+  for (const Sample& sample : port_.poll()) {
+    newest_[sample.sensor] = sample.received;
+    send(sample);
+  }
   if (autonomy_ != nullptr) show_autonomy();
+  if (world_.now() - diagnosed_ >= kDiagnostics) diagnose();
+}
+
+void ServedRobot::diagnose() {
+  diagnosed_ = world_.now();
+  diagnostic_msgs::DiagnosticArray array{{to_stamp(diagnosed_), ""}, {}};
+  const std::string whose = name_space_.empty() ? "" : name_space_.substr(1) + ": ";
+  const std::vector<SensorInfo>& sensors = port_.features().sensors;
+  for (std::size_t i = 0; i < sensors.size(); ++i) {
+    const auto age = newest_[i] ? std::optional<Duration>(diagnosed_ - *newest_[i]) : std::nullopt;
+    const Duration patience = std::max<Duration>(1s, from_seconds(3.0 / sensors[i].rate));
+    array.status.push_back(to_status(profile_, whose + sensors[i].name, "", age, patience));
+  }
+  send(diagnostics_, array);
 }
 
 // Maps are large, and plans are drawn for people to look at.

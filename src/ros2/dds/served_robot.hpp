@@ -52,6 +52,7 @@ class ServedRobot {
   void send_picture(const Outlets& outlets, const std_msgs::Header& header, const Picture& picture);
   void send_transforms(const Sample& sample, const Odometry& odometry);
   void show_autonomy();
+  void diagnose();
   void begin_goal();
   template <Message T>
   void send(std::optional<Node::Handle> outlet, const T& message);
@@ -74,8 +75,10 @@ class ServedRobot {
   Time shown_{};                                        // when it was last looked at
   bool has_plan_ = false;                               // is published
   int pictures_ = 0;
-  std::vector<Outlets> outlets_;  // by the index of the sensor
-  std::optional<Node::Handle> clock_, transforms_, map_, plan_;
+  std::vector<Outlets> outlets_;             // by the index of the sensor
+  std::vector<std::optional<Time>> newest_;  // likewise: when its last sample came
+  Time diagnosed_{};
+  std::optional<Node::Handle> clock_, transforms_, map_, plan_, diagnostics_;
   Node node_;  // last: receivers end before what they use
 };
 

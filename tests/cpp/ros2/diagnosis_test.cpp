@@ -3,6 +3,9 @@
 
 #include <doctest/doctest.h>
 
+#include <cstddef>
+#include <optional>
+
 namespace threewe::ros2 {
 namespace {
 
@@ -100,6 +103,22 @@ TEST_CASE("where there is nothing, what was seen and what to try") {
         std::string::npos);
   search.interfaces.clear();
   CHECK(diagnose_silence({}, search).find("(no network interface is up)") != std::string::npos);
+}
+
+TEST_CASE("a part is ok, stale or mistaken") {
+  const RobotProfile profile = load_profile("nav2_robot");
+  const auto ok = to_status(profile, "lidar", "", 100ms, 1s);
+  CHECK(ok.name == "threewe: lidar");
+  CHECK(ok.hardware_id == "nav2_robot");
+  CHECK(ok.level == std::byte{0});
+  CHECK(ok.message == "ok");
+  const auto stale = to_status(profile, "lidar", "", 2500ms, 1s);
+  CHECK(stale.level == std::byte{3});
+  CHECK(stale.message == "no message for 2.5 s");
+  CHECK(to_status(profile, "lidar", "", std::nullopt, 1s).message == "no message yet");
+  const auto wrong = to_status(profile, "lidar", "two nodes publish it", 100ms, 1s);
+  CHECK(wrong.level == std::byte{2});
+  CHECK(wrong.message == "two nodes publish it");
 }
 
 }  // namespace
