@@ -1,5 +1,6 @@
 #include "hardware/link.hpp"
 
+#include <algorithm>
 #include <cctype>
 
 #include <fmt/format.h>
@@ -68,6 +69,12 @@ LinkSpec read_link(ConfigNode node, const RobotProfile& profile) {
   for (const auto& [sensor, types] : deliverables(profile)) {
     if (topics.has(sensor)) {
       link.topics.push_back(read_topic(topics.at(sensor), link.name_space, sensor, types, false));
+    }
+  }
+  for (const char* sensor : {"lidar", "imu", "battery", "camera", "depth"}) {
+    const bool known = std::ranges::find(link.topics, sensor, &TopicSpec::sensor) != link.topics.end();
+    if (!known && topics.has(sensor)) {
+      topics.at(sensor).fail(fmt::format("the profile describes no {0}: add one, or leave its topic out", sensor));
     }
   }
   topics.finish();

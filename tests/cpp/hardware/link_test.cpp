@@ -76,6 +76,24 @@ TEST_CASE("a profile without a link is of a robot that is simulated alone") {
   CHECK_FALSE(parse_profile(without_link(), "mine.yaml").link);
 }
 
+TEST_CASE("a topic of a sensor that the profile does not describe is refused with the reason") {
+  const std::string yaml = load_profile("turtlebot3_burger").yaml;
+  const std::string rest = yaml.substr(0, yaml.find("\nlink:")) + kSection;
+  const auto error = [&](const std::string& sensor) -> std::string {
+    std::string section = rest;
+    section.replace(section.find("    lidar:"), 10, "    " + sensor + ":");
+    try {
+      parse_profile(section, "mine.yaml");
+    } catch (const ConfigError& wrong) {
+      return wrong.what();
+    }
+    return "";
+  };
+  CHECK(error("camera").find("the profile describes no camera: add one") != std::string::npos);
+  CHECK(error("depth").find("the profile describes no depth") != std::string::npos);
+  CHECK(error("lidar").empty());
+}
+
 TEST_CASE("every mistake in a link names its place and what would be right") {
   struct Case {
     const char* from;
