@@ -157,8 +157,11 @@ class Link {
 /// What the base did each time that the link was cut.
 class Cuts {
  public:
-  /// At each step, with whether the base is commanded to move.
-  void note(bool moving) {
+  /// At each step, with whether the base is commanded to move, and how it truly does.
+  void note(bool moving, const Velocity& truth) {
+    constexpr double kStill = 0.02;         // [m/s]
+    constexpr double kStillTurning = 0.05;  // [rad/s]
+    const bool rolling = norm({truth.vx, truth.vy}) > kStill || std::abs(truth.omega) > kStillTurning;
     const auto now = Clock::now();
     const bool cut = g_cut;
     if (cut && !was_cut_) cuts_.push_back({now});
@@ -166,14 +169,17 @@ class Cuts {
     was_cut_ = cut;
     if (cuts_.empty()) return;
     if (cut && moving) cuts_.back().last_moving = now;
+    if (cut && rolling) cuts_.back().last_rolling = now;
     if (!cut && moving && now - mended_ < kUntouched) cuts_.back().started = true;
   }
   std::string json() const {
     std::string text;
     for (const Cut& cut : cuts_) {
-      const double seconds = std::chrono::duration<double>(cut.last_moving - cut.begin).count();
-      text += fmt::format(R"({}{{"moving_for": {:.4f}, "started": {}}})", text.empty() ? "" : ", ",
-                          std::max(seconds, 0.0), cut.started);
+      const auto since = [&](Clock::time_point last) {
+        return std::max(std::chrono::duration<double>(last - cut.begin).count(), 0.0);
+      };
+      text += fmt::format(R"({}{{"moving_for": {:.4f}, "rolling_for": {:.4f}, "started": {}}})",
+                          text.empty() ? "" : ", ", since(cut.last_moving), since(cut.last_rolling), cut.started);
     }
     return "[" + text + "]";
   }
@@ -183,6 +189,7 @@ class Cuts {
   struct Cut {
     Clock::time_point begin;
     Clock::time_point last_moving{};
+    Clock::time_point last_rolling{};
     bool started = false;
   };
   std::vector<Cut> cuts_;
@@ -534,7 +541,7 @@ void run(const Options& options) {
     std::this_thread::sleep_until(origin + next);
     inbound.deliver();
     const Velocity velocity = commands.velocity();
-    cuts.note(velocity != Velocity{});
+    cuts.note(velocity != Velocity{}, truth.true_velocity());
     port.command(velocity, next + kControlPeriod);
     world->advance_to(next);
     for (Sample& sample : port.poll()) {

@@ -116,7 +116,8 @@ def cut_the_link(seed: int) -> Case:
     noticed: list[float] = []
     with StandIn("--seed", str(seed % 2**31)) as robot_process, threewe.sync.Robot("real", HARDWARE) as robot:
         for number in range(CUTS):
-            robot.set_velocity(0.0, 0.0, 0.4 if number % 2 == 0 else -0.4, hold=60.0)
+            forward, turn = [(0.0, 0.4), (0.0, -0.4), (0.2, 0.0), (-0.2, 0.0)][number % 4]
+            robot.set_velocity(forward, 0.0, turn, hold=60.0)
             robot.sleep(0.5 + (seed * (number + 1)) % 97 / 200)  # not in step with anything
             robot_process.process.send_signal(signal.SIGUSR1)
             begin = time.monotonic()
