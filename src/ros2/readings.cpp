@@ -6,6 +6,7 @@
 #include <limits>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "core/exact.hpp"
 #include "hardware/message_readings.hpp"
@@ -72,6 +73,20 @@ const geometry_msgs::TransformStamped* TransformOdometry::find(const tf2_msgs::T
     return plain(transform.header.frame_id) == odom_frame_ && plain(transform.child_frame_id) == base_frame_;
   });
   return found == message.transforms.end() ? nullptr : &*found;
+}
+
+bool TransformOdometry::is_in(const tf2_msgs::TFMessage& message) {
+  constexpr std::size_t kMost = 20;
+  if (find(message) != nullptr) return true;
+  for (const geometry_msgs::TransformStamped& other : message.transforms) {
+    if (others_.size() < kMost) others_.insert(fmt::format("{} -> {}", other.header.frame_id, other.child_frame_id));
+  }
+  return false;
+}
+
+std::string TransformOdometry::missing() const {
+  return fmt::format("no transform {} -> {}{}{}", odom_frame_, base_frame_, others_.empty() ? "" : "; there is ",
+                     fmt::join(others_, ", "));
 }
 
 std::optional<ReadingOrMistake> TransformOdometry::to_reading(const tf2_msgs::TFMessage& message) {
@@ -205,6 +220,20 @@ ReadingOrMistake to_reading(const sensor_msgs::LaserScan& scan, const LidarSpec&
   if (!(std::abs(lasts) < kLongest)) return mistake(fmt::format("the beams span {} s", lasts));
   const Resampler resampler(scan, spec);
   return Reading{resampler.scan(), to_time(scan.header.stamp), resampler.to_beam_0(), resampler.to_end()};
+}
+
+std::string contradiction(const sensor_msgs::LaserScan& scan, const LidarSpec& spec) {
+  constexpr double kAbout = 0.1;  // share by which data sheets and drivers differ
+  const double range_max = static_cast<double>(scan.range_max);
+  if (range_max < (1.0 - kAbout) * spec.range_max) {  // beyond, a beam without a return would seem free
+    return fmt::format("its ranges end at {:.1f} m, those of the profile at {:.1f} m", range_max, spec.range_max);
+  }
+  const double turn = static_cast<double>(scan.scan_time);
+  if (turn > 0.0 && std::abs(turn - to_seconds(spec.turn)) > 2.0 * kAbout * to_seconds(spec.turn)) {
+    return fmt::format("a turn takes {:.3f} s, in the profile {:.3f} s", turn, to_seconds(spec.turn));
+  }
+  if (scan.angle_increment < 0.0F && !spec.clockwise) return "it turns clockwise, in the profile counter-clockwise";
+  return "";
 }
 
 // Clouds.

@@ -5,6 +5,7 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -35,6 +36,8 @@ using ReadingOrMistake = tl::expected<Reading, std::string>;
 /// nearest return within each beam of the profile's, as the contract wants it; beams that it does not reach are
 /// invalid.
 ReadingOrMistake to_reading(const sensor_msgs::LaserScan& scan, const LidarSpec& spec);
+/// What such a scan states that contradicts the profile; empty where nothing does.
+std::string contradiction(const sensor_msgs::LaserScan& scan, const LidarSpec& spec);
 /// Of a cloud in the lidar's own frame, the nearest point within each beam among those at its height; beams without one
 /// are invalid. `base_frame` is the one that is refused, as it says nothing of the lidar's height.
 ReadingOrMistake to_reading(const sensor_msgs::PointCloud2& cloud, const LidarSpec& spec, std::string_view base_frame);
@@ -53,7 +56,9 @@ class TransformOdometry {
   TransformOdometry(std::string odom_frame, std::string base_frame)
       : odom_frame_(std::move(odom_frame)), base_frame_(std::move(base_frame)) {}
   /// Whether a message has such a transform.
-  bool is_in(const tf2_msgs::TFMessage& message) const { return find(message) != nullptr; }
+  bool is_in(const tf2_msgs::TFMessage& message);
+  /// That it has not come, and what has instead.
+  std::string missing() const;
   /// Nothing where the message has none, or none that is newer.
   std::optional<ReadingOrMistake> to_reading(const tf2_msgs::TFMessage& message);
 
@@ -63,6 +68,7 @@ class TransformOdometry {
   std::string odom_frame_;
   std::string base_frame_;
   std::optional<std::pair<Time, Pose2D>> last_;
+  std::set<std::string> others_;  // transforms that have come
 };
 
 /// Pictures from a camera's messages: of colours alone, or of colours and depths that were taken at one time.

@@ -359,6 +359,22 @@ def test_diagnostics_say_how_each_topic_is(network: pytest.MonkeyPatch, tmp_path
     assert said["threewe: lidar"].message == "lidar: no node publishes /scan (sensor_msgs/msg/LaserScan)"
 
 
+def test_frames_without_a_transform_are_named(network: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    domain = FIRST_DOMAIN + 1
+    network.setenv("ROS_DOMAIN_ID", str(domain))
+    profile = profile_with(
+        tmp_path,
+        (
+            "odometry: {topic: /odom, type: nav_msgs/msg/Odometry}",
+            "odometry: {topic: /tf, type: tf2_msgs/msg/TFMessage}",
+        ),
+        ("  stops: {", "  frames: {odom: odom, base: base_footprint}\n  stops: {"),
+    )
+    named = "odometry: /tf has no transform odom -> base_footprint; there is base_link -> left_wheel, odom -> base_link"
+    with RealRobot(domain, "--turtlebot4"), pytest.raises(ConnectionError, match=named):
+        threewe.sync.Robot(backend="real", hardware=profile).connect()
+
+
 def test_types_of_another_make_are_named(network: pytest.MonkeyPatch) -> None:
     domain = FIRST_DOMAIN + 1
     network.setenv("ROS_DOMAIN_ID", str(domain))

@@ -234,6 +234,10 @@ std::string RealRobot::missing_readings(const Source& source, const std::vector<
   if (node_->peers(source.handle) == 0) return fmt::format("{}: {} does not answer", sensor, topic);
   if (source.delivered || mailbox_->features().sensors[source.sensor].rate < kQuick) return "";
   if (!source.mistake.empty()) return fmt::format("{}: {} delivers {}", sensor, topic, source.mistake);
+  if (type == tf2_msgs::TFMessage::kType) {
+    const std::scoped_lock lock(mutex_);
+    return fmt::format("{}: {} has {}", sensor, topic, transforms_.missing());
+  }
   std::string what = fmt::format("{}: nothing has come on {}", sensor, topic);
   if (type == sensor_msgs::Image::kType && node_->lost(source.handle) > 0) {
     what += fmt::format(": images are lost: {}", explain_lost_images(most_receive_buffer()));
@@ -314,6 +318,9 @@ void RealRobot::watch() {
   for (const Source& source : sources()) {
     std::string fault = mistake_in(source, endpoints);
     if (fault.empty()) fault = lost_images(source);
+    if (fault.empty() && !source.contradiction.empty()) {
+      fault = fmt::format("{}: {}: {}", source.topic.sensor, source.topic.topic, source.contradiction);
+    }
     const auto age = source.publisher == 0 ? std::nullopt : std::optional<Duration>(now - source.newest);
     array.status.push_back(to_status(profile_, source.topic.sensor, fault, age, patience(source)));
     faults.push_back(std::move(fault));
@@ -411,8 +418,10 @@ std::optional<ReadingOrMistake> RealRobot::read(Source& source, std::span<const 
   }
   switch (type_of(source.topic.sensor)) {
     case SensorType::lidar:
-      return converted(std::type_identity<sensor_msgs::LaserScan>(),
-                       [this](const sensor_msgs::LaserScan& scan) { return to_reading(scan, *profile_.lidar); });
+      return converted(std::type_identity<sensor_msgs::LaserScan>(), [&](const sensor_msgs::LaserScan& scan) {
+        source.contradiction = contradiction(scan, *profile_.lidar);
+        return to_reading(scan, *profile_.lidar);
+      });
     case SensorType::imu: return converted(std::type_identity<Imu>(), [](const Imu& imu) { return to_reading(imu); });
     case SensorType::odometry:
       return converted(std::type_identity<nav_msgs::Odometry>(),

@@ -45,7 +45,8 @@ class RealRobot {
     Time newest{};                // robot time, when the last of them came
     std::optional<Time> rival{};  // when another publisher's did
     bool delivered = false;
-    std::string mistake;  // in the last message that was refused
+    std::string mistake;        // in the last message that was refused
+    std::string contradiction;  // of the last message and the profile
   };
 
   void connect();

@@ -68,6 +68,38 @@ sensor_msgs::PointCloud2 cloud_of(const std::vector<std::array<float, 3>>& point
   return cloud;
 }
 
+TEST_CASE("a scan that contradicts the profile says in what") {
+  LidarSpec spec = *robot().lidar;
+  sensor_msgs::LaserScan message = scan_of(360, -exact::kPi, kTurn / 360);
+  message.range_max = static_cast<float>(spec.range_max);
+  CHECK(contradiction(message, spec).empty());
+  message.scan_time = 1.05F * static_cast<float>(to_seconds(spec.turn));
+  CHECK(contradiction(message, spec).empty());
+  message.scan_time = 3.0F * static_cast<float>(to_seconds(spec.turn));
+  CHECK(contradiction(message, spec).starts_with("a turn takes"));
+  message.scan_time = 0.0F;
+  message.angle_increment *= -1.0F;
+  spec.clockwise = false;
+  CHECK(contradiction(message, spec) == "it turns clockwise, in the profile counter-clockwise");
+  message.range_max = 3.5F;
+  CHECK(contradiction(message, spec).starts_with("its ranges end at 3.5 m"));
+}
+
+TEST_CASE("a missing transform names those that are there") {
+  TransformOdometry transforms("odom", "base_link");
+  CHECK(transforms.missing() == "no transform odom -> base_link");
+  tf2_msgs::TFMessage message;
+  message.transforms.resize(2);
+  message.transforms[0].header.frame_id = "map";
+  message.transforms[0].child_frame_id = "odom";
+  message.transforms[1].header.frame_id = "odom";
+  message.transforms[1].child_frame_id = "base_footprint";
+  CHECK_FALSE(transforms.is_in(message));
+  CHECK(transforms.missing() == "no transform odom -> base_link; there is map -> odom, odom -> base_footprint");
+  message.transforms[1].child_frame_id = "/base_link";
+  CHECK(transforms.is_in(message));
+}
+
 TEST_CASE("a cloud is cut at the lidar's height") {
   const LidarSpec& spec = *robot().lidar;
   const auto cloud = cloud_of({{2.0F, 0.0F, 0.0F},
