@@ -6,7 +6,9 @@ import math
 import os
 import signal
 import subprocess
+import tempfile
 import time
+from pathlib import Path
 from types import TracebackType
 from typing import Any, Self
 
@@ -22,6 +24,25 @@ PROGRAM = ROOT / "build/dev/tests/ros2/ros2_robot"
 NAV2 = ROOT / "build/dev/tests/ros2/ros2_nav2"
 HARDWARE = "3we_standard_v2"
 MISSING = {"not_shown": "the stand-in needs libfastrtps-dev and fastddsgen"}
+ROBOTS = {
+    "micro-ROS": ((), ()),
+    "TurtleBot 4": (
+        ("--turtlebot4",),
+        (
+            (
+                "odometry: {topic: /odom, type: nav_msgs/msg/Odometry}",
+                "odometry: {topic: /tf, type: tf2_msgs/msg/TFMessage}",
+            ),
+            ("geometry_msgs/msg/Twist}", "geometry_msgs/msg/TwistStamped}"),
+            (
+                "  command: {topic",
+                "    camera: {topic: /camera/image_raw/compressed, type: sensor_msgs/msg/CompressedImage}\n"
+                "  command: {topic",
+            ),
+        ),
+    ),
+}
+"""Options of the stand-in, and changes to the profile's link: odometry in /tf alone, JPEGs, stamped velocities."""
 FARTHEST = 6.0
 """[m] of a drive's shortest path: all is in real time."""
 CUTS = 20
@@ -65,13 +86,20 @@ class StandIn:
         self.truth = json.loads(self.process.communicate(timeout=30)[0])
 
 
-def keep_the_contract(seed: int, check: str) -> Case:
-    """One check of the contract over the stand-in."""
+def keep_the_contract(seed: int, check: str, robot: str) -> Case:
+    """One check of the contract over the stand-in, which plays one of `ROBOTS`."""
     if not PROGRAM.exists():
         return MISSING
-    with StandIn("--seed", str(seed % 1000)):
-        (result,) = check_backend("real", hardware=HARDWARE, checks=[check], show=False)
-    return {"outcome": result.outcome.name, "detail": result.detail}
+    options, changes = ROBOTS[robot]
+    yaml = RobotProfile.load(HARDWARE).yaml
+    for old, new in changes:
+        assert old in yaml
+        yaml = yaml.replace(old, new)
+    with tempfile.TemporaryDirectory() as folder, StandIn(*options, "--seed", str(seed % 1000)):
+        profile = Path(folder) / "robot.yaml"
+        profile.write_text(yaml)
+        (result,) = check_backend("real", hardware=str(profile), checks=[check], show=False)
+    return {"robot": robot, "check": check, "outcome": result.outcome.name, "detail": result.detail}
 
 
 def drive_over_a_bad_link(seed: int, scene: str) -> Case:
