@@ -30,8 +30,11 @@ from verify.harness import (
 )
 
 MESSAGES = sorted(path.name for path in real_links.MESSAGES.iterdir())
-SERVED = "test_a_record_on_another_dds_is_what_the_simulator_measured"
-EXCHANGED = "test_messages_of_all_types_reach_another_dds_and_come_back"
+OTHERS_READ = (
+    "test_ros2_serve.py::test_a_record_on_another_dds_is_what_the_simulator_measured",
+    "test_ros2_serve.py::test_messages_of_all_types_reach_another_dds_and_come_back",
+    "test_real_security.py::test_messages_of_all_types_reach_a_secured_peer_on_another_dds",
+)
 SCENES = ["office_v2", "apartment_v1", "warehouse_v1"]
 CHECKS = check_names()
 ATTACKS = 20
@@ -216,9 +219,14 @@ EXPERIMENTS = [
     Experiment(
         "what others read",
         real_links.run_test,
-        variants=[{"test": f"test_ros2_serve.py::{test}"} for test in (SERVED, EXCHANGED)],
-        cases=20,
-        sample=2,
-        rows=[all_of("records of a served robot, and messages of all types there and back", lambda case: case["ok"])],
+        variants=[{"test": test} for test in OTHERS_READ],
+        cases=30,
+        sample=3,
+        rows=[
+            all_of(
+                "records of a served robot, and messages of all types there and back, secured and not",
+                lambda case: case["ok"],
+            )
+        ],
     ),
 ]
