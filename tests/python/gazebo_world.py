@@ -31,13 +31,14 @@ class GazeboWorld:
         robot: str = "3we_standard_v2",
         partition: str = "",
         noise: bool = True,
+        paused: bool = False,
     ) -> None:
         self.partition = partition or f"{PARTITION}_{next(COUNT)}"
         world = write_world(scene, robot, folder)
         if not noise:
             model = folder / "models" / robot / "model.sdf"
             model.write_text(re.sub(r"<noise.*?</noise>", "", model.read_text(), flags=re.DOTALL))
-        self.command = [str(PROGRAM), str(world), "-r", *options]
+        self.command = [str(PROGRAM), str(world), *([] if paused else ["-r"]), *options]
         self.environment = os.environ | {"IGN_PARTITION": self.partition}
 
     def __enter__(self) -> GazeboWorld:

@@ -97,6 +97,14 @@ def drive_around(robot: threewe.sync.Robot) -> list[object]:
     return [*seen, (pose.x, pose.y, pose.theta), robot.simulation.distance_driven()]
 
 
+def test_a_world_that_starts_paused_is_driven_as_one_that_runs(tmp_path: Path) -> None:
+    """As `gz sim -s` without -r."""
+    with GazeboWorld(tmp_path, paused=True), threewe.sync.Robot(backend="gazebo") as robot:
+        assert robot.move_to(0.6, 0.0).success
+        assert robot.simulation is not None
+        assert abs(robot.simulation.true_pose().x - 0.6) < 0.3
+
+
 def test_two_simulators_are_driven_to_the_same_bits(tmp_path: Path) -> None:
     """Although messages, and what is drawn, come when they come: it waits in lockstep for what is due.
 
