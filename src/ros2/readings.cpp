@@ -224,11 +224,11 @@ ReadingOrMistake to_reading(const sensor_msgs::LaserScan& scan, const LidarSpec&
 
 std::string contradiction(const sensor_msgs::LaserScan& scan, const LidarSpec& spec) {
   constexpr double kAbout = 0.1;  // share by which data sheets and drivers differ
-  const double range_max = static_cast<double>(scan.range_max);
+  const auto range_max = static_cast<double>(scan.range_max);
   if (range_max < (1.0 - kAbout) * spec.range_max) {  // beyond, a beam without a return would seem free
     return fmt::format("its ranges end at {:.1f} m, those of the profile at {:.1f} m", range_max, spec.range_max);
   }
-  const double turn = static_cast<double>(scan.scan_time);
+  const auto turn = static_cast<double>(scan.scan_time);
   if (turn > 0.0 && std::abs(turn - to_seconds(spec.turn)) > 2.0 * kAbout * to_seconds(spec.turn)) {
     return fmt::format("a turn takes {:.3f} s, in the profile {:.3f} s", turn, to_seconds(spec.turn));
   }
