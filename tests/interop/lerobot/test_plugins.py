@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import base64
 import json
 import os
 import subprocess
@@ -10,15 +11,20 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from threewe.ai import VLARunner, read_policy
 from threewe.ai.agent import PolicyAgent
 from threewe.ai.collecting import Collection, collect_demonstrations
+from threewe.ai.demonstrations import PICTURE
+from threewe.ai.demonstrations import demonstrations as demonstrations_in
 from threewe.ai.evaluating import Evaluation, episodes_of
 from threewe.ai.loading import convert_checkpoint
+from threewe.ai.training import train_policy
 from threewe.benchmark.attempt import Settings, attempt_with
 from threewe.data.lerobot import Dataset
 
 from tests.interop.lerobot.asking import peer_of
-from verify.cases.act_checkpoints import Shape
+from tests.interop.lerobot.test_policies import theirs as chunks_of
+from verify.cases.act_checkpoints import TEXT, Shape
 
 PYTHON = Path(os.environ["LEROBOT_PYTHON"])
 EPISODES = 20
@@ -80,13 +86,55 @@ def test_lerobot_trains_an_act_and_evaluates_it_as_we_do(demonstrations: Path, t
     found = json.loads((tmp_path / "eval/eval_info.json").read_text())
     theirs = [bool(each) for task in found["per_task"] for each in task["metrics"]["successes"]]
     convert_checkpoint(checkpoint, tmp_path / "policy", dataset=demonstrations)
-    ours = []
-    for episode in episodes_of(Evaluation("generated", count=EPISODES), 0):
-        tried = attempt_with("objectnav", episode, PolicyAgent(tmp_path / "policy", latency=0.0), Settings())
-        ours.append(tried["metrics"]["success"] > 0.5)
+    require_alike(theirs, drive_here(tmp_path / "policy"), least=1)
+    require_the_same_actions(checkpoint, demonstrations)
+
+
+def require_alike(theirs: list[bool], ours: list[bool], least: int) -> None:
+    """The same successes, in most of the episodes, and some: LeRobot plays an action when it has its picture, we at
+    its time."""
     alike = sum(a == b for a, b in zip(theirs, ours, strict=True))
     print(f"successes: {sum(theirs)} of LeRobot's, {sum(ours)} of ours; the same in {alike} of {EPISODES}")
-    assert alike >= 0.8 * EPISODES  # LeRobot plays an action when it has its picture, we at its time
+    assert alike >= 0.8 * EPISODES
+    assert min(sum(theirs), sum(ours)) >= least
+
+
+def drive_here(policy: str | Path) -> list[bool]:
+    """The successes in the episodes of LeRobot's environment, as `threewe policy eval` drives them."""
+    episodes = episodes_of(Evaluation("generated", count=EPISODES), 0)
+    tried = [attempt_with("objectnav", one, PolicyAgent(policy, latency=0.0), Settings()) for one in episodes]
+    return [each["metrics"]["success"] > 0.5 for each in tried]
+
+
+def require_the_same_actions(checkpoint: Path, dataset: Path) -> None:
+    """By LeRobot, our loader and LeRobot as our child, for what a dataset shows: by the range of LeRobot's own."""
+    rows = demonstrations_in([Dataset.open(dataset)], 10)
+    some = np.linspace(0, len(rows.pictures) - 1, 100).astype(int)
+    pictures = (rows.pictures[some].astype(np.float32) / 255).transpose(0, 3, 1, 2)
+    given = [{PICTURE: pictures[i : i + 1], TEXT: rows.embeddings[row : row + 1]} for i, row in enumerate(some)]
+    with peer_of("policies_peer.py") as lerobot:
+        expected = chunks_of(lerobot, checkpoint, given)
+    own = np.ptp(expected, (0, 1))
+    for how, options in (("our loader", {}), ("the child", {"python": PYTHON})):
+        runner = VLARunner.from_pretrained(checkpoint, dataset=dataset, **options)
+        found = np.array([runner._engine.infer(each, "")[0] for each in given])
+        difference = (np.abs(found - expected).max((0, 1)) / own).max()
+        print(f"{how}: differs by {difference:.1e} of the range, which is {own}")
+        assert difference <= 1e-5
+
+
+def test_a_policy_that_succeeds_does_so_in_lerobots_environment_too() -> None:
+    runner = VLARunner.from_pretrained("goto_v1")
+    theirs = []
+    with peer_of("env_peer.py") as lerobot:
+        for episode in range(EPISODES):
+            seen = lerobot("reset", episode=episode)
+            while not seen["over"]:
+                picture = np.frombuffer(base64.b64decode(seen["picture"]), np.uint8).reshape(seen["shape"])
+                action = runner.predict(np.ascontiguousarray(picture[:, :, ::-1]), seen["task"])
+                seen = lerobot("step", action=action.tolist())
+            theirs.append(seen["success"])
+    require_alike(theirs, drive_here("goto_v1"), least=5)  # 8 and 11
 
 
 def test_lerobot_drives_our_robot_and_sees_colors(tmp_path: Path) -> None:
@@ -131,11 +179,13 @@ def test_lerobot_rollout_drives_our_robot(tmp_path: Path) -> None:
     assert np.abs(driven).max() > 0.02
 
 
-def test_lerobot_record_writes_a_dataset_of_our_robot(tmp_path: Path) -> None:
+@pytest.mark.parametrize("backend", ["mock", "mujoco"])
+def test_lerobot_record_writes_a_dataset_of_our_robot(tmp_path: Path, backend: str) -> None:
     command(
         "lerobot-record",
         "--robot.type=threewe",
         "--robot.id=ours",
+        f"--robot.backend={backend}",
         "--robot.image_size=[60, 80]",
         "--teleop.type=circle",
         "--dataset.repo_id=local/recorded",
@@ -152,3 +202,8 @@ def test_lerobot_record_writes_a_dataset_of_our_robot(tmp_path: Path) -> None:
     (episode,) = dataset.episodes
     assert len(episode) >= 15
     assert dataset.features["action"].names == ["vx.vel", "vy.vel", "omega.vel"]
+    driven = episode.columns()["observation.state"]
+    assert np.abs(driven[-1] - [0.2, 0.0, 0.5]).max() < 0.1  # the circle
+    learnt = tmp_path / "policy"
+    train_policy([tmp_path / "recorded"], learnt, 1, 1, 0, print)
+    assert read_policy(learnt).action[0].mean == pytest.approx(0.2, abs=0.05)
