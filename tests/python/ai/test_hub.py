@@ -86,7 +86,7 @@ def test_commands_take_policies_of_the_hub() -> None:
     assert "12 x 16, rgb" in policy("info", ID, "--revision", "v1")
     assert "Hz, on one thread" in policy("bench", ID, "--count", "5", "--revision", "v1")
     drive = ("run", ID, "--instruction", "go to the chair", "--seconds", "0.5", "--revision")
-    assert "0.5 robot s, 4 inferences" in policy(*drive, "v1")
+    assert ", 4 inferences" in policy(*drive, "v1")
     assert "generated" in policy("eval", ID, "--episodes", "generated", "--count", "1", "--revision", "v1")
     with pytest.raises(ConfigError, match="no such revision"):
         policy(*drive, "v2")
