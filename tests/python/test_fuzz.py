@@ -54,12 +54,12 @@ def computes(path: Path) -> None:
 
 def takes(path: Path) -> None:
     if b"nan" in path.read_bytes():
-        _ = b"x" * 100_000_000
+        _ = b"x" * 500_000_000
 
 
 def takes_in_cpp(path: Path) -> None:
     if b"nan" in path.read_bytes():
-        threewe.OccupancyGrid(np.zeros((9_000, 9_000), np.int8), 0.05)
+        threewe.OccupancyGrid(np.zeros((20_000, 20_000), np.int8), 0.05)
 
 
 def says_not_where(path: Path) -> None:
