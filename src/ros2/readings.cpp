@@ -301,10 +301,10 @@ ReadingOrMistake to_reading(const sensor_msgs::PointCloud2& cloud, const LidarSp
   for (std::size_t row = 0; row < cloud.height; ++row) {
     for (std::size_t column = 0; column < cloud.width; ++column) {
       const auto [x, y, z] = reader->point(row, column);
-      const double range = std::hypot(x, y);
+      const double range = norm({x, y});
       const bool is_seen = std::abs(z) <= kSlab && range >= spec.range_min && range < spec.range_max;  // no nan is
       if (!is_seen) continue;
-      const double place = (std::atan2(y, x) + exact::kPi) / scan.angle_increment;
+      const double place = (exact::atan2(y, x) + exact::kPi) / scan.angle_increment;
       float& nearest = scan.ranges[std::min(static_cast<std::size_t>(place), scan.ranges.size() - 1)];
       if (nearest == 0.0F || static_cast<float>(range) < nearest) nearest = static_cast<float>(range);
     }
