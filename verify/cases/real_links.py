@@ -207,7 +207,7 @@ def drive_over_packets(seed: int, delegated: bool) -> Case:
             return subprocess.Popen(inside, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
 
         base = start(str(PROGRAM), domain, "--truth", "--seed", str(seed % 1000))
-        nav2 = start(str(NAV2), domain)
+        nav2 = start(str(NAV2), domain) if delegated else None  # which commands the robot, too
         time.sleep(1.0)
         programs = {"localization": "slam_toolbox", "navigation": "nav2"} if delegated else {}
         with threewe.sync.Robot("real", HARDWARE, **programs) as robot:
@@ -217,7 +217,8 @@ def drive_over_packets(seed: int, delegated: bool) -> Case:
             robot.sleep(0.5)
             base.terminate()  # while it is still there: it returns to its start once it is let go
             truth = json.loads(base.communicate(timeout=30)[0].splitlines()[-1])
-        nav2.communicate(timeout=30)
+        if nav2 is not None:
+            nav2.communicate(timeout=30)
     pose = Pose2D(*truth["pose"])
     return {
         "results": results,
