@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <ranges>
 
 #include <fmt/format.h>
 
@@ -10,6 +11,29 @@ namespace {
 
 constexpr double kSoonest = 0.05;  // [s] commands come every 0.02 s, and one may be lost
 constexpr double kLatest = 2.0;    // [s] at 0.5 m/s, a metre without control
+
+// What a sensor other than an ultrasonic one may come as, and whether a robot has it.
+struct Kind {
+  Deliverable deliverable;
+  bool (*is_on)(const RobotProfile&);
+};
+
+const std::vector<Kind>& kinds() {
+  static const std::vector<Kind> all{
+      {{"odometry", {"nav_msgs/msg/Odometry", "tf2_msgs/msg/TFMessage"}}, [](const RobotProfile&) { return true; }},
+      {{"lidar", {"sensor_msgs/msg/LaserScan", "sensor_msgs/msg/PointCloud2"}},
+       [](const RobotProfile& profile) { return profile.lidar.has_value(); }},
+      {{"imu", {"sensor_msgs/msg/Imu"}}, [](const RobotProfile& profile) { return profile.imu.has_value(); }},
+      {{"battery", {"sensor_msgs/msg/BatteryState"}},
+       [](const RobotProfile& profile) { return profile.battery.has_value(); }},
+      {{"camera", {"sensor_msgs/msg/Image", "sensor_msgs/msg/CompressedImage"}},
+       [](const RobotProfile& profile) { return profile.camera.has_value(); }},
+      {{"depth", {"sensor_msgs/msg/Image"}},
+       [](const RobotProfile& profile) { return profile.camera && profile.camera->depth; }}};
+  return all;
+}
+
+constexpr const char* kUltrasonic = "sensor_msgs/msg/Range";
 
 std::string read_name(const ConfigNode& node) {
   const std::string name = node.text();
@@ -45,16 +69,22 @@ bool is_ros_name(std::string_view name) {
 }
 
 std::vector<Deliverable> deliverables(const RobotProfile& profile) {
-  std::vector<Deliverable> all{{"odometry", {"nav_msgs/msg/Odometry", "tf2_msgs/msg/TFMessage"}}};
-  if (profile.lidar) all.push_back({"lidar", {"sensor_msgs/msg/LaserScan", "sensor_msgs/msg/PointCloud2"}});
-  if (profile.imu) all.push_back({"imu", {"sensor_msgs/msg/Imu"}});
-  if (profile.battery) all.push_back({"battery", {"sensor_msgs/msg/BatteryState"}});
-  if (profile.camera) all.push_back({"camera", {"sensor_msgs/msg/Image", "sensor_msgs/msg/CompressedImage"}});
-  if (profile.camera && profile.camera->depth) all.push_back({"depth", {"sensor_msgs/msg/Image"}});
+  std::vector<Deliverable> all;
+  for (const Kind& kind : kinds()) {
+    if (kind.is_on(profile)) all.push_back(kind.deliverable);
+  }
   if (profile.ultrasonics) {
-    for (const auto& mount : profile.ultrasonics->mounts) all.push_back({mount.name, {"sensor_msgs/msg/Range"}});
+    for (const auto& mount : profile.ultrasonics->mounts) all.push_back({mount.name, {kUltrasonic}});
   }
   return all;
+}
+
+std::string_view sensor_of(std::string_view type) {
+  if (type == kUltrasonic) return "ultrasonics";
+  for (const auto& [sensor, types] : kinds() | std::views::transform(&Kind::deliverable)) {
+    if (std::ranges::find(types, type) != types.end()) return sensor;
+  }
+  return "";
 }
 
 std::vector<std::string> command_types() { return {"geometry_msgs/msg/Twist", "geometry_msgs/msg/TwistStamped"}; }
@@ -71,9 +101,9 @@ LinkSpec read_link(ConfigNode node, const RobotProfile& profile) {
       link.topics.push_back(read_topic(topics.at(sensor), link.name_space, sensor, types, false));
     }
   }
-  for (const char* sensor : {"lidar", "imu", "battery", "camera", "depth"}) {
-    const bool known = std::ranges::find(link.topics, sensor, &TopicSpec::sensor) != link.topics.end();
-    if (!known && topics.has(sensor)) {
+  for (const Kind& kind : kinds()) {
+    const std::string& sensor = kind.deliverable.sensor;
+    if (!kind.is_on(profile) && topics.has(sensor)) {
       topics.at(sensor).fail(fmt::format("the profile describes no {0}: add one, or leave its topic out", sensor));
     }
   }

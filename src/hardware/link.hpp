@@ -20,6 +20,8 @@ struct Deliverable {
 };
 /// What this robot's sensors may come as; "depth" is the camera's second image.
 std::vector<Deliverable> deliverables(const RobotProfile& profile);
+/// Which sensor a message type is of, as a profile's section is called; empty for none.
+std::string_view sensor_of(std::string_view type);
 /// The types of velocities.
 std::vector<std::string> command_types();
 

@@ -7,8 +7,8 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "hardware/link.hpp"
 #include "ros2/message_types.hpp"
-#include "ros2/messages/geometry_msgs.hpp"
 
 namespace threewe::ros2 {
 namespace {
@@ -37,6 +37,10 @@ std::vector<std::string> publishers_of(const std::string& topic, const std::vect
 
 }  // namespace
 
+bool has_unknown_hash(const Endpoint& endpoint) {
+  return !endpoint.hash.empty() && distributions_with(endpoint.type, endpoint.hash).empty();
+}
+
 std::string diagnose(const TopicSpec& topic, bool we_publish, const std::vector<Endpoint>& endpoints) {
   std::vector<Endpoint> theirs;
   std::ranges::copy_if(endpoints, std::back_inserter(theirs), [&](const Endpoint& endpoint) {
@@ -54,8 +58,7 @@ std::string diagnose(const TopicSpec& topic, bool we_publish, const std::vector<
     return fmt::format("{}: {} is of type {}, the profile has {}", topic.sensor, topic.topic, here->type, topic.type);
   }
   for (const Endpoint& endpoint : theirs) {
-    if (endpoint.topic != topic.topic || endpoint.type != topic.type || endpoint.hash.empty()) continue;
-    if (!distributions_with(endpoint.type, endpoint.hash).empty()) continue;
+    if (endpoint.topic != topic.topic || endpoint.type != topic.type || !has_unknown_hash(endpoint)) continue;
     return fmt::format("{}: {} is of a {} that no distribution has which we know ({})", topic.sensor, topic.topic,
                        topic.type, endpoint.hash);
   }
@@ -67,13 +70,12 @@ std::string diagnose(const TopicSpec& topic, bool we_publish, const std::vector<
 }
 
 std::string command_type(const TopicSpec& command, const std::vector<Endpoint>& endpoints) {
+  const std::vector<std::string> types = command_types();
   std::string type = command.type;
   for (const Endpoint& endpoint : endpoints) {
     if (endpoint.publishes || endpoint.topic != command.topic) continue;
     if (endpoint.type == command.type) return command.type;
-    if (endpoint.type == geometry_msgs::Twist::kType || endpoint.type == geometry_msgs::TwistStamped::kType) {
-      type = endpoint.type;
-    }
+    if (std::ranges::find(types, endpoint.type) != types.end()) type = endpoint.type;
   }
   return type;
 }
@@ -122,6 +124,11 @@ std::string diagnose_silence(const Discovery& discovery, const Search& search) {
            "; to look farther, set ROS_AUTOMATIC_DISCOVERY_RANGE=SUBNET, or ROS_STATIC_PEERS to the robot's address";
   }
   return look + ": is ROS_DOMAIN_ID the robot's, and does the network let multicast through (else ROS_STATIC_PEERS)?";
+}
+
+Duration patience_with(const SensorInfo& sensor) {
+  constexpr double kPeriods = 3.0;  // of a sensor that is not silent yet
+  return std::max<Duration>(1s, from_seconds(kPeriods / sensor.rate));
 }
 
 diagnostic_msgs::DiagnosticStatus to_status(const RobotProfile& profile, std::string_view part, std::string mistake,

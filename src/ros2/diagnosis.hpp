@@ -10,6 +10,7 @@
 #include "ros2/discovery.hpp"
 #include "ros2/endpoint.hpp"
 #include "ros2/messages/system_msgs.hpp"
+#include "threewe/core/samples.hpp"
 #include "threewe/core/time.hpp"
 #include "threewe/hardware/profile.hpp"
 
@@ -18,6 +19,9 @@ namespace threewe::ros2 {
 /// What keeps us from a topic, and what would help: none publishes it, another type, an offer of less than is asked
 /// for, a type of another hash. Empty where nothing does.
 std::string diagnose(const TopicSpec& topic, bool we_publish, const std::vector<Endpoint>& endpoints);
+
+/// Whether its type has a hash that no distribution has which we know.
+bool has_unknown_hash(const Endpoint& endpoint);
 
 /// The type of the robot's velocities: the profile's, or the other one of Twist and TwistStamped where that is the one
 /// that is subscribed to.
@@ -45,6 +49,8 @@ std::string diagnose_silence(const Discovery& discovery, const Search& search);
 /// "(interfaces: ...)".
 std::string describe_interfaces(const std::vector<std::string>& interfaces);
 
+/// How long a sensor may be silent.
+Duration patience_with(const SensorInfo& sensor);
 /// How a part of a robot is, as /diagnostics has it: an error where there is a mistake, stale where its newest message
 /// is older than `patience`, or none has come.
 diagnostic_msgs::DiagnosticStatus to_status(const RobotProfile& profile, std::string_view part, std::string mistake,

@@ -1,7 +1,6 @@
 #include "ros2/link_proposal.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cctype>
 #include <iterator>
 #include <set>
@@ -11,20 +10,10 @@
 #include <fmt/format.h>
 
 #include "hardware/link.hpp"
-#include "ros2/message_types.hpp"
+#include "ros2/diagnosis.hpp"
 
 namespace threewe::ros2 {
 namespace {
-
-// What the types of sensors are called in a profile.
-constexpr std::array<std::pair<std::string_view, std::string_view>, 7> kSensorTypes{
-    {{"sensor_msgs/msg/LaserScan", "lidar"},
-     {"sensor_msgs/msg/PointCloud2", "lidar"},
-     {"sensor_msgs/msg/Imu", "imu"},
-     {"sensor_msgs/msg/BatteryState", "battery"},
-     {"sensor_msgs/msg/Range", "ultrasonics"},
-     {"sensor_msgs/msg/Image", "camera"},
-     {"sensor_msgs/msg/CompressedImage", "camera"}}};
 
 // What a topic may be used for.
 struct Role {
@@ -81,9 +70,8 @@ std::string why_unused(const Endpoint& endpoint, const std::vector<Role>& roles,
     if (used != proposal.topics.end()) return fmt::format("{} is {}", role.sensor, used->topic);
     return role.we_publish ? "no node subscribes to it" : "no node publishes it";
   }
-  const auto sensor = std::ranges::find_if(kSensorTypes, [&](const auto& pair) { return pair.first == endpoint.type; });
-  if (sensor != kSensorTypes.end()) return fmt::format("the profile has no {}", sensor->second);
-  return "no sensor comes as this type";
+  const std::string_view sensor = sensor_of(endpoint.type);
+  return sensor.empty() ? "no sensor comes as this type" : fmt::format("the profile has no {}", sensor);
 }
 
 std::string write(const RobotProfile& profile, const std::vector<TopicUse>& used) {
@@ -117,7 +105,7 @@ LinkProposal propose_link(const RobotProfile& profile, const std::vector<Endpoin
     const Endpoint* best = nullptr;
     for (const Endpoint& endpoint : endpoints) {
       if (!is_offered(endpoint, role) || taken.contains(endpoint.topic) || !endpoint.topic.starts_with('/')) continue;
-      if (!endpoint.hash.empty() && distributions_with(endpoint.type, endpoint.hash).empty()) continue;
+      if (has_unknown_hash(endpoint)) continue;
       if (best == nullptr || fit(endpoint, role, profile) > fit(*best, role, profile)) best = &endpoint;
     }
     if (best == nullptr) {
@@ -137,9 +125,8 @@ LinkProposal propose_link(const RobotProfile& profile, const std::vector<Endpoin
         std::ranges::any_of(others, same)) {
       continue;
     }
-    const bool unknown = !endpoint.hash.empty() && distributions_with(endpoint.type, endpoint.hash).empty();
-    const std::string reason =
-        unknown ? "no distribution that we know has its type so" : why_unused(endpoint, roles, proposal);
+    const std::string reason = has_unknown_hash(endpoint) ? "no distribution that we know has its type so"
+                                                          : why_unused(endpoint, roles, proposal);
     others.push_back({endpoint.topic, endpoint.type, "", reason});
   }
   std::ranges::move(others, std::back_inserter(proposal.topics));

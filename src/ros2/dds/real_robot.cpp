@@ -303,8 +303,8 @@ void RealRobot::send(const Velocity& velocity) {
 builtin_interfaces::Time RealRobot::robot_stamp() {
   const Time now = mailbox_->robot_time();
   const std::scoped_lock lock(mutex_);
-  const auto odometry =
-      std::ranges::find(sources_, "odometry", [](const Source& source) { return source.topic.sensor; });
+  const auto odometry = std::ranges::find_if(
+      sources_, [](const Source& source) { return type_of(source.topic.sensor) == SensorType::odometry; });
   return to_stamp(clock_.stamp_at(odometry->sensor, now).value_or(Time::zero()));
 }
 
@@ -388,8 +388,7 @@ bool RealRobot::admit(Source& source, std::uint64_t publisher, Time arrival) {
 }
 
 Duration RealRobot::patience(const Source& source) const {
-  constexpr double kPeriods = 3.0;  // of a sensor that is not silent yet
-  return std::max<Duration>(1s, from_seconds(kPeriods / mailbox_->features().sensors[source.sensor].rate));
+  return patience_with(mailbox_->features().sensors[source.sensor]);
 }
 
 std::optional<ReadingOrMistake> RealRobot::read(Source& source, std::span<const std::uint8_t> payload,

@@ -259,8 +259,7 @@ void ServedRobot::diagnose() {
   const std::vector<SensorInfo>& sensors = port_.features().sensors;
   for (std::size_t i = 0; i < sensors.size(); ++i) {
     const auto age = newest_[i] ? std::optional<Duration>(diagnosed_ - *newest_[i]) : std::nullopt;
-    const Duration patience = std::max<Duration>(1s, from_seconds(3.0 / sensors[i].rate));
-    array.status.push_back(to_status(profile_, whose + sensors[i].name, "", age, patience));
+    array.status.push_back(to_status(profile_, whose + sensors[i].name, "", age, patience_with(sensors[i])));
   }
   send(diagnostics_, array);
 }
