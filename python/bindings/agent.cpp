@@ -41,27 +41,7 @@ void bind_places(nb::module_& m) {
       "scene"_a, "The rooms of a scene as places, in its frame, by the names that people call them.");
 }
 
-}  // namespace
-
-void init_agent(nb::module_& m) {
-  nb::class_<MappedThing>(m, "MappedThing", "A thing that the robot has seen, perhaps many times.")
-      .def(Value())
-      .def_ro("id", &MappedThing::id, "grows with every new one")
-      .def_ro("position", &MappedThing::position, "[m] of its centre, in `map`")
-      .def_ro("covariance", &MappedThing::covariance, "[m^2] of the position: xx, xy, yy")
-      .def_ro("kinds", &MappedThing::kinds, "probability of each of the detector's labels")
-      .def_ro("views", &MappedThing::views, "from different poses")
-      .def_prop_ro("kind_index", &MappedThing::kind, "its most probable kind, index into the detector's labels")
-      .def_prop_ro(
-          "color", [](const MappedThing& t) { return std::string(vision::color_names()[t.color()]); },
-          "the color term that most of it has");
-  nb::class_<Place>(m, "Place", "A place that has a name.")
-      .def(Value())
-      .def_ro("name", &Place::name)
-      .def_ro("polygon", &Place::polygon, "[m] in `map`; one point where the robot stood as it was named")
-      .def_ro("origin", &Place::origin, "`given` by users, or `seen`: probably so by what stands there")
-      .def("contains", &semantics::SemanticMap::contains, "point"_a,
-           "Whether a point [m] in `map` is in it, or within 2.5 m of one that is a point.");
+void bind_results(nb::module_& m) {
   nb::class_<ExecutedStep>(m, "ExecutedStep", "One skill that was executed.")
       .def(Value())
       .def_ro("skill", &ExecutedStep::skill, "such as `search`")
@@ -96,6 +76,30 @@ void init_agent(nb::module_& m) {
         return fmt::format("ExecutionResult({}{}{})", r.reason, r.answer.empty() ? "" : ": " + r.answer,
                            r.detail.empty() ? "" : ", " + r.detail);
       });
+}
+
+}  // namespace
+
+void init_agent(nb::module_& m) {
+  nb::class_<MappedThing>(m, "MappedThing", "A thing that the robot has seen, perhaps many times.")
+      .def(Value())
+      .def_ro("id", &MappedThing::id, "grows with every new one")
+      .def_ro("position", &MappedThing::position, "[m] of its centre, in `map`")
+      .def_ro("covariance", &MappedThing::covariance, "[m^2] of the position: xx, xy, yy")
+      .def_ro("kinds", &MappedThing::kinds, "probability of each of the detector's labels")
+      .def_ro("views", &MappedThing::views, "from different poses")
+      .def_prop_ro("kind_index", &MappedThing::kind, "its most probable kind, index into the detector's labels")
+      .def_prop_ro(
+          "color", [](const MappedThing& t) { return std::string(vision::color_names()[t.color()]); },
+          "the color term that most of it has");
+  nb::class_<Place>(m, "Place", "A place that has a name.")
+      .def(Value())
+      .def_ro("name", &Place::name)
+      .def_ro("polygon", &Place::polygon, "[m] in `map`; one point where the robot stood as it was named")
+      .def_ro("origin", &Place::origin, "`given` by users, or `seen`: probably so by what stands there")
+      .def("contains", &semantics::SemanticMap::contains, "point"_a,
+           "Whether a point [m] in `map` is in it, or within 2.5 m of one that is a point.");
+  bind_results(m);
   nb::class_<Agent>(m, "Agent", "Executes instructions on one robot. Use it through `Robot.execute_instruction`.")
       .def(
           "__init__",
@@ -112,6 +116,9 @@ void init_agent(nb::module_& m) {
       .def_prop_ro("done", &Agent::done)
       .def_prop_ro("steps", &Agent::steps, nb::rv_policy::copy, "those begun so far; the last may have no `reason` yet")
       .def_prop_ro("result", &Agent::result, nb::rv_policy::copy)
+      .def_prop_ro(
+          "look_period", [](const Agent&) { return to_seconds(Agent::kLookPeriod); },
+          "[s] of robot time between two looks")
       .def("sees", &Agent::sees, "thing"_a, "Whether the newest look shows a thing of the map, by its id.")
       .def_prop_ro("things", [](const Agent& self) { return self.map().things(); })
       .def_prop_ro("places", [](const Agent& self) { return self.map().places(); })

@@ -3317,6 +3317,10 @@ class Agent:
     @property
     def result(self) -> ExecutionResult: ...
 
+    @property
+    def look_period(self) -> float:
+        """[s] of robot time between two looks"""
+
     def sees(self, thing: int) -> bool:
         """Whether the newest look shows a thing of the map, by its id."""
 

@@ -42,7 +42,6 @@ PICTURE_WIDTH = 512  # [px]
 REMEMBERED = 30  # calls that a model is reminded of
 LISTED = 40  # things and places
 SURE = 0.5  # least probability of a kind
-LOOK_EVERY = 0.5  # [s] of robot time between two looks of the agent
 LOOKED_FOR = ("search", "approach")  # skills that end with a thing in the picture where they are verified
 FORMS = ("tools", "schema", "object", "text")
 
@@ -329,7 +328,7 @@ class _Execution:
         ]
         if any(step.thing in known for step in self._run.steps if step.verified and step.skill in LOOKED_FOR):
             return True
-        await self._robot.sleep(LOOK_EVERY)
+        await self._robot.sleep(self._agent.look_period)
         self._agent.update()  # looks
         return any(self._agent.sees(thing) for thing in known)
 

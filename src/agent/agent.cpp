@@ -16,7 +16,6 @@ namespace {
 using language::ReadingOutcome;
 using language::Skill;
 
-constexpr Duration kLookEvery = std::chrono::milliseconds(500);
 constexpr std::size_t kPoses = 50;        // that are remembered: a second
 constexpr double kCorrected = 0.03;       // [m] by which the map moved at once
 constexpr double kCorrectedTurn = 0.015;  // [rad]
@@ -82,7 +81,7 @@ void Agent::Impl::remember(const TickView& view) {
 void Agent::Impl::look() {
   if (!body.robot.profile().camera) return;
   const Time time = body.robot.world().now();
-  if (looked && time - *looked < kLookEvery) return;
+  if (looked && time - *looked < kLookPeriod) return;
   const slam::PoseEstimate& pose = body.robot.pose();
   if (pose.lost() || poses.empty()) return;
   looked = time;
@@ -118,11 +117,14 @@ void Agent::begin(std::string_view instruction, const Budget& budget) {
   std::vector<std::string> places;
   for (const auto& place : impl.body.map.places()) places.push_back(place.name);
   const language::Reading reading = language::read(instruction, impl.lexicon, places);
-  const auto blind =
-      std::ranges::find_if(reading.steps, [&](const auto& step) { return needs_camera(impl.body, step); });
-  if (blind != reading.steps.end() && !impl.body.robot.profile().camera)
-    throw HardwareError(fmt::format("robot '{}' has no camera, which {} needs", impl.body.robot.profile().name,
-                                    to_string(blind->skill)));
+  if (const RobotProfile& profile = impl.body.robot.profile(); !profile.camera) {
+    const auto blind =
+        std::ranges::find_if(reading.steps, [&](const auto& step) { return needs_camera(impl.body, step); });
+    if (blind != reading.steps.end()) {
+      throw HardwareError(
+          fmt::format("robot '{}' has no camera, which {} needs", profile.name, to_string(blind->skill)));
+    }
+  }
   impl.result = ExecutionResult{};
   impl.run = Run{reading.steps, 0, nullptr, budget, impl.body.robot.world().now(), impl.body.position()};
   switch (reading.outcome) {

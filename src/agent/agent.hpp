@@ -30,6 +30,8 @@ using threewe::ExecutionResult;
 /// twice a second, from when it is made. It uses what users may call, nothing else: every motion passes the gate.
 class Agent {
  public:
+  static constexpr Duration kLookPeriod = std::chrono::milliseconds(500);  ///< of robot time between two looks
+
   /// Of a connected robot, which must outlive it. One without a camera knows of no things.
   explicit Agent(Runtime& robot, vision::Detector detector = vision::Detector::load(),
                  language::Lexicon lexicon = language::Lexicon::load());

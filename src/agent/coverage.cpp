@@ -79,13 +79,18 @@ std::optional<Vec2> Reachable::nearest(const std::function<bool(Vec2)>& fits) co
 }
 
 std::optional<Vec2> Reachable::best(const std::function<double(Vec2)>& cost) const {
+  return best([&cost](Vec2 point, double) { return cost(point); });
+}
+
+std::optional<Vec2> Reachable::best(const std::function<double(Vec2, double)>& cost) const {
   double least = std::numeric_limits<double>::infinity();
   std::optional<Vec2> found;
-  for (const Square& square : squares_) {
-    const double here = cost(center_of(square));
+  for (std::size_t i = 0; i < squares_.size(); ++i) {
+    const Vec2 point = center_of(squares_[i]);
+    const double here = cost(point, ways_[i]);
     if (here >= least) continue;
     least = here;
-    found = center_of(square);
+    found = point;
   }
   return found;
 }
@@ -108,17 +113,10 @@ void Coverage::add(const map::OccupancyGrid& grid, const Pose2D& map_from_camera
 std::optional<Viewpoint> Coverage::next(const map::OccupancyGrid& grid, const Reachable& reachable,
                                         const std::function<bool(Vec2)>& area,
                                         const std::function<double(Vec2)>& detour) const {
-  std::optional<Vec2> unseen;
-  double least = std::numeric_limits<double>::infinity();
-  for (std::size_t i = 0; i < reachable.squares().size(); ++i) {
-    const Vec2 point = center_of(reachable.squares()[i]);
-    if (has(reachable.squares()[i]) || (area && !area(point))) continue;
-    const double cost = reachable.ways()[i] - (detour ? detour(point) : 0.0);
-    if (cost >= least) continue;
-    least = cost;
-    unseen = point;
-    if (!detour) break;  // they are in order
-  }
+  const auto unseen = reachable.best([&](Vec2 point, double way) {
+    if (has(square_of(point)) || (area && !area(point))) return std::numeric_limits<double>::infinity();
+    return way - (detour ? detour(point) : 0.0);
+  });
   if (!unseen) return {};
   const auto stand = reachable.nearest(
       [&](Vec2 point) { return norm(*unseen - point) < kStandOff + kSquare && in_sight(grid, point, *unseen); });

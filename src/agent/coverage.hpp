@@ -35,6 +35,8 @@ class Reachable {
   std::optional<Vec2> nearest(const std::function<bool(Vec2)>& fits) const;
   /// The one for which a cost is least.
   std::optional<Vec2> best(const std::function<double(Vec2)>& cost) const;
+  /// The same, of a cost that knows the length [m] of the way there, too.
+  std::optional<Vec2> best(const std::function<double(Vec2, double)>& cost) const;
 
  private:
   std::vector<Square> squares_;

@@ -56,13 +56,8 @@ constexpr double kDouble = 0.35;     // [m] within which two of a kind are one
 constexpr double kPointPlace = 2.5;  // [m]
 constexpr Duration kRecent = std::chrono::seconds(30);
 
-std::array<double, 3> rotated(double along, double across, double angle) {
-  const auto [s, c] = exact::sincos(angle);
-  return {c * c * along + s * s * across, s * c * (along - across), s * s * along + c * c * across};
-}
-
 // A covariance after a rotation by an angle [rad].
-std::array<double, 3> turned(const std::array<double, 3>& covariance, double angle) {
+std::array<double, 3> rotated(const std::array<double, 3>& covariance, double angle) {
   const auto [s, c] = exact::sincos(angle);
   const auto [xx, xy, yy] = covariance;
   return {c * c * xx - 2.0 * s * c * xy + s * s * yy, s * c * (xx - yy) + (c * c - s * s) * xy,
@@ -245,7 +240,8 @@ SemanticMap::Located SemanticMap::locate(const vision::Detection& detection, con
     range += share * off;
     variance *= 1.0 - share;
   }
-  return {camera.position() + range * Vec2{c, s}, rotated(variance, sigma_across * sigma_across, direction), range};
+  return {camera.position() + range * Vec2{c, s}, rotated({variance, 0.0, sigma_across * sigma_across}, direction),
+          range};
 }
 
 void SemanticMap::add_new(Vec2 position, const std::array<double, 3>& covariance, double range) {
@@ -366,7 +362,7 @@ void SemanticMap::move(const Pose2D& from, const Pose2D& to, Time now) {
     const Vec2 there = from.position() + share * (to.position() - from.position());
     const Pose2D correction = Pose2D{there.x, there.y, from.theta + share * turn} * inverse(from);
     thing.position = correction * thing.position;
-    thing.covariance = turned(thing.covariance, share * turn);
+    thing.covariance = rotated(thing.covariance, share * turn);
     evidence_[i].last = correction * evidence_[i].last;
     for (Viewpoint& viewpoint : evidence_[i].from) viewpoint.bearing = wrap_angle(viewpoint.bearing + share * turn);
   }
