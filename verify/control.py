@@ -65,7 +65,7 @@ EXPERIMENTS = [
             *each(
                 "course",
                 [NARROW],
-                lambda _: within(known_miss(comes_to_the_end(), 0.0, ALONE), all_drives),
+                lambda _: within(known_miss(comes_to_the_end(), 0.45, ALONE), all_drives),
             ),
         ],
     )
