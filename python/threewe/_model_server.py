@@ -58,7 +58,15 @@ DIALECTS = {
 RETRY_AFTER = 1
 """[s] that a client is asked to wait by a rate limit."""
 FAULTS = (
-    *("unauthorized", "rate_limit", "no_model", "error", "loading", "reset", "half", "silence", "context"),
+    "unauthorized",
+    "rate_limit",
+    "no_model",
+    "error",
+    "loading",
+    "reset",
+    "half",
+    "silence",
+    "context",
     "certificate",
 )
 

@@ -11,7 +11,7 @@ namespace threewe::task {
 namespace {
 
 constexpr double kPassedWithin = 2.0;       // [m]
-constexpr double kCloseCall = 0.4;          // [m] between "nearest" things that cannot be told apart
+constexpr double kCloseCall = 0.4;          // [m] between "nearest" things that differ too little to be distinguished
 constexpr std::size_t kMostReadings = 256;  // at a time
 
 // A walker together with what was said and is not yet done.

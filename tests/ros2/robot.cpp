@@ -10,9 +10,9 @@
 // that some overtake others, or is lost. Its types have no hash, or this one. SIGUSR1 cuts the link, SIGUSR2 mends it.
 //
 // It takes velocities on /cmd_vel, and stops 200 ms after the last: after it was stamped, by this robot's own clock,
-// where it is; one without a stamp is as new as its arrival, as ros2_controllers have it. When nobody drives it any
-// more it is put back to where it started. It prints a line when it is ready, and what is true of it when it is asked
-// to end.
+// where it is; one without a stamp is as new as its arrival, as ros2_controllers have it. Once no program drives
+// it any more it is put back to where it started. It prints a line when it is ready, and what is true of it when it is
+// asked to end.
 #include <atomic>
 #include <chrono>
 #include <cmath>
@@ -45,7 +45,7 @@ using Clock = std::chrono::steady_clock;
 namespace {
 
 constexpr Duration kWatchdog = 200ms;
-// Its odometry began long ago, elsewhere; its clock is one that nobody set.
+// Its odometry began long ago, elsewhere; its clock is one that was never set.
 constexpr Pose2D kTheirsFromStart{3.0, -2.0, 1.2};
 constexpr Time kUptime = 5000s;
 

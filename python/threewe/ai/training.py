@@ -91,8 +91,8 @@ def train_policy(
         progress(f"no drives in generated buildings: they are of {Settings.hardware}, which has another base")
         checks = 0
     learner = Learner(data, policy, passes, seed, model)
-    asked = {"rows": len(data.pictures), "passes": passes, "seed": seed, "checks": checks, "model": model}
-    asked["prefix"] = policy.prefix
+    options = {"passes": passes, "seed": seed, "checks": checks, "model": model, "prefix": policy.prefix}
+    asked = {"rows": len(data.pictures), **options}
     best = _resumed(learner, kept, asked) if resume else -1.0
     while learner.done < passes:
         progress(learner.learn())
