@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cctype>
-#include <ranges>
 
 #include <fmt/format.h>
 
@@ -81,7 +80,8 @@ std::vector<Deliverable> deliverables(const RobotProfile& profile) {
 
 std::string_view sensor_of(std::string_view type) {
   if (type == kUltrasonic) return "ultrasonics";
-  for (const auto& [sensor, types] : kinds() | std::views::transform(&Kind::deliverable)) {
+  for (const Kind& kind : kinds()) {
+    const auto& [sensor, types] = kind.deliverable;
     if (std::ranges::find(types, type) != types.end()) return sensor;
   }
   return "";
