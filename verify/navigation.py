@@ -217,16 +217,7 @@ DOORS = [
     ),
 ]
 
-# robots with eight corners, and how often they get away from a wall: the gate stops the arcs that they ask for
-STAYS = {"nav2_robot": 0.925, "turtlebot4": 0.88}
-EIGHT_CORNERS = 0.90
-WHY_IT_STAYS = "the gate stops the arcs that a robot with eight corners asks for next to the wall"
-
-
-def gets_away(which: str = "") -> Row:
-    return share_of(f"{which}gets away and reaches a goal, truly within 0.25 m", arrived, at_least=0.99)
-
-
+GETS_AWAY = share_of("gets away and reaches a goal, truly within 0.25 m", arrived, at_least=0.99)
 TIGHT = [
     Experiment(
         "next to a wall",
@@ -235,11 +226,7 @@ TIGHT = [
         cases=1000 * len(profile_names()),
         sample=5 * len(profile_names()),
         rows=[
-            where(gets_away("robots with four corners: "), lambda case: case["hardware"] not in STAYS),
-            where(
-                known_miss(gets_away("robots with eight corners: "), EIGHT_CORNERS, WHY_IT_STAYS),
-                lambda case: case["hardware"] in STAYS,
-            ),
+            GETS_AWAY,
             where(
                 all_of("with a lidar: touches nothing faster than 0.05 m/s", touches_gently),
                 lambda case: case["hardware"] != BASE,
@@ -252,11 +239,7 @@ TIGHT = [
                 ),
                 lambda case: case["hardware"] == BASE,
             ),
-            *each(
-                "hardware",
-                profile_names(),
-                lambda hardware: known_miss(gets_away(), STAYS.get(hardware), WHY_IT_STAYS),
-            ),
+            *each("hardware", profile_names(), lambda _: GETS_AWAY),
         ],
     ),
     Experiment(

@@ -131,6 +131,7 @@ double way_of_pending(const GateModel& model, const GateState& state) {
 struct Obstacle {
   Vec2 at;                // in a frame that stands still
   double margin = 0.0;    // [m] of its kind
+  double depth = 0.0;     // [m] of its kind
   double required = 0.0;  // [m]
   double slack = 0.0;     // [m] that corners can go at least before it is nearer than that
 };
@@ -160,7 +161,7 @@ void select_near(const GateModel& model, const Obstacles& obstacles, const Pose2
     if (model.footprint.distance_to_box(at) > reach) continue;
     const double distance = clearance(model, at);
     const double required = std::min(distance, obstacles.margin);
-    near.push_back({at, obstacles.margin, required, distance - required});
+    near.push_back({at, obstacles.margin, obstacles.depth, required, distance - required});
   }
 }
 
@@ -191,8 +192,8 @@ bool follow(const GateModel& model, const Frame& start, const Arc& arc, Obstacle
 }
 
 // What each obstacle must keep: the margin, but never more than braking at once would leave. What lies inside the
-// outline already may come no deeper, and never licenses touching something else. From here on they are looked at from
-// the turning point.
+// outline already may come no deeper than its kind may, and never licenses touching something else. From here on they
+// are looked at from the turning point.
 void settle_requirements(const GateModel& model, const Frame& turning_point, Near& near) {
   double common = model.margin;
   double common_of_lesser = model.margin;  // of what may be nearer from the first
@@ -203,6 +204,7 @@ void settle_requirements(const GateModel& model, const Frame& turning_point, Nea
   for (Obstacle& obstacle : near) {
     obstacle.at = turning_point.from_outside(obstacle.at);
     const double least = obstacle.margin < model.margin ? common_of_lesser : common;
+    if (obstacle.required < -kRounding) obstacle.required = std::min(obstacle.required, -obstacle.depth);
     obstacle.required = std::min(obstacle.required, least) - kRounding;
     obstacle.slack = clearance(model, obstacle.at) - obstacle.required;
   }

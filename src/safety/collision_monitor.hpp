@@ -11,6 +11,7 @@ namespace threewe::safety {
 struct Obstacles {
   std::span<const Vec2> points;  ///< [m]
   double margin = 0.0;           ///< [m] kept free around the footprint of these, at most the model's
+  double depth = 0.0;            ///< [m] so far into the footprint may come what is measured to be inside already
 };
 
 /// The command nearest to `command`, on the way from braking along the present arc, after which the robot can still

@@ -110,7 +110,7 @@ Passage measure_passage(const GateModel& model, const Velocity& velocity, const 
                         const Pose2D& odom_from_base) {
   Passage passage;
   passage.beside = without_noise(model, surroundings.hits, odom_from_base);
-  passage.beside.insert(passage.beside.end(), surroundings.assumed.begin(), surroundings.assumed.end());
+  passage.assumed.assign(surroundings.assumed.begin(), surroundings.assumed.end());
   const double speed = exact::hypot(velocity.vx, velocity.vy);
   if (speed == 0.0) return passage;  // turning on the spot, nothing is ahead
 
@@ -119,15 +119,19 @@ Passage measure_passage(const GateModel& model, const Velocity& velocity, const 
   const auto gap = [&](Vec2 hit) { return corridor.gap(base_from_odom * hit); };
   double before = kInfinity;
   double behind = kInfinity;
-  for (const Vec2 hit : passage.beside) {
-    const double along = gap(hit);
-    double& nearest = std::signbit(along) ? behind : before;
-    nearest = std::min(nearest, std::abs(along));
+  for (const auto* kind : {&passage.beside, &passage.assumed}) {
+    for (const Vec2 hit : *kind) {
+      const double along = gap(hit);
+      double& nearest = std::signbit(along) ? behind : before;
+      nearest = std::min(nearest, std::abs(along));
+    }
   }
   if (before + behind < kBoxedIn * model.margin) return passage;
   const auto is_ahead = [&](Vec2 hit) { return !std::signbit(gap(hit)) && gap(hit) < kInfinity; };
-  std::ranges::copy_if(passage.beside, std::back_inserter(passage.ahead), is_ahead);
-  std::erase_if(passage.beside, is_ahead);
+  for (auto* kind : {&passage.beside, &passage.assumed}) {
+    std::ranges::copy_if(*kind, std::back_inserter(passage.ahead), is_ahead);
+    std::erase_if(*kind, is_ahead);
+  }
   return passage;
 }
 

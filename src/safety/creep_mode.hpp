@@ -19,8 +19,9 @@ bool is_in_passage(const GateModel& model, std::span<const Vec2> hits, const Pos
 
 /// What is around the robot, in its frame, hits without noise: a hit's noise alone would close a narrow passage.
 struct Passage {
-  std::vector<Vec2> ahead;   ///< what the body would run into, straight on: it keeps the whole margin
-  std::vector<Vec2> beside;  ///< what the body passes: it keeps the margin of creep mode
+  std::vector<Vec2> ahead;    ///< what the body would run into, straight on: it keeps the whole margin
+  std::vector<Vec2> beside;   ///< what the body passes: it keeps the margin of creep mode
+  std::vector<Vec2> assumed;  ///< the same, where something may be
 };
 
 /// The passage that leads along `velocity`, measured by the hits of a scan. Between ends that leave hardly more than

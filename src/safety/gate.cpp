@@ -36,8 +36,10 @@ Velocity monitored(const GateModel& model, const GateState& state, const Velocit
     return clear_of_obstacles(model, state, command, all, odom_from_base);
   }
   const Passage passage = measure_passage(model, command, surroundings, odom_from_base);
-  const std::array all = {Obstacles{passage.ahead, model.margin},
-                          Obstacles{passage.beside, std::min(model.margin, model.creep.margin)}};
+  const double lesser = std::min(model.margin, model.creep.margin);
+  // a wall that is measured inside of the body shows that the lidar measures too near
+  const std::array all = {Obstacles{passage.ahead, model.margin}, Obstacles{passage.beside, lesser, model.bias},
+                          Obstacles{passage.assumed, lesser}};
   return clear_of_obstacles(model, state, command, all, odom_from_base);
 }
 
@@ -93,6 +95,7 @@ GateModel make_gate_model(const RobotProfile& profile) {
   if (profile.lidar) {
     model.base_from_lidar = profile.lidar->base_from_lidar.position();
     model.noise = profile.lidar->sigma;
+    model.bias = profile.lidar->bias;
   }
   model.reaction = profile.reaction();
   if (model.reaction > kMaxReaction)

@@ -33,6 +33,7 @@ struct GateModel {
   Params::Creep creep;                  ///< of creep mode
   std::optional<Vec2> base_from_lidar;  ///< [m] empty where no lidar measures narrow passages
   double noise = 0.0;                   ///< [m] standard deviation of its ranges
+  double bias = 0.0;                    ///< [m] the largest constant error of its ranges
   Duration reaction = 120ms;            ///< from a command to its effect: command latency, motor lag, one period
 };
 

@@ -43,8 +43,8 @@ class PlainMonitor {
     for (std::size_t i = 0; i < obstacles_.size(); ++i) {
       for (const Pose2D& pose : poses) required_[i] = std::min(required_[i], clearance(pose, i));
     }
-    settle(std::span(required_).first(lesser_));
-    settle(std::span(required_).subspan(lesser_));
+    settle(std::span(required_).first(lesser_), model_.bias);
+    settle(std::span(required_).subspan(lesser_), 0.0);
 
     if (keeps_clear(turning_point, command)) return command;
     const Velocity fallback = braked(state_.last());
@@ -89,11 +89,14 @@ class PlainMonitor {
     while ((v = braked(v)) != Velocity{}) drive(poses, v);
   }
 
-  // All of a kind may be as near as one of them is.
-  static void settle(std::span<double> required) {
+  // All of a kind may be as near as one of them is; those inside of the outline so deep.
+  static void settle(std::span<double> required, double depth) {
     if (required.empty()) return;
     const double common = std::max(0.0, *std::ranges::min_element(required));
-    for (double& one : required) one = std::min(one, common) - 1e-9;
+    for (double& one : required) {
+      if (one < -1e-9) one = std::min(one, -depth);
+      one = std::min(one, common) - 1e-9;
+    }
   }
 
   double clearance(const Pose2D& pose, std::size_t obstacle) const {
@@ -151,6 +154,7 @@ GateModel random_model(Draw& draw) {
                   .angular_acceleration = draw(1.0, 8.0)};
   model.footprint = random_footprint(draw);
   model.margin = draw(0.0, 0.1);
+  model.bias = draw(0.0, 0.05);
   model.reaction = from_seconds(draw(0.0, 0.32));
   return model;
 }
@@ -242,7 +246,7 @@ TEST_CASE("what looks at few poses decides as what looks at all of them") {
     const std::size_t lesser = alike ? 0 : static_cast<std::size_t>(draw.whole(0, static_cast<int>(obstacles.size())));
     const auto kinds = [&](const std::vector<Vec2>& points) {
       const std::span<const Vec2> all(points);
-      return std::array{Obstacles{all.first(lesser), std::min(model.margin, model.creep.margin)},
+      return std::array{Obstacles{all.first(lesser), std::min(model.margin, model.creep.margin), model.bias},
                         Obstacles{all.subspan(lesser), model.margin}};
     };
     const Velocity expected = PlainMonitor(model, state, obstacles, lesser).decide(command);

@@ -121,6 +121,35 @@ TEST_CASE("creep mode leads through a passage that is measured to be wide enough
   }
 }
 
+TEST_CASE("a wall that a lidar measures inside of the body lets it turn in creep mode, as deep as lidars err") {
+  for (const std::string robot : {"turtlebot4", "nav2_robot"}) {
+    CAPTURE(robot);
+    const Driven before(robot, wall({-1.0, -make_gate_model(load_profile(robot)).footprint.inscribed_radius() + 0.008},
+                                    {1.0, -make_gate_model(load_profile(robot)).footprint.inscribed_radius() + 0.008}));
+    CHECK(before.clearance() == doctest::Approx(-0.008).epsilon(0.01));
+    const auto turned = [&](bool creep_mode, double bias) {
+      Driven driven = before;
+      driven.model.bias = bias;
+      for (int i = 0; i < 1000; ++i) driven.drive({{0.0, 0.0, 0.5}, creep_mode});
+      return driven;
+    };
+    const Driven free = turned(true, 0.03);
+    CHECK(std::fabs(free.base.theta) > 0.0);
+    CHECK(free.nearest >= -0.03);
+    CHECK(free.nearest < -0.02);
+    CHECK(free.fastest_nearer <= 0.05 + 1e-9);
+    CHECK(turned(false, 0.03).base == Pose2D{});
+    CHECK(turned(true, 0.008).base == Pose2D{});
+    CHECK(turned(true, 0.0).base == Pose2D{});
+
+    // where something is only assumed to be, no lidar erred
+    GateState state;
+    state.scan_seen = true;
+    const Surroundings assumed{{}, before.obstacles};
+    CHECK(gate(before.model, state, {{0.0, 0.0, 0.5}, true}, assumed, Time{}).command == Velocity{});
+  }
+}
+
 TEST_CASE("less than the whole margin is for robots that are as slow as creep mode is, whatever they ask next") {
   int nearer = 0;
   for (std::uint64_t seed = 0; seed < cases(400); ++seed) {
