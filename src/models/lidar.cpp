@@ -1,7 +1,11 @@
 #include "models/lidar.hpp"
 
 #include <algorithm>
+#include <array>
+#include <cstddef>
 #include <limits>
+#include <memory_resource>
+#include <vector>
 
 #include "core/exact.hpp"
 #include "models/lidar_noise.hpp"
@@ -43,7 +47,11 @@ bool drops_neighbours(const LidarSpec& spec, const RngKey& key, std::uint64_t fi
   const auto dropout = static_cast<float>(variation.lidar_dropout * spec.dropout);
   if (!(dropout > 0.0F)) return false;
   const auto points = static_cast<std::size_t>(spec.points_per_turn);
-  std::vector<std::size_t> dropped = dropped_points(key, first, points, dropout);
+  alignas(std::size_t) std::array<std::byte, 2048> room;  // NOLINT: what is used is filled
+  std::pmr::monotonic_buffer_resource memory(room.data(), room.size());
+  std::pmr::vector<std::size_t> dropped(&memory);
+  dropped.reserve(room.size() / sizeof(std::size_t));
+  append_dropped_points(key, first, points, dropout, dropped);
   for (std::size_t i = 0; i < dropped.size() && dropped[i] < 2; ++i) dropped.push_back(dropped[i] + points);
   for (std::size_t i = 2; i < dropped.size(); ++i) {
     if (dropped[i] == dropped[i - 2] + 2) return true;

@@ -201,7 +201,7 @@ void measure(const RngKey& key, std::uint64_t first, const RangeNoise& noise, st
 }
 
 void list_dropped(const RngKey& key, std::uint64_t first, std::size_t count, float dropout,
-                  std::vector<std::size_t>& list) {
+                  std::pmr::vector<std::size_t>& list) {
   const Floats d;
   const Bits bits;
   const F limit = hn::Set(d, 0x1p24F * dropout);
@@ -245,10 +245,9 @@ void add_noise(const RngKey& key, std::uint64_t first, const RangeNoise& noise, 
   }
 }
 
-std::vector<std::size_t> dropped_points(const RngKey& key, std::uint64_t first, std::size_t count, float dropout) {
-  std::vector<std::size_t> list;
+void append_dropped_points(const RngKey& key, std::uint64_t first, std::size_t count, float dropout,
+                           std::pmr::vector<std::size_t>& list) {
   HWY_DYNAMIC_DISPATCH(list_dropped)(key, first, count, dropout, list);
-  return list;
 }
 
 }  // namespace threewe::models

@@ -1,7 +1,9 @@
 // Vectorised range noise, bias and dropout of a lidar.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <memory_resource>
 #include <span>
 #include <vector>
 
@@ -25,7 +27,8 @@ struct RangeNoise {
 /// the middles of 2^23 equal steps. The others decide whether each is lost: w >> 8 is below dropout * 2^24.
 void add_noise(const RngKey& key, std::uint64_t first, const RangeNoise& noise, std::span<float> ranges);
 
-/// Which of so many points are lost by a probability of `dropout` above 0, counted from `first`, in order.
-std::vector<std::size_t> dropped_points(const RngKey& key, std::uint64_t first, std::size_t count, float dropout);
+/// Appends which of so many points are lost by a probability of `dropout` above 0, counted from `first`, in order.
+void append_dropped_points(const RngKey& key, std::uint64_t first, std::size_t count, float dropout,
+                           std::pmr::vector<std::size_t>& list);
 
 }  // namespace threewe::models
