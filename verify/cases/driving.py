@@ -151,9 +151,17 @@ def explore(seed: int, scene: str, times: float | None = 1.5) -> dict[str, Any]:
     tables = SceneTables(Scene.load(scene), profile)
     start = tables.sample_free_pose(seed)
     reference = nearest_frontier(tables, profile, start)
+    case = explore_from(start, seed, scene, times * reference.duration if times else None)
+    return case | {"reference_seconds": reference.duration, "reference_coverage": reference.coverage}
+
+
+def explore_from(
+    start: Pose2D, seed: int, scene: str, timeout: float | None = None, hardware: str = "3we_standard_v2"
+) -> dict[str, Any]:
+    """An exploration, and how much of the scene it truly saw."""
 
     async def run() -> dict[str, Any]:
-        async with Robot(scene=scene, seed=seed, start_pose=start) as robot:
+        async with Robot(scene=scene, hardware=hardware, seed=seed, start_pose=start) as robot:
             truth = robot.simulation
             assert truth is not None
             meter = CoverageMeter(truth)
@@ -163,7 +171,7 @@ def explore(seed: int, scene: str, times: float | None = 1.5) -> dict[str, Any]:
                     meter.observe(truth.true_pose())
 
             robot.observe(look)
-            result = await robot.explore(timeout=times * reference.duration if times else None)
+            result = await robot.explore(timeout=timeout)
             return {
                 "reason": result.reason.name,
                 "detail": result.detail,
@@ -171,8 +179,6 @@ def explore(seed: int, scene: str, times: float | None = 1.5) -> dict[str, Any]:
                 "coverage": meter.coverage(robot.get_map()),
                 "driven": truth.distance_driven(),
                 "contact_speed": truth.max_collision_speed(),
-                "reference_seconds": reference.duration,
-                "reference_coverage": reference.coverage,
             }
 
     return asyncio.run(run())
