@@ -330,6 +330,25 @@ def test_a_sample_is_put_on_record_once_and_full_runs_into_the_claims(
     assert "would have caught" not in capsys.readouterr().out
 
 
+def test_nothing_is_learned_from_an_experiment_with_a_broken_case(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("verify.harness.area.ROOT", tmp_path)
+    learned: list[int] = []
+    for ways in (["well", "well"], ["well", "raises"]):
+        experiment = Experiment(
+            "_".join(ways),
+            dies,
+            variants=[{"how": how} for how in ways],
+            cases=2,
+            sample=2,
+            rows=[all_of("all", right)],
+            learn=lambda cases, commit, seed: learned.append(len(cases)),
+        )
+        verify("toy", [experiment], Options(write_model=True))
+    assert learned == [2]
+
+
 def test_out_of_time_no_experiment_begins_and_each_is_named(capsys: pytest.CaptureFixture[str]) -> None:
     row = all_of("well", right)
     outcome = verify(

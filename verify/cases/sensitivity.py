@@ -52,7 +52,7 @@ def sensitivity(seed: int) -> dict[str, Any]:
                 "success": succeeds(changed) - succeeds(usual[place]),
                 "spl": path_weighted(changed, usual[place]) - path_weighted(usual[place], usual[place]),
                 "same": changed == usual[place],
-                "untrue": changed["reason"] == "reached" and changed["true_distance"] > 0.25,
+                "untrue": changed["reason"] == "reached" and changed.get("true_distance", 0.0) > 0.25,
             }
     return {"answers": answers, "spl": usual[far]["spl"]}
 

@@ -56,7 +56,7 @@ def verify(area: str, experiments: list[Experiment], options: Options) -> Outcom
             left_out += 1
             continue
         cases = run_cases(experiment, seed, count, journal)
-        if options.write_model and experiment.learn:
+        if options.write_model and experiment.learn and not cases.broken:
             experiment.learn(cases.all, revision.commit, seed)
         verdicts: list[tuple[Row, Verdict]] = []
         for row in (one for one in experiment.rows if not (options.sample and one.full_only)):

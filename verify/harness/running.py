@@ -46,6 +46,11 @@ class Cases:
         """Without those that cannot be run here."""
         return [case for case in self.all if "not_shown" not in case]
 
+    @property
+    def broken(self) -> list[Case]:
+        """Those that raised, died, or came to nothing."""
+        return [case for case in self.all if "error" in case]
+
 
 def run_cases(experiment: Experiment, seed: int, count: int, journal: Journal) -> Cases:
     """Runs those cases that the journal lacks, each in a process that others run beside."""
