@@ -343,7 +343,7 @@ def test_nothing_is_learned_from_an_experiment_with_a_broken_case(
             cases=2,
             sample=2,
             rows=[all_of("all", right)],
-            learn=lambda cases, commit, seed: learned.append(len(cases)),
+            learn=lambda cases, *_: learned.append(len(cases)),
         )
         verify("toy", [experiment], Options(write_model=True))
     assert learned == [2]
