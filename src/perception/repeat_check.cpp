@@ -11,8 +11,15 @@ namespace threewe::perception {
 namespace {
 
 bool same(const LaserScan& a, const LaserScan& b) { return a.ranges == b.ranges; }
+// An inertial unit without noise settles for seconds, by less than any resolves: 16 bits are 1e-4 rad/s and 6e-4 m/s^2.
 bool same(const IMUData& a, const IMUData& b) {
-  return a.angular_velocity == b.angular_velocity && a.linear_acceleration == b.linear_acceleration;
+  constexpr double kTurns = 1e-6;   // [rad/s]
+  constexpr double kSpeeds = 1e-5;  // [m/s^2]
+  const auto near = [](const auto& one, const auto& other, double resolution) {
+    return std::ranges::equal(one, other, [=](double x, double y) { return std::fabs(x - y) <= resolution; });
+  };
+  return near(a.angular_velocity, b.angular_velocity, kTurns) &&
+         near(a.linear_acceleration, b.linear_acceleration, kSpeeds);
 }
 bool same(const Odometry& a, const Odometry& b) { return a.pose == b.pose && a.velocity == b.velocity; }
 bool same(const BatteryState&, const BatteryState&) { return false; }  // it may well stay as it is

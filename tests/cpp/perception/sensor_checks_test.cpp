@@ -162,6 +162,17 @@ TEST_CASE("repeated readings are a fault where something must have changed") {
       for (int i = 0; i < 20; ++i) CHECK_FALSE(read(0.0, moving));
     }
   }
+  SUBCASE("an inertial unit without noise, which settles for long after each stop") {
+    RepeatCheck quiet;
+    const auto read = [&](double acceleration, const Motion& motion) {
+      return quiet.is_frozen(IMUData{{}, {acceleration, 0.0, 0.0}}, motion);
+    };
+    for (int stop = 0; stop < 3; ++stop) {
+      for (int i = 0; i < 40; ++i) CHECK_FALSE(read(-std::pow(3.5, -i), still));
+      CHECK_FALSE(read(1.0, moving));
+      for (int i = 0; i < 20; ++i) CHECK_FALSE(read(0.0, moving));
+    }
+  }
   SUBCASE("a camera, if it has noise") {
     const auto image = [](std::uint8_t level) {
       RGBDImage made;
