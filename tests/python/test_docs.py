@@ -13,6 +13,7 @@ from pathlib import Path
 from types import ModuleType
 
 import pytest
+import threewe
 from rules.test_vocabulary import FORBIDDEN
 
 from verify.__main__ import AREAS, area
@@ -256,6 +257,12 @@ def test_every_measurement_that_is_named_exists() -> None:
             assert not experiment or experiment in source.read_text(), f"{page}: no {experiment!r} in {name}"
         for name in re.findall(r"\./dev bench ([a-z]+)", text):
             assert name in benchmarks, f"{page}: {name}"
+
+
+def test_the_page_of_parameters_names_each() -> None:
+    rows = re.findall(r"^\| `([\w.]+)` \| (\S+)", (ROOT / "docs/parameters.md").read_text(), re.MULTILINE)
+    parameters = threewe.RobotProfile.load("3we_standard_v2").parameters()
+    assert dict(rows) == {parameter.name: f"{parameter.value:.4g}" for parameter in parameters}
 
 
 def test_every_term_of_the_glossary_is_defined_once() -> None:

@@ -15,7 +15,7 @@ import pytest
 from verify.learning import EXAMPLE, example
 
 if importlib.util.find_spec("ray") is None:
-    pytest.skip("not shown: Ray comes with ./dev interop rl, which runs these", allow_module_level=True)
+    pytest.skip("Ray is not installed", allow_module_level=True)
 
 import ray
 import torch

@@ -35,7 +35,7 @@ where it counts: on a far drive; through seven narrow doors (`nav.creep`, `nav.b
 `nav.narrow_passage`, `safety.creep`); as the robot explores, where success is a coverage of 0.95, and SPL the coverage
 times how much sooner or later it ends (`nav.frontier`); put elsewhere without a word after a first drive
 (`slam.localization`, `slam.global_search`); among people (`health.people`, `safety.approach`). `=`: every drive is the
-same to the bit, as where a parameter is of what it does not meet: no sensor fails. `-`: a count that cannot be halved.
+same to the bit, as where a parameter is of what does not happen: no sensor fails. `-`: a count that cannot be halved.
 """
 
 

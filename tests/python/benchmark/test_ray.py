@@ -18,7 +18,7 @@ from threewe.benchmark.run import plan_run, results_of, run
 from threewe.benchmark.runner import Job, Journal
 
 if importlib.util.find_spec("ray") is None:
-    pytest.skip("not shown: Ray comes with ./dev interop rl, which runs these", allow_module_level=True)
+    pytest.skip("Ray is not installed", allow_module_level=True)
 
 import ray
 from ray.cluster_utils import Cluster
