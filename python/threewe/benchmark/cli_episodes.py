@@ -63,10 +63,12 @@ def check(
 
     path = find_episodes(name)
     made, columns = make_named(path.stem, secret=read_secret(secret) if secret else None)
-    there, wanted = path.read_text().splitlines(), to_json(made, columns).splitlines()
+    there, wanted = path.read_bytes(), to_json(made, columns).encode()
     if there == wanted:
         console.print(styled((path.stem, "bold"), f": as drawn, {len(made['episodes'])} episodes"))
         return
-    line = next((i for i, pair in enumerate(zip(there, wanted, strict=False)) if pair[0] != pair[1]), len(wanted))
-    console.print(styled((path.stem, "bold"), f": differs in line {line + 1} from what is drawn"))
+    pairs = enumerate(zip(there, wanted, strict=False))
+    same = next((i for i, pair in pairs if pair[0] != pair[1]), min(len(there), len(wanted)))
+    line = 1 + wanted.count(b"\n", 0, same)
+    console.print(styled((path.stem, "bold"), f": differs in line {line} from what is drawn"))
     raise typer.Exit(1)
