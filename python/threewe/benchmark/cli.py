@@ -123,7 +123,7 @@ def _drive(plan: Any, listed: Any, journal: Path, **how: Any) -> list[Any]:
         with progress(f"{plan.task}, {plan.agent.name}", len(listed)) as advance:
 
             def done(_: int, __: int, episode: Any, finished: Any) -> None:
-                advance()
+                advance(known=finished.known)
                 why = finished.failure or finished.result["failure"]
                 if why:
                     failures.append(f"{episode.scene}/{episode.index}: the agent failed: {why.splitlines()[-1]}")

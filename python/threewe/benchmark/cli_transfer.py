@@ -57,7 +57,11 @@ def run(
         raise ConfigError(f"{journals[0]}: an interrupted run; --resume goes on with it, or remove it")
     try:
         with progress(f"{policy}, {source} to {target}", len(plan.on_source) + len(plan.on_target)) as advance:
-            found = run_transfer(plan, output, workers=workers, limit=limit, on_done=lambda *_: advance())
+
+            def done(_: int, __: int, ___: Any, finished: Any) -> None:
+                advance(known=finished.known)
+
+            found = run_transfer(plan, output, workers=workers, limit=limit, on_done=done)
     except KeyboardInterrupt:
         console.print(f"Interrupted: what has finished is in {journals[0]}; --resume goes on.")
         raise typer.Exit(130) from None

@@ -11,7 +11,7 @@ import time
 import traceback
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from multiprocessing import get_context, parent_process
 from multiprocessing.connection import Connection
 from pathlib import Path
@@ -44,6 +44,7 @@ class Finished:
     failure: str = ""  # why there is no result
     own: bool = False  # the job's process died or hung, or it used too much memory
     seconds: float = 0.0  # of wall time
+    known: bool = field(default=False, compare=False)  # from a journal, before this run
 
 
 OnFinished = Callable[[Job, Finished], object]
@@ -76,7 +77,7 @@ class Journal:
             raise ConfigError(f"{path}: the journal of another run; remove it, or choose another output")
         for line in lines[run is not None :]:
             if not line["failure"] and keeps(line["result"]):
-                self._known[line["key"]] = Finished(line["result"], seconds=line["seconds"])
+                self._known[line["key"]] = Finished(line["result"], seconds=line["seconds"], known=True)
         if run is not None and not lines:
             complete = json.dumps({"run": run})
         path.write_text(complete + "\n" if complete else "")
