@@ -296,6 +296,25 @@ def talk_of_no_model(forger: Forger) -> bytes:
     return forger.packed()
 
 
+def other_actions(forger: Forger) -> None:
+    """Not those of an agent that acts, or of one that is none."""
+    number = forger.draw.randrange(len(forger.results["episode_results"]))
+    name = f"actions/{number:05}.f32"
+    if name not in forger.files:
+        forger.files[name] = forger.draw.choice([b"", bytes(12), bytes(12 * 50)])
+        return
+    actions = np.frombuffer(forger.files[name], "<f4").reshape(-1, 3).copy()
+    stopped, strange = actions.copy(), actions.copy()
+    stopped[10:16] = 0.0
+    strange[forger.draw.randrange(len(actions)), 1] = forger.draw.choice([np.nan, -np.inf])
+    forged = [actions[:10], np.vstack([actions, actions]), stopped, strange, None]
+    chosen = forger.draw.choice(forged)
+    if chosen is None:
+        del forger.files[name]
+    else:
+        forger.files[name] = chosen.tobytes()
+
+
 def extra_log(forger: Forger) -> None:
     forger.files["commands/00099.f64"] = bytes(24)
 
@@ -458,6 +477,7 @@ WAYS: list[Callable[[Forger], bytes | None]] = [
     other_leaf,
     missing_claim,
     no_library,
+    other_actions,
     extra_log,
     talk_of_no_model,
     other_library,

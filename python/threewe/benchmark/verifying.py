@@ -17,43 +17,21 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from threewe._core import OccupancyGrid, RobotProfile
-from threewe._model_talk import Record
-from threewe.benchmark.agents import MODEL, Identity, file_of, has_source, identify
+from threewe.benchmark.agents import Identity, file_of, has_source, identify
 from threewe.benchmark.attempt import SLOWEST, Settings, as_base64, attempt, from_base64, replay
-from threewe.benchmark.bundle import KINDS, Bundle, BundleError, read_bundle, text_of
-from threewe.benchmark.episodes import Episode, digest, find_episodes, load_episodes
-from threewe.benchmark.run import EPISODE_LIMIT, FORMAT, MEMORY, OnDone, Plan, results_of, select
+from threewe.benchmark.bundle import BundleError, read_bundle, text_of
+from threewe.benchmark.claims import LONGEST_TEXT, Claim, claims_of, require_actions, require_drivable
+from threewe.benchmark.episodes import Episode
+from threewe.benchmark.run import EPISODE_LIMIT, FORMAT, MEMORY, OnDone, Plan, results_of
 from threewe.benchmark.run import run as run_plan
 from threewe.benchmark.runner import Finished, Job, Result, run_jobs
 from threewe.benchmark.sampling import training_episodes
 from threewe.benchmark.tasks import TASKS, TICK
 from threewe.errors import ConfigError
 
-LONGEST_TEXT = 400  # characters of a name or of what an agent failed of
-LARGEST_GRID = 4096  # cells along a side
-ROUNDING = 1e-9  # of limits: commands are rounded
-ENDS = ("stop", "time", "failure")
 BACKENDS = ("mock", "mujoco")
-
-
-@dataclass(frozen=True)
-class Claim:
-    """One episode of a bundle."""
-
-    number: int
-    episode: Episode
-    row: dict[str, Any]
-    commands: NDArray[np.float64]
-    grid: OccupancyGrid | None
-    talk: bytes | None  # with a model
-
-    @property
-    def name(self) -> str:
-        """For messages."""
-        return f"episode {self.number} ({self.episode.scene}/{self.episode.index})"
 
 
 @dataclass(frozen=True)
@@ -88,6 +66,7 @@ def verify_bundle(
     profile = RobotProfile.load(plan.settings.hardware)
     for claim in claims:
         require_drivable(claim, profile, TASKS[plan.task].time_limit(claim.episode))
+        require_actions(claim, plan)
     replayed = _replay_all(plan, claims, workers, on_done)
     for claim, finished in zip(claims, replayed, strict=True):
         if finished.failure:
@@ -162,113 +141,6 @@ def _are_names(*values: object) -> bool:
 
 def _is_number(value: object) -> bool:
     return isinstance(value, int | float) and not isinstance(value, bool)
-
-
-def claims_of(bundle: Bundle, plan: Plan, episode_file: Path | None) -> list[Claim]:
-    """The episodes of a bundle, which are those of the frozen set, in its order."""
-    if episode_file is None and not plan.episode_set.isidentifier():
-        raise BundleError(f"episode_set: {plan.episode_set!r} is no name of one")
-    try:
-        file = episode_file or find_episodes(plan.episode_set)
-        frozen = load_episodes(file)
-    except ConfigError as error:
-        raise BundleError(f"episode_set: {error}") from None
-    if (frozen["name"], frozen["task"]) != (plan.episode_set, plan.task) or digest(file) != plan.episode_hash:
-        raise BundleError(f"episode_set: not the {plan.episode_set} that is known here: task or hash differs")
-    wanted = select(frozen, plan)
-    rows = bundle.results.get("episode_results")
-    if not isinstance(rows, list) or len(rows) != len(wanted) or not wanted:
-        raise BundleError(f"episode_results: expected {len(wanted)} episodes, as scenes and episodes say")
-    claims = [
-        _claim(bundle, plan.agent.name, number, *pair) for number, pair in enumerate(zip(wanted, rows, strict=True))
-    ]
-    left_over = set(bundle.files) - {
-        f"{kind}/{claim.number:05}.{end}" for claim in claims for kind, end in KINDS.items()
-    }
-    if left_over:
-        raise BundleError(f"{min(left_over)}: of no episode")
-    return claims
-
-
-def _claim(bundle: Bundle, named_agent: str, number: int, episode: Episode, row: Any) -> Claim:
-    place = f"episode {number} ({episode.scene}/{episode.index})"
-    if not isinstance(row, dict) or not isinstance(row.get("episode"), dict):
-        raise BundleError(f"{place}: not as a run writes it")
-    named = {key: row["episode"].get(key) for key in ("scene", "index", "seed")}
-    if named != {"scene": episode.scene, "index": episode.index, "seed": episode.seed}:
-        raise BundleError(f"{place}: the bundle has {named} in its place, which the frozen set has not")
-    if row.get("end") not in ENDS:
-        raise BundleError(f"{place}: end: expected one of {', '.join(ENDS)}")
-    failure = row.get("failure")
-    if not isinstance(failure, str) or len(failure) > LONGEST_TEXT or (failure != "") != (row["end"] == "failure"):
-        raise BundleError(f"{place}: failure: expected why the agent failed, where it did")
-    content = bundle.part("commands", number)
-    if content is None or len(content) % 24 != 0:
-        raise BundleError(f"{place}: expected commands, three numbers of 8 bytes a tick")
-    commands = np.frombuffer(content, "<f8").reshape(-1, 3)
-    if row.get("ticks") != len(commands):
-        raise BundleError(f"{place}: ticks: {row.get('ticks')} are claimed, commands are there for {len(commands)}")
-    actions = bundle.part("actions", number)
-    if actions is not None and len(actions) % 12 != 0:
-        raise BundleError(f"{place}: expected actions, three numbers of 4 bytes a step")
-    talk = bundle.part("talk", number)
-    if talk is not None:
-        if not named_agent.startswith(f"{MODEL}@"):
-            raise BundleError(f"{place}: talk: of an agent that asks no model")
-        try:
-            Record.read(talk, "talk")
-        except ConfigError as error:
-            raise BundleError(f"{place}: {error}") from None
-    return Claim(number, episode, row, commands, _grid(bundle, place, number, row), talk)
-
-
-def _grid(bundle: Bundle, place: str, number: int, row: dict[str, Any]) -> OccupancyGrid | None:
-    content, described = bundle.part("grid", number), row.get("grid")
-    if content is None and described is None:
-        return None
-    try:
-        rows, columns = described["shape"]  # type: ignore[index]
-        x, y = described["origin"]  # type: ignore[index]
-        resolution = float(described["resolution"])  # type: ignore[index]
-        if not (0 < rows <= LARGEST_GRID and 0 < columns <= LARGEST_GRID) or not 0.01 <= resolution <= 1.0:
-            raise ValueError("its size")
-        if content is None or len(content) != rows * columns or not (abs(x) < 1e4 and abs(y) < 1e4):
-            raise ValueError("its cells")
-        cells = np.frombuffer(content, np.int8).reshape(rows, columns)
-        if cells.min() < -1 or cells.max() > 100:
-            raise ValueError("values beyond -1 to 100")
-        return OccupancyGrid(np.ascontiguousarray(cells), resolution, (float(x), float(y)))
-    except (TypeError, ValueError, KeyError) as error:
-        raise BundleError(f"{place}: grid: not a map: {error}") from None
-
-
-def require_drivable(claim: Claim, profile: RobotProfile, time_limit: float) -> None:
-    """The commands are such as leave the gate of this robot: in number, limits and rates."""
-    commands, limits = claim.commands, profile.operating_limits
-    seconds = len(commands) * TICK
-    if seconds > time_limit + 1.0 / SLOWEST:
-        raise BundleError(f"{claim.name}: {seconds:.2f} s are more than the task's {time_limit:.2f} s")
-    if claim.row["end"] != "failure" and (claim.row["end"] == "time") != (seconds >= time_limit):
-        raise BundleError(f"{claim.name}: {claim.row['end']} after {seconds:.2f} s of the task's {time_limit:.2f} s")
-    if not np.isfinite(commands).all():
-        raise BundleError(f"{claim.name}: a command is not finite")
-    before = np.vstack([np.zeros((1, 3)), commands[:-1]])
-    speed, speed_before = (np.hypot(one[:, 0], one[:, 1]) for one in (commands, before))
-    change = np.hypot(*(commands - before)[:, :2].T)
-    stops = ~commands.any(axis=1)  # the emergency stop goes beyond all rates
-    hardest = max(limits.linear_acceleration, limits.linear_braking)
-    checks = {
-        f"speed beyond {limits.linear} m/s": speed > limits.linear + ROUNDING,
-        f"turn rate beyond {limits.angular} rad/s": abs(commands[:, 2]) > limits.angular + ROUNDING,
-        "speeds up faster than the profile allows": speed - speed_before > limits.linear_acceleration * TICK + ROUNDING,
-        "changes faster than the profile allows": ~stops & (change > hardest * TICK + ROUNDING),
-        "turns faster than the profile allows": ~stops
-        & (abs(commands - before)[:, 2] > limits.angular_acceleration * TICK + ROUNDING),
-    }
-    for what, wrong in checks.items():
-        if wrong.any():
-            tick = int(np.argmax(wrong))
-            raise BundleError(f"{claim.name}: the command at {tick * TICK:.2f} s {what}")
 
 
 def _replay_all(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections import Counter
 from dataclasses import replace
 from pathlib import Path
@@ -16,7 +17,14 @@ from threewe.benchmark.run import plan_run, results_of, run
 from threewe.benchmark.sampling import COLUMNS, make_episodes
 from threewe.benchmark.verifying import rerun_policy, verify_bundle
 
-from verify.cases.forgeries import WAYS, Forger, agent_of_no_kind, other_source, unmarked_privilege
+from verify.cases.forgeries import (
+    WAYS,
+    Forger,
+    agent_of_no_kind,
+    other_actions,
+    other_source,
+    unmarked_privilege,
+)
 
 
 def run_here(
@@ -87,6 +95,36 @@ def test_the_reason_says_where_a_log_differs_first(genuine: Path, tmp_path: Path
     (tmp_path / "forged.zip").write_bytes(forger.packed())
     with pytest.raises(BundleError, match=r"episode 1 \(apartment_v1/\d+\): differs from its replay at 4\.00 s"):
         verify_bundle(tmp_path / "forged.zip", workers=0)
+
+
+def test_actions_are_those_of_the_drive(genuine: Path, tmp_path: Path) -> None:
+    path = tmp_path / "run.zip"
+    write_bundle(path, *run_here(tmp_path, "pointnav", "straight", "apartment_v1", 2))
+    assert [row["end"] for row in read_bundle(path).results["episode_results"]] == ["stop", "time"]
+    reasons = set()
+    for seed in range(40):
+        for bundle in (path, genuine):
+            forger = Forger(bundle, seed)
+            other_actions(forger)
+            (tmp_path / "forged.zip").write_bytes(forger.packed())
+            with pytest.raises(BundleError, match=r"^episode \d \(apartment_v1/\d+\): actions: ") as refused:
+                verify_bundle(tmp_path / "forged.zip", workers=0)
+            reasons.add(re.sub("[0-9.]+", "N", str(refused.value).partition("actions: ")[2]))
+    assert reasons == {
+        "missing",
+        "of none that acts",
+        "one is not finite",
+        "N are not those of N s",
+        "they do not say STOP as the claim does, 'stop'",
+        "they do not say STOP as the claim does, 'time'",
+    }
+
+
+def test_every_bad_agent_that_acts_is_verified(tmp_path: Path) -> None:
+    for agent in ("NotANumber", "WrongShape", "StandsStill"):
+        write_bundle(tmp_path / "run.zip", *run_here(tmp_path / agent, "pointnav", f"benchmark.bad_agents:{agent}",
+                                                     "apartment_v1", 1))  # fmt: skip
+        assert len(verify_bundle(tmp_path / "run.zip", workers=0).results["episode_results"]) == 1
 
 
 def test_no_bundle_is_too_large(genuine: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
