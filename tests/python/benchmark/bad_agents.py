@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 import asyncio
+import math
 import os
+import signal
 import time
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -14,6 +17,26 @@ class Raises:
     async def run(self, robot: Any, assignment: Any) -> None:
         await robot.move_forward(0.2)
         raise ValueError(f"no way to {assignment.goal}")
+
+
+class RaisesFarAway:
+    async def run(self, robot: Any, assignment: Any) -> None:
+        if math.hypot(*assignment.goal) > 5.0:
+            await robot.move_forward(0.2)
+            raise ValueError("too far for me")
+        await robot.move_to(*assignment.goal)
+
+
+class IsKilledOnce:
+    """Its process is, 0.2 m after the start, at the first attempt of each episode."""
+
+    async def run(self, robot: Any, assignment: Any) -> None:
+        await robot.move_forward(0.2)
+        mark = Path(f"killed {assignment.seed}")
+        if not mark.exists():
+            mark.touch()
+            os.kill(os.getpid(), signal.SIGKILL)
+        await robot.move_to(*assignment.goal)
 
 
 class GivesUp:

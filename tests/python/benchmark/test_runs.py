@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import os
 import re
+import shutil
 import signal
 import subprocess
 import sys
@@ -19,6 +20,7 @@ from threewe.benchmark.agents import identify
 from threewe.benchmark.attempt import Settings
 from threewe.benchmark.bundle import text_of
 from threewe.benchmark.quick import run_quick
+from threewe.benchmark.report import report
 from threewe.benchmark.results import compare, load_results
 from threewe.benchmark.run import commit_of, plan_run, results_of, run
 from threewe.benchmark.tasks import soft_spl
@@ -75,6 +77,44 @@ def test_an_agent_that_takes_its_process_along_costs_its_episode(
     assert row["end"] == ("failure" if why else "time")
 
 
+def test_an_agent_that_fails_in_one_episode_costs_that_one_alone(tmp_path: Path) -> None:
+    agent, others = "benchmark.bad_agents:RaisesFarAway", drive(tmp_path, "navigator", episodes=3, workers=0)
+    results = drive(tmp_path, agent, episodes=3, workers=2)
+    rows = results["episode_results"]
+    [(failed, lost)] = [(row, i) for i, row in enumerate(rows) if row["failure"]]
+    assert (failed["end"], failed["failure"], failed["metrics"]["success"]) == (
+        "failure",
+        "ValueError: too far for me",
+        0.0,
+    )
+    assert failed["ticks"] > 10
+    for i, (row, other) in enumerate(zip(rows, others["episode_results"], strict=True)):
+        assert (row == other) == (i != lost), i
+    figures = results["summary"]["all"]
+    assert figures["agent_failures"] == {"value": 1, "low": 1, "high": 1, "count": 3}
+    assert figures["success"]["value"] == 2 / 3
+    page = report(results)
+    assert "in 1 scene, the agent failed in 1<" in page
+    [data] = re.findall(r'<script id="data" type="application/json">(.*?)</script>', page, re.S)
+    shown = {one["index"]: one["failure"] for one in json.loads(data)["scenes"][0]["episodes"]}
+    assert shown == {row["episode"]["index"]: row["failure"] for row in rows}
+    assert agent in page
+
+
+def test_an_agent_that_fails_is_named_by_the_command(tmp_path: Path) -> None:
+    run = [THREEWE, "benchmark", "run", "pointnav", "--scene", "apartment_v1", "--episodes", "3", "-o", "r.json"]
+    shutil.copy(ROOT / "tests/python/benchmark/bad_agents.py", tmp_path / "mine.py")
+    done = subprocess.run([*run, "--agent", "mine:RaisesFarAway"], cwd=tmp_path, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    [row] = [row for row in load_results(tmp_path / "r.json")["episode_results"] if row["failure"]]
+    line = f"apartment_v1/{row['episode']['index']}: the agent failed: ValueError: too far for me"
+    assert done.stdout.startswith(f"{line}\n")
+    assert done.stdout.count("the agent failed") == 1
+    shown = subprocess.run([THREEWE, "benchmark", "show", "r.json", "--html", "r.html"], cwd=tmp_path)
+    assert shown.returncode == 0
+    assert "ValueError: too far for me" in (tmp_path / "r.html").read_text()
+
+
 def test_stop_far_from_the_goal_is_wrong(tmp_path: Path) -> None:
     results = drive(tmp_path, "benchmark.bad_agents:StandsStill", workers=0)
     [row] = results["episode_results"]
@@ -85,6 +125,20 @@ def test_stop_far_from_the_goal_is_wrong(tmp_path: Path) -> None:
 def test_results_are_the_same_for_any_number_of_workers(tmp_path: Path) -> None:
     together, alone = (drive(tmp_path / str(workers), "navigator", episodes=3, workers=workers) for workers in (2, 0))
     assert text_of(together) == text_of(alone)
+
+
+def test_workers_that_are_killed_on_the_way_cost_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    agent = "benchmark.bad_agents:IsKilledOnce"
+    killed = drive(tmp_path / "killed", agent, episodes=3, workers=2)
+    assert len(list(tmp_path.glob("killed *"))) == 3, "each episode lost its process on the way"
+    assert [row["end"] for row in killed["episode_results"]] == ["stop"] * 3
+    for workers in (0, 1, 2):  # none is killed again
+        undisturbed = drive(tmp_path / str(workers), agent, episodes=3, workers=workers)
+        assert text_of(undisturbed) == text_of(killed), workers
+    [journal] = (tmp_path / "killed").glob("*.jsonl")
+    keys = [json.loads(line)["key"] for line in journal.read_text().splitlines()[1:]]
+    assert len(keys) == len(set(keys)) == 3, "nothing twice, nothing lost"
 
 
 def test_an_oracle_is_marked_and_a_yardstick_drives_no_robot(tmp_path: Path) -> None:
@@ -176,6 +230,31 @@ def test_the_command_goes_on_where_it_was_interrupted(tmp_path: Path) -> None:
     assert results == json.loads(text_of(drive(tmp_path, "navigator", episodes=6, workers=0)))
     shown = subprocess.run([THREEWE, "benchmark", "show", "r.json"], cwd=tmp_path, capture_output=True, text=True)
     assert "pointnav, navigator" in shown.stdout
+
+
+def test_the_command_goes_on_when_all_its_workers_are_killed(tmp_path: Path) -> None:
+    command = [THREEWE, "benchmark", "run", "pointnav", "--scene", "apartment_v1", "--episodes", "6", "--workers", "2"]
+    journal = tmp_path / "r.journal.jsonl"
+    running = subprocess.Popen([*command, "-o", "r.json"], cwd=tmp_path, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+    while not journal.exists() or journal.read_text().count("\n") < 2:
+        assert running.poll() is None
+        time.sleep(0.01)
+    killed = [process for process in children_of(running.pid) if b"spawn_main" in commandline(process)]
+    for process in killed:
+        os.kill(process, signal.SIGKILL)
+    assert len(killed) == 2
+    _, error = running.communicate()
+    assert running.returncode == 0, error
+    assert load_results(tmp_path / "r.json") == json.loads(text_of(drive(tmp_path, "navigator", episodes=6, workers=0)))
+
+
+def children_of(process: int) -> list[int]:
+    listed = [file.read_text() for file in Path(f"/proc/{process}/task").glob("*/children")]
+    return [int(child) for child in " ".join(listed).split()]
+
+
+def commandline(process: int) -> bytes:
+    return Path(f"/proc/{process}/cmdline").read_bytes()
 
 
 def test_an_onnx_policy_drives_with_memory_and_stops_at_its_goal(tmp_path: Path) -> None:
