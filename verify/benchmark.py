@@ -23,6 +23,7 @@ from verify.harness import (
 
 FORGERIES = 10  # of each genuine bundle
 BARE = "outdoor_v1"  # where hardly anything stands in between
+FURNISHED = [scene for scene in SCENES["pointnav"] if scene != BARE]
 AGENTS = ["navigator", "oracle", "optimistic", "straight", "random"]
 SEARCHED = [*scenes_of("objectnav", "val"), *scenes_of("objectnav", "unseen")]
 KNOWN = {"office_v2": 0.95, "corridor_v1": 0.96, "warehouse_v1": 0.96, "dynamic_v1": 0.96}  # ratios of SPL that miss
@@ -59,7 +60,7 @@ def in_scene(claim: Row, scene: str) -> list[Row]:
 
 
 def is_furnished(case: Case) -> bool:
-    return bool(case["scene"] != BARE)
+    return case["scene"] in FURNISHED
 
 
 def share_of_the_run(case: Case) -> float:
@@ -81,6 +82,8 @@ EXPERIMENTS = [
                 mean_of("success of straight, furnished scenes", of("straight", "success"), at_most=0.5), is_furnished
             ),
             where(mean_of("success of random, furnished scenes", of("random", "success"), at_most=0.1), is_furnished),
+            *each("scene", FURNISHED, lambda _: mean_of("success of straight", of("straight", "success"), at_most=0.5)),
+            *each("scene", FURNISHED, lambda _: mean_of("success of random", of("random", "success"), at_most=0.1)),
             *(
                 row
                 for scene in SCENES["pointnav"]
