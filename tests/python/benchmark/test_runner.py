@@ -70,12 +70,14 @@ def test_a_run_goes_on_from_its_journal(tmp_path: Path) -> None:
     run_jobs(jobs(tmp_path, "well"), 1, Journal(path, {"agent": "one"}))
     with path.open("a") as file:
         file.write('{"key": "1 well", "seco')  # cut off
-    ran: list[str] = []
-    done = run_jobs(
-        jobs(tmp_path, "well", "well"), 1, Journal(path, {"agent": "one"}), on_done=lambda job, _: ran.append(job.key)
-    )
+    ran: list[tuple[str, bool]] = []
+
+    def tell(job: Job, finished: Finished) -> None:
+        ran.append((job.key, finished.known))
+
+    done = run_jobs(jobs(tmp_path, "well", "well"), 1, Journal(path, {"agent": "one"}), on_done=tell)
     assert [one.result for one in done] == [{"how": "well"}] * 2
-    assert ran == ["0 well", "1 well"]
+    assert ran == [("0 well", True), ("1 well", False)], "the first is from the journal"
     keys = [json.loads(line).get("key") for line in path.read_text().splitlines()]
     assert keys == [None, "0 well", "1 well"], "nothing twice, nothing lost"
     with pytest.raises(ConfigError, match="the journal of another run"):
