@@ -114,6 +114,24 @@ def test_a_forged_bundle_is_refused_with_the_reason(genuine: Path, tmp_path: Pat
     assert "missing.zip" in done.stderr
 
 
+def test_a_policy_of_another_source_is_not_rerun(tmp_path: Path) -> None:
+    (tmp_path / "mine.py").write_text(
+        "class Waits:\n    async def run(self, robot, assignment): await robot.sleep(1.0)\n"
+    )
+    run = ("run", "pointnav", "--agent", "mine:Waits", "--scene", "apartment_v1", "--episodes", "1")
+    assert command(tmp_path, *run, "--bundle", "run.zip").returncode == 0
+    rerun = ("verify", "run.zip", "--rerun-policy", "--seed", "7", "--new-episodes", "1")
+    assert "the same policy in 1 new buildings of seed 7" in command(tmp_path, *rerun).stdout
+    with (tmp_path / "mine.py").open("a") as file:
+        file.write("print('imported')\n")
+    done = command(tmp_path, *rerun)
+    assert done.returncode == 2
+    assert done.stderr.endswith("error: agent: mine:Waits here is another than in the bundle, by its source\n")
+    assert "imported" not in done.stdout
+    assert "verified: 1 episodes" in done.stdout, "its log is as it was"
+    assert "new buildings" not in done.stdout
+
+
 def test_a_run_shows_how_far_it_is_and_the_time_left(tmp_path: Path) -> None:
     run = ("run", "pointnav", "--agent", "straight", "--scene", "apartment_v1", "--episodes", "3")
     done = command(tmp_path, *run, FORCE_COLOR="1", COLUMNS="120", TERM="xterm")
