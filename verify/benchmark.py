@@ -163,7 +163,7 @@ EXPERIMENTS = [
         alone=True,
     ),
     Experiment(
-        "bundles",
+        "forged bundles, and genuine ones",
         forge,
         {"forgeries": FORGERIES},
         cases=100,
