@@ -5,6 +5,8 @@ from __future__ import annotations
 import importlib.util
 import json
 import os
+import subprocess
+import sys
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -14,6 +16,7 @@ from typing import Any
 import pytest
 from threewe.benchmark.attempt import Settings
 from threewe.benchmark.bundle import text_of
+from threewe.benchmark.results import load_results
 from threewe.benchmark.run import plan_run, results_of, run
 from threewe.benchmark.runner import Job, Journal
 
@@ -24,6 +27,7 @@ import ray
 from ray.cluster_utils import Cluster
 from threewe.benchmark.ray_engine import run_on_ray
 
+THREEWE = Path(sys.executable).with_name("threewe")
 pytestmark = pytest.mark.filterwarnings("ignore")  # of Ray itself
 os.environ.update(RAY_worker_niceness="0")  # or else workers on a busy machine wait for all others
 
@@ -117,3 +121,24 @@ def test_results_are_those_of_one_process_whatever_is_killed(cluster: tuple[Any,
     on_ray = run(plan, listed, tmp_path / "ray.jsonl", workers=3, engine="ray", on_done=done)
     assert len(nodes) == 1
     assert text_of(results_of(plan, listed, alone)) == text_of(results_of(plan, listed, on_ray))
+
+
+def test_the_command_loses_nothing_where_it_is_killed_itself(cluster: tuple[Any, list[Any]], tmp_path: Path) -> None:
+    made, _ = cluster
+    command = [THREEWE, "benchmark", "run", "pointnav", "--scene", "apartment_v1", "--episodes", "6", "-o", "r.json"]
+    on_ray = [*command, "--engine", "ray", "--address", made.address, "--workers", "2"]
+    journal = tmp_path / "r.journal.jsonl"
+    running = subprocess.Popen(on_ray, cwd=tmp_path, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    while not journal.exists() or journal.read_text().count("\n") < 2:
+        assert running.poll() is None
+        time.sleep(0.01)
+    running.kill()
+    running.wait()
+    known = journal.read_text()
+    subprocess.run([*on_ray, "--resume"], cwd=tmp_path, check=True, capture_output=True)
+    assert known.count("\n") >= 2
+    plan, listed = plan_run(
+        "pointnav", "navigator", split="val", scenes=["apartment_v1"], episodes=6, settings=Settings()
+    )
+    alone = run(plan, listed, tmp_path / "local.jsonl", workers=0)
+    assert load_results(tmp_path / "r.json") == json.loads(text_of(results_of(plan, listed, alone)))

@@ -115,6 +115,28 @@ def test_an_agent_that_fails_is_named_by_the_command(tmp_path: Path) -> None:
     assert "ValueError: too far for me" in (tmp_path / "r.html").read_text()
 
 
+def test_results_name_all_that_they_came_of(tmp_path: Path) -> None:
+    for backend in ("mock", "mujoco"):
+        settings = Settings(backend=backend, randomization="hard")
+        plan, listed = plan_run(
+            "pointnav", "straight", split="val", episodes=1, scenes=["corridor_v1"], settings=settings
+        )
+        results = results_of(plan, listed, run(plan, listed, tmp_path / f"{backend}.jsonl", workers=0))
+        assert results["agent"]["name"] == "straight"
+        assert {name: results["settings"][name] for name in ("backend", "randomization", "hardware", "noise")} == {
+            "backend": backend,
+            "randomization": "hard",
+            "hardware": "3we_standard_v2",
+            "noise": "realistic",
+        }
+        assert results["settings"]["seed"] == 0
+        assert results["episode_results"][0]["episode"]["seed"] == listed[0].seed
+        assert len(results["hardware_hash"]) == 64
+        assert (results["track"], results["gate"], results["localization"]) == ("open", "full", "the robot's own")
+        assert ("mujoco" in results["library"]) == (backend == "mujoco")
+        assert {"version", "commit", "machine"} <= set(results["library"])
+
+
 def test_stop_far_from_the_goal_is_wrong(tmp_path: Path) -> None:
     results = drive(tmp_path, "benchmark.bad_agents:StandsStill", workers=0)
     [row] = results["episode_results"]
