@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib.util
+import os
 import subprocess
 import sys
 from collections.abc import Iterator
@@ -23,6 +24,7 @@ from ray.cluster_utils import Cluster
 from threewe.benchmark.ray_engine import cluster
 
 pytestmark = pytest.mark.filterwarnings("ignore")  # of Ray itself
+os.environ.update(RAY_USAGE_STATS_ENABLED="0")
 
 
 @pytest.fixture(scope="module")

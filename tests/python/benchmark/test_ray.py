@@ -29,7 +29,7 @@ from threewe.benchmark.ray_engine import run_on_ray
 
 THREEWE = Path(sys.executable).with_name("threewe")
 pytestmark = pytest.mark.filterwarnings("ignore")  # of Ray itself
-os.environ.update(RAY_worker_niceness="0")  # or else workers on a busy machine wait for all others
+os.environ.update(RAY_USAGE_STATS_ENABLED="0", RAY_worker_niceness="0")  # on a busy machine they waited for all others
 
 
 def work(how: str, folder: str, number: int) -> dict[str, Any]:
