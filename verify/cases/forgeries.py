@@ -45,8 +45,8 @@ class Forger:
         return name, np.frombuffer(self.files[name], "<f8").reshape(-1, 3).copy()
 
     def tick(self, commands: np.ndarray) -> int:
-        """One whose command the robot obeys."""
-        moving = np.flatnonzero(commands.any(axis=1))
+        """One whose command moves the robot."""
+        moving = np.flatnonzero(np.abs(commands).max(axis=1) > 0.1)
         return int(self.draw.choice(moving[: len(moving) // 2 + 1]))
 
     def archive(self, names: dict[str, bytes], *, compression: int = zipfile.ZIP_STORED, date: Any = EARLIEST) -> bytes:
@@ -185,7 +185,7 @@ def not_finite(forger: Forger) -> None:
 def other_commands(forger: Forger) -> None:
     name, commands = forger.commands()
     tick = forger.tick(commands)
-    commands[tick] *= 1.0 - 1e-9
+    commands[tick : tick + 25] *= 0.9  # for half a second: more than a trajectory's rounding
     forger.files[name] = commands.tobytes()
 
 
