@@ -5,7 +5,7 @@ import math
 import os
 import random
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Callable, Coroutine, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
@@ -21,6 +21,7 @@ from verify.cases.trees import ROOT
 
 HARDWARE = "3we_standard_v2"
 FACTORS = (0.5, 2.0)
+Drive = Callable[[str, str, int, Pose2D, tuple[float, float], float], Coroutine[Any, Any, dict[str, Any]]]
 PAGE = ROOT / "docs/parameters.md"
 HEAD = """\
 # Parameters of the autonomy stack
@@ -69,12 +70,12 @@ def path_weighted(case: dict[str, Any], usual: dict[str, Any]) -> float:
     return float(case["coverage"] * usual["seconds"] / case["seconds"])
 
 
-def far(seed: int, hardware: str, place: str = "building") -> dict[str, Any]:
+def far(seed: int, hardware: str, place: str = "building", drive: Drive = drive_to) -> dict[str, Any]:
     """A far drive in a generated building."""
     with saved(PLACES[place](seed)) as scene:
         tables = SceneTables(Scene.load(scene), RobotProfile.load(HARDWARE))
         start, goal, geodesic = far_goal(Scene.load(scene), tables, seed)
-        return asyncio.run(drive_to(scene, hardware, seed, start, goal, geodesic))
+        return asyncio.run(drive(scene, hardware, seed, start, goal, geodesic))
 
 
 def peopled(seed: int, hardware: str) -> dict[str, Any]:
@@ -84,10 +85,7 @@ def peopled(seed: int, hardware: str) -> dict[str, Any]:
 
 def kidnapped(seed: int, hardware: str) -> dict[str, Any]:
     """A far drive once more, by a robot that was put back to its start, and turned, without a word."""
-    with saved(building(seed)) as scene:
-        tables = SceneTables(Scene.load(scene), RobotProfile.load(HARDWARE))
-        start, goal, geodesic = far_goal(Scene.load(scene), tables, seed)
-        return asyncio.run(drive_twice(scene, hardware, seed, start, goal, geodesic))
+    return far(seed, hardware, drive=drive_twice)
 
 
 async def drive_twice(

@@ -122,8 +122,8 @@ def test_actions_are_those_of_the_drive(genuine: Path, tmp_path: Path) -> None:
 
 def test_every_bad_agent_that_acts_is_verified(tmp_path: Path) -> None:
     for agent in ("NotANumber", "WrongShape", "StandsStill"):
-        write_bundle(tmp_path / "run.zip", *run_here(tmp_path / agent, "pointnav", f"benchmark.bad_agents:{agent}",
-                                                     "apartment_v1", 1))  # fmt: skip
+        made = run_here(tmp_path / agent, "pointnav", f"benchmark.bad_agents:{agent}", "apartment_v1", 1)
+        write_bundle(tmp_path / "run.zip", *made)
         assert len(verify_bundle(tmp_path / "run.zip", workers=0).results["episode_results"]) == 1
 
 

@@ -66,8 +66,8 @@ def test_a_set_that_is_not_known_is_named(what: str, tmp_path: Path) -> None:
 @pytest.fixture(scope="module")
 def genuine(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("genuine")
-    plan, listed = plan_run("pointnav", "straight", split="val", scenes=["apartment_v1"], episodes=1,
-                            settings=Settings())  # fmt: skip
+    scenes = ["apartment_v1"]
+    plan, listed = plan_run("pointnav", "straight", split="val", scenes=scenes, episodes=1, settings=Settings())
     outcomes = run(plan, listed, folder / "journal.jsonl", workers=0)
     write_bundle(folder / "run.zip", results_of(plan, listed, outcomes), outcomes)
     return folder / "run.zip"
