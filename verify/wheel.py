@@ -99,7 +99,7 @@ EXPERIMENTS = [
         for version in VERSIONS
     ),
     Experiment(
-        f"Python {OWN_VERSION} in an empty root",
+        f"Python {OWN_VERSION} in an empty root, with the demo",
         demo,
         sample=0,
         rows=[all_of("threewe demo arrives", lambda case: case["demo"]["status"] == 0)],

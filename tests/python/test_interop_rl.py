@@ -6,6 +6,7 @@
 from __future__ import annotations
 
 import copy
+import itertools
 import os
 import pickle
 import subprocess
@@ -111,9 +112,21 @@ def test_the_longest_episode_is_in_the_spec(name: str) -> None:
     assert env.spec.max_episode_steps == 4
     assert gymnasium.make(name, **SMALL, max_episode_steps=3).spec.max_episode_steps == 3  # type: ignore[union-attr]
     assert gymnasium.make_vec(name, 2, **SMALL).spec.max_episode_steps == 4  # type: ignore[union-attr]
-    stacked = FrameStackObservation(TimeAwareObservation(FlattenObservation(env)), 3)
-    observation, _ = stacked.reset(seed=1)
-    assert observation in stacked.observation_space
+
+
+@pytest.mark.parametrize("name", IDS)
+def test_observations_are_stacked(name: str) -> None:
+    env = FrameStackObservation(TimeAwareObservation(FlattenObservation(gymnasium.make(name, **SMALL))), 3)
+    env.action_space.seed(1)
+    seen = [env.reset(seed=1)[0]]
+    ended = False
+    while not ended:
+        observation, _, terminated, truncated, _ = env.step(env.action_space.sample())
+        seen.append(observation)
+        ended = terminated or truncated
+    assert all(observation in env.observation_space for observation in seen)
+    assert len(seen) == 5
+    assert all(np.array_equal(after[:2], before[1:]) for before, after in itertools.pairwise(seen))
 
 
 def test_a_spec_can_be_written_down() -> None:
