@@ -46,6 +46,10 @@ class Search : public SkillRun {
   explicit Search(language::ThingPhrase thing) : thing_(std::move(thing)) {}
 
   std::optional<Outcome> update(Body& body) override {
+    if (hinted_at_ != body.looks) {
+      *hints_ = semantics::hints(body.map, thing_.kind);
+      hinted_at_ = body.looks;
+    }
     if (phase_ >= Phase::going_to_look) return attend(body);
     auto known = things_meant(body, thing_, left_, kSure);
     if (known.empty()) known = things_meant(body, thing_, tried_, kWorthLook);
@@ -94,7 +98,7 @@ class Search : public SkillRun {
       drive_.begin(body, nav::Rotate{2.0 * std::numbers::pi, 0.2});
     } else if (phase_ == Phase::turning && thing_.place.empty()) {
       phase_ = Phase::exploring;
-      drive_.begin(body, nav::Explore{});
+      drive_.begin(body, nav::Explore{.worth = worth_of_places(), .most_worth = kDetour});
     } else {
       phase_ = Phase::viewing;
       return view_next(body);
@@ -108,14 +112,16 @@ class Search : public SkillRun {
       const semantics::Place place = body.map.place(thing_.place);
       area = [place](Vec2 point) { return semantics::SemanticMap::contains(place, point); };
     }
-    const auto near_by = semantics::hints(body.map, thing_.kind);
-    const auto viewpoint = body.coverage.next(body.robot.map(), body.reachable(), area, [&](Vec2 point) {
-      return kDetour * semantics::share_at(near_by, point);
-    });
+    const auto viewpoint = body.coverage.next(body.robot.map(), body.reachable(), area, worth_of_places());
     if (!viewpoint || ++viewpoints_ > kMostViewpoints) return Outcome{"not_found", not_found()};
     body.coverage.add(viewpoint->shows);  // seen from there, or hidden: not to be gone to again
     drive_.begin(body, nav::MoveTo{viewpoint->stand, viewpoint->heading, kTolerance, 0.2});
     return {};
+  }
+
+  // [m] of way that a place is worth, by what stands near it: by the newest hints, as long as a motion asks.
+  std::function<double(Vec2)> worth_of_places() const {
+    return [hints = hints_](Vec2 place) { return kDetour * semantics::share_at(*hints, place); };
   }
 
   std::string not_found() const {
@@ -246,6 +252,8 @@ class Search : public SkillRun {
   }
 
   language::ThingPhrase thing_;
+  std::shared_ptr<std::vector<semantics::Hint>> hints_ = std::make_shared<std::vector<semantics::Hint>>();
+  std::uint64_t hinted_at_ = 0;
   Phase phase_ = Phase::begun;
   std::unique_ptr<SkillRun> to_place_;
   Drive drive_;

@@ -264,8 +264,8 @@ Decision PathNavigator::drive(const Explore& goal, const Observation& seen) {
       route_.has_path() && distance(progress_.pose.position(), route_.path().back()) < params_.route.near_frontier;
   const bool due = route_.age(now_) >= (near || !route_.has_path() ? params_.route.retry : params_.route.explore);
   if (due && !route_.bottleneck()) {  // a way through a gap is driven until something comes of it
-    const bool explored = holds(motion_.no_path, !route_.plan_to_frontier(seen, goal.thorough));
-    if (explored && !explore_through_gaps(seen, goal.thorough)) {
+    const bool explored = holds(motion_.no_path, !route_.plan_to_frontier(seen, goal));
+    if (explored && !explore_through_gaps(seen, goal)) {
       if (!has_free_cell(seen.map)) return finish(Reason::blocked, "nothing around the robot has been seen to be free");
       return finish(Reason::reached, route_.left_some() ? "what is left to see is not worth the way: see `thorough`"
                                                         : "nothing that can be reached is left to see");

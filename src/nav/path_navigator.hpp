@@ -59,7 +59,7 @@ class PathNavigator final : public Navigator {
   std::vector<Vec2> blind_surface(const Observation& seen) const;
   std::vector<Vec2> smoothed_hits(const Observation& seen, double sight) const;
   bool plan_through_gaps(const Observation& seen, double tolerance);
-  bool explore_through_gaps(const Observation& seen, bool thorough);
+  bool explore_through_gaps(const Observation& seen, const Explore& goal);
   double way_in(double seconds) const { return seconds * params_.motion.expected_speed * limits_.linear; }
   void plan_shortcut(const Observation& seen, double tolerance);
   Observation without_noise(const Observation& seen, std::vector<Vec2>& hits) const;

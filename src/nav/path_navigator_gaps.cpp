@@ -38,11 +38,11 @@ bool PathNavigator::plan_through_gaps(const Observation& seen, double tolerance)
 }
 
 // A gap that is tried in vain may take its whole patience.
-bool PathNavigator::explore_through_gaps(const Observation& seen, bool thorough) {
+bool PathNavigator::explore_through_gaps(const Observation& seen, const Explore& goal) {
   if (!lidar_) return false;
   const double detour = way_in(to_seconds(params_.bottleneck.first_patience));
   std::vector<Vec2> hits;
-  return route_.plan_to_frontier_through_gaps(without_noise(seen, hits), thorough, detour);
+  return route_.plan_to_frontier_through_gaps(without_noise(seen, hits), goal, detour);
 }
 
 // A gap is worth the time that it takes where the way round takes longer.

@@ -159,20 +159,20 @@ std::optional<Mover> Route::mover_in_the_way(const Observation& seen, double tol
   return *std::ranges::find(std::views::reverse(movers), met->name, &Mover::name);
 }
 
-bool Route::plan_to_frontier(const Observation& seen, bool thorough) {
+bool Route::plan_to_frontier(const Observation& seen, const Explore& goal) {
   squeezed_path_ = false;
   bottleneck_.reset();
-  if (try_frontier(clear_, seen, thorough, 0.0)) return true;
+  if (try_frontier(clear_, seen, goal, 0.0)) return true;
   if (!memory_.avoids_any()) return false;
 
   // what is avoided may have closed the only way
   memory_.stop_avoiding();
-  return try_frontier(clear_, seen, thorough, 0.0);
+  return try_frontier(clear_, seen, goal, 0.0);
 }
 
 // Those at which the robot keeps its distance, by a way on that layer. By the straight way most frontiers are not worth
 // it, by the path the others.
-bool Route::try_frontier(Layer& layer, const Observation& seen, bool thorough, double detour) {
+bool Route::try_frontier(Layer& layer, const Observation& seen, const Explore& goal, double detour) {
   const bool squeezed = &layer == &squeezed_;
   renew(clear_, seen);
   if (squeezed) renew(squeezed_, seen);
@@ -181,17 +181,17 @@ bool Route::try_frontier(Layer& layer, const Observation& seen, bool thorough, d
   if (has_path() && !std::isfinite(path_cost(layer.costmap, path_))) note_closure();
   path_.clear();
   find_frontiers(costmap, frontier_params_, frontiers_);
-  left_some_ = !thorough && drop_far_frontiers(costmap, frontier_params_, robot, frontiers_);
+  left_some_ = !goal.thorough && drop_far_frontiers(costmap, frontier_params_, robot, frontiers_);
 
   const double per_metre = kPerCell / costmap.resolution();
   const int least = cells_in(frontier_params_.least_length, costmap.resolution());
   const auto bonus = [&](std::uint32_t index) {
-    return int{frontiers_[index]} >= least ? std::optional(bonus_of_frontier(index, seen)) : std::nullopt;
+    return int{frontiers_[index]} >= least ? std::optional(bonus_of_frontier(index, seen, goal)) : std::nullopt;
   };
   // through a gap the other side is seen only in part
   const auto is_unknown = [&](std::uint32_t index) { return !squeezed && costmap.unknown()[index] != 0; };
-  const auto most =
-      static_cast<int>(per_metre * (frontier_params_.gain * frontier_params_.longest + frontier_params_.stay));
+  const auto most = static_cast<int>(
+      per_metre * (frontier_params_.gain * frontier_params_.longest + frontier_params_.stay + goal.most_worth));
   while (true) {
     const SearchResult found = search_.to_best(layer.costmap, costmap.cell(robot), bonus, most, is_unknown);
     if (!found.found) {
@@ -200,7 +200,7 @@ bool Route::try_frontier(Layer& layer, const Observation& seen, bool thorough, d
     }
     const map::Cell end = found.path.back();
     path_ = straighten(layer.costmap, found.path, robot, costmap.center(end));
-    if (thorough || is_worthwhile(costmap, frontier_params_, end, frontiers_, path_length(path_) + detour)) {
+    if (goal.thorough || is_worthwhile(costmap, frontier_params_, end, frontiers_, path_length(path_) + detour)) {
       frontier_ = costmap.center(end);
       return true;
     }
@@ -211,12 +211,13 @@ bool Route::try_frontier(Layer& layer, const Observation& seen, bool thorough, d
 }
 
 // In the units of the search. What another robot is bound for and nearer to is left to it, as long as there is more.
-int Route::bonus_of_frontier(std::uint32_t index, const Observation& seen) const {
+int Route::bonus_of_frontier(std::uint32_t index, const Observation& seen, const Explore& goal) const {
   const map::Costmap& costmap = clear_.costmap;
   const auto width = static_cast<std::uint32_t>(costmap.width());
   const Vec2 place = costmap.center({static_cast<int>(index % width), static_cast<int>(index / width)});
   double worth = frontier_params_.gain * std::min(frontier_params_.longest, frontiers_[index] * costmap.resolution());
   if (frontier_ && distance(place, *frontier_) < frontier_params_.same) worth += frontier_params_.stay;
+  if (goal.worth) worth += std::clamp(goal.worth(place), 0.0, goal.most_worth);
   for (const Peer& peer : seen.peers) {
     if (!peer.bound_for || distance(*peer.bound_for, place) > frontier_params_.claim) continue;
     if (distance(peer.map_from_base.position(), place) < distance(robot_in(seen), place))

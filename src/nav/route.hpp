@@ -58,14 +58,15 @@ class Route {
   std::optional<Mover> mover_in_the_way(const Observation& seen, double tolerance) const;
   /// The first such gap of the path.
   const std::optional<Bottleneck>& bottleneck() const { return bottleneck_; }
-  /// Plans to the frontier that is most worth it: by the cost of the way there, how much there is to see, and what
-  /// other robots are about to see; not to another one than before unless that is clearly better. Ways that turned out
-  /// to be closed more than once are tried again when there is nothing else. Unless it is `thorough`, those that are
-  /// not worth the way are left out (nav/frontier_worth.hpp). False: none can be reached that is.
-  bool plan_to_frontier(const Observation& seen, bool thorough);
+  /// Plans to the frontier that is most worth it: by the cost of the way there, how much there is to see, what the goal
+  /// says that the place is worth, and what other robots are about to see; not to another one than before unless that
+  /// is clearly better. Ways that turned out to be closed more than once are tried again when there is nothing else.
+  /// Unless it is `thorough`, those that are not worth the way are left out (nav/frontier_worth.hpp). False: none can
+  /// be reached that is.
+  bool plan_to_frontier(const Observation& seen, const Explore& goal);
   /// The same along ways through bottlenecks, as `plan_through_gaps` finds them, where it is worth a detour of that
   /// length [m] too.
-  bool plan_to_frontier_through_gaps(const Observation& seen, bool thorough, double detour);
+  bool plan_to_frontier_through_gaps(const Observation& seen, const Explore& goal, double detour);
   /// The last plan to a frontier has left some out.
   bool left_some() const { return left_some_; }
   /// The robot could not go on, more than once. True where it is before a gap of the path: from now on that counts as
@@ -111,10 +112,10 @@ class Route {
 
   std::vector<Vec2> relevant_places(const Observation& seen) const;
   bool try_plan(Layer& layer, const Observation& seen, double tolerance);
-  bool try_frontier(Layer& layer, const Observation& seen, bool thorough, double detour);
+  bool try_frontier(Layer& layer, const Observation& seen, const Explore& goal, double detour);
   template <class Plan>
   bool squeeze(const Observation& seen, double longest, Plan plan);
-  int bonus_of_frontier(std::uint32_t index, const Observation& seen) const;
+  int bonus_of_frontier(std::uint32_t index, const Observation& seen, const Explore& goal) const;
   void renew(Layer& layer, const Observation& seen);
   void take_map(Layer& layer, const Observation& seen, const std::vector<Vec2>& obstacles,
                 const std::vector<Vec2>& include);

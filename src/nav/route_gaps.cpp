@@ -58,9 +58,9 @@ bool Route::plan_through_gaps(const Observation& seen, double tolerance, double 
   return squeeze(seen, longest, [&] { return try_plan(squeezed_, seen, tolerance); });
 }
 
-bool Route::plan_to_frontier_through_gaps(const Observation& seen, bool thorough, double detour) {
+bool Route::plan_to_frontier_through_gaps(const Observation& seen, const Explore& goal, double detour) {
   if (!memory_.movers().empty()) return false;  // who moves around makes gaps where none are
-  return squeeze(seen, kWhole, [&] { return try_frontier(squeezed_, seen, thorough, detour); });
+  return squeeze(seen, kWhole, [&] { return try_frontier(squeezed_, seen, goal, detour); });
 }
 
 // Plans until none of the bottlenecks on the way has been given up.

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <span>
@@ -70,6 +71,10 @@ struct FollowWaypoints {
 /// Map what can be reached and is worth the way; all of it, where it is `thorough`.
 struct Explore {
   bool thorough = false;  ///< also the last corners, which may take as long as all the rest
+  /// [m] of way, from 0 to `most_worth`, that a place in `map` is worth beside what can be seen there; asked as the
+  /// robot goes on, so that what it learns on its way may count. Empty: no place is.
+  std::function<double(Vec2)> worth{};
+  double most_worth = 0.0;
 };
 
 /// Any motion.

@@ -56,7 +56,7 @@ struct Explorer {
     now += 600ms;
     slam::PoseEstimate pose;
     pose.odom_from_base = {here.x, here.y, 0.0};
-    return route.plan_to_frontier({now, pose, grid, version, obstacles}, true);
+    return route.plan_to_frontier({now, pose, grid, version, obstacles}, {.thorough = true});
   }
   bool step(const std::vector<Vec2>& obstacles) {
     if (!plan(obstacles)) return false;
@@ -122,6 +122,28 @@ TEST_CASE("where it has driven it is never barred, or it would call an end what 
   int steps = 0;
   while (steps < 200 && explorer.here.x > 1.5 && explorer.step({})) ++steps;
   CHECK(explorer.here.x <= 1.5);
+}
+
+TEST_CASE("a place that is worth a way is explored before a nearer one that is not") {
+  // both ends of the hall are unknown; the robot stands 2 m nearer to the west one
+  OccupancyGrid grid = hall();
+  fill(grid, {0.1, 0.1}, {11.9, 3.9}, OccupancyGrid::kFree);
+  fill(grid, {0.1, 0.1}, {1.5, 3.9}, OccupancyGrid::kUnknown);
+  fill(grid, {10.5, 0.1}, {11.9, 3.9}, OccupancyGrid::kUnknown);
+  slam::PoseEstimate pose;
+  pose.odom_from_base = {5.0, 2.0, 0.0};
+  const auto end = [&](const Explore& goal) {
+    Route route{
+        {.lethal_radius = 0.13, .caution_radius = 0.4, .near_weight = 16}, load_profile("3we_standard_v2"), Params{}};
+    route.begin({}, false);
+    REQUIRE(route.plan_to_frontier({600ms, pose, grid, 1, {}}, goal));
+    return route.path().back().x;
+  };
+  const auto east = [](double worth) { return [=](Vec2 place) { return place.x > 8.0 ? worth : 0.0; }; };
+  CHECK(end({}) < 2.0);
+  CHECK(end({.worth = east(1.0), .most_worth = 4.0}) < 2.0);
+  CHECK(end({.worth = east(4.0), .most_worth = 4.0}) > 10.0);
+  CHECK(end({.worth = east(1e9), .most_worth = 1.0}) < 2.0);  // no more than it may be
 }
 
 TEST_CASE("a slit as wide as the robot is passed only when there is no other way, and barred once it is too narrow") {
