@@ -59,7 +59,10 @@ class Claims {
     }
     ++right;
     worst = std::max(worst, error);
-    if (carried || ++looked_ % 25 != 0) return;
+    if (carried) return;
+    ++kept;
+    doubted += tick.pose.state == slam::LocalizationState::doubting ? 1 : 0;
+    if (++looked_ % 25 != 0) return;
     // normalised estimation error squared, about 3 where the covariance is honest
     const Pose2D believed = tick.pose.map_from_base();
     const Eigen::Vector3d e(believed.x - truth.x, believed.y - truth.y, wrap_angle(believed.theta - truth.theta));
@@ -77,6 +80,8 @@ class Claims {
   int lost = 0;          // ticks
   int wrong = 0;
   int right = 0;
+  int kept = 0;     // of these, before it was carried away ...
+  int doubted = 0;  // ... and of these in doubt
   double worst = 0.0;
   double nees = 0.0;
   int counted = 0;
@@ -132,7 +137,8 @@ void find(const std::string& scene, std::uint64_t seed, const std::string& file)
   std::printf("drive %s\n", drive->done() ? std::string(to_string(drive->result().reason)).c_str() : "running");
   const int wrong_before = claims.wrong;
   const bool knew = claims.is_right();
-  std::printf("wrong %d\nknew %d\nworst %.4f\n", wrong_before, knew ? 1 : 0, claims.worst);
+  std::printf("wrong %d\nknew %d\nworst %.4f\nkept %d\ndoubted %d\n", wrong_before, knew ? 1 : 0, claims.worst,
+              claims.kept, claims.doubted);
 
   // carried away
   try {

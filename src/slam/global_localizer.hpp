@@ -33,6 +33,8 @@ class GlobalLocalizer {
   bool searching() const { return hunt_.has_value(); }
   /// Whether a search has found a pose that the next scans have not yet confirmed.
   bool has_candidate() const { return confirmed_ > 0; }
+  /// Whether the last search of the whole map that came to its end found nothing better than about this pose.
+  bool found_best(const Pose2D& map_from_base, const Pose2D& odom_from_base) const;
 
  private:
   struct Glimpse {
@@ -70,6 +72,7 @@ class GlobalLocalizer {
   Duration pause_{};               // until the one after, where nothing new is seen
   Pose2D map_from_odom_;           // the place that may be it
   int confirmed_ = 0;              // scans in a row that fit there
+  std::optional<Pose2D> best_;     // map_from_odom, of the last search that ended
 };
 
 }  // namespace threewe::slam

@@ -9,7 +9,7 @@ namespace threewe::slam {
 
 /// What a scan or a search has shown.
 enum class LocalizationEvent : std::uint8_t {
-  recognised,          ///< a scan fits at the estimated pose so well that it alone would prove it
+  recognised,          ///< a scan fits at the estimated pose, and the search of the whole map found no better one
   misfits,             ///< for some time no scan has fitted at the estimated pose
   prior_contradicts,   ///< for some time scans have fitted the online map and not the prior map
   prior_agrees,        ///< they fit the prior map, too

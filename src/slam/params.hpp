@@ -139,8 +139,8 @@ struct Params {
     Duration lost_after = 2s;
     Duration lost_at_once_after = 1s;
     double lost_agreement = 0.35;
-    double doubtful_prior = 0.45;
-    double certain_prior = 0.55;
+    double doubtful_prior = 0.75;
+    double certain_prior = 0.80;
     double doubt_share = 0.05;
     double initial_position = 0.25;  // [m]
     double initial_heading = 0.15;   // [rad]

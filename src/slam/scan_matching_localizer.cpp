@@ -130,8 +130,9 @@ void ScanMatchingLocalizer::find_place() {
 bool ScanMatchingLocalizer::find_place_near_start() {
   const double reach = 3.0 * p_.initial_position;
   const BranchAndBoundMatcher::Window near_start{front_.map_from_base(), {reach, reach}, 3.0 * p_.initial_heading};
-  const auto found = prior_->search().find(front_.beams(), near_start, p_.doubtful_prior);
-  if (!found || prior_->compare(found->pose, front_.beams()).agreement() <= p_.certain_prior) return false;
+  const Params::Registration& p = params_->registration;
+  const auto found = prior_->search().find(front_.beams(), near_start, p.least_agreement);
+  if (!found || prior_->compare(found->pose, front_.beams()).agreement() <= p.poor_agreement) return false;
   settle(found->pose);
   return true;
 }
@@ -216,9 +217,13 @@ void ScanMatchingLocalizer::judge() {
   const Match& match = front_.newest_match();
   const Params::Registration& p = params_->registration;
   if (front_.fits()) agreed_ = scanned_;
+  // in a corridor most beams fit along all of it: what fits here must not fit better elsewhere
   if (lost() && match.agreement >= p.good_agreement &&
-      search_map_->compare(match.at.pose, front_.beams()).agreement() >= p.good_agreement)
+      search_map_->compare(match.at.pose, front_.beams()).agreement() >= p.good_agreement &&
+      finder_->found_best(match.at.pose, front_.track().at(scanned_))) {
     change_state(LocalizationEvent::recognised);
+    trust_ = 1.0;
+  }
   if (match.known_hits < p.few_hits || match.agreement >= p_.lost_agreement) resembled_ = scanned_;
   if (lost()) return;
   if (scanned_ - *agreed_ > p_.lost_after || scanned_ - *resembled_ > p_.lost_at_once_after)
