@@ -124,6 +124,14 @@ std::string Node::service_types(const std::string& service) const {
   return offer.request_type + " -> " + offer.reply_type;
 }
 
+std::size_t Node::publishers(const std::string& topic, const std::string& type) const {
+  const std::scoped_lock lock(mutex_);
+  const auto found = publishers_.find(full(topic));
+  if (found == publishers_.end()) return 0;
+  return static_cast<std::size_t>(std::ranges::count(
+      found->second, type, [](const msgs::Publisher& publisher) { return publisher.message->type; }));
+}
+
 std::size_t Node::offers(const std::string& service) const {
   const std::scoped_lock lock(mutex_);
   const auto found = offers_.find(full(service));

@@ -54,6 +54,8 @@ class Node {
   std::string service_types(const std::string& service) const;
   /// How many processes offer a service.
   std::size_t offers(const std::string& service) const;
+  /// How many publish that type on a topic.
+  std::size_t publishers(const std::string& topic, const std::string& type) const;
   /// The names of all services, in our partition or in any other: "partition", "name".
   std::vector<std::pair<std::string, std::string>> services() const;
 

@@ -229,6 +229,9 @@ std::string Robot::missing() const {
     if (!there.empty() && there != type) {
       absent.push_back(fmt::format("{}: {} carries {}, not {}", what, topic, there, type));
     }
+    if (const std::size_t count = node_->publishers(topic, type); count > 1) {
+      absent.push_back(fmt::format("{}: {} publish on {}: each needs a topic of its own", what, count, topic));
+    }
   };
   look("clock", world_ + "/clock", msgs::Clock::kType);
   look("truth", kTruth, msgs::Odometry::kType);

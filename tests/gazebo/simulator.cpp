@@ -250,6 +250,8 @@ class Simulator {
   // Those that a reset destroys and loads anew.
   struct Systems {
     transport::Node node;
+    std::deque<transport::Node>
+        nodes;  // of the odometries: in Gazebo each plugin has one, so that two may share a topic
     std::vector<std::pair<SensorFile, Topic>> imus;
     std::vector<Timer> imu_timers;
     std::vector<std::pair<OdometryFile, Topic>> odometries;
@@ -277,8 +279,8 @@ class Simulator {
       }
     }
     for (const OdometryFile& odometry : file_.odometries) {
-      systems_->odometries.emplace_back(odometry,
-                                        Topic::of<gz::msgs::Odometry>(systems_->node, odometry.topic, options_));
+      systems_->odometries.emplace_back(
+          odometry, Topic::of<gz::msgs::Odometry>(systems_->nodes.emplace_back(), odometry.topic, options_));
       systems_->published.push_back(-1h);
     }
     systems_->node.Subscribe(file_.command_topic, &Simulator::on_command, this);

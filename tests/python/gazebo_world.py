@@ -32,11 +32,14 @@ class GazeboWorld:
         partition: str = "",
         noise: bool = True,
         paused: bool = False,
+        odometries_share: str = "",
     ) -> None:
         self.partition = partition or f"{PARTITION}_{next(COUNT)}"
         world = write_world(scene, robot, folder)
+        model = folder / "models" / robot / "model.sdf"
+        if odometries_share:
+            model.write_text(re.sub(r"(<odom_topic>).*?<", rf"\1{odometries_share}<", model.read_text()))
         if not noise:
-            model = folder / "models" / robot / "model.sdf"
             model.write_text(re.sub(r"<noise.*?</noise>", "", model.read_text(), flags=re.DOTALL))
         self.command = [str(PROGRAM), str(world), *([] if paused else ["-r"]), *options]
         self.environment = os.environ | {"IGN_PARTITION": self.partition}

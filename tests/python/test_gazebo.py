@@ -4,6 +4,7 @@ What it has of Gazebo's ways is stated in tests/gazebo/simulator.cpp. Gazebo its
 """
 
 import os
+import re
 import shutil
 import signal
 import subprocess
@@ -215,6 +216,12 @@ def test_topics_of_a_wrong_type_and_those_that_lack_are_named(tmp_path: Path) ->
         said = connect_fails()
     assert "lidar: /lidar carries gz.msgs.StringMsg, not gz.msgs.LaserScan" in said
     assert "imu: nothing is published on /imu" in said
+
+
+def test_two_odometries_on_one_topic_are_named(tmp_path: Path) -> None:
+    with GazeboWorld(tmp_path, odometries_share="odom"):
+        said = connect_fails()
+    assert re.search("odometry: [23] publish on /odom: each needs a topic of its own", said)
 
 
 def test_a_world_of_other_beams_is_named(tmp_path: Path) -> None:
