@@ -154,8 +154,8 @@ EXPERIMENTS = [
                         f"arrives less often than the original, x{scale:g}", lags(scale), form="{:.1%}", at_most=0.02
                     ),
                     0.03 if scale > 1.0 else None,
-                    "turtlebot_like ends as uncertain, though it is there: over three times the way errors of its heading, "
-                    "which odometry has for each metre, add up to more of a tolerance that is three times as large",
+                    "turtlebot_like ends as uncertain, though it is there: errors of its heading, which odometry has "
+                    "for each metre, add up over three times the way to more of a tolerance three times as large",
                 )
                 for scale in SCALES
                 if scale != 1.0
