@@ -87,7 +87,7 @@ void begin_rows(const view::View& seen, const view::Place& place, view::Rows& ro
   constexpr float kInfinity = std::numeric_limits<float>::infinity();
   rows.count = seen.camera.height;
   rows.level = -1;
-  const auto count = static_cast<std::size_t>(rows.count) + view::kBlock;
+  const auto count = static_cast<std::size_t>(rows.count) + view::kWidestBlock;
   rows.slopes.resize(count);
   rows.inverse.resize(count);
   rows.above.resize(count);
@@ -96,7 +96,7 @@ void begin_rows(const view::View& seen, const view::Place& place, view::Rows& ro
   const auto floor = static_cast<float>(-seen.height);
   for (std::size_t r = 0; r < count; ++r) {
     const double up = seen.camera.cy - (static_cast<double>(r) + 0.5);
-    if (up == 0.0 && r + view::kBlock < count) rows.level = static_cast<int>(r);
+    if (up == 0.0 && r + view::kWidestBlock < count) rows.level = static_cast<int>(r);
     rows.slopes[r] = static_cast<float>(up / seen.camera.fy);
     // nothing level is seen along the horizon
     rows.inverse[r] = up == 0.0 ? std::numeric_limits<float>::quiet_NaN() : static_cast<float>(seen.camera.fy / up);

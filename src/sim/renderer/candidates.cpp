@@ -1,6 +1,7 @@
 #include "sim/renderer/candidates.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <limits>
 
@@ -21,7 +22,8 @@ struct Reach {
 
 class Search {
  public:
-  Search(const Place& place, const View& view, Candidates& out) : place_(place), view_(view), out_(out) {}
+  Search(const Place& place, const View& view, Candidates& out)
+      : place_(place), view_(view), out_(out), width_(static_cast<std::size_t>(block_width())) {}
 
   void run(std::span<const VisibleSolid> moving) {
     begin(moving.size());
@@ -44,7 +46,7 @@ class Search {
  private:
   void begin(std::size_t moving) {
     const auto columns = static_cast<std::size_t>(view_.camera.width);
-    const std::size_t blocks = (columns + kBlock - 1) / kBlock;
+    const std::size_t blocks = (columns + width_ - 1) / width_;
     const FloorRegion* floor = place_.floor_at(view_.eye);
     out_.floor = floor ? static_cast<std::size_t>(floor - place_.floors.data()) : place_.floors.size();
     out_.groups.resize(place_.circles.x.size());
@@ -59,12 +61,12 @@ class Search {
     out_.blocks.resize(blocks);
     for (auto& block : out_.blocks) block.clear();
     out_.farthest.assign(blocks, 0.0);
-    out_.slopes.resize(blocks * kBlock);
+    out_.slopes.resize(blocks * width_);
     for (std::size_t i = 0; i < out_.slopes.size(); ++i) out_.slopes[i] = view_.slope_of(static_cast<int>(i));
-    out_.wall_inverse.assign(blocks * kBlock, 0.0);
+    out_.wall_inverse.assign(blocks * width_, 0.0);
     std::fill(out_.wall_inverse.begin() + view_.camera.width, out_.wall_inverse.end(), kInfinity);
-    out_.wall.assign(blocks * kBlock, -1);
-    out_.wall_face.resize(blocks * kBlock);
+    out_.wall.assign(blocks * width_, -1);
+    out_.wall_face.resize(blocks * width_);
   }
 
   bool hides_all(const Group& group) const { return group.is_full && view_.is_roofed; }
@@ -85,7 +87,8 @@ class Search {
     return is_behind_walls(reach);
   }
 
-  Reach all_columns() const { return {0, (view_.camera.width - 1) / kBlock, kInfinity}; }
+  int block_of(int column) const { return column >> std::countr_zero(width_); }
+  Reach all_columns() const { return {0, block_of(view_.camera.width - 1), kInfinity}; }
 
   bool is_behind_walls(const Reach& reach) const {
     for (int block = reach.first_block; block <= reach.last_block; ++block) {
@@ -100,8 +103,8 @@ class Search {
     const double first = camera.cx - camera.fx * s_max - 1.0;
     const double last = camera.cx - camera.fx * s_min + 1.0;
     if (first > camera.width || last < 0.0) return false;
-    reach.first_block = std::min(static_cast<int>(std::max(first, 0.0)), camera.width - 1) / kBlock;
-    reach.last_block = static_cast<int>(std::min(last, camera.width - 1.0)) / kBlock;
+    reach.first_block = block_of(std::min(static_cast<int>(std::max(first, 0.0)), camera.width - 1));
+    reach.last_block = block_of(static_cast<int>(std::min(last, camera.width - 1.0)));
     reach.nearest = 1.0 / x_min * (1.0 + 1e-9);
     return true;
   }
@@ -140,16 +143,16 @@ class Search {
       for (int block = c.first_block; block <= c.last_block; ++block) {
         const auto b = static_cast<std::size_t>(block);
         if (c.nearest <= out_.farthest[b]) continue;
-        double* inverse = out_.wall_inverse.data() + b * kBlock;
-        const unsigned met = intersect(c.outline, out_.slopes.data() + b * kBlock, inverse, intersection);
+        double* inverse = out_.wall_inverse.data() + b * width_;
+        const unsigned met = intersect(c.outline, out_.slopes.data() + b * width_, inverse, intersection);
         if (met == 0) continue;
-        for (std::size_t i = 0; i < kBlock; ++i) {
+        for (std::size_t i = 0; i < width_; ++i) {
           if (!(met >> i & 1U)) continue;
           inverse[i] = intersection.near[i];
-          out_.wall[b * kBlock + i] = entry.candidate;
-          out_.wall_face[b * kBlock + i] = static_cast<std::int32_t>(intersection.face[i]);
+          out_.wall[b * width_ + i] = entry.candidate;
+          out_.wall_face[b * width_ + i] = static_cast<std::int32_t>(intersection.face[i]);
         }
-        out_.farthest[b] = *std::min_element(inverse, inverse + kBlock);
+        out_.farthest[b] = *std::min_element(inverse, inverse + width_);
       }
     }
   }
@@ -163,6 +166,7 @@ class Search {
     c.visible = &visible;
     c.sides = &sides;
     c.solid = index;
+    c.number = out_.walls.size() + out_.others.size() - 1;
     c.low = solid.z_min - view_.height;
     c.high = solid.z_max - view_.height;
     c.outline.is_disc = solid.shape == Solid::Shape::disc;
@@ -226,6 +230,7 @@ class Search {
   const Place& place_;
   const View& view_;
   Candidates& out_;
+  const std::size_t width_;  // of a block
 };
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "core/aligned_vector.hpp"
 #include "sim/renderer/intersect.hpp"
 #include "sim/renderer/view.hpp"
 
@@ -13,10 +14,13 @@ namespace threewe::sim::view {
 
 /// A solid that may be in the picture.
 struct Candidate {
+  Candidate() {}  // NOLINT(modernize-use-equals-default): a defaulted one would clear the lines that are written anyway
+
   const VisibleSolid* visible = nullptr;
   const Sides* sides = nullptr;
-  int solid = -1;       // index of one that stands in the scene
-  int first_block = 0;  // of columns
+  int solid = -1;          // index of one that stands in the scene
+  std::size_t number = 0;  // among all candidates, walls first
+  int first_block = 0;     // of columns
   int last_block = 0;
   double nearest = 0.0;  // no point of it has a greater inverse depth
   double low = 0.0;      // heights relative to the eye [m]
@@ -40,9 +44,9 @@ struct Candidates {
   std::vector<std::uint32_t> groups;  // that may be in the picture
   std::size_t floor = 0;              // the region that the eye is over, or beyond the last
 
-  std::vector<double> slopes;        // by column
-  std::vector<double> wall_inverse;  // by column: of the nearest wall; infinity beyond the picture
-  std::vector<std::int32_t> wall;    // which one that is, or -1
+  AlignedVector<double> slopes;        // by column
+  AlignedVector<double> wall_inverse;  // by column: of the nearest wall; infinity beyond the picture
+  std::vector<std::int32_t> wall;      // which one that is, or -1
   std::vector<std::int32_t> wall_face;
 };
 

@@ -9,6 +9,7 @@
 
 #include <hwy/highway.h>
 
+#include <algorithm>
 #include <cstddef>
 #include <limits>
 
@@ -19,7 +20,11 @@ namespace threewe::sim::view::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-using Doubles = hn::CappedTag<double, kBlock>;
+using Floats = hn::CappedTag<float, kWidestBlock>;
+using Doubles = hn::CappedTag<double, kWidestBlock>;
+
+/// Columns of a block. Fewer than a vector holds would leave it idle; more than eight would meet more solids.
+inline constexpr std::size_t kBlock = std::max<std::size_t>(8, hn::MaxLanes(Floats()));
 using D = hn::Vec<Doubles>;
 
 /// Inverse depths at which rays enter and leave, and the face by which they enter a box.

@@ -12,6 +12,8 @@
 HWY_BEFORE_NAMESPACE();
 namespace threewe::sim::view::HWY_NAMESPACE {
 
+int columns_of_block() { return static_cast<int>(kBlock); }
+
 unsigned intersect_block(const Outline& outline, const double* slopes, const double* behind,
                          Intersection& intersection) {
   const Doubles d;
@@ -28,7 +30,7 @@ unsigned intersect_block(const Outline& outline, const double* slopes, const dou
 }
 
 std::size_t find_circles(const Circles& circles, const Sector& sector, std::uint32_t* found) {
-  const hn::CappedTag<float, kBlock> d;
+  const Floats d;
   constexpr double kMargin = 1e-3;  // [m], more than rounding takes
   const auto set = [&](double x) HWY_ATTR { return hn::Set(d, static_cast<float>(x)); };
   const auto norm_of = [&](double slope) HWY_ATTR { return set(std::sqrt(1.0 + slope * slope)); };
@@ -47,7 +49,7 @@ std::size_t find_circles(const Circles& circles, const Sector& sector, std::uint
     const auto out = hn::Max(behind, hn::Max(beyond_left, beyond_right));
     std::uint8_t bits[8] = {};
     hn::StoreMaskBits(d, hn::Le(out, hn::Zero(d)), bits);
-    for (unsigned left = bits[0] & ((1U << hn::Lanes(d)) - 1U); left != 0; left &= left - 1) {
+    for (unsigned left = (bits[0] | bits[1] << 8U) & ((1U << hn::Lanes(d)) - 1U); left != 0; left &= left - 1) {
       found[count++] = static_cast<std::uint32_t>(i) + static_cast<std::uint32_t>(std::countr_zero(left));
     }
   }
@@ -60,8 +62,11 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace threewe::sim::view {
 
+HWY_EXPORT(columns_of_block);
 HWY_EXPORT(intersect_block);
 HWY_EXPORT(find_circles);
+
+int block_width() { return HWY_DYNAMIC_DISPATCH(columns_of_block)(); }
 
 std::size_t find_within(const Circles& circles, const Sector& sector, std::uint32_t* found) {
   return HWY_DYNAMIC_DISPATCH(find_circles)(circles, sector, found);

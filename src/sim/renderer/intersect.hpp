@@ -10,8 +10,10 @@
 
 namespace threewe::sim::view {
 
-/// Pictures are drawn in blocks of this many columns.
-inline constexpr int kBlock = 8;
+/// Pictures are drawn in blocks of columns: 8, or as many as a vector holds, which is this many at most.
+inline constexpr int kWidestBlock = 16;
+/// As many as that for the target in use.
+int block_width();
 
 /// A solid's outline in the camera's frame. Along the ray (1, s) it lies between the inverse depths max(far lines) and
 /// min(near lines), each of which is `slope * s + offset`; or between the roots of a quadratic.
@@ -32,8 +34,8 @@ struct Outline {
 
 /// Where the rays of a block of columns enter a solid: inverse depths, and by which face of a box.
 struct Intersection {
-  alignas(64) std::array<double, kBlock> near;
-  alignas(64) std::array<double, kBlock> face;
+  alignas(64) std::array<double, kWidestBlock> near;
+  alignas(64) std::array<double, kWidestBlock> face;
 };
 
 /// Circles, as arrays whose lengths are padded to whole blocks.

@@ -20,13 +20,13 @@ namespace threewe::sim::view::HWY_NAMESPACE {
 // A colour is tint * texel * light * gain. Texel and light are in 1/170 each: their product takes 16 bits, and the
 // upper 16 of its product with the tint are the colour in 1/112.9, which `scale` / 2^16 takes away.
 struct Gain {
-  alignas(16) std::array<std::uint16_t, kBlock> scale{};  // blue, green, red, nothing; for two pixels
-  alignas(16) std::array<std::uint16_t, kBlock> half{};   // that is rounded up
+  alignas(16) std::array<std::uint16_t, 8> scale{};  // blue, green, red, nothing; for two pixels
+  alignas(16) std::array<std::uint16_t, 8> half{};   // that is rounded up
 
   explicit Gain(const Colour& gain) {
     constexpr float kScale = 581.0F;
     const std::array channels = {gain.b, gain.g, gain.r, 0.0F};
-    for (std::size_t i = 0; i < kBlock; ++i) {
+    for (std::size_t i = 0; i < scale.size(); ++i) {
       scale[i] = static_cast<std::uint16_t>(std::lround(kScale * channels[i % 4]));
       half[i] = static_cast<std::uint16_t>(scale[i] == 0 ? 0 : 32768 / scale[i]);
     }
@@ -57,7 +57,7 @@ void make_colours(const Parts& parts, std::size_t first, const Gain& gain, std::
   }
 }
 #else
-using Pixels = hn::CappedTag<std::uint32_t, kBlock>;
+using Pixels = hn::CappedTag<std::uint32_t, kWidestBlock>;
 using Channels = hn::Repartition<std::uint16_t, Pixels>;
 using Bytes = hn::Repartition<std::uint8_t, Pixels>;
 
@@ -96,20 +96,22 @@ HWY_INLINE hn::Vec<Bytes> colours_of(const Parts& parts, std::size_t i, const Ga
 }
 
 HWY_INLINE void make_colours(const Parts& parts, std::size_t first, const Gain& gain, std::uint8_t* to) {
-  using Four = hn::Full128<std::uint8_t>;
-  const Four d;
+  const Pixels d32;
+  const hn::Half<Pixels> half;
+  const hn::Half<hn::Half<Pixels> > quarter;
+  for (std::size_t i = first; i < first + kBlock; i += hn::Lanes(d32), to += 3 * hn::Lanes(d32)) {
+    const auto all = hn::BitCast(d32, colours_of(parts, i, gain));
 #if HWY_MAX_BYTES >= 32
-  const auto all = colours_of(parts, first, gain);
-  hn::StoreU(hn::LowerHalf(d, all), d, to);
-  const auto last = hn::UpperHalf(d, all);
+    alignas(64) static constexpr std::uint32_t kPlace[16] = {0, 1, 2, 4, 5, 6, 8, 9, 10, 12, 13, 14, 0, 0, 0, 0};
+    alignas(32) static constexpr std::uint32_t kPlace8[8] = {0, 1, 2, 4, 5, 6, 0, 0};
+    const auto together = hn::TableLookupLanes(all, hn::SetTableIndices(d32, hn::Lanes(d32) == 16 ? kPlace : kPlace8));
 #else
-  hn::StoreU(colours_of(parts, first, gain), d, to);
-  const auto last = colours_of(parts, first + 4, gain);
+    const auto together = all;
 #endif
-  const hn::Half<Four> half;
-  hn::StoreU(hn::LowerHalf(half, last), half, to + 12);
-  const std::uint32_t rest = hn::GetLane(hn::BitCast(hn::Full64<std::uint32_t>(), hn::UpperHalf(half, last)));
-  std::memcpy(to + 20, &rest, 4);
+    auto* words = reinterpret_cast<std::uint32_t*>(to);
+    hn::StoreU(hn::LowerHalf(half, together), half, words);
+    hn::StoreU(hn::LowerHalf(quarter, hn::UpperHalf(half, together)), quarter, words + hn::Lanes(half));
+  }
 }
 #endif
 
@@ -177,10 +179,9 @@ class Drawer {
   void find_texels(std::size_t rows) {
     const std::uint8_t* HWY_RESTRICT table = tiles().data();
     std::uint32_t* HWY_RESTRICT texels = work_.texel.data();
-    for (std::size_t r = 0; r < rows; ++r, texels += kBlock) look_up(table, texels);
+    look_up(table, texels, rows * kBlock);
     const std::uint32_t detail = detail_of(drawing_.shading);
     if (detail == kWhole) return;
-    texels = work_.texel.data();
     for (std::size_t i = 0; i < rows * kBlock; ++i) texels[i] = (texels[i] * detail + plain_of(detail)) >> 8U;
   }
 
@@ -221,6 +222,7 @@ namespace {
 
 void begin(LevelRows& level, std::size_t rows) {
   level.is_known = false;
+  if (level.scale.size() == rows) return;
   level.scale.resize(rows);
   level.u.resize(rows);
   level.v.resize(rows);
@@ -235,14 +237,16 @@ HWY_EXPORT(draw_blocks);
 
 void draw(const Drawing& drawing, BlockWork& work) {
   const auto rows = static_cast<std::size_t>(drawing.rows.count);
-  const std::size_t pixels = rows * kBlock;
+  const std::size_t pixels = rows * kWidestBlock;
   work.depth.resize(pixels);
   work.owner.resize(pixels);
-  for (auto* band : {&work.texel, &work.light, &work.tint, &work.cell, &work.within}) band->resize(kBand * kBlock);
-  work.veil.resize(drawing.place.is_open ? kBand * kBlock : 0);
-  for (LevelRows& floor : work.floors) begin(floor, rows + kBlock);
-  begin(work.others, rows + kBlock);
-  work.patterns = patterns_of(drawing.shading.texture);
+  for (auto* band : {&work.texel, &work.light, &work.tint, &work.cell, &work.within})
+    band->resize(kBand * kWidestBlock);
+  work.veil.resize(drawing.place.is_open ? kBand * kWidestBlock : 0);
+  for (LevelRows& floor : work.floors) begin(floor, rows + kWidestBlock);
+  begin(work.others, rows + kWidestBlock);
+  work.patterns.fill({});
+  work.colours.assign(drawing.candidates.walls.size() + drawing.candidates.others.size(), {});
   HWY_DYNAMIC_DISPATCH(draw_blocks)(drawing, work);
 }
 

@@ -5,8 +5,10 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
+#include "core/aligned_vector.hpp"
 #include "sim/renderer/candidates.hpp"
 #include "sim/renderer/textures.hpp"
 
@@ -41,7 +43,7 @@ struct LevelRows {
 
 /// An array over the columns of a block.
 template <class T>
-struct alignas(32) Lanes : std::array<T, kBlock> {};
+struct alignas(64) Lanes : std::array<T, kWidestBlock> {};
 
 /// A surface that may be seen in a block. Those that stand are at one depth all the way down a column.
 struct Surface {
@@ -69,23 +71,24 @@ inline constexpr std::size_t kBand = 64;
 
 /// Working memory of a block: by row, and in each by column.
 struct BlockWork {
-  std::vector<float> depth;         // [m]; infinity where there is nothing
-  std::vector<std::int32_t> owner;  // who is seen
+  AlignedVector<float> depth;         // [m]; infinity where there is nothing
+  AlignedVector<std::int32_t> owner;  // who is seen
 
   std::vector<std::int16_t> ids;  // by owner
 
   // of a band
-  std::vector<std::uint32_t> texel;   // place in `tiles`, then what is found there
-  std::vector<std::uint32_t> light;   // in 1/170
-  std::vector<std::uint32_t> tint;    // blue, green, red, before texture and light
-  std::vector<std::uint32_t> veil;    // the same, added; only under the sky
-  std::vector<std::uint32_t> cell;    // of the floor's light
-  std::vector<std::uint32_t> within;  // the place in it
+  AlignedVector<std::uint32_t> texel;   // place in `tiles`, then what is found there
+  AlignedVector<std::uint32_t> light;   // in 1/170
+  AlignedVector<std::uint32_t> tint;    // blue, green, red, before texture and light
+  AlignedVector<std::uint32_t> veil;    // the same, added; only under the sky
+  AlignedVector<std::uint32_t> cell;    // of the floor's light
+  AlignedVector<std::uint32_t> within;  // the place in it
 
   std::vector<Surface> surfaces;
   std::size_t surface_count = 0;
-  std::array<LevelRows, kMaterials> floors;   // known for the whole picture
-  std::array<Material, kMaterials> patterns;  // what surfaces wear
+  std::array<LevelRows, kMaterials> floors;                  // known for the whole picture
+  std::array<std::optional<Material>, kMaterials> patterns;  // what surfaces wear, once that is asked
+  std::vector<std::optional<Colour>> colours;                // of candidates, likewise
   LevelRows others;
 };
 

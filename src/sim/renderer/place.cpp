@@ -43,7 +43,7 @@ std::vector<Group> make_groups(const std::vector<VisibleSolid>& solids, double c
 }
 
 Circles circles_of(const std::vector<Group>& groups) {
-  const std::size_t count = (groups.size() + kBlock - 1) / kBlock * kBlock;
+  const std::size_t count = (groups.size() + kWidestBlock - 1) / kWidestBlock * kWidestBlock;
   Circles circles{std::vector<float>(count), std::vector<float>(count), std::vector<float>(count, -1e9F)};
   for (std::size_t i = 0; i < groups.size(); ++i) {
     circles.x[i] = static_cast<float>(groups[i].center.x);

@@ -15,6 +15,7 @@
 #include <bit>
 #include <cmath>
 #include <cstring>
+#include <span>
 
 #include "sim/renderer/kernel.hpp"
 #include "sim/renderer/materials.hpp"
@@ -59,15 +60,16 @@ HWY_INLINE W first_of(Material material, F side) {
   return whole(hn::Sub(set(end), hn::Mul(hn::Mul(side, side), set(1.5F))));
 }
 
-// Looks up the words of a row in a table, each in its place. One by one: the gather of AVX2 is slower on the machines
-// that it was measured on.
+// Looks up words in a table, each in its place; an even number. One by one: the gather of AVX2 is slower on the
+// machines that it was measured on. A function of its own: among other code it gets too few registers.
 template <class T>
-HWY_INLINE void look_up(const T* HWY_RESTRICT table, std::uint32_t* HWY_RESTRICT row) {
-  for (std::size_t i = 0; i < kBlock; i += 2) {
+HWY_NOINLINE void look_up(const T* HWY_RESTRICT table, std::uint32_t* HWY_RESTRICT words, std::size_t count) {
+#pragma GCC unroll 4
+  for (std::size_t i = 0; i < count; i += 2) {
     std::uint64_t two;
-    std::memcpy(&two, row + i, sizeof two);
-    row[i] = table[two & 0xFFFFFFFFU];
-    row[i + 1] = table[two >> 32U];
+    std::memcpy(&two, words + i, sizeof two);
+    words[i] = table[two & 0xFFFFFFFFU];
+    words[i + 1] = table[two >> 32U];
   }
 }
 
@@ -149,7 +151,7 @@ class Shader {
       store(hn::VecFromMask(d, here), &mask_[i]);
       std::uint8_t bits[8] = {};
       hn::StoreMaskBits(d, here, bits);
-      all |= (bits[0] & ((1U << hn::Lanes(d)) - 1U)) << i;
+      all |= ((bits[0] | bits[1] << 8U) & ((1U << hn::Lanes(d)) - 1U)) << i;
     });
     return all;
   }
@@ -169,6 +171,15 @@ class Shader {
     shade_upright<kMasked>(surface, rows);
   }
 
+  // Calls `act` with the first column of each vector of which something is to be painted.
+  template <bool kMasked, class Act>
+  HWY_INLINE void for_painted(Act act) const {
+    for_lanes([&](std::size_t i) HWY_ATTR {
+      if (kMasked && hn::AllTrue(Ints(), hn::Eq(load(&mask_[i]), set(0)))) return;
+      act(i);
+    });
+  }
+
   template <bool kMasked>
   HWY_INLINE void put(W value, std::size_t i, std::uint32_t* to) const {
     if constexpr (kMasked) {
@@ -183,7 +194,7 @@ class Shader {
     const std::size_t band = band_;
     const Pixels to = pixels();
     const float* HWY_RESTRICT slopes = rows_.slopes.data();
-    for_lanes([&](std::size_t i) HWY_ATTR {
+    for_painted<kMasked>([&](std::size_t i) HWY_ATTR {
       const W line = load(&surface.line[i]);
       const W mask = load(&surface.mask[i]);
       const W tint = load(&surface.tint[i]);
@@ -247,7 +258,7 @@ class Shader {
     const std::uint32_t* HWY_RESTRICT masks = level.mask.data();
     const std::uint32_t* HWY_RESTRICT strides = level.stride.data();
     const std::uint32_t* HWY_RESTRICT firsts = level.first.data();
-    for_lanes([&](std::size_t i) HWY_ATTR {
+    for_painted<kMasked>([&](std::size_t i) HWY_ATTR {
       const F ahead = load(&columns_.x[i]);
       const F left = load(&columns_.y[i]);
       const F u_step = hn::Add(hn::Mul(ahead, x), hn::Mul(left, y));
@@ -331,8 +342,8 @@ class Shader {
     });
     const std::uint32_t* HWY_RESTRICT table = light.cells.data();
     const std::uint32_t plain = plain_of(detail_);
-    for (std::size_t r = rows.begin; r < rows.end; ++r) look_up(table, cells + place_of(r));
-    for_lanes([&](std::size_t i) HWY_ATTR {
+    look_up(table, cells + place_of(rows.begin), (rows.end - rows.begin) * kBlock);
+    for_painted<kMasked>([&](std::size_t i) HWY_ATTR {
       for (std::size_t r = rows.begin; r < rows.end; ++r) {
         const std::size_t at = (r - band) * kBlock + i;
         const W places = load(within + at);
@@ -440,10 +451,15 @@ class Shader {
     return mixed;
   }
   Material pattern_of(const SurfaceMaterial& look) const {
-    return work_.patterns[static_cast<std::size_t>(look.material)];
+    std::optional<Material>& pattern = work_.patterns[static_cast<std::size_t>(look.material)];
+    if (!pattern) pattern = view::pattern_of(shading_.texture, look.material);
+    return *pattern;
   }
   Colour colour_of(const Candidate& c) const {
-    return c.solid < 0 ? c.visible->colour : place_.colour(shading_, static_cast<std::size_t>(c.solid));
+    if (c.solid < 0) return c.visible->colour;
+    std::optional<Colour>& colour = work_.colours[c.number];
+    if (!colour) colour = place_.colour(shading_, static_cast<std::size_t>(c.solid));
+    return *colour;
   }
 
   // An upright surface, where the columns meet it.
@@ -454,7 +470,7 @@ class Shader {
     bool is_first = true;
     for (std::size_t face = 0; face < 4; ++face) {
       const auto number = static_cast<float>(face);
-      if (std::ranges::find(surface.face, number) == surface.face.end()) continue;
+      if (std::ranges::count(std::span(surface.face).first(kBlock), number) == 0) continue;
       if (surface.decor && static_cast<float>(surface.decor->face) != number) continue;
       intersect_flat(surface, face, is_first);
       is_first = false;
@@ -467,9 +483,13 @@ class Shader {
     const Vec2 from = view_.eye - side.corner;
     const bool is_wall = c.visible->id == kWallId && c.solid >= 0 && surface.kind == Surface::Kind::side;
     SurfaceMaterial look = side.look;
-    if (!is_wall) look.colour = colour_of(c);
-    if (surface.kind == Surface::Kind::skirting) look = skirting_material(side.normal);
-    if (surface.decor) look = surface.decor->look;
+    if (surface.kind == Surface::Kind::skirting) {
+      look = skirting_material(side.normal);
+    } else if (surface.decor) {
+      look = surface.decor->look;
+    } else if (!is_wall) {
+      look.colour = colour_of(c);
+    }
     const auto tints =
         is_wall ? place_.tints_of(static_cast<std::size_t>(c.solid), face) : std::span<const std::uint32_t>();
     const std::uint32_t tint = is_wall ? 0 : tint_of(look);

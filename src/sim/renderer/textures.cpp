@@ -123,9 +123,8 @@ std::vector<std::uint8_t> make_tiles() {
   return all;
 }
 
-}  // namespace
-
-std::array<Material, kMaterials> patterns_of(std::uint32_t texture) {
+// What a material's surfaces may wear instead; nothing for one that keeps what it has.
+std::span<const Material> worn_by(Material material) {
   using enum Material;
   static constexpr std::array kFloors = {floor_wood,  floor_tile,   floor_carpet, floor_concrete, floor_vinyl,
                                          floor_grass, floor_gravel, floor_paving, floor_asphalt};
@@ -133,21 +132,25 @@ std::array<Material, kMaterials> patterns_of(std::uint32_t texture) {
   static constexpr std::array kCeilings = {ceiling, roof, shading, floor_vinyl};
   static constexpr std::array kThings = {wood,  metal, plastic, fabric,    leaf,  ceramic,
                                          glass, stone, paper,   cardboard, rubber};
-  std::array<Material, kMaterials> patterns;
-  for (std::size_t m = 0; m < kMaterials; ++m) patterns[m] = static_cast<Material>(m);
-  if (texture == 0) return patterns;
+  if (material == shading || material == brick) return kWalls;
+  if (material == ceiling || material == roof) return kCeilings;
+  if (std::ranges::find(kFloors, material) != kFloors.end()) return kFloors;
+  if (std::ranges::find(kThings, material) != kThings.end()) return kThings;
+  return {};
+}
 
+}  // namespace
+
+Material pattern_of(std::uint32_t texture, Material material) {
+  const std::span<const Material> worn = worn_by(material);
+  if (texture == 0 || worn.empty()) return material;
   const RngKey key{.seed = texture, .stream = Stream::scene};
-  const auto draw = [&](std::span<const Material> wearers, std::span<const Material> worn) {
-    for (const Material m : wearers) {
-      const auto i = static_cast<std::size_t>(m);
-      patterns[i] = worn[random_bits(key, i, 1)[0] % worn.size()];
-    }
-  };
-  draw(kFloors, kFloors);
-  draw(kThings, kThings);
-  draw(std::array{shading, brick}, kWalls);
-  draw(std::array{ceiling, roof}, kCeilings);
+  return worn[random_bits(key, static_cast<std::uint64_t>(material), 1)[0] % worn.size()];
+}
+
+std::array<Material, kMaterials> patterns_of(std::uint32_t texture) {
+  std::array<Material, kMaterials> patterns;
+  for (std::size_t m = 0; m < kMaterials; ++m) patterns[m] = pattern_of(texture, static_cast<Material>(m));
   return patterns;
 }
 

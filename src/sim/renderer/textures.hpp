@@ -29,8 +29,10 @@ struct MaterialSpec {
 };
 const MaterialSpec& spec(Material material);
 
-/// What each material's surfaces wear instead in an episode whose `Shading::texture` is this: others for the same use.
-/// Themselves for 0; some keep what they have.
+/// What a material's surfaces wear instead in an episode whose `Shading::texture` is this: another for the same use.
+/// Itself for 0; some keep what they have.
+Material pattern_of(std::uint32_t texture, Material material);
+/// The same of each.
 std::array<Material, kMaterials> patterns_of(std::uint32_t texture);
 
 /// All tiles, one after the other, and one more texel, whose brightness is 1. A texel is its brightness, in 1/170.

@@ -10,6 +10,7 @@
 #include <cmath>
 #include <limits>
 #include <ranges>
+#include <span>
 #include <utility>
 
 #include "sim/renderer/kernel.hpp"
@@ -21,7 +22,6 @@ namespace threewe::sim::view::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-using Floats = hn::CappedTag<float, kBlock>;
 using Ints = hn::RebindToSigned<Floats>;
 using Words = hn::RebindToUnsigned<Floats>;
 using F = hn::Vec<Floats>;
@@ -122,29 +122,19 @@ class Finder {
     return hn::Min(hn::Max(row, set(0.0F)), set(count_));
   }
 
-  // All rows of an extent, whatever the column.
-  HWY_INLINE std::pair<int, int> range(const Extent& extent) const {
-    const Floats d;
-    float first = count_;
-    float last = 0.0F;
-    for_lanes([&](std::size_t i) HWY_ATTR {
-      first = std::min(first, hn::GetLane(hn::MinOfLanes(d, load(&extent.top[i]))));
-      last = std::max(last, hn::GetLane(hn::MaxOfLanes(d, load(&extent.bottom[i]))));
-    });
-    return {static_cast<int>(first), static_cast<int>(last)};
-  }
-
   // Calls `act(place, lanes)` for every vector of an extent: its place in arrays by row, its first lane, and which of
   // its columns are in the extent.
   template <class Act>
   HWY_INLINE void for_extent(const Extent& extent, Act act) const {
-    const auto [first, last] = range(extent);
+    const Floats d;
     for_lanes([&](std::size_t i) HWY_ATTR {
       const F top = load(&extent.top[i]);
       const F bottom = load(&extent.bottom[i]);
-      F row = set(static_cast<float>(first));
-      for (int r = first; r < last; ++r) {
-        act(static_cast<std::size_t>(r), i, hn::And(hn::Ge(row, top), hn::Lt(row, bottom)));
+      const float first = hn::GetLane(hn::MinOfLanes(d, top));
+      const auto end = static_cast<std::size_t>(hn::GetLane(hn::MaxOfLanes(d, bottom)));
+      F row = set(first);
+      for (auto r = static_cast<std::size_t>(first); r < end; ++r) {
+        act(r, i, hn::And(hn::Ge(row, top), hn::Lt(row, bottom)));
         row = hn::Add(row, set(1.0F));
       }
     });
@@ -261,7 +251,7 @@ class Finder {
 
   // The least and the greatest row of some.
   HWY_INLINE std::pair<std::size_t, std::size_t> range_of(const Lanes<float>& rows) const {
-    const auto [least, most] = std::ranges::minmax(rows);
+    const auto [least, most] = std::ranges::minmax(std::span(rows).first(kBlock));
     return {static_cast<std::size_t>(least), static_cast<std::size_t>(most)};
   }
 
