@@ -24,6 +24,7 @@ import time
 import warnings
 from collections import namedtuple
 from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import ExitStack
 from dataclasses import asdict, dataclass, replace
 from functools import partial
@@ -76,7 +77,7 @@ class Settings:
     entropy: float = 0.01  # falls to 0
     reward_scale: float = 0.2
     haste: float = 0.05  # taken off the reward of each step
-    threads: int = 2  # of the simulator
+    threads: int = 2  # of the simulator, and of what is remembered
     workers: int = 1  # that share the environments; each draws for itself
 
 
@@ -244,6 +245,7 @@ class Runner:
         self.settings, share = settings, settings.num_envs // settings.workers
         noise, scenes, _ = settings.lessons[lesson]
         self.env = classroom(noise, scenes, 1000 * settings.seed + 100 * lesson, share, settings)
+        self.pool = ThreadPoolExecutor(settings.threads)
         self.random = torch.Generator().manual_seed((1000 * settings.seed + lesson) * 1000 + worker)
         observations, infos = self.env.reset(seed=1_000_000 * settings.seed + worker * share)
         self.memory = nothing_yet(torch.from_numpy(observations["goal"]))
@@ -258,8 +260,8 @@ class Runner:
         lidar = (lidar + blur).clamp_min(0.01) * (lidar > 0.0)
         for kept, fresh in zip(self.memory, nothing_yet(self.goal[~self.going]), strict=True):
             kept[~self.going] = fresh
-        few = zip(*(column.split(32) for column in (lidar, self.goal, *self.memory)), strict=True)  # as the cache holds
-        self.memory = [torch.cat(column) for column in zip(*(remembered(*some) for some in few), strict=True)]
+        columns = (column.split(64) for column in (lidar, self.goal, *self.memory))  # as many as the cache holds
+        self.memory = [torch.cat(parts) for parts in zip(*self.pool.map(remembered, *columns), strict=True)]
         self.seen = features(lidar, self.goal, *self.memory)
         self.way_left = torch.from_numpy(infos["distance_to_goal"]).float().unsqueeze(1)
 
