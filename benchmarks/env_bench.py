@@ -51,6 +51,8 @@ TAKEN_APART = [  # by --breakdown
     Kind(360, envs=64),
     Kind(64, 5, gate="full", envs=64),
     Kind(64, 5, "realistic", "full", envs=64),
+    Kind(0, envs=64, threads=2),  # what dispatch adds
+    Kind(0, envs=64, options={"max_steps": 10}),  # and resets
 ]
 ENVS = (1, 16, 256, 1024, 4096, 16384)
 

@@ -1,4 +1,5 @@
-"""What one step of an environment is made of: instructions and cache misses by part, counted by callgrind.
+"""What one step of an environment is made of: instructions and cache misses by part, counted by callgrind; cycles
+of the whole by the processor's own counters where perf can read them, and a guess by what callgrind counts.
 
 Where there are so many environments that none stays in the modelled last cache from step to step, while a block of them
 does within one, its misses of data tell how much memory a step touches.
@@ -9,17 +10,26 @@ Each function's own cost goes to the part that it belongs to by its name; that o
 
 from __future__ import annotations
 
+import json
 import os
 import re
+import shutil
 import subprocess
 import sys
 import tempfile
 from collections import defaultdict
+from dataclasses import asdict
 from pathlib import Path
 
+import numpy as np
 from env_steps import Kind, actions_of
+from numpy.typing import NDArray
+from threewe.gym import VectorEnv
 
-STEPS = 20  # that are counted
+STEPS = 20  # that callgrind counts
+STEPS_FOR_PERF = 500_000  # of all environments
+EVENTS = ("cycles:u", "cache-misses:u")
+NEAREST, LAST = 10, 100  # cycles that a miss is taken to cost, as KCachegrind does
 PARTS = {  # by the first pattern that a function's name matches
     "lidar": r"RayCaster|sim::kernel::(N_\w+::)?(begin|point|intersect|finish|invert)|intersect_|"
     r"models::(N_\w+::)?(measure_ranges|add_noise|measure|drops_neighbours|dropped_points|list_dropped)\(|"
@@ -49,10 +59,16 @@ def breakdown(kinds: list[Kind]) -> None:
     for kind in kinds:
         parts = measure_parts(kind)
         total = [sum(costs) for costs in zip(*parts.values(), strict=True)]
-        print(f"\n{describe(kind)}: of one step\n{'part':34}{'instructions':>13}{'L1 misses':>11}{'LL misses':>11}")
+        columns = ("instructions", "L1 misses", "LL misses", "cycles, guess")
+        print(f"\n{describe(kind)}: of one step\n{'part':34}{''.join(f'{column:>14}' for column in columns)}")
         for part in [*PARTS, PYTHON]:
             print(row(part, parts[part]))
         print(row("all", total))
+        by_perf = count_by_perf(kind)
+        if by_perf:
+            print(f"by perf: {by_perf[0]:,.0f} cycles, {by_perf[1]:.2f} misses of the last cache")
+        else:
+            print(f"perf reads no counters here: a cycle an instruction, {NEAREST} an L1 miss, {LAST} an LL miss")
         if kind.envs >= MANY:
             touched = LINE * (total[2] - parts[PYTHON][2]) / 1024.0
             print(f"memory that a step touches: {touched:.2f} KiB, wanted 1", flush=True)
@@ -60,13 +76,17 @@ def breakdown(kinds: list[Kind]) -> None:
 
 def row(name: str, costs: Costs) -> str:
     """Of the table."""
-    return f"{name:34}{costs[0]:13,.0f}{costs[1]:11,.1f}{costs[2]:11,.2f}"
+    cycles = costs[0] + NEAREST * costs[1] + LAST * costs[2]
+    return f"{name:34}{costs[0]:14,.0f}{costs[1]:14,.1f}{costs[2]:14,.2f}{cycles:14,.0f}"
 
 
 def describe(kind: Kind) -> str:
     """In a few words."""
     seen = f"{kind.beams} beams" if kind.beams else "goal alone"
-    return f"{kind.envs} environments, {seen}, {kind.ticks} ticks, {kind.noise}, gate {kind.gate}"
+    more = [f"{name} {value}" for name, value in kind.options.items()]
+    if kind.threads > 1:
+        more.append(f"{kind.threads} threads")
+    return ", ".join([f"{kind.envs} environments", seen, f"{kind.ticks} ticks", kind.noise, f"gate {kind.gate}", *more])
 
 
 def measure_parts(kind: Kind) -> dict[str, Costs]:
@@ -74,9 +94,8 @@ def measure_parts(kind: Kind) -> dict[str, Costs]:
     with tempfile.TemporaryDirectory() as folder:
         out = Path(folder) / "callgrind.out"
         options = ["--tool=callgrind", "--instr-atstart=no", "--cache-sim=yes", *CACHES, f"--callgrind-out-file={out}"]
-        words = [str(each) for each in (kind.beams, kind.ticks, kind.noise, kind.gate, kind.envs)]
         try:
-            subprocess.run(["valgrind", *options, sys.executable, __file__, *words], capture_output=True, check=True)
+            subprocess.run(["valgrind", *options, *process_of(kind)], capture_output=True, check=True)
         except FileNotFoundError:
             raise SystemExit("--breakdown counts with callgrind: apt-get install valgrind") from None
         own, calls = read_costs(out.read_text())
@@ -87,6 +106,27 @@ def measure_parts(kind: Kind) -> dict[str, Costs]:
             for i, cost in enumerate(costs):
                 parts[part][i] += share * cost / (STEPS * kind.envs)
     return parts
+
+
+def count_by_perf(kind: Kind) -> list[float] | None:
+    """`EVENTS` of one step: of many steps more, so that what comes before them falls out. None where perf has none."""
+    if not shutil.which("perf"):
+        return None
+    counted = []
+    for steps in (STEPS, STEPS + STEPS_FOR_PERF // kind.envs):
+        command = ["perf", "stat", "-x,", "-e", ",".join(EVENTS), *process_of(kind), str(steps)]
+        lines = subprocess.run(command, capture_output=True, text=True).stderr.splitlines()
+        counts = [line.split(",")[0] for line in lines if any(f",{event}," in line for event in EVENTS)]
+        if len(counts) < len(EVENTS) or not all(count.isdigit() for count in counts):
+            return None
+        counted.append([int(count) for count in counts])
+    few, many = counted
+    return [(b - a) / (STEPS_FOR_PERF // kind.envs * kind.envs) for a, b in zip(few, many, strict=True)]
+
+
+def process_of(kind: Kind) -> list[str]:
+    """The command that takes steps to count."""
+    return [sys.executable, __file__, json.dumps(asdict(kind))]
 
 
 def read_costs(text: str) -> tuple[dict[str, Costs], dict[str, dict[str, float]]]:
@@ -152,12 +192,16 @@ def run_counted(kind: Kind) -> None:
     env = kind.make()
     actions = actions_of(kind.envs)
     on, off = (Switch(state) for state in ("on", "off"))
-    for switch in (None, on):
-        if switch:
-            switch.turn()
-        for step in range(STEPS):
-            env.step(actions[step // 10 % len(actions)])
+    take_steps(env, actions, STEPS)
+    on.turn()
+    take_steps(env, actions, STEPS)
     off.turn()
+
+
+def take_steps(env: VectorEnv, actions: list[NDArray[np.float32]], steps: int) -> None:
+    """Each action for ten steps."""
+    for step in range(steps):
+        env.step(actions[step // 10 % len(actions)])
 
 
 class Switch:
@@ -176,5 +220,8 @@ class Switch:
 
 
 if __name__ == "__main__":
-    beams, ticks, noise, gate, envs = sys.argv[1:]
-    run_counted(Kind(int(beams), int(ticks), noise, gate, int(envs)))
+    kind = Kind(**json.loads(sys.argv[1]))
+    if len(sys.argv) == 2:
+        run_counted(kind)
+    else:
+        take_steps(kind.make(), actions_of(kind.envs), int(sys.argv[2]))
