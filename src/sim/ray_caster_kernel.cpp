@@ -13,6 +13,7 @@
 #include <cmath>
 #include <span>
 #include <type_traits>
+#include <utility>
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "sim/ray_caster_kernel.cpp"
@@ -36,8 +37,8 @@ using V = hn::Vec<Doubles>;
 constexpr float kTwoPi = 6.28318531F;
 // Candidates that are looked at before any is met.
 constexpr int kBatch = 8 * kBlock;
-// Fans of more beams than this meet them two vectors at a time.
-constexpr int kManyBeams = 128;
+// Fans of more beams than this let the first vectors of all candidates' beams meet these, then the second ones.
+constexpr int kManyBeams = 64;
 // Intervals are widened by this much [rad], above all rounding of angles, so that no beam slips between neighbours.
 constexpr float kAngleMargin = 2e-6F;
 // A segment is careful when (its farthest range)^2 / (distance of its line) is above this [m]: single precision would
@@ -58,6 +59,12 @@ struct Tasks {
   HWY_ALIGN std::int32_t last[kRoom];
   HWY_ALIGN std::int32_t place[kRoom];
   std::size_t count = 0;
+  // those that have more vectors of beams, and the first beam of the next
+  struct Next {
+    std::int32_t task;
+    std::int32_t vector;
+  };
+  std::array<Next, kRoom> waiting;
 };
 
 // Which bits of a byte are set, in ascending order.
@@ -209,26 +216,19 @@ HWY_INLINE void find_beams(F seen_first, F seen_width, F slack, int first_place,
   add_tasks(across, hn::Sub(low, turn), before, place, frame, tasks);
 }
 
-// Runs `inverse_range(beam, cos, sin)` over the beams of a task and keeps the larger. Where there are many beams, two
-// vectors at a time: how often is then easier to foresee for the processor.
-template <bool kInPairs, class InverseRange>
-HWY_INLINE void keep_larger(Fan& fan, const Tasks& tasks, std::size_t task, const InverseRange& inverse_range) {
+// Runs `inverse_range(beam, cos, sin)` over those beams of a task that are in one vector, and keeps the larger.
+template <class InverseRange>
+HWY_INLINE void keep_larger(Fan& fan, const Tasks& tasks, std::size_t task, int vector,
+                            const InverseRange& inverse_range) {
   const Floats d;
   const Ints di;
-  const int lanes = static_cast<int>(hn::Lanes(d));
   const auto first = hn::Set(di, tasks.first[task]);
   const auto last = hn::Set(di, tasks.last[task]);
-  const auto keep = [&](int i) HWY_ATTR {
-    const auto beam = hn::Load(di, kBeams.number.data() + i);
-    const auto outside = hn::RebindMask(d, hn::Or(hn::Lt(beam, first), hn::Gt(beam, last)));
-    const F value = inverse_range(beam, hn::Load(d, fan.cos.data() + i), hn::Load(d, fan.sin.data() + i));
-    float* kept = fan.inverse_range.data() + i;
-    hn::Store(hn::Max(hn::Load(d, kept), hn::IfThenZeroElse(outside, value)), d, kept);
-  };
-  for (int i = tasks.first[task] & -lanes; i <= tasks.last[task]; i += kInPairs ? 2 * lanes : lanes) {
-    keep(i);
-    if constexpr (kInPairs) keep(i + lanes);
-  }
+  const auto beam = hn::Load(di, kBeams.number.data() + vector);
+  const auto outside = hn::RebindMask(d, hn::Or(hn::Lt(beam, first), hn::Gt(beam, last)));
+  const F value = inverse_range(beam, hn::Load(d, fan.cos.data() + vector), hn::Load(d, fan.sin.data() + vector));
+  float* kept = fan.inverse_range.data() + vector;
+  hn::Store(hn::Max(hn::Load(d, kept), hn::IfThenZeroElse(outside, value)), d, kept);
 }
 
 // The same in double precision with each beam's own origin: `inverse_range(x, y, cos, sin)`.
@@ -383,19 +383,17 @@ HWY_INLINE void find_beams(const SegmentBatch& batch, int count, const Frame& fr
   }
 }
 
-template <bool kInPairs>
-HWY_INLINE void intersect_standing(Fan& fan, const Tasks& tasks, std::size_t task, const SegmentBatch& batch,
-                                   std::size_t place) {
+HWY_INLINE void intersect_standing(Fan& fan, const Tasks& tasks, std::size_t task, int vector,
+                                   const SegmentBatch& batch, std::size_t place, const Frame&) {
   const Floats d;
   const F a = hn::Set(d, batch.of_cos[place]);
   const F b = hn::Set(d, batch.of_sin[place]);
-  keep_larger<kInPairs>(fan, tasks, task,
-                        [&](hn::Vec<Ints>, F c, F s) HWY_ATTR { return hn::Add(hn::Mul(a, c), hn::Mul(b, s)); });
+  keep_larger(fan, tasks, task, vector,
+              [&](hn::Vec<Ints>, F c, F s) HWY_ATTR { return hn::Add(hn::Mul(a, c), hn::Mul(b, s)); });
 }
 
 // On the way: each beam from its own origin, both ends tested.
-template <bool kInPairs>
-HWY_INLINE void intersect_moving(Fan& fan, const Tasks& tasks, std::size_t task, const SegmentBatch& batch,
+HWY_INLINE void intersect_moving(Fan& fan, const Tasks& tasks, std::size_t task, int vector, const SegmentBatch& batch,
                                  std::size_t place, const Frame& frame) {
   const Floats d;
   const float along_x = batch.along_x[place];
@@ -409,7 +407,7 @@ HWY_INLINE void intersect_moving(Fan& fan, const Tasks& tasks, std::size_t task,
   const F step_x = hn::Set(d, frame.step_x);
   const F step_y = hn::Set(d, frame.step_y);
   const F middle = hn::Set(d, frame.middle_beam);
-  keep_larger<kInPairs>(fan, tasks, task, [&](hn::Vec<Ints> beam, F c, F s) HWY_ATTR {
+  keep_larger(fan, tasks, task, vector, [&](hn::Vec<Ints> beam, F c, F s) HWY_ATTR {
     const F i = hn::Sub(hn::ConvertTo(d, beam), middle);
     const F x = hn::Mul(i, step_x);
     const F y = hn::Mul(i, step_y);
@@ -472,15 +470,14 @@ HWY_INLINE void find_beams(const CircleBatch& batch, int count, const Frame& fra
   }
 }
 
-template <bool kInPairs>
-HWY_INLINE void intersect_standing(Fan& fan, const Tasks& tasks, std::size_t task, const CircleBatch& batch,
-                                   std::size_t place) {
+HWY_INLINE void intersect_standing(Fan& fan, const Tasks& tasks, std::size_t task, int vector, const CircleBatch& batch,
+                                   std::size_t place, const Frame&) {
   const Floats d;
   const F x = hn::Set(d, batch.x[place]);
   const F y = hn::Set(d, batch.y[place]);
   const F radius_squared = hn::Set(d, batch.radius_squared[place]);
   const F inverse_power = hn::Set(d, batch.inverse_power[place]);
-  keep_larger<kInPairs>(fan, tasks, task, [&](hn::Vec<Ints>, F c, F s) HWY_ATTR {
+  keep_larger(fan, tasks, task, vector, [&](hn::Vec<Ints>, F c, F s) HWY_ATTR {
     const F ahead = hn::Add(hn::Mul(c, x), hn::Mul(s, y));
     const F aside = hn::Sub(hn::Mul(c, y), hn::Mul(s, x));
     const F half_chord_squared = hn::Sub(radius_squared, hn::Mul(aside, aside));
@@ -491,8 +488,7 @@ HWY_INLINE void intersect_standing(Fan& fan, const Tasks& tasks, std::size_t tas
 }
 
 // On the way: each beam from its own origin.
-template <bool kInPairs>
-HWY_INLINE void intersect_moving(Fan& fan, const Tasks& tasks, std::size_t task, const CircleBatch& batch,
+HWY_INLINE void intersect_moving(Fan& fan, const Tasks& tasks, std::size_t task, int vector, const CircleBatch& batch,
                                  std::size_t place, const Frame& frame) {
   const Floats d;
   const F x0 = hn::Set(d, batch.x[place]);
@@ -501,7 +497,7 @@ HWY_INLINE void intersect_moving(Fan& fan, const Tasks& tasks, std::size_t task,
   const F step_x = hn::Set(d, frame.step_x);
   const F step_y = hn::Set(d, frame.step_y);
   const F middle = hn::Set(d, frame.middle_beam);
-  keep_larger<kInPairs>(fan, tasks, task, [&](hn::Vec<Ints> beam, F c, F s) HWY_ATTR {
+  keep_larger(fan, tasks, task, vector, [&](hn::Vec<Ints> beam, F c, F s) HWY_ATTR {
     const F i = hn::Sub(hn::ConvertTo(d, beam), middle);
     const F x = hn::Sub(x0, hn::Mul(i, step_x));
     const F y = hn::Sub(y0, hn::Mul(i, step_y));
@@ -560,7 +556,7 @@ HWY_INLINE int choose(const Block* blocks, int count, const Frame& frame, Block*
 }
 
 // Looks at a batch of candidates after the other, finds the beams that each concerns, and lets these meet it.
-template <class Batch, bool kMoves, bool kInPairs, class Block, class Shape>
+template <class Batch, bool kMoves, bool kMany, class Block, class Shape>
 HWY_INLINE void intersect_candidates(std::span<const Block> all_blocks, int all, std::span<const Shape> shapes,
                                      const Frame& frame, Fan& fan) {
   const int lanes = static_cast<int>(hn::Lanes(Floats()));
@@ -578,15 +574,39 @@ HWY_INLINE void intersect_candidates(std::span<const Block> all_blocks, int all,
     for (int i = 0; i < count; i += lanes) see<kMoves>(blocks[i / kBlock], i % kBlock, i, frame, batch);
     find_angles(batch, count);
     find_beams(batch, count, frame, tasks);
+
+    const auto meet = [&](std::size_t task, int vector) HWY_ATTR {
+      const auto place = static_cast<std::size_t>(tasks.place[task]);
+      if constexpr (kMoves) {
+        intersect_moving(fan, tasks, task, vector, batch, place, frame);
+      } else {
+        intersect_standing(fan, tasks, task, vector, batch, place, frame);
+      }
+    };
+    std::size_t waiting = 0;
     for (std::size_t t = 0; t < tasks.count; ++t) {
       const auto place = static_cast<std::size_t>(tasks.place[t]);
+      const int first_vector = tasks.first[t] & -lanes;
       if (batch.care[place] > 0.0F) {
         const std::int32_t index = blocks[place / kBlock].index[place % kBlock];
         intersect_carefully(fan, tasks.first[t], tasks.last[t], shapes[static_cast<std::size_t>(index)]);
-      } else if constexpr (kMoves) {
-        intersect_moving<kInPairs>(fan, tasks, t, batch, place, frame);
+      } else if constexpr (kMany) {
+        meet(t, first_vector);
+        tasks.waiting[waiting] = {static_cast<std::int32_t>(t), first_vector + lanes};
+        waiting += first_vector + lanes <= tasks.last[t] ? 1 : 0;
       } else {
-        intersect_standing<kInPairs>(fan, tasks, t, batch, place);
+        for (int vector = first_vector; vector <= tasks.last[t]; vector += lanes) meet(t, vector);
+      }
+    }
+    // how many wait is easier for the processor to foresee than how many vectors each has
+    while (waiting > 0) {
+      const std::size_t waited = std::exchange(waiting, 0);
+      for (std::size_t i = 0; i < waited; ++i) {
+        const auto [task, vector] = tasks.waiting[i];
+        const auto t = static_cast<std::size_t>(task);
+        meet(t, vector);
+        tasks.waiting[waiting] = {task, vector + lanes};
+        waiting += vector + lanes <= tasks.last[t] ? 1 : 0;
       }
     }
   }
@@ -616,10 +636,10 @@ void intersect_shapes(const Shapes& shapes, Fan& fan) {
       .right_cos = fan.cos[right],
       .right_sin = fan.sin[right],
   };
-  const auto intersect_all = [&](auto is_moving, auto in_pairs) HWY_ATTR {
-    intersect_candidates<SegmentBatch, is_moving(), in_pairs()>(shapes.segment_blocks, shapes.segment_count,
+  const auto intersect_all = [&](auto is_moving, auto has_many) HWY_ATTR {
+    intersect_candidates<SegmentBatch, is_moving(), has_many()>(shapes.segment_blocks, shapes.segment_count,
                                                                 shapes.segments, frame, fan);
-    intersect_candidates<CircleBatch, is_moving(), in_pairs()>(shapes.circle_blocks, shapes.circle_count,
+    intersect_candidates<CircleBatch, is_moving(), has_many()>(shapes.circle_blocks, shapes.circle_count,
                                                                shapes.circles, frame, fan);
   };
   constexpr std::true_type kYes;
