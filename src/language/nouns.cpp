@@ -193,13 +193,13 @@ std::optional<Match> Chart::lexicon_place(std::size_t at) const {
   for (const Edge& edge : sentence_.edges(at)) {
     const std::size_t group = edge.phrase->group;
     const bool place = group == index_of(Group::place) || group == index_of(Group::start);
-    const std::optional<Quantity> digits = group == index_of(Group::start) ? std::nullopt : unsigned_number(edge.end);
-    const bool numbered = digits && digits->value == static_cast<double>(static_cast<int>(digits->value));
+    const auto digits = group == index_of(Group::start) ? Quantity{} : unsigned_number(edge.end).value_or(Quantity{});
+    const bool numbered = digits.end > 0 && digits.value == static_cast<double>(static_cast<int>(digits.value));
     if (!place && (group != index_of(Group::numbered) || !numbered)) continue;
     Match one{edge.end, {.place = edge.phrase->value}};
     if (!best || one.end > best->end) best = one;
-    if (!numbered || digits->end != edge.end + 1) continue;
-    one = {digits->end, {.place = edge.phrase->value + " " + std::to_string(static_cast<int>(digits->value))}};
+    if (!numbered || digits.end != edge.end + 1) continue;
+    one = {digits.end, {.place = edge.phrase->value + " " + std::to_string(static_cast<int>(digits.value))}};
     if (one.end > best->end) best = one;
   }
   return best;

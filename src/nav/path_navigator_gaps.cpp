@@ -1,9 +1,9 @@
 // The path navigator before gaps that are hardly wider than the robot, and in them.
 #include <cmath>
+#include <numbers>
 #include <optional>
 #include <vector>
 
-#include "core/exact.hpp"
 #include "map/blind_surface.hpp"
 #include "map/scan_hits.hpp"
 #include "nav/path_navigator.hpp"
@@ -142,7 +142,7 @@ bool PathNavigator::leaves_first(const Observation& seen) {
 // Through a gap, with less room than the gate keeps elsewhere.
 Decision PathNavigator::pass(const Observation& seen) {
   mark_moved();  // it is patient by itself
-  const std::vector<Vec2> hits = smoothed_hits(seen, exact::sqrt(2.0) * params_.narrow_passage.sight);
+  const std::vector<Vec2> hits = smoothed_hits(seen, std::numbers::sqrt2 * params_.narrow_passage.sight);
   follower_.update(transformed(inverse(odom_from_base_), hits), params_.creep.margin - margin_);
 
   const Velocity velocity = narrow_passage_.step(now_, odom_from_base_, hits, follower_);

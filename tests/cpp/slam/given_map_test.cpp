@@ -6,6 +6,7 @@
 #include <memory>
 #include <random>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "slam/scan_matching_localizer.hpp"
@@ -153,7 +154,7 @@ void put_screen(Wakening& robot, Vec2 place, std::initializer_list<int> sides) {
   add_box(box, place - Vec2{0.8, 0.7}, place + Vec2{0.8, 0.7});
   std::vector<TinyWall> walls = flat();
   for (const int side : sides) walls.push_back(box[static_cast<std::size_t>(side)]);
-  robot.world_.walls() = walls;
+  robot.world_.walls() = std::move(walls);
 }
 
 // Tracked, while more and more of a screen hides the map that was given.
