@@ -181,7 +181,7 @@ HELD_OUT = [
                 PEOPLE[0],
                 0.18,
                 "10 to 20 % in four samples of 4 to 12 buildings: a third of it in their first 2 s in sight, until a "
-                "track is sure, an eighth behind somebody else, an eighth of people who stand",
+                "track is sure, an eighth behind another person, an eighth of people who stand",
             ),
             *PEOPLE[1:],
         ],
