@@ -222,7 +222,6 @@ namespace {
 
 void begin(LevelRows& level, std::size_t rows) {
   level.is_known = false;
-  if (level.scale.size() == rows) return;
   level.scale.resize(rows);
   level.u.resize(rows);
   level.v.resize(rows);
