@@ -123,7 +123,7 @@ struct Odometry {
       std::tuple(Field{1, &Odometry::header}, Field{2, &Odometry::pose}, Field{3, &Odometry::twist});
 };
 
-enum class PixelFormat : std::int32_t { rgb8 = 3, bgr8 = 8, float32 = 13 };
+enum class PixelFormat : std::int32_t { unknown = 0, rgb8 = 3, bgr8 = 8, float32 = 13 };
 
 struct Image {
   static constexpr const char* kType = "gz.msgs.Image";
@@ -132,7 +132,7 @@ struct Image {
   std::uint32_t height = 0;
   std::uint32_t step = 0;
   Bytes data;
-  PixelFormat pixel_format{};
+  PixelFormat pixel_format = PixelFormat::unknown;
   static constexpr auto kFields =
       std::tuple(Field{1, &Image::header}, Field{2, &Image::width}, Field{3, &Image::height}, Field{4, &Image::step},
                  Field{5, &Image::data}, Field{6, &Image::pixel_format});
@@ -195,6 +195,7 @@ struct Publisher {
 
 struct Discovery {
   enum class Type : std::int32_t {
+    uninitialized = 0,
     advertise = 1,
     subscribe = 2,
     unadvertise = 3,
@@ -205,7 +206,7 @@ struct Discovery {
   };
   std::uint32_t version = 0;
   std::string process;
-  Type type{};
+  Type type = Type::uninitialized;
   std::optional<Flags> flags;
   std::optional<Subscriber> subscriber;
   std::optional<Publisher> publisher;

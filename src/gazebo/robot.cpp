@@ -67,7 +67,7 @@ backend::Features features_of(const RobotProfile& profile) {
   return features;
 }
 
-Robot::Robot(std::shared_ptr<backend::PluginLink> mailbox, Settings settings, std::string world, Pose2D start)
+Robot::Robot(std::shared_ptr<backend::PluginLink> mailbox, Settings settings, const std::string& world, Pose2D start)
     : mailbox_(std::move(mailbox)),
       settings_(std::move(settings)),
       profile_(mailbox_->profile()),
@@ -319,7 +319,7 @@ void Robot::disconnect() {
   if (!node_) return;
   try {
     drive({});
-  } catch (const ConnectionError&) {
+  } catch (const ConnectionError&) {  // NOLINT(bugprone-empty-catch)
     // a simulator that is gone drives no robot
   }
   node_.reset();

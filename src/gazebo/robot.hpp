@@ -27,7 +27,7 @@ backend::Features features_of(const RobotProfile& profile);
 /// drawn (lidars and cameras), by a thread of Gazebo's own: that is due at known times, and waited for.
 class Robot {
  public:
-  Robot(std::shared_ptr<backend::PluginLink> mailbox, Settings settings, std::string world, Pose2D start);
+  Robot(std::shared_ptr<backend::PluginLink> mailbox, Settings settings, const std::string& world, Pose2D start);
 
   /// Answers the mailbox until its world is gone.
   void run();

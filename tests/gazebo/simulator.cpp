@@ -281,7 +281,7 @@ class Simulator {
     for (const OdometryFile& odometry : file_.odometries) {
       systems_->odometries.emplace_back(
           odometry, Topic::of<gz::msgs::Odometry>(systems_->nodes.emplace_back(), odometry.topic, options_));
-      systems_->published.push_back(-1h);
+      systems_->published.emplace_back(-1h);
     }
     systems_->node.Subscribe(file_.command_topic, &Simulator::on_command, this);
     systems_->node.Advertise(name_ + "/set_pose", &Simulator::on_set_pose, this);
@@ -410,12 +410,12 @@ class Simulator {
       const bool taken = std::ranges::any_of(drawn.topics, [](const Topic& topic) { return topic.is_taken(); });
       if (!taken || !drawn.timer.due(now_)) continue;
       if (drawn.sensor.kind == SensorFile::Kind::lidar) {
-        jobs.push_back([topic = &drawn.topics.front(), scan = scan(drawn.sensor)] { topic->publish(scan); });
+        jobs.emplace_back([topic = &drawn.topics.front(), scan = scan(drawn.sensor)] { topic->publish(scan); });
       } else {
         const SemanticImage seen = look(drawn.sensor);
-        jobs.push_back([topic = &drawn.topics.front(), image = color(seen)] { topic->publish(image); });
+        jobs.emplace_back([topic = &drawn.topics.front(), image = color(seen)] { topic->publish(image); });
         if (drawn.topics.size() < 2) continue;
-        jobs.push_back([topic = &drawn.topics.back(), image = depth(seen, drawn.sensor)] { topic->publish(image); });
+        jobs.emplace_back([topic = &drawn.topics.back(), image = depth(seen, drawn.sensor)] { topic->publish(image); });
       }
     }
     if (!jobs.empty()) renderer_.draw(std::move(jobs));
