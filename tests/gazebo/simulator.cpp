@@ -250,8 +250,7 @@ class Simulator {
   // Those that a reset destroys and loads anew.
   struct Systems {
     transport::Node node;
-    std::deque<transport::Node>
-        nodes;  // of the odometries: in Gazebo each plugin has one, so that two may share a topic
+    std::deque<transport::Node> nodes;  // of odometries: each plugin has one, so that two may share a topic
     std::vector<std::pair<SensorFile, Topic>> imus;
     std::vector<Timer> imu_timers;
     std::vector<std::pair<OdometryFile, Topic>> odometries;

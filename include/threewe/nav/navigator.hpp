@@ -74,7 +74,7 @@ struct Explore {
   /// [m] of way, from 0 to `most_worth`, that a place in `map` is worth beside what can be seen there; asked as the
   /// robot goes on, so that what it learns on its way may count. Empty: no place is.
   std::function<double(Vec2)> worth{};
-  double most_worth = 0.0;  ///< [m]
+  double most_worth = 0.0;  ///< [m] of any place
 };
 
 /// Any motion.

@@ -148,6 +148,7 @@ TEST_CASE("a robot that draws its own map finds back into it") {
 
 constexpr Pose2D kHere{0.4, 0.9, 2.1};
 constexpr Pose2D kThere{5.2, 1.0, -0.8};
+
 // A screen around a place, of which some sides stand.
 void put_screen(Wakening& robot, Vec2 place, std::initializer_list<int> sides) {
   std::vector<TinyWall> box;
@@ -236,7 +237,7 @@ TEST_CASE("in a corridor, where nearly all beams fit anywhere, a robot that is c
     const bool sure_again = states.size() > 1 && states.back() == LocalizationState::tracking;
     if (sure_again) CHECK(robot.error() < 0.3);
   }
-  CHECK(found >= 85);  // where all but a few beams fit, nobody can tell
+  CHECK(found >= 85);  // where all but a few beams fit, no robot can tell
 }
 
 TEST_CASE("a pose that was found and does not fit the next scans is given up") {
