@@ -49,6 +49,7 @@ def share_counted(hits: str, of: str, name: str, at_least: float) -> Row:
 
 
 FIRST = "the detector has learnt in generated buildings, which are barer than these scenes"
+SHAPES = "what it was not trained on it takes for other kinds"
 FINDS = "the detector takes some cabinets for refrigerators from every side, and names few of the things far away"
 MIXED = "what is in a shelf, and the floor between legs, counts for the color of a thing"
 
@@ -127,14 +128,14 @@ EXPERIMENTS = [
             cases=50 * len(SCENES),
             sample=2 * len(SCENES),
             rows=[
-                known_miss(share_counted("right", "named", "kinds that are named are right", 0.9), precision, FIRST),
+                known_miss(share_counted("right", "named", "kinds that are named are right", 0.9), precision, SHAPES),
                 known_miss(share_counted("found", "things", "things are found, by their kind", 0.4), recall, FIRST),
                 known_miss(share_counted("colors_right", "colors", "their color terms are right", 0.95), color, MIXED),
             ],
         )
         for shapes, suffix, precision, recall, color in [
-            ("", "", 0.81, 0.245, 0.915),
-            (", held-out shapes", SUFFIX, 0.68, 0.135, 0.92),
+            ("", "", None, 0.33, 0.91),
+            (", held-out shapes", SUFFIX, 0.71, 0.18, 0.92),
         ]
     ),
     Experiment(

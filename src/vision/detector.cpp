@@ -115,6 +115,34 @@ struct Thing {
     count_colors(x, y, view, colors);
   }
 
+  // What it shows most, but for the background.
+  std::size_t kind() const {
+    return static_cast<std::size_t>(std::max_element(scores.begin() + 1, scores.end()) - scores.begin());
+  }
+
+  double distance() const { return weight / nearness; }  // [m]
+
+  // Whether both are parts of one thing, which stands behind another or whose cells disagree: their middles are in it.
+  bool is_one_with(const Thing& other, double radius) const {
+    const double reach = radius * kViewFocal / kCell / std::min(distance(), other.distance());
+    return kind() == other.kind() && std::fabs(distance() - other.distance()) < 2.0 * radius &&
+           std::fabs(column / weight - other.column / other.weight) < std::max(reach, 1.0);
+  }
+
+  void absorb(const Thing& other) {
+    for (std::size_t k = 0; k < scores.size(); ++k) scores[k] += other.scores[k];
+    column += other.column;
+    nearness += other.nearness;
+    weight += other.weight;
+    cells += other.cells;
+    x_min = std::min(x_min, other.x_min), x_max = std::max(x_max, other.x_max);
+    y_min = std::min(y_min, other.y_min), y_max = std::max(y_max, other.y_max);
+    for (std::size_t term = 0; term < colors.size(); ++term) {
+      colors[term] += other.colors[term];
+      colors_around[term] += other.colors_around[term];
+    }
+  }
+
   // Of what its cells show, some is what is around it.
   std::size_t color() const {
     const auto sum = [](const ColorCounts& counts) { return std::accumulate(counts.begin(), counts.end(), 0); };
@@ -131,12 +159,11 @@ struct Thing {
     Detection found;
     found.cells = cells;
     for (const double score : scores) found.scores.push_back(static_cast<float>(score / cells));
-    const auto best = std::max_element(found.scores.begin() + 1, found.scores.end());
-    found.kind = static_cast<std::size_t>(best - found.scores.begin());
-    found.confidence = *best;
+    found.kind = kind();
+    found.confidence = found.scores[found.kind];
     const double slope = (column / weight - 0.5 * kColumns) * kCell / kViewFocal;
     found.bearing = exact::atan2(-slope, 1.0);
-    found.distance = weight / nearness;
+    found.distance = distance();
     const auto pixel = [](double center, double focal, double view, double at, int size) {
       const double x = center + focal * (at * kCell - 0.5 * view) / kViewFocal;
       return static_cast<int>(std::clamp(std::floor(x + 0.5), 0.0, static_cast<double>(size)));
@@ -212,10 +239,20 @@ std::vector<Detection> IntegerModel::detect(std::span<const std::uint8_t> pictur
       if (!cells[static_cast<std::size_t>(next)]) count_colors(u, v, view, thing.colors_around);
     }
   }
-  std::vector<Detection> found;
+  std::erase_if(things, [](const Thing& thing) { return thing.cells == 0; });
+  std::ranges::stable_sort(things, std::greater<>(), &Thing::cells);
+  std::vector<Thing> whole;
   for (const Thing& thing : things) {
-    if (thing.cells > 0) found.push_back(thing.detection(camera));
+    const auto same =
+        std::ranges::find_if(whole, [&](const Thing& other) { return other.is_one_with(thing, radii[thing.kind()]); });
+    if (same == whole.end())
+      whole.push_back(thing);
+    else
+      same->absorb(thing);
   }
+
+  std::vector<Detection> found;
+  for (const Thing& thing : whole) found.push_back(thing.detection(camera));
   std::ranges::stable_sort(found, std::greater<>(), &Detection::cells);
   return found;
 }

@@ -79,3 +79,32 @@ def test_the_floor_between_its_legs_is_not_the_color_of_a_chair() -> None:
         with sync.Robot(scene=scene, start_pose=pose, noise="ideal", localization="truth") as robot:
             found = detector.detect(robot.get_image(), robot.simulation.look().intrinsics)
         assert max((d for d in found if d.kind_index == chair), key=lambda d: d.confidence).color == "brown"
+
+
+def test_what_stands_behind_a_column_is_one_thing(tmp_path: Path) -> None:
+    walls = "\n".join(
+        f"  - {{a: {a}, b: {b}}}" for a, b in (("[0, 0]", "[13, 0]"), ("[13, 0]", "[13, 6]"), ("[13, 6]", "[0, 6]"))
+    )
+    scene = f"""name: room
+description: A couch behind a column.
+starts: [[1.0, 3.0, 0.0]]
+rooms:
+  - {{name: room, min: [0.0, 0.0], max: [13.0, 6.0], floor: wood}}
+walls:
+{walls}
+  - {{a: [0, 6], b: [0, 0]}}
+objects:
+  - {{name: couch_1, category: couch, shape: two_seat, pose: [4.0, 3.0, 3.14159]}}
+  - {{name: column_1, category: column, shape: round, pose: [2.6, 3.0, 0.0]}}
+"""
+    Path(tmp_path, "room.yaml").write_text(scene)
+    detector = Detector.load()
+    with sync.Robot(scene=str(tmp_path / "room.yaml"), noise="ideal", localization="truth") as robot:
+        found = detector.detect(robot.get_image(), robot.simulation.look().intrinsics)
+    column, couches = (
+        [d.box for d in found if detector.labels[d.kind_index] == kind and d.confidence > 0.6]
+        for kind in ("column", "couch")
+    )
+    [couch] = couches
+    assert couch[0] < column[0][0]
+    assert column[0][2] < couch[2]

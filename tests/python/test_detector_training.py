@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from safetensors.numpy import load_file, save_file
 from threewe import ConfigError, asset_directories
+from threewe._device import torch_device
 from threewe.detector.pictures import LABELS, UNSURE, labelled_pictures
 from threewe.detector.training import Pictures, some_pixels
 from threewe.detector.weights import load_network, save_detector
@@ -23,9 +24,9 @@ def pictures() -> Pictures:
 
 
 def test_pictures_repeat_and_show_many_kinds(pictures: Pictures) -> None:
-    first = next(labelled_pictures(3, 1))
-    np.testing.assert_array_equal(first.picture, pictures.pictures[0])
-    np.testing.assert_array_equal(first.kinds, pictures.kinds[0])
+    again = Pictures.of(list(labelled_pictures(3, 2, workers=2)))
+    np.testing.assert_array_equal(again.pictures, pictures.pictures)
+    np.testing.assert_array_equal(again.kinds, pictures.kinds)
     shown = set(np.unique(pictures.kinds)) - {0, UNSURE}
     assert len(shown) >= 5
     assert max(shown) < len(LABELS)
@@ -52,3 +53,9 @@ def test_a_file_of_another_network_is_one_error(tmp_path: Path, pictures: Pictur
         load_network(other, some_pixels(pictures))
     with pytest.raises(ConfigError, match=r"nothing\.safetensors"):
         load_network(tmp_path / "nothing.safetensors", some_pixels(pictures))
+
+
+@pytest.mark.parametrize("device", ["cuda:99", "nothing"])
+def test_a_device_that_is_not_there_is_one_error(device: str) -> None:
+    with pytest.raises(ConfigError, match=f"device: '{device}' cannot be used here: .*; cpu always can"):
+        torch_device(device)

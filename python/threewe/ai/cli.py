@@ -56,6 +56,8 @@ def train(
     resume: Annotated[
         bool, typer.Option("--resume", help="Go on with a training of the same options that was cut off.")
     ] = False,
+    batch_size: Annotated[int, typer.Option(min=1, help="Rows of a step.")] = 64,
+    device: Annotated[str, typer.Option(help="Where it learns, such as cuda.")] = "cpu",
 ) -> None:
     """Learn from demonstrations; writes a folder with policy.json, model.onnx and the curves of losses."""
     with needed_for("training a policy", "train"):
@@ -66,7 +68,9 @@ def train(
     def progress(line: str) -> None:
         console.print(line, highlight=False)
 
-    train_policy(datasets, output, passes, seed, checks, progress, model, prefix, resume)
+    train_policy(
+        datasets, output, passes, seed, checks, progress, model, prefix, resume, batch_size=batch_size, device=device
+    )
     read_policy(output)
     console.print(styled("written to ", (str(output), "bold")), soft_wrap=True)
 

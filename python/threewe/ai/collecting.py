@@ -29,6 +29,7 @@ from threewe._core import (
 )
 from threewe.benchmark.attempt import rooms_of
 from threewe.benchmark.buildings import building_name, scene_asset
+from threewe.benchmark.varied import varied_building
 from threewe.data.exporting import export
 from threewe.data.recorder import TrajectoryRecorder
 from threewe.data.recording import DISTURBED, Recording, spans_to_text
@@ -37,7 +38,8 @@ from threewe.robot import Robot
 from threewe.simulation import Simulation
 
 IMAGES = {"navigator": (60, 80), "instruction": (240, 320)}
-"""(height, width) [px] of what is recorded; the detector, by which instructions are carried out, needs larger ones"""
+"""(height, width) [px] of what is recorded unless said; the detector, by which instructions are carried out, needs
+larger ones"""
 FPS = 10
 PER_ROBOT = {"navigator": 10, "instruction": 1}
 """drives of a robot in one scene: a teacher that looks for things would remember them from the drive before"""
@@ -62,13 +64,16 @@ class Collection:
     task: str = "goto"
     teacher: str = "navigator"
     scene: str = "procedural"
-    """a name, a file, or `procedural`: generated buildings of all sizes, ten drives of the navigator each"""
+    """a name, a file, or in one building after the other, ten drives of the navigator each: `procedural` are generated
+    ones of all sizes, in `varied` ones more and other things stand"""
     backend: str = "mock"
     hardware: str = "3we_standard_v2"
     randomization: str = "none"
     bursts: bool = True
     """random commands push the navigator off its way, and the dataset marks them as `disturbed`"""
     seed: int = 0
+    image_size: tuple[int, int] | None = None
+    """(height, width) [px]"""
 
     def __post_init__(self) -> None:
         for what, name, known in (("task", self.task, TASKS), ("teacher", self.teacher, PER_ROBOT)):
@@ -100,22 +105,31 @@ async def collect_demonstrations(output: Path, episodes: int, how: Collection) -
         raise ConfigError(f"output: {output} exists already")
     done = arrived = 0
     with TemporaryDirectory() as folder:
-        for number, scene in enumerate(_scenes(how)):
+        journals, buildings = Path(folder, "journals"), Path(folder, "buildings")
+        for number, scene in enumerate(_scenes(how, buildings)):
             wanted = min(PER_ROBOT[how.teacher], episodes - done)
-            drives = await _collect_in(scene, wanted, how, number, Path(folder))
+            drives = await _collect_in(scene, wanted, how, number, journals)
             done, arrived = done + len(drives), arrived + sum(drives)
             if done == episodes:
                 break
             if done == 0 and number == TRIES:
                 raise ConfigError(f"scene: nothing to do for {how.task} from any of many places in {scene}")
-        export(Recording(folder), output, format="lerobot", fps=FPS)
+        export(Recording(journals), output, format="lerobot", fps=FPS)
     return arrived
 
 
-def _scenes(how: Collection) -> Iterator[str]:
+def _scenes(how: Collection, folder: Path) -> Iterator[str]:
     for number in count():
-        procedural = how.scene == "procedural"
-        yield scene_asset(building_name(f"collect/{how.seed}/{number}")) if procedural else how.scene
+        if how.scene == "procedural":
+            yield scene_asset(building_name(f"collect/{how.seed}/{number}"))
+        elif how.scene == "varied":
+            path = folder / str(number) / "building.yaml"
+            path.parent.mkdir(parents=True)
+            random = np.random.default_rng([how.seed, number])
+            path.write_text(varied_building(random, how.seed * 100_003 + number), encoding="utf-8")
+            yield str(path)
+        else:
+            yield how.scene
 
 
 async def _collect_in(scene: str, episodes: int, how: Collection, number: int, journals: Path) -> list[bool]:
@@ -129,7 +143,7 @@ async def _collect_in(scene: str, episodes: int, how: Collection, number: int, j
         scene,
         seed=seed,
         localization="truth",
-        image_size=IMAGES[how.teacher],
+        image_size=how.image_size or IMAGES[how.teacher],
         randomization=how.randomization,
     )
     drives: list[bool] = []

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Sequence
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
+from itertools import chain
 from typing import Any
 
 import numpy as np
@@ -19,7 +22,7 @@ from threewe.errors import ConfigError
 
 PICTURE = image_input(CAMERA)
 CAMERA_DELAY = 0.1  # [s] before a row, its picture was measured: transport 0.08 s, and half a picture's period
-MOST_HEIGHT = 64  # [px] pictures are made smaller until they are no higher
+MOST_HEIGHT = 128  # [px] pictures are made smaller until they are no higher
 HELD_OUT = 0.1  # of the episodes
 
 
@@ -79,34 +82,48 @@ def _in_ours(name: str) -> tuple[str, float]:
 
 def demonstrations(datasets: Sequence[Dataset], chunk: int) -> Demonstrations:
     """All rows. The actions of a row are those from its picture's time on, and zero beyond the episode's end."""
-    earlier = round(CAMERA_DELAY * datasets[0].fps)
-    velocities = velocities_of(datasets[0])
+    with ThreadPoolExecutor(len(os.sched_getaffinity(0))) as pool:  # decoding needs no interpreter
+        parts = list(chain.from_iterable(pool.map(lambda dataset: _rows_of(dataset, chunk), datasets)))
+    if not parts:
+        raise ConfigError(f"{datasets[0].root}: no episode that succeeded")
+    fields = [list(values) for values in zip(*parts, strict=True)]
+    parts.clear()
+    return Demonstrations(*map(_joined, fields))
+
+
+def _joined(parts: list[NDArray[Any]]) -> NDArray[Any]:
+    """All of a list, which is emptied: pictures take most of the memory, and need not be there twice."""
+    joined = np.empty((sum(map(len, parts)), *parts[0].shape[1:]), parts[0].dtype)
+    row = 0
+    while parts:
+        part = parts.pop(0)
+        joined[row : row + len(part)] = part
+        row += len(part)
+    return joined
+
+
+def _rows_of(dataset: Dataset, chunk: int) -> list[tuple[NDArray[Any], ...]]:
+    """The fields of `Demonstrations`, of each episode that succeeded."""
+    earlier = round(CAMERA_DELAY * dataset.fps)
+    velocities = velocities_of(dataset)
     kept, scale = [each.column for each in velocities], np.array([each.scale for each in velocities], np.float32)
-    pictures, embeddings, actions, wanted, held_out = [], [], [], [], []
     every = max(2, round(1 / HELD_OUT))
-    for episode in [episode for dataset in datasets for episode in dataset.episodes]:
+    parts: list[tuple[NDArray[Any], ...]] = []
+    for episode in dataset.episodes:
         columns = episode.columns()
         if "next.success" in columns and not columns["next.success"].any():
             continue
         video, action = episode.video(PICTURE), columns[ACTION].astype(np.float32)[:, kept] * scale
         rows = len(episode)
-        pictures.append(np.stack([_smaller(video.image(row)) for row in range(rows)]))
-        actions.append(_ahead(np.concatenate([np.repeat(action[:1], earlier, 0), action]), rows, chunk))
+        pictures = np.stack([_smaller(video.image(row)) for row in range(rows)])
+        actions = _ahead(np.concatenate([np.repeat(action[:1], earlier, 0), action]), rows, chunk)
         pushed = columns[DISTURBED].reshape(-1, 1) if DISTURBED in columns else np.zeros((rows, 1), np.bool_)
         pushed = np.concatenate([np.repeat(pushed[:1], earlier, 0), pushed])
-        wanted.append(~np.maximum.accumulate(_ahead(pushed, rows, chunk)[:, :, 0], axis=1))
+        wanted = ~np.maximum.accumulate(_ahead(pushed, rows, chunk)[:, :, 0], axis=1)
         given = columns[EMBEDDED] if EMBEDDED in columns else embeddings_of(episode.frame_tasks(columns))
-        embeddings.append(given.astype(np.float32))
-        held_out.append(np.full(rows, episode.index % every == every - 1))
-    if not pictures:
-        raise ConfigError(f"{datasets[0].root}: no episode that succeeded")
-    return Demonstrations(
-        np.concatenate(pictures),
-        np.concatenate(embeddings),
-        np.concatenate(actions),
-        np.concatenate(wanted),
-        np.concatenate(held_out),
-    )
+        held_out = np.full(rows, episode.index % every == every - 1)
+        parts.append((pictures, given.astype(np.float32), actions, wanted, held_out))
+    return parts
 
 
 def _ahead(values: NDArray[Any], rows: int, chunk: int) -> NDArray[Any]:
@@ -119,5 +136,7 @@ def _smaller(picture: NDArray[np.uint8]) -> NDArray[np.uint8]:
     """The mean of n x n pixels each, n the least that makes it low enough."""
     height, width, _ = picture.shape
     n = next(n for n in range(1, height + 1) if height // n <= MOST_HEIGHT and height % n == width % n == 0)
+    if n == 1:
+        return picture
     means = picture.reshape(height // n, n, width // n, n, 3).mean((1, 3))
     return np.asarray(means.round(), np.uint8)

@@ -12,7 +12,9 @@ from torch import Tensor, nn
 
 from threewe.ai.folder import EMBEDDED, EMBEDDING, PREFIX, Policy, image_input
 
-CHANNELS = (24, 48, 64, 96, 128)
+CHANNELS = (16, 24, 48, 64, 96, 128)
+"""Of convolutions, each of which halves the picture; one of 64 rows or fewer needs no first one."""
+LOW = 64  # [px]
 HIDDEN = 256
 
 
@@ -26,12 +28,13 @@ class Network(nn.Module):
     def __init__(self, height: int, width: int, chunk: int, numbers: int, prefix: int = 0) -> None:
         super().__init__()
         self.chunk, self.numbers, self.prefix = chunk, numbers, prefix
+        layers = CHANNELS[height <= LOW :]
         self.convolutions = nn.ModuleList(
-            nn.Conv2d(inputs, outputs, 3, 2, 1) for inputs, outputs in zip((3, *CHANNELS), CHANNELS, strict=False)
+            nn.Conv2d(inputs, outputs, 3, 2, 1) for inputs, outputs in zip((3, *layers), layers, strict=False)
         )
-        self.scales = nn.ModuleList(nn.Linear(EMBEDDING, channels) for channels in CHANNELS)
-        self.shifts = nn.ModuleList(nn.Linear(EMBEDDING, channels) for channels in CHANNELS)
-        for _ in CHANNELS:
+        self.scales = nn.ModuleList(nn.Linear(EMBEDDING, channels) for channels in layers)
+        self.shifts = nn.ModuleList(nn.Linear(EMBEDDING, channels) for channels in layers)
+        for _ in layers:
             height, width = (height + 1) // 2, (width + 1) // 2
         self.hidden = nn.Linear(CHANNELS[-1] * height * width + prefix * (numbers + 1), HIDDEN)
         self.head = nn.Linear(HIDDEN, chunk * numbers)
@@ -70,9 +73,9 @@ def to_onnx(network: Network, policy: Policy) -> bytes:
 
     picture, embedding = image_input(policy.cameras[0].name), EMBEDDED
     x = picture
-    for i, channels in enumerate(CHANNELS):
-        convolution = network.convolutions[i]
-        shape = weight(f"shape_{i}", torch.tensor([1, channels, 1, 1]))
+    for i, convolution in enumerate(network.convolutions):
+        assert isinstance(convolution, nn.Conv2d)
+        shape = weight(f"shape_{i}", torch.tensor([1, convolution.out_channels, 1, 1]))
         inputs = [x, weight(f"convolution_{i}.weight", convolution.weight)]
         inputs.append(weight(f"convolution_{i}.bias", convolution.bias))
         x = node("Conv", inputs, f"convolution_{i}", strides=[2, 2], pads=[1, 1, 1, 1])

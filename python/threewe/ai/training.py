@@ -5,6 +5,7 @@ Two models: a FiLM network, and LeRobot's ACT, whose folder LeRobot loads, too.
 
 from __future__ import annotations
 
+import copy
 import json
 import shutil
 from collections.abc import Callable, Sequence
@@ -22,6 +23,7 @@ from torch import nn
 from torch.optim.swa_utils import AveragedModel
 
 from threewe._core import Kinematics, RobotProfile
+from threewe._device import torch_device
 from threewe.ai.act_network import ActNetwork, act_files, act_to_onnx
 from threewe.ai.demonstrations import Demonstrations, demonstrations, velocities_of
 from threewe.ai.folder import CAMERA, CameraInput, Policy, Quantity, write_policy
@@ -35,7 +37,6 @@ from threewe.errors import ConfigError
 
 NAMES = {"vx": "m/s", "vy": "m/s", "omega": "rad/s"}
 SECONDS = 1.0  # of a chunk
-BATCH = 64
 RATES = {"film": 1e-3, "act": 3e-4}  # at most, of AdamW
 DECAY = 0.01
 LEAST_STD = 0.05  # [m/s], [rad/s] of an action that hardly changes
@@ -57,6 +58,9 @@ def train_policy(
     model: str = "film",
     prefix: bool = False,
     resume: bool = False,
+    *,
+    batch_size: int = 64,
+    device: str = "cpu",
 ) -> None:
     """Learns from datasets' episodes that are no failures, and writes the policy's folder. Raises ConfigError.
 
@@ -65,6 +69,7 @@ def train_policy(
     generated buildings, and the best one is kept; with none the last. What a training is at after each pass is in a
     folder beside the output, until that is there: `resume` goes on from it, to the same policy.
     """
+    place = torch_device(device)
     if output.exists():
         raise ConfigError(f"output: {output} exists already")
     if prefix and model != "film":
@@ -90,8 +95,9 @@ def train_policy(
     if checks and policy.kinematics is not RobotProfile.load(Settings.hardware).kinematics:
         progress(f"no drives in generated buildings: they are of {Settings.hardware}, which has another base")
         checks = 0
-    learner = Learner(data, policy, passes, seed, model)
+    learner = Learner(data, policy, passes, seed, model, batch_size, place)
     options = {"passes": passes, "seed": seed, "checks": checks, "model": model, "prefix": policy.prefix}
+    options |= {"batch_size": batch_size, "device": place.type}
     asked = {"rows": len(data.pictures), **options}
     best = _resumed(learner, kept, asked) if resume else -1.0
     while learner.done < passes:
@@ -187,10 +193,21 @@ def _policy_of(source: Dataset, output: Path, data: Demonstrations, chunk: int) 
 class Learner:
     """A network that learns, pass by pass. The same seed repeats it on one machine."""
 
-    def __init__(self, data: Demonstrations, policy: Policy, passes: int, seed: int, model: str) -> None:
+    def __init__(
+        self,
+        data: Demonstrations,
+        policy: Policy,
+        passes: int,
+        seed: int,
+        model: str,
+        batch_size: int,
+        device: torch.device,
+    ) -> None:
         torch.set_num_threads(1)  # layers this small wait for one another on more, and the order of sums would differ
         torch.manual_seed(seed)
         self._random = np.random.default_rng(seed)
+        self._light = torch.Generator(device).manual_seed(seed)
+        self._batch_size, self._device = batch_size, device
         self._prefix = policy.prefix
         mean = np.array([q.mean for q in policy.action], np.float32)
         std = np.array([q.std for q in policy.action], np.float32)
@@ -200,10 +217,10 @@ class Learner:
         self._embeddings = torch.from_numpy(data.embeddings)
         usable = data.wanted.any(1)
         self._learnt, self._held_out = np.flatnonzero(usable & ~data.held_out), np.flatnonzero(usable & data.held_out)
-        self._network = _network(model, policy, data).to(memory_format=torch.channels_last)
+        self._network = _network(model, policy, data).to(device, memory_format=torch.channels_last)
         self._averaged = AveragedModel(self._network, avg_fn=_averaged)
         self._optimizer = torch.optim.AdamW(self._network.parameters(), lr=RATES[model], weight_decay=DECAY)
-        self._steps = -(-len(self._learnt) // BATCH)  # of a pass
+        self._steps = -(-len(self._learnt) // batch_size)  # of a pass
         self._schedule = torch.optim.lr_scheduler.OneCycleLR(
             self._optimizer, RATES[model], total_steps=passes * self._steps
         )
@@ -216,8 +233,8 @@ class Learner:
 
     @property
     def network(self) -> nn.Module:
-        """With the mean of the weights of the last steps."""
-        return self._averaged.module.eval()
+        """A copy with the mean of the weights of the last steps, on the processor."""
+        return copy.deepcopy(self._averaged.module).cpu().eval()
 
     def keep_best(self) -> None:
         """Keeps the network as it is now as the best one."""
@@ -230,24 +247,28 @@ class Learner:
 
     def learn(self) -> str:
         """A pass over all rows; its losses, in words."""
-        losses: list[float] = []
+        steps: list[torch.Tensor] = []
         order = self._random.permutation(self._learnt)
-        for begin in range(0, len(order), BATCH):
-            rows = order[begin : begin + BATCH]
+        for begin in range(0, len(order), self._batch_size):
+            rows = order[begin : begin + self._batch_size]
             committed = self._random.integers(self._prefix + 1, size=(len(rows), 1)) if self._prefix else None
             known = None if committed is None else np.arange(self._prefix) < committed
-            loss = self._loss(self._network, _relit(self._pictures[rows].float() / 255), rows, known)
+            loss = self._loss(self._network, _relit(self._seen(rows), self._light), rows, known)
             self._optimizer.zero_grad()
             loss.backward()
             self._optimizer.step()
             self._schedule.step()
             self._averaged.update_parameters(self._network)
-            losses.append(loss.item())
+            steps.append(loss.detach())
+        losses = torch.stack(steps).tolist()
         held_out = self._loss_held_out()
         self._draw(losses, held_out)
         self.done += 1
         text = f"pass {self.done} of {self._passes}: loss {np.mean(losses):.4f}"
         return text if held_out is None else f"{text}, held out {held_out:.4f}"
+
+    def _seen(self, rows: NDArray[np.int64]) -> torch.Tensor:
+        return self._pictures[rows].to(self._device).float() / 255
 
     def _draw(self, losses: list[float], held_out: float | None) -> None:
         """Adds a pass to the curve."""
@@ -260,11 +281,17 @@ class Learner:
     def _loss(
         self, model: nn.Module, light: torch.Tensor, rows: NDArray[np.int64], known: NDArray[np.bool_] | None = None
     ) -> torch.Tensor:
-        given, counted, targets = [light, self._embeddings[rows]], self._wanted[rows], self._targets[rows]
+        embeddings, counted, targets = (
+            values[rows].to(self._device) for values in (self._embeddings, self._wanted, self._targets)
+        )
+        given = [light, embeddings]
         if self._prefix:
-            mask = torch.zeros(len(rows), self._prefix, 1) if known is None else torch.from_numpy(known)[..., None]
-            given.append(torch.cat([targets[:, : self._prefix] * mask, mask.float()], 2))
-            counted = torch.cat([counted[:, : self._prefix] * (1 - mask.float()), counted[:, self._prefix :]], 1)
+            mask = torch.zeros(len(rows), self._prefix, 1)
+            if known is not None:
+                mask = torch.from_numpy(known)[..., None].float()
+            mask = mask.to(self._device)
+            given.append(torch.cat([targets[:, : self._prefix] * mask, mask], 2))
+            counted = torch.cat([counted[:, : self._prefix] * (1 - mask), counted[:, self._prefix :]], 1)
         losses = nn.functional.smooth_l1_loss(model(*given), targets, reduction="none")
         return (losses * counted).sum() / (counted.sum().clamp(min=1) * targets.shape[2])
 
@@ -273,15 +300,12 @@ class Learner:
         if not len(self._held_out):
             return None
         with torch.no_grad():
-            parts = [
-                self._loss(self._averaged, self._pictures[rows].float() / 255, rows).item()
-                for rows in _parts(self._held_out)
-            ]
+            parts = [self._loss(self._averaged, self._seen(rows), rows).item() for rows in _parts(self._held_out)]
         return float(np.mean(parts))
 
     def state(self) -> tuple[dict[str, torch.Tensor], dict[str, Any]]:
         """All that another one needs to go on in the same way: tensors, and what JSON holds."""
-        tensors = {"random": torch.get_rng_state()}
+        tensors = {"random": self._light.get_state()}
         optimizer, schedule = self._optimizer.state_dict(), self._schedule
         moments = {f"{i}.{name}": value for i, each in optimizer["state"].items() for name, value in each.items()}
         for kind, some in (
@@ -316,7 +340,7 @@ class Learner:
         self._optimizer.load_state_dict({"state": moments, "param_groups": numbers["groups"]})
         self._schedule.last_epoch, self._schedule._step_count = numbers["schedule"]
         self._random.bit_generator.state = numbers["random"]
-        torch.set_rng_state(tensors["random"])
+        self._light.set_state(tensors["random"])
         self.done, self.curve = numbers["done"], [tuple(row) for row in numbers["curve"]]
 
 
@@ -334,12 +358,16 @@ def _averaged(before: torch.Tensor, now: torch.Tensor, steps: torch.Tensor | int
     return before + (now - before) * max(1.0 - AVERAGED, 10.0 / (10.0 + float(steps)))
 
 
-def _relit(pictures: torch.Tensor) -> torch.Tensor:
+def _relit(pictures: torch.Tensor, random: torch.Generator) -> torch.Tensor:
     """The same pictures (N, 3, H, W) 0 to 1 in other light, by another camera."""
+
+    def drawn(*shape: int) -> torch.Tensor:
+        return torch.rand(shape, generator=random, device=pictures.device)
+
     count = len(pictures)
-    gain = 1.0 + GAIN * (2.0 * torch.rand(count, 1, 1, 1) - 1.0)
-    tint = 1.0 + TINT * (2.0 * torch.rand(count, 3, 1, 1) - 1.0)
-    noise = NOISE * torch.rand(count, 1, 1, 1) * (2.0 * torch.rand_like(pictures) - 1.0)
+    gain = 1.0 + GAIN * (2.0 * drawn(count, 1, 1, 1) - 1.0)
+    tint = 1.0 + TINT * (2.0 * drawn(count, 3, 1, 1) - 1.0)
+    noise = NOISE * drawn(count, 1, 1, 1) * (2.0 * drawn(*pictures.shape) - 1.0)
     return (pictures * gain * tint + noise).clamp(0.0, 1.0)
 
 

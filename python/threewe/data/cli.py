@@ -80,7 +80,9 @@ def collect(
         typer.Option(help="The navigator, which is given the goal; or execute_instruction, offline, which is not."),
     ] = "navigator",
     episodes: Annotated[int, typer.Option(min=1, help="So many drives.")] = 100,
-    scene: Annotated[str, typer.Option(help="Where; procedural: in generated buildings.")] = ("procedural"),
+    scene: Annotated[
+        str, typer.Option(help="Where; procedural: in generated buildings; varied: in fuller ones.")
+    ] = "procedural",
     backend: Annotated[str, typer.Option(help="A simulator.")] = "mock",
     hardware: Annotated[str, typer.Option(help="Which robot.")] = "3we_standard_v2",
     randomization: Annotated[str, typer.Option(help="Of the robot and its pictures.")] = "none",
@@ -88,11 +90,15 @@ def collect(
         bool, typer.Option(help="Push the navigator off its way by random commands, which are no targets.")
     ] = True,
     seed: Annotated[int, typer.Option(min=0, help="Of buildings, tasks and noise.")] = 0,
+    image_size: Annotated[
+        tuple[int, int] | None,
+        typer.Option(help="Height and width [px] of the pictures; 60 80 unless said, of instruction 240 320."),
+    ] = None,
 ) -> None:
     """Collect demonstrations for `threewe policy train`: pictures, instructions and what a teacher does."""
     from threewe.ai import collecting
 
-    how = collecting.Collection(task, teacher, scene, backend, hardware, randomization, bursts, seed)
+    how = collecting.Collection(task, teacher, scene, backend, hardware, randomization, bursts, seed, image_size)
     arrived = asyncio.run(collecting.collect_demonstrations(output, episodes, how))
     text = f"{arrived} of {episodes} arrived ({task}, {teacher}); the dataset is in "
     console.print(styled(text, (f"{output}/", "bold")), highlight=False, soft_wrap=True)

@@ -10,10 +10,10 @@ import torch
 from numpy.typing import NDArray
 from torch import Tensor, nn
 
+from threewe._device import torch_device
 from threewe.detector.network import Network, folded
 from threewe.detector.pictures import LABELS, UNSURE, Labelled
 
-BATCH = 32
 RATE = 2e-3  # at most, of AdamW
 RATE_ON = 1.2e-3  # of a network that has learnt before
 DECAY = 0.02
@@ -49,25 +49,29 @@ def some_pixels(data: Pictures) -> Tensor:
     return folded(torch.from_numpy(data.pictures[:: max(1, len(data.pictures) // SOME)]))
 
 
-def batches(data: Pictures, random: np.random.Generator) -> Iterator[list[Tensor]]:
-    """One pass over all pictures: input, labels, offsets, nearness and weights."""
+def batches(
+    data: Pictures, size: int, random: np.random.Generator, noise: torch.Generator
+) -> Iterator[tuple[Tensor, Tensor, Tensor, Tensor, Tensor]]:
+    """One pass over all pictures: input, labels, offsets, nearness and weights, on the noise's device."""
     order = random.permutation(len(data.pictures))
-    for begin in range(0, len(order) - BATCH + 1, BATCH):
-        chosen = np.sort(order[begin : begin + BATCH])
-        pictures = data.pictures[chosen].astype(np.float32)
-        kinds, offsets = data.kinds[chosen], data.offsets[chosen].astype(np.float32)
-        nearness, weights = data.nearness[chosen].astype(np.float32), data.weights[chosen].astype(np.float32)
-        mirrored = random.random(BATCH) < 0.5
-        pictures[mirrored] = pictures[mirrored, :, ::-1]
-        for values in (kinds, nearness, weights):
-            values[mirrored] = values[mirrored, :, ::-1]
-        offsets[mirrored] = -offsets[mirrored, :, ::-1]
-        gain = random.uniform(0.8, 1.2, (BATCH, 1, 1, 1)) * random.uniform(0.94, 1.06, (BATCH, 1, 1, 3))
-        sigma = random.uniform(0, NOISE / 2, (BATCH, 1, 1, 1)).astype(np.float32)
-        noise = random.standard_normal(pictures.shape, dtype=np.float32)
-        pictures = np.clip(pictures * gain.astype(np.float32) + sigma * noise, 0, 255).round().astype(np.uint8)
-        labels = [kinds.astype(np.int64), offsets, nearness, weights]
-        yield [folded(torch.from_numpy(pictures)), *(torch.from_numpy(values) for values in labels)]
+    for begin in range(0, len(order) - size + 1, size):
+        chosen = np.sort(order[begin : begin + size])
+        pictures, kinds, offsets, nearness, weights = (
+            torch.from_numpy(values[chosen]).to(noise.device)
+            for values in (data.pictures, data.kinds, data.offsets, data.nearness, data.weights)
+        )
+        mirrored = torch.from_numpy(random.random(size) < 0.5).to(noise.device)[:, None, None]
+        gain = random.uniform(0.8, 1.2, (size, 1, 1, 1)) * random.uniform(0.94, 1.06, (size, 1, 1, 3))
+        sigma = random.uniform(0, NOISE / 2, (size, 1, 1, 1))
+        light, spread = (torch.from_numpy(values).float().to(noise.device) for values in (gain, sigma))
+        flipped = torch.where(mirrored[..., None], pictures.flip(2), pictures)
+        grain = torch.randn(pictures.shape, generator=noise, device=noise.device)
+        seen = (flipped * light + spread * grain).clamp(0, 255).round().to(torch.uint8)
+        kinds, offsets, nearness, weights = (
+            torch.where(mirrored, values.flip(2), values)
+            for values in (kinds.long(), offsets.float(), nearness.float(), weights.float())
+        )
+        yield folded(seen), kinds, torch.where(mirrored, -offsets, offsets), nearness, weights
 
 
 def loss_of(
@@ -91,32 +95,39 @@ def label_weights(data: Pictures) -> Tensor:
 
 
 def train(
-    data: Pictures, passes: int, seed: int, progress: Callable[[str], object], start: Network | None = None
+    data: Pictures,
+    passes: int,
+    seed: int,
+    progress: Callable[[str], object],
+    start: Network | None = None,
+    *,
+    batch_size: int = 32,
+    device: str = "cpu",
 ) -> Network:
     """A network that has learnt from pictures, `start` on from what it was.
 
-    The same seed repeats it on one machine with one thread.
+    The same seed repeats it on one machine with one thread of its processor.
     """
     torch.manual_seed(seed)
-    random = np.random.default_rng(seed)
-    network: Network = (start or Network()).to(memory_format=torch.channels_last)
+    place = torch_device(device)
+    random, noise = np.random.default_rng(seed), torch.Generator(place).manual_seed(seed)
+    network: Network = (start or Network()).to(place, memory_format=torch.channels_last)
     rate = RATE if start is None else RATE_ON
-    steps = passes * (len(data.pictures) // BATCH)
+    steps = passes * (len(data.pictures) // batch_size)
     optimizer = torch.optim.AdamW(network.parameters(), lr=rate, weight_decay=DECAY)
     schedule = torch.optim.lr_scheduler.OneCycleLR(optimizer, rate, total_steps=steps, pct_start=0.1)
-    weights = label_weights(data)
+    weights = label_weights(data).to(place)
     network.train()
     for done in range(passes):
-        sums = []
-        for pixels, kinds, offsets, nearness, shares in batches(data, random):
-            with torch.autocast("cpu", torch.bfloat16):
+        total = torch.zeros((), device=place)
+        for pixels, kinds, offsets, nearness, shares in batches(data, batch_size, random, noise):
+            with torch.autocast(noise.device.type, torch.bfloat16):
                 outputs = network(pixels.contiguous(memory_format=torch.channels_last))
             loss = loss_of(outputs.float(), kinds, offsets, nearness, shares, weights)
             optimizer.zero_grad()
             loss.backward()
             optimizer.step()
             schedule.step()
-            sums.append(loss.item())
-        progress(f"pass {done + 1} of {passes}: loss {np.mean(sums):.3f}")
-    network.eval()
-    return network
+            total += loss.detach()
+        progress(f"pass {done + 1} of {passes}: loss {float(total) * passes / steps:.3f}")
+    return network.cpu().eval()

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import torch
 from threewe import ConfigError, Kinematics, Robot, Velocity
 from threewe._core import instruction_embedding
 from threewe.ai import CameraInput, Policy, Quantity, VLARunner, read_policy
@@ -247,7 +248,6 @@ def test_an_act_is_in_lerobots_format_and_in_ours(demos: Path, tmp_path: Path) -
 
 
 def test_the_network_of_an_act_is_the_obvious_one() -> None:
-    import torch
     from threewe.ai.act_network import ActNetwork
 
     from verify.cases.act_checkpoints import Shape, Twin
@@ -276,7 +276,6 @@ def test_the_network_of_an_act_is_the_obvious_one() -> None:
 
 @pytest.mark.parametrize("prefix", [0, 4])
 def test_the_graph_computes_what_the_network_does(tmp_path: Path, prefix: int) -> None:
-    import torch
     from ai import policies
     from threewe.ai.folder import write_policy
     from threewe.ai.network import Network, to_onnx
@@ -303,7 +302,6 @@ def test_the_graph_computes_what_the_network_does(tmp_path: Path, prefix: int) -
 
 def test_a_network_learns_to_go_on_from_what_is_committed() -> None:
     """Each drive has a speed that no picture shows: without a prefix the network gives their mean."""
-    import torch
     from threewe.ai.demonstrations import Demonstrations
     from threewe.ai.network import Network
     from threewe.ai.training import Learner
@@ -321,7 +319,7 @@ def test_a_network_learns_to_go_on_from_what_is_committed() -> None:
     action = tuple(Quantity(name, "rad/s" if name == "omega" else "m/s", 0.0, 1.0) for name in ("vx", "vy", "omega"))
     camera = (CameraInput("camera", 16, 16, "rgb"),)
     policy = Policy(Path("none"), Kinematics.holonomic, camera, (), action, 10.0, 6, 0.1, "replace", True, {}, None, 3)
-    learner = Learner(data, policy, 12, 1, "film")
+    learner = Learner(data, policy, 12, 1, "film", 64, torch.device("cpu"))
     for _ in range(12):
         learner.learn()
     network = learner.network
