@@ -243,7 +243,13 @@ def attack(seed: int, seconds: float) -> Case:
         )
         command = [sys.executable, "-m", "verify.cases.attacked_robot"]
         with subprocess.Popen(
-            command, cwd=ROOT, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+            command,
+            cwd=ROOT,
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            text=True,
+            errors="backslashreplace",  # the DDS library names what it is sent, in the sender's own bytes
         ) as robot:
             assert robot.stdin is not None
             assert robot.stdout is not None

@@ -218,7 +218,7 @@ class Learner:
         usable = data.wanted.any(1)
         self._learnt, self._held_out = np.flatnonzero(usable & ~data.held_out), np.flatnonzero(usable & data.held_out)
         self._network = _network(model, policy, data).to(device, memory_format=torch.channels_last)
-        self._averaged = AveragedModel(self._network, avg_fn=_averaged)
+        self._averaged = AveragedModel(self._network, avg_fn=_averaged).eval()
         self._optimizer = torch.optim.AdamW(self._network.parameters(), lr=RATES[model], weight_decay=DECAY)
         self._steps = -(-len(self._learnt) // batch_size)  # of a pass
         self._schedule = torch.optim.lr_scheduler.OneCycleLR(
@@ -234,7 +234,7 @@ class Learner:
     @property
     def network(self) -> nn.Module:
         """A copy with the mean of the weights of the last steps, on the processor."""
-        return copy.deepcopy(self._averaged.module).cpu().eval()
+        return copy.deepcopy(self._averaged.module).cpu()
 
     def keep_best(self) -> None:
         """Keeps the network as it is now as the best one."""
