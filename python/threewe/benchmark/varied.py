@@ -10,6 +10,7 @@ import json
 import math
 import re
 from collections.abc import Sequence
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -184,6 +185,7 @@ def _without_what_overlaps(content: dict[str, Any]) -> str:
             return text
 
 
+@cache
 def shapes_by_kind() -> dict[str, list[str]]:
     """The shapes of each kind that are not held out."""
     shapes: dict[str, list[str]] = {}
