@@ -37,7 +37,7 @@ OTHERS_READ = (
 )
 SCENES = ["office_v2", "apartment_v1", "warehouse_v1"]
 CHECKS = check_names()
-ATTACKS = 20
+ATTACKS = 32
 AT_ONCE = 6
 """Pairs of a robot and its base in real time: each takes a tenth of a core."""
 INAPPLICABLE = (

@@ -123,7 +123,7 @@ TEST_CASE("what stands in the way beyond a gap does not send a robot back throug
 TEST_CASE("both kinematics pass gaps 4 cm wider than they are and touch nothing; what is narrower they leave alone") {
   for (const char* name : {"3we_standard_v2", "turtlebot_like"}) {
     const RobotProfile profile = load_profile(name);
-    for (std::uint64_t seed = 0; seed < cases(100); ++seed) {
+    for (std::uint64_t seed = 0; seed < cases(40); ++seed) {
       CAPTURE(std::string(name));
       CAPTURE(seed);
       Draw draw(seed);
