@@ -177,7 +177,7 @@ EXPERIMENTS = [
             ],
         )
         for where, scenes, precision, recall in [
-            ("generated buildings", [GENERATED], None, 0.58),
+            ("generated buildings", [GENERATED], None, None),
             ("scenes that the detector has not seen", SCENES, 0.8, 0.46),
         ]
     ),
@@ -196,7 +196,7 @@ EXPERIMENTS = [
             ],
         )
         for what, colored, mean, least, claimed in [
-            ("KIND", False, 0.65, {"apartment_v1": 0.5, "warehouse_v1": 0.5}, 0.06),
+            ("KIND", False, None, {}, None),
             ("COLOR KIND", True, 0.58, {"apartment_v1": 0.58, "warehouse_v1": 0.42, "cluttered_v1": 0.5}, 0.06),
         ]
     ),
