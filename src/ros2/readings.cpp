@@ -26,6 +26,9 @@ float range_of(double range, double least, double most, double range_min, double
   return range < range_min ? 0.0F : static_cast<float>(range);
 }
 
+// A frame's name without the slash that old nodes begin it with.
+std::string_view plain(std::string_view frame) { return frame.starts_with('/') ? frame.substr(1) : frame; }
+
 }  // namespace
 
 Time to_time(const builtin_interfaces::Time& stamp) {
@@ -68,7 +71,6 @@ ReadingOrMistake to_reading(const sensor_msgs::Range& range, const UltrasonicSpe
 }
 
 const geometry_msgs::TransformStamped* TransformOdometry::find(const tf2_msgs::TFMessage& message) const {
-  const auto plain = [](std::string_view frame) { return frame.starts_with('/') ? frame.substr(1) : frame; };
   const auto found = std::ranges::find_if(message.transforms, [&](const geometry_msgs::TransformStamped& transform) {
     return plain(transform.header.frame_id) == odom_frame_ && plain(transform.child_frame_id) == base_frame_;
   });
@@ -102,6 +104,43 @@ std::optional<ReadingOrMistake> TransformOdometry::to_reading(const tf2_msgs::TF
   const Pose2D moved = inverse(last->second) * pose;
   const double seconds = to_seconds(stamp - last->first);
   return Reading{Odometry{pose, {moved.x / seconds, moved.y / seconds, moved.theta / seconds}}, stamp, {}, {}};
+}
+
+void StaticFrames::add(const tf2_msgs::TFMessage& message) {
+  constexpr std::size_t kMost = 200;
+  for (const geometry_msgs::TransformStamped& transform : message.transforms) {
+    const auto pose = to_pose(transform.transform);
+    if (!pose || parents_.size() >= kMost) continue;
+    parents_.insert_or_assign(std::string(plain(transform.child_frame_id)),
+                              Parent{std::string(plain(transform.header.frame_id)), *pose});
+  }
+}
+
+std::optional<Pose2D> StaticFrames::pose(std::string_view frame, std::string_view in) const {
+  Pose2D pose;
+  std::string_view at = plain(frame);
+  for (std::size_t i = 0; at != plain(in); ++i) {
+    const auto parent = parents_.find(at);
+    if (parent == parents_.end() || i == parents_.size()) return std::nullopt;  // no way up, or a circle
+    pose = parent->second.pose * pose;
+    at = parent->second.frame;
+  }
+  return pose;
+}
+
+std::string mount_contradiction(const Pose2D& base_from_lidar, const LidarSpec& spec) {
+  constexpr double kNear = 0.03;                // [m]
+  constexpr double kAlike = exact::kPi / 60.0;  // [rad]
+  const Pose2D& ours = spec.base_from_lidar;
+  if (std::max(std::abs(base_from_lidar.x - ours.x), std::abs(base_from_lidar.y - ours.y)) < kNear &&
+      std::abs(wrap_angle(base_from_lidar.theta - ours.theta)) < kAlike) {
+    return "";
+  }
+  const auto words = [](const Pose2D& pose) {
+    return fmt::format("({:.3f}, {:.3f}) m, turned by {:.0f} deg", pose.x, pose.y, 180.0 / exact::kPi * pose.theta);
+  };
+  return fmt::format("by /tf_static it is at {}, by the profile's base_from_lidar at {}: there its scans are placed",
+                     words(base_from_lidar), words(ours));
 }
 
 // Scans.

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <functional>
+#include <map>
 #include <memory>
 #include <optional>
 #include <set>
@@ -70,6 +71,23 @@ class TransformOdometry {
   std::optional<std::pair<Time, Pose2D>> last_;
   std::set<std::string> others_;  // transforms that have come
 };
+
+/// Frames that do not move, as `/tf_static` has them.
+class StaticFrames {
+ public:
+  void add(const tf2_msgs::TFMessage& message);
+  /// Where one frame is in another, along the floor; empty where no transforms lead up to it.
+  std::optional<Pose2D> pose(std::string_view frame, std::string_view in) const;
+
+ private:
+  struct Parent {
+    std::string frame;
+    Pose2D pose;  // of the child in it
+  };
+  std::map<std::string, Parent, std::less<>> parents_;  // by the child's name
+};
+/// How a lidar's pose in the base frame contradicts the profile's; empty where it does not.
+std::string mount_contradiction(const Pose2D& base_from_lidar, const LidarSpec& spec);
 
 /// Pictures from a camera's messages: of colours alone, or of colours and depths that were taken at one time.
 class PictureMaker {

@@ -220,7 +220,7 @@ def test_others_are_told_of_us_in_their_layout(network: pytest.MonkeyPatch) -> N
     with RealRobot(FIRST_DOMAIN + 2) as other, threewe.sync.Robot(backend="real") as robot:
         robot.sleep(1.5)
     topics = 8  # of sensors
-    assert other.truth["nodes"] == {"/threewe": topics + 2}  # with commands and diagnostics
+    assert other.truth["nodes"] == {"/threewe": topics + 3}  # with commands, diagnostics and static transforms
 
 
 def discover(*options: str) -> subprocess.CompletedProcess[str]:

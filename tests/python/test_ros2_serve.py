@@ -175,6 +175,21 @@ def test_we_drive_what_we_serve(network: pytest.MonkeyPatch) -> None:
     assert "jazzy" in _core.ros2_distributions_with(clock.type, clock.hash)
 
 
+@pytest.mark.parametrize("turned", [False, True])
+def test_a_lidar_that_is_mounted_otherwise_is_named(
+    network: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture, tmp_path: Path, turned: bool
+) -> None:
+    network.setenv("ROS_DOMAIN_ID", str(FIRST_DOMAIN + 1))
+    mounted = "base_from_lidar: [0.04, 0.0, "
+    yaml = threewe.RobotProfile.load(PROFILE).yaml
+    assert f"{mounted}0.0]" in yaml
+    profile = tmp_path / "changed.yaml"
+    profile.write_text(yaml.replace(f"{mounted}0.0]", f"{mounted}1.5708]") if turned else yaml)
+    with caplog.at_level("WARNING"), Served("--scene", SCENE), threewe.sync.Robot("real", str(profile)) as robot:
+        robot.sleep(2.5)
+    assert ("by /tf_static it is at" in caplog.text) == turned, caplog.text
+
+
 def test_several_robots_have_namespaces(network: pytest.MonkeyPatch) -> None:
     network.setenv("ROS_DOMAIN_ID", str(FIRST_DOMAIN + 2))
     with Served("--robot", PROFILE, "--robot", "turtlebot_like"):

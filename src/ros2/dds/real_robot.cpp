@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <fstream>
+#include <set>
+#include <string>
 #include <thread>
 #include <type_traits>
 #include <utility>
@@ -143,6 +145,7 @@ void RealRobot::connect() {
   const auto& sensors = mailbox_->features().sensors;
   clock_ = StampClock(sensors.size());
   transforms_ = {link_.odom_frame, link_.base_frame};
+  static_frames_ = {};
   odom_from_theirs_.reset();
   odom_from_base_ = {};
   command_topic_ = link_.command;
@@ -165,6 +168,7 @@ void RealRobot::connect() {
     node_ = std::make_unique<Node>(discovery_, "/", "threewe");
     diagnostics_ = node_->advertise("/diagnostics", diagnostic_msgs::DiagnosticArray::kType, {});
     for (std::size_t i = 0; i < sources_.size(); ++i) subscribe(i);
+    subscribe_to_static_frames();
     if (localization_) localization_->connect(*node_);
     if (navigation_) navigation_->connect(*node_);
     wait_until_reached();
@@ -184,6 +188,22 @@ void RealRobot::subscribe(std::size_t source) {
   const Node::Handle handle = node_->subscribe(topic.topic, topic.type, qos, std::move(receiver));
   const std::scoped_lock lock(mutex_);
   sources_[source].handle = handle;
+}
+
+/// In the namespace of the scans, if there is one.
+void RealRobot::subscribe_to_static_frames() {
+  const auto scans = std::ranges::find(link_.topics, sensor_msgs::LaserScan::kType, &TopicSpec::type);
+  if (scans == link_.topics.end()) return;
+  const std::string name_space = scans->topic.substr(0, scans->topic.rfind('/'));
+  constexpr int kPublishers = 100;  // each keeps its own
+  for (const std::string& topic : std::set<std::string>{"/tf_static", name_space + "/tf_static"}) {
+    node_->subscribe(topic, tf2_msgs::TFMessage::kType,
+                     {.reliable = true, .transient_local = true, .depth = kPublishers},
+                     [this](std::span<const std::uint8_t> payload, std::uint64_t) {
+                       const std::scoped_lock lock(mutex_);
+                       if (const auto message = decode_any<tf2_msgs::TFMessage>(payload)) static_frames_.add(*message);
+                     });
+  }
 }
 
 /// Waits until every topic has its other end and the quick sensors have delivered.
@@ -419,6 +439,8 @@ std::optional<ReadingOrMistake> RealRobot::read(Source& source, std::span<const 
     case SensorType::lidar:
       return converted(std::type_identity<sensor_msgs::LaserScan>(), [&](const sensor_msgs::LaserScan& scan) {
         source.contradiction = contradiction(scan, *profile_.lidar);
+        const auto mount = static_frames_.pose(scan.header.frame_id, link_.base_frame);
+        if (source.contradiction.empty() && mount) source.contradiction = mount_contradiction(*mount, *profile_.lidar);
         return to_reading(scan, *profile_.lidar);
       });
     case SensorType::imu: return converted(std::type_identity<Imu>(), [](const Imu& imu) { return to_reading(imu); });

@@ -64,6 +64,7 @@ class RealRobot {
   void watch();
   std::string lost_images(const Source& source);
   void subscribe(std::size_t source);
+  void subscribe_to_static_frames();
   void receive(std::size_t source, std::span<const std::uint8_t> payload, std::uint64_t publisher);
   bool admit(Source& source, std::uint64_t publisher, Time arrival);
   std::optional<ReadingOrMistake> read(Source& source, std::span<const std::uint8_t> payload, std::uint64_t publisher,
@@ -88,6 +89,7 @@ class RealRobot {
   std::vector<Source> sources_;
   StampClock clock_;
   TransformOdometry transforms_;
+  StaticFrames static_frames_;
   std::optional<PictureMaker> pictures_;
   std::optional<Pose2D> odom_from_theirs_;  // empty until the first odometry message
   Pose2D odom_from_base_;

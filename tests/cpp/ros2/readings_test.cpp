@@ -100,6 +100,39 @@ TEST_CASE("a missing transform names those that are there") {
   CHECK(transforms.is_in(message));
 }
 
+TEST_CASE("a lidar that static transforms put elsewhere contradicts the profile") {
+  tf2_msgs::TFMessage message;
+  const auto add = [&](const char* parent, const char* child, double x, double theta) {
+    auto& transform = message.transforms.emplace_back();
+    transform.header.frame_id = parent;
+    transform.child_frame_id = child;
+    transform.transform.translation.x = x;
+    transform.transform.rotation = {0.0, 0.0, std::sin(0.5 * theta), std::cos(0.5 * theta)};
+  };
+  add("/base_link", "tower", 0.1, 0.5 * exact::kPi);
+  add("tower", "laser", 0.02, 0.0);
+  add("here", "there", 1.0, 0.0);
+  add("there", "here", -1.0, 0.0);
+  StaticFrames frames;
+  frames.add(message);
+  CHECK_FALSE(frames.pose("camera", "base_link"));
+  CHECK_FALSE(frames.pose("here", "base_link"));  // they go round in a circle
+  CHECK(frames.pose("base_link", "base_link"));
+  const auto mount = frames.pose("laser", "base_link");
+  REQUIRE(mount);
+  CHECK(mount->x == doctest::Approx(0.1));
+  CHECK(mount->y == doctest::Approx(0.02));
+
+  LidarSpec spec = *robot().lidar;
+  spec.base_from_lidar = {0.1, 0.0, 0.5 * exact::kPi};
+  CHECK(mount_contradiction(*mount, spec).empty());
+  spec.base_from_lidar = {0.1, 0.0, 0.0};
+  CHECK(mount_contradiction(*mount, spec) ==
+        "by /tf_static it is at (0.100, 0.020) m, turned by 90 deg, by the profile's base_from_lidar at (0.100, 0.000) "
+        "m, "
+        "turned by 0 deg: there its scans are placed");
+}
+
 TEST_CASE("a cloud is cut at the lidar's height") {
   const LidarSpec& spec = *robot().lidar;
   const auto cloud = cloud_of({{2.0F, 0.0F, 0.0F},
