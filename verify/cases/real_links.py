@@ -10,7 +10,7 @@ import sys
 import tempfile
 import time
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -235,12 +235,13 @@ def attack(seed: int, seconds: float) -> Case:
         return cannot
     os.environ["ROS_AUTOMATIC_DISCOVERY_RANGE"] = "SUBNET"
     os.environ["ROS_DOMAIN_ID"] = domain = "1"
-    with namespaces("--seed", str(seed % 2**31)) as (theirs, _, relay):
+    with namespaces("--seed", str(seed % 2**31)) as (theirs, _, relay), ExitStack() as ending:
         base = subprocess.Popen(
             ["ip", "netns", "exec", theirs, str(PROGRAM), domain, "--seed", str(seed % 1000)],
             stdout=subprocess.PIPE,
             text=True,
         )
+        ending.callback(base.kill)
         command = [sys.executable, "-m", "verify.cases.attacked_robot"]
         with subprocess.Popen(
             command,
