@@ -50,7 +50,6 @@ def share_counted(hits: str, of: str, name: str, at_least: float) -> Row:
 
 FIRST = "the detector has learnt in generated buildings, which are barer than these scenes"
 SHAPES = "what it was not trained on it takes for other kinds"
-FINDS = "the detector takes some cabinets for refrigerators from every side, and names few of the things far away"
 MIXED = "what is in a shelf, and the floor between legs, counts for the color of a thing"
 
 
@@ -79,7 +78,7 @@ def among() -> Row:
 def found(at_least: float, known: float | None) -> Row:
     """The share of searches that end in success."""
     row = share_of("found, by the rule of 3we/ObjectNav-v1", lambda case: case["found"], at_least=at_least)
-    return known_miss(row, known, FINDS)
+    return known_miss(row, known, MIXED)
 
 
 def wrong(known: float | None) -> Row:

@@ -82,20 +82,19 @@ def test_the_floor_between_its_legs_is_not_the_color_of_a_chair() -> None:
 
 
 def test_what_stands_behind_a_column_is_one_thing(tmp_path: Path) -> None:
-    walls = "\n".join(
-        f"  - {{a: {a}, b: {b}}}" for a, b in (("[0, 0]", "[13, 0]"), ("[13, 0]", "[13, 6]"), ("[13, 6]", "[0, 6]"))
-    )
-    scene = f"""name: room
+    scene = """name: room
 description: A couch behind a column.
 starts: [[1.0, 3.0, 0.0]]
 rooms:
-  - {{name: room, min: [0.0, 0.0], max: [13.0, 6.0], floor: wood}}
+  - {name: room, min: [0.0, 0.0], max: [13.0, 6.0], floor: wood}
 walls:
-{walls}
-  - {{a: [0, 6], b: [0, 0]}}
+  - {a: [0, 0], b: [13, 0]}
+  - {a: [13, 0], b: [13, 6]}
+  - {a: [13, 6], b: [0, 6]}
+  - {a: [0, 6], b: [0, 0]}
 objects:
-  - {{name: couch_1, category: couch, shape: two_seat, pose: [4.0, 3.0, 3.14159]}}
-  - {{name: column_1, category: column, shape: round, pose: [2.6, 3.0, 0.0]}}
+  - {name: couch_1, category: couch, shape: two_seat, pose: [4.0, 3.0, 3.14159]}
+  - {name: column_1, category: column, shape: round, pose: [2.6, 3.0, 0.0]}
 """
     Path(tmp_path, "room.yaml").write_text(scene)
     detector = Detector.load()

@@ -28,7 +28,7 @@ class Network(nn.Module):
     def __init__(self, height: int, width: int, chunk: int, numbers: int, prefix: int = 0) -> None:
         super().__init__()
         self.chunk, self.numbers, self.prefix = chunk, numbers, prefix
-        layers = CHANNELS[height <= LOW :]
+        layers = CHANNELS if height > LOW else CHANNELS[1:]
         self.convolutions = nn.ModuleList(
             nn.Conv2d(inputs, outputs, 3, 2, 1) for inputs, outputs in zip((3, *layers), layers, strict=False)
         )

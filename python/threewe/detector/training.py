@@ -121,7 +121,7 @@ def train(
     for done in range(passes):
         total = torch.zeros((), device=place)
         for pixels, kinds, offsets, nearness, shares in batches(data, batch_size, random, noise):
-            with torch.autocast(noise.device.type, torch.bfloat16):
+            with torch.autocast(place.type, torch.bfloat16):
                 outputs = network(pixels.contiguous(memory_format=torch.channels_last))
             loss = loss_of(outputs.float(), kinds, offsets, nearness, shares, weights)
             optimizer.zero_grad()
