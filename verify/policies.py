@@ -238,7 +238,7 @@ EXPERIMENTS = [
         "goto_v1 in unseen generated buildings",
         go,
         {"episodes": "generated", "backends": ["mock", "mujoco"], "latencies": LATENCIES, "others": True},
-        cases=900,
+        cases=300,
         sample=6,
         rows=[
             success(0.80, 0.62),
@@ -273,7 +273,7 @@ EXPERIMENTS = [
         "goto_v1, in_sight_v1 in the six static scenes",
         go,
         {"episodes": "in_sight_v1", "backends": ["mock"], "latencies": [], "others": True},
-        cases=1800,
+        cases=600,
         sample=6,
         rows=[success(0.60, 0.39), with_another_instruction(None)],
     ),
