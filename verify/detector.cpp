@@ -49,8 +49,7 @@ std::uint64_t hash_of(const vision::Detector& detector, const std::vector<RGBDIm
       hash.add(thing.bearing);
       hash.add(thing.distance);
       hash.add(std::uint64_t{thing.kind});
-      hash.add(std::uint64_t{thing.color});
-      hash.add(double{thing.color_share});
+      hash.add(std::span(thing.colors));
     }
   }
   if (found == 0) std::fputs("nothing was found: that is no comparison\n", stderr);

@@ -5,6 +5,7 @@
 #include <nanobind/stl/variant.h>
 
 #include "bindings.hpp"
+#include "color_shares.hpp"
 #include "language/vocabulary.hpp"
 #include "one_thread.hpp"
 #include "semantics/places.hpp"
@@ -91,7 +92,10 @@ void init_agent(nb::module_& m) {
       .def_prop_ro("kind_index", &MappedThing::kind, "its most probable kind, index into the detector's labels")
       .def_prop_ro(
           "color", [](const MappedThing& t) { return std::string(vision::color_names()[t.color()]); },
-          "the color term that most of it has");
+          "the color term that most of it has")
+      .def_prop_ro(
+          "colors", [](const MappedThing& t) { return color_shares(t.colors); },
+          "by the names of the basic color terms that it has, the share of each in all that was seen of it");
   nb::class_<Place>(m, "Place", "A place that has a name.")
       .def(Value())
       .def_ro("name", &Place::name)

@@ -5,6 +5,7 @@
 #include <nanobind/stl/array.h>
 
 #include "bindings.hpp"
+#include "color_shares.hpp"
 #include "value.hpp"
 
 using namespace threewe;
@@ -38,9 +39,11 @@ vision::BoxFinder finder_of(nb::callable function) {
 void init_vision(nb::module_& m) {
   nb::class_<Detection>(m, "Detection", "One thing in a picture.")
       .def_prop_ro(
-          "color", [](const Detection& d) { return std::string(vision::color_names()[d.color]); },
+          "color", [](const Detection& d) { return std::string(vision::color_names()[d.color()]); },
           "the basic color term of most of what is seen of it")
-      .def_ro("color_share", &Detection::color_share, "0 to 1, how much of it is of that color")
+      .def_prop_ro(
+          "colors", [](const Detection& d) { return color_shares(d.colors); },
+          "by the names of the basic color terms that it has, the share of each in what is seen of it")
       .def_ro("kind_index", &Detection::kind, "index into the detector's labels")
       .def_ro("scores", &Detection::scores, "(labels,) probability of each label")
       .def_ro("confidence", &Detection::confidence, "0 to 1, that it is of its kind")

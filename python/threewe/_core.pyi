@@ -2947,8 +2947,10 @@ class Detection:
         """the basic color term of most of what is seen of it"""
 
     @property
-    def color_share(self) -> float:
-        """0 to 1, how much of it is of that color"""
+    def colors(self) -> dict[str, float]:
+        """
+        by the names of the basic color terms that it has, the share of each in what is seen of it
+        """
 
     @property
     def kind_index(self) -> int:
@@ -3170,6 +3172,12 @@ class MappedThing:
     @property
     def color(self) -> str:
         """the color term that most of it has"""
+
+    @property
+    def colors(self) -> dict[str, float]:
+        """
+        by the names of the basic color terms that it has, the share of each in all that was seen of it
+        """
 
 class Place:
     """A place that has a name."""

@@ -307,10 +307,10 @@ void SemanticMap::add_view(std::size_t index, Vec2 position, const std::array<do
   const Vec2 away = camera.position() - thing.position;
   evidence.add({exact::atan2(away.y, away.x), exact::log(std::max(kLeastRange, norm(away)))}, detection.scores);
   evidence.weigh(thing.kinds);
-  for (double& share : thing.colors) share *= kOldColors;
-  thing.colors[detection.color] += static_cast<double>(detection.color_share);
-  const double sum = std::accumulate(thing.colors.begin(), thing.colors.end(), 0.0);
-  for (double& share : thing.colors) share /= sum;
+  const double old = thing.views == 1 ? 0.0 : kOldColors;
+  for (std::size_t term = 0; term < thing.colors.size(); ++term) {
+    thing.colors[term] = old * thing.colors[term] + (1.0 - old) * static_cast<double>(detection.colors[term]);
+  }
 }
 
 // Forgets what is gone: it should have been in view, and was not, more often than it was seen.

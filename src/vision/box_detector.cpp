@@ -78,8 +78,8 @@ std::vector<Box> sure_boxes(const BoxRows& rows, const BoxLayout& layout, const 
   return boxes;
 }
 
-// The color term of most of the middle of a box, and its share.
-std::pair<std::uint8_t, float> color_of_box(const Box& box, std::span<const std::uint8_t> picture, int width) {
+// Share of each color term in the middle of a box.
+std::array<float, kColorTerms.size()> colors_of_box(const Box& box, std::span<const std::uint8_t> picture, int width) {
   std::array<int, kColorTerms.size()> counts{};
   for (int i = 0; i < kColorSamples; ++i) {
     for (int j = 0; j < kColorSamples; ++j) {
@@ -91,9 +91,11 @@ std::pair<std::uint8_t, float> color_of_box(const Box& box, std::span<const std:
       ++counts[color_term(picture[3 * pixel], picture[3 * pixel + 1], picture[3 * pixel + 2])];
     }
   }
-  const auto most = std::ranges::max_element(counts);
-  return {static_cast<std::uint8_t>(most - counts.begin()),
-          static_cast<float>(*most) / static_cast<float>(kColorSamples * kColorSamples)};
+  std::array<float, kColorTerms.size()> shares{};
+  std::ranges::transform(counts, shares.begin(), [](int count) {
+    return static_cast<float>(count) / static_cast<float>(kColorSamples * kColorSamples);
+  });
+  return shares;
 }
 
 Detection detection_of(const Box& box, const BoxLayout& layout, std::span<const std::uint8_t> picture,
@@ -118,7 +120,7 @@ Detection detection_of(const Box& box, const BoxLayout& layout, std::span<const 
   found.cells = std::max(1, static_cast<int>(std::lround(box.area() / (cell * cell))));
   found.bearing = exact::atan2(-(0.5 * (box.x_min + box.x_max) - camera.cx) / camera.fx, 1.0);
   found.distance = std::min(kFarthestDistance, 2.0 * layout.radii[box.label] * camera.fx / (box.x_max - box.x_min));
-  std::tie(found.color, found.color_share) = color_of_box(box, picture, camera.width);
+  found.colors = colors_of_box(box, picture, camera.width);
   return found;
 }
 

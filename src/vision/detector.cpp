@@ -143,16 +143,18 @@ struct Thing {
     }
   }
 
-  // Of what its cells show, some is what is around it.
-  std::size_t color() const {
+  // Share of each color term in the thing: of what its cells show, some is what is around it.
+  std::array<float, kColorTerms.size()> shares_of_colors() const {
     const auto sum = [](const ColorCounts& counts) { return std::accumulate(counts.begin(), counts.end(), 0); };
     const double around = kAround * sum(colors) / std::max(sum(colors_around), 1);
-    const auto own = [&](std::size_t term) { return colors[term] - around * colors_around[term]; };
-    std::size_t most = 0;
-    for (std::size_t term = 1; term < colors.size(); ++term) {
-      if (own(term) > own(most)) most = term;
+    std::array<double, kColorTerms.size()> own{};
+    for (std::size_t term = 0; term < own.size(); ++term) {
+      own[term] = std::max(0.0, colors[term] - around * colors_around[term]);
     }
-    return most;
+    const double all = std::accumulate(own.begin(), own.end(), 0.0);
+    std::array<float, kColorTerms.size()> shares{};
+    std::ranges::transform(own, shares.begin(), [all](double each) { return static_cast<float>(each / all); });
+    return shares;
   }
 
   Detection detection(const CameraIntrinsics& camera) const {
@@ -172,10 +174,7 @@ struct Thing {
     found.x_max = pixel(camera.cx, camera.fx, kViewWidth, x_max, camera.width);
     found.y_min = pixel(camera.cy, camera.fy, kViewHeight, y_min, camera.height);
     found.y_max = pixel(camera.cy, camera.fy, kViewHeight, y_max, camera.height);
-    const std::size_t most = color();
-    found.color = static_cast<std::uint8_t>(most);
-    found.color_share =
-        static_cast<float>(colors[most]) / static_cast<float>(std::accumulate(colors.begin(), colors.end(), 0));
+    found.colors = shares_of_colors();
     return found;
   }
 };
@@ -290,6 +289,10 @@ std::vector<Detection> Detector::detect(std::span<const std::uint8_t> picture, c
     throw ContractError(
         fmt::format("a picture of {} bytes is not one of {} x {} pixels", picture.size(), camera.width, camera.height));
   return model_->detect(picture, camera);
+}
+
+std::size_t Detection::color() const {
+  return static_cast<std::size_t>(std::ranges::max_element(colors) - colors.begin());
 }
 
 std::span<const std::string_view> color_names() { return kColorTerms; }

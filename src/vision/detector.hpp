@@ -1,6 +1,8 @@
 // Object detector: the things that a camera's picture shows, with kind, color, bearing and distance of each.
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <memory>
@@ -23,11 +25,13 @@ struct Detection {
   int y_min = 0;
   int x_max = 0;
   int y_max = 0;
-  int cells = 0;             ///< how many of the detector's cells, 1/40 of the view's width each, show it
-  double bearing = 0.0;      ///< [rad] from the camera's axis to the thing's centre, to the left
-  double distance = 0.0;     ///< [m] along the camera's axis to the thing's centre
-  std::uint8_t color = 0;    ///< index into `color_names`, of most of what is seen of it
-  float color_share = 0.0F;  ///< how much of it is of that color
+  int cells = 0;                   ///< how many of the detector's cells, 1/40 of the view's width each, show it
+  double bearing = 0.0;            ///< [rad] from the camera's axis to the thing's centre, to the left
+  double distance = 0.0;           ///< [m] along the camera's axis to the thing's centre
+  std::array<float, 11> colors{};  ///< share of each of `color_names` in what is seen of it
+
+  /// The color term that most of it has, index into `color_names`.
+  std::size_t color() const;
 };
 
 /// The eleven basic color terms.

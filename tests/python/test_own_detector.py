@@ -76,7 +76,7 @@ def test_boxes_become_things_with_bearing_distance_and_color(mine: Path, way: st
     picture = np.full((480, 640, 3), 128, np.uint8)
     picture[120:360, 320:480] = (0, 0, 200)  # BGR
     plant, chair = detector.detect(picture, camera.intrinsics)
-    assert (detector.labels[plant.kind_index], plant.color, plant.color_share) == ("plant", "red", 1.0)
+    assert (detector.labels[plant.kind_index], plant.color, plant.colors) == ("plant", "red", {"red": 1.0})
     assert list(plant.box) == [320, 120, 480, 360]
     assert plant.confidence == pytest.approx(0.9 * 0.9, abs=0.01)
     assert sum(plant.scores) == pytest.approx(1.0)

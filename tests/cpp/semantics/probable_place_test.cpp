@@ -28,7 +28,7 @@ SemanticMap map_with(const std::vector<std::pair<std::size_t, Vec2>>& things) {
       detection.confidence = 0.9F;
       detection.cells = 20;
       detection.distance = 3.0 - 0.3 * view;
-      detection.color_share = 1.0F;
+      detection.colors[0] = 1.0F;
       const std::vector views{detection};
       map.update({from_seconds(view), {at.x - detection.distance, at.y, 0.0}, views, camera}, grid);
     }

@@ -22,8 +22,7 @@ vision::Detection seen(std::size_t kind, double bearing, double distance) {
   detection.cells = 20;
   detection.bearing = bearing;
   detection.distance = distance;
-  detection.color = 4;
-  detection.color_share = 1.0F;
+  detection.colors[4] = 1.0F;
   return detection;
 }
 
@@ -55,6 +54,26 @@ TEST_CASE("what is seen from several poses is one thing, where it is; a second o
   CHECK(plants[0].kinds[2] > 0.75);
   CHECK(map.find({.kind = "chair", .color = "blue", .place = ""}).empty());
   CHECK_THROWS_AS((void)map.find({.kind = "chiar", .color = "", .place = ""}), ContractError);
+}
+
+TEST_CASE("a thing has the colors of all that is seen of it, not of the most alone") {
+  SemanticMap map(kLabels);
+  const auto grid = free_floor();
+  const CameraIntrinsics camera = make_intrinsics(640, 480, 1.57);
+  for (int i = 0; i < 6; ++i) {
+    const double x = 0.3 * i;
+    auto detection = seen(1, 0.0, 3.0 - x);
+    detection.colors = {};
+    detection.colors[2] = i % 2 == 0 ? 0.6F : 0.5F;
+    detection.colors[8] = 1.0F - detection.colors[2];
+    const std::vector views{detection};
+    map.update({from_seconds(i), {x, 0.0, 0.0}, views, camera}, grid);
+  }
+  REQUIRE(map.things().size() == 1);
+  const auto& colors = map.things()[0].colors;
+  CHECK(colors[2] > 0.5);
+  CHECK(colors[2] < 0.6);
+  CHECK(std::abs(colors[2] + colors[8] - 1.0) < 1e-6);
 }
 
 TEST_CASE("views from one side say the same once more, views from around a thing say more") {
