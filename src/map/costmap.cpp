@@ -13,6 +13,7 @@ namespace threewe::map {
 namespace {
 
 constexpr double kMostSlower = 20.0;  // beyond, a zone is no dearer
+constexpr int kWall = 6;              // [cells] occupied in a tile, which then is a wall that a scan can be matched to
 
 // A number that no tile of any costmap had before.
 std::uint64_t new_stamp() {
@@ -124,10 +125,47 @@ void Costmap::move_to(const Frame& frame) {
   moved.weight_at_ = weight_at_;
   moved.set_zones(zones_, zone_speed_);
   moved.zoned_ = zoned_;
-  if (!slow_.empty()) {
+  if (!slow_.empty() || settings_.sight > 0.0) {
     for (std::uint8_t& stale : moved.stale_) stale |= kWeights;
   }
+  moved.count_walls();
   *this = std::move(moved);
+}
+
+// Hits of all tiles, and what is in sight of them.
+void Costmap::count_walls() {
+  hits_.assign(stale_.size(), 0);
+  walls_in_sight_.assign(stale_.size(), 0);
+  for (int y = 0; y < height_; ++y) {
+    for (int x = 0; x < width_; ++x) {
+      if ((occupied_[index({x, y})] & kMapped) != 0) count_hit({x, y}, 1);
+    }
+  }
+}
+
+// A cell has become occupied in the map, or is so no more.
+void Costmap::count_hit(Cell c, int more) {
+  const std::size_t tile = tile_of(c);
+  const bool was_wall = hits_[tile] >= kWall;
+  hits_[tile] = static_cast<std::uint16_t>(hits_[tile] + more);
+  if ((hits_[tile] >= kWall) != was_wall) show_wall(c, more);
+}
+
+// The tile of a cell has become a wall, or is none any more, for those that have it in sight.
+void Costmap::show_wall(Cell c, int more) {
+  const int x = c.x / kTile;
+  const int y = c.y / kTile;
+  const double sight = settings_.sight / (kTile * resolution_);
+  const int reach = static_cast<int>(sight);
+  for (int v = std::max(0, y - reach); v <= std::min(height_ / kTile - 1, y + reach); ++v) {
+    for (int u = std::max(0, x - reach); u <= std::min(width_ / kTile - 1, x + reach); ++u) {
+      if ((u - x) * (u - x) + (v - y) * (v - y) > sight * sight) continue;
+      const std::size_t i = tile_of({u * kTile, v * kTile});
+      const bool was_blind = is_blind(i);
+      walls_in_sight_[i] = static_cast<std::uint16_t>(walls_in_sight_[i] + more);
+      if (is_blind(i) != was_blind) stale_[i] |= kWeights;
+    }
+  }
 }
 
 // Copies the cells of a tile, which then are as up to date as they were, and, where it has neighbours all around before
@@ -243,6 +281,7 @@ void Costmap::take_zones() {
 void Costmap::set_occupied(Cell c, std::uint8_t occupants) {
   std::uint8_t& now = occupied_[index(c)];
   if ((now != 0) != (occupants != 0)) note_occupied(c);
+  if (((now ^ occupants) & kMapped) != 0) count_hit(c, (occupants & kMapped) != 0 ? 1 : -1);
   now = occupants;
 }
 
@@ -307,9 +346,10 @@ void Costmap::weigh(Cell corner) {
   bool below = false;
   const std::size_t first = index(corner);
   const Weight at_corner = weights_[first];
+  const bool blind = is_blind(tile_of(corner));
   for (int y = 0; y < kTile; ++y) {
     const std::size_t at = index({corner.x, corner.y + y});
-    const std::array<Weight, kTile> row = row_of_weights(at);
+    const std::array<Weight, kTile> row = row_of_weights(at, blind);
     const bool differs = !std::equal(row.begin(), row.end(), &weights_[at]);
     any = any || differs;
     left = left || row[0] != weights_[at];
@@ -320,12 +360,14 @@ void Costmap::weigh(Cell corner) {
 }
 
 // A row of a tile. Loops without branches, since a tile has a thousand cells.
-std::array<Costmap::Weight, Costmap::kTile> Costmap::row_of_weights(std::size_t at) const {
+std::array<Costmap::Weight, Costmap::kTile> Costmap::row_of_weights(std::size_t at, bool blind) const {
   std::array<Weight, kTile> row{};
   for (std::size_t x = 0; x < kTile; ++x) row[x] = weight_at_[squared_[at + x] + kUnknown * unknown_[at + x]];
-  if (slow_.empty()) return row;
+  const int everywhere = blind ? settings_.blind_weight : 0;
+  if (slow_.empty() && everywhere == 0) return row;
   for (std::size_t x = 0; x < kTile; ++x) {
-    row[x] = row[x] == kLethal ? kLethal : static_cast<Weight>(row[x] + slow_[at + x]);
+    const int more = everywhere + (slow_.empty() ? 0 : slow_[at + x]);
+    row[x] = row[x] == kLethal ? kLethal : static_cast<Weight>(row[x] + more);
   }
   return row;
 }

@@ -23,8 +23,10 @@ void squared_distances(std::span<const std::uint8_t> occupied, int width, int he
 /// A grid of weights for planning: the cost of a path is its length times the weight under it.
 ///
 /// It is made of layers, one upon the other: the map; what is seen now and may not be in the map yet; zones; the
-/// distance to the nearest of all that is occupied; weights by that distance. An update costs what changed: each layer
-/// compares, and tells the next one where. The result is that of a new costmap with the same arguments, to the bit.
+/// distance to the nearest of all that is occupied; weights by that distance, and more where no wall of the map is in
+/// sight, so that a robot keeps near what tells it where it is (after Roy & Thrun 1999, "Coastal navigation"). An
+/// update costs what changed: each layer compares, and tells the next one where. The result is that of a new costmap
+/// with the same arguments, to the bit.
 class Costmap {
  public:
   struct Settings {
@@ -33,6 +35,8 @@ class Costmap {
     double caution_radius = 0.50;  ///< [m] weights fall to kFree here
     int near_weight = 32;          ///< added at the lethal radius
     int unknown_weight = 2;        ///< added where nothing is known: optimistic, but dearer than known to be free
+    double sight = 0.0;            ///< [m] within which a wall is in sight of a tile; 0: every tile has one
+    int blind_weight = 0;          ///< added in tiles that have none
   };
   using Weight = std::uint16_t;
   static constexpr Weight kFree = 4;
@@ -103,12 +107,16 @@ class Costmap {
   void take_block(Cell at, std::span<const std::int8_t> values);
   void take_obstacles(std::span<const Vec2> points);
   void take_zones();
+  void count_walls();
+  void count_hit(Cell c, int more);
+  void show_wall(Cell c, int more);
+  bool is_blind(std::size_t tile) const { return settings_.sight > 0.0 && walls_in_sight_[tile] == 0; }
   void set_occupied(Cell c, std::uint8_t occupants);
   void note_occupied(Cell c);
   void inflate();
   void measure(const Region& region);
   void weigh(Cell corner);
-  std::array<Weight, kTile> row_of_weights(std::size_t at) const;
+  std::array<Weight, kTile> row_of_weights(std::size_t at, bool blind) const;
   void set_weight(Cell c, Weight weight);
   void restamp(Cell c, bool left, bool below, bool corner);
   // The tile that a cell is counted in.
@@ -136,8 +144,10 @@ class Costmap {
   std::vector<Zone> zones_;
   double zone_speed_ = 0.0;
   bool zones_taken_ = true;
-  bool zoned_ = false;        // cells may count as occupied, or as slow, for zones
-  std::vector<Weight> slow_;  // added where zones limit the speed; empty where none does
+  bool zoned_ = false;                         // cells may count as occupied, or as slow, for zones
+  std::vector<Weight> slow_;                   // added where zones limit the speed; empty where none does
+  std::vector<std::uint16_t> hits_;            // of tiles: occupied cells of the map
+  std::vector<std::uint16_t> walls_in_sight_;  // of tiles: tiles with hits enough
 };
 
 }  // namespace threewe::map

@@ -21,6 +21,8 @@ Parameters parameters_of(Params::Clearance& p) {
 Parameters parameters_of(Params::Route& p) {
   return {
       {"unknown_weight", &p.unknown_weight, "", Scale::none, "more: longer ways through what is known"},
+      {"sight", &p.sight, "", Scale::none, "less: follows the walls of large rooms at less distance"},
+      {"blind_weight", &p.blind_weight, "", Scale::none, "more: longer ways along the walls of large rooms"},
       {"waypoint", &p.waypoint, "m", Scale::size, "more: cuts the corners of a drawn path"},
       {"horizon", &p.horizon, "m", Scale::size, "more: aims farther beyond its map at far goals"},
       {"better", &p.better, "", Scale::none, "less: keeps to a path that has become the longer one"},

@@ -29,6 +29,8 @@ struct Params {
   /// Plans to goals, and what is remembered of places.
   struct Route {
     int unknown_weight = 2;       ///< how much dearer unknown space is, in quarters
+    double sight = 0.75;          ///< of the lidar's range, within which a wall tells where the robot is
+    int blind_weight = 6;         ///< how much dearer paths are without a wall in sight, in quarters
     double waypoint = 0.15;       ///< [m] nearer than this a waypoint is passed
     double horizon = 4.0;         ///< [m] beyond the map, where plans end
     double better = 0.85;         ///< share of an open path's cost that a new one must cost to replace it

@@ -41,6 +41,8 @@ map::Costmap::Settings costmap_settings(const RobotProfile& profile, const Param
   s.caution_radius = s.lethal_radius + clearance.caution;
   s.near_weight = clearance.weight;
   s.unknown_weight = params.route.unknown_weight;
+  if (profile.lidar) s.sight = params.route.sight * profile.lidar->range_max;
+  s.blind_weight = params.route.blind_weight;
   return s;
 }
 

@@ -35,6 +35,20 @@ bool is_thin(const LaserScan& scan, std::size_t i, bool full_turn, const Params:
   return left > 0 && right > 0 && left + right - 2 < widest;
 }
 
+// To which side of beam i the surface that it hits comes nearer: -1 to the beam before, 1 to the one after.
+int nearer_side(const LaserScan& scan, std::size_t i, double farthest, bool full_turn, const Params::Beams& params) {
+  const std::size_t n = scan.ranges.size();
+  const auto range = static_cast<double>(scan.ranges[i]);
+  // how much farther that of another beam is; 0 where it hits nothing, or something else
+  const auto farther = [&](std::size_t other) {
+    const auto there = static_cast<double>(scan.ranges[other]);
+    return there > 0.0 && there < farthest && std::fabs(there - range) < params.most_spacing ? there - range : 0.0;
+  };
+  const double after = i + 1 < n || full_turn ? farther((i + 1) % n) : 0.0;
+  const double before = i > 0 || full_turn ? farther((i + n - 1) % n) : 0.0;
+  return after > before ? -1 : after < before ? 1 : 0;
+}
+
 Vec2 hit_of(const map::Beam& beam) { return beam.origin + beam.range * beam.direction; }
 
 // Whether four beams side by side hit one flat surface.
@@ -56,9 +70,13 @@ bool lies_flat(std::span<const map::Beam, 4> beams, const Params::Beams& params)
 
 }  // namespace
 
+double point_offset(int points, int beams) {
+  return points > beams ? 0.5 - 0.5 * static_cast<double>(beams) / points : 0.0;
+}
+
 std::vector<map::Beam> beams_of(const LaserScan& scan, double range_max,
-                                const std::function<Pose2D(std::size_t)>& frame_from_lidar,
-                                const Params::Beams& params) {
+                                const std::function<Pose2D(std::size_t)>& frame_from_lidar, const Params::Beams& params,
+                                double offset) {
   std::vector<map::Beam> beams;
   beams.reserve(scan.ranges.size());
   const bool full_turn = is_full_turn(scan);
@@ -76,7 +94,8 @@ std::vector<map::Beam> beams_of(const LaserScan& scan, double range_max,
     if (!(range >= scan.range_min) || range <= 0.0) continue;
     const bool hit = range < farthest;
     const double length = hit ? range : std::min(params.free_no_return, farthest);
-    const double angle = here.theta + scan.angle_min + static_cast<double>(i) * scan.angle_increment;
+    const double aside = hit && offset > 0.0 ? offset * nearer_side(scan, i, farthest, full_turn, params) : 0.0;
+    const double angle = here.theta + scan.angle_min + (static_cast<double>(i) + aside) * scan.angle_increment;
     beams.push_back(
         {here.position(), rotate({1.0, 0.0}, angle), length, hit, hit && is_thin(scan, i, full_turn, params)});
   }

@@ -11,11 +11,17 @@
 
 namespace threewe::slam {
 
+/// How far [beam] a beam's range was measured from its middle, on average, where a surface comes nearer to one side,
+/// for a driver that spreads so many points of a turn over so many beams. Of several points in one beam it keeps the
+/// nearest; the first of them is half a point from the beam's edge on average.
+double point_offset(int points, int beams);
+
 /// The valid beams of a scan, in some frame. `frame_from_lidar(i)` is where the lidar was as it measured beam i; it is
-/// asked for every eighth. What is `range_max` [m] away or farther counts as no return.
+/// asked for every eighth. What is `range_max` [m] away or farther counts as no return. `offset` [beam]: see
+/// `point_offset`.
 std::vector<map::Beam> beams_of(const LaserScan& scan, double range_max,
                                 const std::function<Pose2D(std::size_t)>& frame_from_lidar,
-                                const Params::Beams& params = {});
+                                const Params::Beams& params = {}, double offset = 0.0);
 
 /// The same beams seen from another frame.
 std::vector<map::Beam> transformed(const Pose2D& a_from_b, std::vector<map::Beam> beams_in_b);

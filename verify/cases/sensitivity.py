@@ -35,8 +35,9 @@ generated buildings (`./dev verify sensitivity --write-model`, commit {commit}, 
 where it counts: on a far drive; through seven narrow doors (`nav.creep`, `nav.bottleneck`, `nav.recovery`, `nav.arcs`,
 `nav.narrow_passage`, `safety.creep`); as the robot explores, where success is a coverage of 0.95, and SPL the coverage
 times how much sooner or later it ends (`nav.frontier`); put elsewhere without a word after a first drive
-(`slam.localization`, `slam.global_search`); among people (`health.people`, `safety.approach`). `=`: every drive is the
-same to the bit, as where a parameter is of what does not happen: no sensor fails. `-`: a count that cannot be halved.
+(`slam.localization`, `slam.global_search`); among people (`health.people`, `safety.approach`); in a large bare room
+(`nav.route.sight`, `nav.route.blind_weight`). `=`: every drive is the same to the bit, as where a parameter is of what
+does not happen: no sensor fails. `-`: a count that cannot be halved.
 """
 
 
@@ -81,6 +82,11 @@ def far(seed: int, hardware: str, place: str = "building", drive: Drive = drive_
 def peopled(seed: int, hardware: str) -> dict[str, Any]:
     """A far drive among people."""
     return far(seed, hardware, "peopled")
+
+
+def bare(seed: int, hardware: str) -> dict[str, Any]:
+    """A far drive in a large bare room."""
+    return far(seed, hardware, "hall")
 
 
 def kidnapped(seed: int, hardware: str) -> dict[str, Any]:
@@ -131,6 +137,7 @@ TRIED_ELSEWHERE = {
     exploration: ("nav.frontier",),
     kidnapped: ("slam.localization", "slam.global_search"),
     peopled: ("health.people", "safety.approach"),
+    bare: ("nav.route.sight", "nav.route.blind_weight"),
 }
 
 

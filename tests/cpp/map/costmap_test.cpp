@@ -33,6 +33,33 @@ OccupancyGrid random_grid(std::mt19937_64& bits) {
   return grid;
 }
 
+// Whether each tile is dearer by the weight for blind ones if and only if, tile by tile, none near has a wall.
+bool is_dear_where_blind(const Costmap& costmap, const OccupancyGrid& grid) {
+  constexpr int kTile = Costmap::kTile;
+  std::map<std::pair<int, int>, int> hits;
+  for (int y = 0; y < grid.height; ++y) {
+    for (int x = 0; x < grid.width; ++x) {
+      if (grid.data[grid.index({x, y})] != OccupancyGrid::kOccupied) continue;
+      const Cell c = costmap.cell(grid.center({x, y}));
+      ++hits[{c.x / kTile, c.y / kTile}];
+    }
+  }
+  Costmap seeing{Costmap::Settings{}};
+  seeing.update(grid, {}, {});
+  for (int y = 0; y < costmap.height(); ++y) {
+    for (int x = 0; x < costmap.width(); ++x) {
+      const bool sees = std::ranges::any_of(hits, [&](const auto& tile) {
+        const double away = std::hypot(tile.first.first - x / kTile, tile.first.second - y / kTile);
+        return tile.second >= 6 && away * kTile * costmap.resolution() <= costmap.settings().sight;
+      });
+      const Costmap::Weight least = seeing.weight({x, y});
+      const int more = sees || least == Costmap::kLethal ? 0 : costmap.settings().blind_weight;
+      if (costmap.weight({x, y}) != least + more) return false;
+    }
+  }
+  return true;
+}
+
 TEST_CASE("squared distances are those of brute force, with any vectors") {
   for (std::uint64_t seed = 0; seed < cases(1000); ++seed) {
     CAPTURE(seed);
@@ -174,7 +201,9 @@ TEST_CASE("a costmap that follows changes is that of an update from scratch, to 
     CAPTURE(seed);
     std::mt19937_64 bits(seed);
     OccupancyGrid grid;
-    Costmap costmap;
+    Costmap::Settings settings;
+    if (seed % 3 == 0) settings.sight = 2.0, settings.blind_weight = 6;
+    Costmap costmap(settings);
     std::vector<Zone> zones;
     std::map<std::uint64_t, std::vector<Costmap::Weight>> tiles;  // what each stamp stood for
     for (int round = 0; round < 25; ++round) {
@@ -213,7 +242,7 @@ TEST_CASE("a costmap that follows changes is that of an update from scratch, to 
         costmap.set_zones(zones, 0.5);
       }
       costmap.update(grid, seen, include, 3, changed);
-      Costmap fresh;
+      Costmap fresh(settings);
       fresh.set_zones(zones, 0.5);
       fresh.update(grid, seen, include, 3);
       require_same(costmap, fresh);
@@ -233,6 +262,33 @@ TEST_CASE("a costmap that follows changes is that of an update from scratch, to 
     }
   }
   CHECK(kept > cases(3000));
+}
+
+TEST_CASE("a tile without a wall in sight is dearer, whatever came and went before") {
+  for (std::uint64_t seed = 0; seed < cases(200); ++seed) {
+    CAPTURE(seed);
+    Draw draw(seed);
+    OccupancyGrid grid;
+    grid.origin = {draw(-9.0, 9.0), draw(-9.0, 9.0)};
+    grid.width = draw.whole(1, 400);
+    grid.height = draw.whole(1, 400);
+    grid.data.assign(static_cast<std::size_t>(grid.width) * static_cast<std::size_t>(grid.height),
+                     OccupancyGrid::kFree);
+    Costmap::Settings settings;
+    settings.sight = draw(1.0, 12.0);
+    settings.blind_weight = draw.whole(1, 20);
+    Costmap costmap(settings);
+    for (int step = 0; step < 4; ++step) {
+      for (int spot = draw.whole(0, 3); spot > 0; --spot) {
+        const Cell at{draw.whole(0, grid.width - 1), draw.whole(0, grid.height - 1)};
+        const std::int8_t value = draw.whole(0, 1) == 0 ? OccupancyGrid::kOccupied : OccupancyGrid::kFree;
+        const int end = std::min(at.x + draw.whole(1, 12), grid.width);
+        for (int x = at.x; x < end; ++x) grid.data[grid.index({x, at.y})] = value;
+      }
+      costmap.update(grid, {}, {});
+      CHECK(is_dear_where_blind(costmap, grid));
+    }
+  }
 }
 
 TEST_CASE("a zone to keep out of is an obstacle, one with a limit is dearer, and gone it is as if it had never been") {
