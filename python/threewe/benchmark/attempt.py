@@ -7,7 +7,7 @@ import base64
 import hashlib
 from collections.abc import Iterator
 from dataclasses import dataclass
-from functools import cache
+from functools import lru_cache
 from pathlib import Path
 from tempfile import NamedTemporaryFile
 from typing import Any
@@ -29,7 +29,7 @@ from threewe.backend import known_backend
 from threewe.benchmark.agents import InstructedByModel, make_agent
 from threewe.benchmark.buildings import load_scene, scene_asset
 from threewe.benchmark.episodes import Episode, Yardstick
-from threewe.benchmark.tasks import TASKS, TICK, Assignment, Metrics, Place, Task, place_of, score
+from threewe.benchmark.tasks import SCENES_KEPT, TASKS, TICK, Assignment, Metrics, Place, Task, place_of, score
 from threewe.errors import ConfigError, TimeoutError
 from threewe.gym.batch import TASK_FIELDS
 from threewe.gym.env import Env
@@ -271,7 +271,7 @@ def requested_options(agent: Any, task: Task, settings: Settings) -> dict[str, A
     return given
 
 
-@cache
+@lru_cache(maxsize=SCENES_KEPT)
 def _environment(
     task: str, scene: str, settings: Settings, options: tuple[tuple[str, Any], ...]
 ) -> tuple[Env, DriveLog]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from functools import cache
+from functools import lru_cache
 from tempfile import TemporaryDirectory
 from typing import Any
 
@@ -31,6 +31,7 @@ TICK = 0.02  # [s]
 SUCCESS_DISTANCE = {"pointnav": 0.5, "vln": 1.0}  # [m] to the goal, by the shortest path
 CONTACT_SPEED = 0.05  # [m/s]: slower touches do no harm
 LOOK_EVERY = 10  # ticks between two looks of the coverage meter
+SCENES_KEPT = 8  # of those that episodes lie in, at a time
 SHARES = 10  # of an exploration's time at which its coverage is noted
 FREE, OCCUPIED = 25, 65  # of OccupancyGrid: at most, at least
 
@@ -123,19 +124,19 @@ class Place:
         return hash((self.scene.name, self.profile.name))
 
 
-@cache
+@lru_cache(maxsize=SCENES_KEPT)
 def place_of(scene: str, hardware: str) -> Place:
     """A scene of an episode."""
     loaded, profile = load_scene(scene), RobotProfile.load(hardware)
     return Place(loaded, profile, SceneTables(loaded, profile))
 
 
-@cache
+@lru_cache(maxsize=SCENES_KEPT)
 def _object_nav(place: Place) -> ObjectNav:
     return ObjectNav(place.tables, place.profile)
 
 
-@cache
+@lru_cache(maxsize=SCENES_KEPT)
 def _true_map(place: Place) -> OccupancyGrid:
     with TemporaryDirectory() as folder:
         [file] = [path for path in export(place.scene, place.profile, "map", folder) if path.suffix == ".yaml"]
