@@ -162,7 +162,7 @@ void Costmap::show_wall(Cell c, int more) {
       if ((u - x) * (u - x) + (v - y) * (v - y) > sight * sight) continue;
       const std::size_t i = tile_of({u * kTile, v * kTile});
       const bool was_blind = is_blind(i);
-      walls_in_sight_[i] = static_cast<std::uint16_t>(walls_in_sight_[i] + more);
+      walls_in_sight_[i] += static_cast<std::uint32_t>(more);
       if (is_blind(i) != was_blind) stale_[i] |= kWeights;
     }
   }

@@ -147,7 +147,7 @@ class Costmap {
   bool zoned_ = false;                         // cells may count as occupied, or as slow, for zones
   std::vector<Weight> slow_;                   // added where zones limit the speed; empty where none does
   std::vector<std::uint16_t> hits_;            // of tiles: occupied cells of the map
-  std::vector<std::uint16_t> walls_in_sight_;  // of tiles: tiles with hits enough
+  std::vector<std::uint32_t> walls_in_sight_;  // of tiles: tiles with hits enough
 };
 
 }  // namespace threewe::map

@@ -5,7 +5,6 @@
 
 #include "hardware/parameters.hpp"
 #include "nav/path_navigator.hpp"
-#include "slam/scan_beams.hpp"
 #include "slam/scan_matching_localizer.hpp"
 
 namespace threewe::slam {
@@ -25,7 +24,7 @@ std::unique_ptr<Localizer> make_localizer(const RobotProfile& profile, const Ini
     sensors.base_from_lidar = profile.lidar->base_from_lidar;
     sensors.range_sigma = profile.lidar->sigma;
     sensors.range_bias_sigma = kUniform * profile.lidar->bias;
-    sensors.point_offset = point_offset(profile.lidar->points_per_turn, profile.lidar->beams);
+    sensors.points_per_turn = profile.lidar->points_per_turn;
   }
   if (profile.imu) {
     sensors.gyro_sigma = profile.imu->gyro_sigma;

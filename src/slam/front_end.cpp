@@ -45,7 +45,7 @@ void FrontEnd::add_scan(Time measured, const LaserScan& scan, Time stamp, double
       [&](std::size_t i) {
         return base_from_odom * track_.at(time_of_beam(measured, scan, i)) * sensors_.base_from_lidar;
       },
-      params_->beams, sensors_.point_offset);
+      params_->beams, point_offset(sensors_.points_per_turn, scan.angle_increment));
 }
 
 // A lidar that is noisier than its data sheet says may be biased more, too. What begins on the way is another thing.

@@ -70,8 +70,10 @@ bool lies_flat(std::span<const map::Beam, 4> beams, const Params::Beams& params)
 
 }  // namespace
 
-double point_offset(int points, int beams) {
-  return points > beams ? 0.5 - 0.5 * static_cast<double>(beams) / points : 0.0;
+double point_offset(int points_per_turn, double angle_increment) {
+  if (points_per_turn <= 0 || angle_increment == 0.0) return 0.0;
+  const double beams = std::round(2.0 * exact::kPi / std::fabs(angle_increment));
+  return std::max(0.5 - 0.5 * beams / points_per_turn, 0.0);
 }
 
 std::vector<map::Beam> beams_of(const LaserScan& scan, double range_max,

@@ -12,9 +12,9 @@
 namespace threewe::slam {
 
 /// How far [beam] a beam's range was measured from its middle, on average, where a surface comes nearer to one side,
-/// for a driver that spreads so many points of a turn over so many beams. Of several points in one beam it keeps the
-/// nearest; the first of them is half a point from the beam's edge on average.
-double point_offset(int points, int beams);
+/// for a driver that spreads so many points of a turn over beams `angle_increment` [rad] apart. Of several points in
+/// one beam it keeps the nearest; the first of them is half a point from the beam's edge on average.
+double point_offset(int points_per_turn, double angle_increment);
 
 /// The valid beams of a scan, in some frame. `frame_from_lidar(i)` is where the lidar was as it measured beam i; it is
 /// asked for every eighth. What is `range_max` [m] away or farther counts as no return. `offset` [beam]: see

@@ -18,7 +18,7 @@ struct SensorModel {
   double wheel_slip = 0.0;            ///< [m/sqrt(m)] of the position, beyond what good wheels have
   double range_sigma = 0.01;          ///< [m] noise of one range
   double range_bias_sigma = 0.017;    ///< [m] of the lidar's constant error
-  double point_offset = 0.0;          ///< [beam] see `point_offset`
+  int points_per_turn = 0;            ///< that the lidar measures, which may be more than it has beams; 0: not known
   double forward_scale_sigma = 0.01;  ///< of true over measured motion ahead
   double lateral_scale = 1.0;         ///< expected true over measured motion sideways
   double lateral_scale_sigma = 0.0;

@@ -16,13 +16,14 @@ namespace {
 
 constexpr int kBeams = 360;
 constexpr double kTurn = 2.0 * std::numbers::pi;
+constexpr double kIncrement = kTurn / kBeams;
 
 // A scan of a wall at y = `away`, by a driver that keeps the nearest of the points in each beam; `phase` [point] of the
 // first.
 LaserScan scan_of_wall(int points, double away, double phase) {
   LaserScan scan;
   scan.angle_min = -std::numbers::pi;
-  scan.angle_increment = kTurn / kBeams;
+  scan.angle_increment = kIncrement;
   scan.range_min = 0.02;
   scan.range_max = 12.0;
   scan.ranges.assign(kBeams, std::numeric_limits<float>::infinity());
@@ -56,15 +57,15 @@ double bend(int points, double away, double offset) {
 }  // namespace
 
 TEST_CASE("a wall is not bent by a driver that keeps the nearest of the points in a beam") {
-  CHECK(point_offset(360, 360) == 0.0);
-  CHECK(point_offset(230, 230) == 0.0);
-  CHECK(point_offset(450, 360) == doctest::Approx(0.1));
-  CHECK(point_offset(720, 360) == doctest::Approx(0.25));
+  CHECK(point_offset(0, kIncrement) == 0.0);
+  CHECK(point_offset(360, kIncrement) == 0.0);
+  CHECK(point_offset(450, kIncrement) == doctest::Approx(0.1));
+  CHECK(point_offset(720, -kIncrement) == doctest::Approx(0.25));
   for (const int points : {450, 720}) {
     CAPTURE(points);
     const double seen = bend(points, 7.0, 0.0);
     CHECK(seen > 0.01);
-    CHECK(std::fabs(bend(points, 7.0, point_offset(points, kBeams))) < 0.1 * seen);
+    CHECK(std::fabs(bend(points, 7.0, point_offset(points, kIncrement))) < 0.1 * seen);
   }
   CHECK(std::fabs(bend(360, 7.0, 0.0)) < 0.002);
 }
