@@ -41,8 +41,8 @@ def train(root, kind, options, inputs, numbers, steps):
         named = {"mean": middle, "std": spread, "min": middle - spread, "max": middle + spread}
         statistics[name] = {key: np.asarray(value, np.float32) for key, value in named.items()}
     before, after = make_pre_post_processors(config, dataset_stats=statistics)
-    # at ten times that rate, such few steps leave actions that hardly differ from one another
-    optimizer = torch.optim.AdamW(policy.parameters(), lr=1e-5)
+    # at higher rates, such few steps leave actions that hardly differ from one another
+    optimizer = torch.optim.AdamW(policy.parameters(), lr=3e-6)
     policy.train()
     length = len(config.action_delta_indices)
     losses = []
