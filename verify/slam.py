@@ -84,7 +84,7 @@ HELD_OUT = [
         variants=[{"randomization": randomization} for randomization in ("none", "hard")],
         cases=40,
         sample=4,
-        rows=tracking(worst=0.985),
+        rows=tracking(worst=0.975),
     ),
     Experiment(
         "in maps of its own, of generated buildings",
