@@ -70,7 +70,7 @@ TEST_CASE("a thing has the colors of all that is seen of it, not of the most alo
     map.update({from_seconds(i), {x, 0.0, 0.0}, views, camera}, grid);
   }
   REQUIRE(map.things().size() == 1);
-  const auto& colors = map.things()[0].colors;
+  const auto colors = map.things()[0].colors;
   CHECK(colors[2] > 0.5);
   CHECK(colors[2] < 0.6);
   CHECK(std::abs(colors[2] + colors[8] - 1.0) < 1e-6);
