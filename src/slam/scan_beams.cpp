@@ -96,8 +96,9 @@ std::vector<map::Beam> beams_of(const LaserScan& scan, double range_max,
     if (!(range >= scan.range_min) || range <= 0.0) continue;
     const bool hit = range < farthest;
     const double length = hit ? range : std::min(params.free_no_return, farthest);
-    const double aside = hit && offset > 0.0 ? offset * nearer_side(scan, i, farthest, full_turn, params) : 0.0;
-    const double angle = here.theta + scan.angle_min + (static_cast<double>(i) + aside) * scan.angle_increment;
+    const double place = static_cast<double>(i) +
+                         (hit && offset > 0.0 ? offset * nearer_side(scan, i, farthest, full_turn, params) : 0.0);
+    const double angle = here.theta + scan.angle_min + place * scan.angle_increment;
     beams.push_back(
         {here.position(), rotate({1.0, 0.0}, angle), length, hit, hit && is_thin(scan, i, full_turn, params)});
   }

@@ -34,17 +34,25 @@ map::OccupancyGrid free_floor() {
   return grid;
 }
 
-}  // namespace
-
-TEST_CASE("what is seen from several poses is one thing, where it is; a second of another kind is another") {
-  SemanticMap map(kLabels);
+// Looks six times on a straight way, every 0.3 m; `detect(i, x)` is what look i shows, x [m] from where it began.
+template <class Detect>
+void look_on_the_way(SemanticMap& map, const Detect& detect) {
   const auto grid = free_floor();
   const CameraIntrinsics camera = make_intrinsics(640, 480, 1.57);
   for (int i = 0; i < 6; ++i) {
     const double x = 0.3 * i;
-    const std::vector views{seen(2, 0.0, 3.0 - x), seen(1, std::atan2(1.0, 2.5 - x), 2.5 - x)};
+    const std::vector<vision::Detection> views = detect(i, x);
     map.update({from_seconds(i), {x, 0.0, 0.0}, views, camera}, grid);
   }
+}
+
+}  // namespace
+
+TEST_CASE("what is seen from several poses is one thing, where it is; a second of another kind is another") {
+  SemanticMap map(kLabels);
+  look_on_the_way(map, [](int, double x) {
+    return std::vector{seen(2, 0.0, 3.0 - x), seen(1, std::atan2(1.0, 2.5 - x), 2.5 - x)};
+  });
   const auto things = map.things();
   REQUIRE(things.size() == 2);
   const auto plants = map.find({.kind = "plant", .color = "", .place = ""});
@@ -58,17 +66,13 @@ TEST_CASE("what is seen from several poses is one thing, where it is; a second o
 
 TEST_CASE("a thing has the colors of all that is seen of it, not of the most alone") {
   SemanticMap map(kLabels);
-  const auto grid = free_floor();
-  const CameraIntrinsics camera = make_intrinsics(640, 480, 1.57);
-  for (int i = 0; i < 6; ++i) {
-    const double x = 0.3 * i;
+  look_on_the_way(map, [](int i, double x) {
     auto detection = seen(1, 0.0, 3.0 - x);
     detection.colors = {};
     detection.colors[2] = i % 2 == 0 ? 0.6F : 0.5F;
     detection.colors[8] = 1.0F - detection.colors[2];
-    const std::vector views{detection};
-    map.update({from_seconds(i), {x, 0.0, 0.0}, views, camera}, grid);
-  }
+    return std::vector{detection};
+  });
   REQUIRE(map.things().size() == 1);
   const auto colors = map.things()[0].colors;
   CHECK(colors[2] > 0.5);
