@@ -59,12 +59,16 @@ void FrontEnd::judge_lidar(const LaserScan& scan) {
 }
 
 void FrontEnd::predict_to(Time stamp) {
-  predict(filter_, stamp);
   const MotionSummary motion = track_.between(stamp_, stamp);
+  const Pose2D before = map_from_base();
+  rests_ = motion.at_rest && motion.seconds > 0.0 && is_gyro_bias(motion);
+  if (!rests_) predict(filter_, stamp);
   stamp_ = std::max(stamp_, stamp);
   doubtful_turn_ = motion.doubtful_turn;  // only a scan can tell
   filter_.widen(motion.doubtful_way, motion.doubtful_turn);
-  if (motion.at_rest && motion.seconds > 0.0) learn_gyro_bias(motion);
+  if (!rests_) return;
+  map_from_odom_ = before * inverse(track_.at(stamp_));
+  learn_gyro_bias(motion);
 }
 
 void FrontEnd::predict(PoseFilter& filter, Time until) const {
@@ -76,19 +80,27 @@ void FrontEnd::predict(PoseFilter& filter, Time until) const {
   }
 }
 
-// While the robot stands the gyro shows its bias.
-void FrontEnd::learn_gyro_bias(const MotionSummary& motion) {
-  const double error = motion.measured / motion.seconds - track_.calibration().gyro_bias;
-  const double variance = sensors_.gyro_sigma * sensors_.gyro_sigma * 0.01 / motion.seconds + 1e-7;
-  // a bias creeps; what jumps is a fault, and would be held against the gyro once it is over
+double FrontEnd::gyro_bias_error(const MotionSummary& motion) const {
+  return motion.measured / motion.seconds - track_.calibration().gyro_bias;
+}
+
+// While the wheels stand the gyro shows its bias. A bias creeps; what jumps is a fault or a turn, and would be held
+// against the gyro once it is over.
+bool FrontEnd::is_gyro_bias(const MotionSummary& motion) const {
   const Params::Filter& p = params_->filter;
   const double known = filter_.covariance()(kGyroBias, kGyroBias) + p.bias_creep * p.bias_creep;
-  if (error * error > p.bias_jump * p.bias_jump * known) return;
-  shift(filter_.observe_gyro_bias(error, variance), map_from_base());
+  return square(gyro_bias_error(motion)) <= p.bias_jump * p.bias_jump * known;
+}
+
+void FrontEnd::learn_gyro_bias(const MotionSummary& motion) {
+  const double variance = sensors_.gyro_sigma * sensors_.gyro_sigma * 0.01 / motion.seconds + 1e-7;
+  shift(filter_.observe_gyro_bias(gyro_bias_error(motion), variance), map_from_base());
 }
 
 const Match& FrontEnd::match(const map::LogOddsMap& map, const Doubt& doubt) {
   const Params::Registration& p = params_->registration;
+  holds_ = rests_ && !doubt.lost && knows_more_than_scan() && is_still_there(map);
+  if (holds_) return match_;
   filter_.widen(params_->filter.scan_position, params_->filter.scan_heading);
   if (doubt.position > 0.0) filter_.widen(doubt.position, doubt.heading);
   match_ = match_at(map, map_from_base(), filter_);
@@ -96,6 +108,25 @@ const Match& FrontEnd::match(const map::LogOddsMap& map, const Doubt& doubt) {
   if (poor || filter_.covariance()(kTheta, kTheta) > square(p.unsure_heading)) search(map, doubt);
   fits_ = !is_contradicted(map, doubt);
   return match_;
+}
+
+// Scans of a robot at rest have their errors in common: once the filter knows as much as one of them tells, another one
+// would only have the pose follow the map, and the map the pose.
+bool FrontEnd::knows_more_than_scan() const {
+  const Matrix3 ratios = filter_.covariance().topLeftCorner<3, 3>() * match_.scan_information.topLeftCorner<3, 3>();
+  return ratios.trace() < 3.0;
+}
+
+// Whether the scan of a robot whose wheels and gyro stand fits about where it stands, when nothing but the scan counts.
+bool FrontEnd::is_still_there(const map::LogOddsMap& map) {
+  const Pose2D here = map_from_base();
+  match_ = match_scan(map, beams_, {here, range_bias()}, free_prior(params_->matching), here, range_noise(),
+                      Directions::observed, params_->matching);
+  fits_ = !is_contradicted(map, {});
+  const Params::Registration& p = params_->registration;
+  const double worse = std::max(range_noise() / params_->matching.usual_noise, 1.0);
+  const Pose2D off = inverse(here) * match_.at.pose;
+  return fits_ && norm(off.position()) < worse * p.pushed && std::fabs(off.theta) < worse * p.pushed_turn;
 }
 
 Match FrontEnd::match_at(const map::LogOddsMap& map, const Pose2D& start, const PoseFilter& filter) const {

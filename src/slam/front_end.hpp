@@ -72,6 +72,8 @@ class FrontEnd {
   const Match& newest_match() const { return match_; }
   /// Whether it fits where it was matched, or so little is known there that nothing contradicts it.
   bool fits() const { return fits_; }
+  /// Whether the robot rests, and the scan says no more than that it still does.
+  bool holds() const { return holds_; }
   /// Whether it fits there so well that nothing but the scan is needed to believe it.
   bool is_confirmed(const Match& match) const;
   /// By how much all ranges are too long, as far as is known [m].
@@ -82,7 +84,11 @@ class FrontEnd {
  private:
   void judge_lidar(const LaserScan& scan);
   void predict(PoseFilter& filter, Time until) const;
+  double gyro_bias_error(const MotionSummary& motion) const;
+  bool is_gyro_bias(const MotionSummary& motion) const;
   void learn_gyro_bias(const MotionSummary& motion);
+  bool knows_more_than_scan() const;
+  bool is_still_there(const map::LogOddsMap& map);
   Match match_at(const map::LogOddsMap& map, const Pose2D& start, const PoseFilter& filter) const;
   void search(const map::LogOddsMap& map, const Doubt& doubt);
   SearchWindow window(const Doubt& doubt) const;
@@ -100,10 +106,12 @@ class FrontEnd {
   Time stamp_ = Time::min();  // that the filter stands at
   Pose2D map_from_odom_;
   double doubtful_turn_ = 0.0;  // [rad] since the prediction before
+  bool rests_ = false;          // wheels and gyro have stood since then
 
   std::vector<map::Beam> beams_;
   Match match_;
   bool fits_ = true;
+  bool holds_ = false;
 
   Pose2D mapped_at_;  // map_from_base when the map last took a scan
   Time mapped_stamp_{};

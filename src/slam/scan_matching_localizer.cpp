@@ -196,7 +196,7 @@ void ScanMatchingLocalizer::correct() {
   if (map_version() == 0) return;
   front_.match(map_.map(), {.lost = lost()});
   judge();
-  if (!front_.fits()) return;
+  if (!front_.fits() || front_.holds()) return;
   front_.update();
   update_map_uncertainty();
 }
