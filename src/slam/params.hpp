@@ -85,8 +85,8 @@ struct Params {
     double unsure_heading = 0.05;  // [rad]
     double better_poor = 0.15;
     double better = 0.02;
-    double pushed = 0.04;       // [m]
-    double pushed_turn = 0.02;  // [rad]
+    double pushed = 0.04;        // [m]
+    double pushed_turn = 0.02;   // [rad]
     double poor_lidar = 1.2;     // times
     double least_noise = 0.005;  // [m]
   };
@@ -172,8 +172,8 @@ struct Params {
     double first_view = 0.3;        // [m]
     double usual_noise = 0.0115;    // [m]
     double least_noise = 0.5;       // times usual_noise
-    double motion_position = 0.03;  // [m]
-    double motion_heading = 0.03;   // [rad]
+    double motion_position = 0.04;  // [m]
+    double motion_heading = 0.006;  // [rad]
     double apart = 1.0;             // [m]
     double near = 1.5;              // [m]
     double way = 4.0;               // [m]
