@@ -14,6 +14,7 @@ namespace threewe::slam {
 namespace {
 
 constexpr std::uint64_t kFirstScans = 3;  // all of these make the first map
+constexpr double kFade = 0.02;            // of the agreement that is expected at rest, a scan
 
 double square(double x) { return x * x; }
 
@@ -62,7 +63,10 @@ void FrontEnd::predict_to(Time stamp) {
   const MotionSummary motion = track_.between(stamp_, stamp);
   const Pose2D before = map_from_base();
   rests_ = motion.at_rest && motion.seconds > 0.0 && is_gyro_bias(motion);
-  if (!rests_) predict(filter_, stamp);
+  if (!rests_) {
+    predict(filter_, stamp);
+    agreement_at_rest_ = 0.0;
+  }
   stamp_ = std::max(stamp_, stamp);
   doubtful_turn_ = motion.doubtful_turn;  // only a scan can tell
   filter_.widen(motion.doubtful_way, motion.doubtful_turn);
@@ -98,14 +102,20 @@ void FrontEnd::learn_gyro_bias(const MotionSummary& motion) {
 }
 
 const Match& FrontEnd::match(const map::LogOddsMap& map, const Doubt& doubt) {
+  holds_ = false;
+  if (rests_ && !doubt.lost && knows_more_than_scan()) return match_at_rest(map, doubt);
+  return match_near(map, map_from_base(), doubt, false);
+}
+
+// Near a pose; where it does not fit there, or the robot may have been moved, or the heading is unsure, everywhere
+// around.
+const Match& FrontEnd::match_near(const map::LogOddsMap& map, const Pose2D& start, const Doubt& doubt, bool moved) {
   const Params::Registration& p = params_->registration;
-  holds_ = rests_ && !doubt.lost && knows_more_than_scan() && is_still_there(map);
-  if (holds_) return match_;
   filter_.widen(params_->filter.scan_position, params_->filter.scan_heading);
   if (doubt.position > 0.0) filter_.widen(doubt.position, doubt.heading);
-  match_ = match_at(map, map_from_base(), filter_);
-  const bool poor = match_.agreement < p.poor_agreement && match_.known_hits >= p.few_hits;
-  if (poor || filter_.covariance()(kTheta, kTheta) > square(p.unsure_heading)) search(map, doubt);
+  match_ = match_at(map, start, filter_);
+  const bool poor = moved || (match_.agreement < p.poor_agreement && match_.known_hits >= p.few_hits);
+  if (poor || filter_.covariance()(kTheta, kTheta) > square(p.unsure_heading)) search(map, doubt, poor);
   fits_ = !is_contradicted(map, doubt);
   return match_;
 }
@@ -117,16 +127,24 @@ bool FrontEnd::knows_more_than_scan() const {
   return ratios.trace() < 3.0;
 }
 
-// Whether the scan of a robot whose wheels and gyro stand fits about where it stands, when nothing but the scan counts.
-bool FrontEnd::is_still_there(const map::LogOddsMap& map) {
+// Wheels and gyro stand. The robot holds its pose, unless it was pushed: then its scan fits elsewhere when nothing but
+// the scan counts, or much worse than before.
+const Match& FrontEnd::match_at_rest(const map::LogOddsMap& map, const Doubt& doubt) {
+  const Params::Registration& p = params_->registration;
   const Pose2D here = map_from_base();
   match_ = match_scan(map, beams_, {here, range_bias()}, free_prior(params_->matching), here, range_noise(),
                       Directions::observed, params_->matching);
-  fits_ = !is_contradicted(map, {});
-  const Params::Registration& p = params_->registration;
+  fits_ = !is_contradicted(map, doubt);
   const double worse = std::max(range_noise() / params_->matching.usual_noise, 1.0);
   const Pose2D off = inverse(here) * match_.at.pose;
-  return fits_ && norm(off.position()) < worse * p.pushed && std::fabs(off.theta) < worse * p.pushed_turn;
+  const bool near = norm(off.position()) < worse * p.pushed && std::fabs(off.theta) < worse * p.pushed_turn;
+  const bool alike = match_.agreement > agreement_at_rest_ - p.better_poor;
+  agreement_at_rest_ = std::max(match_.agreement, agreement_at_rest_ - kFade);
+  holds_ = fits_ && near && alike;
+  if (holds_) return match_;
+  if (near || !is_confirmed(match_)) return match_near(map, here, doubt, !alike);
+  filter_.widen(norm(off.position()), std::fabs(off.theta));
+  return match_near(map, Pose2D{match_.at.pose}, doubt, !alike);
 }
 
 Match FrontEnd::match_at(const map::LogOddsMap& map, const Pose2D& start, const PoseFilter& filter) const {
@@ -135,9 +153,8 @@ Match FrontEnd::match_at(const map::LogOddsMap& map, const Pose2D& start, const 
 }
 
 // Tries all poses around, and takes the best one if the scan clearly fits better there.
-void FrontEnd::search(const map::LogOddsMap& map, const Doubt& doubt) {
+void FrontEnd::search(const map::LogOddsMap& map, const Doubt& doubt, bool poor) {
   const Params::Registration& p = params_->registration;
-  const bool poor = match_.agreement < p.poor_agreement && match_.known_hits >= p.few_hits;
   if (poor && !may_be_elsewhere(doubt)) return;
   const SearchWindow around = window(doubt);
   const Pose2D found = search_pose(map, beams_, map_from_base(), around);

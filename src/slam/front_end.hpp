@@ -88,9 +88,10 @@ class FrontEnd {
   bool is_gyro_bias(const MotionSummary& motion) const;
   void learn_gyro_bias(const MotionSummary& motion);
   bool knows_more_than_scan() const;
-  bool is_still_there(const map::LogOddsMap& map);
+  const Match& match_at_rest(const map::LogOddsMap& map, const Doubt& doubt);
+  const Match& match_near(const map::LogOddsMap& map, const Pose2D& start, const Doubt& doubt, bool moved);
   Match match_at(const map::LogOddsMap& map, const Pose2D& start, const PoseFilter& filter) const;
-  void search(const map::LogOddsMap& map, const Doubt& doubt);
+  void search(const map::LogOddsMap& map, const Doubt& doubt, bool poor);
   SearchWindow window(const Doubt& doubt) const;
   bool may_be_elsewhere(const Doubt& doubt) const;
   bool is_contradicted(const map::LogOddsMap& map, const Doubt& doubt) const;
@@ -112,6 +113,7 @@ class FrontEnd {
   Match match_;
   bool fits_ = true;
   bool holds_ = false;
+  double agreement_at_rest_ = 0.0;  // about the best of late
 
   Pose2D mapped_at_;  // map_from_base when the map last took a scan
   Time mapped_stamp_{};

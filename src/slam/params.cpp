@@ -69,8 +69,9 @@ Parameters parameters_of(Params::Registration& p) {
       {"better_poor", &p.better_poor, "", Scale::none,
        "agreement by which a pose or motion must be better than the estimated one"},
       {"better", &p.better, "", Scale::none, "the same where only the heading is unsure"},
-      {"pushed", &p.pushed, "m", Scale::size, "by scans, while wheels and gyro stand: less is their error"},
-      {"pushed_turn", &p.pushed_turn, "rad", Scale::none, "likewise"},
+      {"pushed", &p.pushed, "m", Scale::size,
+       "off the pose of a robot at rest, that a scan must fit before it counts as pushed"},
+      {"pushed_turn", &p.pushed_turn, "rad", Scale::none, "the same of its heading"},
       {"poor_lidar", &p.poor_lidar, "", Scale::none, "times its data sheet a lidar may be noisy without more bias"},
       {"least_noise", &p.least_noise, "m", Scale::noise, "taken for what a data sheet that promises less says"},
   };

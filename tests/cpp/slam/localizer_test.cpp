@@ -357,5 +357,56 @@ TEST_CASE("a wall stays where it is while the robot stands before it") {
   }
 }
 
+/// Walls 20 to 40 cm away all around, and a little more to be seen through a gap.
+std::vector<TinyWall> niche() {
+  std::vector<TinyWall> walls;
+  add_box(walls, {-3, -2}, {4, 3});
+  walls.push_back({{-0.25, -0.2}, {0.2, -0.25}});
+  walls.push_back({{0.2, -0.25}, {0.3, 0.25}});
+  walls.push_back({{-0.3, 0.4}, {-0.25, -0.2}});
+  walls.push_back({{-0.3, 0.4}, {0.1, 0.3}});
+  return walls;
+}
+
+TEST_CASE("between near walls a robot that stands does not move, however noisy its lidar is") {
+  for (std::uint64_t seed = 0; seed < cases(6); ++seed) {
+    CAPTURE(seed);
+    TinyWorld world(niche(), {}, {.gyro_bias = 0.005, .gyro_sigma = 0.0017, .range_sigma = 0.04}, seed);
+    const auto localizer = make_scan_matching_localizer(model());
+    while (world.now() < 60s) {
+      for (const Sample& s : world.tick({})) localizer->add(s);
+    }
+    const PoseEstimate e = localizer->estimate(world.now());
+    CHECK_FALSE(e.lost());
+    CHECK(norm(e.map_from_base().position()) < 0.005);
+    CHECK(std::fabs(e.map_from_base().theta) < 0.005);
+  }
+}
+
+TEST_CASE("a robot that is pushed while its wheels and gyro stand follows its scans") {
+  for (std::uint64_t seed = 0; seed < cases(40); ++seed) {
+    CAPTURE(seed);
+    Draw draw(seed);
+    TinyWorld world(room(), {}, {.gyro_sigma = 0.0017, .range_sigma = 0.01}, seed);
+    const auto localizer = make_scan_matching_localizer(model());
+    const auto drive = [&](const Velocity& v, Duration seconds) {
+      for (const Time end = world.now() + seconds; world.now() < end;) {
+        for (const Sample& s : world.tick(v)) localizer->add(s);
+      }
+    };
+    drive({0.2, 0.0, 0.3}, 3s);
+    drive({}, 2s);
+    const Vec2 push = draw(0.06, 0.25) * rotate({1.0, 0.0}, draw(-3.0, 3.0));
+    for (TinyWall& wall : world.walls()) wall.a = wall.a - push, wall.b = wall.b - push;
+    drive({}, 3s);
+    const Vec2 truth = world.pose().position() + push;
+    const PoseEstimate e = localizer->estimate(world.now());
+    CHECK_FALSE(e.lost());
+    CHECK(distance(e.map_from_base().position(), truth) < 0.045);
+    drive({0.2, 0.0, -0.3}, 3s);
+    CHECK(distance(localizer->estimate(world.now()).map_from_base().position(), world.pose().position() + push) < 0.04);
+  }
+}
+
 }  // namespace
 }  // namespace threewe::slam
