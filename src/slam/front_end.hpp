@@ -45,7 +45,7 @@ class FrontEnd {
   /// Where the newest scan fits in a map: near the prediction; where it does not fit there or the heading is unsure,
   /// all poses around are tried. Changes nothing but the filter, which learns that the robot may be elsewhere.
   const Match& match(const map::LogOddsMap& map, const Doubt& doubt = {});
-  /// Takes the newest match for true.
+  /// Takes the newest match for true, unless it holds.
   void update();
 
   /// What is known of the pose, anew.
