@@ -159,7 +159,11 @@ EXPERIMENTS = [
         rows=[
             where(time_of("goto_v1 [ms of CPU]", milliseconds, at_most=2.0), is_of("goto_v1")),
             where(
-                time_of("default ACT at 240x320 [ms of CPU]", milliseconds, at_most=60.0),
+                known_miss(
+                    time_of("default ACT at 240x320 [ms of CPU]", milliseconds, at_most=60.0),
+                    66.0,
+                    "on the machine of the last full run",
+                ),
                 is_of("ACT 240x320"),
             ),
             info("default ACT at 480x640", lambda cases: slowest(cases, "ACT 480x640")),
