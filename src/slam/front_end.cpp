@@ -14,7 +14,6 @@ namespace threewe::slam {
 namespace {
 
 constexpr std::uint64_t kFirstScans = 3;  // all of these make the first map
-constexpr double kFade = 0.02;            // of the agreement that is expected at rest, a scan
 
 double square(double x) { return x * x; }
 
@@ -132,14 +131,13 @@ bool FrontEnd::knows_more_than_scan() const {
 const Match& FrontEnd::match_at_rest(const map::LogOddsMap& map, const Doubt& doubt) {
   const Params::Registration& p = params_->registration;
   const Pose2D here = map_from_base();
-  match_ = match_scan(map, beams_, {here, range_bias()}, free_prior(params_->matching), here, range_noise(),
-                      Directions::observed, params_->matching);
+  match_ = match_alone(map);
   fits_ = !is_contradicted(map, doubt);
   const double worse = std::max(range_noise() / params_->matching.usual_noise, 1.0);
   const Pose2D off = inverse(here) * match_.at.pose;
   const bool near = norm(off.position()) < worse * p.pushed && std::fabs(off.theta) < worse * p.pushed_turn;
   const bool alike = match_.agreement > agreement_at_rest_ - p.better_poor;
-  agreement_at_rest_ = std::max(match_.agreement, agreement_at_rest_ - kFade);
+  agreement_at_rest_ = std::max(match_.agreement, agreement_at_rest_ - p.fading);
   holds_ = fits_ && near && alike;
   if (holds_) return match_;
   if (near || !is_confirmed(match_)) return match_near(map, here, doubt, !alike);
@@ -150,6 +148,12 @@ const Match& FrontEnd::match_at_rest(const map::LogOddsMap& map, const Doubt& do
 Match FrontEnd::match_at(const map::LogOddsMap& map, const Pose2D& start, const PoseFilter& filter) const {
   return match_scan(map, beams_, {map_from_base(), range_bias()}, filter.scan_covariance().inverse(), start,
                     range_noise_.sigma(), Directions::observed, params_->matching);
+}
+
+Match FrontEnd::match_alone(const map::LogOddsMap& map) const {
+  const Pose2D here = map_from_base();
+  return match_scan(map, beams_, {here, range_bias()}, free_prior(params_->matching), here, range_noise(),
+                    Directions::observed, params_->matching);
 }
 
 // Tries all poses around, and takes the best one if the scan clearly fits better there.

@@ -45,7 +45,9 @@ class FrontEnd {
   /// Where the newest scan fits in a map: near the prediction; where it does not fit there or the heading is unsure,
   /// all poses around are tried. Changes nothing but the filter, which learns that the robot may be elsewhere.
   const Match& match(const map::LogOddsMap& map, const Doubt& doubt = {});
-  /// Takes the newest match for true, unless it holds.
+  /// Where the newest scan fits around the prediction, when nothing but the scan counts.
+  Match match_alone(const map::LogOddsMap& map) const;
+  /// Takes the newest match for true; not to be called while the robot holds its pose.
   void update();
 
   /// What is known of the pose, anew.

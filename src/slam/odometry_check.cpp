@@ -183,9 +183,7 @@ bool OdometryCheck::has_moved(const FrontEnd& front, const map::LogOddsMap& map)
   if (!front.is_confirmed(front.newest_match())) return false;
   const Params::OdometryCheck& p = params_->odometry_check;
   const Pose2D here = front.map_from_base();
-  const Matrix4 prior = free_prior(params_->matching);
-  const Match free = match_scan(map, front.beams(), {here, front.range_bias()}, prior, here, front.range_noise(),
-                                Directions::observed, params_->matching);
+  const Match free = front.match_alone(map);
   const Vector3 off(free.at.pose.x - here.x, free.at.pose.y - here.y, wrap_angle(free.at.pose.theta - here.theta));
   const bool far = off.head<2>().norm() > p.moved || std::fabs(off.z()) > p.turned;
   return far && front.is_confirmed(free) && off.dot(free.scan_information.topLeftCorner<3, 3>() * off) > p.moved_chi;

@@ -72,6 +72,7 @@ Parameters parameters_of(Params::Registration& p) {
       {"pushed", &p.pushed, "m", Scale::size,
        "off the pose of a robot at rest, that a scan must fit before it counts as pushed"},
       {"pushed_turn", &p.pushed_turn, "rad", Scale::none, "the same of its heading"},
+      {"fading", &p.fading, "", Scale::none, "of the agreement that is expected at rest, a scan"},
       {"poor_lidar", &p.poor_lidar, "", Scale::none, "times its data sheet a lidar may be noisy without more bias"},
       {"least_noise", &p.least_noise, "m", Scale::noise, "taken for what a data sheet that promises less says"},
   };

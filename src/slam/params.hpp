@@ -85,8 +85,9 @@ struct Params {
     double unsure_heading = 0.05;  // [rad]
     double better_poor = 0.15;
     double better = 0.02;
-    double pushed = 0.04;        // [m]
-    double pushed_turn = 0.02;   // [rad]
+    double pushed = 0.04;       // [m]
+    double pushed_turn = 0.02;  // [rad]
+    double fading = 0.02;
     double poor_lidar = 1.2;     // times
     double least_noise = 0.005;  // [m]
   };

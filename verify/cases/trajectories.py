@@ -76,7 +76,7 @@ def trajectory_rows(consistent: float | None = None) -> list[Row]:
         known_miss(
             share_of("drives whose squared error over covariance is consistent", is_consistent, at_least=0.9),
             consistent,
-            "the errors of a drive go together as if there were 16 of them, not 30: a perfect one would make 84 %",
+            "errors of a drive go together as if they were 16, not 30: a perfect covariance would make 84 %",
         ),
     ]
 
