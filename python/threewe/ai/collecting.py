@@ -17,7 +17,6 @@ import numpy as np
 
 from threewe._core import (
     DriveLog,
-    MoveResult,
     Object,
     ObjectNav,
     Pose2D,
@@ -27,6 +26,7 @@ from threewe._core import (
     VlnEpisode,
     unknown_name,
 )
+from threewe.ai.runner import VLARunner
 from threewe.benchmark.attempt import rooms_of
 from threewe.benchmark.buildings import building_name, scene_asset
 from threewe.benchmark.varied import varied_building
@@ -55,6 +55,7 @@ TRIES = 200
 CALM = (0.5, 5.0)  # [s] before a burst of random commands
 BURST = (0.4, 1.6)  # [s] that it lasts
 BURSTS = 3  # of a drive, at most
+POLICY_DRIVES = (1.0, 12.0)  # [s] in the navigator's place, unless it stands still before
 
 
 @dataclass(frozen=True)
@@ -69,8 +70,9 @@ class Collection:
     backend: str = "mock"
     hardware: str = "3we_standard_v2"
     randomization: str = "none"
-    bursts: bool = True
-    """random commands push the navigator off its way, and the dataset marks them as `disturbed`"""
+    disturbance: str = "random"
+    """takes the robot off the navigator's way, and is marked as `disturbed`: `random` bursts of commands, `none`, or a
+    policy that drives for a while: the navigator shows the way from where that one goes (DAgger, Ross et al. 2011)"""
     seed: int = 0
     image_size: tuple[int, int] | None = None
     """(height, width) [px]"""
@@ -79,6 +81,13 @@ class Collection:
         for what, name, known in (("task", self.task, TASKS), ("teacher", self.teacher, PER_ROBOT)):
             if name not in known:
                 raise ConfigError(unknown_name(what, name, list(known)))
+        if self.teacher != "navigator" and self.policy:
+            raise ConfigError(f"disturbance: {self.policy} can drive in the navigator's place alone; leave it out")
+
+    @property
+    def policy(self) -> str:
+        """That disturbs; empty where none does."""
+        return "" if self.disturbance in ("random", "none") else self.disturbance
 
 
 @dataclass(frozen=True)
@@ -103,12 +112,13 @@ async def collect_demonstrations(output: Path, episodes: int, how: Collection) -
     """Writes a LeRobot dataset of `episodes` drives; how many arrived. Raises ConfigError."""
     if output.exists():
         raise ConfigError(f"output: {output} exists already")
+    policy = VLARunner.from_pretrained(how.policy) if how.policy else None
     done = arrived = 0
     with TemporaryDirectory() as folder:
         journals, buildings = Path(folder, "journals"), Path(folder, "buildings")
         for number, scene in enumerate(_scenes(how, buildings)):
             wanted = min(PER_ROBOT[how.teacher], episodes - done)
-            drives = await _collect_in(scene, wanted, how, number, journals)
+            drives = await _collect_in(scene, wanted, how, number, journals, policy)
             done, arrived = done + len(drives), arrived + sum(drives)
             if done == episodes:
                 break
@@ -132,7 +142,9 @@ def _scenes(how: Collection, folder: Path) -> Iterator[str]:
             yield how.scene
 
 
-async def _collect_in(scene: str, episodes: int, how: Collection, number: int, journals: Path) -> list[bool]:
+async def _collect_in(
+    scene: str, episodes: int, how: Collection, number: int, journals: Path, policy: VLARunner | None
+) -> list[bool]:
     """Whether each drive arrived; there are fewer where the scene has too few tasks."""
     seed = how.seed * 100_003 + number
     random = np.random.default_rng(seed)
@@ -166,7 +178,8 @@ async def _collect_in(scene: str, episodes: int, how: Collection, number: int, j
                 if target is None:
                     continue
                 recorder.start_episode(drive.instruction)
-                result, disturbed = await _drive(robot, target, random if how.bursts else None, TASKS[how.task])
+                disturbed = [] if how.disturbance == "none" else await _disturb(robot, target, drive, random, policy)
+                result = await robot.move_to(*target, timeout=TASKS[how.task])
                 await robot.sleep(STANDS_FOR)
                 kept = {"reason": str(result.reason), DISTURBED: spans_to_text(disturbed)}
                 recorder.end_episode(success=result.success, metadata=kept)
@@ -220,25 +233,32 @@ async def _instruct(
     return success
 
 
-async def _drive(
-    robot: Robot, target: _Target, random: np.random.Generator | None, limit: float
-) -> tuple[MoveResult, list[tuple[float, float]]]:
-    """To a target, and when random commands pushed the robot on its way [s]."""
-    disturbed: list[tuple[float, float]] = []
-    for _ in range(0 if random is None else int(random.integers(BURSTS + 1))):
-        assert random is not None
-        until = robot.now + random.uniform(*CALM)
-        result = await robot.move_to(*target, timeout=until - robot.now)
-        if result.reason != "timeout":
-            return result, disturbed
-        seconds = random.uniform(*BURST)
-        limits = robot.profile.operating_limits
-        vx, vy = random.uniform(-0.6, 1.0) * limits.linear, random.uniform(-0.8, 0.8) * limits.linear
-        sideways = robot.profile.kinematics.name == "holonomic"
-        robot.set_velocity(vx, vy if sideways else 0.0, random.uniform(-1.0, 1.0) * limits.angular, hold=seconds)
-        await robot.sleep(seconds)
-        disturbed.append((until, robot.now))  # braking was no wish of the navigator either
-    return await robot.move_to(*target, timeout=limit), disturbed
+async def _disturb(
+    robot: Robot, target: _Target, drive: _Drive, random: np.random.Generator, policy: VLARunner | None
+) -> list[tuple[float, float]]:
+    """On the way to a target: when it was not the navigator that drove [s]."""
+    spans: list[tuple[float, float]] = []
+    for number in range(int(random.integers(BURSTS + 1))):
+        calm = 0.0 if policy and number == 0 else random.uniform(*CALM)
+        begin = robot.now + calm
+        if calm and (await robot.move_to(*target, timeout=calm)).reason != "timeout":
+            break
+        if policy:
+            await policy.run(robot, drive.instruction, timeout=random.uniform(*POLICY_DRIVES))
+        else:
+            await _burst(robot, random)
+        spans.append((begin, robot.now))  # braking was no wish of the navigator either
+    return spans
+
+
+async def _burst(robot: Robot, random: np.random.Generator) -> None:
+    """Random commands, as long as a burst lasts."""
+    seconds = random.uniform(*BURST)
+    limits = robot.profile.operating_limits
+    vx, vy = random.uniform(-0.6, 1.0) * limits.linear, random.uniform(-0.8, 0.8) * limits.linear
+    sideways = robot.profile.kinematics.name == "holonomic"
+    robot.set_velocity(vx, vy if sideways else 0.0, random.uniform(-1.0, 1.0) * limits.angular, hold=seconds)
+    await robot.sleep(seconds)
 
 
 def _target(

@@ -86,9 +86,12 @@ def collect(
     backend: Annotated[str, typer.Option(help="A simulator.")] = "mock",
     hardware: Annotated[str, typer.Option(help="Which robot.")] = "3we_standard_v2",
     randomization: Annotated[str, typer.Option(help="Of the robot and its pictures.")] = "none",
-    bursts: Annotated[
-        bool, typer.Option(help="Push the navigator off its way by random commands, which are no targets.")
-    ] = True,
+    disturbance: Annotated[
+        str,
+        typer.Option(
+            help="What takes the robot off the navigator's way: bursts of random commands, none, or a policy's folder."
+        ),
+    ] = "random",
     seed: Annotated[int, typer.Option(min=0, help="Of buildings, tasks and noise.")] = 0,
     image_size: Annotated[
         tuple[int, int] | None,
@@ -98,7 +101,7 @@ def collect(
     """Collect demonstrations for `threewe policy train`: pictures, instructions and what a teacher does."""
     from threewe.ai import collecting
 
-    how = collecting.Collection(task, teacher, scene, backend, hardware, randomization, bursts, seed, image_size)
+    how = collecting.Collection(task, teacher, scene, backend, hardware, randomization, disturbance, seed, image_size)
     arrived = asyncio.run(collecting.collect_demonstrations(output, episodes, how))
     text = f"{arrived} of {episodes} arrived ({task}, {teacher}); the dataset is in "
     console.print(styled(text, (f"{output}/", "bold")), highlight=False, soft_wrap=True)

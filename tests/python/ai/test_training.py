@@ -6,10 +6,12 @@ import asyncio
 import json
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 import torch
+from ai import policies
 from threewe import ConfigError, Kinematics, Robot, Velocity
 from threewe._core import instruction_embedding
 from threewe.ai import CameraInput, Policy, Quantity, VLARunner, read_policy
@@ -64,10 +66,36 @@ def test_what_pushed_the_robot_is_no_target(demos: Path) -> None:
     assert begin == len(wanted)
 
 
+def collected(folder: Path, *options: str) -> list[dict[str, Any]]:
+    """The columns of two drives."""
+    threewe("data", "collect", "--episodes", "2", "--scene", "apartment_v1", *options, "-o", str(folder))
+    return [episode.columns() for episode in Dataset.open(folder).episodes]
+
+
 def test_demonstrations_without_bursts(tmp_path: Path) -> None:
-    folder = tmp_path / "demos"
-    threewe("data", "collect", "--episodes", "1", "--scene", "apartment_v1", "--no-bursts", "-o", str(folder))
-    assert not Dataset.open(folder).episodes[0].columns()["disturbed"].any()
+    drives = collected(tmp_path / "demos", "--disturbance", "none")
+    assert not any(drive["disturbed"].any() for drive in drives)
+
+
+def test_the_teacher_goes_on_from_where_a_policy_went(tmp_path: Path) -> None:
+    """One that turns to the left all the time, which the navigator does not."""
+    policy = policies.write(tmp_path / "policy", policies.graph((0.0, 0.0, 0.5)))
+    drives = collected(tmp_path / "demos", "--disturbance", str(policy), "--seed", "4")
+    assert all(drive["next.success"].any() for drive in drives)
+    disturbed = np.concatenate([drive["disturbed"].ravel() for drive in drives])
+    turning = np.isclose(np.concatenate([drive["action"][:, 2] for drive in drives]), 0.5, atol=1e-3)
+    assert turning[disturbed].mean() > 0.9
+    assert turning[~disturbed].mean() < 0.1
+
+
+@pytest.mark.parametrize(
+    ("disturbance", "teacher", "error"),
+    [("goto_v1", "instruction", "disturbance: goto_v1"), ("missing", "navigator", "missing: no such folder")],
+)
+def test_a_policy_that_cannot_disturb(tmp_path: Path, disturbance: str, teacher: str, error: str) -> None:
+    with pytest.raises(ConfigError, match=error):
+        threewe("data", "collect", "--disturbance", disturbance, "--teacher", teacher, "-o", str(tmp_path / "demos"))
+    assert not (tmp_path / "demos").exists()
 
 
 @pytest.mark.parametrize(
@@ -276,7 +304,6 @@ def test_the_network_of_an_act_is_the_obvious_one() -> None:
 
 @pytest.mark.parametrize("prefix", [0, 4])
 def test_the_graph_computes_what_the_network_does(tmp_path: Path, prefix: int) -> None:
-    from ai import policies
     from threewe.ai.folder import write_policy
     from threewe.ai.network import Network, to_onnx
 
