@@ -33,6 +33,7 @@ class ParquetTable:
         import pyarrow.parquet as pq
 
         self.path = path
+        self._numbers: dict[str, NDArray[np.int64]] = {}
         try:
             limits = {"thrift_string_size_limit": 2**24, "thrift_container_size_limit": 2**20}
             self.file: Any = pq.ParquetFile(path, pre_buffer=False, **limits)
@@ -82,17 +83,19 @@ class ParquetTable:
             raise ConfigError(f"{self.path}: columns {', '.join(missing)!s:.200} missing")
 
     def numbers(self, name: str) -> NDArray[np.int64]:
-        """A column of whole numbers. Raises ConfigError."""
+        """A column of whole numbers, which is read once. Raises ConfigError."""
         import pyarrow as pa
 
+        if name in self._numbers:
+            return self._numbers[name]
         self.require([name])
         if self.schema.field(name).type != pa.int64():
             raise ConfigError(f"{self.path}: column {name} is {self.schema.field(name).type}; it must be int64")
         column = self.read([name]).column(name)
         if column.null_count:
             raise ConfigError(f"{self.path}: column {name} has empty rows")
-        numbers: NDArray[np.int64] = column.to_numpy().astype(np.int64, copy=False)
-        return numbers
+        self._numbers[name] = column.to_numpy().astype(np.int64, copy=False)
+        return self._numbers[name]
 
     def _batches(self, group: int, columns: Sequence[str]) -> Iterator[pa.RecordBatch]:
         import pyarrow as pa

@@ -20,6 +20,7 @@ from threewe.errors import ConfigError
 
 if TYPE_CHECKING:
     import av
+    from av.video.reformatter import VideoReformatter
 
 CODECS = ("h264", "av1", "hevc", "vp9", "mpeg4")
 MOST_FRAMES = 2**24
@@ -35,6 +36,7 @@ class VideoTrack:
         self.stats: Stats | None = None
         self._reading: Iterator[tuple[int, av.VideoFrame]] | None = None
         self._last: tuple[int, NDArray[Any]] | None = None
+        self._reformatter: VideoReformatter | None = None
         check_mp4(path, MOST_FRAMES)
 
     @property
@@ -145,8 +147,11 @@ class VideoTrack:
             )
         if self.feature.is_depth:
             return dequantize(frame, self.feature.info)
-        pixels: NDArray[np.uint8] = frame.to_ndarray(format="rgb24")
-        return pixels
+        if self._reformatter is None:
+            from av.video.reformatter import VideoReformatter
+
+            self._reformatter = VideoReformatter()
+        return np.asarray(self._reformatter.reformat(frame, format="rgb24", threads=1).to_ndarray(), np.uint8)
 
 
 def open_video(path: Path, feature: Feature) -> Any:
