@@ -9,7 +9,7 @@ import time
 from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 import numpy as np
 import typer
@@ -53,6 +53,10 @@ def train(
     prefix: Annotated[
         bool, typer.Option("--prefix", help="Learn to go on from actions that are committed when an inference begins.")
     ] = False,
+    mirror: Annotated[
+        bool,
+        typer.Option("--mirror", help="Exchange left and right in half of the rows; for tasks that name no side."),
+    ] = False,
     resume: Annotated[
         bool, typer.Option("--resume", help="Go on with a training of the same options that was cut off.")
     ] = False,
@@ -68,9 +72,8 @@ def train(
     def progress(line: str) -> None:
         console.print(line, highlight=False)
 
-    train_policy(
-        datasets, output, passes, seed, checks, progress, model, prefix, resume, batch_size=batch_size, device=device
-    )
+    options: dict[str, Any] = {"batch_size": batch_size, "device": device, "mirror": mirror}
+    train_policy(datasets, output, passes, seed, checks, progress, model, prefix, resume, **options)
     read_policy(output)
     console.print(styled("written to ", (str(output), "bold")), soft_wrap=True)
 

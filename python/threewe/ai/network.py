@@ -1,6 +1,7 @@
 """Convolutional network of a policy, in PyTorch, and the ONNX graph that it becomes.
 
-The instruction's embedding scales and shifts the features of every layer (FiLM, Perez et al. 2018).
+The instruction's embedding scales and shifts the features of every layer but the first (FiLM, Perez et al. 2018), which
+has half of all features: edges and colors, that no instruction changes.
 """
 
 from __future__ import annotations
@@ -32,8 +33,8 @@ class Network(nn.Module):
         self.convolutions = nn.ModuleList(
             nn.Conv2d(inputs, outputs, 3, 2, 1) for inputs, outputs in zip((3, *layers), layers, strict=False)
         )
-        self.scales = nn.ModuleList(nn.Linear(EMBEDDING, channels) for channels in layers)
-        self.shifts = nn.ModuleList(nn.Linear(EMBEDDING, channels) for channels in layers)
+        self.scales = nn.ModuleList(nn.Linear(EMBEDDING, channels) for channels in layers[1:])
+        self.shifts = nn.ModuleList(nn.Linear(EMBEDDING, channels) for channels in layers[1:])
         for _ in layers:
             height, width = (height + 1) // 2, (width + 1) // 2
         self.hidden = nn.Linear(CHANNELS[-1] * height * width + prefix * (numbers + 1), HIDDEN)
@@ -41,10 +42,10 @@ class Network(nn.Module):
 
     def forward(self, pictures: Tensor, embeddings: Tensor, prefix: Tensor | None = None) -> Tensor:
         """See the class."""
-        x = pictures
-        for convolution, scale, shift in zip(self.convolutions, self.scales, self.shifts, strict=True):
-            x = convolution(x)
-            x = torch.relu(x + x * scale(embeddings)[:, :, None, None] + shift(embeddings)[:, :, None, None])
+        x = torch.relu(self.convolutions[0](pictures))
+        for convolution, scale, shift in zip(self.convolutions[1:], self.scales, self.shifts, strict=True):
+            factors, terms = (values[:, :, None, None] for values in (1.0 + scale(embeddings), shift(embeddings)))
+            x = torch.relu(torch.addcmul(terms, convolution(x), factors))
         x = x.flatten(1)
         if prefix is not None:
             x = torch.cat([x, prefix.flatten(1)], 1)
@@ -67,22 +68,23 @@ def to_onnx(network: Network, policy: Policy) -> bytes:
         weights.append(numpy_helper.from_array(values.detach().numpy(), name))
         return name
 
-    def linear(layer: nn.Linear, name: str, x: str) -> str:
-        inputs = [x, weight(f"{name}.weight", layer.weight), weight(f"{name}.bias", layer.bias)]
+    def linear(layer: nn.Linear, name: str, x: str, plus: float = 0.0) -> str:
+        inputs = [x, weight(f"{name}.weight", layer.weight), weight(f"{name}.bias", layer.bias + plus)]
         return node("Gemm", inputs, name, transB=1)
 
     picture, embedding = image_input(policy.cameras[0].name), EMBEDDED
     x = picture
     for i, convolution in enumerate(network.convolutions):
         assert isinstance(convolution, nn.Conv2d)
-        shape = weight(f"shape_{i}", torch.tensor([1, convolution.out_channels, 1, 1]))
         inputs = [x, weight(f"convolution_{i}.weight", convolution.weight)]
         inputs.append(weight(f"convolution_{i}.bias", convolution.bias))
         x = node("Conv", inputs, f"convolution_{i}", strides=[2, 2], pads=[1, 1, 1, 1])
-        scale = node("Reshape", [linear(network.scales[i], f"scale_{i}", embedding), shape], f"scale_{i}_wide")
-        shift = node("Reshape", [linear(network.shifts[i], f"shift_{i}", embedding), shape], f"shift_{i}_wide")
-        scaled = node("Mul", [x, scale], f"scaled_{i}")
-        x = node("Add", [node("Add", [x, scaled], f"sum_{i}"), shift], f"shifted_{i}")
+        if i > 0:
+            shape = weight(f"shape_{i}", torch.tensor([1, convolution.out_channels, 1, 1]))
+            factors = linear(network.scales[i - 1], f"scale_{i}", embedding, plus=1.0)
+            terms = linear(network.shifts[i - 1], f"shift_{i}", embedding)
+            x = node("Mul", [x, node("Reshape", [factors, shape], f"scale_{i}_wide")], f"scaled_{i}")
+            x = node("Add", [x, node("Reshape", [terms, shape], f"shift_{i}_wide")], f"shifted_{i}")
         x = node("Relu", [x], f"features_{i}")
     x = node("Flatten", [x], "flat")
     if network.prefix:

@@ -8,8 +8,9 @@ from __future__ import annotations
 import copy
 import json
 import shutil
-from collections.abc import Callable, Sequence
-from dataclasses import replace
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass, replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any, TypeAlias
@@ -35,6 +36,8 @@ from threewe.data.lerobot import Dataset
 from threewe.data.lerobot.editing import require_alike
 from threewe.errors import ConfigError
 
+SIDES = ("vy", "omega")
+"""Actions that a mirror turns round."""
 NAMES = {"vx": "m/s", "vy": "m/s", "omega": "rad/s"}
 SECONDS = 1.0  # of a chunk
 RATES = {"film": 1e-3, "act": 3e-4}  # at most, of AdamW
@@ -61,11 +64,13 @@ def train_policy(
     *,
     batch_size: int = 64,
     device: str = "cpu",
+    mirror: bool = False,
 ) -> None:
     """Learns from datasets' episodes that are no failures, and writes the policy's folder. Raises ConfigError.
 
     With the model `act` LeRobot's files are in it, too. With a `prefix` the policy learns to go on from actions that
-    are committed already. After each pass of the later half the policy drives in `checks`
+    are committed already. To `mirror` is to exchange left and right in half of the rows, which is right where the
+    camera is in the middle and no task names a side. After each pass of the later half the policy drives in `checks`
     generated buildings, and the best one is kept; with none the last. What a training is at after each pass is in a
     folder beside the output, until that is there: `resume` goes on from it, to the same policy.
     """
@@ -87,6 +92,8 @@ def train_policy(
     episodes = sum(map(len, sources))
     progress(f"{len(data.pictures)} rows of {episodes} episodes, {int(data.held_out.sum())} of them held out")
     policy = _policy_of(sources[0], output, data, chunk)
+    if mirror:  # what goes to one side goes as often to the other
+        policy = replace(policy, action=tuple(replace(q, mean=0.0) if q.name in SIDES else q for q in policy.action))
     if prefix:  # a chunk begins with what is committed, so that there is nothing to blend
         longest = round((LATENCY + AGE) * policy.rate) + 1
         policy = replace(policy, prefix=min(chunk - 1, longest), merge="replace")
@@ -95,9 +102,9 @@ def train_policy(
     if checks and policy.kinematics is not RobotProfile.load(Settings.hardware).kinematics:
         progress(f"no drives in generated buildings: they are of {Settings.hardware}, which has another base")
         checks = 0
-    learner = Learner(data, policy, passes, seed, model, batch_size, place)
+    learner = Learner(data, policy, passes, seed, model, batch_size, place, mirror)
     options = {"passes": passes, "seed": seed, "checks": checks, "model": model, "prefix": policy.prefix}
-    options |= {"batch_size": batch_size, "device": place.type}
+    options |= {"batch_size": batch_size, "device": place.type, "mirror": mirror}
     asked = {"rows": len(data.pictures), **options}
     best = _resumed(learner, kept, asked) if resume else -1.0
     while learner.done < passes:
@@ -190,6 +197,15 @@ def _policy_of(source: Dataset, output: Path, data: Demonstrations, chunk: int) 
     )
 
 
+@dataclass(frozen=True)
+class _Batch:
+    """Rows of one step."""
+
+    rows: NDArray[np.int64]
+    mirrored: NDArray[np.bool_]
+    """which of them are shown with left and right exchanged"""
+
+
 class Learner:
     """A network that learns, pass by pass. The same seed repeats it on one machine."""
 
@@ -202,13 +218,15 @@ class Learner:
         model: str,
         batch_size: int,
         device: torch.device,
+        mirror: bool,
     ) -> None:
         torch.set_num_threads(1)  # layers this small wait for one another on more, and the order of sums would differ
         torch.manual_seed(seed)
         self._random = np.random.default_rng(seed)
         self._light = torch.Generator(device).manual_seed(seed)
         self._batch_size, self._device = batch_size, device
-        self._prefix = policy.prefix
+        self._prefix, self._mirror = policy.prefix, mirror
+        self._mirror_image = torch.tensor([-1.0 if q.name in SIDES else 1.0 for q in policy.action], device=device)
         mean = np.array([q.mean for q in policy.action], np.float32)
         std = np.array([q.std for q in policy.action], np.float32)
         self._targets = torch.from_numpy((data.actions - mean) / std)
@@ -248,12 +266,14 @@ class Learner:
     def learn(self) -> str:
         """A pass over all rows; its losses, in words."""
         steps: list[torch.Tensor] = []
-        order = self._random.permutation(self._learnt)
-        for begin in range(0, len(order), self._batch_size):
-            rows = order[begin : begin + self._batch_size]
+        order, size = self._random.permutation(self._learnt), self._batch_size
+        mirrored = self._random.random(len(order)) < 0.5 * self._mirror
+        batches = [_Batch(order[i : i + size], mirrored[i : i + size]) for i in range(0, len(order), size)]
+        for batch, pictures in zip(batches, _ahead_of_time(self._varied, batches), strict=True):
+            rows = batch.rows
             committed = self._random.integers(self._prefix + 1, size=(len(rows), 1)) if self._prefix else None
             known = None if committed is None else np.arange(self._prefix) < committed
-            loss = self._loss(self._network, _relit(self._seen(rows), self._light), rows, known)
+            loss = self._loss(self._network, pictures, batch, known)
             self._optimizer.zero_grad()
             loss.backward()
             self._optimizer.step()
@@ -267,6 +287,11 @@ class Learner:
         text = f"pass {self.done} of {self._passes}: loss {np.mean(losses):.4f}"
         return text if held_out is None else f"{text}, held out {held_out:.4f}"
 
+    def _varied(self, batch: _Batch) -> torch.Tensor:
+        pictures, mirrored = self._seen(batch.rows), torch.from_numpy(batch.mirrored).to(self._device)
+        pictures[mirrored] = pictures[mirrored].flip(3)
+        return _relit(pictures, self._light)
+
     def _seen(self, rows: NDArray[np.int64]) -> torch.Tensor:
         return self._pictures[rows].to(self._device).float() / 255
 
@@ -279,11 +304,13 @@ class Learner:
         self.curve[-1] = (*self.curve[-1][:2], held_out)
 
     def _loss(
-        self, model: nn.Module, light: torch.Tensor, rows: NDArray[np.int64], known: NDArray[np.bool_] | None = None
+        self, model: nn.Module, light: torch.Tensor, batch: _Batch, known: NDArray[np.bool_] | None = None
     ) -> torch.Tensor:
+        rows = batch.rows
         embeddings, counted, targets = (
             values[rows].to(self._device) for values in (self._embeddings, self._wanted, self._targets)
         )
+        targets[torch.from_numpy(batch.mirrored)] *= self._mirror_image
         given = [light, embeddings]
         if self._prefix:
             mask = torch.zeros(len(rows), self._prefix, 1)
@@ -300,7 +327,8 @@ class Learner:
         if not len(self._held_out):
             return None
         with torch.no_grad():
-            parts = [self._loss(self._averaged, self._seen(rows), rows).item() for rows in _parts(self._held_out)]
+            batches = [_Batch(rows, np.zeros(len(rows), np.bool_)) for rows in _parts(self._held_out)]
+            parts = [self._loss(self._averaged, self._seen(batch.rows), batch).item() for batch in batches]
         return float(np.mean(parts))
 
     def state(self) -> tuple[dict[str, torch.Tensor], dict[str, Any]]:
@@ -369,6 +397,16 @@ def _relit(pictures: torch.Tensor, random: torch.Generator) -> torch.Tensor:
     tint = 1.0 + TINT * (2.0 * drawn(count, 3, 1, 1) - 1.0)
     noise = NOISE * drawn(count, 1, 1, 1) * (2.0 * drawn(*pictures.shape) - 1.0)
     return (pictures * gain * tint + noise).clamp(0.0, 1.0)
+
+
+def _ahead_of_time(compute: Callable[[_Batch], torch.Tensor], batches: Sequence[_Batch]) -> Iterator[torch.Tensor]:
+    """What is computed of each batch, in a thread of its own while the one before is worked on."""
+    with ThreadPoolExecutor(1, initializer=torch.set_num_threads, initargs=(1,)) as pool:
+        coming = pool.submit(compute, batches[0])
+        for batch in batches[1:]:
+            ready, coming = coming, pool.submit(compute, batch)
+            yield ready.result()
+        yield coming.result()
 
 
 def _parts(rows: NDArray[np.int64]) -> list[NDArray[np.int64]]:

@@ -12,9 +12,11 @@ import numpy as np
 import pytest
 import torch
 from ai import policies
+from numpy.typing import NDArray
 from threewe import ConfigError, Kinematics, Robot, Velocity
 from threewe._core import instruction_embedding
 from threewe.ai import CameraInput, Policy, Quantity, VLARunner, read_policy
+from threewe.ai.demonstrations import Demonstrations, demonstrations
 from threewe.ai.serving import PolicyServer
 from threewe.cli import app
 from threewe.data.lerobot import Dataset
@@ -49,8 +51,6 @@ def test_demonstrations_say_what_is_to_be_done(demos: Path) -> None:
 
 
 def test_what_pushed_the_robot_is_no_target(demos: Path) -> None:
-    from threewe.ai.demonstrations import demonstrations
-
     dataset = Dataset.open(demos)
     columns = [episode.columns() for episode in dataset.episodes]
     pushed = [c["disturbed"].ravel() for c in columns if c["next.success"].any()]
@@ -245,8 +245,6 @@ def test_learning_from_a_dataset_that_lerobot_recorded(tmp_path: Path, names: li
 
 def test_64_demonstrations_teach_more_than_a_constant(tmp_path: Path) -> None:
     """Of the episodes that training holds out: its loss falls, and is below that of the mean action."""
-    from threewe.ai.demonstrations import demonstrations
-
     demos, folder = tmp_path / "demos", tmp_path / "policy"
     threewe("data", "collect", "--episodes", "64", "--scene", "apartment_v1", "-o", str(demos))
     said = threewe("policy", "train", str(demos), "-o", str(folder), "--passes", "4", "--checks", "0")
@@ -327,30 +325,50 @@ def test_the_graph_computes_what_the_network_does(tmp_path: Path, prefix: int) -
         assert runner._actions(runner._engine.infer(feed, "")) == pytest.approx(expected, abs=1e-5)
 
 
-def test_a_network_learns_to_go_on_from_what_is_committed() -> None:
-    """Each drive has a speed that no picture shows: without a prefix the network gives their mean."""
-    from threewe.ai.demonstrations import Demonstrations
-    from threewe.ai.network import Network
+def drives_of(pictures: NDArray[np.uint8], velocities: NDArray[np.float32]) -> Demonstrations:
+    """Pictures with the velocity that each of six actions has."""
+    rows = len(pictures)
+    embeddings, wanted = np.zeros((rows, 64), np.float32), np.ones((rows, 6), np.bool_)
+    return Demonstrations(pictures, embeddings, np.repeat(velocities, 6, 1), wanted, np.arange(rows) % 10 == 0)
+
+
+def learnt(data: Demonstrations, prefix: int = 0, mirror: bool = False) -> torch.nn.Module:
+    """A network after twelve passes."""
     from threewe.ai.training import Learner
 
+    action = tuple(Quantity(name, "rad/s" if name == "omega" else "m/s", 0.0, 1.0) for name in ("vx", "vy", "omega"))
+    camera = (CameraInput("camera", 16, 16, "rgb"),)
+    policy = Policy(
+        Path("none"), Kinematics.holonomic, camera, (), action, 10.0, 6, 0.1, "replace", True, {}, None, prefix
+    )
+    learner = Learner(data, policy, 12, 1, "film", 64, torch.device("cpu"), mirror)
+    for _ in range(12):
+        learner.learn()
+    return learner.network
+
+
+@pytest.mark.parametrize("mirror", [False, True])
+def test_what_is_learnt_of_one_side_holds_for_the_other_by_a_mirror(mirror: bool) -> None:
+    """What is bright is always on the left, and the robot goes there."""
+    random = np.random.default_rng(2)
+    pictures = random.integers(0, 100, (512, 16, 16, 3), np.uint8)
+    pictures[:, :, :8] += 150
+    network = learnt(drives_of(pictures, np.tile(np.array([0.3, 0.4, 0.8], np.float32), (512, 1, 1))), mirror=mirror)
+    for side, shown in ((1, pictures), (-1, np.flip(pictures, 2))):
+        lights = torch.from_numpy(shown[:50].copy()).permute(0, 3, 1, 2).float() / 255
+        with torch.no_grad():
+            vx, vy, omega = network(lights, torch.zeros(50, 64)).mean((0, 1)).tolist()
+        to = side if mirror else 1
+        assert (vx, vy, omega) == pytest.approx((0.3, 0.4 * to, 0.8 * to), abs=0.2)
+
+
+def test_a_network_learns_to_go_on_from_what_is_committed() -> None:
+    """Each drive has a speed that no picture shows: without a prefix the network gives their mean."""
     random = np.random.default_rng(1)
     rows = 1024
     speeds = random.normal(0.0, 1.0, (rows, 1, 3)).astype(np.float32)
-    data = Demonstrations(
-        random.integers(0, 256, (rows, 16, 16, 3), np.uint8),
-        np.zeros((rows, 64), np.float32),
-        np.repeat(speeds, 6, 1),
-        np.ones((rows, 6), np.bool_),
-        np.arange(rows) % 10 == 0,
-    )
-    action = tuple(Quantity(name, "rad/s" if name == "omega" else "m/s", 0.0, 1.0) for name in ("vx", "vy", "omega"))
-    camera = (CameraInput("camera", 16, 16, "rgb"),)
-    policy = Policy(Path("none"), Kinematics.holonomic, camera, (), action, 10.0, 6, 0.1, "replace", True, {}, None, 3)
-    learner = Learner(data, policy, 12, 1, "film", 64, torch.device("cpu"))
-    for _ in range(12):
-        learner.learn()
-    network = learner.network
-    assert isinstance(network, Network)
+    data = drives_of(random.integers(0, 256, (rows, 16, 16, 3), np.uint8), speeds)
+    network = learnt(data, prefix=3)
     held = np.flatnonzero(data.held_out)
     pictures = torch.from_numpy(data.pictures[held]).permute(0, 3, 1, 2).float() / 255
     texts = torch.from_numpy(data.embeddings[held])
