@@ -11,6 +11,7 @@
 #include "language/vocabulary.hpp"
 #include "one_thread.hpp"
 #include "policy/graph_session.hpp"
+#include "policy/recovery.hpp"
 
 using namespace threewe;
 using policy::GraphInput, policy::GraphSession, policy::Merge, policy::PictureInput, policy::TensorShape,
@@ -129,6 +130,23 @@ void init_policy(nb::module_& m) {
       .def_prop_ro(
           "jumps", [](const Guarded<Timeline>& self) { return self.counts().jumps; },
           "chunks that changed the velocity by more than one period's acceleration");
+  OneThreadClass<Guarded<policy::Recovery>>(m, "PolicyRecovery",
+                                            "Moves a robot away from what the gate has stopped a policy for.")
+      .def(
+          "__init__",
+          [](Guarded<policy::Recovery>* self, const RobotProfile& profile) {
+            new (self) Guarded<policy::Recovery>(profile);
+          },
+          "profile"_a)
+      .def(
+          "next",
+          [](Guarded<policy::Recovery>& self, Duration now, const Velocity& wanted, bool stopped,
+             const LaserScan* scan) { return self.next(now, wanted, stopped, scan); },
+          "now"_a, "wanted"_a, "stopped"_a, "scan"_a.none(),
+          "What to ask of the gate in the control tick at `now` [s]; `stopped`: in the one before it let nothing "
+          "through.")
+      .def_prop_ro(
+          "count", [](const Guarded<policy::Recovery>& self) { return self.count(); }, "how often it moved away");
   nb::class_<Inference>(m, "Inference", "One run of a graph in a thread of its own, which needs no Python.")
       .def(
           "done", [](const Inference& self) { return self.wait(0.0); }, "Whether there is a result or an error.")

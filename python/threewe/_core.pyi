@@ -3099,6 +3099,20 @@ class ActionTimeline:
         chunks that changed the velocity by more than one period's acceleration
         """
 
+class PolicyRecovery:
+    """Moves a robot away from what the gate has stopped a policy for."""
+
+    def __init__(self, profile: RobotProfile) -> None: ...
+
+    def next(self, now: float, wanted: Velocity, stopped: bool, scan: LaserScan | None) -> Velocity:
+        """
+        What to ask of the gate in the control tick at `now` [s]; `stopped`: in the one before it let nothing through.
+        """
+
+    @property
+    def count(self) -> int:
+        """how often it moved away"""
+
 class Inference:
     """One run of a graph in a thread of its own, which needs no Python."""
 

@@ -2,6 +2,7 @@
 
 import asyncio
 import time
+from dataclasses import replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -34,27 +35,40 @@ def collect(seed: int, episodes: int) -> Case:
 def learn(seed: int, demonstrations: int = DEMONSTRATIONS) -> Case:
     """Training from a dataset of 2,000 demonstrations, decoding included: wall time, and the loss of held-out ones."""
     with TemporaryDirectory() as folder:
-        lines, minutes = _train(Path(folder), seed, demonstrations)
+        demos = _collected(Path(folder, "demos"), demonstrations, Collection(seed=seed))
+        begun = time.monotonic()
+        lines = _trained(Path(folder, "policy"), [demos], seed)
+        minutes = (time.monotonic() - begun) / 60
     losses = [float(line.rpartition(HELD_OUT)[2]) for line in lines if HELD_OUT in line]
     return {"minutes": minutes, "first": losses[0], "last": losses[-1]}
 
 
 def learn_and_drive(seed: int, demonstrations: int, generated: int, in_each_scene: int) -> Case:
-    """A policy that is trained from scratch: how often it arrives in unseen buildings, and in the static scenes."""
-    with TemporaryDirectory() as folder:
-        _train(Path(folder), seed, demonstrations)
+    """A policy that is trained from scratch: how often it arrives in unseen buildings, and in the static scenes.
+
+    Half of the demonstrations are those of the navigator, and in the other half a policy of the first half disturbs.
+    """
+    with TemporaryDirectory() as name:
+        folder, half = Path(name), demonstrations // 2
+        undisturbed = _collected(folder / "demos", half, Collection(seed=2 * seed))
+        _trained(folder / "first", [undisturbed], seed)
+        disturbed = Collection(seed=2 * seed + 1, scene="varied", disturbance=str(folder / "first"))
+        _trained(folder / "policy", [undisturbed, _collected(folder / "more", half, disturbed)], seed)
         case: Case = {}
         for episodes, count in (("generated", generated), ("in_sight_v1", in_each_scene)):
             what = Evaluation(episodes, count=count, seeds=(UNSEEN + seed,))
-            drives = evaluate(Path(folder, "policy"), what)
+            drives = evaluate(folder / "policy", what)
             case[episodes] = {"won": sum(drive.success for drive in drives), "count": len(drives)}
     return case
 
 
-def _train(folder: Path, seed: int, count: int) -> tuple[list[str], float]:
-    """A policy by the shipped commands, in `folder / "policy"`: what training said, and its wall time [minutes]."""
+def _collected(folder: Path, count: int, how: Collection) -> Path:
+    asyncio.run(collect_demonstrations(folder, count, replace(how, randomization="paper")))
+    return folder
+
+
+def _trained(folder: Path, demos: list[Path], seed: int) -> list[str]:
+    """What training says; the policy is in the folder."""
     lines: list[str] = []
-    asyncio.run(collect_demonstrations(folder / "demos", count, Collection(seed=seed, randomization="paper")))
-    begun = time.monotonic()
-    train_policy([folder / "demos"], folder / "policy", PASSES, seed, 0, lambda line: lines.append(str(line)))
-    return lines, (time.monotonic() - begun) / 60
+    train_policy(demos, folder, PASSES, seed, 0, lambda line: lines.append(str(line)), mirror=True)
+    return lines

@@ -16,7 +16,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from threewe._arguments import as_seconds, as_text
-from threewe._core import ActionTimeline, Inference, Reason, Velocity, instruction_embedding
+from threewe._core import (
+    ActionTimeline,
+    Inference,
+    Intervention,
+    PolicyRecovery,
+    Reason,
+    TickView,
+    Velocity,
+    instruction_embedding,
+)
 from threewe._core import network_input as picture_input
 from threewe.ai.engine import Engine, GraphEngine
 from threewe.ai.folder import (
@@ -76,6 +85,8 @@ class PolicyResult:
     """chunks of actions that were applied"""
     late: int
     """chunks that arrived after their end, and were dropped"""
+    recoveries: int
+    """times that the gate had stopped the robot for what is in the way, and it moved a little away from that"""
     jumps: int
     """chunks that changed the velocity by more than a control period's acceleration"""
 
@@ -281,6 +292,8 @@ class _Run:
         policy = runner.policy
         limits = robot.profile.operating_limits
         self.timeline = ActionTimeline(limits, policy.rate, policy.chunk, policy.merge)
+        self.recovery = PolicyRecovery(robot.profile)
+        self.stopped = False  # in the newest tick, by what is in the way
         self.lockstep = not robot._world.realtime
         self.latency = math.ceil(policy.latency / TICK - 1e-9)  # ticks
         self.most = inferences_at_a_time(policy)
@@ -299,6 +312,7 @@ class _Run:
     async def drive(self, limit: float) -> PolicyResult:
         robot = self.robot
         motion = robot._runtime.drive(self._decide, limit)
+        observer = robot.observe(self._see)
         try:
             while not motion.done:
                 if self.over is None:
@@ -308,14 +322,19 @@ class _Run:
                 self.tick += 1
         finally:
             motion.cancel()
+            robot.unobserve(observer)
         ended, counts = motion.result(), self.timeline
         for each in self.pending if ended.reason != Reason.starved else []:
             await _settled(each.thinking, PATIENCE)  # no thread of a run outlives it, but for one that hangs
         reason, detail = str(ended.reason), ended.detail
         guided = TICK * self.guided
+        recoveries, jumps = self.recovery.count, counts.jumps
         return PolicyResult(
-            ended.success, reason, detail, ended.duration, guided, counts.applied, counts.late, counts.jumps
+            ended.success, reason, detail, ended.duration, guided, counts.applied, counts.late, recoveries, jumps
         )
+
+    def _see(self, tick: TickView) -> None:
+        self.stopped = tick.intervention is Intervention.stopped_for_obstacle and tick.commanded == Velocity()
 
     def _decide(self, now: float) -> tuple[Velocity, Reason, str]:
         """What is wanted in the control period that begins, or why the motion is over."""
@@ -323,11 +342,13 @@ class _Run:
             self.over = self._judged(now)
         if self.over is not None:
             return Velocity(), *self.over
-        velocity = self.timeline.next(now)
+        wanted = self.timeline.next(now)
+        scan = self.robot.get_lidar_scan() if self.stopped and self.robot.profile.lidar is not None else None
+        velocity = self.recovery.next(now, wanted, self.stopped, scan)
         if (end := self.timeline.end) is not None:
             self.willed.append((now, velocity))
             self.guided += end >= now
-        self._watch(velocity, now)
+        self._watch(wanted, now)
         return velocity, Reason.running, ""
 
     def _judged(self, now: float) -> tuple[Reason, str] | None:

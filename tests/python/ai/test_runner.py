@@ -6,7 +6,7 @@ import asyncio
 import sys
 import threading
 from dataclasses import replace
-from itertools import pairwise
+from itertools import groupby, pairwise
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -226,6 +226,25 @@ def test_zones_keep_a_policy_out(tmp_path: Path) -> None:
     x, vx = asyncio.run(meets(0.05))
     assert 0.3 < x < 0.6
     assert vx == pytest.approx(0.05, abs=0.02)
+
+
+def test_a_robot_that_the_gate_stops_moves_away_from_what_is_near(tmp_path: Path) -> None:
+    """A policy that wants to go on, whatever is in its way, and would stand there for ever."""
+    runner = runner_of(tmp_path, (0.3, 0.0, 0.0))
+
+    async def against_a_wall() -> tuple[PolicyResult, list[float]]:
+        ahead: list[float] = []
+        async with Robot(image_size=SIZE, localization="truth") as robot:
+            robot.observe(lambda tick: ahead.append(tick.commanded.vx))
+            return await runner.run(robot, "go to the chair", timeout=30.0), ahead
+
+    result, ahead = asyncio.run(against_a_wall())
+    assert result.reason == "timeout"
+    assert 4 <= result.recoveries <= 20
+    backwards = [vx < -0.1 for vx in ahead]
+    assert sum(backwards) > 4 * 20  # ticks
+    first = backwards.index(True)
+    assert max(len(list(run)) for stands, run in groupby(vx == 0.0 for vx in ahead[first:]) if stands) < 60
 
 
 def test_a_robot_that_is_lost_ends_a_run(tmp_path: Path) -> None:
