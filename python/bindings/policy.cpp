@@ -99,9 +99,7 @@ class Inference {
   std::shared_future<std::vector<float>> result_;
 };
 
-}  // namespace
-
-void init_policy(nb::module_& m) {
+void define_steering(nb::module_& m) {
   OneThreadClass<Guarded<Timeline>>(m, "ActionTimeline",
                                     "Chunks of actions in robot time: merged, interpolated, braked at their end.")
       .def(
@@ -147,6 +145,12 @@ void init_policy(nb::module_& m) {
           "through.")
       .def_prop_ro(
           "count", [](const Guarded<policy::Recovery>& self) { return self.count(); }, "how often it moved away");
+}
+
+}  // namespace
+
+void init_policy(nb::module_& m) {
+  define_steering(m);
   nb::class_<Inference>(m, "Inference", "One run of a graph in a thread of its own, which needs no Python.")
       .def(
           "done", [](const Inference& self) { return self.wait(0.0); }, "Whether there is a result or an error.")
