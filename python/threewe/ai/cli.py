@@ -312,6 +312,7 @@ def run(
     detail = f", {result.detail}" if result.detail else ""
     unguided = f"{result.duration - result.guided:.1f} s of them without actions"
     counts = f"{unguided}, {result.inferences} inferences, {result.late} late, {result.jumps} jumps"
+    counts += f", {result.recoveries} times away from what was too near"
     console.print(f"{result.reason}{detail}: {result.duration:.1f} robot s, {counts}", highlight=False, soft_wrap=True)
     if not result.success:
         raise typer.Exit(1)
