@@ -43,8 +43,9 @@ class KeyFrameEncoder:
 
     def __init__(self, shape: tuple[int, ...], format: str) -> None:
         import av
+        from av.video.reformatter import VideoReformatter
 
-        self._format = format
+        self._format, self._reformatter = format, VideoReformatter()
         self._context = av.CodecContext.create("libx264", "w")
         self._context.height, self._context.width = shape[:2]
         self._context.pix_fmt = "yuv420p"
@@ -58,7 +59,7 @@ class KeyFrameEncoder:
         import av
 
         frame = av.VideoFrame.from_ndarray(np.ascontiguousarray(picture), format=self._format)
-        frame = frame.reformat(format="yuv420p")
+        frame = self._reformatter.reformat(frame, format="yuv420p", threads=1)
         frame.pts = self._count
         self._count += 1
         [packet] = self._context.encode(frame)
