@@ -9,7 +9,7 @@ import time
 from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Literal
 
 import numpy as np
 import typer
@@ -72,8 +72,8 @@ def train(
     def progress(line: str) -> None:
         console.print(line, highlight=False)
 
-    options: dict[str, Any] = {"batch_size": batch_size, "device": device, "mirror": mirror}
-    train_policy(datasets, output, passes, seed, checks, progress, model, prefix, resume, **options)
+    given = datasets, output, passes, seed, checks, progress, model, prefix, resume
+    train_policy(*given, batch_size=batch_size, device=device, mirror=mirror)
     read_policy(output)
     console.print(styled("written to ", (str(output), "bold")), soft_wrap=True)
 
