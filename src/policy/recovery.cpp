@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "core/exact.hpp"
+#include "core/outline.hpp"
 
 namespace threewe::policy {
 namespace {
@@ -19,16 +20,6 @@ constexpr double kAsNear = 0.02;                   // [m] farther than the neare
 constexpr double kUndecided = 0.1;  // of a length of 1, below which points on both sides leave no direction
 constexpr double kBehind = 0.5;  // of a direction along x: what is nearest is behind a base that cannot move sideways
 
-Vec2 closest_on(const Footprint& footprint, Vec2 point) {
-  const std::vector<Vec2>& corners = footprint.corners();
-  Vec2 closest = corners.front();
-  for (std::size_t i = 0; i < corners.size(); ++i) {
-    const Vec2 other = closest_on_segment(point, corners[i], corners[(i + 1) % corners.size()]);
-    if (distance(point, other) < distance(point, closest)) closest = other;
-  }
-  return closest;
-}
-
 }  // namespace
 
 Vec2 away_from_nearest(const Footprint& footprint, std::span<const Vec2> points) {
@@ -37,7 +28,7 @@ Vec2 away_from_nearest(const Footprint& footprint, std::span<const Vec2> points)
   Vec2 sum;
   for (const Vec2 point : points) {
     if (footprint.signed_distance(point) > nearest + kAsNear) continue;
-    const Vec2 out = point - closest_on(footprint, point);
+    const Vec2 out = point - closest_on_outline(point, footprint.corners());
     const double length = footprint.contains(point) ? -norm(out) : norm(out);
     if (length != 0.0) sum = sum - (1.0 / length) * out;
   }

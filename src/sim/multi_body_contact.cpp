@@ -1,8 +1,8 @@
 #include "sim/multi_body_contact.hpp"
 #include "core/exact.hpp"
+#include "core/outline.hpp"
 
 #include <algorithm>
-#include <limits>
 #include <utility>
 
 namespace threewe::sim {
@@ -39,19 +39,6 @@ std::vector<Vec2> corners_at(const RigidBody& body, const Pose2D& pose) {
   std::vector<Vec2> corners;
   for (const Vec2 corner : body.footprint.corners()) corners.push_back(pose * corner);
   return corners;
-}
-
-Vec2 closest_on_outline(Vec2 point, std::span<const Vec2> corners) {
-  Vec2 closest;
-  double least = std::numeric_limits<double>::infinity();
-  for (std::size_t i = 0; i < corners.size(); ++i) {
-    const Vec2 candidate = closest_on_segment(point, corners[i], corners[i + 1 == corners.size() ? 0 : i + 1]);
-    const Vec2 offset = point - candidate;
-    if (dot(offset, offset) >= least) continue;
-    least = dot(offset, offset);
-    closest = candidate;
-  }
-  return closest;
 }
 
 double reach(const Mover& mover, double seconds) {
