@@ -13,9 +13,11 @@ import gymnasium
 import numpy as np
 from lerobot.configs.types import FeatureType, PolicyFeature
 from lerobot.envs.configs import EnvConfig
+from threewe import Velocity
 from threewe._core import DriveLog, instruction_embedding
 from threewe.ai.agent import LIMIT
 from threewe.ai.evaluating import Evaluation, episodes_of
+from threewe.ai.recovery import Recovery
 from threewe.ai.runner import STANDS, STILL
 from threewe.benchmark.attempt import Settings
 from threewe.benchmark.buildings import scene_asset
@@ -77,24 +79,31 @@ class ObjectNavEnv(gymnasium.Env):
         )
         self._log = robot._thread.call(lambda: DriveLog(robot._target._world))
         robot.connect()
+        self._recovery = Recovery(robot._target)
+        robot._thread.call(lambda: robot._target.observe(self._recovery.see))
         self.task = self.task_description = f"go to the {episode.category}"
         self._embedding = np.array(instruction_embedding(self.task), np.float32)
         self._still = 0.0
         return self._observation(), {"is_success": False}
 
     def step(self, action: Any) -> tuple[Any, float, bool, bool, dict[str, Any]]:
-        """Drives with a velocity (vx, vy, omega) [m/s, m/s, rad/s] until the next observation."""
-        assert self._robot is not None
+        """Drives with a velocity (vx, vy, omega) [m/s, m/s, rad/s] until the next observation.
+
+        Where the gate has stopped the robot for half a second it moves a little away first, as under `VLARunner`.
+        """
+        robot = self._robot
+        assert robot is not None
         vx, vy, omega = (float(number) for number in action)
-        self._robot.set_velocity(vx, vy, omega, hold=self._period)
-        self._robot.sleep(self._period)
+        velocity = robot._thread.call(lambda: self._recovery.next(robot._target.now, Velocity(vx, vy, omega)))
+        robot.set_velocity(*velocity, hold=self._period)
+        robot.sleep(self._period)
         standing = np.hypot(vx, vy) <= STANDS[0] and abs(omega) <= STANDS[1]
         self._still = self._still + self._period if standing else 0.0
         stopped = self._still >= STILL - 1e-9
-        late = self._robot.now >= min(LIMIT, self._task.time_limit(self._episode))
+        late = robot.now >= min(LIMIT, self._task.time_limit(self._episode))
         success = False
         if stopped or late:
-            self._robot._thread.call(self._log.end)
+            robot._thread.call(self._log.end)
             place = place_of(self._episode.scene, self._settings.hardware)
             end = "stop" if stopped else "time"
             success = score(self._task, self._episode, place, self._log, end)["success"] > 0.5

@@ -19,10 +19,7 @@ from threewe._arguments import as_seconds, as_text
 from threewe._core import (
     ActionTimeline,
     Inference,
-    Intervention,
-    PolicyRecovery,
     Reason,
-    TickView,
     Velocity,
     instruction_embedding,
 )
@@ -41,6 +38,7 @@ from threewe.ai.folder import (
 )
 from threewe.ai.loading import engine_of, open_policy
 from threewe.ai.naming import Rename
+from threewe.ai.recovery import Recovery
 from threewe.errors import ContractError, HardwareError
 from threewe.language import encodable
 
@@ -292,8 +290,7 @@ class _Run:
         policy = runner.policy
         limits = robot.profile.operating_limits
         self.timeline = ActionTimeline(limits, policy.rate, policy.chunk, policy.merge)
-        self.recovery = PolicyRecovery(robot.profile)
-        self.stopped = False  # in the newest tick, by what is in the way
+        self.recovery = Recovery(robot)
         self.lockstep = not robot._world.realtime
         self.latency = math.ceil(policy.latency / TICK - 1e-9)  # ticks
         self.most = inferences_at_a_time(policy)
@@ -312,7 +309,7 @@ class _Run:
     async def drive(self, limit: float) -> PolicyResult:
         robot = self.robot
         motion = robot._runtime.drive(self._decide, limit)
-        observer = robot.observe(self._see)
+        observer = robot.observe(self.recovery.see)
         try:
             while not motion.done:
                 if self.over is None:
@@ -333,9 +330,6 @@ class _Run:
             ended.success, reason, detail, ended.duration, guided, counts.applied, counts.late, recoveries, jumps
         )
 
-    def _see(self, tick: TickView) -> None:
-        self.stopped = tick.intervention is Intervention.stopped_for_obstacle and tick.commanded == Velocity()
-
     def _decide(self, now: float) -> tuple[Velocity, Reason, str]:
         """What is wanted in the control period that begins, or why the motion is over."""
         if self.over is None:
@@ -343,8 +337,7 @@ class _Run:
         if self.over is not None:
             return Velocity(), *self.over
         wanted = self.timeline.next(now)
-        scan = self.robot.get_lidar_scan() if self.stopped and self.robot.profile.lidar is not None else None
-        velocity = self.recovery.next(now, wanted, self.stopped, scan)
+        velocity = self.recovery.next(now, wanted)
         if (end := self.timeline.end) is not None:
             self.willed.append((now, velocity))
             self.guided += end >= now
