@@ -220,7 +220,7 @@ EXPERIMENTS = [
         alone=True,
         limit=7200.0,
         rows=[
-            whole_of("minutes of four passes on one thread, decoding included", minutes_of_training),
+            whole_of("minutes of four passes on two threads, decoding included", minutes_of_training),
             all_of("the loss of those held out falls", lambda case: case["last"] < case["first"]),
         ],
     ),

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import importlib.util
-import os
 import subprocess
 import sys
 from collections.abc import Iterator
@@ -23,8 +22,7 @@ import torch
 from ray.cluster_utils import Cluster
 from threewe.benchmark.ray_engine import cluster
 
-pytestmark = pytest.mark.filterwarnings("ignore")  # of Ray itself
-os.environ.update(RAY_USAGE_STATS_ENABLED="0")
+pytestmark = [pytest.mark.filterwarnings("ignore"), pytest.mark.usefixtures("only_cluster")]  # warnings of Ray itself
 
 
 @pytest.fixture(scope="module")

@@ -28,8 +28,7 @@ from ray.cluster_utils import Cluster
 from threewe.benchmark.ray_engine import run_on_ray
 
 THREEWE = Path(sys.executable).with_name("threewe")
-pytestmark = pytest.mark.filterwarnings("ignore")  # of Ray itself
-os.environ.update(RAY_USAGE_STATS_ENABLED="0", RAY_worker_niceness="0")  # on a busy machine they waited for all others
+pytestmark = [pytest.mark.filterwarnings("ignore"), pytest.mark.usefixtures("only_cluster")]  # warnings of Ray itself
 
 
 def work(how: str, folder: str, number: int) -> dict[str, Any]:
