@@ -95,7 +95,7 @@ def require_alike(theirs: list[bool], ours: list[bool], least: int) -> None:
     its time."""
     alike = sum(a == b for a, b in zip(theirs, ours, strict=True))
     print(f"successes: {sum(theirs)} of LeRobot's, {sum(ours)} of ours; the same in {alike} of {EPISODES}")
-    assert alike >= 0.8 * EPISODES
+    assert alike >= 0.9 * EPISODES  # all of them, when it was last seen
     assert min(sum(theirs), sum(ours)) >= least
 
 
@@ -134,7 +134,7 @@ def test_a_policy_that_succeeds_does_so_in_lerobots_environment_too() -> None:
                 action = runner.predict(np.ascontiguousarray(picture[:, :, ::-1]), seen["task"])
                 seen = lerobot("step", action=action.tolist())
             theirs.append(seen["success"])
-    require_alike(theirs, drive_here("goto_v1"), least=5)  # 8 and 11
+    require_alike(theirs, drive_here("goto_v1"), least=12)  # 17 and 17
 
 
 def test_lerobot_drives_our_robot_and_sees_colors(tmp_path: Path) -> None:
