@@ -230,7 +230,6 @@ EXPERIMENTS = [
         {"demonstrations": 2000, "generated": 300, "in_each_scene": 100},
         cases=3,
         sample=0,
-        alone=True,
         limit=36_000.0,
         rows=[
             *of_each_training("SR in 300 episodes of unseen generated buildings", "generated", 0.80),
