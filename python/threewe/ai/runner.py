@@ -16,13 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from threewe._arguments import as_seconds, as_text
-from threewe._core import (
-    ActionTimeline,
-    Inference,
-    Reason,
-    Velocity,
-    instruction_embedding,
-)
+from threewe._core import ActionTimeline, Inference, Reason, Velocity, instruction_embedding
 from threewe._core import network_input as picture_input
 from threewe.ai.engine import Engine, GraphEngine
 from threewe.ai.folder import (
