@@ -1,6 +1,7 @@
 """Learned policies: hostile folders are refused, faults stop the robot, runs repeat, and how often one gets there."""
 
 from collections.abc import Callable
+from dataclasses import replace
 
 from verify.cases.policies import go, go_in_eight_bits, repeat, spoil
 from verify.cases.policy_faults import fail, see_red
@@ -67,7 +68,7 @@ def success(at_least: float, figure: float | None) -> Row:
     return known_miss(share_of("SR", won, at_least=at_least), figure, SMALL)
 
 
-def of_each_training(name: str, episodes: str, at_least: float, figure: float, worst: float) -> list[Row]:
+def of_each_training(name: str, episodes: str, at_least: float, figure: float) -> list[Row]:
     """Of all episodes of all policies, where the interval has how trainings differ; and of the worst policy."""
 
     def won(case: Case) -> float:
@@ -76,11 +77,10 @@ def of_each_training(name: str, episodes: str, at_least: float, figure: float, w
     def count(case: Case) -> float:
         return float(case[episodes]["count"])
 
+    of_each = worst_of(f"{name}, of each seed", lambda case: won(case) / count(case), at_least=at_least)
     return [
         known_miss(counted_of(name, won, count, at_least=at_least), figure, SMALL),
-        known_miss(
-            worst_of(f"{name}, of each seed", lambda case: won(case) / count(case), at_least=at_least), worst, SMALL
-        ),
+        replace(known_miss(of_each, 0.0, SMALL), full_only=True),  # none: a sample can get no worse
     ]
 
 
@@ -232,8 +232,8 @@ EXPERIMENTS = [
         sample=0,
         limit=36_000.0,
         rows=[
-            *of_each_training("SR in 300 episodes of unseen generated buildings", "generated", 0.80, 0.69, 0.68),
-            *of_each_training("SR in in_sight_v1, the six static scenes", "in_sight_v1", 0.60, 0.54, 0.53),
+            *of_each_training("SR in 300 episodes of unseen generated buildings", "generated", 0.80, 0.69),
+            *of_each_training("SR in in_sight_v1, the six static scenes", "in_sight_v1", 0.60, 0.54),
         ],
     ),
     Experiment(
